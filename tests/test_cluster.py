@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from cluster_support import Cluster, cluster, end, free_port
 
-from gyrodrift import cluster as room
+from gyrodrift import cluster as cluster_module
 from gyrodrift.cluster import ClusterWorkers
 from gyrodrift.errors import DataError, GyrodriftError, UsageError
 from gyrodrift.session.files import load_session
@@ -23,7 +23,7 @@ pytest.importorskip("distributed", reason="a cluster is an extra: pip install 'g
 pytestmark = pytest.mark.xdist_group("cluster")
 
 LONG_S = 60.0
-"""What a task takes that is not to be done before its cluster is lost."""
+"""Duration of a task that must still run when its cluster is lost, s."""
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +34,7 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
 
 
 def test_results_come_in_the_order_of_their_tasks(shared: Cluster) -> None:
-    """Whichever is done first; a task may take what an earlier one gives."""
+    """The order of completion does not matter; a task may use the result of an earlier task."""
     with closing(ClusterWorkers(shared.address, "a test")) as workers:
         assert workers.threads == 2
         slow = workers.submit(time.sleep, [0.5])
@@ -44,16 +44,16 @@ def test_results_come_in_the_order_of_their_tasks(shared: Cluster) -> None:
         assert workers.results([]) == []
 
 
-def test_an_error_of_ours_comes_as_it_was_raised(shared: Cluster, tmp_path: Path) -> None:
-    """By the first task that failed."""
+def test_an_error_of_gyrodrift_is_raised_unchanged(shared: Cluster, tmp_path: Path) -> None:
+    """The error of the first failed task is raised."""
     with closing(ClusterWorkers(shared.address, "a test")) as workers:
         tasks = workers.submit(load_session, [tmp_path / "a.csv", tmp_path / "b.csv"])
         with pytest.raises(DataError, match=r"/a\.csv: there is no such session"):
             workers.results(tasks)
 
 
-def test_any_other_error_says_where_it_comes_from(shared: Cluster) -> None:
-    """The scheduler, the kind of error, and its words."""
+def test_another_error_names_the_scheduler(shared: Cluster) -> None:
+    """The message has the scheduler, the type of the error and its text."""
     with (
         closing(ClusterWorkers(shared.address, "a test")) as workers,
         pytest.raises(GyrodriftError, match=r"^tcp://.*: a task failed: ValueError: could not convert .*'no number'"),
@@ -62,25 +62,28 @@ def test_any_other_error_says_where_it_comes_from(shared: Cluster) -> None:
 
 
 def silent() -> socket.socket:
-    """A port that takes connections and says nothing."""
+    """A port that accepts connections and sends nothing."""
     return socket.create_server(("127.0.0.1", 0))
 
 
-@pytest.mark.parametrize("address", ["nobody", "somebody else", "nonsense:port", "no.such.host.invalid:8786"])
-def test_no_scheduler_is_said_soon(address: str, capfd: pytest.CaptureFixture[str]) -> None:
-    """One line, and nothing of Dask's own."""
+@pytest.mark.parametrize("address", ["closed port", "silent server", "nonsense:port", "no.such.host.invalid:8786"])
+def test_a_missing_scheduler_is_reported_within_seconds(address: str, capfd: pytest.CaptureFixture[str]) -> None:
+    """The message is a line, without output of Dask."""
     begun_s = time.monotonic()
-    with silent() as other:
-        places = {"nobody": f"tcp://127.0.0.1:{free_port()}", "somebody else": f"127.0.0.1:{other.getsockname()[1]}"}
-        with pytest.raises(UsageError, match=r"no Dask scheduler answers there") as said:
-            ClusterWorkers(places.get(address, address), "a test")
-    assert time.monotonic() - begun_s < 2 * room.CONNECT_S
-    assert "\n" not in str(said.value)
+    with silent() as server:
+        addresses = {
+            "closed port": f"tcp://127.0.0.1:{free_port()}",
+            "silent server": f"127.0.0.1:{server.getsockname()[1]}",
+        }
+        with pytest.raises(UsageError, match=r"no Dask scheduler answers there") as raised:
+            ClusterWorkers(addresses.get(address, address), "a test")
+    assert time.monotonic() - begun_s < 2 * cluster_module.CONNECT_S
+    assert "\n" not in str(raised.value)
     assert capfd.readouterr().err == ""
 
 
-def test_a_worker_is_no_scheduler(shared: Cluster) -> None:
-    """Its address is easily taken for the scheduler's."""
+def test_the_address_of_a_worker_is_refused(shared: Cluster) -> None:
+    """It is easily confused with the address of the scheduler."""
     with closing(ClusterWorkers(shared.address, "a test")) as workers:
         address = next(iter(workers._client.run(os.getpid)))
     with pytest.raises(UsageError, match=r"no Dask scheduler answers there \(it is a Worker\)"):
@@ -88,7 +91,7 @@ def test_a_worker_is_no_scheduler(shared: Cluster) -> None:
 
 
 def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With what it is needed for, and what to install."""
+    """The message has its purpose and the command that installs it."""
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(
         UsageError, match=r"^tuning on a cluster needs the package distributed: .*install .*\[cluster\]"
@@ -97,12 +100,12 @@ def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "frozen"])
-def test_a_scheduler_that_is_lost_ends_the_wait(
+def test_the_loss_of_the_scheduler_ends_the_wait(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], number: signal.Signals
 ) -> None:
-    """Killed or frozen while a task runs; and so it stays."""
-    monkeypatch.setattr(room, "ANSWER_S", 1.0)
-    monkeypatch.setattr(room, "CONNECT_S", 2.0)
+    """It is killed or frozen while a task runs; later calls fail too."""
+    monkeypatch.setattr(cluster_module, "ANSWER_S", 1.0)
+    monkeypatch.setattr(cluster_module, "CONNECT_S", 2.0)
     with cluster(tmp_path, 1) as alone:
         with closing(ClusterWorkers(alone.address, "a test")) as workers:
             tasks = workers.submit(time.sleep, [LONG_S])
@@ -114,10 +117,10 @@ def test_a_scheduler_that_is_lost_ends_the_wait(
         assert capfd.readouterr().err == ""
 
 
-def test_workers_that_are_gone_for_good_end_the_wait(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nannies included; whoever comes later finds a scheduler without workers."""
-    monkeypatch.setattr(room, "NO_WORKER_S", 2.0)
-    monkeypatch.setattr(room, "FIRST_WORKER_S", 0.5)
+def test_the_loss_of_all_workers_ends_the_wait(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Their nannies are gone too; a later client finds a scheduler without workers."""
+    monkeypatch.setattr(cluster_module, "NO_WORKER_S", 2.0)
+    monkeypatch.setattr(cluster_module, "FIRST_WORKER_S", 0.5)
     with cluster(tmp_path, 1) as alone:
         with closing(ClusterWorkers(alone.address, "a test")) as workers:
             tasks = workers.submit(time.sleep, [LONG_S])

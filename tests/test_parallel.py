@@ -22,7 +22,7 @@ with workers(2) as pool:
 
 
 def is_alive(pid: int) -> bool:
-    """Whether a process runs; one that has ended and was not waited for does not."""
+    """Whether a process runs; a zombie does not."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in {"Z", "X"}
     except (FileNotFoundError, ProcessLookupError):
@@ -30,7 +30,7 @@ def is_alive(pid: int) -> bool:
 
 
 def test_workers_end_when_the_process_that_forked_them_is_killed(tmp_path: Path) -> None:
-    """By a signal that it cannot hear of."""
+    """SIGKILL leaves the parent no time to end them."""
     until_s = time.monotonic() + PATIENCE_S
     with subprocess.Popen([sys.executable, "-c", PROGRAM, str(tmp_path)]) as parent:
         while len(os.listdir(tmp_path)) < 2 and time.monotonic() < until_s:  # noqa: PTH208

@@ -19,15 +19,15 @@ E_DEG = {
     "mpu6050_still": {"euler": 368.0, "start": 2.38, "xio": 12.1, "vqf": 1.84, "hdr": 368.0, "restlevel": 0.01},
     "temperature_sweep": {"euler": 2090.0, "start": 699.0, "xio": 10.8, "vqf": 2.02, "hdr": 2090.0, "restlevel": 0.066},
 }
-"""Mean |yaw error|, deg, all at their defaults, by the trapezoidal rule; those of restlevel by its second program."""
+"""Mean |yaw error|, deg, with defaults and the trapezoidal rule; restlevel from an independent second program."""
 
 
 @pytest.mark.parametrize("name", E_DEG)
 @pytest.mark.parametrize("key", ["euler", "start", "xio", "vqf", "hdr", "restlevel"])
 def test_mean_error_of_every_method(name: str, key: str, recordings: Recordings) -> None:
-    """Within what the printed digits say."""
+    """Equal to the table within its digits."""
     if not BY_KEY[key].is_installed:
         pytest.skip(f"{BY_KEY[key].title} needs the package {BY_KEY[key].package}")
-    one = load_with_reference(Source(recordings.path(name)))
-    yaw_deg = BY_KEY[key].run(one.t_s, one.reference.rate_dps, BY_KEY[key].defaults)
-    assert score_of(one.reference, yaw_deg).e_deg == pytest.approx(E_DEG[name][key], rel=0.02, abs=0.006)
+    loaded = load_with_reference(Source(recordings.path(name)))
+    yaw_deg = BY_KEY[key].run(loaded.t_s, loaded.reference.rate_dps, BY_KEY[key].defaults)
+    assert score_of(loaded.reference, yaw_deg).e_deg == pytest.approx(E_DEG[name][key], rel=0.02, abs=0.006)

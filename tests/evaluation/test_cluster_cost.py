@@ -1,4 +1,4 @@
-"""Tuning on a cluster: the same bits as here, whatever happens to workers."""
+"""Cost on a cluster: the same bits as in this process, also after workers die."""
 
 import os
 import signal
@@ -12,7 +12,7 @@ import pytest
 from cluster_support import PATIENCE_S, Cluster, candidates, cluster, recorded
 
 from gyrodrift.errors import DataError, GyrodriftError, UsageError
-from gyrodrift.evaluation import cluster_cost as room
+from gyrodrift.evaluation import cluster_cost
 from gyrodrift.evaluation.cluster_cost import ClusterCost, load_batch
 from gyrodrift.evaluation.cost import BLOCK, Cost, Scores
 from gyrodrift.evaluation.dataset import Source, load_with_reference
@@ -34,38 +34,38 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
 
 @pytest.fixture(scope="module")
 def sessions(tmp_path_factory: pytest.TempPathFactory) -> Sessions:
-    """Of many lengths, one of them as text, and a still."""
+    """Sessions of many lengths, with a text file and a still."""
     folder = tmp_path_factory.mktemp("sessions")
-    found = [(recorded(folder / f"turn-{seed}.mcap", 4500 + 371 * seed, seed), False) for seed in range(8)]
+    paths = [(recorded(folder / f"turn-{seed}.mcap", 4500 + 371 * seed, seed), False) for seed in range(8)]
     text = folder / "text.csv"
-    write_session(text, [load_session(found[0][0])])
-    return [*found[:3], (text, False), *found[3:], (recorded(folder / "still.mcap", 3000, 99), True)]
+    write_session(text, [load_session(paths[0][0])])
+    return [*paths[:3], (text, False), *paths[3:], (recorded(folder / "still.mcap", 3000, 99), True)]
 
 
 @pytest.fixture
 def local(sessions: Sessions) -> Iterator[Cost]:
-    """The same sessions in this process."""
+    """Cost of these sessions in this process."""
     with Cost(load_with_reference(Source(path, is_still)).reference for path, is_still in sessions) as cost:
         yield cost
 
 
-def assert_same(ours: Scores, wanted: Scores) -> None:
+def assert_same(ours: Scores, expected: Scores) -> None:
     for name in ("mean_squares", "mean_absolutes", "worst", "pi"):
-        np.testing.assert_array_equal(getattr(ours, name), getattr(wanted, name))
+        np.testing.assert_array_equal(getattr(ours, name), getattr(expected, name))
 
 
 def pids(cost: ClusterCost) -> dict[str, int]:
-    """Of the workers, by their address."""
+    """Process ids of the workers, by address."""
     return dict(cost._workers._client.run(os.getpid))
 
 
 def await_both(cost: ClusterCost) -> None:
-    """Until a nanny has replaced the worker that was killed, for the tests to come."""
+    """Wait until a nanny has replaced a killed worker."""
     cost._workers._client.wait_for_workers(2, timeout=PATIENCE_S)
 
 
 def before_results(cost: ClusterCost, action: Callable[[], None]) -> None:
-    """Do something once, when the next tasks have been sent and their results not yet asked for."""
+    """Call `action` once, after the next tasks are sent and before their results are fetched."""
     results = cost._workers.results
 
     def patched(tasks: Sequence[Any]) -> list[Any]:
@@ -77,8 +77,8 @@ def before_results(cost: ClusterCost, action: Callable[[], None]) -> None:
 
 
 @pytest.mark.parametrize("count", [1, 11, BLOCK + 37])
-def test_scores_are_those_of_this_process(shared: Cluster, sessions: Sessions, local: Cost, count: int) -> None:
-    """Bit for bit, in the order of the sessions; of all and of some."""
+def test_scores_equal_scores_of_this_process(shared: Cluster, sessions: Sessions, local: Cost, count: int) -> None:
+    """Bit for bit and in the order of the sessions, for all sessions and for some."""
     params = candidates(count)
     with ClusterCost(shared.address, sessions) as cost:
         assert cost.threads == 2
@@ -89,14 +89,14 @@ def test_scores_are_those_of_this_process(shared: Cluster, sessions: Sessions, l
 
 
 def test_no_candidates_and_no_sessions_cost_nothing(shared: Cluster, sessions: Sessions) -> None:
-    """The shapes are kept."""
+    """The shapes of the results are right."""
     with ClusterCost(shared.address, sessions[:2]) as cost:
         assert cost.cost(np.empty((0, 5))).worst.shape == (2, 0)
         assert cost.cost(candidates(3), []).worst.shape == (0, 3)
 
 
-def test_what_is_known_of_sessions_is_what_is_known_here(shared: Cluster, sessions: Sessions) -> None:
-    """Name, content, duration, rate, and what is odd."""
+def test_descriptions_equal_descriptions_of_this_process(shared: Cluster, sessions: Sessions) -> None:
+    """Name, digest, duration, sample rate and warnings."""
     with ClusterCost(shared.address, sessions) as cost:
         assert cost.descriptions == tuple(
             load_with_reference(Source(path, is_still)).description for path, is_still in sessions
@@ -104,23 +104,23 @@ def test_what_is_known_of_sessions_is_what_is_known_here(shared: Cluster, sessio
 
 
 def test_batches_are_of_about_the_same_size(sessions: Sessions) -> None:
-    """As many as keep the threads busy, and never more than sessions; files that are not seen count alike."""
+    """There are at most as many batches as sessions; files that are missing here count as equal."""
     paths = [path for path, _ in sessions]
-    edges = room._edges(paths, 2)
+    edges = cluster_cost._edges(paths, 2)
     sizes = [sum(path.stat().st_size for path in paths[first:last]) for first, last in pairwise(edges)]
-    assert len(sizes) == 2 * room.BATCHES_PER_THREAD
+    assert len(sizes) == 2 * cluster_cost.BATCHES_PER_THREAD
     assert max(sizes) < 2 * min(sizes)
-    assert room._edges(paths, 100) == list(range(len(paths) + 1))
-    assert room._edges([Path("/elsewhere/a.mcap")] * 1000, 1) == [0, 249, 499, 749, 1000]
+    assert cluster_cost._edges(paths, 100) == list(range(len(paths) + 1))
+    assert cluster_cost._edges([Path("/elsewhere/a.mcap")] * 1000, 1) == [0, 249, 499, 749, 1000]
 
 
 def test_a_worker_that_is_killed_changes_nothing(shared: Cluster, sessions: Sessions, local: Cost) -> None:
-    """What it held is loaded again, and what it was doing done again; so for the other one, which took over."""
+    """Its sessions are loaded again and its tasks repeated, twice in a row."""
     params = candidates(BLOCK)
     with ClusterCost(shared.address, sessions) as cost:
         for _ in range(2):
-            held = cost._workers._client.has_what()
-            address, pid = next((address, pid) for address, pid in pids(cost).items() if held[address])
+            keys_by_address = cost._workers._client.has_what()
+            address, pid = next((address, pid) for address, pid in pids(cost).items() if keys_by_address[address])
             before_results(cost, lambda pid=pid: os.kill(pid, signal.SIGKILL))  # type: ignore[misc]  # a default
             assert_same(cost.cost(params), local.cost(params))
             await_both(cost)
@@ -130,7 +130,7 @@ def test_a_worker_that_is_killed_changes_nothing(shared: Cluster, sessions: Sess
 def test_a_worker_that_is_killed_while_results_are_brought_changes_nothing(
     shared: Cluster, sessions: Sessions, local: Cost
 ) -> None:
-    """They were done, and are gone."""
+    """Its results are computed again."""
     params = candidates(64)
     with ClusterCost(shared.address, sessions) as cost:
         gathered = cost._workers._gathered
@@ -146,10 +146,10 @@ def test_a_worker_that_is_killed_while_results_are_brought_changes_nothing(
 
 
 @pytest.mark.parametrize("damage", ["missing", "no session"])
-def test_a_session_that_cannot_be_read_is_said_as_here(
+def test_a_session_that_cannot_be_read_raises_the_same_error(
     shared: Cluster, sessions: Sessions, tmp_path: Path, damage: str
 ) -> None:
-    """The first of them, with its path."""
+    """The error names the first such session."""
     path = tmp_path / "bad.mcap"
     if damage == "no session":
         path.write_bytes(b"no session\n")
@@ -163,13 +163,13 @@ def test_a_session_that_cannot_be_read_is_said_as_here(
 
 
 def test_another_version_on_a_worker_is_refused() -> None:
-    """It might give other bits."""
+    """It might compute different bits."""
     with pytest.raises(UsageError, match=r"has gyrodrift .*, this machine 0\.0\.0; install the same"):
         load_batch([], "0.0.0")
 
 
-def test_any_other_error_of_a_task_says_where_it_comes_from(shared: Cluster, sessions: Sessions) -> None:
-    """Candidates with a column too few."""
+def test_another_error_of_a_task_names_the_scheduler(shared: Cluster, sessions: Sessions) -> None:
+    """Here the candidates lack a column."""
     with (
         ClusterCost(shared.address, sessions[:1]) as cost,
         pytest.raises(GyrodriftError, match=r"^tcp://.*: a task failed: ValueError: .* five columns"),

@@ -1,4 +1,4 @@
-"""Many candidates over many references: the same figures by any number of threads, in memory and from a file."""
+"""Cost of candidates: the same bits for any number of threads, in memory and from a file."""
 
 import math
 import os
@@ -16,7 +16,7 @@ from gyrodrift.evaluation.reference import Reference
 from gyrodrift.evaluation.score import Score
 
 PLAIN = (0.0, 0.0, 1.0, 0.0, 0.0)
-"""Learns nothing and filters nothing: yaw is the sum of rate times step."""
+"""No bias and no low-pass: yaw is the sum of rate times step."""
 
 
 def reference(name: str, samples: int) -> Reference:
@@ -38,20 +38,20 @@ def references() -> list[Reference]:
     return [reference("short", 300), reference("long", 2000), reference("middle", 900)]
 
 
-def test_scores_are_the_kernels_sums_by_the_number_of_references(references: list[Reference]) -> None:
+def test_scores_are_kernel_sums_over_the_number_of_samples(references: list[Reference]) -> None:
     """Sessions stay in their order."""
     params = candidates(11)
     with Cost(references) as cost:
         scores = cost.cost(params)
-    for at, one in enumerate(references):
-        squares, absolutes, worst, count = kernel.sums(one.dt_s, one.rate_dps, one.reference_deg, params)
-        np.testing.assert_array_equal(scores.mean_squares[at], squares / count)
-        np.testing.assert_array_equal(scores.mean_absolutes[at], absolutes / count)
-        np.testing.assert_array_equal(scores.worst[at], worst)
+    for row, session in enumerate(references):
+        squares, absolutes, worst, count = kernel.sums(session.dt_s, session.rate_dps, session.reference_deg, params)
+        np.testing.assert_array_equal(scores.mean_squares[row], squares / count)
+        np.testing.assert_array_equal(scores.mean_absolutes[row], absolutes / count)
+        np.testing.assert_array_equal(scores.worst[row], worst)
 
 
-def test_the_figures_of_a_course_that_is_worked_out_by_hand() -> None:
-    """1 deg/s for three seconds beside a reference of zero, one of them unknown."""
+def test_scores_computed_by_hand() -> None:
+    """Yaw at 1 deg/s for 3 s against a reference of 0 with a missing value."""
     plain = Reference("hand", np.array([0.0, 1.0, 1.0, 1.0]), np.ones(4), np.array([0.0, 0.0, nan, 0.0]), 0.05)
     with Cost([plain, replace(plain, reference_deg=np.array([0.0, 1.0, 2.0, 3.0]))]) as cost:
         scores = cost.cost(np.array([PLAIN]))
@@ -63,24 +63,24 @@ def test_the_figures_of_a_course_that_is_worked_out_by_hand() -> None:
 
 @pytest.mark.parametrize("threads", [2, 5])
 def test_the_number_of_threads_changes_no_bit(references: list[Reference], threads: int) -> None:
-    """Nor does it which candidates are asked for together."""
+    """The order and the grouping of the candidates change no bit either."""
     params = candidates(BLOCK + 37)
-    with Cost(references, threads=1) as one, Cost(references, threads=threads) as several:
-        wanted = one.pi(params)
-        np.testing.assert_array_equal(several.pi(params), wanted)
-        np.testing.assert_array_equal(several.pi(params[::-1])[::-1], wanted)
-        np.testing.assert_array_equal([several.pi(row[np.newaxis])[0] for row in params[:9]], wanted[:9])
+    with Cost(references, threads=1) as single, Cost(references, threads=threads) as several:
+        expected = single.pi(params)
+        np.testing.assert_array_equal(several.pi(params), expected)
+        np.testing.assert_array_equal(several.pi(params[::-1])[::-1], expected)
+        np.testing.assert_array_equal([several.pi(row[np.newaxis])[0] for row in params[:9]], expected[:9])
 
 
-def test_one_candidate_costs_what_it_costs_among_others_over_many_sessions() -> None:
-    """The order in which sessions are added up is theirs."""
+def test_a_candidate_alone_has_the_same_cost_as_in_a_group() -> None:
+    """Sums over sessions keep their order."""
     params = candidates(16)
     with Cost([reference("short", 40 + samples) for samples in range(23)]) as cost:
         np.testing.assert_array_equal([cost.pi(row[np.newaxis])[0] for row in params], cost.pi(params))
 
 
-def test_courses_beyond_the_memory_are_read_from_a_file_with_the_same_bits(references: list[Reference]) -> None:
-    """The arrays belong to a mapping, not to memory, and may not be written to."""
+def test_references_beyond_the_memory_limit_are_read_from_a_file(references: list[Reference]) -> None:
+    """They have the same bits and are read-only."""
     params = candidates(9)
     with Cost(references) as in_memory, Cost(references, memory_bytes=1000) as in_file:
         for ours, given in zip(in_file.references, references, strict=True):
@@ -100,7 +100,7 @@ def test_the_file_has_no_name(references: list[Reference], tmp_path: Path, monke
 
 
 def test_evaluations_count_candidates(references: list[Reference]) -> None:
-    """Not sessions, and not calls."""
+    """Sessions and calls do not count."""
     with Cost(references) as cost:
         cost.cost(candidates(10))
         cost.pi(candidates(3))
@@ -108,17 +108,17 @@ def test_evaluations_count_candidates(references: list[Reference]) -> None:
         assert cost.evaluations == 13
 
 
-def test_a_candidate_that_leaves_the_floats_costs_inf() -> None:
-    """On one reference of two; the other figures stand."""
-    wild = Reference("wild", np.array([0.0, 1.0, 1e10]), np.array([0.0, 1.0, 1e300]), np.zeros(3), 1.0)
-    with Cost([wild, reference("short", 50)]) as cost:
+def test_a_candidate_that_overflows_costs_inf() -> None:
+    """Scores of other sessions stay finite."""
+    overflowing = Reference("overflow", np.array([0.0, 1.0, 1e10]), np.array([0.0, 1.0, 1e300]), np.zeros(3), 1.0)
+    with Cost([overflowing, reference("short", 50)]) as cost:
         scores = cost.cost(np.array([PLAIN, PLAIN]))
     assert scores.pi.tolist() == [inf, inf]
     assert math.isfinite(scores.mean_squares[1, 0])
 
 
-def test_a_mean_beyond_the_floats_is_inf() -> None:
-    """Each session's is not, and nothing warns."""
+def test_a_mean_that_overflows_is_inf() -> None:
+    """The scores of the sessions are finite, and no warning is given."""
     far = Reference("far", np.array([0.0, 1.0]), np.array([0.0, 1.3e154]), np.zeros(2), 1.0)
     with Cost([far] * 3) as cost:
         scores = cost.cost(np.array([PLAIN]))
@@ -127,19 +127,19 @@ def test_a_mean_beyond_the_floats_is_inf() -> None:
 
 
 def test_there_are_as_many_threads_as_processors(references: list[Reference]) -> None:
-    """Those that this process may use."""
+    """Only usable processors count."""
     with Cost(references) as cost:
         assert cost.threads == len(os.sched_getaffinity(0))
 
 
-def test_an_error_in_a_thread_is_raised_where_the_cost_was_asked_for(references: list[Reference]) -> None:
-    """A reference of arrays that do not fit together."""
+def test_an_error_in_a_thread_is_raised_by_the_call(references: list[Reference]) -> None:
+    """Here the arrays of a reference have different lengths."""
     with Cost([replace(references[0], dt_s=np.zeros(2))]) as cost, pytest.raises(ValueError, match="one length"):
         cost.cost(candidates(3))
 
 
-def test_a_score_is_taken_out_of_the_table() -> None:
-    """By session and candidate; NE is E over the minutes."""
+def test_a_score_is_read_from_the_table() -> None:
+    """Its indices are session and candidate; NE is E over the minutes."""
     squares, absolutes, worst = np.array([[1.0, 4.0], [9.0, 16.0]]), np.array([[1.0, 2.0], [3.0, 4.0]]), np.ones((2, 2))
     scores = Scores(squares, absolutes, worst)
     assert scores.score(1, 0, 12.0) == Score(e_deg=3.0, ne=0.25, pi_deg2=9.0, worst_deg=1.0)

@@ -1,4 +1,4 @@
-"""Scores: those of `tune`, to the definition."""
+"""Scores by their definitions, equal to the sums of the kernels."""
 
 import numpy as np
 import pytest
@@ -20,32 +20,32 @@ def reference(count: int = 400) -> Reference:
     return Reference("walk", dt_s, dice.normal(0.0, 10.0, count), reference_deg, 0.5)
 
 
-def test_a_yaw_by_hand() -> None:
-    """Where there is no reference nothing is off; E over the minutes is NE."""
+def test_scores_of_a_yaw_computed_by_hand() -> None:
+    """Samples without a reference are ignored; NE is E over the minutes."""
     yaw_deg = np.array([0.0, 1.0, 99.0, -3.0])
-    one = Reference("x", np.array([0.0, 1.0, 1.0, 1.0]), yaw_deg, np.array([0.0, 0.0, np.nan, 1.0]), 2.0)
-    assert score_of(one, yaw_deg) == Score(5.0 / 3.0, 5.0 / 6.0, 17.0 / 3.0, 4.0)
+    walk = Reference("x", np.array([0.0, 1.0, 1.0, 1.0]), yaw_deg, np.array([0.0, 0.0, np.nan, 1.0]), 2.0)
+    assert score_of(walk, yaw_deg) == Score(5.0 / 3.0, 5.0 / 6.0, 17.0 / 3.0, 4.0)
 
 
-def test_it_is_what_tuning_goes_by() -> None:
-    """Mean squared, mean absolute and largest error as the kernel adds them up, here of plain integration."""
-    one = reference()
+def test_scores_equal_the_sums_of_the_kernel() -> None:
+    """Mean squared, mean absolute and largest error of plain integration."""
+    walk = reference()
     squares, absolutes, worst, count = sums(
-        one.dt_s, one.rate_dps, one.reference_deg, np.array([[0.0, 0.0, 1.0, 0.0, 1.0]])
+        walk.dt_s, walk.rate_dps, walk.reference_deg, np.array([[0.0, 0.0, 1.0, 0.0, 1.0]])
     )
-    score = score_of(one, euler(one.dt_s, one.rate_dps))
+    score = score_of(walk, euler(walk.dt_s, walk.rate_dps))
     assert score.pi_deg2 == pytest.approx(squares[0] / count, rel=1e-12)
     assert score.e_deg == pytest.approx(absolutes[0] / count, rel=1e-12)
     assert score.worst_deg == pytest.approx(worst[0], rel=1e-12)
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, 1e200])
-def test_a_yaw_that_left_the_floats_is_infinitely_far_off(value: float) -> None:
-    """In every measure."""
-    one = reference()
-    assert score_of(one, np.full(400, value)) == Score(np.inf, np.inf, np.inf, np.inf)
+def test_a_yaw_that_overflows_has_infinite_errors(value: float) -> None:
+    """All scores are inf."""
+    walk = reference()
+    assert score_of(walk, np.full(400, value)) == Score(np.inf, np.inf, np.inf, np.inf)
 
 
-def test_sessions_count_alike() -> None:
-    """Whatever they are."""
+def test_sessions_have_the_same_weight() -> None:
+    """The mean is not weighted by duration."""
     assert mean_score([Score(1.0, 2.0, 3.0, 4.0), Score(3.0, 2.0, 1.0, 0.0)]) == Score(2.0, 2.0, 2.0, 2.0)

@@ -15,29 +15,29 @@ AXES = axes_of(HDR)
 
 @pytest.mark.parametrize("axis", AXES, ids=lambda axis: axis.name)
 @given(u=st.floats(0, 1))
-def test_there_and_back(axis: Axis, u: float) -> None:
-    """A point of the unit interval and its parameter stand for each other."""
+def test_unit_inverts_values(axis: Axis, u: float) -> None:
+    """A position in the unit interval and its value correspond."""
     value = float(axis.values(np.array([u]))[0])
     assert axis.low <= value <= axis.high
     assert axis.unit(value) == pytest.approx(u, abs=1e-9)
 
 
-def test_half_way_is_the_geometric_mean_where_factors_count() -> None:
-    """And the arithmetic one elsewhere."""
+def test_the_middle_of_a_logarithmic_axis_is_the_geometric_mean() -> None:
+    """The middle of a linear axis is the arithmetic mean."""
     middle = np.array([0.5])
     assert Axis("x", 0.01, 100.0, is_log=True).values(middle) == pytest.approx([1.0])
     assert Axis("x", 0.0, 4.0).values(middle) == pytest.approx([2.0])
     assert not any(axis.is_log for axis in linear(AXES))
 
 
-def test_a_corner_of_the_cube_is_a_filter() -> None:
-    """With every range at its lower end."""
+def test_a_corner_of_the_cube_gives_parameters() -> None:
+    """Every parameter is at the lower end of its range."""
     assert values_of(AXES, np.zeros((2, 5))).tolist() == [[axis.low for axis in AXES]] * 2
     HdrParams(*values_of(AXES, np.ones((1, 5)))[0].tolist())
 
 
 def test_a_range_is_replaced_by_name() -> None:
-    """The others stay."""
+    """Other ranges stay."""
     axes = with_ranges(["tau_s=0.5:2", "c1=0:1"], HDR)
     assert [(axis.low, axis.high) for axis in axes[1::2]] == [(0.5, 2.0), (0.0, 1.0)]
     assert axes[0] == AXES[0]
@@ -56,14 +56,14 @@ def test_a_range_is_replaced_by_name() -> None:
         ("c1=-1:1", "c1 is at least 0"),
     ],
 )
-def test_a_range_that_makes_no_sense_is_told(text: str, message: str) -> None:
-    """With the option as it was given."""
+def test_an_invalid_range_is_refused(text: str, message: str) -> None:
+    """The message quotes the option."""
     with pytest.raises(UsageError, match=message) as caught:
         with_ranges([text], HDR)
     assert text in str(caught.value)
 
 
-def test_the_filters_own_limits_are_known() -> None:
-    """As its parameters are annotated."""
+def test_limits_come_from_the_annotations_of_the_filter() -> None:
+    """Limits may be inclusive or exclusive."""
     assert limits("c2", HDR) == (0.0, 10.0)
     assert limits("theta_w_dps", HDR) == (0.0, 2000.0)

@@ -1,4 +1,4 @@
-"""Stated uncertainties: coverage and CRPS to their definitions, and nothing of who states none."""
+"""Coverage and CRPS of a stated uncertainty by their definitions."""
 
 from math import inf, nan
 from statistics import NormalDist
@@ -18,48 +18,48 @@ def reference(reference_deg: list[float]) -> Reference:
 
 @pytest.mark.parametrize(("error", "sigma"), [(0.0, 1.0), (1.0, 0.5), (-3.0, 2.0), (0.1, 10.0)])
 def test_crps_is_the_area_between_two_distributions(error: float, sigma: float) -> None:
-    """The integral over x of (Φ((x − error)/σ) − 1 where x ≥ 0)², added up by hand."""
+    """Numerical integral over x of (Φ((x − error)/σ) − [x ≥ 0])²."""
     x = np.linspace(-120.0, 120.0, 24_001)
-    stated = np.array([NormalDist(error, sigma).cdf(one) for one in x.tolist()])
+    stated = np.array([NormalDist(error, sigma).cdf(value) for value in x.tolist()])
     area = float(np.sum(np.square(stated - (x >= 0.0))) * (x[1] - x[0]))
     assert normal_crps(np.array([error]), np.array([sigma]))[0] == pytest.approx(area, rel=0.01)
 
 
-def test_crps_of_a_yaw_that_is_certain_is_its_error() -> None:
-    """The limit of a small standard deviation."""
+def test_crps_without_uncertainty_is_the_absolute_error() -> None:
+    """It is the limit of a small standard deviation."""
     errors = np.array([-2.0, 0.0, 0.5])
     np.testing.assert_allclose(normal_crps(errors, np.zeros(3)), np.abs(errors))
     np.testing.assert_allclose(normal_crps(errors, np.full(3, 1e-9)), np.abs(errors), atol=1e-8)
 
 
-def test_coverage_counts_what_lies_within_two_sigma() -> None:
-    """On the bound is within; where there is no reference nothing is counted."""
-    one = reference([0.0, 0.0, 0.0, 0.0, nan])
+def test_coverage_counts_errors_within_two_sigma() -> None:
+    """The bound is included; samples without a reference are ignored."""
+    angle = reference([0.0, 0.0, 0.0, 0.0, nan])
     yaw_deg, sigma_deg = np.array([0.0, 2.0, 2.1, -0.5, 99.0]), np.array([0.0, 1.0, 1.0, 1.0, 1.0])
-    found = uncertainty_of(one, yaw_deg, sigma_deg)
-    assert found is not None
-    assert found.coverage == 0.75
+    result = uncertainty_of(angle, yaw_deg, sigma_deg)
+    assert result is not None
+    assert result.coverage == 0.75
 
 
 @pytest.mark.parametrize("sigma", [nan, inf])
-def test_what_is_no_number_is_not_stated(sigma: float) -> None:
-    """Of a filter that does not know how certain it is."""
+def test_a_sigma_that_is_not_finite_is_no_uncertainty(sigma: float) -> None:
+    """A filter without an uncertainty gives NaN."""
     assert uncertainty_of(reference([0.0, 0.0]), np.zeros(2), np.array([1.0, sigma])) is None
 
 
-def test_an_honest_uncertainty_covers_95_in_100() -> None:
-    """Of 100 000 normal errors; its CRPS is σ/√π, that of a normal forecast of its own errors."""
+def test_a_correct_uncertainty_covers_95_percent() -> None:
+    """Its CRPS is σ/√π, the expectation for a normal forecast with the correct σ."""
     dice = np.random.default_rng(5)
     sigma_deg = dice.uniform(0.5, 2.0, 100_000)
-    found = uncertainty_of(reference([0.0] * 100_000), dice.normal(0.0, sigma_deg), sigma_deg)
-    assert found is not None
-    assert found.coverage == pytest.approx(0.954, abs=0.003)
-    assert found.crps_deg == pytest.approx(sigma_deg.mean() / np.sqrt(np.pi), rel=0.01)
+    result = uncertainty_of(reference([0.0] * 100_000), dice.normal(0.0, sigma_deg), sigma_deg)
+    assert result is not None
+    assert result.coverage == pytest.approx(0.954, abs=0.003)
+    assert result.crps_deg == pytest.approx(sigma_deg.mean() / np.sqrt(np.pi), rel=0.01)
 
 
 def test_a_mean_needs_every_session() -> None:
-    """Otherwise two methods would be compared on different ones."""
-    one, other = Uncertainty(0.9, 1.0), Uncertainty(1.0, 3.0)
-    assert mean_uncertainty([one, other]) == Uncertainty(0.95, 2.0)
-    assert mean_uncertainty([one, None]) is None
+    """Otherwise two methods would be compared on different sessions."""
+    first, second = Uncertainty(0.9, 1.0), Uncertainty(1.0, 3.0)
+    assert mean_uncertainty([first, second]) == Uncertainty(0.95, 2.0)
+    assert mean_uncertainty([first, None]) is None
     assert mean_uncertainty([]) is None

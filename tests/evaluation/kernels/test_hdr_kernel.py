@@ -24,7 +24,7 @@ Walk = tuple[Floats, Floats, Floats]
 
 @pytest.fixture(scope="module", autouse=True)
 def _compiled() -> None:
-    """Let no test wait for the compiler."""
+    """Compile before the first test."""
     still = np.zeros(2), np.zeros(2), np.zeros(2)
     for candidates in (1, 2):
         kernel.sums(*still, np.ones((candidates, 5)))
@@ -32,7 +32,7 @@ def _compiled() -> None:
 
 
 def stepped(dt_s: Floats, rate_dps: Floats, params: Floats) -> list[float]:
-    """Yaw by `filter.step`, which sees exactly these steps of time."""
+    """Yaw by `filter.step` with exactly these steps of time."""
     c, state, path = coefficients(HdrParams(*params.tolist())), HdrState(), []
     for t_s, rate in zip(dt_s.tolist(), rate_dps.tolist(), strict=True):
         state.t_s = 0.0
@@ -51,13 +51,13 @@ def summed(path: list[float], reference_deg: Floats) -> tuple[float, float, floa
 
 
 def assert_twins(walked: Walk, params: Floats) -> None:
-    """Every bit of yaw and of the sums."""
+    """Assert equal bits of yaw and sums."""
     dt_s, rate_dps, reference_deg = walked
-    *found, count = kernel.sums(*walked, params)
+    *result, count = kernel.sums(*walked, params)
     for k, candidate in enumerate(params):
         path = stepped(dt_s, rate_dps, candidate)
         np.testing.assert_array_equal(kernel.yaw(dt_s, rate_dps, candidate), path)
-        assert (*(column[k] for column in found), count) == summed(path, reference_deg)
+        assert (*(column[k] for column in result), count) == summed(path, reference_deg)
 
 
 def candidates(dice: np.random.Generator, count: int) -> Floats:
@@ -86,8 +86,8 @@ def walk(dice: np.random.Generator, samples: int = 2500) -> Walk:
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_any_candidate_on_any_course_gives_the_bits_of_the_filter(seed: int) -> None:
-    """Nineteen candidates: two full groups, and one that is not."""
+def test_any_candidate_on_any_session_gives_the_bits_of_the_filter(seed: int) -> None:
+    """19 candidates are two full groups and a short group."""
     dice = np.random.default_rng(seed)
     assert_twins(walk(dice), candidates(dice, 19))
 
@@ -103,13 +103,13 @@ vectors = st.tuples(*(st.one_of(st.floats(low, high), st.just(low)) for low, hig
     st.lists(st.tuples(steps_s, values, st.one_of(values, st.just(nan))), max_size=60), st.lists(vectors, min_size=1)
 )
 def test_extremes_give_the_bits_of_the_filter(samples: list[tuple[float, float, float]], params: list[Floats]) -> None:
-    """Steps and rates at the ends of what a filter takes included, and no warning."""
+    """Steps and rates reach the limits of the filter, and no warning is given."""
     walked = np.array([(0.0, 0.25, 0.0), *samples]).T.copy()
     assert_twins((walked[0], walked[1], walked[2]), np.array(params))
 
 
-def test_runs_beyond_the_filters_table_and_beyond_the_kernels_reach_take_exact_steps() -> None:
-    """A slow turn inside the turn switch, longer than what either remembers."""
+def test_runs_longer_than_the_tables_have_exact_steps() -> None:
+    """A slow turn below the turn threshold is longer than both tables."""
     samples = kernel.TABLE_SIZE + 300
     assert samples > ATTENUATOR_TABLE
     dt_s = np.full(samples, 0.01)
@@ -119,71 +119,71 @@ def test_runs_beyond_the_filters_table_and_beyond_the_kernels_reach_take_exact_s
 
 
 @given(vectors, st.integers(1, 10**12))
-def test_a_step_is_that_of_the_filter(params: tuple[float, ...], run: int) -> None:
-    """However long the run."""
+def test_a_step_equals_the_step_of_the_filter(params: tuple[float, ...], run: int) -> None:
+    """For short and for long runs."""
     p = HdrParams(*params)
     assert kernel.attenuated_step(p.i_c_dps, p.c1, p.c2, float(run)) == attenuated_step(p, run)
 
 
-def test_a_step_is_0_where_the_power_overflows() -> None:
-    """With c1 = 0 too, as in the filter."""
+def test_a_step_is_0_if_the_power_overflows() -> None:
+    """Also with c1 = 0, as in the filter."""
     assert (
         kernel.attenuated_step(1.0, 0.0, 10.0, 1e40) == attenuated_step(HdrParams(1.0, c1=0.0, c2=10.0), 10**40) == 0.0
     )
 
 
 def test_grouping_and_a_used_table_change_no_bit() -> None:
-    """Alone, in another order, and with steps that an earlier session left behind."""
+    """Candidates run alone, in another order, and with the table of an earlier session."""
     dice = np.random.default_rng(5)
     first, second, params = walk(dice), walk(dice), candidates(dice, 8)
     together = np.array(kernel.sums(*second, params)[:3])
-    alone = np.column_stack([np.array(kernel.sums(*second, one[np.newaxis])[:3])[:, 0] for one in params])
+    alone = np.column_stack([np.array(kernel.sums(*second, row[np.newaxis])[:3])[:, 0] for row in params])
     backwards = np.array(kernel.sums(*second, params[::-1])[:3])[:, ::-1]
     table = kernel.new_step_table(len(params))
     kernel.group_sums(*first, params, table)
-    for found in (alone, backwards, kernel.group_sums(*second, params, table)):
-        np.testing.assert_array_equal(found, together)
+    for result in (alone, backwards, kernel.group_sums(*second, params, table)):
+        np.testing.assert_array_equal(result, together)
 
 
-def test_a_candidate_that_leaves_the_floats_costs_inf_and_the_others_what_they_do() -> None:
-    """Its rate is inf where the low-pass multiplies a long step; no warning is raised."""
+def test_a_candidate_that_overflows_costs_inf() -> None:
+    """Its rate is inf after the low-pass multiplies a long step; no warning is raised."""
     dt_s, rate_dps, reference_deg = np.array([0.0, 0.01, 1e10, 0.01]), np.array([0.0, 0.1, 1e300, 0.1]), np.zeros(4)
-    wild = kernel.sums(dt_s, rate_dps, reference_deg, np.array([[0.0006, 0.9, 0.5, 0.8, 1.2]] * 2))
-    assert [list(column) for column in wild[:3]] == [[inf, inf]] * 3
-    assert wild[3] == 4
+    overflowing = kernel.sums(dt_s, rate_dps, reference_deg, np.array([[0.0006, 0.9, 0.5, 0.8, 1.2]] * 2))
+    assert [list(column) for column in overflowing[:3]] == [[inf, inf]] * 3
+    assert overflowing[3] == 4
 
 
-def test_a_cost_beyond_the_floats_is_inf_while_the_error_is_not() -> None:
-    """Only the square overflows."""
+def test_a_squared_error_that_overflows_is_inf() -> None:
+    """The absolute error stays finite."""
     dt_s, rate_dps = np.array([0.0, 1.0]), np.array([0.0, 1e200])
     squares, absolutes, worst, _ = kernel.sums(dt_s, rate_dps, np.zeros(2), np.array([[0.0, 0.0, 1.0, 0.0, 0.0]]))
     assert (squares[0], absolutes[0], worst[0]) == (inf, 1e200, 1e200)
 
 
 @pytest.mark.parametrize("samples", [1, 2])
-def test_the_shortest_courses_are_walked(samples: int) -> None:
-    """The first sample turns nothing."""
+def test_the_shortest_sessions_have_a_yaw(samples: int) -> None:
+    """Yaw is 0 at the first sample."""
     dt_s, rate_dps = np.array([0.0, 0.5])[:samples], np.array([3.0, 3.0])[:samples]
     *_, worst, count = kernel.sums(dt_s, rate_dps, np.zeros(samples), np.array([[0.0, 0.0, 1.0, 0.0, 0.0]] * 2))
     assert (worst.tolist(), count) == ([1.5 * (samples - 1)] * 2, samples)
 
 
 @pytest.mark.parametrize("lengths", [(3, 2, 3, 5), (3, 3, 2, 5), (0, 0, 0, 5), (3, 3, 3, 4)])
-def test_arrays_that_do_not_belong_together_are_refused(lengths: tuple[int, int, int, int]) -> None:
-    """The compiled loop looks at no bounds."""
+def test_arrays_of_different_lengths_are_refused(lengths: tuple[int, int, int, int]) -> None:
+    """The compiled loop does not check bounds."""
     dt_s, rate_dps, reference_deg = (np.zeros(length) for length in lengths[:3])
     with pytest.raises(ValueError, match="one length"):
         kernel.sums(dt_s, rate_dps, reference_deg, np.ones((2, lengths[3])))
 
 
 def test_no_candidates_have_no_sums() -> None:
-    """A search may have nothing to ask."""
+    """A search may have no candidates."""
     squares, *_, count = kernel.sums(np.zeros(3), np.zeros(3), np.zeros(3), np.empty((0, 5)))
     assert (len(squares), count) == (0, 3)
 
 
-def test_nothing_that_was_given_is_changed() -> None:
-    """Candidates, also those in columns of something larger, and sessions stay as they were."""
+def test_arguments_are_not_changed() -> None:
+    """Candidates, also as a view of a larger array, and sessions keep their values."""
     dice = np.random.default_rng(1)
     walked, params = walk(dice, 2200), candidates(dice, 24)[::2]
     params[0, 0] = 0.0
@@ -194,17 +194,17 @@ def test_nothing_that_was_given_is_changed() -> None:
         np.testing.assert_array_equal(now, then)
 
 
-def test_euler_adds_up_rates_times_steps() -> None:
-    """From the second sample on."""
+def test_euler_sums_rates_times_steps() -> None:
+    """The sum begins at the second sample."""
     assert euler(np.array([0.0, 0.5, 2.0]), np.array([9.0, 1.0, -2.0])).tolist() == [0.0, 0.5, -3.5]
     assert euler(np.array([0.0, 1e10, 1e10]), np.array([0.0, 1e300, -1e300])).tolist()[1] == inf
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_yaw_of_a_worked_case_is_met_to_a_billionth(case: str) -> None:
-    """By an independent reading of the equations."""
+def test_yaw_equals_an_independent_program_to_a_billionth(case: str) -> None:
+    """The other program was written from the equations alone."""
     p, stream = CASES[case]
     t_s, rate_dps = np.array(stream).T
     yaw_deg = [row[-1] for row in as_printed(p, stream)]
-    found = kernel.yaw(np.diff(t_s, prepend=t_s[0]), np.ascontiguousarray(rate_dps), np.array(astuple(p)))
-    np.testing.assert_allclose(found, yaw_deg, rtol=0.0, atol=1e-9)
+    result = kernel.yaw(np.diff(t_s, prepend=t_s[0]), np.ascontiguousarray(rate_dps), np.array(astuple(p)))
+    np.testing.assert_allclose(result, yaw_deg, rtol=0.0, atol=1e-9)

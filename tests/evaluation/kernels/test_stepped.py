@@ -33,23 +33,23 @@ def candidates(chosen: Filter) -> Floats:
 
 
 @pytest.mark.parametrize("chosen", FILTERS.values(), ids=FILTERS)
-def test_stepping_is_what_the_kernel_does(chosen: Filter) -> None:
-    """Times that add up without rounding leave nothing to differ in yaw, and summing only its last digits."""
+def test_stepping_gives_the_results_of_the_kernel(chosen: Filter) -> None:
+    """Times that sum without rounding give the same yaw, and sums that differ in the last digits only."""
     dt_s, rate_dps, reference_deg = session()
     compiled, stepped = kernel_of(chosen), kernel_of(replace(chosen, kernel=""))
-    both = candidates(chosen)
-    for candidate in both:
+    results = candidates(chosen)
+    for candidate in results:
         assert (
             stepped.yaw(dt_s, rate_dps, candidate, NO_AUXILIARY).tolist()
             == compiled.yaw(dt_s, rate_dps, candidate, NO_AUXILIARY).tolist()
         )
-    ours = stepped.sums(dt_s, rate_dps, reference_deg, both, stepped.prepare(both), NO_AUXILIARY)
-    theirs = compiled.sums(dt_s, rate_dps, reference_deg, both, compiled.prepare(both), NO_AUXILIARY)
+    ours = stepped.sums(dt_s, rate_dps, reference_deg, results, stepped.prepare(results), NO_AUXILIARY)
+    theirs = compiled.sums(dt_s, rate_dps, reference_deg, results, compiled.prepare(results), NO_AUXILIARY)
     np.testing.assert_allclose(ours, theirs, rtol=1e-12)
 
 
-def test_a_yaw_that_leaves_the_floats_costs_the_infinite() -> None:
-    """Without a warning."""
+def test_a_yaw_that_overflows_costs_inf() -> None:
+    """No warning is given."""
 
     def endless(_c: HdrCoefficients, state: HdrState, _t_s: float, _rate_dps: float) -> bool:
         state.yaw_deg = inf
@@ -57,11 +57,11 @@ def test_a_yaw_that_leaves_the_floats_costs_the_infinite() -> None:
 
     stepped = kernel_of(replace(FILTERS["hdr"], kernel="", step=endless))
     dt_s, rate_dps = np.array([0.0, 0.01, 0.01]), np.zeros(3)
-    both = candidates(FILTERS["hdr"])
-    assert np.isinf(stepped.sums(dt_s, rate_dps, np.zeros(3), both, None, NO_AUXILIARY)).all()
+    results = candidates(FILTERS["hdr"])
+    assert np.isinf(stepped.sums(dt_s, rate_dps, np.zeros(3), results, None, NO_AUXILIARY)).all()
 
 
 def test_candidates_are_cut_into_groups_of_eight() -> None:
-    """The last one holds what is left."""
+    """The last group is shorter."""
     assert groups(19) == [slice(0, 8), slice(8, 16), slice(16, 19)]
     assert groups(0) == []
