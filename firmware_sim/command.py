@@ -1,6 +1,7 @@
 """The simulated device as a command: its options, and its run on a pty until a signal or the end of its time."""
 
 import argparse
+import re
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from itertools import takewhile
@@ -14,6 +15,13 @@ from firmware_sim.pty import PtyDevice
 from firmware_sim.rig import load_rig, parse_effect, with_effects
 from firmware_sim.wire.encoder import Frame
 from firmware_sim.wire.registry import ENCODERS
+
+DECIMAL = re.compile(r"(?:[0-9]{1,18}\.?[0-9]{0,18}|\.[0-9]{1,18})(?:[eE][-+]?[0-9]{1,3})?")
+WHOLE = re.compile(r"[0-9]{1,18}")
+"""Plain decimal digits: `float` and `int` also take other scripts, underscores and blanks."""
+
+LONGEST_QUOTE = 40
+"""Longest quote of a wrong value, characters."""
 
 
 def run(arguments: argparse.Namespace, tell: Callable[[str], None]) -> None:
@@ -110,20 +118,17 @@ def _number(minimum: float, expected: str) -> Callable[[str], float]:
     """Parser of finite numbers of at least `minimum`."""
 
     def read(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = float("nan")
+        value = float(text) if DECIMAL.fullmatch(text) else float("nan")
         if not minimum <= value < float("inf"):
-            raise argparse.ArgumentTypeError(f"{text}: expected {expected}")
+            raise argparse.ArgumentTypeError(f"{text[:LONGEST_QUOTE]}: expected {expected}")
         return value
 
     return read
 
 
 def _seed(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"{text}: expected a whole number, 0 or more")
+    if not WHOLE.fullmatch(text):
+        raise argparse.ArgumentTypeError(f"{text[:LONGEST_QUOTE]}: expected a whole number, 0 or more")
     return int(text)
 
 
