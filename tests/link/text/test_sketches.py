@@ -161,7 +161,7 @@ def found_in(name: str, seed: int) -> tuple[TextGuess, bytes, list[Rates], float
 
 
 @pytest.mark.parametrize("seed", [1, 2])
-@pytest.mark.parametrize("name", SKETCHES.keys() - UNSAID)
+@pytest.mark.parametrize("name", sorted(SKETCHES.keys() - UNSAID))
 def test_what_a_board_prints_is_understood(name: str, seed: int) -> None:
     """The columns read the rate about the third axis, and the time where there is one; its unit may be asked for."""
     found, text, rates, step_s = found_in(name, seed)
@@ -180,7 +180,7 @@ def test_what_a_board_prints_is_understood(name: str, seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", [1, 2])
-@pytest.mark.parametrize("name", UNSAID)
+@pytest.mark.parametrize("name", sorted(UNSAID))
 def test_numbers_without_a_name_and_a_unit_are_asked_for(name: str, seed: int) -> None:
     found, *_ = found_in(name, seed)
     assert found.template is None
