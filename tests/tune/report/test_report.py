@@ -1,5 +1,6 @@
 """The report of a tuning: a whole page for any tuning there can be, that says what was found and asks for nothing."""
 
+import math
 import re
 from dataclasses import replace
 from math import inf, nan
@@ -243,7 +244,7 @@ def test_defaults_that_are_better_are_the_headline() -> None:
 
 def test_every_parameter_has_an_importance_and_a_slice() -> None:
     """The importance is its share of the rise of the cost along all slices."""
-    shares = importances(np.array([[1.0, np.e**2, np.e**4], [2.0, 2.0, 2.0], [3.0, 3.0 * np.e**6, 3.0]]))
+    shares = importances(np.array([[1.0, math.e**2, math.e**4], [2.0, 2.0, 2.0], [3.0, 3.0 * math.e**6, 3.0]]))
     assert shares == pytest.approx([0.5, 0.0, 0.5])
     html = report_html(tuning_of_both(), MADE)
     assert row(html, "tau_s s")[3] == "20 %"
