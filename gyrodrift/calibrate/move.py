@@ -85,11 +85,13 @@ class Move:
         Raises
         ------
         CalibrationError
-            Samples are missing, the rate left the range of the device, or there was no rest before the move.
+            Samples are missing, the rate left the range of the device, there was no rest before the move, or no move.
         """
         t_s = np.array([sample.t_device_s for sample in self._samples[: self._block]])
         rate_dps = self._rates_dps()
         before, after = self._before(rate_dps), self._after(rate_dps)
+        if before == len(rate_dps):
+            raise CalibrationError("the device was not turned since the last stop")
         self._check(t_s)
         first, last = before // 2, len(t_s) - 1 - after // 2
         start_dps, end_dps = float(rate_dps[:before].mean()), float(rate_dps[len(rate_dps) - after :].mean())

@@ -61,7 +61,7 @@ def rest_of(samples: list[Sample]) -> RestMeasurement:
     Raises
     ------
     CalibrationError
-        There are too few samples, or the device moved.
+        There are too few samples, their time does not increase, or the device moved.
     """
     if len(samples) < SAMPLES_MIN:
         raise CalibrationError(f"{len(samples)} samples during the rest; at least {SAMPLES_MIN} are needed")
@@ -69,6 +69,8 @@ def rest_of(samples: list[Sample]) -> RestMeasurement:
     rate_dps = np.array([sample.rate_dps for sample in samples])
     temp_c = np.array([sample.temp_c for sample in samples])
     period_s = float(np.median(np.diff(t_s)))
+    if period_s <= 0.0:
+        raise CalibrationError("the time of the device stands still or goes back during the rest")
     size = max(BLOCK_SAMPLES_MIN, round(BLOCK_S / period_s))
     blocks_dps = blocks_of(rate_dps, size)
     if len(blocks_dps) < 2:

@@ -110,7 +110,7 @@ class ServiceCommands:
     def _calibrate(self, words: list[str]) -> Mapping[str, Any] | Later:
         match words:
             case ["start"]:
-                return self.calibration.start()
+                return _refused(self.calibration.start())
             case ["state"]:
                 return self.calibration.state()
             case ["mark" | "undo" | "finish" | "cancel" as word]:
@@ -157,6 +157,18 @@ class ServiceCommands:
         _check_empty(words, "stop")
         self.stop.is_set = True
         return {}
+
+
+def _refused(answer: Later) -> Later:
+    """Turn a CalibrationError of an answer into a CommandError."""
+
+    def checked() -> Mapping[str, Any] | None:
+        try:
+            return answer()
+        except CalibrationError as error:
+            raise CommandError(str(error)) from error
+
+    return checked
 
 
 def _check_empty(words: list[str], usage: str) -> None:

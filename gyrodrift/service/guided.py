@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from gyrodrift.calibration import Calibration, device_identity
 from gyrodrift.errors import CalibrationError, UsageError
-from gyrodrift.files import write_whole
+from gyrodrift.files import UnreadableError, read_ordinary, write_whole
 from gyrodrift.sample import Sample
 from gyrodrift.service.filtering import Filtering
 
@@ -19,6 +19,9 @@ if TYPE_CHECKING:  # brings numpy, which a service does not need before somebody
     from gyrodrift.calibrate.guide import Guide
 
 GUIDE = "gyrodrift.calibrate.guide"
+UNATTENDED_S = 300.0
+"""A calibration without a key for this long ends, s: its samples are kept in memory. A turn takes seconds. Chosen."""
+
 SILENT_S = 10.0
 """A link without samples for this long ends a calibration, as in `gyrodrift calibrate`, s."""
 
@@ -38,9 +41,16 @@ class GuidedCalibration:
     _guide: "Guide | None" = None
     _says: deque[str] = field(default_factory=lambda: deque(maxlen=KEPT_SENTENCES))
     _clipped: int = 0
+    _unattended_since_s: float | None = None
 
     def start(self) -> Callable[[], Answer | None]:
-        """Begin with the rest; the answer waits until the packages are loaded."""
+        """Begin with the rest; the answer waits until the packages are loaded.
+
+        Raises
+        ------
+        CalibrationError
+            From the answer, if a calibration runs already.
+        """
         loading = Thread(target=import_module, args=(GUIDE,), daemon=True)
         loading.start()
 
@@ -49,7 +59,10 @@ class GuidedCalibration:
                 return None
             from gyrodrift.calibrate.guide import CalibrationPlan, Guide  # noqa: PLC0415 - loaded by the thread
 
+            if self._guide is not None:
+                raise CalibrationError("a calibration runs already; finish or cancel it first")
             self._says.clear()
+            self._unattended_since_s = None
             self._guide = Guide(CalibrationPlan(), self._says.append)
             self._guide.begin()
             return self.state()
@@ -67,13 +80,14 @@ class GuidedCalibration:
         guide = self._guide
         if guide is None:
             raise CalibrationError("no calibration runs; begin with calibrate start")
+        self._unattended_since_s = None
         if word == "cancel":
             self._end("Canceled; nothing is written.")
         else:
             from gyrodrift.calibrate.guide import Key  # noqa: PLC0415 - loaded already
 
-            guide.press({"mark": Key.ENTER, "undo": Key.UNDO, "finish": Key.ENOUGH}[word])
-            self._finish_when_done(guide)
+            key = {"mark": Key.ENTER, "undo": Key.UNDO, "finish": Key.ENOUGH}[word]
+            self._go_on(guide, lambda: guide.press(key))
         return self.state()
 
     def state(self) -> Answer:
@@ -88,15 +102,19 @@ class GuidedCalibration:
         if guide is None or not samples:
             return
         clipped = decoder.counters.clipped if decoder else 0
-        guide.take(samples, clipped - self._clipped)
-        self._clipped = clipped
-        self._finish_when_done(guide)
+        newly_clipped, self._clipped = clipped - self._clipped, clipped
+        self._go_on(guide, lambda: guide.take(samples, newly_clipped))
 
     def tick(self, now_s: float) -> None:
-        """End a calibration whose device fell silent."""
-        del now_s
-        if self._guide is not None and self.filtering.link.silent_s() > SILENT_S:
+        """End a calibration whose device fell silent, or whose user has left."""
+        if self._guide is None:
+            return
+        if self._unattended_since_s is None:
+            self._unattended_since_s = now_s
+        if self.filtering.link.silent_s() > SILENT_S:
             self._end("The device fell silent; nothing is written.")
+        elif now_s - self._unattended_since_s > UNATTENDED_S:
+            self._end(f"No key for {UNATTENDED_S / 60.0:.0f} min; nothing is written.")
 
     def stats(self) -> dict[str, Any]:
         """No counters."""
@@ -108,6 +126,16 @@ class GuidedCalibration:
     def _end(self, sentence: str) -> None:
         self._guide = None
         self._says.append(sentence)
+
+    def _go_on(self, guide: "Guide", step: Callable[[], None]) -> None:
+        """Carry out a step; a mistake in it ends the calibration and not the service."""
+        try:
+            step()
+            self._finish_when_done(guide)
+        except Exception as error:  # noqa: BLE001 - the filter and its outputs must go on
+            reason = f"{type(error).__name__}: {error}"
+            self.filtering.log.error("calibration_failed", reason=reason)  # noqa: TRY400 - the reason says it
+            self._end(f"Nothing is written: {reason}")
 
     def _finish_when_done(self, guide: "Guide") -> None:
         from gyrodrift.calibrate.guide import GuideStep  # noqa: PLC0415 - loaded already
@@ -131,11 +159,17 @@ class GuidedCalibration:
 
 
 def _write(path: Path, calibration: Calibration) -> None:
-    """Put the calibration into a config; all other lines stay."""
-    from gyrodrift.config.calibration import block_text, with_block  # noqa: PLC0415 - there is a config, so it is loaded
+    """Put the calibration into a config; all other lines stay. UsageError if the config has become unreadable."""
+    from yaml import YAMLError  # noqa: PLC0415 - there is a config, so it is loaded, and so are the next two
+
+    from gyrodrift.config.calibration import block_text, with_block  # noqa: PLC0415
+    from gyrodrift.config.yaml import LONGEST_BYTES  # noqa: PLC0415
 
     block = block_text(calibration)
     try:
-        write_whole(path, [with_block(path.read_text(encoding="utf-8-sig"), block)])
-    except UsageError as error:
+        text = read_ordinary(path, LONGEST_BYTES).content.decode("utf-8-sig")
+        write_whole(path, [with_block(text, block)])
+    except (UsageError, UnreadableError) as error:
         raise UsageError(f"{path}: {error}") from error
+    except (UnicodeDecodeError, YAMLError, RecursionError) as error:
+        raise UsageError(f"{path}: is no YAML at present; correct it and calibrate again") from error

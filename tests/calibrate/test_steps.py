@@ -192,3 +192,30 @@ def test_a_filter_that_runs_keeps_its_bias_under_a_new_calibration() -> None:
         following = new.following(old, learnt_dps, 23.0)
         assert following.rate_dps(measured_dps, 23.0) == near(learnt_dps)
         assert replace(following, bias_dps=5.0) == new
+
+
+@pytest.mark.parametrize("still_s", [0.0, 1.0, 2.0, 3.0, 8.0])
+@pytest.mark.parametrize("rate_hz", [100.0, 200.0])
+def test_a_mark_without_a_turn_is_refused(still_s: float, rate_hz: float) -> None:
+    """A key pressed twice, at any time after the stop; the next turn is asked for again."""
+    guide, said = by_hand(CalibrationPlan(rest_s=5.0))
+    rates_dps = 0.3 + 0.035 * RNG.standard_normal(round((9.0 + still_s) * rate_hz))
+    samples = [Sample(i, i / rate_hz, i / rate_hz, float(dps)) for i, dps in enumerate(rates_dps)]
+    taken = 0
+    while guide.step is not GuideStep.TURNING:
+        guide.take(samples[taken : taken + 1])
+        taken += 1
+    pressed = taken + round(still_s * rate_hz)
+    guide.take(samples[taken:pressed])
+    guide.press(Key.ENTER)
+    guide.take(samples[pressed:])
+    assert guide.turns == []
+    assert guide.step.value == "at the mark"
+    assert said[-2] == "Not accepted: the device was not turned since the last stop."
+
+
+def test_a_rest_whose_time_stands_still_is_refused() -> None:
+    """Without a period there is no noise density."""
+    samples = [sample._replace(t_device_s=1.0) for sample in samples_of(at_rest(1.0))]
+    with pytest.raises(CalibrationError, match="stands still or goes back"):
+        rest_of(samples)

@@ -1,15 +1,27 @@
 """A calibration of the running service, step by step through its control socket."""
 
 import json
+import os
 import time
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import pytest
+import structlog
 from calibrate_support import GAIN_CCW, GAIN_CW, Table, to_and_fro, turn_s
 from support import PATIENCE_S, Command, near, speaking_on
 
+from gyrodrift.calibrate.guide import Guide
+from gyrodrift.calibration import Calibration
 from gyrodrift.config.model import load_config
+from gyrodrift.errors import CalibrationError
+from gyrodrift.link.protocols.decoder import DeviceDescription
+from gyrodrift.sample import Sample
+from gyrodrift.service import guided
 from gyrodrift.service.control_client import ControlClient
+from gyrodrift.service.guided import GuidedCalibration
 
 TURNS_DEG = [360.0, -360.0] * 3
 
@@ -69,3 +81,75 @@ def test_without_a_config_nothing_is_written_and_a_cancelled_one_ends(tmp_path: 
             assert answer["step"] == "idle"
             assert answer["says"][-1].startswith(sentence)
         assert serve.stop() == 0
+
+
+def begun(config: Path | None = None) -> GuidedCalibration:
+    """A calibration that has begun, beside a link that speaks."""
+    device = DeviceDescription()
+    link = SimpleNamespace(decoder=None, device=device, name="gyro", silent_s=lambda: 0.0)
+    watch = None if config is None else SimpleNamespace(path=config)
+    filtering: Any = SimpleNamespace(link=link, log=structlog.get_logger(), watch=watch)
+    calibration = GuidedCalibration(filtering)
+    waited_for(calibration.start())
+    return calibration
+
+
+def waited_for(answer: Callable[[], Mapping[str, Any] | None]) -> None:
+    """Ask for an answer that comes later until it is there."""
+    while answer() is None:
+        time.sleep(0.01)
+
+
+def test_a_mistake_in_a_calibration_does_not_end_the_service(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The calibration ends, and says why."""
+
+    def fail(*_: Any) -> None:
+        raise ValueError("zero-size array")
+
+    calibration = begun()
+    monkeypatch.setattr(Guide, "take", fail)
+    calibration.take([Sample(0, 0.0, 0.0, 0.0)])
+    assert calibration.state()["step"] == "idle"
+    assert calibration.state()["says"][-1] == "Nothing is written: ValueError: zero-size array"
+
+
+def test_a_second_calibration_is_refused_while_one_runs() -> None:
+    """Another client does not discard the turns of the first."""
+    calibration = begun()
+    calibration.press("mark")
+    again = calibration.start()
+    with pytest.raises(CalibrationError, match="a calibration runs already; finish or cancel it first"):
+        waited_for(again)
+    assert calibration.state()["step"] == "rest"
+
+
+def test_a_calibration_that_its_user_left_ends() -> None:
+    """Its samples would fill the memory; each key gives it time again."""
+    calibration = begun()
+    calibration.tick(0.0)
+    calibration.tick(guided.UNATTENDED_S)
+    calibration.press("mark")
+    calibration.tick(2.0 * guided.UNATTENDED_S)
+    assert calibration.state()["step"] == "rest"
+    calibration.tick(3.0 * guided.UNATTENDED_S + 1.0)
+    assert calibration.state()["step"] == "idle"
+    assert calibration.state()["says"][-1] == "No key for 5 min; nothing is written."
+
+
+@pytest.mark.parametrize("content", [b"filter: [", b"filter: \xff", None], ids=["no YAML", "no text", "a pipe"])
+def test_a_config_that_cannot_be_read_any_more_is_left_as_it_is(
+    content: bytes | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The calibration ends with the reason; nothing waits for a pipe."""
+    config = tmp_path / "my.yaml"
+    if content is None:
+        os.mkfifo(config)
+    else:
+        config.write_bytes(content)
+    calibration = begun(config)
+    monkeypatch.setattr(Guide, "result", lambda *_: Calibration("2026-05-01T12:00:00+00:00"))
+    calibration.press("finish")
+    state = calibration.state()
+    assert state["step"] == "idle"
+    assert state["says"][-1].startswith(f"Nothing is written: {config}: is no ")
+    assert content is None or config.read_bytes() == content
