@@ -174,16 +174,23 @@ class Recorder:
     def close(self) -> None:
         """Finish the file and wait until everything is on the disk."""
         try:
+            self.finish()
+        finally:
+            self._join_all()
+
+    def finish(self) -> None:
+        """Finish the file without waiting for the disk; `is_over` becomes true, and `close` raises a failure."""
+        try:
             if self._waiting:
                 self._begun()
             self._end()
         finally:
             self.abandon()
-            self._join_all()
 
     def abandon(self) -> None:
         """Stop recording; the file stays as it is."""
-        self._link.tap = None
+        if self._link.tap == self.take_raw:  # a later recording may have taken it
+            self._link.tap = None
         if self._disk is not None:
             self._release(self._disk)
 

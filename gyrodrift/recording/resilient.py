@@ -1,7 +1,7 @@
 """Recording in the service: a failure does not stop the filter, and recording is tried again later."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 from pathlib import Path
@@ -91,13 +91,36 @@ class ResilientRecorder:
         stats = self.recorder.stats() if self.recorder else {"recorded": None}
         return stats | ({"unrecorded": self.unrecorded} if self.unrecorded else {})
 
-    def close(self) -> None:
-        """Finish the file."""
+    @property
+    def is_over(self) -> bool:
+        """Whether all files are on the disk, or the recording has failed."""
+        return self.recorder is None or self.recorder.is_over
+
+    @property
+    def paths(self) -> list[Path]:
+        """Files so far, in order of time; empty after a failure."""
+        return [] if self.recorder is None else self.recorder.paths
+
+    def finish(self) -> None:
+        """Finish the file without waiting for the disk; `close` follows when `is_over`."""
         if self.recorder is not None:
-            try:
-                self.recorder.close()
-            except RecordingError as error:
-                self._fail(self.recorder, error)
+            self._end(self.recorder.finish)
+
+    def close(self) -> None:
+        """Finish the file and wait for the disk."""
+        if self.recorder is not None:
+            self._end(self.recorder.close)
+
+    def _end(self, end: Callable[[], None]) -> None:
+        recorder = self.recorder
+        assert recorder is not None  # noqa: S101 - checked by the callers
+        try:
+            end()
+        except RecordingError as error:
+            self._fail(recorder, error)
+            if self.recorder is not None:  # the disk works, but no other recording begins
+                self.recorder.abandon()
+                self.recorder = None
 
     def _fail(self, recorder: Recorder, error: RecordingError) -> None:
         now_s = time.monotonic()

@@ -22,6 +22,9 @@ FASTEST_HZ = 1e6
 OPENING_S = 3.0
 """Longest wait of `page` for a page that is being opened, s."""
 
+WRITING_S = 3.0
+"""Longest wait of `record stop` for the disk, s; a slower disk goes on writing behind the answer."""
+
 NO_REST_WORD = "auto"
 """Argument of `rest` that ends `rest 0` and `rest 1`: the device's own statements count again."""
 
@@ -93,19 +96,29 @@ class ServiceCommands:
         self.stdout.set_rate(rate_hz or None)
         return {"rate_hz": rate_hz or None}
 
-    def _record(self, words: list[str]) -> Mapping[str, Any]:
+    def _record(self, words: list[str]) -> Mapping[str, Any] | Later:
         if words not in (["start"], ["stop"]):
             raise CommandError("expected record start or record stop")
         if words == ["stop"]:
-            files = [str(path) for path in self.recording.stop()]
-            self.reporting.feed.hear("recording_stopped", {"files": files})
-            return {"files": files}
+            return self._stop_recording()
         try:
             self.recording.start()
         except UsageError as error:
             raise CommandError(str(error)) from error
         self.reporting.feed.hear("recording_started", {"file": self.recording.file})
         return {"file": self.recording.file}
+
+    def _stop_recording(self) -> Later:
+        ended, until_s = self.recording.stop(), time.monotonic() + WRITING_S
+
+        def answer() -> Mapping[str, Any] | None:
+            if ended is not None and not ended.is_over and time.monotonic() < until_s:
+                return None
+            files = [] if ended is None else [str(path) for path in ended.paths]
+            self.reporting.feed.hear("recording_stopped", {"files": files})
+            return {"files": files}
+
+        return answer
 
     def _calibrate(self, words: list[str]) -> Mapping[str, Any] | Later:
         match words:

@@ -1,10 +1,10 @@
 """A recording beside the filter that a person can start and stop while the service runs."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from gyrodrift.errors import UsageError
 from gyrodrift.sample import Sample
 
 if TYPE_CHECKING:  # brings the writer of mcap, which a service that records nothing does without
@@ -23,6 +23,7 @@ class RecordingSwitch:
 
     make: "Callable[[], ResilientRecorder]"
     recorder: "ResilientRecorder | None" = None
+    _ending: "list[ResilientRecorder]" = field(default_factory=list)
 
     def start(self) -> None:
         """Begin a recording, unless there is one.
@@ -30,18 +31,21 @@ class RecordingSwitch:
         Raises
         ------
         UsageError
-            If the folder is not writable.
+            If the folder is not writable, or the disk still writes the last recording.
         """
-        if self.recorder is None:
-            self.recorder = self.make()
+        if self.recorder is not None:
+            return
+        if self._ending:  # its disk may hang, and the loop must not
+            raise UsageError("the disk still writes the last recording; try again")
+        self.recorder = self.make()
 
-    def stop(self) -> list[Path]:
-        """End the recording; its files."""
-        recorder, self.recorder = self.recorder, None
-        if recorder is None:
-            return []
-        recorder.close()
-        return recorder.recorder.paths if recorder.recorder else []
+    def stop(self) -> "ResilientRecorder | None":
+        """End the recording without waiting for the disk; the recording that ends, if there was one."""
+        ended, self.recorder = self.recorder, None
+        if ended is not None:
+            ended.finish()
+            self._ending.append(ended)
+        return ended
 
     @property
     def file(self) -> str | None:
@@ -67,7 +71,10 @@ class RecordingSwitch:
             self.recorder.take(samples)
 
     def tick(self, now_s: float) -> None:
-        """Let the recorder write and retry."""
+        """Let the recorder write and retry, and let ended ones report a failure."""
+        for ended in [recorder for recorder in self._ending if recorder.is_over]:
+            ended.close()
+            self._ending.remove(ended)
         if self.recorder is not None:
             self.recorder.tick(now_s)
 
@@ -76,5 +83,8 @@ class RecordingSwitch:
         return {} if self.recorder is None else self.recorder.stats()
 
     def close(self) -> None:
-        """Finish the file."""
+        """Finish the file, and wait for the disk."""
         self.stop()
+        for ended in self._ending:
+            ended.close()
+        self._ending.clear()

@@ -24,7 +24,7 @@ COMMANDS = re.compile(
 """Commands that a page may give; the service carries out more."""
 
 PATIENCE_S = 20.0
-"""The service answers at once; a recording that ends waits for its disk, s."""
+"""The service answers within 3 s; a busy machine takes longer, s."""
 
 LONGEST_ANSWER = 64 << 10
 MOST_PENDING = 4
