@@ -21,6 +21,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from gyrodrift.outputs.status import LinkStatus, OutputStatus, ServiceStatus
 from gyrodrift.outputs.web.address import AddressError, is_loopback, page_url
+from gyrodrift.outputs.web.buttons import MOST_PENDING
 from gyrodrift.outputs.web.points import COLUMNS, LAYOUT, PointHistory, point_of
 
 Web = tuple[HubThread, str]
@@ -238,6 +239,42 @@ def test_a_wrong_token_or_button_closes_the_page(
         with pytest.raises(ConnectionClosed, match=reason):
             told(client, "nothing")
     assert service.commands == []
+
+
+@pytest.mark.parametrize(
+    "content", ["[" * 60_000, '{"token":' * 5000, "NaN", b"\xff", "", '"\\ud800"', "9" * 5000, "[]"]
+)
+def test_a_message_that_is_no_command_closes_the_page(
+    controlled: tuple[str, FakeService], content: str | bytes
+) -> None:
+    """Without a mistake of the server, which would be in its log."""
+    address, service = controlled
+    with looking(address, origin=address) as client:
+        client.send(content)
+        with pytest.raises(ConnectionClosed, match=r"1008 .*(this is no JSON|nested more|expected a token)"):
+            told(client, "nothing")
+    assert service.commands == []
+
+
+def test_a_page_that_is_clicked_faster_than_the_service_answers_stays_open(tmp_path: Path) -> None:
+    """Each click has its answer; the ones that are too many say that the service is busy."""
+    clicks = 10
+    with socket.socket(socket.AF_UNIX) as listening, hub() as outputs:
+        path = str(tmp_path / "control")
+        listening.bind(path)
+        listening.listen()
+        outputs.access(path, TOKEN)
+        outputs.want("web:port=0")
+        address = outputs.opened()[0].address
+        with looking(address, origin=address) as client:
+            for _ in range(clicks):
+                client.send(json.dumps({"token": TOKEN, "command": "zero"}))
+            busy = [told(client, "answer")["answer"] for _ in range(clicks - MOST_PENDING)]
+            assert busy == [{"ok": False, "error": "the service is busy; try again"}] * (clicks - MOST_PENDING)
+            for _ in range(MOST_PENDING):
+                listening.accept()[0].close()
+            late = [told(client, "answer")["answer"] for _ in range(MOST_PENDING)]
+            assert {answer["ok"] for answer in late} == {False}
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ import re
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
+from gyrodrift.outputs.net.json_input import parse_json
 from gyrodrift.outputs.output import ControlAccess
 from gyrodrift.outputs.web.address import is_loopback
 
@@ -60,9 +61,9 @@ class Buttons:
         Raises
         ------
         ValueError
-            If the message or the token is wrong, there is no such command, or too many commands wait.
+            If the message or the token is wrong, or there is no such command.
         """
-        message = json.loads(content)
+        message = parse_json(content)
         if not isinstance(message, dict) or not isinstance(message.get("command"), str):
             raise ValueError("expected a token and a command")  # noqa: TRY004 - refuses the client, as all here
         token, command = str(message.get("token")), message["command"]
@@ -71,7 +72,8 @@ class Buttons:
         if not COMMANDS.fullmatch(command):
             raise ValueError("there is no such button")
         if len(self._pending) >= MOST_PENDING:
-            raise ValueError("too many commands at once")
+            send(_answer(command, {"ok": False, "error": "the service is busy; try again"}))
+            return
         task = asyncio.create_task(self._carry_out(command, send))
         self._pending.add(task)
         task.add_done_callback(self._pending.discard)
@@ -86,8 +88,13 @@ class Buttons:
             async with asyncio.timeout(PATIENCE_S):
                 answer = await ask_service(self._access.path, command)
         except (OSError, ValueError, TimeoutError) as error:
-            answer = {"ok": False, "error": f"the service does not answer: {error}"}
-        send(json.dumps({"kind": "answer", "command": command, "answer": answer}, separators=(",", ":")))
+            reason = f": {error}" if str(error) else ""
+            answer = {"ok": False, "error": f"the service does not answer{reason}"}
+        send(_answer(command, answer))
+
+
+def _answer(command: str, answer: dict[str, Any]) -> str:
+    return json.dumps({"kind": "answer", "command": command, "answer": answer}, separators=(",", ":"))
 
 
 async def ask_service(path: str, command: str) -> dict[str, Any]:

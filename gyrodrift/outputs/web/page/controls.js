@@ -6,7 +6,8 @@ const KEY = "gyrodrift-token";
 
 const byId = (id) => document.getElementById(id);
 
-// The token stands behind the # of the address, which no request carries. It leaves the address bar at once.
+// The token stands behind the # of the address, which no request carries. It leaves the address bar at once, also when
+// the address is opened in a tab that has the page already: the browser then loads nothing.
 function takeToken() {
   const token = new URLSearchParams(location.hash.slice(1)).get("token");
   if (token) {
@@ -21,6 +22,11 @@ export class Controls {
   constructor(send) {
     this.send = send;
     this.token = takeToken();
+    this.hasButtons = false;
+    window.addEventListener("hashchange", () => {
+      this.token = takeToken();
+      this.greet(this.hasButtons);
+    });
     this.isRecording = false;
     this.polling = null;
     byId("zero").addEventListener("click", () => this.command("zero"));
@@ -38,6 +44,7 @@ export class Controls {
 
   // A page was greeted by the service: hasButtons where it lets this browser control it.
   greet(hasButtons) {
+    this.hasButtons = hasButtons;
     const isOn = hasButtons && Boolean(this.token);
     byId("controls").hidden = !isOn;
     byId("read-only").hidden = isOn;
