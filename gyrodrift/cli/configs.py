@@ -36,10 +36,11 @@ def link_target(
     stated = LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout, spec, arguments.send or send)
     if stated.port != AUTO_PORT:
         return stated, None
+    from gyrodrift.cli.simulated import simulated_ports
     from gyrodrift.link.port import serial_ports
     from gyrodrift.link.search import find_gyro
 
-    return find_gyro(serial_ports(), stated, on_event)
+    return find_gyro(serial_ports(), stated, on_event, simulated_ports())
 
 
 def chosen_config(arguments: argparse.Namespace) -> "Config":

@@ -7,15 +7,14 @@ port is opened. Simulated devices are listed, too. ttyS names without a UART are
 import argparse
 import dataclasses
 import json
-import os
 import sys
 from typing import TYPE_CHECKING, Any
 
 from gyrodrift.cli import numbers, options
+from gyrodrift.cli.simulated import simulated_ports
 
 if TYPE_CHECKING:
     from gyrodrift.link.listening import HeardPort
-    from gyrodrift.link.serial_port import SerialPort
 
 EXAMPLES = """\
 gyrodrift devices
@@ -44,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.link.options import LinkOptions
     from gyrodrift.link.port import serial_ports
 
-    ports = [*serial_ports(), *_simulated()]
+    ports = [*serial_ports(), *simulated_ports()]
     link_options = LinkOptions(port="", timeout_s=arguments.timeout, send=arguments.send or b"")
     heard = listen_at(ports, link_options) if arguments.listen else look_at(ports)
     if arguments.json:
@@ -54,15 +53,6 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         print("gyrodrift: no serial port is plugged in", file=sys.stderr)
     return 0
-
-
-def _simulated() -> "list[SerialPort]":
-    """Links of the simulated devices that run on this machine."""
-    from firmware_sim import reservation
-    from gyrodrift.link.serial_port import SerialPort
-
-    links = [link for link in reservation.reserved_links() if link.is_symlink()]
-    return [SerialPort(str(link), os.path.realpath(link), product="simulated device") for link in links]
 
 
 def _rows(heard: "HeardPort") -> str:

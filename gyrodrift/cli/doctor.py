@@ -118,8 +118,10 @@ def _evidence(arguments: argparse.Namespace) -> "list[DeviceEvidence]":
 
 def _at_port(arguments: argparse.Namespace, baud: int | None, progress: "Progress") -> "DeviceEvidence":
     """Evidence from the named port, or from the port of the gyro that is plugged in."""
+    from gyrodrift.cli.simulated import simulated_ports
     from gyrodrift.doctor.evidence import DeviceEvidence
     from gyrodrift.doctor.listen import listen
+    from gyrodrift.link.holder import is_console
     from gyrodrift.link.options import LinkOptions
     from gyrodrift.link.port import serial_ports
     from gyrodrift.link.search import find_gyro
@@ -130,10 +132,10 @@ def _at_port(arguments: argparse.Namespace, baud: int | None, progress: "Progres
     if link_options.port != options.AUTO_PORT:
         return listen(link_options, arguments.seconds, progress.report)
     ports = serial_ports()
-    if len(ports) == 1:  # a single port is checked even if no gyro speaks there
+    if len(ports) == 1 and not is_console(ports[0].device):  # a single port is checked even if no gyro speaks there
         return listen(replace(link_options, port=ports[0].name), arguments.seconds, progress.report)
     try:
-        target, port = find_gyro(ports, link_options, lambda *_, **__: None)
+        target, port = find_gyro(ports, link_options, lambda *_, **__: None, simulated_ports())
     except (UsageError, PortMissingError) as error:
         if not str(error).startswith("--port auto"):
             raise

@@ -120,7 +120,7 @@ def _host(host: HostClock | None) -> Iterator[TableLine]:
     else:
         is_odd = abs(host.drift_ppm) > DRIFT_ODD_PPM or host.drift_sd_ppm > DRIFT_UNCERTAIN_PPM
         digits = 0 if host.drift_sd_ppm > DRIFT_ROUGH_PPM else 2
-        drift = f"{host.drift_ppm:.{digits}f} ± {host.drift_sd_ppm:.{digits}f}"
+        drift = f"{host.drift_ppm:z.{digits}f} ± {host.drift_sd_ppm:.{digits}f}"
         uneven = "; too uneven for a drift: one of the clocks may have been set"
         uneven *= host.drift_sd_ppm > DRIFT_UNCERTAIN_PPM
         yield TableLine("drift", f"{drift} ppm, clock of the device against the host's{uneven}", is_odd)
@@ -192,7 +192,7 @@ def _metadata(session: Session) -> Iterator[Group]:
     """Metadata of the file."""
     for name, table in session.metadata.items():
         lines = [TableLine(_printable(key), _first_line(text)) for key, text in table.items()]
-        yield Group(f"kept: {_printable(name)}", lines or [TableLine("empty", "")])
+        yield Group(f"metadata: {_printable(name)}", lines or [TableLine("empty", "")])
 
 
 def _first_line(text: str) -> str:

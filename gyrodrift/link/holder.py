@@ -52,11 +52,16 @@ def _by_lock(device: str) -> PortHolder | None:
     return None  # no lock file, an invalid one, or its process is gone
 
 
-def _by_console(device: str) -> PortHolder | None:
+def is_console(path: str) -> bool:
+    """Whether the kernel writes its messages to this port."""
+    device = Path(os.path.realpath(path))
     with suppress(OSError):
-        if Path(device).parent == Path("/dev") and Path(device).name in CONSOLES.read_text(encoding="ascii").split():
-            return PortHolder("the kernel's console", None)
-    return None
+        return device.parent == Path("/dev") and device.name in CONSOLES.read_text(encoding="ascii").split()
+    return False
+
+
+def _by_console(device: str) -> PortHolder | None:
+    return PortHolder("the kernel's console", None) if is_console(device) else None
 
 
 def _process(pid: int) -> PortHolder:

@@ -10,8 +10,13 @@ from gyrodrift.link.port import Port
 from gyrodrift.link.serial_port import SerialPort
 
 
-def find_gyro(ports: Sequence[SerialPort], options: LinkOptions, on_event: EventHandler) -> tuple[LinkOptions, Port]:
+def find_gyro(
+    ports: Sequence[SerialPort], options: LinkOptions, on_event: EventHandler, simulated: Sequence[SerialPort] = ()
+) -> tuple[LinkOptions, Port]:
     """Options of the link to the only gyro, and its open port.
+
+    simulated
+        Simulated devices, which are never searched; the error lists them if no gyro is found.
 
     Raises
     ------
@@ -21,9 +26,8 @@ def find_gyro(ports: Sequence[SerialPort], options: LinkOptions, on_event: Event
         There are several gyros, or `--send` would reach several ports.
     """
     if not ports:
-        raise PortMissingError(
-            "--port auto: no serial port is plugged in; plug the gyro in, or name its port with --port"
-        )
+        says = "--port auto: no serial port is plugged in; plug the gyro in, or name its port with --port"
+        raise PortMissingError("\n".join([says, *_left_out(simulated)]))
     if options.send and len(ports) > 1:
         names = ", ".join(port.name for port in ports)
         raise UsageError(f"--port auto: --send would reach {names}; name one of them with --port")
@@ -34,7 +38,8 @@ def find_gyro(ports: Sequence[SerialPort], options: LinkOptions, on_event: Event
         for _, _, open_port in speakers:
             open_port.close()
         kind = UsageError if speakers else PortMissingError
-        raise kind(_listing(heard, len(speakers)))
+        lines = [_listing(heard, len(speakers)), *_left_out(() if speakers else simulated)]
+        raise kind("\n".join(lines))
     name, speech, open_port = speakers[0]
     on_event("port_found", port=name, protocol=speech.protocol, baud=speech.baud, rate_hz=_rounded(speech.rate_hz))
     return replace(options, port=name, baud=speech.baud, protocol=speech.protocol), open_port
@@ -52,6 +57,10 @@ def _listing(heard: Sequence[HeardPort], speakers: int) -> str:
     advice = "plug one in, or name its port with --port" if not speakers else "name one of them with --port"
     lines = [f"{port.port.name}: {speech_text(port.speech) if port.speech else port.reason}" for port in heard]
     return "\n".join([f"--port auto: {count}; {advice}", *lines])
+
+
+def _left_out(simulated: Sequence[SerialPort]) -> list[str]:
+    return [f"{port.name}: simulated device, which --port auto ignores" for port in simulated]
 
 
 def _rounded(rate_hz: float | None) -> float | None:

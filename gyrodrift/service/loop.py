@@ -183,7 +183,7 @@ class Service:
         """The run in one sentence, for the last line of the log."""
         counted = self.link.counted()
         lost = f"{counted['missing']} lost" + (f", {counted['damaged']} frames damaged" if counted["damaged"] else "")
-        yaw = f", yaw {of_listeners['yaw_deg']:+.2f} deg at the end" if "yaw_deg" in of_listeners else ""
+        yaw = f", yaw {of_listeners['yaw_deg']:+z.2f} deg at the end" if "yaw_deg" in of_listeners else ""
         return f"{counted['samples']} samples in {now_s - self._begun_s:.1f} s, {lost}{yaw}."
 
     def _log_stats(self, event: str, now_s: float, *, is_end: bool = False) -> None:

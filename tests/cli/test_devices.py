@@ -11,6 +11,10 @@ import pytest
 from support import Command, speaking_on
 
 from gyrodrift.cli import main
+from gyrodrift.cli import simulated as simulated_devices
+from gyrodrift.link import holder
+from gyrodrift.link import port as link_port
+from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.session.mcap.read import read_mcap
 
 Simulated = Callable[..., Path]
@@ -152,14 +156,31 @@ def test_a_simulated_device_is_listed_with_its_link(simulated: Simulated, monkey
 
 
 def test_port_auto_ignores_a_simulated_device(simulated: Simulated, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A robot never takes a simulation for its gyro."""
-    monkeypatch.setenv("SIMULATED_BELOW", str(simulated("gyro").parent))
+    """A robot never takes a simulation for its gyro. The message names the device, so that nobody searches for long."""
+    port = simulated("gyro")
+    monkeypatch.setenv("SIMULATED_BELOW", str(port.parent))
     with on([], "serve", "--port", "auto") as run:
         assert run.end() == 3
     assert "no serial port is plugged in" in run.log
+    assert f"gyrodrift: {port}: simulated device, which --port auto ignores\n" in run.log
 
 
 def test_a_service_wants_one_port_for_good(capsys: pytest.CaptureFixture[str]) -> None:
     """Where several are plugged in later, auto would end it."""
     assert main(["install-service", "--port", "auto", "--dry-run"]) == 2
     assert "gyrodrift devices --listen shows it" in capsys.readouterr().err
+
+
+def test_doctor_takes_the_console_of_the_kernel_for_no_gyro(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """On a machine whose only port is its console, no program needs to be stopped."""
+    (tmp_path / "active").write_text("ttyS9\n")
+    monkeypatch.setattr(holder, "CONSOLES", tmp_path / "active")
+    monkeypatch.setattr(link_port, "serial_ports", lambda: [SerialPort("/dev/ttyS9", "/dev/ttyS9")])
+    monkeypatch.setattr(simulated_devices, "simulated_ports", list)
+    assert main(["doctor", "--port", "auto", "--timeout", "1"]) == 3
+    told = capsys.readouterr().out
+    assert "No gyro found" in told
+    assert "/dev/ttyS9: in use by the kernel's console" in told
+    assert "Stop that program" not in told

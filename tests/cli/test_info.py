@@ -91,7 +91,7 @@ def test_values_stand_in_one_column(tmp_path: Path, capsys: pytest.CaptureFixtur
 def test_what_was_kept_beside_the_samples_is_shown_in_brief(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The first line of a long text, and nothing that a terminal would obey."""
     lines = described(capsys, written(tmp_path))
-    assert {"kept: device", "kept: simulation", "kept: empty"} <= set(lines)
+    assert {"metadata: device", "metadata: simulation", "metadata: empty"} <= set(lines)
     assert line_of(lines, "id").endswith("  bench-7")
     assert line_of(lines, "note").endswith("  left on the table?[31m over night")
     assert line_of(lines, "rig").endswith("  base:  (3 lines)")

@@ -127,7 +127,7 @@ def test_what_half_a_minute_of_rest_shows(port: Path, capsys: pytest.CaptureFixt
             ("clock_drift", "note", "times as fast as this computer: this is a replay"),
             ("sensor", "note", "MPU-6050 at ±250"),
             ("drift_start_calibration", "ok", "A start calibration of 3 s drifts ±"),
-            ("drift_hdr", "ok", "learns the rest from turns"),
+            ("drift_hdr", "ok", "learns the remaining bias from turns"),
             ("drift_restlevel", "ok", "does not drift at rest"),
         ],
     )

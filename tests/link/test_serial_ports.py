@@ -10,7 +10,7 @@ from serial.tools.list_ports_common import ListPortInfo
 from gyrodrift.link import holder as holder_module
 from gyrodrift.link import port as port_module
 from gyrodrift.link import serial_port as serial_port_module
-from gyrodrift.link.holder import PortHolder, holder_of
+from gyrodrift.link.holder import PortHolder, holder_of, is_console
 from gyrodrift.link.port import serial_ports
 from gyrodrift.link.serial_port import SerialPort
 
@@ -59,3 +59,4 @@ def test_the_console_of_the_kernel_counts_as_held(tmp_path: Path, monkeypatch: p
     monkeypatch.setattr(holder_module, "LOCKS", tmp_path)
     assert holder_of("/dev/ttyS9") == PortHolder("the kernel's console", None)
     assert holder_of("/dev/ttyS8") is None
+    assert (is_console("/dev/ttyS9"), is_console("/dev/ttyS8")) == (True, False)

@@ -57,7 +57,7 @@ def of_filter(chosen: Filter, evidence: DeviceEvidence) -> DeviceFinding | None:
     drift = of_bias(at_rest.bias_dps - state.bias_dps)
     return ok(
         f"{chosen.name} has learned {state.bias_dps:+.4f} of {at_rest.bias_dps:+.4f} deg/s; with that it drifts "
-        f"{drift}. It learns the rest from turns.",
+        f"{drift}. It learns the remaining bias from turns.",
         drift.hour_deg,
         UNIT,
     )
