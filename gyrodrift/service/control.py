@@ -39,6 +39,9 @@ LONGEST_PAUSE_S = 0.5
 """Longest pause after a slow command such as `reload`, s."""
 
 
+POLLED = (["status"], ["calibrate", "state"])
+"""Commands that clients repeat; they are not logged."""
+
 NOTHING: Mapping[int, int] = {}
 
 
@@ -284,7 +287,7 @@ class Control:
             return {"ok": False, "error": f"{words[0]} failed: {reason}"}
         if fields is None or callable(fields):
             return _Due(words, fields or run)
-        if words[0] != "status":
+        if words not in POLLED:
             self._log.info("control", command=" ".join(words))
         return {"ok": True, **fields}
 

@@ -88,7 +88,17 @@ def test_a_name_that_is_not_of_this_machine_is_refused(web: Web) -> None:
     status, text, _ = got(address, Host="evil.example")
     assert status == 403
     assert "add it with web:reached_as=NAME" in text
-    assert got(address, Host="[")[0] == 403
+    assert got(address, Host="[::1]:80")[0] == 200
+    for host in (
+        "[",
+        "localhost.",
+        "localhost.evil",
+        "127.0.0.1.",
+        "me@127.0.0.1",
+        "127.0.0.1#.evil",
+        "127.0.0.1/.evil",
+    ):
+        assert got(address, Host=host)[0] == 403
 
 
 def test_the_stream_is_for_its_own_page(web: Web) -> None:

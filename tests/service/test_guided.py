@@ -56,6 +56,8 @@ def test_it_measures_the_scale_writes_the_config_and_applies_it(tmp_path: Path) 
         assert state["step"] in ("turning", "idle"), state
         serve.until_log("event=calibration_applied")
         serve.until_log("event=config_applied")
+        assert "calibrate mark" in serve.log
+        assert "calibrate state" not in serve.log
     found = load_config(config).calibration
     assert found is not None
     assert found.scale_ccw == near(1.0 / GAIN_CCW, 0.002)

@@ -5,6 +5,7 @@ Otherwise a foreign page whose name resolves to this machine could read the stre
 """
 
 import ipaddress
+import re
 import socket
 from http import HTTPStatus
 from pathlib import Path
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 
 FOLDER = Path(__file__).with_name("page")
 STREAM = "/stream"
+
+HOST = re.compile(r"(\[[0-9A-Fa-f:.]+\]|[^\s/?#@:\\\[\]]+)(:[0-9]{1,5})?")
+"""Host header (RFC 9110, section 7.2): without user, path, query and zone, which a parser of URLs would accept."""
 
 KINDS = {
     ".html": "text/html; charset=utf-8",
@@ -90,6 +94,9 @@ def _single(headers: "Headers", name: str) -> str:
 
 
 def _name_in(host: str) -> str:
+    """Name in a Host header, in lower case; empty if the header is anything but a name and a port."""
+    if not HOST.fullmatch(host):
+        return ""
     try:
         return (urlsplit(f"//{host}").hostname or "").lower()
     except ValueError:
