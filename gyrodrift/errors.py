@@ -55,6 +55,13 @@ def visible(text: str) -> str:
     return CONTROLS.sub(lambda match: f"\\x{ord(match[0]):02x}", text)
 
 
+def printable(text: str) -> str:
+    r"""Escape each character that a terminal does not print in its place: `\x1b`, a mark of direction, `\udcff`."""
+    if text.isprintable():
+        return text
+    return "".join(character if character.isprintable() else repr(character)[1:-1] for character in text)
+
+
 class UsageError(GyrodriftError, ValueError):
     """Wrong arguments of a command or a function."""
 

@@ -5,7 +5,7 @@ import sys
 from io import TextIOBase
 from typing import Any, TextIO, cast
 
-from gyrodrift.errors import UsageError
+from gyrodrift.errors import UsageError, printable
 from gyrodrift.log_stream import UnwaitingStream
 from gyrodrift.logger import FilteringBoundLogger, structlog
 from gyrodrift.secret import without_secrets
@@ -72,8 +72,8 @@ def _public(_logger: Any, _method: str, entry: structlog.typing.EventDict) -> st
 def _printable(_logger: Any, _method: str, entry: structlog.typing.EventDict) -> structlog.typing.EventDict:
     """Escape control characters: names of devices and clients must not command a terminal."""
     for key, value in entry.items():
-        if isinstance(value, str) and not value.isprintable():
-            entry[key] = "".join(character if character.isprintable() else repr(character)[1:-1] for character in value)
+        if isinstance(value, str):
+            entry[key] = printable(value)
     return entry
 
 

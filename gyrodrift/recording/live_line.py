@@ -6,6 +6,7 @@ import sys
 from contextlib import suppress
 from typing import Any, TextIO
 
+from gyrodrift.errors import printable
 from gyrodrift.link.link import Link
 from gyrodrift.recording.live_yaw import LiveYaw
 from gyrodrift.recording.recorder import Recorder
@@ -39,7 +40,7 @@ class LiveLine:
     def text(self, now_s: float) -> str:
         """Text of the line."""
         if self._first_s is None:
-            return f"waiting for samples on {self._link.name}"
+            return printable(f"waiting for samples on {self._link.name}")
         (then_s, samples, size), (_, samples_now, size_now) = self._marks[0], self._marks[-1]
         elapsed_s = max(now_s - then_s, 1e-9)
         counters, decoder = self._link.counters, self._link.decoder

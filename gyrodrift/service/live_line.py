@@ -2,11 +2,13 @@
 
 import errno
 import os
+from bisect import bisect_right
 from collections.abc import Mapping
+from itertools import accumulate
 from math import isfinite
 from typing import Any
 
-from gyrodrift.errors import visible
+from gyrodrift.errors import printable
 from gyrodrift.link.link import Link
 from gyrodrift.sample import Corrected
 from gyrodrift.service.sink import ReaderGoneError
@@ -18,6 +20,9 @@ SILENT_S = 2.0
 
 RATE_S = 2.0
 """The sample rate is the mean over at least this time, s."""
+
+FIRST_WIDE = "\u1100"
+"""First character that takes two columns (Unicode Standard Annex 11)."""
 
 NO_WAKES: Mapping[int, int] = {}
 
@@ -55,12 +60,12 @@ class ServiceLine:
         self._marks.append((now_s, self._link.counters.samples))
         while len(self._marks) > 2 and now_s - self._marks[1][0] >= RATE_S:
             del self._marks[0]
-        self._write(CLEAR + self.text()[: self._columns()])
+        self._write(CLEAR + _cut(self.text(), self._columns()))
 
     def text(self) -> str:
-        """The line, without control characters."""
+        """The line, of printable characters only."""
         if self._last is None:
-            return visible(f"waiting for samples on {self._link.name}")
+            return printable(f"waiting for samples on {self._link.name}")
         last, (begin_s, begin), (now_s, now) = self._last, self._marks[0], self._marks[-1]
         rate_hz = (now - begin) / max(now_s - begin_s, 1e-9)
         parts = [
@@ -107,6 +112,18 @@ class ServiceLine:
             if error.errno in (errno.EPIPE, errno.EIO):
                 raise ReaderGoneError from error
             raise
+
+
+def _cut(text: str, columns: int | None) -> str:
+    """Cut a text to columns of a terminal; some characters, such as Chinese ones, take two."""
+    if columns is None or len(text) * 2 <= columns:
+        return text
+    if max(text) < FIRST_WIDE:
+        return text[:columns]
+    from unicodedata import east_asian_width  # noqa: PLC0415 - only for a line with such a character
+
+    ends = list(accumulate(2 if east_asian_width(character) in "WF" else 1 for character in text))
+    return text[: bisect_right(ends, columns)]
 
 
 def _signed(value: float, digits: int) -> str:

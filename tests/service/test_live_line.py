@@ -1,15 +1,22 @@
 """`serve` on a terminal: one line that is updated in place, log lines above it, and a sentence at the end."""
 
+import os
+import pty
 import signal
+import termios
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
+import pyte
 import pytest
 from outputs_support import csv_at_100_hz
 from support import Terminal, never, ours, speaking_on
 
 from firmware_sim.pty import PtyDevice
+from gyrodrift.service.live_line import ServiceLine
 
 
 @contextmanager
@@ -66,3 +73,25 @@ def test_json_lines_come_on_a_terminal_when_they_are_asked_for(port: Path) -> No
         device.send_all(csv_at_100_hz(100), never)
         terminal.until(lambda it: '"yaw_deg":' in it.text, "JSON")
         assert "link ok" not in terminal.text
+
+
+@pytest.mark.parametrize("name", ["gyro\udcff", "陀螺" * 20, "a\u202eb\x1b[31m", "x" * 99], ids=ascii)
+@pytest.mark.parametrize("columns", [2, 20, 60])
+def test_any_name_of_a_port_fits_on_the_line(name: str, columns: int) -> None:
+    """A path that is no text, wide characters, and marks of direction; the line stays one line."""
+    screen = pyte.Screen(columns, 2)
+    master, slave = pty.openpty()
+    try:
+        termios.tcsetwinsize(slave, (2, columns))
+        link: Any = SimpleNamespace(name=name, counters=SimpleNamespace(samples=0))
+        line = ServiceLine(link, slave)
+        for now_s in range(3):
+            line.tick(float(now_s))
+        sent = os.read(master, 1 << 16)
+    finally:
+        os.close(master)
+        os.close(slave)
+    pyte.ByteStream(screen).feed(sent)
+    assert screen.cursor.y == 0
+    assert screen.display[0].startswith("waiting for samples"[: columns - 1])
+    assert "\u202e" not in sent.decode()
