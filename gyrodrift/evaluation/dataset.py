@@ -11,6 +11,7 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
 from gyrodrift.evaluation.integration import start_calibrated, trapezium
+from gyrodrift.evaluation.motion import longest_motion_s
 from gyrodrift.evaluation.reference import Reference, timed_reference_of
 from gyrodrift.evaluation.score import Score, score_of
 from gyrodrift.session.calibrated import calibrated
@@ -69,6 +70,8 @@ class SessionSummary:
         Sentences about suspect data.
     plain, start
         Scores of plain integration and of a start calibration; None if they were not computed.
+    longest_motion_s
+        Longest motion without a rest, by the reference; None if it was not computed.
     """
 
     name: str
@@ -78,6 +81,7 @@ class SessionSummary:
     warnings: tuple[str, ...] = ()
     plain: Score | None = None
     start: Score | None = None
+    longest_motion_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,6 +126,7 @@ def load_with_reference(source: Source) -> LoadedSession:
         warnings,
         plain=score_of(reference, trapezium(reference.dt_s, reference.rate_dps)),
         start=score_of(reference, start_calibrated(t_s, reference.rate_dps)),
+        longest_motion_s=longest_motion_s(t_s, reference.reference_deg),
     )
     return LoadedSession(reference, described, t_s)
 

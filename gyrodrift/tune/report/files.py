@@ -157,8 +157,18 @@ def summary(tuning: Tuning) -> list[str]:
     """The result as lines for a terminal: every alternative, the best one, and its parameters."""
     lines = [f"mean yaw error E in deg, {_held_out_words(tuning)}"]
     lines += _aligned([["", "training", "held out"], *(_summary_row(tuning, way) for way in tuning.alternatives)])
-    lines.append(f"* {verdict_words(tuning)}")
+    lines += [f"* {verdict_words(tuning)}", *_motion_words(tuning)]
     return lines + [f"{name} = {value:.6g}" for name, value in asdict(tuning.params).items()]
+
+
+def _motion_words(tuning: Tuning) -> list[str]:
+    """A line with the longest motion that the tuned parameters were tested on; no line for defaults."""
+    motions_s = [score.session.longest_motion_s for score in tuning.scores]
+    tested_s = [motion_s for motion_s in motions_s if motion_s is not None]
+    if tuning.is_default_written or not tested_s:
+        return []
+    limit = f"longest motion without a rest in these sessions: {max(tested_s):.0f} s"
+    return [f"* {limit}; the parameters are not tested on longer motion"]
 
 
 def _held_out_words(tuning: Tuning) -> str:
