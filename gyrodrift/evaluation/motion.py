@@ -20,10 +20,11 @@ def longest_motion_s(t_s: Floats, reference_deg: Floats) -> float:
         Unwrapped reference angle, deg, NaN if unknown, shape (n,).
     """
     is_known = np.isfinite(reference_deg)
-    if is_known.sum() < 2:
+    known_s = t_s[is_known]
+    if not len(known_s):
         return 0.0
-    grid_s = np.arange(t_s[0], t_s[-1] + STEP_S, STEP_S)
-    angle_deg = np.interp(grid_s, t_s[is_known], reference_deg[is_known])
-    is_moving = np.concatenate(([False], np.abs(np.diff(angle_deg)) >= REST_DEG, [False])).astype(np.int8)
-    changes = np.flatnonzero(np.diff(is_moving))
-    return float((changes[1::2] - changes[::2]).max(initial=0)) * STEP_S
+    seconds, first = np.unique((known_s - known_s[0]) // STEP_S, return_index=True)
+    start_s, angle_deg = known_s[first], reference_deg[is_known][first]
+    is_moving = np.abs(np.diff(angle_deg)) >= REST_DEG * np.diff(seconds)
+    changes = np.flatnonzero(np.diff(np.concatenate(([False], is_moving, [False])).astype(np.int8)))
+    return float((start_s[changes[1::2]] - start_s[changes[::2]]).max(initial=0.0))

@@ -21,3 +21,9 @@ def test_samples_without_a_reference_do_not_end_a_motion() -> None:
     reference_deg[1::2] = np.nan
     assert abs(longest_motion_s(t_s, reference_deg) - 20.0) <= 1.0
     assert longest_motion_s(t_s, np.full_like(t_s, np.nan)) == 0.0
+
+
+def test_a_jump_of_the_clock_by_years_costs_no_memory() -> None:
+    """Only seconds with samples are looked at."""
+    t_s = np.concatenate((np.arange(0.0, 5.0, 0.01), 1e12 + np.arange(0.0, 5.0, 0.01)))
+    assert longest_motion_s(t_s, np.zeros_like(t_s)) == 0.0
