@@ -16,7 +16,7 @@ class ControlClient:
     ------
     UsageError
         From the constructor and from `ask`, if there is no service, this user may not control it, or it does not
-        answer.
+        answer. From `ask`, if a command has a line break.
     """
 
     def __init__(self, path: Path, patience_s: float) -> None:
@@ -44,8 +44,10 @@ class ControlClient:
 
     def ask(self, command: str) -> dict[str, Any]:
         """Send a command and wait for its answer."""
+        if "\n" in command:
+            raise UsageError(f"{command!r} has a line break; it would be two commands")
         try:
-            self._connection.sendall(command.encode() + b"\n")
+            self._connection.sendall(command.encode(errors="backslashreplace") + b"\n")
             while b"\n" not in self._pending:
                 chunk = self._connection.recv(1 << 16)
                 if not chunk:

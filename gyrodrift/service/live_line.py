@@ -106,8 +106,10 @@ class ServiceLine:
         return columns - 1 if columns else None
 
     def _write(self, text: str) -> None:
+        rest = text.encode()
         try:
-            send_unwaiting(self._fd, text.encode())
+            while rest and (sent := send_unwaiting(self._fd, rest)):  # after `su` a terminal takes one byte at a time
+                rest = rest[sent:]
         except OSError as error:
             if error.errno in (errno.EPIPE, errno.EIO):
                 raise ReaderGoneError from error

@@ -317,3 +317,5 @@ def test_only_loopback_addresses_count_as_this_machine() -> None:
         page_url([OutputStatus("web", "http://192.0.2.1:8117")], "t")
     with pytest.raises(AddressError, match="no live page is open"):
         page_url(opened[:1], "t")
+    with pytest.raises(AddressError, match="the live page is not open: port 8117 is in use"):
+        page_url([OutputStatus("web", problem="port 8117 is in use")], "t")

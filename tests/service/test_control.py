@@ -169,3 +169,13 @@ def test_zero_restarts_sigma_and_aligns_the_encoder(service: Controlled) -> None
     after = service.feed(1)[-1]
     assert after["yaw_sigma_deg"] < 0.1
     assert after["yaw_deg"] < 0.2
+
+
+@pytest.mark.parametrize(("word", "said"), [("1\nstop", "has a line break"), ("\udcff", "expected heading DEG")])
+def test_an_argument_is_no_second_command(service: Controlled, word: str, said: str) -> None:
+    """A script may pass what somebody typed; the service goes on."""
+    status, _, log = ctl(service.path, "heading", word)
+    assert status == 2
+    assert said in log
+    assert "Traceback" not in log
+    assert service.feed(50)[-1]["seq"] == 49

@@ -95,3 +95,23 @@ def test_any_name_of_a_port_fits_on_the_line(name: str, columns: int) -> None:
     assert screen.cursor.y == 0
     assert screen.display[0].startswith("waiting for samples"[: columns - 1])
     assert "\u202e" not in sent.decode()
+
+
+def test_a_terminal_of_another_user_shows_the_whole_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    """After `su` it cannot be opened again, and takes one byte at a time."""
+    really_open = os.open
+
+    def refuse(path: str, *rest: Any, **options: Any) -> int:
+        if str(path).startswith("/proc/self/fd/"):
+            raise PermissionError(13, "Permission denied")
+        return really_open(path, *rest, **options)
+
+    monkeypatch.setattr(os, "open", refuse)
+    master, slave = pty.openpty()
+    try:
+        link: Any = SimpleNamespace(name="gyro", counters=SimpleNamespace(samples=0))
+        ServiceLine(link, slave).tick(0.0)
+        assert os.read(master, 1 << 16).endswith(b"waiting for samples on gyro")
+    finally:
+        os.close(master)
+        os.close(slave)

@@ -21,10 +21,13 @@ def page_url(outputs: Iterable[OutputStatus], token: str) -> str:
     AddressError
         If there is none.
     """
-    pages = [urlsplit(status.address) for status in outputs if status.output.partition(":")[0] == WEB]
+    statuses = [status for status in outputs if status.output.partition(":")[0] == WEB]
+    pages = [urlsplit(status.address) for status in statuses]
     open_pages = [page for page in pages if page.hostname and page.port]
-    if not open_pages:
+    if not statuses:
         raise AddressError("no live page is open; start serve with --output web")
+    if not open_pages:
+        raise AddressError(f"the live page is not open: {statuses[0].problem or 'is being opened'}")
     for page in open_pages:
         host = loopback_of(page.hostname or "")
         if host:

@@ -27,7 +27,9 @@ COMMANDS = re.compile(
 PATIENCE_S = 20.0
 """The service answers within 3 s; a busy machine takes longer, s."""
 
-LONGEST_ANSWER = 64 << 10
+LONGEST_ANSWER = 1 << 20
+"""A recording with rotation may have thousands of files, bytes."""
+
 MOST_PENDING = 4
 
 
