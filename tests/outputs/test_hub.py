@@ -220,7 +220,7 @@ LISTENING = "import socket; s = socket.create_server(('127.0.0.1', 0)); print(s.
 
 def problem(outputs: HubThread) -> str:
     """Why the last of the outputs is not open."""
-    return next(each[-1].problem for each in iter(outputs.statuses, None) if each and "taken" in each[-1].problem)
+    return next(each[-1].problem for each in iter(outputs.statuses, None) if each and "is used" in each[-1].problem)
 
 
 def test_a_port_that_is_taken_is_told_with_by_whom_and_tried_again(
