@@ -34,7 +34,7 @@ Answer = Mapping[str, Any]
 class GuidedCalibration:
     """Hears the samples as measured, and writes the result into the config of the service.
 
-    Without a config the result is applied until the service ends.
+    Without a config, or if it cannot be written, the result is applied until the service ends.
     """
 
     filtering: Filtering
@@ -146,16 +146,20 @@ class GuidedCalibration:
         try:
             device_id = device_identity(link.device.device_id, link.name)
             calibration = guide.result(datetime.now(UTC), device_id, link.device.dps_per_lsb)
-            if watch is not None:
-                _write(watch.path, calibration)
-        except (CalibrationError, UsageError, OSError) as error:
+        except CalibrationError as error:
             self._end(f"Nothing is written: {error}")
             return
-        if watch is None:
-            self.filtering.calibrating.follow(calibration, self.filtering.state.bias_dps)
-            self._end("Applied until the service ends; start serve with --config FILE to keep it.")
-        else:
-            self._end(f"Written to {watch.path}; it is applied at once.")
+        hint = "start serve with --config FILE to keep it"
+        if watch is not None:
+            try:
+                _write(watch.path, calibration)
+            except (UsageError, OSError) as error:  # the turns are not lost
+                hint = f"it is not written: {error}"
+            else:
+                self._end(f"Written to {watch.path}; it is applied at once.")
+                return
+        self.filtering.calibrating.follow(calibration, self.filtering.state.bias_dps)
+        self._end(f"Applied until the service ends; {hint.rstrip('.')}.")
 
 
 def _write(path: Path, calibration: Calibration) -> None:

@@ -20,6 +20,7 @@ from gyrodrift.errors import CalibrationError
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.sample import Sample
 from gyrodrift.service import guided
+from gyrodrift.service.calibrating import Calibrating
 from gyrodrift.service.control_client import ControlClient
 from gyrodrift.service.guided import GuidedCalibration
 
@@ -90,7 +91,9 @@ def begun(config: Path | None = None) -> GuidedCalibration:
     device = DeviceDescription()
     link = SimpleNamespace(decoder=None, device=device, name="gyro", silent_s=lambda: 0.0)
     watch = None if config is None else SimpleNamespace(path=config)
-    filtering: Any = SimpleNamespace(link=link, log=structlog.get_logger(), watch=watch)
+    log = structlog.get_logger()
+    filtering: Any = SimpleNamespace(link=link, log=log, watch=watch, state=SimpleNamespace(bias_dps=0.0))
+    filtering.calibrating = Calibrating(filtering.link, log, lambda *_: None)
     calibration = GuidedCalibration(filtering)
     waited_for(calibration.start())
     return calibration
@@ -138,20 +141,31 @@ def test_a_calibration_that_its_user_left_ends() -> None:
     assert calibration.state()["says"][-1] == "No key for 5 min; nothing is written."
 
 
-@pytest.mark.parametrize("content", [b"filter: [", b"filter: \xff", None], ids=["no YAML", "no text", "a pipe"])
-def test_a_config_that_cannot_be_read_any_more_is_left_as_it_is(
+NO_FOLDER = b""
+"""Content of a config whose folder is gone."""
+
+
+@pytest.mark.parametrize(
+    "content", [b"filter: [", b"filter: \xff", None, NO_FOLDER], ids=["no YAML", "no text", "a pipe", "no folder"]
+)
+def test_a_config_that_cannot_be_written_costs_no_calibration(
     content: bytes | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The calibration ends with the reason; nothing waits for a pipe."""
-    config = tmp_path / "my.yaml"
-    if content is None:
+    """The calibration is applied, and the reason is told; nothing waits for a pipe."""
+    config = tmp_path / ("my.yaml" if content != NO_FOLDER else "gone/my.yaml")
+    if content == NO_FOLDER:
+        pass
+    elif content is None:
         os.mkfifo(config)
     else:
         config.write_bytes(content)
     calibration = begun(config)
-    monkeypatch.setattr(Guide, "result", lambda *_: Calibration("2026-05-01T12:00:00+00:00"))
+    found = Calibration("2026-05-01T12:00:00+00:00")
+    monkeypatch.setattr(Guide, "result", lambda *_: found)
     calibration.press("finish")
     state = calibration.state()
     assert state["step"] == "idle"
-    assert state["says"][-1].startswith(f"Nothing is written: {config}: is no ")
-    assert content is None or config.read_bytes() == content
+    assert state["says"][-1].startswith("Applied until the service ends; it is not written: ")
+    assert str(config) in state["says"][-1]
+    assert calibration.filtering.calibrating.given == found
+    assert not content or config.read_bytes() == content
