@@ -13,25 +13,25 @@ from gyrodrift.errors import GyrodriftError, UsageError, visible
 from gyrodrift.secret import mentions_secret, shown_words
 
 COMMANDS = {
-    "serve": "read a device, correct its drift, emit yaw as JSON lines",
+    "serve": "read a gyro, correct its drift, print yaw",
     "ctl": "control a running service: zero, heading, rest, rate, status, reload, stop",
     "install-service": "run serve under systemd: unit, udev rule, start",
-    "calibrate": "scale, sign, bias and noise of a gyro from whole turns against a mark, into the config",
+    "calibrate": "measure scale, sign, bias and noise by whole turns against a mark, for the config",
     "devices": "list serial ports: stable name, maker, process that holds the port, device",
     "doctor": "find problems of a device or a recording, with remedies and the expected drift",
     "top": "watch a running service in the terminal",
     "record": "record a device into session files",
     "tune": "find filter parameters from recorded sessions",
     "diagnose": "name the effect that explains the gap between a simulator and recordings",
-    "compare": "compare these filters with plain integration, Fusion and VQF on the same sessions",
-    "filter": "run the same filter over a recorded session",
+    "compare": "compare the filters with plain integration, x-io Fusion, VQF and others on your sessions",
+    "filter": "run the filter of serve over a recorded session",
     "info": "describe recorded sessions: rate, gaps, clocks, temperature, rest, noise",
     "simulate": "write sessions of the simulated rig, without waiting for real time",
-    "simulated-device": "a simulated gyro on a serial port, to try every command without hardware",
+    "simulated-device": "simulate a gyro on a serial port, to try every command without hardware",
     "replay": "play a recorded session through a pty that looks like the device",
-    "convert": "a session from .mcap to .csv or back, or for other programs",
-    "repair": "close session files that were cut off, and mend damaged ones",
-    "demo": "simulated turntable, live view, yaw error raw and corrected; no hardware",
+    "convert": "convert a session to .mcap, .csv, .json, .jsonl or .parquet",
+    "repair": "repair interrupted and damaged session files",
+    "demo": "show a simulated turntable live, with raw and corrected yaw error; no hardware",
     "completion": "print the script for shell completion",
     "help": "show the help of a command",
 }
@@ -162,7 +162,7 @@ def program_parser() -> Parser:
     listing = "\n".join(f"  {command:{width}}  {what}" for command, what in COMMANDS.items())
     parser = Parser(
         usage="gyrodrift COMMAND ... (gyrodrift help COMMAND for its options)",
-        description=f"Yaw from a low-cost gyro, with the drift taken out as it streams.\n\ncommands:\n{listing}",
+        description=f"Correct the yaw drift of a low-cost gyro in real time.\n\ncommands:\n{listing}",
         epilog=f"examples:\n{indent(EXAMPLES, '  ')}\n{EPILOG}",
     )
     parser.add_argument("--version", action="version", version=version_line())

@@ -9,7 +9,7 @@ WHEN = {
     "reversing": "after reversals",
     "warm": "as it warms or cools",
     "early": "soon after power-on",
-    "late": "in the course of time",
+    "late": "over time",
     "always": "at all times",
 }
 """By the names that features give them."""

@@ -130,6 +130,6 @@ def _beside(best: Fit, regressor: Regressor, judged: set[str], causes: Sequence[
     if agrees or not cannot_judge:
         says = f"{'agrees on' if agrees else 'disagrees: it would name'} {effect}"
     else:
-        agrees, says = None, f"sees {effect}; of {', '.join(names)} it cannot judge"
+        agrees, says = None, f"sees {effect}; cannot judge {', '.join(names)}"
     unit = unit_of(regressor.parameter)
     return LinearModel(effect, regressor.parameter, value, value - spread, value + spread, unit, gain, agrees, says)

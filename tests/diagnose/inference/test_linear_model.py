@@ -120,7 +120,7 @@ def test_every_linear_effect_is_told_from_the_others() -> None:
         ([named("latency", "scale_factor")], True, "agrees on scale_factor"),
         ([named("temp_bias")], False, "disagrees: it would name scale_factor"),
         ([], False, "disagrees: it would name scale_factor"),
-        ([named("latency")], None, "sees scale_factor; of latency it cannot judge"),
+        ([named("latency")], None, "sees scale_factor; cannot judge latency"),
     ],
 )
 def test_what_it_says_of_a_verdict(causes: list[NamedCause], agrees: bool | None, says: str) -> None:  # noqa: FBT001 - parametrized
