@@ -234,7 +234,7 @@ def test_a_port_that_is_taken_is_told_with_by_whom_and_tried_again(
         outputs.want(f"tcp:port={port}")
         name = Path(f"/proc/{holder.pid}/comm").read_text().strip()
         assert problem(outputs) == (
-            f"port 127.0.0.1:{port} is used by {name} (process {holder.pid}); give another with port="
+            f"port 127.0.0.1:{port} is used by {name} (process {holder.pid}); choose another with port="
         )
         holder.communicate(b"\n")
     assert address(outputs) == ("127.0.0.1", port)
@@ -248,7 +248,7 @@ def test_a_path_that_is_no_socket_is_left_alone(outputs: HubThread, tmp_path: Pa
     file.write_text("mine")
     outputs.want(f"unix:path={file}")
     (status,) = next(each for each in iter(outputs.statuses, None) if each and "no socket" in each[0].problem)
-    assert status.problem == f"{file} is there and is no socket; give another with path="
+    assert status.problem == f"{file} exists and is no socket; choose another with path="
     assert file.read_text() == "mine"
     left = tmp_path / "left"
     with socket.socket(socket.AF_UNIX) as dead:
