@@ -26,10 +26,10 @@ def _filter_figures(now: FilterStatus) -> list[Figure]:
     heading = [Figure("Heading", f"{now.heading_deg:.1f}°")] if now.heading_deg is not None else []
     scale = [Figure("Sigma of scale", f"{now.scale_sigma_deg:.2f} deg")] if now.scale_sigma_deg is not None else []
     return [
-        Figure("Yaw", f"{now.yaw_deg:+.2f}{_margin(now.yaw_sigma_deg, 2)} deg"),
+        Figure("Yaw", f"{now.yaw_deg:+z.2f}{_margin(now.yaw_sigma_deg, 2)} deg"),
         *scale,
         *heading,
-        Figure("Bias", f"{now.bias_dps:+.4f}{_margin(now.bias_sigma_dps, 4)} deg/s"),
+        Figure("Bias", f"{now.bias_dps:+z.4f}{_margin(now.bias_sigma_dps, 4)} deg/s"),
         Figure("At rest", rest),
         Figure("Temperature", UNKNOWN if now.temp_c is None else f"{now.temp_c:.1f} °C"),
     ]

@@ -12,6 +12,7 @@ from rich.console import Console
 from support import Command, Terminal, never, ours
 
 from gyrodrift.outputs.status import ClientStatus, FilterStatus, LinkStatus, OutputStatus, ServiceStatus
+from gyrodrift.outputs.words import figures
 from gyrodrift.top.view import YawPoint, draw, sparkline
 
 
@@ -105,6 +106,13 @@ def test_clients_and_what_is_wrong_are_shown() -> None:
     ):
         assert said in shown
     assert "3 frames are damaged (23.1%); check cable, ground and baud." in shown
+
+
+def test_a_zero_has_no_minus_sign() -> None:
+    """A yaw just below zero rounds to zero."""
+    status = ServiceStatus(filter=FilterStatus(yaw_deg=-0.004, bias_dps=-0.00004))
+    values = {figure.label: figure.says for figure in figures(status)}
+    assert (values["Yaw"], values["Bias"]) == ("+0.00 deg", "+0.0000 deg/s")
 
 
 @pytest.mark.parametrize(("columns", "rows"), [(80, 24), (200, 50)])
