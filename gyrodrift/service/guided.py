@@ -42,6 +42,7 @@ class GuidedCalibration:
     _says: deque[str] = field(default_factory=lambda: deque(maxlen=KEPT_SENTENCES))
     _clipped: int = 0
     _unattended_since_s: float | None = None
+    _device_id: str = ""
 
     def start(self) -> Callable[[], Answer | None]:
         """Begin with the rest; the answer waits until the packages are loaded.
@@ -62,7 +63,7 @@ class GuidedCalibration:
             if self._guide is not None:
                 raise CalibrationError("a calibration runs already; finish or cancel it first")
             self._says.clear()
-            self._unattended_since_s = None
+            self._unattended_since_s, self._device_id = None, ""
             self._guide = Guide(CalibrationPlan(), self._says.append)
             self._guide.begin()
             return self.state()
@@ -101,6 +102,11 @@ class GuidedCalibration:
         guide, decoder = self._guide, self.filtering.link.decoder
         if guide is None or not samples:
             return
+        device_id = self.filtering.link.device.device_id or self._device_id  # a name may come late
+        if self._device_id not in ("", device_id):
+            self._end("Another device is connected; nothing is written.")
+            return
+        self._device_id = device_id
         clipped = decoder.counters.clipped if decoder else 0
         newly_clipped, self._clipped = clipped - self._clipped, clipped
         self._go_on(guide, lambda: guide.take(samples, newly_clipped))

@@ -118,6 +118,20 @@ def test_a_mistake_in_a_calibration_does_not_end_the_service(monkeypatch: pytest
     assert calibration.state()["says"][-1] == "Nothing is written: ValueError: zero-size array"
 
 
+def test_another_device_ends_a_calibration() -> None:
+    """The rest of one device and the turns of another give no scale; a name that comes late is no other device."""
+    calibration = begun()
+    link: Any = calibration.filtering.link
+    for device_id in (None, "first", None, "first"):
+        link.device = DeviceDescription(device_id=device_id)
+        calibration.take([Sample(0, 0.0, 0.0, 0.0)])
+        assert calibration.state()["step"] == "ready"
+    link.device = DeviceDescription(device_id="second")
+    calibration.take([Sample(1, 0.01, 0.01, 0.0)])
+    assert calibration.state()["step"] == "idle"
+    assert calibration.state()["says"][-1] == "Another device is connected; nothing is written."
+
+
 def test_a_second_calibration_is_refused_while_one_runs() -> None:
     """Another client does not discard the turns of the first."""
     calibration = begun()
