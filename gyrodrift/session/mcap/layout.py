@@ -91,3 +91,6 @@ READ_HEAD = struct.Struct("<BQHIQQIdI")
 
 LATEST_NS = 1 << 63
 """Times in message heads are clipped to this; the values of the samples are not."""
+
+REPAIR, PROVED = "repair", "samples_proved"
+"""Metadata table of a file that `repair` wrote, and its entry: "no" where no checksum proved the samples."""

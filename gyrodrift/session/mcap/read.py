@@ -23,6 +23,8 @@ from gyrodrift.session.mcap.layout import (
     MAGIC,
     MESSAGE_LENGTH,
     MESSAGE_OPCODE,
+    PROVED,
+    REPAIR,
     SAMPLES,
     STILLS,
 )
@@ -48,6 +50,10 @@ OPTIONAL = ("t_host_s", "encoder_deg", "temp_c")
 
 MESSAGE_BODY = 22
 """Offset of the content of a message, after channel, sequence, log and publish time."""
+
+UNPROVED = (
+    "it was repaired from a damaged file without usable checksums: samples may be wrong, repeated or in another order"
+)
 
 VALUES = ("seq", "t_device_s", "rate_dps", *OPTIONAL)
 
@@ -162,7 +168,7 @@ class _Columns:
             still=self._still(),
             metadata=metadata,
             damage=self._survey.damage(columns["t_device_s"]),
-            remarks=(),
+            remarks=(UNPROVED,) if metadata.get(REPAIR, {}).get(PROVED) == "no" else (),
         )
 
 

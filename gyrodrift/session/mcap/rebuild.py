@@ -13,7 +13,7 @@ from mcap.opcode import Opcode
 
 from gyrodrift.files import whole_file
 from gyrodrift.session.damage import RecordingDamage
-from gyrodrift.session.mcap.layout import EVENTS, READS, STILLS
+from gyrodrift.session.mcap.layout import EVENTS, PROVED, READS, REPAIR, STILLS
 from gyrodrift.session.mcap.surveyed import Survey
 from gyrodrift.session.mcap.walk import BrokenRecordError, PlacedRecord, SampleRows, Walk, metadata_of
 from gyrodrift.session.mcap.write import MESSAGE_START, McapWriter
@@ -29,7 +29,7 @@ def rebuild(path: Path, file: IO[bytes], file_survey: Survey, damage: RecordingD
     except OSError:  # a disk without links, such as FAT, or a file of another user
         shutil.copy(path, kept)
     with whole_file(path) as fresh:
-        writer = McapWriter(fresh, {"repair": _damage_table(damage)})
+        writer = McapWriter(fresh, {REPAIR: _damage_table(damage)})
         _Copy(Walk(file, file_survey.stretches), file_survey, writer).run()
         writer.finish()
     return kept
@@ -49,6 +49,7 @@ def _damage_table(damage: RecordingDamage) -> dict[str, str]:
         "damage": str(damage),
         "samples_lost": str(damage.lost_count),
         "seconds_lost": f"{damage.lost_seconds:.6g}",
+        PROVED: "yes" if damage.is_sure else "no",
     }
 
 
@@ -87,7 +88,8 @@ class _Copy:
         body = self._walk.body(record)
         if record.opcode == Opcode.METADATA:
             table = metadata_of(body)
-            self._writer.add_metadata(table.name, table.metadata)
+            if table.name != REPAIR or table.metadata.get(PROVED) == "no":  # once unproved, always unproved
+                self._writer.add_metadata(table.name, table.metadata)
         elif record.opcode == Opcode.MESSAGE and len(body) >= MESSAGE_START.size:
             channel_id, _, log_ns, _ = MESSAGE_START.unpack_from(body)
             content = body[MESSAGE_START.size :]

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fuzz.command import CORPUS
+from fuzz.damage_target import changed_recording
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.reader import make_reader
@@ -17,6 +19,7 @@ from gyrodrift.session.mcap.checksums import MARKER, PIECE_SAMPLES
 from gyrodrift.session.mcap.interrupted import is_closed
 from gyrodrift.session.mcap.layout import CLOSED_TAIL, CLOSED_TAIL_BYTES, MESSAGE
 from gyrodrift.session.mcap.read import read_mcap
+from gyrodrift.session.mcap.repair import repair
 from gyrodrift.session.mcap.write import McapWriter
 from gyrodrift.session.session import Session
 
@@ -207,3 +210,16 @@ def test_public_readers_take_the_tables_as_they_are() -> None:
     assert type(records[-1]).__name__ == "Footer"
     messages = list(make_reader(io.BytesIO(WHOLE), validate_crcs=True).iter_messages(["/gyro"]))
     assert len(messages) == COUNT
+
+
+def test_a_repair_without_checksums_is_told_each_time_the_file_is_read(tmp_path: Path) -> None:
+    """A copied block makes samples come twice; a second repair does not take the remark away."""
+    path = tmp_path / "d.mcap"
+    path.write_bytes(changed_recording((CORPUS / "damage" / "copied-block-of-samples").read_bytes()))
+    assert repair(path) is not None
+    session = read_mcap(path)
+    assert session.damage is None
+    assert "repaired from a damaged file" in session.remarks[0]
+    path.write_bytes(path.read_bytes().replace(b"/gyro", b"/gy\0o", 1))
+    assert repair(path) is not None
+    assert read_mcap(path).remarks == session.remarks
