@@ -91,6 +91,23 @@ def test_a_device_that_starts_elsewhere_each_time_is_known_to_do_so() -> None:
     assert state.remembered[0].bias_var > 0.2**2
 
 
+def test_starts_that_are_remembered_grow_older() -> None:
+    """The start before is a day older in the memory of a run a day later."""
+    first = memory_of(0.4)
+    second = memory_of(0.4, first, DAY_S)
+    assert second.first[1].age_s == pytest.approx(first.first[0].age_s + DAY_S)
+
+
+def test_a_bias_is_remembered_with_its_standard_deviation() -> None:
+    """After 20 s at rest with 0.05 deg/s of noise at 100 Hz it is known to a few thousandths of deg/s."""
+    state = RestlevelState()
+    run(0.4 + noise(2000, 1), state)
+    memory = learned(state, None, 0.0)
+    assert memory is not None
+    assert memory.bias_sigma_dps == pytest.approx(state.sure.bias_var**0.5)
+    assert 0.0005 < memory.bias_sigma_dps < 0.02
+
+
 def test_a_memory_that_is_wrong_is_given_up_at_the_first_rest() -> None:
     """A part that was changed for another one, unseen."""
     state = begun(RestlevelParams(), memory_of(0.4), 60.0, None)

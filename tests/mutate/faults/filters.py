@@ -145,7 +145,7 @@ FAULTS = (
         "more_var = noise.frozen_deg * noise.frozen_deg - before_deg * before_deg",
         "more_var = (noise.frozen_deg - before_deg) ** 2",
         "The turns of a sensor that hangs count as independent, so sigma is far too small.",
-        ("tests/filters/test_restlevel.py::test_an_independent_reading_agrees_where_a_sensor_hangs",),
+        (f"{UNITS}/test_frozen.py",),
     ),
     Fault(
         "filters/restlevel-turns-ring",
