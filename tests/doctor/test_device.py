@@ -1,10 +1,15 @@
 """What `gyrodrift doctor` finds at a simulated device: each fault and effect by its finding, over a real pty."""
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 from doctor_support import FAST, SECONDS, assert_findings, device, doctor
 from support import speaking_on
+
+from gyrodrift.doctor.checks.sensor import still
+from gyrodrift.doctor.evidence import DeviceEvidence
 
 QUIET_RIG = "base: {sample_rate_hz: 100, dps_per_lsb: 0.00763, noise_dps_rthz: %s, bias_dps: %s}\n"
 SWAY = "about: To and fro.\nsegments: [{kind: sine, seconds: 60, amplitude_dps: 30, frequency_hz: 0.3}]\n"
@@ -112,6 +117,18 @@ def test_a_healthy_device_has_no_finding_that_matters(port: Path, capsys: pytest
     assert found["drift_plain"]["value"] == pytest.approx(3600 * 0.35, rel=0.03)
     assert found["drift_plain"]["says"].startswith("Plain integration drifts 21 deg in a minute")
     assert found["line_budget"]["value"] == pytest.approx(10 * 20.3 * 100 / 115200, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"), [(2.9, "2.9 s are too short to find a rest"), (30.0, "did not stand still")]
+)
+def test_a_short_look_is_not_taken_for_motion(seconds: float, words: str) -> None:
+    """Without a rest, the finding says whether there was time for one."""
+    description = SimpleNamespace(duration_s=seconds)
+    evidence = cast("DeviceEvidence", SimpleNamespace(description=description, is_in_deg_s=True, rest=None))
+    finding = still(evidence)
+    assert finding is not None
+    assert words in finding.says
 
 
 def test_what_half_a_minute_of_rest_shows(port: Path, capsys: pytest.CaptureFixture[str]) -> None:

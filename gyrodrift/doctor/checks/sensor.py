@@ -30,6 +30,10 @@ MOVED_SIGMAS, MOVED_DPS = 6.0, 0.003
 """A bias has moved if its first and last quarter differ by more standard errors, and by more deg/s."""
 
 
+SHORT_S = 6.0
+"""Twice the shortest rest, so that one fits in beside the first and the last motion."""
+
+
 def sensor(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Sensor that the device or the user names, or sensors with the same step."""
     if evidence.session is None:
@@ -52,6 +56,11 @@ def still(evidence: DeviceEvidence) -> DeviceFinding | None:
     if evidence.description is None or not evidence.is_in_deg_s:
         return None
     rest = evidence.rest
+    if rest is None and evidence.description.duration_s < SHORT_S:
+        return warning(
+            f"{evidence.description.duration_s:.1f} s are too short to find a rest: noise, bias and drift are unknown.",
+            "Listen for 30 s.",
+        )
     if rest is None:
         return warning(
             "It did not stand still for three seconds: noise, bias and drift are unknown.",
