@@ -67,7 +67,7 @@ class RecordingDamage:
         elif self.is_sure:
             phrases.append("no sample is lost")
         else:
-            phrases.append("the damaged samples are unknown: the file has only one checksum")
+            phrases.append("no checksum says which samples are damaged")
         return f"{'; '.join(phrases)}; {self.kept} samples are {'whole' if self.is_sure else 'there'}"
 
     @property

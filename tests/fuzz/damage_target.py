@@ -79,7 +79,10 @@ def check_damage(folder: Path, changes: bytes) -> None:
         assert len(session.rate_dps) == COUNT
         assert are_original(session, whole)
     with suppress(DataError):
-        check_kept(read_mcap(path, allow_damage=True), whole)
+        session = read_mcap(path, allow_damage=True)
+        check_kept(session, whole)
+        if session.damage is not None and "are no records" in str(session.damage):
+            return  # cut off, and its last records are not watched over
     with suppress(DataError):
         repair(path)
         check_kept(read_mcap(path, allow_damage=True), whole)

@@ -71,4 +71,5 @@ class Survey:
         if not self.is_damaged:
             return None
         bad_tail = [f"its last {self.bad_tail_bytes} bytes are no records"] if self.bad_tail_bytes else []
-        return RecordingDamage(timed(self.lost, t_device_s), len(t_device_s), (*self.remarks, *bad_tail), self.is_sure)
+        is_proved = self.is_sure and not self.bad_tail_bytes  # the last table may have been among these bytes
+        return RecordingDamage(timed(self.lost, t_device_s), len(t_device_s), (*self.remarks, *bad_tail), is_proved)

@@ -223,3 +223,12 @@ def test_a_repair_without_checksums_is_told_each_time_the_file_is_read(tmp_path:
     path.write_bytes(path.read_bytes().replace(b"/gyro", b"/gy\0o", 1))
     assert repair(path) is not None
     assert read_mcap(path).remarks == session.remarks
+
+
+def test_samples_before_bytes_that_are_no_record_are_not_called_whole(tmp_path: Path) -> None:
+    """The last checksum table may have been among these bytes."""
+    damage = loaded(tmp_path, WHOLE[: len(WHOLE) // 2] + b"\x07" * 3000, allow_damage=True).damage
+    assert damage is not None
+    assert not damage.is_sure
+    assert "no checksum says which samples are damaged" in str(damage)
+    assert str(damage).endswith("samples are there")
