@@ -85,6 +85,10 @@ def test_a_ninth_client_that_leaves_at_once_is_no_matter(served: Served) -> None
     for _ in range(8):
         served.client()
     served.turns(8)
+    refused = [{"ok": False, "error": "there are 8 clients already"}]
+    first = served.client()
+    served.turns()
+    assert answers(first) == refused
     for said in (b"", b"status\n", b"status\n" * 2000):
         for _ in range(5):
             with served.client() as gone, suppress(BlockingIOError):
@@ -92,7 +96,7 @@ def test_a_ninth_client_that_leaves_at_once_is_no_matter(served: Served) -> None
             served.turns()
     ninth = served.client()
     served.turns()
-    assert answers(ninth) == [{"ok": False, "error": "there are 8 clients already"}]
+    assert answers(ninth) == refused
 
 
 def test_a_client_that_leaves_in_the_middle_of_an_answer_is_forgotten(served: Served) -> None:
