@@ -16,7 +16,7 @@ from numba import njit
 from gyrodrift.arrays import Floats, Integers, Mask
 
 DEGREES_OF_FREEDOM = 12.0
-"""Degrees of freedom of the Student density, chosen among 4, 12 and infinity by the Brier score on known cases."""
+"""Degrees of freedom of the Student density. Provisional: not yet calibrated on cases of known cause."""
 
 FORM_ERROR = 0.1
 """Relative standard deviation by which the form of a real effect differs from the simulated one, in each feature."""
@@ -44,13 +44,10 @@ class LogDensities(NamedTuple):
         (N,) without an unknown effect.
     either
         (N,) summed over all states of the unknown effect, none of them included, with their prior.
-    touched
-        (N, groups) posterior probability that an unknown effect moves a group.
     """
 
     without_unknown: Floats
     either: Floats
-    touched: Floats
 
 
 def log_no_unknown(groups: int) -> float:
@@ -157,13 +154,12 @@ def _by_width(
 
 
 @njit(cache=True)
-def _summed(densities: Floats, of_feature: Integers, groups: int, shares: Floats) -> tuple[Floats, Floats, Floats]:
+def _summed(densities: Floats, of_feature: Integers, groups: int, shares: Floats) -> tuple[Floats, Floats]:
     """Sum over the states of the unknown effect; see `LogDensities`."""
     points, features, widths = densities.shape
-    without_unknown, either, touched = np.zeros(points), np.zeros(points), np.zeros((points, groups))
+    without_unknown, either = np.zeros(points), np.zeros(points)
     still = np.zeros(groups)
     moved = np.zeros((groups, widths - 1, len(shares)))
-    odds = np.zeros(groups)
     for n in range(points):
         still[:] = 0.0
         moved[:] = 0.0
@@ -183,14 +179,7 @@ def _summed(densities: Floats, of_feature: Integers, groups: int, shares: Floats
             at_rest = math.exp(still[g] - top)
             narrow += top + math.log((1.0 - UNKNOWN_IN_GROUP) * at_rest + UNKNOWN_IN_GROUP * mean_moved)
             broad += top + math.log((1.0 - BROAD_IN_GROUP) * at_rest + BROAD_IN_GROUP * mean_moved)
-            odds[g] = mean_moved / max(at_rest, 1e-300)
         without_unknown[n] = still.sum()
         top = max(narrow, broad)
         either[n] = top + math.log(math.exp(narrow - top) + math.exp(broad - top))
-        is_broad = math.exp(broad - either[n])
-        for g in range(groups):
-            few = UNKNOWN_IN_GROUP * odds[g]
-            many = BROAD_IN_GROUP * odds[g]
-            touched[n, g] = (1.0 - is_broad) * few / (1.0 - UNKNOWN_IN_GROUP + few)
-            touched[n, g] += is_broad * many / (1.0 - BROAD_IN_GROUP + many)
-    return without_unknown, either, touched
+    return without_unknown, either

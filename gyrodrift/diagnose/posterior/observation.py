@@ -7,10 +7,8 @@ import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.vector import OF_EVENTS, OF_MOTION
+from gyrodrift.diagnose.inference.pooling import beyond_chance, common_share, variance_of_mean
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
-
-PRIOR_RUNS = 2.0
-"""Weight of the prior that sessions are independent, in null runs."""
 
 SHARED_RELEVANCE = 0.5
 """Share of the relevance variance that all sessions have in common: the same small misfit of the rig in each."""
@@ -58,9 +56,9 @@ def observation_of(tables: Sequence[ResponseTable], is_compared: Mask) -> Observ
     pooled = np.square(away).sum(axis=(0, 1)) / max(sessions * runs - 1, 1)
     own = np.maximum(pooled, 0.5 * (pooled + np.square(away).mean(axis=1)))
     correlation = shared_correlation(away)
-    common = np.where(OF_MOTION, _excess(nulls.mean(axis=(0, 1)), pooled / (sessions * runs)), 0.0)
+    common = np.where(OF_MOTION, beyond_chance(nulls.mean(axis=(0, 1)), pooled / (sessions * runs)), 0.0)
     smoother = np.array([table.smoother for table in tables])
-    common += _excess(smoother.mean(axis=0), _variance_of_mean(smoother))
+    common += beyond_chance(smoother.mean(axis=0), variance_of_mean(smoother))
     covariance = (
         _mixed(own, correlation) + _mixed(np.broadcast_to(common, own.shape), np.ones(len(common)))
         + _mixed(np.square(thresholds), np.full(own.shape[1], SHARED_RELEVANCE))
@@ -70,19 +68,13 @@ def observation_of(tables: Sequence[ResponseTable], is_compared: Mask) -> Observ
 
 
 def shared_correlation(away: Floats) -> Floats:
-    """(F,) correlation between sessions, 0 to 1, shrunk to 0 as if by PRIOR_RUNS independent runs.
+    """(F,) correlation between sessions, 0 to 1, that makes the variance of their mean `common_share` times as large.
 
     away
         (S, runs, F) null differences about their mean. Run by run their motions are drawn by the same random numbers.
     """
-    sessions, runs, features = away.shape
-    if sessions == 1 or runs == 1:
-        return np.zeros(features)
-    variance = np.square(away).mean(axis=(0, 1))
-    variance_of_mean = np.square(away.mean(axis=0)).sum(axis=0) / (runs - 1)
-    ratio = sessions * variance_of_mean / np.where(variance > 0.0, variance, 1.0)
-    share = (PRIOR_RUNS + (runs - 1) * ratio) / (PRIOR_RUNS + runs - 1)
-    correlation: Floats = (np.clip(share, 1.0, sessions) - 1.0) / (sessions - 1)
+    sessions = len(away)
+    correlation: Floats = (common_share(away) - 1.0) / max(sessions - 1, 1)
     return correlation
 
 
@@ -93,20 +85,6 @@ def _mixed(variance: Floats, correlation: Floats) -> Floats:
     diagonal = np.eye(len(variance)) * ((1.0 - correlation)[:, None] * variance.T)[:, :, None]
     covariance: Floats = between + diagonal
     return covariance
-
-
-def _excess(mean: Floats, variance: Floats) -> Floats:
-    """(F,) squared mean beyond its own variance."""
-    excess: Floats = np.maximum(np.square(mean) - variance, 0.0)
-    return excess
-
-
-def _variance_of_mean(values: Floats) -> Floats:
-    """(F,) by the scatter of sessions, (S, F); 0 for a single session."""
-    if len(values) == 1:
-        return np.zeros(values.shape[1])
-    variance: Floats = values.var(axis=0, ddof=1) / len(values)
-    return variance
 
 
 def _in_units(difference: Floats, covariance: Floats, is_compared: Mask) -> Observation:

@@ -10,7 +10,7 @@ from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.posterior.sets import EffectSet, Scorer, log_prior_of
 
 POWER = 0.8
-"""Power of the likelihood, fitted on cases of known cause so that probabilities are true."""
+"""Power of the likelihood. Provisional: not yet calibrated on cases of known cause."""
 
 RESEMBLING = 0.3
 """Prior probability of an unknown effect that is only like an effect, relative to that of the effect."""
@@ -82,18 +82,6 @@ class Posterior:
     def has(self, name: str) -> Mask:
         """(H,) hypotheses with an effect."""
         return np.array([name in hypothesis.names for hypothesis in self.hypotheses])
-
-    def touched(self) -> Floats:
-        """(groups,) probability that something unknown moves a group of features."""
-        total: Floats = sum(
-            (
-                hypothesis.probability * hypothesis.effect_set.touched
-                for hypothesis in self.hypotheses
-                if hypothesis.is_unknown
-            ),
-            np.zeros(1),
-        )
-        return total
 
     def slots(self) -> list[Slot]:
         """Effects of the catalog, the most probable first, each with those that exclude it and fit as well."""

@@ -54,8 +54,6 @@ class EffectSet:
 
     without_unknown, unknown
         Log evidence without and with an unknown effect.
-    touched
-        (groups,) probability that the latter moves a group.
     placed
         The best point of each effect.
     resembling
@@ -65,7 +63,6 @@ class EffectSet:
     placed: tuple[PlacedTemplate, ...]
     without_unknown: float
     unknown: float
-    touched: Floats
     resembling: tuple[tuple[float, float], ...] = ()
 
     @property
@@ -114,10 +111,8 @@ class Scorer:
     def nothing(self) -> EffectSet:
         """The empty set."""
         shape = self.observation.difference.shape
-        without_unknown, unknown, touched = self._densities(
-            (), np.zeros((1, *shape)), np.zeros((1, shape[1])), FORM_ERROR
-        )
-        return EffectSet((), float(without_unknown[0]), float(unknown[0]), touched[0])
+        without_unknown, unknown = self._densities((), np.zeros((1, *shape)), np.zeros((1, shape[1])), FORM_ERROR)
+        return EffectSet((), float(without_unknown[0]), float(unknown[0]))
 
     def along(
         self, template: Template, placed_others: Sequence[PlacedTemplate], points: Iterable[int] | None = None
@@ -137,10 +132,10 @@ class Scorer:
     ) -> LogDensities:
         change, covariance = self._prediction(placed_others)
         residual = self.observation.difference - self._combined(change, mean)
-        without_unknown, either, touched = log_densities(residual, mean, scatter, covariance, self.groups, form_error)
+        without_unknown, either = log_densities(residual, mean, scatter, covariance, self.groups, form_error)
         none = without_unknown + self.log_no_unknown
         unknown = either + np.log1p(-np.exp(np.minimum(none - either, -1e-12))) - self.log_some_unknown
-        return LogDensities(without_unknown, unknown, touched)
+        return LogDensities(without_unknown, unknown)
 
     def _prediction(self, placed_others: Sequence[PlacedTemplate]) -> tuple[Floats, Floats]:
         """(S, F) prediction and (F, S, S) covariance of placed templates."""
@@ -211,7 +206,7 @@ def _with(scorer: Scorer, base: EffectSet, template: Template) -> EffectSet:
     placed_others = sum(float(placed.template.log_prior[placed.point]) + ONE_POINT for placed in base.placed)
     best = _best(densities, log_prior)
     placed = (*base.placed, PlacedTemplate(template, int(template.coarse[best])))
-    return EffectSet(placed, without_unknown + placed_others, unknown + placed_others, densities.touched[best])
+    return EffectSet(placed, without_unknown + placed_others, unknown + placed_others)
 
 
 def _best(densities: LogDensities, log_prior: Floats) -> int:
@@ -241,8 +236,8 @@ def _fitted(scorer: Scorer, effect_set: EffectSet) -> EffectSet:
         float(densities.without_unknown[best] + widths[0]),
         float(densities.either[best] + widths[1]),
     )
-    fitted = EffectSet(tuple(placed), without_unknown, unknown, densities.touched[best])
-    return EffectSet(fitted.placed, without_unknown, unknown, fitted.touched, tuple(_resembling(scorer, fitted)))
+    fitted = EffectSet(tuple(placed), without_unknown, unknown)
+    return EffectSet(fitted.placed, without_unknown, unknown, tuple(_resembling(scorer, fitted)))
 
 
 def _resembling(scorer: Scorer, effect_set: EffectSet) -> list[tuple[float, float]]:

@@ -18,8 +18,6 @@ class SizePosterior:
 
     index
         Of the grid size next to the median.
-    is_at_end
-        Whether the interval reaches the largest size that is possible: the size is at least `low`.
     """
 
     response: Response
@@ -27,7 +25,6 @@ class SizePosterior:
     median: float
     low: float
     high: float
-    is_at_end: bool
 
 
 def size_posterior(scorer: Scorer, effect_set: EffectSet, name: str, power: float) -> SizePosterior:
@@ -46,8 +43,7 @@ def size_posterior(scorer: Scorer, effect_set: EffectSet, name: str, power: floa
     low, median, high = (float(value) for value in _quantiles(sizes, mass))
     grid = template.responses[best].candidate.sizes
     index = int(np.abs(grid - median).argmin())
-    is_at_end = bool(np.isclose(high, grid[-1]) or (np.isclose(low, grid[0]) and grid[0] < 0.0))
-    return SizePosterior(template.responses[best], index, median, low, high, is_at_end)
+    return SizePosterior(template.responses[best], index, median, low, high)
 
 
 def _quantiles(sizes: Floats, mass: Floats) -> Floats:
