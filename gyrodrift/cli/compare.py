@@ -46,14 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PATH",
         help="session or folder to tune every method on (repeatable; default: none)",
     )
-    parser.add_argument(
-        "--still",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="PATH",
-        help="session in which the device did not move (repeatable; default: none)",
-    )
+    options.add_still_option(parser)
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="folder for compare.json and report.html (default: none)"
     )

@@ -143,6 +143,18 @@ def log_level(arguments: argparse.Namespace) -> str:
     return level
 
 
+def add_still_option(parser: argparse.ArgumentParser) -> None:
+    """Declare --still."""
+    parser.add_argument(
+        "--still",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="PATH",
+        help="session in which the device did not move (repeatable; default: none)",
+    )
+
+
 def add_jobs_option(parser: argparse.ArgumentParser) -> None:
     """Option of commands that use several processors."""
     parser.add_argument(

@@ -50,14 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PATH",
         help="session to hold out as a test (repeatable; default: drawn by the seed)",
     )
-    parser.add_argument(
-        "--still",
-        type=Path,
-        action="append",
-        default=[],
-        metavar="PATH",
-        help="session in which the device did not move (repeatable; default: none)",
-    )
+    options.add_still_option(parser)
     parser.add_argument(
         "--seed", type=numbers.seed, default=0, metavar="N", help="seed of split and search (default 0)"
     )
