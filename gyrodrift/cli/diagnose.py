@@ -45,7 +45,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PATH",
         help="earlier sessions of the same device: explain the difference to them (repeatable; default: none)",
     )
-    parser.add_argument("--inference", choices=["rules", "posterior"], default="rules", help=argparse.SUPPRESS)
     options.add_jobs_option(parser)
     options.add_columns_option(parser)
     options.add_unit_options(parser)
@@ -63,7 +62,7 @@ def run(arguments: argparse.Namespace) -> int:
 
         need_packages("diagnose", "matplotlib", "numba", "scipy")
         from gyrodrift.diagnose.report.page import report_html
-        from gyrodrift.diagnose.stages import REPORT, SHARES, DiagnosisRequest, Inference
+        from gyrodrift.diagnose.stages import REPORT, SHARES, DiagnosisRequest
     from firmware_sim.rig import load_rig
     from firmware_sim.yaml_file import FileError
     from gyrodrift.diagnose.diagnosis import diagnose
@@ -92,7 +91,6 @@ def run(arguments: argparse.Namespace) -> int:
                 progress.report,
                 baseline,
                 reading=inputs.reading(arguments),
-                inference=Inference(arguments.inference),
             )
         )
         progress.report(REPORT, 0, 0)

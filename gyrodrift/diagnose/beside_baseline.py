@@ -5,7 +5,6 @@ baseline still differs by is then taken from the recordings to be diagnosed.
 """
 
 from collections.abc import Sequence
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -14,8 +13,8 @@ from firmware_sim.rig import Base, Rig
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.vector import FEATURES, NOT_OF_STEPS, NUMBER, SLOW, rms_scale
 from gyrodrift.diagnose.inference.baseline import Baseline, against, baseline_of
-from gyrodrift.diagnose.inference.deviations import feature_of
-from gyrodrift.diagnose.inference.surrogate import Cause, without
+from gyrodrift.diagnose.inference.conclusion import Conclusion
+from gyrodrift.diagnose.inference.sets import Placed
 from gyrodrift.diagnose.inference.two_sets import CHANCE, amounts_of, amplitudes_of, chance_of, noise_variance_of
 from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, less
 from gyrodrift.diagnose.recording.facts import contradictions
@@ -27,7 +26,6 @@ from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.diagnose.simulate.whole_set import Sized, change_of
 from gyrodrift.diagnose.stages import (
     DiagnosisRequest,
-    Inferred,
     Simulated,
     adopted,
     inferred_of,
@@ -147,18 +145,18 @@ class _Recorded(NamedTuple):
         """Differences of recordings and simulator, less what replaying leaves; as features, not divided yet."""
         return np.array([table.difference - table.nulls.mean(axis=0) for table in self.tables])
 
-    def change(self, cause: Cause, phase_deg: float | None = None) -> Floats:
+    def change(self, cause: Sized, phase_deg: float | None = None) -> Floats:
         """What a cause does, at one phase in all recordings where it is free."""
         phases_deg = None if phase_deg is None else np.full(len(self.subjects), phase_deg)
-        every = change_of([Sized(cause.candidate, cause.size, phases_deg)], self.subjects, self.tables)
+        every = change_of([cause._replace(phases_deg=phases_deg)], self.subjects, self.tables)
         return every.change / self.as_rms
 
-    def quadratures(self, cause: Cause) -> tuple[Floats, Floats]:
+    def quadratures(self, cause: Sized) -> tuple[Floats, Floats]:
         """What one with a free phase does at 0 and 90 degrees."""
         return self.change(cause, 0.0), self.change(cause, 90.0)
 
 
-def new_since(before: ExplainedBaseline, simulated: Simulated, inferred: Inferred) -> tuple[Verdict, list[str]]:
+def new_since(before: ExplainedBaseline, simulated: Simulated, inferred: Conclusion) -> tuple[Verdict, list[str]]:
     """The verdict with what recordings show more of than the baseline alone, and what is said of all else.
 
     Forms that no effect has are asked like causes: a device varies in these, too.
@@ -166,25 +164,30 @@ def new_since(before: ExplainedBaseline, simulated: Simulated, inferred: Inferre
     simulated
         The recordings as they are, with nothing of the baseline taken away.
     """
-    verdict, evidence = inferred.verdict, inferred.surrogate.evidence
-    is_chance = partial(_is_chance, before, simulated, inferred)
-    causes = [one.effect.name for one in verdict.causes if is_chance(one.cause)]
-    forms = [feature_of(one) for one in inferred.causes if one.is_out_of_catalogue and is_chance(one)]
+    verdict, explanation = inferred
+    chance = {
+        placed.template.name: placed.template.is_out_of_catalogue
+        for placed in explanation.best.placed
+        if _is_chance(before, simulated, inferred, placed)
+    }
+    causes = [name for name, is_form in chance.items() if not is_form and name in explanation.named]
+    forms = [name.removeprefix("?") for name, is_form in chance.items() if is_form]
     said = [f"by as much {name} from one to the next" for name in causes]
     said += [f"as much from one to the next in this: {FEATURES[NUMBER[name]].says}" for name in forms]
     told = [f"baseline: recordings of this device differ {how}" for how in said]
-    return (less(verdict, causes, forms, evidence), told) if told else (verdict, [])
+    return (less(verdict, causes, forms, explanation.evidence), told) if told else (verdict, [])
 
 
-def _is_chance(before: ExplainedBaseline, simulated: Simulated, inferred: Inferred, cause: Cause) -> bool:
+def _is_chance(before: ExplainedBaseline, simulated: Simulated, inferred: Conclusion, placed: Placed) -> bool:
     """Whether two sets of recordings of one device differ in a cause by as much as they do among themselves."""
-    surrogate, found = inferred.surrogate, inferred.causes
+    explanation, cause = inferred.explanation, placed.sized
+    names = [one.template.name for one in explanation.best.placed]
     today, then = (_Recorded(one.subjects, one.tables) for one in (simulated, before))
-    sigma = (surrogate.evidence.sigma / today.as_rms).mean(axis=0)
-    others = surrogate.prediction(without(found, cause)).change
+    sigma = (explanation.evidence.sigma / today.as_rms).mean(axis=0)
+    others = explanation.change([name for name in names if name != placed.template.name])
     left, was_left = (today.gaps - others) / today.as_rms, then.gaps / then.as_rms
-    if cause.response.phases_deg is None:
-        change = (surrogate.prediction(found).change - others) / today.as_rms
+    if cause.phases_deg is None:
+        change = (explanation.change(names) - others) / today.as_rms
         shown, was_shown = amounts_of(left, change, sigma), amounts_of(was_left, then.change(cause), sigma)
     else:
         turns, was_turns = today.quadratures(cause), then.quadratures(cause)

@@ -25,9 +25,7 @@ from gyrodrift.diagnose.stages import (
     WHAT_NEXT,
     YAW_IMPACT,
     DiagnosisRequest,
-    Inference,
     adopted,
-    concluded_of,
     inferred_of,
     recordings_of,
     simulated_of,
@@ -35,6 +33,9 @@ from gyrodrift.diagnose.stages import (
 )
 from gyrodrift.diagnose.what_next import what_next
 from gyrodrift.simulation.sessions import rig_yaml
+
+ADOPTED_FROM = 0.5
+"""Probability of a cause from which on it goes into the rig that is written."""
 
 
 def diagnose(asked: DiagnosisRequest) -> Diagnosis:
@@ -59,13 +60,12 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
         remarks += [*explained.remarks, *of_chance]
     else:
         simulated = simulated_of(asked, origins, recordings)
-        infer = concluded_of if asked.inference is Inference.POSTERIOR else inferred_of
-        inferred = infer(simulated, asked.jobs, asked.progress)
+        inferred = inferred_of(simulated, asked.jobs, asked.progress)
         verdict = inferred.verdict
-    surrogate, subjects = inferred.surrogate, simulated.subjects
+    explanation, subjects = inferred.explanation, simulated.subjects
     verdict = _set_aside(verdict, subjects)
     asked.progress(WHAT_NEXT, 0, 0)
-    following = what_next(verdict, surrogate, subjects, simulated.untestable, asked.rig, asked.jobs)
+    following = what_next(verdict, explanation, subjects, simulated.untestable, asked.rig, asked.jobs)
     designs = [subject.design for subject in subjects]
     without_causes = np.array([table.runs.mean(axis=0) for table in simulated.tables])
     asked.progress(YAW_IMPACT, 0, 0)
@@ -77,17 +77,17 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
         remarks=tuple(remarks),
         untestable=simulated.untestable,
         withheld=tuple(sorted(asked.withheld)),
-        detectable=detectable(surrogate.evidence),
+        detectable=detectable(explanation.scorer, explanation.evidence.effects()),
         calibration=_calibration(asked.rig.base, subjects),
         next_step=following.sentence,
         next_profile_yaml=following.profile_yaml,
         seconds=0.0,
         sessions=tuple(_session(subject) for subject in subjects),
-        rig_yaml=rig_yaml(adopted(asked.rig, verdict.causes)),
-        ranking=ranking(surrogate, inferred.causes),
-        lookalikes=lookalikes(surrogate.evidence),
-        stands_out=surrogate.evidence.stands_out,
-        features=feature_comparisons_of(surrogate, inferred.causes, without_causes, designs),
+        rig_yaml=rig_yaml(adopted(asked.rig, [one for one in verdict.causes if one.probability >= ADOPTED_FROM])),
+        ranking=ranking(explanation),
+        lookalikes=lookalikes([*explanation.scorer.templates.values()]),
+        stands_out=explanation.evidence.stands_out,
+        features=feature_comparisons_of(explanation, without_causes, designs),
         residuals=residual_checks_of(subjects, verdict.causes),
     )
     return replace(result, seconds=time.monotonic() - begun_s)

@@ -1,30 +1,12 @@
 """The stages that every set of recordings goes through: loaded and checked, simulated, explained, adopted."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from enum import StrEnum
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-
 from firmware_sim.rig import Rig
-from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.inference.alternatives import alternatives_of
-from gyrodrift.diagnose.inference.exact_sizes import Placed, exact_sizes
-from gyrodrift.diagnose.inference.indistinct import (
-    AT_ONE_HEATING,
-    AT_ONE_SPEED,
-    Heating,
-    is_one_heating,
-    is_one_speed,
-    tied_where_same,
-)
-from gyrodrift.diagnose.inference.pooling import evidence_of
-from gyrodrift.diagnose.inference.search import search
-from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
-from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, verdict_of
-from gyrodrift.diagnose.posterior.infer import conclude
+from gyrodrift.diagnose.inference.conclusion import Conclusion, conclude
+from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.recording.checked import checked_session
 from gyrodrift.diagnose.recording.checks import together_s
 from gyrodrift.diagnose.recording.facts import Contradiction
@@ -35,9 +17,8 @@ from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.simulate.distribute import REPLAYED, Origin, SimulationPlan, response_tables
 from gyrodrift.diagnose.simulate.forked_sets import ForkedSets
 from gyrodrift.diagnose.simulate.hints import hints_of
-from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet
+from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
-from gyrodrift.diagnose.simulate.whole_set import Sized
 from gyrodrift.errors import DataError
 from gyrodrift.progress import OnProgress, ignore_progress
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
@@ -57,13 +38,6 @@ WHAT_NEXT, YAW_IMPACT, REPORT = "what to record next", "yaw errors and tuning", 
 
 SHARES = {CHECKED: 2.0, CALIBRATED: 5.0, REPLAYED: 50.0, SEARCHED: 8.0, WHAT_NEXT: 1.0, YAW_IMPACT: 2.0, REPORT: 3.0}
 """Share of each stage in the duration: measured on 3 sessions of 5 minutes with 2 processes."""
-
-
-class Inference(StrEnum):
-    """Method that finds causes."""
-
-    RULES = "rules"
-    POSTERIOR = "posterior"
 
 
 class DiagnosisRequest(NamedTuple):
@@ -86,7 +60,6 @@ class DiagnosisRequest(NamedTuple):
     baseline: Sequence[Path] = ()
     least_noise_dps_rthz: float = 0.0
     reading: ReadingOptions = AS_WRITTEN
-    inference: Inference = Inference.RULES
 
 
 class Simulated(NamedTuple):
@@ -100,14 +73,6 @@ class Simulated(NamedTuple):
     tables: tuple[ResponseTable, ...]
     tried: list[Candidate]
     untestable: tuple[Untestable, ...]
-
-
-class Inferred(NamedTuple):
-    """What follows from that, and the surrogate with all that was simulated on the way."""
-
-    verdict: Verdict
-    causes: tuple[Cause, ...]
-    surrogate: Surrogate
 
 
 def simulated_of(asked: DiagnosisRequest, origins: Sequence[Origin], recordings: Sequence[Recording]) -> Simulated:
@@ -131,52 +96,11 @@ def tables_of(
     return response_tables(plan, asked.jobs, asked.cluster, asked.progress)
 
 
-def inferred_of(simulated: Simulated, jobs: int, progress: OnProgress = ignore_progress) -> Inferred:
-    """Search for causes, see what else there is to each, and judge."""
-    progress(SEARCHED, 0, 0)
-    evidence = evidence_of(simulated.tables, simulated.tried)
-    with ForkedSets(simulated.subjects, simulated.tables, simulated.tried, jobs) as sets:
-
-        def simulate_at(placed: Sequence[Placed]) -> SimulatedSet:
-            return sets.change_of([Sized(one.cause.candidate, one.size, phases_deg_of(one)) for one in placed])
-
-        def phases_deg_of(one: Placed) -> Floats | None:
-            if one.phase_deg is None:
-                return one.cause.response.phases_deg
-            return np.full(len(simulated.subjects), one.phase_deg)
-
-        def simulate(causes: Sequence[Cause]) -> SimulatedSet:
-            return simulate_at([Placed(one, one.size) for one in causes])
-
-        result = search(evidence, simulate)
-        alternatives, surrogate = alternatives_of(result, simulate)
-        exact = exact_sizes(surrogate, result.found.causes, simulate_at)
-    alternatives = tuple(replace(one, exact=exact.get(one.cause.name)) for one in alternatives)
-    if is_one_speed([one.design.regimes for one in simulated.subjects]):
-        alternatives = tied_where_same(alternatives, evidence.candidate_names(), AT_ONE_SPEED)
-    if is_one_heating([_heating_of(one) for one in simulated.subjects]):
-        alternatives = tied_where_same(alternatives, evidence.candidate_names(), AT_ONE_HEATING)
-    return Inferred(verdict_of(result, alternatives), result.found.causes, surrogate)
-
-
-def concluded_of(simulated: Simulated, jobs: int, progress: OnProgress = ignore_progress) -> Inferred:
+def inferred_of(simulated: Simulated, jobs: int, progress: OnProgress = ignore_progress) -> Conclusion:
     """Find the posterior over sets of effects, and judge by it."""
     progress(SEARCHED, 0, 0)
     with ForkedSets(simulated.subjects, simulated.tables, simulated.tried, jobs) as sets:
-
-        def simulate(causes: Sequence[Cause]) -> SimulatedSet:
-            return sets.change_of([Sized(cause.candidate, cause.size, cause.response.phases_deg) for cause in causes])
-
-        conclusion = conclude(simulated.tables, simulated.tried, simulate)
-    return Inferred(conclusion.verdict, conclusion.causes, conclusion.surrogate)
-
-
-def _heating_of(subject: Subject) -> Heating:
-    """Once a second."""
-    motion = subject.posterior.mean
-    every = max(1, round(1.0 / motion.period_s))
-    powered_s: Floats = motion.powered_s + motion.period_s * np.arange(len(motion.sensor_c), dtype=np.float64)
-    return Heating(powered_s[::every], motion.sensor_c[::every])
+        return conclude(simulated.tables, simulated.tried, sets.change_of)
 
 
 def recordings_of(

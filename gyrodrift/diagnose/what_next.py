@@ -9,11 +9,8 @@ from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
 from firmware_sim.rig import Rig, with_replaced
 from gyrodrift.diagnose.inference.detectable import detectable
-from gyrodrift.diagnose.inference.fit import best_of
-from gyrodrift.diagnose.inference.indistinct import is_one_speed
-from gyrodrift.diagnose.inference.ranking import hinted, would_explain
-from gyrodrift.diagnose.inference.surrogate import Surrogate, without
-from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict
+from gyrodrift.diagnose.inference.explanation import Explanation
+from gyrodrift.diagnose.inference.verdict import Kind, Verdict
 from gyrodrift.diagnose.next_recording.choose import next_recording_of
 from gyrodrift.diagnose.next_recording.profiles import profile_yaml
 from gyrodrift.diagnose.next_recording.rig_hypothesis import NOTHING, RigHypothesis
@@ -50,31 +47,32 @@ class Next(NamedTuple):
 
 def what_next(
     verdict: Verdict,
-    surrogate: Surrogate,
+    explanation: Explanation,
     subjects: Sequence[Subject],
     untestable: Sequence[Untestable],
     rig: Rig,
     jobs: int,
 ) -> Next:
     """The experiment that decides, chosen by so many processes, or else what there is to say."""
-    open_ones = _open(verdict, surrogate, subjects, rig)
+    open_ones = _open(verdict, explanation, subjects, rig)
     if len(open_ones) < 2:
         return Next(_without_experiment(verdict, untestable, len(subjects)), None)
     minutes = round(float(np.clip(np.median([one.seen.recording.seconds / 60.0 for one in subjects]), *MINUTES)), 1)
     recorded = PlannedMotion(subjects[0].posterior.mean, min(minutes, subjects[0].seen.recording.seconds / 60.0))
-    # A replay of one speed bends by what the encoder errs by, which the very next recording would not.
-    again = None if is_one_speed([one.design.regimes for one in subjects]) else recorded
-    found = next_recording_of(open_ones, minutes, SEED, again, jobs)
+    found = next_recording_of(open_ones, minutes, SEED, recorded, jobs)
     return Next(sentence(found, FILE), profile_yaml(found.profile))
 
 
-def _open(verdict: Verdict, surrogate: Surrogate, subjects: Sequence[Subject], rig: Rig) -> tuple[RigHypothesis, ...]:
+def _open(
+    verdict: Verdict, explanation: Explanation, subjects: Sequence[Subject], rig: Rig
+) -> tuple[RigHypothesis, ...]:
     """What the sessions leave open: causes that are tied or show too weakly, or effects that could not have shown."""
     base = subjects[0].rig.base
     calibrated = rig.model_copy(update={"base": base})
     tied = next((cause for cause in verdict.causes if cause.tied_with), None)
     if tied is not None:
-        rivals = [_rival(surrogate, verdict, tied, name) for name in tied.tied_with[: MOST_HYPOTHESES - 1]]
+        placed = [explanation.where_best(name) for name in tied.tied_with[: MOST_HYPOTHESES - 1]]
+        rivals = [one.response.candidate.make(one.size) for one in placed if one is not None]
         others = [cause.effect for cause in verdict.causes if cause is not tied]
         return tuple(
             RigHypothesis(effect.name, with_replaced(calibrated, (*others, effect)), 1.0)
@@ -82,27 +80,20 @@ def _open(verdict: Verdict, surrogate: Surrogate, subjects: Sequence[Subject], r
         )
     if verdict.causes:
         return ()
-    shown = hinted(surrogate) if verdict.kind is Kind.NONE else would_explain(surrogate)
-    possible = [cause.candidate.make(cause.size) for cause in shown[: MOST_HYPOTHESES - 1]]
+    shown = explanation.possible()[: MOST_HYPOTHESES - 1]
+    possible = [placed.response.candidate.make(placed.size) for placed in shown]
     doubt = 1.0 / (1.0 + len(possible))
     if verdict.kind is Kind.NONE and not possible:
-        possible, doubt = _unseen(surrogate, rig), DOUBT
+        possible, doubt = _unseen(explanation, rig), DOUBT
     nothing = RigHypothesis(NOTHING, calibrated, 1.0 - doubt * len(possible))
     return (nothing, *(RigHypothesis(one.name, with_replaced(calibrated, (one,)), doubt) for one in possible))
 
 
-def _rival(surrogate: Surrogate, verdict: Verdict, tied: NamedCause, name: str) -> Effect:
-    """What could stand in the place of a cause, at the size that fits best there."""
-    others = without([cause.cause for cause in verdict.causes], tied.cause)
-    best = best_of(surrogate, others, surrogate.evidence.variants(name))
-    return best.candidate.make(best.size)
-
-
-def _unseen(surrogate: Surrogate, rig: Rig) -> list[Effect]:
+def _unseen(explanation: Explanation, rig: Rig) -> list[Effect]:
     """Effects that would have gone unseen at their typical size, the worst seen first."""
     in_rig = {effect.name for effect in rig.effects}
     ratios: list[tuple[float, Effect]] = []
-    for one in detectable(surrogate.evidence):
+    for one in detectable(explanation.scorer, explanation.evidence.effects()):
         typical = CATALOGUE[one.effect].typical
         if one.effect in in_rig or one.effect in READ_OFF:
             continue

@@ -1,17 +1,20 @@
-"""How small each effect could have been and still been seen in these sessions."""
+"""How small each effect could have been and still been named in these sessions."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from firmware_sim.effects.effect import Effect
-from gyrodrift.diagnose.inference.acceptance import GAIN
-from gyrodrift.diagnose.inference.evidence import Evidence
-from gyrodrift.diagnose.inference.parameters import unit_of
-from gyrodrift.diagnose.inference.realisations import sure_gains
+import numpy as np
 
-CLEAR_GAIN = 2.0 * GAIN
-"""Of the log-likelihood: twice what accepts a cause. What is random has to gain so much, since the realisations of
-another device differ from those that are simulated."""
+from firmware_sim.effects.effect import Effect
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.inference.evidence import Response
+from gyrodrift.diagnose.inference.parameters import unit_of
+from gyrodrift.diagnose.inference.posterior import POWER
+from gyrodrift.diagnose.inference.sets import ONE_POINT, Scorer, log_prior_of
+from gyrodrift.diagnose.inference.template import Template
+
+NINE_IN_TEN = 1.2816
+"""Standard normal quantile that nine of ten recordings exceed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,27 +36,40 @@ class Detectable:
     at: Mapping[str, float] = field(default_factory=dict)
 
 
-def detectable(evidence: Evidence) -> tuple[Detectable, ...]:
-    """Of each effect of the catalogue that was tried, in the order of the candidates: what nine of ten recordings show.
-
-    Of one that is random, what nine of ten devices do.
-    """
+def detectable(scorer: Scorer, responses: Sequence[Response]) -> tuple[Detectable, ...]:
+    """Of each effect of the catalog, in the order of the candidates: what nine of ten recordings show."""
     found: dict[str, Detectable] = {}
-    for response in evidence.responses:
+    for response in responses:
         candidate = response.candidate
-        if candidate.is_out_of_catalogue:
-            continue
-        name, unit = candidate.parameter, unit_of(candidate.parameter)
-        asked = GAIN if response.realised is None else CLEAR_GAIN
-        seen = candidate.sizes[sure_gains(evidence, response) > asked]
-        one = Detectable(candidate.name, candidate.stage, name, None, unit)
-        if len(seen):
-            effect = candidate.make(min((float(size) for size in seen), key=abs))
-            one = replace(one, value=abs(float(getattr(effect, name))), at=_others(effect, name))
+        name = candidate.parameter
+        one = Detectable(candidate.name, candidate.stage, name, None, unit_of(name))
+        template = scorer.templates.get(candidate.name)
+        if template is not None and response in template.responses:
+            own = np.flatnonzero(template.response == template.responses.index(response))
+            seen = template.size[own][odds(scorer, template.at(own)) > 0.0] if len(own) else np.zeros(0)
+            if len(seen):
+                effect = candidate.make(min((float(size) for size in seen), key=abs))
+                one = replace(one, value=abs(float(getattr(effect, name))), at=_others(effect, name))
         known = found.get(candidate.name)
         if known is None or _shows_first(one, known) is (candidate.phase_deg is None):
             found[candidate.name] = one
     return tuple(found.values())
+
+
+def odds(scorer: Scorer, template: Template) -> Floats:
+    """(P,) log posterior odds of an effect against nothing that nine of ten recordings with it reach, about.
+
+    A log-likelihood ratio with mean D scatters by the root of 2 D. What is random counts by what its features scatter:
+    half the sum of v - log(1 + v), with v its variance in units of that without a gap.
+    """
+    covariance = scorer.observation.covariance
+    shift = np.einsum("psf,fst,ptf->p", template.mean, np.linalg.inv(covariance), template.mean, optimize=True)
+    diagonal = np.diagonal(covariance, axis1=1, axis2=2).T
+    scatter = (template.scatter + np.square(template.factors).sum(axis=2)) / diagonal
+    gain = 0.5 * shift + 0.5 * (scatter - np.log1p(scatter)).sum(axis=(1, 2))
+    sure = gain - NINE_IN_TEN * np.sqrt(2.0 * gain)
+    found: Floats = POWER * (sure + template.log_prior + ONE_POINT) + log_prior_of(template)
+    return found
 
 
 def _shows_first(one: Detectable, other: Detectable) -> bool:

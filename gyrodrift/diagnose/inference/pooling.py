@@ -5,20 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.vector import (
-    IS_LOG,
-    LINEAR,
-    NUMBER,
-    OF_EVENTS,
-    OF_MOTION,
-    REGRESSORS_OF_MOTION,
-    happened_in,
-    mean_where,
-)
-from gyrodrift.diagnose.inference.evidence import NOT_COMPARED, Evidence, Response, Usual
+from gyrodrift.diagnose.features.vector import LINEAR, NUMBER, OF_EVENTS, OF_MOTION, REGRESSORS_OF_MOTION
+from gyrodrift.diagnose.inference.evidence import NOT_COMPARED, Evidence, Response
 from gyrodrift.diagnose.inference.free_phases import free_phases_deg
-from gyrodrift.diagnose.inference.least_squares import MAD_TO_SIGMA
-from gyrodrift.diagnose.inference.likelihood import LOG_RANGE
+from gyrodrift.diagnose.inference.log_variances import interpolated, scaled
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simulated_key
 
@@ -49,7 +39,7 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
     smoother = beyond_chance(changes.mean(axis=0), variance_of_mean(changes))
     chance = np.sqrt(common + len(tables) * (again + smoother))
     sigma = np.hypot(chance, thresholds)
-    sigma[absent_of(tables) | _without_events(tables)] = NOT_COMPARED
+    sigma[absent_of(tables) | OF_EVENTS] = NOT_COMPARED
     sigma[sigma == 0.0] = 1.0  # of regressors that these motions have not
     difference = differences - centre
     one_each = [one for one in tried if not one.is_phase_free or one.phase_deg == 0.0]
@@ -58,7 +48,6 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
         names=tuple(table.name for table in tables),
         difference=difference,
         sigma=sigma,
-        chance=chance,
         nulls=away / sigma[:, None],
         responses=(*responses, *_beside_each_other(tables, responses, difference, sigma)),
         caution=np.mean([np.hypot(1.0, table.doubt / own) for table, own in zip(tables, sigma, strict=True)], axis=0),
@@ -96,12 +85,6 @@ def absent_of(tables: Sequence[ResponseTable]) -> Mask:
     return found
 
 
-def _without_events(tables: Sequence[ResponseTable]) -> Mask:
-    """(sessions, F) sizes of events, of a session that has none, with a rig that makes none."""
-    nothing: Mask = np.array([(table.difference == 0.0) & ~table.runs.any(axis=0) for table in tables])
-    return nothing & OF_EVENTS
-
-
 def common_share(nulls: Floats) -> Floats:
     """(F,) by how much the variance of a mean over sessions is more than that of independent ones; at least 1.
 
@@ -130,32 +113,9 @@ def _response(tables: Sequence[ResponseTable], candidate: Candidate, wanted: Flo
         return _turned(tables, candidate, np.full(len(tables), candidate.phase_deg))
     simulated = np.array([table.responses[key(candidate)] for table in tables])  # sessions, nodes, realisations, F
     if candidate.realisations > 1:
-        return _random(simulated, candidate)
-    nodes = simulated[:, :, 0].transpose(1, 0, 2)
-    none = np.zeros((len(candidate.sizes), simulated.shape[-1]))
-    return Response(candidate, interpolated(candidate, nodes), none)
-
-
-def _random(simulated: Floats, candidate: Candidate) -> Response:
-    """Realisations of all sessions are one sample; what may go either way has no mean."""
-    pooled = simulated.transpose(1, 0, 2, 3).reshape(simulated.shape[1], -1, simulated.shape[-1])
-    happened = happened_in(pooled)
-    mean = np.where(LINEAR, 0.0, mean_where(happened, pooled, axis=1))
-    spread = np.sqrt(mean_where(happened, np.square(pooled - mean[:, None]), axis=1))
-    middle = np.where(LINEAR, 0.0, _median_where(happened, pooled))
-    usual = MAD_TO_SIGMA * _median_where(happened, np.abs(pooled - middle[:, None]))
-    is_rare = usual < spread
-    most = np.where(is_rare, middle - mean, 0.0), np.where(is_rare, usual, spread)
-    wide = np.repeat(interpolated(candidate, mean[:, None]), simulated.shape[0], axis=1)
-    spread_at, *most_at = (interpolated(candidate, each[:, None])[:, 0] for each in (spread, *most))
-    return Response(candidate, wide, spread_at, realised=simulated.transpose(1, 0, 2, 3), usual=Usual(*most_at))
-
-
-def _median_where(counts: Mask, values: Floats) -> Floats:
-    """(grid points, F) the median over realisations of the values that count; 0 where none does."""
-    none = ~counts.any(axis=1, keepdims=True)
-    middle: Floats = np.nanmedian(np.where(counts, values, np.where(none, 0.0, np.nan)), axis=1)
-    return middle
+        realised = simulated.transpose(1, 0, 2, 3)
+        return Response(candidate, realised.mean(axis=2), realised=realised)
+    return Response(candidate, interpolated(candidate, simulated[:, :, 0].transpose(1, 0, 2)))
 
 
 def _beside_each_other(
@@ -204,31 +164,4 @@ def _turned(tables: Sequence[ResponseTable], candidate: Candidate, phases_deg: F
     node = np.where(LINEAR, np.cos(phase) * at_0 + np.sin(phase) * at_90, 0.5 * (at_0 + at_90))
     share = candidate.sizes / candidate.grid_points[0]
     free = phases_deg if candidate.is_phase_free else None
-    return Response(candidate, scaled(node, share), np.zeros((len(share), node.shape[-1])), free)
-
-
-def interpolated(candidate: Candidate, nodes: Floats) -> Floats:
-    """Changes at the sizes that were simulated, (nodes, …, F), taken to all sizes of a candidate, (sizes, …, F).
-
-    Linear effects are scaled; all others are interpolated along the logarithm of the size.
-    """
-    if candidate.grid_points[0] < 0.0:
-        up = scaled(nodes[1], candidate.sizes[candidate.sizes > 0.0] / candidate.grid_points[1])
-        down = scaled(nodes[0], candidate.sizes[candidate.sizes < 0.0] / candidate.grid_points[0])
-        return np.concatenate([down, up])
-    if len(candidate.grid_points) == 1:
-        return nodes
-    place = np.interp(np.log(candidate.sizes), np.log(candidate.grid_points), np.arange(len(candidate.grid_points)))
-    left = np.minimum(place.astype(np.int64), len(nodes) - 2)
-    part = (place - left).reshape(-1, *([1] * (nodes.ndim - 1)))
-    found: Floats = (1.0 - part) * nodes[left] + part * nodes[left + 1]
-    return found
-
-
-def scaled(node: Floats, share: Floats) -> Floats:
-    """A linear effect at shares of a size: variances grow with the square, shares of samples no further."""
-    by = share.reshape(-1, *([1] * node.ndim))
-    squares = np.log1p(np.expm1(np.clip(node, 0.0, LOG_RANGE)) * by**2)
-    logs = np.where(node > 0.0, squares, node * np.minimum(by, 1.0))
-    found: Floats = np.where(LINEAR, node * by, np.where(IS_LOG, logs, node * np.minimum(by, 1.0)))
-    return found
+    return Response(candidate, scaled(node, share), free)

@@ -6,18 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.inference.detectable import CLEAR_GAIN
-from gyrodrift.diagnose.inference.deviations import explained_share
-from gyrodrift.diagnose.inference.evidence import Evidence, Response
+from gyrodrift.diagnose.inference.deviations import WORST_Z
+from gyrodrift.diagnose.inference.explanation import Explanation
 from gyrodrift.diagnose.inference.family_wise import pooled_z
-from gyrodrift.diagnose.inference.fit import best_of
-from gyrodrift.diagnose.inference.likelihood import DEGREES_OF_FREEDOM
 from gyrodrift.diagnose.inference.parameters import unit_of
-from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
-
-HINTED = 3.0
-"""Log-likelihood from which on an effect that is not accepted is worth a look: twenty to one, before it is counted how
-many were tried."""
+from gyrodrift.diagnose.inference.sets import EffectSet, Placed
+from gyrodrift.diagnose.inference.template import Template
 
 ALIKE = 0.8
 """Cosine of two responses from which on they are called alike."""
@@ -28,9 +22,9 @@ class Ranked:
     """A candidate at the size that fits best by itself.
 
     gain
-        Of the log-likelihood over the rig as it stands, all sessions together.
+        Of the logarithm of the evidence over the rig as it stands, all sessions together.
     gain_beside
-        The same over the causes that were found, when it joins them at its best size; None for these causes.
+        The same over the causes that were found, when it joins them; None for these, and where that was not tried.
     takes_away
         Share of what deviates; below 0 where it adds to it, None where nothing deviates.
     """
@@ -54,70 +48,59 @@ class Alike:
     cosine: float
 
 
-def ranking(surrogate: Surrogate, causes: Sequence[Cause]) -> tuple[Ranked, ...]:
-    """Effects of the catalogue, the best first."""
-    names = dict.fromkeys(response.candidate.name for response in _effects(surrogate.evidence))
-    return tuple(sorted((_ranked(surrogate, causes, name) for name in names), key=lambda one: -one.gain))
+def ranking(explanation: Explanation) -> tuple[Ranked, ...]:
+    """Effects of the catalog that some size of would be noticed, the best first."""
+    sets = {frozenset(item.effect_set.names): item.effect_set for item in explanation.posterior.hypotheses}
+    named = frozenset(explanation.named)
+    alone = [
+        item for names, item in sets.items() if len(names) == 1 and not item.placed[0].template.is_out_of_catalogue
+    ]
+    return tuple(sorted((_ranked(explanation, item, sets, named) for item in alone), key=lambda one: -one.gain))
 
 
-def _ranked(surrogate: Surrogate, causes: Sequence[Cause], name: str) -> Ranked:
-    responses = surrogate.evidence.variants(name)
-    curves = [curve.sum(axis=1) for curve in surrogate.curves((), responses)]
-    at = int(np.argmax([curve.max() for curve in curves]))
-    candidate = responses[at].candidate
-    beside = None
-    if name not in {cause.name for cause in causes}:
-        totals = [curve.sum(axis=1).max() for curve in surrogate.curves(causes, responses)]
-        beside = float(max(totals) - surrogate.scores(causes).sum())
-    cause = Cause(responses[at], int(np.argmax(curves[at])))
+def _ranked(
+    explanation: Explanation, alone: EffectSet, sets: dict[frozenset[str], EffectSet], named: frozenset[str]
+) -> Ranked:
+    (placed,) = alone.placed
+    candidate, name = placed.response.candidate, placed.template.name
+    beside = sets.get(named | {name}) if name not in named else None
+    with_causes = sets.get(named)
     return Ranked(
         name,
         candidate.stage,
         candidate.group,
-        float(getattr(candidate.make(cause.size), candidate.parameter)),
+        float(getattr(candidate.make(placed.size), candidate.parameter)),
         unit_of(candidate.parameter),
-        float(curves[at].max() - surrogate.scores(()).sum()),
-        beside,
-        _taken_away(surrogate, cause),
+        alone.without_unknown - sets[frozenset()].without_unknown,
+        beside.without_unknown - with_causes.without_unknown
+        if beside is not None and with_causes is not None
+        else None,
+        _taken_away(explanation, placed),
     )
 
 
-def _taken_away(surrogate: Surrogate, cause: Cause) -> float | None:
-    """Model discrepancy excuses nothing here: it is asked what the cause itself takes away."""
-    evidence = surrogate.evidence
-    predicted = surrogate.prediction((cause,))
+def _taken_away(explanation: Explanation, placed: Placed) -> float | None:
+    """Share of the squares of what deviates; chance has a square of 1, which nothing takes away."""
+    evidence, observation = explanation.evidence, explanation.scorer.observation
     before = pooled_z(evidence.z) / evidence.caution
-    left = (evidence.difference - predicted.change) / np.sqrt(evidence.variance_with(predicted.variance))
-    after = pooled_z(left) / evidence.caution
+    left = (observation.difference - explanation.scorer.change([placed])) / np.sqrt(1.0 + placed.variance)
+    after = pooled_z(np.where(observation.is_compared, left, 0.0)) / evidence.caution
     deviates = np.abs(before) > evidence.stands_out
-    return explained_share(deviates, before, after) if deviates.any() else None
+    if not deviates.any():
+        return None
+    squares = [np.square(np.minimum(np.abs(z[deviates]), WORST_Z)) for z in (before, after)]
+    held = [np.maximum(each - 1.0, 0.0).sum() for each in squares]
+    return float(1.0 - held[1] / held[0])
 
 
-def would_explain(surrogate: Surrogate) -> tuple[Cause, ...]:
-    """Effects each of which, at its best size, leaves nothing that stands out; the best first.
-
-    Beside an unknown gap they are what shows too weakly to be named.
-    """
-    evidence = surrogate.evidence
-    names = dict.fromkeys(response.candidate.name for response in _effects(evidence))
-    found: list[tuple[float, Cause]] = []
-    for name in names:
-        cause = best_of(surrogate, (), evidence.variants(name))
-        left = pooled_z(surrogate.standardised_residuals((cause,))) / evidence.caution
-        if float(np.abs(left).max()) < evidence.stands_out:
-            found.append((float(surrogate.scores((cause,)).sum()), cause))
-    return tuple(cause for _, cause in sorted(found, key=lambda pair: -pair[0]))
-
-
-def hinted(surrogate: Surrogate) -> tuple[Cause, ...]:
-    """Of the effects that leave nothing that stands out, those that gain something; the best first."""
-    nothing = float(surrogate.scores(()).sum())
-    return tuple(one for one in would_explain(surrogate) if surrogate.scores((one,)).sum() - nothing > HINTED)
-
-
-def lookalikes(evidence: Evidence) -> tuple[Alike, ...]:
+def lookalikes(templates: Sequence[Template]) -> tuple[Alike, ...]:
     """Pairs of effects that these sessions hardly separate, the closest first."""
-    directions = [(response.candidate.name, _direction(evidence, response)) for response in _effects(evidence)]
+    directions = [
+        (template.name, direction)
+        for template in templates
+        if not template.is_out_of_catalogue
+        for direction in _directions(template)
+    ]
     closest: dict[tuple[str, str], float] = {}
     for number, (first, one) in enumerate(directions):
         for second, other in directions[number + 1 :]:
@@ -128,25 +111,13 @@ def lookalikes(evidence: Evidence) -> tuple[Alike, ...]:
     return tuple(Alike(first, second, cosine) for (first, second), cosine in pairs)
 
 
-def _effects(evidence: Evidence) -> list[Response]:
-    """Of the catalogue."""
-    return [response for response in evidence.responses if not response.candidate.is_out_of_catalogue]
-
-
-def _direction(evidence: Evidence, response: Response) -> Floats:
-    """What a candidate does, in sigmas, at the smallest size that would be seen; length 1, or 0."""
-    changes = response.mean / evidence.sigma
-    gains = _gains_of(changes)
-    seen = np.flatnonzero(gains > CLEAR_GAIN)
-    at = seen[np.argmin(gains[seen])] if len(seen) else np.argmax(gains)
-    change = changes[at].ravel()
-    length = float(np.linalg.norm(change))
-    unit: Floats = change / length if length > 0.0 else change
-    return unit
-
-
-def _gains_of(change: Floats) -> Floats:
-    """(sizes,) log-likelihood that a change, (sizes, sessions, F) in sigmas, costs a rig that does not have it."""
-    squares = np.square(change) / DEGREES_OF_FREEDOM
-    gains: Floats = 0.5 * (DEGREES_OF_FREEDOM + 1.0) * np.log1p(squares).sum(axis=(1, 2))
-    return gains
+def _directions(template: Template) -> list[Floats]:
+    """What each variant does at the smallest size that would be noticed, as vectors of length 1."""
+    lengths = np.linalg.norm(template.mean.reshape(len(template.size), -1), axis=1)
+    found = []
+    for response in np.unique(template.response):
+        own = np.flatnonzero(template.response == response)
+        at = own[lengths[own].argmin()]
+        if lengths[at] > 0.0:
+            found.append(template.mean[at].ravel() / lengths[at])
+    return found

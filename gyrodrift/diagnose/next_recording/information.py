@@ -16,8 +16,9 @@ import numpy as np
 from scipy.special import logsumexp
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.inference.likelihood import discrepancy_variance, log_likelihood
-from gyrodrift.diagnose.inference.pooling import scaled
+from gyrodrift.diagnose.inference.density import DEGREES_OF_FREEDOM
+from gyrodrift.diagnose.inference.log_variances import scaled
+from gyrodrift.diagnose.inference.sets import USUAL
 from gyrodrift.diagnose.next_recording.simulated_features import SimulatedFeatures
 
 LEARNING_RATES = np.concatenate([[0.0], np.geomspace(0.01, 1.0, 17)])
@@ -67,10 +68,17 @@ class FeatureModel:
         """(n, H) of features, (n, F), under each hypothesis, averaged over its sizes."""
         there = values[:, None, None]
         changes = np.broadcast_to(self.means - self.base, (len(values), *self.means.shape))
-        discrepancy = discrepancy_variance(changes, there - self.base)
-        at_sizes = log_likelihood(there - self.means, self.variances, discrepancy)
+        at_sizes = log_likelihood(there - self.means, self.variances + np.square(USUAL * changes))
         averaged: Floats = logsumexp(at_sizes, axis=1) - np.log(len(SIZES))
         return averaged
+
+
+def log_likelihood(residual: Floats, variance: Floats) -> Floats:
+    """(…,) sum over the last axis of the logarithm of a Student density."""
+    nu = DEGREES_OF_FREEDOM
+    each = -0.5 * (nu + 1.0) * np.log1p(np.square(residual) / (nu * variance)) - 0.5 * np.log(variance)
+    total: Floats = each.sum(axis=-1)
+    return total
 
 
 def feature_model_of(simulated: SimulatedFeatures) -> FeatureModel:

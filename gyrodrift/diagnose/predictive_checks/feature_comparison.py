@@ -10,9 +10,8 @@ from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.feature import Feature
 from gyrodrift.diagnose.features.units import FeatureReading
 from gyrodrift.diagnose.features.vector import FEATURES, rms_scale
+from gyrodrift.diagnose.inference.explanation import Explanation
 from gyrodrift.diagnose.inference.family_wise import pooled_z
-from gyrodrift.diagnose.inference.fit import fitted_without
-from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 
 BAND = 2.0
 """Standard deviations: nineteen in twenty lie within, where chance alone is at work."""
@@ -50,16 +49,18 @@ class FeatureComparison:
 
 
 def feature_comparisons_of(
-    surrogate: Surrogate, causes: Sequence[Cause], simulated: Floats, designs: Sequence[DesignMatrix]
+    explanation: Explanation, simulated: Floats, designs: Sequence[DesignMatrix]
 ) -> tuple[FeatureComparison, ...]:
     """Of every feature, in the order of FEATURES.
 
     simulated
         (sessions, F) features of the rig as it stands, driven through each session's motion.
     """
-    evidence, scale = surrogate.evidence, np.array([rms_scale(design) for design in designs])
-    change, spread = _held_out_prediction(surrogate, causes)
-    z_before, z_after = pooled_z(evidence.z), pooled_z((evidence.difference - change) / spread)
+    evidence, scale = explanation.evidence, np.array([rms_scale(design) for design in designs])
+    unit = explanation.scorer.observation.unit
+    change, variance = (held * power for held, power in zip(explanation.held_out, (unit, np.square(unit)), strict=True))
+    spread = np.sqrt(np.square(evidence.sigma) + variance)
+    z_before, z_after = pooled_z(evidence.z), pooled_z(explanation.held_out_z)
 
     def compared(at: int, feature: Feature) -> FeatureComparison:
         by, middle, reading = scale[:, at], simulated[:, at], feature.reading
@@ -74,18 +75,6 @@ def feature_comparisons_of(
         )
 
     return tuple(compared(at, feature) for at, feature in enumerate(FEATURES))
-
-
-def _held_out_prediction(surrogate: Surrogate, causes: Sequence[Cause]) -> tuple[Floats, Floats]:
-    """(sessions, F) what the effects found change, and its spread; each session under sizes fitted on the others."""
-    evidence = surrogate.evidence
-    change, spread = np.zeros_like(evidence.difference), evidence.sigma.copy()
-    for held_out in range(len(evidence.names) if causes else 0):
-        effects = [cause for cause in fitted_without(surrogate, causes, held_out) if not cause.is_out_of_catalogue]
-        predicted = surrogate.prediction(effects)
-        change[held_out] = predicted.change[held_out]
-        spread[held_out] = np.sqrt(spread[held_out] ** 2 + (predicted.variance + predicted.discrepancy)[held_out])
-    return change, spread
 
 
 def _band(reading: FeatureReading, middle: Floats, sigma: Floats, by: Floats) -> Band:

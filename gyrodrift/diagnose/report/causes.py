@@ -2,7 +2,6 @@
 
 from math import isfinite
 
-from gyrodrift.diagnose.inference.acceptance import GAIN
 from gyrodrift.diagnose.inference.ranking import Ranked
 from gyrodrift.diagnose.report.text import fixed, number, percent, quiet, size
 from gyrodrift.diagnose.result import Diagnosis
@@ -23,14 +22,12 @@ def causes(diagnosis: Diagnosis) -> str:
 
 
 def _introduction(diagnosis: Diagnosis) -> str:
-    beside = (
-        " An effect that still gains so much beside the named causes is named too." if diagnosis.verdict.acting else ""
-    )
+    beside = " An effect that gains nothing beside the named causes is not needed." if diagnosis.verdict.acting else ""
     return (
-        "Every effect of the simulator was tried at all plausible sizes. The gain is the increase of the "
-        f"log-likelihood of the recordings (natural logarithm); {GAIN:g} on held-out sessions is the least that "
-        "counts. A wrong effect may gain too, by making the prediction uncertain. The right one also explains the "
-        f"deviations, and leaves nothing to gain for the others.{beside}"
+        "Every effect of the simulator was tried, alone and in sets of two and three. The gain is the natural "
+        "logarithm of how many times more probable the recordings are with the effect than with the simulator as it "
+        "is, over all its sizes. The right effect also explains the deviations, and leaves nothing to gain for the "
+        f"others.{beside}"
     )
 
 
@@ -40,7 +37,7 @@ def _ranking_table(diagnosis: Diagnosis) -> str:
     small = {one.cause.effect.name for one in diagnosis.verdict.negligible}
     named = {cause.effect.name for cause in diagnosis.verdict.causes}
     tied = {name for cause in diagnosis.verdict.causes for name in cause.tied_with}
-    most = max([one.gain for one in ranked] + [GAIN])
+    most = max([one.gain for one in ranked] + [1.0])
     beside = ["gain beside the<br/>named causes"] * has_causes
     head = headings(["effect", "", "gain alone", *beside, "deviations<br/>explained", "best size", "group"], words=1)
     rows = []

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from gyrodrift.diagnose.features.vector import FEATURES
-from gyrodrift.diagnose.inference.deviations import UNEXPLAINED, WORST_Z, Deviation
+from gyrodrift.diagnose.inference.deviations import WORST_Z, Deviation
 from gyrodrift.diagnose.inference.family_wise import FAMILY_WISE_ERROR
 from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison
@@ -45,10 +45,7 @@ def _listed(diagnosis: Diagnosis) -> list[FeatureComparison]:
 
 
 def _introduction(diagnosis: Diagnosis) -> str:
-    corrected = (
-        f", or by more than {number(UNEXPLAINED * diagnosis.stands_out)} σ from the corrected simulator, in which the "
-        "named causes act at their fitted sizes"
-    )
+    corrected = ", or by as much from the corrected simulator, in which the named causes act at their fitted sizes"
     return (
         f"{MEASURED} Listed is every feature that deviates by more than {number(diagnosis.stands_out)} σ over all "
         f"sessions{corrected * bool(diagnosis.verdict.acting)}. {_family_wise(diagnosis)}"

@@ -159,7 +159,7 @@ def said(cause: NamedCause) -> str:
     has = ""
     if cause.in_rig is not None:
         has = f" in the rig with {getattr(cause.in_rig, first.name):.4g} {first.unit}, the sessions say"
-    phase = ", a phase of its own in each session" if cause.cause.response.phases_deg is not None else ""
+    phase = ", a phase of its own in each session" if cause.cause.phases_deg is not None else ""
     tied = ""
     if cause.tied_with:
         others = " or ".join(cause.tied_with)

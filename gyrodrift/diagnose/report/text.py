@@ -64,7 +64,7 @@ def fitted(cause: NamedCause) -> str:
 
 def has_free_phase(cause: NamedCause) -> bool:
     """Whether its phase was fitted to each session by itself."""
-    return cause.cause.response.phases_deg is not None
+    return cause.cause.phases_deg is not None
 
 
 def others_of(cause: NamedCause) -> list[Parameter]:

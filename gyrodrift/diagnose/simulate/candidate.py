@@ -39,12 +39,14 @@ class Touches(Enum):
 
     TIMES        stamps and arrivals; rate and angle of each sample stay as they were
     SLOW_RATE    it adds to the rate something slow beside a sample: noise, numbers and times stay
+    RATE         it adds to the rate something that shows from sample to sample, too; numbers and times stay
     VALUES       rates and angles; which samples come and when stays
     EVERYTHING   anything
     """
 
     TIMES = "times"
     SLOW_RATE = "slow rate"
+    RATE = "rate"
     VALUES = "values"
     EVERYTHING = "everything"
 
@@ -67,8 +69,6 @@ class Hints:
         The steps that rates and angles come in.
     least_dps, largest_dps
         Rates below which the device puts out zero, and that it does not exceed.
-    period_s, turn_order, angle_turn_order
-        Of what is left of the rate: the clearest period in time, and parts of a turn of the bias and of the angle.
     sample_period_s, bunch_s
         Distance of two samples, and of two bunches of them at the host; 0 where there are none.
     dps_per_lsb
@@ -82,9 +82,6 @@ class Hints:
     angle_step_deg: float
     least_dps: float
     largest_dps: float
-    period_s: float
-    turn_order: int
-    angle_turn_order: int
     sample_period_s: float
     bunch_s: float
     dps_per_lsb: float
@@ -174,10 +171,6 @@ class Candidate:
     def is_out_of_catalogue(self) -> bool:
         """Whether it is no effect of the catalogue."""
         return self.shape is not None
-
-    def stands_against(self, other: "Candidate") -> bool:
-        """Whether one of the two stands for what no effect of the other's group does: they are not held together."""
-        return self.group == other.group and self.is_out_of_catalogue != other.is_out_of_catalogue
 
     def applied(self, size: float, effects: Sequence[Effect]) -> Effect:
         """The effect of a size in a rig whose effects may have a phase of their own in this session."""

@@ -52,7 +52,7 @@ def candidates(hints: Hints, rig: Rig = IDEAL) -> list[Candidate]:
         for kind in KINDS.values()
         for candidate in kind.candidates(hints, in_rig.get(kind.name), is_phase_free=is_free)
     ]
-    return [*found, *out_of_catalogue(hints)]
+    return [*found, *out_of_catalogue()]
 
 
 for _kind in (*LINEAR, *CURVE_AND_TIMES, *NOISE_AND_ENCODER):

@@ -10,7 +10,7 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, key
 from gyrodrift.diagnose.simulate.twin import Subject
-from gyrodrift.diagnose.simulate.whole_set import Sized, change_in, change_of, with_events
+from gyrodrift.diagnose.simulate.whole_set import Sized, change_in, change_of, together
 from gyrodrift.parallel import fork_pool, usable_jobs
 
 
@@ -61,7 +61,7 @@ class ForkedSets:
         if self._pool is None:
             return change_of(effects, self._own.subjects, self._own.tables)
         numbers = range(len(self._own.subjects))
-        return with_events(list(self._pool.map(_change_of_sent, [sent] * len(numbers), numbers)))
+        return together(list(self._pool.map(_change_of_sent, [sent] * len(numbers), numbers)))
 
 
 def _hold(held: _Held) -> None:

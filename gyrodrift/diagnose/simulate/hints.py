@@ -8,11 +8,8 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.block_residuals import unexplained_dps
-from gyrodrift.diagnose.features.periodic import angle_shares, periodic_component
 from gyrodrift.diagnose.features.rate_values import LEAK, NEAR_ZERO_DPS
 from gyrodrift.diagnose.features.spectral_line import spectral_line
-from gyrodrift.diagnose.features.turn_bases import TURN_ORDERS
 from gyrodrift.diagnose.recording.order_statistics import distinct
 from gyrodrift.diagnose.recording.outliers import DECIMALS, step_of
 from gyrodrift.diagnose.recording.recording import Recording
@@ -54,13 +51,10 @@ class Shown:
 
     slow_dps
         Rates near zero, where a step of the rate is least hidden; shape (some,).
-    left_dps
-        What the regressors leave of the block residuals, shape (blocks,).
     """
 
     subject: Subject
     slow_dps: Floats
-    left_dps: Floats
 
 
 Estimator = Callable[[Sequence[Shown]], float]
@@ -76,9 +70,7 @@ class HintSource(NamedTuple):
 
 def hints_of(subjects: Sequence[Subject]) -> Hints:
     """What the sessions show, or what is usual where they show nothing."""
-    shown = [
-        Shown(subject, _near_zero_dps(subject), unexplained_dps(subject.seen, subject.design)) for subject in subjects
-    ]
+    shown = [Shown(subject, _near_zero_dps(subject)) for subject in subjects]
     values: dict[str, Any] = {name: source.estimator(shown) or source.default for name, source in SOURCES.items()}
     return Hints(**values)
 
@@ -144,21 +136,6 @@ def largest_dps(shown: Sequence[Shown]) -> float:
     return max(LEAST_RANGE_DPS, *(_most(one.subject.seen.rate_dps) for one in shown))
 
 
-def period_s(shown: Sequence[Shown]) -> float:
-    """The clearest period in time of what is left of the rate."""
-    return _median([periodic_component(one.left_dps)[1] for one in shown])
-
-
-def turn_order(shown: Sequence[Shown]) -> int:
-    """The part of a turn that what is left of the rate follows best."""
-    return _order([angle_shares(one.left_dps, one.subject.design.turn_basis) for one in shown])
-
-
-def angle_turn_order(shown: Sequence[Shown]) -> int:
-    """The same of an angle that errs."""
-    return _order([angle_shares(one.left_dps, one.subject.design.turn_rate_basis) for one in shown])
-
-
 def sample_period_s(shown: Sequence[Shown]) -> float:
     """The shortest of all sessions."""
     return min(one.subject.seen.recording.period_s for one in shown)
@@ -219,9 +196,6 @@ SOURCES = {
     "angle_step_deg": HintSource(angle_step_deg),
     "least_dps": HintSource(least_dps),
     "largest_dps": HintSource(largest_dps),
-    "period_s": HintSource(period_s, default=100.0),
-    "turn_order": HintSource(turn_order),
-    "angle_turn_order": HintSource(angle_turn_order),
     "sample_period_s": HintSource(sample_period_s),
     "bunch_s": HintSource(bunch_s),
     "dps_per_lsb": HintSource(dps_per_lsb),
@@ -273,11 +247,6 @@ def _count_deg(subject: Subject) -> float:
 
 def _median(values: Sequence[float] | Floats) -> float:
     return float(np.median(values))
-
-
-def _order(shares: Sequence[Floats]) -> int:
-    """Which part of a turn takes most over all sessions, its sine and its cosine together."""
-    return TURN_ORDERS[0] + int(np.argmax(np.mean(shares, axis=0).reshape(-1, 2).sum(axis=1)))
 
 
 def _near_zero_dps(subject: Subject) -> Floats:

@@ -14,7 +14,7 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
 from gyrodrift.diagnose.features.regimes import SLOW_DPS
 from gyrodrift.diagnose.features.warming import WARMING
-from gyrodrift.diagnose.simulate.candidate import Candidate, Hints, Shape, Touches
+from gyrodrift.diagnose.simulate.candidate import Candidate, Shape, Touches
 from gyrodrift.diagnose.simulate.grids import between
 from gyrodrift.diagnose.simulate.kinds.groups import LAG
 
@@ -30,6 +30,25 @@ RANDOM_POINTS = (0.003, 0.01, 0.03, 0.1, 0.3)
 REALISATIONS = 4
 """Of what is left to chance: the phase of a sine, and all noise."""
 
+FUNCTIONS, FUNCTION_POINTS = 16, (0.005, 0.05, 0.5)
+"""Realisations of a random function, which cost milliseconds, and its sizes, deg/s."""
+
+WAVES, GRID = 8, 512
+"""Waves of a random function, and points between which it is straight."""
+
+LENGTHS_S, LENGTHS_C, LENGTHS_TURNS, LEAST_BEND = (15.0, 200.0), (3.0, 30.0), (0.5, 20.0), 0.15
+"""Over which a random function of time, of temperature, or of the turns made becomes another; the share of the largest
+rate where it depends on the rate."""
+
+WITHIN_FUNCTIONS = frozenset({
+    "time", "time_squared", "hinge_low", "hinge_high", "total_angle", "temperature_squared",
+    "half_turn_sine", "half_turn_cosine", "half_turn_sine_rate", "half_turn_cosine_rate",
+})  # fmt: skip
+"""Regressors that random functions hold as special cases."""
+
+ORDERS = (2, 3, 4, 5, 6, 7, 8)
+"""Parts of a turn; once per turn is an effect of the catalog."""
+
 MEMORY_S = 0.2
 """Of noise that is not white within a second, and white beyond: between white noise and any wandering of a bias."""
 
@@ -40,17 +59,21 @@ BY_RATE_POINTS = (0.0003, 0.001, 0.003, 0.01, 0.03)
 """Standard deviations of a noise that grows with the rate, in parts of it."""
 
 
-def out_of_catalogue(hints: Hints) -> Iterator[Candidate]:
+def out_of_catalogue() -> Iterator[Candidate]:
     """All of them; their names begin with a question mark."""
     for column in COLUMNS:
-        if not column.in_catalogue:
+        if not column.in_catalogue and column.name not in WITHIN_FUNCTIONS:
             yield _of_regressor(column.name, column.threshold)
     for play_c in PLAYS_C:
         yield _with_play(play_c)
     yield _lead()
-    yield _at_random("?swing", in_time(hints.period_s))
-    yield _at_random("?ripple", in_angle(hints.turn_order))
-    yield _at_random("?angle_ripple", of_angle_error(hints.angle_turn_order))
+    yield _function("?swing", in_time)
+    yield _function("?hinge_high", in_rate)
+    yield _function("?temperature_squared", in_temperature)
+    yield _function("?total_angle", in_turns)
+    yield _function("?ripple", in_angle)
+    yield _function("?half_turn_cosine_rate", gain_in_angle)
+    yield _function("?angle_ripple", of_angle_error)
     yield _noise("?wander_rest", "", with_memory)
     yield _noise("?scatter_moving", "in any motion", with_memory_in_motion)
     yield _noise("?scatter_moving", "with the rate", in_proportion, BY_RATE_POINTS)
@@ -82,36 +105,69 @@ def ahead(design: DesignMatrix, _: np.random.Generator) -> Floats:
     return np.gradient(design.motion.rate_dps, design.period_s)
 
 
-def in_time(period_s: float) -> Shape:
-    """A sine over time."""
+def random_function(rng: np.random.Generator, x: Floats, shortest: float, longest: float) -> Floats:
+    """A smooth function of x whose values have a variance of about 1 and mean 0 over them.
 
-    def shape(design: DesignMatrix, rng: np.random.Generator) -> Floats:
-        t_s = np.arange(design.samples) * design.period_s
-        sine: Floats = np.sin(2.0 * np.pi * (t_s / period_s + rng.random()))
-        return sine
-
-    return shape
-
-
-def in_angle(order: int) -> Shape:
-    """A sine of a multiple of the angle."""
-
-    def shape(design: DesignMatrix, rng: np.random.Generator) -> Floats:
-        sine: Floats = np.sin(order * np.deg2rad(design.motion.angle_deg) + 2.0 * np.pi * rng.random())
-        return sine
-
-    return shape
+    A Gaussian process with a squared exponential kernel by WAVES random waves (A. Rahimi and B. Recht, Random features
+    for large-scale kernel machines, 2007), on a grid. Its length is drawn between two, evenly in its logarithm.
+    """
+    length = shortest * (longest / shortest) ** rng.random()
+    grid = np.linspace(float(x.min()), float(x.max()), GRID)
+    waves, phases = rng.standard_normal(WAVES) / length, 2.0 * np.pi * rng.random(WAVES)
+    values = np.sqrt(2.0 / WAVES) * np.cos(np.outer(grid, waves) + phases).sum(axis=1)
+    found: Floats = np.interp(x, grid, values)
+    return found - float(found.mean())
 
 
-def of_angle_error(order: int) -> Shape:
-    """What an angle that errs by such a sine looks like from the rate; size is the angle's, in degrees."""
+def random_turn(rng: np.random.Generator, angle_deg: Floats) -> Floats:
+    """A function of the angle in a turn, of ORDERS parts of it, each of which has half the power of the one before."""
+    orders = np.array(ORDERS)
+    grid = np.linspace(0.0, 2.0 * np.pi, GRID)
+    amplitudes = rng.standard_normal(len(orders)) * 0.5 ** (0.5 * rng.permutation(len(orders)))
+    values = (amplitudes * np.sin(np.outer(grid, orders) + 2.0 * np.pi * rng.random(len(orders)))).sum(axis=1)
+    found: Floats = np.interp(np.deg2rad(angle_deg % 360.0), grid, values)
+    return found
 
-    def shape(design: DesignMatrix, rng: np.random.Generator) -> Floats:
-        turn = order * np.deg2rad(design.motion.angle_deg) + 2.0 * np.pi * rng.random()
-        slope: Floats = -order * np.deg2rad(design.motion.rate_dps) * np.cos(turn)
-        return slope
 
-    return shape
+def in_time(design: DesignMatrix, rng: np.random.Generator) -> Floats:
+    """A bias that depends on the time."""
+    t_s: Floats = np.arange(design.samples, dtype=np.float64) * design.period_s
+    return random_function(rng, t_s, *LENGTHS_S)
+
+
+def in_rate(design: DesignMatrix, rng: np.random.Generator) -> Floats:
+    """One that depends on the rate, beside a scale error and a bias."""
+    rate_dps = design.motion.rate_dps
+    most_dps = max(float(np.abs(rate_dps).max()), SLOW_DPS)
+    found = random_function(rng, rate_dps, LEAST_BEND * most_dps, most_dps)
+    return found - float(np.median(found[np.abs(rate_dps) <= max(SLOW_DPS, float(np.abs(rate_dps).min()))]))
+
+
+def in_temperature(design: DesignMatrix, rng: np.random.Generator) -> Floats:
+    """One that depends on the temperature."""
+    return random_function(rng, design.motion.sensor_c, *LENGTHS_C)
+
+
+def in_turns(design: DesignMatrix, rng: np.random.Generator) -> Floats:
+    """One that depends on the angle turned in all, as a cable that is twisted."""
+    return random_function(rng, design.motion.angle_deg / 360.0, *LENGTHS_TURNS)
+
+
+def in_angle(design: DesignMatrix, rng: np.random.Generator) -> Floats:
+    """One that depends on the angle in a turn."""
+    return random_turn(rng, design.motion.angle_deg)
+
+
+def gain_in_angle(design: DesignMatrix, rng: np.random.Generator) -> Floats:
+    """A gain that depends on the angle in a turn; size 1 is deg/s at 100 deg/s."""
+    return random_turn(rng, design.motion.angle_deg) * design.motion.rate_dps / 100.0
+
+
+def of_angle_error(design: DesignMatrix, rng: np.random.Generator) -> Floats:
+    """What an angle that errs so looks like from the rate; size is the angle's, in degrees."""
+    error_deg = random_turn(rng, design.motion.angle_deg)
+    slope: Floats = -np.gradient(error_deg, design.period_s)
+    return slope
 
 
 def with_memory(design: DesignMatrix, rng: np.random.Generator) -> Floats:
@@ -179,6 +235,10 @@ def _at_random(name: str, shape: Shape, points: Sequence[float] = RANDOM_POINTS)
         realisations=REALISATIONS,
         shape=shape,
     )
+
+
+def _function(name: str, shape: Shape) -> Candidate:
+    return replace(_at_random(name, shape, FUNCTION_POINTS), realisations=FUNCTIONS)
 
 
 def _noise(name: str, variant: str, shape: Shape, points: Sequence[float] = RANDOM_POINTS) -> Candidate:

@@ -51,10 +51,10 @@ def response_table(subject: Subject, tried: Sequence[Candidate], null_runs: int)
 
 
 def response(subject: Subject, candidate: Candidate, base: Sequence[BaseRun]) -> Floats:
-    """(grid points, realisations, F) what a candidate changes; there is a base run for each realisation."""
-    used = base[: candidate.realisations]
+    """(grid points, realisations, F) what a candidate changes; realisations take the base runs in turn."""
+    used = [(seed, base[seed % len(base)]) for seed in range(candidate.realisations)]
     changes = [
-        [_features_with(subject, candidate, float(size), run) - run.values for run in used]
+        [_features_with(subject, candidate, float(size), run, seed) - run.values for seed, run in used]
         for size in candidate.grid_points
     ]
     return np.array(changes)
@@ -76,19 +76,22 @@ def smoother(subject: Subject, base: Sequence[BaseRun]) -> Floats:
     return found
 
 
-def _features_with(subject: Subject, candidate: Candidate, size: float, base: BaseRun) -> Floats:
-    """(F,) features with a candidate; those of what it does not touch are taken over."""
+def _features_with(subject: Subject, candidate: Candidate, size: float, base: BaseRun, seed: int) -> Floats:
+    """(F,) features with a realisation of a candidate; those of what it does not touch are taken over."""
     stands = subject.rig.effects
     if candidate.shape is not None:
-        shaped = subject.with_shape(candidate.shape, size, base.seed, base.seen)
+        shaped = subject.with_shape(candidate.shape, size, seed, base.seen)
         is_slow = candidate.touches is Touches.SLOW_RATE
         features_of = subject.residual_features if is_slow else subject.value_features
         return _first(features_of(shaped, base), base.values)
     effects = (candidate.applied(size, stands),)
     match candidate.touches:
         case Touches.SLOW_RATE:
-            with_it = subject.with_rate((candidate.added(size, stands),), base)
+            with_it = subject.with_rate((candidate.added(size, stands),), base, seed)
             return _first(subject.residual_features(with_it, base), base.values)
+        case Touches.RATE:
+            with_it = subject.with_rate((candidate.added(size, stands),), base, seed)
+            return _first(subject.value_features(subject.in_counts(with_it), base), base.values)
         case Touches.TIMES:
             times = subject.time_features(effects, base.seed)
             return np.concatenate([base.values[: -len(times)], times])

@@ -215,15 +215,20 @@ class Subject:
         """Only those of clock and link, for effects that touch nothing else."""
         return timing.measure(self.played(effects, seed)).values
 
-    def with_rate(self, effects: tuple[Effect, ...], base: BaseRun) -> Cleaned:
-        """What a simulation is with effects that only add to the rate, without playing it again."""
+    def with_rate(self, effects: tuple[Effect, ...], base: BaseRun, seed: int) -> Cleaned:
+        """What a simulation is with a realisation of effects that only add to the rate, without playing it again."""
         motion = self.motion(base.seed)
         truth = moments_of(motion)
         rate_dps = base.seen.rate_dps
         for effect in effects:
-            rng = np.random.default_rng([self._stream(base.seed), crc32(effect.name.encode())])
+            rng = np.random.default_rng([self._stream(seed), crc32(effect.name.encode())])
             rate_dps = effect.begin(rng, 1.0 / motion.period_s)(rate_dps, truth)
         return replace(base.seen, rate_dps=rate_dps)
+
+    def in_counts(self, seen: Cleaned) -> Cleaned:
+        """The same in whole counts again, after something was added to the rate."""
+        step_dps = self.facts.step_dps
+        return replace(seen, rate_dps=np.rint(seen.rate_dps / step_dps) * step_dps if step_dps else seen.rate_dps)
 
     def with_shape(self, shape: Shape, size: float, seed: int, without: Cleaned) -> Cleaned:
         """What a simulation is with something added to its rate that is no effect."""

@@ -7,7 +7,6 @@ import numpy as np
 
 from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.vector import OF_EVENTS, happened_in, mean_where
 from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
 from gyrodrift.diagnose.simulate.noise_beneath import with_noise_beneath
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet
@@ -25,31 +24,33 @@ class Sized(NamedTuple):
     size: float
     phases_deg: Floats | None = None
 
+    @property
+    def is_random(self) -> bool:
+        """Whether two realisations of it differ."""
+        return self.candidate.realisations > 1
+
 
 def change_of(effects: Sequence[Sized], subjects: Sequence[Subject], tables: Sequence[ResponseTable]) -> SimulatedSet:
     """What a whole set of candidates does in all sessions."""
     pairs = enumerate(zip(subjects, tables, strict=True))
-    return with_events([change_in(effects, number, subject, table) for number, (subject, table) in pairs])
+    return together([change_in(effects, number, subject, table) for number, (subject, table) in pairs])
 
 
-def with_events(sessions: Sequence[SimulatedSet]) -> SimulatedSet:
-    """Of some sessions; where events happened in none of its runs, they are as large as in the others."""
-    each = np.array([one.change for one in sessions])
-    happened = happened_in(each)
-    changes = np.where(happened, each, mean_where(happened, each, axis=0))
-    return SimulatedSet(changes, np.array([one.variance for one in sessions]), sessions[0].runs)
+def together(sessions: Sequence[SimulatedSet]) -> SimulatedSet:
+    """Of all sessions what was simulated in each."""
+    changes, variances = np.array([one.change for one in sessions]), np.array([one.variance for one in sessions])
+    return SimulatedSet(changes, variances, sessions[0].runs)
 
 
 def change_in(effects: Sequence[Sized], number: int, subject: Subject, table: ResponseTable) -> SimulatedSet:
     """The same in session `number`."""
-    is_random = any(one.candidate.realisations > 1 for one in effects)
+    is_random = any(one.is_random for one in effects)
     seeds = range(RANDOM_REALISATIONS if is_random else FIXED_REALISATIONS)
     runs = [table.runs[seed] for seed in seeds]
     changes = np.array(
         [_features(effects, number, subject, seed, run) - run for seed, run in zip(seeds, runs, strict=True)]
     )
-    variance = np.where(OF_EVENTS, 0.0, changes.var(axis=0, ddof=1))
-    return SimulatedSet(mean_where(happened_in(changes), changes, axis=0), variance, len(changes))
+    return SimulatedSet(changes.mean(axis=0), changes.var(axis=0, ddof=1), len(changes))
 
 
 def _features(effects: Sequence[Sized], number: int, subject: Subject, seed: int, run: Floats) -> Floats:

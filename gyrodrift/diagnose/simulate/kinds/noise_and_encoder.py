@@ -4,7 +4,10 @@ from gyrodrift.diagnose.simulate.candidate import CandidateKind, Need, Touches
 from gyrodrift.diagnose.simulate.grids import hinted, one_of, read_off, simulated, simulated_grid
 from gyrodrift.diagnose.simulate.kinds.groups import OUTLIERS, STOCHASTIC_BIAS
 
-DWELLS_S = (8.0, 25.0, 80.0)
+DWELLS_S = (8.0, 16.0, 32.0, 80.0)
+
+REALISATIONS = 16
+"""Of an effect that a slow disturbance is drawn for in milliseconds: with two sessions, more than thirty."""
 
 
 def _counts_per_turn(step_deg: float) -> int:
@@ -19,8 +22,8 @@ NOISE_AND_ENCODER = (
         "the bias wanders slowly, and stays about where it is (1/f noise)",
         STOCHASTIC_BIAS,
         (),
-        Touches.VALUES,
-        realisations=4,
+        Touches.RATE,
+        realisations=REALISATIONS,
         matters_from=3.0,
     ),
     CandidateKind(
@@ -31,7 +34,7 @@ NOISE_AND_ENCODER = (
         STOCHASTIC_BIAS,
         (),
         Touches.SLOW_RATE,
-        realisations=4,
+        realisations=REALISATIONS,
         matters_from=0.0003,
     ),
     CandidateKind(
@@ -42,18 +45,18 @@ NOISE_AND_ENCODER = (
         STOCHASTIC_BIAS,
         (),
         Touches.SLOW_RATE,
-        realisations=4,
+        realisations=REALISATIONS,
         matters_from=0.01,
     ),
     CandidateKind(
         "spikes",
         "share_percent",
-        hinted("height_dps", lambda hints: hints.spike_dps, 0.003, 0.03, 0.3, 2.0),
+        hinted("height_dps", lambda hints: hints.spike_dps, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 2.0),
         "now and then a single rate is wild",
         OUTLIERS,
         (),
         Touches.VALUES,
-        realisations=2,
+        realisations=4,
     ),
     CandidateKind(
         "encoder_slip",
@@ -63,7 +66,7 @@ NOISE_AND_ENCODER = (
         OUTLIERS,
         (Need.MOTION,),
         Touches.VALUES,
-        realisations=2,
+        realisations=4,
     ),
     CandidateKind(
         "vibration",

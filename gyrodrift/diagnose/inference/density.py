@@ -18,11 +18,11 @@ from gyrodrift.arrays import Floats, Integers, Mask
 DEGREES_OF_FREEDOM = 12.0
 """Degrees of freedom of the Student density. Provisional: not yet calibrated on cases of known cause."""
 
-FORM_ERROR = 0.1
-"""Relative standard deviation by which the form of a real effect differs from the simulated one, in each feature."""
-
 UNKNOWN_WIDTHS = (3.0, 10.0, 40.0)
 """Standard deviations by which an unknown effect moves a feature, equally probable."""
+
+UNKNOWN_COMMON = 0.8
+"""Share of the variance of an unknown effect that all sessions have in common: mostly it is there in each."""
 
 UNKNOWN_SHARES = (0.05, 0.25, 0.75)
 """Shares of the features of a group that an unknown effect moves, equally probable."""
@@ -60,22 +60,24 @@ def log_densities(
     residual: Floats,
     mean: Floats,
     scatter: Floats,
+    form: Floats,
     covariance: Floats,
     groups: "Groups",
-    form_error: float = FORM_ERROR,
 ) -> LogDensities:
     """Densities at N points of one template beside fixed others.
 
     residual
         (N, S, F) difference minus prediction.
     mean, scatter
-        (N, S, F) and (N, F) of the template alone.
+        (N, S, F) of the template alone.
+    form
+        (N, S, F) standard deviation of its mean, with its sign; half of the variance is common to the sessions.
     covariance
         (F, S, S) of everything but the template.
     """
     by_width = _by_width(
-        residual, np.ascontiguousarray(mean), scatter, covariance, groups.is_used, form_error**2,
-        np.array((0.0, *UNKNOWN_WIDTHS)), DEGREES_OF_FREEDOM,
+        residual, mean, scatter, form, covariance, groups.is_used, np.array((0.0, *UNKNOWN_WIDTHS)),
+        DEGREES_OF_FREEDOM,
     )  # fmt: skip
     return LogDensities(*_summed(by_width, groups.of_feature, groups.number, np.array(UNKNOWN_SHARES)))
 
@@ -118,8 +120,8 @@ def _log_student(residual: Floats, covariance: Floats, nu: float, root: Floats, 
 
 @njit(cache=True)
 def _by_width(
-    residual: Floats, mean: Floats, scatter: Floats, covariance: Floats, is_used: Mask, form_error2: float,
-    widths: Floats, nu: float,
+    residual: Floats, mean: Floats, scatter: Floats, form: Floats, covariance: Floats, is_used: Mask, widths: Floats,
+    nu: float,
 ) -> Floats:  # fmt: skip
     """(N, F, widths) log densities of each feature at each width of an unknown; 0 for features that are not used."""
     points, sessions, features = mean.shape
@@ -132,20 +134,20 @@ def _by_width(
         for f in range(features):
             if not is_used[f]:
                 continue
-            moves = scatter[n, f]
+            moves = 0.0
             for i in range(sessions):
-                moves = max(moves, abs(mean[n, i, f]))
+                moves = max(moves, abs(mean[n, i, f]), scatter[n, i, f])
                 session_residual[i] = residual[n, i, f]
             if moves < MOVED and is_known[f]:
                 densities[n, f] = alone[f]
                 continue
             for v in range(len(widths)):
-                unknown = 0.5 * widths[v] ** 2
+                unknown = widths[v] ** 2
                 for i in range(sessions):
                     for j in range(i + 1):
-                        form = 0.5 * form_error2 * mean[n, i, f] * mean[n, j, f]
-                        total[i, j] = covariance[f, i, j] + form + unknown
-                    total[i, i] += 0.5 * form_error2 * mean[n, i, f] ** 2 + unknown + scatter[n, f]
+                        common = 0.5 * form[n, i, f] * form[n, j, f]
+                        total[i, j] = covariance[f, i, j] + common + UNKNOWN_COMMON * unknown
+                    total[i, i] += 0.5 * form[n, i, f] ** 2 + (1.0 - UNKNOWN_COMMON) * unknown + scatter[n, i, f]
                 densities[n, f, v] = _log_student(session_residual, total, nu, root, white)
             if moves < MOVED:
                 alone[f] = densities[n, f]

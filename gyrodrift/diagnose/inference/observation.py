@@ -36,6 +36,11 @@ class Observation:
     covariance: Floats
     is_compared: Mask
 
+    def of_sessions(self, rows: Sequence[int]) -> "Observation":
+        """Some of the sessions."""
+        covariance = self.covariance[:, rows][:, :, rows]
+        return Observation(self.difference[rows], self.unit[rows], covariance, self.is_compared[rows])
+
     @property
     def sessions(self) -> int:
         """Number of sessions."""

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.posterior.sets import EffectSet, Scorer, log_prior_of
+from gyrodrift.diagnose.inference.sets import EffectSet, Scorer, log_prior_of
 
 POWER = 0.8
 """Power of the likelihood. Provisional: not yet calibrated on cases of known cause."""
@@ -72,6 +72,13 @@ class Posterior:
     def unknown(self) -> float:
         """Probability that something acts which the catalog does not hold."""
         return sum(hypothesis.probability for hypothesis in self.hypotheses if hypothesis.is_unknown)
+
+    def by_mass(self, least: float) -> list[EffectSet]:
+        """Fitted sets with at least so much probability, whether they act or only resemble what does; most first."""
+        masses: dict[EffectSet, float] = {}
+        for hypothesis in self.hypotheses:
+            masses[hypothesis.effect_set] = masses.get(hypothesis.effect_set, 0.0) + hypothesis.probability
+        return sorted((item for item, mass in masses.items() if mass > least), key=lambda item: -masses[item])
 
     @cached_property
     def inclusion(self) -> dict[str, float]:

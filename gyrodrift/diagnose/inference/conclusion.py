@@ -1,0 +1,197 @@
+"""From the response tables of all sessions to a verdict, by the posterior over sets of effects."""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
+from gyrodrift.diagnose.inference.density import Groups
+from gyrodrift.diagnose.inference.deviations import Deviation, deviations, listed
+from gyrodrift.diagnose.inference.explanation import Explanation
+from gyrodrift.diagnose.inference.family_wise import pooled_z
+from gyrodrift.diagnose.inference.gap import gap_of, no_gap
+from gyrodrift.diagnose.inference.observation import observation_of
+from gyrodrift.diagnose.inference.parameters import Parameter, unit_of
+from gyrodrift.diagnose.inference.pooling import evidence_of
+from gyrodrift.diagnose.inference.posterior import POWER, Posterior, Slot, posterior_of
+from gyrodrift.diagnose.inference.sets import EffectSet, Scorer, find_sets, fitted
+from gyrodrift.diagnose.inference.size import SizePosterior, size_posterior
+from gyrodrift.diagnose.inference.template import templates_of
+from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict
+from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.diagnose.simulate.candidates import KINDS
+from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet
+from gyrodrift.diagnose.simulate.whole_set import Sized
+
+NAMED = 0.5
+"""Probability from which on an effect, or one of those tied with it, is named."""
+
+CLOSED = 0.85
+"""Share of the gap that has to be closed where features still deviate, or part of it is unexplained."""
+
+FORM = 0.2
+"""Probability of a form that no effect has, from which on the feature that it stands for is what deviates first."""
+
+GROUPS = sorted({(feature.stage, feature.regime) for feature in FEATURES})
+"""An unknown effect moves features of one stage in one regime of the motion together."""
+
+Simulate = Callable[[Sequence[Sized]], SimulatedSet]
+"""Simulator: from a set of effects with sizes to the change of the features."""
+
+SIMULATED = 0.05
+"""Probability from which on a set is simulated as a whole."""
+
+ROUNDS, AT_ONCE, REFITTED = 5, 2, 12
+"""Rounds of such simulations, sets in each, and sets that are fitted again after it."""
+
+
+class Conclusion(NamedTuple):
+    """The verdict, and what it rests on."""
+
+    verdict: Verdict
+    explanation: Explanation
+
+
+def conclude(tables: Sequence[ResponseTable], tried: Sequence[Candidate], simulate: Simulate) -> Conclusion:
+    """Find the posterior, and say what it means."""
+    evidence = evidence_of(tables, tried)
+    observation = observation_of(tables, evidence.is_compared)
+    stages = np.array([GROUPS.index((feature.stage, feature.regime)) for feature in FEATURES])
+    templates = {item.name: item for item in templates_of(observation, tables, evidence.responses)}
+    scorer = Scorer(observation, Groups(stages, len(GROUPS), np.logical_or.reduce(evidence.is_compared)), templates)
+    posterior = simulated_posterior(scorer, simulate)
+    causes = _named(scorer, posterior)
+    names = tuple(cause.effect.name for cause in causes)
+    explanation = Explanation(evidence, scorer, posterior, _best_with(posterior, names), names)
+    return Conclusion(_verdict(explanation, causes), explanation)
+
+
+def simulated_posterior(scorer: Scorer, simulate: Simulate) -> Posterior:
+    """Sets are simulated as a whole where most of the probability rests on their templates, and fitted again.
+
+    What a set lacks a longer one may gain by chance: the best part of a set is simulated before it.
+    """
+    sets = find_sets(scorer)
+    for _ in range(ROUNDS):
+        posterior = posterior_of(scorer, sets)
+        wanted = [_not_simulated(scorer, sets, item) for item in posterior.by_mass(SIMULATED)]
+        some = list(dict.fromkeys(item for item in wanted if item is not None))[:AT_ONCE]
+        if not some:
+            break
+        for item in some:
+            scorer.correct(item, simulate([placed.sized for placed in item.placed]))
+        simulated = [*scorer.corrections]
+        in_order = sorted(sets, key=lambda item: -scorer.log_posterior(item, POWER))
+        sets = [
+            fitted(scorer, item) if rank < REFITTED and any(names <= {*item.names} for names in simulated) else item
+            for rank, item in enumerate(in_order)
+        ]
+    return posterior_of(scorer, sets)
+
+
+def _not_simulated(scorer: Scorer, sets: Sequence[EffectSet], item: EffectSet) -> EffectSet | None:
+    """The shortest of a set, the best part of it, the best part of that, and so on, that was not simulated yet."""
+    found = None
+    while item.placed:
+        if not scorer.is_simulated(item):
+            found = item
+        parts = [one for one in sets if len(one.placed) == len(item.placed) - 1 and {*one.names} < {*item.names}]
+        if not parts:
+            break
+        item = max(parts, key=lambda one: scorer.log_posterior(one, POWER))
+    return found
+
+
+def kind_of(posterior: Posterior, *, has_causes: bool) -> Kind:
+    """The most probable of: nothing acts, known effects alone, known and unknown ones, unknown ones alone."""
+    if posterior.no_gap > NAMED:
+        return Kind.NONE
+    if not has_causes:
+        return Kind.UNKNOWN
+    return Kind.PARTLY if posterior.unknown > NAMED else Kind.EFFECT
+
+
+def _verdict(explanation: Explanation, causes: tuple[NamedCause, ...]) -> Verdict:
+    evidence, posterior = explanation.evidence, explanation.posterior
+    kind = kind_of(posterior, has_causes=bool(causes))
+    before, after_z = pooled_z(evidence.z) / evidence.caution, explanation.held_out_z
+    after = pooled_z(after_z) / evidence.caution
+    where = _deviating(posterior, before, evidence.stands_out, is_unknown=kind is Kind.UNKNOWN)
+    gap = no_gap(evidence) if kind is Kind.NONE else gap_of(evidence, after_z)
+    if (
+        kind is Kind.EFFECT
+        and gap.shrink is not None
+        and gap.shrink < CLOSED
+        and np.abs(after).max() > evidence.stands_out
+    ):
+        kind = Kind.PARTLY
+    left = _deviating(posterior, after, evidence.stands_out, is_unknown=kind is Kind.PARTLY)
+    return Verdict(
+        kind=kind,
+        causes=causes if kind is not Kind.NONE else (),
+        where=where,
+        unexplained=left if causes else where,
+        gap=gap,
+        after_z=after_z,
+    )
+
+
+def _deviating(posterior: Posterior, z: Floats, stands_out: float, *, is_unknown: bool) -> tuple[Deviation, ...]:
+    """What stands out; of something unknown what it depends on first, if that is known, and in any case the worst."""
+    found = deviations(z, stands_out, least=1 if is_unknown else 0)
+    forms = sorted(
+        ((mass, name) for name, mass in posterior.inclusion.items() if name.startswith("?") and mass > FORM),
+        reverse=True,
+    )
+    if not forms or not is_unknown:
+        return found
+    numbers = [NUMBER[name.removeprefix("?")] for _, name in forms]
+    return listed([*dict.fromkeys([*numbers, *(NUMBER[one.feature] for one in found)])], z)
+
+
+def _named(scorer: Scorer, posterior: Posterior) -> tuple[NamedCause, ...]:
+    slots = [slot for slot in posterior.slots() if slot.total > NAMED]
+    causes = [
+        _cause(slot, size_posterior(scorer, _best_with(posterior, (slot.name,)), slot.name, POWER)) for slot in slots
+    ]
+    return tuple(cause for cause in causes if not cause.is_as_in_rig)
+
+
+def _best_with(posterior: Posterior, names: Sequence[str]) -> EffectSet:
+    """The most probable set that holds some effects, or as many of them as any set does."""
+    return max(
+        posterior.hypotheses,
+        key=lambda item: (len({*names} & item.names & {*item.effect_set.names}), item.probability),
+    ).effect_set
+
+
+def _cause(slot: Slot, size: SizePosterior) -> NamedCause:
+    candidate, phases_deg = size.response.candidate, size.response.phases_deg
+    effect = candidate.make(size.median)
+    if phases_deg is not None:
+        effect = effect.model_copy(update={"phase_deg": float(phases_deg[0])})
+    return NamedCause(
+        cause=Sized(candidate, size.median, phases_deg),
+        effect=effect,
+        group=candidate.group,
+        meaning=KINDS[slot.name].meaning,
+        probability=slot.probability,
+        group_probability=slot.total,
+        parameters=(_size_parameter(candidate, size), *_fixed(candidate, size)),
+        tied_with=slot.tied_with,
+    )
+
+
+def _size_parameter(candidate: Candidate, size: SizePosterior) -> Parameter:
+    name = candidate.parameter
+    value, *ends = (float(getattr(candidate.make(item), name)) for item in (size.median, size.low, size.high))
+    return Parameter(name, value, min(ends), max(ends), unit_of(name))
+
+
+def _fixed(candidate: Candidate, size: SizePosterior) -> list[Parameter]:
+    """Parameters that the variant fixes."""
+    made = candidate.make(size.median).model_dump(exclude_unset=True)
+    names = [name for name in made if name not in {candidate.parameter, "name"}]
+    return [Parameter(name, made[name], made[name], made[name], unit_of(name)) for name in names]

@@ -1,0 +1,123 @@
+"""What realisations of a random effect have in common: factors of the covariance between features.
+
+A slow disturbance of the bias moves many features together, otherwise in each session. With K realisations less their
+mean as rows of R,
+
+    covariance = lambda diag(R' R) / K + (1 - lambda) R' R / K = scatter + L' L                     (4)
+    log N(y; 0, D + L' L) = log N(y - L' a; 0, D) - a' a / 2 - log det(I + L D^-1 L') / 2           (5)
+
+with a = (I + L D^-1 L')^-1 L D^-1 y, exactly. Of a few realisations the correlations are shrunk by lambda (J. Schaefer
+and K. Strimmer, A shrinkage approach to large-scale covariance matrix estimation, 2005). With Student densities D is
+reweighted by the residual.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from gyrodrift.arrays import Floats, Integers
+
+MOST_FACTORS = 10
+"""Principal directions of the realisations; what lies beside them counts as scatter."""
+
+LEAST_MOVED = 1e-6
+"""Variance below which factors leave a feature alone, in units of that without a gap."""
+
+REWEIGHTED = 3
+"""Solutions of equation (5), each with the weights that the one before gives."""
+
+
+class Covariance(NamedTuple):
+    """Equation (4): (F,) scatter, and (K, F) factors L."""
+
+    scatter: Floats
+    factors: Floats
+
+
+def covariance_of(realised: Floats) -> Covariance:
+    """Of K realisations of F features, (K, F), less their mean."""
+    count = len(realised)
+    variance = np.square(realised).mean(axis=0)
+    moved = np.flatnonzero(variance > 0.0)
+    if count < 3 or not len(moved):
+        return Covariance(variance, np.zeros((0, len(variance))))
+    share = shrinkage(realised[:, moved])
+    unit = np.sqrt(variance[moved])
+    _, lengths, directions = np.linalg.svd(realised[:, moved] / unit, full_matrices=False)
+    factors = np.zeros((min(MOST_FACTORS, len(lengths)), len(variance)))
+    factors[:, moved] = np.sqrt((1.0 - share) / count) * lengths[:MOST_FACTORS, None] * directions[:MOST_FACTORS] * unit
+    return Covariance(variance - np.square(factors).sum(axis=0), factors)
+
+
+def shrinkage(realised: Floats) -> float:
+    """By which correlations of (K, F) realisations are shrunk, 0 to 1."""
+    count = len(realised)
+    standard = realised / np.sqrt(np.square(realised).mean(axis=0))
+    products = standard[:, :, None] * standard[:, None, :]
+    correlation = products.mean(axis=0)
+    variance = products.var(axis=0) / (count - 1)
+    off = ~np.eye(len(correlation), dtype=np.bool_)
+    return float(min(variance[off].sum() / max(np.square(correlation[off]).sum(), 1e-12), 1.0)) if off.any() else 1.0
+
+
+@njit(cache=True)
+def explained(residual: Floats, own: Floats, others: Floats, variance: Floats, nu: float) -> tuple[Floats, Floats]:
+    """(N, S, F) residual less what factors explain of it, and (N,) logarithm of what they cost; equation (5).
+
+    residual
+        (N, S, F).
+    own, others
+        (N, S, K, F) and (S, M, F) factors.
+    variance
+        (N, S, F) of the residual beside them.
+    """
+    points, sessions, features = residual.shape
+    number = own.shape[2] + others.shape[1]
+    left, cost = residual.copy(), np.zeros(points)
+    moved, factors = np.zeros(features, np.int64), np.zeros((number, features))
+    for n in range(points):
+        for s in range(sessions):
+            used = _gather(own[n, s], others[s], factors, moved)
+            if used:
+                values, variances = np.empty(used), np.empty(used)
+                for u in range(used):
+                    values[u], variances[u] = residual[n, s, moved[u]], variance[n, s, moved[u]]
+                fitted, spent = _fitted(np.ascontiguousarray(factors[:, :used]), values, variances, nu)
+                cost[n] -= spent
+                for u in range(used):
+                    left[n, s, moved[u]] -= fitted[u]
+    return left, cost
+
+
+@njit(cache=True)
+def _gather(own: Floats, others: Floats, factors: Floats, moved: Integers) -> int:
+    """Fill `factors` with those of the features that are moved, and `moved` with these; how many they are."""
+    used = 0
+    for f in range(own.shape[1]):
+        total = 0.0
+        for k in range(len(factors)):
+            value = own[k, f] if k < len(own) else others[k - len(own), f]
+            factors[k, used] = value
+            total += value * value
+        if total > LEAST_MOVED:
+            moved[used] = f
+            used += 1
+    return used
+
+
+@njit(cache=True)
+def _fitted(factors: Floats, values: Floats, variances: Floats, nu: float) -> tuple[Floats, float]:
+    """What the factors explain of values, and what that costs."""
+    number, used = factors.shape
+    weights: Floats = 1.0 / variances
+    fitted: Floats = np.zeros(used)
+    system: Floats = np.eye(number)
+    amounts: Floats = np.zeros(number)
+    for _ in range(REWEIGHTED):
+        weighted = factors * weights
+        system = np.eye(number) + weighted @ factors.T
+        amounts[:] = np.linalg.solve(system, weighted @ values)
+        fitted[:] = amounts @ factors
+        weights[:] = (nu + 1.0) / (nu + np.square(values - fitted) / variances) / variances
+    return fitted, 0.5 * (np.square(amounts).sum() + np.linalg.slogdet(system)[1])

@@ -1,0 +1,53 @@
+"""The posterior of one effect's size, beside the other effects of a set."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.inference.evidence import Response
+from gyrodrift.diagnose.inference.sets import EffectSet, Scorer, profile_of
+
+CREDIBLE = (0.025, 0.5, 0.975)
+"""Quantiles: a central interval that holds the true size in 95 % of cases, and the median."""
+
+
+@dataclass(frozen=True, slots=True)
+class SizePosterior:
+    """Size of an effect in its most probable variant, in the unit of the candidate."""
+
+    response: Response
+    median: float
+    low: float
+    high: float
+
+
+def size_posterior(scorer: Scorer, effect_set: EffectSet, name: str, power: float) -> SizePosterior:
+    """Quantiles of the sizes in the most probable variant, weighted by prior and density to a power."""
+    others = [placed for placed in effect_set.placed if placed.template.name != name]
+    profile = profile_of(scorer, name, others)
+    response = int(profile.best.template.response[profile.best.point])
+    sizes, log_weights = [], []
+    for template, by_form in profile.parts:
+        is_same = template.response == response
+        for densities in by_form[:-1]:
+            log_density = np.logaddexp(
+                power * densities.without_unknown + scorer.log_no_unknown,
+                power * densities.either + scorer.log_some_unknown,
+            )
+            sizes.append(template.size[is_same])
+            log_weights.append((log_density + template.log_prior)[is_same])
+    low, median, high = quantiles(np.concatenate(sizes), np.concatenate(log_weights), CREDIBLE)
+    return SizePosterior(profile.best.template.responses[response], median, low, high)
+
+
+def quantiles(sizes: Floats, log_weights: Floats, shares: Sequence[float]) -> list[float]:
+    """Of weighted sizes, each of which stands for the stretch halfway to its neighbors."""
+    every, place = np.unique(sizes, return_inverse=True)
+    mass = np.bincount(place, np.exp(log_weights - log_weights.max()))
+    if len(every) == 1:
+        return [float(every[0])] * len(shares)
+    edges = np.concatenate([every[:1], 0.5 * (every[1:] + every[:-1]), every[-1:]])
+    total = np.concatenate([[0.0], np.cumsum(mass)]) / mass.sum()
+    return [float(value) for value in np.interp(shares, total, edges)]

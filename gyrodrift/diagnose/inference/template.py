@@ -1,0 +1,261 @@
+"""Templates: what an effect does to the features at each point of its grid of variants, phases and sizes."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+
+from gyrodrift.arrays import Floats, Integers
+from gyrodrift.diagnose.features.vector import LINEAR
+from gyrodrift.diagnose.inference.evidence import Response
+from gyrodrift.diagnose.inference.factors import MOST_FACTORS, covariance_of
+from gyrodrift.diagnose.inference.least_squares import MAD_TO_SIGMA
+from gyrodrift.diagnose.inference.log_variances import between_scaled, interpolated
+from gyrodrift.diagnose.inference.observation import Observation
+from gyrodrift.diagnose.inference.pooling import ONCE_PER_TURN
+from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
+from gyrodrift.diagnose.simulate.response_table import ResponseTable, key
+
+NOTICEABLE = 2.0
+"""Least length of the change over all features, in standard deviations, from which on a size counts as an effect.
+Smaller sizes belong to the hypothesis without the effect."""
+
+COARSE_STEP = 4
+"""Every fourth size is tried before those beside the best."""
+
+ENOUGH = 8
+"""Realisations in a session from which on it has a mean and a covariance of its own."""
+
+FAR = 3.0
+"""Robust standard deviations at which single realisations of events are held."""
+
+FINER = 8
+"""Sizes into which one is divided where it is the best."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Template:
+    """One effect at P points.
+
+    mean
+        (P, S, F) change of the features, in units of the observation.
+    doubt
+        (P, S, F) standard deviation of the mean, for being interpolated between simulated sizes.
+    scatter, factors
+        (P, S, F) variance of a random effect in each feature alone, 0 for a deterministic one; and (P, S, K, F) what
+        its features have in common.
+    log_prior
+        (P,) of the points, given that the effect acts.
+    response, size
+        (P,) index of the response (variant and phase), and the size, rising within a response.
+    coarse
+        (C,) points that are tried first.
+    """
+
+    name: str
+    responses: tuple[Response, ...]
+    mean: Floats
+    doubt: Floats
+    scatter: Floats
+    factors: Floats
+    log_prior: Floats
+    response: Integers
+    size: Floats
+    coarse: Integers
+
+    @property
+    def is_out_of_catalogue(self) -> bool:
+        """Whether no effect of the simulator does this."""
+        return self.responses[0].candidate.is_out_of_catalogue
+
+    def at(self, rows: Sequence[int] | Integers) -> "Template":
+        """Some of the points."""
+        index = np.array(rows, dtype=np.int64)
+        every = {name: getattr(self, name)[index] for name in PER_POINT}
+        return replace(self, **every, coarse=np.arange(len(index)))
+
+    def of_sessions(self, rows: Sequence[int]) -> "Template":
+        """The same in some of the sessions."""
+        return replace(self, **{name: getattr(self, name)[:, rows] for name in PER_SESSION})
+
+    def place(self, response: int, size: float) -> tuple["Template", int]:
+        """Finer points about a size of a response, and the nearest of them."""
+        own = np.flatnonzero(self.response == response)
+        finer = self.finer(self.near(int(own[np.abs(self.size[own] - size).argmin()]), 1))
+        return finer, int(np.abs(finer.size - size).argmin())
+
+    def near(self, point: int, reach: int) -> list[int]:
+        """Points of the same response that are at most so many away."""
+        rows = range(max(point - reach, 0), min(point + reach + 1, len(self.size)))
+        return [row for row in rows if self.response[row] == self.response[point]]
+
+    def finer(self, rows: Sequence[int]) -> "Template":
+        """Successive points of one response, each divided into FINER on straight lines between them."""
+        if len(rows) < 2:
+            return self.at(rows)
+        places = np.linspace(0.0, len(rows) - 1.0, FINER * len(rows))
+        lower = np.minimum(places.astype(np.int64), len(rows) - 2)
+        part = places - lower
+
+        def between(values: Floats) -> Floats:
+            by = part.reshape(-1, *([1] * (values.ndim - 1)))
+            line: Floats = (1.0 - by) * values[rows][lower] + by * values[rows][lower + 1]
+            return line
+
+        log_prior = np.full(len(places), np.logaddexp.reduce(self.log_prior[rows]) - np.log(len(places)))
+        response = np.full(len(places), self.response[rows[0]])
+        every: dict[str, Any] = {name: between(getattr(self, name)) for name in (*PER_SESSION, "size")}
+        return replace(self, **every, log_prior=log_prior, response=response, coarse=np.arange(len(places)))
+
+
+PER_SESSION = ("mean", "doubt", "scatter", "factors")
+PER_POINT = (*PER_SESSION, "log_prior", "response", "size")
+"""Fields whose second axis is that of sessions, and whose first one is that of points."""
+
+
+def templates_of(
+    observation: Observation, tables: Sequence[ResponseTable], responses: Sequence[Response]
+) -> list[Template]:
+    """One template for each effect that some size of would be noticed."""
+    in_order = sorted(responses, key=lambda response: response.candidate.name)
+    grouped = groupby(in_order, key=lambda response: response.candidate.name)
+    templates = (_template(name, observation, tables, tuple(variants)) for name, variants in grouped)
+    return [template for template in templates if template is not None]
+
+
+def _template(
+    name: str, observation: Observation, tables: Sequence[ResponseTable], responses: tuple[Response, ...]
+) -> Template | None:
+    parts = [_points(observation, tables, response) for response in responses]
+    counts = [len(part.size) for part in parts]
+    if not sum(counts):
+        return None
+    return Template(
+        name=name,
+        responses=responses,
+        mean=np.concatenate([part.mean for part in parts]),
+        doubt=np.concatenate([part.doubt for part in parts]),
+        scatter=np.concatenate([part.scatter for part in parts]),
+        factors=np.concatenate([part.factors for part in parts]),
+        log_prior=np.concatenate([part.log_prior for part in parts]) - np.log(len(responses)),
+        response=np.repeat(np.arange(len(parts)), counts),
+        size=np.concatenate([part.size for part in parts]),
+        coarse=np.array([*_coarse(counts)]),
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Points:
+    """Noticeable points of one response."""
+
+    mean: Floats
+    doubt: Floats
+    scatter: Floats
+    factors: Floats
+    log_prior: Floats
+    size: Floats
+
+
+def _points(observation: Observation, tables: Sequence[ResponseTable], response: Response) -> _Points:
+    """Sizes are equally probable on a logarithmic scale; a phase fitted to each session costs its Occam factor."""
+    by_unit = observation.is_compared / observation.unit
+    if response.realised is None:
+        change, interpolation = _means(tables, response)
+        scatter, factors = np.zeros_like(change), np.zeros((*change.shape[:2], 0, change.shape[2]))
+    else:
+        change, scatter, factors = _random(response.candidate, response.realised)
+        interpolation = np.zeros_like(change)
+    mean, doubt = change * by_unit, interpolation * by_unit
+    scatter, factors = scatter * np.square(by_unit), factors * by_unit[:, None]
+    squares = np.square(mean) + scatter + np.square(factors).sum(axis=2)
+    kept = np.flatnonzero(np.sqrt(squares.sum(axis=(1, 2))) > NOTICEABLE)
+    log_prior = np.full(len(kept), -np.log(max(len(kept), 1)))
+    if response.phases_deg is not None:
+        curvature = np.square(mean[kept][:, :, ONCE_PER_TURN]).sum(axis=2)
+        log_prior = log_prior - 0.5 * np.log1p(2.0 * np.pi * curvature).sum(axis=1)
+    sizes = response.candidate.sizes[kept]
+    return _Points(mean[kept], doubt[kept], scatter[kept], factors[kept], log_prior, sizes)
+
+
+def _means(tables: Sequence[ResponseTable], response: Response) -> tuple[Floats, Floats]:
+    """(sizes, S, F) on straight lines between simulated sizes, where the effect is not random, and their error.
+
+    A parabola through three simulated sizes is off its chord by its second divided difference times the distances from
+    both ends.
+    """
+    candidate = response.candidate
+    points = candidate.grid_points
+    if candidate.realisations > 1 or len(points) < 2 or points[0] < 0.0:
+        return response.mean, np.zeros_like(response.mean)
+    nodes = np.array([table.responses[key(candidate)][:, 0] for table in tables]).transpose(1, 0, 2)
+    lower = np.clip(np.searchsorted(points, candidate.sizes, side="right") - 1, 0, len(points) - 2)
+    below, above = points[lower], points[lower + 1]
+    part = ((candidate.sizes - below) / (above - below))[:, None, None]
+    means: Floats = (1.0 - part) * nodes[lower] + part * nodes[lower + 1]
+    ends, values = np.concatenate([[0.0], points]), np.concatenate([np.zeros_like(nodes[:1]), nodes])
+    slopes = np.diff(values, axis=0) / np.diff(ends)[:, None, None]
+    second = np.abs(np.diff(slopes, axis=0)) / (ends[2:] - ends[:-2])[:, None, None]  # at all points but the last
+    bend = second[lower]
+    distances = (candidate.sizes - below) * (above - candidate.sizes)
+    return means, bend * np.maximum(distances, 0.0)[:, None, None]
+
+
+def _random(candidate: Candidate, realised: Floats) -> tuple[Floats, Floats, Floats]:
+    """(sizes, S, F) mean and variance and (sizes, S, K, F) factors, scaled from the nearest simulated size.
+
+    realised
+        (grid points, S, realisations, F). Of a few, those of all sessions are taken as one sample.
+    """
+    sessions = realised.shape[1]
+    if realised.shape[2] < ENOUGH:
+        pooled = realised.reshape(len(realised), 1, -1, realised.shape[3])
+        realised = np.broadcast_to(pooled, (len(realised), sessions, *pooled.shape[2:]))
+    if candidate.touches in (Touches.SLOW_RATE, Touches.RATE):
+        at_sizes = between_scaled
+    else:
+        at_sizes, realised = interpolated, _usual(realised)
+    mean, spread = _moments(at_sizes(candidate, realised))
+    of_nodes, spread_of_nodes = _moments(realised)
+    each = [
+        [covariance_of(own - middle) for own, middle in zip(*node, strict=True)]
+        for node in zip(realised, of_nodes, strict=True)
+    ]
+    nearest = np.abs(np.log(candidate.sizes[:, None] / candidate.grid_points)).argmin(axis=1)
+    known = spread_of_nodes[nearest]
+    scale = np.where(known > 0.0, spread / np.where(known > 0.0, known, 1.0), 0.0)
+    scatter = np.array([[session.scatter for session in node] for node in each])[nearest] * np.square(scale)
+    factors = np.array([_padded([session.factors for session in node], MOST_FACTORS) for node in each])
+    return mean, scatter, factors[nearest] * scale[:, :, None]
+
+
+def _usual(realised: Floats) -> Floats:
+    """Realisations of events without what few of them do, as one that is not cleaned away shows in every slow feature.
+
+    A recording to which that happened has the tails of the density.
+    """
+    middle = np.median(realised, axis=-2, keepdims=True)
+    sigma = MAD_TO_SIGMA * np.median(np.abs(realised - middle), axis=-2, keepdims=True)
+    held: Floats = np.clip(realised, middle - FAR * sigma, middle + FAR * sigma)
+    return held
+
+
+def _moments(realised: Floats) -> tuple[Floats, Floats]:
+    """Mean and standard deviation over realisations, the second last axis; what may go either way has no mean."""
+    mean: Floats = np.where(LINEAR, 0.0, realised.mean(axis=-2))
+    return mean, np.sqrt(np.square(realised - mean[..., None, :]).mean(axis=-2))
+
+
+def _padded(every: Sequence[Floats], count: int) -> Floats:
+    """(…, count, F) factors with those of 0 where there are fewer."""
+    lengths = [[(0, 0)] * (one.ndim - 2) + [(0, count - one.shape[-2]), (0, 0)] for one in every]
+    return np.array([np.pad(one, length) for one, length in zip(every, lengths, strict=True)])
+
+
+def _coarse(counts: Sequence[int]) -> Iterator[int]:
+    start = 0
+    for count in counts:
+        step = COARSE_STEP if count > COARSE_STEP else 1
+        yield from range(start + (count // 2) % step, start + count, step)
+        start += count

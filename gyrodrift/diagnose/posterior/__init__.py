@@ -1,1 +1,0 @@
-"""One posterior over sets of effects, their sizes and unknown effects."""
