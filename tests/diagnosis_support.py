@@ -4,6 +4,8 @@ from types import SimpleNamespace
 from typing import cast
 
 import numpy as np
+from gyrodrift.diagnose.inference.alternatives import alternatives_of
+from gyrodrift.diagnose.inference.search import search
 from inference_support import Amounts, added, evidence, response
 
 from firmware_sim.rig import load_rig
@@ -11,11 +13,9 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
 from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.features.within_second import LAG_FEATURES
-from gyrodrift.diagnose.inference.alternatives import alternatives_of
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.linear_model import LinearModel
 from gyrodrift.diagnose.inference.ranking import lookalikes, ranking
-from gyrodrift.diagnose.inference.search import search
 from gyrodrift.diagnose.inference.verdict import verdict_of
 from gyrodrift.diagnose.predictive_checks.binned_medians import medians, shape_dps
 from gyrodrift.diagnose.predictive_checks.change_points import ChangePoint

@@ -3,13 +3,13 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from gyrodrift.diagnose.inference.surrogate import Cause
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.inference.evidence import Evidence, Response
-from gyrodrift.diagnose.inference.surrogate import Cause
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.response_table import SimulatedSet
@@ -65,7 +65,7 @@ def candidate(name: str, sizes: Floats = SIZES, realisations: int = 1) -> Candid
         PARAMETERS.get(name, "size"),
         sizes,
         sizes,
-        KINDS[name].looks_like.name if name in KINDS else name,
+        (KINDS[name].group or name) if name in KINDS else name,
         realisations=realisations,
         shape=None if is_effect else shape,
     )

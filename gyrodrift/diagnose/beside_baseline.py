@@ -21,9 +21,9 @@ from gyrodrift.diagnose.recording.facts import contradictions
 from gyrodrift.diagnose.recording.levels import LEAST_GAPS, levels_of
 from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.simulate.candidate import Touches
-from gyrodrift.diagnose.simulate.response_table import ResponseTable
+from gyrodrift.diagnose.simulate.response_table import ResponseTable, Sized
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
-from gyrodrift.diagnose.simulate.whole_set import Sized, change_of
+from gyrodrift.diagnose.simulate.whole_set import change_of
 from gyrodrift.diagnose.stages import (
     DiagnosisRequest,
     Simulated,

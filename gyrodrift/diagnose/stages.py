@@ -13,7 +13,7 @@ from gyrodrift.diagnose.recording.facts import Contradiction
 from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.result import Untestable
 from gyrodrift.diagnose.simulate.candidate import Candidate
-from gyrodrift.diagnose.simulate.candidates import candidates
+from gyrodrift.diagnose.simulate.candidates import KINDS, candidates
 from gyrodrift.diagnose.simulate.distribute import REPLAYED, Origin, SimulationPlan, response_tables
 from gyrodrift.diagnose.simulate.forked_sets import ForkedSets
 from gyrodrift.diagnose.simulate.hints import hints_of
@@ -25,9 +25,6 @@ from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 
 GONE_SHARE = 0.1
 """Of an effect in the rig, below which what is left of it is nothing."""
-
-LESS_IS_MORE = frozenset({"saturation", "bandwidth", "encoder_quantization"})
-"""Effects that act the more, the smaller their parameter is: a small one is nothing that is gone."""
 
 CORRECTED: dict[str, Callable[[float], float | int]] = {"encoder_cpr": round, "dps_per_lsb": float}
 """Facts that are taken from the sessions where these contradict the rig."""
@@ -148,7 +145,8 @@ def adopted(rig: Rig, causes: Sequence[NamedCause]) -> Rig:
 
 
 def _is_gone(cause: NamedCause) -> bool:
-    if cause.in_rig is None or cause.effect.name in LESS_IS_MORE:
+    """Where a small parameter is a large effect, a small one is nothing that is gone."""
+    if cause.in_rig is None or KINDS[cause.effect.name].less_is_more:
         return False
     name = cause.cause.candidate.parameter
     return abs(float(getattr(cause.effect, name))) < GONE_SHARE * abs(float(getattr(cause.in_rig, name)))

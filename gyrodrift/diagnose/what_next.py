@@ -18,6 +18,7 @@ from gyrodrift.diagnose.next_recording.sentence import sentence
 from gyrodrift.diagnose.next_recording.simulated_features import PlannedMotion
 from gyrodrift.diagnose.regime_words import WHEN
 from gyrodrift.diagnose.result import Untestable
+from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.twin import Subject
 
 FILE = "next-profile.yaml"
@@ -94,24 +95,17 @@ def _unseen(explanation: Explanation, rig: Rig) -> list[Effect]:
     in_rig = {effect.name for effect in rig.effects}
     ratios: list[tuple[float, Effect]] = []
     for one in detectable(explanation.scorer, explanation.evidence.effects()):
-        typical = CATALOGUE[one.effect].typical
-        if one.effect in in_rig or one.effect in READ_OFF:
+        typical, kind = CATALOGUE[one.effect].typical, KINDS[one.effect]
+        if one.effect in in_rig or kind.is_read_off:
             continue
         least = np.inf if one.value is None else one.value / typical[one.parameter]
-        if one.value is not None and one.effect in FALLING:
+        if one.value is not None and kind.less_is_more:
             least = 1.0 / least
         if least > 1.0 / SMALL_SHARE:
             effect = CATALOGUE[one.effect].model_validate({"name": one.effect, **typical})
             ratios.append((least, effect))
     ratios.sort(key=lambda pair: -pair[0])
     return [effect for _, effect in ratios[: MOST_HYPOTHESES - 1]]
-
-
-READ_OFF = frozenset({"deadband", "quantization", "saturation", "encoder_quantization", "spikes", "encoder_slip"})
-"""Effects whose size, or height, is read off the recordings: at typical size they would show in any of them."""
-
-FALLING = frozenset({"bandwidth"})
-"""Effects that are larger the smaller their parameter is."""
 
 
 def _without_experiment(verdict: Verdict, untestable: Sequence[Untestable], sessions: int) -> str:

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from gyrodrift.diagnose.inference.surrogate import Cause
 from inference_support import candidate
 from inference_support import response as linear_response
 
 from firmware_sim.rig import Base, Rig, parse_effect
-from gyrodrift.diagnose.inference.surrogate import Cause
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.recording.facts import Contradiction
 from gyrodrift.diagnose.simulate.candidate import Candidate

@@ -7,7 +7,7 @@ import numpy as np
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.feature import ResponseLaw, Statistic
 from gyrodrift.diagnose.features.spreads import turning_spread
-from gyrodrift.diagnose.features.units import AMPLITUDE_DEG, COUNTS, COUNTS_ABOVE_ONE, JUMPS
+from gyrodrift.diagnose.features.units import AMPLITUDE_DEG, COUNTS, JUMPS
 from gyrodrift.diagnose.recording.outliers import Cleaned
 
 LEAST_SHOWN = 40
@@ -45,52 +45,20 @@ def _log_scatter(angle: AngleValues) -> float:
     return float(np.log(spread + angle.count_deg**2 / 12.0))
 
 
-def _log2_slip(angle: AngleValues) -> float:
-    """The usual jump, in counts, and one."""
-    slips_deg = np.abs(angle.seen.slips_deg)
-    return float(np.log2(1.0 + np.median(slips_deg) / angle.count_deg)) if len(slips_deg) else 0.0
-
-
+# fmt: off
 ANGLE_VALUES: tuple[Statistic[AngleValues], ...] = (
     Statistic(
-        "angle_step",
-        "encoder",
-        "always",
-        "the angle comes in coarser steps than the rig says",
-        0.15,
-        "0.15 of a doubling: a ninth of the step",
-        reading=COUNTS,
-        compute=_log2_step,
+        "angle_step", "encoder", "always", "the angle comes in coarser steps than the rig says", 0.15,
+        "0.15 of a doubling: a ninth of the step", reading=COUNTS, compute=_log2_step,
     ),
     Statistic(
-        "angle_noise",
-        "encoder",
-        "moving",
-        "the angle scatters from sample to sample",
-        0.2,
-        "0.2 in ln of a variance: a tenth of the amplitude",
-        reading=AMPLITUDE_DEG,
-        response=ResponseLaw.LOG_VARIANCE,
+        "angle_noise", "encoder", "moving", "the angle scatters from sample to sample", 0.2,
+        "0.2 in ln of a variance: a tenth of the amplitude", reading=AMPLITUDE_DEG, response=ResponseLaw.LOG_VARIANCE,
         compute=_log_scatter,
     ),
     Statistic(
-        "slip_count",
-        "encoder",
-        "always",
-        "the angle jumps",
-        0.4,
-        "a root of 0.4: less than one jump",
-        reading=JUMPS,
+        "slip_count", "encoder", "always", "the angle jumps", 0.4, "a root of 0.4: less than one jump", reading=JUMPS,
         compute=lambda angle: float(np.sqrt(len(angle.seen.slips_deg))),
     ),
-    Statistic(
-        "slip_size",
-        "encoder",
-        "always",
-        "the jumps of the angle are large",
-        0.3,
-        "0.3 of a doubling: a fifth of their size",
-        reading=COUNTS_ABOVE_ONE,
-        compute=_log2_slip,
-    ),
 )
+# fmt: on

@@ -80,91 +80,47 @@ def _root_of_all(count: int, recording: Recording) -> float:
 
 def _gap(number: int, quantile: float) -> Statistic[Arrivals]:
     return Statistic(
-        f"arrival_gap_{round(100 * quantile)}",
-        "link",
-        "always",
-        "the gaps between arrivals are spread differently",
-        0.06,
-        "6 % of a sample period",
-        reading=SAMPLE_PERIODS,
-        compute=lambda arrivals: arrivals.gaps[number],
-    )
+        f"arrival_gap_{round(100 * quantile)}", "link", "always", "the gaps between arrivals are spread differently",
+        0.06, "6 % of a sample period", reading=SAMPLE_PERIODS, compute=lambda arrivals: arrivals.gaps[number],
+    )  # fmt: skip
 
 
+# fmt: off
 ARRIVALS: tuple[Statistic[Arrivals], ...] = (
     Statistic(
-        "arrival_scatter",
-        "link",
-        "always",
-        "arrivals scatter from sample to sample",
-        0.5,
-        "0.5 in ln: two thirds of the scatter, and 0.3 ms of none",
-        reading=MILLISECONDS,
-        response=ResponseLaw.LOG_VARIANCE,
-        compute=lambda arrivals: float(np.log(arrivals.scatter_s + LEAST_ARRIVAL_S)),
+        "arrival_scatter", "link", "always", "arrivals scatter from sample to sample", 0.5,
+        "0.5 in ln: two thirds of the scatter, and 0.3 ms of none", reading=MILLISECONDS,
+        response=ResponseLaw.LOG_VARIANCE, compute=lambda arrivals: float(np.log(arrivals.scatter_s + LEAST_ARRIVAL_S)),
     ),
     *(_gap(number, quantile) for number, quantile in enumerate(QUANTILES)),
     Statistic(
-        "arrival_wander",
-        "link",
-        "always",
-        "arrivals wander slowly against the samples",
-        0.6,
-        "0.6 in ln: 0.4 ms where they did not wander",
-        reading=MILLISECONDS,
+        "arrival_wander", "link", "always", "arrivals wander slowly against the samples", 0.6,
+        "0.6 in ln: 0.4 ms where they did not wander", reading=MILLISECONDS,
         compute=lambda arrivals: log_wander(arrivals.slow_s),
     ),
     Statistic(
-        "arrival_step",
-        "link",
-        "always",
-        "arrivals are shifted at once",
-        0.7,
-        "0.7 in ln: 0.5 ms where there was no step",
-        reading=MILLISECONDS,
+        "arrival_step", "link", "always", "arrivals are shifted at once", 0.7,
+        "0.7 in ln: 0.5 ms where there was no step", reading=MILLISECONDS,
         compute=lambda arrivals: log_largest_step(arrivals.slow_s),
     ),
 )
 
 LOSSES: tuple[Statistic[Recording], ...] = (
     Statistic(
-        "drop_share",
-        "link",
-        "always",
-        "samples are missing",
-        0.005,
-        "one sample in 40,000",
-        reading=PERCENT_OF_SAMPLES,
-        compute=lambda recording: float(np.sqrt(missing_of(recording).mean())),
+        "drop_share", "link", "always", "samples are missing", 0.005, "one sample in 40,000",
+        reading=PERCENT_OF_SAMPLES, compute=lambda recording: float(np.sqrt(missing_of(recording).mean())),
     ),
     Statistic(
-        "drop_runs",
-        "link",
-        "always",
-        "several samples in a row are missing",
-        0.3,
-        "0.3 in ln: a third more at a time",
-        reading=SAMPLES,
-        compute=_log_run,
+        "drop_runs", "link", "always", "several samples in a row are missing", 0.3, "0.3 in ln: a third more at a time",
+        reading=SAMPLES, compute=_log_run,
     ),
     Statistic(
-        "repeat_share",
-        "link",
-        "always",
-        "samples come twice",
-        0.005,
-        "one sample in 40,000",
-        reading=PERCENT_OF_SAMPLES,
-        compute=lambda recording: _root_of_all(recording.repeated, recording),
+        "repeat_share", "link", "always", "samples come twice", 0.005, "one sample in 40,000",
+        reading=PERCENT_OF_SAMPLES, compute=lambda recording: _root_of_all(recording.repeated, recording),
     ),
     Statistic(
-        "disorder_share",
-        "link",
-        "always",
-        "samples come in the wrong order",
-        0.005,
-        "one sample in 40,000",
-        reading=PERCENT_OF_SAMPLES,
-        compute=lambda recording: _root_of_all(recording.disordered, recording),
+        "disorder_share", "link", "always", "samples come in the wrong order", 0.005, "one sample in 40,000",
+        reading=PERCENT_OF_SAMPLES, compute=lambda recording: _root_of_all(recording.disordered, recording),
     ),
 )
+# fmt: on

@@ -101,100 +101,54 @@ def _tails(noise: SampleNoise, allowed: Mask) -> float:
 
 def _rest(number: int, points: int) -> Statistic[SampleNoise]:
     return Statistic(
-        f"noise_rest_{points}",
-        "sensor",
-        "rest",
-        f"at rest the noise of {points}-sample means differs in shape",
-        0.08,
-        "0.08 in ln of a variance: 4 % of the amplitude",
-        reading=OVER_MIDDLE,
-        response=ResponseLaw.LOG_VARIANCE,
+        f"noise_rest_{points}", "sensor", "rest", f"at rest the noise of {points}-sample means differs in shape", 0.08,
+        "0.08 in ln of a variance: 4 % of the amplitude", reading=OVER_MIDDLE, response=ResponseLaw.LOG_VARIANCE,
         compute=lambda noise: noise.rest[number],
-    )
+    )  # fmt: skip
 
 
 def _slow(number: int, points: int) -> Statistic[SampleNoise]:
     return Statistic(
-        f"noise_slow_{points}",
-        "sensor",
-        "slow",
-        f"in slow motion the noise of {points}-sample means differs",
-        0.1,
-        "0.1 in ln of a variance: 5 % of the amplitude",
-        reading=OVER_MIDDLE,
-        response=ResponseLaw.LOG_VARIANCE,
+        f"noise_slow_{points}", "sensor", "slow", f"in slow motion the noise of {points}-sample means differs", 0.1,
+        "0.1 in ln of a variance: 5 % of the amplitude", reading=OVER_MIDDLE, response=ResponseLaw.LOG_VARIANCE,
         compute=lambda noise: noise.slow[number],
-    )
+    )  # fmt: skip
 
 
 def _fast(number: int, points: int) -> Statistic[SampleNoise]:
     return Statistic(
-        f"noise_fast_{points}",
-        "sensor",
-        "fast",
-        f"in fast motion the noise of {points}-sample means differs",
-        0.22,
-        "0.22 in ln of a variance: 11 % of the amplitude",
-        reading=OVER_MIDDLE,
-        response=ResponseLaw.LOG_VARIANCE,
+        f"noise_fast_{points}", "sensor", "fast", f"in fast motion the noise of {points}-sample means differs", 0.22,
+        "0.22 in ln of a variance: 11 % of the amplitude", reading=OVER_MIDDLE, response=ResponseLaw.LOG_VARIANCE,
         compute=lambda noise: noise.fast[number],
-    )
+    )  # fmt: skip
 
 
+# fmt: off
 NOISE: tuple[Statistic[SampleNoise], ...] = (
     *(_rest(number, points) for number, points in enumerate(REST_POINTS)),
     *(_slow(number, points) for number, points in enumerate(MOVING_POINTS)),
     *(_fast(number, points) for number, points in enumerate(MOVING_POINTS)),
     Statistic(
-        "line",
-        "sensor",
-        "rest",
-        "a tone stands out of the noise at rest",
-        0.5,
-        "0.5 in ln: two thirds more than its neighbours",
-        reading=OVER_NEIGHBOURS,
-        response=ResponseLaw.LOG_VARIANCE,
+        "line", "sensor", "rest", "a tone stands out of the noise at rest", 0.5,
+        "0.5 in ln: two thirds more than its neighbours", reading=OVER_NEIGHBOURS, response=ResponseLaw.LOG_VARIANCE,
         compute=lambda noise: spectral_line(noise.seen, noise.design).log_height,
     ),
     Statistic(
-        "noise_uneven",
-        "sensor",
-        "rest",
-        "the noise comes in bursts",
-        0.15,
-        "0.15 in ln of a variance: 8 % of the amplitude",
-        reading=OVER_USUAL,
-        response=ResponseLaw.LOG_VARIANCE,
+        "noise_uneven", "sensor", "rest", "the noise comes in bursts", 0.15,
+        "0.15 in ln of a variance: 8 % of the amplitude", reading=OVER_USUAL, response=ResponseLaw.LOG_VARIANCE,
         compute=_burst_ratio,
     ),
     Statistic(
-        "tails_rest",
-        "sensor",
-        "rest",
-        "the noise at rest has wild values",
-        0.01,
-        "one sample in 10,000",
-        reading=PERCENT_OF_SAMPLES,
-        compute=lambda noise: _tails(noise, noise.design.regimes.at_rest),
+        "tails_rest", "sensor", "rest", "the noise at rest has wild values", 0.01, "one sample in 10,000",
+        reading=PERCENT_OF_SAMPLES, compute=lambda noise: _tails(noise, noise.design.regimes.at_rest),
     ),
     Statistic(
-        "tails_moving",
-        "sensor",
-        "moving",
-        "the noise in motion has wild values",
-        0.01,
-        "one sample in 10,000",
-        reading=PERCENT_OF_SAMPLES,
-        compute=lambda noise: _tails(noise, noise.design.regimes.is_steady),
+        "tails_moving", "sensor", "moving", "the noise in motion has wild values", 0.01, "one sample in 10,000",
+        reading=PERCENT_OF_SAMPLES, compute=lambda noise: _tails(noise, noise.design.regimes.is_steady),
     ),
     Statistic(
-        "spike_share",
-        "sensor",
-        "always",
-        "single samples are wild",
-        0.004,
-        "one sample in 60,000",
-        reading=PERCENT_OF_SAMPLES,
-        compute=lambda noise: root_share(len(noise.seen.spikes_dps), noise.design.samples),
+        "spike_share", "sensor", "always", "single samples are wild", 0.004, "one sample in 60,000",
+        reading=PERCENT_OF_SAMPLES, compute=lambda noise: root_share(len(noise.seen.spikes_dps), noise.design.samples),
     ),
 )
+# fmt: on

@@ -54,38 +54,24 @@ def angle_periodic_component(unexplained_dps: Floats, vectors: Floats) -> float:
     return float(np.log1p(share / vectors.shape[1] / ((1.0 - share) / others)))
 
 
+# fmt: off
 PERIODIC: tuple[Statistic[BlockResiduals], ...] = (
     Statistic(
-        "swing",
-        "sensor",
-        "always",
-        "the bias swings with a period",
-        0.5,
-        "0.5 in ln of a ratio of variances: a quarter of the amplitude",
-        reading=OVER_REMAINDER,
-        response=ResponseLaw.LOG_VARIANCE,
-        compute=lambda seen: periodic_component(seen.even_dps)[0],
+        "swing", "sensor", "always", "the bias swings with a period", 0.5,
+        "0.5 in ln of a ratio of variances: a quarter of the amplitude", reading=OVER_REMAINDER,
+        response=ResponseLaw.LOG_VARIANCE, compute=lambda seen: periodic_component(seen.even_dps)[0],
     ),
     Statistic(
-        "ripple",
-        "sensor",
-        "moving",
-        "the bias changes several times per turn",
-        0.3,
-        "0.3 in ln of a ratio of variances: a third more than chance gives",
-        reading=OVER_CHANCE,
+        "ripple", "sensor", "moving", "the bias changes several times per turn", 0.3,
+        "0.3 in ln of a ratio of variances: a third more than chance gives", reading=OVER_CHANCE,
         response=ResponseLaw.LOG_VARIANCE,
         compute=lambda seen: angle_periodic_component(seen.unexplained_dps, seen.design.turn_basis),
     ),
     Statistic(
-        "angle_ripple",
-        "encoder",
-        "moving",
-        "the angle errs several times per turn",
-        0.3,
-        "0.3 in ln of a ratio of variances: a third more than chance gives",
-        reading=OVER_CHANCE,
+        "angle_ripple", "encoder", "moving", "the angle errs several times per turn", 0.3,
+        "0.3 in ln of a ratio of variances: a third more than chance gives", reading=OVER_CHANCE,
         response=ResponseLaw.LOG_VARIANCE,
         compute=lambda seen: angle_periodic_component(seen.unexplained_dps, seen.design.turn_rate_basis),
     ),
 )
+# fmt: on

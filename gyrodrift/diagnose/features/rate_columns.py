@@ -20,64 +20,36 @@ def _beyond(rate_dps: Floats, hinge_dps: float) -> Floats:
     return over_dps
 
 
+# fmt: off
 RATE_COLUMNS: Columns = (
     DesignColumn(
-        "rate",
-        "sensor",
-        "moving",
-        "the rate is too high or too low in both directions",
-        3e-4,
-        "0.03 % of scale: 0.1 deg per turn",
-        compute=lambda terms: terms.rate_dps,
+        "rate", "sensor", "moving", "the rate is too high or too low in both directions", 3e-4,
+        "0.03 % of scale: 0.1 deg per turn", compute=lambda terms: terms.rate_dps,
     ),
     DesignColumn(
-        "abs_rate",
-        "sensor",
-        "moving",
-        "the rate is too high in one direction and too low in the other",
-        1.5e-4,
-        "0.015 % either way: 0.05 deg per turn",
-        compute=lambda terms: np.abs(terms.rate_dps),
+        "abs_rate", "sensor", "moving", "the rate is too high in one direction and too low in the other", 1.5e-4,
+        "0.015 % either way: 0.05 deg per turn", compute=lambda terms: np.abs(terms.rate_dps),
     ),
     DesignColumn(
-        "rate_squared",
-        "sensor",
-        "fast",
-        "the bias grows with the square of the rate",
-        3e-7,
-        "0.003 deg/s at 100 deg/s: 0.01 deg per turn",
-        compute=lambda terms: terms.rate_dps**2,
+        "rate_squared", "sensor", "fast", "the bias grows with the square of the rate", 3e-7,
+        "0.003 deg/s at 100 deg/s: 0.01 deg per turn", compute=lambda terms: terms.rate_dps**2,
     ),
     DesignColumn(
-        "rate_cubed",
-        "sensor",
-        "fast",
-        "the gain changes with the rate",
-        4e-10,
-        "0.006 deg/s at 250 deg/s: 0.01 deg per turn",
-        compute=lambda terms: terms.rate_dps * terms.rate_dps**2,
+        "rate_cubed", "sensor", "fast", "the gain changes with the rate", 4e-10,
+        "0.006 deg/s at 250 deg/s: 0.01 deg per turn", compute=lambda terms: terms.rate_dps * terms.rate_dps**2,
     ),
     DesignColumn(
-        "hinge_low",
-        "sensor",
-        "fast",
-        "the gain changes above 60 deg/s",
-        4e-4,
-        "0.04 % of what is above 60 deg/s: less than 0.15 deg per turn",
-        in_catalogue=False,
+        "hinge_low", "sensor", "fast", "the gain changes above 60 deg/s", 4e-4,
+        "0.04 % of what is above 60 deg/s: less than 0.15 deg per turn", in_catalogue=False,
         compute=lambda terms: _beyond(terms.rate_dps, HINGES_DPS[0]),
     ),
     DesignColumn(
-        "hinge_high",
-        "sensor",
-        "fast",
-        "the gain changes above 120 deg/s",
-        6e-4,
-        "0.06 % of what is above 120 deg/s: less than 0.22 deg per turn",
-        in_catalogue=False,
+        "hinge_high", "sensor", "fast", "the gain changes above 120 deg/s", 6e-4,
+        "0.06 % of what is above 120 deg/s: less than 0.22 deg per turn", in_catalogue=False,
         compute=lambda terms: _beyond(terms.rate_dps, HINGES_DPS[1]),
     ),
 )
+# fmt: on
 """Of the rate alone."""
 
 

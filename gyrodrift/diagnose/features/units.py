@@ -52,10 +52,6 @@ def _doubled(log2: Floats) -> Floats:
     return _exponential(np.log(2.0) * log2)
 
 
-def _doubled_above_one(log2: Floats) -> Floats:
-    return _doubled(log2) - 1.0
-
-
 def _millionths(ratio: Floats) -> Floats:
     return 1e6 * ratio
 
@@ -75,9 +71,7 @@ OVER_CHANCE = FeatureReading("times as by chance", _exponential)
 OVER_ENCODER = FeatureReading("of the encoder's", _exponential)
 PERCENT_OF_SAMPLES = FeatureReading("% of samples", _percent)
 SAMPLES = FeatureReading("samples", _exponential)
-VALUES = FeatureReading("values", _exponential)
 COUNTS = FeatureReading("counts", _doubled)
-COUNTS_ABOVE_ONE = FeatureReading("counts", _doubled_above_one)
 JUMPS = FeatureReading("jumps", _square)
 PPM = FeatureReading("ppm", _millionths)
 MILLISECONDS = FeatureReading("ms", _milli)

@@ -48,9 +48,6 @@ OF_TIMES = ALWAYS & _mask(lambda feature: feature.stage in {"clock", "link"})
 OF_LOSS = _mask(lambda feature: feature.name in {"drop_share", "drop_runs"})
 """What never arrived."""
 
-OF_EVENTS = _mask(lambda feature: feature.name == "slip_size")
-"""How large events are: 0 where there are none, and nothing is known of how large they would be."""
-
 REGRESSORS = np.arange(STATIC)
 NOISE_IN_MOTION = tuple(
     np.array([number for name, number in NUMBER.items() if name.startswith(start)])
@@ -81,18 +78,6 @@ class Facts:
     dps_per_lsb: float
     encoder_cpr: int
     step_dps: float
-
-
-def happened_in(changes: Floats) -> Mask:
-    """(…, F) what counts of the changes of some runs: all but sizes of events that did not happen."""
-    counts: Mask = ~OF_EVENTS | (changes != 0.0)
-    return counts
-
-
-def mean_where(counts: Mask, values: Floats, axis: int) -> Floats:
-    """The mean of the values that count; 0 where none does."""
-    found: Floats = np.where(counts, values, 0.0).sum(axis=axis) / np.maximum(counts.sum(axis=axis), 1)
-    return found
 
 
 def measure(seen: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:

@@ -41,28 +41,16 @@ STEP_EDGE = 8
 
 def _wander(count: int) -> Statistic[BlockResiduals]:
     return Statistic(
-        f"wander_{count}s",
-        "sensor",
-        "late",
-        f"the bias wanders within {2 * count} s",
-        *EIGHTH,
-        reading=AMPLITUDE_DPS,
-        response=ResponseLaw.LOG_VARIANCE,
-        compute=lambda seen: _steps(seen.unexplained_dps, count),
-    )
+        f"wander_{count}s", "sensor", "late", f"the bias wanders within {2 * count} s", *EIGHTH, reading=AMPLITUDE_DPS,
+        response=ResponseLaw.LOG_VARIANCE, compute=lambda seen: _steps(seen.unexplained_dps, count),
+    )  # fmt: skip
 
 
 def _walk(count: int) -> Statistic[BlockResiduals]:
     return Statistic(
-        f"walk_{count}s",
-        "sensor",
-        "late",
-        f"the bias, taken by itself, wanders within {2 * count} s",
-        *EIGHTH,
-        reading=AMPLITUDE_DPS,
-        response=ResponseLaw.LOG_VARIANCE,
-        compute=lambda seen: _steps(seen.bias_dps, count),
-    )
+        f"walk_{count}s", "sensor", "late", f"the bias, taken by itself, wanders within {2 * count} s", *EIGHTH,
+        reading=AMPLITUDE_DPS, response=ResponseLaw.LOG_VARIANCE, compute=lambda seen: _steps(seen.bias_dps, count),
+    )  # fmt: skip
 
 
 def _steps(dps: Floats, count: int) -> float:
@@ -111,36 +99,22 @@ def _accelerating_beside_not(seen: BlockResiduals) -> float:
     return log_variance(moving_dps[quick]) - log_variance(moving_dps[~quick])
 
 
+# fmt: off
 WANDER: tuple[Statistic[BlockResiduals], ...] = (
     *(_wander(count) for count in WANDER_MEANS),
     Statistic(
-        "wander_rest",
-        "sensor",
-        "rest",
-        "the bias wanders while it rests",
-        *EIGHTH,
-        reading=AMPLITUDE_DPS,
+        "wander_rest", "sensor", "rest", "the bias wanders while it rests", *EIGHTH, reading=AMPLITUDE_DPS,
         response=ResponseLaw.LOG_VARIANCE,
         compute=lambda seen: log_variance(seen.unexplained_dps[seen.design.regimes.block_at_rest]),
     ),
     Statistic(
-        "step",
-        "sensor",
-        "late",
-        "the bias jumps",
-        1.0,
+        "step", "sensor", "late", "the bias jumps", 1.0,
         "1.0 standard errors: white noise goes beyond in 27 % of sessions (Kolmogorov's distribution)",
-        reading=STANDARD_ERRORS,
-        compute=lambda seen: largest_sum(seen.even_dps),
+        reading=STANDARD_ERRORS, compute=lambda seen: largest_sum(seen.even_dps),
     ),
     Statistic(
-        "two_levels",
-        "sensor",
-        "always",
-        "the bias sits on two levels",
-        0.3,
-        "0.3 of the 2 between normal numbers and two levels",
-        reading=EXCESS_KURTOSIS,
+        "two_levels", "sensor", "always", "the bias sits on two levels", 0.3,
+        "0.3 of the 2 between normal numbers and two levels", reading=EXCESS_KURTOSIS,
         compute=lambda seen: excess_kurtosis(seen.held_dps[seen.design.regimes.block_is_even]),
     ),
 )
@@ -149,23 +123,13 @@ WANDER: tuple[Statistic[BlockResiduals], ...] = (
 WALK: tuple[Statistic[BlockResiduals], ...] = (
     *(_walk(count) for count in WALK_MEANS),
     Statistic(
-        "walk_levels",
-        "sensor",
-        "always",
-        "the bias, taken by itself, sits on two levels",
-        0.3,
-        "0.3 of the 2 between normal numbers and two levels",
-        reading=EXCESS_KURTOSIS,
+        "walk_levels", "sensor", "always", "the bias, taken by itself, sits on two levels", 0.3,
+        "0.3 of the 2 between normal numbers and two levels", reading=EXCESS_KURTOSIS,
         compute=lambda seen: excess_kurtosis(seen.bias_dps),
     ),
     Statistic(
-        "walk_jumps",
-        "sensor",
-        "always",
-        "the bias, taken by itself, moves in jumps",
-        0.3,
-        "0.3 in ln: a kurtosis of 4.4 where normal steps have 3",
-        reading=KURTOSIS_OF_STEPS,
+        "walk_jumps", "sensor", "always", "the bias, taken by itself, moves in jumps", 0.3,
+        "0.3 in ln: a kurtosis of 4.4 where normal steps have 3", reading=KURTOSIS_OF_STEPS,
         compute=lambda seen: log_kurtosis_of_steps(seen.bias_dps),
     ),
 )
@@ -173,24 +137,13 @@ WALK: tuple[Statistic[BlockResiduals], ...] = (
 
 SCATTER: tuple[Statistic[BlockResiduals], ...] = (
     Statistic(
-        "scatter_moving",
-        "sensor",
-        "moving",
-        "second by second the rate scatters more when it moves",
-        *EIGHTH,
-        reading=OVER_REST,
-        response=ResponseLaw.LOG_VARIANCE,
-        compute=_moving_beside_rest,
+        "scatter_moving", "sensor", "moving", "second by second the rate scatters more when it moves", *EIGHTH,
+        reading=OVER_REST, response=ResponseLaw.LOG_VARIANCE, compute=_moving_beside_rest,
     ),
     Statistic(
-        "scatter_accelerating",
-        "sensor",
-        "accelerating",
-        "and more still when it accelerates",
-        *EIGHTH,
-        reading=OVER_REST,
-        response=ResponseLaw.LOG_VARIANCE,
-        compute=_accelerating_beside_not,
+        "scatter_accelerating", "sensor", "accelerating", "and more still when it accelerates", *EIGHTH,
+        reading=OVER_REST, response=ResponseLaw.LOG_VARIANCE, compute=_accelerating_beside_not,
     ),
 )
+# fmt: on
 """Of blocks that move beside others."""

@@ -17,16 +17,12 @@ WARMING_BLOCKS = 20
 LEAST_WARMING_DPS = 4e-3
 """Threshold where the temperature hardly changes: steps of a bias by itself are as large."""
 
+# fmt: off
 WARMING = Feature(
-    "warming",
-    "environment",
-    "warm",
-    "the bias changes when the temperature changes",
-    6e-4,
-    "0.0006 deg/s per °C, as of `temperature`",
-    reading=RMS_DPS,
-    response=ResponseLaw.LINEAR,
+    "warming", "environment", "warm", "the bias changes when the temperature changes", 6e-4,
+    "0.0006 deg/s per °C, as of `temperature`", reading=RMS_DPS, response=ResponseLaw.LINEAR,
 )
+# fmt: on
 
 
 def warming_basis(sensor_c: Floats, block: int) -> Basis:

@@ -17,15 +17,8 @@ CONSTANTS = 3
 
 def _lag(name: str, says: str, threshold: float, source: str) -> Feature:
     return Feature(
-        name,
-        "sensor",
-        "accelerating",
-        says,
-        threshold,
-        source,
-        reading=RMS_DPS,
-        response=ResponseLaw.LINEAR,
-    )
+        name, "sensor", "accelerating", says, threshold, source, reading=RMS_DPS, response=ResponseLaw.LINEAR,
+    )  # fmt: skip
 
 
 LAG_FEATURES = (

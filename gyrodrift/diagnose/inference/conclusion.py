@@ -22,8 +22,7 @@ from gyrodrift.diagnose.inference.template import templates_of
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import KINDS
-from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet
-from gyrodrift.diagnose.simulate.whole_set import Sized
+from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized
 
 NAMED = 0.5
 """Probability from which on an effect, or one of those tied with it, is named."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.vector import OF_EVENTS, OF_MOTION
+from gyrodrift.diagnose.features.vector import OF_MOTION
 from gyrodrift.diagnose.inference.pooling import beyond_chance, common_share, variance_of_mean
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 
@@ -56,12 +56,12 @@ def observation_of(tables: Sequence[ResponseTable], is_compared: Mask) -> Observ
     nulls = np.array([table.nulls for table in tables])
     thresholds = np.array([table.thresholds for table in tables])
     sessions, runs, _ = nulls.shape
-    center = np.where(OF_EVENTS, 0.0, nulls.mean(axis=(0, 1)))
+    center = nulls.mean(axis=(0, 1))
     away = nulls - center
     pooled = np.square(away).sum(axis=(0, 1)) / max(sessions * runs - 1, 1)
     own = np.maximum(pooled, 0.5 * (pooled + np.square(away).mean(axis=1)))
     correlation = shared_correlation(away)
-    common = np.where(OF_MOTION, beyond_chance(nulls.mean(axis=(0, 1)), pooled / (sessions * runs)), 0.0)
+    common = np.where(OF_MOTION, beyond_chance(center, pooled / (sessions * runs)), 0.0)
     smoother = np.array([table.smoother for table in tables])
     common += beyond_chance(smoother.mean(axis=0), variance_of_mean(smoother))
     covariance = (

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.vector import LINEAR, NUMBER, OF_EVENTS, OF_MOTION, REGRESSORS_OF_MOTION
+from gyrodrift.diagnose.features.vector import LINEAR, NUMBER, OF_MOTION, REGRESSORS_OF_MOTION
 from gyrodrift.diagnose.inference.evidence import NOT_COMPARED, Evidence, Response
 from gyrodrift.diagnose.inference.free_phases import free_phases_deg
 from gyrodrift.diagnose.inference.log_variances import interpolated, scaled
@@ -29,7 +29,7 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
     differences = np.array([table.difference for table in tables])
     has = own_nulls.any(axis=1) | (differences != 0.0)
     runs = np.maximum(has.sum(axis=0) * own_nulls.shape[1], 1)
-    centre = np.where(has & ~OF_EVENTS, own_nulls.sum(axis=(0, 1)) / runs, 0.0)
+    centre = np.where(has, own_nulls.sum(axis=(0, 1)) / runs, 0.0)
     away = own_nulls - centre[:, None]
     variance = np.square(away).sum(axis=(0, 1)) / np.maximum(runs - 1, 1)
     thresholds = np.array([table.thresholds for table in tables])
@@ -39,7 +39,7 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
     smoother = beyond_chance(changes.mean(axis=0), variance_of_mean(changes))
     chance = np.sqrt(common + len(tables) * (again + smoother))
     sigma = np.hypot(chance, thresholds)
-    sigma[absent_of(tables) | OF_EVENTS] = NOT_COMPARED
+    sigma[absent_of(tables)] = NOT_COMPARED
     sigma[sigma == 0.0] = 1.0  # of regressors that these motions have not
     difference = differences - centre
     one_each = [one for one in tried if not one.is_phase_free or one.phase_deg == 0.0]

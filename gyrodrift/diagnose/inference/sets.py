@@ -25,8 +25,7 @@ from gyrodrift.diagnose.inference.factors import explained
 from gyrodrift.diagnose.inference.log_variances import combined
 from gyrodrift.diagnose.inference.observation import Observation
 from gyrodrift.diagnose.inference.template import COARSE_STEP, Template
-from gyrodrift.diagnose.simulate.response_table import SimulatedSet
-from gyrodrift.diagnose.simulate.whole_set import Sized
+from gyrodrift.diagnose.simulate.response_table import SimulatedSet, Sized
 
 EFFECT, OUT_OF_CATALOGUE = 0.03, 0.01
 """Prior probability of an effect, and of a form that no effect has."""

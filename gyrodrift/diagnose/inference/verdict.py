@@ -13,7 +13,7 @@ from gyrodrift.diagnose.inference.evidence import Evidence
 from gyrodrift.diagnose.inference.gap import SimToRealGap, gap_of, no_gap
 from gyrodrift.diagnose.inference.parameters import Parameter
 from gyrodrift.diagnose.simulate.candidates import KINDS
-from gyrodrift.diagnose.simulate.whole_set import Sized
+from gyrodrift.diagnose.simulate.response_table import Sized
 
 NEGLIGIBLE_DEG = 0.3
 """Mean absolute yaw that an effect may cost in a session, where its size does not matter either."""

@@ -52,14 +52,6 @@ class Touches(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class CandidateGroup:
-    """Effects that are easily taken for each other, and how to record so that they part."""
-
-    name: str
-    separated_by: str = "record other speeds, both directions and longer rests"
-
-
-@dataclass(frozen=True, slots=True)
 class Hints:
     """What the recordings themselves show of a candidate's second parameter, the median over all of them.
 
@@ -210,7 +202,7 @@ class CandidateKind:
     meaning
         What the effect does, in a sentence for a person, without its period.
     group
-        Effects that look like it; where None is given it is a group of its own.
+        Name of the effects that look like it; where None is given it is a group of its own.
     needs, touches
         What recordings have to hold for it, and what it changes in them.
     realisations
@@ -222,24 +214,25 @@ class CandidateKind:
         its regressor amounts to (nonlinearity: eight times); None where nothing is known.
     of_size
         From a size to the parameter, where that is not the size itself.
+    less_is_more
+        Whether the effect acts the more, the smaller its parameter is.
+    is_read_off
+        Whether the recordings show its size or height: at typical size it would show in any of them.
     """
 
     name: str
     parameter: str
     variants: Callable[[Hints], Sequence[Variant]]
     meaning: str
-    group: CandidateGroup | None = None
+    group: str | None = None
     needs: tuple[Need, ...] = ()
     touches: Touches = Touches.EVERYTHING
     realisations: int = 1
     is_exact: bool = False
     matters_from: float | None = None
     of_size: Callable[[float], float] = float
-
-    @property
-    def looks_like(self) -> CandidateGroup:
-        """Its group, or one of its own."""
-        return self.group or CandidateGroup(self.name)
+    less_is_more: bool = False
+    is_read_off: bool = False
 
     def candidates(self, hints: Hints, in_rig: Effect | None = None, *, is_phase_free: bool = False) -> list[Candidate]:
         """One for each variant; of an effect that the rig has already, what changes it."""
@@ -259,7 +252,7 @@ class CandidateKind:
             parameter=self.parameter,
             grid_points=variant.grid.points,
             sizes=variant.grid.sizes,
-            group=self.looks_like.name,
+            group=self.group or self.name,
             needs=self.needs,
             touches=self.touches,
             realisations=self.realisations,

@@ -6,9 +6,7 @@ from types import MappingProxyType
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.rig import Rig
 from gyrodrift.diagnose.simulate.candidate import Candidate, CandidateKind, Hints
-from gyrodrift.diagnose.simulate.kinds.curve_and_times import CURVE_AND_TIMES
-from gyrodrift.diagnose.simulate.kinds.linear import LINEAR
-from gyrodrift.diagnose.simulate.kinds.noise_and_encoder import NOISE_AND_ENCODER
+from gyrodrift.diagnose.simulate.kinds import EFFECTS
 from gyrodrift.diagnose.simulate.nuisance import out_of_catalogue
 
 IDEAL = Rig()
@@ -55,5 +53,5 @@ def candidates(hints: Hints, rig: Rig = IDEAL) -> list[Candidate]:
     return [*found, *out_of_catalogue()]
 
 
-for _kind in (*LINEAR, *CURVE_AND_TIMES, *NOISE_AND_ENCODER):
+for _kind in EFFECTS:
     register(_kind)

@@ -16,7 +16,7 @@ from gyrodrift.diagnose.features.regimes import SLOW_DPS
 from gyrodrift.diagnose.features.warming import WARMING
 from gyrodrift.diagnose.simulate.candidate import Candidate, Shape, Touches
 from gyrodrift.diagnose.simulate.grids import between
-from gyrodrift.diagnose.simulate.kinds.groups import LAG
+from gyrodrift.diagnose.simulate.kinds import LAG
 
 THRESHOLDS_SIMULATED = 100.0
 THRESHOLDS_LEAST, THRESHOLDS_MOST = 3.0, 3000.0
@@ -216,7 +216,7 @@ def _lead() -> Candidate:
         parameter="size",
         grid_points=np.array([-LEAD_S, LEAD_S]),
         sizes=between(LEAST_LEAD_S, MOST_LEAD_S),
-        group=LAG.name,
+        group=LAG,
         touches=Touches.SLOW_RATE,
         shape=ahead,
     )

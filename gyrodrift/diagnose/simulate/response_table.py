@@ -7,6 +7,19 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.simulate.candidate import Candidate
 
 
+class Sized(NamedTuple):
+    """A candidate with its size; where its phase is free, with that of each session, degrees."""
+
+    candidate: Candidate
+    size: float
+    phases_deg: Floats | None = None
+
+    @property
+    def is_random(self) -> bool:
+        """Whether two realisations of it differ."""
+        return self.candidate.realisations > 1
+
+
 class SimulatedSet(NamedTuple):
     """What a whole set of candidates does to the features, the mean over a few runs: (sessions, F), or (F,) of one.
 

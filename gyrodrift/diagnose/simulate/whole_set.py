@@ -1,33 +1,19 @@
 """Several effects at once, simulated as a whole: what the tables of single responses are corrected by."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
+from gyrodrift.diagnose.simulate.candidate import Touches
 from gyrodrift.diagnose.simulate.noise_beneath import with_noise_beneath
-from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet
+from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized
 from gyrodrift.diagnose.simulate.twin import Subject
 
 FIXED_REALISATIONS, RANDOM_REALISATIONS = 3, 4
 """Of a set without chance of its own, and of one with: their mean is taken. The motion is rebuilt anew with each set,
 which moves slow features by chance."""
-
-
-class Sized(NamedTuple):
-    """A candidate with its size; where its phase is free, with that of each session, degrees."""
-
-    candidate: Candidate
-    size: float
-    phases_deg: Floats | None = None
-
-    @property
-    def is_random(self) -> bool:
-        """Whether two realisations of it differ."""
-        return self.candidate.realisations > 1
 
 
 def change_of(effects: Sequence[Sized], subjects: Sequence[Subject], tables: Sequence[ResponseTable]) -> SimulatedSet:

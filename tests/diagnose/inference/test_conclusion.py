@@ -4,11 +4,11 @@ from functools import cache
 
 import numpy as np
 import pytest
+from gyrodrift.diagnose.posterior.infer import Conclusion, conclude
 from inference_support import SESSIONS, added, candidate, row
 
 from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.inference.verdict import Kind
-from gyrodrift.diagnose.posterior.infer import Conclusion, conclude
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key
 
 SCALE = {"rate": 1.0, "direction": 0.3}

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from gyrodrift.diagnose.inference.realisations import sure_gains
+from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 from inference_support import SESSIONS, SIZES, candidate, evidence, response, row, rows
 
 from firmware_sim.effects.catalogue import CATALOGUE
@@ -11,8 +13,6 @@ from firmware_sim.effects.effect import Effect
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.ranking import hinted, lookalikes, ranking, would_explain
-from gyrodrift.diagnose.inference.realisations import sure_gains
-from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 from gyrodrift.diagnose.simulate.candidate import Candidate
 
 RATE, BOTH = response("scale_factor", {"rate": 1.0}), response("clock_drift", {"rate": 1.0, "clock_ratio": 1.0})

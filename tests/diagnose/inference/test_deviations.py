@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from gyrodrift.diagnose.inference.fit import CauseSet
+from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 from inference_support import evidence, response, rows
 
 from gyrodrift.diagnose.features.vector import NUMBER
@@ -14,8 +16,6 @@ from gyrodrift.diagnose.inference.deviations import (
     worst_first,
 )
 from gyrodrift.diagnose.inference.family_wise import pooled_z
-from gyrodrift.diagnose.inference.fit import CauseSet
-from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from typing import cast
 
 import numpy as np
 import pytest
+from gyrodrift.diagnose.inference.surrogate import Cause
 from inference_support import PARAMETERS, response
 
 from firmware_sim.effects.catalogue import CATALOGUE
@@ -12,7 +13,6 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.inference.least_squares import Whitened, fit, innovations, whitened
 from gyrodrift.diagnose.inference.linear_model import linear_model_of, regressors_of
-from gyrodrift.diagnose.inference.surrogate import Cause
 from gyrodrift.diagnose.inference.verdict import NamedCause
 
 BLOCKS, BLOCK = 600, 4

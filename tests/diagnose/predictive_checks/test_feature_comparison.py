@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from diagnosis_support import SECONDS, design
+from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 from inference_support import SESSIONS, evidence, response, rows
 
 from gyrodrift.diagnose.features.vector import NUMBER
-from gyrodrift.diagnose.inference.surrogate import Cause, Surrogate
 from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison, feature_comparisons_of
 
 RATE = response("scale_factor", {"rate": 2.0})

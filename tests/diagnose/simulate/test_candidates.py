@@ -43,12 +43,10 @@ def test_variants_of_an_effect_are_told_apart() -> None:
     assert len(set(keys)) == len(keys)
 
 
-def test_groups_hold_effects_that_look_alike_and_say_how_to_part_them() -> None:
+def test_groups_hold_effects_that_look_alike() -> None:
     """Latency and bandwidth both lag; a scale factor is alone but for its name."""
-    assert KINDS["latency"].looks_like == KINDS["bandwidth"].looks_like
-    assert KINDS["latency"].looks_like.name == "lag"
-    assert KINDS["saturation"].looks_like.name == "saturation"
-    assert all(kind.looks_like.separated_by for kind in KINDS.values())
+    assert KINDS["latency"].group == KINDS["bandwidth"].group == "lag"
+    assert {one.group for one in candidates(HINTS) if one.name == "saturation"} == {"saturation"}
 
 
 def test_hints_become_second_parameters_and_sizes() -> None:

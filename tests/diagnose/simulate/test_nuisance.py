@@ -7,7 +7,7 @@ import pytest
 from simulate_support import HINTS, RATE_HZ, candidate_of, feature, plain, response_at
 
 from gyrodrift.diagnose.simulate.candidates import KINDS, candidates
-from gyrodrift.diagnose.simulate.kinds.groups import LAG
+from gyrodrift.diagnose.simulate.kinds import LAG
 from gyrodrift.diagnose.simulate.nuisance import (
     MEMORY_S,
     ahead,
@@ -28,7 +28,7 @@ def test_they_are_told_from_effects_by_name_and_make_none() -> None:
     assert found[-len(outside) :] == outside
     assert {one.name for one in outside}.isdisjoint(KINDS)
     assert all(one.name.startswith("?") and not one.needs for one in outside)
-    assert all(one.group in {one.name, LAG.name} for one in outside)
+    assert all(one.group in {one.name, LAG} for one in outside)
     with pytest.raises(LookupError, match="no effect"):
         outside[0].make(1.0)
 

@@ -1,0 +1,205 @@
+"""What is known of each effect as a cause: a record each, in the order in which they are tried."""
+
+import numpy as np
+
+from gyrodrift.diagnose.simulate.candidate import CandidateKind, Hints, Need, SizeGrid, Touches, Variant
+from gyrodrift.diagnose.simulate.grids import (
+    between,
+    hinted,
+    linear,
+    linear_grid,
+    one_of,
+    read_off,
+    simulated,
+    simulated_and_shown,
+    simulated_grid,
+    simulated_within,
+    turned,
+)
+
+WARMUP_TAUS_S, SLOW_TAUS_S = (20.0, 35.0, 60.0, 100.0, 160.0, 260.0, 450.0), (100.0, 160.0, 260.0)
+FAST_SHARE, SLOWER = 0.35, 5.0
+"""Of a warm-up in two stages: what decays with the die, and by how many times slower the package is."""
+
+WARMUPS = [
+    *({"time_constant_s": tau_s} for tau_s in WARMUP_TAUS_S),
+    *(
+        {"time_constant_s": tau_s, "fast_share": FAST_SHARE, "fast_time_constant_s": tau_s / SLOWER}
+        for tau_s in SLOW_TAUS_S
+    ),
+]
+
+CURVES: tuple[dict[str, float], ...] = ({}, {"curve_per_c": -0.01}, {"curve_per_c": 0.01})
+"""A line, and 10 °C from 25 °C a tenth of the line off it."""
+
+CUTOFFS_HZ, ORDERS = (60.0, 35.0, 20.0, 12.0, 7.0, 4.0, 2.5, 1.2), (1, 2)
+"""Of low-passes."""
+
+DWELLS_S = (8.0, 16.0, 32.0, 80.0)
+"""Mean times at a level of a bias that jumps."""
+
+REALISATIONS = 16
+"""Of an effect that a slow disturbance is drawn for in milliseconds: with two sessions, more than thirty."""
+
+LAG = "lag"
+"""Group of effects and forms by which a rate comes late."""
+
+
+def _time_constant_s(cutoff_hz: float) -> float:
+    """And the other way round."""
+    return 1.0 / (2.0 * np.pi * cutoff_hz)
+
+
+def _low_passes(_: Hints) -> list[Variant]:
+    """The size is the time constant of a cutoff, so that 0 is none."""
+    points = 1.0 / (2.0 * np.pi * np.array(CUTOFFS_HZ))
+    grid = SizeGrid(points, between(points[0], points[-1]))
+    return [Variant(grid, {"order": order}) for order in ORDERS]
+
+
+def _coarser_dps(hints: Hints) -> float:
+    """Steps that are no coarser than the rig's are the rig's."""
+    return max(hints.rate_step_dps, hints.dps_per_lsb)
+
+
+def _bunches_ms(hints: Hints) -> float:
+    """Quantiles of gaps jump where one sample more fits into a bunch, and lie on no curve between other intervals."""
+    return 1e3 * hints.bunch_s
+
+
+def _counts_per_turn(step_deg: float) -> int:
+    return max(1, round(360.0 / step_deg))
+
+
+# fmt: off
+EFFECTS = (
+    # Linear in their size: two simulations tell of all sizes.
+    CandidateKind(
+        "scale_factor", "error_percent", linear(0.01, 10.0),
+        "the rate is too large or too small by the same share at every speed",
+        "scale", (Need.MOTION,), Touches.SLOW_RATE, is_exact=True, matters_from=0.06,
+    ),
+    CandidateKind(
+        "scale_asymmetry", "error_percent", linear(0.005, 5.0),
+        "the rate is too large in one direction and too small in the other",
+        "even in rate", (Need.MOTION,), Touches.SLOW_RATE, is_exact=True, matters_from=0.03,
+    ),
+    CandidateKind(
+        "nonlinearity", "error_percent_fs", linear(0.003, 3.0), "the gain changes with the rate, most at full speed",
+        None, (Need.MOTION,), Touches.SLOW_RATE, matters_from=0.02,
+    ),
+    CandidateKind(
+        "vibration_rectification", "bias_dps_at_100_dps", linear(0.002, 2.0),
+        "the bias grows with the square of the rate",
+        "even in rate", (Need.MOTION,), Touches.SLOW_RATE, matters_from=0.006,
+    ),
+    CandidateKind(
+        "temp_bias", "slope_dps_per_c", one_of(linear_grid(0.0005, 0.5), CURVES),
+        "the bias follows the temperature",
+        "slow bias", (Need.TEMPERATURE,), Touches.SLOW_RATE, matters_from=0.0012,
+    ),
+    CandidateKind(
+        "temp_scale", "slope_percent_per_c", linear(0.0005, 0.5), "the gain follows the temperature",
+        None, (Need.MOTION, Need.TEMPERATURE), Touches.SLOW_RATE, matters_from=0.006,
+    ),
+    CandidateKind(
+        "warmup", "amplitude_dps", one_of(linear_grid(0.003, 3.0), WARMUPS),
+        "the bias settles after power-on, quickly first and then slower",
+        "slow bias", (), Touches.SLOW_RATE, matters_from=0.012,
+    ),
+    CandidateKind(
+        "clock_drift", "ppm", linear(10.0, 50000.0), "the device's clock runs fast or slow against the host's",
+        "clock", (Need.HOST,), Touches.TIMES, is_exact=True, matters_from=30.0,
+    ),
+    CandidateKind(
+        "g_sensitivity", "amplitude_dps", turned(0.001, 1.0), "the bias changes once per turn, as on a tilted table",
+        "once per turn", (Need.MOTION,), Touches.SLOW_RATE, is_exact=True, matters_from=0.004,
+    ),
+    CandidateKind(
+        "encoder_eccentricity", "amplitude_deg", turned(0.005, 5.0),
+        "the encoder's angle errs once per turn, as with a disc off its centre",
+        "once per turn", (Need.MOTION,), Touches.VALUES, is_exact=True, matters_from=0.02,
+    ),
+    # On values, delays and times, which are simulated size by size.
+    CandidateKind(
+        "deadband", "width_dps", read_off(lambda hints: hints.least_dps), "rates below a width read zero",
+        "coarse values", (Need.MOTION,), Touches.VALUES, is_read_off=True,
+    ),
+    CandidateKind(
+        "quantization", "step_dps", read_off(_coarser_dps), "the rate comes in coarser steps than the rig says",
+        "coarse values", (), Touches.VALUES, is_read_off=True,
+    ),
+    CandidateKind(
+        "saturation", "limit_dps", read_off(lambda hints: hints.largest_dps), "rates beyond a limit are cut off",
+        None, (Need.MOTION,), Touches.VALUES, is_exact=True, less_is_more=True, is_read_off=True,
+    ),
+    CandidateKind(
+        "bandwidth", "cutoff_hz", _low_passes, "quick changes of the rate are smoothed away and come late",
+        LAG, (Need.MOTION,), Touches.VALUES, of_size=_time_constant_s, less_is_more=True,
+    ),
+    CandidateKind(
+        "latency", "delay_ms", simulated(0.3, 2.0, 8.0, 20.0, 50.0, 120.0),
+        "the rate comes a fixed time later than the motion",
+        LAG, (Need.MOTION,), Touches.VALUES, matters_from=1.0,
+    ),
+    CandidateKind(
+        "backlash", "play_deg", simulated(0.01, 0.03, 0.1, 0.3, 1.0),
+        "the encoder stays behind by a play when the motion reverses",
+        "reversal", (Need.MOTION,), Touches.VALUES, matters_from=0.03,
+    ),
+    CandidateKind(
+        "timestamp_jitter", "sigma_ms", simulated_within(0.4, 0.02, 0.06, 0.2, 0.6, 2.0, 5.0),
+        "the device's time stamps scatter",
+        "times", (), Touches.TIMES, matters_from=0.06,
+    ),
+    CandidateKind(
+        "usb_batching", "interval_ms",
+        simulated_and_shown(_bunches_ms, 1.5, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 100.0),
+        "samples reach the host in bunches", "times", (Need.HOST,), Touches.TIMES, matters_from=2.0,
+    ),
+    CandidateKind(
+        "sample_drop", "share_percent", simulated(0.01, 0.1, 1.0, 4.0, 16.0), "samples never arrive",
+        None, (Need.COUNTER,), realisations=2, matters_from=0.02,
+    ),
+    CandidateKind(
+        "stale_hold", "share_percent", simulated(0.02, 0.2, 2.0, 8.0, 30.0), "a sample repeats the one before it",
+        "coarse values", (Need.MOTION,), Touches.VALUES, realisations=2, matters_from=0.05,
+    ),
+    # In which chance plays a part, tones, and the steps of the encoder.
+    CandidateKind(
+        "bias_instability", "floor_dph", simulated(3.0, 12.0, 50.0, 200.0),
+        "the bias wanders slowly, and stays about where it is (1/f noise)",
+        "stochastic bias", (), Touches.RATE, realisations=REALISATIONS, matters_from=3.0,
+    ),
+    CandidateKind(
+        "rate_random_walk", "density_dps_rts", simulated(0.0002, 0.001, 0.005, 0.02),
+        "the bias walks away by small random steps",
+        "stochastic bias", (), Touches.SLOW_RATE, realisations=REALISATIONS, matters_from=0.0003,
+    ),
+    CandidateKind(
+        "popcorn", "step_dps", one_of(simulated_grid(0.01, 0.1, 1.0), [{"dwell_s": dwell_s} for dwell_s in DWELLS_S]),
+        "the bias jumps to and fro between two levels",
+        "stochastic bias", (), Touches.SLOW_RATE, realisations=REALISATIONS, matters_from=0.01,
+    ),
+    CandidateKind(
+        "spikes", "share_percent",
+        hinted("height_dps", lambda hints: hints.spike_dps, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 2.0),
+        "now and then a single rate is wild", "outliers", (), Touches.VALUES, realisations=4, is_read_off=True,
+    ),
+    CandidateKind(
+        "encoder_slip", "per_hour", hinted("step_deg", lambda hints: hints.slip_deg, 6.0, 30.0, 120.0),
+        "the encoder's angle jumps, and stays there",
+        "outliers", (Need.MOTION,), Touches.VALUES, realisations=4, is_read_off=True,
+    ),
+    CandidateKind(
+        "vibration", "amplitude_dps",
+        hinted("frequency_hz", lambda hints: hints.line_hz, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0),
+        "a tone of one frequency lies in the rate", None, (), Touches.VALUES, matters_from=0.02,
+    ),
+    CandidateKind(
+        "encoder_quantization", "cpr", read_off(lambda hints: hints.angle_step_deg),
+        "the encoder has fewer counts per turn than the rig says",
+        None, (Need.MOTION,), Touches.VALUES, of_size=_counts_per_turn, less_is_more=True, is_read_off=True,
+    ),
+)
+# fmt: on

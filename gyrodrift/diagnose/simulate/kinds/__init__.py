@@ -1,1 +1,0 @@
-"""What is known of each effect as a cause: a record each."""
