@@ -69,7 +69,7 @@ def diagnosis(away: Amounts) -> Diagnosis:
         rig_yaml=rig_yaml(rig.model_copy(update={"effects": (*rig.effects, *effects)})),
         ranking=ranking(surrogate, causes),
         lookalikes=lookalikes(surrogate.evidence),
-        stands_out=surrogate.evidence.stands_out,
+        threshold_z=surrogate.evidence.threshold_z,
         features=feature_comparisons_of(surrogate, causes, none, [design()] * SESSIONS),
         residuals=_residuals(),
     )

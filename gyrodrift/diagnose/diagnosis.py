@@ -86,7 +86,7 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
         rig_yaml=rig_yaml(adopted(asked.rig, [one for one in verdict.causes if one.probability >= ADOPTED_FROM])),
         ranking=ranking(explanation),
         lookalikes=lookalikes([*explanation.scorer.templates.values()]),
-        stands_out=explanation.evidence.stands_out,
+        threshold_z=explanation.evidence.threshold_z,
         features=feature_comparisons_of(explanation, without_causes, designs),
         residuals=residual_checks_of(subjects, verdict.causes),
     )

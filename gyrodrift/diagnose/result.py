@@ -5,7 +5,7 @@ from typing import Any
 
 from gyrodrift.diagnose.inference.detectable import Detectable
 from gyrodrift.diagnose.inference.linear_model import LinearModel
-from gyrodrift.diagnose.inference.ranking import Alike, Ranked
+from gyrodrift.diagnose.inference.ranking import Ranked, SimilarPair
 from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison
 from gyrodrift.diagnose.predictive_checks.residual_checks import ResidualChecks
@@ -65,7 +65,7 @@ class Diagnosis(ResultTable):
         The rig with the causes switched on at their fitted sizes, as a file that `simulate` and `firmware_sim` take.
     ranking, lookalikes
         The candidates, the best by itself first, and pairs of them that these sessions hardly separate.
-    stands_out
+    threshold_z
         Pooled z from which on a feature counts as a deviation.
     features
         Real beside simulated, in the order of FEATURES.
@@ -88,8 +88,8 @@ class Diagnosis(ResultTable):
     sessions: tuple[DiagnosedSession, ...]
     rig_yaml: str
     ranking: tuple[Ranked, ...]
-    lookalikes: tuple[Alike, ...]
-    stands_out: float
+    lookalikes: tuple[SimilarPair, ...]
+    threshold_z: float
     features: tuple[FeatureComparison, ...] = field(repr=False)
     residuals: ResidualChecks = field(repr=False)
 

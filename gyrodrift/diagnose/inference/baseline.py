@@ -1,9 +1,9 @@
-"""What is common to a baseline and to what is diagnosed is no gap: its mean is taken away, and its scatter is chance.
+"""Comparison with a baseline: its mean difference to the simulator is subtracted, its scatter counts as chance.
 
-Differences of features between recordings and simulator are compared as RMS over a session, so that longer recordings
-do not differ by their length. How much a device differs from the simulator by itself, from one of its recordings to the
-next, is known from a few recordings only: the variance within both sets is shrunk towards a share of the common
-difference (as in G. K. Smyth, Linear models and empirical Bayes methods, 2004).
+Differences of features between recordings and simulator are compared as RMS over a session. So the length of a
+recording does not matter. A few recordings say little about the variance of a device from recording to recording.
+Therefore the variance within both sets is shrunk towards a share of the common difference (as in G. K. Smyth, Linear
+models and empirical Bayes methods, 2004).
 """
 
 from collections.abc import Sequence
@@ -20,28 +20,28 @@ from gyrodrift.diagnose.inference.evidence import NOT_COMPARED
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 
 PRIOR_SHARES = np.where(OF_LOSS, 1.0, np.where(OF_TIMES, 0.1, 0.7))
-"""Of the common difference, that the next recording may differ by: another motion shows another part of it, but for
-stamps and arrivals, which know nothing of motions. What a radio loses goes by where it stands."""
+"""Share of the common difference by which the next recording may differ. Another motion shows another part of it.
+Stamps and arrivals do not depend on motion. Losses of a radio depend on its position."""
 
 PRIOR_RUNS = 3.0
-"""So many degrees of freedom is the prior worth."""
+"""Degrees of freedom that the prior counts for."""
 
 TAIL = 1e-4
-"""Probability at which a scatter known from a few recordings is widened to what Student's quantile says."""
+"""Tail probability at which Student's quantile replaces the normal one, for a scatter from a few recordings."""
 
 
 @dataclass(frozen=True, slots=True)
 class Baseline:
-    """What a device differs from the simulator by, as RMS over a session, shape (F,) each.
+    """Difference of a device to the simulator, as RMS over a session, shape (F,) each.
 
     common
         Mean over the baseline recordings; 0 of features that are not compared.
     squares
-        Of what single ones differ from it by, summed.
+        Sum of squared differences of single recordings to it.
     prior
         Variance from one recording to the next that is expected beforehand.
     compared
-        Features that both sets of recordings can speak of.
+        Features that both sets of recordings determine.
     count
         Recordings of the baseline.
     """
@@ -53,27 +53,27 @@ class Baseline:
     count: int
 
     def scatter(self, differences: Floats) -> Floats:
-        """(F,) standard deviation, in each of some recordings of the device, of what is left of it.
+        """(F,) standard deviation of the remaining difference in each of some recordings of the device.
 
-        Their mean is compared with that of the baseline; what this one is off by is the same in all of them.
+        Their mean is compared with the mean of the baseline. The error of the latter is the same in all of them.
 
         differences
-            (sessions, F) of the recordings that are compared with the baseline, as RMS. How they differ from one
-            another is chance too, but for coefficients: a scale error of one size differs as much as motions do.
+            (sessions, F) of the recordings that are compared with the baseline, as RMS. Their variance is chance too,
+            except for coefficients: a scale error of one size differs as much as motions do.
         """
         variance, _ = self._variance(differences, ~LINEAR)
         return np.where(self.compared, np.sqrt(variance), NOT_COMPARED)
 
-    def doubt(self, differences: Floats) -> Floats:
-        """(F,) standard deviation beyond `scatter` by which a feature has to be off to stand out by itself.
+    def extra_sigma(self, differences: Floats) -> Floats:
+        """(F,) standard deviation that is added to `scatter` before a single feature counts as deviating.
 
-        How wide a scatter is that few recordings tell is not known well; and where nothing says that it is one effect
-        in many motions, how the later recordings differ from one another is chance in all features.
+        A scatter from a few recordings is not known well. A single feature does not show whether one effect acts in
+        many motions; then the variance between the later recordings is chance in all features.
         """
         variance, degrees = self._variance(differences, np.ones(len(LINEAR), bool))
         wide = np.square(_coverage(degrees)) * variance
-        found: Floats = np.sqrt(np.maximum(wide - np.square(self.scatter(differences)), 0.0))
-        return found
+        extra: Floats = np.sqrt(np.maximum(wide - np.square(self.scatter(differences)), 0.0))
+        return extra
 
     def _variance(self, differences: Floats, is_chance: Mask) -> tuple[Floats, Floats]:
         """(F,) variance with what `differences` scatter by where that is chance, and its degrees of freedom."""
@@ -85,7 +85,7 @@ class Baseline:
 
 
 def baseline_of(tables: Sequence[ResponseTable], designs: Sequence[DesignMatrix], compared: Mask) -> Baseline:
-    """Of the recordings of a baseline; `compared`, (F,), are features that both sets of recordings can speak of."""
+    """Baseline of some recordings; `compared`, (F,), are the features that both sets of recordings determine."""
     differences = differences_of(tables, designs)
     centre = np.concatenate([table.nulls / rms_scale(design) for table, design in zip(tables, designs, strict=True)])
     common = differences.mean(axis=0) - centre.mean(axis=0)
@@ -103,10 +103,10 @@ def baseline_of(tables: Sequence[ResponseTable], designs: Sequence[DesignMatrix]
 
 
 def _of_family(squares: Floats) -> Floats:
-    """(F,) mean over the family that a feature is of; 0 where it has none.
+    """(F,) mean over the family of a feature; 0 without a family.
 
-    Another motion shares the same error out differently among regressors, and the same shaking among the lengths over
-    which noise in motion is averaged.
+    Another motion distributes the same error differently among regressors. It distributes the same shaking differently
+    among the lengths over which noise in motion is averaged.
     """
     means = np.zeros_like(squares)
     for family in (REGRESSORS, *NOISE_IN_MOTION):
@@ -120,26 +120,26 @@ def differences_of(tables: Sequence[ResponseTable], designs: Sequence[DesignMatr
 
 
 def _coverage(degrees: Floats) -> Floats:
-    """How much further than a normal number one goes whose variance is known with so few degrees of freedom."""
-    found: Floats = student.isf(TAIL, degrees) / normal.isf(TAIL)
-    return found
+    """Ratio of Student's quantile with these degrees of freedom to the normal one."""
+    ratio: Floats = student.isf(TAIL, degrees) / normal.isf(TAIL)
+    return ratio
 
 
 def against(
     tables: Sequence[ResponseTable], designs: Sequence[DesignMatrix], baseline: Baseline
 ) -> list[ResponseTable]:
-    """The tables of recordings, with what is common to the baseline taken from their differences.
+    """The tables of recordings, with the common difference of the baseline subtracted.
 
-    The scatter joins the relevance thresholds: below it nothing is told.
+    The scatter is added to the relevance thresholds.
     """
     differences = differences_of(tables, designs)
-    scatter, doubt = baseline.scatter(differences), baseline.doubt(differences)
+    scatter, extra_sigma = baseline.scatter(differences), baseline.extra_sigma(differences)
     return [
         replace(
             table,
             difference=table.difference - baseline.common * rms_scale(design),
             thresholds=np.hypot(table.thresholds, scatter * rms_scale(design)),
-            doubt=doubt * rms_scale(design),
+            extra_sigma=extra_sigma * rms_scale(design),
         )
         for table, design in zip(tables, designs, strict=True)
     ]

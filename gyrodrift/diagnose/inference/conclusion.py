@@ -25,13 +25,13 @@ from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized
 
 NAMED = 0.5
-"""Probability from which on an effect, or one of those tied with it, is named."""
+"""Probability from which on an effect is named; that of an effect or one of its ties."""
 
 CLOSED = 0.85
-"""Share of the gap that has to be closed where features still deviate, or part of it is unexplained."""
+"""Share of the gap that has to be closed for the verdict `effect`, if features still deviate."""
 
 FORM = 0.2
-"""Probability of a form that no effect has, from which on the feature that it stands for is what deviates first."""
+"""Probability of an out-of-catalog form from which on its feature is listed first among the deviations."""
 
 GROUPS = sorted({(feature.stage, feature.regime) for feature in FEATURES})
 """An unknown effect moves features of one stage in one regime of the motion together."""
@@ -47,14 +47,14 @@ ROUNDS, AT_ONCE, REFITTED = 5, 2, 12
 
 
 class Conclusion(NamedTuple):
-    """The verdict, and what it rests on."""
+    """The verdict and its explanation."""
 
     verdict: Verdict
     explanation: Explanation
 
 
 def conclude(tables: Sequence[ResponseTable], tried: Sequence[Candidate], simulate: Simulate) -> Conclusion:
-    """Find the posterior, and say what it means."""
+    """Find the posterior and derive the verdict from it."""
     evidence = evidence_of(tables, tried)
     observation = observation_of(tables, evidence.is_compared)
     stages = np.array([GROUPS.index((feature.stage, feature.regime)) for feature in FEATURES])
@@ -68,15 +68,15 @@ def conclude(tables: Sequence[ResponseTable], tried: Sequence[Candidate], simula
 
 
 def simulated_posterior(scorer: Scorer, simulate: Simulate) -> Posterior:
-    """Sets are simulated as a whole where most of the probability rests on their templates, and fitted again.
+    """Posterior after the most probable sets were simulated as a whole and fitted again.
 
-    What a set lacks a longer one may gain by chance: the best part of a set is simulated before it.
+    A longer set may gain by the error of a shorter one. So the best part of a set is simulated before the set.
     """
     sets = find_sets(scorer)
     for _ in range(ROUNDS):
         posterior = posterior_of(scorer, sets)
-        wanted = [_not_simulated(scorer, sets, item) for item in posterior.by_mass(SIMULATED)]
-        some = list(dict.fromkeys(item for item in wanted if item is not None))[:AT_ONCE]
+        unsimulated = [_not_simulated(scorer, sets, item) for item in posterior.by_mass(SIMULATED)]
+        some = list(dict.fromkeys(item for item in unsimulated if item is not None))[:AT_ONCE]
         if not some:
             break
         for item in some:
@@ -91,20 +91,20 @@ def simulated_posterior(scorer: Scorer, simulate: Simulate) -> Posterior:
 
 
 def _not_simulated(scorer: Scorer, sets: Sequence[EffectSet], item: EffectSet) -> EffectSet | None:
-    """The shortest of a set, the best part of it, the best part of that, and so on, that was not simulated yet."""
-    found = None
+    """The shortest set that was not simulated yet, among a set, its best part, the best part of that, and so on."""
+    shortest = None
     while item.placed:
         if not scorer.is_simulated(item):
-            found = item
-        parts = [one for one in sets if len(one.placed) == len(item.placed) - 1 and {*one.names} < {*item.names}]
+            shortest = item
+        parts = [part for part in sets if len(part.placed) == len(item.placed) - 1 and {*part.names} < {*item.names}]
         if not parts:
             break
-        item = max(parts, key=lambda one: scorer.log_posterior(one, POWER))
-    return found
+        item = max(parts, key=lambda part: scorer.log_posterior(part, POWER))
+    return shortest
 
 
 def kind_of(posterior: Posterior, *, has_causes: bool) -> Kind:
-    """The most probable of: nothing acts, known effects alone, known and unknown ones, unknown ones alone."""
+    """Kind of verdict: nothing acts, known effects alone, known and unknown ones, or unknown ones alone."""
     if posterior.no_gap > NAMED:
         return Kind.NONE
     if not has_causes:
@@ -115,39 +115,39 @@ def kind_of(posterior: Posterior, *, has_causes: bool) -> Kind:
 def _verdict(explanation: Explanation, causes: tuple[NamedCause, ...]) -> Verdict:
     evidence, posterior = explanation.evidence, explanation.posterior
     kind = kind_of(posterior, has_causes=bool(causes))
-    before, after_z = pooled_z(evidence.z) / evidence.caution, explanation.held_out_z
-    after = pooled_z(after_z) / evidence.caution
-    where = _deviating(posterior, before, evidence.stands_out, is_unknown=kind is Kind.UNKNOWN)
+    before, after_z = pooled_z(evidence.z) / evidence.sigma_factor, explanation.held_out_z
+    after = pooled_z(after_z) / evidence.sigma_factor
+    where = _deviating(posterior, before, evidence.threshold_z, is_unknown=kind is Kind.UNKNOWN)
     gap = no_gap(evidence) if kind is Kind.NONE else gap_of(evidence, after_z)
     if (
         kind is Kind.EFFECT
         and gap.shrink is not None
         and gap.shrink < CLOSED
-        and np.abs(after).max() > evidence.stands_out
+        and np.abs(after).max() > evidence.threshold_z
     ):
         kind = Kind.PARTLY
-    left = _deviating(posterior, after, evidence.stands_out, is_unknown=kind is Kind.PARTLY)
+    unexplained = _deviating(posterior, after, evidence.threshold_z, is_unknown=kind is Kind.PARTLY)
     return Verdict(
         kind=kind,
         causes=causes if kind is not Kind.NONE else (),
         where=where,
-        unexplained=left if causes else where,
+        unexplained=unexplained if causes else where,
         gap=gap,
         after_z=after_z,
     )
 
 
-def _deviating(posterior: Posterior, z: Floats, stands_out: float, *, is_unknown: bool) -> tuple[Deviation, ...]:
-    """What stands out; of something unknown what it depends on first, if that is known, and in any case the worst."""
-    found = deviations(z, stands_out, least=1 if is_unknown else 0)
+def _deviating(posterior: Posterior, z: Floats, threshold_z: float, *, is_unknown: bool) -> tuple[Deviation, ...]:
+    """Features beyond the threshold; for an unknown effect at least one, and the feature of a probable form first."""
+    deviating = deviations(z, threshold_z, least=1 if is_unknown else 0)
     forms = sorted(
         ((mass, name) for name, mass in posterior.inclusion.items() if name.startswith("?") and mass > FORM),
         reverse=True,
     )
     if not forms or not is_unknown:
-        return found
+        return deviating
     numbers = [NUMBER[name.removeprefix("?")] for _, name in forms]
-    return listed([*dict.fromkeys([*numbers, *(NUMBER[one.feature] for one in found)])], z)
+    return listed([*dict.fromkeys([*numbers, *(NUMBER[deviation.feature] for deviation in deviating)])], z)
 
 
 def _named(scorer: Scorer, posterior: Posterior) -> tuple[NamedCause, ...]:

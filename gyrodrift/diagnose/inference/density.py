@@ -3,8 +3,8 @@
     y_f ~ Student_nu(mean_f, C_f)                                                                  (1)
     C_f = null covariance + form error + scatter of random effects [+ unknown variance]            (2)
 
-A vector over sessions for each feature f. All variances are in the determinant. An unknown effect moves features of
-some groups; the sum over its states is exact, since groups are independent given the effects.
+y_f is a vector over sessions. All variances are in the determinant. An unknown effect moves features of some groups.
+The sum over its states is exact, because groups are independent given the effects.
 """
 
 import math
@@ -19,10 +19,10 @@ DEGREES_OF_FREEDOM = 12.0
 """Degrees of freedom of the Student density. Provisional: not yet calibrated on cases of known cause."""
 
 UNKNOWN_WIDTHS = (3.0, 10.0, 40.0)
-"""Standard deviations by which an unknown effect moves a feature, equally probable."""
+"""Standard deviations by which an unknown effect moves a feature, equally probable. Chosen, not measured."""
 
 UNKNOWN_COMMON = 0.8
-"""Share of the variance of an unknown effect that all sessions have in common: mostly it is there in each."""
+"""Share of the variance of an unknown effect that all sessions have in common: it acts in most sessions."""
 
 UNKNOWN_SHARES = (0.05, 0.25, 0.75)
 """Shares of the features of a group that an unknown effect moves, equally probable."""
@@ -34,7 +34,7 @@ UNKNOWN_BROAD, BROAD_IN_GROUP = 0.01, 0.3
 """Prior probability of an unknown effect that moves many groups, and of each group then."""
 
 MOVED = 1e-3
-"""Change in standard deviations below which a template leaves a feature alone."""
+"""Change in standard deviations below which a template does not change a feature."""
 
 
 class LogDensities(NamedTuple):

@@ -1,4 +1,4 @@
-"""Which features deviate, before anything is added and after: standard normal deviates pooled over sessions."""
+"""Deviating features: standard normal deviates, pooled over sessions."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -9,12 +9,12 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES
 
 WORST_Z = 20.0
-"""No feature counts for more than this: a z of hundreds says no more than one of twenty."""
+"""Limit of a z in sums: a z of hundreds says no more than a z of twenty."""
 
 
 @dataclass(frozen=True, slots=True)
 class Deviation:
-    """A feature that deviates; z pooled over all sessions, and its share of all that deviates."""
+    """A deviating feature; z is pooled over all sessions, share is that of the sum of squares."""
 
     stage: str
     feature: str
@@ -25,23 +25,23 @@ class Deviation:
 
 
 def deviations(z: Floats, threshold: float, least: int = 0) -> tuple[Deviation, ...]:
-    """Features whose pooled z, (F,), is beyond a threshold, the worst first; the worst few in any case."""
+    """Features with a pooled z, (F,), beyond a threshold, the worst first; `least` of them in any case."""
     order = np.argsort(-np.abs(z)).tolist()
     return listed([number for rank, number in enumerate(order) if abs(z[number]) > threshold or rank < least], z)
 
 
 def listed(numbers: Sequence[int], z: Floats) -> tuple[Deviation, ...]:
-    """Some features in this order, with the share that each has in the squares of all of them."""
+    """Deviations of some features in this order; see `shared`."""
     rows = [FEATURES[number] for number in numbers]
-    found = [
-        Deviation(one.stage, one.name, one.regime, one.says, float(z[number]))
-        for number, one in zip(numbers, rows, strict=True)
+    rows_found = [
+        Deviation(feature.stage, feature.name, feature.regime, feature.says, float(z[number]))
+        for number, feature in zip(numbers, rows, strict=True)
     ]
-    return shared(found)
+    return shared(rows_found)
 
 
 def shared(every: Sequence[Deviation]) -> tuple[Deviation, ...]:
-    """With the share that each has in the squares of all of them."""
-    squares = [min(abs(one.z), WORST_Z) ** 2 for one in every]
+    """Deviations with their shares of the sum of squares."""
+    squares = [min(abs(deviation.z), WORST_Z) ** 2 for deviation in every]
     total = sum(squares) or 1.0
-    return tuple(replace(one, share=square / total) for one, square in zip(every, squares, strict=True))
+    return tuple(replace(deviation, share=square / total) for deviation, square in zip(every, squares, strict=True))

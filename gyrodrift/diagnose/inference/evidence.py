@@ -1,4 +1,4 @@
-"""What inference works on: how far each feature deviates, and what each candidate would do to it."""
+"""Input of the inference: the deviation of each feature, and the response of the features to each candidate."""
 
 from dataclasses import dataclass, field
 
@@ -7,19 +7,19 @@ from gyrodrift.diagnose.inference.family_wise import family_wise_threshold
 from gyrodrift.diagnose.simulate.candidate import Candidate
 
 NOT_COMPARED = 1e6
-"""Standard deviation of what cannot be compared, in units of the features."""
+"""Standard deviation of features that are not compared, in units of the features."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Response:
-    """What a variant of a candidate does.
+    """Response of the features to a variant of a candidate.
 
     mean
         (sizes, S, F) change of the features; of a random candidate at its simulated sizes only.
     phases_deg
-        (S,) of a candidate whose phase is free: the one that each session shows; None of all others.
+        (S,) phase that each session shows, of a candidate with a free phase; None of all others.
     realised
-        (simulated sizes, S, realisations, F) of a random candidate: the change of each; None of all others.
+        (simulated sizes, S, realisations, F) changes of a random candidate; None of all others.
     """
 
     candidate: Candidate
@@ -33,17 +33,17 @@ class Evidence:
     """Sessions as rows, F features as columns.
 
     names
-        Of the sessions.
+        Names of the sessions.
     difference
-        (S, F) recording less simulation, and less what the replay itself leaves.
+        (S, F) recording minus simulation, minus the mean of the null.
     sigma
-        (S, F) spread of that where there is no gap, and the relevance threshold, together.
+        (S, F) standard deviation without a gap, relevance threshold included.
     nulls
         (S, runs, F) differences without a gap, in units of sigma.
-    caution
-        (F,) by how many times further a feature has to be off to stand out, since sigma itself is not known well.
-    stands_out
-        Pooled z beyond which a feature deviates: chance makes one of all features do so in FAMILY_WISE_ERROR.
+    sigma_factor
+        (F,) factor of sigma where sigma itself is not known well; it applies to single features only.
+    threshold_z
+        Pooled z beyond which a feature deviates. Any feature exceeds it by chance with FAMILY_WISE_ERROR.
     """
 
     names: tuple[str, ...]
@@ -51,22 +51,22 @@ class Evidence:
     sigma: Floats
     nulls: Floats
     responses: tuple[Response, ...]
-    caution: Floats | float = 1.0
-    stands_out: float = field(init=False)
+    sigma_factor: Floats | float = 1.0
+    threshold_z: float = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "stands_out", family_wise_threshold(self.nulls))
+        object.__setattr__(self, "threshold_z", family_wise_threshold(self.nulls))
 
     @property
     def z(self) -> Floats:
-        """(S, F) how far each feature deviates before anything is added."""
+        """(S, F) deviation of each feature from the rig, in sigma."""
         return self.difference / self.sigma
 
     @property
     def is_compared(self) -> Mask:
-        """(S, F) features of which a session can speak."""
-        known: Mask = self.sigma < NOT_COMPARED
-        return known
+        """(S, F) features that a session determines."""
+        compared: Mask = self.sigma < NOT_COMPARED
+        return compared
 
     def effects(self) -> list[Response]:
         """Responses of effects of the catalog."""

@@ -1,14 +1,14 @@
-"""What realisations of a random effect have in common: factors of the covariance between features.
+"""Covariance of a random effect between features, as factors from its realisations.
 
-A slow disturbance of the bias moves many features together, otherwise in each session. With K realisations less their
-mean as rows of R,
+A slow disturbance of the bias moves many features together, differently in each session. Let R hold K realisations
+minus their mean as rows. Then
 
     covariance = lambda diag(R' R) / K + (1 - lambda) R' R / K = scatter + L' L                     (4)
     log N(y; 0, D + L' L) = log N(y - L' a; 0, D) - a' a / 2 - log det(I + L D^-1 L') / 2           (5)
 
-with a = (I + L D^-1 L')^-1 L D^-1 y, exactly. Of a few realisations the correlations are shrunk by lambda (J. Schaefer
-and K. Strimmer, A shrinkage approach to large-scale covariance matrix estimation, 2005). With Student densities D is
-reweighted by the residual.
+with a = (I + L D^-1 L')^-1 L D^-1 y, exactly. The factor lambda shrinks correlations from a few realisations
+(J. Schaefer and K. Strimmer, A shrinkage approach to large-scale covariance matrix estimation, 2005). With Student
+densities D is reweighted by the residual.
 """
 
 from typing import NamedTuple
@@ -19,13 +19,13 @@ from numba import njit
 from gyrodrift.arrays import Floats, Integers
 
 MOST_FACTORS = 10
-"""Principal directions of the realisations; what lies beside them counts as scatter."""
+"""Number of principal directions of the realisations; the rest of the variance counts as scatter."""
 
 LEAST_MOVED = 1e-6
-"""Variance below which factors leave a feature alone, in units of that without a gap."""
+"""Variance below which factors do not change a feature, in units of the variance without a gap."""
 
 REWEIGHTED = 3
-"""Solutions of equation (5), each with the weights that the one before gives."""
+"""Number of solutions of equation (5); each uses the weights of the solution before."""
 
 
 class Covariance(NamedTuple):
@@ -36,7 +36,7 @@ class Covariance(NamedTuple):
 
 
 def covariance_of(realised: Floats) -> Covariance:
-    """Of K realisations of F features, (K, F), less their mean."""
+    """Covariance of K realisations of F features, (K, F), minus their mean."""
     count = len(realised)
     variance = np.square(realised).mean(axis=0)
     moved = np.flatnonzero(variance > 0.0)
@@ -51,7 +51,7 @@ def covariance_of(realised: Floats) -> Covariance:
 
 
 def shrinkage(realised: Floats) -> float:
-    """By which correlations of (K, F) realisations are shrunk, 0 to 1."""
+    """Shrinkage of the correlations of (K, F) realisations, 0 to 1; lambda of equation (4)."""
     count = len(realised)
     standard = realised / np.sqrt(np.square(realised).mean(axis=0))
     products = standard[:, :, None] * standard[:, None, :]
@@ -62,23 +62,23 @@ def shrinkage(realised: Floats) -> float:
 
 
 @njit(cache=True)
-def explained(residual: Floats, own: Floats, others: Floats, variance: Floats, nu: float) -> tuple[Floats, Floats]:
-    """(N, S, F) residual less what factors explain of it, and (N,) logarithm of what they cost; equation (5).
+def explained(residual: Floats, own: Floats, placed: Floats, variance: Floats, nu: float) -> tuple[Floats, Floats]:
+    """(N, S, F) residual minus the part that factors explain, and (N,) log density of that part; equation (5).
 
     residual
         (N, S, F).
-    own, others
+    own, placed
         (N, S, K, F) and (S, M, F) factors.
     variance
         (N, S, F) of the residual beside them.
     """
     points, sessions, features = residual.shape
-    number = own.shape[2] + others.shape[1]
-    left, cost = residual.copy(), np.zeros(points)
+    number = own.shape[2] + placed.shape[1]
+    unexplained, cost = residual.copy(), np.zeros(points)
     moved, factors = np.zeros(features, np.int64), np.zeros((number, features))
     for n in range(points):
         for s in range(sessions):
-            used = _gather(own[n, s], others[s], factors, moved)
+            used = _gather(own[n, s], placed[s], factors, moved)
             if used:
                 values, variances = np.empty(used), np.empty(used)
                 for u in range(used):
@@ -86,18 +86,18 @@ def explained(residual: Floats, own: Floats, others: Floats, variance: Floats, n
                 fitted, spent = _fitted(np.ascontiguousarray(factors[:, :used]), values, variances, nu)
                 cost[n] -= spent
                 for u in range(used):
-                    left[n, s, moved[u]] -= fitted[u]
-    return left, cost
+                    unexplained[n, s, moved[u]] -= fitted[u]
+    return unexplained, cost
 
 
 @njit(cache=True)
-def _gather(own: Floats, others: Floats, factors: Floats, moved: Integers) -> int:
-    """Fill `factors` with those of the features that are moved, and `moved` with these; how many they are."""
+def _gather(own: Floats, placed: Floats, factors: Floats, moved: Integers) -> int:
+    """Fill `factors` and `moved` with the features that factors change; return their number."""
     used = 0
     for f in range(own.shape[1]):
         total = 0.0
         for k in range(len(factors)):
-            value = own[k, f] if k < len(own) else others[k - len(own), f]
+            value = own[k, f] if k < len(own) else placed[k - len(own), f]
             factors[k, used] = value
             total += value * value
         if total > LEAST_MOVED:
@@ -108,7 +108,7 @@ def _gather(own: Floats, others: Floats, factors: Floats, moved: Integers) -> in
 
 @njit(cache=True)
 def _fitted(factors: Floats, values: Floats, variances: Floats, nu: float) -> tuple[Floats, float]:
-    """What the factors explain of values, and what that costs."""
+    """Explained part of the values, and its negative log density."""
     number, used = factors.shape
     weights: Floats = 1.0 / variances
     fitted: Floats = np.zeros(used)

@@ -1,8 +1,9 @@
 """The threshold that no feature passes by chance: a family-wise error over all of them.
 
-It is that of this rig and these motions: it comes from the null of these very sessions. Two ways to it are taken, and
-the higher one holds: the largest feature of sets of sessions put together from the null runs, and Student's quantile of
-as many runs, shared out over the features (Šidák), which knows how little so few runs say of the far tails.
+The threshold belongs to this rig and these motions, because it comes from the null runs of these sessions. It is the
+larger of two values. The first is the largest feature of sets of sessions composed from the null runs. The second is
+Student's quantile of as many runs, shared over the features (Šidák). It allows for the far tails, of which few runs
+say little.
 """
 
 import numpy as np
@@ -12,29 +13,29 @@ from scipy.stats import t as student
 from gyrodrift.arrays import Floats
 
 FAMILY_WISE_ERROR = 0.02
-"""Probability that chance makes a deviation of any feature. Of the 5 % that a false alarm may have in all, the search
-over causes and what is not exact in the null need their part."""
+"""Probability that any feature deviates by chance. The search over causes and the inexact null use the rest of the 5 %
+of false alarms."""
 
 LEAST, MOST = 4.3, 1e6
-"""Of the threshold: where chance is small beside the relevance thresholds, what is not exact in the null decides. Of
-218 rigs drawn at random and driven through themselves, 8 went beyond 3.5 and 3 beyond 4.3; of 171 devices with what no
-effect does, 1 lay in between."""
+"""Bounds of the threshold. If chance is small beside the relevance thresholds, the errors of the null decide. Of 218
+random rigs diagnosed against themselves, 8 exceeded 3.5 and 3 exceeded 4.3. Of 171 devices with an effect outside the
+catalog, 1 lay in between."""
 
 SETS = 400
 SEED = 0
 
 
 def pooled_z(z: Floats) -> Floats:
-    """(F,) one normal deviate for all sessions: a common shift, or a scatter of either sign, whichever is clearer."""
+    """(F,) normal deviate over all sessions: of a common shift or of a scatter of either sign, the larger."""
     count = len(z)
     shift = z.mean(axis=0) * np.sqrt(count)
     scatter = np.linalg.norm(z, axis=0) - np.sqrt(count)
-    found: Floats = np.where(scatter > np.abs(shift), scatter * np.where(shift < 0.0, -1.0, 1.0), shift)
-    return found
+    pooled: Floats = np.where(scatter > np.abs(shift), scatter * np.where(shift < 0.0, -1.0, 1.0), shift)
+    return pooled
 
 
 def family_wise_threshold(nulls: Floats) -> float:
-    """Of a pooled z.
+    """Threshold of a pooled z.
 
     nulls
         (sessions, runs, F) differences without a gap, in units of sigma.
@@ -53,14 +54,14 @@ def family_wise_threshold(nulls: Floats) -> float:
 
 
 def _expected(z: float, spread: Floats, degrees: int) -> float:
-    """How many features of these spreads go beyond a z by chance."""
+    """Expected number of features with these spreads beyond a z."""
     return float(2.0 * student.sf(z / spread, degrees).sum())
 
 
 def _largest(nulls: Floats) -> Floats:
-    """(sets,) the largest pooled z of one run of each session, about the centre of the others.
+    """(sets,) largest pooled z of one run of each session, about the center of the other runs.
 
-    Sigma knows these runs too, which makes them smaller.
+    Sigma was estimated from the same runs, which makes them smaller; `own` corrects that.
     """
     sessions, runs, _ = nulls.shape
     chosen = np.random.default_rng(SEED).integers(runs, size=(SETS, sessions))
@@ -68,5 +69,5 @@ def _largest(nulls: Floats) -> Floats:
     drawn = nulls[np.arange(sessions), chosen]
     if runs > 1:
         drawn = drawn + drawn.mean(axis=1, keepdims=True) / (runs - 1.0)
-    largest: Floats = own * np.array([np.abs(pooled_z(one)).max() for one in drawn])
+    largest: Floats = own * np.array([np.abs(pooled_z(sample)).max() for sample in drawn])
     return largest

@@ -1,4 +1,4 @@
-"""How large the gap is, and how far it shrinks, on sessions held out from the fit; with an interval by bootstrap."""
+"""Size of the gap and share of it that is closed, on sessions held out from the fit; with a bootstrap interval."""
 
 from dataclasses import dataclass
 
@@ -10,11 +10,11 @@ from gyrodrift.diagnose.inference.evidence import Evidence
 
 BOOTSTRAPS = 2000
 INTERVAL = (0.05, 0.95)
-"""Quantiles over sets of sessions drawn with replacement: nine in ten lie within."""
+"""Quantiles over sets of sessions drawn with replacement, a 90 % interval."""
 
 SEED = 0
 NO_GAP = 1.05
-"""A gap that is no larger than this many times its floor has nothing to close."""
+"""Ratio of gap and floor up to which there is nothing to close."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,9 +22,9 @@ class SimToRealGap:
     """Root mean square of the features' z, each held at 20, on sessions held out from the fit.
 
     floor
-        What the simulator scores against itself.
+        RMS of the simulator against itself.
     shrink, shrink_low, shrink_high
-        Share of what lies above the floor that is closed, and its interval; None where there is nothing to close.
+        Closed share of the gap above the floor, and its interval; None if there is nothing to close.
     """
 
     before: float
@@ -36,34 +36,34 @@ class SimToRealGap:
 
 
 def gap_of(evidence: Evidence, after_z: Floats) -> SimToRealGap:
-    """The gap before anything is added, and after, by what held-out sessions leave unexplained, (sessions, F)."""
+    """The gap of the rig, and of the rig with the causes by the z of held-out sessions, (sessions, F)."""
     before, after, floor = by_session(evidence.z), by_session(after_z), floor_of(evidence)
     rng = np.random.default_rng(SEED)
     drawn = rng.integers(len(before), size=(BOOTSTRAPS, len(before)))
     spread = [shrink_of(before[rows], after[rows], floor) for rows in drawn]
-    known = [value for value in spread if value is not None]
+    defined = [value for value in spread if value is not None]
     whole = shrink_of(before, after, floor)
-    if whole is None or not known:
+    if whole is None or not defined:
         return SimToRealGap(total_of(before), total_of(after), floor, whole, None, None)
-    low, high = np.quantile(known, INTERVAL)
+    low, high = np.quantile(defined, INTERVAL)
     return SimToRealGap(total_of(before), total_of(after), floor, whole, float(low), float(high))
 
 
 def no_gap(evidence: Evidence) -> SimToRealGap:
-    """Of sessions that the simulator explains as it stands: what chance leaves cannot be closed."""
+    """The gap of sessions that the simulator explains: chance leaves nothing to close."""
     before = total_of(by_session(evidence.z))
     return SimToRealGap(before, before, floor_of(evidence), None, None, None)
 
 
 def floor_of(evidence: Evidence) -> float:
-    """What the simulator scores against itself."""
+    """RMS of the simulator against itself."""
     return total_of(by_session(evidence.nulls.reshape(-1, evidence.nulls.shape[-1])))
 
 
 def by_session(z: Floats) -> Floats:
     """(sessions,) root mean squares over features, each z held at WORST_Z."""
-    found: Floats = np.sqrt(np.square(np.minimum(np.abs(z), WORST_Z)).mean(axis=1))
-    return found
+    rms: Floats = np.sqrt(np.square(np.minimum(np.abs(z), WORST_Z)).mean(axis=1))
+    return rms
 
 
 def total_of(by_session: Floats) -> float:
@@ -72,6 +72,6 @@ def total_of(by_session: Floats) -> float:
 
 
 def shrink_of(before: Floats, after: Floats, floor: float) -> float | None:
-    """Of the gap above the floor, how much is closed; None where there was none."""
+    """Closed share of the gap above the floor; None without a gap."""
     high = total_of(before)
     return (high - max(total_of(after), floor)) / (high - floor) if high > floor * NO_GAP else None

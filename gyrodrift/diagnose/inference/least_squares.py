@@ -13,13 +13,13 @@ from scipy.signal import lfilter
 from gyrodrift.arrays import Floats
 
 GAINS = (0.0, 0.003, 0.01, 0.03, 0.1, 0.3)
-"""Of the filter: how fast the bias is believed to walk; 0 is a constant one."""
+"""Gains of the filter, from a constant bias, 0, to a fast random walk."""
 
 MAD_TO_SIGMA = 1.4826
 """The standard deviation of normal numbers over their median absolute deviation."""
 
 LEAST_DPS = 1e-6
-"""Of a spread, so that numbers that are all alike can be divided by it."""
+"""Added to a spread, so that it is never 0."""
 
 LEAST_VARIANCE = 1e-12
 COLLINEAR = 1e-9
@@ -34,7 +34,7 @@ class Whitened(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """Of one coefficient: what it gains of the log-likelihood, itself (an amplitude of two), and its standard error."""
+    """Gain in log likelihood, coefficient (of two columns their amplitude), and its standard error."""
 
     log_likelihood_gain: float
     coefficient: float
@@ -42,7 +42,7 @@ class Fit(NamedTuple):
 
 
 def whitened(effects: Sequence[Floats], values: Floats) -> list[Whitened]:
-    """Of each effect its columns, (blocks, 1 or 2), and the values, through the filter that leaves them whitest."""
+    """Columns of each effect, (blocks, 1 or 2), and values, through the filter that leaves the whitest residual."""
     every = np.column_stack(effects)
     gain = min(GAINS, key=lambda gain: _spread_left(innovations(gain, every), innovations(gain, values[:, None])[:, 0]))
     white = innovations(gain, values[:, None])[:, 0]
@@ -51,7 +51,7 @@ def whitened(effects: Sequence[Floats], values: Floats) -> list[Whitened]:
 
 
 def innovations(gain: float, columns: Floats) -> Floats:
-    """Of the local level model with this steady gain; a constant bias is taken away as a mean."""
+    """Innovations of the local level model with this steady gain; a constant bias is subtracted as a mean."""
     if gain == 0.0:
         away: Floats = columns - columns.mean(axis=0)
         return away
@@ -60,7 +60,7 @@ def innovations(gain: float, columns: Floats) -> Floats:
 
 
 def fit(sessions: Sequence[Whitened]) -> Fit:
-    """One coefficient, or a sine and a cosine, for all sessions; nothing where the columns say nothing."""
+    """Fit one coefficient, or a sine and a cosine, to all sessions; zeros if the columns hold no information."""
     columns = np.concatenate([session.columns for session in sessions])
     values = np.concatenate([session.values for session in sessions])
     information = columns.T @ columns
@@ -76,7 +76,7 @@ def fit(sessions: Sequence[Whitened]) -> Fit:
 
 
 def _spread_left(columns: Floats, values: Floats) -> float:
-    """Mean absolute value of what the columns leave."""
+    """Mean absolute residual of a regression on the columns."""
     scale = np.linalg.norm(columns, axis=0) + LEAST_VARIANCE
-    left = values - (columns / scale) @ np.linalg.lstsq(columns / scale, values, rcond=COLLINEAR)[0]
-    return float(np.mean(np.abs(left)))
+    unexplained = values - (columns / scale) @ np.linalg.lstsq(columns / scale, values, rcond=COLLINEAR)[0]
+    return float(np.mean(np.abs(unexplained)))

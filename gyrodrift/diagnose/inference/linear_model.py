@@ -1,7 +1,7 @@
 """The linear model: effects that are linear in the rate error, by generalised least squares with a local level.
 
 The mean rate error of each second is a sum of known regressors, white noise and a bias that is constant or a random
-walk. Nothing of the simulator, the features or their scores is used, so that this judges by itself.
+walk. The model uses neither simulator nor features, so it is an independent check.
 """
 
 from collections.abc import Sequence
@@ -20,16 +20,16 @@ from gyrodrift.diagnose.simulate.candidates import KINDS
 
 WARMUP_TAUS_S = (20.0, 60.0, 160.0, 450.0)
 CLEAR = 12.0
-"""Of the log-likelihood: what an effect has to add, twice what accepts a cause by the features."""
+"""Gain in log likelihood from which on the linear model names an effect. Chosen, not derived."""
 
 TWO_SIDED_95 = 1.96
-"""Standard errors of a normal number that hold 95 %."""
+"""Standard errors of a two-sided 95 % interval of a normal number."""
 
 FULL_SCALE_DPS = 250.0
-"""Of the rig's gyro; nonlinearity is stated in shares of it."""
+"""Full scale of the rig's gyro; nonlinearity is stated in shares of it."""
 
 REFERENCE_C = 25.0
-"""Where temperature effects of the rig are 0."""
+"""Temperature at which temperature effects of the rig are 0."""
 
 
 class Regressor(NamedTuple):
@@ -43,12 +43,12 @@ class Regressor(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class LinearModel:
-    """The effect that the linear model by itself would name; None where it sees none.
+    """The effect that the linear model names; None if it names none.
 
     value, low, high
-        Of its parameter, with 95 %.
+        Its parameter, with a 95 % interval.
     agrees
-        Whether the verdict names it too; None where it cannot judge the causes of the verdict.
+        Whether the verdict names it too; None if the model does not cover the causes of the verdict.
     """
 
     effect: str | None
@@ -65,24 +65,24 @@ class LinearModel:
 def linear_model_of(
     residuals_dps: Sequence[Floats], designs: Sequence[DesignMatrix], causes: Sequence[NamedCause]
 ) -> LinearModel:
-    """Fit every linear effect by itself, and hold the best against the causes that were named.
+    """Fit every linear effect alone, and compare the best with the named causes.
 
     residuals_dps
-        Of each session, (blocks,): mean rate of each block less that of the encoder.
+        (blocks,) of each session: mean rate of each block minus that of the encoder.
     """
     regressors = [regressors_of(design) for design in designs]
     sessions = [
-        whitened([one.columns for one in session], residual_dps)
+        whitened([regressor.columns for regressor in session], residual_dps)
         for session, residual_dps in zip(regressors, residuals_dps, strict=True)
     ]
     fits = [fit([session[number] for session in sessions]) for number in range(len(regressors[0]))]
-    relevant = [_if_relevant(one, regressor) for one, regressor in zip(fits, regressors[0], strict=True)]
-    best = int(np.argmax([one.log_likelihood_gain for one in relevant]))
-    return _beside(relevant[best], regressors[0][best], {one.effect for one in regressors[0]}, causes)
+    relevant = [_if_relevant(single, regressor) for single, regressor in zip(fits, regressors[0], strict=True)]
+    best = int(np.argmax([candidate.log_likelihood_gain for candidate in relevant]))
+    return _compared(relevant[best], regressors[0][best], {regressor.effect for regressor in regressors[0]}, causes)
 
 
 def regressors_of(design: DesignMatrix) -> list[Regressor]:
-    """Of the linear effects, block by block."""
+    """Regressors of the linear effects, block by block."""
     motion, block = design.motion, design.block
     rate, turn = motion.rate_dps, np.deg2rad(motion.angle_deg)
     warm_c = motion.sensor_c - REFERENCE_C
@@ -90,7 +90,9 @@ def regressors_of(design: DesignMatrix) -> list[Regressor]:
     cubic = 100.0 * FULL_SCALE_DPS**2
 
     def columns(*values: Floats) -> Floats:
-        return np.column_stack([slopes(integral_of(one, motion.period_s), motion.period_s, block) for one in values])
+        return np.column_stack(
+            [slopes(integral_of(value, motion.period_s), motion.period_s, block) for value in values]
+        )
 
     return [
         Regressor("scale_factor", "error_percent", 100.0, columns(rate)),
@@ -107,17 +109,17 @@ def regressors_of(design: DesignMatrix) -> list[Regressor]:
     ]
 
 
-def _if_relevant(one: Fit, regressor: Regressor) -> Fit:
-    """Nothing, where the effect is practically negligible."""
+def _if_relevant(result: Fit, regressor: Regressor) -> Fit:
+    """The fit, or zeros if the effect is practically negligible."""
     return (
-        one
-        if abs(one.coefficient * regressor.factor) > (KINDS[regressor.effect].matters_from or 0.0)
+        result
+        if abs(result.coefficient * regressor.factor) > (KINDS[regressor.effect].matters_from or 0.0)
         else Fit(0.0, 0.0, 0.0)
     )
 
 
-def _beside(best: Fit, regressor: Regressor, judged: set[str], causes: Sequence[NamedCause]) -> LinearModel:
-    """The best linear effect beside the causes of the verdict; `judged` are the effects that are linear."""
+def _compared(best: Fit, regressor: Regressor, judged: set[str], causes: Sequence[NamedCause]) -> LinearModel:
+    """The best linear effect compared with the causes of the verdict; `judged` are the linear effects."""
     names = [cause.effect.name for cause in causes]
     cannot_judge = bool(names) and not judged & set(names)
     effect, gain = regressor.effect, best.log_likelihood_gain

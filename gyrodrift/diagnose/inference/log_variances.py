@@ -1,4 +1,4 @@
-"""How changes of features add and grow: logarithms of variances as variances, all else as it is."""
+"""Sums and scaling of feature changes: logarithms of variances add as variances, all other features directly."""
 
 import numpy as np
 
@@ -12,23 +12,23 @@ LOG_RANGE, LEAST_VARIANCE = 20.0, 1e-6
 LOGARITHMS = np.flatnonzero(IS_LOG)
 
 
-def combined(change: Floats, more: Floats) -> Floats:
-    """Two changes at once, (…, F)."""
-    added: Floats = change + more
-    one, other = (np.take(each, LOGARITHMS, axis=-1) for each in (change, more))
-    powers = np.exp(np.clip(one, -LOG_RANGE, LOG_RANGE)) + np.exp(np.clip(other, -LOG_RANGE, LOG_RANGE))
-    both = np.log(np.maximum(powers - 1.0, LEAST_VARIANCE))
-    added[..., LOGARITHMS] = np.where((one > 0.0) & (other > 0.0), both, one + other)
+def combined(change: Floats, increment: Floats) -> Floats:
+    """Sum of two changes, (…, F)."""
+    added: Floats = change + increment
+    first, second = (np.take(values, LOGARITHMS, axis=-1) for values in (change, increment))
+    powers = np.exp(np.clip(first, -LOG_RANGE, LOG_RANGE)) + np.exp(np.clip(second, -LOG_RANGE, LOG_RANGE))
+    powers_sum = np.log(np.maximum(powers - 1.0, LEAST_VARIANCE))
+    added[..., LOGARITHMS] = np.where((first > 0.0) & (second > 0.0), powers_sum, first + second)
     return added
 
 
 def scaled(node: Floats, share: Floats) -> Floats:
-    """A linear effect at shares of a size: variances grow with the square, shares of samples no further."""
+    """A linear effect at shares of a simulated size: variances grow with the square, shares of samples stay below 1."""
     by = share.reshape(-1, *([1] * node.ndim))
     squares = np.log1p(np.expm1(np.clip(node, 0.0, LOG_RANGE)) * by**2)
     logs = np.where(node > 0.0, squares, node * np.minimum(by, 1.0))
-    found: Floats = np.where(LINEAR, node * by, np.where(IS_LOG, logs, node * np.minimum(by, 1.0)))
-    return found
+    change: Floats = np.where(LINEAR, node * by, np.where(IS_LOG, logs, node * np.minimum(by, 1.0)))
+    return change
 
 
 def interpolated(candidate: Candidate, nodes: Floats) -> Floats:
@@ -42,24 +42,24 @@ def interpolated(candidate: Candidate, nodes: Floats) -> Floats:
         return np.concatenate([down, up])
     if len(candidate.grid_points) == 1:
         return nodes
-    place = np.interp(np.log(candidate.sizes), np.log(candidate.grid_points), np.arange(len(candidate.grid_points)))
-    left = np.minimum(place.astype(np.int64), len(nodes) - 2)
-    part = (place - left).reshape(-1, *([1] * (nodes.ndim - 1)))
-    found: Floats = (1.0 - part) * nodes[left] + part * nodes[left + 1]
-    return found
+    position = np.interp(np.log(candidate.sizes), np.log(candidate.grid_points), np.arange(len(candidate.grid_points)))
+    lower = np.minimum(position.astype(np.int64), len(nodes) - 2)
+    part = (position - lower).reshape(-1, *([1] * (nodes.ndim - 1)))
+    change: Floats = (1.0 - part) * nodes[lower] + part * nodes[lower + 1]
+    return change
 
 
 def between_scaled(candidate: Candidate, nodes: Floats) -> Floats:
-    """The same for what is added to the rate in proportion to its size: both neighbors are scaled to a size."""
+    """Changes at all sizes, for effects added to the rate in proportion to size: both neighbors are scaled first."""
     points, sizes = candidate.grid_points, candidate.sizes
-    left = np.clip(np.searchsorted(points, sizes, side="right") - 1, 0, len(points) - 2)
-    ratio = np.log(points[left + 1] / points[left])
-    part = (np.log(sizes / points[left]) / ratio).reshape(-1, *([1] * (nodes.ndim - 1)))
+    lower = np.clip(np.searchsorted(points, sizes, side="right") - 1, 0, len(points) - 2)
+    ratio = np.log(points[lower + 1] / points[lower])
+    part = (np.log(sizes / points[lower]) / ratio).reshape(-1, *([1] * (nodes.ndim - 1)))
 
     def from_node(numbers: Integers) -> Floats:
         shares = sizes / points[numbers]
-        each = zip(numbers, shares, strict=True)
-        return np.array([scaled(nodes[at], np.array([share]))[0] for at, share in each])
+        pairs = zip(numbers, shares, strict=True)
+        return np.array([scaled(nodes[index], np.array([share]))[0] for index, share in pairs])
 
-    found: Floats = (1.0 - part) * from_node(left) + part * from_node(left + 1)
-    return found
+    change: Floats = (1.0 - part) * from_node(lower) + part * from_node(lower + 1)
+    return change

@@ -11,10 +11,10 @@ from gyrodrift.diagnose.inference.pooling import beyond_chance, common_share, va
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 
 SHARED_RELEVANCE = 0.5
-"""Share of the relevance variance that all sessions have in common: the same small misfit of the rig in each."""
+"""Share of the relevance variance that all sessions have in common: the same small error of the rig in each."""
 
 LEAST_VARIANCE = 0.05
-"""Least variance of a feature in units of its own: a few null runs do not show less."""
+"""Least variance of a feature in its own unit: a few null runs do not determine less."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,7 +28,7 @@ class Observation:
     covariance
         (F, S, S) of `difference` without a gap.
     is_compared
-        (S, F) whether the difference says anything.
+        (S, F) whether the difference is compared.
     """
 
     difference: Floats
@@ -50,8 +50,8 @@ class Observation:
 def observation_of(tables: Sequence[ResponseTable], is_compared: Mask) -> Observation:
     """Pool the null runs of all sessions.
 
-    The covariance of a feature is its null variance in each session, part of it common to all sessions; what the
-    reconstruction of the motion leaves in all sessions alike; and the squared relevance threshold.
+    The covariance of a feature has three terms: its null variance in each session, partly common to all sessions; the
+    common error of rebuilding the motion; and the squared relevance threshold.
     """
     nulls = np.array([table.nulls for table in tables])
     thresholds = np.array([table.thresholds for table in tables])
@@ -73,7 +73,7 @@ def observation_of(tables: Sequence[ResponseTable], is_compared: Mask) -> Observ
 
 
 def shared_correlation(away: Floats) -> Floats:
-    """(F,) correlation between sessions, 0 to 1, that makes the variance of their mean `common_share` times as large.
+    """(F,) correlation between sessions, 0 to 1, for which the variance of their mean is `common_share` times as large.
 
     away
         (S, runs, F) null differences about their mean. Run by run their motions are drawn by the same random numbers.

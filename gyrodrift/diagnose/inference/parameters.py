@@ -20,12 +20,12 @@ UNITS = {
     "per_hour": "1/h",
     "cpr": "counts per turn",
 }
-"""By how the names of parameters end."""
+"""Unit of a parameter, by the end of its name."""
 
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A fitted parameter with the sizes that would do nearly as well."""
+    """A fitted parameter with its 95 % credible interval."""
 
     name: str
     value: float

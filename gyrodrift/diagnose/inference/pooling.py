@@ -1,4 +1,4 @@
-"""From the tables of single sessions to the evidence of all: nulls pooled, responses interpolated between sizes."""
+"""Pool the tables of single sessions into evidence: nulls pooled, responses interpolated between sizes."""
 
 from collections.abc import Sequence
 
@@ -13,18 +13,18 @@ from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simulated_key
 
 PRIOR_RUNS = 2.0
-"""Null runs that it is worth to begin with independent sessions."""
+"""Weight of the prior assumption of independent sessions, in null runs."""
 
 
 ONCE_PER_TURN = np.array([number for name, number in NUMBER.items() if name.startswith("turn_")])
-"""Features that know a phase: what another cause does to all others is none of its business."""
+"""Features that depend on a phase; all other features are ignored when a phase is fitted."""
 
 ABSENT_SHARE = 0.1
-"""Of the replays: a regressor that so many of them have not is on the edge of being one."""
+"""Share of replays without a regressor from which on the regressor is not compared."""
 
 
 def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> Evidence:
-    """Pool the nulls, and work out the responses at all sizes."""
+    """Pool the nulls, and compute the responses at all sizes."""
     own_nulls = np.array([table.nulls for table in tables])
     differences = np.array([table.difference for table in tables])
     has = own_nulls.any(axis=1) | (differences != 0.0)
@@ -42,53 +42,54 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
     sigma[absent_of(tables)] = NOT_COMPARED
     sigma[sigma == 0.0] = 1.0  # of regressors that these motions have not
     difference = differences - centre
-    one_each = [one for one in tried if not one.is_phase_free or one.phase_deg == 0.0]
+    one_each = [candidate for candidate in tried if not candidate.is_phase_free or candidate.phase_deg == 0.0]
     responses = [_response(tables, candidate, difference, sigma) for candidate in one_each]
     return Evidence(
         names=tuple(table.name for table in tables),
         difference=difference,
         sigma=sigma,
         nulls=away / sigma[:, None],
-        responses=(*responses, *_beside_each_other(tables, responses, difference, sigma)),
-        caution=np.mean([np.hypot(1.0, table.doubt / own) for table, own in zip(tables, sigma, strict=True)], axis=0),
+        responses=(*responses, *_with_phases_of_residual(tables, responses, difference, sigma)),
+        sigma_factor=np.mean(
+            [np.hypot(1.0, table.extra_sigma / own) for table, own in zip(tables, sigma, strict=True)], axis=0
+        ),
     )
 
 
 def beyond_chance(mean: Floats, variance: Floats) -> Floats:
-    """(F,) variance of what all sessions share for their motion not being rebuilt exactly, by the size of two steps.
+    """(F,) squared mean of a difference beyond chance: the error that all sessions share by rebuilding their motion.
 
-    What the null is off by on average is the step from the first rebuilding to the second: the step from the recording
-    to the first is taken to be as large, of either sign. And where features follow how rough a motion is, it may be as
-    smooth as the mean of all that are possible.
+    The mean of the null is the error of the second rebuilding. The error of the first one is assumed to be as large, of
+    either sign. The difference to the smoothest possible motion is treated in the same way.
 
     variance
-        What chance makes of the mean.
+        Variance of the mean by chance.
     """
-    found: Floats = np.maximum(np.square(mean) - variance, 0.0)
-    return found
+    excess: Floats = np.maximum(np.square(mean) - variance, 0.0)
+    return excess
 
 
 def variance_of_mean(values: Floats) -> Floats:
-    """(F,) by the scatter of sessions, (sessions, F); that of a single one is not known, and taken to be none."""
+    """(F,) variance of the mean over sessions, (sessions, F), by their scatter; 0 for a single session."""
     sessions = len(values)
     if sessions == 1:
         return np.zeros(values.shape[1])
-    found: Floats = values.var(axis=0, ddof=1) / sessions
-    return found
+    variance: Floats = values.var(axis=0, ddof=1) / sessions
+    return variance
 
 
 def absent_of(tables: Sequence[ResponseTable]) -> Mask:
     """(sessions, F) regressors that some replays of a session have and others have not."""
     shares = np.array([(table.nulls == 0.0).mean(axis=0) for table in tables])
     differs = np.array([table.difference != 0.0 for table in tables])
-    found: Mask = REGRESSORS_OF_MOTION & (shares > ABSENT_SHARE) & (differs | (shares < 1.0))
-    return found
+    is_absent: Mask = REGRESSORS_OF_MOTION & (shares > ABSENT_SHARE) & (differs | (shares < 1.0))
+    return is_absent
 
 
 def common_share(nulls: Floats) -> Floats:
-    """(F,) by how much the variance of a mean over sessions is more than that of independent ones; at least 1.
+    """(F,) ratio of the variance of a mean over sessions to that of independent sessions; at least 1.
 
-    Sessions that play the same motion share what is wrong in rebuilding it.
+    Sessions of the same motion share the error of rebuilding it.
 
     nulls
         (sessions, runs, F) differences without a gap; run by run their motions are drawn by the same random numbers
@@ -105,12 +106,12 @@ def common_share(nulls: Floats) -> Floats:
     return share
 
 
-def _response(tables: Sequence[ResponseTable], candidate: Candidate, wanted: Floats, sigma: Floats) -> Response:
-    """(sessions, F) each: what there is to explain, and what chance makes of it."""
+def _response(tables: Sequence[ResponseTable], candidate: Candidate, unexplained: Floats, sigma: Floats) -> Response:
+    """Response to a candidate; `unexplained` and `sigma`, (sessions, F), fit free phases."""
     if candidate.is_phase_free:
-        return _turned(tables, candidate, _phases_deg(tables, candidate, wanted, sigma))
+        return _at_phases(tables, candidate, _phases_deg(tables, candidate, unexplained, sigma))
     if candidate.phase_deg is not None:
-        return _turned(tables, candidate, np.full(len(tables), candidate.phase_deg))
+        return _at_phases(tables, candidate, np.full(len(tables), candidate.phase_deg))
     simulated = np.array([table.responses[key(candidate)] for table in tables])  # sessions, nodes, realisations, F
     if candidate.realisations > 1:
         realised = simulated.transpose(1, 0, 2, 3)
@@ -118,34 +119,36 @@ def _response(tables: Sequence[ResponseTable], candidate: Candidate, wanted: Flo
     return Response(candidate, interpolated(candidate, simulated[:, :, 0].transpose(1, 0, 2)))
 
 
-def _beside_each_other(
-    tables: Sequence[ResponseTable], responses: Sequence[Response], wanted: Floats, sigma: Floats
+def _with_phases_of_residual(
+    tables: Sequence[ResponseTable], responses: Sequence[Response], unexplained: Floats, sigma: Floats
 ) -> list[Response]:
-    """What has free phases once more, at those that fit what is left beside the other of its kind.
+    """Each effect with free phases again, at the phases that fit the residual of the other such effect.
 
-    Two that come once per turn change the same features: the phases of the weaker one would be those of the stronger.
+    Two once-per-turn effects change the same features. Alone, the weaker would take the phases of the stronger.
     """
-    free = [one for one in responses if one.phases_deg is not None]
-    pairs = [(one, other) for one in free for other in free if one is not other]
+    free = [first for first in responses if first.phases_deg is not None]
+    pairs = [(first, second) for first in free for second in free if first is not second]
     return [
-        _turned(
-            tables, one.candidate, _phases_deg(tables, one.candidate, wanted - _nearest(other, wanted, sigma), sigma)
+        _at_phases(
+            tables,
+            first.candidate,
+            _phases_deg(tables, first.candidate, unexplained - _nearest(second, unexplained, sigma), sigma),
         )
-        for one, other in pairs
+        for first, second in pairs
     ]
 
 
-def _nearest(response: Response, wanted: Floats, sigma: Floats) -> Floats:
-    """(sessions, F) change at the size that leaves the least of what comes once per turn."""
-    left = ((wanted - response.mean) / sigma)[:, :, ONCE_PER_TURN]
-    nearest: Floats = response.mean[int(np.square(left).sum(axis=(1, 2)).argmin())]
+def _nearest(response: Response, unexplained: Floats, sigma: Floats) -> Floats:
+    """(sessions, F) change at the size that explains the once-per-turn features best."""
+    z = ((unexplained - response.mean) / sigma)[:, :, ONCE_PER_TURN]
+    nearest: Floats = response.mean[int(np.square(z).sum(axis=(1, 2)).argmin())]
     return nearest
 
 
-def _phases_deg(tables: Sequence[ResponseTable], candidate: Candidate, wanted: Floats, sigma: Floats) -> Floats:
-    """(sessions,) the phases that leave the least to explain."""
+def _phases_deg(tables: Sequence[ResponseTable], candidate: Candidate, unexplained: Floats, sigma: Floats) -> Floats:
+    """(sessions,) phases that fit best."""
     at_0, at_90 = _quadratures(tables, candidate)
-    standardised, *turns = (values[:, ONCE_PER_TURN] / sigma[:, ONCE_PER_TURN] for values in (wanted, at_0, at_90))
+    standardised, *turns = (values[:, ONCE_PER_TURN] / sigma[:, ONCE_PER_TURN] for values in (unexplained, at_0, at_90))
     return free_phases_deg(standardised, (turns[0], turns[1]), candidate.sizes / candidate.grid_points[0])
 
 
@@ -157,8 +160,8 @@ def _quadratures(tables: Sequence[ResponseTable], candidate: Candidate) -> tuple
     return at_0, at_90
 
 
-def _turned(tables: Sequence[ResponseTable], candidate: Candidate, phases_deg: Floats) -> Response:
-    """A sine of any phase out of those of 0 and 90 degrees: exact where features are linear."""
+def _at_phases(tables: Sequence[ResponseTable], candidate: Candidate, phases_deg: Floats) -> Response:
+    """A sine of any phase, composed of the phases 0 and 90 degrees; exact for linear features."""
     phase = np.deg2rad(phases_deg)[:, None]
     at_0, at_90 = _quadratures(tables, candidate)
     node = np.where(LINEAR, np.cos(phase) * at_0 + np.sin(phase) * at_90, 0.5 * (at_0 + at_90))

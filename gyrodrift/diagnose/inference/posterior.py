@@ -1,4 +1,4 @@
-"""The posterior over sets of effects and an unknown effect, and what is read off it."""
+"""The posterior over sets of effects and an unknown effect: probabilities and ties."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,18 +13,18 @@ POWER = 0.8
 """Power of the likelihood. Provisional: not yet calibrated on cases of known cause."""
 
 RESEMBLING = 0.3
-"""Prior probability of an unknown effect that is only like an effect, relative to that of the effect."""
+"""Prior odds of an unknown effect that resembles an effect to the effect itself. Chosen, not measured."""
 
 TIED = 0.05
-"""Share of the probability of an effect from which on another that may stand in its place is tied with it."""
+"""Ratio of probabilities, with the second effect instead of the first to with the first alone, that makes a tie."""
 
 RARE = 0.02
-"""Probability below which an effect is not spoken of."""
+"""Probability below which an effect is not reported."""
 
 
 @dataclass(frozen=True, slots=True)
 class WeightedSet:
-    """Effects that act, whether something unknown acts, and the probability of both."""
+    """A hypothesis: the effects that act, whether an unknown effect acts, and their joint probability."""
 
     names: frozenset[str]
     is_unknown: bool
@@ -34,12 +34,12 @@ class WeightedSet:
 
 @dataclass(frozen=True, slots=True)
 class Slot:
-    """An effect with others that may stand in its place.
+    """An effect and the effects tied with it.
 
     probability
-        That the first acts.
+        Probability that the first effect acts.
     total
-        That one of all acts.
+        Probability that any of them acts.
     """
 
     name: str
@@ -70,11 +70,11 @@ class Posterior:
 
     @property
     def unknown(self) -> float:
-        """Probability that something acts which the catalog does not hold."""
+        """Probability that an effect outside the catalog acts."""
         return sum(hypothesis.probability for hypothesis in self.hypotheses if hypothesis.is_unknown)
 
     def by_mass(self, least: float) -> list[EffectSet]:
-        """Fitted sets with at least so much probability, whether they act or only resemble what does; most first."""
+        """Fitted sets with at least this probability, with or without an unknown effect, the most probable first."""
         masses: dict[EffectSet, float] = {}
         for hypothesis in self.hypotheses:
             masses[hypothesis.effect_set] = masses.get(hypothesis.effect_set, 0.0) + hypothesis.probability
@@ -91,7 +91,7 @@ class Posterior:
         return np.array([name in hypothesis.names for hypothesis in self.hypotheses])
 
     def slots(self) -> list[Slot]:
-        """Effects of the catalog, the most probable first, each with those that exclude it and fit as well."""
+        """Effects of the catalog, the most probable first, each with its ties."""
         remaining = {name: mass for name, mass in self.inclusion.items() if not name.startswith("?") and mass > RARE}
         slots = []
         while remaining:
@@ -103,7 +103,7 @@ class Posterior:
         return slots
 
     def _is_tied(self, first: str, name: str) -> bool:
-        """Whether one of two acts without the other often enough, and both together seldom."""
+        """Whether the second effect may act instead of the first, and both seldom act together."""
         if name == first:
             return False
         has_first, has_name = self.has(first), self.has(name)
@@ -113,7 +113,7 @@ class Posterior:
 
 
 def posterior_of(scorer: Scorer, sets: Sequence[EffectSet], power: float = POWER) -> Posterior:
-    """Normalize over all sets: with and without an unknown effect, and with one that only resembles an effect."""
+    """Normalize over all sets, each with and without an unknown effect, and with one that resembles an effect."""
     drafts = [draft for effect_set in sets for draft in _drafts(scorer, effect_set, power)]
     log_weights = np.array([weight for *_, weight in drafts])
     weights = np.exp(log_weights - np.logaddexp.reduce(log_weights))

@@ -25,8 +25,8 @@ class SizePosterior:
 
 def size_posterior(scorer: Scorer, effect_set: EffectSet, name: str, power: float) -> SizePosterior:
     """Quantiles of the sizes in the most probable variant, weighted by prior and density to a power."""
-    others = [placed for placed in effect_set.placed if placed.template.name != name]
-    profile = profile_of(scorer, name, others)
+    fixed = [placed for placed in effect_set.placed if placed.template.name != name]
+    profile = profile_of(scorer, name, fixed)
     response = int(profile.best.template.response[profile.best.point])
     sizes, log_weights = [], []
     for template, by_form in profile.parts:
@@ -43,9 +43,9 @@ def size_posterior(scorer: Scorer, effect_set: EffectSet, name: str, power: floa
 
 
 def quantiles(sizes: Floats, log_weights: Floats, shares: Sequence[float]) -> list[float]:
-    """Of weighted sizes, each of which stands for the stretch halfway to its neighbors."""
-    every, place = np.unique(sizes, return_inverse=True)
-    mass = np.bincount(place, np.exp(log_weights - log_weights.max()))
+    """Quantiles of weighted sizes; the weight of a size is spread over the interval halfway to its neighbors."""
+    every, slot = np.unique(sizes, return_inverse=True)
+    mass = np.bincount(slot, np.exp(log_weights - log_weights.max()))
     if len(every) == 1:
         return [float(every[0])] * len(shares)
     edges = np.concatenate([every[:1], 0.5 * (every[1:] + every[:-1]), every[-1:]])

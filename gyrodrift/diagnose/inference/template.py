@@ -1,4 +1,4 @@
-"""Templates: what an effect does to the features at each point of its grid of variants, phases and sizes."""
+"""Templates: the change of the features by an effect at each point of its grid of variants, phases and sizes."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -19,20 +19,20 @@ from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key
 
 NOTICEABLE = 2.0
-"""Least length of the change over all features, in standard deviations, from which on a size counts as an effect.
-Smaller sizes belong to the hypothesis without the effect."""
+"""Least norm of the change over all features, in standard deviations, of a size that counts as an effect. Smaller sizes
+belong to the hypothesis without the effect."""
 
 COARSE_STEP = 4
-"""Every fourth size is tried before those beside the best."""
+"""The search tries every fourth size first, then the sizes next to the best."""
 
 ENOUGH = 8
-"""Realisations in a session from which on it has a mean and a covariance of its own."""
+"""Number of realisations from which on a session has its own mean and covariance."""
 
 FAR = 3.0
-"""Robust standard deviations at which single realisations of events are held."""
+"""Robust standard deviations at which realisations of events are clipped."""
 
 FINER = 8
-"""Sizes into which one is divided where it is the best."""
+"""Points into which an interval of sizes is divided about the best size."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,13 +41,13 @@ class Template:
 
     mean
         (P, S, F) change of the features, in units of the observation.
-    doubt
-        (P, S, F) standard deviation of the mean, for being interpolated between simulated sizes.
+    interpolation_sigma
+        (P, S, F) standard deviation of the mean by interpolation between simulated sizes.
     scatter, factors
-        (P, S, F) variance of a random effect in each feature alone, 0 for a deterministic one; and (P, S, K, F) what
-        its features have in common.
+        (P, S, F) variance of a random effect in each feature alone, and (P, S, K, F) common factors of its features;
+        equation (4). Both are 0 for a deterministic effect.
     log_prior
-        (P,) of the points, given that the effect acts.
+        (P,) log prior of the points, given that the effect acts.
     response, size
         (P,) index of the response (variant and phase), and the size, rising within a response.
     coarse
@@ -57,7 +57,7 @@ class Template:
     name: str
     responses: tuple[Response, ...]
     mean: Floats
-    doubt: Floats
+    interpolation_sigma: Floats
     scatter: Floats
     factors: Floats
     log_prior: Floats
@@ -70,31 +70,31 @@ class Template:
         """Whether no effect of the simulator does this."""
         return self.responses[0].candidate.is_out_of_catalogue
 
-    def at(self, rows: Sequence[int] | Integers) -> "Template":
+    def subset(self, rows: Sequence[int] | Integers) -> "Template":
         """Some of the points."""
         index = np.array(rows, dtype=np.int64)
         every = {name: getattr(self, name)[index] for name in PER_POINT}
         return replace(self, **every, coarse=np.arange(len(index)))
 
     def of_sessions(self, rows: Sequence[int]) -> "Template":
-        """The same in some of the sessions."""
+        """The template in some of the sessions."""
         return replace(self, **{name: getattr(self, name)[:, rows] for name in PER_SESSION})
 
-    def place(self, response: int, size: float) -> tuple["Template", int]:
+    def nearest_point(self, response: int, size: float) -> tuple["Template", int]:
         """Finer points about a size of a response, and the nearest of them."""
         own = np.flatnonzero(self.response == response)
         finer = self.finer(self.near(int(own[np.abs(self.size[own] - size).argmin()]), 1))
         return finer, int(np.abs(finer.size - size).argmin())
 
     def near(self, point: int, reach: int) -> list[int]:
-        """Points of the same response that are at most so many away."""
+        """Neighbors of a point in its response, up to `reach` points away."""
         rows = range(max(point - reach, 0), min(point + reach + 1, len(self.size)))
         return [row for row in rows if self.response[row] == self.response[point]]
 
     def finer(self, rows: Sequence[int]) -> "Template":
-        """Successive points of one response, each divided into FINER on straight lines between them."""
+        """Successive points of a response on a finer grid, by linear interpolation."""
         if len(rows) < 2:
-            return self.at(rows)
+            return self.subset(rows)
         places = np.linspace(0.0, len(rows) - 1.0, FINER * len(rows))
         lower = np.minimum(places.astype(np.int64), len(rows) - 2)
         part = places - lower
@@ -110,15 +110,15 @@ class Template:
         return replace(self, **every, log_prior=log_prior, response=response, coarse=np.arange(len(places)))
 
 
-PER_SESSION = ("mean", "doubt", "scatter", "factors")
+PER_SESSION = ("mean", "interpolation_sigma", "scatter", "factors")
 PER_POINT = (*PER_SESSION, "log_prior", "response", "size")
-"""Fields whose second axis is that of sessions, and whose first one is that of points."""
+"""Fields with an axis of sessions, and fields with an axis of points."""
 
 
 def templates_of(
     observation: Observation, tables: Sequence[ResponseTable], responses: Sequence[Response]
 ) -> list[Template]:
-    """One template for each effect that some size of would be noticed."""
+    """One template for each effect with a noticeable size."""
     in_order = sorted(responses, key=lambda response: response.candidate.name)
     grouped = groupby(in_order, key=lambda response: response.candidate.name)
     templates = (_template(name, observation, tables, tuple(variants)) for name, variants in grouped)
@@ -136,7 +136,7 @@ def _template(
         name=name,
         responses=responses,
         mean=np.concatenate([part.mean for part in parts]),
-        doubt=np.concatenate([part.doubt for part in parts]),
+        interpolation_sigma=np.concatenate([part.interpolation_sigma for part in parts]),
         scatter=np.concatenate([part.scatter for part in parts]),
         factors=np.concatenate([part.factors for part in parts]),
         log_prior=np.concatenate([part.log_prior for part in parts]) - np.log(len(responses)),
@@ -151,7 +151,7 @@ class _Points:
     """Noticeable points of one response."""
 
     mean: Floats
-    doubt: Floats
+    interpolation_sigma: Floats
     scatter: Floats
     factors: Floats
     log_prior: Floats
@@ -159,7 +159,7 @@ class _Points:
 
 
 def _points(observation: Observation, tables: Sequence[ResponseTable], response: Response) -> _Points:
-    """Sizes are equally probable on a logarithmic scale; a phase fitted to each session costs its Occam factor."""
+    """Sizes are equally probable on a logarithmic scale; a phase fitted to each session has an Occam factor."""
     by_unit = observation.is_compared / observation.unit
     if response.realised is None:
         change, interpolation = _means(tables, response)
@@ -167,7 +167,7 @@ def _points(observation: Observation, tables: Sequence[ResponseTable], response:
     else:
         change, scatter, factors = _random(response.candidate, response.realised)
         interpolation = np.zeros_like(change)
-    mean, doubt = change * by_unit, interpolation * by_unit
+    mean, interpolation_sigma = change * by_unit, interpolation * by_unit
     scatter, factors = scatter * np.square(by_unit), factors * by_unit[:, None]
     squares = np.square(mean) + scatter + np.square(factors).sum(axis=2)
     kept = np.flatnonzero(np.sqrt(squares.sum(axis=(1, 2))) > NOTICEABLE)
@@ -176,14 +176,14 @@ def _points(observation: Observation, tables: Sequence[ResponseTable], response:
         curvature = np.square(mean[kept][:, :, ONCE_PER_TURN]).sum(axis=2)
         log_prior = log_prior - 0.5 * np.log1p(2.0 * np.pi * curvature).sum(axis=1)
     sizes = response.candidate.sizes[kept]
-    return _Points(mean[kept], doubt[kept], scatter[kept], factors[kept], log_prior, sizes)
+    return _Points(mean[kept], interpolation_sigma[kept], scatter[kept], factors[kept], log_prior, sizes)
 
 
 def _means(tables: Sequence[ResponseTable], response: Response) -> tuple[Floats, Floats]:
-    """(sizes, S, F) on straight lines between simulated sizes, where the effect is not random, and their error.
+    """(sizes, S, F) change and its error, by linear interpolation between the simulated sizes of an effect.
 
-    A parabola through three simulated sizes is off its chord by its second divided difference times the distances from
-    both ends.
+    The error is that of a parabola through three simulated sizes: its second divided difference times the distances
+    to both ends of the chord.
     """
     candidate = response.candidate
     points = candidate.grid_points
@@ -206,7 +206,7 @@ def _random(candidate: Candidate, realised: Floats) -> tuple[Floats, Floats, Flo
     """(sizes, S, F) mean and variance and (sizes, S, K, F) factors, scaled from the nearest simulated size.
 
     realised
-        (grid points, S, realisations, F). Of a few, those of all sessions are taken as one sample.
+        (grid points, S, realisations, F). If there are few, the realisations of all sessions form one sample.
     """
     sessions = realised.shape[1]
     if realised.shape[2] < ENOUGH:
@@ -218,39 +218,39 @@ def _random(candidate: Candidate, realised: Floats) -> tuple[Floats, Floats, Flo
         at_sizes, realised = interpolated, _usual(realised)
     mean, spread = _moments(at_sizes(candidate, realised))
     of_nodes, spread_of_nodes = _moments(realised)
-    each = [
+    covariances = [
         [covariance_of(own - middle) for own, middle in zip(*node, strict=True)]
         for node in zip(realised, of_nodes, strict=True)
     ]
     nearest = np.abs(np.log(candidate.sizes[:, None] / candidate.grid_points)).argmin(axis=1)
-    known = spread_of_nodes[nearest]
-    scale = np.where(known > 0.0, spread / np.where(known > 0.0, known, 1.0), 0.0)
-    scatter = np.array([[session.scatter for session in node] for node in each])[nearest] * np.square(scale)
-    factors = np.array([_padded([session.factors for session in node], MOST_FACTORS) for node in each])
+    node_spread = spread_of_nodes[nearest]
+    scale = np.where(node_spread > 0.0, spread / np.where(node_spread > 0.0, node_spread, 1.0), 0.0)
+    scatter = np.array([[session.scatter for session in node] for node in covariances])[nearest] * np.square(scale)
+    factors = np.array([_padded([session.factors for session in node], MOST_FACTORS) for node in covariances])
     return mean, scatter, factors[nearest] * scale[:, :, None]
 
 
 def _usual(realised: Floats) -> Floats:
-    """Realisations of events without what few of them do, as one that is not cleaned away shows in every slow feature.
+    """Realisations of events, clipped: an event that the cleaning missed shows in every slow feature.
 
-    A recording to which that happened has the tails of the density.
+    The tails of the density allow for a recording with such an event.
     """
     middle = np.median(realised, axis=-2, keepdims=True)
     sigma = MAD_TO_SIGMA * np.median(np.abs(realised - middle), axis=-2, keepdims=True)
-    held: Floats = np.clip(realised, middle - FAR * sigma, middle + FAR * sigma)
-    return held
+    clipped: Floats = np.clip(realised, middle - FAR * sigma, middle + FAR * sigma)
+    return clipped
 
 
 def _moments(realised: Floats) -> tuple[Floats, Floats]:
-    """Mean and standard deviation over realisations, the second last axis; what may go either way has no mean."""
+    """Mean and standard deviation over realisations, the second last axis; linear features have mean 0."""
     mean: Floats = np.where(LINEAR, 0.0, realised.mean(axis=-2))
     return mean, np.sqrt(np.square(realised - mean[..., None, :]).mean(axis=-2))
 
 
 def _padded(every: Sequence[Floats], count: int) -> Floats:
-    """(…, count, F) factors with those of 0 where there are fewer."""
-    lengths = [[(0, 0)] * (one.ndim - 2) + [(0, count - one.shape[-2]), (0, 0)] for one in every]
-    return np.array([np.pad(one, length) for one, length in zip(every, lengths, strict=True)])
+    """(…, count, F) factors, padded with zeros."""
+    lengths = [[(0, 0)] * (array.ndim - 2) + [(0, count - array.shape[-2]), (0, 0)] for array in every]
+    return np.array([np.pad(array, length) for array, length in zip(every, lengths, strict=True)])
 
 
 def _coarse(counts: Sequence[int]) -> Iterator[int]:

@@ -1,4 +1,4 @@
-"""What is said of the gap: its kind, the causes, what deviates before and after, and what is negligible."""
+"""The verdict: its kind, the causes, the deviating features before and after, and negligible effects."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -16,11 +16,11 @@ from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.response_table import Sized
 
 NEGLIGIBLE_DEG = 0.3
-"""Mean absolute yaw that an effect may cost in a session, where its size does not matter either."""
+"""Mean absolute yaw in a session below which a small effect is negligible."""
 
 
 class Kind(StrEnum):
-    """What is said of the gap."""
+    """Kind of a verdict."""
 
     NONE = "none"
     EFFECT = "effect"
@@ -30,12 +30,12 @@ class Kind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class NamedCause:
-    """An effect that is held to act.
+    """An effect that probably acts.
 
     meaning
-        What it does, in a sentence for a person.
+        A sentence for a person.
     group_probability
-        That it acts, or another effect that is of its group or tied with it.
+        Probability that it acts, or an effect tied with it.
     """
 
     cause: Sized
@@ -49,17 +49,19 @@ class NamedCause:
 
     @property
     def in_rig(self) -> Effect | None:
-        """What the rig says of it, where it has it already."""
+        """The effect as the rig has it; None if the rig lacks it."""
         return self.cause.candidate.in_rig
 
     @property
     def is_as_in_rig(self) -> bool:
-        """Whether the rig has it just so, as far as the sessions know."""
+        """Whether the interval of the size holds the size in the rig."""
         has = self.in_rig
-        return has is not None and all(one.low <= float(getattr(has, one.name)) <= one.high for one in self.parameters)
+        return has is not None and all(
+            parameter.low <= float(getattr(has, parameter.name)) <= parameter.high for parameter in self.parameters
+        )
 
     def in_session(self, number: int, stands: Sequence[Effect]) -> Effect:
-        """The effect with the phase that session `number` shows; `stands` is what the rig of that session has."""
+        """The effect with the phase of session `number`; `stands` are the effects in the rig of that session."""
         phases_deg = self.cause.phases_deg
         if phases_deg is None:
             return self.cause.candidate.turned(self.effect, stands)
@@ -68,7 +70,7 @@ class NamedCause:
 
 @dataclass(frozen=True, slots=True)
 class Negligible:
-    """An effect that acts and costs nothing; `yaw_deg` is what it costs, mean absolute yaw, deg."""
+    """An effect that acts and hardly changes yaw; `yaw_deg` is its mean absolute change, deg."""
 
     cause: NamedCause
     yaw_deg: float
@@ -76,14 +78,14 @@ class Negligible:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """All that is concluded.
+    """The verdict.
 
     where, unexplained
-        What deviates before anything is added, and what still does after; the worst first.
+        Deviating features of the rig, and of the rig with the causes; the worst first.
     after_z
-        (sessions, F) what held-out sessions leave unexplained.
+        (sessions, F) unexplained residual of held-out sessions, in standard deviations.
     negligible
-        Effects that act, and cost nothing.
+        Effects that act and hardly change yaw.
     """
 
     kind: Kind
@@ -96,12 +98,12 @@ class Verdict:
 
     @property
     def acting(self) -> tuple[NamedCause, ...]:
-        """All that is held to act, whether it costs something or not."""
-        return (*self.causes, *(one.cause for one in self.negligible))
+        """Causes and negligible effects."""
+        return (*self.causes, *(item.cause for item in self.negligible))
 
 
 def is_small(cause: NamedCause) -> bool:
-    """Whether an effect, or what it is off the rig by, is below the size at which it begins to matter."""
+    """Whether an effect, or its difference to the rig, is below the size at which it matters."""
     name = cause.cause.candidate.parameter
     least = KINDS[cause.effect.name].matters_from or 0.0
     has = 0.0 if cause.in_rig is None else float(getattr(cause.in_rig, name))
@@ -109,14 +111,14 @@ def is_small(cause: NamedCause) -> bool:
 
 
 def set_aside(verdict: Verdict, costs_deg: Mapping[str, float]) -> Verdict:
-    """The verdict with causes set aside that cost less than NEGLIGIBLE_DEG, by their names."""
+    """The verdict with causes moved to `negligible` if they change yaw by less than NEGLIGIBLE_DEG."""
     aside = tuple(
-        Negligible(one, costs_deg[one.effect.name])
-        for one in verdict.causes
-        if costs_deg.get(one.effect.name, np.inf) < NEGLIGIBLE_DEG
+        Negligible(cause, costs_deg[cause.effect.name])
+        for cause in verdict.causes
+        if costs_deg.get(cause.effect.name, np.inf) < NEGLIGIBLE_DEG
     )
-    names = {one.cause.effect.name for one in aside}
-    kept = tuple(one for one in verdict.causes if one.effect.name not in names)
+    names = {cause.cause.effect.name for cause in aside}
+    kept = tuple(cause for cause in verdict.causes if cause.effect.name not in names)
     kind = verdict.kind
     if aside and not kept:
         kind = Kind.NONE if verdict.kind is Kind.EFFECT else Kind.UNKNOWN
@@ -124,16 +126,16 @@ def set_aside(verdict: Verdict, costs_deg: Mapping[str, float]) -> Verdict:
 
 
 def less(verdict: Verdict, causes: Collection[str], forms: Collection[str], evidence: Evidence) -> Verdict:
-    """The verdict without some of its causes, and without some forms that no effect has, by their features: chance.
+    """The verdict without some causes, and without some out-of-catalog forms, given by their features.
 
-    A feature that stands out by itself still does.
+    A feature beyond the threshold stays.
     """
 
-    def stays(one: Deviation) -> bool:
-        return one.feature not in forms or abs(one.z) > evidence.stands_out
+    def stays(deviation: Deviation) -> bool:
+        return deviation.feature not in forms or abs(deviation.z) > evidence.threshold_z
 
-    where, unexplained = (shared([*filter(stays, each)]) for each in (verdict.where, verdict.unexplained))
-    kept = tuple(one for one in verdict.causes if one.effect.name not in causes)
+    where, unexplained = (shared([*filter(stays, group)]) for group in (verdict.where, verdict.unexplained))
+    kept = tuple(deviation for deviation in verdict.causes if deviation.effect.name not in causes)
     if kept:
         kind = Kind.EFFECT if verdict.kind is Kind.PARTLY and not unexplained else verdict.kind
         return replace(verdict, kind=kind, causes=kept, where=where, unexplained=unexplained)

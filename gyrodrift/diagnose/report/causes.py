@@ -64,7 +64,7 @@ def _ranking_table(diagnosis: Diagnosis) -> str:
 
 
 def _numbers(one: Ranked, *, has_causes: bool) -> list[str]:
-    beside = ["" if one.gain_beside is None else fixed(one.gain_beside, 1)] * has_causes
+    beside = ["" if one.gain_with_causes is None else fixed(one.gain_with_causes, 1)] * has_causes
     takes_away = "–" if one.takes_away is None else percent(one.takes_away)
     return [*beside, takes_away, size(one.value, one.unit)]
 

@@ -47,7 +47,7 @@ def _listed(diagnosis: Diagnosis) -> list[FeatureComparison]:
 def _introduction(diagnosis: Diagnosis) -> str:
     corrected = ", or by as much from the corrected simulator, in which the named causes act at their fitted sizes"
     return (
-        f"{MEASURED} Listed is every feature that deviates by more than {number(diagnosis.stands_out)} σ over all "
+        f"{MEASURED} Listed is every feature that deviates by more than {number(diagnosis.threshold_z)} σ over all "
         f"sessions{corrected * bool(diagnosis.verdict.acting)}. {_family_wise(diagnosis)}"
     )
 
@@ -55,7 +55,7 @@ def _introduction(diagnosis: Diagnosis) -> str:
 def _family_wise(diagnosis: Diagnosis) -> str:
     """Where the threshold comes from."""
     return (
-        f"Chance alone takes any of the {len(FEATURES)} beyond {number(diagnosis.stands_out)} σ in "
+        f"Chance alone takes any of the {len(FEATURES)} beyond {number(diagnosis.threshold_z)} σ in "
         f"{number(100.0 * FAMILY_WISE_ERROR)} % of such sets of sessions."
     )
 
@@ -64,7 +64,7 @@ def _nowhere(diagnosis: Diagnosis) -> str:
     worst = max(diagnosis.features, key=lambda one: abs(one.z_before))
     return (
         f"Nowhere. {MEASURED} The largest deviation is {deviates(worst.z_before)} σ ({text(worst.feature.says)}); only "
-        f"more than {number(diagnosis.stands_out)} σ counts. {_family_wise(diagnosis)}"
+        f"more than {number(diagnosis.threshold_z)} σ counts. {_family_wise(diagnosis)}"
     )
 
 

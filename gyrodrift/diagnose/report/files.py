@@ -54,7 +54,8 @@ def content(diagnosis: Diagnosis) -> dict[str, Any]:
         "transfer": {name: value for name, value in asdict(impact).items() if name.startswith("pi_")},
         "linear_model": asdict(diagnosis.linear_model),
         "detectable": {
-            one.effect: {one.parameter: one.value, "unit": one.unit} | ({"at": dict(one.at)} if one.at else {})
+            one.effect: {one.parameter: one.value, "unit": one.unit}
+            | ({"at": dict(one.other_parameters)} if one.other_parameters else {})
             for one in diagnosis.detectable
             if one.value is not None
         },

@@ -17,7 +17,7 @@ def detectable(diagnosis: Diagnosis) -> str:
         smallest, parameter = "none that was tried", ""
         if one.value is not None:
             smallest, parameter = size(one.value, one.unit), one.parameter
-            parameter += "".join(f", {name} {value:.4g}" for name, value in one.at.items())
+            parameter += "".join(f", {name} {value:.4g}" for name, value in one.other_parameters.items())
         rows.append([text(one.effect), smallest, quiet(text(parameter)), one.stage])
     rows += [[text(one.effect), "–", quiet(text(one.why)), ""] for one in diagnosis.untestable]
     words = (

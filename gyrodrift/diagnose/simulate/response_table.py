@@ -48,9 +48,9 @@ class ResponseTable:
         Of each candidate that was simulated: (grid points, realisations, F), change of the features when it is added.
     smoother
         (F,) change of the features where the motion is the smoothest that the recording leaves possible.
-    doubt
-        (F,) standard deviation by which a feature has to be further off to stand out, where chance is known from a few
-        recordings only; 0 without a baseline.
+    extra_sigma
+        (F,) standard deviation that is added before a single feature counts as deviating, because a few recordings say
+        little of chance; 0 without a baseline.
     """
 
     name: str
@@ -60,7 +60,7 @@ class ResponseTable:
     nulls: Floats
     responses: dict[str, Floats]
     smoother: Floats
-    doubt: Floats | float = 0.0
+    extra_sigma: Floats | float = 0.0
 
 
 def key(candidate: Candidate) -> str:

@@ -106,11 +106,11 @@ def test_what_stands_out_by_itself_has_to_be_further_off_the_fewer_recordings_th
         baseline_of([table({"wander_20s": float(value)}) for value in values[:count]], [SHORT] * count, ALL)
         for count in (3, 40)
     ]
-    few, many = (float(each.doubt(ONE)[WANDER] / each.scatter(ONE)[WANDER]) for each in asked)
+    few, many = (float(each.extra_sigma(ONE)[WANDER] / each.scatter(ONE)[WANDER]) for each in asked)
     assert few > 2.0 * many
     (today,) = against([table({"wander_20s": 30.0})], [SHORT], asked[0])
     evidence = evidence_of([today], [])
-    assert np.broadcast_to(evidence.caution, len(FEATURES))[WANDER] > 1.5
+    assert np.broadcast_to(evidence.sigma_factor, len(FEATURES))[WANDER] > 1.5
     assert evidence.z[0, WANDER] > 3.0
 
 
