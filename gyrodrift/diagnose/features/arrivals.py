@@ -8,7 +8,6 @@ from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.feature import ResponseLaw, Statistic
 from gyrodrift.diagnose.features.stamps import log_largest_step, log_wander, off_line_s, slow_medians
 from gyrodrift.diagnose.features.units import MILLISECONDS, PERCENT_OF_SAMPLES, SAMPLE_PERIODS, SAMPLES
-from gyrodrift.diagnose.recording.order_statistics import quantiles
 from gyrodrift.diagnose.recording.recording import Recording
 
 QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
@@ -34,7 +33,7 @@ class Arrivals:
     """
 
     scatter_s: float
-    gaps: tuple[float, ...]
+    gaps: Floats
     slow_s: Floats
 
 
@@ -47,7 +46,7 @@ def arrivals_of(recording: Recording) -> Arrivals | None:
     gaps = gaps[np.isfinite(gaps)] / recording.period_s
     return Arrivals(
         scatter_s=_scatter_s(off_s),
-        gaps=quantiles(gaps, QUANTILES) if len(gaps) else (0.0,) * len(QUANTILES),
+        gaps=np.quantile(gaps, QUANTILES) if len(gaps) else np.zeros(len(QUANTILES)),
         slow_s=slow_medians(off_s, recording.period_s),
     )
 

@@ -5,7 +5,6 @@ from scipy.ndimage import maximum_filter1d
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.compile import compiled_once
-from gyrodrift.diagnose.recording.order_statistics import median
 
 LEAST_DPS = 2e-3
 """Block means of a second scatter by so much at least, whatever the encoder: added to every spread so that nothing is
@@ -32,7 +31,7 @@ def block_means(values: Floats, points: int) -> Floats:
 def log_variance(values_dps: Floats) -> float:
     """Logarithm of the mean square of values in deg/s, outliers held back; of an empty set that of LEAST_DPS."""
     squares = np.square(values_dps) if len(values_dps) else np.zeros(1)
-    limit = OUTLIER_LIMIT * median(squares) + LEAST_DPS**2
+    limit = OUTLIER_LIMIT * np.median(squares) + LEAST_DPS**2
     return float(np.log(np.minimum(squares, limit).mean() + LEAST_DPS**2))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_means import LEAST_DPS, integral_of, slopes
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
-from gyrodrift.diagnose.recording.order_statistics import MAD_TO_SIGMA, median
+from gyrodrift.diagnose.recording.order_statistics import MAD_TO_SIGMA
 from gyrodrift.diagnose.recording.outliers import Cleaned
 
 HOLD_SIGMAS = 4.0
@@ -41,7 +41,7 @@ def block_residuals_of(seen: Cleaned, design: DesignMatrix) -> BlockResiduals:
     centred_dps = _centred_dps(seen, design)
     static = _static(centred_dps, design)
     unexplained_dps = _without_static(centred_dps, static, design)
-    limit_dps = HOLD_SIGMAS * MAD_TO_SIGMA * median(np.abs(unexplained_dps)) + LEAST_DPS
+    limit_dps = HOLD_SIGMAS * MAD_TO_SIGMA * np.median(np.abs(unexplained_dps)) + LEAST_DPS
     held_dps = np.clip(unexplained_dps, -limit_dps, limit_dps)
     return BlockResiduals(
         design=design,
@@ -73,7 +73,7 @@ def _centred_dps(seen: Cleaned, design: DesignMatrix) -> Floats:
     """Block residuals less their level at rest; none where the gyro says nothing."""
     residual_dps = block_residual_dps(seen, design)
     at_rest = design.regimes.block_at_rest
-    level = median(residual_dps[at_rest]) if at_rest.any() else 0.0
+    level = np.median(residual_dps[at_rest]) if at_rest.any() else 0.0
     centred: Floats = np.where(design.is_silent, 0.0, residual_dps - level)
     return centred
 

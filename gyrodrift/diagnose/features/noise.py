@@ -12,7 +12,7 @@ from gyrodrift.diagnose.features.feature import ResponseLaw, Statistic
 from gyrodrift.diagnose.features.spectral_line import LEAST_POWER, spectral_line
 from gyrodrift.diagnose.features.spreads import MOVING_POINTS, REST_POINTS, spreads_of
 from gyrodrift.diagnose.features.units import OVER_MIDDLE, OVER_NEIGHBOURS, OVER_USUAL, PERCENT_OF_SAMPLES
-from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA, median
+from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA
 from gyrodrift.diagnose.recording.outliers import Cleaned
 
 TAIL_SIGMAS = 5.0
@@ -95,7 +95,7 @@ def _tails(noise: SampleNoise, allowed: Mask) -> float:
     sizes = np.abs(bends_dps + noise.dps_per_lsb * within)
     if not len(sizes):
         return 0.0
-    sigma = max(median(sizes) / MEDIAN_TO_SIGMA, LEAST_TAIL_COUNTS * noise.dps_per_lsb)
+    sigma = max(np.median(sizes) / MEDIAN_TO_SIGMA, LEAST_TAIL_COUNTS * noise.dps_per_lsb)
     return root_share(int(np.count_nonzero(sizes > TAIL_SIGMAS * sigma)), len(sizes))
 
 

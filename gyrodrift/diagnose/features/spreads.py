@@ -7,7 +7,6 @@ import numpy as np
 from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.diagnose.features.block_means import OUTLIER_LIMIT, block_means
 from gyrodrift.diagnose.features.regimes import Regimes
-from gyrodrift.diagnose.recording.order_statistics import median
 
 REST_POINTS = (1, 2, 4, 8, 16, 32)
 MOVING_POINTS = (1, 2, 4)
@@ -102,7 +101,7 @@ def _mean_square(differences: Floats) -> float:
 
 def _usual(squares: Floats) -> float:
     """Their median; of which many are 0, rather what it would be by the mean of the smaller ones, or it would jump."""
-    middle = median(squares)
+    middle = np.median(squares)
     if np.count_nonzero(squares < LEAST_SQUARE) < MANY_ZEROS * len(squares):
         return middle
     kept = max(1, round(USUAL_SHARE * len(squares)))

@@ -7,7 +7,7 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.feature import ResponseLaw, Statistic
 from gyrodrift.diagnose.features.units import MILLISECONDS, PERCENT_OF_SAMPLES, PPM
-from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA, median, row_medians
+from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA
 from gyrodrift.diagnose.recording.recording import Recording, line
 
 SLOW_S = 10.0
@@ -44,7 +44,7 @@ def stamps_of(recording: Recording) -> Stamps:
     """What the features of the clock are computed from."""
     slope_s, off_s = off_line_s(recording.device_s)
     bends_s = np.diff(off_s, 2)
-    size_s = median(np.abs(bends_s)) if len(bends_s) else 0.0
+    size_s = np.median(np.abs(bends_s)) if len(bends_s) else 0.0
     return Stamps(
         ratio=slope_s / recording.period_s - 1.0 if recording.host_s is not None else 0.0,
         bends_s=bends_s,
@@ -65,7 +65,7 @@ def slow_medians(off_s: Floats, period_s: float) -> Floats:
     """Medians over SLOW_S; two zeros where there is one only."""
     points = max(1, round(SLOW_S / period_s))
     count = len(off_s) // points
-    return row_medians(off_s[: count * points].reshape(count, points)) if count > 1 else np.zeros(2)
+    return np.median(off_s[: count * points].reshape(count, points), axis=1) if count > 1 else np.zeros(2)
 
 
 def log_wander(slow_s: Floats) -> float:

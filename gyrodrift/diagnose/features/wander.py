@@ -13,7 +13,6 @@ from gyrodrift.diagnose.features.units import (
     OVER_REST,
     STANDARD_ERRORS,
 )
-from gyrodrift.diagnose.recording.order_statistics import median
 
 WANDER_MEANS = (2, 5, 10, 20, 50)
 WALK_MEANS = (5, 20, 60, 120)
@@ -95,7 +94,7 @@ def _accelerating_beside_not(seen: BlockResiduals) -> float:
     regimes = seen.design.regimes
     moving_dps = seen.unexplained_dps[~regimes.block_at_rest]
     change_dps = np.abs(np.gradient(regimes.block_rate_dps))[~regimes.block_at_rest]
-    quick = change_dps > median(change_dps) if len(change_dps) else np.zeros(0, bool)
+    quick = change_dps > np.median(change_dps) if len(change_dps) else np.zeros(0, bool)
     return log_variance(moving_dps[quick]) - log_variance(moving_dps[~quick])
 
 

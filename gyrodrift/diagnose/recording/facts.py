@@ -12,7 +12,6 @@ from typing import Protocol
 import numpy as np
 
 from gyrodrift.diagnose.recording.levels import LEAST_GAPS, Levels, coherence, levels_of, off_grid
-from gyrodrift.diagnose.recording.order_statistics import median
 from gyrodrift.diagnose.recording.recording import Recording, filled
 
 COUNTS_MOST = 32768
@@ -98,7 +97,7 @@ def contradictions(recordings: Sequence[Recording], base: StatedFacts) -> tuple[
 def _lsb(recordings: Sequence[Recording], lsb_dps: float) -> Contradiction | None:
     held = [levels_of(recording.rate_dps) for recording in recordings]
     told = [each for each in held if each.text <= TEXT_MOST * lsb_dps and len(each.values) > LEAST_GAPS]
-    if not told or median(np.array([off_grid(each, lsb_dps, LSB_NEAR) for each in told])) < OFF_GRID:
+    if not told or np.median([off_grid(each, lsb_dps, LSB_NEAR) for each in told]) < OFF_GRID:
         return None
     steps = [each.step for each in told]
     known = np.array([step for step in steps if step is not None])
@@ -107,7 +106,7 @@ def _lsb(recordings: Sequence[Recording], lsb_dps: float) -> Contradiction | Non
         what = "the rates come in steps finer than that, or in none"
         do = "record what the gyro reads out, before it is scaled or filtered, or state a dps_per_lsb as fine as this"
         return Contradiction("dps_per_lsb", lsb_dps, None, "deg/s", f"{rig}, and {what}: {do}")
-    step = median(known)
+    step = float(np.median(known))
     kind = "finer than that" if step < lsb_dps * (1.0 - LSB_NEAR) else "no whole number of it"
     do = f"state dps_per_lsb: {step:.4g}, if that is the range the gyro was set to"
     says = f"{rig}, and the rates come in steps of {step:.4g} deg/s, {kind}: {do}"
@@ -133,7 +132,7 @@ def _counts(recordings: Sequence[Recording], cpr: int) -> Contradiction | None:
     count_deg = 360.0 / cpr
     held = [levels_of(recording.encoder_deg) for recording in recordings]
     told = [each for each in held if each.text < 2.0 * TEXT_MOST * count_deg and _spans(each, count_deg)]
-    if not told or median(np.array([coherence(each, cpr) for each in told])) > OFF_COUNTS:
+    if not told or np.median([coherence(each, cpr) for each in told]) > OFF_COUNTS:
         return None
     rig = f"the rig's encoder has {cpr} counts per turn, {count_deg:.4g} degrees each"
     found = _counts_per_turn(told)
@@ -172,7 +171,7 @@ def _counts_per_turn(held: Sequence[Levels]) -> float | None:
         wide = len(widest.values) >= LEAST_LEVELS
         common = (cpr for cpr in (*COMMON_CPR, *COMMON_FINE_CPR) if wide and coherence(widest, cpr) > ON_COUNTS)
         return next(map(float, common), None)
-    rough = 360.0 / median(known)
+    rough = 360.0 / float(np.median(known))
     tried = np.arange(max(1, int(rough * 0.98)), int(rough * 1.02) + 2)
     fits = np.array([coherence(widest, float(cpr)) for cpr in tried])
     return float(tried[np.argmax(fits)]) if fits.max() > ON_COUNTS else rough
@@ -182,7 +181,7 @@ def _turns(recordings: Sequence[Recording], cpr: float) -> Contradiction | None:
     gains = [gain for gain in map(_gain, recordings) if gain is not None]
     if not gains:
         return None
-    gain = median(np.array(gains))
+    gain = float(np.median(gains))
     near = [factor for factor in TURNS if all(abs(each / factor - 1.0) < TURN_NEAR for each in gains)]
     if not near or not cpr:
         return None
@@ -205,11 +204,11 @@ def _gain(recording: Recording) -> float | None:
     encoder_deg = filled(recording.encoder_deg)
     turned_deg, felt_deg = np.diff(encoder_deg[np.minimum(ends, len(encoder_deg) - 1)]), np.diff(gyro_deg)
     resting = np.abs(turned_deg) < 0.1 * LEAST_TURN_DEG
-    bias_deg = median(felt_deg[resting]) if resting.any() else 0.0
+    bias_deg = np.median(felt_deg[resting]) if resting.any() else 0.0
     turns = np.abs(turned_deg) > LEAST_TURN_DEG
     ratios, sizes = (felt_deg[turns] - bias_deg) / turned_deg[turns], np.abs(turned_deg[turns])
     if len(ratios) < LEAST_WINDOWS:
         return None
-    slow, fast = (median(part) for part in (ratios[sizes <= median(sizes)], ratios[sizes >= median(sizes)]))
-    whole = median(ratios)
+    slow, fast = (np.median(part) for part in (ratios[sizes <= np.median(sizes)], ratios[sizes >= np.median(sizes)]))
+    whole = float(np.median(ratios))
     return whole if abs(slow - fast) < TURN_NEAR * abs(whole) else None

@@ -6,7 +6,6 @@ from typing import Protocol
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.recording.order_statistics import quantile
 from gyrodrift.diagnose.recording.rests import points_of
 
 NOISE_GAIN = 6.0
@@ -89,7 +88,7 @@ def _noise_of_means_dps(rate_dps: Floats, period_s: float) -> float:
     bends = np.abs(np.diff(rate_dps[: count * points].reshape(count, points).mean(axis=1), 2))
     if not len(bends):
         return 0.0
-    found = quantile(bends, CALM_QUANTILE) / CALM_SIGMAS
+    found = float(np.quantile(bends, CALM_QUANTILE)) / CALM_SIGMAS
     return found * float(np.sqrt(points / NOISE_GAIN))
 
 
@@ -100,9 +99,9 @@ def _noise_of_calmest_dps(rate_dps: Floats) -> float:
     if not count:
         return float("inf")
     stretches = squares[: count * CALMEST_POINTS].reshape(count, CALMEST_POINTS).mean(axis=1)
-    return float(np.sqrt(quantile(stretches, CALMEST_QUANTILE) / CALMEST_GAIN))
+    return float(np.sqrt(np.quantile(stretches, CALMEST_QUANTILE) / CALMEST_GAIN))
 
 
 def middle_sigma(values: Floats) -> float:
     """Standard deviation by the middle of normal numbers."""
-    return quantile(np.abs(values), MIDDLE_QUANTILE) / MIDDLE_SIGMAS
+    return float(np.quantile(np.abs(values), MIDDLE_QUANTILE)) / MIDDLE_SIGMAS

@@ -6,7 +6,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.order_statistics import distinct
-from gyrodrift.diagnose.recording.outliers import DECIMALS, NEXT_LEVEL
+from gyrodrift.diagnose.recording.outliers import NEXT_LEVEL
 
 STEPS_LOOKED_AT = 5
 """In gaps between values of more steps than this a step that is nearly right is wrong by too much of one."""
@@ -69,7 +69,7 @@ class Levels:
 
 def levels_of(values: Floats) -> Levels:
     """What values there are, and in which decimals."""
-    held = distinct(values, DECIMALS)
+    held = distinct(values)
     return Levels(held, _text(held[:: max(1, len(held) // LEVELS_TRIED)]))
 
 

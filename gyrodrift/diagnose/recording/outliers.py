@@ -4,19 +4,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
+from scipy.ndimage import maximum_filter1d, median_filter
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.recording.among_neighbours import off_cubic, stands_alone, steepest_beside
 from gyrodrift.diagnose.recording.motion import rough_rate_dps
-from gyrodrift.diagnose.recording.order_statistics import (
-    distinct,
-    median,
-    quantile,
-    row_quantiles,
-    running_median_5,
-    running_median_9,
-)
+from gyrodrift.diagnose.recording.order_statistics import distinct
 from gyrodrift.diagnose.recording.recording import Recording, filled
 
 SPIKE_SIGMAS = 10.0
@@ -81,9 +74,6 @@ LIMIT_RUN, LIMIT_DPS = 5, 10.0
 
 LIMIT_SHARE, LIMIT_EXCESS = 5.0, 1.03
 """For each sample a step below a limit more than so many stand at it; and the encoder turns by so much more."""
-
-DECIMALS = 9
-"""Values that agree in so many are one level: what parsing and unwrapping add is less."""
 
 
 class LevelSteps(NamedTuple):
@@ -166,7 +156,7 @@ def _stands_below(rate_dps: Floats, largest_dps: float) -> bool:
 
 def granularity(values: Floats) -> float:
     """Distance of neighbouring values where they lie densest; 0 where there is one value only."""
-    return _closest(np.diff(distinct(values, DECIMALS)))
+    return _closest(np.diff(distinct(values)))
 
 
 def step_of(values: Floats) -> float:
@@ -176,7 +166,7 @@ def step_of(values: Floats) -> float:
 
 def steps_of(values: Floats) -> LevelSteps:
     """The same with how even the steps are."""
-    gaps = np.diff(distinct(values, DECIMALS))
+    gaps = np.diff(distinct(values))
     grain = _closest(gaps)
     near = gaps[gaps < NEXT_LEVEL * grain]
     return LevelSteps(float(near.mean()), float(near.std() / np.sqrt(2.0))) if grain else LevelSteps(0.0, 0.0)
@@ -215,8 +205,8 @@ def _outliers(recording: Recording, rate_dps: Floats, rough_dps: Floats) -> Mask
         Rate of the encoder, shape (n,).
     """
     away_dps = rate_dps - rough_dps
-    beside_dps, among_dps = away_dps - running_median_5(away_dps), off_cubic(rate_dps)
-    beside, among, own_dps = np.abs(beside_dps), np.abs(among_dps), np.abs(rate_dps - running_median_5(rate_dps))
+    beside_dps, among_dps = away_dps - median_filter(away_dps, 5), off_cubic(rate_dps)
+    beside, among, own_dps = np.abs(beside_dps), np.abs(among_dps), np.abs(rate_dps - median_filter(rate_dps, 5))
     beside_sigma = _sigma(beside, recording)
     among_sigma = _sigma(np.minimum(among, own_dps), recording)  # an outlier has no echoes there
     is_spike: Mask = (beside > SPIKE_SIGMAS * beside_sigma) | (among > SPIKE_SIGMAS * among_sigma)
@@ -240,10 +230,10 @@ def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step
     """By how much the angle jumps at each sample, 0 where it does not; shape (n,)."""
     turned_deg = 0.5 * (rate_dps[1:] + rate_dps[:-1]) * recording.period_s
     over_deg = np.diff(encoder_deg) - turned_deg
-    out_deg = np.concatenate([[0.0], over_deg - running_median_9(over_deg)])
+    out_deg = np.concatenate([[0.0], over_deg - median_filter(over_deg, 9)])
     bends_dps = maximum_filter1d(np.abs(np.diff(rate_dps, 2, prepend=rate_dps[0], append=rate_dps[-1])), BEND_SAMPLES)
     least_deg = COUNTS_OF_A_SLIP * step_deg + CORNER_PERIODS * recording.period_s * bends_dps
-    is_rounded = quantile(np.abs(out_deg), NEARLY_ALL) < ROUNDED * step_deg
+    is_rounded = np.quantile(np.abs(out_deg), NEARLY_ALL) < ROUNDED * step_deg
     noise_deg = 0.0 if is_rounded else SLIP_SIGMAS * _sigma(np.abs(out_deg), recording)
     is_slip: Mask = np.abs(out_deg) > np.maximum(noise_deg, least_deg)
     jumps_deg: Floats = np.where(is_slip, out_deg, 0.0)
@@ -254,8 +244,8 @@ def _sigma(absolute: Floats, recording: Recording) -> Floats:
     """Spread about each sample: of its second or the neighbouring ones, and no less than of all; shape (n,)."""
     points = max(LEAST_POINTS, round(1.0 / recording.period_s))
     seconds = max(1, len(absolute) // points)
-    spread = row_quantiles(absolute[: seconds * points].reshape(seconds, -1), MIDDLE_SHARE) / MIDDLE_SIGMAS
-    spread = np.maximum(spread, max(median(spread), quantile(absolute, 0.5) / MIDDLE_SIGMAS))
+    spread = np.quantile(absolute[: seconds * points].reshape(seconds, -1), MIDDLE_SHARE, axis=1) / MIDDLE_SIGMAS
+    spread = np.maximum(spread, max(np.median(spread), np.quantile(absolute, 0.5) / MIDDLE_SIGMAS))
     padded = np.concatenate([spread[:1], spread, spread[-1:]])
     wide = np.maximum(np.maximum(padded[:-2], padded[1:-1]), padded[2:])
     last = np.minimum(np.arange(len(absolute)) // points, seconds - 1)

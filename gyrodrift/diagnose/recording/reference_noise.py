@@ -10,7 +10,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
-from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA, median
+from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA
 from gyrodrift.diagnose.recording.smoothing import gaussian
 
 NOISY_STEPS = 3.0
@@ -44,7 +44,7 @@ class ReferenceNoise:
 def reference_noise_of(reference_deg: Floats, step_deg: float, motion: ReplayedMotion) -> ReferenceNoise | None:
     """Of angles, shape (n,), beside their motion; None where it is no more than the steps of an encoder leave."""
     away_deg = _without_errors(reference_deg - motion.angle_deg, motion)
-    usual_deg = median(np.abs(away_deg)) / MEDIAN_TO_SIGMA
+    usual_deg = np.median(np.abs(away_deg)) / MEDIAN_TO_SIGMA
     if usual_deg <= NOISY_STEPS * step_deg:
         return None
     return ReferenceNoise(np.clip(away_deg, -WILD_SIGMAS * usual_deg, WILD_SIGMAS * usual_deg), motion.period_s)

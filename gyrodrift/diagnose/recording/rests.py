@@ -7,11 +7,10 @@ the ends of a rest the motion is left open as far as no gyro tells it from rest.
 from itertools import pairwise
 
 import numpy as np
-from scipy.ndimage import minimum_filter1d, uniform_filter1d
+from scipy.ndimage import median_filter, minimum_filter1d, uniform_filter1d
 
 from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.compile import compiled_once
-from gyrodrift.diagnose.recording.order_statistics import running_median_5
 
 RESTS_S = 1.0
 """A count that stands so long, while the gyro says no more than REST_DPS, is a rest."""
@@ -72,7 +71,7 @@ def rests(rate_dps: Floats, stands_s: Floats, sigma_dps: float, period_s: float,
 
 def _without_wild(rate_dps: Floats, least_dps: float) -> Floats:
     """A step from one rate to another is none of them: the median follows it."""
-    near_dps = running_median_5(rate_dps)
+    near_dps = median_filter(rate_dps, 5)
     calm_dps: Floats = np.where(np.abs(rate_dps - near_dps) > least_dps, near_dps, rate_dps)
     return calm_dps
 

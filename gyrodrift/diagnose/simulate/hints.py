@@ -10,8 +10,8 @@ from scipy.fft import next_fast_len
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.rate_values import LEAK, NEAR_ZERO_DPS
 from gyrodrift.diagnose.features.spectral_line import spectral_line
-from gyrodrift.diagnose.recording.order_statistics import distinct
-from gyrodrift.diagnose.recording.outliers import DECIMALS, step_of
+from gyrodrift.diagnose.recording.order_statistics import DECIMALS, distinct
+from gyrodrift.diagnose.recording.outliers import step_of
 from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.simulate.candidate import Hints
 from gyrodrift.diagnose.simulate.twin import Subject
@@ -208,7 +208,7 @@ def _even_step_of(one: Shown) -> float:
     step_dps = _even_step(one.slow_dps)
     if not step_dps:
         return 0.0
-    least, most = _possible_steps(distinct(one.slow_dps, DECIMALS), step_dps, one.subject.rig.base.dps_per_lsb)
+    least, most = _possible_steps(distinct(one.slow_dps), step_dps, one.subject.rig.base.dps_per_lsb)
     return step_dps if least > most else float(np.clip(step_dps, least, most))
 
 
@@ -233,7 +233,7 @@ def _even_step(values: Floats) -> float:
     step = step_of(values)
     if not step:
         return 0.0
-    levels, near = distinct(values, DECIMALS), step * NEAR_STEP
+    levels, near = distinct(values), step * NEAR_STEP
     return float(near[np.abs(np.exp(2j * np.pi * levels / near[:, None]).mean(axis=1)).argmax()])
 
 
