@@ -34,9 +34,6 @@ from gyrodrift.diagnose.stages import (
 from gyrodrift.diagnose.what_next import what_next
 from gyrodrift.simulation.sessions import rig_yaml
 
-ADOPTED_FROM = 0.5
-"""Probability of a cause from which on it goes into the rig that is written."""
-
 
 def diagnose(asked: DiagnosisRequest) -> Diagnosis:
     """Explain the gap between a rig and recordings.
@@ -83,7 +80,7 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
         next_profile_yaml=following.profile_yaml,
         seconds=0.0,
         sessions=tuple(_session(subject) for subject in subjects),
-        rig_yaml=rig_yaml(adopted(asked.rig, [one for one in verdict.causes if one.probability >= ADOPTED_FROM])),
+        rig_yaml=rig_yaml(adopted(asked.rig, [cause for cause in verdict.causes if cause.is_adopted])),
         ranking=ranking(explanation),
         lookalikes=lookalikes([*explanation.scorer.templates.values()]),
         threshold_z=explanation.evidence.threshold_z,

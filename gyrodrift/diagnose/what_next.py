@@ -1,4 +1,4 @@
-"""What to do next: a motion that tells apart what is open, or a sentence where no motion would."""
+"""The next step: a motion that separates open hypotheses, or a sentence if no motion does."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -29,11 +29,11 @@ MINUTES = (1.0, 4.0)
 """A proposed recording is as long as those so far, within these bounds."""
 
 MOST_HYPOTHESES = 3
-DOUBT = 0.1
-"""Probability that is given to an effect of typical size that these sessions would not have shown."""
+UNSEEN = 0.1
+"""Probability assumed for an effect of typical size that these sessions would not have shown. Chosen, not measured."""
 
 SMALL_SHARE = 0.5
-"""Of its typical size, below which an effect that would have been seen is no open question."""
+"""Share of its typical size below which a detectable effect is no open question."""
 
 ENOUGH_SESSIONS = 3
 """With two, sizes are fitted on one alone."""
@@ -58,51 +58,53 @@ def what_next(
     open_ones = _open(verdict, explanation, subjects, rig)
     if len(open_ones) < 2:
         return Next(_without_experiment(verdict, untestable, len(subjects)), None)
-    minutes = round(float(np.clip(np.median([one.seen.recording.seconds / 60.0 for one in subjects]), *MINUTES)), 1)
+    minutes = round(
+        float(np.clip(np.median([subject.seen.recording.seconds / 60.0 for subject in subjects]), *MINUTES)), 1
+    )
     recorded = PlannedMotion(subjects[0].posterior.mean, min(minutes, subjects[0].seen.recording.seconds / 60.0))
-    found = next_recording_of(open_ones, minutes, SEED, recorded, jobs)
-    return Next(sentence(found, FILE), profile_yaml(found.profile))
+    recording = next_recording_of(open_ones, minutes, SEED, recorded, jobs)
+    return Next(sentence(recording, FILE), profile_yaml(recording.profile))
 
 
 def _open(
     verdict: Verdict, explanation: Explanation, subjects: Sequence[Subject], rig: Rig
 ) -> tuple[RigHypothesis, ...]:
-    """What the sessions leave open: causes that are tied or show too weakly, or effects that could not have shown."""
+    """Open hypotheses: tied causes, possible effects that are not named, or effects that could not have shown."""
     base = subjects[0].rig.base
     calibrated = rig.model_copy(update={"base": base})
     tied = next((cause for cause in verdict.causes if cause.tied_with), None)
     if tied is not None:
         placed = [explanation.where_best(name) for name in tied.tied_with[: MOST_HYPOTHESES - 1]]
-        rivals = [one.response.candidate.make(one.size) for one in placed if one is not None]
-        others = [cause.effect for cause in verdict.causes if cause is not tied]
+        alternatives = [item.response.candidate.make(item.size) for item in placed if item is not None]
+        other_causes = [cause.effect for cause in verdict.causes if cause is not tied]
         return tuple(
-            RigHypothesis(effect.name, with_replaced(calibrated, (*others, effect)), 1.0)
-            for effect in (tied.effect, *rivals)
+            RigHypothesis(effect.name, with_replaced(calibrated, (*other_causes, effect)), 1.0)
+            for effect in (tied.effect, *alternatives)
         )
     if verdict.causes:
         return ()
     shown = explanation.possible()[: MOST_HYPOTHESES - 1]
     possible = [placed.response.candidate.make(placed.size) for placed in shown]
-    doubt = 1.0 / (1.0 + len(possible))
+    share = 1.0 / (1.0 + len(possible))
     if verdict.kind is Kind.NONE and not possible:
-        possible, doubt = _unseen(explanation, rig), DOUBT
-    nothing = RigHypothesis(NOTHING, calibrated, 1.0 - doubt * len(possible))
-    return (nothing, *(RigHypothesis(one.name, with_replaced(calibrated, (one,)), doubt) for one in possible))
+        possible, share = _unseen(explanation, rig), UNSEEN
+    nothing = RigHypothesis(NOTHING, calibrated, 1.0 - share * len(possible))
+    return (nothing, *(RigHypothesis(effect.name, with_replaced(calibrated, (effect,)), share) for effect in possible))
 
 
 def _unseen(explanation: Explanation, rig: Rig) -> list[Effect]:
     """Effects that would have gone unseen at their typical size, the worst seen first."""
     in_rig = {effect.name for effect in rig.effects}
     ratios: list[tuple[float, Effect]] = []
-    for one in detectable(explanation.scorer, explanation.evidence.effects()):
-        typical, kind = CATALOGUE[one.effect].typical, KINDS[one.effect]
-        if one.effect in in_rig or kind.is_read_off:
+    for item in detectable(explanation.scorer, explanation.evidence.effects()):
+        typical, kind = CATALOGUE[item.effect].typical, KINDS[item.effect]
+        if item.effect in in_rig or kind.is_read_off:
             continue
-        least = np.inf if one.value is None else one.value / typical[one.parameter]
-        if one.value is not None and kind.less_is_more:
+        least = np.inf if item.value is None else item.value / typical[item.parameter]
+        if item.value is not None and kind.less_is_more:
             least = 1.0 / least
         if least > 1.0 / SMALL_SHARE:
-            effect = CATALOGUE[one.effect].model_validate({"name": one.effect, **typical})
+            effect = CATALOGUE[item.effect].model_validate({"name": item.effect, **typical})
             ratios.append((least, effect))
     ratios.sort(key=lambda pair: -pair[0])
     return [effect for _, effect in ratios[: MOST_HYPOTHESES - 1]]
@@ -110,17 +112,18 @@ def _unseen(explanation: Explanation, rig: Rig) -> list[Effect]:
 
 def _without_experiment(verdict: Verdict, untestable: Sequence[Untestable], sessions: int) -> str:
     if sessions < ENOUGH_SESSIONS:
-        return "Record more sessions: with three and more the fit can be checked on what it has not seen."
+        return "Record more sessions: from three on, each session can check a fit to the others."
     if untestable:
         lacking = untestable[0]
+        return f"Record with a device that sends more: {lacking.why} here, so {lacking.effect} was not tested."
+    worst = next((feature for feature in verdict.unexplained if feature.is_beyond_chance), None)
+    if worst is not None:
         return (
-            f"Record with a device that sends more: {lacking.why} in these sessions, so that {lacking.effect} cannot "
-            "be tested."
+            f"Record more motion that shows the unexplained part ({worst.says}, {WHEN[worst.regime]}), at several "
+            "speeds and temperatures."
         )
-    if verdict.unexplained:
-        worst = verdict.unexplained[0]
-        return (
-            f"Record more in which the unexplained shows ({worst.says}, {WHEN[worst.regime]}), at several speeds and "
-            "temperatures."
-        )
+    if verdict.kind in (Kind.PARTLY, Kind.UNKNOWN):
+        return "Record longer sessions at several speeds and temperatures: part of the difference is unexplained."
+    if not verdict.gap.is_closed:
+        return "Record longer sessions at several speeds and temperatures: the gap is not closed."
     return "Nothing: no ambiguity remains. Record again after a change."

@@ -27,9 +27,6 @@ from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedS
 NAMED = 0.5
 """Probability from which on an effect is named; that of an effect or one of its ties."""
 
-CLOSED = 0.85
-"""Share of the gap that has to be closed for the verdict `effect`, if features still deviate."""
-
 FORM = 0.2
 """Probability of an out-of-catalog form from which on its feature is listed first among the deviations."""
 
@@ -119,12 +116,7 @@ def _verdict(explanation: Explanation, causes: tuple[NamedCause, ...]) -> Verdic
     after = pooled_z(after_z) / evidence.sigma_factor
     where = _deviating(posterior, before, evidence.threshold_z, is_unknown=kind is Kind.UNKNOWN)
     gap = no_gap(evidence) if kind is Kind.NONE else gap_of(evidence, after_z)
-    if (
-        kind is Kind.EFFECT
-        and gap.shrink is not None
-        and gap.shrink < CLOSED
-        and np.abs(after).max() > evidence.threshold_z
-    ):
+    if kind is Kind.EFFECT and not gap.is_closed and np.abs(after).max() > evidence.threshold_z:
         kind = Kind.PARTLY
     unexplained = _deviating(posterior, after, evidence.threshold_z, is_unknown=kind is Kind.PARTLY)
     return Verdict(
@@ -147,7 +139,7 @@ def _deviating(posterior: Posterior, z: Floats, threshold_z: float, *, is_unknow
     if not forms or not is_unknown:
         return deviating
     numbers = [NUMBER[name.removeprefix("?")] for _, name in forms]
-    return listed([*dict.fromkeys([*numbers, *(NUMBER[deviation.feature] for deviation in deviating)])], z)
+    return listed([*dict.fromkeys([*numbers, *(NUMBER[item.feature] for item in deviating)])], z, threshold_z)
 
 
 def _named(scorer: Scorer, posterior: Posterior) -> tuple[NamedCause, ...]:
@@ -186,7 +178,8 @@ def _cause(slot: Slot, size: SizePosterior) -> NamedCause:
 def _size_parameter(candidate: Candidate, size: SizePosterior) -> Parameter:
     name = candidate.parameter
     value, *ends = (float(getattr(candidate.make(item), name)) for item in (size.median, size.low, size.high))
-    return Parameter(name, value, min(ends), max(ends), unit_of(name))
+    (low, is_low_open), (high, is_high_open) = sorted(zip(ends, (size.is_low_open, size.is_high_open), strict=True))
+    return Parameter(name, value, low, high, unit_of(name), is_at_most=is_low_open, is_at_least=is_high_open)
 
 
 def _fixed(candidate: Candidate, size: SizePosterior) -> list[Parameter]:

@@ -14,7 +14,13 @@ WORST_Z = 20.0
 
 @dataclass(frozen=True, slots=True)
 class Deviation:
-    """A deviating feature; z is pooled over all sessions, share is that of the sum of squares."""
+    """A feature that deviates more than others; z is pooled over all sessions.
+
+    share
+        Its share of the sum of squares.
+    is_beyond_chance
+        Whether it deviates by itself, beyond the threshold.
+    """
 
     stage: str
     feature: str
@@ -22,22 +28,24 @@ class Deviation:
     says: str
     z: float
     share: float = 0.0
+    is_beyond_chance: bool = True
 
 
 def deviations(z: Floats, threshold: float, least: int = 0) -> tuple[Deviation, ...]:
     """Features with a pooled z, (F,), beyond a threshold, the worst first; `least` of them in any case."""
     order = np.argsort(-np.abs(z)).tolist()
-    return listed([number for rank, number in enumerate(order) if abs(z[number]) > threshold or rank < least], z)
+    numbers = [number for rank, number in enumerate(order) if abs(z[number]) > threshold or rank < least]
+    return listed(numbers, z, threshold)
 
 
-def listed(numbers: Sequence[int], z: Floats) -> tuple[Deviation, ...]:
+def listed(numbers: Sequence[int], z: Floats, threshold: float = 0.0) -> tuple[Deviation, ...]:
     """Deviations of some features in this order; see `shared`."""
-    rows = [FEATURES[number] for number in numbers]
-    rows_found = [
-        Deviation(feature.stage, feature.name, feature.regime, feature.says, float(z[number]))
-        for number, feature in zip(numbers, rows, strict=True)
-    ]
-    return shared(rows_found)
+    return shared([_deviation(number, float(z[number]), threshold) for number in numbers])
+
+
+def _deviation(number: int, z: float, threshold: float) -> Deviation:
+    feature = FEATURES[number]
+    return Deviation(feature.stage, feature.name, feature.regime, feature.says, z, is_beyond_chance=abs(z) > threshold)
 
 
 def shared(every: Sequence[Deviation]) -> tuple[Deviation, ...]:

@@ -16,6 +16,9 @@ SEED = 0
 NO_GAP = 1.05
 """Ratio of gap and floor up to which there is nothing to close."""
 
+CLOSED = 0.85
+"""Share of the gap from which on it counts as closed. Chosen, not measured."""
+
 
 @dataclass(frozen=True, slots=True)
 class SimToRealGap:
@@ -33,6 +36,11 @@ class SimToRealGap:
     shrink: float | None
     shrink_low: float | None
     shrink_high: float | None
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether the causes close enough of it, or there is nothing to close."""
+        return self.shrink is None or self.shrink >= CLOSED
 
 
 def gap_of(evidence: Evidence, after_z: Floats) -> SimToRealGap:

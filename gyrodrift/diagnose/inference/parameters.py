@@ -25,13 +25,19 @@ UNITS = {
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A fitted parameter with its 95 % credible interval."""
+    """A fitted parameter with its 95 % credible interval.
+
+    is_at_most, is_at_least
+        Whether the interval ends at the smallest or largest size that was tried, so that it is a bound only.
+    """
 
     name: str
     value: float
     low: float
     high: float
     unit: str
+    is_at_most: bool = False
+    is_at_least: bool = False
 
 
 def unit_of(parameter: str) -> str:

@@ -21,6 +21,8 @@ SIMILAR = 0.8
 class Ranked:
     """A candidate at the size that fits best by itself.
 
+    probability
+        Posterior probability that it acts.
     gain
         Log evidence of the effect alone, minus that of the rig as it is.
     gain_with_causes
@@ -34,6 +36,7 @@ class Ranked:
     group: str
     value: float
     unit: str
+    probability: float
     gain: float
     gain_with_causes: float | None
     takes_away: float | None
@@ -71,6 +74,7 @@ def _ranked(
         candidate.group,
         float(getattr(candidate.make(placed.size), candidate.parameter)),
         unit_of(candidate.parameter),
+        explanation.posterior.inclusion.get(name, 0.0),
         alone.without_unknown - sets[frozenset()].without_unknown,
         joined.without_unknown - with_causes.without_unknown
         if joined is not None and with_causes is not None

@@ -15,12 +15,18 @@ CREDIBLE = (0.025, 0.5, 0.975)
 
 @dataclass(frozen=True, slots=True)
 class SizePosterior:
-    """Size of an effect in its most probable variant, in the unit of the candidate."""
+    """Size of an effect in its most probable variant, in the unit of the candidate.
+
+    is_low_open, is_high_open
+        Whether the interval ends at a size beyond which none was tried.
+    """
 
     response: Response
     median: float
     low: float
     high: float
+    is_low_open: bool = False
+    is_high_open: bool = False
 
 
 def size_posterior(scorer: Scorer, effect_set: EffectSet, name: str, power: float) -> SizePosterior:
@@ -39,7 +45,15 @@ def size_posterior(scorer: Scorer, effect_set: EffectSet, name: str, power: floa
             sizes.append(template.size[is_same])
             log_weights.append((log_density + template.log_prior)[is_same])
     low, median, high = quantiles(np.concatenate(sizes), np.concatenate(log_weights), CREDIBLE)
-    return SizePosterior(profile.best.template.responses[response], median, low, high)
+    best = profile.best.template.responses[response]
+    return SizePosterior(best, median, low, high, *open_ends(best.candidate.sizes, low, high))
+
+
+def open_ends(tried: Floats, low: float, high: float) -> tuple[bool, bool]:
+    """Whether an interval ends within half a step of the smallest and of the largest size that was tried."""
+    if len(tried) == 1:
+        return False, False
+    return bool(low < 0.5 * (tried[0] + tried[1])), bool(high > 0.5 * (tried[-1] + tried[-2]))
 
 
 def quantiles(sizes: Floats, log_weights: Floats, shares: Sequence[float]) -> list[float]:

@@ -18,6 +18,9 @@ from gyrodrift.diagnose.simulate.response_table import Sized
 NEGLIGIBLE_DEG = 0.3
 """Mean absolute yaw in a session below which a small effect is negligible."""
 
+ADOPTED_FROM = 0.5
+"""Probability of a cause from which on it goes into the rig that is written: it acts rather than not."""
+
 
 class Kind(StrEnum):
     """Kind of a verdict."""
@@ -51,6 +54,11 @@ class NamedCause:
     def in_rig(self) -> Effect | None:
         """The effect as the rig has it; None if the rig lacks it."""
         return self.cause.candidate.in_rig
+
+    @property
+    def is_adopted(self) -> bool:
+        """Whether the rig that is written has it."""
+        return self.probability >= ADOPTED_FROM
 
     @property
     def is_as_in_rig(self) -> bool:

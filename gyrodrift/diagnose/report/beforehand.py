@@ -1,14 +1,14 @@
-"""What a report says before its verdict: facts of the rig that cannot be so, the baseline, and doubts."""
+"""The beginning of a report, before its verdict: contradicted facts of the rig, the baseline, and warnings."""
 
 from gyrodrift.diagnose.report.text import number
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import paragraph, text, warnings
 
 OF_BASELINE = "baseline: "
-"""How remarks on the recordings of a baseline begin."""
+"""Prefix of remarks on the recordings of a baseline."""
 
 DIGITS = 5
-"""Counts per turn are whole numbers of up to so many."""
+"""Digits of counts per turn."""
 
 FACTS = {
     "encoder_cpr": "an encoder of {}, the recordings show {}",
@@ -16,7 +16,7 @@ FACTS = {
     "range_dps": "a range of {}, the recordings reach {}",
     "turn_ratio": "an encoder of {}, the gyro agrees with {}",
 }
-"""What the rig states, and what the recordings show instead."""
+"""Statement of the rig, and finding of the recordings."""
 
 PUT_RIGHT = (
     "Where the recordings show the counts per turn or the step of the rates, everything below uses those values, and "
@@ -25,15 +25,15 @@ PUT_RIGHT = (
 
 
 def against(diagnosis: Diagnosis) -> str:
-    """Facts of the rig that the recordings contradict, in a box; nothing where there are none."""
+    """Facts of the rig that the recordings contradict, in a box; empty if there are none."""
     if not diagnosis.contradictions:
         return ""
-    said = [f"{one.fact}: {one.says}" for one in diagnosis.contradictions]
-    return warnings("The rig file contradicts the recordings", said) + paragraph(PUT_RIGHT)
+    warnings_said = [f"{contradiction.fact}: {contradiction.says}" for contradiction in diagnosis.contradictions]
+    return warnings("The rig file contradicts the recordings", warnings_said) + paragraph(PUT_RIGHT)
 
 
 def headline_of(diagnosis: Diagnosis, otherwise: str) -> str:
-    """The first of them as a headline, with both numbers; something else where there is none."""
+    """The first contradiction as a headline, with both numbers; `otherwise` if there is none."""
     first = next(iter(diagnosis.contradictions), None)
     if first is None:
         return otherwise
@@ -43,19 +43,19 @@ def headline_of(diagnosis: Diagnosis, otherwise: str) -> str:
 
 
 def baseline(diagnosis: Diagnosis) -> str:
-    """What the recordings are held against beside the rig; nothing where there is no baseline."""
-    said = [one.removeprefix(OF_BASELINE) for one in diagnosis.remarks if one.startswith(OF_BASELINE)]
-    if not said:
+    """The baseline in a paragraph; empty without a baseline."""
+    statements = [remark.removeprefix(OF_BASELINE) for remark in diagnosis.remarks if remark.startswith(OF_BASELINE)]
+    if not statements:
         return ""
     return paragraph(
-        "<b>Compared with a baseline.</b> What the baseline recordings show already is taken out: a difference to the "
-        f"simulator that both sets have does not count. About the baseline: {text('; '.join(said))}."
+        "<b>Compared with a baseline.</b> A difference to the simulator that the baseline recordings show, too, does "
+        f"not count. About the baseline: {text('; '.join(statements))}."
     )
 
 
 def doubts(diagnosis: Diagnosis) -> str:
-    """What limits the result, in a box."""
+    """Limits of the result in a box."""
     linear = diagnosis.linear_model
     disagrees = [f"a linear model of the rate error {linear.says}"] if linear.agrees is False else []
-    remarks = [one for one in diagnosis.remarks if not one.startswith(OF_BASELINE)]
-    return warnings("Before believing it", [*remarks, *disagrees])
+    remarks = [remark for remark in diagnosis.remarks if not remark.startswith(OF_BASELINE)]
+    return warnings("Limits of this result", [*remarks, *disagrees])

@@ -1,4 +1,4 @@
-"""Which effect it is, in a report: every candidate in a row, those that look alike, those that could not be tried."""
+"""The causes in a report: probability and evidence of every effect, similar effects, effects that were not tried."""
 
 from math import isfinite
 
@@ -22,59 +22,69 @@ def causes(diagnosis: Diagnosis) -> str:
 
 
 def _introduction(diagnosis: Diagnosis) -> str:
-    beside = " An effect that gains nothing beside the named causes is not needed." if diagnosis.verdict.acting else ""
+    joined = (
+        " Evidence with the named causes is what the effect adds to them; at 0 or below it is not needed."
+        if diagnosis.verdict.acting
+        else ""
+    )
     return (
-        "Every effect of the simulator was tried, alone and in sets of two and three. The gain is the natural "
-        "logarithm of how many times more probable the recordings are with the effect than with the simulator as it "
-        "is, over all its sizes. The right effect also explains the deviations, and leaves nothing to gain for the "
-        f"others.{beside}"
+        "Every effect of the simulator was tried, alone and in sets of two and three. Probability: that the effect "
+        "acts, over all sets that hold it. Evidence alone: the natural logarithm of how many times more probable the "
+        "recordings are with the effect alone than with the simulator as it is, averaged over its sizes. An effect "
+        f"with much evidence alone and a small probability imitates a better one.{joined}"
     )
 
 
 def _ranking_table(diagnosis: Diagnosis) -> str:
-    ranked = diagnosis.ranking
     has_causes = bool(diagnosis.verdict.acting)
-    small = {one.cause.effect.name for one in diagnosis.verdict.negligible}
-    named = {cause.effect.name for cause in diagnosis.verdict.causes}
-    tied = {name for cause in diagnosis.verdict.causes for name in cause.tied_with}
-    most = max([one.gain for one in ranked] + [1.0])
-    beside = ["gain beside the<br/>named causes"] * has_causes
-    head = headings(["effect", "", "gain alone", *beside, "deviations<br/>explained", "best size", "group"], words=1)
-    rows = []
-    for one in ranked:
-        mark = (
-            " named"
-            if one.name in named
-            else " tied"
-            if one.name in tied
-            else " negligible"
-            if one.name in small
-            else ""
-        )
-        name = f"<b>{text(one.name)}</b>" if mark else text(one.name)
-        group = one.group if one.group != one.name else ""
-        numbers = _numbers(one, has_causes=has_causes)
-        rows.append([span(f"{name}{quiet(mark)}", "word"), _bar(one.gain / most), fixed(one.gain, 1), *numbers, group])
-    caption = (
-        "The effects, largest gain first, each taken alone. Deviations explained: the share that it takes away, below "
-        "0 where it adds to them. Best size: the one that fits best alone. Effects of one group are easily mistaken "
-        "for each other."
+    joined = ["evidence with<br/>the named causes"] * has_causes
+    head = headings(
+        ["effect", "", "probability", "evidence alone", *joined, "deviations<br/>explained", "best size", "group"],
+        words=1,
     )
-    return table(caption, head, rows, words=1)
+    caption = (
+        "The effects, the most probable first. Deviations explained: the share that the effect alone takes away, below "
+        "0 if it adds to them. Best size: the one that fits best alone. Effects of one group are easily mistaken for "
+        "each other."
+    )
+    in_order = sorted(diagnosis.ranking, key=lambda ranked: (-round(ranked.probability, 2), -ranked.gain))
+    return table(caption, head, [_row(diagnosis, ranked) for ranked in in_order], words=1)
 
 
-def _numbers(one: Ranked, *, has_causes: bool) -> list[str]:
-    beside = ["" if one.gain_with_causes is None else fixed(one.gain_with_causes, 1)] * has_causes
-    takes_away = "–" if one.takes_away is None else percent(one.takes_away)
-    return [*beside, takes_away, size(one.value, one.unit)]
+def _row(diagnosis: Diagnosis, ranked: Ranked) -> list[str]:
+    mark = _mark(diagnosis, ranked.name)
+    name = f"<b>{text(ranked.name)}</b>" if mark else text(ranked.name)
+    group = ranked.group if ranked.group != ranked.name else ""
+    joined = ["" if ranked.gain_with_causes is None else fixed(ranked.gain_with_causes, 1)] * bool(
+        diagnosis.verdict.acting
+    )
+    return [
+        span(f"{name}{quiet(mark)}", "word"),
+        _bar(ranked.probability),
+        fixed(ranked.probability, 2),
+        fixed(ranked.gain, 1),
+        *joined,
+        "–" if ranked.takes_away is None else percent(ranked.takes_away),
+        size(ranked.value, ranked.unit),
+        group,
+    ]
+
+
+def _mark(diagnosis: Diagnosis, name: str) -> str:
+    verdict = diagnosis.verdict
+    if name in {cause.effect.name for cause in verdict.causes}:
+        return " named"
+    if name in {tied for cause in verdict.causes for tied in cause.tied_with}:
+        return " tied"
+    return " negligible" if name in {item.cause.effect.name for item in verdict.negligible} else ""
 
 
 def _bar(share: float) -> str:
-    """A gain as a length."""
+    """A probability as a length."""
     share = max(share, 0.0) if isfinite(share) else 0.0
     long = 120.0 * share
     return (
-        f'<svg class="track" viewBox="0 0 128 16" role="img" aria-label="{percent(share)} of the best">'
+        f'<svg class="track" viewBox="0 0 128 16" role="img" aria-label="probability {percent(share)}">'
         f'<path d="M4 8H124" stroke="var(--grid)" stroke-width="4"/>'
         f'<path d="M4 8H{4.0 + long:.1f}" stroke="var(--tuned)" stroke-width="6"/></svg>'
     )
@@ -82,29 +92,31 @@ def _bar(share: float) -> str:
 
 def _linear_model(diagnosis: Diagnosis) -> str:
     linear = diagnosis.linear_model
-    found = ""
+    size_words = ""
     if linear.effect is not None:
         between = f"{number(linear.low)} to {number(linear.high)}"
-        found = f": {text(linear.parameter)} {size(linear.value, linear.unit)} ({between})"
+        size_words = f": {text(linear.parameter)} {size(linear.value, linear.unit)} ({between})"
     return paragraph(
-        f"<b>Check by a linear model: it {text(linear.says)}{found}.</b> It is a generalised least-squares "
+        f"<b>Check by a linear model: it {text(linear.says)}{size_words}.</b> It is a generalised least-squares "
         "regression of the rate error, with a bias that may walk at random. It uses neither the simulator nor the "
-        "features, and knows only the effects that are linear. It leaves out what is too small to matter for yaw, such "
-        "as 0.06 % of scale."
+        "features, and knows only the effects that are linear. It leaves out effects that are too small to matter for "
+        "yaw, such as 0.06 % of scale."
     )
 
 
 def _remarks(diagnosis: Diagnosis) -> list[tuple[str, str]]:
-    """What else is to be known of the candidates."""
+    """Remarks on the candidates."""
     rows = [
-        (f"Fits as well as {text(cause.effect.name)}", _tied(cause.tied_with)) for cause in diagnosis.verdict.causes
+        (f"May act instead of {text(cause.effect.name)}", _tied(cause.tied_with)) for cause in diagnosis.verdict.causes
     ]
-    alike = [f"{text(pair.first)} and {text(pair.second)} ({pair.cosine:.2f})" for pair in diagnosis.lookalikes[:PAIRS]]
-    untestable = [f"{text(one.effect)}: {text(one.why)}" for one in diagnosis.untestable]
+    similar = [
+        f"{text(pair.first)} and {text(pair.second)} ({pair.cosine:.2f})" for pair in diagnosis.lookalikes[:PAIRS]
+    ]
+    untestable = [f"{text(item.effect)}: {text(item.why)}" for item in diagnosis.untestable]
     return [
         *rows,
-        ("Hard to tell apart here", f"{'; '.join(alike)} (cosine between what they do)" if alike else "no two"),
-        ("Could not be tried", "; ".join(untestable) or "none"),
+        ("Hard to tell apart here", f"{'; '.join(similar)} (cosine between their responses)" if similar else "no two"),
+        ("Not tried", "; ".join(untestable) or "none"),
         ("Left out by --withhold", ", ".join(map(text, diagnosis.withheld)) or "none"),
     ]
 

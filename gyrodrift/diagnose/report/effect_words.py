@@ -81,17 +81,21 @@ SIGNED: dict[str, tuple[str, str]] = {
 
 def effect_sentence(cause: NamedCause) -> str:
     """The effect with its sign, size and name, and the size in the rig if the rig has the effect."""
-    words = effect_words(cause)
-    if cause.in_rig is None:
-        return f"{words} ({cause.effect.name})"
-    first = cause.parameters[0]
-    size = significant(float(getattr(cause.in_rig, first.name)), DIGITS + 1).replace("-", "−")
-    return f"{words} ({cause.effect.name}; the rig has {size} {first.unit})"
+    first, notes = cause.parameters[0], [cause.effect.name]
+    if first.is_at_least or first.is_at_most:
+        notes.append("at least" if first.is_at_least else "at most")
+    if cause.in_rig is not None:
+        size = significant(float(getattr(cause.in_rig, first.name)), DIGITS + 1).replace("-", "−")
+        notes.append(f"the rig has {size} {first.unit}")
+    return f"{effect_words(cause)} ({'; '.join(notes)})"
 
 
 def effect_words(cause: NamedCause) -> str:
     """The effect with its sign and size."""
-    values = {**cause.effect.model_dump(exclude={"name"}), **{one.name: one.value for one in cause.parameters}}
+    values = {
+        **cause.effect.model_dump(exclude={"name"}),
+        **{parameter.name: parameter.value for parameter in cause.parameters},
+    }
     sentence = SENTENCES.get(cause.effect.name)
     return cause.meaning if sentence is None else sentence(values)
 

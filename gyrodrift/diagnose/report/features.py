@@ -1,4 +1,4 @@
-"""Where simulator and recordings part, in a report: every feature that deviates, as a table and as charts."""
+"""The features in a report: every feature that deviates, as a table and as charts."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -19,7 +19,7 @@ MEASURED = (
     f"The simulator was driven through the motion of each recording, and {len(FEATURES)} features were measured on "
     "both: single numbers, such as by how much the rate error grows with the rate. The deviation of a feature is the "
     "difference between the two in units of σ, the standard deviation that it has between two runs of the simulator "
-    "alone, enlarged by what is too small to matter for yaw."
+    "alone, with an allowance for differences too small to matter for yaw."
 )
 
 
@@ -38,10 +38,10 @@ def features(diagnosis: Diagnosis) -> str:
 
 def _listed(diagnosis: Diagnosis) -> list[FeatureComparison]:
     """Every feature that deviates before or after, the worst before first."""
-    verdict, by_name = diagnosis.verdict, {one.feature.name: one for one in diagnosis.features}
-    names = dict.fromkeys(one.feature for one in (*verdict.where, *verdict.unexplained))
-    left = {one.feature: one.z for one in verdict.unexplained}
-    return [replace(by_name[name], z_after=left.get(name, by_name[name].z_after)) for name in names]
+    verdict, by_name = diagnosis.verdict, {comparison.feature.name: comparison for comparison in diagnosis.features}
+    names = dict.fromkeys(comparison.feature for comparison in (*verdict.where, *verdict.unexplained))
+    remaining = {comparison.feature: comparison.z for comparison in verdict.unexplained}
+    return [replace(by_name[name], z_after=remaining.get(name, by_name[name].z_after)) for name in names]
 
 
 def _introduction(diagnosis: Diagnosis) -> str:
@@ -53,15 +53,15 @@ def _introduction(diagnosis: Diagnosis) -> str:
 
 
 def _family_wise(diagnosis: Diagnosis) -> str:
-    """Where the threshold comes from."""
+    """The meaning of the threshold."""
     return (
-        f"Chance alone takes any of the {len(FEATURES)} beyond {number(diagnosis.threshold_z)} σ in "
+        f"Chance alone takes one of the {len(FEATURES)} features beyond {number(diagnosis.threshold_z)} σ in "
         f"{number(100.0 * FAMILY_WISE_ERROR)} % of such sets of sessions."
     )
 
 
 def _nowhere(diagnosis: Diagnosis) -> str:
-    worst = max(diagnosis.features, key=lambda one: abs(one.z_before))
+    worst = max(diagnosis.features, key=lambda comparison: abs(comparison.z_before))
     return (
         f"Nowhere. {MEASURED} The largest deviation is {deviates(worst.z_before)} σ ({text(worst.feature.says)}); only "
         f"more than {number(diagnosis.threshold_z)} σ counts. {_family_wise(diagnosis)}"
@@ -78,25 +78,28 @@ def _table(diagnosis: Diagnosis, compared: Sequence[FeatureComparison]) -> str:
         f"{WORST_Z:g} σ. The last column says which stage of the rig the feature speaks of, when, and what "
         "<code>gap.json</code> calls it."
     )
-    return table(caption, head, [_row(diagnosis.verdict, one) for one in compared], words=1)
+    return table(caption, head, [_row(diagnosis.verdict, comparison) for comparison in compared], words=1)
 
 
-def _row(verdict: Verdict, one: FeatureComparison) -> list[str]:
-    where, left = (_share(every, one.feature.name) for every in (verdict.where, verdict.unexplained))
-    cells = [text(_says(one)), deviates(one.z_before), where]
+def _row(verdict: Verdict, comparison: FeatureComparison) -> list[str]:
+    where, remaining = (_share(every, comparison.feature.name) for every in (verdict.where, verdict.unexplained))
+    cells = [text(_says(comparison)), deviates(comparison.z_before), where]
     if verdict.acting:
-        after = deviates(one.z_after)
-        cells += [span(after, "mark") if left else after, left]
-    return [*cells, f"{one.feature.stage}, {WHEN[one.feature.regime]}, <code>{text(one.feature.name)}</code>"]
+        after = deviates(comparison.z_after)
+        cells += [span(after, "mark") if remaining else after, remaining]
+    return [
+        *cells,
+        f"{comparison.feature.stage}, {WHEN[comparison.feature.regime]}, <code>{text(comparison.feature.name)}</code>",
+    ]
 
 
-def _says(one: FeatureComparison) -> str:
-    return deviation_words(one.feature.name, one.z_before, one.feature.says)
+def _says(comparison: FeatureComparison) -> str:
+    return deviation_words(comparison.feature.name, comparison.z_before, comparison.feature.says)
 
 
 def _share(every: Sequence[Deviation], name: str) -> str:
     """Empty where the feature does not deviate."""
-    return next((percent(one.share) for one in every if one.feature == name), "")
+    return next((percent(deviation.share) for deviation in every if deviation.feature == name), "")
 
 
 def _charts(diagnosis: Diagnosis, compared: Sequence[FeatureComparison]) -> str:
@@ -108,14 +111,14 @@ def _charts(diagnosis: Diagnosis, compared: Sequence[FeatureComparison]) -> str:
         f"chance. A dot inside a bar is explained.{fitted}"
     )
     legend = marks(has_causes=has_causes, has_left=False)
-    names = [_name(one, has_causes=has_causes) for one in compared]
+    names = [_name(comparison, has_causes=has_causes) for comparison in compared]
     return figure(
         f"<b>Each deviating feature, session by session.</b> {words}<br/>{legend}",
         panels(names, feature_svgs(compared, has_causes=has_causes)),
     )
 
 
-def _name(one: FeatureComparison, *, has_causes: bool) -> str:
-    corrected = f"; corrected {deviates(one.z_after)} σ" if has_causes else ""
-    off = f"{text(one.feature.name)}: {deviates(one.z_before)} σ{corrected}"
-    return f"<strong>{text(_says(one))}</strong><br/>{span(off, 'note')}"
+def _name(comparison: FeatureComparison, *, has_causes: bool) -> str:
+    corrected = f"; corrected {deviates(comparison.z_after)} σ" if has_causes else ""
+    off = f"{text(comparison.feature.name)}: {deviates(comparison.z_before)} σ{corrected}"
+    return f"<strong>{text(_says(comparison))}</strong><br/>{span(off, 'note')}"

@@ -32,7 +32,7 @@ from gyrodrift.html.svg import (
 
 T = TypeVar("T")
 
-BEFORE, AFTER, LEFT = PLAIN, TUNED, TWO
+BEFORE, AFTER, RESIDUAL = PLAIN, TUNED, TWO
 DOTS = 350
 """Points of a cloud that are drawn: some 70 bytes each."""
 
@@ -62,7 +62,7 @@ ZERO = "zero"
 SMOOTH_SECONDS = 5
 WIDE_IN = 3.1
 WIDE_BAR, NARROW_BAR = 0.64, 0.36
-"""Of the simulator as it is and corrected, in sessions: a dot stands before both."""
+"""Widths of the bars of the simulator as it is and corrected, in sessions."""
 
 LONGEST_LABEL = 40
 """Letters below an axis; a longer one is its unit alone, under the panel's name."""
@@ -75,9 +75,9 @@ DECADE = 10.0
 
 
 def feature_svgs(compared: Sequence[FeatureComparison], *, has_causes: bool) -> list[str]:
-    """Of each a panel: the recordings as dots, and what the simulator expects as bars, session by session."""
+    """A panel for each feature, session by session: recordings as dots, expected values of the simulator as bars."""
     with styled():
-        return [_feature_svg(one, f"feature-{at}", has_causes) for at, one in enumerate(compared)]
+        return [_feature_svg(comparison, f"feature-{index}", has_causes) for index, comparison in enumerate(compared)]
 
 
 def _feature_svg(compared: FeatureComparison, name: str, has_causes: bool) -> str:  # noqa: FBT001 - handed on
@@ -109,26 +109,26 @@ def _draw_band(axes: Axes, x: Floats, band: Band, colour: str, width: float) -> 
 def dependence_svgs(every: Sequence[Dependence], *, has_causes: bool, name: str = "against") -> list[str]:
     """Rate errors against each regressor: above as they are, below what the simulator leaves of them."""
     with styled():
-        return [_dependence_svg(one, f"{name}-{at}", has_causes) for at, one in enumerate(every)]
+        return [_dependence_svg(dependence, f"{name}-{index}", has_causes) for index, dependence in enumerate(every)]
 
 
-def _dependence_svg(one: Dependence, name: str, has_causes: bool) -> str:  # noqa: FBT001 - handed on
+def _dependence_svg(dependence: Dependence, name: str, has_causes: bool) -> str:  # noqa: FBT001 - handed on
     figure = canvas(WIDE_IN, 2.5, inset=0.22, bottom=0.15, top=0.97, right=0.97)
     above, below = _two(figure)
-    lines = _lines(one.real, one.before, one.after, has_causes)
-    _draw_cloud(above, one.x, one.real_dps, [line.y for line, _ in lines])
-    _draw_cloud(below, one.x, one.left_dps, [one.left.y])
-    _draw_errors(below, one.left, one.slack)
+    lines = _lines(dependence.real, dependence.before, dependence.after, has_causes)
+    _draw_cloud(above, dependence.x, dependence.real_dps, [line.y for line, _ in lines])
+    _draw_cloud(below, dependence.x, dependence.left_dps, [dependence.left.y])
+    _draw_errors(below, dependence.left, dependence.slack)
     for line, colour in lines:
         _draw_medians(above, line, colour)
-    _draw_medians(below, one.left, LEFT)
-    label = f"{one.name}, {one.unit}"
-    _label_two(figure, label if len(label) <= LONGEST_LABEL else one.unit)
-    return as_svg(figure, name, f"Rate error against {one.name}")
+    _draw_medians(below, dependence.left, RESIDUAL)
+    label = f"{dependence.name}, {dependence.unit}"
+    _label_two(figure, label if len(label) <= LONGEST_LABEL else dependence.unit)
+    return as_svg(figure, name, f"Rate error against {dependence.name}")
 
 
 def _two(figure: Figure) -> tuple[Axes, Axes]:
-    """What is seen above, and what is left of it below."""
+    """Two axes: the error above, the residual below."""
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(5, 4))
     below.axhline(0.0, color=QUIET, linewidth=0.6)
     return above, below
@@ -145,7 +145,7 @@ def _label_two(figure: Figure, x_label: str) -> None:
 
 
 def _lines(real: T, before: T, after: T, has_causes: bool) -> list[tuple[T, str]]:  # noqa: FBT001 - handed on
-    """What is drawn with its colours, the recordings lowest; without causes after is before."""
+    """Curves with their colors, the recordings lowest; without causes there is no corrected curve."""
     return [(real, INK), (before, BEFORE), *([(after, AFTER)] if has_causes else [])]
 
 
@@ -159,17 +159,17 @@ def _draw_cloud(axes: Axes, x: Floats, y: Floats, lines: Sequence[Floats]) -> No
     shown = np.unique(np.linspace(0, len(x) - 1, min(len(x), DOTS)).round().astype(int))
     ends = np.concatenate([np.percentile(y, SHOWN), *lines, [-LEAST_DPS, LEAST_DPS]])
     low, high = float(ends.min()), float(ends.max())
-    held = np.where((y >= low) & (y <= high), y, np.nan)
-    axes.plot(x[shown], held[shown], ".", color=QUIET, markersize=2.6, markeredgewidth=0, alpha=0.55)
+    limited = np.where((y >= low) & (y <= high), y, np.nan)
+    axes.plot(x[shown], limited[shown], ".", color=QUIET, markersize=2.6, markeredgewidth=0, alpha=0.55)
     axes.set_ylim(low - MARGIN * (high - low), high + MARGIN * (high - low))
 
 
 def _draw_errors(axes: Axes, line: Medians, slack: float) -> None:
     wide = ERRORS * line.error + slack * np.abs(line.x)
     if len(line.x) < FEW:
-        axes.vlines(line.x, line.y - wide, line.y + wide, color=LEFT, linewidth=1.4)
+        axes.vlines(line.x, line.y - wide, line.y + wide, color=RESIDUAL, linewidth=1.4)
     else:
-        axes.fill_between(line.x, line.y - wide, line.y + wide, color=LEFT, alpha=0.22, linewidth=0.0)
+        axes.fill_between(line.x, line.y - wide, line.y + wide, color=RESIDUAL, alpha=0.22, linewidth=0.0)
 
 
 def _draw_medians(axes: Axes, line: Medians, colour: str) -> None:
@@ -180,7 +180,7 @@ def _draw_medians(axes: Axes, line: Medians, colour: str) -> None:
 
 
 def over_time_svgs(sessions: Sequence[ResidualSeries], *, has_causes: bool) -> list[str]:
-    """Of each session a panel: medians of some seconds, real and simulated, and what the simulator leaves of them."""
+    """A panel for each session: medians of some seconds, real and simulated, and the residual."""
     with styled():
         return [_over_time_svg(session, has_causes) for session in sessions]
 
@@ -192,14 +192,14 @@ def _over_time_svg(session: ResidualSeries, has_causes: bool) -> str:  # noqa: F
     for values, colour in _lines(session.real_dps, session.before_dps, session.after_dps, has_causes):
         (line,) = above.plot(*thinned(session.minutes, _smooth(values)), color=colour, **_stroke(colour))
         switched(line, ROLES[colour])
-    (line,) = below.plot(*thinned(session.minutes, _smooth(session.left_dps)), color=LEFT, linewidth=1.1)
-    switched(line, ROLES[LEFT])
+    (line,) = below.plot(*thinned(session.minutes, _smooth(session.left_dps)), color=RESIDUAL, linewidth=1.1)
+    switched(line, ROLES[RESIDUAL])
     for axes in (above, below):
         low, high = axes.get_ylim()
         axes.set_ylim(min(low, -LEAST_DPS), max(high, LEAST_DPS))
-    for one in session.change_points:
-        line = below.axvline(float(session.minutes[one.second]), color=LEFT, linestyle=":", linewidth=1.0)
-        switched(line, ROLES[LEFT])
+    for change_point in session.change_points:
+        line = below.axvline(float(session.minutes[change_point.second]), color=RESIDUAL, linestyle=":", linewidth=1.0)
+        switched(line, ROLES[RESIDUAL])
     _label_two(figure, "time, min")
     return as_svg(figure, f"over-time-{session.number}", f"Rate error of session {session.number} over time")
 
@@ -215,23 +215,23 @@ def _smooth(values: Floats) -> Floats:
 def spectrum_svgs(parts: Sequence[Spectra], *, has_causes: bool) -> list[str]:
     """Amplitude densities of the rate error, real and simulated: a panel a range of frequency, all level in scale."""
     with styled():
-        figures = [_spectrum(one, has_causes) for one in parts]
+        figures = [_spectrum(spectra, has_causes) for spectra in parts]
         ends = np.array([axes.get_ylim() for figure in figures for axes in figure.axes])
         low, high = float(ends[:, 0].min(initial=np.inf)), float(ends[:, 1].max(initial=0.0))
         for figure in figures:
             figure.axes[0].set_ylim(low, max(high, DECADE * low))
             label_factors(figure.axes[0].yaxis, *figure.axes[0].get_ylim(), 5)
-        names = [f"spectrum-{at}" for at in range(len(parts))]
-        return [as_svg(one, name, "Spectrum of the rate error") for one, name in zip(figures, names, strict=True)]
+        names = [f"spectrum-{index}" for index in range(len(parts))]
+        return [as_svg(figure, name, "Spectrum of the rate error") for figure, name in zip(figures, names, strict=True)]
 
 
-def _spectrum(one: Spectra, has_causes: bool) -> Figure:  # noqa: FBT001 - handed on
+def _spectrum(spectra: Spectra, has_causes: bool) -> Figure:  # noqa: FBT001 - handed on
     figure = canvas(WIDE_IN, 2.2, inset=0.22, bottom=0.16, top=0.97, right=0.97)
     axes = figure.add_subplot(xscale="log", yscale="log")
-    for values, colour in _lines(one.real, one.before, one.after, has_causes):
-        (line,) = axes.plot(one.hz, np.where(values > 0.0, values, np.nan), color=colour, **_stroke(colour))
+    for values, colour in _lines(spectra.real, spectra.before, spectra.after, has_causes):
+        (line,) = axes.plot(spectra.hz, np.where(values > 0.0, values, np.nan), color=colour, **_stroke(colour))
         switched(line, ROLES[colour])
-    axes.set_xlim(one.hz[0], one.hz[-1])
+    axes.set_xlim(spectra.hz[0], spectra.hz[-1])
     label_factors(axes.xaxis, *axes.get_xlim(), 5)
     axes.set_xlabel("frequency, Hz", labelpad=1.0)
     axes.set_ylabel("rate error, deg/s/√Hz")

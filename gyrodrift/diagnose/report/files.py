@@ -8,17 +8,20 @@ from pathlib import Path
 from typing import Any
 
 from gyrodrift.diagnose.inference.deviations import Deviation
+from gyrodrift.diagnose.inference.gap import SimToRealGap
+from gyrodrift.diagnose.inference.parameters import Parameter
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause
 from gyrodrift.diagnose.regime_words import WHEN
 from gyrodrift.diagnose.report.effect_words import effect_sentence, says
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.files import write_whole
+from gyrodrift.html.numbers import significant
 
 SHOWN = 3
 PROFILE = "next-profile.yaml"
 
 NAMES = ("gap.json", "rig.yaml", PROFILE, "report.html")
-"""Of all files of a diagnosis."""
+"""Names of the files of a diagnosis."""
 
 
 def write_files(folder: Path, diagnosis: Diagnosis) -> None:
@@ -40,29 +43,29 @@ def write_files(folder: Path, diagnosis: Diagnosis) -> None:
 
 
 def content(diagnosis: Diagnosis) -> dict[str, Any]:
-    """What `gap.json` holds."""
+    """Content of `gap.json`."""
     verdict, impact = diagnosis.verdict, diagnosis.yaw_impact
     return {
-        "contradictions": [asdict(one) for one in diagnosis.contradictions],
+        "contradictions": [asdict(item) for item in diagnosis.contradictions],
         "verdict": verdict.kind.value,
         "causes": [_cause(cause) for cause in verdict.causes],
-        "negligible": [{**_cause(one.cause), "yaw_deg": round(one.yaw_deg, 4)} for one in verdict.negligible],
-        "where": [_deviation(one) for one in verdict.where],
-        "leftover": [_deviation(one) for one in verdict.unexplained],
+        "negligible": [{**_cause(item.cause), "yaw_deg": round(item.yaw_deg, 4)} for item in verdict.negligible],
+        "where": [_deviation(item) for item in verdict.where],
+        "leftover": [_deviation(item) for item in verdict.unexplained],
         "gap": asdict(verdict.gap),
         "yaw": {name: getattr(impact, name) for name in ("e_real_deg", "e_sim_before_deg", "e_sim_after_deg")},
         "transfer": {name: value for name, value in asdict(impact).items() if name.startswith("pi_")},
         "linear_model": asdict(diagnosis.linear_model),
         "detectable": {
-            one.effect: {one.parameter: one.value, "unit": one.unit}
-            | ({"at": dict(one.other_parameters)} if one.other_parameters else {})
-            for one in diagnosis.detectable
-            if one.value is not None
+            item.effect: {item.parameter: item.value, "unit": item.unit}
+            | ({"at": dict(item.other_parameters)} if item.other_parameters else {})
+            for item in diagnosis.detectable
+            if item.value is not None
         },
-        "untestable": {one.effect: one.why for one in diagnosis.untestable},
+        "untestable": {item.effect: item.why for item in diagnosis.untestable},
         "calibration": {
-            one.name: {"rig": one.rig, "data": one.data, "low": one.low, "high": one.high}
-            for one in diagnosis.calibration
+            base.name: {"rig": base.rig, "data": base.data, "low": base.low, "high": base.high}
+            for base in diagnosis.calibration
         },
         "remarks": list(diagnosis.remarks),
         "sessions": [session.name for session in diagnosis.sessions],
@@ -73,7 +76,8 @@ def content(diagnosis: Diagnosis) -> dict[str, Any]:
 
 def _cause(cause: NamedCause) -> dict[str, Any]:
     parameters = {
-        one.name: {"value": one.value, "low": one.low, "high": one.high, "unit": one.unit} for one in cause.parameters
+        parameter.name: {"value": parameter.value, "low": parameter.low, "high": parameter.high, "unit": parameter.unit}
+        for parameter in cause.parameters
     }
     in_rig = {} if cause.in_rig is None else {"in_rig": cause.in_rig.model_dump(exclude={"name"})}
     return {
@@ -87,19 +91,19 @@ def _cause(cause: NamedCause) -> dict[str, Any]:
     }
 
 
-def _deviation(one: Deviation) -> dict[str, Any]:
+def _deviation(deviation: Deviation) -> dict[str, Any]:
     return {
-        "stage": one.stage,
-        "signature": one.feature,
-        "regime": one.regime,
-        "z": round(one.z, 2),
-        "share": round(one.share, 4),
-        "says": says(one),
+        "stage": deviation.stage,
+        "signature": deviation.feature,
+        "regime": deviation.regime,
+        "z": round(deviation.z, 2),
+        "share": round(deviation.share, 4),
+        "says": says(deviation),
     }
 
 
 def _finite(value: Any) -> Any:
-    """The same with null for what is infinite or no number."""
+    """The value with None for infinite numbers and NaN."""
     if isinstance(value, dict):
         return {name: _finite(inner) for name, inner in value.items()}
     if isinstance(value, list):
@@ -109,63 +113,101 @@ def _finite(value: Any) -> Any:
 
 def summary(diagnosis: Diagnosis) -> list[str]:
     """The verdict in ten lines or fewer."""
-    verdict, gap, impact = diagnosis.verdict, diagnosis.verdict.gap, diagnosis.yaw_impact
-    lines = [f"contradiction of facts: {one.says}" for one in diagnosis.contradictions]
+    verdict = diagnosis.verdict
+    lines = [f"contradiction of facts: {item.says}" for item in diagnosis.contradictions]
     lines.append(headline(diagnosis))
-    lines += [f"  {said(cause)}" for cause in verdict.causes[:SHOWN]]
+    lines += [f"  {cause_line(cause)}" for cause in verdict.causes[:SHOWN]]
     lines += [
-        f"  negligible: {said(one.cause)}; costs {one.yaw_deg:.2g} deg of yaw" for one in verdict.negligible[:SHOWN]
+        f"  negligible: {cause_line(item.cause)}; changes yaw by {significant(item.yaw_deg, 2)} deg"
+        for item in verdict.negligible[:SHOWN]
     ]
     if verdict.where:
         lines.append(f"where: {_listed(verdict.where)}")
     if verdict.causes and verdict.unexplained:
         lines.append(f"unexplained: {_listed(verdict.unexplained)}")
-    corrected = bool(verdict.causes)
-    shrink = "" if gap.shrink is None or not corrected else f"; {100.0 * gap.shrink:.0f} % of the gap closed"
-    gaps = f"{gap.before:.2f} σ simulator as it is, " + f"{gap.after:.2f} σ corrected, " * corrected
+    return [
+        *lines,
+        _gap_line(diagnosis),
+        _yaw_line(diagnosis),
+        f"check by a linear model: {diagnosis.linear_model.says}",
+        f"next: {diagnosis.next_step}",
+    ]
+
+
+def _gap_line(diagnosis: Diagnosis) -> str:
+    gap, is_corrected = diagnosis.verdict.gap, bool(diagnosis.verdict.causes)
+    closed = f"; {_closed(gap)} of the gap closed" if gap.shrink is not None and is_corrected else ""
+    corrected = f"{gap.after:.2f} σ corrected, " * is_corrected
     judged = "held-out sessions" if len(diagnosis.sessions) > 1 else "the session it was fitted on"
-    lines.append(f"gap, RMS of all features on {judged}: {gaps}{gap.floor:.2f} σ by chance{shrink}")
-    yaws = f"{impact.e_real_deg:.3g} deg recordings, {impact.e_sim_before_deg:.3g} deg simulator as it is"
-    lines.append(f"mean yaw error, one filter: {yaws}" + f", {impact.e_sim_after_deg:.3g} deg corrected" * corrected)
-    lines.append(f"check by a linear model: {diagnosis.linear_model.says}")
-    lines.append(f"next: {diagnosis.next_step}")
-    return lines
+    return (
+        f"gap, RMS of all features on {judged}: {gap.before:.2f} σ simulator as it is, {corrected}{gap.floor:.2f} σ by "
+        f"chance{closed}"
+    )
 
 
-def _listed(found: Sequence[Deviation]) -> str:
-    """The worst, and how many there are beside."""
-    more = f"; and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
-    return "; ".join(f"{says(one)} ({one.stage}, {WHEN[one.regime]})" for one in found[:SHOWN]) + more
+def _closed(gap: SimToRealGap) -> str:
+    return f"{100.0 * max(gap.shrink or 0.0, 0.0):.0f} %"
+
+
+def _yaw_line(diagnosis: Diagnosis) -> str:
+    impact = diagnosis.yaw_impact
+    real, before, after = (
+        f"{significant(value, 3)} deg" for value in (impact.e_real_deg, impact.e_sim_before_deg, impact.e_sim_after_deg)
+    )
+    corrected = f", {after} corrected" * bool(diagnosis.verdict.causes)
+    return f"mean yaw error, one filter: {real} recordings, {before} simulator as it is{corrected}"
+
+
+def _listed(deviations: Sequence[Deviation]) -> str:
+    """The worst deviations beyond chance, and the number of the others."""
+    beyond = [deviation for deviation in deviations if deviation.is_beyond_chance]
+    if not beyond:
+        return "in no single feature by more than chance, in many together"
+    rest = f"; and {len(beyond) - SHOWN} more" if len(beyond) > SHOWN else ""
+    return "; ".join(f"{says(item)} ({item.stage}, {WHEN[item.regime]})" for item in beyond[:SHOWN]) + rest
 
 
 def headline(diagnosis: Diagnosis) -> str:
-    """The verdict as a sentence: each cause in plain words with its sign and size."""
+    """The verdict as a sentence: each cause in plain words with its sign and size, and the closed share of the gap."""
+    gap = diagnosis.verdict.gap
     causes = "; ".join(effect_sentence(cause) for cause in diagnosis.verdict.causes)
-    small = " and ".join(one.cause.effect.name for one in diagnosis.verdict.negligible)
+    small = " and ".join(item.cause.effect.name for item in diagnosis.verdict.negligible)
+    closes = "" if gap.shrink is None else f", which closes {_closed(gap)} of the gap"
     match diagnosis.verdict.kind:
         case Kind.NONE:
-            beside = f", but for {small}, negligible in yaw" if small else ""
-            return f"none: the simulator explains these sessions{beside}"
+            except_small = f", but for {small}, negligible in yaw" if small else ""
+            return f"none: the simulator explains these sessions{except_small}"
         case Kind.EFFECT:
-            return f"effect: {causes}"
+            return f"effect: {causes}{'' if gap.is_closed else closes}"
         case Kind.PARTLY:
-            return f"partly: {causes}; part of the difference is unexplained"
+            return f"partly: {causes}{closes}; part of the difference is unexplained"
         case Kind.UNKNOWN:
             return "unknown: the sessions differ from the simulator, and no effect of the simulator explains it"
 
 
-def said(cause: NamedCause) -> str:
+def cause_line(cause: NamedCause) -> str:
     """A cause in one line."""
     first = cause.parameters[0]
     has = ""
     if cause.in_rig is not None:
-        has = f" in the rig with {getattr(cause.in_rig, first.name):.4g} {first.unit}, the sessions say"
+        has = f" in the rig with {significant(getattr(cause.in_rig, first.name), 4)} {first.unit}, the sessions say"
     phase = ", a phase of its own in each session" if cause.cause.phases_deg is not None else ""
     tied = ""
     if cause.tied_with:
-        others = " or ".join(cause.tied_with)
-        tied = f"; could as well be {others} (one of them or of their group: {cause.group_probability:.2f})"
+        tied = (
+            f"; could as well be {' or '.join(cause.tied_with)} (probability that one of them acts: "
+            f"{cause.group_probability:.2f})"
+        )
     return (
-        f"{cause.effect.name}: {first.name}{has} {first.value:.4g} {first.unit} ({first.low:.4g} to {first.high:.4g})"
-        f"{phase}, probability {cause.probability:.2f}{tied}"
+        f"{cause.effect.name}: {first.name}{has} {_size_words(first)}{phase}, probability {cause.probability:.2f}{tied}"
     )
+
+
+def _size_words(parameter: Parameter) -> str:
+    """A size with its 95 % interval, or a bound if the interval ends at a size beyond which none was tried."""
+    value, low, high = (significant(number, 4) for number in (parameter.value, parameter.low, parameter.high))
+    if parameter.is_at_least:
+        return f"at least {low} {parameter.unit}"
+    if parameter.is_at_most:
+        return f"at most {high} {parameter.unit}"
+    return f"{value} {parameter.unit} ({low} to {high})"

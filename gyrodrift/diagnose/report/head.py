@@ -21,6 +21,7 @@ from gyrodrift.diagnose.report.text import (
     percent,
     sigmas,
     size,
+    size_or_bound,
 )
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import header, paragraph, text, tile, tiles
@@ -28,20 +29,25 @@ from gyrodrift.html.numbers import degrees, significant
 
 WHERE = 3
 EXAMPLES = ("scale_factor", "warmup", "rate_random_walk", "latency")
-"""Effects that most people ask about, for a verdict that says none."""
+"""Well-known effects, for the verdict none."""
 
 CARDS = (
-    "<b>How to read the cards.</b> A cause: the size that fits best, the sizes that fit nearly as well, and the "
-    "probability that the effect acts. Sim-to-real gap: how far the measured features of recordings and simulator are "
-    "apart, in standard deviations σ of repeated runs; the gap cannot shrink below that of the simulator against "
-    "itself. Yaw error: mean error of one and the same filter on recordings and on simulated sessions; equal numbers "
-    "mean a simulator that predicts the drift. Tuned in simulation: yaw error on the recordings with parameters tuned "
-    "in the simulator; the number tuned on the recordings is the best to expect."
+    "<b>How to read the cards.</b> A cause: its most probable size, the sizes that the recordings leave possible (95 "
+    "%), and the probability that the effect acts. Sim-to-real gap: the difference between the measured features of "
+    "recordings and simulator, in standard deviations σ of repeated runs. It cannot shrink below the gap of the "
+    "simulator against itself. Yaw error: mean error of one filter on recordings and on simulated sessions. Equal "
+    "numbers mean that the simulator predicts the drift. Tuned in simulation: yaw error on the recordings with "
+    "parameters tuned in the simulator. Parameters tuned on the recordings are the best to expect."
 )
 
 NOTHING_NAMED = (
-    "No effect that the simulator knows explains this, so none is named, and <code>rig.yaml</code> switches none on. "
-    "The figures below show what is known of it: on what it depends, how it runs over time, and its spectrum."
+    "No effect of the simulator explains this, so none is named, and <code>rig.yaml</code> has no new effect. The "
+    "figures below show on what the difference depends, how it changes over time, and its spectrum."
+)
+
+NO_SINGLE_FEATURE = (
+    "No single feature differs by more than chance. The probability of a difference comes from many small differences "
+    "together."
 )
 
 
@@ -78,53 +84,53 @@ def _sessions(diagnosis: Diagnosis) -> str:
 
 def _in_words(diagnosis: Diagnosis) -> list[str]:
     verdict = diagnosis.verdict
-    said = [_where(diagnosis)]
-    said += [_cause_words(diagnosis, cause) for cause in verdict.causes]
-    if verdict.causes and verdict.unexplained:
-        left = "; ".join(text(says(one)) for one in verdict.unexplained[:WHERE])
-        said += [f"<b>Unexplained:</b> {left}. No effect of the simulator accounts for this."]
+    sentences = [_where(diagnosis)]
+    sentences += [_cause_words(cause) for cause in verdict.causes]
+    remaining = [says(deviation) for deviation in verdict.unexplained if deviation.is_beyond_chance]
+    if verdict.causes and remaining:
+        listed = "; ".join(map(text, remaining[:WHERE]))
+        sentences += [f"<b>Unexplained:</b> {listed}. No effect of the simulator accounts for this."]
     if not verdict.causes and verdict.kind is Kind.UNKNOWN:
-        said += [NOTHING_NAMED]
-    return [*said, *_negligible_words(diagnosis)]
+        sentences += [NOTHING_NAMED]
+    return [*sentences, *_negligible_words(diagnosis)]
 
 
 def _where(diagnosis: Diagnosis) -> str:
     where = diagnosis.verdict.where
-    if not where:
+    if not where and diagnosis.verdict.kind is Kind.NONE:
         return (
             "The simulator was driven through the motion of each recording. "
-            f"Nothing that was measured{', taken by itself,' * bool(diagnosis.verdict.acting)} differs from it by more "
-            "than chance."
+            f"No feature{', taken alone,' * bool(diagnosis.verdict.acting)} differs by more than chance."
         )
-    said = list(dict.fromkeys(text(says(one)) for one in where))
-    more = [f"and {len(said) - WHERE} more, listed below"] if len(said) > WHERE else []
-    return f"<b>What differs:</b> {'; '.join([*said[:WHERE], *more])}."
+    sentences = list(dict.fromkeys(text(says(deviation)) for deviation in where if deviation.is_beyond_chance))
+    if not sentences:
+        return NO_SINGLE_FEATURE
+    rest = [f"and {len(sentences) - WHERE} more, listed below"] if len(sentences) > WHERE else []
+    return f"<b>What differs:</b> {'; '.join([*sentences[:WHERE], *rest])}."
 
 
-def _cause_words(diagnosis: Diagnosis, cause: NamedCause) -> str:
-    is_best = diagnosis.verdict.kind is Kind.UNKNOWN
-    doubt = " It is the best explanation found, and leaves most of the difference." if is_best else ""
+def _cause_words(cause: NamedCause) -> str:
     tied = ""
     if cause.tied_with:
         tied = (
-            f" {_names(cause.tied_with)} would explain these recordings as well. Probability that one of them or of "
-            f"their group acts: {cause.group_probability:.2f}."
+            f" {_names(cause.tied_with)} may act instead: these recordings do not tell them apart. Probability that "
+            f"one of them acts: {cause.group_probability:.2f}."
         )
     has = in_rig(cause)
     size_words = f"The rig has it with {has}; the recordings show {fitted(cause)}" if has else f"Size: {fitted(cause)}"
     return (
         f"<b>{text(cause.effect.name)}</b>: {text(effect_words(cause))}. {size_words}. Probability that it acts: "
-        f"{cause.probability:.2f}.{tied}{doubt}"
+        f"{cause.probability:.2f}.{tied}"
     )
 
 
 def _negligible_words(diagnosis: Diagnosis) -> list[str]:
-    """What acts and costs nothing, in a sentence."""
-    found = diagnosis.verdict.negligible
-    if not found:
+    """Negligible effects in a sentence."""
+    negligible = diagnosis.verdict.negligible
+    if not negligible:
         return []
-    said = [f"<b>{text(one.cause.effect.name)}</b> costs {number(one.yaw_deg, 2)}° of yaw" for one in found]
-    return [f"<b>Real, but negligible:</b> {', '.join(said)}. That is too little to count as a cause."]
+    costs = [f"<b>{text(item.cause.effect.name)}</b> changes yaw by {number(item.yaw_deg, 2)}°" for item in negligible]
+    return [f"<b>Real, but negligible:</b> {', '.join(costs)}. This is too little to count as a cause."]
 
 
 def _names(names: tuple[str, ...]) -> str:
@@ -142,30 +148,30 @@ def _cause_tiles(diagnosis: Diagnosis) -> list[str]:
 def _cause_tile(cause: NamedCause) -> str:
     first, has = cause.parameters[0], in_rig(cause)
     rows = [
-        (text(first.name), size(first.value, first.unit)),
-        ("fits nearly as well", interval(first)),
+        (text(first.name), size_or_bound(first)),
+        ("possible sizes (95 %)", interval(first)),
         *[("in the rig so far", has)] * bool(has),
-        *((text(one.name), size(one.value, one.unit)) for one in others_of(cause)),
+        *((text(parameter.name), size(parameter.value, parameter.unit)) for parameter in others_of(cause)),
         *[("phase", FREE_PHASE)] * has_free_phase(cause),
         ("probability that it acts", f"{cause.probability:.2f}"),
-        ("could as well be", ", ".join(map(text, cause.tied_with)) or "no other effect"),
+        ("may be instead", ", ".join(map(text, cause.tied_with)) or "no other effect"),
     ]
     return tile(f"Cause: {cause.effect.name}", rows)
 
 
 def _examples_tile(diagnosis: Diagnosis) -> str:
-    """Some of the smallest effects that would have been seen."""
-    known = {one.effect: size(one.value, one.unit) for one in diagnosis.detectable if one.value is not None}
-    names = [name for name in EXAMPLES if name in known] or list(known)[: len(EXAMPLES)]
-    rows = [(text(name), known[name]) for name in names]
+    """Some of the smallest effects that would have shown."""
+    smallest = {item.effect: size(item.value, item.unit) for item in diagnosis.detectable if item.value is not None}
+    names = [name for name in EXAMPLES if name in smallest] or list(smallest)[: len(EXAMPLES)]
+    rows = [(text(name), smallest[name]) for name in names]
     return tile("Effects would show here from this size on", rows) if rows else ""
 
 
 def _stages_tile(diagnosis: Diagnosis) -> str:
-    """Where an unknown thing sits."""
+    """Stages of the rig where an unknown difference shows."""
     shares: dict[str, float] = {}
-    for one in diagnosis.verdict.where:
-        shares[one.stage] = shares.get(one.stage, 0.0) + one.share
+    for deviation in diagnosis.verdict.where:
+        shares[deviation.stage] = shares.get(deviation.stage, 0.0) + deviation.share
     worst_first = sorted(shares.items(), key=lambda share: -share[1])
     rows = [(text(stage), percent(share)) for stage, share in worst_first]
     return tile("Stage of the rig where it shows, share of the deviations", rows)
@@ -183,7 +189,7 @@ def _gap_tile(diagnosis: Diagnosis) -> str:
 
 
 def _closed(gap: SimToRealGap) -> list[tuple[str, str]]:
-    """How far it shrank, with the interval that nine in ten of such sets of sessions would give."""
+    """Closed share of the gap, with its 90 % interval over sets of such sessions."""
     rows = [] if gap.shrink is None else [("closed by the correction", percent(gap.shrink))]
     if gap.shrink_low is not None and gap.shrink_high is not None:
         rows += [("90 % interval", f"{percent(gap.shrink_low)} to {percent(gap.shrink_high)}")]

@@ -1,4 +1,4 @@
-"""The end of a report: the rig beside the recordings, the recordings themselves, and what words mean."""
+"""Base values of rig and recordings, the sessions, and a glossary, in a report."""
 
 from collections.abc import Sequence
 from math import floor, isfinite, log10
@@ -13,7 +13,7 @@ from gyrodrift.noise import ROOT_SECONDS_PER_ROOT_HOUR
 
 
 class BaseUnit(NamedTuple):
-    """How a base value is told to a person: its name with the unit, how many of it the rig's own is, most decimals."""
+    """A base value in words: its name with the unit, the factor from the unit of the rig, and the most decimals."""
 
     name: str
     times: float = 1.0
@@ -34,18 +34,21 @@ RIG = (
     "The description of the simulator, a YAML file: base values of the gyro and the encoder, and effects such as "
     "<code>scale_factor</code>."
 )
-CORRECTED = "The rig with the named causes switched on at their fitted sizes, as <code>rig.yaml</code> has it."
+CORRECTED = (
+    "The rig with the named causes switched on at their fitted sizes. <code>rig.yaml</code> has the causes with a "
+    "probability of 0.5 or more."
+)
 GAP = (
     f"The root mean square of the deviations of all features in σ, each limited to {WORST_Z:g} σ. The simulator "
-    "against itself shows what chance alone makes; closed is the share of the rest that the correction takes away."
+    "against itself shows the part of chance alone. Closed is the share of the rest that the correction removes."
 )
 HELD_OUT = (
-    "Leave-one-session-out cross-validation: for each session in turn the causes are fitted on all others, and judged "
-    "by what they leave unexplained of it."
+    "Leave-one-session-out cross-validation: for each session, the sizes of the causes are fitted on all other "
+    "sessions. The gap after the correction is the residual of such predictions."
 )
 PROBABILITY = (
-    "That the effect acts: by how much worse the recordings are explained without it, and how well others would do in "
-    "its place."
+    "Posterior probability that the effect acts: the weight of all sets of effects that hold it. Sets compete with the "
+    "simulator as it is, with all other sets, and with something unknown."
 )
 YAW = (
     "The mean absolute difference between filtered yaw and encoder, with the filter parameters that were tuned in the "
@@ -68,13 +71,13 @@ GLOSSARY = (
 
 def calibration(diagnosis: Diagnosis) -> str:
     """The section of base values of the rig."""
-    rows = [_base_row(one) for one in diagnosis.calibration]
+    rows = [_base_row(base_value) for base_value in diagnosis.calibration]
     words = (
         "These values differ from device to device and from day to day. They were fitted to each session first, so "
-        "that they are no cause of the gap; noise and bias by moving them until the simulator measures what was "
-        "recorded. Copy the recordings' values into the rig if it is to stand for this device. The delay is known only "
-        "where the clocks of host and device have a common zero, and the jitter where arrivals scatter as they do "
-        "behind a scheduler of the host."
+        "that they are no cause of the gap. Noise and bias were moved until the simulator measures the recorded "
+        "values. Copy the values of the recordings into the rig if it should represent this device. The delay is "
+        "known only if the clocks of host and device have a common zero. The jitter is known if arrivals scatter as "
+        "they do behind a scheduler of the host."
     )
     head = headings(["base value", "rig", "recordings, median", "least", "most"])
     return section(
@@ -82,23 +85,27 @@ def calibration(diagnosis: Diagnosis) -> str:
     )
 
 
-def _base_row(one: BaseValue) -> list[str]:
-    """A base value of the rig, and those of the recordings."""
-    shown = SHOWN.get(one.name, BaseUnit(""))
-    known = [value * shown.times for value in (one.rig, one.data, one.low, one.high) if value is not None]
-    sizes = [abs(value) for value in known if isfinite(value) and abs(value) >= 10.0**-shown.decimals]
+def _base_row(base_value: BaseValue) -> list[str]:
+    """A base value of the rig and of the recordings."""
+    shown = SHOWN.get(base_value.name, BaseUnit(""))
+    values = [
+        value * shown.times
+        for value in (base_value.rig, base_value.data, base_value.low, base_value.high)
+        if value is not None
+    ]
+    sizes = [abs(value) for value in values if isfinite(value) and abs(value) >= 10.0**-shown.decimals]
     decimals = min(max(2 - floor(log10(max(sizes))), 0), shown.decimals) if sizes else 0
-    key = f"<code>{text(one.name)}</code>"
-    return [f"{shown.name} {key}".strip(), *[*(fixed(value, decimals) for value in known), *[UNKNOWN] * 3][:4]]
+    key = f"<code>{text(base_value.name)}</code>"
+    return [f"{shown.name} {key}".strip(), *[*(fixed(value, decimals) for value in values), *[UNKNOWN] * 3][:4]]
 
 
 def words_used() -> str:
-    """The section of what words mean."""
+    """The section of the glossary."""
     return section("Words used here", facts(GLOSSARY))
 
 
 def sessions(diagnosis: Diagnosis) -> str:
-    """The section of what was diagnosed, and how long it took."""
+    """The section of the sessions, with the duration of the diagnosis."""
     took = f"The diagnosis took {significant(diagnosis.seconds, 3)} s."
     return section("The sessions", _table(diagnosis.sessions), paragraph(took))
 
@@ -113,8 +120,8 @@ def _table(sessions: Sequence[DiagnosedSession]) -> str:
     ]
     columns = zip(*numbers, strict=True)
     rows = [
-        [f"{at}. {text(session.name)}", *row, _has(session)]
-        for at, (session, row) in enumerate(zip(sessions, columns, strict=True), 1)
+        [f"{index}. {text(session.name)}", *row, _has(session)]
+        for index, (session, row) in enumerate(zip(sessions, columns, strict=True), 1)
     ]
     head = headings(
         ["session", "minutes", "Hz", "bias, deg/s", "noise, deg/s/√Hz", "angle random walk, °/√h", "also holds"],

@@ -1,4 +1,4 @@
-"""What acts and costs nothing, in a report: a short list, with what each costs in yaw."""
+"""Negligible effects in a report: a short list with their change of yaw."""
 
 from gyrodrift.diagnose.inference.verdict import NEGLIGIBLE_DEG
 from gyrodrift.diagnose.report.text import in_rig, interval, number, quiet, size
@@ -7,31 +7,31 @@ from gyrodrift.html.html import headings, paragraph, section, table, text
 
 
 def negligible(diagnosis: Diagnosis) -> str:
-    """The section; nothing where there is none."""
-    found = diagnosis.verdict.negligible
-    if not found:
+    """The section; empty without negligible effects."""
+    items = diagnosis.verdict.negligible
+    if not items:
         return ""
     words = (
-        "These effects are real but no causes: each is below the size at which it begins to matter, and moves the yaw "
-        f"of the integrated rate by less than {number(NEGLIGIBLE_DEG)}° on average over a session. "
-        "<code>rig.yaml</code> leaves them as they are."
+        "These effects are real but no causes: each is below the size at which it matters, and changes integrated "
+        f"yaw by less than {number(NEGLIGIBLE_DEG)}° in the mean of a session. <code>rig.yaml</code> leaves them as "
+        "they are."
     )
     rows = []
-    for one in found:
-        first = one.cause.parameters[0]
-        named = f"{text(one.cause.effect.name)} {quiet(text(first.name))}"
-        probability = f"{one.cause.probability:.2f}"
-        in_rig_now = in_rig(one.cause) or "not in it"
+    for item in items:
+        first = item.cause.parameters[0]
+        named = f"{text(item.cause.effect.name)} {quiet(text(first.name))}"
+        probability = f"{item.cause.probability:.2f}"
+        in_rig_now = in_rig(item.cause) or "not in it"
         rows.append(
             [
                 named,
                 size(first.value, first.unit),
                 interval(first),
                 probability,
-                f"{number(one.yaw_deg, 2)}°",
+                f"{number(item.yaw_deg, 2)}°",
                 in_rig_now,
             ]
         )
-    head = headings(["effect", "size", "fits nearly as well", "probability", "yaw error it causes", "in the rig"])
-    caption = "Size: the best, and those that fit nearly as well. Probability: that it acts."
+    head = headings(["effect", "size", "possible sizes (95 %)", "probability", "yaw error it causes", "in the rig"])
+    caption = "Size: the most probable one. Probability: that the effect acts."
     return section("Real, but negligible", paragraph(words), table(caption, head, rows))

@@ -1,29 +1,30 @@
-"""What else a report says: how small an effect would have been seen, and how to go on."""
+"""The end of a report: the smallest effects that would have shown, and the next steps."""
 
 import shlex
 from pathlib import Path
 
-from gyrodrift.diagnose.inference.verdict import Kind
+from gyrodrift.diagnose.inference.verdict import Kind, NamedCause
 from gyrodrift.diagnose.report.files import PROFILE
 from gyrodrift.diagnose.report.text import in_rig, quiet, size
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import command_line, headings, paragraph, section, table, text
+from gyrodrift.html.numbers import significant
 
 
 def detectable(diagnosis: Diagnosis) -> str:
     """The section of the smallest effects."""
     rows = []
-    for one in diagnosis.detectable:
+    for item in diagnosis.detectable:
         smallest, parameter = "none that was tried", ""
-        if one.value is not None:
-            smallest, parameter = size(one.value, one.unit), one.parameter
-            parameter += "".join(f", {name} {value:.4g}" for name, value in one.other_parameters.items())
-        rows.append([text(one.effect), smallest, quiet(text(parameter)), one.stage])
-    rows += [[text(one.effect), "–", quiet(text(one.why)), ""] for one in diagnosis.untestable]
+        if item.value is not None:
+            smallest, parameter = size(item.value, item.unit), item.parameter
+            parameter += "".join(f", {name} {significant(value, 4)}" for name, value in item.other_parameters.items())
+        rows.append([text(item.effect), smallest, quiet(text(parameter)), item.stage])
+    rows += [[text(item.effect), "–", quiet(text(item.why)), ""] for item in diagnosis.untestable]
     words = (
-        "The smallest size of each effect that these sessions would have shown. That an effect is not named means that "
-        "it is smaller than this, not that it is absent. Longer sessions and more varied motion show smaller ones. "
-        "Steps, dead bands and limits are read off the recordings: only the size that was read was tried."
+        "The smallest size of each effect that nine of ten such sets of sessions would have shown. An effect that is "
+        "not named is smaller than this, or absent. Longer sessions and more varied motion show smaller effects. "
+        "Steps, dead bands and limits are read directly from the recordings: only this size was tried."
     )
     head = headings(["effect", "smallest", "parameter, and others", "stage"], words=2)
     return section(
@@ -42,20 +43,20 @@ def next_steps(diagnosis: Diagnosis, folder: Path) -> str:
         ("Tune the filter on them:", f"gyrodrift tune {simulated} --out {tuned}"),
         ("Run the same rig as a device on a serial port:", f"gyrodrift simulated-device --link /tmp/gyro --rig {rig}"),
         (
-            "Diagnose later recordings against that rig, to see whether anything is left:",
+            "Diagnose later recordings against that rig, to see whether a gap remains:",
             f"gyrodrift diagnose MORE --rig {rig} --out {shlex.quote(str(home / 'again'))}",
         ),
     ]
     if diagnosis.next_profile_yaml is not None:
-        profile, more = shlex.quote(str(home / PROFILE)), shlex.quote(str(home / "more"))
+        profile, combined = shlex.quote(str(home / PROFILE)), shlex.quote(str(home / "more"))
         steps += [
             (
-                "Play the motion that decides what is open on your own table; a simulated device plays it so:",
+                "Play the proposed motion on your own table. A simulated device plays it like this:",
                 f"gyrodrift simulated-device --link /tmp/gyro --rig {rig} --profile {profile}",
             ),
             (
                 "Diagnose recordings of it, in a folder MORE, together with these:",
-                f"gyrodrift diagnose SESSIONS MORE --out {more}",
+                f"gyrodrift diagnose SESSIONS MORE --out {combined}",
             ),
         ]
     parts = [part for words, command in steps for part in (paragraph(words), command_line(command))]
@@ -65,20 +66,25 @@ def next_steps(diagnosis: Diagnosis, folder: Path) -> str:
 def _rig_words(diagnosis: Diagnosis) -> str:
     here = "<code>rig.yaml</code> beside this page is the rig"
     facts = ", with the facts that the recordings show" if diagnosis.contradictions else ""
+    causes = diagnosis.verdict.causes
     new, changed = (
-        " and ".join(f"<b>{text(one.effect.name)}</b>" for one in diagnosis.verdict.causes if bool(in_rig(one)) is has)
+        " and ".join(_name(cause) for cause in causes if cause.is_adopted and bool(in_rig(cause)) is has)
         for has in (False, True)
     )
+    undecided = " and ".join(_name(cause) for cause in causes if not cause.is_adopted)
+    left_out = f" Without {undecided}: with a probability below 0.5 it is not decided yet." if undecided else ""
     if not new and not changed:
         as_it_was = facts or " as it was"
-        return f"{here}{as_it_was}: there is nothing to switch on."
-    doubt = ""
-    if diagnosis.verdict.kind is Kind.UNKNOWN:
-        doubt = " It does not explain the recordings: do not rely on filters tuned with it."
-    if diagnosis.verdict.kind is Kind.PARTLY:
-        doubt = " Something stays unexplained, as said above: it is nearer to the real device, and not the same."
-    said = [f"with {new} switched on at the fitted size"] * bool(new)
-    said += [f"with {changed} at the fitted size instead of its own (switched off where hardly any is left)"] * bool(
+        return f"{here}{as_it_was}: there is nothing to switch on.{left_out}"
+    limits = ""
+    if diagnosis.verdict.kind is Kind.PARTLY or not diagnosis.verdict.gap.is_closed:
+        limits = " Part of the gap stays open, as stated above: the rig is nearer to the device, and not the same."
+    changes = [f"with {new} switched on at the fitted size"] * bool(new)
+    changes += [f"with {changed} at the fitted size instead of its own (switched off if hardly any is left)"] * bool(
         changed
     )
-    return f"{here} {' and '.join(said)}{facts}.{doubt}"
+    return f"{here} {' and '.join(changes)}{facts}.{left_out}{limits}"
+
+
+def _name(cause: NamedCause) -> str:
+    return f"<b>{text(cause.effect.name)}</b>"

@@ -1,4 +1,4 @@
-"""What the difference looks like, in a report: rate errors against all they may depend on, over time, as a spectrum."""
+"""The rate errors in a report: against their possible dependences, over time, and as a spectrum."""
 
 from collections.abc import Sequence
 
@@ -43,36 +43,38 @@ def residuals(diagnosis: Diagnosis) -> str:
 def rate_figure(diagnosis: Diagnosis) -> str:
     """The figure of the rate error against the rate; empty if no session moves."""
     has_causes = bool(diagnosis.verdict.causes)
-    against_rate = [one for one in diagnosis.residuals.dependences if one.name == RATE]
+    against_rate = [dependence for dependence in diagnosis.residuals.dependences if dependence.name == RATE]
     if not against_rate:
         return ""
     caption = (
         "<b>Rate error against rate.</b> A slope is a scale error, a level is a bias, a bend is a nonlinearity. Below, "
         f"on a scale of its own, the residual.<br/>{marks(has_causes=has_causes)}"
     )
-    names = [_dependence_name(one, has_causes=has_causes) for one in against_rate]
+    names = [_dependence_name(dependence, has_causes=has_causes) for dependence in against_rate]
     return figure(caption, panels(names, dependence_svgs(against_rate, has_causes=has_causes, name="rate-error")))
 
 
 def _dependence_figure(every: Sequence[Dependence], *, has_causes: bool) -> str:
     """The figure of the other regressors; the rate has its own figure."""
-    every = [one for one in every if one.name != RATE]
+    every = [series for series in every if series.name != RATE]
     if not every:
         return ""
-    names = [_dependence_name(one, has_causes=has_causes) for one in every]
+    names = [_dependence_name(series, has_causes=has_causes) for series in every]
     return figure(
         _dependence_words(has_causes=has_causes), panels(names, dependence_svgs(every, has_causes=has_causes))
     )
 
 
 def _time_figure(sessions: Sequence[ResidualSeries], *, has_causes: bool) -> str:
-    names = [_session_name(one) for one in sessions]
+    names = [_session_name(series) for series in sessions]
     return figure(_time_words(has_causes=has_causes), panels(names, over_time_svgs(sessions, has_causes=has_causes)))
 
 
 def _spectrum_figure(spectra: Sequence[Spectra], *, has_causes: bool) -> str:
     words = _spectrum_words(has_causes=has_causes)
-    names = [f"<strong>{one.hz[0]:.2g} to {one.hz[-1]:.2g} Hz</strong>" for one in spectra]
+    names = [
+        f"<strong>{significant(panel.hz[0], 2)} to {significant(panel.hz[-1], 2)} Hz</strong>" for panel in spectra
+    ]
     return figure(words, panels(names, spectrum_svgs(spectra, has_causes=has_causes))) if spectra else ""
 
 
@@ -88,13 +90,15 @@ def _introduction(diagnosis: Diagnosis, sessions: Sequence[ResidualSeries]) -> s
 
 
 def _depends(every: Sequence[Dependence], *, has_causes: bool) -> str:
-    """On what the rate error depends more than the simulator's does."""
-    left = sorted(((one.follows_dps, one.name) for one in every), reverse=True)
-    told = [f"{text(name)}: {significant(dps, 2)} deg/s RMS" for dps, name in left[:NAMED] if dps > NEGLIGIBLE_DPS]
+    """The strongest dependences of the residual."""
+    by_size = sorted(((dependence.follows_dps, dependence.name) for dependence in every), reverse=True)
+    strongest = [
+        f"{text(name)}: {significant(dps, 2)} deg/s RMS" for dps, name in by_size[:NAMED] if dps > NEGLIGIBLE_DPS
+    ]
     what = f"The residual of the {NAMES[2]}" if has_causes else "The residual"
-    if not told:
+    if not strongest:
         return f"<b>{what} depends on</b> nothing that is drawn here by more than {NEGLIGIBLE_DPS:g} deg/s RMS."
-    return f"<b>{what} depends on</b> {'; '.join(told)}. Each is taken by itself, the strongest first."
+    return f"<b>{what} depends on</b> {'; '.join(strongest)}. Each is taken by itself, the strongest first."
 
 
 def _dependence_words(*, has_causes: bool) -> str:
@@ -105,10 +109,14 @@ def _dependence_words(*, has_causes: bool) -> str:
     )
 
 
-def _dependence_name(one: Dependence, *, has_causes: bool) -> str:
-    amounts = f"{_dps(one.follows_before_dps)} → {_dps(one.follows_dps)}" if has_causes else _dps(one.follows_dps)
+def _dependence_name(dependence: Dependence, *, has_causes: bool) -> str:
+    amounts = (
+        f"{_dps(dependence.follows_before_dps)} → {_dps(dependence.follows_dps)}"
+        if has_causes
+        else _dps(dependence.follows_dps)
+    )
     follows = span(f"part of the residual that follows it: {amounts} deg/s RMS", "note")
-    return f"<strong>{text(one.name)}</strong><br/>{follows}"
+    return f"<strong>{text(dependence.name)}</strong><br/>{follows}"
 
 
 def _dps(value: float) -> str:
@@ -123,21 +131,21 @@ def _time_words(*, has_causes: bool) -> str:
     )
 
 
-def _session_name(session: ResidualSeries) -> str:
-    name = f'<b title="{text(session.name)}">{session.number}. {text(session.name)}</b>'
-    return name + span(_change_points(session), "note")
+def _session_name(series: ResidualSeries) -> str:
+    name = f'<b title="{text(series.name)}">{series.number}. {text(series.name)}</b>'
+    return name + span(_change_points(series), "note")
 
 
-def _change_points(session: ResidualSeries) -> str:
-    count = len(session.change_points)
+def _change_points(series: ResidualSeries) -> str:
+    count = len(series.change_points)
     if not count:
         return "no change points"
-    told = [
-        f"{session.minutes[one.second]:.1f} min ({number(one.step_dps, 2)})"
-        for one in session.change_points[:CHANGE_POINTS_TOLD]
+    listed = [
+        f"{series.minutes[change_point.second]:.1f} min ({number(change_point.step_dps, 2)})"
+        for change_point in series.change_points[:CHANGE_POINTS_TOLD]
     ]
-    more = " …" if count > CHANGE_POINTS_TOLD else ""
-    return f"{count} change point{'s' * (count > 1)}: {', '.join(told)}{more}"
+    rest = " …" if count > CHANGE_POINTS_TOLD else ""
+    return f"{count} change point{'s' * (count > 1)}: {', '.join(listed)}{rest}"
 
 
 def _spectrum_words(*, has_causes: bool) -> str:

@@ -1,4 +1,4 @@
-"""Words and numbers that several parts of a report share: effects, parameters, deviates, what colours mean."""
+"""Words and numbers that several parts of a report share: effects, parameters, deviations, legends."""
 
 from math import isfinite
 
@@ -8,19 +8,19 @@ from gyrodrift.html.html import legend, span, switches, text
 from gyrodrift.html.numbers import significant
 
 NAMES = ("recordings", "simulator as it is", "corrected simulator")
-"""What is compared, in all figures and tables; corrected is the rig with the named causes at their fitted sizes."""
+"""Names of the compared sets in all figures and tables; corrected is the rig with the named causes."""
 
 REAL, BEFORE, AFTER = zip(("ink", "plain", "tuned"), ("key", "key", "key"), NAMES, strict=True)
-LEFT = ("two", "key", "residual: recordings − simulator")
+RESIDUAL = ("two", "key", "residual: recordings − simulator")
 UNKNOWN = "–"
-"""In the place of a number that there is not."""
+"""Shown instead of a missing number."""
 
 
-FREE_PHASE = "another one in each session"
-"""Of an effect once per turn, beside an encoder that is zeroed wherever it stands at power-on."""
+FREE_PHASE = "different in each session"
+"""Phase of a once-per-turn effect if the encoder is zeroed at power-on."""
 
 UNITS = {"1/h": "per hour"}
-"""Those that read better in words."""
+"""Units as words."""
 
 
 def marks(*, has_causes: bool, has_left: bool = True) -> str:
@@ -29,14 +29,14 @@ def marks(*, has_causes: bool, has_left: bool = True) -> str:
 
 
 def switched_marks(*, has_causes: bool, has_left: bool = True) -> str:
-    """The legend of a figure whose curves it switches, by the names of their colours."""
+    """The legend of a figure that switches its curves, by the names of their colors."""
     return switches([(mark[0], *mark) for mark in _marks(has_causes=has_causes, has_left=has_left)])
 
 
 def _marks(*, has_causes: bool, has_left: bool) -> list[tuple[str, str, str]]:
     simulated = [BEFORE, AFTER] if has_causes else [(*BEFORE[:2], "simulator")]
-    left = (*LEFT[:2], f"residual: recordings − {AFTER[2]}") if has_causes else LEFT
-    return [REAL, *simulated, *[left] * has_left]
+    residual = (*RESIDUAL[:2], f"residual: recordings − {AFTER[2]}") if has_causes else RESIDUAL
+    return [REAL, *simulated, *[residual] * has_left]
 
 
 def size(value: float, unit: str) -> str:
@@ -45,50 +45,64 @@ def size(value: float, unit: str) -> str:
 
 
 def number(value: float, digits: int = 3) -> str:
-    """So many digits, with a true minus."""
+    """A number with so many significant digits and a true minus."""
     return significant(value, digits).replace("-", "−")
 
 
+def size_or_bound(parameter: Parameter) -> str:
+    """The size with its unit; a bound if its interval ends at a size beyond which none was tried."""
+    if parameter.is_at_least:
+        return f"at least {size(parameter.low, parameter.unit)}"
+    if parameter.is_at_most:
+        return f"at most {size(parameter.high, parameter.unit)}"
+    return size(parameter.value, parameter.unit)
+
+
 def interval(parameter: Parameter) -> str:
-    """Sizes that fit nearly as well."""
+    """The 95 % interval of a size."""
     low, high = number(parameter.low), number(parameter.high)
     return f"{low} to {high}" if low != high else "no other"
 
 
 def fitted(cause: NamedCause) -> str:
-    """Parameters of a cause in a line, the first with the range that fits nearly as well."""
+    """Parameters of a cause in a line, the first with its 95 % interval or as a bound."""
     first, phase = cause.parameters[0], ["a phase that is " + FREE_PHASE] * has_free_phase(cause)
-    held = [f"{text(one.name)} {size(one.value, one.unit)}" for one in others_of(cause)]
-    return ", ".join([f"{text(first.name)} {size(first.value, first.unit)} ({interval(first)})", *held, *phase])
+    fixed_ones = [f"{text(parameter.name)} {size(parameter.value, parameter.unit)}" for parameter in others_of(cause)]
+    bounds = "" if first.is_at_least or first.is_at_most else f" (95 %: {interval(first)})"
+    return ", ".join([f"{text(first.name)} {size_or_bound(first)}{bounds}", *fixed_ones, *phase])
 
 
 def has_free_phase(cause: NamedCause) -> bool:
-    """Whether its phase was fitted to each session by itself."""
+    """Whether the phase was fitted to each session."""
     return cause.cause.phases_deg is not None
 
 
 def others_of(cause: NamedCause) -> list[Parameter]:
-    """Parameters beside the size, without a phase that each session has for itself, and what is as in the rig."""
-    known = {} if cause.in_rig is None else cause.in_rig.model_dump()
+    """Parameters except the size, without a free phase and without values as in the rig."""
+    stated = {} if cause.in_rig is None else cause.in_rig.model_dump()
     names = {"phase_deg"} if has_free_phase(cause) else set[str]()
-    return [one for one in cause.parameters[1:] if one.name not in names and known.get(one.name) != one.value]
+    return [
+        parameter
+        for parameter in cause.parameters[1:]
+        if parameter.name not in names and stated.get(parameter.name) != parameter.value
+    ]
 
 
 def in_rig(cause: NamedCause) -> str:
-    """The size that the rig states of a cause that it has already; empty where it has not."""
+    """The size in the rig; empty if the rig lacks the effect."""
     first = cause.parameters[0]
     return "" if cause.in_rig is None else size(float(getattr(cause.in_rig, first.name)), first.unit)
 
 
 def deviates(z: float) -> str:
-    """How many standard deviations of chance something is off."""
+    """A deviation in standard deviations of chance, without its sign."""
     if not isfinite(z):
         return UNKNOWN
     return f"{abs(z):.1f}" if abs(z) < 100.0 else f"{abs(z):.0f}"
 
 
 def sigmas(z: float) -> str:
-    """So many standard deviations of chance."""
+    """A number of standard deviations of chance."""
     return f"{fixed(z, 2)} σ" if isfinite(z) else UNKNOWN
 
 
@@ -101,10 +115,10 @@ def percent(share: float) -> str:
 
 
 def fixed(value: float, decimals: int) -> str:
-    """So many decimals, with a true minus, which a 0 has not."""
+    """A number with fixed decimals and a true minus; 0 has none."""
     return f"{round(value, decimals) + 0.0:.{decimals}f}".replace("-", "−") if isfinite(value) else UNKNOWN
 
 
 def quiet(html: str) -> str:
-    """Set back."""
+    """Text in a quiet color."""
     return span(html, "note")

@@ -16,7 +16,7 @@ from gyrodrift.diagnose.inference.parameters import Parameter
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Negligible
 from gyrodrift.diagnose.recording.facts import Contradiction
 from gyrodrift.diagnose.report.effect_words import SENTENCES, deviation_words
-from gyrodrift.diagnose.report.files import headline, said, summary
+from gyrodrift.diagnose.report.files import cause_line, headline, summary
 from gyrodrift.diagnose.report.head import verdict
 from gyrodrift.diagnose.report.method import calibration
 from gyrodrift.diagnose.report.negligible import negligible
@@ -93,7 +93,7 @@ def test_a_wrong_size_in_the_rig_is_told_with_both_sizes(scaled: Diagnosis) -> N
     assert "The rate reads 0.4 % too high (scale_factor; the rig has 1.2 %)" in shown
     assert "The rig has it with 1.2 %; the recordings show error_percent 0.4 % (0.38 to 0.42)" in shown
     assert "in the rig so far 1.2 %" in shown
-    assert said(found.verdict.causes[0]).startswith(
+    assert cause_line(found.verdict.causes[0]).startswith(
         "scale_factor: error_percent in the rig with 1.2 %, the sessions say 0.4 % (0.38 to 0.42), probability"
     )
     assert "with scale_factor at the fitted size instead of its own" in seen(next_steps(found, Path("out")))
@@ -105,7 +105,7 @@ def test_a_free_phase_is_no_number(scaled: Diagnosis) -> None:
     shown = seen(verdict(found))
     assert "a phase that is another one in each session" in shown
     assert "phase_deg" not in shown
-    assert "a phase of its own in each session" in said(found.verdict.causes[0])
+    assert "a phase of its own in each session" in cause_line(found.verdict.causes[0])
 
 
 def test_what_costs_nothing_has_a_list_of_its_own(scaled: Diagnosis) -> None:
@@ -113,7 +113,7 @@ def test_what_costs_nothing_has_a_list_of_its_own(scaled: Diagnosis) -> None:
     found = with_negligible(scaled)
     assert headline(found) == "none: the simulator explains these sessions, but for scale_factor, negligible in yaw"
     shown = seen(verdict(found))
-    assert "Real, but negligible: scale_factor costs 0.022° of yaw" in shown
+    assert "Real, but negligible: scale_factor changes yaw by 0.022°" in shown
     assert "none is named" not in shown
     listed = row(page("", [negligible(found)]), "scale_factor error_percent")
     assert listed[1:] == ["0.4 %", "0.38 to 0.42", f"{found.verdict.negligible[0].cause.probability:.2f}", "0.022°",
@@ -131,7 +131,7 @@ def test_a_baseline_is_told_in_the_head_and_is_no_doubt(scaled: Diagnosis) -> No
     shown = seen(verdict(replace(scaled, remarks=remarks)))
     assert "Compared with a baseline." in shown
     assert "About the baseline: it shows warmup already, which the rig lacks" in shown
-    assert "Before believing it session-01: short" in shown
+    assert "Limits of this result session-01: short" in shown
     assert "Compared with a baseline." not in seen(verdict(scaled))
 
 

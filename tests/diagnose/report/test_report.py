@@ -126,7 +126,7 @@ def panels(html: str) -> Iterator[ET.Element]:
 
 def test_candidates_are_ranked(html: str, scaled: Diagnosis) -> None:
     """The cause above all others; what was not tried is told."""
-    table = next(one for one in parsed(html).iter("table") if "gain alone" in "".join(one.itertext()))
+    table = next(one for one in parsed(html).iter("table") if "evidence alone" in "".join(one.itertext()))
     names = ["".join(line[0].itertext()) for line in table.iter("tr")][1:]
     assert names[0] == "scale_factor named"
     assert "latency" in names
