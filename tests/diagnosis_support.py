@@ -4,9 +4,7 @@ from types import SimpleNamespace
 from typing import cast
 
 import numpy as np
-from gyrodrift.diagnose.inference.alternatives import alternatives_of
-from gyrodrift.diagnose.inference.search import search
-from inference_support import Amounts, added, evidence, response
+from inference_support import Amounts, concluded, rows, simulated
 
 from firmware_sim.rig import load_rig
 from gyrodrift.arrays import Floats
@@ -16,7 +14,6 @@ from gyrodrift.diagnose.features.within_second import LAG_FEATURES
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.linear_model import LinearModel
 from gyrodrift.diagnose.inference.ranking import lookalikes, ranking
-from gyrodrift.diagnose.inference.verdict import verdict_of
 from gyrodrift.diagnose.predictive_checks.binned_medians import medians, shape_dps
 from gyrodrift.diagnose.predictive_checks.change_points import ChangePoint
 from gyrodrift.diagnose.predictive_checks.dependences import Dependence
@@ -32,18 +29,16 @@ SESSIONS, SECONDS = 2, 180
 SCALED: Amounts = {"rate": 10.0, "rate_cubed": 6.5}
 """Sessions of a gyro that reads too much, and of which something is left unexplained."""
 
-RESPONSES = (
-    response("scale_factor", {"rate": 2.0}, sessions=SESSIONS),
-    response("scale_asymmetry", {"rate": 1.0, "abs_rate": 0.5}, sessions=SESSIONS),
-    response("latency", {"lag": 2.0}, sessions=SESSIONS),
+TRIED = (
+    simulated("scale_factor", {"rate": 2.0}, sessions=SESSIONS),
+    simulated("scale_asymmetry", {"rate": 1.0, "abs_rate": 0.5}, sessions=SESSIONS),
+    simulated("latency", {"lag": 2.0}, sessions=SESSIONS),
 )
 
 
 def diagnosis(away: Amounts) -> Diagnosis:
     """Of two sessions whose features deviate by so many sigmas; popcorn was withheld, two effects are untestable."""
-    result = search(evidence(np.tile(_row(away), (SESSIONS, 1)), *RESPONSES), added)
-    alternatives, surrogate = alternatives_of(result, added)
-    verdict, causes = verdict_of(result, alternatives), result.found.causes
+    verdict, explanation = concluded(rows(away, SESSIONS), *TRIED)
     rig = load_rig(None)
     effects = tuple(cause.effect for cause in verdict.causes)
     none = np.zeros((SESSIONS, len(FEATURES)))
@@ -57,7 +52,7 @@ def diagnosis(away: Amounts) -> Diagnosis:
         remarks=(),
         untestable=(Untestable("clock_drift", "no host times"), Untestable("temp_bias", "no temperature")),
         withheld=("popcorn",),
-        detectable=detectable(surrogate.evidence),
+        detectable=detectable(explanation.scorer, explanation.evidence.effects()),
         calibration=(
             BaseValue("bias_dps", 0.5, 0.35, 0.34, 0.36),
             BaseValue("sample_rate_hz", 100.0, 99.0, 98.0, 100.0),
@@ -67,16 +62,12 @@ def diagnosis(away: Amounts) -> Diagnosis:
         seconds=12.5,
         sessions=tuple(_session(number) for number in range(1, SESSIONS + 1)),
         rig_yaml=rig_yaml(rig.model_copy(update={"effects": (*rig.effects, *effects)})),
-        ranking=ranking(surrogate, causes),
-        lookalikes=lookalikes(surrogate.evidence),
-        threshold_z=surrogate.evidence.threshold_z,
-        features=feature_comparisons_of(surrogate, causes, none, [design()] * SESSIONS),
+        ranking=ranking(explanation),
+        lookalikes=lookalikes([*explanation.scorer.templates.values()]),
+        stands_out=explanation.evidence.stands_out,
+        features=feature_comparisons_of(explanation, none, [design()] * SESSIONS),
         residuals=_residuals(),
     )
-
-
-def _row(away: Amounts) -> Floats:
-    return np.array([away.get(feature.name, 0.0) for feature in FEATURES])
 
 
 def design() -> DesignMatrix:

@@ -1,20 +1,29 @@
-"""Evidence made by hand: a few sessions, candidates that are linear in their size, and their exact simulation."""
+"""Response tables by hand: a few sessions, candidates linear in their size, and their exact simulation."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
-from gyrodrift.diagnose.inference.surrogate import Cause
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
+from gyrodrift.diagnose.inference.conclusion import GROUPS, Conclusion, conclude
+from gyrodrift.diagnose.inference.density import Groups
 from gyrodrift.diagnose.inference.evidence import Evidence, Response
-from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.diagnose.inference.observation import Observation, observation_of
+from gyrodrift.diagnose.inference.pooling import evidence_of
+from gyrodrift.diagnose.inference.sets import Scorer
+from gyrodrift.diagnose.inference.template import Template, templates_of
+from gyrodrift.diagnose.simulate.candidate import Candidate, Sized
 from gyrodrift.diagnose.simulate.candidates import KINDS
-from gyrodrift.diagnose.simulate.response_table import SimulatedSet
+from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, key
 
 SESSIONS = 4
+RUNS = 6
+"""Null runs of each session."""
+
 Amounts = Mapping[str, float]
 """Features by name, in sigmas; all others are 0."""
 
@@ -65,22 +74,107 @@ def candidate(name: str, sizes: Floats = SIZES, realisations: int = 1) -> Candid
         PARAMETERS.get(name, "size"),
         sizes,
         sizes,
-        (KINDS[name].group or name) if name in KINDS else name,
+        KINDS[name].looks_like.name if name in KINDS else name,
         realisations=realisations,
         shape=None if is_effect else shape,
     )
 
 
+class Simulated(NamedTuple):
+    """A candidate with the changes that a simulator shows: (grid points, sessions, realisations, F)."""
+
+    candidate: Candidate
+    nodes: Floats
+
+
+def simulated(name: str, per_size: Amounts, sizes: Floats = SIZES, sessions: int = SESSIONS) -> Simulated:
+    """A candidate that moves features in proportion to its size."""
+    nodes = sizes[:, None, None, None] * rows(per_size, sessions)[:, None]
+    return Simulated(candidate(name, sizes), nodes)
+
+
+def simulated_at_random(name: str, per_size: Floats, sizes: Floats = SIZES) -> Simulated:
+    """A random candidate; `per_size` are its realisations in each session at size 1, (sessions, realisations, F)."""
+    return Simulated(candidate(name, sizes, per_size.shape[1]), sizes[:, None, None, None] * per_size)
+
+
+def tables(difference: Floats | Amounts, *tried: Simulated, nulls: Floats | None = None) -> list[ResponseTable]:
+    """Sessions that differ from the rig; without other nulls each feature scatters by 1, independently in each."""
+    away = rows(difference) if isinstance(difference, Mapping) else difference
+    own = unit_nulls(len(away)) if nulls is None else nulls
+    none = np.zeros(len(FEATURES))
+    return [
+        ResponseTable(
+            f"session-{session}",
+            away[session],
+            none,
+            own[session],
+            own[session],
+            {key(one.candidate): one.nodes[:, session] for one in tried},
+            none,
+        )
+        for session in range(len(away))
+    ]
+
+
+def unit_nulls(sessions: int) -> Floats:
+    """(sessions, RUNS, F) null runs whose pooled variance is 1, and which sessions do not have in common."""
+    signs = np.where((np.arange(sessions)[:, None] + np.arange(RUNS)) % 2, -1.0, 1.0)
+    count = sessions * RUNS
+    nulls: Floats = np.sqrt((count - 1.0) / count) * signs[:, :, None] * np.ones(len(FEATURES))
+    return nulls
+
+
+def simulator(*tried: Simulated) -> Callable[[Sequence[Sized]], SimulatedSet]:
+    """A simulator of sets whose effects add up, each on straight lines between its grid points."""
+    known = {key(one.candidate): one for one in tried}
+
+    def simulate(effects: Sequence[Sized]) -> SimulatedSet:
+        return exactly(np.sum([_between(known[key(one.candidate)], one.size) for one in effects], axis=0))
+
+    return simulate
+
+
+def _between(one: Simulated, size: float) -> Floats:
+    """(S, F) change at a size, mean over realisations."""
+    points, means = one.candidate.grid_points, one.nodes.mean(axis=2)
+    place = float(np.interp(size, points, np.arange(len(points))))
+    lower = min(int(place), len(points) - 2)
+    change: Floats = means[lower] + (place - lower) * (means[lower + 1] - means[lower])
+    return change
+
+
+def concluded(difference: Floats | Amounts, *tried: Simulated) -> Conclusion:
+    """Verdict and explanation of such sessions."""
+    return conclude(tables(difference, *tried), [one.candidate for one in tried], simulator(*tried))
+
+
+def observed(difference: Floats | Amounts, *, nulls: Floats | None = None) -> Observation:
+    """The observation of such sessions, all features compared."""
+    made = tables(difference, nulls=nulls)
+    return observation_of(made, np.ones((len(made), len(FEATURES)), dtype=np.bool_))
+
+
+def scorer_of(difference: Floats | Amounts, *tried: Simulated, nulls: Floats | None = None) -> Scorer:
+    """A scorer of such sessions with a template of each candidate."""
+    made = tables(difference, *tried, nulls=nulls)
+    evidence = evidence_of(made, [one.candidate for one in tried])
+    observation = observation_of(made, evidence.is_compared)
+    stages = np.array([GROUPS.index((feature.stage, feature.regime)) for feature in FEATURES])
+    groups = Groups(stages, len(GROUPS), np.logical_or.reduce(evidence.is_compared))
+    templates = {item.name: item for item in templates_of(observation, made, evidence.responses)}
+    return Scorer(observation, groups, templates)
+
+
+def template_of(*tried: Simulated) -> Template:
+    """The template of variants of one effect."""
+    (template,) = scorer_of(np.zeros_like(tried[0].nodes[0, :, 0]), *tried).templates.values()
+    return template
+
+
 def response(name: str, per_size: Amounts, sizes: Floats = SIZES, sessions: int = SESSIONS) -> Response:
     """Of a candidate that moves features in proportion to its size."""
-    mean = sizes[:, None, None] * rows(per_size, sessions)
-    return Response(candidate(name, sizes), mean, np.zeros((len(sizes), len(FEATURES))))
-
-
-def random_response(name: str, spread_per_size: Amounts, sizes: Floats = SIZES) -> Response:
-    """Of a candidate that makes features scatter, and moves none."""
-    mean = np.zeros((len(sizes), SESSIONS, len(FEATURES)))
-    return Response(candidate(name, sizes, 4), mean, sizes[:, None] * row(spread_per_size))
+    return Response(candidate(name, sizes), sizes[:, None, None] * rows(per_size, sessions))
 
 
 def evidence(difference: Floats | Amounts, *responses: Response) -> Evidence:
@@ -88,14 +182,9 @@ def evidence(difference: Floats | Amounts, *responses: Response) -> Evidence:
     away = rows(difference) if isinstance(difference, Mapping) else difference
     nulls = np.where(np.arange(6)[:, None] % 2 == 0, 1.0, -1.0) * np.ones((len(away), 1, len(FEATURES)))
     names = tuple(f"session-{number}" for number in range(len(away)))
-    return Evidence(names, away, np.ones_like(away), np.ones_like(away), nulls, responses)
+    return Evidence(names, away, np.ones_like(away), nulls, responses)
 
 
 def exactly(change: Floats) -> SimulatedSet:
     """What a simulator says of a set that does the same in each run."""
     return SimulatedSet(change, np.zeros_like(change), 3)
-
-
-def added(causes: Sequence[Cause]) -> SimulatedSet:
-    """What a simulator would say of a set whose effects simply add up."""
-    return exactly(np.sum([cause.response.mean[cause.at] for cause in causes], axis=0))

@@ -40,14 +40,12 @@ ROOMS = {
     "diagnose.features": f"{BASE} diagnose.recording",
     "diagnose.simulate": f"{BASE} diagnose.features diagnose.recording firmware_sim session simulation",
     "diagnose.inference": f"{BASE} diagnose.features diagnose.simulate firmware_sim",
-    "diagnose.posterior": f"{BASE} diagnose.features diagnose.inference diagnose.simulate",
     "diagnose.next_recording": f"{BASE} diagnose.features diagnose.inference diagnose.recording diagnose.simulate "
     "firmware_sim simulation",
     "diagnose.predictive_checks": f"{BASE} diagnose.features diagnose.inference diagnose.recording diagnose.simulate "
     "evaluation filters firmware_sim session tune",
     "diagnose": f"{BASE} diagnose.features diagnose.inference diagnose.next_recording "
-    "diagnose.posterior diagnose.predictive_checks diagnose.recording diagnose.simulate firmware_sim session "
-    "simulation",
+    "diagnose.predictive_checks diagnose.recording diagnose.simulate firmware_sim session simulation",
     "diagnose.report": f"{BASE} diagnose diagnose.features diagnose.inference diagnose.next_recording "
     "diagnose.predictive_checks html",
     "demo": f"{BASE} filters",

@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 from gyrodrift.diagnose.inference.surrogate import Cause
 from inference_support import candidate
-from inference_support import response as linear_response
 
 from firmware_sim.rig import Base, Rig, parse_effect
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.recording.facts import Contradiction
-from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.diagnose.simulate.candidate import Candidate, Sized
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.stages import adopted, with_facts
 
@@ -25,8 +24,7 @@ def named(text: str, in_rig: str | None = None) -> NamedCause:
         parameter=KINDS[effect.name].parameter,
         in_rig=parse_effect(in_rig) if in_rig else None,
     )
-    one = replace(linear_response("latency", {"lag": 1.0}), candidate=tried)
-    return NamedCause(Cause(one, 0), effect, "group", "", 0.9, 0.9, (), ())
+    return NamedCause(Sized(tried, 1.0), effect, "group", "", 0.9, 0.9, (), ())
 
 
 def rig(*texts: str) -> Rig:

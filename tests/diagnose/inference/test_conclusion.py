@@ -4,37 +4,23 @@ from functools import cache
 
 import numpy as np
 import pytest
-from gyrodrift.diagnose.posterior.infer import Conclusion, conclude
-from inference_support import SESSIONS, added, candidate, row
+from inference_support import SESSIONS, rows, simulated
+from inference_support import concluded as concluded_of
 
 from gyrodrift.diagnose.features.vector import FEATURES
+from gyrodrift.diagnose.inference.conclusion import Conclusion
 from gyrodrift.diagnose.inference.verdict import Kind
-from gyrodrift.diagnose.simulate.response_table import ResponseTable, key
 
 SCALE = {"rate": 1.0, "direction": 0.3}
 CLOCK = {"clock_ratio": 1.0, "stamp_wander": 0.3}
-TRIED = (candidate("scale_factor"), candidate("clock_drift"))
-
-
-def tables(amounts: dict[str, float]) -> list[ResponseTable]:
-    """Sessions that differ from the rig by some amounts, in units of the null scatter."""
-    rng = np.random.default_rng(1)
-    made = []
-    for number in range(SESSIONS):
-        nulls = rng.standard_normal((6, len(FEATURES)))
-        responses = {
-            key(one): one.grid_points[:, None, None] * row(per_size)
-            for one, per_size in zip(TRIED, (SCALE, CLOCK), strict=True)
-        }
-        difference = row(amounts) + 0.5 * rng.standard_normal(len(FEATURES))
-        none = np.zeros(len(FEATURES))
-        made.append(ResponseTable(f"session-{number}", difference, none, nulls, nulls, responses, none))
-    return made
+TRIED = (simulated("scale_factor", SCALE), simulated("clock_drift", CLOCK))
 
 
 @cache
 def concluded(**amounts: float) -> Conclusion:
-    return conclude(tables(amounts), TRIED, added)
+    """Of sessions that differ from the rig by some amounts, and by half a standard deviation of chance."""
+    chance = 0.5 * np.random.default_rng(1).standard_normal((SESSIONS, len(FEATURES)))
+    return concluded_of(rows(amounts) + chance, *TRIED)
 
 
 def times(size: float, per_size: dict[str, float]) -> dict[str, float]:
@@ -44,7 +30,7 @@ def times(size: float, per_size: dict[str, float]) -> dict[str, float]:
 def test_chance_alone_is_no_gap() -> None:
     conclusion = concluded()
     assert conclusion.verdict.kind is Kind.NONE
-    assert conclusion.posterior.no_gap > 0.8
+    assert conclusion.explanation.posterior.no_gap > 0.8
 
 
 def test_an_effect_is_named_with_its_size() -> None:
@@ -66,10 +52,10 @@ def test_a_gap_that_no_effect_makes_is_unknown() -> None:
     """Large deviations in other features than those of the effects, and no effect is named for them."""
     conclusion = concluded(temperature=12.0, wander_20s=-9.0)
     assert (conclusion.verdict.kind, conclusion.verdict.causes) == (Kind.UNKNOWN, ())
-    assert conclusion.posterior.unknown > 0.9
+    assert conclusion.explanation.posterior.unknown > 0.9
 
 
 def test_probabilities_of_all_hypotheses_add_up_to_1() -> None:
-    posterior = concluded(**times(6.0, SCALE)).posterior
+    posterior = concluded(**times(6.0, SCALE)).explanation.posterior
     assert posterior.weights.sum() == pytest.approx(1.0)
     assert posterior.no_gap + posterior.unknown < 1.0

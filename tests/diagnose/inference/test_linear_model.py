@@ -5,8 +5,7 @@ from typing import cast
 
 import numpy as np
 import pytest
-from gyrodrift.diagnose.inference.surrogate import Cause
-from inference_support import PARAMETERS, response
+from inference_support import PARAMETERS, candidate
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from gyrodrift.arrays import Floats
@@ -14,6 +13,7 @@ from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.inference.least_squares import Whitened, fit, innovations, whitened
 from gyrodrift.diagnose.inference.linear_model import linear_model_of, regressors_of
 from gyrodrift.diagnose.inference.verdict import NamedCause
+from gyrodrift.diagnose.simulate.candidate import Sized
 
 BLOCKS, BLOCK = 600, 4
 NOISE_DPS = 0.005
@@ -45,7 +45,7 @@ def rate_of(one: DesignMatrix) -> Floats:
 def named(name: str, *tied_with: str) -> NamedCause:
     """As a verdict would name it."""
     effect = CATALOGUE[name].model_validate({"name": name, PARAMETERS[name]: 1.0})
-    return NamedCause(Cause(response(name, {"rate": 1.0}), 0), effect, "", "", 0.9, 0.9, (), tied_with)
+    return NamedCause(Sized(candidate(name), 1.0), effect, "", "", 0.9, 0.9, (), tied_with)
 
 
 def test_a_fit_is_ordinary_least_squares() -> None:

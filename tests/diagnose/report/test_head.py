@@ -23,6 +23,7 @@ from gyrodrift.diagnose.report.negligible import negligible
 from gyrodrift.diagnose.report.next_steps import next_steps
 from gyrodrift.diagnose.report.page import report_html
 from gyrodrift.diagnose.result import BaseValue, Diagnosis
+from gyrodrift.diagnose.simulate.candidate import Sized
 from gyrodrift.html.html import page
 from gyrodrift.html.provenance import Provenance
 
@@ -44,12 +45,11 @@ def cause_of(scaled: Diagnosis, in_rig: Effect | None = None, phases_deg: Sequen
     (named,) = scaled.verdict.causes
     phases = None if phases_deg is None else np.array(phases_deg)
     candidate = replace(named.cause.candidate, in_rig=in_rig)
-    response = replace(named.cause.response, candidate=candidate, phases_deg=phases)
     size = Parameter("error_percent", 0.4, 0.38, 0.42, "%")
     others = () if phases is None else (Parameter("phase_deg", 30.0, -180.0, 180.0, "deg"),)
     return replace(
         named,
-        cause=replace(named.cause, response=response),
+        cause=Sized(candidate, 0.4, phases),
         effect=ScaleFactor(error_percent=0.4),
         parameters=(size, *others),
     )
@@ -72,7 +72,7 @@ def test_contradicted_facts_come_before_the_verdict(scaled: Diagnosis) -> None:
     (head,) = parsed(html).iter("h1")
     assert "".join(head.itertext()) == "The rig states an encoder of 1000 counts per turn, the recordings show 4096"
     shown = words(html)
-    order = [COUNTS.says, "Apart from that: the rate reads 5.1 % too high (scale_factor)", "What differs:"]
+    order = [COUNTS.says, "Apart from that: the rate reads 5 % too high (scale_factor)", "What differs:"]
     assert sorted(order, key=shown.index) == order
     assert summary(found)[0] == f"contradiction of facts: {COUNTS.says}"
     assert summary(found)[1] == headline(found)

@@ -58,12 +58,12 @@ def test_it_is_one_file_that_asks_the_network_for_nothing(html: str) -> None:
 def test_the_verdict_comes_first(html: str, scaled: Diagnosis) -> None:
     """As one sentence, then its cause with size and probability, how far the gap shrank, and what to record next."""
     (head,) = list(parsed(html).iter("h1"))
-    assert "".join(head.itertext()).startswith("bench day 2: the rate reads 5.1 % too high (scale_factor)")
+    assert "".join(head.itertext()).startswith("bench day 2: the rate reads 5 % too high (scale_factor)")
     cause = next(cause for cause in scaled.verdict.causes if cause.effect.name == "scale_factor")
     order = [
         "2 sessions, 6 minutes",
         "scale_factor",
-        "the rate reads 5.1 % too high. Size:",
+        "the rate reads 5 % too high. Size:",
         f"Probability that it acts: {cause.probability:.2f}",
     ]
     order += [
@@ -133,8 +133,8 @@ def test_candidates_are_ranked(html: str, scaled: Diagnosis) -> None:
     assert "popcorn" not in names
     assert "Left out by --withhold popcorn" in re.sub(r"\s+", " ", " ".join(parsed(html).itertext()))
     smallest = next(one.value for one in scaled.detectable if one.effect == "scale_factor")
-    assert smallest == 3.0  # the least that chance of one sigma does not hide from what accepts a cause
-    assert row(html, "scale_factor")[:3] == ["scale_factor", "3 %", "error_percent"]
+    assert smallest == 2.0  # 16 of the log-likelihood ratio in two sessions, less 1.28 times their root of 32
+    assert row(html, "scale_factor")[:3] == ["scale_factor", "2 %", "error_percent"]
 
 
 def test_it_says_how_to_go_on(html: str) -> None:
@@ -212,7 +212,7 @@ def test_files_hold_what_was_found(scaled: Diagnosis, tmp_path: Path) -> None:
     assert found["gap"]["before"] is None
     assert found["verdict"] == "partly"
     assert found["causes"][0]["effect"] == "scale_factor"
-    assert found["detectable"]["scale_factor"] == {"error_percent": 3.0, "unit": "%"}
+    assert found["detectable"]["scale_factor"] == {"error_percent": 2.0, "unit": "%"}
     assert found["untestable"] == {"clock_drift": "no host times", "temp_bias": "no temperature"}
     assert found["calibration"]["bias_dps"] == {"rig": 0.5, "data": 0.35, "low": 0.34, "high": 0.36}
     assert found["sessions"] == ["session-01", "session-02"]
@@ -236,5 +236,5 @@ def test_the_summary_is_short(scaled: Diagnosis) -> None:
     """The verdict first, what to record next last."""
     lines = summary(scaled)
     assert len(lines) <= 10
-    assert lines[0] == "partly: the rate reads 5.1 % too high (scale_factor); part of the difference is unexplained"
+    assert lines[0] == "partly: the rate reads 5 % too high (scale_factor); part of the difference is unexplained"
     assert lines[-1] == f"next: {scaled.next_step}"

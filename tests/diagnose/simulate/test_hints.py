@@ -182,19 +182,6 @@ def test_a_slip_is_found_with_its_height() -> None:
     assert hints_with("encoder_slip:step_deg=2,per_hour=200").slip_deg == pytest.approx(2.0, rel=0.05)
 
 
-def test_periods_in_time_and_angle_are_found() -> None:
-    """Sines that are put into rate and angle by hand."""
-    session = session_of(minutes=5.0)
-    assert session.encoder_deg is not None
-    turn = np.deg2rad(session.encoder_deg)
-    in_time = replace(session, rate_dps=session.rate_dps + 0.2 * np.sin(2.0 * np.pi * session.t_device_s / 45.0))
-    assert hints_of([subject_from(in_time)]).period_s == pytest.approx(45.0, rel=0.1)
-    in_angle = replace(session, rate_dps=session.rate_dps + 0.2 * np.sin(5.0 * turn))
-    assert hints_of([subject_from(in_angle)]).turn_order == 5
-    of_angle = replace(session, encoder_deg=session.encoder_deg + 0.1 * np.sin(4.0 * turn))
-    assert hints_of([subject_from(of_angle)]).angle_turn_order == 4
-
-
 def test_of_several_sessions_the_median_counts_and_the_largest_rate_of_all() -> None:
     """Two with steps and one without: the step is theirs."""
     coarse = subject_from(session_of(parse_effect("quantization:step_dps=0.25")))

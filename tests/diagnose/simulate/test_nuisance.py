@@ -12,10 +12,7 @@ from gyrodrift.diagnose.simulate.nuisance import (
     MEMORY_S,
     ahead,
     behind_temperature,
-    in_angle,
     in_proportion,
-    in_time,
-    of_angle_error,
     with_memory,
     with_memory_in_motion,
 )
@@ -31,14 +28,6 @@ def test_they_are_told_from_effects_by_name_and_make_none() -> None:
     assert all(one.group in {one.name, LAG} for one in outside)
     with pytest.raises(LookupError, match="no effect"):
         outside[0].make(1.0)
-
-
-def test_a_rate_that_leads_stands_against_what_makes_it_lag() -> None:
-    """It only ever leads, and nothing else of the catalogue is ruled out by it."""
-    lead = candidate_of("?acceleration")
-    against = {one.name for one in candidates(HINTS) if lead.stands_against(one)}
-    assert against == {"latency", "bandwidth"}
-    assert (lead.sizes > 0.0).all()
 
 
 def test_a_rate_that_leads_is_what_it_is_a_little_later() -> None:
@@ -62,31 +51,6 @@ def test_a_bias_follows_the_temperature_with_play() -> None:
     assert lag_c[round(4.0 * RATE_HZ)] == pytest.approx(0.4, abs=0.01)
     assert lag_c[len(lag_c) // 2 - design.block] == pytest.approx(0.5, abs=1e-6)
     assert lag_c[-1] == pytest.approx(-0.5, abs=0.01)
-
-
-def test_a_sine_in_time_has_its_period() -> None:
-    """After a period it comes again, after half of one with the opposite sign; 1 at most."""
-    shape = in_time(20.0)(plain().design, np.random.default_rng(0))
-    points = round(20.0 * RATE_HZ)
-    assert shape[points:] == pytest.approx(shape[:-points], abs=1e-3)
-    assert shape[points // 2 :] == pytest.approx(-shape[: -points // 2], abs=1e-3)
-    assert 0.999 < np.abs(shape).max() <= 1.0
-
-
-def test_a_sine_in_angle_has_its_order() -> None:
-    """All of it is sine and cosine of that multiple of the angle."""
-    design = plain().design
-    shape = in_angle(4)(design, np.random.default_rng(0))
-    turn = np.deg2rad(4.0 * design.motion.angle_deg)
-    sine, cosine = np.linalg.lstsq(np.column_stack([np.sin(turn), np.cos(turn)]), shape, rcond=None)[0]
-    assert np.hypot(sine, cosine) == pytest.approx(1.0)
-
-
-def test_the_rate_of_an_angle_error_sums_up_to_that_error() -> None:
-    """Its integral is a sine of one degree in that multiple of the angle: 2 degrees from top to bottom."""
-    shape_dps = of_angle_error(3)(plain().design, np.random.default_rng(0))
-    angle_deg = np.cumsum(shape_dps) / RATE_HZ
-    assert np.ptp(angle_deg) == pytest.approx(2.0, rel=0.02)
 
 
 def test_a_regressor_moves_the_coefficient_of_its_own() -> None:

@@ -10,14 +10,13 @@ from simulate_support import BASE, HINTS, candidate_of, feature, plain, session_
 from firmware_sim.effects.effect import Effect
 from firmware_sim.rig import Rig, parse_effect
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.recording.recording import recording_of
-from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.diagnose.simulate.candidate import Candidate, Sized
 from gyrodrift.diagnose.simulate.candidates import candidates
-from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet
+from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.responses import response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
-from gyrodrift.diagnose.simulate.whole_set import Sized, change_of, in_session, with_events
+from gyrodrift.diagnose.simulate.whole_set import change_of, in_session
 
 TILT = parse_effect("g_sensitivity:amplitude_dps=0.1,phase_deg=30")
 
@@ -52,19 +51,8 @@ def test_a_set_is_played_as_one_rig() -> None:
     by_hand = [with_both.simulated(effects, seed).values - plain().base_run(seed).values for seed in range(3)]
     assert change(*two) == pytest.approx(np.mean(by_hand, axis=0), abs=1e-9)
     found = change_of(two, [plain()], [table()])
-    events = NUMBER["slip_size"]
-    assert np.delete(found.variance[0], events) == pytest.approx(np.delete(np.var(by_hand, axis=0, ddof=1), events))
-    assert (found.variance[0, events], found.runs) == (0.0, 3)
-
-
-def test_how_large_events_are_is_told_by_sessions_that_have_them() -> None:
-    """All else is what each session shows."""
-    at, other = NUMBER["slip_size"], NUMBER["slip_count"]
-    changes = np.zeros((3, len(FEATURES)))
-    changes[:, at], changes[:, other] = (0.0, 2.0, 3.0), (0.0, 1.0, 2.0)
-    told = with_events([SimulatedSet(each, np.zeros(len(FEATURES)), 3) for each in changes])
-    assert told.change[:, at].tolist() == [2.5, 2.0, 3.0]
-    assert told.change[:, other].tolist() == [0.0, 1.0, 2.0]
+    assert found.variance[0] == pytest.approx(np.var(by_hand, axis=0, ddof=1))
+    assert found.runs == 3
 
 
 def test_a_random_one_is_the_mean_of_four() -> None:
