@@ -2,19 +2,24 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
+from scipy.special import chdtri
 
 from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.parameters import unit_of
 from gyrodrift.diagnose.inference.posterior import POWER
-from gyrodrift.diagnose.inference.sets import ONE_POINT, Scorer, log_prior_of
+from gyrodrift.diagnose.inference.sets import ONE_POINT, TINY, Scorer, log_prior_of
 from gyrodrift.diagnose.inference.template import Template
 
+SURE = 0.9
+"""Share of the recordings with an effect that show it."""
+
 NINE_IN_TEN = 1.2816
-"""Standard normal quantile that nine of ten recordings exceed."""
+"""Standard normal deviate below which one of ten recordings lies."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,17 +66,55 @@ def detectable(scorer: Scorer, responses: Sequence[Response]) -> tuple[Detectabl
 def odds(scorer: Scorer, template: Template) -> Floats:
     """(P,) log posterior odds of an effect against nothing that about nine of ten recordings with it reach.
 
-    A log-likelihood ratio with mean D has a standard deviation of sqrt(2 D). A random effect counts by the variance v
-    of its features, in units of the variance without a gap: half the sum of v - log(1 + v).
+    The log-likelihood ratio of a shift with mean D has a standard deviation of sqrt(2 D). A random effect has the
+    variances v along its principal axes, in units of the variance without a gap. Its ratio has the mean
+    sum(v - log(1 + v)) / 2 and scatters as sum(v x^2) / 2, with x standard normal.
     """
-    covariance = scorer.observation.covariance
-    shift = np.einsum("psf,fst,ptf->p", template.mean, np.linalg.inv(covariance), template.mean, optimize=True)
-    diagonal = np.diagonal(covariance, axis1=1, axis2=2).T
-    scatter = (template.scatter + np.square(template.factors).sum(axis=2)) / diagonal
-    gain = 0.5 * shift + 0.5 * (scatter - np.log1p(scatter)).sum(axis=(1, 2))
-    sure = gain - NINE_IN_TEN * np.sqrt(2.0 * gain)
+    shift = _shift(scorer, template)
+    scatter = _scatter(scorer, template)
+    margin = np.hypot(NINE_IN_TEN * np.sqrt(shift), 0.5 * (scatter.trace - scatter.exceeded))
+    sure = 0.5 * (shift + scatter.trace - scatter.log_determinant) - margin
     log_odds: Floats = POWER * (sure + template.log_prior + ONE_POINT) + log_prior_of(template)
     return log_odds
+
+
+def _shift(scorer: Scorer, template: Template) -> Floats:
+    """(P,) squared length of the mean, in units of the covariance without a gap."""
+    inverse = np.linalg.inv(scorer.observation.covariance)
+    shift: Floats = np.einsum("psf,fst,ptf->p", template.mean, inverse, template.mean, optimize=True)
+    return shift
+
+
+class _Scatter(NamedTuple):
+    """Sums over the variances v of a random effect along its principal axes, (P,) each.
+
+    trace, log_determinant
+        Sums of v and of log(1 + v).
+    exceeded
+        Value that sum(v x^2) exceeds in nine of ten recordings, with x standard normal.
+    """
+
+    trace: Floats
+    log_determinant: Floats
+    exceeded: Floats
+
+
+def _scatter(scorer: Scorer, template: Template) -> _Scatter:
+    """Approximate sum(v x^2) by a multiple of a chi-squared variable with the same mean and variance.
+
+    F. E. Satterthwaite, An approximate distribution of estimates of variance components (1946).
+    """
+    diagonal = np.diagonal(scorer.observation.covariance, axis1=1, axis2=2).T
+    own, factors = template.scatter / diagonal, template.factors / np.sqrt(diagonal)[:, None]
+    gram, whitened = factors @ factors.swapaxes(2, 3), (factors / (1.0 + own[:, :, None])) @ factors.swapaxes(2, 3)
+    trace = own.sum(axis=(1, 2)) + np.trace(gram, axis1=2, axis2=3).sum(axis=1)
+    squares = np.square(own).sum(axis=(1, 2)) + np.square(gram).sum(axis=(1, 2, 3))
+    squares += 2.0 * (np.square(factors) * own[:, :, None]).sum(axis=(1, 2, 3))
+    log_determinant = np.log1p(own).sum(axis=(1, 2))
+    log_determinant += np.linalg.slogdet(np.eye(factors.shape[2]) + whitened)[1].sum(axis=1)
+    degrees = np.square(trace) / np.maximum(squares, TINY)
+    quantile = np.where(trace > 0.0, chdtri(np.maximum(degrees, TINY), SURE), 0.0)
+    return _Scatter(trace, log_determinant, quantile * squares / np.maximum(trace, TINY))
 
 
 def _shows_first(result: Detectable, earlier: Detectable) -> bool:
