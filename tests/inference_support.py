@@ -1,6 +1,7 @@
 """Response tables by hand: a few sessions, candidates linear in their size, and their exact simulation."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -188,3 +189,10 @@ def evidence(difference: Floats | Amounts, *responses: Response) -> Evidence:
 def exactly(change: Floats) -> SimulatedSet:
     """What a simulator says of a set that does the same in each run."""
     return SimulatedSet(change, np.zeros_like(change), 3)
+
+
+def with_difference(scorer: Scorer, difference: Floats) -> Scorer:
+    """The same for recordings that differ from the rig by something else, in units of its observation."""
+    observation = scorer.observation
+    compared = np.where(observation.is_compared, difference, 0.0)
+    return Scorer(replace(observation, difference=compared), scorer.groups, scorer.templates)

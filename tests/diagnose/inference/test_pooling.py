@@ -129,52 +129,23 @@ def test_a_phase_is_turned_out_of_its_sine_and_cosine() -> None:
     assert response.mean[0, 0, NUMBER["turn_cosine"]] == pytest.approx(8.0 * np.sin(np.pi / 6.0))
 
 
-def test_realisations_of_all_sessions_are_one_sample() -> None:
-    """What may go either way has no mean but a spread, of which 0 is the middle; a variance has both."""
+def test_realisations_are_kept_for_each_session() -> None:
+    """By simulated size, and their mean."""
     one = replace(candidate("rate_random_walk"), realisations=2, grid_points=np.array([1.0]), sizes=np.array([1.0]))
-    draws = [[row({"time": 3.0, LOG: 1.0}), row({"time": 1.0, LOG: 2.0})], [row({"time": -3.0, LOG: 3.0}), row({})]]
-    tables = [
-        table(str(number), np.zeros((2, len(FEATURES))), {key(one): np.array([draw])})
-        for number, draw in enumerate(draws)
-    ]
+    draws = np.array([[row({"time": 3.0}), row({"time": 1.0})], [row({"time": -3.0}), row({})]])
+    tables = [table(str(number), NONE + np.zeros((2, 1)), {key(one): draw[None]}) for number, draw in enumerate(draws)]
     (response,) = evidence_of(tables, [one]).responses
-    assert response.mean[0, :, NUMBER["time"]] == pytest.approx([0.0, 0.0])
-    assert response.spread[0, NUMBER["time"]] == pytest.approx(np.sqrt((9.0 + 1.0 + 9.0) / 4.0))
-    assert response.mean[0, :, NUMBER[LOG]] == pytest.approx([1.5, 1.5])
-    assert response.spread[0, NUMBER[LOG]] == pytest.approx(np.std([1.0, 2.0, 3.0, 0.0]))
+    assert response.realised is not None
+    assert np.array_equal(response.realised[0], draws)
+    assert response.mean[0, :, NUMBER["time"]] == pytest.approx([2.0, -1.5])
 
 
-def test_what_few_realisations_do_is_rare() -> None:
-    """A jump in one of eight, beside a scatter that all have: the former has a mean and a spread, and no usual ones."""
-    one = replace(candidate("rate_random_walk"), realisations=8, grid_points=np.array([1.0]), sizes=np.array([1.0]))
-    walks = np.array([-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0])
-    draws = np.array(
-        [
-            row({"time": walk, "rate": 4.0 * (number == 0), LOG: 8.0 * (number == 0)})
-            for number, walk in enumerate(walks)
-        ]
-    )
-    (response,) = evidence_of([table("one", np.zeros((2, len(FEATURES))), {key(one): draws[None]})], [one]).responses
-    assert response.usual is not None
-    shown = {"rate": (0.0, np.sqrt(2.0), 0.0, 0.0), "time": (0.0, 1.0, 0.0, 1.0), LOG: (1.0, np.sqrt(7.0), -1.0, 0.0)}
-    for name, expected in shown.items():
-        at = NUMBER[name]
-        found = (
-            response.mean[0, 0, at],
-            response.spread[0, at],
-            response.usual.shift[0, at],
-            response.usual.spread[0, at],
-        )
-        assert found == pytest.approx(expected)
-
-
-def test_what_chance_makes_is_told_apart_from_the_threshold() -> None:
-    """Of a rate whose threshold is 2: both together are sigma."""
-    nulls = np.array([row({"rate": 1.0}), row({"rate": -1.0}), row({"rate": 0.5})])
-    one = evidence_of([table("one", nulls)], [])
-    at = NUMBER["rate"]
-    assert one.chance[0, at] == pytest.approx(np.std([1.0, -1.0, 0.5], ddof=1), rel=0.05)
-    assert one.sigma[0, at] == pytest.approx(np.hypot(one.chance[0, at], 2.0))
+def test_how_large_jumps_are_is_not_compared() -> None:
+    """It is known only where some happened; how many there were is compared."""
+    nulls = np.random.default_rng(1).normal(0.0, 1.0, (8, len(FEATURES)))
+    evidence = evidence_of([table("one", nulls)], [])
+    assert evidence.sigma[0, NUMBER["slip_size"]] == NOT_COMPARED
+    assert evidence.is_compared[0, NUMBER["slip_count"]]
 
 
 def test_events_of_a_null_that_one_side_lacks_take_nothing_off_the_others() -> None:
@@ -184,23 +155,6 @@ def test_events_of_a_null_that_one_side_lacks_take_nothing_off_the_others() -> N
     found = evidence_of([one], [])
     assert found.difference[0, NUMBER["slip_size"]] == pytest.approx(-0.05)
     assert found.sigma[0, NUMBER["slip_size"]] > 2.0
-
-
-def test_how_large_events_are_is_told_by_those_that_happen() -> None:
-    """A session without one says nothing of it, and a run without one does not make them smaller."""
-    one = replace(candidate("encoder_slip"), realisations=2, grid_points=np.array([1.0]), sizes=np.array([1.0]))
-    limits = {"slip_size": 0.3}
-    draws = [[row({"slip_size": 2.0}), row({})], [row({"slip_size": 3.0}), row({})]]
-    tables = [
-        replace(table(str(number), np.zeros((2, len(FEATURES))), {key(one): np.array([draw])}), thresholds=row(limits))
-        for number, draw in enumerate(draws)
-    ]
-    tables[1] = replace(tables[1], difference=row({"slip_size": 2.2}))
-    evidence, at = evidence_of(tables, [one]), NUMBER["slip_size"]
-    assert evidence.sigma[:, at] == pytest.approx([NOT_COMPARED, limits["slip_size"]])
-    (response,) = evidence.responses
-    assert response.mean[0, :, at] == pytest.approx([2.5, 2.5])
-    assert response.spread[0, at] == pytest.approx(0.5)
 
 
 def turning(phase_deg: float) -> Candidate:
@@ -279,7 +233,10 @@ def test_the_phase_of_the_weaker_of_two_is_found_beside_the_stronger() -> None:
     difference = at_phase(tilt_deg, 2.0) + 8.0 * (np.cos(phase) * angle[0.0] + np.sin(phase) * angle[90.0])
     shown = replace(table("one", np.zeros((2, len(FEATURES))), answers), difference=difference)
     evidence = evidence_of([shown], [tilt, encoder])
-    found = {name: [one.phases_deg for one in evidence.variants(name)] for name in (tilt.name, encoder.name)}
+    found = {
+        name: [one.phases_deg for one in evidence.responses if one.candidate.name == name]
+        for name in (tilt.name, encoder.name)
+    }
     assert found[encoder.name][0] == pytest.approx([encoder_deg], abs=20.0)
     assert found[tilt.name][0] != pytest.approx([tilt_deg], abs=30.0)
     assert found[tilt.name][1] == pytest.approx([tilt_deg], abs=20.0)

@@ -92,5 +92,5 @@ def test_what_is_added_to_the_rate_leaves_the_limit_where_it_was() -> None:
     rig = rig_of(125.0)
     one = seen_of(rig, 1, rig)
     base = one.base_run(1)
-    with_gain = one.with_rate((parse_effect("scale_factor:error_percent=1"),), base)
+    with_gain = one.with_rate((parse_effect("scale_factor:error_percent=1"),), base, 1)
     assert one.design_beside(with_gain, base) is base.design

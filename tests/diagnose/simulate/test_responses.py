@@ -150,11 +150,12 @@ def test_a_response_of_the_slow_rate_has_no_part_in_times() -> None:
 
 
 def test_realisations_differ_and_come_again() -> None:
-    """Popcorn twice is twice the same four draws, which are not each other."""
-    drawn = response_at(candidate_of("popcorn"), 0.1)
-    assert drawn.shape == (1, 4, len(FEATURES))
-    assert np.array_equal(drawn, response_at(candidate_of("popcorn"), 0.1))
-    assert len(np.unique(drawn[0], axis=0)) == 4
+    """Popcorn twice is twice the same draws, which are not each other."""
+    popcorn = replace(candidate_of("popcorn"), realisations=5)
+    drawn = response_at(popcorn, 0.1)
+    assert drawn.shape == (1, 5, len(FEATURES))
+    assert np.array_equal(drawn, response_at(popcorn, 0.1))
+    assert len(np.unique(drawn[0], axis=0)) == 5
 
 
 def test_the_table_of_a_session_without_a_gap_is_within_its_null_distribution() -> None:

@@ -1,0 +1,130 @@
+"""The verdict: causes as in the rig, small causes, causes that cost nothing, and what is left without some of them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from inference_support import Amounts, candidate, concluded, simulated
+
+from firmware_sim.rig import parse_effect
+from gyrodrift.diagnose.inference.conclusion import Conclusion
+from gyrodrift.diagnose.inference.parameters import Parameter
+from gyrodrift.diagnose.inference.verdict import NEGLIGIBLE_DEG, Kind, NamedCause, is_small, less, set_aside
+from gyrodrift.diagnose.simulate.candidate import Sized
+
+TRIED = (
+    simulated("scale_factor", {"rate": 2.0}),
+    simulated("clock_drift", {"clock_ratio": 3.0}),
+    simulated("?moving", {"moving": 2.0, "direction": 1.0}),
+)
+BOTH: Amounts = {"rate": 10.0, "clock_ratio": 9.0}
+
+
+def named(text: str, in_rig: str | None = None) -> NamedCause:
+    """A cause as it is named, of an effect that a rig may have at another size."""
+    effect = parse_effect(text)
+    tried = replace(candidate(effect.name), in_rig=parse_effect(in_rig) if in_rig else None)
+    return NamedCause(Sized(tried, 1.0), effect, "group", "", 0.9, 0.9, (), ())
+
+
+@pytest.mark.parametrize(
+    ("text", "in_rig", "small"),
+    [
+        ("latency:delay_ms=0.9", None, True),
+        ("latency:delay_ms=1.1", None, False),
+        ("latency:delay_ms=20.9", "latency:delay_ms=20", True),
+        ("latency:delay_ms=18.9", "latency:delay_ms=20", False),
+        ("scale_factor:error_percent=-3", None, False),
+        ("temp_bias:slope_dps_per_c=-0.00001", None, True),
+    ],
+)
+def test_a_cause_is_small_by_what_is_new_of_it(text: str, in_rig: str | None, small: bool) -> None:  # noqa: FBT001 - parametrized
+    """A delay matters from 1 ms on, or from 1 ms beside that of the rig."""
+    assert is_small(named(text, in_rig)) is small
+
+
+@pytest.mark.parametrize(
+    ("has_ms", "low_ms", "high_ms", "same"),
+    [(20.0, 19.8, 20.4, True), (20.0, 20.1, 20.4, False), (0.0, -1.0, 1.0, True)],
+)
+def test_an_effect_of_the_rig_within_the_interval_is_no_cause(
+    has_ms: float,
+    low_ms: float,
+    high_ms: float,
+    same: bool,  # noqa: FBT001 - parametrized
+) -> None:
+    """An effect that the rig has not is one at any interval."""
+    size = Parameter("delay_ms", 0.5 * (low_ms + high_ms), low_ms, high_ms, "ms")
+    cause = replace(named("latency:delay_ms=20.2", f"latency:delay_ms={has_ms}"), parameters=(size,))
+    assert cause.is_as_in_rig is same
+    assert not replace(named("latency:delay_ms=20.2"), parameters=(size,)).is_as_in_rig
+
+
+def test_what_costs_nothing_is_no_cause() -> None:
+    """It is listed with its cost; a cause that costs the bound stays, and so does one whose cost nobody asked for."""
+    verdict = concluded(BOTH, *TRIED).verdict
+    assert {cause.effect.name for cause in verdict.causes} == {"scale_factor", "clock_drift"}
+    aside = set_aside(verdict, {"clock_drift": 0.01})
+    assert [cause.effect.name for cause in aside.causes] == ["scale_factor"]
+    assert [(one.cause.effect.name, one.yaw_deg) for one in aside.negligible] == [("clock_drift", 0.01)]
+    assert aside.kind is Kind.EFFECT
+    assert {cause.effect.name for cause in aside.acting} == {"scale_factor", "clock_drift"}
+    assert set_aside(verdict, {"clock_drift": NEGLIGIBLE_DEG}) == verdict
+    assert set_aside(verdict, {}) == verdict
+
+
+def test_where_all_that_acts_costs_nothing_there_is_no_gap() -> None:
+    """Unless part of the difference is unexplained."""
+    whole = concluded({"rate": 10.0}, *TRIED).verdict
+    part = concluded({"rate": 10.0, "temperature_rate": 12.0}, *TRIED).verdict
+    assert (whole.kind, part.kind) == (Kind.EFFECT, Kind.PARTLY)
+    assert set_aside(whole, {"scale_factor": 0.0}).kind is Kind.NONE
+    assert set_aside(part, {"scale_factor": 0.0}).kind is Kind.UNKNOWN
+    assert set_aside(whole, {"scale_factor": 0.0}).causes == ()
+
+
+def without(conclusion: Conclusion, *causes: str, forms: tuple[str, ...] = ()) -> tuple[Kind, set[str]]:
+    """Kind of the verdict without some causes and forms, and the features that deviate in it."""
+    verdict = less(conclusion.verdict, causes, forms, conclusion.explanation.evidence)
+    assert verdict.unexplained == verdict.where or verdict.causes
+    return verdict.kind, {one.feature for one in verdict.where}
+
+
+def test_without_its_only_cause_a_gap_is_unknown_where_features_deviate() -> None:
+    """The rate alone does; with another cause the verdict stays an effect."""
+    assert without(concluded({"rate": 10.0}, *TRIED), "scale_factor") == (Kind.UNKNOWN, {"rate"})
+    assert without(concluded(BOTH, *TRIED), "clock_drift")[0] is Kind.EFFECT
+
+
+def test_a_form_of_chance_that_deviates_in_no_feature_is_no_gap() -> None:
+    """A feature that deviates by itself still does, whether it is the form's or not."""
+    for amounts, kind in (
+        ({"moving": 2.0, "direction": 1.0}, Kind.NONE),
+        ({"moving": 9.0, "direction": 4.5}, Kind.UNKNOWN),
+    ):
+        conclusion = concluded(amounts, *TRIED)
+        assert conclusion.verdict.kind is Kind.UNKNOWN
+        assert without(conclusion, forms=("moving",))[0] is kind
+
+
+def test_beside_a_cause_a_form_of_chance_leaves_nothing_unexplained() -> None:
+    """The cause alone is the effect then."""
+    conclusion = concluded({"rate": 10.0, "moving": 2.2, "direction": 1.1}, *TRIED)
+    assert conclusion.verdict.kind is Kind.PARTLY
+    assert without(conclusion, forms=("moving",))[0] is Kind.EFFECT
+
+
+def test_a_cause_has_the_phase_of_each_session() -> None:
+    """Where phases are free; where the rig has it, the phase that it has in the session; else its own everywhere."""
+    tilt = "g_sensitivity:amplitude_dps=0.1,phase_deg=30"
+    one = named(tilt)
+    assert one.in_session(1, ()) == one.effect
+    free = replace(one, cause=one.cause._replace(phases_deg=np.array([10.0, 200.0])))
+    assert free.in_session(1, ()).model_dump()["phase_deg"] == 200.0
+    shown = one.effect.model_copy(update={"phase_deg": 120.0})
+    in_rig = named("g_sensitivity:amplitude_dps=0.2,phase_deg=30", tilt)
+    assert in_rig.in_session(0, (shown,)).model_dump() == {
+        "name": "g_sensitivity",
+        "amplitude_dps": 0.2,
+        "phase_deg": 120.0,
+    }
