@@ -64,7 +64,7 @@ def diagnosis(away: Amounts) -> Diagnosis:
         rig_yaml=rig_yaml(rig.model_copy(update={"effects": (*rig.effects, *effects)})),
         ranking=ranking(explanation),
         lookalikes=lookalikes([*explanation.scorer.templates.values()]),
-        stands_out=explanation.evidence.stands_out,
+        threshold_z=explanation.evidence.threshold_z,
         features=feature_comparisons_of(explanation, none, [design()] * SESSIONS),
         residuals=_residuals(),
     )

@@ -17,9 +17,9 @@ from gyrodrift.diagnose.inference.observation import Observation, observation_of
 from gyrodrift.diagnose.inference.pooling import evidence_of
 from gyrodrift.diagnose.inference.sets import Scorer
 from gyrodrift.diagnose.inference.template import Template, templates_of
-from gyrodrift.diagnose.simulate.candidate import Candidate, Sized
+from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import KINDS
-from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, key
+from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized, key
 
 SESSIONS = 4
 RUNS = 6
@@ -75,7 +75,7 @@ def candidate(name: str, sizes: Floats = SIZES, realisations: int = 1) -> Candid
         PARAMETERS.get(name, "size"),
         sizes,
         sizes,
-        KINDS[name].looks_like.name if name in KINDS else name,
+        (KINDS[name].group or name) if name in KINDS else name,
         realisations=realisations,
         shape=None if is_effect else shape,
     )

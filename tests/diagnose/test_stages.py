@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from gyrodrift.diagnose.inference.surrogate import Cause
 from inference_support import candidate
 
 from firmware_sim.rig import Base, Rig, parse_effect
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.recording.facts import Contradiction
-from gyrodrift.diagnose.simulate.candidate import Candidate, Sized
+from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import KINDS
+from gyrodrift.diagnose.simulate.response_table import Sized
 from gyrodrift.diagnose.stages import adopted, with_facts
 
 

@@ -1,5 +1,6 @@
 """Smallest size of each effect that these sessions would have shown."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
@@ -11,7 +12,7 @@ from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.parameters import unit_of
-from gyrodrift.diagnose.inference.posterior import POWER
+from gyrodrift.diagnose.inference.posterior import POWER, RESEMBLING
 from gyrodrift.diagnose.inference.sets import ONE_POINT, TINY, Scorer, log_prior_of
 from gyrodrift.diagnose.inference.template import Template
 
@@ -64,7 +65,9 @@ def detectable(scorer: Scorer, responses: Sequence[Response]) -> tuple[Detectabl
 
 
 def odds(scorer: Scorer, template: Template) -> Floats:
-    """(P,) log posterior odds of an effect against nothing that about nine of ten recordings with it reach.
+    """(P,) log posterior odds of an effect that about nine of ten recordings with it reach.
+
+    The odds are those against nothing and against an unknown effect that resembles it.
 
     The log-likelihood ratio of a shift with mean D has a standard deviation of sqrt(2 D). A random effect has the
     variances v along its principal axes, in units of the variance without a gap. Its ratio has the mean
@@ -75,7 +78,7 @@ def odds(scorer: Scorer, template: Template) -> Floats:
     margin = np.hypot(NINE_IN_TEN * np.sqrt(shift), 0.5 * (scatter.trace - scatter.exceeded))
     sure = 0.5 * (shift + scatter.trace - scatter.log_determinant) - margin
     log_odds: Floats = POWER * (sure + template.log_prior + ONE_POINT) + log_prior_of(template)
-    return log_odds
+    return log_odds + math.log1p(-RESEMBLING)
 
 
 def _shift(scorer: Scorer, template: Template) -> Floats:

@@ -120,7 +120,7 @@ class EffectSet:
         return tuple(placed.template.name for placed in self.placed)
 
 
-class Profile(NamedTuple):
+class EffectProfile(NamedTuple):
     """One effect at its points; the other effects of a set are fixed at their points.
 
     best, at_best
@@ -417,7 +417,7 @@ def _pair(values: Floats) -> tuple[float, float]:
     return float(values[0]), float(values[1])
 
 
-def profile_of(scorer: Scorer, name: str, fixed: Sequence[Placed]) -> Profile:
+def profile_of(scorer: Scorer, name: str, fixed: Sequence[Placed]) -> EffectProfile:
     """Sum the points near the best points of the best variants, on a finer grid about the best of all."""
     template = scorer.templates[name]
     coarse = template.subset(template.coarse)
@@ -436,7 +436,7 @@ def profile_of(scorer: Scorer, name: str, fixed: Sequence[Placed]) -> Profile:
     parts = tuple(
         (part, tuple(scorer.along(part, fixed, error) for error in (*form_errors, RESEMBLING))) for part in templates
     )
-    return Profile(*_best_of(*parts[0], form_errors), parts)
+    return EffectProfile(*_best_of(*parts[0], form_errors), parts)
 
 
 def known_forms(template: Template) -> tuple[float, ...]:

@@ -13,7 +13,7 @@ from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.inference.least_squares import Whitened, fit, innovations, whitened
 from gyrodrift.diagnose.inference.linear_model import linear_model_of, regressors_of
 from gyrodrift.diagnose.inference.verdict import NamedCause
-from gyrodrift.diagnose.simulate.candidate import Sized
+from gyrodrift.diagnose.simulate.response_table import Sized
 
 BLOCKS, BLOCK = 600, 4
 NOISE_DPS = 0.005

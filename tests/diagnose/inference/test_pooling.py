@@ -8,7 +8,6 @@ from inference_support import candidate, row
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER
-from gyrodrift.diagnose.inference.evidence import NOT_COMPARED
 from gyrodrift.diagnose.inference.log_variances import interpolated, scaled
 from gyrodrift.diagnose.inference.pooling import beyond_chance, common_share, evidence_of
 from gyrodrift.diagnose.simulate.candidate import Candidate
@@ -138,23 +137,6 @@ def test_realisations_are_kept_for_each_session() -> None:
     assert response.realised is not None
     assert np.array_equal(response.realised[0], draws)
     assert response.mean[0, :, NUMBER["time"]] == pytest.approx([2.0, -1.5])
-
-
-def test_how_large_jumps_are_is_not_compared() -> None:
-    """It is known only where some happened; how many there were is compared."""
-    nulls = np.random.default_rng(1).normal(0.0, 1.0, (8, len(FEATURES)))
-    evidence = evidence_of([table("one", nulls)], [])
-    assert evidence.sigma[0, NUMBER["slip_size"]] == NOT_COMPARED
-    assert evidence.is_compared[0, NUMBER["slip_count"]]
-
-
-def test_events_of_a_null_that_one_side_lacks_take_nothing_off_the_others() -> None:
-    """A jump that the recording has by chance is in each first replay, and in none of the second."""
-    nulls = np.tile(row({"slip_size": 2.7}), (4, 1))
-    one = replace(table("one", nulls), difference=row({"slip_size": -0.05}))
-    found = evidence_of([one], [])
-    assert found.difference[0, NUMBER["slip_size"]] == pytest.approx(-0.05)
-    assert found.sigma[0, NUMBER["slip_size"]] > 2.0
 
 
 def turning(phase_deg: float) -> Candidate:

@@ -18,9 +18,9 @@ def test_effects_are_ranked_by_their_evidence_alone() -> None:
     assert (first.name, first.unit, second.name) == ("scale_factor", "%", "clock_drift")
     assert first.gain > 15.0 > second.gain
     assert first.value == pytest.approx(6.0, abs=0.1)
-    assert first.gain_beside is None
-    assert second.gain_beside is not None
-    assert second.gain_beside < 0.0
+    assert first.gain_with_causes is None
+    assert second.gain_with_causes is not None
+    assert second.gain_with_causes < 0.0
 
 
 def test_gain_is_the_log_evidence_over_nothing() -> None:

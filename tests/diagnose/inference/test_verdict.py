@@ -10,7 +10,7 @@ from firmware_sim.rig import parse_effect
 from gyrodrift.diagnose.inference.conclusion import Conclusion
 from gyrodrift.diagnose.inference.parameters import Parameter
 from gyrodrift.diagnose.inference.verdict import NEGLIGIBLE_DEG, Kind, NamedCause, is_small, less, set_aside
-from gyrodrift.diagnose.simulate.candidate import Sized
+from gyrodrift.diagnose.simulate.response_table import Sized
 
 TRIED = (
     simulated("scale_factor", {"rate": 2.0}),

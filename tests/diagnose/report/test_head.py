@@ -23,7 +23,7 @@ from gyrodrift.diagnose.report.negligible import negligible
 from gyrodrift.diagnose.report.next_steps import next_steps
 from gyrodrift.diagnose.report.page import report_html
 from gyrodrift.diagnose.result import BaseValue, Diagnosis
-from gyrodrift.diagnose.simulate.candidate import Sized
+from gyrodrift.diagnose.simulate.response_table import Sized
 from gyrodrift.html.html import page
 from gyrodrift.html.provenance import Provenance
 

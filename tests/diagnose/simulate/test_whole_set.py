@@ -11,9 +11,9 @@ from firmware_sim.effects.effect import Effect
 from firmware_sim.rig import Rig, parse_effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.recording import recording_of
-from gyrodrift.diagnose.simulate.candidate import Candidate, Sized
+from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import candidates
-from gyrodrift.diagnose.simulate.response_table import ResponseTable
+from gyrodrift.diagnose.simulate.response_table import ResponseTable, Sized
 from gyrodrift.diagnose.simulate.responses import response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.diagnose.simulate.whole_set import change_of, in_session
