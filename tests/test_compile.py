@@ -7,7 +7,7 @@ NOWHERE = """
 import os
 os.environ |= {"NUMBA_CACHE_LOCATOR_CLASSES": "UserProvidedCacheLocator", "NUMBA_CACHE_DIR": "/proc/nowhere"}
 import numpy as np
-import gyrodrift.diagnose.features.turn_bases, gyrodrift.diagnose.recording.kalman
+import gyrodrift.diagnose.features.design_matrix, gyrodrift.diagnose.recording.kalman
 import gyrodrift.diagnose.recording.motion
 import gyrodrift.evaluation.kernels.hdr, gyrodrift.evaluation.kernels.restlevel
 import gyrodrift.compare.methods.kalman

@@ -8,6 +8,7 @@ import numpy as np
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
 from firmware_sim.rig import Rig, with_replaced
+from gyrodrift.diagnose.features.feature import WHEN
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.explanation import Explanation
 from gyrodrift.diagnose.inference.verdict import Kind, Verdict
@@ -16,7 +17,6 @@ from gyrodrift.diagnose.next_recording.profiles import profile_yaml
 from gyrodrift.diagnose.next_recording.rig_hypothesis import NOTHING, RigHypothesis
 from gyrodrift.diagnose.next_recording.sentence import sentence
 from gyrodrift.diagnose.next_recording.simulated_features import PlannedMotion
-from gyrodrift.diagnose.regime_words import WHEN
 from gyrodrift.diagnose.result import Untestable
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.twin import Subject

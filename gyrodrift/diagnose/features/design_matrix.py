@@ -7,22 +7,83 @@ goes wrong in both.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from gyrodrift.arrays import Floats, Mask
+from gyrodrift.compile import compiled_once
 from gyrodrift.diagnose.features.block_means import integral_of, slopes, touches
-from gyrodrift.diagnose.features.block_weights import root_weights_of
-from gyrodrift.diagnose.features.drift_columns import DRIFT_COLUMNS
-from gyrodrift.diagnose.features.history_columns import HISTORY_COLUMNS
-from gyrodrift.diagnose.features.motion_terms import motion_terms_of
+from gyrodrift.diagnose.features.columns import (
+    ANGLE_COLUMNS,
+    DRIFT_COLUMNS,
+    HISTORY_COLUMNS,
+    RATE_COLUMNS,
+    warming_basis,
+)
+from gyrodrift.diagnose.features.motion_terms import MotionTerms, motion_terms_of
 from gyrodrift.diagnose.features.orthogonal import Basis, orthonormal, orthonormal_vectors
-from gyrodrift.diagnose.features.rate_columns import ANGLE_COLUMNS, RATE_COLUMNS
 from gyrodrift.diagnose.features.regimes import Regimes, regimes_of
 from gyrodrift.diagnose.features.spreads import SpreadPlaces, spread_places_of
-from gyrodrift.diagnose.features.turn_bases import turn_bases
-from gyrodrift.diagnose.features.warming import warming_basis
 from gyrodrift.diagnose.features.within_second import lag_basis
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.outliers import Cleaned
+
+KNOWN_DPS = 0.01
+"""A block whose rounding adds less than this is known as well as any."""
+
+NEAR_BLOCKS = 3
+"""What rounding does to a block shows in this many about it: by chance one of them is rounded to the truth."""
+
+
+def root_weights_of(motion: ReplayedMotion, count_deg: float, block: int, sigma_dps: float) -> Floats:
+    """Square roots of weights, shape (blocks,).
+
+    motion, count_deg
+        The rebuilt motion, whose angles are those of the encoder, and the step of the encoder.
+    sigma_dps
+        White noise of a sample of the gyro, which no block is known better than.
+    """
+    if count_deg == 0.0:
+        return np.ones(len(motion.angle_deg) // block)
+    rounding_deg = motion.angle_deg - count_deg * np.rint(motion.angle_deg / count_deg)
+    rounding_dps = slopes(rounding_deg, motion.period_s, block)
+    variance = uniform_filter1d(np.square(rounding_dps), NEAR_BLOCKS)
+    known = KNOWN_DPS**2 + sigma_dps**2 / block
+    roots: Floats = np.sqrt(known / (known + variance))
+    return roots
+
+
+TURN_ORDERS = (3, 8)
+"""Parts of a turn, the first and the last that are looked for; halves and wholes are columns."""
+
+
+def turn_bases(terms: MotionTerms, block: int) -> tuple[Floats, Floats]:
+    """Sine and cosine of each multiple, and both times the rate: shape (blocks, some) each, orthonormal."""
+    means = np.zeros((2, len(terms.rate_dps) // block, 2 * (TURN_ORDERS[1] - TURN_ORDERS[0] + 1)))
+    _add_means(terms.sine, terms.cosine, terms.rate_dps, block, TURN_ORDERS[0], means)
+    ones = np.ones(means.shape[2])
+    return orthonormal(means[0], ones, 0).vectors, orthonormal(means[1], ones, 0).vectors
+
+
+@compiled_once(fastmath={"reassoc", "nsz"})
+def _add_means(sine: Floats, cosine: Floats, rate: Floats, block: int, lowest: int, means: Floats) -> None:
+    """Means over blocks of cosine and sine of each multiple from the lowest on, by itself and times the rate."""
+    along, across = np.empty(block), np.empty(block)
+    for row in range(means.shape[1]):
+        inside = slice(row * block, (row + 1) * block)
+        x, y, weight = cosine[inside], sine[inside], rate[inside]
+        for n in range(block):
+            along[n], across[n] = x[n], y[n]
+        for order in range(2, lowest + means.shape[2] // 2):
+            sums = (0.0, 0.0, 0.0, 0.0)
+            for n in range(block):
+                a, b = along[n] * x[n] - across[n] * y[n], along[n] * y[n] + across[n] * x[n]
+                along[n], across[n] = a, b
+                sums = (sums[0] + a, sums[1] + b, sums[2] + a * weight[n], sums[3] + b * weight[n])
+            if order >= lowest:
+                column = 2 * (order - lowest)
+                means[0, row, column], means[0, row, column + 1] = sums[0] / block, sums[1] / block
+                means[1, row, column], means[1, row, column + 1] = sums[2] / block, sums[3] / block
+
 
 BLOCK_S = 1.0
 """Over a second an encoder of 0.01 degrees knows the mean rate to some 0.004 deg/s."""

@@ -5,8 +5,71 @@ from dataclasses import KW_ONLY, dataclass
 from enum import Enum
 from typing import Generic, NamedTuple, TypeVar
 
+import numpy as np
+
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.units import FeatureReading
+
+LARGEST_EXPONENT = 50.0
+"""Beyond it a number is no longer read as one; it bounds what a report may show."""
+
+
+class FeatureReading(NamedTuple):
+    """A unit, and how the value of a feature is taken to it; rising throughout."""
+
+    unit: str
+    of: Callable[[Floats], Floats] = lambda value: value
+
+
+def _exponential(value: Floats) -> Floats:
+    grown: Floats = np.exp(np.clip(value, -LARGEST_EXPONENT, LARGEST_EXPONENT))
+    return grown
+
+
+def _amplitude(log_variance: Floats) -> Floats:
+    return _exponential(0.5 * log_variance)
+
+
+def _square(root: Floats) -> Floats:
+    squared: Floats = np.square(np.maximum(root, 0.0))
+    return squared
+
+
+RMS_DPS = FeatureReading("deg/s RMS")
+AMPLITUDE_DPS = FeatureReading("deg/s", _amplitude)
+AMPLITUDE_DEG = FeatureReading("deg", _amplitude)
+STANDARD_ERRORS = FeatureReading("standard errors")
+EXCESS_KURTOSIS = FeatureReading("excess kurtosis")
+KURTOSIS_OF_STEPS = FeatureReading("kurtosis of steps", lambda log_ratio: _exponential(log_ratio) - 1.0)
+OVER_REST = FeatureReading("times as at rest", _amplitude)
+OVER_USUAL = FeatureReading("times as usual", _exponential)
+OVER_MIDDLE = FeatureReading("times its middle", _amplitude)
+OVER_NEIGHBOURS = FeatureReading("times its neighbours", lambda log_ratio: _exponential(log_ratio) - 1.0)
+OVER_REMAINDER = FeatureReading("times what it leaves", _exponential)
+OVER_CHANCE = FeatureReading("times as by chance", _exponential)
+OVER_ENCODER = FeatureReading("of the encoder's", _exponential)
+PERCENT_OF_SAMPLES = FeatureReading("% of samples", lambda root_share: 100.0 * _square(root_share))
+SAMPLES = FeatureReading("samples", _exponential)
+COUNTS = FeatureReading("counts", lambda log2: _exponential(np.log(2.0) * log2))
+JUMPS = FeatureReading("jumps", _square)
+PPM = FeatureReading("ppm", lambda ratio: 1e6 * ratio)
+MILLISECONDS = FeatureReading("ms", lambda log_s: 1e3 * _exponential(log_s))
+SAMPLE_PERIODS = FeatureReading("sample periods")
+
+
+WHEN = {
+    "rest": "at rest",
+    "slow": "in slow motion",
+    "fast": "in fast motion",
+    "moving": "in motion",
+    "accelerating": "while accelerating",
+    "reversing": "after reversals",
+    "warm": "as it warms or cools",
+    "early": "soon after power-on",
+    "late": "over time",
+    "always": "at all times",
+}
+"""By the names that features give them."""
+
 
 Observed = TypeVar("Observed")
 

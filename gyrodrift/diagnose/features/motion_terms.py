@@ -1,10 +1,12 @@
 """What the regressors of a design are made of: rate, angle, temperature, time and history of a motion, by sample."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
 from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.feature import RMS_DPS, Feature, FeatureReading, ResponseLaw
 from gyrodrift.diagnose.features.within_second import smoothed
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 
@@ -111,3 +113,23 @@ def _since_change_s(direction: Floats, period_s: float) -> Floats:
     place = np.arange(len(direction))
     since_s: Floats = (place - np.maximum.accumulate(np.where(changed, place, 0))).astype(np.float64) * period_s
     return since_s
+
+
+@dataclass(frozen=True, slots=True)
+class DesignColumn(Feature):
+    """A regressor of the block residuals; the value of the feature is its coefficient.
+
+    is_slow
+        Whether a bias that wanders by itself may be taken for it.
+    in_catalogue
+        Whether an effect of the catalogue depends on it by itself.
+    compute
+        The regressor at each sample, shape (n,).
+    """
+
+    _: KW_ONLY
+    reading: FeatureReading = RMS_DPS
+    response: ResponseLaw = ResponseLaw.LINEAR
+    is_slow: bool = False
+    in_catalogue: bool = True
+    compute: Callable[[MotionTerms], Floats]

@@ -8,10 +8,16 @@ import numpy as np
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.block_means import block_means
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
-from gyrodrift.diagnose.features.feature import ResponseLaw, Statistic
+from gyrodrift.diagnose.features.feature import (
+    OVER_MIDDLE,
+    OVER_NEIGHBOURS,
+    OVER_USUAL,
+    PERCENT_OF_SAMPLES,
+    ResponseLaw,
+    Statistic,
+)
 from gyrodrift.diagnose.features.spectral_line import LEAST_POWER, spectral_line
 from gyrodrift.diagnose.features.spreads import MOVING_POINTS, REST_POINTS, spreads_of
-from gyrodrift.diagnose.features.units import OVER_MIDDLE, OVER_NEIGHBOURS, OVER_USUAL, PERCENT_OF_SAMPLES
 from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA
 from gyrodrift.diagnose.recording.outliers import Cleaned
 

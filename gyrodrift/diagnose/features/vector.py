@@ -1,4 +1,9 @@
-"""All features of a recording, in one vector; masks and thresholds are derived from their records."""
+"""All features of a recording in one vector, masks over it, and what steps of the rate hide of each.
+
+Where the noise of a rate is less than its step, the mean of a rounded value with Gaussian noise of standard deviation
+σ is off by at most about step/π·exp(−2π²·σ²/step²), with a sign that depends on where between two steps it lies
+(B. Widrow and I. Kollár, Quantization Noise, 2008). Relevance thresholds grow by that.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,16 +11,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features import residuals, timing
-from gyrodrift.diagnose.features.angle_values import ANGLE_VALUES, AngleValues
+from gyrodrift.diagnose.features import timing
+from gyrodrift.diagnose.features.block_means import LEAST_DPS
+from gyrodrift.diagnose.features.block_residuals import block_residuals_of
+from gyrodrift.diagnose.features.columns import WARMING, warming_coefficient
 from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
 from gyrodrift.diagnose.features.feature import Feature, Measured, ResponseLaw, numbers_of
 from gyrodrift.diagnose.features.noise import NOISE, sample_noise_of
-from gyrodrift.diagnose.features.rate_values import RATE_VALUES, rate_values_of
+from gyrodrift.diagnose.features.sample_values import ANGLE_VALUES, RATE_VALUES, AngleValues, rate_values_of
+from gyrodrift.diagnose.features.wander import PERIODIC, SCATTER, WALK, WANDER
+from gyrodrift.diagnose.features.within_second import LAG_FEATURES, lag_coefficients
 from gyrodrift.diagnose.recording.outliers import Cleaned
 
+BLOCK_STATISTICS = (*WANDER, *PERIODIC, *WALK, *SCATTER)
+RESIDUAL_FEATURES: tuple[Feature, ...] = (*COLUMNS, *LAG_FEATURES, WARMING, *BLOCK_STATISTICS)
 SAMPLE_FEATURES: tuple[Feature, ...] = (*NOISE, *RATE_VALUES, *ANGLE_VALUES)
-FEATURES: tuple[Feature, ...] = (*residuals.FEATURES, *SAMPLE_FEATURES, *timing.FEATURES)
+FEATURES: tuple[Feature, ...] = (*RESIDUAL_FEATURES, *SAMPLE_FEATURES, *timing.FEATURES)
 NUMBER = numbers_of(FEATURES)
 
 STATIC = len(COLUMNS)
@@ -26,43 +37,48 @@ def _mask(is_such: Callable[[Feature], bool]) -> Mask:
     return np.array([is_such(feature) for feature in FEATURES])
 
 
+def _begins(*names: str) -> Mask:
+    return _mask(lambda feature: feature.name.startswith(names))
+
+
 LINEAR = _mask(lambda feature: feature.response is ResponseLaw.LINEAR)
 IS_LOG = _mask(lambda feature: feature.response is ResponseLaw.LOG_VARIANCE)
-SLOW = LINEAR | _mask(
-    lambda feature: feature.name.startswith(("wander", "walk", "step", "two_levels", "swing", "scatter_"))
-)
-"""What does not speak of single samples, so that another sample rate leaves it as it is."""
 
-REGRESSORS_OF_MOTION = LINEAR & (np.arange(len(FEATURES)) < len(residuals.FEATURES))
+SLOW = LINEAR | _begins("wander", "walk", "step", "two_levels", "swing", "scatter_")
+"""Features that do not change with the sample rate."""
+
+REGRESSORS_OF_MOTION = LINEAR & (np.arange(len(FEATURES)) < len(RESIDUAL_FEATURES))
 """Coefficients of a design matrix, which a motion may lack; the clock ratio is linear too, and no motion lacks it."""
 
 OF_MOTION = SLOW | _mask(lambda feature: feature.name.endswith("ripple"))
-"""What a motion is taken out of; values, noise, stamps and arrivals are seen without one."""
+"""Features from which a motion is removed; values, noise, stamps and arrivals are seen without one."""
 
 ALWAYS = ~LINEAR & _mask(lambda feature: feature.regime == "always")
-"""What needs no motion."""
+"""Features that need no motion."""
 
 OF_TIMES = ALWAYS & _mask(lambda feature: feature.stage in {"clock", "link"})
-"""What speaks of stamps and arrivals, whatever the motion."""
+"""Features of stamps and arrivals, the same in any motion."""
 
-OF_LOSS = _mask(lambda feature: feature.name in {"drop_share", "drop_runs"})
-"""What never arrived."""
+OF_LOSS = _begins("drop_share", "drop_runs")
+"""Features of lost samples."""
 
-REGRESSORS = np.arange(STATIC)
-NOISE_IN_MOTION = tuple(
-    np.array([number for name, number in NUMBER.items() if name.startswith(start)])
-    for start in ("noise_slow_", "noise_fast_")
-)
-"""Numbers of features that share one error out among them: coefficients, and how rates scatter over some lengths."""
+FAMILIES = (np.arange(STATIC), *(np.flatnonzero(_begins(start)) for start in ("noise_slow_", "noise_fast_")))
+"""Features that share one error out among them: coefficients, and how rates scatter over some lengths."""
 
-NOT_OF_STEPS = ~_mask(
-    lambda feature: (
-        feature.name in {"equal_rest", "equal_moving", "equal_quick", "zero_share", "least_rate", "rate_step"}
-    )
-)
-"""What does not speak of the steps in which rates come."""
+NOT_OF_STEPS = ~_begins("equal_rest", "equal_moving", "equal_quick", "zero_share", "least_rate", "rate_step")
+"""Features that do not depend on the steps in which rates come."""
 
-SAMPLE_THRESHOLDS = np.array([feature.threshold for feature in SAMPLE_FEATURES])
+BY_BIAS = _begins("wander", "walk", "step", "two_levels", "swing", "ripple", "scatter", "line", "noise_uneven")
+"""Features that grow with the scatter of block means."""
+
+BY_STEPS = _begins("noise_", "tails_", "equal_", "zero_share")
+"""Features that depend on which steps come."""
+
+STEPS_MOST: Floats = np.where(IS_LOG, 2.0, 0.5)[BY_STEPS]
+"""Error of such a feature where all noise hides in a step: of logarithms of variances, and of roots of shares."""
+
+STATIC_SHARE = 0.3
+"""Share of errors that differ from rate to rate which one regressor takes, of the length that equal ones would have."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,8 +98,32 @@ class Facts:
 
 def measure(seen: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
     """FEATURES of a recording, or of a simulation, against a design matrix."""
-    parts = (residuals.measure(seen, design), measure_samples(seen, design, facts), timing.measure(seen.recording))
+    parts = measure_residuals(seen, design), measure_samples(seen, design, facts), timing.measure(seen.recording)
     return Measured(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def measure_residuals(seen: Cleaned, design: DesignMatrix) -> Measured:
+    """RESIDUAL_FEATURES: what is left of the rate without the encoder's, block by block and within seconds."""
+    blocks = block_residuals_of(seen, design)
+    lags = lag_coefficients(seen.rate_dps, seen.encoder_deg, design.lag, design.period_s)
+    warming = warming_coefficient(blocks.bias_dps, design.warming)
+    others = [statistic.compute(blocks) for statistic in BLOCK_STATISTICS]
+    limits = [statistic.threshold for statistic in BLOCK_STATISTICS]
+    thresholds = design.static.thresholds, design.lag.thresholds, design.warming.thresholds, limits
+    return Measured(np.concatenate([blocks.static, lags, warming, others]), np.concatenate(thresholds))
+
+
+def measure_samples(seen: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
+    """SAMPLE_FEATURES: what values come, and how they scatter from sample to sample."""
+    noise = sample_noise_of(seen, design, facts.step_dps)
+    rates = rate_values_of(seen, design, facts.dps_per_lsb)
+    angle = AngleValues(seen, design, 360.0 / facts.encoder_cpr)
+    values = [
+        *(statistic.compute(noise) for statistic in NOISE),
+        *(statistic.compute(rates) for statistic in RATE_VALUES),
+        *(statistic.compute(angle) for statistic in ANGLE_VALUES),
+    ]
+    return Measured(np.array(values), np.array([feature.threshold for feature in SAMPLE_FEATURES]))
 
 
 def rms_scale(design: DesignMatrix) -> Floats:
@@ -95,14 +135,22 @@ def rms_scale(design: DesignMatrix) -> Floats:
     return scale
 
 
-def measure_samples(seen: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
-    """Of these SAMPLE_FEATURES: what values come, and how they scatter from sample to sample."""
-    noise = sample_noise_of(seen, design, facts.step_dps)
-    rates = rate_values_of(seen, design, facts.dps_per_lsb)
-    angle = AngleValues(seen, design, 360.0 / facts.encoder_cpr)
-    values = [
-        *(statistic.compute(noise) for statistic in NOISE),
-        *(statistic.compute(rates) for statistic in RATE_VALUES),
-        *(statistic.compute(angle) for statistic in ANGLE_VALUES),
-    ]
-    return Measured(np.array(values), SAMPLE_THRESHOLDS)
+def hidden_dps(step_dps: float, sigma_dps: float) -> float:
+    """Largest error of a mean, deg/s, of rates in steps with white noise of a standard deviation."""
+    return float(step_dps / np.pi * np.exp(-2.0 * (np.pi * sigma_dps / step_dps) ** 2))
+
+
+def with_hidden(measured: Measured, hidden: float, step_dps: float, scatter_dps: float, blocks: int) -> Measured:
+    """Measured features with thresholds that include what steps hide.
+
+    scatter_dps
+        Of block residuals, beside which it counts.
+    """
+    if hidden <= LEAST_DPS:
+        return measured
+    thresholds: Floats = measured.thresholds.copy()
+    more = np.log1p((hidden / max(scatter_dps, LEAST_DPS)) ** 2)
+    thresholds[BY_BIAS] = np.hypot(thresholds[BY_BIAS], more)
+    thresholds[:STATIC] = np.hypot(thresholds[:STATIC], STATIC_SHARE * hidden * np.sqrt(blocks))
+    thresholds[BY_STEPS] = np.hypot(thresholds[BY_STEPS], STEPS_MOST * np.pi * hidden / step_dps)
+    return measured._replace(thresholds=thresholds)

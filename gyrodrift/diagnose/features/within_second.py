@@ -3,9 +3,8 @@
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.feature import Feature, ResponseLaw
+from gyrodrift.diagnose.features.feature import RMS_DPS, Feature, ResponseLaw
 from gyrodrift.diagnose.features.orthogonal import Basis, orthonormal
-from gyrodrift.diagnose.features.units import RMS_DPS
 from gyrodrift.diagnose.recording.smoothing import central_difference, gaussian
 
 SMOOTH_S = 0.02

@@ -15,7 +15,7 @@ from scipy.stats import t as student
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
-from gyrodrift.diagnose.features.vector import ALWAYS, LINEAR, NOISE_IN_MOTION, OF_LOSS, OF_TIMES, REGRESSORS, rms_scale
+from gyrodrift.diagnose.features.vector import ALWAYS, FAMILIES, LINEAR, OF_LOSS, OF_TIMES, rms_scale
 from gyrodrift.diagnose.inference.evidence import NOT_COMPARED
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 
@@ -109,7 +109,7 @@ def _of_family(squares: Floats) -> Floats:
     among the lengths over which noise in motion is averaged.
     """
     means = np.zeros_like(squares)
-    for family in (REGRESSORS, *NOISE_IN_MOTION):
+    for family in FAMILIES:
         means[family] = squares[family].mean()
     return means
 

@@ -17,7 +17,7 @@ CLEAR = 6.0
 MAX_CHANGE_POINTS = 30
 LEAST_DPS = 2e-3
 """Smaller ones are practically negligible: what is relevant of a bias that depends on angle or direction,
-`features/history_columns.py`."""
+`features/columns.py`."""
 
 AT_ONCE, AT_ONCE_CLEAR = 0.6, 5.0
 """A change point has this share of its height, and so many standard errors, within LEAST_SECONDS before and after it,

@@ -7,8 +7,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
-from gyrodrift.diagnose.features.feature import Feature
-from gyrodrift.diagnose.features.units import FeatureReading
+from gyrodrift.diagnose.features.feature import Feature, FeatureReading
 from gyrodrift.diagnose.features.vector import FEATURES, rms_scale
 from gyrodrift.diagnose.inference.explanation import Explanation
 from gyrodrift.diagnose.inference.family_wise import pooled_z

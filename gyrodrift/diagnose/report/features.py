@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+from gyrodrift.diagnose.features.feature import WHEN
 from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.inference.deviations import WORST_Z, Deviation
 from gyrodrift.diagnose.inference.family_wise import FAMILY_WISE_ERROR
 from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison
-from gyrodrift.diagnose.regime_words import WHEN
 from gyrodrift.diagnose.report.effect_words import deviation_words
 from gyrodrift.diagnose.report.figures import feature_svgs
 from gyrodrift.diagnose.report.text import NAMES, deviates, marks, number, percent

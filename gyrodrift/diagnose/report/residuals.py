@@ -17,7 +17,7 @@ RATE = "rate"
 
 NEGLIGIBLE_DPS = 2e-3
 """RMS below which a dependence is practically negligible, deg/s: the relevance threshold of a bias that depends on
-angle or direction, `features/history_columns.py`."""
+angle or direction, `features/columns.py`."""
 
 CHANGE_POINTS_TOLD = 4
 RANDOM = (

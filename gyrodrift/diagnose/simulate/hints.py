@@ -8,7 +8,7 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.rate_values import LEAK, NEAR_ZERO_DPS
+from gyrodrift.diagnose.features.sample_values import LEAK, NEAR_ZERO_DPS
 from gyrodrift.diagnose.features.spectral_line import spectral_line
 from gyrodrift.diagnose.recording.order_statistics import DECIMALS, distinct
 from gyrodrift.diagnose.recording.outliers import step_of

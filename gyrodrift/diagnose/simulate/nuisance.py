@@ -11,9 +11,9 @@ from scipy.signal import lfilter
 
 from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.columns import WARMING
 from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
 from gyrodrift.diagnose.features.regimes import SLOW_DPS
-from gyrodrift.diagnose.features.warming import WARMING
 from gyrodrift.diagnose.simulate.candidate import Candidate, Shape, Touches
 from gyrodrift.diagnose.simulate.grids import between
 from gyrodrift.diagnose.simulate.kinds import LAG

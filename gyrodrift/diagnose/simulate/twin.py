@@ -17,13 +17,19 @@ from firmware_sim.effects.effect import Effect
 from firmware_sim.measure import measure as play
 from firmware_sim.rig import Base, Rig, with_replaced
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features import residuals, timing
+from gyrodrift.diagnose.features import timing
 from gyrodrift.diagnose.features.block_means import touches
 from gyrodrift.diagnose.features.block_residuals import unexplained_dps
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix, design_matrix_of
-from gyrodrift.diagnose.features.dither import hidden_dps, with_hidden
 from gyrodrift.diagnose.features.feature import Measured
-from gyrodrift.diagnose.features.vector import Facts, measure, measure_samples
+from gyrodrift.diagnose.features.vector import (
+    Facts,
+    hidden_dps,
+    measure,
+    measure_residuals,
+    measure_samples,
+    with_hidden,
+)
 from gyrodrift.diagnose.features.within_second import lag_basis
 from gyrodrift.diagnose.recording.counted_rests import CountedRests, counted_rests
 from gyrodrift.diagnose.recording.delay import best_lag, smoothed_rates
@@ -178,7 +184,7 @@ class Subject:
         """The same but for those of times, which are the last."""
         design = rebuilt(seen, self.rig).design
         return np.concatenate(
-            [residuals.measure(seen, design).values, measure_samples(seen, design, self.facts).values]
+            [measure_residuals(seen, design).values, measure_samples(seen, design, self.facts).values]
         )
 
     def base_run(self, seed: int) -> BaseRun:
@@ -204,7 +210,7 @@ class Subject:
 
     def residual_features(self, seen: Cleaned, base: BaseRun) -> Floats:
         """The first features: those that a slow change of the rate moves."""
-        return residuals.measure(seen, self.design_beside(seen, base)).values
+        return measure_residuals(seen, self.design_beside(seen, base)).values
 
     def value_features(self, seen: Cleaned, base: BaseRun) -> Floats:
         """All features but those of times, which are the last."""

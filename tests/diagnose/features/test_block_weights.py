@@ -5,7 +5,7 @@ import pytest
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_means import slopes
-from gyrodrift.diagnose.features.block_weights import KNOWN_DPS, root_weights_of
+from gyrodrift.diagnose.features.design_matrix import KNOWN_DPS, root_weights_of
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 
 RATE_HZ, BLOCK = 50.0, 50

@@ -6,11 +6,10 @@ from features_support import AT_REST, PERIOD_S, SECONDS, T_S, TRUE_DPS, TURNING,
 from scipy.ndimage import minimum_filter1d
 
 from gyrodrift.diagnose.features.block_means import block_means
-from gyrodrift.diagnose.features.design_matrix import COLUMNS
+from gyrodrift.diagnose.features.design_matrix import COLUMNS, TURN_ORDERS
 from gyrodrift.diagnose.features.motion_terms import MotionTerms, motion_terms_of
 from gyrodrift.diagnose.features.orthogonal import orthonormal, orthonormal_vectors
 from gyrodrift.diagnose.features.regimes import lasting
-from gyrodrift.diagnose.features.turn_bases import TURN_ORDERS
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 
 A = np.tile([-1.0, -1.0, 1.0, 1.0], 4)

@@ -5,7 +5,7 @@ import pytest
 from features_support import SECONDS, TRUE_DEG, TRUE_DPS, observed, white
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.features.periodic import angle_periodic_component, angle_shares, periodic_component
+from gyrodrift.diagnose.features.wander import angle_periodic_component, angle_shares, periodic_component
 
 S: Floats = np.arange(400.0) + 0.5
 

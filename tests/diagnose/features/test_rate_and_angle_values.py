@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from features_support import AT_REST, FACTS, TRUE_DEG, TRUE_DPS, TURNING, observed, observed_beside, white
 
-from gyrodrift.diagnose.features.rate_values import smallest
+from gyrodrift.diagnose.features.sample_values import smallest
 
 LSB = FACTS.dps_per_lsb
 NOISE = white(0.2)

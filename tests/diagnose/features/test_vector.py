@@ -6,8 +6,7 @@ from features_support import FACTS, T_S, TRUE_DPS, design_of, observed, observed
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import COLUMNS
-from gyrodrift.diagnose.features.feature import Feature, ResponseLaw, numbers_of
-from gyrodrift.diagnose.features.units import RMS_DPS
+from gyrodrift.diagnose.features.feature import RMS_DPS, Feature, ResponseLaw, numbers_of
 from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER, STATIC, measure, rms_scale
 from gyrodrift.diagnose.recording.outliers import cleaned
 

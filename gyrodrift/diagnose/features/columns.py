@@ -1,0 +1,211 @@
+"""Regressors of the block residuals: rate and angle, temperature and time, history of the motion; and of steps."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.block_means import block_means
+from gyrodrift.diagnose.features.feature import RMS_DPS, Feature, ResponseLaw
+from gyrodrift.diagnose.features.motion_terms import DesignColumn, MotionTerms
+from gyrodrift.diagnose.features.orthogonal import Basis, orthonormal
+from gyrodrift.diagnose.features.regimes import SLOW_DPS
+
+Columns = tuple[DesignColumn, ...]
+
+HINGES_DPS = (60.0, 120.0)
+"""Rates above which the gain may be another one."""
+
+
+def _beyond(rate_dps: Floats, hinge_dps: float) -> Floats:
+    """What of a rate lies above a hinge, either way."""
+    over_dps: Floats = rate_dps - np.minimum(np.maximum(rate_dps, -hinge_dps), hinge_dps)
+    return over_dps
+
+
+# fmt: off
+RATE_COLUMNS: Columns = (
+    DesignColumn(
+        "rate", "sensor", "moving", "the rate is too high or too low in both directions", 3e-4,
+        "0.03 % of scale: 0.1 deg per turn", compute=lambda terms: terms.rate_dps,
+    ),
+    DesignColumn(
+        "abs_rate", "sensor", "moving", "the rate is too high in one direction and too low in the other", 1.5e-4,
+        "0.015 % either way: 0.05 deg per turn", compute=lambda terms: np.abs(terms.rate_dps),
+    ),
+    DesignColumn(
+        "rate_squared", "sensor", "fast", "the bias grows with the square of the rate", 3e-7,
+        "0.003 deg/s at 100 deg/s: 0.01 deg per turn", compute=lambda terms: terms.rate_dps**2,
+    ),
+    DesignColumn(
+        "rate_cubed", "sensor", "fast", "the gain changes with the rate", 4e-10,
+        "0.006 deg/s at 250 deg/s: 0.01 deg per turn", compute=lambda terms: terms.rate_dps * terms.rate_dps**2,
+    ),
+    DesignColumn(
+        "hinge_low", "sensor", "fast", "the gain changes above 60 deg/s", 4e-4,
+        "0.04 % of what is above 60 deg/s: less than 0.15 deg per turn", in_catalogue=False,
+        compute=lambda terms: _beyond(terms.rate_dps, HINGES_DPS[0]),
+    ),
+    DesignColumn(
+        "hinge_high", "sensor", "fast", "the gain changes above 120 deg/s", 6e-4,
+        "0.06 % of what is above 120 deg/s: less than 0.22 deg per turn", in_catalogue=False,
+        compute=lambda terms: _beyond(terms.rate_dps, HINGES_DPS[1]),
+    ),
+)
+# fmt: on
+"""Of the rate alone."""
+
+
+Sines = Callable[[MotionTerms], Floats]
+
+
+def _angle_columns(name: str, often: str, deg: str, sine: Sines, cosine: Sines, *, in_catalogue: bool) -> Columns:
+    """Sine and cosine of a multiple of the angle, of a bias and of the angle itself (there they go with the rate)."""
+    bias = (f"the bias changes {often} per turn", 2e-3, "0.002 deg/s, which cancels over whole turns")
+    angle = (f"the angle errs {often} per turn", 2e-4, f"{deg} deg of the angle")
+    return (
+        DesignColumn(f"{name}_sine", "sensor", "moving", *bias, in_catalogue=in_catalogue, compute=sine),
+        DesignColumn(f"{name}_cosine", "sensor", "moving", *bias, in_catalogue=in_catalogue, compute=cosine),
+        DesignColumn(
+            f"{name}_sine_rate",
+            "encoder",
+            "moving",
+            *angle,
+            in_catalogue=in_catalogue,
+            compute=lambda terms: sine(terms) * terms.rate_dps,
+        ),
+        DesignColumn(
+            f"{name}_cosine_rate",
+            "encoder",
+            "moving",
+            *angle,
+            in_catalogue=in_catalogue,
+            compute=lambda terms: cosine(terms) * terms.rate_dps,
+        ),
+    )
+
+
+ANGLE_COLUMNS: Columns = (
+    *_angle_columns("turn", "once", "0.011", lambda terms: terms.sine, lambda terms: terms.cosine, in_catalogue=True),
+    *_angle_columns(
+        "half_turn",
+        "twice",
+        "0.0057",
+        lambda terms: terms.twice_sine,
+        lambda terms: terms.twice_cosine,
+        in_catalogue=False,
+    ),
+)
+"""Of the angle within the turn."""
+
+
+DECAYS_S = (40.0, 160.0)
+"""Time constants of a fast and of a slow settling after power-on."""
+
+# fmt: off
+DRIFT_COLUMNS: tuple[DesignColumn, ...] = (
+    DesignColumn(
+        "temperature", "environment", "warm", "the bias follows the temperature", 6e-4,
+        "0.0006 deg/s per °C: 2 deg/h for each degree", is_slow=True, compute=lambda terms: terms.warm_c,
+    ),
+    DesignColumn(
+        "temperature_squared", "environment", "warm", "the bias bends with the temperature", 6e-5,
+        "10 °C off the middle as much as a slope of 0.0006 deg/s per °C", is_slow=True,
+        compute=lambda terms: terms.warm_c**2,
+    ),
+    DesignColumn(
+        "temperature_rate", "environment", "warm", "the gain follows the temperature", 3e-5,
+        "0.003 % of scale per °C: 0.01 deg per turn", compute=lambda terms: terms.warm_c * terms.rate_dps,
+    ),
+    DesignColumn(
+        "decay_fast", "environment", "early", "the bias decays in the first minute after power-on", 6e-3,
+        "0.006 deg/s at power-on: 0.24 deg until it is gone", is_slow=True,
+        compute=lambda terms: np.exp(-terms.powered_s / DECAYS_S[0]),
+    ),
+    DesignColumn(
+        "decay_slow", "environment", "early", "the bias decays over minutes after power-on", 6e-3,
+        "0.006 deg/s at power-on: 1 deg until it is gone", is_slow=True,
+        compute=lambda terms: np.exp(-terms.powered_s / DECAYS_S[1]),
+    ),
+    DesignColumn(
+        "time", "sensor", "late", "the bias drifts from the beginning to the end", 6e-3,
+        "0.003 deg/s either way of its mean", is_slow=True, in_catalogue=False, compute=lambda terms: terms.share,
+    ),
+    DesignColumn(
+        "time_squared", "sensor", "late", "the bias drifts and comes back", 6e-3,
+        "0.0015 deg/s between the middle and the ends", is_slow=True, compute=lambda terms: terms.share**2,
+    ),
+)
+# fmt: on
+
+
+WARMING_BLOCKS = 20
+"""In each of the means whose steps are compared."""
+
+LEAST_WARMING_DPS = 4e-3
+"""Threshold where the temperature hardly changes: steps of a bias by itself are as large."""
+
+# fmt: off
+WARMING = Feature(
+    "warming", "environment", "warm", "the bias changes when the temperature changes", 6e-4,
+    "0.0006 deg/s per °C, as of `temperature`", reading=RMS_DPS, response=ResponseLaw.LINEAR,
+)
+# fmt: on
+
+
+def warming_basis(sensor_c: Floats, block: int) -> Basis:
+    """The basis of WARMING, vectors of shape (steps, 1), of temperatures at each sample."""
+    steps_c = np.diff(block_means(sensor_c, block * WARMING_BLOCKS))[:, None]
+    vectors, thresholds = orthonormal(steps_c, np.array([WARMING.threshold]), 0)
+    return Basis(vectors, np.hypot(thresholds, LEAST_WARMING_DPS))
+
+
+def warming_coefficient(bias_dps: Floats, basis: Basis) -> Floats:
+    """WARMING of a bias by blocks, deg/s, shape (1,)."""
+    coefficient: Floats = basis.vectors.T @ np.diff(block_means(bias_dps, WARMING_BLOCKS))
+    return coefficient
+
+
+MEMORY_S = 10.0
+"""Time constant of the recovery after a reversal."""
+
+# fmt: off
+HISTORY_COLUMNS: tuple[DesignColumn, ...] = (
+    DesignColumn(
+        "acceleration", "sensor", "accelerating", "the rate lags or leads when it changes", 3e-4, "0.3 ms of delay",
+        compute=lambda terms: terms.acceleration_dpss,
+    ),
+    DesignColumn(
+        "abs_acceleration", "sensor", "accelerating", "the bias grows with any acceleration", 2e-5,
+        "0.002 deg/s at 100 deg/s²", in_catalogue=False, compute=lambda terms: np.abs(terms.sharp_dpss),
+    ),
+    DesignColumn(
+        "reversal", "platform", "reversing", "the angle comes late after a reversal", 4e-3,
+        "0.008 deg at each reversal", compute=lambda terms: np.gradient(terms.direction, terms.period_s),
+    ),
+    DesignColumn(
+        "direction", "sensor", "rest", "the bias depends on the direction last gone in", 2e-3,
+        "0.002 deg/s: 0.12 deg per minute", is_slow=True, in_catalogue=False, compute=lambda terms: terms.direction,
+    ),
+    DesignColumn(
+        "moving", "sensor", "moving", "the bias is another one while it moves", 2e-3,
+        "0.002 deg/s: 0.12 deg per minute", is_slow=True, in_catalogue=False,
+        compute=lambda terms: (np.abs(terms.speed_dps) > SLOW_DPS).astype(np.float64),
+    ),
+    DesignColumn(
+        "after_turn", "sensor", "reversing", "the bias is shifted after a reversal and recovers", 3e-3,
+        "0.03 deg after each reversal", is_slow=True, in_catalogue=False,
+        compute=lambda terms: terms.direction * np.exp(-terms.since_s / MEMORY_S),
+    ),
+    DesignColumn(
+        "total_angle", "platform", "always", "the bias follows the angle turned in all", 1e-3,
+        "0.001 deg/s for each turn away from the start", is_slow=True, in_catalogue=False,
+        compute=lambda terms: terms.motion.angle_deg / 360.0,
+    ),
+    DesignColumn(
+        "time_rate", "sensor", "late", "the gain drifts with time", 4e-4,
+        "0.02 % of scale either way of its mean: 0.07 deg per turn", in_catalogue=False,
+        compute=lambda terms: terms.share * terms.rate_dps,
+    ),
+)
+# fmt: on
