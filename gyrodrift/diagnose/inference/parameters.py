@@ -39,6 +39,13 @@ class Parameter:
     is_at_most: bool = False
     is_at_least: bool = False
 
+    @property
+    def bound(self) -> float:
+        """The end of the interval that is no end of the tried sizes; the value if both or none are."""
+        if self.is_at_least == self.is_at_most:
+            return self.value
+        return self.low if self.is_at_least else self.high
+
 
 def unit_of(parameter: str) -> str:
     """Unit of a parameter, by the end of its name."""

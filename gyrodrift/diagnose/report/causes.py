@@ -1,7 +1,5 @@
 """The causes in a report: probability and evidence of every effect, similar effects, effects that were not tried."""
 
-from math import isfinite
-
 from gyrodrift.diagnose.inference.ranking import Ranked
 from gyrodrift.diagnose.report.text import fixed, number, percent, quiet, size
 from gyrodrift.diagnose.result import Diagnosis
@@ -23,23 +21,24 @@ def causes(diagnosis: Diagnosis) -> str:
 
 def _introduction(diagnosis: Diagnosis) -> str:
     joined = (
-        " Evidence with the named causes is what the effect adds to them; at 0 or below it is not needed."
+        " Beside the causes: the evidence that the effect adds to the named causes; at 0 or below it is not needed."
         if diagnosis.verdict.acting
         else ""
     )
     return (
         "Every effect of the simulator was tried, alone and in sets of two and three. Probability: that the effect "
         "acts, over all sets that hold it. Evidence alone: the natural logarithm of how many times more probable the "
-        "recordings are with the effect alone than with the simulator as it is, averaged over its sizes. An effect "
-        f"with much evidence alone and a small probability imitates a better one.{joined}"
+        "recordings are with the effect than with the simulator as it is, averaged over its sizes, if nothing "
+        "unknown acts. An effect with much evidence alone and a small probability imitates a better "
+        f"explanation.{joined}"
     )
 
 
 def _ranking_table(diagnosis: Diagnosis) -> str:
     has_causes = bool(diagnosis.verdict.acting)
-    joined = ["evidence with<br/>the named causes"] * has_causes
+    joined = ["beside<br/>the causes"] * has_causes
     head = headings(
-        ["effect", "", "probability", "evidence alone", *joined, "deviations<br/>explained", "best size", "group"],
+        ["effect", "", "probability", "evidence<br/>alone", *joined, "deviations<br/>explained", "best size", "group"],
         words=1,
     )
     caption = (
@@ -81,11 +80,10 @@ def _mark(diagnosis: Diagnosis, name: str) -> str:
 
 def _bar(share: float) -> str:
     """A probability as a length."""
-    share = max(share, 0.0) if isfinite(share) else 0.0
-    long = 120.0 * share
+    long = 56.0 * max(share, 0.0)
     return (
-        f'<svg class="track" viewBox="0 0 128 16" role="img" aria-label="probability {percent(share)}">'
-        f'<path d="M4 8H124" stroke="var(--grid)" stroke-width="4"/>'
+        f'<svg class="track short" viewBox="0 0 64 16" role="img" aria-label="{percent(share)}">'
+        f'<path d="M4 8H60" stroke="var(--grid)" stroke-width="4"/>'
         f'<path d="M4 8H{4.0 + long:.1f}" stroke="var(--tuned)" stroke-width="6"/></svg>'
     )
 

@@ -82,8 +82,6 @@ SIGNED: dict[str, tuple[str, str]] = {
 def effect_sentence(cause: NamedCause) -> str:
     """The effect with its sign, size and name, and the size in the rig if the rig has the effect."""
     first, notes = cause.parameters[0], [cause.effect.name]
-    if first.is_at_least or first.is_at_most:
-        notes.append("at least" if first.is_at_least else "at most")
     if cause.in_rig is not None:
         size = significant(float(getattr(cause.in_rig, first.name)), DIGITS + 1).replace("-", "−")
         notes.append(f"the rig has {size} {first.unit}")
@@ -91,13 +89,17 @@ def effect_sentence(cause: NamedCause) -> str:
 
 
 def effect_words(cause: NamedCause) -> str:
-    """The effect with its sign and size."""
-    values = {
-        **cause.effect.model_dump(exclude={"name"}),
-        **{parameter.name: parameter.value for parameter in cause.parameters},
-    }
+    """The effect with its sign and its size or a bound of it."""
     sentence = SENTENCES.get(cause.effect.name)
-    return cause.meaning if sentence is None else sentence(values)
+    if sentence is None:
+        return cause.meaning
+    first = cause.parameters[0]
+    fitted = {parameter.name: parameter.value for parameter in cause.parameters} | {first.name: first.bound}
+    words = sentence({**cause.effect.model_dump(exclude={"name"}), **fitted})
+    if not first.is_at_least and not first.is_at_most:
+        return words
+    limit = "at least" if first.is_at_least == (first.bound > 0.0) else "at most"
+    return words.replace(_size(first.bound), f"{limit} {_size(first.bound)}", 1)
 
 
 def deviation_words(feature: str, z: float, says: str) -> str:

@@ -172,15 +172,15 @@ def headline(diagnosis: Diagnosis) -> str:
     gap = diagnosis.verdict.gap
     causes = "; ".join(effect_sentence(cause) for cause in diagnosis.verdict.causes)
     small = " and ".join(item.cause.effect.name for item in diagnosis.verdict.negligible)
-    closes = "" if gap.shrink is None else f", which closes {_closed(gap)} of the gap"
+    closed = "" if gap.shrink is None else f"; {_closed(gap)} of the gap closed"
     match diagnosis.verdict.kind:
         case Kind.NONE:
             except_small = f", but for {small}, negligible in yaw" if small else ""
             return f"none: the simulator explains these sessions{except_small}"
         case Kind.EFFECT:
-            return f"effect: {causes}{'' if gap.is_closed else closes}"
+            return f"effect: {causes}{'' if gap.is_closed else closed}"
         case Kind.PARTLY:
-            return f"partly: {causes}{closes}; part of the difference is unexplained"
+            return f"partly: {causes}{closed}; part of the difference is unexplained"
         case Kind.UNKNOWN:
             return "unknown: the sessions differ from the simulator, and no effect of the simulator explains it"
 
@@ -205,9 +205,7 @@ def cause_line(cause: NamedCause) -> str:
 
 def _size_words(parameter: Parameter) -> str:
     """A size with its 95 % interval, or a bound if the interval ends at a size beyond which none was tried."""
-    value, low, high = (significant(number, 4) for number in (parameter.value, parameter.low, parameter.high))
-    if parameter.is_at_least:
-        return f"at least {low} {parameter.unit}"
-    if parameter.is_at_most:
-        return f"at most {high} {parameter.unit}"
-    return f"{value} {parameter.unit} ({low} to {high})"
+    bound, low, high = (significant(number, 4) for number in (parameter.bound, parameter.low, parameter.high))
+    if parameter.is_at_least or parameter.is_at_most:
+        return f"at {'least' if parameter.is_at_least else 'most'} {bound} {parameter.unit}"
+    return f"{bound} {parameter.unit} ({low} to {high})"

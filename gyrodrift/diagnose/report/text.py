@@ -51,15 +51,14 @@ def number(value: float, digits: int = 3) -> str:
 
 def size_or_bound(parameter: Parameter) -> str:
     """The size with its unit; a bound if its interval ends at a size beyond which none was tried."""
-    if parameter.is_at_least:
-        return f"at least {size(parameter.low, parameter.unit)}"
-    if parameter.is_at_most:
-        return f"at most {size(parameter.high, parameter.unit)}"
-    return size(parameter.value, parameter.unit)
+    limit = "at least " if parameter.is_at_least else "at most " if parameter.is_at_most else ""
+    return limit + size(parameter.bound, parameter.unit)
 
 
 def interval(parameter: Parameter) -> str:
     """The 95 % interval of a size."""
+    if parameter.is_at_least or parameter.is_at_most:
+        return f"{number(parameter.bound)} or {'more' if parameter.is_at_least else 'less'}"
     low, high = number(parameter.low), number(parameter.high)
     return f"{low} to {high}" if low != high else "no other"
 
