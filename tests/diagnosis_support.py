@@ -16,9 +16,8 @@ from gyrodrift.diagnose.inference.linear_model import LinearModel
 from gyrodrift.diagnose.inference.ranking import lookalikes, ranking
 from gyrodrift.diagnose.predictive_checks.binned_medians import medians, shape_dps
 from gyrodrift.diagnose.predictive_checks.change_points import ChangePoint
-from gyrodrift.diagnose.predictive_checks.dependences import Dependence
 from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
-from gyrodrift.diagnose.predictive_checks.residual_checks import ResidualChecks
+from gyrodrift.diagnose.predictive_checks.residual_checks import Dependence, ResidualChecks
 from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries
 from gyrodrift.diagnose.predictive_checks.spectra import Spectra
 from gyrodrift.diagnose.predictive_checks.yaw_impact import YawImpact

@@ -39,7 +39,7 @@ ROOMS = {
     "diagnose.recording": f"{BASE} evaluation session",
     "diagnose.features": f"{BASE} diagnose.recording",
     "diagnose.simulate": f"{BASE} diagnose.features diagnose.recording firmware_sim session simulation",
-    "diagnose.inference": f"{BASE} diagnose.features diagnose.simulate firmware_sim",
+    "diagnose.inference": f"{BASE} diagnose.features diagnose.recording diagnose.simulate firmware_sim",
     "diagnose.next_recording": f"{BASE} diagnose.features diagnose.inference diagnose.recording diagnose.simulate "
     "firmware_sim simulation",
     "diagnose.predictive_checks": f"{BASE} diagnose.features diagnose.inference diagnose.recording diagnose.simulate "

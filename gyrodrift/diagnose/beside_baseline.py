@@ -12,18 +12,26 @@ import numpy as np
 from firmware_sim.rig import Base, Rig
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.vector import FEATURES, NOT_OF_STEPS, NUMBER, SLOW, rms_scale
-from gyrodrift.diagnose.inference.baseline import Baseline, against, baseline_of
+from gyrodrift.diagnose.inference.baseline import (
+    CHANCE,
+    Baseline,
+    against,
+    amounts_of,
+    amplitudes_of,
+    baseline_of,
+    chance_of,
+    noise_variance_of,
+)
 from gyrodrift.diagnose.inference.conclusion import Conclusion
 from gyrodrift.diagnose.inference.sets import Placed
-from gyrodrift.diagnose.inference.two_sets import CHANCE, amounts_of, amplitudes_of, chance_of, noise_variance_of
 from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, less
 from gyrodrift.diagnose.recording.facts import contradictions
 from gyrodrift.diagnose.recording.levels import LEAST_GAPS, levels_of
 from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.simulate.candidate import Touches
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, Sized
+from gyrodrift.diagnose.simulate.responses import change_of
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
-from gyrodrift.diagnose.simulate.whole_set import change_of
 from gyrodrift.diagnose.stages import (
     DiagnosisRequest,
     Simulated,

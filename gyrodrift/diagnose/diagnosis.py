@@ -19,7 +19,7 @@ from gyrodrift.diagnose.predictive_checks.residual_checks import residual_checks
 from gyrodrift.diagnose.predictive_checks.yaw_impact import cost_deg, yaw_impact_of
 from gyrodrift.diagnose.recording.facts import contradictions
 from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis
-from gyrodrift.diagnose.simulate.host_timing import host_delay_s, host_jitter_s
+from gyrodrift.diagnose.simulate.calibration import host_delay_s, host_jitter_s
 from gyrodrift.diagnose.simulate.twin import Subject
 from gyrodrift.diagnose.stages import (
     WHAT_NEXT,

@@ -15,8 +15,12 @@ from firmware_sim.rig import Base, Rig, parse_effect
 from gyrodrift.diagnose.next_recording.choose import next_recording_of
 from gyrodrift.diagnose.next_recording.information import feature_model_of, posteriors
 from gyrodrift.diagnose.next_recording.profiles import random_profile
-from gyrodrift.diagnose.next_recording.rig_hypothesis import NOTHING, RigHypothesis
-from gyrodrift.diagnose.next_recording.simulated_features import PlannedMotion, simulated_features
+from gyrodrift.diagnose.next_recording.simulated_features import (
+    NOTHING,
+    PlannedMotion,
+    RigHypothesis,
+    simulated_features,
+)
 
 FINE = Base(bias_dps=0.35)
 COARSE = Base(bias_dps=0.35, noise_dps_rthz=0.006, encoder_cpr=4096)

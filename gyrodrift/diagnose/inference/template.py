@@ -11,10 +11,10 @@ from gyrodrift.arrays import Floats, Integers
 from gyrodrift.diagnose.features.vector import LINEAR
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.factors import MOST_FACTORS, covariance_of
-from gyrodrift.diagnose.inference.least_squares import MAD_TO_SIGMA
 from gyrodrift.diagnose.inference.log_variances import between_scaled, interpolated
 from gyrodrift.diagnose.inference.observation import Observation
 from gyrodrift.diagnose.inference.pooling import ONCE_PER_TURN
+from gyrodrift.diagnose.recording.order_statistics import MAD_TO_SIGMA
 from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key
 

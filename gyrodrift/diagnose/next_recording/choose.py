@@ -21,11 +21,15 @@ from gyrodrift.diagnose.next_recording.information import (
     information_bound,
     told_by,
 )
-from gyrodrift.diagnose.next_recording.limits import MotionLimits, limits_of
-from gyrodrift.diagnose.next_recording.manoeuvres import FAMILY, Manoeuvre
+from gyrodrift.diagnose.next_recording.manoeuvres import FAMILY, Manoeuvre, MotionLimits, limits_of
 from gyrodrift.diagnose.next_recording.profiles import profile_of, random_profile
-from gyrodrift.diagnose.next_recording.rig_hypothesis import RigHypothesis, common_rig, weights_of
-from gyrodrift.diagnose.next_recording.simulated_features import PlannedMotion, simulated_features
+from gyrodrift.diagnose.next_recording.simulated_features import (
+    PlannedMotion,
+    RigHypothesis,
+    common_rig,
+    simulated_features,
+    weights_of,
+)
 from gyrodrift.parallel import LocalWorkers, workers
 
 SCREENED_MINUTES = (1.0, 1.5)

@@ -7,8 +7,7 @@ import yaml
 
 from firmware_sim.motion.profile import Ambient, Profile, Segment
 from firmware_sim.motion.segments import Ramp, Rest, Sine, Steps
-from gyrodrift.diagnose.next_recording.limits import MotionLimits
-from gyrodrift.diagnose.next_recording.manoeuvres import Manoeuvre
+from gyrodrift.diagnose.next_recording.manoeuvres import Manoeuvre, MotionLimits
 
 STILL_S = 5.0
 """Each profile begins at power-on with so much rest."""

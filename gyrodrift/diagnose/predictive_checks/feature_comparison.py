@@ -9,8 +9,8 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.feature import Feature, FeatureReading
 from gyrodrift.diagnose.features.vector import FEATURES, rms_scale
+from gyrodrift.diagnose.inference.evidence import pooled_z
 from gyrodrift.diagnose.inference.explanation import Explanation
-from gyrodrift.diagnose.inference.family_wise import pooled_z
 
 BAND = 2.0
 """Standard deviations: nineteen in twenty lie within, where chance alone is at work."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from gyrodrift.diagnose.predictive_checks.dependences import Dependence
+from gyrodrift.diagnose.predictive_checks.residual_checks import Dependence
 from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries
 from gyrodrift.diagnose.predictive_checks.spectra import Spectra
 from gyrodrift.diagnose.report.figures import dependence_svgs, over_time_svgs, spectrum_svgs

@@ -9,8 +9,8 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized, key
+from gyrodrift.diagnose.simulate.responses import change_in, change_of, together
 from gyrodrift.diagnose.simulate.twin import Subject
-from gyrodrift.diagnose.simulate.whole_set import change_in, change_of, together
 from gyrodrift.parallel import fork_pool, usable_jobs
 
 

@@ -6,7 +6,7 @@ from inference_support import row
 
 from gyrodrift.diagnose.features.vector import NUMBER
 from gyrodrift.diagnose.inference.deviations import deviations, listed, shared
-from gyrodrift.diagnose.inference.family_wise import pooled_z
+from gyrodrift.diagnose.inference.evidence import pooled_z
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.inference.family_wise import FAMILY_WISE_ERROR, LEAST, family_wise_threshold, pooled_z
+from gyrodrift.diagnose.inference.evidence import FAMILY_WISE_ERROR, LEAST, family_wise_threshold, pooled_z
 
 FEATURES = 60
 STUDIES, SETS_OF_A_STUDY = 80, 25

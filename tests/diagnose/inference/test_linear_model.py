@@ -10,8 +10,14 @@ from inference_support import PARAMETERS, candidate
 from firmware_sim.effects.catalogue import CATALOGUE
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
-from gyrodrift.diagnose.inference.least_squares import Whitened, fit, innovations, whitened
-from gyrodrift.diagnose.inference.linear_model import linear_model_of, regressors_of
+from gyrodrift.diagnose.inference.linear_model import (
+    Whitened,
+    fit,
+    innovations,
+    linear_model_of,
+    regressors_of,
+    whitened,
+)
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.simulate.response_table import Sized
 

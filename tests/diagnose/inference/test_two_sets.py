@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gyrodrift.diagnose.inference.two_sets import CHANCE, amounts_of, amplitudes_of, chance_of, noise_variance_of
+from gyrodrift.diagnose.inference.baseline import CHANCE, amounts_of, amplitudes_of, chance_of, noise_variance_of
 
 FEATURES = 20
 SIGMA = np.linspace(0.5, 2.0, FEATURES)

@@ -9,9 +9,13 @@ from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Rig, parse_effect
 from gyrodrift.diagnose.next_recording.choose import NextRecording, next_recording_of
 from gyrodrift.diagnose.next_recording.information import feature_model_of
-from gyrodrift.diagnose.next_recording.rig_hypothesis import NOTHING, RigHypothesis
-from gyrodrift.diagnose.next_recording.sentence import sentence
-from gyrodrift.diagnose.next_recording.simulated_features import PlannedMotion, simulated_features
+from gyrodrift.diagnose.next_recording.simulated_features import (
+    NOTHING,
+    PlannedMotion,
+    RigHypothesis,
+    simulated_features,
+)
+from gyrodrift.diagnose.what_next import sentence
 
 RIG = Rig()
 MINUTES = 2.0

@@ -8,8 +8,7 @@ import pytest
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base
 from gyrodrift.cli import main
-from gyrodrift.diagnose.next_recording.limits import MotionLimits, limits_of
-from gyrodrift.diagnose.next_recording.manoeuvres import FAMILY, Manoeuvre
+from gyrodrift.diagnose.next_recording.manoeuvres import FAMILY, Manoeuvre, MotionLimits, limits_of
 from gyrodrift.diagnose.next_recording.profiles import profile_of, profile_yaml, random_profile, warmer_c
 
 LIMITS = limits_of(Base())

@@ -4,7 +4,7 @@ import pytest
 
 from firmware_sim.effects.effect import Effect
 from firmware_sim.rig import Rig, parse_effect
-from gyrodrift.diagnose.next_recording.rig_hypothesis import RigHypothesis, common_rig, weights_of
+from gyrodrift.diagnose.next_recording.simulated_features import RigHypothesis, common_rig, weights_of
 
 LATENCY = parse_effect("latency:delay_ms=13")
 BANDWIDTH = parse_effect("bandwidth:cutoff_hz=12")

@@ -11,7 +11,7 @@ from simulate_support import candidate_of, session_of, subject_from
 from firmware_sim.rig import parse_effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.verdict import NamedCause
-from gyrodrift.diagnose.predictive_checks.dependences import dependences_of
+from gyrodrift.diagnose.predictive_checks.residual_checks import dependences_of
 from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries, residual_series_of
 from gyrodrift.diagnose.simulate.twin import Subject
 

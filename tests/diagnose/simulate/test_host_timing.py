@@ -10,7 +10,7 @@ from simulate_support import BASE, MOTION
 from firmware_sim.rig import Rig, parse_effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
-from gyrodrift.diagnose.simulate.host_timing import host_delay_s, host_jitter_s, with_host
+from gyrodrift.diagnose.simulate.calibration import host_delay_s, host_jitter_s, with_host
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import Simulation
 

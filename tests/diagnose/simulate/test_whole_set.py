@@ -14,9 +14,8 @@ from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, Sized
-from gyrodrift.diagnose.simulate.responses import response_table
+from gyrodrift.diagnose.simulate.responses import change_of, in_session, response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
-from gyrodrift.diagnose.simulate.whole_set import change_of, in_session
 
 TILT = parse_effect("g_sensitivity:amplitude_dps=0.1,phase_deg=30")
 
