@@ -91,7 +91,7 @@ def test_a_wrong_size_in_the_rig_is_told_with_both_sizes(scaled: Diagnosis) -> N
     found = with_causes(scaled, cause_of(scaled, ScaleFactor(error_percent=1.2)))
     shown = seen(verdict(found))
     assert "The rate reads 0.4 % too high (scale_factor; the rig has 1.2 %)" in shown
-    assert "The rig has it with 1.2 %; the recordings show error_percent 0.4 % (0.38 to 0.42)" in shown
+    assert "The rig has it with 1.2 %; the recordings show error_percent 0.4 % (95 %: 0.38 to 0.42)" in shown
     assert "in the rig so far 1.2 %" in shown
     assert cause_line(found.verdict.causes[0]).startswith(
         "scale_factor: error_percent in the rig with 1.2 %, the sessions say 0.4 % (0.38 to 0.42), probability"
@@ -103,7 +103,7 @@ def test_a_free_phase_is_no_number(scaled: Diagnosis) -> None:
     """It is another one in each session."""
     found = with_causes(scaled, cause_of(scaled, phases_deg=[30.0, 200.0]))
     shown = seen(verdict(found))
-    assert "a phase that is another one in each session" in shown
+    assert "a phase that is different in each session" in shown
     assert "phase_deg" not in shown
     assert "a phase of its own in each session" in cause_line(found.verdict.causes[0])
 
@@ -180,3 +180,38 @@ def test_a_deviation_is_told_with_its_direction() -> None:
     assert deviation_words("reach", 3.0, "") == "the largest rates exceed those of the encoder"
     assert deviation_words("reach", -3.0, "") == "the largest rates are below those of the encoder"
     assert deviation_words("step", -3.0, "the bias jumps") == "the bias jumps"
+
+
+def test_a_size_at_the_end_of_the_tried_sizes_is_a_bound(scaled: Diagnosis) -> None:
+    """In the headline, the card and the summary; of a negative size the magnitude is bounded."""
+    cause = cause_of(scaled)
+    bound = replace(cause, parameters=(Parameter("error_percent", 2.9, 2.8, 3.0, "%", is_at_least=True),))
+    found = with_causes(scaled, bound)
+    assert headline(found) == "effect: the rate reads at least 2.8 % too high (scale_factor)"
+    assert "error_percent at least 2.8 % possible sizes (95 %) 2.8 or more" in seen(verdict(found))
+    assert "error_percent at least 2.8 %, probability" in cause_line(bound)
+    low = replace(cause, parameters=(Parameter("error_percent", -2.9, -3.0, -2.8, "%", is_at_most=True),))
+    assert headline(with_causes(scaled, low)) == "effect: the rate reads at least 2.8 % too low (scale_factor)"
+
+
+def test_an_open_part_of_the_gap_is_in_the_headline(scaled: Diagnosis) -> None:
+    """Also if no single feature deviates."""
+    found = with_causes(scaled, cause_of(scaled))
+    gap = replace(found.verdict.gap, shrink=0.7)
+    assert headline(replace(found, verdict=replace(found.verdict, gap=gap))).endswith("; 70 % of the gap closed")
+
+
+def test_a_feature_within_chance_is_no_difference(scaled: Diagnosis) -> None:
+    """The verdict unknown lists its worst feature for the record; words do not call it a difference."""
+    (first, *_) = scaled.verdict.where
+    within = replace(first, is_beyond_chance=False)
+    changed = replace(scaled.verdict, kind=Kind.UNKNOWN, causes=(), where=(within,), unexplained=(within,))
+    found = replace(scaled, verdict=changed)
+    assert "No single feature differs by more than chance" in seen(verdict(found))
+    assert "where: in no single feature by more than chance, in many together" in summary(found)
+
+
+def test_a_cause_that_is_rather_absent_is_not_switched_on(scaled: Diagnosis) -> None:
+    """Tied causes may be named with a probability below 0.5; the rig waits for a decision."""
+    found = with_causes(scaled, replace(cause_of(scaled), probability=0.4))
+    assert "Without scale_factor : with a probability below 0.5" in seen(next_steps(found, Path("out")))

@@ -1,0 +1,53 @@
+"""The sentence for what to record next where no motion is proposed."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
+
+import pytest
+from diagnosis_support import SCALED, diagnosis
+
+from firmware_sim.rig import Rig
+from gyrodrift.diagnose.inference.explanation import Explanation
+from gyrodrift.diagnose.inference.verdict import Kind, Verdict
+from gyrodrift.diagnose.result import Untestable
+from gyrodrift.diagnose.simulate.twin import Subject
+from gyrodrift.diagnose.what_next import what_next
+
+
+@pytest.fixture(scope="module")
+def named() -> Verdict:
+    """One cause that explains all of the gap."""
+    verdict = diagnosis(SCALED).verdict
+    return replace(verdict, kind=Kind.EFFECT, unexplained=(), gap=replace(verdict.gap, shrink=1.0))
+
+
+def sentence(verdict: Verdict, *untestable: Untestable, sessions: int = 4) -> str:
+    subjects = [cast("Subject", SimpleNamespace(rig=Rig()))] * sessions
+    return what_next(verdict, cast("Explanation", None), subjects, untestable, Rig(), 1).sentence
+
+
+def test_nothing_is_needed_where_the_gap_is_closed_and_nothing_deviates(named: Verdict) -> None:
+    assert sentence(named) == "Nothing: no ambiguity remains. Record again after a change."
+
+
+def test_a_gap_that_is_open_by_15_percent_needs_more(named: Verdict) -> None:
+    """A verdict with an unexplained part needs more, too."""
+    opened = replace(named, gap=replace(named.gap, shrink=0.84))
+    assert sentence(opened).startswith("Record longer sessions")
+    assert sentence(replace(named, kind=Kind.PARTLY)).startswith("Record longer sessions")
+
+
+def test_a_feature_that_still_deviates_says_where_to_look(named: Verdict) -> None:
+    """One within chance does not."""
+    (worst, *_) = named.where
+    assert worst.says in sentence(replace(named, unexplained=(worst,)))
+    within = replace(worst, is_beyond_chance=False)
+    assert worst.says not in sentence(replace(named, unexplained=(within,)))
+
+
+def test_few_sessions_and_silent_devices_come_first(named: Verdict) -> None:
+    """Sessions check each other from three on; a device without a temperature hides effects."""
+    lacking = Untestable("temp_bias", "no temperature")
+    assert sentence(named, lacking, sessions=2).startswith("Record more sessions")
+    assert "no temperature here, so temp_bias was not tested" in sentence(named, lacking)
