@@ -1,0 +1,68 @@
+"""Observed differences in units of their standard deviation without a gap."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from inference_support import SESSIONS, observed, rows, tables, unit_nulls
+
+from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
+from gyrodrift.diagnose.inference.observation import observation_of, shared_correlation
+
+RATE = NUMBER["rate"]
+
+
+def test_a_difference_is_in_units_of_the_scatter_of_its_nulls() -> None:
+    """Twice the scatter is half the difference."""
+    nulls = unit_nulls(SESSIONS)
+    nulls[:, :, RATE] *= 2.0
+    found = observed({"rate": 6.0, "lag": 6.0}, nulls=nulls)
+    assert found.unit[:, RATE] == pytest.approx(np.full(SESSIONS, 2.0))
+    assert found.difference[:, RATE] == pytest.approx(np.full(SESSIONS, 3.0))
+    assert found.difference[:, NUMBER["lag"]] == pytest.approx(np.full(SESSIONS, 6.0))
+    assert found.covariance == pytest.approx(np.tile(np.eye(SESSIONS), (len(FEATURES), 1, 1)), abs=1e-9)
+
+
+def test_the_mean_of_the_nulls_is_no_difference() -> None:
+    """Replaying leaves it in each session."""
+    found = observed({"rate": 6.0}, nulls=unit_nulls(SESSIONS) + 1.5)
+    assert (found.difference * found.unit)[:, RATE] == pytest.approx(np.full(SESSIONS, 4.5))
+
+
+def test_what_is_not_compared_is_no_difference_and_no_correlation() -> None:
+    """Its variance is 1."""
+    made = tables({"rate": 6.0})
+    compared = np.ones((SESSIONS, len(FEATURES)), dtype=np.bool_)
+    compared[1, RATE] = False
+    found = observation_of(made, compared)
+    assert found.difference[:, RATE] == pytest.approx([6.0, 0.0, 6.0, 6.0])
+    assert found.covariance[RATE, 1] == pytest.approx([0.0, 1.0, 0.0, 0.0])
+
+
+def test_relevance_is_half_common_to_the_sessions() -> None:
+    """A threshold as large as the scatter: a variance of 2, of which a quarter is common."""
+    made = [replace(table, thresholds=np.ones(len(FEATURES))) for table in tables({"rate": 6.0})]
+    found = observation_of(made, np.ones((SESSIONS, len(FEATURES)), dtype=np.bool_))
+    assert found.unit[:, RATE] == pytest.approx(np.full(SESSIONS, np.sqrt(2.0)))
+    off = ~np.eye(SESSIONS, dtype=np.bool_)
+    assert found.covariance[RATE][off] == pytest.approx(np.full(SESSIONS * (SESSIONS - 1), 0.25))
+
+
+def test_nulls_that_all_sessions_have_in_common_are_correlated() -> None:
+    """The same runs in each session, and independent ones."""
+    runs = np.random.default_rng(1).standard_normal((1, 12, 200))
+    common = shared_correlation(np.tile(runs, (4, 1, 1)))
+    independent = shared_correlation(np.random.default_rng(2).standard_normal((4, 12, 200)))
+    assert common.min() > 0.7
+    assert independent.mean() < 0.2
+    assert shared_correlation(runs).tolist() == [0.0] * 200
+
+
+def test_some_of_the_sessions_are_an_observation() -> None:
+    """With the rows and columns of the covariance that are theirs."""
+    difference = rows({"rate": 1.0}) * np.arange(1.0, SESSIONS + 1.0)[:, None]
+    whole = observed(difference)
+    part = whole.of_sessions([2, 0])
+    assert part.sessions == 2
+    assert part.difference[:, RATE] == pytest.approx([3.0, 1.0])
+    assert np.array_equal(part.covariance, whole.covariance[:, [2, 0]][:, :, [2, 0]])
