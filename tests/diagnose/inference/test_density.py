@@ -31,7 +31,7 @@ def student(residual: Floats, covariance: Floats) -> float:
 
 
 def densities(residual: Floats, groups: Groups, **template: Floats) -> LogDensities:
-    """Of one point of a template that by default changes nothing; residual is (S, F)."""
+    """Log densities of one point of a template that by default changes nothing; residual is (S, F)."""
     none = np.zeros((1, *residual.shape))
     mean, scatter, form = (template.get(name, none) for name in ("mean", "scatter", "form"))
     covariance = np.tile(COVARIANCE, (residual.shape[1], 1, 1))
@@ -43,20 +43,20 @@ def one_group(features: int) -> Groups:
 
 
 def test_a_feature_has_a_multivariate_student_density() -> None:
-    """As scipy has it, over all sessions."""
+    """Over all sessions, in agreement with scipy."""
     residual = np.array([[0.5], [-2.0], [3.0]])
-    found = densities(residual, one_group(1)).without_unknown
-    assert found == pytest.approx([student(residual[:, 0], COVARIANCE)])
+    result = densities(residual, one_group(1)).without_unknown
+    assert result == pytest.approx([student(residual[:, 0], COVARIANCE)])
 
 
 def test_form_and_scatter_join_the_covariance() -> None:
     """Half of the variance of the form is common to the sessions, with the signs of the mean; scatter is not."""
     residual = np.array([[0.5], [-2.0], [3.0]])
     form, scatter = np.array([[[0.7], [-0.2], [0.4]]]), np.array([[[0.1], [0.2], [0.3]]])
-    found = densities(residual, one_group(1), mean=np.sign(form), scatter=scatter, form=form).without_unknown
+    result = densities(residual, one_group(1), mean=np.sign(form), scatter=scatter, form=form).without_unknown
     column = form[0, :, 0]
     covariance = COVARIANCE + 0.5 * np.outer(column, column) + np.diag(0.5 * np.square(column) + scatter[0, :, 0])
-    assert found == pytest.approx([student(residual[:, 0], covariance)])
+    assert result == pytest.approx([student(residual[:, 0], covariance)])
 
 
 def test_a_feature_that_no_session_compares_does_not_count() -> None:
@@ -64,8 +64,8 @@ def test_a_feature_that_no_session_compares_does_not_count() -> None:
     residual = np.array([[0.5, 90.0], [-2.0, 90.0], [3.0, 90.0]])
     groups = Groups(np.zeros(2, dtype=np.int64), 1, np.array([True, False]))
     alone = densities(residual[:, :1], one_group(1))
-    for both, single in zip(densities(residual, groups), alone, strict=True):
-        assert both == pytest.approx(single)
+    for pair, single in zip(densities(residual, groups), alone, strict=True):
+        assert pair == pytest.approx(single)
 
 
 def summed_by_hand(residual: Floats, of_feature: list[int], groups: int) -> float:
@@ -113,8 +113,8 @@ def test_the_sum_over_unknown_effects_is_that_of_all_its_states(scale: float) ->
 def test_nothing_unknown_is_one_of_the_states() -> None:
     """With the prior of its own, which falls with the number of groups."""
     residual = np.zeros((S, 2))
-    found = densities(residual, one_group(2))
-    assert found.either > found.without_unknown + log_no_unknown(1)
+    result = densities(residual, one_group(2))
+    assert result.either > result.without_unknown + log_no_unknown(1)
     assert np.exp(log_no_unknown(1)) == pytest.approx(0.99 * 0.995 + 0.01 * 0.7)
     assert log_no_unknown(20) < log_no_unknown(10) < 0.0
 

@@ -36,8 +36,8 @@ def test_realisations_are_scaled_one_by_one() -> None:
 def test_two_added_variances_add() -> None:
     """Doubled and tripled is fourfold; a variance that one takes away is a factor."""
     double, triple, half = (row({LOG: np.log(factor), "rate": 1.0}) for factor in (2.0, 3.0, 0.5))
-    both = combined(double, triple)
-    assert (both[NUMBER[LOG]], both[NUMBER["rate"]]) == pytest.approx((np.log(4.0), 2.0))
+    total = combined(double, triple)
+    assert (total[NUMBER[LOG]], total[NUMBER["rate"]]) == pytest.approx((np.log(4.0), 2.0))
     assert combined(double, half)[NUMBER[LOG]] == pytest.approx(0.0)
     assert combined(half, half)[NUMBER[LOG]] == pytest.approx(np.log(0.25))
     assert combined(row({LOG: -90.0}), row({LOG: -90.0}))[NUMBER[LOG]] < np.log(LEAST_VARIANCE)

@@ -16,17 +16,17 @@ def test_a_difference_is_in_units_of_the_scatter_of_its_nulls() -> None:
     """Twice the scatter is half the difference."""
     nulls = unit_nulls(SESSIONS)
     nulls[:, :, RATE] *= 2.0
-    found = observed({"rate": 6.0, "lag": 6.0}, nulls=nulls)
-    assert found.unit[:, RATE] == pytest.approx(np.full(SESSIONS, 2.0))
-    assert found.difference[:, RATE] == pytest.approx(np.full(SESSIONS, 3.0))
-    assert found.difference[:, NUMBER["lag"]] == pytest.approx(np.full(SESSIONS, 6.0))
-    assert found.covariance == pytest.approx(np.tile(np.eye(SESSIONS), (len(FEATURES), 1, 1)), abs=1e-9)
+    result = observed({"rate": 6.0, "lag": 6.0}, nulls=nulls)
+    assert result.unit[:, RATE] == pytest.approx(np.full(SESSIONS, 2.0))
+    assert result.difference[:, RATE] == pytest.approx(np.full(SESSIONS, 3.0))
+    assert result.difference[:, NUMBER["lag"]] == pytest.approx(np.full(SESSIONS, 6.0))
+    assert result.covariance == pytest.approx(np.tile(np.eye(SESSIONS), (len(FEATURES), 1, 1)), abs=1e-9)
 
 
 def test_the_mean_of_the_nulls_is_no_difference() -> None:
     """Replaying leaves it in each session."""
-    found = observed({"rate": 6.0}, nulls=unit_nulls(SESSIONS) + 1.5)
-    assert (found.difference * found.unit)[:, RATE] == pytest.approx(np.full(SESSIONS, 4.5))
+    result = observed({"rate": 6.0}, nulls=unit_nulls(SESSIONS) + 1.5)
+    assert (result.difference * result.unit)[:, RATE] == pytest.approx(np.full(SESSIONS, 4.5))
 
 
 def test_what_is_not_compared_is_no_difference_and_no_correlation() -> None:
@@ -34,22 +34,22 @@ def test_what_is_not_compared_is_no_difference_and_no_correlation() -> None:
     made = tables({"rate": 6.0})
     compared = np.ones((SESSIONS, len(FEATURES)), dtype=np.bool_)
     compared[1, RATE] = False
-    found = observation_of(made, compared)
-    assert found.difference[:, RATE] == pytest.approx([6.0, 0.0, 6.0, 6.0])
-    assert found.covariance[RATE, 1] == pytest.approx([0.0, 1.0, 0.0, 0.0])
+    result = observation_of(made, compared)
+    assert result.difference[:, RATE] == pytest.approx([6.0, 0.0, 6.0, 6.0])
+    assert result.covariance[RATE, 1] == pytest.approx([0.0, 1.0, 0.0, 0.0])
 
 
 def test_relevance_is_half_common_to_the_sessions() -> None:
     """A threshold as large as the scatter: a variance of 2, of which a quarter is common."""
     made = [replace(table, thresholds=np.ones(len(FEATURES))) for table in tables({"rate": 6.0})]
-    found = observation_of(made, np.ones((SESSIONS, len(FEATURES)), dtype=np.bool_))
-    assert found.unit[:, RATE] == pytest.approx(np.full(SESSIONS, np.sqrt(2.0)))
+    result = observation_of(made, np.ones((SESSIONS, len(FEATURES)), dtype=np.bool_))
+    assert result.unit[:, RATE] == pytest.approx(np.full(SESSIONS, np.sqrt(2.0)))
     off = ~np.eye(SESSIONS, dtype=np.bool_)
-    assert found.covariance[RATE][off] == pytest.approx(np.full(SESSIONS * (SESSIONS - 1), 0.25))
+    assert result.covariance[RATE][off] == pytest.approx(np.full(SESSIONS * (SESSIONS - 1), 0.25))
 
 
 def test_nulls_that_all_sessions_have_in_common_are_correlated() -> None:
-    """The same runs in each session, and independent ones."""
+    """Runs that are equal in each session, and independent runs."""
     runs = np.random.default_rng(1).standard_normal((1, 12, 200))
     common = shared_correlation(np.tile(runs, (4, 1, 1)))
     independent = shared_correlation(np.random.default_rng(2).standard_normal((4, 12, 200)))
