@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from blind import judge
 from blind.generator.sizes import STRENGTHS
-from blind.score import Share, false_alarms, left_out_rows, outside_rows, pair_rows, parameter_row, row
+from blind.score import Share, false_alarms, interval_row, left_out_rows, outside_rows, pair_rows, parameter_row, row
 from blind.tried import Tried
 
 
@@ -16,8 +16,10 @@ def bench_rows(tried: list[Tried]) -> list[Share]:
         *_single_rows(tried),
         *_outside_rows(tried),
         *_pair_rows(tried),
+        row("three at once: all named", _in(tried, "triple"), _names_all, 0.6),
         *left_out_rows(tried),
         parameter_row(tried),
+        interval_row(tried),
         *_loop_rows(tried),
         *_wrong_size_rows(tried),
         *_baseline_rows(tried),
@@ -39,6 +41,10 @@ def _quiet_rows(tried: list[Tried]) -> list[Share]:
         row(what, _in(tried, name), lambda case: not judge.raises_alarm(case.blind), 0.95)
         for name, what in rows.items()
     ]
+
+
+def _names_all(case: Tried) -> bool:
+    return judge.names_both(case.blind, tuple(case.truths), alone=False)
 
 
 def _group(case: Tried) -> bool:

@@ -10,13 +10,18 @@ VERDICTS = ("none", "effect", "partly", "unknown")
 
 @dataclass(frozen=True, slots=True)
 class Cause:
-    """An effect that was named; parameters by name, values alone; `in_rig`: those that the rig states otherwise."""
+    """An effect that was named; parameters by name, values alone; `in_rig`: those that the rig states otherwise.
+
+    intervals
+        Least and largest value by parameter.
+    """
 
     effect: str
     probability: float
     tied_with: tuple[str, ...] = ()
     parameters: dict[str, float] = field(default_factory=dict)
     in_rig: dict[str, float] = field(default_factory=dict)
+    intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def names(self) -> set[str]:
@@ -129,7 +134,13 @@ def _cause(cause: Any) -> Cause:
         raise ValueError(f"probability is {probability}")
     parameters = {str(name): float(stated["value"]) for name, stated in cause["parameters"].items()}
     in_rig = _numbers(cause.get("in_rig", {}))
-    return Cause(str(cause["effect"]), probability, tuple(map(str, cause["tied_with"])), parameters, in_rig)
+    stated = cause["parameters"].items()
+    intervals = {str(name): (float(one["low"]), float(one["high"])) for name, one in stated if _is_bounded(one)}
+    return Cause(str(cause["effect"]), probability, tuple(map(str, cause["tied_with"])), parameters, in_rig, intervals)
+
+
+def _is_bounded(stated: Any) -> bool:
+    return stated["low"] is not None and stated["high"] is not None
 
 
 def _numbers(stated: Any) -> dict[str, float]:

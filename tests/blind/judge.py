@@ -128,6 +128,12 @@ def fit_is_near(cause: Cause, parameter: str, truth: float) -> bool:
     return value is not None and abs(value - truth) <= NEAR * abs(truth)
 
 
+def interval_holds(cause: Cause, parameter: str, truth: float) -> bool:
+    """Within the stated interval; a size that is read off the recordings has none, and is near or not."""
+    low, high = cause.intervals.get(parameter, (0.0, 0.0))
+    return low <= truth <= high if low < high else fit_is_near(cause, parameter, truth)
+
+
 def cause_of(said: Said | None, truth: str) -> Cause | None:
     """The cause that names an effect by itself."""
     return next((cause for cause in said.named if cause.effect == truth), None) if said else None

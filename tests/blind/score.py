@@ -76,7 +76,7 @@ def is_right(case: Tried) -> bool:
         return not _alarm(case)
     if case.kind == "outside":
         return judge.abstains_at(case.blind, case.stages)
-    if case.kind == "pair":
+    if case.kind in {"pair", "triple"}:
         return _both(case, alone=True)
     is_named = judge.names_first_or_tied(case.blind, case.truth)
     return is_named and (case.kind == "single" or judge.is_not_fooled(case.outcomes["withheld"]))
@@ -213,6 +213,17 @@ def parameter_row(tried: list[Tried]) -> Share:
     """Of cases in which the effect was named, where its form here is that of the simulator."""
     cases = [case for case in of_kind(tried, "single") if case.truth in JUDGED and _cause(case)]
     return row("fitted parameter within 20 %, where named and of the same form", cases, _is_near, 0.85)
+
+
+def interval_row(tried: list[Tried]) -> Share:
+    """Of the same cases."""
+    cases = [case for case in of_kind(tried, "single") if case.truth in JUDGED and _cause(case)]
+    return row("fitted parameter: its interval holds the truth", cases, _is_held, 0.92)
+
+
+def _is_held(case: Tried) -> bool:
+    cause, parameter = _cause(case), JUDGED[case.truth]
+    return cause is not None and judge.interval_holds(cause, parameter, case.strength[parameter])
 
 
 def _cause(case: Tried) -> Cause | None:

@@ -24,7 +24,7 @@ from blind.rows.generated import Stand
 from blind.rows.simulated import Simulated
 from blind.rows.table import ROWS, draw_case, draw_rows, find_case
 
-GENERATED = ("none_generator", "single", "small", "outside", "pair", "left_out", "loop")
+GENERATED = ("none_generator", "single", "small", "outside", "pair", "triple", "left_out", "loop")
 
 
 def drawn(row: str, count: int) -> list[RowCase]:

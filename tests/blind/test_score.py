@@ -7,7 +7,7 @@ from scipy.stats import binomtest
 
 from blind import judge
 from blind.chance import brier, reliability, wilson
-from blind.gap import read_outcome
+from blind.gap import Cause, read_outcome
 from blind.score import Score, Share, is_right, recipe_rows
 from blind.score import score as score_by
 from blind.table import as_json, markdown, terminal_text
@@ -231,3 +231,11 @@ def test_the_table_shows_goals_intervals_and_misses() -> None:
         assert "not tried" in text
     row = next(row for row in as_json(found)["shares"] if row["what"].startswith("false alarms"))
     assert row["share"] == 0.5
+
+
+def test_an_interval_holds_the_truth_or_not() -> None:
+    """A size without an interval is judged by how near it is."""
+    bounded = Cause("latency", 0.9, parameters={"delay_ms": 9.0}, intervals={"delay_ms": (8.0, 10.5)})
+    assert judge.interval_holds(bounded, "delay_ms", 10.0)
+    assert not judge.interval_holds(bounded, "delay_ms", 11.0)
+    assert judge.interval_holds(Cause("latency", 0.9, parameters={"delay_ms": 9.0}), "delay_ms", 10.0)

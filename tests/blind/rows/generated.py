@@ -3,7 +3,7 @@
 from dataclasses import asdict, replace
 from typing import Any
 
-from blind.catalogue import EFFECTS, STAGE
+from blind.catalogue import EFFECTS, GROUP, STAGE
 from blind.generator.cost import yaw_cost_deg
 from blind.generator.device import Device, RigFile
 from blind.generator.dice import Path as DicePath
@@ -24,6 +24,8 @@ SHORT = 0.2
 """So many of the cases without a gap have short sessions."""
 
 CLEAR = ("typical", "large")
+
+TOGETHER = 3
 
 
 class Stand:
@@ -107,6 +109,17 @@ def pair(rng: Rng, number: int, path: DicePath) -> Draft:
     faults = tuple(draw_fault_for(rng, stand.facts, *each) for each in names)
     without = {"without": stand.batch((), (*path, "without"))}
     return _draft("pair", stand, faults, path, then="without", more=without)
+
+
+def triple(rng: Rng, number: int, path: DicePath) -> Draft:
+    """Three effects of typical size, of which no two are easily taken for each other."""
+    stand = Stand(rng)
+    names: list[str] = []
+    for name in rng.permutation(list(EFFECTS)).tolist():
+        if len(names) < TOGETHER and GROUP[name] not in {GROUP[other] for other in names}:
+            names.append(name)
+    faults = tuple(draw_fault_for(rng, stand.facts, name, "typical") for name in names)
+    return _draft("triple", stand, faults, path)
 
 
 def left_out(rng: Rng, number: int, path: DicePath) -> Draft:

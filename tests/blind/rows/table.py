@@ -34,6 +34,7 @@ ROWS = {
     "small": Row(27, generated.small),
     "outside": Row(44, generated.outside),
     "pair": Row(24, generated.pair),
+    "triple": Row(24, generated.triple),
     "left_out": Row(27, generated.left_out),
     "loop": Row(40, generated.loop),
     "wrong_size": Row(46, wrong_size),
