@@ -4,14 +4,16 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
+from functools import partial
 from multiprocessing import get_context
 from signal import SIG_DFL, SIG_IGN, SIGINT, SIGTERM, signal
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 from gyrodrift.system import CAN_FORK, kill_with
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+Inherited = TypeVar("Inherited")
 
 
 class LocalWorkers:
@@ -36,6 +38,37 @@ def workers(jobs: int) -> Iterator[LocalWorkers]:
         yield LocalWorkers(pool)
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+class InheritingWorkers(Generic[Inherited]):
+    """Maps functions of a value that forked processes inherit, and of an item that is sent."""
+
+    def __init__(self, inherited: Inherited, pool: ProcessPoolExecutor | None) -> None:
+        self._inherited, self._pool = inherited, pool
+
+    def map(self, work: Callable[[Inherited, Item], Result], items: Sequence[Item]) -> Iterable[Result]:
+        """Results in the order of the items."""
+        if self._pool is None:
+            return (work(self._inherited, item) for item in items)
+        return self._pool.map(partial(_with_inherited, work), items)
+
+
+@contextmanager
+def inheriting_workers(jobs: int, inherited: Inherited) -> Iterator[InheritingWorkers[Inherited]]:
+    """Up to `jobs` processes with a value that need not be picklable; for one job, this process does the work."""
+    if usable_jobs(jobs) == 1:
+        yield InheritingWorkers(inherited, None)
+        return
+    with fork_pool(jobs, _inherited.append, inherited) as pool:
+        yield InheritingWorkers(inherited, pool)
+
+
+_inherited: list[Any] = []
+"""Value for which this process was forked."""
+
+
+def _with_inherited(work: Callable[[Any, Item], Result], item: Item) -> Result:
+    return work(_inherited[-1], item)
 
 
 def usable_jobs(jobs: int) -> int:

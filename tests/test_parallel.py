@@ -4,7 +4,12 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
+
+import pytest
+
+from gyrodrift.parallel import inheriting_workers
 
 PATIENCE_S = 60.0
 
@@ -41,3 +46,14 @@ def test_workers_end_when_the_process_that_forked_them_is_killed(tmp_path: Path)
         time.sleep(0.01)
     assert len(workers) == 2
     assert not any(map(is_alive, workers))
+
+
+def doubled(inherited: Callable[[int], int], item: int) -> int:
+    return inherited(item)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_processes_inherit_what_cannot_be_sent(jobs: int) -> None:
+    """A function without a name is not picklable; results come in the order of the items."""
+    with inheriting_workers(jobs, lambda item: 2 * item) as local:
+        assert list(local.map(doubled, [1, 2, 3])) == [2, 4, 6]

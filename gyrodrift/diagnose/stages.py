@@ -14,8 +14,7 @@ from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.result import Untestable
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import KINDS, candidates
-from gyrodrift.diagnose.simulate.distribute import REPLAYED, Origin, SimulationPlan, response_tables
-from gyrodrift.diagnose.simulate.forked_sets import ForkedSets
+from gyrodrift.diagnose.simulate.distribute import REPLAYED, Origin, SimulationPlan, response_tables, set_simulator
 from gyrodrift.diagnose.simulate.hints import hints_of
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
@@ -96,8 +95,8 @@ def tables_of(
 def inferred_of(simulated: Simulated, jobs: int, progress: OnProgress = ignore_progress) -> Conclusion:
     """Find the posterior over sets of effects, and judge by it."""
     progress(SEARCHED, 0, 0)
-    with ForkedSets(simulated.subjects, simulated.tables, simulated.tried, jobs) as sets:
-        return conclude(simulated.tables, simulated.tried, sets.change_of)
+    with set_simulator(simulated.subjects, simulated.tables, simulated.tried, jobs) as simulate:
+        return conclude(simulated.tables, simulated.tried, simulate)
 
 
 def recordings_of(

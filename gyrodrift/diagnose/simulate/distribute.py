@@ -1,20 +1,22 @@
-"""The response tables of all sessions: simulated here, in processes of this machine, or by the workers of a cluster."""
+"""Simulations of all sessions, here, in processes of this machine, or by the workers of a cluster: tables and sets."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
 from firmware_sim.rig import Rig
+from gyrodrift.arrays import Floats
 from gyrodrift.cluster import ClusterWorkers
 from gyrodrift.diagnose.recording.checked import checked_session
 from gyrodrift.diagnose.simulate.candidate import Candidate, Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
-from gyrodrift.diagnose.simulate.response_table import ResponseTable
-from gyrodrift.diagnose.simulate.responses import null_runs_of, response_table
+from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized, key
+from gyrodrift.diagnose.simulate.responses import change_in, null_runs_of, response_table, together
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.errors import DataError
-from gyrodrift.parallel import fork_pool, usable_jobs
+from gyrodrift.parallel import inheriting_workers
 from gyrodrift.progress import OnProgress
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 
@@ -73,42 +75,19 @@ def response_tables(
     if cluster is not None:
         return _on_cluster(plan, cluster, progress)
     numbers = range(len(plan.subjects))
-    if usable_jobs(jobs) == 1:
-        return _counted((_table(plan, number) for number in numbers), len(numbers), progress)
-    # A forked process has the plan as it is: sessions are neither sent nor read again.
-    with fork_pool(min(jobs, len(numbers)), _hold, plan) as pool:
-        return _counted(pool.map(_held_table, numbers), len(numbers), progress)
+    with inheriting_workers(min(jobs, len(numbers)), plan) as local:
+        return _counted(local.map(_table, numbers), len(numbers), progress)
 
 
 def _table(plan: SimulationPlan, number: int) -> ResponseTable:
     return response_table(plan.subjects[number], plan.tried, null_runs_of(len(plan.subjects)))
 
 
-_held: list[SimulationPlan] = []
-"""In a process of the pool: what it was forked for."""
-
-
-def _hold(plan: SimulationPlan) -> None:
-    _held.append(plan)
-
-
-def _held_table(number: int) -> ResponseTable:
-    return _table(_held[0], number)
-
-
 def _on_cluster(plan: SimulationPlan, address: str, progress: OnProgress) -> tuple[ResponseTable, ...]:
-    names = frozenset(candidate.name for candidate in plan.tried)
-    null_runs = null_runs_of(len(plan.origins))
+    names, null_runs = frozenset(candidate.name for candidate in plan.tried), null_runs_of(len(plan.origins))
+    origins = [origin._replace(path=origin.path.resolve()) for origin in plan.origins]
     tasks = [
-        SessionTask(
-            origin._replace(path=origin.path.resolve()),
-            plan.rig,
-            plan.hints,
-            names,
-            null_runs,
-            plan.least_noise_dps_rthz,
-        )
-        for origin in plan.origins
+        SessionTask(origin, plan.rig, plan.hints, names, null_runs, plan.least_noise_dps_rthz) for origin in origins
     ]
     workers = ClusterWorkers(address, "a diagnosis")
     try:
@@ -134,6 +113,39 @@ def read_and_simulate(task: SessionTask) -> ResponseTable:
         raise DataError(f"{path}: changed while it was being diagnosed")
     tried = [candidate for candidate in candidates(task.hints, task.rig) if candidate.name in task.names]
     return response_table(subject_of(recordings[part], task.rig, task.least_noise_dps_rthz), tried, task.null_runs)
+
+
+class _Sessions(NamedTuple):
+    """Sessions in which sets are simulated; candidates hold functions, which cannot be sent, and go by their keys."""
+
+    subjects: Sequence[Subject]
+    tables: Sequence[ResponseTable]
+    candidates: dict[str, Candidate]
+
+
+_Sent = tuple[list[tuple[str, float, Floats | None]], int]
+"""Key, size and phases of each candidate of a set, and the session in which it is simulated."""
+
+
+@contextmanager
+def set_simulator(
+    subjects: Sequence[Subject], tables: Sequence[ResponseTable], tried: Sequence[Candidate], jobs: int
+) -> Iterator[Callable[[Sequence[Sized]], SimulatedSet]]:
+    """Simulate whole sets of candidates in all sessions at once, by up to `jobs` processes."""
+    sessions = _Sessions(subjects, tables, {key(candidate): candidate for candidate in tried})
+    with inheriting_workers(min(jobs, len(subjects)), sessions) as local:
+
+        def simulate(effects: Sequence[Sized]) -> SimulatedSet:
+            sent = [(key(one.candidate), one.size, one.phases_deg) for one in effects]
+            return together([*local.map(_change_of_sent, [(sent, index) for index in range(len(subjects))])])
+
+        yield simulate
+
+
+def _change_of_sent(sessions: _Sessions, sent: _Sent) -> SimulatedSet:
+    every, index = sent
+    effects = [Sized(sessions.candidates[name], size, phases_deg) for name, size, phases_deg in every]
+    return change_in(effects, index, sessions.subjects[index], sessions.tables[index])
 
 
 def _counted(tables: Iterable[ResponseTable], of: int, progress: OnProgress) -> tuple[ResponseTable, ...]:

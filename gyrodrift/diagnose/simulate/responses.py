@@ -10,6 +10,7 @@ import numpy as np
 from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import measure
+from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
 from gyrodrift.diagnose.simulate.noise_beneath import with_noise_beneath
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized, key
@@ -54,11 +55,18 @@ def response_table(subject: Subject, tried: Sequence[Candidate], null_runs: int)
 def response(subject: Subject, candidate: Candidate, base: Sequence[BaseRun]) -> Floats:
     """(grid points, realisations, F) what a candidate changes; realisations take the base runs in turn."""
     used = [(seed, base[seed % len(base)]) for seed in range(candidate.realisations)]
-    changes = [
-        [_features_with(subject, candidate, float(size), run, seed) - run.values for seed, run in used]
-        for size in candidate.grid_points
-    ]
+    changes = []
+    for size in candidate.grid_points.tolist():
+        calibrated = _calibrated(subject, candidate, size)
+        changes.append([_features_with(calibrated, candidate, size, run, seed) - run.values for seed, run in used])
     return np.array(changes)
+
+
+def _calibrated(subject: Subject, candidate: Candidate, size: float) -> Subject:
+    """The rig calibrated beside an effect of a size, where the effect is played anew."""
+    if candidate.shape is None and candidate.touches in (Touches.VALUES, Touches.EVERYTHING):
+        return with_noise_beneath(subject, (candidate.applied(size, subject.rig.effects),))
+    return subject
 
 
 def null_difference(subject: Subject, seed: int) -> Floats:
@@ -97,10 +105,9 @@ def _features_with(subject: Subject, candidate: Candidate, size: float, base: Ba
             times = subject.time_features(effects, base.seed)
             return np.concatenate([base.values[: -len(times)], times])
         case Touches.VALUES:
-            calibrated = with_noise_beneath(subject, effects)
-            return _first(calibrated.value_features(calibrated.replayed(effects, base.seed), base), base.values)
+            return _first(subject.value_features(subject.replayed(effects, base.seed), base), base.values)
         case Touches.EVERYTHING:
-            seen = with_noise_beneath(subject, effects).replayed(effects, base.seed)
+            seen = subject.replayed(effects, base.seed)
             return measure(seen, subject.design_beside(seen, base), subject.facts).values
 
 
@@ -128,20 +135,18 @@ def together(sessions: Sequence[SimulatedSet]) -> SimulatedSet:
 
 def change_in(effects: Sequence[Sized], number: int, subject: Subject, table: ResponseTable) -> SimulatedSet:
     """The same in session `number`."""
+    known = tuple(in_session(one, number, subject) for one in effects if not one.candidate.is_out_of_catalogue)
+    calibrated = with_noise_beneath(subject, known)
     is_random = any(one.is_random for one in effects)
-    seeds = range(RANDOM_REALISATIONS if is_random else FIXED_REALISATIONS)
-    runs = [table.runs[seed] for seed in seeds]
-    changes = np.array(
-        [_features(effects, number, subject, seed, run) - run for seed, run in zip(seeds, runs, strict=True)]
-    )
+    runs = table.runs[: RANDOM_REALISATIONS if is_random else FIXED_REALISATIONS]
+    changes = np.array([
+        _features(effects, subject, calibrated.replayed(known, seed), seed, run) - run for seed, run in enumerate(runs)
+    ])  # fmt: skip
     return SimulatedSet(changes.mean(axis=0), changes.var(axis=0, ddof=1), len(changes))
 
 
-def _features(effects: Sequence[Sized], number: int, subject: Subject, seed: int, run: Floats) -> Floats:
-    """(F,) of the set in session `number`; those that it does not touch are taken over from a run without it."""
-    of_catalogue = tuple(in_session(one, number, subject) for one in effects if not one.candidate.is_out_of_catalogue)
-    calibrated = with_noise_beneath(subject, of_catalogue)
-    seen = calibrated.replayed(of_catalogue, seed)
+def _features(effects: Sequence[Sized], subject: Subject, seen: Cleaned, seed: int, run: Floats) -> Floats:
+    """(F,) of a set whose known effects were played; those that it does not touch are taken over from a run without."""
     for one in effects:
         if one.candidate.shape is not None:
             seen = subject.with_shape(one.candidate.shape, one.size, seed, seen)

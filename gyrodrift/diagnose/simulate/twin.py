@@ -94,7 +94,6 @@ class Subject:
     reference: ReferenceNoise | None = None
     drawn: dict[int, ReplayedMotion] = field(default_factory=dict, repr=False)
     held: dict[MotionSeen, "Subject"] = field(default_factory=dict, repr=False)
-    bases: dict[tuple[Effect, ...], Base] = field(default_factory=dict, repr=False)
 
     @property
     def facts(self) -> Facts:
@@ -108,18 +107,13 @@ class Subject:
 
     def recalibrated(self, effects: tuple[Effect, ...]) -> "Subject":
         """The same with noise and bias found beside more effects of the rig, which hide both at rest."""
-        if effects not in self.bases:
-            rig = with_replaced(self.rig, effects)
-            motion = self.held_to(effects).posterior.mean
-            self.bases[effects] = calibrated(self.seen, self.design, motion, rig).base
-        return self._with_base(self.bases[effects])
+        motion = self.held_to(effects).posterior.mean
+        return self._with_base(calibrated(self.seen, self.design, motion, with_replaced(self.rig, effects)).base)
 
     def beside(self, effects: tuple[Effect, ...]) -> "Subject":
         """The same with the bias that is left beside more effects."""
-        if effects not in self.bases:
-            bias_dps = bias_beside(self.seen, self.design, self.rig, effects)
-            self.bases[effects] = self.rig.base.model_copy(update={"bias_dps": bias_dps})
-        return self._with_base(self.bases[effects])
+        bias_dps = bias_beside(self.seen, self.design, self.rig, effects)
+        return self._with_base(self.rig.base.model_copy(update={"bias_dps": bias_dps}))
 
     def held_to(self, effects: tuple[Effect, ...]) -> "Subject":
         """The same with the motion that is behind its angles and rates if the rig has more effects.
