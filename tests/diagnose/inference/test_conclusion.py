@@ -1,15 +1,19 @@
 """The posterior on tables made by hand: nothing, one effect, two, and what no effect does."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
-from inference_support import SESSIONS, rows, simulated
+from inference_support import SESSIONS, rows, scorer_of, simulated, simulator, tables
 from inference_support import concluded as concluded_of
 
 from gyrodrift.diagnose.features.vector import FEATURES
-from gyrodrift.diagnose.inference.conclusion import Conclusion
+from gyrodrift.diagnose.inference.conclusion import SIMULATED, Conclusion, conclude, kind_of
+from gyrodrift.diagnose.inference.posterior import Posterior, WeightedSet
 from gyrodrift.diagnose.inference.verdict import Kind
+from gyrodrift.diagnose.simulate.response_table import SimulatedSet, Sized
 
 SCALE = {"rate": 1.0, "direction": 0.3}
 CLOCK = {"clock_ratio": 1.0, "stamp_wander": 0.3}
@@ -18,7 +22,7 @@ TRIED = (simulated("scale_factor", SCALE), simulated("clock_drift", CLOCK))
 
 @cache
 def concluded(**amounts: float) -> Conclusion:
-    """Of sessions that differ from the rig by some amounts, and by half a standard deviation of chance."""
+    """Conclusion from sessions that differ from the rig by some amounts, and by half a standard deviation of chance."""
     chance = 0.5 * np.random.default_rng(1).standard_normal((SESSIONS, len(FEATURES)))
     return concluded_of(rows(amounts) + chance, *TRIED)
 
@@ -59,3 +63,91 @@ def test_probabilities_of_all_hypotheses_add_up_to_1() -> None:
     posterior = concluded(**times(6.0, SCALE)).explanation.posterior
     assert posterior.weights.sum() == pytest.approx(1.0)
     assert posterior.no_gap + posterior.unknown < 1.0
+
+
+@pytest.mark.parametrize(
+    ("nothing", "cataloged", "unknown", "has_causes", "kind"),
+    [
+        (0.6, 0.2, 0.2, False, Kind.NONE),
+        (0.1, 0.7, 0.2, True, Kind.EFFECT),
+        (0.1, 0.3, 0.6, True, Kind.PARTLY),
+        (0.1, 0.3, 0.6, False, Kind.UNKNOWN),
+        (0.4, 0.3, 0.3, False, Kind.UNKNOWN),
+    ],
+)
+def test_the_kind_is_that_of_the_most_probable_hypotheses(
+    nothing: float,
+    cataloged: float,
+    unknown: float,
+    has_causes: bool,  # noqa: FBT001 - parametrized
+    kind: Kind,
+) -> None:
+    """Nothing, effects of the catalog alone, something unknown with or without them."""
+    none = scorer_of({}).nothing()
+    names = frozenset({"scale_factor"})
+    posterior = Posterior(
+        (
+            WeightedSet(frozenset(), False, none, nothing),
+            WeightedSet(names, False, none, cataloged),
+            WeightedSet(names, True, none, unknown),
+        )
+    )
+    assert kind_of(posterior, has_causes=has_causes) is kind
+
+
+def test_probable_sets_are_simulated_the_best_part_of_each_first() -> None:
+    """One effect, then both; nothing is simulated where nothing deviates."""
+    calls: list[tuple[str, ...]] = []
+
+    def simulate(effects: Sequence[Sized]) -> SimulatedSet:
+        calls.append(tuple(sized.candidate.name for sized in effects))
+        return simulator(*TRIED)(effects)
+
+    candidates = [tried.candidate for tried in TRIED]
+    conclude(tables({}, *TRIED), candidates, simulate)
+    assert calls == []
+    conclusion = conclude(tables({**times(7.0, SCALE), **times(5.0, CLOCK)}, *TRIED), candidates, simulate)
+    assert {len(names) for names in calls[:-1]} == {1}
+    assert set(calls[-1]) == {"scale_factor", "clock_drift"}
+    scorer, posterior = conclusion.explanation.scorer, conclusion.explanation.posterior
+    assert all(scorer.is_simulated(item) for item in posterior.by_mass(SIMULATED) if item.placed)
+
+
+def test_a_simulation_that_contradicts_the_templates_takes_the_name_away() -> None:
+    """The set itself moves other features than the effect alone does."""
+
+    def contradicts(effects: Sequence[Sized]) -> SimulatedSet:
+        change = simulator(*TRIED)(effects).change
+        return SimulatedSet(change + rows({"temperature": 25.0, "lag": -25.0}), np.zeros_like(change), 3)
+
+    conclusion = conclude(tables(times(7.0, SCALE), *TRIED), [tried.candidate for tried in TRIED], contradicts)
+    assert conclusion.verdict.kind is Kind.UNKNOWN
+
+
+def test_effects_that_fit_as_well_are_tied() -> None:
+    """One of them is the cause with half of the probability; the probability of both is that of a cause."""
+    same = simulated("latency", SCALE)
+    verdict = concluded_of(rows(times(6.0, SCALE)), *TRIED, same).verdict
+    (cause,) = verdict.causes
+    assert {cause.effect.name, *cause.tied_with} == {"scale_factor", "latency"}
+    assert cause.probability == pytest.approx(0.5, abs=0.1)
+    assert cause.group_probability > 0.8
+    assert verdict.kind is Kind.EFFECT
+
+
+def test_a_form_that_no_effect_has_is_listed_first() -> None:
+    """Its own feature comes before a feature that deviates more."""
+    form = simulated("?moving", {"moving": 2.0, "rate": 2.5, "lag": 1.0})
+    verdict = concluded_of(rows({"moving": 10.0, "rate": 12.5, "lag": 5.0}), *TRIED, form).verdict
+    assert (verdict.kind, verdict.causes) == (Kind.UNKNOWN, ())
+    assert [deviation.feature for deviation in verdict.where[:2]] == ["moving", "rate"]
+
+
+def test_an_effect_that_the_rig_has_at_this_size_is_no_cause() -> None:
+    """Its interval holds the size of the rig; at another size it is a cause."""
+    (scale, _) = TRIED
+    for percent, has_cause in ((6.0, False), (2.0, True)):
+        in_rig = replace(scale.candidate, in_rig=scale.candidate.make(percent))
+        tried = scale._replace(candidate=in_rig)
+        causes = concluded_of(rows(times(6.0, SCALE)), tried).verdict.causes
+        assert bool(causes) is has_cause

@@ -6,13 +6,20 @@ import numpy as np
 import pytest
 from simulate_support import HINTS, RATE_HZ, candidate_of, feature, plain, response_at
 
+from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.simulate.candidates import KINDS, candidates
 from gyrodrift.diagnose.simulate.kinds import LAG
 from gyrodrift.diagnose.simulate.nuisance import (
     MEMORY_S,
+    ORDERS,
     ahead,
     behind_temperature,
+    in_angle,
     in_proportion,
+    in_rate,
+    in_time,
+    of_angle_error,
+    random_function,
     with_memory,
     with_memory_in_motion,
 )
@@ -51,6 +58,52 @@ def test_a_bias_follows_the_temperature_with_play() -> None:
     assert lag_c[round(4.0 * RATE_HZ)] == pytest.approx(0.4, abs=0.01)
     assert lag_c[len(lag_c) // 2 - design.block] == pytest.approx(0.5, abs=1e-6)
     assert lag_c[-1] == pytest.approx(-0.5, abs=0.01)
+
+
+def test_every_form_is_named_after_a_feature() -> None:
+    """A verdict lists this feature first."""
+    names = {one.name.removeprefix("?") for one in candidates(HINTS) if one.is_out_of_catalogue}
+    assert names <= {one.name for one in FEATURES}
+
+
+def test_a_random_function_has_a_variance_of_1_and_is_smooth_over_its_length() -> None:
+    """Another one for each stream; values at a tenth of its length apart are nearly the same."""
+    x = np.linspace(0.0, 100.0, 2001)
+    drawn = np.array([random_function(np.random.default_rng(seed), x, 5.0, 5.0) for seed in range(40)])
+    assert drawn.mean(axis=1) == pytest.approx(np.zeros(40), abs=1e-9)
+    assert np.square(drawn).mean() == pytest.approx(1.0, abs=0.2)
+    near, far = (np.mean(drawn[:, step:] * drawn[:, :-step]) / np.square(drawn).mean() for step in (10, 400))
+    assert near == pytest.approx(np.exp(-0.5 * 0.1**2), abs=0.01)
+    assert abs(far) < 0.2
+
+
+def test_a_function_of_time_or_rate_is_another_one_in_each_stream() -> None:
+    """Of the rate it is 0 where nothing moves, and equal where rates are equal."""
+    design = plain().design
+    first, second = (in_time(design, np.random.default_rng(seed)) for seed in (0, 1))
+    assert np.ptp(first - second) > 0.5
+    by_rate = in_rate(design, np.random.default_rng(0))
+    assert np.median(by_rate[np.abs(design.motion.rate_dps) < 0.01]) == pytest.approx(0.0, abs=0.05)
+    order = np.argsort(design.motion.rate_dps)
+    assert np.abs(np.diff(by_rate[order])).max() < 0.5
+
+
+def test_a_function_of_the_angle_has_parts_of_a_turn() -> None:
+    """All of it is sines and cosines of multiples of the angle, none of once per turn."""
+    design = plain().design
+    shape = in_angle(design, np.random.default_rng(0))
+    turns = np.deg2rad(np.outer(design.motion.angle_deg, ORDERS))
+    basis = np.concatenate([np.sin(turns), np.cos(turns)], axis=1)
+    coefficients = np.linalg.lstsq(basis, shape, rcond=None)[0]
+    assert basis @ coefficients == pytest.approx(shape, abs=0.02)
+
+
+def test_the_rate_of_an_angle_error_sums_up_to_that_error() -> None:
+    """Its integral is minus the function of the angle, but for where it begins."""
+    design = plain().design
+    error_deg = in_angle(design, np.random.default_rng(0))
+    summed_deg = -np.cumsum(of_angle_error(design, np.random.default_rng(0))) / RATE_HZ
+    assert summed_deg - summed_deg[0] == pytest.approx(error_deg - error_deg[0], abs=0.1)
 
 
 def test_a_regressor_moves_the_coefficient_of_its_own() -> None:
