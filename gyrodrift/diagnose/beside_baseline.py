@@ -50,7 +50,7 @@ radio that loses some samples is not."""
 OF_AN_OCTAVE = 0.03
 """Two steps are of ranges of one gyro, where they are so near a power of two: ranges double."""
 
-SLOW_ONLY = "what single samples show is not compared; rate errors second by second are"
+SLOW_ONLY = "only rate errors second by second are compared"
 
 ALL = np.ones(len(FEATURES), bool)
 
@@ -114,10 +114,10 @@ def explained_baseline(asked: DiagnosisRequest, recordings: Sequence[Recording])
     remarks = [f"baseline: {remark}" for remark in remarks]
     if causes:
         names = ", ".join(cause.effect.name for cause in causes)
-        remarks.append(f"baseline: it shows {names} already, which the rig lacks; only what is new since then is told")
+        remarks.append(f"baseline: it already shows {names}, which the rig lacks; only changes since then are reported")
     else:
         remarks.append(
-            f"baseline: no cause stands out in its {len(of_baseline)} recordings; what is new since then is told"
+            f"baseline: no cause is named in its {len(of_baseline)} recordings; changes since then are reported"
         )
     compared, differ = compared_of(of_baseline, recordings)
     baseline = baseline_of(tables, [subject.design for subject in subjects], compared)
@@ -245,7 +245,7 @@ def _of_steps(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[
     if octaves > 0.0 and abs(octaves - round(octaves)) > OF_AN_OCTAVE:
         return ALL, []
     words = f"rates come in steps of {before:.4g} deg/s, in these recordings in steps of {now:.4g}"
-    return SLOW, [f"{words}: is it the same device, with the same range?: {SLOW_ONLY}"]
+    return SLOW, [f"{words}: is it the same device with the same range? {SLOW_ONLY}"]
 
 
 def _steps_dps(recordings: Sequence[Recording]) -> float | None:

@@ -116,7 +116,7 @@ def recordings_of(
         raise DataError("; ".join(remarks))
     together_s(recordings)
     if len(recordings) == 1:
-        remarks.append("one session only: nothing could be held out from the fit, so that all of this is its own judge")
+        remarks.append("one session only: nothing could be held out, so the fit is not checked")
     return origins, recordings, remarks
 
 

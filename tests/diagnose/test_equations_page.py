@@ -1,5 +1,6 @@
-"""The table of constants in docs/diagnosis-equations.md against the code."""
+"""The worked example and the table of constants in docs/diagnosis-equations.md."""
 
+import doctest
 import re
 from importlib import import_module
 from importlib.util import find_spec
@@ -29,3 +30,8 @@ def test_a_constant_has_its_value_and_a_source(module: str, name: str, values: s
     stated = [float(number) for number in values.split(", ")]
     assert stated == pytest.approx(list(value) if isinstance(value, tuple) else [value])
     assert source.strip()
+
+
+def test_the_worked_example_gives_its_numbers() -> None:
+    failures, examples = doctest.testfile(str(PAGE), module_relative=False)
+    assert (failures, examples) == (0, 12)

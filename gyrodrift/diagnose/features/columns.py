@@ -109,7 +109,7 @@ DRIFT_COLUMNS: tuple[DesignColumn, ...] = (
         "0.0006 deg/s per °C: 2 deg/h for each degree", is_slow=True, compute=lambda terms: terms.warm_c,
     ),
     DesignColumn(
-        "temperature_squared", "environment", "warm", "the bias bends with the temperature", 6e-5,
+        "temperature_squared", "environment", "warm", "the bias follows the temperature along a curve", 6e-5,
         "10 °C off the middle as much as a slope of 0.0006 deg/s per °C", is_slow=True,
         compute=lambda terms: terms.warm_c**2,
     ),
@@ -184,11 +184,11 @@ HISTORY_COLUMNS: tuple[DesignColumn, ...] = (
         "0.008 deg at each reversal", compute=lambda terms: np.gradient(terms.direction, terms.period_s),
     ),
     DesignColumn(
-        "direction", "sensor", "rest", "the bias depends on the direction last gone in", 2e-3,
+        "direction", "sensor", "rest", "the bias depends on the last direction of motion", 2e-3,
         "0.002 deg/s: 0.12 deg per minute", is_slow=True, in_catalogue=False, compute=lambda terms: terms.direction,
     ),
     DesignColumn(
-        "moving", "sensor", "moving", "the bias is another one while it moves", 2e-3,
+        "moving", "sensor", "moving", "the bias differs in motion", 2e-3,
         "0.002 deg/s: 0.12 deg per minute", is_slow=True, in_catalogue=False,
         compute=lambda terms: (np.abs(terms.speed_dps) > SLOW_DPS).astype(np.float64),
     ),
@@ -198,7 +198,7 @@ HISTORY_COLUMNS: tuple[DesignColumn, ...] = (
         compute=lambda terms: terms.direction * np.exp(-terms.since_s / MEMORY_S),
     ),
     DesignColumn(
-        "total_angle", "platform", "always", "the bias follows the angle turned in all", 1e-3,
+        "total_angle", "platform", "always", "the bias follows the total angle turned", 1e-3,
         "0.001 deg/s for each turn away from the start", is_slow=True, in_catalogue=False,
         compute=lambda terms: terms.motion.angle_deg / 360.0,
     ),

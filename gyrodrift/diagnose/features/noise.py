@@ -135,7 +135,7 @@ NOISE: tuple[Statistic[SampleNoise], ...] = (
     *(_slow(number, points) for number, points in enumerate(MOVING_POINTS)),
     *(_fast(number, points) for number, points in enumerate(MOVING_POINTS)),
     Statistic(
-        "line", "sensor", "rest", "a tone stands out of the noise at rest", 0.5,
+        "line", "sensor", "rest", "a tone exceeds the noise at rest", 0.5,
         "0.5 in ln: two thirds more than its neighbours", reading=OVER_NEIGHBOURS, response=ResponseLaw.LOG_VARIANCE,
         compute=lambda noise: spectral_line(noise.seen, noise.design).log_height,
     ),
@@ -145,15 +145,15 @@ NOISE: tuple[Statistic[SampleNoise], ...] = (
         compute=_burst_ratio,
     ),
     Statistic(
-        "tails_rest", "sensor", "rest", "the noise at rest has wild values", 0.01, "one sample in 10,000",
+        "tails_rest", "sensor", "rest", "the noise at rest has outliers", 0.01, "one sample in 10,000",
         reading=PERCENT_OF_SAMPLES, compute=lambda noise: _tails(noise, noise.design.regimes.at_rest),
     ),
     Statistic(
-        "tails_moving", "sensor", "moving", "the noise in motion has wild values", 0.01, "one sample in 10,000",
+        "tails_moving", "sensor", "moving", "the noise in motion has outliers", 0.01, "one sample in 10,000",
         reading=PERCENT_OF_SAMPLES, compute=lambda noise: _tails(noise, noise.design.regimes.is_steady),
     ),
     Statistic(
-        "spike_share", "sensor", "always", "single samples are wild", 0.004, "one sample in 60,000",
+        "spike_share", "sensor", "always", "single samples are outliers", 0.004, "one sample in 60,000",
         reading=PERCENT_OF_SAMPLES, compute=lambda noise: root_share(len(noise.seen.spikes_dps), noise.design.samples),
     ),
 )

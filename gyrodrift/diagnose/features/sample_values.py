@@ -120,7 +120,7 @@ RATE_VALUES: tuple[Statistic[RateValues], ...] = (
         compute=lambda values: _equal_share(values, values.design.regimes.is_quick),
     ),
     Statistic(
-        "zero_share", "sensor", "slow", "the rate reads exactly zero more often than a step beside it", 0.01,
+        "zero_share", "sensor", "slow", "the rate reads exactly zero too often", 0.01,
         "one sample in 10,000", reading=PERCENT_OF_SAMPLES, compute=_excess_of_zeros,
     ),
     Statistic(

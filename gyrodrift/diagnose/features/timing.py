@@ -210,7 +210,7 @@ ARRIVALS: tuple[Statistic[Arrivals], ...] = (
         compute=lambda arrivals: log_wander(arrivals.slow_s),
     ),
     Statistic(
-        "arrival_step", "link", "always", "arrivals are shifted at once", 0.7,
+        "arrival_step", "link", "always", "arrivals shift suddenly", 0.7,
         "0.7 in ln: 0.5 ms where there was no step", reading=MILLISECONDS,
         compute=lambda arrivals: log_largest_step(arrivals.slow_s),
     ),

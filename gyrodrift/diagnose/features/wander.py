@@ -105,7 +105,7 @@ def _accelerating_beside_not(seen: BlockResiduals) -> float:
 WANDER: tuple[Statistic[BlockResiduals], ...] = (
     *(_wander(count) for count in WANDER_MEANS),
     Statistic(
-        "wander_rest", "sensor", "rest", "the bias wanders while it rests", *EIGHTH, reading=AMPLITUDE_DPS,
+        "wander_rest", "sensor", "rest", "the bias wanders at rest", *EIGHTH, reading=AMPLITUDE_DPS,
         response=ResponseLaw.LOG_VARIANCE,
         compute=lambda seen: log_variance(seen.unexplained_dps[seen.design.regimes.block_at_rest]),
     ),
@@ -139,11 +139,11 @@ WALK: tuple[Statistic[BlockResiduals], ...] = (
 
 SCATTER: tuple[Statistic[BlockResiduals], ...] = (
     Statistic(
-        "scatter_moving", "sensor", "moving", "second by second the rate scatters more when it moves", *EIGHTH,
+        "scatter_moving", "sensor", "moving", "the rate scatters more in motion, second by second", *EIGHTH,
         reading=OVER_REST, response=ResponseLaw.LOG_VARIANCE, compute=_moving_beside_rest,
     ),
     Statistic(
-        "scatter_accelerating", "sensor", "accelerating", "and more still when it accelerates", *EIGHTH,
+        "scatter_accelerating", "sensor", "accelerating", "the rate scatters more while it accelerates", *EIGHTH,
         reading=OVER_REST, response=ResponseLaw.LOG_VARIANCE, compute=_accelerating_beside_not,
     ),
 )

@@ -75,10 +75,7 @@ def content(diagnosis: Diagnosis) -> dict[str, Any]:
 
 
 def _cause(cause: NamedCause) -> dict[str, Any]:
-    parameters = {
-        parameter.name: {"value": parameter.value, "low": parameter.low, "high": parameter.high, "unit": parameter.unit}
-        for parameter in cause.parameters
-    }
+    parameters = {parameter.name: _parameter(parameter) for parameter in cause.parameters}
     in_rig = {} if cause.in_rig is None else {"in_rig": cause.in_rig.model_dump(exclude={"name"})}
     return {
         "effect": cause.effect.name,
@@ -89,6 +86,18 @@ def _cause(cause: NamedCause) -> dict[str, Any]:
         **in_rig,
         "tied_with": list(cause.tied_with),
     }
+
+
+def _parameter(parameter: Parameter) -> dict[str, Any]:
+    fields: dict[str, Any] = {
+        "value": parameter.value,
+        "low": parameter.low,
+        "high": parameter.high,
+        "unit": parameter.unit,
+    }
+    if parameter.is_at_least or parameter.is_at_most:
+        fields["bound"] = "at least" if parameter.is_at_least else "at most"
+    return fields
 
 
 def _deviation(deviation: Deviation) -> dict[str, Any]:

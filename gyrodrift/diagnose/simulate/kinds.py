@@ -184,7 +184,7 @@ EFFECTS = (
     CandidateKind(
         "spikes", "share_percent",
         hinted("height_dps", lambda hints: hints.spike_dps, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 2.0),
-        "now and then a single rate is wild", "outliers", (), Touches.VALUES, realisations=4, is_read_off=True,
+        "single rates are outliers", "outliers", (), Touches.VALUES, realisations=4, is_read_off=True,
     ),
     CandidateKind(
         "encoder_slip", "per_hour", hinted("step_deg", lambda hints: hints.slip_deg, 6.0, 30.0, 120.0),

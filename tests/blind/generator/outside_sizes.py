@@ -48,7 +48,7 @@ OUTSIDE = {
         (("period_s", 60.0, 150.0),),
     ),
     "cable_twist": Outside(
-        "the bias follows the angle turned in all", ("platform", "sensor"), "dps_per_turn", (0.005, 0.03)
+        "the bias follows the total angle turned", ("platform", "sensor"), "dps_per_turn", (0.005, 0.03)
     ),
     "shake_bias": Outside("any acceleration becomes bias", ("sensor", "platform"), "dps_per_dpss", (5e-5, 2e-4)),
     "temp_hysteresis": Outside(
