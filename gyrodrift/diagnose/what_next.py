@@ -168,14 +168,18 @@ def _without_experiment(verdict: Verdict, untestable: Sequence[Untestable], sess
     if untestable:
         lacking = untestable[0]
         return f"Record with a device that sends more: {lacking.why} here, so {lacking.effect} was not tested."
+    return _for_open_part(verdict) or "Nothing: no ambiguity remains. Record again after a change."
+
+
+def _for_open_part(verdict: Verdict) -> str:
+    """The sentence for a part of the difference that no cause explains; empty if there is none."""
     worst = next((feature for feature in verdict.unexplained if feature.is_beyond_chance), None)
     if worst is not None:
-        return (
-            f"Record more motion that shows the unexplained part ({worst.says}, {WHEN[worst.regime]}), at several "
-            "speeds and temperatures."
-        )
+        where = f"{worst.says}, {WHEN[worst.regime]}"
+        return f"Record more motion that shows the unexplained part ({where}), at several speeds and temperatures."
     if verdict.kind in (Kind.PARTLY, Kind.UNKNOWN):
         return "Record longer sessions at several speeds and temperatures: part of the difference is unexplained."
     if not verdict.gap.is_closed:
         return "Record longer sessions at several speeds and temperatures: the gap is not closed."
-    return "Nothing: no ambiguity remains. Record again after a change."
+    bounded = [cause.effect.name for cause in verdict.causes if cause.parameters[0].is_bound]
+    return f"Check {' and '.join(bounded)} by hand: the tried sizes end before the likely size." if bounded else ""

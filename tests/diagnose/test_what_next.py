@@ -38,6 +38,13 @@ def test_a_gap_that_is_open_by_15_percent_needs_more(named: Verdict) -> None:
     assert sentence(replace(named, kind=Kind.PARTLY)).startswith("Record longer sessions")
 
 
+def test_a_size_beyond_the_tried_sizes_needs_a_check(named: Verdict) -> None:
+    """Another effect may have been imitated, or the catalog ends too early."""
+    (cause,) = named.causes
+    bound = replace(cause, parameters=(replace(cause.parameters[0], is_at_least=True),))
+    assert "Check scale_factor by hand" in sentence(replace(named, causes=(bound,)))
+
+
 def test_a_feature_that_still_deviates_says_where_to_look(named: Verdict) -> None:
     """One within chance does not."""
     (worst, *_) = named.where

@@ -40,6 +40,11 @@ class Parameter:
     is_at_least: bool = False
 
     @property
+    def is_bound(self) -> bool:
+        """Whether the size is known as a bound only."""
+        return self.is_at_least or self.is_at_most
+
+    @property
     def bound(self) -> float:
         """The end of the interval that is no end of the tried sizes; the value if both or none are."""
         if self.is_at_least == self.is_at_most:

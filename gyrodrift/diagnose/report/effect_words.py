@@ -96,7 +96,7 @@ def effect_words(cause: NamedCause) -> str:
     first = cause.parameters[0]
     fitted = {parameter.name: parameter.value for parameter in cause.parameters} | {first.name: first.bound}
     words = sentence({**cause.effect.model_dump(exclude={"name"}), **fitted})
-    if not first.is_at_least and not first.is_at_most:
+    if not first.is_bound:
         return words
     limit = "at least" if first.is_at_least == (first.bound > 0.0) else "at most"
     return words.replace(_size(first.bound), f"{limit} {_size(first.bound)}", 1)

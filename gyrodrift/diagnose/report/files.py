@@ -95,7 +95,7 @@ def _parameter(parameter: Parameter) -> dict[str, Any]:
         "high": parameter.high,
         "unit": parameter.unit,
     }
-    if parameter.is_at_least or parameter.is_at_most:
+    if parameter.is_bound:
         fields["bound"] = "at least" if parameter.is_at_least else "at most"
     return fields
 
@@ -215,6 +215,6 @@ def cause_line(cause: NamedCause) -> str:
 def _size_words(parameter: Parameter) -> str:
     """A size with its 95 % interval, or a bound if the interval ends at a size beyond which none was tried."""
     bound, low, high = (significant(number, 4) for number in (parameter.bound, parameter.low, parameter.high))
-    if parameter.is_at_least or parameter.is_at_most:
+    if parameter.is_bound:
         return f"at {'least' if parameter.is_at_least else 'most'} {bound} {parameter.unit}"
     return f"{bound} {parameter.unit} ({low} to {high})"

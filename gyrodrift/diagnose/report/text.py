@@ -57,7 +57,7 @@ def size_or_bound(parameter: Parameter) -> str:
 
 def interval(parameter: Parameter) -> str:
     """The 95 % interval of a size."""
-    if parameter.is_at_least or parameter.is_at_most:
+    if parameter.is_bound:
         return f"{number(parameter.bound)} or {'more' if parameter.is_at_least else 'less'}"
     low, high = number(parameter.low), number(parameter.high)
     return f"{low} to {high}" if low != high else "no other"
@@ -67,7 +67,7 @@ def fitted(cause: NamedCause) -> str:
     """Parameters of a cause in a line, the first with its 95 % interval or as a bound."""
     first, phase = cause.parameters[0], ["a phase that is " + FREE_PHASE] * has_free_phase(cause)
     fixed_ones = [f"{text(parameter.name)} {size(parameter.value, parameter.unit)}" for parameter in others_of(cause)]
-    bounds = "" if first.is_at_least or first.is_at_most else f" (95 %: {interval(first)})"
+    bounds = "" if first.is_bound else f" (95 %: {interval(first)})"
     return ", ".join([f"{text(first.name)} {size_or_bound(first)}{bounds}", *fixed_ones, *phase])
 
 
