@@ -35,8 +35,9 @@ EXACT, CLOSE_TO_IT, USUAL, RESEMBLING = 0.02, 0.05, 0.1, 0.4
 an exact form (a gain, a limit) has 0.02 or 0.1, any other effect 0.05 or 0.1. An unknown effect that resembles an
 effect has 0.4. Chosen, not measured."""
 
-RESEMBLING_SCATTER = 4.0
-"""Factor of the variance of a random effect for an unknown effect that resembles it."""
+SCATTER = {USUAL: 2.0, RESEMBLING: 4.0}
+"""Factor of the variance of a random effect by the error of its form, otherwise 1. A device scatters more than the
+simulated process: 1/f noise as others simulate it needs about 2."""
 
 MOST_EFFECTS = 3
 BEAM = 6
@@ -229,7 +230,7 @@ class Scorer:
             residual = residual - of_set.change
             is_simulated = template.name in names
         form = _form(template.mean, 0.0 if is_simulated else template.interpolation_sigma, form_error)
-        wider = RESEMBLING_SCATTER if form_error == RESEMBLING else 1.0
+        wider = SCATTER.get(form_error, 1.0)
         scatter = wider * template.scatter
         residual, cost = self._without_factors(
             residual, np.sqrt(wider) * template.factors, fixed, form, scatter, covariance
