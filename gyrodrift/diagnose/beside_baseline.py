@@ -47,9 +47,6 @@ SAME_RATE = 0.1
 """Share by which sample rates, and steps as seen, of one device differ from day to day: a PLL is good to 1 %, and a
 radio that loses some samples is not."""
 
-OF_AN_OCTAVE = 0.03
-"""Two steps are of ranges of one gyro, where they are so near a power of two: ranges double."""
-
 SLOW_ONLY = "only rate errors second by second are compared"
 
 ALL = np.ones(len(FEATURES), bool)
@@ -63,10 +60,6 @@ NO_STEPS_DPS = 1e-4
 ADOPTED_FROM, TIMES_ADOPTED_FROM = 0.8, 0.5
 """Probability of what the baseline shows, from which on it goes into the rig; what is less sure is common to both. What
 touches times alone bends nothing else, so that it goes there as soon as it is rather so than not."""
-
-NOISE_VARIES = 2.0
-"""The noise of a device is no less than this part of the least that its baseline shows: one that is quieter has lost
-something, and that is not calibrated away."""
 
 
 class ExplainedBaseline(NamedTuple):
@@ -121,7 +114,8 @@ def explained_baseline(asked: DiagnosisRequest, recordings: Sequence[Recording])
         )
     compared, differ = compared_of(of_baseline, recordings)
     baseline = baseline_of(tables, [subject.design for subject in subjects], compared)
-    noise = min(subject.rig.base.noise_dps_rthz for subject in subjects) / NOISE_VARIES
+    # A device that is quieter than half of its baseline has lost something, which is not calibrated away.
+    noise = min(subject.rig.base.noise_dps_rthz for subject in subjects) / 2.0
     least_noise = noise if _is_same_rate(of_baseline, recordings) else 0.0
     return ExplainedBaseline(rig, baseline, subjects, tables, least_noise, [*remarks, *differ])
 
@@ -242,7 +236,7 @@ def _of_steps(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[
     octaves = float(np.log2(now / before))
     if abs(octaves) <= np.log2(1.0 + SAME_RATE):
         return ALL, []
-    if octaves > 0.0 and abs(octaves - round(octaves)) > OF_AN_OCTAVE:
+    if octaves > 0.0 and abs(octaves - round(octaves)) > 0.03:  # ranges of one gyro double
         return ALL, []
     words = f"rates come in steps of {before:.4g} deg/s, in these recordings in steps of {now:.4g}"
     return SLOW, [f"{words}: is it the same device with the same range? {SLOW_ONLY}"]

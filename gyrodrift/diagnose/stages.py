@@ -22,9 +22,6 @@ from gyrodrift.errors import DataError
 from gyrodrift.progress import OnProgress, ignore_progress
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 
-GONE_SHARE = 0.1
-"""Of an effect in the rig, below which what is left of it is nothing."""
-
 CORRECTED: dict[str, Callable[[float], float | int]] = {"encoder_cpr": round, "dps_per_lsb": float}
 """Facts that are taken from the sessions where these contradict the rig."""
 
@@ -148,7 +145,8 @@ def _is_gone(cause: NamedCause) -> bool:
     if cause.in_rig is None or KINDS[cause.effect.name].less_is_more:
         return False
     name = cause.cause.candidate.parameter
-    return abs(float(getattr(cause.effect, name))) < GONE_SHARE * abs(float(getattr(cause.in_rig, name)))
+    # A tenth of the effect in the rig is nothing.
+    return abs(float(getattr(cause.effect, name))) < 0.1 * abs(float(getattr(cause.in_rig, name)))
 
 
 def with_facts(rig: Rig, against: Sequence[Contradiction]) -> Rig:

@@ -87,9 +87,6 @@ UNSEEN = 0.1
 SMALL_SHARE = 0.5
 """Share of its typical size below which a detectable effect is no open question."""
 
-ENOUGH_SESSIONS = 3
-"""With two, sizes are fitted on one alone."""
-
 
 class Next(NamedTuple):
     """A sentence, and the file of a profile where a motion is proposed."""
@@ -163,7 +160,7 @@ def _unseen(explanation: Explanation, rig: Rig) -> list[Effect]:
 
 
 def _without_experiment(verdict: Verdict, untestable: Sequence[Untestable], sessions: int) -> str:
-    if sessions < ENOUGH_SESSIONS:
+    if sessions < 3:  # with two, sizes are fitted on one alone
         return "Record more sessions: from three on, each session can check a fit to the others."
     if untestable:
         lacking = untestable[0]

@@ -142,9 +142,6 @@ DRIFT_COLUMNS: tuple[DesignColumn, ...] = (
 WARMING_BLOCKS = 20
 """In each of the means whose steps are compared."""
 
-LEAST_WARMING_DPS = 4e-3
-"""Threshold where the temperature hardly changes: steps of a bias by itself are as large."""
-
 # fmt: off
 WARMING = Feature(
     "warming", "environment", "warm", "the bias changes when the temperature changes", 6e-4,
@@ -157,7 +154,7 @@ def warming_basis(sensor_c: Floats, block: int) -> Basis:
     """The basis of WARMING, vectors of shape (steps, 1), of temperatures at each sample."""
     steps_c = np.diff(block_means(sensor_c, block * WARMING_BLOCKS))[:, None]
     vectors, thresholds = orthonormal(steps_c, np.array([WARMING.threshold]), 0)
-    return Basis(vectors, np.hypot(thresholds, LEAST_WARMING_DPS))
+    return Basis(vectors, np.hypot(thresholds, 4e-3))  # steps of a bias by itself are as large
 
 
 def warming_coefficient(bias_dps: Floats, basis: Basis) -> Floats:

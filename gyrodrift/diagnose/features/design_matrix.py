@@ -30,9 +30,6 @@ from gyrodrift.diagnose.recording.outliers import Cleaned
 KNOWN_DPS = 0.01
 """A block whose rounding adds less than this is known as well as any."""
 
-NEAR_BLOCKS = 3
-"""What rounding does to a block shows in this many about it: by chance one of them is rounded to the truth."""
-
 
 def root_weights_of(motion: ReplayedMotion, count_deg: float, block: int, sigma_dps: float) -> Floats:
     """Square roots of weights, shape (blocks,).
@@ -46,7 +43,7 @@ def root_weights_of(motion: ReplayedMotion, count_deg: float, block: int, sigma_
         return np.ones(len(motion.angle_deg) // block)
     rounding_deg = motion.angle_deg - count_deg * np.rint(motion.angle_deg / count_deg)
     rounding_dps = slopes(rounding_deg, motion.period_s, block)
-    variance = uniform_filter1d(np.square(rounding_dps), NEAR_BLOCKS)
+    variance = uniform_filter1d(np.square(rounding_dps), 3)  # one of three blocks may be rounded to the truth by chance
     known = KNOWN_DPS**2 + sigma_dps**2 / block
     roots: Floats = np.sqrt(known / (known + variance))
     return roots

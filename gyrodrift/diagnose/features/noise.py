@@ -22,17 +22,12 @@ from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA
 from gyrodrift.diagnose.recording.outliers import Cleaned
 
 TAIL_SIGMAS = 5.0
-LEAST_TAIL_COUNTS = 1.2
-"""Standard deviation of a second difference, in counts, below which steps of one count would pass for tails."""
 
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 """Multiples of it less their whole part are spread evenly, however many there are."""
 
 LEAST_POINTS, FEW_SECONDS = 25, 20
 """Samples in a second whose scatter is known, and the seconds without motion that bursts are looked for in."""
-
-CALM_SHARE = 0.9
-"""Of its samples, that rest or turn steadily in a second without motion."""
 
 MIDDLE = (2, 3)
 """Of REST_POINTS: means of 4 and 8 samples, whose mean is the level that all others are compared with."""
@@ -83,7 +78,8 @@ def _logs(spreads: Iterable[float], grain: float) -> tuple[float, ...]:
 def _burst_ratio(noise: SampleNoise) -> float:
     """Logarithm of how much more than usual the noisiest tenth of all seconds scatters."""
     points, regimes = max(noise.design.block, LEAST_POINTS), noise.design.regimes
-    calm = block_means((regimes.at_rest | regimes.is_steady)[2:].astype(np.float64), points) > CALM_SHARE
+    # Share of samples that rest or turn steadily.
+    calm = block_means((regimes.at_rest | regimes.is_steady)[2:].astype(np.float64), points) > 0.9
     squares = block_means(np.square(noise.bends_dps), points)[calm]
     if len(squares) < FEW_SECONDS:
         return 0.0
@@ -101,7 +97,8 @@ def _tails(noise: SampleNoise, allowed: Mask) -> float:
     sizes = np.abs(bends_dps + noise.dps_per_lsb * within)
     if not len(sizes):
         return 0.0
-    sigma = max(np.median(sizes) / MEDIAN_TO_SIGMA, LEAST_TAIL_COUNTS * noise.dps_per_lsb)
+    # Below 1.2 counts, steps of one count would pass for tails.
+    sigma = max(np.median(sizes) / MEDIAN_TO_SIGMA, 1.2 * noise.dps_per_lsb)
     return root_share(int(np.count_nonzero(sizes > TAIL_SIGMAS * sigma)), len(sizes))
 
 

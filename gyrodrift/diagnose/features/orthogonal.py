@@ -9,17 +9,8 @@ from gyrodrift.arrays import Floats
 NEW_SHARE = 0.03
 """A column that is made of those before it but for less than this share says nothing new."""
 
-ROWS_EACH = 2
-"""So many rows a column takes; a short recording says nothing of the last ones."""
-
-TALL = 1500
-"""Rows from which on it saves time to go by the products of the columns."""
-
 APART = 1e-2
 """Columns of which each has so much new are told apart by their products to twelve digits."""
-
-TWICE_IS_ENOUGH = 2
-"""Rounds that make a vector orthogonal to the last digit (W. Kahan's rule, B. N. Parlett 1980)."""
 
 TINY = 1e-300
 """Keeps the norm of a column of zeros from dividing by zero."""
@@ -45,7 +36,7 @@ def orthonormal(columns: Floats, thresholds: Floats, dropped: int) -> Basis:
 def orthonormal_vectors(columns: Floats) -> Floats:
     """Vectors that span the columns, orthonormal, zero where a column says nothing new."""
     norms = np.maximum(np.sqrt(np.einsum("ij,ij->j", columns, columns)), TINY)
-    if len(columns) >= TALL:
+    if len(columns) >= 1500:  # faster by the products of the columns from 1500 rows on
         products = columns.T @ columns / norms / norms[:, None]
         if np.linalg.eigvalsh(products)[0] > APART**2:
             lower = np.asarray(np.linalg.cholesky(products), dtype=np.float64)
@@ -63,9 +54,10 @@ def _one_by_one(units: Floats) -> Floats:
     """
     rows, count = units.shape
     vectors = np.zeros((rows, count))
-    for number in range(min(count, rows, max(1, rows // ROWS_EACH))):
+    # Two rows for each column: a short recording does not show the last columns.
+    for number in range(min(count, rows, max(1, rows // 2))):
         new, before = units[:, number], vectors[:, :number]
-        for _ in range(TWICE_IS_ENOUGH):
+        for _ in range(2):  # twice is enough (W. Kahan, in B. N. Parlett 1980)
             new = new - before @ (before.T @ new)
         length = float(np.linalg.norm(new))
         if length > NEW_SHARE:

@@ -19,12 +19,6 @@ QUICK_DPS, STEADY_DPS = 1.0, 0.05
 MASK_SMOOTH_S = 0.15
 """Standard deviation of the Gaussian through which the rate is looked at for this."""
 
-REST_SHARE = 0.99
-"""Of its samples, that are at rest in a block that rests."""
-
-EVEN_DPSS = 0.5
-"""A block is even when the mean rate changes by less than this, deg/s/s."""
-
 
 @dataclass(frozen=True, slots=True)
 class Regimes:
@@ -67,8 +61,8 @@ def regimes_of(motion: ReplayedMotion, block: int) -> Regimes:
         is_quick=change_dps > QUICK_DPS,
         is_steady=~at_rest & ~shakes & (change_dps < STEADY_DPS),
         block_rate_dps=block_rate_dps,
-        block_at_rest=block_means(at_rest.astype(np.float64), block) > REST_SHARE,
-        block_is_even=np.abs(np.gradient(block_rate_dps)) < EVEN_DPSS,
+        block_at_rest=block_means(at_rest.astype(np.float64), block) > 0.99,
+        block_is_even=np.abs(np.gradient(block_rate_dps)) < 0.5,  # deg/s/s
     )
 
 

@@ -22,9 +22,6 @@ from gyrodrift.diagnose.recording.outliers import Cleaned, granularity
 NEAR_ZERO_DPS = 3.0
 """Rates below are dense enough to show the steps that they come in."""
 
-STEPPED_OVER_DPS = 0.08
-"""Rates that are smaller may be missing by chance: a rate that only passes through zero takes some, and not others."""
-
 LEAK = 3
 """The smallest rates but for two: a dead band may leak twice."""
 
@@ -91,7 +88,8 @@ def _log2_least(values: RateValues) -> float:
     """The smallest rate, in counts; none below what a ramp through zero may step over."""
     sizes = np.abs(values.near)
     nonzero = sizes[sizes > 0.0]
-    least = max(1.0, STEPPED_OVER_DPS / values.dps_per_lsb)
+    # A rate that only passes through zero takes some of the smaller values by chance.
+    least = max(1.0, 0.08 / values.dps_per_lsb)
     return float(np.log2(max(smallest(nonzero) if len(nonzero) else 1.0, least)))
 
 

@@ -25,12 +25,6 @@ LOWEST = 3
 WHITE_BAND = (0.02, 0.12)
 """Shares of the sample rate: above what 1/f noise adds at rest, below what most filters take away."""
 
-GRAIN_OF_NOISE = 0.3
-"""Noise that is less than this share of a count does not show at rest."""
-
-SHOWN_AT_REST = 32
-"""Of so many samples at rest some would be another value, were there more noise than that."""
-
 LEAST_POWER = 1e-6
 """Of a window whose samples scatter by 1e-4 deg/s: below it there is no noise for a line to stand out of."""
 
@@ -75,11 +69,12 @@ def white_dps(seen: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> float:
     else:
         rest = [spreads.rest[REST_POINTS.index(points)] for points in WHITE_POINTS]
         at_rest = float(np.sqrt(max(sum(rest) / len(rest), 0.0)))
-    hidden_dps = GRAIN_OF_NOISE * dps_per_lsb
+    hidden_dps = 0.3 * dps_per_lsb  # noise below this share of a count does not show at rest
     if at_rest > hidden_dps:
         return at_rest
     slow = float(np.sqrt(spreads.slow[MOVING_POINTS.index(WHITE_POINTS[0])]))
-    return min(slow, hidden_dps) if np.count_nonzero(design.regimes.at_rest) >= SHOWN_AT_REST else slow
+    # Some of so many samples would differ, were there more noise.
+    return min(slow, hidden_dps) if np.count_nonzero(design.regimes.at_rest) >= 32 else slow
 
 
 def windows_within(values: Floats, allowed: Mask) -> Floats:

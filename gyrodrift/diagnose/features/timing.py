@@ -128,9 +128,6 @@ QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 NEIGHBOURS = 100
 """Arrivals whose mean each of them is compared with."""
 
-LEAST_ARRIVAL_S = 5e-4
-"""Added before a logarithm is taken: 0.5 ms of scatter, 5 % of a sample period at 100 Hz, is practically negligible."""
-
 
 @dataclass(frozen=True, slots=True)
 class Arrivals:
@@ -196,12 +193,13 @@ def _gap(number: int, quantile: float) -> Statistic[Arrivals]:
     )  # fmt: skip
 
 
+# The scatter of arrivals has 0.5 ms added, 5 % of a period at 100 Hz, which is negligible.
 # fmt: off
 ARRIVALS: tuple[Statistic[Arrivals], ...] = (
     Statistic(
         "arrival_scatter", "link", "always", "arrivals scatter from sample to sample", 0.5,
         "0.5 in ln: two thirds of the scatter, and 0.3 ms of none", reading=MILLISECONDS,
-        response=ResponseLaw.LOG_VARIANCE, compute=lambda arrivals: float(np.log(arrivals.scatter_s + LEAST_ARRIVAL_S)),
+        response=ResponseLaw.LOG_VARIANCE, compute=lambda arrivals: float(np.log(arrivals.scatter_s + 5e-4)),
     ),
     *(_gap(number, quantile) for number, quantile in enumerate(QUANTILES)),
     Statistic(

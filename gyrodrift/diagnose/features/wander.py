@@ -163,9 +163,6 @@ FINE = 8
 LEAST_SHARE = 0.02
 """Added to what a sine takes and to what it leaves: bounds the logarithm of their ratio at 3.9 either way."""
 
-MOST_SHARE = 1.0 - 1e-6
-"""Bounds the logarithm where the components of the angle take all."""
-
 
 def periodic_component(bias_dps: Floats, block_s: float = 1.0) -> tuple[float, float]:
     """The best sine within PERIODS_S: logarithm of what it takes over what it leaves, and its period, s."""
@@ -192,7 +189,8 @@ def angle_shares(unexplained_dps: Floats, vectors: Floats) -> Floats:
 
 def angle_periodic_component(unexplained_dps: Floats, vectors: Floats) -> float:
     """Logarithm of one more than what each vector takes, over what is left for each other dimension."""
-    share = min(float(angle_shares(unexplained_dps, vectors).sum()), MOST_SHARE)
+    # Bounds the logarithm where the components of the angle take all.
+    share = min(float(angle_shares(unexplained_dps, vectors).sum()), 1.0 - 1e-6)
     others = max(1, len(unexplained_dps) - vectors.shape[1])
     return float(np.log1p(share / vectors.shape[1] / ((1.0 - share) / others)))
 

@@ -18,7 +18,6 @@ LEAST, MOST = 4.3, 1e6
 random rigs diagnosed against themselves, 8 exceeded 3.5 and 3 exceeded 4.3. Of 171 devices with an effect outside the
 catalog, 1 lay in between."""
 
-SETS = 400
 SEED = 0
 
 
@@ -61,7 +60,7 @@ def _largest(nulls: Floats) -> Floats:
     Sigma was estimated from the same runs, which makes them smaller; `own` corrects that.
     """
     sessions, runs, _ = nulls.shape
-    chosen = np.random.default_rng(SEED).integers(runs, size=(SETS, sessions))
+    chosen = np.random.default_rng(SEED).integers(runs, size=(400, sessions))
     own = np.sqrt((sessions * runs + 1.0) / (sessions * runs - 1.0))
     drawn = nulls[np.arange(sessions), chosen]
     if runs > 1:

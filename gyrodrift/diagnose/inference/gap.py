@@ -8,7 +8,6 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.deviations import WORST_Z
 from gyrodrift.diagnose.inference.evidence import Evidence
 
-BOOTSTRAPS = 2000
 INTERVAL = (0.05, 0.95)
 """Quantiles over sets of sessions drawn with replacement, a 90 % interval."""
 
@@ -47,7 +46,7 @@ def gap_of(evidence: Evidence, after_z: Floats) -> SimToRealGap:
     """The gap of the rig, and of the rig with the causes by the z of held-out sessions, (sessions, F)."""
     before, after, floor = by_session(evidence.z), by_session(after_z), floor_of(evidence)
     rng = np.random.default_rng(SEED)
-    drawn = rng.integers(len(before), size=(BOOTSTRAPS, len(before)))
+    drawn = rng.integers(len(before), size=(2000, len(before)))
     spread = [shrink_of(before[rows], after[rows], floor) for rows in drawn]
     defined = [value for value in spread if value is not None]
     whole = shrink_of(before, after, floor)

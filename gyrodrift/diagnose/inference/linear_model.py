@@ -26,8 +26,6 @@ LEAST_DPS = 1e-6
 """Added to a spread, so that it is never 0."""
 
 LEAST_VARIANCE = 1e-12
-COLLINEAR = 1e-9
-"""Singular values of regressors below this share of the largest are no information."""
 
 
 class Whitened(NamedTuple):
@@ -82,7 +80,7 @@ def fit(sessions: Sequence[Whitened]) -> Fit:
 def _spread_left(columns: Floats, values: Floats) -> float:
     """Mean absolute residual of a regression on the columns."""
     scale = np.linalg.norm(columns, axis=0) + LEAST_VARIANCE
-    unexplained = values - (columns / scale) @ np.linalg.lstsq(columns / scale, values, rcond=COLLINEAR)[0]
+    unexplained = values - (columns / scale) @ np.linalg.lstsq(columns / scale, values, rcond=1e-9)[0]
     return float(np.mean(np.abs(unexplained)))
 
 
@@ -90,14 +88,8 @@ WARMUP_TAUS_S = (20.0, 60.0, 160.0, 450.0)
 CLEAR = 12.0
 """Gain in log likelihood from which on the linear model names an effect. Chosen, not derived."""
 
-TWO_SIDED_95 = 1.96
-"""Standard errors of a two-sided 95 % interval of a normal number."""
-
 FULL_SCALE_DPS = 250.0
 """Full scale of the rig's gyro; nonlinearity is stated in shares of it."""
-
-REFERENCE_C = 25.0
-"""Temperature at which temperature effects of the rig are 0."""
 
 
 class Regressor(NamedTuple):
@@ -153,7 +145,7 @@ def regressors_of(design: DesignMatrix) -> list[Regressor]:
     """Regressors of the linear effects, block by block."""
     motion, block = design.motion, design.block
     rate, turn = motion.rate_dps, np.deg2rad(motion.angle_deg)
-    warm_c = motion.sensor_c - REFERENCE_C
+    warm_c = motion.sensor_c - 25.0  # effects of temperature are 0 at 25 °C
     powered_s = np.arange(len(rate)) * motion.period_s + motion.powered_s
     cubic = 100.0 * FULL_SCALE_DPS**2
 
@@ -195,7 +187,8 @@ def _compared(best: Fit, regressor: Regressor, judged: set[str], causes: Sequenc
         agrees = None if cannot_judge else not judged & set(names)
         says = "sees no linear effect" + ("" if agrees is not False else ", where the verdict names one")
         return LinearModel(None, "", 0.0, 0.0, 0.0, "", gain, agrees, says)
-    value, spread = best.coefficient * regressor.factor, TWO_SIDED_95 * best.error * abs(regressor.factor)
+    # Two-sided 95 % of a normal number.
+    value, spread = best.coefficient * regressor.factor, 1.96 * best.error * abs(regressor.factor)
     agrees = effect in {*names, *(name for cause in causes for name in cause.tied_with)}
     if agrees or not cannot_judge:
         says = f"{'agrees on' if agrees else 'disagrees: it would name'} {effect}"

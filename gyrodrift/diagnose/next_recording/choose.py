@@ -32,28 +32,12 @@ from gyrodrift.diagnose.next_recording.simulated_features import (
 )
 from gyrodrift.parallel import LocalWorkers, workers
 
-SCREENED_MINUTES = (1.0, 1.5)
-"""A manoeuvre is screened for as long as it would have in a pair, within these bounds."""
-
-PREDICTED_MINUTES = 4.0
-"""Longer recordings tell at least what is predicted of one so long."""
-
 SCREENED, FINAL, PREDICTED, COMPARED = 2, 3, 5, 3
 """Realisations: of each manoeuvre, and as many more of the better half; of the best pairs; of the chosen one; of what
 it is compared with."""
 
-FINALISTS = 3
-"""So many are simulated as they would be played."""
-
-EFFORT_BITS = 0.05
-"""Warming the air has to tell more than this, or a motion without is as good."""
-
 NEARLY_ALL = 0.99
 """A share of what there is to tell from which on no more is simulated to choose."""
-
-
-WORTH_IT = 0.2
-"""A motion that tells a smaller share of what there is to tell is not worth the table's time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +75,7 @@ class NextRecording:
     @property
     def is_worth_it(self) -> bool:
         """Whether it tells enough to be recorded."""
-        return self.predicted.information > WORTH_IT * self.open_bits
+        return self.predicted.information > 0.2 * self.open_bits  # less is not worth the time of the table
 
     @property
     def is_better_than_again(self) -> bool:
@@ -125,7 +109,8 @@ class _Question:
 
     def worth(self, log_likelihoods: Floats, manoeuvres: Sequence[Manoeuvre]) -> float:
         """By which motions are compared, bits."""
-        effort = EFFORT_BITS * any(one.warms_air for one in manoeuvres)
+        # Warming the air has to tell more than a motion without.
+        effort = 0.05 * any(one.warms_air for one in manoeuvres)
         return information_bound(log_likelihoods, self.weights) - effort
 
     def is_answered(self, log_likelihoods: Floats) -> bool:
@@ -176,7 +161,7 @@ def next_recording_of(
     """
     base = common_rig(hypotheses)
     question = _Question(tuple(one.rig for one in hypotheses), base, weights_of(hypotheses), seed)
-    limits, shown = limits_of(base.base), min(minutes, PREDICTED_MINUTES)
+    limits, shown = limits_of(base.base), min(minutes, 4.0)  # longer recordings tell at least as much
     with workers(jobs) as local:
         answers = _Answers(question, local)
         chosen = _chosen(answers, shown, limits)
@@ -213,7 +198,7 @@ def _chosen(answers: _Answers, minutes: float, limits: MotionLimits) -> tuple[Ma
     others = sorted((one for one in shown if one is not first), key=beside_first, reverse=True)
     if question.is_answered(shown[first]):
         return first, others[0]
-    pairs = [(first, other) for other in others[:FINALISTS]]
+    pairs = [(first, other) for other in others[:3]]  # the best three are simulated as they would be played
     planned = [PlannedMotion(profile_of(pair, minutes, limits), minutes) for pair in pairs]
     found = answers.to([_Played(one, _PAIRS, FINAL) for one in planned])
     worth = [question.worth(one, pair) for one, pair in zip(found, pairs, strict=True)]
@@ -222,7 +207,8 @@ def _chosen(answers: _Answers, minutes: float, limits: MotionLimits) -> tuple[Ma
 
 def _screened(answers: _Answers, minutes: float, limits: MotionLimits) -> dict[Manoeuvre, Floats]:
     """Log-likelihoods of each manoeuvre by itself; of the better half alone, where none tells all."""
-    question, brief = answers.question, float(np.clip(0.5 * minutes, *SCREENED_MINUTES))
+    # As long as in a pair, within 1 to 1.5 min.
+    question, brief = answers.question, float(np.clip(0.5 * minutes, 1.0, 1.5))
 
     def simulated(every: Sequence[Manoeuvre], stage: int) -> dict[Manoeuvre, Floats]:
         planned = [PlannedMotion(profile_of((one,), brief, limits), brief) for one in every]

@@ -16,9 +16,6 @@ SHARE_OF_RANGE, FASTEST_DPS = 0.9, 300.0
 WAVE_DPS = 40.0
 """Amplitude of chirps and RMS of multisines times √2."""
 
-COUNTS_PER_SWING = 4.0
-"""An encoder shows a swing that takes this many of its counts from end to end."""
-
 SHARE_OF_SAMPLE_RATE, QUICKEST_HZ = 0.25, 12.0
 """Half of what can be sampled; and what a table with a load can follow."""
 
@@ -42,7 +39,7 @@ class MotionLimits:
 def limits_of(base: Base) -> MotionLimits:
     """Of a gyro and an encoder as a rig states them."""
     rate_dps = min(SHARE_OF_RANGE * COUNTS_MAX * base.dps_per_lsb, FASTEST_DPS)
-    swing_deg = COUNTS_PER_SWING * 360.0 / max(1, base.encoder_cpr)
+    swing_deg = 4.0 * 360.0 / max(1, base.encoder_cpr)  # a swing of four counts from end to end is visible
     # From end to end a rate of amplitude a swings the angle by 2a / (2 pi f).
     resolvable_hz = min(WAVE_DPS, rate_dps) / (pi * swing_deg)
     wave_hz = min(resolvable_hz, SHARE_OF_SAMPLE_RATE * base.sample_rate_hz, QUICKEST_HZ)
@@ -61,7 +58,6 @@ THROUGH_ZERO_DPS = 3.0
 CREEP_S = 2.0
 """A slow ramp runs between these rates, and takes so long to get there."""
 
-TONES = 24
 CURVE_S, DRIVE_DPS, STANDS = 4.0, 20.0, 0.1
 
 
@@ -128,7 +124,7 @@ def _multisine(seconds: float, limits: MotionLimits) -> Segments:
     rms_dps = limits.wave_dps / 2.0**0.5
     return [
         Multisine(
-            kind="multisine", seconds=seconds, rms_dps=rms_dps, from_hz=SLOWEST_HZ, to_hz=limits.wave_hz, tones=TONES
+            kind="multisine", seconds=seconds, rms_dps=rms_dps, from_hz=SLOWEST_HZ, to_hz=limits.wave_hz, tones=24
         )
     ]
 

@@ -63,13 +63,6 @@ def common_rig(hypotheses: Sequence[RigHypothesis]) -> Rig:
     return first.model_copy(update={"effects": shared})
 
 
-BIAS_MATTERS_DPS = 0.002
-"""From this on a bias is shifted: 0.12 deg in a minute."""
-
-COMES_NEARER = 0.2
-"""A shift has to leave no more than this share of what was off, or it is none of the bias: a dead band hides it."""
-
-
 @dataclass(frozen=True, slots=True)
 class PlannedMotion:
     """A motion and how long it is recorded, min; a profile, or what was recorded so far."""
@@ -131,10 +124,11 @@ def _of_the_same_bias(rig: Rig, bias_dps: float, seen: Callable[[Rig, int], _See
     """The rig with a bias that makes recordings show this one, and its first session."""
     first = seen(rig, 0)
     off_dps = first.bias_dps - bias_dps
-    if abs(off_dps) < BIAS_MATTERS_DPS:
+    if abs(off_dps) < 0.002:  # 0.12 deg in a minute
         return rig, first
     shifted = rig.base.model_copy(update={"bias_dps": rig.base.bias_dps - off_dps})
     alike = rig.model_copy(update={"base": shifted})
     again = seen(alike, 0)
-    comes_nearer = abs(again.bias_dps - bias_dps) < COMES_NEARER * abs(off_dps)
+    # A shift that leaves more is none of the bias: a dead band hides it.
+    comes_nearer = abs(again.bias_dps - bias_dps) < 0.2 * abs(off_dps)
     return (alike, again) if comes_nearer else (rig, first)

@@ -16,9 +16,6 @@ SHARE = 1.0 / 24.0
 
 FINEST = 1.0 / 64.0
 
-ERROR_OF_MEDIAN = 1.2533
-"""The standard error of a median over that of a mean, of normal numbers."""
-
 OUTLIER = 6.0
 """Standard deviations from the median at which a value is held."""
 
@@ -58,7 +55,8 @@ def medians(x: Floats, y: Floats) -> Medians:
     for one in bins_of(x):
         middle = float(np.median(y[one]))
         spread = MAD_TO_SIGMA * float(np.median(np.abs(y[one] - middle)))
-        rows.append((float(np.median(x[one])), middle, ERROR_OF_MEDIAN * spread / np.sqrt(one.stop - one.start)))
+        # Standard error of a median over that of a mean.
+        rows.append((float(np.median(x[one])), middle, 1.2533 * spread / np.sqrt(one.stop - one.start)))
     return Medians(*np.array(rows).reshape(-1, 3).T)
 
 

@@ -14,7 +14,6 @@ LEAST_SECONDS = 10
 CLEAR = 6.0
 """Standard errors by which the means on both sides of a split differ; chance reaches 4 in a long session."""
 
-MAX_CHANGE_POINTS = 30
 LEAST_DPS = 2e-3
 """Smaller ones are practically negligible: what is relevant of a bias that depends on angle or direction,
 `features/columns.py`."""
@@ -76,7 +75,7 @@ def _splits(values: Floats, spread: float) -> list[int]:
     """The clearest split first, then those of its parts, until none is clear or there are too many."""
     found: list[int] = []
     parts = [(0, len(values))]
-    while len(found) < MAX_CHANGE_POINTS:
+    while len(found) < 30:
         best = max((_split(values[start:end], spread, start) for start, end in parts), key=lambda split: split[1])
         if best[1] < CLEAR:
             break

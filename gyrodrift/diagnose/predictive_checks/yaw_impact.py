@@ -22,9 +22,6 @@ from gyrodrift.tune.search.objective import Objective
 EVALUATIONS = 300
 """Of the cost, for each of the three tunings."""
 
-COST_SESSIONS = 2
-"""Sessions that the cost of a single effect is taken from."""
-
 HELD_OUT_EVERY = 3
 """Every third session is scored and not tuned on."""
 
@@ -69,7 +66,7 @@ def cost_deg(subjects: Sequence[Subject], causes: Sequence[NamedCause], one: Nam
     """What an effect beside others adds to or takes from the yaw error of the integrated rate: mean absolute, deg."""
     others = [cause for cause in causes if cause is not one]
     costs = []
-    for number, subject in enumerate(subjects[:COST_SESSIONS]):
+    for number, subject in enumerate(subjects[:2]):  # two sessions suffice
         with_it, without = (
             yaw_error_deg(corrected_recording(subject, effects_in(each, number, subject), number))
             for each in (causes, others)

@@ -7,15 +7,6 @@ from gyrodrift.arrays import Floats, Mask
 SIDE = 3
 """Samples on either side that are looked at."""
 
-HELD_SIGMAS = 7.0
-"""In standard deviations of a sample, five of what a cubic through four of them leaves."""
-
-WENT_ON_SHARE = 0.5
-"""On a slope, a held sample is off by one step; the step before it is one as well, and the one after it two."""
-
-ALONE_SHARE = 1.25
-"""By a cubic, what is beside an outlier is off by two thirds of it, and both sides of an edge are off alike."""
-
 
 def off_cubic(values: Floats) -> Floats:
     """By how much each of some values is off the cubic through the two before it and the two after it, shape (n,).
@@ -38,7 +29,8 @@ def steepest_beside(values: Floats) -> Floats:
 def stands_alone(off: Floats) -> Mask:
     """Which are further off a cubic than those beside them, as both sides of an edge are not, shape (n,)."""
     size = np.pad(np.abs(off), 1)
-    alone: Mask = size[1:-1] > ALONE_SHARE * np.maximum(size[:-2], size[2:])
+    # Beside an outlier a cubic is off by two thirds of it; both sides of an edge are off alike.
+    alone: Mask = size[1:-1] > 1.25 * np.maximum(size[:-2], size[2:])
     return alone
 
 
@@ -53,6 +45,8 @@ def held_on_a_slope(rate_dps: Floats, sigma_dps: float) -> Mask:
     off_dps = np.abs(off_cubic(rate_dps))
     steps_dps = np.diff(np.pad(rate_dps, (2, 1), mode="edge"))
     before_dps, to_it_dps, after_dps = steps_dps[:-2], steps_dps[1:-1], steps_dps[2:]
-    went_on = np.minimum(np.abs(before_dps), np.abs(after_dps)) > WENT_ON_SHARE * off_dps
-    held: Mask = (to_it_dps == 0.0) & (off_dps > HELD_SIGMAS * sigma_dps) & went_on & (before_dps * after_dps > 0.0)
+    # A held sample is off by one step; the steps before and after it are one and two.
+    went_on = np.minimum(np.abs(before_dps), np.abs(after_dps)) > 0.5 * off_dps
+    # Seven standard deviations of a sample, five of what a cubic through four of them leaves.
+    held: Mask = (to_it_dps == 0.0) & (off_dps > 7.0 * sigma_dps) & went_on & (before_dps * after_dps > 0.0)
     return held

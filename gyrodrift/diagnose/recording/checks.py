@@ -21,9 +21,6 @@ LEAST_S = 20.0
 TOGETHER_S = 60.0
 """Recordings that last less than this together tell of no effect."""
 
-GYRO_MOVES_DPS = 10.0
-"""A gyro whose smoothed rate spans more than this moves; bounds the drift and noise of one that rests."""
-
 LAG_S = 0.25
 """More than this between encoder and gyro is a recorder that joined them wrongly, not a sensor's delay."""
 
@@ -111,7 +108,7 @@ def _length(smoothed: Smoothed) -> Finding | None:
 def _motion(smoothed: Smoothed) -> Finding | None:
     if smoothed.recording.moves:
         return None
-    if np.ptp(smoothed.rates.gyro_dps) > GYRO_MOVES_DPS:
+    if np.ptp(smoothed.rates.gyro_dps) > 10.0:  # more than drift and noise at rest
         return Finding("the encoder does not move while the gyro does: is it connected?", None)
     return Finding("nothing moves in it; it tells of rest, clock and link alone", smoothed)
 

@@ -10,9 +10,6 @@ from gyrodrift.arrays import Floats
 PLACES, REACH = 401, 1.5
 """Angles that are tried about a count, and how far they reach, in counts."""
 
-SAME_DEG = 1e-6
-"""Readings that agree so well are one."""
-
 
 class CountedRests(NamedTuple):
     """The rests of a recording.
@@ -61,7 +58,7 @@ def counted_rests(
     for rest, (first, end) in enumerate(spans):
         shown_deg = float(np.median(encoder_deg[first:end]))
         off_deg = np.abs(read(shown_deg + about_deg) - shown_deg)
-        inside_deg = about_deg[off_deg < off_deg.min() + SAME_DEG]
+        inside_deg = about_deg[off_deg < off_deg.min() + 1e-6]  # equal but for rounding
         here_deg = float(np.median(true_deg[first:end]))
         low_deg[rest], high_deg[rest] = here_deg + inside_deg[0], here_deg + inside_deg[-1]
     return CountedRests(spans, low_deg, high_deg)

@@ -24,11 +24,6 @@ TEXT_MOST = 0.25
 """A file whose decimals are coarser than this share of a step hides what the steps are."""
 
 LEAST_LEVELS = 50
-LEAST_SPAN = 5.0
-"""Fewer angles, or fewer counts turned through, say nothing of a grid."""
-
-OFF_GRID = 0.3
-"""Of gaps of a step that is half of the rig's, a half at least is no whole number of the rig's."""
 
 ON_COUNTS, OFF_COUNTS = 0.9, 0.3
 """|mean of exp(2πi·angle/count)| is one on the grid; off it, it is about 1/√n."""
@@ -40,7 +35,6 @@ COMMON_CPR = (500, 512, 600, 720, 1000, 1024, 1440, 2000, 2048, 2400, 2500, 3600
 COMMON_FINE_CPR = (10_000, 14_400, 16_384, 20_000, 32_768, 36_000, 40_000, 65_536, 131_072, 262_144)
 """Of encoders that are sold; one so fine that hardly two angles are neighbours does not show its step."""
 
-RANGE_NEAR = 1.01
 SAMPLES_BEYOND = 5
 """A few damaged samples are no range."""
 
@@ -97,7 +91,8 @@ def contradictions(recordings: Sequence[Recording], base: StatedFacts) -> tuple[
 def _lsb(recordings: Sequence[Recording], lsb_dps: float) -> Contradiction | None:
     held = [levels_of(recording.rate_dps) for recording in recordings]
     told = [each for each in held if each.text <= TEXT_MOST * lsb_dps and len(each.values) > LEAST_GAPS]
-    if not told or np.median([off_grid(each, lsb_dps, LSB_NEAR) for each in told]) < OFF_GRID:
+    # Of a step that is half of the rig's, half of the gaps are off the grid.
+    if not told or np.median([off_grid(each, lsb_dps, LSB_NEAR) for each in told]) < 0.3:
         return None
     steps = [each.step for each in told]
     known = np.array([step for step in steps if step is not None])
@@ -116,7 +111,7 @@ def _lsb(recordings: Sequence[Recording], lsb_dps: float) -> Contradiction | Non
 def _range(recordings: Sequence[Recording], lsb_dps: float) -> Contradiction | None:
     most_dps = COUNTS_MOST * lsb_dps
     rates_dps = np.concatenate([recording.rate_dps for recording in recordings])
-    beyond_dps = np.sort(np.abs(rates_dps[np.abs(rates_dps) > RANGE_NEAR * most_dps]))
+    beyond_dps = np.sort(np.abs(rates_dps[np.abs(rates_dps) > 1.01 * most_dps]))
     if len(beyond_dps) < SAMPLES_BEYOND:
         return None
     reached_dps = float(beyond_dps[-SAMPLES_BEYOND])
@@ -160,7 +155,8 @@ def _no_encoder(recordings: Sequence[Recording]) -> Contradiction:
 
 
 def _spans(levels: Levels, count_deg: float) -> bool:
-    return len(levels.values) >= LEAST_LEVELS and float(np.ptp(levels.values)) > LEAST_SPAN * count_deg
+    # Fewer counts say nothing of a grid.
+    return len(levels.values) >= LEAST_LEVELS and float(np.ptp(levels.values)) > 5.0 * count_deg
 
 
 def _counts_per_turn(held: Sequence[Levels]) -> float | None:

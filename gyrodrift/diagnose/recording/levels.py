@@ -8,17 +8,8 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.order_statistics import distinct
 from gyrodrift.diagnose.recording.outliers import NEXT_LEVEL
 
-STEPS_LOOKED_AT = 5
-"""In gaps between values of more steps than this a step that is nearly right is wrong by too much of one."""
-
 LEAST_GAPS = 10
 """Fewer small gaps say nothing of a step."""
-
-CLOSER_BY_CHANCE = 0.05
-"""Share of the gaps: means and interpolated values have some that no step explains."""
-
-WELL_WRITTEN = 10.0
-"""A step of so many units of the last decimal is seen through the rounding."""
 
 STEP_NEAR, OFF_STEPS = 0.05, 0.2
 """Values come in a step where all but this share of their small gaps are whole numbers of it."""
@@ -26,7 +17,6 @@ STEP_NEAR, OFF_STEPS = 0.05, 0.2
 LEVELS_TRIED = 4000
 """So many levels are enough for decimals and for a grid; more take time."""
 
-TEXT_DECIMALS = 7
 UNITS = (1.0, 180.0 / np.pi, np.pi / 180.0)
 """Text may have been in degrees, in radians, or converted once too often."""
 
@@ -49,7 +39,8 @@ class Levels:
         """The step that they come in, or None where they come in none but that of the text."""
         step = self.densest
         # Where the decimals are nearly as coarse as the step, only a step that they hold exactly can be told.
-        exact = self if step > WELL_WRITTEN * self.text else Levels(self.values, 0.0)
+        # A step of ten units of the last decimal is seen through the rounding.
+        exact = self if step > 10.0 * self.text else Levels(self.values, 0.0)
         is_text = step <= 1.5 * self.text or len(self.values) <= LEAST_GAPS
         return None if is_text or off_grid(exact, step, near=STEP_NEAR) > OFF_STEPS else step
 
@@ -63,7 +54,7 @@ class Levels:
         gaps = np.diff(self.values)
         if not len(gaps):
             return 0.0
-        grain = float(np.quantile(gaps, CLOSER_BY_CHANCE))
+        grain = float(np.quantile(gaps, 0.05))  # means and interpolated values have some that no step explains
         return float(gaps[(gaps > 0.5 * grain) & (gaps < NEXT_LEVEL * grain)].mean())
 
 
@@ -79,7 +70,7 @@ def off_grid(levels: Levels, step: float, near: float) -> float:
     `near` is how far off the step may be, as a share of itself.
     """
     gaps = np.diff(levels.values) / step
-    gaps = gaps[gaps < STEPS_LOOKED_AT + 0.5]
+    gaps = gaps[gaps < 5.5]  # beyond five steps, an error of the step adds up to too much
     if len(gaps) < LEAST_GAPS:
         return 0.0
     whole = np.rint(gaps)
@@ -89,7 +80,7 @@ def off_grid(levels: Levels, step: float, near: float) -> float:
 
 
 def _text(values: Floats) -> float:
-    for decimals in range(TEXT_DECIMALS):
+    for decimals in range(7):
         for unit in UNITS:
             written = values * 10.0**decimals / unit
             if np.all(np.abs(written - np.rint(written)) < 1e-4):

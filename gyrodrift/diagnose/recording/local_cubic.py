@@ -16,8 +16,6 @@ from gyrodrift.arrays import Floats, Mask
 HALF_WINDOWS = (2, 4, 8, 16, 32, 64)
 """Samples on either side."""
 
-CUBIC = 3
-
 NEIGHBOURS, DISAGREES = 2, 2.5
 """Mean square of the difference of two windows, over so many of the wider, and in units of what noise makes of it, that
 is more than noise. Wider neighbourhoods take a sine's noise down to 0.3 of what it was instead of 0.5, and round a
@@ -52,6 +50,6 @@ def _less(weights: Floats, narrower: Floats) -> Floats:
 def _weights(half: int) -> Floats:
     """(2 half + 1,) of the middle of a cubic by least squares (A. Savitzky and M. J. E. Golay, 1964)."""
     places = np.arange(-half, half + 1, dtype=np.float64)
-    found: Floats = np.linalg.pinv(np.vander(places, CUBIC + 1, increasing=True))[0]
+    found: Floats = np.linalg.pinv(np.vander(places, 4, increasing=True))[0]  # a cubic
     found.flags.writeable = False
     return found

@@ -16,9 +16,6 @@ from gyrodrift.session.session import Session
 WRAP = 1 << 16
 """Counters on the wire have 16 bits; one that never went beyond may have wrapped."""
 
-MISSED = 1.6
-"""Without a counter, samples may be missing in a step of the clock that is so many periods long."""
-
 AROUND = 200
 """Samples among whose stamps there is one that did not wait; in so many a clock does not drift by a period."""
 
@@ -34,9 +31,6 @@ ROUNDS = 3
 WAITED, NEAR = 20.0, 3.0
 """A backlog at the start is of more than the first, in periods; it is over where what is left is no more than the
 second."""
-
-BACKLOG_PACE = 0.5
-"""Share of the later pace below which samples came at once."""
 
 EVEN = 0.01
 """Standard deviation of stamps about their numbers, in periods, that is as good as none."""
@@ -92,7 +86,7 @@ def backlog_of(session: Session) -> int:
         return 0
     late = (t_s[:half] - t_s[0]) / pace_s - np.arange(half)
     end = int(np.argmax(late <= late.min() + NEAR))
-    return end if -late[end] > max(WAITED, BACKLOG_PACE * end) else 0
+    return end if -late[end] > max(WAITED, 0.5 * end) else 0  # samples that came at twice the pace came at once
 
 
 def numbers_by_clock(t_s: Floats) -> Integers:
@@ -131,7 +125,7 @@ def _with_holes(t_s: Floats, period_s: float) -> Integers:
     least_to_come = minimum_filter1d(late, AROUND, origin=-(AROUND // 2), mode="nearest")
     missing = np.zeros(len(t_s), np.int64)
     total, after = 0, 0
-    for place in np.flatnonzero(np.diff(t_s) > MISSED * period_s) + 1:
+    for place in np.flatnonzero(np.diff(t_s) > 1.6 * period_s) + 1:  # from 1.6 periods on a sample may be missing
         late[after:place] -= total
         after = int(place)
         least_before = late[max(0, place - AROUND) : place].min()

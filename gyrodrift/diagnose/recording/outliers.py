@@ -15,21 +15,12 @@ from gyrodrift.diagnose.recording.recording import Recording, filled
 SPIKE_SIGMAS = 10.0
 """An outlier of the rate is this far off, beside the encoder or among its neighbours."""
 
-COUNTS_OF_A_SPIKE = 4.0
-"""LevelSteps of the rate: less is no outlier where its noise hides within a step."""
-
 SPIKE_OWN = 0.5
 """A jump of the angle looks like an outlier of the rate beside it; an outlier is one among its own neighbours too, by
 this share of what it is beside the angle."""
 
 MOVED_SIGMAS = 3.0
 """Where an outlier among its neighbours is less than SPIKE_OWN beside the encoder, by so much, something did move."""
-
-STEEP_SHARE = 0.6
-"""Of the steps from sample to sample beside it: what is off by less may be motion."""
-
-ALONE_SAMPLES = 3
-"""Where the rate changes quickly, those beside an outlier stand out, too: the largest of so many is the one."""
 
 IN_A_ROW = 2
 """Outliers that hide each other: the second shows once the first is taken out."""
@@ -45,12 +36,6 @@ coarse encoder."""
 NEARLY_ALL, ROUNDED = 0.995, 1.05
 """Where so many samples are off by no more than so many steps, rounding is all that they are off by: it never makes a
 jump of more, and its spread says nothing of jumps."""
-
-CORNER_PERIODS = 0.5
-"""Of a sample: where the rate bends within it, or comes so much late, the angle is off by this part of the bend."""
-
-BEND_SAMPLES = 3
-"""The interval before a sample touches the bends at both its ends."""
 
 MIDDLE_SHARE, MIDDLE_SIGMAS = 0.9, 1.645
 """Nine tenths of normal numbers lie within so many standard deviations; a tenth may be outliers, or quick motion."""
@@ -214,14 +199,16 @@ def _outliers(recording: Recording, rate_dps: Floats, rough_dps: Floats) -> Mask
         return is_spike
     by_neighbours = among * beside_sigma > beside * among_sigma
     size_dps = np.where(by_neighbours, among, beside)
-    is_steep = size_dps < STEEP_SHARE * steepest_beside(rate_dps)
+    is_steep = size_dps < 0.6 * steepest_beside(rate_dps)  # less than this share of the steps beside it may be motion
     along_dps = beside_dps * np.sign(np.where(by_neighbours, among_dps, beside_dps))
     was_moved = is_steep | (along_dps < SPIKE_OWN * size_dps - MOVED_SIGMAS * beside_sigma)
     # On a slope the median is none: there a sample that repeats the one before is as far off as an outlier.
     on_slope = stands_alone(among_dps) & ~is_steep & (np.diff(rate_dps, prepend=np.nan) != 0.0)
     is_own = np.maximum(own_dps, np.where(on_slope, among, 0.0)) > SPIKE_OWN * size_dps
-    is_spike &= (size_dps > COUNTS_OF_A_SPIKE * granularity(recording.rate_dps)) & is_own & ~(by_neighbours & was_moved)
-    is_spike &= (size_dps == maximum_filter1d(size_dps, ALONE_SAMPLES)) & np.isfinite(recording.rate_dps)
+    # Less is no outlier where the noise hides within a step.
+    is_spike &= (size_dps > 4.0 * granularity(recording.rate_dps)) & is_own & ~(by_neighbours & was_moved)
+    # Neighbours of an outlier exceed the limit too where the rate changes quickly.
+    is_spike &= (size_dps == maximum_filter1d(size_dps, 3)) & np.isfinite(recording.rate_dps)
     is_spike[:END_SAMPLES] = is_spike[-END_SAMPLES:] = False
     return is_spike
 
@@ -231,8 +218,10 @@ def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step
     turned_deg = 0.5 * (rate_dps[1:] + rate_dps[:-1]) * recording.period_s
     over_deg = np.diff(encoder_deg) - turned_deg
     out_deg = np.concatenate([[0.0], over_deg - median_filter(over_deg, 9)])
-    bends_dps = maximum_filter1d(np.abs(np.diff(rate_dps, 2, prepend=rate_dps[0], append=rate_dps[-1])), BEND_SAMPLES)
-    least_deg = COUNTS_OF_A_SLIP * step_deg + CORNER_PERIODS * recording.period_s * bends_dps
+    # The interval before a sample touches the bends at both ends.
+    bends_dps = maximum_filter1d(np.abs(np.diff(rate_dps, 2, prepend=rate_dps[0], append=rate_dps[-1])), 3)
+    # A rate that bends within a sample, or comes late, moves the angle by half of the bend.
+    least_deg = COUNTS_OF_A_SLIP * step_deg + 0.5 * recording.period_s * bends_dps
     is_rounded = np.quantile(np.abs(out_deg), NEARLY_ALL) < ROUNDED * step_deg
     noise_deg = 0.0 if is_rounded else SLIP_SIGMAS * _sigma(np.abs(out_deg), recording)
     is_slip: Mask = np.abs(out_deg) > np.maximum(noise_deg, least_deg)

@@ -10,15 +10,6 @@ from gyrodrift.errors import DataError
 from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.session import Session
 
-FIRST_SAMPLES = 100
-"""In these a clock that drifts has not gone far."""
-
-MOVES_DEG = 5.0
-"""An encoder that stays within this has nothing to say of a moving gyro."""
-
-SPARSE = 3
-"""A counter that speaks of more than this many times the samples there are is not one."""
-
 MOST_DPS, MOST_DEG, MOST_S = 1e6, 1e9, 1e12
 """Rates in any unit that a gyro was ever read in, a reference that turned for years, clocks in any unit."""
 
@@ -62,7 +53,8 @@ class Recording:
     @property
     def moves(self) -> bool:
         """Whether the encoder turned by more than it may creep at rest."""
-        return bool(np.nanmax(self.encoder_deg) - np.nanmin(self.encoder_deg) > MOVES_DEG)
+        # More than an encoder creeps at rest.
+        return bool(np.nanmax(self.encoder_deg) - np.nanmin(self.encoder_deg) > 5.0)
 
     @property
     def seconds(self) -> float:
@@ -83,7 +75,7 @@ def recording_of(session: Session, samples: int | None = None) -> Recording:
     _check_values(session)
     found = numbered(session)
     count = int(found.number[-1]) + 1
-    if count > SPARSE * len(found.number):
+    if count > 3 * len(found.number):
         raise DataError(f"{session.name}: its counter speaks of {count} samples, and {len(found.number)} are there")
     length = count if samples is None else samples
     inside = found.number < length
@@ -158,7 +150,7 @@ def _host_ahead_s(session: Session) -> float | None:
     """The least of the first samples: what comes late came later than it had to."""
     if session.t_host_s is None:
         return None
-    ahead_s = (session.t_host_s - session.t_device_s)[:FIRST_SAMPLES]
+    ahead_s = (session.t_host_s - session.t_device_s)[:100]  # a clock that drifts has not gone far in 100 samples
     known = ahead_s[np.isfinite(ahead_s)]
     return float(known.min()) if len(known) else None
 

@@ -13,18 +13,8 @@ from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA
 from gyrodrift.diagnose.recording.smoothing import gaussian
 
-NOISY_STEPS = 3.0
-"""Usual scatter, in steps of the reference, beyond which it is more than what steps leave."""
-
 WILD_SIGMAS = 6.0
 """What is further off is no noise: a slip, or a hole that was filled."""
-
-PER_TURN = (1, 2)
-"""How often in a turn an encoder errs in the same way."""
-
-TURNS_S = 1.0
-"""Over about so long noise that is drawn keeps the sign of the noise that was seen: shape and size of its moment stay,
-and what it had to do with the motion is lost."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,7 +26,8 @@ class ReferenceNoise:
 
     def drawn(self, rng: np.random.Generator) -> Floats:
         """Noise as large and as quick at every moment, shape (n,), deg."""
-        sign = gaussian(rng.standard_normal(len(self.seen_deg)), TURNS_S / self.period_s)
+        # Keeps size and shape of each moment, not its relation to the motion.
+        sign = gaussian(rng.standard_normal(len(self.seen_deg)), 1.0 / self.period_s)
         drawn_deg: Floats = self.seen_deg * sign / np.sqrt(np.mean(np.square(sign)))
         return drawn_deg
 
@@ -45,7 +36,7 @@ def reference_noise_of(reference_deg: Floats, step_deg: float, motion: ReplayedM
     """Of angles, shape (n,), beside their motion; None where it is no more than the steps of an encoder leave."""
     away_deg = _without_errors(reference_deg - motion.angle_deg, motion)
     usual_deg = np.median(np.abs(away_deg)) / MEDIAN_TO_SIGMA
-    if usual_deg <= NOISY_STEPS * step_deg:
+    if usual_deg <= 3.0 * step_deg:  # steps leave less
         return None
     return ReferenceNoise(np.clip(away_deg, -WILD_SIGMAS * usual_deg, WILD_SIGMAS * usual_deg), motion.period_s)
 
@@ -54,7 +45,7 @@ def _without_errors(away_deg: Floats, motion: ReplayedMotion) -> Floats:
     """What is off, less what an encoder errs by that is eccentric, tilted or has play: effects, and no noise."""
     turn = np.deg2rad(motion.angle_deg)
     columns = [np.ones(len(turn)), np.sign(motion.rate_dps)]
-    columns += [wave(times * turn) for times in PER_TURN for wave in (np.sin, np.cos)]
+    columns += [wave(times * turn) for times in (1, 2) for wave in (np.sin, np.cos)]  # an eccentric or tilted disc
     errors = np.column_stack(columns)
     left_deg: Floats = away_deg - errors @ np.linalg.lstsq(errors, away_deg)[0]
     return left_deg

@@ -29,15 +29,10 @@ NEIGHBOURS = 100
 """Arrivals whose median is taken away: clocks that wander are no jitter."""
 
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
-EXPONENTIAL_IQR = float(np.log(3.0))
-"""Interquartile range of an exponential distribution over its mean."""
 
 LEANING = 0.5
 """A scheduler's delays lean to one side: the lower nine twentieths span 0.28 of what the upper ones do. Waiting for the
 tick of a bus spreads evenly, and clocks scatter to both sides: these span 1."""
-
-MOST_DELAY_S = 1.0
-"""Clocks that are further apart have zeros of their own, and say nothing of a delay."""
 
 
 def host_jitter_s(recording: Recording) -> float | None:
@@ -48,13 +43,14 @@ def host_jitter_s(recording: Recording) -> float | None:
     low, lower, middle, upper, high = np.quantile(late_s, QUANTILES)
     if not (middle - low) < LEANING * (high - middle):
         return None
-    return float((upper - lower) / EXPONENTIAL_IQR)
+    return float((upper - lower) / np.log(3.0))  # interquartile range over mean of an exponential distribution
 
 
 def host_delay_s(recording: Recording) -> float | None:
     """Of the host behind the device, s; None where their clocks have no common zero."""
     ahead_s = recording.host_ahead_s
-    return ahead_s if ahead_s is not None and 0.0 <= ahead_s <= MOST_DELAY_S else None
+    # Clocks that are further apart have zeros of their own.
+    return ahead_s if ahead_s is not None and 0.0 <= ahead_s <= 1.0 else None
 
 
 def with_host(base: Base, recording: Recording) -> Base:
@@ -86,16 +82,6 @@ LEAST_STEP, MOST_STEP = 0.3, 3.0
 STEEPEST, CLEAR_STEP = 4.0, 1.05
 """What shows of the noise may grow with a power of it, as beside a dead band: two rounds tell which, that are so far
 apart. No step follows a power below 1, lest it overshoot."""
-
-FEW_BLOCKS = 10
-"""With less than one block in so many, the bias is that of all of them."""
-
-TWO_LEVELS = 0.55
-"""Rates that scatter within a second by less than this share of the step they come in show neither where between two
-steps they are, nor the noise beneath: two levels in turn scatter by half a step, and noise of half a step by 0.58."""
-
-CALIBRATION_SEED = 7_000_003
-"""Tells its random streams from those of the sessions that are compared."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +147,8 @@ def is_hidden_at_rest(seen: Cleaned, design: DesignMatrix, rig: Rig) -> bool:
     left_dps = seen.rate_dps - design.motion.rate_dps
     squares, means_dps = (block_means(each, design.block) for each in (np.square(left_dps), left_dps))
     variance = float((squares - np.square(means_dps))[at_rest].mean())
-    return variance < (TWO_LEVELS * gyro.count_dps) ** 2
+    # Two levels in turn scatter by half a step and show no noise; noise of half a step scatters by 0.58.
+    return variance < (0.55 * gyro.count_dps) ** 2
 
 
 def level_of(seen: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool = False) -> Level:
@@ -191,7 +178,8 @@ def _shows_bias(design: DesignMatrix, *, in_motion: bool) -> Mask:
     """(blocks,) Rest, since what an effect adds in motion is no bias; but motion where something hides it at rest."""
     at_rest = design.regimes.block_at_rest
     shows: Mask = ~at_rest if in_motion else at_rest
-    return shows if shows.sum() > len(shows) // FEW_BLOCKS else np.ones(len(shows), dtype=np.bool_)
+    # With less than a tenth of the blocks, the bias is that of all.
+    return shows if shows.sum() > len(shows) // 10 else np.ones(len(shows), dtype=np.bool_)
 
 
 def _above_rounding_dps(level: Level, step_dps: float) -> float:
@@ -212,7 +200,7 @@ def _power(last: _NoiseShown | None, shown: _NoiseShown) -> float:
 
 def _played(seen: Cleaned, motion: ReplayedMotion, rig: Rig) -> Cleaned:
     """A simulation of which only rate and angle are looked at, with nothing to clean but what never came."""
-    block = next(play(rig, motion, CALIBRATION_SEED, block_samples=len(motion.rate_dps)))
+    block = next(play(rig, motion, 7_000_003, block_samples=len(motion.rate_dps)))  # a random stream of its own
     session = as_recorded(block, rig.base, seen.recording.name)
     assert session.encoder_deg is not None  # noqa: S101 - a rig whose sessions have an encoder has one
     rate_dps, angle_deg = np.full(len(motion.rate_dps), np.nan), np.full(len(motion.rate_dps), np.nan)

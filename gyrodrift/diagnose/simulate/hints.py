@@ -1,8 +1,6 @@
-"""What recordings show by themselves of a candidate's second parameter: an estimator and a default for each hint."""
+"""Hints: what recordings show by themselves of the second parameters of candidates."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.fft import next_fast_len
@@ -25,9 +23,6 @@ BEGINS_AFTER, AT_ONCE, FEW_BUNCHES = 1.5, 0.5, 20
 FEW_ARRIVALS, MANY_ARRIVALS, LONGEST_TICK_S = 200, 20_000, 0.2
 """Arrivals that show no comb; as many as are looked at; and ticks that are looked for."""
 
-MOST_SILENT = 10.0
-"""Times as long as samples would take: a host whose clock was set anew, by which ticks have no phase."""
-
 TICK_BIN, TICK_FINER = 1.0 / 16.0, 4
 """Of a sample period, in which arrivals are counted; and how much finer frequencies are than these alone give."""
 
@@ -45,75 +40,48 @@ LEAST_RANGE_DPS = 1.0
 """No gyro ends at less."""
 
 
-@dataclass(frozen=True, slots=True)
-class Shown:
-    """A session with what several estimators look at.
-
-    slow_dps
-        Rates near zero, where a step of the rate is least hidden; shape (some,).
-    """
-
-    subject: Subject
-    slow_dps: Floats
-
-
-Estimator = Callable[[Sequence[Shown]], float]
-"""All sessions to a hint; 0 where they show nothing."""
-
-
-class HintSource(NamedTuple):
-    """Where a hint comes from, and what is usual where the recordings show nothing."""
-
-    estimator: Estimator
-    default: float = 0.0
+USUAL_LINE_HZ, USUAL_SPIKE_DPS, USUAL_SLIP_DEG = 20.0, 20.0, 0.5
+"""Frequency of a tone and heights of outliers and jumps that are tried where the recordings show none."""
 
 
 def hints_of(subjects: Sequence[Subject]) -> Hints:
-    """What the sessions show, or what is usual where they show nothing."""
-    shown = [Shown(subject, _near_zero_dps(subject)) for subject in subjects]
-    values: dict[str, Any] = {name: source.estimator(shown) or source.default for name, source in SOURCES.items()}
-    return Hints(**values)
+    """Second parameters of the candidates as all sessions show them, or usual ones."""
+    recordings = [subject.seen.recording for subject in subjects]
+    slow_dps = [_near_zero_dps(subject) for subject in subjects]
+    lsb_dps = [subject.rig.base.dps_per_lsb for subject in subjects]
+    pairs = zip(slow_dps, lsb_dps, strict=True)
+    step_dps = _median([_even_step_of(rates_dps, lsb) or _most(rates_dps) or lsb for rates_dps, lsb in pairs])
+    return Hints(
+        line_hz=_median([spectral_line(one.seen, one.design).frequency_hz for one in subjects]) or USUAL_LINE_HZ,
+        spike_dps=_usual([one.seen.spikes_dps for one in subjects]) or USUAL_SPIKE_DPS,
+        slip_deg=_usual([one.seen.slips_deg for one in subjects]) or USUAL_SLIP_DEG,
+        rate_step_dps=step_dps,
+        angle_step_deg=_median([step_of(one.seen.recording.encoder_deg) or _count_deg(one) for one in subjects]),
+        least_dps=_least_dps(np.concatenate(slow_dps), step_dps) or _median(lsb_dps),
+        largest_dps=max(LEAST_RANGE_DPS, *(_most(subject.seen.rate_dps) for subject in subjects)),
+        sample_period_s=min(recording.period_s for recording in recordings),
+        bunch_s=_median([_tick_s(recording) or _bunch_s(recording) for recording in recordings]),
+        dps_per_lsb=_median(lsb_dps),
+    )
 
 
-def line_hz(shown: Sequence[Shown]) -> float:
-    """Frequency of the strongest tone at rest."""
-    return _median([spectral_line(one.subject.seen, one.subject.design).frequency_hz for one in shown])
-
-
-def spike_dps(shown: Sequence[Shown]) -> float:
-    """Height of outliers of the rate, over those of all sessions."""
-    heights = np.concatenate([np.abs(one.subject.seen.spikes_dps) for one in shown])
+def _usual(every: Sequence[Floats]) -> float:
+    """Median height of the outliers or jumps of all sessions; 0 without any."""
+    heights = np.abs(np.concatenate(every))
     return _median(heights) if len(heights) else 0.0
 
 
-def slip_deg(shown: Sequence[Shown]) -> float:
-    """Height of jumps of the angle, over those of all sessions."""
-    heights = np.concatenate([np.abs(one.subject.seen.slips_deg) for one in shown])
-    return _median(heights) if len(heights) else 0.0
+def _least_dps(rates_dps: Floats, step: float) -> float:
+    """Rate below which zero is put out; 0 where all rates are zero.
 
-
-def rate_step_dps(shown: Sequence[Shown]) -> float:
-    """The step that rates come in; of a single one, itself."""
-    return _median([_even_step_of(one) or _most(one.slow_dps) or one.subject.rig.base.dps_per_lsb for one in shown])
-
-
-def angle_step_deg(shown: Sequence[Shown]) -> float:
-    """The step that angles come in; of a single one, a count."""
-    return _median([step_of(one.subject.seen.recording.encoder_deg) or _count_deg(one.subject) for one in shown])
-
-
-def least_dps(shown: Sequence[Shown]) -> float:
-    """The rate below which zero is put out; of none but zeros, one count.
-
-    A level stands for all rates within half a step. Of those at the smallest one that comes only some were let through,
-    which are the fewer beside the levels above it, the higher the least of them was. Where that one stands for zero
-    itself, as where a bias was taken off rates in coarse steps, it is the least.
+    A level stands for all rates within half a step. The lowest level that occurs is truncated; its count beside the
+    counts of the levels above gives the lowest rate. Where this level stands for zero itself, as where a bias was
+    subtracted from rates in coarse steps, it is the lowest rate.
     """
-    sizes = np.abs(np.concatenate([one.slow_dps for one in shown]))
+    sizes = np.abs(rates_dps)
     sizes = sizes[sizes > 0.0]
     if not len(sizes):
-        return dps_per_lsb(shown)
-    step = rate_step_dps(shown)
+        return 0.0
     level = _first_of_many(sizes, step)
     at = np.rint((sizes - level) / step)
     here, above = np.count_nonzero(at == 0), np.count_nonzero((at > 0) & (at <= LEVELS_ABOVE)) / LEVELS_ABOVE
@@ -131,22 +99,6 @@ def _first_of_many(sizes: Floats, step: float) -> float:
     return float(few[np.count_nonzero(alone)])
 
 
-def largest_dps(shown: Sequence[Shown]) -> float:
-    """The largest rate of all sessions, LEAST_RANGE_DPS at least."""
-    return max(LEAST_RANGE_DPS, *(_most(one.subject.seen.rate_dps) for one in shown))
-
-
-def sample_period_s(shown: Sequence[Shown]) -> float:
-    """The shortest of all sessions."""
-    return min(one.subject.seen.recording.period_s for one in shown)
-
-
-def bunch_s(shown: Sequence[Shown]) -> float:
-    """How far apart samples reach the host in bunches, over the sessions; 0 where they do not come in bunches."""
-    recordings = [one.subject.seen.recording for one in shown]
-    return _median([_tick_s(recording) or _bunch_s(recording) for recording in recordings])
-
-
 def _bunch_s(recording: Recording) -> float:
     """By the silence before a sample that another one follows at once: after one that was lost none does."""
     arrived_s = _arrived_s(recording)
@@ -162,7 +114,8 @@ def _tick_s(recording: Recording) -> float:
     shorter ones stand behind the comb of the samples themselves; how short they are matters little.
     """
     arrived_s, period_s = _arrived_s(recording)[:MANY_ARRIVALS], recording.period_s
-    if len(arrived_s) < FEW_ARRIVALS or np.ptp(arrived_s) > MOST_SILENT * len(arrived_s) * period_s:
+    # A host whose clock was set: ticks have no phase.
+    if len(arrived_s) < FEW_ARRIVALS or np.ptp(arrived_s) > 10.0 * len(arrived_s) * period_s:
         return 0.0
     places = np.floor((arrived_s - arrived_s.min()) / (TICK_BIN * period_s)).astype(np.int64)
     bins = next_fast_len(TICK_FINER * int(places.max() + 1), real=True)
@@ -183,32 +136,12 @@ def _arrived_s(recording: Recording) -> Floats:
     return np.zeros(0) if recording.host_s is None else recording.host_s[np.isfinite(recording.host_s)]
 
 
-def dps_per_lsb(shown: Sequence[Shown]) -> float:
-    """What the rig says."""
-    return _median([one.subject.rig.base.dps_per_lsb for one in shown])
-
-
-SOURCES = {
-    "line_hz": HintSource(line_hz, default=20.0),
-    "spike_dps": HintSource(spike_dps, default=20.0),
-    "slip_deg": HintSource(slip_deg, default=0.5),
-    "rate_step_dps": HintSource(rate_step_dps),
-    "angle_step_deg": HintSource(angle_step_deg),
-    "least_dps": HintSource(least_dps),
-    "largest_dps": HintSource(largest_dps),
-    "sample_period_s": HintSource(sample_period_s),
-    "bunch_s": HintSource(bunch_s),
-    "dps_per_lsb": HintSource(dps_per_lsb),
-}
-"""One for each field of `Hints`; without a default there is always something to read off."""
-
-
-def _even_step_of(one: Shown) -> float:
-    """The step of rates near zero, within what the rig's finer steps leave possible; 0 where there is one level."""
-    step_dps = _even_step(one.slow_dps)
+def _even_step_of(rates_dps: Floats, finer_dps: float) -> float:
+    """Step of rates near zero, within the bounds that the rig's finer steps give; 0 where there is one level."""
+    step_dps = _even_step(rates_dps)
     if not step_dps:
         return 0.0
-    least, most = _possible_steps(distinct(one.slow_dps), step_dps, one.subject.rig.base.dps_per_lsb)
+    least, most = _possible_steps(distinct(rates_dps), step_dps, finer_dps)
     return step_dps if least > most else float(np.clip(step_dps, least, most))
 
 

@@ -35,13 +35,7 @@ NOT_BY_ITSELF = frozenset({"quantization", *ONCE_PER_TURN})
 TABLE_HZ = 20.0
 """What a table or a robot does is slower: of a motion of 5 Hz a low-pass of the first order there takes 3 %."""
 
-TERMS = 6
-"""Of the series by which it is given back."""
-
 PHASES_DEG = np.arange(0.0, 360.0, 3.0)
-
-BETTER = 9.0
-"""In variances of a block: a phase has to fit better than the rig's own by so much, three standard deviations."""
 
 
 def gyro_model_of(rig: Rig) -> GyroModel:
@@ -120,7 +114,7 @@ def restored_dps(rig: Rig, motion: ReplayedMotion) -> Floats:
     if not low_passes:
         return found_dps
     t_s, late_s = moments_of(motion).t_s, _late_s(low_passes)
-    for _ in range(TERMS):
+    for _ in range(6):  # terms of the series
         found_dps = motion.rate_dps + np.interp(t_s + late_s, t_s, taken_dps(rig, motion, found_dps))
     return found_dps
 
@@ -207,7 +201,7 @@ class _Left:
         costs = np.array([np.square(residual_dps - self._of(effect, phase)).sum() for phase in PHASES_DEG])
         chance = costs.min() / max(1, len(residual_dps) - 1)
         own_cost = float(np.square(residual_dps - self._of(effect, own_deg)).sum())
-        is_better = own_cost - costs.min() > BETTER * chance
+        is_better = own_cost - costs.min() > 9.0 * chance  # three standard deviations, in variances of a block
         phase_deg = float(PHASES_DEG[np.argmin(costs)]) if is_better else own_deg
         best = effect.model_copy(update={"phase_deg": phase_deg})
         return best, replace(self, residual_dps=residual_dps).without(best)

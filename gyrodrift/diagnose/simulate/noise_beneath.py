@@ -14,12 +14,6 @@ from gyrodrift.session.session import Session
 BAND = np.linspace(*WHITE_BAND, 64)
 """Shares of the sample rate at which a low-pass is looked at."""
 
-OTHER_STEPS = 1.3
-"""Times those of the rig; what is read off the rates is not exact."""
-
-ZERO_SHARE = 0.02
-"""Of the samples at rest that read zero; with fewer nothing is hidden."""
-
 
 def with_noise_beneath(subject: Subject, effects: tuple[Effect, ...]) -> Subject:
     """The rig of a session as it is to be simulated with effects that are tried.
@@ -31,7 +25,8 @@ def with_noise_beneath(subject: Subject, effects: tuple[Effect, ...]) -> Subject
     before_dps, count_dps = (
         gyro_model_of(each).count_dps for each in (subject.rig, with_replaced(subject.rig, effects))
     )
-    has_other_steps = abs(np.log(count_dps / before_dps)) > np.log(OTHER_STEPS)
+    # Steps that were read off the rates are not exact.
+    has_other_steps = abs(np.log(count_dps / before_dps)) > np.log(1.3)
     if has_other_steps or (any(hides_rest(one, count_dps) for one in effects) and _reads_zero(subject)):
         return subject.recalibrated(effects)
     share = _before_low_pass(subject.rig, effects)
@@ -70,4 +65,4 @@ def _passed(rig: Rig) -> float:
 def _reads_zero(subject: Subject) -> bool:
     """Whether the gyro says exactly zero at rest so often that something may hide there."""
     rest_dps = subject.seen.rate_dps[subject.design.regimes.at_rest]
-    return len(rest_dps) == 0 or float(np.mean(rest_dps == 0.0)) > ZERO_SHARE
+    return len(rest_dps) == 0 or float(np.mean(rest_dps == 0.0)) > 0.02  # with fewer zeros nothing is hidden

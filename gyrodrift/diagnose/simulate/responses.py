@@ -16,12 +16,9 @@ from gyrodrift.diagnose.simulate.noise_beneath import with_noise_beneath
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized, key
 from gyrodrift.diagnose.simulate.twin import BaseRun, Subject, subject_of
 
-BASE_RUNS = 4
 NULL_RUNS_TOGETHER, NULL_RUNS_LEAST, NULL_RUNS_MOST = 24, 4, 10
 """Null runs of all sessions together, and of each."""
 
-NULL_BASE_RUNS = 2
-SMOOTHEST_RUNS = 2
 FIRST_NULL_SEED = 1000
 
 SIMULATED_PHASES_DEG = (0.0, 90.0)
@@ -36,7 +33,7 @@ def null_runs_of(sessions: int) -> int:
 def response_table(subject: Subject, tried: Sequence[Candidate], null_runs: int) -> ResponseTable:
     """Simulate all that is to be known of a session; the same random streams with and without an effect."""
     own = subject.measured()
-    base = [subject.base_run(seed) for seed in range(BASE_RUNS)]
+    base = [subject.base_run(seed) for seed in range(4)]
     simulated = [candidate for candidate in tried if candidate.phase_deg in (None, *SIMULATED_PHASES_DEG)]
     responses = {key(candidate): response(subject, candidate, base) for candidate in simulated}
     runs = np.array([run.values for run in base])
@@ -48,7 +45,7 @@ def response_table(subject: Subject, tried: Sequence[Candidate], null_runs: int)
         runs=runs,
         nulls=nulls,
         responses=responses,
-        smoother=smoother(subject, base[:SMOOTHEST_RUNS]),
+        smoother=smoother(subject, base[:2]),
     )
 
 
@@ -72,7 +69,7 @@ def _calibrated(subject: Subject, candidate: Candidate, size: float) -> Subject:
 def null_difference(subject: Subject, seed: int) -> Floats:
     """(F,) the difference that is left when the rig is taken for a recording, and driven through itself."""
     again = subject_of(subject.played((), seed), subject.rig)
-    runs = [again.simulated((), FIRST_NULL_SEED + seed + number).values for number in range(NULL_BASE_RUNS)]
+    runs = [again.simulated((), FIRST_NULL_SEED + seed + number).values for number in range(2)]  # two runs of the base
     left: Floats = again.measured().values - np.mean(runs, axis=0)
     return left
 

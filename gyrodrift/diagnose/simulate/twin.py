@@ -59,18 +59,12 @@ from gyrodrift.simulation.sessions import as_recorded
 SHAPES, MOTIONS, ARRIVALS, REFERENCES = 1, 2, 3, 4
 """Tell their random streams from those of effects, which go by their names."""
 
-CORRECTIONS = 2
-"""Rounds in which the rig's own errors of the encoder are taken out of its angles, and of the gyro out of its rates."""
-
 COURSE_S, COURSE_DEG = 5.0, 45.0
 """How often, and how finely, the course of a motion is noted to tell whether another is the same."""
 
 WRONG_DELAY_S = 0.02
 """Delay that the rig does not have, from which on the motion is rebuilt with the one that the recording shows: less
 than that costs the motion no more than the two disagree in noise."""
-
-ARRIVAL_PHASE_S = 0.1
-"""Ticks of a host begin anywhere: each simulation arrives later by up to this."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,7 +250,8 @@ class Subject:
 
         An effect that stands in the rig already is replaced.
         """
-        later_s = ARRIVAL_PHASE_S * float(np.random.default_rng([self._stream(seed), ARRIVALS]).random())
+        # Ticks of a host begin anywhere.
+        later_s = 0.1 * float(np.random.default_rng([self._stream(seed), ARRIVALS]).random())
         base = self.rig.base.model_copy(update={"host_delay_s": self.rig.base.host_delay_s + later_s})
         rig = with_replaced(self.rig, effects).model_copy(update={"base": base})
         motion = self.held_to(effects).motion(seed)
@@ -318,7 +313,7 @@ def corrected(seen: Cleaned, rig: Rig, posterior: MotionPosterior) -> tuple[Floa
     if not motion_seen_by(rig).is_bent:
         return seen.encoder_deg, motion_posterior_of(seen, gyro)
     encoder_deg, rate_dps = seen.encoder_deg, restored_dps(rig, posterior.mean)
-    for _ in range(CORRECTIONS):
+    for _ in range(2):  # rounds, each with the motion of the one before
         encoder_deg = angles_before(rig, seen.encoder_deg, posterior.mean)
         whole = replace(seen, rate_dps=seen.rate_dps + taken_dps(rig, posterior.mean, rate_dps))
         posterior = motion_posterior_of(whole, gyro, encoder_deg)

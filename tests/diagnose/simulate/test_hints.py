@@ -1,6 +1,6 @@
 """What recordings show of the second parameters of candidates."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from firmware_sim.rig import Rig, parse_effect
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.candidate import Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
-from gyrodrift.diagnose.simulate.hints import SOURCES, hints_of
+from gyrodrift.diagnose.simulate.hints import hints_of
 from gyrodrift.diagnose.simulate.twin import subject_of
 from gyrodrift.simulation.sessions import Simulation
 
@@ -18,11 +18,6 @@ from gyrodrift.simulation.sessions import Simulation
 def hints_with(*effects: str) -> Hints:
     """Of one session of the rig with these effects."""
     return hints_of([subject_from(session_of(*map(parse_effect, effects)))])
-
-
-def test_there_is_a_source_for_each_hint() -> None:
-    """And no other."""
-    assert list(SOURCES) == [field.name for field in fields(Hints)]
 
 
 def test_where_nothing_is_shown_a_hint_is_what_is_usual() -> None:
