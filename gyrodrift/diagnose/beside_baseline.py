@@ -24,7 +24,7 @@ from gyrodrift.diagnose.inference.baseline import (
 )
 from gyrodrift.diagnose.inference.conclusion import Conclusion
 from gyrodrift.diagnose.inference.sets import Placed
-from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, less
+from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, without_causes
 from gyrodrift.diagnose.recording.facts import contradictions
 from gyrodrift.diagnose.recording.levels import LEAST_GAPS, levels_of
 from gyrodrift.diagnose.recording.recording import Recording
@@ -47,7 +47,7 @@ SAME_RATE = 0.1
 """Share by which sample rates, and steps as seen, of one device differ from day to day: a PLL is good to 1 %, and a
 radio that loses some samples is not."""
 
-SLOW_ONLY = "only rate errors second by second are compared"
+SLOW_ONLY = "single samples are not compared, only rate errors second by second"
 
 ALL = np.ones(len(FEATURES), bool)
 
@@ -177,7 +177,7 @@ def new_since(before: ExplainedBaseline, simulated: Simulated, inferred: Conclus
     said = [f"by as much {name} from one to the next" for name in causes]
     said += [f"as much from one to the next in this: {FEATURES[NUMBER[name]].says}" for name in forms]
     told = [f"baseline: recordings of this device differ {how}" for how in said]
-    return (less(verdict, causes, forms, explanation.evidence), told) if told else (verdict, [])
+    return (without_causes(verdict, causes, forms, explanation.evidence), told) if told else (verdict, [])
 
 
 def _is_chance(before: ExplainedBaseline, simulated: Simulated, inferred: Conclusion, placed: Placed) -> bool:

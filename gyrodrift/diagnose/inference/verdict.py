@@ -68,11 +68,11 @@ class NamedCause:
             parameter.low <= float(getattr(has, parameter.name)) <= parameter.high for parameter in self.parameters
         )
 
-    def in_session(self, number: int, stands: Sequence[Effect]) -> Effect:
-        """The effect with the phase of session `number`; `stands` are the effects in the rig of that session."""
+    def in_session(self, number: int, rig_effects: Sequence[Effect]) -> Effect:
+        """The effect with the phase of session `number`; `rig_effects` are the effects in the rig of that session."""
         phases_deg = self.cause.phases_deg
         if phases_deg is None:
-            return self.cause.candidate.turned(self.effect, stands)
+            return self.cause.candidate.turned(self.effect, rig_effects)
         return self.effect.model_copy(update={"phase_deg": float(phases_deg[number])})
 
 
@@ -133,7 +133,7 @@ def set_aside(verdict: Verdict, costs_deg: Mapping[str, float]) -> Verdict:
     return replace(verdict, kind=kind, causes=kept, negligible=aside)
 
 
-def less(verdict: Verdict, causes: Collection[str], forms: Collection[str], evidence: Evidence) -> Verdict:
+def without_causes(verdict: Verdict, causes: Collection[str], forms: Collection[str], evidence: Evidence) -> Verdict:
     """The verdict without some causes, and without some out-of-catalog forms, given by their features.
 
     A feature beyond the threshold stays.
@@ -143,7 +143,7 @@ def less(verdict: Verdict, causes: Collection[str], forms: Collection[str], evid
         return deviation.feature not in forms or abs(deviation.z) > evidence.threshold_z
 
     where, unexplained = (shared([*filter(stays, group)]) for group in (verdict.where, verdict.unexplained))
-    kept = tuple(deviation for deviation in verdict.causes if deviation.effect.name not in causes)
+    kept = tuple(cause for cause in verdict.causes if cause.effect.name not in causes)
     if kept:
         kind = Kind.EFFECT if verdict.kind is Kind.PARTLY and not unexplained else verdict.kind
         return replace(verdict, kind=kind, causes=kept, where=where, unexplained=unexplained)

@@ -1,7 +1,7 @@
 """The causes in a report: probability and evidence of every effect, similar effects, effects that were not tried."""
 
 from gyrodrift.diagnose.inference.ranking import Ranked
-from gyrodrift.diagnose.report.text import fixed, number, percent, quiet, size
+from gyrodrift.diagnose.report.text import fixed, number, percent, quiet, size, stated
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import facts, headings, paragraph, section, span, table, text
 
@@ -60,7 +60,7 @@ def _row(diagnosis: Diagnosis, ranked: Ranked) -> list[str]:
     return [
         span(f"{name}{quiet(mark)}", "word"),
         _bar(ranked.probability),
-        fixed(ranked.probability, 2),
+        text(stated(ranked.probability)),
         fixed(ranked.gain, 1),
         *joined,
         "–" if ranked.takes_away is None else percent(ranked.takes_away),

@@ -13,6 +13,7 @@ from gyrodrift.diagnose.inference.gap import SimToRealGap
 from gyrodrift.diagnose.inference.parameters import Parameter
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause
 from gyrodrift.diagnose.report.effect_words import effect_sentence, says
+from gyrodrift.diagnose.report.text import stated
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.files import write_whole
 from gyrodrift.html.numbers import significant
@@ -205,11 +206,10 @@ def cause_line(cause: NamedCause) -> str:
     if cause.tied_with:
         tied = (
             f"; could as well be {' or '.join(cause.tied_with)} (probability that one of them acts: "
-            f"{cause.group_probability:.2f})"
+            f"{stated(cause.group_probability)})"
         )
-    return (
-        f"{cause.effect.name}: {first.name}{has} {_size_words(first)}{phase}, probability {cause.probability:.2f}{tied}"
-    )
+    size = f"{first.name}{has} {_size_words(first)}{phase}"
+    return f"{cause.effect.name}: {size}, probability {stated(cause.probability)}{tied}"
 
 
 def _size_words(parameter: Parameter) -> str:

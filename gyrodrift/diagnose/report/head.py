@@ -22,6 +22,7 @@ from gyrodrift.diagnose.report.text import (
     sigmas,
     size,
     size_or_bound,
+    stated,
 )
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import header, paragraph, text, tile, tiles
@@ -114,13 +115,13 @@ def _cause_words(cause: NamedCause) -> str:
     if cause.tied_with:
         tied = (
             f" {_names(cause.tied_with)} may act instead: these recordings do not tell them apart. Probability that "
-            f"one of them acts: {cause.group_probability:.2f}."
+            f"one of them acts: {text(stated(cause.group_probability))}."
         )
     has = in_rig(cause)
     size_words = f"The rig has it with {has}; the recordings show {fitted(cause)}" if has else f"Size: {fitted(cause)}"
     return (
         f"<b>{text(cause.effect.name)}</b>: {text(effect_words(cause))}. {size_words}. Probability that it acts: "
-        f"{cause.probability:.2f}.{tied}"
+        f"{text(stated(cause.probability))}.{tied}"
     )
 
 
@@ -153,7 +154,7 @@ def _cause_tile(cause: NamedCause) -> str:
         *[("in the rig so far", has)] * bool(has),
         *((text(parameter.name), size(parameter.value, parameter.unit)) for parameter in others_of(cause)),
         *[("phase", FREE_PHASE)] * has_free_phase(cause),
-        ("probability that it acts", f"{cause.probability:.2f}"),
+        ("probability that it acts", text(stated(cause.probability))),
         ("may be instead", ", ".join(map(text, cause.tied_with)) or "no other effect"),
     ]
     return tile(f"Cause: {cause.effect.name}", rows)

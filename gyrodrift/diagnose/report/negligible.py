@@ -1,7 +1,7 @@
 """Negligible effects in a report: a short list with their change of yaw."""
 
 from gyrodrift.diagnose.inference.verdict import NEGLIGIBLE_DEG
-from gyrodrift.diagnose.report.text import in_rig, interval, number, quiet, size
+from gyrodrift.diagnose.report.text import in_rig, interval, number, quiet, size, stated
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import headings, paragraph, section, table, text
 
@@ -20,7 +20,7 @@ def negligible(diagnosis: Diagnosis) -> str:
     for item in items:
         first = item.cause.parameters[0]
         named = f"{text(item.cause.effect.name)} {quiet(text(first.name))}"
-        probability = f"{item.cause.probability:.2f}"
+        probability = text(stated(item.cause.probability))
         in_rig_now = in_rig(item.cause) or "not in it"
         rows.append(
             [

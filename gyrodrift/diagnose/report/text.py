@@ -19,6 +19,9 @@ UNKNOWN = "–"
 FREE_PHASE = "different in each session"
 """Phase of a once-per-turn effect if the encoder is zeroed at power-on."""
 
+SURELY = 0.995
+"""Probability that would round to 1.00."""
+
 UNITS = {"1/h": "per hour"}
 """Units as words."""
 
@@ -53,6 +56,11 @@ def size_or_bound(parameter: Parameter) -> str:
     """The size with its unit; a bound if its interval ends at a size beyond which none was tried."""
     limit = "at least " if parameter.is_at_least else "at most " if parameter.is_at_most else ""
     return limit + size(parameter.bound, parameter.unit)
+
+
+def stated(probability: float) -> str:
+    """A probability with two decimals; never 1.00."""
+    return "> 0.99" if probability >= SURELY else f"{probability:.2f}"
 
 
 def interval(parameter: Parameter) -> str:

@@ -9,7 +9,7 @@ from inference_support import Amounts, candidate, concluded, simulated
 from firmware_sim.rig import parse_effect
 from gyrodrift.diagnose.inference.conclusion import Conclusion
 from gyrodrift.diagnose.inference.parameters import Parameter
-from gyrodrift.diagnose.inference.verdict import NEGLIGIBLE_DEG, Kind, NamedCause, is_small, less, set_aside
+from gyrodrift.diagnose.inference.verdict import NEGLIGIBLE_DEG, Kind, NamedCause, is_small, set_aside, without_causes
 from gyrodrift.diagnose.simulate.response_table import Sized
 
 TRIED = (
@@ -85,7 +85,7 @@ def test_where_all_that_acts_costs_nothing_there_is_no_gap() -> None:
 
 def without(conclusion: Conclusion, *causes: str, forms: tuple[str, ...] = ()) -> tuple[Kind, set[str]]:
     """Kind of the verdict without some causes and forms, and the features that deviate in it."""
-    verdict = less(conclusion.verdict, causes, forms, conclusion.explanation.evidence)
+    verdict = without_causes(conclusion.verdict, causes, forms, conclusion.explanation.evidence)
     assert verdict.unexplained == verdict.where or verdict.causes
     return verdict.kind, {one.feature for one in verdict.where}
 

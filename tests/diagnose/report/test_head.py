@@ -215,3 +215,10 @@ def test_a_cause_that_is_rather_absent_is_not_switched_on(scaled: Diagnosis) -> 
     """Tied causes may be named with a probability below 0.5; the rig waits for a decision."""
     found = with_causes(scaled, replace(cause_of(scaled), probability=0.4))
     assert "Without scale_factor : with a probability below 0.5" in seen(next_steps(found, Path("out")))
+
+
+def test_no_probability_is_certain(scaled: Diagnosis) -> None:
+    """Rounding makes no certainty."""
+    cause = replace(cause_of(scaled), probability=0.9999)
+    assert cause_line(cause).endswith("probability > 0.99")
+    assert "Probability that it acts: > 0.99" in seen(verdict(with_causes(scaled, cause)))
