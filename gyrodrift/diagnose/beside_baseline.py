@@ -94,7 +94,7 @@ def explained_baseline(asked: DiagnosisRequest, recordings: Sequence[Recording])
         Where no recording of the baseline can be used.
     """
     origins, of_baseline, remarks = recordings_of(asked.baseline, asked.progress, asked.reading)
-    rig = with_facts(asked.rig, contradictions(of_baseline, asked.rig.base))
+    rig = with_facts(asked.rig, contradictions(of_baseline, asked.rig.base.dps_per_lsb, asked.rig.base.encoder_cpr))
     own = asked._replace(rig=rig)
     simulated = simulated_of(own, origins, of_baseline)
     named = inferred_of(simulated, asked.jobs, asked.progress).verdict.causes

@@ -45,7 +45,7 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
     """
     begun_s = time.monotonic()
     origins, recordings, remarks = recordings_of(asked.paths, asked.progress, asked.reading)
-    against = contradictions(recordings, asked.rig.base)
+    against = contradictions(recordings, asked.rig.base.dps_per_lsb, asked.rig.base.encoder_cpr)
     asked = asked._replace(rig=with_facts(asked.rig, against))
     if asked.baseline:
         explained = explained_baseline(asked, recordings)

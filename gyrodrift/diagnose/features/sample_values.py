@@ -137,11 +137,6 @@ RATE_VALUES: tuple[Statistic[RateValues], ...] = (
 # fmt: on
 
 
-LEAST_SHOWN = 40
-"""Samples that are one step from the one before, and different distances of those that are more: so many together are
-no chance, nor the arithmetic of an even ramp."""
-
-
 @dataclass(frozen=True, slots=True)
 class AngleValues:
     """An angle beside a motion; `count_deg` is the step that the rig states."""
@@ -163,7 +158,8 @@ def _is_shown(seen: Cleaned) -> bool:
     """
     moved = np.abs(np.diff(seen.recording.encoder_deg)) / seen.step_deg
     steps = np.rint(moved[np.isfinite(moved)])
-    return bool(np.count_nonzero(steps == 1.0) + len(np.unique(steps[steps > 1.0])) >= LEAST_SHOWN)
+    # So many are no chance, nor the arithmetic of an even ramp.
+    return bool(np.count_nonzero(steps == 1.0) + len(np.unique(steps[steps > 1.0])) >= 40)
 
 
 def _log_scatter(angle: AngleValues) -> float:

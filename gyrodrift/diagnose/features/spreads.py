@@ -21,10 +21,6 @@ REST_GAIN, MOVING_GAIN = 6.0, 20.0
 LEAST_SQUARE = 1e-12
 """Of a difference; keeps the limit of equal values above zero."""
 
-MANY_ZEROS, USUAL_SHARE, TRIMMED_TO_MEDIAN = 0.25, 0.9, 0.73
-"""Of squares, as where a dead band or coarse steps hide most; those that are no outliers; and the median of normal
-numbers' squares over the mean of these."""
-
 
 @dataclass(frozen=True, slots=True)
 class SpreadPlaces:
@@ -102,8 +98,8 @@ def _mean_square(differences: Floats) -> float:
 def _usual(squares: Floats) -> float:
     """Their median; of which many are 0, rather what it would be by the mean of the smaller ones, or it would jump."""
     middle = np.median(squares)
-    if np.count_nonzero(squares < LEAST_SQUARE) < MANY_ZEROS * len(squares):
+    if np.count_nonzero(squares < LEAST_SQUARE) < 0.25 * len(squares):  # a dead band or coarse steps hide most
         return middle
-    kept = max(1, round(USUAL_SHARE * len(squares)))
+    kept = max(1, round(0.9 * len(squares)))  # nine tenths are no outliers
     trimmed = float(np.partition(squares, kept - 1)[:kept].mean())
-    return max(middle, TRIMMED_TO_MEDIAN * trimmed)
+    return max(middle, 0.73 * trimmed)  # median of normal numbers' squares over the mean of the smaller nine tenths

@@ -52,9 +52,6 @@ PRIOR_RUNS = 2.0
 ONCE_PER_TURN = np.array([number for name, number in NUMBER.items() if name.startswith("turn_")])
 """Features that depend on a phase; all other features are ignored when a phase is fitted."""
 
-ABSENT_SHARE = 0.1
-"""Share of replays without a regressor from which on the regressor is not compared."""
-
 
 def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> Evidence:
     """Pool the nulls, and compute the responses at all sizes."""
@@ -115,7 +112,8 @@ def absent_of(tables: Sequence[ResponseTable]) -> Mask:
     """(sessions, F) regressors that some replays of a session have and others have not."""
     shares = np.array([(table.nulls == 0.0).mean(axis=0) for table in tables])
     differs = np.array([table.difference != 0.0 for table in tables])
-    is_absent: Mask = REGRESSORS_OF_MOTION & (shares > ABSENT_SHARE) & (differs | (shares < 1.0))
+    # A regressor that so many replays lack is on the edge of being one.
+    is_absent: Mask = REGRESSORS_OF_MOTION & (shares > 0.1) & (differs | (shares < 1.0))
     return is_absent
 
 

@@ -16,9 +16,6 @@ SHARE_OF_RANGE, FASTEST_DPS = 0.9, 300.0
 WAVE_DPS = 40.0
 """Amplitude of chirps and RMS of multisines times √2."""
 
-SHARE_OF_SAMPLE_RATE, QUICKEST_HZ = 0.25, 12.0
-"""Half of what can be sampled; and what a table with a load can follow."""
-
 SLOWEST_HZ = 0.2
 """Where chirps and multisines begin."""
 
@@ -42,7 +39,8 @@ def limits_of(base: Base) -> MotionLimits:
     swing_deg = 4.0 * 360.0 / max(1, base.encoder_cpr)  # a swing of four counts from end to end is visible
     # From end to end a rate of amplitude a swings the angle by 2a / (2 pi f).
     resolvable_hz = min(WAVE_DPS, rate_dps) / (pi * swing_deg)
-    wave_hz = min(resolvable_hz, SHARE_OF_SAMPLE_RATE * base.sample_rate_hz, QUICKEST_HZ)
+    # Half of what can be sampled, and what a table with a load can follow.
+    wave_hz = min(resolvable_hz, 0.25 * base.sample_rate_hz, 12.0)
     return MotionLimits(rate_dps, max(wave_hz, 2.0 * SLOWEST_HZ))
 
 

@@ -16,9 +16,6 @@ SHARE = 1.0 / 24.0
 
 FINEST = 1.0 / 64.0
 
-OUTLIER = 6.0
-"""Standard deviations from the median at which a value is held."""
-
 
 class Medians(NamedTuple):
     """Shape (bins,) each; error is the standard error of a median."""
@@ -66,7 +63,7 @@ def shape_dps(x: Floats, y: Floats) -> float:
     if len(bins) < 2:
         return 0.0
     middle = float(np.median(y))
-    most = OUTLIER * MAD_TO_SIGMA * float(np.median(np.abs(y - middle)))
+    most = 6.0 * MAD_TO_SIGMA * float(np.median(np.abs(y - middle)))  # outliers are held at six standard deviations
     held = np.clip(y, middle - most, middle + most) if most > 0.0 else y
     counts = np.array([one.stop - one.start for one in bins])
     levels = np.array([held[one].mean() for one in bins])

@@ -4,9 +4,6 @@ import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
 
-SIDE = 3
-"""Samples on either side that are looked at."""
-
 
 def off_cubic(values: Floats) -> Floats:
     """By how much each of some values is off the cubic through the two before it and the two after it, shape (n,).
@@ -20,7 +17,7 @@ def off_cubic(values: Floats) -> Floats:
 
 def steepest_beside(values: Floats) -> Floats:
     """The largest step from one value to the next beside each of them, without those from it and to it, shape (n,)."""
-    steps = np.abs(np.diff(np.pad(values, SIDE, mode="edge")))
+    steps = np.abs(np.diff(np.pad(values, 3, mode="edge")))
     before, after = np.maximum(steps[:-5], steps[1:-4]), np.maximum(steps[4:-1], steps[5:])
     steepest: Floats = np.maximum(before, after)
     return steepest

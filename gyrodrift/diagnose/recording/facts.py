@@ -7,7 +7,6 @@ contradiction, since there is an effect that does that.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -41,24 +40,8 @@ SAMPLES_BEYOND = 5
 WINDOW_S = 1.0
 TURNS = (0.25, 0.5, 2.0, 4.0)
 TURN_NEAR = 0.1
-LEAST_WINDOWS = 8
-"""Of a second each, in which it turns by more than LEAST_TURN_DEG; in the slower half and in the faster one."""
 
 LEAST_TURN_DEG = 3.0
-
-
-class StatedFacts(Protocol):
-    """What is read of a rig's base: deg/s per count of the rate, counts of the encoder per turn."""
-
-    @property
-    def dps_per_lsb(self) -> float:
-        """One count of the 16-bit rate, deg/s."""
-        ...
-
-    @property
-    def encoder_cpr(self) -> int:
-        """Counts of the encoder per turn; 0 for none."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,11 +63,11 @@ class Contradiction:
     says: str
 
 
-def contradictions(recordings: Sequence[Recording], base: StatedFacts) -> tuple[Contradiction, ...]:
+def contradictions(recordings: Sequence[Recording], dps_per_lsb: float, cpr: int) -> tuple[Contradiction, ...]:
     """All facts of the rig that the recordings contradict; recordings are as the checks left them, in degrees."""
-    counts = _counts(recordings, base.encoder_cpr)
-    known_cpr = counts.sessions if counts is not None and counts.sessions else float(base.encoder_cpr)
-    found = (counts, _lsb(recordings, base.dps_per_lsb), _range(recordings, base.dps_per_lsb))
+    counts = _counts(recordings, cpr)
+    known_cpr = counts.sessions if counts is not None and counts.sessions else float(cpr)
+    found = (counts, _lsb(recordings, dps_per_lsb), _range(recordings, dps_per_lsb))
     return tuple(each for each in (*found, _turns(recordings, known_cpr)) if each is not None)
 
 
@@ -203,7 +186,7 @@ def _gain(recording: Recording) -> float | None:
     bias_deg = np.median(felt_deg[resting]) if resting.any() else 0.0
     turns = np.abs(turned_deg) > LEAST_TURN_DEG
     ratios, sizes = (felt_deg[turns] - bias_deg) / turned_deg[turns], np.abs(turned_deg[turns])
-    if len(ratios) < LEAST_WINDOWS:
+    if len(ratios) < 8:
         return None
     slow, fast = (np.median(part) for part in (ratios[sizes <= np.median(sizes)], ratios[sizes >= np.median(sizes)]))
     whole = float(np.median(ratios))

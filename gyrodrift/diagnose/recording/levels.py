@@ -11,9 +11,6 @@ from gyrodrift.diagnose.recording.outliers import NEXT_LEVEL
 LEAST_GAPS = 10
 """Fewer small gaps say nothing of a step."""
 
-STEP_NEAR, OFF_STEPS = 0.05, 0.2
-"""Values come in a step where all but this share of their small gaps are whole numbers of it."""
-
 LEVELS_TRIED = 4000
 """So many levels are enough for decimals and for a grid; more take time."""
 
@@ -42,7 +39,8 @@ class Levels:
         # A step of ten units of the last decimal is seen through the rounding.
         exact = self if step > 10.0 * self.text else Levels(self.values, 0.0)
         is_text = step <= 1.5 * self.text or len(self.values) <= LEAST_GAPS
-        return None if is_text or off_grid(exact, step, near=STEP_NEAR) > OFF_STEPS else step
+        # All but a fifth of the small gaps are whole steps, to a twentieth of a step.
+        return None if is_text or off_grid(exact, step, near=0.05) > 0.2 else step
 
     def has_gaps_below(self, least: float) -> bool:
         """Whether more than a few neighbours are closer than that, beyond what their decimals do."""

@@ -28,11 +28,6 @@ IN_A_ROW = 2
 END_SAMPLES = 2
 """Neighbours on one side only do not tell a wild value from a motion that is under way."""
 
-SLIP_SIGMAS = 7.0
-COUNTS_OF_A_SLIP = 2.5
-"""What stands out of the median of the nine samples about it by so much is no noise; a jump is more than the steps of a
-coarse encoder."""
-
 NEARLY_ALL, ROUNDED = 0.995, 1.05
 """Where so many samples are off by no more than so many steps, rounding is all that they are off by: it never makes a
 jump of more, and its spread says nothing of jumps."""
@@ -43,10 +38,6 @@ MIDDLE_SHARE, MIDDLE_SIGMAS = 0.9, 1.645
 LEAST_POINTS = 8
 """Samples, at least, whose spread counts as that of a second."""
 
-CLOSEST, CLOSEST_SHARE = 4, 0.15
-"""But for so many pairs that are closer by chance, and no more than this share of all, the closest values lie a step
-apart: a motion that passes quickly visits few of them."""
-
 FEW_STEPS, WHOLE = 16.0, 0.1
 """Where the larger of these are a few times the smallest, to this part of it, that one is the step itself: a motion
 that comes by the same values again and again may show it once."""
@@ -56,9 +47,6 @@ NEXT_LEVEL = 1.6
 
 LIMIT_RUN, LIMIT_DPS = 5, 10.0
 """So many samples in a row at the largest or the least rate of all, beyond LIMIT_DPS, stand at the gyro's limit."""
-
-LIMIT_SHARE, LIMIT_EXCESS = 5.0, 1.03
-"""For each sample a step below a limit more than so many stand at it; and the encoder turns by so much more."""
 
 
 class LevelSteps(NamedTuple):
@@ -120,7 +108,7 @@ def at_limit(rate_dps: Floats, angle_deg: Floats, period_s: float) -> Mask:
             continue
         turned_deg = sum(way * (angle_deg[end - 1] - angle_deg[first]) for first, end in runs)
         read_deg = largest_dps * period_s * sum(end - first - 1 for first, end in runs)
-        if turned_deg > LIMIT_EXCESS * read_deg and not _stands_below(way * rate_dps, largest_dps):
+        if turned_deg > 1.03 * read_deg and not _stands_below(way * rate_dps, largest_dps):
             for first, end in runs:
                 found[first:end] = True
     return found
@@ -136,7 +124,7 @@ def _stands_below(rate_dps: Floats, largest_dps: float) -> bool:
     """Whether many samples stand a step below the largest rate."""
     below_dps = rate_dps[rate_dps < largest_dps]
     near = np.count_nonzero(below_dps > largest_dps - NEXT_LEVEL * granularity(rate_dps))
-    return bool(LIMIT_SHARE * near > len(rate_dps) - len(below_dps))
+    return bool(5.0 * near > len(rate_dps) - len(below_dps))
 
 
 def granularity(values: Floats) -> float:
@@ -160,7 +148,7 @@ def steps_of(values: Floats) -> LevelSteps:
 def _closest(gaps: Floats) -> float:
     if not len(gaps):
         return 0.0
-    last = min(CLOSEST, int(CLOSEST_SHARE * len(gaps)))
+    last = min(4, int(0.15 * len(gaps)))  # a few pairs are closer by chance; a quick motion visits few values
     lowest = np.sort(np.partition(gaps, last)[: last + 1])
     times = lowest / lowest[0]
     is_step = times[-1] < FEW_STEPS and np.abs(times - np.rint(times)).max() < WHOLE
@@ -221,9 +209,10 @@ def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step
     # The interval before a sample touches the bends at both ends.
     bends_dps = maximum_filter1d(np.abs(np.diff(rate_dps, 2, prepend=rate_dps[0], append=rate_dps[-1])), 3)
     # A rate that bends within a sample, or comes late, moves the angle by half of the bend.
-    least_deg = COUNTS_OF_A_SLIP * step_deg + 0.5 * recording.period_s * bends_dps
+    # A jump is more than the steps of a coarse encoder.
+    least_deg = 2.5 * step_deg + 0.5 * recording.period_s * bends_dps
     is_rounded = np.quantile(np.abs(out_deg), NEARLY_ALL) < ROUNDED * step_deg
-    noise_deg = 0.0 if is_rounded else SLIP_SIGMAS * _sigma(np.abs(out_deg), recording)
+    noise_deg = 0.0 if is_rounded else 7.0 * _sigma(np.abs(out_deg), recording)
     is_slip: Mask = np.abs(out_deg) > np.maximum(noise_deg, least_deg)
     jumps_deg: Floats = np.where(is_slip, out_deg, 0.0)
     return jumps_deg

@@ -27,13 +27,6 @@ where none does, those that stand for this share of the longest."""
 OPEN_COUNTS = 0.1
 """Of a count: a motion that turned less than this before it was noticed bends nothing."""
 
-SLIDE_S, SLIDE_SIGMAS = 5.0, 3.0
-"""What the gyro turned in this last part of a rest, beyond chance, is motion already, though the count stands."""
-
-GENTLE_DPSS, GENTLE_SHARE = 0.1, 0.1
-"""A motion that begins so gently needs so long for OPEN_COUNTS, and is left open for it; of a short rest no more than
-this share."""
-
 STANDS_MOST_S = 30.0
 """A count that stands longer is measured again, and shows another level: a bias may wander meanwhile."""
 
@@ -57,12 +50,13 @@ def rests(rate_dps: Floats, stands_s: Floats, sigma_dps: float, period_s: float,
     still = (stands_s > RESTS_S) & near
     resting: Mask = minimum_filter1d(still.astype(np.uint8), points_of(REST_EDGE_S, period_s) | 1) > 0
     least_deg = OPEN_COUNTS * count_deg
-    gentle = points_of(float(np.sqrt(2.0 * least_deg / GENTLE_DPSS)), period_s)
+    # A motion that begins so gently is left open for as long as it needs for OPEN_COUNTS.
+    gentle = points_of(float(np.sqrt(2.0 * least_deg / 0.1)), period_s)
     for first, end in stretches(resting):
         away_dps = rate_dps[first:end] - np.median(slow_dps[first:end])
-        least = min(gentle, round(GENTLE_SHARE * (end - first)))
+        least = min(gentle, round(0.1 * (end - first)))  # no more than a tenth of a short rest
         begins, ends = (
-            max(least, _slide(one[: points_of(SLIDE_S, period_s)], sigma_dps, least_deg / period_s))
+            max(least, _slide(one[: points_of(5.0, period_s)], sigma_dps, least_deg / period_s))
             for one in (away_dps, away_dps[::-1])
         )
         resting[first : first + begins * (first > 0)] = resting[end - ends * (end < len(resting)) : end] = False
@@ -78,7 +72,8 @@ def _without_wild(rate_dps: Floats, least_dps: float) -> Floats:
 
 def _slide(away_dps: Floats, sigma_dps: float, least_dps: float) -> int:
     """So many samples from the edge of a rest on, the gyro turns: where its sum is furthest beyond chance."""
-    chance_dps = SLIDE_SIGMAS * sigma_dps * np.sqrt(np.arange(1, len(away_dps) + 1))
+    # Beyond chance by three standard deviations.
+    chance_dps = 3.0 * sigma_dps * np.sqrt(np.arange(1, len(away_dps) + 1))
     over_dps = np.abs(np.cumsum(away_dps)) - np.maximum(chance_dps, least_dps)
     furthest = int(np.argmax(over_dps))
     return furthest + 1 if over_dps[furthest] > 0.0 else 0

@@ -20,28 +20,11 @@ NEAR_STEP = np.linspace(0.98, 1.02, 401)
 BEGINS_AFTER, AT_ONCE, FEW_BUNCHES = 1.5, 0.5, 20
 """Sample periods of silence before a bunch of samples, and between two in it; few may be stalls of a host."""
 
-FEW_ARRIVALS, MANY_ARRIVALS, LONGEST_TICK_S = 200, 20_000, 0.2
-"""Arrivals that show no comb; as many as are looked at; and ticks that are looked for."""
-
 TICK_BIN, TICK_FINER = 1.0 / 16.0, 4
 """Of a sample period, in which arrivals are counted; and how much finer frequencies are than these alone give."""
 
-ON_TICKS, OWN_PERIOD = 0.85, 1e-3
-"""Share of arrivals at one phase, of those that come at ticks; and how near a tick may be to the samples themselves,
-whose clock it is then."""
-
 LEVELS_ABOVE = 4
 """Of a rate, which come about equally often."""
-
-FEW_SIZES, FAR_BELOW = 25, 6.0
-"""Smallest rates whose distance is usual, and how many times that LEAK of them lie apart where the first is alone."""
-
-LEAST_RANGE_DPS = 1.0
-"""No gyro ends at less."""
-
-
-USUAL_LINE_HZ, USUAL_SPIKE_DPS, USUAL_SLIP_DEG = 20.0, 20.0, 0.5
-"""Frequency of a tone and heights of outliers and jumps that are tried where the recordings show none."""
 
 
 def hints_of(subjects: Sequence[Subject]) -> Hints:
@@ -52,13 +35,13 @@ def hints_of(subjects: Sequence[Subject]) -> Hints:
     pairs = zip(slow_dps, lsb_dps, strict=True)
     step_dps = _median([_even_step_of(rates_dps, lsb) or _most(rates_dps) or lsb for rates_dps, lsb in pairs])
     return Hints(
-        line_hz=_median([spectral_line(one.seen, one.design).frequency_hz for one in subjects]) or USUAL_LINE_HZ,
-        spike_dps=_usual([one.seen.spikes_dps for one in subjects]) or USUAL_SPIKE_DPS,
-        slip_deg=_usual([one.seen.slips_deg for one in subjects]) or USUAL_SLIP_DEG,
+        line_hz=_median([spectral_line(one.seen, one.design).frequency_hz for one in subjects]) or 20.0,
+        spike_dps=_usual([one.seen.spikes_dps for one in subjects]) or 20.0,
+        slip_deg=_usual([one.seen.slips_deg for one in subjects]) or 0.5,
         rate_step_dps=step_dps,
         angle_step_deg=_median([step_of(one.seen.recording.encoder_deg) or _count_deg(one) for one in subjects]),
         least_dps=_least_dps(np.concatenate(slow_dps), step_dps) or _median(lsb_dps),
-        largest_dps=max(LEAST_RANGE_DPS, *(_most(subject.seen.rate_dps) for subject in subjects)),
+        largest_dps=max(1.0, *(_most(subject.seen.rate_dps) for subject in subjects)),
         sample_period_s=min(recording.period_s for recording in recordings),
         bunch_s=_median([_tick_s(recording) or _bunch_s(recording) for recording in recordings]),
         dps_per_lsb=_median(lsb_dps),
@@ -92,10 +75,11 @@ def _least_dps(rates_dps: Floats, step: float) -> float:
 
 def _first_of_many(sizes: Floats, step: float) -> float:
     """The smallest of some numbers, but for a few that lie far below all others and may be chance."""
-    few = np.sort(sizes)[:FEW_SIZES]
+    few = np.sort(sizes)[:25]
     usual = max(step, float(np.ptp(few[LEAK - 1 :])) / len(few)) if len(few) >= LEAK else step
     apart = few[LEAK - 1 :] - few[: len(few) - LEAK + 1]
-    alone = np.logical_and.accumulate(apart[: LEAK - 1] > FAR_BELOW * usual)
+    # A few sizes that lie far below all others may be chance.
+    alone = np.logical_and.accumulate(apart[: LEAK - 1] > 6.0 * usual)
     return float(few[np.count_nonzero(alone)])
 
 
@@ -113,22 +97,22 @@ def _tick_s(recording: Recording) -> float:
     Where ticks are about as far apart as samples, there are no bunches, but now and then a tick without a sample. Much
     shorter ones stand behind the comb of the samples themselves; how short they are matters little.
     """
-    arrived_s, period_s = _arrived_s(recording)[:MANY_ARRIVALS], recording.period_s
+    arrived_s, period_s = _arrived_s(recording)[:20_000], recording.period_s
     # A host whose clock was set: ticks have no phase.
-    if len(arrived_s) < FEW_ARRIVALS or np.ptp(arrived_s) > 10.0 * len(arrived_s) * period_s:
+    if len(arrived_s) < 200 or np.ptp(arrived_s) > 10.0 * len(arrived_s) * period_s:
         return 0.0
     places = np.floor((arrived_s - arrived_s.min()) / (TICK_BIN * period_s)).astype(np.int64)
     bins = next_fast_len(TICK_FINER * int(places.max() + 1), real=True)
     aligned = np.abs(np.fft.rfft(np.bincount(places), bins)) / len(arrived_s)
     per_bin_hz = 1.0 / (bins * TICK_BIN * period_s)
-    first = int(1.0 / (LONGEST_TICK_S * per_bin_hz)) + 1
-    comb = np.flatnonzero(aligned[first:] > ON_TICKS)
+    first = int(1.0 / (0.2 * per_bin_hz)) + 1  # ticks of 0.2 s and less
+    comb = np.flatnonzero(aligned[first:] > 0.85)  # share of arrivals at one phase
     if not len(comb):
         return 0.0
     peak = first + int(comb[0])
     beside = peak + int(np.argmax(aligned[peak : peak + TICK_FINER]))
     tick_s = 1.0 / (beside * per_bin_hz)
-    return 0.0 if abs(tick_s / period_s - 1.0) < OWN_PERIOD else tick_s
+    return 0.0 if abs(tick_s / period_s - 1.0) < 1e-3 else tick_s  # the clock of the samples themselves
 
 
 def _arrived_s(recording: Recording) -> Floats:

@@ -18,15 +18,11 @@ from gyrodrift.diagnose.simulate.grids import (
 )
 
 WARMUP_TAUS_S, SLOW_TAUS_S = (20.0, 35.0, 60.0, 100.0, 160.0, 260.0, 450.0), (100.0, 160.0, 260.0)
-FAST_SHARE, SLOWER = 0.35, 5.0
-"""Of a warm-up in two stages: what decays with the die, and by how many times slower the package is."""
 
+# A third decays with the die, the rest five times slower with the package.
 WARMUPS = [
     *({"time_constant_s": tau_s} for tau_s in WARMUP_TAUS_S),
-    *(
-        {"time_constant_s": tau_s, "fast_share": FAST_SHARE, "fast_time_constant_s": tau_s / SLOWER}
-        for tau_s in SLOW_TAUS_S
-    ),
+    *({"time_constant_s": tau_s, "fast_share": 0.35, "fast_time_constant_s": tau_s / 5.0} for tau_s in SLOW_TAUS_S),
 ]
 
 CURVES: tuple[dict[str, float], ...] = ({}, {"curve_per_c": -0.01}, {"curve_per_c": 0.01})
@@ -34,9 +30,6 @@ CURVES: tuple[dict[str, float], ...] = ({}, {"curve_per_c": -0.01}, {"curve_per_
 
 CUTOFFS_HZ, ORDERS = (60.0, 35.0, 20.0, 12.0, 7.0, 4.0, 2.5, 1.2), (1, 2)
 """Of low-passes."""
-
-DWELLS_S = (8.0, 16.0, 32.0, 80.0)
-"""Mean times at a level of a bias that jumps."""
 
 REALISATIONS = 16
 """Of an effect that a slow disturbance is drawn for in milliseconds: with two sessions, more than thirty."""
@@ -177,7 +170,8 @@ EFFECTS = (
         "stochastic bias", (), Touches.SLOW_RATE, realisations=REALISATIONS, matters_from=0.0003,
     ),
     CandidateKind(
-        "popcorn", "step_dps", one_of(simulated_grid(0.01, 0.1, 1.0), [{"dwell_s": dwell_s} for dwell_s in DWELLS_S]),
+        "popcorn", "step_dps",
+        one_of(simulated_grid(0.01, 0.1, 1.0), [{"dwell_s": dwell_s} for dwell_s in (8.0, 16.0, 32.0, 80.0)]),
         "the bias jumps to and fro between two levels",
         "stochastic bias", (), Touches.SLOW_RATE, realisations=REALISATIONS, matters_from=0.01,
     ),

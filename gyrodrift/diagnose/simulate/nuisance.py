@@ -13,32 +13,14 @@ from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.columns import WARMING
 from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
+from gyrodrift.diagnose.features.feature import Feature
 from gyrodrift.diagnose.features.regimes import SLOW_DPS
 from gyrodrift.diagnose.simulate.candidate import Candidate, Shape, Touches
 from gyrodrift.diagnose.simulate.grids import between
 from gyrodrift.diagnose.simulate.kinds import LAG
 
-THRESHOLDS_SIMULATED = 100.0
-THRESHOLDS_LEAST, THRESHOLDS_MOST = 3.0, 3000.0
-"""Sizes of regressors, in multiples of their relevance thresholds."""
-
-LEAD_S = 0.01
-LEAST_LEAD_S, MOST_LEAD_S = 0.001, 0.06
-"""By which the encoder comes late: a rate that comes late is an effect of the catalogue, one that leads is none."""
-
-RANDOM_POINTS = (0.003, 0.01, 0.03, 0.1, 0.3)
-REALISATIONS = 4
-"""Of what is left to chance: the phase of a sine, and all noise."""
-
-FUNCTIONS, FUNCTION_POINTS = 16, (0.005, 0.05, 0.5)
-"""Realisations of a random function, which cost milliseconds, and its sizes, deg/s."""
-
 WAVES, GRID = 8, 512
 """Waves of a random function, and points between which it is straight."""
-
-LENGTHS_S, LENGTHS_C, LENGTHS_TURNS, LEAST_BEND = (15.0, 200.0), (3.0, 30.0), (0.5, 20.0), 0.15
-"""Over which a random function of time, of temperature, or of the turns made becomes another; the share of the largest
-rate where it depends on the rate."""
 
 WITHIN_FUNCTIONS = frozenset({
     "time", "time_squared", "hinge_low", "hinge_high", "total_angle", "temperature_squared",
@@ -52,31 +34,24 @@ ORDERS = (2, 3, 4, 5, 6, 7, 8)
 MEMORY_S = 0.2
 """Of noise that is not white within a second, and white beyond: between white noise and any wandering of a bias."""
 
-PLAYS_C = (1.5, 4.0)
-"""By how far the temperature turns back before a bias with hysteresis follows it."""
-
-BY_RATE_POINTS = (0.0003, 0.001, 0.003, 0.01, 0.03)
-"""Standard deviations of a noise that grows with the rate, in parts of it."""
-
 
 def out_of_catalogue() -> Iterator[Candidate]:
-    """All of them; their names begin with a question mark."""
+    """Candidates for forms that no effect has; their names begin with a question mark."""
     for column in COLUMNS:
         if not column.in_catalogue and column.name not in WITHIN_FUNCTIONS:
-            yield _of_regressor(column.name, column.threshold)
-    for play_c in PLAYS_C:
-        yield _with_play(play_c)
-    yield _lead()
-    yield _function("?swing", in_time)
-    yield _function("?hinge_high", in_rate)
-    yield _function("?temperature_squared", in_temperature)
-    yield _function("?total_angle", in_turns)
-    yield _function("?ripple", in_angle)
-    yield _function("?half_turn_cosine_rate", gain_in_angle)
-    yield _function("?angle_ripple", of_angle_error)
-    yield _noise("?wander_rest", "", with_memory)
-    yield _noise("?scatter_moving", "in any motion", with_memory_in_motion)
-    yield _noise("?scatter_moving", "with the rate", in_proportion, BY_RATE_POINTS)
+            yield _linear(column, regressor(column.name))
+    for play_c in (1.5, 4.0):  # the temperature turns back by so much before a bias with hysteresis follows
+        yield _linear(WARMING, behind_temperature(play_c), f"play {play_c:g} °C")
+    # A rate that comes late is an effect of the catalog, one that leads is none.
+    yield _form("?acceleration", ahead, (-0.01, 0.01), between(0.001, 0.06), group=LAG)
+    for name, shape in FUNCTIONS:
+        yield _at_random(name, shape, (0.005, 0.05, 0.5), realisations=16)
+    yield _at_random("?wander_rest", with_memory, touches=Touches.VALUES)
+    in_motion = "?scatter_moving"
+    yield _at_random(in_motion, with_memory_in_motion, variant="in any motion", touches=Touches.VALUES)
+    # Standard deviations in parts of the rate.
+    by_rate = (0.0003, 0.001, 0.003, 0.01, 0.03)
+    yield _at_random(in_motion, in_proportion, by_rate, variant="with the rate", touches=Touches.VALUES)
 
 
 def regressor(name: str) -> Shape:
@@ -132,25 +107,25 @@ def random_turn(rng: np.random.Generator, angle_deg: Floats) -> Floats:
 def in_time(design: DesignMatrix, rng: np.random.Generator) -> Floats:
     """A bias that depends on the time."""
     t_s: Floats = np.arange(design.samples, dtype=np.float64) * design.period_s
-    return random_function(rng, t_s, *LENGTHS_S)
+    return random_function(rng, t_s, 15.0, 200.0)
 
 
 def in_rate(design: DesignMatrix, rng: np.random.Generator) -> Floats:
     """One that depends on the rate, beside a scale error and a bias."""
     rate_dps = design.motion.rate_dps
     most_dps = max(float(np.abs(rate_dps).max()), SLOW_DPS)
-    found = random_function(rng, rate_dps, LEAST_BEND * most_dps, most_dps)
+    found = random_function(rng, rate_dps, 0.15 * most_dps, most_dps)
     return found - float(np.median(found[np.abs(rate_dps) <= max(SLOW_DPS, float(np.abs(rate_dps).min()))]))
 
 
 def in_temperature(design: DesignMatrix, rng: np.random.Generator) -> Floats:
     """One that depends on the temperature."""
-    return random_function(rng, design.motion.sensor_c, *LENGTHS_C)
+    return random_function(rng, design.motion.sensor_c, 3.0, 30.0)
 
 
 def in_turns(design: DesignMatrix, rng: np.random.Generator) -> Floats:
     """One that depends on the angle turned in all, as a cable that is twisted."""
-    return random_function(rng, design.motion.angle_deg / 360.0, *LENGTHS_TURNS)
+    return random_function(rng, design.motion.angle_deg / 360.0, 0.5, 20.0)
 
 
 def in_angle(design: DesignMatrix, rng: np.random.Generator) -> Floats:
@@ -188,62 +163,51 @@ def in_proportion(design: DesignMatrix, rng: np.random.Generator) -> Floats:
     return noise
 
 
-def _of_regressor(name: str, threshold: float) -> Candidate:
-    up = threshold * between(THRESHOLDS_LEAST, THRESHOLDS_MOST)
+FUNCTIONS: tuple[tuple[str, Shape], ...] = (
+    ("?swing", in_time),
+    ("?hinge_high", in_rate),
+    ("?temperature_squared", in_temperature),
+    ("?total_angle", in_turns),
+    ("?ripple", in_angle),
+    ("?half_turn_cosine_rate", gain_in_angle),
+    ("?angle_ripple", of_angle_error),
+)
+"""Random functions by the feature that each moves most; sizes are deg/s."""
+
+
+def _linear(feature: Feature, shape: Shape, variant: str = "") -> Candidate:
+    """A form in proportion to its size; sizes are multiples of the relevance threshold of a feature."""
+    up = feature.threshold * between(3.0, 3000.0)
+    points = feature.threshold * np.array([-100.0, 100.0])
+    return _form(f"?{feature.name}", shape, points, np.concatenate([-up[::-1], up]), variant=variant)
+
+
+def _at_random(
+    name: str,
+    shape: Shape,
+    points: Sequence[float] = (0.003, 0.01, 0.03, 0.1, 0.3),
+    variant: str = "",
+    touches: Touches = Touches.SLOW_RATE,
+    realisations: int = 4,
+) -> Candidate:
+    sizes = between(points[0], points[-1])
+    return replace(_form(name, shape, points, sizes, variant=variant), touches=touches, realisations=realisations)
+
+
+def _form(
+    name: str, shape: Shape, points: Sequence[float] | Floats, sizes: Floats, group: str = "", variant: str = ""
+) -> Candidate:
     return Candidate(
-        name=f"?{name}",
-        variant="",
-        make=_no_effect,
-        parameter="size",
-        grid_points=threshold * np.array([-THRESHOLDS_SIMULATED, THRESHOLDS_SIMULATED]),
-        sizes=np.concatenate([-up[::-1], up]),
-        group=f"?{name}",
+        name,
+        variant,
+        _no_effect,
+        "size",
+        np.array(points),
+        sizes,
+        group or name,
         touches=Touches.SLOW_RATE,
-        shape=regressor(name),
-    )
-
-
-def _with_play(play_c: float) -> Candidate:
-    every = _of_regressor(WARMING.name, WARMING.threshold)
-    return replace(every, variant=f"play {play_c:g} °C", shape=behind_temperature(play_c))
-
-
-def _lead() -> Candidate:
-    return Candidate(
-        name="?acceleration",
-        variant="",
-        make=_no_effect,
-        parameter="size",
-        grid_points=np.array([-LEAD_S, LEAD_S]),
-        sizes=between(LEAST_LEAD_S, MOST_LEAD_S),
-        group=LAG,
-        touches=Touches.SLOW_RATE,
-        shape=ahead,
-    )
-
-
-def _at_random(name: str, shape: Shape, points: Sequence[float] = RANDOM_POINTS) -> Candidate:
-    return Candidate(
-        name=name,
-        variant="",
-        make=_no_effect,
-        parameter="size",
-        grid_points=np.array(points),
-        sizes=between(points[0], points[-1]),
-        group=name,
-        touches=Touches.SLOW_RATE,
-        realisations=REALISATIONS,
         shape=shape,
     )
-
-
-def _function(name: str, shape: Shape) -> Candidate:
-    return replace(_at_random(name, shape, FUNCTION_POINTS), realisations=FUNCTIONS)
-
-
-def _noise(name: str, variant: str, shape: Shape, points: Sequence[float] = RANDOM_POINTS) -> Candidate:
-    """What shows from sample to sample, too."""
-    return replace(_at_random(name, shape, points), variant=variant, touches=Touches.VALUES)
 
 
 def _no_effect(_: float) -> Effect:

@@ -21,9 +21,6 @@ NULL_RUNS_TOGETHER, NULL_RUNS_LEAST, NULL_RUNS_MOST = 24, 4, 10
 
 FIRST_NULL_SEED = 1000
 
-SIMULATED_PHASES_DEG = (0.0, 90.0)
-"""Every other phase is composed of these two."""
-
 
 def null_runs_of(sessions: int) -> int:
     """How many each of so many sessions takes."""
@@ -34,7 +31,8 @@ def response_table(subject: Subject, tried: Sequence[Candidate], null_runs: int)
     """Simulate all that is to be known of a session; the same random streams with and without an effect."""
     own = subject.measured()
     base = [subject.base_run(seed) for seed in range(4)]
-    simulated = [candidate for candidate in tried if candidate.phase_deg in (None, *SIMULATED_PHASES_DEG)]
+    # Other phases are composed of these two.
+    simulated = [candidate for candidate in tried if candidate.phase_deg in (None, 0.0, 90.0)]
     responses = {key(candidate): response(subject, candidate, base) for candidate in simulated}
     runs = np.array([run.values for run in base])
     nulls = np.array([null_difference(subject, FIRST_NULL_SEED + number) for number in range(null_runs)])
@@ -113,11 +111,6 @@ def _first(features: Floats, others: Floats) -> Floats:
     return np.concatenate([features, others[len(features) :]])
 
 
-FIXED_REALISATIONS, RANDOM_REALISATIONS = 3, 4
-"""Of a set without chance of its own, and of one with: their mean is taken. The motion is rebuilt anew with each set,
-which moves slow features by chance."""
-
-
 def change_of(effects: Sequence[Sized], subjects: Sequence[Subject], tables: Sequence[ResponseTable]) -> SimulatedSet:
     """What a whole set of candidates does in all sessions."""
     pairs = enumerate(zip(subjects, tables, strict=True))
@@ -135,7 +128,7 @@ def change_in(effects: Sequence[Sized], number: int, subject: Subject, table: Re
     known = tuple(in_session(one, number, subject) for one in effects if not one.candidate.is_out_of_catalogue)
     calibrated = with_noise_beneath(subject, known)
     is_random = any(one.is_random for one in effects)
-    runs = table.runs[: RANDOM_REALISATIONS if is_random else FIXED_REALISATIONS]
+    runs = table.runs[: 4 if is_random else 3]  # the motion is rebuilt in each, which moves slow features by chance
     changes = np.array([
         _features(effects, subject, calibrated.replayed(known, seed), seed, run) - run for seed, run in enumerate(runs)
     ])  # fmt: skip

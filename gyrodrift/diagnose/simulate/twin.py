@@ -59,13 +59,6 @@ from gyrodrift.simulation.sessions import as_recorded
 SHAPES, MOTIONS, ARRIVALS, REFERENCES = 1, 2, 3, 4
 """Tell their random streams from those of effects, which go by their names."""
 
-COURSE_S, COURSE_DEG = 5.0, 45.0
-"""How often, and how finely, the course of a motion is noted to tell whether another is the same."""
-
-WRONG_DELAY_S = 0.02
-"""Delay that the rig does not have, from which on the motion is rebuilt with the one that the recording shows: less
-than that costs the motion no more than the two disagree in noise."""
-
 
 @dataclass(frozen=True, slots=True)
 class BaseRun:
@@ -237,9 +230,9 @@ class Subject:
 
         They are told by where they are from time to time, roughly, since no two of them have quite the same counts.
         """
-        every = max(1, round(COURSE_S / self.seen.recording.period_s))
+        every = max(1, round(5.0 / self.seen.recording.period_s))
         away_deg = self.seen.encoder_deg[::every] - self.seen.encoder_deg[0]
-        return crc32(np.rint(away_deg / COURSE_DEG).astype(np.int32).tobytes())
+        return crc32(np.rint(away_deg / 45.0).astype(np.int32).tobytes())
 
     def _stream(self, seed: int) -> int:
         """No two sessions are the same realisation."""
@@ -331,4 +324,5 @@ def _as_late_as_it_is(gyro: GyroModel, seen: Cleaned) -> GyroModel:
     period_s = seen.recording.period_s
     lag = best_lag(smoothed_rates(seen.rate_dps, seen.encoder_deg, seen.step_deg, period_s), period_s)
     shown_s = lag.fine * period_s
-    return gyro if abs(shown_s - gyro.delay_s) < WRONG_DELAY_S else replace(gyro, delay_s=shown_s)
+    # A smaller delay costs the motion no more than the two disagree in noise.
+    return gyro if abs(shown_s - gyro.delay_s) < 0.02 else replace(gyro, delay_s=shown_s)

@@ -41,7 +41,7 @@ def recorded(
 
 
 def beside(base: Base, *recordings: Recording) -> tuple[Contradiction, ...]:
-    return contradictions(recordings, base)
+    return contradictions(recordings, base.dps_per_lsb, base.encoder_cpr)
 
 
 def only(found: Sequence[Contradiction], fact: str) -> Contradiction:
