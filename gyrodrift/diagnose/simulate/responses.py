@@ -4,6 +4,7 @@ Everything that a session contributes is worked out by itself, in one task; what
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,6 +23,10 @@ NULL_RUNS_TOGETHER, NULL_RUNS_LEAST, NULL_RUNS_MOST = 24, 4, 10
 FIRST_NULL_SEED = 1000
 
 
+REALISATIONS_PER_NULL_RUN, REALISATIONS_LEAST = 2, 4
+"""Realisations of a random candidate in a session: some fifty in all sessions together, as long as these are few."""
+
+
 def null_runs_of(sessions: int) -> int:
     """How many each of so many sessions takes."""
     return min(max(-(-NULL_RUNS_TOGETHER // sessions), NULL_RUNS_LEAST), NULL_RUNS_MOST)
@@ -33,7 +38,8 @@ def response_table(subject: Subject, tried: Sequence[Candidate], null_runs: int)
     base = [subject.base_run(seed) for seed in range(4)]
     # Other phases are composed of these two.
     simulated = [candidate for candidate in tried if candidate.phase_deg in (None, 0.0, 90.0)]
-    responses = {key(candidate): response(subject, candidate, base) for candidate in simulated}
+    most = max(REALISATIONS_PER_NULL_RUN * null_runs, REALISATIONS_LEAST)
+    responses = {key(candidate): response(subject, _with_fewer(candidate, most), base) for candidate in simulated}
     runs = np.array([run.values for run in base])
     nulls = np.array([null_difference(subject, FIRST_NULL_SEED + number) for number in range(null_runs)])
     return ResponseTable(
@@ -45,6 +51,10 @@ def response_table(subject: Subject, tried: Sequence[Candidate], null_runs: int)
         responses=responses,
         smoother=smoother(subject, base[:2]),
     )
+
+
+def _with_fewer(candidate: Candidate, most: int) -> Candidate:
+    return replace(candidate, realisations=min(candidate.realisations, most))
 
 
 def response(subject: Subject, candidate: Candidate, base: Sequence[BaseRun]) -> Floats:
