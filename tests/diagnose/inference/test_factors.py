@@ -84,7 +84,7 @@ def test_a_covariance_keeps_the_variance_of_each_feature() -> None:
     assert not result.factors[:, 5].any()
 
 
-def test_a_common_factor_is_result_with_its_signs() -> None:
+def test_a_common_factor_is_found_with_its_signs() -> None:
     """A disturbance that raises one feature and lowers another twice as much."""
     along = np.array([1.0, -2.0, 0.0])
     amounts = np.random.default_rng(5).standard_normal((64, 1))

@@ -95,7 +95,9 @@ def test_a_correction_removes_the_error_of_interpolation_and_changes_the_evidenc
     assert scorer.change(at_size.placed) == pytest.approx(truth)
     narrower = scorer.prediction(at_size.placed)[1]
     assert narrower[RATE, 0, 0] < covariance[RATE, 0, 0] - 20.0
-    assert fitted(scorer, at_size).without_unknown > evidence + 1.0
+    again = fitted(scorer, at_size)
+    assert again.without_unknown > evidence + 1.0
+    assert again.placed[0].size == pytest.approx(size, abs=0.3)
 
 
 def test_a_correction_that_is_wrong_lowers_the_evidence() -> None:

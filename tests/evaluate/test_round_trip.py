@@ -1,0 +1,73 @@
+"""Effects through `gyrodrift simulate` and `gyrodrift diagnose`: short sessions at a low rate, one process."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from evaluate.round_trip_part import names_first_or_tied
+from firmware_sim.rig import load_rig
+from gyrodrift.cli import main
+from gyrodrift.simulation.sessions import rig_yaml
+
+pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
+
+SAMPLE_RATE_HZ = 50.0
+SIZE = ("--sessions", "2", "--minutes", "0.8", "--seed", "3")
+SLOW = ("popcorn", "bias_instability", "rate_random_walk", "stale_hold", "sample_drop", "usb_batching", "encoder_slip")
+"""Effects of a simulation by chance that take most of the time, and that resemble none of those below."""
+
+MOTION = """\
+about: Of a test. Rest, turns both ways at several speeds, swings.
+segments:
+  - {kind: rest, seconds: 8}
+  - {kind: steps, rates_dps: [30, -30, 90, -90], ramp_seconds: 2, hold_seconds: 4}
+  - {kind: chirp, seconds: 10, amplitude_dps: 40, from_hz: 0.2, to_hz: 1.0}
+  - {kind: rest, seconds: 8}
+"""
+
+
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The shipped rig at a low sample rate."""
+    shipped = load_rig(None)
+    path = tmp_path_factory.mktemp("rig") / "rig.yaml"
+    base = shipped.base.model_copy(update={"sample_rate_hz": SAMPLE_RATE_HZ})
+    path.write_text(rig_yaml(shipped.model_copy(update={"base": base})))
+    return path
+
+
+def diagnosed(folder: Path, rig: Path, effect: str) -> dict[str, Any]:
+    """`gap.json` of simulated sessions with an effect."""
+    motion, sessions, report = folder / "motion.yaml", folder / "sessions", folder / "report"
+    motion.write_text(MOTION)
+    common = ["--rig", str(rig), "--quiet"]
+    made = ["--out", str(sessions), "--profile", str(motion), "--effect", effect, *SIZE, *common]
+    assert main(["simulate", *made]) == 0
+    withheld = [word for name in SLOW for word in ("--withhold", name)]
+    assert main(["diagnose", str(sessions), "--out", str(report), "--jobs", "1", *withheld, *common]) == 0
+    gap: dict[str, Any] = json.loads((report / "gap.json").read_text())
+    return gap
+
+
+@pytest.mark.parametrize(
+    ("effect", "parameter", "size"),
+    [
+        ("clock_drift:ppm=2000", "ppm", 2000.0),
+        ("spikes:height_dps=50,share_percent=0.1", "share_percent", 0.1),
+        ("scale_factor:error_percent=1.5", "error_percent", 1.5),
+        ("latency:delay_ms=20", "delay_ms", 20.0),
+        ("backlash:play_deg=0.5", "play_deg", 0.5),
+        ("timestamp_jitter:sigma_ms=1", "sigma_ms", 1.0),
+    ],
+)
+def test_a_simulated_effect_is_named_with_its_size(
+    tmp_path: Path, rig: Path, effect: str, parameter: str, size: float
+) -> None:
+    """It comes first or tied, and its interval holds the simulated size, or nearly so."""
+    gap = diagnosed(tmp_path, rig, effect)
+    assert gap["verdict"] in {"effect", "partly"}
+    assert names_first_or_tied(gap, effect.partition(":")[0])
+    sizes = gap["causes"][0]["parameters"][parameter]
+    assert 0.95 * sizes["low"] < size < 1.05 * sizes["high"]
