@@ -18,8 +18,7 @@ from gyrodrift.diagnose.predictive_checks.binned_medians import medians, shape_d
 from gyrodrift.diagnose.predictive_checks.change_points import ChangePoint
 from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
 from gyrodrift.diagnose.predictive_checks.residual_checks import Dependence, ResidualChecks
-from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries
-from gyrodrift.diagnose.predictive_checks.spectra import Spectra
+from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries, Spectra
 from gyrodrift.diagnose.predictive_checks.yaw_impact import YawImpact
 from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis, Untestable
 from gyrodrift.simulation.sessions import rig_yaml

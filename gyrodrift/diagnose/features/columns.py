@@ -10,6 +10,7 @@ from gyrodrift.diagnose.features.feature import RMS_DPS, Feature, ResponseLaw
 from gyrodrift.diagnose.features.motion_terms import DesignColumn, MotionTerms
 from gyrodrift.diagnose.features.orthogonal import Basis, orthonormal
 from gyrodrift.diagnose.features.regimes import SLOW_DPS
+from gyrodrift.diagnose.features.within_second import smoothed
 
 Columns = tuple[DesignColumn, ...]
 
@@ -91,8 +92,8 @@ ANGLE_COLUMNS: Columns = (
         "half_turn",
         "twice",
         "0.0057",
-        lambda terms: terms.twice_sine,
-        lambda terms: terms.twice_cosine,
+        lambda terms: 2.0 * terms.sine * terms.cosine,
+        lambda terms: (terms.cosine - terms.sine) * (terms.cosine + terms.sine),
         in_catalogue=False,
     ),
 )
@@ -170,11 +171,12 @@ MEMORY_S = 10.0
 HISTORY_COLUMNS: tuple[DesignColumn, ...] = (
     DesignColumn(
         "acceleration", "sensor", "accelerating", "the rate lags or leads when it changes", 3e-4, "0.3 ms of delay",
-        compute=lambda terms: terms.acceleration_dpss,
+        compute=lambda terms: np.gradient(terms.speed_dps, terms.period_s),
     ),
     DesignColumn(
         "abs_acceleration", "sensor", "accelerating", "the bias grows with any acceleration", 2e-5,
-        "0.002 deg/s at 100 deg/s²", in_catalogue=False, compute=lambda terms: np.abs(terms.sharp_dpss),
+        "0.002 deg/s at 100 deg/s²", in_catalogue=False,
+        compute=lambda terms: np.abs(np.gradient(smoothed(terms.rate_dps, terms.period_s), terms.period_s)),
     ),
     DesignColumn(
         "reversal", "platform", "reversing", "the angle comes late after a reversal", 4e-3,

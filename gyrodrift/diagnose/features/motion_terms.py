@@ -7,7 +7,6 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.feature import RMS_DPS, Feature, FeatureReading, ResponseLaw
-from gyrodrift.diagnose.features.within_second import smoothed
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 
 RADIANS = np.pi / 180.0
@@ -46,16 +45,6 @@ class MotionTerms:
         return self.motion.period_s
 
     @property
-    def twice_sine(self) -> Floats:
-        """Sine of twice the angle."""
-        return 2.0 * self.sine * self.cosine
-
-    @property
-    def twice_cosine(self) -> Floats:
-        """Cosine of twice the angle."""
-        return (self.cosine - self.sine) * (self.cosine + self.sine)
-
-    @property
     def warm_c(self) -> Floats:
         """Temperature about its mean, °C."""
         warm_c: Floats = self.motion.sensor_c - self.motion.sensor_c.mean()
@@ -72,16 +61,6 @@ class MotionTerms:
         t_s = self._t_s
         share: Floats = t_s / t_s[-1] - 0.5
         return share
-
-    @property
-    def acceleration_dpss(self) -> Floats:
-        """Of the smoothed rate, deg/s/s."""
-        return np.gradient(self.speed_dps, self.period_s)
-
-    @property
-    def sharp_dpss(self) -> Floats:
-        """Of a rate that is smoothed less, deg/s/s."""
-        return np.gradient(smoothed(self.rate_dps, self.period_s), self.period_s)
 
     @property
     def _t_s(self) -> Floats:

@@ -8,10 +8,9 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.inference.density import Groups
-from gyrodrift.diagnose.inference.deviations import Deviation, deviations, listed
 from gyrodrift.diagnose.inference.evidence import pooled_z
 from gyrodrift.diagnose.inference.explanation import Explanation
-from gyrodrift.diagnose.inference.gap import gap_of, no_gap
+from gyrodrift.diagnose.inference.gap import Deviation, deviations, gap_of, listed, no_gap
 from gyrodrift.diagnose.inference.observation import observation_of
 from gyrodrift.diagnose.inference.parameters import Parameter, unit_of
 from gyrodrift.diagnose.inference.pooling import evidence_of

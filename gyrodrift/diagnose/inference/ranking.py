@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.inference.deviations import WORST_Z
 from gyrodrift.diagnose.inference.evidence import pooled_z
 from gyrodrift.diagnose.inference.explanation import Explanation
+from gyrodrift.diagnose.inference.gap import WORST_Z
 from gyrodrift.diagnose.inference.parameters import unit_of
 from gyrodrift.diagnose.inference.sets import EffectSet, Placed
 from gyrodrift.diagnose.inference.template import Template

@@ -8,9 +8,8 @@ import numpy as np
 
 from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.inference.deviations import Deviation, shared
 from gyrodrift.diagnose.inference.evidence import Evidence
-from gyrodrift.diagnose.inference.gap import SimToRealGap, gap_of, no_gap
+from gyrodrift.diagnose.inference.gap import Deviation, SimToRealGap, gap_of, no_gap, shared
 from gyrodrift.diagnose.inference.parameters import Parameter
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.response_table import Sized

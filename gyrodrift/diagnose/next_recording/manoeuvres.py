@@ -99,22 +99,14 @@ def _turns(seconds: float, rate_dps: float) -> Segments:
     held_s = turns * turn_s - RAMP_S
     segments: Segments = []
     for signed_dps in (rate_dps, -rate_dps):
-        segments.append(
-            Steps(kind="steps", rates_dps=(signed_dps,), ramp_seconds=RAMP_S, hold_seconds=held_s),
-        )
+        segments.append(Steps(kind="steps", rates_dps=(signed_dps,), ramp_seconds=RAMP_S, hold_seconds=held_s))
     left_s = seconds - sum(segment.seconds for segment in segments)
     return [*segments, Rest(kind="rest", seconds=left_s)] if left_s > 0.0 else segments
 
 
 def _chirp(seconds: float, limits: MotionLimits) -> Segments:
     return [
-        Chirp(
-            kind="chirp",
-            seconds=seconds,
-            amplitude_dps=limits.wave_dps,
-            from_hz=SLOWEST_HZ,
-            to_hz=limits.wave_hz,
-        )
+        Chirp(kind="chirp", seconds=seconds, amplitude_dps=limits.wave_dps, from_hz=SLOWEST_HZ, to_hz=limits.wave_hz)
     ]
 
 
@@ -180,11 +172,7 @@ FAMILY = (
         lambda limits: f"fast steps of both signs to {limits.rate_dps:.0f} deg/s",
         lambda seconds, limits: _steps(seconds, _shares(limits, 0.6, 1.0), RAMP_S, HOLD_S),
     ),
-    Manoeuvre(
-        "slow_turns",
-        lambda _: "whole turns both ways at 36 deg/s",
-        lambda seconds, _: _turns(seconds, 36.0),
-    ),
+    Manoeuvre("slow_turns", lambda _: "whole turns both ways at 36 deg/s", lambda seconds, _: _turns(seconds, 36.0)),
     Manoeuvre(
         "fast_turns",
         lambda limits: f"whole turns both ways at {0.7 * limits.rate_dps:.0f} deg/s",

@@ -12,8 +12,13 @@ from gyrodrift.diagnose.features.motion_terms import TURN_DPS
 from gyrodrift.diagnose.features.regimes import SLOW_DPS
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.predictive_checks.binned_medians import Medians, medians, shape_dps
-from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries, minutes_of, residual_series_of
-from gyrodrift.diagnose.predictive_checks.spectra import Spectra, pooled
+from gyrodrift.diagnose.predictive_checks.residual_series import (
+    ResidualSeries,
+    Spectra,
+    minutes_of,
+    pooled,
+    residual_series_of,
+)
 from gyrodrift.diagnose.simulate.twin import Subject
 
 SLACK_S = 1e-4
@@ -33,17 +38,9 @@ class ResidualRegressor(NamedTuple):
     slack: float = 0.0
 
 
-def _rate(subject: Subject) -> Floats:
-    return subject.design.regimes.block_rate_dps
-
-
 def _acceleration(subject: Subject) -> Floats:
-    return block_means(np.gradient(subject.design.regimes.speed_dps, subject.design.period_s), subject.design.block)
-
-
-def _any_acceleration(subject: Subject) -> Floats:
-    change = np.abs(np.gradient(subject.design.regimes.speed_dps, subject.design.period_s))
-    return block_means(change, subject.design.block)
+    """Acceleration at each sample, deg/s/s."""
+    return np.gradient(subject.design.regimes.speed_dps, subject.design.period_s)
 
 
 def _angle(subject: Subject) -> Floats:
@@ -80,9 +77,14 @@ def _second_s(subject: Subject) -> float:
 
 
 REGRESSORS = (
-    ResidualRegressor("rate", "deg/s", _rate),
-    ResidualRegressor("acceleration", "deg/s²", _acceleration, SLACK_S),
-    ResidualRegressor("acceleration, either way", "deg/s²", _any_acceleration, SLACK_S),
+    ResidualRegressor("rate", "deg/s", lambda one: one.design.regimes.block_rate_dps),
+    ResidualRegressor("acceleration", "deg/s²", lambda one: block_means(_acceleration(one), one.design.block), SLACK_S),
+    ResidualRegressor(
+        "acceleration, either way",
+        "deg/s²",
+        lambda one: block_means(np.abs(_acceleration(one)), one.design.block),
+        SLACK_S,
+    ),
     ResidualRegressor("angle within the turn", "deg", _angle),
     ResidualRegressor("temperature", "°C", _temperature),
     ResidualRegressor("time since the session began", "min", minutes_of),

@@ -1,18 +1,94 @@
 """The rate error of a session second by second, real and simulated, before and after the causes are added."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.signal import periodogram
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
+from gyrodrift.diagnose.features.spectral_line import windows_within
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.predictive_checks.change_points import ChangePoint, change_points_of
-from gyrodrift.diagnose.predictive_checks.spectra import Spectra, spectra_of
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.diagnose.simulate.noise_beneath import with_noise_beneath
 from gyrodrift.diagnose.simulate.twin import Subject
+
+FEW_WINDOWS = 4
+"""With fewer that rest, those that turn steadily have to do."""
+
+BINS = 60
+"""Of the logarithm of the frequency: neighbours in a bin are averaged."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Spectra:
+    """Two-sided amplitude densities, deg/s/√Hz, shape (frequencies,) each; white noise lies at its noise_dps_rthz."""
+
+    hz: Floats
+    real: Floats
+    before: Floats
+    after: Floats
+
+
+def spectra_of(subject: Subject, before: Cleaned, after: Cleaned) -> tuple[Spectra, Spectra]:
+    """Of a session, and of the simulator driven through its motion: below and above half a hertz."""
+    # The rebuilt motion holds the encoder's noise: at rest the recording did not feel it, and the simulator did.
+    moved_dps = subject.design.motion.rate_dps
+    slow = [_slow(subject, seen) for seen in (subject.seen, before, after)]
+    errors_dps = (subject.seen.rate_dps, before.rate_dps - moved_dps, after.rate_dps - moved_dps)
+    return _spectra(slow), _spectra([_quick(subject, error_dps) for error_dps in errors_dps])
+
+
+def _spectra(parts: Sequence[tuple[Floats, Floats]]) -> Spectra:
+    return Spectra(parts[0][0], *(np.sqrt(0.5 * power) for _, power in parts))
+
+
+def _slow(subject: Subject, seen: Cleaned) -> tuple[Floats, Floats]:
+    residual_dps = block_residual_dps(seen, subject.design)
+    hz, power = periodogram(residual_dps, 1.0 / (subject.design.block * subject.design.period_s), "hann")
+    return hz[1:], power[1:]
+
+
+def _quick(subject: Subject, error_dps: Floats) -> tuple[Floats, Floats]:
+    """Frequencies that seconds do not reach; none where nothing rests or turns steadily for a window."""
+    design = subject.design
+    windows = windows_within(error_dps, design.regimes.at_rest)
+    if len(windows) < FEW_WINDOWS:
+        windows = windows_within(error_dps, design.regimes.at_rest | design.regimes.is_steady)
+    if not len(windows):
+        return np.zeros(0), np.zeros(0)
+    hz, powers = periodogram(windows, 1.0 / design.period_s, "hann", detrend="linear")
+    above = hz > 0.5 / (design.block * design.period_s)
+    return hz[above], powers[:, above].mean(axis=0)
+
+
+def pooled(every: Sequence[Spectra]) -> Spectra:
+    """Root mean squares over sessions and over neighbouring frequencies; empty where all are."""
+    every = [one for one in every if len(one.hz)]
+    if not every:
+        return Spectra(*[np.zeros(0)] * 4)
+    hz = np.geomspace(min(one.hz[0] for one in every), max(one.hz[-1] for one in every), BINS)
+
+    def of_all(of: Callable[[Spectra], Floats]) -> Floats:
+        rows = np.array([_binned(hz, one.hz, np.square(of(one))) for one in every])
+        known = np.isfinite(rows)
+        sums, counts = np.where(known, rows, 0.0).sum(axis=0), known.sum(axis=0)
+        return np.where(counts > 0, np.sqrt(sums / np.maximum(counts, 1)), np.nan)
+
+    columns: list[Callable[[Spectra], Floats]] = [lambda one: one.real, lambda one: one.before, lambda one: one.after]
+    return Spectra(hz, *(of_all(column) for column in columns))
+
+
+def _binned(hz: Floats, own_hz: Floats, power: Floats) -> Floats:
+    """Means about each frequency; straight lines where a bin is empty, and NaN beyond a session's own range."""
+    edges = np.sqrt(hz[1:] * hz[:-1])
+    place = np.digitize(own_hz, edges)
+    counts = np.bincount(place, minlength=len(hz))
+    filled = counts > 0
+    sums = np.bincount(place, power, len(hz))[filled]
+    return np.interp(hz, hz[filled], sums / counts[filled], left=np.nan, right=np.nan)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

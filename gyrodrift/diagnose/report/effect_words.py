@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
-from gyrodrift.diagnose.inference.deviations import Deviation
+from gyrodrift.diagnose.inference.gap import Deviation
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.html.numbers import significant
 

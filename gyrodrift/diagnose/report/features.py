@@ -5,8 +5,8 @@ from dataclasses import replace
 
 from gyrodrift.diagnose.features.feature import WHEN
 from gyrodrift.diagnose.features.vector import FEATURES
-from gyrodrift.diagnose.inference.deviations import WORST_Z, Deviation
 from gyrodrift.diagnose.inference.evidence import FAMILY_WISE_ERROR
+from gyrodrift.diagnose.inference.gap import WORST_Z, Deviation
 from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison
 from gyrodrift.diagnose.report.effect_words import deviation_words

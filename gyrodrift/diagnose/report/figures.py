@@ -12,8 +12,7 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.predictive_checks.binned_medians import Medians
 from gyrodrift.diagnose.predictive_checks.feature_comparison import Band, FeatureComparison
 from gyrodrift.diagnose.predictive_checks.residual_checks import Dependence
-from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries
-from gyrodrift.diagnose.predictive_checks.spectra import Spectra
+from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries, Spectra
 from gyrodrift.html.svg import (
     INK,
     PLAIN,

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from gyrodrift.diagnose.features.feature import WHEN
-from gyrodrift.diagnose.inference.deviations import Deviation
-from gyrodrift.diagnose.inference.gap import SimToRealGap
+from gyrodrift.diagnose.inference.gap import Deviation, SimToRealGap
 from gyrodrift.diagnose.inference.parameters import Parameter
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause
 from gyrodrift.diagnose.report.effect_words import effect_sentence, says

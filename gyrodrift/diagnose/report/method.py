@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import floor, isfinite, log10
 from typing import NamedTuple
 
-from gyrodrift.diagnose.inference.deviations import WORST_Z
+from gyrodrift.diagnose.inference.gap import WORST_Z
 from gyrodrift.diagnose.report.text import fixed
 from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis
 from gyrodrift.html.html import facts, headings, paragraph, section, table, text

@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 
 from gyrodrift.diagnose.predictive_checks.residual_checks import Dependence
-from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries
-from gyrodrift.diagnose.predictive_checks.spectra import Spectra
+from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries, Spectra
 from gyrodrift.diagnose.report.figures import dependence_svgs, over_time_svgs, spectrum_svgs
 from gyrodrift.diagnose.report.text import NAMES, marks, number, switched_marks
 from gyrodrift.diagnose.result import Diagnosis

@@ -100,11 +100,7 @@ class _NoiseShown(NamedTuple):
 
 
 def calibrated(
-    seen: Cleaned,
-    design: DesignMatrix,
-    motion: ReplayedMotion,
-    rig: Rig,
-    least_noise_dps_rthz: float = 0.0,
+    seen: Cleaned, design: DesignMatrix, motion: ReplayedMotion, rig: Rig, least_noise_dps_rthz: float = 0.0
 ) -> Rig:
     """The rig with sample rate, noise, bias and host of a session; its motions begin at the encoder's own angles.
 

@@ -5,8 +5,8 @@ import pytest
 from inference_support import row
 
 from gyrodrift.diagnose.features.vector import NUMBER
-from gyrodrift.diagnose.inference.deviations import deviations, listed, shared
 from gyrodrift.diagnose.inference.evidence import pooled_z
+from gyrodrift.diagnose.inference.gap import deviations, listed, shared
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gyrodrift.diagnose.predictive_checks.spectra import Spectra, pooled
+from gyrodrift.diagnose.predictive_checks.residual_series import Spectra, pooled
 
 
 def spectra(count: int, step_hz: float, level: float) -> Spectra:

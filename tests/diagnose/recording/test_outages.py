@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gyrodrift.arrays import Integers, Mask
-from gyrodrift.diagnose.recording.outages import between_outages
+from gyrodrift.diagnose.recording.checked import between_outages
 from gyrodrift.session.session import Session
 
 HZ, SECONDS = 50.0, 120.0

@@ -14,8 +14,7 @@ from page_support import parsed, row, words
 
 from firmware_sim.rig import load_rig
 from gyrodrift.diagnose.features.vector import FEATURES
-from gyrodrift.diagnose.inference.deviations import Deviation
-from gyrodrift.diagnose.inference.gap import SimToRealGap
+from gyrodrift.diagnose.inference.gap import Deviation, SimToRealGap
 from gyrodrift.diagnose.inference.verdict import Kind
 from gyrodrift.diagnose.report.effect_words import SIGNED
 from gyrodrift.diagnose.report.files import content, summary, write_files
