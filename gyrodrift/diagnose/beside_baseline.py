@@ -55,7 +55,7 @@ NO_STEPS_CPR = 3_600_000
 """Counts that stand for a reference without any: a ten-thousandth of a degree."""
 
 NO_STEPS_DPS = 1e-4
-"""The same of a rate."""
+"""Step that stands for none in a rate, deg/s."""
 
 ADOPTED_FROM, TIMES_ADOPTED_FROM = 0.8, 0.5
 """Probability of what the baseline shows, from which on it goes into the rig; what is less sure is common to both. What
@@ -79,13 +79,13 @@ class ExplainedBaseline(NamedTuple):
 
 def rig_shown_by(recordings: Sequence[Recording]) -> Rig:
     """A rig without effects whose facts are those that recordings show: the steps of their rates and angles."""
-    lsb = [step for step in (levels_of(one.rate_dps).step for one in recordings) if step is not None]
-    count = [step for step in (levels_of(one.encoder_deg).step for one in recordings) if step is not None]
+    lsb = [step for step in (levels_of(recording.rate_dps).step for recording in recordings) if step is not None]
+    count = [step for step in (levels_of(recording.encoder_deg).step for recording in recordings) if step is not None]
     cpr = round(360.0 / float(np.median(count))) if count else NO_STEPS_CPR
     return Rig(base=Base(dps_per_lsb=float(np.median(lsb)) if lsb else NO_STEPS_DPS, encoder_cpr=cpr))
 
 
-def explained_baseline(asked: DiagnosisRequest, recordings: Sequence[Recording]) -> ExplainedBaseline:
+def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording]) -> ExplainedBaseline:
     """Diagnose the baseline by itself, and keep what no cause explains.
 
     Raises
@@ -93,12 +93,13 @@ def explained_baseline(asked: DiagnosisRequest, recordings: Sequence[Recording])
     DataError
         Where no recording of the baseline can be used.
     """
-    origins, of_baseline, remarks = recordings_of(asked.baseline, asked.progress, asked.reading)
-    rig = with_facts(asked.rig, contradictions(of_baseline, asked.rig.base.dps_per_lsb, asked.rig.base.encoder_cpr))
-    own = asked._replace(rig=rig)
+    origins, of_baseline, remarks = recordings_of(request.baseline, request.progress, request.reading)
+    base = request.rig.base
+    rig = with_facts(request.rig, contradictions(of_baseline, base.dps_per_lsb, base.encoder_cpr))
+    own = request._replace(rig=rig)
     simulated = simulated_of(own, origins, of_baseline)
-    named = inferred_of(simulated, asked.jobs, asked.progress).verdict.causes
-    causes = [one for one in named if one.probability >= _adopted_from(one)]
+    named = inferred_of(simulated, request.jobs, request.progress).verdict.causes
+    causes = [cause for cause in named if cause.probability >= _adopted_from(cause)]
     rig = adopted(rig, causes)
     subjects, tables = simulated.subjects, simulated.tables
     if causes:
@@ -124,10 +125,10 @@ def _adopted_from(cause: NamedCause) -> float:
     return TIMES_ADOPTED_FROM if cause.cause.candidate.touches is Touches.TIMES else ADOPTED_FROM
 
 
-def beside(
+def without_baseline(
     tables: Sequence[ResponseTable], subjects: Sequence[Subject], baseline: Baseline
 ) -> tuple[ResponseTable, ...]:
-    """Tables of recordings with what is common to the baseline taken away."""
+    """Tables of recordings with the common difference of the baseline subtracted."""
     return tuple(against(tables, [subject.design for subject in subjects], baseline))
 
 
@@ -139,7 +140,7 @@ class _Recorded(NamedTuple):
 
     @property
     def as_rms(self) -> Floats:
-        """By which features are divided."""
+        """Divisors of the features."""
         return np.array([rms_scale(subject.design) for subject in self.subjects])
 
     @property
@@ -148,13 +149,13 @@ class _Recorded(NamedTuple):
         return np.array([table.difference - table.nulls.mean(axis=0) for table in self.tables])
 
     def change(self, cause: Sized, phase_deg: float | None = None) -> Floats:
-        """What a cause does, at one phase in all recordings where it is free."""
+        """Change by a cause; a free phase is the same in all recordings."""
         phases_deg = None if phase_deg is None else np.full(len(self.subjects), phase_deg)
         every = change_of([cause._replace(phases_deg=phases_deg)], self.subjects, self.tables)
         return every.change / self.as_rms
 
     def quadratures(self, cause: Sized) -> tuple[Floats, Floats]:
-        """What one with a free phase does at 0 and 90 degrees."""
+        """Changes by a cause with a free phase at 0 and 90 degrees."""
         return self.change(cause, 0.0), self.change(cause, 90.0)
 
 
@@ -174,44 +175,45 @@ def new_since(before: ExplainedBaseline, simulated: Simulated, inferred: Conclus
     }
     causes = [name for name, is_form in chance.items() if not is_form and name in explanation.named]
     forms = [name.removeprefix("?") for name, is_form in chance.items() if is_form]
-    said = [f"by as much {name} from one to the next" for name in causes]
-    said += [f"as much from one to the next in this: {FEATURES[NUMBER[name]].says}" for name in forms]
-    told = [f"baseline: recordings of this device differ {how}" for how in said]
-    return (without_causes(verdict, causes, forms, explanation.evidence), told) if told else (verdict, [])
+    differences = [f"by as much {name} from one to the next" for name in causes]
+    differences += [f"as much from one to the next in this: {FEATURES[NUMBER[name]].says}" for name in forms]
+    remarks = [f"baseline: recordings of this device differ {how}" for how in differences]
+    return (without_causes(verdict, causes, forms, explanation.evidence), remarks) if remarks else (verdict, [])
 
 
 def _is_chance(before: ExplainedBaseline, simulated: Simulated, inferred: Conclusion, placed: Placed) -> bool:
     """Whether two sets of recordings of one device differ in a cause by as much as they do among themselves."""
     explanation, cause = inferred.explanation, placed.sized
-    names = [one.template.name for one in explanation.best.placed]
-    today, then = (_Recorded(one.subjects, one.tables) for one in (simulated, before))
+    names = [item.template.name for item in explanation.best.placed]
+    today, then = (_Recorded(recorded.subjects, recorded.tables) for recorded in (simulated, before))
     sigma = (explanation.evidence.sigma / today.as_rms).mean(axis=0)
-    others = explanation.change([name for name in names if name != placed.template.name])
-    left, was_left = (today.gaps - others) / today.as_rms, then.gaps / then.as_rms
+    other_causes = explanation.change([name for name in names if name != placed.template.name])
+    unexplained, was_unexplained = (today.gaps - other_causes) / today.as_rms, then.gaps / then.as_rms
     if cause.phases_deg is None:
-        change = (explanation.change(names) - others) / today.as_rms
-        shown, was_shown = amounts_of(left, change, sigma), amounts_of(was_left, then.change(cause), sigma)
+        change = (explanation.change(names) - other_causes) / today.as_rms
+        shown, was_shown = (
+            amounts_of(unexplained, change, sigma),
+            amounts_of(was_unexplained, then.change(cause), sigma),
+        )
     else:
         turns, was_turns = today.quadratures(cause), then.quadratures(cause)
         change, _ = turns
-        shown, was_shown = amplitudes_of(left, turns, sigma), amplitudes_of(was_left, was_turns, sigma)
+        shown, was_shown = amplitudes_of(unexplained, turns, sigma), amplitudes_of(was_unexplained, was_turns, sigma)
     return chance_of(shown, was_shown, noise_variance_of(change, sigma)) > CHANCE
 
 
 def compared_of(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
-    """Which features both can speak of, and what is to be said of the others."""
-    compared, said = _of_rates(first, second)
+    """Features that both sets determine, and remarks on the others."""
+    compared, remarks = _of_rates(first, second)
     by_steps, of_steps = _of_steps(first, second)
-    return compared & by_steps, [*said, *of_steps]
+    return compared & by_steps, [*remarks, *of_steps]
 
 
 def _of_rates(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
     if _is_same_rate(first, second):
         return ALL, []
-    rates_hz = _rates_hz(first, second)
-    return SLOW, [
-        f"the baseline has {rates_hz[0]:.4g} samples a second, these recordings {rates_hz[1]:.4g}: {SLOW_ONLY}"
-    ]
+    before, now = (f"{round(rate_hz, 1):g}" for rate_hz in _rates_hz(first, second))
+    return SLOW, [f"the baseline has {before} samples a second, these recordings {now}: {SLOW_ONLY}"]
 
 
 def _is_same_rate(first: Sequence[Recording], second: Sequence[Recording]) -> bool:
@@ -221,12 +223,12 @@ def _is_same_rate(first: Sequence[Recording], second: Sequence[Recording]) -> bo
 
 def _rates_hz(*sets: Sequence[Recording]) -> list[float]:
     """Usual samples a second of each set."""
-    return [1.0 / float(np.median([one.period_s for one in each])) for each in sets]
+    return [1.0 / float(np.median([recording.period_s for recording in recordings])) for recordings in sets]
 
 
 def _of_steps(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
     """Coarser steps may be an effect, but for a power of two: that is a range."""
-    before, now = (_steps_dps(each) for each in (first, second))
+    before, now = (_steps_dps(recordings) for recordings in (first, second))
     if before is None or now is None or before == now:
         return ALL, []
     if not before or not now:
@@ -244,8 +246,12 @@ def _of_steps(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[
 
 def _steps_dps(recordings: Sequence[Recording]) -> float | None:
     """Median of the steps in which rates come, 0 where they come in none; None where there are too few to tell."""
-    told = [levels for levels in (levels_of(one.rate_dps) for one in recordings) if len(levels.values) > LEAST_GAPS]
-    known = [levels.step for levels in told if levels.step is not None]
-    if not told:
+    levels_of_each = [
+        levels
+        for levels in (levels_of(recording.rate_dps) for recording in recordings)
+        if len(levels.values) > LEAST_GAPS
+    ]
+    steps = [levels.step for levels in levels_of_each if levels.step is not None]
+    if not levels_of_each:
         return None
-    return float(np.median(known)) if 2 * len(known) > len(told) else 0.0
+    return float(np.median(steps)) if 2 * len(steps) > len(levels_of_each) else 0.0

@@ -8,11 +8,11 @@ import numpy as np
 
 from firmware_sim.rig import Base
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.beside_baseline import beside, explained_baseline, new_since
+from gyrodrift.diagnose.beside_baseline import explained_baseline, new_since, without_baseline
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.linear_model import linear_model_of
-from gyrodrift.diagnose.inference.ranking import lookalikes, ranking
+from gyrodrift.diagnose.inference.ranking import ranking, similar_pairs
 from gyrodrift.diagnose.inference.verdict import Verdict, is_small, set_aside
 from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
 from gyrodrift.diagnose.predictive_checks.residual_checks import residual_checks_of
@@ -35,7 +35,7 @@ from gyrodrift.diagnose.what_next import what_next
 from gyrodrift.simulation.sessions import rig_yaml
 
 
-def diagnose(asked: DiagnosisRequest) -> Diagnosis:
+def diagnose(request: DiagnosisRequest) -> Diagnosis:
     """Explain the gap between a rig and recordings.
 
     Raises
@@ -44,28 +44,31 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
         Where no session can be used, with what is wrong with each.
     """
     begun_s = time.monotonic()
-    origins, recordings, remarks = recordings_of(asked.paths, asked.progress, asked.reading)
-    against = contradictions(recordings, asked.rig.base.dps_per_lsb, asked.rig.base.encoder_cpr)
-    asked = asked._replace(rig=with_facts(asked.rig, against))
-    if asked.baseline:
-        explained = explained_baseline(asked, recordings)
-        asked = asked._replace(rig=explained.rig, least_noise_dps_rthz=explained.least_noise_dps_rthz)
-        seen = simulated_of(asked, origins, recordings)
-        simulated = seen._replace(tables=beside(seen.tables, seen.subjects, explained.baseline))
-        inferred = inferred_of(simulated, asked.jobs, asked.progress)
-        verdict, of_chance = new_since(explained, seen, inferred)
+    origins, recordings, remarks = recordings_of(request.paths, request.progress, request.reading)
+    base = request.rig.base
+    against = contradictions(recordings, base.dps_per_lsb, base.encoder_cpr)
+    request = request._replace(rig=with_facts(request.rig, against))
+    if request.baseline:
+        explained = explained_baseline(request, recordings)
+        request = request._replace(rig=explained.rig, least_noise_dps_rthz=explained.least_noise_dps_rthz)
+        simulated_today = simulated_of(request, origins, recordings)
+        simulated = simulated_today._replace(
+            tables=without_baseline(simulated_today.tables, simulated_today.subjects, explained.baseline)
+        )
+        inferred = inferred_of(simulated, request.jobs, request.progress)
+        verdict, of_chance = new_since(explained, simulated_today, inferred)
         remarks += [*explained.remarks, *of_chance]
     else:
-        simulated = simulated_of(asked, origins, recordings)
-        inferred = inferred_of(simulated, asked.jobs, asked.progress)
+        simulated = simulated_of(request, origins, recordings)
+        inferred = inferred_of(simulated, request.jobs, request.progress)
         verdict = inferred.verdict
     explanation, subjects = inferred.explanation, simulated.subjects
     verdict = _set_aside(verdict, subjects)
-    asked.progress(WHAT_NEXT, 0, 0)
-    following = what_next(verdict, explanation, subjects, simulated.untestable, asked.rig, asked.jobs)
+    request.progress(WHAT_NEXT, 0, 0)
+    following = what_next(verdict, explanation, subjects, simulated.untestable, request.rig, request.jobs)
     designs = [subject.design for subject in subjects]
     without_causes = np.array([table.runs.mean(axis=0) for table in simulated.tables])
-    asked.progress(YAW_IMPACT, 0, 0)
+    request.progress(YAW_IMPACT, 0, 0)
     result = Diagnosis(
         verdict=verdict,
         linear_model=linear_model_of(_rate_errors_dps(subjects), designs, verdict.causes),
@@ -73,16 +76,16 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
         contradictions=against,
         remarks=tuple(remarks),
         untestable=simulated.untestable,
-        withheld=tuple(sorted(asked.withheld)),
+        withheld=tuple(sorted(request.withheld)),
         detectable=detectable(explanation.scorer, explanation.evidence.effects()),
-        calibration=_calibration(asked.rig.base, subjects),
+        calibration=_calibration(request.rig.base, subjects),
         next_step=following.sentence,
         next_profile_yaml=following.profile_yaml,
         seconds=0.0,
         sessions=tuple(_session(subject) for subject in subjects),
-        rig_yaml=rig_yaml(adopted(asked.rig, [cause for cause in verdict.causes if cause.is_adopted])),
+        rig_yaml=rig_yaml(adopted(request.rig, [cause for cause in verdict.causes if cause.is_adopted])),
         ranking=ranking(explanation),
-        lookalikes=lookalikes([*explanation.scorer.templates.values()]),
+        similar_pairs=similar_pairs([*explanation.scorer.templates.values()]),
         threshold_z=explanation.evidence.threshold_z,
         features=feature_comparisons_of(explanation, without_causes, designs),
         residuals=residual_checks_of(subjects, verdict.causes),
@@ -91,20 +94,20 @@ def diagnose(asked: DiagnosisRequest) -> Diagnosis:
 
 
 def _set_aside(verdict: Verdict, subjects: Sequence[Subject]) -> Verdict:
-    """What is real but costs nothing is no cause."""
+    """Move small causes that hardly change yaw to `negligible`."""
     small = [cause for cause in verdict.causes if is_small(cause)]
-    return set_aside(verdict, {one.effect.name: cost_deg(subjects, verdict.causes, one) for one in small})
+    return set_aside(verdict, {cause.effect.name: cost_deg(subjects, verdict.causes, cause) for cause in small})
 
 
 def _rate_errors_dps(subjects: Sequence[Subject]) -> list[Floats]:
     """Block residuals of the recordings less those that the rig's own effects make, deg/s."""
-    found = []
+    errors_dps = []
     for subject in subjects:
         error_dps = block_residual_dps(subject.seen, subject.design)
         if subject.rig.effects:
             error_dps = error_dps - block_residual_dps(subject.replayed((), 0), subject.design)
-        found.append(error_dps)
-    return found
+        errors_dps.append(error_dps)
+    return errors_dps
 
 
 def _session(subject: Subject) -> DiagnosedSession:
@@ -122,7 +125,7 @@ def _session(subject: Subject) -> DiagnosedSession:
 
 
 def _calibration(base: Base, subjects: Sequence[Subject]) -> tuple[BaseValue, ...]:
-    """What is fitted to each session before anything is compared."""
+    """Base values that are fitted to each session first."""
     return tuple(
         _base_value(name, float(getattr(base, name)), [value(subject) for subject in subjects])
         for name, value in CALIBRATED.items()
@@ -130,10 +133,10 @@ def _calibration(base: Base, subjects: Sequence[Subject]) -> tuple[BaseValue, ..
 
 
 def _base_value(name: str, rig: float, values: Sequence[float | None]) -> BaseValue:
-    known = [value for value in values if value is not None]
-    if not known:
+    stated = [value for value in values if value is not None]
+    if not stated:
         return BaseValue(name, rig, None, None, None)
-    return BaseValue(name, rig, float(np.median(known)), min(known), max(known))
+    return BaseValue(name, rig, float(np.median(stated)), min(stated), max(stated))
 
 
 def _of_base(name: str) -> Callable[[Subject], float]:

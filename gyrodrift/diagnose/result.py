@@ -63,7 +63,7 @@ class Diagnosis(ResultTable):
         What all of it took.
     rig_yaml
         The rig with the causes switched on at their fitted sizes, as a file that `simulate` and `firmware_sim` take.
-    ranking, lookalikes
+    ranking, similar_pairs
         The candidates, the best by itself first, and pairs of them that these sessions hardly separate.
     threshold_z
         Pooled z from which on a feature counts as a deviation.
@@ -88,7 +88,7 @@ class Diagnosis(ResultTable):
     sessions: tuple[DiagnosedSession, ...]
     rig_yaml: str
     ranking: tuple[Ranked, ...]
-    lookalikes: tuple[SimilarPair, ...]
+    similar_pairs: tuple[SimilarPair, ...]
     threshold_z: float
     features: tuple[FeatureComparison, ...] = field(repr=False)
     residuals: ResidualChecks = field(repr=False)

@@ -23,7 +23,7 @@ from gyrodrift.progress import OnProgress, ignore_progress
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 
 CORRECTED: dict[str, Callable[[float], float | int]] = {"encoder_cpr": round, "dps_per_lsb": float}
-"""Facts that are taken from the sessions where these contradict the rig."""
+"""Facts that are taken from the sessions if these contradict the rig."""
 
 
 CHECKED, CALIBRATED, SEARCHED = "sessions checked", "rig calibrated to sessions", "search for causes"
@@ -34,14 +34,14 @@ SHARES = {CHECKED: 2.0, CALIBRATED: 5.0, REPLAYED: 50.0, SEARCHED: 8.0, WHAT_NEX
 
 
 class DiagnosisRequest(NamedTuple):
-    """What is to be diagnosed.
+    """The input of a diagnosis.
 
     baseline
-        Recordings beside which the others are diagnosed: what is common to both is no gap.
+        Earlier recordings of the device: a difference that they show, too, is no gap.
     least_noise_dps_rthz
-        Less noise than that no recording of this device has.
+        Least noise that is calibrated away.
     reading
-        What a person states of columns and units.
+        Columns and units as stated by a person.
     """
 
     paths: Sequence[Path]
@@ -56,10 +56,10 @@ class DiagnosisRequest(NamedTuple):
 
 
 class Simulated(NamedTuple):
-    """Everything that the sessions and the rig give to go on.
+    """The simulations of all sessions.
 
     tried
-        Candidates of which the sessions can speak, and that are not withheld.
+        Candidates that the sessions can show, and that are not withheld.
     """
 
     subjects: list[Subject]
@@ -68,47 +68,47 @@ class Simulated(NamedTuple):
     untestable: tuple[Untestable, ...]
 
 
-def simulated_of(asked: DiagnosisRequest, origins: Sequence[Origin], recordings: Sequence[Recording]) -> Simulated:
-    """Calibrate the rig to each session, and work out the responses of all candidates in each."""
+def simulated_of(request: DiagnosisRequest, origins: Sequence[Origin], recordings: Sequence[Recording]) -> Simulated:
+    """Calibrate the rig to each session, and compute the responses of all candidates in each."""
     subjects = []
     for done, recording in enumerate(recordings):
-        asked.progress(CALIBRATED, done, len(recordings))
-        subjects.append(subject_of(recording, asked.rig, asked.least_noise_dps_rthz))
+        request.progress(CALIBRATED, done, len(recordings))
+        subjects.append(subject_of(recording, request.rig, request.least_noise_dps_rthz))
     hints = hints_of(subjects)
-    tried, untestable = testable_among(candidates(hints, asked.rig), recordings, asked.withheld)
-    return Simulated(subjects, tables_of(asked, origins, subjects, tried), tried, untestable)
+    tried, untestable = testable_among(candidates(hints, request.rig), recordings, request.withheld)
+    return Simulated(subjects, tables_of(request, origins, subjects, tried), tried, untestable)
 
 
 def tables_of(
-    asked: DiagnosisRequest, origins: Sequence[Origin], subjects: Sequence[Subject], tried: Sequence[Candidate]
+    request: DiagnosisRequest, origins: Sequence[Origin], subjects: Sequence[Subject], tried: Sequence[Candidate]
 ) -> tuple[ResponseTable, ...]:
     """The tables of some sessions."""
     plan = SimulationPlan(
-        tuple(origins), tuple(subjects), asked.rig, hints_of(subjects), tuple(tried), asked.least_noise_dps_rthz
+        tuple(origins), tuple(subjects), request.rig, hints_of(subjects), tuple(tried), request.least_noise_dps_rthz
     )
-    return response_tables(plan, asked.jobs, asked.cluster, asked.progress)
+    return response_tables(plan, request.jobs, request.cluster, request.progress)
 
 
 def inferred_of(simulated: Simulated, jobs: int, progress: OnProgress = ignore_progress) -> Conclusion:
-    """Find the posterior over sets of effects, and judge by it."""
+    """Find the posterior over sets of effects, and the verdict."""
     progress(SEARCHED, 0, 0)
     with set_simulator(simulated.subjects, simulated.tables, simulated.tried, jobs) as simulate:
         return conclude(simulated.tables, simulated.tried, simulate)
 
 
 def recordings_of(
-    asked: Sequence[Path], progress: OnProgress = ignore_progress, reading: ReadingOptions = AS_WRITTEN
+    paths: Sequence[Path], progress: OnProgress = ignore_progress, reading: ReadingOptions = AS_WRITTEN
 ) -> tuple[list[Origin], list[Recording], list[str]]:
-    """Those that passed the recording checks, with their origins, and what is to be said of all."""
+    """Recordings that passed the checks, with their origins and remarks."""
     origins: list[Origin] = []
     recordings: list[Recording] = []
     remarks: list[str] = []
-    for done, path in enumerate(asked):
-        progress(CHECKED, done, len(asked))
-        one = checked_session(path, reading)
-        remarks += one.remarks
-        origins += [Origin(path, part, reading) for part in range(len(one.recordings))]
-        recordings += one.recordings
+    for done, path in enumerate(paths):
+        progress(CHECKED, done, len(paths))
+        session = checked_session(path, reading)
+        remarks += session.remarks
+        origins += [Origin(path, part, reading) for part in range(len(session.recordings))]
+        recordings += session.recordings
     if not recordings:
         raise DataError("; ".join(remarks))
     together_s(recordings)
@@ -120,7 +120,7 @@ def recordings_of(
 def testable_among(
     every: Sequence[Candidate], recordings: Sequence[Recording], withheld: frozenset[str]
 ) -> tuple[list[Candidate], tuple[Untestable, ...]]:
-    """Candidates that the recordings can speak of; those they cannot, with why."""
+    """Candidates that the recordings can show; and the others with the reason."""
     lacking = {
         "motion": ("no motion", not any(recording.moves for recording in recordings)),
         "host": ("no host times", any(recording.host_s is None for recording in recordings)),
@@ -133,15 +133,15 @@ def testable_among(
 
 
 def adopted(rig: Rig, causes: Sequence[NamedCause]) -> Rig:
-    """The rig with the causes in it: what it had at another size is replaced, or left out where nothing is left."""
+    """The rig with the causes: an effect of another size is replaced, or removed if hardly any is left."""
     names = {cause.effect.name for cause in causes}
     kept = tuple(effect for effect in rig.effects if effect.name not in names)
-    found = tuple(cause.effect for cause in causes if not _is_gone(cause))
-    return rig.model_copy(update={"effects": (*kept, *found)})
+    new = tuple(cause.effect for cause in causes if not _is_gone(cause))
+    return rig.model_copy(update={"effects": (*kept, *new)})
 
 
 def _is_gone(cause: NamedCause) -> bool:
-    """Where a small parameter is a large effect, a small one is nothing that is gone."""
+    """Whether hardly any of an effect in the rig is left."""
     if cause.in_rig is None or KINDS[cause.effect.name].less_is_more:
         return False
     name = cause.cause.candidate.parameter
@@ -150,7 +150,11 @@ def _is_gone(cause: NamedCause) -> bool:
 
 
 def with_facts(rig: Rig, against: Sequence[Contradiction]) -> Rig:
-    """The rig with what the sessions show, where they contradict it: else every feature would be off."""
-    shown = {one.fact: one.sessions for one in against if one.sessions and one.fact in CORRECTED}
+    """The rig with the facts of the sessions where these contradict it."""
+    shown = {
+        contradiction.fact: contradiction.sessions
+        for contradiction in against
+        if contradiction.sessions and contradiction.fact in CORRECTED
+    }
     update = {name: CORRECTED[name](value) for name, value in shown.items()}
     return rig.model_copy(update={"base": rig.base.model_copy(update=update)})

@@ -14,11 +14,11 @@ from firmware_sim.rig import Rig, parse_effect
 from gyrodrift.diagnose.beside_baseline import (
     NO_STEPS_CPR,
     NO_STEPS_DPS,
-    beside,
     compared_of,
     explained_baseline,
     new_since,
     rig_shown_by,
+    without_baseline,
 )
 from gyrodrift.diagnose.features.vector import NOT_OF_STEPS, NUMBER, SLOW
 from gyrodrift.diagnose.inference.verdict import Verdict
@@ -118,7 +118,7 @@ def test_beside_a_baseline_of_another_sample_rate_a_scale_error_is_found(tmp_pat
     assert SLOW[compared].all()
     assert compared[NUMBER["rate"]]
     simulated = simulated_of(asked, kept, recordings)
-    tables = beside(simulated.tables, simulated.subjects, explained.baseline)
+    tables = without_baseline(simulated.tables, simulated.subjects, explained.baseline)
     verdict = inferred_of(simulated._replace(tables=tables), 1).verdict
     assert [cause.effect.name for cause in verdict.causes] == ["scale_factor"]
     assert verdict.causes[0].parameters[0].value == pytest.approx(3.0, rel=0.1)
@@ -141,7 +141,7 @@ def told_beside(tmp_path: Path, name: str, before: Sequence[str], today: Sequenc
     kept, recordings, _ = recordings_of(asked.paths)
     explained = explained_baseline(asked, recordings)
     simulated = simulated_of(asked._replace(rig=explained.rig), kept, recordings)
-    tables = beside(simulated.tables, simulated.subjects, explained.baseline)
+    tables = without_baseline(simulated.tables, simulated.subjects, explained.baseline)
     verdict, _ = new_since(explained, simulated, inferred_of(simulated._replace(tables=tables), 1))
     return verdict
 

@@ -97,7 +97,7 @@ def _taken_away(explanation: Explanation, placed: Placed) -> float | None:
     return float(1.0 - beyond_chance[1] / beyond_chance[0])
 
 
-def lookalikes(templates: Sequence[Template]) -> tuple[SimilarPair, ...]:
+def similar_pairs(templates: Sequence[Template]) -> tuple[SimilarPair, ...]:
     """Pairs of effects that these sessions hardly separate, the most similar first."""
     directions = [
         (template.name, direction)

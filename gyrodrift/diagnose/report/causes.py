@@ -108,7 +108,7 @@ def _remarks(diagnosis: Diagnosis) -> list[tuple[str, str]]:
         (f"May act instead of {text(cause.effect.name)}", _tied(cause.tied_with)) for cause in diagnosis.verdict.causes
     ]
     similar = [
-        f"{text(pair.first)} and {text(pair.second)} ({pair.cosine:.2f})" for pair in diagnosis.lookalikes[:PAIRS]
+        f"{text(pair.first)} and {text(pair.second)} ({pair.cosine:.2f})" for pair in diagnosis.similar_pairs[:PAIRS]
     ]
     untestable = [f"{text(item.effect)}: {text(item.why)}" for item in diagnosis.untestable]
     return [

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from inference_support import SESSIONS, concluded, row, scorer_of, simulated, simulated_at_random
 
-from gyrodrift.diagnose.inference.ranking import lookalikes, ranking
+from gyrodrift.diagnose.inference.ranking import ranking, similar_pairs
 
 RATE = simulated("scale_factor", {"rate": 1.0})
 BOTH = simulated("clock_drift", {"rate": 1.0, "clock_ratio": 1.0})
@@ -47,7 +47,7 @@ def test_lookalikes_have_their_cosine() -> None:
     """Of (1, 0) and (1, 1) it is the root of a half, too little to be told; of (1, 0) and (1, 0.5) it is 0.89."""
     near = simulated("temp_bias", {"rate": 1.0, "clock_ratio": 0.5})
     form = simulated("?moving", {"rate": 1.0})
-    found = lookalikes([*scorer_of({}, RATE, BOTH, near, form).templates.values()])
+    found = similar_pairs([*scorer_of({}, RATE, BOTH, near, form).templates.values()])
     assert [(one.first, one.second) for one in found] == [("clock_drift", "temp_bias"), ("scale_factor", "temp_bias")]
     assert [one.cosine for one in found] == pytest.approx([1.5 / np.sqrt(2.0 * 1.25), 1.0 / np.sqrt(1.25)])
 
@@ -59,4 +59,4 @@ def test_effects_that_only_scatter_have_no_lookalikes() -> None:
     scatters = [simulated_at_random(name, per_size) for name in ("scale_factor", "latency")]
     templates = [*scorer_of({}, *scatters).templates.values()]
     assert len(templates) == 2
-    assert lookalikes(templates) == ()
+    assert similar_pairs(templates) == ()
