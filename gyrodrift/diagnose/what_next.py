@@ -181,6 +181,11 @@ def _for_open_part(verdict: Verdict) -> str:
         return f"Record more motion that shows the unexplained part ({where}), at several speeds and temperatures."
     if verdict.kind in (Kind.PARTLY, Kind.UNKNOWN):
         return "Record longer sessions at several speeds and temperatures: part of the difference is unexplained."
+    if verdict.may_have_unknown:
+        return (
+            "Record longer sessions at several speeds and temperatures: something unknown may act, with probability "
+            f"{verdict.probability_unknown:.2f}."
+        )
     if not verdict.gap.is_closed:
         return "Record longer sessions at several speeds and temperatures: the gap is not closed."
     bounded = [cause.effect.name for cause in verdict.causes if cause.parameters[0].is_bound]

@@ -19,7 +19,8 @@ from gyrodrift.diagnose.what_next import what_next
 def named() -> Verdict:
     """One cause that explains all of the gap."""
     verdict = diagnosis(SCALED).verdict
-    return replace(verdict, kind=Kind.EFFECT, unexplained=(), gap=replace(verdict.gap, shrink=1.0))
+    gap = replace(verdict.gap, shrink=1.0)
+    return replace(verdict, kind=Kind.EFFECT, unexplained=(), gap=gap, probability_unknown=0.0)
 
 
 def sentence(verdict: Verdict, *untestable: Untestable, sessions: int = 4) -> str:
@@ -36,6 +37,12 @@ def test_a_gap_that_is_open_by_15_percent_needs_more(named: Verdict) -> None:
     opened = replace(named, gap=replace(named.gap, shrink=0.84))
     assert sentence(opened).startswith("Record longer sessions")
     assert sentence(replace(named, kind=Kind.PARTLY)).startswith("Record longer sessions")
+
+
+def test_something_unknown_that_may_act_needs_more(named: Verdict) -> None:
+    """A posterior probability of 0.3 is no certainty."""
+    assert "with probability 0.30" in sentence(replace(named, probability_unknown=0.3))
+    assert sentence(replace(named, probability_unknown=0.1)).startswith("Nothing")
 
 
 def test_a_size_beyond_the_tried_sizes_needs_a_check(named: Verdict) -> None:

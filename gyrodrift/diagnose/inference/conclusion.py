@@ -125,6 +125,8 @@ def _verdict(explanation: Explanation, causes: tuple[NamedCause, ...]) -> Verdic
         unexplained=unexplained if causes else where,
         gap=gap,
         after_z=after_z,
+        probability_none=posterior.no_gap,
+        probability_unknown=posterior.unknown,
     )
 
 

@@ -20,6 +20,9 @@ NEGLIGIBLE_DEG = 0.3
 ADOPTED_FROM = 0.5
 """Probability of a cause from which on it goes into the rig that is written: it acts rather than not."""
 
+OPEN_FROM = 0.15
+"""Probability of something unknown from which on a question is open. Chosen: as large as the share of the gap."""
+
 
 class Kind(StrEnum):
     """Kind of a verdict."""
@@ -93,6 +96,8 @@ class Verdict:
         (sessions, F) unexplained residual of held-out sessions, in standard deviations.
     negligible
         Effects that act and hardly change yaw.
+    probability_none, probability_unknown
+        Posterior probabilities that nothing acts, and that something unknown acts; None if a baseline decided.
     """
 
     kind: Kind
@@ -102,6 +107,13 @@ class Verdict:
     gap: SimToRealGap
     after_z: Floats = field(repr=False)
     negligible: tuple[Negligible, ...] = ()
+    probability_none: float | None = None
+    probability_unknown: float | None = None
+
+    @property
+    def may_have_unknown(self) -> bool:
+        """Whether something unknown is probable enough to leave a question open."""
+        return self.probability_unknown is not None and self.probability_unknown > OPEN_FROM
 
     @property
     def acting(self) -> tuple[NamedCause, ...]:
@@ -142,6 +154,7 @@ def without_causes(verdict: Verdict, causes: Collection[str], forms: Collection[
         return deviation.feature not in forms or abs(deviation.z) > evidence.threshold_z
 
     where, unexplained = (shared([*filter(stays, group)]) for group in (verdict.where, verdict.unexplained))
+    verdict = replace(verdict, probability_none=None, probability_unknown=None)
     kept = tuple(cause for cause in verdict.causes if cause.effect.name not in causes)
     if kept:
         kind = Kind.EFFECT if verdict.kind is Kind.PARTLY and not unexplained else verdict.kind

@@ -48,6 +48,8 @@ def content(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "contradictions": [asdict(item) for item in diagnosis.contradictions],
         "verdict": verdict.kind.value,
+        "probability_none": verdict.probability_none,
+        "probability_unknown": verdict.probability_unknown,
         "causes": [_cause(cause) for cause in verdict.causes],
         "negligible": [{**_cause(item.cause), "yaw_deg": round(item.yaw_deg, 4)} for item in verdict.negligible],
         "where": [_deviation(item) for item in verdict.where],

@@ -4,7 +4,7 @@ from math import sqrt
 
 from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.inference.gap import SimToRealGap
-from gyrodrift.diagnose.inference.verdict import Kind, NamedCause
+from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict
 from gyrodrift.diagnose.report.beforehand import against, baseline, doubts, headline_of
 from gyrodrift.diagnose.report.effect_words import effect_words, says
 from gyrodrift.diagnose.report.files import headline
@@ -93,7 +93,15 @@ def _in_words(diagnosis: Diagnosis) -> list[str]:
         sentences += [f"<b>Unexplained:</b> {listed}. No effect of the simulator accounts for this."]
     if not verdict.causes and verdict.kind is Kind.UNKNOWN:
         sentences += [NOTHING_NAMED]
-    return [*sentences, *_negligible_words(diagnosis)]
+    return [*sentences, *_negligible_words(diagnosis), *_probabilities(verdict)]
+
+
+def _probabilities(verdict: Verdict) -> list[str]:
+    """The probabilities of nothing and of something unknown, in a sentence."""
+    if verdict.probability_none is None or verdict.probability_unknown is None:
+        return []
+    none, unknown = (text(stated(value)) for value in (verdict.probability_none, verdict.probability_unknown))
+    return [f"Probability that nothing is missing from the simulator: {none}; that something unknown acts: {unknown}."]
 
 
 def _where(diagnosis: Diagnosis) -> str:
