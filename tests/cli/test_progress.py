@@ -93,7 +93,7 @@ def test_a_pager_is_not_drawn_over(sessions: Path) -> None:
 LONG = {
     "tune": ["{all}", "--out", "{out}/c.yaml", "--iterations", "60", "--jobs", "1"],
     "compare": ["{many}", "--jobs", "1"],
-    "diagnose": ["{all}", "--out", "{out}/report", "--jobs", "1"],
+    "diagnose": ["{many}", "--out", "{out}/report", "--jobs", "1"],
 }
 LEFT_OF = {"tune": "total", "compare": "sessions", "diagnose": "total"}
 """The bar with the time left: a stage with others after it has none."""
