@@ -48,8 +48,8 @@ def content(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "contradictions": [asdict(item) for item in diagnosis.contradictions],
         "verdict": verdict.kind.value,
-        "probability_none": verdict.probability_none,
-        "probability_unknown": verdict.probability_unknown,
+        "probability_none": _rounded(verdict.probability_none),
+        "probability_unknown": _rounded(verdict.probability_unknown),
         "causes": [_cause(cause) for cause in verdict.causes],
         "negligible": [{**_cause(item.cause), "yaw_deg": round(item.yaw_deg, 4)} for item in verdict.negligible],
         "where": [_deviation(item) for item in verdict.where],
@@ -88,6 +88,10 @@ def _cause(cause: NamedCause) -> dict[str, Any]:
         **in_rig,
         "tied_with": list(cause.tied_with),
     }
+
+
+def _rounded(probability: float | None) -> float | None:
+    return None if probability is None else round(probability, 4)
 
 
 def _parameter(parameter: Parameter) -> dict[str, Any]:

@@ -59,8 +59,10 @@ def size_or_bound(parameter: Parameter) -> str:
 
 
 def stated(probability: float) -> str:
-    """A probability with two decimals; never 1.00."""
-    return "> 0.99" if probability >= SURELY else f"{probability:.2f}"
+    """A probability with two decimals; never 0.00 or 1.00."""
+    if probability >= SURELY:
+        return "> 0.99"
+    return f"{probability:.2f}" if probability >= 1.0 - SURELY else "< 0.01"
 
 
 def interval(parameter: Parameter) -> str:
