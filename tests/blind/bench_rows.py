@@ -36,6 +36,7 @@ def _quiet_rows(tried: list[Tried]) -> list[Share]:
         "none_own": "no gap, own simulator: none",
         "none_short": "no gap, own simulator, 3 × 40 s: none",
         "none_generator": "no gap, generator: none",
+        "none_driven": "no gap, robots that tremble, hands and drones: none",
     }
     return [
         row(what, _in(tried, name), lambda case: not judge.raises_alarm(case.blind), 0.95)

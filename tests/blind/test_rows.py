@@ -13,7 +13,9 @@ from blind.folder import SetFolder
 from blind.generator.bench import Columns
 from blind.generator.cost import yaw_cost_deg
 from blind.generator.dice import plan_dice
+from blind.generator.driven import Mover, driven_motion
 from blind.generator.kinds import Fault
+from blind.generator.motion import TOP_DPS
 from blind.generator.rig_text import rig_text
 from blind.generator.sizes import STRENGTHS
 from blind.generator.spread import COUNTS, RATES_HZ, STEPS_DPS, draw_facts, draw_fault_for
@@ -24,7 +26,7 @@ from blind.rows.generated import Stand
 from blind.rows.simulated import Simulated
 from blind.rows.table import ROWS, draw_case, draw_rows, find_case
 
-GENERATED = ("none_generator", "single", "small", "outside", "pair", "triple", "left_out", "loop")
+GENERATED = ("none_generator", "none_driven", "single", "small", "outside", "pair", "triple", "left_out", "loop")
 
 
 def drawn(row: str, count: int) -> list[RowCase]:
@@ -66,7 +68,11 @@ def test_rows_have_the_effects_that_they_should() -> None:
     }
     assert [case.draft.faults[0].name for case in drawn("small", ROWS["small"].count)] == list(EFFECTS)
     assert [case.draft.withhold for case in drawn("left_out", ROWS["left_out"].count)] == list(EFFECTS)
-    assert not any(case.draft.faults for row in ("none_own", "none_short", "none_generator") for case in drawn(row, 40))
+    assert not any(
+        case.draft.faults
+        for row in ("none_own", "none_short", "none_generator", "none_driven")
+        for case in drawn(row, 40)
+    )
 
 
 def test_own_rigs_have_up_to_two_effects_and_enough_data() -> None:
@@ -209,6 +215,22 @@ def test_what_a_fault_costs_is_what_the_integrated_rate_is_off_for_it() -> None:
     ]
     assert costs[0] == pytest.approx(0.2 * 20.0 / np.pi**2, rel=0.2)
     assert costs[1:] == [pytest.approx(0.0, abs=0.01), 0.0]
+
+
+@pytest.mark.parametrize(
+    ("mover", "least_dps", "most_dps"), [("robot", 1.0, 90.0), ("hand", 10.0, 60.0), ("drone", 3.0, 90.0)]
+)
+def test_what_no_table_turns_never_stands_once_it_moves(mover: Mover, least_dps: float, most_dps: float) -> None:
+    """It trembles in pauses, too, and its rate stays within a range; half of the sessions begin at rest."""
+    begin_at_rest = 0
+    for number in range(12):
+        motion = driven_motion(plan_dice(("driven", mover, number)), 1.0 / 800.0, 60.0, mover)
+        moving_dps = motion.rate_dps[16_000:]
+        assert least_dps < moving_dps.std() < most_dps
+        assert np.abs(moving_dps).max() <= TOP_DPS
+        assert np.count_nonzero(moving_dps == 0.0) < 2
+        begin_at_rest += not motion.motor_on[0]
+    assert 2 < begin_at_rest < 12
 
 
 def test_what_is_outside_the_catalogue_says_what_it_costs() -> None:

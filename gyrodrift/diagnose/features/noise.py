@@ -1,7 +1,7 @@
 """Noise of the rate within a second, at rest and in motion: its level by averaging, a spectral line, bursts, tails."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -60,6 +60,9 @@ def sample_noise_of(seen: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> 
     """
     grain = dps_per_lsb**2 / 4.0
     spreads = spreads_of(seen.rate_dps, design.spread_places)
+    # A robot that trembles happens to be calm for moments: with less than 3 s in all, rest gives no level.
+    if np.count_nonzero(design.regimes.at_rest) * design.period_s < 3.0:
+        spreads = replace(spreads, rest=(0.0,) * len(REST_POINTS))
     rest, slow, fast = (_logs(spread, grain) for spread in (spreads.rest, spreads.slow, spreads.fast))
     level = 0.5 * (rest[MIDDLE[0]] + rest[MIDDLE[1]])
     rest, slow, fast = (tuple(value - level for value in values) for values in (rest, slow, fast))

@@ -47,12 +47,24 @@ class GyroModel:
         Whether it may read zero though it would scatter: no zero says how much.
     low_passes
         What its noise went through.
+    weakens_motion
+        Those of them that take from the motion what the rates given are not restored from.
+    stated_noise_dps
+        White noise of a sample before low-passes, where no recording tells it.
     """
 
     count_dps: float
     delay_s: float = 0.0
     hides_rest: bool = False
     low_passes: tuple[LowPass, ...] = ()
+    weakens_motion: tuple[LowPass, ...] = ()
+    stated_noise_dps: float = 0.0
+
+    def motion_gain(self, frequencies_hz: Floats) -> Floats:
+        """Amplitude of a motion in the gyro, divided by its own, at frequencies, of their shape."""
+        power = [low_pass.power_passed(frequencies_hz) for low_pass in self.weakens_motion]
+        gain: Floats = np.sqrt(np.prod(power, axis=0)) * np.ones_like(frequencies_hz)
+        return gain
 
     def power_passed(self, frequencies_hz: Floats, sample_rate_hz: float) -> Floats:
         """Of white noise, at frequencies of the samples, of their shape: what low-passes leave, and what folds down."""

@@ -47,7 +47,10 @@ def gyro_model_of(rig: Rig) -> GyroModel:
             count_dps = max(count_dps, effect.step_dps)
         if isinstance(effect, Latency):
             delay_s += effect.delay_ms * 1e-3
-    return GyroModel(count_dps, delay_s, any(hides_rest(effect, count_dps) for effect in rig.effects), low_passes)
+    hides = any(hides_rest(effect, count_dps) for effect in rig.effects)
+    unrestored = tuple(effect for effect in low_passes if effect.cutoff_hz >= TABLE_HZ)
+    noise_dps = rig.base.noise_dps_rthz * rig.base.sample_rate_hz**0.5
+    return GyroModel(count_dps, delay_s, hides, low_passes, unrestored, noise_dps)
 
 
 def hides_rest(effect: Effect, count_dps: float) -> bool:

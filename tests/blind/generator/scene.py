@@ -6,6 +6,7 @@ from math import ceil, floor
 import numpy as np
 
 from blind.generator.dice import Path, plan_dice
+from blind.generator.driven import Mover, driven_motion
 from blind.generator.motion import Floats, Mask, session_motion
 from blind.generator.sessions import SessionPlan
 
@@ -45,12 +46,19 @@ class Scene:
         return np.arange(len(self.fine_dps)) / self.fine_hz
 
 
-def scene_of(plan: SessionPlan, sample_hz: float, path: Path, physics_hz: float = PHYSICS_HZ) -> Scene:
-    """Play a session's motion in its surroundings."""
+def scene_of(
+    plan: SessionPlan, sample_hz: float, path: Path, physics_hz: float = PHYSICS_HZ, mover: Mover | None = None
+) -> Scene:
+    """Play a session's motion in its surroundings: that of a table, or of what moves the device instead."""
     fine = ceil(physics_hz / sample_hz)
     step_s = 1.0 / (sample_hz * fine)
     samples = floor(plan.seconds * sample_hz)
-    motion = session_motion(plan_dice((*path, "motion")), step_s, samples / sample_hz, plan.still_factor)
+    dice, seconds = plan_dice((*path, "motion")), samples / sample_hz
+    motion = (
+        driven_motion(dice, step_s, seconds, mover)
+        if mover
+        else session_motion(dice, step_s, seconds, plan.still_factor)
+    )
     fine_deg = plan.start_deg + _integral(motion.rate_dps, step_s)
     t_s = np.arange(samples) / sample_hz
     return Scene(

@@ -7,6 +7,7 @@ from pathlib import Path
 from blind.generator.bench import Columns, measure
 from blind.generator.device import Device
 from blind.generator.dice import Path as DicePath
+from blind.generator.driven import Mover
 from blind.generator.kinds import Fault
 from blind.generator.recipes import Recipe
 from blind.generator.scene import scene_of
@@ -29,12 +30,17 @@ def session_columns(recipe: Recipe, number: int) -> Columns:
 
 @dataclass(frozen=True, slots=True)
 class Batch:
-    """Sessions of one device, all with the same faults; `path` leads to their random numbers."""
+    """Sessions of one device, all with the same faults; `path` leads to their random numbers.
+
+    mover
+        What moves the device; None for a table with a motor.
+    """
 
     device: Device
     plans: tuple[SessionPlan, ...]
     faults: tuple[Fault, ...]
     path: DicePath
+    mover: Mover | None = None
 
     def write(self, folder: Path) -> None:
         """Each as a CSV file."""
@@ -46,7 +52,7 @@ class Batch:
     def columns(self, number: int) -> Columns:
         """Measurements of one of them."""
         path = (*self.path, "session", number)
-        scene = scene_of(self.plans[number], self.device.sample_hz, path, self.device.physics_hz)
+        scene = scene_of(self.plans[number], self.device.sample_hz, path, self.device.physics_hz, self.mover)
         return measure(scene, self.device, number, self.faults, path)
 
 

@@ -8,6 +8,7 @@ from blind.generator.cost import yaw_cost_deg
 from blind.generator.device import Device, RigFile
 from blind.generator.dice import Path as DicePath
 from blind.generator.dice import Rng
+from blind.generator.driven import MOVERS
 from blind.generator.kinds import Fault
 from blind.generator.outside_sizes import OUTSIDE, OUTSIDE_SIZES, draw_outside
 from blind.generator.pairs import PAIRS
@@ -72,6 +73,14 @@ def no_gap(rng: Rng, number: int, path: DicePath) -> Draft:
     """The device that the rig states; some with short sessions."""
     stand = Stand(rng, SHORT_MINUTES if rng.random() < SHORT else MINUTES)
     return _draft("none", stand, (), path, about=stand.about)
+
+
+def driven(rng: Rng, number: int, path: DicePath) -> Draft:
+    """The device that the rig states, on a robot that trembles, in a hand and on a drone in turn."""
+    stand, mover = Stand(rng), MOVERS[number % len(MOVERS)]
+    sessions = replace(stand.batch((), path), mover=mover)
+    draft = _draft("none", stand, (), path)
+    return replace(draft, about=f"{mover}, {stand.about}", parts={"sessions": sessions})
 
 
 def clear(rng: Rng, number: int, path: DicePath) -> Draft:

@@ -30,6 +30,7 @@ ROWS = {
     "none_own": Row(100, simulated.no_gap),
     "none_short": Row(0, simulated.short_no_gap),
     "none_generator": Row(100, generated.no_gap),
+    "none_driven": Row(30, generated.driven),
     "single": Row(54, generated.clear),
     "small": Row(27, generated.small),
     "outside": Row(44, generated.outside),
