@@ -19,7 +19,7 @@ HINGES_DPS = (60.0, 120.0)
 
 
 def _beyond(rate_dps: Floats, hinge_dps: float) -> Floats:
-    """What of a rate lies above a hinge, either way."""
+    """Part of a rate above a hinge, in both directions."""
     over_dps: Floats = rate_dps - np.minimum(np.maximum(rate_dps, -hinge_dps), hinge_dps)
     return over_dps
 
@@ -54,7 +54,7 @@ RATE_COLUMNS: Columns = (
     ),
 )
 # fmt: on
-"""Of the rate alone."""
+"""Columns of the rate alone."""
 
 
 Sines = Callable[[MotionTerms], Floats]
@@ -97,7 +97,7 @@ ANGLE_COLUMNS: Columns = (
         in_catalogue=False,
     ),
 )
-"""Of the angle within the turn."""
+"""Columns of the angle within the turn."""
 
 
 DECAYS_S = (40.0, 160.0)

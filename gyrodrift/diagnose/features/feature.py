@@ -1,4 +1,4 @@
-"""What a feature is: one record of what it says, from what size on it matters, how it reads and how it responds."""
+"""Records of features: meaning, relevance threshold, unit and response to the size of an effect."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass
@@ -68,7 +68,7 @@ WHEN = {
     "late": "over time",
     "always": "at all times",
 }
-"""By the names that features give them."""
+"""Regimes of the motion as a person says them, by their names."""
 
 
 Observed = TypeVar("Observed")

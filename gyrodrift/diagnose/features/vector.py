@@ -1,8 +1,8 @@
 """All features of a recording in one vector, masks over it, and what steps of the rate hide of each.
 
-Where the noise of a rate is less than its step, the mean of a rounded value with Gaussian noise of standard deviation
-σ is off by at most about step/π·exp(−2π²·σ²/step²), with a sign that depends on where between two steps it lies
-(B. Widrow and I. Kollár, Quantization Noise, 2008). Relevance thresholds grow by that.
+The mean of a rounded value with Gaussian noise of standard deviation σ is off by at most step/π·exp(−2π²·σ²/step²).
+Its sign depends on the place between two steps (B. Widrow, I. Kollár, Quantization Noise, 2008). Relevance thresholds
+include this error.
 """
 
 from collections.abc import Callable
@@ -83,7 +83,7 @@ STATIC_SHARE = 0.3
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """What the rig states and no recording changes.
+    """Facts of the rig that no recording changes.
 
     dps_per_lsb, encoder_cpr
         One count of the rate, deg/s; counts of the encoder per turn.
@@ -107,10 +107,10 @@ def measure_residuals(seen: Cleaned, design: DesignMatrix) -> Measured:
     blocks = block_residuals_of(seen, design)
     lags = lag_coefficients(seen.rate_dps, seen.encoder_deg, design.lag, design.period_s)
     warming = warming_coefficient(blocks.bias_dps, design.warming)
-    others = [statistic.compute(blocks) for statistic in BLOCK_STATISTICS]
+    values = [statistic.compute(blocks) for statistic in BLOCK_STATISTICS]
     limits = [statistic.threshold for statistic in BLOCK_STATISTICS]
     thresholds = design.static.thresholds, design.lag.thresholds, design.warming.thresholds, limits
-    return Measured(np.concatenate([blocks.static, lags, warming, others]), np.concatenate(thresholds))
+    return Measured(np.concatenate([blocks.static, lags, warming, values]), np.concatenate(thresholds))
 
 
 def measure_samples(seen: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
@@ -127,7 +127,7 @@ def measure_samples(seen: Cleaned, design: DesignMatrix, facts: Facts) -> Measur
 
 
 def rms_scale(design: DesignMatrix) -> Floats:
-    """By which coefficients on an orthonormal basis are divided to be RMS over a session, else 1; shape (features,)."""
+    """(F,) divisors that make coefficients on an orthonormal basis an RMS over a session; 1 for other features."""
     scale = np.ones(len(FEATURES))
     lags = STATIC + design.lag.vectors.shape[1]
     scale[:STATIC] = np.sqrt(len(design.static.vectors))

@@ -4,7 +4,8 @@ Each check looks at a recording and finds nothing, or one thing: it refuses it, 
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,35 +26,22 @@ LAG_S = 0.25
 """More than this between encoder and gyro is a recorder that joined them wrongly, not a sensor's delay."""
 
 
-@dataclass(frozen=True, slots=True)
-class CheckedRecording:
-    """A recording after the checks.
-
-    recording
-        Put right where it could be; None where it was refused.
-    remarks
-        What was found, each a sentence.
-    """
+class CheckedRecording(NamedTuple):
+    """A recording after the checks, None where it was refused, and remarks, a sentence each."""
 
     recording: Recording | None
     remarks: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Smoothed:
+class Smoothed(NamedTuple):
     """A recording with the smoothed rates of its gyro and encoder."""
 
     recording: Recording
     rates: SmoothedRates
 
 
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """What a check found.
-
-    smoothed
-        What the next check looks at: put right, as it was, or None where the recording is refused.
-    """
+class Finding(NamedTuple):
+    """Remark of a check, and the recording for the next check: corrected or as it was, None where it is refused."""
 
     remark: str
     smoothed: Smoothed | None

@@ -24,7 +24,7 @@ REPLAYED = "sessions replayed"
 
 
 class Origin(NamedTuple):
-    """Where a recording comes from: a session, which of its parts it is, from 0, and how its table was read."""
+    """Session of a recording, its part in the session, from 0, and how the table was read."""
 
     path: Path
     part: int
@@ -33,7 +33,7 @@ class Origin(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SimulationPlan:
-    """What is to be simulated: recordings, loaded, checked and cleaned, with their origins in the same order.
+    """Plan of the simulations: recordings, loaded, checked and cleaned, with their origins in the same order.
 
     tried
         Of the candidates that the hints give, those that are to be simulated.
@@ -149,9 +149,9 @@ def _change_of_sent(sessions: _Sessions, sent: _Sent) -> SimulatedSet:
 
 
 def _counted(tables: Iterable[ResponseTable], of: int, progress: OnProgress) -> tuple[ResponseTable, ...]:
-    found = []
+    counted = []
     progress(REPLAYED, 0, of)
     for number, table in enumerate(tables, 1):
         progress(REPLAYED, number, of)
-        found.append(table)
-    return tuple(found)
+        counted.append(table)
+    return tuple(counted)

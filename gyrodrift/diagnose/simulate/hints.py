@@ -21,10 +21,10 @@ BEGINS_AFTER, AT_ONCE, FEW_BUNCHES = 1.5, 0.5, 20
 """Sample periods of silence before a bunch of samples, and between two in it; few may be stalls of a host."""
 
 TICK_BIN, TICK_FINER = 1.0 / 16.0, 4
-"""Of a sample period, in which arrivals are counted; and how much finer frequencies are than these alone give."""
+"""Bin in which arrivals are counted, in sample periods, and factor by which the frequencies are finer than its own."""
 
 LEVELS_ABOVE = 4
-"""Of a rate, which come about equally often."""
+"""Levels of a rate that occur about equally often."""
 
 
 def hints_of(subjects: Sequence[Subject]) -> Hints:
@@ -35,11 +35,13 @@ def hints_of(subjects: Sequence[Subject]) -> Hints:
     pairs = zip(slow_dps, lsb_dps, strict=True)
     step_dps = _median([_even_step_of(rates_dps, lsb) or _most(rates_dps) or lsb for rates_dps, lsb in pairs])
     return Hints(
-        line_hz=_median([spectral_line(one.seen, one.design).frequency_hz for one in subjects]) or 20.0,
-        spike_dps=_usual([one.seen.spikes_dps for one in subjects]) or 20.0,
-        slip_deg=_usual([one.seen.slips_deg for one in subjects]) or 0.5,
+        line_hz=_median([spectral_line(subject.seen, subject.design).frequency_hz for subject in subjects]) or 20.0,
+        spike_dps=_usual([subject.seen.spikes_dps for subject in subjects]) or 20.0,
+        slip_deg=_usual([subject.seen.slips_deg for subject in subjects]) or 0.5,
         rate_step_dps=step_dps,
-        angle_step_deg=_median([step_of(one.seen.recording.encoder_deg) or _count_deg(one) for one in subjects]),
+        angle_step_deg=_median(
+            [step_of(subject.seen.recording.encoder_deg) or _count_deg(subject) for subject in subjects]
+        ),
         least_dps=_least_dps(np.concatenate(slow_dps), step_dps) or _median(lsb_dps),
         largest_dps=max(1.0, *(_most(subject.seen.rate_dps) for subject in subjects)),
         sample_period_s=min(recording.period_s for recording in recordings),
@@ -84,7 +86,7 @@ def _first_of_many(sizes: Floats, step: float) -> float:
 
 
 def _bunch_s(recording: Recording) -> float:
-    """By the silence before a sample that another one follows at once: after one that was lost none does."""
+    """Distance of bunches by the silence before two samples at once; a lost sample leaves no second one."""
     arrived_s = _arrived_s(recording)
     gaps = np.diff(arrived_s) / recording.period_s
     begins = np.flatnonzero((gaps[:-1] > BEGINS_AFTER) & (gaps[1:] < AT_ONCE))
@@ -92,7 +94,7 @@ def _bunch_s(recording: Recording) -> float:
 
 
 def _tick_s(recording: Recording) -> float:
-    """By the comb that arrivals at ticks make: of all at one phase its lowest frequency.
+    """Distance of ticks by the lowest frequency at which all arrivals have one phase.
 
     Where ticks are about as far apart as samples, there are no bunches, but now and then a tick without a sample. Much
     shorter ones stand behind the comb of the samples themselves; how short they are matters little.

@@ -1,4 +1,4 @@
-"""What is known of each effect as a cause: a record each, in the order in which they are tried."""
+"""Records of the effects as causes, in the order in which they are tried."""
 
 import numpy as np
 
@@ -29,7 +29,7 @@ CURVES: tuple[dict[str, float], ...] = ({}, {"curve_per_c": -0.01}, {"curve_per_
 """A line, and 10 °C from 25 °C a tenth of the line off it."""
 
 CUTOFFS_HZ, ORDERS = (60.0, 35.0, 20.0, 12.0, 7.0, 4.0, 2.5, 1.2), (1, 2)
-"""Of low-passes."""
+"""Low-passes that are simulated."""
 
 REALISATIONS = 16
 """Of an effect that a slow disturbance is drawn for in milliseconds: with two sessions, more than thirty."""
@@ -39,7 +39,7 @@ LAG = "lag"
 
 
 def _time_constant_s(cutoff_hz: float) -> float:
-    """And the other way round."""
+    """Inverse of the size of a low-pass."""
     return 1.0 / (2.0 * np.pi * cutoff_hz)
 
 

@@ -32,7 +32,7 @@ ORDERS = (2, 3, 4, 5, 6, 7, 8)
 """Parts of a turn; once per turn is an effect of the catalog."""
 
 MEMORY_S = 0.2
-"""Of noise that is not white within a second, and white beyond: between white noise and any wandering of a bias."""
+"""Time constant of noise that is white beyond a second: between white noise and any wandering of a bias."""
 
 
 def out_of_catalogue() -> Iterator[Candidate]:
@@ -76,7 +76,7 @@ def behind_temperature(play_c: float) -> Shape:
 
 
 def ahead(design: DesignMatrix, _: np.random.Generator) -> Floats:
-    """What a rate gains that comes a second early, to first order: its own change."""
+    """Gain of a rate that comes a second early, to first order: its own change."""
     return np.gradient(design.motion.rate_dps, design.period_s)
 
 
@@ -139,7 +139,7 @@ def gain_in_angle(design: DesignMatrix, rng: np.random.Generator) -> Floats:
 
 
 def of_angle_error(design: DesignMatrix, rng: np.random.Generator) -> Floats:
-    """What an angle that errs so looks like from the rate; size is the angle's, in degrees."""
+    """Rate error that an error of the angle looks like; size is that of the angle, degrees."""
     error_deg = random_turn(rng, design.motion.angle_deg)
     slope: Floats = -np.gradient(error_deg, design.period_s)
     return slope
@@ -153,7 +153,7 @@ def with_memory(design: DesignMatrix, rng: np.random.Generator) -> Floats:
 
 
 def with_memory_in_motion(design: DesignMatrix, rng: np.random.Generator) -> Floats:
-    """The same, silent where nothing moves."""
+    """Noise with memory, silent where nothing moves."""
     return np.where(np.abs(design.regimes.speed_dps) > SLOW_DPS, with_memory(design, rng), 0.0)
 
 

@@ -68,7 +68,7 @@ def response(subject: Subject, candidate: Candidate, base: Sequence[BaseRun]) ->
 
 
 def _calibrated(subject: Subject, candidate: Candidate, size: float) -> Subject:
-    """The rig calibrated beside an effect of a size, where the effect is played anew."""
+    """The rig calibrated beside an effect of a size, where the effect is played again."""
     if candidate.shape is None and candidate.touches in (Touches.VALUES, Touches.EVERYTHING):
         return with_noise_beneath(subject, (candidate.applied(size, subject.rig.effects),))
     return subject
@@ -122,19 +122,19 @@ def _first(features: Floats, others: Floats) -> Floats:
 
 
 def change_of(effects: Sequence[Sized], subjects: Sequence[Subject], tables: Sequence[ResponseTable]) -> SimulatedSet:
-    """What a whole set of candidates does in all sessions."""
+    """Change of the features by a whole set of candidates, in all sessions."""
     pairs = enumerate(zip(subjects, tables, strict=True))
     return together([change_in(effects, number, subject, table) for number, (subject, table) in pairs])
 
 
 def together(sessions: Sequence[SimulatedSet]) -> SimulatedSet:
-    """Of all sessions what was simulated in each."""
+    """One simulated set of all sessions."""
     changes, variances = np.array([one.change for one in sessions]), np.array([one.variance for one in sessions])
     return SimulatedSet(changes, variances, sessions[0].runs)
 
 
 def change_in(effects: Sequence[Sized], number: int, subject: Subject, table: ResponseTable) -> SimulatedSet:
-    """The same in session `number`."""
+    """Change of the features by a whole set of candidates in session `number`."""
     known = tuple(in_session(one, number, subject) for one in effects if not one.candidate.is_out_of_catalogue)
     calibrated = with_noise_beneath(subject, known)
     is_random = any(one.is_random for one in effects)
