@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firmware_sim.rig import Base, Rig
+from firmware_sim.rig import Rig
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.vector import FEATURES, NOT_OF_STEPS, NUMBER, SLOW, rms_scale
 from gyrodrift.diagnose.inference.baseline import (
@@ -51,12 +51,6 @@ SLOW_ONLY = "single samples are not compared, only rate errors second by second"
 
 ALL = np.ones(len(FEATURES), bool)
 
-NO_STEPS_CPR = 3_600_000
-"""Counts that stand for a reference without any: a ten-thousandth of a degree."""
-
-NO_STEPS_DPS = 1e-4
-"""Step that stands for none in a rate, deg/s."""
-
 ADOPTED_FROM, TIMES_ADOPTED_FROM = 0.8, 0.5
 """Probability of what the baseline shows, from which on it goes into the rig; what is less sure is common to both. What
 touches times alone bends nothing else, so that it goes there as soon as it is rather so than not."""
@@ -75,14 +69,6 @@ class ExplainedBaseline(NamedTuple):
     tables: tuple[ResponseTable, ...]
     least_noise_dps_rthz: float
     remarks: list[str]
-
-
-def rig_shown_by(recordings: Sequence[Recording]) -> Rig:
-    """A rig without effects whose facts are those that recordings show: the steps of their rates and angles."""
-    lsb = [step for step in (levels_of(recording.rate_dps).step for recording in recordings) if step is not None]
-    count = [step for step in (levels_of(recording.encoder_deg).step for recording in recordings) if step is not None]
-    cpr = round(360.0 / float(np.median(count))) if count else NO_STEPS_CPR
-    return Rig(base=Base(dps_per_lsb=float(np.median(lsb)) if lsb else NO_STEPS_DPS, encoder_cpr=cpr))
 
 
 def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording]) -> ExplainedBaseline:

@@ -12,12 +12,9 @@ from simulate_support import BASE, MOTION
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.rig import Rig, parse_effect
 from gyrodrift.diagnose.beside_baseline import (
-    NO_STEPS_CPR,
-    NO_STEPS_DPS,
     compared_of,
     explained_baseline,
     new_since,
-    rig_shown_by,
     without_baseline,
 )
 from gyrodrift.diagnose.features.vector import NOT_OF_STEPS, NUMBER, SLOW
@@ -77,20 +74,6 @@ def test_coarser_steps_may_be_an_effect() -> None:
     assert not compared_of([seen(lsb_dps=0.0231)], [seen()])[0].all()
     rests = replace(seen(), rate_dps=0.0 * seen().rate_dps)
     assert compared_of([seen()], [rests])[0].all()
-
-
-def test_a_rig_is_shown_by_the_steps_of_recordings() -> None:
-    """Those that they were simulated with, whatever the noise."""
-    base = rig_shown_by([seen(cpr=4096), seen(lsb_dps=0.0305, cpr=4096), seen(lsb_dps=0.0305, cpr=4096)]).base
-    assert base.dps_per_lsb == pytest.approx(0.0305, rel=1e-3)
-    assert base.encoder_cpr == 4096
-
-
-def test_without_steps_a_rig_is_as_fine_as_can_be() -> None:
-    """An optical reference and a rate that was filtered."""
-    base = rig_shown_by([fine(seen())]).base
-    assert base.encoder_cpr == NO_STEPS_CPR
-    assert base.dps_per_lsb == NO_STEPS_DPS
 
 
 @pytest.mark.long

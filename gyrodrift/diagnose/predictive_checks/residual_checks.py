@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Integers, Mask
+from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.block_means import block_means
 from gyrodrift.diagnose.features.motion_terms import TURN_DPS
 from gyrodrift.diagnose.features.regimes import SLOW_DPS
@@ -57,7 +57,7 @@ def _temperature(subject: Subject) -> Floats:
 
 def _rest(subject: Subject) -> Floats:
     last, known = _last(subject, np.abs(subject.design.regimes.block_rate_dps) > SLOW_DPS)
-    return np.where(known, (np.arange(len(last)) - last) * _second_s(subject), np.nan)
+    return np.where(known, (np.arange(len(last)) - last) * (subject.design.block * subject.design.period_s), np.nan)
 
 
 def _direction(subject: Subject) -> Floats:
@@ -70,10 +70,6 @@ def _last(subject: Subject, is_such: Mask) -> tuple[Floats, Mask]:
     """Of each second, which before it was such; and whether there was one, and it rests."""
     last = np.maximum.accumulate(np.where(is_such, np.arange(len(is_such)), -1))
     return last, subject.design.regimes.block_at_rest & (last >= 0)
-
-
-def _second_s(subject: Subject) -> float:
-    return subject.design.block * subject.design.period_s
 
 
 REGRESSORS = (
@@ -131,7 +127,9 @@ def dependences_of(sessions: Sequence[ResidualSeries], subjects: Sequence[Subjec
         x = np.concatenate([regressor.of(subject) for subject in subjects])
         order = np.argsort(x, kind="stable")[: int(np.count_nonzero(np.isfinite(x)))]  # NaN come last
         if len(order) >= LEAST_SECONDS and x[order[-1]] > x[order[0]]:
-            found.append(_dependence(regressor, x[order], [_in_order(one, order) for one in _columns(sessions)]))
+            found.append(
+                _dependence(regressor, x[order], [np.concatenate(column)[order] for column in _columns(sessions)])
+            )
     return tuple(found)
 
 
@@ -139,11 +137,6 @@ def _columns(sessions: Sequence[ResidualSeries]) -> list[list[Floats]]:
     """Of all sessions: real, before, after, left."""
     rows = [(one.real_dps, one.before_dps, one.after_dps, one.left_dps) for one in sessions]
     return [list(column) for column in zip(*rows, strict=True)]
-
-
-def _in_order(parts: list[Floats], order: Integers) -> Floats:
-    pooled: Floats = np.concatenate(parts)[order]
-    return pooled
 
 
 def _dependence(regressor: ResidualRegressor, x: Floats, columns: Sequence[Floats]) -> Dependence:

@@ -161,10 +161,7 @@ def _replays(subject: Subject, sets: Sequence[tuple[NamedCause, ...]], seed: int
     played: list[Cleaned] = []
     for at, causes in enumerate(sets):
         first = sets.index(causes)
-        played.append(played[first] if first < at else _replayed(subject, causes, seed))
+        effects = tuple(cause.in_session(seed - 1, subject.rig.effects) for cause in causes)
+        is_new = first == at
+        played.append(with_noise_beneath(subject, effects).replayed(effects, seed) if is_new else played[first])
     return played
-
-
-def _replayed(subject: Subject, causes: tuple[NamedCause, ...], seed: int) -> Cleaned:
-    effects = tuple(cause.in_session(seed - 1, subject.rig.effects) for cause in causes)
-    return with_noise_beneath(subject, effects).replayed(effects, seed)

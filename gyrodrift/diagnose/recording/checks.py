@@ -52,7 +52,9 @@ Check = Callable[[Smoothed], Finding | None]
 
 def check_recording(recording: Recording) -> CheckedRecording:
     """Run all checks, the next on what the one before put right, up to the first that refuses."""
-    smoothed, remarks = _smoothed(recording), []
+    rate_dps, encoder_deg = filled(recording.rate_dps), filled(recording.encoder_deg)
+    rates = smoothed_rates(rate_dps, encoder_deg, granularity(recording.encoder_deg), recording.period_s)
+    smoothed, remarks = Smoothed(recording, rates), []
     for check in (*CHECKS, *MOTION_CHECKS) if recording.moves else CHECKS:
         finding = check(smoothed)
         if finding is None:
@@ -78,12 +80,6 @@ def together_s(recordings: Sequence[Recording]) -> float:
     needed = f"at least {TOGETHER_S:.0f} s in all are needed, in recordings of {LEAST_S:.0f} s or more"
     count = f"{len(recordings)} recording" if len(recordings) == 1 else f"{len(recordings)} recordings"
     raise DataError(f"there are {seconds:.1f} s in {count}; {needed}: record {TOGETHER_S - seconds:.1f} s more")
-
-
-def _smoothed(recording: Recording) -> Smoothed:
-    rate_dps, encoder_deg = filled(recording.rate_dps), filled(recording.encoder_deg)
-    count_deg = granularity(recording.encoder_deg)
-    return Smoothed(recording, smoothed_rates(rate_dps, encoder_deg, count_deg, recording.period_s))
 
 
 def _length(smoothed: Smoothed) -> Finding | None:
@@ -116,8 +112,7 @@ def _alignment(smoothed: Smoothed) -> Finding | None:
 
 
 def _sign(smoothed: Smoothed) -> Finding | None:
-    is_opposite = smoothed.rates.gain < 0.0
-    if not is_opposite:
+    if not smoothed.rates.gain < 0.0:
         return None
     turned = replace(smoothed.recording, rate_dps=-smoothed.recording.rate_dps)
     remark = "the rate has the sign opposite to the encoder's; it was turned round"

@@ -11,6 +11,7 @@ from gyrodrift.diagnose.recording.among_neighbours import off_cubic, stands_alon
 from gyrodrift.diagnose.recording.motion import rough_rate_dps
 from gyrodrift.diagnose.recording.order_statistics import distinct
 from gyrodrift.diagnose.recording.recording import Recording, filled
+from gyrodrift.diagnose.recording.rests import stretches
 
 SPIKE_SIGMAS = 10.0
 """An outlier of the rate is this far off, beside the encoder or among its neighbours."""
@@ -116,8 +117,7 @@ def at_limit(rate_dps: Floats, angle_deg: Floats, period_s: float) -> Mask:
 
 def _runs_of(extreme: Mask) -> list[tuple[int, int]]:
     """First sample, and the one after the last, of each run of LIMIT_RUN and more."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], extreme, [False]]).astype(np.int8)))
-    return [(first, end) for first, end in zip(edges[::2], edges[1::2], strict=True) if end - first >= LIMIT_RUN]
+    return [(first, end) for first, end in stretches(extreme) if end - first >= LIMIT_RUN]
 
 
 def _stands_below(rate_dps: Floats, largest_dps: float) -> bool:

@@ -123,12 +123,8 @@ class Candidate:
         Those that a fit decides between.
     group
         Effects of one group are easily taken for each other.
-    realisations
-        How many draws a size takes: one where chance plays no part.
-    is_exact
-        Whether a device can follow no other form.
-    phase_deg
-        As in `Variant`.
+    needs, touches, realisations, is_exact, phase_deg
+        As in `CandidateKind` and `Variant`.
     is_phase_free
         Whether the phase is another one in each session, as with an encoder that is zeroed wherever it stands.
     in_rig
@@ -270,7 +266,7 @@ class CandidateKind:
         def changed(size: float) -> Effect:
             return in_rig.model_copy(update={**in_rig.model_dump(), self.parameter: has + size})  # all of it is stated
 
-        down, lowest = -up[::-1], _least(in_rig, self.parameter) - has
+        down, lowest = -up[::-1], _bound(type(in_rig), self.parameter, "ge", -np.inf) - has
         if lowest > down[0]:
             down = np.concatenate([[lowest], down[down > lowest]])
         grid = SizeGrid(np.array([-most, most]), np.concatenate([down, up]))
@@ -303,11 +299,6 @@ def _allowed(kind: type[Effect], parameter: str, value: float) -> float:
     """The nearest value that a parameter may take: recordings may hint at one that it may not."""
     least, most = _bound(kind, parameter, "ge", -np.inf), _bound(kind, parameter, "le", np.inf)
     return value if least <= value <= most else type(value)(min(max(value, least), most))
-
-
-def _least(effect: Effect, parameter: str) -> float:
-    """The least value that a parameter may take."""
-    return _bound(type(effect), parameter, "ge", -np.inf)
 
 
 def _bound(kind: type[Effect], parameter: str, which: str, otherwise: float) -> float:

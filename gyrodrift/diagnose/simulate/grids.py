@@ -37,12 +37,6 @@ def simulated_grid(*points: float) -> SizeGrid:
     return SizeGrid(np.array(points), between(points[0], points[-1]))
 
 
-def read_grid(size: float) -> SizeGrid:
-    """Of an effect whose size the recordings show outright."""
-    sizes = np.array([size])
-    return SizeGrid(sizes, sizes)
-
-
 def linear(least: float, most: float) -> Variants:
     """One variant on a linear grid."""
     return lambda _: [Variant(linear_grid(least, most))]
@@ -93,4 +87,4 @@ def hinted(parameter: str, hint: Callable[[Hints], float], *points: float) -> Va
 
 def read_off(hint: Callable[[Hints], float]) -> Variants:
     """The size itself is what the recordings show."""
-    return lambda hints: [Variant(read_grid(hint(hints)))]
+    return lambda hints: [Variant(SizeGrid(*[np.array([hint(hints)])] * 2))]

@@ -11,7 +11,7 @@ from firmware_sim.effects.effect import Effect
 from firmware_sim.rig import Rig, parse_effect
 from gyrodrift.diagnose.simulate.candidate import SAME, Candidate, Hints, Touches
 from gyrodrift.diagnose.simulate.candidates import KINDS, candidates, register
-from gyrodrift.diagnose.simulate.grids import between, linear_grid, read_grid, simulated_grid
+from gyrodrift.diagnose.simulate.grids import between, linear_grid, simulated_grid
 from gyrodrift.diagnose.simulate.response_table import key
 
 
@@ -104,7 +104,6 @@ def test_a_simulated_grid_decides_between_its_first_and_last_point() -> None:
     grid = simulated_grid(0.3, 2.0, 8.0)
     assert grid.points.tolist() == [0.3, 2.0, 8.0]
     assert (grid.sizes[0], grid.sizes[-1]) == pytest.approx((0.3, 8.0))
-    assert read_grid(0.5).points.tolist() == read_grid(0.5).sizes.tolist() == [0.5]
 
 
 def test_a_record_that_cannot_be_is_refused() -> None:
