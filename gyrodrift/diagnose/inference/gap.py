@@ -56,9 +56,6 @@ def shared(every: Sequence[Deviation]) -> tuple[Deviation, ...]:
     return tuple(replace(deviation, share=square / total) for deviation, square in zip(every, squares, strict=True))
 
 
-INTERVAL = (0.05, 0.95)
-"""Quantiles over sets of sessions drawn with replacement, a 90 % interval."""
-
 SEED = 0
 NO_GAP = 1.05
 """Ratio of gap and floor up to which there is nothing to close."""
@@ -100,7 +97,7 @@ def gap_of(evidence: Evidence, after_z: Floats) -> SimToRealGap:
     whole = shrink_of(before, after, floor)
     if whole is None or not defined:
         return SimToRealGap(total_of(before), total_of(after), floor, whole, None, None)
-    low, high = np.quantile(defined, INTERVAL)
+    low, high = np.quantile(defined, (0.05, 0.95))  # a 90 % interval
     return SimToRealGap(total_of(before), total_of(after), floor, whole, float(low), float(high))
 
 

@@ -78,9 +78,6 @@ ROUNDS = 3
 MORE_ROUNDS, FAR_OFF = 4, 1.1
 """As many more where the last of these changed the noise by such a factor, as beside a dead band."""
 
-LEAST_STEP, MOST_STEP = 0.3, 3.0
-"""By which a round changes the standard deviation of the noise."""
-
 STEEPEST, CLEAR_STEP = 4.0, 1.05
 """What shows of the noise may grow with a power of it, as beside a dead band: two rounds tell which, that are so far
 apart. No step follows a power below 1, lest it overshoot."""
@@ -128,7 +125,7 @@ def calibrated(
         found = level_of(played, design, step_dps, in_motion=in_motion, gyro=gyro)
         shown = _NoiseShown(base.noise_dps_rthz, _above_rounding_dps(found, step_dps))
         ratio = (_above_rounding_dps(wanted, step_dps) / shown.white_dps) ** (1.0 / _power(last, shown))
-        change = float(np.clip(ratio, LEAST_STEP, MOST_STEP))
+        change = float(np.clip(ratio, 0.3, 3.0))  # bounds of the change in a round
         more_dps = wanted.bias_dps - found.bias_dps
         noise = max(base.noise_dps_rthz * change, least_noise_dps_rthz)
         base = base.model_copy(update={"noise_dps_rthz": noise, "bias_dps": base.bias_dps + more_dps})

@@ -32,7 +32,7 @@ CUTOFFS_HZ, ORDERS = (60.0, 35.0, 20.0, 12.0, 7.0, 4.0, 2.5, 1.2), (1, 2)
 """Low-passes that are simulated."""
 
 REALISATIONS = 16
-"""Of an effect that a slow disturbance is drawn for in milliseconds: with two sessions, more than thirty."""
+"""Realisations of an effect whose slow disturbance takes milliseconds; two sessions have more than thirty."""
 
 LAG = "lag"
 """Group of effects and forms by which a rate comes late."""

@@ -26,9 +26,6 @@ from gyrodrift.diagnose.simulate.candidates import KINDS
 ONCE_PER_TURN = {"g_sensitivity": "amplitude_dps", "encoder_eccentricity": "amplitude_deg"}
 """Effects with a phase, by the names of their amplitudes."""
 
-OF_THE_RATE = (EffectSlot.LOW_PASS, EffectSlot.RATE, EffectSlot.OUTPUT)
-"""Where an effect that leaves nothing to chance gives the same error of the rate for the same motion."""
-
 NOT_BY_ITSELF = frozenset({"quantization", *ONCE_PER_TURN})
 """Of these: steps that no noise smooths are others, and phases are what is looked for."""
 
@@ -224,7 +221,7 @@ def error_dps(rig: Rig, motion: ReplayedMotion, without: Collection[str] = ("qua
         if effect.slot is EffectSlot.LAG:
             seen_s = effect.begin(none, rate_hz)(seen_s, moments)
     rate_dps: Floats = np.interp(seen_s, moments.t_s, motion.rate_dps) + rig.base.bias_dps
-    for place in OF_THE_RATE:
+    for place in (EffectSlot.LOW_PASS, EffectSlot.RATE, EffectSlot.OUTPUT):
         for effect in effects:
             if effect.slot is place:
                 rate_dps = effect.begin(none, rate_hz)(rate_dps, moments)
