@@ -111,7 +111,7 @@ def test_beside_a_baseline_only_what_is_new_is_told(tmp_path: Path) -> None:
     scaled = recorded(tmp_path / "scaled", bench(own, "scale_factor:error_percent=3"), seed=13)
     nothing = diagnosed(same, rig, tmp_path / "nothing", "--baseline", str(before))
     assert (nothing["verdict"], nothing["causes"]) == ("none", [])
-    assert any("it shows latency already" in remark for remark in nothing["remarks"])
+    assert any("it already shows latency" in remark for remark in nothing["remarks"])
     changed = diagnosed(scaled, rig, tmp_path / "changed", "--baseline", str(before))
     (cause,) = changed["causes"]
     assert cause["effect"] == "scale_factor"
