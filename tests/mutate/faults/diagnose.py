@@ -8,6 +8,7 @@ FACTORS, FACTORS_TESTS = f"{INFERENCE}/factors.py", (f"{UNITS}/test_factors.py",
 TEMPLATE, TEMPLATE_TESTS = f"{INFERENCE}/template.py", (f"{UNITS}/test_template.py",)
 SETS, SETS_TESTS = f"{INFERENCE}/sets.py", (f"{UNITS}/test_sets.py",)
 POSTERIOR, POSTERIOR_TESTS = f"{INFERENCE}/posterior.py", (f"{UNITS}/test_posterior.py",)
+QUICK, QUICK_TESTS = "gyrodrift/diagnose/recording/quick_motion.py", ("tests/diagnose/recording/test_quick_motion.py",)
 
 FAULTS = (
     Fault(
@@ -177,5 +178,21 @@ FAULTS = (
         "scatter.log_determinant) - 0.0 * margin",
         "A detectable size shows in every second recording.",
         (f"{UNITS}/test_detectable.py",),
+    ),
+    Fault(
+        "diagnose/quick-motion-not-drawn",
+        QUICK,
+        "white = np.sqrt(self.trembles) * rng",
+        "white = 0.0 * rng",
+        "A drawn path lacks the motion that noise of the gyro hides.",
+        QUICK_TESTS,
+    ),
+    Fault(
+        "diagnose/everything-trembles",
+        QUICK,
+        "probability: Floats = expit(log_ratios @ (0.5 * bands.freedoms))",
+        "probability: Floats = np.ones(len(log_ratios))",
+        "A table trembles where it turns calmly.",
+        QUICK_TESTS,
     ),
 )
