@@ -36,8 +36,8 @@ class Bands:
 
     @property
     def is_known(self) -> bool:
-        """Whether there are windows enough for a spectrum."""
-        return len(self.first) >= FEW_WINDOWS
+        """Whether there are enough windows for a spectrum, and enough samples in a window for a band."""
+        return len(self.first) >= FEW_WINDOWS and int(self.edges[-1]) <= self.points // 2 + 1
 
     @property
     def centers_hz(self) -> Floats:

@@ -82,6 +82,8 @@ class QuickMotion:
     def drawn(self, rng: np.random.Generator, lacking: Floats) -> Floats:
         """Random angles and rates, (n, 2), with a power by band."""
         white = np.sqrt(self.trembles) * rng.standard_normal(len(self.trembles))
+        if not lacking.any():  # few samples a second make a window without power
+            return np.zeros((len(white), 2))
         return self._filtered(white, np.sqrt(lacking / self.bands.window_power))
 
     def _residual_share(self, cross: Floats) -> Floats:

@@ -151,3 +151,14 @@ def test_a_replay_of_a_trembling_robot_scatters_as_its_recording_does(cpr: int) 
             powers.append(float(np.square(np.diff(means, 3)).mean()))
         assert powers[1] == pytest.approx(powers[0], rel=0.08)
     assert subject.rig.base.noise_dps_rthz == pytest.approx(Base().noise_dps_rthz, rel=0.25)
+
+
+def test_a_recording_of_two_samples_a_second_lacks_no_motion() -> None:
+    """A window has too few samples for a spectrum; the path stays as it is."""
+    rng = np.random.default_rng(1)
+    rate_dps = np.where(IN_MOTION, falling(rng, 1.8), 0.0)
+    quick = quick_motion_of(rate_dps, ~IN_MOTION, IN_MOTION, 0.5, GYRO)
+    smooth = np.column_stack([np.zeros(SAMPLES), rate_dps])
+    path, lacking = quick.completed(smooth, rate_dps)
+    assert np.array_equal(path, smooth)
+    assert not quick.drawn(rng, lacking).any()
