@@ -28,7 +28,7 @@ WARMUPS = [
 CURVES: tuple[dict[str, float], ...] = ({}, {"curve_per_c": -0.01}, {"curve_per_c": 0.01})
 """A line, and 10 °C from 25 °C a tenth of the line off it."""
 
-CUTOFFS_HZ, ORDERS = (60.0, 35.0, 20.0, 12.0, 7.0, 4.0, 2.5, 1.2), (1, 2)
+CUTOFFS_HZ, ORDERS = (60.0, 35.0, 20.0, 12.0, 7.0, 4.0, 2.5, 1.2, 0.5), (1, 2)
 """Low-passes that are simulated."""
 
 REALISATIONS = 16
@@ -131,47 +131,47 @@ EFFECTS = (
         LAG, (Need.MOTION,), Touches.VALUES, of_size=_time_constant_s, less_is_more=True,
     ),
     CandidateKind(
-        "latency", "delay_ms", simulated(0.3, 2.0, 8.0, 20.0, 50.0, 120.0),
+        "latency", "delay_ms", simulated(0.3, 2.0, 8.0, 20.0, 50.0, 120.0, 400.0),
         "the rate comes a fixed time later than the motion",
         LAG, (Need.MOTION,), Touches.VALUES, matters_from=1.0,
     ),
     CandidateKind(
-        "backlash", "play_deg", simulated(0.01, 0.03, 0.1, 0.3, 1.0),
+        "backlash", "play_deg", simulated(0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0),
         "the encoder stays behind by a play when the motion reverses",
         "reversal", (Need.MOTION,), Touches.VALUES, matters_from=0.03,
     ),
     CandidateKind(
-        "timestamp_jitter", "sigma_ms", simulated_within(0.4, 0.02, 0.06, 0.2, 0.6, 2.0, 5.0),
+        "timestamp_jitter", "sigma_ms", simulated_within(0.4, 0.02, 0.06, 0.2, 0.6, 2.0, 5.0, 20.0),
         "the device's time stamps scatter",
         "times", (), Touches.TIMES, matters_from=0.06,
     ),
     CandidateKind(
         "usb_batching", "interval_ms",
-        simulated_and_shown(_bunches_ms, 1.5, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 100.0),
+        simulated_and_shown(_bunches_ms, 1.5, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 100.0, 250.0),
         "samples reach the host in bunches", "times", (Need.HOST,), Touches.TIMES, matters_from=2.0,
     ),
     CandidateKind(
-        "sample_drop", "share_percent", simulated(0.01, 0.1, 1.0, 4.0, 16.0), "samples never arrive",
+        "sample_drop", "share_percent", simulated(0.01, 0.1, 1.0, 4.0, 16.0, 40.0), "samples never arrive",
         None, (Need.COUNTER,), realisations=2, matters_from=0.02,
     ),
     CandidateKind(
-        "stale_hold", "share_percent", simulated(0.02, 0.2, 2.0, 8.0, 30.0), "a sample repeats the one before it",
+        "stale_hold", "share_percent", simulated(0.02, 0.2, 2.0, 8.0, 30.0, 50.0), "a sample repeats the one before it",
         "coarse values", (Need.MOTION,), Touches.VALUES, realisations=2, matters_from=0.05,
     ),
     # In which chance plays a part, tones, and the steps of the encoder.
     CandidateKind(
-        "bias_instability", "floor_dph", simulated(3.0, 12.0, 50.0, 200.0),
+        "bias_instability", "floor_dph", simulated(3.0, 12.0, 50.0, 200.0, 1000.0),
         "the bias wanders slowly, and stays about where it is (1/f noise)",
         "stochastic bias", (), Touches.RATE, realisations=REALISATIONS, matters_from=3.0,
     ),
     CandidateKind(
-        "rate_random_walk", "density_dps_rts", simulated(0.0002, 0.001, 0.005, 0.02),
+        "rate_random_walk", "density_dps_rts", simulated(0.0002, 0.001, 0.005, 0.02, 0.1),
         "the bias walks away by small random steps",
         "stochastic bias", (), Touches.SLOW_RATE, realisations=REALISATIONS, matters_from=0.0003,
     ),
     CandidateKind(
         "popcorn", "step_dps",
-        one_of(simulated_grid(0.01, 0.1, 1.0), [{"dwell_s": dwell_s} for dwell_s in (8.0, 16.0, 32.0, 80.0)]),
+        one_of(simulated_grid(0.01, 0.1, 1.0, 5.0), [{"dwell_s": dwell_s} for dwell_s in (8.0, 16.0, 32.0, 80.0)]),
         "the bias jumps to and fro between two levels",
         "stochastic bias", (), Touches.SLOW_RATE, realisations=REALISATIONS, matters_from=0.01,
     ),
@@ -181,13 +181,13 @@ EFFECTS = (
         "single rates are outliers", "outliers", (), Touches.VALUES, realisations=4, is_read_off=True,
     ),
     CandidateKind(
-        "encoder_slip", "per_hour", hinted("step_deg", lambda hints: hints.slip_deg, 6.0, 30.0, 120.0),
+        "encoder_slip", "per_hour", hinted("step_deg", lambda hints: hints.slip_deg, 6.0, 30.0, 120.0, 600.0),
         "the encoder's angle jumps, and stays there",
         "outliers", (Need.MOTION,), Touches.VALUES, realisations=4, is_read_off=True,
     ),
     CandidateKind(
         "vibration", "amplitude_dps",
-        hinted("frequency_hz", lambda hints: hints.line_hz, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0),
+        hinted("frequency_hz", lambda hints: hints.line_hz, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 20.0),
         "a tone of one frequency lies in the rate", None, (), Touches.VALUES, matters_from=0.02,
     ),
     CandidateKind(
