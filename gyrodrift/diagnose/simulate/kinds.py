@@ -141,7 +141,7 @@ EFFECTS = (
         "reversal", (Need.MOTION,), Touches.VALUES, matters_from=0.03,
     ),
     CandidateKind(
-        "timestamp_jitter", "sigma_ms", simulated_within(0.4, 0.02, 0.06, 0.2, 0.6, 2.0, 5.0, 20.0),
+        "timestamp_jitter", "sigma_ms", simulated_within(0.4, 0.02, 0.06, 0.2, 0.6, 2.0, 5.0),
         "the device's time stamps scatter",
         "times", (), Touches.TIMES, matters_from=0.06,
     ),

@@ -100,7 +100,7 @@ def test_a_host_whose_clock_is_set_is_survived(set_by_s: float) -> None:
 
 def test_what_is_shown_is_simulated_and_a_size() -> None:
     """Beside those that are always tried."""
-    for bunch_s, is_own in ((0.053, True), (0.0, False), (0.2, False)):
+    for bunch_s, is_own in ((0.053, True), (0.0, False), (0.3, False)):
         (one,) = (each for each in candidates(replace(HINTS, bunch_s=bunch_s)) if each.name == "usb_batching")
         assert (1e3 * bunch_s in one.grid_points, 1e3 * bunch_s in one.sizes) == (is_own, is_own)
 
