@@ -40,14 +40,14 @@ def only(*kept: str) -> tuple[str, ...]:
 
 
 def test_a_bias_that_follows_the_temperature_with_hysteresis(tmp_path: Path, recordings: Recordings) -> None:
-    """The line is found as steps of the bias against steps of the temperature have it; the rest is left over."""
+    """One sweep: the bias is no effect of the catalog, and the linear model says what is nearest to it."""
     tried = ("temp_bias", "warmup", "popcorn", "scale_factor", "clock_drift")
     base = {"sample_rate_hz": 2.0, "dps_per_lsb": 250.0 / 32768.0}
     gap = diagnosed([recordings.path("temperature_sweep")], base, tmp_path, *only(*tried))
-    assert gap["verdict"] == "partly"
-    assert gap["causes"][0]["effect"] == "temp_bias"
-    assert gap["causes"][0]["parameters"]["slope_dps_per_c"]["value"] == pytest.approx(0.0062, rel=0.3)
+    assert gap["verdict"] in {"partly", "unknown"}
     assert gap["leftover"]
+    assert gap["linear_model"]["effect"] == "temp_bias"
+    assert gap["linear_model"]["value"] == pytest.approx(0.0062, rel=0.3)
     assert gap["untestable"]["scale_factor"] == "no motion"
     assert gap["untestable"]["clock_drift"] == "no host times"
 
@@ -56,8 +56,9 @@ def test_arrivals_in_bunches(tmp_path: Path, recordings: Recordings) -> None:
     """Of a sensor that lay still; bunches are 48.8 ms apart in the mean."""
     still = recordings.path("mpu6050_still")
     gap = diagnosed([still], {"sample_rate_hz": 100.0, "dps_per_lsb": 250.0 / 32768.0}, tmp_path)
-    assert gap["causes"][0]["effect"] == "usb_batching"
-    assert gap["causes"][0]["parameters"]["interval_ms"]["value"] == pytest.approx(48.8, rel=0.2)
+    (batching,) = (cause for cause in gap["causes"] if cause["effect"] == "usb_batching")
+    interval = batching["parameters"]["interval_ms"]
+    assert interval["low"] < 48.8 < interval["high"]
     assert gap["where"][0]["stage"] == "link"
 
 

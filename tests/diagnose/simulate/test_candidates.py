@@ -155,7 +155,7 @@ def test_an_amplitude_in_the_rig_goes_down_to_nothing(text: str) -> None:
 
 @pytest.mark.parametrize(
     ("text", "variants"),
-    [("latency:delay_ms=20", 1), ("backlash", 1), ("popcorn", 4), ("quantization:step_dps=0.3", 1), ("bandwidth", 2)],
+    [("latency:delay_ms=20", 1), ("backlash", 1), ("popcorn", 3), ("quantization:step_dps=0.3", 1), ("bandwidth", 2)],
 )
 def test_of_any_other_effect_in_the_rig_sizes_are_instead(text: str, variants: int) -> None:
     """The grid is that of one that the rig has not, but for sizes so near to its own that they are no others.
