@@ -11,9 +11,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from gyrodrift.arrays import Floats, Integers, Mask
+from gyrodrift.compile import compiled_once
 
 DEGREES_OF_FREEDOM = 20.0
 """Degrees of freedom of the Student density. Between 12 and 30 the verdicts on 13 simulated rigs without a gap stay the
@@ -97,7 +97,7 @@ class Groups(NamedTuple):
     is_used: Mask
 
 
-@njit(cache=True)
+@compiled_once()
 def _log_student(residual: Floats, covariance: Floats, nu: float, root: Floats, white: Floats) -> float:
     """Logarithm of a multivariate Student density by a Cholesky factorization; `root` and `white` are scratch."""
     size = len(residual)
@@ -119,7 +119,7 @@ def _log_student(residual: Floats, covariance: Floats, nu: float, root: Floats, 
     return constant - log_determinant - 0.5 * (nu + size) * math.log1p(square / nu)
 
 
-@njit(cache=True)
+@compiled_once()
 def _by_width(
     residual: Floats, mean: Floats, scatter: Floats, form: Floats, covariance: Floats, is_used: Mask, widths: Floats,
     nu: float,
@@ -156,7 +156,7 @@ def _by_width(
     return densities
 
 
-@njit(cache=True)
+@compiled_once()
 def _summed(densities: Floats, of_feature: Integers, groups: int, shares: Floats) -> tuple[Floats, Floats]:
     """Sum over the states of the unknown effect; see `LogDensities`."""
     points, features, widths = densities.shape

@@ -14,9 +14,9 @@ densities D is reweighted by the residual.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from gyrodrift.arrays import Floats, Integers
+from gyrodrift.compile import compiled_once
 
 MOST_FACTORS = 10
 """Number of principal directions of the realisations; the rest of the variance counts as scatter."""
@@ -61,7 +61,7 @@ def shrinkage(realised: Floats) -> float:
     return float(min(variance[off].sum() / max(np.square(correlation[off]).sum(), 1e-12), 1.0)) if off.any() else 1.0
 
 
-@njit(cache=True)
+@compiled_once()
 def explained(residual: Floats, own: Floats, placed: Floats, variance: Floats, nu: float) -> tuple[Floats, Floats]:
     """(N, S, F) residual minus the part that factors explain, and (N,) log density of that part; equation (5).
 
@@ -90,7 +90,7 @@ def explained(residual: Floats, own: Floats, placed: Floats, variance: Floats, n
     return unexplained, cost
 
 
-@njit(cache=True)
+@compiled_once()
 def _gather(own: Floats, placed: Floats, factors: Floats, moved: Integers) -> int:
     """Fill `factors` and `moved` with the features that factors change; return their number."""
     used = 0
@@ -106,7 +106,7 @@ def _gather(own: Floats, placed: Floats, factors: Floats, moved: Integers) -> in
     return used
 
 
-@njit(cache=True)
+@compiled_once()
 def _fitted(factors: Floats, values: Floats, variances: Floats, nu: float) -> tuple[Floats, float]:
     """Explained part of the values, and its negative log density."""
     number, used = factors.shape
