@@ -37,7 +37,8 @@ def random_band(rng: Rng, step_s: float, points: int, band_hz: tuple[float, floa
     shape = np.sqrt(1.0 / (1.0 + (frequency_hz / high_hz) ** (2.0 * order))) * (frequency_hz >= low_hz)
     waves = rng.standard_normal(len(shape)) + 1j * rng.standard_normal(len(shape))
     values: Floats = np.fft.irfft(waves * shape, points)
-    return values / values.std()
+    standard: Floats = values / values.std()
+    return standard
 
 
 def _moves(step_s: float, points: int, at_rest_s: float) -> Floats:
@@ -53,7 +54,9 @@ def _robot(rng: Rng, step_s: float, points: int) -> Floats:
     """Turns with pauses between them; it trembles all the while."""
     high_hz, order = np.exp(rng.uniform(np.log(4.0), np.log(20.0))), rng.uniform(1.5, 4.0)
     size_dps = np.exp(rng.uniform(np.log(0.6), np.log(3.0)))
-    return _turns(rng, step_s, points) + size_dps * random_band(rng, step_s, points, (0.3, high_hz), order)
+    tremble = random_band(rng, step_s, points, (0.3, float(high_hz)), float(order))
+    rate_dps: Floats = _turns(rng, step_s, points) + float(size_dps) * tremble
+    return rate_dps
 
 
 def _hand(rng: Rng, step_s: float, points: int) -> Floats:
