@@ -163,7 +163,7 @@ def scorer_of(difference: Floats | Amounts, *tried: Simulated, nulls: Floats | N
     observation = observation_of(made, evidence.is_compared)
     stages = np.array([GROUPS.index((feature.stage, feature.regime)) for feature in FEATURES])
     groups = Groups(stages, len(GROUPS), np.logical_or.reduce(evidence.is_compared))
-    templates = {item.name: item for item in templates_of(observation, made, evidence.responses)}
+    templates = {item.name: item for item in templates_of(observation, evidence.responses)}
     return Scorer(observation, groups, templates)
 
 

@@ -50,7 +50,7 @@ class Stamps:
 
 
 def stamps_of(recording: Recording) -> Stamps:
-    """What the features of the clock are computed from."""
+    """Series that the features of the clock are computed from."""
     slope_s, off_s = off_line_s(recording.device_s)
     bends_s = np.diff(off_s, 2)
     size_s = np.median(np.abs(bends_s)) if len(bends_s) else 0.0
@@ -147,7 +147,7 @@ class Arrivals:
 
 
 def arrivals_of(recording: Recording) -> Arrivals | None:
-    """What the features of the arrivals are computed from; None without a host's clock."""
+    """Series that the features of the arrivals are computed from; None without the times of a host."""
     if recording.host_s is None:
         return None
     _, off_s = off_line_s(recording.host_s)

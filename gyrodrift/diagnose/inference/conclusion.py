@@ -54,12 +54,12 @@ def conclude(tables: Sequence[ResponseTable], tried: Sequence[Candidate], simula
     evidence = evidence_of(tables, tried)
     observation = observation_of(tables, evidence.is_compared)
     stages = np.array([GROUPS.index((feature.stage, feature.regime)) for feature in FEATURES])
-    templates = {item.name: item for item in templates_of(observation, tables, evidence.responses)}
+    templates = {item.name: item for item in templates_of(observation, evidence.responses)}
     scorer = Scorer(observation, Groups(stages, len(GROUPS), np.logical_or.reduce(evidence.is_compared)), templates)
     posterior = simulated_posterior(scorer, simulate)
     causes = _named(scorer, posterior)
     names = tuple(cause.effect.name for cause in causes)
-    explanation = Explanation(evidence, scorer, posterior, _best_with(posterior, names), names)
+    explanation = Explanation(evidence, scorer, posterior, posterior.best_with(names), names)
     return Conclusion(_verdict(explanation, causes), explanation)
 
 
@@ -124,7 +124,6 @@ def _verdict(explanation: Explanation, causes: tuple[NamedCause, ...]) -> Verdic
         where=where,
         unexplained=unexplained if causes else where,
         gap=gap,
-        after_z=after_z,
         probability_none=posterior.no_gap,
         probability_unknown=posterior.unknown,
     )
@@ -146,17 +145,9 @@ def _deviating(posterior: Posterior, z: Floats, threshold_z: float, *, is_unknow
 def _named(scorer: Scorer, posterior: Posterior) -> tuple[NamedCause, ...]:
     slots = [slot for slot in posterior.slots() if slot.total > NAMED]
     causes = [
-        _cause(slot, size_posterior(scorer, _best_with(posterior, (slot.name,)), slot.name, POWER)) for slot in slots
+        _cause(slot, size_posterior(scorer, posterior.best_with({slot.name}), slot.name, POWER)) for slot in slots
     ]
     return tuple(cause for cause in causes if not cause.is_as_in_rig)
-
-
-def _best_with(posterior: Posterior, names: Sequence[str]) -> EffectSet:
-    """The most probable set that holds some effects, or as many of them as any set does."""
-    return max(
-        posterior.hypotheses,
-        key=lambda item: (len({*names} & item.names & {*item.effect_set.names}), item.probability),
-    ).effect_set
 
 
 def _cause(slot: Slot, size: SizePosterior) -> NamedCause:

@@ -83,12 +83,15 @@ class Response:
         (S,) phase that each session shows, of a candidate with a free phase; None of all others.
     realised
         (simulated sizes, S, realisations, F) changes of a random candidate; None of all others.
+    interpolation_sigma
+        (sizes, S, F) standard deviation of the mean by interpolation between simulated sizes, or 0.
     """
 
     candidate: Candidate
     mean: Floats
     phases_deg: Floats | None = None
     realised: Floats | None = None
+    interpolation_sigma: Floats | float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

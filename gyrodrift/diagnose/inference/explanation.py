@@ -75,11 +75,9 @@ class Explanation:
 
     def where_best(self, name: str) -> Placed | None:
         """An effect as it stands in the most probable set that holds it."""
-        holding = [item for item in self.posterior.hypotheses if name in item.names]
-        if not holding:
+        if name not in self.posterior.inclusion:
             return None
-        best = max(holding, key=lambda item: item.probability)
-        return next(placed for placed in best.effect_set.placed if placed.template.name == name)
+        return next(placed for placed in self.posterior.best_with({name}).placed if placed.template.name == name)
 
     def _fitted_without(self, row: int) -> list[Placed]:
         placed = self.placed(self.named)

@@ -49,6 +49,26 @@ def interpolated(candidate: Candidate, nodes: Floats) -> Floats:
     return change
 
 
+def straight(candidate: Candidate, nodes: Floats) -> tuple[Floats, Floats | float]:
+    """Changes at all sizes of a candidate, (sizes, …, F), on straight lines, and the error of these.
+
+    The error is that of a parabola through three simulated sizes: its second divided difference times the distances
+    to both ends of the chord. What is linear in its size is scaled, without an error.
+    """
+    points = candidate.grid_points
+    if len(points) < 2 or points[0] < 0.0:
+        return interpolated(candidate, nodes), 0.0
+    lower = np.clip(np.searchsorted(points, candidate.sizes, side="right") - 1, 0, len(points) - 2)
+    below, above = points[lower], points[lower + 1]
+    part = ((candidate.sizes - below) / (above - below))[:, None, None]
+    means: Floats = (1.0 - part) * nodes[lower] + part * nodes[lower + 1]
+    ends, values = np.concatenate([[0.0], points]), np.concatenate([np.zeros_like(nodes[:1]), nodes])
+    slopes = np.diff(values, axis=0) / np.diff(ends)[:, None, None]
+    second = np.abs(np.diff(slopes, axis=0)) / (ends[2:] - ends[:-2])[:, None, None]  # at all points but the last
+    distances = (candidate.sizes - below) * (above - candidate.sizes)
+    return means, second[lower] * np.maximum(distances, 0.0)[:, None, None]
+
+
 def between_scaled(candidate: Candidate, nodes: Floats) -> Floats:
     """Changes at all sizes, for effects added to the rate in proportion to size: both neighbors are scaled first."""
     points, sizes = candidate.grid_points, candidate.sizes

@@ -7,7 +7,7 @@ import numpy as np
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.vector import LINEAR, NUMBER, OF_MOTION, REGRESSORS_OF_MOTION
 from gyrodrift.diagnose.inference.evidence import NOT_COMPARED, Evidence, Response
-from gyrodrift.diagnose.inference.log_variances import interpolated, scaled
+from gyrodrift.diagnose.inference.log_variances import scaled, straight
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simulated_key
 
@@ -147,7 +147,8 @@ def _response(tables: Sequence[ResponseTable], candidate: Candidate, unexplained
     if candidate.realisations > 1:
         realised = simulated.transpose(1, 0, 2, 3)
         return Response(candidate, realised.mean(axis=2), realised=realised)
-    return Response(candidate, interpolated(candidate, simulated[:, :, 0].transpose(1, 0, 2)))
+    mean, error = straight(candidate, simulated[:, :, 0].transpose(1, 0, 2))
+    return Response(candidate, mean, interpolation_sigma=error)
 
 
 def _with_phases_of_residual(

@@ -1,6 +1,6 @@
 """The posterior over sets of effects and an unknown effect: probabilities and ties."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -81,6 +81,11 @@ class Posterior:
             masses[hypothesis.effect_set] = masses.get(hypothesis.effect_set, 0.0) + hypothesis.probability
         return sorted((item for item, mass in masses.items() if mass > least), key=lambda item: -masses[item])
 
+    def best_with(self, names: Collection[str]) -> EffectSet:
+        """The most probable set that holds some effects, or as many of them as any set does."""
+        wanted = {*names}
+        return max(self.hypotheses, key=lambda item: (len(wanted & item.names), item.probability)).effect_set
+
     @cached_property
     def inclusion(self) -> dict[str, float]:
         """Probability of each effect."""
@@ -130,14 +135,11 @@ def _drafts(scorer: Scorer, effect_set: EffectSet, power: float) -> list[tuple[f
     prior = sum(log_prior_of(placed.template) for placed in effect_set.placed)
     names = frozenset(effect_set.names)
     has_form = any(placed.template.is_out_of_catalogue for placed in effect_set.placed)
-    drafts = [
-        (names, has_form, effect_set, prior + power * effect_set.without_unknown + scorer.log_no_unknown),
-        (names, True, effect_set, prior + power * effect_set.unknown + scorer.log_some_unknown),
-    ]
+    none, some = scorer.with_priors(effect_set.without_unknown, effect_set.unknown, power)
+    drafts = [(names, has_form, effect_set, prior + none), (names, True, effect_set, prior + some)]
     for name, (without_unknown, unknown) in zip(effect_set.names, effect_set.resembling, strict=False):
         if np.isfinite(without_unknown):
-            without = names - {name}
             like = prior + np.log(RESEMBLING)
-            drafts.append((without, True, effect_set, like + power * without_unknown + scorer.log_no_unknown))
-            drafts.append((without, True, effect_set, like + power * unknown + scorer.log_some_unknown))
+            evidences = scorer.with_priors(without_unknown, unknown, power)
+            drafts += [(names - {name}, True, effect_set, like + evidence) for evidence in evidences]
     return drafts

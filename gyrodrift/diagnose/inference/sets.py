@@ -8,7 +8,7 @@ Each effect is summed over its own points (variant, size and form error) beside 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.density import (
     DEGREES_OF_FREEDOM,
     Groups,
-    LogDensities,
     log_densities,
     log_no_unknown,
 )
@@ -26,6 +25,8 @@ from gyrodrift.diagnose.inference.log_variances import combined
 from gyrodrift.diagnose.inference.observation import Observation
 from gyrodrift.diagnose.inference.template import COARSE_STEP, Template
 from gyrodrift.diagnose.simulate.response_table import SimulatedSet, Sized
+
+Values = TypeVar("Values", float, Floats)
 
 EFFECT, OUT_OF_CATALOGUE = 0.03, 0.01
 """Prior probability of an effect, and of an out-of-catalog form. Chosen: of 27 effects, about one acts."""
@@ -91,6 +92,13 @@ class Placed(NamedTuple):
         return total
 
 
+class Densities(NamedTuple):
+    """(P,) log densities at points of a template, without an unknown effect and given that one acts."""
+
+    without_unknown: Floats
+    unknown: Floats
+
+
 class Correction(NamedTuple):
     """Simulated change of a whole set minus the sum of its templates: (S, F) change and its variance."""
 
@@ -133,7 +141,7 @@ class EffectProfile(NamedTuple):
 
     best: Placed
     at_best: Floats
-    parts: tuple[tuple[Template, tuple[LogDensities, ...]], ...]
+    parts: tuple[tuple[Template, tuple[Densities, ...]], ...]
 
     def log_sums(self) -> Floats:
         """Log evidence of the effect without and with an unknown effect; its form errors are equally probable."""
@@ -146,7 +154,7 @@ class EffectProfile(NamedTuple):
         return _total([_sums(template, by_form[-1]) for template, by_form in self.parts])
 
 
-def _sums(template: Template, densities: LogDensities) -> list[float]:
+def _sums(template: Template, densities: Densities) -> list[float]:
     return [log_sum(density + template.log_prior) for density in densities]
 
 
@@ -206,21 +214,21 @@ class Scorer:
     def log_posterior(self, effect_set: EffectSet, power: float) -> float:
         """Log posterior of a set but for a constant, at a power of the likelihood."""
         prior = sum(log_prior_of(placed.template) for placed in effect_set.placed)
-        evidence = (
-            power * effect_set.without_unknown + self.log_no_unknown,
-            power * effect_set.unknown + self.log_some_unknown,
-        )
-        return prior + log_sum(np.array(evidence))
+        return prior + float(np.logaddexp(*self.with_priors(effect_set.without_unknown, effect_set.unknown, power)))
+
+    def with_priors(self, without_unknown: Values, unknown: Values, power: float) -> tuple[Values, Values]:
+        """Log evidences or densities at a power, each with the prior of its state of the unknown effect."""
+        return power * without_unknown + self.log_no_unknown, power * unknown + self.log_some_unknown
 
     def nothing(self) -> EffectSet:
         """The empty set."""
         shape = self.observation.difference.shape
         none = np.zeros((1, *shape))
         densities = self._of_residual(self.observation.difference - none, none, none, none, self.observation.covariance)
-        return EffectSet((), float(densities.without_unknown[0]), float(densities.either[0]))
+        return EffectSet((), float(densities.without_unknown[0]), float(densities.unknown[0]))
 
-    def along(self, template: Template, fixed: Sequence[Placed], form_error: float = USUAL) -> LogDensities:
-        """Densities at all points of a template; `either` holds those with an unknown effect."""
+    def along(self, template: Template, fixed: Sequence[Placed], form_error: float = USUAL) -> Densities:
+        """Densities at all points of a template."""
         change, covariance = self.prediction(fixed, template.name)
         residual = self.observation.difference - self._combined(change, template.mean)
         correction = self._correction({*(placed.template.name for placed in fixed), template.name})
@@ -236,7 +244,7 @@ class Scorer:
             residual, np.sqrt(wider) * template.factors, fixed, form, scatter, covariance
         )
         without_unknown, unknown = self._of_residual(residual, template.mean, scatter, form, covariance)
-        return LogDensities(without_unknown + cost, unknown + cost)
+        return Densities(without_unknown + cost, unknown + cost)
 
     def _without_factors(
         self, residual: Floats, own: Floats, fixed: Sequence[Placed], form: Floats, scatter: Floats, covariance: Floats
@@ -260,20 +268,26 @@ class Scorer:
 
         The change is that of the templates alone; the covariance holds the error of a correction.
         """
-        change, covariance = np.zeros_like(self.observation.difference), self.observation.covariance.copy()
+        covariance = self.observation.covariance.copy()
         sessions = np.arange(self.observation.sessions)
         correction = self._correction({*(item.template.name for item in placed), *joining})
         simulated = frozenset() if correction is None else correction[0]
         for item in placed:
             template, point = item.template, item.point
-            change = self._combined(change, template.mean[point])
             interpolation_sigma = 0.0 if template.name in simulated else template.interpolation_sigma[point]
             form = _form(template.mean[point], interpolation_sigma, item.form_error).T
             covariance += 0.5 * form[:, :, None] * form[:, None, :]
             covariance[:, sessions, sessions] += 0.5 * np.square(form) + template.scatter[point].T
         if correction is not None:
             covariance[:, sessions, sessions] += correction[1].variance.T
-        return change, covariance
+        return self._summed(placed), covariance
+
+    def _summed(self, placed: Sequence[Placed]) -> Floats:
+        """(S, F) change by the templates of a set alone."""
+        change = np.zeros_like(self.observation.difference)
+        for item in placed:
+            change = self._combined(change, item.template.mean[item.point])
+        return change
 
     def is_simulated(self, effect_set: EffectSet) -> bool:
         """Whether it was simulated as a whole."""
@@ -286,9 +300,8 @@ class Scorer:
         of chance; variance beyond that is charged as variance of the set.
         """
         unit, compared = self.observation.unit, self.observation.is_compared
-        summed, _ = self.prediction(effect_set.placed)
         variance = simulated.variance / np.square(unit)
-        away = np.where(compared, simulated.change / unit - summed, 0.0)
+        away = np.where(compared, simulated.change / unit - self._summed(effect_set.placed), 0.0)
         template_variance = sum((placed.variance for placed in effect_set.placed), np.zeros_like(unit))
         excess_variance = np.maximum(variance.mean(axis=0) - 2.0 - template_variance, 0.0) + variance / simulated.runs
         change = beyond_noise(away, variance / simulated.runs)
@@ -296,7 +309,7 @@ class Scorer:
 
     def change(self, placed: Sequence[Placed]) -> Floats:
         """(S, F) change by a set, corrected where it was simulated as a whole."""
-        change, _ = self.prediction(placed)
+        change = self._summed(placed)
         correction = self._correction({item.template.name for item in placed})
         return change if correction is None else change + correction[1].change
 
@@ -307,11 +320,11 @@ class Scorer:
 
     def _of_residual(
         self, residual: Floats, mean: Floats, scatter: Floats, form: Floats, covariance: Floats
-    ) -> LogDensities:
+    ) -> Densities:
         without_unknown, either = log_densities(residual, mean, scatter, form, covariance, self.groups)
         none = without_unknown + self.log_no_unknown
         unknown = either + np.log1p(-np.exp(np.minimum(none - either, -1e-12))) - self.log_some_unknown
-        return LogDensities(without_unknown, unknown)
+        return Densities(without_unknown, unknown)
 
     def _combined(self, change: Floats, increment: Floats) -> Floats:
         """Logarithms of variances add as variances, in the units of the features."""
@@ -385,7 +398,7 @@ def _with(scorer: Scorer, base: EffectSet, template: Template) -> EffectSet:
     return EffectSet(placed, without_unknown + log_widths, unknown + log_widths)
 
 
-def _best(densities: LogDensities, log_prior: Floats) -> int:
+def _best(densities: Densities, log_prior: Floats) -> int:
     without_unknown, unknown = densities
     return int(
         np.argmax((without_unknown if without_unknown.max() > unknown.max() - LESS_LIKELY else unknown) + log_prior)
@@ -447,9 +460,7 @@ def known_forms(template: Template) -> tuple[float, ...]:
     return (EXACT if template.responses[0].candidate.is_exact else CLOSE_TO_IT, USUAL)
 
 
-def _best_of(
-    template: Template, by_form: Sequence[LogDensities], form_errors: Sequence[float]
-) -> tuple[Placed, Floats]:
+def _best_of(template: Template, by_form: Sequence[Densities], form_errors: Sequence[float]) -> tuple[Placed, Floats]:
     places = [_best(densities, template.log_prior) for densities in by_form[:-1]]
     at_places = [
         np.array([density[point] for density in densities])

@@ -38,10 +38,7 @@ def size_posterior(scorer: Scorer, effect_set: EffectSet, name: str, power: floa
     for template, by_form in profile.parts:
         is_same = template.response == response
         for densities in by_form[:-1]:
-            log_density = np.logaddexp(
-                power * densities.without_unknown + scorer.log_no_unknown,
-                power * densities.either + scorer.log_some_unknown,
-            )
+            log_density = np.logaddexp(*scorer.with_priors(*densities, power))
             sizes.append(template.size[is_same])
             log_weights.append((log_density + template.log_prior)[is_same])
     low, median, high = quantiles(np.concatenate(sizes), np.concatenate(log_weights), CREDIBLE)

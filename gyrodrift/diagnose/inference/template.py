@@ -16,7 +16,6 @@ from gyrodrift.diagnose.inference.observation import Observation
 from gyrodrift.diagnose.inference.pooling import ONCE_PER_TURN
 from gyrodrift.diagnose.recording.order_statistics import MAD_TO_SIGMA
 from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
-from gyrodrift.diagnose.simulate.response_table import ResponseTable, key
 
 NOTICEABLE = 2.0
 """Least norm of the change over all features, in standard deviations, of a size that counts as an effect. Smaller sizes
@@ -115,20 +114,16 @@ PER_POINT = (*PER_SESSION, "log_prior", "response", "size")
 """Fields with an axis of sessions, and fields with an axis of points."""
 
 
-def templates_of(
-    observation: Observation, tables: Sequence[ResponseTable], responses: Sequence[Response]
-) -> list[Template]:
+def templates_of(observation: Observation, responses: Sequence[Response]) -> list[Template]:
     """One template for each effect with a noticeable size."""
     in_order = sorted(responses, key=lambda response: response.candidate.name)
     grouped = groupby(in_order, key=lambda response: response.candidate.name)
-    templates = (_template(name, observation, tables, tuple(variants)) for name, variants in grouped)
+    templates = (_template(name, observation, tuple(variants)) for name, variants in grouped)
     return [template for template in templates if template is not None]
 
 
-def _template(
-    name: str, observation: Observation, tables: Sequence[ResponseTable], responses: tuple[Response, ...]
-) -> Template | None:
-    parts = [_points(observation, tables, response) for response in responses]
+def _template(name: str, observation: Observation, responses: tuple[Response, ...]) -> Template | None:
+    parts = [_points(observation, response) for response in responses]
     counts = [len(part.size) for part in parts]
     if not sum(counts):
         return None
@@ -158,11 +153,11 @@ class _Points:
     size: Floats
 
 
-def _points(observation: Observation, tables: Sequence[ResponseTable], response: Response) -> _Points:
+def _points(observation: Observation, response: Response) -> _Points:
     """Sizes are equally probable on a logarithmic scale; a phase fitted to each session has an Occam factor."""
     by_unit = observation.is_compared / observation.unit
     if response.realised is None:
-        change, interpolation = _means(tables, response)
+        change, interpolation = response.mean, np.full_like(response.mean, response.interpolation_sigma)
         scatter, factors = np.zeros_like(change), np.zeros((*change.shape[:2], 0, change.shape[2]))
     else:
         change, scatter, factors = _random(response.candidate, response.realised)
@@ -177,29 +172,6 @@ def _points(observation: Observation, tables: Sequence[ResponseTable], response:
         log_prior = log_prior - 0.5 * np.log1p(2.0 * np.pi * curvature).sum(axis=1)
     sizes = response.candidate.sizes[kept]
     return _Points(mean[kept], interpolation_sigma[kept], scatter[kept], factors[kept], log_prior, sizes)
-
-
-def _means(tables: Sequence[ResponseTable], response: Response) -> tuple[Floats, Floats]:
-    """(sizes, S, F) change and its error, by linear interpolation between the simulated sizes of an effect.
-
-    The error is that of a parabola through three simulated sizes: its second divided difference times the distances
-    to both ends of the chord.
-    """
-    candidate = response.candidate
-    points = candidate.grid_points
-    if candidate.realisations > 1 or len(points) < 2 or points[0] < 0.0:
-        return response.mean, np.zeros_like(response.mean)
-    nodes = np.array([table.responses[key(candidate)][:, 0] for table in tables]).transpose(1, 0, 2)
-    lower = np.clip(np.searchsorted(points, candidate.sizes, side="right") - 1, 0, len(points) - 2)
-    below, above = points[lower], points[lower + 1]
-    part = ((candidate.sizes - below) / (above - below))[:, None, None]
-    means: Floats = (1.0 - part) * nodes[lower] + part * nodes[lower + 1]
-    ends, values = np.concatenate([[0.0], points]), np.concatenate([np.zeros_like(nodes[:1]), nodes])
-    slopes = np.diff(values, axis=0) / np.diff(ends)[:, None, None]
-    second = np.abs(np.diff(slopes, axis=0)) / (ends[2:] - ends[:-2])[:, None, None]  # at all points but the last
-    bend = second[lower]
-    distances = (candidate.sizes - below) * (above - candidate.sizes)
-    return means, bend * np.maximum(distances, 0.0)[:, None, None]
 
 
 def _random(candidate: Candidate, realised: Floats) -> tuple[Floats, Floats, Floats]:
@@ -249,8 +221,7 @@ def _moments(realised: Floats) -> tuple[Floats, Floats]:
 
 def _padded(every: Sequence[Floats], count: int) -> Floats:
     """(…, count, F) factors, padded with zeros."""
-    lengths = [[(0, 0)] * (array.ndim - 2) + [(0, count - array.shape[-2]), (0, 0)] for array in every]
-    return np.array([np.pad(array, length) for array, length in zip(every, lengths, strict=True)])
+    return np.array([np.pad(factors, ((0, count - len(factors)), (0, 0))) for factors in every])
 
 
 def _coarse(counts: Sequence[int]) -> Iterator[int]:

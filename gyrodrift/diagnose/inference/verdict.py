@@ -1,13 +1,12 @@
 """The verdict: its kind, the causes, the deviating features before and after, and negligible effects."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
 
 from firmware_sim.effects.effect import Effect
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.evidence import Evidence
 from gyrodrift.diagnose.inference.gap import Deviation, SimToRealGap, gap_of, no_gap, shared
 from gyrodrift.diagnose.inference.parameters import Parameter
@@ -92,8 +91,6 @@ class Verdict:
 
     where, unexplained
         Deviating features of the rig, and of the rig with the causes; the worst first.
-    after_z
-        (sessions, F) unexplained residual of held-out sessions, in standard deviations.
     negligible
         Effects that act and hardly change yaw.
     probability_none, probability_unknown
@@ -105,7 +102,6 @@ class Verdict:
     where: tuple[Deviation, ...]
     unexplained: tuple[Deviation, ...]
     gap: SimToRealGap
-    after_z: Floats = field(repr=False)
     negligible: tuple[Negligible, ...] = ()
     probability_none: float | None = None
     probability_unknown: float | None = None
@@ -161,4 +157,4 @@ def without_causes(verdict: Verdict, causes: Collection[str], forms: Collection[
         return replace(verdict, kind=kind, causes=kept, where=where, unexplained=unexplained)
     kind = Kind.UNKNOWN if where else Kind.NONE
     gap = gap_of(evidence, evidence.z) if where else no_gap(evidence)
-    return replace(verdict, kind=kind, causes=(), where=where, unexplained=where, gap=gap, after_z=evidence.z)
+    return replace(verdict, kind=kind, causes=(), where=where, unexplained=where, gap=gap)

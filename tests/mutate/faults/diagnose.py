@@ -53,9 +53,9 @@ FAULTS = (
     ),
     Fault(
         "diagnose/interpolation-exact",
-        TEMPLATE,
-        "return means, bend *",
-        "return means, 0.0 * bend *",
+        "gyrodrift/diagnose/inference/log_variances.py",
+        "return means, second[lower] *",
+        "return means, 0.0 * second[lower] *",
         "A change between two simulated sizes counts as simulated.",
         TEMPLATE_TESTS,
     ),
