@@ -1,8 +1,8 @@
 """A Dask cluster on this machine, all of it in processes of its own, for the tests and benchmarks of tuning on one."""
 
 import os
+import re
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -34,17 +34,16 @@ class Cluster:
 @contextmanager
 def cluster(folder: Path, workers: int, *options: str) -> Iterator[Cluster]:
     """So many workers of one thread each, ready."""
-    host, port = "127.0.0.1", free_port()
-    address = f"tcp://{host}:{port}"
     log = folder / "cluster.log"
-    scheduler = _started(log, "scheduler", "--host", host, "--port", str(port), "--no-dashboard")
+    started = [_started(log, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard")]
     kind = ("--nworkers", str(workers), "--nthreads", "1", "--no-dashboard", "--local-directory", str(folder))
-    crew = _started(log, "worker", address, *kind, *options)
     try:
-        _await_workers(log, workers)
-        yield Cluster(address, scheduler, crew)
+        address = _awaited(log, r"Scheduler at:\s+(tcp://\S+)")[0]
+        started.append(_started(log, "worker", address, *kind, *options))
+        _awaited(log, "Starting established connection", 2 * workers)  # the scheduler says so too
+        yield Cluster(address, *started)
     finally:
-        for process in (crew, scheduler):
+        for process in reversed(started):
             end(process)
 
 
@@ -53,13 +52,6 @@ def end(process: Process) -> None:
     if process.poll() is None:
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()
-
-
-def free_port() -> int:
-    """A port on which nobody listens."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def _started(log: Path, *command: str) -> Process:
@@ -74,11 +66,13 @@ def _started(log: Path, *command: str) -> Process:
         )
 
 
-def _await_workers(log: Path, count: int) -> None:
+def _awaited(log: Path, pattern: str, count: int = 1) -> list[str]:
+    """All matches of a pattern in a log, as soon as there are so many."""
     until_s = time.monotonic() + PATIENCE_S
-    while log.read_text().count("Starting established connection") < 2 * count:  # the scheduler says so too
+    while len(matches := re.findall(pattern, log.read_text())) < count:
         assert time.monotonic() < until_s, log.read_text()
         time.sleep(0.05)
+    return matches
 
 
 def recorded(path: Path, samples: int, seed: int, rate_hz: float = 100.0) -> Path:

@@ -11,7 +11,8 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from cluster_support import Cluster, cluster, end, free_port
+from cluster_support import Cluster, cluster, end
+from support import free_port
 
 from gyrodrift import cluster as cluster_module
 from gyrodrift.cluster import ClusterWorkers

@@ -2,6 +2,7 @@
 
 import os
 import pty
+import select
 import signal
 import termios
 from collections.abc import Iterator
@@ -111,7 +112,10 @@ def test_a_terminal_of_another_user_shows_the_whole_line(monkeypatch: pytest.Mon
     try:
         link: Any = SimpleNamespace(name="gyro", counters=SimpleNamespace(samples=0))
         ServiceLine(link, slave).tick(0.0)
-        assert os.read(master, 1 << 16).endswith(b"waiting for samples on gyro")
+        sent = b""
+        while select.select([master], [], [], 0.5)[0]:  # single bytes arrive one after the other
+            sent += os.read(master, 1 << 16)
+        assert sent.endswith(b"waiting for samples on gyro")
     finally:
         os.close(master)
         os.close(slave)
