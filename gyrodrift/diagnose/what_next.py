@@ -26,17 +26,13 @@ MOST = 0.99
 
 def sentence(recording: NextRecording, file: str) -> str:
     """The sentence for `next`; `file` is where the profile is written."""
-    what = _question(recording.names)
-    at_random, probability = (
-        f"a motion at random would with {_stated(recording.at_random)}",
-        _stated(recording.predicted),
-    )
+    what, probability = _question(recording.names), _stated(recording.predicted)
     if recording.again is not None and not recording.is_better_than_again:
         return (
             f"Record {recording.minutes:g} min more of the same: it tells {what} with probability "
-            f"{_stated(recording.again)}; {file} would with {probability}, and {at_random}."
+            f"{_stated(recording.again)}; {file} would with {probability}."
         )
-    again = "" if recording.again is None else f", and more of the same with {_stated(recording.again)}"
+    again = "" if recording.again is None else f"; more of the same would with {_stated(recording.again)}"
     if not recording.is_worth_it:
         return (
             f"No motion of {recording.minutes:g} min tells {what}: the best, {file}, does so with probability "
@@ -45,7 +41,7 @@ def sentence(recording: NextRecording, file: str) -> str:
     words = " and ".join(manoeuvre.says(recording.limits) for manoeuvre in recording.manoeuvres)
     return (
         f"Switch the device on and play {file} ({recording.minutes:g} min: {words}){_warming(recording)}: "
-        f"it tells {what} with probability {probability}; {at_random}{again}."
+        f"it tells {what} with probability {probability}{again}."
     )
 
 

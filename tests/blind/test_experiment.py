@@ -44,7 +44,7 @@ def test_a_cause_is_named_when_it_comes_first_and_alone(said: object, *, is_name
 
 def test_what_is_not_proposed_is_missed() -> None:
     """Only cases that were open at first count, and of them all do."""
-    words = "play it: it tells a from b with probability 0.80; a motion at random"
+    words = "play it: it tells a from b with probability 0.80; more of the same"
     results: list[dict[str, Any]] = [
         {"at_first": True},
         {"at_first": False, "next": words, "proposed": True, "random": False},

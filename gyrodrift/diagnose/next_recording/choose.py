@@ -22,7 +22,7 @@ from gyrodrift.diagnose.next_recording.information import (
     told_by,
 )
 from gyrodrift.diagnose.next_recording.manoeuvres import FAMILY, Manoeuvre, MotionLimits, limits_of
-from gyrodrift.diagnose.next_recording.profiles import profile_of, random_profile
+from gyrodrift.diagnose.next_recording.profiles import profile_of
 from gyrodrift.diagnose.next_recording.simulated_features import (
     PlannedMotion,
     RigHypothesis,
@@ -56,8 +56,6 @@ class NextRecording:
         What there is to be told, bits.
     predicted
         What one session of it tells.
-    at_random
-        What one session of a motion at random tells, of the same length.
     again
         What one more session of what was recorded so far tells; None where that was not given.
     """
@@ -69,7 +67,6 @@ class NextRecording:
     profile: Profile
     open_bits: float
     predicted: Told
-    at_random: Told
     again: Told | None
 
     @property
@@ -166,9 +163,8 @@ def next_recording_of(
         answers = _Answers(question, local)
         chosen = _chosen(answers, shown, limits)
         proposed = PlannedMotion(profile_of(chosen, shown, limits), shown)
-        at_random = PlannedMotion(random_profile(shown, limits, seed), shown)
-        compared = [_Played(one, _PREDICTED, COMPARED) for one in (at_random, recorded) if one is not None]
-        predicted, *others = answers.told([_Played(proposed, _PREDICTED, PREDICTED), *compared])
+        compared = [] if recorded is None else [_Played(recorded, _PREDICTED, COMPARED)]
+        predicted, *again = answers.told([_Played(proposed, _PREDICTED, PREDICTED), *compared])
     return NextRecording(
         names=tuple(one.name for one in sorted(hypotheses, key=lambda one: -one.weight)),
         minutes=minutes,
@@ -177,8 +173,7 @@ def next_recording_of(
         profile=profile_of(chosen, minutes, limits),
         open_bits=entropy(question.weights),
         predicted=predicted,
-        at_random=others[0],
-        again=None if recorded is None else others[1],
+        again=again[0] if again else None,
     )
 
 

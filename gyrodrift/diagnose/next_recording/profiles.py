@@ -1,12 +1,11 @@
-"""Manoeuvres put together to a profile; profiles drawn at random; and the file that either is played from."""
+"""Manoeuvres put together to a profile, and the file that it is played from."""
 
 from collections.abc import Sequence
 
-import numpy as np
 import yaml
 
 from firmware_sim.motion.profile import Ambient, Profile, Segment
-from firmware_sim.motion.segments import Ramp, Rest, Sine, Steps
+from firmware_sim.motion.segments import Rest
 from gyrodrift.diagnose.next_recording.manoeuvres import Manoeuvre, MotionLimits
 
 STILL_S = 5.0
@@ -17,11 +16,6 @@ LEAST_MINUTES = 1.0
 
 ROOM_C, WARMER_C, WARMS_C_PER_S = 25.0, 12.0, 10.0 / 60.0
 """Air warms by no more than this, and no quicker than a hair dryer or a box with a lamp does it."""
-
-PIECE_S = (4.0, 20.0)
-SLOWEST_DPS = 2.0
-SINE_HZ = (0.3, 3.0)
-"""Of motions at random: lengths of their pieces, lowest speed, frequencies of sines."""
 
 
 def profile_of(manoeuvres: Sequence[Manoeuvre], minutes: float, limits: MotionLimits) -> Profile:
@@ -51,19 +45,6 @@ def warmer_c(seconds: float) -> float:
     return min(WARMER_C, WARMS_C_PER_S * 0.5 * seconds)
 
 
-def random_profile(minutes: float, limits: MotionLimits, seed: int) -> Profile:
-    """Rests, constant rates and sines of random length, speed and sign, as somebody plays who tells nothing apart."""
-    rng = np.random.default_rng(seed)
-    segments: list[Segment] = [Rest(kind="rest", seconds=STILL_S)]
-    left_s = 60.0 * minutes - STILL_S
-    while left_s > 0.0:
-        seconds = float(rng.uniform(*PIECE_S))
-        seconds = left_s if left_s - seconds < PIECE_S[0] else seconds
-        segments += _random_piece(seconds, limits, rng)
-        left_s -= seconds
-    return Profile(about=f"{minutes:g} min of a motion drawn at random.", segments=tuple(segments))
-
-
 def profile_yaml(profile: Profile) -> str:
     """The profile as a file that `simulate --profile` and `firmware_sim` take."""
     # JSON's plain lists: the same tuple in two places would be written as an alias, which no profile may hold.
@@ -76,19 +57,3 @@ def _warm(start_s: float, seconds: float) -> list[Ambient]:
     peak_c = ROOM_C + warmer_c(seconds)
     points = [(0.0, ROOM_C), (0.5 * seconds, peak_c), (0.98 * seconds, ROOM_C)]
     return [Ambient(at_s=start_s + at_s, temp_c=temp_c) for at_s, temp_c in points]
-
-
-def _random_piece(seconds: float, limits: MotionLimits, rng: np.random.Generator) -> list[Segment]:
-    rate_dps = float(np.exp(rng.uniform(np.log(SLOWEST_DPS), np.log(limits.rate_dps)))) * float(rng.choice([-1.0, 1.0]))
-    kind = rng.integers(4)
-    if kind == 0:
-        return [Rest(kind="rest", seconds=seconds)]
-    if kind == 1:
-        frequency_hz = float(np.exp(rng.uniform(*np.log(SINE_HZ))))
-        frequency_hz = round(seconds * frequency_hz) / seconds  # whole periods, so that it ends at rest
-        amplitude_dps = rate_dps / max(1.0, frequency_hz)
-        return [Sine(kind="sine", seconds=seconds, amplitude_dps=amplitude_dps, frequency_hz=frequency_hz)]
-    if kind == 2:
-        return [Ramp(kind="ramp", seconds=0.5 * seconds, to_dps=to_dps) for to_dps in (rate_dps, 0.0)]
-    ramp_s = min(1.0, 0.1 * seconds)
-    return [Steps(kind="steps", rates_dps=(rate_dps,), ramp_seconds=ramp_s, hold_seconds=seconds - 2.0 * ramp_s)]

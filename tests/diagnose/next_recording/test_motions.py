@@ -9,7 +9,7 @@ from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base
 from gyrodrift.cli import main
 from gyrodrift.diagnose.next_recording.manoeuvres import FAMILY, Manoeuvre, MotionLimits, limits_of
-from gyrodrift.diagnose.next_recording.profiles import profile_of, profile_yaml, random_profile, warmer_c
+from gyrodrift.diagnose.next_recording.profiles import profile_of, profile_yaml, warmer_c
 
 LIMITS = limits_of(Base())
 NAMED = {one.name: one for one in FAMILY}
@@ -64,17 +64,6 @@ def test_two_warm_parts_follow_each_other() -> None:
     """The times of the air still rise."""
     profile = profile_of((NAMED["warm_rest"], NAMED["warm_steps"]), 2.0, LIMITS)
     assert profile.ambient_at(np.array([119.99])) == pytest.approx([25.0])
-
-
-@pytest.mark.parametrize("seed", range(10))
-def test_a_motion_at_random_is_as_long_as_asked(seed: int) -> None:
-    """It keeps to the limits, and another seed is another motion."""
-    profile = random_profile(2.0, LIMITS, seed)
-    assert profile.seconds == pytest.approx(120.0, abs=1e-6)
-    t_s = np.arange(0.0, 120.0, 0.01)
-    rate_dps = profile.motion_at(t_s)[1]
-    assert 0.0 < np.abs(rate_dps).max() <= LIMITS.rate_dps
-    assert not np.array_equal(rate_dps, random_profile(2.0, LIMITS, seed + 1).motion_at(t_s)[1])
 
 
 def test_what_is_too_short_is_refused() -> None:
