@@ -33,11 +33,8 @@ def workers(jobs: int) -> Iterator[LocalWorkers]:
     if usable_jobs(jobs) == 1:
         yield LocalWorkers(None)
         return
-    pool = fork_pool(jobs, _leave_signals_to_the_parent)
-    try:
+    with _fork_pool(jobs, None) as pool:
         yield LocalWorkers(pool)
-    finally:
-        pool.shutdown(cancel_futures=True)
 
 
 class InheritingWorkers(Generic[Inherited]):
@@ -59,7 +56,7 @@ def inheriting_workers(jobs: int, inherited: Inherited) -> Iterator[InheritingWo
     if usable_jobs(jobs) == 1:
         yield InheritingWorkers(inherited, None)
         return
-    with fork_pool(jobs, _inherited.append, inherited) as pool:
+    with _fork_pool(jobs, inherited) as pool:
         yield InheritingWorkers(inherited, pool)
 
 
@@ -76,17 +73,19 @@ def usable_jobs(jobs: int) -> int:
     return jobs if CAN_FORK else 1
 
 
-def fork_pool(jobs: int, begin: Callable[..., None], *arguments: Any) -> ProcessPoolExecutor:
-    """Forked processes; they call `begin` with these arguments first, and end with this process."""
-    return ProcessPoolExecutor(jobs, get_context("fork"), _begin, (os.getpid(), begin, arguments))
+@contextmanager
+def _fork_pool(jobs: int, inherited: Any) -> Iterator[ProcessPoolExecutor]:
+    """Forked processes, which end with this process; work that has not begun is given up at the end."""
+    pool = ProcessPoolExecutor(jobs, get_context("fork"), _begin, (os.getpid(), inherited))
+    try:
+        yield pool
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
-def _begin(parent: int, begin: Callable[..., None], arguments: tuple[Any, ...]) -> None:
-    kill_with(parent)
-    begin(*arguments)
-
-
-def _leave_signals_to_the_parent() -> None:
+def _begin(parent: int, inherited: Any) -> None:
     """Ignore Ctrl-C, which reaches every process of a terminal: a worker that dies with a lock blocks the others."""
+    kill_with(parent)
     signal(SIGINT, SIG_IGN)
     signal(SIGTERM, SIG_DFL)
+    _inherited.append(inherited)

@@ -1,6 +1,7 @@
 """Workers and the process that forked them."""
 
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -57,3 +58,13 @@ def test_processes_inherit_what_cannot_be_sent(jobs: int) -> None:
     """A function without a name is not picklable; results come in the order of the items."""
     with inheriting_workers(jobs, lambda item: 2 * item) as local:
         assert list(local.map(doubled, [1, 2, 3])) == [2, 4, 6]
+
+
+def ignores_ctrl_c(_: None, signal_number: int) -> bool:
+    return signal.getsignal(signal_number) is signal.SIG_IGN
+
+
+def test_processes_that_inherit_leave_ctrl_c_to_their_parent() -> None:
+    """A worker that dies with a lock blocks the others."""
+    with inheriting_workers(2, None) as local:
+        assert list(local.map(ignores_ctrl_c, [signal.SIGINT, signal.SIGTERM])) == [True, False]
