@@ -15,7 +15,7 @@ from gyrodrift.diagnose.inference.density import Groups
 from gyrodrift.diagnose.inference.evidence import Evidence, Response
 from gyrodrift.diagnose.inference.observation import Observation, observation_of
 from gyrodrift.diagnose.inference.pooling import evidence_of
-from gyrodrift.diagnose.inference.sets import Scorer
+from gyrodrift.diagnose.inference.scorer import Scorer
 from gyrodrift.diagnose.inference.template import Template, templates_of
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import KINDS

@@ -23,7 +23,7 @@ from gyrodrift.diagnose.inference.baseline import (
     noise_variance_of,
 )
 from gyrodrift.diagnose.inference.conclusion import Conclusion
-from gyrodrift.diagnose.inference.sets import Placed
+from gyrodrift.diagnose.inference.scorer import Placed
 from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, without_causes
 from gyrodrift.diagnose.recording.facts import contradictions
 from gyrodrift.diagnose.recording.levels import LEAST_GAPS, levels_of

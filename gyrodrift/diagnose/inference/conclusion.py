@@ -15,7 +15,8 @@ from gyrodrift.diagnose.inference.observation import observation_of
 from gyrodrift.diagnose.inference.parameters import Parameter, unit_of
 from gyrodrift.diagnose.inference.pooling import evidence_of
 from gyrodrift.diagnose.inference.posterior import POWER, Posterior, Slot, posterior_of
-from gyrodrift.diagnose.inference.sets import EffectSet, Scorer, find_sets, fitted
+from gyrodrift.diagnose.inference.scorer import EffectSet, Scorer
+from gyrodrift.diagnose.inference.sets import find_sets, fitted
 from gyrodrift.diagnose.inference.size import SizePosterior, size_posterior
 from gyrodrift.diagnose.inference.template import templates_of
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict

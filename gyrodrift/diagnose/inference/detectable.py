@@ -13,7 +13,7 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.parameters import unit_of
 from gyrodrift.diagnose.inference.posterior import POWER, RESEMBLING
-from gyrodrift.diagnose.inference.sets import ONE_POINT, TINY, Scorer, log_prior_of
+from gyrodrift.diagnose.inference.scorer import ONE_POINT, TINY, Scorer, log_prior_of
 from gyrodrift.diagnose.inference.template import Template
 
 SURE = 0.9

@@ -9,7 +9,8 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.evidence import Evidence
 from gyrodrift.diagnose.inference.posterior import RARE, Posterior
-from gyrodrift.diagnose.inference.sets import EffectSet, Placed, Scorer, fitted
+from gyrodrift.diagnose.inference.scorer import EffectSet, Placed, Scorer
+from gyrodrift.diagnose.inference.sets import fitted
 
 
 @dataclass(frozen=True)

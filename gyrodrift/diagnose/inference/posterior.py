@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.inference.sets import EffectSet, Scorer, log_prior_of
+from gyrodrift.diagnose.inference.scorer import EffectSet, Scorer, log_prior_of
 
 POWER = 0.8
 """Power of the likelihood. On 73 simulated cases and 35 of them without the true effect, the mean logarithm of the

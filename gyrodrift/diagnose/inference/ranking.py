@@ -10,7 +10,7 @@ from gyrodrift.diagnose.inference.evidence import pooled_z
 from gyrodrift.diagnose.inference.explanation import Explanation
 from gyrodrift.diagnose.inference.gap import WORST_Z
 from gyrodrift.diagnose.inference.parameters import unit_of
-from gyrodrift.diagnose.inference.sets import EffectSet, Placed
+from gyrodrift.diagnose.inference.scorer import EffectSet, Placed
 from gyrodrift.diagnose.inference.template import Template
 
 SIMILAR = 0.8

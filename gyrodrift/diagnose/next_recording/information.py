@@ -18,7 +18,7 @@ from scipy.special import logsumexp
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.density import DEGREES_OF_FREEDOM
 from gyrodrift.diagnose.inference.log_variances import scaled
-from gyrodrift.diagnose.inference.sets import USUAL
+from gyrodrift.diagnose.inference.scorer import USUAL
 from gyrodrift.diagnose.next_recording.simulated_features import SimulatedFeatures
 
 LEARNING_RATES = np.concatenate([[0.0], np.geomspace(0.01, 1.0, 17)])

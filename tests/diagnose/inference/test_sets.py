@@ -17,7 +17,7 @@ from inference_support import (
 
 from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER
 from gyrodrift.diagnose.inference.posterior import POWER
-from gyrodrift.diagnose.inference.sets import (
+from gyrodrift.diagnose.inference.scorer import (
     CLOSE_TO_IT,
     EFFECT,
     EXACT,
@@ -27,11 +27,9 @@ from gyrodrift.diagnose.inference.sets import (
     Placed,
     Scorer,
     beyond_noise,
-    find_sets,
-    fitted,
-    known_forms,
     log_prior_of,
 )
+from gyrodrift.diagnose.inference.sets import find_sets, fitted, known_forms
 from gyrodrift.diagnose.simulate.response_table import SimulatedSet
 
 LOG = FEATURES[int(np.flatnonzero(IS_LOG & ~LINEAR)[0])].name

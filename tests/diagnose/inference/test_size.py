@@ -8,7 +8,8 @@ from scipy.stats import norm
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.inference.posterior import POWER
-from gyrodrift.diagnose.inference.sets import CLOSE_TO_IT, USUAL, EffectSet, Placed, Scorer, fitted
+from gyrodrift.diagnose.inference.scorer import CLOSE_TO_IT, USUAL, EffectSet, Placed, Scorer
+from gyrodrift.diagnose.inference.sets import fitted
 from gyrodrift.diagnose.inference.size import CREDIBLE, SizePosterior, open_ends, quantiles, size_posterior
 
 CASES = 240

@@ -9,7 +9,7 @@ from inference_support import SESSIONS, concluded, rows, simulated
 
 from gyrodrift.diagnose.features.vector import NUMBER
 from gyrodrift.diagnose.inference.explanation import Explanation
-from gyrodrift.diagnose.inference.sets import CLOSE_TO_IT
+from gyrodrift.diagnose.inference.scorer import CLOSE_TO_IT
 from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison, feature_comparisons_of
 
 ROOT = np.sqrt(SECONDS)
