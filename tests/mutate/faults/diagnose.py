@@ -6,7 +6,7 @@ INFERENCE, UNITS = "gyrodrift/diagnose/inference", "tests/diagnose/inference"
 DENSITY, DENSITY_TESTS = f"{INFERENCE}/density.py", (f"{UNITS}/test_density.py",)
 FACTORS, FACTORS_TESTS = f"{INFERENCE}/factors.py", (f"{UNITS}/test_factors.py",)
 TEMPLATE, TEMPLATE_TESTS = f"{INFERENCE}/template.py", (f"{UNITS}/test_template.py",)
-SETS, SETS_TESTS = f"{INFERENCE}/sets.py", (f"{UNITS}/test_sets.py",)
+SCORER, SETS, SETS_TESTS = f"{INFERENCE}/scorer.py", f"{INFERENCE}/sets.py", (f"{UNITS}/test_sets.py",)
 POSTERIOR, POSTERIOR_TESTS = f"{INFERENCE}/posterior.py", (f"{UNITS}/test_posterior.py",)
 QUICK, QUICK_TESTS = "gyrodrift/diagnose/recording/quick_motion.py", ("tests/diagnose/recording/test_quick_motion.py",)
 
@@ -85,7 +85,7 @@ FAULTS = (
     ),
     Fault(
         "diagnose/form-exact",
-        SETS,
+        SCORER,
         "np.hypot(form_error * mean, interpolation_sigma)",
         "np.hypot(0.0 * mean, interpolation_sigma)",
         "The form of an effect is taken to be exact.",
@@ -93,7 +93,7 @@ FAULTS = (
     ),
     Fault(
         "diagnose/correction-sign",
-        SETS,
+        SCORER,
         "residual = residual - of_set.change",
         "residual = residual + of_set.change",
         "The simulation of a whole set pushes the prediction the other way.",
@@ -101,7 +101,7 @@ FAULTS = (
     ),
     Fault(
         "diagnose/corrected-still-doubted",
-        SETS,
+        SCORER,
         "form = _form(template.mean, 0.0 if is_simulated else template.interpolation_sigma, form_error)",
         "form = _form(template.mean, template.interpolation_sigma, form_error)",
         "The error of interpolation stays after the set was simulated.",
