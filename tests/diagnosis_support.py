@@ -13,7 +13,7 @@ from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.features.within_second import LAG_FEATURES
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.linear_model import LinearModel
-from gyrodrift.diagnose.inference.ranking import ranking, similar_pairs
+from gyrodrift.diagnose.inference.ranking import ranking
 from gyrodrift.diagnose.predictive_checks.binned_medians import medians, shape_dps
 from gyrodrift.diagnose.predictive_checks.change_points import ChangePoint
 from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
@@ -61,7 +61,6 @@ def diagnosis(away: Amounts) -> Diagnosis:
         sessions=tuple(_session(number) for number in range(1, SESSIONS + 1)),
         rig_yaml=rig_yaml(rig.model_copy(update={"effects": (*rig.effects, *effects)})),
         ranking=ranking(explanation),
-        similar_pairs=similar_pairs([*explanation.scorer.templates.values()]),
         threshold_z=explanation.evidence.threshold_z,
         features=feature_comparisons_of(explanation, none, [design()] * SESSIONS),
         residuals=_residuals(),

@@ -12,7 +12,7 @@ from gyrodrift.diagnose.beside_baseline import explained_baseline, new_since, wi
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.linear_model import linear_model_of
-from gyrodrift.diagnose.inference.ranking import ranking, similar_pairs
+from gyrodrift.diagnose.inference.ranking import ranking
 from gyrodrift.diagnose.inference.verdict import Verdict, is_small, set_aside
 from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
 from gyrodrift.diagnose.predictive_checks.residual_checks import residual_checks_of
@@ -85,7 +85,6 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         sessions=tuple(_session(subject) for subject in subjects),
         rig_yaml=rig_yaml(adopted(request.rig, [cause for cause in verdict.causes if cause.is_adopted])),
         ranking=ranking(explanation),
-        similar_pairs=similar_pairs([*explanation.scorer.templates.values()]),
         threshold_z=explanation.evidence.threshold_z,
         features=feature_comparisons_of(explanation, without_causes, designs),
         residuals=residual_checks_of(subjects, verdict.causes),

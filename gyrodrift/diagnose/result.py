@@ -5,7 +5,7 @@ from typing import Any
 
 from gyrodrift.diagnose.inference.detectable import Detectable
 from gyrodrift.diagnose.inference.linear_model import LinearModel
-from gyrodrift.diagnose.inference.ranking import Ranked, SimilarPair
+from gyrodrift.diagnose.inference.ranking import Ranked
 from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison
 from gyrodrift.diagnose.predictive_checks.residual_checks import ResidualChecks
@@ -63,8 +63,8 @@ class Diagnosis(ResultTable):
         What all of it took.
     rig_yaml
         The rig with the causes switched on at their fitted sizes, as a file that `simulate` and `firmware_sim` take.
-    ranking, similar_pairs
-        The candidates, the best by itself first, and pairs of them that these sessions hardly separate.
+    ranking
+        The candidates, the best by itself first.
     threshold_z
         Pooled z from which on a feature counts as a deviation.
     features
@@ -88,7 +88,6 @@ class Diagnosis(ResultTable):
     sessions: tuple[DiagnosedSession, ...]
     rig_yaml: str
     ranking: tuple[Ranked, ...]
-    similar_pairs: tuple[SimilarPair, ...]
     threshold_z: float
     features: tuple[FeatureComparison, ...] = field(repr=False)
     residuals: ResidualChecks = field(repr=False)

@@ -1,20 +1,10 @@
-"""Ranking of effects: evidence alone and with the named causes; and pairs with similar responses."""
+"""Ranking of effects: evidence alone and with the named causes."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
-from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.inference.evidence import pooled_z
 from gyrodrift.diagnose.inference.explanation import Explanation
-from gyrodrift.diagnose.inference.gap import WORST_Z
 from gyrodrift.diagnose.inference.parameters import unit_of
-from gyrodrift.diagnose.inference.scorer import EffectSet, Placed
-from gyrodrift.diagnose.inference.template import Template
-
-SIMILAR = 0.8
-"""Cosine of two responses from which on they are called similar."""
+from gyrodrift.diagnose.inference.scorer import EffectSet
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,8 +17,6 @@ class Ranked:
         Log evidence of the effect alone, minus that of the rig as it is.
     gain_with_causes
         Log evidence with the named causes, minus that of the causes; None for the causes and for untried sets.
-    takes_away
-        Explained share of the deviations; below 0 if it adds to them, None without deviations.
     """
 
     name: str
@@ -39,16 +27,6 @@ class Ranked:
     probability: float
     gain: float
     gain_with_causes: float | None
-    takes_away: float | None
-
-
-@dataclass(frozen=True, slots=True)
-class SimilarPair:
-    """Two candidates that change the features of these sessions in similar proportions."""
-
-    first: str
-    second: str
-    cosine: float
 
 
 def ranking(explanation: Explanation) -> tuple[Ranked, ...]:
@@ -79,49 +57,4 @@ def _ranked(
         joined.without_unknown - with_causes.without_unknown
         if joined is not None and with_causes is not None
         else None,
-        _taken_away(explanation, placed),
     )
-
-
-def _taken_away(explanation: Explanation, placed: Placed) -> float | None:
-    """Explained share of the squared deviations; chance contributes a square of 1, which stays."""
-    evidence, observation = explanation.evidence, explanation.scorer.observation
-    before = pooled_z(evidence.z) / evidence.sigma_factor
-    unexplained = (observation.difference - explanation.scorer.change([placed])) / np.sqrt(1.0 + placed.variance)
-    after = pooled_z(np.where(observation.is_compared, unexplained, 0.0)) / evidence.sigma_factor
-    deviates = np.abs(before) > evidence.threshold_z
-    if not deviates.any():
-        return None
-    squares = [np.square(np.minimum(np.abs(z[deviates]), WORST_Z)) for z in (before, after)]
-    beyond_chance = [np.maximum(z - 1.0, 0.0).sum() for z in squares]
-    return float(1.0 - beyond_chance[1] / beyond_chance[0])
-
-
-def similar_pairs(templates: Sequence[Template]) -> tuple[SimilarPair, ...]:
-    """Pairs of effects that these sessions hardly separate, the most similar first."""
-    directions = [
-        (template.name, direction)
-        for template in templates
-        if not template.is_out_of_catalogue
-        for direction in _directions(template)
-    ]
-    closest: dict[tuple[str, str], float] = {}
-    for number, (first, direction) in enumerate(directions):
-        for second, second_direction in directions[number + 1 :]:
-            cosine = abs(float(direction @ second_direction))
-            if first != second and cosine > max(SIMILAR, closest.get((first, second), 0.0)):
-                closest[first, second] = cosine
-    pairs = sorted(closest.items(), key=lambda pair: -pair[1])
-    return tuple(SimilarPair(first, second, cosine) for (first, second), cosine in pairs)
-
-
-def _directions(template: Template) -> list[Floats]:
-    """Response of each variant at its smallest noticeable size, as vectors of length 1."""
-    lengths = np.linalg.norm(template.mean.reshape(len(template.size), -1), axis=1)
-    directions = []
-    for response in np.unique(template.response):
-        own = np.flatnonzero(template.response == response)
-        smallest = own[lengths[own].argmin()]
-        if lengths[smallest] > 0.0:
-            directions.append(template.mean[smallest].ravel() / lengths[smallest])
-    return directions

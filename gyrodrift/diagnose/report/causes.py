@@ -1,11 +1,9 @@
-"""The causes in a report: probability and evidence of every effect, similar effects, effects that were not tried."""
+"""The causes in a report: probability and evidence of every effect, effects that were not tried."""
 
 from gyrodrift.diagnose.inference.ranking import Ranked
 from gyrodrift.diagnose.report.text import fixed, number, percent, quiet, size, stated
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import facts, headings, paragraph, section, span, table, text
-
-PAIRS = 8
 
 
 def causes(diagnosis: Diagnosis) -> str:
@@ -38,13 +36,12 @@ def _ranking_table(diagnosis: Diagnosis) -> str:
     has_causes = bool(diagnosis.verdict.acting)
     joined = ["beside<br/>the causes"] * has_causes
     head = headings(
-        ["effect", "", "probability", "evidence<br/>alone", *joined, "deviations<br/>explained", "best size", "group"],
+        ["effect", "", "probability", "evidence<br/>alone", *joined, "best size", "group"],
         words=1,
     )
     caption = (
-        "The effects, the most probable first. Deviations explained: the share that the effect alone takes away, below "
-        "0 if it adds to them. Best size: the one that fits best alone. Effects of one group are easily mistaken for "
-        "each other."
+        "The effects, the most probable first. Best size: the one that fits best alone. Effects of one group are "
+        "easily mistaken for each other."
     )
     in_order = sorted(diagnosis.ranking, key=lambda ranked: (-round(ranked.probability, 2), -ranked.gain))
     return table(caption, head, [_row(diagnosis, ranked) for ranked in in_order], words=1)
@@ -63,7 +60,6 @@ def _row(diagnosis: Diagnosis, ranked: Ranked) -> list[str]:
         text(stated(ranked.probability)),
         fixed(ranked.gain, 1),
         *joined,
-        "–" if ranked.takes_away is None else percent(ranked.takes_away),
         size(ranked.value, ranked.unit),
         group,
     ]
@@ -107,13 +103,9 @@ def _remarks(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     rows = [
         (f"May act instead of {text(cause.effect.name)}", _tied(cause.tied_with)) for cause in diagnosis.verdict.causes
     ]
-    similar = [
-        f"{text(pair.first)} and {text(pair.second)} ({pair.cosine:.2f})" for pair in diagnosis.similar_pairs[:PAIRS]
-    ]
     untestable = [f"{text(item.effect)}: {text(item.why)}" for item in diagnosis.untestable]
     return [
         *rows,
-        ("Hard to tell apart here", f"{'; '.join(similar)} (cosine between their responses)" if similar else "no two"),
         ("Not tried", "; ".join(untestable) or "none"),
         ("Left out by --withhold", ", ".join(map(text, diagnosis.withheld)) or "none"),
     ]
