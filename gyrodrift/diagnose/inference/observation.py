@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.vector import OF_MOTION
-from gyrodrift.diagnose.inference.pooling import beyond_chance, common_share, variance_of_mean
+from gyrodrift.diagnose.inference.nulls import pooled_nulls
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 
 SHARED_RELEVANCE = 0.5
@@ -53,34 +52,16 @@ def observation_of(tables: Sequence[ResponseTable], is_compared: Mask) -> Observ
     The covariance of a feature has three terms: its null variance in each session, partly common to all sessions; the
     common error of rebuilding the motion; and the squared relevance threshold.
     """
-    nulls = np.array([table.nulls for table in tables])
+    pooled = pooled_nulls(tables)
+    sessions = len(tables)
     thresholds = np.array([table.thresholds for table in tables])
-    sessions, runs, _ = nulls.shape
-    center = nulls.mean(axis=(0, 1))
-    away = nulls - center
-    pooled = np.square(away).sum(axis=(0, 1)) / max(sessions * runs - 1, 1)
-    own = np.maximum(pooled, 0.5 * (pooled + np.square(away).mean(axis=1)))
-    correlation = shared_correlation(away)
-    common = np.where(OF_MOTION, beyond_chance(center, pooled / (sessions * runs)), 0.0)
-    smoother = np.array([table.smoother for table in tables])
-    common += beyond_chance(smoother.mean(axis=0), variance_of_mean(smoother))
+    correlation = (pooled.common_share - 1.0) / max(sessions - 1, 1)
+    rebuilding = np.broadcast_to(pooled.rebuilding, pooled.variance.shape)
     covariance = (
-        _mixed(own, correlation) + _mixed(np.broadcast_to(common, own.shape), np.ones(len(common)))
-        + _mixed(np.square(thresholds), np.full(own.shape[1], SHARED_RELEVANCE))
+        _mixed(pooled.variance, correlation) + _mixed(rebuilding, np.ones_like(correlation))
+        + _mixed(np.square(thresholds), np.full_like(correlation, SHARED_RELEVANCE))
     )  # fmt: skip
-    difference = np.array([table.difference for table in tables]) - center
-    return _in_units(difference, covariance, is_compared)
-
-
-def shared_correlation(away: Floats) -> Floats:
-    """(F,) correlation between sessions, 0 to 1, for which the variance of their mean is `common_share` times as large.
-
-    away
-        (S, runs, F) null differences about their mean. Run by run their motions are drawn by the same random numbers.
-    """
-    sessions = len(away)
-    correlation: Floats = (common_share(away) - 1.0) / max(sessions - 1, 1)
-    return correlation
+    return _in_units(pooled.difference, covariance, is_compared)
 
 
 def _mixed(variance: Floats, correlation: Floats) -> Floats:

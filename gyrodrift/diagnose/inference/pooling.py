@@ -1,13 +1,14 @@
-"""Pool the tables of single sessions into evidence: nulls pooled, responses interpolated between sizes."""
+"""Evidence from the tables of single sessions: pooled nulls, and responses interpolated between sizes."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.vector import LINEAR, NUMBER, OF_MOTION, REGRESSORS_OF_MOTION
+from gyrodrift.diagnose.features.vector import LINEAR, NUMBER, REGRESSORS_OF_MOTION
 from gyrodrift.diagnose.inference.evidence import NOT_COMPARED, Evidence, Response
 from gyrodrift.diagnose.inference.log_variances import scaled, straight
+from gyrodrift.diagnose.inference.nulls import pooled_nulls
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simulated_key
 
@@ -45,67 +46,31 @@ def _product(first: Floats, second: Floats) -> Floats:
     return product
 
 
-PRIOR_RUNS = 2.0
-"""Weight of the prior assumption of independent sessions, in null runs."""
-
-
 ONCE_PER_TURN = np.array([number for name, number in NUMBER.items() if name.startswith("turn_")])
 """Features that depend on a phase; all other features are ignored when a phase is fitted."""
 
 
 def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> Evidence:
     """Pool the nulls, and compute the responses at all sizes."""
-    own_nulls = np.array([table.nulls for table in tables])
-    differences = np.array([table.difference for table in tables])
-    has = own_nulls.any(axis=1) | (differences != 0.0)
-    runs = np.maximum(has.sum(axis=0) * own_nulls.shape[1], 1)
-    centre = np.where(has, own_nulls.sum(axis=(0, 1)) / runs, 0.0)
-    away = own_nulls - centre[:, None]
-    variance = np.square(away).sum(axis=(0, 1)) / np.maximum(runs - 1, 1)
+    pooled = pooled_nulls(tables)
     thresholds = np.array([table.thresholds for table in tables])
-    common = np.maximum(variance, 0.5 * (variance + np.square(away).mean(axis=1))) * common_share(away)
-    again = np.where(OF_MOTION, beyond_chance(own_nulls.sum(axis=(0, 1)) / runs, variance / runs), 0.0)
-    changes = np.array([table.smoother for table in tables])
-    smoother = beyond_chance(changes.mean(axis=0), variance_of_mean(changes))
-    chance = np.sqrt(common + len(tables) * (again + smoother))
+    chance = np.sqrt(pooled.variance * pooled.common_share + len(tables) * pooled.rebuilding)
     sigma = np.hypot(chance, thresholds)
     sigma[absent_of(tables)] = NOT_COMPARED
     sigma[sigma == 0.0] = 1.0  # of regressors that these motions have not
-    difference = differences - centre
+    difference = pooled.difference
     one_each = [candidate for candidate in tried if not candidate.is_phase_free or candidate.phase_deg == 0.0]
     responses = [_response(tables, candidate, difference, sigma) for candidate in one_each]
     return Evidence(
         names=tuple(table.name for table in tables),
         difference=difference,
         sigma=sigma,
-        nulls=away / sigma[:, None],
+        nulls=pooled.away / sigma[:, None],
         responses=(*responses, *_with_phases_of_residual(tables, responses, difference, sigma)),
         sigma_factor=np.mean(
             [np.hypot(1.0, table.extra_sigma / own) for table, own in zip(tables, sigma, strict=True)], axis=0
         ),
     )
-
-
-def beyond_chance(mean: Floats, variance: Floats) -> Floats:
-    """(F,) squared mean of a difference beyond chance: the error that all sessions share by rebuilding their motion.
-
-    The mean of the null is the error of the second rebuilding. The error of the first one is assumed to be as large, of
-    either sign. The difference to the smoothest possible motion is treated in the same way.
-
-    variance
-        Variance of the mean by chance.
-    """
-    excess: Floats = np.maximum(np.square(mean) - variance, 0.0)
-    return excess
-
-
-def variance_of_mean(values: Floats) -> Floats:
-    """(F,) variance of the mean over sessions, (sessions, F), by their scatter; 0 for a single session."""
-    sessions = len(values)
-    if sessions == 1:
-        return np.zeros(values.shape[1])
-    variance: Floats = values.var(axis=0, ddof=1) / sessions
-    return variance
 
 
 def absent_of(tables: Sequence[ResponseTable]) -> Mask:
@@ -115,26 +80,6 @@ def absent_of(tables: Sequence[ResponseTable]) -> Mask:
     # A regressor that so many replays lack is on the edge of being one.
     is_absent: Mask = REGRESSORS_OF_MOTION & (shares > 0.1) & (differs | (shares < 1.0))
     return is_absent
-
-
-def common_share(nulls: Floats) -> Floats:
-    """(F,) ratio of the variance of a mean over sessions to that of independent sessions; at least 1.
-
-    Sessions of the same motion share the error of rebuilding it.
-
-    nulls
-        (sessions, runs, F) differences without a gap; run by run their motions are drawn by the same random numbers
-        where the course of the motion is the same.
-    """
-    sessions, runs, _ = nulls.shape
-    if sessions == 1 or runs == 1:
-        return np.ones(nulls.shape[-1])
-    own = np.square(nulls).mean(axis=(0, 1))
-    together = np.square(nulls.mean(axis=0)).sum(axis=0) / (runs - 1)
-    ratio = sessions * together / np.where(own > 0.0, own, 1.0)
-    shrunk = (PRIOR_RUNS + (runs - 1) * ratio) / (PRIOR_RUNS + runs - 1)
-    share: Floats = np.clip(shrunk, 1.0, sessions)
-    return share
 
 
 def _response(tables: Sequence[ResponseTable], candidate: Candidate, unexplained: Floats, sigma: Floats) -> Response:

@@ -7,7 +7,7 @@ import pytest
 from inference_support import SESSIONS, observed, rows, tables, unit_nulls
 
 from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
-from gyrodrift.diagnose.inference.observation import observation_of, shared_correlation
+from gyrodrift.diagnose.inference.observation import observation_of
 
 RATE = NUMBER["rate"]
 
@@ -50,12 +50,11 @@ def test_relevance_is_half_common_to_the_sessions() -> None:
 
 def test_nulls_that_all_sessions_have_in_common_are_correlated() -> None:
     """Runs that are equal in each session, and independent runs."""
-    runs = np.random.default_rng(1).standard_normal((1, 12, 200))
-    common = shared_correlation(np.tile(runs, (4, 1, 1)))
-    independent = shared_correlation(np.random.default_rng(2).standard_normal((4, 12, 200)))
-    assert common.min() > 0.7
-    assert independent.mean() < 0.2
-    assert shared_correlation(runs).tolist() == [0.0] * 200
+    runs = np.random.default_rng(1).standard_normal((1, 12, len(FEATURES)))
+    common = observed({}, nulls=np.tile(runs, (SESSIONS, 1, 1))).covariance[:, 0, 1]
+    independent = observed({}, nulls=np.random.default_rng(2).standard_normal((SESSIONS, 12, len(FEATURES))))
+    assert common.min() > 0.5
+    assert independent.covariance[:, 0, 1].mean() < 0.2
 
 
 def test_some_of_the_sessions_are_an_observation() -> None:

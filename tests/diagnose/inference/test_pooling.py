@@ -9,7 +9,8 @@ from inference_support import candidate, row
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER
 from gyrodrift.diagnose.inference.log_variances import interpolated, scaled
-from gyrodrift.diagnose.inference.pooling import beyond_chance, common_share, evidence_of
+from gyrodrift.diagnose.inference.nulls import beyond_chance, common_share
+from gyrodrift.diagnose.inference.pooling import evidence_of
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simulated_key
 

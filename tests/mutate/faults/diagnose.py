@@ -165,9 +165,9 @@ FAULTS = (
     ),
     Fault(
         "diagnose/null-mean-kept",
-        f"{INFERENCE}/observation.py",
-        "for table in tables]) - center",
-        "for table in tables]) - 0.0 * center",
+        f"{INFERENCE}/nulls.py",
+        "PooledNulls(differences - center,",
+        "PooledNulls(differences - 0.0 * center,",
         "What replaying leaves in each session is a difference to the rig.",
         (f"{UNITS}/test_observation.py",),
     ),

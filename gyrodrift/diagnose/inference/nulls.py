@@ -1,0 +1,94 @@
+"""Null runs of all sessions, pooled: their center, their variance, and the errors that sessions have in common."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.vector import OF_MOTION
+from gyrodrift.diagnose.simulate.response_table import ResponseTable
+
+PRIOR_RUNS = 2.0
+"""Weight of the prior assumption of independent sessions, in null runs."""
+
+
+class PooledNulls(NamedTuple):
+    """Differences of S sessions in F features, where there is no gap.
+
+    difference
+        (S, F) recording minus simulation, minus the mean of the nulls.
+    away
+        (S, runs, F) nulls minus their mean.
+    variance
+        (S, F) variance of a null: that of all sessions, and more where a session scatters more.
+    common_share
+        (F,) ratio of the variance of a mean over sessions to that of independent sessions.
+    rebuilding
+        (F,) squared error by rebuilding the motion, the same in all sessions.
+    """
+
+    difference: Floats
+    away: Floats
+    variance: Floats
+    common_share: Floats
+    rebuilding: Floats
+
+
+def pooled_nulls(tables: Sequence[ResponseTable]) -> PooledNulls:
+    """Pool the nulls of the sessions that have a feature."""
+    nulls = np.array([table.nulls for table in tables])
+    differences = np.array([table.difference for table in tables])
+    has = nulls.any(axis=1) | (differences != 0.0)
+    runs = np.maximum(has.sum(axis=0) * nulls.shape[1], 1)
+    mean = nulls.sum(axis=(0, 1)) / runs
+    center = np.where(has, mean, 0.0)
+    away = nulls - center[:, None]
+    variance = np.square(away).sum(axis=(0, 1)) / np.maximum(runs - 1, 1)
+    own = np.maximum(variance, 0.5 * (variance + np.square(away).mean(axis=1)))
+    again = np.where(OF_MOTION, beyond_chance(mean, variance / runs), 0.0)
+    smoother = np.array([table.smoother for table in tables])
+    rebuilding = again + beyond_chance(smoother.mean(axis=0), variance_of_mean(smoother))
+    return PooledNulls(differences - center, away, own, common_share(away), rebuilding)
+
+
+def beyond_chance(mean: Floats, variance: Floats) -> Floats:
+    """(F,) squared mean of a difference beyond chance: the error that all sessions share by rebuilding their motion.
+
+    The mean of the null is the error of the second rebuilding. The error of the first one is assumed to be as large, of
+    either sign. The difference to the smoothest possible motion is treated in the same way.
+
+    variance
+        Variance of the mean by chance.
+    """
+    excess: Floats = np.maximum(np.square(mean) - variance, 0.0)
+    return excess
+
+
+def variance_of_mean(values: Floats) -> Floats:
+    """(F,) variance of the mean over sessions, (sessions, F), by their scatter; 0 for a single session."""
+    sessions = len(values)
+    if sessions == 1:
+        return np.zeros(values.shape[1])
+    variance: Floats = values.var(axis=0, ddof=1) / sessions
+    return variance
+
+
+def common_share(nulls: Floats) -> Floats:
+    """(F,) ratio of the variance of a mean over sessions to that of independent sessions; at least 1.
+
+    Sessions of the same motion share the error of rebuilding it.
+
+    nulls
+        (sessions, runs, F) differences without a gap; run by run their motions are drawn by the same random numbers
+        where the course of the motion is the same.
+    """
+    sessions, runs, _ = nulls.shape
+    if sessions == 1 or runs == 1:
+        return np.ones(nulls.shape[-1])
+    own = np.square(nulls).mean(axis=(0, 1))
+    together = np.square(nulls.mean(axis=0)).sum(axis=0) / (runs - 1)
+    ratio = sessions * together / np.where(own > 0.0, own, 1.0)
+    shrunk = (PRIOR_RUNS + (runs - 1) * ratio) / (PRIOR_RUNS + runs - 1)
+    share: Floats = np.clip(shrunk, 1.0, sessions)
+    return share
