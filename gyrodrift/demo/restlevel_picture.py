@@ -37,8 +37,12 @@ def motion() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     t_s = np.arange(round(ends_s[-1] * RATE_HZ)) / RATE_HZ
     true_dps = np.interp(t_s, knots_s, np.repeat([rate_dps for rate_dps, _ in MOTION], 2))
     rate_dps = true_dps + BIAS_DPS + np.random.default_rng(SEED).normal(0.0, NOISE_DPS, len(t_s))
-    yaw_deg = np.cumsum(0.5 * (true_dps + np.r_[true_dps[0], true_dps[:-1]])) / RATE_HZ
-    return t_s, rate_dps, yaw_deg
+    return t_s, rate_dps, integral_deg(true_dps)
+
+
+def integral_deg(rate_dps: np.ndarray) -> np.ndarray:
+    """Angle of a rate by the trapezoidal rule, deg, shape (n,)."""
+    return np.cumsum(0.5 * (rate_dps + np.r_[rate_dps[0], rate_dps[:-1]])) / RATE_HZ
 
 
 def draw(path: Path) -> None:
@@ -52,13 +56,14 @@ def draw(path: Path) -> None:
         rows.append((s.yaw_deg, s.yaw_sigma_deg, s.bias_dps, s.rest_probability))
         if s.samples % EVERY == 0:
             hypotheses += [(each_s, h.bias_dps, h.weight) for h in s.hypotheses if h.weight > 0.0]
-    t_s, rate_dps, true_deg, plain_deg = (column[::EVERY] for column in (t_s, rate_dps, true_deg, np.cumsum(rate_dps)))
+    columns = (t_s, rate_dps, true_deg, integral_deg(rate_dps))
+    t_s, rate_dps, true_deg, plain_deg = (column[::EVERY] for column in columns)
     yaw_deg, sigma_deg, bias_dps, resting = np.array(rows[::EVERY]).T
     mpl.rcParams.update({"font.size": 9.0})
     figure, (rates, biases, errors) = plt.subplots(3, 1, figsize=(8.0, 6.6), sharex=True, layout="constrained")
     _rates(rates, t_s, rate_dps, resting)
     _biases(biases, t_s, bias_dps, hypotheses)
-    _errors(errors, t_s, plain_deg / RATE_HZ - true_deg, yaw_deg - true_deg, sigma_deg)
+    _errors(errors, t_s, plain_deg - true_deg, yaw_deg - true_deg, sigma_deg)
     figure.savefig(path, dpi=110)
     plt.close(figure)
 

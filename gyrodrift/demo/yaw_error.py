@@ -35,7 +35,7 @@ class YawError:
             return
         t_s = float(line["t_s"])
         if self.samples:
-            self.raw_deg += float(line["rate_dps"]) * (t_s - self.t_s)
+            self.raw_deg += 0.5 * (self.rate_dps + float(line["rate_dps"])) * (t_s - self.t_s)
         else:
             self.first_s = t_s
             self._first_encoder_deg = float(line["encoder_deg"])

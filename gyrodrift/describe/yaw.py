@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.evaluation.integration import euler
+from gyrodrift.evaluation.integration import trapezium
 from gyrodrift.evaluation.reference import accepted, auxiliary_of
 from gyrodrift.filters.filter import Filter
 from gyrodrift.session.angles import unwrapped
@@ -82,7 +82,7 @@ def yaw_history_of(session: Session, chosen: Filter, params: Any) -> YawHistory 
     return YawHistory(
         filter_name=chosen.name,
         t_s=t_s - session.t_device_s[np.isfinite(session.t_device_s)][0],
-        raw_deg=euler(np.diff(t_s, prepend=t_s[0]), rate_dps),
+        raw_deg=trapezium(np.diff(t_s, prepend=t_s[0]), rate_dps),
         corrected_deg=corrected_deg,
         sigma_deg=sigma_deg,
         bias_dps=bias_dps,

@@ -119,7 +119,10 @@ def rig_yaml(rig: Rig) -> str:
 
 
 def euler_error_deg(session: Session) -> Floats:
-    """Yaw error of the integrated rate against the encoder, deg, 0 at the first sample; shape (n,)."""
+    """Yaw error of rate times step against the encoder, deg, 0 at the first sample; shape (n,).
+
+    The published set that this reproduces states errors of this integration.
+    """
     assert session.encoder_deg is not None  # noqa: S101 - callers simulate rigs with an encoder
     steps_s = np.diff(session.t_device_s, prepend=session.t_device_s[0])
     error_deg: Floats = np.cumsum(session.rate_dps * steps_s) - (session.encoder_deg - session.encoder_deg[0])

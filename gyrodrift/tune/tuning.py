@@ -12,7 +12,6 @@ from gyrodrift.errors import DataError
 from gyrodrift.evaluation.cost import Scores
 from gyrodrift.evaluation.curves import YawCurves, yaw_curves
 from gyrodrift.evaluation.dataset import LoadedSession, SessionSummary, Split, check_rates
-from gyrodrift.evaluation.integration import euler
 from gyrodrift.evaluation.kernels.kernel import kernel_of
 from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import Axis, axes_of, candidates_of, params_record, row_of, values_of
@@ -239,6 +238,8 @@ class TuningRun:
 
 
 def _curves(chosen: Filter, loaded: LoadedSession, params: FilterParams) -> YawCurves:
-    reference = loaded.reference
-    tuned_deg = kernel_of(chosen).yaw(reference.dt_s, reference.rate_dps, row_of(params)[0], reference.auxiliary)
-    return yaw_curves(loaded, [euler(reference.dt_s, reference.rate_dps), tuned_deg], CURVE_POINTS)
+    """Yaw of plain integration, as the filter integrates, and of the tuned filter."""
+    reference, run = loaded.reference, kernel_of(chosen).yaw
+    rows = (row_of(chosen.baseline)[0], row_of(params)[0])
+    yaws_deg = [run(reference.dt_s, reference.rate_dps, row, reference.auxiliary) for row in rows]
+    return yaw_curves(loaded, yaws_deg, CURVE_POINTS)

@@ -49,6 +49,16 @@ def test_the_picture_is_the_same_whatever_the_terminal_is(tmp_path: Path, monkey
     assert "table&#160;(encoder)" in pictures[0]
 
 
+def test_the_integrated_rate_of_a_constant_acceleration_has_no_error() -> None:
+    """By the trapezoidal rule, as `compare` integrates."""
+    error = YawError()
+    for at in range(100):
+        t_s = at / 100.0
+        line = {"t_s": t_s, "rate_dps": 200.0 * t_s, "bias_dps": 0.0, "yaw_deg": 0.0, "encoder_deg": 100.0 * t_s**2}
+        error.add(line)
+    assert abs(error.raw_error_deg) < 1e-9
+
+
 @pytest.mark.parametrize(("columns", "rows"), SIZES)
 def test_the_view_fills_a_terminal_of_any_size(columns: int, rows: int) -> None:
     """No line is longer, none is missing, and nothing is cut off."""

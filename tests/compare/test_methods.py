@@ -65,6 +65,41 @@ def test_every_method_integrates_by_the_trapezoidal_rule(key: str) -> None:
     assert np.abs(yaw_deg - true_deg).max() < 0.05
 
 
+def triangle() -> tuple[Floats, Floats, Floats]:
+    """Times, rates and true angle: four seconds of rest, then a turn by 200 degrees in a second.
+
+    It accelerates and brakes with 800 deg/s². Rates have no noise and no bias. They are whole numbers, which 32-bit
+    packages keep, and the first is 8 deg/s, above the rest threshold of every method.
+    """
+    t_s = np.arange(800) / RATE_HZ
+    turning_s = np.clip(t_s - 4.0, 0.0, 1.0)
+    braking_s = 1.0 - turning_s
+    rate_dps = np.round(800.0 * np.minimum(turning_s, braking_s))
+    angle_deg = np.where(turning_s < 0.5, 400.0 * turning_s**2, 200.0 - 400.0 * braking_s**2)
+    return t_s, rate_dps, angle_deg
+
+
+@pytest.mark.parametrize("key", [key for key in BY_KEY if key != "hdr"])
+def test_every_method_gives_the_exact_angle_of_a_turn_with_constant_acceleration(key: str) -> None:
+    """Up to rounding. VQF estimates a bias during the turn too, so its bias is clipped to zero here."""
+    t_s, rate_dps, angle_deg = triangle()
+    clip = {"biasClip": 0.0} if key.startswith("vqf") else {}
+    assert yaw(key, t_s, rate_dps, **clip) == pytest.approx(angle_deg, abs=1e-9)
+
+
+def test_vqf_is_within_a_twentieth_of_a_degree_of_that_angle_at_its_defaults() -> None:
+    """The rest is its bias estimate, not its integration."""
+    t_s, rate_dps, angle_deg = triangle()
+    assert np.abs(yaw("vqf", t_s, rate_dps) - angle_deg).max() < 0.05
+
+
+def test_hdr_leads_that_angle_by_half_a_step_of_the_rate() -> None:
+    """Its definition, equation 8, is rate times step: off by rate × step / 2 in the turn, and by nothing after it."""
+    t_s, rate_dps, angle_deg = triangle()
+    ahead_deg = yaw("hdr", t_s, rate_dps, i_c_dps=0.0) - angle_deg
+    assert ahead_deg == pytest.approx(0.5 * rate_dps / RATE_HZ, abs=1e-9)
+
+
 @pytest.mark.parametrize("key", LEARNERS)
 def test_a_bias_at_rest_is_learned(key: str) -> None:
     """Plain integration drifts by 48 degrees in these two minutes."""

@@ -37,6 +37,14 @@ def test_both_errors_are_those_against_the_encoder() -> None:
     assert yaw.bias_dps[5000] == near(BIAS_DPS, 0.01)
 
 
+def test_raw_yaw_of_a_constant_acceleration_is_exact() -> None:
+    """By the trapezoidal rule."""
+    t_s = np.arange(100) / 100.0
+    yaw = yaw_history_of(Session("s", t_s, 200.0 * t_s), RESTLEVEL, RESTLEVEL.params())
+    assert yaw is not None
+    assert np.abs(yaw.raw_deg - 100.0 * t_s**2).max() < 1e-9
+
+
 def test_errors_begin_where_the_encoder_does() -> None:
     """Both are 0 there, whatever was before."""
     encoder_deg = encoder_of(0.0)

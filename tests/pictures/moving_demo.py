@@ -57,7 +57,7 @@ def run_of(lines: list[dict[str, Any]]) -> DemoRun:
     rows = [(row["t_s"], row["rate_dps"], row["yaw_deg"], row["encoder_deg"]) for row in lines]
     t_s, rate_dps, yaw_deg, encoder_deg = np.array(rows).T
     true_deg = encoder_deg - encoder_deg[0]
-    raw_deg = np.concatenate([[0.0], np.cumsum(rate_dps[1:] * np.diff(t_s))])
+    raw_deg = np.concatenate([[0.0], np.cumsum(0.5 * (rate_dps[1:] + rate_dps[:-1]) * np.diff(t_s))])
     shown = t_s <= DURATION_S + 0.001
     return DemoRun(t_s[shown], (raw_deg - true_deg)[shown], (yaw_deg - true_deg)[shown])
 

@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gyrodrift.arrays import Floats
-from gyrodrift.evaluation.integration import euler
 from gyrodrift.evaluation.kernels import hdr as kernel
 from gyrodrift.filters.hdr import ATTENUATOR_TABLE, HdrParams, HdrState, attenuated_step, coefficients, step
 
@@ -189,15 +188,8 @@ def test_arguments_are_not_changed() -> None:
     params[0, 0] = 0.0
     before = [array.copy() for array in (*walked, params)]
     kernel.sums(*walked, params)
-    euler(*walked[:2])
     for now, then in zip((*walked, params), before, strict=True):
         np.testing.assert_array_equal(now, then)
-
-
-def test_euler_sums_rates_times_steps() -> None:
-    """The sum begins at the second sample."""
-    assert euler(np.array([0.0, 0.5, 2.0]), np.array([9.0, 1.0, -2.0])).tolist() == [0.0, 0.5, -3.5]
-    assert euler(np.array([0.0, 1e10, 1e10]), np.array([0.0, 1e300, -1e300])).tolist()[1] == inf
 
 
 @pytest.mark.parametrize("case", CASES)
