@@ -68,7 +68,7 @@ def _of_sigma(name: str, sigma_dps: float, noise_dps_rthz: float, walk_dps_rts: 
     if sigma_dps > UNSURE_DPS:
         return note(
             f"{name} has not found a rest yet: its bias is uncertain by ±{sigma_dps:.2g} deg/s.",
-            "Leave the device still for five seconds after power-on.",
+            "Leave the device still for five seconds after power-on, with its motors off.",
             sigma_dps * 3600.0,
             UNIT,
         )
