@@ -106,18 +106,48 @@ def _gather(own: Floats, placed: Floats, factors: Floats, moved: Integers) -> in
     return used
 
 
-@compiled_once()
+@compiled_once(fastmath={"reassoc", "contract"})
 def _fitted(factors: Floats, values: Floats, variances: Floats, nu: float) -> tuple[Floats, float]:
     """Explained part of the values, and its negative log density."""
     number, used = factors.shape
-    weights: Floats = 1.0 / variances
-    fitted: Floats = np.zeros(used)
-    system: Floats = np.eye(number)
-    amounts: Floats = np.zeros(number)
+    weights, weighted = 1.0 / variances, np.empty(used)
+    fitted, root, amounts, spent = np.zeros(used), np.empty((number, number)), np.empty(number), 0.0
     for _ in range(REWEIGHTED):
-        weighted = factors * weights
-        system = np.eye(number) + weighted @ factors.T
-        amounts[:] = np.linalg.solve(system, weighted @ values)
-        fitted[:] = amounts @ factors
-        weights[:] = (nu + 1.0) / (nu + np.square(values - fitted) / variances) / variances
-    return fitted, 0.5 * (np.square(amounts).sum() + np.linalg.slogdet(system)[1])
+        fitted[:] = 0.0
+        for i in range(number):
+            for u in range(used):
+                weighted[u] = factors[i, u] * weights[u]
+            for j in range(i + 1):
+                root[i, j] = 1.0 if i == j else 0.0
+                for u in range(used):
+                    root[i, j] += weighted[u] * factors[j, u]
+            amounts[i] = 0.0
+            for u in range(used):
+                amounts[i] += weighted[u] * values[u]
+        spent = _solve(root, amounts)
+        for i in range(number):
+            spent += 0.5 * amounts[i] ** 2
+            for u in range(used):
+                fitted[u] += amounts[i] * factors[i, u]
+        for u in range(used):
+            weights[u] = (nu + 1.0) / (nu + (values[u] - fitted[u]) ** 2 / variances[u]) / variances[u]
+    return fitted, spent
+
+
+@compiled_once()
+def _solve(root: Floats, amounts: Floats) -> float:
+    """Solve a positive definite system in place by its lower triangle; return half of its log determinant."""
+    half = 0.0
+    for i in range(len(amounts)):
+        for j in range(i + 1):
+            for k in range(j):
+                root[i, j] -= root[i, k] * root[j, k]
+            root[i, j] = np.sqrt(root[i, i]) if i == j else root[i, j] / root[j, j]
+            amounts[i] -= root[i, j] * amounts[j] if j < i else 0.0
+        amounts[i] /= root[i, i]
+        half += np.log(root[i, i])
+    for i in range(len(amounts) - 1, -1, -1):
+        for k in range(i + 1, len(amounts)):
+            amounts[i] -= root[k, i] * amounts[k]
+        amounts[i] /= root[i, i]
+    return half
