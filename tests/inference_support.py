@@ -112,7 +112,6 @@ def tables(difference: Floats | Amounts, *tried: Simulated, nulls: Floats | None
             own[session],
             own[session],
             {key(one.candidate): one.nodes[:, session] for one in tried},
-            none,
         )
         for session in range(len(away))
     ]

@@ -22,8 +22,8 @@ class BlockResiduals:
         Coefficients on the vectors of `design.static`, shape (columns,).
     unexplained_dps
         What the regressors leave.
-    held_dps, even_dps
-        The same with outliers held at HOLD_SIGMAS; and that, zero where the rate changes.
+    even_dps
+        The same with outliers held at HOLD_SIGMAS, and zero where the rate changes.
     bias_dps
         The bias by itself, slow regressors left in it, as it is in the blocks that rest or turn steadily.
     """
@@ -31,7 +31,6 @@ class BlockResiduals:
     design: DesignMatrix
     static: Floats
     unexplained_dps: Floats
-    held_dps: Floats
     even_dps: Floats
     bias_dps: Floats
 
@@ -47,7 +46,6 @@ def block_residuals_of(seen: Cleaned, design: DesignMatrix) -> BlockResiduals:
         design=design,
         static=static,
         unexplained_dps=unexplained_dps,
-        held_dps=held_dps,
         even_dps=np.where(design.regimes.block_is_even, held_dps, 0.0),
         bias_dps=_bias_dps(centred_dps, design),
     )

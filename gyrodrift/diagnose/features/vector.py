@@ -44,7 +44,7 @@ def _begins(*names: str) -> Mask:
 LINEAR = _mask(lambda feature: feature.response is ResponseLaw.LINEAR)
 IS_LOG = _mask(lambda feature: feature.response is ResponseLaw.LOG_VARIANCE)
 
-SLOW = LINEAR | _begins("wander", "walk", "step", "two_levels", "swing", "scatter_")
+SLOW = LINEAR | _begins("wander", "walk", "step", "scatter_")
 """Features that do not change with the sample rate."""
 
 REGRESSORS_OF_MOTION = LINEAR & (np.arange(len(FEATURES)) < len(RESIDUAL_FEATURES))
@@ -68,7 +68,7 @@ FAMILIES = (np.arange(STATIC), *(np.flatnonzero(_begins(start)) for start in ("n
 NOT_OF_STEPS = ~_begins("equal_rest", "equal_moving", "equal_quick", "zero_share", "least_rate", "rate_step")
 """Features that do not depend on the steps in which rates come."""
 
-BY_BIAS = _begins("wander", "walk", "step", "two_levels", "swing", "ripple", "scatter", "line", "noise_uneven")
+BY_BIAS = _begins("wander", "walk", "step", "ripple", "scatter", "line", "noise_uneven")
 """Features that grow with the scatter of block means."""
 
 BY_STEPS = _begins("noise_", "tails_", "equal_", "zero_share")

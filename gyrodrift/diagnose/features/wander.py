@@ -7,10 +7,7 @@ from gyrodrift.diagnose.features.block_means import LEAST_DPS, block_means, log_
 from gyrodrift.diagnose.features.block_residuals import BlockResiduals
 from gyrodrift.diagnose.features.feature import (
     AMPLITUDE_DPS,
-    EXCESS_KURTOSIS,
-    KURTOSIS_OF_STEPS,
     OVER_CHANCE,
-    OVER_REMAINDER,
     OVER_REST,
     STANDARD_ERRORS,
     ResponseLaw,
@@ -23,19 +20,6 @@ WALK_MEANS = (5, 20, 60, 120)
 
 EIGHTH = (0.25, "0.25 in ln of a variance: an eighth of the amplitude")
 """Relevance threshold of the logarithm of a variance."""
-
-LEVEL_MEAN = 5
-"""Blocks in a mean that sits on one of two levels, or between them."""
-
-LEAST_LEVELS = 8
-"""So many means, or fewer, tell nothing of a distribution."""
-
-KURTOSIS_BOUNDS = (-2.0, -0.6)
-"""Two levels have −2. So few normal numbers as a session has means are often this flat, and what is less flat are no
-levels: a single mean that is off decides how much less."""
-
-JUMP_MEAN = 4
-"""Blocks in a mean whose steps may be jumps."""
 
 STEP_EDGE = 8
 """Blocks at either end at which no step is looked for."""
@@ -69,24 +53,6 @@ def largest_sum(dps: Floats) -> float:
     return float(np.abs(sums[STEP_EDGE:-STEP_EDGE]).max() / (spread * np.sqrt(len(dps))))
 
 
-def excess_kurtosis(dps: Floats) -> float:
-    """Of means of LEVEL_MEAN blocks: 0 for normal ones, −2 for two levels; held to KURTOSIS_BOUNDS."""
-    slow = block_means(dps, LEVEL_MEAN)
-    if len(slow) <= LEAST_LEVELS:
-        return 0.0
-    variance = float(np.var(slow)) + LEAST_DPS**2 / LEVEL_MEAN
-    return float(np.clip(np.mean((slow - slow.mean()) ** 4) / variance**2 - 3.0, *KURTOSIS_BOUNDS))
-
-
-def log_kurtosis_of_steps(dps: Floats) -> float:
-    """Logarithm of one more than the fourth moment of steps over their squared variance: ln 4 for normal ones."""
-    steps_dps = np.diff(block_means(dps, JUMP_MEAN))
-    if not len(steps_dps):
-        return 0.0
-    spread = np.mean(np.square(steps_dps)) + LEAST_DPS**2 / JUMP_MEAN
-    return float(np.log1p(np.mean(steps_dps**4) / spread**2))
-
-
 def _moving_beside_rest(seen: BlockResiduals) -> float:
     rests = seen.design.regimes.block_at_rest
     return log_variance(seen.unexplained_dps[~rests]) - log_variance(seen.unexplained_dps[rests])
@@ -114,26 +80,11 @@ WANDER: tuple[Statistic[BlockResiduals], ...] = (
         "1.0 standard errors: white noise goes beyond in 27 % of sessions (Kolmogorov's distribution)",
         reading=STANDARD_ERRORS, compute=lambda seen: largest_sum(seen.even_dps),
     ),
-    Statistic(
-        "two_levels", "sensor", "always", "the bias sits on two levels", 0.3,
-        "0.3 of the 2 between normal numbers and two levels", reading=EXCESS_KURTOSIS,
-        compute=lambda seen: excess_kurtosis(seen.held_dps[seen.design.regimes.block_is_even]),
-    ),
 )
 """Of what the regressors leave."""
 
 WALK: tuple[Statistic[BlockResiduals], ...] = (
     *(_walk(count) for count in WALK_MEANS),
-    Statistic(
-        "walk_levels", "sensor", "always", "the bias, taken by itself, sits on two levels", 0.3,
-        "0.3 of the 2 between normal numbers and two levels", reading=EXCESS_KURTOSIS,
-        compute=lambda seen: excess_kurtosis(seen.bias_dps),
-    ),
-    Statistic(
-        "walk_jumps", "sensor", "always", "the bias, taken by itself, moves in jumps", 0.3,
-        "0.3 in ln: a kurtosis of 4.4 where normal steps have 3", reading=KURTOSIS_OF_STEPS,
-        compute=lambda seen: log_kurtosis_of_steps(seen.bias_dps),
-    ),
 )
 """Of the bias by itself."""
 
@@ -149,36 +100,6 @@ SCATTER: tuple[Statistic[BlockResiduals], ...] = (
 )
 # fmt: on
 """Of blocks that move beside others."""
-
-
-PERIODS_S = (40.0, 200.0)
-"""Between these a period is looked for."""
-
-PERIOD_MEAN = 5
-"""Blocks in a mean, and the fewest means in which a period is looked for."""
-
-FINE = 8
-"""Points of the periodogram for each independent one: a tone between two loses next to nothing."""
-
-LEAST_SHARE = 0.02
-"""Added to what a sine takes and to what it leaves: bounds the logarithm of their ratio at 3.9 either way."""
-
-
-def periodic_component(bias_dps: Floats, block_s: float = 1.0) -> tuple[float, float]:
-    """The best sine within PERIODS_S: logarithm of what it takes over what it leaves, and its period, s."""
-    slow_dps = block_means(bias_dps, PERIOD_MEAN)
-    if len(slow_dps) < PERIOD_MEAN:
-        return 0.0, 0.0
-    place = np.linspace(-1.0, 1.0, len(slow_dps))
-    slow_dps = slow_dps - np.polyval(np.polyfit(place, slow_dps, 1), place)
-    points = FINE * len(slow_dps)
-    power = np.abs(np.fft.rfft(slow_dps, points)) ** 2
-    period_s = points * PERIOD_MEAN * block_s / np.maximum(np.arange(len(power)), 0.5)
-    power[(period_s < PERIODS_S[0]) | (period_s > PERIODS_S[1])] = 0.0
-    best = int(np.argmax(power))
-    total = float(slow_dps @ slow_dps) + len(slow_dps) * LEAST_DPS**2
-    share = min(2.0 * float(power[best]) / len(slow_dps) / total, 1.0)
-    return float(np.log((share + LEAST_SHARE) / (1.0 - share + LEAST_SHARE))), float(period_s[best])
 
 
 def angle_shares(unexplained_dps: Floats, vectors: Floats) -> Floats:
@@ -197,11 +118,6 @@ def angle_periodic_component(unexplained_dps: Floats, vectors: Floats) -> float:
 
 # fmt: off
 PERIODIC: tuple[Statistic[BlockResiduals], ...] = (
-    Statistic(
-        "swing", "sensor", "always", "the bias swings with a period", 0.5,
-        "0.5 in ln of a ratio of variances: a quarter of the amplitude", reading=OVER_REMAINDER,
-        response=ResponseLaw.LOG_VARIANCE, compute=lambda seen: periodic_component(seen.even_dps)[0],
-    ),
     Statistic(
         "ripple", "sensor", "moving", "the bias changes several times per turn", 0.3,
         "0.3 in ln of a ratio of variances: a third more than chance gives", reading=OVER_CHANCE,

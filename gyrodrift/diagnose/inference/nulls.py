@@ -46,9 +46,7 @@ def pooled_nulls(tables: Sequence[ResponseTable]) -> PooledNulls:
     away = nulls - center[:, None]
     variance = np.square(away).sum(axis=(0, 1)) / np.maximum(runs - 1, 1)
     own = np.maximum(variance, 0.5 * (variance + np.square(away).mean(axis=1)))
-    again = np.where(OF_MOTION, beyond_chance(mean, variance / runs), 0.0)
-    smoother = np.array([table.smoother for table in tables])
-    rebuilding = again + beyond_chance(smoother.mean(axis=0), variance_of_mean(smoother))
+    rebuilding = np.where(OF_MOTION, beyond_chance(mean, variance / runs), 0.0)
     return PooledNulls(differences - center, away, own, common_share(away), rebuilding)
 
 
@@ -56,22 +54,13 @@ def beyond_chance(mean: Floats, variance: Floats) -> Floats:
     """(F,) squared mean of a difference beyond chance: the error that all sessions share by rebuilding their motion.
 
     The mean of the null is the error of the second rebuilding. The error of the first one is assumed to be as large, of
-    either sign. The difference to the smoothest possible motion is treated in the same way.
+    either sign.
 
     variance
         Variance of the mean by chance.
     """
     excess: Floats = np.maximum(np.square(mean) - variance, 0.0)
     return excess
-
-
-def variance_of_mean(values: Floats) -> Floats:
-    """(F,) variance of the mean over sessions, (sessions, F), by their scatter; 0 for a single session."""
-    sessions = len(values)
-    if sessions == 1:
-        return np.zeros(values.shape[1])
-    variance: Floats = values.var(axis=0, ddof=1) / sessions
-    return variance
 
 
 def common_share(nulls: Floats) -> Floats:

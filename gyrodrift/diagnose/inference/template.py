@@ -14,7 +14,6 @@ from gyrodrift.diagnose.inference.factors import MOST_FACTORS, covariance_of
 from gyrodrift.diagnose.inference.log_variances import between_scaled, interpolated
 from gyrodrift.diagnose.inference.observation import Observation
 from gyrodrift.diagnose.inference.pooling import ONCE_PER_TURN
-from gyrodrift.diagnose.recording.order_statistics import MAD_TO_SIGMA
 from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
 
 NOTICEABLE = 2.0
@@ -26,9 +25,6 @@ COARSE_STEP = 4
 
 ENOUGH = 8
 """Number of realisations from which on a session has its own mean and covariance."""
-
-FAR = 3.0
-"""Robust standard deviations at which realisations of events are clipped."""
 
 FINER = 8
 """Points into which an interval of sizes is divided about the best size."""
@@ -184,10 +180,7 @@ def _random(candidate: Candidate, realised: Floats) -> tuple[Floats, Floats, Flo
     if realised.shape[2] < ENOUGH:
         pooled = realised.reshape(len(realised), 1, -1, realised.shape[3])
         realised = np.broadcast_to(pooled, (len(realised), sessions, *pooled.shape[2:]))
-    if candidate.touches in (Touches.SLOW_RATE, Touches.RATE):
-        at_sizes = between_scaled
-    else:
-        at_sizes, realised = interpolated, _usual(realised)
+    at_sizes = between_scaled if candidate.touches in (Touches.SLOW_RATE, Touches.RATE) else interpolated
     mean, spread = _moments(at_sizes(candidate, realised))
     of_nodes, spread_of_nodes = _moments(realised)
     covariances = [
@@ -200,17 +193,6 @@ def _random(candidate: Candidate, realised: Floats) -> tuple[Floats, Floats, Flo
     scatter = np.array([[session.scatter for session in node] for node in covariances])[nearest] * np.square(scale)
     factors = np.array([_padded([session.factors for session in node], MOST_FACTORS) for node in covariances])
     return mean, scatter, factors[nearest] * scale[:, :, None]
-
-
-def _usual(realised: Floats) -> Floats:
-    """Realisations of events, clipped: an event that the cleaning missed shows in every slow feature.
-
-    The tails of the density allow for a recording with such an event.
-    """
-    middle = np.median(realised, axis=-2, keepdims=True)
-    sigma = MAD_TO_SIGMA * np.median(np.abs(realised - middle), axis=-2, keepdims=True)
-    clipped: Floats = np.clip(realised, middle - FAR * sigma, middle + FAR * sigma)
-    return clipped
 
 
 def _moments(realised: Floats) -> tuple[Floats, Floats]:

@@ -29,21 +29,3 @@ def stands_alone(off: Floats) -> Mask:
     # Beside an outlier a cubic is off by two thirds of it; both sides of an edge are off alike.
     alone: Mask = size[1:-1] > 1.25 * np.maximum(size[:-2], size[2:])
     return alone
-
-
-def held_on_a_slope(rate_dps: Floats, sigma_dps: float) -> Mask:
-    """Which samples repeat the one before them while the rate changes, shape (n,): a link or a sensor held it.
-
-    The rate went on before and after. Where it only goes on after, the last sample of a rest may repeat one by chance.
-
-    sigma_dps
-        White noise of a sample.
-    """
-    off_dps = np.abs(off_cubic(rate_dps))
-    steps_dps = np.diff(np.pad(rate_dps, (2, 1), mode="edge"))
-    before_dps, to_it_dps, after_dps = steps_dps[:-2], steps_dps[1:-1], steps_dps[2:]
-    # A held sample is off by one step; the steps before and after it are one and two.
-    went_on = np.minimum(np.abs(before_dps), np.abs(after_dps)) > 0.5 * off_dps
-    # Seven standard deviations of a sample, five of what a cubic through four of them leaves.
-    held: Mask = (to_it_dps == 0.0) & (off_dps > 7.0 * sigma_dps) & went_on & (before_dps * after_dps > 0.0)
-    return held

@@ -14,7 +14,6 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from gyrodrift.arrays import Floats, Integers, Mask
-from gyrodrift.diagnose.recording.among_neighbours import held_on_a_slope
 from gyrodrift.diagnose.recording.counted_rests import CountedRests
 from gyrodrift.diagnose.recording.gyro_noise import NOISE_GAIN, GyroModel, middle_sigma, noise_dps
 from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, Passed, filtered, smoothed_back
@@ -22,7 +21,6 @@ from gyrodrift.diagnose.recording.local_cubic import local_cubic
 from gyrodrift.diagnose.recording.motion import ReplayedMotion, rough_rate_dps, sensor_c_of
 from gyrodrift.diagnose.recording.outliers import Cleaned, at_limit, steps_of
 from gyrodrift.diagnose.recording.quick_motion import QuickMotion, quick_motion_of
-from gyrodrift.diagnose.recording.recording import filled
 from gyrodrift.diagnose.recording.rests import STANDS_MOST_S, points_of, rests, stretches
 from gyrodrift.diagnose.recording.smoothing import central_difference, gaussian
 
@@ -113,7 +111,7 @@ def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | No
     is_clipped = at_limit(seen.rate_dps, angle_deg, period_s)
     scatters = ~is_clipped & ((seen.rate_dps != 0.0) | (not gyro.hides_rest))
     sigma_dps = max(noise_dps(seen.rate_dps[scatters], period_s, gyro), gyro.count_dps / float(np.sqrt(12.0)))
-    known_dps = filled(np.where(held_on_a_slope(seen.rate_dps, sigma_dps), np.nan, seen.rate_dps))
+    known_dps = seen.rate_dps
     if is_clipped.any():
         known_dps = np.where(is_clipped, rough_rate_dps(seen.recording, angle_deg), known_dps)
     rate_dps = _advanced(known_dps, gyro.delay_s / period_s)

@@ -43,7 +43,6 @@ LEAST_DPS = 0.01
 
 UNITS = {
     "times its middle": "variance, over that of 4- to 8-sample means at rest",
-    "times what it leaves": "variance of the best sine, over what it leaves",
     "times as by chance": "share of the variance, over that by chance",
     "times as at rest": "scatter, over that at rest",
     "times its neighbours": "power, over that of neighbouring frequencies",

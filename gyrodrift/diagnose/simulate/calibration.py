@@ -5,8 +5,7 @@ simulation of it, and the base value is moved until both agree. So noise that go
 bias beside one that an effect of the rig adds, is counted once.
 """
 
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,10 +18,8 @@ from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.spectral_line import white_dps
 from gyrodrift.diagnose.features.spreads import turning_spread
-from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.outliers import Cleaned
-from gyrodrift.diagnose.recording.quick_motion import QuickMotion, quick_motion_of
 from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.diagnose.simulate.known_effects import error_dps, gyro_model_of
 from gyrodrift.simulation.sessions import as_recorded
@@ -75,13 +72,6 @@ def _without_wander(recording: Recording) -> Floats:
 ROUNDS = 3
 """Simulations, each with the values that the one before led to."""
 
-MORE_ROUNDS, FAR_OFF = 4, 1.1
-"""As many more where the last of these changed the noise by such a factor, as beside a dead band."""
-
-STEEPEST, CLEAR_STEP = 4.0, 1.05
-"""What shows of the noise may grow with a power of it, as beside a dead band: two rounds tell which, that are so far
-apart. No step follows a power below 1, lest it overshoot."""
-
 
 @dataclass(frozen=True, slots=True)
 class Level:
@@ -89,13 +79,6 @@ class Level:
 
     white_dps: float
     bias_dps: float
-
-
-class _NoiseShown(NamedTuple):
-    """The noise of a round, and the standard deviation of a sample that it shows as beyond rounding, deg/s."""
-
-    noise_dps_rthz: float
-    white_dps: float
 
 
 def calibrated(
@@ -109,8 +92,7 @@ def calibrated(
     period_s = seen.recording.period_s
     step_dps = gyro_model_of(rig).count_dps
     in_motion = is_hidden_at_rest(seen, design, rig)
-    gyro = gyro_model_of(rig) if scatters_by_motion(seen, design, rig, in_motion=in_motion) else None
-    wanted = level_of(seen, design, step_dps, in_motion=in_motion, gyro=gyro)
+    wanted = level_of(seen, design, step_dps, in_motion=in_motion)
     base = with_host(rig.base, seen.recording).model_copy(
         update={
             "encoder_phase_deg": 0.0,
@@ -119,19 +101,14 @@ def calibrated(
             "bias_dps": wanted.bias_dps,
         }
     )
-    last: _NoiseShown | None = None
-    for done in range(1, ROUNDS + MORE_ROUNDS + 1):
-        played = _played(seen, motion, rig.model_copy(update={"base": base}))
-        found = level_of(played, design, step_dps, in_motion=in_motion, gyro=gyro)
-        shown = _NoiseShown(base.noise_dps_rthz, _above_rounding_dps(found, step_dps))
-        ratio = (_above_rounding_dps(wanted, step_dps) / shown.white_dps) ** (1.0 / _power(last, shown))
-        change = float(np.clip(ratio, 0.3, 3.0))  # bounds of the change in a round
-        more_dps = wanted.bias_dps - found.bias_dps
-        noise = max(base.noise_dps_rthz * change, least_noise_dps_rthz)
-        base = base.model_copy(update={"noise_dps_rthz": noise, "bias_dps": base.bias_dps + more_dps})
-        last = shown
-        if done >= ROUNDS and 1.0 / FAR_OFF < change < FAR_OFF:
-            break
+    for _ in range(ROUNDS):
+        found = level_of(
+            _played(seen, motion, rig.model_copy(update={"base": base})), design, step_dps, in_motion=in_motion
+        )
+        ratio = _above_rounding_dps(wanted, step_dps) / _above_rounding_dps(found, step_dps)
+        noise = base.noise_dps_rthz * float(np.clip(ratio, 0.3, 3.0))  # bounds of the change in a round
+        bias_dps = base.bias_dps + wanted.bias_dps - found.bias_dps
+        base = base.model_copy(update={"noise_dps_rthz": max(noise, least_noise_dps_rthz), "bias_dps": bias_dps})
     return rig.model_copy(update={"base": base})
 
 
@@ -147,47 +124,16 @@ def is_hidden_at_rest(seen: Cleaned, design: DesignMatrix, rig: Rig) -> bool:
     return variance < (0.55 * gyro.count_dps) ** 2
 
 
-def scatters_by_motion(seen: Cleaned, design: DesignMatrix, rig: Rig, *, in_motion: bool) -> bool:
-    """Whether motion is a part of what scatters from sample to sample, and no rest tells how much noise there is."""
-    gyro = gyro_model_of(rig)
-    quick = _quick_motion(seen, design, gyro)
-    if quick.knows_rest or quick.white_dps is None:
-        return False
-    rates_dps = seen.rate_dps, design.motion.rate_dps
-    scatters_dps = [
-        _scatter_dps(replace(seen, rate_dps=rate_dps), design, gyro.count_dps, in_motion=in_motion)
-        for rate_dps in rates_dps
-    ]
-    # A tenth of the variance: less of it by motion changes the noise by 5 %, as chance does.
-    return scatters_dps[1] ** 2 > 0.1 * scatters_dps[0] ** 2
-
-
-def level_of(
-    seen: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool = False, gyro: GyroModel | None = None
-) -> Level:
+def level_of(seen: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool = False) -> Level:
     """Noise and bias of a recording or of a simulation of it.
 
     in_motion
         Where something hides noise and bias at rest.
-    gyro
-        Of which the spectrum in motion says how much noise there is, where motion scatters too.
     """
     shows = _shows_bias(design, in_motion=in_motion)
-    white = _quick_motion(seen, design, gyro).white_dps if gyro else None
-    if white is None:
-        white = _scatter_dps(seen, design, step_dps, in_motion=in_motion)
-    return Level(white, float(np.median(block_residual_dps(seen, design)[shows])))
-
-
-def _scatter_dps(seen: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool) -> float:
-    """Standard deviation of what scatters from sample to sample."""
     turning_dps = float(np.sqrt(turning_spread(seen.rate_dps, design.spread_places))) if in_motion else 0.0
-    return turning_dps or white_dps(seen, design, step_dps)
-
-
-def _quick_motion(seen: Cleaned, design: DesignMatrix, gyro: GyroModel) -> QuickMotion:
-    rests = design.motion.rate_dps == 0.0
-    return quick_motion_of(seen.rate_dps, rests, ~rests, design.period_s, gyro)
+    white = turning_dps or white_dps(seen, design, step_dps)
+    return Level(white, float(np.median(block_residual_dps(seen, design)[shows])))
 
 
 def bias_beside(seen: Cleaned, design: DesignMatrix, rig: Rig, effects: tuple[Effect, ...]) -> float:
@@ -217,16 +163,6 @@ def _above_rounding_dps(level: Level, step_dps: float) -> float:
     """Rounding to counts is a noise that is always there; what is above it follows the noise of the rig."""
     grain = step_dps**2 / 12.0
     return float(np.sqrt(max(level.white_dps**2 - grain, 0.1 * grain)))
-
-
-def _power(last: _NoiseShown | None, shown: _NoiseShown) -> float:
-    """With which power of the noise what shows of it grows, by two rounds that are far enough apart."""
-    if last is None or not last.noise_dps_rthz or not shown.noise_dps_rthz:
-        return 1.0
-    apart = float(np.log(shown.noise_dps_rthz / last.noise_dps_rthz))
-    if abs(apart) < np.log(CLEAR_STEP):
-        return 1.0
-    return float(np.clip(np.log(shown.white_dps / last.white_dps) / apart, 1.0, STEEPEST))
 
 
 def _played(seen: Cleaned, motion: ReplayedMotion, rig: Rig) -> Cleaned:

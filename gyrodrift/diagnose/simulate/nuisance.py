@@ -172,7 +172,7 @@ def in_proportion(design: DesignMatrix, rng: np.random.Generator) -> Floats:
 
 
 FUNCTIONS: tuple[tuple[str, Shape], ...] = (
-    ("?swing", in_time),
+    ("?wander_20s", in_time),
     ("?hinge_high", in_rate),
     ("?temperature_squared", in_temperature),
     ("?total_angle", in_turns),

@@ -46,8 +46,6 @@ class ResponseTable:
         (realisations, F) the null distribution: the same differences where the recording is the rig itself.
     responses
         Of each candidate that was simulated: (grid points, realisations, F), change of the features when it is added.
-    smoother
-        (F,) change of the features where the motion is the smoothest that the recording leaves possible.
     extra_sigma
         (F,) standard deviation that is added before a single feature counts as deviating, because a few recordings say
         little of chance; 0 without a baseline.
@@ -59,7 +57,6 @@ class ResponseTable:
     runs: Floats
     nulls: Floats
     responses: dict[str, Floats]
-    smoother: Floats
     extra_sigma: Floats | float = 0.0
 
 

@@ -49,7 +49,6 @@ def response_table(subject: Subject, tried: Sequence[Candidate], null_runs: int)
         runs=runs,
         nulls=nulls,
         responses=responses,
-        smoother=smoother(subject, base[:2]),
     )
 
 
@@ -80,14 +79,6 @@ def null_difference(subject: Subject, seed: int) -> Floats:
     runs = [again.simulated((), FIRST_NULL_SEED + seed + number).values for number in range(2)]  # two runs of the base
     left: Floats = again.measured().values - np.mean(runs, axis=0)
     return left
-
-
-def smoother(subject: Subject, base: Sequence[BaseRun]) -> Floats:
-    """(F,) by how much features change where the motion is the smoothest that a recording leaves possible."""
-    smoothest = subject.smoothest([run.seed for run in base])
-    changes = [smoothest.base_run(run.seed).values - run.values for run in base]
-    found: Floats = np.mean(changes, axis=0)
-    return found
 
 
 def _features_with(subject: Subject, candidate: Candidate, size: float, base: BaseRun, seed: int) -> Floats:

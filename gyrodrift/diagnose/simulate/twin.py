@@ -5,7 +5,6 @@ encoder and gyro, from which its motion is rebuilt. The motion that drives it is
 possible.
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import NamedTuple
@@ -135,10 +134,6 @@ class Subject:
             partial(angles_read, self.rig),
             self.seen.step_deg,
         )
-
-    def smoothest(self, seeds: Iterable[int]) -> "Subject":
-        """The same driven through the mean of all motions that are left possible, at some seeds."""
-        return replace(self, drawn=dict.fromkeys(seeds, self.posterior.mean))
 
     def measured(self) -> Measured:
         """Features of the recording itself; thresholds know what steps of the rate hide."""

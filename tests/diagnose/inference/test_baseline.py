@@ -32,7 +32,7 @@ def design(seconds: int) -> DesignMatrix:
 
 def table(difference: Amounts) -> ResponseTable:
     """Of a session; 0.1 of a feature matters, and chance does nothing."""
-    return ResponseTable("one", row(difference), np.full(len(FEATURES), 0.1), NONE[:1], NONE, {}, NONE[0])
+    return ResponseTable("one", row(difference), np.full(len(FEATURES), 0.1), NONE[:1], NONE, {})
 
 
 SHORT, LONG = design(100), design(400)
@@ -58,7 +58,7 @@ def test_another_length_of_recording_does_not_matter() -> None:
 def test_what_the_simulator_differs_from_itself_by_is_not_the_device() -> None:
     """The mean of the null is taken off first: of 3, one is what replaying leaves."""
     nulls = np.tile(row({"rate": 1.0}), (2, 1))
-    one = ResponseTable("one", row({"rate": 3.0}), np.zeros(len(FEATURES)), NONE[:1], nulls, {}, NONE[0])
+    one = ResponseTable("one", row({"rate": 3.0}), np.zeros(len(FEATURES)), NONE[:1], nulls, {})
     assert baseline_of([one] * 3, [SHORT] * 3, ALL).common[RATE] == pytest.approx(0.2)
 
 
@@ -142,7 +142,7 @@ def test_a_baseline_without_damage_says_that_there_was_none() -> None:
 def test_slow_features_say_nothing_of_single_samples() -> None:
     """Regressors and the bias second by second; no noise, no values, no stamps."""
     names = {FEATURES[number].name for number in np.flatnonzero(SLOW)}
-    assert {"rate", "temperature", "turn_sine_rate", "wander_20s", "walk_60s", "two_levels"} <= names
+    assert {"rate", "temperature", "turn_sine_rate", "wander_20s", "walk_60s"} <= names
     assert not any(name.startswith(("noise_", "equal_", "stamp_", "arrival_", "angle_", "tails_")) for name in names)
 
 

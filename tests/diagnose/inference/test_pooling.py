@@ -24,7 +24,7 @@ NONE = np.zeros(len(FEATURES))
 def table(name: str, nulls: Floats, answers: dict[str, Floats] | None = None) -> ResponseTable:
     """Of a session whose rate deviates by 7, where 2 matter."""
     return ResponseTable(
-        name, row({"rate": 7.0}), row({"rate": 2.0}), np.zeros((1, len(FEATURES))), nulls, answers or {}, NONE
+        name, row({"rate": 7.0}), row({"rate": 2.0}), np.zeros((1, len(FEATURES))), nulls, answers or {}
     )
 
 
@@ -243,7 +243,7 @@ def test_what_rebuilding_changes_it_may_have_changed_before() -> None:
     nulls[:, number] = 5.0 + np.tile([-0.5, 0.5], 4)
     for sessions in (2, 6):
         tables = [
-            ResponseTable(f"s{n}", row({"wander_20s": -3.0}), np.zeros(len(FEATURES)), nulls, nulls, {}, NONE)
+            ResponseTable(f"s{n}", row({"wander_20s": -3.0}), np.zeros(len(FEATURES)), nulls, nulls, {})
             for n in range(sessions)
         ]
         z = evidence_of(tables, []).z[:, number]
@@ -258,26 +258,13 @@ def test_a_null_that_is_off_by_chance_widens_nothing() -> None:
     assert found.mean() < 0.15
 
 
-def test_a_motion_that_may_be_smoother_widens_what_follows_its_roughness() -> None:
-    """Noise in motion that would be 4 less, whatever the number of sessions."""
-    number, nulls = NUMBER["noise_slow_1"], np.zeros((4, len(FEATURES)))
-    for sessions in (1, 6):
-        tables = [
-            ResponseTable(
-                f"s{n}", row({"noise_slow_1": -8.0}), NONE + 1.0, nulls, nulls, {}, row({"noise_slow_1": -4.0})
-            )
-            for n in range(sessions)
-        ]
-        assert evidence_of(tables, []).z[:, number] == pytest.approx(-8.0 / np.sqrt(1.0 + sessions * 16.0))
-
-
 def test_a_regressor_that_some_replays_lack_is_not_compared() -> None:
     """It is on the edge of being one, and the recording on the other side of it."""
     number = NUMBER["direction"]
     for present in (0, 3, 8):
         nulls = np.random.default_rng(1).normal(0.0, 1.0, (8, len(FEATURES)))
         nulls[present:, number] = 0.0
-        table = ResponseTable("s", row({"direction": 9.0}), np.full(len(FEATURES), 1e-3), nulls, nulls, {}, NONE)
+        table = ResponseTable("s", row({"direction": 9.0}), np.full(len(FEATURES), 1e-3), nulls, nulls, {})
         z = evidence_of([table], []).z[0, number]
         assert bool(abs(z) > 3.0) is (present == 8)
 
@@ -286,5 +273,5 @@ def test_a_clock_that_is_exact_in_every_replay_is_compared() -> None:
     """Every recording has a clock ratio, so that a null of 0 says how exact it is."""
     nulls = np.random.default_rng(1).normal(0.0, 1.0, (8, len(FEATURES)))
     nulls[:, NUMBER["clock_ratio"]] = 0.0
-    table = ResponseTable("s", row({"clock_ratio": 9.0}), np.ones(len(FEATURES)), nulls, nulls, {}, NONE)
+    table = ResponseTable("s", row({"clock_ratio": 9.0}), np.ones(len(FEATURES)), nulls, nulls, {})
     assert evidence_of([table], []).z[0, NUMBER["clock_ratio"]] == pytest.approx(9.0)

@@ -160,14 +160,3 @@ def test_a_few_realisations_of_all_sessions_are_one_sample() -> None:
     variances = [_variance(template)[-1, :, RATE] for template in (few, many)]
     assert np.ptp(variances[0]) == pytest.approx(0.0, abs=1e-9)
     assert np.ptp(variances[1]) > 1.0
-
-
-def test_a_rare_event_is_no_usual_scatter() -> None:
-    """A realisation of sixteen in which the rate jumps; of slow noise it is one as good as any."""
-    draws = realised(16)
-    draws[:, 0, RATE] = 100.0
-    tried = simulated_at_random("bias_instability", draws)
-    slow = tried._replace(candidate=replace(tried.candidate, touches=Touches.SLOW_RATE))
-    usual, whole = (_variance(template)[0, :, RATE] for template in (template_of(tried), template_of(slow)))
-    assert usual.max() < 20.0
-    assert whole.min() > 500.0

@@ -10,7 +10,6 @@ from scipy.ndimage import minimum_filter1d
 from firmware_sim.motion.profile import Profile, load_profile
 from firmware_sim.rig import Base, Rig, parse_effect
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.recording.among_neighbours import off_cubic
 from gyrodrift.diagnose.recording.counted_rests import CountedRests
 from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
@@ -308,17 +307,3 @@ def test_many_draws_are_about_the_mean() -> None:
         spreads.append(float(np.std(away)))
         assert float(np.std(away.mean(axis=0))) == pytest.approx(spreads[-1] / np.sqrt(40.0), rel=0.25)
     assert spreads[0] > 1.2 * spreads[1]
-
-
-@pytest.mark.parametrize(("cpr", "rate_hz"), [(1024, 200.0), (36_000, 400.0)])
-def test_a_rate_that_is_held_is_no_motion(cpr: int, rate_hz: float) -> None:
-    """Where it changes quickly, the sample that repeats the one before would be a notch in the motion."""
-    sine = {"kind": "sine", "seconds": 50.0, "amplitude_dps": 100.0, "frequency_hz": 1.5}
-    motion = Piece(Profile.model_validate({"about": "Of a test.", "segments": [sine]}), 0.0)
-    one = seen(motion, cpr, rate_hz, "stale_hold:share_percent=4")
-    truth_dps, motion_dps = one.rate_dps, one.posterior().mean.rate_dps
-    held = np.diff(one.recording.rate_dps, prepend=np.nan) == 0.0
-    notch_dps = np.abs(off_cubic(truth_dps) - off_cubic(motion_dps))
-    quick = held & (np.abs(np.gradient(truth_dps)) > 1.0)
-    assert np.count_nonzero(quick) > 20
-    assert np.quantile(notch_dps[quick], 0.9) < 0.12

@@ -110,9 +110,9 @@ def test_a_clock_that_drifts_moves_the_ratio_of_the_clocks_by_that() -> None:
 
 @cache
 def scale_of_chance() -> Floats:
-    """(F,) of features of the plain session: null runs, relevance thresholds, and a motion that may be smoother."""
+    """(F,) of features of the plain session: null runs and relevance thresholds."""
     table = response_table(plain(), [], null_runs=6)
-    scale: Floats = np.sqrt(table.nulls.var(axis=0, ddof=1) + table.thresholds**2 + table.smoother**2)
+    scale: Floats = np.sqrt(table.nulls.var(axis=0, ddof=1) + table.thresholds**2)
     return scale
 
 
@@ -145,7 +145,7 @@ def test_an_effect_on_the_slow_rate_is_added_as_the_rig_would(name: str) -> None
 
 def test_a_response_of_the_slow_rate_has_no_part_in_times() -> None:
     """Of an effect as of an out-of-catalogue model."""
-    for name in ("scale_factor", "?swing"):
+    for name in ("scale_factor", "?wander_20s"):
         assert not response_at(candidate_of(name), 0.1)[0, 0][OF_TIMES].any()
 
 

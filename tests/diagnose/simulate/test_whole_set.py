@@ -64,10 +64,10 @@ def test_a_random_one_is_the_mean_of_four() -> None:
 
 
 def test_what_no_effect_does_is_added_to_the_set() -> None:
-    """A swing beside a scale error moves the swing, and the rate by what the scale error does."""
-    both = change(Sized(fresh("scale_factor"), 1.0), Sized(fresh("?swing"), 0.2))
+    """A slow bias beside a scale error moves the wander, and the rate by what the scale error does."""
+    both = change(Sized(fresh("scale_factor"), 1.0), Sized(fresh("?wander_20s"), 0.2))
     alone = change(Sized(fresh("scale_factor"), 1.0))
-    assert feature(both, "swing") > feature(alone, "swing") + 1.0
+    assert feature(both, "wander_20s") > feature(alone, "wander_20s") + 1.0
     assert feature(both, "rate") == pytest.approx(feature(alone, "rate"), rel=0.1)
 
 
