@@ -5,7 +5,7 @@ simulation of it, and the base value is moved until both agree. So noise that go
 bias beside one that an effect of the rig adds, is counted once.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,8 +18,10 @@ from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.spectral_line import white_dps
 from gyrodrift.diagnose.features.spreads import turning_spread
+from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.outliers import Cleaned
+from gyrodrift.diagnose.recording.quick_motion import QuickMotion, quick_motion_of
 from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.diagnose.simulate.known_effects import error_dps, gyro_model_of
 from gyrodrift.simulation.sessions import as_recorded
@@ -92,7 +94,8 @@ def calibrated(
     period_s = seen.recording.period_s
     step_dps = gyro_model_of(rig).count_dps
     in_motion = is_hidden_at_rest(seen, design, rig)
-    wanted = level_of(seen, design, step_dps, in_motion=in_motion)
+    gyro = gyro_model_of(rig) if scatters_by_motion(seen, design, rig, in_motion=in_motion) else None
+    wanted = level_of(seen, design, step_dps, in_motion=in_motion, gyro=gyro)
     base = with_host(rig.base, seen.recording).model_copy(
         update={
             "encoder_phase_deg": 0.0,
@@ -102,9 +105,8 @@ def calibrated(
         }
     )
     for _ in range(ROUNDS):
-        found = level_of(
-            _played(seen, motion, rig.model_copy(update={"base": base})), design, step_dps, in_motion=in_motion
-        )
+        played = _played(seen, motion, rig.model_copy(update={"base": base}))
+        found = level_of(played, design, step_dps, in_motion=in_motion, gyro=gyro)
         ratio = _above_rounding_dps(wanted, step_dps) / _above_rounding_dps(found, step_dps)
         noise = base.noise_dps_rthz * float(np.clip(ratio, 0.3, 3.0))  # bounds of the change in a round
         bias_dps = base.bias_dps + wanted.bias_dps - found.bias_dps
@@ -124,16 +126,47 @@ def is_hidden_at_rest(seen: Cleaned, design: DesignMatrix, rig: Rig) -> bool:
     return variance < (0.55 * gyro.count_dps) ** 2
 
 
-def level_of(seen: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool = False) -> Level:
+def scatters_by_motion(seen: Cleaned, design: DesignMatrix, rig: Rig, *, in_motion: bool) -> bool:
+    """Whether motion is a part of what scatters from sample to sample, and no rest tells how much noise there is."""
+    gyro = gyro_model_of(rig)
+    quick = _quick_motion(seen, design, gyro)
+    if quick.knows_rest or quick.white_dps is None:
+        return False
+    rates_dps = seen.rate_dps, design.motion.rate_dps
+    scatters_dps = [
+        _scatter_dps(replace(seen, rate_dps=rate_dps), design, gyro.count_dps, in_motion=in_motion)
+        for rate_dps in rates_dps
+    ]
+    # A tenth of the variance: less of it by motion changes the noise by 5 %, as chance does.
+    return scatters_dps[1] ** 2 > 0.1 * scatters_dps[0] ** 2
+
+
+def level_of(
+    seen: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool = False, gyro: GyroModel | None = None
+) -> Level:
     """Noise and bias of a recording or of a simulation of it.
 
     in_motion
         Where something hides noise and bias at rest.
+    gyro
+        Of which the spectrum in motion says how much noise there is, where motion scatters too.
     """
     shows = _shows_bias(design, in_motion=in_motion)
-    turning_dps = float(np.sqrt(turning_spread(seen.rate_dps, design.spread_places))) if in_motion else 0.0
-    white = turning_dps or white_dps(seen, design, step_dps)
+    white = _quick_motion(seen, design, gyro).white_dps if gyro else None
+    if white is None:
+        white = _scatter_dps(seen, design, step_dps, in_motion=in_motion)
     return Level(white, float(np.median(block_residual_dps(seen, design)[shows])))
+
+
+def _scatter_dps(seen: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool) -> float:
+    """Standard deviation of what scatters from sample to sample."""
+    turning_dps = float(np.sqrt(turning_spread(seen.rate_dps, design.spread_places))) if in_motion else 0.0
+    return turning_dps or white_dps(seen, design, step_dps)
+
+
+def _quick_motion(seen: Cleaned, design: DesignMatrix, gyro: GyroModel) -> QuickMotion:
+    rests = design.motion.rate_dps == 0.0
+    return quick_motion_of(seen.rate_dps, rests, ~rests, design.period_s, gyro)
 
 
 def bias_beside(seen: Cleaned, design: DesignMatrix, rig: Rig, effects: tuple[Effect, ...]) -> float:
