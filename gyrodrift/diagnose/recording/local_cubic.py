@@ -9,9 +9,10 @@ narrower one contradicts); around a corner none does, and the samples stay as th
 from functools import cache
 
 import numpy as np
-from scipy.ndimage import correlate1d, maximum_filter1d, uniform_filter1d
+from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from gyrodrift.arrays import Floats, Mask
+from gyrodrift.diagnose.recording.smoothing import convolved
 
 HALF_WINDOWS = (2, 4, 8, 16, 32, 64)
 """Samples on either side."""
@@ -30,7 +31,7 @@ def local_cubic(values: Floats, sigma: float, widest: int) -> Floats:
         if half > widest or 2 * half + 1 > len(values):
             break
         weights = _weights(half)
-        found = correlate1d(values, weights, mode="nearest")
+        found = convolved(np.pad(values, half, mode="edge"), weights[half:])
         expected = sigma**2 * float(np.square(_less(weights, weights_before)).sum())
         power = uniform_filter1d(np.square(found - before), NEIGHBOURS * (2 * half + 1))
         agrees = agrees & (maximum_filter1d(power, 2 * half + 1) <= DISAGREES * expected)

@@ -24,9 +24,12 @@ CHUNK = 1024
 def gaussian(values: Floats, sigma: float) -> Floats:
     """Values through a Gaussian of `sigma` samples, mirrored at the ends; shape (n,)."""
     weights = _weights(float(sigma))
-    radius = len(weights) - 1
-    padded = np.pad(np.asarray(values, dtype=np.float64), radius, mode="symmetric")
-    smooth = np.empty(len(values))
+    return convolved(np.pad(np.asarray(values, dtype=np.float64), len(weights) - 1, mode="symmetric"), weights)
+
+
+def convolved(padded: Floats, weights: Floats) -> Floats:
+    """Padded values, (n + 2 radius,), through a symmetric filter by its middle and one side, (radius + 1,)."""
+    smooth = np.empty(len(padded) - 2 * (len(weights) - 1))
     _convolve(padded, weights, smooth)
     return smooth
 
