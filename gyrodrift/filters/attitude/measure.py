@@ -1,0 +1,47 @@
+"""Kalman updates of all hypotheses by three states that are measured directly."""
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.filters.attitude.hypotheses import Hypotheses
+
+MOST_SQUARED = 25.0
+"""Largest squared distance that counts in a likelihood: beyond it, no model of the motion holds."""
+
+
+def measure(h: Hypotheses, error: Floats, states: slice, values: Floats, variance: Floats) -> Floats:
+    """Update `error` (n, 18) and the covariances by three states; log likelihoods (n) but for a constant.
+
+    Parameters
+    ----------
+    h
+        Hypotheses; only the covariances change.
+    error
+        Error states so far; changed in place.
+    states
+        The three states.
+    values
+        Measured errors (n, 3).
+    variance
+        Variances of the measurement (3) or (n, 3).
+    """
+    cov = h.cov
+    inverse, innovation = innovations(h, error, states, values, variance)
+    gain = cov[:, :, states] @ inverse
+    error += (gain @ innovation)[:, :, 0]
+    cov = cov - gain @ cov[:, states, :]
+    h.cov = 0.5 * (cov + cov.transpose(0, 2, 1))
+    if len(error) == 1:
+        return np.zeros(1)
+    squared = (innovation.transpose(0, 2, 1) @ inverse @ innovation)[:, 0, 0]
+    log_likelihood: Floats = 0.5 * (
+        np.log(np.asarray(np.linalg.det(inverse), dtype=np.float64)) - np.minimum(squared, MOST_SQUARED)
+    )
+    return log_likelihood
+
+
+def innovations(h: Hypotheses, error: Floats, states: slice, values: Floats, variance: Floats) -> tuple[Floats, Floats]:
+    """Inverse covariances (n, 3, 3) of the innovations, and the innovations (n, 3, 1)."""
+    spread = h.cov[:, states, states] + variance[..., :, None] * np.eye(3)
+    inverse = np.asarray(np.linalg.inv(spread), dtype=np.float64)
+    return inverse, (values - error[:, states])[:, :, None]

@@ -1,0 +1,117 @@
+"""Merging and pruning of hypotheses, and the Gaussian sum as one estimate."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.filters.attitude.batch import conjugates, products, to_rotation_vectors
+from gyrodrift.filters.attitude.hypotheses import ATTITUDE, BIAS, HEADING, SCALE, STATES, VELOCITY, Hypotheses
+
+MAX_HYPOTHESES = 6
+"""Hypotheses that are kept."""
+
+LEAST_WEIGHT = 1e-6
+"""Probability below which a hypothesis is pruned."""
+
+COVERED = 0.01
+"""Probability from which on two sigmas of the heading reach to a hypothesis. The hypotheses below it together stay
+under the twentieth that two sigmas leave out."""
+
+MERGE_HEADING_VAR = (0.01 * 0.017453292519943295) ** 2
+"""Variance of headings that are the same, rad²: 0.01 deg, as in restlevel."""
+
+
+class SumMoments(NamedTuple):
+    """The Gaussian sum as one estimate.
+
+    heading
+        Mean heading (rad), by cubed weights, minus that of the most probable hypothesis.
+    heading_var
+        Variance of the heading about that mean, rad².
+    bias
+        Mean bias (3), rad/s.
+    bias_cov
+        Its covariance (3, 3).
+    tilt_var
+        Variance of the inclination, rad²: the mean of two level axes, of the most probable hypothesis.
+    """
+
+    heading: float
+    heading_var: float
+    bias: Floats
+    bias_cov: Floats
+    tilt_var: float
+
+
+def differences(h: Hypotheses, i: int, j: int) -> Floats:
+    """Error states (18) from hypothesis i to j."""
+    error = np.empty(STATES)
+    error[ATTITUDE] = to_rotation_vectors(products(h.q[j : j + 1], conjugates(h.q[i : i + 1])))[0]
+    error[BIAS] = h.bias[j] - h.bias[i]
+    error[VELOCITY] = h.velocity[j] - h.velocity[i]
+    error[SCALE] = (h.scale[j] - h.scale[i]).ravel()
+    return error
+
+
+def merge_and_prune(h: Hypotheses) -> Hypotheses:
+    """The most probable hypotheses, similar ones merged, with probabilities that sum to 1."""
+    h = h.select(np.argsort(-h.weight, kind="stable"))
+    i = 0
+    while i < len(h.weight) - 1:
+        j = i + 1
+        while j < len(h.weight):
+            if _are_similar(h, i, j):
+                h = _merged(h, i, j)
+            else:
+                j += 1
+        i += 1
+    h.weight = h.weight / h.weight.sum()
+    h = h.select(np.argsort(-h.weight, kind="stable")[:MAX_HYPOTHESES])
+    h = h.select(h.weight >= LEAST_WEIGHT)
+    h.weight = h.weight / h.weight.sum()
+    return h
+
+
+def _are_similar(h: Hypotheses, i: int, j: int) -> bool:
+    """Whether two hypotheses agree in regime, in biases, and in headings, within the smaller standard deviation."""
+    if h.regime[i] != h.regime[j] or h.knows_bias[i] != h.knows_bias[j]:
+        return False
+    error = differences(h, i, j)
+    variance = np.minimum(np.diagonal(h.cov[i]), np.diagonal(h.cov[j]))
+    near_heading = error[HEADING] ** 2 < variance[HEADING] + MERGE_HEADING_VAR
+    has_same_turns = abs(h.yaw_deg[i] - h.yaw_deg[j]) < 180.0
+    return bool(near_heading and has_same_turns and (error[BIAS] ** 2 < variance[BIAS]).all())
+
+
+def _merged(h: Hypotheses, i: int, j: int) -> Hypotheses:
+    """Hypotheses with i and j as one, by their moments, in slot i."""
+    share = float(h.weight[j] / (h.weight[i] + h.weight[j]))
+    error = differences(h, i, j)
+    h.weight[i] += h.weight[j]
+    h.cov[i] = (1.0 - share) * h.cov[i] + share * h.cov[j] + share * (1.0 - share) * np.outer(error, error)
+    h.yaw_deg[i] += share * (h.yaw_deg[j] - h.yaw_deg[i])
+    single = h.select([i])
+    single.correct(share * error[None, :])
+    h.q[i], h.bias[i], h.velocity[i], h.scale[i] = single.q[0], single.bias[0], single.velocity[0], single.scale[0]
+    return h.select(np.arange(len(h.weight)) != j)
+
+
+def moments(h: Hypotheses) -> SumMoments:
+    """The Gaussian sum as one estimate; the first hypothesis is the most probable."""
+    headings = np.radians(h.yaw_deg - h.yaw_deg[0])
+    cubes = h.weight**3 / (h.weight**3).sum()
+    mean, bias = float(cubes @ headings), cubes @ h.bias
+    off, bias_off = headings - mean, h.bias - bias
+    heading_var = float(h.weight @ (h.cov[:, HEADING, HEADING] + off * off))
+    reach = np.where(h.weight > COVERED, 0.5 * np.abs(off), 0.0).max()
+    bias_cov = np.einsum("n,nij->ij", h.weight, h.cov[:, BIAS, BIAS] + bias_off[:, :, None] * bias_off[:, None, :])
+    tilt_var = 0.5 * float(h.cov[0, 0, 0] + h.cov[0, 1, 1])
+    return SumMoments(mean, max(heading_var, float(reach) ** 2), bias, bias_cov, tilt_var)
+
+
+def ordered(h: Hypotheses) -> Hypotheses:
+    """The hypotheses, the most probable one first."""
+    if len(h.weight) == 1 or h.weight[0] == h.weight.max():
+        return h
+    return h.select(np.argsort(-h.weight, kind="stable"))

@@ -1,0 +1,85 @@
+"""Rotations in plain floats. A quaternion (w, x, y, z) turns vectors of the sensor to the earth frame, z up."""
+
+from math import acos, atan2, cos, degrees, sin, sqrt
+
+Quaternion = tuple[float, float, float, float]
+Vector = tuple[float, float, float]
+
+IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+SERIES_LIMIT = 0.0625
+"""Squared angle, rad², up to which the series of `from_rotation_vector` is exact to 1e-8: n³/46080."""
+
+
+def multiply(a: Quaternion, b: Quaternion) -> Quaternion:
+    """Rotation b followed by rotation a."""
+    aw, ax, ay, az = a
+    bw, bx, by, bz = b
+    return (
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+    )
+
+
+def from_rotation_vector(x: float, y: float, z: float) -> Quaternion:
+    """Quaternion of a rotation vector in rad; its norm is 1 to 1e-8."""
+    n = x * x + y * y + z * z
+    if n < SERIES_LIMIT:
+        k = 0.5 - n * (1.0 / 48.0 - n / 3840.0)
+        return (1.0 - n * (0.125 - n / 384.0), k * x, k * y, k * z)
+    angle = sqrt(n)
+    k = sin(0.5 * angle) / angle
+    return (cos(0.5 * angle), k * x, k * y, k * z)
+
+
+def normalized(q: Quaternion) -> Quaternion:
+    """Quaternion of norm 1."""
+    w, x, y, z = q
+    k = 1.0 / sqrt(w * w + x * x + y * y + z * z)
+    return (k * w, k * x, k * y, k * z)
+
+
+def rotate(q: Quaternion, v: Vector) -> Vector:
+    """Vector v of the sensor in the earth frame."""
+    w, x, y, z = q
+    vx, vy, vz = v
+    tx, ty, tz = 2.0 * (y * vz - z * vy), 2.0 * (z * vx - x * vz), 2.0 * (x * vy - y * vx)
+    return (
+        vx + w * tx + y * tz - z * ty,
+        vy + w * ty + z * tx - x * tz,
+        vz + w * tz + x * ty - y * tx,
+    )
+
+
+def up_in_sensor(q: Quaternion) -> Vector:
+    """Unit vector of the earth's vertical in the sensor frame."""
+    w, x, y, z = q
+    return (2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y))
+
+
+def heading_deg(w: float, x: float, y: float, z: float) -> float:
+    """Twist of a quaternion about the vertical, -180 to 180 deg; x and y do not matter.
+
+    The heading error of an estimate is the twist of estimate times inverse reference.
+    """
+    del x, y
+    twist = 2.0 * degrees(atan2(z, w))
+    return twist - 360.0 if twist > 180.0 else twist + 360.0 if twist < -180.0 else twist
+
+
+def tilt_deg(w: float, x: float, y: float, z: float) -> float:
+    """Angle between the sensor's z axis and the vertical, 0 to 180 deg."""
+    return degrees(acos(max(-1.0, min(1.0, (w * w + z * z) - (x * x + y * y)))))
+
+
+def level(x: float, y: float, z: float) -> Quaternion:
+    """Attitude of heading 0 whose vertical has this direction in the sensor; IDENTITY for a zero vector."""
+    norm = sqrt(x * x + y * y + z * z)
+    if norm == 0.0:
+        return IDENTITY
+    if z < -0.999999 * norm:
+        return (0.0, 1.0, 0.0, 0.0)
+    s = sqrt(2.0 * (1.0 + z / norm))
+    return normalized((0.5 * s, y / (norm * s), -x / (norm * s), 0.0))

@@ -1,0 +1,130 @@
+"""Rest or even turn: the regimes of a segment in which gyro and accelerometer keep their means.
+
+Gravity stays constant in the sensor only in a rest and in an even turn about the vertical. The rates about the level
+axes are biases in both, and only the vertical component decides. Each hypothesis branches. Later segments and the
+velocity decide between the branches.
+"""
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.filters.attitude.batch import rotation_matrices
+from gyrodrift.filters.attitude.evidence import MODEL_ERROR, weigh
+from gyrodrift.filters.attitude.hypotheses import BIAS, REST, STATES, TURN, VELOCITY, Hypotheses
+from gyrodrift.filters.attitude.measure import innovations, measure
+from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients
+from gyrodrift.filters.attitude.rests import QUIET, RestCandidate
+
+LEVEL_S = 12.0
+"""Rests that last longer than t against turns that do: (1 + (t/12 s)²)^¼ : 1, as in restlevel."""
+
+REST_BIAS = 0.045 * RAD
+"""Error of a rest's mean beside its scatter, rad/s. Measured: recordings of five rigs, median heading error."""
+
+NOISY_REST = 0.4 * RAD
+"""Error of the mean of a noisy rest once a quiet one is measured, rad/s: it may be a bend. Measured: as above."""
+
+SPREAD_WEIGHT = 2.0
+"""Weight of the scatter of block means in the error of their mean. Measured: as above."""
+
+GATE = 27.0
+"""Squared distance, of three components, beyond which a later window does not belong to the rest: 3 sigma each."""
+
+QUIET_SPEED, NOISY_SPEED = 0.05, 0.1
+"""Standard deviation of the velocity in quiet and in noisy rests, m/s. Measured: as above."""
+
+CERTAIN = 9.0
+"""Logarithm of odds from which on a hypothesis does not branch: 1 : 8000."""
+
+LARGEST_LOG = 60.0
+
+
+def duration_odds(seconds: float) -> float:
+    """Odds of a rest against a turn by its duration."""
+    return float((1.0 + (seconds / LEVEL_S) ** 2) ** 0.25)
+
+
+def branch(c: AttitudeCoefficients, h: Hypotheses, m: RestCandidate, odds: float) -> Hypotheses:
+    """Hypotheses after a new candidate: of rest, which measure the bias, and of no rest.
+
+    `odds` are the prior odds of a rest.
+    """
+    variance = rest_variances(h, m, 1.0)
+    log_rest, log_motion = np.empty(len(h.weight)), np.empty(len(h.weight))
+    for i in range(len(h.weight)):
+        evidence = weigh(c, h, i, m, _vertical(h, i, m), variance[i])
+        log_rest[i] = evidence.rest + np.log(odds + 1e-300)
+        log_motion[i] = evidence.motion
+    most = max(log_rest.max(), log_motion.max())
+    is_rest, is_motion = log_rest - log_motion > -CERTAIN, log_rest - log_motion < CERTAIN
+    rests, motions = h.select(is_rest), h.select(is_motion)
+    rests.weight = rests.weight * np.exp(np.maximum(log_rest - most, -LARGEST_LOG)[is_rest])
+    motions.weight = motions.weight * np.exp(np.maximum(log_motion - most, -LARGEST_LOG)[is_motion])
+    rests.regime[:], motions.regime[:] = REST, TURN
+    if len(rests.weight):
+        measure_rest(rests, m, 1.0)
+    return rests.joined(motions)
+
+
+def _vertical(h: Hypotheses, i: int, m: RestCandidate) -> Floats:
+    """Unit vector of the vertical in the sensor: the mean acceleration, or the attitude without one."""
+    norm = float(np.sqrt(m.accel @ m.accel))
+    if norm > 0.0:
+        return m.accel / norm
+    up: Floats = rotation_matrices(h.q[i : i + 1])[0, 2]
+    return up
+
+
+def rest_variances(h: Hypotheses, m: RestCandidate, overlap: float) -> Floats:
+    """Variances (n, 3) of the mean rates of a candidate as measurements of the bias, (rad/s)².
+
+    `overlap` is the factor of a window that contains blocks of an earlier update.
+    """
+    share = SPREAD_WEIGHT / m.kind.blocks * (2.0 if m.kind.blocks <= QUIET.blocks else 5.0)
+    variance = m.gyro_var * share + (m.kind.bias * REST_BIAS) ** 2
+    extra = np.where(h.knows_bias & (m.kind.blocks > QUIET.blocks), NOISY_REST**2, 0.0)
+    return (variance[None, :] + extra[:, None]) * overlap
+
+
+def measure_rest(h: Hypotheses, m: RestCandidate, overlap: float) -> None:
+    """Update hypotheses of rest by the candidate: its mean rates are the bias, and the velocity is 0."""
+    variance = rest_variances(h, m, overlap)
+    error = np.zeros((len(h.weight), STATES))
+    widen(h, m.gyro - h.bias, variance)
+    measure(h, error, BIAS, m.gyro - h.bias, variance)
+    speed = QUIET_SPEED if m.kind.blocks <= QUIET.blocks else NOISY_SPEED
+    measure(h, error, VELOCITY, -h.velocity, np.full(3, speed * speed))
+    h.correct(error)
+    h.knows_bias = h.knows_bias | (m.kind.blocks >= QUIET.blocks)
+
+
+def widen(h: Hypotheses, off: Floats, variance: Floats) -> None:
+    """Widen the bias of hypotheses whose rest is more than 3 sigma away in a component.
+
+    Before the first rest the part is a raw one, and the covariances with the heading grow too. Later the bias has
+    jumped.
+    """
+    spread = np.diagonal(h.cov[:, BIAS, BIAS], axis1=1, axis2=2)
+    for i in np.flatnonzero((off * off > 9.0 * (spread + variance)).any(axis=1)):
+        if h.knows_bias[i]:
+            h.cov[i, BIAS, BIAS] += np.diag(off[i] ** 2)
+            continue
+        factor = max(1.0, float((off[i] ** 2 / (9.0 * spread[i])).max()))
+        carried = h.cov[i][:, BIAS]
+        h.cov[i] += (factor - 1.0) * carried @ np.linalg.inv(h.cov[i, BIAS, BIAS]) @ carried.T
+
+
+def is_same_rest(h: Hypotheses, m: RestCandidate) -> bool:
+    """Whether the rates of a later window fit the bias of the first hypothesis of rest."""
+    rest = h.select(np.flatnonzero(h.regime == REST)[:1])
+    if not len(rest.weight):
+        return True
+    error, variance = np.zeros((1, STATES)), m.gyro_var[None, :] + (MODEL_ERROR * RAD) ** 2
+    inverse, innovation = innovations(rest, error, BIAS, m.gyro - rest.bias, variance)
+    return bool((innovation.transpose(0, 2, 1) @ inverse @ innovation)[0, 0, 0] <= GATE)
+
+
+def weigh_duration(h: Hypotheses, before_s: float, now_s: float) -> None:
+    """Raise the probability of rests as a segment grows longer than even turns last."""
+    h.weight = h.weight * np.where(h.regime == REST, duration_odds(now_s) / duration_odds(before_s), 1.0)
+    h.weight = h.weight / h.weight.sum()

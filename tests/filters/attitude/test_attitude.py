@@ -1,0 +1,65 @@
+"""The attitude filter on simple motions that need no simulation."""
+
+from math import cos, nan, radians, sin
+
+import pytest
+
+from gyrodrift.filters.attitude.model import AttitudeCoefficients, AttitudeState, coefficients
+from gyrodrift.filters.attitude.step import step
+from gyrodrift.filters.restlevel.model import RestlevelParams
+
+DT = 0.01
+BIAS = (0.3, -0.2, 0.5)
+
+
+@pytest.fixture
+def c() -> AttitudeCoefficients:
+    return coefficients(RestlevelParams())
+
+
+def run(
+    c: AttitudeCoefficients,
+    s: AttitudeState,
+    seconds: float,
+    rate_dps: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    accel_mps2: tuple[float, float, float] = (0.0, 0.0, 9.81),
+) -> AttitudeState:
+    """Feed constant true rates, with a bias, and constant accelerations."""
+    for _ in range(round(seconds / DT)):
+        gx, gy, gz = (rate + bias for rate, bias in zip(rate_dps, BIAS, strict=True))
+        assert step(c, s, s.t_s + DT, gx, gy, gz, *accel_mps2)
+    return s
+
+
+def test_a_rest_shows_the_bias_of_three_axes(c: AttitudeCoefficients) -> None:
+    s = run(c, AttitudeState(), 5.0)
+    assert s.bias_xyz_dps == pytest.approx(BIAS, abs=0.02)
+    assert abs(s.yaw_deg) < 0.1
+    assert s.rest_probability > 0.99
+
+
+def test_a_turn_of_a_tilted_sensor_has_its_full_angle(c: AttitudeCoefficients) -> None:
+    """The sensor is pitched by 40° and turns about the vertical: its z axis sees cos 40° of the turn."""
+    up = (-sin(radians(40.0)), 0.0, cos(radians(40.0)))
+    accel = (9.81 * up[0], 0.0, 9.81 * up[2])
+    s = run(c, AttitudeState(), 5.0, accel_mps2=accel)
+    s = run(c, s, 9.0, (40.0 * up[0], 0.0, 40.0 * up[2]), accel)
+    assert s.yaw_deg == pytest.approx(360.0, abs=0.5)
+    assert s.tilt_deg == pytest.approx(40.0, abs=0.1)
+    assert s.vertical_rate_dps == pytest.approx(40.0 + s.bias_dps, abs=0.05)
+
+
+def test_yaw_goes_on_when_acceleration_ends(c: AttitudeCoefficients) -> None:
+    s = run(c, AttitudeState(), 5.0)
+    sigma_deg = s.tilt_sigma_deg
+    s = run(c, s, 9.0, (0.0, 0.0, 10.0), (nan, nan, nan))
+    assert s.yaw_deg == pytest.approx(90.0, abs=0.5)
+    assert s.tilt_sigma_deg > sigma_deg
+
+
+def test_a_sample_without_progress_of_time_is_rejected(c: AttitudeCoefficients) -> None:
+    s = run(c, AttitudeState(), 1.0)
+    yaw_deg, samples = s.yaw_deg, s.samples
+    assert not step(c, s, s.t_s, 1.0, 1.0, 1.0)
+    assert not step(c, s, s.t_s + 1.0, nan, 1.0, 1.0)
+    assert (s.rejected, s.yaw_deg, s.samples) == (2, yaw_deg, samples)
