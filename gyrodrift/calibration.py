@@ -16,7 +16,7 @@ from typing import Annotated, Any, Literal
 
 from annotated_types import Ge, Gt, Le, MaxLen
 
-from gyrodrift.sample import Sample
+from gyrodrift.sample import Sample, upside_down
 
 OLD_DAYS = 365.0
 """Age from which a calibration is reported as old; it is still applied.
@@ -107,8 +107,12 @@ class Calibration:
         return self.bias_dps + self.bias_dps_per_c * (inside_c - self.temp_c)
 
     def sample(self, measured: Sample) -> Sample:
-        """Sample with its true rate."""
-        return measured._replace(rate_dps=self.rate_dps(measured.rate_dps, measured.temp_c))
+        """Sample with its true rate, also about the z axis of a device with three axes."""
+        rate_dps = self.rate_dps(measured.rate_dps, measured.temp_c)
+        if measured.inertial is None:
+            return measured._replace(rate_dps=rate_dps)
+        inertial = measured.inertial if self.sign > 0 else upside_down(measured.inertial)
+        return measured._replace(rate_dps=rate_dps, inertial=inertial._replace(gyro_z_dps=rate_dps))
 
     def measured_dps(self, rate_dps: float, temp_c: float = nan) -> float:
         """Measured rate for a true rate, deg/s."""

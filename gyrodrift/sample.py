@@ -4,6 +4,31 @@ from math import nan
 from typing import NamedTuple
 
 
+class Inertial(NamedTuple):
+    """Rates and specific forces about the three axes of a sensor.
+
+    The sensor frame is right-handed, with z up if the board lies flat: z then measures +9.81 m/s² at rest.
+
+    gyro_x_dps, gyro_y_dps, gyro_z_dps
+        Rates, deg/s, by the right-hand rule.
+    accel_x_mps2, accel_y_mps2, accel_z_mps2
+        Specific forces, m/s²; NaN if the device does not send them.
+    """
+
+    gyro_x_dps: float
+    gyro_y_dps: float
+    gyro_z_dps: float
+    accel_x_mps2: float = nan
+    accel_y_mps2: float = nan
+    accel_z_mps2: float = nan
+
+
+def upside_down(inertial: Inertial) -> Inertial:
+    """Axes in a frame that is turned by 180° about x, as FRD from FLU: y and z change their sign."""
+    gyro_x_dps, gyro_y_dps, gyro_z_dps, accel_x_mps2, accel_y_mps2, accel_z_mps2 = inertial
+    return Inertial(gyro_x_dps, -gyro_y_dps, -gyro_z_dps, accel_x_mps2, -accel_y_mps2, -accel_z_mps2)
+
+
 class Reading(NamedTuple):
     """One measurement decoded from the wire, before it has a host time.
 
@@ -19,6 +44,8 @@ class Reading(NamedTuple):
         1 if another source than the rate says that the device is at rest, 0 if it moves, NaN if unknown.
     yaw_deg
         Yaw angle of a device that sends no rate, deg, counter-clockwise positive; else NaN.
+    inertial
+        All axes; None if the device does not send three rates. `rate_dps` is its `gyro_z_dps`.
     """
 
     t_us: int | None
@@ -28,6 +55,7 @@ class Reading(NamedTuple):
     temp_c: float = nan
     still: float = nan
     yaw_deg: float = nan
+    inertial: Inertial | None = None
 
 
 class Sample(NamedTuple):
@@ -39,7 +67,7 @@ class Sample(NamedTuple):
         Device clock, s, unwrapped.
     t_host_s
         Arrival, Unix time in s on a clock that never steps.
-    rate_dps, encoder_deg, temp_c, still
+    rate_dps, encoder_deg, temp_c, still, inertial
         As in `Reading`.
     """
 
@@ -50,6 +78,33 @@ class Sample(NamedTuple):
     encoder_deg: float = nan
     temp_c: float = nan
     still: float = nan
+    inertial: Inertial | None = None
+
+
+class Attitude(NamedTuple):
+    """Attitude of a sensor with three axes.
+
+    q_w, q_x, q_y, q_z
+        Unit quaternion that rotates from the sensor to the earth frame: z up, heading as `yaw_deg`.
+    tilt_deg, tilt_sigma_deg
+        Angle between the z axis of the sensor and the vertical, and its standard deviation, deg.
+    roll_deg, pitch_deg
+        Of the device, through its `mount`, deg.
+    bias_x_dps, bias_y_dps, bias_z_dps
+        Estimated drift about the axes of the sensor, deg/s.
+    """
+
+    q_w: float
+    q_x: float
+    q_y: float
+    q_z: float
+    tilt_deg: float
+    roll_deg: float
+    pitch_deg: float
+    tilt_sigma_deg: float
+    bias_x_dps: float
+    bias_y_dps: float
+    bias_z_dps: float
 
 
 class Corrected(NamedTuple):
@@ -71,6 +126,8 @@ class Corrected(NamedTuple):
         Compass heading, deg, clockwise from north, 0 to 360; NaN without a reference.
     reference_deg
         Angle of the encoder, unwrapped, from where `yaw_deg` is 0, in degrees; NaN without an encoder.
+    attitude
+        Attitude; None for a device with one axis.
     """
 
     sample: Sample
@@ -84,3 +141,4 @@ class Corrected(NamedTuple):
     raw_yaw_deg: float = nan
     heading_deg: float = nan
     reference_deg: float = nan
+    attitude: Attitude | None = None

@@ -5,8 +5,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-import numpy as np
-
 from gyrodrift.describe.describe import describe
 from gyrodrift.describe.values import SessionDescription
 from gyrodrift.doctor.evidence import DeviceEvidence, PortEvidence
@@ -19,7 +17,7 @@ from gyrodrift.link.port import Port
 from gyrodrift.outputs.status import DeviceStatus, LinkStatus
 from gyrodrift.progress import OnProgress
 from gyrodrift.sample import Sample
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import session_of
 from gyrodrift.waiting import POLLIN, new_poller
 
 BITS_PER_BYTE = 10
@@ -65,7 +63,7 @@ def listen(
 
 def _evidence(source: str, outside: PortEvidence | None, link: Link, heard: _Heard) -> DeviceEvidence:
     is_timed = not isinstance(heard.failure, UnitError)
-    session = session_of(heard.samples) if heard.samples and is_timed else None
+    session = session_of("now", heard.samples) if heard.samples and is_timed else None
     description = describe(session) if session is not None else None
     about, has_clock = link.device, isinstance(link.clock, DeviceClock)
     return DeviceEvidence(
@@ -107,22 +105,6 @@ def _wait(link: Link) -> None:
     if fd is not None:
         poller.register(fd, POLLIN)
     poller.poll(min(link.wake_s(), 0.1) * 1e3)
-
-
-def session_of(samples: list[Sample]) -> Session:
-    """Session from samples."""
-    seq, t_device_s, t_host_s, rate_dps, *optional = (np.array(column) for column in zip(*samples, strict=True))
-    encoder_deg, temp_c, still = (None if np.isnan(column).all() else column for column in optional)
-    return Session(
-        name="now",
-        t_device_s=t_device_s,
-        rate_dps=rate_dps,
-        t_host_s=t_host_s,
-        seq=seq,
-        encoder_deg=encoder_deg,
-        temp_c=temp_c,
-        still=still,
-    )
 
 
 def _status(link: Link, description: SessionDescription | None, *, has_clock: bool, has_line: bool) -> LinkStatus:

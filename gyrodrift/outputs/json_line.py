@@ -47,7 +47,7 @@ def json_line(corrected: Corrected, opening: str = "{") -> str:
     `opening` is the beginning of the object, for a field that all lines have.
     """
     (
-        (seq, t_s, _, rate_dps, encoder_deg, temp_c, _),
+        (seq, t_s, _, rate_dps, encoder_deg, temp_c, _, _),
         corrected_dps,
         yaw_deg,
         bias_dps,
@@ -57,6 +57,7 @@ def json_line(corrected: Corrected, opening: str = "{") -> str:
         rest_probability,
         _,
         heading_deg,
+        _,
         _,
     ) = corrected
     line = opening + MEASURED % (seq, t_s, rate_dps, corrected_dps, yaw_deg, bias_dps)

@@ -18,6 +18,9 @@ DROPPED = b"D"
 ACCESS = b"A"
 
 RECORD = Struct("<q16d")
+SAMPLE_NUMBERS, CORRECTED_NUMBERS = 7, 11
+"""Fields of a sample before its axes, and of a corrected sample before its attitude."""
+
 MOST_RECORDS = 256
 """Most samples in a datagram."""
 
@@ -29,12 +32,19 @@ _pack = RECORD.pack
 
 def pack_samples(samples: Sequence[Corrected]) -> bytes:
     """Pack at most MOST_RECORDS samples."""
-    return SAMPLES + b"".join([_pack(*corrected[0], *corrected[1:]) for corrected in samples])
+    return SAMPLES + b"".join([_packed(corrected) for corrected in samples])
 
 
 def unpack_samples(message: bytes) -> list[Corrected]:
     """Unpack the samples of `pack_samples`."""
-    return [Corrected(Sample(*record[:7]), *record[7:]) for record in RECORD.iter_unpack(memoryview(message)[1:])]
+    return [
+        Corrected(Sample(*record[:SAMPLE_NUMBERS]), *record[SAMPLE_NUMBERS:])
+        for record in RECORD.iter_unpack(memoryview(message)[1:])
+    ]
+
+
+def _packed(corrected: Corrected) -> bytes:
+    return _pack(*corrected[0][:SAMPLE_NUMBERS], *corrected[1:CORRECTED_NUMBERS])
 
 
 def pack_json(kind: bytes, value: Any) -> bytes:

@@ -121,7 +121,7 @@ class Recorder:
         """Record samples."""
         if samples:
             self.unflushed += len(samples)
-            self._begun().add_all(samples)
+            self._writer_of(samples).add_all(samples)
             self.samples += len(samples)
 
     def take_raw(self, content: bytes, t_host_s: float) -> None:
@@ -216,7 +216,16 @@ class Recorder:
         if failures:
             raise failures[0]
 
-    def _begun(self) -> McapWriter:
+    def _writer_of(self, samples: list[Sample]) -> McapWriter:
+        """The open file; a new one if none is open, or if it cannot hold the axes of the samples."""
+        if self._writer is not None and self._writer.has_axes:
+            return self._writer
+        has_axes = any(sample.inertial is not None for sample in samples)
+        if has_axes and self._writer is not None:
+            self._end()
+        return self._begun(has_axes=has_axes)
+
+    def _begun(self, *, has_axes: bool = False) -> McapWriter:
         """The open file; a new one if none is open."""
         if self._writer is not None:
             return self._writer
@@ -232,6 +241,7 @@ class Recorder:
                 **self.options.beginning(),
                 **_device_tables(device),
             },
+            has_axes=has_axes,
         )
         for content, t_host_s in self._waiting:
             self._writer.add_read(content, t_host_s)

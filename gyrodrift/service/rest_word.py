@@ -15,4 +15,4 @@ class RestWord:
     def with_rest(self, samples: list[Sample]) -> list[Sample]:
         """Samples with the stated rest."""
         still = self.still
-        return samples if isnan(still) else [Sample(*sample[:-1], still) for sample in samples]
+        return samples if isnan(still) else [sample._replace(still=still) for sample in samples]

@@ -57,7 +57,8 @@ def with_calibration(session: Session, calibration: Calibration) -> Session:
     """The session with calibrated rates; its metadata say so, so that it is done only once."""
     rate_dps = true_rates_dps(session.rate_dps, session.temp_c, calibration)
     tables: Mapping[str, Mapping[str, str]] = {n: t for n, t in session.metadata.items() if n != KEPT}
-    return replace(session, rate_dps=rate_dps, metadata={**tables, APPLIED: calibration.table()})
+    upright = session.upside_down() if calibration.sign < 0 else session
+    return replace(upright.with_yaw_rate(rate_dps), metadata={**tables, APPLIED: calibration.table()})
 
 
 def applied_scale_sigma(session: Session) -> float | None:

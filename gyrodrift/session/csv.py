@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
 from gyrodrift.nearest import nearest
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import AXIS_COLUMNS, COLUMNS, Session
 
-COLUMNS = ("t_device_s", "t_host_s", "seq", "rate_dps", "encoder_deg", "temp_c", "still")
 OLD_NAMES = {"t_s": "t_device_s"}
 """Column names in files of earlier versions."""
 
@@ -61,7 +60,7 @@ def read_exact(path: Path) -> Session | None:
         encoder_deg=columns.get("encoder_deg"),
         temp_c=columns.get("temp_c"),
         still=columns.get("still"),
-    )
+    ).with_axes(columns)
 
 
 def _names(file: TextIO) -> list[str]:
@@ -78,7 +77,8 @@ def _names(file: TextIO) -> list[str]:
 
 def slips_in(names: Sequence[str]) -> dict[int, list[str]]:
     """Indices of misspelled names, with the missing names that they resemble."""
-    absent = set(COLUMNS) - set(names)
+    expected = COLUMNS if set(names) & set(AXIS_COLUMNS) else [name for name in COLUMNS if name not in AXIS_COLUMNS]
+    absent = set(expected) - set(names)
     nearest_names = {
         index: nearest(name, absent, similarity=SIMILAR) for index, name in enumerate(names) if name not in COLUMNS
     }
@@ -117,10 +117,10 @@ def csv_pieces(chunks: Iterable[Session]) -> Iterator[str]:
     fractions = _Fractions()
     for chunk in chunks:
         if not columns:
-            columns = [name for name in COLUMNS if getattr(chunk, name) is not None]
+            columns = [name for name in COLUMNS if chunk.column(name) is not None]
             texts = {name: _Texts() for name in columns}
             yield ",".join(columns) + "\n"
-        cells = [_cells(name, getattr(chunk, name), texts[name], fractions) for name in columns]
+        cells = [_cells(name, chunk.filled(name), texts[name], fractions) for name in columns]
         yield "\n".join(map(",".join, zip(*cells, strict=True))) + "\n"
 
 

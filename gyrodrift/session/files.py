@@ -1,6 +1,7 @@
 """Sessions as files: the sessions of a path, and loading and writing by the ending."""
 
 from collections.abc import Iterable, Sequence
+from itertools import chain
 from pathlib import Path
 
 from gyrodrift.columns.spec import Column
@@ -136,9 +137,11 @@ def _write_mcap(path: Path, chunks: Iterable[Session], metadata: dict[str, dict[
     from gyrodrift.session.mcap.read import add_chunk  # noqa: PLC0415
     from gyrodrift.session.mcap.write import McapWriter  # noqa: PLC0415
 
+    stream = iter(chunks)
+    first = next(stream)
     with whole_file(path) as file:
-        writer = McapWriter(file, metadata)
-        for chunk in chunks:
+        writer = McapWriter(file, metadata, has_axes=first.gyro_dps is not None)
+        for chunk in chain([first], stream):
             add_chunk(writer, chunk)
         writer.finish()
 

@@ -14,7 +14,7 @@ from gyrodrift.session.session import TABLE, Session
 
 OWN_CHANNELS = {READS.name: "read of raw bytes", EVENTS.name: "link event"}
 COMMENTED = (".csv", ".tsv", ".txt", ".log")
-IMU_REST = "orientation, acceleration and rates about x and y"
+IMU_REST = "orientation"
 
 
 def left_out(source: Path, session: Session, topic: str | None, form: str) -> list[str]:

@@ -1,7 +1,8 @@
 """A recorded session as arrays."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -9,10 +10,33 @@ from numpy.typing import NDArray
 
 from gyrodrift.arrays import Floats, Integers
 from gyrodrift.result_table import ResultTable
+from gyrodrift.sample import Inertial, Sample
 from gyrodrift.session.damage import RecordingDamage
 
 TABLE = "table"
 """Name of the metadata table about how a table of another program was read."""
+
+
+GYRO_COLUMNS = ("gyro_x_dps", "gyro_y_dps", "gyro_z_dps")
+ACCEL_COLUMNS = ("accel_x_mps2", "accel_y_mps2", "accel_z_mps2")
+COLUMNS = ("t_device_s", "t_host_s", "seq", "rate_dps", "encoder_deg", "temp_c", "still", *GYRO_COLUMNS, *ACCEL_COLUMNS)
+"""Columns of a session in a file, in this order."""
+
+AXIS_COLUMNS = {
+    name: (array, index)
+    for array, names in (("gyro_dps", GYRO_COLUMNS), ("accel_mps2", ACCEL_COLUMNS))
+    for index, name in enumerate(names)
+}
+"""Array and index of the axis, by the name of the column in a file."""
+
+MISSING = Inertial(nan, nan, nan)
+"""Axes of a sample without them."""
+
+UPSIDE_DOWN = np.array([1.0, -1.0, -1.0])
+"""Factors of x, y and z in a frame that is turned by 180° about x."""
+
+ARRAYS = ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg", "temp_c", "still")
+"""Arrays of a session of shape (n,)."""
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -30,6 +54,9 @@ class Session(ResultTable):
         Single missing values are NaN (−1 in `seq`).
     still
         1 if another source than the rate says that the device is at rest, 0 if it moves; None without the column.
+    gyro_dps, accel_mps2
+        Rates in deg/s and specific forces in m/s² about x, y and z of the sensor (see `sample.Inertial`), shape (n, 3);
+        None without the columns. Missing values are NaN. `rate_dps` is then the rate about z.
     remarks
         Notes for the user about how it was read, a sentence each.
     metadata
@@ -53,6 +80,8 @@ class Session(ResultTable):
     remarks: tuple[str, ...] = ()
     rate_scale: float = 1.0
     time_unit: str = "s"
+    gyro_dps: Floats | None = None
+    accel_mps2: Floats | None = None
 
     def __repr__(self) -> str:
         seconds = float(self.t_device_s[-1] - self.t_device_s[0])
@@ -60,8 +89,19 @@ class Session(ResultTable):
 
     def columns(self) -> dict[str, Any]:
         """Arrays of the session by name; without the columns that it lacks."""
-        names = ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg", "temp_c", "still")
-        return {name: column for name in names if (column := getattr(self, name)) is not None}
+        names = (*ARRAYS, *AXIS_COLUMNS)
+        return {name: column for name in names if (column := self.column(name)) is not None}
+
+    def column(self, name: str) -> NDArray[Any] | None:
+        """Column of a file by name, shape (n,); an axis is a column, such as `gyro_x_dps`."""
+        array, index = AXIS_COLUMNS.get(name, (name, None))
+        values: NDArray[Any] | None = getattr(self, array)
+        return values if values is None or index is None else values[:, index]
+
+    def filled(self, name: str) -> NDArray[Any]:
+        """Column of a file by name, shape (n,); NaN (−1 in `seq`) without the column."""
+        column = self.column(name)
+        return np.full(len(self.rate_dps), -1 if name == "seq" else np.nan) if column is None else column
 
     def part(self, start: int, end: int) -> "Session":
         """The samples from `start` to before `end`."""
@@ -69,17 +109,61 @@ class Session(ResultTable):
 
     def rows(self, rows: slice | Integers) -> "Session":
         """The samples at some indices."""
-        return Session(
-            name=self.name,
-            t_device_s=self.t_device_s[rows],
-            rate_dps=self.rate_dps[rows],
-            t_host_s=None if self.t_host_s is None else self.t_host_s[rows],
-            seq=None if self.seq is None else self.seq[rows],
-            encoder_deg=None if self.encoder_deg is None else self.encoder_deg[rows],
-            temp_c=None if self.temp_c is None else self.temp_c[rows],
-            still=None if self.still is None else self.still[rows],
-            metadata=self.metadata,
-            remarks=self.remarks,
-            rate_scale=self.rate_scale,
-            time_unit=self.time_unit,
+        arrays = {name: getattr(self, name) for name in (*ARRAYS, "gyro_dps", "accel_mps2")}
+        present = {name: array[rows] for name, array in arrays.items() if array is not None}
+        return replace(self, damage=None, **present)
+
+    def scaled(self, factor: float) -> "Session":
+        """The session with all rates times a factor."""
+        gyro_dps = None if self.gyro_dps is None else self.gyro_dps * factor
+        return self if factor == 1.0 else replace(self, rate_dps=self.rate_dps * factor, gyro_dps=gyro_dps)
+
+    def upside_down(self) -> "Session":
+        """The session in a frame that is turned by 180° about x: y, z and the yaw rate change their sign."""
+        gyro_dps, accel_mps2 = (
+            None if array is None else array * UPSIDE_DOWN for array in (self.gyro_dps, self.accel_mps2)
         )
+        return replace(self, rate_dps=-self.rate_dps, gyro_dps=gyro_dps, accel_mps2=accel_mps2)
+
+    def with_yaw_rate(self, rate_dps: Floats) -> "Session":
+        """The session with other rates about z, shape (n,), deg/s."""
+        if self.gyro_dps is None:
+            return replace(self, rate_dps=rate_dps)
+        return replace(self, rate_dps=rate_dps, gyro_dps=np.column_stack([self.gyro_dps[:, :2], rate_dps]))
+
+    def with_axes(self, columns: Mapping[str, Floats | None]) -> "Session":
+        """The session with three axes from columns by name; without them unless all rates are given.
+
+        A driver of a single-axis gyro fills the messages of three axes with zeros: such axes count as missing.
+        """
+        gyro_dps, accel_mps2 = stacked(columns, GYRO_COLUMNS), stacked(columns, ACCEL_COLUMNS)
+        accel_mps2 = None if accel_mps2 is None or not accel_mps2.any() else accel_mps2
+        if gyro_dps is None or (accel_mps2 is None and not gyro_dps[:, :2].any()):
+            return self
+        return replace(self, gyro_dps=gyro_dps, accel_mps2=accel_mps2)
+
+
+def stacked(columns: Mapping[str, Floats | None], names: Sequence[str]) -> Floats | None:
+    """Columns side by side, shape (n, 3); None if a column is missing, or without any number."""
+    present = [column for name in names if (column := columns.get(name)) is not None]
+    if len(present) < len(names):
+        return None
+    array: Floats = np.column_stack(present)
+    return None if np.isnan(array).all() else array
+
+
+def session_of(name: str, samples: Sequence[Sample]) -> Session:
+    """Session from samples, without the columns that they lack."""
+    *numbers, axes = zip(*samples, strict=True)
+    seq, t_device_s, t_host_s, rate_dps, *optional = map(np.array, numbers)
+    encoder_deg, temp_c, still = (None if np.isnan(column).all() else column for column in optional)
+    session = Session(name, t_device_s, rate_dps, t_host_s, seq, encoder_deg, temp_c, still=still)
+    return session.with_axes(axis_columns(axes))
+
+
+def axis_columns(axes: Sequence[Inertial | None]) -> dict[str, Floats | None]:
+    """Columns of the axes of samples, by name; NaN where a sample has none, empty without any."""
+    if not any(inertial is not None for inertial in axes):
+        return {}
+    table = np.array([MISSING if inertial is None else inertial for inertial in axes], dtype=np.float64)
+    return dict(zip(AXIS_COLUMNS, table.T, strict=True))

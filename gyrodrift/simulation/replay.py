@@ -1,7 +1,6 @@
 """A recording as frames of a device, for `replay`; the encoders of the simulator make the frames."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -73,9 +72,7 @@ def _timed_part(session: Session) -> Session:
         return session
     if not is_timed.any():
         raise DataError(f"{session.name}: no sample has a possible device time")
-    columns = ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg", "temp_c", "still")
-    values = {name: getattr(session, name) for name in columns}
-    return replace(session, **{name: column[is_timed] for name, column in values.items() if column is not None})
+    return session.rows(np.flatnonzero(is_timed))
 
 
 def base_of(recording: PlayedSession, dps_per_lsb: float) -> Base:

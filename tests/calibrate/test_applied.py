@@ -17,9 +17,10 @@ from gyrodrift.config.model import load_config
 from gyrodrift.diagnose.recording.checked import checked_session
 from gyrodrift.errors import ConfigError, UsageError
 from gyrodrift.evaluation.dataset import Source, load_with_reference
+from gyrodrift.sample import Inertial, Sample
 from gyrodrift.session.calibrated import KEPT, calibrated, true_rates_dps, with_calibration
 from gyrodrift.session.files import load_session, write_session
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import AXIS_COLUMNS, Session, session_of
 
 RIGHT = Calibration(
     date="2026-05-01T10:00:00+00:00",
@@ -215,3 +216,15 @@ def test_tuning_and_comparing_run_on_the_calibrated_rate(scaled: Path) -> None:
     session = load_session(scaled)
     reference = load_with_reference(Source(scaled)).reference
     np.testing.assert_array_equal(reference.rate_dps, with_calibration(session, RIGHT).rate_dps)
+
+
+def test_an_upside_down_device_turns_its_other_axes_too() -> None:
+    """A sensor turned by 180° about x: the frame stays right-handed, and gravity points up again."""
+    calibration = replace(RIGHT, sign=-1, scale_ccw=1.0, scale_cw=1.0, bias_dps=0.0)
+    axes = Inertial(1.0, 2.0, 3.0, 0.1, 0.2, -9.81)
+    expected = Inertial(1.0, -2.0, -3.0, 0.1, -0.2, 9.81)
+    assert calibration.sample(Sample(0, 0.0, 0.0, 3.0, inertial=axes)).inertial == expected
+    session = session_of("s", [Sample(0, 0.0, 0.0, 3.0, inertial=axes)])
+    true = with_calibration(session, calibration)
+    assert true.rate_dps.tolist() == [-3.0]
+    assert [true.filled(name)[0] for name in AXIS_COLUMNS] == list(expected)

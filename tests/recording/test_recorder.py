@@ -20,7 +20,7 @@ from gyrodrift.recording import disk, recorder
 from gyrodrift.recording.disk import DiskFile, RecordingError
 from gyrodrift.recording.names import recording_path
 from gyrodrift.recording.recorder import Recorder, RecordOptions
-from gyrodrift.sample import Sample
+from gyrodrift.sample import Inertial, Sample
 from gyrodrift.session.mcap.raw import read_raw
 from gyrodrift.session.mcap.read import read_mcap
 
@@ -261,3 +261,21 @@ def test_what_happens_before_the_first_sample_is_kept_within_bounds(out: Path, l
     recording.take(samples(0, 1))
     recording.close()
     assert missing_in(recording.paths[0]) == [*range(500, recorder.MOST_EVENTS + 500)]
+
+
+def test_axes_that_begin_later_begin_another_file(link: Link, out: Path) -> None:
+    """A file without axes cannot hold them; a file with axes holds samples without them."""
+    out.mkdir()
+    recording = Recorder(RecordOptions(out), link)
+    recording.take(samples(0, 3))
+    axes = Inertial(1.0, 2.0, 3.0, 0.0, 0.0, 9.81)
+    turning = [sample._replace(inertial=axes) for sample in samples(3, 3)]
+    recording.take(turning)
+    recording.take(samples(6, 1))
+    recording.close()
+    first, second = map(read_mcap, recording.paths)
+    assert (len(first.rate_dps), len(second.rate_dps)) == (3, 4)
+    assert first.gyro_dps is None
+    assert second.gyro_dps is not None
+    assert second.gyro_dps[:3].tolist() == [[1.0, 2.0, 3.0]] * 3
+    assert second.metadata["recording"]["continues"] == recording.paths[0].name

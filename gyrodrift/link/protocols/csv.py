@@ -81,8 +81,9 @@ class CsvDecoder(LineDecoder):
         rate_dps, *optional = (float(value) for value in values)
         if isfinite(rate_dps) and abs(rate_dps) > MAX_RATE_DPS:
             return None
-        valid = (value if isfinite(value) else nan for value in optional)  # an infinite angle or temperature is missing
-        return 2 + len(optional), Reading(int(t_us) & 0xFFFFFFFF, None, rate_dps, *valid)
+        valid = [value if isfinite(value) else nan for value in optional]  # an infinite angle or temperature is missing
+        encoder_deg, temp_c, still, *_ = [*valid, nan, nan, nan]
+        return 2 + len(optional), Reading(int(t_us) & 0xFFFFFFFF, None, rate_dps, encoder_deg, temp_c, still)
 
 
 PROTOCOL = WireProtocol(

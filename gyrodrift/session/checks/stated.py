@@ -36,16 +36,16 @@ class ReadingOptions:
     def applied(self, session: Session) -> Session:
         """The session in deg/s and s, with the stated units."""
         rate_scale, time_unit = session.rate_scale, session.time_unit
-        factor = -1.0 if self.is_flipped else 1.0
         if self.rate_unit:
             rate_scale = scale_of(RATE, self.rate_unit) or 1.0
-            factor *= rate_scale / session.rate_scale
+            session = session.scaled(rate_scale / session.rate_scale)
+        if self.is_flipped:
+            session = session.upside_down()
         t_s = session.t_device_s
         if self.time_unit and self.time_unit != time_unit:
             t_s = t_s * 1e-3 ** (TIME_UNITS.index(self.time_unit) - TIME_UNITS.index(time_unit))
             time_unit = self.time_unit
-        rate_dps = session.rate_dps if factor == 1.0 else session.rate_dps * factor
-        return replace(session, t_device_s=t_s, rate_dps=rate_dps, rate_scale=rate_scale, time_unit=time_unit)
+        return replace(session, t_device_s=t_s, rate_scale=rate_scale, time_unit=time_unit)
 
 
 AS_WRITTEN = ReadingOptions()

@@ -6,7 +6,7 @@ import reprlib
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from gyrodrift.sample import Sample
+from gyrodrift.sample import Inertial, Sample
 from gyrodrift.session.csv import REQUIRED
 
 NS_PER_S = 1_000_000_000
@@ -50,7 +50,14 @@ def sample_of(fields: Mapping[str, Any], log_ns: int) -> Sample:
         encoder_deg=number("encoder_deg", fields.get("encoder_deg")),
         temp_c=number("temp_c", fields.get("temp_c")),
         still=number("still", fields.get("still")),
+        inertial=_inertial(fields),
     )
+
+
+def _inertial(fields: Mapping[str, Any]) -> Inertial | None:
+    if fields.get("gyro_x_dps") is None:
+        return None
+    return Inertial._make(number(name, fields.get(name)) for name in Inertial._fields)
 
 
 def number(name: str, value: Any) -> float:

@@ -2,19 +2,17 @@
 
 import json
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from gyrodrift import __version__
 from gyrodrift.errors import DataError
 from gyrodrift.files import whole_file
-from gyrodrift.sample import Sample
+from gyrodrift.sample import Inertial, Sample
 from gyrodrift.session.mcap.layout import SAMPLES
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import AXIS_COLUMNS, Session
 
 NS_PER_S = 1_000_000_000
 LATEST_LOG_NS = 2**64 - 1
@@ -99,28 +97,16 @@ float64 z
 
 JSON_SCHEMA = "gyrodrift.Sample"
 NUMBER_OR_NONE = {"type": ["number", "null"]}
-JSON_TEXT = json.dumps(
-    {
-        "type": "object",
-        "description": "A rate sample of a gyro. Angles are degrees, rates deg/s counter-clockwise, times seconds.",
-        "properties": {
-            "seq": {"type": "integer"},
-            **dict.fromkeys(("t_device_s", "t_host_s", "rate_dps"), NUMBER_OR_NONE),
-            "encoder_deg": {"type": "number"},
-            "temp_c": {"type": "number"},
-            "still": {"type": "number"},
-        },
-        "required": ["t_device_s", "rate_dps"],
-    }
-)
+OPTIONAL_NUMBERS = ("encoder_deg", "temp_c", "still")
 ALWAYS_WRITTEN = ("t_device_s", "t_host_s", "rate_dps")
 """Null without a number; without `t_host_s` a reader would use the log time instead."""
 
 
 def write_imu(path: Path, chunks: Iterable[Session]) -> None:
-    """Write the consecutive chunks of a session as `sensor_msgs/msg/Imu` on `/imu`, the rate in rad/s about z.
+    """Write the consecutive chunks of a session as `sensor_msgs/msg/Imu` on `/imu`, rates in rad/s.
 
-    Orientation and acceleration are marked as unknown. Encoder angle, temperature and counter are left out.
+    Orientation is marked as unknown, and so is an acceleration that the session does not have. Encoder angle,
+    temperature and counter are left out.
 
     Raises
     ------
@@ -135,7 +121,7 @@ def write_imu(path: Path, chunks: Iterable[Session]) -> None:
         writer = Writer(file)
         schema = writer.register_msgdef(IMU_SCHEMA, IMU_TEXT)
         for number, sample in enumerate(_samples(chunks, writer), 1):
-            message = _imu(_stamp(path, number, sample.t_device_s), sample.rate_dps)
+            message = _imu(_stamp(path, number, sample.t_device_s), sample)
             writer.write_message(IMU_TOPIC, schema, message, _log_ns(sample), sequence=_sequence(sample))
         writer.finish()  # type: ignore[no-untyped-call]  # the package leaves it unannotated
 
@@ -152,15 +138,34 @@ def write_json(path: Path, chunks: Iterable[Session]) -> None:
     """
     from mcap.writer import Writer  # noqa: PLC0415 - as above
 
+    stream = iter(chunks)
+    first = next(stream)
     with whole_file(path) as file:
         writer = Writer(file)
         writer.start(library=f"gyrodrift {__version__}")
-        schema_id = writer.register_schema(JSON_SCHEMA, "jsonschema", JSON_TEXT.encode())
+        schema_id = writer.register_schema(JSON_SCHEMA, "jsonschema", _json_schema(first).encode())
         channel_id = writer.register_channel(SAMPLES.name, "json", schema_id)
-        for sample in _samples(chunks, writer):
+        for sample in _samples(chain([first], stream), writer):
             log_ns = _log_ns(sample)
             writer.add_message(channel_id, log_ns, _json(sample), log_ns, _sequence(sample))
         writer.finish()  # type: ignore[no-untyped-call]  # the package leaves it unannotated
+
+
+def _json_schema(session: Session) -> str:
+    axes = () if session.gyro_dps is None else tuple(AXIS_COLUMNS)
+    properties = {
+        "seq": {"type": "integer"},
+        **dict.fromkeys(ALWAYS_WRITTEN, NUMBER_OR_NONE),
+        **{name: {"type": "number"} for name in (*OPTIONAL_NUMBERS, *axes)},
+    }
+    return json.dumps(
+        {
+            "type": "object",
+            "description": "A rate sample of a gyro. Angles are degrees, rates deg/s counter-clockwise, times seconds.",
+            "properties": properties,
+            "required": ["t_device_s", "rate_dps"],
+        }
+    )
 
 
 def _samples(chunks: Iterable[Session], writer: Any) -> Iterator[Sample]:
@@ -168,27 +173,34 @@ def _samples(chunks: Iterable[Session], writer: Any) -> Iterator[Sample]:
     for number, chunk in enumerate(chunks):
         for name, table in chunk.metadata.items() if number == 0 else ():
             writer.add_metadata(name, dict(table))
-        columns = (_filled(chunk, name).tolist() for name in Sample._fields)
+        columns = [chunk.filled(name).tolist() for name in Sample._fields if name != "inertial"]
+        columns.append(_inertials(chunk))
         yield from map(Sample._make, zip(*columns, strict=True))
 
 
-def _filled(chunk: Session, name: str) -> NDArray[Any]:
-    column: NDArray[Any] | None = getattr(chunk, name)
-    if column is not None:
-        return column
-    return np.full(len(chunk.rate_dps), -1 if name == "seq" else np.nan)
+def _inertials(chunk: Session) -> list[Inertial | None]:
+    if chunk.gyro_dps is None:
+        return [None] * len(chunk.rate_dps)
+    return list(map(Inertial._make, zip(*(chunk.filled(name).tolist() for name in AXIS_COLUMNS), strict=True)))
 
 
-def _imu(stamp: dict[str, int], rate_dps: float) -> dict[str, Any]:
+def _imu(stamp: dict[str, int], sample: Sample) -> dict[str, Any]:
+    inertial = sample.inertial or Inertial(0.0, 0.0, sample.rate_dps)
+    rates_rads, forces_mps2 = tuple(map(math.radians, inertial[:3])), inertial[3:]
+    has_forces = all(map(math.isfinite, forces_mps2))
     return {
         "header": {"stamp": stamp, "frame_id": FRAME_ID},
         "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
         "orientation_covariance": [-1.0, *[0.0] * 8],
-        "angular_velocity": {"x": 0.0, "y": 0.0, "z": math.radians(rate_dps)},
+        "angular_velocity": _vector(rates_rads),
         "angular_velocity_covariance": [0.0] * 9,
-        "linear_acceleration": {"x": 0.0, "y": 0.0, "z": 0.0},
-        "linear_acceleration_covariance": [-1.0, *[0.0] * 8],
+        "linear_acceleration": _vector(forces_mps2 if has_forces else (0.0, 0.0, 0.0)),
+        "linear_acceleration_covariance": [0.0 if has_forces else -1.0, *[0.0] * 8],
     }
+
+
+def _vector(values: Sequence[float]) -> dict[str, float]:
+    return dict(zip("xyz", values, strict=True))
 
 
 def _stamp(path: Path, number: int, t_device_s: float) -> dict[str, int]:
@@ -200,9 +212,12 @@ def _stamp(path: Path, number: int, t_device_s: float) -> dict[str, int]:
 
 
 def _json(sample: Sample) -> bytes:
+    values = sample._asdict()
+    inertial = values.pop("inertial")
+    values |= inertial._asdict() if inertial else {}
     fields: dict[str, float | None] = {
         name: value if math.isfinite(value) else None
-        for name, value in sample._asdict().items()
+        for name, value in values.items()
         if name in ALWAYS_WRITTEN or math.isfinite(value)
     }
     if sample.seq < 0:

@@ -16,7 +16,7 @@ from mcap.well_known import MessageEncoding
 
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
-from gyrodrift.sample import Sample
+from gyrodrift.sample import Inertial, Sample
 from gyrodrift.session.foreign.channels import Messages, chosen_topic, contents_of
 from gyrodrift.session.foreign.columns import Decode, WrongValueError, json_sample
 from gyrodrift.session.foreign.records import DamageError, ForeignRecord, message, records
@@ -24,9 +24,10 @@ from gyrodrift.session.foreign.ros import cdr_decoder
 from gyrodrift.session.foreign.ros1 import ros1_imu_sample
 from gyrodrift.session.mcap.layout import MAGIC
 from gyrodrift.session.mcap.walk import BrokenRecordError
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import AXIS_COLUMNS, MISSING, Session
 
-ROW = np.dtype([(name, "i8" if name == "seq" else "f8") for name in Sample._fields])
+NAMES = (*(name for name in Sample._fields if name != "inertial"), *Inertial._fields)
+ROW = np.dtype([(name, "i8" if name == "seq" else "f8") for name in NAMES])
 
 
 def read_foreign(path: Path, topic: str | None = None) -> Session:
@@ -68,7 +69,8 @@ def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
         if channel.topic == chosen and channel.is_understood
     }
     is_imu = any(channel.is_imu for channel in contents.channels.values() if channel.topic == chosen)
-    rows = np.fromiter(_samples(f"{path}: {chosen}", records(file), decoders), ROW)
+    samples = _samples(f"{path}: {chosen}", records(file), decoders)
+    rows = np.fromiter(((*sample[:-1], *(sample.inertial or MISSING)) for sample in samples), ROW)
     remarks: tuple[str, ...] = ()
     t_s = rows["t_device_s"].copy()
     if is_imu:
@@ -85,7 +87,7 @@ def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
         metadata=contents.metadata,
         remarks=remarks,
         rate_scale=math.degrees(1.0) if is_imu else 1.0,
-    )
+    ).with_axes({name: rows[name] for name in AXIS_COLUMNS})
 
 
 def running_clock(stamps_s: Floats, logged_s: Floats) -> tuple[Floats, tuple[str, ...]]:

@@ -10,7 +10,7 @@ from mcap.records import Schema
 from mcap.well_known import MessageEncoding
 
 from gyrodrift.errors import DataError
-from gyrodrift.sample import Sample
+from gyrodrift.sample import Inertial, Sample
 from gyrodrift.session.foreign.columns import NS_PER_S, Decode, WrongValueError, number, sample_of, whole
 
 MOST_LINES, MOST_SCHEMA_BYTES = 2000, 1 << 18
@@ -19,7 +19,8 @@ MOST_LINES, MOST_SCHEMA_BYTES = 2000, 1 << 18
 
 
 def _own_sample(message: Any, log_ns: int) -> Sample:
-    return sample_of({name: getattr(message, name) for name in Sample._fields if hasattr(message, name)}, log_ns)
+    names = (*Sample._fields, *Inertial._fields)
+    return sample_of({name: getattr(message, name) for name in names if hasattr(message, name)}, log_ns)
 
 
 def _imu_sample(message: Any, log_ns: int) -> Sample:
@@ -33,7 +34,21 @@ def _imu_sample(message: Any, log_ns: int) -> Sample:
         raise WrongValueError("has no rate: angular_velocity_covariance begins with -1")
     sec, nanosec = (whole(f"header.stamp.{name}", part) for name, part in zip(("sec", "nanosec"), parts, strict=True))
     rate_dps = math.degrees(number("angular_velocity.z", rate))
-    return Sample(-1, (sec * NS_PER_S + nanosec) / NS_PER_S, log_ns / NS_PER_S, rate_dps)
+    t_device_s = (sec * NS_PER_S + nanosec) / NS_PER_S
+    return Sample(-1, t_device_s, log_ns / NS_PER_S, rate_dps, inertial=_inertial(message, rate_dps))
+
+
+def _inertial(message: Any, rate_dps: float) -> Inertial | None:
+    """All axes of an Imu message; None if it lacks a rate, without accelerations if it says that it has none."""
+    try:
+        rate, force = message.angular_velocity, message.linear_acceleration
+        rates_rads, forces_mps2 = (rate.x, rate.y), (force.x, force.y, force.z)
+        has_forces = message.linear_acceleration_covariance[0] != -1.0
+    except (AttributeError, IndexError, TypeError):
+        return None
+    x_dps, y_dps = (math.degrees(number("angular_velocity", value)) for value in rates_rads)
+    x, y, z = (number("linear_acceleration", value) if has_forces else math.nan for value in forces_mps2)
+    return Inertial(x_dps, y_dps, rate_dps, x, y, z)
 
 
 ROS_MESSAGES: dict[str, Callable[[Any, int], Sample]] = {

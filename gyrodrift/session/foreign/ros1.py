@@ -3,7 +3,7 @@
 import math
 import struct
 
-from gyrodrift.sample import Sample
+from gyrodrift.sample import Inertial, Sample
 from gyrodrift.session.foreign.columns import NS_PER_S, WrongValueError
 
 NAMES = frozenset({"sensor_msgs/Imu", "sensor_msgs/msg/Imu"})
@@ -13,7 +13,8 @@ HEADER = struct.Struct("<IIII")
 VALUES = struct.Struct("<4d9d3d9d3d9d")
 """Orientation, angular velocity and acceleration, each with its covariance."""
 
-RATE_Z, RATE_COVARIANCE = 15, 16
+RATES, RATE_COVARIANCE = slice(13, 16), 16
+FORCES, FORCE_COVARIANCE = slice(25, 28), 28
 """Indices in the values."""
 
 
@@ -34,4 +35,7 @@ def ros1_imu_sample(payload: bytes, log_ns: int) -> Sample:
     if values[RATE_COVARIANCE] == -1.0:
         raise WrongValueError("has no rate: angular_velocity_covariance begins with -1")
     t_device_s = (sec * NS_PER_S + nanosec) / NS_PER_S
-    return Sample(-1, t_device_s, log_ns / NS_PER_S, math.degrees(values[RATE_Z]))
+    rates_dps = [math.degrees(rate_rads) for rate_rads in values[RATES]]
+    forces_mps2 = () if values[FORCE_COVARIANCE] == -1.0 else values[FORCES]
+    inertial = Inertial(*rates_dps, *forces_mps2)
+    return Sample(-1, t_device_s, log_ns / NS_PER_S, inertial.gyro_z_dps, inertial=inertial)

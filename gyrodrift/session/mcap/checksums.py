@@ -20,10 +20,10 @@ MARKER = b"gdcrc\x1a\x00\x01"
 """Marks a table for a search; the last byte is the version of the layout."""
 
 PIECE_SAMPLES = 24
-"""Below 2 KiB, so that a damaged block of a disk (4 KiB) costs at most 96 samples."""
+"""About 2 KiB (3 KiB with three axes), so that a damaged block of a disk (4 KiB) costs at most 96 samples."""
 
-TABLE_BYTES = 128 * PIECE_SAMPLES * MESSAGE.size
-"""A table follows after at most this many bytes of samples."""
+TABLE_SAMPLES = 128 * PIECE_SAMPLES
+"""A table follows after at most this many samples."""
 
 LEAST_BYTES = 4096
 """Fewer bytes wait for the next flush; at low rates tables would be as large as the samples."""
@@ -108,19 +108,19 @@ class ChecksumWriter:
         """Whether bytes were added since the last table."""
         return bool(self._pieces)
 
-    def add_samples(self, rows: bytes) -> None:
-        """Add samples, packed as `layout.MESSAGE`; samples of several flushes share a piece."""
+    def add_samples(self, rows: bytes, row_bytes: int = MESSAGE.size) -> None:
+        """Add samples of `row_bytes` each; samples of several flushes share a piece."""
         view, first = memoryview(rows), 0
         last = self._pieces[-1] if self._pieces else None
         if last is not None and 0 < last.samples < PIECE_SAMPLES:
-            first = (PIECE_SAMPLES - last.samples) * MESSAGE.size
+            first = (PIECE_SAMPLES - last.samples) * row_bytes
             part = view[:first]
-            samples = last.samples + len(part) // MESSAGE.size
+            samples = last.samples + len(part) // row_bytes
             self._pieces[-1] = Piece(last.length + len(part), samples, zlib.crc32(part, last.crc))
-        for start in range(first, len(view), PIECE_SAMPLES * MESSAGE.size):
-            part = view[start : start + PIECE_SAMPLES * MESSAGE.size]
-            self._pieces.append(Piece(len(part), len(part) // MESSAGE.size, zlib.crc32(part)))
-        self._samples += len(rows) // MESSAGE.size
+        for start in range(first, len(view), PIECE_SAMPLES * row_bytes):
+            part = view[start : start + PIECE_SAMPLES * row_bytes]
+            self._pieces.append(Piece(len(part), len(part) // row_bytes, zlib.crc32(part)))
+        self._samples += len(rows) // row_bytes
         self._pending_bytes += len(rows)
 
     def add_records(self, content: bytes) -> None:

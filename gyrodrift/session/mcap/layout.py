@@ -1,9 +1,9 @@
 """Layout of a session file: MCAP without chunks, so that every flushed sample survives a kill.
 
-A sample is a message of fixed size on `/gyro`, CDR-encoded with the ROS 2 schema `gyrodrift/Sample`. A run of samples
-is a table that numpy reads at once, also in an unfinished file. A torn end costs only the torn message. `/raw` has the
-bytes of the link, a message per read; `/link` has link events as JSON; `/still` has rest flags from other sources than
-the rate.
+A sample is a message on `/gyro`, CDR-encoded with the ROS 2 schema `gyrodrift/Sample`. All samples of a file have the
+same size, which is larger for a device with three axes. A run of samples is a table that numpy reads at once, also in
+an unfinished file. A torn end costs only the torn message. `/raw` has the bytes of the link, a message per read.
+`/link` has link events as JSON. `/still` has rest flags from other sources than the rate.
 """
 
 import struct
@@ -47,6 +47,25 @@ float64 encoder_deg   # reference angle
 float64 temp_c
 """,
 )
+AXES_SAMPLES = Topic(
+    channel_id=SAMPLES.channel_id,
+    name=SAMPLES.name,
+    message_encoding=SAMPLES.message_encoding,
+    schema_name=SAMPLES.schema_name,
+    schema_encoding=SAMPLES.schema_encoding,
+    schema_text=SAMPLES.schema_text
+    + """\
+# Sensor frame: right-handed, z up if the board lies flat. rate_dps is gyro_z_dps.
+float64 gyro_x_dps
+float64 gyro_y_dps
+float64 gyro_z_dps
+float64 accel_x_mps2  # specific force
+float64 accel_y_mps2
+float64 accel_z_mps2
+""",
+)
+"""Samples of a device with three axes; a file has either these or `SAMPLES`."""
+
 READS = Topic(
     channel_id=2,
     name="/raw",
@@ -84,7 +103,10 @@ CDR_LITTLE_ENDIAN = 0x00000100
 
 MESSAGE = struct.Struct("<BQHIQQIqddddd")
 """A sample in the file: record head, channel, sequence, log and publish time in ns, CDR head, values."""
-MESSAGE_LENGTH = MESSAGE.size - HEAD.size
+AXES_MESSAGE = struct.Struct(MESSAGE.format + "dddddd")
+"""A sample of a device with three axes."""
+
+MESSAGE_LENGTHS = (MESSAGE.size - HEAD.size, AXES_MESSAGE.size - HEAD.size)
 
 READ_HEAD = struct.Struct("<BQHIQQIdI")
 """A read up to its bytes; the last value is their number."""

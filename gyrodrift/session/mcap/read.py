@@ -18,10 +18,11 @@ from gyrodrift.errors import DataError
 from gyrodrift.session.damage import DamagedError, RecordingDamage
 from gyrodrift.session.mcap.interrupted import is_bare
 from gyrodrift.session.mcap.layout import (
+    AXES_SAMPLES,
     CDR_LITTLE_ENDIAN,
+    HEAD,
     LATEST_NS,
     MAGIC,
-    MESSAGE_LENGTH,
     MESSAGE_OPCODE,
     PROVED,
     REPAIR,
@@ -31,6 +32,7 @@ from gyrodrift.session.mcap.layout import (
 from gyrodrift.session.mcap.survey import survey
 from gyrodrift.session.mcap.surveyed import Survey
 from gyrodrift.session.mcap.walk import (
+    AXES_ROW,
     ROW,
     BrokenRecordError,
     PlacedRecord,
@@ -42,7 +44,7 @@ from gyrodrift.session.mcap.walk import (
     schema_of,
 )
 from gyrodrift.session.mcap.write import McapWriter
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import AXIS_COLUMNS, Session
 from gyrodrift.system import read_at
 
 OPTIONAL = ("t_host_s", "encoder_deg", "temp_c")
@@ -127,12 +129,20 @@ class _Columns:
         self._survey = file_survey
         self._stills: list[tuple[int, float]] = []
         self._arrays = {name: np.empty(self._most, ROW[name]) for name in VALUES}
+        self._axes: Floats | None = None
 
     def take(self, rows: Rows) -> None:
         """Append a table of samples."""
         end = self.count + len(rows)
         for name, array in self._arrays.items():
             array[self.count : end] = rows[name]
+        if rows.dtype == AXES_ROW:
+            if self._axes is None:
+                self._axes = np.empty((self._most, len(AXIS_COLUMNS)))
+                self._axes[: self.count] = np.nan
+            self._axes[self.count : end] = rows["axes"]
+        elif self._axes is not None:
+            self._axes[self.count : end] = np.nan
         self.count = end
 
     def take_message(self, body: bytes) -> None:
@@ -159,6 +169,7 @@ class _Columns:
     def session(self, name: str, metadata: dict[str, dict[str, str]]) -> Session:
         """The session, without the columns that the device never filled."""
         columns = {key: array[: self.count] for key, array in self._arrays.items()}
+        axes = None if self._axes is None else self._axes[: self.count]
         return Session(
             name=name,
             t_device_s=columns["t_device_s"],
@@ -169,6 +180,8 @@ class _Columns:
             metadata=metadata,
             damage=self._survey.damage(columns["t_device_s"]),
             remarks=(UNPROVED,) if metadata.get(REPAIR, {}).get(PROVED) == "no" else (),
+            gyro_dps=None if axes is None or np.isnan(axes[:, :3]).all() else axes[:, :3],
+            accel_mps2=None if axes is None or np.isnan(axes[:, 3:]).all() else axes[:, 3:],
         )
 
 
@@ -195,8 +208,10 @@ class _Declared:
                 schema = schema_of(walk.body(record))
                 if schema.id == SAMPLES.channel_id:
                     layout = (schema.name, schema.encoding, schema.data)
-                    ours = (SAMPLES.schema_name, SAMPLES.schema_encoding, SAMPLES.schema_text.encode())
-                    self._has_schema = layout == ours
+                    self._has_schema = any(
+                        layout == (topic.schema_name, topic.schema_encoding, topic.schema_text.encode())
+                        for topic in (SAMPLES, AXES_SAMPLES)
+                    )
             case Opcode.CHANNEL:
                 channel = channel_of(walk.body(record))
                 if channel.id == SAMPLES.channel_id:
@@ -208,18 +223,20 @@ class _Declared:
 
 
 def add_chunk(writer: McapWriter, session: Session) -> None:
-    """Add the samples of a session at once."""
-    rows = np.zeros(len(session.t_device_s), ROW)
+    """Add the samples of a session at once; their axes are lost unless the file has axes."""
+    rows = np.zeros(len(session.t_device_s), AXES_ROW if writer.has_axes else ROW)
     if not len(rows):
         return
-    rows["opcode"], rows["length"], rows["channel"] = MESSAGE_OPCODE, MESSAGE_LENGTH, SAMPLES.channel_id
+    rows["opcode"], rows["channel"] = MESSAGE_OPCODE, SAMPLES.channel_id
+    rows["length"] = rows.dtype.itemsize - HEAD.size
     rows["cdr"] = CDR_LITTLE_ENDIAN
-    rows["seq"] = -1 if session.seq is None else session.seq
+    rows["seq"] = session.filled("seq")
     rows["sequence"] = rows["seq"] & 0xFFFFFFFF
     rows["t_device_s"], rows["rate_dps"] = session.t_device_s, session.rate_dps
     for name in OPTIONAL:
-        column = getattr(session, name)
-        rows[name] = np.nan if column is None else column
+        rows[name] = session.filled(name)
+    for index, name in enumerate(AXIS_COLUMNS) if writer.has_axes else ():
+        rows["axes"][:, index] = session.filled(name)
     rows["publish_time"] = _nanoseconds(session.t_device_s)
     rows["log_time"] = rows["publish_time"] if session.t_host_s is None else _nanoseconds(session.t_host_s)
     if session.still is not None:

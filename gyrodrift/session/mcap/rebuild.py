@@ -5,6 +5,7 @@ import os
 import shutil
 from collections import deque
 from contextlib import suppress
+from itertools import islice
 from math import nan
 from pathlib import Path
 from typing import IO
@@ -15,7 +16,7 @@ from gyrodrift.files import whole_file
 from gyrodrift.session.damage import RecordingDamage
 from gyrodrift.session.mcap.layout import EVENTS, PROVED, READS, REPAIR, STILLS
 from gyrodrift.session.mcap.surveyed import Survey
-from gyrodrift.session.mcap.walk import BrokenRecordError, PlacedRecord, SampleRows, Walk, metadata_of
+from gyrodrift.session.mcap.walk import AXES_ROW, BrokenRecordError, PlacedRecord, SampleRows, Walk, metadata_of
 from gyrodrift.session.mcap.write import MESSAGE_START, McapWriter
 
 TOPICS = {topic.channel_id: topic for topic in (READS, EVENTS)}
@@ -29,10 +30,17 @@ def rebuild(path: Path, file: IO[bytes], file_survey: Survey, damage: RecordingD
     except OSError:  # a disk without links, such as FAT, or a file of another user
         shutil.copy(path, kept)
     with whole_file(path) as fresh:
-        writer = McapWriter(fresh, {REPAIR: _damage_table(damage)})
+        has_axes = _has_axes(Walk(file, file_survey.stretches))
+        writer = McapWriter(fresh, {REPAIR: _damage_table(damage)}, has_axes=has_axes)
         _Copy(Walk(file, file_survey.stretches), file_survey, writer).run()
         writer.finish()
     return kept
+
+
+def _has_axes(walk: Walk) -> bool:
+    """Whether the samples of a file have three axes."""
+    tables = (step.rows for step in walk if isinstance(step, SampleRows))
+    return any(rows.dtype == AXES_ROW for rows in islice(tables, 1))
 
 
 def _free_name(path: Path) -> Path:

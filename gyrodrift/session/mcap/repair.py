@@ -136,7 +136,7 @@ def _last_tables(file: IO[bytes], file_survey: Survey, end: int) -> bytes:
     for step in Walk(file, [ByteStretch(offset + table.size, end)]):
         match step:
             case SampleRows(rows=rows):
-                writer.add_samples(rows.tobytes())
+                writer.add_samples(rows.tobytes(), rows.dtype.itemsize)
             case PlacedRecord(offset=start, length=length):
                 writer.add_records(read_at(file.fileno(), HEAD.size + length, start))
     tables = writer.table() if writer.is_pending else b""

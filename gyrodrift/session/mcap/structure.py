@@ -1,6 +1,7 @@
 """Search for samples after damage by the layout of records, without checksums."""
 
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import IO
 
@@ -9,9 +10,17 @@ from mcap.opcode import Opcode
 from gyrodrift.session.damage import LostSamples
 from gyrodrift.session.mcap.checksums import OPCODE
 from gyrodrift.session.mcap.ending import Ending
-from gyrodrift.session.mcap.layout import HEAD, MAGIC, MESSAGE, MESSAGE_OPCODE, READS
+from gyrodrift.session.mcap.layout import HEAD, MAGIC, MESSAGE_OPCODE, READS
 from gyrodrift.session.mcap.surveyed import Survey
-from gyrodrift.session.mcap.walk import ROW_START, ByteStretch, PlacedRecord, SampleRows, Walk, data_blocks
+from gyrodrift.session.mcap.walk import (
+    ROW_START_BYTES,
+    ROW_STARTS,
+    ByteStretch,
+    PlacedRecord,
+    SampleRows,
+    Walk,
+    data_blocks,
+)
 from gyrodrift.system import read_at
 
 LONGEST_RECORD_BYTES = 1 << 20
@@ -95,9 +104,10 @@ def _walked(walk: Walk) -> tuple[int, int, bool]:
 
 def _before_damage(walk: Walk, start: int, end: int, samples: int) -> tuple[int, int]:
     """End and samples without the last sample, which may be damaged after its first bytes."""
-    last = end - MESSAGE.size
-    if last >= start and samples and read_at(walk.fd, len(ROW_START), last) == ROW_START:
-        return last, samples - 1
+    for row_start, row in ROW_STARTS.items() if samples else ():
+        last = end - row.itemsize
+        if last >= start and read_at(walk.fd, ROW_START_BYTES, last) == row_start:
+            return last, samples - 1
     return end, samples
 
 
@@ -114,13 +124,23 @@ def _next_sample(file: IO[bytes], walk: Walk, end: int) -> int | None:
     is_read = head[:1] == bytes([MESSAGE_OPCODE]) and head[HEAD.size :] == READS.channel_id.to_bytes(2, "little")
     if is_read and is_torn_record(head, available):  # bytes of a device may look like samples
         return None
-    for start, block in data_blocks(file, end + 1, walk.zeros_at, len(ROW_START) - 1):
-        index = block.find(ROW_START)
-        while index >= 0:
-            if _is_followed(file, walk, start + index + MESSAGE.size):
-                return start + index
-            index = block.find(ROW_START, index + 1)
+    for start, block in data_blocks(file, end + 1, walk.zeros_at, ROW_START_BYTES - 1):
+        offsets = [
+            start + index
+            for row_start, row in ROW_STARTS.items()
+            for index in _occurrences(block, row_start)
+            if _is_followed(file, walk, start + index + row.itemsize)
+        ]
+        if offsets:
+            return min(offsets)
     return None
+
+
+def _occurrences(block: bytes, part: bytes) -> Iterator[int]:
+    index = block.find(part)
+    while index >= 0:
+        yield index
+        index = block.find(part, index + 1)
 
 
 def _is_followed(file: IO[bytes], walk: Walk, offset: int) -> bool:

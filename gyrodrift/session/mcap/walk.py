@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from gyrodrift.public_yaml import public_yaml
 from gyrodrift.secret import without_secrets
-from gyrodrift.session.mcap.layout import HEAD, MAGIC, MESSAGE_LENGTH, MESSAGE_OPCODE, SAMPLES
+from gyrodrift.session.mcap.layout import AXES_MESSAGE, HEAD, MAGIC, MESSAGE, MESSAGE_OPCODE, SAMPLES
 from gyrodrift.system import read_at
 
 CONFIG_TABLE = "config"
@@ -47,14 +47,26 @@ ROW = np.dtype(
 )
 """A sample in the file; the same bytes as `layout.MESSAGE`."""
 
+AXES_ROW = np.dtype([*((name, ROW[name]) for name in ROW.names or ()), ("axes", "<f8", 6)])
+"""A sample with three axes; the same bytes as `layout.AXES_MESSAGE`."""
+
 Rows = NDArray[np.void]
-ROW_START = HEAD.pack(MESSAGE_OPCODE, MESSAGE_LENGTH) + SAMPLES.channel_id.to_bytes(2, "little")
+
+
+def _row_start(size: int) -> bytes:
+    return HEAD.pack(MESSAGE_OPCODE, size - HEAD.size) + SAMPLES.channel_id.to_bytes(2, "little")
+
+
+ROW_STARTS = {_row_start(MESSAGE.size): ROW, _row_start(AXES_MESSAGE.size): AXES_ROW}
+"""First bytes of a sample, and its layout."""
+
+ROW_START_BYTES = HEAD.size + 2
 R = TypeVar("R", bound=McapRecord)
 
 
 @dataclass(frozen=True, slots=True)
 class SampleRows:
-    """Consecutive samples, shape (n,) of `ROW`; valid only until the next step of the walk."""
+    """Consecutive samples, shape (n,) of `ROW` or `AXES_ROW`; valid only until the next step of the walk."""
 
     offset: int
     rows: Rows
@@ -126,17 +138,18 @@ class Walk:
 
     def _step(self, block: bytes, index: int) -> SampleRows | PlacedRecord | None:
         """Next samples or record of the block, and move `end` after it; None if the rest is incomplete."""
-        if len(block) - index < HEAD.size + 2:
+        if len(block) - index < ROW_START_BYTES:
             return None
         offset = self.end
-        if block.startswith(ROW_START, index):
-            rows = np.frombuffer(block, ROW, (len(block) - index) // ROW.itemsize, index)
+        layout = ROW_STARTS.get(block[index : index + ROW_START_BYTES])
+        if layout is not None:
+            rows = np.frombuffer(block, layout, (len(block) - index) // layout.itemsize, index)
             run = _run(rows)
-            if run and not self._is_whole(offset + run * ROW.itemsize):
+            if run and not self._is_whole(offset + run * layout.itemsize):
                 run -= 1
             if not run:
                 return None
-            self.end += run * ROW.itemsize
+            self.end += run * layout.itemsize
             return SampleRows(offset, rows[:run])
         opcode, length = HEAD.unpack_from(block, index)
         if not opcode or not self._is_whole(offset + HEAD.size + length):
@@ -213,7 +226,7 @@ def _run(rows: Rows) -> int:
 
 def _run_length(rows: Rows) -> int:
     is_row = rows["opcode"] == MESSAGE_OPCODE
-    is_row &= rows["length"] == MESSAGE_LENGTH
+    is_row &= rows["length"] == rows.dtype.itemsize - HEAD.size
     is_row &= rows["channel"] == SAMPLES.channel_id
     return len(rows) if is_row.all() else int(is_row.argmin())
 

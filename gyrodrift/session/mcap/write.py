@@ -27,9 +27,11 @@ from mcap.records import (
 )
 
 from gyrodrift import __version__
-from gyrodrift.sample import Sample
-from gyrodrift.session.mcap.checksums import ID_BYTES, TABLE_BYTES, ChecksumWriter
+from gyrodrift.sample import Inertial, Sample
+from gyrodrift.session.mcap.checksums import ID_BYTES, TABLE_SAMPLES, ChecksumWriter
 from gyrodrift.session.mcap.layout import (
+    AXES_MESSAGE,
+    AXES_SAMPLES,
     CDR_LITTLE_ENDIAN,
     EVENTS,
     FOOTER_LENGTH,
@@ -37,7 +39,6 @@ from gyrodrift.session.mcap.layout import (
     LATEST_NS,
     MAGIC,
     MESSAGE,
-    MESSAGE_LENGTH,
     MESSAGE_OPCODE,
     READ_HEAD,
     READS,
@@ -52,6 +53,8 @@ MESSAGE_START = struct.Struct("<HIQQ")
 
 CHANNEL = SAMPLES.channel_id
 LATEST_S = LATEST_NS * 1e-9
+MISSING = Inertial(nan, nan, nan)
+NO_AXES: tuple[float, ...] = ()
 
 
 class Stream(Protocol):
@@ -130,16 +133,23 @@ class McapWriter:
         Stream at its start; the caller closes it.
     metadata
         Named tables beside the samples: device, host, config.
+    has_axes
+        Whether samples have three axes.
     """
 
-    def __init__(self, stream: Stream, metadata: dict[str, dict[str, str]] | None = None) -> None:
+    def __init__(
+        self, stream: Stream, metadata: dict[str, dict[str, str]] | None = None, *, has_axes: bool = False
+    ) -> None:
+        self.has_axes = has_axes
+        self._message = AXES_MESSAGE if has_axes else MESSAGE
         self._stream = stream
         self._contents = FileSummary()
         self._rows = bytearray()  # apart from other records, so that samples form long runs
         self._others = bytearray()
         self._out = bytearray()
         self._still = nan
-        begin = MAGIC + encoded(Header("ros2", f"gyrodrift {__version__}")) + self._declared(SAMPLES)
+        topic = AXES_SAMPLES if has_axes else SAMPLES
+        begin = MAGIC + encoded(Header("ros2", f"gyrodrift {__version__}")) + self._declared(topic)
         metadata_bytes = repr(metadata or {}).encode(
             errors="backslashreplace"
         )  # unknown to devices: their bytes cannot imitate tables
@@ -165,10 +175,12 @@ class McapWriter:
         self.add_all((sample,))
 
     def add_all(self, samples: Iterable[Sample]) -> None:
-        """Add samples in order."""
-        pack, rows = MESSAGE.pack, self._rows
-        last_host_s, log_ns, count = nan, 0, 0
-        for seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c, still in samples:
+        """Add samples in order; their axes are lost unless the file has axes."""
+        pack, rows, length = self._message.pack, self._rows, self._message.size - HEAD.size
+        last_host_s, log_ns, count, has_axes, axes = nan, 0, 0, self.has_axes, NO_AXES
+        for seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c, still, inertial in samples:
+            if has_axes:
+                axes = inertial or MISSING
             if still != self._still and not (isnan(still) and isnan(self._still)):
                 self.add_still(self.count + count, still, t_host_s)
             if t_host_s != last_host_s:  # samples that arrive together have the same time
@@ -177,7 +189,7 @@ class McapWriter:
             device_ns = int(t_device_s * 1e9) if 0.0 <= t_device_s < LATEST_S else to_ns(t_device_s)
             rows += pack(
                 MESSAGE_OPCODE,
-                MESSAGE_LENGTH,
+                length,
                 CHANNEL,
                 seq & 0xFFFFFFFF,
                 log_ns,
@@ -189,14 +201,15 @@ class McapWriter:
                 rate_dps,
                 encoder_deg,
                 temp_c,
+                *axes,
             )
             count += 1
         self._contents.counts[CHANNEL] = self.count + count
 
     def add_rows(self, rows: bytes, first_ns: int, last_ns: int) -> None:
-        """Add many samples, packed as `MESSAGE`, with their earliest and latest log time."""
+        """Add many packed samples, with their earliest and latest log time."""
         self._rows += rows
-        self._contents.add_messages(CHANNEL, len(rows) // MESSAGE.size, first_ns, last_ns)
+        self._contents.add_messages(CHANNEL, len(rows) // self._message.size, first_ns, last_ns)
         self.flush()
 
     def add_message(self, topic: Topic, content: bytes, log_ns: int) -> None:
@@ -234,8 +247,9 @@ class McapWriter:
         """Write everything added to the stream."""
         rows = bytes(self._rows)
         self._rows.clear()
-        for start in range(0, len(rows), TABLE_BYTES):
-            self._write_rows(rows[start : start + TABLE_BYTES])
+        table_bytes = TABLE_SAMPLES * self._message.size
+        for start in range(0, len(rows), table_bytes):
+            self._write_rows(rows[start : start + table_bytes])
         if self._others:
             self._write(bytes(self._others))
             self._others.clear()
@@ -280,8 +294,8 @@ class McapWriter:
     def _write_rows(self, rows: bytes) -> None:
         """Write samples, at most as many as a table covers."""
         self._hand_over(rows)
-        self._checksums.add_samples(rows)
-        if len(rows) == TABLE_BYTES:
+        self._checksums.add_samples(rows, self._message.size)
+        if len(rows) == TABLE_SAMPLES * self._message.size:
             self._write_table()
 
     def _write_table(self) -> None:

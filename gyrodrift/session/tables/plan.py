@@ -10,7 +10,8 @@ from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.spec import ANGLE_DEG, CLOCK_US, IGNORED, RATE_DPS, Column
 from gyrodrift.columns.units import Dimension, Unit, unit_in, unit_of, without_unit
 from gyrodrift.errors import DataError, UsageError
-from gyrodrift.session.csv import COLUMNS, OLD_NAMES
+from gyrodrift.session.csv import OLD_NAMES
+from gyrodrift.session.session import COLUMNS
 from gyrodrift.session.tables.known import KNOWN_TABLES, NOTHING, label_index
 from gyrodrift.session.tables.times import epoch_unit, is_time
 

@@ -10,14 +10,13 @@ from typing import BinaryIO
 from gyrodrift.errors import UsageError
 from gyrodrift.files import whole_file, write_whole
 from gyrodrift.installation import extra_command
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import COLUMNS, Session
 
 WRITTEN = (".csv", ".json", ".jsonl", ".parquet", ".mcap")
 PIECE = 50_000
 """Rows per write."""
 
 TOPIC, LATEST_LOG_NS = "/gyro", 2**64 - 1
-COLUMNS = ("t_device_s", "t_host_s", "seq", "rate_dps", "encoder_deg", "temp_c", "still")
 
 Value = float | int | None
 Row = Sequence[Value]
@@ -73,12 +72,12 @@ def session_table(chunks: Iterable[Session]) -> tuple[list[str], Iterator[Row]]:
     """Columns of the first chunk of a session, and the rows of all chunks."""
     stream = iter(chunks)
     first = next(stream)
-    names = [name for name in COLUMNS if getattr(first, name) is not None]
+    names = [name for name in COLUMNS if first.column(name) is not None]
     return names, (row for chunk in chain([first], stream) for row in _rows(chunk, names))
 
 
 def _rows(chunk: Session, names: Sequence[str]) -> Iterator[Row]:
-    columns = [getattr(chunk, name).tolist() for name in names]
+    columns = [chunk.filled(name).tolist() for name in names]
     if "seq" in names:
         index = names.index("seq")
         columns[index] = [None if seq < 0 else seq for seq in columns[index]]

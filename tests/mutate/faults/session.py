@@ -41,8 +41,8 @@ FAULTS = (
     Fault(
         "session/flush-keeps-rows",
         f"{MCAP}/write.py",
-        "        self._rows.clear()\n        for start in range",
-        "        for start in range",
+        "        self._rows.clear()\n        table_bytes",
+        "        table_bytes",
         "Each flush writes all samples once more.",
         (f"{TESTS}/test_mcap_session.py",),
     ),
