@@ -26,6 +26,36 @@ SAMPLES = {
     NativeSample(0, 1, 10000, -1, 0, 0): bytes.fromhex("020202010310270103ffff010101010103abd400"),
 }
 
+
+class NativeSample3(NamedTuple):
+    flags: int
+    seq: int
+    t_us: int
+    gyro_raw: tuple[int, int, int]
+    accel_raw: tuple[int, int, int]
+    temp_centi_c: int
+    encoder_counts: int
+
+
+AXES_HELLO = bytes.fromhex("04010264071405fa3ba08c010d6669726d776172655f73696d0101010803e89c3b03699300")
+"""HELLO version 2 of the same device with three axes, 0.0047884 m/s² per count."""
+
+NO_ACCELEROMETER_HELLO = bytes.fromhex("04010264051405fa3b0101010d6669726d776172655f73696d010101010101010403e21700")
+"""Three axes without accelerometer and encoder."""
+
+AXES_SAMPLES = {
+    NativeSample3(0x13, 0, 0, (0, 0, 0), (0, 0, 2048), 2500, 0): bytes.fromhex(
+        "030313010101010101010101010101010101010408c40901010103948200"
+    ),
+    NativeSample3(0x57, 65535, 4294967295, (-32767, 1, 32767), (-32767, 0, -1), -1050, -1): bytes.fromhex(
+        "0c0357ffffffffffff01800105ff7f0180010bffffe6fbffffffff3aad00"
+    ),
+    NativeSample3(0x28, 258, 16909060, (-1, 2, -3), (4, -5, 6), 0, 123456): bytes.fromhex(
+        "0c0328020104030201ffff0204fdff0404fbff0601010440e201032d9100"
+    ),
+}
+"""SAMPLE3: level at 1 g; clipped in every respect; at rest, without acceleration and encoder."""
+
 WT901_RATES = {
     (-1000, 2512): bytes.fromhex("55520000000018fcd00994"),
     (32767, -100): bytes.fromhex("555200000000ff7f9cffc0"),

@@ -23,6 +23,9 @@ class Frame(NamedTuple):
     end_mark: bytes = b""
 
 
+Vector = tuple[float, float, float]
+
+
 class Measurement(NamedTuple):
     """Sample of a recording in physical units.
 
@@ -36,6 +39,9 @@ class Measurement(NamedTuple):
         Reference angle, degrees, and temperature, °C; None or NaN if missing.
     still
         Reported rest: 1 at rest, 0 in motion; None or NaN if missing.
+    gyro_dps, accel_mps2
+        Rates, deg/s, and accelerations, m/s², about x, y and z; None for a device with one axis. Single values may be
+        NaN.
     """
 
     due_s: float
@@ -45,6 +51,8 @@ class Measurement(NamedTuple):
     encoder_deg: float | None
     temp_c: float | None
     still: float | None = None
+    gyro_dps: Vector | None = None
+    accel_mps2: Vector | None = None
 
 
 INT32_MAX = 2**31 - 1

@@ -1,16 +1,23 @@
-"""Native protocol: COBS frames with a CRC, HELLO once a second and SAMPLE per measurement."""
+"""Native protocol: COBS frames with a CRC, HELLO once a second and SAMPLE or SAMPLE3 per measurement."""
 
 import struct
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from math import isfinite
 
 from firmware_sim.measure import COUNTS_MAX, Block
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder, in_16_bits, in_32_bits
+from firmware_sim.wire.encoder import Frame, Measurement, Vector, WireEncoder, in_16_bits, in_32_bits
 
 HELLO_TYPE, SAMPLE_TYPE, VERSION = 0x01, 0x02, 0x01
 ENCODER_VALID, TEMPERATURE_VALID, RATE_CLIPPED = 0x01, 0x02, 0x04
 STILL_VALID, STILL = 0x08, 0x10
+SAMPLE3_TYPE, AXES_VERSION, AXES = 0x03, 0x02, 3
+ACCEL_VALID, STILL3, ACCEL_CLIPPED = 0x10, 0x20, 0x40
+"""Flags of SAMPLE3; the other flags are those of SAMPLE."""
+
+RECORDED_MPS2_PER_LSB = 16.0 * 9.80665 / 32768.0
+"""Scale of accelerations in a replayed recording, m/s² per count: a range of ±16 g."""
+
 DEVICE_ID = b"firmware_sim"
 DELIMITER = b"\0"
 
@@ -61,6 +68,43 @@ def hello_frame(base: Base) -> bytes:
     )
 
 
+def axes_hello_frame(base: Base, mps2_per_lsb: float, axes: int = AXES) -> bytes:
+    """HELLO version 2; `mps2_per_lsb` is 0 without an accelerometer."""
+    return native_frame(
+        struct.pack(
+            "<BBHfI16sfB",
+            HELLO_TYPE,
+            AXES_VERSION,
+            round(base.sample_rate_hz),
+            base.dps_per_lsb,
+            base.encoder_cpr,
+            DEVICE_ID,
+            mps2_per_lsb,
+            axes,
+        )
+    )
+
+
+def axes_sample_frame(
+    flags: int,
+    seq: int,
+    t_us: int,
+    gyro_raw: Sequence[int],
+    accel_raw: Sequence[int],
+    temp_centi_c: int,
+    encoder_counts: int,
+) -> bytes:
+    """SAMPLE3 with counts about x, y and z; counter, clock and encoder wrap."""
+    counts = (encoder_counts + 0x80000000) % 0x100000000 - 0x80000000
+    fields = (SAMPLE3_TYPE, flags, seq & 0xFFFF, t_us & 0xFFFFFFFF, *gyro_raw, *accel_raw, temp_centi_c, counts)
+    return native_frame(struct.pack("<BBHI7hi", *fields))
+
+
+def axes_flags(flags: int) -> int:
+    """Flags of SAMPLE as flags of SAMPLE3, without its own."""
+    return flags & ~STILL | (STILL3 if flags & STILL else 0)
+
+
 def sample_frame(flags: int, seq: int, t_us: int, rate_raw: int, temp_centi_c: int, encoder_counts: int) -> bytes:
     """SAMPLE; counter, clock and encoder wrap like registers of the device."""
     counts = (encoder_counts + 0x80000000) % 0x100000000 - 0x80000000
@@ -91,20 +135,20 @@ def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
 
 
 def recorded(measurements: Iterable[Measurement], base: Base) -> Iterator[Frame]:
-    """HELLO once a second, and SAMPLE per sample with a finite rate."""
-    hello = hello_frame(base)
+    """HELLO once a second, and SAMPLE or SAMPLE3 per sample with finite rates."""
     next_hello_s = 0.0
     for m in measurements:
         if m.due_s >= next_hello_s:
+            hello = hello_frame(base) if m.gyro_dps is None else axes_hello_frame(base, RECORDED_MPS2_PER_LSB)
             yield Frame(m.due_s, hello, 0, DELIMITER)
             next_hello_s = m.due_s + 1.0
-        if isfinite(m.rate_dps):
+        if all(map(isfinite, m.gyro_dps or (m.rate_dps,))):
             yield Frame(m.due_s, _recorded_sample(m, base), 1, DELIMITER)
 
 
 def _recorded_sample(m: Measurement, base: Base) -> bytes:
-    raw = m.rate_dps / base.dps_per_lsb
-    flags = RATE_CLIPPED if abs(raw) >= COUNTS_MAX + 0.5 else 0
+    raw = [rate_dps / base.dps_per_lsb for rate_dps in m.gyro_dps or (m.rate_dps,)]
+    flags = RATE_CLIPPED if any(abs(count) >= COUNTS_MAX + 0.5 for count in raw) else 0
     flags |= still_flags(-1.0 if m.still is None else m.still)
     counts = temp_centi_c = 0
     if m.encoder_deg is not None and isfinite(m.encoder_deg):
@@ -113,7 +157,20 @@ def _recorded_sample(m: Measurement, base: Base) -> bytes:
     if m.temp_c is not None and isfinite(m.temp_c):
         flags |= TEMPERATURE_VALID
         temp_centi_c = in_16_bits(m.temp_c * 100.0)
-    return sample_frame(flags, m.seq, m.t_us, in_16_bits(raw), temp_centi_c, counts)
+    gyro_raw = list(map(in_16_bits, raw))
+    if m.gyro_dps is None:
+        return sample_frame(flags, m.seq, m.t_us, gyro_raw[0], temp_centi_c, counts)
+    accel_flags, accel_raw = _recorded_accelerations(m.accel_mps2)
+    return axes_sample_frame(axes_flags(flags) | accel_flags, m.seq, m.t_us, gyro_raw, accel_raw, temp_centi_c, counts)
+
+
+def _recorded_accelerations(accel_mps2: Vector | None) -> tuple[int, list[int]]:
+    """Flags and counts of accelerations."""
+    if accel_mps2 is None or not all(map(isfinite, accel_mps2)):
+        return 0, [0, 0, 0]
+    raw = [value / RECORDED_MPS2_PER_LSB for value in accel_mps2]
+    is_clipped = any(abs(count) >= COUNTS_MAX + 0.5 for count in raw)
+    return ACCEL_VALID | (ACCEL_CLIPPED if is_clipped else 0), list(map(in_16_bits, raw))
 
 
 ENCODER = WireEncoder("native", frames, recorded, hello_frame)

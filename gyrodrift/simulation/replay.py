@@ -5,7 +5,8 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import Frame, Measurement
+from firmware_sim.wire.encoder import Frame, Measurement, Vector
+from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
 from gyrodrift.session.mcap.raw import Read
 from gyrodrift.session.session import Session
@@ -51,12 +52,16 @@ class PlayedSession:
         angles = missing if session.encoder_deg is None else session.encoder_deg.tolist()
         temps = missing if session.temp_c is None else session.temp_c.tolist()
         stills = missing if session.still is None else session.still.tolist()
+        axes = (_vectors(session.gyro_dps, count), _vectors(session.accel_mps2, count))
         first_s, due_s = float(session.t_device_s[0]), 0.0
-        columns = (session.t_device_s.tolist(), session.rate_dps.tolist(), seqs, angles, temps, stills)
-        for t_s, rate_dps, seq, angle_deg, temp_c, still in zip(*columns, strict=True):
+        columns = (session.t_device_s.tolist(), seqs, session.rate_dps.tolist(), angles, temps, stills, *axes)
+        for t_s, seq, *values in zip(*columns, strict=True):
             due_s = max(due_s, t_s - first_s)
-            t_us = round((t_s + later_s) * 1e6)
-            yield Measurement(later_s + due_s, t_us, seq + later_seq, rate_dps, angle_deg, temp_c, still)
+            yield Measurement(later_s + due_s, round((t_s + later_s) * 1e6), seq + later_seq, *values)
+
+
+def _vectors(array: Floats | None, count: int) -> Iterable[Vector | None]:
+    return [None] * count if array is None else map(tuple, array.tolist())
 
 
 def _timed_part(session: Session) -> Session:

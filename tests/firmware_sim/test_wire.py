@@ -8,7 +8,19 @@ from itertools import islice
 import numpy as np
 import pytest
 from cobs import cobs
-from golden_frames import HELLO, RVC_FRAME, SAMPLES, VECTORNAV_ANGLES, WT901_ACCELERATION, WT901_RATES, NativeSample
+from golden_frames import (
+    AXES_HELLO,
+    AXES_SAMPLES,
+    HELLO,
+    NO_ACCELEROMETER_HELLO,
+    RVC_FRAME,
+    SAMPLES,
+    VECTORNAV_ANGLES,
+    WT901_ACCELERATION,
+    WT901_RATES,
+    NativeSample,
+    NativeSample3,
+)
 from hypothesis import given
 from hypothesis import strategies as st
 from pynmeagps import NMEAReader
@@ -65,6 +77,24 @@ def test_hello_is_the_golden_one() -> None:
 def test_samples_are_the_golden_ones(sample: NativeSample) -> None:
     """Each sample of the table becomes its bytes."""
     assert native.sample_frame(*sample) == SAMPLES[sample]
+
+
+def test_hello_version_2_is_the_golden_one() -> None:
+    base = load_rig(None).base
+    assert native.axes_hello_frame(base, 0.0047884) == AXES_HELLO
+    without = base.model_copy(update={"encoder_cpr": 0})
+    assert native.axes_hello_frame(without, 0.0) == NO_ACCELEROMETER_HELLO
+
+
+@pytest.mark.parametrize("sample", AXES_SAMPLES)
+def test_samples_of_three_axes_are_the_golden_ones(sample: NativeSample3) -> None:
+    assert native.axes_sample_frame(*sample) == AXES_SAMPLES[sample]
+
+
+@pytest.mark.parametrize(("flags", "axes_flags"), [(0x07, 0x07), (0x08, 0x08), (0x18, 0x28)])
+def test_flags_of_three_axes_have_another_bit_for_rest(flags: int, axes_flags: int) -> None:
+    """The bit of rest in SAMPLE is that of the acceleration in SAMPLE3."""
+    assert native.axes_flags(flags) == axes_flags
 
 
 @pytest.mark.parametrize("rate_and_temperature", WT901_RATES)

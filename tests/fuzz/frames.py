@@ -5,7 +5,7 @@ from collections.abc import Callable
 from random import Random
 
 from firmware_sim.wire.bno08x_rvc import rvc_frame
-from firmware_sim.wire.native import HELLO_TYPE, SAMPLE_TYPE, native_frame, sample_frame
+from firmware_sim.wire.native import HELLO_TYPE, SAMPLE_TYPE, axes_sample_frame, native_frame, sample_frame
 from firmware_sim.wire.navx import yaw_message
 from firmware_sim.wire.nmea import sentence
 from firmware_sim.wire.vectornav import vectornav_frame
@@ -17,13 +17,15 @@ READING = struct.Struct("<IHfBf")
 """Of the target `clocks`: time, counter, rate, ms since the reading before, and a number that is not used."""
 
 HELLO = struct.Struct("<BBHfI16s")
+AXES_HELLO = struct.Struct("<BBHfI16sfB")
 WORDS_16 = (0, 1, -1, 0x7FFF, -0x8000)
 RATES = (0.0, -0.0, 1e-9, 0.00763, 10.0, 10.000001, 1e38, float("inf"), float("nan"), -1.0)
 
 
 def changed_frames(content: bytes, random: Random) -> bytes:
     """One to some whole frames of one protocol put into the stream."""
-    make = random.choice((_sample, _sample, _hello, _native, _wt901, _xsens, _vectornav, _sentence, _rvc, _ble, _navx))
+    kinds = (_sample, _sample, _sample3, _hello, _axes_hello, _native)
+    make = random.choice((*kinds, _wt901, _xsens, _vectornav, _sentence, _rvc, _ble, _navx))
     made = b"".join(make(random) for _ in range(random.choice((1, 2, 3, 12))))
     at = random.randint(0, len(content))
     return content[:at] + made + content[at:]
@@ -47,6 +49,18 @@ def _hello(random: Random) -> bytes:
     name = random.choice((b"firmware_sim", b"\x1b[2J\x07", b"\xff" * 16, b"", random.randbytes(16)))
     version, hz = random.choice((1, 1, 1, 0, 2)), random.choice((0, 1, 100, 1000, 65535))
     return native_frame(HELLO.pack(HELLO_TYPE, version, hz, scale, random.choice((0, 1, 2400, (1 << 32) - 1)), name))
+
+
+def _sample3(random: Random) -> bytes:
+    raw = [random.randint(-32768, 32767) for _ in range(6)]
+    flags, seq, t_us, counts = (random.getrandbits(bits) for bits in (8, 16, 32, 32))
+    return axes_sample_frame(flags, seq, t_us, raw[:3], raw[3:], random.randint(-32768, 32767), counts)
+
+
+def _axes_hello(random: Random) -> bytes:
+    scale, axes = random.choice((0.0, 0.0048, 1e9, float("nan"))), random.choice((0, 1, 3))
+    version = random.choice((1, 2, 2, 2))
+    return native_frame(AXES_HELLO.pack(HELLO_TYPE, version, 100, 0.00763, 36000, b"bench", scale, axes))
 
 
 def _native(random: Random) -> bytes:

@@ -4,7 +4,7 @@ import shutil
 import struct
 from collections.abc import Callable
 from contextlib import suppress
-from math import isfinite, isnan
+from math import isfinite, isinf, isnan
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -67,6 +67,9 @@ def check_readings(readings: list[Reading]) -> None:
         assert reading.seq is None or 0 <= reading.seq < 1 << 16
         for value in (reading.encoder_deg, reading.temp_c):
             assert isfinite(value) or isnan(value)
+        if reading.inertial is not None:
+            assert repr(reading.inertial.gyro_z_dps) == repr(reading.rate_dps)
+            assert not any(map(isinf, reading.inertial))
 
 
 def detector(content: bytes) -> None:

@@ -29,7 +29,7 @@ class DecoderCounters:
     late
         Good samples that waited for their scale, and got it.
     clipped
-        Samples that the device marked as out of range.
+        Samples with a rate or an acceleration that the device marked as out of range.
     other_frames
         Good frames without a yaw rate.
     passed_over
@@ -47,12 +47,20 @@ class DecoderCounters:
 
 @dataclass(frozen=True, slots=True)
 class DeviceDescription:
-    """Description that a device sends; None if its protocol has no such field."""
+    """Description that a device sends; None if its protocol has no such field.
+
+    axes
+        Number of gyro axes, 1 or 3.
+    mps2_per_lsb
+        One count of an acceleration, m/s².
+    """
 
     device_id: str | None = None
     sample_rate_hz: float | None = None
     dps_per_lsb: float | None = None
     encoder_cpr: int | None = None
+    axes: int | None = None
+    mps2_per_lsb: float | None = None
 
 
 class Decoder(Protocol):

@@ -1,6 +1,7 @@
 """The native protocol: COBS frames with a CRC, HELLO once a second and SAMPLE for every measurement.
 
-Only HELLO has the scale of a count. Earlier samples wait as counts, and are scaled when it arrives.
+A device with three axes and an accelerometer sends HELLO version 2 and SAMPLE3 instead. Only HELLO has the scales of a
+count. Earlier samples wait as counts, and are scaled when it arrives.
 """
 
 from binascii import crc_hqx
@@ -13,7 +14,7 @@ from cobs import cobs
 from gyrodrift.link.protocols.decoder import WAITING_MAX, DecoderCounters, DeviceDescription
 from gyrodrift.link.protocols.goes_on import goes_on
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.sample import Reading
+from gyrodrift.sample import Inertial, Reading
 
 CRC_INIT = 0xFFFF
 """CRC-16/CCITT-FALSE; `binascii.crc_hqx` has its polynomial 0x1021."""
@@ -21,19 +22,36 @@ CRC_INIT = 0xFFFF
 HELLO = Struct("<BBHfI16s")
 SAMPLE = Struct("<BBHIhhi")
 CRC = Struct("<H")
+AXES_HELLO = Struct("<BBHfI16sfB")
+AXES_SAMPLE = Struct("<BBHI7hi")
 HELLO_TYPE = 0x01
 SAMPLE_TYPE = 0x02
-VERSION = 1
+AXES_SAMPLE_TYPE = 0x03
+HELLOS = {HELLO.size: (1, HELLO), AXES_HELLO.size: (2, AXES_HELLO)}
+"""Versions and layouts of HELLO by size."""
+
+SAMPLE_SIZES = {SAMPLE_TYPE: SAMPLE.size, AXES_SAMPLE_TYPE: AXES_SAMPLE.size}
 ENCODER_VALID = 0x01
 TEMPERATURE_VALID = 0x02
 RATE_CLIPPED = 0x04
 STILL_VALID = 0x08
 STILL = 0x10
+ACCEL_VALID = 0x10
+AXES_STILL = 0x20
+ACCEL_CLIPPED = 0x40
+"""Flags of SAMPLE3 only; the flag of an acceleration has the bit that says in SAMPLE that the device is at rest."""
+
 
 DPS_PER_LSB_MIN, DPS_PER_LSB_MAX = 1e-9, 10.0
 """Range of scales that 16-bit gyros can have; a HELLO outside counts as damaged."""
 
-MAX_FRAME_BYTES = HELLO.size + CRC.size + 1
+MPS2_PER_LSB_MIN, MPS2_PER_LSB_MAX = 1e-6, 10.0
+"""Range of scales that 16-bit accelerometers can have: ±400 g have 0.12 m/s² per count."""
+
+AXES = (1, 3)
+CLIPPED_FLAGS = {SAMPLE_TYPE: RATE_CLIPPED, AXES_SAMPLE_TYPE: RATE_CLIPPED | ACCEL_CLIPPED}
+
+MAX_FRAME_BYTES = AXES_HELLO.size + CRC.size + 1
 """The longest frame before its delimiter; COBS adds one byte to payloads as short as these."""
 
 
@@ -49,6 +67,7 @@ class NativeDecoder:
         self._overlong = False
         self._dps_per_lsb = 0.0
         self._deg_per_count = 0.0
+        self._mps2_per_lsb = nan
         self._waiting: deque[bytes] = deque(maxlen=WAITING_MAX)
         self._is_known_device = False
 
@@ -78,22 +97,25 @@ class NativeDecoder:
         payload = body[:-2]
         if len(body) < 3 or crc_hqx(payload, CRC_INIT) != body[-2] | body[-1] << 8:
             self.counters.damaged += 1
-        elif payload[0] == SAMPLE_TYPE and len(payload) == SAMPLE.size:
+        elif SAMPLE_SIZES.get(payload[0]) == len(payload):
             self.counters.frames += 1
             self._sample(payload, readings)
-        elif payload[0] == HELLO_TYPE and len(payload) == HELLO.size:
+        elif payload[0] == HELLO_TYPE and len(payload) in HELLOS:
             self._hello(payload)
         else:
             self.counters.frames += 1
             self.counters.other_frames += 1
 
     def _hello(self, payload: bytes) -> None:
-        _, version, sample_rate_hz, dps_per_lsb, encoder_cpr, device_id = HELLO.unpack(payload)
-        if version != VERSION:
+        version, layout = HELLOS[len(payload)]
+        _, stated, sample_rate_hz, dps_per_lsb, encoder_cpr, device_id, *accelerometer = layout.unpack(payload)
+        if stated != version:
             self.counters.frames += 1
             self.counters.other_frames += 1
             return
-        if not DPS_PER_LSB_MIN <= dps_per_lsb <= DPS_PER_LSB_MAX:
+        mps2_per_lsb, axes = accelerometer or (0.0, None)
+        has_scale = DPS_PER_LSB_MIN <= dps_per_lsb <= DPS_PER_LSB_MAX
+        if not has_scale or not _is_accelerometer(mps2_per_lsb) or (accelerometer and axes not in AXES):
             self.counters.damaged += 1
             return
         self.counters.frames += 1
@@ -102,15 +124,18 @@ class NativeDecoder:
             sample_rate_hz=float(sample_rate_hz) or None,
             dps_per_lsb=dps_per_lsb,
             encoder_cpr=encoder_cpr or None,
+            axes=axes,
+            mps2_per_lsb=mps2_per_lsb or None,
         )
         if not self._dps_per_lsb:
             self._is_known_device = device == self.device
         self.device = device
         self._dps_per_lsb = dps_per_lsb
         self._deg_per_count = 360.0 / encoder_cpr if encoder_cpr else 0.0
+        self._mps2_per_lsb = mps2_per_lsb or nan
 
     def _sample(self, payload: bytes, readings: list[Reading]) -> None:
-        if payload[1] & RATE_CLIPPED:
+        if payload[1] & CLIPPED_FLAGS[payload[0]]:
             self.counters.clipped += 1
         if not self._dps_per_lsb:
             self.counters.before_hello += 1
@@ -140,16 +165,44 @@ class NativeDecoder:
         return max(breaks, default=0)
 
     def _reading(self, payload: bytes) -> Reading:
-        _, flags, seq, t_us, rate_raw, temp_centi_c, encoder_counts = SAMPLE.unpack(payload)
+        inertial, still = None, STILL
+        if payload[0] == SAMPLE_TYPE:
+            _, flags, seq, t_us, rate_raw, temp_centi_c, encoder_counts = SAMPLE.unpack(payload)
+            rate_dps = rate_raw * self._dps_per_lsb
+        else:
+            _, flags, seq, t_us, *raw, temp_centi_c, encoder_counts = AXES_SAMPLE.unpack(payload)
+            inertial, still = self._inertial(flags, raw), AXES_STILL
+            rate_dps = inertial.gyro_z_dps
         has_encoder = flags & ENCODER_VALID and self._deg_per_count
         return Reading(
             t_us,
             seq,
-            rate_raw * self._dps_per_lsb,
+            rate_dps,
             encoder_counts * self._deg_per_count if has_encoder else nan,
             temp_centi_c / 100.0 if flags & TEMPERATURE_VALID else nan,
-            (1.0 if flags & STILL else 0.0) if flags & STILL_VALID else nan,
+            (1.0 if flags & still else 0.0) if flags & STILL_VALID else nan,
+            nan,
+            inertial,
         )
+
+    def _inertial(self, flags: int, raw: list[int]) -> Inertial:
+        """All axes from their counts; a clipped acceleration counts as missing, because its direction is wrong."""
+        dps_per_lsb, has_forces = self._dps_per_lsb, flags & (ACCEL_VALID | ACCEL_CLIPPED) == ACCEL_VALID
+        mps2_per_lsb = self._mps2_per_lsb if has_forces else nan
+        x, y, z, accel_x, accel_y, accel_z = raw
+        return Inertial(
+            x * dps_per_lsb,
+            y * dps_per_lsb,
+            z * dps_per_lsb,
+            accel_x * mps2_per_lsb,
+            accel_y * mps2_per_lsb,
+            accel_z * mps2_per_lsb,
+        )
+
+
+def _is_accelerometer(mps2_per_lsb: float) -> bool:
+    """Whether an accelerometer may have this scale; 0 stands for none."""
+    return mps2_per_lsb == 0.0 or MPS2_PER_LSB_MIN <= mps2_per_lsb <= MPS2_PER_LSB_MAX
 
 
 def _printable(name: bytes) -> str:

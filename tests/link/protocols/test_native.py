@@ -6,15 +6,15 @@ from math import isnan
 import golden_frames as golden
 import pytest
 from cobs import cobs
-from golden_frames import NativeSample
+from golden_frames import NativeSample, NativeSample3
 from support import near
 
-from firmware_sim.wire.native import native_frame, sample_frame
+from firmware_sim.wire.native import axes_sample_frame, native_frame, sample_frame
 from gyrodrift.link.protocols.decoder import WAITING_MAX, DeviceDescription
 from gyrodrift.link.protocols.guard import renewed
 from gyrodrift.link.protocols.native import NativeDecoder
 from gyrodrift.link.protocols.registry import PROTOCOLS
-from gyrodrift.sample import Reading
+from gyrodrift.sample import Inertial, Reading
 
 LSB = 0.007629999890923500
 """0.00763 as the nearest 32-bit float."""
@@ -43,7 +43,10 @@ def test_a_golden_sample_is_read_field_by_field(sample: NativeSample) -> None:
         assert isnan(reading.temp_c)
 
 
-@pytest.mark.parametrize("frame", [golden.HELLO, *golden.SAMPLES.values()], ids=range(1 + len(golden.SAMPLES)))
+ALL_FRAMES = [golden.HELLO, golden.AXES_HELLO, *golden.SAMPLES.values(), *golden.AXES_SAMPLES.values()]
+
+
+@pytest.mark.parametrize("frame", ALL_FRAMES, ids=range(len(ALL_FRAMES)))
 def test_no_flipped_bit_passes_the_crc(frame: bytes) -> None:
     """Of the payload or of the CRC itself, and no two bits of the CRC."""
     body = cobs.decode(frame[:-1])
@@ -164,6 +167,7 @@ def test_a_hello_of_another_version_or_without_a_scale_is_not_believed() -> None
     decoder = NativeDecoder()
     body = b"\x00d\x00\x00\x00\x00\x00" + b"\x00" * 20
     decoder.push(native_frame(b"\x01\x02" + body[1:]) + native_frame(b"\x01\x01" + body[1:]))
+    decoder.push(native_frame(b"\x01\x01" + body[1:] + bytes(5)) + native_frame(b"\x01"))
     assert decoder.device == DeviceDescription()
     assert decoder.push(next(iter(golden.SAMPLES.values()))) == []
 
@@ -194,3 +198,80 @@ def test_two_flags_say_whether_the_device_stands_still(flags: int, still: float 
     decoder = NativeDecoder()
     (reading,) = decoder.push(golden.HELLO + sample_frame(flags, 1, 10_000, 5, 0, 0))
     assert reading.still == still if still is not None else isnan(reading.still)
+
+
+ACCEL_LSB = 0.004788400139659643
+"""0.0047884 as the nearest 32-bit float."""
+
+
+def test_hello_version_2_describes_axes_and_accelerometer() -> None:
+    """A device without accelerometer sends the scale 0."""
+    decoder = NativeDecoder()
+    decoder.push(golden.AXES_HELLO)
+    assert decoder.device == DeviceDescription("firmware_sim", 100.0, near(LSB), 36000, 3, near(ACCEL_LSB))
+    decoder.push(golden.NO_ACCELEROMETER_HELLO)
+    assert decoder.device == DeviceDescription("firmware_sim", 100.0, near(LSB), None, 3, None)
+
+
+@pytest.mark.parametrize("sample", golden.AXES_SAMPLES)
+def test_a_golden_sample_of_three_axes_is_read_field_by_field(sample: NativeSample3) -> None:
+    """An acceleration that is clipped or not valid is missing."""
+    decoder = NativeDecoder()
+    (reading,) = decoder.push(golden.AXES_HELLO + golden.AXES_SAMPLES[sample])
+    assert (reading.t_us, reading.seq) == (sample.t_us, sample.seq)
+    assert reading.inertial is not None
+    assert reading.inertial[:3] == pytest.approx([count * LSB for count in sample.gyro_raw], rel=1e-12)
+    assert reading.rate_dps == reading.inertial.gyro_z_dps
+    is_whole = sample.flags & 0x50 == 0x10
+    expected_mps2 = [count * ACCEL_LSB if is_whole else float("nan") for count in sample.accel_raw]
+    assert reading.inertial[3:] == pytest.approx(expected_mps2, rel=1e-12, nan_ok=True)
+    assert decoder.counters.clipped == (sample.flags & 0x44 != 0)
+    expected_still = {0x00: None, 0x08: 0.0, 0x28: 1.0}[sample.flags & 0x28]
+    assert reading.still == expected_still if expected_still is not None else isnan(reading.still)
+    assert isnan(reading.encoder_deg) == (not sample.flags & 1)
+
+
+def test_samples_of_three_axes_wait_for_their_scales() -> None:
+    """All axes are scaled when HELLO arrives."""
+    decoder = NativeDecoder()
+    assert decoder.push(b"".join(map(axes_sample, range(20)))) == []
+    assert decoder.counters.before_hello == 20
+    readings = decoder.push(golden.AXES_HELLO + axes_sample(20))
+    assert seqs(readings) == list(range(21))
+    assert readings[7].inertial == Inertial(LSB, 2 * LSB, 7 * LSB, 0.0, -ACCEL_LSB, 2048 * ACCEL_LSB)
+    assert (decoder.counters.before_hello, decoder.counters.late) == (0, 20)
+
+
+def axes_sample(seq: int) -> bytes:
+    return axes_sample_frame(0x10, seq, seq * 10_000, (1, 2, seq), (0, -1, 2048), 0, 0)
+
+
+def test_three_axes_after_hello_version_1_have_no_acceleration() -> None:
+    """The scale of the rates is known, that of the accelerations is not."""
+    (reading,) = NativeDecoder().push(golden.HELLO + axes_sample(3))
+    assert reading.inertial is not None
+    assert reading.rate_dps == reading.inertial.gyro_z_dps == 3 * LSB
+    assert all(map(isnan, reading.inertial[3:]))
+
+
+def test_a_single_axis_after_hello_version_2_stays_one() -> None:
+    frame = native_frame(struct.pack("<BBHfI16sfB", 1, 2, 100, LSB, 36000, b"bench", 0.0, 1))
+    decoder = NativeDecoder()
+    (reading,) = decoder.push(frame + next(iter(golden.SAMPLES.values())))
+    assert (decoder.device.axes, reading.inertial) == (1, None)
+
+
+@pytest.mark.parametrize(("mps2_per_lsb", "axes"), [(-0.01, 3), (11.0, 3), (float("nan"), 3), (0.01, 2), (0.01, 0)])
+def test_an_accelerometer_or_axes_that_no_device_has_are_damage(mps2_per_lsb: float, axes: int) -> None:
+    """The scales before it stay."""
+    frame = native_frame(struct.pack("<BBHfI16sfB", 1, 2, 100, LSB, 36000, b"bench", mps2_per_lsb, axes))
+    decoder = NativeDecoder()
+    decoder.push(golden.AXES_HELLO + frame)
+    assert (decoder.device.mps2_per_lsb, decoder.counters.damaged) == (near(ACCEL_LSB), 1)
+
+
+def test_a_damaged_frame_among_three_axes_costs_itself_alone() -> None:
+    damaged = axes_sample(1)[:9] + b"\x7f" + axes_sample(1)[10:]
+    decoder = NativeDecoder()
+    readings = decoder.push(golden.AXES_HELLO + axes_sample(0) + damaged + axes_sample(2))
+    assert (seqs(readings), decoder.counters.damaged) == ([0, 2], 1)

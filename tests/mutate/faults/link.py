@@ -93,7 +93,7 @@ FAULTS = (
     Fault(
         "link/native-clipped-flag",
         f"{PROTOCOLS}/native.py",
-        "        if payload[1] & RATE_CLIPPED:\n            self.counters.clipped += 1\n",
+        "        if payload[1] & CLIPPED_FLAGS[payload[0]]:\n            self.counters.clipped += 1\n",
         "",
         "Samples out of range are not counted.",
         (f"{TESTS}/test_native.py", f"{TESTS}/test_decoders.py"),
