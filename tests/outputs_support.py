@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
+from math import cos, radians, sin
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from gyrodrift.outputs import wire
 from gyrodrift.outputs.hub import Hub
 from gyrodrift.outputs.options import OutputSpec, revealed
 from gyrodrift.outputs.status import OutputStatus, ServiceStatus, output_status
-from gyrodrift.sample import Corrected, Sample
+from gyrodrift.sample import Attitude, Corrected, Inertial, Sample
 
 
 def corrected(seq: int, **values: Any) -> Corrected:
@@ -28,6 +29,41 @@ def corrected(seq: int, **values: Any) -> Corrected:
     sample = Sample(seq, t_s, 1.7e9 + t_s, 1.5, 10.0, 25.0)
     known = Corrected(sample, 1.25, 0.0125 * seq, 0.25, 0.5, 0.9, 0.01, 0.8, 0.015 * seq, 90.0, 10.0)
     return known._replace(**values)
+
+
+Quaternion = tuple[float, float, float, float]
+
+
+def product(p: Quaternion, q: Quaternion) -> Quaternion:
+    """Rotation by q, then by p."""
+    w, x, y, z = p
+    a, b, c, d = q
+    return (
+        w * a - x * b - y * c - z * d,
+        w * b + x * a + y * d - z * c,
+        w * c - x * d + y * a + z * b,
+        w * d + x * c - y * b + z * a,
+    )
+
+
+def quaternion(yaw_deg: float, pitch_deg: float, roll_deg: float) -> Quaternion:
+    """Of Rz(yaw)·Ry(pitch)·Rx(roll)."""
+    (c, s), (d, t), (e, u) = ((cos(radians(a) / 2.0), sin(radians(a) / 2.0)) for a in (yaw_deg, pitch_deg, roll_deg))
+    return product(product((c, 0.0, 0.0, s), (d, 0.0, t, 0.0)), (e, u, 0.0, 0.0))
+
+
+AXES = Inertial(2.0, -3.0, 1.5, 3.0, 1.5, 9.2)
+"""What a sensor of three axes measures that turns and is tilted."""
+
+
+def tilted(
+    seq: int, yaw_deg: float = 30.0, pitch_deg: float = -20.0, roll_deg: float = 10.0, **values: Any
+) -> Corrected:
+    """A sample of a device with three axes, nose up and right side down; its biases are 0.1, 0.2 and 0.25 deg/s."""
+    q = quaternion(yaw_deg, pitch_deg, roll_deg)
+    attitude = Attitude(*q, 22.2687, roll_deg, pitch_deg, 0.4, 0.1, 0.2, 0.25)
+    level = corrected(seq, yaw_deg=yaw_deg)
+    return level._replace(sample=level.sample._replace(inertial=AXES), attitude=attitude)._replace(**values)
 
 
 def csv_at_100_hz(count: int, rate_dps: float = 10.0, first: int = 0) -> bytes:

@@ -4,14 +4,20 @@ from dataclasses import fields
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints
 
-from gyrodrift.outputs.json_line import FIELDS
+from gyrodrift.outputs.json_line import NAMES
 
 TYPES = {int: "integer", float: "number", str: "string", bool: "boolean", dict: "object"}
+
+NUMBERS = {"type": "array", "items": {"type": "number"}}
+LISTS = ("q", "bias_xyz_dps")
+"""Fields with several numbers."""
 
 SAMPLE_SCHEMA = {
     "title": "gyrodrift.Sample",
     "type": "object",
-    "properties": {name: {"type": "integer" if name == "seq" else "number"} for name in FIELDS},
+    "properties": {name: {"type": "number"} for name in NAMES}
+    | {"seq": {"type": "integer"}}
+    | dict.fromkeys(LISTS, NUMBERS),
 }
 
 

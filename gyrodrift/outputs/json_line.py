@@ -4,7 +4,9 @@ import json
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from gyrodrift.sample import Corrected
+from gyrodrift.sample import Attitude, Corrected
+
+Value = float | tuple[float, ...]
 
 FIELDS: dict[str, Callable[[Corrected], float]] = {
     "seq": lambda c: c.sample.seq,
@@ -23,9 +25,21 @@ FIELDS: dict[str, Callable[[Corrected], float]] = {
     "encoder_deg": lambda c: c.sample.encoder_deg,
     "temp_c": lambda c: c.sample.temp_c,
 }
-"""Fields by name."""
+"""Numbers that any device can have, by name; NaN if unknown."""
 
-DIGITS = {name: 5 if name.endswith("_dps") else 4 for name in FIELDS} | {"t_s": 6, "t_host_s": 6, "temp_c": 2}
+ATTITUDE_FIELDS: dict[str, Callable[[Attitude], Value]] = {
+    "q": lambda a: a[:4],
+    "tilt_deg": lambda a: a.tilt_deg,
+    "roll_deg": lambda a: a.roll_deg,
+    "pitch_deg": lambda a: a.pitch_deg,
+    "tilt_sigma_deg": lambda a: a.tilt_sigma_deg,
+    "bias_xyz_dps": lambda a: a[8:],
+}
+"""Fields of a device with three axes; a list where there are several numbers."""
+
+NAMES = (*FIELDS, *ATTITUDE_FIELDS)
+
+DIGITS = {name: 5 if name.endswith("_dps") else 4 for name in NAMES} | {"t_s": 6, "t_host_s": 6, "temp_c": 2, "q": 6}
 """Digits behind the point. Device clocks count microseconds. 1e-5 deg/s is 0.036 deg/h, below the bias instability of
 any such gyro. 1e-4 deg is one of 3.6 million counts, finer than encoders of turntables. Recordings keep all digits."""
 
@@ -35,10 +49,20 @@ def _part(*names: str) -> str:
     return ",".join(f'"{name}":%.{DIGITS[name]}f' for name in names)
 
 
+def _numbers(name: str, count: int) -> str:
+    """Format of the numbers of a list."""
+    return ",".join([f"%.{DIGITS[name]}f"] * count)
+
+
 MEASURED = '"seq":%d,' + _part("t_s", "rate_dps", "corrected_dps", "yaw_deg", "bias_dps")
 CERTAINTY = "," + _part("yaw_sigma_deg", "confidence")
 BIAS_CERTAINTY = "," + _part("bias_sigma_dps", "rest_probability")
 HEADING, ENCODER, TEMPERATURE = ("," + _part(name) for name in ("heading_deg", "encoder_deg", "temp_c"))
+ATTITUDE = (
+    f',"q":[{_numbers("q", 4)}],{_part("tilt_deg", "roll_deg", "pitch_deg", "tilt_sigma_deg")}'
+    f',"bias_xyz_dps":[{_numbers("bias_xyz_dps", 3)}]'
+)
+"""All fields of an `Attitude` in its order."""
 
 
 def json_line(corrected: Corrected, opening: str = "{") -> str:
@@ -58,7 +82,7 @@ def json_line(corrected: Corrected, opening: str = "{") -> str:
         _,
         heading_deg,
         _,
-        _,
+        attitude,
     ) = corrected
     line = opening + MEASURED % (seq, t_s, rate_dps, corrected_dps, yaw_deg, bias_dps)
     if yaw_sigma_deg == yaw_sigma_deg:  # noqa: PLR0124 - false only for NaN; the fastest test
@@ -71,15 +95,44 @@ def json_line(corrected: Corrected, opening: str = "{") -> str:
         line += ENCODER % encoder_deg
     if temp_c == temp_c:  # noqa: PLR0124
         line += TEMPERATURE % temp_c
+    if attitude is not None:
+        total = sum(attitude)  # NaN if a value is unknown
+        line += ATTITUDE % attitude if total == total else _attitude_part(corrected)  # noqa: PLR0124
     return line + "}\n"
 
 
-def present_fields(corrected: Corrected, names: Iterable[str] = tuple(FIELDS)) -> dict[str, float]:
+def _attitude_part(corrected: Corrected) -> str:
+    """Part of a line with the known values of an attitude."""
+    return "".join(
+        f',"{name}":{json.dumps(value)}' for name, value in present_fields(corrected, ATTITUDE_FIELDS).items()
+    )
+
+
+def present_fields(corrected: Corrected, names: Iterable[str] = NAMES) -> dict[str, Value]:
     """Fields with significant digits, in this order, without unknown values."""
-    values = {name: FIELDS[name](corrected) for name in names}
-    return {name: round(value, DIGITS[name]) for name, value in values.items() if value == value}  # noqa: PLR0124
+    return {name: _rounded(value, DIGITS[name]) for name, value in present_values(corrected, names).items()}
+
+
+def present_values(corrected: Corrected, names: Iterable[str] = NAMES) -> dict[str, Value]:
+    """Fields with all digits, in this order, without unknown values."""
+    attitude, values = corrected.attitude, dict[str, Value]()
+    for name in names:
+        if name in FIELDS:
+            values[name] = FIELDS[name](corrected)
+        elif attitude is not None:
+            values[name] = ATTITUDE_FIELDS[name](attitude)
+    return {name: value for name, value in values.items() if _is_known(value)}
 
 
 def chosen_line(corrected: Corrected, names: Iterable[str], **fixed: Any) -> str:
     """A line with only these fields, in this order, without unknown values."""
     return json.dumps(fixed | present_fields(corrected, names)) + "\n"
+
+
+def _is_known(value: Value) -> bool:
+    total = sum(value) if isinstance(value, tuple) else value
+    return total == total  # noqa: PLR0124
+
+
+def _rounded(value: Value, digits: int) -> Value:
+    return tuple(round(part, digits) for part in value) if isinstance(value, tuple) else round(value, digits)

@@ -6,7 +6,7 @@ from typing import Any
 
 from gyrodrift import __version__
 from gyrodrift.nearest import did_you_mean
-from gyrodrift.outputs.json_line import FIELDS, chosen_line, json_line
+from gyrodrift.outputs.json_line import NAMES, chosen_line, json_line
 from gyrodrift.outputs.net.json_input import parse_json
 from gyrodrift.outputs.net.lines import LineClient
 from gyrodrift.outputs.thinning import Thinning
@@ -18,7 +18,7 @@ WATCH_KEYS = ("class", "rate_hz", "fields")
 
 def hello() -> bytes:
     """First line of a connection."""
-    return _line({"class": "HELLO", "program": "gyrodrift", "version": __version__, "fields": list(FIELDS)})
+    return _line({"class": "HELLO", "program": "gyrodrift", "version": __version__, "fields": list(NAMES)})
 
 
 def event_line(event: str, fields: Any) -> bytes:
@@ -79,19 +79,19 @@ class JsonSession:
         rate_hz, fields = request.get("rate_hz"), request.get("fields", [])
         if rate_hz is not None and not (_is_number(rate_hz) and 0.0 < rate_hz <= 1e6):
             raise ValueError("rate_hz: expected a number above 0, up to 1000000, in Hz")
-        if not isinstance(fields, list) or len(fields) > len(FIELDS):
+        if not isinstance(fields, list) or len(fields) > len(NAMES):
             raise ValueError("fields: expected a list of names")
         for name in fields:
             _check_field(name)
         self._thinning = Thinning(rate_hz) if rate_hz else None
         self._fields = fields
-        self.client.send(_line({"class": "WATCH", "rate_hz": rate_hz, "fields": fields or list(FIELDS)}))
+        self.client.send(_line({"class": "WATCH", "rate_hz": rate_hz, "fields": fields or list(NAMES)}))
 
 
 def _check_field(name: object) -> None:
-    if isinstance(name, str) and name in FIELDS:
+    if isinstance(name, str) and name in NAMES:
         return
-    meant = did_you_mean(str(name), FIELDS) or f"there are {', '.join(FIELDS)}"
+    meant = did_you_mean(str(name), NAMES) or f"there are {', '.join(NAMES)}"
     raise ValueError(f"fields: {_shown(str(name).encode())} is no field; {meant}")
 
 

@@ -1,4 +1,4 @@
-"""JSON datagrams for the UDP server of PlotJuggler: flat objects with a `timestamp`.
+"""JSON datagrams for the UDP server of PlotJuggler: objects with a `timestamp`; it numbers the values of a list.
 
 In PlotJuggler: Streaming, UDP Server, port 9870, protocol JSON, "use field as timestamp if available": timestamp.
 """
@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from gyrodrift.outputs.json_line import FIELDS
+from gyrodrift.outputs.json_line import FIELDS, present_values
 from gyrodrift.outputs.net.datagrams import DatagramSender
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import Output, OutputHost
@@ -50,9 +50,7 @@ class UdpOutput(Output[UdpOptions]):
 
     def datagram(self, sample: Corrected) -> bytes:
         """A sample for PlotJuggler, without unknown values."""
-        values = {name: value(sample) for name, value in FIELDS.items()}
-        present = {name: value for name, value in values.items() if value == value}  # noqa: PLR0124 - not NaN
-        return json.dumps({"timestamp": self._clock(sample), **present}).encode()
+        return json.dumps({"timestamp": self._clock(sample), **present_values(sample)}).encode()
 
     def counts(self) -> tuple[int, int]:
         """Datagrams sent and dropped."""

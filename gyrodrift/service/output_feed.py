@@ -289,8 +289,7 @@ class OutputFeed:
         for message in self._queue:
             if self._queue_bytes > target and message[:1] not in KEPT_KINDS:
                 self._queue_bytes -= len(message)
-                if message[:1] == wire.SAMPLES:
-                    dropped += (len(message) - 1) // wire.RECORD.size
+                dropped += wire.count_samples(message)
             else:
                 kept.append(message)
         self._queue = kept

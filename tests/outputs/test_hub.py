@@ -16,7 +16,7 @@ from outputs_support import HubThread, Reader, connected, corrected, hub
 from support import PATIENCE_S
 
 from gyrodrift import __version__
-from gyrodrift.outputs.json_line import FIELDS
+from gyrodrift.outputs.json_line import FIELDS, NAMES
 from gyrodrift.outputs.line_session import JsonSession
 from gyrodrift.outputs.status import MOST_CLIENTS, ClientStatus
 from gyrodrift.outputs.udp import UdpOutput
@@ -51,7 +51,7 @@ def test_a_client_gets_hello_and_then_samples(outputs: HubThread, tcp: Address) 
     """With every field that is known."""
     with connected(tcp) as client:
         hello = client.json()
-        assert hello == {"class": "HELLO", "program": "gyrodrift", "version": __version__, "fields": list(FIELDS)}
+        assert hello == {"class": "HELLO", "program": "gyrodrift", "version": __version__, "fields": list(NAMES)}
         outputs.samples([corrected(seq) for seq in range(300)])
         samples = [client.json() for _ in range(300)]
     assert [each["seq"] for each in samples] == list(range(300))

@@ -1,0 +1,70 @@
+"""Attitude in JSON lines: of stdout, of clients, for PlotJuggler and on MQTT."""
+
+import json
+from math import nan
+
+import pytest
+import structlog
+from outputs_support import connected, corrected, hub, tilted
+
+from gyrodrift.outputs.json_line import ATTITUDE_FIELDS, FIELDS, chosen_line, json_line
+from gyrodrift.outputs.mqtt import state
+from gyrodrift.outputs.options import LOOPBACK
+from gyrodrift.outputs.output import OutputHost
+from gyrodrift.outputs.udp import UdpOptions, UdpOutput
+
+NEW = set(ATTITUDE_FIELDS)
+
+
+def test_a_line_has_the_attitude_behind_the_values_of_one_axis() -> None:
+    """With six digits of the quaternion, four of angles and five of rates."""
+    level, tilt = corrected(3, yaw_deg=30.0), tilted(3)
+    assert json_line(tilt) == json_line(level)[:-2] + (
+        ',"q":[0.943714,0.127679,-0.144878,0.268536],"tilt_deg":22.2687,"roll_deg":10.0000,"pitch_deg":-20.0000,'
+        '"tilt_sigma_deg":0.4000,"bias_xyz_dps":[0.10000,0.20000,0.25000]}\n'
+    )
+
+
+def test_one_axis_has_no_attitude() -> None:
+    """In no line."""
+    assert not NEW & set(json.loads(json_line(corrected(0))))
+    assert not NEW & set(json.loads(chosen_line(corrected(0), [*FIELDS, *ATTITUDE_FIELDS])))
+    assert not NEW & set(json.loads(state(corrected(0))))
+
+
+@pytest.mark.parametrize(
+    ("unknown", "missing"),
+    [
+        ({"tilt_sigma_deg": nan}, {"tilt_sigma_deg"}),
+        ({"bias_x_dps": nan, "roll_deg": nan}, {"bias_xyz_dps", "roll_deg"}),
+    ],
+)
+def test_unknown_values_are_left_out(unknown: dict[str, float], missing: set[str]) -> None:
+    """Of a list as a whole."""
+    sample = tilted(0)
+    assert sample.attitude is not None
+    sample = sample._replace(attitude=sample.attitude._replace(**unknown))
+    assert NEW & set(json.loads(json_line(sample))) == NEW - missing
+    assert {name for name in NEW if json.loads(state(sample))[name] is None} == missing
+
+
+def test_fields_are_chosen_by_name() -> None:
+    with hub() as outputs:
+        outputs.want("tcp:port=0")
+        host, _, port = outputs.opened()[0].address.rpartition(":")
+        with connected((host, int(port))) as client:
+            assert {"q", "roll_deg"} <= set(client.until("HELLO")["fields"])
+            client.connection.sendall(b'{"class":"WATCH","fields":["seq","q","pitch_deg"]}\n')
+            client.until("WATCH")
+            outputs.samples([tilted(5)])
+            line = client.json()
+    assert line == {"class": "SAMPLE", "seq": 5, "q": [0.943714, 0.127679, -0.144878, 0.268536], "pitch_deg": -20.0}
+
+
+def test_plotjuggler_gets_lists() -> None:
+    """It shows them as q[0] to q[3]; all digits are there."""
+    output = UdpOutput(UdpOptions(LOOPBACK), OutputHost(structlog.get_logger()))
+    datagram = json.loads(output.datagram(tilted(0)))
+    assert datagram["q"] == list(tilted(0).attitude or ())[:4]
+    assert datagram["roll_deg"] == 10.0
+    assert not NEW & set(json.loads(output.datagram(corrected(0))))

@@ -1,0 +1,61 @@
+"""Samples between the service and the process of the outputs."""
+
+from dataclasses import asdict
+from math import nan
+from struct import Struct
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from outputs_support import corrected, tilted
+
+from gyrodrift.outputs import wire
+from gyrodrift.outputs.status import ServiceStatus
+from gyrodrift.sample import Attitude, Corrected, Inertial, Sample
+
+number = st.floats(allow_nan=False)
+inertial = st.none() | st.builds(Inertial, *[number] * 6)
+attitude = st.none() | st.builds(Attitude, *[number] * 11)
+sample = st.builds(Sample, st.integers(0, 2**62), *[number] * 6, inertial)
+batch = st.lists(st.builds(Corrected, sample, *[number] * 10, attitude), max_size=5)
+
+
+@given(batch)
+def test_samples_come_out_as_they_went_in(samples: list[Corrected]) -> None:
+    """With and without axes and attitude, in any mixture."""
+    message = wire.pack_samples(samples)
+    assert wire.unpack_samples(message) == samples
+    assert wire.count_samples(message) == len(samples)
+
+
+def test_one_axis_has_the_short_record() -> None:
+    """A number of 64 bits and 16 doubles."""
+    level = corrected(7)
+    message = wire.pack_samples([level])
+    assert message == b"S" + Struct("<q16d").pack(*level.sample[:7], *level[1:11])
+
+
+def test_a_missing_acceleration_is_not_missing_axes() -> None:
+    rates = Inertial(1.0, 2.0, 3.0)
+    level = corrected(0)
+    (back,) = wire.unpack_samples(wire.pack_samples([level._replace(sample=level.sample._replace(inertial=rates))]))
+    assert back.sample.inertial is not None
+    assert back.sample.inertial[:3] == rates[:3]
+    assert back.sample.inertial[3] != back.sample.inertial[3]
+    assert back.attitude is None
+
+
+def test_the_longest_batch_fits_into_a_datagram() -> None:
+    assert len(wire.pack_samples([tilted(0)] * wire.MOST_RECORDS)) < wire.LONGEST_BYTES
+
+
+@pytest.mark.parametrize("kind", [wire.EVENT, wire.STATUS])
+def test_other_messages_have_no_samples(kind: bytes) -> None:
+    assert wire.count_samples(wire.pack_json(kind, asdict(ServiceStatus()))) == 0
+
+
+def test_unknown_values_stay_unknown() -> None:
+    """NaN is no missing field."""
+    (back,) = wire.unpack_samples(wire.pack_samples([tilted(0)._replace(heading_deg=nan)]))
+    assert back.heading_deg != back.heading_deg
+    assert back.attitude == tilted(0).attitude
