@@ -3,12 +3,14 @@
 import asyncio
 import json
 import socket
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
-from math import cos, radians, sin
+from math import atan2, cos, radians, sin
 from pathlib import Path
 from typing import Any
 
@@ -46,10 +48,12 @@ def product(p: Quaternion, q: Quaternion) -> Quaternion:
     )
 
 
-def quaternion(yaw_deg: float, pitch_deg: float, roll_deg: float) -> Quaternion:
-    """Of Rz(yaw)·Ry(pitch)·Rx(roll)."""
-    (c, s), (d, t), (e, u) = ((cos(radians(a) / 2.0), sin(radians(a) / 2.0)) for a in (yaw_deg, pitch_deg, roll_deg))
-    return product(product((c, 0.0, 0.0, s), (d, 0.0, t, 0.0)), (e, u, 0.0, 0.0))
+def attitude_q(heading_deg: float, pitch_deg: float, roll_deg: float) -> Quaternion:
+    """Of a device with this tilt whose twist about the vertical is the heading."""
+    pitch, roll = radians(pitch_deg) / 2.0, radians(roll_deg) / 2.0
+    level = product((cos(pitch), 0.0, sin(pitch), 0.0), (cos(roll), sin(roll), 0.0, 0.0))
+    turn = radians(heading_deg) / 2.0 - atan2(level[3], level[0])
+    return product((cos(turn), 0.0, 0.0, sin(turn)), level)
 
 
 AXES = Inertial(2.0, -3.0, 1.5, 3.0, 1.5, 9.2)
@@ -60,7 +64,7 @@ def tilted(
     seq: int, yaw_deg: float = 30.0, pitch_deg: float = -20.0, roll_deg: float = 10.0, **values: Any
 ) -> Corrected:
     """A sample of a device with three axes, nose up and right side down; its biases are 0.1, 0.2 and 0.25 deg/s."""
-    q = quaternion(yaw_deg, pitch_deg, roll_deg)
+    q = attitude_q(yaw_deg, pitch_deg, roll_deg)
     attitude = Attitude(*q, 22.2687, roll_deg, pitch_deg, 0.4, 0.1, 0.2, 0.25)
     level = corrected(seq, yaw_deg=yaw_deg)
     return level._replace(sample=level.sample._replace(inertial=AXES), attitude=attitude)._replace(**values)
@@ -190,6 +194,21 @@ def hub() -> Iterator[HubThread]:
         ours.close()
         loop.join()
         theirs.close()
+
+
+@contextmanager
+def hub_process() -> Iterator[HubThread]:
+    """As `hub`, but in the process that outputs have beside a service."""
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    command = [sys.executable, "-m", "gyrodrift.outputs", str(theirs.fileno()), "info", "json"]
+    with ours, subprocess.Popen(command, pass_fds=[theirs.fileno()], stderr=subprocess.DEVNULL) as process:
+        theirs.close()
+        try:
+            yield HubThread(ours)
+            ours.close()
+            process.wait(PATIENCE_S)
+        finally:
+            process.kill()
 
 
 def await_problem(outputs: HubThread, text: str) -> str:

@@ -3,7 +3,8 @@
 The protocol is gpsd_json(5), version 3.14. It needs no gpsd; a running gpsd must have another port.
 
 Each sample gives an ATT with the fields of gpsd, and a GYRO with all fields of the JSON line. GYRO is no class of gpsd;
-libgps skips it. Angles in ATT are clockwise, as in gpsd; `rot` is in degrees per minute, negative to port.
+libgps skips it. Angles in ATT are clockwise, as in gpsd; `rot` is in degrees per minute, negative to port. `pitch` is
+positive with the bow up, `roll` with the starboard side down.
 """
 
 import json
@@ -20,7 +21,7 @@ from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.status import ClientStatus, ServiceStatus
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.sample import Corrected
+from gyrodrift.sample import Attitude, Corrected
 
 PROTOCOL = (3, 14)
 """Major and minor version of the protocol."""
@@ -254,11 +255,18 @@ def reports(sample: Corrected, path: str) -> tuple[dict[str, Any], dict[str, Any
     attitude = {
         "heading": sample.heading_deg,
         "yaw": clockwise_deg(sample.yaw_deg),
+        **_tilt(sample.attitude),
         "rot": round(-60.0 * sample.corrected_dps, 3),
         "temp": sample.sample.temp_c,
     }
     present = {name: value for name, value in attitude.items() if value == value}  # noqa: PLR0124 - not NaN
     return {"class": "ATT", **opening, **present}, {"class": "GYRO", **opening, **present_fields(sample)}
+
+
+def _tilt(attitude: Attitude | None) -> dict[str, float]:
+    if attitude is None:
+        return {}
+    return {"pitch": round(-attitude.pitch_deg, 4), "roll": round(attitude.roll_deg, 4)}
 
 
 def clockwise_deg(yaw_deg: float) -> float:

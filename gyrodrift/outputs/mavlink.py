@@ -1,18 +1,21 @@
-"""MAVLink 2: a heartbeat, and yaw with its covariance as ODOMETRY or ATTITUDE, for autopilots and ground stations.
+"""MAVLink 2: a heartbeat, and attitude with its covariance as ODOMETRY or ATTITUDE, for autopilots and ground stations.
 
 The axes of MAVLink are forward, right, down, so yaw is clockwise positive. Elsewhere in gyrodrift it is
-counter-clockwise.
-Definitions: https://mavlink.io/en/messages/common.html#ODOMETRY, #ATTITUDE_QUATERNION_COV and #HEARTBEAT.
+counter-clockwise. A device with one axis is level.
+Definitions: https://mavlink.io/en/messages/common.html#ODOMETRY, #ATTITUDE_QUATERNION, #ATTITUDE_QUATERNION_COV and
+#HEARTBEAT.
 """
 
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import cos, isnan, nan, pi, radians, remainder, sin
+from math import isnan, nan
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from annotated_types import Ge, Gt, Le, MinLen
 
+from gyrodrift.outputs.device_frame import UNTURNED, DeviceFrame
+from gyrodrift.outputs.frd import FrdReference, FrdSample, frd_sample
 from gyrodrift.outputs.net.datagrams import DatagramSender
 from gyrodrift.outputs.net.serial_line import SerialLine
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port
@@ -59,40 +62,17 @@ class MavlinkOptions:
     message: Annotated[Literal["odometry", "attitude"], About("ODOMETRY, or ATTITUDE with ATTITUDE_QUATERNION_COV")] = (
         "odometry"
     )
-    frame: Annotated[
-        Literal["frd", "ned"], About("yaw from the start of the service (frd), or heading from north (ned)")
-    ] = "frd"
+    frame: Annotated[FrdReference, About("yaw from the start of the service (frd), or heading from north (ned)")] = (
+        "frd"
+    )
     tilt_sigma_deg: Annotated[
-        float, Gt(0.0), Le(90.0), About("standard deviation of roll and pitch, which are taken as 0, deg")
+        float,
+        Gt(0.0),
+        Le(90.0),
+        About("standard deviation of roll and pitch of a device with one axis, which are 0, deg"),
     ] = 5.0
     system: Annotated[int, Ge(1), Le(255), About("system id, that of the vehicle")] = 1
     component: Annotated[int, Ge(1), Le(255), About("component id; 200 is an IMU")] = 200
-
-
-@dataclass(frozen=True, slots=True)
-class FrdYaw:
-    """Yaw in axes forward, right, down: clockwise positive, rad and rad/s; NaN for unknown variances."""
-
-    yaw_rad: float
-    rate_rad_s: float
-    variance_rad2: float
-    rate_variance_rad2_s2: float
-
-    @property
-    def quaternion(self) -> tuple[float, float, float, float]:
-        """Rotation from body to reference, level: w, x, y, z."""
-        return cos(self.yaw_rad / 2.0), 0.0, 0.0, sin(self.yaw_rad / 2.0)
-
-
-def frd_yaw(sample: Corrected, frame: Literal["frd", "ned"]) -> FrdYaw:
-    """Yaw in -π to π; NaN in `ned` before a heading was set."""
-    yaw_deg = sample.heading_deg if frame == "ned" else -sample.yaw_deg
-    return FrdYaw(
-        remainder(radians(yaw_deg), 2.0 * pi),
-        -radians(sample.corrected_dps),
-        radians(sample.yaw_sigma_deg) ** 2,
-        radians(sample.bias_sigma_dps) ** 2,
-    )
 
 
 class MavlinkOutput(Output[MavlinkOptions]):
@@ -104,6 +84,7 @@ class MavlinkOutput(Output[MavlinkOptions]):
         super().__init__(options, host)
         self._to: DatagramSender | SerialLine = DatagramSender()
         self._thinning = Thinning(options.rate_hz)
+        self._mount = UNTURNED
         self._has_warned = False
         self._resets = 0
 
@@ -125,14 +106,13 @@ class MavlinkOutput(Output[MavlinkOptions]):
     def take(self, samples: Sequence[Corrected]) -> None:
         """Send the samples that are due."""
         for sample in self._thinning.due(samples):
-            yaw = frd_yaw(sample, self.options.frame)
-            if isnan(yaw.yaw_rad):
+            values = frd_sample(sample, self.options.frame, self.options.tilt_sigma_deg, self._mount)
+            if isnan(values.yaw_rad):
                 self._warn_of_missing_heading()
             elif self.options.message == "odometry":
-                self._send(self._odometry(sample, yaw))
+                self._send(self._odometry(sample, values))
             else:
-                self._send(self._attitude(sample, yaw))
-                self._send(self._attitude_covariance(sample, yaw))
+                self._send_attitude(sample, values)
 
     def hear(self, event: str, fields: Mapping[str, Any]) -> None:  # noqa: ARG002 - no field is needed
         """Count the jumps of yaw."""
@@ -141,6 +121,7 @@ class MavlinkOutput(Output[MavlinkOptions]):
 
     def note(self, status: ServiceStatus) -> None:
         """Send the heartbeat."""
+        self._mount = DeviceFrame.of(status.config.mount)
         common = self._common
         is_alive = status.link.is_open and status.link.silent_s < SILENT_S
         state = common.MAV_STATE_ACTIVE if is_alive else common.MAV_STATE_UNINIT
@@ -160,40 +141,44 @@ class MavlinkOutput(Output[MavlinkOptions]):
         self._link.seq = (self._link.seq + 1) % 256
         self._to.send(content)
 
-    def _odometry(self, sample: Corrected, yaw: FrdYaw) -> "MAVLink_message":
+    def _odometry(self, sample: Corrected, values: FrdSample) -> "MAVLink_message":
         common = self._common
         is_ned = self.options.frame == "ned"
-        has_sigma = not isnan(yaw.variance_rad2)
+        has_sigma = not isnan(values.yaw_variance_rad2)
+        roll_speed, pitch_speed, yaw_speed = values.rates_rad_s
+        rate_variance = values.rate_variance_rad2_s2
         return common.MAVLink_odometry_message(
             time_usec=round(sample.sample.t_host_s * 1e6),
             frame_id=common.MAV_FRAME_LOCAL_NED if is_ned else common.MAV_FRAME_LOCAL_FRD,
             child_frame_id=common.MAV_FRAME_BODY_FRD,
-            **dict.fromkeys(("x", "y", "z", "vx", "vy", "vz", "rollspeed", "pitchspeed"), 0.0),
-            q=yaw.quaternion,
-            yawspeed=yaw.rate_rad_s,
-            pose_covariance=_triangle(self._tilt_variance_rad2, yaw.variance_rad2),
-            velocity_covariance=_triangle(UNKNOWN_VARIANCE, yaw.rate_variance_rad2_s2),
+            **dict.fromkeys(("x", "y", "z", "vx", "vy", "vz"), 0.0),
+            q=values.quaternion,
+            rollspeed=roll_speed,
+            pitchspeed=pitch_speed,
+            yawspeed=yaw_speed,
+            pose_covariance=_triangle(values.tilt_variance_rad2, values.yaw_variance_rad2),
+            velocity_covariance=_triangle(rate_variance if values.has_axes else UNKNOWN_VARIANCE, rate_variance),
             reset_counter=self._resets,
             estimator_type=common.MAV_ESTIMATOR_TYPE_UNKNOWN if has_sigma else common.MAV_ESTIMATOR_TYPE_NAIVE,
             quality=0 if isnan(sample.confidence) else max(1, round(100.0 * sample.confidence)),
         )
 
-    def _attitude(self, sample: Corrected, yaw: FrdYaw) -> "MAVLink_message":
+    def _send_attitude(self, sample: Corrected, values: FrdSample) -> None:
+        common, rates = self._common, values.rates_rad_s
         boot_ms = round(sample.sample.t_device_s * 1e3) % (1 << 32)
-        return self._common.MAVLink_attitude_message(boot_ms, 0.0, 0.0, yaw.yaw_rad, 0.0, 0.0, yaw.rate_rad_s)
+        angles = values.roll_rad, values.pitch_rad, values.yaw_rad
+        self._send(common.MAVLink_attitude_message(boot_ms, *angles, *rates))
+        if values.has_axes:
+            self._send(common.MAVLink_attitude_quaternion_message(boot_ms, *values.quaternion, *rates))
+        self._send(self._attitude_covariance(sample, values))
 
-    def _attitude_covariance(self, sample: Corrected, yaw: FrdYaw) -> "MAVLink_message":
-        tilt = self._tilt_variance_rad2
-        is_known = not isnan(yaw.variance_rad2)
-        covariance = (tilt, 0.0, 0.0, 0.0, tilt, 0.0, 0.0, 0.0, yaw.variance_rad2) if is_known else (nan,) * 9
+    def _attitude_covariance(self, sample: Corrected, values: FrdSample) -> "MAVLink_message":
+        tilt, yaw = values.tilt_variance_rad2, values.yaw_variance_rad2
+        covariance = (nan,) * 9 if isnan(yaw) else (tilt, 0.0, 0.0, 0.0, tilt, 0.0, 0.0, 0.0, yaw)
         time_us = round(sample.sample.t_host_s * 1e6)
         return self._common.MAVLink_attitude_quaternion_cov_message(
-            time_us, yaw.quaternion, 0.0, 0.0, yaw.rate_rad_s, covariance
+            time_us, values.quaternion, *values.rates_rad_s, covariance
         )
-
-    @property
-    def _tilt_variance_rad2(self) -> float:
-        return radians(self.options.tilt_sigma_deg) ** 2
 
     def _warn_of_missing_heading(self) -> None:
         if not self._has_warned:

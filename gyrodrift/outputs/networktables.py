@@ -1,24 +1,44 @@
-"""NetworkTables 4.1 for FRC: yaw, rate and sigma with the time of measurement, and the state of the connection."""
+"""NetworkTables 4.1 for FRC: yaw, rate and sigma with the time of measurement, and the state of the connection.
+
+A device with three axes has its attitude too: as angles, and as a Rotation3d of WPILib. Axes are those of REP 103.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Protocol
+from struct import Struct
+from typing import Annotated, Any, Protocol, TypeVar
 
 from annotated_types import MaxLen, MinLen
 
+from gyrodrift.outputs.device_frame import UNTURNED, DeviceFrame
 from gyrodrift.outputs.json_line import FIELDS
 from gyrodrift.outputs.measured_time import MeasuredTime
 from gyrodrift.outputs.networktables_robot import RobotTables
 from gyrodrift.outputs.networktables_server import ServedTables
+from gyrodrift.outputs.networktables_session import TopicValue
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.status import ClientStatus, ServiceStatus
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.sample import Corrected
+from gyrodrift.sample import Attitude, Corrected
+
+T = TypeVar("T")
 
 VALUES = ("yaw_deg", "corrected_dps", "yaw_sigma_deg", "bias_dps", "heading_deg", "temp_c")
 TOPICS = {**dict.fromkeys((*VALUES, "time_s"), "double"), "connected": "boolean"}
 """Type of each topic of the table."""
+
+TILT_TOPICS = {
+    **dict.fromkeys(("roll_deg", "pitch_deg", "tilt_deg", "tilt_sigma_deg"), "double"),
+    "rotation": "struct:Rotation3d",
+}
+"""Further topics of a device with three axes; other devices do not have them."""
+
+ROTATION = Struct("<4d")
+"""Rotation3d of WPILib: a quaternion w, x, y, z."""
+
+SCHEMAS = {"struct:Quaternion": "double w;double x;double y;double z", "struct:Rotation3d": "Quaternion q"}
+"""Layouts by type, as WPILib writes them (wpimath, QuaternionStruct and Rotation3dStruct)."""
 
 SILENT_S = 1.0
 """Time without a sample after which the gyro counts as not connected, s."""
@@ -55,7 +75,11 @@ class Tables(Protocol):
         """Clock of the server minus `now_s`."""
         ...
 
-    def publish(self, values: Mapping[str, float | bool], stamp_us: int | None = None) -> None:
+    def add(self, topics: Mapping[str, str], schemas: Mapping[str, str]) -> None:
+        """Announce further topics, and the layouts of their types."""
+        ...
+
+    def publish(self, values: Mapping[str, TopicValue], stamp_us: int | None = None) -> None:
         """Publish values by topic, measured at a time of `now_s`, or now."""
         ...
 
@@ -86,6 +110,8 @@ class NetworkTablesOutput(Output[NetworkTablesOptions]):
         self._thinning = Thinning(options.rate_hz)
         self._clock = MeasuredTime()
         self._sent = 0
+        self._mount = UNTURNED
+        self._has_tilt = False
         self._prefix = f"/{options.table.strip('/')}/"
         topics = {f"{self._prefix}{name}": kind for name, kind in TOPICS.items()}
         self._tables: Tables = (
@@ -117,6 +143,7 @@ class NetworkTablesOutput(Output[NetworkTablesOptions]):
     def note(self, status: ServiceStatus) -> None:
         """Report whether the gyro is connected."""
         link = status.link
+        self._mount = DeviceFrame.of(status.config.mount)
         self._say_connected(is_connected=link.is_open and link.samples > 0 and link.silent_s < SILENT_S)
         self.warning = self._tables.check()
 
@@ -134,13 +161,29 @@ class NetworkTablesOutput(Output[NetworkTablesOptions]):
 
     def _publish(self, sample: Corrected) -> None:
         measured_s = self._clock.of(sample.sample.t_device_s)
-        values = {name: FIELDS[name](sample) for name in VALUES}
+        values: dict[str, TopicValue] = {name: FIELDS[name](sample) for name in VALUES}
         values["time_s"] = measured_s + self._tables.server_offset_s()
+        if sample.attitude is not None:
+            values |= self._tilt(sample, sample.attitude)
         self._tables.publish(self._named(values), round(measured_s * US_PER_S))
         self._sent += 1
+
+    def _tilt(self, sample: Corrected, attitude: Attitude) -> dict[str, TopicValue]:
+        """Values of the further topics, which are announced with the first sample that has them."""
+        if not self._has_tilt:
+            self._has_tilt = True
+            self._tables.add(self._named(TILT_TOPICS), SCHEMAS)
+        q = self._mount.attitude(attitude, sample.yaw_deg, sample.yaw_deg)
+        return {
+            "roll_deg": attitude.roll_deg,
+            "pitch_deg": attitude.pitch_deg,
+            "tilt_deg": attitude.tilt_deg,
+            "tilt_sigma_deg": attitude.tilt_sigma_deg,
+            "rotation": ROTATION.pack(*q),
+        }
 
     def _say_connected(self, *, is_connected: bool) -> None:
         self._tables.publish(self._named({"connected": is_connected}))
 
-    def _named(self, values: Mapping[str, float | bool]) -> dict[str, float | bool]:
+    def _named(self, values: Mapping[str, T]) -> dict[str, T]:
         return {f"{self._prefix}{name}": value for name, value in values.items()}

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.outputs.net.addresses import shown
 from gyrodrift.outputs.net.names import shown_name
+from gyrodrift.outputs.networktables_session import TopicValue
 from gyrodrift.outputs.status import ClientStatus
 
 if TYPE_CHECKING:
@@ -45,11 +46,8 @@ class RobotTables:
         import ntcore
 
         instance = self._instance = ntcore.NetworkTableInstance.create()
-        options = ntcore.PubSubOptions(periodic=PERIOD_S)
         for name, kind in self._topics.items():
-            topic = instance.getDoubleTopic(name) if kind == "double" else instance.getBooleanTopic(name)
-            self._publishers[name] = topic.publish(options)
-            self._watchers[name] = instance.getRawTopic(f"$pub${name}").subscribe("msgpack", b"")
+            self._open_topic(instance, name, kind)
         if self._robot.isdecimal():
             instance.setServerTeam(int(self._robot), self._port)
         else:
@@ -57,6 +55,27 @@ class RobotTables:
         instance.startClient4(IDENTITY)
         self._log.warning("topics_are_open", hint="the robot's server lets each of its clients publish to our topics")
         return f"team {self._robot}" if self._robot.isdecimal() else shown(self._robot, self._port)
+
+    def add(self, topics: Mapping[str, str], schemas: Mapping[str, str]) -> None:
+        """Publish further topics, and the layouts of their types."""
+        if self._instance is None:
+            return
+        for kind, schema in schemas.items():
+            self._instance.addSchema(kind, "structschema", schema)
+        for name, kind in topics.items():
+            self._open_topic(self._instance, name, kind)
+
+    def _open_topic(self, instance: "ntcore.NetworkTableInstance", name: str, kind: str) -> None:
+        import ntcore
+
+        options = ntcore.PubSubOptions(periodic=PERIOD_S)
+        if kind == "double":
+            self._publishers[name] = instance.getDoubleTopic(name).publish(options)
+        elif kind == "boolean":
+            self._publishers[name] = instance.getBooleanTopic(name).publish(options)
+        else:
+            self._publishers[name] = instance.getRawTopic(name).publish(kind, options)
+        self._watchers[name] = instance.getRawTopic(f"$pub${name}").subscribe("msgpack", b"")
 
     def now_s(self) -> float:
         """The clock of ntcore, s."""
@@ -69,7 +88,7 @@ class RobotTables:
         offset_us = self._instance.getServerTimeOffset() if self._instance is not None else None
         return (offset_us or 0) / US_PER_S
 
-    def publish(self, values: Mapping[str, float | bool], stamp_us: int | None = None) -> None:
+    def publish(self, values: Mapping[str, TopicValue], stamp_us: int | None = None) -> None:
         """Publish values; a slow client gets the newest value of each topic."""
         for name, value in values.items():
             if name in self._publishers:

@@ -16,7 +16,7 @@ from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.outputs.net.names import shown_name
 from gyrodrift.outputs.net.refusals import BoundedEvent
 from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
-from gyrodrift.outputs.networktables_session import TableSession, value_message
+from gyrodrift.outputs.networktables_session import TableSession, TopicValue, value_message
 from gyrodrift.outputs.status import ClientStatus
 
 if TYPE_CHECKING:
@@ -27,6 +27,9 @@ SUBPROTOCOLS = ("v4.1.networktables.first.wpi.edu", "rtt.networktables.first.wpi
 """Subprotocols; the second is for connections that only measure the round trip."""
 
 PATH = "/nt/"
+
+SCHEMA_PREFIX = "/.schema/"
+"""Beginning of the topics with layouts of types."""
 
 
 class ServedTables:
@@ -60,7 +63,16 @@ class ServedTables:
         """0: this is the server."""
         return 0.0
 
-    def publish(self, values: Mapping[str, float | bool], stamp_us: int | None = None) -> None:
+    def add(self, topics: Mapping[str, str], schemas: Mapping[str, str]) -> None:
+        """Announce further topics to their subscribers, and publish the layouts of their types."""
+        layouts = {f"{SCHEMA_PREFIX}{kind}": schema.encode() for kind, schema in schemas.items()}
+        self._topics |= {**dict.fromkeys(layouts, "structschema"), **topics}
+        self._ids |= {name: index for index, name in enumerate(self._topics)}
+        for session in self._sessions:
+            session.follow_topics()
+        self.publish(layouts)
+
+    def publish(self, values: Mapping[str, TopicValue], stamp_us: int | None = None) -> None:
         """Send values to subscribers, and keep them for later subscribers."""
         stamp_us = round(self.now_s() * 1e6) if stamp_us is None else stamp_us
         messages = {self._ids[name]: value_message(self._ids[name], stamp_us, value) for name, value in values.items()}
@@ -89,7 +101,7 @@ class ServedTables:
         request = client.connection.request
         name = shown_name(unquote_to_bytes(request.path.removeprefix(PATH))) if request else ""
         client.peer = f"{name} {client.peer}"
-        session = TableSession(client, self._topics, self._last, self.now_s, self._forget, self._refuse)
+        session = TableSession(client, self._topics, self._ids, self._last, self.now_s, self._forget, self._refuse)
         self._sessions[session] = None
         return session
 

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from gyrodrift.outputs.net.json_input import parse_json
@@ -11,11 +12,13 @@ MOST_SUBSCRIPTIONS = 200
 MOST_METHODS = 1000
 """Most requests in a message; ntcore sends all subscriptions of a dashboard in one message."""
 TIME_TOPIC = -1
-TYPE_NUMBERS = {bool: 0, float: 1}
-"""Data types of a value in MessagePack messages: boolean and double."""
+TYPE_NUMBERS = {bool: 0, float: 1, bytes: 5}
+"""Data types of a value in MessagePack messages: boolean, double and raw."""
+
+TopicValue = float | bool | bytes
 
 
-def value_message(topic: int, stamp_us: int, value: float | bool) -> bytes:  # noqa: FBT001 - it is a value
+def value_message(topic: int, stamp_us: int, value: TopicValue) -> bytes:
     """Value of a topic as MessagePack."""
     import msgpack
 
@@ -23,13 +26,30 @@ def value_message(topic: int, stamp_us: int, value: float | bool) -> bytes:  # n
     return packed
 
 
+@dataclass(frozen=True, slots=True)
+class Subscription:
+    """Names or prefixes that a client subscribes to.
+
+    has_values
+        Whether it gets values; otherwise only announcements.
+    """
+
+    names: tuple[str, ...]
+    is_prefix: bool
+    has_values: bool
+
+    def has(self, topic: str) -> bool:
+        """Whether a topic is subscribed."""
+        return topic.startswith(self.names) if self.is_prefix else topic in self.names
+
+
 class TableSession:
     """Protocol state of one client.
 
     Parameters
     ----------
-    topics
-        Type of each topic, by its full name, in the order of their numbers.
+    topics, ids
+        Type and number of each topic, by its full name. Topics can be added later; see `follow_topics`.
     last
         The last value message of each topic, by its number.
     forget
@@ -42,17 +62,17 @@ class TableSession:
         self,
         client: WebSocketClient,
         topics: Mapping[str, str],
+        ids: Mapping[str, int],
         last: Mapping[int, bytes],
         now_s: Callable[[], float],
         forget: "Callable[[TableSession], None]",
         refuse: Callable[[WebSocketClient, str], None],
     ) -> None:
         self._client = client
-        self._topics, self._last, self._now_s = topics, last, now_s
+        self._topics, self._ids, self._last, self._now_s = topics, ids, last, now_s
         self._forget, self._refuse = forget, refuse
-        self._ids = {name: index for index, name in enumerate(topics)}
         self._announced: set[str] = set()
-        self._subscriptions: dict[int, frozenset[int]] = {}
+        self._subscriptions: dict[int, Subscription] = {}
         self._topic_ids: frozenset[int] = frozenset()
         self._methods: dict[str, Callable[[dict[str, Any]], None]] = {
             "subscribe": self._subscribe,
@@ -66,6 +86,15 @@ class TableSession:
         frame = b"".join(message for topic, message in messages.items() if topic in self._topic_ids)
         if frame:
             self._client.send(frame)
+
+    def follow_topics(self) -> None:
+        """Announce topics that were added, if they are subscribed; a client that does not read is cut off."""
+        try:
+            for subscription in self._subscriptions.values():
+                self._announce_all(subscription)
+        except ValueError:
+            self._client.connection.transport.abort()
+        self._update_wanted()
 
     def message(self, content: str | bytes) -> None:
         """Take requests, or values; of values only clock requests are answered."""
@@ -101,14 +130,13 @@ class TableSession:
             return
         if len(self._subscriptions) >= MOST_SUBSCRIPTIONS and number not in self._subscriptions:
             raise ValueError(f"more than {MOST_SUBSCRIPTIONS} subscriptions")
-        topics = self._matching(
-            [name for name in names if isinstance(name, str)], is_prefix=bool(options.get("prefix"))
+        subscription = self._subscriptions[number] = Subscription(
+            tuple(name for name in names if isinstance(name, str)),
+            is_prefix=bool(options.get("prefix")),
+            has_values=not options.get("topicsonly"),
         )
-        for name in topics:
-            self._announce(name)
-        values = frozenset() if options.get("topicsonly") else frozenset(self._ids[name] for name in topics)
+        self._announce_all(subscription)
         before = self._topic_ids
-        self._subscriptions[number] = values
         self._update_wanted()
         self.publish({topic: self._last[topic] for topic in self._topic_ids - before if topic in self._last})
 
@@ -119,7 +147,10 @@ class TableSession:
             self._update_wanted()
 
     def _update_wanted(self) -> None:
-        self._topic_ids = frozenset().union(*self._subscriptions.values())
+        with_values = [entry for entry in self._subscriptions.values() if entry.has_values]
+        self._topic_ids = frozenset(
+            index for name, index in self._ids.items() if any(entry.has(name) for entry in with_values)
+        )
 
     def _publish(self, params: dict[str, Any]) -> None:
         """Announce the topic as it is; values of clients are always ignored."""
@@ -133,11 +164,10 @@ class TableSession:
         if isinstance(name, str) and name in self._topics:
             self._refuse(self._client, name)
 
-    def _matching(self, names: list[str], *, is_prefix: bool) -> list[str]:
-        if is_prefix:
-            prefixes = tuple(names)
-            return [name for name in self._topics if name.startswith(prefixes)]
-        return [name for name in self._topics if name in names]
+    def _announce_all(self, subscription: Subscription) -> None:
+        for name in self._topics:
+            if subscription.has(name):
+                self._announce(name)
 
     def _announce(self, name: str, **extra: int) -> None:
         if name in self._announced and not extra:

@@ -1,6 +1,7 @@
-"""NMEA 0183 sentences over TCP, UDP or a pty: HDT once a heading was set, ROT, and XDR for temperature.
+"""NMEA 0183 sentences over TCP, UDP or a pty: HDT once a heading was set, ROT, and XDR for temperature and attitude.
 
-ROT is in degrees per minute, negative when the bow turns to port.
+ROT is in degrees per minute, negative when the bow turns to port. Pitch is positive with the bow up, roll with the
+starboard side down.
 """
 
 from collections.abc import Sequence
@@ -42,7 +43,7 @@ class NmeaOptions:
 
 
 class NmeaOutput(Output[NmeaOptions]):
-    """Sends up to three sentences per sample."""
+    """Sends up to four sentences per sample."""
 
     options_type = NmeaOptions
 
@@ -112,10 +113,16 @@ class NmeaSession:
 
 
 def sentences(sample: Corrected) -> list[bytes]:
-    """HDT, ROT and XDR of a sample, without unknown values."""
+    """HDT, ROT and XDR of a sample, without unknown values.
+
+    Pitch and roll have the transducer names that chart plotters know.
+    """
     lines = [_sentence("ROT", f"{-60.0 * sample.corrected_dps:.1f}", "A")]
     if not isnan(sample.heading_deg):
         lines.insert(0, _sentence("HDT", f"{round(sample.heading_deg, 2) % 360.0:.2f}", "T"))
+    if sample.attitude is not None and not isnan(sample.attitude.roll_deg + sample.attitude.pitch_deg):
+        pitch, roll = (f"{angle_deg:z.2f}" for angle_deg in (-sample.attitude.pitch_deg, sample.attitude.roll_deg))
+        lines.append(_sentence("XDR", "A", pitch, "D", "PTCH", "A", roll, "D", "ROLL"))
     if not isnan(sample.sample.temp_c):
         lines.append(_sentence("XDR", "C", f"{sample.sample.temp_c:.2f}", "C", "GYRO"))
     return lines

@@ -32,6 +32,10 @@ class RosbridgeOptions:
         Annotated[float, Gt(0.0), Le(1000.0)] | None,
         About("standard deviation of one measured rate, deg/s; without it the covariance of the rate is unknown"),
     ] = None
+    accel_sigma_mps2: Annotated[
+        Annotated[float, Gt(0.0), Le(1000.0)] | None,
+        About("standard deviation of one acceleration, m/s²; without it their covariance is unknown"),
+    ] = None
 
 
 class RosbridgeOutput(Output[RosbridgeOptions]):
@@ -44,7 +48,8 @@ class RosbridgeOutput(Output[RosbridgeOptions]):
         self._server = WebSocketServer(self._session, host.log)
         self._sessions: dict[RosbridgeSession, None] = {}
         self._services = RosServices(f"/{options.topic.strip('/')}", IMU_TYPES[options.ros], options.ros)
-        self._message = ImuMessage(json.dumps(options.frame_id), options.ros, options.rate_sigma_dps)
+        sigmas = options.rate_sigma_dps, options.accel_sigma_mps2
+        self._message = ImuMessage(json.dumps(options.frame_id), options.ros, *sigmas)
         self._thinning = Thinning(options.rate_hz)
 
     async def open(self) -> None:

@@ -72,6 +72,8 @@ class FilterStatus:
         Number of rejected samples.
     still, is_witness_believed
         Last statement of a witness of rest, 1 for rest and 0 for motion, and whether it is believed.
+    tilt_deg, roll_deg, pitch_deg, tilt_sigma_deg
+        Attitude of a device with three axes, deg, and the standard deviation of its tilt.
     temp_curve
         Bias against temperature: `is_accepted`, `slope_dps_c`, `fit_dps`, `points`, `least_c`, `most_c`, `refused`.
     """
@@ -90,6 +92,10 @@ class FilterStatus:
     still: float | None = None
     is_witness_believed: bool | None = None
     temp_curve: dict[str, float] | None = None
+    tilt_deg: float | None = None
+    roll_deg: float | None = None
+    pitch_deg: float | None = None
+    tilt_sigma_deg: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +110,8 @@ class ConfigStatus:
         Number of configs applied and refused since the start.
     applied_s
         Unix time of the last applied config, s; None before.
+    mount
+        Axes of the sensor that point `up` and `forward` on the device, such as `+z` and `+x`; None with one axis.
     """
 
     file: str | None = None
@@ -112,6 +120,7 @@ class ConfigStatus:
     applied: int = 0
     refused: int = 0
     applied_s: float | None = None
+    mount: dict[str, str] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,7 @@ def test_a_line_has_the_attitude_behind_the_values_of_one_axis() -> None:
     """With six digits of the quaternion, four of angles and five of rates."""
     level, tilt = corrected(3, yaw_deg=30.0), tilted(3)
     assert json_line(tilt) == json_line(level)[:-2] + (
-        ',"q":[0.943714,0.127679,-0.144878,0.268536],"tilt_deg":22.2687,"roll_deg":10.0000,"pitch_deg":-20.0000,'
+        ',"q":[0.947744,0.125430,-0.146830,0.253947],"tilt_deg":22.2687,"roll_deg":10.0000,"pitch_deg":-20.0000,'
         '"tilt_sigma_deg":0.4000,"bias_xyz_dps":[0.10000,0.20000,0.25000]}\n'
     )
 
@@ -58,7 +58,7 @@ def test_fields_are_chosen_by_name() -> None:
             client.until("WATCH")
             outputs.samples([tilted(5)])
             line = client.json()
-    assert line == {"class": "SAMPLE", "seq": 5, "q": [0.943714, 0.127679, -0.144878, 0.268536], "pitch_deg": -20.0}
+    assert line == {"class": "SAMPLE", "seq": 5, "q": [0.947744, 0.12543, -0.14683, 0.253947], "pitch_deg": -20.0}
 
 
 def test_plotjuggler_gets_lists() -> None:

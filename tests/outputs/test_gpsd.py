@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from outputs_support import HubThread, Reader, address_of, connected, corrected, csv_at_100_hz, hub, serving
+from outputs_support import HubThread, Reader, address_of, connected, corrected, csv_at_100_hz, hub, serving, tilted
 from support import PATIENCE_S
 
 from gyrodrift import __version__
@@ -95,6 +95,15 @@ def test_what_is_not_known_is_left_out(outputs: HubThread, client: Reader) -> No
     outputs.samples([sample._replace(heading_deg=nan, sample=sample.sample._replace(temp_c=nan))])
     assert set(client.until("ATT")) == {"class", "device", "time", "yaw", "rot"}
     assert not {"heading_deg", "temp_c"} & set(client.json())
+
+
+def test_a_tilted_device_has_pitch_and_roll(outputs: HubThread, client: Reader) -> None:
+    """Bow up and starboard down are positive."""
+    watching(client)
+    outputs.samples([tilted(0)])
+    attitude = client.until("ATT")
+    assert (attitude["pitch"], attitude["roll"], attitude["yaw"]) == (20.0, 10.0, -30.0)
+    assert client.until("GYRO")["pitch_deg"] == -20.0
 
 
 def test_reports_are_thinned_to_ten_a_second(outputs: HubThread, client: Reader) -> None:
@@ -205,10 +214,10 @@ def test_cgps_shows_it(outputs: HubThread, gpsd: Address) -> None:
         os.close(its_end)
         screen = b""
         for seq in count(0, 10):
-            outputs.samples([corrected(seq)])
+            outputs.samples([tilted(seq)])
             if select.select([shown], [], [], 0.1)[0]:
                 screen += shown.read(1 << 16)
-            if b'"rot":-75.0' in screen:
+            if b'"pitch":20.0,"roll":10.0,"rot":-75.0' in screen:
                 break
             assert running.poll() is None, screen
         running.terminate()

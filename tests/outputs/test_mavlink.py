@@ -13,17 +13,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from outputs_support import HubThread, corrected, csv_at_100_hz, hub, serving
+from outputs_support import HubThread, corrected, csv_at_100_hz, hub, serving, tilted
 from support import PATIENCE_S, never
 
-from gyrodrift.outputs.mavlink import POSITION, UNKNOWN_VARIANCE, YAW
-from gyrodrift.outputs.status import LinkStatus, ServiceStatus
+from gyrodrift.outputs.mavlink import PITCH, POSITION, ROLL, UNKNOWN_VARIANCE, YAW
+from gyrodrift.outputs.status import ConfigStatus, LinkStatus, ServiceStatus
 from gyrodrift.service.control_client import ControlClient
 
 pytest.importorskip("pymavlink", reason="pymavlink is not installed: pip install 'gyrodrift[mavlink]'")
 
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import common
+from pymavlink.quaternion import QuaternionBase
 
 
 class Station:
@@ -43,6 +44,11 @@ class Station:
                 if each.get_type() == kind:
                     return each
         raise AssertionError(kind)
+
+    def next_of_any(self) -> str:
+        """Kind of the next message; a datagram has one."""
+        (found,) = self._link.parse_buffer(self._receiver.recv(4096))
+        return str(found.get_type())
 
 
 @contextmanager
@@ -96,6 +102,75 @@ def test_ned_is_the_heading_and_waits_for_it() -> None:
     assert attitude.yaw == pytest.approx(-pi / 2.0)
     assert yaw_deg(covariance.q) == pytest.approx(-90.0, abs=1e-4)
     assert covariance.covariance[8] == pytest.approx(radians(0.5) ** 2)
+
+
+TILT_RATES = [radians(rate) for rate in (2.0 - 0.1, 3.0 + 0.2, -(1.5 - 0.25))]
+"""Those of `tilted` about forward, right and down, without the drift."""
+
+
+def test_a_tilted_device_sends_its_attitude() -> None:
+    """Nose up is positive in axes forward, right, down; all rates are measured."""
+    with hub() as outputs, listening() as station:
+        outputs.want(f"mavlink:port={station.port},message=attitude")
+        outputs.opened()
+        outputs.samples([tilted(100)])
+        attitude = station.next("ATTITUDE")
+        quaternion, covariance = station.next("ATTITUDE_QUATERNION"), station.next("ATTITUDE_QUATERNION_COV")
+    angles = attitude.roll, attitude.pitch, attitude.yaw
+    yaw = 2.0 * atan2(quaternion.q4, quaternion.q1)
+    assert degrees(yaw) == pytest.approx(-30.0, abs=1e-4)
+    assert [degrees(angle) for angle in angles[:2]] == pytest.approx([10.0, 20.0], abs=1e-4)
+    q = QuaternionBase([quaternion.q1, quaternion.q2, quaternion.q3, quaternion.q4])
+    assert list(q.euler) == pytest.approx(angles, abs=1e-5)
+    assert list(covariance.q) == pytest.approx([quaternion.q1, quaternion.q2, quaternion.q3, quaternion.q4])
+    for message in (attitude, quaternion, covariance):
+        assert [message.rollspeed, message.pitchspeed, message.yawspeed] == pytest.approx(TILT_RATES)
+    assert covariance.covariance[0] == covariance.covariance[4] == pytest.approx(radians(0.4) ** 2)
+
+
+def test_odometry_of_a_tilted_device_has_three_rates() -> None:
+    with hub() as outputs, listening() as station:
+        outputs.want(f"mavlink:port={station.port},frame=ned")
+        outputs.opened()
+        outputs.samples([tilted(100, heading_deg=330.0)])
+        got = station.next("ODOMETRY")
+    assert [got.rollspeed, got.pitchspeed, got.yawspeed] == pytest.approx(TILT_RATES)
+    assert got.pose_covariance[ROLL] == got.pose_covariance[PITCH] == pytest.approx(radians(0.4) ** 2)
+    assert got.velocity_covariance[ROLL] == got.velocity_covariance[YAW] == pytest.approx(radians(0.01) ** 2)
+    roll, pitch, _ = QuaternionBase(list(got.q)).euler
+    assert [degrees(roll), degrees(pitch)] == pytest.approx([10.0, 20.0], abs=1e-4)
+    assert yaw_deg(got.q) == pytest.approx(-30.0, abs=1e-4)
+
+
+def test_rates_are_about_the_axes_of_the_device() -> None:
+    """Its sensor stands on its side: x points up and y forward, so z points to the left."""
+    with hub() as outputs, listening() as station:
+        outputs.want(f"mavlink:port={station.port}")
+        outputs.opened()
+        outputs.status(ServiceStatus(config=ConfigStatus(mount={"up": "+x", "forward": "+y"})))
+        outputs.samples([tilted(100)])
+        got = station.next("ODOMETRY")
+    expected = [radians(rate) for rate in (-3.0 - 0.2, -(1.5 - 0.25), -(2.0 - 0.1))]
+    assert [got.rollspeed, got.pitchspeed, got.yawspeed] == pytest.approx(expected)
+
+
+def test_without_a_sigma_of_tilt_the_option_counts() -> None:
+    sample = tilted(100)
+    assert sample.attitude is not None
+    with hub() as outputs, listening() as station:
+        outputs.want(f"mavlink:port={station.port},tilt_sigma_deg=2")
+        outputs.opened()
+        outputs.samples([sample._replace(attitude=sample.attitude._replace(tilt_sigma_deg=nan))])
+        got = station.next("ODOMETRY")
+    assert got.pose_covariance[ROLL] == pytest.approx(radians(2.0) ** 2)
+
+
+def test_a_device_with_one_axis_sends_no_attitude_quaternion() -> None:
+    with hub() as outputs, listening() as station:
+        outputs.want(f"mavlink:port={station.port},message=attitude")
+        outputs.opened()
+        outputs.samples([corrected(0), corrected(100)])
+        assert [station.next_of_any() for _ in range(4)] == ["ATTITUDE", "ATTITUDE_QUATERNION_COV"] * 2
 
 
 @pytest.mark.parametrize(

@@ -11,8 +11,20 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from outputs_support import HubThread, address_of, await_problem, csv_at_100_hz, events, hub, path_of, serving
-from support import PATIENCE_S, near, never
+from outputs_support import (
+    HubThread,
+    address_of,
+    await_problem,
+    corrected,
+    csv_at_100_hz,
+    events,
+    hub,
+    hub_process,
+    path_of,
+    serving,
+    tilted,
+)
+from support import PATIENCE_S, free_port, near, never
 from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
@@ -54,9 +66,9 @@ while True:
 
 
 @contextmanager
-def other_end(role: str, number: int, folder: Path) -> Iterator[Iterator[dict[str, Any]]]:
+def other_end(role: str, number: int, folder: Path, code: str = CLIENT) -> Iterator[Iterator[dict[str, Any]]]:
     """What the other end sees, again and again."""
-    command = [sys.executable, "-c", CLIENT, role, str(number)]
+    command = [sys.executable, "-c", code, role, str(number)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, cwd=folder) as process:
         assert process.stdout is not None
         try:
@@ -155,6 +167,79 @@ def test_who_forges_values_on_the_robots_server_is_told(port: Path, tmp_path: Pa
                 time.sleep(0.05)
             assert told.startswith("values are forged on the robot's server, by forger")
         serve.until(lambda it: bool(events(it, "topic_ours_again")), "that it is over")
+
+
+ROBOT_CODE = """
+import dataclasses, json, ntcore, sys, time
+from wpiutil import wpistruct
+
+@wpistruct.make_wpistruct(name="Quaternion")
+@dataclasses.dataclass
+class Quaternion:
+    w: wpistruct.double = 0.0
+    x: wpistruct.double = 0.0
+    y: wpistruct.double = 0.0
+    z: wpistruct.double = 0.0
+
+role, port = sys.argv[1], int(sys.argv[2])
+tables = ntcore.NetworkTableInstance.create()
+if role == "client":
+    tables.setServer("127.0.0.1", port)
+    tables.startClient4(role)
+else:
+    tables.startServer("", "127.0.0.1", 0, port)
+table = tables.getTable("gyrodrift")
+fast = ntcore.PubSubOptions(periodic=0.01)
+rotation = table.getRawTopic("rotation").subscribe("struct:Rotation3d", bytes(32), fast)
+names = ("roll_deg", "pitch_deg", "tilt_deg")
+angles = {name: table.getDoubleTopic(name).subscribe(float("nan"), fast) for name in names}
+layout = tables.getRawTopic("/.schema/struct:Rotation3d").subscribe("structschema", b"", fast)
+every = ntcore.MultiSubscriber(tables, ["/gyrodrift/"], ntcore.PubSubOptions(topicsOnly=True))
+while True:
+    q, layout_text = wpistruct.unpack(Quaternion, rotation.get()), bytes(layout.get()).decode()
+    seen = {name: each.get() for name, each in angles.items()} | {"q": [q.w, q.x, q.y, q.z], "layout": layout_text}
+    seen["joined"] = tables.isConnected()
+    seen["topics"] = sorted(topic.getName() for topic in tables.getTopics("/gyrodrift/"))
+    print(json.dumps(seen), flush=True)
+    time.sleep(0.05)
+"""
+"""Code of a robot that reads a Rotation3d, which holds a quaternion alone."""
+
+
+@pytest.mark.parametrize("role", ["client", "robot"])
+def test_robot_code_reads_a_rotation(role: str, tmp_path: Path) -> None:
+    """As a struct of WPILib with its layout, from our server and on the robot's."""
+    pytest.importorskip("wpiutil.wpistruct", reason="robotpy-wpiutil is not installed")
+    number = free_port()
+    with hub_process() as outputs:
+        outputs.want(f"networktables:port={number}" + (",robot=127.0.0.1" if role == "robot" else ""))
+        outputs.opened()
+        with other_end(role, number, tmp_path, ROBOT_CODE) as seen:
+            until(seen, joined=True)
+            outputs.samples([tilted(0)])
+            found = until(seen, roll_deg=10.0, pitch_deg=-20.0, layout="Quaternion q")
+            while found["q"][0] == 0.0:
+                found = next(seen)
+    attitude = tilted(0).attitude
+    assert attitude is not None
+    assert found["q"] == pytest.approx(attitude[:4])
+    assert found["tilt_deg"] == 22.2687
+
+
+def test_a_device_with_one_axis_has_no_rotation(tmp_path: Path) -> None:
+    """Its topics stay those that they were, also for a client that was there before."""
+    with hub() as outputs:
+        outputs.want("networktables:port=0")
+        _, _, number = outputs.opened()[0].address.rpartition(":")
+        with other_end("client", int(number), tmp_path, ROBOT_CODE) as seen:
+            until(seen, joined=True)
+            outputs.samples([corrected(0)])
+            before = next(each for each in seen if len(each["topics"]) >= 8)["topics"]
+            outputs.samples([tilted(10)])
+            after = next(each for each in seen if len(each["topics"]) > 8)["topics"]
+    assert set(after) - set(before) == {
+        f"/gyrodrift/{name}" for name in ("roll_deg", "pitch_deg", "tilt_deg", "tilt_sigma_deg", "rotation")
+    }
 
 
 def names_in_use(outputs: HubThread, count: int) -> list[str]:

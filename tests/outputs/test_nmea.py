@@ -16,7 +16,7 @@ from urllib.request import urlopen
 
 import pytest
 from clients_support import CLIENTS, need_node
-from outputs_support import HubThread, Reader, connected, corrected, hub
+from outputs_support import HubThread, Reader, connected, corrected, hub, tilted
 from serial import Serial
 from support import PATIENCE_S, free_port
 
@@ -62,6 +62,15 @@ def test_sentences_have_what_is_known() -> None:
     sample = corrected(0, heading_deg=nan)
     assert [each[3:6] for each in sentences(sample._replace(sample=sample.sample._replace(temp_c=nan)))] == [b"ROT"]
     assert fields(sentences(corrected(0, heading_deg=359.999))[0])["headingT"] == 0.0
+
+
+def test_a_tilted_device_has_pitch_and_roll() -> None:
+    """Bow up and starboard down are positive, under the names that plotters know."""
+    said = [sentence.decode() for sentence in sentences(tilted(0))]
+    assert said[2][:-5] == "$IIXDR,A,20.00,D,PTCH,A,10.00,D,ROLL"
+    assert list(fields(said[2].encode()).values()) == ["IIXDR", "A", 20.0, "D", "PTCH", "A", 10.0, "D", "ROLL"]
+    assert are_of_the_sample([sentence.encode() for sentence in (said[0], said[1], said[3])])
+    assert "A,0.00,D,ROLL" in sentences(tilted(0, roll_deg=-0.001))[2].decode()
 
 
 def test_over_tcp(outputs: HubThread) -> None:

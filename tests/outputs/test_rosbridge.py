@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from clients_support import fed, node_client, python_client
-from outputs_support import HubThread, address_of, corrected, hub, serving
+from outputs_support import AXES, HubThread, address_of, corrected, hub, serving, tilted
 from websockets.sync.client import ClientConnection, connect
 
 Rosbridge = tuple[HubThread, ClientConnection]
@@ -86,6 +86,48 @@ def test_a_sigma_that_is_not_known_is_minus_one(bridge: Rosbridge) -> None:
         outputs.samples([corrected(seq=200, yaw_sigma_deg=nan)])
         covariance = imu_of(client)["orientation_covariance"]
     assert (covariance[0], covariance[8]) == (-1.0, -1.0)
+
+
+def test_a_device_with_three_axes_sends_all_of_them(bridge: Rosbridge) -> None:
+    """In the frame of the sensor, as REP 145 says: accelerations with gravity, rates without drift."""
+    outputs, client = bridge
+    sample = tilted(seq=210)
+    assert sample.attitude is not None
+    with subscribed(client):
+        outputs.samples([sample])
+        imu = imu_of(client)
+    turn = imu["orientation"]
+    assert (turn["w"], turn["x"], turn["y"], turn["z"]) == sample.attitude[:4]
+    tilt, yaw = radians(0.4) ** 2, radians(0.5) ** 2
+    assert imu["orientation_covariance"] == pytest.approx([tilt, 0, 0, 0, tilt, 0, 0, 0, yaw])
+    rates = [radians(rate) for rate in (2.0 - 0.1, -3.0 - 0.2, 1.5 - 0.25)]
+    assert list(imu["angular_velocity"].values()) == pytest.approx(rates)
+    assert imu["angular_velocity_covariance"] == [0.0] * 9
+    assert tuple(imu["linear_acceleration"].values()) == AXES[3:]
+    assert imu["linear_acceleration_covariance"] == [0.0] * 9
+
+
+def test_accelerations_that_are_missing_are_not_known(bridge: Rosbridge) -> None:
+    outputs, client = bridge
+    sample = tilted(seq=220)
+    assert sample.attitude is not None
+    attitude = sample.attitude._replace(tilt_sigma_deg=nan)
+    rates = sample.sample._replace(inertial=AXES._replace(accel_y_mps2=nan))
+    with subscribed(client):
+        outputs.samples([sample._replace(sample=rates, attitude=attitude)])
+        imu = imu_of(client)
+    assert imu["linear_acceleration"] == {"x": 0.0, "y": 0.0, "z": 0.0}
+    assert imu["linear_acceleration_covariance"][0] == -1.0
+    assert imu["orientation_covariance"][0] == -1.0
+
+
+def test_noise_of_three_axes_is_an_option() -> None:
+    with bridged(",rate_sigma_dps=0.1,accel_sigma_mps2=0.2") as (outputs, client), subscribed(client):
+        outputs.samples([tilted(seq=1)])
+        imu = imu_of(client)
+    rate = radians(0.1) ** 2 + radians(0.01) ** 2
+    assert [imu["angular_velocity_covariance"][index] for index in (0, 4, 8)] == pytest.approx([rate] * 3)
+    assert [imu["linear_acceleration_covariance"][index] for index in (0, 4, 8)] == pytest.approx([0.04] * 3)
 
 
 def test_throttle_rate_is_the_least_time_between_messages(bridge: Rosbridge) -> None:

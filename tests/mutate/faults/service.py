@@ -139,7 +139,7 @@ FAULTS = (
     Fault(
         "service/feed-dropped-uncounted",
         f"{SERVICE}/output_feed.py",
-        "                dropped += (len(message) - 1) // wire.RECORD.size\n",
+        "                dropped += wire.count_samples(message)\n",
         "                dropped += 1\n",
         "Messages are counted instead of samples when the outputs are too slow.",
         (f"{TESTS}/test_output_feed.py::test_what_is_dropped_is_counted_in_samples",),

@@ -1,0 +1,139 @@
+"""Attitude and rates of a device whose sensor has three axes, for clients that expect those of the device.
+
+The device frame has x forward, y left and z up (REP 103). Its heading is yaw: the twist about the vertical. So a device
+is turned by yaw about the vertical after the shortest rotation that gives it its roll and pitch.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import asin, atan2, cos, radians, sin, sqrt
+
+from gyrodrift.sample import Attitude, Inertial
+
+Quaternion = tuple[float, float, float, float]
+Vector = tuple[float, float, float]
+
+UPSIDE_DOWN = cos(radians(150.0))
+"""Height of the up axis below which a twist is ill defined. There the service carries yaw by the rate about the
+vertical, and the heading is that of the attitude itself."""
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceFrame:
+    """Axes of the device as unit vectors in the sensor frame."""
+
+    x: Vector = (1.0, 0.0, 0.0)
+    y: Vector = (0.0, 1.0, 0.0)
+    z: Vector = (0.0, 0.0, 1.0)
+
+    @classmethod
+    def of(cls, mount: Mapping[str, str] | None) -> "DeviceFrame":
+        """Frame of a mount: the axes of the sensor, such as `+z`, that point `up` and `forward`."""
+        if mount is None:
+            return UNTURNED
+        forward, up = _axis(mount["forward"]), _axis(mount["up"])
+        return cls(forward, _cross(up, forward), up)
+
+    def vector(self, of_sensor: Vector) -> Vector:
+        """Vector of the sensor frame in the device frame."""
+        return _dot(self.x, of_sensor), _dot(self.y, of_sensor), _dot(self.z, of_sensor)
+
+    @property
+    def quaternion(self) -> Quaternion:
+        """Rotation from the device to the sensor frame, by Shepperd's method: the largest part comes first."""
+        (a, d, g), (b, e, h), (c, f, i) = self.x, self.y, self.z
+        candidates = (
+            (1.0 + a + e + i, h - f, c - g, d - b),
+            (h - f, 1.0 + a - e - i, b + d, c + g),
+            (c - g, b + d, 1.0 - a + e - i, f + h),
+            (d - b, c + g, f + h, 1.0 - a - e + i),
+        )
+        w, x, y, z = max(candidates, key=lambda parts: sum(part * part for part in parts))
+        size = sqrt(w * w + x * x + y * y + z * z)
+        return w / size, x / size, y / size, z / size
+
+    def attitude(self, attitude: Attitude, yaw_deg: float, heading_deg: float) -> Quaternion:
+        """Rotation from the device to the earth frame with z up, of the two signs that with w ≥ 0.
+
+        Parameters
+        ----------
+        yaw_deg
+            Yaw of the sample, deg.
+        heading_deg
+            Heading that the rotation has, counter-clockwise, deg: yaw itself, or yaw from north.
+        """
+        roll, pitch = radians(attitude.roll_deg), radians(attitude.pitch_deg)
+        up_z = cos(pitch) * cos(roll)
+        if up_z < UPSIDE_DOWN:
+            return _positive(after_turn(product(attitude[:4], self.quaternion), heading_deg - yaw_deg))
+        w = sqrt(0.5 * (1.0 + up_z))
+        swing = w, 0.5 * cos(pitch) * sin(roll) / w, 0.5 * sin(pitch) / w, 0.0
+        return _positive(after_turn(swing, heading_deg))
+
+    def rates_dps(self, inertial: Inertial, attitude: Attitude) -> Vector:
+        """Rates about the axes of the device without the estimated drift, deg/s."""
+        return self.vector(corrected_rates_dps(inertial, attitude))
+
+
+UNTURNED = DeviceFrame()
+"""The sensor's own axes."""
+
+
+def corrected_rates_dps(inertial: Inertial, attitude: Attitude) -> Vector:
+    """Rates about the axes of the sensor without the estimated drift, deg/s."""
+    return (
+        inertial.gyro_x_dps - attitude.bias_x_dps,
+        inertial.gyro_y_dps - attitude.bias_y_dps,
+        inertial.gyro_z_dps - attitude.bias_z_dps,
+    )
+
+
+def product(p: Quaternion, q: Quaternion) -> Quaternion:
+    """Hamilton product: the rotation q, then p."""
+    a, b, c, d = p
+    w, x, y, z = q
+    return (
+        a * w - b * x - c * y - d * z,
+        a * x + b * w + c * z - d * y,
+        a * y - b * z + c * w + d * x,
+        a * z + b * y - c * x + d * w,
+    )
+
+
+def after_turn(q: Quaternion, turn_deg: float) -> Quaternion:
+    """Attitude after a further turn about the vertical, counter-clockwise."""
+    half = radians(0.5 * turn_deg)
+    return product((cos(half), 0.0, 0.0, sin(half)), q)
+
+
+def frd(q: Quaternion) -> Quaternion:
+    """Rotation between frames forward, right, down instead of forward, left, up."""
+    w, x, y, z = q
+    return w, x, -y, -z
+
+
+def angles_rad(q: Quaternion) -> Vector:
+    """Roll, pitch and yaw of R = Rz(yaw)·Ry(pitch)·Rx(roll), rad."""
+    w, x, y, z = q
+    roll = atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    pitch = asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x))))
+    return roll, pitch, atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
+def _positive(q: Quaternion) -> Quaternion:
+    w, x, y, z = q
+    return q if w >= 0.0 else (-w, -x, -y, -z)
+
+
+def _axis(name: str) -> Vector:
+    sign = -1.0 if name[0] == "-" else 1.0
+    x, y, z = (sign if name[1] == letter else 0.0 for letter in "xyz")
+    return x, y, z
+
+
+def _cross(a: Vector, b: Vector) -> Vector:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def _dot(a: Vector, b: Vector) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
