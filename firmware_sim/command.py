@@ -9,10 +9,10 @@ from pathlib import Path
 
 from firmware_sim.faults.catalogue import FAULTS, FaultyCable, faulty_blocks, faulty_frames, parse_fault
 from firmware_sim.measure import StillWord, measure
-from firmware_sim.motion.profile import load_profile, shipped_profiles
+from firmware_sim.motion.profile import load_motion, shipped_profiles
 from firmware_sim.player import play, play_after_each_opening, stopped_by_signals
 from firmware_sim.pty import PtyDevice
-from firmware_sim.rig import load_rig, parse_effect, with_effects
+from firmware_sim.rig import load_rig, parse_effect, with_axes, with_effects
 from firmware_sim.wire.encoder import Frame
 from firmware_sim.wire.registry import ENCODERS
 
@@ -34,9 +34,10 @@ def run(arguments: argparse.Namespace, tell: Callable[[str], None]) -> None:
     LinkInUseError
         The link cannot be made, or belongs to something else.
     """
-    rig = with_effects(load_rig(arguments.rig), [parse_effect(text) for text in arguments.effect])
+    effects = [parse_effect(text) for text in arguments.effect]
+    rig = with_effects(with_axes(load_rig(arguments.rig), arguments.axes), effects)
     faults = [parse_fault(text) for text in arguments.fault]
-    profile = load_profile(arguments.profile)
+    profile = load_motion(arguments.profile)
     encoder = ENCODERS[arguments.protocol]
 
     def frames() -> Iterator[Frame]:
@@ -83,6 +84,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="turntable",
         metavar="PROFILE",
         help=f"motion: {', '.join(shipped_profiles())}, or a file (default turntable)",
+    )
+    parser.add_argument(
+        "--axes",
+        type=int,
+        choices=(1, 3),
+        help="gyro axes: 1, or 3 with an accelerometer (default: as the rig file says)",
     )
     parser.add_argument(
         "--protocol", default="native", choices=sorted(ENCODERS), help="protocol that it sends (default native)"

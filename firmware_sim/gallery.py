@@ -7,6 +7,7 @@ import argparse
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import reduce
 from itertools import islice
 from math import ceil
 from pathlib import Path
@@ -19,7 +20,7 @@ from matplotlib import pyplot as plt
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect, Floats
-from firmware_sim.measure import BLOCK_SAMPLES, Block, measure
+from firmware_sim.measure import BLOCK_SAMPLES, joined, measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Rig, load_rig, with_effects
 
@@ -117,7 +118,7 @@ def record(rig: Rig, profile_name: str, seconds: float) -> Trace:
     """Run a rig for some seconds."""
     profile = load_profile(profile_name)
     blocks = list(islice(measure(rig, profile, SEED), ceil(seconds * rig.base.sample_rate_hz / BLOCK_SAMPLES)))
-    whole = Block(*(np.concatenate([getattr(block, name) for block in blocks]) for name in Block.__slots__))
+    whole = reduce(joined, blocks)
     angle_deg, rate_dps = profile.motion_at(whole.seq / rig.base.sample_rate_hz)
     return Trace(
         device_s=whole.t_device_us / 1e6,

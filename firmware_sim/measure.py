@@ -2,27 +2,42 @@
 
 The motion is known in closed form. The gyro senses it, possibly late, on a grid that is fine enough for effects in
 continuous time, and noise is added. Then the rate is sampled, gets gain and bias errors, and is rounded to counts. The
-encoder measures the same motion with its own errors. The clock adds time stamps, and the link delivers.
+encoder measures the same motion with its own errors. The clock adds time stamps, and the link delivers. A device with
+three axes measures all rates and the acceleration in the same way (`triaxial`).
 
 The same rig, profile, seed and session number give the same measurements.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import fields, replace
 from enum import StrEnum
-from math import ceil
+from math import ceil, inf
 from typing import Protocol
 from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_sim.effects.catalogue import in_acting_order
-from firmware_sim.effects.effect import Act, EffectSlot, Floats, Moments
+from firmware_sim.block import ACCEL_MISSING, COUNTS_MAX, Block, TriaxialBlock, accel_in_counts, in_counts, joined
+from firmware_sim.channels import Channel, begin_acts, random_stream, through
+from firmware_sim.effects.effect import EffectSlot, Floats, Moments
 from firmware_sim.rig import Rig
+from firmware_sim.triaxial import YAW_AXIS, SixValues, TriaxialSensor, is_still
+
+__all__ = [
+    "ACCEL_MISSING",
+    "BLOCK_SAMPLES",
+    "COUNTS_MAX",
+    "HALF_A_COUNT",
+    "Block",
+    "Motion",
+    "StillWord",
+    "TriaxialBlock",
+    "joined",
+    "measure",
+]
 
 BLOCK_SAMPLES = 4096
-COUNTS_MAX = 32767
 FINE_POINTS = 1 << 18
 
 HOST_JITTER = crc32(b"host_jitter_s")
@@ -52,63 +67,6 @@ class Motion(Protocol):
 
 HALF_A_COUNT = 0.5 + 1e-6
 """Rounding offset, so that exact half counts do not depend on the last bit of a float."""
-
-
-@dataclass(frozen=True, slots=True)
-class Block:
-    """Measurements in order; every array has the shape (n,).
-
-    seq
-        Counter from 0, not wrapped; lost samples leave gaps.
-    t_device_us
-        Device clock from 0, µs, not wrapped.
-    t_host_s
-        Arrival at the host, s after power-on, on the host clock.
-    rate_raw, is_clipped
-        Rate in counts, and whether it exceeded the range.
-    temp_centi_c
-        Temperature, hundredths of °C.
-    encoder_counts
-        Encoder counts, from the phase of the rig; zeros without an encoder.
-    still
-        Rest as the device reports it: 1 at rest, 0 in motion, −1 not reported.
-    """
-
-    seq: NDArray[np.int64]
-    t_device_us: NDArray[np.int64]
-    t_host_s: Floats
-    rate_raw: NDArray[np.int16]
-    is_clipped: NDArray[np.bool_]
-    temp_centi_c: NDArray[np.int16]
-    encoder_counts: NDArray[np.int64]
-    still: NDArray[np.int8]
-
-    def rows(self) -> Iterator[tuple[int, int, float, int, bool, int, int, int]]:
-        """Measurements as plain numbers, in the order of the arrays."""
-        return zip(
-            self.seq.tolist(),
-            self.t_device_us.tolist(),
-            self.t_host_s.tolist(),
-            self.rate_raw.tolist(),
-            self.is_clipped.tolist(),
-            self.temp_centi_c.tolist(),
-            self.encoder_counts.tolist(),
-            self.still.tolist(),
-            strict=True,
-        )
-
-    def only(self, kept: NDArray[np.bool_]) -> "Block":
-        """Measurements for which `kept` is true."""
-        return Block(
-            self.seq[kept],
-            self.t_device_us[kept],
-            self.t_host_s[kept],
-            self.rate_raw[kept],
-            self.is_clipped[kept],
-            self.temp_centi_c[kept],
-            self.encoder_counts[kept],
-            self.still[kept],
-        )
 
 
 class StillWord(StrEnum):
@@ -142,20 +100,18 @@ class _Bench:
     def __init__(self, rig: Rig, motion: Motion, seed: int, session: int, still: StillWord) -> None:
         self._base, self._motion, self._still_word = rig.base, motion, still
         self._rate_hz = rig.base.sample_rate_hz
-        self._acts: dict[EffectSlot, list[Act]] = {slot: [] for slot in EffectSlot}
-        twins: dict[str, int] = {}
-        for effect in in_acting_order(rig.effects):
-            twins[effect.name] = twins.get(effect.name, 0) + 1
-            stream = _random_stream(seed, session, crc32(effect.name.encode()), twins[effect.name])
-            self._acts[effect.slot].append(effect.begin(stream, self._rate_hz))
-        has_low_pass = bool(self._acts[EffectSlot.LOW_PASS])
-        finest_s = min(effect.finest_step_s() for effect in rig.effects) if has_low_pass else float("inf")
-        self._fine = max(1, ceil(1.0 / self._rate_hz / finest_s))
-        sigma = rig.base.noise_dps_rthz * np.sqrt(self._rate_hz * self._fine)
-        self._jitter = _random_stream(seed, session, HOST_JITTER)
+        self._acts = begin_acts(rig, seed, session)
+        axes = rig.base.three_axes
+        finest_s = min(
+            (effect.finest_step_s() for effect in (*rig.effects, *(axes.effects if axes else ()))), default=inf
+        )
+        self._fine = max(1, ceil(1.0 / self._rate_hz / finest_s)) if self._acts[EffectSlot.LOW_PASS] else 1
+        self._jitter = random_stream(seed, session, HOST_JITTER)
         self._last_arrival_s = -np.inf
-        noise = _random_stream(seed, session)
-        self._acts[EffectSlot.ANALOG].append(lambda rate, _: rate + sigma * noise.standard_normal(rate.shape))
+        noise = random_stream(seed, session)
+        sizes = (rig.base.noise_dps_rthz, rig.base.bias_dps, self._rate_hz, self._fine)
+        self._gyro = Channel(self._acts, noise, *sizes)
+        self._sensor = None if axes is None else TriaxialSensor(rig, axes, motion, seed, session, self._fine)
 
     def _moments(self, t_s: Floats, step_s: float) -> Moments:
         angle_deg, rate_dps = self._motion.motion_at(t_s)
@@ -174,16 +130,14 @@ class _Bench:
         return ordered_s
 
     def _through(self, slot: EffectSlot, values: Floats, moments: Moments) -> Floats:
-        for act in self._acts[slot]:
-            values = act(values, moments)
-        return values
+        return through(self._acts[slot], values, moments)
 
     def block(self, first: int, count: int) -> Block:
         """Measurements `first` to `first + count`."""
         seq = np.arange(first, first + count)
         truth = self._moments(seq / self._rate_hz, 1.0 / self._rate_hz)
-        rate_dps = self._rate(first, count, truth)
-        counts = np.rint(rate_dps / self._base.dps_per_lsb)
+        rates_dps, accel_mps2 = self._values(first, count, truth)
+        counts = np.rint(rates_dps / self._base.dps_per_lsb)
         angle_deg = self._through(EffectSlot.COUNTS, self._through(EffectSlot.ENCODER, truth.angle_deg, truth), truth)
         stamp_s = self._through(EffectSlot.CLOCK, truth.t_s, truth)
         arrival_s = self._through(EffectSlot.ARRIVAL, self._at_host(truth.t_s), truth)
@@ -192,31 +146,36 @@ class _Bench:
             seq=seq,
             t_device_us=np.rint(stamp_s * 1e6).astype(np.int64),
             t_host_s=arrival_s,
-            rate_raw=np.clip(counts, -COUNTS_MAX, COUNTS_MAX).astype(np.int16),
-            is_clipped=np.abs(counts) > COUNTS_MAX,
+            rate_raw=in_counts(counts[:, -1]),
+            is_clipped=np.any(np.abs(counts) > COUNTS_MAX, axis=1),
             temp_centi_c=np.rint(truth.temp_c * 100.0).astype(np.int16),
             encoder_counts=np.floor(angle_deg / 360.0 * self._base.encoder_cpr + HALF_A_COUNT).astype(np.int64),
-            still=self._still(truth.rate_dps),
+            still=self._still(truth),
         )
+        if self._base.three_axes is not None:
+            columns = {column.name: getattr(block, column.name) for column in fields(block)}
+            accel = accel_in_counts(accel_mps2, self._base.three_axes.mps2_per_lsb)
+            block = TriaxialBlock(
+                **columns, gyro_xy_raw=in_counts(counts[:, :YAW_AXIS]), accel_raw=accel[0], accel_clipped=accel[1]
+            )
         return block if arrived.all() else block.only(arrived)
 
-    def _still(self, rate_dps: Floats) -> NDArray[np.int8]:
-        """Reported rest for a true rate."""
+    def _still(self, truth: Moments) -> NDArray[np.int8]:
+        """Reported rest."""
         match self._still_word:
             case StillWord.TRUE:
-                return np.where(rate_dps == 0.0, 1, 0).astype(np.int8)
+                return is_still(self._motion, truth.t_s, truth.rate_dps).astype(np.int8)
             case StillWord.NONE:
-                return np.full(len(rate_dps), -1, np.int8)
+                return np.full(len(truth.t_s), -1, np.int8)
             case constant:
-                return np.full(len(rate_dps), int(constant.value), np.int8)
+                return np.full(len(truth.t_s), int(constant.value), np.int8)
 
     def _sensed(self, fine: Moments) -> tuple[Floats, Floats]:
         """Rate with all effects in continuous time, and the sensed motion, at the samples of the fine grid."""
         seen_s = self._through(EffectSlot.LAG, fine.t_s, fine)
         motion_dps = fine.rate_dps if seen_s is fine.t_s else self._motion.motion_at(seen_s)[1]
-        moments = replace(fine, rate_dps=motion_dps)
-        rate_dps = self._through(EffectSlot.LOW_PASS, self._through(EffectSlot.ANALOG, motion_dps, moments), moments)
-        return rate_dps[self._fine - 1 :: self._fine], motion_dps[self._fine - 1 :: self._fine]
+        rate_dps = self._gyro.continuous(motion_dps, replace(fine, rate_dps=motion_dps))
+        return rate_dps, motion_dps[self._fine - 1 :: self._fine]
 
     def _fine_moments(self, first: int, count: int) -> Iterator[Moments]:
         """True values on the fine grid, in pieces, so that memory stays bounded."""
@@ -227,17 +186,15 @@ class _Bench:
             points = np.arange((start - 1) * self._fine + 1, (end - 1) * self._fine + 1)
             yield self._moments(points / fine_rate_hz, 1.0 / fine_rate_hz)
 
-    def _rate(self, first: int, count: int, truth: Moments) -> Floats:
-        """Rate that the device reads, deg/s."""
+    def _values(self, first: int, count: int, truth: Moments) -> SixValues:
+        """Rates that the device reads, deg/s, shape (n, 1 or 3), yaw last, and accelerations, shape (n, 0 or 3)."""
         pieces = [truth] if self._fine == 1 else self._fine_moments(first, count)
+        if self._sensor is not None:
+            return self._sensor.values(
+                ((fine, self._through(EffectSlot.LAG, fine.t_s, fine)) for fine in pieces), truth
+            )
         parts = [self._sensed(fine) for fine in pieces]
         rate_dps, motion_dps = (np.concatenate(column) for column in zip(*parts, strict=True))
         # Effects of the rate use the sensed rate, not the true one.
-        sensed = replace(truth, rate_dps=motion_dps)
-        rate_dps = self._through(EffectSlot.RATE, rate_dps, sensed) + self._base.bias_dps
-        return self._through(EffectSlot.HOLD, self._through(EffectSlot.OUTPUT, rate_dps, sensed), sensed)
-
-
-def _random_stream(seed: int, *branch: int) -> np.random.Generator:
-    """Independent random generator for a purpose."""
-    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=branch))
+        read_dps = self._gyro.sampled(rate_dps, replace(truth, rate_dps=motion_dps))
+        return SixValues(read_dps[:, None], np.zeros((count, 0)))

@@ -1,20 +1,86 @@
 """Rig as in its file: gyro, encoder and link."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
-from pydantic import Field, SerializeAsAny, WrapValidator
+from pydantic import (
+    Field,
+    SerializeAsAny,
+    SerializerFunctionWrapHandler,
+    WrapValidator,
+    model_serializer,
+)
 from pydantic_core import PydanticKnownError
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
+from firmware_sim.effects.triaxial.catalogue import TRIAXIAL
+from firmware_sim.effects.triaxial.effect import STANDARD_GRAVITY_MPS2, TriaxialEffect
 from firmware_sim.motion.profile import config_folder
 from firmware_sim.named import parse_named
-from firmware_sim.yaml_file import Checked, load
+from firmware_sim.yaml_file import Checked, FileError, load
+
+Kind = TypeVar("Kind", bound=Effect)
+
+MPS2_PER_LSB_AT_4_G = 4.0 * STANDARD_GRAVITY_MPS2 / 2**15
+"""One count at ±4 g in 16 bits, m/s²: 8192 LSB/g (MPU-6050, 6.2)."""
 
 ENCODER_CPR_MAX = 2**31 // 360
 """A count is a 32-bit number on the wire; this allows 360 turns in either direction."""
+
+
+def _of(catalogue: Mapping[str, type[Kind]], value: Any) -> Kind | Any:
+    """Effect from a file, by its name; a pydantic union would not include effects registered later."""
+    if not isinstance(value, dict):
+        raise PydanticKnownError("model_attributes_type")
+    if "name" not in value:
+        raise PydanticKnownError("union_tag_not_found", {"discriminator": "'name'"})
+    name = value["name"]
+    if not isinstance(name, str) or name not in catalogue:
+        names = ", ".join(map(repr, catalogue))
+        raise PydanticKnownError(
+            "union_tag_invalid", {"discriminator": "'name'", "tag": str(name), "expected_tags": names}
+        )
+    return catalogue[name].model_validate(value)
+
+
+def _of_the_catalogue(value: Any, _: object) -> Effect:
+    return value if isinstance(value, Effect) else _of(CATALOGUE, value)
+
+
+def _of_triaxial(value: Any, _: object) -> TriaxialEffect:
+    return value if isinstance(value, TriaxialEffect) else _of(TRIAXIAL, value)
+
+
+AnyEffect = Annotated[SerializeAsAny[Effect], WrapValidator(_of_the_catalogue)]
+AnyTriaxial = Annotated[SerializeAsAny[TriaxialEffect], WrapValidator(_of_triaxial)]
+
+
+class ThreeAxes(Checked):
+    """Ideal gyro of three axes with an accelerometer, and its effects on vectors.
+
+    `base` states scale, noise and sample rate for each gyro axis, and the bias about z. Other effects of the rig act on
+    each gyro axis by itself.
+
+    gyro_bias_x_dps, gyro_bias_y_dps
+        Constant offsets of the rates about x and y, deg/s.
+    mps2_per_lsb
+        One count of the 16-bit acceleration, m/s²; 0 for a device without accelerometer.
+    accel_noise_mps2_rthz
+        White noise of each axis, m/s²/√Hz, two-sided like that of the rate.
+    gravity_mps2
+        Local gravity, m/s².
+    effects
+        Effects on vectors; one may be listed several times.
+    """
+
+    gyro_bias_x_dps: Annotated[float, Field(ge=-50.0, le=50.0)] = 0.0
+    gyro_bias_y_dps: Annotated[float, Field(ge=-50.0, le=50.0)] = 0.0
+    mps2_per_lsb: Annotated[float, Field(ge=0.0, le=1.0)] = MPS2_PER_LSB_AT_4_G
+    accel_noise_mps2_rthz: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0028
+    gravity_mps2: Annotated[float, Field(ge=0.0, le=30.0)] = STANDARD_GRAVITY_MPS2
+    effects: Annotated[tuple[AnyTriaxial, ...], Field(strict=False)] = ()
 
 
 class Base(Checked):
@@ -41,6 +107,8 @@ class Base(Checked):
         Delay from a measurement to its bytes on the link, s.
     host_jitter_s
         Mean additional delay by the scheduler of the host, s: exponential and independent, but samples stay in order.
+    three_axes
+        Gyro of three axes and accelerometer; None for a device that sends the yaw rate alone.
     """
 
     sample_rate_hz: Annotated[float, Field(ge=1.0, le=65535.0)] = 100.0
@@ -52,26 +120,15 @@ class Base(Checked):
     encoder_phase_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 0.0
     host_delay_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.002
     host_jitter_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
+    three_axes: ThreeAxes | None = None
 
-
-def _of_the_catalogue(value: Any, _: object) -> Effect:
-    """Effect from a file, by its name; a pydantic union would not include effects registered later."""
-    if isinstance(value, Effect):
-        return value
-    if not isinstance(value, dict):
-        raise PydanticKnownError("model_attributes_type")
-    if "name" not in value:
-        raise PydanticKnownError("union_tag_not_found", {"discriminator": "'name'"})
-    name = value["name"]
-    if not isinstance(name, str) or name not in CATALOGUE:
-        names = ", ".join(map(repr, CATALOGUE))
-        raise PydanticKnownError(
-            "union_tag_invalid", {"discriminator": "'name'", "tag": str(name), "expected_tags": names}
-        )
-    return CATALOGUE[name].model_validate(value)
-
-
-AnyEffect = Annotated[SerializeAsAny[Effect], WrapValidator(_of_the_catalogue)]
+    @model_serializer(mode="wrap")
+    def _without_axes(self, as_usual: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Fields of a device with one axis stay what they were, to the byte."""
+        fields: dict[str, Any] = as_usual(self)
+        if self.three_axes is None:
+            fields.pop("three_axes", None)
+        return fields
 
 
 class Rig(Checked):
@@ -100,12 +157,40 @@ def parse_effect(text: str) -> Effect:
     FileError
         The effect or a parameter is unknown, or a value is invalid.
     """
-    return parse_named("effect", text, CATALOGUE, lambda kind: kind.typical)
+    return parse_named("effect", text, {**CATALOGUE, **TRIAXIAL}, lambda kind: kind.typical)
 
 
 def with_effects(rig: Rig, effects: Sequence[Effect]) -> Rig:
-    """Rig with additional effects."""
-    return rig.model_copy(update={"effects": (*rig.effects, *effects)})
+    """Rig with additional effects.
+
+    Raises
+    ------
+    FileError
+        An effect needs three axes, and the rig has one.
+    """
+    triaxial = [effect for effect in effects if isinstance(effect, TriaxialEffect)]
+    if triaxial:
+        rig = _with_triaxial(rig, triaxial)
+    scalar = [effect for effect in effects if not isinstance(effect, TriaxialEffect)]
+    return rig.model_copy(update={"effects": (*rig.effects, *scalar)})
+
+
+def _with_triaxial(rig: Rig, effects: Sequence[TriaxialEffect]) -> Rig:
+    axes = rig.base.three_axes
+    if axes is None:
+        raise FileError(f"--effect {effects[0].name}: needs a rig with three axes; add --axes 3")
+    return _with_axes_block(rig, axes.model_copy(update={"effects": (*axes.effects, *effects)}))
+
+
+def with_axes(rig: Rig, axes: int | None) -> Rig:
+    """Rig with 1 or 3 axes; None leaves it as it is. A block `three_axes` of the rig stays."""
+    if axes == 1:
+        return _with_axes_block(rig, None)
+    return _with_axes_block(rig, ThreeAxes()) if axes and rig.base.three_axes is None else rig
+
+
+def _with_axes_block(rig: Rig, axes: ThreeAxes | None) -> Rig:
+    return rig.model_copy(update={"base": rig.base.model_copy(update={"three_axes": axes})})
 
 
 def with_replaced(rig: Rig, effects: Sequence[Effect]) -> Rig:

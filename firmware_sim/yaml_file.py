@@ -126,6 +126,18 @@ def load(path: Path, model: type[Model]) -> Model:
     return checked
 
 
+def top_keys(path: Path) -> set[str]:
+    """Keys of the outermost block of a file; empty if it has none.
+
+    Raises
+    ------
+    FileError
+        The file is not YAML, or cannot be read.
+    """
+    node = _compose(path)
+    return {str(key.value) for key, _ in node.value} if isinstance(node, yaml.MappingNode) else set()
+
+
 def _lines(path: Path, problems: list[tuple[Position, str]]) -> list[str]:
     """Lines for the first problems."""
     lines = [f"{path}:{line}:{column} {_shortened(text)}" for (line, column), text in problems[:PROBLEMS_MAX]]

@@ -1,14 +1,18 @@
 """Faults of the device: measurements that are missing, wrong, or at a wrong time."""
 
 from collections.abc import Iterator
-from dataclasses import fields, replace
-from typing import Annotated, ClassVar, Literal
+from dataclasses import replace
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from firmware_sim.faults.fault import Fault, Lasting, Seconds
-from firmware_sim.measure import COUNTS_MAX, Block
+from firmware_sim.measure import COUNTS_MAX, Block, joined
+
+SENSOR_COLUMNS = ("rate_raw", "is_clipped", "gyro_xy_raw", "accel_raw", "accel_clipped")
+"""Columns of a block that the sensor measures; a device with one axis has the first two."""
 
 
 class DoubleRate(Lasting):
@@ -26,7 +30,7 @@ class DoubleRate(Lasting):
         for block in blocks:
             if not len(block.seq):
                 continue
-            before = _joined(last if last is not None else _row(block, 0), block)
+            before = joined(last if last is not None else _row(block, 0), block)
             halfway = _halfway(before, block)
             has_one = self.is_on_at(halfway) & (np.diff(before.seq) == 1)
             counted = replace(block, seq=block.seq + inserted + np.cumsum(has_one))
@@ -36,28 +40,31 @@ class DoubleRate(Lasting):
 
 
 class StuckValue(Lasting):
-    """The rate is constant, while everything else goes on: the sensor hangs, and the firmware does not check."""
+    """Rates and acceleration are constant: the sensor hangs, and the firmware does not check."""
 
     fault: ClassVar[str] = "stuck_value"
 
     def on_blocks(self, blocks: Iterator[Block]) -> Iterator[Block]:
-        """Measurements with the last rate before the fault, or with the first rate of all."""
-        raw, is_clipped = np.int16(0), np.bool_(False)
-        is_fresh = True
+        """Measurements with the last values before the fault, or with the first of all."""
+        last: Block | None = None
         for block in blocks:
             if len(block.seq):
                 stuck = self.is_on_at(block)
                 free = np.flatnonzero(~stuck)
                 before = free[block.t_host_s[free] < self.from_s]
-                if len(before) or is_fresh:
-                    index = before[-1] if len(before) else 0
-                    raw, is_clipped = block.rate_raw[index], block.is_clipped[index]
-                is_fresh = False
-                yield replace(
-                    block,
-                    rate_raw=np.where(stuck, raw, block.rate_raw).astype(np.int16),
-                    is_clipped=np.where(stuck, is_clipped, block.is_clipped),
-                )
+                if len(before) or last is None:
+                    last = _row(block, int(before[-1]) if len(before) else 0)
+                yield _hung(block, last, stuck)
+
+
+def _hung(block: Block, last: Block, stuck: NDArray[np.bool_]) -> Block:
+    """Block whose sensor repeats the values of a row where it is stuck."""
+    columns: dict[str, Any] = {}
+    for name in SENSOR_COLUMNS:
+        if (values := getattr(block, name, None)) is not None:
+            where = stuck.reshape(-1, *[1] * (values.ndim - 1))
+            columns[name] = np.where(where, getattr(last, name), values)
+    return replace(block, **columns)
 
 
 class FullScale(Lasting):
@@ -166,32 +173,23 @@ class Reset(Fault):
 
 def _row(block: Block, index: int) -> Block:
     """Block of one measurement."""
-    return Block(*(getattr(block, field.name)[index:][:1] for field in fields(Block)))
-
-
-def _joined(first: Block, then: Block) -> Block:
-    names = [field.name for field in fields(Block)]
-    return Block(*(np.concatenate([getattr(first, name), getattr(then, name)]) for name in names))
+    return block.changed(lambda column: column[index:][:1])
 
 
 def _halfway(before: Block, block: Block) -> Block:
-    """Block of the means of consecutive measurements of `before`, rounded down."""
-
-    def mean(name: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-        values = getattr(before, name).astype(np.float64)
-        middle: np.ndarray[tuple[int], np.dtype[np.float64]] = 0.5 * (values[1:] + values[:-1])
-        return middle
-
-    return replace(
-        block,
-        t_device_us=np.floor(mean("t_device_us")).astype(np.int64),
-        t_host_s=mean("t_host_s"),
-        rate_raw=np.floor(mean("rate_raw")).astype(np.int16),
-        temp_centi_c=np.floor(mean("temp_centi_c")).astype(np.int16),
-        encoder_counts=np.floor(mean("encoder_counts")).astype(np.int64),
-    )
+    """Block of the means of consecutive measurements of `before`, rounded down; host times are not rounded."""
+    middle = before.changed(_mean_of_neighbors)
+    return replace(middle, seq=block.seq, is_clipped=block.is_clipped, still=block.still)
 
 
-def _inserted(block: Block, inserted: Block, indices: np.ndarray[tuple[int], np.dtype[np.intp]]) -> Block:
-    names = [field.name for field in fields(Block)]
-    return Block(*(np.insert(getattr(block, name), indices, getattr(inserted, name)) for name in names))
+def _mean_of_neighbors(column: NDArray[Any]) -> NDArray[Any]:
+    values = column.astype(np.float64)
+    middle = 0.5 * (values[1:] + values[:-1])
+    return middle if column.dtype == np.float64 else np.floor(middle).astype(column.dtype)
+
+
+def _inserted(block: Block, inserted: Block, indices: NDArray[np.intp]) -> Block:
+    """Block with additional measurements before some of its own."""
+    slots = np.arange(len(block.seq)) + np.searchsorted(indices, np.arange(len(block.seq)), side="right")
+    order = np.argsort(np.concatenate([slots, indices + np.arange(len(indices))]), kind="stable")
+    return joined(block, inserted).changed(lambda column: column[order])

@@ -1,98 +1,25 @@
-"""Motion profile of the turntable: a list of segments with rates and exact angles.
+"""Profiles by name or path: motions of a turntable, and motions with an attitude.
 
-Profiles are files in `config/profiles/`. A profile starts again when it is over.
+Profiles are files in `config/profiles/`, those with an attitude in `attitude/` there. A profile starts again when it is
+over.
 """
 
-from functools import cached_property
-from itertools import pairwise
 from pathlib import Path
-from typing import Annotated
 
-import numpy as np
-from pydantic import Field, model_validator
+from firmware_sim.motion.attitude.profile import AttitudeProfile
+from firmware_sim.motion.turntable import Ambient, Profile, Segment
+from firmware_sim.yaml_file import FileError, load, top_keys
 
-from firmware_sim.effects.effect import Floats
-from firmware_sim.effects.environment import sensor_temperature_c
-from firmware_sim.motion.segments import Drive, Hold, Ramp, Rest, Sine, Steps
-from firmware_sim.motion.waves import Chirp, Multisine
-from firmware_sim.yaml_file import Checked, FileError, load
-
-Segment = Annotated[Rest | Ramp | Hold | Steps | Sine | Chirp | Multisine | Drive, Field(discriminator="kind")]
-
-
-class Ambient(Checked):
-    """Air temperature `temp_c` at the time `at_s` of the profile, with linear interpolation."""
-
-    at_s: Annotated[float, Field(ge=0.0, le=1e6)]
-    temp_c: Annotated[float, Field(ge=-60.0, le=150.0)]
-
-
-class Profile(Checked):
-    """Motion of the turntable, with its air temperature.
-
-    about
-        Description.
-    segments
-        Segments in order.
-    powered_s
-        Time since power-on at the beginning, s: 0 is a cold start.
-    ambient
-        Air temperature; 25 °C by default.
-    """
-
-    about: str
-    segments: Annotated[tuple[Segment, ...], Field(min_length=1, strict=False)]
-    powered_s: Annotated[float, Field(ge=0.0, le=1e6)] = 0.0
-    ambient: Annotated[tuple[Ambient, ...], Field(min_length=1, strict=False)] = (Ambient(at_s=0.0, temp_c=25.0),)
-
-    @model_validator(mode="after")
-    def _times_rise(self) -> "Profile":
-        times_s = [point.at_s for point in self.ambient]
-        if any(later <= earlier for earlier, later in pairwise(times_s)):
-            raise ValueError("the times of ambient must increase")
-        return self
-
-    @cached_property
-    def _table(self) -> tuple[Floats, list[float], Floats]:
-        """Starts of the segments, s, rates, deg/s, and angles, degrees, with the end as last entry."""
-        starts_s, rates_dps, angles_deg = [0.0], [0.0], [0.0]
-        for segment in self.segments:
-            end_s = np.array([segment.seconds])
-            starts_s.append(starts_s[-1] + segment.seconds)
-            angles_deg.append(angles_deg[-1] + float(segment.angle_deg(end_s, rates_dps[-1])[0]))
-            rates_dps.append(segment.end_rate_dps(rates_dps[-1]))
-        return np.array(starts_s), rates_dps, np.array(angles_deg)
-
-    @property
-    def seconds(self) -> float:
-        """Length of one pass, s."""
-        return float(self._table[0][-1])
-
-    def motion_at(self, t_s: Floats) -> tuple[Floats, Floats]:
-        """True angle, degrees, and rate, deg/s, at `t_s`, in its shape; before 0 the table rests."""
-        starts_s, rates_dps, angles_deg = self._table
-        passes, within_s = np.divmod(np.maximum(t_s, 0.0), starts_s[-1])
-        which = np.clip(np.searchsorted(starts_s, within_s, side="right") - 1, 0, len(self.segments) - 1)
-        angle_deg = passes * angles_deg[-1]
-        rate_dps = np.zeros_like(t_s)
-        for index in np.unique(which):
-            chosen = which == index
-            into_s = within_s[chosen] - starts_s[index]
-            angle_deg[chosen] += angles_deg[index] + self.segments[index].angle_deg(into_s, rates_dps[index])
-            rate_dps[chosen] = self.segments[index].rate_dps(into_s, rates_dps[index])
-        rate_dps[t_s < 0.0] = 0.0
-        return angle_deg, rate_dps
-
-    def ambient_at(self, t_s: Floats) -> Floats:
-        """Air temperature at `t_s`, °C, in its shape."""
-        within_s = np.mod(np.maximum(t_s, 0.0), self.seconds)
-        points = ([point.at_s for point in self.ambient], [point.temp_c for point in self.ambient])
-        temps_c: Floats = np.interp(within_s, *points)
-        return temps_c
-
-    def sensor_c_at(self, t_s: Floats) -> Floats:
-        """Temperature of the sensor at `t_s`, °C, in its shape."""
-        return sensor_temperature_c(self.ambient_at(t_s), np.maximum(t_s, 0.0) + self.powered_s)
+__all__ = [
+    "Ambient",
+    "AttitudeProfile",
+    "Profile",
+    "Segment",
+    "config_folder",
+    "load_motion",
+    "load_profile",
+    "shipped_profiles",
+]
 
 
 def config_folder() -> Path:
@@ -103,20 +30,42 @@ def config_folder() -> Path:
 
 def shipped_profiles() -> list[str]:
     """Names of the shipped profiles."""
-    return sorted(path.stem for path in (config_folder() / "profiles").glob("*.yaml"))
+    return sorted(_shipped())
+
+
+def _shipped() -> dict[str, Path]:
+    """Files of the shipped profiles by name; those with an attitude are in a folder of their own."""
+    folder = config_folder() / "profiles"
+    return {path.stem: path for pattern in ("*.yaml", "attitude/*.yaml") for path in folder.glob(pattern)}
 
 
 def load_profile(name: str) -> Profile:
-    """Profile by its path, or by the name of a shipped one.
+    """Profile of a turntable by its path, or by the name of a shipped one.
 
     Raises
     ------
     FileError
         It does not exist, or has mistakes.
     """
+    return load(_path(name), Profile)
+
+
+def load_motion(name: str) -> Profile | AttitudeProfile:
+    """Profile of either sort; a file with the key `motion` has an attitude.
+
+    Raises
+    ------
+    FileError
+        It does not exist, or has mistakes.
+    """
+    path = _path(name)
+    return load(path, AttitudeProfile) if "motion" in top_keys(path) else load(path, Profile)
+
+
+def _path(name: str) -> Path:
     if Path(name).is_file():
-        return load(Path(name), Profile)
-    if name not in shipped_profiles():
-        names = ", ".join(shipped_profiles())
-        raise FileError(f"{name}: there is no such profile; shipped are {names}, or give a file")
-    return load(config_folder() / "profiles" / f"{name}.yaml", Profile)
+        return Path(name)
+    shipped = _shipped()
+    if name not in shipped:
+        raise FileError(f"{name}: there is no such profile; shipped are {', '.join(sorted(shipped))}, or give a file")
+    return shipped[name]

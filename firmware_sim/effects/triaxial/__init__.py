@@ -1,0 +1,1 @@
+"""Effects of a sensor with three gyro axes and an accelerometer."""

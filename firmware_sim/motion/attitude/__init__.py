@@ -1,0 +1,1 @@
+"""Motions with an attitude: true orientation, rates and acceleration of a sensor that tilts."""
