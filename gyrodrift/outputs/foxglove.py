@@ -1,13 +1,14 @@
-"""A server for the Foxglove app: samples, state of the filter, and statistics of the link."""
+"""A server for the Foxglove app: samples, pose, state of the filter, and statistics of the link."""
 
 import json
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from math import isnan
 from typing import Annotated, Any
 
-from gyrodrift.outputs.foxglove_schemas import SAMPLE_SCHEMA, schema_of
+from gyrodrift.outputs.device_frame import UNTURNED, DeviceFrame
+from gyrodrift.outputs.foxglove_schemas import POSE_SCHEMA, SAMPLE_SCHEMA, schema_of
 from gyrodrift.outputs.foxglove_session import FoxgloveChannel, FoxgloveSession, Parameters, opening
 from gyrodrift.outputs.json_line import json_line
 from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
@@ -25,6 +26,14 @@ STATE = FoxgloveChannel(2, "/gyro/state", schema_of("gyrodrift.State", FilterSta
 LINK = FoxgloveChannel(3, "/gyro/link_stats", schema_of("gyrodrift.LinkStats", LinkStatus))
 CHANNELS = (SAMPLE, STATE, LINK)
 
+POSE = FoxgloveChannel(4, "/gyro/pose", POSE_SCHEMA)
+"""Attitude of a device with three axes; advertised with the first sample that has one."""
+
+POSE_FRAME = "world"
+"""Frame of the pose, with z up."""
+
+NS_PER_S = 1_000_000_000
+
 
 @dataclass(frozen=True, slots=True)
 class FoxgloveOptions:
@@ -36,7 +45,7 @@ class FoxgloveOptions:
 
 
 class FoxgloveOutput(Output[FoxgloveOptions]):
-    """Three channels, and the config in force as read-only parameters."""
+    """Three channels, a fourth for attitude, and the config in force as read-only parameters."""
 
     options_type = FoxgloveOptions
 
@@ -46,25 +55,30 @@ class FoxgloveOutput(Output[FoxgloveOptions]):
         self._server = WebSocketServer(self._session, host.log, subprotocols=SUBPROTOCOLS)
         self._sessions: dict[FoxgloveSession, None] = {}
         self._parameters: Parameters = {}
-        self._opening = opening(CHANNELS, str(time.time_ns()))
+        self._mount = UNTURNED
+        self._channels: tuple[FoxgloveChannel, ...] = CHANNELS
+        self._session_id = str(time.time_ns())
 
     async def open(self) -> None:
         """Begin to listen."""
         self.address = await self._server.listen(self.options.host, self.options.port)
 
     def take(self, samples: Sequence[Corrected]) -> None:
-        """Send samples to subscribers; each message is encoded once."""
-        subscribed = self._subscribed(SAMPLE)
-        if not subscribed:
+        """Send samples and poses to subscribers; each message is encoded once."""
+        if samples[-1].attitude is not None and POSE not in self._channels:
+            self._advertise(POSE)
+        takers, pose_takers = self._subscribed(SAMPLE), self._subscribed(POSE)
+        if not takers and not pose_takers:
             return
         for corrected in self._thinning.due(samples):
-            time_ns, message = int(corrected.sample.t_host_s * 1e9), _sample(corrected)
-            for session in subscribed:
-                session.publish(SAMPLE.number, time_ns, message)
+            _publish(takers, SAMPLE, corrected, _sample)
+            if corrected.attitude is not None:
+                _publish(pose_takers, POSE, corrected, self._pose)
 
     def note(self, status: ServiceStatus) -> None:
         """Send state and statistics, and parameters that have changed."""
         self._set_parameters(parameters_of(status.config))
+        self._mount = DeviceFrame.of(status.config.mount)
         for channel, record in ((STATE, status.filter), (LINK, status.link)):
             if subscribed := self._subscribed(channel):
                 time_ns, message = time.time_ns(), _present_fields(record)
@@ -93,10 +107,27 @@ class FoxgloveOutput(Output[FoxgloveOptions]):
             for session in self._sessions:
                 session.tell_parameters(changed)
 
+    def _advertise(self, channel: FoxgloveChannel) -> None:
+        self._channels += (channel,)
+        for session in self._sessions:
+            session.advertise(channel)
+
+    def _pose(self, corrected: Corrected) -> bytes:
+        """PoseInFrame with the attitude of the device at the origin."""
+        assert corrected.attitude is not None  # noqa: S101 - the caller has checked it
+        w, x, y, z = self._mount.attitude(corrected.attitude, corrected.yaw_deg, corrected.yaw_deg)
+        nanoseconds = _time_ns(corrected)
+        message = {
+            "timestamp": {"sec": nanoseconds // NS_PER_S, "nsec": nanoseconds % NS_PER_S},
+            "frame_id": POSE_FRAME,
+            "pose": {"position": {"x": 0, "y": 0, "z": 0}, "orientation": {"x": x, "y": y, "z": z, "w": w}},
+        }
+        return json.dumps(message).encode()
+
     def _session(self, client: WebSocketClient) -> FoxgloveSession:
-        for message in self._opening:
+        for message in opening(self._channels, self._session_id):
             client.send_first(message)
-        session = FoxgloveSession(client, CHANNELS, lambda: self._parameters, self._forget)
+        session = FoxgloveSession(client, self._channels, lambda: self._parameters, self._forget)
         self._sessions[session] = None
         return session
 
@@ -108,6 +139,23 @@ def parameters_of(config: ConfigStatus) -> Parameters:
     """The config in force: the file, the filter, and its parameters by `FILTER.NAME`."""
     named: Parameters = {f"{config.filter}.{name}": value for name, value in config.params.items()}
     return {"filter": config.filter, "config": config.file or "", **named}
+
+
+def _publish(
+    sessions: Sequence[FoxgloveSession],
+    channel: FoxgloveChannel,
+    corrected: Corrected,
+    encode: Callable[[Corrected], bytes],
+) -> None:
+    """Encode a message once for all sessions."""
+    if sessions:
+        time_ns, message = _time_ns(corrected), encode(corrected)
+        for session in sessions:
+            session.publish(channel.number, time_ns, message)
+
+
+def _time_ns(corrected: Corrected) -> int:
+    return int(corrected.sample.t_host_s * NS_PER_S)
 
 
 def _sample(corrected: Corrected) -> bytes:

@@ -21,6 +21,22 @@ SAMPLE_SCHEMA = {
 }
 
 
+TIME_SCHEMA = {"type": "object", "properties": {"sec": {"type": "integer"}, "nsec": {"type": "integer"}}}
+VECTOR_SCHEMA = {"type": "object", "properties": {name: {"type": "number"} for name in "xyz"}}
+QUATERNION_SCHEMA = {"type": "object", "properties": {name: {"type": "number"} for name in "xyzw"}}
+
+POSE_SCHEMA = {
+    "title": "foxglove.PoseInFrame",
+    "type": "object",
+    "properties": {
+        "timestamp": TIME_SCHEMA,
+        "frame_id": {"type": "string"},
+        "pose": {"type": "object", "properties": {"position": VECTOR_SCHEMA, "orientation": QUATERNION_SCHEMA}},
+    },
+}
+"""Schema that the app draws as a pose; source: schemas/jsonschema/PoseInFrame.json of foxglove/foxglove-sdk."""
+
+
 def schema_of(title: str, record: type[Any]) -> dict[str, Any]:
     """Schema of a dataclass of plain values."""
     hints = get_type_hints(record)

@@ -92,6 +92,12 @@ class FoxgloveSession:
         if channel in self._subscriptions:
             self._client.send(MESSAGE_HEAD.pack(MESSAGE_DATA, self._subscriptions[channel], time_ns) + message)
 
+    def advertise(self, channel: FoxgloveChannel) -> None:
+        """Announce a further channel; a client that does not read is cut off."""
+        self._channels[channel.number] = channel
+        if not self._client.send_first(advertisement([channel])):
+            self._client.connection.transport.abort()
+
     def tell_parameters(self, names: set[str]) -> None:
         """Send parameters with these names, if the client follows them."""
         if followed := names & self._followed:
@@ -181,7 +187,12 @@ def opening(channels: Sequence[FoxgloveChannel], session_id: str) -> tuple[str, 
         "metadata": {},
         "sessionId": session_id,
     }
-    return json.dumps(info), json.dumps({"op": "advertise", "channels": [channel.advertised() for channel in channels]})
+    return json.dumps(info), advertisement(channels)
+
+
+def advertisement(channels: Sequence[FoxgloveChannel]) -> str:
+    """Announcement of channels."""
+    return json.dumps({"op": "advertise", "channels": [channel.advertised() for channel in channels]})
 
 
 def _list_of(request: dict[str, Any], name: str, kind: type[Any]) -> list[Any]:

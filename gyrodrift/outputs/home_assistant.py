@@ -60,6 +60,14 @@ MEASURED = (
 )
 """Sensors of `Topics.state`. A mean of headings has no meaning, so heading has no state class."""
 
+TILT = (
+    Entity("roll_deg", "Roll", "°", 1),
+    Entity("pitch_deg", "Pitch", "°", 1),
+    Entity("tilt_deg", "Tilt", "°", 1),
+    Entity("tilt_sigma_deg", "Tilt uncertainty", "°", 2),
+)
+"""Further sensors of `Topics.state` of a device with three axes."""
+
 DIAGNOSTIC = (
     Entity("rate_hz", "Sample rate", "Hz", 1, "frequency"),
     Entity("jitter_ms", "Jitter", "ms", 2, "duration"),
@@ -71,12 +79,19 @@ DIAGNOSTIC = (
 """Sensors of `Topics.link`."""
 
 
-def discovery(name: str, topics: Topics, device: DeviceStatus, version: str) -> str:
-    """Document for `PREFIX/device/NAME/config`, as JSON."""
+def discovery(name: str, topics: Topics, device: DeviceStatus, version: str, *, has_axes: bool = False) -> str:
+    """Document for `PREFIX/device/NAME/config`, as JSON.
+
+    Parameters
+    ----------
+    has_axes
+        Whether the device has three axes, and so an attitude.
+    """
+    measured = MEASURED + TILT if has_axes else MEASURED
     service = {"t": topics.availability}
     link = {"t": topics.link, "val_tpl": _template(f"'{ONLINE}' if value_json.is_open else '{OFFLINE}'")}
     components: dict[str, Any] = {
-        entity.key: _sensor(name, entity, topics.state) | {"avty": [service, link]} for entity in MEASURED
+        entity.key: _sensor(name, entity, topics.state) | {"avty": [service, link]} for entity in measured
     }
     components |= {entity.key: _sensor(name, entity, topics.link) | {"ent_cat": "diagnostic"} for entity in DIAGNOSTIC}
     components["is_open"] = {

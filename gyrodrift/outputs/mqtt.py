@@ -88,6 +88,7 @@ class MqttOutput(Output[MqttOptions]):
         self._tasks: list[asyncio.Task[None]] = []
         self._sent = 0
         self._announced: DeviceStatus | None = None
+        self._has_axes = False
         self._was_open: bool | None = None
         self._link_due_s = 0.0
 
@@ -133,6 +134,9 @@ class MqttOutput(Output[MqttOptions]):
     def take(self, samples: Sequence[Corrected]) -> None:
         """Publish the states that are due."""
         self._check_connection()
+        if not self._has_axes and samples[-1].attitude is not None:
+            self._has_axes = True
+            self._announce(self.host.status.device)
         for sample in self._thinning.due(samples):
             self._states.append(state(sample))
             self._has_news.set()
@@ -197,7 +201,8 @@ class MqttOutput(Output[MqttOptions]):
     def _announce(self, device: DeviceStatus) -> None:
         self._announced = device
         if self.options.discovery:
-            self._retain(self._config_topic, discovery(self._name, self._topics, device, __version__))
+            document = discovery(self._name, self._topics, device, __version__, has_axes=self._has_axes)
+            self._retain(self._config_topic, document)
 
     def _retain(self, topic: str, text: str) -> None:
         self._retained[topic] = text

@@ -129,6 +129,10 @@ def _gauges(status: ServiceStatus) -> Iterator[tuple[str, str, float | None]]:
     yield "yaw_degrees", "Unwrapped yaw, counter-clockwise.", state.yaw_deg
     yield "yaw_sigma_degrees", "Standard deviation of yaw.", state.yaw_sigma_deg
     yield "heading_degrees", "Compass heading, clockwise, 0 to 360.", state.heading_deg
+    yield "tilt_degrees", "Angle between the up axis and the vertical.", state.tilt_deg
+    yield "tilt_sigma_degrees", "Standard deviation of the tilt.", state.tilt_sigma_deg
+    yield "roll_degrees", "Roll, positive with the right side down.", state.roll_deg
+    yield "pitch_degrees", "Pitch, positive with the nose down.", state.pitch_deg
     yield "drift_degrees_per_second", "Bias estimate.", state.bias_dps
     yield "drift_sigma_degrees_per_second", "Standard deviation of the bias estimate.", state.bias_sigma_dps
     yield "rest_probability_ratio", "Probability of rest.", state.rest_probability

@@ -29,10 +29,27 @@ def _filter_figures(now: FilterStatus) -> list[Figure]:
         Figure("Yaw", f"{now.yaw_deg:+z.2f}{_margin(now.yaw_sigma_deg, 2)} deg"),
         *scale,
         *heading,
+        *_tilt_figures(now),
         Figure("Bias", f"{now.bias_dps:+z.4f}{_margin(now.bias_sigma_dps, 4)} deg/s"),
         Figure("At rest", rest),
         Figure("Temperature", UNKNOWN if now.temp_c is None else f"{now.temp_c:.1f} °C"),
     ]
+
+
+def _tilt_figures(now: FilterStatus) -> list[Figure]:
+    """Attitude of a device with three axes; no figures for one axis."""
+    if now.roll_deg is None or now.pitch_deg is None or now.tilt_deg is None:
+        return []
+    return [
+        Figure("Roll", f"{now.roll_deg:+z.1f} deg{_side(now.roll_deg, 'right side down', 'left side down')}"),
+        Figure("Pitch", f"{now.pitch_deg:+z.1f} deg{_side(now.pitch_deg, 'nose down', 'nose up')}"),
+        Figure("Tilt", f"{now.tilt_deg:z.1f}{_margin(now.tilt_sigma_deg, 2)} deg"),
+    ]
+
+
+def _side(angle_deg: float, positive: str, negative: str) -> str:
+    """Direction of an angle that is not shown as 0."""
+    return "" if round(angle_deg, 1) == 0.0 else f", {positive if angle_deg > 0.0 else negative}"
 
 
 def _link_figures(now: LinkStatus) -> list[Figure]:

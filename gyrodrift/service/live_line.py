@@ -10,7 +10,7 @@ from typing import Any
 
 from gyrodrift.errors import printable
 from gyrodrift.link.link import Link
-from gyrodrift.sample import Corrected
+from gyrodrift.sample import Attitude, Corrected
 from gyrodrift.service.sink import ReaderGoneError
 from gyrodrift.unwaiting import send_unwaiting
 
@@ -70,6 +70,7 @@ class ServiceLine:
         rate_hz = (now - begin) / max(now_s - begin_s, 1e-9)
         parts = [
             f"yaw {_signed(last.yaw_deg, 2)}{_margin(last.yaw_sigma_deg, 2)} deg",
+            _tilt(last.attitude),
             f"bias {_signed(last.bias_dps, 3)} deg/s",
             f"rest {100.0 * last.rest_probability:.0f} %" if isfinite(last.rest_probability) else "",
             f"{rate_hz:.1f} Hz",
@@ -130,6 +131,12 @@ def _cut(text: str, columns: int | None) -> str:
 
 def _signed(value: float, digits: int) -> str:
     return f"{round(value, digits) + 0.0:+.{digits}f}"  # + 0.0: no -0.00
+
+
+def _tilt(attitude: Attitude | None) -> str:
+    if attitude is None:
+        return ""
+    return f"roll {_signed(attitude.roll_deg, 1)} pitch {_signed(attitude.pitch_deg, 1)} deg"
 
 
 def _margin(sigma: float, digits: int) -> str:

@@ -1,4 +1,4 @@
-"""The view of `gyrodrift top`: values, a chart of yaw, the health of the service, and its clients."""
+"""The view of `gyrodrift top`: values, a chart of yaw, the horizon, the health of the service, and its clients."""
 
 from collections.abc import Sequence
 from math import isfinite
@@ -10,9 +10,10 @@ from rich.table import Table
 from rich.text import Text
 
 from gyrodrift.outputs.health import HealthLevel, health
-from gyrodrift.outputs.status import OutputStatus, ServiceStatus
+from gyrodrift.outputs.status import FilterStatus, OutputStatus, ServiceStatus
 from gyrodrift.outputs.words import figures
 from gyrodrift.text_chart import SMALLEST_ROWS, AxisRange, ChartLine, chart, legend, padded_range
+from gyrodrift.top.horizon import horizon
 
 BLOCKS = "▁▂▃▄▅▆▇█"
 FLAT_DEG = 0.1
@@ -22,6 +23,7 @@ LEAST_DEG = 1.0
 """The chart shows at least this range of yaw, deg."""
 
 SPARKS = 60
+MOST_HORIZON_ROWS, HORIZON_GAP = 9, 2
 FRAME_COLUMNS, FRAME_ROWS = 4, 2
 COLORS = {HealthLevel.GOOD: "green", HealthLevel.NOTE: "yellow", HealthLevel.BAD: "red"}
 MOST_CLIENTS = 8
@@ -67,8 +69,8 @@ def draw(
     if size is None or rows < SMALLEST_ROWS + 1:
         line = Text.assemble(("Yaw  ", "dim"), (sparkline([point.yaw_deg for point in points][-SPARKS:]), "cyan"))
         return Panel(Group(*lines, line, Text(), *tail), title=title, height=size[1] if size else None)
-    plot = _chart(points, size[0] - FRAME_COLUMNS, rows)
-    return Panel(Group(*lines, *plot, Text(), *tail), title=title, height=size[1])
+    plot = _plot(status.filter, points, size[0] - FRAME_COLUMNS, rows)
+    return Panel(Group(*lines, plot, Text(), *tail), title=title, height=size[1])
 
 
 def _values(status: ServiceStatus) -> Table:
@@ -80,6 +82,18 @@ def _values(status: ServiceStatus) -> Table:
         second_cells = (second.label, second.says) if second else ("", "")
         table.add_row(first.label, Text(first.says, "bold"), *second_cells)
     return table
+
+
+def _plot(now: FilterStatus, points: Sequence[YawPoint], columns: int, rows: int) -> RenderableType:
+    """The chart, and beside it the horizon of a device with three axes."""
+    if now.roll_deg is None or now.pitch_deg is None:
+        return Group(*_chart(points, columns, rows))
+    horizon_rows = min(rows, MOST_HORIZON_ROWS)
+    grid = Table.grid(padding=(0, HORIZON_GAP, 0, 0))
+    chart_columns = columns - 2 * horizon_rows - 2 * HORIZON_GAP
+    picture = horizon(now.roll_deg, now.pitch_deg, horizon_rows)
+    grid.add_row(Group(*_chart(points, chart_columns, rows)), Group(*picture))
+    return grid
 
 
 def _chart(points: Sequence[YawPoint], columns: int, rows: int) -> list[Text]:

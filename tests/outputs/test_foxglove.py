@@ -10,12 +10,13 @@ from typing import Any, cast
 
 import pytest
 from clients_support import fed, node_client
-from outputs_support import address_of, corrected, csv_at_100_hz, events, hub, serving
+from outputs_support import address_of, corrected, csv_at_100_hz, events, hub, serving, tilted
 from support import PATIENCE_S, never
 from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
+from gyrodrift.outputs.foxglove_schemas import POSE_SCHEMA
 from gyrodrift.outputs.foxglove_session import FoxgloveSession
 from gyrodrift.outputs.net.websocket import WebSocketClient
 from gyrodrift.outputs.status import ConfigStatus, ServiceStatus
@@ -88,6 +89,45 @@ def wait_for_answer(client: ClientConnection) -> None:
     """Until what was sent before has been taken."""
     client.send('{"op":"getParameters","parameterNames":[],"id":"wait"}')
     assert json.loads(client.recv(PATIENCE_S))["id"] == "wait"
+
+
+def test_a_tilted_device_has_a_pose() -> None:
+    """It is advertised with the first attitude, also to clients that come later; one axis has none."""
+    with hub() as outputs:
+        outputs.want("foxglove:port=0")
+        address = f"ws://{outputs.opened()[0].address}"
+        with connect(address, subprotocols=[PROTOCOL]) as early:
+            subscribed(early, number=7)
+            wait_for_answer(early)
+            outputs.samples([corrected(0), tilted(1)])
+            (channel,) = json.loads(early.recv(PATIENCE_S))["channels"]
+            early.send(json.dumps({"op": "subscribe", "subscriptions": [{"id": 9, "channelId": channel["id"]}]}))
+            assert [json.loads(cast("bytes", early.recv(PATIENCE_S))[13:])["seq"] for _ in range(2)] == [0, 1]
+            wait_for_answer(early)
+            outputs.samples([tilted(100)])
+            early.recv(PATIENCE_S)
+            message = early.recv(PATIENCE_S)
+        with connect(address, subprotocols=[PROTOCOL]) as late:
+            late.recv(PATIENCE_S)
+            topics = {each["topic"] for each in json.loads(late.recv(PATIENCE_S))["channels"]}
+    assert isinstance(message, bytes)
+    pose = json.loads(message[13:])
+    assert (channel["schemaName"], channel["topic"]) == ("foxglove.PoseInFrame", "/gyro/pose")
+    assert pose["timestamp"] == {"sec": 1_700_000_001, "nsec": 0}
+    attitude = tilted(100).attitude
+    assert attitude is not None
+    assert [pose["pose"]["orientation"][name] for name in "wxyz"] == pytest.approx(attitude[:4])
+    assert topics == {"/gyro/sample", "/gyro/state", "/gyro/link_stats", "/gyro/pose"}
+
+
+def test_the_schema_of_a_pose_is_foxgloves_own() -> None:
+    """Names of its fields, from the descriptor in the package of Foxglove."""
+    schemas = pytest.importorskip("foxglove.schemas", reason="foxglove-sdk is not installed: pip install foxglove-sdk")
+    descriptor = schemas.PoseInFrame.get_schema().data
+    properties = POSE_SCHEMA["properties"]
+    assert isinstance(properties, dict)
+    names = {*properties, *properties["pose"]["properties"]}
+    assert all(name.encode() in descriptor for name in names)
 
 
 @pytest.mark.parametrize(

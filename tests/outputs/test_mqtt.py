@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from broker_support import broker, need_mosquitto
 from clients_support import python_client
-from outputs_support import await_problem, corrected, csv_at_100_hz, events, hub, path_of, serving
+from outputs_support import await_problem, corrected, csv_at_100_hz, events, hub, path_of, serving, tilted
 from support import PATIENCE_S, free_port, never
 
 from gyrodrift.config.outputs import output_of
@@ -185,6 +185,21 @@ def test_home_assistant_that_starts_is_told_again_and_of_a_device_that_came_late
             assert json.loads(next(lines))["dev"]["serial_number"] == "G-17"
 
 
+def test_home_assistant_learns_of_a_tilt_with_the_first_sample_that_has_one(number: int, tmp_path: Path) -> None:
+    """A device with one axis has no sensors of tilt, which would never have a value."""
+    with broker(number, tmp_path), hub() as outputs:
+        outputs.want(f"mqtt:port={number},id=bench,discovery=ha")
+        outputs.opened()
+        with subscribed(number, "ha/device/bench/config", 2) as lines:
+            before = json.loads(next(lines))["cmps"]
+            with subscribed(number, "gyrodrift/bench/state", 1) as states:
+                outputs.samples([tilted(seq=1)])
+                state = json.loads(next(states))
+            after = json.loads(next(lines))["cmps"]
+    assert after.keys() - before.keys() == {"tilt_deg", "roll_deg", "pitch_deg", "tilt_sigma_deg"}
+    assert all(state[name] is not None for name in after.keys() - before.keys())
+
+
 def certificate(folder: Path) -> Path:
     """A certificate of 127.0.0.1 that trusts itself, with its key beside it."""
     made, key = folder / "broker.pem", folder / "broker.key"
@@ -284,7 +299,8 @@ def test_the_discovery_document_has_what_home_assistant_asks_for() -> None:
 def test_home_assistant_itself_takes_the_discovery_document(tmp_path: Path) -> None:
     """Its schemas of device and entities refuse nothing, warn of nothing and know every key."""
     document = tmp_path / "document.json"
-    document.write_text(discovery("bench", Topics.of("gyrodrift", "bench"), DeviceStatus("G-17"), "1.0"))
+    topics = Topics.of("gyrodrift", "bench")
+    document.write_text(discovery("bench", topics, DeviceStatus("G-17"), "1.0", has_axes=True))
     said, complaint = python_client("homeassistant", "home_assistant.py", str(document)).communicate(timeout=60.0)
     assert complaint == ""
     found = json.loads(said)

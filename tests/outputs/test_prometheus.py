@@ -62,6 +62,21 @@ def test_it_tells_of_link_filter_and_outputs(page: str) -> None:
     assert ("gyrodrift_heading_degrees", None) not in values
 
 
+def test_a_tilt_is_shown_where_there_is_one(page: str) -> None:
+    """One axis has no gauges of it."""
+    assert "gyrodrift_tilt_degrees" not in fetched(page)
+    tilt = replace(STATUS.filter, tilt_deg=22.0, roll_deg=10.0, pitch_deg=-20.0, tilt_sigma_deg=0.4)
+    with hub() as outputs:
+        outputs.want("prometheus:port=0")
+        url = f"http://{outputs.opened()[0].address}/metrics"
+        outputs.status(replace(STATUS, filter=tilt))
+        until_s = time.monotonic() + PATIENCE_S
+        while "gyrodrift_pitch_degrees -20.0" not in (text := fetched(url)):
+            assert time.monotonic() < until_s, text
+    for line in ("gyrodrift_tilt_degrees 22.0", "gyrodrift_roll_degrees 10.0", "gyrodrift_tilt_sigma_degrees 0.4"):
+        assert line in text
+
+
 def test_names_that_are_no_text_are_told_with_escapes() -> None:
     """A path may have any bytes: that of the port, or that of another output."""
     odd = replace(

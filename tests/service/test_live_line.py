@@ -13,7 +13,7 @@ from typing import Any
 
 import pyte
 import pytest
-from outputs_support import csv_at_100_hz
+from outputs_support import corrected, csv_at_100_hz, tilted
 from support import Terminal, never, ours, speaking_on
 
 from firmware_sim.pty import PtyDevice
@@ -96,6 +96,22 @@ def test_any_name_of_a_port_fits_on_the_line(name: str, columns: int) -> None:
     assert screen.cursor.y == 0
     assert screen.display[0].startswith("waiting for samples"[: columns - 1])
     assert "\u202e" not in sent.decode()
+
+
+def test_a_tilted_device_has_roll_and_pitch_on_the_line() -> None:
+    master, slave = pty.openpty()
+    try:
+        counters = SimpleNamespace(samples=1, missing=0)
+        link: Any = SimpleNamespace(name="gyro", counters=counters, decoder=None, silent_s=lambda: 0.0)
+        line = ServiceLine(link, slave)
+        line.take([tilted(1)])
+        line.tick(1.0)
+        assert "roll +10.0 pitch -20.0 deg" in line.text()
+        line.take([corrected(2)])
+        assert "roll" not in line.text()
+    finally:
+        os.close(master)
+        os.close(slave)
 
 
 def test_a_terminal_of_another_user_shows_the_whole_line(monkeypatch: pytest.MonkeyPatch) -> None:

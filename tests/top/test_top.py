@@ -130,6 +130,31 @@ def test_the_view_fills_the_terminal_with_a_chart(columns: int, rows: int) -> No
         assert words in text
 
 
+def tilted_status(roll_deg: float, pitch_deg: float) -> ServiceStatus:
+    now = FilterStatus(roll_deg=roll_deg, pitch_deg=pitch_deg, tilt_deg=22.2687, tilt_sigma_deg=0.4)
+    return ServiceStatus(link=LinkStatus(port="/dev/gyro", is_open=True, samples=10), filter=now)
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(80, 24), (200, 50)])
+def test_a_tilted_device_has_a_horizon_beside_the_chart(columns: int, rows: int) -> None:
+    """And its angles in words; the view still fills the terminal."""
+    points = [YawPoint(n / 4.0, n / 10.0, 1.0) for n in range(480)]
+    console = Console(width=columns, height=rows, file=io.StringIO(), force_terminal=True, color_system=None)
+    with console.capture() as shown:
+        console.print(draw(tilted_status(10.0, -20.0), points, "", (columns, rows)))
+    text = shown.get()
+    assert [len(line) for line in text.splitlines()] == [columns] * rows
+    for words in ("+10.0 deg, right side down", "-20.0 deg, nose up", "22.3 ± 0.40 deg", "───┼──", "⣿⣿⣿"):
+        assert words in text
+
+
+def test_without_a_terminal_the_angles_are_words() -> None:
+    """Angles that are shown as 0 have no direction."""
+    values = {figure.label: figure.says for figure in figures(tilted_status(0.04, -0.04))}
+    assert (values["Roll"], values["Pitch"]) == ("+0.0 deg", "+0.0 deg")
+    assert "Roll" not in {figure.label for figure in figures(ServiceStatus())}
+
+
 @pytest.mark.parametrize(
     ("values", "expected"),
     [([], ""), ([1.0], "▁"), ([0.0, 7.0], "▁█"), ([0.0, 0.01], "▁▁"), (list(range(8)), "▁▂▃▄▅▆▇█")],
