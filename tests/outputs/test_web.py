@@ -14,7 +14,7 @@ from urllib.parse import urlsplit
 from urllib.request import Request, urlopen
 
 import pytest
-from outputs_support import HubThread, corrected, hub
+from outputs_support import HubThread, corrected, hub, tilted
 from support import PATIENCE_S
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
@@ -155,6 +155,25 @@ def test_a_page_that_comes_later_is_given_what_was(web: Web) -> None:
             assert told(second, "event")["fields"]["changes"] == ["tau_s 1 → 2"]
             health = told(second, "state")["health"]
             assert health[0] == {"level": "bad", "says": "The port /dev/gyro is gone; the service waits for it."}
+
+
+def test_an_attitude_comes_with_each_point(web: Web) -> None:
+    """Also to a page that comes later; one axis has none, and its points stay what they are."""
+    outputs, address = web
+    with looking(address) as client:
+        told(client, "hello")
+        outputs.samples([corrected(0)])
+        assert isinstance(client.recv(PATIENCE_S), bytes)
+        outputs.samples([tilted(1)])
+        assert len(client.recv(PATIENCE_S)) == LAYOUT.size
+        attitude = {"roll_deg": 10.0, "pitch_deg": -20.0, "tilt_deg": 22.2687, "tilt_sigma_deg": 0.4}
+        assert told(client, "attitude") == {"kind": "attitude", **attitude}
+        with looking(address) as late:
+            assert told(late, "attitude")["roll_deg"] == 10.0
+        outputs.samples([corrected(2)])
+        assert told(client, "attitude") == {"kind": "attitude"}
+        outputs.samples([corrected(3)])
+        assert isinstance(client.recv(PATIENCE_S), bytes)
 
 
 def test_an_hour_is_kept_in_few_points_and_no_spike_is_lost() -> None:

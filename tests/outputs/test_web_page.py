@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from browser_support import Tab, browsing
-from outputs_support import corrected, csv_at_100_hz, hub, path_of, serving
+from outputs_support import corrected, csv_at_100_hz, hub, path_of, serving, tilted
 from support import Command, never
 
 from gyrodrift.outputs.status import (
@@ -61,6 +61,11 @@ HISTORY = """(async () => {
     fine: few.to - few.from, holes: gap.filter((value) => value === null).length, last: history.last("v"),
   };
 })()"""
+
+BOXES = """["#dial svg", "#horizon svg", "#main-value"].map((part) => {
+  const box = document.querySelector(part).getBoundingClientRect();
+  return [box.left, box.right, box.top, box.bottom];
+})"""
 
 LOOK_BACK = """(() => {
   const back = document.querySelector("#back");
@@ -137,6 +142,50 @@ def test_it_fits_a_telephone_and_is_dark_where_that_is_wanted(page: Tab) -> None
         page.scheme("dark")
         page.until(f"document.querySelector('canvas').toDataURL() !== {light[1]!r}")
         assert page.run("getComputedStyle(document.body).backgroundColor") != light[0]
+        page.open("about:blank")
+
+
+def test_a_tilted_device_has_a_horizon(page: Tab) -> None:
+    """It rises on the side that is down and sinks if the nose goes up; text and a label say the same."""
+    with hub() as outputs:
+        outputs.want("web:port=0")
+        page.open(outputs.opened()[0].address)
+        page.until("document.querySelector('#connection').innerText === 'Live'")
+        outputs.samples([corrected(seq, yaw_deg=10.0, heading_deg=nan) for seq in range(100)])
+        page.until("document.querySelector('#main-value').innerText === '10.00°'")
+        assert page.run("document.querySelector('#horizon').hidden && document.querySelector('#tilt').hidden")
+        assert "Roll" not in page.text("#values")
+        outputs.samples([tilted(200)])
+        page.until("document.querySelector('#tilt').innerText.includes('Nose 20.0° up')")
+        assert "Right side 10.0° down" in page.text("#tilt")
+        label = page.run("document.querySelector('#horizon svg').getAttribute('aria-label')")
+        assert label == "Horizon. Right side 10.0° down; Nose 20.0° up."
+        world = "document.querySelector('#horizon svg > g > g')"
+        assert page.run(f"{world}.getAttribute('transform')") == "rotate(-10.00) translate(0 44.44)"
+        for value in ("Roll\n+10.0°", "Pitch\n−20.0°", "Tilt\n22.3 ± 0.40°"):
+            assert value in page.text("#values")
+        outputs.samples([corrected(300)])
+        page.until("document.querySelector('#horizon').hidden && document.querySelector('#tilt').hidden")
+        page.open("about:blank")
+
+
+def test_a_horizon_fits_a_telephone(page: Tab) -> None:
+    """Beside the dial and yaw; sky and ground have other colors in the dark."""
+    with hub() as outputs:
+        outputs.want("web:port=0")
+        page.size(*PHONE, is_phone=True)
+        page.open(outputs.opened()[0].address)
+        page.until("document.querySelector('#connection').innerText === 'Live'")
+        outputs.samples([tilted(0, yaw_deg=-12345.0, heading_deg=nan)])
+        page.until("!document.querySelector('#tilt').hidden")
+        assert page.run("document.documentElement.scrollWidth") == PHONE[0]
+        dial, horizon, value = page.run(BOXES)
+        assert dial[1] <= horizon[0] < horizon[1] <= value[0]
+        assert value[2] < dial[3]
+        sky = "getComputedStyle(document.querySelector('#horizon .sky')).fill"
+        light = page.run(sky)
+        page.scheme("dark")
+        page.until(f"{sky} !== {light!r}")
         page.open("about:blank")
 
 

@@ -11,6 +11,7 @@ from annotated_types import MaxLen
 
 from gyrodrift import __version__
 from gyrodrift.outputs.health import health
+from gyrodrift.outputs.json_line import present_fields
 from gyrodrift.outputs.net.periodic import Periodic
 from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port
@@ -25,6 +26,10 @@ KEPT_EVENTS = 50
 """Kept events of the config, and as many others: link events do not displace config events."""
 
 
+TILT = ("roll_deg", "pitch_deg", "tilt_deg", "tilt_sigma_deg")
+"""Fields of the horizon."""
+
+
 @dataclass(frozen=True, slots=True)
 class WebOptions:
     """Address of the page."""
@@ -35,7 +40,10 @@ class WebOptions:
 
 
 class WebOutput(Output[WebOptions]):
-    """Serves the page, and sends the last hour, then 30 points a second, events, and the state."""
+    """Serves the page, and sends the last hour, then 30 points a second, events, and the state.
+
+    A device with three axes has an attitude with each point; the points themselves stay the same.
+    """
 
     options_type = WebOptions
 
@@ -45,6 +53,7 @@ class WebOutput(Output[WebOptions]):
         self._server = WebSocketServer(self._session, host.log, assets.answer)
         self._samples: list[Corrected] = []
         self._history = PointHistory()
+        self._attitude = ""
         self._events: tuple[deque[str], deque[str]] = (deque(maxlen=KEPT_EVENTS), deque(maxlen=KEPT_EVENTS))
         self._frames: Periodic | None = None
 
@@ -86,10 +95,18 @@ class WebOutput(Output[WebOptions]):
         """Send the samples since the last frame as one point."""
         if not self._samples:
             return
-        point = point_of(self._samples)
+        point, newest = point_of(self._samples), self._samples[-1]
         self._samples.clear()
         self._history.add(point)
         self._send(point.pack())
+        self._show_attitude(newest)
+
+    def _show_attitude(self, newest: Corrected) -> None:
+        """Send the attitude of the newest sample; an empty one hides the horizon."""
+        attitude = "" if newest.attitude is None else _json("attitude", **present_fields(newest, TILT))
+        if attitude or self._attitude:
+            self._send(attitude or _json("attitude"))
+        self._attitude = attitude
 
     def _send(self, message: str | bytes) -> None:
         for client in self._server.clients:
@@ -101,6 +118,8 @@ class WebOutput(Output[WebOptions]):
         client.send(_json("hello", **hello))
         for message in in_messages(self._history.rows()):
             client.send(message)
+        if self._attitude:
+            client.send(self._attitude)
         for event in self._events[0] + self._events[1]:
             client.send(event)
         if self.host.status.pid:  # a state was received

@@ -1,20 +1,8 @@
 // The dial: a compass after a heading was set, otherwise yaw with 0 at the top. Unknown needles are hidden.
 
-const SVG = "http://www.w3.org/2000/svg";
+import { drawn, set } from "./svg.js";
+
 const NARROWEST_DEG = 0.6;
-
-function drawn(parent, kind, attributes, text = "") {
-  const made = document.createElementNS(SVG, kind);
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-  made.textContent = text;
-  parent.append(made);
-  return made;
-}
-
-// Change an attribute only if it differs: the browser would lay out and paint the whole dial.
-function set(element, name, value) {
-  if (element.getAttribute(name) !== value) element.setAttribute(name, value);
-}
 
 // Point on a circle around 0, 0; clockwise from the top.
 const at = (deg, radius) => {

@@ -5,7 +5,8 @@ import { Connection } from "./connection.js";
 import { Controls } from "./controls.js";
 import { Dial } from "./dial.js";
 import { History } from "./history.js";
-import { showEvent, showNumbers, showState } from "./panels.js";
+import { Horizon } from "./horizon.js";
+import { showEvent, showNumbers, showState, showTilt } from "./panels.js";
 import { clock } from "./words.js";
 
 const WINDOWS = [["10 s", 10], ["30 s", 30], ["2 min", 120], ["10 min", 600], ["1 h", 3600]];
@@ -14,9 +15,11 @@ const TEXT_MS = 100; // faster changes of numbers cannot be read
 
 const byId = (id) => document.getElementById(id);
 const dial = new Dial(byId("dial"));
+const horizon = new Horizon(byId("horizon"));
 const changes = new Set(); // times at which a config was applied
 let windowS = 30; // at the start
 let history = null;
+let attitude = {}; // of the newest sample; empty for a device with one axis
 let charts = null;
 let isDue = false;
 let textTimer = null;
@@ -36,12 +39,15 @@ function draw() {
     yaw: history.last("yaw_deg"), raw: history.last("raw_yaw_deg"), encoder: history.last("encoder_deg"),
     sigma: history.last("yaw_sigma_deg"), heading: history.last("heading_deg"),
   });
+  horizon.show(attitude);
   textTimer ??= setTimeout(drawText, TEXT_MS);
 }
 
 function drawText() {
   textTimer = null;
-  showNumbers(history);
+  showNumbers(history, attitude);
+  showTilt(attitude);
+  horizon.describe(attitude);
   showPosition();
 }
 
@@ -82,6 +88,7 @@ const HANDLERS = {
     showState(message);
     controls.showState(message.status);
   },
+  attitude: (message) => { attitude = message; },
   answer: (message) => controls.answer(message),
   dropped: ({ messages }) => showEvent({ t_s: Date.now() / 1000, event: "page_too_slow", fields: { messages } }),
 };

@@ -1,5 +1,6 @@
 // Panels beside the charts: numbers, link, config, events, clients.
 
+import { nose, side } from "./horizon.js";
 import * as words from "./words.js";
 
 const MOST_EVENTS = 100;
@@ -28,9 +29,11 @@ function showFacts(place, facts) {
 
 const finite = (value, text) => (Number.isFinite(value) ? text : "");
 
+const degrees = (value) => `${words.signed(words.fixed(value, 1), 1)}°`;
+
 let scaleSigmaDeg = NaN; // share of the yaw sigma from the scale factor, once a second
 
-export function showNumbers(history) {
+export function showNumbers(history, attitude) {
   const last = (name) => history.last(name);
   const hasNorth = Number.isFinite(last("heading_deg"));
   byId("main-name").textContent = hasNorth ? "Heading" : "Yaw";
@@ -46,12 +49,25 @@ export function showNumbers(history) {
     ["Yaw", hasNorth ? words.angle(last("yaw_deg")) : "", "key yaw"],
     ["Raw yaw", words.angle(last("raw_yaw_deg")), "key raw"],
     ["Encoder", finite(last("encoder_deg"), words.angle(last("encoder_deg"))), "key encoder"],
+    ["Roll", finite(attitude.roll_deg, degrees(attitude.roll_deg))],
+    ["Pitch", finite(attitude.pitch_deg, degrees(attitude.pitch_deg))],
+    ["Tilt", finite(attitude.tilt_deg, `${words.number(attitude.tilt_deg, 1)}${words.margin(attitude.tilt_sigma_deg, 2)}°`)],
     ["Bias", bias, "key drift"],
     ["Rate", `${words.signed(last("rate_dps"), 2)} deg/s`, "key rate"],
     ["Corrected rate", `${words.signed(last("corrected_dps"), 2)} deg/s`],
     ["At rest", finite(last("rest_probability"), words.percent(last("rest_probability"))), "key rest"],
     ["Temperature", finite(last("temp_c"), `${words.number(last("temp_c"), 1)} °C`)],
   ]);
+}
+
+// The tilt in words, below the dial; hidden for a device with one axis.
+export function showTilt({ roll_deg: roll, pitch_deg: pitch }) {
+  const hasTilt = Number.isFinite(roll) && Number.isFinite(pitch);
+  byId("tilt").hidden = !hasTilt;
+  document.querySelector(".now").classList.toggle("tilts", hasTilt);
+  if (!hasTilt) return;
+  byId("tilt-roll").textContent = side(roll);
+  byId("tilt-pitch").textContent = nose(pitch);
 }
 
 export function showState({ status, health }) {

@@ -8,7 +8,9 @@ export const number = (value, digits) =>
 export const signed = (value, digits) =>
   Number.isFinite(value) ? (value < 0 ? "" : "+") + number(value, digits) : MISSING;
 
-export const angle = (value) => (Number.isFinite(value) ? `${number(value, 2)}°` : MISSING);
+export const angle = (value, digits = 2) => (Number.isFinite(value) ? `${number(value, digits)}°` : MISSING);
+
+export const fixed = (value, digits) => Number(Number(value).toFixed(digits));
 
 // Standard deviation behind a value; empty if unknown.
 export const margin = (sigma, digits, unit = "") => (Number.isFinite(sigma) ? ` ± ${number(sigma, digits)}${unit}` : "");
