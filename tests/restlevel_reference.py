@@ -75,8 +75,10 @@ class ReferenceHypothesis:
     is_at_rest: bool = False
     was_at_rest: bool = False
     moving_s: float = 0.0
-    is_unexpected_bias: bool = False
-    held_back: float = 1.0
+    prior: float = 0.0
+    chance: float = 0.0
+    noisy: float = 0.0
+    odds: float = 1.0
     recent: tuple[float, float, float] = (0.0, 0.0, 0.0)
     slid_dps: float | None = None
     settled: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -118,8 +120,6 @@ def first_kalman_update(
     h: ReferenceHypothesis, mean_dps: float, var: float, p: RestlevelParams
 ) -> tuple[ReferenceHypothesis, float]:
     """The same for the first blocks of a segment."""
-    innovation = abs(mean_dps - h.mean[1])
-    h = replace(h, is_unexpected_bias=not h.knows_bias or innovation > 3.0 * np.sqrt(h.cov[1, 1] + var))
     if h.knows_bias:
         return kalman_update(h, mean_dps, var, (p.drift_dps_s * min(h.moving_s, 20.0)) ** 2)
     typical = norm.logpdf(mean_dps, scale=np.sqrt(h.cov[1, 1] + var)) + np.log(0.97)
@@ -157,6 +157,8 @@ class ReferenceFilter:
     is_walk_measured: bool = False
     flicker: float = 0.0
     segment: list[float] = field(default_factory=list)
+    segment_s: float = 0.0
+    sensor_odds: float = 1.0
     mean: float = 0.0
     last: float = 0.0
     has_steps: bool = False
@@ -164,8 +166,9 @@ class ReferenceFilter:
     means: list[float] = field(default_factory=list)
     blocks_ago: int = 10**9
     ended_mean: float = 0.0
-    ended_gently: bool = False
-    was_long: bool = False
+    ended_s: float = 0.0
+    ended_odds: float = 1.0
+    is_gradual: bool = False
     wander: float = 0.0
     wander_dps: float = 10.0
     breaks: int = 0
@@ -180,23 +183,30 @@ class ReferenceFilter:
     since_s: float = 0.0
     was_certain: bool = False
     temp_c: float = np.nan
+    rest_c: float = np.nan
     sure_s: float = 0.0
     sure_rests: int = 0
     is_sure: bool = False
-    judged: int = 0
-    refused: int = 0
-    is_refusing: bool = False
     turns: list[float] = field(default_factory=list)
     turn_s: float = 0.0
     turn_deg: float = 0.0
-    points: dict[int, list[float]] = field(default_factory=dict)
-    line: tuple[float, float, float] | None = None
-    coefficients: Floats = field(default_factory=lambda: np.zeros(2))
+    line: Floats = field(default_factory=lambda: np.zeros(2))
+    line_cov: Floats = field(default_factory=lambda: np.diag([0.0, 0.01**2]))
+    line_at: tuple[float, float] | None = None
     frozen_deg: float = 0.0
+
+    def __post_init__(self) -> None:
+        """The output before the first block."""
+        self.give_output()
+
+    def give_output(self) -> None:
+        """Moments of the mixture, and the probability of rest, at the end of a block."""
+        self.yaw_deg, self.bias_dps, self.yaw_var, self.sigma_dps = collapsed(self.hypotheses)
+        self.resting = sum(h.weight for h in self.hypotheses if h.is_at_rest)
 
     def hangs(self, b: ReferenceBlock) -> bool:
         """Whether one value is repeated through a block, though noise of two steps or more was seen at rest."""
-        _, bias_dps, _, _ = collapsed(self.hypotheses)
+        bias_dps = self.bias_dps
         is_noisy = self.is_walk_measured and np.sqrt(self.noise_var) > 2.0 * b.resolution_dps
         is_clamped = b.alike_dps == 0.0 and abs(bias_dps) <= np.sqrt(max(0.0, self.noise_var))
         if b.alike_dps is None or is_clamped or not is_noisy or not 0.0 < b.resolution_dps <= 0.03:
@@ -246,7 +256,7 @@ class ReferenceFilter:
         """The segment grows, begins or ends."""
         self.number += 1
         self.means = [*self.means, mean_dps] if self.number > 2 else [mean_dps]
-        was, mean_was = len(self.segment), self.mean
+        was, mean_was, seconds_was, odds_was = len(self.segment), self.mean, self.segment_s, self.sensor_odds
         is_stationary = not self.hangs(b) and self.is_stationary(b) and b.said != "moves"
         sets_out = 3 <= was < 5 and was * b.seconds >= 5.0 * self.p.window_s and not is_stationary
         sets_out = sets_out and self.is_from_start(b, self.number - 1, self.means[:-1])
@@ -260,41 +270,64 @@ class ReferenceFilter:
                 gain = max(0.1, 1.0 / self.breaks)
                 self.wander_dps *= np.exp(np.sign(abs(mean_dps - self.mean) - self.wander_dps) * gain)
         self.was_stationary = is_stationary
-        if not is_stationary:
-            self.segment = []
-        elif not self.segment or not agrees:
-            self.segment, self.mean = [mean_dps], mean_dps
+        if is_stationary:
+            self.extend(b, mean_dps, 2.0 * np.sqrt(var + 4.0 * ramp**2), agrees=agrees)
         else:
-            self.segment.append(mean_dps)
-            a = self.segment
-            if len(a) == 5 and abs(0.5 * (a[4] + a[3] - a[1] - a[0])) >= 2.0 * np.sqrt(var + 4.0 * ramp**2):
-                self.segment = []
+            self.segment = []
         self.blocks_ago += 1
         if sets_out:
             self.branch(mean_was, self.walk / (was * b.seconds), self.p.rest_share)
-        is_gentle = is_stationary and abs(mean_dps - self.last) < 0.4 * b.seconds
+        is_gradual = is_stationary and abs(mean_dps - self.last) < 0.4 * b.seconds
         if sets_out or was >= 5 > len(self.segment):
-            self.blocks_ago, self.ended_mean, self.was_long = 1, mean_was, was * b.seconds >= 15.0
-            self.ended_gently = is_gentle
-            self.weigh_curves(0.002 if is_gentle else 1.0, "is_at_rest")
-            if is_gentle:
-                self.hypotheses = [taken_back(h) if h.is_at_rest else h for h in self.hypotheses]
+            self.blocks_ago, self.ended_mean, self.ended_s, self.ended_odds = 1, mean_was, seconds_was, odds_was
+            self.is_gradual = is_gradual
             self.hypotheses = [replace(h, is_at_rest=False, was_at_rest=h.is_at_rest) for h in self.hypotheses]
-        elif self.blocks_ago == 2 and self.ended_gently and not is_gentle:
-            self.hypotheses = [given_back(h) if h.was_at_rest else h for h in self.hypotheses]
-            self.ended_gently = False
-            self.weigh_curves(1.0 / 0.002, "was_at_rest")
+        elif self.blocks_ago == 2 and self.is_gradual and not is_gradual:
+            self.is_gradual = False
+        elif self.blocks_ago == 2 and self.is_gradual:
+            ended = [h for h in self.hypotheses if h.was_at_rest]
+            self.weigh(ended, self.ended_s, self.ended_odds, gradual=(0.01, 0.1, 0.9))
+            self.hypotheses = [taken_back(h) if h.was_at_rest else h for h in self.hypotheses]
+            self.normalise()
 
-    def weigh_curves(self, factor: float, when: str) -> None:
-        """Rests with a bias that was not expected, now or just before, count for so much."""
-        for h in self.hypotheses:
-            h.weight *= factor if h.is_unexpected_bias and getattr(h, when) else 1.0
-        self.normalise()
+    def extend(self, b: ReferenceBlock, mean_dps: float, most_slope_dps: float, *, agrees: bool) -> None:
+        """Add a stationary block to the segment, or begin another."""
+        if not self.segment or not agrees:
+            self.segment, self.mean, self.segment_s = [mean_dps], mean_dps, b.seconds
+            return
+        self.segment.append(mean_dps)
+        self.segment_s += b.seconds
+        a = self.segment
+        if len(a) == 5 and abs(0.5 * (a[4] + a[3] - a[1] - a[0])) >= most_slope_dps:
+            self.segment = []
+            return
+        scatter = 0.25 * b.samples * float(np.mean(np.diff(a) ** 2))
+        self.sensor_odds = sensor_odds_of(max(1e-12, min(self.noise_var, scatter)))
+
+    @staticmethod
+    def weigh(
+        rests: list[ReferenceHypothesis],
+        seconds: float,
+        sensor_odds: float,
+        gradual: tuple[float, float, float] = (1.0, 1.0, 1.0),
+    ) -> None:
+        """Set the odds of rests against spins, levels by chance and noisy motions, in place of the odds before.
+
+        `gradual` has the shares of rests, spins and motions with such an end.
+        """
+        longer = 1.0 / np.sqrt(1.0 + (seconds / 12.0) ** 2)
+        for h in rests:
+            rest = gradual[0] * h.prior * sensor_odds * longer
+            spin = gradual[1] * 0.03 * longer**1.5
+            motion = gradual[2] * (h.chance + (1.0 - sensor_odds) * h.noisy) * longer
+            odds = float(rest / (spin + motion))
+            h.weight *= odds / h.odds
+            h.odds = odds
 
     def turn(self, b: ReferenceBlock, mean_dps: float, *, is_new: bool) -> None:
         """A mean rate of ten seconds outside of segments, or that of a new turn, goes to the last 32."""
         if is_new:
-            self.turns += [] if self.ended_gently else [self.mean]
+            self.turns += [] if self.is_gradual else [self.mean]
         elif len(self.segment) < 5:
             self.turn_s, self.turn_deg = self.turn_s + b.seconds, self.turn_deg + mean_dps * b.seconds
             if self.turn_s >= 10.0:
@@ -336,29 +369,24 @@ class ReferenceFilter:
     def zero_velocity_update(self, b: ReferenceBlock, mean_dps: float) -> None:
         """Hypotheses of rest learn."""
         var, ramp = self.walk / b.seconds, self.p.drift_dps_s * b.seconds
-        resting = sum(h.weight for h in self.hypotheses if h.is_at_rest)
         at_rest = [h for h in self.hypotheses if h.is_at_rest]
-        beyond = [(mean_dps - h.mean[1]) ** 2 - h.cov[1, 1] - var - self.flicker for h in at_rest]
-        pull = sum(h.weight * min(b, 4.0 * (var + self.flicker)) for h, b in zip(at_rest, beyond, strict=True))
-        for k, h in enumerate(self.hypotheses):
-            if h.is_at_rest:
-                gain = min(0.98 / 0.8, h.held_back)
-                lasting = replace(
-                    h,
-                    weight=h.weight * gain,
-                    held_back=h.held_back / gain,
-                    is_unexpected_bias=h.is_unexpected_bias and len(self.segment) * b.seconds < 8.0,
-                )
-                new, _ = kalman_update(lasting, mean_dps, var, ramp**2)
-                self.hypotheses[k] = followed(new, b.seconds, self.p.drift_dps_s)
+        resting = sum(h.weight for h in at_rest)
+        for h in at_rest:
+            h.chance = 0.9 * h.chance
+        self.weigh(at_rest, self.segment_s, self.sensor_odds)
+        excess = [(mean_dps - h.mean[1]) ** 2 - h.cov[1, 1] - var - self.flicker for h in at_rest]
+        pull = sum(h.weight * min(e, 4.0 * (var + self.flicker)) for h, e in zip(at_rest, excess, strict=True))
+        self.hypotheses = [
+            followed(kalman_update(h, mean_dps, var, ramp**2)[0], b.seconds, self.p.drift_dps_s) if h.is_at_rest else h
+            for h in self.hypotheses
+        ]
         self.normalise()
         self.learn_noise(b, mean_dps, resting, pull)
 
     def believes(self, b: ReferenceBlock, mean_dps: float) -> bool:
         """Whether a witness says rest and is believed."""
-        _, bias_dps, _, sigma_dps = collapsed(self.hypotheses)
-        resting = sum(h.weight for h in self.hypotheses if h.is_at_rest)
-        self.since_s = b.seconds if resting > 0.5 else self.since_s + b.seconds
+        bias_dps, sigma_dps = self.bias_dps, self.sigma_dps
+        self.since_s = b.seconds if self.resting > 0.5 else self.since_s + b.seconds
         was_said, self.was_said = self.was_said, b.said
         if b.said != "still":
             self.is_believed, self.against = True, []
@@ -389,25 +417,27 @@ class ReferenceFilter:
         return False
 
     def warm(self, b: ReferenceBlock, temp_c: Floats | None) -> None:
-        """Temperature is averaged, and moves the bias along the line."""
+        """Average the temperature. It moves the bias along the line and makes it less certain."""
         if temp_c is None:
             return
         before = temp_c[b.end] if np.isnan(self.temp_c) else self.temp_c
         self.temp_c = before + (temp_c[b.end] - before) * min(1.0, b.seconds / 3.0)
-        if self.line is None:
-            return
-        moved = self.line[0] * (self.temp_c - before)
+        if self.resting > 0.5 or np.isnan(self.rest_c):
+            self.rest_c = before
+        wider = max(0.0, (self.temp_c - self.rest_c) ** 2 - (before - self.rest_c) ** 2)
+        more_var = self.line_cov[1, 1] * wider + 0.015**2 * abs(self.temp_c - before)
+        moved = self.line[1] * (self.temp_c - before)
         self.hypotheses = [
-            replace(h, mean=h.mean + np.array([0.0, moved]), cov=h.cov + np.diag([0.0, 0.09 * moved**2]))
+            replace(h, mean=h.mean + np.array([0.0, moved]), cov=h.cov + np.diag([0.0, more_var]))
             if h.knows_bias and not h.is_at_rest
             else h
             for h in self.hypotheses
         ]
 
     def learn_temperature(self, b: ReferenceBlock, t_s: float, *, is_certain: bool) -> None:
-        """Ten seconds of a sure rest give a point; a line goes through all of them."""
-        _, bias_dps, _, sigma_dps = collapsed(self.hypotheses)
-        if sum(h.weight for h in self.hypotheses if h.is_at_rest) < 0.95:
+        """Ten seconds of a sure rest measure the level of the line."""
+        bias_dps, sigma_dps = self.bias_dps, self.sigma_dps
+        if self.resting < 0.95:
             self.sure_s, self.is_sure = 0.0, False
             return
         was_s, self.sure_s = self.sure_s, self.sure_s + b.seconds
@@ -415,50 +445,25 @@ class ReferenceFilter:
             return
         if not self.is_sure:
             self.sure_rests, self.is_sure = self.sure_rests + 1, True
-        place = int(np.floor((self.temp_c + 40.0) / 2.0)) if np.isfinite(self.temp_c) else -1
-        if not 0 <= place < 64 or self.sure_s // 10.0 == was_s // 10.0:
+        if np.isnan(self.temp_c) or self.sure_s // 10.0 == was_s // 10.0:
             return
-        if self.judged != self.sure_rests:
-            self.judged, self.is_refusing = self.sure_rests, False
-            if self.line is not None:
-                slope, level, fit_var = self.line
-                spread = np.sqrt(fit_var + sigma_dps**2 + 0.005**2 + (0.1 * self.p.turn_on_dps) ** 2)
-                if abs(bias_dps - level - slope * self.temp_c) < 4.0 * spread:
-                    self.refused = 0
-                elif self.refused < 3:
-                    self.refused, self.is_refusing = self.refused + 1, True
-                else:
-                    self.refused, self.points, self.line = 0, {}, None
-        if self.is_refusing:
-            return
-        count, mean_c, mean_dps, var, _ = self.points.get(place, [0.0, 0.0, 0.0, 0.0, 0.0])
-        share = max(0.2, 1.0 / (count + 1.0))
-        var = (
-            (1.0 - share) * var + share * (sigma_dps**2 + 0.005**2) + share * (1.0 - share) * (bias_dps - mean_dps) ** 2
-        )
-        mean_c, mean_dps = mean_c + share * (self.temp_c - mean_c), mean_dps + share * (bias_dps - mean_dps)
-        self.points[place] = [count + 1.0, mean_c, mean_dps, var, t_s]
-        self.fit(t_s)
+        if self.line_at is None:
+            self.line[0], self.line_cov[0, 0] = bias_dps, sigma_dps**2
+        else:
+            self.measure(bias_dps, sigma_dps**2, t_s)
+        self.line_at = (self.temp_c, t_s)
 
-    def fit(self, t_s: float) -> None:
-        """Least squares, five times, in which far points count less."""
-        table = np.array([self.points[place] for place in sorted(self.points)])
-        _, c, dps, var, then_s = table.T
-        self.line = None
-        if len(c) < 5 or np.ptp(c) < 5.0:
-            return
-        slope, level = self.coefficients
-        clip = 1e9
-        for _ in range(5):
-            off = np.abs(dps - level - slope * c)
-            weight = np.minimum(1.0, clip / (off + 1e-12)) / (var + self.p.walk_dps_rts**2 * (t_s - then_s))
-            design = np.stack([c, np.ones(len(c))], axis=1) * np.sqrt(weight)[:, np.newaxis]
-            slope, level = np.linalg.lstsq(design, dps * np.sqrt(weight), rcond=None)[0]
-            fit_var = float(np.mean((dps - level - slope * c) ** 2))
-            clip = 1.5 * np.sqrt(fit_var) + 1e-9
-        self.coefficients = np.array([slope, level])
-        if abs(slope) < 0.1 and fit_var < 0.05**2:
-            self.line = (slope, level, fit_var)
+    def measure(self, bias_dps: float, var: float, t_s: float) -> None:
+        """Predict and update level and slope."""
+        assert self.line_at is not None
+        step_c, step_s = self.temp_c - self.line_at[0], t_s - self.line_at[1]
+        move = np.array([[1.0, step_c], [0.0, 1.0]])
+        mean, cov = move @ self.line, move @ self.line_cov @ move.T
+        cov[0, 0] += 0.015**2 * abs(step_c) + self.p.walk_dps_rts**2 * step_s
+        off = bias_dps - mean[0]
+        cov[0, 0] += off**2 if off**2 > 9.0 * (cov[0, 0] + var) else 0.0
+        gain = cov[:, 0] / (cov[0, 0] + var)
+        self.line, self.line_cov = mean + gain * off, cov - np.outer(gain, cov[0])
 
     def loud_var(self, b: ReferenceBlock) -> float:
         """Of the mean of a block that may be louder than the sensor."""
@@ -485,7 +490,8 @@ class ReferenceFilter:
                 new = kalman_update(h, mean_dps, var, ramp**2)[0]
             else:
                 new = first_kalman_update(h, mean_dps, var, self.p)[0]
-            found.append(settled(replace(new, is_at_rest=True, is_unexpected_bias=False, held_back=1.0, moving_s=0.0)))
+            rest = replace(new, is_at_rest=True, moving_s=0.0, prior=1.0, chance=0.0, noisy=0.0, odds=1.0)
+            found.append(settled(rest))
         found = [replace(h, weight=np.exp(log - max(logs))) for h, log in zip(found, logs, strict=True)]
         self.hypotheses = found
         if self.was_certain:
@@ -506,29 +512,28 @@ class ReferenceFilter:
         spread = np.sqrt(
             self.walk / b.seconds * 0.3 + (self.p.drift_dps_s * b.seconds * self.blocks_ago) ** 2 + self.flicker
         )
-        if self.blocks_ago <= 15 and abs(self.mean - self.ended_mean) < (6.0 if self.was_long else 4.0) * spread:
+        gate_sigmas = 6.0 if self.ended_s >= 15.0 else 4.0
+        if self.blocks_ago <= 15 and abs(self.mean - self.ended_mean) < gate_sigmas * spread:
+            self.segment_s += self.ended_s
+            resumed = [h.was_at_rest for h in self.hypotheses]
             self.hypotheses = [
-                replace(
-                    first_kalman_update(self.taken_up(h), self.mean, var, self.p)[0],
-                    is_at_rest=True,
-                    is_unexpected_bias=h.is_unexpected_bias,
-                )
+                replace(first_kalman_update(self.resumed(h), self.mean, var, self.p)[0], is_at_rest=True)
                 if h.was_at_rest
                 else h
                 for h in self.hypotheses
             ]
-            for h in self.hypotheses:
-                h.weight /= 0.002 if self.ended_gently and h.is_at_rest and h.is_unexpected_bias else 1.0
+            rests = [h for h, is_resumed in zip(self.hypotheses, resumed, strict=True) if is_resumed]
+            self.weigh(rests, self.segment_s, self.sensor_odds)
             self.normalise()
             return False
         is_start = self.is_from_start(b, self.number, self.means)
         self.branch(self.mean, var, self.p.still_start if is_start else self.p.rest_share)
         return True
 
-    def taken_up(self, h: ReferenceHypothesis) -> ReferenceHypothesis:
-        """As it was before the end of the segment."""
+    def resumed(self, h: ReferenceHypothesis) -> ReferenceHypothesis:
+        """A rest as it was where the segment that resumes it began."""
         back = gone_back(h)
-        return given_back(back) if self.ended_gently else back
+        return given_back(back) if self.is_gradual else back
 
     def is_from_start(self, b: ReferenceBlock, blocks: int, means: list[float]) -> bool:
         """Whether nothing has moved in these blocks, and there are few of them."""
@@ -537,41 +542,33 @@ class ReferenceFilter:
     def branch(self, mean_dps: float, var: float, share: float) -> None:
         """Each hypothesis becomes one of a rest and one of a spin."""
         prior = share / (1.0 - share)
-        odds = prior * self.quietness()
+        wanders = 1.0 / (1.0 + 9.0 * np.exp(-self.wander))
         everyone = list(self.hypotheses)
         for h in self.hypotheses:
             if h.is_at_rest:
                 continue
             back = replace(gone_back(h), was_at_rest=False)
             found, log_likelihood = first_kalman_update(back, mean_dps, var, self.p)
-            density = self.level_density(mean_dps - h.mean[1], h.cov[1, 1])
-            loud = max(0.0, prior - 1.0) * self.loud_density(mean_dps - h.mean[1], h.cov[1, 1])
-            place = min(set(range(12)) - {other.place for other in everyone if other.weight > 0.0})
+            away_dps, bias_var = mean_dps - h.mean[1], h.cov[1, 1]
             rest = replace(
                 found,
                 is_at_rest=True,
-                place=place,
-                weight=h.weight * odds * np.exp(log_likelihood) / (density + loud),
-                held_back=1.0 if h.knows_bias else density / 0.03,
+                place=min(set(range(12)) - {other.place for other in everyone if other.weight > 0.0}),
+                weight=h.weight * np.exp(log_likelihood),
+                prior=prior,
+                chance=float(4.0 * wanders * cauchy.pdf(away_dps, scale=np.sqrt(self.wander_dps**2 + bias_var))),
+                noisy=float(max(1.0, prior) * cauchy.pdf(away_dps, scale=np.sqrt(self.noise_var + bias_var))),
+                odds=1.0,
             )
+            self.weigh([rest], self.segment_s, self.sensor_odds)
             everyone.append(settled(rest))
         self.hypotheses = merged_and_pruned(sorted(everyone, key=lambda h: h.place))
 
-    def quietness(self) -> float:
-        """How much likelier such a noise is of a sensor than of a motion."""
-        louder = max(0.0, np.log(np.sqrt(self.noise_var) / 0.06))
-        return float(min(1.0, 0.4 * np.exp(-(louder**2) / 2.0) / 0.11))
 
-    def level_density(self, away_dps: float, bias_var: float) -> float:
-        """Of a level that is no rest, 1/(deg/s)."""
-        wanders = 1.0 / (1.0 + 9.0 * np.exp(-self.wander))
-        near = cauchy.pdf(away_dps, scale=np.sqrt(self.wander_dps**2 + bias_var))
-        return float(0.03 + 4.0 * wanders * near) + self.loud_density(away_dps, bias_var)
-
-    def loud_density(self, away_dps: float, bias_var: float) -> float:
-        """Of motions that are louder than a sensor."""
-        loud = cauchy.pdf(away_dps, scale=np.sqrt(self.noise_var + bias_var))
-        return float((1.0 - self.quietness()) * loud)
+def sensor_odds_of(variance: float) -> float:
+    """Likelihood ratio of a scatter as noise of a sensor at rest and as a motion, at most 1."""
+    louder = max(0.0, np.log(np.sqrt(variance) / 0.06))
+    return float(min(1.0, 0.4 * np.exp(-(louder**2) / 2.0) / 0.11))
 
 
 def begun(
@@ -605,7 +602,7 @@ def first_measured(blocks: list[ReferenceBlock], rate_dps: Floats) -> int:
 def measuring_at_last(mute: ReferenceFilter, hypotheses: list[ReferenceHypothesis]) -> ReferenceFilter:
     """A sensor that has said zero alone so far: what others say stays, what was learned of it does not."""
     witness = ("was_said", "is_believed", "refuted", "doubt", "against", "before_dps", "since_s", "was_certain")
-    warmth = ("temp_c", "judged", "refused", "is_refusing", "points", "line", "coefficients")
+    warmth = ("temp_c", "rest_c", "line", "line_cov", "line_at")
     kept = [*witness, *warmth, "last", "travelled"]
     return ReferenceFilter(mute.p, hypotheses, has_steps=True, **{name: getattr(mute, name) for name in kept})
 
@@ -625,7 +622,7 @@ def reference(
     first = first_measured(blocks, rate_dps)
     for number, b in enumerate(blocks):
         if number == first:
-            one = measuring_at_last(one, begun(p, remembered, collapsed(one.hypotheses)[0]))
+            one = measuring_at_last(one, begun(p, remembered, one.yaw_deg))
         mean_dps = b.turned_deg / b.seconds
         one.follow(b, mean_dps)
         if len(one.segment) == 1:
@@ -643,10 +640,11 @@ def reference(
             one.mean += (mean_dps - one.mean) / min(len(one.segment), 10)
         is_new = len(one.segment) == 5 and not is_certain and one.confirm(b)
         one.turn(b, mean_dps, is_new=is_new)
+        one.give_output()
         one.was_certain = is_certain
         one.last = mean_dps
         one.learn_temperature(b, float(t_s[b.end]), is_certain=is_certain)
-        rows.append((b.end, *collapsed(one.hypotheses)))
+        rows.append((b.end, one.yaw_deg, one.bias_dps, one.yaw_var, one.sigma_dps))
     columns = zip(*rows, strict=True)
     return {
         name: np.array(column) for name, column in zip(("end", "yaw", "bias", "yaw_var", "sigma"), columns, strict=True)
@@ -683,12 +681,15 @@ def exchanged(h: ReferenceHypothesis) -> ReferenceHypothesis:
 
 
 def taken_back(h: ReferenceHypothesis) -> ReferenceHypothesis:
-    """A rest that has ended gently: its last zero-velocity update was when it settled."""
-    return replace(exchanged(h), moving_s=h.moving_s + h.settled[2])
+    """A rest that has ended gradually: it ended with the bias it had settled at, which is as old as that."""
+    own, (yaw, cov, moving_s) = exchanged(h), h.checkpoint
+    turned = np.array([(h.mean[1] - own.mean[1]) * h.moving_s, 0.0])
+    older = (yaw, cov, moving_s + h.settled[2])
+    return replace(own, mean=own.mean + turned, moving_s=h.moving_s + h.settled[2], checkpoint=older)
 
 
 def given_back(h: ReferenceHypothesis) -> ReferenceHypothesis:
-    """As if the rest had not ended gently, and yaw had turned with its own bias since."""
+    """As if the rest had not ended gradually, and yaw had turned with its own bias since."""
     own, passed_s = exchanged(h), h.moving_s - h.settled[2]
     turned = np.array([(h.mean[1] - own.mean[1]) * passed_s, 0.0])
     return replace(own, mean=own.mean + turned, moving_s=passed_s)
@@ -702,7 +703,7 @@ def gone_back(h: ReferenceHypothesis) -> ReferenceHypothesis:
 
 
 def merged_and_pruned(hypotheses: list[ReferenceHypothesis]) -> list[ReferenceHypothesis]:
-    """Merge what is in the gate, keep the six that are most probable."""
+    """Merge what is in the gate, keep the six that are most probable, of equal weights the last."""
     total = sum(h.weight for h in hypotheses)
     left = [replace(h, weight=h.weight / total) for h in hypotheses if h.weight > 0.0]
     k = 0
@@ -714,17 +715,23 @@ def merged_and_pruned(hypotheses: list[ReferenceHypothesis]) -> list[ReferenceHy
                 weight = a.weight + b.weight
                 shares = np.array([a.weight, b.weight]) / weight
                 mean, cov = moment_matched(shares, [a.mean, b.mean], [a.cov, b.cov])
-                held_back = float(shares @ [a.held_back, b.held_back])
-                moving_s = min(a.moving_s, b.moving_s)
-                turned = float(shares @ [a.turned, b.turned])
                 left[k] = replace(
-                    a, weight=weight, mean=mean, cov=cov, moving_s=moving_s, held_back=held_back, turned=turned
+                    a,
+                    weight=weight,
+                    mean=mean,
+                    cov=cov,
+                    moving_s=min(a.moving_s, b.moving_s),
+                    prior=float(shares @ [a.prior, b.prior]),
+                    chance=float(shares @ [a.chance, b.chance]),
+                    noisy=float(shares @ [a.noisy, b.noisy]),
+                    odds=float(shares @ [a.odds, b.odds]),
+                    turned=float(shares @ [a.turned, b.turned]),
                 )
             else:
                 j += 1
         k += 1
     left = [h for h in left if h.weight >= 1e-9]
-    keep = sorted(left, key=lambda h: -h.weight)[:6]
+    keep = sorted(left, key=lambda h: h.weight)[-6:]
     left = [h for h in left if any(h is one for one in keep)]
     total = sum(h.weight for h in left)
     return [replace(h, weight=h.weight / total) for h in left]

@@ -75,7 +75,7 @@ class FilterStatus:
     tilt_deg, roll_deg, pitch_deg, tilt_sigma_deg
         Attitude of a device with three axes, deg, and the standard deviation of its tilt.
     temp_curve
-        Bias against temperature: `is_accepted`, `slope_dps_c`, `fit_dps`, `points`, `least_c`, `most_c`, `refused`.
+        Bias against temperature: `points`, `slope_dps_c`, `slope_sigma_dps_c`.
     """
 
     name: str = ""

@@ -5,7 +5,7 @@ or a spin at a constant rate. At each segment every hypothesis branches into the
 zero-velocity updates; one of a spin goes on turning. Hypotheses that agree are merged, improbable ones are pruned.
 
 In reading order: `model` and `state` (the records), `step` (sample by sample), `noise`, `wander` and `segments` (what
-the rate shows), `hypotheses`, `kalman`, `slide` and `mixture` (what may have happened), `witness`, `recall`,
+the rate shows), `hypotheses`, `durations`, `kalman` and `mixture` (what may have happened), `witness`, `recall`,
 `temperature` and `memory` (what is known beside the rate). Equations stand in docs/restlevel.md.
 
 Prior art: sums of Gaussians as a filter (Alspach and Sorenson, "Nonlinear Bayesian estimation using Gaussian sum

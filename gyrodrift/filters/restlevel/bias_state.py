@@ -43,17 +43,16 @@ class Hypothesis:
         It has had a zero-velocity update. Until then the bias is 0 with the sigma of the turn-on bias.
     is_at_rest, was_at_rest
         The device is at rest in the present segment; it was in the one before.
-    is_unexpected_bias
-        Its last rest began with a bias that it did not expect, and has not lasted long yet.
     moving_s
         Time since its last rest, s.
-    held_back
-        Factor by which its probability is held back until its rest has lasted longer than a level does by chance.
+    rest_odds, chance_density, noisy_density, odds
+        Of its present or last rest: prior odds, densities of levels by chance and of noisy motions at its rate,
+        1/(deg/s), and the odds against all that is no rest that its weight holds by now; see `restlevel.durations`.
     slide_dps, has_been_flat
         How far the bias has slid in its last rest beyond what is usual, to one side, and whether it stood still before.
     recent, settled
-        Bias of its last rest up to four seconds ago, and before it began to slide; where the rest has ended gently, the
-        settled one is exchanged with its bias. See `restlevel.slide`.
+        Bias of its last rest up to four seconds ago, and before it began to slide; where the rest has ended gradually,
+        the settled one is exchanged with its bias. See `restlevel.slide`.
     turn_density
         What it was weighed by last by the mean turns; see `restlevel.turns`.
     checkpoint
@@ -69,9 +68,11 @@ class Hypothesis:
     knows_bias: bool = False
     is_at_rest: bool = False
     was_at_rest: bool = False
-    is_unexpected_bias: bool = False
     moving_s: float = 0.0
-    held_back: float = 1.0
+    rest_odds: float = 0.0
+    chance_density: float = 0.0
+    noisy_density: float = 0.0
+    odds: float = 1.0
     slide_dps: float = 0.0
     has_been_flat: bool = False
     turn_density: float = 1.0
@@ -185,63 +186,36 @@ class SureRest:
     first_s: float = 0.0
 
 
-TEMP_POINTS = 64
-"""Places for points of bias against temperature: two degrees each, from −40 °C on."""
-
 UNSAID_C = -1000.0
 """Temperature before one was said."""
 
-
-@dataclass(slots=True)
-class TempPoint:
-    """The bias around a temperature.
-
-    count
-        Values that it is from; 0 for a free place.
-    temp_c, bias_dps, bias_var, t_s
-        Mean temperature, °C, mean bias, deg/s, its variance, and when the last value came.
-    weight
-        In the fit of the line.
-    """
-
-    count: int = 0
-    temp_c: float = 0.0
-    bias_dps: float = 0.0
-    bias_var: float = 0.0
-    t_s: float = 0.0
-    weight: float = 0.0
-
-
-def _temp_points() -> list[TempPoint]:
-    return [TempPoint() for _ in range(TEMP_POINTS)]
+NEW_SLOPE_VAR = 0.01**2
+"""Variance of the slope of a new sensor, (deg/s per °C)²: data sheets of common parts."""
 
 
 @dataclass(slots=True)
-class TempCurve:
+class TempLine:
     """Bias against temperature; see `restlevel.temperature`.
 
-    temp_c
-        Averaged temperature, °C; UNSAID_C until one was said.
+    temp_c, rest_c
+        Averaged temperature, °C, and what it was at the last probable rest; UNSAID_C until one was said.
     points
-        By bins of temperature.
-    known, least_c, most_c
-        How many there are, and from where to where.
-    is_accepted, slope_dps_c, level_dps, middle_c, fit_var
-        Whether the line is, its slope in deg/s per °C, the bias at `middle_c`, and the variance of points about it.
-    refused, is_refusing, rests
-        Outliers in a row; whether the present rest is one; the rest that was judged last.
+        Measurements of the level.
+    slope_dps_c, slope_var
+        Slope, deg/s per °C, and its variance.
+    level_dps, level_var, covariance
+        Level at the last measurement, deg/s, its variance, and its covariance with the slope.
+    level_c, level_s
+        Temperature and time of the last measurement, °C and s.
     """
 
     temp_c: float = UNSAID_C
-    points: list[TempPoint] = field(default_factory=_temp_points)
-    known: int = 0
-    least_c: float = 0.0
-    most_c: float = 0.0
-    is_accepted: bool = False
+    rest_c: float = UNSAID_C
+    points: int = 0
     slope_dps_c: float = 0.0
+    slope_var: float = NEW_SLOPE_VAR
     level_dps: float = 0.0
-    middle_c: float = 0.0
-    fit_var: float = 0.0
-    refused: int = 0
-    is_refusing: bool = False
-    rests: int = 0
+    level_var: float = 0.0
+    covariance: float = 0.0
+    level_c: float = 0.0
+    level_s: float = 0.0

@@ -9,31 +9,25 @@ a measurement of the bias, which takes back what a wrong bias has made of yaw si
 from math import exp
 
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
+from gyrodrift.filters.restlevel.durations import begin_rest, outlast_motions, weigh_gradual_end, weigh_rest
 from gyrodrift.filters.restlevel.kalman import first_kalman_update, kalman_update
 from gyrodrift.filters.restlevel.mixture import collapse, merge_and_prune, normalise
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
-from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, forget_noise, learn_at_rest, noise_odds
-from gyrodrift.filters.restlevel.rate_state import NEVER, EndedSegment
+from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, forget_noise, learn_at_rest
+from gyrodrift.filters.restlevel.rate_state import NEVER
 from gyrodrift.filters.restlevel.recall import begin_remembered, remembered_weight
 from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, is_from_start
 from gyrodrift.filters.restlevel.slide import follow_slide, give_back, settle, take_back
 from gyrodrift.filters.restlevel.turns import forget_turns
-from gyrodrift.filters.restlevel.wander import AGREEMENT_ODDS, SPINS_PER_DPS, forget_levels, level_density, loud_density
+from gyrodrift.filters.restlevel.wander import forget_levels
 
-CURVE_PENALTY = 0.002
-"""What is left of the probability of a short rest with an unexpected bias that ended gently: a curve, even for once."""
+LOUD_REST = 0.1
+"""Share of rests with a running motor or fan: where the noise drops, all rests so far were louder than the sensor."""
 
 WELL_CALIBRATED, CALIBRATED_SO_SO = 0.25, 0.25
 CALIBRATED = 0.01
 """Share of parts that have taken out their own bias to a hundredth of `turn_on_dps`, and to a tenth; the variance that
 is left at each of these."""
-
-LOUD_REST = 0.1
-"""What is left of the probability of all rests so far where the noise drops: they were motion, but for one in ten with
-a motor or a fan that ran on."""
-
-SHORT_REST_S = 8.0
-"""A rest of this length is no longer short."""
 
 
 def begin(c: RestlevelCoefficients, s: RestlevelState) -> None:
@@ -57,15 +51,15 @@ def begin_anew(c: RestlevelCoefficients, s: RestlevelState) -> None:
     s.yaw_deg = s.moments.yaw_deg
     for h in s.hypotheses:
         h.weight = h.covariance = h.yaw_var = h.bias_dps = h.moving_s = 0.0
-        h.knows_bias = h.is_at_rest = h.was_at_rest = h.is_unexpected_bias = False
-        h.held_back = h.turn_density = 1.0
+        h.knows_bias = h.is_at_rest = h.was_at_rest = False
+        h.odds = h.turn_density = 1.0
     begin(c, s)
     forget_noise(s.noise)
     forget_levels(s.wander)
     forget_turns(s.turns)
     s.wander.was_stationary = False
     s.segment.blocks = s.blocks = 0
-    s.ended.blocks_ago, s.ended.short_start_blocks, s.ended.ended_gently = NEVER, 0, False
+    s.ended.blocks_ago, s.ended.short_start_blocks, s.ended.ended_gradually = NEVER, 0, False
     s.sure.seconds, s.sure.rests, s.sure.has_first = 0.0, 0, False
 
 
@@ -89,28 +83,21 @@ def enter_segment(s: RestlevelState) -> None:
 def leave_segment(s: RestlevelState) -> None:
     """A confirmed segment has ended: no hypothesis is at rest any more."""
     for h in s.hypotheses:
-        if h.is_at_rest and may_be_curve(h, s.ended):
-            h.weight *= CURVE_PENALTY
-        if h.is_at_rest and s.ended.ended_gently:
-            take_back(h)
         h.was_at_rest = h.is_at_rest
         h.is_at_rest = False
-    normalise(s)
 
 
-def forgive_exit(s: RestlevelState) -> None:
-    """The segment that ended gently went on abruptly: its exit only fell on the end of a block, and is no curve's."""
+def end_gradually(s: RestlevelState) -> None:
+    """The last segment has ended as the flat part of a curve does."""
     for h in s.hypotheses:
-        if h.was_at_rest and may_be_curve(h, s.ended):
-            h.weight /= CURVE_PENALTY
         if h.weight > 0.0 and h.was_at_rest:
-            give_back(h)
-    s.ended.ended_gently = False
+            weigh_gradual_end(h, s.ended.seconds, s.ended.sensor_odds)
+            take_back(h)
     normalise(s)
 
 
 def doubt_loud_rests(s: RestlevelState) -> None:
-    """Where the noise has turned out smaller, what was taken for a rest so far was louder than this sensor at rest."""
+    """Weigh all rests so far by the share of loud ones, where the noise has turned out smaller."""
     if not s.noise.has_dropped:
         return
     for h in s.hypotheses:
@@ -149,11 +136,7 @@ def branch_at_end(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -
 
 
 def _branch(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, mean_var: float, odds: float) -> None:
-    """By the mean of a segment and its variance, with these prior odds of a rest.
-
-    Odds above 1 are those against a constant spin. Of motions that are louder than a sensor there are as many as rests.
-    """
-    sure, odds = max(0.0, odds - 1.0), odds * noise_odds(s.noise)
+    """By the mean of a segment and its variance, with these prior odds of a rest."""
     free = 0
     for k in range(len(s.hypotheses)):
         h = s.hypotheses[k]
@@ -168,10 +151,9 @@ def _branch(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, mean_v
         rest.knows_bias = h.knows_bias
         rest.turn_density = h.turn_density
         rest.is_at_rest, rest.was_at_rest = True, False
-        density = level_density(s.noise, s.wander, mean_dps - h.bias_dps, h.bias_var)
-        rest.held_back = 1.0 if h.knows_bias else density / SPINS_PER_DPS
-        density += sure * loud_density(s.noise, mean_dps - h.bias_dps, h.bias_var)
-        rest.weight = h.weight * odds / density * exp(first_kalman_update(c, rest, mean_dps, mean_var))
+        begin_rest(rest, s.wander, odds, s.noise.sample_var, mean_dps - h.bias_dps)
+        rest.weight = h.weight * exp(first_kalman_update(c, rest, mean_dps, mean_var))
+        weigh_rest(rest, s.segment.seconds, s.segment.sensor_odds)
         settle(rest)
     merge_and_prune(s)
 
@@ -181,14 +163,12 @@ def resume(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     mean_dps, mean_var = s.segment.mean_dps, s.noise.angle_walk_var / (seconds * CONFIRMED_BLOCKS)
     for h in s.hypotheses:
         if h.weight > 0.0 and h.was_at_rest:
-            was_unexpected_bias = h.is_unexpected_bias
             _go_back(h, h)
-            if s.ended.ended_gently:
+            if s.ended.ended_gradually:
                 give_back(h)
             first_kalman_update(c, h, mean_dps, mean_var)
-            h.is_at_rest, h.is_unexpected_bias = True, was_unexpected_bias
-            if may_be_curve(h, s.ended):
-                h.weight /= CURVE_PENALTY
+            h.is_at_rest = True
+            weigh_rest(h, s.segment.seconds, s.segment.sensor_odds)
     normalise(s)
 
 
@@ -204,11 +184,8 @@ def zero_velocity_update(
         if h.weight == 0.0 or not h.is_at_rest:
             continue
         rest_weight += h.weight
-        if s.segment.blocks * seconds >= SHORT_REST_S:
-            h.is_unexpected_bias = False
-        gain = min(AGREEMENT_ODDS, h.held_back)
-        h.weight *= gain
-        h.held_back /= gain
+        outlast_motions(h)
+        weigh_rest(h, s.segment.seconds, s.segment.sensor_odds)
         innovation_dps = mean_dps - h.bias_dps
         beyond_var = innovation_dps * innovation_dps - h.bias_var - mean_var - noise.flicker_var
         excess_var += h.weight * min(beyond_var, FLICKER_CLIP * (mean_var + noise.flicker_var))
@@ -217,11 +194,6 @@ def zero_velocity_update(
         follow_slide(c, h, seconds)
     normalise(s)
     learn_at_rest(noise, rest_weight, excess_var, step_dps, s.block, seconds)
-
-
-def may_be_curve(h: Hypothesis, ended: EndedSegment) -> bool:
-    """Whether the segment that has ended may have been a curve, for a hypothesis that takes it for a rest."""
-    return h.is_unexpected_bias and ended.ended_gently
 
 
 def _go_back(h: Hypothesis, to: Hypothesis) -> None:

@@ -106,9 +106,6 @@ def first_kalman_update(c: RestlevelCoefficients, h: Hypothesis, mean_dps: float
 
     A hypothesis without a rest so far has its bias from the turn-on: one Gaussian of typical parts and a wide one.
     """
-    innovation_dps = mean_dps - h.bias_dps
-    is_far = innovation_dps * innovation_dps > UNEXPECTED_VAR * (h.bias_var + mean_var)
-    h.is_unexpected_bias = not h.knows_bias or is_far
     if h.knows_bias:
         ramp_dps = c.rate_ramp_dps_s * min(h.moving_s, MAX_RAMP_S)
         log_likelihood = kalman_update(h, mean_dps, mean_var, ramp_dps * ramp_dps)

@@ -7,15 +7,17 @@ start, against what was expected, is the sensor's own drift: it is learned, and 
 than nine times what was expected.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
+from math import exp
 from typing import Annotated, Any
 
-from annotated_types import Ge, Le, Lt
+from annotated_types import Ge, Le
 
-from gyrodrift.filters.restlevel.bias_state import TEMP_POINTS, TempCurve
+from gyrodrift.filters.restlevel.bias_state import NEW_SLOPE_VAR
+from gyrodrift.filters.restlevel.hypotheses import CALIBRATED, CALIBRATED_SO_SO, WELL_CALIBRATED
+from gyrodrift.filters.restlevel.kalman import gaussian_logpdf
 from gyrodrift.filters.restlevel.model import COLDEST_C, UNKNOWN_C, WARMEST_C, RestlevelParams, RestlevelState
-from gyrodrift.filters.restlevel.temperature import SLOPE_DOUBT, fit_line
+from gyrodrift.filters.restlevel.temperature import LOOP_VAR_C
 
 REMEMBERED_WEIGHT = 0.95
 """Probability that the sensor is the one that is remembered, not one to which something has happened."""
@@ -23,9 +25,6 @@ REMEMBERED_WEIGHT = 0.95
 START_SHARE, START_AGE_S = 0.1, 600.0
 """How far a bias changes when the sensor is switched off and on, in sigmas of the turn-on bias; the time after which it
 will have been."""
-
-TEMPCO_DPS_C = 0.01
-"""How far a bias changes with temperature where nothing is known of that, deg/s per °C."""
 
 ALIKE_C = 3.0
 """Starts at temperatures no further apart than this are alike."""
@@ -53,18 +52,6 @@ class RememberedStart:
 
 
 @dataclass(frozen=True, slots=True)
-class RememberedPoint:
-    """The bias around a temperature, as in `TempPoint`: its place, and s before the memory was made."""
-
-    place: Annotated[int, Ge(0), Lt(TEMP_POINTS)]
-    count: Annotated[int, Ge(1)]
-    temp_c: Celsius
-    bias_dps: Dps
-    bias_var: Size
-    age_s: Annotated[float, Ge(0.0)]
-
-
-@dataclass(frozen=True, slots=True)
 class RestlevelMemory:
     """What is known of a sensor.
 
@@ -76,8 +63,10 @@ class RestlevelMemory:
         Noise at rest, as in `NoiseModel`, and the time between two samples, s.
     drift_factor, starts
         By how much its variance from run to run is larger than expected of any sensor, and from how many runs.
-    first, curve
-        Its starts, the last one first, and its bias against temperature.
+    first
+        Its starts, the last one first.
+    slope_dps_c, slope_sigma_dps_c
+        Slope of its bias against temperature and its standard deviation, deg/s per °C.
     """
 
     bias_dps: Dps
@@ -92,7 +81,8 @@ class RestlevelMemory:
     drift_factor: Annotated[float, Ge(LEAST_FACTOR), Le(MOST_FACTOR)] = 1.0
     starts: Annotated[int, Ge(0)] = 0
     first: tuple[RememberedStart, ...] = field(default=())
-    curve: tuple[RememberedPoint, ...] = field(default=())
+    slope_dps_c: Dps = 0.0
+    slope_sigma_dps_c: Size = NEW_SLOPE_VAR**0.5
 
 
 def learned(state: RestlevelState, before: RestlevelMemory | None, age_s: float) -> RestlevelMemory | None:
@@ -125,30 +115,22 @@ def learned(state: RestlevelState, before: RestlevelMemory | None, age_s: float)
         drift_factor=factor,
         starts=starts,
         first=(start, *older),
-        curve=tuple(_points(state)),
+        slope_dps_c=state.line.slope_dps_c,
+        slope_sigma_dps_c=max(0.0, state.line.slope_var) ** 0.5,
     )
-
-
-def _points(state: RestlevelState) -> Iterator[RememberedPoint]:
-    for place, one in enumerate(state.curve.points):
-        if one.count > 0:
-            age_s = max(0.0, state.lived_s - one.t_s)
-            yield RememberedPoint(place, one.count, one.temp_c, one.bias_dps, one.bias_var, age_s)
 
 
 def begun(params: RestlevelParams, memory: RestlevelMemory, age_s: float, temp_c: float | None) -> RestlevelState:
     """A new state that remembers; the memory was made `age_s` ago, and the sensor has this temperature in °C now."""
     state = RestlevelState()
-    for one in memory.curve:
-        point = state.curve.points[one.place]
-        point.count, point.temp_c, point.t_s = one.count, one.temp_c, -one.age_s - age_s
-        point.bias_dps, point.bias_var = one.bias_dps, one.bias_var
-    fit_line(state.curve, params.walk_dps_rts**2, 0.0)
+    state.line.slope_dps_c, state.line.slope_var = memory.slope_dps_c, memory.slope_sigma_dps_c**2
     is_one = temp_c is not None and COLDEST_C < temp_c < WARMEST_C  # as in `step`: a device may say anything
-    found = _expected(params, memory, age_s, temp_c if is_one else None, state.curve)
+    found = _expected(params, memory, age_s, temp_c if is_one else None)
     precision = sum(1.0 / variance for _, variance in found)
+    is_new_start = min(1.0, (age_s + memory.age_s) / START_AGE_S)
+    weight = REMEMBERED_WEIGHT * (1.0 - is_new_start * _self_nulling(params, memory))
     for place, (bias_dps, variance) in zip(state.remembered, found, strict=False):
-        place.weight = REMEMBERED_WEIGHT / variance / precision
+        place.weight = weight / variance / precision
         place.bias_dps, place.bias_var = bias_dps, variance
     recalled = state.recalled
     recalled.period_s, recalled.sample_var = memory.period_s, memory.sample_var
@@ -157,14 +139,28 @@ def begun(params: RestlevelParams, memory: RestlevelMemory, age_s: float, temp_c
     return state
 
 
+def _self_nulling(params: RestlevelParams, memory: RestlevelMemory) -> float:
+    """Probability that the sensor removes its own bias, by how small the last one was: the next one is another then."""
+    if params.turn_on_dps == 0.0:
+        return 0.0
+    turn_on_var, seen_var = params.turn_on_dps**2, memory.bias_sigma_dps**2 + LEAST_VAR
+    kinds = (
+        (WELL_CALIBRATED, turn_on_var * CALIBRATED**2),
+        (CALIBRATED_SO_SO, turn_on_var * CALIBRATED),
+        (1.0 - WELL_CALIBRATED - CALIBRATED_SO_SO, turn_on_var),
+    )
+    densities = [share * exp(gaussian_logpdf(memory.bias_dps, var + seen_var)) for share, var in kinds]
+    return densities[0] / max(sum(densities), LEAST_VAR)
+
+
 def _expected(
-    params: RestlevelParams, memory: RestlevelMemory, age_s: float, temp_c: float | None, curve: TempCurve
+    params: RestlevelParams, memory: RestlevelMemory, age_s: float, temp_c: float | None
 ) -> list[tuple[float, float]]:
     """Biases to begin with and their variances: of the last sure rest, and of the start most like this one."""
     last_s = age_s + memory.age_s
     is_new_start = min(1.0, last_s / START_AGE_S)
     last_var = memory.bias_sigma_dps**2 + _drift_var(params, memory, last_s, is_new_start)
-    moved_dps, moved_var = _moved(memory.temp_c, temp_c, curve)
+    moved_dps, moved_var = _moved(memory, memory.temp_c, temp_c)
     found = [(memory.bias_dps + moved_dps, last_var + moved_var)]
     alike = [one for one in memory.first if _is_alike(one.temp_c, temp_c)]
     if alike and is_new_start < 1.0 and not _is_alike(memory.temp_c, temp_c):
@@ -172,7 +168,7 @@ def _expected(
     if alike and is_new_start == 1.0:
         one = min(alike, key=lambda each: abs((each.temp_c or 0.0) - (temp_c or 0.0)))
         start_var = one.bias_sigma_dps**2 + _drift_var(params, memory, age_s + one.age_s, 1.0)
-        moved_dps, moved_var = _moved(one.temp_c, temp_c, curve)
+        moved_dps, moved_var = _moved(memory, one.temp_c, temp_c)
         found.append((one.bias_dps + moved_dps, start_var + moved_var))
     return found
 
@@ -184,14 +180,13 @@ def _drift_var(params: RestlevelParams, memory: RestlevelMemory, age_s: float, i
     return LEAST_VAR + memory.drift_factor * (walk_var + START_SHARE**2 * turn_on_var * is_new_start)
 
 
-def _moved(then_c: float | None, now_c: float | None, curve: TempCurve) -> tuple[float, float]:
-    """What a change of temperature has moved the bias by, deg/s, and the variance of that."""
+def _moved(memory: RestlevelMemory, then_c: float | None, now_c: float | None) -> tuple[float, float]:
+    """Return by how much a change of temperature has moved the bias, deg/s, and the variance of that."""
     if then_c is None or now_c is None:
         return 0.0, 0.0
-    if not curve.is_accepted:
-        return 0.0, (TEMPCO_DPS_C * (now_c - then_c)) ** 2
-    moved_dps = curve.slope_dps_c * (now_c - then_c)
-    return moved_dps, (SLOPE_DOUBT * moved_dps) ** 2 + curve.fit_var * min(1.0, abs(now_c - then_c) / ALIKE_C)
+    step_c = now_c - then_c
+    slope_dps = memory.slope_sigma_dps_c * step_c
+    return memory.slope_dps_c * step_c, slope_dps * slope_dps + LOOP_VAR_C * abs(step_c)
 
 
 def _is_alike(then_c: float | None, now_c: float | None) -> bool:

@@ -76,7 +76,10 @@ def moment_matched_merge(h: Hypothesis, other: Hypothesis) -> None:
     h.bias_dps += share * apart_dps
     h.yaw_deg += share * apart_deg
     h.moving_s = min(h.moving_s, other.moving_s)
-    h.held_back += share * (other.held_back - h.held_back)
+    h.rest_odds += share * (other.rest_odds - h.rest_odds)
+    h.chance_density += share * (other.chance_density - h.chance_density)
+    h.noisy_density += share * (other.noisy_density - h.noisy_density)
+    h.odds += share * (other.odds - h.odds)
     h.turn_density += share * (other.turn_density - h.turn_density)
     h.weight += other.weight
     other.weight = 0.0

@@ -12,7 +12,7 @@ from gyrodrift.filters.restlevel.bias_state import (
     RecalledNoise,
     RememberedBias,
     SureRest,
-    TempCurve,
+    TempLine,
     Witness,
 )
 from gyrodrift.filters.restlevel.rate_state import (
@@ -142,7 +142,7 @@ class RestlevelState:
         Blocks that have ended so far.
     witness
         What something else than the rate says of rest.
-    remembered, recalled, sure, curve
+    remembered, recalled, sure, line
         Biases and noise that it begins with; the rests that it is sure of; bias against temperature.
     block, noise, turns, wander, segment, ended, hypotheses, moments
         The block that is being filled; the sensor's noise; mean turns; how levels wander; the present constant-rate
@@ -172,7 +172,7 @@ class RestlevelState:
     remembered: list[RememberedBias] = field(default_factory=_remembered_places)
     recalled: RecalledNoise = field(default_factory=RecalledNoise)
     sure: SureRest = field(default_factory=SureRest)
-    curve: TempCurve = field(default_factory=TempCurve)
+    line: TempLine = field(default_factory=TempLine)
     segment: RateSegment = field(default_factory=RateSegment)
     ended: EndedSegment = field(default_factory=EndedSegment)
     moments: MixtureMoments = field(default_factory=MixtureMoments)
@@ -180,11 +180,8 @@ class RestlevelState:
 
     @property
     def temp_curve(self) -> dict[str, float] | None:
-        """What is known of the bias against temperature, for people; None before there is a point."""
-        curve = self.curve
-        if curve.known == 0:
+        """Bias against temperature for the status; None before there is a measurement."""
+        line = self.line
+        if line.points == 0:
             return None
-        told = {"points": curve.known, "least_c": curve.least_c, "most_c": curve.most_c, "refused": curve.refused}
-        if curve.fit_var > 0.0:
-            told |= {"slope_dps_c": curve.slope_dps_c, "fit_dps": curve.fit_var**0.5}
-        return {"is_accepted": curve.is_accepted, **told}
+        return {"points": line.points, "slope_dps_c": line.slope_dps_c, "slope_sigma_dps_c": line.slope_var**0.5}

@@ -104,9 +104,9 @@ def forget_noise(noise: NoiseModel) -> None:
     noise.flicker_var = 0.0
 
 
-def noise_odds(noise: NoiseModel) -> float:
+def sensor_odds(sample_var: float) -> float:
     """How much likelier the noise of a sensor at rest is so large than the scatter of a motion."""
-    away = (0.5 * log(noise.sample_var) - log(USUAL_NOISE_DPS)) / NOISE_SPREAD
+    away = (0.5 * log(sample_var) - log(USUAL_NOISE_DPS)) / NOISE_SPREAD
     away = max(away, 0.0)  # no sensor is too quiet
     return min(1.0, 0.4 / NOISE_SPREAD * exp(-0.5 * away * away) / MOTION_DENSITY)
 

@@ -100,8 +100,12 @@ class RateSegment:
 
     blocks
         Its blocks so far; 0 where there is no segment, 1 where one begins.
+    seconds
+        Its length, s, with that of the segments that it resumes.
     mean_dps
         Mean of its block means, a running one after the first few.
+    sum_squares
+        Sum of the squared steps between its block means, (deg/s)².
     head_sum_dps
         Sum of its first two block means.
     last_mean_dps
@@ -111,7 +115,10 @@ class RateSegment:
     """
 
     blocks: int = 0
+    seconds: float = 0.0
     mean_dps: float = 0.0
+    sum_squares: float = 0.0
+    sensor_odds: float = 1.0
     head_sum_dps: float = 0.0
     last_mean_dps: float = 0.0
     least_dps: float = 0.0
@@ -122,11 +129,9 @@ class RateSegment:
 class EndedSegment:
     """The last constant-rate segment that has ended: a confirmed one, or a short rest from the start.
 
-    mean_dps
-        Its mean, deg/s.
-    was_long
-        It lasted `segments.LONG_SEGMENT_S` or more.
-    ended_gently
+    mean_dps, seconds
+        Its mean, deg/s, and its length, s.
+    ended_gradually
         The rate left it slowly and without becoming noisy, as it leaves the flat part of a curve.
     blocks_ago
         Blocks since it ended; 1 for the block that ended it.
@@ -135,8 +140,9 @@ class EndedSegment:
     """
 
     mean_dps: float = 0.0
-    was_long: bool = False
-    ended_gently: bool = False
+    seconds: float = 0.0
+    sensor_odds: float = 1.0
+    ended_gradually: bool = False
     blocks_ago: int = NEVER
     short_start_blocks: int = 0
 

@@ -3,7 +3,7 @@
 from math import sqrt
 
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
-from gyrodrift.filters.restlevel.noise import is_stationary
+from gyrodrift.filters.restlevel.noise import MIN_VAR, is_stationary, sensor_odds
 from gyrodrift.filters.restlevel.rate_state import EndedSegment, NoiseModel, RateSegment
 from gyrodrift.filters.restlevel.wander import forget_levels, see_agreement, see_break
 
@@ -20,8 +20,8 @@ GATE_SIGMAS = 4.0
 SLOPE_SIGMAS = 2.0
 """The two ends of a segment that is to be confirmed may differ by this: a curve's do."""
 
-GENTLE_DPS_S = 0.4
-"""A segment ends gently where the rate leaves it by less than this, deg/s², and the noise stays what it was."""
+GRADUAL_DPS_S = 0.4
+"""A segment ends gradually where the rate leaves it by less than this, deg/s², and the noise stays what it was."""
 
 MAX_GAP_BLOCKS = 10
 """A segment may continue the one before within so many blocks; one that begins by then began at the start."""
@@ -53,6 +53,7 @@ def track_segment(
     """
     segment, ended = s.segment, s.ended
     blocks_before, mean_before_dps = segment.blocks, segment.mean_dps
+    seconds_before, sensor_odds_before = segment.seconds, segment.sensor_odds
     is_now_stationary = not s.noise.is_frozen and is_stationary(c, s.block, s.noise) and s.witness.moving == 0
     is_short_start = not is_now_stationary and _is_short_start(c, s, seconds)
     s.blocks += 1
@@ -67,21 +68,22 @@ def track_segment(
     s.wander.was_stationary = is_now_stationary
     if is_now_stationary:
         _take_block(segment, s.noise, mean_dps, c.rate_ramp_dps_s * seconds, seconds)
+        if segment.blocks > 1:
+            segment.sensor_odds = sensor_odds(_scatter_var(segment, s.noise, s.block.samples))
     else:
         segment.blocks = 0
     segment.last_mean_dps = mean_dps
     ended.short_start_blocks = blocks_before if is_short_start else 0
     if is_short_start or blocks_before >= CONFIRMED_BLOCKS > segment.blocks:
         ended.mean_dps, ended.blocks_ago = mean_before_dps, 0
-        ended.was_long = blocks_before * seconds >= LONG_SEGMENT_S
-        ended.ended_gently = is_now_stationary and abs(step_dps) < GENTLE_DPS_S * seconds
+        ended.seconds, ended.sensor_odds = seconds_before, sensor_odds_before
+        ended.ended_gradually = is_now_stationary and abs(step_dps) < GRADUAL_DPS_S * seconds
     ended.blocks_ago += 1
 
 
-def goes_on_abruptly(s: RestlevelState, step_dps: float, seconds: float) -> bool:
-    """Whether the last segment ended gently with the block before, and the present one turns away from it."""
-    is_gentle = s.wander.was_stationary and abs(step_dps) < GENTLE_DPS_S * seconds
-    return s.ended.blocks_ago == 2 and s.ended.ended_gently and not is_gentle
+def goes_on_gradually(s: RestlevelState, step_dps: float, seconds: float) -> bool:
+    """Whether the block after the end of a segment is as gradual as the one that ended it."""
+    return s.wander.was_stationary and abs(step_dps) < GRADUAL_DPS_S * seconds
 
 
 def is_from_start(s: RestlevelState, seconds: float) -> bool:
@@ -104,7 +106,7 @@ def continues(
     mean_var = noise.angle_walk_var / seconds
     ramp_dps = c.rate_ramp_dps_s * seconds * ended.blocks_ago
     gate_var = mean_var * (1.0 / CONFIRMED_BLOCKS + 1.0 / MEAN_BLOCKS) + ramp_dps * ramp_dps + noise.flicker_var
-    sigmas = LONG_GATE_SIGMAS if ended.was_long else GATE_SIGMAS
+    sigmas = LONG_GATE_SIGMAS if ended.seconds >= LONG_SEGMENT_S else GATE_SIGMAS
     innovation_dps = segment.mean_dps - ended.mean_dps
     is_soon = ended.blocks_ago <= MAX_GAP_BLOCKS + CONFIRMED_BLOCKS
     return is_soon and abs(innovation_dps) < sigmas * sqrt(gate_var)
@@ -131,16 +133,29 @@ def _take_block(segment: RateSegment, noise: NoiseModel, mean_dps: float, ramp_d
     """A stationary block: the segment goes on, or another begins."""
     mean_var = noise.angle_walk_var / seconds
     if segment.blocks == 0 or not _is_in_gate(segment, mean_dps, mean_var, ramp_dps, noise.flicker_var):
-        segment.blocks = 1
+        segment.blocks, segment.seconds, segment.sum_squares = 1, seconds, 0.0
         segment.head_sum_dps = segment.mean_dps = mean_dps
         return
+    step_dps = mean_dps - segment.last_mean_dps
+    segment.sum_squares += step_dps * step_dps
     segment.blocks += 1
+    segment.seconds += seconds
     if segment.blocks == 2:
         segment.head_sum_dps += mean_dps
     if segment.blocks == CONFIRMED_BLOCKS:
         slope_dps = 0.5 * (segment.last_mean_dps + mean_dps - segment.head_sum_dps)
         if abs(slope_dps) >= SLOPE_SIGMAS * sqrt(mean_var + 4.0 * ramp_dps * ramp_dps):
             segment.blocks = 0
+
+
+def _scatter_var(segment: RateSegment, noise: NoiseModel, samples: int) -> float:
+    """Variance of samples by which a level is judged, (deg/s)².
+
+    It is that of the samples, or what the scatter of the block means makes of it where that is smaller: a vibration
+    averages out within a block, a motion does not. As for D, white noise counts twice.
+    """
+    step_var = segment.sum_squares / (segment.blocks - 1)
+    return max(MIN_VAR, min(noise.sample_var, 0.25 * samples * step_var))
 
 
 def _is_in_gate(segment: RateSegment, mean_dps: float, mean_var: float, ramp_dps: float, flicker_var: float) -> bool:

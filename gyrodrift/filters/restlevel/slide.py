@@ -49,13 +49,18 @@ def follow_slide(c: RestlevelCoefficients, h: Hypothesis, seconds: float) -> Non
 
 
 def take_back(h: Hypothesis) -> None:
-    """Its rest has ended gently: the bias is the one that it had settled at, of some time ago."""
+    """Give a rest that has ended gradually the bias that it had settled at, of some time ago; yaw turns with it since.
+
+    The present segment may have begun with the block that ended the rest, when yaw had not turned yet.
+    """
     _exchange(h)
+    h.yaw_deg -= (h.bias_dps - h.settled.bias_dps) * h.moving_s
     h.moving_s += h.settled.ago_s
+    h.checkpoint.moving_s += h.settled.ago_s
 
 
 def give_back(h: Hypothesis) -> None:
-    """The rest goes on, or has ended abruptly: `take_back` undone, with what yaw has turned by the difference."""
+    """Undo `take_back` where the rest goes on; yaw is that of the beginning of the segment."""
     _exchange(h)
     h.moving_s -= h.settled.ago_s
     h.yaw_deg -= (h.bias_dps - h.settled.bias_dps) * h.moving_s

@@ -13,8 +13,8 @@ from gyrodrift.filters.restlevel.hypotheses import (
     branch,
     branch_at_end,
     doubt_loud_rests,
+    end_gradually,
     enter_segment,
-    forgive_exit,
     leave_segment,
     predict,
     resume,
@@ -33,7 +33,7 @@ from gyrodrift.filters.restlevel.recall import recall_noise
 from gyrodrift.filters.restlevel.segments import (
     CONFIRMED_BLOCKS,
     continues,
-    goes_on_abruptly,
+    goes_on_gradually,
     track_segment,
     update_mean,
 )
@@ -190,10 +190,11 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
 def _confirm(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     """The segment is one: it is the one before, or another."""
     if continues(c, s.segment, s.ended, s.noise, seconds):
+        s.segment.seconds += s.ended.seconds
         resume(c, s, seconds)
     else:
         branch(c, s, seconds)
-        if not s.ended.ended_gently:  # else it is of the same turn as the one before
+        if not s.ended.ended_gradually:  # else it is of the same turn as the one before
             see_turn(s.turns, s.segment.mean_dps)
 
 
@@ -203,5 +204,7 @@ def _leave(c: RestlevelCoefficients, s: RestlevelState, step_dps: float, seconds
         branch_at_end(c, s, seconds)
     if s.ended.blocks_ago == 1:
         leave_segment(s)
-    if goes_on_abruptly(s, step_dps, seconds):
-        forgive_exit(s)
+    if s.ended.blocks_ago == 2 and s.ended.ended_gradually:
+        s.ended.ended_gradually = goes_on_gradually(s, step_dps, seconds)
+        if s.ended.ended_gradually:
+            end_gradually(s)

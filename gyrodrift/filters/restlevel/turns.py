@@ -8,10 +8,10 @@ other, by no more than that doubt allows, and moves none of them.
 from math import exp, pi, sqrt
 
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
+from gyrodrift.filters.restlevel.durations import SPINS_PER_DPS
 from gyrodrift.filters.restlevel.mixture import normalise
 from gyrodrift.filters.restlevel.model import RestlevelState
 from gyrodrift.filters.restlevel.rate_state import TURN_PLACES, MeanTurns
-from gyrodrift.filters.restlevel.wander import SPINS_PER_DPS
 
 TURN_S = 10.0
 """Time outside of constant-rate segments that a mean rate is taken over."""

@@ -5,10 +5,9 @@ for noise, as of a vehicle in gentle bends, a boat or a bench that hovers, has s
 step from level to level. Such a level is a coincidence, and says little about the bias.
 """
 
-from math import exp, log, pi, sqrt
+from math import exp, log
 
-from gyrodrift.filters.restlevel.noise import noise_odds
-from gyrodrift.filters.restlevel.rate_state import NoiseModel, RateWander
+from gyrodrift.filters.restlevel.rate_state import RateWander
 
 SENSOR_BREAK, WANDER_BREAK = 0.02, 0.2
 """Probability that the next stationary block does not agree: of a sensor, flicker included, and of wandering levels."""
@@ -27,12 +26,6 @@ FORGETTING = 0.98
 UNKNOWN_STEP_DPS = 10.0
 STEP_GAIN = 0.1
 """The typical step between levels before one is seen, deg/s, and the least share of it that a step moves it by."""
-
-CHANCE_LEVELS = 4.0
-"""Where levels wander, so many come by chance for one that is a constant spin."""
-
-SPINS_PER_DPS = 0.03
-"""Probability density of the rates of constant spins, 1/(deg/s): even up to some 15 deg/s either way."""
 
 
 def see_agreement(wander: RateWander) -> None:
@@ -58,31 +51,3 @@ def forget_levels(wander: RateWander) -> None:
 def wander_probability(wander: RateWander) -> float:
     """That levels wander."""
     return 1.0 / (1.0 + exp(-wander.log_odds) / WANDER_ODDS)
-
-
-def level_density(noise: NoiseModel, wander: RateWander, away_dps: float, bias_var: float) -> float:
-    """Probability density of the level of a constant-rate segment that is no rest, 1/(deg/s).
-
-    A constant spin has any rate. Levels that wander, and those of a motion that is louder than a sensor, lie about
-    the bias: within a typical step, and within that noise.
-
-    Parameters
-    ----------
-    noise, wander
-        What is known of the sensor's noise and of its levels.
-    away_dps, bias_var
-        How far the level lies from the bias, and the variance of the bias.
-    """
-    by_chance = CHANCE_LEVELS * wander_probability(wander) * _cauchy_pdf(away_dps, wander.step_dps**2 + bias_var)
-    return SPINS_PER_DPS + by_chance + loud_density(noise, away_dps, bias_var)
-
-
-def loud_density(noise: NoiseModel, away_dps: float, bias_var: float) -> float:
-    """The part of it that motions have which are louder than a sensor."""
-    return (1.0 - noise_odds(noise)) * _cauchy_pdf(away_dps, noise.sample_var + bias_var)
-
-
-def _cauchy_pdf(x: float, squared_width: float) -> float:
-    """Density of the Cauchy distribution about 0: half of it lies within the width."""
-    width = sqrt(squared_width)
-    return width / (pi * (x * x + squared_width))

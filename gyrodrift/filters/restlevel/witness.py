@@ -97,10 +97,8 @@ def stand_still(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, st
     for h in s.hypotheses:
         if h.weight > 0.0:
             drift_dps = c.rate_ramp_dps_s * (seconds if h.is_at_rest else min(h.moving_s, MAX_RAMP_S))
-            h.held_back = gaussian_logpdf(
-                mean_dps - h.bias_dps, h.bias_var + drift_dps * drift_dps + mean_var + flicker_var
-            )
-            best = max(best, h.held_back)
+            h.odds = gaussian_logpdf(mean_dps - h.bias_dps, h.bias_var + drift_dps * drift_dps + mean_var + flicker_var)
+            best = max(best, h.odds)
     ramp_var = c.rate_ramp_dps_s * c.rate_ramp_dps_s * seconds * seconds
     for h in s.hypotheses:
         if h.weight == 0.0:
@@ -111,11 +109,12 @@ def stand_still(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, st
             kalman_update(h, mean_dps, mean_var, ramp_var)
         else:
             first_kalman_update(c, h, mean_dps, mean_var)
-        h.weight *= exp(h.held_back - best)
-        h.is_at_rest, h.is_unexpected_bias = True, False
+        h.weight *= exp(h.odds - best)
+        h.is_at_rest = True
         h.moving_s = 0.0
-        h.held_back = 1.0
+        h.odds = h.rest_odds = 1.0
         settle(h)
+        h.chance_density = h.noisy_density = 0.0
     if s.witness.was_certain:
         excess_var = min(excess_var, FLICKER_CLIP * (mean_var + flicker_var))
         learn_at_rest(s.noise, 1.0, excess_var, step_dps, s.block, seconds)

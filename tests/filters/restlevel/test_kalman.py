@@ -56,14 +56,4 @@ def test_the_first_bias_may_be_that_of_a_part_far_out() -> None:
     log_likelihood = first_kalman_update(c, h, 6.0, 1e-9)  # 12 sigmas of the typical, 3 of the wide
     assert log_likelihood == pytest.approx(log(0.03) - 4.5 - log(2.0) - 0.5 * log(2.0 * pi), abs=1e-6)
     assert h.bias_dps == pytest.approx(6.0, abs=1e-6)
-    assert (h.knows_bias, h.is_unexpected_bias, h.moving_s) == (True, True, 0.0)
-
-
-@pytest.mark.parametrize(("mean_dps", "is_unexpected"), [(2.99, False), (3.01, True)])
-def test_a_bias_is_unexpected_beyond_three_sigmas(mean_dps: float, *, is_unexpected: bool) -> None:
-    """Of the innovation, whose variance is 0.5 + 0.5."""
-    c = coefficients(RestlevelParams())
-    h = Hypothesis(weight=1.0, bias_var=0.5, knows_bias=True, moving_s=3.0)
-    first_kalman_update(c, h, mean_dps, 0.5)
-    assert h.is_unexpected_bias is is_unexpected
-    assert h.moving_s == 0.0
+    assert (h.knows_bias, h.moving_s) == (True, 0.0)

@@ -13,6 +13,7 @@ from gyrodrift.evaluation.kernels.compiled import array_of
 from gyrodrift.evaluation.kernels.restlevel import _follow
 from gyrodrift.filters.restlevel.memory import RestlevelMemory, begun, knowledge, learned
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.recall import remembered_weight
 from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.filters.saved import restore, saved
 from gyrodrift.session.files import load_session
@@ -76,6 +77,18 @@ def test_age_widens_what_is_remembered(age_s: float) -> None:
     walked_var = min(0.0005**2 * age_s, 0.25) + 0.05**2 * min(1.0, age_s / 600.0)
     assert found.bias_dps == pytest.approx(0.4, abs=0.005)
     assert found.bias_var == pytest.approx(walked_var, rel=0.1, abs=3e-5)
+
+
+def test_a_sensor_that_removes_its_own_bias_does_so_anew_at_each_start() -> None:
+    """A bias of 0.002 deg/s is one of those; after a restart of the service alone it is still the same bias."""
+    nulled, raw = memory_of(0.002), memory_of(0.4)
+    weights = [
+        remembered_weight(begun(RestlevelParams(), memory, age_s, None))
+        for memory, age_s in ((nulled, 0.0), (nulled, 3600.0), (raw, 3600.0))
+    ]
+    assert weights[0] == pytest.approx(0.95, abs=0.01)
+    assert weights[1] < 0.5
+    assert weights[2] == pytest.approx(0.95, abs=0.01)
 
 
 def test_a_device_that_starts_elsewhere_each_time_is_known_to_do_so() -> None:

@@ -19,11 +19,11 @@ def test_a_merge_keeps_the_mean_and_the_covariance_of_both() -> None:
     assert other.weight == 0.0
 
 
-def test_what_holds_two_back_is_averaged_by_a_merge() -> None:
-    """Neither is released by more than it was held back: 0.25 · 9 + 0.75 · 1 of both together."""
-    h, other = Hypothesis(weight=0.25, held_back=9.0), Hypothesis(weight=0.75, held_back=1.0)
-    moment_matched_merge(h, other)
-    assert h.weight * h.held_back == 3.0
+def test_a_merge_averages_what_a_rest_is_weighed_by() -> None:
+    """Weights of 0.25 and 0.75."""
+    h = Hypothesis(weight=0.25, rest_odds=1.0, chance_density=8.0, noisy_density=4.0, odds=2.0)
+    moment_matched_merge(h, Hypothesis(weight=0.75, rest_odds=1.0, chance_density=0.0, noisy_density=0.0, odds=6.0))
+    assert (h.rest_odds, h.chance_density, h.noisy_density, h.odds) == (1.0, 2.0, 1.0, 5.0)
 
 
 def test_the_merge_gate_is_the_smaller_sigma() -> None:

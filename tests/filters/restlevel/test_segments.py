@@ -3,11 +3,11 @@
 import pytest
 
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
-from gyrodrift.filters.restlevel.noise import is_stationary, learn_at_rest, noise_odds
+from gyrodrift.filters.restlevel.noise import is_stationary, learn_at_rest, sensor_odds
 from gyrodrift.filters.restlevel.rate_state import BlockStats, NoiseModel
 from gyrodrift.filters.restlevel.segments import (
     continues,
-    goes_on_abruptly,
+    goes_on_gradually,
     is_from_start,
     track_segment,
     update_mean,
@@ -97,7 +97,7 @@ def test_means_of_coarse_steps_are_no_better_known_than_steps_allow() -> None:
 @pytest.mark.parametrize(("sigma_dps", "odds"), [(0.01, 1.0), (0.06, 1.0), (0.3, 1.0), (1.4, 0.025), (20.0, 1.7e-7)])
 def test_what_is_louder_than_sensors_are_is_a_motion(sigma_dps: float, odds: float) -> None:
     """Hovering, or a ride: no part has a noise of a degree a second."""
-    assert noise_odds(NoiseModel(sample_var=sigma_dps**2)) == pytest.approx(odds, rel=0.1)
+    assert sensor_odds(sigma_dps**2) == pytest.approx(odds, rel=0.1)
 
 
 def test_a_rest_is_from_the_start_where_nothing_has_moved_before() -> None:
@@ -124,15 +124,14 @@ def test_angle_random_walk_is_measured_at_rests() -> None:
 
 
 def test_five_blocks_of_one_mean_are_a_segment_that_ends_with_another_mean() -> None:
-    """Left at once, it has not ended gently."""
+    """Left at once, it has not ended gradually."""
     s = RestlevelState()
     track(s, *[1.0] * 5)
     assert (s.segment.blocks, s.segment.mean_dps) == (5, 1.0)
     track(s, 2.0)
     assert (s.segment.blocks, s.segment.mean_dps) == (1, 2.0)
     assert (s.ended.mean_dps, s.ended.blocks_ago) == (1.0, 1)
-    assert not s.ended.ended_gently
-    assert not s.ended.was_long
+    assert not s.ended.ended_gradually
 
 
 def test_a_slope_is_no_segment() -> None:
@@ -164,18 +163,27 @@ def test_an_exit_that_falls_on_the_end_of_a_block_is_abrupt(
     """A tenth of a deg/s in the first block of it says little; the next one tells a curve from a start."""
     s = RestlevelState()
     track(s, *[0.5] * 9, 0.6, variance=1e-4)
-    assert s.ended.ended_gently
+    assert s.ended.ended_gradually
     step_dps = next_dps - s.segment.last_mean_dps
     track(s, next_dps, variance=variance)
-    assert goes_on_abruptly(s, step_dps, 0.3) == expected
+    assert goes_on_gradually(s, step_dps, 0.3) != expected
 
 
-def test_a_segment_ends_gently_where_the_rate_slides_away() -> None:
+def test_a_vibration_averages_out_within_blocks_and_a_motion_does_not() -> None:
+    """Samples that scatter by 2 deg/s: their block means agree to 0.01 deg/s with a motor, and to 0.5 in a motion."""
+    for step_dps, is_like_a_sensor in ((0.01, True), (0.5, False)):
+        s = RestlevelState()
+        track(s, *[0.5 + step_dps * (number % 2) for number in range(10)], variance=4.0)
+        assert s.segment.blocks == 10
+        assert (s.segment.sensor_odds > 0.5) is is_like_a_sensor
+
+
+def test_a_segment_ends_gradually_where_the_rate_slides_away() -> None:
     """0.1 deg/s in a block of 0.3 s is less than 0.4 deg/s²; the sensor is quiet enough to tell it."""
     s = RestlevelState()
     track(s, *[1.0] * 5, 1.1, variance=1e-4)
     assert s.segment.blocks == 1
-    assert s.ended.ended_gently
+    assert s.ended.ended_gradually
 
 
 @pytest.mark.parametrize(

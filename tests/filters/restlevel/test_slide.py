@@ -64,6 +64,28 @@ def test_what_was_taken_back_is_given_back_with_what_yaw_has_turned() -> None:
     assert h.yaw_deg == pytest.approx(5.0 - 0.3 * 3.0)
 
 
+def test_yaw_has_turned_with_the_settled_bias_since_the_end_of_the_rest() -> None:
+    """0.3 deg/s that had settled at 0.1, one second after the end: yaw has turned by -0.1 deg instead of -0.3."""
+    h = rest_of((0.1, 0.1, 0.1, 0.2, 0.3))
+    h.moving_s, h.yaw_deg = 1.0, 5.0 - 0.3
+    take_back(h)
+    assert h.yaw_deg == pytest.approx(5.0 - 0.1)
+    give_back(h)
+    assert h.yaw_deg == pytest.approx(5.0 - 0.3)
+    assert h.moving_s == pytest.approx(1.0)
+
+
+def test_a_rest_that_goes_on_from_the_block_that_ended_it_has_the_yaw_of_its_end() -> None:
+    """The segment began before the bias was exchanged, so its yaw has turned with neither bias."""
+    h = rest_of((0.1, 0.1, 0.1, 0.2, 0.3))
+    h.checkpoint.yaw_deg, h.checkpoint.moving_s = 5.0, 0.0
+    h.yaw_deg, h.moving_s = 4.7, 1.0
+    take_back(h)
+    h.yaw_deg, h.moving_s = h.checkpoint.yaw_deg, h.checkpoint.moving_s
+    give_back(h)
+    assert (h.yaw_deg, h.moving_s) == (5.0, 0.0)
+
+
 def test_a_gentle_slide_behind_a_rest_is_a_curve() -> None:
     """Ten seconds at rest, half a minute into a curve by 0.004 deg/s², and on: the bias is that of the rest."""
     true_dps = np.r_[np.zeros(1000), 0.004 * np.arange(3000) / 100.0, 0.12 + 0.1 * np.arange(1, 2000) / 100.0]

@@ -2,11 +2,9 @@
 
 import pytest
 
-from gyrodrift.filters.restlevel.rate_state import NoiseModel, RateWander
+from gyrodrift.filters.restlevel.rate_state import RateWander
 from gyrodrift.filters.restlevel.wander import (
-    SPINS_PER_DPS,
     forget_levels,
-    level_density,
     see_agreement,
     see_break,
     wander_probability,
@@ -41,13 +39,3 @@ def test_a_noise_that_turns_out_smaller_begins_anew() -> None:
 def test_the_typical_step_is_found() -> None:
     """From ten deg/s down to what is seen."""
     assert followed(500, 2).step_dps == pytest.approx(0.5, rel=0.15)
-
-
-def test_levels_by_chance_are_dense_about_the_bias() -> None:
-    """Where they wander, or are louder than a sensor; else the rates of spins are even."""
-    quiet, loud = NoiseModel(sample_var=0.05**2), NoiseModel(sample_var=4.0)
-    steady, wandering = followed(100, 50), followed(100, 5)
-    assert level_density(quiet, steady, 0.0, 0.0) == pytest.approx(SPINS_PER_DPS, rel=0.1)
-    assert level_density(quiet, wandering, 0.0, 0.0) > 50.0 * SPINS_PER_DPS
-    assert level_density(quiet, wandering, 50.0, 0.0) == pytest.approx(SPINS_PER_DPS, rel=0.1)
-    assert level_density(loud, steady, 0.0, 0.0) > 5.0 * SPINS_PER_DPS
