@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from support import Command
 
+from gyrodrift.evaluation.integration import trapezium
 from pictures.card import card, label, line
 
 CONFIG = Path(__file__).parents[2] / "config" / "gyrodrift.yaml"
@@ -57,7 +58,7 @@ def run_of(lines: list[dict[str, Any]]) -> DemoRun:
     rows = [(row["t_s"], row["rate_dps"], row["yaw_deg"], row["encoder_deg"]) for row in lines]
     t_s, rate_dps, yaw_deg, encoder_deg = np.array(rows).T
     true_deg = encoder_deg - encoder_deg[0]
-    raw_deg = np.concatenate([[0.0], np.cumsum(0.5 * (rate_dps[1:] + rate_dps[:-1]) * np.diff(t_s))])
+    raw_deg = trapezium(np.diff(t_s, prepend=t_s[0]), rate_dps)
     shown = t_s <= DURATION_S + 0.001
     return DemoRun(t_s[shown], (raw_deg - true_deg)[shown], (yaw_deg - true_deg)[shown])
 

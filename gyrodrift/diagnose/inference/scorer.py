@@ -38,6 +38,9 @@ simulated process: 1/f noise as others simulate it needs about 2."""
 ONE_POINT = 1.0
 """Logarithm of the number of points that hold most of the evidence of an effect, used before its points are summed."""
 
+TINY = 1e-30
+"""Least square in a division."""
+
 
 class Placed(NamedTuple):
     """A template at one of its points, and the relative error of its form."""
@@ -270,10 +273,6 @@ class Scorer:
         unit = self.observation.unit
         added: Floats = combined(np.broadcast_to(change * unit, increment.shape), increment * unit) / unit
         return added
-
-
-TINY = 1e-30
-"""Least square in a division."""
 
 
 def beyond_noise(change: Floats, variance: Floats) -> Floats:
