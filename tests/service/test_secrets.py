@@ -1,6 +1,7 @@
 """A password of a config or a command line, looked for in everything that a service writes, shows and sends."""
 
 import os
+import random
 import socket
 import subprocess
 import sys
@@ -156,7 +157,7 @@ def test_what_a_repair_cuts_off_is_kept_without_passwords(tmp_path: Path) -> Non
         writer = McapWriter(file, {})
         writer.add_all([Sample(i, i / 100, 1.7e9 + i / 100, 1.0) for i in range(100)])
         writer.flush()
-    samples = os.urandom(1 << 16).replace(b"\0", b"\1")
+    samples = random.Random(1).randbytes(1 << 16).replace(b"\0", b"\1")  # one in a hundred mentions "pwd" by chance
     with path.open("ab") as file:
         file.write(b"\0" * 8 + b"\xff" * 9 + config_text().encode() + b"\0" + samples + b"\0" + samples)
     path.chmod(0o640)
