@@ -117,8 +117,8 @@ FAULTS = (
     Fault(
         "link/native-still-inverted",
         f"{PROTOCOLS}/native.py",
-        "(1.0 if flags & STILL else 0.0) if flags & STILL_VALID else nan",
-        "(1.0 if flags & STILL_VALID else 0.0) if flags & STILL else nan",
+        "(1.0 if flags & still else 0.0) if flags & STILL_VALID else nan",
+        "(1.0 if flags & STILL_VALID else 0.0) if flags & still else nan",
         "A device that says that it moves says nothing.",
         (f"{TESTS}/test_native.py",),
     ),
