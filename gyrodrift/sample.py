@@ -1,6 +1,6 @@
 """Values that pass between packages: a decoded reading, a sample with its time, a corrected sample."""
 
-from math import nan
+from math import isnan, nan
 from typing import NamedTuple
 
 
@@ -25,8 +25,10 @@ class Inertial(NamedTuple):
 
 def upside_down(inertial: Inertial) -> Inertial:
     """Axes in a frame that is turned by 180° about x, as FRD from FLU: y and z change their sign."""
-    gyro_x_dps, gyro_y_dps, gyro_z_dps, accel_x_mps2, accel_y_mps2, accel_z_mps2 = inertial
-    return Inertial(gyro_x_dps, -gyro_y_dps, -gyro_z_dps, accel_x_mps2, -accel_y_mps2, -accel_z_mps2)
+    x_dps, y_dps, z_dps, x_mps2, y_mps2, z_mps2 = inertial
+    if isnan(y_mps2) and isnan(z_mps2):
+        return Inertial(x_dps, -y_dps, -z_dps, x_mps2)
+    return Inertial(x_dps, -y_dps, -z_dps, x_mps2, -y_mps2, -z_mps2)
 
 
 class Reading(NamedTuple):

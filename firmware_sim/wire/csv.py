@@ -1,7 +1,7 @@
 """The csv protocol: text lines of a hobby sketch."""
 
-from collections.abc import Iterable, Iterator
-from math import floor, log10
+from collections.abc import Iterable, Iterator, Sequence
+from math import floor, log10, nan
 
 from firmware_sim.measure import Block
 from firmware_sim.rig import Base
@@ -16,6 +16,22 @@ def csv_line(
 ) -> bytes:
     """Line with the fewest digits that keep every number; a missing value before another one is nan."""
     values = [rate_dps, encoder_deg, temp_c, still]
+    while values[-1] is None:
+        values.pop()
+    texts = ("nan" if value is None else repr(value) for value in values)
+    return f"{t_us & 0xFFFFFFFF},{','.join(texts)}".encode() + LINE_END
+
+
+def axes_csv_line(
+    t_us: int,
+    gyro_dps: Sequence[float],
+    accel_mps2: Sequence[float] | None,
+    encoder_deg: float | None = None,
+    temp_c: float | None = None,
+    still: float | None = None,
+) -> bytes:
+    """Line of three axes, rates before accelerations; a missing value is nan, and left out at the end."""
+    values = [*gyro_dps, *(accel_mps2 or (nan, nan, nan)), encoder_deg, temp_c, still]
     while values[-1] is None:
         values.pop()
     texts = ("nan" if value is None else repr(value) for value in values)
@@ -45,7 +61,13 @@ def _digits(step: float) -> int:
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
     """A line per sample, with every digit."""
     for m in measurements:
-        yield Frame(m.due_s, csv_line(m.t_us, m.rate_dps, m.encoder_deg, m.temp_c, m.still), 1, LINE_END)
+        yield Frame(m.due_s, _recorded_line(m), 1, LINE_END)
+
+
+def _recorded_line(m: Measurement) -> bytes:
+    if m.gyro_dps is None:
+        return csv_line(m.t_us, m.rate_dps, m.encoder_deg, m.temp_c, m.still)
+    return axes_csv_line(m.t_us, m.gyro_dps, m.accel_mps2, m.encoder_deg, m.temp_c, m.still)
 
 
 ENCODER = WireEncoder("csv", frames, recorded)

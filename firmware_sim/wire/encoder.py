@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from math import isfinite, nan
 from typing import NamedTuple
 
 from firmware_sim.measure import COUNTS_MAX, Block
@@ -24,6 +25,20 @@ class Frame(NamedTuple):
 
 
 Vector = tuple[float, float, float]
+STANDARD_GRAVITY_MPS2 = 9.80665
+"""ISO 80000-3."""
+
+
+class Axes(NamedTuple):
+    """Rates, deg/s, and specific forces, m/s², about x, y and z; z is up on a level table."""
+
+    gyro_dps: Vector
+    accel_mps2: Vector
+
+
+def level(rate_dps: float) -> Axes:
+    """Axes of a device on a level table."""
+    return Axes((0.0, 0.0, rate_dps), (0.0, 0.0, STANDARD_GRAVITY_MPS2))
 
 
 class Measurement(NamedTuple):
@@ -53,6 +68,16 @@ class Measurement(NamedTuple):
     still: float | None = None
     gyro_dps: Vector | None = None
     accel_mps2: Vector | None = None
+
+    @property
+    def axes(self) -> Axes | None:
+        """All axes; None without three rates. A missing acceleration is NaN."""
+        return None if self.gyro_dps is None else Axes(self.gyro_dps, self.accel_mps2 or (nan, nan, nan))
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether all rates are finite."""
+        return all(map(isfinite, self.gyro_dps or (self.rate_dps,)))
 
 
 INT32_MAX = 2**31 - 1

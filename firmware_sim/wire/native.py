@@ -142,7 +142,7 @@ def recorded(measurements: Iterable[Measurement], base: Base) -> Iterator[Frame]
             hello = hello_frame(base) if m.gyro_dps is None else axes_hello_frame(base, RECORDED_MPS2_PER_LSB)
             yield Frame(m.due_s, hello, 0, DELIMITER)
             next_hello_s = m.due_s + 1.0
-        if all(map(isfinite, m.gyro_dps or (m.rate_dps,))):
+        if m.is_finite:
             yield Frame(m.due_s, _recorded_sample(m, base), 1, DELIMITER)
 
 

@@ -6,11 +6,11 @@ from math import isfinite, isnan, radians
 
 from firmware_sim.measure import Block
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder, in_float32
+from firmware_sim.wire.encoder import Axes, Frame, Measurement, WireEncoder, in_float32, level
 from firmware_sim.wire.native import CRC_TABLE
 
 SYNC, COMMON = 0xFA, 0x01
-TIME_STARTUP, ANGULAR_RATE, MAG_PRES = 1 << 0, 1 << 5, 1 << 10
+TIME_STARTUP, ANGULAR_RATE, ACCEL, MAG_PRES = 1 << 0, 1 << 5, 1 << 8, 1 << 10
 PRESSURE_KPA = 101.325
 MOST_64_BITS = 2**64 - 1
 
@@ -29,13 +29,17 @@ def vectornav_frame(fields: int, payload: bytes) -> bytes:
     return bytes((SYNC,)) + content + struct.pack(">H", crc16_ccitt(content))
 
 
-def vectornav_sample(t_us: int, rate_dps: float, temp_c: float) -> bytes:
-    """One measurement of a level device at rest in roll and pitch; its z axis points down."""
-    rate_rads = in_float32(radians(rate_dps))
-    payload = struct.pack(
-        "<Q8f", t_us * 1000 & MOST_64_BITS, 0.0, 0.0, -rate_rads, 0.0, 0.0, 0.0, in_float32(temp_c), PRESSURE_KPA
-    )
-    return vectornav_frame(TIME_STARTUP | ANGULAR_RATE | MAG_PRES, payload)
+def vectornav_sample(t_us: int, rate_dps: float, temp_c: float, axes: Axes | None = None) -> bytes:
+    """One measurement; its z axis points down. Without axes it is level, and sends no acceleration."""
+    x_rads, y_rads, z_rads = (in_float32(radians(dps)) for dps in (axes or level(rate_dps)).gyro_dps)
+    fields, payload = TIME_STARTUP | ANGULAR_RATE | MAG_PRES, struct.pack("<Q", t_us * 1000 & MOST_64_BITS)
+    payload += struct.pack("<3f", x_rads, 0.0 - y_rads, -z_rads)
+    if axes is not None and all(map(isfinite, axes.accel_mps2)):
+        fields |= ACCEL
+        x_mps2, y_mps2, z_mps2 = map(in_float32, axes.accel_mps2)
+        payload += struct.pack("<3f", x_mps2, -y_mps2, -z_mps2)
+    payload += struct.pack("<5f", 0.0, 0.0, 0.0, in_float32(temp_c), PRESSURE_KPA)
+    return vectornav_frame(fields, payload)
 
 
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
@@ -49,9 +53,9 @@ def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
     """Frames of recorded samples; rates that are not finite are skipped."""
     for m in measurements:
-        if isfinite(m.rate_dps):
+        if m.is_finite:
             temp_c = m.temp_c if m.temp_c is not None and not isnan(m.temp_c) else 0.0
-            yield Frame(m.due_s, vectornav_sample(m.t_us, m.rate_dps, temp_c), 1)
+            yield Frame(m.due_s, vectornav_sample(m.t_us, m.rate_dps, temp_c, m.axes), 1)
 
 
 ENCODER = WireEncoder("vectornav", frames, recorded)

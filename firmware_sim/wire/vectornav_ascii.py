@@ -5,17 +5,28 @@ from math import isfinite, isnan, radians
 
 from firmware_sim.measure import Block
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder
+from firmware_sim.wire.encoder import Axes, Frame, Measurement, Vector, WireEncoder, level
 from firmware_sim.wire.nmea import LINE_END, sentence
 
 FIELD = "+00.2400,+00.0100,+00.4500"
-LEVEL = "+00.000,+00.000,-09.807"
 
 
-def vnimu(rate_dps: float, temp_c: float) -> bytes:
-    """Magnetic field, acceleration, rates, temperature and pressure of a level device; its z axis points down."""
-    rate_rads = round(-radians(rate_dps), 6) + 0.0
-    return sentence(f"VNIMU,{FIELD},{LEVEL},+00.000000,+00.000000,{rate_rads:+010.6f},{temp_c:+05.1f},+101.325")
+def vnimu(rate_dps: float, temp_c: float, axes: Axes | None = None) -> bytes:
+    """Magnetic field, acceleration, rates, temperature and pressure; its z axis points down.
+
+    Without axes, and with a missing acceleration, the device is level.
+    """
+    rates_dps, forces_mps2 = axes or level(rate_dps)
+    if not all(map(isfinite, forces_mps2)):
+        forces_mps2 = level(rate_dps).accel_mps2
+    forces = ",".join(f"{round(force, 3) + 0.0:+07.3f}" for force in _z_down(forces_mps2))
+    rates = ",".join(f"{round(radians(dps), 6) + 0.0:+010.6f}" for dps in _z_down(rates_dps))
+    return sentence(f"VNIMU,{FIELD},{forces},{rates},{temp_c:+05.1f},+101.325")
+
+
+def _z_down(vector: Vector) -> Vector:
+    x, y, z = vector
+    return x, -y, -z
 
 
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
@@ -28,9 +39,9 @@ def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
     """Frames of recorded samples; rates that are not finite are skipped."""
     for m in measurements:
-        if isfinite(m.rate_dps):
+        if m.is_finite:
             temp_c = m.temp_c if m.temp_c is not None and not isnan(m.temp_c) else 0.0
-            yield Frame(m.due_s, vnimu(m.rate_dps, temp_c), 1, LINE_END)
+            yield Frame(m.due_s, vnimu(m.rate_dps, temp_c, m.axes), 1, LINE_END)
 
 
 ENCODER = WireEncoder("vectornav-ascii", frames, recorded)

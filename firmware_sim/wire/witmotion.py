@@ -6,9 +6,10 @@ from math import isfinite
 
 from firmware_sim.measure import Block
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder, in_16_bits
+from firmware_sim.wire.encoder import STANDARD_GRAVITY_MPS2, Axes, Frame, Measurement, WireEncoder, in_16_bits, level
 
 DPS_PER_LSB = 2000.0 / 32768.0
+MPS2_PER_LSB = 16.0 * STANDARD_GRAVITY_MPS2 / 32768.0
 GRAVITY_RAW = 2048
 """1 g at the ±16 g range over 16 bits: what a level device says on its z axis."""
 
@@ -19,14 +20,14 @@ def wt901_frame(kind: int, *values: int) -> bytes:
     return frame + bytes((sum(frame) & 0xFF,))
 
 
-def wt901_sample(rate_dps: float, temp_centi_c: int) -> bytes:
-    """Acceleration, rates and angles of one measurement, as a WT901 sends them."""
-    raw = in_16_bits(rate_dps / DPS_PER_LSB)
-    return (
-        wt901_frame(0x51, 0, 0, GRAVITY_RAW, temp_centi_c)
-        + wt901_frame(0x52, 0, 0, raw, temp_centi_c)
-        + wt901_frame(0x53, 0, 0, 0, temp_centi_c)
-    )
+def wt901_sample(rate_dps: float, temp_centi_c: int, axes: Axes | None = None) -> bytes:
+    """Acceleration, rates and angles of one measurement, as a WT901 sends them; level without axes."""
+    rates_dps, forces_mps2 = axes or level(rate_dps)
+    forces = b""
+    if all(map(isfinite, forces_mps2)):
+        forces = wt901_frame(0x51, *(in_16_bits(force / MPS2_PER_LSB) for force in forces_mps2), temp_centi_c)
+    rates = wt901_frame(0x52, *(in_16_bits(dps / DPS_PER_LSB) for dps in rates_dps), temp_centi_c)
+    return forces + rates + wt901_frame(0x53, 0, 0, 0, temp_centi_c)
 
 
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
@@ -39,9 +40,9 @@ def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
     """Frames of recorded samples; rates that are not finite are skipped."""
     for m in measurements:
-        if isfinite(m.rate_dps):
+        if m.is_finite:
             temp_c = m.temp_c if m.temp_c is not None and isfinite(m.temp_c) else 0.0
-            yield Frame(m.due_s, wt901_sample(m.rate_dps, in_16_bits(temp_c * 100.0)), 1)
+            yield Frame(m.due_s, wt901_sample(m.rate_dps, in_16_bits(temp_c * 100.0), m.axes), 1)
 
 
 ENCODER = WireEncoder("witmotion", frames, recorded)

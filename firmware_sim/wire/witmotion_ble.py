@@ -6,13 +6,18 @@ from math import isfinite
 
 from firmware_sim.measure import Block
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder, in_16_bits
-from firmware_sim.wire.witmotion import DPS_PER_LSB, GRAVITY_RAW
+from firmware_sim.wire.encoder import Axes, Frame, Measurement, WireEncoder, in_16_bits, level
+from firmware_sim.wire.witmotion import DPS_PER_LSB, MPS2_PER_LSB
 
 
-def ble_frame(rate_dps: float) -> bytes:
-    """0x55 0x61 and nine 16-bit values of a level device."""
-    return struct.pack("<BB9h", 0x55, 0x61, 0, 0, GRAVITY_RAW, 0, 0, in_16_bits(rate_dps / DPS_PER_LSB), 0, 0, 0)
+def ble_frame(rate_dps: float, axes: Axes | None = None) -> bytes:
+    """0x55 0x61 and nine 16-bit values; level without axes, and with a missing acceleration."""
+    rates_dps, forces_mps2 = axes or level(rate_dps)
+    if not all(map(isfinite, forces_mps2)):
+        forces_mps2 = level(rate_dps).accel_mps2
+    forces_raw = [in_16_bits(force / MPS2_PER_LSB) for force in forces_mps2]
+    rates_raw = [in_16_bits(dps / DPS_PER_LSB) for dps in rates_dps]
+    return struct.pack("<BB9h", 0x55, 0x61, *forces_raw, *rates_raw, 0, 0, 0)
 
 
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
@@ -25,8 +30,8 @@ def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
     """Frames of recorded samples; rates that are not finite are skipped."""
     for m in measurements:
-        if isfinite(m.rate_dps):
-            yield Frame(m.due_s, ble_frame(m.rate_dps), 1)
+        if m.is_finite:
+            yield Frame(m.due_s, ble_frame(m.rate_dps, m.axes), 1)
 
 
 ENCODER = WireEncoder("witmotion-ble", frames, recorded)

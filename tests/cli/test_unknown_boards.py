@@ -41,7 +41,7 @@ PROPOSED: dict[str, tuple[Printed, str]] = {
             f"AccelX:{9.81 * m.ax:.2f},AccelY:{9.81 * m.ay:.2f},AccelZ:{9.81 * m.az:.2f}, "
             f"GyroX:{radians(m.x):.2f},GyroY:{radians(m.y):.2f},GyroZ:{radians(m.z):.2f}\r\n"
         ),
-        "GyroZ=rate:rads",
+        "AccelX=ax:mps2, AccelY=ay:mps2, AccelZ=az:mps2, GyroX=gx:rads, GyroY=gy:rads, GyroZ=rate:rads",
     ),
     "a degree sign of Latin-1": (lambda m: f"Gx: {m.x:.2f}\xb0/s\tGz: {m.z:.2f}\xb0/s\r\n", "Gz=rate:dps"),
     "a line with a pace in Hz": (
@@ -49,7 +49,7 @@ PROPOSED: dict[str, tuple[Printed, str]] = {
             f"a(x,y,z) {1e3 * m.ax:.2f} {1e3 * m.ay:.2f} {1e3 * m.az:.2f} [mg] g(x,y,z) {m.x:.2f} {m.y:.2f} {m.z:.2f} "
             f"[dps] o(y,p,r) {m.yaw:.2f} -0.37 5.95 rate = {943 + m.x:.2f} Hz\r\n"
         ),
-        "g z=rate:dps",
+        "a x=ax:mg, a y=ay:mg, a z=az:mg, g x=gx:dps, g y=gy:dps, g z=rate:dps",
     ),
     "angles, and a pace in Hz in turns": (
         lambda m: f"rate = {735 + m.x:.2f} Hz\r\nYaw, Pitch, Roll: {m.yaw:.2f}, 0.18, -178.11\r\n",

@@ -1,14 +1,18 @@
-"""The csv protocol: text lines `t_us,rate_dps[,encoder_deg[,temp_c[,still]]]`, as a hobby sketch prints them."""
+"""The csv protocol: text lines `t_us,rate_dps[,encoder_deg[,temp_c[,still]]]`, as a hobby sketch prints them.
+
+With three axes: `t_us,gx,gy,gz,ax,ay,az[,encoder_deg[,temp_c[,still]]]`, in deg/s and m/s². The number of columns tells
+them apart.
+"""
 
 import re
 from collections.abc import Sequence
 from itertools import pairwise
-from math import isfinite, isnan, nan
+from math import hypot, isfinite, isnan, nan
 
 from gyrodrift.columns.ranges import TEMPERATURES_C
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS, LineDecoder
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.sample import Reading
+from gyrodrift.sample import Inertial, Reading
 
 NUMBER = rb"\s*+[-+]?+(?:\d++(?:\.\d*+)?+(?:[eE][-+]?+\d++)?+|\.\d++(?:[eE][-+]?+\d++)?+|nan|NaN|NAN|inf|INF)\s*+"
 """Possessive quantifiers: no backtracking, so a line of digits takes no longer than others."""
@@ -17,8 +21,10 @@ CLOCK_MASK = 0xFFFFFFFF
 WORD = rb"\s*+(?:[01](?:\.0)?+|nan|NaN|NAN)\s*+"
 """Values of the last column: 1 at rest, 0 in motion, nan unknown."""
 
-LINE = re.compile(rb"\s*+(\d{1,20}+)\s*+,(%b)(?:,(%b))?+(?:,(%b)(?:,(%b))?+)?+" % (NUMBER, NUMBER, NUMBER, WORD))
-
+CLOCK = rb"\s*+(\d{1,20}+)\s*+"
+OPTIONAL = rb"(?:,(%b))?+(?:,(%b)(?:,(%b))?+)?+" % (NUMBER, NUMBER, WORD)
+LINE = re.compile(rb"%b,(%b)%b" % (CLOCK, NUMBER, OPTIONAL))
+AXES_LINE = re.compile(CLOCK + rb",(%b)" % NUMBER * 6 + OPTIONAL)
 
 JUDGED_LINES, JUDGED_S = 10, 1.0
 """Number of lines for a judgment, or their time for slow devices, s."""
@@ -31,6 +37,9 @@ A device may repeat a line or restart.
 
 ENCODER_STEPS = 3.0
 """Largest difference of an angle and its integrated rate, in steps; rounding causes less than two."""
+
+GRAVITY_MPS2 = (7.0, 13.0)
+"""Range of the median length of accelerations in m/s²; counts, g and other quantities are outside."""
 
 ENCODER_SHARE = 0.5
 """Largest part of the angle that the rate does not explain; for another quantity it is nearly all."""
@@ -46,7 +55,14 @@ def is_plausible(readings: Sequence[Reading]) -> bool:
     is_enough = len(readings) >= JUDGED_LINES or sum(steps_us) >= JUDGED_S * 1e6
     odd = sum(not 0 < step_us < CLOCK_MASK // 2 for step_us in steps_us)
     is_warm = all(TEMPERATURES_C[0] <= r.temp_c <= TEMPERATURES_C[1] for r in readings if not isnan(r.temp_c))
-    return is_enough and odd <= max(1.0, ODD_SHARE * len(steps_us)) and is_warm and _follows_rate(readings)
+    is_clock = odd <= max(1.0, ODD_SHARE * len(steps_us))
+    return is_enough and is_clock and is_warm and _follows_rate(readings) and _feels_gravity(readings)
+
+
+def _feels_gravity(readings: Sequence[Reading]) -> bool:
+    """Whether accelerations have the length of gravity; True for a device with one axis."""
+    lengths = sorted(hypot(*reading.inertial[3:]) for reading in readings if reading.inertial)
+    return not lengths or GRAVITY_MPS2[0] < lengths[len(lengths) // 2] < GRAVITY_MPS2[1]
 
 
 def _follows_rate(readings: Sequence[Reading]) -> bool:
@@ -68,7 +84,7 @@ def _follows_rate(readings: Sequence[Reading]) -> bool:
 
 
 class CsvDecoder(LineDecoder):
-    """Decoder of lines with two to five columns."""
+    """Decoder of lines with two to five columns, or seven to ten with three axes."""
 
     name = "csv"
 
@@ -76,19 +92,37 @@ class CsvDecoder(LineDecoder):
         """Number of columns and reading of a line."""
         match = LINE.fullmatch(text)
         if match is None:
-            return None
+            return _with_axes(text)
         t_us, *values = (group for group in match.groups() if group is not None)
         rate_dps, *optional = (float(value) for value in values)
         if isfinite(rate_dps) and abs(rate_dps) > MAX_RATE_DPS:
             return None
-        valid = [value if isfinite(value) else nan for value in optional]  # an infinite angle or temperature is missing
-        encoder_deg, temp_c, still, *_ = [*valid, nan, nan, nan]
-        return 2 + len(optional), Reading(int(t_us) & 0xFFFFFFFF, None, rate_dps, encoder_deg, temp_c, still)
+        return 2 + len(optional), _reading(t_us, rate_dps, optional)
+
+
+def _with_axes(text: bytes) -> tuple[int, Reading] | None:
+    """Number of columns and reading of a line with three axes; None without three finite rates."""
+    match = AXES_LINE.fullmatch(text)
+    if match is None:
+        return None
+    t_us, *values = (group for group in match.groups() if group is not None)
+    x_dps, y_dps, z_dps, *numbers = map(float, values)
+    if not all(abs(rate_dps) <= MAX_RATE_DPS for rate_dps in (x_dps, y_dps, z_dps)):
+        return None
+    inertial = Inertial(x_dps, y_dps, z_dps, *(value if isfinite(value) else nan for value in numbers[:3]))
+    return 1 + len(values), _reading(t_us, z_dps, numbers[3:], inertial)
+
+
+def _reading(t_us: bytes, rate_dps: float, optional: Sequence[float], inertial: Inertial | None = None) -> Reading:
+    """Reading with the optional columns; an infinite angle or temperature is missing."""
+    valid = [value if isfinite(value) else nan for value in optional]
+    encoder_deg, temp_c, still, *_ = [*valid, nan, nan, nan]
+    return Reading(int(t_us) & CLOCK_MASK, None, rate_dps, encoder_deg, temp_c, still, nan, inertial)
 
 
 PROTOCOL = WireProtocol(
     "csv",
-    "lines t_us,rate_dps[,encoder_deg[,temp_c[,still]]]",
+    "lines t_us,rate_dps[,encoder_deg[,temp_c[,still]]], or t_us,gx,gy,gz,ax,ay,az[,...]",
     CsvDecoder,
     has_clock=True,
     rank=10,

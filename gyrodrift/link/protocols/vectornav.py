@@ -1,4 +1,4 @@
-"""VectorNav binary output: `0xFA groups fields… payload crc`, of which time, rate and temperature are read.
+"""VectorNav binary output: `0xFA groups fields… payload crc`, with time, rates, acceleration and temperature.
 
 Every frame lists its fields, so any selection is decoded (VN-100 user manual UM001, binary output messages). A byte has
 one bit per group. Two bytes per group follow, with one bit per field, then the fields in that order. The end is a
@@ -18,7 +18,7 @@ from typing import NamedTuple
 from gyrodrift.link.protocols.frames import FrameDecoder
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.sample import Reading
+from gyrodrift.sample import Inertial, Reading, upside_down
 
 GPS = (8, 8, 2, 1, 1, 24, 24, 12, 12, 12, 4, 4, 2, 28)
 FIELD_BYTES = (
@@ -38,12 +38,16 @@ TIMES = ((0, 0, 0), (1, 0, 0))
 RATES = ((2, 3, 8), (0, 9, 20), (0, 5, 8), (2, 10, 8))
 """Third axis of UncompGyro, Imu and AngularRate; rates with their bias come first."""
 
+FORCES = ((2, 2, 0), (0, 9, 0), (0, 8, 0), (2, 9, 0))
+"""UncompAccel, Imu and Accel, with gravity."""
+
 TEMPERATURES = ((2, 4, 0), (0, 10, 12))
 """Temp, and the temperature in MagPres."""
 
 LONGEST_BYTES = 500
 NANOSECONDS = Struct("<Q")
 FLOAT = Struct("<f")
+VECTOR = Struct("<3f")
 
 
 def _sums(sizes: tuple[int, ...]) -> tuple[int, ...]:
@@ -68,11 +72,12 @@ HEADER = b"\xfa(?:%b)" % b"|".join(
 
 
 class Layout(NamedTuple):
-    """Positions of time, rate and temperature in a frame; 0 if missing."""
+    """Positions of time, rate about z, temperature and acceleration along x in a frame; 0 if missing."""
 
     time: int
     rate: int
     temp: int
+    force: int
 
 
 @lru_cache(maxsize=64)
@@ -87,7 +92,7 @@ def layout_of(header: bytes) -> Layout:
                 position += size
     layout_positions = (
         next((positions[group, field] + offset for group, field, offset in choices if (group, field) in positions), 0)
-        for choices in (TIMES, RATES, TEMPERATURES)
+        for choices in (TIMES, RATES, TEMPERATURES, FORCES)
     )
     return Layout(*layout_positions)
 
@@ -134,8 +139,19 @@ class VectornavDecoder(FrameDecoder):
         rate_dps = -degrees(FLOAT.unpack_from(frame, layout.rate)[0])
         if self._is_timed > bool(layout.time) or not (isfinite(rate_dps) and abs(rate_dps) <= MAX_RATE_DPS):
             return None
+        inertial = _inertial(frame, layout)
         t_us = NANOSECONDS.unpack_from(frame, layout.time)[0] // 1000 & 0xFFFFFFFF if self._is_timed else None
-        return Reading(t_us, None, rate_dps, nan, FLOAT.unpack_from(frame, layout.temp)[0] if layout.temp else nan)
+        temp_c = FLOAT.unpack_from(frame, layout.temp)[0] if layout.temp else nan
+        return Reading(t_us, None, rate_dps, nan, temp_c, inertial=inertial)
+
+
+def _inertial(frame: bytes, layout: Layout) -> Inertial | None:
+    """All axes in a frame with z up; None without three plausible rates."""
+    rates_dps = tuple(map(degrees, VECTOR.unpack_from(frame, layout.rate - 2 * FLOAT.size)))
+    if not all(abs(rate_dps) <= MAX_RATE_DPS for rate_dps in rates_dps):
+        return None
+    forces_mps2 = VECTOR.unpack_from(frame, layout.force) if layout.force else ()
+    return upside_down(Inertial(*rates_dps, *(force if isfinite(force) else nan for force in forces_mps2)))
 
 
 PROTOCOL = WireProtocol(

@@ -11,7 +11,7 @@ from gyrodrift.link.protocols.angles import RateOrAngle, yaw_of
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.sentences import SentenceDecoder, number_in
-from gyrodrift.sample import Reading
+from gyrodrift.sample import Inertial, Reading, upside_down
 
 RATE_INDEX = {
     "VNIMU": 9,
@@ -26,6 +26,10 @@ RATE_INDEX = {
 
 TEMPERATURE_INDEX = {"VNIMU": 10}
 ANGLES = frozenset({"VNYPR", "VNQTN"})
+
+
+WITH_GRAVITY = frozenset({"VNIMU", "VNYMR", "VNQMR", "VNMAR"})
+"""Messages with accelerations before the rates; others have none, or accelerations without gravity."""
 
 
 class VectornavAsciiDecoder(SentenceDecoder):
@@ -61,7 +65,19 @@ def _rate(words: list[str]) -> Reading | None:
     temp_c = number_in(words, TEMPERATURE_INDEX.get(words[0], 99))
     if rate_rads is None or abs(degrees(rate_rads)) > MAX_RATE_DPS:
         return None
-    return Reading(None, None, -degrees(rate_rads), temp_c=nan if temp_c is None else temp_c)
+    return Reading(None, None, -degrees(rate_rads), temp_c=nan if temp_c is None else temp_c, inertial=_inertial(words))
+
+
+def _inertial(words: list[str]) -> Inertial | None:
+    """All axes in a frame with z up; None without three plausible rates."""
+    last = RATE_INDEX[words[0]]
+    rates_rads = [number_in(words, index) for index in range(last - 2, last + 1)]
+    rates_dps = [degrees(rate_rads) for rate_rads in rates_rads if rate_rads is not None]
+    if len(rates_dps) < 3 or not all(abs(rate_dps) <= MAX_RATE_DPS for rate_dps in rates_dps):
+        return None
+    first = last - 5 if words[0] in WITH_GRAVITY else len(words)
+    forces_mps2 = [number_in(words, index) for index in range(first, first + 3)]
+    return upside_down(Inertial(*rates_dps, *(nan if force is None else force for force in forces_mps2)))
 
 
 def _angle(words: list[str]) -> Reading | None:

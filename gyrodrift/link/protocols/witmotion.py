@@ -1,6 +1,7 @@
 """The WT901 family: 11-byte frames `0x55 kind d0..d7 sum`; kind 0x52 carries the rates. No device clock.
 
-Without rates, the yaw of the angles, kind 0x53, is used.
+Kind 0x51 carries the accelerations of the same measurement, before the rates; z points up. Without rates, the yaw of
+the angles, kind 0x53, is used.
 
 The checksum has one byte, so noise passes it once in 256 tries. After damage, a frame counts only if the next one
 follows directly.
@@ -9,13 +10,15 @@ follows directly.
 from math import nan
 from struct import Struct
 
+from gyrodrift.columns.spec import STANDARD_GRAVITY_MPS2
 from gyrodrift.link.protocols.angles import RateOrAngle
 from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.sample import Reading
+from gyrodrift.sample import Inertial, Reading
 
 HEADER = 0x55
 FRAME_BYTES = 11
+ACCELERATIONS_KIND = 0x51
 RATES_KIND = 0x52
 ANGLES_KIND = 0x53
 KINDS = range(0x50, 0x60)
@@ -24,7 +27,10 @@ KINDS = range(0x50, 0x60)
 RATES = Struct("<hhhh")
 DPS_PER_LSB = 2000.0 / 32768.0
 DEG_PER_LSB = 180.0 / 32768.0
-"""Full scale of ±2000 deg/s, and of ±180 deg, over 16 bits (WT901 protocol description)."""
+MPS2_PER_LSB = 16.0 * STANDARD_GRAVITY_MPS2 / 32768.0
+"""Full scale of ±2000 deg/s, of ±180 deg and of ±16 g, over 16 bits (WT901 protocol description)."""
+
+NO_FORCES = (nan, nan, nan)
 
 
 class WitmotionDecoder:
@@ -38,6 +44,7 @@ class WitmotionDecoder:
         self._pending = b""
         self._in_step = False
         self._choice = RateOrAngle()
+        self._forces_mps2 = NO_FORCES
 
     def push(self, chunk: bytes) -> list[Reading]:
         """Decode complete frames, and keep the rest."""
@@ -69,13 +76,23 @@ class WitmotionDecoder:
     def _take(self, buffer: bytes, position: int, readings: list[Reading]) -> None:
         self.counters.frames += 1
         kind = buffer[position + 1]
-        _, _, yaw_raw, extra = RATES.unpack_from(buffer, position + 2)
+        x_raw, y_raw, z_raw, extra = RATES.unpack_from(buffer, position + 2)
         if kind == RATES_KIND and self._choice.takes_rate():
-            readings.append(Reading(None, None, yaw_raw * DPS_PER_LSB, temp_c=extra / 100.0))
+            inertial = inertial_of((x_raw, y_raw, z_raw), self._forces_mps2)
+            self._forces_mps2 = NO_FORCES
+            readings.append(Reading(None, None, inertial.gyro_z_dps, temp_c=extra / 100.0, inertial=inertial))
         elif kind == ANGLES_KIND and self._choice.takes_angle():
-            readings.append(Reading(None, None, nan, yaw_deg=yaw_raw * DEG_PER_LSB))
+            readings.append(Reading(None, None, nan, yaw_deg=z_raw * DEG_PER_LSB))
         else:
             self.counters.other_frames += 1
+            if kind == ACCELERATIONS_KIND:
+                self._forces_mps2 = (x_raw * MPS2_PER_LSB, y_raw * MPS2_PER_LSB, z_raw * MPS2_PER_LSB)
+
+
+def inertial_of(rates_raw: tuple[int, int, int], forces_mps2: tuple[float, float, float]) -> Inertial:
+    """All axes, from counts of the rates and from accelerations."""
+    x_raw, y_raw, z_raw = rates_raw
+    return Inertial(x_raw * DPS_PER_LSB, y_raw * DPS_PER_LSB, z_raw * DPS_PER_LSB, *forces_mps2)
 
 
 def _is_frame(buffer: bytes, position: int) -> bool:

@@ -12,7 +12,7 @@ from struct import Struct
 
 from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.link.protocols.witmotion import DPS_PER_LSB, HEADER
+from gyrodrift.link.protocols.witmotion import DPS_PER_LSB, HEADER, MPS2_PER_LSB, inertial_of
 from gyrodrift.sample import Reading
 
 HEAD = re.compile(rb"\x55[\x61\x71]")
@@ -91,9 +91,11 @@ class WitmotionBleDecoder:
         if buffer[position + 1] != MEASUREMENT:
             self.counters.other_frames += 1
             return
-        _, _, _, _, _, _, yaw_raw, *angles = FRAME.unpack_from(buffer, position)
+        _, accel_x, accel_y, accel_z, x_raw, y_raw, z_raw, *angles = FRAME.unpack_from(buffer, position)
         self._angles = tuple(angles)
-        readings.append(Reading(None, None, yaw_raw * DPS_PER_LSB))
+        forces_mps2 = (accel_x * MPS2_PER_LSB, accel_y * MPS2_PER_LSB, accel_z * MPS2_PER_LSB)
+        inertial = inertial_of((x_raw, y_raw, z_raw), forces_mps2)
+        readings.append(Reading(None, None, inertial.gyro_z_dps, inertial=inertial))
 
 
 def _is_run(buffer: bytes, position: int) -> bool | None:

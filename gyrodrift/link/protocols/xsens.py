@@ -1,4 +1,4 @@
-"""Xsens MTData2: `FA FF 36 length items sum`, of which rate of turn, sample time, counter and temperature are read.
+"""Xsens MTData2: `FA FF 36 length items sum`, with rate of turn, acceleration, time, counter and temperature.
 
 An item has an id of two bytes, a length, and a content, all big-endian. The low digit of the id gives the number format
 and the coordinate frame. Without a rate, the yaw of Euler angles or of a quaternion is used. The sum
@@ -13,7 +13,7 @@ from gyrodrift.link.protocols.angles import RateOrAngle, yaw_of
 from gyrodrift.link.protocols.frames import FrameDecoder
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.sample import Reading
+from gyrodrift.sample import Inertial, Reading
 
 EXTENDED = 0xFF
 LONGEST_BYTES = 700
@@ -27,6 +27,9 @@ SAMPLE_TIME_FINE = 0x1060
 TEMPERATURE = 0x0810
 RATES = (0x8020, 0x8040)
 """Calibrated rate, and rate of the high-rate output."""
+
+ACCELERATIONS = (0x4020, 0x4040)
+"""Calibrated acceleration with gravity, and that of the high-rate output; the frame of the sensor has z up."""
 
 QUATERNION = 0x2010
 EULER_ANGLES = 0x2030
@@ -123,7 +126,8 @@ class XsensDecoder(FrameDecoder):
             self._is_timed = t_us is not None
         if self._is_timed and t_us is None:
             return None
-        return Reading(t_us if self._is_timed else None, seq, rate_dps, nan, self._temp_c, nan, yaw_deg)
+        inertial = None if isnan(rate_dps) else _inertial(items, rate_dps)
+        return Reading(t_us if self._is_timed else None, seq, rate_dps, nan, self._temp_c, nan, yaw_deg, inertial)
 
     def _turn(self, items: Items) -> tuple[float, float]:
         """Rate and yaw, of which one or both are NaN."""
@@ -135,6 +139,21 @@ class XsensDecoder(FrameDecoder):
         yaws = [_yaw_deg(kind, form, content) for kind, (form, content) in items.items() if kind in YAW_OF]
         is_taken = bool(yaws) and isfinite(yaws[-1]) and self._choice.takes_angle()
         return nan, yaws[-1] if is_taken else nan
+
+
+def _inertial(items: Items, rate_dps: float) -> Inertial | None:
+    """All axes of a message; None without three plausible rates."""
+    x_dps, y_dps, _ = map(degrees, _vector(items, RATES))
+    if not (abs(x_dps) <= MAX_RATE_DPS and abs(y_dps) <= MAX_RATE_DPS):
+        return None
+    forces_mps2 = _vector(items, ACCELERATIONS)
+    return Inertial(x_dps, y_dps, rate_dps, *(force if isfinite(force) else nan for force in forces_mps2))
+
+
+def _vector(items: Items, kinds: tuple[int, int]) -> list[float]:
+    """Last vector of these kinds; NaN without one."""
+    form, content = next((items[kind] for kind in reversed(list(items)) if kind in kinds), (0, b""))
+    return [number(content, form & PRECISION, index) for index in range(3)]
 
 
 def _yaw_deg(kind: int, form: int, content: bytes) -> float:

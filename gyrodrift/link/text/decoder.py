@@ -8,7 +8,7 @@ from gyrodrift.link.heard import decoded, plain_text
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS, WITHOUT_RATE, LineDecoder
 from gyrodrift.link.text.fields import Fields, is_number, is_whole
 from gyrodrift.link.text.headings import Headings
-from gyrodrift.sample import Reading
+from gyrodrift.sample import Inertial, Reading
 
 CLOCK_MASK = 0xFFFFFFFF
 COUNTER_MASK = 0xFFFF
@@ -17,6 +17,10 @@ NO_CONTROLS = bytes((0x09, *range(0x20, 0x7F), *range(0x80, 0x100)))
 
 LONGEST_CLOCK_US = 1e18
 """Largest time, 30,000 years; above, the line is damaged."""
+
+RATES = ("gx", "gy", "rate")
+AXES = (*RATES, "ax", "ay", "az")
+"""Meanings of the axes, in the order of `Inertial`."""
 
 SEVERAL_LINES = -1
 """Number of columns of a sample from several lines."""
@@ -110,11 +114,20 @@ def _reading(count: int, named: Named) -> tuple[int, Reading] | None:
         else:
             numbers[meaning] = number
     rate_dps, yaw_deg = numbers.get("rate", nan), numbers.get("yaw", nan)
-    if (isfinite(rate_dps) and abs(rate_dps) > MAX_RATE_DPS) or ("yaw" in numbers and not isfinite(yaw_deg)):
+    rates_dps = [numbers[name] for name in RATES if name in numbers]
+    is_too_fast = any(isfinite(dps) and abs(dps) > MAX_RATE_DPS for dps in rates_dps)
+    if is_too_fast or ("yaw" in numbers and not isfinite(yaw_deg)):
         return None
     encoder_deg, temp_c = _finite(numbers.get("encoder", nan)), _finite(numbers.get("temp", nan))
     clock_us, still = None if t_us is None else t_us & CLOCK_MASK, _finite(numbers.get("still", nan))
-    return count, Reading(clock_us, seq, rate_dps, encoder_deg, temp_c, still, yaw_deg)
+    return count, Reading(clock_us, seq, rate_dps, encoder_deg, temp_c, still, yaw_deg, _inertial(numbers))
+
+
+def _inertial(numbers: dict[str, float]) -> Inertial | None:
+    """All axes of a line; None without three finite rates."""
+    if not all(isfinite(numbers.get(name, nan)) for name in RATES):
+        return None
+    return Inertial(*(_finite(numbers.get(name, nan)) for name in AXES))
 
 
 def _finite(value: float) -> float:

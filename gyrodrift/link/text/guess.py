@@ -25,7 +25,7 @@ from gyrodrift.columns.units import unit_in, unit_of
 from gyrodrift.link.text.behavior import find_accelerometer, find_clock, find_temperature, unname_clocks
 from gyrodrift.link.text.fields import Fields, Form, as_label, is_number
 from gyrodrift.link.text.headings import Headings
-from gyrodrift.link.text.units import angle_unit, clock_unit, rate_unit
+from gyrodrift.link.text.units import angle_unit, axis_units, clock_unit, rate_unit
 
 LINES_MIN = 3
 LINES_MAX = 400
@@ -123,8 +123,8 @@ def _guess(heard: list[str], lines_per_s: float | None) -> TextGuess | None:
     find_clock(columns, pace)
     find_accelerometer(columns)
     find_temperature(columns)
-    guessed = tuple(_guessed(column, pace, columns) for column in columns)
-    return TextGuess(layout.form, similar[-1][0], layout.labels, _one_turn(guessed))
+    guessed = _one_turn(tuple(_guessed(column, pace, columns) for column in columns))
+    return TextGuess(layout.form, similar[-1][0], layout.labels, _with_axes(guessed, columns))
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,4 +227,16 @@ def _one_turn(columns: tuple[GuessedColumn, ...]) -> tuple[GuessedColumn, ...]:
         if column.entry.startswith(("rate", "yaw")) and column is not first
         else column
         for column in columns
+    )
+
+
+def _with_axes(guessed: tuple[GuessedColumn, ...], columns: Sequence[SeenColumn]) -> tuple[GuessedColumn, ...]:
+    """Use the other axes too, if rate and acceleration have known units."""
+    rate = next((column.entry for column in guessed if column.entry.startswith("rate:")), "")
+    units = axis_units(rate.removeprefix("rate:"), columns)
+    return tuple(
+        GuessedColumn(column.looks_like, f"{source.kind}:{units[source.kind]}", column.why)
+        if source.kind in units
+        else column
+        for column, source in zip(guessed, columns, strict=True)
     )

@@ -24,6 +24,15 @@ SI_ODDS = 10.0
 Adafruit Unified Sensor and ROS use m/s² with rad/s, ESPHome and BNO055 with deg/s.
 """
 
+OTHER_RATES, FORCES = ("gx", "gy"), ("ax", "ay", "az")
+FORCE_UNITS = {
+    "g": 1.0,
+    "mps2": STANDARD_GRAVITY_MPS2,
+    "mg": 1000.0,
+    **{f"lsb/{counts}": float(counts) for counts in (2048, 4096, 8192, 16384)},
+}
+"""Length of gravity by unit; counts of 16 bits at ±2 to ±16 g (MPU-6050, register map 4.17)."""
+
 SAMPLES_MIN = 20
 GRAVITY_WITHIN = 0.1
 ALWAYS = (0.1, 0.5, 0.9)
@@ -78,6 +87,38 @@ def angle_unit(column: SeenColumn) -> tuple[str, str]:
     if max(map(abs, column.numbers)) > 2.0 * pi + 0.01:
         return "deg", ", in degrees, since it exceeds 2π"
     return "", ""
+
+
+def axis_units(rate_unit_option: str, columns: Sequence[SeenColumn]) -> dict[str, str]:
+    """Units of the rates about x and y and of the accelerations by kind; empty unless all of them are known.
+
+    Without a label the unit of an acceleration is that in which its length is gravity.
+    """
+    kinds = [column.kind for column in columns]
+    rates = [column for column in columns if column.kind in OTHER_RATES]
+    forces = [column for column in columns if column.kind in FORCES]
+    is_whole_set = sorted(column.kind for column in (*rates, *forces) if column.is_numeric) == sorted(
+        (*OTHER_RATES, *FORCES)
+    )
+    if rate_unit_option not in RATE_DPS and not rate_unit_option.startswith("lsb/"):
+        return {}
+    force_unit = _force_unit(forces) if is_whole_set and "rate" in kinds else ""
+    if not force_unit:
+        return {}
+    named = {column.kind: column.unit.option for column in rates if column.unit and column.unit.option}
+    return dict.fromkeys(OTHER_RATES, rate_unit_option) | named | dict.fromkeys(FORCES, force_unit)
+
+
+def _force_unit(forces: Sequence[SeenColumn]) -> str:
+    """Unit of accelerations by their labels or by gravity; empty if unknown."""
+    stated = {
+        column.unit.option for column in forces if column.unit and column.unit.dimension is Dimension.ACCELERATION
+    }
+    if len(stated) == 1:
+        return stated.pop()
+    lengths = sorted(hypot(*vector) for vector in zip(*(column.numbers for column in forces), strict=True))
+    length = lengths[len(lengths) // 2]
+    return next((unit for unit, size in FORCE_UNITS.items() if abs(length - size) < GRAVITY_WITHIN * size), "")
 
 
 def _radian_odds(column: SeenColumn) -> float:

@@ -1,16 +1,25 @@
 """Lines of the csv protocol captured by another program: `t_us,rate_dps[,encoder_deg[,temp_c[,still]]]`, no header.
 
-Two to five numbers may mean anything. A table is read this way only if all columns are plausible.
+With three axes: `t_us,gx,gy,gz,ax,ay,az[,encoder_deg[,temp_c[,still]]]`. Two to ten numbers may mean anything. A table
+is read this way only if all columns are plausible.
 """
 
 import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.columns.ranges import TEMPERATURES_C
+from gyrodrift.session.session import ACCEL_COLUMNS
 from gyrodrift.session.tables.plan import Head, TableColumns, UsedColumn
 
 FORM = "csv protocol of gyrodrift"
 TARGETS = ("t_device_s", "rate_dps", "encoder_deg", "temp_c", "still")
+AXES_TARGETS = ("t_device_s", "gyro_x_dps", "gyro_y_dps", "rate_dps", *ACCEL_COLUMNS, *TARGETS[2:])
+GRAVITY_MPS2 = (7.0, 13.0)
+"""Range of the median length of accelerations in m/s²; other quantities are outside."""
+
+LEAST_AXES, AXES_INDICES = 7, (1, 2, 4, 5, 6)
+"""Least number of columns with three axes, and the indices of all of them but the yaw rate."""
+
 STEP_US = (50.0, 1e6)
 """Time between samples of a gyro that a sketch prints: 20 kHz to 1 Hz."""
 
@@ -32,19 +41,30 @@ SMOOTH = 0.9
 
 def wire_columns(head: Head) -> TableColumns | None:
     """Columns of such lines; None if the table is something else."""
-    if head.labels or not 2 <= head.width <= len(TARGETS):
+    has_axes = head.width >= LEAST_AXES
+    targets = AXES_TARGETS if has_axes else TARGETS
+    if head.labels or not 2 <= head.width <= len(targets) or head.width == len(TARGETS) + 1:
         return None
     try:
         table = np.array([[float(cell) for cell in row] for row in head.rows])
     except ValueError:
         return None
-    if len(table) < LEAST_ROWS or not (np.abs(table[:, :3]) < MOST).all() or not _is_plausible(table):
+    single = np.delete(table, AXES_INDICES, axis=1) if has_axes else table
+    if len(table) < LEAST_ROWS or not (np.abs(single[:, :3]) < MOST).all() or not _is_plausible(single):
+        return None
+    if has_axes and not _is_gravity(table[:, 4:LEAST_AXES]):
         return None
     used = [
-        UsedColumn(index, target, unit="" if index else "t_us") for index, target in enumerate(TARGETS[: head.width])
+        UsedColumn(index, target, unit="" if index else "t_us") for index, target in enumerate(targets[: head.width])
     ]
     remark = "it has no header; its numbers are plausible as t_us, rate in deg/s of gyrodrift's csv protocol"
     return TableColumns(FORM, tuple(used), remarks=(remark,))
+
+
+def _is_gravity(forces: Floats) -> bool:
+    """Whether the median length of the accelerations, shape (n, 3), is gravity in m/s²."""
+    length = float(np.median(np.linalg.norm(forces, axis=1)))
+    return GRAVITY_MPS2[0] < length < GRAVITY_MPS2[1]
 
 
 def _is_plausible(table: Floats) -> bool:

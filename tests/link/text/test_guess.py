@@ -35,7 +35,7 @@ SAID: dict[str, tuple[Callable[[int], str], str, str]] = {
     "accelerations and rates in one line": (
         lambda i: f"a(x,y,z) 1 2 999 [mg] g(x,y,z) 1 2 {n(1):.2f} [dps] o(y,p,r) 1 2 3 rate = {700 + n(9):.2f} Hz",
         "ax, ay, az, gx, gy, gz, angle, angle, angle, rates",
-        "g z=rate:dps",
+        "a x=ax:mg, a y=ay:mg, a z=az:mg, g x=gx:dps, g y=gy:dps, g z=rate:dps",
     ),
     "one axis, named with its unit": (
         lambda i: f"t_ms:{10 * i},rate_dps:{n(1):.2f}",
@@ -232,4 +232,5 @@ def test_a_turn_of_one_radian_per_second_is_no_gravity() -> None:
     ]
     found = guess(lines, 80.0)
     assert found is not None
-    assert found.spec == "GyroZ=rate:rads"
+    forces = "AccelX=ax:mps2, AccelY=ay:mps2, AccelZ=az:mps2"
+    assert found.spec == f"{forces}, GyroX=gx:rads, GyroY=gy:rads, GyroZ=rate:rads"
