@@ -83,6 +83,12 @@ class TriaxialBlock(Block):
     accel_raw: NDArray[np.int16]
     accel_clipped: NDArray[np.bool_]
 
+    def axes_rows(self) -> Iterator[tuple[list[int], list[int] | None, bool]]:
+        """Rates about x, y and z, acceleration (None if missing), and whether it is clipped, as plain numbers."""
+        gyro_raw = np.column_stack([self.gyro_xy_raw, self.rate_raw]).tolist()
+        accel_raw = [row if row and ACCEL_MISSING not in row else None for row in self.accel_raw.tolist()]
+        return zip(gyro_raw, accel_raw, self.accel_clipped.tolist(), strict=True)
+
 
 def joined(first: Block, then: Block) -> Block:
     """Measurements of two blocks of one device, in one block."""

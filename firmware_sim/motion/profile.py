@@ -29,14 +29,14 @@ def config_folder() -> Path:
 
 
 def shipped_profiles() -> list[str]:
-    """Names of the shipped profiles."""
-    return sorted(_shipped())
+    """Names of the shipped profiles; those with an attitude come last."""
+    return list(_shipped())
 
 
 def _shipped() -> dict[str, Path]:
     """Files of the shipped profiles by name; those with an attitude are in a folder of their own."""
     folder = config_folder() / "profiles"
-    return {path.stem: path for pattern in ("*.yaml", "attitude/*.yaml") for path in folder.glob(pattern)}
+    return {path.stem: path for pattern in ("*.yaml", "attitude/*.yaml") for path in sorted(folder.glob(pattern))}
 
 
 def load_profile(name: str) -> Profile:
@@ -67,5 +67,5 @@ def _path(name: str) -> Path:
         return Path(name)
     shipped = _shipped()
     if name not in shipped:
-        raise FileError(f"{name}: there is no such profile; shipped are {', '.join(sorted(shipped))}, or give a file")
+        raise FileError(f"{name}: there is no such profile; shipped are {', '.join(shipped)}, or give a file")
     return shipped[name]

@@ -4,7 +4,7 @@ import struct
 from collections.abc import Iterable, Iterator, Sequence
 from math import isfinite
 
-from firmware_sim.measure import COUNTS_MAX, Block
+from firmware_sim.measure import COUNTS_MAX, Block, TriaxialBlock
 from firmware_sim.rig import Base
 from firmware_sim.wire.encoder import Frame, Measurement, Vector, WireEncoder, in_16_bits, in_32_bits
 
@@ -119,19 +119,47 @@ def still_flags(still: float) -> int:
     return STILL_VALID if still == 0 else 0
 
 
+def greeting(base: Base) -> bytes:
+    """HELLO of a device, with the version for its axes."""
+    axes = base.three_axes
+    return hello_frame(base) if axes is None else axes_hello_frame(base, axes.mps2_per_lsb)
+
+
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
-    """HELLO at power-on, once a second, and after a clock restart; SAMPLE per measurement."""
-    hello = hello_frame(base)
+    """HELLO at power-on, once a second, and after a clock restart; SAMPLE or SAMPLE3 per measurement."""
+    hello = greeting(base)
     next_hello_s = last_us = 0.0
     for block in blocks:
-        always = TEMPERATURE_VALID | (ENCODER_VALID if base.encoder_cpr else 0)
-        for seq, t_us, t_host_s, rate_raw, is_clipped, temp_centi_c, counts, still in block.rows():
+        samples = _axes_samples(block, base) if isinstance(block, TriaxialBlock) else _samples(block, base)
+        for (t_us, t_host_s), sample in zip(_times(block), samples, strict=True):
             if t_us / 1e6 >= next_hello_s or t_us < last_us:
                 yield Frame(t_host_s, hello, 0, DELIMITER)
                 next_hello_s = t_us // 1_000_000 + 1.0
             last_us = t_us
-            flags = always | (RATE_CLIPPED if is_clipped else 0) | still_flags(still)
-            yield Frame(t_host_s, sample_frame(flags, seq, t_us, rate_raw, temp_centi_c, counts), 1, DELIMITER)
+            yield Frame(t_host_s, sample, 1, DELIMITER)
+
+
+def _times(block: Block) -> Iterator[tuple[int, float]]:
+    return zip(block.t_device_us.tolist(), block.t_host_s.tolist(), strict=True)
+
+
+def _samples(block: Block, base: Base) -> Iterator[bytes]:
+    """SAMPLE of each row."""
+    always = TEMPERATURE_VALID | (ENCODER_VALID if base.encoder_cpr else 0)
+    for seq, t_us, _, rate_raw, is_clipped, temp_centi_c, counts, still in block.rows():
+        flags = always | (RATE_CLIPPED if is_clipped else 0) | still_flags(still)
+        yield sample_frame(flags, seq, t_us, rate_raw, temp_centi_c, counts)
+
+
+def _axes_samples(block: TriaxialBlock, base: Base) -> Iterator[bytes]:
+    """SAMPLE3 of each row; a missing acceleration is 0 and not valid."""
+    always = TEMPERATURE_VALID | (ENCODER_VALID if base.encoder_cpr else 0)
+    for row, (gyro_raw, accel_raw, accel_clipped) in zip(block.rows(), block.axes_rows(), strict=True):
+        seq, t_us, _, _, is_clipped, temp_centi_c, counts, still = row
+        flags = axes_flags(always | (RATE_CLIPPED if is_clipped else 0) | still_flags(still))
+        if accel_raw is not None:
+            flags |= ACCEL_VALID | (ACCEL_CLIPPED if accel_clipped else 0)
+        yield axes_sample_frame(flags, seq, t_us, gyro_raw, accel_raw or (0, 0, 0), temp_centi_c, counts)
 
 
 def recorded(measurements: Iterable[Measurement], base: Base) -> Iterator[Frame]:
@@ -173,4 +201,4 @@ def _recorded_accelerations(accel_mps2: Vector | None) -> tuple[int, list[int]]:
     return ACCEL_VALID | (ACCEL_CLIPPED if is_clipped else 0), list(map(in_16_bits, raw))
 
 
-ENCODER = WireEncoder("native", frames, recorded, hello_frame)
+ENCODER = WireEncoder("native", frames, recorded, greeting)

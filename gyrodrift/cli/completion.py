@@ -86,6 +86,12 @@ def _effects() -> list[str]:
     return list(CATALOGUE)
 
 
+def _rig_effects() -> list[str]:
+    from firmware_sim.effects.triaxial.catalogue import TRIAXIAL
+
+    return [*_effects(), *TRIAXIAL]
+
+
 def _ports() -> list[str]:
     return ["auto", *_plugged()]
 
@@ -101,7 +107,7 @@ def _files(pattern: str) -> list[str]:
 NAMES: dict[str, Callable[[], list[str]]] = {
     "PROFILE": _profiles,
     "EFFECT": _effects,
-    "NAME[:param=value,...]": _effects,
+    "NAME[:param=value,...]": _rig_effects,
     "port": _ports,
     "COMMAND": partial(list, COMMANDS),
 }

@@ -2,7 +2,10 @@
 
 The same rig, profile and seed give the same samples here and from the simulated device. --twin reads a table of
 published sessions, and simulates sessions of the same lengths with the same drift. --hard-cases writes the standard set
-of difficult sessions: 13 cases, each once still at the start and once moving, a folder of ten sessions for each.
+of difficult sessions: 13 cases, each once still at the start and once moving, a folder of ten sessions for each. With
+--axes 3 these are 12 cases of motions that tilt.
+
+A device with three axes also gets its true orientation, as NAME.truth.npz beside each session.
 """
 
 import argparse
@@ -16,7 +19,7 @@ from gyrodrift.cli.written import samples_text, written_words
 from gyrodrift.errors import UsageError, visible
 
 if TYPE_CHECKING:
-    from firmware_sim.motion.profile import Profile
+    from firmware_sim.measure import Motion
     from firmware_sim.rig import Rig
     from gyrodrift.progress import OnProgress
 
@@ -26,6 +29,7 @@ EXAMPLES = """\
 gyrodrift simulate --out sessions --sessions 6 --minutes 8 --seed 1
 gyrodrift simulate --out drifting --effect warmup --effect scale_factor:error_percent=1.2
 gyrodrift simulate --hard-cases --out hard --seed 1
+gyrodrift simulate --axes 3 --profile hand --out tilting --effect gyro_misalignment
 """
 
 
@@ -54,6 +58,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME[:param=value,...]",
         help="add an effect to the rig (default: none); a missing parameter has its typical value; repeatable",
     )
+    parser.add_argument(
+        "--axes",
+        type=int,
+        choices=(1, 3),
+        help="gyro axes: 1, or 3 with an accelerometer (default: as the rig file says; 1 for the hard cases)",
+    )
     parser.add_argument("--format", default="mcap", choices=("mcap", "csv"), help="file format (default mcap)")
     parser.add_argument(
         "--twin", type=Path, metavar="TABLE.csv", help="table of published sessions to imitate (default: none)"
@@ -66,6 +76,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Simulate; 0 when all sessions are written."""
     if arguments.hard_cases and (arguments.twin or arguments.rig or arguments.effect or arguments.profile):
         raise UsageError("--hard-cases has its own rigs and motions: leave out --rig, --profile, --effect and --twin")
+    if arguments.twin is not None and arguments.axes == len("xyz"):
+        raise UsageError("--twin imitates sessions of one axis: leave out --axes 3")
     options.hold_product_threads()
     with options.progress_of(arguments) as progress:
         progress.report(options.PACKAGES, 0, 0)
@@ -80,14 +92,14 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _rig_and_profile(arguments: argparse.Namespace) -> "tuple[Rig, Profile]":
-    from firmware_sim.motion.profile import load_profile
-    from firmware_sim.rig import load_rig, with_effects
+def _rig_and_profile(arguments: argparse.Namespace) -> "tuple[Rig, Motion]":
+    from firmware_sim.motion.profile import load_motion
+    from firmware_sim.rig import load_rig, with_axes, with_effects
     from firmware_sim.yaml_file import FileError
 
     try:
-        rig = with_effects(load_rig(arguments.rig), arguments.effect)
-        return rig, load_profile(arguments.profile or "turntable")
+        rig = with_effects(with_axes(load_rig(arguments.rig), arguments.axes), arguments.effect)
+        return rig, load_motion(arguments.profile or "turntable")
     except FileError as error:
         raise UsageError(str(error)) from error
 
@@ -96,6 +108,7 @@ def _check_kept(arguments: argparse.Namespace, rig: "Rig") -> None:
     """Protect the files that are read, and the sessions and the rig of another simulation."""
     from gyrodrift.files import check_inputs_kept, check_kept
     from gyrodrift.simulation.sessions import RIG, rig_yaml
+    from gyrodrift.simulation.truth import truth_path
 
     paths = _paths(arguments)
     is_set = arguments.hard_cases or arguments.twin is not None
@@ -103,7 +116,9 @@ def _check_kept(arguments: argparse.Namespace, rig: "Rig") -> None:
     profile = None if arguments.profile is None else Path(arguments.profile)
     inputs = [path for path in (arguments.rig, arguments.twin, profile) if path is not None]
     check_inputs_kept(rigs, inputs)
-    check_kept(paths, inputs, force=arguments.force)
+    has_truth = arguments.axes == len("xyz") if arguments.hard_cases else rig.base.three_axes is not None
+    truths = [truth_path(path) for path in paths] if has_truth else []
+    check_kept([*paths, *truths], inputs, force=arguments.force)
     if not is_set and not arguments.force and rigs[0].is_file() and rigs[0].read_bytes() != rig_yaml(rig).encode():
         raise UsageError(f"{rigs[0]}: differs from the rig to simulate; --force replaces it")
 
@@ -117,11 +132,11 @@ def _paths(arguments: argparse.Namespace) -> list[Path]:
     if arguments.twin is not None:
         return twin_paths(read_rows(arguments.twin), arguments.out, arguments.format)
     if arguments.hard_cases:
-        return hard_case_paths(arguments.out, arguments.sessions or SESSIONS, arguments.format)
+        return hard_case_paths(arguments.out, arguments.sessions or SESSIONS, arguments.format, arguments.axes or 1)
     return simulated_paths(arguments.out, arguments.sessions or 1, arguments.format)
 
 
-def _written(arguments: argparse.Namespace, rig: "Rig", profile: "Profile", progress: "OnProgress") -> Iterator[str]:
+def _written(arguments: argparse.Namespace, rig: "Rig", profile: "Motion", progress: "OnProgress") -> Iterator[str]:
     """A line per session, as soon as it is written."""
     if arguments.twin is not None:
         return _twins(arguments, rig, progress)
@@ -153,10 +168,12 @@ def _hard_cases(arguments: argparse.Namespace, progress: "OnProgress") -> Iterat
     from gyrodrift.simulation.sessions import sample_count
 
     sessions = arguments.sessions or hard_cases.SESSIONS
-    total = hard_cases.VERSIONS * len(hard_cases.CASES) * sessions
+    axes = arguments.axes or 1
+    total = hard_cases.hard_case_count(sessions, axes)
     contents = samples_text(sample_count(Rig(), arguments.minutes))
     progress(SESSIONS, 0, total)
-    written = hard_cases.write_hard_cases(arguments.out, arguments.seed, sessions, arguments.minutes, arguments.format)
+    numbers = (arguments.seed, sessions, arguments.minutes)
+    written = hard_cases.write_hard_cases(arguments.out, *numbers, arguments.format, axes)
     for done, path in enumerate(written, 1):
         progress(SESSIONS, done, total)
         yield written_words(path, contents)

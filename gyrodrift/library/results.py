@@ -44,7 +44,7 @@ def simulate(
     UsageError
         If a file is wrong, or an effect, a profile or a parameter does not exist.
     """
-    from firmware_sim.motion.profile import load_profile
+    from firmware_sim.motion.profile import load_motion
     from firmware_sim.rig import load_rig, parse_effect, with_effects
     from firmware_sim.yaml_file import FileError
     from gyrodrift.simulation.sessions import Simulation
@@ -53,7 +53,7 @@ def simulate(
         raise UsageError(f"minutes {minutes}: expected a number above 0")
     try:
         whole = with_effects(load_rig(None if rig is None else Path(rig)), [parse_effect(text) for text in effects])
-        motion = load_profile(profile)
+        motion = load_motion(profile)
     except (FileError, ValueError) as error:
         raise UsageError(str(error)) from error
     return Simulation(whole, motion, seed, 0, minutes).whole()

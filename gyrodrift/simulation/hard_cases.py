@@ -13,7 +13,7 @@ from zlib import crc32
 
 import numpy as np
 
-from firmware_sim.effects.effect import Effect, Floats, Rng
+from firmware_sim.effects.effect import Effect, Rng
 from firmware_sim.effects.environment import TempBias, Warmup
 from firmware_sim.effects.link import SampleDrop
 from firmware_sim.effects.sensor_bias import BiasInstability, RateRandomWalk
@@ -23,6 +23,7 @@ from firmware_sim.motion.profile import Ambient, Profile, Segment
 from firmware_sim.motion.segments import Ramp, Rest
 from firmware_sim.rig import Base, Rig
 from gyrodrift.files import write_whole
+from gyrodrift.simulation.hard_attitudes import ATTITUDE_CASES, AttitudeCase, attitude_simulation
 from gyrodrift.simulation.hard_motions import (
     RAMP_S,
     Motions,
@@ -32,11 +33,11 @@ from gyrodrift.simulation.hard_motions import (
     turns_with_rests,
     turns_without_rests,
 )
+from gyrodrift.simulation.later import Later
 from gyrodrift.simulation.sessions import Simulation, rig_yaml, write_simulation
 
 STILL_S = 10.0
 SESSIONS = 10
-VERSIONS = 2
 MINUTES = 10.0
 
 BIAS_DPS = 0.5
@@ -74,28 +75,6 @@ class Case:
     effects: Effects = lambda _: ()
     bias_dps: float | None = None
     swing_c: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class Later:
-    """A profile from `start_s` on, with a device that is switched on at that moment."""
-
-    profile: Profile
-    start_s: float
-
-    @property
-    def powered_s(self) -> float:
-        """Time since power-on at the start, s."""
-        return self.profile.powered_s
-
-    def motion_at(self, t_s: Floats) -> tuple[Floats, Floats]:
-        """Angle in deg, 0 at the start, and rate in deg/s."""
-        angle_deg, rate_dps = self.profile.motion_at(t_s + self.start_s)
-        return angle_deg - self.profile.motion_at(np.array([self.start_s]))[0], rate_dps
-
-    def sensor_c_at(self, t_s: Floats) -> Floats:
-        """Temperature of the sensor, °C."""
-        return self.profile.sensor_c_at(t_s)
 
 
 CASES = (
@@ -147,7 +126,7 @@ CASES = (
 
 
 def write_hard_cases(
-    folder: Path, seed: int, sessions: int = SESSIONS, minutes: float = MINUTES, ending: str = "mcap"
+    folder: Path, seed: int, sessions: int = SESSIONS, minutes: float = MINUTES, ending: str = "mcap", axes: int = 1
 ) -> Iterator[Path]:
     """Write `folder/CASE-still/session-01` and so on, each with its rig, and yield the path of each written session.
 
@@ -156,32 +135,46 @@ def write_hard_cases(
     UsageError
         A file cannot be written.
     """
-    for case in CASES:
-        for is_still in (True, False):
-            for number in range(sessions):
-                path = _path(folder, case, number, ending, is_still=is_still)
-                _write(path, simulation(case, seed, number, minutes, is_still=is_still))
-                yield path
+    for case, is_still in _versions(axes):
+        for number in range(sessions):
+            path = _path(folder, case.name, number, ending, is_still=is_still)
+            _write(path, _simulated(case, seed, number, minutes, is_still=is_still))
+            yield path
 
 
-def hard_case_paths(folder: Path, sessions: int = SESSIONS, ending: str = "mcap") -> list[Path]:
+def hard_case_paths(folder: Path, sessions: int = SESSIONS, ending: str = "mcap", axes: int = 1) -> list[Path]:
     """Paths of the sessions of `write_hard_cases`."""
-    versions = [(case, is_still) for case in CASES for is_still in (True, False)]
     return [
-        _path(folder, case, number, ending, is_still=is_still)
-        for case, is_still in versions
+        _path(folder, case.name, number, ending, is_still=is_still)
+        for case, is_still in _versions(axes)
         for number in range(sessions)
     ]
 
 
-def _path(folder: Path, case: Case, number: int, ending: str, *, is_still: bool) -> Path:
-    return folder / f"{case.name}-{'still' if is_still else 'moving'}" / f"session-{number + 1:02d}.{ending}"
+def hard_case_count(sessions: int = SESSIONS, axes: int = 1) -> int:
+    """Number of sessions of `write_hard_cases`."""
+    return len(_versions(axes)) * sessions
+
+
+def _versions(axes: int) -> list[tuple[Case | AttitudeCase, bool]]:
+    cases: Sequence[Case | AttitudeCase] = CASES if axes == 1 else ATTITUDE_CASES
+    return [(case, is_still) for case in cases for is_still in (True, False)]
+
+
+def _path(folder: Path, case: str, number: int, ending: str, *, is_still: bool) -> Path:
+    return folder / f"{case}-{'still' if is_still else 'moving'}" / f"session-{number + 1:02d}.{ending}"
 
 
 def _write(path: Path, simulated: Simulation) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path.with_suffix(".rig.yaml"), [rig_yaml(simulated.rig)])
     write_simulation(path, simulated, f"{path.parent.name}-{simulated.number + 1:02d}")
+
+
+def _simulated(case: Case | AttitudeCase, seed: int, number: int, minutes: float, *, is_still: bool) -> Simulation:
+    if isinstance(case, AttitudeCase):
+        return attitude_simulation(case, seed, number, minutes, is_still=is_still)
+    return simulation(case, seed, number, minutes, is_still=is_still)
 
 
 def simulation(case: Case, seed: int, number: int, minutes: float = MINUTES, *, is_still: bool) -> Simulation:

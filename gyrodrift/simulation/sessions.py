@@ -1,23 +1,29 @@
 """Sessions of the simulated rig, as the host would have recorded them, without waiting for real time."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import yaml
+from numpy.typing import NDArray
 
-from firmware_sim.measure import Block, Motion, measure
+from firmware_sim.measure import ACCEL_MISSING, Block, Motion, TriaxialBlock, measure
 from firmware_sim.rig import Base, Rig
 from gyrodrift.arrays import Floats
 from gyrodrift.files import write_whole
 from gyrodrift.progress import OnProgress, counted, ignore_progress
 from gyrodrift.session.files import write_session
 from gyrodrift.session.session import Session
+from gyrodrift.simulation.truth import write_truth
 
 RIG = "rig.yaml"
 """Name of the rig file beside the sessions simulated with it."""
+
+
+SIMULATED = ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg", "temp_c", "gyro_dps", "accel_mps2")
+"""Arrays of a simulated session."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,16 +50,18 @@ class Simulation:
     def whole(self) -> Session:
         """The session in one piece."""
         chunks = list(self.chunks())
-        columns = zip(
-            *((c.t_device_s, c.rate_dps, c.t_host_s, c.seq, c.encoder_deg, c.temp_c) for c in chunks), strict=True
-        )
-        joined: list[Any] = [None if parts[0] is None else np.concatenate(parts) for parts in columns]
-        return Session(str(self.number), *joined)
+        columns: dict[str, Any] = {
+            name: np.concatenate([getattr(chunk, name) for chunk in chunks])
+            for name in SIMULATED
+            if getattr(chunks[0], name) is not None
+        }
+        return Session(str(self.number), **columns)
 
 
 def as_recorded(block: Block, base: Base, name: str) -> Session:
     """Measurements as the host decodes them; the wire has the scale as a 32-bit float."""
     rate_dps = block.rate_raw.astype(np.float64) * float(np.float32(base.dps_per_lsb))
+    gyro_dps, accel_mps2 = _axes(block, base, rate_dps)
     angle_deg = block.encoder_counts.astype(np.float64) * (360.0 / base.encoder_cpr) if base.encoder_cpr else None
     return Session(
         name=name,
@@ -63,7 +71,22 @@ def as_recorded(block: Block, base: Base, name: str) -> Session:
         seq=block.seq,
         encoder_deg=angle_deg,
         temp_c=block.temp_centi_c / 100.0,
+        gyro_dps=gyro_dps,
+        accel_mps2=accel_mps2,
     )
+
+
+def _axes(block: Block, base: Base, rate_dps: Floats) -> tuple[Floats | None, Floats | None]:
+    """Rates and accelerations of a device with three axes; NaN where an acceleration is missing or clipped."""
+    if not isinstance(block, TriaxialBlock) or base.three_axes is None:
+        return None, None
+    xy_dps = block.gyro_xy_raw.astype(np.float64) * float(np.float32(base.dps_per_lsb))
+    gyro_dps = np.column_stack([xy_dps, rate_dps])
+    if not block.accel_raw.shape[1]:
+        return gyro_dps, None
+    accel_mps2 = block.accel_raw.astype(np.float64) * float(np.float32(base.three_axes.mps2_per_lsb))
+    is_missing = (block.accel_raw == ACCEL_MISSING) | block.accel_clipped[:, None]
+    return gyro_dps, np.where(is_missing, np.nan, accel_mps2)
 
 
 def write_sessions(
@@ -97,14 +120,28 @@ def simulated_paths(folder: Path, sessions: int, ending: str = "mcap") -> list[P
 def write_simulation(
     path: Path, simulated: Simulation, device_id: str | None = None, progress: OnProgress = ignore_progress
 ) -> None:
-    """Write one session, with everything that is needed to simulate it again."""
+    """Write one session, with everything that is needed to simulate it again; three axes have their truth beside it."""
     rig, seed, number = rig_yaml(simulated.rig), str(simulated.seed), str(simulated.number)
     tables = {"simulation": {"rig": rig, "seed": seed, "session": number}}
     if device_id is not None:
         tables["device"] = {"device_id": device_id}
     samples = sample_count(simulated.rig, simulated.minutes)
     chunks = counted("samples", simulated.chunks(), samples, progress, lambda chunk: len(chunk.t_device_s))
-    write_session(path, chunks, tables)
+    if simulated.rig.base.three_axes is None:
+        write_session(path, chunks, tables)
+        return
+    seqs: list[NDArray[np.int64]] = []
+    write_session(path, _noted(chunks, seqs), tables)
+    if seqs:
+        write_truth(path, simulated.profile, np.concatenate(seqs), simulated.rig.base.sample_rate_hz)
+
+
+def _noted(chunks: Iterable[Session], seqs: list[NDArray[np.int64]]) -> Iterator[Session]:
+    """Pieces of a session, whose counters are appended to `seqs`."""
+    for chunk in chunks:
+        if chunk.seq is not None:
+            seqs.append(chunk.seq)
+        yield chunk
 
 
 def sample_count(rig: Rig, minutes: float) -> int:

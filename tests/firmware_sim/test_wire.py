@@ -25,11 +25,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pynmeagps import NMEAReader
 
-from firmware_sim.measure import Block, StillWord, measure
-from firmware_sim.motion.profile import load_profile
-from firmware_sim.rig import Base, Rig, load_rig
+from firmware_sim.measure import Block, StillWord, TriaxialBlock, measure
+from firmware_sim.motion.profile import config_folder, load_motion, load_profile
+from firmware_sim.rig import Base, Rig, load_rig, parse_effect, with_effects
 from firmware_sim.wire import bno08x_rvc, csv, native, nmea, vectornav, witmotion, xsens
 from firmware_sim.wire.registry import ENCODERS
+from gyrodrift.link.protocols.decoder import DeviceDescription
+from gyrodrift.link.protocols.native import NativeDecoder
+from gyrodrift.sample import Reading
 
 i16 = st.integers(-32768, 32767)
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -317,3 +320,42 @@ def test_a_device_that_is_told_to_says_whether_it_stands_still(word: StillWord) 
     assert [(flag >> 4 & 1) if flag & 8 else -1 for flag in flags] == expected[:500]
     lines = [f.content.decode().strip().split(",") for f in islice(ENCODERS["csv"].frames(blocks(), base), 501)][1:]
     assert [float(line[4]) if len(line) > 4 else -1 for line in lines] == expected[:500]
+
+
+def axes_readings(
+    text: str, still: StillWord = StillWord.NONE
+) -> tuple[TriaxialBlock, list[Reading], DeviceDescription]:
+    """A block of a rig with three axes and an effect, and what a decoder reads from its native frames."""
+    rig = with_effects(load_rig(config_folder() / "rig-three-axes.yaml"), [parse_effect(text)])
+    block = next(measure(rig, load_motion("hand"), 0, block_samples=600, still=still))
+    assert isinstance(block, TriaxialBlock)
+    decoder = NativeDecoder()
+    readings = [r for frame in native.frames([block], rig.base) for r in decoder.push(frame.content)]
+    return block, readings, decoder.device
+
+
+def test_native_frames_carry_all_axes() -> None:
+    """With their scales in HELLO."""
+    block, readings, device = axes_readings("accel_bias")
+    assert (device.sample_rate_hz, device.encoder_cpr) == (100.0, 36000)
+    for reading, (gyro_raw, accel_raw, _) in zip(readings, block.axes_rows(), strict=True):
+        assert reading.inertial is not None
+        assert accel_raw is not None
+        assert reading.inertial[:3] == pytest.approx([count * 0.0152588 for count in gyro_raw], rel=1e-6)
+        assert reading.inertial[3:] == pytest.approx([count * 0.0023942 for count in accel_raw], rel=1e-6)
+
+
+def test_native_frames_say_where_acceleration_is_missing() -> None:
+    """And at rest and in motion, what the device says of it."""
+    block, readings, _ = axes_readings("accel_dropout:from_s=1,to_s=2", StillWord.TRUE)
+    has_none = [reading.inertial is not None and np.isnan(reading.inertial.accel_x_mps2) for reading in readings]
+    assert np.flatnonzero(has_none).tolist() == list(range(100, 200))
+    assert [reading.still for reading in readings] == block.still.tolist()
+    assert {reading.still for reading in readings} == {0, 1}
+
+
+def test_the_greeting_of_a_device_with_three_axes_is_the_second_version() -> None:
+    """A new reader knows the scales before the first sample."""
+    base = load_rig(config_folder() / "rig-three-axes.yaml").base
+    assert native.ENCODER.hello(base) == native.axes_hello_frame(base, 0.0023942)
+    assert native.ENCODER.hello(load_rig(None).base) == HELLO

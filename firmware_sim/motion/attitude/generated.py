@@ -31,7 +31,7 @@ class Generated(Checked):
         Seed of the motion.
     """
 
-    minutes: Annotated[float, Field(ge=0.5, le=1000.0)] = 10.0
+    minutes: Annotated[float, Field(ge=1.0, le=1000.0)] = 10.0
     seed: Annotated[int, Field(ge=0)] = 0
 
     @property

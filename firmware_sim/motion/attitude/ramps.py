@@ -38,11 +38,11 @@ class Ramps(Generated):
     sensor_m: Offset = (0.1, 0.0, 0.1)
 
     def plan(self, rng: Rng) -> Tracks:
-        """Legs with a turn, a slope and a speed, or a stop on the slope."""
+        """Legs with a turn, a slope and a speed, and stops on the slope between them."""
         yaw, pitch, roll, speed = (StepTrack() for _ in range(4))
         legs = Legs(self.seconds, closing_s=TILT_S + SPEED_UP_S)
         while legs.is_open(LEG_S[1] + SPEED_UP_S):
-            if rng.random() < self.stop_share:
+            if rng.random() < self.stop_share and speed.end:
                 speed.move_to(0.0, legs.now_s, SPEED_UP_S)
                 legs.now_s += SPEED_UP_S + float(rng.uniform(*STOP_S))
                 continue
