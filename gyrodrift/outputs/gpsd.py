@@ -21,6 +21,7 @@ from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.status import ClientStatus, ServiceStatus
 from gyrodrift.outputs.thinning import Thinning
+from gyrodrift.outputs.utc import iso_time
 from gyrodrift.sample import Attitude, Corrected
 
 PROTOCOL = (3, 14)
@@ -272,11 +273,6 @@ def _tilt(attitude: Attitude | None) -> dict[str, float]:
 def clockwise_deg(yaw_deg: float) -> float:
     """Convert unwrapped counter-clockwise yaw to clockwise from -180 to 180."""
     return round((180.0 - yaw_deg) % 360.0 - 180.0, 4)
-
-
-def iso_time(unix_s: float) -> str:
-    """UTC, with milliseconds, as gpsd writes it."""
-    return datetime.fromtimestamp(unix_s, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
 
 
 def encoded(report: dict[str, Any]) -> bytes:

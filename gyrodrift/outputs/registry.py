@@ -101,6 +101,7 @@ SHIPPED = (
         packages=("pynmeagps",),
         extra="nmea",
     ),
+    OutputKind("signalk", "deltas of Signal K on a TCP port", "gyrodrift.outputs.signalk:SignalkOutput"),
     OutputKind(
         "rosbridge",
         "sensor_msgs/Imu over WebSocket, as in rosbridge",

@@ -1,23 +1,20 @@
 """NMEA 0183 over TCP, UDP and a pty: read by pynmeagps, and by gpsd as if it were a receiver on a serial port."""
 
 import json
-import os
 import shutil
 import socket
 import subprocess
 import time
 from collections.abc import Iterator
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing, contextmanager
 from itertools import count
 from math import radians
 from pathlib import Path
-from typing import Any
-from urllib.request import urlopen
 
 import pytest
-from clients_support import CLIENTS, need_node
 from outputs_support import HubThread, Reader, connected, corrected, hub, tilted
 from serial import Serial
+from signalk_support import signalk_server
 from support import PATIENCE_S, free_port
 
 from gyrodrift.outputs.nmea import sentences
@@ -25,8 +22,6 @@ from gyrodrift.outputs.nmea import sentences
 pynmeagps = pytest.importorskip("pynmeagps", reason="NMEA 0183 is an extra: pip install 'gyrodrift[nmea]'")
 
 nan = float("nan")
-SIGNALK = CLIENTS / "signalk"
-NAVIGATION = "/signalk/v1/api/vessels/self/navigation"
 
 
 @pytest.fixture
@@ -206,42 +201,14 @@ def connected_soon(port: int) -> Iterator[Reader]:
 
 def test_signalk_server_shows_heading_and_rate_of_turn(outputs: HubThread, tmp_path: Path) -> None:
     """In its own units: radians, to starboard."""
-    node = need_node(SIGNALK, "signalk-server")
-    number, nmea = free_port(), free_port()
-    source = {"type": "tcp", "host": "127.0.0.1", "port": str(nmea), "validateChecksum": True}
-    element = {"type": "providers/simple", "options": {"type": "NMEA0183", "logging": False, "subOptions": source}}
-    provider = {"id": "gyro", "enabled": True, "pipeElements": [element]}
-    (tmp_path / "settings.json").write_text(
-        json.dumps({"interfaces": {}, "port": number, "mdns": False, "pipedProviders": [provider]})
-    )
+    nmea = free_port()
     outputs.want(f"nmea:port={nmea}")
     outputs.opened()
-    with subprocess.Popen(
-        [node, SIGNALK / "node_modules" / "signalk-server" / "bin" / "signalk-server", "-c", tmp_path],
-        env=os.environ | {"PORT": str(number), "SIGNALK_DISABLE_SERVER_UPDATES": "true"},
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    ) as server:
-        try:
-            shown = navigation_of(number, outputs)
-        finally:
-            server.kill()
+    source = {"type": "tcp", "host": "127.0.0.1", "port": str(nmea), "validateChecksum": True}
+    with signalk_server("NMEA0183", source, tmp_path) as server:
+        shown = server.navigation("rateOfTurn", lambda seq: outputs.samples([corrected(seq)]))
     assert shown["headingTrue"]["value"] == pytest.approx(radians(90.0))
     assert (shown["rateOfTurn"]["value"], shown["rateOfTurn"]["meta"]["units"]) == (
         pytest.approx(radians(-1.25), rel=1e-3),
         "rad/s",
     )
-
-
-def navigation_of(number: int, outputs: HubThread) -> dict[str, Any]:
-    """What the server knows of the vessel's motion, as soon as it knows how fast she turns."""
-    until_s = time.monotonic() + 6 * PATIENCE_S
-    for seq in count():
-        outputs.samples([corrected(seq)])
-        with suppress(OSError), urlopen(f"http://127.0.0.1:{number}{NAVIGATION}", timeout=PATIENCE_S) as answer:
-            shown = dict(json.load(answer))
-            if "rateOfTurn" in shown:
-                return shown
-        assert time.monotonic() < until_s, "the server shows no rate of turn"
-        time.sleep(0.1)
-    raise AssertionError

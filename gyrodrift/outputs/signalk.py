@@ -1,0 +1,111 @@
+"""Deltas of Signal K on TCP, one JSON object a line, for a data connection of a Signal K server.
+
+Angles are in rad, rates in rad/s, positive to starboard. Pitch is positive with the bow up, roll with the starboard
+side down. A device with one axis has no roll and pitch, and so no attitude.
+Source: Signal K 1.7.0, "Delta Format" and the paths of `navigation`.
+"""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isnan, pi, radians, remainder
+from typing import Annotated, Any
+
+from gyrodrift.outputs.net.lines import LineClient, LineServer
+from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
+from gyrodrift.outputs.output import Output, OutputHost
+from gyrodrift.outputs.status import ClientStatus
+from gyrodrift.outputs.thinning import Thinning
+from gyrodrift.outputs.utc import iso_time
+from gyrodrift.sample import Corrected
+
+DIGITS = 6
+"""Digits behind the point: 1e-6 rad is 6e-5 deg."""
+
+
+@dataclass(frozen=True, slots=True)
+class SignalkOptions:
+    """Address and rate."""
+
+    host: Annotated[Host, About("address to listen on")] = LOOPBACK
+    port: Annotated[Port, About("port to listen on; 0 takes a free one")] = 8375
+    rate_hz: Annotated[Rate, About("at most this many deltas a second of device time")] = 10.0
+
+
+class SignalkOutput(Output[SignalkOptions]):
+    """Sends a delta per sample to each client."""
+
+    options_type = SignalkOptions
+
+    def __init__(self, options: SignalkOptions, host: OutputHost) -> None:
+        super().__init__(options, host)
+        self._thinning = Thinning(options.rate_hz)
+        self._server = LineServer(SignalkSession, host.log)
+
+    async def open(self) -> None:
+        """Begin to listen."""
+        self.address = await self._server.listen_tcp(self.options.host, self.options.port)
+
+    def take(self, samples: Sequence[Corrected]) -> None:
+        """Send the deltas of samples that are due."""
+        for sample in self._thinning.due(samples) if self._server.clients else ():
+            line = json.dumps(delta(sample), separators=(",", ":")).encode() + b"\n"
+            for client in self._server.clients:
+                client.send(line)
+
+    def clients(self) -> Sequence[ClientStatus]:
+        """Connected servers."""
+        return self._server.statuses()
+
+    def counts(self) -> tuple[int, int]:
+        """Deltas sent and dropped."""
+        return self._server.counts()
+
+    async def close(self) -> None:
+        """Close the connections."""
+        await self._server.close()
+
+
+class SignalkSession:
+    """One client, which only listens. A server takes only deltas, so losses are told in `status` alone."""
+
+    def __init__(self, client: LineClient) -> None:
+        pass
+
+    def line(self, text: bytes) -> None:
+        """Ignore what the server sends, such as its own deltas."""
+
+    def dropped(self, messages: int) -> bytes:  # noqa: ARG002 - the protocol has no such message
+        """No message."""
+        return b""
+
+    def refused(self, why: str) -> bytes:  # noqa: ARG002
+        """No message."""
+        return b""
+
+    def closed(self) -> None:
+        """Do nothing."""
+
+
+def delta(sample: Corrected) -> dict[str, Any]:
+    """Delta of a sample, without unknown values."""
+    values: dict[str, Any] = {"navigation.rateOfTurn": _rounded(-radians(sample.corrected_dps))}
+    if not isnan(sample.heading_deg):
+        values["navigation.headingTrue"] = _rounded(radians(sample.heading_deg) % (2.0 * pi))
+    attitude = sample.attitude
+    if attitude is not None and not isnan(attitude.roll_deg + attitude.pitch_deg):
+        values["navigation.attitude"] = {
+            "roll": _rounded(radians(attitude.roll_deg)),
+            "pitch": _rounded(-radians(attitude.pitch_deg)),
+            "yaw": _rounded(remainder(-radians(sample.yaw_deg), 2.0 * pi)),
+        }
+    update = {
+        "source": {"label": "gyrodrift"},
+        "timestamp": iso_time(sample.sample.t_host_s),
+        "values": [{"path": path, "value": value} for path, value in values.items()],
+    }
+    return {"updates": [update]}
+
+
+def _rounded(value: float) -> float:
+    return round(value, DIGITS) + 0.0  # no -0.0

@@ -1,0 +1,70 @@
+"""Deltas of Signal K: by hand, and as a Signal K server shows them."""
+
+from collections.abc import Iterator
+from math import nan, radians
+from pathlib import Path
+from typing import Any
+
+import pytest
+from outputs_support import HubThread, connected, corrected, hub, tilted
+from signalk_support import signalk_server
+
+from gyrodrift.outputs.signalk import delta
+from gyrodrift.sample import Corrected
+
+
+@pytest.fixture
+def outputs() -> Iterator[HubThread]:
+    with hub() as running:
+        yield running
+
+
+def values(sample: Corrected) -> dict[str, Any]:
+    (update,) = delta(sample)["updates"]
+    return {entry["path"]: entry["value"] for entry in update["values"]}
+
+
+def test_a_delta_has_what_is_known() -> None:
+    """In radians, to starboard; one axis has no attitude."""
+    level = values(corrected(0, heading_deg=270.0))
+    assert level == {"navigation.rateOfTurn": near(-1.25), "navigation.headingTrue": near(270.0)}
+    assert values(corrected(0, heading_deg=nan)).keys() == {"navigation.rateOfTurn"}
+
+
+def near(angle_deg: float) -> Any:
+    return pytest.approx(radians(angle_deg), abs=1e-6)
+
+
+def test_an_attitude_is_positive_to_starboard_and_with_the_bow_up() -> None:
+    attitude = values(tilted(0, yaw_deg=190.0))["navigation.attitude"]
+    assert attitude == {"roll": near(10.0), "pitch": near(20.0), "yaw": near(170.0)}
+    unknown = tilted(0).attitude
+    assert unknown is not None
+    sample = tilted(0)._replace(attitude=unknown._replace(roll_deg=nan))
+    assert "navigation.attitude" not in values(sample)
+
+
+def test_a_client_gets_deltas_ten_times_a_second(outputs: HubThread) -> None:
+    """What it sends itself is passed by."""
+    outputs.want("signalk:port=0")
+    host, _, port = outputs.opened()[0].address.rpartition(":")
+    with connected((host, int(port))) as client:
+        client.connection.sendall(b'{"context":"*","subscribe":[]}\n')
+        while outputs.statuses()[0].client_count == 0:
+            pass
+        outputs.samples([tilted(seq) for seq in range(21)])
+        times = [client.json()["updates"][0]["timestamp"] for _ in range(3)]
+    assert times == [f"2023-11-14T22:13:20.{tenths}00Z" for tenths in range(3)]
+
+
+def test_signalk_server_shows_the_attitude(outputs: HubThread, tmp_path: Path) -> None:
+    """With heading and rate of turn, from our source."""
+    outputs.want("signalk:port=0")
+    _, _, port = outputs.opened()[0].address.rpartition(":")
+    source = {"type": "tcp", "host": "127.0.0.1", "port": port}
+    with signalk_server("SignalK", source, tmp_path) as server:
+        shown = server.navigation("attitude", lambda number: outputs.samples([tilted(10 * number)]))
+    assert shown["attitude"]["value"] == {"roll": near(10.0), "pitch": near(20.0), "yaw": near(-30.0)}
+    assert shown["headingTrue"]["value"] == near(90.0)
+    assert shown["rateOfTurn"]["value"] == near(-1.25)
+    assert shown["attitude"]["$source"].startswith("gyro")
