@@ -25,6 +25,7 @@ MOST_MESSAGES = 200
 """Of a client in a second."""
 
 TOPICS = {"/gyrodrift/yaw_deg": "double", "/gyrodrift/is_connected": "boolean"}
+IDS = {name: index for index, name in enumerate(TOPICS)}
 CHANNELS = [FoxgloveChannel(1, "/gyro", {"title": "Gyro"}), FoxgloveChannel(2, "/link", {"title": "Link"})]
 
 
@@ -70,12 +71,14 @@ def sockets(content: bytes) -> None:
     sessions: list[Any] = [
         RosbridgeSession(client, RosServices("/gyro", "sensor_msgs/msg/Imu", "ros2"), forget),
         FoxgloveSession(client, CHANNELS, lambda: {"yaw_deg": 1.0, "filter": "hdr"}, forget),
-        TableSession(client, TOPICS, {0: b"\x94\x00\x00\x01\x00"}, lambda: 1.0, forget, forget),
+        TableSession(client, TOPICS, IDS, {0: b"\x94\x00\x00\x01\x00"}, lambda: 1.0, forget, forget),
     ]
     for session in sessions:
         for message in (content, *content.decode(errors="replace").split("\n")[:MOST_MESSAGES]):
             with suppress(ValueError):
                 session.message(message)
+        if isinstance(session, TableSession):
+            session.follow_topics()
         session.closed()
 
 

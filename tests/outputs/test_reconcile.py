@@ -22,7 +22,7 @@ from gyrodrift.outputs.registry import OUTPUTS
 from gyrodrift.outputs.status import OutputStatus
 from gyrodrift.outputs.tcp import TcpOutput
 
-KINDS = ("tcp", "gpsd", "web", "rosbridge", "prometheus", "foxglove", "nmea", "networktables")
+KINDS = ("tcp", "gpsd", "web", "rosbridge", "prometheus", "foxglove", "nmea", "signalk", "networktables")
 RELOADS = 1000
 SEED = 1
 
