@@ -13,6 +13,9 @@ COUNTS_MAX = 32767
 ACCEL_MISSING = -32768
 """Count of a missing acceleration; measured ones end at ±COUNTS_MAX."""
 
+Row = tuple[int, int, float, int, bool, int, int, int]
+"""Measurement as plain numbers, in the order of the arrays of a block."""
+
 
 @dataclass(frozen=True, slots=True)
 class Block:
@@ -43,7 +46,7 @@ class Block:
     encoder_counts: NDArray[np.int64]
     still: NDArray[np.int8]
 
-    def rows(self) -> Iterator[tuple[int, int, float, int, bool, int, int, int]]:
+    def rows(self) -> Iterator[Row]:
         """Measurements as plain numbers, in the order of the arrays."""
         return zip(
             self.seq.tolist(),

@@ -18,7 +18,7 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_sim.block import ACCEL_MISSING, COUNTS_MAX, Block, TriaxialBlock, accel_in_counts, in_counts, joined
+from firmware_sim.block import ACCEL_MISSING, COUNTS_MAX, Block, Row, TriaxialBlock, accel_in_counts, in_counts, joined
 from firmware_sim.channels import Channel, begin_acts, random_stream, through
 from firmware_sim.effects.effect import EffectSlot, Floats, Moments
 from firmware_sim.rig import Rig
@@ -31,6 +31,7 @@ __all__ = [
     "HALF_A_COUNT",
     "Block",
     "Motion",
+    "Row",
     "StillWord",
     "TriaxialBlock",
     "joined",

@@ -3,12 +3,13 @@
 from collections.abc import Iterable, Iterator, Sequence
 from math import floor, log10, nan
 
-from firmware_sim.measure import Block
+from firmware_sim.measure import Block, Row, TriaxialBlock
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder
+from firmware_sim.wire.encoder import Frame, Measurement, WireEncoder, axes_of, level
 
 LINE_END = b"\r\n"
 BANNER = b"# t_us,rate_dps,encoder_deg,temp_c" + LINE_END
+AXES_BANNER = b"# t_us,gx,gy,gz,ax,ay,az,encoder_deg,temp_c" + LINE_END
 
 
 def csv_line(
@@ -40,17 +41,36 @@ def axes_csv_line(
 
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
     """Banner, then a line per measurement."""
-    yield Frame(0.0, BANNER, 0, LINE_END)
-    deg_per_count = 360.0 / base.encoder_cpr if base.encoder_cpr else 0.0
-    rate_digits, angle_digits = _digits(base.dps_per_lsb), _digits(deg_per_count or 1.0)
+    yield Frame(0.0, BANNER if base.three_axes is None else AXES_BANNER, 0, LINE_END)
     for block in blocks:
-        for _, t_us, t_host_s, rate_raw, _, temp_centi_c, counts, still in block.rows():
-            angle_deg = round(counts * deg_per_count, angle_digits) if deg_per_count else None
-            still_value = None if still < 0 else float(still)
-            line = csv_line(
-                t_us, round(rate_raw * base.dps_per_lsb, rate_digits), angle_deg, temp_centi_c / 100.0, still_value
-            )
+        lines = _axes_lines(block, base) if isinstance(block, TriaxialBlock) else _lines(block, base)
+        for t_host_s, line in zip(block.t_host_s.tolist(), lines, strict=True):
             yield Frame(t_host_s, line, 1, LINE_END)
+
+
+def _lines(block: Block, base: Base) -> Iterator[bytes]:
+    rate_digits = _digits(base.dps_per_lsb)
+    for row in block.rows():
+        _, t_us, _, rate_raw, *_ = row
+        yield csv_line(t_us, round(rate_raw * base.dps_per_lsb, rate_digits), *_optional(row, base))
+
+
+def _axes_lines(block: Block, base: Base) -> Iterator[bytes]:
+    """Lines of three axes; an acceleration that is missing is nan."""
+    rate_digits = _digits(base.dps_per_lsb)
+    force_digits = _digits(base.three_axes.mps2_per_lsb if base.three_axes and base.three_axes.mps2_per_lsb else 1.0)
+    for row, axes in zip(block.rows(), axes_of(block, base), strict=True):
+        gyro_dps, accel_mps2 = axes or level(0.0)
+        rates = [round(rate_dps, rate_digits) for rate_dps in gyro_dps]
+        yield axes_csv_line(row[1], rates, [round(a, force_digits) for a in accel_mps2], *_optional(row, base))
+
+
+def _optional(row: Row, base: Base) -> tuple[float | None, float, float | None]:
+    """Angle, temperature and rest of a measurement; None for a missing column."""
+    _, _, _, _, _, temp_centi_c, counts, still = row
+    deg_per_count = 360.0 / base.encoder_cpr if base.encoder_cpr else 0.0
+    angle_deg = round(counts * deg_per_count, _digits(deg_per_count)) if deg_per_count else None
+    return angle_deg, temp_centi_c / 100.0, None if still < 0 else float(still)
 
 
 def _digits(step: float) -> int:

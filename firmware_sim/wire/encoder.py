@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from itertools import repeat
 from math import isfinite, nan
 from typing import NamedTuple
 
-from firmware_sim.measure import COUNTS_MAX, Block
+from firmware_sim.measure import COUNTS_MAX, Block, TriaxialBlock
 from firmware_sim.rig import Base
 
 
@@ -39,6 +40,18 @@ class Axes(NamedTuple):
 def level(rate_dps: float) -> Axes:
     """Axes of a device on a level table."""
     return Axes((0.0, 0.0, rate_dps), (0.0, 0.0, STANDARD_GRAVITY_MPS2))
+
+
+def axes_of(block: Block, base: Base) -> Iterator[Axes | None]:
+    """Axes of each measurement of a block, None for a device with one axis; a missing acceleration is NaN."""
+    if not isinstance(block, TriaxialBlock) or base.three_axes is None:
+        yield from repeat(None, len(block.seq))
+        return
+    mps2_per_lsb = base.three_axes.mps2_per_lsb
+    for gyro_raw, accel_raw, _ in block.axes_rows():
+        x, y, z = (count * base.dps_per_lsb for count in gyro_raw)
+        along_x, along_y, along_z = [count * mps2_per_lsb for count in accel_raw] if accel_raw else (nan, nan, nan)
+        yield Axes((x, y, z), (along_x, along_y, along_z))
 
 
 class Measurement(NamedTuple):

@@ -5,7 +5,16 @@ from math import isfinite
 
 from firmware_sim.measure import Block
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import STANDARD_GRAVITY_MPS2, Axes, Frame, Measurement, WireEncoder, in_16_bits, level
+from firmware_sim.wire.encoder import (
+    STANDARD_GRAVITY_MPS2,
+    Axes,
+    Frame,
+    Measurement,
+    WireEncoder,
+    axes_of,
+    in_16_bits,
+    level,
+)
 
 LINE_END = b"\r\n"
 COUNTS_PER_DPS = 131.0
@@ -34,8 +43,8 @@ def _forces(axes: Axes | None) -> str:
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
     """A line per measurement."""
     for block in blocks:
-        for _, t_us, t_host_s, rate_raw, *_ in block.rows():
-            yield Frame(t_host_s, text_line(t_us, rate_raw * base.dps_per_lsb), 1, LINE_END)
+        for (_, t_us, t_host_s, rate_raw, *_), axes in zip(block.rows(), axes_of(block, base), strict=True):
+            yield Frame(t_host_s, text_line(t_us, rate_raw * base.dps_per_lsb, axes), 1, LINE_END)
 
 
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:

@@ -6,7 +6,7 @@ from math import isfinite, isnan, radians
 
 from firmware_sim.measure import Block
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import Axes, Frame, Measurement, WireEncoder, in_float32, level
+from firmware_sim.wire.encoder import Axes, Frame, Measurement, WireEncoder, axes_of, in_float32, level
 from firmware_sim.wire.native import CRC_TABLE
 
 SYNC, COMMON = 0xFA, 0x01
@@ -45,8 +45,9 @@ def vectornav_sample(t_us: int, rate_dps: float, temp_c: float, axes: Axes | Non
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
     """A frame per measurement."""
     for block in blocks:
-        for _, t_us, t_host_s, rate_raw, _, temp_centi_c, *_ in block.rows():
-            sample = vectornav_sample(t_us, rate_raw * base.dps_per_lsb, temp_centi_c / 100.0)
+        for row, axes in zip(block.rows(), axes_of(block, base), strict=True):
+            _, t_us, t_host_s, rate_raw, _, temp_centi_c, *_ = row
+            sample = vectornav_sample(t_us, rate_raw * base.dps_per_lsb, temp_centi_c / 100.0, axes)
             yield Frame(t_host_s, sample, 1)
 
 

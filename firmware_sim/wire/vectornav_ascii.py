@@ -5,7 +5,7 @@ from math import isfinite, isnan, radians
 
 from firmware_sim.measure import Block
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import Axes, Frame, Measurement, Vector, WireEncoder, level
+from firmware_sim.wire.encoder import Axes, Frame, Measurement, Vector, WireEncoder, axes_of, level
 from firmware_sim.wire.nmea import LINE_END, sentence
 
 FIELD = "+00.2400,+00.0100,+00.4500"
@@ -32,8 +32,9 @@ def _z_down(vector: Vector) -> Vector:
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
     """A message per measurement."""
     for block in blocks:
-        for _, _, t_host_s, rate_raw, _, temp_centi_c, *_ in block.rows():
-            yield Frame(t_host_s, vnimu(rate_raw * base.dps_per_lsb, temp_centi_c / 100.0), 1, LINE_END)
+        for row, axes in zip(block.rows(), axes_of(block, base), strict=True):
+            _, _, t_host_s, rate_raw, _, temp_centi_c, *_ = row
+            yield Frame(t_host_s, vnimu(rate_raw * base.dps_per_lsb, temp_centi_c / 100.0, axes), 1, LINE_END)
 
 
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:

@@ -6,7 +6,16 @@ from math import isfinite
 
 from firmware_sim.measure import Block
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import STANDARD_GRAVITY_MPS2, Axes, Frame, Measurement, WireEncoder, in_16_bits, level
+from firmware_sim.wire.encoder import (
+    STANDARD_GRAVITY_MPS2,
+    Axes,
+    Frame,
+    Measurement,
+    WireEncoder,
+    axes_of,
+    in_16_bits,
+    level,
+)
 
 DPS_PER_LSB = 2000.0 / 32768.0
 MPS2_PER_LSB = 16.0 * STANDARD_GRAVITY_MPS2 / 32768.0
@@ -33,8 +42,9 @@ def wt901_sample(rate_dps: float, temp_centi_c: int, axes: Axes | None = None) -
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
     """Three frames per measurement."""
     for block in blocks:
-        for _, _, t_host_s, rate_raw, _, temp_centi_c, *_ in block.rows():
-            yield Frame(t_host_s, wt901_sample(rate_raw * base.dps_per_lsb, temp_centi_c), 1)
+        for row, axes in zip(block.rows(), axes_of(block, base), strict=True):
+            _, _, t_host_s, rate_raw, _, temp_centi_c, *_ = row
+            yield Frame(t_host_s, wt901_sample(rate_raw * base.dps_per_lsb, temp_centi_c, axes), 1)
 
 
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:

@@ -6,7 +6,7 @@ from math import isfinite
 
 from firmware_sim.measure import Block
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import Axes, Frame, Measurement, WireEncoder, in_16_bits, level
+from firmware_sim.wire.encoder import Axes, Frame, Measurement, WireEncoder, axes_of, in_16_bits, level
 from firmware_sim.wire.witmotion import DPS_PER_LSB, MPS2_PER_LSB
 
 
@@ -23,8 +23,8 @@ def ble_frame(rate_dps: float, axes: Axes | None = None) -> bytes:
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
     """A frame per measurement."""
     for block in blocks:
-        for _, _, t_host_s, rate_raw, *_ in block.rows():
-            yield Frame(t_host_s, ble_frame(rate_raw * base.dps_per_lsb), 1)
+        for (_, _, t_host_s, rate_raw, *_), axes in zip(block.rows(), axes_of(block, base), strict=True):
+            yield Frame(t_host_s, ble_frame(rate_raw * base.dps_per_lsb, axes), 1)
 
 
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:

@@ -6,7 +6,7 @@ from math import isfinite, isnan, radians
 
 from firmware_sim.measure import Block
 from firmware_sim.rig import Base
-from firmware_sim.wire.encoder import Axes, Frame, Measurement, WireEncoder, in_float32, level
+from firmware_sim.wire.encoder import Axes, Frame, Measurement, WireEncoder, axes_of, in_float32, level
 
 PREAMBLE, BUS, MTDATA2 = 0xFA, 0xFF, 0x36
 US_PER_TICK = 100
@@ -39,8 +39,9 @@ def xsens_sample(seq: int, t_us: int, rate_dps: float, temp_c: float | None, axe
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
     """A message per measurement."""
     for block in blocks:
-        for seq, t_us, t_host_s, rate_raw, _, temp_centi_c, *_ in block.rows():
-            yield Frame(t_host_s, xsens_sample(seq, t_us, rate_raw * base.dps_per_lsb, temp_centi_c / 100.0), 1)
+        for row, axes in zip(block.rows(), axes_of(block, base), strict=True):
+            seq, t_us, t_host_s, rate_raw, _, temp_centi_c, *_ = row
+            yield Frame(t_host_s, xsens_sample(seq, t_us, rate_raw * base.dps_per_lsb, temp_centi_c / 100.0, axes), 1)
 
 
 def recorded(measurements: Iterable[Measurement], _base: Base) -> Iterator[Frame]:
