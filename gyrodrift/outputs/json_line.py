@@ -110,7 +110,13 @@ def _attitude_part(corrected: Corrected) -> str:
 
 def present_fields(corrected: Corrected, names: Iterable[str] = NAMES) -> dict[str, Value]:
     """Fields with significant digits, in this order, without unknown values."""
-    return {name: _rounded(value, DIGITS[name]) for name, value in present_values(corrected, names).items()}
+    values = present_values(corrected, names).items()
+    return {
+        name: tuple(round(part, DIGITS[name]) for part in value)
+        if isinstance(value, tuple)
+        else round(value, DIGITS[name])
+        for name, value in values
+    }
 
 
 def present_values(corrected: Corrected, names: Iterable[str] = NAMES) -> dict[str, Value]:
@@ -118,10 +124,12 @@ def present_values(corrected: Corrected, names: Iterable[str] = NAMES) -> dict[s
     attitude, values = corrected.attitude, dict[str, Value]()
     for name in names:
         if name in FIELDS:
-            values[name] = FIELDS[name](corrected)
-        elif attitude is not None:
-            values[name] = ATTITUDE_FIELDS[name](attitude)
-    return {name: value for name, value in values.items() if _is_known(value)}
+            number = FIELDS[name](corrected)
+            if number == number:  # noqa: PLR0124
+                values[name] = number
+        elif attitude is not None and _is_known(value := ATTITUDE_FIELDS[name](attitude)):
+            values[name] = value
+    return values
 
 
 def chosen_line(corrected: Corrected, names: Iterable[str], **fixed: Any) -> str:
@@ -132,7 +140,3 @@ def chosen_line(corrected: Corrected, names: Iterable[str], **fixed: Any) -> str
 def _is_known(value: Value) -> bool:
     total = sum(value) if isinstance(value, tuple) else value
     return total == total  # noqa: PLR0124
-
-
-def _rounded(value: Value, digits: int) -> Value:
-    return tuple(round(part, digits) for part in value) if isinstance(value, tuple) else round(value, digits)
