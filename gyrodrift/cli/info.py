@@ -181,12 +181,15 @@ def _texts(arguments: argparse.Namespace, descriptions: "Descriptions") -> Itera
 
 
 def _json(described: _Description) -> dict[str, object]:
+    from gyrodrift.describe.axes import axes_of
     from gyrodrift.describe.possible import impossible_values
 
     session, raw = described.session, described.raw
+    axes = axes_of(session)
     return {
         "session": str(described.path),
         **_plain(described.values),
+        **({} if axes is None else {"axes": _plain(axes)}),
         "raw": None if raw is None else raw._asdict(),
         "metadata": _plain(session.metadata),
         "impossible": [_plain(value) for value in impossible_values(session)],

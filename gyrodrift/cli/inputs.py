@@ -20,7 +20,13 @@ def reading(arguments: argparse.Namespace) -> "ReadingOptions":
     from gyrodrift.session.checks.stated import ReadingOptions
 
     columns = None if arguments.columns is None else columns_of(arguments.columns)
-    return ReadingOptions(columns, arguments.rate_unit or "", arguments.time_unit or "", arguments.flip)
+    return ReadingOptions(
+        columns,
+        arguments.rate_unit or "",
+        arguments.time_unit or "",
+        is_flipped=arguments.flip,
+        accel_unit=arguments.accel_unit or "",
+    )
 
 
 def print_remarks(path: Path, session: "Session") -> None:

@@ -110,7 +110,26 @@ def add_unit_options(parser: argparse.ArgumentParser) -> None:
         choices=("s", "ms", "us", "ns"),
         help="unit of the device times, instead of the header (default: from the header)",
     )
-    parser.add_argument("--flip", action="store_true", help="change the sign of the rates")
+    parser.add_argument(
+        "--accel-unit",
+        type=accel_unit,
+        metavar="UNIT",
+        help="unit of the accelerations, instead of the header: mps2, g, mg or lsb/N (default: from the header)",
+    )
+    parser.add_argument(
+        "--flip",
+        action="store_true",
+        help="change the sign of the rates; with three axes of y and z, for a sensor that is upside down",
+    )
+
+
+def accel_unit(text: str) -> str:
+    """Check an argument of `--accel-unit`."""
+    from gyrodrift.columns.spec import ACCELERATION, ACCELERATION_MPS2, scale_of
+
+    if scale_of(ACCELERATION, text) is None:
+        raise argparse.ArgumentTypeError(f"expected {', '.join(ACCELERATION_MPS2)} or lsb/N, N counts for 1 g")
+    return text
 
 
 def rate_unit(text: str) -> str:

@@ -108,7 +108,7 @@ def parsed(spec: str) -> tuple[Column, ...]:
     ValueError
         An entry is wrong; the message says what is expected.
     """
-    columns = tuple(_column(entry.strip()) for entry in spec.split(","))
+    columns = tuple(column_of(entry.strip()) for entry in spec.split(","))
     for meaning in MEANINGS[1:]:
         named = [column for column in columns if column.meaning == meaning]
         if len(named) > 1:
@@ -134,7 +134,14 @@ def spec_text(entries: Sequence[str], labels: Sequence[str] = ()) -> str:
     return ", ".join(entries[: max(used, default=-1) + 1])
 
 
-def _column(entry: str) -> Column:
+def column_of(entry: str) -> Column:
+    """Column of an entry such as `gz=rate:rads`.
+
+    Raises
+    ------
+    ValueError
+        The entry is wrong; the message says what is expected.
+    """
     label, mark, meaning_text = entry.rpartition("=")
     name, *options = (part.strip() for part in meaning_text.strip().split(":"))
     meaning = OTHER_NAMES.get(name, name)

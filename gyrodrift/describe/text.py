@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
+from gyrodrift.describe.axes import axes_of
 from gyrodrift.describe.possible import impossible_values
 from gyrodrift.describe.values import Allan, HostClock, RestSource, SessionDescription, Stretch
 from gyrodrift.noise import FLICKER_FLOOR, FLICKER_WORDS, hourly_rate_text, random_walk_text
@@ -68,7 +69,7 @@ def groups_of(
     checks = [Group("checks", checked)] if checked else []
     wrong = [TableLine(impossible.column, str(impossible), is_odd=True) for impossible in impossible_values(session)]
     impossible_group = [Group("impossible values, left out below", wrong)] if wrong else []
-    groups = [*_groups(description), Group("bytes of the link", [_raw(raw)]), *_metadata(session)]
+    groups = [*_groups(session, description), Group("bytes of the link", [_raw(raw)]), *_metadata(session)]
     return [*checks, *impossible_group, *groups]
 
 
@@ -78,10 +79,10 @@ def _raw(raw: RawSize | None) -> TableLine:
     return TableLine("raw", f"{raw.reads} reads, {raw.total_bytes / 1000.0:.4g} kB; replay --raw plays them again")
 
 
-def _groups(description: SessionDescription) -> Iterator[Group]:
+def _groups(session: Session, description: SessionDescription) -> Iterator[Group]:
     yield Group("samples", list(_samples(description)))
     yield Group("host clock", list(_host(description.host)))
-    yield Group("values", list(_values(description)))
+    yield Group("values", [*_values(description), *_axes(session)])
     yield Group(REST_HEADINGS[description.still_by], list(_stretches(description)))
     yield Group("noise", list(_noise(description.allan)))
 
@@ -148,6 +149,19 @@ def _values(description: SessionDescription) -> Iterator[TableLine]:
     else:
         ends = f"{temperature.first_c:.2f} → {temperature.last_c:.2f} °C from start to end"
         yield TableLine("temperature", f"{temperature.min_c:.2f} … {temperature.max_c:.2f} °C, {ends}")
+
+
+def _axes(session: Session) -> Iterator[TableLine]:
+    """Lines about three axes; none for a device with one."""
+    axes = axes_of(session)
+    if axes is None:
+        return
+    yield TableLine("axes", f"three axes, {'accelerometer' if axes.accel_norm_mps2 else 'no accelerometer'}")
+    spans = ", ".join(f"{name} {low:.6g} … {high:.6g}" for name, (low, high) in axes.rates_dps.items())
+    yield TableLine("rates", f"{spans} deg/s")
+    if axes.accel_norm_mps2:
+        without = f"; {axes.without_accel} samples without" if axes.without_accel else ""
+        yield TableLine("acceleration", f"median length {axes.accel_norm_mps2:.4g} m/s²{without}", bool(without))
 
 
 def _stretches(description: SessionDescription) -> Iterator[TableLine]:

@@ -61,8 +61,9 @@ class Session(ResultTable):
         Notes for the user about how it was read, a sentence each.
     metadata
         Named tables beside the samples: device, host, note; empty if the format has none.
-    rate_scale, time_unit
-        Units in the file before conversion: deg/s per unit of the rates, and s, ms, us or ns for device times.
+    rate_scale, accel_scale, time_unit
+        Units in the file before conversion: deg/s per unit of the rates, m/s² per unit of the accelerations, and s, ms,
+        us or ns for device times.
     damage
         Lost samples, if the file is damaged and was read with `allow_damage`.
     """
@@ -82,6 +83,7 @@ class Session(ResultTable):
     time_unit: str = "s"
     gyro_dps: Floats | None = None
     accel_mps2: Floats | None = None
+    accel_scale: float = 1.0
 
     def __repr__(self) -> str:
         seconds = float(self.t_device_s[-1] - self.t_device_s[0])
@@ -132,11 +134,14 @@ class Session(ResultTable):
         return replace(self, rate_dps=rate_dps, gyro_dps=np.column_stack([self.gyro_dps[:, :2], rate_dps]))
 
     def with_axes(self, columns: Mapping[str, Floats | None]) -> "Session":
-        """The session with three axes from columns by name; without them unless all rates are given.
+        """The session with three axes from columns by name; without them unless rates about x and y are given.
 
-        A driver of a single-axis gyro fills the messages of three axes with zeros: such axes count as missing.
+        Without `gyro_z_dps` the yaw rate is the rate about z. A driver of a single-axis gyro fills the messages of
+        three axes with zeros: such axes count as missing.
         """
-        gyro_dps, accel_mps2 = stacked(columns, GYRO_COLUMNS), stacked(columns, ACCEL_COLUMNS)
+        z_dps = columns.get("gyro_z_dps")
+        rates = {**columns, "gyro_z_dps": self.rate_dps if z_dps is None else z_dps}
+        gyro_dps, accel_mps2 = stacked(rates, GYRO_COLUMNS), stacked(columns, ACCEL_COLUMNS)
         accel_mps2 = None if accel_mps2 is None or not accel_mps2.any() else accel_mps2
         if gyro_dps is None or (accel_mps2 is None and not gyro_dps[:, :2].any()):
             return self

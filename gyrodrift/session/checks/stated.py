@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from gyrodrift.columns.spec import RATE, Column, scale_of
+from gyrodrift.columns.spec import ACCELERATION, RATE, Column, scale_of
 from gyrodrift.session.session import Session
 
 TIME_UNITS = ("s", "ms", "us", "ns")
@@ -19,6 +19,8 @@ class ReadingOptions:
         A unit of RATE_DPS, or lsb/N.
     time_unit
         One of TIME_UNITS.
+    accel_unit
+        A unit of ACCELERATION_MPS2, or lsb/N.
     is_flipped
         Whether the sign of the rates is reversed.
     """
@@ -27,6 +29,7 @@ class ReadingOptions:
     rate_unit: str = ""
     time_unit: str = ""
     is_flipped: bool = False
+    accel_unit: str = ""
 
     @property
     def states_rate(self) -> bool:
@@ -39,6 +42,10 @@ class ReadingOptions:
         if self.rate_unit:
             rate_scale = scale_of(RATE, self.rate_unit) or 1.0
             session = session.scaled(rate_scale / session.rate_scale)
+        if self.accel_unit and session.accel_mps2 is not None:
+            accel_scale = scale_of(ACCELERATION, self.accel_unit) or 1.0
+            accel_mps2 = session.accel_mps2 * (accel_scale / session.accel_scale)
+            session = replace(session, accel_mps2=accel_mps2, accel_scale=accel_scale)
         if self.is_flipped:
             session = session.upside_down()
         t_s = session.t_device_s

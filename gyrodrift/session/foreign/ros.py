@@ -35,10 +35,10 @@ def _imu_sample(message: Any, log_ns: int) -> Sample:
     sec, nanosec = (whole(f"header.stamp.{name}", part) for name, part in zip(("sec", "nanosec"), parts, strict=True))
     rate_dps = math.degrees(number("angular_velocity.z", rate))
     t_device_s = (sec * NS_PER_S + nanosec) / NS_PER_S
-    return Sample(-1, t_device_s, log_ns / NS_PER_S, rate_dps, inertial=_inertial(message, rate_dps))
+    return Sample(-1, t_device_s, log_ns / NS_PER_S, rate_dps, inertial=imu_inertial(message, rate_dps))
 
 
-def _inertial(message: Any, rate_dps: float) -> Inertial | None:
+def imu_inertial(message: Any, rate_dps: float) -> Inertial | None:
     """All axes of an Imu message; None if it lacks a rate, without accelerations if it says that it has none."""
     try:
         rate, force = message.angular_velocity, message.linear_acceleration

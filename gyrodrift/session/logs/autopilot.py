@@ -15,13 +15,17 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
 from gyrodrift.session.logs.missing import packages_of
-from gyrodrift.session.session import TABLE, Session
+from gyrodrift.session.session import AXIS_COLUMNS, TABLE, Session
 from gyrodrift.session.tables.known import DOWN
 
 US_PER_S = 1e6
+Z_UP = np.array([degrees(1.0), -degrees(1.0), -degrees(1.0), 1.0, -1.0, -1.0])
+"""Factors from rad/s and m/s² with z down to deg/s and m/s² with z up."""
+
 TIMESTAMP = "timestamp"
 """Field of every topic of PX4, µs."""
 
+ARDUPILOT_AXES = ("GyrX", "GyrY", "GyrZ", "AccX", "AccY", "AccZ")
 STDERR = 2
 ARDUPILOT_FORMAT, LENGTH_AT, HEAD_BYTES = b"\xa3\x95\x80", 4, 3
 """Start of a message that declares another one, index of the declared length, and the smallest valid length."""
@@ -31,16 +35,21 @@ ARDUPILOT_MAGIC, ARDUPILOT_TEXT, PX4_MAGIC = b"\xa3\x95", b"FMT, 128, 89, FMT,",
 
 @dataclass(frozen=True, slots=True)
 class UlogTopic:
-    """A topic of PX4 with the rate about z, rad/s, and the name of that field."""
+    """A topic of PX4 with the fields of its rates, rad/s, and accelerations, m/s², about x, y and z; empty without."""
 
     name: str
-    rate: str
+    rates: tuple[str, ...]
+    forces: tuple[str, ...] = ()
 
 
 ULOG_TOPICS = (
-    UlogTopic("sensor_combined", "gyro_rad[2]"),
-    UlogTopic("vehicle_angular_velocity", "xyz[2]"),
-    UlogTopic("sensor_gyro", "z"),
+    UlogTopic(
+        "sensor_combined",
+        ("gyro_rad[0]", "gyro_rad[1]", "gyro_rad[2]"),
+        ("accelerometer_m_s2[0]", "accelerometer_m_s2[1]", "accelerometer_m_s2[2]"),
+    ),
+    UlogTopic("vehicle_angular_velocity", ("xyz[0]", "xyz[1]", "xyz[2]")),
+    UlogTopic("sensor_gyro", ("x", "y", "z")),
 )
 """Best first (docs.px4.io, uORB messages)."""
 
@@ -55,7 +64,7 @@ def is_ardupilot_text(path: Path) -> bool:
 
 
 def read_ardupilot(path: Path) -> Session:
-    """Load a log of ArduPilot: `IMU.GyrZ` of the first gyro, in rad/s, at `TimeUS`.
+    """Load a log of ArduPilot: rates in rad/s and accelerations of the first gyro, at `IMU.TimeUS`.
 
     Raises
     ------
@@ -82,7 +91,7 @@ def read_ardupilot(path: Path) -> Session:
     gyros = sorted({row[0] for row in rows})
     table = np.array([row[1:] for row in rows if row[0] == gyros[0]])
     remarks = [f"it has {len(gyros)} gyros, the first is used"] if len(gyros) > 1 else []
-    return _session(path, "ArduPilot", table[:, 0], table[:, 1], table[:, 2], remarks)
+    return _session(path, "ArduPilot", table[:, 0], table[:, 2:], table[:, 1], remarks)
 
 
 def _check_formats(path: Path) -> None:
@@ -107,13 +116,14 @@ def _silence() -> Iterator[None]:
             os.close(saved_fd)
 
 
-def _imu_rows(log: Any) -> Iterator[tuple[int, float, float, float]]:
-    """Number of the gyro, time in µs, rate about z in rad/s, temperature in °C."""
+def _imu_rows(log: Any) -> Iterator[tuple[float, ...]]:
+    """Number of the gyro, time in µs, temperature in °C, rates in rad/s and accelerations in m/s²."""
     while (message := log.recv_match(type=["IMU", "IMU2", "IMU3"])) is not None:
         fields: Mapping[str, Any] = message.to_dict()
         if "TimeUS" in fields and "GyrZ" in fields:
             gyro = int(fields.get("I", 0)) + max(0, ("IMU", "IMU2", "IMU3").index(fields["mavpackettype"]))
-            yield gyro, float(fields["TimeUS"]), float(fields["GyrZ"]), float(fields.get("T", np.nan))
+            values = (float(fields.get(name, np.nan)) for name in ("T", *ARDUPILOT_AXES))
+            yield gyro, float(fields["TimeUS"]), *values
 
 
 def read_px4(path: Path) -> Session:
@@ -138,12 +148,20 @@ def read_px4(path: Path) -> Session:
     for topic in ULOG_TOPICS:
         for recorded in log.data_list:
             fields = recorded.data
-            if recorded.name == topic.name and recorded.multi_id == 0 and {TIMESTAMP, topic.rate} <= fields.keys():
+            is_read = recorded.name == topic.name and recorded.multi_id == 0
+            if is_read and {TIMESTAMP, topic.rates[2]} <= fields.keys():
                 with np.errstate(all="ignore"):  # damaged bytes may be a signaling NaN
-                    times, rates = fields[TIMESTAMP].astype(np.float64), fields[topic.rate].astype(np.float64)
-                return _session(path, f"PX4, {topic.name}", times, rates, None, [])
+                    times = fields[TIMESTAMP].astype(np.float64)
+                    axes = [_values(fields, name, len(times)) for name in (*topic.rates, *(topic.forces or ("",) * 3))]
+                return _session(path, f"PX4, {topic.name}", times, np.column_stack(axes), None, [])
     names = ", ".join(topic.name for topic in ULOG_TOPICS)
     raise DataError(f"{path}: has none of the topics {names} with a time and a rate")
+
+
+def _values(fields: Mapping[str, Any], name: str, count: int) -> Floats:
+    """Values of a field; NaN without it."""
+    values: Floats = fields[name].astype(np.float64) if name in fields else np.full(count, np.nan)
+    return values
 
 
 def _check_holes(path: Path) -> None:
@@ -157,17 +175,19 @@ def _check_holes(path: Path) -> None:
 
 
 def _session(
-    path: Path, form: str, times_us: Floats, rates_rads: Floats, temp_c: Floats | None, remarks: Sequence[str]
+    path: Path, form: str, times_us: Floats, axes: Floats, temp_c: Floats | None, remarks: Sequence[str]
 ) -> Session:
+    """Session of a sensor with z down; `axes` are rates in rad/s and accelerations in m/s², shape (n, 6)."""
     if not len(times_us):
         raise DataError(f"{path}: has no samples")
     all_remarks = (DOWN, *remarks)
+    axes_up = axes * Z_UP
     return Session(
         name=path.stem,
         t_device_s=times_us / US_PER_S,
-        rate_dps=-rates_rads * degrees(1.0),
+        rate_dps=axes_up[:, 2],
         rate_scale=degrees(1.0),
         temp_c=None if temp_c is None or np.isnan(temp_c).all() else temp_c,
         metadata={TABLE: {"form": form, "remarks": "; ".join(all_remarks)}},
         remarks=all_remarks,
-    )
+    ).with_axes(dict(zip(AXIS_COLUMNS, axes_up.T, strict=True)))

@@ -11,16 +11,17 @@ from gyrodrift.errors import DataError
 from gyrodrift.sample import Sample
 from gyrodrift.session.foreign.columns import NS_PER_S, Decode, WrongValueError
 from gyrodrift.session.foreign.read import running_clock
+from gyrodrift.session.foreign.ros import imu_inertial
 from gyrodrift.session.foreign.ros1 import ros1_imu_sample
 from gyrodrift.session.logs.missing import packages_of
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import Session, axis_columns
 
 IMU = "sensor_msgs/msg/Imu"
 ROS1_MAGIC = b"#ROSBAG V"
 
 
 def read_bag(path: Path, topic: str | None = None) -> Session:
-    """Load the rates about z from the `sensor_msgs/Imu` messages of a bag.
+    """Load rates and accelerations from the `sensor_msgs/Imu` messages of a bag.
 
     Parameters
     ----------
@@ -51,9 +52,10 @@ def read_bag(path: Path, topic: str | None = None) -> Session:
         raise DataError(f"{path}: has no samples")
     table = np.array([(row.t_device_s, row.t_host_s, row.rate_dps) for row in rows])
     t_s, remarks = running_clock(table[:, 0], table[:, 1])
-    return Session(
+    session = Session(
         path.stem, t_s, table[:, 2].copy(), t_host_s=table[:, 1].copy(), remarks=remarks, rate_scale=degrees(1.0)
     )
+    return session.with_axes(axis_columns([row.inertial for row in rows]))
 
 
 def _check_beginning(path: Path) -> None:
@@ -110,4 +112,5 @@ def _sample(message: Any, log_ns: int) -> Sample:
         raise WrongValueError("angular_velocity_covariance begins with -1: it has no rate")
     stamp = message.header.stamp
     t_s = (stamp.sec * NS_PER_S + stamp.nanosec) / NS_PER_S
-    return Sample(-1, t_s, log_ns / NS_PER_S, degrees(message.angular_velocity.z))
+    rate_dps = degrees(message.angular_velocity.z)
+    return Sample(-1, t_s, log_ns / NS_PER_S, rate_dps, inertial=imu_inertial(message, rate_dps))

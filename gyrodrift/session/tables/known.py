@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from gyrodrift.columns.spec import Column, parsed
+from gyrodrift.columns.spec import STANDARD_GRAVITY_MPS2, Column, column_of, parsed
 
 NOTHING: Mapping[str, str] = {}
 
@@ -29,6 +29,10 @@ class KnownTable:
         Column and value of the rows to use, in tables that mix sensors.
     remark
         Note for the user; may be empty.
+    axes
+        SPEC of the rates about x and y and of the accelerations; columns that the table lacks are left out.
+    force_key
+        Key of the preamble with counts per g; empty if the SPEC has the unit.
     """
 
     name: str
@@ -38,6 +42,14 @@ class KnownTable:
     scale_key: str = ""
     where: tuple[str, str] | None = None
     remark: str = ""
+    axes: str = ""
+    force_key: str = ""
+
+    def axis_indices(self, labels: tuple[str, ...]) -> list[tuple[int, Column]]:
+        """Columns of the axes that the table has, with their indices."""
+        columns = [column_of(entry.strip()) for entry in self.axes.split(",") if entry]
+        placed = [(label_index(labels, column.label), column) for column in columns]
+        return [(index, column) for index, column in placed if index is not None]
 
     def indices(self, path: Path, labels: tuple[str, ...]) -> list[tuple[int, Column]] | None:
         """Columns with their indices; None for another form of table."""
@@ -51,6 +63,13 @@ class KnownTable:
             if all(p[0] is not None for p in placed)
             else None
         )
+
+    def force_scale(self, preamble: Mapping[str, str]) -> float | None:
+        """Factor of the accelerations besides their unit; None if the preamble lacks it."""
+        if not self.force_key:
+            return 1.0
+        counts = preamble.get(self.force_key, "")
+        return STANDARD_GRAVITY_MPS2 / int(counts) if counts.isdecimal() and int(counts) else None
 
     def scale(self, preamble: Mapping[str, str]) -> float | None:
         """Factor of the rates besides their unit; None if the preamble lacks it."""
@@ -81,70 +100,111 @@ def label_index(labels: tuple[str, ...], label: str) -> int | None:
 
 
 DOWN = "its z axis points down, so the sign of the rate is reversed"
+"""Also the signs of y, which keeps the frame right-handed, and of accelerations."""
 
 KNOWN_TABLES = (
     KnownTable(
         "phyphox",
         "Time (s)=t_s, Gyroscope z (rad/s)=rate:rads",
         "phyphox.org, export of the experiment Gyroscope",
+        axes=(
+            "Gyroscope x (rad/s)=gx:rads, Gyroscope y (rad/s)=gy:rads, Acceleration x (m/s^2)=ax, "
+            "Acceleration y (m/s^2)=ay, Acceleration z (m/s^2)=az"
+        ),
     ),
     KnownTable(
         "Sensor Logger",
         "time=t_ns, seconds_elapsed=_, z=rate:rads",
         "github.com/tszheichoi/awesome-sensor-logger, CROSSPLATFORM.md: Gyroscope in rad/s, time in ns since 1970",
         file=r"gyroscope",
+        axes="x=gx:rads, y=gy:rads",
     ),
     KnownTable(
         "Sensor Logger (JSON)",
         "time=t_ns, seconds_elapsed=_, z=rate:rads",
         "as above, JSON export: an object per sample with the name of the sensor",
         where=("sensor", "Gyroscope"),
+        axes="x=gx:rads, y=gy:rads",
     ),
     KnownTable(
         "SensorLog (gyroscope)",
         "gyroTimestamp_sinceReboot(s)=t_s, gyroRotationZ(rad/s)=rate:rads",
         "sensorlog.berndthomas.net, list of columns",
+        axes=(
+            "gyroRotationX(rad/s)=gx:rads, gyroRotationY(rad/s)=gy:rads, "
+            "accelerometerAccelerationX(G)=ax:g:-, accelerometerAccelerationY(G)=ay:g:-, "
+            "accelerometerAccelerationZ(G)=az:g:-"
+        ),
     ),
     KnownTable(
         "SensorLog (device motion)",
         "motionTimestamp_sinceReboot(s)=t_s, motionRotationRateZ(rad/s)=rate:rads",
         "as above; iOS has subtracted its own bias",
+        axes=(
+            "motionRotationRateX(rad/s)=gx:rads, motionRotationRateY(rad/s)=gy:rads, "
+            "accelerometerAccelerationX(G)=ax:g:-, accelerometerAccelerationY(G)=ay:g:-, "
+            "accelerometerAccelerationZ(G)=az:g:-"
+        ),
     ),
     KnownTable(
         "Physics Toolbox",
         "time=t_s, gFx=_, gFy=_, gFz=_, wx=_, wy=_, wz=rate:rads",
         "vieyrasoftware.net, multi record: w in rad/s",
+        axes="wx=gx:rads, wy=gy:rads, gFx=ax:g, gFy=ay:g, gFz=az:g",
     ),
     KnownTable(
         "EuRoC",
         "timestamp [ns]=t_ns, w_RS_S_z [rad s^-1]=rate:rads",
         "ASL dataset format, imu0/data.csv",
+        axes=(
+            "w_RS_S_x [rad s^-1]=gx:rads, w_RS_S_y [rad s^-1]=gy:rads, a_RS_S_x [m s^-2]=ax, "
+            "a_RS_S_y [m s^-2]=ay, a_RS_S_z [m s^-2]=az"
+        ),
     ),
     KnownTable(
         "rostopic echo -p",
         "%time=t_ns, field.header.stamp=_, field.angular_velocity.z=rate:rads",
         "wiki.ros.org/rostopic; sensor_msgs/Imu is in rad/s",
+        axes=(
+            "field.angular_velocity.x=gx:rads, field.angular_velocity.y=gy:rads, "
+            "field.linear_acceleration.x=ax, field.linear_acceleration.y=ay, "
+            "field.linear_acceleration.z=az"
+        ),
     ),
     KnownTable(
         "bagpy",
         "Time=t_s, header.stamp.secs=_, angular_velocity.z=rate:rads",
         "jmscslgroup.github.io/bagpy; sensor_msgs/Imu is in rad/s",
+        axes=(
+            "angular_velocity.x=gx:rads, angular_velocity.y=gy:rads, linear_acceleration.x=ax, "
+            "linear_acceleration.y=ay, linear_acceleration.z=az"
+        ),
     ),
     KnownTable(
         "PlotJuggler",
         "__time=t_s, */angular_velocity/z=rate:rads",
         "facontidavide.github.io/PlotJuggler, export as csv; sensor_msgs/Imu is in rad/s",
+        axes=(
+            "*/angular_velocity/x=gx:rads, */angular_velocity/y=gy:rads, */linear_acceleration/x=ax, "
+            "*/linear_acceleration/y=ay, */linear_acceleration/z=az"
+        ),
     ),
     KnownTable(
         "Betaflight blackbox",
         "loopIteration=_, time=t_us, gyroADC[2]=rate",
         "betaflight.com/docs, blackbox: gyro_scale is deg/s a count, its bits as a float",
         scale_key="gyro_scale",
+        force_key="acc_1G",
+        axes="gyroADC[0]=gx, gyroADC[1]=gy, accSmooth[0]=ax, accSmooth[1]=ay, accSmooth[2]=az",
     ),
     KnownTable(
         "blackbox_decode",
         "loopIteration=_, time (us)=t_us, gyroADC[2] (deg/s)=rate:dps",
         "github.com/betaflight/blackbox-tools, --unit-rotation deg/s",
+        axes=(
+            "gyroADC[0] (deg/s)=gx, gyroADC[1] (deg/s)=gy, accSmooth[0] (g)=ax:g, "
+            "accSmooth[1] (g)=ay:g, accSmooth[2] (g)=az:g"
+        ),
     ),
     KnownTable(
         "ArduPilot (mavlogdump)",
@@ -152,17 +212,23 @@ KNOWN_TABLES = (
         "ardupilot.org, onboard message log: IMU in rad/s, z down; the first gyro",
         where=("I", "0"),
         remark=DOWN,
+        axes="GyrX=gx:rads, GyrY=gy:rads:-, AccX=ax, AccY=ay:-, AccZ=az:-",
     ),
     KnownTable(
         "PX4 (ulog2csv)",
         "timestamp=t_us, gyro_rad[2]=rate:rads:-",
         "docs.px4.io, uORB message sensor_combined: rad/s, z down",
         remark=DOWN,
+        axes=(
+            "gyro_rad[0]=gx:rads, gyro_rad[1]=gy:rads:-, accelerometer_m_s2[0]=ax, "
+            "accelerometer_m_s2[1]=ay:-, accelerometer_m_s2[2]=az:-"
+        ),
     ),
     KnownTable(
         "WitMotion",
         "Time(s)=_, ChipTime()=t_s, AsZ(°/s)=rate:dps",
         "wit-motion.com, recording of the PC software",
+        axes="AsX(°/s)=gx, AsY(°/s)=gy, AccX(g)=ax:g, AccY(g)=ay:g, AccZ(g)=az:g",
     ),
 )
 """Known forms; the first one that fits is used."""

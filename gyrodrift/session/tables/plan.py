@@ -1,17 +1,18 @@
 """Meaning of the columns of a table: stated by the user, of a known form, or by labels with units."""
 
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 
 from gyrodrift.columns.names import kind_of
-from gyrodrift.columns.spec import ANGLE_DEG, CLOCK_US, IGNORED, RATE_DPS, Column
+from gyrodrift.columns.spec import ACCELERATION_MPS2, ANGLE_DEG, CLOCK_US, IGNORED, RATE_DPS, Column
 from gyrodrift.columns.units import Dimension, Unit, unit_in, unit_of, without_unit
 from gyrodrift.errors import DataError, UsageError
 from gyrodrift.session.csv import OLD_NAMES
-from gyrodrift.session.session import COLUMNS
+from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS
 from gyrodrift.session.tables.known import KNOWN_TABLES, NOTHING, label_index
 from gyrodrift.session.tables.times import epoch_unit, is_time
 
@@ -23,8 +24,17 @@ TARGETS = {
     "temp": "temp_c",
     "seq": "seq",
     "still": "still",
+    "gx": "gyro_x_dps",
+    "gy": "gyro_y_dps",
+    "ax": "accel_x_mps2",
+    "ay": "accel_y_mps2",
+    "az": "accel_z_mps2",
 }
-"""Columns of a session by the meanings of a SPEC; other meanings are not used yet."""
+"""Columns of a session by the meanings of a SPEC."""
+
+RATE_TARGETS = frozenset({"rate_dps", "gyro_x_dps", "gyro_y_dps"})
+FORCE_TARGETS = frozenset(ACCEL_COLUMNS)
+AXES = ("gx", "gy", "ax", "ay", "az")
 
 CLOCK_WORDS = re.compile(r"time|elapsed|stamp|clock|zeit|uptime|\btemps\b|tiempo", re.IGNORECASE)
 STEP_WORDS = re.compile(
@@ -132,11 +142,11 @@ def columns_by_spec(head: Head, columns: Sequence[Column]) -> TableColumns:
 
 
 def _with_labelled_unit(head: Head, table_columns: TableColumns, columns: Sequence[Column]) -> TableColumns:
-    """Give a rate without a unit in the SPEC the unit of its label, if the label names one."""
-    rate = next((given for given in columns if given.meaning == "rate"), None)
-    if rate is None or rate.unit or not head.labels:
+    """Give rates and accelerations without a unit in the SPEC the unit of their label, if the label names one."""
+    unstated = {TARGETS[given.meaning] for given in columns if given.meaning in TARGETS and not given.unit}
+    if not head.labels:
         return table_columns
-    taken = [_in_unit(head, used) if used.target == "rate_dps" else used for used in table_columns.used]
+    taken = [_in_unit(head, used) if used.target in unstated else used for used in table_columns.used]
     return TableColumns(table_columns.form, tuple(taken), table_columns.where, table_columns.remarks)
 
 
@@ -150,10 +160,15 @@ def _contradicted(head: Head, columns: Sequence[Column], taken: Sequence[UsedCol
     return (f"its label {head.labels[index]!r} says {unit.option}; the unit of --columns, {stated}, is used",)
 
 
-def _in_unit(head: Head, rate: UsedColumn) -> UsedColumn:
-    unit = unit_in(head.labels[rate.index]) if rate.index < len(head.labels) else None
-    factor = rate_factor(unit) if unit else None
-    return rate if factor is None else UsedColumn(rate.index, rate.target, rate.scale * factor)
+def _in_unit(head: Head, used: UsedColumn) -> UsedColumn:
+    """Column in the unit of its label; the same column for other quantities than rates and accelerations."""
+    unit = unit_in(head.labels[used.index]) if used.index < len(head.labels) else None
+    factor = None
+    if unit is not None and used.target in RATE_TARGETS:
+        factor = rate_factor(unit)
+    elif unit is not None and used.target in FORCE_TARGETS and unit.dimension is Dimension.ACCELERATION:
+        factor = ACCELERATION_MPS2.get(unit.option)
+    return used if factor is None else replace(used, scale=used.scale * factor)
 
 
 def _is_used(column: Column) -> bool:
@@ -203,15 +218,23 @@ def known_columns(head: Head) -> TableColumns | None:
         if placed is None or scale is None:
             continue
         taken = [_taken(index, spec_column) for index, spec_column in placed if _is_used(spec_column)]
-        scaled = tuple(
-            UsedColumn(column.index, column.target, column.scale * scale) if column.target == "rate_dps" else column
-            for column in taken
-        )
+        taken += [_taken(index, spec_column) for index, spec_column in form.axis_indices(head.labels)]
+        scaled = _scaled(taken, scale, form.force_scale(head.preamble))
         index = label_index(head.labels, form.where[0]) if form.where else None
         where = (index, form.where[1]) if form.where and index is not None else None
         remarks = (form.remark,) if form.remark else ()
         return _stamped(head, TableColumns(form.name, scaled, where, remarks))
     return None
+
+
+def _scaled(taken: Sequence[UsedColumn], rate_scale: float, force_scale: float | None) -> tuple[UsedColumn, ...]:
+    """Columns with the scales of the preamble; without accelerations if theirs is unknown."""
+    scales = {**dict.fromkeys(RATE_TARGETS, rate_scale), **dict.fromkeys(FORCE_TARGETS, force_scale)}
+    return tuple(
+        replace(column, scale=column.scale * scale)
+        for column in taken
+        if (scale := scales.get(column.target, 1.0)) is not None
+    )
 
 
 def _stamped(head: Head, table_columns: TableColumns) -> TableColumns:
@@ -246,7 +269,7 @@ def labelled_columns(head: Head) -> TableColumns | None:
         return None
     running = [clock for clock in clocks if _goes_on(head.texts(clock.index))] or clocks
     motion = rates or yaws or quaternion
-    taken = (running[0], *motion, *_temperature(head))
+    taken = (running[0], *motion, *(_axes(head) if rates else ()), *_temperature(head))
     remarks = _yaw_remarks({column.target for column in motion}, head.labels[motion[0].index])
     return TableColumns(BY_LABELS, taken, remarks=remarks)
 
@@ -287,6 +310,24 @@ def _rate(head: Head, index: int) -> UsedColumn | None:
     is_rate = bool({kind_of(without_unit(label)), kind_of(label)} & RATES)
     has_numbers = any(map(NUMBER_BEGINS.match, head.texts(index)))
     return UsedColumn(index, "rate_dps", factor) if factor is not None and is_rate and has_numbers else None
+
+
+def _axes(head: Head) -> list[UsedColumn]:
+    """Rates about x and y and accelerations with units, each of which only one column may be."""
+    axes = [column for index in range(len(head.labels)) if (column := _axis(head, index))]
+    counts = Counter(column.target for column in axes)
+    return [column for column in axes if counts[column.target] == 1]
+
+
+def _axis(head: Head, index: int) -> UsedColumn | None:
+    label = head.labels[index]
+    unit = unit_in(label)
+    kind = next((kind for kind in (kind_of(without_unit(label)), kind_of(label)) if kind in AXES), "")
+    if unit is None or not kind or not all(map(NUMBER_BEGINS.match, head.texts(index))):
+        return None
+    factor = rate_factor(unit) if kind in ("gx", "gy") else ACCELERATION_MPS2.get(unit.option)
+    is_force = unit.dimension is Dimension.ACCELERATION
+    return UsedColumn(index, TARGETS[kind], factor) if factor and is_force == (kind not in ("gx", "gy")) else None
 
 
 def _yaw(head: Head, index: int) -> UsedColumn | None:

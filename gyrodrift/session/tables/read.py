@@ -9,7 +9,7 @@ import numpy as np
 from gyrodrift.columns.spec import Column
 from gyrodrift.errors import DataError
 from gyrodrift.session.csv import counter, read_exact
-from gyrodrift.session.session import AXIS_COLUMNS, TABLE, Session
+from gyrodrift.session.session import ACCEL_COLUMNS, AXIS_COLUMNS, TABLE, Session
 from gyrodrift.session.tables.dialect import split
 from gyrodrift.session.tables.layout import TableLayout, layout_of
 from gyrodrift.session.tables.objects import is_json, json_head, json_objects, json_rows
@@ -107,6 +107,8 @@ def _session(head: Head, table_columns: TableColumns, read: ColumnsRead, dialect
         metadata=_kept(table_columns, read, dialect, remarks),
         remarks=remarks,
         rate_scale=next((abs(column.scale) for column in table_columns.used if column.target == "rate_dps"), 1.0)
+        or 1.0,
+        accel_scale=next((abs(column.scale) for column in table_columns.used if column.target in ACCEL_COLUMNS), 1.0)
         or 1.0,
         time_unit=next((column.unit for column in table_columns.used if column.unit), "t_s").removeprefix("t_"),
     )

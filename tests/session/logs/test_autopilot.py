@@ -147,3 +147,21 @@ def test_a_hole_in_a_log_of_px4_is_damage(tmp_path: Path, place: str) -> None:
         file.truncate(10_000_000_000)
     with pytest.raises(DataError, match=r"a\.ulg: is damaged: only zeros from byte \d+ to \d+"):
         load_session(path)
+
+
+def test_a_log_of_ardupilot_gives_all_axes_with_z_up(tmp_path: Path) -> None:
+    pytest.importorskip("pymavlink")
+    session = load_session(written(tmp_path / "log.bin", dataflash()))
+    assert session.gyro_dps is not None
+    assert session.accel_mps2 is not None
+    assert session.gyro_dps[0] == pytest.approx((5.7296, -11.4592, session.rate_dps[0]), abs=1e-3)
+    assert session.accel_mps2[0] == pytest.approx((0.0, 0.0, 9.8), abs=1e-6)
+
+
+def test_a_log_of_px4_gives_all_axes_with_z_up(tmp_path: Path) -> None:
+    """Without accelerations in this log."""
+    pytest.importorskip("pyulog")
+    session = load_session(written(tmp_path / "flight.ulg", ulog()))
+    assert session.gyro_dps is not None
+    assert session.gyro_dps[0] == pytest.approx((5.7296, -11.4592, session.rate_dps[0]), abs=1e-3)
+    assert session.accel_mps2 is None

@@ -105,3 +105,12 @@ def test_a_huge_file_that_is_no_bag_is_refused_at_once(tmp_path: Path) -> None:
         file.truncate(1 << 40)
     with pytest.raises(DataError, match="does not begin with #ROSBAG"):
         load_session(path)
+
+
+@pytest.mark.parametrize(("kind", "name"), [(bag1, "robot.bag"), (bag2, "robot")])
+def test_a_bag_gives_all_axes(tmp_path: Path, kind: Callable[..., Path], name: str) -> None:
+    session = load_session(kind(tmp_path / name, "/imu"))
+    assert session.gyro_dps is not None
+    assert session.accel_mps2 is not None
+    assert session.gyro_dps[0] == pytest.approx((5.7296, 11.4592, session.rate_dps[0]), abs=1e-3)
+    assert session.accel_mps2[0] == pytest.approx((0.0, 0.0, 9.8))
