@@ -146,7 +146,7 @@ def test_a_link_that_was_left_behind_is_replaced(outputs: HubThread, tmp_path: P
 
 
 def test_gpsd_reads_the_pty(outputs: HubThread, tmp_path: Path) -> None:
-    """As it reads any compass: HDT becomes an ATT, ROT is passed on."""
+    """As it reads any compass: HDT becomes an ATT, ROT and XDR are passed on."""
     outputs.want(f"nmea:to=pty,path={tmp_path / 'gyro'}")
     outputs.opened()
     with gpsd_of(tmp_path / "gyro") as client:
@@ -155,17 +155,17 @@ def test_gpsd_reads_the_pty(outputs: HubThread, tmp_path: Path) -> None:
         said: list[bytes] = []
         until_s = time.monotonic() + PATIENCE_S
         for seq in count(0, 10):
-            outputs.samples([corrected(seq)])
+            outputs.samples([tilted(seq)])
             try:
                 said.append(client.line().rstrip())
             except TimeoutError:
                 assert time.monotonic() < until_s, said
                 continue
-            if any(b'"ATT"' in each for each in said) and any(b"ROT" in each for each in said):
+            if any(b'"ATT"' in each for each in said) and any(b"PTCH" in each for each in said):
                 break
     attitude = next(json.loads(each) for each in said if b'"ATT"' in each)
     assert attitude["heading"] == 90.0
-    assert sentences(corrected(0))[1].rstrip() in said
+    assert {sentence.rstrip() for sentence in sentences(tilted(0))[1:3]} <= set(said)
 
 
 @contextmanager
