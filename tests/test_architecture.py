@@ -13,8 +13,8 @@ ROOT = Path(__file__).parent.parent
 MODULES = sorted([*(ROOT / "gyrodrift").rglob("*.py"), *(ROOT / "firmware_sim").rglob("*.py")])
 
 BASE = (
-    "arrays calibration callable_package cluster compile errors files installation log log_stream logger nearest noise"
-    " parallel process_list progress public_yaml result_table sample secret system text_chart unwaiting waiting"
+    "arrays calibration callable_package cluster compile errors files installation log log_stream logger mount nearest"
+    " noise parallel process_list progress public_yaml result_table sample secret system text_chart unwaiting waiting"
 )
 """Single files at the top of the package: they know each other and no room."""
 

@@ -9,7 +9,7 @@ import argparse
 import os
 import stat
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import nan
 from operator import attrgetter
 from pathlib import Path
@@ -21,10 +21,19 @@ from gyrodrift.errors import DataError, GyrodriftError, visible
 from gyrodrift.filters.registry import FILTERS
 
 if TYPE_CHECKING:
-    from gyrodrift.filters.filter import Filter, FilterState
+    from gyrodrift.filters.run import FilterRun
+    from gyrodrift.mount import Mount
     from gyrodrift.progress import OnProgress
+    from gyrodrift.sample import Inertial
     from gyrodrift.session.session import Session
     from gyrodrift.session.tables.write import Row
+
+    FilterSample = tuple[float, float, Inertial | None, float, float]
+
+COMMON_COLUMNS = ("bias_dps", "bias_sigma_dps", "rest_probability", "confidence", "yaw_deg", "yaw_sigma_deg")
+ATTITUDE_COLUMNS = ("q_w", "q_x", "q_y", "q_z", "tilt_deg", "roll_deg", "pitch_deg", "tilt_sigma_deg")
+BIAS_COLUMNS = ("bias_x_dps", "bias_y_dps", "bias_z_dps")
+THREE_AXIS_COLUMNS = (*COMMON_COLUMNS, *ATTITUDE_COLUMNS, *BIAS_COLUMNS)
 
 EXAMPLES = """\
 gyrodrift filter session.mcap --out yaw.csv
@@ -36,6 +45,7 @@ gyrodrift info yaw.csv                                 the result is a session t
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     columns = [f"  with {name}: {', '.join(described.columns)}" for name, described in FILTERS.items()]
+    columns.append(f"  on three axes: {', '.join(THREE_AXIS_COLUMNS)}")
     parser.description = "\n".join([f"{parser.description}".rstrip(), *columns])
     parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.mcap or .csv)")
     options.add_filter_options(parser, "YAML with a filter and its parameters")
@@ -58,6 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
         progress.report(options.PACKAGES, 0, 0)
         from gyrodrift.files import check_kept
         from gyrodrift.filters.beginning import beginning_of
+        from gyrodrift.filters.run import FilterRun
         from gyrodrift.session.calibrated import applied_scale_sigma
         from gyrodrift.session.tables.write import written_ending
 
@@ -72,30 +83,33 @@ def run(arguments: argparse.Namespace) -> int:
         sigma = applied_scale_sigma(session)
         params = config.params if sigma is None else chosen.with_scale_sigma(config.params, sigma)
         begun = beginning_of(chosen, session.metadata, session.name)
-        state: FilterState = begun or chosen.state()
-        samples_before = state.samples
+        run = FilterRun(chosen, params, arguments.axes or config.axes)
+        run.state = begun or run.state
+        samples_before = run.state.samples
         try:
-            _write(arguments.out, session, rows_of(session, chosen, params, state), chosen, progress.report)
+            _write(arguments.out, session, run, config.mount, progress.report)
         except (ArithmeticError, ValueError, IndexError) as error:
             if begun is None or isinstance(error, GyrodriftError):
                 raise
             raise DataError(f"{session.name}: the filter state in its metadata cannot be continued: {error}") from error
-    if state.rejected:
-        skipped = f"{samples_text(state.rejected)} skipped (time or rate)"
+    if run.state.rejected:
+        skipped = f"{samples_text(run.state.rejected)} skipped (time or rate)"
         print(visible(f"gyrodrift: {session.name}: {skipped}"), file=sys.stderr)
     if arguments.out is not None:
-        tell_written(arguments.out, samples_text(state.samples - samples_before), is_quiet=arguments.quiet)
+        tell_written(arguments.out, samples_text(run.state.samples - samples_before), is_quiet=arguments.quiet)
     return 0
 
 
-def _write(
-    out: Path | None, session: "Session", rows: "Iterator[Row]", chosen: "Filter", progress: "OnProgress"
-) -> None:
+def _write(out: Path | None, session: "Session", run: "FilterRun", mount: "Mount", progress: "OnProgress") -> None:
     from gyrodrift.files import write_whole
     from gyrodrift.progress import counted
     from gyrodrift.session.tables.write import write_rows, written_ending
 
-    names = ["t_device_s", "rate_dps", *chosen.columns]
+    samples = list(_samples(session))
+    has_axes = any(run.has_axes(sample[2]) for sample in samples)
+    columns = THREE_AXIS_COLUMNS if has_axes else run.filter.columns
+    names = ["t_device_s", "rate_dps", *columns]
+    rows = rows_of(session.name, samples, run, _columns(run, mount) if has_axes else attrgetter(*columns))
     counted_rows = counted("samples", rows, len(session.t_device_s), progress, lambda _: 1)
     if out is None:
         sys.stdout.writelines(csv_lines(names, counted_rows))
@@ -120,7 +134,9 @@ def csv_lines(names: "Sequence[str]", rows: "Iterator[Row]") -> Iterator[str]:
         yield f"{','.join(map(repr, row))}\n"
 
 
-def rows_of(session: "Session", chosen: "Filter", params: Any, state: "FilterState") -> "Iterator[Row]":
+def rows_of(
+    name: str, samples: "Iterable[FilterSample]", run: "FilterRun", columns: "Callable[[Any], Sequence[float]]"
+) -> "Iterator[Row]":
     """A row per accepted sample.
 
     Raises
@@ -129,20 +145,34 @@ def rows_of(session: "Session", chosen: "Filter", params: Any, state: "FilterSta
         At the end, if more samples were skipped than accepted.
     """
     accepted = 0
-    columns, step, c = attrgetter(*chosen.columns), chosen.step_auxiliary, chosen.coefficients(params)
-    for t_s, rate_dps, still, temp_c in zip(*_columns(session), strict=True):
-        if step(c, state, t_s, rate_dps, still, temp_c):
+    for sample in samples:
+        if run.step(*sample):
             accepted += 1
-            yield (t_s, rate_dps, *columns(state))
-    if state.rejected > accepted:
+            yield (*sample[:2], *columns(run.state))
+    rejected = run.state.rejected
+    if rejected > accepted:
         raise DataError(
-            f"{session.name}: {state.rejected} of {state.rejected + accepted} samples have no rate, or a time that is "
+            f"{name}: {rejected} of {rejected + accepted} samples have no rate, or a time that is "
             "not later than the previous time; the rest is too little for a yaw"
         )
 
 
-def _columns(session: "Session") -> Iterator[list[float]]:
-    """Times in s, rates in deg/s, still flags and temperatures in °C; NaN for a missing column."""
+def _columns(run: "FilterRun", mount: "Mount") -> "Callable[[Any], tuple[float, ...]]":
+    """Function from the state to `THREE_AXIS_COLUMNS`; without attitude before the first acceleration."""
+    common = attrgetter(*COMMON_COLUMNS)
+
+    def columns(state: Any) -> tuple[float, ...]:
+        if run.three_axes is None:
+            return (*common(state), *[nan] * (len(THREE_AXIS_COLUMNS) - len(COMMON_COLUMNS)))
+        q = state.q
+        attitude = (*q, mount.tilt_deg(q), *mount.roll_pitch_deg(q), state.tilt_sigma_deg)
+        return (*common(state), *attitude, *state.bias_xyz_dps)
+
+    return columns
+
+
+def _samples(session: "Session") -> "Iterator[FilterSample]":
+    """Times in s, rates in deg/s, axes, still flags and temperatures in °C; NaN for a missing column."""
     missing = [nan] * len(session.t_device_s)
-    for column in (session.t_device_s, session.rate_dps, session.still, session.temp_c):
-        yield missing if column is None else column.tolist()
+    still, temp_c = (missing if column is None else column.tolist() for column in (session.still, session.temp_c))
+    return zip(session.t_device_s.tolist(), session.rate_dps.tolist(), session.inertials(), still, temp_c, strict=True)

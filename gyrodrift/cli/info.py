@@ -117,10 +117,11 @@ class _Description(NamedTuple):
     def yaw(self, config: "Config") -> "YawHistory | None":
         """Yaw by the filter of a config."""
         from gyrodrift.describe.yaw import yaw_history_of
+        from gyrodrift.filters.run import FilterRun
         from gyrodrift.session.calibrated import with_config
 
         session = with_config(self.possible, config.calibration)
-        return yaw_history_of(session, config.chosen, config.params)
+        return yaw_history_of(session, FilterRun(config.chosen, config.params, config.axes))
 
 
 def _descriptions(

@@ -11,6 +11,7 @@ from gyrodrift.cli import numbers
 from gyrodrift.cli.parser import unknown
 from gyrodrift.errors import UsageError
 from gyrodrift.filters.registry import DEFAULT, FILTERS
+from gyrodrift.filters.run import AXES
 from gyrodrift.system import processor_count
 
 if TYPE_CHECKING:
@@ -290,6 +291,17 @@ def add_filter_options(parser: argparse.ArgumentParser, config_help: str) -> Non
         "--filter",
         choices=tuple(FILTERS),
         help=f"run this filter at its defaults, without a file (default: {DEFAULT.name})",
+    )
+    add_axes_option(parser)
+
+
+def add_axes_option(parser: argparse.ArgumentParser) -> None:
+    """Option `--axes` of commands that run a filter."""
+    parser.add_argument(
+        "--axes",
+        choices=AXES,
+        help="axes of the gyro that the filter uses: 1 takes z as the yaw rate, 3 accounts for the tilt, auto takes 3 "
+        "where the device sends three rates and accelerations (default: auto, or axes: of the config)",
     )
 
 

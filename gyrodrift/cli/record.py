@@ -57,6 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
     baud = numbers.baud(arguments.baud)
 
     from gyrodrift.files import check_writable
+    from gyrodrift.filters.run import FilterRun
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
     from gyrodrift.log import open_log, unwaiting_stderr
@@ -68,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.service.signals import StopSignal
 
     config = configs.chosen_config(arguments)
-    yaw = LiveYaw(config.chosen, config.params, config.calibration)
+    yaw = LiveYaw(FilterRun(config.chosen, config.params, arguments.axes or config.axes), config.calibration)
     stderr = cast("TextIO", unwaiting_stderr(arguments.log_format))
     is_shown = sys.stderr.isatty() and not arguments.quiet
     log_to = AboveLine(stderr) if is_shown else None

@@ -135,7 +135,9 @@ def run(arguments: argparse.Namespace) -> int:
         link = Link(target, events, port=port)
         stdout = None if has_person else JsonLines(STDOUT, arguments.rate)
         sink = stdout or ServiceLine(link, STDOUT)
-        filtering = Filtering(link, [sink], log, watch, chosen=FILTERS[arguments.filter or DEFAULT.name])
+        filtering = Filtering(
+            link, [sink], log, watch, chosen=FILTERS[arguments.filter or DEFAULT.name], axes=arguments.axes
+        )
         recording = _recording(arguments, filtering, events, log)
         listeners: list[SampleListener] = [recording, filtering]
         _follow_config(arguments, filtering)
@@ -254,14 +256,14 @@ def _recording(
     words = (folder, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
 
     def make() -> "ResilientRecorder":
-        from gyrodrift.filters.beginning import table_of
+        from gyrodrift.filters.beginning import beginning_table as beginning
         from gyrodrift.recording.recorder import RecordOptions
         from gyrodrift.recording.resilient import ResilientRecorder
 
         config = None if filtering.watch is None else filtering.watch.config
         about, mode = ({}, 0o666) if config is None else (configs.config_tables(arguments.config, config), config.mode)
         return ResilientRecorder(
-            RecordOptions(*words, about, lambda: table_of(filtering.filter, filtering.state), mode), filtering.link, log
+            RecordOptions(*words, about, lambda: beginning(filtering.run), mode), filtering.link, log
         )
 
     recording = RecordingSwitch(make)

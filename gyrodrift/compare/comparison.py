@@ -29,6 +29,7 @@ from gyrodrift.parallel import workers
 from gyrodrift.progress import COMPILING, OnProgress, ignore_progress
 from gyrodrift.result_table import ResultTable
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
+from gyrodrift.session.files import load_session
 from gyrodrift.tune.provenance import TuningProvenance, read_provenance
 
 COMPILED_SAMPLES = 100
@@ -219,14 +220,16 @@ def compare(request: ComparisonRequest) -> Comparison:
         If a session cannot be read or has no reference.
     """
     begun_s = time.monotonic()
-    installed = [method for method in request.methods if method.is_installed]
+    has_axes = all(_has_axes(path, request) for path in (*request.train, *request.paths))
+    applicable = [method for method in request.methods if has_axes or not method.needs_axes]
+    installed = [method for method in applicable if method.is_installed]
     _compile(installed, request.progress)
     train = _loaded(request)
     entries = _entries(request, installed, train)
     sessions = _run(request, entries)
     return Comparison(
         entries=tuple(entries),
-        missing=tuple(method for method in request.methods if not method.is_installed),
+        missing=tuple(method for method in applicable if not method.is_installed),
         sessions=tuple(sessions),
         train=tuple(
             f"{folder}/{path.stem}" for folder, path in zip(folder_names(request.train), request.train, strict=True)
@@ -245,7 +248,7 @@ def _compile(methods: Sequence[Method], progress: OnProgress) -> None:
     progress(COMPILING, 0, 0)
     t_s = np.arange(COMPILED_SAMPLES) / COMPILED_SAMPLES
     for method in methods:
-        for function in filter(None, (method.run, method.sigma)):
+        for function in () if method.needs_axes else filter(None, (method.run, method.sigma)):
             function(t_s, np.zeros(COMPILED_SAMPLES), method.defaults)
 
 
@@ -279,6 +282,12 @@ def _tuned_entry(given: Entry, params: Params, digests: frozenset[str]) -> Entry
 
 def _source(path: Path, request: ComparisonRequest) -> Source:
     return Source(path, path in request.stills, reading=request.reading)
+
+
+def _has_axes(path: Path, request: ComparisonRequest) -> bool:
+    """Whether a session has three rates and accelerations."""
+    session = load_session(path, request.reading.columns, allow_damage=True)
+    return session.gyro_dps is not None and session.accel_mps2 is not None
 
 
 def _loaded(request: ComparisonRequest) -> list[LoadedSession]:
@@ -320,10 +329,7 @@ class _Work:
 def _compared(work: _Work) -> ComparedSession:
     loaded = load_with_reference(work.source)
     reference = loaded.reference
-    by_name = {
-        key: method.with_auxiliary(reference.auxiliary) if method.with_auxiliary else method
-        for key, method in by_key().items()
-    }
+    by_name = {key: method.on(reference.axes, reference.auxiliary) for key, method in by_key().items()}
     yaws_deg = [by_name[key].run(loaded.t_s, reference.rate_dps, params) for key, params in work.runs]
     return ComparedSession(
         session=loaded.description,

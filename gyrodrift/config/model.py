@@ -11,6 +11,7 @@ from pydantic import ValidationError, create_model
 from pydantic.fields import FieldInfo
 
 from gyrodrift.calibration import Calibration
+from gyrodrift.config.axes import axes_in, mount_in
 from gyrodrift.config.calibration import CALIBRATION, calibration_in
 from gyrodrift.config.explain import Strict, describe_value, expectation, unknown_key
 from gyrodrift.config.outputs import outputs_in
@@ -18,6 +19,8 @@ from gyrodrift.config.yaml import MOST_PROBLEMS, Key, YamlFile, read_yaml
 from gyrodrift.errors import ConfigError
 from gyrodrift.filters.filter import Filter, FilterParams
 from gyrodrift.filters.registry import DEFAULT, FILTERS
+from gyrodrift.filters.run import Axes
+from gyrodrift.mount import LEVEL, Mount
 from gyrodrift.nearest import did_you_mean
 from gyrodrift.outputs.options import OutputSpec
 from gyrodrift.public_yaml import public_yaml
@@ -46,6 +49,8 @@ class Config:
         Bytes that are sent to the device after its port was opened.
     calibration
         Calibration of the rate before the filter; None without one.
+    axes, mount
+        Axes of the filter, and the mount of the sensor on its device.
     completed
         `key: value` of each default in use, of the filter and of the blocks in the file. A block without `filter:`
         chooses the filter.
@@ -63,6 +68,8 @@ class Config:
     columns: str | None = None
     send: bytes = b""
     calibration: Calibration | None = None
+    axes: Axes = "auto"
+    mount: Mount = LEVEL
     text: str = field(default="", compare=False, repr=False)
     mode: int = field(default=0o666, compare=False, repr=False)
 
@@ -89,6 +96,9 @@ class Config:
             (SAMPLE_RATE, old.sample_rate_hz, self.sample_rate_hz),
             ("columns", old.columns, self.columns),
             ("send", old.send or None, self.send or None),
+            ("axes", old.axes, self.axes),
+            ("mount.up", old.mount.up, self.mount.up),
+            ("mount.forward", old.mount.forward, self.mount.forward),
         ]
         for name, filter_kind in FILTERS.items():
             before, after = old.params_of(filter_kind), self.params_of(filter_kind)
@@ -123,6 +133,8 @@ def _file() -> type[Strict]:
         "outputs": (Any, None),
         "columns": (Any, None),
         "send": (Any, None),
+        "axes": (Any, None),
+        "mount": (Any, None),
         CALIBRATION: (Any, None),
     }
     return create_model("File", __base__=Strict, **content)
@@ -150,6 +162,10 @@ def load_config(path: Path) -> Config:
     outputs = outputs_in(given.get("outputs"), _within(read, "outputs"))
     columns = columns_in(given.get("columns"), lambda content: read.report(("columns",), content))
     send = send_in(given.get("send"), lambda content: read.report(("send",), content))
+    axes, mount = (
+        axes_in(given.get("axes"), _within(read, "axes")),
+        mount_in(given.get("mount"), _within(read, "mount")),
+    )
     calibration = calibration_in(given.get(CALIBRATION), _within(read, CALIBRATION))
     if file is None or read.problems:
         raise ConfigError(read.problems)
@@ -159,6 +175,8 @@ def load_config(path: Path) -> Config:
         columns=columns,
         send=send,
         calibration=calibration,
+        axes=axes,
+        mount=mount,
         text=public_yaml(read.text),
         mode=read.mode,
     )

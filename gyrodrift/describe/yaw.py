@@ -1,5 +1,6 @@
 """Yaw of a session: integrated raw rate, filtered yaw, and the angle of the encoder."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,7 +9,7 @@ import numpy as np
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.evaluation.integration import trapezium
 from gyrodrift.evaluation.reference import accepted, auxiliary_of
-from gyrodrift.filters.filter import Filter
+from gyrodrift.filters.run import FilterRun
 from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.session import Session
 
@@ -70,17 +71,19 @@ def last_error(error_deg: Floats) -> float:
     return float(error_deg[np.isfinite(error_deg)][-1])
 
 
-def yaw_history_of(session: Session, chosen: Filter, params: Any) -> YawHistory | None:
-    """Run a filter over a session; None if it accepts fewer than two samples."""
+def yaw_history_of(session: Session, run: FilterRun) -> YawHistory | None:
+    """Run a new filter over a session; None if it accepts fewer than two samples."""
     is_accepted = accepted(session.t_device_s, session.rate_dps)
     t_s, rate_dps = session.t_device_s[is_accepted], session.rate_dps[is_accepted]
     if len(t_s) < 2:
         return None
     stated = auxiliary_of(session).filled(len(is_accepted))
-    samples = (t_s, rate_dps, stated.still[is_accepted], stated.temp_c[is_accepted])
-    corrected_deg, sigma_deg, bias_dps = _filtered(samples, chosen, params)
+    columns = (t_s, rate_dps, stated.still[is_accepted], stated.temp_c[is_accepted])
+    t, rate, still, temp_c = (column.tolist() for column in columns)
+    samples = zip(t, rate, session.rows(np.flatnonzero(is_accepted)).inertials(), still, temp_c, strict=True)
+    corrected_deg, sigma_deg, bias_dps = _filtered(samples, run, len(t))
     return YawHistory(
-        filter_name=chosen.name,
+        filter_name=run.filter.name,
         t_s=t_s - session.t_device_s[np.isfinite(session.t_device_s)][0],
         raw_deg=trapezium(np.diff(t_s, prepend=t_s[0]), rate_dps),
         corrected_deg=corrected_deg,
@@ -90,15 +93,15 @@ def yaw_history_of(session: Session, chosen: Filter, params: Any) -> YawHistory 
     )
 
 
-def _filtered(samples: tuple[Floats, ...], chosen: Filter, params: Any) -> Floats:
-    """Yaw, its standard deviation and the bias, shape (3, k), by the same steps as in `serve`.
+def _filtered(samples: Iterable[tuple[Any, ...]], run: FilterRun, count: int) -> Floats:
+    """Yaw, its standard deviation and the bias, shape (3, count), by the same steps as in `serve`.
 
-    Samples are times in s, rates in deg/s, the still flag and the temperature in °C.
+    Samples are the arguments of `FilterRun.step`.
     """
-    state, coefficients, step = chosen.state(), chosen.coefficients(params), chosen.step_auxiliary
-    filtered = np.empty((3, len(samples[0])))
-    for index, sample in enumerate(zip(*(column.tolist() for column in samples), strict=True)):
-        step(coefficients, state, *sample)
+    filtered = np.empty((3, count))
+    for index, sample in enumerate(samples):
+        run.step(*sample)
+        state = run.state
         filtered[:, index] = state.yaw_deg, state.yaw_sigma_deg, state.bias_dps
     return filtered
 

@@ -1,36 +1,17 @@
 """Accepted samples of a session with their reference angle."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
+from gyrodrift.evaluation.attitude import attitude_history
+from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary, InertialColumns
 from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
 from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.session import Session
-
-
-class Auxiliary(NamedTuple):
-    """Auxiliary data, shape (n,); NaN for a sample without it, shape (0,) for a session without it.
-
-    still
-        1 if another sensor reports rest, 0 if it reports motion.
-    temp_c
-        Temperature of the sensor, °C.
-    """
-
-    still: Floats
-    temp_c: Floats
-
-    def filled(self, count: int) -> "Auxiliary":
-        """Copy in which an empty column has `count` NaN."""
-        return Auxiliary(*(column if len(column) else np.full(count, np.nan) for column in self))
-
-
-NO_AUXILIARY = Auxiliary(np.empty(0), np.empty(0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,13 +21,15 @@ class Reference:
     dt_s
         Step of device time before each sample, s, bit for bit as in `filter.step`; 0 before the first.
     rate_dps
-        Measured rate, deg/s.
+        Measured rate, deg/s; of a session with three axes the rate of the heading, with the bias still in it.
     reference_deg
         Reference angle, unwrapped, 0 at the first sample; NaN for a sample without it.
     minutes
         Duration by device time.
     auxiliary
         Auxiliary data.
+    axes
+        Three axes; None for a session of one axis.
     """
 
     name: str
@@ -55,6 +38,7 @@ class Reference:
     reference_deg: Floats
     minutes: float
     auxiliary: Auxiliary = NO_AUXILIARY
+    axes: InertialColumns | None = None
 
     def thinned(self, max_samples: int) -> NDArray[np.int64]:
         """Indices of at most `max_samples` samples with a reference, evenly spread, for a figure."""
@@ -100,12 +84,18 @@ def timed_reference_of(session: Session, *, is_still: bool = False) -> tuple[Flo
             f"{session.name}: has {len(known_rows)} samples with a rate and a reference; at least 2 are needed"
         )
     first = known_rows[0]
-    t_s, rate_dps = session.t_device_s[kept][first:], session.rate_dps[kept][first:]
+    t_s, axes, auxiliary = (
+        session.t_device_s[kept][first:],
+        _axes(session, kept, first),
+        _auxiliary(session, kept, first),
+    )
+    rate_dps = (
+        session.rate_dps[kept][first:] if axes is None else attitude_history(t_s, axes, auxiliary).heading_rate_dps
+    )
     reference_deg = reference_deg[first:] - reference_deg[first]
     dt_s = np.diff(t_s, prepend=t_s[0])
-    return t_s, Reference(
-        session.name, dt_s, rate_dps, reference_deg, float(t_s[-1] - t_s[0]) / 60.0, _auxiliary(session, kept, first)
-    )
+    minutes = float(t_s[-1] - t_s[0]) / 60.0
+    return t_s, Reference(session.name, dt_s, rate_dps, reference_deg, minutes, auxiliary, axes)
 
 
 def auxiliary_of(session: Session) -> Auxiliary:
@@ -116,6 +106,12 @@ def auxiliary_of(session: Session) -> Auxiliary:
 
 def _auxiliary(session: Session, kept: NDArray[np.bool_], first: int) -> Auxiliary:
     return Auxiliary(*(column[kept][first:] if len(column) else column for column in auxiliary_of(session)))
+
+
+def _axes(session: Session, kept: NDArray[np.bool_], first: int) -> InertialColumns | None:
+    if session.gyro_dps is None or session.accel_mps2 is None:
+        return None
+    return InertialColumns(session.gyro_dps[kept][first:], session.accel_mps2[kept][first:])
 
 
 def _reference_deg(session: Session, kept: NDArray[np.bool_], *, is_still: bool) -> Floats:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 
 from gyrodrift.errors import DataError
 from gyrodrift.filters.filter import Filter, FilterState
+from gyrodrift.filters.run import FilterRun
 from gyrodrift.filters.saved import restore, saved
 
 TABLE = "filter"
@@ -17,6 +18,11 @@ def table_of(kind: Filter, state: FilterState) -> dict[str, dict[str, str]]:
     """Metadata for a recording; empty for a filter with a new state."""
     differences = saved(state, kind.state())
     return {TABLE: {"name": kind.name, "began_with": json.dumps(differences)}} if differences else {}
+
+
+def beginning_table(run: FilterRun) -> dict[str, dict[str, str]]:
+    """Metadata for a recording that begins now; empty on three axes, whose state is not kept."""
+    return {} if run.three_axes is not None else table_of(run.filter, run.state)
 
 
 def beginning_of(kind: Filter, metadata: Mapping[str, Mapping[str, str]], name: str) -> FilterState | None:

@@ -19,7 +19,9 @@ DEFAULT = RESTLEVEL
 PUBLISHED = HDR
 """Default filter of evaluations: the filter with published results."""
 
-CONFIG_KEYS = frozenset({"filter", "sample_rate_hz", "provenance", "outputs", "text"})
+CONFIG_KEYS = frozenset(
+    {"filter", "sample_rate_hz", "provenance", "outputs", "text", "columns", "send", "calibration", "axes", "mount"}
+)
 """Keys of a config that are not the block of a filter."""
 
 _registered: dict[str, Filter] = {}

@@ -5,18 +5,18 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import partial
-from math import nan
 from typing import TYPE_CHECKING, Any
 
 from gyrodrift.calibration import Calibration
 from gyrodrift.errors import ConfigError
 from gyrodrift.filters.filter import Filter, FilterState, WitnessState
 from gyrodrift.filters.registry import DEFAULT
+from gyrodrift.filters.run import Axes, FilterRun
 from gyrodrift.link.link import Link
 from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.sample import Corrected, Sample
 from gyrodrift.service.calibrating import Calibrating
-from gyrodrift.service.reference import EncoderReference, YawReference
+from gyrodrift.service.correcting import Correcting
 from gyrodrift.service.sink import ReaderGoneError, Sink
 
 if TYPE_CHECKING:  # the config loads its checker, which a service without a config does not need
@@ -41,12 +41,12 @@ class Filtering:
         Called with each new config.
     event_listeners
         Called with the log events of filter and config.
-    filter, params, state
-        The running filter.
+    axes
+        Axes of the filter; None for those of the config.
+    correcting
+        The running filter and what it makes of a sample.
     calibrating
         Applies the calibration before the filter.
-    last
-        Last sample that the filter accepted.
     applied, refused, applied_s
         Number of configs that were applied and refused since the start; Unix time of the last one applied, s.
     """
@@ -58,16 +58,11 @@ class Filtering:
     config_listeners: "list[Callable[[Config], Any]]" = field(default_factory=list)
     event_listeners: list[Callable[[str, dict[str, Any]], Any]] = field(default_factory=list)
     chosen: Filter = DEFAULT
-    state: FilterState = field(init=False)
-    reference: YawReference = field(default_factory=YawReference)
-    encoder: EncoderReference = field(default_factory=EncoderReference)
-    raw_yaw_deg: float = 0.0
+    axes: Axes | None = None
+    correcting: Correcting = field(init=False)
     calibrating: Calibrating = field(init=False)
-    filter: Filter = field(init=False)
     params: Any = field(init=False)
-    _coefficients: Any = field(init=False)
     _scaled_by: Calibration | None = None
-    last: Sample | None = None
     _rejected: int = 0
     _rejected_s: float = 0.0
     _is_rate_checked: bool = False
@@ -81,15 +76,16 @@ class Filtering:
     def __post_init__(self) -> None:
         given = self.watch.config.calibration if self.watch is not None else None
         self.calibrating = Calibrating(self.link, self.log, self._tell, given)
-        if self.watch is None:
-            self.filter, self.params = self.chosen, self.chosen.params()
-            self.log.info("filter_chosen", name=self.filter.name, parameters="defaults")
-        else:
-            self.filter, self.params = self.watch.config.chosen, self.watch.config.params
-            self.log.info("filter_chosen", name=self.filter.name, parameters=str(self.watch.path))
-            self._tell_completed(self.watch)
+        chosen, self.params, source = self.chosen, self.chosen.params(), "defaults"
+        if self.watch is not None:
+            config = self.watch.config
+            chosen, self.params, source = config.chosen, config.params, str(self.watch.path)
+        self.correcting = Correcting(FilterRun(chosen, self.params, self.axes or "auto"))
         self._set_coefficients()
-        self.state = self.filter.state()
+        self.log.info("filter_chosen", name=chosen.name, parameters=source)
+        if self.watch is not None:
+            self._follow_axes(self.watch.config)
+            self._tell_completed(self.watch)
 
     def take(self, samples: list[Sample]) -> None:
         """Filter samples and hand them to the sinks."""
@@ -137,14 +133,35 @@ class Filtering:
                 closing.callback(sink.close)
 
     @property
+    def run(self) -> FilterRun:
+        """The running filter."""
+        return self.correcting.run
+
+    @property
+    def filter(self) -> Filter:
+        """The record of the running filter."""
+        return self.run.filter
+
+    @property
+    def state(self) -> FilterState:
+        """State of the running filter."""
+        state: FilterState = self.run.state
+        return state
+
+    @property
+    def last(self) -> Sample | None:
+        """Last sample that the filter accepted."""
+        return self.correcting.last
+
+    @property
     def yaw_deg(self) -> float:
         """Yaw of the output, deg."""
-        return self.state.yaw_deg - self.reference.zero_deg
+        return self.correcting.yaw_deg
 
     @property
     def scale_sigma_deg(self) -> float:
-        """Share of the yaw sigma from the scale factor, deg; NaN for a filter without a yaw sigma."""
-        return self.filter.scale_sigma_deg(self._coefficients, self.state)
+        """Share of the yaw sigma from the scale factor, deg; NaN for a filter that does not state it."""
+        return self.run.scale_sigma_deg
 
     @property
     def witness(self) -> WitnessState | None:
@@ -153,54 +170,34 @@ class Filtering:
 
     def begin_with(self, state: FilterState) -> None:
         """Start the filter with this state; before its first sample."""
-        self.state = state
+        self.run.state = state
 
     def zero(self) -> None:
         """Set yaw and its sigma to 0 at the last sample."""
-        self.filter.zero(self.state)
-        self.reference.zero(self.state.yaw_deg, self.raw_yaw_deg)
-        self.encoder.align()
+        self.correcting.zero()
 
     def set_heading(self, heading_deg: float) -> None:
         """Set the compass heading, deg clockwise from north."""
-        self.reference.set_heading(self.state.yaw_deg, heading_deg)
+        self.correcting.reference.set_heading(self.state.yaw_deg, heading_deg)
 
     def _set_coefficients(self) -> None:
         """Work out the coefficients, with the scale error that the calibration in force leaves."""
         self._scaled_by = self.calibrating.applied
         sigma = None if self._scaled_by is None else self._scaled_by.scale_sigma
-        params = self.params if sigma is None else self.filter.with_scale_sigma(self.params, sigma)
-        self._coefficients = self.filter.coefficients(params)
+        self.run.use(self.params if sigma is None else self.filter.with_scale_sigma(self.params, sigma))
 
     def _corrected(self, samples: list[Sample]) -> list[Corrected]:
-        step, coefficients, state = self.filter.step_auxiliary, self._coefficients, self.state
-        reference, last, raw_deg = self.reference, self.last, self.raw_yaw_deg
-        zero_deg, raw_zero_deg, has_north = reference.zero_deg, reference.raw_zero_deg, reference.has_north
-        reference_of = self.encoder.angle_deg
-        corrected = []
-        for sample in samples:
-            if step(coefficients, state, sample.t_device_s, sample.rate_dps, sample.still, sample.temp_c):
-                if last is not None:
-                    raw_deg += 0.5 * (sample.rate_dps + last.rate_dps) * (sample.t_device_s - last.t_device_s)
-                last = sample
-                bias_dps, yaw_deg = state.bias_dps, state.yaw_deg
-                corrected.append(
-                    Corrected(
-                        sample,
-                        sample.rate_dps - bias_dps,
-                        yaw_deg - zero_deg,
-                        bias_dps,
-                        state.yaw_sigma_deg,
-                        state.confidence,
-                        state.bias_sigma_dps,
-                        state.rest_probability,
-                        raw_deg - raw_zero_deg,
-                        reference.heading_deg(yaw_deg) if has_north else nan,
-                        reference_of(sample.encoder_deg, yaw_deg - zero_deg),
-                    )
-                )
-        self.last, self.raw_yaw_deg = last, raw_deg
+        had_axes = self.run.three_axes is not None
+        corrected = self.correcting.take(samples)
+        if not had_axes and self.run.three_axes is not None:
+            self.log.info("three_axes", filter=self.filter.name, hint="the device sends three rates and accelerations")
+            self._tell("three_axes", {"filter": self.filter.name})
         return corrected
+
+    def _follow_axes(self, config: "Config") -> None:
+        """Apply the axes and the mount of a config; `--axes` takes precedence."""
+        self.run.axes = self.axes or config.axes
+        self.correcting.mount = config.mount
 
     def _forget(self, sink: Sink) -> None:
         """Continue without a sink whose reader is closed, unless no other sink is wanted."""
@@ -263,6 +260,7 @@ class Filtering:
             self._begin_again(new.chosen)
         self.calibrating.follow(new.calibration, self.state.bias_dps)
         self.params = new.params
+        self._follow_axes(new)
         self._set_coefficients()
         self._is_rate_checked = False
         self.applied, self.applied_s = self.applied + 1, time.time()
@@ -293,8 +291,8 @@ class Filtering:
 
     def _begin_again(self, chosen: Filter) -> None:
         """Start another filter at the present yaw; the bias estimate of the old filter is dropped."""
-        old, self.filter, self.state = self.state, chosen, chosen.state()
-        self._refuted = 0
+        old, self._refuted = self.state, 0
+        self.correcting.run = FilterRun(chosen, chosen.params(), self.run.axes)
         self.state.yaw_deg, self.state.rejected = old.yaw_deg, old.rejected
 
     def _compare_rate(self, config: "Config") -> None:

@@ -146,6 +146,9 @@ class MemoryKeeper:
             return
         if kind.name != self._filter:  # a new config has changed the filter
             return
+        if self.filtering.run.three_axes is not None:
+            self._refuse("the filter of three axes has no memory; --axes 1 keeps the bias about z")
+            return
         age_s = 0.0 if self._file is None else self._file.age_s(now_s)
         knowledge = kind.memory.learned(self.filtering.state, self._before, age_s)
         if knowledge is None:

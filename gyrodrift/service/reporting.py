@@ -81,7 +81,7 @@ def _filter_status(filtering: Filtering) -> FilterStatus:
         bias_sigma_dps=_finite(state.bias_sigma_dps),
         rest_probability=_finite(state.rest_probability),
         confidence=_finite(state.confidence),
-        heading_deg=_finite(filtering.reference.heading_deg(state.yaw_deg)),
+        heading_deg=_finite(filtering.correcting.reference.heading_deg(state.yaw_deg)),
         temp_c=_finite(filtering.last.temp_c) if filtering.last else None,
         rejected=state.rejected,
         still=_finite(filtering.last.still) if filtering.last else None,
@@ -93,7 +93,8 @@ def _filter_status(filtering: Filtering) -> FilterStatus:
 def _config_status(filtering: Filtering) -> ConfigStatus:
     file = None if filtering.watch is None else well_formed(str(filtering.watch.path))
     counts = (filtering.applied, filtering.refused, filtering.applied_s)
-    return ConfigStatus(file, filtering.filter.name, asdict(filtering.params), *counts)
+    mount = None if filtering.run.three_axes is None else asdict(filtering.correcting.mount)
+    return ConfigStatus(file, filtering.filter.name, asdict(filtering.params), *counts, mount=mount)
 
 
 def _finite(value: float) -> float | None:

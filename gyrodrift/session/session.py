@@ -105,6 +105,13 @@ class Session(ResultTable):
         column = self.column(name)
         return np.full(len(self.rate_dps), -1 if name == "seq" else np.nan) if column is None else column
 
+    def inertials(self) -> list[Inertial] | list[None]:
+        """The axes of each sample; None for a session of one axis."""
+        if self.gyro_dps is None:
+            return [None] * len(self.rate_dps)
+        columns = [self.filled(name).tolist() for name in AXIS_COLUMNS]
+        return [Inertial(*values) for values in zip(*columns, strict=True)]
+
     def part(self, start: int, end: int) -> "Session":
         """The samples from `start` to before `end`."""
         return self.rows(slice(start, end))

@@ -7,8 +7,8 @@ from gyrodrift.arrays import Floats
 
 pytest.importorskip("numba", reason="comparing needs the workstation extra")
 from gyrodrift.compare.methods.registry import by_key
+from gyrodrift.evaluation.auxiliary import Auxiliary
 from gyrodrift.evaluation.kernels.restlevel import walk
-from gyrodrift.evaluation.reference import Auxiliary
 from gyrodrift.filters.restlevel.model import RestlevelParams
 
 pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation takes seconds

@@ -17,7 +17,19 @@ from gyrodrift.filters.hdr import HdrParams
 from gyrodrift.filters.registry import FILTERS
 from gyrodrift.filters.restlevel.model import RestlevelParams
 
-KEYS = ("filter", "hdr", "restlevel", "sample_rate_hz", "provenance", "outputs", "columns", "send", "calibration")
+KEYS = (
+    "filter",
+    "hdr",
+    "restlevel",
+    "sample_rate_hz",
+    "provenance",
+    "outputs",
+    "columns",
+    "send",
+    "axes",
+    "mount",
+    "calibration",
+)
 GOOD = "hdr:\n  i_c_dps: 1e-3\n  tau_s: .5\n  theta_w_dps: 1\n  c1: 0\n  c2: 1.25E0\n"
 
 HDR_DEFAULTS = ("i_c_dps: 0.0006", "tau_s: 0.9447", "theta_w_dps: 0.5608", "c1: 0.7839", "c2: 1.2161")

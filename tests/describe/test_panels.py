@@ -6,6 +6,7 @@ import pytest
 from gyrodrift.describe.describe import describe
 from gyrodrift.describe.yaw import yaw_history_of
 from gyrodrift.filters.registry import FILTERS
+from gyrodrift.filters.run import FilterRun
 from gyrodrift.session.session import Session
 
 pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
@@ -22,7 +23,9 @@ NOISE_DPS = np.random.default_rng(1).normal(0.0, 0.01, len(T_S))
 
 def panels_of(session: Session) -> dict[str, Panel]:
     chosen = FILTERS["restlevel"]
-    described = DescribedSession(session, describe(session), yaw_history_of(session, chosen, chosen.params()))
+    described = DescribedSession(
+        session, describe(session), yaw_history_of(session, FilterRun(chosen, chosen.params()))
+    )
     by_encoder = (error_panel(described), histogram_panel(described))
     panels = [panel for panel in by_encoder if panel is not None]
     return {panel.name: panel for panel in (*panels, *yaw_panels(described), *recording_panels(described))}

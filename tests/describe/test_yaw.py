@@ -5,6 +5,7 @@ from support import near
 
 from gyrodrift.describe.yaw import mean_absolute, yaw_history_of
 from gyrodrift.filters.registry import FILTERS
+from gyrodrift.filters.run import FilterRun
 from gyrodrift.session.session import Session
 
 RESTLEVEL = FILTERS["restlevel"]
@@ -27,7 +28,7 @@ def encoder_of(turn_deg: float) -> np.ndarray:
 
 def test_both_errors_are_those_against_the_encoder() -> None:
     """Raw yaw runs away with the bias; corrected yaw stays."""
-    yaw = yaw_history_of(turned(encoder_of(77.0)), RESTLEVEL, RESTLEVEL.params())
+    yaw = yaw_history_of(turned(encoder_of(77.0)), FilterRun(RESTLEVEL, RESTLEVEL.params()))
     assert yaw is not None
     assert yaw.has_reference
     assert yaw.raw_error_deg[-1] == near(0.5 * 120.0, 0.5)
@@ -40,7 +41,7 @@ def test_both_errors_are_those_against_the_encoder() -> None:
 def test_raw_yaw_of_a_constant_acceleration_is_exact() -> None:
     """By the trapezoidal rule."""
     t_s = np.arange(100) / 100.0
-    yaw = yaw_history_of(Session("s", t_s, 200.0 * t_s), RESTLEVEL, RESTLEVEL.params())
+    yaw = yaw_history_of(Session("s", t_s, 200.0 * t_s), FilterRun(RESTLEVEL, RESTLEVEL.params()))
     assert yaw is not None
     assert np.abs(yaw.raw_deg - 100.0 * t_s**2).max() < 1e-9
 
@@ -49,7 +50,7 @@ def test_errors_begin_where_the_encoder_does() -> None:
     """Both are 0 there, whatever was before."""
     encoder_deg = encoder_of(0.0)
     encoder_deg[:3000] = np.nan
-    yaw = yaw_history_of(turned(encoder_deg), RESTLEVEL, RESTLEVEL.params())
+    yaw = yaw_history_of(turned(encoder_deg), FilterRun(RESTLEVEL, RESTLEVEL.params()))
     assert yaw is not None
     assert np.isnan(yaw.raw_error_deg[:3000]).all()
     assert yaw.raw_error_deg[3000] == 0.0
@@ -58,8 +59,8 @@ def test_errors_begin_where_the_encoder_does() -> None:
 
 def test_without_an_encoder_there_is_no_error() -> None:
     """And nothing to run a filter on without two usable samples."""
-    yaw = yaw_history_of(turned(), RESTLEVEL, RESTLEVEL.params())
+    yaw = yaw_history_of(turned(), FilterRun(RESTLEVEL, RESTLEVEL.params()))
     assert yaw is not None
     assert not yaw.has_reference
     one = Session("s", np.array([1.0, 1.0, np.nan]), np.zeros(3))
-    assert yaw_history_of(one, RESTLEVEL, RESTLEVEL.params()) is None
+    assert yaw_history_of(one, FilterRun(RESTLEVEL, RESTLEVEL.params())) is None

@@ -18,6 +18,7 @@ import pytest
 
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
+from gyrodrift.filters.run import FilterRun
 from gyrodrift.link.link import Link
 from gyrodrift.recording.live_line import CLEAR, AboveLine, LiveLine
 from gyrodrift.recording.live_yaw import LiveYaw
@@ -36,7 +37,10 @@ class Going:
         )
         self.recorder = SimpleNamespace(samples=0, size_bytes=0, left_bytes=36_000_000_000)
         self.line = LiveLine(
-            cast("Link", self.link), cast("Recorder", self.recorder), LiveYaw(RESTLEVEL, RestlevelParams()), stream
+            cast("Link", self.link),
+            cast("Recorder", self.recorder),
+            LiveYaw(FilterRun(RESTLEVEL, RestlevelParams())),
+            stream,
         )
 
     def go_on(self, now_s: float, samples: int, size_bytes: int) -> str:

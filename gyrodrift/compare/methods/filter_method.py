@@ -1,16 +1,22 @@
-"""HDR, restlevel and registered filters as methods. Their kernels equal their `step` bit for bit."""
+"""HDR, restlevel and registered filters as methods. Their kernels equal their `step` bit for bit.
 
-from dataclasses import asdict
+On three axes restlevel is the attitude filter. Other filters run on the rate of the heading.
+"""
+
+from dataclasses import asdict, replace
+from functools import cache
 
 import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.plain import steps_s
+from gyrodrift.evaluation.attitude import AttitudeHistory, attitude_history
+from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary, InertialColumns
 from gyrodrift.evaluation.kernels.kernel import kernel_of
-from gyrodrift.evaluation.reference import NO_AUXILIARY, Auxiliary
 from gyrodrift.evaluation.space import axes_of, row_of
 from gyrodrift.filters.filter import Filter, FilterParams
+from gyrodrift.filters.restlevel_filter import RESTLEVEL
 
 
 def filter_method(chosen: Filter, params: FilterParams | None = None, auxiliary: Auxiliary = NO_AUXILIARY) -> Method:
@@ -35,6 +41,24 @@ def filter_method(chosen: Filter, params: FilterParams | None = None, auxiliary:
         counts_samples=chosen.counts_samples,
         sigma=sigma,
         with_auxiliary=lambda data: filter_method(chosen, auxiliary=data),
+        with_axes=attitude_method if chosen is RESTLEVEL else None,
         color=chosen.color,
         dash=chosen.dash,
     )
+
+
+def attitude_method(axes: InertialColumns, auxiliary: Auxiliary) -> Method:
+    """The attitude filter as a method for these data."""
+
+    @cache
+    def history(times: bytes, values: tuple[float, ...]) -> AttitudeHistory:
+        """One run gives yaw and its sigma."""
+        return attitude_history(np.frombuffer(times), axes, auxiliary, RESTLEVEL.params(*values))
+
+    def run(t_s: Floats, _rate_dps: Floats, params: Params) -> Floats:
+        return history(t_s.tobytes(), tuple(params.values())).yaw_deg
+
+    def sigma(t_s: Floats, _rate_dps: Floats, params: Params) -> Floats:
+        return history(t_s.tobytes(), tuple(params.values())).yaw_sigma_deg
+
+    return replace(filter_method(RESTLEVEL), run=run, sigma=sigma)

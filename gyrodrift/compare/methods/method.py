@@ -6,7 +6,7 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 
 from gyrodrift.arrays import Floats
-from gyrodrift.evaluation.reference import Auxiliary
+from gyrodrift.evaluation.auxiliary import Auxiliary, InertialColumns
 from gyrodrift.evaluation.space import Axis
 
 Params = Mapping[str, float]
@@ -41,6 +41,11 @@ class Method:
         none.
     with_auxiliary
         Returns the method with the auxiliary data of a session; None for a method that uses only the rate.
+    with_axes
+        Returns the method with the three axes of a session and its auxiliary data; None for a method that runs on the
+        rate of the heading.
+    needs_axes
+        The method runs only if all sessions have accelerations.
     color, dash
         Line style: a color role of the style sheet, and `-` or `--`.
     """
@@ -56,8 +61,16 @@ class Method:
     counts_samples: bool = False
     sigma: Run | None = None
     with_auxiliary: "Callable[[Auxiliary], Method] | None" = None
+    with_axes: "Callable[[InertialColumns, Auxiliary], Method] | None" = None
+    needs_axes: bool = False
     color: str = "ink"
     dash: str = "-"
+
+    def on(self, axes: InertialColumns | None, auxiliary: Auxiliary) -> "Method":
+        """The method for the data of a session."""
+        if axes is not None and self.with_axes is not None:
+            return self.with_axes(axes, auxiliary)
+        return self.with_auxiliary(auxiliary) if self.with_auxiliary is not None else self
 
     @property
     def is_installed(self) -> bool:

@@ -1,17 +1,30 @@
 """All compared methods in their order: plain methods, the filters of this package, other packages."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
+from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.filter_method import filter_method
 from gyrodrift.compare.methods.fusion import run_fusion
 from gyrodrift.compare.methods.kalman import run_kalman
-from gyrodrift.compare.methods.method import Method
+from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.plain import run_euler, run_start_calibration
 from gyrodrift.compare.methods.sign import run_sign
+from gyrodrift.compare.methods.six_axes import (
+    fusion_heading,
+    madgwick_heading,
+    mahony_heading,
+    vqf_heading,
+    vqf_offline_heading,
+)
 from gyrodrift.compare.methods.vqf import run_vqf, run_vqf_offline
+from gyrodrift.evaluation.auxiliary import Auxiliary, InertialColumns
 from gyrodrift.evaluation.space import Axis
 from gyrodrift.filters.filter import FilterParams
 from gyrodrift.filters.registry import FILTERS
+
+Heading = Callable[[Floats, InertialColumns, Params], Floats]
+"""From device times in s, three axes and parameters to heading in deg, shape (n,)."""
 
 VQF_DEFAULTS = {
     "restThGyr": 2.0,
@@ -33,6 +46,21 @@ VQF_AXES = (
     Axis("biasClip", 0.1, 20.0, is_log=True),
     Axis("biasSigmaRest", 1e-4, 1.0, is_log=True),
 )
+
+
+def missing_axes(_t_s: Floats, _rate_dps: Floats, _params: Params) -> Floats:
+    """A method of three axes has no yaw for one axis."""
+    raise ValueError("the method needs accelerations")
+
+
+def on_axes(key: str, heading: Heading) -> Callable[[InertialColumns, Auxiliary], Method]:
+    """Function that gives the method of this key with its heading on three axes."""
+
+    def bound(axes: InertialColumns, _auxiliary: Auxiliary) -> Method:
+        return replace(by_key()[key], run=lambda t_s, _rate_dps, params: heading(t_s, axes, params))
+
+    return bound
+
 
 PLAIN = (
     Method("euler", "Euler", run_euler, about="Integral of the rate without correction.", color="plain"),
@@ -80,6 +108,7 @@ PEERS = (
         {"stationary_threshold": 3.0, "stationary_period": 3.0},
         (Axis("stationary_threshold", 0.02, 20.0, is_log=True), Axis("stationary_period", 0.05, 20.0, is_log=True)),
         package="imufusion",
+        with_axes=on_axes("xio", fusion_heading),
         about="The package has two parameters, threshold (deg/s) and period (s); its learning rate is fixed.",
         color="four",
     ),
@@ -90,7 +119,8 @@ PEERS = (
         VQF_DEFAULTS,
         VQF_AXES,
         package="vqf",
-        about="Runs as on a level device; it cannot learn from tilt.",
+        with_axes=on_axes("vqf", vqf_heading),
+        about="On one axis it runs as on a level device, and cannot learn from tilt.",
         color="five",
     ),
     Method(
@@ -100,9 +130,34 @@ PEERS = (
         VQF_DEFAULTS,
         VQF_AXES,
         package="vqf",
+        with_axes=on_axes("vqf_offline", vqf_offline_heading),
         is_offline=True,
         about="Runs forward and backward over a session: a bound for real-time filters.",
         color="five",
+        dash="--",
+    ),
+    Method(
+        "madgwick",
+        "Madgwick",
+        missing_axes,
+        {"gain": 0.033},
+        package="ahrs",
+        needs_axes=True,
+        with_axes=on_axes("madgwick", madgwick_heading),
+        about="Package ahrs with its default gain; it estimates no bias.",
+        color="quiet",
+        dash="--",
+    ),
+    Method(
+        "mahony",
+        "Mahony",
+        missing_axes,
+        {"k_p": 1.0, "k_i": 0.3},
+        package="ahrs",
+        needs_axes=True,
+        with_axes=on_axes("mahony", mahony_heading),
+        about="Package ahrs with its default gains.",
+        color="three",
         dash="--",
     ),
 )

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from gyrodrift.doctor.checks import drift, line, noise, port, sensor, stream
+from gyrodrift.doctor.checks import drift, gravity, line, noise, port, sensor, stream
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding
 
-CHECKS = (*port.CHECKS, *line.CHECKS, *stream.CHECKS, *sensor.CHECKS, *noise.CHECKS, *drift.CHECKS)
+CHECKS = (*port.CHECKS, *line.CHECKS, *stream.CHECKS, *sensor.CHECKS, *gravity.CHECKS, *noise.CHECKS, *drift.CHECKS)
 
 
 def examine(evidence: DeviceEvidence) -> list[DeviceFinding]:

@@ -6,8 +6,8 @@ from importlib import import_module
 from typing import Any
 
 from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.auxiliary import Auxiliary
 from gyrodrift.evaluation.kernels.stepped import stepped_sigma, stepped_sums, stepped_yaw
-from gyrodrift.evaluation.reference import Auxiliary
 from gyrodrift.filters.filter import Filter
 
 GROUP = 8

@@ -6,9 +6,9 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.compile import compiled_once, stamp_of
+from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary
 from gyrodrift.evaluation.kernels.compiled import array_of, compiled_callee
 from gyrodrift.evaluation.kernels.kernel import Kernel
-from gyrodrift.evaluation.reference import NO_AUXILIARY, Auxiliary
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import advance, coefficients
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.evaluation.reference import NO_AUXILIARY, Auxiliary
+from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary
 from gyrodrift.filters.filter import Filter
 
 

@@ -5,7 +5,7 @@ from math import nan, sqrt
 
 from gyrodrift.filters.attitude.block import InertialBlock
 from gyrodrift.filters.attitude.hypotheses import Hypotheses, first_hypothesis
-from gyrodrift.filters.attitude.quaternion import IDENTITY, Quaternion, Vector, tilt_deg, up_in_sensor
+from gyrodrift.filters.attitude.quaternion import IDENTITY, Quaternion, Vector, heading_axis, tilt_deg
 from gyrodrift.filters.attitude.rests import AttitudeWitness, Segment, Windows
 from gyrodrift.filters.restlevel.model import RestlevelParams
 
@@ -86,7 +86,7 @@ class AttitudeState:
     bias_xyz_dps
         Bias estimate of the three axes.
     bias_dps, bias_sigma_dps
-        Bias estimate about the vertical, and its standard deviation.
+        Bias estimate of the rate of the heading, and its standard deviation.
     rest_probability, confidence
         Probability of rest, and of the most probable hypothesis.
     samples, rejected
@@ -134,7 +134,7 @@ class AttitudeState:
         return tilt_deg(*self.q)
 
     @property
-    def vertical_rate_dps(self) -> float:
-        """Measured rate about the vertical, deg/s, before the bias is subtracted."""
-        up, rate = up_in_sensor(self.q), self.gyro_dps
-        return up[0] * rate[0] + up[1] * rate[1] + up[2] * rate[2]
+    def heading_rate_dps(self) -> float:
+        """Rate of the heading, deg/s, from the measured rates, before the bias is subtracted."""
+        axis, rate = heading_axis(self.q), self.gyro_dps
+        return axis[0] * rate[0] + axis[1] * rate[1] + axis[2] * rate[2]

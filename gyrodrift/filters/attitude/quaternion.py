@@ -7,6 +7,9 @@ Vector = tuple[float, float, float]
 
 IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
+INVERTED_UP = -0.8660254037844387
+"""Cosine of 150°, the tilt from which the twist turns fast for small rotations."""
+
 SERIES_LIMIT = 0.0625
 """Squared angle, rad², up to which the series of `from_rotation_vector` is exact to 1e-8: n³/46080."""
 
@@ -57,6 +60,19 @@ def up_in_sensor(q: Quaternion) -> Vector:
     """Unit vector of the earth's vertical in the sensor frame."""
     w, x, y, z = q
     return (2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y))
+
+
+def heading_axis(q: Quaternion) -> Vector:
+    """Vector a of the sensor frame whose product with the rates is the rate of the twist about the vertical u.
+
+    a = (z + u)/(1 + z·u) with the z axis of the sensor. For a constant tilt it gives the rate about the vertical, and
+    its integral stays the heading when the tilt changes. Above 150° of tilt it is u itself.
+    """
+    x, y, z = up_in_sensor(q)
+    if z < INVERTED_UP:
+        return x, y, z
+    k = 1.0 / (1.0 + z)
+    return k * x, k * y, 1.0
 
 
 def heading_deg(w: float, x: float, y: float, z: float) -> float:

@@ -105,4 +105,4 @@ def _turn(s: AttitudeState, dt: float, gyro: Vector, accel: Vector, accel_before
     x, y, z = 0.5 * (x + gx), 0.5 * (y + gy), 0.5 * (z + gz)
     add_sample(s.block, dt, x, y, z, 0.5 * (ax + bx), 0.5 * (ay + by), 0.5 * (az + bz))
     s.q = multiply(s.start_q, s.block.q)
-    s.yaw_deg = unwrapped_deg(s.yaw_deg + (s.vertical_rate_dps - s.bias_dps) * dt, s.q)
+    s.yaw_deg = unwrapped_deg(s.yaw_deg + (s.heading_rate_dps - s.bias_dps) * dt, s.q)

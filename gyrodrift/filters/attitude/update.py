@@ -12,10 +12,11 @@ from gyrodrift.filters.attitude.measure import measure
 from gyrodrift.filters.attitude.mixture import moments, ordered
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.predict import GRAVITY, predict
-from gyrodrift.filters.attitude.quaternion import IDENTITY, Vector, level, multiply
+from gyrodrift.filters.attitude.quaternion import IDENTITY, Vector, heading_axis, level, multiply
 from gyrodrift.filters.attitude.rests import add_block
 from gyrodrift.filters.attitude.segments import follow_rest
 from gyrodrift.filters.attitude.yaw import unwrap_headings
+from gyrodrift.mount import with_heading
 
 START_SPEED = 0.5
 """Standard deviation of the velocity at the first sample, m/s.
@@ -32,10 +33,11 @@ GAP_RATE = 10.0 * RAD
 
 
 def begin(c: AttitudeCoefficients, s: AttitudeState, accel: Vector) -> None:
-    """First sample: level by its acceleration, heading 0."""
+    """First sample: level by its acceleration; the heading is `yaw_deg`, 0 unless an earlier filter had another yaw."""
     h = first_hypothesis()
     has_accel = accel[0] == accel[0]
-    s.start_q = level(*accel) if has_accel else IDENTITY
+    s.start_q = with_heading(level(*accel) if has_accel else IDENTITY, s.yaw_deg)
+    h.yaw_deg[0] = s.yaw_deg
     h.q[0] = s.start_q
     diagonal = np.zeros(STATES)
     diagonal[:2] = (START_TILT if has_accel else UNKNOWN_TILT) ** 2
@@ -111,10 +113,10 @@ def publish(s: AttitudeState) -> None:
     s.start_yaw_deg = s.yaw_deg = float(h.yaw_deg[0]) + degrees(m.heading)
     s.yaw_sigma_deg = degrees(sqrt(max(m.heading_var, 0.0)))
     s.tilt_sigma_deg = degrees(sqrt(max(m.tilt_var, 0.0)))
-    up = rotation_matrices(h.q[:1])[0, 2]
+    axis = np.array(heading_axis(s.q))
     x, y, z = np.degrees(m.bias).tolist()
     s.bias_xyz_dps = (x, y, z)
-    s.bias_dps = degrees(float(up @ m.bias))
-    s.bias_sigma_dps = degrees(sqrt(max(float(up @ m.bias_cov @ up), 0.0)))
+    s.bias_dps = degrees(float(axis @ m.bias))
+    s.bias_sigma_dps = degrees(sqrt(max(float(axis @ m.bias_cov @ axis), 0.0)))
     s.rest_probability = float(h.weight[h.regime == REST].sum())
     s.confidence = float(h.weight[0])

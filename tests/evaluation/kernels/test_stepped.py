@@ -9,8 +9,8 @@ import pytest
 from gyrodrift.arrays import Floats
 
 pytest.importorskip("numba", reason="kernels need the workstation extra")
+from gyrodrift.evaluation.auxiliary import NO_AUXILIARY
 from gyrodrift.evaluation.kernels.kernel import groups, kernel_of
-from gyrodrift.evaluation.reference import NO_AUXILIARY
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.hdr import HdrCoefficients, HdrState
 from gyrodrift.filters.registry import FILTERS

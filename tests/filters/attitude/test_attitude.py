@@ -46,7 +46,7 @@ def test_a_turn_of_a_tilted_sensor_has_its_full_angle(c: AttitudeCoefficients) -
     s = run(c, s, 9.0, (40.0 * up[0], 0.0, 40.0 * up[2]), accel)
     assert s.yaw_deg == pytest.approx(360.0, abs=0.5)
     assert s.tilt_deg == pytest.approx(40.0, abs=0.1)
-    assert s.vertical_rate_dps == pytest.approx(40.0 + s.bias_dps, abs=0.05)
+    assert s.heading_rate_dps == pytest.approx(40.0 + s.bias_dps, abs=0.05)
 
 
 def test_yaw_goes_on_when_acceleration_ends(c: AttitudeCoefficients) -> None:

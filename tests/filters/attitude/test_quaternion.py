@@ -1,11 +1,10 @@
-"""Rotations, headings and mounts against scipy."""
+"""Rotations and headings against scipy."""
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from gyrodrift.filters.attitude.batch import from_rotation_vectors, products, rotation_matrices, to_rotation_vectors
-from gyrodrift.filters.attitude.mount import AXES, Mount, roll_pitch_deg
 from gyrodrift.filters.attitude.quaternion import (
     Quaternion,
     from_rotation_vector,
@@ -60,22 +59,3 @@ def test_a_level_attitude_turns_gravity_up_and_has_heading_zero(up: tuple[float,
     q = level(*up)
     assert rotate(q, up) == pytest.approx((0.0, 0.0, np.hypot(up[0], np.hypot(up[1], up[2]))), abs=1e-9)
     assert q[3] == 0.0
-
-
-@pytest.mark.parametrize("up", list(AXES))
-@pytest.mark.parametrize("forward", list(AXES))
-def test_roll_and_pitch_are_those_of_the_device(up: str, forward: str) -> None:
-    """A sensor in any of 24 mounts shows the roll and pitch of its device."""
-    if up[1] == forward[1]:
-        with pytest.raises(ValueError, match="two different axes"):
-            Mount(up, forward)
-        return
-    columns = np.array((AXES[forward], np.cross(AXES[up], AXES[forward]), AXES[up]))
-    device = Rotation.from_euler("ZYX", (50.0, -20.0, 130.0), degrees=True)
-    q = quaternion(device * Rotation.from_matrix(columns))
-    assert roll_pitch_deg(q, Mount(up, forward)) == pytest.approx((130.0, -20.0))
-
-
-def test_an_unknown_axis_of_a_mount_is_told() -> None:
-    with pytest.raises(ValueError, match="mount: up is 'z'; use one of"):
-        Mount("z")

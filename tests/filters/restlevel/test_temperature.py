@@ -6,8 +6,8 @@ from recordings_support import Recordings
 from restlevel_reference import reference
 
 from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.auxiliary import Auxiliary
 from gyrodrift.evaluation.kernels.restlevel import walk
-from gyrodrift.evaluation.reference import Auxiliary
 from gyrodrift.filters.restlevel.bias_state import TempLine
 from gyrodrift.filters.restlevel.memory import begun, learned
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState

@@ -5,8 +5,8 @@ import pytest
 from restlevel_reference import reference
 
 from gyrodrift.arrays import Floats
+from gyrodrift.evaluation.auxiliary import Auxiliary
 from gyrodrift.evaluation.kernels.restlevel import walk
-from gyrodrift.evaluation.reference import Auxiliary
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
 

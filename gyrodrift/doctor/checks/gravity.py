@@ -1,0 +1,122 @@
+"""Checks of the accelerometer: unit, axis up, agreement with the gyro, vibration, range."""
+
+from gyrodrift.doctor.check import Check
+from gyrodrift.doctor.evidence import DeviceEvidence
+from gyrodrift.doctor.finding import DeviceFinding, error, note, ok, warning
+from gyrodrift.doctor.gravity import AGREES, STANDARD_MPS2, agreement, gravity_summary
+
+UNITS = {1.0: "g", 1000.0: "mg", 16384.0: "lsb/16384", 8192.0: "lsb/8192", 4096.0: "lsb/4096", 2048.0: "lsb/2048"}
+"""Gravity in the units that boards send: g, mg, and counts at ranges of 2, 4, 8 and 16 g (MPU-6050 data sheet)."""
+
+SIZE_SHARE = 0.12
+"""Largest relative error of gravity in the right unit: offset and scale of cheap parts, 0.08 g and 3 % (MPU-6050 data
+sheet), beside 0.5 % of gravity itself."""
+
+OFF_SHARE = 0.02
+"""Relative error from which a calibration is advised: 1.1 deg of tilt if all of it is one axis' offset."""
+
+VIBRATION_MPS2 = 0.5
+"""Scatter at rest above that of parts with a noise of 400 µg/√Hz at 200 Hz of bandwidth, 0.06 m/s², by eight times."""
+
+CLIPPED_MIN = 3
+RAIL_MPS2 = 15.0
+"""Samples at the largest value, and the smallest value that may be the end of a range: 2 g is 19.6 m/s²."""
+
+
+def gravity(evidence: DeviceEvidence) -> DeviceFinding | None:
+    """Whether the accelerometer measures gravity in m/s²."""
+    summary = None if evidence.session is None else gravity_summary(evidence.session)
+    if summary is None:
+        return None
+    size = summary.size_mps2
+    if abs(size / STANDARD_MPS2 - 1.0) <= SIZE_SHARE:
+        do = (
+            ""
+            if abs(size / STANDARD_MPS2 - 1.0) <= OFF_SHARE
+            else "gyrodrift calibrate measures offsets in six positions."
+        )
+        return (note if do else ok)(f"Gravity is {size:.2f} m/s², {summary.up} is up.", do=do, value=size, unit="m/s²")
+    units = [unit for gravity, unit in UNITS.items() if abs(size / gravity - 1.0) <= SIZE_SHARE]
+    if units:
+        axes = ", ".join(f"{axis}:{units[0]}" for axis in ("ax", "ay", "az"))
+        return error(
+            f"Gravity reads {size:.5g} in place of 9.81 m/s²: the accelerations are in {units[0].replace('/', ' / ')}.",
+            f"Name the unit in the columns: --columns '..., {axes}'.",
+            size,
+        )
+    return error(
+        f"Gravity reads {size:.3g} in place of 9.81 m/s².",
+        "Check the range of the accelerometer, and the unit of ax, ay and az in --columns.",
+        size,
+    )
+
+
+def axes_agree(evidence: DeviceEvidence) -> DeviceFinding | None:
+    """Whether gravity turns as the gyro says, so that both have the same axes."""
+    axes = None if evidence.session is None else agreement(evidence.session)
+    if axes is None:
+        return None
+    if axes.residual <= AGREES:
+        return ok("Gravity turns as the gyro says: both have the same axes.", axes.residual)
+    if axes.best_residual <= AGREES:
+        named = ", ".join(
+            f"a{axis} is {'−' if best[0] == '-' else ''}a{best[1]}"
+            for axis, best in zip("xyz", axes.best, strict=True)
+            if best != f"+{axis}"
+        )
+        spec = ", ".join(f"a{best[1]}{':-' if best[0] == '-' else ''}" for best in axes.best)
+        return error(
+            f"Gravity turns another way than the gyro says. It fits if {named}.",
+            f"Exchange the columns of the acceleration, in the frame of the gyro: {spec}.",
+            axes.residual,
+        )
+    return error(
+        "Gravity does not turn as the gyro says, with any order or sign of the axes.",
+        "Check units of both, and whether the time of both is the same.",
+        axes.residual,
+    )
+
+
+def accel_vibration(evidence: DeviceEvidence) -> DeviceFinding | None:
+    """Vibration at rest, by the accelerometer."""
+    summary = None if evidence.session is None else gravity_summary(evidence.session)
+    if summary is None:
+        return None
+    noise = summary.noise_mps2
+    if noise <= VIBRATION_MPS2:
+        return ok(f"The acceleration scatters by {noise:.2g} m/s² at rest.", noise, "m/s²")
+    return warning(
+        f"The acceleration scatters by {noise:.2g} m/s² in the quietest fifth of the time: the sensor shakes.",
+        "Mount it on foam, away from motors and fans.",
+        noise,
+        "m/s²",
+    )
+
+
+def accel_range(evidence: DeviceEvidence) -> DeviceFinding | None:
+    """Whether accelerations exceed the range or are missing."""
+    summary = None if evidence.session is None else gravity_summary(evidence.session)
+    if summary is None:
+        return None
+    if summary.largest_mps2 >= RAIL_MPS2 and summary.at_largest >= CLIPPED_MIN:
+        return warning(
+            f"{summary.at_largest} accelerations are exactly {summary.largest_mps2:.4g} m/s²: the range ends there.",
+            "Choose a wider range; tilt suffers while the acceleration is cut off.",
+            summary.largest_mps2,
+            "m/s²",
+        )
+    if summary.missing > 0.0:
+        return note(
+            f"{summary.missing:.1%} of the samples have no acceleration.",
+            "Yaw goes on by the gyro; send the acceleration with every sample.",
+            summary.missing,
+        )
+    return ok(f"The largest acceleration is {summary.largest_mps2:.3g} m/s².", summary.largest_mps2, "m/s²")
+
+
+CHECKS = (
+    Check("gravity", "size of gravity, and the axis that points up", gravity),
+    Check("axes_agree", "whether gravity turns as the gyro says", axes_agree),
+    Check("accel_vibration", "vibration at rest, by the accelerometer", accel_vibration),
+    Check("accel_range", "whether accelerations exceed the range or are missing", accel_range),
+)

@@ -1,0 +1,88 @@
+"""A filter over samples in their order, on one axis or on three.
+
+The step of one axis is called as it is, so a device of one axis gets the same bits as from the step itself. The package
+of three axes is imported when the first sample with three axes arrives.
+"""
+
+from dataclasses import dataclass, field
+from math import isfinite, nan
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+from gyrodrift.filters.filter import Filter
+from gyrodrift.sample import Inertial
+
+if TYPE_CHECKING:
+    from gyrodrift.filters.three_axes import ThreeAxisFilter
+
+Axes = Literal["auto", "1", "3"]
+"""Axes of a filter: three where the device sends three rates and accelerations, only z, or always all three."""
+
+AXES: tuple[Axes, ...] = get_args(Axes)
+
+
+@dataclass(slots=True)
+class FilterRun:
+    """A filter with its state; it goes over to three axes with the first sample that has them.
+
+    filter, params
+        The filter and its parameters, before those of a calibration.
+    axes
+        `auto` needs accelerations; `3` also takes three rates without them.
+    state
+        State after the last sample; that of three axes has the attributes of `three_axes.ThreeAxisState` too.
+    three_axes
+        The three-axis version in use; None on one axis.
+    """
+
+    filter: Filter
+    params: Any
+    axes: Axes = "auto"
+    state: Any = field(init=False)
+    three_axes: "ThreeAxisFilter | None" = field(init=False, default=None)
+    _coefficients: Any = field(init=False)
+    _step: Any = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.state, self._step = self.filter.state(), self.filter.step_auxiliary
+        self._coefficients = self.filter.coefficients(self.params)
+
+    def step(
+        self, t_s: float, rate_dps: float, inertial: Inertial | None = None, still: float = nan, temp_c: float = nan
+    ) -> bool:
+        """Take a sample; False if it is rejected."""
+        if self.three_axes is None:
+            if not self.has_axes(inertial):
+                return bool(self._step(self._coefficients, self.state, t_s, rate_dps, still, temp_c))
+            self._go_over()
+        given = Inertial(0.0, 0.0, rate_dps) if inertial is None else inertial
+        return self.three_axes.step(self._coefficients, self.state, t_s, given, still, temp_c)  # type: ignore[union-attr]
+
+    def use(self, params: Any) -> None:
+        """Go on with other parameters."""
+        self.params = params
+        self._coefficients = (self.three_axes or self.filter).coefficients(params)
+
+    def zero(self) -> None:
+        """Set the yaw sigma to 0 at the last sample."""
+        (self.three_axes or self.filter).zero(self.state)
+
+    @property
+    def scale_sigma_deg(self) -> float:
+        """Share of the yaw sigma from the scale factor, deg; NaN for a filter that does not state it."""
+        return nan if self.three_axes else self.filter.scale_sigma_deg(self._coefficients, self.state)
+
+    def has_axes(self, inertial: Inertial | None) -> bool:
+        """Whether this sample makes the filter go over to three axes."""
+        if inertial is None:
+            return False
+        if self.axes == "auto":
+            return isfinite(inertial.accel_x_mps2 + inertial.accel_y_mps2 + inertial.accel_z_mps2)
+        return self.axes == "3"
+
+    def _go_over(self) -> None:
+        from gyrodrift.filters.three_axes import three_axis_version  # noqa: PLC0415 - numpy, for three axes only
+
+        old, self.three_axes = self.state, three_axis_version(self.filter)
+        self.state = self.three_axes.state()
+        self.state.yaw_deg, self.state.rejected = old.yaw_deg, old.rejected
+        self.use(self.params)

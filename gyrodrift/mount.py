@@ -1,0 +1,80 @@
+"""Mount of a sensor on its device, and what it makes of an attitude: tilt, roll and pitch.
+
+Quaternions (w, x, y, z) rotate from the sensor to the earth frame, z up. The device frame has x forward, y left and z
+up (REP 103). Roll and pitch are its Tait-Bryan angles, R = Rz(yaw)·Ry(pitch)·Rx(roll): roll is positive with the right
+side down, pitch with the nose down.
+"""
+
+from dataclasses import dataclass
+from math import asin, atan2, cos, degrees, hypot, radians, sin
+from typing import Literal, get_args
+
+Quaternion = tuple[float, float, float, float]
+Vector = tuple[float, float, float]
+Axis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
+
+AXES: tuple[Axis, ...] = get_args(Axis)
+
+
+@dataclass(frozen=True, slots=True)
+class Mount:
+    """Axes of the sensor that point up and forward on the level device.
+
+    Raises
+    ------
+    ValueError
+        If both are the same axis of the sensor.
+    """
+
+    up: Axis = "+z"
+    forward: Axis = "+x"
+
+    def __post_init__(self) -> None:
+        if self.up[1] == self.forward[1]:
+            raise ValueError(
+                f"up is {self.up} and forward is {self.forward}; expected two different axes of the sensor"
+            )
+
+    def tilt_deg(self, q: Quaternion) -> float:
+        """Angle between the up axis and the vertical, 0 to 180 deg."""
+        x, y, z = _rotated(q, vector_of(self.up))
+        return degrees(atan2(hypot(x, y), z))
+
+    def roll_pitch_deg(self, q: Quaternion) -> tuple[float, float]:
+        """Roll, −180 to 180 deg, and pitch, −90 to 90 deg."""
+        forward, up = vector_of(self.forward), vector_of(self.up)
+        leftward = _cross(up, forward)
+        forward_z, left_z, up_z = (_rotated(q, axis)[2] for axis in (forward, leftward, up))
+        return degrees(atan2(left_z, up_z)), degrees(asin(max(-1.0, min(1.0, -forward_z))))
+
+
+LEVEL = Mount()
+
+
+def vector_of(axis: Axis) -> Vector:
+    """Unit vector of an axis in the sensor frame."""
+    x, y, z = (1.0 if axis[1] == name else 0.0 for name in "xyz")
+    return (x, y, z) if axis[0] == "+" else (-x, -y, -z)
+
+
+def with_heading(q: Quaternion, turn_deg: float) -> Quaternion:
+    """Attitude after a further turn about the vertical."""
+    half = radians(0.5 * turn_deg)
+    c, s = cos(half), sin(half)
+    w, x, y, z = q
+    return c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w
+
+
+def _rotated(q: Quaternion, v: Vector) -> Vector:
+    w, x, y, z = q
+    tx, ty, tz = _doubled(_cross((x, y, z), v))
+    cx, cy, cz = _cross((x, y, z), (tx, ty, tz))
+    return v[0] + w * tx + cx, v[1] + w * ty + cy, v[2] + w * tz + cz
+
+
+def _doubled(v: Vector) -> Vector:
+    return 2.0 * v[0], 2.0 * v[1], 2.0 * v[2]
+
+
+def _cross(a: Vector, b: Vector) -> Vector:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

@@ -1,0 +1,88 @@
+"""`serve` on a device of three axes, through a pty and the native protocol."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hand_motion import BIAS_DPS, HandMotion, hand_motion
+from support import Command
+
+from gyrodrift.session.files import load_session
+
+
+@pytest.fixture(scope="module")
+def motion() -> HandMotion:
+    return hand_motion(40.0, tilt_deg=20.0, yaw_deg=20.0, bias_dps=BIAS_DPS)
+
+
+def served(folder: Path, motion: HandMotion, *words: str | Path) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """JSON lines and log events of a service that reads the whole motion."""
+    link, session = folder / "gyro", motion.write(folder / "motion.csv")
+    with Command("replay", session, "--protocol", "native", "--link", link, "--speed", "max") as replay:
+        replay.until(lambda _: link.is_symlink(), "port")
+        with Command("serve", "--port", link, "--log-format", "json", *words) as serve:
+            lines = serve.take_lines(len(motion.t_s))
+            serve.stop()
+            return lines, [json.loads(line) for line in serve.log.splitlines()]
+
+
+def test_json_lines_have_the_attitude_and_a_heading_that_follows_the_tilted_turn(
+    tmp_path: Path, motion: HandMotion
+) -> None:
+    lines, events = served(tmp_path, motion)
+    yaw_deg = np.array([line["yaw_deg"] for line in lines])
+    expected_deg = np.interp([line["t_s"] for line in lines], motion.t_s, motion.heading_deg)
+    assert np.abs(yaw_deg - expected_deg).max() < 3.0
+    last = lines[-1]
+    w, _, _, z = last["q"]
+    assert np.rad2deg(2.0 * np.arctan2(z, w)) == pytest.approx(last["yaw_deg"], abs=0.01)
+    assert last["bias_xyz_dps"] == pytest.approx(BIAS_DPS, abs=0.1)
+    assert {"tilt_deg", "roll_deg", "pitch_deg", "tilt_sigma_deg"} <= last.keys()
+    assert [event["filter"] for event in events if event["event"] == "three_axes"] == ["restlevel"]
+
+
+def test_axes_1_keeps_the_rate_about_z(tmp_path: Path, motion: HandMotion) -> None:
+    lines, events = served(tmp_path, motion, "--axes", "1")
+    assert "q" not in lines[-1]
+    assert lines[-1]["corrected_dps"] == pytest.approx(lines[-1]["rate_dps"] - lines[-1]["bias_dps"], abs=2e-5)
+    assert "three_axes" not in {event["event"] for event in events}
+
+
+def test_a_mount_turns_the_attitude_into_roll_and_pitch_of_the_device(tmp_path: Path, motion: HandMotion) -> None:
+    """With y of the sensor forward the roll of the sensor is minus the pitch of the device."""
+    config = tmp_path / "mount.yaml"
+    config.write_text("filter: restlevel\nmount: {up: +z, forward: +y}\n")
+    plain, _ = served(tmp_path, motion)
+    mounted, _ = served(tmp_path, motion, "--config", config)
+    by_time = {line["t_s"]: line for line in plain if "q" in line}
+    line = mounted[-1]
+    small = by_time[line["t_s"]]
+    assert line["q"] == pytest.approx(small["q"], abs=1e-3)
+    assert line["tilt_deg"] == pytest.approx(small["tilt_deg"], abs=0.05)
+    assert line["roll_deg"] != pytest.approx(small["roll_deg"], abs=0.5)
+    up = _rotated_z(line["q"])
+    assert np.sin(np.deg2rad(line["pitch_deg"])) == pytest.approx(-up[1], abs=0.01)
+
+
+def test_memory_is_refused_and_a_recording_has_all_axes(tmp_path: Path, motion: HandMotion) -> None:
+    memory, folder = tmp_path / "memory.json", tmp_path / "recordings"
+    _, events = served(tmp_path, motion, "--memory", memory, "--record", folder)
+    refused = [event for event in events if event["event"] == "memory_refused"]
+    assert [event["reason"].split(";")[0] for event in refused] == ["the filter of three axes has no memory"]
+    (recording,) = folder.glob("*.mcap")
+    session = load_session(recording)
+    assert session.accel_mps2 is not None
+    assert session.accel_mps2.shape == (len(motion.t_s), 3)
+    with Command("filter", recording) as filtered:
+        assert filtered.end() == 0
+    header, *rows = (row.split(",") for row in filtered.out.splitlines())
+    assert float(rows[-1][header.index("yaw_deg")]) == pytest.approx(motion.heading_deg[-1], abs=3.0)
+    assert {"q_w", "tilt_deg", "bias_z_dps"} <= set(header)
+
+
+def _rotated_z(q: list[float]) -> tuple[float, float, float]:
+    """Heights of the axes of the sensor in the earth frame."""
+    w, x, y, z = q
+    return 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
