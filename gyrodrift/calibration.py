@@ -3,10 +3,16 @@
     rate = sign · scale · (measured − bias(T))        scale of the present direction of turning
     bias(T) = bias_dps + bias_dps_per_c · (T − temp_c)
 
+With three axes the rates pass a matrix before sign and scale, and the acceleration has an offset and a scale:
+
+    rates = gyro_matrix · (measured − bias)           bias of x and y: gyro_bias_xy_dps, of z: bias(T)
+    acceleration = accel_scale · (measured − accel_offset_mps2)
+
 A session keeps the raw rate, and the calibration that was in use. Analyses apply that calibration once; the service
 applies the calibration of its config.
 """
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from datetime import UTC, datetime
@@ -16,7 +22,7 @@ from typing import Annotated, Any, Literal
 
 from annotated_types import Ge, Gt, Le, MaxLen
 
-from gyrodrift.sample import Sample, upside_down
+from gyrodrift.sample import Inertial, Sample, upside_down
 
 OLD_DAYS = 365.0
 """Age from which a calibration is reported as old; it is still applied.
@@ -30,6 +36,24 @@ Scale = Annotated[float, Ge(0.5), Le(2.0)]
 Spread = Annotated[float, Ge(0.0), Le(1.0)]
 BiasDps = Annotated[float, Ge(-100.0), Le(100.0)]
 TempC = Annotated[float, Ge(-100.0), Le(200.0)]
+OffsetMps2 = Annotated[float, Ge(-20.0), Le(20.0)]
+Share = Annotated[float, Ge(-2.0), Le(2.0)]
+Row = tuple[Share, Share, Share]
+SpreadRow = tuple[Spread, Spread, Spread]
+
+AXES_SHAPES: dict[str, tuple[int, ...]] = {
+    "accel_offset_mps2": (3,),
+    "accel_offset_se_mps2": (3,),
+    "accel_scale": (3,),
+    "accel_scale_se": (3,),
+    "gyro_bias_xy_dps": (2,),
+    "gyro_bias_xy_se_dps": (2,),
+    "gyro_matrix": (3, 3),
+    "gyro_matrix_se": (3, 3),
+}
+"""Shapes of the values of three axes; all are None in the calibration of one axis."""
+
+Numbers = tuple["float | Numbers", ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +86,15 @@ class Calibration:
         Whole turns at a time, and repeats per direction.
     mark_deg
         Standard deviation of a stop at the mark, degrees.
+    accel_offset_mps2, accel_offset_se_mps2
+        Measured acceleration of x, y and z without any force, m/s², and its standard errors.
+    accel_scale, accel_scale_se
+        True acceleration over measured acceleration without offset, of x, y and z, and its standard errors.
+    gyro_bias_xy_dps, gyro_bias_xy_se_dps
+        Measured rates about x and y at rest, deg/s, and their standard errors; the bias about z is `bias_dps`.
+    gyro_matrix, gyro_matrix_se
+        Rates in the frame of the accelerometer from measured rates without bias, rows x, y and z, and its standard
+        errors.
     """
 
     date: Annotated[str, MaxLen(40)]
@@ -83,6 +116,14 @@ class Calibration:
     turns: Annotated[int, Ge(1), Le(1000)] | None = None
     repeats: Annotated[int, Ge(1), Le(1000)] | None = None
     mark_deg: Annotated[float, Ge(0.0), Le(360.0)] | None = None
+    accel_offset_mps2: tuple[OffsetMps2, OffsetMps2, OffsetMps2] | None = None
+    accel_offset_se_mps2: SpreadRow | None = None
+    accel_scale: tuple[Scale, Scale, Scale] | None = None
+    accel_scale_se: SpreadRow | None = None
+    gyro_bias_xy_dps: tuple[BiasDps, BiasDps] | None = None
+    gyro_bias_xy_se_dps: tuple[Spread, Spread] | None = None
+    gyro_matrix: tuple[Row, Row, Row] | None = None
+    gyro_matrix_se: tuple[SpreadRow, SpreadRow, SpreadRow] | None = None
 
     @property
     def scale_sigma(self) -> float | None:
@@ -107,24 +148,60 @@ class Calibration:
         return self.bias_dps + self.bias_dps_per_c * (inside_c - self.temp_c)
 
     def sample(self, measured: Sample) -> Sample:
-        """Sample with its true rate, also about the z axis of a device with three axes."""
-        rate_dps = self.rate_dps(measured.rate_dps, measured.temp_c)
+        """Sample with its true rate, and with the true rates and accelerations of all axes that it has."""
         if measured.inertial is None:
-            return measured._replace(rate_dps=rate_dps)
-        inertial = measured.inertial if self.sign > 0 else upside_down(measured.inertial)
-        return measured._replace(rate_dps=rate_dps, inertial=inertial._replace(gyro_z_dps=rate_dps))
+            return measured._replace(rate_dps=self.rate_dps(measured.rate_dps, measured.temp_c))
+        inertial = self.inertial(measured.inertial, measured.temp_c)
+        return measured._replace(rate_dps=inertial.gyro_z_dps, inertial=inertial)
+
+    def inertial(self, measured: Inertial, temp_c: float = nan) -> Inertial:
+        """True rates and accelerations; a device with `sign` −1 is upside down."""
+        x_dps, y_dps, z_dps, x_mps2, y_mps2, z_mps2 = measured
+        z_dps -= self.bias_at_dps(temp_c)
+        if self.gyro_bias_xy_dps is not None:
+            x_dps, y_dps = x_dps - self.gyro_bias_xy_dps[0], y_dps - self.gyro_bias_xy_dps[1]
+        if self.gyro_matrix is not None:
+            x_dps, y_dps, z_dps = (row[0] * x_dps + row[1] * y_dps + row[2] * z_dps for row in self.gyro_matrix)
+        if self.accel_offset_mps2 is not None:
+            x0_mps2, y0_mps2, z0_mps2 = self.accel_offset_mps2
+            x_mps2, y_mps2, z_mps2 = x_mps2 - x0_mps2, y_mps2 - y0_mps2, z_mps2 - z0_mps2
+        if self.accel_scale is not None:
+            x_scale, y_scale, z_scale = self.accel_scale
+            x_mps2, y_mps2, z_mps2 = x_mps2 * x_scale, y_mps2 * y_scale, z_mps2 * z_scale
+        corrected = Inertial(x_dps, y_dps, z_dps, x_mps2, y_mps2, z_mps2)
+        upright = corrected if self.sign > 0 else upside_down(corrected)
+        return upright._replace(gyro_z_dps=self.of_rest_dps(z_dps))
 
     def measured_dps(self, rate_dps: float, temp_c: float = nan) -> float:
-        """Measured rate for a true rate, deg/s."""
-        return self.bias_at_dps(temp_c) + self.sign * rate_dps / (self.scale_ccw if rate_dps >= 0.0 else self.scale_cw)
+        """Measured rate for a true rate, deg/s; with three axes, about z alone."""
+        along = 1.0 if self.gyro_matrix is None else self.gyro_matrix[2][2]
+        scale = self.scale_ccw if rate_dps >= 0.0 else self.scale_cw
+        return self.bias_at_dps(temp_c) + self.sign * rate_dps / scale / along
 
     def following(self, old: "Calibration", bias_dps: float, temp_c: float = nan) -> "Calibration":
         """Copy with a bias that keeps the estimate of a filter valid that ran with an old calibration.
 
-        `bias_dps` is the estimate of the filter, deg/s, at `temp_c`, °C.
+        `bias_dps` is the estimate of the filter about z, deg/s, at `temp_c`, °C. The biases of x and y stay the old
+        ones.
         """
         rest_dps = old.measured_dps(bias_dps, temp_c)
-        return replace(self, bias_dps=self.bias_dps + rest_dps - self.measured_dps(bias_dps, temp_c))
+        shifted_dps = self.bias_dps + rest_dps - self.measured_dps(bias_dps, temp_c)
+        return replace(self, bias_dps=shifted_dps, gyro_bias_xy_dps=old.gyro_bias_xy_dps)
+
+    def keeping_axes(self, old: "Calibration | None") -> "Calibration":
+        """Copy of a calibration of one axis with the accelerometer and the level axes of an old one of the device.
+
+        `gyro_matrix` contains the scale of z, so the new scale replaces it.
+        """
+        if old is None or not old.is_for(self.device_id):
+            return self
+        kept = {name: getattr(old, name) for name in AXES_SHAPES if not name.startswith("gyro_matrix")}
+        return replace(self, **kept)
+
+    @property
+    def has_axes(self) -> bool:
+        """Whether a value of three axes was measured."""
+        return any(getattr(self, name) is not None for name in AXES_SHAPES)
 
     def age_days(self, now: datetime) -> float:
         """Age, days."""
@@ -136,8 +213,16 @@ class Calibration:
 
     def table(self) -> dict[str, str]:
         """Metadata of a session."""
+        return {
+            name: json.dumps(value) if name in AXES_SHAPES else str(value)
+            for name, value in self.values().items()
+            if value is not None
+        }
+
+    def values(self) -> dict[str, Any]:
+        """All values by name; those of three axes only if they were measured."""
         named = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {name: str(value) for name, value in named.items() if value is not None}
+        return {name: value for name, value in named.items() if name not in AXES_SHAPES or value is not None}
 
 
 NO_CALIBRATION = Calibration(date="")
@@ -150,15 +235,44 @@ def calibration_of_table(table: Mapping[str, str]) -> Calibration:
     Raises
     ------
     ValueError
-        A value is not a number.
+        A value is not a number, or does not have the shape of its name.
     """
     names = {field.name for field in fields(Calibration)}
-    texts, whole = {"date", "device_id"}, {"sign", "turns", "repeats"}
-    given: dict[str, Any] = {}
-    for name in names & table.keys():
-        text = table[name]
-        given[name] = text if name in texts else int(text) if name in whole else float(text)
-    return replace(NO_CALIBRATION, **given)
+    return replace(NO_CALIBRATION, **{name: _value_of(name, table[name]) for name in names & table.keys()})
+
+
+def _value_of(name: str, text: str) -> Any:
+    if name in ("date", "device_id"):
+        return text
+    if name in AXES_SHAPES:
+        return numbers_of(name, json.loads(text))
+    return int(text) if name in ("sign", "turns", "repeats") else float(text)
+
+
+def numbers_of(name: str, value: Any) -> Numbers:
+    """Value of three axes from nested lists of numbers.
+
+    Raises
+    ------
+    ValueError
+        The lists do not have the shape of the name, or have other content than numbers.
+    """
+    return _nested(value, AXES_SHAPES[name], f"{name}: expected {shape_text(AXES_SHAPES[name])}")
+
+
+def shape_text(shape: tuple[int, ...]) -> str:
+    """Words for a shape."""
+    return f"{shape[0]} numbers in brackets" if len(shape) == 1 else f"{shape[0]} rows of {shape[1]} numbers"
+
+
+def _nested(value: Any, shape: tuple[int, ...], error: str) -> Numbers:
+    if not isinstance(value, list | tuple) or len(value) != shape[0]:
+        raise ValueError(error)
+    if len(shape) > 1:
+        return tuple(_nested(row, shape[1:], error) for row in value)
+    if not all(isinstance(number, int | float) and not isinstance(number, bool) for number in value):
+        raise ValueError(error)
+    return tuple(map(float, value))
 
 
 def moment(date: str) -> datetime:

@@ -10,7 +10,7 @@ from typing import Any, get_type_hints
 import yaml
 from pydantic import ValidationError, create_model
 
-from gyrodrift.calibration import Calibration, moment
+from gyrodrift.calibration import AXES_SHAPES, Calibration, moment, numbers_of, shape_text
 from gyrodrift.config.explain import Strict, describe_value, expectation, unknown_key
 from gyrodrift.config.yaml import Key
 from gyrodrift.errors import UsageError
@@ -39,6 +39,14 @@ NOTES = {
     "turns": "whole turns at a time",
     "repeats": "turns measured in each direction",
     "mark_deg": "standard deviation of a stop at the mark, deg",
+    "accel_offset_mps2": "measured acceleration of x, y, z without force, m/s²",
+    "accel_offset_se_mps2": "its standard errors, m/s²",
+    "accel_scale": "true acceleration over measured acceleration, x, y, z",
+    "accel_scale_se": "its standard errors",
+    "gyro_bias_xy_dps": "measured rates at rest about x and y, deg/s",
+    "gyro_bias_xy_se_dps": "their standard errors, deg/s",
+    "gyro_matrix": "rates along the accelerometer from measured rates, rows x, y, z",
+    "gyro_matrix_se": "its standard errors",
 }
 
 
@@ -58,9 +66,15 @@ def calibration_in(value: Any, report: Callable[[Key, str], None]) -> Calibratio
     if not isinstance(value, dict):
         report((), f"is {describe_value(value)}; expected a block of keys, as written by gyrodrift calibrate")
         return None
-    model = _model()
+    model, shaped = _model(), dict(value)
+    for name in AXES_SHAPES.keys() & value.keys():
+        try:
+            shaped[name] = None if value[name] is None else numbers_of(name, value[name])
+        except ValueError:
+            report((name,), f"is {describe_value(value[name])}; expected {shape_text(AXES_SHAPES[name])}")
+            return None
     try:
-        calibration = Calibration(**model.model_validate(value).model_dump())
+        calibration = Calibration(**model.model_validate(shaped).model_dump())
     except ValidationError as error:
         for problem in error.errors(include_url=False):
             report((str(problem["loc"][0]),), _explained(model, str(problem["loc"][0]), problem["type"], value))
@@ -78,20 +92,33 @@ def _explained(model: type[Strict], name: str, kind: str, given: dict[str, Any])
         return unknown_key(name, list(model.model_fields), f"a key of {CALIBRATION}")
     if kind == "missing":
         return "is missing; expected a date such as 2026-05-01T12:00:00+00:00"
+    if name in AXES_SHAPES:
+        return (
+            f"has a number out of range; expected {shape_text(AXES_SHAPES[name])} as gyrodrift calibrate measures them"
+        )
     return f"is {describe_value(given[name])}; expected {expectation(name, model.model_fields[name])}"
 
 
 def block_text(calibration: Calibration) -> str:
     """The block as text of a config, with a comment on each line."""
-    named = {field.name: getattr(calibration, field.name) for field in fields(calibration)}
-    content = {name: _rounded(value) for name, value in named.items() if value is not None}
-    lines = yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=1000).splitlines()
+    content = {name: _rounded(value) for name, value in calibration.values().items() if value is not None}
+    lines = [_line(name, value) for name, value in content.items()]
     noted = [f"  {line:{WIDTH}} # {NOTES[line.partition(':')[0]]}\n" for line in lines]
     return f"{CALIBRATION}:\n{''.join(noted)}"
 
 
+def _line(name: str, value: Any) -> str:
+    """A key with its value; lists stand in brackets on the same line."""
+    if isinstance(value, list):
+        return f"{name}: {yaml.safe_dump(value, width=1000, default_flow_style=True).rstrip()}"
+    text: str = yaml.safe_dump({name: value}, allow_unicode=True, width=1000)
+    return text.rstrip("\n")
+
+
 def _rounded(value: Any) -> Any:
-    """Round a number to seven digits, which resolve a scale to 1e-7."""
+    """Round numbers to seven digits, which resolve a scale to 1e-7; tuples become lists."""
+    if isinstance(value, tuple):
+        return [_rounded(number) for number in value]
     return float(f"{value:.7g}") if isinstance(value, float) else value
 
 

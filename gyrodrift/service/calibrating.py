@@ -87,6 +87,7 @@ class Calibrating:
             "scale_cw": given.scale_cw,
             "bias_dps": given.bias_dps,
             "device_id": device_id or "unknown",
+            **({"axes": 3} if given.has_axes else {}),
         }
         self.log.info("calibration_applied", **fields)
         self.tell("calibration_applied", fields)

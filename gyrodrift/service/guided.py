@@ -151,10 +151,11 @@ class GuidedCalibration:
         link, watch = self.filtering.link, self.filtering.watch
         try:
             device_id = device_identity(link.device.device_id, link.name)
-            calibration = guide.result(datetime.now(UTC), device_id, link.device.dps_per_lsb)
+            result = guide.result(datetime.now(UTC), device_id, link.device.dps_per_lsb)
         except CalibrationError as error:
             self._end(f"Nothing is written: {error}")
             return
+        calibration = result.keeping_axes(self.filtering.calibrating.given)
         hint = "start serve with --config FILE to keep it"
         if watch is not None:
             try:

@@ -54,11 +54,42 @@ def calibrated(session: Session) -> Session:
 
 
 def with_calibration(session: Session, calibration: Calibration) -> Session:
-    """The session with calibrated rates; its metadata say so, so that it is done only once."""
-    rate_dps = true_rates_dps(session.rate_dps, session.temp_c, calibration)
+    """The session with calibrated rates and accelerations; its metadata say so, so that it is done only once."""
     tables: Mapping[str, Mapping[str, str]] = {n: t for n, t in session.metadata.items() if n != KEPT}
-    upright = session.upside_down() if calibration.sign < 0 else session
+    rate_dps = true_rates_dps(session.rate_dps, session.temp_c, calibration)
+    corrected = session
+    if session.gyro_dps is not None:
+        corrected = _with_true_axes(session, session.gyro_dps, calibration)
+        z_dps = _scaled_dps(corrected.filled("gyro_z_dps"), calibration)
+        rate_dps = np.where(np.isnan(z_dps), rate_dps, z_dps)  # a sample may lack its axes
+    upright = corrected.upside_down() if calibration.sign < 0 else corrected
     return replace(upright.with_yaw_rate(rate_dps), metadata={**tables, APPLIED: calibration.table()})
+
+
+def _with_true_axes(session: Session, gyro_dps: Floats, calibration: Calibration) -> Session:
+    """The session with calibrated axes before the sign, bit by bit as `Calibration.inertial`."""
+    true_dps = true_gyro_dps(gyro_dps, session.temp_c, calibration)
+    accel_mps2 = None if session.accel_mps2 is None else true_accel_mps2(session.accel_mps2, calibration)
+    return replace(session, gyro_dps=true_dps, accel_mps2=accel_mps2)
+
+
+def true_gyro_dps(measured_dps: Floats, temp_c: Floats | None, calibration: Calibration) -> Floats:
+    """Rates in the frame of the accelerometer, before sign and scale of z, deg/s; shape (n, 3)."""
+    x_dps, y_dps = measured_dps[:, 0], measured_dps[:, 1]
+    z_dps = measured_dps[:, 2] - _bias_dps(temp_c, calibration)
+    if calibration.gyro_bias_xy_dps is not None:
+        x_dps, y_dps = x_dps - calibration.gyro_bias_xy_dps[0], y_dps - calibration.gyro_bias_xy_dps[1]
+    if calibration.gyro_matrix is None:
+        return np.column_stack([x_dps, y_dps, z_dps])
+    return np.column_stack([row[0] * x_dps + row[1] * y_dps + row[2] * z_dps for row in calibration.gyro_matrix])
+
+
+def true_accel_mps2(measured_mps2: Floats, calibration: Calibration) -> Floats:
+    """Accelerations without offset and with scale, m/s²; shape (n, 3)."""
+    accel_mps2 = measured_mps2
+    if calibration.accel_offset_mps2 is not None:
+        accel_mps2 = accel_mps2 - np.array(calibration.accel_offset_mps2)
+    return accel_mps2 if calibration.accel_scale is None else accel_mps2 * np.array(calibration.accel_scale)
 
 
 def applied_scale_sigma(session: Session) -> float | None:
@@ -82,8 +113,13 @@ def with_config(session: Session, given: Calibration | None) -> Session:
 
 def true_rates_dps(measured_dps: Floats, temp_c: Floats | None, calibration: Calibration) -> Floats:
     """Calibrated rates, deg/s, bit by bit as `Calibration.rate_dps`; arrays of shape (n,), temperature in °C."""
-    rest_dps = calibration.sign * (measured_dps - _bias_dps(temp_c, calibration))
-    scaled: Floats = rest_dps * np.where(rest_dps >= 0.0, calibration.scale_ccw, calibration.scale_cw)
+    return _scaled_dps(measured_dps - _bias_dps(temp_c, calibration), calibration)
+
+
+def _scaled_dps(rest_dps: Floats, calibration: Calibration) -> Floats:
+    """Rates with sign and scale of their direction, deg/s."""
+    signed_dps = calibration.sign * rest_dps
+    scaled: Floats = signed_dps * np.where(signed_dps >= 0.0, calibration.scale_ccw, calibration.scale_cw)
     return scaled
 
 

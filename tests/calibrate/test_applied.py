@@ -3,6 +3,7 @@
 from csv import DictReader
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -10,12 +11,12 @@ from calibrate_support import GAIN_CCW, GAIN_CW, Table, rest, to_and_fro, turn, 
 from support import Command, near, speaking_on
 
 from gyrodrift.arrays import Floats
-from gyrodrift.calibration import Calibration
+from gyrodrift.calibration import AXES_SHAPES, Calibration, calibration_of_table
 from gyrodrift.cli import main
 from gyrodrift.config.calibration import block_text, with_block
 from gyrodrift.config.model import load_config
 from gyrodrift.diagnose.recording.checked import checked_session
-from gyrodrift.errors import ConfigError, UsageError
+from gyrodrift.errors import ConfigError, DataError, UsageError
 from gyrodrift.evaluation.dataset import Source, load_with_reference
 from gyrodrift.sample import Inertial, Sample
 from gyrodrift.session.calibrated import KEPT, calibrated, true_rates_dps, with_calibration
@@ -228,3 +229,108 @@ def test_an_upside_down_device_turns_its_other_axes_too() -> None:
     true = with_calibration(session, calibration)
     assert true.rate_dps.tolist() == [-3.0]
     assert [true.filled(name)[0] for name in AXIS_COLUMNS] == list(expected)
+
+
+THREE_AXES = replace(
+    RIGHT,
+    accel_offset_mps2=(0.3, -0.2, 0.1),
+    accel_offset_se_mps2=(0.002, 0.002, 0.003),
+    accel_scale=(1.02, 0.98, 1.01),
+    accel_scale_se=(0.0004, 0.0004, 0.0005),
+    gyro_bias_xy_dps=(0.8, -0.5),
+    gyro_bias_xy_se_dps=(0.01, 0.02),
+    gyro_matrix=((1.02, 0.01, -0.017), (0.003, 0.99, 0.02), (-0.01, 0.017, 1.01)),
+    gyro_matrix_se=((0.001, 0.002, 0.002), (0.002, 0.001, 0.002), (0.002, 0.002, 0.001)),
+    temp_low_c=20.0,
+    temp_high_c=30.0,
+    bias_dps_per_c=0.01,
+)
+
+
+def measured_by(calibration: Calibration, rates_dps: Floats, accel_mps2: Floats) -> Inertial:
+    """Reading of a device at the temperature of its calibration, without the scales of a direction."""
+    bias_dps = np.array([*(calibration.gyro_bias_xy_dps or (0.0, 0.0)), calibration.bias_dps])
+    gyro_dps = np.linalg.solve(np.array(calibration.gyro_matrix), rates_dps) + bias_dps
+    accel = accel_mps2 / np.array(calibration.accel_scale) + np.array(calibration.accel_offset_mps2)
+    return Inertial(*gyro_dps.tolist(), *accel.tolist())
+
+
+def test_a_calibration_of_three_axes_gives_true_rates_and_accelerations() -> None:
+    """Offset, scale and misalignment are removed; the acceleration may be missing."""
+    calibration = replace(THREE_AXES, scale_ccw=1.0, scale_cw=1.0)
+    rates_dps, accel_mps2 = np.array([10.0, -20.0, 30.0]), np.array([1.0, -2.0, 9.5])
+    measured = measured_by(calibration, rates_dps, accel_mps2)
+    sample = calibration.sample(Sample(0, 0.0, 0.0, measured.gyro_z_dps, temp_c=25.0, inertial=measured))
+    assert sample.inertial is not None
+    np.testing.assert_allclose(sample.inertial, [*rates_dps, *accel_mps2], atol=1e-12)
+    assert sample.rate_dps == sample.inertial.gyro_z_dps
+    without = calibration.inertial(Inertial(*measured[:3]))
+    np.testing.assert_allclose(without[:3], rates_dps, atol=1e-12)
+    assert np.isnan(without[3:]).all()
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_three_axes_of_a_session_are_calibrated_as_sample_by_sample(sign: Literal[1, -1]) -> None:
+    """To the bit, at every temperature; a sample without its axes keeps the calibrated rate."""
+    calibration = replace(THREE_AXES, sign=sign)
+    rng = np.random.default_rng(3)
+    samples = [
+        Sample(i, float(i), float(i), axes[2], temp_c=temp_c, inertial=Inertial(*axes))
+        for i, (axes, temp_c) in enumerate(zip(rng.normal(0.0, 50.0, (50, 6)).tolist(), range(50), strict=True))
+    ]
+    samples[7] = samples[7]._replace(inertial=None)
+    true, single = with_calibration(session_of("s", samples), calibration), list(map(calibration.sample, samples))
+    assert true.rate_dps.tolist() == [sample.rate_dps for sample in single]
+    for index, sample in enumerate(single):
+        if sample.inertial is not None:
+            assert [true.filled(name)[index] for name in AXIS_COLUMNS] == list(sample.inertial)
+    assert single[7].inertial is None
+
+
+def test_a_block_of_three_axes_is_read_as_it_was_written_and_stored_in_sessions(tmp_path: Path) -> None:
+    """Lists in brackets, one key a line; a session keeps every digit."""
+    path = config_of(tmp_path, THREE_AXES)
+    assert "  accel_offset_mps2: [0.3, -0.2, 0.1] # measured" in path.read_text()
+    written = load_config(path).calibration
+    assert written is not None
+    assert replace(written, scale_ccw=RIGHT.scale_ccw, scale_cw=RIGHT.scale_cw) == THREE_AXES
+    assert calibration_of_table(THREE_AXES.table()) == THREE_AXES
+    assert not AXES_SHAPES.keys() & RIGHT.table().keys()
+    session = Session("s", np.arange(3.0), np.ones(3), metadata={KEPT: {**RIGHT.table(), "gyro_matrix": "[1, 2]"}})
+    with pytest.raises(DataError, match=r"its calibration is invalid: gyro_matrix: expected 3 rows of 3 numbers"):
+        calibrated(session)
+
+
+@pytest.mark.parametrize(
+    ("key", "problem"),
+    [
+        ("accel_scale: [1, 1]", "accel_scale: is a list; expected 3 numbers in brackets"),
+        ("accel_scale: [1, 1, 3]", "accel_scale: has a number out of range; expected 3 numbers in brackets"),
+        ("gyro_matrix: 1", "gyro_matrix: is 1; expected 3 rows of 3 numbers"),
+        ("gyro_bias_xy_dps: [1, true]", "gyro_bias_xy_dps: is a list; expected 2 numbers in brackets"),
+    ],
+)
+def test_a_mistake_in_a_value_of_three_axes_is_named(key: str, problem: str, tmp_path: Path) -> None:
+    path = tmp_path / "c.yaml"
+    path.write_text(f"calibration:\n  date: 2026-01-01\n  {key}\n")
+    with pytest.raises(ConfigError) as caught:
+        load_config(path)
+    assert f"{path}:3:3 calibration.{problem}" in str(caught.value)
+
+
+def test_a_filter_that_runs_keeps_its_biases_under_a_calibration_of_three_axes() -> None:
+    """The estimate about z means the same measured rate; the level axes follow at the next start."""
+    following = THREE_AXES.following(RIGHT, 0.4, 25.0)
+    assert following.measured_dps(0.4, 25.0) == near(RIGHT.measured_dps(0.4, 25.0))
+    assert following.gyro_bias_xy_dps is None
+    assert following.gyro_matrix == THREE_AXES.gyro_matrix
+
+
+def test_a_new_calibration_of_one_axis_keeps_the_accelerometer_of_its_device() -> None:
+    """The matrix contains the old scale of z, so it goes."""
+    kept = RIGHT.keeping_axes(THREE_AXES)
+    assert kept.accel_offset_mps2 == THREE_AXES.accel_offset_mps2
+    assert kept.gyro_bias_xy_dps == THREE_AXES.gyro_bias_xy_dps
+    assert kept.gyro_matrix is None
+    assert RIGHT.keeping_axes(replace(THREE_AXES, device_id="other")) == RIGHT
+    assert RIGHT.keeping_axes(None) == RIGHT

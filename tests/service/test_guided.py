@@ -183,3 +183,13 @@ def test_a_config_that_cannot_be_written_costs_no_calibration(
     assert str(config) in state["says"][-1]
     assert calibration.filtering.calibrating.given == found
     assert not content or config.read_bytes() == content
+
+
+def test_a_calibration_of_the_service_keeps_the_accelerometer_of_its_device(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The guide of the service measures one axis; six positions measured before stay valid."""
+    calibration = begun()
+    calibration.filtering.calibrating.given = Calibration("2026-01-01", accel_scale=(1.01, 0.99, 1.0))
+    monkeypatch.setattr(Guide, "result", lambda *_: Calibration("2026-05-01", scale_ccw=0.98))
+    calibration.press("finish")
+    applied = calibration.filtering.calibrating.given
+    assert applied == Calibration("2026-05-01", scale_ccw=0.98, accel_scale=(1.01, 0.99, 1.0))
