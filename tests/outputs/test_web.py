@@ -22,7 +22,7 @@ from websockets.sync.client import ClientConnection, connect
 from gyrodrift.outputs.status import LinkStatus, OutputStatus, ServiceStatus
 from gyrodrift.outputs.web.address import AddressError, is_loopback, page_url
 from gyrodrift.outputs.web.buttons import MOST_PENDING
-from gyrodrift.outputs.web.points import COLUMNS, LAYOUT, PointHistory, point_of
+from gyrodrift.outputs.web.points import ONE_AXIS, THREE_AXES, PointHistory
 
 Web = tuple[HubThread, str]
 
@@ -65,7 +65,7 @@ def points(client: ClientConnection, count: int) -> list[dict[str, float]]:
     while len(found) < count:
         message = client.recv(PATIENCE_S)
         if isinstance(message, bytes):
-            found += [dict(zip(COLUMNS, row, strict=True)) for row in LAYOUT.iter_unpack(message)]
+            found += [dict(zip(ONE_AXIS.columns, row, strict=True)) for row in ONE_AXIS.record.iter_unpack(message)]
     return found
 
 
@@ -110,7 +110,7 @@ def test_the_stream_is_for_its_own_page(web: Web) -> None:
         assert refused.value.response.status_code == 403
     for options in ({"origin": address}, {}):
         with looking(address, **options) as client:
-            assert told(client, "hello")["columns"] == list(COLUMNS)
+            assert told(client, "hello")["columns"] == list(ONE_AXIS.columns)
 
 
 def test_what_a_page_says_closes_it(web: Web) -> None:
@@ -157,34 +157,36 @@ def test_a_page_that_comes_later_is_given_what_was(web: Web) -> None:
             assert health[0] == {"level": "bad", "says": "The port /dev/gyro is gone; the service waits for it."}
 
 
-def test_an_attitude_comes_with_each_point(web: Web) -> None:
-    """Also to a page that comes later; one axis has none, and its points stay what they are."""
+def test_points_of_three_axes_have_further_columns(web: Web) -> None:
+    """A new hello says so with the first attitude, and pages that come later know it; one axis stays what it is."""
     outputs, address = web
     with looking(address) as client:
-        told(client, "hello")
+        assert told(client, "hello")["columns"] == list(ONE_AXIS.columns)
         outputs.samples([corrected(0)])
-        assert isinstance(client.recv(PATIENCE_S), bytes)
+        assert len(client.recv(PATIENCE_S)) == ONE_AXIS.record.size
         outputs.samples([tilted(1)])
-        assert len(client.recv(PATIENCE_S)) == LAYOUT.size
-        attitude = {"roll_deg": 10.0, "pitch_deg": -20.0, "tilt_deg": 22.2687, "tilt_sigma_deg": 0.4}
-        assert told(client, "attitude") == {"kind": "attitude", **attitude}
-        with looking(address) as late:
-            assert told(late, "attitude")["roll_deg"] == 10.0
-        outputs.samples([corrected(2)])
-        assert told(client, "attitude") == {"kind": "attitude"}
-        outputs.samples([corrected(3)])
-        assert isinstance(client.recv(PATIENCE_S), bytes)
+        assert told(client, "hello")["columns"] == list(THREE_AXES.columns)
+        assert len(client.recv(PATIENCE_S)) == THREE_AXES.record.size
+        outputs.samples([tilted(2, roll_deg=-5.0), tilted(3)])
+        message = client.recv(PATIENCE_S)
+    assert isinstance(message, bytes)
+    point = dict(zip(THREE_AXES.columns, THREE_AXES.record.unpack(message), strict=True))
+    assert (point["roll_deg"], point["pitch_deg"]) == (10.0, -20.0)
+    assert (point["roll_deg_lo"], point["roll_deg_hi"]) == (-5.0, 10.0)
+    with looking(address) as late:
+        assert told(late, "hello")["columns"] == list(THREE_AXES.columns)
+        assert len(late.recv(PATIENCE_S)) == 2 * THREE_AXES.record.size
 
 
 def test_an_hour_is_kept_in_few_points_and_no_spike_is_lost() -> None:
     """In order of time, the last two minutes in full."""
     history = PointHistory()
-    flat = point_of([corrected(0)])
+    flat = ONE_AXIS.point_of([corrected(0)])
     count, spike = 3700 * 30, 700 * 30
     for at in range(count):
         point = flat._replace(t_s=at / 30.0)
         history.add(point._replace(hi=(500.0, *point.hi[1:])) if at == spike else point)
-    rows = [dict(zip(COLUMNS, LAYOUT.unpack(row), strict=True)) for row in history.rows()]
+    rows = [dict(zip(ONE_AXIS.columns, ONE_AXIS.record.unpack(row), strict=True)) for row in history.rows()]
     times = [row["t_s"] for row in rows]
     assert times == sorted(set(times))
     assert 3590.0 < times[-1] - times[0] < 3610.0
@@ -193,7 +195,7 @@ def test_an_hour_is_kept_in_few_points_and_no_spike_is_lost() -> None:
     spikes = [row["t_s"] for row in rows if row["yaw_deg_hi"] == 500.0]
     assert len(spikes) == 1
     assert 0.0 <= spikes[0] - spike / 30.0 < 2.1
-    assert len(rows) * LAYOUT.size < 1 << 20, "more than waits for a client"
+    assert len(rows) * ONE_AXIS.record.size < 1 << 20, "more than waits for a client"
 
 
 @dataclass

@@ -154,7 +154,7 @@ def test_a_tilted_device_has_a_horizon(page: Tab) -> None:
         outputs.samples([corrected(seq, yaw_deg=10.0, heading_deg=nan) for seq in range(100)])
         page.until("document.querySelector('#main-value').innerText === '10.00°'")
         assert page.run("document.querySelector('#horizon').hidden && document.querySelector('#tilt').hidden")
-        assert "Roll" not in page.text("#values")
+        assert "Roll" not in page.text("#values") + page.text("#charts")
         outputs.samples([tilted(200)])
         page.until("document.querySelector('#tilt').innerText.includes('Nose 20.0° up')")
         assert "Right side 10.0° down" in page.text("#tilt")
@@ -162,6 +162,7 @@ def test_a_tilted_device_has_a_horizon(page: Tab) -> None:
         assert label == "Horizon. Right side 10.0° down; Nose 20.0° up."
         world = "document.querySelector('#horizon svg > g > g')"
         assert page.run(f"{world}.getAttribute('transform')") == "rotate(-10.00) translate(0 44.44)"
+        assert "Roll and pitch, deg" in page.text("#charts")
         for value in ("Roll\n+10.0°", "Pitch\n−20.0°", "Tilt\n22.3 ± 0.40°"):
             assert value in page.text("#values")
         outputs.samples([corrected(300)])

@@ -11,23 +11,18 @@ from annotated_types import MaxLen
 
 from gyrodrift import __version__
 from gyrodrift.outputs.health import health
-from gyrodrift.outputs.json_line import present_fields
 from gyrodrift.outputs.net.periodic import Periodic
 from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port
-from gyrodrift.outputs.output import Output, OutputHost
+from gyrodrift.outputs.output import ControlAccess, Output, OutputHost
 from gyrodrift.outputs.status import ClientStatus, ServiceStatus
 from gyrodrift.outputs.web.assets import Assets
 from gyrodrift.outputs.web.buttons import Buttons, is_local
-from gyrodrift.outputs.web.points import COLUMNS, POINTS_HZ, PointHistory, in_messages, point_of
+from gyrodrift.outputs.web.points import ONE_AXIS, POINTS_HZ, THREE_AXES, PointHistory, PointLayout, in_messages
 from gyrodrift.sample import Corrected
 
 KEPT_EVENTS = 50
 """Kept events of the config, and as many others: link events do not displace config events."""
-
-
-TILT = ("roll_deg", "pitch_deg", "tilt_deg", "tilt_sigma_deg")
-"""Fields of the horizon."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +37,7 @@ class WebOptions:
 class WebOutput(Output[WebOptions]):
     """Serves the page, and sends the last hour, then 30 points a second, events, and the state.
 
-    A device with three axes has an attitude with each point; the points themselves stay the same.
+    With the first attitude all pages get a new hello: their points have further columns from then on.
     """
 
     options_type = WebOptions
@@ -52,8 +47,8 @@ class WebOutput(Output[WebOptions]):
         assets = Assets(options.host, options.reached_as)
         self._server = WebSocketServer(self._session, host.log, assets.answer)
         self._samples: list[Corrected] = []
-        self._history = PointHistory()
-        self._attitude = ""
+        self._layout = ONE_AXIS
+        self._history = PointHistory(self._layout)
         self._events: tuple[deque[str], deque[str]] = (deque(maxlen=KEPT_EVENTS), deque(maxlen=KEPT_EVENTS))
         self._frames: Periodic | None = None
 
@@ -95,31 +90,37 @@ class WebOutput(Output[WebOptions]):
         """Send the samples since the last frame as one point."""
         if not self._samples:
             return
-        point, newest = point_of(self._samples), self._samples[-1]
+        if self._layout is ONE_AXIS and self._samples[-1].attitude is not None:
+            self._begin_with(THREE_AXES)
+        point = self._layout.point_of(self._samples)
         self._samples.clear()
         self._history.add(point)
-        self._send(point.pack())
-        self._show_attitude(newest)
+        self._send(self._layout.pack(point))
 
-    def _show_attitude(self, newest: Corrected) -> None:
-        """Send the attitude of the newest sample; an empty one hides the horizon."""
-        attitude = "" if newest.attitude is None else _json("attitude", **present_fields(newest, TILT))
-        if attitude or self._attitude:
-            self._send(attitude or _json("attitude"))
-        self._attitude = attitude
+    def _begin_with(self, layout: PointLayout) -> None:
+        """Begin an empty history with other columns, on all pages too."""
+        self._layout, self._history = layout, PointHistory(layout)
+        for client in self._server.clients:
+            client.send(self._hello(client))
+
+    def _hello(self, client: WebSocketClient) -> str:
+        has_buttons = self._access(client) is not None
+        columns = self._layout.columns
+        return _json("hello", version=__version__, columns=columns, now_s=time.time(), has_buttons=has_buttons)
+
+    def _access(self, client: WebSocketClient) -> ControlAccess | None:
+        """Access to the control socket for a local page."""
+        return self.host.access if is_local(client.connection) else None
 
     def _send(self, message: str | bytes) -> None:
         for client in self._server.clients:
             client.send(message)
 
     def _session(self, client: WebSocketClient) -> "WebSession":
-        access = self.host.access if is_local(client.connection) else None
-        hello = {"version": __version__, "columns": COLUMNS, "now_s": time.time(), "has_buttons": access is not None}
-        client.send(_json("hello", **hello))
+        access = self._access(client)
+        client.send(self._hello(client))
         for message in in_messages(self._history.rows()):
             client.send(message)
-        if self._attitude:
-            client.send(self._attitude)
         for event in self._events[0] + self._events[1]:
             client.send(event)
         if self.host.status.pid:  # a state was received

@@ -1,10 +1,11 @@
 """Points of the page: 30 a second with minimum and maximum, for one hour.
 
-Points are merged by minimum and maximum, so a spike of one sample stays visible at any sample rate.
+Points are merged by minimum and maximum, so a spike of one sample stays visible at any sample rate. Points of a device
+with three axes have further values; those of one axis are shorter.
 """
 
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain
 from math import nan
 from struct import Struct
@@ -42,11 +43,18 @@ LASTS: dict[str, Value] = {
 }
 """Values of the last sample of a point."""
 
-COLUMNS = ("t_s", *LASTS, *(f"{name}_lo" for name in SPANS), *(f"{name}_hi" for name in SPANS))
-"""Columns of a sent point; `t_s` is the Unix time of arrival of its last sample, s."""
+TILT_SPANS: dict[str, Value] = {
+    "roll_deg": lambda c: nan if c.attitude is None else c.attitude.roll_deg,
+    "pitch_deg": lambda c: nan if c.attitude is None else c.attitude.pitch_deg,
+}
+"""Further values of a device with three axes, with minimum and maximum."""
 
-LAYOUT = Struct(f"<d{len(COLUMNS) - 1}f")
-"""Time in double, other columns in single precision, little-endian."""
+TILT_LASTS: dict[str, Value] = {
+    **TILT_SPANS,
+    "tilt_deg": lambda c: nan if c.attitude is None else c.attitude.tilt_deg,
+    "tilt_sigma_deg": lambda c: nan if c.attitude is None else c.attitude.tilt_sigma_deg,
+}
+"""Further values of the last sample."""
 
 
 class Point(NamedTuple):
@@ -55,7 +63,7 @@ class Point(NamedTuple):
     t_s
         Unix time of arrival of the last sample, s.
     last, lo, hi
-        Values in the order of LASTS and SPANS; NaN if unknown.
+        Values in the order of the layout; NaN if unknown.
     """
 
     t_s: float
@@ -63,21 +71,39 @@ class Point(NamedTuple):
     lo: tuple[float, ...]
     hi: tuple[float, ...]
 
-    def pack(self) -> bytes:
-        """Encode the point."""
-        return LAYOUT.pack(self.t_s, *self.last, *self.lo, *self.hi)
+
+class PointLayout:
+    """Values of the points of a stream.
+
+    columns
+        Columns of a sent point; `t_s` is the Unix time of arrival of its last sample, s.
+    record
+        Time in double, other columns in single precision, little-endian.
+    """
+
+    def __init__(self, spans: Mapping[str, Value], lasts: Mapping[str, Value]) -> None:
+        self._spans, self._lasts = tuple(spans.values()), tuple(lasts.values())
+        self.columns = ("t_s", *lasts, *(f"{name}_lo" for name in spans), *(f"{name}_hi" for name in spans))
+        self.record = Struct(f"<d{len(self.columns) - 1}f")
+
+    def point_of(self, samples: Sequence[Corrected]) -> Point:
+        """Point of one or more samples."""
+        newest = samples[-1]
+        columns = [_finite([of(sample) for sample in samples]) for of in self._spans]
+        return Point(
+            newest.sample.t_host_s,
+            tuple(of(newest) for of in self._lasts),
+            tuple(map(min, columns)),
+            tuple(map(max, columns)),
+        )
+
+    def pack(self, point: Point) -> bytes:
+        """Encode a point."""
+        return self.record.pack(point.t_s, *point.last, *point.lo, *point.hi)
 
 
-def point_of(samples: Sequence[Corrected]) -> Point:
-    """Point of one or more samples."""
-    newest = samples[-1]
-    columns = [[value for value in map(of, samples) if value == value] or [nan] for of in SPANS.values()]  # noqa: PLR0124 - not NaN
-    return Point(
-        newest.sample.t_host_s,
-        tuple(of(newest) for of in LASTS.values()),
-        tuple(map(min, columns)),
-        tuple(map(max, columns)),
-    )
+ONE_AXIS = PointLayout(SPANS, LASTS)
+THREE_AXES = PointLayout(SPANS | TILT_SPANS, LASTS | TILT_LASTS)
 
 
 def merged(points: Sequence[Point]) -> Point:
@@ -103,7 +129,8 @@ TIERS = ((0.0, 120.0), (1.0 / 3.0, 600.0), (2.0, 3600.0))
 class _Tier:
     """Newest points of one width, encoded."""
 
-    def __init__(self, width_s: float, kept_s: float) -> None:
+    def __init__(self, layout: PointLayout, width_s: float, kept_s: float) -> None:
+        self._layout = layout
         self.rows: deque[tuple[float, bytes]] = deque(maxlen=round(kept_s / (width_s or 1.0 / POINTS_HZ)))
         self._width_s = width_s
         self._open: list[Point] = []
@@ -122,14 +149,14 @@ class _Tier:
     def _close(self) -> None:
         whole = merged(self._open) if len(self._open) > 1 else self._open[0]
         self._open.clear()
-        self.rows.append((whole.t_s, whole.pack()))
+        self.rows.append((whole.t_s, self._layout.pack(whole)))
 
 
 class PointHistory:
     """Bounded history of one hour for new pages: two minutes in full, older points coarser."""
 
-    def __init__(self) -> None:
-        self._tiers = [_Tier(width_s, kept_s) for width_s, kept_s in TIERS]
+    def __init__(self, layout: PointLayout = ONE_AXIS) -> None:
+        self._tiers = [_Tier(layout, width_s, kept_s) for width_s, kept_s in TIERS]
 
     def add(self, point: Point) -> None:
         """Keep a point."""

@@ -60,6 +60,13 @@ const CHARTS = [
     ],
   },
   {
+    title: "Roll and pitch", unit: "deg", height: 110, digits: 1, range: atLeast(2), needs: "roll_deg",
+    lines: [
+      { name: "roll", color: "roll", width: 1.5, of: (view) => view.span("roll_deg") },
+      { name: "pitch", color: "pitch", width: 1.5, dash: [8, 3], of: (view) => view.span("pitch_deg") },
+    ],
+  },
+  {
     title: "Bias", unit: "deg/s", height: 110, digits: 4, range: atLeast(0.01),
     lines: [
       { name: "+2σ", color: "drift", band: true, of: (view) => doubled(view, "bias_dps", "bias_sigma_dps", 1) },
@@ -202,7 +209,8 @@ export class Charts {
     this.endS = null; // live
     this.dueMs = 0; // time of the next drawing
     this.later = null;
-    this.charts = CHARTS.map((made) => new Chart(place, made, (plot) => this.hearHands(plot), marks));
+    const possible = CHARTS.filter((made) => !made.needs || history.has(made.needs));
+    this.charts = possible.map((made) => new Chart(place, made, (plot) => this.hearHands(plot), marks));
     new ResizeObserver(() => this.fit()).observe(place);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.repaint());
     this.fit();

@@ -118,9 +118,14 @@ export class History {
     return this.rows ? Math.max(this.levels[0].columns[0][0], this.lastS - KEPT_S) : NaN;
   }
 
-  // Newest value of a column; NaN without rows.
+  // Whether the stream has a column.
+  has(name) {
+    return name in this.index;
+  }
+
+  // Newest value of a column; NaN without rows, or without the column.
   last(name) {
-    return this.rows ? this.levels[0].columns[this.index[name]][this.rows - 1] : NaN;
+    return this.rows && this.has(name) ? this.levels[0].columns[this.index[name]][this.rows - 1] : NaN;
   }
 
   // Rows between two times, and one more on each side, of the finest level with at most `most` rows.

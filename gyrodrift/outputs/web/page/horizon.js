@@ -33,14 +33,14 @@ export class Horizon {
   }
 
   // Roll is positive with the right side down, pitch with the nose down; degrees. Undefined angles hide the horizon.
-  show({ roll_deg: roll, pitch_deg: pitch }) {
+  show({ roll, pitch }) {
     this.place.hidden = !(Number.isFinite(roll) && Number.isFinite(pitch));
     if (this.place.hidden) return;
     set(this.world, "transform", `rotate(${(-roll).toFixed(2)}) translate(0 ${(-pitch * PER_DEG).toFixed(2)})`);
     set(this.bank, "transform", `rotate(${(-roll).toFixed(2)})`);
   }
 
-  describe({ roll_deg: roll, pitch_deg: pitch }) {
+  describe({ roll, pitch }) {
     set(this.svg, "aria-label", `Horizon. ${side(roll)}; ${nose(pitch)}.`);
   }
 }

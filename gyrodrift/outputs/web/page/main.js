@@ -19,7 +19,6 @@ const horizon = new Horizon(byId("horizon"));
 const changes = new Set(); // times at which a config was applied
 let windowS = 30; // at the start
 let history = null;
-let attitude = {}; // of the newest sample; empty for a device with one axis
 let charts = null;
 let isDue = false;
 let textTimer = null;
@@ -39,15 +38,18 @@ function draw() {
     yaw: history.last("yaw_deg"), raw: history.last("raw_yaw_deg"), encoder: history.last("encoder_deg"),
     sigma: history.last("yaw_sigma_deg"), heading: history.last("heading_deg"),
   });
-  horizon.show(attitude);
+  horizon.show(tilt());
   textTimer ??= setTimeout(drawText, TEXT_MS);
 }
 
+// Tilt of the newest sample, NaN for a device with one axis.
+const tilt = () => ({ roll: history.last("roll_deg"), pitch: history.last("pitch_deg") });
+
 function drawText() {
   textTimer = null;
-  showNumbers(history, attitude);
-  showTilt(attitude);
-  horizon.describe(attitude);
+  showNumbers(history);
+  showTilt(tilt());
+  horizon.describe(tilt());
   showPosition();
 }
 
@@ -88,7 +90,6 @@ const HANDLERS = {
     showState(message);
     controls.showState(message.status);
   },
-  attitude: (message) => { attitude = message; },
   answer: (message) => controls.answer(message),
   dropped: ({ messages }) => showEvent({ t_s: Date.now() / 1000, event: "page_too_slow", fields: { messages } }),
 };

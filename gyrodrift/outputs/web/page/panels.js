@@ -33,7 +33,7 @@ const degrees = (value) => `${words.signed(words.fixed(value, 1), 1)}°`;
 
 let scaleSigmaDeg = NaN; // share of the yaw sigma from the scale factor, once a second
 
-export function showNumbers(history, attitude) {
+export function showNumbers(history) {
   const last = (name) => history.last(name);
   const hasNorth = Number.isFinite(last("heading_deg"));
   byId("main-name").textContent = hasNorth ? "Heading" : "Yaw";
@@ -49,9 +49,9 @@ export function showNumbers(history, attitude) {
     ["Yaw", hasNorth ? words.angle(last("yaw_deg")) : "", "key yaw"],
     ["Raw yaw", words.angle(last("raw_yaw_deg")), "key raw"],
     ["Encoder", finite(last("encoder_deg"), words.angle(last("encoder_deg"))), "key encoder"],
-    ["Roll", finite(attitude.roll_deg, degrees(attitude.roll_deg))],
-    ["Pitch", finite(attitude.pitch_deg, degrees(attitude.pitch_deg))],
-    ["Tilt", finite(attitude.tilt_deg, `${words.number(attitude.tilt_deg, 1)}${words.margin(attitude.tilt_sigma_deg, 2)}°`)],
+    ["Roll", finite(last("roll_deg"), degrees(last("roll_deg"))), "key roll"],
+    ["Pitch", finite(last("pitch_deg"), degrees(last("pitch_deg"))), "key pitch"],
+    ["Tilt", finite(last("tilt_deg"), `${words.number(last("tilt_deg"), 1)}${words.margin(last("tilt_sigma_deg"), 2)}°`)],
     ["Bias", bias, "key drift"],
     ["Rate", `${words.signed(last("rate_dps"), 2)} deg/s`, "key rate"],
     ["Corrected rate", `${words.signed(last("corrected_dps"), 2)} deg/s`],
@@ -61,7 +61,7 @@ export function showNumbers(history, attitude) {
 }
 
 // The tilt in words, below the dial; hidden for a device with one axis.
-export function showTilt({ roll_deg: roll, pitch_deg: pitch }) {
+export function showTilt({ roll, pitch }) {
   const hasTilt = Number.isFinite(roll) && Number.isFinite(pitch);
   byId("tilt").hidden = !hasTilt;
   document.querySelector(".now").classList.toggle("tilts", hasTilt);

@@ -10,7 +10,7 @@ export const signed = (value, digits) =>
 
 export const angle = (value, digits = 2) => (Number.isFinite(value) ? `${number(value, digits)}°` : MISSING);
 
-export const fixed = (value, digits) => Number(Number(value).toFixed(digits));
+export const fixed = (value, digits) => Number(value.toFixed(digits));
 
 // Standard deviation behind a value; empty if unknown.
 export const margin = (sigma, digits, unit = "") => (Number.isFinite(sigma) ? ` ± ${number(sigma, digits)}${unit}` : "");
