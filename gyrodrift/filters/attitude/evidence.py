@@ -25,6 +25,12 @@ raw parts (data sheet of the MPU-6050: up to 20 deg/s). The three axes of a part
 JUMP_SHARE, JUMP = 0.03, 0.4
 """Share of rests before which the bias jumped, as the raw parts, and the size of jumps over the spread of the bias."""
 
+ALIGNMENT = 0.02
+"""Share of a rate that the level axes see: errors of the tilt (0.2 m/s² of bias of the accelerometer), misalignment."""
+
+MISTAKE_SHARE = 0.005
+"""Share of rests before which the bias was learned in an even turn, so that it has its prior again."""
+
 MODEL_ERROR = 0.1
 """Error of the bias that its covariance does not contain, deg/s, where a rest is tested.
 Measured: recordings of five rigs, median heading error."""
@@ -51,20 +57,22 @@ def weigh(
 ) -> RestEvidence:
     """Densities of a candidate's rates for hypothesis i.
 
-    up is the vertical (3) in the sensor, and variance (3) that of the mean rates as a measurement, (rad/s)².
+    up is the vertical (3) in the sensor, and variance (3, 3) that of the mean rates as a measurement, (rad/s)².
     """
     basis = level_basis(up)
     rate, off = basis @ m.gyro / RAD, basis @ (m.gyro - h.bias[i]) / RAD
-    spread = basis @ (h.cov[i, BIAS, BIAS] + np.diag(variance)) @ basis.T / RAD**2
-    level = normal_density(off[:2], spread[:2, :2] + MODEL_ERROR**2 * np.eye(2))
-    wide = spread + MODEL_ERROR**2 * np.eye(3)
+    spread = basis @ (h.cov[i, BIAS, BIAS] + variance) @ basis.T / RAD**2
+    wide = spread + (MODEL_ERROR**2 + ALIGNMENT**2 * float(rate @ rate)) * np.eye(3)
+    level = normal_density(off[:2], wide[:2, :2])
     if h.knows_bias[i]:
         jump = (JUMP * c.bias_sigma / RAD) ** 2 * np.eye(3)
         rest = (1.0 - JUMP_SHARE) * normal_density(off, wide) + JUMP_SHARE * normal_density(off, wide + jump)
+        prior = spread + (c.bias_sigma / RAD) ** 2 * np.eye(3)
+        rest += MISTAKE_SHARE * normal_density(rate, prior)
     else:
         rest = level * _first_rest_density(c, rate, float(off[2]), float(spread[2, 2]))
     share = MOTION_SHARE if m.kind.blocks <= QUIET.blocks else NOISY_MOTION_SHARE
-    chance = normal_density(off, spread + MOTION_SPREAD**2 * np.eye(3))
+    chance = normal_density(off, wide + MOTION_SPREAD**2 * np.eye(3))
     return RestEvidence(float(np.log(rest + 1e-300)), float(np.log(TURNS_PER_DPS * level + share * chance + 1e-300)))
 
 

@@ -23,7 +23,7 @@ def measure(h: Hypotheses, error: Floats, states: slice, values: Floats, varianc
     values
         Measured errors (n, 3).
     variance
-        Variances of the measurement (3) or (n, 3).
+        Covariances of the measurement (3, 3) or (n, 3, 3).
     """
     cov = h.cov
     inverse, innovation = innovations(h, error, states, values, variance)
@@ -42,6 +42,6 @@ def measure(h: Hypotheses, error: Floats, states: slice, values: Floats, varianc
 
 def innovations(h: Hypotheses, error: Floats, states: slice, values: Floats, variance: Floats) -> tuple[Floats, Floats]:
     """Inverse covariances (n, 3, 3) of the innovations, and the innovations (n, 3, 1)."""
-    spread = h.cov[:, states, states] + variance[..., :, None] * np.eye(3)
+    spread = h.cov[:, states, states] + variance
     inverse = np.asarray(np.linalg.inv(spread), dtype=np.float64)
     return inverse, (values - error[:, states])[:, :, None]

@@ -3,6 +3,9 @@
 from dataclasses import dataclass, field
 from math import nan, sqrt
 
+import numpy as np
+
+from gyrodrift.arrays import Floats
 from gyrodrift.filters.attitude.block import InertialBlock
 from gyrodrift.filters.attitude.hypotheses import Hypotheses, first_hypothesis
 from gyrodrift.filters.attitude.quaternion import IDENTITY, Quaternion, Vector, heading_axis, tilt_deg
@@ -99,6 +102,12 @@ class AttitudeState:
         Angle random walk of the gyro, rad²/s, and the number of blocks at rest that it was learned from.
     level_s
         Time with an acceleration so far, s, up to the end of levelling.
+    level_force
+        Integral of the specific force in that time, in the earth frame, m/s.
+    mean_force
+        Mean specific force of the last seconds in the earth frame, m/s².
+    speed_var, slow_velocity
+        Mean squared slow velocity, m²/s², and the slow velocity (3), m/s.
     """
 
     t_s: float = 0.0
@@ -126,6 +135,9 @@ class AttitudeState:
     noise_var: float = 0.0
     quiet_blocks: int = 0
     level_s: float = 0.0
+    mean_force: Vector = (0.0, 0.0, 9.81)
+    speed_var: float = 0.0
+    slow_velocity: Floats = field(default_factory=lambda: np.zeros(3))
     level_force: Vector = (0.0, 0.0, 0.0)
 
     @property

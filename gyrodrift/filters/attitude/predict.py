@@ -18,6 +18,7 @@ from gyrodrift.filters.attitude.block import Integrals
 from gyrodrift.filters.attitude.hypotheses import ATTITUDE, BIAS, SCALE, STATES, VELOCITY, Hypotheses
 
 GRAVITY = 9.81
+VERTICAL = np.array((0.0, 0.0, 1.0))
 
 TURN_NOISE = 0.001
 """Error of a rotation by what scale and misalignment do not explain, rad per √(rad²/s): of the root of the integral of
@@ -52,10 +53,12 @@ def transitions(start: Floats, velocity: Floats, block: Integrals) -> Floats:
     """Derivatives (n, 18, 18) of the error states at the end of a block by those at its beginning.
 
     start are the rotation matrices (n, 3, 3) at the beginning, velocity the integrals of the specific force (n, 3) in
-    the earth frame. A rotation that grows evenly over the block tilts the velocity by half of its final value.
+    the earth frame. Only its vertical part couples attitude and velocity: through a bounded velocity, the horizontal
+    accelerations of a vehicle would show a heading. A rotation that grows evenly over the block tilts the velocity by
+    half of its final value.
     """
     transition = np.zeros((len(start), STATES, STATES)) + np.eye(STATES)
-    tilt = -cross_matrices(velocity)
+    tilt = -cross_matrices(velocity * VERTICAL)
     by_bias, by_scale = -(start @ block.by_bias), start @ block.by_scale
     transition[:, ATTITUDE, BIAS] = by_bias
     transition[:, ATTITUDE, SCALE] = by_scale

@@ -9,7 +9,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.filters.attitude.batch import rotation_matrices
-from gyrodrift.filters.attitude.evidence import MODEL_ERROR, weigh
+from gyrodrift.filters.attitude.evidence import ALIGNMENT, MODEL_ERROR, weigh
 from gyrodrift.filters.attitude.hypotheses import BIAS, REST, STATES, TURN, VELOCITY, Hypotheses
 from gyrodrift.filters.attitude.measure import innovations, measure
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients
@@ -32,6 +32,9 @@ GATE = 27.0
 
 QUIET_SPEED, NOISY_SPEED = 0.05, 0.1
 """Standard deviation of the velocity in quiet and in noisy rests, m/s. Measured: as above."""
+
+FREE_RATE = 1000.0 * RAD
+"""Standard deviation of the vertical rate of an even turn as a measurement of the bias, rad/s: none."""
 
 CERTAIN = 9.0
 """Logarithm of odds from which on a hypothesis does not branch: 1 : 8000."""
@@ -63,6 +66,8 @@ def branch(c: AttitudeCoefficients, h: Hypotheses, m: RestCandidate, odds: float
     rests.regime[:], motions.regime[:] = REST, TURN
     if len(rests.weight):
         measure_rest(rests, m, 1.0)
+    if len(motions.weight):
+        measure_turn(motions, m)
     return rests.joined(motions)
 
 
@@ -76,14 +81,14 @@ def _vertical(h: Hypotheses, i: int, m: RestCandidate) -> Floats:
 
 
 def rest_variances(h: Hypotheses, m: RestCandidate, overlap: float) -> Floats:
-    """Variances (n, 3) of the mean rates of a candidate as measurements of the bias, (rad/s)².
+    """Covariances (n, 3, 3) of the mean rates of a candidate as measurements of the bias, (rad/s)².
 
     `overlap` is the factor of a window that contains blocks of an earlier update.
     """
     share = SPREAD_WEIGHT / m.kind.blocks * (2.0 if m.kind.blocks <= QUIET.blocks else 5.0)
     variance = m.gyro_var * share + (m.kind.bias * REST_BIAS) ** 2
     extra = np.where(h.knows_bias & (m.kind.blocks > QUIET.blocks), NOISY_REST**2, 0.0)
-    return (variance[None, :] + extra[:, None]) * overlap
+    return (variance[None, :] + extra[:, None])[:, :, None] * np.eye(3) * overlap
 
 
 def measure_rest(h: Hypotheses, m: RestCandidate, overlap: float) -> None:
@@ -93,9 +98,21 @@ def measure_rest(h: Hypotheses, m: RestCandidate, overlap: float) -> None:
     widen(h, m.gyro - h.bias, variance)
     measure(h, error, BIAS, m.gyro - h.bias, variance)
     speed = QUIET_SPEED if m.kind.blocks <= QUIET.blocks else NOISY_SPEED
-    measure(h, error, VELOCITY, -h.velocity, np.full(3, speed * speed))
+    measure(h, error, VELOCITY, -h.velocity, speed * speed * np.eye(3))
     h.correct(error)
     h.knows_bias = h.knows_bias | (m.kind.blocks >= QUIET.blocks)
+
+
+def measure_turn(h: Hypotheses, m: RestCandidate) -> None:
+    """Update hypotheses of an even turn: the rates about the level axes are biases."""
+    variance = rest_variances(h, m, 1.0)
+    level_var = (MODEL_ERROR * RAD) ** 2 + ALIGNMENT**2 * float(m.gyro @ m.gyro)
+    for i in range(len(h.weight)):
+        up = _vertical(h, i, m)
+        variance[i] += FREE_RATE**2 * np.outer(up, up) + level_var * np.eye(3)
+    error = np.zeros((len(h.weight), STATES))
+    measure(h, error, BIAS, m.gyro - h.bias, variance)
+    h.correct(error)
 
 
 def widen(h: Hypotheses, off: Floats, variance: Floats) -> None:
@@ -105,6 +122,7 @@ def widen(h: Hypotheses, off: Floats, variance: Floats) -> None:
     jumped.
     """
     spread = np.diagonal(h.cov[:, BIAS, BIAS], axis1=1, axis2=2)
+    variance = np.diagonal(variance, axis1=1, axis2=2)
     for i in np.flatnonzero((off * off > 9.0 * (spread + variance)).any(axis=1)):
         if h.knows_bias[i]:
             h.cov[i, BIAS, BIAS] += np.diag(off[i] ** 2)
@@ -119,7 +137,7 @@ def is_same_rest(h: Hypotheses, m: RestCandidate) -> bool:
     rest = h.select(np.flatnonzero(h.regime == REST)[:1])
     if not len(rest.weight):
         return True
-    error, variance = np.zeros((1, STATES)), m.gyro_var[None, :] + (MODEL_ERROR * RAD) ** 2
+    error, variance = np.zeros((1, STATES)), np.diag(m.gyro_var + (MODEL_ERROR * RAD) ** 2)
     inverse, innovation = innovations(rest, error, BIAS, m.gyro - rest.bias, variance)
     return bool((innovation.transpose(0, 2, 1) @ inverse @ innovation)[0, 0, 0] <= GATE)
 

@@ -22,6 +22,9 @@ GRAVITY_GATE = 0.8
 FASTEST_BRIEF = 2.0 * RAD
 """Highest bias that a brief rest shows, rad/s. Measured: as above."""
 
+FASTEST_START = 4.0 * RAD
+"""Likewise at power-on, where rests are more frequent. Chosen: three standard deviations of raw parts."""
+
 LONGEST = 40
 """Blocks that are kept."""
 
@@ -91,12 +94,12 @@ class Windows:
 
 @dataclass(slots=True)
 class Segment:
-    """Present rest candidate.
+    """Present or last rest candidate.
 
     blocks
         Length of the window that was found last; 0 without a candidate.
-    since
-        Blocks since the last update.
+    since, ago
+        Blocks since the last update, and since its end.
     seconds
         Time since the candidate was found.
     gyro
@@ -105,6 +108,7 @@ class Segment:
 
     blocks: int = 0
     since: int = 0
+    ago: int = 0
     seconds: float = 0.0
     gyro: Floats = field(default_factory=lambda: np.zeros(3))
 
@@ -162,7 +166,7 @@ def find_rest(w: Windows, limits: float, *, is_resting: bool) -> RestCandidate |
         ):
             continue
         candidate = _still_window(w.rows[end - kind.blocks : end], kind, limits)
-        if candidate is not None and (w.is_blind or _is_gravity(candidate)) and not _is_fast(candidate):
+        if candidate is not None and (w.is_blind or _is_gravity(candidate)) and not _is_fast(w, candidate):
             return candidate
     return None
 
@@ -185,5 +189,6 @@ def _is_gravity(candidate: RestCandidate) -> bool:
     return abs(float(np.sqrt(candidate.accel @ candidate.accel)) - GRAVITY) < GRAVITY_GATE
 
 
-def _is_fast(candidate: RestCandidate) -> bool:
-    return candidate.kind is BRIEF and float(np.abs(candidate.gyro).max()) > FASTEST_BRIEF
+def _is_fast(w: Windows, candidate: RestCandidate) -> bool:
+    fastest = FASTEST_START if w.total <= BRIEF.blocks + 1 else FASTEST_BRIEF
+    return candidate.kind is BRIEF and float(np.abs(candidate.gyro).max()) > fastest

@@ -14,6 +14,9 @@ UPDATE_BLOCKS = 10
 START_BLOCKS = 4
 """Blocks by which a rest may begin after the first sample and still be one from the start."""
 
+RESUME_BLOCKS = 11
+"""Blocks after which a segment with the same rates is another one: ten lie between, as in restlevel."""
+
 QUIET_ODDS = 4.0
 """Odds of a rest by an accelerometer as quiet as the gyro: vehicles in a bend shake. Chosen: with `rest_share` 0.2
 rests and turns are equally frequent."""
@@ -27,44 +30,58 @@ def follow_rest(c: AttitudeCoefficients, s: AttitudeState) -> None:
     candidate = find_rest(s.windows, c.limits, is_resting=segment.blocks > 0)
     if candidate is None:
         end_segment(s)
-        return
-    if segment.blocks > 0 and not continues(s, candidate):
-        end_segment(s)
-    if segment.blocks == 0:
-        odds = c.start_odds if s.windows.total <= candidate.kind.blocks + START_BLOCKS else c.rest_odds * QUIET_ODDS
-        s.hypotheses = merge_and_prune(branch(c, s.hypotheses, candidate, odds))
-        length_s = candidate.kind.blocks * c.block_s
-        s.segment = Segment(candidate.kind.blocks, 0, length_s, candidate.gyro)
-        return
-    segment.blocks = candidate.kind.blocks
-    segment.since += 1
-    if segment.since >= UPDATE_BLOCKS:
-        update_rest(c, s, candidate)
+    elif not continues(s, candidate):
+        begin_segment(c, s, candidate)
+    elif segment.blocks == 0:
+        segment.blocks, segment.since = candidate.kind.blocks, 0
+        update_rest(s, candidate, 1.0)
+    else:
+        segment.blocks = candidate.kind.blocks
+        segment.since += 1
+        if segment.since >= UPDATE_BLOCKS:
+            lengthen(c, s)
+            update_rest(s, candidate, max(candidate.kind.blocks, QUIET.blocks) / QUIET.blocks)
+
+
+def begin_segment(c: AttitudeCoefficients, s: AttitudeState, candidate: RestCandidate) -> None:
+    """Branch all hypotheses by a new candidate."""
+    is_from_start = s.windows.total <= candidate.kind.blocks + START_BLOCKS
+    odds = c.start_odds if is_from_start else c.rest_odds * QUIET_ODDS
+    s.hypotheses = merge_and_prune(branch(c, s.hypotheses, candidate, odds))
+    s.segment = Segment(candidate.kind.blocks, 0, 0, candidate.kind.blocks * c.block_s, candidate.gyro)
 
 
 def end_segment(s: AttitudeState) -> None:
-    """No candidate any more: all hypotheses are undecided."""
-    if s.segment.blocks > 0:
+    """End the segment; after some blocks it cannot resume, and all hypotheses are undecided."""
+    segment = s.segment
+    segment.ago = 1 if segment.blocks > 0 else segment.ago + 1
+    segment.blocks = 0
+    if segment.ago == RESUME_BLOCKS:
         s.hypotheses.regime[:] = UNDECIDED
-        s.segment.blocks = 0
 
 
 def continues(s: AttitudeState, candidate: RestCandidate) -> bool:
-    """Whether a window has the rates with which the segment began, and the bias of its rest."""
+    """Whether a window has the rates of the present or the last segment, and the bias of its rest."""
+    segment = s.segment
+    if segment.seconds == 0.0 or (segment.blocks == 0 and segment.ago >= RESUME_BLOCKS):
+        return False
     limit = max(candidate.kind.gyro, 1.0) * GYRO_SPREAD
-    return bool(np.abs(candidate.gyro - s.segment.gyro).max() < 2.0 * limit) and is_same_rest(s.hypotheses, candidate)
+    return bool(np.abs(candidate.gyro - segment.gyro).max() < 2.0 * limit) and is_same_rest(s.hypotheses, candidate)
 
 
-def update_rest(c: AttitudeCoefficients, s: AttitudeState, candidate: RestCandidate) -> None:
-    """Measure the bias again by a later window, and weigh the duration of the segment."""
-    segment, h = s.segment, s.hypotheses
-    passed_s = segment.since * c.block_s
-    weigh_duration(h, segment.seconds, segment.seconds + passed_s)
-    segment.seconds += passed_s
-    segment.since = 0
+def lengthen(c: AttitudeCoefficients, s: AttitudeState) -> None:
+    """Count the blocks since the last update in the duration of the segment, and weigh it."""
+    segment = s.segment
+    seconds = segment.seconds + segment.since * c.block_s
+    weigh_duration(s.hypotheses, segment.seconds, seconds)
+    segment.seconds, segment.since = seconds, 0
+
+
+def update_rest(s: AttitudeState, candidate: RestCandidate, overlap: float) -> None:
+    """Measure the bias of hypotheses of rest again by a later window."""
+    h = s.hypotheses
     is_rest = h.regime == REST
     rests = h.select(is_rest)
-    if not len(rests.weight):
-        return
-    measure_rest(rests, candidate, max(candidate.kind.blocks, QUIET.blocks) / QUIET.blocks)
-    s.hypotheses = merge_and_prune(rests.joined(h.select(~is_rest)))
+    if len(rests.weight):
+        measure_rest(rests, candidate, overlap)
+        s.hypotheses = merge_and_prune(rests.joined(h.select(~is_rest)))

@@ -7,7 +7,7 @@ import numpy as np
 from gyrodrift.filters.attitude.batch import rotation_matrices
 from gyrodrift.filters.attitude.block import InertialBlock, Integrals, next_block
 from gyrodrift.filters.attitude.hypotheses import BIAS, REST, STATES, VELOCITY, Hypotheses, first_hypothesis
-from gyrodrift.filters.attitude.levelling import START_TILT, UNKNOWN_TILT, level_start
+from gyrodrift.filters.attitude.levelling import START_TILT, UNKNOWN_TILT, find_lost_tilt, level_start
 from gyrodrift.filters.attitude.measure import measure
 from gyrodrift.filters.attitude.mixture import moments, ordered
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
@@ -25,8 +25,22 @@ Measured: recordings of five rigs, median heading error."""
 GYRO_NOISE = 0.02 * RAD
 """Angle random walk of a gyro that has not been at rest, rad/√s. Measured: as above."""
 
-SPEED_VAR = 0.7**2 * 2.0 * 0.5
-"""Variance of the bounded velocity (0.7 m/s) times twice its correlation time (0.5 s), m²/s. Measured: as above."""
+SPEED, CORRELATION_S = 0.7, 0.5
+"""Standard deviation of the bounded velocity, m/s, and its correlation time, s. Measured: as above."""
+
+SLOW_S, SPEED_MEMORY_S = 2.0, 10.0
+"""Averaging times of the velocity and of its square, s. A hand returns within 2 s and a vehicle does not. Chosen."""
+
+SPEED_FACTOR, MOST_FACTOR = 6.0, 40.0
+"""Variance of the velocity's measurement over that of the slow velocity, and its largest factor. A vehicle's velocity
+stays correlated for longer than 0.5 s. Chosen: on simulated cars with stops, larger factors gained nothing."""
+
+LIKELIHOOD_SHARE = 0.1
+"""Weight of the velocity in the probabilities of hypotheses: blocks within a second are one piece of evidence, and a
+motion that is not bounded prefers the hypothesis that knows least. Chosen."""
+
+OUTLIER = 9.0
+"""Squared distance of a velocity from 0 beyond which its measurement counts less: 3 sigma (Huber)."""
 
 GAP_RATE = 10.0 * RAD
 """Standard deviation of the unknown rate in a gap, rad/s. Chosen: half the rates of the recordings are below it."""
@@ -61,8 +75,9 @@ def end_block(c: AttitudeCoefficients, s: AttitudeState, block: Integrals) -> No
     if is_blind:
         forget_velocity(h)
     else:
+        find_lost_tilt(s, block)
         level_start(s, block)
-        bound_velocity(h, block.seconds)
+        bound_velocity(h, block.seconds, speed_factor(s, block.seconds), is_still=s.segment.blocks > 0)
     add_block(s.windows, block)
     follow_rest(c, s)
     s.hypotheses = ordered(s.hypotheses)
@@ -93,13 +108,28 @@ def forget_gap(s: AttitudeState) -> None:
     forget_velocity(s.hypotheses)
 
 
-def bound_velocity(h: Hypotheses, seconds: float) -> None:
-    """Measure a velocity of 0 that is off by the speed of bounded motions; weigh the hypotheses by it."""
-    error = np.zeros((len(h.weight), STATES))
-    log_likelihood = measure(h, error, VELOCITY, -h.velocity, np.full(3, SPEED_VAR / seconds))
+def speed_factor(s: AttitudeState, seconds: float) -> float:
+    """Factor on the variance of the bounded velocity, 1 for motions that return, by the velocity's slow part."""
+    s.slow_velocity = s.slow_velocity + (s.hypotheses.velocity[0] - s.slow_velocity) * min(1.0, seconds / SLOW_S)
+    squared = float((s.slow_velocity**2).mean())
+    s.speed_var += (squared - s.speed_var) * min(1.0, seconds / SPEED_MEMORY_S)
+    return min(max(1.0, SPEED_FACTOR * s.speed_var / SPEED**2), MOST_FACTOR)
+
+
+def bound_velocity(h: Hypotheses, seconds: float, factor: float, *, is_still: bool) -> None:
+    """Measure a velocity of 0 that is off by the speed of bounded motions; weigh the hypotheses by it.
+
+    `is_still` during a rest candidate: rest and even turn predict the same accelerations, and no weight changes.
+    """
+    error, variance = np.zeros((len(h.weight), STATES)), factor * SPEED**2 * 2.0 * CORRELATION_S / seconds
+    spread = h.cov[:, VELOCITY, VELOCITY] + variance * np.eye(3)
+    squared = (h.velocity * np.linalg.solve(spread, h.velocity[:, :, None])[:, :, 0]).sum(axis=1)
+    excess = np.maximum(1.0, squared / OUTLIER)[:, None, None]
+    log_likelihood = measure(h, error, VELOCITY, -h.velocity, variance * excess * np.eye(3))
     h.correct(error)
-    if len(h.weight) > 1:
-        weight = h.weight * np.exp(log_likelihood - log_likelihood.max())
+    if len(h.weight) > 1 and not is_still:
+        share = LIKELIHOOD_SHARE / factor
+        weight = h.weight * np.exp(share * (log_likelihood - log_likelihood.max()))
         h.weight = weight / weight.sum()
 
 
@@ -118,5 +148,5 @@ def publish(s: AttitudeState) -> None:
     s.bias_xyz_dps = (x, y, z)
     s.bias_dps = degrees(float(axis @ m.bias))
     s.bias_sigma_dps = degrees(sqrt(max(float(axis @ m.bias_cov @ axis), 0.0)))
-    s.rest_probability = float(h.weight[h.regime == REST].sum())
+    s.rest_probability = float(h.weight[h.regime == REST].sum()) if s.segment.blocks > 0 else 0.0
     s.confidence = float(h.weight[0])
