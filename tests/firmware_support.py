@@ -1,6 +1,7 @@
 """The firmware of `docs/firmware`, compiled and run: on this machine, in simavr, and in MicroPython."""
 
 import json
+import re
 import shutil
 import subprocess
 import time
@@ -43,11 +44,28 @@ STRICT = ("-Wall", "-Wextra", "-Werror")
 
 
 class Truth(NamedTuple):
-    """What a simulated gyro measured: device clock in µs, counts of the rate, °C; shape (samples,)."""
+    """What a simulated gyro measured: device clock in µs, counts of rates and accelerations, °C; shape (samples,).
+
+    rate_raw
+        About z.
+    """
 
     t_us: NDArray[np.float64]
     rate_raw: NDArray[np.float64]
     temp_c: NDArray[np.float64]
+    gyro_x_raw: NDArray[np.float64]
+    gyro_y_raw: NDArray[np.float64]
+    accel_x_raw: NDArray[np.float64]
+    accel_y_raw: NDArray[np.float64]
+    accel_z_raw: NDArray[np.float64]
+
+    def gyro_raw(self) -> NDArray[np.float64]:
+        """Counts of the rates about x, y and z, shape (samples, 3)."""
+        return np.stack([self.gyro_x_raw, self.gyro_y_raw, self.rate_raw], axis=1)
+
+    def accel_raw(self) -> NDArray[np.float64]:
+        """Counts of the accelerations along x, y and z, shape (samples, 3)."""
+        return np.stack([self.accel_x_raw, self.accel_y_raw, self.accel_z_raw], axis=1)
 
 
 def run(*words: str | Path, folder: Path | None = None) -> str:
@@ -66,19 +84,32 @@ def compiled(source: str, into: Path, *flags: str) -> Path:
     return program
 
 
-def sketch_object(into: Path, *board: str) -> Path:
+def sketch_object(into: Path, *board: str, folder: Path = SKETCH) -> Path:
     """The sketch for a board, with the Arduino core of Debian; a warning is an error."""
     if shutil.which("avr-g++") is None or not ARDUINO.is_dir():
         pytest.skip("the sketch cannot be compiled: apt-get install gcc-avr avr-libc arduino-core-avr")
     built = into / "sketch.o"
-    ino = ("-x", "c++", "-include", "Arduino.h", SKETCH / "gyrodrift_gyro.ino")
+    ino = ("-x", "c++", "-include", "Arduino.h", folder / "gyrodrift_gyro.ino")
     run("avr-g++", *board, *STRICT, *CPP, *ino, "-c", "-o", built)
     return built
 
 
-def built_sketch(into: Path) -> Path:
+def changed_sketch(into: Path, **settings: str) -> Path:
+    """Folder with the sketch after other settings at its top."""
+    folder = into / "changed"
+    shutil.copytree(SKETCH, folder)
+    source = folder / "gyrodrift_gyro.ino"
+    text = source.read_text()
+    for name, value in settings.items():
+        text, count = re.subn(rf"({name} = )\w+;", rf"\g<1>{value};", text)
+        assert count == 1, name
+    source.write_text(text)
+    return folder
+
+
+def built_sketch(into: Path, folder: Path = SKETCH) -> Path:
     """The sketch for an Uno, to run."""
-    sketch = sketch_object(into, *UNO)
+    sketch = sketch_object(into, *UNO, folder=folder)
     core, wire = ARDUINO / "cores" / "arduino", ARDUINO / "libraries" / "Wire" / "src"
     objects = into / "core"
     objects.mkdir()
@@ -149,6 +180,6 @@ def same_sensor(record: dict[str, Any], sensor: Any) -> bool:
     """Whether a record of the sketch and one of MicroPython, a named tuple, say the same."""
     ours = json.loads(json.dumps(sensor._asdict()))
     factor, divisor, at_zero = ours.pop("centi_c")
-    scales = (ours.pop("dps_per_lsb"), factor / divisor / 100, at_zero / 100)
-    theirs = [record.pop(name) for name in ("dps_per_lsb", "c_per_lsb", "c_at_zero")]
+    scales = (ours.pop("dps_per_lsb"), ours.pop("mps2_per_lsb"), factor / divisor / 100, at_zero / 100)
+    theirs = [record.pop(name) for name in ("dps_per_lsb", "mps2_per_lsb", "c_per_lsb", "c_at_zero")]
     return bool(ours == record and np.allclose(scales, theirs, rtol=1e-5, atol=0.0))

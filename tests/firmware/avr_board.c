@@ -9,7 +9,9 @@
    gyro=mpu6050    mpu6050, lsm6dso or icm20948
    seconds=10      of the board's time
    speed=0         times real time; 0 is as fast as it goes
-   truth=FILE      t_us,rate_raw,temp_c of each measurement, by the clock of the board
+   truth=FILE      t_us,rate_raw,temp_c,gyro_x,gyro_y,accel_x,accel_y,accel_z of each measurement, by the clock of the
+                   board
+   clip=0          1: the accelerometer feels 40 g along x in the first half of each second
    ppm=3000        how much faster the gyro's clock runs than the board's
    absent=0        seconds before the gyro is plugged in
    reset=0         second at which the gyro forgets its settings; 0 never
@@ -45,7 +47,7 @@
 typedef struct {
   avr_t *avr;
   gyro chip;
-  double seconds, speed, ppm, absent_s, reset_s, has_pin, held_clocks;
+  double seconds, speed, ppm, absent_s, reset_s, has_pin, held_clocks, clips;
   FILE *truth;
   int master;
   const char *slave;
@@ -162,6 +164,16 @@ static double rate_at(board *b, double t_s) {
   return turn + 0.35 + 0.04 * normal(b);
 }
 
+/* The other axes swing, each in its own way; gravity stays along z. */
+static void surroundings(board *b, double t_s, double *rates_dps, double *accels_g) {
+  rates_dps[0] = 1.5 + 40.0 * sin(0.7 * t_s) + 0.04 * normal(b);
+  rates_dps[1] = -2.5 - 25.0 * sin(1.1 * t_s) + 0.04 * normal(b);
+  rates_dps[2] = rate_at(b, t_s);
+  accels_g[0] = b->clips != 0.0 && fmod(t_s, 1.0) < 0.5 ? 40.0 : 0.3 * sin(0.5 * t_s) + 0.004 * normal(b);
+  accels_g[1] = -0.2 * sin(0.9 * t_s) + 0.004 * normal(b);
+  accels_g[2] = 1.0 + 0.1 * sin(2.0 * t_s) + 0.004 * normal(b);
+}
+
 static bool is_plugged(const board *b) { return seconds_now(b) >= b->absent_s; }
 
 static bool is_over(const board *b) { return seconds_now(b) >= b->seconds; }
@@ -185,10 +197,14 @@ static void raise_pin(board *b) {
 
 static void measure(board *b, double t_s) {
   const double temp_c = 24.0 + 6.0 * (1.0 - exp(-t_s / 120.0));
-  const int16_t raw = gyro_measure(&b->chip, rate_at(b, t_s), temp_c);
+  double rates_dps[3], accels_g[3];
+  int16_t rates[3], accels[3];
+  surroundings(b, t_s, rates_dps, accels_g);
+  gyro_measure(&b->chip, rates_dps, accels_g, temp_c, rates, accels);
   b->measured++;
   if (b->truth) {
-    fprintf(b->truth, "%.3f,%d,%.4f\n", t_s * 1e6, raw, temp_c);
+    fprintf(b->truth, "%.3f,%d,%.4f,%d,%d,%d,%d,%d\n", t_s * 1e6, rates[2], temp_c, rates[0], rates[1], accels[0],
+            accels[1], accels[2]);
   }
   if (b->chip.model->raises_pin(&b->chip)) {
     raise_pin(b);
@@ -363,7 +379,8 @@ static void option(board *b, const char *word) {
     }
   }
   if (!number(word, "seconds", &b->seconds) && !number(word, "speed", &b->speed) && !number(word, "ppm", &b->ppm) &&
-      !number(word, "absent", &b->absent_s) && !number(word, "reset", &b->reset_s) && !number(word, "pin", &b->has_pin) && !number(word, "held", &b->held_clocks)) {
+      !number(word, "absent", &b->absent_s) && !number(word, "reset", &b->reset_s) && !number(word, "pin", &b->has_pin) && !number(word, "held", &b->held_clocks) &&
+      !number(word, "clip", &b->clips)) {
     fprintf(stderr, "%s: no such option\n", word);
     exit(2);
   }
@@ -391,8 +408,9 @@ int main(int count, char **words) {
   if (b.truth) {
     fclose(b.truth);
   }
-  printf("{\"measured\": %ld, \"rate_hz\": %g, \"range_dps\": %g, \"low_pass_hz\": %g, \"took_s\": %.2f}\n", b.measured,
-         b.chip.model->rate_hz(&b.chip), b.chip.model->range_dps(&b.chip), b.chip.model->low_pass_hz(&b.chip),
-         wall_s() - began_s);
+  printf("{\"measured\": %ld, \"rate_hz\": %g, \"range_dps\": %g, \"low_pass_hz\": %g, ", b.measured,
+         b.chip.model->rate_hz(&b.chip), b.chip.model->range_dps(&b.chip), b.chip.model->low_pass_hz(&b.chip));
+  printf("\"counts_per_g\": %g, \"accel_low_pass_hz\": %g, \"took_s\": %.2f}\n", b.chip.model->counts_per_g(&b.chip),
+         b.chip.model->accel_low_pass_hz(&b.chip), wall_s() - began_s);
   return 0;
 }

@@ -11,3 +11,16 @@ int sample_frame(uint8_t *frame, uint8_t flags, uint16_t seq, uint32_t t_us, int
   const gyrodrift_sample sample = {flags, seq, t_us, rate_raw, temp_centi_c, encoder_counts};
   return gyrodrift_sample_frame(frame, &sample);
 }
+
+int hello3_frame(uint8_t *frame, uint16_t sample_rate_hz, float dps_per_lsb, uint32_t encoder_cpr, const char *device_id,
+                 float mps2_per_lsb) {
+  const gyrodrift_hello hello = {sample_rate_hz, dps_per_lsb, encoder_cpr, device_id};
+  return gyrodrift_hello3_frame(frame, &hello, mps2_per_lsb);
+}
+
+int sample3_frame(uint8_t *frame, uint8_t flags, uint16_t seq, uint32_t t_us, const int16_t *axes, int16_t temp_centi_c,
+                  int32_t encoder_counts) {
+  const gyrodrift_sample3 sample = {flags,        seq,           t_us, {axes[0], axes[1], axes[2]}, {axes[3], axes[4], axes[5]},
+                                    temp_centi_c, encoder_counts};
+  return gyrodrift_sample3_frame(frame, &sample);
+}

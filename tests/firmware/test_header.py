@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from firmware_support import SKETCH, STRICT, UNO, compiled, run
-from golden_frames import HELLO, SAMPLES, NativeSample
+from golden_frames import AXES_HELLO, AXES_SAMPLES, HELLO, SAMPLES, NativeSample, NativeSample3
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -17,7 +17,7 @@ from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig, load_rig
 from firmware_sim.wire import native
-from firmware_sim.wire.native import sample_frame
+from firmware_sim.wire.native import axes_sample_frame, sample_frame
 from gyrodrift.link.protocols.native import DPS_PER_LSB_MAX, DPS_PER_LSB_MIN, NativeDecoder
 
 i16 = st.integers(-(2**15), 2**15 - 1)
@@ -27,13 +27,17 @@ SCALES = (float(np.nextafter(np.float32(DPS_PER_LSB_MIN), np.float32(1.0))), DPS
 
 u16 = st.integers(0, 2**16 - 1)
 u32 = st.integers(0, 2**32 - 1)
+AXES_HELLO_MPS2 = 0.0047884
+"""Scale of the golden HELLO, m/s² per count."""
+
 RIG = Rig(base=Base(bias_dps=0.3))
 
 FrameOf = Callable[..., bytes]
+Vector = tuple[int, int, int]
 
 
 class Header:
-    """Its two functions, by ctypes."""
+    """Its functions, by ctypes."""
 
     def __init__(self, library: Path) -> None:
         self._library = ctypes.CDLL(str(library))
@@ -41,12 +45,32 @@ class Header:
         self._library.hello_frame.argtypes = [c.c_char_p, c.c_uint16, c.c_float, c.c_uint32, c.c_char_p]
         fields = [c.c_uint8, c.c_uint16, c.c_uint32, c.c_int16, c.c_int16, c.c_int32]
         self._library.sample_frame.argtypes = [c.c_char_p, *fields]
+        self._library.hello3_frame.argtypes = [c.c_char_p, c.c_uint16, c.c_float, c.c_uint32, c.c_char_p, c.c_float]
+        axes = c.POINTER(c.c_int16)
+        self._library.sample3_frame.argtypes = [
+            c.c_char_p,
+            c.c_uint8,
+            c.c_uint16,
+            c.c_uint32,
+            axes,
+            c.c_int16,
+            c.c_int32,
+        ]
 
     def hello(self, sample_rate_hz: int, dps_per_lsb: float, encoder_cpr: int, device_id: bytes) -> bytes:
         return self._framed(self._library.hello_frame, sample_rate_hz, dps_per_lsb, encoder_cpr, device_id)
 
     def sample(self, *fields: int) -> bytes:
         return self._framed(self._library.sample_frame, *fields)
+
+    def hello3(self, *fields: object) -> bytes:
+        return self._framed(self._library.hello3_frame, *fields)
+
+    def sample3(
+        self, flags: int, seq: int, t_us: int, gyro_raw: Vector, accel_raw: Vector, temp: int, counts: int
+    ) -> bytes:
+        axes = (ctypes.c_int16 * 6)(*gyro_raw, *accel_raw)
+        return self._framed(self._library.sample3_frame, flags, seq, t_us, axes, temp, counts)
 
     @staticmethod
     def _framed(write: Callable[..., int], *fields: object) -> bytes:
@@ -71,6 +95,26 @@ def test_hello_is_the_golden_one(header: Header) -> None:
 def test_samples_are_the_golden_ones(header: Header, sample: NativeSample) -> None:
     """Each of the table becomes its bytes."""
     assert header.sample(*sample) == SAMPLES[sample]
+
+
+def test_frames_of_three_axes_are_the_golden_ones(header: Header) -> None:
+    """HELLO of the second version."""
+    assert header.hello3(100, 0.00763, 36000, b"firmware_sim", AXES_HELLO_MPS2) == AXES_HELLO
+
+
+@pytest.mark.parametrize("sample", AXES_SAMPLES)
+def test_samples_of_three_axes_are_the_golden_ones(header: Header, sample: NativeSample3) -> None:
+    """Each of the table becomes its bytes."""
+    assert header.sample3(*sample) == AXES_SAMPLES[sample]
+
+
+@given(st.integers(0, 255), u16, u32, st.tuples(i16, i16, i16), st.tuples(i16, i16, i16), i16, i32)
+def test_any_sample_of_three_axes_has_the_bytes_of_the_simulated_device(
+    header: Header, flags: int, seq: int, t_us: int, gyro: Vector, accel: Vector, temp: int, counts: int
+) -> None:
+    """Two encoders that share nothing agree on every field."""
+    expected = axes_sample_frame(flags, seq, t_us, gyro, accel, temp, counts)
+    assert header.sample3(flags, seq, t_us, gyro, accel, temp, counts) == expected
 
 
 @given(st.integers(0, 255), u16, u32, i16, i16, i32)

@@ -10,19 +10,19 @@ from typing import Any
 import numpy as np
 import pytest
 from firmware_support import MICROPYTHON, compiled, in_micropython, run, same_sensor
-from golden_frames import HELLO, SAMPLES
+from golden_frames import AXES_HELLO, AXES_SAMPLES, HELLO, SAMPLES
 from support import Command, never, speaking_on
 
-from firmware_sim.wire.native import sample_frame
+from firmware_sim.wire.native import axes_sample_frame, sample_frame
 from gyrodrift.link.protocols.native import NativeDecoder
 from gyrodrift.sample import Reading
 
 SECONDS = 6.0
-BOARD = {"seconds": SECONDS, "absent": 0.0, "pin": True}
+BOARD = {"seconds": SECONDS, "absent": 0.0, "pin": True, "up": [2, False]}
 
 
 def played(folder: Path, **board: Any) -> tuple[bytes, list[list[int]]]:
-    """What `main.py` sends, and what its gyro measured: t_us, rate in counts, temperature in counts."""
+    """What `main.py` sends, and what its gyro measured: t_us, then counts: yaw rate, temperature, accelerations."""
     stream, _, truth = in_micropython("play_board.py", BOARD | board, folder).rpartition(b"\n")
     return stream, json.loads(truth)
 
@@ -46,6 +46,10 @@ def test_frames_are_the_golden_ones(tmp_path: Path) -> None:
     hello = ["hello", [100, 0.00763, 36000, "firmware_sim"]]
     samples = [["sample", list(sample)] for sample in SAMPLES]
     assert in_micropython("write_frames.py", [hello, *samples], tmp_path) == HELLO + b"".join(SAMPLES.values())
+    hello3 = ["hello3", [100, 0.00763, 36000, "firmware_sim", 0.0047884]]
+    samples3 = [["sample3", [s.flags, s.seq, s.t_us, [*s.gyro_raw, *s.accel_raw], *s[5:]]] for s in AXES_SAMPLES]
+    expected = AXES_HELLO + b"".join(AXES_SAMPLES.values())
+    assert in_micropython("write_frames.py", [hello3, *samples3], tmp_path) == expected
 
 
 def test_any_sample_has_the_bytes_of_the_simulated_device(tmp_path: Path) -> None:
@@ -55,6 +59,14 @@ def test_any_sample_has_the_bytes_of_the_simulated_device(tmp_path: Path) -> Non
     asked = [[random.choice([*end, random.randint(*end)]) for end in ends] for _ in range(400)]
     sent = in_micropython("write_frames.py", [["sample", fields] for fields in asked], tmp_path)
     assert sent == b"".join(sample_frame(*fields) for fields in asked)
+    axes = [[random.choice([-32768, 32767, random.randint(-32768, 32767)]) for _ in range(6)] for _ in asked]
+    rows = list(zip(asked, axes, strict=True))
+    asked3 = [["sample3", [flags, seq, t_us, values, temp, n]] for (flags, seq, t_us, _, temp, n), values in rows]
+    expected = [
+        axes_sample_frame(flags, seq, t_us, values[:3], values[3:], temp, n)
+        for (flags, seq, t_us, _, temp, n), values in rows
+    ]
+    assert in_micropython("write_frames.py", asked3, tmp_path) == b"".join(expected)
 
 
 def test_a_long_name_is_cut(tmp_path: Path) -> None:
@@ -71,12 +83,41 @@ def test_serve_reads_every_sample(tmp_path: Path, port: Path) -> None:
         device.send_all(stream, never)
         lines = serve.take_lines(len(truth) - 1)
         assert 'device_id="MPU-6050 250/42"' in serve.log
-    t_us, rates, temps = np.array(truth[: len(lines)]).T
+    t_us, rates, temps, *_ = np.array(truth[: len(lines)]).T
     assert len(lines) > 1100
     assert [line["seq"] for line in lines] == list(range(1, len(lines) + 1))
     assert [round(line["rate_dps"] * 131) for line in lines] == rates.tolist()
     assert np.abs([line["temp_c"] for line in lines] - (temps / 340 + 36.53)).max() <= 0.0101
     assert np.ptp([line["t_s"] * 1e6 for line in lines] - t_us) < 1.0
+
+
+def test_every_axis_is_sent(tmp_path: Path) -> None:
+    """Rates and accelerations, with their scales."""
+    stream, truth = played(tmp_path, seconds=2.0)
+    _, readings = read_back(stream)
+    assert len(readings) > 300
+    for reading, (_, rate, _, *accels) in zip(readings, truth, strict=False):
+        assert reading.inertial is not None
+        assert [round(dps * 131) for dps in reading.inertial[:3]] == [111, -222, rate]
+        assert [round(force / 9.80665 * 4096) for force in reading.inertial[3:]] == accels
+
+
+@pytest.mark.parametrize(
+    ("up", "slots", "signs"),
+    [([0, False], [1, 2, 0], [1, 1, 1]), ([1, True], [2, 0, 1], [1, -1, -1]), ([2, True], [0, 1, 2], [1, -1, -1])],
+)
+def test_another_axis_may_point_up_or_down(
+    up: list[object], slots: list[int], signs: list[int], tmp_path: Path
+) -> None:
+    """It is sent as z, and the axes stay right-handed."""
+    stream, truth = played(tmp_path, seconds=1.0, up=up)
+    _, readings = read_back(stream)
+    assert len(readings) > 100
+    assert np.linalg.det(np.eye(3)[slots] * np.array(signs)[:, None]) == pytest.approx(1.0)
+    for reading, (_, _, _, *accels) in zip(readings, truth, strict=False):
+        assert reading.inertial is not None
+        sent = [round(force / 9.80665 * 4096) for force in reading.inertial[3:]]
+        assert sent == [sign * accels[slot] for slot, sign in zip(slots, signs, strict=True)]
 
 
 def test_samples_take_no_memory(tmp_path: Path) -> None:

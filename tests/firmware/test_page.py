@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 from firmware_support import HERE, MICROPYTHON, SKETCH, STRICT, run, same_sensor
-from golden_frames import HELLO, SAMPLES
+from golden_frames import AXES_HELLO, AXES_SAMPLES
 
 README = SKETCH.parent / "README.md"
-HELLO_BYTES, SAMPLE_BYTES = len(HELLO), len(next(iter(SAMPLES.values())))
+HELLO_BYTES, SAMPLE_BYTES = len(AXES_HELLO), len(next(iter(AXES_SAMPLES.values())))
 
 
 def blocks(language: str) -> list[str]:
@@ -44,10 +44,11 @@ def test_the_record_of_another_sensor_fits(cc: str, tmp_path: Path) -> None:
 def test_the_header_is_used_as_shown(cc: str, tmp_path: Path) -> None:
     """In a function that has the values."""
     include, _, body = blocks("c")[1].partition("\n")
+    body += blocks("c")[2]
     source = f"""{include}
 void uart_write(const uint8_t *bytes, uint8_t count);
-void send(uint16_t seq, uint32_t t_us, int16_t rate_raw, int16_t temp_centi_c);
-void send(uint16_t seq, uint32_t t_us, int16_t rate_raw, int16_t temp_centi_c) {{
+void send(uint16_t seq, uint32_t t_us, int16_t rate_raw, const int16_t *g, const int16_t *a, int16_t temp_centi_c);
+void send(uint16_t seq, uint32_t t_us, int16_t rate_raw, const int16_t *g, const int16_t *a, int16_t temp_centi_c) {{
 {body}}}
 """
     (tmp_path / "own.c").write_text(source)

@@ -1,4 +1,4 @@
-// Gyro on I2C for gyrodrift: sends the rate about one axis and the temperature in the native protocol.
+// Gyro on I2C for gyrodrift: sends rates, accelerations and temperature in the native protocol.
 //
 // The data-ready pin of the sensor starts an interrupt, which reads the clock. So traffic on I2C or the serial line does
 // not shift sample times. `seq` counts missed measurements, too.
@@ -14,7 +14,7 @@
 
 // Settings of your robot.
 static const uint32_t BAUD = 115200;
-static const uint8_t AXIS = 2;            // axis that points up: 0 x, 1 y, 2 z
+static const uint8_t AXIS = 2;            // axis that points up: 0 x, 1 y, 2 z; it is sent as z
 static const bool IS_UPSIDE_DOWN = false; // true if it points down
 
 // A pin with interrupts; the same as in docs/firmware/README.md.
@@ -117,7 +117,7 @@ static void send_hello() {
     hello.dps_per_lsb = sensor->dps_per_lsb;
   }
   uint8_t frame[GYRODRIFT_LONGEST_FRAME];
-  Serial.write(frame, gyrodrift_hello_frame(frame, &hello));
+  Serial.write(frame, gyrodrift_hello3_frame(frame, &hello, sensor == NULL ? 0.0f : sensor->mps2_per_lsb));
 }
 
 static void find_sensor() {
@@ -148,15 +148,35 @@ static int16_t centi_c(int16_t raw) {
   return (int16_t)(value < 0.0f ? value - 0.5f : value + 0.5f);
 }
 
+static bool is_at_end(int16_t raw) { return raw == INT16_MAX || raw == INT16_MIN; }
+
+// Values of x, y and z in the frame whose z axis points up; true if one is at the end of its range. AXIS becomes z by a
+// cyclic exchange. Upside down is half a turn about x. Both keep the frame right-handed.
+static bool read_axes(const uint8_t *bytes, int16_t *raw) {
+  bool is_clipped = false;
+  for (uint8_t i = 0; i < GYRODRIFT_AXES; i++) {
+    const int16_t value = value_at(bytes + 2 * ((AXIS + 1 + i) % GYRODRIFT_AXES));
+    is_clipped |= is_at_end(value);
+    raw[i] = !IS_UPSIDE_DOWN || i == 0 ? value : value == INT16_MIN ? INT16_MAX : (int16_t)-value;
+  }
+  return is_clipped;
+}
+
 static void send_sample(uint32_t t_us, const uint8_t *burst) {
-  gyrodrift_sample sample = {GYRODRIFT_TEMPERATURE_VALID, seq, t_us, 0, centi_c(value_at(burst + sensor->temp_at)), 0};
-  const int16_t rate = value_at(burst + sensor->rates_at + 2 * AXIS);
-  if (rate == INT16_MAX || rate == INT16_MIN) {
+  gyrodrift_sample3 sample;
+  sample.flags = GYRODRIFT_TEMPERATURE_VALID | GYRODRIFT_ACCEL_VALID;
+  sample.seq = seq;
+  sample.t_us = t_us;
+  sample.temp_centi_c = centi_c(value_at(burst + sensor->temp_at));
+  sample.encoder_counts = 0;
+  if (read_axes(burst + sensor->rates_at, sample.gyro_raw)) {
     sample.flags |= GYRODRIFT_RATE_CLIPPED;
   }
-  sample.rate_raw = !IS_UPSIDE_DOWN ? rate : rate == INT16_MIN ? INT16_MAX : (int16_t)-rate;
+  if (read_axes(burst + sensor->accels_at, sample.accel_raw)) {
+    sample.flags |= GYRODRIFT_ACCEL_CLIPPED;
+  }
   uint8_t frame[GYRODRIFT_LONGEST_FRAME];
-  Serial.write(frame, gyrodrift_sample_frame(frame, &sample));
+  Serial.write(frame, gyrodrift_sample3_frame(frame, &sample));
 }
 
 static void take_sample() {

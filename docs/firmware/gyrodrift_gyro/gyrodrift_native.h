@@ -1,4 +1,4 @@
-/* Encoder of gyrodrift's native protocol: HELLO and SAMPLE, framed by COBS, with a CRC.
+/* Encoder of gyrodrift's native protocol: HELLO with SAMPLE or SAMPLE3, framed by COBS, with a CRC.
 
    For C99 and C++, without allocation, tables, 64-bit numbers or stdio. It needs the frame and 8 bytes of stack, two's
    complement and IEEE floats; any byte order works. Lengths are in bytes.
@@ -8,6 +8,11 @@
        uint8_t frame[GYRODRIFT_LONGEST_FRAME];
        write(frame, gyrodrift_hello_frame(frame, &hello));
        write(frame, gyrodrift_sample_frame(frame, &sample));
+
+   A device with three gyro axes and an accelerometer sends HELLO of version 2 and SAMPLE3 instead:
+
+       write(frame, gyrodrift_hello3_frame(frame, &hello, mps2_per_lsb));
+       write(frame, gyrodrift_sample3_frame(frame, &sample3));
 */
 #ifndef GYRODRIFT_NATIVE_H
 #define GYRODRIFT_NATIVE_H
@@ -17,17 +22,24 @@
 
 #define GYRODRIFT_HELLO_FRAME 32 /* bytes on the wire, with the delimiter */
 #define GYRODRIFT_SAMPLE_FRAME 20
-#define GYRODRIFT_LONGEST_FRAME GYRODRIFT_HELLO_FRAME
+#define GYRODRIFT_HELLO3_FRAME 37
+#define GYRODRIFT_SAMPLE3_FRAME 30
+#define GYRODRIFT_LONGEST_FRAME GYRODRIFT_HELLO3_FRAME
 
 #define GYRODRIFT_DEVICE_ID_BYTES 16
 
 #define GYRODRIFT_ENCODER_VALID 0x01 /* flags of a sample */
 #define GYRODRIFT_TEMPERATURE_VALID 0x02
 #define GYRODRIFT_RATE_CLIPPED 0x04
+#define GYRODRIFT_ACCEL_VALID 0x10 /* of SAMPLE3 alone */
+#define GYRODRIFT_ACCEL_CLIPPED 0x40
 
 #define GYRODRIFT_HELLO_TYPE 0x01
 #define GYRODRIFT_SAMPLE_TYPE 0x02
+#define GYRODRIFT_SAMPLE3_TYPE 0x03
 #define GYRODRIFT_VERSION 1
+#define GYRODRIFT_AXES_VERSION 2
+#define GYRODRIFT_AXES 3
 
 typedef struct {
   uint16_t sample_rate_hz;
@@ -44,6 +56,17 @@ typedef struct {
   int16_t temp_centi_c;   /* hundredths of a degree C */
   int32_t encoder_counts; /* wraps */
 } gyrodrift_sample;
+
+/* The axes are right-handed, with z up when the sensor lies flat. */
+typedef struct {
+  uint8_t flags;
+  uint16_t seq;
+  uint32_t t_us;
+  int16_t gyro_raw[3];    /* about x, y and z; counter-clockwise is positive */
+  int16_t accel_raw[3];   /* at rest, the axis that points up reads 1 g */
+  int16_t temp_centi_c;
+  int32_t encoder_counts;
+} gyrodrift_sample3;
 
 /* State of a frame. `run` is the index of the distance to the next zero (COBS, Cheshire and Baker 1999). */
 typedef struct {
@@ -103,24 +126,44 @@ static inline uint8_t gyrodrift_end(gyrodrift_writer *writer) {
   return (uint8_t)(writer->at + 1);
 }
 
-/* Write HELLO into `frame` (GYRODRIFT_HELLO_FRAME bytes); return its length. */
-static inline uint8_t gyrodrift_hello_frame(uint8_t *frame, const gyrodrift_hello *hello) {
-  gyrodrift_writer writer;
+static inline void gyrodrift_put_float(gyrodrift_writer *writer, float value) {
+  uint32_t bits;
+  memcpy(&bits, &value, sizeof bits);
+  gyrodrift_put32(writer, bits);
+}
+
+/* The fields that both versions of HELLO share. */
+static inline void gyrodrift_put_hello(gyrodrift_writer *writer, uint8_t *frame, const gyrodrift_hello *hello,
+                                       uint8_t version) {
   const char *letter = hello->device_id;
-  uint32_t scale;
   uint8_t i;
-  memcpy(&scale, &hello->dps_per_lsb, sizeof scale);
-  gyrodrift_begin(&writer, frame, GYRODRIFT_HELLO_TYPE);
-  gyrodrift_put8(&writer, GYRODRIFT_VERSION);
-  gyrodrift_put16(&writer, hello->sample_rate_hz);
-  gyrodrift_put32(&writer, scale);
-  gyrodrift_put32(&writer, hello->encoder_cpr);
+  gyrodrift_begin(writer, frame, GYRODRIFT_HELLO_TYPE);
+  gyrodrift_put8(writer, version);
+  gyrodrift_put16(writer, hello->sample_rate_hz);
+  gyrodrift_put_float(writer, hello->dps_per_lsb);
+  gyrodrift_put32(writer, hello->encoder_cpr);
   for (i = 0; i < GYRODRIFT_DEVICE_ID_BYTES; i++) {
-    gyrodrift_put8(&writer, (uint8_t)*letter);
+    gyrodrift_put8(writer, (uint8_t)*letter);
     if (*letter != '\0') {
       letter++;
     }
   }
+}
+
+/* Write HELLO into `frame` (GYRODRIFT_HELLO_FRAME bytes); return its length. */
+static inline uint8_t gyrodrift_hello_frame(uint8_t *frame, const gyrodrift_hello *hello) {
+  gyrodrift_writer writer;
+  gyrodrift_put_hello(&writer, frame, hello, GYRODRIFT_VERSION);
+  return gyrodrift_end(&writer);
+}
+
+/* Write HELLO of three axes into `frame` (GYRODRIFT_HELLO3_FRAME bytes); return its length.
+   `mps2_per_lsb` is one count of accel_raw in m/s^2, or 0 without an accelerometer. */
+static inline uint8_t gyrodrift_hello3_frame(uint8_t *frame, const gyrodrift_hello *hello, float mps2_per_lsb) {
+  gyrodrift_writer writer;
+  gyrodrift_put_hello(&writer, frame, hello, GYRODRIFT_AXES_VERSION);
+  gyrodrift_put_float(&writer, mps2_per_lsb);
+  gyrodrift_put8(&writer, GYRODRIFT_AXES);
   return gyrodrift_end(&writer);
 }
 
@@ -132,6 +175,25 @@ static inline uint8_t gyrodrift_sample_frame(uint8_t *frame, const gyrodrift_sam
   gyrodrift_put16(&writer, sample->seq);
   gyrodrift_put32(&writer, sample->t_us);
   gyrodrift_put16(&writer, (uint16_t)sample->rate_raw);
+  gyrodrift_put16(&writer, (uint16_t)sample->temp_centi_c);
+  gyrodrift_put32(&writer, (uint32_t)sample->encoder_counts);
+  return gyrodrift_end(&writer);
+}
+
+/* Write SAMPLE3 into `frame` (GYRODRIFT_SAMPLE3_FRAME bytes); return its length. */
+static inline uint8_t gyrodrift_sample3_frame(uint8_t *frame, const gyrodrift_sample3 *sample) {
+  gyrodrift_writer writer;
+  uint8_t axis;
+  gyrodrift_begin(&writer, frame, GYRODRIFT_SAMPLE3_TYPE);
+  gyrodrift_put8(&writer, sample->flags);
+  gyrodrift_put16(&writer, sample->seq);
+  gyrodrift_put32(&writer, sample->t_us);
+  for (axis = 0; axis < GYRODRIFT_AXES; axis++) {
+    gyrodrift_put16(&writer, (uint16_t)sample->gyro_raw[axis]);
+  }
+  for (axis = 0; axis < GYRODRIFT_AXES; axis++) {
+    gyrodrift_put16(&writer, (uint16_t)sample->accel_raw[axis]);
+  }
   gyrodrift_put16(&writer, (uint16_t)sample->temp_centi_c);
   gyrodrift_put32(&writer, (uint32_t)sample->encoder_counts);
   return gyrodrift_end(&writer);

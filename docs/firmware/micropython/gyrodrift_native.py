@@ -1,4 +1,4 @@
-"""Encoder of gyrodrift's native protocol for MicroPython: HELLO and SAMPLE, framed by COBS, with a CRC.
+"""Encoder of gyrodrift's native protocol for MicroPython: HELLO with SAMPLE or SAMPLE3, framed by COBS, with a CRC.
 
 Garbage collection takes as long as one or two samples. So frames are written in place, and no number is larger than 30
 bits.
@@ -11,16 +11,28 @@ HELLO_FRAME = 32
 """Bytes on the wire, with the delimiter."""
 
 SAMPLE_FRAME = 20
+HELLO3_FRAME = 37
+SAMPLE3_FRAME = 30
 
 ENCODER_VALID = 0x01
 TEMPERATURE_VALID = 0x02
 RATE_CLIPPED = 0x04
+ACCEL_VALID = 0x10
+ACCEL_CLIPPED = 0x40
+"""Flags of a sample; the last two are of SAMPLE3."""
 
 HELLO_TYPE = 0x01
 SAMPLE_TYPE = 0x02
+SAMPLE3_TYPE = 0x03
 VERSION = 1
+AXES_VERSION = 2
+AXES = 3
 PAYLOAD_AT = 1
 """Index after the first distance of COBS."""
+
+AXES_AT = PAYLOAD_AT + 8
+TEMPERATURE_AT = AXES_AT + 12
+"""Indices in SAMPLE3."""
 
 
 def _crc_of_byte(byte: int) -> int:
@@ -38,9 +50,11 @@ class FrameWriter:
     """Writes frames into one buffer. A returned frame is valid until the next call."""
 
     def __init__(self) -> None:
-        self._frame = bytearray(HELLO_FRAME)
-        self._hello = memoryview(self._frame)
-        self._sample = self._hello[:SAMPLE_FRAME]
+        self._frame = bytearray(HELLO3_FRAME)
+        self._hello3 = memoryview(self._frame)
+        self._hello = self._hello3[:HELLO_FRAME]
+        self._sample = self._hello3[:SAMPLE_FRAME]
+        self._sample3 = self._hello3[:SAMPLE3_FRAME]
 
     def hello(self, sample_rate_hz: int, dps_per_lsb: float, encoder_cpr: int, device_id: str) -> memoryview:
         """HELLO, to send at boot and once a second. `device_id` is ASCII, cut after 16 characters."""
@@ -48,6 +62,15 @@ class FrameWriter:
         fields = (HELLO_TYPE, VERSION, sample_rate_hz, dps_per_lsb, encoder_cpr, name)
         struct.pack_into("<BBHfI16s", self._frame, PAYLOAD_AT, *fields)
         return self._framed(self._hello)
+
+    def hello3(
+        self, sample_rate_hz: int, dps_per_lsb: float, encoder_cpr: int, device_id: str, mps2_per_lsb: float
+    ) -> memoryview:
+        """HELLO of three axes; `mps2_per_lsb` is 0 without an accelerometer."""
+        name = device_id.encode()[:16]
+        fields = (HELLO_TYPE, AXES_VERSION, sample_rate_hz, dps_per_lsb, encoder_cpr, name, mps2_per_lsb, AXES)
+        struct.pack_into("<BBHfI16sfB", self._frame, PAYLOAD_AT, *fields)
+        return self._framed(self._hello3)
 
     def sample(
         self, flags: int, seq: int, t_us: list, rate_raw: int, temp_centi_c: int, encoder_counts: int = 0
@@ -59,6 +82,16 @@ class FrameWriter:
             "<BBHHHhhi", into, PAYLOAD_AT, SAMPLE_TYPE, flags, seq, low, high, rate_raw, temp_centi_c, encoder_counts
         )
         return self._framed(self._sample)
+
+    def sample3(
+        self, flags: int, seq: int, t_us: list, axes: object, temp_centi_c: int, encoder_counts: int = 0
+    ) -> memoryview:
+        """SAMPLE3 of one measurement. `axes` are six counts: rates about x, y and z, then accelerations along them."""
+        into = self._frame
+        struct.pack_into("<BBHHH", into, PAYLOAD_AT, SAMPLE3_TYPE, flags, seq, t_us[0], t_us[1])
+        struct.pack_into("<hhhhhh", into, AXES_AT, axes[0], axes[1], axes[2], axes[3], axes[4], axes[5])
+        struct.pack_into("<hi", into, TEMPERATURE_AT, temp_centi_c, encoder_counts)
+        return self._framed(self._sample3)
 
     def _framed(self, view: memoryview) -> memoryview:
         frame, table = self._frame, CRC_TABLE

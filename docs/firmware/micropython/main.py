@@ -1,4 +1,4 @@
-"""Gyro on I2C for gyrodrift: sends the rate about one axis and the temperature in the native protocol.
+"""Gyro on I2C for gyrodrift: sends rates, accelerations and temperature in the native protocol.
 
 The data-ready pin of the sensor starts an interrupt, which reads the clock. So traffic on I2C or the serial line does
 not shift sample times. `seq` counts missed measurements, too. A sample allocates no memory, because garbage collection
@@ -7,14 +7,15 @@ would take as long as a sample.
 
 import sys
 import time
+from array import array
 
 import machine
 from gyro_sensors import BURST_BYTES, SENSORS, GyroSensor
-from gyrodrift_native import RATE_CLIPPED, TEMPERATURE_VALID, FrameWriter
+from gyrodrift_native import ACCEL_CLIPPED, ACCEL_VALID, AXES, RATE_CLIPPED, TEMPERATURE_VALID, FrameWriter
 
 # Settings of your robot.
 I2C_ID, SDA_PIN, SCL_PIN, DATA_READY_PIN = (0, 4, 5, 6) if sys.platform == "rp2" else (0, 21, 22, 19)  # Pico, ESP32
-AXIS = 2  # axis that points up: 0 x, 1 y, 2 z
+AXIS = 2  # axis that points up: 0 x, 1 y, 2 z; it is sent as z
 IS_UPSIDE_DOWN = False  # True if it points down
 
 I2C_HZ = 400_000
@@ -30,6 +31,7 @@ class Gyro:
         self._out = out
         self._writer = FrameWriter()
         self._burst = bytearray(BURST_BYTES)
+        self._axes = array("h", [0] * (2 * AXES))  # rates, then accelerations
         self._sensor = None
         self._address = 0
         self._quiet_starts = 0  # starts of the sensor since its last measurement
@@ -82,16 +84,30 @@ class Gyro:
         self._sample_ms = time.ticks_ms()
 
     def _send_sample(self, ready_us: int) -> None:
-        sensor, flags = self._sensor, TEMPERATURE_VALID
-        rate = self._value_at(sensor.rates_at + 2 * AXIS)
-        if rate in (32767, -32768):
+        sensor, flags = self._sensor, TEMPERATURE_VALID | ACCEL_VALID
+        if self._read_axes(sensor.rates_at, 0):
             flags |= RATE_CLIPPED
-        if IS_UPSIDE_DOWN:
-            rate = min(-rate, 32767)
+        if self._read_axes(sensor.accels_at, AXES):
+            flags |= ACCEL_CLIPPED
         factor, divisor, centi_c_at_zero = sensor.centi_c
         centi_c = (self._value_at(sensor.temp_at) * factor + divisor // 2) // divisor + centi_c_at_zero
         self._let_time_pass(ready_us)
-        self._out.write(self._writer.sample(flags, self._seq, self._t_us, rate, centi_c))
+        self._out.write(self._writer.sample3(flags, self._seq, self._t_us, self._axes, centi_c))
+
+    def _read_axes(self, index: int, slot: int) -> bool:
+        """Read x, y and z into the frame whose z axis points up; True if one is at the end of its range.
+
+        AXIS becomes z by a cyclic exchange. Upside down is half a turn about x. Both keep the frame right-handed.
+        """
+        is_clipped = False
+        for axis in range(AXES):
+            value = self._value_at(index + 2 * ((AXIS + 1 + axis) % AXES))
+            if value in (32767, -32768):
+                is_clipped = True
+            if IS_UPSIDE_DOWN and axis:
+                value = min(-value, 32767)
+            self._axes[slot + axis] = value
+        return is_clipped
 
     def _let_time_pass(self, ready_us: int) -> None:
         """Advance the 32-bit clock of the protocol; the clock of the board has 30 bits."""
@@ -113,8 +129,11 @@ class Gyro:
 
     def _send_hello(self) -> None:
         sensor = self._sensor
-        rate_hz, dps_per_lsb = (0, 1.0) if sensor is None else (sensor.sample_rate_hz, sensor.dps_per_lsb)
-        self._out.write(self._writer.hello(rate_hz, dps_per_lsb, 0, self._name()))
+        if sensor is None:
+            self._out.write(self._writer.hello3(0, 1.0, 0, self._name(), 0.0))
+            return
+        scales = (sensor.dps_per_lsb, 0, self._name(), sensor.mps2_per_lsb)
+        self._out.write(self._writer.hello3(sensor.sample_rate_hz, *scales))
 
     def _find_sensor(self) -> None:
         self._sensor = None

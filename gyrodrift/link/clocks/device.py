@@ -200,8 +200,8 @@ class DeviceClock:
                 return moved
         if moved > 1:
             self.events.append(SampleGap(moved - 1, step_s))
-        else:
-            self._learn_period(step_s)
+        if moved <= 1 or not self.period_s:  # a device may lose samples from its first one on
+            self._learn_period(step_s / max(1, moved))
         return moved
 
     def _learn_period(self, step_s: float) -> None:

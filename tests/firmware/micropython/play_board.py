@@ -2,7 +2,7 @@
 
 The chip is that of RM-MPU-6000A 4.2. Time passes while the program idles, sleeps and speaks with the chip; the clock
 begins a second before its 30 bits end. `asked.json` says how long, and how the chip is plugged in. What the chip
-measured is written to `truth.json` beside the frames: t_us, rate in counts, temperature in counts.
+measured is written to `truth.json` beside the frames: t_us, then counts: yaw rate, temperature, accelerations.
 """
 
 import json
@@ -49,9 +49,12 @@ class Chip:
         rate = (len(self.truth) * 37) % 65536 - 32768
         temp = len(self.truth) % 20000 - 12000
         self._put(0x41, temp)
+        accels = [(len(self.truth) * step) % 8192 - 4096 for step in (11, 13, 17)]
         for at, value in ((0x43, 111), (0x45, -222), (0x47, rate)):
             self._put(at, value)
-        self.truth.append((self.next_us, rate, temp))
+        for index, value in enumerate(accels):
+            self._put(0x3B + 2 * index, value)
+        self.truth.append([self.next_us, rate, temp] + accels)  # noqa: RUF005 - MicroPython has no stars in a list
         now_us, self.now_us = self.now_us, self.next_us
         if self.on_rise is not None and ASKED["pin"]:
             self.on_rise(None)
@@ -139,6 +142,7 @@ sys.modules["time"] = Time
 
 import main  # noqa: E402 - the board has to be there first
 
+main.AXIS, main.IS_UPSIDE_DOWN = ASKED["up"]
 try:
     main.main()
 except OverError:

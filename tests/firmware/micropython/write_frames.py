@@ -8,6 +8,6 @@ from gyrodrift_native import FrameWriter
 writer = FrameWriter()
 with open("/asked.json") as asked:  # noqa: PTH123 - it has no pathlib
     for method, fields in json.load(asked):
-        if method == "sample":
+        if method in ("sample", "sample3"):
             fields[2] = [fields[2] & 0xFFFF, fields[2] >> 16]
         sys.stdout.buffer.write(getattr(writer, method)(*fields))

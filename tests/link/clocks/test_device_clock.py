@@ -306,3 +306,13 @@ def test_a_step_of_which_a_part_is_at_the_old_rate_costs_no_sample() -> None:
     samples += bench.read(3, step_us=500_000)
     assert [sample.seq for sample in samples] == [101, 104, 105, 106]
     assert bench.clock.glitches == 0
+
+
+def test_a_device_that_loses_samples_from_its_first_one_on_has_a_period() -> None:
+    """By its counter: of a sensor that is too fast for the line, hardly two samples in a row arrive."""
+    bench = Bench()
+    for _ in range(20):
+        bench.read()
+        bench.skip(2)
+    assert bench.clock.period_s == pytest.approx(PERIOD_US * 1e-6)
+    assert [event.missing for event in bench.events() if isinstance(event, SampleGap)] == [2] * 19
