@@ -18,6 +18,7 @@ WARNINGS = frozenset(
         "host_clock_set",
         "link_silent",
         "rate_unit_differs",
+        "accel_unit_differs",
         "rate_hangs",
         "clock_unit_differs",
         "not_understood",

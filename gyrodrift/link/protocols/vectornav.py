@@ -11,14 +11,14 @@ The z axis of the body frame points down: a positive rate is clockwise from abov
 import re
 from binascii import crc_hqx
 from functools import lru_cache
-from math import degrees, isfinite, nan
+from math import degrees, isfinite, nan, radians
 from struct import Struct
 from typing import NamedTuple
 
 from gyrodrift.link.protocols.frames import FrameDecoder
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.sample import Inertial, Reading, upside_down
+from gyrodrift.sample import Inertial, Reading
 
 GPS = (8, 8, 2, 1, 1, 24, 24, 12, 12, 12, 4, 4, 2, 28)
 FIELD_BYTES = (
@@ -44,6 +44,7 @@ FORCES = ((2, 2, 0), (0, 9, 0), (0, 8, 0), (2, 9, 0))
 TEMPERATURES = ((2, 4, 0), (0, 10, 12))
 """Temp, and the temperature in MagPres."""
 
+MAX_RATE_RADS = radians(MAX_RATE_DPS)
 LONGEST_BYTES = 500
 NANOSECONDS = Struct("<Q")
 FLOAT = Struct("<f")
@@ -147,11 +148,15 @@ class VectornavDecoder(FrameDecoder):
 
 def _inertial(frame: bytes, layout: Layout) -> Inertial | None:
     """All axes in a frame with z up; None without three plausible rates."""
-    rates_dps = tuple(map(degrees, VECTOR.unpack_from(frame, layout.rate - 2 * FLOAT.size)))
-    if not all(abs(rate_dps) <= MAX_RATE_DPS for rate_dps in rates_dps):
+    x_rads, y_rads, z_rads = VECTOR.unpack_from(frame, layout.rate - 2 * FLOAT.size)
+    if not (abs(x_rads) <= MAX_RATE_RADS and abs(y_rads) <= MAX_RATE_RADS):
         return None
-    forces_mps2 = VECTOR.unpack_from(frame, layout.force) if layout.force else ()
-    return upside_down(Inertial(*rates_dps, *(force if isfinite(force) else nan for force in forces_mps2)))
+    rates_dps = degrees(x_rads), -degrees(y_rads), -degrees(z_rads)
+    if not layout.force:
+        return Inertial(*rates_dps)
+    x_mps2, y_mps2, z_mps2 = VECTOR.unpack_from(frame, layout.force)
+    has_forces = isfinite(x_mps2 + y_mps2 + z_mps2)
+    return Inertial(*rates_dps, x_mps2, -y_mps2, -z_mps2) if has_forces else Inertial(*rates_dps)
 
 
 PROTOCOL = WireProtocol(

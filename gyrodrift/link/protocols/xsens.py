@@ -45,6 +45,7 @@ PRECISION = 0x3
 COUNTER = Struct(">H")
 TICKS = Struct(">I")
 FLOAT, FP1220, DOUBLE = Struct(">f"), Struct(">i"), Struct(">d")
+VECTOR = Struct(">3f")
 FP1632 = Struct(">Ih")
 """Fraction first, then the whole part."""
 
@@ -143,17 +144,27 @@ class XsensDecoder(FrameDecoder):
 
 def _inertial(items: Items, rate_dps: float) -> Inertial | None:
     """All axes of a message; None without three plausible rates."""
-    x_dps, y_dps, _ = map(degrees, _vector(items, RATES))
+    x_rads, y_rads, _ = _vector(items, RATES)
+    x_dps, y_dps = degrees(x_rads), degrees(y_rads)
     if not (abs(x_dps) <= MAX_RATE_DPS and abs(y_dps) <= MAX_RATE_DPS):
         return None
-    forces_mps2 = _vector(items, ACCELERATIONS)
-    return Inertial(x_dps, y_dps, rate_dps, *(force if isfinite(force) else nan for force in forces_mps2))
+    x_mps2, y_mps2, z_mps2 = _vector(items, ACCELERATIONS)
+    has_forces = isfinite(x_mps2 + y_mps2 + z_mps2)
+    return Inertial(x_dps, y_dps, rate_dps, x_mps2, y_mps2, z_mps2) if has_forces else Inertial(x_dps, y_dps, rate_dps)
 
 
-def _vector(items: Items, kinds: tuple[int, int]) -> list[float]:
+def _vector(items: Items, kinds: tuple[int, int]) -> tuple[float, ...]:
     """Last vector of these kinds; NaN without one."""
-    form, content = next((items[kind] for kind in reversed(list(items)) if kind in kinds), (0, b""))
-    return [number(content, form & PRECISION, index) for index in range(3)]
+    last: tuple[int, bytes] | None = None
+    for kind, item in items.items():
+        if kind in kinds:
+            last = item
+    if last is None:
+        return nan, nan, nan
+    form, content = last
+    if not form & PRECISION and len(content) >= VECTOR.size:
+        return VECTOR.unpack_from(content)
+    return tuple(number(content, form & PRECISION, index) for index in range(3))
 
 
 def _yaw_deg(kind: int, form: int, content: bytes) -> float:

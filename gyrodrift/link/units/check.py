@@ -45,6 +45,7 @@ class UnitCheck:
         self._due_s = float("-inf")
         self._rates: Any = None
         self._windows = 0
+        self._accelerations: Any = None
 
     def take(self, readings: int, samples: list[Sample], arrival_s: float, clock: Clock) -> None:
         """Add a number of readings that arrived together, and their samples."""
@@ -57,6 +58,8 @@ class UnitCheck:
         if not self._has_rate:
             self.is_over = not self.is_hearing
             return
+        if samples and samples[-1].inertial is not None:
+            self._judge_accelerations(samples)
         self._window += samples
         if len(self._window) >= WINDOW:
             self._judge_windows()
@@ -68,6 +71,14 @@ class UnitCheck:
         self._heard = Heard()
         if why is not None:
             raise UnitError(why)
+
+    def _judge_accelerations(self, samples: list[Sample]) -> None:
+        from gyrodrift.link.units.acceleration import AccelerationCheck  # noqa: PLC0415 - only for three axes
+
+        self._accelerations = self._accelerations or AccelerationCheck(self._protocol)
+        fields = None if self._accelerations.is_over else self._accelerations.take(samples)
+        if fields is not None:
+            self._on_event("accel_unit_differs", **fields)
 
     def _judge_windows(self) -> None:
         whole = len(self._window) // WINDOW * WINDOW

@@ -6,6 +6,7 @@ import numpy as np
 
 from gyrodrift.errors import DataError
 from gyrodrift.session.calibrated import calibrated
+from gyrodrift.session.checks.axes import axis_findings
 from gyrodrift.session.checks.clock_unit import clock_unit_findings
 from gyrodrift.session.checks.finding import SessionFinding
 from gyrodrift.session.checks.gravity import acceleration_findings
@@ -67,4 +68,5 @@ def examined(session: Session, stated: ReadingOptions = AS_WRITTEN, *, is_still:
             corrected = calibrated(clock.session)
             findings += rate_findings(corrected, is_stated=stated.states_rate, is_still=is_still)
         findings += acceleration_findings(clock.session, is_stated=bool(stated.accel_unit))
+        findings += axis_findings(clock.session)
     return ExaminedSession(clock.session, tuple(findings))

@@ -1,0 +1,112 @@
+"""Checks of accelerations in recordings and streams: unit, gravity, direction and axes."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from gyrodrift.arrays import Floats
+from gyrodrift.link.units.acceleration import LENGTHS, AccelerationCheck
+from gyrodrift.sample import Inertial, Sample
+from gyrodrift.session.checks.axes import ALL_AXES, axis_findings
+from gyrodrift.session.checks.gravity import acceleration_findings
+from gyrodrift.session.session import Session
+
+RATE_HZ, SECONDS, G_MPS2 = 100.0, 40.0, 9.80665
+
+
+def waved(*, tilt_deg: float = 40.0, shake_mps2: float = 0.0, seed: int = 3) -> Session:
+    """A sensor that is waved by hand: a smooth attitude with its rates and forces, and noise."""
+    rng = np.random.default_rng(seed)
+    t_s = np.arange(0.0, SECONDS, 1.0 / RATE_HZ)
+    phases = rng.uniform(0.0, 2.0 * np.pi, (3, 3))
+    reach = np.array([1.0, tilt_deg / 60.0, tilt_deg / 60.0])
+    angles = sum(np.sin(2.0 * np.pi * (0.13 + 0.11 * k) * t_s[:, None] + phases[k]) * reach for k in range(3))
+    attitude = Rotation.from_euler("ZYX", angles)
+    body_rates = (attitude[:-1].inv() * attitude[1:]).as_rotvec() * RATE_HZ
+    gyro_dps = np.degrees(np.vstack([body_rates, body_rates[-1:]])) + 0.5 + 0.1 * rng.standard_normal((len(t_s), 3))
+    shaken = np.array([0.0, 0.0, G_MPS2]) + shake_mps2 * rng.standard_normal((len(t_s), 3))
+    forces: Floats = attitude.inv().apply(shaken) + 0.05 * rng.standard_normal((len(t_s), 3))
+    return Session("waved", t_s, gyro_dps[:, 2], gyro_dps=gyro_dps, accel_mps2=forces)
+
+
+def with_forces(session: Session, forces: Floats) -> Session:
+    return Session(session.name, session.t_device_s, session.rate_dps, gyro_dps=session.gyro_dps, accel_mps2=forces)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_right_axes_are_no_finding(seed: int) -> None:
+    assert not list(axis_findings(waved(seed=seed)))
+    assert not list(axis_findings(waved(seed=seed, shake_mps2=3.0)))
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("index", range(48))
+def test_swapped_and_inverted_axes_are_named_with_the_order_that_mends_them(seed: int, index: int) -> None:
+    """All of them inverted explain the tilt as well: only the direction of z tells that."""
+    session, wrong = waved(seed=seed), ALL_AXES[index]
+    assert session.accel_mps2 is not None
+    findings = list(axis_findings(with_forces(session, wrong.of(session.accel_mps2))))
+    is_right = wrong.order == (0, 1, 2) and len(set(wrong.signs)) == 1
+    assert len(findings) == (not is_right)
+    if findings:
+        named = findings[0].says.rpartition("if x, y, z are ")[2]
+        mend = next(axes for axes in ALL_AXES if str(axes) == named)
+        mended = mend.of(wrong.of(session.accel_mps2))
+        assert np.array_equal(mended, session.accel_mps2) or np.array_equal(mended, -session.accel_mps2)
+
+
+def test_a_level_turn_says_nothing_of_the_axes() -> None:
+    """Gravity stays in place."""
+    session = waved(tilt_deg=0.0)
+    assert session.accel_mps2 is not None
+    assert not list(axis_findings(with_forces(session, session.accel_mps2[:, [1, 0, 2]])))
+
+
+def test_accelerations_of_a_car_say_nothing_of_the_axes() -> None:
+    """No order explains them."""
+    session, rng = waved(), np.random.default_rng(5)
+    jolts = np.repeat(rng.normal(0.0, 8.0, (200, 3)), 20, axis=0)
+    assert session.accel_mps2 is not None
+    assert not list(axis_findings(with_forces(session, session.accel_mps2[:, [1, 0, 2]] + jolts)))
+
+
+def test_a_sensor_that_measures_gravity_downward_is_told() -> None:
+    session = waved(tilt_deg=10.0)
+    assert session.accel_mps2 is not None
+    (finding,) = acceleration_findings(with_forces(session, -session.accel_mps2), is_stated=False)
+    assert finding.id == "accel_sign"
+    assert not finding.is_error
+    assert not list(acceleration_findings(session, is_stated=False))
+
+
+@pytest.mark.parametrize("forces", [np.full((40, 3), np.nan), np.zeros((40, 3))])
+def test_missing_and_zero_accelerations_do_not_stop_the_checks(forces: Floats) -> None:
+    session = Session("s", np.arange(40.0), np.ones(40), gyro_dps=np.ones((40, 3)), accel_mps2=forces)
+    assert not list(axis_findings(session))
+    assert {finding.id for finding in acceleration_findings(session, is_stated=False)} <= {"accel_gravity"}
+
+
+def events_of(force: tuple[float, float, float], protocol: str = "csv") -> list[dict[str, Any]]:
+    check = AccelerationCheck(protocol)
+    inertial = Inertial(0.0, 0.0, 1.0, *force)
+    samples = [Sample(i, 0.01 * i, 0.0, 1.0, inertial=inertial) for i in range(10)]
+    fields = [check.take(samples) for _ in range(2 * LENGTHS // 10)]
+    return [event for event in fields if event is not None]
+
+
+def test_a_stream_in_g_is_told_once_with_the_columns_that_read_it() -> None:
+    (fields,) = events_of((0.0, 0.1, 0.99))
+    assert fields["unit"] == "g"
+    assert "--columns 't_us, gx, gy, gz, ax:g, ay:g, az:g'" in fields["hint"]
+
+
+def test_a_stream_without_gravity_is_told() -> None:
+    (fields,) = events_of((0.1, 0.0, 0.1))
+    assert (fields["unit"], "linear acceleration" in fields["hint"]) == ("unknown", True)
+
+
+@pytest.mark.parametrize("force", [(0.3, 0.2, 9.7), (float("nan"),) * 3])
+def test_a_stream_in_its_unit_and_a_missing_acceleration_are_no_event(force: tuple[float, float, float]) -> None:
+    assert not events_of(force)
