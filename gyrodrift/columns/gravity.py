@@ -12,13 +12,13 @@ COUNTS_PER_G = tuple(float(1 << bits) for bits in range(8, 16))
 """Counts of 10 to 16 bits at ±1 to ±16 g (data sheets of ADXL345, MMA8452, LIS3DH and MPU-6050)."""
 
 
-def is_gravity(length: float, gravity: float = STANDARD_GRAVITY_MPS2) -> bool:
-    """Whether a length is that of gravity, which is `gravity` in the same unit."""
-    return abs(length - gravity) <= NEAR * gravity
+def is_gravity(length: float, gravity: float = STANDARD_GRAVITY_MPS2, error: float = NEAR) -> bool:
+    """Whether a length is that of gravity, which is `gravity` in the same unit, up to a relative error."""
+    return abs(length - gravity) <= error * gravity
 
 
-def gravity_unit(length: float) -> str:
-    """Unit in which a length is gravity, as in a SPEC; empty if there is none."""
+def gravity_unit(length: float, error: float = NEAR) -> str:
+    """Unit in which a length is gravity, as in a SPEC, up to a relative error; empty if there is none."""
     named = {unit: STANDARD_GRAVITY_MPS2 / scale for unit, scale in ACCELERATION_MPS2.items()}
     counted = {f"lsb/{counts:.0f}": counts for counts in COUNTS_PER_G if not is_gravity(counts, named["mg"])}
-    return next((unit for unit, size in (named | counted).items() if is_gravity(length, size)), "")
+    return next((unit for unit, size in (named | counted).items() if is_gravity(length, size, error)), "")

@@ -1,30 +1,17 @@
-"""Gravity in a recording of three axes: its size, its direction, its noise, and whether it turns as the gyro says."""
+"""Gravity in a recording of three axes: its size, its direction and its noise."""
 
 from dataclasses import dataclass
-from itertools import permutations, product
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.session.checks.axes import windows
 from gyrodrift.session.session import Session
 
 STANDARD_MPS2 = 9.80665
 """Standard gravity, exact by definition (CGPM 1901); on earth it is 9.76 to 9.84."""
 
-WINDOW_S = 0.5
-"""Length of the windows over which gravity and gyro are compared, s: chosen; hands turn slowly within it."""
-
-TURN_MIN_DEG = 3.0
-"""Tilt of a window from which it counts, deg: well above the noise of an accelerometer, about 0.3 deg."""
-
-WINDOWS_MIN = 8
-"""Windows with a tilt that are needed for a comparison: chosen."""
-
 QUIET_SHARE = 0.2
 """Share of the windows, those with the least scatter, that count as quiet: chosen."""
-
-AGREES = 0.5
-"""Residual of the gyro, as a share of the tilt of gravity, below which both agree; without a relation it is above 1."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,30 +41,13 @@ class GravitySummary:
     missing: float
 
 
-@dataclass(frozen=True, slots=True)
-class Agreement:
-    """Whether gravity turns as the gyro says.
-
-    residual
-        Difference as a share of the tilt, for the axes as they are.
-    best
-        Axes of the acceleration that fit best, such as `('+x', '+y', '-z')`.
-    best_residual
-        Their difference.
-    """
-
-    residual: float
-    best: tuple[str, ...]
-    best_residual: float
-
-
 def gravity_summary(session: Session) -> GravitySummary | None:
     """Size, direction and noise of gravity; None for a session without accelerations."""
     accel = session.accel_mps2
     if accel is None or not np.isfinite(accel).all(axis=1).any():
         return None
     is_finite = np.isfinite(accel).all(axis=1)
-    means, scatters = _windows(session.t_device_s[is_finite], accel[is_finite])
+    means, scatters = windows(session.t_device_s[is_finite], accel[is_finite])
     quiet = scatters <= np.quantile(scatters, QUIET_SHARE)
     mean = np.median(means[quiet], axis=0)
     size = float(np.median(np.linalg.norm(means[quiet], axis=1)))
@@ -93,68 +63,3 @@ def gravity_summary(session: Session) -> GravitySummary | None:
         at_largest=int((absolute >= largest).any(axis=1).sum()),
         missing=1.0 - float(is_finite.mean()),
     )
-
-
-def agreement(session: Session) -> Agreement | None:
-    """Compare the turn of gravity with the gyro; None without enough tilt.
-
-    In the sensor a constant vector u changes by −∫ω×u. Of the 48 ways to exchange and reverse the axes of the
-    acceleration the true one leaves the least residual. A reversal of all three at once changes no residual and cannot
-    be found.
-    """
-    if session.gyro_dps is None or session.accel_mps2 is None:
-        return None
-    is_finite = np.isfinite(session.accel_mps2).all(axis=1) & np.isfinite(session.gyro_dps).all(axis=1)
-    t_s, gyro_dps, accel = session.t_device_s[is_finite], session.gyro_dps[is_finite], session.accel_mps2[is_finite]
-    if len(t_s) < WINDOWS_MIN:
-        return None
-    means, _ = _windows(t_s, accel)
-    turns_rad, _ = _windows(t_s, np.deg2rad(_integrals(t_s, gyro_dps)))
-    directions = means / np.maximum(np.linalg.norm(means, axis=1, keepdims=True), 1e-12)
-    changes, rotations = np.diff(directions, axis=0), np.diff(turns_rad, axis=0)
-    middles = 0.5 * (directions[1:] + directions[:-1])
-    tilted = np.linalg.norm(changes, axis=1) > np.deg2rad(TURN_MIN_DEG)
-    if tilted.sum() < WINDOWS_MIN:
-        return None
-    residuals = {
-        axes: _residual(matrix, changes[tilted], rotations[tilted], middles[tilted]) for axes, matrix in _frames()
-    }
-    best = min(residuals, key=lambda axes: residuals[axes])
-    return Agreement(residuals["+x", "+y", "+z"], best, residuals[best])
-
-
-def _residual(matrix: Floats, changes: Floats, rotations: Floats, middles: Floats) -> float:
-    """Median of |change + rotation × direction| / |change| with exchanged axes of the acceleration."""
-    expected = -np.cross(rotations, middles @ matrix.T)
-    difference = np.linalg.norm(changes @ matrix.T - expected, axis=1)
-    return float(np.median(difference / np.linalg.norm(changes, axis=1)))
-
-
-def _frames() -> list[tuple[tuple[str, ...], Floats]]:
-    """Ways to exchange and reverse axes, up to a reversal of all three, with the matrix that applies each."""
-    frames = []
-    for order in permutations(range(3)):
-        for signs in product((1.0, -1.0), repeat=3):
-            matrix = np.zeros((3, 3))
-            matrix[range(3), order] = signs
-            names = tuple(f"{'+' if sign > 0 else '-'}{'xyz'[axis]}" for axis, sign in zip(order, signs, strict=True))
-            if sum(signs) > 0.0:  # of a frame and its reverse, the one with fewer reversed axes
-                frames.append((names, matrix))
-    return frames
-
-
-def _integrals(t_s: Floats, rates: Floats) -> Floats:
-    """Running integrals of the columns by the trapezium, from 0."""
-    steps = 0.5 * (rates[1:] + rates[:-1]) * np.diff(t_s)[:, None]
-    integrals: Floats = np.vstack([np.zeros(rates.shape[1]), np.cumsum(steps, axis=0)])
-    return integrals
-
-
-def _windows(t_s: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Means of the columns over windows, and the scatter of the samples within, root of the mean variance."""
-    index = np.floor((t_s - t_s[0]) / WINDOW_S).astype(int)
-    _, first, counts = np.unique(index, return_index=True, return_counts=True)
-    sums, squares = np.add.reduceat(values, first, axis=0), np.add.reduceat(values**2, first, axis=0)
-    means = sums / counts[:, None]
-    variances = np.maximum(squares / counts[:, None] - means**2, 0.0)
-    return means, np.sqrt(variances.mean(axis=1))

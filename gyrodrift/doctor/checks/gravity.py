@@ -1,12 +1,11 @@
 """Checks of the accelerometer: unit, axis up, agreement with the gyro, vibration, range."""
 
+from gyrodrift.columns.gravity import gravity_unit
 from gyrodrift.doctor.check import Check
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, error, note, ok, warning
-from gyrodrift.doctor.gravity import AGREES, STANDARD_MPS2, agreement, gravity_summary
-
-UNITS = {1.0: "g", 1000.0: "mg", 16384.0: "lsb/16384", 8192.0: "lsb/8192", 4096.0: "lsb/4096", 2048.0: "lsb/2048"}
-"""Gravity in the units that boards send: g, mg, and counts at ranges of 2, 4, 8 and 16 g (MPU-6050 data sheet)."""
+from gyrodrift.doctor.gravity import STANDARD_MPS2, gravity_summary
+from gyrodrift.session.checks.axes import AGREES, agreement
 
 SIZE_SHARE = 0.12
 """Largest relative error of gravity in the right unit: offset and scale of cheap parts, 0.08 g and 3 % (MPU-6050 data
@@ -36,11 +35,10 @@ def gravity(evidence: DeviceEvidence) -> DeviceFinding | None:
             else "gyrodrift calibrate measures offsets in six positions."
         )
         return (note if do else ok)(f"Gravity is {size:.2f} m/s², {summary.up} is up.", do=do, value=size, unit="m/s²")
-    units = [unit for gravity, unit in UNITS.items() if abs(size / gravity - 1.0) <= SIZE_SHARE]
-    if units:
-        axes = ", ".join(f"{axis}:{units[0]}" for axis in ("ax", "ay", "az"))
+    if unit := gravity_unit(size, SIZE_SHARE):
+        axes = ", ".join(f"{axis}:{unit}" for axis in ("ax", "ay", "az"))
         return error(
-            f"Gravity reads {size:.5g} in place of 9.81 m/s²: the accelerations are in {units[0].replace('/', ' / ')}.",
+            f"Gravity reads {size:.5g} in place of 9.81 m/s²: the accelerations are in {unit.replace('/', ' / ')}.",
             f"Name the unit in the columns: --columns '..., {axes}'.",
             size,
         )
@@ -59,15 +57,9 @@ def axes_agree(evidence: DeviceEvidence) -> DeviceFinding | None:
     if axes.residual <= AGREES:
         return ok("Gravity turns as the gyro says: both have the same axes.", axes.residual)
     if axes.best_residual <= AGREES:
-        named = ", ".join(
-            f"a{axis} is {'−' if best[0] == '-' else ''}a{best[1]}"
-            for axis, best in zip("xyz", axes.best, strict=True)
-            if best != f"+{axis}"
-        )
-        spec = ", ".join(f"a{best[1]}{':-' if best[0] == '-' else ''}" for best in axes.best)
         return error(
-            f"Gravity turns another way than the gyro says. It fits if {named}.",
-            f"Exchange the columns of the acceleration, in the frame of the gyro: {spec}.",
+            f"Gravity turns another way than the gyro says. It fits if {axes.named}.",
+            f"Exchange the columns of the acceleration, in the frame of the gyro: {axes.spec}.",
             axes.residual,
         )
     return error(

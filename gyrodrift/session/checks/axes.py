@@ -13,90 +13,118 @@ from gyrodrift.arrays import Floats
 from gyrodrift.session.checks.finding import SessionFinding
 from gyrodrift.session.session import Session
 
-STEP_S = 0.25
-"""Time over which a change is compared: long against vibration, short against the bias of a gyro."""
+WINDOW_S = 0.5
+"""Length of the windows over which gravity and gyro are compared, s: chosen; hands turn slowly within it."""
 
-LEAST_STEPS = 20
-LEAST_TILT = 2.0
-"""Sum of the changes of direction, rad, from which the axes are judged."""
+TURN_MIN_DEG = 3.0
+"""Tilt of a window from which it counts, deg: well above the noise of an accelerometer, about 0.3 deg."""
 
-DISAGREES, AGREES = 0.7, 0.2
-"""Share of the changes that the gyro fails to explain: above the first the axes are wrong, below the second right."""
+WINDOWS_MIN = 8
+"""Windows with a tilt that are needed for a comparison: chosen."""
 
-NAMES = ("ax", "ay", "az")
+AGREES = 0.5
+"""Residual of the gyro, as a share of the tilt of gravity, below which both agree; without a relation it is above 1."""
 
 
 @dataclass(frozen=True, slots=True)
-class SignedAxes:
-    """Order and signs of the axes of an accelerometer: axis i of the gyro is `signs[i]` times column `order[i]`."""
+class Agreement:
+    """Whether gravity turns as the gyro says.
 
-    order: tuple[int, ...]
-    signs: tuple[float, ...]
+    residual
+        Difference as a share of the tilt, for the axes as they are.
+    best
+        Axes of the acceleration that fit best, such as `('+x', '+y', '-z')`.
+    best_residual
+        Their difference.
+    """
 
-    def of(self, vectors: Floats) -> Floats:
-        """Vectors in the order of the gyro, shape (n, 3)."""
-        swapped: Floats = vectors[:, self.order] * np.array(self.signs)
-        return swapped
+    residual: float
+    best: tuple[str, ...]
+    best_residual: float
 
     @property
-    def changes(self) -> int:
-        """Number of columns that are renamed or inverted."""
-        return sum(self.order[axis] != axis or self.signs[axis] < 0.0 for axis in range(3))
+    def named(self) -> str:
+        """Best axes in words, without those that stay: `ax is ay, ay is −ax`."""
+        return ", ".join(
+            f"a{axis} is {'−' if best[0] == '-' else ''}a{best[1]}"
+            for axis, best in zip("xyz", self.best, strict=True)
+            if best != f"+{axis}"
+        )
 
-    def __str__(self) -> str:
-        columns = ("-" * (sign < 0.0) + NAMES[column] for column, sign in zip(self.order, self.signs, strict=True))
-        return ", ".join(columns)
-
-
-ALL_AXES = [SignedAxes(order, signs) for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)]
-"""All 48 orders and signs."""
+    @property
+    def spec(self) -> str:
+        """Best axes as the columns of a SPEC in the order x, y, z: `ay, ax:-, az`."""
+        return ", ".join(f"a{best[1]}{':-' if best[0] == '-' else ''}" for best in self.best)
 
 
 def axis_findings(session: Session) -> Iterator[SessionFinding]:
-    """Finding about swapped or inverted axes of the accelerometer, if another order explains the tilt far better."""
-    steps = _steps(session)
-    if steps is None:
-        return
-    residuals = [(_unexplained(axes, *steps), axes.changes, index) for index, axes in enumerate(ALL_AXES)]
-    as_is = next(share for share, changes, _ in residuals if changes == 0)
-    best = min(share for share, _, _ in residuals)
-    if as_is < DISAGREES or best > AGREES:
-        return
-    *_, index = min((changes, share, index) for share, changes, index in residuals if share < 2.0 * best)
-    says = f"the rates explain {1.0 - as_is:.0%} of the tilt of the accelerations, and {1.0 - best:.0%} if x, y, z are"
-    yield SessionFinding("accel_axes", f"{says} {ALL_AXES[index]}", "name and invert ax, ay and az so with --columns")
+    """Finding about swapped or inverted axes of the accelerometer, if another order explains the tilt."""
+    axes = agreement(session)
+    if axes is not None and axes.residual > AGREES >= axes.best_residual:
+        says = f"gravity turns another way than the gyro says; it fits if {axes.named}"
+        yield SessionFinding("accel_axes", says, f"name the columns of the acceleration {axes.spec}")
 
 
-def _steps(session: Session) -> tuple[Floats, Floats, Floats] | None:
-    """Changes of the direction of gravity, its mean, and the angles of the gyro in rad, shape (n, 3); None if few."""
-    if session.accel_mps2 is None or session.gyro_dps is None:
+def agreement(session: Session) -> Agreement | None:
+    """Compare the turn of gravity with the gyro; None without enough tilt.
+
+    In the sensor a constant vector u changes by −∫ω×u. Of the 48 ways to exchange and reverse the axes of the
+    acceleration the true one leaves the least residual. A reversal of all three at once changes no residual and cannot
+    be found.
+    """
+    if session.gyro_dps is None or session.accel_mps2 is None:
         return None
-    is_whole = np.isfinite(session.accel_mps2).all(axis=1) & np.isfinite(session.gyro_dps).all(axis=1)
-    t_s = session.t_device_s[is_whole]
-    if len(t_s) < 2 or not (np.diff(t_s) > 0.0).all():
+    is_finite = np.isfinite(session.accel_mps2).all(axis=1) & np.isfinite(session.gyro_dps).all(axis=1)
+    t_s, gyro_dps, accel = session.t_device_s[is_finite], session.gyro_dps[is_finite], session.accel_mps2[is_finite]
+    if len(t_s) < WINDOWS_MIN:
         return None
-    length = float(np.median(np.linalg.norm(session.accel_mps2[is_whole], axis=1)))
-    size = max(1, round(STEP_S / float(np.median(np.diff(t_s)))))
-    count = len(t_s) // size
-    if count < LEAST_STEPS or not length:
+    means, _ = windows(t_s, accel)
+    turns_rad, _ = windows(t_s, np.deg2rad(_integrals(t_s, gyro_dps)))
+    directions = means / np.maximum(np.linalg.norm(means, axis=1, keepdims=True), 1e-12)
+    changes, rotations = np.diff(directions, axis=0), np.diff(turns_rad, axis=0)
+    middles = 0.5 * (directions[1:] + directions[:-1])
+    tilted = np.linalg.norm(changes, axis=1) > np.deg2rad(TURN_MIN_DEG)
+    if tilted.sum() < WINDOWS_MIN:
         return None
-    directions = _blocks(session.accel_mps2[is_whole], size) / length
-    rates_rads = np.radians(_blocks(session.gyro_dps[is_whole], size))
-    step_s = np.diff(t_s[: count * size].reshape(count, size).mean(axis=1))
-    changes, means = np.diff(directions, axis=0), 0.5 * (directions[1:] + directions[:-1])
-    angles = 0.5 * (rates_rads[1:] + rates_rads[:-1]) * step_s[:, None]
-    tilt = float(np.linalg.norm(changes, axis=1).sum())
-    return (changes, means, angles) if tilt >= LEAST_TILT else None
+    residuals = {
+        axes: _residual(matrix, changes[tilted], rotations[tilted], middles[tilted]) for axes, matrix in _frames()
+    }
+    best = min(residuals, key=lambda axes: residuals[axes])
+    return Agreement(residuals["+x", "+y", "+z"], best, residuals[best])
 
 
-def _blocks(values: Floats, size: int) -> Floats:
-    """Means of blocks of samples, shape (blocks, 3)."""
-    count = len(values) // size
-    blocks: Floats = values[: count * size].reshape(count, size, 3).mean(axis=1)
-    return blocks
+def _residual(matrix: Floats, changes: Floats, rotations: Floats, middles: Floats) -> float:
+    """Median of |change + rotation × direction| / |change| with exchanged axes of the acceleration."""
+    expected = -np.cross(rotations, middles @ matrix.T)
+    difference = np.linalg.norm(changes @ matrix.T - expected, axis=1)
+    return float(np.median(difference / np.linalg.norm(changes, axis=1)))
 
 
-def _unexplained(axes: SignedAxes, changes: Floats, means: Floats, angles: Floats) -> float:
-    """Share of the squared changes that the gyro does not explain."""
-    rest = axes.of(changes) + np.cross(angles, axes.of(means))
-    return float((rest**2).sum() / (changes**2).sum())
+def _frames() -> list[tuple[tuple[str, ...], Floats]]:
+    """Ways to exchange and reverse axes, up to a reversal of all three, with the matrix that applies each."""
+    frames = []
+    for order in permutations(range(3)):
+        for signs in product((1.0, -1.0), repeat=3):
+            matrix = np.zeros((3, 3))
+            matrix[range(3), order] = signs
+            names = tuple(f"{'+' if sign > 0 else '-'}{'xyz'[axis]}" for axis, sign in zip(order, signs, strict=True))
+            if sum(signs) > 0.0:  # of a frame and its reverse, the one with fewer reversed axes
+                frames.append((names, matrix))
+    return frames
+
+
+def _integrals(t_s: Floats, rates: Floats) -> Floats:
+    """Running integrals of the columns by the trapezium, from 0."""
+    steps = 0.5 * (rates[1:] + rates[:-1]) * np.diff(t_s)[:, None]
+    integrals: Floats = np.vstack([np.zeros(rates.shape[1]), np.cumsum(steps, axis=0)])
+    return integrals
+
+
+def windows(t_s: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Means of the columns over windows, and the scatter of the samples within, root of the mean variance."""
+    index = np.floor((t_s - t_s[0]) / WINDOW_S).astype(int)
+    _, first, counts = np.unique(index, return_index=True, return_counts=True)
+    sums, squares = np.add.reduceat(values, first, axis=0), np.add.reduceat(values**2, first, axis=0)
+    means = sums / counts[:, None]
+    variances = np.maximum(squares / counts[:, None] - means**2, 0.0)
+    return means, np.sqrt(variances.mean(axis=1))
