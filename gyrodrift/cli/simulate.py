@@ -27,9 +27,8 @@ SESSIONS = "sessions"
 
 EXAMPLES = """\
 gyrodrift simulate --out sessions --sessions 6 --minutes 8 --seed 1
-gyrodrift simulate --out drifting --effect warmup --effect scale_factor:error_percent=1.2
+gyrodrift simulate --axes 3 --profile hand --out tilting --effect warmup --effect accel_bias:x_mps2=0.3
 gyrodrift simulate --hard-cases --out hard --seed 1
-gyrodrift simulate --axes 3 --profile hand --out tilting --effect gyro_misalignment
 """
 
 

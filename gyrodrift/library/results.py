@@ -25,6 +25,7 @@ def simulate(
     profile: str = "turntable",
     minutes: float = 10.0,
     seed: int = 0,
+    axes: int | None = None,
 ) -> "Session":
     """Simulate a session of the rig, as `gyrodrift simulate` does.
 
@@ -38,6 +39,8 @@ def simulate(
         Name of a shipped motion, or a file.
     minutes, seed
         Duration, minutes, and the seed of all random numbers.
+    axes
+        1, or 3 for three gyro axes and an accelerometer; None for what the rig file says.
 
     Raises
     ------
@@ -45,14 +48,17 @@ def simulate(
         If a file is wrong, or an effect, a profile or a parameter does not exist.
     """
     from firmware_sim.motion.profile import load_motion
-    from firmware_sim.rig import load_rig, parse_effect, with_effects
+    from firmware_sim.rig import load_rig, parse_effect, with_axes, with_effects
     from firmware_sim.yaml_file import FileError
     from gyrodrift.simulation.sessions import Simulation
 
     if not minutes > 0.0:
         raise UsageError(f"minutes {minutes}: expected a number above 0")
+    if axes not in {None, 1, 3}:
+        raise UsageError(f"axes {axes}: expected 1 or 3")
     try:
-        whole = with_effects(load_rig(None if rig is None else Path(rig)), [parse_effect(text) for text in effects])
+        plain = with_axes(load_rig(None if rig is None else Path(rig)), axes)
+        whole = with_effects(plain, [parse_effect(text) for text in effects])
         motion = load_motion(profile)
     except (FileError, ValueError) as error:
         raise UsageError(str(error)) from error

@@ -76,6 +76,15 @@ def test_a_missing_package_is_told_with_its_command(method: str, package: str, m
         getattr(table, method)()
 
 
+def test_a_session_of_three_axes_is_simulated() -> None:
+    """With the profile of a motion that tilts."""
+    session = gyrodrift.simulate(minutes=0.2, profile="hand", axes=3, effects=["gyro_misalignment"])
+    assert session.gyro_dps is not None
+    assert session.accel_mps2 is not None
+    assert session.gyro_dps.shape == session.accel_mps2.shape == (1200, 3)
+    assert gyrodrift.simulate(minutes=0.2, profile="hand").gyro_dps is None
+
+
 def test_a_session_is_simulated_filtered_saved_and_plotted(tmp_path: Path) -> None:
     """The same seed gives the same session; what is saved is what is loaded."""
     session, again = (gyrodrift.simulate(minutes=0.1, effects=["scale_factor:error_percent=5"], seed=3) for _ in "ab")
@@ -100,6 +109,8 @@ def test_a_tuning_is_saved_as_the_config_of_serve(tuning: Tuning, tmp_path: Path
     [
         (lambda at, _: gyrodrift.simulate(effects=["gremlins"]), "gremlins"),
         (lambda at, _: gyrodrift.simulate(minutes=0.0), "expected a number above 0"),
+        (lambda at, _: gyrodrift.simulate(axes=2), "axes 2: expected 1 or 3"),
+        (lambda at, _: gyrodrift.simulate(effects=["accel_bias"]), "needs a rig with three axes"),
         (lambda at, _: gyrodrift.simulate(rig=at / "none.yaml"), "none.yaml"),
         (lambda at, _: gyrodrift.save("text", at), "expected a session or a result"),  # type: ignore[arg-type]
         (lambda at, tuning: gyrodrift.save(tuning, at / "my.txt"), "a config ends in .yaml"),

@@ -80,10 +80,18 @@ class AttitudeProfile(Checked):
     def _mount(self) -> Floats | None:
         return None if self.mount == SensorMount() else self.mount.quaternion()
 
+    @cached_property
+    def _latest(self) -> list[tuple[Floats, Kinematics]]:
+        """The last times, and the motion at them."""
+        return []
+
     def kinematics_at(self, t_s: Floats) -> Kinematics:
-        """True motion of the sensor at times since the beginning, shape (n,)."""
-        motion = self.motion.kinematics_at(t_s)
-        return motion if self._mount is None else motion.mounted(self._mount)
+        """True motion of the sensor at times since the beginning, shape (n,); the array must not change later."""
+        # Rates, truth and acceleration of a block need the motion at the same times.
+        if not (self._latest and self._latest[0][0] is t_s):
+            motion = self.motion.kinematics_at(t_s)
+            self._latest[:] = [(t_s, motion if self._mount is None else motion.mounted(self._mount))]
+        return self._latest[0][1]
 
     def motion_at(self, t_s: Floats) -> tuple[Floats, Floats]:
         """True heading, degrees, and rate about the z axis of the sensor, deg/s, in the shape of `t_s`."""
