@@ -1,6 +1,7 @@
 """Picture of every effect at its typical size: output of the rig without and with it.
 
-`python -m firmware_sim.gallery --out docs/effects` draws all pictures; it needs matplotlib from the lab extra.
+`python -m firmware_sim.gallery --out docs/effects` draws all pictures, those of effects on all axes in a folder
+`triaxial`; it needs matplotlib from the lab extra.
 """
 
 import argparse
@@ -20,12 +21,16 @@ from matplotlib import pyplot as plt
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect, Floats
+from firmware_sim.effects.triaxial.catalogue import TRIAXIAL
+from firmware_sim.gallery_axes import draw_axes
 from firmware_sim.measure import BLOCK_SAMPLES, joined, measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Rig, load_rig, with_effects
 
 WITHOUT, WITH = "0.6", "tab:red"
 SEED = 1
+TRIAXIAL_FOLDER = "triaxial"
+"""Folder of the pictures of effects on all axes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,13 +167,16 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the pictures")
     parser.add_argument("names", nargs="*", metavar="NAME", help="effects to draw (default: all)")
     arguments = parser.parse_args(argv)
-    unknown = sorted(set(arguments.names) - set(CATALOGUE))
+    unknown = sorted(set(arguments.names) - {*CATALOGUE, *TRIAXIAL})
     if unknown:
-        parser.error(f"there is no effect {unknown[0]!r}; there are {', '.join(CATALOGUE)}")
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    for name in arguments.names or CATALOGUE:
-        kind = CATALOGUE[name]
-        draw(kind.model_validate(kind.typical), arguments.out / f"{name}.png")
+        parser.error(f"there is no effect {unknown[0]!r}; there are {', '.join([*CATALOGUE, *TRIAXIAL])}")
+    triaxial = arguments.out / TRIAXIAL_FOLDER
+    triaxial.mkdir(parents=True, exist_ok=True)
+    for name in arguments.names or [*CATALOGUE, *TRIAXIAL]:
+        if name in TRIAXIAL:
+            draw_axes(name, triaxial / f"{name}.png")
+        else:
+            draw(CATALOGUE[name].model_validate(CATALOGUE[name].typical), arguments.out / f"{name}.png")
     return 0
 
 

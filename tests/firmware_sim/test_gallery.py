@@ -6,6 +6,7 @@ import pytest
 from support import Command
 
 from firmware_sim.effects.catalogue import CATALOGUE
+from firmware_sim.effects.triaxial.catalogue import TRIAXIAL
 
 gallery = pytest.importorskip("firmware_sim.gallery", reason="the pictures need matplotlib, of the workstation extra")
 
@@ -22,3 +23,12 @@ def test_a_picture_is_drawn_and_the_shipped_ones_are_complete(tmp_path: Path) ->
     assert (tmp_path / "vibration.png").read_bytes().startswith(b"\x89PNG")
     shipped = {path.stem for path in (Path(__file__).parents[2] / "docs" / "effects").glob("*.png")}
     assert shipped == set(CATALOGUE)
+
+
+def test_effects_on_all_axes_have_pictures_too(tmp_path: Path) -> None:
+    """In a folder of their own."""
+    with Command("--out", tmp_path, "accel_bias", module="firmware_sim.gallery") as run:
+        assert run.end() == 0, run.log
+    assert (tmp_path / "triaxial" / "accel_bias.png").read_bytes().startswith(b"\x89PNG")
+    shipped = (Path(__file__).parents[2] / "docs" / "effects" / "triaxial").glob("*.png")
+    assert {path.stem for path in shipped} == set(TRIAXIAL)
