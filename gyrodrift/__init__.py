@@ -8,6 +8,9 @@ __version__ = "0.1.0"
 _PUBLIC = {
     "Hdr": "filters",
     "Restlevel": "filters",
+    "AttitudeFilter": "attitude",
+    "AttitudeEstimate": "attitude",
+    "AttitudeEstimates": "attitude",
     "Estimate": "filters",
     "Estimates": "filters",
     "load_session": "sessions",

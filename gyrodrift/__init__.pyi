@@ -1,6 +1,9 @@
 from gyrodrift.library.analyses import compare as compare
 from gyrodrift.library.analyses import diagnose as diagnose
 from gyrodrift.library.analyses import tune as tune
+from gyrodrift.library.attitude import AttitudeEstimate as AttitudeEstimate
+from gyrodrift.library.attitude import AttitudeEstimates as AttitudeEstimates
+from gyrodrift.library.attitude import AttitudeFilter as AttitudeFilter
 from gyrodrift.library.device import open_link as open_link
 from gyrodrift.library.filters import Estimate as Estimate
 from gyrodrift.library.filters import Estimates as Estimates
@@ -13,6 +16,9 @@ from gyrodrift.library.sessions import load_session as load_session
 
 __version__: str
 __all__ = [
+    "AttitudeEstimate",
+    "AttitudeEstimates",
+    "AttitudeFilter",
     "Estimate",
     "Estimates",
     "Hdr",

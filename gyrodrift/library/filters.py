@@ -82,7 +82,7 @@ class DriftFilter:
 
     def __init__(self, params: FilterParams | None = None, **changes: float | None) -> None:
         given = {name: value for name, value in changes.items() if value is not None}
-        self.params: FilterParams = _checked(self.filter, params, given)
+        self.params: FilterParams = checked_params(self.filter, params, given)
         self._coefficients = self.filter.coefficients(self.params)
         self.reset()
 
@@ -273,7 +273,14 @@ class Restlevel(DriftFilter):
         )
 
 
-def _checked(chosen: Filter, params: FilterParams | None, changes: dict[str, float]) -> FilterParams:
+def checked_params(chosen: Filter, params: FilterParams | None, changes: dict[str, float]) -> FilterParams:
+    """A record of parameters with these changes.
+
+    Raises
+    ------
+    UsageError
+        With every parameter that does not exist or is out of its bounds.
+    """
     if params is not None and not isinstance(params, chosen.params):
         raise UsageError(f"{chosen.name}: parameters are a {chosen.params.__name__}, not a {type(params).__name__}")
     problems = list(_problems(chosen, asdict(params) if params is not None else {}, changes))

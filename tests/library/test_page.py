@@ -9,7 +9,7 @@ from turntable_sessions import write_turntables
 
 pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation takes seconds
 
-NAMES, SAMPLES, RECORDING, DEVICE, ANALYSES, SIMULATED = python_in("library.md")
+NAMES, SAMPLES, THREE_AXES, RECORDING, DEVICE, ANALYSES, SIMULATED = python_in("library.md")
 
 
 def run(code: str) -> dict[str, Any]:
@@ -26,6 +26,11 @@ def test_the_names_are_there() -> None:
 def test_samples(capsys: pytest.CaptureFixture[str]) -> None:
     run(SAMPLES)
     assert capsys.readouterr().out.endswith("bias 0.50 deg/s\n")
+
+
+def test_three_axes(capsys: pytest.CaptureFixture[str]) -> None:
+    run(THREE_AXES)
+    assert capsys.readouterr().out.startswith(("heading 0.0 deg, pitch -20.0 deg", "heading -0.0 deg, pitch -20.0 deg"))
 
 
 def test_recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
