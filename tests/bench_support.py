@@ -14,9 +14,20 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
+import numpy as np
+from hand_motion import hand_motion
+
 from firmware_sim.rig import Base
 from firmware_sim.wire.csv import csv_line
-from firmware_sim.wire.native import ENCODER_VALID, TEMPERATURE_VALID, hello_frame, sample_frame
+from firmware_sim.wire.native import (
+    ACCEL_VALID,
+    ENCODER_VALID,
+    TEMPERATURE_VALID,
+    axes_hello_frame,
+    axes_sample_frame,
+    hello_frame,
+    sample_frame,
+)
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.protocols.native import NativeDecoder
@@ -35,6 +46,8 @@ ROUND_PERIOD_US = 1 << 16
 CHUNK_BYTES = 4096
 NOISE_COUNTS = 12.0
 BIAS_COUNTS = 20.0
+GYRO_DPS, ACCEL_MPS2 = 0.0152588, 0.0023942
+"""Counts of an MPU-6050 at ±500 deg/s and ±8 g (PS-MPU-6000A)."""
 
 
 def native_frames(count: int, period_us: int) -> list[bytes]:
@@ -45,6 +58,18 @@ def native_frames(count: int, period_us: int) -> list[bytes]:
         sample_frame(flags, i, i * period_us, round(noise.gauss(BIAS_COUNTS, NOISE_COUNTS)), 2500 + i % 7, i)
         for i in range(count)
     ]
+
+
+def axes_frames(count: int, period_us: int) -> list[bytes]:
+    """SAMPLE3 frames of a board in a hand, as `hand_motion` has it, still for 5 s."""
+    motion = hand_motion(count * period_us * 1e-6, rate_hz=1e6 / period_us)
+    rates, forces = np.rint(motion.gyro_dps / GYRO_DPS), np.rint(motion.accel_mps2 / ACCEL_MPS2)
+    columns = zip(rates.astype(int).tolist(), forces.astype(int).tolist(), strict=True)
+    flags = ENCODER_VALID | TEMPERATURE_VALID | ACCEL_VALID
+    return [
+        axes_sample_frame(flags, i, i * period_us, rate, force, 2500 + i % 7, i)
+        for i, (rate, force) in enumerate(columns)
+    ][:count]
 
 
 def csv_lines(count: int, period_us: int) -> list[bytes]:
@@ -60,6 +85,11 @@ def csv_lines(count: int, period_us: int) -> list[bytes]:
 def hello(rate_hz: float = 100.0) -> bytes:
     """HELLO of the device that sends these frames."""
     return hello_frame(Base(sample_rate_hz=rate_hz))
+
+
+def axes_hello(rate_hz: float) -> bytes:
+    """HELLO of the device that sends `axes_frames`."""
+    return axes_hello_frame(Base(sample_rate_hz=rate_hz, dps_per_lsb=GYRO_DPS), ACCEL_MPS2)
 
 
 def in_chunks(content: bytes) -> list[bytes]:

@@ -42,10 +42,11 @@ def hand_motion(
     tilt_deg: float = 12.0,
     yaw_deg: float = 12.0,
     bias_dps: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    rate_hz: float = RATE_HZ,
 ) -> HandMotion:
     """Still for 5 s, then turned; the angles are sums of three sines of these amplitudes."""
     rng = np.random.default_rng(seed)
-    t_s = np.arange(0.0, seconds, 1.0 / RATE_HZ)
+    t_s = np.arange(round(seconds * rate_hz)) / rate_hz
     angles = np.zeros((len(t_s), 3))
     for axis, amplitude_deg in enumerate((yaw_deg, tilt_deg, tilt_deg)):
         for period_s in (7.0, 11.0, 4.1):
@@ -53,7 +54,7 @@ def hand_motion(
             angles[:, axis] += amplitude_deg * (np.sin(2.0 * np.pi * t_s / period_s + phase) - np.sin(phase))
     angles *= np.clip((t_s - 5.0) / 2.0, 0.0, 1.0)[:, np.newaxis]
     attitude = Rotation.from_euler("ZYX", angles, degrees=True)
-    turns = (attitude[:-1].inv() * attitude[1:]).as_rotvec(degrees=True) * RATE_HZ
+    turns = (attitude[:-1].inv() * attitude[1:]).as_rotvec(degrees=True) * rate_hz
     gyro = np.vstack([turns[:1], 0.5 * (turns[1:] + turns[:-1]), turns[-1:]]) + bias_dps
     accel = attitude.inv().apply([0.0, 0.0, 9.81])
     w, _, _, z = attitude.as_quat(scalar_first=True).T

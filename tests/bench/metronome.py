@@ -20,7 +20,8 @@ from firmware_sim.pty import PtyDevice
 def main(port: Path, result: Path, count: int, rate_hz: float, protocol: str) -> None:
     """Speak, and write down what was done once the reader has taken all of it."""
     if rate_hz:
-        frames = bench_support.native_frames(count, round(1e6 / rate_hz))
+        encode = bench_support.axes_frames if protocol == "axes" else bench_support.native_frames
+        frames = encode(count, round(1e6 / rate_hz))
     else:
         turn = {"native": bench_support.native_frames, "csv": bench_support.csv_lines}[protocol]
         frames = turn(min(count, bench_support.ROUND_SAMPLES), bench_support.ROUND_PERIOD_US)
@@ -30,6 +31,8 @@ def main(port: Path, result: Path, count: int, rate_hz: float, protocol: str) ->
     device.wait_for_reader(never)
     if protocol == "native":
         device.send(bench_support.hello(rate_hz or 100.0))
+    if protocol == "axes":
+        device.send(bench_support.axes_hello(rate_hz))
     times_s = array("d")
     started_s = time.monotonic()
     refused = paced(device, frames, rate_hz, times_s) if rate_hz else flood(device, frames, count)

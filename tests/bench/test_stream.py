@@ -17,6 +17,8 @@ pytestmark = pytest.mark.bench
 
 SETTLING_S = 1.0
 SILENCE_S = 5.0
+FILTERS = {"native": "hdr", "axes": "restlevel"}
+"""Filter by protocol: of one axis and of three."""
 
 
 @dataclass
@@ -51,21 +53,21 @@ def listen(pid: int, fd: int, count: int) -> Heard:
     return heard
 
 
-def stream(tmp_path: Path, rate_hz: float, seconds: float, rounds: int) -> None:
+def stream(tmp_path: Path, rate_hz: float, seconds: float, rounds: int, protocol: str = "native") -> None:
     """Some rounds of streaming at a rate, shown beside each other."""
     for number in range(rounds):
         folder = tmp_path / str(number)
         folder.mkdir()
-        _stream_once(folder, rate_hz, round(rate_hz * seconds))
+        _stream_once(folder, rate_hz, round(rate_hz * seconds), protocol)
 
 
-def _stream_once(folder: Path, rate_hz: float, count: int) -> None:
+def _stream_once(folder: Path, rate_hz: float, count: int, protocol: str) -> None:
     port, log = folder / "gyro", folder / "serve.log"
     gc.collect()
     gc.disable()
     with (
-        metronome(port, count, rate_hz) as device,
-        serving(port, "--filter", "hdr", log=log, stdout=subprocess.PIPE) as serve,
+        metronome(port, count, rate_hz, protocol) as device,
+        serving(port, "--filter", FILTERS[protocol], log=log, stdout=subprocess.PIPE) as serve,
     ):
         assert serve.stdout is not None
         heard = listen(serve.pid, serve.stdout.fileno(), count)
@@ -95,6 +97,10 @@ def _show(rate_hz: float, lost: int, latencies_s: Sequence[float], cpu_share: fl
 
 def test_nothing_is_lost_at_1_khz(tmp_path: Path) -> None:
     stream(tmp_path, 1000.0, seconds=10.0, rounds=3)
+
+
+def test_nothing_is_lost_at_1_khz_with_six_axes(tmp_path: Path) -> None:
+    stream(tmp_path, 1000.0, seconds=20.0, rounds=3, protocol="axes")
 
 
 def test_nothing_is_lost_at_10_khz(tmp_path: Path) -> None:
