@@ -1,5 +1,6 @@
 """Checks of accelerations in recordings and streams: unit, gravity, direction and axes."""
 
+from dataclasses import replace
 from itertools import permutations, product
 from typing import Any
 
@@ -12,6 +13,8 @@ from gyrodrift.link.units.acceleration import LENGTHS, AccelerationCheck
 from gyrodrift.sample import Inertial, Sample
 from gyrodrift.session.checks.axes import agreement, axis_findings
 from gyrodrift.session.checks.gravity import acceleration_findings
+from gyrodrift.session.checks.rate_unit import rate_findings
+from gyrodrift.session.checks.vertical import vertical_rates_dps
 from gyrodrift.session.session import Session
 
 ALL_AXES = [(order, signs) for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)]
@@ -116,3 +119,31 @@ def test_a_stream_without_gravity_is_told() -> None:
 @pytest.mark.parametrize("force", [(0.3, 0.2, 9.7), (float("nan"),) * 3])
 def test_a_stream_in_its_unit_and_a_missing_acceleration_are_no_event(force: tuple[float, float, float]) -> None:
     assert not events_of(force)
+
+
+def test_the_rate_about_the_vertical_is_compared_with_the_encoder_of_a_tilted_device() -> None:
+    """A turntable that leans by 45°: the rate about z alone is too small by a third."""
+    t_s = np.linspace(0.0, 60.0, 6000, endpoint=False)
+    heading_dps = 60.0 * np.sin(0.5 * t_s)
+    tilt = np.radians(45.0)
+    up = np.array([np.sin(tilt), 0.0, np.cos(tilt)])
+    session = Session(
+        "leaning",
+        t_s,
+        heading_dps * up[2],
+        encoder_deg=np.cumsum(heading_dps) * 0.01,
+        gyro_dps=heading_dps[:, None] * up,
+        accel_mps2=np.tile(G_MPS2 * up, (len(t_s), 1)),
+    )
+    assert rate_findings(session, is_stated=False) == []
+    assert vertical_rates_dps(session) == pytest.approx(heading_dps)
+    (finding,) = rate_findings(replace(session, gyro_dps=None, accel_mps2=None), is_stated=False)
+    assert finding.id == "rate_unit"
+
+
+def test_without_accelerations_for_a_while_the_rate_about_z_is_used() -> None:
+    forces = np.tile([0.0, G_MPS2, 0.0], (1000, 1))
+    forces[500:] = np.nan
+    gyro_dps = np.tile([1.0, 2.0, 3.0], (1000, 1))
+    session = Session("s", np.arange(1000) * 0.01, gyro_dps[:, 2], gyro_dps=gyro_dps, accel_mps2=forces)
+    assert vertical_rates_dps(session)[[100, 900]].tolist() == [2.0, 3.0]

@@ -6,6 +6,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.session.angles import unwrapped
+from gyrodrift.session.checks.vertical import vertical_rates_dps
 from gyrodrift.session.session import Session
 
 BLOCK_S = 0.5
@@ -130,8 +131,9 @@ def _blocks(session: Session) -> _Blocks | None:
 
 def _rising(session: Session, encoder_deg: Floats) -> tuple[Floats, Floats, Floats]:
     """Times, rates and angles of the samples with a rate and a time later than all previous ones."""
-    is_finite = np.isfinite(session.t_device_s) & (np.abs(session.rate_dps) <= MOST_READ)
-    t_s, rate_dps, angle_deg = session.t_device_s[is_finite], session.rate_dps[is_finite], encoder_deg[is_finite]
+    rates_dps = vertical_rates_dps(session)
+    is_finite = np.isfinite(session.t_device_s) & (np.abs(rates_dps) <= MOST_READ)
+    t_s, rate_dps, angle_deg = session.t_device_s[is_finite], rates_dps[is_finite], encoder_deg[is_finite]
     latest_s = np.maximum.accumulate(np.concatenate([[-np.inf], t_s[:-1]]))
     is_later = t_s > latest_s
     return t_s[is_later], rate_dps[is_later], angle_deg[is_later]
