@@ -48,4 +48,7 @@ def test_no_sample_is_lost_in_ten_minutes(tmp_path: Path, command: str, to: str)
     show(f"{command}, {SECONDS} s of device time", rows)
     assert "gaps=0 missing=0" in log.read_text()
     assert not served or [round(line["rate_dps"] * 131) for line in served] == truth.rate_raw.tolist()
-    assert np.rint(session.rate_dps * 131).tolist() == truth.rate_raw.tolist()
+    assert session.gyro_dps is not None
+    assert session.accel_mps2 is not None
+    assert np.array_equal(np.rint(session.gyro_dps * 131), truth.gyro_raw())
+    assert np.array_equal(np.rint(session.accel_mps2 / 9.80665 * 4096), truth.accel_raw())

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import fixed_quad, solve_ivp
+from scipy.integrate import fixed_quad
 from scipy.spatial.transform import Rotation
 
 from firmware_sim.effects.effect import Floats
@@ -47,29 +47,35 @@ def rotations_of(motion: Kinematics) -> Rotation:
     return Rotation.from_quat(np.roll(motion.quaternion, -1, axis=1))
 
 
-def integrated(profile: AttitudeProfile, t_s: Floats) -> Rotation:
-    """Attitude from the rates alone: dq/dt = q ⊗ ω/2, by Dormand and Prince of order eight."""
-    start = np.roll(profile.kinematics_at(t_s[:1]).quaternion[0], -1)
+def integrated(profile: AttitudeProfile, start_s: float, seconds: float) -> Rotation:
+    """Attitude after some time from the rates alone: the product of steps of 2 ms.
 
-    def change(at_s: float, q: Floats) -> Floats:
-        wx, wy, wz = np.deg2rad(profile.kinematics_at(np.array([at_s])).rates_dps[0])
-        x, y, z, w = q
-        return 0.5 * np.array(
-            [w * wx + y * wz - z * wy, w * wy + z * wx - x * wz, w * wz + x * wy - y * wx, -x * wx - y * wy - z * wz]
-        )
-
-    done = solve_ivp(change, t_s[[0, -1]], start, "DOP853", t_s, rtol=1e-9, atol=1e-10, max_step=0.1)
-    return Rotation.from_quat(done.y.T)
+    Each is the exponential of the Magnus expansion of fourth order, from the rates at the two points of Gauss
+    (Iserles and Nørsett 1999). Its error is of the fifth order in the step.
+    """
+    step_s = 2e-3
+    starts_s = start_s + step_s * np.arange(round(seconds / step_s))
+    early, late = (
+        np.deg2rad(profile.kinematics_at(starts_s + share * step_s).rates_dps)
+        for share in (0.5 - np.sqrt(3.0) / 6.0, 0.5 + np.sqrt(3.0) / 6.0)
+    )
+    vectors = 0.5 * step_s * (early + late) + np.sqrt(3.0) / 12.0 * step_s**2 * np.cross(early, late)
+    steps = Rotation.from_rotvec(vectors)
+    while len(steps) > 1:  # products of neighbors; the last one of an odd number waits
+        odd = steps[len(steps) // 2 * 2 :]
+        pairs = steps[0 : len(steps) // 2 * 2 : 2] * steps[1 : len(steps) // 2 * 2 : 2]
+        steps = Rotation.concatenate([pairs, odd]) if len(odd) else pairs
+    return rotations_of(profile.kinematics_at(np.array([start_s])))[0] * steps[0]
 
 
 @pytest.mark.parametrize("mount", [{}, {"roll_deg": 20.0, "pitch_deg": -30.0, "yaw_deg": 50.0}], ids=["flat", "tilted"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_integrated_rates_give_the_attitude(kind: str, mount: dict[str, float]) -> None:
-    """To a millionth of a radian after six seconds of motion, however the sensor is mounted."""
+    """To a millionth of a radian, at any time, however the sensor is mounted."""
     profile = profile_of(kind, mount)
-    t_s = np.linspace(START_S, START_S + SECONDS, 25)
-    error = integrated(profile, t_s).inv() * rotations_of(profile.kinematics_at(t_s))
-    assert error.magnitude().max() < 1e-6
+    for seconds in (1.0, SECONDS, 30.0):
+        truth = rotations_of(profile.kinematics_at(np.array([START_S + seconds])))[0]
+        assert (integrated(profile, START_S, seconds).inv() * truth).magnitude() < 1e-6
 
 
 @pytest.mark.parametrize("kind", KINDS)
