@@ -35,6 +35,12 @@ class Mount:
                 f"up is {self.up} and forward is {self.forward}; expected two different axes of the sensor"
             )
 
+    @property
+    def axes(self) -> tuple[Vector, Vector, Vector]:
+        """Forward, left and up of the device as unit vectors in the sensor frame."""
+        forward, up = vector_of(self.forward), vector_of(self.up)
+        return forward, _cross(up, forward), up
+
     def tilt_deg(self, q: Quaternion) -> float:
         """Angle between the up axis and the vertical, 0 to 180 deg."""
         x, y, z = _rotated(q, vector_of(self.up))
@@ -42,9 +48,7 @@ class Mount:
 
     def roll_pitch_deg(self, q: Quaternion) -> tuple[float, float]:
         """Roll, −180 to 180 deg, and pitch, −90 to 90 deg."""
-        forward, up = vector_of(self.forward), vector_of(self.up)
-        leftward = _cross(up, forward)
-        forward_z, left_z, up_z = (_rotated(q, axis)[2] for axis in (forward, leftward, up))
+        forward_z, left_z, up_z = (_rotated(q, axis)[2] for axis in self.axes)
         return degrees(atan2(left_z, up_z)), degrees(asin(max(-1.0, min(1.0, -forward_z))))
 
 

@@ -7,11 +7,10 @@ is turned by yaw about the vertical after the shortest rotation that gives it it
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import asin, atan2, cos, radians, sin, sqrt
+from typing import Any
 
+from gyrodrift.mount import LEVEL, Mount, Quaternion, Vector, with_heading
 from gyrodrift.sample import Attitude, Inertial
-
-Quaternion = tuple[float, float, float, float]
-Vector = tuple[float, float, float]
 
 UPSIDE_DOWN = cos(radians(150.0))
 """Height of the up axis below which a twist is ill defined. There the service carries yaw by the rate about the
@@ -22,17 +21,14 @@ vertical, and the heading is that of the attitude itself."""
 class DeviceFrame:
     """Axes of the device as unit vectors in the sensor frame."""
 
-    x: Vector = (1.0, 0.0, 0.0)
-    y: Vector = (0.0, 1.0, 0.0)
-    z: Vector = (0.0, 0.0, 1.0)
+    x: Vector
+    y: Vector
+    z: Vector
 
     @classmethod
-    def of(cls, mount: Mapping[str, str] | None) -> "DeviceFrame":
+    def of(cls, mount: Mapping[str, Any] | None) -> "DeviceFrame":
         """Frame of a mount: the axes of the sensor, such as `+z`, that point `up` and `forward`."""
-        if mount is None:
-            return UNTURNED
-        forward, up = _axis(mount["forward"]), _axis(mount["up"])
-        return cls(forward, _cross(up, forward), up)
+        return UNTURNED if mount is None else cls(*Mount(**mount).axes)
 
     def vector(self, of_sensor: Vector) -> Vector:
         """Vector of the sensor frame in the device frame."""
@@ -40,7 +36,7 @@ class DeviceFrame:
 
     @property
     def quaternion(self) -> Quaternion:
-        """Rotation from the device to the sensor frame, by Shepperd's method: the largest part comes first."""
+        """Rotation from the device to the sensor frame, by Shepperd's method: of four forms the longest is exact."""
         (a, d, g), (b, e, h), (c, f, i) = self.x, self.y, self.z
         candidates = (
             (1.0 + a + e + i, h - f, c - g, d - b),
@@ -65,17 +61,17 @@ class DeviceFrame:
         roll, pitch = radians(attitude.roll_deg), radians(attitude.pitch_deg)
         up_z = cos(pitch) * cos(roll)
         if up_z < UPSIDE_DOWN:
-            return _positive(after_turn(product(attitude[:4], self.quaternion), heading_deg - yaw_deg))
+            return _positive(with_heading(product(attitude[:4], self.quaternion), heading_deg - yaw_deg))
         w = sqrt(0.5 * (1.0 + up_z))
         swing = w, 0.5 * cos(pitch) * sin(roll) / w, 0.5 * sin(pitch) / w, 0.0
-        return _positive(after_turn(swing, heading_deg))
+        return _positive(with_heading(swing, heading_deg))
 
     def rates_dps(self, inertial: Inertial, attitude: Attitude) -> Vector:
         """Rates about the axes of the device without the estimated drift, deg/s."""
         return self.vector(corrected_rates_dps(inertial, attitude))
 
 
-UNTURNED = DeviceFrame()
+UNTURNED = DeviceFrame(*LEVEL.axes)
 """The sensor's own axes."""
 
 
@@ -100,12 +96,6 @@ def product(p: Quaternion, q: Quaternion) -> Quaternion:
     )
 
 
-def after_turn(q: Quaternion, turn_deg: float) -> Quaternion:
-    """Attitude after a further turn about the vertical, counter-clockwise."""
-    half = radians(0.5 * turn_deg)
-    return product((cos(half), 0.0, 0.0, sin(half)), q)
-
-
 def frd(q: Quaternion) -> Quaternion:
     """Rotation between frames forward, right, down instead of forward, left, up."""
     w, x, y, z = q
@@ -123,16 +113,6 @@ def angles_rad(q: Quaternion) -> Vector:
 def _positive(q: Quaternion) -> Quaternion:
     w, x, y, z = q
     return q if w >= 0.0 else (-w, -x, -y, -z)
-
-
-def _axis(name: str) -> Vector:
-    sign = -1.0 if name[0] == "-" else 1.0
-    x, y, z = (sign if name[1] == letter else 0.0 for letter in "xyz")
-    return x, y, z
-
-
-def _cross(a: Vector, b: Vector) -> Vector:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def _dot(a: Vector, b: Vector) -> float:

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from math import cos, isnan, pi, radians, remainder, sin
 from typing import Literal
 
-from gyrodrift.outputs.device_frame import UNTURNED, DeviceFrame, Quaternion, Vector, angles_rad, frd
+from gyrodrift.mount import Quaternion, Vector
+from gyrodrift.outputs.device_frame import UNTURNED, DeviceFrame, angles_rad, frd
 from gyrodrift.sample import Attitude, Corrected, Inertial
 
 FrdReference = Literal["frd", "ned"]

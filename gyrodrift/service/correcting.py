@@ -73,11 +73,11 @@ class Correcting:
             self.raw_yaw_deg - reference.raw_zero_deg,
             reference.heading_deg(yaw_deg) if reference.has_north else nan,
             self.encoder.angle_deg(sample.encoder_deg, zeroed_deg),
-            self._attitude() if has_axes else None,
+            self.attitude() if has_axes else None,
         )
 
-    def _attitude(self) -> Attitude:
-        """Attitude with the heading of the output: 0 where yaw is 0."""
+    def attitude(self) -> Attitude:
+        """Attitude on three axes, with the heading of the output: 0 where yaw is 0."""
         state = self.run.state
         q = with_heading(state.q, -self.reference.zero_deg)
         tilt_deg, (roll_deg, pitch_deg) = self.mount.tilt_deg(q), self.mount.roll_pitch_deg(q)

@@ -87,7 +87,17 @@ def _filter_status(filtering: Filtering) -> FilterStatus:
         still=_finite(filtering.last.still) if filtering.last else None,
         temp_curve=getattr(state, "temp_curve", None),
         is_witness_believed=None if filtering.witness is None else filtering.witness.is_believed,
+        **_tilt_status(filtering),
     )
+
+
+def _tilt_status(filtering: Filtering) -> dict[str, float | None]:
+    """Tilt, roll and pitch of a device with three axes."""
+    if filtering.run.three_axes is None:
+        return {}
+    attitude = filtering.correcting.attitude()
+    names = ("tilt_deg", "roll_deg", "pitch_deg", "tilt_sigma_deg")
+    return {name: _finite(getattr(attitude, name)) for name in names}
 
 
 def _config_status(filtering: Filtering) -> ConfigStatus:

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from outputs_support import tilted
 from scipy.spatial.transform import Rotation
 
-from gyrodrift.outputs.device_frame import DeviceFrame, Quaternion, angles_rad, frd
+from gyrodrift.mount import Quaternion
+from gyrodrift.outputs.device_frame import DeviceFrame, angles_rad, frd
 from gyrodrift.sample import Attitude
 
 SIGNED_AXES = [sign + axis for sign in "+-" for axis in "xyz"]
