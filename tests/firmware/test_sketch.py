@@ -129,6 +129,19 @@ def test_another_axis_may_point_up_or_down(board_program: Path, tmp_path: Path) 
     assert np.array_equal(np.rint(session.accel_mps2 / 9.80665 * 4096), np.stack([y, -z, -x], axis=1))
 
 
+def test_a_slow_line_takes_the_yaw_rate_alone(board_program: Path, tmp_path: Path) -> None:
+    """At 57600 baud no sample is lost, and the frames are those of a device with one axis."""
+    folder = changed_sketch(tmp_path, HAS_ALL_AXES="false", BAUD="57600")
+    sketch = built_sketch(tmp_path, folder)
+    sessions = tmp_path / "sessions"
+    board = Board(board_program, sketch, tmp_path / "uno", seconds=5)
+    lines, _, result, truth = heard(board, "--record", str(sessions))
+    assert result["measured"] == len(lines) > 900
+    assert [round(line["rate_dps"] * 131) for line in lines] == truth.rate_raw.tolist()
+    (session,) = map(read_mcap, sessions.glob("*.mcap"))
+    assert session.gyro_dps is None
+
+
 def test_a_clipped_acceleration_is_marked(board_program: Path, sketch: Path, link: Path, tmp_path: Path) -> None:
     """Its direction is wrong, so the host takes it for missing; the rates are sound."""
     sessions = tmp_path / "sessions"

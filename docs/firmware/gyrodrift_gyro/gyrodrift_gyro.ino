@@ -16,6 +16,7 @@
 static const uint32_t BAUD = 115200;
 static const uint8_t AXIS = 2;            // axis that points up: 0 x, 1 y, 2 z; it is sent as z
 static const bool IS_UPSIDE_DOWN = false; // true if it points down
+static const bool HAS_ALL_AXES = true;    // false: only the yaw rate, for lines slower than 115200 baud
 
 // A pin with interrupts; the same as in docs/firmware/README.md.
 #if defined(ESP32)
@@ -117,7 +118,9 @@ static void send_hello() {
     hello.dps_per_lsb = sensor->dps_per_lsb;
   }
   uint8_t frame[GYRODRIFT_LONGEST_FRAME];
-  Serial.write(frame, gyrodrift_hello3_frame(frame, &hello, sensor == NULL ? 0.0f : sensor->mps2_per_lsb));
+  const float mps2_per_lsb = sensor == NULL ? 0.0f : sensor->mps2_per_lsb;
+  Serial.write(frame, HAS_ALL_AXES ? gyrodrift_hello3_frame(frame, &hello, mps2_per_lsb)
+                                   : gyrodrift_hello_frame(frame, &hello));
 }
 
 static void find_sensor() {
@@ -176,7 +179,14 @@ static void send_sample(uint32_t t_us, const uint8_t *burst) {
     sample.flags |= GYRODRIFT_ACCEL_CLIPPED;
   }
   uint8_t frame[GYRODRIFT_LONGEST_FRAME];
-  Serial.write(frame, gyrodrift_sample3_frame(frame, &sample));
+  if (HAS_ALL_AXES) {
+    Serial.write(frame, gyrodrift_sample3_frame(frame, &sample));
+    return;
+  }
+  const bool is_clipped = is_at_end(value_at(burst + sensor->rates_at + 2 * AXIS));
+  const uint8_t flags = GYRODRIFT_TEMPERATURE_VALID | (is_clipped ? GYRODRIFT_RATE_CLIPPED : 0);
+  const gyrodrift_sample yaw = {flags, seq, t_us, sample.gyro_raw[2], sample.temp_centi_c, 0};
+  Serial.write(frame, gyrodrift_sample_frame(frame, &yaw));
 }
 
 static void take_sample() {
