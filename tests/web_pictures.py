@@ -1,4 +1,4 @@
-"""Takes the pictures of the page that stand in docs/: a simulated turntable for two minutes, a change of the config.
+"""Takes the pictures of the page that stand in docs/: a simulated turntable with a change of the config, and a boat.
 
 python tests/web_pictures.py docs
 """
@@ -7,6 +7,7 @@ import json
 import sys
 import tempfile
 import time
+from collections.abc import Iterable
 from pathlib import Path
 
 from browser_support import browsing
@@ -16,10 +17,17 @@ from support import Command
 CONFIG = Path(__file__).parent.parent / "config" / "gyrodrift.yaml"
 SHOWN_S = 100.0
 CHANGED_S = 45.0
-WIDE, DARK, PHONE = (1360, 1180), (1360, 860), (390, 1180)
+HEELED_S = 40.0
+WIDE, DARK, PHONE, BOAT = (1360, 1180), (1360, 860), (390, 1180), (1360, 700)
 
 
 def main(folder: Path) -> None:
+    """All of them."""
+    take_turntable(folder)
+    take_boat(folder)
+
+
+def take_turntable(folder: Path) -> None:
     """Wide, dark and on a telephone."""
     with tempfile.TemporaryDirectory() as place:
         port, config = Path(place, "ttyUSB0"), Path(place, "my.yaml")
@@ -32,7 +40,23 @@ def main(folder: Path) -> None:
             config.write_text(CONFIG.read_text().replace("window_s: 0.3 ", "window_s: 0.25 "))
             _until(serve, SHOWN_S)
             path_of(serve, "web")
-            _take(_address_with_buttons(config.with_name("control")), folder)
+            shots = (("wide", WIDE, "light"), ("dark", DARK, "dark"), ("phone", PHONE, "light"))
+            _take(_address_with_buttons(config.with_name("control")), folder, shots)
+
+
+def take_boat(folder: Path) -> None:
+    """Three axes: the horizon, and the chart of roll and pitch."""
+    motion = ("--axes", "3", "--profile", "boat")
+    with tempfile.TemporaryDirectory() as place:
+        port, config = Path(place, "ttyUSB0"), Path(place, "my.yaml")
+        config.write_text(CONFIG.read_text())
+        with (
+            Command("--link", port, *motion, "--quiet", "--wait", module="firmware_sim") as device,
+            _serving(port, config, device) as serve,
+        ):
+            _until(serve, HEELED_S)
+            path_of(serve, "web")
+            _take(_address_with_buttons(config.with_name("control")), folder, [("tilt", BOAT, "light")])
 
 
 def _serving(port: Path, config: Path, device: Command) -> Command:
@@ -55,13 +79,10 @@ def _until(serve: Command, device_s: float) -> None:
         serve._read(1.0)
 
 
-def _take(address: str, folder: Path) -> None:
+def _take(address: str, folder: Path, shots: Iterable[tuple[str, tuple[int, int], str]]) -> None:
+    """Pictures by name, size and scheme."""
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile, browsing(Path(profile)) as tab:
-        for name, (width, height), scheme in (
-            ("wide", WIDE, "light"),
-            ("dark", DARK, "dark"),
-            ("phone", PHONE, "light"),
-        ):
+        for name, (width, height), scheme in shots:
             tab.size(width, height, is_phone=name == "phone")
             tab.scheme(scheme)
             tab.open("about:blank")
