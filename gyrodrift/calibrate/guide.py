@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from enum import Enum
 from math import isfinite, isnan
+from typing import Any
 
 from gyrodrift.calibrate.move import FinishedMove, Move
 from gyrodrift.calibrate.rest import RestMeasurement, rest_of
@@ -184,6 +185,10 @@ class Guide:
             repeats=scales.repeats,
             mark_deg=scales.mark_deg,
         )
+
+    def measured(self) -> dict[str, Any]:
+        """Measurements for JSON."""
+        return {"turns": [move._asdict() for move in self.turns]}
 
     def _begin_rest(self) -> None:
         self.step = GuideStep.REST

@@ -102,16 +102,26 @@ def _explained(model: type[Strict], name: str, kind: str, given: dict[str, Any])
 def block_text(calibration: Calibration) -> str:
     """The block as text of a config, with a comment on each line."""
     content = {name: _rounded(value) for name, value in calibration.values().items() if value is not None}
-    lines = [_line(name, value) for name, value in content.items()]
-    noted = [f"  {line:{WIDTH}} # {NOTES[line.partition(':')[0]]}\n" for line in lines]
+    noted = [line for name, value in content.items() for line in _noted_lines(name, value)]
     return f"{CALIBRATION}:\n{''.join(noted)}"
 
 
+def _noted_lines(name: str, value: Any) -> list[str]:
+    """Lines of a key with its comment; a list stands in brackets, a matrix in rows below its key."""
+    is_matrix = isinstance(value, list) and isinstance(value[0], list)
+    lines = [f"{name}:", *(f"  - {_brackets(row)}" for row in value)] if is_matrix else [_line(name, value)]
+    return [f"  {lines[0]:{WIDTH}} # {NOTES[name]}\n", *(f"  {line}\n" for line in lines[1:])]
+
+
 def _line(name: str, value: Any) -> str:
-    """A key with its value; lists stand in brackets on the same line."""
     if isinstance(value, list):
-        return f"{name}: {yaml.safe_dump(value, width=1000, default_flow_style=True).rstrip()}"
+        return f"{name}: {_brackets(value)}"
     text: str = yaml.safe_dump({name: value}, allow_unicode=True, width=1000)
+    return text.rstrip("\n")
+
+
+def _brackets(numbers: list[float]) -> str:
+    text: str = yaml.safe_dump(numbers, width=1000, default_flow_style=True)
     return text.rstrip("\n")
 
 

@@ -1,0 +1,128 @@
+"""Short blocks of samples with three axes, and what a row of still blocks measures."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite, nan, sqrt
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.describe.arrays import smallest_step
+from gyrodrift.errors import CalibrationError
+from gyrodrift.sample import Sample
+
+AXIS_Z = 2
+
+
+@dataclass(frozen=True, slots=True)
+class AxesBlock:
+    """Samples of a quarter of a second.
+
+    t_s
+        Device clock, s, shape (n,).
+    gyro_dps, accel_mps2
+        Measured rates and accelerations, shape (n, 3).
+    temp_c
+        Temperature, °C; NaN without a sensor.
+    """
+
+    t_s: Floats
+    gyro_dps: Floats
+    accel_mps2: Floats
+    temp_c: float
+
+    @property
+    def seconds(self) -> float:
+        """Time from the first to the last sample, s."""
+        return float(self.t_s[-1] - self.t_s[0])
+
+    @property
+    def gyro_noise_dps(self) -> float:
+        """Largest standard deviation of the white noise of an axis, deg/s; from differences, so without motion."""
+        return _white_noise(self.gyro_dps)
+
+    @property
+    def accel_noise_mps2(self) -> float:
+        """Largest standard deviation of the white noise of an axis, m/s²."""
+        return _white_noise(self.accel_mps2)
+
+
+def _white_noise(values: Floats) -> float:
+    return float(np.diff(values, axis=0).std(axis=0).max()) / sqrt(2.0)
+
+
+def block_of(samples: Sequence[Sample]) -> AxesBlock:
+    """Block of samples; an acceleration that is missing in some samples is that of the sample before.
+
+    Raises
+    ------
+    CalibrationError
+        The device does not send three rates and accelerations.
+    """
+    axes = np.array([sample.inertial for sample in samples if sample.inertial is not None])
+    if len(axes) < len(samples) or not np.isfinite(axes[:, 3:]).all(axis=1).any():
+        raise CalibrationError(
+            "the device does not send three rates and three accelerations, which six positions need; for a text, name "
+            "them in --columns: gx, gy, gz, ax, ay, az"
+        )
+    t_s = np.array([sample.t_device_s for sample in samples])
+    if not (np.diff(t_s) > 0.0).all():
+        raise CalibrationError("the time of the device stands still or goes back")
+    temps_c = [sample.temp_c for sample in samples if isfinite(sample.temp_c)]
+    return AxesBlock(t_s, axes[:, :3], _filled(axes[:, 3:]), float(np.mean(temps_c)) if temps_c else nan)
+
+
+def _filled(accel: Floats) -> Floats:
+    """Accelerations in which missing rows repeat the row before, or the first one."""
+    present = np.flatnonzero(np.isfinite(accel).all(axis=1))
+    index = np.searchsorted(present, np.arange(len(accel)), side="right") - 1
+    filled: Floats = accel[present[np.maximum(index, 0)]]
+    return filled
+
+
+@dataclass(frozen=True, slots=True)
+class AxesRest:
+    """Means at rest and their standard errors from the scatter of the blocks; arrays of shape (3,).
+
+    middle_s
+        Device time of the middle, s.
+    temp_c
+        Mean temperature, °C; NaN without a sensor.
+    noise_dps_rthz, dps_per_lsb
+        White noise of the rate about z, deg/s/√Hz, and its smallest step, deg/s; None if all samples are equal.
+    """
+
+    middle_s: float
+    gyro_dps: Floats
+    accel_mps2: Floats
+    accel_se_mps2: Floats
+    temp_c: float
+    noise_dps_rthz: float
+    dps_per_lsb: float | None
+
+    @property
+    def up(self) -> Floats:
+        """Direction of the measured acceleration."""
+        unit: Floats = self.accel_mps2 / np.linalg.norm(self.accel_mps2)
+        return unit
+
+
+def rest_of_blocks(blocks: Sequence[AxesBlock]) -> AxesRest:
+    """Means over still blocks, at least two."""
+    gyros, accels = (
+        np.array([values.mean(axis=0) for values in column])
+        for column in ([block.gyro_dps for block in blocks], [block.accel_mps2 for block in blocks])
+    )
+    z_dps, t_s = (
+        np.concatenate([block.gyro_dps[:, AXIS_Z] for block in blocks]),
+        np.concatenate([block.t_s for block in blocks]),
+    )
+    return AxesRest(
+        middle_s=0.5 * float(blocks[0].t_s[0] + blocks[-1].t_s[-1]),
+        gyro_dps=gyros.mean(axis=0),
+        accel_mps2=accels.mean(axis=0),
+        accel_se_mps2=accels.std(axis=0, ddof=1) / sqrt(len(accels)),
+        temp_c=float(np.mean([block.temp_c for block in blocks])),
+        noise_dps_rthz=float(np.diff(z_dps).std()) / sqrt(2.0) * sqrt(float(np.median(np.diff(t_s)))),
+        dps_per_lsb=smallest_step(z_dps),
+    )

@@ -1,0 +1,182 @@
+"""Rests of a board that is laid down, in a stream of samples: no key is pressed.
+
+A block is quiet if rates and accelerations scatter little, and a row of quiet blocks with equal means is a rest. The
+bias of the gyro may be unknown: a rest is told from an even turn by the bias of the first rest.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from math import inf, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.calibrate.positions.block import AxesBlock, AxesRest, block_of, rest_of_blocks
+from gyrodrift.sample import Sample
+
+BLOCK_S = 0.25
+BLOCK_SAMPLES_MIN = 5
+
+SHAKING_BLOCKS = 1
+"""Blocks after the hand has left that do not count: the table still shakes."""
+
+TREMBLES_DPS = 0.3
+TREMBLES_MPS2 = 0.25
+TREMBLES = 3.0
+"""A quiet block scatters by less than the larger of floor and multiple of the noise. A hand that holds the board shakes
+by 1 deg/s and 0.3 m/s² (physiological tremor, 8 to 12 Hz); the floor of the acceleration is above steps of 10 bits."""
+
+LEVEL_DPS = 0.5
+LEVEL_MPS2 = 0.1
+LEVEL_ERRORS = 6.0
+"""Means of blocks of a rest differ by less than the larger of floor and number of standard errors."""
+
+BIAS_MAX_DPS = 30.0
+"""Above the zero rate of all data sheets (MPU-6050: 20 deg/s)."""
+
+BIAS_CHANGE_DPS = 2.0
+"""Largest change of the bias from the first rest: 0.1 deg/s/g by gravity (MPU-6050, 6.1), and warming."""
+
+KEPT_S = 5.0
+"""Longest part of a rest that is kept, next to the following move, s."""
+
+LONGEST_MOVE_S = 120.0
+"""Longer moves are forgotten: their angle would be that of the bias."""
+
+HOLE_PERIODS = 3.5
+"""Longest step of time without lost samples, in periods."""
+
+
+class Laid(NamedTuple):
+    """A rest, and the move that led to it.
+
+    rest, before
+        The rest, and the rest before it; None for the first.
+    move
+        Blocks from the rest before to this one, including both; empty if they were forgotten.
+    is_whole
+        No sample of the move was lost or out of the range of the device.
+    """
+
+    rest: AxesRest
+    before: AxesRest | None
+    move: tuple[AxesBlock, ...]
+    is_whole: bool
+
+
+@dataclass(slots=True)
+class RestFinder:
+    """Finds rests of at least `rest_s`, each once."""
+
+    rest_s: float
+    _samples: list[Sample] = field(default_factory=list)
+    _still: list[AxesBlock] = field(default_factory=list)
+    _previous: list[AxesBlock] = field(default_factory=list)
+    _between: list[AxesBlock] = field(default_factory=list)
+    _is_told: bool = False
+    _clipped: int = 0
+    _first_bias_dps: Floats | None = None
+    _gyro_noise_dps: float = inf
+    _accel_noise_mps2: float = inf
+
+    def take(self, samples: list[Sample], clipped: int = 0) -> Iterator[Laid]:
+        """Add samples, `clipped` of them out of the range of the device; rests that are complete.
+
+        Raises
+        ------
+        CalibrationError
+            The device does not send three rates and accelerations, or its time stands still.
+        """
+        self._clipped += clipped
+        for sample in samples:
+            self._samples.append(sample)
+            is_long = sample.t_device_s - self._samples[0].t_device_s >= BLOCK_S
+            if is_long and len(self._samples) >= BLOCK_SAMPLES_MIN:
+                block, self._samples = block_of(self._samples), []
+                laid = self._take(block)
+                if laid is not None:
+                    yield laid
+
+    @property
+    def still_s(self) -> float:
+        """Length of the present rest so far, s."""
+        return float(self._still[-1].t_s[-1] - self._still[0].t_s[0]) if self._still else 0.0
+
+    def _take(self, block: AxesBlock) -> Laid | None:
+        if self._is_quiet(block):
+            if not self._is_level(block):
+                self._end_rest()
+            self._still.append(block)
+        else:
+            self._end_rest()
+            self._between.append(block)
+        self._forget()
+        rest_blocks = self._still[SHAKING_BLOCKS:]
+        if self._is_told or len(rest_blocks) < 2 or rest_blocks[-1].t_s[-1] - rest_blocks[0].t_s[0] < self.rest_s:
+            return None
+        return self._laid(rest_blocks)
+
+    def _laid(self, rest_blocks: list[AxesBlock]) -> Laid:
+        rest = rest_of_blocks(rest_blocks)
+        before, move = None, (*self._previous, *self._between, *self._still)
+        if len(self._previous) >= 2:
+            before = rest_of_blocks(self._previous)
+        if self._first_bias_dps is None:
+            self._first_bias_dps = rest.gyro_dps
+        is_whole = not self._clipped and not _has_hole(move)
+        self._is_told, self._clipped, self._previous, self._between = True, 0, [], []
+        return Laid(rest, before, move if before is not None else (), is_whole)
+
+    def _end_rest(self) -> None:
+        """Begin a move: the last block of a rest may contain its start."""
+        if self._is_told:
+            self._previous, self._between = self._still[SHAKING_BLOCKS:-1], self._still[-1:]
+            self._clipped = 0
+        else:
+            self._between += self._still
+        self._still, self._is_told = [], False
+
+    def _forget(self) -> None:
+        """Keep memory bounded: a long rest keeps its end, a long move nothing."""
+        if self._is_told:
+            while self._still[-1].t_s[-1] - self._still[1].t_s[0] > max(KEPT_S, self.rest_s):
+                del self._still[0]
+        elif self._between and self._between[-1].t_s[-1] - self._between[0].t_s[0] > LONGEST_MOVE_S:
+            self._previous, self._between = [], []
+
+    def _is_quiet(self, block: AxesBlock) -> bool:
+        self._gyro_noise_dps = min(self._gyro_noise_dps, block.gyro_noise_dps)
+        self._accel_noise_mps2 = min(self._accel_noise_mps2, block.accel_noise_mps2)
+        bias_dps = block.gyro_dps.mean(axis=0)
+        if self._first_bias_dps is None:
+            is_bias = bool((np.abs(bias_dps) < BIAS_MAX_DPS).all())
+        else:
+            is_bias = bool((np.abs(bias_dps - self._first_bias_dps) < BIAS_CHANGE_DPS).all())
+        trembles_dps, trembles_mps2 = block.gyro_dps.std(axis=0).max(), block.accel_mps2.std(axis=0).max()
+        return (
+            is_bias
+            and trembles_dps <= max(TREMBLES_DPS, TREMBLES * self._gyro_noise_dps)
+            and trembles_mps2 <= max(TREMBLES_MPS2, TREMBLES * self._accel_noise_mps2)
+        )
+
+    def _is_level(self, block: AxesBlock) -> bool:
+        """Whether the means of a block are those of the present rest."""
+        if not self._still:
+            return True
+        root = sqrt(len(block.t_s))
+        gyros_dps, accels_mps2 = (
+            np.mean([values.mean(axis=0) for values in column], axis=0)
+            for column in ([still.gyro_dps for still in self._still], [still.accel_mps2 for still in self._still])
+        )
+        turn_dps = np.abs(block.gyro_dps.mean(axis=0) - gyros_dps).max()
+        push_mps2 = np.abs(block.accel_mps2.mean(axis=0) - accels_mps2).max()
+        return bool(
+            turn_dps <= max(LEVEL_DPS, LEVEL_ERRORS * self._gyro_noise_dps / root)
+            and push_mps2 <= max(LEVEL_MPS2, LEVEL_ERRORS * self._accel_noise_mps2 / root)
+        )
+
+
+def _has_hole(blocks: tuple[AxesBlock, ...]) -> bool:
+    steps_s = np.diff(np.concatenate([block.t_s for block in blocks]))
+    return bool(steps_s.max() > HOLE_PERIODS * np.median(steps_s))
