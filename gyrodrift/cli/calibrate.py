@@ -40,7 +40,6 @@ REPEATS, SPREAD_PERCENT = 10, 0.1
 EXAMPLES = """\
 gyrodrift calibrate --port auto --config my.yaml
 gyrodrift calibrate --port /dev/ttyUSB0 --config my.yaml --turns 5 --temperature 20 --force
-gyrodrift calibrate --port /dev/ttyUSB0 --yes --json > calibration.json
 gyrodrift calibrate --port auto --config my.yaml --positions --axis-turns
 """
 
