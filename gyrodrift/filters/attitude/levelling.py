@@ -38,21 +38,21 @@ def level_start(s: AttitudeState, block: Integrals) -> None:
     """Turn all hypotheses so that the mean specific force since the first acceleration is vertical."""
     if s.tilt_sigma_deg > LOST_TILT_DEG:
         restart(s)
-    if s.level_s >= LEVELLING_S - 1e-9:
+    if s.motion.level_s >= LEVELLING_S - 1e-9:
         return
-    if s.level_s == 0.0 and float(np.abs(block.gyro).max()) > START_RATE:
+    if s.motion.level_s == 0.0 and float(np.abs(block.gyro).max()) > START_RATE:
         cov = s.hypotheses.cov
         cov[:, :2, :2] = np.maximum(cov[:, :2, :2], MOVING_TILT**2 * np.eye(2))
     x, y, z = block.velocity.tolist()
     fx, fy, fz = rotate(s.start_q, (x, y, z))
-    lx, ly, lz = s.level_force
+    lx, ly, lz = s.motion.level_force
     force = (lx + fx, ly + fy, lz + fz)
     turn = level(*force)
     h = s.hypotheses
     h.q = unit(products(np.array((turn,)), h.q))
     h.velocity = np.zeros_like(h.velocity)
-    s.level_s += block.seconds
-    s.level_force = rotate(turn, force)
+    s.motion.level_s += block.seconds
+    s.motion.level_force = rotate(turn, force)
 
 
 def find_lost_tilt(s: AttitudeState, block: Integrals) -> None:
@@ -60,11 +60,11 @@ def find_lost_tilt(s: AttitudeState, block: Integrals) -> None:
     x, y, z = (block.velocity / block.seconds).tolist()
     force = rotate(s.start_q, (x, y, z))
     share = min(1.0, block.seconds / MEAN_FORCE_S)
-    mx, my, mz = (mean + share * (now - mean) for mean, now in zip(s.mean_force, force, strict=True))
-    s.mean_force = (mx, my, mz)
+    mx, my, mz = (mean + share * (now - mean) for mean, now in zip(s.motion.mean_force, force, strict=True))
+    s.motion.mean_force = (mx, my, mz)
     if mx * mx + my * my > LOST_SLOPE * mz * abs(mz) + LEAST_SQUARED:
         restart(s)
-        s.mean_force = (0.0, 0.0, GRAVITY)
+        s.motion.mean_force = (0.0, 0.0, GRAVITY)
         h = s.hypotheses
         h.cov[:, :2, :2] = MOVING_TILT**2 * np.eye(2)
         h.cov[:, BIAS, BIAS] += (LOST_BIAS * RAD) ** 2 * np.eye(3)
@@ -72,7 +72,7 @@ def find_lost_tilt(s: AttitudeState, block: Integrals) -> None:
 
 def restart(s: AttitudeState) -> None:
     """Begin levelling again, with the tilt of a first sample."""
-    s.level_s, s.level_force = 0.0, (0.0, 0.0, 0.0)
+    s.motion.level_s, s.motion.level_force = 0.0, (0.0, 0.0, 0.0)
     cov = s.hypotheses.cov
     cov[:, :2, :] = 0.0
     cov[:, :, :2] = 0.0

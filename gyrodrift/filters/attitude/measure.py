@@ -3,7 +3,7 @@
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.filters.attitude.hypotheses import Hypotheses
+from gyrodrift.filters.attitude.hypotheses import STATES, Hypotheses
 
 MOST_SQUARED = 25.0
 """Largest squared distance that counts in a likelihood: beyond it, no model of the motion holds."""
@@ -31,12 +31,29 @@ def measure(h: Hypotheses, error: Floats, states: slice, values: Floats, varianc
     error += (gain @ innovation)[:, :, 0]
     cov = cov - gain @ cov[:, states, :]
     h.cov = 0.5 * (cov + cov.transpose(0, 2, 1))
-    if len(error) == 1:
+    return log_likelihoods(inverse, innovation)
+
+
+def measure_in_part(
+    h: Hypotheses, error: Floats, states: slice, values: Floats, variance: Floats, shares: Floats
+) -> Floats:
+    """Update as `measure`, with gains multiplied by `shares` (n, 18, 18); covariances stay true (Joseph form)."""
+    cov, eye = h.cov, np.eye(STATES)
+    inverse, innovation = innovations(h, error, states, values, variance)
+    gain = shares @ cov[:, :, states] @ inverse
+    error += (gain @ innovation)[:, :, 0]
+    kept = eye - gain @ eye[states]
+    h.cov = kept @ cov @ kept.transpose(0, 2, 1) + gain @ variance @ gain.transpose(0, 2, 1)
+    return log_likelihoods(inverse, innovation)
+
+
+def log_likelihoods(inverse: Floats, innovation: Floats) -> Floats:
+    """Log likelihoods (n) but for a constant, of inverse covariances (n, 3, 3) and innovations (n, 3, 1)."""
+    if len(inverse) == 1:
         return np.zeros(1)
     squared = (innovation.transpose(0, 2, 1) @ inverse @ innovation)[:, 0, 0]
-    log_likelihood: Floats = 0.5 * (
-        np.log(np.asarray(np.linalg.det(inverse), dtype=np.float64)) - np.minimum(squared, MOST_SQUARED)
-    )
+    log_det = np.log(np.asarray(np.linalg.det(inverse), dtype=np.float64))
+    log_likelihood: Floats = 0.5 * (log_det - np.minimum(squared, MOST_SQUARED))
     return log_likelihood
 
 

@@ -3,11 +3,9 @@
 from dataclasses import dataclass, field
 from math import nan, sqrt
 
-import numpy as np
-
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.attitude.block import InertialBlock
 from gyrodrift.filters.attitude.hypotheses import Hypotheses, first_hypothesis
+from gyrodrift.filters.attitude.motion import MotionMemory
 from gyrodrift.filters.attitude.quaternion import IDENTITY, Quaternion, Vector, heading_axis, tilt_deg
 from gyrodrift.filters.attitude.rests import AttitudeWitness, Segment, Windows
 from gyrodrift.filters.restlevel.model import RestlevelParams
@@ -77,7 +75,9 @@ class AttitudeState:
     """State after a sample.
 
     t_s, gyro_dps
-        Time and rates of the last accepted sample.
+        Time of the last accepted sample, and rates of the last one that is no suspect.
+    suspect_dps, suspect_s
+        Rates of a sample that may be a spike, and the time since the sample before, s; 0 without a suspect.
     accel_mps2, accel_t_s
         Last acceleration that was not NaN, and its time.
     q
@@ -98,20 +98,16 @@ class AttitudeState:
         Output attitude and yaw at the beginning of the block.
     block, windows, segment, hypotheses, witness
         Samples of the block; means of the last blocks; the present rest candidate; the Gaussian sum; the rest sensor.
-    noise_var, quiet_blocks
-        Angle random walk of the gyro, rad²/s, and the number of blocks at rest that it was learned from.
-    level_s
-        Time with an acceleration so far, s, up to the end of levelling.
-    level_force
-        Integral of the specific force in that time, in the earth frame, m/s.
-    mean_force
-        Mean specific force of the last seconds in the earth frame, m/s².
-    speed_var, slow_velocity
-        Mean squared slow velocity, m²/s², and the slow velocity (3), m/s.
+    noise_var
+        Angle random walk of the gyro, rad²/s.
+    motion
+        Properties of the motion in the last seconds.
     """
 
     t_s: float = 0.0
     gyro_dps: Vector = (0.0, 0.0, 0.0)
+    suspect_dps: Vector = (0.0, 0.0, 0.0)
+    suspect_s: float = 0.0
     accel_mps2: Vector = (nan, nan, nan)
     accel_t_s: float = -1e300
     q: Quaternion = IDENTITY
@@ -133,12 +129,7 @@ class AttitudeState:
     hypotheses: Hypotheses = field(default_factory=first_hypothesis)
     witness: AttitudeWitness = field(default_factory=AttitudeWitness)
     noise_var: float = 0.0
-    quiet_blocks: int = 0
-    level_s: float = 0.0
-    mean_force: Vector = (0.0, 0.0, 9.81)
-    speed_var: float = 0.0
-    slow_velocity: Floats = field(default_factory=lambda: np.zeros(3))
-    level_force: Vector = (0.0, 0.0, 0.0)
+    motion: MotionMemory = field(default_factory=MotionMemory)
 
     @property
     def tilt_deg(self) -> float:

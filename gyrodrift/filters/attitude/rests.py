@@ -123,11 +123,14 @@ class AttitudeWitness:
         Number of contradictions.
     against
         Blocks that contradict, less a tenth for each that fits.
+    blocks
+        Blocks in a row that it calls still.
     """
 
     is_believed: bool = True
     refuted: int = 0
     against: float = 0.0
+    blocks: int = 0
 
 
 UNITS = np.array((GYRO_SPREAD,) * 3 + (ACCEL_SPREAD,) * 3)
@@ -169,6 +172,12 @@ def find_rest(w: Windows, limits: float, *, is_resting: bool) -> RestCandidate |
         if candidate is not None and (w.is_blind or _is_gravity(candidate)) and not _is_fast(w, candidate):
             return candidate
     return None
+
+
+def last_window(w: Windows, kind: RestKind, limits: float) -> RestCandidate | None:
+    """The window of this kind that ends now, if it looks still."""
+    end = (w.total - 1) % LONGEST + LONGEST + 1
+    return _still_window(w.rows[end - kind.blocks : end], kind, limits) if w.blocks >= kind.blocks else None
 
 
 def _still_window(rows: Floats, kind: RestKind, limits: float) -> RestCandidate | None:

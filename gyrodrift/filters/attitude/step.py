@@ -5,6 +5,7 @@ from math import isfinite, nan
 from gyrodrift.filters.attitude.block import add_sample, integrals
 from gyrodrift.filters.attitude.model import AttitudeCoefficients, AttitudeState, coefficients
 from gyrodrift.filters.attitude.quaternion import Vector, multiply
+from gyrodrift.filters.attitude.spikes import mean_rate
 from gyrodrift.filters.attitude.update import begin, end_block
 from gyrodrift.filters.attitude.yaw import unwrapped_deg
 
@@ -53,11 +54,12 @@ def step(
     before = s.accel_mps2
     accel = usable_accel(s, t_s, ax, ay, az)
     if s.samples == 0:
+        s.gyro_dps = (gx, gy, gz)
         begin(c, s, accel)
     else:
         _turn(s, t_s - s.t_s, (gx, gy, gz), accel, before)
     s.samples += 1
-    s.t_s, s.gyro_dps = t_s, (gx, gy, gz)
+    s.t_s = t_s
     if still == still:  # noqa: PLR0124 - not NaN
         hear(s, still)
     if s.block.seconds >= c.block_s - 1e-9 and s.block.samples >= 2:
@@ -66,9 +68,9 @@ def step(
 
 
 def usable_accel(s: AttitudeState, t_s: float, ax: float, ay: float, az: float) -> Vector:
-    """Acceleration of a sample: the last one for a short time, then NaN."""
+    """Acceleration of a sample: the last one for a short time, then NaN. Three zeros are none: noise is missing."""
     size = ax * ax + ay * ay + az * az
-    if size < LARGEST_MPS2 * LARGEST_MPS2:
+    if 0.0 < size < LARGEST_MPS2 * LARGEST_MPS2:
         if size > CLIPPED_MPS2 * CLIPPED_MPS2 and _is_clipped((ax, ay, az), s.accel_mps2):
             s.block.is_clipped = True
         s.accel_mps2, s.accel_t_s = (ax, ay, az), t_s
@@ -96,13 +98,11 @@ def _turn(s: AttitudeState, dt: float, gyro: Vector, accel: Vector, accel_before
     if dt > LONGEST_STEP_S:
         s.block.gap_s += dt - LONGEST_STEP_S
         dt = LONGEST_STEP_S
-    gx, gy, gz = s.gyro_dps
+    x, y, z = mean_rate(s, dt, gyro)
     bx, by, bz = accel_before
     if bx != bx:  # noqa: PLR0124 - NaN
         bx, by, bz = accel
-    x, y, z = gyro
     ax, ay, az = accel
-    x, y, z = 0.5 * (x + gx), 0.5 * (y + gy), 0.5 * (z + gz)
     add_sample(s.block, dt, x, y, z, 0.5 * (ax + bx), 0.5 * (ay + by), 0.5 * (az + bz))
     s.q = multiply(s.start_q, s.block.q)
     s.yaw_deg = unwrapped_deg(s.yaw_deg + (s.heading_rate_dps - s.bias_dps) * dt, s.q)
