@@ -3,7 +3,7 @@
 The same rig, profile and seed give the same samples here and from the simulated device. --twin reads a table of
 published sessions, and simulates sessions of the same lengths with the same drift. --hard-cases writes the standard set
 of difficult sessions: 13 cases, each once still at the start and once moving, a folder of ten sessions for each. With
---axes 3 these are 12 cases of motions that tilt.
+--axes 3 these are 15 cases of motions that tilt or accelerate.
 
 A device with three axes also gets its true orientation, as NAME.truth.npz beside each session.
 """

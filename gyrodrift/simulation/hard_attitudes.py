@@ -79,6 +79,8 @@ class AttitudeCase:
         Effects besides those of every part.
     tilt_deg
         Tilt of the sensor on its device.
+    still_s
+        Rest at the beginning of the version `still`, s.
     """
 
     name: str
@@ -86,6 +88,7 @@ class AttitudeCase:
     shape: Shape
     effects: Triaxial = lambda _: ()
     tilt_deg: float = 0.0
+    still_s: float = STILL_S
 
 
 def _generated(kind: str, **fields: object) -> Shape:
@@ -93,6 +96,18 @@ def _generated(kind: str, **fields: object) -> Shape:
         return {"kind": kind, "minutes": max(SHORTEST_MINUTES, minutes), "seed": int(rng.integers(2**31)), **fields}
 
     return shape
+
+
+def _car(stop_share: float) -> Shape:
+    return _generated(
+        "ramps",
+        speed_mps=15.0,
+        accel_mps2=3.0,
+        slope_deg=0.0,
+        bank_deg=0.0,
+        stop_share=stop_share,
+        sensor_m=[1.0, 0.0, 0.5],
+    )
 
 
 def _table(motion: Motions, **fields: object) -> Shape:
@@ -120,9 +135,12 @@ ATTITUDE_CASES = (
     AttitudeCase("even-turn-2", "an even turn of 2 deg/s, which looks like a bias", _table(spin(2.0), radius_m=0.2)),
     AttitudeCase("even-turn-8", "an even turn of 8 deg/s", _table(spin(8.0), radius_m=0.2)),
     AttitudeCase("ramps", "a robot on ramps of 15 degrees", _generated("ramps")),
+    AttitudeCase("car", "a level car with stops, whose bends pull sideways", _car(0.3), _motors(0.1, 0.3, 0.5)),
+    AttitudeCase("car-no-stops", "a level car that never stops", _car(0.0), _motors(0.1, 0.3, 0.5)),
     AttitudeCase("heel", "a boat that rolls in waves and heels in turns", _generated("boat")),
     AttitudeCase("hand", "a sensor in a slow hand", _generated("hand", fastest_hz=1.0)),
     AttitudeCase("hand-fast", "a sensor in a fast hand", _generated("hand", swing_deg=25.0, fastest_hz=3.0)),
+    AttitudeCase("limb", "a swinging limb, at rest for 0.4 seconds at power-on", _generated("limb"), still_s=0.4),
     AttitudeCase("arm", "a robot arm that stops in each pose", _generated("arm")),
     AttitudeCase("drone", "a quadrotor whose motors shake the part", _generated("drone"), _motors(3.0, 3.0, 0.3)),
     AttitudeCase(
@@ -144,7 +162,7 @@ def attitude_simulation(case: AttitudeCase, seed: int, number: int, minutes: flo
     profile = AttitudeProfile.model_validate(
         {"about": case.about, "motion": case.shape(rng, minutes), "mount": {"roll_deg": case.tilt_deg}}
     )
-    start_s = REST_S - STILL_S if is_still else _under_way_s(profile)
+    start_s = REST_S - case.still_s if is_still else _under_way_s(profile)
     return Simulation(rig, LaterInSpace(profile, start_s), int(rng.integers(2**31)), number, minutes)
 
 

@@ -29,6 +29,7 @@ KINDS: dict[str, dict[str, Any]] = {
     "ramps": {},
     "boat": {},
     "hand": {},
+    "limb": {},
     "arm": {},
     "drone": {},
 }
@@ -171,6 +172,18 @@ def test_thrust_of_a_drone_is_along_its_z_axis() -> None:
     drag = -0.4 * rotations_of(motion).inv().apply(motion.velocity_mps)
     assert np.abs(motion.specific_force_mps2(9.80665)[:, :2] - drag[:, :2]).max() < 1e-9
     assert np.abs(drag[:, :2]).max() > 0.1
+
+
+def test_a_vehicle_keeps_to_its_largest_acceleration() -> None:
+    """Along the way and sideways; at a stop it stands."""
+    level: dict[str, Any] = {"slope_deg": 0.0, "bank_deg": 0.0, "sensor_m": [0.0, 0.0, 0.0]}
+    motion = profile_of("ramps", None, speed_mps=15.0, accel_mps2=3.0, **level).kinematics_at(
+        np.arange(0.0, 590.0, 0.02)
+    )
+    along = rotations_of(motion).inv().apply(motion.acceleration_mps2)
+    assert 2.0 < np.abs(along).max(axis=0)[0] <= 3.0 + 1e-9
+    assert 2.0 < np.abs(along).max(axis=0)[1] <= 3.0 + 1e-9
+    assert 0.1 < motion.is_still().mean() < 0.6
 
 
 def test_a_robot_drives_along_its_x_axis() -> None:

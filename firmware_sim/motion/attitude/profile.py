@@ -13,13 +13,14 @@ from firmware_sim.motion.attitude.boat import Boat
 from firmware_sim.motion.attitude.drone import Drone
 from firmware_sim.motion.attitude.hand import Hand
 from firmware_sim.motion.attitude.kinematics import Kinematics
+from firmware_sim.motion.attitude.limb import Limb
 from firmware_sim.motion.attitude.ramps import Ramps
 from firmware_sim.motion.attitude.rotations import quaternions, yaw_pitch_roll
 from firmware_sim.motion.attitude.table import LeaningTable
 from firmware_sim.motion.turntable import Ambient, ambient_c_at, check_times
 from firmware_sim.yaml_file import Checked
 
-AnyAttitude = Annotated[LeaningTable | Ramps | Boat | Hand | Arm | Drone, Field(discriminator="kind")]
+AnyAttitude = Annotated[LeaningTable | Ramps | Boat | Hand | Limb | Arm | Drone, Field(discriminator="kind")]
 Angle = Annotated[float, Field(ge=-180.0, le=180.0)]
 
 YAW_AXIS = 2
