@@ -130,6 +130,11 @@ class Calibration:
         """Larger standard error of the two scales, as a fraction; None if not measured."""
         return max((se for se in (self.scale_ccw_se, self.scale_cw_se) if se is not None), default=None)
 
+    @property
+    def axes_scale_sigma(self) -> float | None:
+        """Largest standard error of the scale of an axis, as a fraction; None without a matrix of the gyro."""
+        return None if self.gyro_matrix_se is None else max(self.gyro_matrix_se[axis][axis] for axis in range(3))
+
     def rate_dps(self, measured_dps: float, temp_c: float = nan) -> float:
         """True rate for a measured rate, deg/s; without a temperature, with the bias at `temp_c`."""
         return self.of_rest_dps(measured_dps - self.bias_at_dps(temp_c))

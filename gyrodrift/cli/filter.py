@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
         from gyrodrift.files import check_kept
         from gyrodrift.filters.beginning import beginning_of
         from gyrodrift.filters.run import FilterRun
-        from gyrodrift.session.calibrated import applied_scale_sigma
+        from gyrodrift.session.calibrated import applied_scale_sigmas
         from gyrodrift.session.tables.write import written_ending
 
         if arguments.out is not None:
@@ -80,10 +80,9 @@ def run(arguments: argparse.Namespace) -> int:
         progress.report(f"{arguments.session.name} read", 0, 0)
         session = inputs.calibrated_session(arguments, config)
         chosen = config.chosen
-        sigma = applied_scale_sigma(session)
-        params = config.params if sigma is None else chosen.with_scale_sigma(config.params, sigma)
         begun = beginning_of(chosen, session.metadata, session.name)
-        run = FilterRun(chosen, params, arguments.axes or config.axes)
+        run = FilterRun(chosen, config.params, arguments.axes or config.axes)
+        run.use(*(chosen.scaled(config.params, sigma) for sigma in applied_scale_sigmas(session)))
         run.state = begun or run.state
         samples_before = run.state.samples
         try:

@@ -205,6 +205,10 @@ class Filter:
     with_scale_sigma: Callable[[Any, float], Any] = keep_params
     scale_sigma_deg: Callable[[Any, Any], float] = unknown_sigma
 
+    def scaled(self, params: Any, sigma: float | None) -> Any:
+        """Parameters for a device whose scale factor has this standard deviation; unchanged for None."""
+        return params if sigma is None else self.with_scale_sigma(params, sigma)
+
     @property
     def step_auxiliary(self) -> Callable[[Any, Any, float, float, float, float], bool]:
         """The step with auxiliary arguments, which a filter of the rate alone ignores."""

@@ -25,7 +25,9 @@ class FilterRun:
     """A filter with its state; it goes over to three axes with the first sample that has them.
 
     filter, params
-        The filter and its parameters, before those of a calibration.
+        The filter and its parameters.
+    axes_params
+        Parameters on three axes; those of one axis unless `use` gives others.
     axes
         `auto` needs accelerations; `3` also takes three rates without them.
     state
@@ -39,12 +41,13 @@ class FilterRun:
     axes: Axes = "auto"
     state: Any = field(init=False)
     three_axes: "ThreeAxisFilter | None" = field(init=False, default=None)
+    axes_params: Any = field(init=False)
     _coefficients: Any = field(init=False)
     _step: Any = field(init=False)
 
     def __post_init__(self) -> None:
         self.state, self._step = self.filter.state(), self.filter.step_auxiliary
-        self._coefficients = self.filter.coefficients(self.params)
+        self.axes_params, self._coefficients = self.params, self.filter.coefficients(self.params)
 
     def step(
         self, t_s: float, rate_dps: float, inertial: Inertial | None = None, still: float = nan, temp_c: float = nan
@@ -57,10 +60,13 @@ class FilterRun:
         given = Inertial(0.0, 0.0, rate_dps) if inertial is None else inertial
         return self.three_axes.step(self._coefficients, self.state, t_s, given, still, temp_c)  # type: ignore[union-attr]
 
-    def use(self, params: Any) -> None:
-        """Go on with other parameters."""
-        self.params = params
-        self._coefficients = (self.three_axes or self.filter).coefficients(params)
+    def use(self, params: Any, axes_params: Any = None) -> None:
+        """Go on with other parameters; `axes_params` are those on three axes if they differ."""
+        self.params, self.axes_params = params, params if axes_params is None else axes_params
+        if self.three_axes is None:
+            self._coefficients = self.filter.coefficients(self.params)
+        else:
+            self._coefficients = self.three_axes.coefficients(self.axes_params)
 
     def zero(self) -> None:
         """Set the yaw sigma to 0 at the last sample."""
@@ -85,4 +91,4 @@ class FilterRun:
         old, self.three_axes = self.state, three_axis_version(self.filter)
         self.state = self.three_axes.state()
         self.state.yaw_deg, self.state.rejected = old.yaw_deg, old.rejected
-        self.use(self.params)
+        self.use(self.params, self.axes_params)

@@ -182,9 +182,9 @@ class Filtering:
 
     def _set_coefficients(self) -> None:
         """Work out the coefficients, with the scale error that the calibration in force leaves."""
-        self._scaled_by = self.calibrating.applied
-        sigma = None if self._scaled_by is None else self._scaled_by.scale_sigma
-        self.run.use(self.params if sigma is None else self.filter.with_scale_sigma(self.params, sigma))
+        self._scaled_by = applied = self.calibrating.applied
+        sigma, axes_sigma = (None, None) if applied is None else (applied.scale_sigma, applied.axes_scale_sigma)
+        self.run.use(self.filter.scaled(self.params, sigma), self.filter.scaled(self.params, axes_sigma))
 
     def _corrected(self, samples: list[Sample]) -> list[Corrected]:
         had_axes = self.run.three_axes is not None

@@ -92,10 +92,14 @@ def true_accel_mps2(measured_mps2: Floats, calibration: Calibration) -> Floats:
     return accel_mps2 if calibration.accel_scale is None else accel_mps2 * np.array(calibration.accel_scale)
 
 
-def applied_scale_sigma(session: Session) -> float | None:
-    """Standard error of the scale that was applied to a session, as a share; None without a calibration."""
+def applied_scale_sigmas(session: Session) -> tuple[float | None, float | None]:
+    """Standard errors of the scales that were applied to a session, as shares: of z alone, and of three axes.
+
+    None if the scale was not measured.
+    """
     table = session.metadata.get(APPLIED)
-    return calibration_of_table(table).scale_sigma if table else None
+    applied = calibration_of_table(table) if table else None
+    return (None, None) if applied is None else (applied.scale_sigma, applied.axes_scale_sigma)
 
 
 def with_config(session: Session, given: Calibration | None) -> Session:

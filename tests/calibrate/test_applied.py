@@ -19,7 +19,7 @@ from gyrodrift.diagnose.recording.checked import checked_session
 from gyrodrift.errors import ConfigError, DataError, UsageError
 from gyrodrift.evaluation.dataset import Source, load_with_reference
 from gyrodrift.sample import Inertial, Sample
-from gyrodrift.session.calibrated import KEPT, calibrated, true_rates_dps, with_calibration
+from gyrodrift.session.calibrated import KEPT, applied_scale_sigmas, calibrated, true_rates_dps, with_calibration
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.session.session import AXIS_COLUMNS, Session, session_of
 
@@ -334,3 +334,13 @@ def test_a_new_calibration_of_one_axis_keeps_the_accelerometer_of_its_device() -
     assert kept.gyro_matrix is None
     assert RIGHT.keeping_axes(replace(THREE_AXES, device_id="other")) == RIGHT
     assert RIGHT.keeping_axes(None) == RIGHT
+
+
+def test_the_scale_error_of_three_axes_is_that_of_the_matrix() -> None:
+    """The scales of a turn about the vertical say nothing of x and y."""
+    assert RIGHT.scale_sigma == 0.0004
+    assert RIGHT.axes_scale_sigma is None
+    assert THREE_AXES.axes_scale_sigma == 0.001
+    session = Session("s", np.arange(3.0), np.ones(3))
+    assert applied_scale_sigmas(session) == (None, None)
+    assert applied_scale_sigmas(with_calibration(session, THREE_AXES)) == (0.0004, 0.001)

@@ -7,6 +7,7 @@ import pytest
 from hand_motion import BIAS_DPS, HandMotion, hand_motion
 
 from gyrodrift.filters.hdr_filter import HDR
+from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import FilterRun
 from gyrodrift.mount import Mount
@@ -97,3 +98,16 @@ def test_a_zero_restarts_the_sigma_on_three_axes() -> None:
     assert (run.state.yaw_sigma_deg, run.state.yaw_deg) == (0.0, yaw_deg)
     run.step(40.0, 0.0, Inertial(0.0, 0.0, 0.0, 0.0, 0.0, 9.81))
     assert run.state.yaw_sigma_deg < 0.2 * sigma_deg
+
+
+def test_a_calibrated_scale_of_one_axis_is_not_that_of_three() -> None:
+    """A calibration about the vertical knows z alone; a matrix of the gyro gives the scale of all axes."""
+    motion = hand_motion(20.0, tilt_deg=25.0)
+    calibrated, default = RestlevelParams(scale_percent=0.05), RestlevelParams()
+    plain, one_axis, matrix = (FilterRun(RESTLEVEL, default) for _ in range(3))
+    one_axis.use(calibrated, default)
+    matrix.use(calibrated, calibrated)
+    assert all_axes(one_axis, motion) == all_axes(plain, motion)
+    all_axes(matrix, motion)
+    assert matrix.state.yaw_sigma_deg < plain.state.yaw_sigma_deg
+    assert one_axis.state.yaw_sigma_deg == plain.state.yaw_sigma_deg
