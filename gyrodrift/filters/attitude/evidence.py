@@ -25,8 +25,8 @@ raw parts (data sheet of the MPU-6050: up to 20 deg/s). The three axes of a part
 JUMP_SHARE, JUMP = 0.03, 0.4
 """Share of rests before which the bias jumped, as the raw parts, and the size of jumps over the spread of the bias."""
 
-ALIGNMENT = 0.02
-"""Share of a rate that the level axes see: errors of the tilt (0.2 m/s² of bias of the accelerometer), misalignment."""
+ALIGNMENT = 0.03
+"""Share of a rate that the level axes see: errors of the tilt by 0.3 m/s² of bias of the accelerometer."""
 
 MISTAKE_SHARE = 0.005
 """Share of rests before which the bias was learned in an even turn, so that it has its prior again."""

@@ -7,11 +7,11 @@ import numpy as np
 from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.filters.attitude.batch import from_rotation_vectors, products, unit
 
-ATTITUDE, BIAS, VELOCITY, SCALE = slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 18)
-STATES = 18
+ATTITUDE, BIAS, VELOCITY, SCALE, FORCE_BIAS = slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 18), slice(18, 21)
+STATES = 21
 HEADING = 2
 """Error states: rotation in the earth frame, rad; bias, rad/s; velocity in the earth frame, m/s; scale and
-misalignment of the gyro, row by row."""
+misalignment of the gyro, row by row; bias of the accelerometer, m/s²."""
 
 UNDECIDED, REST, TURN = 0, 1, 2
 """Regimes of a hypothesis in the present segment."""
@@ -23,10 +23,10 @@ class Hypotheses:
 
     weight
         Probabilities (n).
-    q, bias, velocity, scale
-        Means: (n, 4), (n, 3) in rad/s, (n, 3) in m/s, (n, 3, 3).
+    q, bias, velocity, scale, force_bias
+        Means: (n, 4), (n, 3) in rad/s, (n, 3) in m/s, (n, 3, 3), (n, 3) in m/s².
     cov
-        Covariances (n, 18, 18) of the error states.
+        Covariances (n, 21, 21) of the error states.
     yaw_deg
         Unwrapped headings (n).
     regime
@@ -40,6 +40,7 @@ class Hypotheses:
     bias: Floats
     velocity: Floats
     scale: Floats
+    force_bias: Floats
     cov: Floats
     yaw_deg: Floats
     regime: Integers
@@ -55,11 +56,12 @@ class Hypotheses:
         return replace(self, **{name: np.concatenate((getattr(self, name), getattr(added, name))) for name in names})
 
     def correct(self, error: Floats) -> None:
-        """Add error states (n, 18) to the means."""
+        """Add error states (n, 21) to the means."""
         self.q = unit(products(from_rotation_vectors(error[:, ATTITUDE]), self.q))
         self.bias = self.bias + error[:, BIAS]
         self.velocity = self.velocity + error[:, VELOCITY]
         self.scale = self.scale + error[:, SCALE].reshape(-1, 3, 3)
+        self.force_bias = self.force_bias + error[:, FORCE_BIAS]
         self.yaw_deg = self.yaw_deg + np.degrees(error[:, HEADING])
 
 
@@ -71,6 +73,7 @@ def first_hypothesis() -> Hypotheses:
         bias=np.zeros((1, 3)),
         velocity=np.zeros((1, 3)),
         scale=np.zeros((1, 3, 3)),
+        force_bias=np.zeros((1, 3)),
         cov=np.zeros((1, STATES, STATES)),
         yaw_deg=np.zeros(1),
         regime=np.zeros(1, dtype=np.int64),

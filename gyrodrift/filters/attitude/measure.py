@@ -10,7 +10,7 @@ MOST_SQUARED = 25.0
 
 
 def measure(h: Hypotheses, error: Floats, states: slice, values: Floats, variance: Floats) -> Floats:
-    """Update `error` (n, 18) and the covariances by three states; log likelihoods (n) but for a constant.
+    """Update `error` (n, 21) and the covariances by three states; log likelihoods (n) but for a constant.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def measure(h: Hypotheses, error: Floats, states: slice, values: Floats, varianc
 def measure_in_part(
     h: Hypotheses, error: Floats, states: slice, values: Floats, variance: Floats, shares: Floats
 ) -> Floats:
-    """Update as `measure`, with gains multiplied by `shares` (n, 18, 18); covariances stay true (Joseph form)."""
+    """Update as `measure`, with gains multiplied by `shares` (n, 21, 21); covariances stay true (Joseph form)."""
     cov, eye = h.cov, np.eye(STATES)
     inverse, innovation = innovations(h, error, states, values, variance)
     gain = shares @ cov[:, :, states] @ inverse

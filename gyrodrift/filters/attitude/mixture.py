@@ -6,7 +6,16 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.filters.attitude.batch import conjugates, products, to_rotation_vectors
-from gyrodrift.filters.attitude.hypotheses import ATTITUDE, BIAS, HEADING, SCALE, STATES, VELOCITY, Hypotheses
+from gyrodrift.filters.attitude.hypotheses import (
+    ATTITUDE,
+    BIAS,
+    FORCE_BIAS,
+    HEADING,
+    SCALE,
+    STATES,
+    VELOCITY,
+    Hypotheses,
+)
 
 MAX_HYPOTHESES = 6
 """Hypotheses that are kept."""
@@ -45,12 +54,13 @@ class SumMoments(NamedTuple):
 
 
 def differences(h: Hypotheses, i: int, j: int) -> Floats:
-    """Error states (18) from hypothesis i to j."""
+    """Error states (21) from hypothesis i to j."""
     error = np.empty(STATES)
     error[ATTITUDE] = to_rotation_vectors(products(h.q[j : j + 1], conjugates(h.q[i : i + 1])))[0]
     error[BIAS] = h.bias[j] - h.bias[i]
     error[VELOCITY] = h.velocity[j] - h.velocity[i]
     error[SCALE] = (h.scale[j] - h.scale[i]).ravel()
+    error[FORCE_BIAS] = h.force_bias[j] - h.force_bias[i]
     return error
 
 
@@ -93,7 +103,8 @@ def _merged(h: Hypotheses, i: int, j: int) -> Hypotheses:
     h.yaw_deg[i] += share * (h.yaw_deg[j] - h.yaw_deg[i])
     single = h.select([i])
     single.correct(share * error[None, :])
-    h.q[i], h.bias[i], h.velocity[i], h.scale[i] = single.q[0], single.bias[0], single.velocity[0], single.scale[0]
+    h.q[i], h.bias[i], h.velocity[i] = single.q[0], single.bias[0], single.velocity[0]
+    h.scale[i], h.force_bias[i] = single.scale[0], single.force_bias[0]
     return h.select(np.arange(len(h.weight)) != j)
 
 

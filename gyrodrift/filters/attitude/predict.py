@@ -15,7 +15,7 @@ from gyrodrift.filters.attitude.batch import (
     unit,
 )
 from gyrodrift.filters.attitude.block import Integrals
-from gyrodrift.filters.attitude.hypotheses import ATTITUDE, BIAS, SCALE, STATES, VELOCITY, Hypotheses
+from gyrodrift.filters.attitude.hypotheses import ATTITUDE, BIAS, FORCE_BIAS, SCALE, STATES, VELOCITY, Hypotheses
 
 GRAVITY = 9.81
 VERTICAL = np.array((0.0, 0.0, 1.0))
@@ -39,7 +39,7 @@ def predict(h: Hypotheses, block: Integrals, bias: Floats, scale: Floats, walk_v
     """
     start = rotation_matrices(h.q)
     change = (h.scale - scale).reshape(-1, 9) @ block.by_scale.T - (h.bias - bias) @ block.by_bias.T
-    force = block.velocity + 0.5 * np.cross(change, block.velocity)
+    force = block.velocity + 0.5 * np.cross(change, block.velocity) - h.force_bias @ block.by_bias.T
     velocity = (start @ force[:, :, None])[:, :, 0]
     turn = products(from_rotation_vectors(change), block.rotation[None, :])
     h.q = unit(products(h.q, turn))
@@ -50,7 +50,7 @@ def predict(h: Hypotheses, block: Integrals, bias: Floats, scale: Floats, walk_v
 
 
 def transitions(start: Floats, velocity: Floats, block: Integrals) -> Floats:
-    """Derivatives (n, 18, 18) of the error states at the end of a block by those at its beginning.
+    """Derivatives (n, 21, 21) of the error states at the end of a block by those at its beginning.
 
     start are the rotation matrices (n, 3, 3) at the beginning, velocity the integrals of the specific force (n, 3) in
     the earth frame. Only its vertical part couples attitude and velocity: through a bounded velocity, the horizontal
@@ -63,13 +63,14 @@ def transitions(start: Floats, velocity: Floats, block: Integrals) -> Floats:
     transition[:, ATTITUDE, BIAS] = by_bias
     transition[:, ATTITUDE, SCALE] = by_scale
     transition[:, VELOCITY, ATTITUDE] = tilt
+    transition[:, VELOCITY, FORCE_BIAS] = by_bias
     transition[:, VELOCITY, BIAS] = 0.5 * tilt @ by_bias
     transition[:, VELOCITY, SCALE] = 0.5 * tilt @ by_scale
     return transition
 
 
 def process_noise(block: Integrals, walk_var: float, noise_var: float) -> Floats:
-    """Variances (18) that a block adds."""
+    """Variances (21) that a block adds."""
     added = np.zeros(STATES)
     added[ATTITUDE] = noise_var * block.seconds + TURN_NOISE**2 * block.squared_turn
     added[:2] += TILT_NOISE**2 * block.seconds

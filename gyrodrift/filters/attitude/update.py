@@ -6,7 +6,16 @@ import numpy as np
 
 from gyrodrift.filters.attitude.batch import rotation_matrices
 from gyrodrift.filters.attitude.block import InertialBlock, Integrals, next_block
-from gyrodrift.filters.attitude.hypotheses import BIAS, REST, STATES, VELOCITY, Hypotheses, first_hypothesis
+from gyrodrift.filters.attitude.hypotheses import (
+    BIAS,
+    FORCE_BIAS,
+    REST,
+    SCALE,
+    STATES,
+    VELOCITY,
+    Hypotheses,
+    first_hypothesis,
+)
 from gyrodrift.filters.attitude.levelling import START_TILT, UNKNOWN_TILT, find_lost_tilt, level_start
 from gyrodrift.filters.attitude.mixture import moments, ordered
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
@@ -17,6 +26,10 @@ from gyrodrift.filters.attitude.segments import GYRO_NOISE, MEASURED, follow_res
 from gyrodrift.filters.attitude.velocity import START_SPEED, bound_velocity, forget_velocity
 from gyrodrift.filters.attitude.yaw import unwrap_headings
 from gyrodrift.mount import with_heading
+
+FORCE_BIAS_SIGMA = 0.3
+"""Standard deviation of the bias of an accelerometer, m/s²: data sheets allow 0.4 m/s² (LSM6DS3), 0.5 (ICM-20948) and
+0.5 to 0.8 (MPU-6050)."""
 
 G_SENSITIVITY = 0.05 * RAD
 """Standard deviation of the change of a bias by gravity, rad/s per g: half of the 0.1 deg/s that the data sheet of the
@@ -37,7 +50,8 @@ def begin(c: AttitudeCoefficients, s: AttitudeState, accel: Vector) -> None:
     diagonal[:2] = (START_TILT if has_accel else UNKNOWN_TILT) ** 2
     diagonal[BIAS] = c.bias_sigma**2
     diagonal[VELOCITY] = START_SPEED**2
-    diagonal[9:] = (c.scale_sigma**2 * np.eye(3) + c.cross_sigma**2 * (1.0 - np.eye(3))).ravel()
+    diagonal[FORCE_BIAS] = FORCE_BIAS_SIGMA**2
+    diagonal[SCALE] = (c.scale_sigma**2 * np.eye(3) + c.cross_sigma**2 * (1.0 - np.eye(3))).ravel()
     h.cov[0] = np.diag(diagonal)
     s.hypotheses, s.noise_var, s.block = h, GYRO_NOISE**2, InertialBlock()
     publish(s)

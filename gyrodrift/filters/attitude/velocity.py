@@ -86,14 +86,14 @@ def share_of_vertical(s: AttitudeState, seconds: float, factor: float) -> float:
 
 
 def vertical_shares(h: Hypotheses, share: float) -> Floats:
-    """Factors (n, 18, 18) on gains: `share` for the heading, and for bias and scale about the vertical."""
+    """Factors (n, 21, 21) on gains: `share` for the heading, and for bias and scale about the vertical."""
     up = rotation_matrices(h.q)[:, 2, :]
     level = np.eye(3) - (1.0 - share) * up[:, :, None] * up[:, None, :]
     shares = np.zeros((len(up), STATES, STATES)) + np.eye(STATES)
     shares[:, HEADING, HEADING] = share
     shares[:, BIAS, BIAS] = level
     for column in range(3):
-        shares[:, 9 + column :: 3, 9 + column :: 3] = level
+        shares[:, 9 + column : 18 : 3, 9 + column : 18 : 3] = level
     return shares
 
 

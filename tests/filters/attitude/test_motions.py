@@ -68,3 +68,18 @@ def test_an_even_turn_at_the_start_has_a_sigma_that_contains_it() -> None:
         errors = np.abs(heading_errors_deg(estimate.q, recorded.attitude))
         assert np.mean(errors < 2.0 * estimate.yaw_sigma_deg + 0.5) > 0.9
         assert errors[recorded.t_s > 50.0].max() < 10.0
+
+
+@pytest.mark.parametrize("rest_s", [0.0, 3.0])
+def test_a_fast_even_turn_is_never_a_bias(rest_s: float) -> None:
+    """A turntable at 70 deg/s, after a rest or from the first sample on."""
+    c, s, rng = coefficients(RestlevelParams()), AttitudeState(), np.random.default_rng(4)
+    before_deg = 0.0
+    for i in range(1500):
+        rate_dps = 70.0 if i / 100.0 >= rest_s else 0.0
+        gx, gy, gz = (0.05 * rng.normal(size=3)).tolist()
+        step(c, s, i / 100.0, gx, gy, gz + rate_dps, 0.0, 0.0, 9.81)
+        assert abs(s.yaw_deg - before_deg) < 2.0
+        before_deg = s.yaw_deg
+    assert s.yaw_deg == pytest.approx(70.0 * (15.0 - rest_s), abs=2.0)
+    assert s.rest_probability < 0.01
