@@ -1,8 +1,11 @@
 """A device with three axes in every protocol that carries them, as the host reads it."""
 
+from itertools import islice
+
 import numpy as np
 import pytest
 
+from firmware_sim.faults.catalogue import FAULTS, faulty_blocks, faulty_frames, parse_fault
 from firmware_sim.measure import TriaxialBlock, measure
 from firmware_sim.motion.profile import config_folder, load_motion, shipped_profiles
 from firmware_sim.rig import Rig, load_rig, parse_effect, with_effects
@@ -75,3 +78,23 @@ def test_csv_is_detected_on_any_motion(profile: str) -> None:
         detected = next((sure for frame in frames if (sure := detector.push(frame.content))), None)
         assert detected is not None
         assert detected[0].name == "csv"
+
+
+@pytest.mark.parametrize("fault", [name for name in FAULTS if name not in {"unplug", "wrong_baud"}])
+def test_no_fault_gives_a_wrong_axis(fault: str) -> None:
+    """Native frames have a checksum: a sample arrives with all its axes, or not at all."""
+    faults = [parse_fault(fault)]
+    blocks = list(faulty_blocks(islice(measure(RIG, load_motion("ramps"), 0, block_samples=500), 3), faults))
+    sent = set()
+    for block in blocks:
+        assert isinstance(block, TriaxialBlock)
+        for (seq, t_us, *_), (gyro_raw, accel_raw, _) in zip(block.rows(), block.axes_rows(), strict=True):
+            sent.add((seq & 0xFFFF, t_us & 0xFFFFFFFF, *gyro_raw, *(accel_raw or [])))
+    decoder = PROTOCOLS["native"].decoder()
+    frames = faulty_frames(ENCODERS["native"].frames(iter(blocks), RIG.base), faults, 0)
+    readings = [reading for frame in frames for reading in decoder.push(frame.content)]
+    assert len(readings) > 800
+    for reading in readings:
+        assert reading.inertial is not None
+        counts = np.rint(np.array(reading.inertial) / ([0.0152588] * 3 + [0.0023942] * 3))
+        assert (reading.seq, reading.t_us, *counts.tolist()) in sent
