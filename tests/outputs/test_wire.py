@@ -28,6 +28,12 @@ def test_samples_come_out_as_they_went_in(samples: list[Corrected]) -> None:
     assert wire.count_samples(message) == len(samples)
 
 
+def test_axes_of_a_later_sample_are_not_lost() -> None:
+    """A filter goes over to three axes in the middle of a batch."""
+    samples = [corrected(0), tilted(1)]
+    assert wire.unpack_samples(wire.pack_samples(samples)) == samples
+
+
 def test_one_axis_has_the_short_record() -> None:
     """A number of 64 bits and 16 doubles."""
     level = corrected(7)

@@ -171,7 +171,7 @@ FAULTS = (
         "    for corrected in samples:\n        sample",
         "    for corrected in samples[:1]:\n        sample",
         "A batch loses the axes of its later samples.",
-        (f"{TESTS}/test_wire.py::test_samples_come_out_as_they_went_in",),
+        (f"{TESTS}/test_wire.py::test_axes_of_a_later_sample_are_not_lost",),
     ),
     Fault(
         "outputs/foxglove-told-in-pieces",
