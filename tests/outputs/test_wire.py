@@ -30,8 +30,9 @@ def test_samples_come_out_as_they_went_in(samples: list[Corrected]) -> None:
 
 def test_axes_of_a_later_sample_are_not_lost() -> None:
     """A filter goes over to three axes in the middle of a batch."""
-    samples = [corrected(0), tilted(1)]
-    assert wire.unpack_samples(wire.pack_samples(samples)) == samples
+    level, later = wire.unpack_samples(wire.pack_samples([corrected(0), tilted(1)]))
+    assert (level.sample.inertial, level.attitude) == (None, None)
+    assert (later.sample.inertial, later.attitude) == (tilted(1).sample.inertial, tilted(1).attitude)
 
 
 def test_one_axis_has_the_short_record() -> None:
