@@ -40,6 +40,7 @@ OffsetMps2 = Annotated[float, Ge(-20.0), Le(20.0)]
 Share = Annotated[float, Ge(-2.0), Le(2.0)]
 Row = tuple[Share, Share, Share]
 SpreadRow = tuple[Spread, Spread, Spread]
+Vector = tuple[float, float, float]
 
 AXES_SHAPES: dict[str, tuple[int, ...]] = {
     "accel_offset_mps2": (3,),
@@ -178,20 +179,32 @@ class Calibration:
         return upright._replace(gyro_z_dps=self.of_rest_dps(z_dps))
 
     def measured_dps(self, rate_dps: float, temp_c: float = nan) -> float:
-        """Measured rate for a true rate, deg/s; with three axes, about z alone."""
-        along = 1.0 if self.gyro_matrix is None else self.gyro_matrix[2][2]
-        scale = self.scale_ccw if rate_dps >= 0.0 else self.scale_cw
-        return self.bias_at_dps(temp_c) + self.sign * rate_dps / scale / along
+        """Measured rate about z for a true rate of a device with one axis, deg/s."""
+        return self.bias_at_dps(temp_c) + self.sign * rate_dps / self._scale_of(rate_dps)
 
-    def following(self, old: "Calibration", bias_dps: float, temp_c: float = nan) -> "Calibration":
+    def measured_xyz_dps(self, rates_dps: Vector, temp_c: float = nan) -> Vector:
+        """Measured rates about x, y and z for true rates, deg/s."""
+        x_dps, y_dps, z_dps = rates_dps
+        sensor_dps = (x_dps, self.sign * y_dps, self.sign * z_dps / self._scale_of(z_dps))
+        rest_dps = sensor_dps if self.gyro_matrix is None else _solution(self.gyro_matrix, sensor_dps)
+        x_bias_dps, y_bias_dps = self.gyro_bias_xy_dps or (0.0, 0.0)
+        return rest_dps[0] + x_bias_dps, rest_dps[1] + y_bias_dps, rest_dps[2] + self.bias_at_dps(temp_c)
+
+    def _scale_of(self, rate_dps: float) -> float:
+        return self.scale_ccw if rate_dps >= 0.0 else self.scale_cw
+
+    def following(self, old: "Calibration", bias_dps: float | Vector, temp_c: float = nan) -> "Calibration":
         """Copy with a bias that keeps the estimate of a filter valid that ran with an old calibration.
 
-        `bias_dps` is the estimate of the filter about z, deg/s, at `temp_c`, °C. The biases of x and y stay the old
-        ones.
+        `bias_dps` is the estimate of the filter, deg/s, at `temp_c`, °C: of one axis, or about x, y and z.
         """
+        if isinstance(bias_dps, tuple):
+            before, after = (c.measured_xyz_dps(bias_dps, temp_c) for c in (old, self))
+            x_dps, y_dps = self.gyro_bias_xy_dps or (0.0, 0.0)
+            shifted = x_dps + before[0] - after[0], y_dps + before[1] - after[1]
+            return replace(self, bias_dps=self.bias_dps + before[2] - after[2], gyro_bias_xy_dps=shifted)
         rest_dps = old.measured_dps(bias_dps, temp_c)
-        shifted_dps = self.bias_dps + rest_dps - self.measured_dps(bias_dps, temp_c)
-        return replace(self, bias_dps=shifted_dps, gyro_bias_xy_dps=old.gyro_bias_xy_dps)
+        return replace(self, bias_dps=self.bias_dps + rest_dps - self.measured_dps(bias_dps, temp_c))
 
     def keeping_axes(self, old: "Calibration | None") -> "Calibration":
         """Copy of a calibration of one axis with the accelerometer and the level axes of an old one of the device.
@@ -278,6 +291,19 @@ def _nested(value: Any, shape: tuple[int, ...], error: str) -> Numbers:
     if not all(isinstance(number, int | float) and not isinstance(number, bool) for number in value):
         raise ValueError(error)
     return tuple(map(float, value))
+
+
+def _solution(matrix: tuple[Row, Row, Row], right: Vector) -> Vector:
+    """Solution of a system of three linear equations, by the rule of Cramer."""
+    columns = tuple(zip(*matrix, strict=True))
+    whole = _determinant(columns)
+    x, y, z = (_determinant((*columns[:index], right, *columns[index + 1 :])) / whole for index in range(3))
+    return x, y, z
+
+
+def _determinant(columns: tuple[tuple[float, ...], ...]) -> float:
+    (a, b, c), (d, e, f), (g, h, i) = columns
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 
 
 def moment(date: str) -> datetime:

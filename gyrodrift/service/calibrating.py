@@ -9,11 +9,21 @@ from datetime import UTC, datetime
 from math import nan
 from typing import Any
 
-from gyrodrift.calibration import NO_CALIBRATION, OLD_DAYS, Calibration, device_identity
+from gyrodrift.calibration import NO_CALIBRATION, OLD_DAYS, Calibration, Vector, device_identity
+from gyrodrift.filters.filter import FilterState
 from gyrodrift.link.link import Link
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.sample import Sample
+
+Bias = float | Vector
+"""Estimate of a filter, deg/s: of one axis, or about x, y and z."""
+
+
+def bias_of(state: FilterState) -> Bias:
+    """Bias estimate of a filter, deg/s; about x, y and z if it runs on three axes."""
+    bias_dps: Bias = getattr(state, "bias_xyz_dps", state.bias_dps)
+    return bias_dps
 
 
 @dataclass(slots=True)
@@ -35,7 +45,7 @@ class Calibrating:
     _temp_c: float = nan
     _has_begun: bool = False
 
-    def take(self, samples: list[Sample], bias_dps: float) -> list[Sample]:
+    def take(self, samples: list[Sample], bias_dps: Bias) -> list[Sample]:
         """Samples with calibrated rates; `bias_dps` is the present estimate of the filter."""
         if not samples:
             return samples
@@ -46,14 +56,14 @@ class Calibrating:
         self._temp_c = samples[-1].temp_c
         return [self.applied.sample(sample) for sample in samples]
 
-    def follow(self, given: Calibration | None, bias_dps: float) -> None:
+    def follow(self, given: Calibration | None, bias_dps: Bias) -> None:
         """Apply the calibration of a new config."""
         if given != self.given:
             self.given = given
             if self._has_begun:
                 self._decide(bias_dps)
 
-    def _decide(self, bias_dps: float) -> None:
+    def _decide(self, bias_dps: Bias) -> None:
         new, self._device = self._applicable(), self.link.device
         if new is None and self.applied is None:
             self._has_begun = True

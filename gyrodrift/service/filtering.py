@@ -15,7 +15,7 @@ from gyrodrift.filters.run import Axes, FilterRun
 from gyrodrift.link.link import Link
 from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.sample import Corrected, Sample
-from gyrodrift.service.calibrating import Calibrating
+from gyrodrift.service.calibrating import Calibrating, bias_of
 from gyrodrift.service.correcting import Correcting
 from gyrodrift.service.sink import ReaderGoneError, Sink
 
@@ -89,7 +89,7 @@ class Filtering:
 
     def take(self, samples: list[Sample]) -> None:
         """Filter samples and hand them to the sinks."""
-        calibrated = self.calibrating.take(samples, self.state.bias_dps)
+        calibrated = self.calibrating.take(samples, bias_of(self.state))
         if self.calibrating.applied is not self._scaled_by:
             self._set_coefficients()
         corrected = self._corrected(calibrated) if samples else []
@@ -258,7 +258,7 @@ class Filtering:
     def _apply(self, watch: "ConfigWatch", old: "Config", new: "Config") -> list[str]:
         if new.chosen is not self.filter:
             self._begin_again(new.chosen)
-        self.calibrating.follow(new.calibration, self.state.bias_dps)
+        self.calibrating.follow(new.calibration, bias_of(self.state))
         self.params = new.params
         self._follow_axes(new)
         self._set_coefficients()

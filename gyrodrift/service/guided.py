@@ -13,6 +13,7 @@ from gyrodrift.calibration import Calibration, device_identity
 from gyrodrift.errors import CalibrationError, UsageError
 from gyrodrift.files import UnreadableError, read_ordinary, write_whole
 from gyrodrift.sample import Sample
+from gyrodrift.service.calibrating import bias_of
 from gyrodrift.service.filtering import Filtering
 
 if TYPE_CHECKING:  # brings numpy, which a service does not need before somebody calibrates
@@ -165,7 +166,7 @@ class GuidedCalibration:
             else:
                 self._end(f"Written to {watch.path}; it is applied at once.")
                 return
-        self.filtering.calibrating.follow(calibration, self.filtering.state.bias_dps)
+        self.filtering.calibrating.follow(calibration, bias_of(self.filtering.state))
         self._end(f"Applied until the service ends; {hint.rstrip('.')}.")
 
 

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 import pytest
 from calibrate_support import GAIN_CCW, GAIN_CW, Table, rest, to_and_fro, turn, turn_s
+from hand_motion import BIAS_DPS, hand_motion
 from support import Command, near, speaking_on
 
 from gyrodrift.arrays import Floats
@@ -18,7 +19,11 @@ from gyrodrift.config.model import load_config
 from gyrodrift.diagnose.recording.checked import checked_session
 from gyrodrift.errors import ConfigError, DataError, UsageError
 from gyrodrift.evaluation.dataset import Source, load_with_reference
+from gyrodrift.filters.hdr_filter import HDR
+from gyrodrift.filters.restlevel_filter import RESTLEVEL
+from gyrodrift.filters.run import FilterRun
 from gyrodrift.sample import Inertial, Sample
+from gyrodrift.service.calibrating import bias_of
 from gyrodrift.session.calibrated import KEPT, applied_scale_sigmas, calibrated, true_rates_dps, with_calibration
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.session.session import AXIS_COLUMNS, Session, session_of
@@ -318,12 +323,15 @@ def test_a_mistake_in_a_value_of_three_axes_is_named(key: str, problem: str, tmp
     assert f"{path}:3:3 calibration.{problem}" in str(caught.value)
 
 
-def test_a_filter_that_runs_keeps_its_biases_under_a_calibration_of_three_axes() -> None:
-    """The estimate about z means the same measured rate; the level axes follow at the next start."""
-    following = THREE_AXES.following(RIGHT, 0.4, 25.0)
-    assert following.measured_dps(0.4, 25.0) == near(RIGHT.measured_dps(0.4, 25.0))
-    assert following.gyro_bias_xy_dps is None
-    assert following.gyro_matrix == THREE_AXES.gyro_matrix
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_filter_that_runs_keeps_its_biases_under_a_calibration_of_three_axes(sign: Literal[1, -1]) -> None:
+    """The rates at rest that it has learnt stay those of its estimate, at the temperature of the change."""
+    new, learnt_dps = replace(THREE_AXES, sign=sign), (0.4, -0.2, 0.3)
+    measured_dps = RIGHT.measured_xyz_dps(learnt_dps, 23.0)
+    assert RIGHT.inertial(Inertial(*measured_dps), 23.0)[:3] == pytest.approx(learnt_dps)
+    following = new.following(RIGHT, learnt_dps, 23.0)
+    assert following.inertial(Inertial(*measured_dps), 23.0)[:3] == pytest.approx(learnt_dps)
+    assert replace(following, bias_dps=new.bias_dps, gyro_bias_xy_dps=new.gyro_bias_xy_dps) == new
 
 
 def test_a_new_calibration_of_one_axis_keeps_the_accelerometer_of_its_device() -> None:
@@ -344,3 +352,16 @@ def test_the_scale_error_of_three_axes_is_that_of_the_matrix() -> None:
     session = Session("s", np.arange(3.0), np.ones(3))
     assert applied_scale_sigmas(session) == (None, None)
     assert applied_scale_sigmas(with_calibration(session, THREE_AXES)) == (0.0004, 0.001)
+
+
+def test_the_estimate_that_a_new_calibration_keeps_is_that_of_all_axes() -> None:
+    """A filter of one axis states a number; HDR and restlevel on three axes state three."""
+    motion = hand_motion(10.0, bias_dps=BIAS_DPS)
+    for chosen in (RESTLEVEL, HDR):
+        run = FilterRun(chosen, chosen.params())
+        assert bias_of(run.state) == 0.0
+        columns = (motion.t_s.tolist(), motion.gyro_dps.tolist(), motion.accel_mps2.tolist())
+        for t_s, gyro, accel in zip(*columns, strict=True):
+            run.step(t_s, gyro[2], Inertial(*gyro, *accel))
+        assert isinstance(bias_of(run.state), tuple)
+        assert bias_of(run.state) == pytest.approx(BIAS_DPS, abs=0.1)

@@ -249,3 +249,13 @@ def test_six_positions_keep_the_values_of_one_axis_of_the_same_device() -> None:
     assert (with_matrix.sign, with_matrix.scale_ccw, with_matrix.bias_dps_per_c) == (1, 1.0, 0.01)
     assert over(new, replace(old, device_id="other")) == new
     assert over(new, None) == new
+
+
+def test_a_coarse_accelerometer_has_larger_standard_errors() -> None:
+    """Without noise a mean keeps the rounding of its samples."""
+    record = laid_board().through_sensor(noise_mps2=0.002)
+    coarse = replace(record, accel_mps2=np.round(record.accel_mps2 / 0.2) * 0.2)
+    result = guided(coarse.samples()).result(NOW, "", None)
+    assert result.accel_offset_se_mps2 is not None
+    assert min(result.accel_offset_se_mps2) > 0.02
+    assert result.accel_offset_mps2 == near(OFFSET_MPS2.tolist(), 0.2)

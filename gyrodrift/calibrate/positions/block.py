@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite, nan, sqrt
+from math import inf, isfinite, nan, sqrt
 
 import numpy as np
 
@@ -40,6 +40,11 @@ class AxesBlock:
     def gyro_noise_dps(self) -> float:
         """Largest standard deviation of the white noise of an axis, deg/s; from differences, so without motion."""
         return _white_noise(self.gyro_dps)
+
+    @property
+    def accel_step_mps2(self) -> float:
+        """Smallest step of an acceleration, m/s²; infinite if all samples are equal."""
+        return min((smallest_step(axis) or inf for axis in self.accel_mps2.T), default=inf)
 
     @property
     def accel_noise_mps2(self) -> float:
@@ -82,7 +87,7 @@ def _filled(accel: Floats) -> Floats:
 
 @dataclass(frozen=True, slots=True)
 class AxesRest:
-    """Means at rest and their standard errors from the scatter of the blocks; arrays of shape (3,).
+    """Means at rest and their standard errors from scatter and rounding; arrays of shape (3,).
 
     middle_s
         Device time of the middle, s.
@@ -107,8 +112,8 @@ class AxesRest:
         return unit
 
 
-def rest_of_blocks(blocks: Sequence[AxesBlock]) -> AxesRest:
-    """Means over still blocks, at least two."""
+def rest_of_blocks(blocks: Sequence[AxesBlock], accel_step_mps2: float = inf) -> AxesRest:
+    """Means over still blocks, at least two; the step of the accelerometer is infinite if it is unknown."""
     gyros, accels = (
         np.array([values.mean(axis=0) for values in column])
         for column in ([block.gyro_dps for block in blocks], [block.accel_mps2 for block in blocks])
@@ -121,8 +126,22 @@ def rest_of_blocks(blocks: Sequence[AxesBlock]) -> AxesRest:
         middle_s=0.5 * float(blocks[0].t_s[0] + blocks[-1].t_s[-1]),
         gyro_dps=gyros.mean(axis=0),
         accel_mps2=accels.mean(axis=0),
-        accel_se_mps2=accels.std(axis=0, ddof=1) / sqrt(len(accels)),
+        accel_se_mps2=np.hypot(
+            accels.std(axis=0, ddof=1) / sqrt(len(accels)),
+            _rounding(np.concatenate([block.accel_mps2 for block in blocks]), accel_step_mps2),
+        ),
         temp_c=float(np.mean([block.temp_c for block in blocks])),
         noise_dps_rthz=float(np.diff(z_dps).std()) / sqrt(2.0) * sqrt(float(np.median(np.diff(t_s)))),
         dps_per_lsb=smallest_step(z_dps),
     )
+
+
+def _rounding(values: Floats, step: float) -> Floats:
+    """Standard deviation of the mean of rounded values, per column: noise above half a step averages it out.
+
+    step/√12 without noise, and the decay of the first harmonic with it (Widrow and Kollár 2008, Quantization Noise).
+    """
+    if not isfinite(step):
+        return np.zeros(values.shape[1])
+    rounding: Floats = step / sqrt(12.0) * np.exp(-2.0 * (np.pi * values.std(axis=0) / step) ** 2)
+    return rounding

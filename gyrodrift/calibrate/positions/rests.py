@@ -79,6 +79,7 @@ class RestFinder:
     _first_bias_dps: Floats | None = None
     _gyro_noise_dps: float = inf
     _accel_noise_mps2: float = inf
+    _accel_step_mps2: float = inf
 
     def take(self, samples: list[Sample], clipped: int = 0) -> Iterator[Laid]:
         """Add samples, `clipped` of them out of the range of the device; rests that are complete.
@@ -118,10 +119,10 @@ class RestFinder:
         return self._laid(rest_blocks)
 
     def _laid(self, rest_blocks: list[AxesBlock]) -> Laid:
-        rest = rest_of_blocks(rest_blocks)
+        rest = rest_of_blocks(rest_blocks, self._accel_step_mps2)
         before, move = None, (*self._previous, *self._between, *self._still)
         if len(self._previous) >= 2:
-            before = rest_of_blocks(self._previous)
+            before = rest_of_blocks(self._previous, self._accel_step_mps2)
         if self._first_bias_dps is None:
             self._first_bias_dps = rest.gyro_dps
         is_whole = not self._clipped and not _has_hole(move)
@@ -148,6 +149,7 @@ class RestFinder:
     def _is_quiet(self, block: AxesBlock) -> bool:
         self._gyro_noise_dps = min(self._gyro_noise_dps, block.gyro_noise_dps)
         self._accel_noise_mps2 = min(self._accel_noise_mps2, block.accel_noise_mps2)
+        self._accel_step_mps2 = min(self._accel_step_mps2, block.accel_step_mps2)
         bias_dps = block.gyro_dps.mean(axis=0)
         if self._first_bias_dps is None:
             is_bias = bool((np.abs(bias_dps) < BIAS_MAX_DPS).all())

@@ -32,7 +32,7 @@ def gravity(evidence: DeviceEvidence) -> DeviceFinding | None:
         do = (
             ""
             if abs(size / STANDARD_MPS2 - 1.0) <= OFF_SHARE
-            else "gyrodrift calibrate measures offsets in six positions."
+            else "gyrodrift calibrate --positions measures offset and scale."
         )
         return (note if do else ok)(f"Gravity is {size:.2f} m/s², {summary.up} is up.", do=do, value=size, unit="m/s²")
     if unit := gravity_unit(size, SIZE_SHARE):
