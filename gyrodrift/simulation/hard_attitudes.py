@@ -55,6 +55,10 @@ They are half to a third of the limits of an MPU-6050 (PS-MPU-6000A 3.4, chapter
 ACCEL_NOISE = (0.001, 0.004)
 """Range of the noise of low-cost accelerometers, m/s²/√Hz: 100 to 400 µg/√Hz."""
 
+SAMPLE_RATE_HZ = 100.0
+MOTOR_HZ, SLOWEST_ALIAS_HZ = (60.0, 250.0), 15.0
+"""Band of motors of small vehicles and multirotors, and their slowest alias, Hz: three times their wander."""
+
 RANGE_DPS, RANGE_MPS2 = 2000.0, 78.5
 """Ranges of gyro and accelerometer (8 g)."""
 
@@ -98,6 +102,14 @@ def _generated(kind: str, **fields: object) -> Shape:
     return shape
 
 
+def _motor_hz(rng: Rng) -> float:
+    """Frequency of a motor whose alias is faster than the motion: a chip filters the others away before sampling."""
+    while True:
+        frequency_hz = float(rng.uniform(*MOTOR_HZ))
+        if abs(frequency_hz - SAMPLE_RATE_HZ * round(frequency_hz / SAMPLE_RATE_HZ)) > SLOWEST_ALIAS_HZ:
+            return frequency_hz
+
+
 def _car(stop_share: float) -> Shape:
     return _generated(
         "ramps",
@@ -121,7 +133,7 @@ def _table(motion: Motions, **fields: object) -> Shape:
 
 def _motors(gyro_dps: float, accel_mps2: float, rest_share: float) -> Triaxial:
     def effects(rng: Rng) -> Sequence[TriaxialEffect]:
-        frequency_hz = float(rng.uniform(60.0, 250.0))
+        frequency_hz = _motor_hz(rng)
         return [
             MotorVibration(gyro_dps=gyro_dps, accel_mps2=accel_mps2, frequency_hz=frequency_hz, rest_share=rest_share)
         ]
@@ -177,7 +189,13 @@ def _part(case: AttitudeCase, rng: Rng) -> Rig:
         effects=(*(_drawn(rng, kind, sigma) for kind, sigma in ERRORS), *case.effects(rng)),
     )
     noise, floor = _within(rng, NOISE_DPS_RTHZ), _within(rng, FLOOR_DPH)
-    base = Base(bias_dps=z_dps, dps_per_lsb=RANGE_DPS / 2**15, noise_dps_rthz=noise, three_axes=axes)
+    base = Base(
+        sample_rate_hz=SAMPLE_RATE_HZ,
+        bias_dps=z_dps,
+        dps_per_lsb=RANGE_DPS / 2**15,
+        noise_dps_rthz=noise,
+        three_axes=axes,
+    )
     return Rig(base=base, effects=(BiasInstability(floor_dph=floor),))
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from firmware_sim.effects.effect import Floats
+from firmware_sim.effects.triaxial.vibration import MotorVibration
 from firmware_sim.rig import load_rig
 from firmware_sim.triaxial import kinematics_of
 from gyrodrift.cli import main
@@ -96,3 +97,13 @@ def test_the_set_is_written_with_rigs_and_truth(tmp_path: Path) -> None:
     session = load_session(tmp_path / "a" / "hand-still" / "session-01.mcap")
     assert session.gyro_dps is not None
     assert load_rig(tmp_path / "a" / "hand-still" / "session-01.rig.yaml").base.three_axes is not None
+
+
+def test_motors_do_not_alias_to_slow_motion() -> None:
+    """A real chip has a low-pass against this."""
+    for number in range(40):
+        effects = attitude_simulation(BY_NAME["drone"], 1, number, 1.0, is_still=True).rig.base.three_axes
+        assert effects is not None
+        (motor,) = (effect for effect in effects.effects if isinstance(effect, MotorVibration))
+        assert 60.0 <= motor.frequency_hz <= 250.0
+        assert min(abs(motor.frequency_hz - 100.0 * k) for k in range(4)) > 15.0
