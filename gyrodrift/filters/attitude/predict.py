@@ -38,7 +38,8 @@ def predict(h: Hypotheses, block: Integrals, bias: Floats, scale: Floats, walk_v
     walk_var is the random walk of the bias, (rad/s)²/s, and noise_var the angle random walk, rad²/s.
     """
     start = rotation_matrices(h.q)
-    change = (h.scale - scale).reshape(-1, 9) @ block.by_scale.T - (h.bias - bias) @ block.by_bias.T
+    by_bias = block.by_bias @ (np.eye(3) + scale)
+    change = (h.scale - scale).reshape(-1, 9) @ block.by_scale.T - (h.bias - bias) @ by_bias.T
     force = block.velocity + 0.5 * np.cross(change, block.velocity) - h.force_bias @ block.by_bias.T
     velocity = (start @ force[:, :, None])[:, :, 0]
     turn = products(from_rotation_vectors(change), block.rotation[None, :])
