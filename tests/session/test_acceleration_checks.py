@@ -123,7 +123,7 @@ def test_a_stream_in_its_unit_and_a_missing_acceleration_are_no_event(force: tup
 
 def test_the_rate_about_the_vertical_is_compared_with_the_encoder_of_a_tilted_device() -> None:
     """A turntable that leans by 45°: the rate about z alone is too small by a third."""
-    t_s = np.linspace(0.0, 60.0, 6000, endpoint=False)
+    t_s: Floats = np.linspace(0.0, 60.0, 6000, endpoint=False)
     heading_dps = 60.0 * np.sin(0.5 * t_s)
     tilt = np.radians(45.0)
     up = np.array([np.sin(tilt), 0.0, np.cos(tilt)])
@@ -145,5 +145,5 @@ def test_without_accelerations_for_a_while_the_rate_about_z_is_used() -> None:
     forces = np.tile([0.0, G_MPS2, 0.0], (1000, 1))
     forces[500:] = np.nan
     gyro_dps = np.tile([1.0, 2.0, 3.0], (1000, 1))
-    session = Session("s", np.arange(1000) * 0.01, gyro_dps[:, 2], gyro_dps=gyro_dps, accel_mps2=forces)
+    session = Session("s", np.linspace(0.0, 10.0, 1000), gyro_dps[:, 2], gyro_dps=gyro_dps, accel_mps2=forces)
     assert vertical_rates_dps(session)[[100, 900]].tolist() == [2.0, 3.0]
