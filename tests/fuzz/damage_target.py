@@ -10,7 +10,7 @@ from struct import Struct
 import numpy as np
 
 from gyrodrift.errors import DataError
-from gyrodrift.sample import Sample
+from gyrodrift.sample import Inertial, Sample
 from gyrodrift.session.mcap.layout import CLOSED_TAIL, CLOSED_TAIL_BYTES, MAGIC
 from gyrodrift.session.mcap.read import read_mcap
 from gyrodrift.session.mcap.repair import repair
@@ -26,13 +26,15 @@ COLUMNS = ("t_device_s", "rate_dps", "t_host_s", "encoder_deg", "temp_c")
 
 
 @cache
-def recording() -> bytes:
+def recording(*, has_axes: bool = False) -> bytes:
     """Samples, raw bytes and events, with the end that a finished recording has."""
     stream, random = io.BytesIO(), Random(1)
-    writer = McapWriter(stream, {"device": {"device_id": "bench"}})
+    writer = McapWriter(stream, {"device": {"device_id": "bench"}}, has_axes=has_axes)
     for number in range(COUNT):
         t_s = number / 100
-        writer.add(Sample(number, t_s, 1.7e9 + t_s, random.gauss(0.0, 10.0), 0.1 * number, 25.0, float(number > 200)))
+        sample = Sample(number, t_s, 1.7e9 + t_s, random.gauss(0.0, 10.0), 0.1 * number, 25.0, float(number > 200))
+        axes = Inertial(0.5 * number, -1.0, sample.rate_dps, 0.01 * number, 0.0, 9.81)
+        writer.add(sample._replace(inertial=axes if has_axes else None))
         if number % FLUSHED == FLUSHED - 1:
             writer.add_read(random.randbytes(40), 1.7e9 + t_s)
             writer.add_event("gap", 1.7e9 + t_s, {"missing": 1})
@@ -41,9 +43,9 @@ def recording() -> bytes:
     return stream.getvalue()
 
 
-def changed_recording(changes: bytes) -> bytes:
+def changed_recording(changes: bytes, *, has_axes: bool = False) -> bytes:
     """The recording with some changes: bytes written over, flipped, taken out, put in, or copied from elsewhere."""
-    made = bytearray(recording())
+    made = bytearray(recording(has_axes=has_axes))
     for at in range(0, min(len(changes), MOST_CHANGES * CHANGE.size) - CHANGE.size + 1, CHANGE.size):
         kind, place, length, value = CHANGE.unpack_from(changes, at)
         place %= len(made) + 1
@@ -66,11 +68,17 @@ def changed_recording(changes: bytes) -> bytes:
 
 
 def check_damage(folder: Path, changes: bytes) -> None:
+    """Damage, read, read what is whole, repair, read again: with one axis and with three."""
+    for has_axes in (False, True):
+        check_damaged_file(folder, changes, has_axes=has_axes)
+
+
+def check_damaged_file(folder: Path, changes: bytes, *, has_axes: bool) -> None:
     """Damage, read, read what is whole, repair, read again."""
     path = folder / "d.mcap"
-    path.write_bytes(recording())
+    path.write_bytes(recording(has_axes=has_axes))
     whole = read_mcap(path)
-    content = changed_recording(changes)
+    content = changed_recording(changes, has_axes=has_axes)
     if not (content.startswith(MAGIC) and content[-CLOSED_TAIL_BYTES:].startswith(CLOSED_TAIL)):
         return  # as good as interrupted: its last records are not watched over yet
     path.write_bytes(content)
@@ -102,5 +110,6 @@ def are_original(session: Session, whole: Session) -> bool:
     assert numbers is not None
     if len(numbers) and ((np.diff(numbers) <= 0).any() or not 0 <= numbers[0] <= numbers[-1] < COUNT):
         return False
-    pairs = [(getattr(session, name), getattr(whole, name)) for name in COLUMNS]
+    names = COLUMNS if whole.gyro_dps is None else (*COLUMNS, "gyro_dps", "accel_mps2")
+    pairs = [(getattr(session, name), getattr(whole, name)) for name in names]
     return all(here is not None and np.array_equal(here, there[numbers]) for here, there in pairs)

@@ -50,10 +50,10 @@ class SentenceDecoder(ABC):
         return readings
 
     def _line(self, line: bytes, readings: list[Reading]) -> None:
-        text = line.strip()
-        if not text and not self._overlong:
+        text, is_overlong = line.strip(), self._overlong or len(line) > LONGEST_BYTES
+        if not text and not is_overlong:
             return
-        words = None if self._overlong or len(line) > LONGEST_BYTES else self.words(text)
+        words = None if is_overlong else self.words(text)
         if words is None:
             self.counters.damaged += 1
         elif self.is_known(words):
