@@ -23,6 +23,7 @@ from typing import Annotated, Any, Literal
 from annotated_types import Ge, Gt, Le, MaxLen
 
 from gyrodrift.sample import Inertial, Sample, upside_down
+from gyrodrift.vectors import Vector, numbers_of, solution
 
 OLD_DAYS = 365.0
 """Age from which a calibration is reported as old; it is still applied.
@@ -40,7 +41,6 @@ OffsetMps2 = Annotated[float, Ge(-20.0), Le(20.0)]
 Share = Annotated[float, Ge(-2.0), Le(2.0)]
 Row = tuple[Share, Share, Share]
 SpreadRow = tuple[Spread, Spread, Spread]
-Vector = tuple[float, float, float]
 
 AXES_SHAPES: dict[str, tuple[int, ...]] = {
     "accel_offset_mps2": (3,),
@@ -53,8 +53,6 @@ AXES_SHAPES: dict[str, tuple[int, ...]] = {
     "gyro_matrix_se": (3, 3),
 }
 """Shapes of the values of three axes; all are None in the calibration of one axis."""
-
-Numbers = tuple["float | Numbers", ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,7 +184,7 @@ class Calibration:
         """Measured rates about x, y and z for true rates, deg/s."""
         x_dps, y_dps, z_dps = rates_dps
         sensor_dps = (x_dps, self.sign * y_dps, self.sign * z_dps / self._scale_of(z_dps))
-        rest_dps = sensor_dps if self.gyro_matrix is None else _solution(self.gyro_matrix, sensor_dps)
+        rest_dps = sensor_dps if self.gyro_matrix is None else solution(self.gyro_matrix, sensor_dps)
         x_bias_dps, y_bias_dps = self.gyro_bias_xy_dps or (0.0, 0.0)
         return rest_dps[0] + x_bias_dps, rest_dps[1] + y_bias_dps, rest_dps[2] + self.bias_at_dps(temp_c)
 
@@ -263,47 +261,8 @@ def _value_of(name: str, text: str) -> Any:
     if name in ("date", "device_id"):
         return text
     if name in AXES_SHAPES:
-        return numbers_of(name, json.loads(text))
+        return numbers_of(json.loads(text), AXES_SHAPES[name], name)
     return int(text) if name in ("sign", "turns", "repeats") else float(text)
-
-
-def numbers_of(name: str, value: Any) -> Numbers:
-    """Value of three axes from nested lists of numbers.
-
-    Raises
-    ------
-    ValueError
-        The lists do not have the shape of the name, or have other content than numbers.
-    """
-    return _nested(value, AXES_SHAPES[name], f"{name}: expected {shape_text(AXES_SHAPES[name])}")
-
-
-def shape_text(shape: tuple[int, ...]) -> str:
-    """Words for a shape."""
-    return f"{shape[0]} numbers in brackets" if len(shape) == 1 else f"{shape[0]} rows of {shape[1]} numbers"
-
-
-def _nested(value: Any, shape: tuple[int, ...], error: str) -> Numbers:
-    if not isinstance(value, list | tuple) or len(value) != shape[0]:
-        raise ValueError(error)
-    if len(shape) > 1:
-        return tuple(_nested(row, shape[1:], error) for row in value)
-    if not all(isinstance(number, int | float) and not isinstance(number, bool) for number in value):
-        raise ValueError(error)
-    return tuple(map(float, value))
-
-
-def _solution(matrix: tuple[Row, Row, Row], right: Vector) -> Vector:
-    """Solution of a system of three linear equations, by the rule of Cramer."""
-    columns = tuple(zip(*matrix, strict=True))
-    whole = _determinant(columns)
-    x, y, z = (_determinant((*columns[:index], right, *columns[index + 1 :])) / whole for index in range(3))
-    return x, y, z
-
-
-def _determinant(columns: tuple[tuple[float, ...], ...]) -> float:
-    (a, b, c), (d, e, f), (g, h, i) = columns
-    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 
 
 def moment(date: str) -> datetime:

@@ -14,7 +14,8 @@ MODULES = sorted([*(ROOT / "gyrodrift").rglob("*.py"), *(ROOT / "firmware_sim").
 
 BASE = (
     "arrays calibration callable_package cluster compile errors files installation log log_stream logger mount nearest"
-    " noise parallel process_list progress public_yaml result_table sample secret system text_chart unwaiting waiting"
+    " noise parallel process_list progress public_yaml result_table sample secret system text_chart unwaiting"
+    " vectors waiting"
 )
 """Single files at the top of the package: they know each other and no room."""
 

@@ -190,6 +190,11 @@ class Guide:
         """Measurements for JSON."""
         return {"turns": [move._asdict() for move in self.turns]}
 
+    @staticmethod
+    def merged(new: Calibration, old: Calibration | None) -> Calibration:
+        """A result, with the values of a replaced calibration that were not measured."""
+        return new.keeping_axes(old)
+
     def _begin_rest(self) -> None:
         self.step = GuideStep.REST
         self._samples.clear()

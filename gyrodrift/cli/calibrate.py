@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import INTERRUPTED, configs, numbers, options
-from gyrodrift.cli.calibrated import check_config, merged, write_result
+from gyrodrift.cli.calibrated import check_config, write_result
 from gyrodrift.errors import CalibrationError, UsageError
 
 if TYPE_CHECKING:
@@ -135,7 +135,7 @@ def run(arguments: argparse.Namespace) -> int:
             screen.say("gyrodrift: interrupted; nothing is written")
             return INTERRUPTED
         measured = _result(guide, link)
-    write_result(arguments, merged(measured, old, has_positions=arguments.positions), guide)
+    write_result(arguments, guide.merged(measured, old), guide)
     return 0
 
 

@@ -41,13 +41,6 @@ def check_config(path: Path, *, force: bool) -> "Calibration | None":
     return old
 
 
-def merged(measured: "Calibration", old: "Calibration | None", *, has_positions: bool) -> "Calibration":
-    """The calibration with the values of the replaced one that it does not measure."""
-    from gyrodrift.calibrate.positions.result import over
-
-    return over(measured, old) if has_positions else measured.keeping_axes(old)
-
-
 def write_result(arguments: argparse.Namespace, calibration: "Calibration", guide: "Guide | PositionGuide") -> None:
     """Print the calibration, and write it into the config."""
     from gyrodrift.config.calibration import block_text, checked, with_block

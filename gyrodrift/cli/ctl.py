@@ -6,6 +6,7 @@
   rate HZ          at most HZ lines a second on stdout; 0 for every sample.
   record start     begin a recording in the folder of serve --record (default: sessions); record stop ends it.
   calibrate start  begin a calibration; then mark at each stop at the mark, undo, finish, cancel; state shows it.
+                   calibrate positions begins one on six sides, calibrate axis-turns also with turns about each axis.
   page             print the address of the live page with the token for its buttons.
   status           print the state of the service.
   reload           read the config again.

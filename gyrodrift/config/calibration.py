@@ -10,10 +10,11 @@ from typing import Any, get_type_hints
 import yaml
 from pydantic import ValidationError, create_model
 
-from gyrodrift.calibration import AXES_SHAPES, Calibration, moment, numbers_of, shape_text
+from gyrodrift.calibration import AXES_SHAPES, Calibration, moment
 from gyrodrift.config.explain import Strict, describe_value, expectation, unknown_key
 from gyrodrift.config.yaml import Key
 from gyrodrift.errors import UsageError
+from gyrodrift.vectors import numbers_of, shape_text
 
 CALIBRATION = "calibration"
 WIDTH = 34
@@ -69,7 +70,7 @@ def calibration_in(value: Any, report: Callable[[Key, str], None]) -> Calibratio
     model, shaped = _model(), dict(value)
     for name in AXES_SHAPES.keys() & value.keys():
         try:
-            shaped[name] = None if value[name] is None else numbers_of(name, value[name])
+            shaped[name] = None if value[name] is None else numbers_of(value[name], AXES_SHAPES[name], name)
         except ValueError:
             report((name,), f"is {describe_value(value[name])}; expected {shape_text(AXES_SHAPES[name])}")
             return None

@@ -56,7 +56,7 @@ class ServiceCommands:
             ControlCommand("rest 0|1|auto", self._rest),
             ControlCommand("rate HZ", self._rate),
             ControlCommand("record start|stop", self._record),
-            ControlCommand("calibrate start|mark|undo|finish|cancel|state", self._calibrate),
+            ControlCommand("calibrate start|positions|axis-turns|mark|undo|finish|cancel|state", self._calibrate),
             ControlCommand("page", self._page),
             ControlCommand("status", self._status),
             ControlCommand("reload", self._reload),
@@ -122,8 +122,8 @@ class ServiceCommands:
 
     def _calibrate(self, words: list[str]) -> Mapping[str, Any] | Later:
         match words:
-            case ["start"]:
-                return _refused(self.calibration.start())
+            case ["start" | "positions" | "axis-turns" as kind]:
+                return _refused(self.calibration.start(kind))
             case ["state"]:
                 return self.calibration.state()
             case ["mark" | "undo" | "finish" | "cancel" as word]:
@@ -131,7 +131,7 @@ class ServiceCommands:
                     return self.calibration.press(word)
                 except CalibrationError as error:
                     raise CommandError(str(error)) from error
-        raise CommandError("expected calibrate start, mark, undo, finish, cancel or state")
+        raise CommandError("expected calibrate start, positions, axis-turns, mark, undo, finish, cancel or state")
 
     def _page(self, words: list[str]) -> Later:
         _check_empty(words, "page")

@@ -18,10 +18,21 @@ from gyrodrift.service.filtering import Filtering
 
 if TYPE_CHECKING:  # brings numpy, which a service does not need before somebody calibrates
     from gyrodrift.calibrate.guide import Guide
+    from gyrodrift.calibrate.positions.guide import PositionGuide
 
-GUIDE = "gyrodrift.calibrate.guide"
+    AnyGuide = Guide | PositionGuide
+
+START, POSITIONS, AXIS_TURNS = "start", "positions", "axis-turns"
+"""Calibrations: turns about the vertical, six positions, and six positions with turns about each axis."""
+
+GUIDES = {
+    START: "gyrodrift.calibrate.guide",
+    POSITIONS: "gyrodrift.calibrate.positions.guide",
+    AXIS_TURNS: "gyrodrift.calibrate.positions.guide",
+}
 UNATTENDED_S = 300.0
-"""A calibration without a key for this long ends, s: its samples are kept in memory. A turn takes seconds. Chosen."""
+"""A calibration without a key or a new sentence for this long ends, s: its samples are kept in memory. A turn takes
+seconds. Chosen."""
 
 SILENT_S = 10.0
 """A link without samples for this long ends a calibration, as in `gyrodrift calibrate`, s."""
@@ -39,37 +50,48 @@ class GuidedCalibration:
     """
 
     filtering: Filtering
-    _guide: "Guide | None" = None
+    _guide: "AnyGuide | None" = None
     _says: deque[str] = field(default_factory=lambda: deque(maxlen=KEPT_SENTENCES))
     _clipped: int = 0
     _unattended_since_s: float | None = None
     _device_id: str = ""
 
-    def start(self) -> Callable[[], Answer | None]:
-        """Begin with the rest; the answer waits until the packages are loaded.
+    def start(self, kind: str = START) -> Callable[[], Answer | None]:
+        """Begin a calibration; the answer waits until the packages are loaded.
 
         Raises
         ------
         CalibrationError
             From the answer, if a calibration runs already.
         """
-        loading = Thread(target=import_module, args=(GUIDE,), daemon=True)
+        loading = Thread(target=import_module, args=(GUIDES[kind],), daemon=True)
         loading.start()
 
         def answer() -> Answer | None:
             if loading.is_alive():
                 return None
-            from gyrodrift.calibrate.guide import CalibrationPlan, Guide  # noqa: PLC0415 - loaded by the thread
-
             if self._guide is not None:
                 raise CalibrationError("a calibration runs already; finish or cancel it first")
             self._says.clear()
             self._unattended_since_s, self._device_id = None, ""
-            self._guide = Guide(CalibrationPlan(), self._says.append)
+            self._guide = self._guide_of(kind)
             self._guide.begin()
             return self.state()
 
         return answer
+
+    def _guide_of(self, kind: str) -> "AnyGuide":
+        if kind == START:
+            from gyrodrift.calibrate.guide import CalibrationPlan, Guide  # noqa: PLC0415 - loaded by the thread
+
+            return Guide(CalibrationPlan(), self._say)
+        from gyrodrift.calibrate.positions.guide import PositionGuide, PositionPlan  # noqa: PLC0415 - as above
+
+        return PositionGuide(PositionPlan(has_turns=kind == AXIS_TURNS), self._say)
+
+    def _say(self, sentence: str) -> None:
+        self._says.append(sentence)
+        self._unattended_since_s = None
 
     def press(self, word: str) -> Answer:
         """`mark` at a stop at the mark, `undo` the last turn, `finish` with the turns so far, `cancel` all.
@@ -134,17 +156,19 @@ class GuidedCalibration:
         self._guide = None
         self._says.append(sentence)
 
-    def _go_on(self, guide: "Guide", step: Callable[[], None]) -> None:
+    def _go_on(self, guide: "AnyGuide", step: Callable[[], None]) -> None:
         """Carry out a step; a mistake in it ends the calibration and not the service."""
         try:
             step()
             self._finish_when_done(guide)
+        except CalibrationError as error:
+            self._end(f"Nothing is written: {error}")
         except Exception as error:  # noqa: BLE001 - the filter and its outputs must go on
             reason = f"{type(error).__name__}: {error}"
             self.filtering.log.error("calibration_failed", reason=reason)  # noqa: TRY400 - the reason says it
             self._end(f"Nothing is written: {reason}")
 
-    def _finish_when_done(self, guide: "Guide") -> None:
+    def _finish_when_done(self, guide: "AnyGuide") -> None:
         from gyrodrift.calibrate.guide import GuideStep  # noqa: PLC0415 - loaded already
 
         if guide.step is not GuideStep.DONE:
@@ -156,7 +180,7 @@ class GuidedCalibration:
         except CalibrationError as error:
             self._end(f"Nothing is written: {error}")
             return
-        calibration = result.keeping_axes(self.filtering.calibrating.given)
+        calibration = guide.merged(result, self.filtering.calibrating.given)
         hint = "start serve with --config FILE to keep it"
         if watch is not None:
             try:

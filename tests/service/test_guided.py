@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 import structlog
 from calibrate_support import GAIN_CCW, GAIN_CW, Table, to_and_fro, turn_s
+from laid_board import SCALE, SIX_SIDES, WITH_TURNS, laid_board
 from support import PATIENCE_S, Command, near, speaking_on
 
 from gyrodrift.calibrate.guide import Guide
@@ -86,7 +87,7 @@ def test_without_a_config_nothing_is_written_and_a_cancelled_one_ends(tmp_path: 
         assert serve.stop() == 0
 
 
-def begun(config: Path | None = None) -> GuidedCalibration:
+def begun(config: Path | None = None, kind: str = "start") -> GuidedCalibration:
     """A calibration that has begun, beside a link that speaks."""
     device = DeviceDescription()
     link = SimpleNamespace(decoder=None, device=device, name="gyro", silent_s=lambda: 0.0)
@@ -95,7 +96,7 @@ def begun(config: Path | None = None) -> GuidedCalibration:
     filtering: Any = SimpleNamespace(link=link, log=log, watch=watch, state=SimpleNamespace(bias_dps=0.0))
     filtering.calibrating = Calibrating(filtering.link, log, lambda *_: None)
     calibration = GuidedCalibration(filtering)
-    waited_for(calibration.start())
+    waited_for(calibration.start(kind))
     return calibration
 
 
@@ -193,3 +194,33 @@ def test_a_calibration_of_the_service_keeps_the_accelerometer_of_its_device(monk
     calibration.press("finish")
     applied = calibration.filtering.calibrating.given
     assert applied == Calibration("2026-05-01", scale_ccw=0.98, accel_scale=(1.01, 0.99, 1.0))
+
+
+@pytest.mark.parametrize(("kind", "legs"), [("positions", SIX_SIDES), ("axis-turns", WITH_TURNS)])
+def test_six_sides_are_measured_while_the_service_runs(
+    kind: str, legs: tuple[str | float, ...], tmp_path: Path
+) -> None:
+    """No mark is needed, values of one axis stay, and each measurement gives the user time again."""
+    config = tmp_path / "my.yaml"
+    config.write_text("filter: restlevel\n")
+    calibration = begun(config, kind)
+    calibration.filtering.calibrating.given = Calibration("2026-01-01", bias_dps_per_c=0.01)
+    samples = laid_board(legs).through_sensor().samples()
+    for now_s, start in enumerate(range(0, len(samples), 50)):
+        calibration.take(samples[start : start + 50])
+        calibration.tick(10.0 * now_s)
+    assert calibration.state()["step"] == "idle"
+    assert calibration.state()["says"][-1] == f"Written to {config}; it is applied at once."
+    written = load_config(config).calibration
+    assert written is not None
+    assert written.accel_scale == pytest.approx(SCALE, abs=0.002)
+    assert (written.gyro_matrix is not None) == (kind == "axis-turns")
+    assert written.bias_dps_per_c == 0.01
+
+
+def test_a_service_on_one_axis_has_no_six_sides() -> None:
+    """The reason ends the calibration."""
+    calibration = begun(kind="positions")
+    calibration.take([Sample(i, i / 100, i / 100, 0.0) for i in range(100)])
+    says = calibration.state()["says"]
+    assert says[-1].startswith("Nothing is written: the device does not send three rates and three accelerations")

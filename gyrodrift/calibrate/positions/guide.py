@@ -16,7 +16,7 @@ from gyrodrift.calibrate.positions.matrix import AxisTurn, check_axes
 from gyrodrift.calibrate.positions.measurements import Measurements
 from gyrodrift.calibrate.positions.motion import AxesMove, move_between
 from gyrodrift.calibrate.positions.rests import Laid, RestFinder
-from gyrodrift.calibrate.positions.result import MeasuredTurn
+from gyrodrift.calibrate.positions.result import MeasuredTurn, over
 from gyrodrift.calibrate.positions.sides import AXES, TILT_MAX_DEG, SideUp, side_up
 from gyrodrift.calibrate.scale import Turns, check_turns
 from gyrodrift.calibration import Calibration
@@ -107,6 +107,11 @@ class PositionGuide:
     def measured(self) -> dict[str, Any]:
         """Measurements for JSON, after `result`."""
         return self._so_far.positions().measured()
+
+    @staticmethod
+    def merged(new: Calibration, old: Calibration | None) -> Calibration:
+        """A result, with the values of a replaced calibration that were not measured."""
+        return over(new, old)
 
     def _lay(self, laid: Laid) -> None:
         """Handle a rest: a side, a turn, or neither."""
