@@ -18,7 +18,7 @@ YAW_RATE_ABROAD = (
 BRACKETED = re.compile(r"\([^)]{0,256}+\)|\[[^\]]{0,256}+\]")
 """Units and remarks in brackets after a name."""
 
-NO_QUANTITY = re.compile(r"^(scaled|raw|got|calibrated|imu|mpu|icm|lsm|bmi|sensor)+")
+NO_QUANTITY = re.compile(r"^(scaled|raw|got|calibrated|imu|mpu|icm|lsm|bmi|sensor|msg)+")
 """Words and chip names before a quantity."""
 
 SCALED = re.compile(r"[*×]|/\s*\d{2}|^\d{2,}\s")
@@ -41,9 +41,9 @@ KINDS = {
     "gy": rf"({GYRO}|{GYRO_ABROAD})y|({GYRO_WORDS})pitch|pitchrate|ygyro(rate)?|nickrate",
     "temp": r"t(e)?mp(erature)?(c|degc)?|tempc",
     "encoder": r"enc(oder)?(deg)?|ref(erence)?(angle)?(deg)?",
-    "ax": r"xacc(el|eleration)?|(a|ac|acc|accelero|accel|acceleration|accelerometer|linacc)x",
-    "ay": r"yacc(el|eleration)?|(a|ac|acc|accelero|accel|acceleration|accelerometer|linacc)y",
-    "az": r"zacc(el|eleration)?|(a|ac|acc|accelero|accel|acceleration|accelerometer|linacc)z",
+    "ax": r"xacc(el|eleration)?|(a|ac|acc|accelero|accel|acceleration|accelerometer|linacc|linearacceleration)x",
+    "ay": r"yacc(el|eleration)?|(a|ac|acc|accelero|accel|acceleration|accelerometer|linacc|linearacceleration)y",
+    "az": r"zacc(el|eleration)?|(a|ac|acc|accelero|accel|acceleration|accelerometer|linacc|linearacceleration)z",
     "mx": r"(m|mag|magnetic|magnetometer)x",
     "my": r"(m|mag|magnetic|magnetometer)y",
     "mz": r"(m|mag|magnetic|magnetometer)z",

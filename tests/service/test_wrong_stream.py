@@ -158,3 +158,17 @@ def test_a_device_that_sends_an_angle_is_differentiated(port: Path) -> None:
     assert "rate_from_angle" in serve.log
     assert lines[-1]["t_s"] - lines[0]["t_s"] == pytest.approx(9.96)
     assert sum(line["rate_dps"] for line in lines) * 0.02 == pytest.approx(165.0)
+
+
+def test_accelerations_in_g_are_warned_of_once_with_the_setting(port: Path) -> None:
+    """Yaw goes on."""
+    lines = [f"{10 * i},0.1,0.2,{0.3 + 0.1 * (i % 3):.1f},0.01,0.02,{0.99 + 0.01 * (i % 2):.2f}\n" for i in range(400)]
+    columns = "t_ms, gx:dps, gy:dps, gz:dps, ax, ay, az"
+    with speaking_on(port) as device, Command("serve", "--port", port, "--columns", columns) as serve:
+        device.wait_for_reader(never)
+        device.send_all("".join(lines).encode(), never)
+        serve.take_lines(390)
+        serve.until_log("accel_unit_differs")
+        assert serve.stop() == 0
+    assert serve.log.count("accel_unit_differs") == 1
+    assert "in --columns, write ax:g, ay:g, az:g" in serve.log

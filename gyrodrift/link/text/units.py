@@ -33,6 +33,9 @@ FORCE_UNITS = {
 }
 """Length of gravity by unit; counts of 16 bits at ±2 to ±16 g (MPU-6050, register map 4.17)."""
 
+IMU_RATE, IMU_FORCE = re.compile(r"(?:^|\.)angular_velocity\.z$"), re.compile(r"(?:^|\.)linear_acceleration\.z$")
+"""Labels in a sensor_msgs/Imu as JSON; its rates are in rad/s (common_interfaces of ROS)."""
+
 SAMPLES_MIN = 20
 GRAVITY_WITHIN = 0.1
 ALWAYS = (0.1, 0.5, 0.9)
@@ -71,6 +74,8 @@ def rate_unit(column: SeenColumn, columns: Sequence[SeenColumn]) -> tuple[str, s
         return unit.option, f", in {unit.option} as labeled"
     if unit is not None:
         return "", ""
+    if IMU_RATE.search(column.label) and any(IMU_FORCE.search(other_column.label) for other_column in columns):
+        return "rads", ", in rad/s as a sensor_msgs/Imu of ROS"
     if _is_gravity(columns, ("gx", "gy", "rate"), (1.0, STANDARD_GRAVITY_MPS2), ALWAYS):
         return "", ", but the three columns have the length of gravity"
     odds = _radian_odds(column) * (SI_ODDS if _is_gravity_si(columns) else 1.0)

@@ -234,3 +234,17 @@ def test_a_turn_of_one_radian_per_second_is_no_gravity() -> None:
     assert found is not None
     forces = "AccelX=ax:mps2, AccelY=ay:mps2, AccelZ=az:mps2"
     assert found.spec == f"{forces}, GyroX=gx:rads, GyroY=gy:rads, GyroZ=rate:rads"
+
+
+def test_an_imu_message_of_ros_as_json_gives_all_axes() -> None:
+    """As rosbridge publishes it: rates are in rad/s, and gravity shows m/s²."""
+    force, rate = '"linear_acceleration":{"x":0.1,"y":-0.2,"z":%.3f}', '"angular_velocity":{"x":0.01,"y":0.02,"z":%.4f}'
+    covariance = '"angular_velocity_covariance":[0,0,0,0,0,0,0,0,0]'
+    head = '{"op":"publish","topic":"/imu","msg":{"orientation":{"x":0,"y":0,"z":0,"w":1}'
+    line = f"{head},{rate},{covariance},{force}}}}}"
+    guessed = guess([line % (0.5 + n(0.01), 9.8 + n(0.02)) for _ in range(100)], 100.0)
+    assert guessed is not None
+    assert guessed.spec == ", ".join(
+        [f"msg.angular_velocity.{axis}={kind}:rads" for axis, kind in zip("xyz", ("gx", "gy", "rate"), strict=True)]
+        + [f"msg.linear_acceleration.{axis}=a{axis}:mps2" for axis in "xyz"]
+    )
