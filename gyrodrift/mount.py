@@ -6,7 +6,7 @@ side down, pitch with the nose down.
 """
 
 from dataclasses import dataclass
-from math import asin, atan2, cos, degrees, hypot, radians, sin
+from math import asin, atan2, cos, degrees, hypot, radians, sin, sqrt
 from typing import Literal, get_args
 
 Quaternion = tuple[float, float, float, float]
@@ -41,6 +41,46 @@ class Mount:
         forward, up = vector_of(self.forward), vector_of(self.up)
         return forward, _cross(up, forward), up
 
+    @property
+    def quaternion(self) -> Quaternion:
+        """Rotation from the device to the sensor frame, by Shepperd's method: of four forms the longest is exact."""
+        (a, d, g), (b, e, h), (c, f, i) = self.axes
+        candidates = (
+            (1.0 + a + e + i, h - f, c - g, d - b),
+            (h - f, 1.0 + a - e - i, b + d, c + g),
+            (c - g, b + d, 1.0 - a + e - i, f + h),
+            (d - b, c + g, f + h, 1.0 - a - e + i),
+        )
+        w, x, y, z = max(candidates, key=lambda parts: sum(part * part for part in parts))
+        size = sqrt(w * w + x * x + y * y + z * z)
+        return w / size, x / size, y / size, z / size
+
+    def to_device(self, of_sensor: Vector) -> Vector:
+        """Vector of the sensor frame in the device frame."""
+        x, y, z = (a * of_sensor[0] + b * of_sensor[1] + c * of_sensor[2] for a, b, c in self.axes)
+        return x, y, z
+
+    def to_sensor(self, of_device: Vector) -> Vector:
+        """Vector of the device frame in the sensor frame."""
+        forward, left, up = of_device
+        x, y, z = (a * forward + b * left + c * up for a, b, c in zip(*self.axes, strict=True))
+        return x, y, z
+
+    def sensor_attitude(self, q: Quaternion) -> Quaternion:
+        """Attitude of the sensor from that of the device; a level device of heading 0 has a sensor of heading 0."""
+        w, x, y, z = self.quaternion
+        return with_heading(product(q, (w, -x, -y, -z)), self._twist_deg)
+
+    def device_attitude(self, q: Quaternion) -> Quaternion:
+        """Attitude of the device from that of the sensor, the reverse of `sensor_attitude`."""
+        return product(with_heading(q, -self._twist_deg), self.quaternion)
+
+    @property
+    def _twist_deg(self) -> float:
+        """Twist of the rotation from the device to the sensor frame, deg."""
+        w, _, _, z = self.quaternion
+        return degrees(2.0 * atan2(z, w))
+
     def tilt_deg(self, q: Quaternion) -> float:
         """Angle between the up axis and the vertical, 0 to 180 deg."""
         x, y, z = _rotated(q, vector_of(self.up))
@@ -67,6 +107,18 @@ def with_heading(q: Quaternion, turn_deg: float) -> Quaternion:
     c, s = cos(half), sin(half)
     w, x, y, z = q
     return c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w
+
+
+def product(p: Quaternion, q: Quaternion) -> Quaternion:
+    """Hamilton product: the rotation q, then p."""
+    a, b, c, d = p
+    w, x, y, z = q
+    return (
+        a * w - b * x - c * y - d * z,
+        a * x + b * w + c * z - d * y,
+        a * y - b * z + c * w + d * x,
+        a * z + b * y - c * x + d * w,
+    )
 
 
 def _rotated(q: Quaternion, v: Vector) -> Vector:

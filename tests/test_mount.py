@@ -49,3 +49,20 @@ def test_a_turn_about_the_vertical_changes_neither_tilt_nor_roll_nor_pitch() -> 
 def test_up_and_forward_along_the_same_axis_are_refused() -> None:
     with pytest.raises(ValueError, match="expected two different axes"):
         Mount("+z", "-z")
+
+
+@pytest.mark.parametrize(("up", "forward"), MOUNTS)
+def test_attitudes_of_sensor_and_device_follow_from_each_other(up: Axis, forward: Axis) -> None:
+    mount = Mount(up, forward)
+    device = quaternion(Rotation.from_euler("ZYX", [70.0, -25.0, 40.0], degrees=True))
+    sensor = mount.sensor_attitude(device)
+    assert mount.device_attitude(sensor) == pytest.approx(device)
+    assert mount.roll_pitch_deg(sensor) == pytest.approx((40.0, -25.0))
+    assert mount.to_sensor(mount.to_device((1.0, 2.0, 3.0))) == pytest.approx((1.0, 2.0, 3.0))
+    assert mount.to_device(vector_of(up)) == pytest.approx((0.0, 0.0, 1.0))
+
+
+@pytest.mark.parametrize("forward", ["+x", "-x", "+y", "-y"])
+def test_a_sensor_that_lies_flat_has_the_heading_of_its_device(forward: Axis) -> None:
+    w, _, _, z = Mount("+z", forward).sensor_attitude(quaternion(Rotation.from_euler("z", 70.0, degrees=True)))
+    assert np.rad2deg(2.0 * np.arctan2(z, w)) % 360.0 == pytest.approx(70.0)

@@ -19,10 +19,10 @@ from gyrodrift.cli import configs, inputs, options
 from gyrodrift.cli.written import samples_text, tell_written
 from gyrodrift.errors import DataError, GyrodriftError, visible
 from gyrodrift.filters.registry import FILTERS
+from gyrodrift.sample import Attitude
 
 if TYPE_CHECKING:
     from gyrodrift.filters.run import FilterRun
-    from gyrodrift.mount import Mount
     from gyrodrift.progress import OnProgress
     from gyrodrift.sample import Inertial
     from gyrodrift.session.session import Session
@@ -31,9 +31,8 @@ if TYPE_CHECKING:
     FilterSample = tuple[float, float, Inertial | None, float, float]
 
 COMMON_COLUMNS = ("bias_dps", "bias_sigma_dps", "rest_probability", "confidence", "yaw_deg", "yaw_sigma_deg")
-ATTITUDE_COLUMNS = ("q_w", "q_x", "q_y", "q_z", "tilt_deg", "roll_deg", "pitch_deg", "tilt_sigma_deg")
-BIAS_COLUMNS = ("bias_x_dps", "bias_y_dps", "bias_z_dps")
-THREE_AXIS_COLUMNS = (*COMMON_COLUMNS, *ATTITUDE_COLUMNS, *BIAS_COLUMNS)
+ATTITUDE_COLUMNS = Attitude._fields
+THREE_AXIS_COLUMNS = (*COMMON_COLUMNS, *ATTITUDE_COLUMNS)
 
 EXAMPLES = """\
 gyrodrift filter session.mcap --out yaw.csv
@@ -86,7 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
         run.state = begun or run.state
         samples_before = run.state.samples
         try:
-            _write(arguments.out, session, run, config.mount, progress.report)
+            _write(arguments.out, session, run, progress.report)
         except (ArithmeticError, ValueError, IndexError) as error:
             if begun is None or isinstance(error, GyrodriftError):
                 raise
@@ -99,7 +98,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _write(out: Path | None, session: "Session", run: "FilterRun", mount: "Mount", progress: "OnProgress") -> None:
+def _write(out: Path | None, session: "Session", run: "FilterRun", progress: "OnProgress") -> None:
     from gyrodrift.files import write_whole
     from gyrodrift.progress import counted
     from gyrodrift.session.tables.write import write_rows, written_ending
@@ -108,7 +107,7 @@ def _write(out: Path | None, session: "Session", run: "FilterRun", mount: "Mount
     has_axes = any(run.has_axes(sample[2]) for sample in samples)
     columns = THREE_AXIS_COLUMNS if has_axes else run.filter.columns
     names = ["t_device_s", "rate_dps", *columns]
-    rows = rows_of(session.name, samples, run, _columns(run, mount) if has_axes else attrgetter(*columns))
+    rows = rows_of(session.name, samples, run, _columns(run) if has_axes else attrgetter(*columns))
     counted_rows = counted("samples", rows, len(session.t_device_s), progress, lambda _: 1)
     if out is None:
         sys.stdout.writelines(csv_lines(names, counted_rows))
@@ -156,18 +155,11 @@ def rows_of(
         )
 
 
-def _columns(run: "FilterRun", mount: "Mount") -> "Callable[[Any], tuple[float, ...]]":
+def _columns(run: "FilterRun") -> "Callable[[Any], tuple[float, ...]]":
     """Function from the state to `THREE_AXIS_COLUMNS`; without attitude before the first acceleration."""
-    common = attrgetter(*COMMON_COLUMNS)
-
-    def columns(state: Any) -> tuple[float, ...]:
-        if run.three_axes is None:
-            return (*common(state), *[nan] * (len(THREE_AXIS_COLUMNS) - len(COMMON_COLUMNS)))
-        q = state.q
-        attitude = (*q, mount.tilt_deg(q), *mount.roll_pitch_deg(q), state.tilt_sigma_deg)
-        return (*common(state), *attitude, *state.bias_xyz_dps)
-
-    return columns
+    common, attitude = attrgetter(*COMMON_COLUMNS), attrgetter(*ATTITUDE_COLUMNS)
+    missing = [nan] * len(ATTITUDE_COLUMNS)
+    return lambda state: (*common(state), *(missing if run.three_axes is None else attitude(run.attitude())))
 
 
 def _samples(session: "Session") -> "Iterator[FilterSample]":

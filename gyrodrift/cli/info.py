@@ -121,7 +121,7 @@ class _Description(NamedTuple):
         from gyrodrift.session.calibrated import with_config
 
         session = with_config(self.possible, config.calibration)
-        return yaw_history_of(session, FilterRun(config.chosen, config.params, config.axes))
+        return yaw_history_of(session, FilterRun(config.chosen, config.params, config.axes, config.mount))
 
 
 def _descriptions(

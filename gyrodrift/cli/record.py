@@ -69,7 +69,9 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.service.signals import StopSignal
 
     config = configs.chosen_config(arguments)
-    yaw = LiveYaw(FilterRun(config.chosen, config.params, arguments.axes or config.axes), config.calibration)
+    yaw = LiveYaw(
+        FilterRun(config.chosen, config.params, arguments.axes or config.axes, config.mount), config.calibration
+    )
     stderr = cast("TextIO", unwaiting_stderr(arguments.log_format))
     is_shown = sys.stderr.isatty() and not arguments.quiet
     log_to = AboveLine(stderr) if is_shown else None

@@ -9,7 +9,8 @@ from math import isfinite, nan
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from gyrodrift.filters.filter import Filter
-from gyrodrift.sample import Inertial
+from gyrodrift.mount import LEVEL, Mount, with_heading
+from gyrodrift.sample import Attitude, Inertial
 
 if TYPE_CHECKING:
     from gyrodrift.filters.three_axes import ThreeAxisFilter
@@ -30,6 +31,9 @@ class FilterRun:
         Parameters on three axes; those of one axis unless `use` gives others.
     axes
         `auto` needs accelerations; `3` also takes three rates without them.
+    mount
+        Axes of the sensor on the device. On three axes the filter runs in the frame of the device, so that yaw is the
+        heading of the device, whatever side of the board is up.
     state
         State after the last sample; that of three axes has the attributes of `three_axes.ThreeAxisState` too.
     three_axes
@@ -39,6 +43,7 @@ class FilterRun:
     filter: Filter
     params: Any
     axes: Axes = "auto"
+    mount: Mount = LEVEL
     state: Any = field(init=False)
     three_axes: "ThreeAxisFilter | None" = field(init=False, default=None)
     axes_params: Any = field(init=False)
@@ -58,6 +63,8 @@ class FilterRun:
                 return bool(self._step(self._coefficients, self.state, t_s, rate_dps, still, temp_c))
             self._go_over()
         given = Inertial(0.0, 0.0, rate_dps) if inertial is None else inertial
+        if self.mount != LEVEL and inertial is not None:
+            given = Inertial(*self.mount.to_device(given[:3]), *self.mount.to_device(given[3:]))
         return self.three_axes.step(self._coefficients, self.state, t_s, given, still, temp_c)  # type: ignore[union-attr]
 
     def use(self, params: Any, axes_params: Any = None) -> None:
@@ -67,6 +74,15 @@ class FilterRun:
             self._coefficients = self.filter.coefficients(self.params)
         else:
             self._coefficients = self.three_axes.coefficients(self.axes_params)
+
+    def attitude(self, turn_deg: float = 0.0) -> Attitude:
+        """Attitude on three axes, after a further turn about the vertical."""
+        state, mount = self.state, self.mount
+        q, biases_dps = with_heading(state.q, turn_deg), state.bias_xyz_dps
+        if mount != LEVEL:
+            q, biases_dps = mount.sensor_attitude(q), mount.to_sensor(biases_dps)
+        roll_deg, pitch_deg = mount.roll_pitch_deg(q)
+        return Attitude(*q, mount.tilt_deg(q), roll_deg, pitch_deg, state.tilt_sigma_deg, *biases_dps)
 
     def zero(self) -> None:
         """Set the yaw sigma to 0 at the last sample."""

@@ -48,9 +48,9 @@ class AttitudeEstimate(NamedTuple):
     q_y: float
     q_z: float
     tilt_deg: float
-    tilt_sigma_deg: float
     roll_deg: float
     pitch_deg: float
+    tilt_sigma_deg: float
     bias_x_dps: float
     bias_y_dps: float
     bias_z_dps: float
@@ -113,7 +113,7 @@ class AttitudeFilter:
 
     def reset(self) -> None:
         """Reset the state: yaw is 0 at the next sample, and the biases are unknown."""
-        self._run = FilterRun(RESTLEVEL, self.params, "3")
+        self._run = FilterRun(RESTLEVEL, self.params, "3", self.mount)
 
     def update_at(
         self, gyro_dps: "Sequence[float]", accel_mps2: "Sequence[float]" = MISSING, *, t_s: float
@@ -125,10 +125,9 @@ class AttitudeFilter:
         gx, gy, gz = map(float, gyro_dps)
         ax, ay, az = map(float, accel_mps2)
         is_accepted = self._run.step(float(t_s), gz, Inertial(gx, gy, gz, ax, ay, az))
-        s = self._run.state
-        tilt = (self.mount.tilt_deg(s.q), s.tilt_sigma_deg, *self.mount.roll_pitch_deg(s.q))
+        s, attitude = self._run.state, self._run.attitude()
         certainty = (s.rest_probability, s.confidence, is_accepted)
-        return AttitudeEstimate._make((s.yaw_deg, s.yaw_sigma_deg, *s.q, *tilt, *s.bias_xyz_dps, *certainty))
+        return AttitudeEstimate._make((s.yaw_deg, s.yaw_sigma_deg, *attitude, *certainty))
 
     def update_batch(self, gyro_dps: "ArrayLike", accel_mps2: "ArrayLike", t_s: "ArrayLike") -> AttitudeEstimates:
         """Take many samples, as `update_at` would one by one.

@@ -19,34 +19,14 @@ vertical, and the heading is that of the attitude itself."""
 
 @dataclass(frozen=True, slots=True)
 class DeviceFrame:
-    """Axes of the device as unit vectors in the sensor frame."""
+    """Axes of the device in the sensor frame."""
 
-    x: Vector
-    y: Vector
-    z: Vector
+    mount: Mount = LEVEL
 
     @classmethod
     def of(cls, mount: Mapping[str, Any] | None) -> "DeviceFrame":
         """Frame of a mount: the axes of the sensor, such as `+z`, that point `up` and `forward`."""
-        return UNTURNED if mount is None else cls(*Mount(**mount).axes)
-
-    def vector(self, of_sensor: Vector) -> Vector:
-        """Vector of the sensor frame in the device frame."""
-        return _dot(self.x, of_sensor), _dot(self.y, of_sensor), _dot(self.z, of_sensor)
-
-    @property
-    def quaternion(self) -> Quaternion:
-        """Rotation from the device to the sensor frame, by Shepperd's method: of four forms the longest is exact."""
-        (a, d, g), (b, e, h), (c, f, i) = self.x, self.y, self.z
-        candidates = (
-            (1.0 + a + e + i, h - f, c - g, d - b),
-            (h - f, 1.0 + a - e - i, b + d, c + g),
-            (c - g, b + d, 1.0 - a + e - i, f + h),
-            (d - b, c + g, f + h, 1.0 - a - e + i),
-        )
-        w, x, y, z = max(candidates, key=lambda parts: sum(part * part for part in parts))
-        size = sqrt(w * w + x * x + y * y + z * z)
-        return w / size, x / size, y / size, z / size
+        return UNTURNED if mount is None else cls(Mount(**mount))
 
     def attitude(self, attitude: Attitude, yaw_deg: float, heading_deg: float) -> Quaternion:
         """Rotation from the device to the earth frame with z up, of the two signs that with w ≥ 0.
@@ -61,17 +41,17 @@ class DeviceFrame:
         roll, pitch = radians(attitude.roll_deg), radians(attitude.pitch_deg)
         up_z = cos(pitch) * cos(roll)
         if up_z < UPSIDE_DOWN:
-            return _positive(with_heading(product(attitude[:4], self.quaternion), heading_deg - yaw_deg))
+            return _positive(with_heading(self.mount.device_attitude(attitude[:4]), heading_deg - yaw_deg))
         w = sqrt(0.5 * (1.0 + up_z))
         swing = w, 0.5 * cos(pitch) * sin(roll) / w, 0.5 * sin(pitch) / w, 0.0
         return _positive(with_heading(swing, heading_deg))
 
     def rates_dps(self, inertial: Inertial, attitude: Attitude) -> Vector:
         """Rates about the axes of the device without the estimated drift, deg/s."""
-        return self.vector(corrected_rates_dps(inertial, attitude))
+        return self.mount.to_device(corrected_rates_dps(inertial, attitude))
 
 
-UNTURNED = DeviceFrame(*LEVEL.axes)
+UNTURNED = DeviceFrame()
 """The sensor's own axes."""
 
 
@@ -81,18 +61,6 @@ def corrected_rates_dps(inertial: Inertial, attitude: Attitude) -> Vector:
         inertial.gyro_x_dps - attitude.bias_x_dps,
         inertial.gyro_y_dps - attitude.bias_y_dps,
         inertial.gyro_z_dps - attitude.bias_z_dps,
-    )
-
-
-def product(p: Quaternion, q: Quaternion) -> Quaternion:
-    """Hamilton product: the rotation q, then p."""
-    a, b, c, d = p
-    w, x, y, z = q
-    return (
-        a * w - b * x - c * y - d * z,
-        a * x + b * w + c * z - d * y,
-        a * y - b * z + c * w + d * x,
-        a * z + b * y - c * x + d * w,
     )
 
 
@@ -113,7 +81,3 @@ def angles_rad(q: Quaternion) -> Vector:
 def _positive(q: Quaternion) -> Quaternion:
     w, x, y, z = q
     return q if w >= 0.0 else (-w, -x, -y, -z)
-
-
-def _dot(a: Vector, b: Vector) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 from math import nan
 
 from gyrodrift.filters.run import FilterRun
-from gyrodrift.mount import LEVEL, Mount, with_heading
 from gyrodrift.sample import Attitude, Corrected, Sample
 from gyrodrift.service.reference import EncoderReference, YawReference
 
@@ -15,8 +14,6 @@ class Correcting:
 
     run
         The running filter.
-    mount
-        Axes of the device in the sensor, for roll and pitch.
     raw_yaw_deg
         Integral of the measured rate, deg.
     last
@@ -24,7 +21,6 @@ class Correcting:
     """
 
     run: FilterRun
-    mount: Mount = LEVEL
     reference: YawReference = field(default_factory=YawReference)
     encoder: EncoderReference = field(default_factory=EncoderReference)
     raw_yaw_deg: float = 0.0
@@ -78,7 +74,4 @@ class Correcting:
 
     def attitude(self) -> Attitude:
         """Attitude on three axes, with the heading of the output: 0 where yaw is 0."""
-        state = self.run.state
-        q = with_heading(state.q, -self.reference.zero_deg)
-        tilt_deg, (roll_deg, pitch_deg) = self.mount.tilt_deg(q), self.mount.roll_pitch_deg(q)
-        return Attitude(*q, tilt_deg, roll_deg, pitch_deg, state.tilt_sigma_deg, *state.bias_xyz_dps)
+        return self.run.attitude(-self.reference.zero_deg)

@@ -195,9 +195,12 @@ class Filtering:
         return corrected
 
     def _follow_axes(self, config: "Config") -> None:
-        """Apply the axes and the mount of a config; `--axes` takes precedence."""
-        self.run.axes = self.axes or config.axes
-        self.correcting.mount = config.mount
+        """Apply the axes and the mount of a config; `--axes` takes precedence. A filter of three axes starts again."""
+        axes = self.axes or config.axes
+        is_same = (axes, config.mount) == (self.run.axes, self.run.mount)
+        self.run.axes, self.run.mount = axes, config.mount
+        if self.run.three_axes is not None and not is_same:
+            self._begin_again(self.filter)
 
     def _forget(self, sink: Sink) -> None:
         """Continue without a sink whose reader is closed, unless no other sink is wanted."""
@@ -292,7 +295,7 @@ class Filtering:
     def _begin_again(self, chosen: Filter) -> None:
         """Start another filter at the present yaw; the bias estimate of the old filter is dropped."""
         old, self._refuted = self.state, 0
-        self.correcting.run = FilterRun(chosen, chosen.params(), self.run.axes)
+        self.correcting.run = FilterRun(chosen, chosen.params(), self.run.axes, self.run.mount)
         self.state.yaw_deg, self.state.rejected = old.yaw_deg, old.rejected
 
     def _compare_rate(self, config: "Config") -> None:

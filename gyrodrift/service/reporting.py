@@ -103,7 +103,7 @@ def _tilt_status(filtering: Filtering) -> dict[str, float | None]:
 def _config_status(filtering: Filtering) -> ConfigStatus:
     file = None if filtering.watch is None else well_formed(str(filtering.watch.path))
     counts = (filtering.applied, filtering.refused, filtering.applied_s)
-    mount = None if filtering.run.three_axes is None else asdict(filtering.correcting.mount)
+    mount = None if filtering.run.three_axes is None else asdict(filtering.run.mount)
     return ConfigStatus(file, filtering.filter.name, asdict(filtering.params), *counts, mount=mount)
 
 

@@ -5,7 +5,9 @@ from math import nan
 import numpy as np
 import pytest
 from hand_motion import BIAS_DPS, HandMotion, hand_motion
+from scipy.spatial.transform import Rotation
 
+from gyrodrift.arrays import Floats
 from gyrodrift.filters.hdr_filter import HDR
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
@@ -111,3 +113,32 @@ def test_a_calibrated_scale_of_one_axis_is_not_that_of_three() -> None:
     all_axes(matrix, motion)
     assert matrix.state.yaw_sigma_deg < plain.state.yaw_sigma_deg
     assert one_axis.state.yaw_sigma_deg == plain.state.yaw_sigma_deg
+
+
+def test_a_board_on_its_side_has_the_heading_of_its_device() -> None:
+    """Its x axis points up, and the device pitches: the twist of the board itself would follow the pitch."""
+    motion = hand_motion(40.0, tilt_deg=15.0, yaw_deg=15.0, bias_dps=BIAS_DPS)
+    mount = Mount("+x", "+y")
+    turned = HandMotion(
+        motion.t_s, rows_to_sensor(mount, motion.gyro_dps), rows_to_sensor(mount, motion.accel_mps2), motion.heading_deg
+    )
+    flat = FilterRun(RESTLEVEL, RESTLEVEL.params())
+    sideways = FilterRun(RESTLEVEL, RESTLEVEL.params(), mount=mount)
+    yaw_deg = all_axes(flat, motion)
+    assert all_axes(sideways, turned) == pytest.approx(yaw_deg, abs=1e-6)
+    ours, theirs = flat.attitude(), sideways.attitude()
+    assert (theirs.roll_deg, theirs.pitch_deg, theirs.tilt_deg) == pytest.approx(
+        (ours.roll_deg, ours.pitch_deg, ours.tilt_deg), abs=1e-6
+    )
+    biases_dps = (theirs.bias_x_dps, theirs.bias_y_dps, theirs.bias_z_dps)
+    assert mount.to_device(biases_dps) == pytest.approx((ours.bias_x_dps, ours.bias_y_dps, ours.bias_z_dps), abs=1e-6)
+    up = np.array(turned.accel_mps2[-1]) / np.linalg.norm(turned.accel_mps2[-1])
+    assert rotated(theirs[:4], up)[2] == pytest.approx(1.0, abs=0.01)
+
+
+def rows_to_sensor(mount: Mount, rows: Floats) -> Floats:
+    return np.array([mount.to_sensor((x, y, z)) for x, y, z in rows.tolist()])
+
+
+def rotated(q: tuple[float, ...], vector: Floats) -> Floats:
+    return np.asarray(Rotation.from_quat(q, scalar_first=True).apply(vector), dtype=np.float64)
