@@ -1,10 +1,10 @@
 """All faults, by area."""
 
 from mutate.fault import Fault
-from mutate.faults import config, diagnose, filters, firmware_sim, link, outputs, recording, service, session
+from mutate.faults import axes, config, diagnose, filters, firmware_sim, link, outputs, recording, service, session
 
 FAULTS: tuple[Fault, ...] = tuple(
     fault
-    for area in (link, session, recording, service, outputs, config, filters, diagnose, firmware_sim)
+    for area in (axes, link, session, recording, service, outputs, config, filters, diagnose, firmware_sim)
     for fault in area.FAULTS
 )

@@ -1,0 +1,141 @@
+"""Faults of three axes: on the wire, in files, and in the checks of accelerations."""
+
+from mutate.fault import Fault
+
+PROTOCOLS, MCAP = "gyrodrift/link/protocols", "gyrodrift/session/mcap"
+CHECKS = "gyrodrift/session/checks"
+WIRE_TESTS = ("tests/link/protocols/test_three_axes.py", "tests/link/protocols/test_native.py")
+FILE_TESTS = ("tests/session/mcap/test_three_axes.py",)
+TABLE_TESTS = ("tests/session/tables/test_three_axes.py",)
+CHECK_TESTS = ("tests/session/test_acceleration_checks.py", *TABLE_TESTS)
+
+FAULTS = (
+    Fault(
+        "axes/clipped-acceleration-used",
+        f"{PROTOCOLS}/native.py",
+        "flags & (ACCEL_VALID | ACCEL_CLIPPED) == ACCEL_VALID",
+        "flags & ACCEL_VALID == ACCEL_VALID",
+        "An acceleration that is cut off points in a wrong direction.",
+        WIRE_TESTS,
+    ),
+    Fault(
+        "axes/rest-by-flag-of-acceleration",
+        f"{PROTOCOLS}/native.py",
+        "self._inertial(flags, raw), AXES_STILL",
+        "self._inertial(flags, raw), STILL",
+        "A device with a valid acceleration always stands still.",
+        WIRE_TESTS,
+    ),
+    Fault(
+        "axes/acceleration-used-twice",
+        f"{PROTOCOLS}/witmotion.py",
+        "            self._forces_mps2 = NO_FORCES\n",
+        "",
+        "Rates without an acceleration get the one before.",
+        WIRE_TESTS,
+    ),
+    Fault(
+        "axes/vectornav-left-handed",
+        f"{PROTOCOLS}/vectornav.py",
+        "degrees(x_rads), -degrees(y_rads), -degrees(z_rads)",
+        "degrees(x_rads), degrees(y_rads), -degrees(z_rads)",
+        "The frame of the rates is left-handed.",
+        WIRE_TESTS,
+    ),
+    Fault(
+        "axes/xsens-order",
+        f"{PROTOCOLS}/xsens.py",
+        "    x_rads, y_rads, _ = _vector(items, RATES)\n",
+        "    y_rads, x_rads, _ = _vector(items, RATES)\n",
+        "The rates about x and y are exchanged.",
+        WIRE_TESTS,
+    ),
+    Fault(
+        "axes/csv-without-gravity",
+        f"{PROTOCOLS}/csv.py",
+        "_follows_rate(readings) and _feels_gravity(readings)",
+        "_follows_rate(readings)",
+        "Any seven numbers are rates and accelerations.",
+        WIRE_TESTS,
+    ),
+    Fault(
+        "axes/rows-of-one-size",
+        f"{MCAP}/write.py",
+        "self._checksums.add_samples(rows, self._message.size)",
+        "self._checksums.add_samples(rows)",
+        "Checksums cut samples with three axes in the middle.",
+        FILE_TESTS,
+    ),
+    Fault(
+        "axes/repair-forgets-axes",
+        f"{MCAP}/rebuild.py",
+        "has_axes=has_axes)",
+        "has_axes=False)",
+        "A repaired file has lost its samples or their axes.",
+        FILE_TESTS,
+    ),
+    Fault(
+        "axes/old-rows-unmarked",
+        f"{MCAP}/layout.py",
+        'AXES_MESSAGE = struct.Struct(MESSAGE.format + "dddddd")',
+        'AXES_MESSAGE = struct.Struct(MESSAGE.format + "ddddd")',
+        "The acceleration along z is not written.",
+        FILE_TESTS,
+    ),
+    Fault(
+        "axes/zeros-are-axes",
+        "gyrodrift/session/session.py",
+        "        if gyro_dps is None or (accel_mps2 is None and not gyro_dps[:, :2].any()):\n",
+        "        if gyro_dps is None:\n",
+        "A single-axis gyro in an Imu message has three axes.",
+        FILE_TESTS,
+    ),
+    Fault(
+        "axes/autopilot-z-down",
+        "gyrodrift/session/logs/autopilot.py",
+        "-degrees(1.0), -degrees(1.0), 1.0, -1.0, -1.0]",
+        "-degrees(1.0), -degrees(1.0), 1.0, 1.0, 1.0]",
+        "Logs of autopilots have z up for the rates and z down for the accelerations.",
+        ("tests/session/logs/test_autopilot.py",),
+    ),
+    Fault(
+        "axes/acceleration-of-table-in-counts",
+        "gyrodrift/session/tables/plan.py",
+        "**dict.fromkeys(FORCE_TARGETS, force_scale)",
+        "**dict.fromkeys(FORCE_TARGETS, 1.0)",
+        "Accelerations of a blackbox stay in counts.",
+        TABLE_TESTS,
+    ),
+    Fault(
+        "axes/flip-keeps-acceleration",
+        "gyrodrift/session/session.py",
+        "None if array is None else array * UPSIDE_DOWN for array in (self.gyro_dps, self.accel_mps2)",
+        "array for array in (self.gyro_dps, self.accel_mps2)",
+        "--flip inverts the yaw rate alone.",
+        TABLE_TESTS,
+    ),
+    Fault(
+        "axes/gravity-in-any-unit",
+        "gyrodrift/columns/gravity.py",
+        "    return abs(length - gravity) <= error * gravity\n",
+        "    return length <= 2.0 * gravity\n",
+        "Accelerations in g count as m/s².",
+        CHECK_TESTS,
+    ),
+    Fault(
+        "axes/swapped-axes-agree",
+        f"{CHECKS}/axes.py",
+        "axes.residual > AGREES >= axes.best_residual",
+        "axes.residual > 10.0 >= axes.best_residual",
+        "Swapped axes of an accelerometer pass.",
+        CHECK_TESTS,
+    ),
+    Fault(
+        "axes/encoder-against-z",
+        f"{CHECKS}/vertical.py",
+        "(session.gyro_dps * means).sum(axis=1)",
+        "(session.gyro_dps * means)[:, 2]",
+        "A tilted gyro seems to have a wrong unit.",
+        CHECK_TESTS,
+    ),
+)
