@@ -62,8 +62,7 @@ class Mount:
 
     def to_sensor(self, of_device: Vector) -> Vector:
         """Vector of the device frame in the sensor frame."""
-        forward, left, up = of_device
-        x, y, z = (a * forward + b * left + c * up for a, b, c in zip(*self.axes, strict=True))
+        x, y, z = (sum(a * b for a, b in zip(of_device, axis, strict=True)) for axis in zip(*self.axes, strict=True))
         return x, y, z
 
     def sensor_attitude(self, q: Quaternion) -> Quaternion:

@@ -32,8 +32,8 @@ class FilterRun:
     axes
         `auto` needs accelerations; `3` also takes three rates without them.
     mount
-        Axes of the sensor on the device. On three axes the filter runs in the frame of the device, so that yaw is the
-        heading of the device, whatever side of the board is up.
+        Axes of the sensor on the device. On three axes the filter runs in the frame of the device, and yaw is its
+        heading.
     state
         State after the last sample; that of three axes has the attributes of `three_axes.ThreeAxisState` too.
     three_axes
