@@ -23,7 +23,7 @@ from typing import Annotated, Any, Literal
 from annotated_types import Ge, Gt, Le, MaxLen
 
 from gyrodrift.sample import Inertial, Sample, upside_down
-from gyrodrift.vectors import Vector, numbers_of, solution
+from gyrodrift.vectors import Vector, numbers_of, product, solution
 
 OLD_DAYS = 365.0
 """Age from which a calibration is reported as old; it is still applied.
@@ -165,7 +165,7 @@ class Calibration:
         if self.gyro_bias_xy_dps is not None:
             x_dps, y_dps = x_dps - self.gyro_bias_xy_dps[0], y_dps - self.gyro_bias_xy_dps[1]
         if self.gyro_matrix is not None:
-            x_dps, y_dps, z_dps = (row[0] * x_dps + row[1] * y_dps + row[2] * z_dps for row in self.gyro_matrix)
+            x_dps, y_dps, z_dps = product(self.gyro_matrix, x_dps, y_dps, z_dps)
         if self.accel_offset_mps2 is not None:
             x0_mps2, y0_mps2, z0_mps2 = self.accel_offset_mps2
             x_mps2, y_mps2, z_mps2 = x_mps2 - x0_mps2, y_mps2 - y0_mps2, z_mps2 - z0_mps2

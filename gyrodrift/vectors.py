@@ -33,14 +33,21 @@ def _nested(value: Any, shape: tuple[int, ...], error: str) -> Numbers:
     return tuple(map(float, value))
 
 
+def product(matrix: Matrix, x: float, y: float, z: float) -> Vector:
+    """Product of a matrix and a vector."""
+    (a, b, c), (d, e, f), (g, h, i) = matrix
+    return a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z
+
+
 def solution(matrix: Matrix, right: Vector) -> Vector:
     """Solution of a system of three linear equations, by the rule of Cramer."""
     columns = tuple(zip(*matrix, strict=True))
-    whole = _determinant(columns)
-    x, y, z = (_determinant((*columns[:index], right, *columns[index + 1 :])) / whole for index in range(3))
+    whole = determinant(columns)
+    x, y, z = (determinant((*columns[:index], right, *columns[index + 1 :])) / whole for index in range(3))
     return x, y, z
 
 
-def _determinant(columns: tuple[tuple[float, ...], ...]) -> float:
+def determinant(columns: tuple[tuple[float, ...], ...]) -> float:
+    """Determinant of a matrix from its columns, or from its rows."""
     (a, b, c), (d, e, f), (g, h, i) = columns
     return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)

@@ -14,9 +14,12 @@ from gyrodrift.calibration import AXES_SHAPES, Calibration, moment
 from gyrodrift.config.explain import Strict, describe_value, expectation, unknown_key
 from gyrodrift.config.yaml import Key
 from gyrodrift.errors import UsageError
-from gyrodrift.vectors import numbers_of, shape_text
+from gyrodrift.vectors import determinant, numbers_of, shape_text
 
 CALIBRATION = "calibration"
+LEAST_DETERMINANT = 0.1
+"""Smallest determinant of the matrix of a gyro: three axes with half the scale have 0.125."""
+
 WIDTH = 34
 """Column of the comments of a block."""
 
@@ -67,25 +70,43 @@ def calibration_in(value: Any, report: Callable[[Key, str], None]) -> Calibratio
     if not isinstance(value, dict):
         report((), f"is {describe_value(value)}; expected a block of keys, as written by gyrodrift calibrate")
         return None
-    model, shaped = _model(), dict(value)
-    for name in AXES_SHAPES.keys() & value.keys():
-        try:
-            shaped[name] = None if value[name] is None else numbers_of(value[name], AXES_SHAPES[name], name)
-        except ValueError:
-            report((name,), f"is {describe_value(value[name])}; expected {shape_text(AXES_SHAPES[name])}")
-            return None
+    model, shaped = _model(), _with_tuples(value, report)
+    if shaped is None:
+        return None
     try:
         calibration = Calibration(**model.model_validate(shaped).model_dump())
     except ValidationError as error:
         for problem in error.errors(include_url=False):
             report((str(problem["loc"][0]),), _explained(model, str(problem["loc"][0]), problem["type"], value))
         return None
+    return calibration if _is_sound(calibration, report) else None
+
+
+def _with_tuples(value: dict[str, Any], report: Callable[[Key, str], None]) -> dict[str, Any] | None:
+    """The values with vectors and matrices as tuples; None if a shape is wrong, which is reported."""
+    shaped = dict(value)
+    for name in [name for name in AXES_SHAPES if value.get(name) is not None]:
+        try:
+            shaped[name] = numbers_of(value[name], AXES_SHAPES[name], name)
+        except ValueError:
+            report((name,), f"is {describe_value(value[name])}; expected {shape_text(AXES_SHAPES[name])}")
+            return None
+    return shaped
+
+
+def _is_sound(calibration: Calibration, report: Callable[[Key, str], None]) -> bool:
+    """Whether the date is a date and the matrix has an inverse; mistakes are reported."""
+    matrix = calibration.gyro_matrix
+    if matrix is not None and abs(determinant(matrix)) < LEAST_DETERMINANT:
+        measured = "a matrix as gyrodrift calibrate measures it"
+        report(("gyro_matrix",), f"has rows that are nearly parallel; expected {measured}")
+        return False
     try:
         moment(calibration.date)
     except ValueError:
         report(("date",), f"is {describe_value(calibration.date)}; expected a date such as 2026-05-01T12:00:00+00:00")
-        return None
-    return calibration
+        return False
+    return True
 
 
 def _explained(model: type[Strict], name: str, kind: str, given: dict[str, Any]) -> str:

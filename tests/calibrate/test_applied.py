@@ -312,6 +312,7 @@ def test_a_block_of_three_axes_is_read_as_it_was_written_and_stored_in_sessions(
         ("accel_scale: [1, 1]", "accel_scale: is a list; expected 3 numbers in brackets"),
         ("accel_scale: [1, 1, 3]", "accel_scale: has a number out of range; expected 3 numbers in brackets"),
         ("gyro_matrix: 1", "gyro_matrix: is 1; expected 3 rows of 3 numbers"),
+        ("gyro_matrix: [[1, 0, 0], [1, 0, 0], [0, 0, 1]]", "gyro_matrix: has rows that are nearly parallel"),
         ("gyro_bias_xy_dps: [1, true]", "gyro_bias_xy_dps: is a list; expected 2 numbers in brackets"),
     ],
 )

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hand_motion import hand_motion
 from laid_board import BIAS_DPS, GYRO_GAIN, OFFSET_MPS2, SCALE, SIX_SIDES, WITH_TURNS, BoardRecord, laid_board
+from scipy.spatial.transform import Rotation
 from support import Command, Terminal, near, ours
 
 from gyrodrift.calibration import Calibration
@@ -114,6 +115,34 @@ def test_serve_gives_true_rates_and_accelerations(tmp_path: Path) -> None:
     accel_mps2 = calibrated(load_session(path)).accel_mps2
     assert accel_mps2 is not None
     assert np.abs(accel_mps2.mean(axis=0) - motion.accel_mps2.mean(axis=0)).max() < 0.02
+
+
+SIMULATED = (
+    "accel_bias:x_mps2=0.3,y_mps2=-0.2,z_mps2=0.4",
+    "accel_scale:x_percent=2,y_percent=-1,z_percent=1",
+    "gyro_scale:x_percent=1,y_percent=-2,z_percent=2",
+    "gyro_misalignment:x_deg=1,y_deg=-0.7,z_deg=0.5",
+    "gyro_g_sensitivity",
+)
+
+
+def test_the_simulated_device_on_six_sides_is_calibrated(tmp_path: Path) -> None:
+    """Its effects on all axes come out, though gravity acts on its gyro."""
+    link, config = tmp_path / "gyro", tmp_path / "my.yaml"
+    faulty = [word for effect in SIMULATED for word in ("--effect", effect)]
+    words = ("--link", link, "--axes", "3", "--profile", "six-sides", "--speed", "max", "--wait")
+    with Command(*words, *faulty, module="firmware_sim") as device:
+        device.until(lambda _: link.is_symlink(), "pty")
+        with Command("calibrate", "--port", link, "--config", config, "--positions", "--axis-turns") as calibrate:
+            assert calibrate.end() == 0, calibrate.log
+    result = load_config(config).calibration
+    assert result is not None
+    assert result.accel_offset_mps2 == pytest.approx((0.3, -0.2, 0.4), abs=0.005)
+    assert result.accel_scale == pytest.approx((1.0 / 1.02, 1.0 / 0.99, 1.0 / 1.01), abs=0.001)
+    alignment = Rotation.from_rotvec([1.0, -0.7, 0.5], degrees=True).as_matrix().T
+    gain = np.diag([1.01, 0.98, 1.02]) @ alignment
+    assert result.gyro_matrix is not None
+    np.testing.assert_allclose(result.gyro_matrix, np.linalg.inv(gain), atol=0.001)
 
 
 @pytest.mark.parametrize(

@@ -16,11 +16,12 @@ from firmware_sim.motion.attitude.kinematics import Kinematics
 from firmware_sim.motion.attitude.limb import Limb
 from firmware_sim.motion.attitude.ramps import Ramps
 from firmware_sim.motion.attitude.rotations import quaternions, yaw_pitch_roll
+from firmware_sim.motion.attitude.sides import Sides
 from firmware_sim.motion.attitude.table import LeaningTable
 from firmware_sim.motion.turntable import Ambient, ambient_c_at, check_times
 from firmware_sim.yaml_file import Checked
 
-AnyAttitude = Annotated[LeaningTable | Ramps | Boat | Hand | Limb | Arm | Drone, Field(discriminator="kind")]
+AnyAttitude = Annotated[LeaningTable | Ramps | Boat | Hand | Limb | Arm | Drone | Sides, Field(discriminator="kind")]
 Angle = Annotated[float, Field(ge=-180.0, le=180.0)]
 
 YAW_AXIS = 2
