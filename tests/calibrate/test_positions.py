@@ -230,6 +230,17 @@ def test_a_turn_with_lost_samples_is_refused() -> None:
     assert sentences_of(guide)[-1].startswith("Not accepted: samples were lost, or out of the range of the device")
 
 
+def test_a_turn_out_of_the_range_of_the_device_is_refused() -> None:
+    """The device marks such samples; the next turn counts again."""
+    samples = read_by_sensor(("+z", 360.0, -360.0))
+    guide = guided(samples[:400], WITH_AXIS_TURNS)
+    guide.take(samples[400:500], clipped=3)
+    guide.take(samples[500:1300])
+    assert sentences_of(guide)[-1].startswith("Not accepted: samples were lost, or out of the range of the device")
+    guide.take(samples[1300:])
+    assert sentences_of(guide)[-1].startswith("  turn about z reads -36")
+
+
 def test_without_a_user_the_calibration_ends_when_nothing_new_comes() -> None:
     """With the sides that are left."""
     record = laid_board(("+z",)).through_sensor()

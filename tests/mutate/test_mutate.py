@@ -8,7 +8,19 @@ from mutate.copy import ROOT, Outcome, try_fault
 from mutate.fault import Fault, FaultError
 from mutate.faults import FAULTS
 
-AREAS = {"axes", "link", "session", "recording", "service", "outputs", "config", "filters", "diagnose", "firmware_sim"}
+AREAS = {
+    "axes",
+    "calibrate",
+    "link",
+    "session",
+    "recording",
+    "service",
+    "outputs",
+    "config",
+    "filters",
+    "diagnose",
+    "firmware_sim",
+}
 
 
 def test_faults_have_names_of_their_own_and_cover_all_areas() -> None:

@@ -76,6 +76,7 @@ class RestFinder:
     _between: list[AxesBlock] = field(default_factory=list)
     _is_told: bool = False
     _clipped: int = 0
+    _clipped_now: int = 0
     _first_bias_dps: Floats | None = None
     _gyro_noise_dps: float = inf
     _accel_noise_mps2: float = inf
@@ -89,7 +90,7 @@ class RestFinder:
         CalibrationError
             The device does not send three rates and accelerations, or its time stands still.
         """
-        self._clipped += clipped
+        self._clipped, self._clipped_now = self._clipped + clipped, clipped
         for sample in samples:
             self._samples.append(sample)
             is_long = sample.t_device_s - self._samples[0].t_device_s >= BLOCK_S
@@ -126,14 +127,14 @@ class RestFinder:
         if self._first_bias_dps is None:
             self._first_bias_dps = rest.gyro_dps
         is_whole = not self._clipped and not _has_hole(move)
-        self._is_told, self._clipped, self._previous, self._between = True, 0, [], []
+        # Samples that were read together may be those of the next move.
+        self._is_told, self._clipped, self._previous, self._between = True, self._clipped_now, [], []
         return Laid(rest, before, move if before is not None else (), is_whole)
 
     def _end_rest(self) -> None:
         """Begin a move: the last block of a rest may contain its start."""
         if self._is_told:
             self._previous, self._between = self._still[SHAKING_BLOCKS:-1], self._still[-1:]
-            self._clipped = 0
         else:
             self._between += self._still
         self._still, self._is_told = [], False
