@@ -88,6 +88,7 @@ class Scene:
 STEPS = ("identify", 60.0, 162.0)
 SCENES = {
     "scale_factor": Scene(*STEPS, TRUE_RATE, ERROR, 50),
+    "misalignment": Scene(*STEPS, TRUE_RATE, ERROR, 50),
     "scale_asymmetry": Scene(*STEPS, TRUE_RATE, ERROR, 50),
     "nonlinearity": Scene(*STEPS, TRUE_RATE, ERROR, 50),
     "deadband": Scene("identify", 503.0, 545.0, TIME, RATE),

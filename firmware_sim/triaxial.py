@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_sim.channels import Channel, begin_acts, random_stream
-from firmware_sim.effects.effect import Act, EffectSlot, Floats, Moments
+from firmware_sim.effects.effect import Act, EffectSlot, Floats, Moments, Rng
 from firmware_sim.effects.triaxial.catalogue import in_triaxial_order
 from firmware_sim.effects.triaxial.effect import Sensed, TriaxialAct, TriaxialMoments, TriaxialSlot
 from firmware_sim.motion.attitude.kinematics import Kinematics, level
@@ -23,6 +23,9 @@ YAW_AXIS = 2
 AXIS_BRANCHES = ((crc32(b"gyro_x"),), (crc32(b"gyro_y"),), ())
 ACCELERATION_BRANCHES = tuple((crc32(name),) for name in (b"accel_x", b"accel_y", b"accel_z"))
 """Keys of the random streams of the axes; z of the gyro has those of a device with one axis."""
+
+MOUNT = crc32(b"mount")
+"""Key of the random stream of effects on all axes of the rig."""
 
 CHIP_SLOTS = (EffectSlot.LOW_PASS, EffectSlot.HOLD)
 """Slots of a rate that the accelerometer shares: the chip filters and is read as a whole."""
@@ -34,6 +37,15 @@ class SpatialMotion(Protocol):
 
     def kinematics_at(self, t_s: Floats) -> Kinematics:
         """True motion of the sensor at times since the beginning."""
+        ...
+
+
+@runtime_checkable
+class SpatialEffect(Protocol):
+    """Effect of the rig that acts on all axes at once where the device has three."""
+
+    def begin_triaxial(self, rng: Rng) -> TriaxialAct:
+        """Act of this effect for a session."""
         ...
 
 
@@ -65,6 +77,8 @@ class TriaxialSensor:
 
     def __init__(self, rig: Rig, axes: ThreeAxes, motion: _Timed, seed: int, session: int, fine: int) -> None:
         self._axes, self._motion, self._fine = axes, motion, fine
+        spatial = [effect for effect in rig.effects if isinstance(effect, SpatialEffect)]
+        rig = rig.model_copy(update={"effects": tuple(effect for effect in rig.effects if effect not in spatial)})
         rate_hz, noise = rig.base.sample_rate_hz, rig.base.noise_dps_rthz
         biases_dps = (axes.gyro_bias_x_dps, axes.gyro_bias_y_dps, rig.base.bias_dps)
         self._gyros = [
@@ -90,6 +104,10 @@ class TriaxialSensor:
             for branch in ACCELERATION_BRANCHES
         ]
         self._acts: dict[TriaxialSlot, list[TriaxialAct]] = {slot: [] for slot in TriaxialSlot}
+        # The mount turns the motion before the chip adds its errors.
+        self._acts[TriaxialSlot.MOTION] += [
+            effect.begin_triaxial(random_stream(seed, session, MOUNT)) for effect in spatial
+        ]
         twins: dict[str, int] = {}
         for effect in in_triaxial_order(axes.effects):
             twins[effect.name] = twins.get(effect.name, 0) + 1

@@ -31,6 +31,7 @@ Amounts = Mapping[str, float]
 PARAMETERS = {
     "scale_factor": "error_percent",
     "scale_asymmetry": "error_percent",
+    "misalignment": "tilt_deg",
     "clock_drift": "ppm",
     "temp_bias": "slope_dps_per_c",
     "latency": "delay_ms",

@@ -11,6 +11,7 @@ from firmware_sim.effects import encoder, environment, link
 from firmware_sim.effects import sensor_bias as bias
 from firmware_sim.effects import sensor_curve as curve
 from firmware_sim.effects import sensor_dynamics as dynamics
+from firmware_sim.effects import sensor_mount as mount
 from firmware_sim.effects import sensor_readout as readout
 from firmware_sim.effects.effect import Effect
 
@@ -55,6 +56,7 @@ def in_acting_order(effects: Sequence[Effect]) -> list[Effect]:
 
 for _kind in (
     curve.ScaleFactor,
+    mount.Misalignment,
     curve.ScaleAsymmetry,
     curve.Nonlinearity,
     curve.Deadband,

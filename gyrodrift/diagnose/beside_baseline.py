@@ -41,6 +41,7 @@ from gyrodrift.diagnose.stages import (
     simulated_of,
     tables_of,
     with_facts,
+    with_recorded_axes,
 )
 
 SAME_RATE = 0.1
@@ -82,6 +83,7 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
     origins, of_baseline, remarks = recordings_of(request.baseline, request.progress, request.reading)
     base = request.rig.base
     rig = with_facts(request.rig, contradictions(of_baseline, base.dps_per_lsb, base.encoder_cpr))
+    rig = with_recorded_axes(rig, [*of_baseline, *recordings])
     own = request._replace(rig=rig)
     simulated = simulated_of(own, origins, of_baseline)
     named = inferred_of(simulated, request.jobs, request.progress).verdict.causes

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from firmware_sim.rig import Base
+from firmware_sim.rig import Base, Rig
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.beside_baseline import explained_baseline, new_since, without_baseline
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
@@ -26,10 +26,13 @@ from gyrodrift.diagnose.stages import (
     YAW_IMPACT,
     DiagnosisRequest,
     adopted,
+    axes_remarks,
     inferred_of,
     recordings_of,
     simulated_of,
     with_facts,
+    with_recorded_axes,
+    with_stated_axes,
 )
 from gyrodrift.diagnose.what_next import what_next
 from gyrodrift.simulation.sessions import rig_yaml
@@ -47,7 +50,9 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
     origins, recordings, remarks = recordings_of(request.paths, request.progress, request.reading)
     base = request.rig.base
     against = contradictions(recordings, base.dps_per_lsb, base.encoder_cpr)
-    request = request._replace(rig=with_facts(request.rig, against))
+    stated = request.rig
+    request = request._replace(rig=with_recorded_axes(with_facts(stated, against), recordings))
+    remarks += axes_remarks(stated, recordings)
     if request.baseline:
         explained = explained_baseline(request, recordings)
         request = request._replace(rig=explained.rig, least_noise_dps_rthz=explained.least_noise_dps_rthz)
@@ -83,13 +88,17 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         next_profile_yaml=following.profile_yaml,
         seconds=0.0,
         sessions=tuple(_session(subject) for subject in subjects),
-        rig_yaml=rig_yaml(adopted(request.rig, [cause for cause in verdict.causes if cause.is_adopted])),
+        rig_yaml=rig_yaml(with_stated_axes(_adopted(request.rig, verdict), stated)),
         ranking=ranking(explanation),
         threshold_z=explanation.evidence.threshold_z,
         features=feature_comparisons_of(explanation, without_causes, designs),
         residuals=residual_checks_of(subjects, verdict.causes),
     )
     return replace(result, seconds=time.monotonic() - begun_s)
+
+
+def _adopted(rig: Rig, verdict: Verdict) -> Rig:
+    return adopted(rig, [cause for cause in verdict.causes if cause.is_adopted])
 
 
 def _set_aside(verdict: Verdict, subjects: Sequence[Subject]) -> Verdict:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from firmware_sim.rig import Rig
+from firmware_sim.rig import Rig, with_axes
 from gyrodrift.diagnose.inference.conclusion import Conclusion, conclude
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.recording.checked import checked_session
@@ -60,12 +60,15 @@ class Simulated(NamedTuple):
 
     tried
         Candidates that the sessions can show, and that are not withheld.
+    unseparated
+        Untested effects that act like a tested one in these sessions, and that are not withheld.
     """
 
     subjects: list[Subject]
     tables: tuple[ResponseTable, ...]
     tried: list[Candidate]
     untestable: tuple[Untestable, ...]
+    unseparated: tuple[str, ...] = ()
 
 
 def simulated_of(request: DiagnosisRequest, origins: Sequence[Origin], recordings: Sequence[Recording]) -> Simulated:
@@ -76,7 +79,9 @@ def simulated_of(request: DiagnosisRequest, origins: Sequence[Origin], recording
         subjects.append(subject_of(recording, request.rig, request.least_noise_dps_rthz))
     hints = hints_of(subjects)
     tried, untestable = testable_among(candidates(hints, request.rig), recordings, request.withheld)
-    return Simulated(subjects, tables_of(request, origins, subjects, tried), tried, untestable)
+    untested = [item.effect for item in untestable if item.effect not in request.withheld]
+    unseparated = tuple(name for name in untested if KINDS[name].acts_like is not None)
+    return Simulated(subjects, tables_of(request, origins, subjects, tried), tried, untestable, unseparated)
 
 
 def tables_of(
@@ -93,7 +98,7 @@ def inferred_of(simulated: Simulated, jobs: int, progress: OnProgress = ignore_p
     """Find the posterior over sets of effects, and the verdict."""
     progress(SEARCHED, 0, 0)
     with set_simulator(simulated.subjects, simulated.tables, simulated.tried, jobs) as simulate:
-        return conclude(simulated.tables, simulated.tried, simulate)
+        return conclude(simulated.tables, simulated.tried, simulate, simulated.unseparated)
 
 
 def recordings_of(
@@ -125,6 +130,7 @@ def testable_among(
         "motion": ("no motion", not any(recording.moves for recording in recordings)),
         "host": ("no host times", any(recording.host_s is None for recording in recordings)),
         "temperature": ("no temperature", any(recording.temp_c is None for recording in recordings)),
+        "axes": ("no rates about x and y", any(recording.gyro_xy_dps is None for recording in recordings)),
         "counter": ("no counter", not all(recording.has_counter for recording in recordings)),
     }
     why = {candidate.name: lacking[need][0] for candidate in every for need in candidate.needs if lacking[need][1]}
@@ -147,6 +153,35 @@ def _is_gone(cause: NamedCause) -> bool:
     name = cause.cause.candidate.parameter
     # A tenth of the effect in the rig is nothing.
     return abs(float(getattr(cause.effect, name))) < 0.1 * abs(float(getattr(cause.in_rig, name)))
+
+
+def with_recorded_axes(rig: Rig, recordings: Sequence[Recording]) -> Rig:
+    """The rig with three axes if all recordings have them, else with one; without an accelerometer if they lack it."""
+    if any(recording.gyro_xy_dps is None for recording in recordings):
+        return with_axes(rig, 1)
+    rig = with_axes(rig, 3)
+    if all(recording.accel_mps2 is not None for recording in recordings) or rig.base.three_axes is None:
+        return rig
+    axes = rig.base.three_axes.model_copy(update={"mps2_per_lsb": 0.0})
+    return rig.model_copy(update={"base": rig.base.model_copy(update={"three_axes": axes})})
+
+
+def axes_remarks(stated: Rig, recordings: Sequence[Recording]) -> list[str]:
+    """A sentence if recordings and rig differ in their axes, or if only some recordings have three."""
+    with_three = sum(recording.gyro_xy_dps is not None for recording in recordings)
+    has_three = stated.base.three_axes is not None
+    if with_three == len(recordings):
+        return [] if has_three else ["the recordings have three axes, and the rig has one: three are simulated"]
+    if with_three:
+        return [f"only {with_three} of {len(recordings)} recordings have three axes: the yaw rate alone is compared"]
+    return ["the rig has three axes, and the recordings have one: the yaw rate alone is compared"] if has_three else []
+
+
+def with_stated_axes(rig: Rig, stated: Rig) -> Rig:
+    """The rig with the axes of another rig, if it states three."""
+    if stated.base.three_axes is None:
+        return rig
+    return rig.model_copy(update={"base": rig.base.model_copy(update={"three_axes": stated.base.three_axes})})
 
 
 def with_facts(rig: Rig, against: Sequence[Contradiction]) -> Rig:

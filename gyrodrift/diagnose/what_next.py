@@ -11,7 +11,8 @@ from firmware_sim.rig import Rig, with_replaced
 from gyrodrift.diagnose.features.feature import WHEN
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.explanation import Explanation
-from gyrodrift.diagnose.inference.verdict import Kind, Verdict
+from gyrodrift.diagnose.inference.scorer import Placed
+from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict
 from gyrodrift.diagnose.next_recording.choose import NextRecording, next_recording_of
 from gyrodrift.diagnose.next_recording.information import Told
 from gyrodrift.diagnose.next_recording.profiles import STILL_S, profile_yaml, warmer_c
@@ -107,7 +108,7 @@ def what_next(
     """The experiment that decides, chosen by so many processes, or else what there is to say."""
     open_ones = _open(verdict, explanation, subjects, rig)
     if len(open_ones) < 2:
-        return Next(_without_experiment(verdict, untestable, len(subjects)), None)
+        return Next(_more_axes(verdict, explanation) or _without_experiment(verdict, untestable, len(subjects)), None)
     minutes = round(
         float(np.clip(np.median([subject.seen.recording.seconds / 60.0 for subject in subjects]), *MINUTES)), 1
     )
@@ -122,10 +123,10 @@ def _open(
     """Open hypotheses: tied causes, possible effects that are not named, or effects that could not have shown."""
     base = subjects[0].rig.base
     calibrated = rig.model_copy(update={"base": base})
-    tied = next((cause for cause in verdict.causes if cause.tied_with), None)
+    tied = next((cause for cause in verdict.causes if _simulated_ties(cause, explanation)), None)
     if tied is not None:
-        placed = [explanation.where_best(name) for name in tied.tied_with[: MOST_HYPOTHESES - 1]]
-        alternatives = [item.response.candidate.make(item.size) for item in placed if item is not None]
+        placed = _simulated_ties(tied, explanation)[: MOST_HYPOTHESES - 1]
+        alternatives = [item.response.candidate.make(item.size) for item in placed]
         other_causes = [cause.effect for cause in verdict.causes if cause is not tied]
         return tuple(
             RigHypothesis(effect.name, with_replaced(calibrated, (*other_causes, effect)), 1.0)
@@ -140,6 +141,11 @@ def _open(
         possible, share = _unseen(explanation, rig), UNSEEN
     nothing = RigHypothesis(NOTHING, calibrated, 1.0 - share * len(possible))
     return (nothing, *(RigHypothesis(effect.name, with_replaced(calibrated, (effect,)), share) for effect in possible))
+
+
+def _simulated_ties(cause: NamedCause, explanation: Explanation) -> list[Placed]:
+    """Effects that may act instead of a cause, except those that no motion would tell from it."""
+    return [item for name in cause.tied_with if (item := explanation.where_best(name)) is not None]
 
 
 def _unseen(explanation: Explanation, rig: Rig) -> list[Effect]:
@@ -160,11 +166,24 @@ def _unseen(explanation: Explanation, rig: Rig) -> list[Effect]:
     return [effect for _, effect in ratios[: MOST_HYPOTHESES - 1]]
 
 
+def _more_axes(verdict: Verdict, explanation: Explanation) -> str:
+    """The sentence for a cause that no motion of a single axis tells from another; empty without one."""
+    for cause in verdict.causes:
+        instead = [name for name in cause.tied_with if explanation.where_best(name) is None]
+        if instead:
+            return (
+                f"Record with three axes, the rates about x, y and z and the acceleration: they tell "
+                f"{cause.effect.name} from {_listed(instead, 'and')}."
+            )
+    return ""
+
+
 def _without_experiment(verdict: Verdict, untestable: Sequence[Untestable], sessions: int) -> str:
     if sessions < 3:  # with two, sizes are fitted on one alone
         return "Record more sessions: from three on, each session can check a fit to the others."
-    if untestable:
-        lacking = untestable[0]
+    # What acts like a tested effect is open only if it ties with that.
+    lacking = next((item for item in untestable if KINDS[item.effect].acts_like is None), None)
+    if lacking is not None:
         return f"Record with a device that sends more: {lacking.why} here, so {lacking.effect} was not tested."
     return _for_open_part(verdict) or "Nothing: no ambiguity remains. Record again after a change."
 

@@ -65,3 +65,17 @@ def test_few_sessions_and_silent_devices_come_first(named: Verdict) -> None:
     lacking = Untestable("temp_bias", "no temperature")
     assert sentence(named, lacking, sessions=2).startswith("Record more sessions")
     assert "no temperature here, so temp_bias was not tested" in sentence(named, lacking)
+
+
+def test_a_cause_that_no_motion_tells_from_another_needs_three_axes(named: Verdict) -> None:
+    """A tilt ties with a scale error; where it does not, its missing axes are no reason to record."""
+    explanation = cast("Explanation", SimpleNamespace(where_best=lambda _: None))
+    (cause,) = named.causes
+    tied = replace(named, causes=(replace(cause, tied_with=("misalignment",)),))
+    subjects = [cast("Subject", SimpleNamespace(rig=Rig()))] * 4
+    lacking = [Untestable("misalignment", "no rates about x and y")]
+    following = what_next(tied, explanation, subjects, lacking, Rig(), 1)
+    assert following.sentence.startswith("Record with three axes")
+    assert "tell scale_factor from misalignment" in following.sentence
+    assert following.profile_yaml is None
+    assert sentence(named, *lacking).startswith("Nothing: no ambiguity remains")

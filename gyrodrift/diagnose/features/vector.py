@@ -12,6 +12,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features import timing
+from gyrodrift.diagnose.features.axes import AXES, axes_of
 from gyrodrift.diagnose.features.block_means import LEAST_DPS
 from gyrodrift.diagnose.features.block_residuals import block_residuals_of
 from gyrodrift.diagnose.features.columns import WARMING, warming_coefficient
@@ -25,7 +26,7 @@ from gyrodrift.diagnose.recording.outliers import Cleaned
 
 BLOCK_STATISTICS = (*WANDER, *PERIODIC, *WALK, *SCATTER)
 RESIDUAL_FEATURES: tuple[Feature, ...] = (*COLUMNS, *LAG_FEATURES, WARMING, *BLOCK_STATISTICS)
-SAMPLE_FEATURES: tuple[Feature, ...] = (*NOISE, *RATE_VALUES, *ANGLE_VALUES)
+SAMPLE_FEATURES: tuple[Feature, ...] = (*NOISE, *RATE_VALUES, *ANGLE_VALUES, *AXES)
 FEATURES: tuple[Feature, ...] = (*RESIDUAL_FEATURES, *SAMPLE_FEATURES, *timing.FEATURES)
 NUMBER = numbers_of(FEATURES)
 
@@ -40,6 +41,9 @@ def _mask(is_such: Callable[[Feature], bool]) -> Mask:
 def _begins(*names: str) -> Mask:
     return _mask(lambda feature: feature.name.startswith(names))
 
+
+OF_AXES = _mask(lambda feature: feature in AXES)
+"""Features of the axes x and y and of gravity; 0 without these."""
 
 LINEAR = _mask(lambda feature: feature.response is ResponseLaw.LINEAR)
 IS_LOG = _mask(lambda feature: feature.response is ResponseLaw.LOG_VARIANCE)
@@ -87,6 +91,8 @@ class Facts:
 
     dps_per_lsb, encoder_cpr
         One count of the rate, deg/s; counts of the encoder per turn.
+    has_axes, has_gravity
+        Whether the rig has three gyro axes, and an accelerometer, as all recordings have.
     step_dps
         The step that rates come in: a count, or the coarser step of an effect in the rig, deg/s.
     """
@@ -94,6 +100,8 @@ class Facts:
     dps_per_lsb: float
     encoder_cpr: int
     step_dps: float
+    has_axes: bool = False
+    has_gravity: bool = False
 
 
 def measure(seen: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
@@ -118,10 +126,12 @@ def measure_samples(seen: Cleaned, design: DesignMatrix, facts: Facts) -> Measur
     noise = sample_noise_of(seen, design, facts.step_dps)
     rates = rate_values_of(seen, design, facts.dps_per_lsb)
     angle = AngleValues(seen, design, 360.0 / facts.encoder_cpr)
+    axes = axes_of(seen.recording, design, has_gravity=facts.has_gravity) if facts.has_axes else None
     values = [
         *(statistic.compute(noise) for statistic in NOISE),
         *(statistic.compute(rates) for statistic in RATE_VALUES),
         *(statistic.compute(angle) for statistic in ANGLE_VALUES),
+        *(0.0 if axes is None else statistic.compute(axes) for statistic in AXES),
     ]
     return Measured(np.array(values), np.array([feature.threshold for feature in SAMPLE_FEATURES]))
 

@@ -19,6 +19,7 @@ from gyrodrift.diagnose.inference.scorer import EffectSet, Scorer
 from gyrodrift.diagnose.inference.sets import find_sets, fitted
 from gyrodrift.diagnose.inference.size import SizePosterior, size_posterior
 from gyrodrift.diagnose.inference.template import templates_of
+from gyrodrift.diagnose.inference.unseparated import with_unseparated
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import KINDS
@@ -50,14 +51,20 @@ class Conclusion(NamedTuple):
     explanation: Explanation
 
 
-def conclude(tables: Sequence[ResponseTable], tried: Sequence[Candidate], simulate: Simulate) -> Conclusion:
-    """Find the posterior and derive the verdict from it."""
+def conclude(
+    tables: Sequence[ResponseTable], tried: Sequence[Candidate], simulate: Simulate, unseparated: Sequence[str] = ()
+) -> Conclusion:
+    """Find the posterior and derive the verdict from it.
+
+    unseparated
+        Effects that were not tested, and that act like a tested one in these recordings.
+    """
     evidence = evidence_of(tables, tried)
     observation = observation_of(tables, evidence.is_compared)
     stages = np.array([GROUPS.index((feature.stage, feature.regime)) for feature in FEATURES])
     templates = {item.name: item for item in templates_of(observation, evidence.responses)}
     scorer = Scorer(observation, Groups(stages, len(GROUPS), np.logical_or.reduce(evidence.is_compared)), templates)
-    posterior = simulated_posterior(scorer, simulate)
+    posterior = with_unseparated(simulated_posterior(scorer, simulate), unseparated)
     causes = _named(scorer, posterior)
     names = tuple(cause.effect.name for cause in causes)
     explanation = Explanation(evidence, scorer, posterior, posterior.best_with(names), names)

@@ -7,6 +7,7 @@ from scipy.optimize import brentq
 from scipy.stats import t as student
 
 from gyrodrift.arrays import Floats, Mask
+from gyrodrift.diagnose.features.vector import OF_AXES
 from gyrodrift.diagnose.simulate.candidate import Candidate
 
 FAMILY_WISE_ERROR = 0.02
@@ -133,6 +134,12 @@ class Evidence:
         """(S, F) features that a session determines."""
         compared: Mask = self.sigma < NOT_COMPARED
         return compared
+
+    @property
+    def is_present(self) -> Mask:
+        """(F,) all features; those of three axes only if a session has them."""
+        present: Mask = ~OF_AXES | self.is_compared.any(axis=0)
+        return present
 
     def effects(self) -> list[Response]:
         """Responses of effects of the catalog."""

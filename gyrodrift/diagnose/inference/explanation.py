@@ -75,10 +75,11 @@ class Explanation:
         return [placed for placed in map(self.where_best, rest) if placed is not None]
 
     def where_best(self, name: str) -> Placed | None:
-        """An effect as it stands in the most probable set that holds it."""
+        """An effect as it stands in the most probable set that holds it; None if it was not simulated."""
         if name not in self.posterior.inclusion:
             return None
-        return next(placed for placed in self.posterior.best_with({name}).placed if placed.template.name == name)
+        placed_of_best = self.posterior.best_with({name}).placed
+        return next((placed for placed in placed_of_best if placed.template.name == name), None)
 
     def _fitted_without(self, row: int) -> list[Placed]:
         placed = self.placed(self.named)

@@ -89,7 +89,8 @@ class SimToRealGap:
 
 def gap_of(evidence: Evidence, after_z: Floats) -> SimToRealGap:
     """The gap of the rig, and of the rig with the causes by the z of held-out sessions, (sessions, F)."""
-    before, after, floor = by_session(evidence.z), by_session(after_z), floor_of(evidence)
+    before, after = (by_session(_present(evidence, z)) for z in (evidence.z, after_z))
+    floor = floor_of(evidence)
     rng = np.random.default_rng(SEED)
     drawn = rng.integers(len(before), size=(2000, len(before)))
     spread = [shrink_of(before[rows], after[rows], floor) for rows in drawn]
@@ -103,13 +104,18 @@ def gap_of(evidence: Evidence, after_z: Floats) -> SimToRealGap:
 
 def no_gap(evidence: Evidence) -> SimToRealGap:
     """The gap of sessions that the simulator explains: chance leaves nothing to close."""
-    before = total_of(by_session(evidence.z))
+    before = total_of(by_session(_present(evidence, evidence.z)))
     return SimToRealGap(before, before, floor_of(evidence), None, None, None)
 
 
 def floor_of(evidence: Evidence) -> float:
     """RMS of the simulator against itself."""
-    return total_of(by_session(evidence.nulls.reshape(-1, evidence.nulls.shape[-1])))
+    return total_of(by_session(_present(evidence, evidence.nulls.reshape(-1, evidence.nulls.shape[-1]))))
+
+
+def _present(evidence: Evidence, z: Floats) -> Floats:
+    """(…, some) columns of the features that the sessions have."""
+    return np.compress(evidence.is_present, z, axis=1)
 
 
 def by_session(z: Floats) -> Floats:

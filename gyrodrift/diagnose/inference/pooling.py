@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.vector import LINEAR, NUMBER, REGRESSORS_OF_MOTION
+from gyrodrift.diagnose.features.vector import LINEAR, NUMBER, OF_AXES, REGRESSORS_OF_MOTION
 from gyrodrift.diagnose.inference.evidence import NOT_COMPARED, Evidence, Response
 from gyrodrift.diagnose.inference.log_variances import scaled, straight
 from gyrodrift.diagnose.inference.nulls import pooled_nulls
@@ -74,12 +74,13 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
 
 
 def absent_of(tables: Sequence[ResponseTable]) -> Mask:
-    """(sessions, F) regressors that some replays of a session have and others have not."""
+    """(sessions, F) regressors that some replays of a session have and others have not, and axes that it has not."""
     shares = np.array([(table.nulls == 0.0).mean(axis=0) for table in tables])
     differs = np.array([table.difference != 0.0 for table in tables])
     # A regressor that so many replays lack is on the edge of being one.
     is_absent: Mask = REGRESSORS_OF_MOTION & (shares > 0.1) & (differs | (shares < 1.0))
-    return is_absent
+    lacks_axes: Mask = OF_AXES & ~differs & (shares == 1.0)
+    return is_absent | lacks_axes
 
 
 def _response(tables: Sequence[ResponseTable], candidate: Candidate, unexplained: Floats, sigma: Floats) -> Response:

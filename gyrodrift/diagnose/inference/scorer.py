@@ -24,7 +24,7 @@ from gyrodrift.diagnose.simulate.response_table import SimulatedSet, Sized
 Values = TypeVar("Values", float, Floats)
 
 EFFECT, OUT_OF_CATALOGUE = 0.03, 0.01
-"""Prior probability of an effect, and of an out-of-catalog form. Chosen: of 27 effects, about one acts."""
+"""Prior probability of an effect, and of an out-of-catalog form. Chosen: of 28 effects, about one acts."""
 
 EXACT, CLOSE_TO_IT, USUAL, RESEMBLING = 0.02, 0.05, 0.1, 0.4
 """Relative standard deviation of each feature of an effect about its simulation, called the form error. An effect with
@@ -110,7 +110,8 @@ class EffectSet:
 
 def log_prior_of(template: Template) -> float:
     """Log prior odds that an effect acts."""
-    prior = OUT_OF_CATALOGUE if template.is_out_of_catalogue else EFFECT
+    candidate = template.responses[0].candidate
+    prior = OUT_OF_CATALOGUE if candidate.is_out_of_catalogue else EFFECT * candidate.prior_share
     return float(np.log(prior / (1.0 - prior)))
 
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.inference.ridge import pair_in, placed_together
 from gyrodrift.diagnose.inference.scorer import (
     CLOSE_TO_IT,
     EXACT,
@@ -115,7 +116,9 @@ def extended(scorer: Scorer, frontier: Sequence[EffectSet]) -> dict[frozenset[st
 
 
 def _with(scorer: Scorer, base: EffectSet, template: Template) -> EffectSet:
-    """A set with an additional template, summed over its coarse points only."""
+    """A set with an additional template, summed over its coarse points only; what acts alike is fitted together."""
+    if pair_in([*base.names, template.name]) not in (None, pair_in(base.names)):
+        return fitted(scorer, EffectSet((*base.placed, Placed(template, 0)), 0.0, 0.0))
     coarse = template.subset(template.coarse)
     densities = scorer.along(coarse, base.placed)
     scale = log_sum(template.log_prior) - log_sum(coarse.log_prior)
@@ -134,7 +137,7 @@ def _best(densities: Densities, log_prior: Floats) -> int:
 
 def fitted(scorer: Scorer, effect_set: EffectSet) -> EffectSet:
     """The best point of each effect beside the best of the others, and evidence by equation (3)."""
-    placed = list(effect_set.placed)
+    placed = placed_together(scorer, effect_set.placed)
     if not placed:
         return scorer.nothing()
     for _ in range(2 if len(placed) > 1 else 1):

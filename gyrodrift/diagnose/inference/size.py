@@ -7,6 +7,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.evidence import Response
+from gyrodrift.diagnose.inference.ridge import pair_in, summed_along
 from gyrodrift.diagnose.inference.scorer import EffectSet, Scorer
 from gyrodrift.diagnose.inference.sets import profile_of
 
@@ -31,7 +32,10 @@ class SizePosterior:
 
 
 def size_posterior(scorer: Scorer, effect_set: EffectSet, name: str, power: float) -> SizePosterior:
-    """Quantiles of the sizes in the most probable variant, weighted by prior and density to a power."""
+    """Quantiles of the sizes in the most probable variant, weighted by prior and density to a power.
+
+    The size of an effect that acts like another effect of the set is summed over the sizes of that one.
+    """
     fixed = [placed for placed in effect_set.placed if placed.template.name != name]
     profile = profile_of(scorer, name, fixed)
     response = int(profile.best.template.response[profile.best.point])
@@ -42,6 +46,9 @@ def size_posterior(scorer: Scorer, effect_set: EffectSet, name: str, power: floa
             log_density = np.logaddexp(*scorer.with_priors(*densities, power))
             sizes.append(template.size[is_same])
             log_weights.append((log_density + template.log_prior)[is_same])
+    pair = pair_in(effect_set.names)
+    if pair is not None and name in pair:
+        sizes, log_weights = ([values] for values in summed_along(scorer, effect_set.placed, name, power))
     low, median, high = quantiles(np.concatenate(sizes), np.concatenate(log_weights), CREDIBLE)
     best = profile.best.template.responses[response]
     return SizePosterior(best, median, low, high, *open_ends(best.candidate.sizes, low, high))

@@ -50,7 +50,7 @@ class FeatureComparison:
 def feature_comparisons_of(
     explanation: Explanation, simulated: Floats, designs: Sequence[DesignMatrix]
 ) -> tuple[FeatureComparison, ...]:
-    """Of every feature, in the order of FEATURES.
+    """Of every feature that the sessions have, in the order of FEATURES.
 
     simulated
         (sessions, F) features of the rig as it stands, driven through each session's motion.
@@ -73,7 +73,8 @@ def feature_comparisons_of(
             after=_band(reading, middle + change[:, at], spread[:, at], by),
         )
 
-    return tuple(compared(at, feature) for at, feature in enumerate(FEATURES))
+    is_present = evidence.is_present
+    return tuple(compared(at, feature) for at, feature in enumerate(FEATURES) if is_present[at])
 
 
 def _band(reading: FeatureReading, middle: Floats, sigma: Floats, by: Floats) -> Band:

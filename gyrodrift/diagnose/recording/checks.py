@@ -11,6 +11,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.delay import SmoothedRates, best_lag, smoothed_rates
+from gyrodrift.diagnose.recording.gravity import gravity_of
 from gyrodrift.diagnose.recording.outliers import granularity
 from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.errors import DataError
@@ -24,6 +25,10 @@ TOGETHER_S = 60.0
 
 LAG_S = 0.25
 """More than this between encoder and gyro is a recorder that joined them wrongly, not a sensor's delay."""
+
+
+TABLE_TILT = 0.02
+"""Tangent of a tilt of the table that is remarked on, about 1 deg. Chosen: tables by hand are as level."""
 
 
 class CheckedRecording(NamedTuple):
@@ -125,15 +130,30 @@ def _unit(smoothed: Smoothed) -> Finding | None:
     if wrong is None:
         return None
     factor, what = wrong
-    scaled = replace(smoothed.recording, rate_dps=smoothed.recording.rate_dps * factor)
+    across_dps = smoothed.recording.gyro_xy_dps
+    scaled = replace(
+        smoothed.recording,
+        rate_dps=smoothed.recording.rate_dps * factor,
+        gyro_xy_dps=None if across_dps is None else across_dps * factor,
+    )
     remark = f"the rate {what}; it was multiplied by {factor:.4g}"
     return Finding(remark, Smoothed(scaled, smoothed.rates.with_gyro_times(factor)))
+
+
+def _level(smoothed: Smoothed) -> Finding | None:
+    recording, rates = smoothed.recording, smoothed.rates
+    gravity = gravity_of(recording, filled(recording.encoder_deg), rates.encoder_dps)
+    if gravity is None or not gravity.turning > TABLE_TILT:
+        return None
+    tilt_deg = np.degrees(np.arctan(gravity.turning))
+    remark = f"the table is tilted by {tilt_deg:.1f} deg: gravity moves once per turn in the frame of the sensor"
+    return Finding(remark, smoothed)
 
 
 CHECKS: tuple[Check, ...] = (_length, _motion)
 """Of every recording."""
 
-MOTION_CHECKS: tuple[Check, ...] = (_alignment, _sign, _unit)
+MOTION_CHECKS: tuple[Check, ...] = (_alignment, _sign, _unit, _level)
 """Of one that moves."""
 
 

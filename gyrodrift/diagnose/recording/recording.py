@@ -10,8 +10,8 @@ from gyrodrift.errors import DataError
 from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.session import Session
 
-MOST_DPS, MOST_DEG, MOST_S = 1e6, 1e9, 1e12
-"""Rates in any unit that a gyro was ever read in, a reference that turned for years, clocks in any unit."""
+MOST_DPS, MOST_DEG, MOST_S, MOST_MPS2 = 1e6, 1e9, 1e12, 1e6
+"""Rates in any unit that a gyro was ever read in, a reference that turned for years, clocks and forces in any unit."""
 
 SHORTEST_S, LONGEST_S = 1e-5, 1.0
 """Between two samples: what a rig may be asked to play, and a little more."""
@@ -19,7 +19,7 @@ SHORTEST_S, LONGEST_S = 1e-5, 1.0
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """Measurements by number; every array has the shape (n,), with NaN where the sample is missing.
+    """Measurements by number; arrays have the shape (n,) unless stated, with NaN where the sample is missing.
 
     period_s
         True distance of two samples: by the host's clock where there is one, by the device's elsewhere.
@@ -35,6 +35,9 @@ class Recording:
         Whether samples that are missing are known from a counter.
     host_ahead_s
         What the host's clock said more than the device's at first, s; None without a host's clock.
+    gyro_xy_dps, accel_mps2
+        Rates about x and y, deg/s, shape (n, 2), and specific force, m/s², shape (n, 3), of a sensor with three axes;
+        None without them.
     """
 
     name: str
@@ -49,6 +52,8 @@ class Recording:
     disordered: int
     has_counter: bool
     host_ahead_s: float | None = None
+    gyro_xy_dps: Floats | None = None
+    accel_mps2: Floats | None = None
 
     @property
     def moves(self) -> bool:
@@ -84,7 +89,7 @@ def recording_of(session: Session, samples: int | None = None) -> Recording:
     def spread(values: Floats | None) -> Floats | None:
         if values is None or not np.isfinite(values).any():
             return None
-        out = np.full(length, np.nan)
+        out = np.full((length, *values.shape[1:]), np.nan)
         out[place] = values[taken]
         return out
 
@@ -108,6 +113,8 @@ def recording_of(session: Session, samples: int | None = None) -> Recording:
         disordered=found.disordered,
         has_counter=session.seq is not None,
         host_ahead_s=_host_ahead_s(session),
+        gyro_xy_dps=spread(None if session.gyro_dps is None else session.gyro_dps[:, :2]),
+        accel_mps2=spread(session.accel_mps2),
     )
 
 
@@ -122,6 +129,8 @@ def _check_values(session: Session) -> None:
     for values, most, what in (
         (session.rate_dps, MOST_DPS, "a rate of {:g} deg/s"),
         (session.encoder_deg, MOST_DEG, "an angle of {:g} degrees"),
+        (session.gyro_dps, MOST_DPS, "a rate of {:g} deg/s"),
+        (session.accel_mps2, MOST_MPS2, "an acceleration of {:g} m/s²"),
         (session.t_device_s, MOST_S, "a device time of {:g} s"),
         (session.t_host_s, MOST_S, "a host time of {:g} s"),
     ):

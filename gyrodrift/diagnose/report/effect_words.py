@@ -1,6 +1,7 @@
 """Effects and deviations in plain words, with their sign and size."""
 
 from collections.abc import Callable, Mapping
+from math import cos, radians
 
 from gyrodrift.diagnose.inference.gap import Deviation
 from gyrodrift.diagnose.inference.verdict import NamedCause
@@ -24,6 +25,11 @@ def _rises(value: float) -> str:
     return "rises" if value > 0.0 else "falls"
 
 
+def _lost(tilt_deg: float) -> float:
+    """Percent of the rate that a tilt takes."""
+    return 100.0 * (1.0 - cos(radians(tilt_deg)))
+
+
 def _scale_asymmetry(values: Values) -> str:
     error = values["error_percent"]
     return f"the rate reads {_size(error)} % too {_high(error)} counter-clockwise and too {_high(-error)} clockwise"
@@ -35,6 +41,9 @@ def _warmup(values: Values) -> str:
 
 
 SENTENCES: dict[str, Callable[[Values], str]] = {
+    "misalignment": lambda v: (
+        f"the sensor is tilted by {_size(v['tilt_deg'])}°: the rate reads {_size(_lost(v['tilt_deg']))} % too low"
+    ),
     "scale_factor": lambda v: f"the rate reads {_size(v['error_percent'])} % too {_high(v['error_percent'])}",
     "scale_asymmetry": _scale_asymmetry,
     "nonlinearity": lambda v: (

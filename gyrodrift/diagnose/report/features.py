@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from gyrodrift.diagnose.features.feature import WHEN
-from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.inference.evidence import FAMILY_WISE_ERROR
 from gyrodrift.diagnose.inference.gap import WORST_Z, Deviation
 from gyrodrift.diagnose.inference.verdict import Verdict
@@ -16,11 +15,17 @@ from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.html import figure, headings, panels, paragraph, section, span, table, text
 
 MEASURED = (
-    f"The simulator was driven through the motion of each recording, and {len(FEATURES)} features were measured on "
-    "both: single numbers, such as by how much the rate error grows with the rate. The deviation of a feature is the "
+    "single numbers, such as by how much the rate error grows with the rate. The deviation of a feature is the "
     "difference between the two in units of σ, the standard deviation that it has between two runs of the simulator "
     "alone, with an allowance for differences too small to matter for yaw."
 )
+
+
+def _measured(diagnosis: Diagnosis) -> str:
+    return (
+        "The simulator was driven through the motion of each recording, and "
+        f"{len(diagnosis.features)} features were measured on both: {MEASURED}"
+    )
 
 
 def features(diagnosis: Diagnosis) -> str:
@@ -47,15 +52,15 @@ def _listed(diagnosis: Diagnosis) -> list[FeatureComparison]:
 def _introduction(diagnosis: Diagnosis) -> str:
     corrected = ", or by as much from the corrected simulator, in which the named causes act at their fitted sizes"
     return (
-        f"{MEASURED} Listed is every feature that deviates by more than {number(diagnosis.threshold_z)} σ over all "
-        f"sessions{corrected * bool(diagnosis.verdict.acting)}. {_family_wise(diagnosis)}"
+        f"{_measured(diagnosis)} Listed is every feature that deviates by more than {number(diagnosis.threshold_z)} σ "
+        f"over all sessions{corrected * bool(diagnosis.verdict.acting)}. {_family_wise(diagnosis)}"
     )
 
 
 def _family_wise(diagnosis: Diagnosis) -> str:
     """The meaning of the threshold."""
     return (
-        f"Chance alone takes one of the {len(FEATURES)} features beyond {number(diagnosis.threshold_z)} σ in "
+        f"Chance alone takes one of the {len(diagnosis.features)} features beyond {number(diagnosis.threshold_z)} σ in "
         f"{number(100.0 * FAMILY_WISE_ERROR)} % of such sets of sessions."
     )
 
@@ -63,8 +68,9 @@ def _family_wise(diagnosis: Diagnosis) -> str:
 def _nowhere(diagnosis: Diagnosis) -> str:
     worst = max(diagnosis.features, key=lambda comparison: abs(comparison.z_before))
     return (
-        f"Nowhere. {MEASURED} The largest deviation is {deviates(worst.z_before)} σ ({text(worst.feature.says)}); only "
-        f"more than {number(diagnosis.threshold_z)} σ counts. {_family_wise(diagnosis)}"
+        f"Nowhere. {_measured(diagnosis)} The largest deviation is {deviates(worst.z_before)} σ "
+        f"({text(worst.feature.says)}); only more than {number(diagnosis.threshold_z)} σ counts. "
+        f"{_family_wise(diagnosis)}"
     )
 
 

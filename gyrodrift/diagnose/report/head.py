@@ -2,7 +2,6 @@
 
 from math import sqrt
 
-from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.inference.gap import SimToRealGap
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict
 from gyrodrift.diagnose.report.beforehand import against, baseline, doubts, headline_of
@@ -194,7 +193,7 @@ def _gap_tile(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict.causes:
         rows = [*_closed(gap), before, (NAMES[2], sigmas(gap.after)), floor]
     judged = "held-out sessions" if len(diagnosis.sessions) > 1 else "the session it was fitted on"
-    return tile(f"Sim-to-real gap on {judged}, RMS over {len(FEATURES)} features", rows)
+    return tile(f"Sim-to-real gap on {judged}, RMS over {len(diagnosis.features)} features", rows)
 
 
 def _closed(gap: SimToRealGap) -> list[tuple[str, str]]:

@@ -32,6 +32,7 @@ class Need(StrEnum):
     TEMPERATURE = "temperature"
     HOST = "host"
     COUNTER = "counter"
+    AXES = "axes"
 
 
 class Touches(Enum):
@@ -65,6 +66,8 @@ class Hints:
         Distance of two samples, and of two bunches of them at the host; 0 where there are none.
     dps_per_lsb
         Steps of the rate as the rig has them.
+    lean_deg
+        Direction in which the turn leans from the yaw axis, from x to y; 0 without three axes.
     """
 
     line_hz: float
@@ -77,6 +80,7 @@ class Hints:
     sample_period_s: float
     bunch_s: float
     dps_per_lsb: float
+    lean_deg: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,6 +136,8 @@ class Candidate:
         linear, sizes are what comes on top.
     shape
         Of an out-of-catalogue model: what is added to the rate.
+    prior_share
+        As in `CandidateKind`.
     """
 
     name: str
@@ -149,6 +155,7 @@ class Candidate:
     is_phase_free: bool = False
     in_rig: Effect | None = None
     shape: Shape | None = None
+    prior_share: float = 1.0
 
     @property
     def stage(self) -> str:
@@ -214,6 +221,11 @@ class CandidateKind:
         Whether the effect acts the more, the smaller its parameter is.
     is_read_off
         Whether the recordings show its size or height: at typical size it would show in any of them.
+    prior_share
+        Prior probability, in shares of that of other effects.
+    acts_like
+        Name of an effect that changes recordings without `needs` in the same way, with a negative size. Such
+        recordings leave both possible.
     """
 
     name: str
@@ -229,6 +241,8 @@ class CandidateKind:
     of_size: Callable[[float], float] = float
     less_is_more: bool = False
     is_read_off: bool = False
+    prior_share: float = 1.0
+    acts_like: str | None = None
 
     def candidates(self, hints: Hints, in_rig: Effect | None = None, *, is_phase_free: bool = False) -> list[Candidate]:
         """One for each variant; of an effect that the rig has already, what changes it."""
@@ -255,6 +269,7 @@ class CandidateKind:
             is_exact=self.is_exact,
             phase_deg=variant.phase_deg,
             is_phase_free=is_phase_free and variant.phase_deg is not None,
+            prior_share=self.prior_share,
         )
 
     def _on_top(self, variant: Variant, in_rig: Effect) -> Candidate:

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.features.axes import turn_lean
 from gyrodrift.diagnose.features.sample_values import LEAK, NEAR_ZERO_DPS
 from gyrodrift.diagnose.features.spectral_line import spectral_line
 from gyrodrift.diagnose.recording.order_statistics import DECIMALS, distinct
@@ -47,7 +48,14 @@ def hints_of(subjects: Sequence[Subject]) -> Hints:
         sample_period_s=min(recording.period_s for recording in recordings),
         bunch_s=_median([_tick_s(recording) or _bunch_s(recording) for recording in recordings]),
         dps_per_lsb=_median(lsb_dps),
+        lean_deg=_lean_deg(subjects),
     )
+
+
+def _lean_deg(subjects: Sequence[Subject]) -> float:
+    """Direction of the mean lean of the turn in the sensor, from x to y."""
+    leans = [turn_lean(subject.seen.recording, subject.design) for subject in subjects]
+    return float(np.degrees(np.arctan2(sum(lean.y for lean in leans), sum(lean.x for lean in leans))))
 
 
 def _usual(every: Sequence[Floats]) -> float:

@@ -84,7 +84,10 @@ class Subject:
     @property
     def facts(self) -> Facts:
         """What the rig states."""
-        return Facts(self.rig.base.dps_per_lsb, self.rig.base.encoder_cpr, gyro_model_of(self.rig).count_dps)
+        base, axes = self.rig.base, self.rig.base.three_axes
+        has_gravity = axes is not None and axes.mps2_per_lsb > 0.0
+        step_dps = gyro_model_of(self.rig).count_dps
+        return Facts(base.dps_per_lsb, base.encoder_cpr, step_dps, axes is not None, has_gravity)
 
     def with_noise(self, share: float) -> "Subject":
         """The same with the noise of the rig multiplied."""

