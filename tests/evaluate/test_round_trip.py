@@ -38,13 +38,13 @@ def rig(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def diagnosed(folder: Path, rig: Path, effect: str) -> dict[str, Any]:
-    """`gap.json` of simulated sessions with an effect."""
+def diagnosed(folder: Path, rig: Path, *effects: str, axes: int = 1) -> dict[str, Any]:
+    """`gap.json` of simulated sessions with some effects; the rig of the diagnosis has one axis."""
     motion, sessions, report = folder / "motion.yaml", folder / "sessions", folder / "report"
     motion.write_text(MOTION)
     common = ["--rig", str(rig), "--quiet"]
-    made = ["--out", str(sessions), "--profile", str(motion), "--effect", effect, *SIZE, *common]
-    assert main(["simulate", *made]) == 0
+    made = ["--out", str(sessions), "--profile", str(motion), "--axes", str(axes), *SIZE, *common]
+    assert main(["simulate", *made, *(word for effect in effects for word in ("--effect", effect))]) == 0
     withheld = [word for name in SLOW for word in ("--withhold", name)]
     assert main(["diagnose", str(sessions), "--out", str(report), "--jobs", "1", *withheld, *common]) == 0
     gap: dict[str, Any] = json.loads((report / "gap.json").read_text())
@@ -71,3 +71,47 @@ def test_a_simulated_effect_is_named_with_its_size(
     assert names_first_or_tied(gap, effect.partition(":")[0])
     sizes = gap["causes"][0]["parameters"][parameter]
     assert 0.95 * sizes["low"] < size < 1.05 * sizes["high"]
+
+
+def sizes_of(gap: dict[str, Any]) -> dict[str, float]:
+    """Size of each cause."""
+    return {cause["effect"]: next(iter(cause["parameters"].values()))["value"] for cause in gap["causes"]}
+
+
+TILTED, LOW, HIGH = (
+    "misalignment:tilt_deg=12,about_deg=70",
+    "scale_factor:error_percent=-2",
+    "scale_factor:error_percent=3",
+)
+CHIP = ("gyro_cross_axis", "accel_bias", "accel_misalignment")
+"""Errors of a chip with three axes at their typical sizes."""
+
+
+@pytest.mark.parametrize(
+    ("effects", "sizes"),
+    [
+        ((), {}),
+        (CHIP, {}),
+        ((TILTED,), {"misalignment": 12.0}),
+        ((LOW,), {"scale_factor": -2.0}),
+        ((TILTED, HIGH), {"misalignment": 12.0, "scale_factor": 3.0}),
+        ((TILTED, *CHIP), {"misalignment": 12.0}),
+    ],
+)
+def test_three_axes_tell_a_tilted_sensor_from_a_scale_error(
+    tmp_path: Path, rig: Path, effects: tuple[str, ...], sizes: dict[str, float]
+) -> None:
+    """Alone, both at once, and beside the errors of a chip; nothing is tied."""
+    gap = diagnosed(tmp_path, rig, *effects, axes=3)
+    assert sizes_of(gap) == pytest.approx(sizes, rel=0.15)
+    assert not any(cause["tied_with"] for cause in gap["causes"])
+    assert gap["verdict"] == ("effect" if sizes else "none")
+
+
+@pytest.mark.parametrize("effect", [TILTED, LOW])
+def test_one_axis_leaves_a_tilted_sensor_tied_with_a_scale_error(tmp_path: Path, rig: Path, effect: str) -> None:
+    """The scale error first by its prior; three axes are what to record next."""
+    gap = diagnosed(tmp_path, rig, effect)
+    (cause,) = gap["causes"]
+    assert (cause["effect"], cause["tied_with"]) == ("scale_factor", ["misalignment"])
+    assert gap["next"].startswith("Record with three axes")

@@ -110,8 +110,7 @@ class EffectSet:
 
 def log_prior_of(template: Template) -> float:
     """Log prior odds that an effect acts."""
-    candidate = template.responses[0].candidate
-    prior = OUT_OF_CATALOGUE if candidate.is_out_of_catalogue else EFFECT * candidate.prior_share
+    prior = OUT_OF_CATALOGUE if template.is_out_of_catalogue else EFFECT
     return float(np.log(prior / (1.0 - prior)))
 
 

@@ -136,8 +136,6 @@ class Candidate:
         linear, sizes are what comes on top.
     shape
         Of an out-of-catalogue model: what is added to the rate.
-    prior_share
-        As in `CandidateKind`.
     """
 
     name: str
@@ -155,7 +153,6 @@ class Candidate:
     is_phase_free: bool = False
     in_rig: Effect | None = None
     shape: Shape | None = None
-    prior_share: float = 1.0
 
     @property
     def stage(self) -> str:
@@ -221,8 +218,6 @@ class CandidateKind:
         Whether the effect acts the more, the smaller its parameter is.
     is_read_off
         Whether the recordings show its size or height: at typical size it would show in any of them.
-    prior_share
-        Prior probability, in shares of that of other effects.
     acts_like
         Name of an effect that changes recordings without `needs` in the same way, with a negative size. Such
         recordings leave both possible.
@@ -241,7 +236,6 @@ class CandidateKind:
     of_size: Callable[[float], float] = float
     less_is_more: bool = False
     is_read_off: bool = False
-    prior_share: float = 1.0
     acts_like: str | None = None
 
     def candidates(self, hints: Hints, in_rig: Effect | None = None, *, is_phase_free: bool = False) -> list[Candidate]:
@@ -269,7 +263,6 @@ class CandidateKind:
             is_exact=self.is_exact,
             phase_deg=variant.phase_deg,
             is_phase_free=is_phase_free and variant.phase_deg is not None,
-            prior_share=self.prior_share,
         )
 
     def _on_top(self, variant: Variant, in_rig: Effect) -> Candidate:

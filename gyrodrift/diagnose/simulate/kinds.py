@@ -34,10 +34,6 @@ CUTOFFS_HZ, ORDERS = (60.0, 30.0, 15.0, 7.0, 3.0, 1.2, 0.5), (1, 2)
 REALISATIONS = 12
 """Realisations of an effect whose slow disturbance takes milliseconds; two sessions have more than thirty."""
 
-TILT_SHARE = 0.1
-"""Prior probability of a tilted sensor in shares of that of another effect. Chosen: most gyros have a scale error of
-0.5 to 3 % (data sheets), and a tilt that takes as much is 6 to 14°, which shows to the eye."""
-
 LAG = "lag"
 """Group of effects and forms by which a rate comes late."""
 
@@ -123,7 +119,7 @@ EFFECTS = (
         hinted("about_deg", lambda hints: hints.lean_deg - 90.0, 1.5, 3.0, 5.0, 8.0, 12.0, 17.0, 23.0, 30.0),
         "the sensor is tilted, so that the rate reads its cosine",
         "scale", (Need.MOTION, Need.AXES), Touches.VALUES, is_exact=True, matters_from=2.0,
-        prior_share=TILT_SHARE, acts_like="scale_factor",
+        acts_like="scale_factor",
     ),
     CandidateKind(
         "deadband", "width_dps", read_off(lambda hints: hints.least_dps), "rates below a width read zero",

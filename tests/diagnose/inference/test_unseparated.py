@@ -5,8 +5,7 @@ from inference_support import Amounts, simulated, simulator, tables
 from signed_support import simulated_either_way
 
 from gyrodrift.diagnose.inference.conclusion import Conclusion, conclude
-from gyrodrift.diagnose.inference.unseparated import with_unseparated
-from gyrodrift.diagnose.simulate.kinds import TILT_SHARE
+from gyrodrift.diagnose.inference.unseparated import ODDS, with_unseparated
 
 TRIED = (
     simulated_either_way("scale_factor", {"rate": 2.0, "lag": 1.0}),
@@ -30,7 +29,7 @@ def test_a_rate_that_is_too_low_may_be_a_tilt() -> None:
     (alone,) = concluded(LOW).verdict.causes
     assert cause.parameters == alone.parameters
     assert cause.group_probability == pytest.approx(alone.probability)
-    assert cause.probability == pytest.approx(alone.probability / (1.0 + 2.0 * TILT_SHARE))
+    assert cause.probability == pytest.approx(alone.probability / (1.0 + ODDS))
 
 
 def test_a_rate_that_is_too_high_is_no_tilt() -> None:

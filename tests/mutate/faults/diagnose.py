@@ -195,4 +195,28 @@ FAULTS = (
         "A table trembles where it turns calmly.",
         QUICK_TESTS,
     ),
+    Fault(
+        "diagnose/tilt-raises-rate",
+        f"{INFERENCE}/unseparated.py",
+        "any(size < 0.0 for size in sizes)",
+        "any(size > 0.0 for size in sizes)",
+        "A rate that is too high ties with a tilted sensor.",
+        (f"{UNITS}/test_unseparated.py",),
+    ),
+    Fault(
+        "diagnose/ridge-not-climbed",
+        f"{INFERENCE}/ridge.py",
+        "    i, j = _best_pair(scorer, first, second, fixed)\n    first, second =",
+        "    i, j = 0, 0\n    first, second =",
+        "A tilt beside a scale error stays at the smallest size.",
+        (f"{UNITS}/test_ridge.py",),
+    ),
+    Fault(
+        "diagnose/table-tilts-sensor",
+        "gyrodrift/diagnose/recording/gravity.py",
+        "[np.cos(turn), np.sin(turn), np.deg2rad(rate_dps) ** 2] if turns else []",
+        "[np.cos(turn), np.sin(turn), 0.0 * turn] if turns else []",
+        "A sensor off the axis of its table counts as tilted.",
+        ("tests/diagnose/recording/test_gravity.py",),
+    ),
 )
