@@ -8,7 +8,6 @@ from pydantic import Field
 
 from firmware_sim.effects.effect import Act, Effect, EffectSlot, Floats, Rng
 from firmware_sim.effects.triaxial.effect import Sensed, TriaxialAct
-from firmware_sim.effects.triaxial.matrices import rotation_matrix
 
 
 class Misalignment(Effect):
@@ -23,7 +22,7 @@ class Misalignment(Effect):
     tilt_deg: Annotated[float, Field(ge=0.0, le=80.0)]
     about_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = 0.0
     stage: ClassVar[str] = "sensor"
-    slot: ClassVar[EffectSlot] = EffectSlot.RATE
+    slot: ClassVar[EffectSlot] = EffectSlot.ANALOG
     typical: ClassVar[dict[str, float]] = {"tilt_deg": 10.0, "about_deg": 0.0}
     small: ClassVar[dict[str, float]] = {"tilt_deg": 4.0, "about_deg": 0.0}
 
@@ -39,5 +38,13 @@ class Misalignment(Effect):
 
     def matrix(self) -> Floats:
         """Values along the axes of the sensor for a vector in the frame of the table, shape (3, 3)."""
-        about = radians(self.about_deg)
-        return rotation_matrix(self.tilt_deg * np.array([cos(about), sin(about), 0.0])).T
+        tilt, about = radians(self.tilt_deg), radians(self.about_deg)
+        along, across, lean, kept = cos(about), sin(about), sin(tilt), cos(tilt)
+        rest = 1.0 - kept  # Rodrigues, about the level axis (along, across, 0)
+        return np.array(
+            [
+                [kept + rest * along**2, rest * along * across, -lean * across],
+                [rest * along * across, kept + rest * across**2, lean * along],
+                [lean * across, -lean * along, kept],
+            ]
+        )

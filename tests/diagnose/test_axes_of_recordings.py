@@ -13,13 +13,13 @@ from gyrodrift.diagnose.simulate.candidate import Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.stages import axes_remarks, with_recorded_axes, with_stated_axes
 
-ONE = Rig()
-THREE = with_axes(ONE, 3)
+SINGLE = Rig()
+THREE = with_axes(SINGLE, 3)
 HINTS = Hints(20.0, 20.0, 0.5, 0.01, 0.01, 0.01, 200.0, 0.01, 0.0, 0.01)
 
 
 def recording(*, axes: bool = False, gravity: bool = False) -> Recording:
-    """As far as the choice of axes looks at it."""
+    """Fields of a recording that decide on its axes."""
     values = np.zeros((10, 3))
     columns = {
         "gyro_xy_dps": values[:, :2] if axes else None,
@@ -41,8 +41,8 @@ def axes_of(rig: Rig) -> ThreeAxes | None:
 
 def test_recordings_with_three_axes_give_the_rig_three() -> None:
     """With an accelerometer if all have one; the rest of the rig stays."""
-    assert with_recorded_axes(ONE, [SIX, SIX]) == THREE
-    axes = axes_of(with_recorded_axes(ONE, [SIX, GYRO]))
+    assert with_recorded_axes(SINGLE, [SIX, SIX]) == THREE
+    axes = axes_of(with_recorded_axes(SINGLE, [SIX, GYRO]))
     assert axes is not None
     assert axes.mps2_per_lsb == 0.0
     assert with_recorded_axes(THREE, [SIX]) == THREE
@@ -51,20 +51,20 @@ def test_recordings_with_three_axes_give_the_rig_three() -> None:
 @pytest.mark.parametrize("recordings", [[YAW], [SIX, YAW]])
 def test_a_recording_of_the_yaw_rate_alone_leaves_one_axis(recordings: list[Recording]) -> None:
     """Also beside others; the rig that is written keeps the axes that it states."""
-    assert axes_of(with_recorded_axes(ONE, recordings)) is None
+    assert axes_of(with_recorded_axes(SINGLE, recordings)) is None
     single = with_recorded_axes(THREE, recordings)
     assert axes_of(single) is None
     assert with_stated_axes(single, THREE) == THREE
-    assert with_stated_axes(single, ONE) == single
+    assert with_stated_axes(single, SINGLE) == single
 
 
 def test_a_difference_of_axes_is_remarked_on() -> None:
     """None without a difference."""
-    assert axes_remarks(ONE, [YAW, YAW]) == axes_remarks(THREE, [SIX, GYRO]) == []
-    (three,), (one,) = axes_remarks(ONE, [SIX]), axes_remarks(THREE, [YAW])
-    assert "the recordings have three axes, and the rig has one" in three
-    assert "the rig has three axes, and the recordings have one" in one
-    (some,) = axes_remarks(ONE, [SIX, YAW])
+    assert axes_remarks(SINGLE, [YAW, YAW]) == axes_remarks(THREE, [SIX, GYRO]) == []
+    (lacks,), (exceeds,) = axes_remarks(SINGLE, [SIX]), axes_remarks(THREE, [YAW])
+    assert "the recordings have three axes, and the rig has one" in lacks
+    assert "the rig has three axes, and the recordings have one" in exceeds
+    (some,) = axes_remarks(SINGLE, [SIX, YAW])
     assert "only 1 of 2 recordings have three axes" in some
 
 

@@ -49,9 +49,9 @@ def summed_along(scorer: Scorer, placed: Sequence[Placed], name: str, power: flo
     """Sizes of an effect, (P,), and their log posterior, summed over the sizes of the effect that acts alike."""
     own = next(item for item in placed if item.template.name == name)
     pair = pair_in([item.template.name for item in placed])
-    other = next(item for item in placed if pair is not None and item.template.name in {*pair} - {name})
-    fixed = [item for item in placed if item not in (own, other)]
-    first, second = (_around(scorer, item) for item in (own, other))
+    partner = next(item for item in placed if pair is not None and item.template.name in {*pair} - {name})
+    fixed = [item for item in placed if item is not own and item is not partner]
+    first, second = (_around(scorer, item) for item in (own, partner))
     log_weights = log_posterior(scorer, first, second, fixed, power)
     return first.size, np.logaddexp.reduce(log_weights, axis=1)
 

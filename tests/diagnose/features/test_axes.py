@@ -1,4 +1,4 @@
-"""What three axes show of the mounting of a sensor: sines of its tilt, from the turn and from gravity."""
+"""Features of the mounting of a sensor with three axes: sines of its tilt, from the turn and from gravity."""
 
 from dataclasses import replace
 
@@ -26,8 +26,8 @@ def tilted(tilt_deg: float, gravity_deg: float | None = None) -> Recording:
 
 
 def values(recording: Recording, facts: Facts = THREE) -> dict[str, float]:
-    found = measure(cleaned(recording), true_design(), facts).values
-    return {name: float(found[NUMBER[name]]) for name in ("turn_across", "gravity_across")}
+    features = measure(cleaned(recording), true_design(), facts).values
+    return {name: float(features[NUMBER[name]]) for name in ("turn_across", "gravity_across")}
 
 
 @pytest.mark.parametrize("tilt_deg", [3.0, 12.0])
@@ -50,9 +50,9 @@ def test_a_scale_error_shows_in_neither() -> None:
 
 def test_gravity_and_turn_are_measured_apart() -> None:
     """A bias of the accelerometer leans gravity alone."""
-    found = values(tilted(0.0, gravity_deg=5.0))
-    assert found["turn_across"] < 0.002
-    assert found["gravity_across"] == pytest.approx(np.sin(np.deg2rad(5.0)), abs=0.002)
+    features = values(tilted(0.0, gravity_deg=5.0))
+    assert features["turn_across"] < 0.002
+    assert features["gravity_across"] == pytest.approx(np.sin(np.deg2rad(5.0)), abs=0.002)
 
 
 def test_the_direction_of_the_lean_is_known() -> None:
@@ -62,7 +62,7 @@ def test_the_direction_of_the_lean_is_known() -> None:
 
 
 def test_devices_without_axes_have_zeros() -> None:
-    """By recording or by rig: nothing is measured that the other side lacks."""
+    """Nothing is measured that recording or rig lacks."""
     single = observed(TRUE_DPS)
     assert not measure(single.seen, single.design, THREE).values[OF_AXES].any()
     assert values(tilted(12.0), FACTS) == {"turn_across": 0.0, "gravity_across": 0.0}

@@ -14,7 +14,7 @@ from gyrodrift.diagnose.inference.size import SizePosterior, size_posterior
 SCALE = simulated_either_way("scale_factor", {"rate": 40.0})
 TILT_SIZES = np.arange(0.5, 8.01, 0.5)
 TILT = simulated("misalignment", {"rate": -40.0, "turn_across": 3.0, "gravity_across": 1.0}, TILT_SIZES)
-BOTH: Amounts = {"rate": 40.0 * (3.0 - 5.0), "turn_across": 15.0, "gravity_across": 5.0}
+TILT_AND_SCALE: Amounts = {"rate": 40.0 * (3.0 - 5.0), "turn_across": 15.0, "gravity_across": 5.0}
 """A scale error of 3 beside a tilt of 5: the rate is too low, by 2."""
 
 
@@ -32,21 +32,21 @@ def test_a_tilt_and_what_acts_like_it_are_a_pair() -> None:
 
 def test_a_pair_is_placed_where_both_fit() -> None:
     """From the far ends of both grids; a search along one size at a time would stay near them."""
-    scorer = scorer_of(BOTH, SCALE, TILT)
+    scorer = scorer_of(TILT_AND_SCALE, SCALE, TILT)
     scale, tilt = placed_together(scorer, at_the_ends(scorer))
     assert (scale.size, tilt.size) == pytest.approx((3.0, 5.0), abs=0.15)
 
 
 def test_other_sets_stay_as_they_are() -> None:
     """A single effect of the pair, too."""
-    scorer = scorer_of(BOTH, SCALE, TILT)
+    scorer = scorer_of(TILT_AND_SCALE, SCALE, TILT)
     alone = at_the_ends(scorer)[:1]
     assert placed_together(scorer, alone) == alone
 
 
 def test_both_are_named_with_their_sizes() -> None:
     """The rate alone shows their sum, and x and y of the gyro the tilt."""
-    verdict = concluded(BOTH, SCALE, TILT).verdict
+    verdict = concluded(TILT_AND_SCALE, SCALE, TILT).verdict
     sizes = {cause.effect.name: cause.parameters[0].value for cause in verdict.causes}
     assert sizes == pytest.approx({"scale_factor": 3.0, "misalignment": 5.0}, abs=0.3)
     assert [cause.tied_with for cause in verdict.causes] == [(), ()]
@@ -60,14 +60,14 @@ def test_both_are_named_with_their_sizes() -> None:
     ],
 )
 def test_a_single_effect_is_told_from_the_other(difference: Amounts, names: set[str]) -> None:
-    """By the axes x and y."""
+    """The axes x and y decide."""
     causes = concluded(difference, SCALE, TILT).verdict.causes
     assert {cause.effect.name for cause in causes} == names
     assert [cause.tied_with for cause in causes] == [()]
 
 
 def size_of(name: str, *tried: Simulated) -> SizePosterior:
-    scorer = scorer_of(BOTH, *tried)
+    scorer = scorer_of(TILT_AND_SCALE, *tried)
     return size_posterior(scorer, fitted(scorer, EffectSet(tuple(at_the_ends(scorer)), 0.0, 0.0)), name, POWER)
 
 

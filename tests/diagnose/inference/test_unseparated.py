@@ -17,7 +17,7 @@ DRIFT: Amounts = {"clock_ratio": 10.0, "stamp_wander": 5.0}
 
 
 def concluded(difference: Amounts, *unseparated: str) -> Conclusion:
-    return conclude(tables(difference, *TRIED), [one.candidate for one in TRIED], simulator(*TRIED), unseparated)
+    return conclude(tables(difference, *TRIED), [item.candidate for item in TRIED], simulator(*TRIED), unseparated)
 
 
 def test_a_rate_that_is_too_low_may_be_a_tilt() -> None:

@@ -32,7 +32,7 @@ def with_force(force: Floats | None) -> Recording:
     )
 
 
-def found(force: Floats) -> Gravity:
+def known_gravity(force: Floats) -> Gravity:
     gravity = gravity_of(with_force(force), TRUE_DEG, TRUE_DPS)
     assert gravity is not None
     return gravity
@@ -41,19 +41,19 @@ def found(force: Floats) -> Gravity:
 @pytest.mark.parametrize(("sensor_deg", "table_deg"), [(0.0, 0.0), (8.0, 0.0), (0.0, 5.0), (8.0, 5.0)])
 def test_the_tilts_of_sensor_and_table_come_apart(sensor_deg: float, table_deg: float) -> None:
     """To a tenth of a degree, with both at once."""
-    gravity = found(force_of(sensor_deg, table_deg))
+    gravity = known_gravity(force_of(sensor_deg, table_deg))
     assert np.degrees(np.arcsin(gravity.fixed.sine)) == pytest.approx(sensor_deg, abs=0.1)
     assert np.degrees(np.arctan(gravity.turning)) == pytest.approx(table_deg, abs=0.1)
 
 
 def test_a_sensor_off_the_axis_is_not_tilted() -> None:
     """At 90 deg/s and 0.2 m the centripetal acceleration is 0.5 m/s², as of a tilt of 2.9 deg."""
-    assert found(force_of(off_axis_m=0.2)).fixed.sine < np.sin(np.deg2rad(0.1))
+    assert known_gravity(force_of(off_axis_m=0.2)).fixed.sine < np.sin(np.deg2rad(0.1))
 
 
 def test_the_tilt_points_where_gravity_leans() -> None:
     """Toward y here."""
-    lean = found(force_of(8.0)).fixed
+    lean = known_gravity(force_of(8.0)).fixed
     assert (lean.x, lean.y) == pytest.approx((0.0, np.sin(np.deg2rad(8.0))), abs=0.002)
 
 

@@ -36,7 +36,7 @@ def read(*effects: Misalignment) -> tuple[Floats, Floats, Floats]:
 
 
 @pytest.mark.parametrize("about_deg", [0.0, 90.0, -30.0])
-def test_three_axes_share_turn_and_gravity_alike(about_deg: float) -> None:
+def test_three_axes_share_turn_and_gravity_in_the_same_way(about_deg: float) -> None:
     """Both point in one direction of the sensor: off z by the tilt, at right angles to the axis of the tilt."""
     rates, force, true_dps = read(Misalignment(tilt_deg=12.0, about_deg=about_deg))
     tilt, toward = np.deg2rad(12.0), np.deg2rad(about_deg + 90.0)
