@@ -120,7 +120,8 @@ def test_one_bare_session_gives_what_it_can(scaled: Path, tmp_path: Path) -> Non
     bare = tmp_path / "bare.csv"
     write_session(bare, [replace(load_session(min(scaled.iterdir())), t_host_s=None, temp_c=None, seq=None)])
     gap = diagnosed(bare, tmp_path / "out", *FEW)
-    assert set(gap["untestable"]) == {"clock_drift", "usb_batching", "temp_bias", "temp_scale", "sample_drop"}
+    lacking = "clock_drift usb_batching temp_bias temp_scale sample_drop misalignment"
+    assert set(gap["untestable"]) == set(lacking.split())
     assert gap["causes"][0]["effect"] == "scale_factor"
     assert "one session only" in gap["remarks"][-1]
     html = (tmp_path / "out" / "report.html").read_text()
