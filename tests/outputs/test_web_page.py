@@ -221,9 +221,46 @@ def test_a_local_person_zeroes_sets_a_heading_and_records(page: Tab, port: Path,
         page.until("document.querySelector('#guide-says').innerText.includes('Put the device on a firm table')")
         page.run("document.querySelector('#calibrate-cancel').click()")
         page.until("document.querySelector('#guide-says').innerText.includes('Canceled; nothing is written.')")
+        page.run("document.querySelector('#calibrate-axes').click()")
+        page.until("document.querySelector('#guide-says').innerText.includes('Lay the board down on each of its six')")
+        device.send_all(csv_at_100_hz(100, first=300), never)
+        page.until("document.querySelector('#guide-says').innerText.includes('does not send three rates')")
         assert page.text("#control-error") == ""
     (recorded,) = folder.glob("*.mcap")
     assert len(load_session(recorded).t_device_s) == 300
+
+
+SENTENCES = """(async () => {
+  const { plain } = await import("/controls.js");
+  return ["Put it there. Press Enter to start.", "Turn it, stop at the mark, then press Enter.",
+    "Go back. Press Enter when it stands there.", "u removes the last turn, q ends the calibration."].map(plain);
+})()"""
+
+
+def test_the_guide_names_the_buttons_of_the_page(page: Tab) -> None:
+    """The keys of a terminal become buttons."""
+    with hub() as outputs:
+        outputs.want("web:port=0")
+        page.open(outputs.opened()[0].address)
+        assert page.run(SENTENCES) == [
+            "Put it there. Press Begin to start.",
+            "Turn it, stop at the mark, then press At the mark.",
+            "Go back. Press At the mark when it stands there.",
+            "Undo removes the last turn, Finish ends the calibration.",
+        ]
+
+
+def test_a_device_with_three_axes_has_a_calibration_of_its_own(page: Tab) -> None:
+    """Its button appears with the first tilt."""
+    with hub() as outputs:
+        outputs.want("web:port=0")
+        page.open(outputs.opened()[0].address)
+        page.until("document.querySelector('#connection').innerText === 'Live'")
+        outputs.samples([corrected(seq) for seq in range(50)])
+        page.until("document.querySelector('#values dd')")
+        assert page.run("document.querySelector('#calibrate-axes').hidden") is True
+        outputs.samples([tilted(seq) for seq in range(50, 100)])
+        page.until("!document.querySelector('#calibrate-axes').hidden")
 
 
 SAVED = """new Promise((resolve) => {

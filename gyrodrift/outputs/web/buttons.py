@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection
 
 COMMANDS = re.compile(
-    r"zero|heading -?[0-9]{1,4}(\.[0-9]{1,6})?|record (start|stop)|calibrate (start|mark|undo|finish|cancel|state)"
+    r"zero|heading -?[0-9]{1,4}(\.[0-9]{1,6})?|record (start|stop)"
+    r"|calibrate (start|positions|axis-turns|mark|undo|finish|cancel|state)"
 )
 """Commands that a page may give; the service carries out more."""
 

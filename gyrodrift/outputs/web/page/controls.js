@@ -36,7 +36,10 @@ export class Controls {
       const degrees = Number(byId("heading").value);
       if (Number.isFinite(degrees)) this.command(`heading ${degrees.toFixed(2)}`);
     });
+    this.hasAxes = false;
+    this.isIdle = true;
     byId("calibrate").addEventListener("click", () => this.command("calibrate start"));
+    byId("calibrate-axes").addEventListener("click", () => this.command("calibrate axis-turns"));
     for (const word of ["mark", "undo", "finish", "cancel"]) {
       byId(`calibrate-${word}`).addEventListener("click", () => this.command(`calibrate ${word}`));
     }
@@ -68,6 +71,12 @@ export class Controls {
     byId("recording").textContent = this.isRecording ? `Recording ${status.recording}` : "";
   }
 
+  // A device with three axes has a calibration of its own.
+  showAxes(hasAxes) {
+    this.hasAxes = hasAxes;
+    byId("calibrate-axes").hidden = !(hasAxes && this.isIdle);
+  }
+
   command(words) {
     byId("control-error").textContent = "";
     this.send({ token: this.token, command: words });
@@ -79,7 +88,9 @@ export class Controls {
     const { step, line, says } = answer;
     const isIdle = step === "idle";
     const isPolled = command === "calibrate state";
+    this.isIdle = isIdle;
     byId("calibrate").hidden = !isIdle;
+    this.showAxes(this.hasAxes);
     byId("guide").hidden = isIdle && !says.length;
     byId("guide-buttons").hidden = isIdle;
     byId("guide-line").textContent = line;
@@ -103,6 +114,12 @@ export class Controls {
 }
 
 // The guide speaks of the keys of a terminal; the page has buttons.
-const plain = (sentence) =>
-  sentence.trim().replace("then Enter", "then press At the mark").replace("Enter when it stands there", "Press At the mark when it stands there")
-    .replace("Enter begins", "Begin starts").replace("u takes the last one back, q ends with what is there", "Undo takes the last one back, Finish ends with the turns so far");
+const WORDS = [
+  [/Press Enter to (start|repeat)/, "Press Begin to $1"],
+  [/then press Enter/, "then press At the mark"],
+  [/Press Enter when/, "Press At the mark when"],
+  [/\bu removes\b/, "Undo removes"],
+  [/\bq ends\b/, "Finish ends"],
+];
+
+export const plain = (sentence) => WORDS.reduce((text, [word, button]) => text.replace(word, button), sentence.trim());

@@ -50,6 +50,7 @@ function drawText() {
   showNumbers(history);
   showTilt(tilt());
   horizon.describe(tilt());
+  controls.showAxes(Number.isFinite(tilt().roll));
   showPosition();
 }
 
