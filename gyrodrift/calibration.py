@@ -23,7 +23,7 @@ from typing import Annotated, Any, Literal
 from annotated_types import Ge, Gt, Le, MaxLen
 
 from gyrodrift.sample import Inertial, Sample, upside_down
-from gyrodrift.vectors import Vector, numbers_of, product, solution
+from gyrodrift.vectors import Vector, numbers_in, product, solution
 
 OLD_DAYS = 365.0
 """Age from which a calibration is reported as old; it is still applied.
@@ -261,7 +261,7 @@ def _value_of(name: str, text: str) -> Any:
     if name in ("date", "device_id"):
         return text
     if name in AXES_SHAPES:
-        return numbers_of(json.loads(text), AXES_SHAPES[name], name)
+        return numbers_in(text, AXES_SHAPES[name], name)
     return int(text) if name in ("sign", "turns", "repeats") else float(text)
 
 

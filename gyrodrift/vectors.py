@@ -1,10 +1,25 @@
 """Vectors and matrices as tuples: read from lists, and a linear system solved without numpy."""
 
+import json
 from typing import Any
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
 Numbers = tuple["float | Numbers", ...]
+
+
+def numbers_in(text: str, shape: tuple[int, ...], name: str) -> Numbers:
+    """Vector or matrix from its text in JSON.
+
+    Raises
+    ------
+    ValueError
+        As for `numbers_of`, or the text is not JSON.
+    """
+    try:
+        return numbers_of(json.loads(text), shape, name)
+    except RecursionError:
+        raise ValueError(f"{name}: expected {shape_text(shape)}") from None
 
 
 def numbers_of(value: Any, shape: tuple[int, ...], name: str) -> Numbers:
@@ -30,7 +45,10 @@ def _nested(value: Any, shape: tuple[int, ...], error: str) -> Numbers:
         return tuple(_nested(row, shape[1:], error) for row in value)
     if not all(isinstance(number, int | float) and not isinstance(number, bool) for number in value):
         raise ValueError(error)
-    return tuple(map(float, value))
+    try:
+        return tuple(map(float, value))
+    except OverflowError:
+        raise ValueError(error) from None
 
 
 def product(matrix: Matrix, x: float, y: float, z: float) -> Vector:
