@@ -18,11 +18,21 @@ def record(name: str, seed: int, seconds: float = 90.0) -> Recorded:
     return measure(motion, random_errors(rng), rng)
 
 
+JUMP_DEG = 60.0
+"""Change of the error between two samples that is another hypothesis, not a drift."""
+
+
 def heading_errors_deg(q: Floats, attitude: Rotation) -> Floats:
-    """Heading errors (n) of attitudes (n, 4), w first, from the first half second on."""
+    """Heading errors (n) of attitudes (n, 4), w first, from the first sample on.
+
+    A drift may exceed half a turn. After a jump the error is within half a turn again.
+    """
     error = (Rotation.from_quat(q, scalar_first=True) * attitude.inv()).as_quat(scalar_first=True)
-    twist = np.unwrap(2.0 * np.arctan2(error[:, 3], error[:, 0]))
-    return np.asarray(np.degrees(twist - twist[0]))
+    twist = np.degrees(np.unwrap(2.0 * np.arctan2(error[:, 3], error[:, 0])))
+    twist -= twist[0]
+    for index in np.flatnonzero(np.abs(np.diff(twist)) > JUMP_DEG) + 1:
+        twist[index:] -= 360.0 * np.round(twist[index] / 360.0)
+    return np.asarray(twist)
 
 
 def inclination_errors_deg(q: Floats, attitude: Rotation) -> Floats:
