@@ -93,6 +93,8 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
     if causes:
         subjects = [subject_of(recording, rig) for recording in of_baseline]
         tables = tables_of(own._replace(rig=rig), origins, subjects, ())
+    if request.rig.base.three_axes is not None and rig.base.three_axes is None:
+        remarks.append("its recordings have one axis: the yaw rate alone is compared")
     remarks = [f"baseline: {remark}" for remark in remarks]
     if causes:
         names = ", ".join(cause.effect.name for cause in causes)

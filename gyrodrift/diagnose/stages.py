@@ -10,6 +10,7 @@ from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.recording.checked import checked_session
 from gyrodrift.diagnose.recording.checks import together_s
 from gyrodrift.diagnose.recording.facts import Contradiction
+from gyrodrift.diagnose.recording.gravity import shows_gravity
 from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.result import Untestable
 from gyrodrift.diagnose.simulate.candidate import Candidate
@@ -78,7 +79,8 @@ def simulated_of(request: DiagnosisRequest, origins: Sequence[Origin], recording
         request.progress(CALIBRATED, done, len(recordings))
         subjects.append(subject_of(recording, request.rig, request.least_noise_dps_rthz))
     hints = hints_of(subjects)
-    tried, untestable = testable_among(candidates(hints, request.rig), recordings, request.withheld)
+    has_axes = request.rig.base.three_axes is not None
+    tried, untestable = testable_among(candidates(hints, request.rig), recordings, request.withheld, has_axes=has_axes)
     untested = [item.effect for item in untestable if item.effect not in request.withheld]
     unseparated = tuple(name for name in untested if KINDS[name].acts_like is not None)
     return Simulated(subjects, tables_of(request, origins, subjects, tried), tried, untestable, unseparated)
@@ -123,14 +125,18 @@ def recordings_of(
 
 
 def testable_among(
-    every: Sequence[Candidate], recordings: Sequence[Recording], withheld: frozenset[str]
+    every: Sequence[Candidate], recordings: Sequence[Recording], withheld: frozenset[str], *, has_axes: bool
 ) -> tuple[list[Candidate], tuple[Untestable, ...]]:
-    """Candidates that the recordings can show; and the others with the reason."""
+    """Candidates that the recordings can show; and the others with the reason.
+
+    has_axes
+        Whether three axes are compared.
+    """
     lacking = {
         "motion": ("no motion", not any(recording.moves for recording in recordings)),
         "host": ("no host times", any(recording.host_s is None for recording in recordings)),
         "temperature": ("no temperature", any(recording.temp_c is None for recording in recordings)),
-        "axes": ("no rates about x and y", any(recording.gyro_xy_dps is None for recording in recordings)),
+        "axes": ("no rates about x and y", not has_axes),
         "counter": ("no counter", not all(recording.has_counter for recording in recordings)),
     }
     why = {candidate.name: lacking[need][0] for candidate in every for need in candidate.needs if lacking[need][1]}
@@ -160,7 +166,7 @@ def with_recorded_axes(rig: Rig, recordings: Sequence[Recording]) -> Rig:
     if any(recording.gyro_xy_dps is None for recording in recordings):
         return with_axes(rig, 1)
     rig = with_axes(rig, 3)
-    if all(recording.accel_mps2 is not None for recording in recordings) or rig.base.three_axes is None:
+    if all(map(shows_gravity, recordings)) or rig.base.three_axes is None:
         return rig
     axes = rig.base.three_axes.model_copy(update={"mps2_per_lsb": 0.0})
     return rig.model_copy(update={"base": rig.base.model_copy(update={"three_axes": axes})})

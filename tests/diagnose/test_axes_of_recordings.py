@@ -48,6 +48,16 @@ def test_recordings_with_three_axes_give_the_rig_three() -> None:
     assert with_recorded_axes(THREE, [SIX]) == THREE
 
 
+def test_an_accelerometer_that_is_silent_for_most_of_a_recording_is_none() -> None:
+    """Gravity is not compared then, and the rates about x and y are."""
+    silent = recording(axes=True, gravity=True)
+    assert silent.accel_mps2 is not None
+    silent.accel_mps2[:6] = np.nan
+    axes = axes_of(with_recorded_axes(SINGLE, [SIX, silent]))
+    assert axes is not None
+    assert axes.mps2_per_lsb == 0.0
+
+
 @pytest.mark.parametrize("recordings", [[YAW], [SIX, YAW]])
 def test_a_recording_of_the_yaw_rate_alone_leaves_one_axis(recordings: list[Recording]) -> None:
     """Also beside others; the rig that is written keeps the axes that it states."""
@@ -71,8 +81,8 @@ def test_a_difference_of_axes_is_remarked_on() -> None:
 def test_a_tilt_is_tried_only_with_three_axes_in_all_recordings() -> None:
     """With one axis it is listed as untestable."""
     every = candidates(HINTS)
-    tried, _ = stages.testable_among(every, [SIX, GYRO], frozenset())
+    tried, _ = stages.testable_among(every, [SIX, GYRO], frozenset(), has_axes=True)
     assert "misalignment" in {candidate.name for candidate in tried}
-    tried, untestable = stages.testable_among(every, [SIX, YAW], frozenset())
+    tried, untestable = stages.testable_among(every, [SIX, YAW], frozenset(), has_axes=False)
     assert "misalignment" not in {candidate.name for candidate in tried}
     assert {item.effect: item.why for item in untestable}["misalignment"] == "no rates about x and y"

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.recording.recording import Recording, filled
+from gyrodrift.diagnose.recording.recording import Recording
 
 LEAST_TURN_DEG = 270.0
 """Range of the angle from which on a part once per turn is known apart from a constant. Chosen: three quarters."""
@@ -51,6 +51,12 @@ def fixed_lean(recording: Recording, angle_deg: Floats, rate_dps: Floats) -> Lea
     return NO_LEAN if gravity is None else gravity.fixed
 
 
+def shows_gravity(recording: Recording) -> bool:
+    """Whether at least LEAST_SHARE of the samples have an acceleration."""
+    force = recording.accel_mps2
+    return force is not None and bool(np.isfinite(force).all(axis=1).mean() >= LEAST_SHARE)
+
+
 def gravity_of(recording: Recording, angle_deg: Floats, rate_dps: Floats) -> Gravity | None:
     """Both parts, by least squares over means of STEP_S; None without an accelerometer.
 
@@ -58,15 +64,20 @@ def gravity_of(recording: Recording, angle_deg: Floats, rate_dps: Floats) -> Gra
         (n,) motion of the table.
     """
     force = recording.accel_mps2
-    if force is None or np.isfinite(force).all(axis=1).mean() < LEAST_SHARE:
+    if force is None or not shows_gravity(recording):
         return None
     points = max(1, round(STEP_S / recording.period_s))
     turn = np.deg2rad(angle_deg)
     turns = np.ptp(angle_deg) > LEAST_TURN_DEG
-    columns = [np.ones(len(turn)), *([np.cos(turn), np.sin(turn), np.deg2rad(rate_dps) ** 2] if turns else [])]
-    means = np.column_stack([_means(column, points) for column in columns])
-    across = np.column_stack([_means(filled(axis), points) for axis in force.T])
-    parts = np.linalg.lstsq(means, across, rcond=None)[0]
+    columns: list[Floats] = [np.ones(len(turn))]
+    if turns:
+        columns += [np.cos(turn), np.sin(turn), np.square(np.deg2rad(rate_dps))]
+    is_known = np.isfinite(force).all(axis=1)
+    shares = _means(is_known.astype(np.float64), points)
+    known = shares > 0.0
+    means = np.column_stack([_means(column, points) for column in columns])[known]
+    sums = np.column_stack([_means(np.where(is_known, axis, 0.0), points) for axis in force.T])[known]
+    parts = np.linalg.lstsq(means, sums / shares[known, None], rcond=None)[0]
     size = float(np.linalg.norm(parts[0]))
     if size == 0.0:
         return None

@@ -74,6 +74,14 @@ def test_gravity_is_not_known_without_an_accelerometer() -> None:
     assert gravity_of(with_force(np.zeros((len(T_S), 3))), TRUE_DEG, TRUE_DPS) is None
 
 
+def test_samples_without_acceleration_are_left_out() -> None:
+    """A part of a tenth without any, and every third sample of the rest."""
+    is_missing = (T_S > 90.0) & (T_S < 110.0) | (np.arange(len(T_S)) % 3 == 0)
+    gravity = known_gravity(np.where(is_missing[:, None], np.nan, force_of(8.0, 5.0)))
+    assert np.degrees(np.arcsin(gravity.fixed.sine)) == pytest.approx(8.0, abs=0.1)
+    assert np.degrees(np.arctan(gravity.turning)) == pytest.approx(5.0, abs=0.1)
+
+
 def test_a_tilted_table_is_remarked_on() -> None:
     """With its tilt; a level table and a tilted sensor are not."""
     (remark,) = check_recording(with_force(force_of(0.0, 4.0))).remarks

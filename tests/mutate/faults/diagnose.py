@@ -214,8 +214,8 @@ FAULTS = (
     Fault(
         "diagnose/table-tilts-sensor",
         "gyrodrift/diagnose/recording/gravity.py",
-        "[np.cos(turn), np.sin(turn), np.deg2rad(rate_dps) ** 2] if turns else []",
-        "[np.cos(turn), np.sin(turn), 0.0 * turn] if turns else []",
+        "np.square(np.deg2rad(rate_dps))]",
+        "0.0 * turn]",
         "A sensor off the axis of its table counts as tilted.",
         ("tests/diagnose/recording/test_gravity.py",),
     ),
