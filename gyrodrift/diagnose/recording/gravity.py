@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.recording.recording import Recording
 
 LEAST_TURN_DEG = 270.0
@@ -67,17 +67,10 @@ def gravity_of(recording: Recording, angle_deg: Floats, rate_dps: Floats) -> Gra
     if force is None or not shows_gravity(recording):
         return None
     points = max(1, round(STEP_S / recording.period_s))
-    turn = np.deg2rad(angle_deg)
-    turns = np.ptp(angle_deg) > LEAST_TURN_DEG
-    columns: list[Floats] = [np.ones(len(turn))]
-    if turns:
-        columns += [np.cos(turn), np.sin(turn), np.square(np.deg2rad(rate_dps))]
-    is_known = np.isfinite(force).all(axis=1)
-    shares = _means(is_known.astype(np.float64), points)
-    known = shares > 0.0
-    means = np.column_stack([_means(column, points) for column in columns])[known]
-    sums = np.column_stack([_means(np.where(is_known, axis, 0.0), points) for axis in force.T])[known]
-    parts = np.linalg.lstsq(means, sums / shares[known, None], rcond=None)[0]
+    turns = bool(np.ptp(angle_deg) > LEAST_TURN_DEG)
+    force_means, has_force = _force_means(force, points)
+    regressors = [_means(column, points)[has_force] for column in _columns(angle_deg, rate_dps, turns=turns)]
+    parts = np.linalg.lstsq(np.column_stack(regressors), force_means, rcond=None)[0]
     size = float(np.linalg.norm(parts[0]))
     if size == 0.0:
         return None
@@ -85,6 +78,23 @@ def gravity_of(recording: Recording, angle_deg: Floats, rate_dps: Floats) -> Gra
     # A vector that turns against the table has equal amplitudes along x and y.
     turning = float(np.sqrt(0.5 * np.square(parts[1:3, :2]).sum()) / size) if turns else float("nan")
     return Gravity(Lean(x, y), turning)
+
+
+def _columns(angle_deg: Floats, rate_dps: Floats, *, turns: bool) -> list[Floats]:
+    """Parts of the force, (n,) each: a constant, cosine and sine of the angle, and the centripetal acceleration."""
+    turn = np.deg2rad(angle_deg)
+    constant: Floats = np.ones(len(turn))
+    return [constant, np.cos(turn), np.sin(turn), np.square(np.deg2rad(rate_dps))] if turns else [constant]
+
+
+def _force_means(force: Floats, points: int) -> tuple[Floats, Mask]:
+    """(some, 3) means of the samples with an acceleration, and (blocks,) whether a block has any."""
+    is_known = np.isfinite(force).all(axis=1)
+    shares = _means(is_known.astype(np.float64), points)
+    has_force: Mask = shares > 0.0
+    zero_filled: Floats = np.where(is_known[:, None], force, 0.0)
+    sums = np.column_stack([_means(zero_filled[:, axis], points) for axis in range(3)])
+    return sums[has_force] / shares[has_force, None], has_force
 
 
 def _means(values: Floats, points: int) -> Floats:

@@ -214,8 +214,8 @@ FAULTS = (
     Fault(
         "diagnose/table-tilts-sensor",
         "gyrodrift/diagnose/recording/gravity.py",
-        "np.square(np.deg2rad(rate_dps))]",
-        "0.0 * turn]",
+        "np.square(np.deg2rad(rate_dps))] if turns",
+        "0.0 * turn] if turns",
         "A sensor off the axis of its table counts as tilted.",
         ("tests/diagnose/recording/test_gravity.py",),
     ),
