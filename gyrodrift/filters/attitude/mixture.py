@@ -24,8 +24,8 @@ LEAST_WEIGHT = 1e-6
 """Probability below which a hypothesis is pruned."""
 
 COVERED = 0.01
-"""Probability from which on two sigmas of the heading reach to a hypothesis and its own two sigmas. The hypotheses
-below it together stay under the twentieth that two sigmas leave out."""
+"""Probability from which on a hypothesis counts in variances, and two sigmas of the heading reach to its own two.
+The hypotheses below it together stay under the twentieth that two sigmas leave out."""
 
 DISTINCT_SIGMAS = 2.0
 """Distance of a hypothesis from the mean heading, in its standard deviations, from which on it is another one."""
@@ -117,11 +117,13 @@ def moments(h: Hypotheses) -> SumMoments:
     cubes = h.weight**3 / (h.weight**3).sum()
     mean, bias = float(cubes @ headings), cubes @ h.bias
     off, bias_off = headings - mean, h.bias - bias
-    heading_var = float(h.weight @ (h.cov[:, HEADING, HEADING] + off * off))
+    kept = np.where(h.weight > COVERED, h.weight, 0.0)
+    kept = kept / kept.sum()
+    heading_var = float(kept @ (h.cov[:, HEADING, HEADING] + off * off))
     sigmas = np.sqrt(np.maximum(h.cov[:, HEADING, HEADING], 0.0))
     is_distinct = (h.weight > COVERED) & (np.abs(off) > DISTINCT_SIGMAS * sigmas)
     reach = np.where(is_distinct, 0.5 * np.abs(off) + sigmas, 0.0).max()
-    bias_cov = np.einsum("n,nij->ij", h.weight, h.cov[:, BIAS, BIAS] + bias_off[:, :, None] * bias_off[:, None, :])
+    bias_cov = np.einsum("n,nij->ij", kept, h.cov[:, BIAS, BIAS] + bias_off[:, :, None] * bias_off[:, None, :])
     tilt_var = 0.5 * float(h.cov[0, 0, 0] + h.cov[0, 1, 1])
     return SumMoments(mean, max(heading_var, float(reach) ** 2), bias, bias_cov, tilt_var)
 

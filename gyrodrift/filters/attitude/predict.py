@@ -6,16 +6,27 @@ the derivatives, to first order.
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.arrays import Floats, Mask
 from gyrodrift.filters.attitude.batch import (
+    conjugates,
     cross_matrices,
     from_rotation_vectors,
     products,
     rotation_matrices,
+    to_rotation_vectors,
     unit,
 )
 from gyrodrift.filters.attitude.block import Integrals
-from gyrodrift.filters.attitude.hypotheses import ATTITUDE, BIAS, FORCE_BIAS, SCALE, STATES, VELOCITY, Hypotheses
+from gyrodrift.filters.attitude.hypotheses import (
+    ATTITUDE,
+    BIAS,
+    FORCE_BIAS,
+    HEADING,
+    SCALE,
+    STATES,
+    VELOCITY,
+    Hypotheses,
+)
 
 GRAVITY = 9.81
 VERTICAL = np.array((0.0, 0.0, 1.0))
@@ -32,11 +43,21 @@ ACCEL_NOISE = 0.3
 """Noise of the velocity, m/s/√s: vibration and bias of the accelerometer. Measured: as above."""
 
 
-def predict(h: Hypotheses, block: Integrals, bias: Floats, scale: Floats, walk_var: float, noise_var: float) -> None:
-    """Carry means and covariances over a block whose rotation has this reference bias (3) and scale (3, 3).
+def predict(h: Hypotheses, block: Integrals, walk_var: float, noise_var: float, is_held: Mask) -> None:
+    """Carry means and covariances over a block whose rotation has the bias and scale of the first hypothesis.
 
-    walk_var is the random walk of the bias, (rad/s)²/s, and noise_var the angle random walk, rad²/s.
+    Parameters
+    ----------
+    h
+        Hypotheses.
+    block
+        The block.
+    walk_var, noise_var
+        Random walk of the bias, (rad/s)²/s, and angle random walk, rad²/s.
+    is_held
+        Hypotheses (n) that stand still: their heading stays.
     """
+    bias, scale, before = h.bias[0], h.scale[0], h.q
     start = rotation_matrices(h.q)
     by_bias = block.by_bias @ (np.eye(3) + scale)
     change = (h.scale - scale).reshape(-1, 9) @ block.by_scale.T - (h.bias - bias) @ by_bias.T
@@ -44,10 +65,22 @@ def predict(h: Hypotheses, block: Integrals, bias: Floats, scale: Floats, walk_v
     velocity = (start @ force[:, :, None])[:, :, 0]
     turn = products(from_rotation_vectors(change), block.rotation[None, :])
     h.q = unit(products(h.q, turn))
+    if is_held.any():
+        h.q = np.where(is_held[:, None], with_headings(h.q, before), h.q)
     h.velocity = h.velocity + velocity - np.array((0.0, 0.0, GRAVITY * block.seconds))
     transition = transitions(start, velocity, block)
-    cov = transition @ h.cov @ transition.transpose(0, 2, 1)
-    h.cov = cov + np.diag(process_noise(block, walk_var, noise_var))
+    transition[is_held, HEADING, BIAS] = 0.0
+    transition[is_held, HEADING, SCALE] = 0.0
+    noise = np.zeros((len(start), STATES)) + process_noise(block, walk_var, noise_var)
+    noise[is_held, HEADING] = 0.0
+    h.cov = transition @ h.cov @ transition.transpose(0, 2, 1) + noise[:, :, None] * np.eye(STATES)
+
+
+def with_headings(q: Floats, before: Floats) -> Floats:
+    """Attitudes (n, 4) of q without their rotation about the vertical since `before` (n, 4)."""
+    turn = to_rotation_vectors(products(q, conjugates(before)))
+    turn[:, :HEADING] = 0.0
+    return unit(products(from_rotation_vectors(-turn), q))
 
 
 def transitions(start: Floats, velocity: Floats, block: Integrals) -> Floats:

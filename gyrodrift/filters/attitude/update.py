@@ -4,6 +4,7 @@ from math import degrees, sqrt
 
 import numpy as np
 
+from gyrodrift.arrays import Mask
 from gyrodrift.filters.attitude.batch import rotation_matrices
 from gyrodrift.filters.attitude.block import InertialBlock, Integrals, next_block
 from gyrodrift.filters.attitude.hypotheses import (
@@ -21,7 +22,7 @@ from gyrodrift.filters.attitude.mixture import moments, ordered
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.predict import GRAVITY, predict
 from gyrodrift.filters.attitude.quaternion import IDENTITY, Vector, heading_axis, level, multiply
-from gyrodrift.filters.attitude.rests import add_block
+from gyrodrift.filters.attitude.rests import GYRO_SPREAD, QUIET, add_block
 from gyrodrift.filters.attitude.segments import GYRO_NOISE, MEASURED, follow_rest
 from gyrodrift.filters.attitude.velocity import START_SPEED, bound_velocity, forget_velocity
 from gyrodrift.filters.attitude.yaw import unwrap_headings
@@ -60,10 +61,11 @@ def begin(c: AttitudeCoefficients, s: AttitudeState, accel: Vector) -> None:
 def end_block(c: AttitudeCoefficients, s: AttitudeState, block: Integrals) -> None:
     """Update all hypotheses by a finished block, and begin the next one."""
     h = s.hypotheses
-    h.yaw_deg = h.yaw_deg + (s.yaw_deg - s.start_yaw_deg)
+    is_held = standing(c, s, block)
+    h.yaw_deg = h.yaw_deg + np.where(is_held, 0.0, s.yaw_deg - s.start_yaw_deg)
     is_blind = s.block.is_clipped or not np.isfinite(block.velocity).all()
     usable = with_gravity(h, block) if is_blind else block
-    predict(h, usable, h.bias[0].copy(), h.scale[0].copy(), c.walk_var, s.noise_var)
+    predict(h, usable, c.walk_var, s.noise_var, is_held)
     widen_by_tilt(s)
     if s.block.gap_s > 0.0:
         forget_gap(s)
@@ -79,6 +81,16 @@ def end_block(c: AttitudeCoefficients, s: AttitudeState, block: Integrals) -> No
     unwrap_headings(s.hypotheses)
     publish(s)
     s.block = next_block(s.hypotheses.bias[0], s.hypotheses.scale[0])
+
+
+def standing(c: AttitudeCoefficients, s: AttitudeState, block: Integrals) -> Mask:
+    """Hypotheses (n) of a quiet rest whose bias this block does not leave: the device has not begun to move."""
+    h = s.hypotheses
+    if s.segment.blocks != QUIET.blocks:
+        return np.zeros(len(h.weight), dtype=np.bool_)
+    is_near = (np.abs(block.gyro - h.bias) < c.limits * GYRO_SPREAD).all(axis=1)
+    is_standing: Mask = (h.regime == REST) & is_near
+    return is_standing
 
 
 def widen_by_tilt(s: AttitudeState) -> None:

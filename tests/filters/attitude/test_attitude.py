@@ -1,6 +1,7 @@
 """The attitude filter on simple motions that need no simulation."""
 
 from math import cos, nan, radians, sin
+from random import Random
 
 import pytest
 
@@ -63,3 +64,13 @@ def test_a_sample_without_progress_of_time_is_rejected(c: AttitudeCoefficients) 
     assert not step(c, s, s.t_s, 1.0, 1.0, 1.0)
     assert not step(c, s, s.t_s + 1.0, nan, 1.0, 1.0)
     assert (s.rejected, s.yaw_deg, s.samples) == (2, yaw_deg, samples)
+
+
+def test_yaw_stays_in_a_long_rest(c: AttitudeCoefficients) -> None:
+    """Noise at rest is no turn: neither yaw nor its sigma grows."""
+    rng, s = Random(3), AttitudeState()
+    for i in range(30_000):
+        gx, gy, gz = (bias + rng.gauss(0.0, 0.1) for bias in BIAS)
+        step(c, s, i * DT, gx, gy, gz, rng.gauss(0.0, 0.02), rng.gauss(0.0, 0.02), rng.gauss(9.81, 0.02))
+    assert abs(s.yaw_deg) < 0.05
+    assert s.yaw_sigma_deg < 0.1

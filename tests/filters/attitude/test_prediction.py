@@ -12,6 +12,7 @@ from gyrodrift.filters.attitude.hypotheses import (
     ATTITUDE,
     BIAS,
     FORCE_BIAS,
+    HEADING,
     SCALE,
     STATES,
     VELOCITY,
@@ -20,6 +21,7 @@ from gyrodrift.filters.attitude.hypotheses import (
 )
 from gyrodrift.filters.attitude.predict import GRAVITY, predict, process_noise, transitions
 
+MOVING = np.zeros(1, dtype=np.bool_)
 DT, SAMPLES = 0.005, 20
 TIMES = np.arange(SAMPLES) * DT
 RATES_DPS = np.column_stack((60.0 + 300.0 * TIMES, 40.0 * np.sin(9.0 * TIMES), -80.0 + 0.0 * TIMES))
@@ -62,7 +64,7 @@ def hypothesis(bias: Floats, scale: Floats) -> Hypotheses:
 def test_a_block_turns_attitude_and_velocity_as_sample_by_sample() -> None:
     bias = np.radians(BIAS_DPS)
     h, block = hypothesis(bias, MATRIX), block_of(bias, MATRIX)
-    predict(h, block, bias, MATRIX, 0.0, 0.0)
+    predict(h, block, 0.0, 0.0, MOVING)
     attitude, velocity = integrated(np.zeros(STATES))
     turn = (Rotation.from_quat(h.q[0], scalar_first=True) * attitude.inv()).as_rotvec()
     assert turn == pytest.approx(np.zeros(3), abs=1e-7)
@@ -73,12 +75,13 @@ def test_a_block_turns_attitude_and_velocity_as_sample_by_sample() -> None:
 def test_a_hypothesis_with_another_bias_corrects_the_block_by_its_derivatives(bias_dps: float, scale: float) -> None:
     """Bias and scale of a hypothesis differ from those of the block: the error is of second order."""
     off_bias, off_scale = np.radians(BIAS_DPS + bias_dps), MATRIX + scale
-    h, block = hypothesis(off_bias, off_scale), block_of(np.radians(BIAS_DPS), MATRIX)
-    predict(h, block, np.radians(BIAS_DPS), MATRIX, 0.0, 0.0)
+    first, second = hypothesis(np.radians(BIAS_DPS), MATRIX), hypothesis(off_bias, off_scale)
+    h, block = first.joined(second), block_of(np.radians(BIAS_DPS), MATRIX)
+    predict(h, block, 0.0, 0.0, np.zeros(2, dtype=np.bool_))
     error = np.zeros(STATES)
     error[BIAS], error[SCALE] = np.radians(bias_dps), scale
     attitude, _ = integrated(error)
-    turn = (Rotation.from_quat(h.q[0], scalar_first=True) * attitude.inv()).as_rotvec()
+    turn = (Rotation.from_quat(h.q[1], scalar_first=True) * attitude.inv()).as_rotvec()
     assert turn == pytest.approx(np.zeros(3), abs=2e-5)
 
 
@@ -118,6 +121,18 @@ def test_a_prediction_propagates_the_covariance() -> None:
     before = h.cov[0].copy()
     start = START.as_matrix()[None, :, :]
     transition = transitions(start, (start @ block.velocity[:, None])[:, :, 0], block)[0]
-    predict(h, block, bias, MATRIX, 1e-6, 1e-7)
+    predict(h, block, 1e-6, 1e-7, MOVING)
     expected = transition @ before @ transition.T + np.diag(process_noise(block, 1e-6, 1e-7))
     assert h.cov[0] == pytest.approx(expected)
+
+
+def test_a_hypothesis_that_stands_still_keeps_its_heading() -> None:
+    """Tilt follows the block; heading and its covariance with the bias stay."""
+    bias = np.radians(BIAS_DPS)
+    h, block = hypothesis(bias, MATRIX), block_of(bias, MATRIX)
+    h.cov[0] = np.diag(np.linspace(1.0, 2.0, STATES))
+    predict(h, block, 1e-6, 1e-7, np.ones(1, dtype=np.bool_))
+    turn = (Rotation.from_quat(h.q[0], scalar_first=True) * START.inv()).as_rotvec()
+    assert abs(turn[2]) < 0.02 < np.abs(turn[:2]).max()
+    assert h.cov[0, HEADING, HEADING] == pytest.approx(np.linspace(1.0, 2.0, STATES)[HEADING])
+    assert h.cov[0, HEADING, BIAS] == pytest.approx(np.zeros(3))
