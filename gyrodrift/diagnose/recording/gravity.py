@@ -89,7 +89,7 @@ def _columns(angle_deg: Floats, rate_dps: Floats, *, turns: bool) -> list[Floats
 
 def _force_means(force: Floats, points: int) -> tuple[Floats, Mask]:
     """(some, 3) means of the samples with an acceleration, and (blocks,) whether a block has any."""
-    is_known = np.isfinite(force).all(axis=1)
+    is_known: Mask = np.isfinite(force.sum(axis=1))
     shares = _means(is_known.astype(np.float64), points)
     has_force: Mask = shares > 0.0
     zero_filled: Floats = np.where(is_known[:, None], force, 0.0)
