@@ -60,8 +60,9 @@ def is_plausible(readings: Sequence[Reading]) -> bool:
 
 
 def _feels_gravity(readings: Sequence[Reading]) -> bool:
-    """Whether accelerations have the length of gravity; True for a device with one axis."""
-    lengths = sorted(hypot(*reading.inertial[3:]) for reading in readings if reading.inertial)
+    """Whether accelerations have the length of gravity; True without any, or while all are NaN."""
+    sizes = [hypot(*reading.inertial[3:]) for reading in readings if reading.inertial]
+    lengths = sorted(size for size in sizes if not isnan(size))
     return not lengths or GRAVITY_MPS2[0] < lengths[len(lengths) // 2] < GRAVITY_MPS2[1]
 
 
