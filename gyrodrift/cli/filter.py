@@ -80,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
         session = inputs.calibrated_session(arguments, config)
         chosen = config.chosen
         begun = beginning_of(chosen, session.metadata, session.name)
-        run = FilterRun(chosen, config.params, arguments.axes or config.axes)
+        run = FilterRun(chosen, config.params, arguments.axes or config.axes, config.mount)
         run.use(*(chosen.scaled(config.params, sigma) for sigma in applied_scale_sigmas(session)))
         run.state = begun or run.state
         samples_before = run.state.samples

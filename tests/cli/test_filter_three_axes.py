@@ -1,0 +1,28 @@
+"""`gyrodrift filter` on sessions of three axes."""
+
+import csv
+from pathlib import Path
+
+import pytest
+from hand_motion import hand_motion
+
+from gyrodrift.cli import main
+
+
+def last_row(path: Path) -> dict[str, float]:
+    with path.open() as file:
+        *_, row = csv.DictReader(file)
+    return {name: float(value) for name, value in row.items()}
+
+
+def test_the_mount_of_the_config_holds_for_recordings(tmp_path: Path) -> None:
+    """With −x of the sensor forward, roll and pitch are those of the board with the other sign."""
+    session, config = hand_motion(20.0, tilt_deg=20.0).write(tmp_path / "hand.csv"), tmp_path / "mount.yaml"
+    config.write_text("filter: restlevel\nmount: {up: +z, forward: -x}\n")
+    plain, mounted = tmp_path / "plain.csv", tmp_path / "mounted.csv"
+    assert main(["filter", str(session), "--out", str(plain), "--quiet"]) == 0
+    assert main(["filter", str(session), "--config", str(config), "--out", str(mounted), "--quiet"]) == 0
+    plain_row, mounted_row = last_row(plain), last_row(mounted)
+    assert abs(plain_row["roll_deg"]) + abs(plain_row["pitch_deg"]) > 5.0
+    assert mounted_row["roll_deg"] == pytest.approx(-plain_row["roll_deg"], abs=0.05)
+    assert mounted_row["pitch_deg"] == pytest.approx(-plain_row["pitch_deg"], abs=0.05)
