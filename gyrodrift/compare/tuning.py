@@ -66,17 +66,34 @@ def _tuned(method: Method, pool: LocalWorkers, iterations: int, seed: int, progr
     default = float(pi(np.array([[method.defaults[name] for name in names]]))[0])
     if not objective.costs.min() < default:
         return method.defaults
-    best = values_of(method.axes, objective.cube[objective.best][np.newaxis])[0]
-    return dict(zip(names, best.tolist(), strict=True))
+    best_values = values_of(method.axes, objective.cube[objective.best][np.newaxis])[0]
+    best = dict(zip(names, best_values.tolist(), strict=True))
+    return best if _is_better_on_all_axes(method, best, pool) else method.defaults
+
+
+def _is_better_on_all_axes(method: Method, best: Params, pool: LocalWorkers) -> bool:
+    """Whether parameters found on the rate of the heading are better where the method takes three axes, too."""
+    if method.with_axes is None or all(session.reference.axes is None for session in _training):
+        return True
+    found_pi, default_pi = pool.map(_pi_on_all_axes, [(method.key, best), (method.key, method.defaults)])
+    return found_pi < default_pi
 
 
 def _pi(row: tuple[str, Mapping[str, float]]) -> float:
-    """PI over the training sessions, deg²."""
+    """PI on the rate of the heading over the training sessions, deg²."""
     key, params = row
     method = by_key()[key]
-    scores = []
-    for session in _training:
-        reference = session.reference
-        run = method.with_auxiliary(reference.auxiliary).run if method.with_auxiliary else method.run
-        scores.append(score_of(reference, run(session.t_s, reference.rate_dps, params)))
+    return _mean_pi([method.on(None, session.reference.auxiliary) for session in _training], params)
+
+
+def _pi_on_all_axes(row: tuple[str, Mapping[str, float]]) -> float:
+    """PI over the training sessions as they are scored, deg²."""
+    key, params = row
+    method = by_key()[key]
+    return _mean_pi([method.on(s.reference.axes, s.reference.auxiliary) for s in _training], params)
+
+
+def _mean_pi(methods: Sequence[Method], params: Params) -> float:
+    pairs = zip(methods, _training, strict=True)
+    scores = [score_of(s.reference, method.run(s.t_s, s.reference.rate_dps, params)) for method, s in pairs]
     return float(np.mean([score.pi_deg2 for score in scores]))

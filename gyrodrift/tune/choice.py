@@ -13,9 +13,11 @@ from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import row_of
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.registry import SHIPPED
+from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.progress import COMPILING, OnProgress, ignore_progress
 from gyrodrift.tune.result import Alternative, Pi, Tuning
 from gyrodrift.tune.search.journal import Journal
+from gyrodrift.tune.three_axes import CHECKED, worse_on_three_axes
 from gyrodrift.tune.total_progress import TotalProgress
 from gyrodrift.tune.tuning import Plan, TuningRun
 from gyrodrift.tune.tuning_set import TuningSet
@@ -71,7 +73,8 @@ def _run_of(plan: Plan, sessions: TuningSet, journal: Journal, progress: OnProgr
 def chosen(tunings: Sequence[Tuning], sessions: TuningSet, *, is_alone: bool) -> Tuning:
     """The best tuning with all alternatives.
 
-    A filter that was named is written tuned, whatever its defaults reach.
+    A filter that was named is written tuned, whatever its defaults reach. On three axes restlevel is written tuned only
+    if the attitude filter is better with the parameters, too.
     """
     by_name = {tuning.filter.name: tuning for tuning in tunings}
     untuned = list(_untuned(tunings, sessions))
@@ -81,7 +84,18 @@ def chosen(tunings: Sequence[Tuning], sessions: TuningSet, *, is_alone: bool) ->
     result = by_name[best.key]
     kept = result.warnings if best.is_tuned else filter(partial(_is_of_sessions, result), result.warnings)
     warnings = (*kept, *default_warnings(best, every))
-    return replace(result, alternatives=every, is_default_written=not best.is_tuned, warnings=warnings)
+    worse = _worse_on_three_axes(best, sessions)
+    is_default_written = not best.is_tuned or bool(worse)
+    warnings = (*warnings, worse) if worse else warnings
+    return replace(result, alternatives=every, is_default_written=is_default_written, warnings=warnings)
+
+
+def _worse_on_three_axes(best: Alternative, sessions: TuningSet) -> str:
+    """Warning if tuned parameters of restlevel are worse than its defaults on three axes; else empty."""
+    if not best.is_tuned or best.params is None or best.filter is not RESTLEVEL:
+        return ""
+    indices = range(min(CHECKED, len(sessions.sessions)))
+    return worse_on_three_axes(best.params, [sessions.loaded(index) for index in indices])
 
 
 def _is_of_sessions(tuning: Tuning, warning: str) -> bool:

@@ -79,3 +79,12 @@ def test_a_folder_of_one_and_three_axes_is_compared_without_the_filters_that_nee
     result = compared(motion.write(tmp_path / "six.csv"), motion.write(tmp_path / "one.csv", COLUMNS[:3]))
     assert not {"madgwick", "mahony"} & {entry.method.key for entry in result.entries}
     assert len(result.sessions) == 2
+
+
+def test_tuning_makes_no_method_worse_on_its_sessions_of_three_axes(tmp_path: Path) -> None:
+    """The search runs on the rate of the heading; what it finds has to hold for the attitude filter."""
+    path = hand_motion(30.0, tilt_deg=25.0, bias_dps=BIAS_DPS).write(tmp_path / "hand.csv")
+    chosen = (by_key()["restlevel"],)
+    result = compare(ComparisonRequest((path,), methods=chosen, train=(path,), iterations=12))
+    default, tuned = result.means
+    assert tuned.pi_deg2 <= default.pi_deg2
