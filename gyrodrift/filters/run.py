@@ -5,7 +5,7 @@ of three axes is imported when the first sample with three axes arrives.
 """
 
 from dataclasses import dataclass, field
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from gyrodrift.filters.filter import Filter
@@ -20,10 +20,16 @@ Axes = Literal["auto", "1", "3"]
 
 AXES: tuple[Axes, ...] = get_args(Axes)
 
+WITHOUT_AXES_S = 2.0
+"""Time in which a device of three axes sent one rate, after which it counts as one of one axis, s. Chosen: lost frames
+leave less."""
+
 
 @dataclass(slots=True)
 class FilterRun:
     """A filter with its state; it goes over to three axes with the first sample that has them.
+
+    It goes back to one axis if the device sends one rate for `WITHOUT_AXES_S`: another device may be plugged in.
 
     filter, params
         The filter and its parameters.
@@ -49,6 +55,7 @@ class FilterRun:
     axes_params: Any = field(init=False)
     _coefficients: Any = field(init=False)
     _step: Any = field(init=False)
+    _axes_t_s: float = -inf
 
     def __post_init__(self) -> None:
         self.state, self._step = self.filter.state(), self.filter.step_auxiliary
@@ -58,12 +65,16 @@ class FilterRun:
         self, t_s: float, rate_dps: float, inertial: Inertial | None = None, still: float = nan, temp_c: float = nan
     ) -> bool:
         """Take a sample; False if it is rejected."""
+        if inertial is not None:
+            self._axes_t_s = t_s
+        elif self.three_axes is not None and t_s - self._axes_t_s > WITHOUT_AXES_S:
+            self._go_back()
         if self.three_axes is None:
             if not self.has_axes(inertial):
                 return bool(self._step(self._coefficients, self.state, t_s, rate_dps, still, temp_c))
             self._go_over()
         given = Inertial(0.0, 0.0, rate_dps) if inertial is None else inertial
-        if self.mount != LEVEL and inertial is not None:
+        if self.mount != LEVEL:
             given = Inertial(*self.mount.to_device(given[:3]), *self.mount.to_device(given[3:]))
         return self.three_axes.step(self._coefficients, self.state, t_s, given, still, temp_c)  # type: ignore[union-attr]
 
@@ -104,7 +115,11 @@ class FilterRun:
     def _go_over(self) -> None:
         from gyrodrift.filters.three_axes import three_axis_version  # noqa: PLC0415 - numpy, for three axes only
 
-        old, self.three_axes = self.state, three_axis_version(self.filter)
-        self.state = self.three_axes.state()
+        self.three_axes = three_axis_version(self.filter)
+        self.state = self.three_axes.state(self.state)
+        self.use(self.params, self.axes_params)
+
+    def _go_back(self) -> None:
+        old, self.three_axes, self.state = self.state, None, self.filter.state()
         self.state.yaw_deg, self.state.rejected = old.yaw_deg, old.rejected
         self.use(self.params, self.axes_params)

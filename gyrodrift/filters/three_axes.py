@@ -55,15 +55,17 @@ class ThreeAxisState(FilterState, Protocol):
 class ThreeAxisFilter:
     """Three-axis version of a filter.
 
-    coefficients, state, zero
+    coefficients, zero
         As in `Filter`.
+    state
+        Takes the state of one axis, and returns the first state, at the same yaw and with its sigma.
     step
         Takes coefficients, state, device time in s, rates and accelerations, the still flag and the temperature in °C,
         both NaN if unknown; False if the sample is rejected.
     """
 
     coefficients: Callable[[Any], Any]
-    state: Callable[[], Any]
+    state: Callable[[FilterState], Any]
     zero: Callable[[Any], None]
     step: Callable[[Any, Any, float, Inertial, float, float], bool]
 
@@ -71,7 +73,7 @@ class ThreeAxisFilter:
 def three_axis_version(chosen: Filter) -> ThreeAxisFilter:
     """Three-axis version of a filter."""
     if chosen is RESTLEVEL:
-        return ThreeAxisFilter(attitude_coefficients, AttitudeState, zero_yaw, _attitude_step)
+        return ThreeAxisFilter(attitude_coefficients, _attitude_after, zero_yaw, _attitude_step)
     step = chosen.step_auxiliary
 
     def heading_step(c: Any, s: HeadingState, t_s: float, inertial: Inertial, still: float, temp_c: float) -> bool:
@@ -85,10 +87,20 @@ def three_axis_version(chosen: Filter) -> ThreeAxisFilter:
 
     return ThreeAxisFilter(
         lambda params: (attitude_coefficients(RestlevelParams()), chosen.coefficients(params)),
-        lambda: HeadingState(chosen.state()),
+        lambda before: _heading_after(before, chosen),
         lambda s: chosen.zero(s.inner),
         heading_step,
     )
+
+
+def _attitude_after(before: FilterState) -> AttitudeState:
+    return AttitudeState(yaw_deg=before.yaw_deg, yaw_sigma_deg=before.yaw_sigma_deg, rejected=before.rejected)
+
+
+def _heading_after(before: FilterState, chosen: Filter) -> "HeadingState":
+    state = HeadingState(chosen.state(), rejected=before.rejected)
+    state.yaw_deg = before.yaw_deg
+    return state
 
 
 def _attitude_step(c: Any, s: AttitudeState, t_s: float, inertial: Inertial, still: float, temp_c: float) -> bool:

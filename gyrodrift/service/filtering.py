@@ -5,12 +5,14 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import partial
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from gyrodrift.calibration import Calibration
 from gyrodrift.errors import ConfigError
 from gyrodrift.filters.filter import Filter, FilterState, WitnessState
 from gyrodrift.filters.registry import DEFAULT
+from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import Axes, FilterRun
 from gyrodrift.link.link import Link
 from gyrodrift.logger import FilteringBoundLogger
@@ -297,6 +299,8 @@ class Filtering:
         old, self._refuted = self.state, 0
         self.correcting.run = FilterRun(chosen, chosen.params(), self.run.axes, self.run.mount)
         self.state.yaw_deg, self.state.rejected = old.yaw_deg, old.rejected
+        if chosen is RESTLEVEL and isfinite(old.yaw_sigma_deg):  # three axes go on from it
+            self.run.state.yaw_sigma_deg = old.yaw_sigma_deg
 
     def _compare_rate(self, config: "Config") -> None:
         period_s = self.link.clock.period_s if self.link.clock else 0.0

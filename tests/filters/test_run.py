@@ -8,6 +8,7 @@ from hand_motion import BIAS_DPS, HandMotion, hand_motion
 from scipy.spatial.transform import Rotation
 
 from gyrodrift.arrays import Floats
+from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.hdr_filter import HDR
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
@@ -134,6 +135,30 @@ def test_a_board_on_its_side_has_the_heading_of_its_device() -> None:
     assert mount.to_device(biases_dps) == pytest.approx((ours.bias_x_dps, ours.bias_y_dps, ours.bias_z_dps), abs=1e-6)
     up = np.array(turned.accel_mps2[-1]) / np.linalg.norm(turned.accel_mps2[-1])
     assert rotated(theirs[:4], up)[2] == pytest.approx(1.0, abs=0.01)
+
+
+def test_three_axes_begin_with_the_sigma_of_one() -> None:
+    """An accelerometer that starts late makes the yaw so far no better known."""
+    motion, run = hand_motion(20.0), FilterRun(RESTLEVEL, RESTLEVEL.params())
+    rates_only(run, motion)
+    sigma_deg = run.state.yaw_sigma_deg
+    assert sigma_deg > 0.1
+    run.step(20.0, 0.0, Inertial(0.0, 0.0, 0.0, 0.0, 0.0, 9.81))
+    assert run.three_axes is not None
+    assert run.state.yaw_sigma_deg == pytest.approx(sigma_deg, rel=1e-6)
+
+
+@pytest.mark.parametrize("chosen", [RESTLEVEL, HDR])
+def test_a_device_that_sends_one_rate_from_now_on_has_one_axis(chosen: Filter) -> None:
+    """Another device may be plugged in: it is not turned by the tilt that the first one had."""
+    motion, run = hand_motion(20.0, tilt_deg=40.0), FilterRun(chosen, chosen.params(), mount=Mount("+y", "+x"))
+    yaw_deg = all_axes(run, motion)[-1]
+    for index in range(1, 1001):
+        assert run.step(20.0 + 0.01 * index, 0.0)
+    assert run.three_axes is None
+    run.step(30.01, 0.0, Inertial(0.0, 0.0, 0.0, 0.0, 9.81, 0.0))
+    assert run.three_axes is not None
+    assert run.state.yaw_deg == pytest.approx(yaw_deg, abs=5.0)
 
 
 def rows_to_sensor(mount: Mount, rows: Floats) -> Floats:

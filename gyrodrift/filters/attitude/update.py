@@ -10,6 +10,7 @@ from gyrodrift.filters.attitude.block import InertialBlock, Integrals, next_bloc
 from gyrodrift.filters.attitude.hypotheses import (
     BIAS,
     FORCE_BIAS,
+    HEADING,
     REST,
     SCALE,
     STATES,
@@ -41,7 +42,7 @@ GAP_RATE = 10.0 * RAD
 
 
 def begin(c: AttitudeCoefficients, s: AttitudeState, accel: Vector) -> None:
-    """First sample: level by its acceleration; the heading is `yaw_deg`, 0 unless an earlier filter had another yaw."""
+    """First sample: level by its acceleration; heading and sigma are 0 unless an earlier filter left other ones."""
     h = first_hypothesis()
     has_accel = accel[0] == accel[0]
     s.start_q = with_heading(level(*accel) if has_accel else IDENTITY, s.yaw_deg)
@@ -49,6 +50,7 @@ def begin(c: AttitudeCoefficients, s: AttitudeState, accel: Vector) -> None:
     h.q[0] = s.start_q
     diagonal = np.zeros(STATES)
     diagonal[:2] = (START_TILT if has_accel else UNKNOWN_TILT) ** 2
+    diagonal[HEADING] = (s.yaw_sigma_deg * RAD) ** 2
     diagonal[BIAS] = c.bias_sigma**2
     diagonal[VELOCITY] = START_SPEED**2
     diagonal[FORCE_BIAS] = FORCE_BIAS_SIGMA**2
