@@ -19,6 +19,8 @@ WARNINGS = frozenset(
         "link_silent",
         "rate_unit_differs",
         "accel_unit_differs",
+        "accelerations_missing",
+        "axes_missing",
         "rate_hangs",
         "clock_unit_differs",
         "not_understood",

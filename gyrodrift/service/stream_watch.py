@@ -1,6 +1,6 @@
-"""Warnings about a stream without gaps: a rate that hangs, and a device clock that changes its unit.
+"""Warnings about a stream without gaps: a rate that hangs, a device clock that changes its unit, and missing axes.
 
-Both are guesses, so the samples are still processed; the warning says that yaw is not reliable.
+The first two are guesses, so the samples are still processed; the warning says that yaw is not reliable.
 """
 
 from collections.abc import Callable
@@ -11,6 +11,7 @@ from typing import Any
 from gyrodrift.filters.restlevel.noise import FINE_DPS
 from gyrodrift.link.units.clock_unit import SLOWEST_PACE
 from gyrodrift.sample import Sample
+from gyrodrift.service.axes_watch import AxesWatch
 
 Tell = Callable[..., Any]
 """Called with the name of an event and its fields."""
@@ -111,19 +112,21 @@ class PaceWatch:
 
 @dataclass(slots=True)
 class StreamWatch:
-    """Watches the rate and the clock."""
+    """Watches the rate, the axes and the clock."""
 
     tell: Tell
+    _axes: AxesWatch = field(init=False)
     _rate: RateWatch = field(init=False)
     _pace: PaceWatch = field(init=False)
 
     def __post_init__(self) -> None:
-        self._rate, self._pace = RateWatch(self.tell), PaceWatch(self.tell)
+        self._rate, self._pace, self._axes = RateWatch(self.tell), PaceWatch(self.tell), AxesWatch(self.tell)
 
     def take(self, samples: list[Sample]) -> None:
         """Examine new samples."""
         self._rate.take(samples)
         self._pace.take(samples)
+        self._axes.take(samples)
 
     def stats(self) -> dict[str, Any]:
         """Fields for the log; empty without a hang."""

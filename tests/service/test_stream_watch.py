@@ -5,7 +5,8 @@ from typing import Any
 
 import pytest
 
-from gyrodrift.sample import Sample
+from gyrodrift.sample import Inertial, Sample
+from gyrodrift.service.axes_watch import AxesWatch
 from gyrodrift.service.stream_watch import PaceWatch, RateWatch
 
 HZ = 100.0
@@ -82,3 +83,40 @@ def test_a_clock_that_stood_still_once_is_right() -> None:
     for n in range(6000):
         watch.take([Sample(n, n / HZ, n / HZ + (3600.0 if 2000 < n < 4000 else 0.0), 0.0)])
     assert found == []
+
+
+GRAVITY = Inertial(0.1, 0.2, 0.3, 0.0, 0.0, 9.8)
+RATES = Inertial(0.1, 0.2, 0.3)
+
+
+def told_of_axes(*parts: tuple[Inertial | None, float]) -> list[tuple[str, float]]:
+    """Events, with their seconds, of a stream that sends each of these for some seconds."""
+    events: list[tuple[str, float]] = []
+    watch = AxesWatch(lambda event, **fields: events.append((event, fields["seconds"])))
+    axes = [inertial for inertial, seconds in parts for _ in range(round(seconds * HZ))]
+    for index, inertial in enumerate(axes):
+        watch.take([Sample(index, index / HZ, 0.0, 0.3, inertial=inertial)])
+    return events
+
+
+def test_accelerations_that_stop_are_told_and_their_return_too() -> None:
+    zeros = Inertial(0.1, 0.2, 0.3, 0.0, 0.0, 0.0)
+    assert told_of_axes((GRAVITY, 5.0), (RATES, 4.0), (GRAVITY, 1.0), (zeros, 3.0)) == [
+        ("accelerations_missing", 2.01),
+        ("accelerations_back", 4.01),
+        ("accelerations_missing", 2.01),
+    ]
+
+
+def test_three_rates_that_never_have_an_acceleration_are_told_once() -> None:
+    assert told_of_axes((RATES, 60.0)) == [("accelerations_missing", 2.01)]
+
+
+def test_a_device_of_three_axes_that_becomes_one_of_one_axis_is_told() -> None:
+    assert told_of_axes((GRAVITY, 5.0), (None, 10.0), (GRAVITY, 5.0)) == [("axes_missing", 2.01), ("axes_back", 10.01)]
+
+
+def test_one_axis_and_a_slow_accelerometer_tell_nothing() -> None:
+    assert told_of_axes((None, 60.0)) == []
+    assert told_of_axes(*[(GRAVITY, 0.01), (RATES, 0.99)] * 20) == []
+    assert told_of_axes(*[(GRAVITY, 0.5), (None, 0.5)] * 20) == []
