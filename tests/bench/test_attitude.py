@@ -17,7 +17,7 @@ from gyrodrift.filters.restlevel.model import RestlevelParams
 
 pytestmark = pytest.mark.bench
 
-SEEDS = range(200, 212)
+SEEDS = range(400, 410)
 
 
 def vqf(recorded: Recorded) -> Floats:

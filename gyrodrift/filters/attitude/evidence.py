@@ -29,7 +29,8 @@ ALIGNMENT = 0.03
 """Share of a rate that the level axes see: errors of the tilt by 0.3 m/s² of bias of the accelerometer."""
 
 MISTAKE_SHARE = 0.005
-"""Share of rests before which the bias was learned in an even turn, so that it has its prior again."""
+"""Share of rests before which the bias was learned in an even turn, so that it has its prior again. Such a rest is
+nearer to 0 than the bias believed."""
 
 MODEL_ERROR = 0.1
 """Error of the bias that its covariance does not contain, deg/s, where a rest is tested.
@@ -68,7 +69,8 @@ def weigh(
         jump = (JUMP * c.bias_sigma / RAD) ** 2 * np.eye(3)
         rest = (1.0 - JUMP_SHARE) * normal_density(off, wide) + JUMP_SHARE * normal_density(off, wide + jump)
         prior = spread + (c.bias_sigma / RAD) ** 2 * np.eye(3)
-        rest += MISTAKE_SHARE * normal_density(rate, prior)
+        if float(rate @ rate) < float(h.bias[i] @ h.bias[i]) / RAD**2:
+            rest += MISTAKE_SHARE * normal_density(rate, prior)
     else:
         rest = level * _first_rest_density(c, rate, float(off[2]), float(spread[2, 2]))
     share = MOTION_SHARE if m.kind.blocks <= QUIET.blocks else NOISY_MOTION_SHARE
