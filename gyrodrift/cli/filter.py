@@ -83,7 +83,7 @@ def run(arguments: argparse.Namespace) -> int:
         run = FilterRun(chosen, config.params, arguments.axes or config.axes, config.mount)
         run.use(*(chosen.scaled(config.params, sigma) for sigma in applied_scale_sigmas(session)))
         run.state = begun or run.state
-        samples_before = run.state.samples
+        rejected_before = run.state.rejected
         try:
             _write(arguments.out, session, run, progress.report)
         except (ArithmeticError, ValueError, IndexError) as error:
@@ -94,7 +94,8 @@ def run(arguments: argparse.Namespace) -> int:
         skipped = f"{samples_text(run.state.rejected)} skipped (time or rate)"
         print(visible(f"gyrodrift: {session.name}: {skipped}"), file=sys.stderr)
     if arguments.out is not None:
-        tell_written(arguments.out, samples_text(run.state.samples - samples_before), is_quiet=arguments.quiet)
+        accepted = len(session.t_device_s) - (run.state.rejected - rejected_before)
+        tell_written(arguments.out, samples_text(accepted), is_quiet=arguments.quiet)
     return 0
 
 

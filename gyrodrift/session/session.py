@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import nan
+from math import isnan, nan
 from typing import Any
 
 import numpy as np
@@ -105,12 +105,12 @@ class Session(ResultTable):
         column = self.column(name)
         return np.full(len(self.rate_dps), -1 if name == "seq" else np.nan) if column is None else column
 
-    def inertials(self) -> list[Inertial] | list[None]:
-        """The axes of each sample; None for a session of one axis."""
+    def inertials(self) -> Sequence[Inertial | None]:
+        """The axes of each sample; None for a session of one axis, and for samples without three rates."""
         if self.gyro_dps is None:
             return [None] * len(self.rate_dps)
         columns = [self.filled(name).tolist() for name in AXIS_COLUMNS]
-        return [Inertial(*values) for values in zip(*columns, strict=True)]
+        return [None if isnan(sum(values[:3])) else Inertial(*values) for values in zip(*columns, strict=True)]
 
     def part(self, start: int, end: int) -> "Session":
         """The samples from `start` to before `end`."""
