@@ -18,6 +18,7 @@ WARNINGS = frozenset(
         "host_clock_set",
         "link_silent",
         "rate_unit_differs",
+        "accel_axes_differ",
         "accel_unit_differs",
         "accelerations_missing",
         "axes_missing",

@@ -64,6 +64,15 @@ def test_swapped_and_inverted_axes_are_named_with_the_order_that_mends_them(seed
         columns = [SIGNS[name[0]] * wrong_forces[:, "xyz".index(name[1])] for name in axes.best]
         mended = np.column_stack(columns)
         assert np.array_equal(mended, session.accel_mps2) or np.array_equal(mended, -session.accel_mps2)
+        assert np.array_equal(read_as(axes.spec, wrong_forces), mended)
+
+
+def read_as(spec: str, columns: Floats) -> Floats:
+    """Accelerations as read with these names of the columns, such as `ay:-, ax, az`."""
+    forces = np.empty_like(columns)
+    for index, name in enumerate(spec.split(", ")):
+        forces[:, "xyz".index(name[1])] = columns[:, index] * (-1.0 if name.endswith(":-") else 1.0)
+    return forces
 
 
 def test_a_level_turn_says_nothing_of_the_axes() -> None:

@@ -1,11 +1,12 @@
 """Checks of the accelerometer: unit, axis up, agreement with the gyro, vibration, range."""
 
+from gyrodrift.columns.accel_axes import AGREES
 from gyrodrift.columns.gravity import gravity_unit
 from gyrodrift.doctor.check import Check
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, error, note, ok, warning
 from gyrodrift.doctor.gravity import STANDARD_MPS2, gravity_summary
-from gyrodrift.session.checks.axes import AGREES, agreement
+from gyrodrift.session.checks.axes import agreement
 
 SIZE_SHARE = 0.12
 """Largest relative error of gravity in the right unit: offset and scale of cheap parts, 0.08 g and 3 % (MPU-6050 data
@@ -59,12 +60,12 @@ def axes_agree(evidence: DeviceEvidence) -> DeviceFinding | None:
     if axes.best_residual <= AGREES:
         return error(
             f"Gravity turns another way than the gyro says. It fits if {axes.named}.",
-            f"Exchange the columns of the acceleration, in the frame of the gyro: {axes.spec}.",
+            f"Name the three columns of the acceleration, in the frame of the gyro: {axes.spec}.",
             axes.residual,
         )
-    return error(
-        "Gravity does not turn as the gyro says, with any order or sign of the axes.",
-        "Check units of both, and whether the time of both is the same.",
+    return note(
+        "Gravity does not turn as the gyro says, with any order or sign of the axes. Quick motion hides gravity.",
+        "Tilt the device slowly by hand for 20 s. If this stays, check the units and the times of both.",
         axes.residual,
     )
 

@@ -45,7 +45,7 @@ class UnitCheck:
         self._due_s = float("-inf")
         self._rates: Any = None
         self._windows = 0
-        self._accelerations: Any = None
+        self._acceleration_checks: dict[str, Any] = {}
 
     def take(self, readings: int, samples: list[Sample], arrival_s: float, clock: Clock) -> None:
         """Add a number of readings that arrived together, and their samples."""
@@ -73,12 +73,17 @@ class UnitCheck:
             raise UnitError(why)
 
     def _judge_accelerations(self, samples: list[Sample]) -> None:
-        from gyrodrift.link.units.acceleration import AccelerationCheck  # noqa: PLC0415 - only for three axes
+        from gyrodrift.link.units.accel_axes import AccelerationAxesCheck  # noqa: PLC0415 - only for three axes
+        from gyrodrift.link.units.acceleration import AccelerationCheck  # noqa: PLC0415 - as above
 
-        self._accelerations = self._accelerations or AccelerationCheck(self._protocol)
-        fields = None if self._accelerations.is_over else self._accelerations.take(samples)
-        if fields is not None:
-            self._on_event("accel_unit_differs", **fields)
+        self._acceleration_checks = self._acceleration_checks or {
+            "accel_unit_differs": AccelerationCheck(self._protocol),
+            "accel_axes_differ": AccelerationAxesCheck(self._protocol),
+        }
+        for event, check in self._acceleration_checks.items():
+            fields = None if check.is_over else check.take(samples)
+            if fields is not None:
+                self._on_event(event, **fields)
 
     def _judge_windows(self) -> None:
         whole = len(self._window) // WINDOW * WINDOW

@@ -4,57 +4,16 @@ In the frame of the sensor gravity changes by da/dt = −ω × a. Swapped axes o
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from itertools import permutations, product
 
 import numpy as np
 
 from gyrodrift.arrays import Floats
+from gyrodrift.columns.accel_axes import AGREES, TURN_MIN_DEG, WINDOW_S, Agreement, frames
 from gyrodrift.session.checks.finding import SessionFinding
 from gyrodrift.session.session import Session
 
-WINDOW_S = 0.5
-"""Length of the windows over which gravity and gyro are compared, s: chosen; hands turn slowly within it."""
-
-TURN_MIN_DEG = 3.0
-"""Tilt of a window from which it counts, deg: well above the noise of an accelerometer, about 0.3 deg."""
-
 WINDOWS_MIN = 8
 """Windows with a tilt that are needed for a comparison: chosen."""
-
-AGREES = 0.5
-"""Residual of the gyro, as a share of the tilt of gravity, below which both agree; without a relation it is above 1."""
-
-
-@dataclass(frozen=True, slots=True)
-class Agreement:
-    """Whether gravity turns as the gyro says.
-
-    residual
-        Difference as a share of the tilt, for the axes as they are.
-    best
-        Axes of the acceleration that fit best, such as `('+x', '+y', '-z')`.
-    best_residual
-        Their difference.
-    """
-
-    residual: float
-    best: tuple[str, ...]
-    best_residual: float
-
-    @property
-    def named(self) -> str:
-        """Best axes in words, without those that stay: `ax is ay, ay is −ax`."""
-        return ", ".join(
-            f"a{axis} is {'−' if best[0] == '-' else ''}a{best[1]}"
-            for axis, best in zip("xyz", self.best, strict=True)
-            if best != f"+{axis}"
-        )
-
-    @property
-    def spec(self) -> str:
-        """Best axes as the columns of a SPEC in the order x, y, z: `ay, ax:-, az`."""
-        return ", ".join(f"a{best[1]}{':-' if best[0] == '-' else ''}" for best in self.best)
 
 
 def axis_findings(session: Session) -> Iterator[SessionFinding]:
@@ -100,17 +59,12 @@ def _residual(matrix: Floats, changes: Floats, rotations: Floats, middles: Float
     return float(np.median(difference / np.linalg.norm(changes, axis=1)))
 
 
-def _frames() -> list[tuple[tuple[str, ...], Floats]]:
-    """Ways to exchange and reverse axes, up to a reversal of all three, with the matrix that applies each."""
-    frames = []
-    for order in permutations(range(3)):
-        for signs in product((1.0, -1.0), repeat=3):
-            matrix = np.zeros((3, 3))
-            matrix[range(3), order] = signs
-            names = tuple(f"{'+' if sign > 0 else '-'}{'xyz'[axis]}" for axis, sign in zip(order, signs, strict=True))
-            if sum(signs) > 0.0:  # of a frame and its reverse, the one with fewer reversed axes
-                frames.append((names, matrix))
-    return frames
+def _frames() -> Iterator[tuple[tuple[str, ...], Floats]]:
+    """Ways to exchange and reverse axes, with the matrix that applies each."""
+    for names, (order, signs) in frames().items():
+        matrix = np.zeros((3, 3))
+        matrix[range(3), order] = signs
+        yield names, matrix
 
 
 def _integrals(t_s: Floats, rates: Floats) -> Floats:
