@@ -100,6 +100,11 @@ def vector_of(axis: Axis) -> Vector:
     return (x, y, z) if axis[0] == "+" else (-x, -y, -z)
 
 
+def nearest_axis(of_sensor: Vector) -> Axis:
+    """Axis of the sensor that is nearest to a vector in its frame, such as gravity."""
+    return max(AXES, key=lambda axis: sum(a * b for a, b in zip(vector_of(axis), of_sensor, strict=True)))
+
+
 def with_heading(q: Quaternion, turn_deg: float) -> Quaternion:
     """Attitude after a further turn about the vertical."""
     half = radians(0.5 * turn_deg)

@@ -16,6 +16,7 @@ from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import Axes, FilterRun
 from gyrodrift.link.link import Link
 from gyrodrift.logger import FilteringBoundLogger
+from gyrodrift.mount import nearest_axis
 from gyrodrift.sample import Corrected, Sample
 from gyrodrift.service.calibrating import Calibrating, bias_of
 from gyrodrift.service.correcting import Correcting
@@ -26,6 +27,10 @@ if TYPE_CHECKING:  # the config loads its checker, which a service without a con
     from gyrodrift.config.watch import ConfigWatch
 
 REJECTED_S = 1.0
+
+SIDEWAYS_DEG = 60.0
+"""Tilt from which on another axis of the sensor points up: it is nearer to the vertical from 45° to 54.7° on, with a
+margin. Derived: acos(1/√3)."""
 
 RATE_TOLERANCE = 0.05
 """Largest relative difference between the sample rate and the one that the parameters were tuned at."""
@@ -194,7 +199,19 @@ class Filtering:
         if not had_axes and self.run.three_axes is not None:
             self.log.info("three_axes", filter=self.filter.name, hint="the device sends three rates and accelerations")
             self._tell("three_axes", {"filter": self.filter.name})
+            self._compare_mount(samples)
         return corrected
+
+    def _compare_mount(self, samples: list[Sample]) -> None:
+        """Warn of a device that begins on its side or upside down, as a sensor with another mount does."""
+        forces = [sample.inertial[3:] for sample in samples if sample.inertial and self.run.has_axes(sample.inertial)]
+        tilt_deg = self.run.attitude().tilt_deg
+        if tilt_deg < SIDEWAYS_DEG or not forces or not isfinite(sum(forces[-1])):
+            return
+        hint = f"if the device is level now, set mount: {{up: {nearest_axis(forces[-1])}, forward: ...}} in the config"
+        fields = {"up": self.run.mount.up, "tilt_deg": round(tilt_deg, 1), "hint": hint}
+        self.log.warning("mount_differs", **fields)
+        self._tell("mount_differs", fields)
 
     def _follow_axes(self, config: "Config") -> None:
         """Apply the axes and the mount of a config; `--axes` takes precedence. A filter of three axes starts again."""

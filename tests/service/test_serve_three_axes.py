@@ -66,6 +66,20 @@ def test_a_mount_turns_the_attitude_into_roll_and_pitch_of_the_device(tmp_path: 
     assert np.sin(np.deg2rad(line["pitch_deg"])) == pytest.approx(-up[1], abs=0.01)
 
 
+def test_a_board_on_its_side_is_told_with_the_axis_that_points_up(tmp_path: Path, motion: HandMotion) -> None:
+    """Turned by 90° about x, it feels gravity along y."""
+    columns = motion.gyro_dps[:, [0, 2, 1]] * (1.0, 1.0, -1.0), motion.accel_mps2[:, [0, 2, 1]] * (1.0, 1.0, -1.0)
+    config = tmp_path / "mount.yaml"
+    config.write_text("filter: restlevel\nmount: {up: +y, forward: +x}\n")
+    sideways = HandMotion(motion.t_s, *columns, motion.heading_deg)
+    _, events = served(tmp_path, sideways)
+    (warning,) = (event for event in events if event["event"] == "mount_differs")
+    assert "up: +y" in warning["hint"]
+    for words, made in (((), motion), (("--config", config), sideways)):
+        _, events = served(tmp_path, made, *words)
+        assert "mount_differs" not in {event["event"] for event in events}
+
+
 def test_memory_is_refused_and_a_recording_has_all_axes(tmp_path: Path, motion: HandMotion) -> None:
     memory, folder = tmp_path / "memory.json", tmp_path / "recordings"
     _, events = served(tmp_path, motion, "--memory", memory, "--record", folder)
