@@ -73,6 +73,7 @@ class Filtering:
     _rejected: int = 0
     _rejected_s: float = 0.0
     _is_rate_checked: bool = False
+    _is_one_axis_told: bool = False
     applied: int = 0
     refused: int = 0
     applied_s: float | None = None
@@ -200,7 +201,17 @@ class Filtering:
             self.log.info("three_axes", filter=self.filter.name, hint="the device sends three rates and accelerations")
             self._tell("three_axes", {"filter": self.filter.name})
             self._compare_mount(samples)
+        if self.run.axes == "3" and samples[-1].inertial is None and self.run.three_axes is None:
+            self._tell_one_axis()
         return corrected
+
+    def _tell_one_axis(self) -> None:
+        """Warn once that the device has not the three axes that the user states."""
+        if not self._is_one_axis_told:
+            self._is_one_axis_told = True
+            hint = "the device sends one rate: axes 3 has no effect, and yaw is right while this axis is vertical"
+            self.log.warning("axes_missing", hint=hint)
+            self._tell("axes_missing", {"hint": hint})
 
     def _compare_mount(self, samples: list[Sample]) -> None:
         """Warn of a device that begins on its side or upside down, as a sensor with another mount does."""

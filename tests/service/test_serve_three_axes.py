@@ -80,6 +80,17 @@ def test_a_board_on_its_side_is_told_with_the_axis_that_points_up(tmp_path: Path
         assert "mount_differs" not in {event["event"] for event in events}
 
 
+def test_axes_3_on_a_device_of_one_axis_is_told_once(tmp_path: Path) -> None:
+    link = tmp_path / "gyro"
+    with Command("simulated-device", "--link", link, "--speed", "max") as device:
+        device.until(lambda _: link.is_symlink(), "port")
+        with Command("serve", "--port", link, "--log-format", "json", "--axes", "3") as serve:
+            lines = serve.take_lines(500)
+            serve.stop()
+    assert "q" not in lines[-1]
+    assert [json.loads(line)["event"] for line in serve.log.splitlines()].count("axes_missing") == 1
+
+
 def test_memory_is_refused_and_a_recording_has_all_axes(tmp_path: Path, motion: HandMotion) -> None:
     memory, folder = tmp_path / "memory.json", tmp_path / "recordings"
     _, events = served(tmp_path, motion, "--memory", memory, "--record", folder)
