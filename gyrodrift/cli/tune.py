@@ -146,10 +146,10 @@ def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
 
     words = [word for word in arguments.command_line if word != "--resume"]
     command = shlex.join(words)
-    calibration = _calibration_in(arguments.out)
+    kept = _kept_in(arguments.out)
     write_config(arguments.out, tuning, command)
-    if calibration:
-        _keep_calibration(arguments.out, calibration)
+    if kept:
+        _keep(arguments.out, kept)
     if arguments.report is not None:
         from gyrodrift.files import write_whole
         from gyrodrift.html.provenance import Provenance, date_now, set_name
@@ -165,19 +165,20 @@ def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
         print(visible(line))
 
 
-def _calibration_in(out: Path) -> str:
-    """Calibration block of an existing config, which tuning keeps; empty without one."""
-    from gyrodrift.config.calibration import block_in
+def _kept_in(out: Path) -> str:
+    """Lines of an existing config that tuning keeps: axes, mount and calibration; empty without them."""
+    from gyrodrift.config.calibration import CALIBRATION, block_in
     from gyrodrift.config.model import load_config
 
     try:
         load_config(out)
-        return block_in(out.read_text(encoding="utf-8-sig"))
+        text = out.read_text(encoding="utf-8-sig")
+        return "".join(block_in(text, key) for key in ("axes", "mount", CALIBRATION))
     except (UsageError, OSError):
         return ""  # an unreadable file is replaced
 
 
-def _keep_calibration(out: Path, block: str) -> None:
+def _keep(out: Path, block: str) -> None:
     from gyrodrift.config.calibration import with_block
     from gyrodrift.files import write_whole
 

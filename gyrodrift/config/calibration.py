@@ -174,13 +174,13 @@ def with_block(text: str, block: str) -> str:
     return f"{text}{end}{block}"
 
 
-def block_in(text: str) -> str:
-    """Lines of the block in a config; empty if it has none."""
-    span = _lines_of_block(text)
-    return "" if span is None else "".join(text.splitlines(keepends=True)[span[0] : span[1]])
+def block_in(text: str, key: str = CALIBRATION) -> str:
+    """Lines of the block in a config, or of another key; empty if it has none."""
+    span = _lines_of_block(text, key)
+    return "" if span is None else "".join(f"{line}\n" for line in text.splitlines()[span[0] : span[1]])
 
 
-def _lines_of_block(text: str) -> tuple[int, int] | None:
+def _lines_of_block(text: str, name: str = CALIBRATION) -> tuple[int, int] | None:
     """First line of the block and the line behind its last; unindented comments belong to the next block."""
     top = yaml.compose(text, Loader=yaml.SafeLoader)
     if top is None:
@@ -188,7 +188,7 @@ def _lines_of_block(text: str) -> tuple[int, int] | None:
     if not isinstance(top, yaml.MappingNode) or top.flow_style:
         raise UsageError("its keys do not stand on lines of their own; give each its own and calibrate again")
     starts = [key.start_mark.line for key, _ in top.value]
-    named = [key.start_mark.line for key, _ in top.value if key.value == CALIBRATION]
+    named = [key.start_mark.line for key, _ in top.value if key.value == name]
     if not named:
         return None
     lines = text.splitlines()

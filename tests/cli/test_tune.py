@@ -17,6 +17,7 @@ from turntable_sessions import RATE_HZ, turntable, write_turntables
 from gyrodrift.cli import main
 from gyrodrift.config.model import load_config
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
+from gyrodrift.mount import Mount
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.session.session import Session
 from gyrodrift.tune.search import journal
@@ -126,6 +127,15 @@ def test_the_calibration_of_a_config_that_is_replaced_stays(eight: Path, tmp_pat
     config = load_config(out)
     assert config.calibration is not None
     assert (config.filter, config.calibration.scale_ccw) == ("hdr", 0.98)
+
+
+def test_axes_and_mount_of_a_config_that_is_replaced_stay(eight: Path, tmp_path: Path) -> None:
+    """Without its mount a board on its side has another heading."""
+    out = tmp_path / "c.yaml"
+    out.write_text("filter: restlevel\nmount:\n  up: +x\n  forward: +y\naxes: 3")
+    assert main(["tune", str(eight), "--out", str(out), *QUICK]) == 0
+    config = load_config(out)
+    assert (config.filter, config.axes, config.mount) == ("hdr", "3", Mount("+x", "+y"))
 
 
 def test_of_a_few_sessions_each_is_tested_with_parameters_of_the_others(
