@@ -59,8 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--axes",
-        type=int,
-        choices=(1, 3),
+        choices=("1", "3"),
         help="gyro axes: 1, or 3 with an accelerometer (default: as the rig file says; 1 for the hard cases)",
     )
     parser.add_argument("--format", default="mcap", choices=("mcap", "csv"), help="file format (default mcap)")
@@ -75,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Simulate; 0 when all sessions are written."""
     if arguments.hard_cases and (arguments.twin or arguments.rig or arguments.effect or arguments.profile):
         raise UsageError("--hard-cases has its own rigs and motions: leave out --rig, --profile, --effect and --twin")
-    if arguments.twin is not None and arguments.axes == len("xyz"):
+    if arguments.twin is not None and arguments.axes == "3":
         raise UsageError("--twin imitates sessions of one axis: leave out --axes 3")
     options.hold_product_threads()
     with options.progress_of(arguments) as progress:
@@ -91,13 +90,18 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _axes(arguments: argparse.Namespace) -> int | None:
+    """Number of axes of `--axes`; None to take that of the rig."""
+    return None if arguments.axes is None else int(arguments.axes)
+
+
 def _rig_and_profile(arguments: argparse.Namespace) -> "tuple[Rig, Motion]":
     from firmware_sim.motion.profile import load_motion
     from firmware_sim.rig import load_rig, with_axes, with_effects
     from firmware_sim.yaml_file import FileError
 
     try:
-        rig = with_effects(with_axes(load_rig(arguments.rig), arguments.axes), arguments.effect)
+        rig = with_effects(with_axes(load_rig(arguments.rig), _axes(arguments)), arguments.effect)
         return rig, load_motion(arguments.profile or "turntable")
     except FileError as error:
         raise UsageError(str(error)) from error
@@ -115,7 +119,7 @@ def _check_kept(arguments: argparse.Namespace, rig: "Rig") -> None:
     profile = None if arguments.profile is None else Path(arguments.profile)
     inputs = [path for path in (arguments.rig, arguments.twin, profile) if path is not None]
     check_inputs_kept(rigs, inputs)
-    has_truth = arguments.axes == len("xyz") if arguments.hard_cases else rig.base.three_axes is not None
+    has_truth = arguments.axes == "3" if arguments.hard_cases else rig.base.three_axes is not None
     truths = [truth_path(path) for path in paths] if has_truth else []
     check_kept([*paths, *truths], inputs, force=arguments.force)
     if not is_set and not arguments.force and rigs[0].is_file() and rigs[0].read_bytes() != rig_yaml(rig).encode():
@@ -131,7 +135,7 @@ def _paths(arguments: argparse.Namespace) -> list[Path]:
     if arguments.twin is not None:
         return twin_paths(read_rows(arguments.twin), arguments.out, arguments.format)
     if arguments.hard_cases:
-        return hard_case_paths(arguments.out, arguments.sessions or SESSIONS, arguments.format, arguments.axes or 1)
+        return hard_case_paths(arguments.out, arguments.sessions or SESSIONS, arguments.format, _axes(arguments) or 1)
     return simulated_paths(arguments.out, arguments.sessions or 1, arguments.format)
 
 
@@ -167,7 +171,7 @@ def _hard_cases(arguments: argparse.Namespace, progress: "OnProgress") -> Iterat
     from gyrodrift.simulation.sessions import sample_count
 
     sessions = arguments.sessions or hard_cases.SESSIONS
-    axes = arguments.axes or 1
+    axes = _axes(arguments) or 1
     total = hard_cases.hard_case_count(sessions, axes)
     contents = samples_text(sample_count(Rig(), arguments.minutes))
     progress(SESSIONS, 0, total)
