@@ -35,7 +35,7 @@ def run(arguments: argparse.Namespace, tell: Callable[[str], None]) -> None:
         The link cannot be made, or belongs to something else.
     """
     effects = [parse_effect(text) for text in arguments.effect]
-    rig = with_effects(with_axes(load_rig(arguments.rig), arguments.axes), effects)
+    rig = with_effects(with_axes(load_rig(arguments.rig), int(arguments.axes) if arguments.axes else None), effects)
     faults = [parse_fault(text) for text in arguments.fault]
     profile = load_motion(arguments.profile)
     encoder = ENCODERS[arguments.protocol]
@@ -87,8 +87,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--axes",
-        type=int,
-        choices=(1, 3),
+        choices=("1", "3"),
         help="gyro axes: 1, or 3 with an accelerometer (default: as the rig file says)",
     )
     parser.add_argument(
