@@ -6,6 +6,7 @@ side down, pitch with the nose down.
 """
 
 from dataclasses import dataclass
+from functools import cache
 from math import asin, atan2, cos, degrees, hypot, radians, sin, sqrt
 from typing import Literal, get_args
 
@@ -38,8 +39,7 @@ class Mount:
     @property
     def axes(self) -> tuple[Vector, Vector, Vector]:
         """Forward, left and up of the device as unit vectors in the sensor frame."""
-        forward, up = vector_of(self.forward), vector_of(self.up)
-        return forward, _cross(up, forward), up
+        return _axes_of(self.forward, self.up)
 
     @property
     def quaternion(self) -> Quaternion:
@@ -82,13 +82,24 @@ class Mount:
 
     def tilt_deg(self, q: Quaternion) -> float:
         """Angle between the up axis and the vertical, 0 to 180 deg."""
-        x, y, z = _rotated(q, vector_of(self.up))
-        return degrees(atan2(hypot(x, y), z))
+        forward_z, left_z, up_z = self._heights(q)
+        return degrees(atan2(hypot(forward_z, left_z), up_z))
 
     def roll_pitch_deg(self, q: Quaternion) -> tuple[float, float]:
         """Roll, −180 to 180 deg, and pitch, −90 to 90 deg."""
-        forward_z, left_z, up_z = (_rotated(q, axis)[2] for axis in self.axes)
+        forward_z, left_z, up_z = self._heights(q)
         return degrees(atan2(left_z, up_z)), degrees(asin(max(-1.0, min(1.0, -forward_z))))
+
+    def _heights(self, q: Quaternion) -> Vector:
+        """Heights of the unit vectors forward, left and up over the horizon."""
+        w, x, y, z = q
+        vertical = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
+        return vertical if self is LEVEL else self.to_device(vertical)
+
+
+@cache
+def _axes_of(forward: Axis, up: Axis) -> tuple[Vector, Vector, Vector]:
+    return vector_of(forward), _cross(vector_of(up), vector_of(forward)), vector_of(up)
 
 
 LEVEL = Mount()
@@ -123,17 +134,6 @@ def product(p: Quaternion, q: Quaternion) -> Quaternion:
         a * y - b * z + c * w + d * x,
         a * z + b * y - c * x + d * w,
     )
-
-
-def _rotated(q: Quaternion, v: Vector) -> Vector:
-    w, x, y, z = q
-    tx, ty, tz = _doubled(_cross((x, y, z), v))
-    cx, cy, cz = _cross((x, y, z), (tx, ty, tz))
-    return v[0] + w * tx + cx, v[1] + w * ty + cy, v[2] + w * tz + cz
-
-
-def _doubled(v: Vector) -> Vector:
-    return 2.0 * v[0], 2.0 * v[1], 2.0 * v[2]
 
 
 def _cross(a: Vector, b: Vector) -> Vector:
