@@ -10,8 +10,9 @@ from functools import cache
 from math import asin, atan2, cos, degrees, hypot, radians, sin, sqrt
 from typing import Literal, get_args
 
+from gyrodrift.vectors import Vector
+
 Quaternion = tuple[float, float, float, float]
-Vector = tuple[float, float, float]
 Axis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 
 AXES: tuple[Axis, ...] = get_args(Axis)

@@ -7,9 +7,6 @@ import numpy as np
 from gyrodrift.session.checks.axes import windows
 from gyrodrift.session.session import Session
 
-STANDARD_MPS2 = 9.80665
-"""Standard gravity, exact by definition (CGPM 1901); on earth it is 9.76 to 9.84."""
-
 QUIET_SHARE = 0.2
 """Share of the windows, those with the least scatter, that count as quiet: chosen."""
 

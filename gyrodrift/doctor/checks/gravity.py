@@ -2,10 +2,11 @@
 
 from gyrodrift.columns.accel_axes import AGREES
 from gyrodrift.columns.gravity import gravity_unit
+from gyrodrift.columns.spec import STANDARD_GRAVITY_MPS2
 from gyrodrift.doctor.check import Check
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, error, note, ok, warning
-from gyrodrift.doctor.gravity import STANDARD_MPS2, gravity_summary
+from gyrodrift.doctor.gravity import gravity_summary
 from gyrodrift.session.checks.axes import agreement
 
 SIZE_SHARE = 0.12
@@ -29,10 +30,10 @@ def gravity(evidence: DeviceEvidence) -> DeviceFinding | None:
     if summary is None:
         return None
     size = summary.size_mps2
-    if abs(size / STANDARD_MPS2 - 1.0) <= SIZE_SHARE:
+    if abs(size / STANDARD_GRAVITY_MPS2 - 1.0) <= SIZE_SHARE:
         do = (
             ""
-            if abs(size / STANDARD_MPS2 - 1.0) <= OFF_SHARE
+            if abs(size / STANDARD_GRAVITY_MPS2 - 1.0) <= OFF_SHARE
             else "gyrodrift calibrate --positions measures offset and scale."
         )
         return (note if do else ok)(f"Gravity is {size:.2f} m/s², {summary.up} is up.", do=do, value=size, unit="m/s²")

@@ -10,7 +10,8 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.filters.attitude.batch import rotation_matrices
-from gyrodrift.filters.attitude.quaternion import IDENTITY, Quaternion, from_rotation_vector, multiply
+from gyrodrift.filters.attitude.quaternion import IDENTITY, from_rotation_vector
+from gyrodrift.mount import Quaternion, product
 
 RAD = 0.017453292519943295
 
@@ -95,7 +96,7 @@ def add_sample(b: InertialBlock, dt: float, gx: float, gy: float, gz: float, ax:
         g[3] * mx + g[4] * my + g[5] * mz - o[1] * dt,
         g[6] * mx + g[7] * my + g[8] * mz - o[2] * dt,
     )
-    b.q = multiply(b.q, turn)
+    b.q = product(b.q, turn)
     x, y, z = b.angle
     b.angle = (x + mx, y + my, z + mz)
     x, y, z = b.velocity

@@ -6,9 +6,11 @@ from math import nan, sqrt
 from gyrodrift.filters.attitude.block import InertialBlock
 from gyrodrift.filters.attitude.hypotheses import Hypotheses, first_hypothesis
 from gyrodrift.filters.attitude.motion import MotionMemory
-from gyrodrift.filters.attitude.quaternion import IDENTITY, Quaternion, Vector, heading_axis, tilt_deg
+from gyrodrift.filters.attitude.quaternion import IDENTITY, heading_axis, tilt_deg
 from gyrodrift.filters.attitude.rests import AttitudeWitness, Segment, Windows
 from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.mount import Quaternion
+from gyrodrift.vectors import Vector
 
 RAD = 0.017453292519943295
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.filters.attitude.quaternion import Vector
+from gyrodrift.vectors import Vector
 
 
 @dataclass(slots=True)

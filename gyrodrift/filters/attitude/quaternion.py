@@ -2,8 +2,8 @@
 
 from math import acos, atan2, cos, degrees, sin, sqrt
 
-Quaternion = tuple[float, float, float, float]
-Vector = tuple[float, float, float]
+from gyrodrift.mount import Quaternion
+from gyrodrift.vectors import Vector
 
 IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
@@ -12,18 +12,6 @@ INVERTED_UP = -0.8660254037844387
 
 SERIES_LIMIT = 0.0625
 """Squared angle, rad², up to which the series of `from_rotation_vector` is exact to 1e-8: n³/46080."""
-
-
-def multiply(a: Quaternion, b: Quaternion) -> Quaternion:
-    """Rotation b followed by rotation a."""
-    aw, ax, ay, az = a
-    bw, bx, by, bz = b
-    return (
-        aw * bw - ax * bx - ay * by - az * bz,
-        aw * bx + ax * bw + ay * bz - az * by,
-        aw * by - ax * bz + ay * bw + az * bx,
-        aw * bz + ax * by - ay * bx + az * bw,
-    )
 
 
 def from_rotation_vector(x: float, y: float, z: float) -> Quaternion:

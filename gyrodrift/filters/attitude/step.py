@@ -4,10 +4,11 @@ from math import isfinite, nan
 
 from gyrodrift.filters.attitude.block import add_sample, integrals
 from gyrodrift.filters.attitude.model import AttitudeCoefficients, AttitudeState, coefficients
-from gyrodrift.filters.attitude.quaternion import Vector, multiply
 from gyrodrift.filters.attitude.spikes import mean_rate
 from gyrodrift.filters.attitude.update import begin, end_block
 from gyrodrift.filters.attitude.yaw import unwrapped_deg
+from gyrodrift.mount import product
+from gyrodrift.vectors import Vector
 
 __all__ = ["coefficients", "step"]
 
@@ -104,5 +105,5 @@ def _turn(s: AttitudeState, dt: float, gyro: Vector, accel: Vector, accel_before
         bx, by, bz = accel
     ax, ay, az = accel
     add_sample(s.block, dt, x, y, z, 0.5 * (ax + bx), 0.5 * (ay + by), 0.5 * (az + bz))
-    s.q = multiply(s.start_q, s.block.q)
+    s.q = product(s.start_q, s.block.q)
     s.yaw_deg = unwrapped_deg(s.yaw_deg + (s.heading_rate_dps - s.bias_dps) * dt, s.q)

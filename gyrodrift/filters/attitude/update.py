@@ -22,12 +22,13 @@ from gyrodrift.filters.attitude.levelling import START_TILT, UNKNOWN_TILT, find_
 from gyrodrift.filters.attitude.mixture import moments, ordered
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.predict import GRAVITY, predict
-from gyrodrift.filters.attitude.quaternion import IDENTITY, Vector, heading_axis, level, multiply
+from gyrodrift.filters.attitude.quaternion import IDENTITY, heading_axis, level
 from gyrodrift.filters.attitude.rests import GYRO_SPREAD, QUIET, add_block
 from gyrodrift.filters.attitude.segments import GYRO_NOISE, MEASURED, follow_rest
 from gyrodrift.filters.attitude.velocity import START_SPEED, bound_velocity, forget_velocity
 from gyrodrift.filters.attitude.yaw import unwrap_headings
-from gyrodrift.mount import with_heading
+from gyrodrift.mount import product, with_heading
+from gyrodrift.vectors import Vector
 
 FORCE_BIAS_SIGMA = 0.3
 """Standard deviation of the bias of an accelerometer, m/s²: data sheets allow 0.4 m/s² (LSM6DS3), 0.5 (ICM-20948) and
@@ -126,7 +127,7 @@ def publish(s: AttitudeState) -> None:
     m = moments(h)
     half = 0.5 * m.heading
     w, x, y, z = h.q[0].tolist()
-    s.start_q = s.q = multiply((float(np.cos(half)), 0.0, 0.0, float(np.sin(half))), (w, x, y, z))
+    s.start_q = s.q = product((float(np.cos(half)), 0.0, 0.0, float(np.sin(half))), (w, x, y, z))
     s.start_yaw_deg = s.yaw_deg = float(h.yaw_deg[0]) + degrees(m.heading)
     s.yaw_sigma_deg = degrees(sqrt(max(m.heading_var, 0.0)))
     s.tilt_sigma_deg = degrees(sqrt(max(m.tilt_var, 0.0)))
