@@ -1,4 +1,4 @@
-"""The firmware of `docs/firmware`, compiled and run: on this machine, in simavr, and in MicroPython."""
+"""The firmware of `gyrodrift/firmware`, compiled and run: on this machine, in simavr, and in MicroPython."""
 
 import json
 import re
@@ -17,8 +17,10 @@ from support import PATIENCE_S
 
 ROOT = Path(__file__).parent.parent
 HERE = Path(__file__).parent / "firmware"
-SKETCH = ROOT / "docs" / "firmware" / "gyrodrift_gyro"
-MICROPYTHON = ROOT / "docs" / "firmware" / "micropython"
+FILES = ROOT / "gyrodrift" / "firmware" / "files"
+HEADERS = FILES / "c"
+SKETCH = FILES / "arduino" / "examples" / "gyrodrift_gyro"
+MICROPYTHON = FILES / "micropython"
 ARDUINO = Path("/usr/share/arduino/hardware/arduino/avr")
 SIMAVR = Path("/usr/include/simavr")
 
@@ -80,7 +82,7 @@ def compiled(source: str, into: Path, *flags: str) -> Path:
     if shutil.which("cc") is None:
         pytest.skip("there is no C compiler: apt-get install gcc")
     program = into / Path(source).stem
-    run("cc", "-std=c11", "-O2", *STRICT, f"-I{SKETCH}", HERE / source, "-o", program, *flags)
+    run("cc", "-std=c11", "-O2", *STRICT, f"-I{SKETCH}", f"-I{HEADERS}", HERE / source, "-o", program, *flags)
     return program
 
 
@@ -90,7 +92,7 @@ def sketch_object(into: Path, *board: str, folder: Path = SKETCH) -> Path:
         pytest.skip("the sketch cannot be compiled: apt-get install gcc-avr avr-libc arduino-core-avr")
     built = into / "sketch.o"
     ino = ("-x", "c++", "-include", "Arduino.h", folder / "gyrodrift_gyro.ino")
-    run("avr-g++", *board, *STRICT, *CPP, *ino, "-c", "-o", built)
+    run("avr-g++", *board, *STRICT, *CPP, f"-I{HEADERS}", *ino, "-c", "-o", built)
     return built
 
 

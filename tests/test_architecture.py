@@ -10,7 +10,13 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-MODULES = sorted([*(ROOT / "gyrodrift").rglob("*.py"), *(ROOT / "firmware_sim").rglob("*.py")])
+PROGRAMS_OF_BOARDS = ROOT / "gyrodrift" / "firmware" / "files"
+MODULES = sorted(
+    path
+    for room in ("gyrodrift", "firmware_sim")
+    for path in (ROOT / room).rglob("*.py")
+    if not path.is_relative_to(PROGRAMS_OF_BOARDS)
+)
 
 BASE = (
     "arrays calibration callable_package cluster compile errors files installation log log_stream logger mount nearest"
@@ -50,6 +56,7 @@ ROOMS = {
     "diagnose.report": f"{BASE} diagnose diagnose.features diagnose.inference diagnose.next_recording "
     "diagnose.predictive_checks html",
     "demo": f"{BASE} filters",
+    "firmware": f"{BASE} filters config",
     "library": f"{BASE} columns compare config diagnose diagnose.report evaluation filters firmware_sim html link "
     "session simulation tune",
     "firmware_sim": "",

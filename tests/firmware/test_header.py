@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from firmware_support import SKETCH, STRICT, UNO, compiled, run
+from firmware_support import HEADERS, STRICT, UNO, compiled, run
 from golden_frames import AXES_HELLO, AXES_SAMPLES, HELLO, SAMPLES, NativeSample, NativeSample3
 from hypothesis import given
 from hypothesis import strategies as st
@@ -179,7 +179,7 @@ def test_it_is_clean_c(standard: str) -> None:
     """Under all warnings, conversions too."""
     if shutil.which("cc") is None:
         pytest.skip("there is no C compiler: apt-get install gcc")
-    assert run("cc", f"-std={standard}", "-x", "c", *PEDANTIC, SKETCH / "gyrodrift_native.h") == ""
+    assert run("cc", f"-std={standard}", "-x", "c", *PEDANTIC, HEADERS / "gyrodrift_native.h") == ""
 
 
 @pytest.mark.parametrize("standard", ["c++98", "c++11", "c++17"])
@@ -187,7 +187,7 @@ def test_it_is_clean_cpp(standard: str) -> None:
     """Likewise."""
     if shutil.which("c++") is None:
         pytest.skip("there is no C++ compiler: apt-get install g++")
-    assert run("c++", f"-std={standard}", "-x", "c++", *PEDANTIC, SKETCH / "gyrodrift_native.h") == ""
+    assert run("c++", f"-std={standard}", "-x", "c++", *PEDANTIC, HEADERS / "gyrodrift_native.h") == ""
 
 
 PEDANTIC = (*STRICT, "-pedantic", "-Wconversion", "-Wsign-conversion", "-Wshadow", "-fsyntax-only")
@@ -198,7 +198,7 @@ def test_it_needs_nothing_of_a_system(tmp_path: Path) -> None:
     if shutil.which("avr-gcc") is None:
         pytest.skip("there is no compiler for AVR: apt-get install gcc-avr avr-libc")
     built = tmp_path / "header.o"
-    run("avr-gcc", *UNO, *STRICT, f"-I{SKETCH}", "-c", Path(__file__).parent / "native_header.c", "-o", built)
+    run("avr-gcc", *UNO, *STRICT, f"-I{HEADERS}", "-c", Path(__file__).parent / "native_header.c", "-o", built)
     assert {line.split()[-1] for line in run("avr-nm", "-u", built).splitlines()} <= {"memcpy", "__do_copy_data"}
     _, _, data, bss, *_ = ("", *run("avr-size", built).splitlines()[1].split())
     assert (data, bss) == ("0", "0")

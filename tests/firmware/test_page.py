@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from firmware_support import HERE, MICROPYTHON, SKETCH, STRICT, run, same_sensor
+from firmware_support import HEADERS, HERE, MICROPYTHON, ROOT, SKETCH, STRICT, run, same_sensor
 from golden_frames import AXES_HELLO, AXES_SAMPLES
 
-README = SKETCH.parent / "README.md"
+README = ROOT / "docs" / "firmware" / "README.md"
 HELLO_BYTES, SAMPLE_BYTES = len(AXES_HELLO), len(next(iter(AXES_SAMPLES.values())))
 
 
@@ -52,7 +52,7 @@ void send(uint16_t seq, uint32_t t_us, int16_t rate_raw, const int16_t *g, const
 {body}}}
 """
     (tmp_path / "own.c").write_text(source)
-    assert run(cc, "-std=c99", *STRICT, f"-I{SKETCH}", "-fsyntax-only", tmp_path / "own.c") == ""
+    assert run(cc, "-std=c99", *STRICT, f"-I{HEADERS}", "-fsyntax-only", tmp_path / "own.c") == ""
 
 
 def test_the_table_of_baud_rates_is_right() -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from firmware_support import (
+    HEADERS,
     HERE,
     LEONARDO,
     MEGA,
@@ -205,7 +206,16 @@ def test_it_is_compiled_where_numbers_have_32_bits(core: str) -> None:
     if shutil.which("c++") is None:
         pytest.skip("there is no C++ compiler: apt-get install g++")
     ino = ("-x", "c++", "-include", "Arduino.h", SKETCH / "gyrodrift_gyro.ino")
-    words = ("c++", "-std=gnu++17", *STRICT, f"-D{core}", f"-I{HERE / 'other_core'}", "-fsyntax-only", *ino)
+    words = (
+        "c++",
+        "-std=gnu++17",
+        *STRICT,
+        f"-D{core}",
+        f"-I{HEADERS}",
+        f"-I{HERE / 'other_core'}",
+        "-fsyntax-only",
+        *ino,
+    )
     assert run(*words) == ""
 
 

@@ -1,0 +1,1 @@
+"""Programs and headers for microcontrollers, in `files`; none of them runs in this process."""
