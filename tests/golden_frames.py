@@ -4,6 +4,7 @@ The CRCs are those of the `crc` package from PyPI (Crc16.IBM_3740, another name 
 were done with a few lines written for this table alone.
 """
 
+from math import nan
 from typing import NamedTuple
 
 
@@ -55,6 +56,29 @@ AXES_SAMPLES = {
     ),
 }
 """SAMPLE3: level at 1 g; clipped in every respect; at rest, without acceleration and encoder."""
+
+FILTER_HELLO = bytes.fromhex("04010364071405fa3ba08c010d6669726d776172655f73696d010101010101010501021e5a00")
+"""HELLO version 3 of the same device with one axis, which runs restlevel."""
+
+AXES_FILTER_HELLO = bytes.fromhex("04010364071405fa3ba08c010d6669726d776172655f73696d0101010903e89c3b0303656700")
+"""HELLO version 3 with three axes, which runs attitude."""
+
+
+class NativeYaw(NamedTuple):
+    seq: int
+    t_us: int
+    yaw_deg: float
+    yaw_sigma_deg: float
+    bias_dps: float
+
+
+YAWS = {
+    NativeYaw(0, 0, 0.0, 0.0, 0.0): bytes.fromhex("020401010101010101010101010101010101010103742000"),
+    NativeYaw(258, 16909060, -1234.5, nan, 0.25): bytes.fromhex("02040702010403020104509ac40103c07f0105803ec69300"),
+    NativeYaw(65535, 4294967295, 90.5, 0.125, -0.0078125): bytes.fromhex(
+        "020407ffffffffffff0103b5420101023e010104bccf1100"
+    ),
+}
 
 WT901_RATES = {
     (-1000, 2512): bytes.fromhex("55520000000018fcd00994"),

@@ -15,6 +15,10 @@ SAMPLE3_TYPE, AXES_VERSION, AXES = 0x03, 0x02, 3
 ACCEL_VALID, STILL3, ACCEL_CLIPPED = 0x10, 0x20, 0x40
 """Flags of SAMPLE3; the other flags are those of SAMPLE."""
 
+YAW_TYPE, FILTER_VERSION = 0x04, 0x03
+FILTERS = {"hdr": 1, "restlevel": 2, "attitude": 3}
+"""Numbers of the filters in HELLO version 3."""
+
 RECORDED_MPS2_PER_LSB = 16.0 * 9.80665 / 32768.0
 """Scale of accelerations in a replayed recording, m/s² per count: a range of ±16 g."""
 
@@ -83,6 +87,19 @@ def axes_hello_frame(base: Base, mps2_per_lsb: float, axes: int = AXES) -> bytes
             axes,
         )
     )
+
+
+def filter_hello_frame(base: Base, mps2_per_lsb: float, axes: int, filter_number: int) -> bytes:
+    """HELLO version 3, of a device that runs a filter."""
+    scales = (round(base.sample_rate_hz), base.dps_per_lsb, base.encoder_cpr)
+    fields = (HELLO_TYPE, FILTER_VERSION, *scales, DEVICE_ID, mps2_per_lsb, axes, filter_number)
+    return native_frame(struct.pack("<BBHfI16sfBB", *fields))
+
+
+def yaw_frame(seq: int, t_us: int, yaw_deg: float, yaw_sigma_deg: float, bias_dps: float) -> bytes:
+    """YAW of the sample with the same counter and clock; the sigma is NaN if the filter has none."""
+    fields = (YAW_TYPE, 0, seq & 0xFFFF, t_us & 0xFFFFFFFF, yaw_deg, yaw_sigma_deg, bias_dps)
+    return native_frame(struct.pack("<BBHIfff", *fields))
 
 
 def axes_sample_frame(

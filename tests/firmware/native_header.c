@@ -24,3 +24,14 @@ int sample3_frame(uint8_t *frame, uint8_t flags, uint16_t seq, uint32_t t_us, co
                                     temp_centi_c, encoder_counts};
   return gyrodrift_sample3_frame(frame, &sample);
 }
+
+int hello_filter_frame(uint8_t *frame, uint16_t sample_rate_hz, float dps_per_lsb, uint32_t encoder_cpr,
+                       const char *device_id, uint8_t axes, float mps2_per_lsb, uint8_t filter) {
+  const gyrodrift_hello hello = {sample_rate_hz, dps_per_lsb, encoder_cpr, device_id};
+  return gyrodrift_hello_filter_frame(frame, &hello, axes, mps2_per_lsb, filter);
+}
+
+int yaw_frame(uint8_t *frame, uint16_t seq, uint32_t t_us, float yaw_deg, float yaw_sigma_deg, float bias_dps) {
+  const gyrodrift_yaw yaw = {seq, t_us, yaw_deg, yaw_sigma_deg, bias_dps};
+  return gyrodrift_yaw_frame(frame, &yaw);
+}

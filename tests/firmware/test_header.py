@@ -9,7 +9,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 from firmware_support import HEADERS, STRICT, UNO, compiled, run
-from golden_frames import AXES_HELLO, AXES_SAMPLES, HELLO, SAMPLES, NativeSample, NativeSample3
+from golden_frames import (
+    AXES_FILTER_HELLO,
+    AXES_HELLO,
+    AXES_SAMPLES,
+    FILTER_HELLO,
+    HELLO,
+    SAMPLES,
+    YAWS,
+    NativeSample,
+    NativeSample3,
+    NativeYaw,
+)
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -17,7 +28,7 @@ from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig, load_rig
 from firmware_sim.wire import native
-from firmware_sim.wire.native import axes_sample_frame, sample_frame
+from firmware_sim.wire.native import axes_sample_frame, sample_frame, yaw_frame
 from gyrodrift.link.protocols.native import DPS_PER_LSB_MAX, DPS_PER_LSB_MIN, NativeDecoder
 
 i16 = st.integers(-(2**15), 2**15 - 1)
@@ -25,6 +36,7 @@ i32 = st.integers(-(2**31), 2**31 - 1)
 SCALES = (float(np.nextafter(np.float32(DPS_PER_LSB_MIN), np.float32(1.0))), DPS_PER_LSB_MAX)
 """Of a count, that a decoder believes; a float of four bytes."""
 
+f32 = st.floats(width=32)
 u16 = st.integers(0, 2**16 - 1)
 u32 = st.integers(0, 2**32 - 1)
 AXES_HELLO_MPS2 = 0.0047884
@@ -56,6 +68,9 @@ class Header:
             c.c_int16,
             c.c_int32,
         ]
+        hello = self._library.hello3_frame.argtypes
+        self._library.hello_filter_frame.argtypes = [*hello[:-1], c.c_uint8, c.c_float, c.c_uint8]
+        self._library.yaw_frame.argtypes = [c.c_char_p, c.c_uint16, c.c_uint32, c.c_float, c.c_float, c.c_float]
 
     def hello(self, sample_rate_hz: int, dps_per_lsb: float, encoder_cpr: int, device_id: bytes) -> bytes:
         return self._framed(self._library.hello_frame, sample_rate_hz, dps_per_lsb, encoder_cpr, device_id)
@@ -65,6 +80,12 @@ class Header:
 
     def hello3(self, *fields: object) -> bytes:
         return self._framed(self._library.hello3_frame, *fields)
+
+    def hello_filter(self, *fields: object) -> bytes:
+        return self._framed(self._library.hello_filter_frame, *fields)
+
+    def yaw(self, *fields: float) -> bytes:
+        return self._framed(self._library.yaw_frame, *fields)
 
     def sample3(
         self, flags: int, seq: int, t_us: int, gyro_raw: Vector, accel_raw: Vector, temp: int, counts: int
@@ -106,6 +127,26 @@ def test_frames_of_three_axes_are_the_golden_ones(header: Header) -> None:
 def test_samples_of_three_axes_are_the_golden_ones(header: Header, sample: NativeSample3) -> None:
     """Each of the table becomes its bytes."""
     assert header.sample3(*sample) == AXES_SAMPLES[sample]
+
+
+def test_hello_of_a_device_that_runs_a_filter_is_the_golden_one(header: Header) -> None:
+    """With one axis, which has no accelerometer, and with three."""
+    assert header.hello_filter(100, 0.00763, 36000, b"firmware_sim", 1, 0.0, 2) == FILTER_HELLO
+    assert header.hello_filter(100, 0.00763, 36000, b"firmware_sim", 3, AXES_HELLO_MPS2, 3) == AXES_FILTER_HELLO
+
+
+@pytest.mark.parametrize("yaw", YAWS)
+def test_yaws_are_the_golden_ones(header: Header, yaw: NativeYaw) -> None:
+    """Each of the table becomes its bytes, with a sigma and without one."""
+    assert header.yaw(*yaw) == YAWS[yaw]
+
+
+@given(u16, u32, f32, f32, f32)
+def test_any_yaw_has_the_bytes_of_the_simulated_device(
+    header: Header, seq: int, t_us: int, yaw_deg: float, sigma_deg: float, bias_dps: float
+) -> None:
+    """Two encoders that share nothing agree on every field, infinities and NaN too."""
+    assert header.yaw(seq, t_us, yaw_deg, sigma_deg, bias_dps) == yaw_frame(seq, t_us, yaw_deg, sigma_deg, bias_dps)
 
 
 @given(st.integers(0, 255), u16, u32, st.tuples(i16, i16, i16), st.tuples(i16, i16, i16), i16, i32)

@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+from math import isnan
 from pathlib import Path
 from random import Random
 from types import ModuleType
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from firmware_support import MICROPYTHON, compiled, in_micropython, run, same_sensor
-from golden_frames import AXES_HELLO, AXES_SAMPLES, HELLO, SAMPLES
+from golden_frames import AXES_FILTER_HELLO, AXES_HELLO, AXES_SAMPLES, FILTER_HELLO, HELLO, SAMPLES, YAWS
 from support import Command, never, speaking_on
 
 from firmware_sim.wire.native import axes_sample_frame, sample_frame
@@ -50,6 +51,15 @@ def test_frames_are_the_golden_ones(tmp_path: Path) -> None:
     samples3 = [["sample3", [s.flags, s.seq, s.t_us, [*s.gyro_raw, *s.accel_raw], *s[5:]]] for s in AXES_SAMPLES]
     expected = AXES_HELLO + b"".join(AXES_SAMPLES.values())
     assert in_micropython("write_frames.py", [hello3, *samples3], tmp_path) == expected
+
+
+def test_frames_of_a_filter_are_the_golden_ones(tmp_path: Path) -> None:
+    """HELLO with one axis and with three, and each yaw of the table."""
+    device = [100, 0.00763, 36000, "firmware_sim"]
+    hellos = [["hello_filter", [*device, 1, 0.0, 2]], ["hello_filter", [*device, 3, 0.0047884, 3]]]
+    yaws = [["yaw", [None if isnan(value) else value for value in yaw]] for yaw in YAWS]
+    expected = FILTER_HELLO + AXES_FILTER_HELLO + b"".join(YAWS.values())
+    assert in_micropython("write_frames.py", [*hellos, *yaws], tmp_path) == expected
 
 
 def test_any_sample_has_the_bytes_of_the_simulated_device(tmp_path: Path) -> None:

@@ -13,6 +13,11 @@
 
        write(frame, gyrodrift_hello3_frame(frame, &hello, mps2_per_lsb));
        write(frame, gyrodrift_sample3_frame(frame, &sample3));
+
+   A device that runs a filter sends HELLO of version 3, and YAW right after the SAMPLE or SAMPLE3 that it belongs to:
+
+       write(frame, gyrodrift_hello_filter_frame(frame, &hello, axes, mps2_per_lsb, GYRODRIFT_FILTER_RESTLEVEL));
+       write(frame, gyrodrift_yaw_frame(frame, &yaw));
 */
 #ifndef GYRODRIFT_NATIVE_H
 #define GYRODRIFT_NATIVE_H
@@ -24,7 +29,9 @@
 #define GYRODRIFT_SAMPLE_FRAME 20
 #define GYRODRIFT_HELLO3_FRAME 37
 #define GYRODRIFT_SAMPLE3_FRAME 30
-#define GYRODRIFT_LONGEST_FRAME GYRODRIFT_HELLO3_FRAME
+#define GYRODRIFT_HELLO_FILTER_FRAME 38
+#define GYRODRIFT_YAW_FRAME 24
+#define GYRODRIFT_LONGEST_FRAME GYRODRIFT_HELLO_FILTER_FRAME
 
 #define GYRODRIFT_DEVICE_ID_BYTES 16
 
@@ -34,11 +41,18 @@
 #define GYRODRIFT_ACCEL_VALID 0x10 /* of SAMPLE3 alone */
 #define GYRODRIFT_ACCEL_CLIPPED 0x40
 
+#define GYRODRIFT_FILTER_NONE 0 /* filter of HELLO version 3 */
+#define GYRODRIFT_FILTER_HDR 1
+#define GYRODRIFT_FILTER_RESTLEVEL 2
+#define GYRODRIFT_FILTER_ATTITUDE 3
+
 #define GYRODRIFT_HELLO_TYPE 0x01
 #define GYRODRIFT_SAMPLE_TYPE 0x02
 #define GYRODRIFT_SAMPLE3_TYPE 0x03
+#define GYRODRIFT_YAW_TYPE 0x04
 #define GYRODRIFT_VERSION 1
 #define GYRODRIFT_AXES_VERSION 2
+#define GYRODRIFT_FILTER_VERSION 3
 #define GYRODRIFT_AXES 3
 
 typedef struct {
@@ -67,6 +81,15 @@ typedef struct {
   int16_t temp_centi_c;
   int32_t encoder_counts;
 } gyrodrift_sample3;
+
+/* Result of the filter in the device; seq and t_us are those of the sample that it belongs to. */
+typedef struct {
+  uint16_t seq;
+  uint32_t t_us;
+  float yaw_deg;       /* unwrapped; counter-clockwise is positive */
+  float yaw_sigma_deg; /* NAN if the filter has none */
+  float bias_dps;      /* estimated drift */
+} gyrodrift_yaw;
 
 /* State of a frame. `run` is the index of the distance to the next zero (COBS, Cheshire and Baker 1999). */
 typedef struct {
@@ -132,7 +155,7 @@ static inline void gyrodrift_put_float(gyrodrift_writer *writer, float value) {
   gyrodrift_put32(writer, bits);
 }
 
-/* The fields that both versions of HELLO share. */
+/* The fields that all versions of HELLO share. */
 static inline void gyrodrift_put_hello(gyrodrift_writer *writer, uint8_t *frame, const gyrodrift_hello *hello,
                                        uint8_t version) {
   const char *letter = hello->device_id;
@@ -167,6 +190,18 @@ static inline uint8_t gyrodrift_hello3_frame(uint8_t *frame, const gyrodrift_hel
   return gyrodrift_end(&writer);
 }
 
+/* Write HELLO of a device that runs a filter into `frame` (GYRODRIFT_HELLO_FILTER_FRAME bytes); return its length.
+   `axes` is 1 for SAMPLE and 3 for SAMPLE3; `mps2_per_lsb` is 0 without an accelerometer. */
+static inline uint8_t gyrodrift_hello_filter_frame(uint8_t *frame, const gyrodrift_hello *hello, uint8_t axes,
+                                                   float mps2_per_lsb, uint8_t filter) {
+  gyrodrift_writer writer;
+  gyrodrift_put_hello(&writer, frame, hello, GYRODRIFT_FILTER_VERSION);
+  gyrodrift_put_float(&writer, mps2_per_lsb);
+  gyrodrift_put8(&writer, axes);
+  gyrodrift_put8(&writer, filter);
+  return gyrodrift_end(&writer);
+}
+
 /* Write SAMPLE into `frame` (GYRODRIFT_SAMPLE_FRAME bytes); return its length. */
 static inline uint8_t gyrodrift_sample_frame(uint8_t *frame, const gyrodrift_sample *sample) {
   gyrodrift_writer writer;
@@ -196,6 +231,19 @@ static inline uint8_t gyrodrift_sample3_frame(uint8_t *frame, const gyrodrift_sa
   }
   gyrodrift_put16(&writer, (uint16_t)sample->temp_centi_c);
   gyrodrift_put32(&writer, (uint32_t)sample->encoder_counts);
+  return gyrodrift_end(&writer);
+}
+
+/* Write YAW into `frame` (GYRODRIFT_YAW_FRAME bytes); return its length. Its flags are reserved and 0. */
+static inline uint8_t gyrodrift_yaw_frame(uint8_t *frame, const gyrodrift_yaw *yaw) {
+  gyrodrift_writer writer;
+  gyrodrift_begin(&writer, frame, GYRODRIFT_YAW_TYPE);
+  gyrodrift_put8(&writer, 0);
+  gyrodrift_put16(&writer, yaw->seq);
+  gyrodrift_put32(&writer, yaw->t_us);
+  gyrodrift_put_float(&writer, yaw->yaw_deg);
+  gyrodrift_put_float(&writer, yaw->yaw_sigma_deg);
+  gyrodrift_put_float(&writer, yaw->bias_dps);
   return gyrodrift_end(&writer);
 }
 

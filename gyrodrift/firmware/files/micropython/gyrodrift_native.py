@@ -1,5 +1,7 @@
 """Encoder of gyrodrift's native protocol for MicroPython: HELLO with SAMPLE or SAMPLE3, framed by COBS, with a CRC.
 
+A device that runs a filter sends HELLO of version 3, and YAW right after the sample that it belongs to.
+
 Garbage collection takes as long as one or two samples. So frames are written in place, and no number is larger than 30
 bits.
 """
@@ -13,6 +15,8 @@ HELLO_FRAME = 32
 SAMPLE_FRAME = 20
 HELLO3_FRAME = 37
 SAMPLE3_FRAME = 30
+HELLO_FILTER_FRAME = 38
+YAW_FRAME = 24
 
 ENCODER_VALID = 0x01
 TEMPERATURE_VALID = 0x02
@@ -21,11 +25,19 @@ ACCEL_VALID = 0x10
 ACCEL_CLIPPED = 0x40
 """Flags of a sample; the last two are of SAMPLE3."""
 
+FILTER_NONE = 0
+FILTER_HDR = 1
+FILTER_RESTLEVEL = 2
+FILTER_ATTITUDE = 3
+"""Filter of HELLO version 3."""
+
 HELLO_TYPE = 0x01
 SAMPLE_TYPE = 0x02
 SAMPLE3_TYPE = 0x03
+YAW_TYPE = 0x04
 VERSION = 1
 AXES_VERSION = 2
+FILTER_VERSION = 3
 AXES = 3
 PAYLOAD_AT = 1
 """Index after the first distance of COBS."""
@@ -50,11 +62,13 @@ class FrameWriter:
     """Writes frames into one buffer. A returned frame is valid until the next call."""
 
     def __init__(self) -> None:
-        self._frame = bytearray(HELLO3_FRAME)
-        self._hello3 = memoryview(self._frame)
-        self._hello = self._hello3[:HELLO_FRAME]
-        self._sample = self._hello3[:SAMPLE_FRAME]
-        self._sample3 = self._hello3[:SAMPLE3_FRAME]
+        self._frame = bytearray(HELLO_FILTER_FRAME)
+        self._hello_filter = memoryview(self._frame)
+        self._hello3 = self._hello_filter[:HELLO3_FRAME]
+        self._hello = self._hello_filter[:HELLO_FRAME]
+        self._sample = self._hello_filter[:SAMPLE_FRAME]
+        self._sample3 = self._hello_filter[:SAMPLE3_FRAME]
+        self._yaw = self._hello_filter[:YAW_FRAME]
 
     def hello(self, sample_rate_hz: int, dps_per_lsb: float, encoder_cpr: int, device_id: str) -> memoryview:
         """HELLO, to send at boot and once a second. `device_id` is ASCII, cut after 16 characters."""
@@ -71,6 +85,22 @@ class FrameWriter:
         fields = (HELLO_TYPE, AXES_VERSION, sample_rate_hz, dps_per_lsb, encoder_cpr, name, mps2_per_lsb, AXES)
         struct.pack_into("<BBHfI16sfB", self._frame, PAYLOAD_AT, *fields)
         return self._framed(self._hello3)
+
+    def hello_filter(
+        self,
+        sample_rate_hz: int,
+        dps_per_lsb: float,
+        encoder_cpr: int,
+        device_id: str,
+        axes: int,
+        mps2_per_lsb: float,
+        filter_number: int,
+    ) -> memoryview:
+        """HELLO of a device that runs a filter; `axes` is 1 or 3, `mps2_per_lsb` 0 without an accelerometer."""
+        name = device_id.encode()[:16]
+        fields = (HELLO_TYPE, FILTER_VERSION, sample_rate_hz, dps_per_lsb, encoder_cpr, name, mps2_per_lsb)
+        struct.pack_into("<BBHfI16sfBB", self._frame, PAYLOAD_AT, *fields, axes, filter_number)
+        return self._framed(self._hello_filter)
 
     def sample(
         self, flags: int, seq: int, t_us: list, rate_raw: int, temp_centi_c: int, encoder_counts: int = 0
@@ -92,6 +122,13 @@ class FrameWriter:
         struct.pack_into("<hhhhhh", into, AXES_AT, axes[0], axes[1], axes[2], axes[3], axes[4], axes[5])
         struct.pack_into("<hi", into, TEMPERATURE_AT, temp_centi_c, encoder_counts)
         return self._framed(self._sample3)
+
+    def yaw(self, seq: int, t_us: list, yaw_deg: float, yaw_sigma_deg: float, bias_dps: float) -> memoryview:
+        """YAW of the sample with this `seq` and `t_us`. The yaw is unwrapped; its sigma is NaN if there is none."""
+        low, high = t_us
+        into = self._frame
+        struct.pack_into("<BBHHHfff", into, PAYLOAD_AT, YAW_TYPE, 0, seq, low, high, yaw_deg, yaw_sigma_deg, bias_dps)
+        return self._framed(self._yaw)
 
     def _framed(self, view: memoryview) -> memoryview:
         frame, table = self._frame, CRC_TABLE
