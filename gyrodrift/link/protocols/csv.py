@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from math import hypot, isfinite, isnan, nan
 
-from gyrodrift.columns.ranges import TEMPERATURES_C
+from gyrodrift.columns.ranges import MEDIAN_ACCEL_MPS2, TEMPERATURES_C
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS, LineDecoder
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.sample import Inertial, Reading
@@ -38,9 +38,6 @@ A device may repeat a line or restart.
 ENCODER_STEPS = 3.0
 """Largest difference of an angle and its integrated rate, in steps; rounding causes less than two."""
 
-GRAVITY_MPS2 = (7.0, 13.0)
-"""Range of the median length of accelerations in m/s²; counts, g and other quantities are outside."""
-
 ENCODER_SHARE = 0.5
 """Largest part of the angle that the rate does not explain; for another quantity it is nearly all."""
 
@@ -63,7 +60,7 @@ def _feels_gravity(readings: Sequence[Reading]) -> bool:
     """Whether accelerations have the length of gravity; True without any, or while all are NaN."""
     sizes = [hypot(*reading.inertial[3:]) for reading in readings if reading.inertial]
     lengths = sorted(size for size in sizes if not isnan(size))
-    return not lengths or GRAVITY_MPS2[0] < lengths[len(lengths) // 2] < GRAVITY_MPS2[1]
+    return not lengths or MEDIAN_ACCEL_MPS2[0] < lengths[len(lengths) // 2] < MEDIAN_ACCEL_MPS2[1]
 
 
 def _follows_rate(readings: Sequence[Reading]) -> bool:

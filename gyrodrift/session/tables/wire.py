@@ -7,15 +7,13 @@ is read this way only if all columns are plausible.
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.columns.ranges import TEMPERATURES_C
+from gyrodrift.columns.ranges import MEDIAN_ACCEL_MPS2, TEMPERATURES_C
 from gyrodrift.session.session import ACCEL_COLUMNS
 from gyrodrift.session.tables.plan import Head, TableColumns, UsedColumn
 
 FORM = "csv protocol of gyrodrift"
 TARGETS = ("t_device_s", "rate_dps", "encoder_deg", "temp_c", "still")
 AXES_TARGETS = ("t_device_s", "gyro_x_dps", "gyro_y_dps", "rate_dps", *ACCEL_COLUMNS, *TARGETS[2:])
-GRAVITY_MPS2 = (7.0, 13.0)
-"""Range of the median length of accelerations in m/s²; other quantities are outside."""
 
 LEAST_AXES, AXES_INDICES = 7, (1, 2, 4, 5, 6)
 """Least number of columns with three axes, and the indices of all of them but the yaw rate."""
@@ -64,7 +62,7 @@ def wire_columns(head: Head) -> TableColumns | None:
 def _is_gravity(forces: Floats) -> bool:
     """Whether the median length of the accelerations, shape (n, 3), is gravity in m/s²."""
     length = float(np.median(np.linalg.norm(forces, axis=1)))
-    return GRAVITY_MPS2[0] < length < GRAVITY_MPS2[1]
+    return MEDIAN_ACCEL_MPS2[0] < length < MEDIAN_ACCEL_MPS2[1]
 
 
 def _is_plausible(table: Floats) -> bool:
