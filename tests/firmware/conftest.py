@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from c_filter_support import CFilters
 from firmware_support import built_board, built_sketch
 
 
@@ -14,3 +15,8 @@ def sketch(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def board_program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return built_board(tmp_path_factory.mktemp("board"))
+
+
+@pytest.fixture(scope="session")
+def c_filters(tmp_path_factory: pytest.TempPathFactory) -> CFilters:
+    return CFilters(tmp_path_factory.mktemp("filters"))

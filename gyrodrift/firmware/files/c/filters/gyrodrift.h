@@ -1,0 +1,27 @@
+/* gyrodrift.h: yaw without drift from a cheap gyro, on the microcontroller.
+
+   C11 and C++11, one header, no allocation, no globals. Float is the default; for double:
+
+       #define GD_REAL double
+       #include "gyrodrift.h"
+
+   A filter is one struct. `init` takes parameters, or NULL for the defaults. `update` takes a sample.
+   It returns 0 if it refuses the sample: time stands still, or a value is not finite. Rates are in
+   deg/s, counter-clockwise positive.
+
+       gd_hdr h;
+       gd_hdr_init(&h, NULL);
+       gd_hdr_update_us(&h, micros(), rate_dps);    or gd_hdr_update(&h, t_s, rate_dps)
+       use(h.yaw_deg, h.bias_dps);
+
+   The functions with `_us` take a 32-bit clock of microseconds that wraps. Boards need them where a double has 32 bits
+   (AVR). A copy of the struct saves the filter, and copied back it goes on from there.
+
+   Do not compile with -ffast-math: NaN would pass as a sample.
+*/
+#ifndef GYRODRIFT_H
+#define GYRODRIFT_H
+
+#include "hdr.h"
+
+#endif

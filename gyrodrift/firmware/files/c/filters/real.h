@@ -1,0 +1,80 @@
+/* Number type of the filters, its mathematics, sums without lost digits, and the limits of a sample.
+
+   Everything is a `gd_real`: float, or what GD_REAL says. Time alone is a double. Where a double has the size of a
+   float, as on AVR, use the functions that take microseconds.
+*/
+#ifndef GD_REAL_H
+#define GD_REAL_H
+
+#ifdef __FAST_MATH__
+#error "gyrodrift.h needs NaN and the order of operations: compile without -ffast-math"
+#endif
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#ifndef GD_REAL
+#define GD_REAL float
+#endif
+
+typedef GD_REAL gd_real;
+typedef char gd_real_is_float_or_double[sizeof(gd_real) == sizeof(float) || sizeof(gd_real) == sizeof(double) ? 1 : -1];
+
+#define GD_R(number) ((gd_real)(number))
+#define GD_IS_FLOAT (sizeof(gd_real) == sizeof(float))
+
+/* Mathematics in the type of the numbers. Only the function that is used is linked. */
+#define GD_MATH(single, whole, x) (GD_IS_FLOAT ? (gd_real)single((float)(x)) : (gd_real)whole((double)(x)))
+#define GD_MATH2(single, whole, x, y) \
+  (GD_IS_FLOAT ? (gd_real)single((float)(x), (float)(y)) : (gd_real)whole((double)(x), (double)(y)))
+#define GD_SQRT(x) GD_MATH(sqrtf, sqrt, x)
+#define GD_EXP(x) GD_MATH(expf, exp, x)
+#define GD_LOG(x) GD_MATH(logf, log, x)
+#define GD_FLOOR(x) GD_MATH(floorf, floor, x)
+#define GD_ABS(x) GD_MATH(fabsf, fabs, x)
+#define GD_SIN(x) GD_MATH(sinf, sin, x)
+#define GD_COS(x) GD_MATH(cosf, cos, x)
+#define GD_ASIN(x) GD_MATH(asinf, asin, x)
+#define GD_ACOS(x) GD_MATH(acosf, acos, x)
+#define GD_ATAN2(y, x) GD_MATH2(atan2f, atan2, y, x)
+#define GD_POW(x, y) GD_MATH2(powf, pow, x, y)
+
+#define GD_PI GD_R(3.141592653589793)
+
+/* Limits of a sample, far beyond every clock and gyro: their squares are finite floats. */
+#define GD_MOST_S 1e15
+#define GD_MOST_DPS GD_R(1e12)
+#define GD_LEAST_STEP_S 1e-12
+
+static inline gd_real gd_min(gd_real a, gd_real b) { return b < a ? b : a; }
+static inline gd_real gd_max(gd_real a, gd_real b) { return b > a ? b : a; }
+
+/* Adds to a sum. Of floats, it keeps the digits that the sum loses for the next addition (Kahan 1965): at 200 Hz a
+   plain float loses up to a tenth of a slow turn once yaw has passed 1000 degrees. */
+static inline void gd_add(gd_real *sum, gd_real *lost, gd_real x) {
+  const gd_real whole = x + *lost;
+  const gd_real total = *sum + whole;
+  *lost = GD_IS_FLOAT ? whole - (total - *sum) : GD_R(0.0);
+  *sum = total;
+}
+
+/* Counts, and stays at the largest number. */
+static inline void gd_count(uint32_t *count) {
+  if (*count < UINT32_MAX) {
+    ++*count;
+  }
+}
+
+/* Whether a sample is within the limits; a NaN is not. */
+static inline int gd_is_within(double t_s, gd_real rate_dps) {
+  return -GD_MOST_S <= t_s && t_s <= GD_MOST_S && -GD_MOST_DPS <= rate_dps && rate_dps <= GD_MOST_DPS;
+}
+
+/* Step of a clock of 32 bits in s. It wraps, and half of its range counts as back: then the step is 0. */
+static inline gd_real gd_step_of_us(uint32_t t_us, uint32_t before_us) {
+  const uint32_t step_us = t_us - before_us;
+  return step_us < 0x80000000UL ? (gd_real)step_us * GD_R(1e-6) : GD_R(0.0);
+}
+
+#endif

@@ -1,0 +1,107 @@
+"""The filters of `gyrodrift.h`, compiled on this machine and run over arrays through ctypes."""
+
+import ctypes
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from firmware_support import HERE, run
+from numpy.typing import ArrayLike, NDArray
+
+from gyrodrift.arrays import Floats
+from gyrodrift.firmware.header import gyrodrift_h
+
+WARNINGS = ("-Wall", "-Wextra", "-Werror", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-pedantic")
+
+EXACT = ("-O2", "-ffp-contract=off")
+"""No fused operations, so that doubles are those of Python."""
+
+NEVER_SAVED = 2**63
+
+
+class FilterOutput(NamedTuple):
+    """Whether the parameters are valid, which samples were taken, and the outputs after each, shape (samples, n)."""
+
+    is_valid: bool
+    taken: NDArray[np.bool_]
+    rows: Floats
+
+
+class CFilter:
+    """A program of tests/firmware with filter_driver.h, as a library."""
+
+    def __init__(self, library: Path) -> None:
+        self._library = ctypes.CDLL(str(library))
+        for name in ("state_bytes", "inputs", "outputs"):
+            getattr(self._library, name).restype = ctypes.c_size_t
+        pointer, size = ctypes.c_void_p, ctypes.c_size_t
+        self._library.drive.argtypes = [pointer, size, pointer, ctypes.c_int, pointer, size, pointer, pointer]
+
+    @property
+    def state_bytes(self) -> int:
+        """Size of the state on this machine."""
+        return int(self._library.state_bytes())
+
+    def run(
+        self,
+        t: ArrayLike,
+        inputs: ArrayLike,
+        params: Sequence[float] | None = None,
+        *,
+        is_us: bool = False,
+        saved_after: int = NEVER_SAVED,
+    ) -> FilterOutput:
+        """Run over samples: times in s, or in µs of the 32-bit clock; inputs of shape (samples, n)."""
+        times = np.ascontiguousarray(t, dtype=np.float64)
+        given = np.ascontiguousarray(inputs, dtype=np.float64)
+        assert given.size == len(times) * self._library.inputs()
+        rows = np.zeros((len(times), self._library.outputs()))
+        taken = np.zeros(len(times), dtype=np.uint8)
+        values = None if params is None else np.array(params, dtype=np.float64)
+        is_valid = self._library.drive(
+            None if values is None else values.ctypes.data,
+            len(times),
+            times.ctypes.data,
+            int(is_us),
+            given.ctypes.data,
+            saved_after,
+            rows.ctypes.data,
+            taken.ctypes.data,
+        )
+        return FilterOutput(bool(is_valid), taken.astype(bool), rows)
+
+
+class CFilters:
+    """Compiles each program once for float and for double."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._compiled: dict[tuple[str, ...], CFilter] = {}
+        write_header(folder)
+
+    def get(self, source: str, real: str, *flags: str) -> CFilter:
+        """Library of a C file of tests/firmware in a number type, with further flags of the compiler."""
+        if shutil.which("cc") is None:
+            pytest.skip("there is no C compiler: apt-get install gcc")
+        key = (source, real, *flags)
+        if key not in self._compiled:
+            library = self.folder / f"{Path(source).stem}_{len(self._compiled)}.so"
+            run("cc", "-std=c11", *EXACT, "-shared", "-fPIC", *words(source, real), *flags, "-o", library, "-lm",
+                folder=self.folder)  # fmt: skip
+            self._compiled[key] = CFilter(library)
+        return self._compiled[key]
+
+
+def words(source: str, real: str) -> list[str]:
+    """Words of a compiler for a file of tests/firmware; `gyrodrift.h` is in the present folder."""
+    return [*WARNINGS, f"-DGD_REAL={real}", "-I.", f"-I{HERE}", str(HERE / source)]
+
+
+def write_header(folder: Path) -> Path:
+    """`gyrodrift.h` as users get it."""
+    path = folder / "gyrodrift.h"
+    path.write_text(gyrodrift_h(), encoding="utf-8")
+    return path

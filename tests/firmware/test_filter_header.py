@@ -1,0 +1,126 @@
+"""`gyrodrift.h`: joined from its parts, without a warning of any compiler, and with the parameters of the registry."""
+
+import re
+import shutil
+from dataclasses import fields
+from math import nan
+from pathlib import Path
+
+import pytest
+from c_filter_support import WARNINGS, CFilters, words, write_header
+from firmware_support import run
+
+from gyrodrift.filters.registry import FILTERS
+from gyrodrift.firmware.header import ROOT_PART, gyrodrift_h, joined
+from gyrodrift.firmware.parameters import FILTERS_FOLDER, initializer, parameters_h
+
+M4F = ("-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard")
+
+COMPILERS = {
+    "gcc": ("gcc", "-std=c11"),
+    "g++": ("g++", "-std=c++11", "-x", "c++"),
+    "clang": ("clang", "-std=c11"),
+    "clang++": ("clang++", "-std=c++11", "-x", "c++"),
+    "avr-gcc": ("avr-gcc", "-std=c11", "-mmcu=atmega328p"),
+    "avr-g++": ("avr-g++", "-std=c++11", "-mmcu=atmega328p", "-x", "c++"),
+    "arm-gcc": ("arm-none-eabi-gcc", "-std=c11", "-mcpu=cortex-m0plus", "-mthumb"),
+    "arm-g++": ("arm-none-eabi-g++", "-std=c++11", *M4F, "-x", "c++"),
+}
+
+
+@pytest.mark.parametrize("real", ["float", "double"])
+@pytest.mark.parametrize("name", COMPILERS)
+@pytest.mark.parametrize("level", ["-O0", "-O2", "-Os"])
+def test_no_compiler_warns_of_the_header(tmp_path: Path, name: str, real: str, level: str) -> None:
+    """C11 and C++11, on this machine, on AVR and on ARM."""
+    program, *flags = COMPILERS[name]
+    if shutil.which(program) is None:
+        pytest.skip(f"there is no {program}")
+    write_header(tmp_path)
+    run(program, *flags, level, *words("use_filters.c", real), "-c", "-o", "use.o", folder=tmp_path)
+    assert (tmp_path / "use.o").stat().st_size > 0
+
+
+def test_fast_mathematics_is_refused(tmp_path: Path) -> None:
+    """It lets NaN pass as a sample."""
+    if shutil.which("cc") is None:
+        pytest.skip("there is no C compiler")
+    write_header(tmp_path)
+    with pytest.raises(AssertionError, match="without -ffast-math"):
+        run("cc", "-ffast-math", *words("use_filters.c", "float"), "-c", "-o", "use.o", folder=tmp_path)
+
+
+def test_the_header_holds_each_part_once() -> None:
+    """No include of a part stays, and no part is missing or double."""
+    text = gyrodrift_h()
+    assert re.findall(r'^#include "', text, re.MULTILINE) == []
+    for part in FILTERS_FOLDER.glob("*.h"):
+        if part.name != ROOT_PART:
+            body = part.read_text().split("\n\n", 2)[2]
+            longest = max(body.splitlines(), key=len)
+            assert text.count(longest) == 1, part.name
+
+
+def test_the_head_comment_shows_use_in_thirty_lines() -> None:
+    """Users read it first."""
+    head = gyrodrift_h().split("*/", 1)[0]
+    assert head.count("\n") <= 30
+    assert "gd_hdr_init(&h, NULL)" in head
+
+
+def test_a_part_can_be_joined_alone() -> None:
+    """HDR needs no restlevel."""
+    text = joined("hdr.h")
+    assert "gd_hdr_update" in text
+    assert text.index("typedef GD_REAL gd_real") < text.index("} gd_hdr_params;") < text.index("} gd_hdr;")
+    assert "gd_restlevel_update" not in text
+
+
+def test_each_part_is_short_and_guarded() -> None:
+    """A part is read in one go."""
+    for part in FILTERS_FOLDER.glob("*.h"):
+        text = part.read_text()
+        assert text.startswith("/* "), part.name
+        assert text.count("\n") <= 250, part.name
+        assert all(len(line) <= 120 for line in text.splitlines()), part.name
+
+
+def test_the_parameters_are_those_of_the_registry() -> None:
+    """Names, defaults and bounds; `python -m gyrodrift.firmware.parameters` writes the header again."""
+    assert (FILTERS_FOLDER / "parameters.h").read_text(encoding="utf-8") == parameters_h()
+
+
+@pytest.mark.parametrize("name", ["hdr", "restlevel"])
+def test_the_defaults_of_the_header_are_those_of_the_registry(name: str) -> None:
+    """Values and order of the fields."""
+    params = FILTERS[name].params
+    text = parameters_h()
+    struct = re.search(rf"typedef struct {{([^}}]*)}} gd_{name}_params;", text)
+    assert struct is not None
+    names = re.findall(r"gd_real (\w+);", struct[1])
+    assert names == [field.name for field in fields(params)]
+    defaults = re.search(rf"#define GD_{name.upper()}_DEFAULTS \\\n(.*)\n", text)
+    assert defaults is not None
+    values = [float(value) for value in re.findall(r"GD_R\(([^)]*)\)", defaults[1])]
+    assert values == [field.default for field in fields(params)]
+    assert initializer(params()) in text
+
+
+def test_parameters_out_of_bounds_are_refused(c_filters: CFilters) -> None:
+    """Each bound, and NaN; the filter then runs with the defaults."""
+    library = c_filters.get("filter_hdr.c", "double")
+    t_s, rates = [0.0, 0.01, 0.02, 0.03], [0.1, 0.2, 0.1, 0.2]
+    usual = library.run(t_s, rates)
+    good = [0.001, 1.0, 1.0, 1.0, 1.0]
+    assert library.run(t_s, rates, good).is_valid
+    beyond = [(0, -1e-9), (0, 10.1), (1, 1000.1), (2, 0.0), (2, 2001.0), (3, -1.0), (4, 11.0), (1, nan)]
+    for index, bad in beyond:
+        values = [*good[:index], bad, *good[index + 1 :]]
+        refused = library.run(t_s, rates, values)
+        assert not refused.is_valid
+        assert (refused.rows == usual.rows).all()
+
+
+def test_warnings_are_errors() -> None:
+    """Or a warning would pass unseen."""
+    assert "-Werror" in WARNINGS

@@ -1,0 +1,12 @@
+/* Calls every public function of gyrodrift.h; valid C11 and C++11. */
+#include "gyrodrift.h"
+
+gd_real use_hdr(gd_hdr *h, double t_s, uint32_t t_us, gd_real rate_dps);
+
+gd_real use_hdr(gd_hdr *h, double t_s, uint32_t t_us, gd_real rate_dps) {
+  gd_hdr_params params = GD_HDR_DEFAULTS;
+  params.tau_s = rate_dps;
+  return gd_hdr_init(h, &params) && gd_hdr_update(h, t_s, rate_dps) && gd_hdr_update_us(h, t_us, rate_dps)
+             ? h->yaw_deg
+             : h->bias_dps;
+}
