@@ -11,7 +11,7 @@ from gyrodrift.filters.registry import DEFAULT
 if TYPE_CHECKING:
     from gyrodrift.config.model import Config
     from gyrodrift.link.options import EventHandler, LinkOptions
-    from gyrodrift.link.port import Port
+    from gyrodrift.link.sources.source import OpenPort
 
 
 def reads_columns_of_config(arguments: argparse.Namespace) -> bool:
@@ -25,7 +25,7 @@ def link_target(
     on_event: "EventHandler",
     columns: str | None = None,
     send: bytes = b"",
-) -> "tuple[LinkOptions, Port | None]":
+) -> "tuple[LinkOptions, OpenPort | None]":
     """Link options of a command; with `--port auto` also the open port of the only gyro.
 
     `columns` and `send` come from the config. The options --columns, --protocol and --send take precedence.
@@ -39,8 +39,9 @@ def link_target(
     from gyrodrift.cli.simulated import simulated_ports
     from gyrodrift.link.port import serial_ports
     from gyrodrift.link.search import find_gyro
+    from gyrodrift.link.sources.registry import source_devices
 
-    return find_gyro(serial_ports(), stated, on_event, simulated_ports())
+    return find_gyro(serial_ports(), stated, on_event, simulated_ports(), source_devices())
 
 
 def chosen_config(arguments: argparse.Namespace) -> "Config":

@@ -1,7 +1,8 @@
 """List the serial ports of this machine: stable name, device, maker, product, and the program that uses it.
 
-With --listen it also opens the free ports and shows protocol, sample rate and baud rate; many boards reset when their
-port is opened. Simulated devices are listed, too. ttyS names without a UART are not.
+Devices of other sources are listed, too, where this machine can find them; their names are what --port takes. With
+--listen it also opens the free ports and shows protocol, sample rate and baud rate; many boards reset when their port
+is opened. Simulated devices are listed, too. ttyS names without a UART are not.
 """
 
 import argparse
@@ -42,8 +43,9 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.link.listening import listen_at, look_at
     from gyrodrift.link.options import LinkOptions
     from gyrodrift.link.port import serial_ports
+    from gyrodrift.link.sources.registry import source_devices
 
-    ports = [*serial_ports(), *simulated_ports()]
+    ports = [*serial_ports(), *source_devices(), *simulated_ports()]
     link_options = LinkOptions(port="", timeout_s=arguments.timeout, send=arguments.send or b"")
     heard = listen_at(ports, link_options) if arguments.listen else look_at(ports)
     if arguments.json:

@@ -125,6 +125,7 @@ def _at_port(arguments: argparse.Namespace, baud: int | None, progress: "Progres
     from gyrodrift.link.options import LinkOptions
     from gyrodrift.link.port import serial_ports
     from gyrodrift.link.search import find_gyro
+    from gyrodrift.link.sources.registry import source_devices
 
     link_options = LinkOptions(
         arguments.port, baud, arguments.protocol, arguments.timeout, arguments.columns, arguments.send or b""
@@ -135,7 +136,7 @@ def _at_port(arguments: argparse.Namespace, baud: int | None, progress: "Progres
     if len(ports) == 1 and not is_console(ports[0].device):  # a single port is checked even if no gyro speaks there
         return listen(replace(link_options, port=ports[0].name), arguments.seconds, progress.report)
     try:
-        target, port = find_gyro(ports, link_options, lambda *_, **__: None, simulated_ports())
+        target, port = find_gyro(ports, link_options, lambda *_, **__: None, simulated_ports(), source_devices())
     except (UsageError, PortMissingError) as error:
         if not str(error).startswith("--port auto"):
             raise

@@ -34,7 +34,8 @@ def add_link_options(parser: argparse.ArgumentParser, default_port: str | None =
         "--port",
         required=default_port is None,
         default=default_port,
-        help="serial port of the device, such as /dev/ttyUSB0, or auto for the only gyro that is plugged in",
+        help="serial port of the device, such as /dev/ttyUSB0, or auto for the only gyro that is plugged in; or a "
+        "source, such as tcp://HOST:PORT or udp://:PORT",
     )
     parser.add_argument(
         "--baud",

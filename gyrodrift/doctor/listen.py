@@ -13,7 +13,7 @@ from gyrodrift.errors import LinkError, UnitError
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
-from gyrodrift.link.port import Port
+from gyrodrift.link.sources.source import OpenPort
 from gyrodrift.outputs.status import DeviceStatus, LinkStatus
 from gyrodrift.progress import OnProgress
 from gyrodrift.sample import Sample
@@ -42,7 +42,7 @@ def listen(
     options: LinkOptions,
     seconds: float,
     progress: OnProgress,
-    port: Port | None = None,
+    port: OpenPort | None = None,
     monotonic: Callable[[], float] = time.monotonic,
 ) -> DeviceEvidence:
     """Evidence from `seconds` after the first sample; `port` is an open port, or None to open it."""

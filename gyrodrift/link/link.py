@@ -1,4 +1,4 @@
-"""Link to a device: port, protocol and clock. `serve` and `record` read samples from it.
+"""Link to a device: port or source, protocol and clock. `serve` and `record` read samples from it.
 
 One thread drives it: wait until `fileno()` is readable or `wake_s()` has passed, then call `read()`. The link finds the
 baud rate and the protocol, and reopens the port under its stable name after it was unplugged. It reports through link
@@ -27,8 +27,11 @@ from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.guard import Guard, renewed
+from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.registry import candidates
 from gyrodrift.link.silence import unread_protocol, why_silent
+from gyrodrift.link.sources.opening import BackgroundOpening, checked_source, open_source
+from gyrodrift.link.sources.source import OpenPort, SourceEndedError, SourcePort
 from gyrodrift.link.units.check import UnitCheck
 from gyrodrift.sample import Reading, Sample
 
@@ -45,14 +48,23 @@ CHOOSE_TALKER = (
 )
 
 
-def open_port(path: str, baud: int) -> Port:
-    """Open a port in the way that this system has.
+OPENING_S = 0.05
+"""Time between two looks at a source that is being opened in the background, s."""
+
+
+def open_port(path: str, baud: int) -> OpenPort:
+    """Open a source, or a serial port in the way that this system has.
 
     Raises
     ------
+    UsageError
+        The address of a source has a mistake, or a package is missing.
     LinkError
         If the port cannot be opened.
     """
+    source = open_source(path, baud)
+    if source is not None:
+        return source
     if HAS_TERMIOS:
         return Port(path, baud)
     from gyrodrift.link.thread_port import ThreadPort  # noqa: PLC0415 - Linux and macOS do without
@@ -61,14 +73,15 @@ def open_port(path: str, baud: int) -> Port:
 
 
 class Link:
-    """Samples of a device on a serial port; the function `tap` gets all bytes with their Unix time.
+    """Samples of a device on a serial port or a source; the function `tap` gets all bytes with their Unix time.
 
-    `port` is an open port with the name and baud rate of the options; None to open it.
+    `port` is an open port with the name and baud rate of the options; None to open it. A source that cannot be opened
+    is tried again if `timeout_s` is 0. After the end of a source `is_over` is True.
 
     Raises
     ------
     UsageError
-        From the constructor: the protocol does not exist, or its columns have a mistake.
+        From the constructor: the protocol does not exist, its columns or the address have a mistake.
     LinkError
         From the constructor: the port cannot be opened. From `read`: no sample within `timeout_s`, or the first seconds
         show that the clock or the rate has another unit. The link survives later silence and unplugging.
@@ -79,10 +92,12 @@ class Link:
         options: LinkOptions,
         on_event: EventHandler,
         monotonic: Callable[[], float] = time.monotonic,
-        port: Port | None = None,
+        port: OpenPort | None = None,
     ) -> None:
         self.options = options
-        self.name = stable_name(options.port)
+        self.source = checked_source(options)
+        self.name = stable_name(options.port) if self.source is None else options.port
+        self.is_over = False
         self.counters = LinkCounters()
         self.decoder: Decoder | None = None
         self.clock: Clock | None = None
@@ -90,16 +105,17 @@ class Link:
         self._on_event = on_event
         self._monotonic = monotonic
         self._calendar = Calendar(monotonic)
-        self._protocols = {protocol.name: protocol for protocol in candidates(options.protocol, options.columns)}
+        self._protocols = {protocol.name: protocol for protocol in self._candidates()}
         self._columns = options.columns
         self._guard = Guard(on_event)
         self._passed_over: frozenset[str] = frozenset()
         self._late = LateArrivals()
         self._detector = Detector(list(self._protocols.values()), self._guard)
-        if len(self._protocols) == 1 and options.baud is not None:
+        self._has_baud = self.source is None or self.source.has_baud
+        if len(self._protocols) == 1 and (options.baud is not None or not self._has_baud):
             self.decoder = next(iter(self._protocols.values())).decoder()
         self._bauds = cycle(USUAL_BAUDS)
-        self.baud = options.baud or next(self._bauds)
+        self.baud = options.baud or (next(self._bauds) if self._has_baud else 0)
         self.device = DeviceDescription()
         self._spoke = False
         self._heard = Heard()
@@ -109,10 +125,13 @@ class Link:
         self._opened_s = self._heard_s = monotonic()
         self._trial_s: float | None = None
         self._backoff = Backoff()
-        self.port: Port | None = port or open_port(self.name, self.baud)
-        self._on_event("link_open", port=self.name, baud=self.baud, protocol=options.protocol)
+        self._reopening: BackgroundOpening | None = None
         self._opening = Opening(options.send, on_event)
-        if port is None:
+        self.port: OpenPort | None = port or self._first_open()
+        self._was_open = self.port is not None
+        if self.port is not None:
+            self._on_event("link_open", port=self.name, **self._line(), protocol=options.protocol)
+        if port is None and self.port is not None:
             self._opening.begin(self.port, self._opened_s)
 
     def fileno(self) -> int | None:
@@ -122,24 +141,17 @@ class Link:
     def wake_s(self) -> float:
         """Longest time to wait before the next `read`, s."""
         now_s = self._monotonic()
+        if self.is_over:
+            return 0.0
         if self.port is None:
-            return self._backoff.remaining_s(now_s)
-        return 0.1 if not self._spoke else 1.0
+            return self._backoff.remaining_s(now_s) if self._reopening is None else OPENING_S
+        usual_s = 0.1 if not self._spoke else 1.0
+        return min(usual_s, self.port.wake_s) if isinstance(self.port, SourcePort) else usual_s
 
     def read(self) -> list[Sample]:
         """Samples that have arrived; empty without any."""
-        if self.port is None:
-            self._reopen()
-        if self.port is None:
-            return []
-        try:
-            chunk = self.port.read()
-        except PortGoneError:
-            self._lose()
-            return []
+        chunk = self._received()
         if not chunk:
-            self._opening.wait(self.port, self._monotonic())
-            self._give_up_waiting()
             return []
         arrival_s = self._monotonic()
         self._opening.hear(arrival_s)
@@ -163,6 +175,29 @@ class Link:
             self._give_up_waiting()
         self.counters.samples += len(samples)
         return samples
+
+    def _received(self) -> bytes:
+        """Bytes that have arrived; reopens a lost port."""
+        if self.port is None and not self.is_over:
+            self._reopen()
+        if self.port is None:
+            if self.source is not None:
+                self._give_up_waiting()
+            return b""
+        try:
+            chunk = self.port.read()
+        except PortGoneError:
+            self._lose()
+            return b""
+        except SourceEndedError:
+            self._end()
+            return b""
+        if isinstance(self.port, SourcePort) and self.port.notes:
+            self._report_notes(self.port)
+        if not chunk:
+            self._opening.wait(self.port, self._monotonic())
+            self._give_up_waiting()
+        return chunk
 
     def counted(self) -> dict[str, Any]:
         """All counters since the link was opened, by their names in the log, and the clock drift."""
@@ -219,11 +254,14 @@ class Link:
 
     def close(self) -> None:
         """Close the port."""
+        if self._reopening is not None:
+            self._reopening.abandon()
+            self._reopening = None
         if self.port is not None:
             self.port.close()
             self.port = None
 
-    def hand_over(self) -> Port | None:
+    def hand_over(self) -> OpenPort | None:
         """The open port, for another link; this link is over."""
         port, self.port = self.port, None
         return port
@@ -236,7 +274,7 @@ class Link:
             if detected is None:
                 return []
             self.decoder, readings = detected
-            self._on_event("protocol_found", protocol=self.decoder.name, baud=self.baud)
+            self._on_event("protocol_found", protocol=self.decoder.name, **self._line())
         if self.decoder.device is not self.device:
             self._meet(self.decoder.device)
         if self.decoder.counters.passed_over != self._passed_over:
@@ -302,6 +340,41 @@ class Link:
                     self._on_event("device_reset", clock_step_s=round(step_s, 6), gone_s=round(silent_s, 3))
         clock.events.clear()
 
+    def _candidates(self) -> list[WireProtocol]:
+        """Protocols to detect; a source may have its own."""
+        if self.source is not None and self.source.protocol is not None:
+            return [self.source.protocol]
+        return candidates(self.options.protocol, self.options.columns)
+
+    def _line(self) -> dict[str, int]:
+        """Field `baud` of events, for a line that has one."""
+        return {"baud": self.baud} if self._has_baud else {}
+
+    def _first_open(self) -> OpenPort | None:
+        """Open the port; None for a source that is tried again, because a link without timeout waits for it."""
+        try:
+            return open_port(self.name, self.baud)
+        except LinkError as error:
+            if self.source is None or self.options.timeout_s:
+                raise
+            self._on_event("link_refused", port=self.name, reason=str(error))
+            self._backoff.begin(self._monotonic())
+            return None
+
+    def _report_notes(self, port: SourcePort) -> None:
+        for event, fields in port.notes:
+            self._on_event(event, port=self.name, **fields)
+        port.notes.clear()
+
+    def _end(self) -> None:
+        """Handle the end of a source that does not come back."""
+        self.close()
+        self.is_over = True
+        self._on_event("source_end", port=self.name)
+        if not self._spoke:
+            waited_s = max(round(self._monotonic() - self._opened_s, 1), 0.1)
+            raise DeviceSilentError(f"{self.name}: it ended, and {self._why_silent(waited_s)}")
+
     def _lose(self) -> None:
         self.close()
         self._backoff.begin(self._monotonic())
@@ -309,15 +382,36 @@ class Link:
 
     def _reopen(self) -> None:
         now_s = self._monotonic()
-        if self._backoff.remaining_s(now_s):
+        if self._reopening is None and self._backoff.remaining_s(now_s):
             return
         try:
-            self.port = open_port(self.name, self.baud)
+            self.port = self._reopened()
         except (LinkError, UsageError) as error:  # an adapter refuses its line rate while it is being plugged in
+            self._reopening = None
             self._backoff.fail(now_s)
             if not isinstance(error, PortMissingError):
                 self._on_event("link_refused", port=self.name, reason=str(error))
             return
+        if self.port is None:
+            return
+        self._reopening = None
+        if self._was_open:
+            self._come_back(now_s)
+        else:
+            self._was_open = True
+            self._on_event("link_open", port=self.name, **self._line(), protocol=self.options.protocol)
+        self._opening.begin(self.port, now_s)
+
+    def _reopened(self) -> OpenPort | None:
+        """The port again; None while a source is being opened in the background."""
+        if self.source is None:
+            return open_port(self.name, self.baud)
+        if self._reopening is None:
+            name, baud = self.name, self.baud
+            self._reopening = BackgroundOpening(lambda: open_port(name, baud))
+        return self._reopening.result()
+
+    def _come_back(self, now_s: float) -> None:
         gone_s = now_s - self._heard_s
         self.counters.reconnects += 1
         self.counters.gone_s += gone_s
@@ -326,10 +420,9 @@ class Link:
         if self.clock is not None:
             self.clock.reconnected()
         self._on_event("link_restored", port=self.name, gone_s=round(gone_s, 3))
-        self._opening.begin(self.port, now_s)
 
     def _give_up_waiting(self) -> None:
-        if self._spoke:
+        if self._spoke or self.is_over:
             return
         now_s = self._monotonic()
         waited_s, timeout_s = now_s - self._opened_s, self.options.timeout_s
@@ -338,7 +431,7 @@ class Link:
         if not timeout_s and not self._is_told and waited_s >= TELL_S and self.counters.bytes:
             self._is_told = True
             self._on_event("not_understood", port=self.name, reason=self._why_silent(TELL_S))
-        if self.options.baud is None and self.decoder is None and self._trial_s is not None:
+        if self._has_baud and self.options.baud is None and self.decoder is None and self._trial_s is not None:
             is_slow = self._detector.is_warm or self._heard.may_be_text
             trial_s = BAUD_TRIAL_WARM_S if is_slow else BAUD_TRIAL_S
             if now_s - self._trial_s < trial_s:
@@ -350,7 +443,8 @@ class Link:
 
     def _why_silent(self, waited_s: float) -> str:
         baud, heard_bytes = self.options.baud, self.counters.bytes
-        return why_silent(waited_s, baud, heard_bytes, self.decoder, self._chosen_protocol, self._heard, self.name)
+        chosen = self._chosen_protocol
+        return why_silent(waited_s, baud, heard_bytes, self.decoder, chosen, self._heard, self.name, self.source)
 
     @property
     def _chosen_protocol(self) -> str:

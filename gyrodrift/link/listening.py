@@ -14,8 +14,8 @@ from gyrodrift.errors import LinkError
 from gyrodrift.link.holder import PortHolder, holder_of
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
-from gyrodrift.link.port import Port
 from gyrodrift.link.serial_port import SerialPort
+from gyrodrift.link.sources.source import OpenPort
 from gyrodrift.sample import Sample
 from gyrodrift.waiting import POLLIN, new_poller
 
@@ -34,7 +34,7 @@ TURN_S = 0.1
 
 @dataclass(frozen=True, slots=True)
 class Speech:
-    """Result of listening to a port; `rate_hz` is None with too few samples."""
+    """Result of listening to a port; `rate_hz` is None with too few samples, `baud` 0 for a source without."""
 
     protocol: str
     baud: int
@@ -53,7 +53,7 @@ class HeardPort:
     holder: PortHolder | None = None
     speech: Speech | None = None
     reason: str = ""
-    open_port: Port | None = None
+    open_port: OpenPort | None = None
 
 
 def look_at(ports: Sequence[SerialPort]) -> list[HeardPort]:

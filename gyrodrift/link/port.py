@@ -53,6 +53,13 @@ class PortGoneError(Exception):
 class Port:
     """Open port with exclusive use of its device."""
 
+    is_pty: bool
+
+    @property
+    def has_line_rate(self) -> bool:
+        """Whether the bytes come through a line with a baud rate, which may be too slow for the samples."""
+        return not self.is_pty
+
     def __init__(self, path: str, baud: int) -> None:
         self.path = path
         self._serial = open_serial(path, baud)

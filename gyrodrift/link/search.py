@@ -6,15 +6,21 @@ from dataclasses import replace
 from gyrodrift.errors import PortMissingError, UsageError
 from gyrodrift.link.listening import HeardPort, Speech, listen_at
 from gyrodrift.link.options import EventHandler, LinkOptions
-from gyrodrift.link.port import Port
 from gyrodrift.link.serial_port import SerialPort
+from gyrodrift.link.sources.source import OpenPort
 
 
 def find_gyro(
-    ports: Sequence[SerialPort], options: LinkOptions, on_event: EventHandler, simulated: Sequence[SerialPort] = ()
-) -> tuple[LinkOptions, Port]:
+    ports: Sequence[SerialPort],
+    options: LinkOptions,
+    on_event: EventHandler,
+    simulated: Sequence[SerialPort] = (),
+    devices: Sequence[SerialPort] = (),
+) -> tuple[LinkOptions, OpenPort]:
     """Options of the link to the only gyro, and its open port.
 
+    devices
+        Devices of other sources, which are searched if no serial port has a gyro.
     simulated
         Simulated devices, which are never searched; the error lists them if no gyro is found.
 
@@ -25,6 +31,8 @@ def find_gyro(
     UsageError
         There are several gyros, or `--send` would reach several ports.
     """
+    if not ports and devices:
+        ports, devices = devices, ()
     if not ports:
         says = "--port auto: no serial port is plugged in; plug the gyro in, or name its port with --port"
         raise PortMissingError("\n".join([says, *_left_out(simulated)]))
@@ -33,6 +41,8 @@ def find_gyro(
         raise UsageError(f"--port auto: --send would reach {names}; name one of them with --port")
     on_event("port_search", ports=len(ports))
     heard = listen_at(ports, options, keeps_speakers=True)
+    if devices and not any(port.speech for port in heard):
+        heard += listen_at(devices, replace(options, baud=None), keeps_speakers=True)
     speakers = [(port.port.name, port.speech, port.open_port) for port in heard if port.speech and port.open_port]
     if len(speakers) != 1:
         for _, _, open_port in speakers:
@@ -42,14 +52,15 @@ def find_gyro(
         raise kind("\n".join(lines))
     name, speech, open_port = speakers[0]
     on_event("port_found", port=name, protocol=speech.protocol, baud=speech.baud, rate_hz=_rounded(speech.rate_hz))
-    return replace(options, port=name, baud=speech.baud, protocol=speech.protocol), open_port
+    return replace(options, port=name, baud=speech.baud or None, protocol=speech.protocol), open_port
 
 
 def speech_text(speech: Speech) -> str:
     """Protocol, rate, baud rate and id of a device."""
     rate = "" if speech.rate_hz is None else f" at {speech.rate_hz:.4g} Hz"
     device = "" if speech.device_id is None else f", device {speech.device_id}"
-    return f"{speech.protocol}{rate}, {speech.baud} baud{device}"
+    baud = f", {speech.baud} baud" if speech.baud else ""
+    return f"{speech.protocol}{rate}{baud}{device}"
 
 
 def _listing(heard: Sequence[HeardPort], speakers: int) -> str:

@@ -11,10 +11,10 @@ NO_UART = "0"
 
 @dataclass(frozen=True, slots=True)
 class SerialPort:
-    """A serial port; `maker`, `product` and `serial_number` come from its USB adapter.
+    """A serial port; `maker`, `product` and `serial_number` come from its USB adapter. Or a device of a source.
 
     name
-        Name that the adapter keeps when it is replugged; the device for other ports.
+        Name that the adapter keeps when it is replugged; the device for other ports; the address of a source.
     usb_id
         Vendor and product as hexadecimal digits, such as `0403:6001`; None without USB.
     """

@@ -7,6 +7,7 @@ from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.decoder import Decoder
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS, listed
+from gyrodrift.link.sources.source import ByteSource
 from gyrodrift.link.unread import spoken
 
 CSV_LINE = "t_us,rate_dps[,encoder_deg[,temp_c[,still]]]"
@@ -28,22 +29,25 @@ def why_silent(
     protocol: str,
     heard: Heard,
     port: str,
+    source: ByteSource | None = None,
 ) -> str:
     """Message about a device that sent nothing decodable within `timeout_s`.
 
     `baud` is the given baud rate, or None if the link searched for it. `decoder` is the chosen decoder for the option
-    `protocol`. `heard` holds the last of the `heard_bytes` from `port`.
+    `protocol`. `heard` holds the last of the `heard_bytes` from `port`, which belongs to `source`, or is serial.
     """
     waited = f"within {timeout_s:g} s"
     if not heard_bytes:
-        return f"the device sent nothing {waited}; check its power, the port, and whether TX and RX are swapped"
+        advice = "check its power, the port, and whether TX and RX are swapped" if source is None else source.silence
+        return f"the device sent nothing {waited}; {advice}"
     if decoder is not None and decoder.counters.before_hello:
         return (
             f"{decoder.counters.before_hello} samples arrived {waited}, but no HELLO frame with their scale; "
             "the device must send one every second"
         )
     if decoder is not None and decoder.counters.other_frames and not (decoder.name == text.NAME and heard.is_text):
-        advice = PROTOCOLS[decoder.name].without_rate
+        own = source.protocol if source is not None else None
+        advice = (own or PROTOCOLS[decoder.name]).without_rate
         return (
             f"{decoder.counters.other_frames} good {decoder.name} frames arrived {waited}, but none with a yaw rate"
             f"{f'; {advice}' if advice else ''}"
@@ -53,14 +57,28 @@ def why_silent(
         return unread
     if heard.is_text:
         return _why_text(protocol, heard, port, waited)
-    expected = listed() if decoder is None and protocol == "auto" else protocol
-    tried = "any of the usual baud rates" if baud is None else f"{baud} baud"
-    advice = (
-        "the device has an unusual baud rate, or another protocol: set the rate with --baud"
-        if baud is None
-        else "the baud rate may be wrong: without --baud all usual rates are tried"
-    )
-    return f"{heard_bytes} bytes arrived {waited}, but no {expected} frame at {tried}; {advice}"
+    return _why_noise(heard_bytes, baud, decoder, protocol, waited, source)
+
+
+def _why_noise(
+    heard_bytes: int, baud: int | None, decoder: Decoder | None, protocol: str, waited: str, source: ByteSource | None
+) -> str:
+    """Message about bytes that are neither text nor a known protocol."""
+    expected = listed() if decoder is None and protocol == "auto" else decoder.name if decoder is not None else protocol
+    frames = f"{heard_bytes} bytes arrived {waited}, but no {expected} frame"
+    if source is not None and not source.has_baud:
+        return f"{frames}; check what the device sends, and the baud rate of a serial line behind it"
+    return f"{frames} at {_tried(baud)}"
+
+
+def _tried(baud: int | None) -> str:
+    """Baud rates that were tried, and advice."""
+    if baud is None:
+        return (
+            "any of the usual baud rates; the device has an unusual baud rate, or another protocol: set the rate with "
+            "--baud"
+        )
+    return f"{baud} baud; the baud rate may be wrong: without --baud all usual rates are tried"
 
 
 def unread_protocol(heard: Heard, protocol: str) -> str:

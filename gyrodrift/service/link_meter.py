@@ -48,7 +48,7 @@ class LinkMeter:
         self.rate_hz = (counters.samples - self._samples) / elapsed_s
         self.jitter_s = max(0.0, self._most_s - self._least_s)
         bits_per_s = (counters.bytes - self._bytes) * BITS_PER_BYTE / elapsed_s
-        self.busy = bits_per_s / self.link.baud if port is not None and not port.is_pty else 0.0
+        self.busy = bits_per_s / self.link.baud if port is not None and port.has_line_rate else 0.0
         self._marked_s, self._samples, self._bytes = now_s, counters.samples, counters.bytes
         self._least_s, self._most_s = float("inf"), float("-inf")
 

@@ -120,7 +120,7 @@ class Service:
             self._log_stats(self.end_event, time.monotonic(), is_end=True)
 
     def _loop(self) -> None:
-        while not self.stop.is_set:
+        while not self.stop.is_set and not self.link.is_over:
             is_waited_for = self._wait()
             samples = self.link.read()
             self._watch.take(samples)
@@ -205,6 +205,6 @@ class Service:
         )
         marks.stats_s, marks.stats_bytes, marks.stats_samples = now_s, counters.bytes, counters.samples
         port = self.link.port
-        if port is not None and not port.is_pty and byte_rate * BITS_PER_BYTE > BUSY_LINE * self.link.baud:
+        if port is not None and port.has_line_rate and byte_rate * BITS_PER_BYTE > BUSY_LINE * self.link.baud:
             share = byte_rate * BITS_PER_BYTE / self.link.baud
             self.log.warning("line_busy", share=round(share, 2), baud=self.link.baud)

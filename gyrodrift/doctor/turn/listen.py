@@ -17,8 +17,8 @@ from gyrodrift.errors import DeviceSilentError, PortMissingError, UnitError
 from gyrodrift.link.heard import Heard
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
-from gyrodrift.link.port import Port
 from gyrodrift.link.silence import why_silent
+from gyrodrift.link.sources.source import OpenPort
 from gyrodrift.sample import Sample
 from gyrodrift.waiting import POLLIN, new_poller
 
@@ -94,7 +94,7 @@ class TurnListener:
         options: LinkOptions,
         say: Callable[[str], None],
         monotonic: Callable[[], float] = time.monotonic,
-        port: Port | None = None,
+        port: OpenPort | None = None,
     ) -> None:
         self._options = options
         self._say = say
@@ -174,6 +174,8 @@ class TurnListener:
             self._received.samples += samples
         if not self._received.count:
             return
+        if link.is_over:
+            raise PortMissingError(f"{link.name}: the source ended during the turn")
         if link.port is None:
             raise PortMissingError(f"{link.name}: the port went away during the turn; check plug and cable")
         if self._monotonic() - self._arrived_s > SILENT_S:
@@ -194,7 +196,14 @@ class TurnListener:
                 " running? Wait longer with --timeout 30"
             )
         return why_silent(
-            timeout_s, options.baud, link.counters.bytes, link.decoder, options.protocol, received.heard, link.name
+            timeout_s,
+            options.baud,
+            link.counters.bytes,
+            link.decoder,
+            options.protocol,
+            received.heard,
+            link.name,
+            link.source,
         )
 
 

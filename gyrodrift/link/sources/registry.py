@@ -1,0 +1,119 @@
+"""Registry of the sources by scheme. A new source needs its own file and a line here."""
+
+import re
+from importlib import import_module
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+from gyrodrift.errors import UsageError
+
+if TYPE_CHECKING:
+    from gyrodrift.link.serial_port import SerialPort
+    from gyrodrift.link.sources.source import ByteSource, SourceAddress
+
+SHIPPED = {
+    "tcp": "gyrodrift.link.sources.tcp:TCP",
+    "socket": "gyrodrift.link.sources.tcp:SOCKET",
+    "udp": "gyrodrift.link.sources.udp:UDP",
+}
+"""Schemes with `module:NAME` of their `ByteSource`, imported when an address has that scheme."""
+
+SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(//)?(.*)", re.DOTALL)
+"""RFC 3986, section 3.1, with at least two characters: one is a drive of Windows."""
+
+_registered: "dict[str, ByteSource]" = {}
+
+
+def register(source: "ByteSource") -> None:
+    """Add a source.
+
+    Raises
+    ------
+    ValueError
+        If the scheme is taken.
+    """
+    if source.scheme in schemes():
+        raise ValueError(f"there is a source {source.scheme!r} already")
+    _registered[source.scheme] = source
+
+
+def unregister(scheme: str) -> None:
+    """Remove a registered source."""
+    del _registered[scheme]
+
+
+def schemes() -> list[str]:
+    """Schemes of all sources."""
+    return [*SHIPPED, *_registered]
+
+
+def source_named(scheme: str) -> "ByteSource":
+    """Source of a scheme that exists."""
+    if scheme in _registered:
+        return _registered[scheme]
+    module, _, name = SHIPPED[scheme].partition(":")
+    source: ByteSource = getattr(import_module(module), name)
+    return source
+
+
+def address_of(text: str) -> "SourceAddress | None":
+    """Address of a source; None for a serial port, which is any other path.
+
+    Raises
+    ------
+    UsageError
+        The text has the form of an address with an unknown scheme; the message lists the known ones.
+    """
+    from gyrodrift.link.sources.source import SourceAddress  # noqa: PLC0415 - registration needs less
+
+    match = SCHEME.fullmatch(text)
+    if match is None:
+        return None
+    scheme = match[1].lower()
+    if scheme in schemes():
+        return SourceAddress(text, scheme, match[3])
+    if match[2]:
+        names = ", ".join(sorted(schemes()))
+        raise UsageError(f"--port {text}: unknown source {match[1]!r}; there are {names}, or the path of a serial port")
+    return None
+
+
+def source_of(text: str) -> "ByteSource | None":
+    """Source of an address; None for a serial port.
+
+    Raises
+    ------
+    UsageError
+        As from `address_of`.
+    """
+    address = address_of(text)
+    return None if address is None else source_named(address.scheme)
+
+
+def check_packages(source: "ByteSource") -> None:
+    """Check that the packages of a source are installed.
+
+    Raises
+    ------
+    UsageError
+        With the command that installs them.
+    """
+    for package in source.packages:
+        if not _is_installed(package):
+            from gyrodrift.installation import extra_command  # noqa: PLC0415 - only for the message
+
+            command = extra_command(source.extra)
+            raise UsageError(f"source {source.scheme} needs the package {package}: {command}")
+
+
+def source_devices() -> "list[SerialPort]":
+    """Devices of all sources that can list them and whose packages are installed; no device is opened."""
+    sources = [source_named(scheme) for scheme in schemes()]
+    return [device for source in sources if all(map(_is_installed, source.packages)) for device in source.devices()]
+
+
+def _is_installed(package: str) -> bool:
+    try:
+        return find_spec(package) is not None
+    except ModuleNotFoundError:  # the parent package is missing
+        return False

@@ -1,0 +1,146 @@
+"""Record of a source, and the port that it opens."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+from gyrodrift.errors import UsageError
+from gyrodrift.link.port import Port
+from gyrodrift.link.protocols.protocol import WireProtocol
+from gyrodrift.link.serial_port import SerialPort
+
+NOTES_MAX = 16
+"""Largest number of events that wait for the link; hostile input could make many."""
+
+
+class SourceEndedError(Exception):
+    """Source that has ended for good, such as standard input; all its bytes have been read."""
+
+
+class SourcePort:
+    """Open source with the methods of a serial port. A source overrides `read` and `close`. `notes` are for the link.
+
+    path
+        Address as the user wrote it.
+    fd
+        Descriptor that becomes readable when bytes arrive; None if there is none.
+    wake_s
+        Longest time between two reads, s, for a source without descriptor.
+    has_line_rate
+        Whether the bytes come through a line with a baud rate, which may be too slow for the samples.
+    """
+
+    is_pty = False
+    wake_s: float = inf
+    has_line_rate = False
+
+    def __init__(self, path: str, fd: int | None) -> None:
+        self.path = path
+        self.fd = fd
+        self.notes: list[tuple[str, dict[str, Any]]] = []
+
+    def read(self) -> bytes:
+        """Available bytes, up to a limit, without waiting.
+
+        Raises
+        ------
+        PortGoneError
+            The source is closed, and all its bytes have been read; the link opens it again.
+        SourceEndedError
+            The source has ended for good.
+        """
+        raise NotImplementedError
+
+    def write(self, content: bytes) -> int:
+        """Send without waiting, and return the number of bytes; a source that cannot send takes all of them."""
+        return len(content)
+
+    def set_baud(self, baud: int) -> None:
+        """Change the baud rate, and drop bytes received at the old one."""
+
+    def close(self) -> None:
+        """Close the source in any state."""
+
+    def note(self, event: str, **fields: Any) -> None:
+        """Add an event for the log, unless too many wait."""
+        if len(self.notes) < NOTES_MAX:
+            self.notes.append((event, fields))
+
+
+OpenPort = Port | SourcePort
+"""An open serial port, or an open source."""
+
+
+@dataclass(frozen=True, slots=True)
+class SourceAddress:
+    """Address of a source.
+
+    text
+        Address as the user wrote it.
+    scheme
+        Name of the source.
+    rest
+        Address without `SCHEME:` and without `//`.
+    """
+
+    text: str
+    scheme: str
+    rest: str
+
+    def host_port(self, default_host: str = "") -> tuple[str, int]:
+        """Host and port of `HOST:PORT`; an IPv6 address is in brackets.
+
+        Raises
+        ------
+        UsageError
+            The address has another form, or no host and there is no default.
+        """
+        host, mark, port = self.rest.rstrip("/").rpartition(":")
+        host = host.removeprefix("[").removesuffix("]") or default_host
+        if not mark or not host or not (port.isascii() and port.isdigit()) or not 0 < int(port[:6]) <= 0xFFFF:
+            expected = f"{self.scheme}://{'[HOST]' if default_host else 'HOST'}:PORT"
+            raise UsageError(f"--port {self.text}: expected {expected} with a port from 1 to 65535")
+        return host, int(port)
+
+
+def no_devices() -> list[SerialPort]:
+    """Empty list, of a source that cannot list its devices."""
+    return []
+
+
+@dataclass(frozen=True, slots=True)
+class ByteSource:
+    """A source.
+
+    scheme
+        Name in `--port SCHEME:…`.
+    title
+        Form of its address, such as `tcp://HOST:PORT`.
+    about
+        Purpose in a few words.
+    open
+        Function that opens an address. It may wait for seconds, and raises errors of `gyrodrift.errors`. It imports the
+        packages of the source.
+    protocol
+        Protocol of a source that has its own; None to detect it as on a cable.
+    has_baud
+        Whether `--baud auto` tries baud rates.
+    devices
+        Function that lists the devices on this machine, without opening them.
+    packages, extra
+        Packages that it needs, and the extra of gyrodrift that installs them.
+    silence
+        Advice if no byte arrives.
+    """
+
+    scheme: str
+    title: str
+    about: str
+    open: Callable[[SourceAddress], SourcePort]
+    protocol: WireProtocol | None = None
+    has_baud: bool = False
+    devices: Callable[[], list[SerialPort]] = no_devices
+    packages: tuple[str, ...] = ()
+    extra: str = ""
+    silence: str = "check that the device is on and sends to this address"

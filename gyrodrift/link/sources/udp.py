@@ -1,0 +1,145 @@
+"""Source `udp://[HOST]:PORT`: datagrams that a device sends to this machine.
+
+Without a host it listens on loopback. `udp://0.0.0.0:PORT` listens on all networks.
+"""
+
+import errno
+import socket
+import time
+from collections.abc import Callable
+from contextlib import suppress
+
+from gyrodrift.errors import LinkError, PortBusyError, PortDeniedError, PortMissingError
+from gyrodrift.link.heard import PRINTABLE
+from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
+
+LOOPBACK = "127.0.0.1"
+
+LONGEST_DATAGRAM = 65_535
+"""Length field of UDP, 16 bits (RFC 768)."""
+
+DATAGRAMS_PER_TURN = 64
+"""Largest number of datagrams at a time, so that a flood does not block the loop."""
+
+BUFFER_BYTES = 1 << 20
+"""Wanted size of the receive buffer; the kernel may give less (`net.core.rmem_max`)."""
+
+SENDER_S = 2.0
+"""Silence of a sender after which another one is accepted, s: a board gets a new address or port when it restarts."""
+
+Sender = tuple[object, ...]
+
+
+class UdpPort(SourcePort):
+    """Bound datagram socket that follows one sender at a time.
+
+    Two senders would mix two streams. Datagrams of others are dropped; the first one is noted.
+    """
+
+    def __init__(self, path: str, bound: socket.socket, monotonic: Callable[[], float] = time.monotonic) -> None:
+        bound.setblocking(False)
+        super().__init__(path, bound.fileno())
+        self._bound = bound
+        self._monotonic = monotonic
+        self._sender: Sender | None = None
+        self._heard_s = 0.0
+        self._is_binary = self._is_told = False
+
+    def read(self) -> bytes:
+        """Content of the waiting datagrams, up to a limit, without waiting."""
+        chunks: list[bytes] = []
+        for _ in range(DATAGRAMS_PER_TURN):
+            try:
+                content, sender = self._bound.recvfrom(LONGEST_DATAGRAM)
+            except OSError:  # nothing waits, or an answer of ICMP to what was sent
+                break
+            if self._is_followed(sender):
+                chunks.append(self._as_stream(content))
+        return b"".join(chunks)
+
+    def write(self, content: bytes) -> int:
+        """Send to the device that was heard last; nothing before the first datagram."""
+        if self._sender is None:
+            return 0
+        try:
+            return self._bound.sendto(content, self._sender)
+        except OSError:
+            return 0
+
+    def close(self) -> None:
+        """Close the socket."""
+        with suppress(OSError):
+            self._bound.close()
+
+    def _is_followed(self, sender: Sender) -> bool:
+        now_s = self._monotonic()
+        if sender != self._sender:
+            if self._sender is not None and now_s - self._heard_s < SENDER_S:
+                self._tell(sender)
+                return False
+            self._sender = sender
+        self._heard_s = now_s
+        return True
+
+    def _tell(self, sender: Sender) -> None:
+        if not self._is_told:
+            self._is_told = True
+            followed = self._sender or sender
+            self.note("other_sender", ignored=f"{sender[0]}:{sender[1]}", followed=f"{followed[0]}:{followed[1]}")
+
+    def _as_stream(self, content: bytes) -> bytes:
+        """Content with a line end after a text that has none; boards and phones often send one line per datagram."""
+        if self._is_binary or content.endswith((b"\n", b"\r")):
+            return content
+        if all(byte in PRINTABLE or byte >= 0x80 for byte in content):
+            return content + b"\n"
+        self._is_binary = True
+        return content
+
+
+def open_udp(address: SourceAddress) -> UdpPort:
+    """Bind the address.
+
+    Raises
+    ------
+    UsageError
+        The address has another form.
+    LinkError
+        The address cannot be bound; the message says why.
+    """
+    host, port = address.host_port(LOOPBACK)
+    try:
+        family, kind, protocol, _, socket_address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
+        bound = socket.socket(family, kind, protocol)
+    except (OSError, UnicodeError) as error:
+        raise PortMissingError(f"{address.text}: the name {host!r} is not known; check its spelling") from error
+    try:
+        bound.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER_BYTES)
+        bound.bind(socket_address)
+    except OSError as error:
+        bound.close()
+        raise _explained(address.text, host, port, error) from error
+    return UdpPort(address.text, bound)
+
+
+def _explained(text: str, host: str, port: int, error: OSError) -> LinkError:
+    match error.errno:
+        case errno.EADDRINUSE:
+            return PortBusyError(f"{text}: another program listens on UDP port {port}; stop it, or use another port")
+        case errno.EACCES:
+            return PortDeniedError(f"{text}: this user may not listen on port {port}; use one above 1023")
+        case errno.EADDRNOTAVAIL:
+            return PortMissingError(
+                f"{text}: {host} is not an address of this machine; name one of them, or 0.0.0.0 for all networks"
+            )
+    return LinkError(f"{text}: cannot listen on port {port} of {host}: {error}")
+
+
+UDP = ByteSource(
+    "udp",
+    "udp://[HOST]:PORT",
+    "datagrams that a device sends to this machine",
+    open_udp,
+    silence="the device must send to this machine and port; without a host only this machine is heard, "
+    "udp://0.0.0.0:PORT listens on all networks",
+)

@@ -1,0 +1,217 @@
+"""Sources tcp and udp: real sockets on this machine."""
+
+import socket
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+from sources_support import PATIENCE_S, Events, address, lines, read_until, serving
+
+from gyrodrift.errors import DeviceSilentError, PortBusyError, PortMissingError
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
+from gyrodrift.link.sources.registry import address_of
+from gyrodrift.link.sources.udp import SENDER_S, UdpPort, open_udp
+
+
+def test_a_tcp_server_is_read_like_a_cable() -> None:
+    """Detected, with all samples, and without a baud rate."""
+    events = Events()
+    with serving() as server:
+        link = Link(LinkOptions(address(server)), events)
+        connection, _ = server.accept()
+        with connection:
+            connection.sendall(lines(0, 300))
+            samples = read_until(link, lambda samples: len(samples) == 300)
+        link.close()
+    assert [sample.seq for sample in samples] == list(range(300))
+    assert ("protocol_found", {"protocol": "csv"}) in events.told
+    assert link.baud == 0
+
+
+def test_a_server_that_comes_back_is_read_again() -> None:
+    """While it is away nothing waits; the gap is in the counters."""
+    events = Events()
+    with serving() as server:
+        link = Link(LinkOptions(address(server)), events)
+        port = server.getsockname()[1]
+        connection, _ = server.accept()
+        with connection:
+            connection.sendall(lines(0, 100))
+            read_until(link, lambda samples: len(samples) == 100)
+    read_until(link, lambda _: link.port is None)
+    until_s = time.monotonic() + 0.5
+    while time.monotonic() < until_s:
+        begun_s = time.monotonic()
+        assert link.read() == []
+        assert time.monotonic() - begun_s < 0.2
+    with serving(port) as server:
+        read_until(link, lambda _: link.port is not None)
+        connection, _ = server.accept()
+        with connection:
+            connection.sendall(lines(150, 100))
+            samples = read_until(link, lambda samples: len(samples) >= 99)
+        link.close()
+    assert samples[-1].t_device_s == pytest.approx(2.49)
+    assert link.counters.reconnects == 1
+    assert events.names().count("link_restored") == 1
+
+
+def test_a_server_that_is_not_there_is_an_error() -> None:
+    with serving() as server:
+        name = address(server)
+    with pytest.raises(PortMissingError, match=rf"{name}: nothing listens on port \d+ of 127.0.0.1; start the server"):
+        Link(LinkOptions(name), Events())
+
+
+def test_an_unknown_name_is_an_error() -> None:
+    with pytest.raises(PortMissingError, match=r"the name 'gyro.invalid' is not known; check its spelling"):
+        Link(LinkOptions("tcp://gyro.invalid:1"), Events())
+
+
+def test_without_a_timeout_the_link_waits_for_a_server() -> None:
+    """It says why it waits, and takes the server when it comes."""
+    events = Events()
+    with serving() as server:
+        name, port = address(server), server.getsockname()[1]
+    link = Link(LinkOptions(name, timeout_s=0.0), events)
+    assert link.port is None
+    with serving(port) as server:
+        read_until(link, lambda _: link.port is not None)
+        link.close()
+    assert events.names() == ["link_refused", "link_open"]
+    assert link.counters.reconnects == 0
+
+
+def test_a_silent_server_is_an_error_with_advice() -> None:
+    now_s = 1000.0
+    with serving() as server:
+        link = Link(LinkOptions(address(server), timeout_s=3.0), Events(), lambda: now_s)
+        now_s += 3.0
+        with pytest.raises(DeviceSilentError, match="sent nothing within 3 s; the server accepted the connection"):
+            link.read()
+        link.close()
+
+
+def test_noise_from_a_server_is_not_blamed_on_a_baud_rate_of_this_machine() -> None:
+    now_s = 1000.0
+    with serving() as server:
+        link = Link(LinkOptions(address(server), timeout_s=3.0), Events(), lambda: now_s)
+        connection, _ = server.accept()
+        with connection:
+            connection.sendall(bytes(range(128, 256)) * 4)
+            read_until(link, lambda _: link.counters.bytes == 512)
+            now_s += 3.0
+            with pytest.raises(DeviceSilentError, match=r"512 bytes arrived .* baud rate of a serial line behind it"):
+                link.read()
+        link.close()
+
+
+def test_what_is_sent_at_the_opening_reaches_the_server() -> None:
+    with serving() as server:
+        link = Link(LinkOptions(address(server), send=b"start\r\n"), Events())
+        connection, _ = server.accept()
+        with connection:
+            assert connection.recv(100) == b"start\r\n"
+        link.close()
+
+
+@pytest.fixture
+def udp() -> Iterator[tuple[UdpPort, tuple[str, int]]]:
+    """A source udp on a free port, and its address."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        target = free.getsockname()
+    parsed = address_of(f"udp://:{target[1]}")
+    assert parsed is not None
+    port = open_udp(parsed)
+    yield port, target
+    port.close()
+
+
+@contextmanager
+def sender() -> Iterator[socket.socket]:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as device:
+        device.bind(("127.0.0.1", 0))
+        yield device
+
+
+def test_datagrams_are_heard_on_this_machine_alone(udp: tuple[UdpPort, tuple[str, int]]) -> None:
+    """Without a host in the address."""
+    assert udp[0]._bound.getsockname()[0] == "127.0.0.1"
+
+
+def test_a_text_without_line_end_is_a_line(udp: tuple[UdpPort, tuple[str, int]]) -> None:
+    port, target = udp
+    with sender() as device:
+        for content in (b"1000,0.5", b"2000,0.5\r\n", "3000,0.5°".encode()):
+            device.sendto(content, target)
+        assert port.read() == "1000,0.5\n2000,0.5\r\n3000,0.5°\n".encode()
+
+
+def test_binary_datagrams_are_not_changed(udp: tuple[UdpPort, tuple[str, int]]) -> None:
+    """A frame may look like text by chance."""
+    port, target = udp
+    with sender() as device:
+        for content in (b"\x00\x01UR", b"URabcdefghi"):
+            device.sendto(content, target)
+        assert port.read() == b"\x00\x01URURabcdefghi"
+
+
+def test_two_senders_are_not_mixed(udp: tuple[UdpPort, tuple[str, int]]) -> None:
+    """The first one is followed until it is silent; another one is reported once."""
+    port, target = udp
+    now_s = 1000.0
+    port._monotonic = lambda: now_s
+    with sender() as first, sender() as second:
+        for device, content in ((first, b"1\n"), (second, b"2\n"), (second, b"3\n"), (first, b"4\n")):
+            device.sendto(content, target)
+        assert port.read() == b"1\n4\n"
+        assert port.notes == [
+            (
+                "other_sender",
+                {
+                    "ignored": f"127.0.0.1:{second.getsockname()[1]}",
+                    "followed": f"127.0.0.1:{first.getsockname()[1]}",
+                },
+            )
+        ]
+        now_s += SENDER_S
+        second.sendto(b"5\n", target)
+        assert port.read() == b"5\n"
+
+
+def test_what_is_sent_goes_to_the_device_that_was_heard(udp: tuple[UdpPort, tuple[str, int]]) -> None:
+    port, target = udp
+    assert port.write(b"start") == 0
+    with sender() as device:
+        device.settimeout(PATIENCE_S)
+        device.sendto(b"1\n", target)
+        port.read()
+        assert port.write(b"start") == 5
+        assert device.recv(100) == b"start"
+
+
+def test_a_flood_does_not_hold_the_loop(udp: tuple[UdpPort, tuple[str, int]]) -> None:
+    """One read takes some datagrams, the next one more."""
+    port, target = udp
+    with sender() as device:
+        for _ in range(150):
+            device.sendto(b"1\n", target)
+        counts = [len(port.read()) // 2 for _ in range(4)]
+    assert counts == [64, 64, 22, 0]
+
+
+def test_a_port_that_is_taken_is_an_error(udp: tuple[UdpPort, tuple[str, int]]) -> None:
+    parsed = address_of(udp[0].path)
+    assert parsed is not None
+    with pytest.raises(PortBusyError, match=r"another program listens on UDP port \d+; stop it, or use another port"):
+        open_udp(parsed)
+
+
+def test_a_foreign_address_cannot_be_listened_on() -> None:
+    parsed = address_of("udp://192.0.2.1:5000")
+    assert parsed is not None
+    with pytest.raises(PortMissingError, match=r"192.0.2.1 is not an address of this machine"):
+        open_udp(parsed)
