@@ -166,11 +166,11 @@ class Board:
         return json.loads(said), Truth(*rows.T)
 
 
-def in_micropython(program: str, asked: object, folder: Path) -> bytes:
+def in_micropython(program: str, asked: object, folder: Path, *more: Path) -> bytes:
     """What a program of tests/firmware/micropython writes in MicroPython, beside the firmware and `asked.json`."""
     question = folder / "asked.json"
     question.write_text(json.dumps(asked))
-    files = [*sorted(MICROPYTHON.glob("*.py")), question]
+    files = [*sorted(MICROPYTHON.glob("*.py")), question, *more]
     package = "@micropython/micropython-webassembly-pyscript"
     node = node_client(package, "micropython.mjs", str(HERE / "micropython" / program), *map(str, files))
     said, complaint = node.communicate(timeout=3 * PATIENCE_S)

@@ -23,5 +23,7 @@
 #define GYRODRIFT_H
 
 #include "hdr.h"
+#include "calibration.h"
+#include "wrappers.h"
 
 #endif

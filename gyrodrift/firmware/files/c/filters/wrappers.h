@@ -1,0 +1,27 @@
+/* The filters as classes of C++, without allocation; `state()` has all fields of the struct. */
+#ifndef GD_WRAPPERS_H
+#define GD_WRAPPERS_H
+
+#include "hdr.h"
+
+#ifdef __cplusplus
+namespace gyrodrift {
+
+class Hdr {
+public:
+  Hdr() { gd_hdr_init(&state_, NULL); }
+  explicit Hdr(const gd_hdr_params &params) { gd_hdr_init(&state_, &params); }
+  bool update(double t_s, gd_real rate_dps) { return gd_hdr_update(&state_, t_s, rate_dps) != 0; }
+  bool update_us(uint32_t t_us, gd_real rate_dps) { return gd_hdr_update_us(&state_, t_us, rate_dps) != 0; }
+  gd_real yaw_deg() const { return state_.yaw_deg; }
+  gd_real bias_dps() const { return state_.bias_dps; }
+  gd_hdr &state() { return state_; }
+
+private:
+  gd_hdr state_;
+};
+
+} /* namespace gyrodrift */
+#endif
+
+#endif

@@ -1,0 +1,101 @@
+"""Targets of `gyrodrift firmware`: the files of a library in the layout of each tool chain."""
+
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from gyrodrift import __version__
+from gyrodrift.firmware.header import gyrodrift_h
+from gyrodrift.firmware.micropython import restlevel_py
+from gyrodrift.firmware.my_gyro import Gyro, my_gyro_h, my_gyro_py
+
+FILES = Path(__file__).parent / "files"
+NATIVE_HEADER = FILES / "c" / "gyrodrift_native.h"
+VERSION_MARK = "@VERSION@"
+"""Text in a shipped file that becomes the version of gyrodrift."""
+
+GYRO_HEADER = "my_gyro.h"
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A tool chain, and the layout of its library.
+
+    name, about
+        Value of `--target`, and its library in a few words.
+    source
+        Folder of `files` with everything but the headers.
+    headers
+        Folder of the library for the headers; None for a library without C.
+    left_out
+        Files of the source folder that this tool chain does not read.
+    next_step
+        Next step of the user; `{out}` is the folder of the library.
+    """
+
+    name: str
+    about: str
+    source: str
+    next_step: str
+    headers: str | None = "."
+    left_out: frozenset[str] = frozenset()
+
+
+TARGETS = {
+    target.name: target
+    for target in (
+        Target(
+            "c",
+            "a header for C and C++, with CMake",
+            "cmake",
+            "cmake -S {out} -B {out}/build && cmake --build {out}/build && {out}/build/gyrodrift_example < session.csv",
+        ),
+        Target(
+            "arduino",
+            "an Arduino library",
+            "arduino",
+            "open File > Examples > gyrodrift > SerialYaw in the Arduino IDE, if {out} is in its folder `libraries`; "
+            "or arduino-cli compile --fqbn arduino:avr:uno --library {out} {out}/examples/SerialYaw",
+            "src",
+        ),
+        Target(
+            "platformio",
+            "a PlatformIO library",
+            "arduino",
+            "pio ci {out}/examples/SerialYaw --lib {out} --board uno; or move {out} into `lib` of your project",
+            "src",
+            frozenset({"library.properties", "keywords.txt"}),
+        ),
+        Target(
+            "micropython",
+            "modules for MicroPython",
+            "micropython",
+            "mpremote cp {out}/*.py : and mpremote reset",
+            None,
+        ),
+    )
+}
+"""Targets by name; the first is the default."""
+
+
+def files_of(target: Target, gyro: Gyro | None = None) -> dict[str, str]:
+    """Texts of a library by their path in its folder; with a config also the parameters of that gyro."""
+    source = FILES / target.source
+    texts = {
+        str(PurePosixPath(path.relative_to(source).as_posix())): path.read_text(encoding="utf-8")
+        for path in sorted(source.rglob("*"))
+        if path.is_file() and path.name not in target.left_out and "__pycache__" not in path.parts
+    }
+    texts |= _modules(gyro) if target.headers is None else _headers(target.headers, gyro)
+    return {path: text.replace(VERSION_MARK, __version__) for path, text in sorted(texts.items())}
+
+
+def _headers(folder: str, gyro: Gyro | None) -> dict[str, str]:
+    named = {"gyrodrift.h": gyrodrift_h(), NATIVE_HEADER.name: NATIVE_HEADER.read_text(encoding="utf-8")}
+    if gyro is not None:
+        named[GYRO_HEADER] = my_gyro_h(gyro, GYRO_HEADER)
+    return {str(PurePosixPath(folder, name)): text for name, text in named.items()}
+
+
+def _modules(gyro: Gyro | None) -> dict[str, str]:
+    modules = {"gyrodrift_restlevel.py": restlevel_py()}
+    return modules if gyro is None else {**modules, "my_gyro.py": my_gyro_py(gyro)}

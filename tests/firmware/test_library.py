@@ -1,0 +1,169 @@
+"""`gyrodrift firmware`: files of each target, files of users that stay, and the library for C with CMake."""
+
+import io
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from firmware_library import calibrated_config, cmake_built, library
+from firmware_support import FILES, run
+
+from gyrodrift import __version__
+from gyrodrift.cli import main
+from gyrodrift.cli.firmware import TARGETS as NAMES
+from gyrodrift.firmware.targets import TARGETS, VERSION_MARK, files_of
+
+
+def written(out: Path) -> set[str]:
+    """Paths in a library, without the record of the command."""
+    return {str(path.relative_to(out)) for path in out.rglob("*") if path.is_file() and path.name[0] != "."}
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_each_target_is_written_as_its_tool_chain_takes_it(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The command names all files and the next step, and no mark of a template stays."""
+    out = tmp_path / "gyrodrift"
+    assert main(["firmware", "--out", str(out), "--target", name]) == 0
+    texts = files_of(TARGETS[name])
+    assert written(out) == set(texts)
+    first, *listed, following = capsys.readouterr().out.splitlines()
+    assert first.startswith(f"wrote {out}: {TARGETS[name].about}, {len(texts)} files")
+    assert [line.strip() for line in listed] == sorted(texts)
+    assert following.startswith("next: ")
+    assert str(out) in following
+    assert not any(VERSION_MARK in (out / path).read_text() for path in texts)
+
+
+def test_the_targets_of_the_command_are_those_of_the_layouts() -> None:
+    """The command lists them itself, because it starts fast."""
+    assert tuple(TARGETS) == NAMES
+
+
+def test_quiet_prints_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """As for other commands."""
+    library(tmp_path, "c")
+    assert capsys.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("name", ["c", "arduino", "platformio"])
+def test_the_headers_are_one_file_for_all_chips(name: str, tmp_path: Path) -> None:
+    """`gyrodrift.h` needs no other file, and the encoder of frames neither."""
+    out = library(tmp_path, name)
+    folder = out / (TARGETS[name].headers or ".")
+    assert re.findall(r'^#include "', (folder / "gyrodrift.h").read_text(), re.MULTILINE) == []
+    assert (folder / "gyrodrift_native.h").read_text() == (FILES / "c" / "gyrodrift_native.h").read_text()
+
+
+def test_a_second_run_replaces_what_the_first_has_written(tmp_path: Path) -> None:
+    """A newer version of gyrodrift does so too, because the record has the old hashes."""
+    out = library(tmp_path, "c")
+    header = out / "gyrodrift.h"
+    before = header.read_text()
+    assert library(tmp_path, "c", "--config", calibrated_config(tmp_path)) == out
+    assert header.read_text() == before
+    assert (out / "my_gyro.h").is_file()
+
+
+def test_a_changed_file_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """With --force it is replaced; the files of other names stay in any case."""
+    out = library(tmp_path, "c")
+    (out / "main.c").write_text("mine\n")
+    (out / "notes.txt").write_text("mine too\n")
+    assert main(["firmware", "--out", str(out)]) == 2
+    said = capsys.readouterr().err
+    reason = "not as gyrodrift firmware wrote it; choose another --out, or --force replaces it"
+    assert said == f"gyrodrift: {out / 'main.c'}: {reason}\n"
+    assert (out / "main.c").read_text() == "mine\n"
+    assert library(tmp_path, "c", "--force") == out
+    assert (out / "main.c").read_text() != "mine\n"
+    assert (out / "notes.txt").read_text() == "mine too\n"
+
+
+def test_a_file_of_another_origin_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Nothing at all is written beside it."""
+    (tmp_path / "CMakeLists.txt").write_text("project(robot)\n")
+    assert main(["firmware", "--out", str(tmp_path)]) == 2
+    assert "CMakeLists.txt: not as gyrodrift firmware wrote it" in capsys.readouterr().err
+    assert written(tmp_path) == {"CMakeLists.txt"}
+
+
+def test_a_damaged_record_protects_all_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A file with the text that is to be written is no loss; any other one is."""
+    out = library(tmp_path, "c")
+    (out / ".gyrodrift-firmware.json").write_text("[")
+    assert library(tmp_path, "c") == out
+    (out / ".gyrodrift-firmware.json").write_text("[]")
+    (out / "main.c").write_text("old\n")
+    assert main(["firmware", "--out", str(out)]) == 2
+    assert f"{out / 'main.c'}: not as" in capsys.readouterr().err
+
+
+def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A file of that name, for instance."""
+    (tmp_path / "taken").write_text("")
+    assert main(["firmware", "--out", str(tmp_path / "taken")]) == 2
+    assert f"gyrodrift: {tmp_path / 'taken'}: cannot be written to: File exists" in capsys.readouterr().err
+
+
+def test_a_name_that_arduino_does_not_load_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its IDE would leave the library out, or stop with an error."""
+    assert main(["firmware", "--out", str(tmp_path / "my gyro"), "--target", "arduino"]) == 2
+    assert "Arduino loads libraries from folders named with letters" in capsys.readouterr().err
+    assert not (tmp_path / "my gyro").exists()
+
+
+def filtered(table: Path, *words: str) -> "np.ndarray[tuple[int], np.dtype[np.void]]":
+    """What `gyrodrift filter` makes of a table."""
+    out = table.with_name("filtered.csv")
+    assert main(["filter", str(table), "--out", str(out), "--force", "--quiet", *words]) == 0
+    return np.genfromtxt(out, delimiter=",", names=True)
+
+
+def a_session(folder: Path) -> Path:
+    """A minute of the simulated rig as a table."""
+    assert main(["simulate", "--out", str(folder / "sim"), "--minutes", "1", "--quiet"]) == 0
+    table = folder / "session.csv"
+    assert main(["convert", str(folder / "sim" / "session-01.mcap"), str(table), "--quiet"]) == 0
+    return table
+
+
+@pytest.mark.parametrize("is_calibrated", [False, True])
+def test_the_c_library_is_built_with_cmake_and_filters_as_python_does(
+    is_calibrated: bool,  # noqa: FBT001 - a parameter
+    tmp_path: Path,
+) -> None:
+    """Its example reads the table of a session, and gives the yaw of `gyrodrift filter` to 1e-9 deg."""
+    words = ["--config", str(calibrated_config(tmp_path, "hdr", device_id=""))] if is_calibrated else []
+    out = library(tmp_path, "c", *words)
+    cmake_built(out, out / "build")
+    table = a_session(tmp_path)
+    printed = run("sh", "-c", f"{out}/build/gyrodrift_example < {table}")
+    rows = np.genfromtxt(io.StringIO(printed), delimiter=",", names=True)
+    expected = filtered(table, *(words or ["--filter", "hdr"]))
+    assert len(rows) == len(expected) == 6000
+    for column in ("rate_dps", "yaw_deg"):
+        np.testing.assert_allclose(rows[column], expected[column], rtol=0, atol=1e-9)
+
+
+def test_a_project_takes_the_folder_as_an_interface_library(tmp_path: Path) -> None:
+    """With add_subdirectory; the example is then left out."""
+    out = library(tmp_path, "c")
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.13)\nproject(robot C)\n"
+        f"add_subdirectory({out.name})\nadd_executable(robot robot.c)\ntarget_link_libraries(robot PRIVATE gyrodrift)\n"
+    )
+    (tmp_path / "robot.c").write_text(
+        '#include "gyrodrift.h"\nint main(void) { gd_hdr h; return gd_hdr_init(&h, NULL) - 1; }\n'
+    )
+    cmake_built(tmp_path, tmp_path / "build")
+    assert run(tmp_path / "build" / "robot") == ""
+    assert not list((tmp_path / "build").rglob("gyrodrift_example*"))
+
+
+def test_the_version_is_that_of_gyrodrift(tmp_path: Path) -> None:
+    """Of the Arduino library and of the CMake project."""
+    assert f"\nversion={__version__}\n" in (library(tmp_path, "arduino") / "library.properties").read_text()
+    assert f"VERSION {__version__} " in (library(tmp_path, "c") / "CMakeLists.txt").read_text()

@@ -1,0 +1,23 @@
+/* The classes of gyrodrift.h beside the functions of C: prints 1 if all results are equal. */
+#include <cstdio>
+
+#include "my_gyro.h"
+
+static double rate_dps(int i) { return 0.1 + 0.01 * (i % 7) + (i > 500 && i < 700 ? 20.0 : 0.0); }
+
+int main() {
+  gyrodrift::Hdr hdr, tuned(MY_GYRO_HDR);
+  gd_hdr h, t;
+  int is_equal = gd_hdr_init(&h, NULL) && gd_hdr_init(&t, &MY_GYRO_HDR);
+  for (int i = 0; i < 1000; i++) {
+    const gd_real rate = (gd_real)rate_dps(i);
+    is_equal &= hdr.update(0.01 * i, rate) == (gd_hdr_update(&h, 0.01 * i, rate) != 0);
+    is_equal &= tuned.update_us(10000u * (uint32_t)i, rate) == (gd_hdr_update_us(&t, 10000u * (uint32_t)i, rate) != 0);
+    is_equal &= !hdr.update(0.01 * i, rate);
+    gd_hdr_update(&h, 0.01 * i, rate);
+  }
+  is_equal &= !(hdr.yaw_deg() < h.yaw_deg) && !(hdr.yaw_deg() > h.yaw_deg) && h.yaw_deg > 10;
+  is_equal &= !(tuned.bias_dps() < t.bias_dps) && !(tuned.bias_dps() > t.bias_dps) && tuned.state().samples == 1000;
+  std::printf("%d\n", is_equal);
+  return 0;
+}
