@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 EXAMPLES = """\
 gyrodrift tune sessions --out my.yaml --report report
 gyrodrift tune sessions --out my.yaml --filter restlevel --test bench/monday.mcap
+gyrodrift tune sessions --out my.yaml --header my_gyro.h
 gyrodrift tune sessions --out my.yaml --seeds 3 --jobs 2 --range tau_s=0.01:2
 """
 
@@ -36,6 +37,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("paths", type=Path, nargs="+", metavar="PATH", help="session with an encoder, or a folder")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.yaml", help="config to write")
+    parser.add_argument(
+        "--header",
+        type=Path,
+        metavar="FILE.h",
+        help="header to write for gyrodrift firmware, with the parameters and the calibration (default: none)",
+    )
     parser.add_argument(
         "--filter", choices=tuple(FILTERS), help="tune and write this filter (default: the better of hdr and restlevel)"
     )
@@ -86,6 +93,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Tune; 0 if all files are written."""
     _check_paths(arguments.out, arguments.report)
+    if arguments.header is not None:
+        from gyrodrift.cli.gyro_headers import check_header
+
+        check_header(arguments.header)
     with options.progress_of(arguments, {}) as progress:
         progress.report(options.PACKAGES, 0, 0)
         from gyrodrift.installation import need_packages
@@ -159,9 +170,14 @@ def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
         given = [*arguments.paths, *arguments.still, *arguments.test]
         made = Provenance(set_name(given), command, date_now(), config=f"{arguments.out}, with these parameters:")
         write_whole(arguments.report / "report.html", [report_html(tuning, made)])
+    if arguments.header is not None:
+        from gyrodrift.cli.gyro_headers import write_header
+
+        write_header(arguments.header, arguments.out)
     for warning in tuning.warnings:
         print(f"gyrodrift: warning: {warning}", file=sys.stderr)
-    for line in [*summary(tuning), f"wrote {arguments.out}"]:
+    written = [f"wrote {path}" for path in (arguments.out, arguments.header) if path is not None]
+    for line in [*summary(tuning), *written]:
         print(visible(line))
 
 

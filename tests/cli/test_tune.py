@@ -17,6 +17,7 @@ from turntable_sessions import RATE_HZ, turntable, write_turntables
 from gyrodrift.cli import main
 from gyrodrift.config.model import load_config
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
+from gyrodrift.firmware.my_gyro import Gyro, my_gyro_h
 from gyrodrift.mount import Mount
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.session.session import Session
@@ -127,6 +128,40 @@ def test_the_calibration_of_a_config_that_is_replaced_stays(eight: Path, tmp_pat
     config = load_config(out)
     assert config.calibration is not None
     assert (config.filter, config.calibration.scale_ccw) == ("hdr", 0.98)
+
+
+def test_the_header_has_the_parameters_and_the_calibration_of_the_config(eight: Path, tmp_path: Path) -> None:
+    """As `gyrodrift firmware --config` writes it; a header of an earlier tuning is replaced."""
+    out, header = tmp_path / "my.yaml", tmp_path / "left_gyro.h"
+    out.write_text("filter: restlevel\ncalibration:\n  date: 2026-05-01\n  scale_ccw: 0.98\n")
+    for _ in range(2):
+        assert main(["tune", str(eight), "--out", str(out), "--header", str(header), "--iterations", "20", *QUICK]) == 0
+    text = header.read_text()
+    assert text == my_gyro_h(Gyro.of_config(load_config(out), "my.yaml"), "left_gyro.h")
+    assert "static const gd_calibration LEFT_GYRO_CALIBRATION =\n    {GD_R(1.0), GD_R(0.98), " in text
+    params = load_config(out).params
+    assert isinstance(params, HdrParams)
+    assert f"{{GD_R({params.i_c_dps!r}), " in text
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("my.txt", "a header ends in .h"),
+        ("no/my.h", "there is no folder"),
+        ("robot.h", "is not from gyrodrift; choose another name"),
+        ("folder.h", "cannot be read: Is a directory"),
+    ],
+)
+def test_a_header_that_cannot_be_written_is_told_before_the_search(
+    name: str, told: str, eight: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A header of another origin is never replaced."""
+    (tmp_path / "robot.h").write_text("#define WHEELS 2\n")
+    (tmp_path / "folder.h").mkdir()
+    assert main(["tune", str(eight), "--out", str(tmp_path / "c.yaml"), "--header", str(tmp_path / name)]) == 2
+    assert f"--header {tmp_path / name}: {told}" in capsys.readouterr().err
+    assert (tmp_path / "robot.h").read_text() == "#define WHEELS 2\n"
 
 
 def test_axes_and_mount_of_a_config_that_is_replaced_stay(eight: Path, tmp_path: Path) -> None:

@@ -57,8 +57,8 @@ static inline void gd_matrix_product(const gd_real m[3][3], gd_real v[3]) {
   }
 }
 
-/* Corrects the measured rates, deg/s, and accelerations, m/s^2, of three axes in place, and turns them into the frame of
-   the device: x forward, y left, z up. */
+/* Corrects the measured rates, deg/s, and accelerations, m/s^2, of three axes in place, and turns them into the frame
+   of the device: x forward, y left, z up. */
 static inline void gd_calibrate_axes(const gd_calibration *c, gd_real gyro_dps[3], gd_real accel_mps2[3],
                                      gd_real temp_c) {
   gd_real z_dps;
