@@ -10,3 +10,15 @@ gd_real use_hdr(gd_hdr *h, double t_s, uint32_t t_us, gd_real rate_dps) {
              ? h->yaw_deg
              : h->bias_dps;
 }
+
+gd_real use_restlevel(gd_restlevel *r, double t_s, uint32_t t_us, gd_real rate_dps);
+
+gd_real use_restlevel(gd_restlevel *r, double t_s, uint32_t t_us, gd_real rate_dps) {
+  gd_restlevel_params params = GD_RESTLEVEL_DEFAULTS;
+  params.window_s = rate_dps;
+  if (gd_restlevel_init(r, &params) && gd_restlevel_update(r, t_s, rate_dps) &&
+      gd_restlevel_update_us(r, t_us, rate_dps)) {
+    gd_restlevel_zero(r);
+  }
+  return r->yaw_deg + r->yaw_sigma_deg + r->bias_dps;
+}

@@ -9,10 +9,15 @@
    It returns 0 if it refuses the sample: time stands still, or a value is not finite. Rates are in
    deg/s, counter-clockwise positive.
 
-       gd_hdr h;
+       gd_hdr h;                                    the smallest filter
        gd_hdr_init(&h, NULL);
        gd_hdr_update_us(&h, micros(), rate_dps);    or gd_hdr_update(&h, t_s, rate_dps)
        use(h.yaw_deg, h.bias_dps);
+
+       gd_restlevel r;                              learns at each rest, and says how sure it is
+       gd_restlevel_init(&r, NULL);
+       gd_restlevel_update_us(&r, micros(), rate_dps);
+       use(r.yaw_deg, r.yaw_sigma_deg, r.bias_dps);
 
    The functions with `_us` take a 32-bit clock of microseconds that wraps. Boards need them where a double has 32 bits
    (AVR). A copy of the struct saves the filter, and copied back it goes on from there.
@@ -23,6 +28,9 @@
 #define GYRODRIFT_H
 
 #include "hdr.h"
+#include "restlevel.h"
+#include "restlevel_with.h"
+#include "restlevel_zero.h"
 #include "calibration.h"
 #include "wrappers.h"
 

@@ -104,15 +104,15 @@ static inline int gd_hdr_update(gd_hdr *h, double t_s, gd_real rate_dps) {
 
 /* The same by a clock of microseconds that wraps, as micros() of Arduino. Use one of the two functions. */
 static inline int gd_hdr_update_us(gd_hdr *h, uint32_t t_us, gd_real rate_dps) {
-  const gd_real dt_s = gd_step_of_us(t_us, h->t_us);
-  if (!gd_is_within(0.0, rate_dps) || (h->samples > 0 && !(dt_s > GD_R(0.0)))) {
+  const double dt_s = gd_step_of_us(t_us, h->t_us);
+  if (!gd_is_within(0.0, rate_dps) || (h->samples > 0 && !(dt_s > 0.0))) {
     gd_count(&h->rejected);
     return 0;
   }
   if (h->samples == 0) {
     gd_hdr_first(h, rate_dps);
   } else {
-    gd_hdr_advance(h, dt_s, rate_dps);
+    gd_hdr_advance(h, (gd_real)dt_s, rate_dps);
   }
   h->t_us = t_us;
   return 1;

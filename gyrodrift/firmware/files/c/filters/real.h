@@ -1,7 +1,8 @@
 /* Number type of the filters, its mathematics, sums without lost digits, and the limits of a sample.
 
-   Everything is a `gd_real`: float, or what GD_REAL says. Time alone is a double. Where a double has the size of a
-   float, as on AVR, use the functions that take microseconds.
+   Everything is a `gd_real`: float, or what GD_REAL says. Times and their sums alone are doubles: where a block ends
+   depends on the last digits. Where a double has the size of a float, as on AVR, use the functions that take
+   microseconds.
 */
 #ifndef GD_REAL_H
 #define GD_REAL_H
@@ -72,9 +73,9 @@ static inline int gd_is_within(double t_s, gd_real rate_dps) {
 }
 
 /* Step of a clock of 32 bits in s. It wraps, and half of its range counts as back: then the step is 0. */
-static inline gd_real gd_step_of_us(uint32_t t_us, uint32_t before_us) {
+static inline double gd_step_of_us(uint32_t t_us, uint32_t before_us) {
   const uint32_t step_us = t_us - before_us;
-  return step_us < 0x80000000UL ? (gd_real)step_us * GD_R(1e-6) : GD_R(0.0);
+  return step_us < 0x80000000UL ? (double)step_us * 1e-6 : 0.0;
 }
 
 #endif

@@ -1,0 +1,143 @@
+/* Restlevel on one axis: learns the bias at each rest, corrects yaw backwards, and says how sure it is.
+
+   The same filter as gyrodrift/filters/restlevel, whose docs/restlevel.md has the equations. Of doubles, it gives the
+   same bits. It remembers nothing from one run to the next but by a copy of its state.
+*/
+#ifndef GD_RESTLEVEL_H
+#define GD_RESTLEVEL_H
+
+#include "restlevel_block.h"
+
+#define GD_LEAST_VAR GD_R(1e-24) /* of the turn-on bias, (deg/s)^2 */
+#define GD_MIN_BLOCK_SAMPLES 6   /* a variance of fewer samples says little */
+#define GD_TURN_DEG GD_R(30.0)   /* what a device turns in one go, with one error of the scale */
+
+/* Length of a block in double. A float of 0.3 is larger than 0.3, and a block would have a sample more than in Python:
+   so it is rounded to whole microseconds. */
+static inline double gd_rl_window_s(gd_real window_s) {
+  const double rounded_s = floor((double)window_s * 1e6 + 0.5) / 1e6;
+  return GD_IS_FLOAT && window_s >= GD_R(1e-3) ? rounded_s : (double)window_s;
+}
+
+static inline void gd_rl_set_coefficients(gd_rl_coefficients *c, const gd_restlevel_params *p) {
+  const gd_real turn_on_var = p->turn_on_dps * p->turn_on_dps;
+  c->window_s = gd_rl_window_s(p->window_s);
+  c->stationarity_sigmas = p->quiet;
+  c->turn_on_var = p->turn_on_dps > GD_R(0.0) ? gd_max(GD_LEAST_VAR, turn_on_var) : GD_R(0.0);
+  c->rate_walk_var = p->walk_dps_rts * p->walk_dps_rts;
+  c->rate_ramp_dps_s = p->drift_dps_s;
+  c->start_odds = p->still_start / (GD_R(1.0) - p->still_start);
+  c->rest_odds = p->rest_share / (GD_R(1.0) - p->rest_share);
+  c->scale_sigma = p->scale_percent / GD_R(100.0);
+}
+
+/* Begins. NULL stands for the defaults, which are also used if a parameter is out of its bounds: then it returns 0. */
+static inline int gd_restlevel_init(gd_restlevel *s, const gd_restlevel_params *params) {
+  const gd_restlevel_params defaults = GD_RESTLEVEL_DEFAULTS;
+  const int is_valid = params == NULL || gd_restlevel_params_are_valid(params);
+  memset(s, 0, sizeof *s);
+  gd_rl_set_coefficients(&s->c, params != NULL && is_valid ? params : &defaults);
+  s->confidence = GD_R(1.0);
+  s->noise.sample_var = s->noise.last_block_var = s->noise.resolution_dps = s->noise.angle_walk_var = GD_R(-1.0);
+  s->segment.sensor_odds = s->ended.sensor_odds = GD_R(1.0);
+  s->ended.blocks_ago = GD_NEVER;
+  s->wander.step_dps = GD_UNKNOWN_STEP_DPS;
+#if GD_RESTLEVEL_AUXILIARY
+  s->temp_c = s->line.temp_c = s->line.rest_c = GD_UNKNOWN_C;
+  s->line.slope_var = GD_NEW_SLOPE_VAR;
+  s->witness.is_believed = 1;
+#endif
+  return is_valid;
+}
+
+/* Sets yaw and its sigma after a sample, part way through a block. */
+static inline void gd_rl_set_yaw(gd_restlevel *s) {
+  const gd_rl_moments *m = &s->moments;
+  const gd_real seconds = (gd_real)s->block.seconds;
+  const gd_real yaw_deg = m->yaw_deg + s->block.turned_deg - s->bias_dps * seconds;
+  const gd_real net_deg = yaw_deg - s->start_yaw_deg;
+  const gd_real scale_var =
+      s->c.scale_sigma * s->c.scale_sigma * (net_deg * net_deg + GD_TURN_DEG * s->travelled_deg);
+  const gd_real angle_walk_var = gd_max(GD_R(0.0), s->noise.angle_walk_var);
+  const gd_real moving_var = seconds * (m->bias_var * seconds - GD_R(2.0) * m->covariance + angle_walk_var);
+  s->yaw_deg = GD_IS_FLOAT ? s->base_deg + yaw_deg : yaw_deg;
+  s->yaw_sigma_deg = GD_SQRT(gd_max(GD_R(0.0), m->yaw_var + moving_var + scale_var));
+}
+
+static inline void gd_rl_add_sample(gd_restlevel *s, double dt_s, gd_real rate_dps) {
+  gd_rl_block *block = &s->block;
+  const gd_real step_dps = GD_ABS(rate_dps - s->rate_dps);
+  gd_real above_dps;
+  if (step_dps > GD_R(0.0) && (step_dps < s->noise.resolution_dps || s->noise.resolution_dps < GD_R(0.0))) {
+    s->noise.resolution_dps = step_dps;
+  }
+  if (block->samples == 0) {
+    block->origin_dps = rate_dps;
+  }
+  above_dps = rate_dps - block->origin_dps;
+  block->seconds += dt_s;
+  gd_count(&block->samples);
+  block->sum_dps += above_dps;
+  block->sum_squares += above_dps * above_dps;
+  block->turned_deg += GD_R(0.5) * (rate_dps + s->rate_dps) * (gd_real)dt_s;
+  s->rate_dps = rate_dps;
+  gd_count(&s->samples);
+}
+
+/* Takes a good sample, `dt_s` after the one before; 0 for the first. */
+static inline void gd_rl_advance(gd_restlevel *s, double dt_s, gd_real rate_dps) {
+  if (s->samples == 0) {
+    s->start_yaw_deg = s->yaw_deg;
+    s->rate_dps = rate_dps;
+    gd_rl_begin(s, s->yaw_deg);
+  }
+  gd_rl_add_sample(s, dt_s, rate_dps);
+  if (s->block.seconds >= s->c.window_s && s->block.samples >= GD_MIN_BLOCK_SAMPLES) {
+    gd_rl_end_block(s);
+  }
+  gd_rl_set_yaw(s);
+}
+
+/* Whether a sample is taken; else it is counted. `dt_s` is the step from the sample before. */
+static inline int gd_rl_accepts(gd_restlevel *s, double t_s, double dt_s, gd_real rate_dps) {
+  if (gd_is_within(t_s, rate_dps) && (s->samples == 0 || dt_s >= GD_LEAST_STEP_S)) {
+    return 1;
+  }
+  gd_count(&s->rejected);
+  return 0;
+}
+
+/* Takes an accepted sample without a rest sensor and a temperature. */
+static inline void gd_rl_advance_alone(gd_restlevel *s, double dt_s, gd_real rate_dps) {
+#if GD_RESTLEVEL_AUXILIARY
+  s->witness.has_silence = 1;
+#endif
+  gd_rl_advance(s, s->samples > 0 ? dt_s : 0.0, rate_dps);
+}
+
+/* Takes a sample: device time in s and rate in deg/s, counter-clockwise positive.
+
+   Returns 0 if the sample is refused: time stands still or goes back, or a value is not finite or out of its limits.
+*/
+static inline int gd_restlevel_update(gd_restlevel *s, double t_s, gd_real rate_dps) {
+  const double dt_s = t_s - s->t_s;
+  if (!gd_rl_accepts(s, t_s, dt_s, rate_dps)) {
+    return 0;
+  }
+  s->t_s = t_s;
+  gd_rl_advance_alone(s, dt_s, rate_dps);
+  return 1;
+}
+
+/* The same by a clock of microseconds that wraps, as micros() of Arduino. Use one of the clocks. */
+static inline int gd_restlevel_update_us(gd_restlevel *s, uint32_t t_us, gd_real rate_dps) {
+  const double dt_s = gd_step_of_us(t_us, s->t_us);
+  if (!gd_rl_accepts(s, 0.0, dt_s, rate_dps)) {
+    return 0;
+  }
+  s->t_us = t_us;
+  gd_rl_advance_alone(s, dt_s, rate_dps);
+  return 1;
+}
+
+#endif

@@ -1,0 +1,67 @@
+/* What restlevel believes of yaw and bias, and keeps from block to block. Twin of restlevel/bias_state.py. */
+#ifndef GD_RESTLEVEL_BIAS_STATE_H
+#define GD_RESTLEVEL_BIAS_STATE_H
+
+#include "real.h"
+
+#define GD_UNSAID_C GD_R(-1000.0)     /* temperature before the first one */
+#define GD_NEW_SLOPE_VAR GD_R(0.0001) /* of a new sensor, (deg/s per degree C)^2: 0.01^2 of common data sheets */
+
+/* Yaw of a hypothesis where the present segment began. */
+typedef struct {
+  gd_real yaw_deg, yaw_var, covariance, moving_s;
+} gd_rl_checkpoint;
+
+/* Bias of a rest some time ago. */
+typedef struct {
+  double ago_s;
+  gd_real bias_dps, bias_var;
+} gd_rl_mark;
+
+/* Which of the segments were rests, and the Gaussian over yaw and bias that follows.
+
+   Python keeps hypotheses in slots, of which some are free. Here they are stored without gaps in the order of their
+   slots, so that every sum runs in the same order. */
+typedef struct {
+  gd_rl_mark recent, settled; /* see restlevel_slide.h */
+  gd_real weight;             /* probability */
+  gd_real bias_dps, yaw_deg;
+  gd_real bias_var, covariance, yaw_var;
+  gd_real moving_s; /* since its last rest */
+  gd_real rest_odds, chance_density, noisy_density, odds; /* see restlevel_durations.h */
+  gd_real slide_dps;
+  gd_real turn_density;                                   /* see restlevel_turns.h */
+  gd_rl_checkpoint checkpoint;
+  uint8_t slot : 4;
+  uint8_t knows_bias : 1; /* it has had a rest; before, the bias is 0 with the sigma of the turn-on bias */
+  uint8_t is_at_rest : 1, was_at_rest : 1;
+  uint8_t has_been_flat : 1;
+} gd_rl_hypothesis;
+
+/* All hypotheses as one Gaussian when the present block began; its bias is `bias_dps` of the filter. */
+typedef struct {
+  gd_real yaw_deg, bias_var, covariance, yaw_var;
+} gd_rl_moments;
+
+/* An external rest sensor, and whether it is believed. */
+typedef struct {
+  gd_real doubt;      /* blocks that have contradicted it */
+  gd_real level_dps;  /* mean of the last of them that agree */
+  gd_real before_dps; /* bias when it began to report rest */
+  gd_real since_s;    /* since the last rest */
+  uint16_t refuted;   /* contradictions */
+  uint8_t alike;      /* contradicting blocks that agree */
+  uint8_t has_moved : 1, has_silence : 1; /* a sample of the block was in motion; a sample was not reported at rest */
+  uint8_t is_claiming : 1, was_certain : 1, is_believed : 1;
+} gd_rl_witness;
+
+/* Bias against temperature. */
+typedef struct {
+  gd_real temp_c, rest_c; /* averaged, and what it was at the last probable rest */
+  gd_real slope_dps_c, slope_var;
+  gd_real level_dps, level_var, covariance, level_c;
+  double level_s;
+  uint8_t points; /* measurements of the level, up to 255 */
+} gd_rl_line;
+
+#endif

@@ -1,0 +1,130 @@
+/* Restlevel: the end of a block. Twin of `_end_block` in restlevel/step.py. */
+#ifndef GD_RESTLEVEL_BLOCK_H
+#define GD_RESTLEVEL_BLOCK_H
+
+#include "restlevel_frozen.h"
+#include "restlevel_still.h"
+#include "restlevel_temperature.h"
+
+#define GD_RL_BASE_DEG GD_R(64.0) /* of floats, yaw of the hypotheses is kept below about this */
+
+/* The segment is confirmed: it is the one before, or another. */
+static inline void gd_rl_confirm(gd_restlevel *s, gd_real seconds) {
+  if (gd_rl_continues(s, seconds)) {
+    s->segment.seconds += s->ended.seconds;
+    gd_rl_resume(s, seconds);
+  } else {
+    gd_rl_branch(s, seconds);
+    if (!s->ended.ended_gradually) { /* else it is of the same turn as the one before */
+      gd_rl_see_turn(&s->turns, s->segment.mean_dps);
+    }
+  }
+}
+
+/* The segment before may have ended with this block, or gone on ending. */
+static inline void gd_rl_leave(gd_restlevel *s, gd_real step_dps, gd_real seconds) {
+  if (s->ended.short_start_blocks > 0) {
+    gd_rl_branch_at_end(s, seconds);
+  }
+  if (s->ended.blocks_ago == 1) {
+    gd_rl_leave_segment(s);
+  }
+  if (s->ended.blocks_ago == 2 && s->ended.ended_gradually) {
+    s->ended.ended_gradually = gd_rl_goes_on_gradually(s, step_dps, seconds) != 0;
+    if (s->ended.ended_gradually) {
+      gd_rl_end_gradually(s);
+    }
+  }
+}
+
+/* Of floats, takes whole multiples of 64 degrees out of all yaws, so that a device that turns on and on loses no
+   digits. The multiples are exact. */
+static inline void gd_rl_keep_near_zero(gd_restlevel *s) {
+  const gd_real away_deg = GD_FLOOR(s->moments.yaw_deg / GD_RL_BASE_DEG) * GD_RL_BASE_DEG;
+  uint8_t k;
+  if (!GD_IS_FLOAT || GD_ABS(s->moments.yaw_deg) < GD_RL_BASE_DEG) {
+    return;
+  }
+  s->base_deg += away_deg;
+  s->moments.yaw_deg -= away_deg;
+  s->start_yaw_deg -= away_deg;
+  for (k = 0; k < s->stored; ++k) {
+    s->hypotheses[k].yaw_deg -= away_deg;
+    s->hypotheses[k].checkpoint.yaw_deg -= away_deg;
+  }
+}
+
+/* The hypotheses take the block: updates at a rest, and branches where a segment is confirmed. */
+static inline void gd_rl_take_rest(gd_restlevel *s, gd_real mean_dps, gd_real step_dps, gd_real seconds,
+                                   int is_certain) {
+  if (!is_certain && s->segment.blocks > GD_CONFIRMED_BLOCKS) {
+    gd_rl_zero_velocity_update(s, mean_dps, step_dps, seconds);
+  }
+  if (s->segment.blocks > 1) {
+    gd_rl_update_mean(&s->segment, mean_dps);
+  }
+  if (!is_certain && s->segment.blocks == GD_CONFIRMED_BLOCKS) {
+    gd_rl_confirm(s, seconds);
+  } else if (s->segment.blocks < GD_CONFIRMED_BLOCKS) {
+    gd_rl_follow_turns(&s->turns, s->block.turned_deg, s->block.seconds);
+  }
+  gd_rl_weigh_turns(s);
+  gd_rl_collapse(s);
+}
+
+/* Takes temperature and an external rest sensor before the block passes; whether it is a certain rest. */
+static inline int gd_rl_take_auxiliary(gd_restlevel *s, gd_real mean_dps, gd_real step_dps, gd_real seconds) {
+#if GD_RESTLEVEL_AUXILIARY
+  int is_certain;
+  gd_rl_follow_temperature(s, seconds);
+  is_certain = gd_rl_is_certain_rest(s, mean_dps, seconds);
+  if (is_certain) {
+    gd_rl_stand_still(s, mean_dps, step_dps, seconds);
+  } else if (s->witness.was_certain) {
+    gd_rl_end_certain_rest(s);
+  }
+  return is_certain;
+#else
+  (void)s, (void)mean_dps, (void)step_dps, (void)seconds;
+  return 0;
+#endif
+}
+
+/* Learns the temperature of a sure rest at the end of the block. */
+static inline void gd_rl_end_auxiliary(gd_restlevel *s, int is_certain) {
+#if GD_RESTLEVEL_AUXILIARY
+  s->lived_s += s->block.seconds;
+  gd_rl_learn_when_sure(s, is_certain);
+  s->witness.was_certain = is_certain != 0;
+  s->witness.has_moved = s->witness.has_silence = 0;
+#else
+  (void)s, (void)is_certain;
+#endif
+}
+
+/* A block is full: its mean goes to the segment and from there to the hypotheses, and another block begins. */
+static inline void gd_rl_end_block(gd_restlevel *s) {
+  const gd_real seconds = (gd_real)s->block.seconds, turned_deg = s->block.turned_deg;
+  const gd_real mean_dps = turned_deg / seconds, step_dps = mean_dps - s->segment.last_mean_dps;
+  int is_certain;
+  if (gd_rl_begins_to_measure(&s->noise, s->rate_dps)) {
+    gd_rl_begin_anew(s);
+  }
+  gd_rl_see_freeze(s);
+  gd_rl_track_segment(s, mean_dps, step_dps, seconds);
+  gd_rl_doubt_loud_rests(s);
+  gd_rl_leave(s, step_dps, seconds);
+  if (s->segment.blocks == 1) {
+    gd_rl_enter_segment(s);
+  }
+  is_certain = gd_rl_take_auxiliary(s, mean_dps, step_dps, seconds);
+  gd_rl_predict(s, turned_deg, seconds);
+  gd_rl_doubt_turn(s, seconds);
+  gd_rl_take_rest(s, mean_dps, step_dps, seconds, is_certain);
+  gd_rl_end_auxiliary(s, is_certain);
+  s->travelled_deg += GD_ABS(turned_deg - s->bias_dps * seconds);
+  gd_rl_keep_near_zero(s);
+  memset(&s->block, 0, sizeof s->block);
+}
+
+#endif

@@ -1,0 +1,126 @@
+/* Restlevel: a confirmed segment branches each hypothesis into a spin and a rest. Twin of `branch` in
+   restlevel/hypotheses.py. */
+#ifndef GD_RESTLEVEL_BRANCH_H
+#define GD_RESTLEVEL_BRANCH_H
+
+#include "restlevel_durations.h"
+#include "restlevel_mixture.h"
+#include "restlevel_segments.h"
+#include "restlevel_slide.h"
+
+/* Rests that begin, until they are merged and pruned with the rest of the hypotheses. */
+typedef struct {
+  gd_rl_hypothesis items[GD_RL_STORED];
+  uint8_t count;
+} gd_rl_rests;
+
+/* Mean of a segment, its variance, and the prior odds of a rest. */
+typedef struct {
+  gd_real mean_dps, mean_var, odds;
+} gd_rl_level;
+
+/* Puts yaw and its covariance into `to` as they were in `h` where the segment began. */
+static inline void gd_rl_go_back(const gd_rl_hypothesis *h, gd_rl_hypothesis *to) {
+  to->yaw_deg = h->checkpoint.yaw_deg;
+  to->yaw_var = h->checkpoint.yaw_var;
+  to->covariance = h->checkpoint.covariance;
+  to->moving_s = h->checkpoint.moving_s;
+}
+
+/* Begins `rest` as the rest of a hypothesis, at the beginning of the segment. */
+static inline void gd_rl_begin_branch(const gd_restlevel *s, const gd_rl_hypothesis *h, gd_rl_hypothesis *rest,
+                                      const gd_rl_level *level) {
+  *rest = *h;
+  gd_rl_go_back(h, rest);
+  rest->is_at_rest = 1;
+  rest->was_at_rest = 0;
+  gd_rl_begin_rest(rest, &s->wander, level->odds, s->noise.sample_var, level->mean_dps - h->bias_dps);
+  rest->weight =
+      h->weight * GD_EXP(gd_rl_first_kalman_update(&s->c, rest, level->mean_dps, level->mean_var));
+  gd_rl_weigh_rest(rest, (gd_real)s->segment.seconds, s->segment.sensor_odds);
+  gd_rl_settle(rest);
+}
+
+/* First slot from `slot` on that no hypothesis has. */
+static inline uint8_t gd_rl_free_slot(const gd_restlevel *s, uint8_t slot) {
+  uint8_t k;
+  for (k = 0; k < s->stored; ++k) {
+    if (s->hypotheses[k].slot == slot) {
+      ++slot;
+    }
+  }
+  return slot;
+}
+
+/* Makes a rest of each hypothesis in motion, in the free slots. */
+static inline void gd_rl_branch_rests(const gd_restlevel *s, gd_rl_rests *rests, const gd_rl_level *level) {
+  uint8_t k, slot = gd_rl_free_slot(s, 0);
+  rests->count = 0;
+  for (k = 0; k < s->stored; ++k) {
+    if (!s->hypotheses[k].is_at_rest) {
+      gd_rl_hypothesis *rest = &rests->items[rests->count];
+      gd_rl_begin_branch(s, &s->hypotheses[k], rest, level);
+      rest->slot = (uint8_t)(slot & 15);
+      if (rest->weight > GD_R(0.0)) {
+        slot = gd_rl_free_slot(s, (uint8_t)(slot + 1));
+        ++rests->count;
+      }
+    }
+  }
+}
+
+/* Lists hypotheses and new rests in the order of their slots. */
+static inline void gd_rl_list_all(gd_restlevel *s, gd_rl_rests *rests, gd_rl_list *list) {
+  uint8_t k = 0, j = 0;
+  list->count = 0;
+  while (k < s->stored || j < rests->count) {
+    const int is_old =
+        j == rests->count || (k < s->stored && s->hypotheses[k].slot < rests->items[j].slot);
+    list->items[list->count++] = is_old ? &s->hypotheses[k++] : &rests->items[j++];
+  }
+}
+
+/* Stores a rest in the order of slots. */
+static inline void gd_rl_store(gd_restlevel *s, const gd_rl_hypothesis *rest) {
+  uint8_t k = s->stored++;
+  for (; k > 0 && s->hypotheses[k - 1].slot > rest->slot; --k) {
+    s->hypotheses[k] = s->hypotheses[k - 1];
+  }
+  s->hypotheses[k] = *rest;
+}
+
+static inline void gd_rl_branch_by(gd_restlevel *s, const gd_rl_level *level) {
+  gd_rl_rests rests;
+  gd_rl_list list;
+  uint8_t j;
+  gd_rl_close_gaps(s);
+  gd_rl_branch_rests(s, &rests, level);
+  gd_rl_list_all(s, &rests, &list);
+  gd_rl_merge_and_prune_list(&list);
+  gd_rl_close_gaps(s);
+  for (j = 0; j < rests.count; ++j) {
+    if (rests.items[j].weight > GD_R(0.0)) {
+      gd_rl_store(s, &rests.items[j]);
+    }
+  }
+}
+
+/* A segment is confirmed: each hypothesis goes on as a spin, and as a rest that begins where the segment began. */
+static inline void gd_rl_branch(gd_restlevel *s, gd_real seconds) {
+  gd_rl_level level;
+  level.mean_dps = s->segment.mean_dps;
+  level.mean_var = s->noise.angle_walk_var / (seconds * GD_R(GD_CONFIRMED_BLOCKS));
+  level.odds = gd_rl_is_from_start(s, seconds) ? s->c.start_odds : s->c.rest_odds;
+  gd_rl_branch_by(s, &level);
+}
+
+/* The same for a short segment from the start, which the present block has ended by setting out. */
+static inline void gd_rl_branch_at_end(gd_restlevel *s, gd_real seconds) {
+  gd_rl_level level;
+  level.mean_dps = s->ended.mean_dps;
+  level.mean_var = s->noise.angle_walk_var / (seconds * (gd_real)s->ended.short_start_blocks);
+  level.odds = s->c.rest_odds;
+  gd_rl_branch_by(s, &level);
+}
+
+#endif

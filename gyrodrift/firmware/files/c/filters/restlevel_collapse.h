@@ -1,0 +1,63 @@
+/* Restlevel: all hypotheses as one Gaussian. Twin of `collapse` in restlevel/mixture.py. */
+#ifndef GD_RESTLEVEL_COLLAPSE_H
+#define GD_RESTLEVEL_COLLAPSE_H
+
+#include "restlevel_mixture.h"
+
+/* Takes the means by the cube of probability, so that improbable hypotheses pull little. */
+static inline void gd_rl_collapse_means(gd_restlevel *s) {
+  gd_real total = GD_R(0.0), yaw_deg = GD_R(0.0), bias_dps = GD_R(0.0), rest_weight = GD_R(0.0), most = GD_R(0.0);
+  uint8_t k;
+  for (k = 0; k < s->stored; ++k) {
+    const gd_rl_hypothesis *h = &s->hypotheses[k];
+    const gd_real share = h->weight * h->weight * h->weight;
+    total += share;
+    yaw_deg += share * h->yaw_deg;
+    bias_dps += share * h->bias_dps;
+    most = gd_max(most, h->weight);
+    if (h->is_at_rest) {
+      rest_weight += h->weight;
+    }
+  }
+  s->moments.yaw_deg = yaw_deg / total;
+  s->bias_dps = bias_dps / total;
+  s->confidence = most;
+  s->rest_probability = rest_weight;
+}
+
+/* Adds the covariance of a hypothesis about the mean. One that knows no bias counts with that of a part whose turn-on
+   bias is far out: the prior has such a tail. */
+static inline void gd_rl_add_moments(gd_rl_moments *m, const gd_rl_hypothesis *h, gd_real weight, gd_real bias_dps) {
+  const gd_real apart_deg = h->yaw_deg - m->yaw_deg, apart_dps = h->bias_dps - bias_dps;
+  m->yaw_var += weight * (h->yaw_var + apart_deg * apart_deg);
+  m->covariance += weight * (h->covariance + apart_deg * apart_dps);
+  m->bias_var += weight * (h->bias_var + apart_dps * apart_dps);
+  if (!h->knows_bias) {
+    const gd_real wider = weight * (GD_WIDE_FACTOR - GD_R(1.0));
+    m->yaw_var += wider * h->covariance * h->covariance / h->bias_var;
+    m->covariance += wider * h->covariance;
+    m->bias_var += wider * h->bias_var;
+  }
+}
+
+/* Takes the hypotheses together. The covariance is by probability, without a tail of each. */
+static inline void gd_rl_collapse(gd_restlevel *s) {
+  gd_rl_moments *m = &s->moments;
+  gd_real total = GD_R(0.0);
+  uint8_t k;
+  gd_rl_collapse_means(s);
+  m->yaw_var = m->covariance = m->bias_var = GD_R(0.0);
+  for (k = 0; k < s->stored; ++k) {
+    const gd_real weight = s->hypotheses[k].weight - GD_TAIL;
+    if (weight > GD_R(0.0)) {
+      total += weight;
+      gd_rl_add_moments(m, &s->hypotheses[k], weight, s->bias_dps);
+    }
+  }
+  m->yaw_var /= total;
+  m->covariance /= total;
+  m->bias_var /= total;
+  s->bias_sigma_dps = GD_SQRT(gd_max(GD_R(0.0), m->bias_var));
+}
+
+#endif

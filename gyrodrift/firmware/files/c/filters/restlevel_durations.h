@@ -1,0 +1,59 @@
+/* Restlevel: rests against all that is no rest, by scatter, length and end. Twin of restlevel/durations.py. */
+#ifndef GD_RESTLEVEL_DURATIONS_H
+#define GD_RESTLEVEL_DURATIONS_H
+
+#include "restlevel_wander.h"
+
+#define GD_SPINS_PER_DPS GD_R(0.03) /* density of the rates of constant spins, 1/(deg/s) */
+#define GD_CHANCE_LEVELS GD_R(4.0)  /* levels by chance for each constant spin, where levels wander */
+#define GD_LEVEL_S GD_R(12.0)       /* scale of the lengths of rests and spins */
+#define GD_CHANCE_STAYS GD_R(0.9)   /* probability that a level by chance lasts for a further block */
+#define GD_GRADUAL_REST GD_R(0.01)  /* shares that end gradually */
+#define GD_GRADUAL_SPIN GD_R(0.1)
+#define GD_GRADUAL_CHANCE GD_R(0.9)
+
+static inline gd_real gd_rl_cauchy_pdf(gd_real x, gd_real squared_width) {
+  const gd_real width = GD_SQRT(squared_width);
+  return width / (GD_PI * (x * x + squared_width));
+}
+
+/* Density of spins that last so long, divided by the share of rests that do. */
+static inline gd_real gd_rl_spin_density(gd_real seconds) {
+  return GD_SPINS_PER_DPS / GD_SQRT(GD_SQRT(GD_R(1.0) + seconds * seconds / (GD_LEVEL_S * GD_LEVEL_S)));
+}
+
+static inline gd_real gd_rl_noisy_density(const gd_rl_hypothesis *h, gd_real sensor_odds) {
+  return (GD_R(1.0) - sensor_odds) * h->noisy_density;
+}
+
+/* Sets the densities of all that is no rest, `away_dps` from the bias. */
+static inline void gd_rl_begin_rest(gd_rl_hypothesis *h, const gd_rl_wander *wander, gd_real odds, gd_real sample_var,
+                                    gd_real away_dps) {
+  const gd_real by_chance = GD_CHANCE_LEVELS * gd_rl_wander_probability(wander);
+  h->rest_odds = odds;
+  h->odds = GD_R(1.0);
+  h->chance_density = by_chance * gd_rl_cauchy_pdf(away_dps, wander->step_dps * wander->step_dps + h->bias_var);
+  h->noisy_density = gd_max(GD_R(1.0), odds) * gd_rl_cauchy_pdf(away_dps, sample_var + h->bias_var);
+}
+
+/* Weighs a hypothesis by odds against all that is no rest, in place of those before. */
+static inline void gd_rl_weigh(gd_rl_hypothesis *h, gd_real odds) {
+  h->weight *= odds / h->odds;
+  h->odds = odds;
+}
+
+/* Weighs a rest by its scatter and its length. */
+static inline void gd_rl_weigh_rest(gd_rl_hypothesis *h, gd_real seconds, gd_real sensor_odds) {
+  const gd_real no_rest =
+      gd_rl_spin_density(seconds) + h->chance_density + gd_rl_noisy_density(h, sensor_odds);
+  gd_rl_weigh(h, h->rest_odds * sensor_odds / no_rest);
+}
+
+/* Weighs a rest that has ended gradually. */
+static inline void gd_rl_weigh_gradual_end(gd_rl_hypothesis *h, gd_real seconds, gd_real sensor_odds) {
+  const gd_real by_motion = h->chance_density + gd_rl_noisy_density(h, sensor_odds);
+  const gd_real no_rest = GD_GRADUAL_SPIN * gd_rl_spin_density(seconds) + GD_GRADUAL_CHANCE * by_motion;
+  gd_rl_weigh(h, h->rest_odds * sensor_odds * GD_GRADUAL_REST / no_rest);
+}
+
+#endif

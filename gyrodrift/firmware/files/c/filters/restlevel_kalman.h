@@ -1,0 +1,98 @@
+/* Restlevel: zero-velocity updates of yaw and bias. Twin of restlevel/kalman.py. */
+#ifndef GD_RESTLEVEL_KALMAN_H
+#define GD_RESTLEVEL_KALMAN_H
+
+#include "restlevel_model.h"
+
+#define GD_RAMP_PROBABILITY GD_R(0.3)  /* that the bias has followed a ramp since the rest before */
+#define GD_MAX_RAMP_S GD_R(20.0)       /* a ramp lasts no longer */
+#define GD_UNEXPECTED_VAR GD_R(9.0)    /* squared innovation of an unexpected bias: three sigmas */
+#define GD_WIDE_PROBABILITY GD_R(0.03) /* of parts whose turn-on bias is far out */
+#define GD_WIDE_FACTOR GD_R(16.0)
+#define GD_MAX_LOG_ODDS (GD_IS_FLOAT ? GD_R(85.0) : GD_R(700.0)) /* beyond it exp() is infinite */
+
+/* Corrections of the mean, and the covariance after a measurement of the bias. */
+typedef struct {
+  gd_real bias_dps, yaw_deg, bias_var, covariance, yaw_var;
+} gd_rl_kalman;
+
+/* The update by a block mean at rest, whose variance is `mean_var`. */
+static inline gd_rl_kalman gd_rl_kalman_step(gd_real innovation_dps, gd_real bias_var, gd_real covariance,
+                                             gd_real yaw_var, gd_real mean_var) {
+  const gd_real gain = bias_var / (bias_var + mean_var), yaw_gain_s = covariance / (bias_var + mean_var);
+  gd_rl_kalman k;
+  k.bias_dps = gain * innovation_dps;
+  k.yaw_deg = yaw_gain_s * innovation_dps;
+  k.bias_var = bias_var * (GD_R(1.0) - gain);
+  k.covariance = covariance * (GD_R(1.0) - gain);
+  k.yaw_var = yaw_var - yaw_gain_s * covariance;
+  return k;
+}
+
+static inline gd_real gd_rl_gaussian_logpdf(gd_real x, gd_real variance) {
+  return GD_R(-0.5) * (x * x / variance + GD_LOG(GD_R(2.0) * GD_PI * variance));
+}
+
+/* Sets the Gaussian with the moments of two posteriors, of which the ramp has the given share. */
+static inline void gd_rl_mix(gd_rl_hypothesis *h, const gd_rl_kalman *walk, const gd_rl_kalman *ramp,
+                             gd_real ramp_share) {
+  const gd_real apart_dps = ramp->bias_dps - walk->bias_dps, apart_deg = ramp->yaw_deg - walk->yaw_deg;
+  const gd_real spread = ramp_share * (GD_R(1.0) - ramp_share);
+  h->bias_dps += walk->bias_dps + ramp_share * apart_dps;
+  h->yaw_deg += walk->yaw_deg + ramp_share * apart_deg;
+  h->bias_var = walk->bias_var + ramp_share * (ramp->bias_var - walk->bias_var) + spread * apart_dps * apart_dps;
+  h->covariance =
+      walk->covariance + ramp_share * (ramp->covariance - walk->covariance) + spread * apart_dps * apart_deg;
+  h->yaw_var = walk->yaw_var + ramp_share * (ramp->yaw_var - walk->yaw_var) + spread * apart_deg * apart_deg;
+}
+
+/* Updates a hypothesis by a block mean at rest, under the random walk and the ramp of the bias.
+
+   `ramp_var` is what a ramp has added to the bias since the last rest. It grew evenly, so that yaw is off by half of it
+   times that time. Returns the logarithm of the likelihood. */
+static inline gd_real gd_rl_kalman_update(gd_rl_hypothesis *h, gd_real mean_dps, gd_real mean_var, gd_real ramp_var) {
+  const gd_real innovation_dps = mean_dps - h->bias_dps, half_s = GD_R(0.5) * h->moving_s;
+  const gd_real ramp_bias_var = h->bias_var + ramp_var, ramp_covariance = h->covariance - ramp_var * half_s;
+  const gd_real ramp_yaw_var = h->yaw_var + ramp_var * half_s * half_s;
+  const gd_real walk_logpdf = gd_rl_gaussian_logpdf(innovation_dps, h->bias_var + mean_var);
+  const gd_real ramp_logpdf = gd_rl_gaussian_logpdf(innovation_dps, ramp_bias_var + mean_var);
+  const gd_real walk_odds =
+      GD_EXP(gd_max(-GD_MAX_LOG_ODDS, gd_min(walk_logpdf - ramp_logpdf, GD_MAX_LOG_ODDS)));
+  const gd_real evidence = GD_RAMP_PROBABILITY + (GD_R(1.0) - GD_RAMP_PROBABILITY) * walk_odds;
+  const gd_rl_kalman walk = gd_rl_kalman_step(innovation_dps, h->bias_var, h->covariance, h->yaw_var, mean_var);
+  const gd_rl_kalman ramp =
+      gd_rl_kalman_step(innovation_dps, ramp_bias_var, ramp_covariance, ramp_yaw_var, mean_var);
+  gd_rl_mix(h, &walk, &ramp, GD_RAMP_PROBABILITY / evidence);
+  return ramp_logpdf + GD_LOG(evidence);
+}
+
+static inline gd_real gd_rl_turn_on_logpdf(gd_real turn_on_var, gd_real mean_dps, gd_real mean_var) {
+  const gd_real typical = gd_rl_gaussian_logpdf(mean_dps, turn_on_var + mean_var);
+  const gd_real wide = gd_rl_gaussian_logpdf(mean_dps, GD_WIDE_FACTOR * turn_on_var + mean_var);
+  const gd_real odds = GD_EXP(gd_min(typical - wide, GD_MAX_LOG_ODDS));
+  return wide + GD_LOG(GD_WIDE_PROBABILITY + (GD_R(1.0) - GD_WIDE_PROBABILITY) * odds);
+}
+
+/* The same at the beginning of a rest. Without a rest so far the bias has the prior of the turn-on bias. */
+static inline gd_real gd_rl_first_kalman_update(const gd_rl_coefficients *c, gd_rl_hypothesis *h, gd_real mean_dps,
+                                                gd_real mean_var) {
+  gd_real log_likelihood;
+  if (h->knows_bias) {
+    const gd_real ramp_dps = c->rate_ramp_dps_s * gd_min(h->moving_s, GD_MAX_RAMP_S);
+    log_likelihood = gd_rl_kalman_update(h, mean_dps, mean_var, ramp_dps * ramp_dps);
+  } else {
+    const gd_real widened = mean_dps * mean_dps / (GD_UNEXPECTED_VAR * h->bias_var);
+    log_likelihood = gd_rl_turn_on_logpdf(h->bias_var, mean_dps, mean_var);
+    if (widened > GD_R(1.0)) { /* what the bias has added to yaw widens with it */
+      h->yaw_var += (widened - GD_R(1.0)) * h->covariance * h->covariance / h->bias_var;
+      h->bias_var *= widened;
+      h->covariance *= widened;
+    }
+    gd_rl_kalman_update(h, mean_dps, mean_var, GD_R(0.0));
+    h->knows_bias = 1;
+  }
+  h->moving_s = GD_R(0.0);
+  return log_likelihood;
+}
+
+#endif

@@ -1,0 +1,83 @@
+/* Restlevel: coefficients and state. Twin of restlevel/model.py. */
+#ifndef GD_RESTLEVEL_MODEL_H
+#define GD_RESTLEVEL_MODEL_H
+
+#include "parameters.h"
+#include "restlevel_bias_state.h"
+#include "restlevel_rate_state.h"
+
+/* Hypotheses that are kept from one segment to the next, 2 to 8. Fewer need less memory, and more of them remember a
+   rest that was in doubt: docs/firmware/filter.md says what each number costs. */
+#ifndef GD_RESTLEVEL_HYPOTHESES
+#ifdef __AVR__
+#define GD_RESTLEVEL_HYPOTHESES 4 /* leaves RAM of an ATmega328P for the stack */
+#else
+#define GD_RESTLEVEL_HYPOTHESES 6
+#endif
+#endif
+#if GD_RESTLEVEL_HYPOTHESES < 2 || GD_RESTLEVEL_HYPOTHESES > 8
+#error "GD_RESTLEVEL_HYPOTHESES must be 2 to 8"
+#endif
+
+/* 0 leaves out the external rest sensor and the temperature: less code and memory, and the same results otherwise. */
+#ifndef GD_RESTLEVEL_AUXILIARY
+#ifdef __AVR__
+#define GD_RESTLEVEL_AUXILIARY 0
+#else
+#define GD_RESTLEVEL_AUXILIARY 1
+#endif
+#endif
+
+#define GD_MAX_HYPOTHESES GD_RESTLEVEL_HYPOTHESES
+#define GD_RL_STORED (GD_MAX_HYPOTHESES < 3 ? 3 : GD_MAX_HYPOTHESES) /* the filter begins with three */
+
+#define GD_UNKNOWN_C GD_UNSAID_C
+#define GD_COLDEST_C GD_R(-100.0) /* temperatures out of this range are ignored */
+#define GD_WARMEST_C GD_R(200.0)
+
+/* What follows from the parameters alone. */
+typedef struct {
+  double window_s;
+  gd_real stationarity_sigmas;
+  gd_real turn_on_var;
+  gd_real rate_walk_var;
+  gd_real rate_ramp_dps_s;
+  gd_real start_odds, rest_odds;
+  gd_real scale_sigma;
+} gd_rl_coefficients;
+
+/* State; a copy of it saves the filter. The results stand first. */
+typedef struct {
+  gd_real yaw_deg, yaw_sigma_deg;
+  gd_real bias_dps, bias_sigma_dps;
+  gd_real rest_probability, confidence;
+  uint32_t samples, rejected;
+
+  union { /* time of the last sample, by the clock in use */
+    double t_s;
+    uint32_t t_us;
+  };
+  gd_rl_block block;
+  uint32_t blocks;
+  gd_real rate_dps;
+  gd_real base_deg; /* of floats, yaw is kept near 0 and this is what was taken away */
+  gd_real start_yaw_deg, travelled_deg;
+  gd_rl_coefficients c;
+  gd_rl_noise noise;
+  gd_rl_segment segment;
+  gd_rl_ended ended;
+  gd_rl_moments moments;
+  gd_rl_turns turns;
+  gd_rl_wander wander;
+#if GD_RESTLEVEL_AUXILIARY
+  gd_real temp_c; /* GD_UNKNOWN_C until there is one */
+  double lived_s; /* since the first sample */
+  double sure_s;  /* length of the present sure rest */
+  gd_rl_line line;
+  gd_rl_witness witness;
+#endif
+  gd_rl_hypothesis hypotheses[GD_RL_STORED]; /* `stored` of them, in the order of their slots */
+  uint8_t stored;
+} gd_restlevel;
+
+#endif

@@ -1,0 +1,101 @@
+/* Restlevel: the median of mean turns, which weighs the hypotheses without any rest. Twin of restlevel/turns.py. */
+#ifndef GD_RESTLEVEL_TURNS_H
+#define GD_RESTLEVEL_TURNS_H
+
+#include "restlevel_durations.h"
+#include "restlevel_mixture.h"
+
+#define GD_TURN_S 10.0                   /* time of motion that a mean rate is taken over */
+#define GD_LEAST_TURNS 5                 /* mean rates for a median */
+#define GD_TURNS_ALIKE GD_R(4.0)         /* bends last, so that of so many mean rates in a row one is news */
+#define GD_LEAST_SPREAD_DPS GD_R(0.05)   /* the median is no better */
+#define GD_SIDED GD_R(0.5)               /* share of devices that turn to one side more than to the other */
+
+/* Value of an order statistic between two of the ordered values, counted from 0. */
+static inline gd_real gd_rl_turn_at(const gd_rl_turns *turns, gd_real rank) {
+  const uint8_t below = (uint8_t)rank;
+  const gd_real low_dps = turns->latest_dps[turns->ordered[below]];
+  const gd_real high_dps = turns->latest_dps[turns->ordered[below + 1]];
+  return low_dps + (rank - (gd_real)below) * (high_dps - low_dps);
+}
+
+/* Takes the oldest out of the order. */
+static inline void gd_rl_forget_turn(gd_rl_turns *turns, uint8_t oldest) {
+  uint8_t k = 0;
+  while (k < GD_TURN_PLACES - 1 && turns->ordered[k] != oldest) {
+    ++k;
+  }
+  for (; k < GD_TURN_PLACES - 1; ++k) {
+    turns->ordered[k] = turns->ordered[k + 1];
+  }
+}
+
+/* Takes a mean rate into the median. Of n ordered values n/2 lie below it, give or take half of the root of n. */
+static inline void gd_rl_see_turn(gd_rl_turns *turns, gd_real mean_dps) {
+  const uint8_t index = turns->seen % GD_TURN_PLACES;
+  const uint8_t others = turns->seen < GD_TURN_PLACES ? turns->seen : GD_TURN_PLACES - 1;
+  gd_real middle, sigma, spread_dps;
+  uint8_t k = others;
+  if (turns->seen >= GD_TURN_PLACES) {
+    gd_rl_forget_turn(turns, index);
+  }
+  while (k > 0 && turns->latest_dps[turns->ordered[k - 1]] > mean_dps) {
+    turns->ordered[k] = turns->ordered[k - 1];
+    --k;
+  }
+  turns->ordered[k] = index;
+  turns->latest_dps[index] = mean_dps;
+  turns->seen = turns->seen + 1 < 2 * GD_TURN_PLACES ? (uint8_t)(turns->seen + 1) : GD_TURN_PLACES;
+  if (turns->seen < GD_LEAST_TURNS) {
+    return;
+  }
+  middle = GD_R(0.5) * (gd_real)others;
+  sigma = GD_R(0.5) * GD_SQRT((gd_real)others + GD_R(1.0));
+  spread_dps = GD_R(0.5) * (gd_rl_turn_at(turns, middle + sigma) - gd_rl_turn_at(turns, middle - sigma));
+  turns->median_dps = gd_rl_turn_at(turns, middle);
+  turns->median_var = GD_TURNS_ALIKE * spread_dps * spread_dps + GD_LEAST_SPREAD_DPS * GD_LEAST_SPREAD_DPS;
+}
+
+/* Takes a block outside of constant-rate segments into the present mean rate. */
+static inline void gd_rl_follow_turns(gd_rl_turns *turns, gd_real turned_deg, double seconds) {
+  turns->turned_deg += turned_deg;
+  turns->seconds += seconds;
+  if (turns->seconds >= GD_TURN_S) {
+    gd_rl_see_turn(turns, turns->turned_deg / (gd_real)turns->seconds);
+    turns->turned_deg = GD_R(0.0);
+    turns->seconds = 0.0;
+  }
+}
+
+static inline void gd_rl_forget_turns(gd_rl_turns *turns) {
+  turns->seconds = 0.0;
+  turns->turned_deg = GD_R(0.0);
+  turns->seen = 0;
+}
+
+/* Density of the median under a hypothesis, 1/(deg/s). */
+static inline gd_real gd_rl_median_density(const gd_rl_turns *turns, const gd_rl_hypothesis *h) {
+  const gd_real away_dps = turns->median_dps - h->bias_dps, variance = h->bias_var + turns->median_var;
+  const gd_real both_sides =
+      GD_EXP(GD_R(-0.5) * away_dps * away_dps / variance) / GD_SQRT(GD_R(2.0) * GD_PI * variance);
+  return GD_SIDED * GD_SPINS_PER_DPS + (GD_R(1.0) - GD_SIDED) * both_sides;
+}
+
+/* Weighs each hypothesis by the distance of its bias from the median, in place of the weighing before. */
+static inline void gd_rl_weigh_turns(gd_restlevel *s) {
+  uint8_t k;
+  if (s->turns.seen < GD_LEAST_TURNS) {
+    return;
+  }
+  for (k = 0; k < s->stored; ++k) {
+    gd_rl_hypothesis *h = &s->hypotheses[k];
+    if (h->weight > GD_R(0.0)) {
+      const gd_real density = gd_rl_median_density(&s->turns, h);
+      h->weight *= density / h->turn_density;
+      h->turn_density = density;
+    }
+  }
+  gd_rl_normalise(s);
+}
+
+#endif

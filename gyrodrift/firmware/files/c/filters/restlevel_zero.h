@@ -1,0 +1,36 @@
+/* Restlevel: restart of the yaw sigma. Twin of restlevel/zero.py. */
+#ifndef GD_RESTLEVEL_ZERO_H
+#define GD_RESTLEVEL_ZERO_H
+
+#include "restlevel.h"
+
+/* Lets a hypothesis agree with the output yaw now, part way through a block that it adds as a whole at the end. */
+static inline void gd_rl_zero_hypothesis(gd_rl_hypothesis *h, const gd_restlevel *s) {
+  const gd_real gone_s = (gd_real)s->block.seconds, yaw_deg = s->moments.yaw_deg;
+  h->checkpoint.yaw_deg = yaw_deg;
+  h->checkpoint.yaw_var = h->checkpoint.covariance = GD_R(0.0);
+  if (h->is_at_rest) {
+    h->yaw_deg = yaw_deg;
+    h->yaw_var = h->covariance = GD_R(0.0);
+    return;
+  }
+  h->yaw_deg = yaw_deg + (h->bias_dps - s->bias_dps) * gone_s;
+  h->covariance = h->bias_var * gone_s;
+  h->yaw_var = h->covariance * gone_s;
+}
+
+/* Restarts the yaw sigma at the last sample: from here on it is that of the yaw turned since. `yaw_deg` stays. */
+static inline void gd_restlevel_zero(gd_restlevel *s) {
+  uint8_t k;
+  if (s->samples == 0) {
+    return;
+  }
+  for (k = 0; k < s->stored; ++k) {
+    gd_rl_zero_hypothesis(&s->hypotheses[k], s);
+  }
+  gd_rl_collapse(s);
+  s->start_yaw_deg = GD_IS_FLOAT ? s->yaw_deg - s->base_deg : s->yaw_deg;
+  s->travelled_deg = s->yaw_sigma_deg = GD_R(0.0);
+}
+
+#endif

@@ -1,0 +1,43 @@
+/* Restlevel of gyrodrift.h, its rate alone, for tests. */
+#include "gyrodrift.h"
+
+#define STATE gd_restlevel
+#define INPUTS 1
+#define OUTPUTS 8
+
+static int begin(gd_restlevel *r, const double *params) {
+  gd_restlevel_params p;
+  if (params == NULL) {
+    return gd_restlevel_init(r, NULL);
+  }
+  p.window_s = (gd_real)params[0];
+  p.quiet = (gd_real)params[1];
+  p.turn_on_dps = (gd_real)params[2];
+  p.walk_dps_rts = (gd_real)params[3];
+  p.drift_dps_s = (gd_real)params[4];
+  p.still_start = (gd_real)params[5];
+  p.rest_share = (gd_real)params[6];
+  p.scale_percent = (gd_real)params[7];
+  return gd_restlevel_init(r, &p);
+}
+
+static int take(gd_restlevel *r, double t_s, const double *input) {
+  return gd_restlevel_update(r, t_s, (gd_real)input[0]);
+}
+
+static int take_us(gd_restlevel *r, uint32_t t_us, const double *input) {
+  return gd_restlevel_update_us(r, t_us, (gd_real)input[0]);
+}
+
+static void tell(const gd_restlevel *r, double *output) {
+  output[0] = (double)r->yaw_deg;
+  output[1] = (double)r->yaw_sigma_deg;
+  output[2] = (double)r->bias_dps;
+  output[3] = (double)r->bias_sigma_dps;
+  output[4] = (double)r->rest_probability;
+  output[5] = (double)r->confidence;
+  output[6] = (double)r->samples;
+  output[7] = (double)r->rejected;
+}
+
+#include "filter_driver.h"

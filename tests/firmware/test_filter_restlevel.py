@@ -1,0 +1,265 @@
+"""Restlevel in C against restlevel in Python, sample by sample: the same bits in double, 0.01 deg an hour in float."""
+
+from collections.abc import Callable, Mapping
+from math import inf, nan
+
+import numpy as np
+import pytest
+from c_filter_support import CFilter, CFilters, FilterOutput
+from c_restlevel_support import SIGMA, YAW, drive, in_python, measured, samples, values_of
+from hypothesis import given
+from hypothesis import strategies as st
+from recordings_support import Recordings, packed_names
+
+from gyrodrift.arrays import Floats
+from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.session.files import load_session
+
+FLOAT_DEG_H = 0.01
+"""Largest yaw difference of a float, deg for each hour begun."""
+
+Session = tuple[Floats, Floats]
+"""Times and inputs."""
+
+
+def timed(rate_hz: float, seconds: float) -> Floats:
+    return np.arange(round(rate_hz * seconds)) / rate_hz
+
+
+def plain(rate_hz: float, seconds: float, turn_dps: float = 60.0, step_dps: float = 1.0 / 131.0) -> Session:
+    """Rests and turns."""
+    rng, t_s = np.random.default_rng(round(rate_hz)), timed(rate_hz, seconds)
+    return t_s, samples(measured(rng, drive(rng, t_s, turn_dps)[0], step_dps=step_dps))
+
+
+def with_temperature_and_rest_sensor() -> Session:
+    """A warm-up, and wheels that report rest, sometimes late or wrong or not at all."""
+    rng, t_s = np.random.default_rng(4), timed(50.0, 600.0)
+    rate_dps, is_rest = drive(rng, t_s)
+    temp_c = 25.0 + 15.0 * (1.0 - np.exp(-t_s / 200.0)) + rng.normal(0.0, 0.1, len(t_s))
+    still = np.roll(is_rest, 3).astype(float)
+    still[(t_s > 200.0) & (t_s < 300.0)] = nan
+    still[(t_s > 400.0) & (t_s < 440.0)] = 1.0
+    return t_s, samples(measured(rng, rate_dps + 0.02 * (temp_c - 25.0)), still, temp_c)
+
+
+def with_gaps() -> Session:
+    """Lost samples, a pause of minutes, and steps of any length."""
+    t_s, inputs = plain(100.0, 300.0)
+    rng = np.random.default_rng(5)
+    t_s = t_s + rng.uniform(0.0, 0.008, len(t_s))
+    t_s[len(t_s) // 2 :] += 300.0
+    kept = rng.random(len(t_s)) > 0.1
+    return t_s[kept], inputs[kept]
+
+
+def clipped() -> Session:
+    """A range of 250 deg/s, and turns beyond it."""
+    t_s, inputs = plain(100.0, 300.0, turn_dps=900.0)
+    return t_s, np.clip(inputs, -250.0, 250.0)
+
+
+def stuck() -> Session:
+    """A sensor that hangs now and then, at rest and in turns, and says zero before it begins to measure."""
+    t_s, inputs = plain(100.0, 300.0)
+    for begin in range(3000, len(t_s), 2500):
+        inputs[begin : begin + 300, 0] = inputs[begin, 0]
+    inputs[:500, 0] = 0.0
+    return t_s, inputs
+
+
+def huge() -> Session:
+    """Rates up to the limit, among usual ones."""
+    t_s, inputs = plain(100.0, 120.0)
+    inputs[4000:4100, 0] = 1e12
+    inputs[8000:8400, 0] = -3e7
+    return t_s, inputs
+
+
+def turning_on_and_on() -> Session:
+    """Yaw of tens of thousands of degrees."""
+    t_s, inputs = plain(50.0, 600.0, turn_dps=5.0)
+    inputs[:, 0] += np.where((t_s > 30.0) & (t_s % 60.0 < 50.0), 250.0, 0.0)
+    return t_s, inputs
+
+
+def running_motor() -> Session:
+    """Noise that drops in the middle, after rests that were louder than the sensor."""
+    t_s, inputs = plain(100.0, 300.0, turn_dps=2.0)
+    rng = np.random.default_rng(6)
+    inputs[: len(t_s) // 2, 0] += rng.normal(0.0, 1.5, len(t_s) // 2)
+    return t_s, inputs
+
+
+def zeroed() -> Session:
+    """The yaw sigma restarts at rest and in motion."""
+    t_s, inputs = plain(100.0, 200.0)
+    inputs[::3333, 3] = 1.0
+    return t_s, inputs
+
+
+SESSIONS: Mapping[str, Callable[[], Session]] = {
+    "5 Hz": lambda: plain(5.0, 2400.0),
+    "50 Hz": lambda: plain(50.0, 900.0),
+    "200 Hz": lambda: plain(200.0, 300.0),
+    "1 kHz": lambda: plain(1000.0, 60.0),
+    "coarse": lambda: plain(100.0, 300.0, step_dps=0.25),
+    "slow turns": lambda: plain(100.0, 300.0, turn_dps=1.0),
+    "fine": lambda: plain(100.0, 300.0, step_dps=0.0),
+    "temperature and rest sensor": with_temperature_and_rest_sensor,
+    "gaps": with_gaps,
+    "clipped": clipped,
+    "stuck": stuck,
+    "huge": huge,
+    "turning on and on": turning_on_and_on,
+    "running motor": running_motor,
+    "zeroed": zeroed,
+}
+
+
+@pytest.fixture(scope="session")
+def double(c_filters: CFilters) -> CFilter:
+    return c_filters.get("filter_restlevel.c", "double")
+
+
+@pytest.fixture(scope="session")
+def single(c_filters: CFilters) -> CFilter:
+    return c_filters.get("filter_restlevel.c", "float")
+
+
+def assert_same_bits(output: FilterOutput, python: FilterOutput) -> None:
+    assert output.is_valid
+    assert (output.taken == python.taken).all()
+    first = np.argmax((output.rows != python.rows).any(axis=1))
+    assert np.array_equal(output.rows, python.rows), (first, output.rows[first], python.rows[first])
+
+
+def assert_close(output: FilterOutput, python: FilterOutput, t_s: Floats) -> None:
+    """Yaw within the limit, or what a float of that size resolves."""
+    hours = max(1.0, np.ptp(t_s) / 3600.0)
+    resolution_deg = np.spacing(np.abs(python.rows[:, YAW]).astype(np.float32))
+    apart_deg = np.abs(output.rows[:, YAW] - python.rows[:, YAW])
+    print(f"{apart_deg.max():.2g} deg at up to {np.abs(python.rows[:, YAW]).max():.0f} deg")
+    assert (output.taken == python.taken).all()
+    assert (apart_deg < FLOAT_DEG_H * hours + resolution_deg).all()
+
+
+@pytest.mark.parametrize("name", packed_names())
+def test_recordings_agree_with_python(double: CFilter, single: CFilter, recordings: Recordings, name: str) -> None:
+    """Every output after every sample in double; yaw in float."""
+    session = load_session(recordings.path(name))
+    t_s, inputs = session.t_device_s, samples(session.rate_dps, temp_c=session.temp_c)
+    python = in_python(t_s, inputs)
+    assert_same_bits(double.run(t_s, inputs), python)
+    assert_close(single.run(t_s, inputs), python, t_s)
+
+
+@pytest.mark.parametrize("name", SESSIONS)
+def test_simulated_sessions_give_the_same_bits_in_double(double: CFilter, name: str) -> None:
+    """Slow and fast sensors, gaps, steps, hanging sensors, a rest sensor and temperature."""
+    t_s, inputs = SESSIONS[name]()
+    assert_same_bits(double.run(t_s, inputs), in_python(t_s, inputs))
+
+
+@pytest.mark.parametrize("name", SESSIONS)
+def test_simulated_sessions_give_the_same_yaw_in_float(double: CFilter, single: CFilter, name: str) -> None:
+    """Against double, which is Python by the test above."""
+    t_s, inputs = SESSIONS[name]()
+    if name == "huge":
+        assert np.isfinite(single.run(t_s, inputs).rows).all()
+    else:
+        assert_close(single.run(t_s, inputs), double.run(t_s, inputs), t_s)
+
+
+rates = st.one_of(st.floats(-2.0, 2.0), st.sampled_from([0.0, -0.0, nan, inf, -inf, 300.0, -300.0, 1e9, 1.1e12]))
+steps_s = st.one_of(st.floats(1e-4, 0.1), st.sampled_from([0.01, 0.01, 0.01, 0.0, -0.05, 5.0, 1e6, 1e-13, nan, inf]))
+words = st.sampled_from([nan, 1.0, 1.0, 1.0, 0.0, 0.5, -1.0])
+temps_c = st.one_of(st.floats(15.0, 60.0), st.sampled_from([nan, inf, -1e9, 1e9]))
+commands = st.sampled_from([0.0] * 20 + [1.0])
+settings = st.builds(
+    RestlevelParams,
+    window_s=st.floats(0.01, 0.5),
+    quiet=st.floats(0.1, 50.0),
+    turn_on_dps=st.one_of(st.floats(0.001, 50.0), st.just(0.0)),
+    walk_dps_rts=st.floats(0.0, 0.1),
+    drift_dps_s=st.floats(0.0, 0.1),
+    still_start=st.floats(0.0, 0.999),
+    rest_share=st.floats(0.0, 0.999),
+    scale_percent=st.floats(0.0, 10.0),
+)
+periods = st.tuples(steps_s, rates, words, temps_c, commands, st.integers(1, 80))
+
+
+@given(params=settings, stream=st.lists(periods, min_size=1, max_size=20), seed=st.integers(0, 9))
+def test_any_samples_give_the_same_bits(
+    double: CFilter, single: CFilter, params: RestlevelParams, stream: list[tuple[float, ...]], seed: int
+) -> None:
+    """Values that a sensor holds for a while, damaged times and rates included, with what is refused."""
+    steps, rate_dps, still, temp_c, commanded = (
+        np.repeat([period[column] for period in stream], [int(period[5]) for period in stream]) for column in range(5)
+    )
+    rng = np.random.default_rng(seed)
+    t_s = np.where(np.isfinite(steps), np.cumsum(np.nan_to_num(steps, posinf=0.0)), steps)
+    inputs = samples(rate_dps + rng.choice([0.0, 0.05]) * rng.normal(size=len(t_s)), still, temp_c)
+    inputs[:, 3] = commanded
+    python = in_python(t_s, inputs, params)
+    assert_same_bits(double.run(t_s, inputs, values_of(params)), python)
+    output = single.run(t_s, inputs, values_of(params))
+    assert (output.taken == python.taken).all()
+    assert np.isfinite(output.rows).all()
+
+
+@pytest.mark.parametrize("real", ["float", "double"])
+@pytest.mark.parametrize("saved_after", [0, 1234, 6000])
+def test_a_copy_of_the_state_saves_the_filter(c_filters: CFilters, real: str, saved_after: int) -> None:
+    """It goes on from the copy as if nothing had happened."""
+    t_s, inputs = with_temperature_and_rest_sensor()
+    library = c_filters.get("filter_restlevel.c", real)
+    usual, restored = library.run(t_s, inputs), library.run(t_s, inputs, saved_after=saved_after)
+    assert np.array_equal(usual.rows, restored.rows)
+
+
+@pytest.mark.parametrize("name", ["50 Hz", "stuck", "running motor"])
+def test_without_auxiliary_inputs_nothing_changes(c_filters: CFilters, double: CFilter, name: str) -> None:
+    """A board without rest sensor and thermometer may leave out their code."""
+    t_s, inputs = SESSIONS[name]()
+    library = c_filters.get("filter_restlevel_alone.c", "double", "-DGD_RESTLEVEL_AUXILIARY=0")
+    alone = library.run(t_s, inputs[:, 0])
+    assert np.array_equal(alone.rows[:, :6], double.run(t_s, inputs).rows[:, :6])
+    assert library.state_bytes < double.state_bytes
+
+
+def test_the_clock_of_microseconds_gives_the_same_yaw(double: CFilter, single: CFilter) -> None:
+    """It wraps on the way; time that stands still is refused."""
+    t_s, inputs = plain(200.0, 120.0)
+    late_us = np.random.default_rng(7).uniform(0.0, 400.0, len(t_s))  # else the last digit decides where a block ends
+    t_us = 2.0**32 - 30e6 + np.rint(t_s * 1e6 + late_us)
+    t_us[5000] = t_us[4999]
+    python = in_python(t_us * 1e-6, inputs)
+    for library in (double, single):
+        output = library.run(t_us % 2.0**32, inputs, is_us=True)
+        assert (output.taken == python.taken).all()
+        assert output.taken.sum() == len(t_us) - 1
+        assert np.abs(output.rows[:, YAW] - python.rows[:, YAW]).max() < 1e-3
+        assert np.allclose(output.rows[:, SIGMA], python.rows[:, SIGMA], rtol=1e-3, atol=1e-4)
+
+
+def test_parameters_out_of_bounds_are_refused(double: CFilter) -> None:
+    """The filter then runs with the defaults."""
+    t_s, inputs = plain(50.0, 20.0)
+    usual, good = double.run(t_s, inputs), values_of(RestlevelParams())
+    for index, bad in [(0, 0.0), (1, 101.0), (2, -1.0), (3, nan), (4, 10.5), (5, 1.0), (6, -0.1), (7, inf)]:
+        refused = double.run(t_s, inputs, [*good[:index], bad, *good[index + 1 :]])
+        assert not refused.is_valid
+        assert np.array_equal(refused.rows, usual.rows)
+    assert double.run(t_s, inputs, good).is_valid
+
+
+@pytest.mark.parametrize("hypotheses", [2, 3, 4, 5, 8])
+def test_any_number_of_hypotheses_runs(c_filters: CFilters, hypotheses: int) -> None:
+    """Two to eight; fewer may cost accuracy, and never more than memory."""
+    t_s, inputs = plain(100.0, 300.0)
+    library = c_filters.get("filter_restlevel.c", "float", f"-DGD_RESTLEVEL_HYPOTHESES={hypotheses}")
+    rows = library.run(t_s, inputs).rows
+    assert np.isfinite(rows).all()
+    assert (rows[:, SIGMA] >= 0.0).all()
