@@ -33,7 +33,7 @@ NAMES = (
         "journal",
         "memory",
     ),
-    *("clients", "sockets"),
+    *("clients", "sockets", "source_decoders"),
 )
 COVERED = re.compile(r"cov: (\d+)")
 RUNS = re.compile(r"^\d+ runs in \d+ s$")

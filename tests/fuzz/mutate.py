@@ -9,6 +9,7 @@ from random import Random
 
 from fuzz.archives import changed_archive, changed_changes, changed_recording
 from fuzz.frames import changed_frames, changed_readings
+from fuzz.packets import changed_packets
 from fuzz.texts import changed_cell, changed_json, changed_packed, changed_scalar, changed_word, nested, with_display
 
 EDGES = (b"\x00", b"\xff", b"\x7f", b"\x80", b"\n", b",", b"[", b"{", b'"', b"-", b"1e999", b"nan", b"inf", b"9" * 40)
@@ -83,5 +84,6 @@ FORMATS: dict[str, tuple[Mutator, ...]] = {
     "memory": (changed_json, changed_json, changed_json, changed_word),
     "clients": (changed_json, changed_json, changed_word, nested),
     "sockets": (changed_json, changed_json, changed_json, changed_word, changed_packed, nested),
+    "source_decoders": (changed_packets, changed_packets),
 }
 """Of each target the ways to change an input within its format."""

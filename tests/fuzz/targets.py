@@ -14,6 +14,7 @@ from firmware_sim.rig import load_rig, parse_effect
 from firmware_sim.yaml_file import FileError
 from fuzz.client_targets import clients, sockets
 from fuzz.damage_target import check_damage
+from fuzz.source_target import source_decoders
 from gyrodrift.columns.spec import columns_of
 from gyrodrift.config.model import load_config
 from gyrodrift.config.outputs import output_of
@@ -213,5 +214,6 @@ TARGETS: dict[str, Target] = {
         memory,
         clients,
         sockets,
+        source_decoders,
     )
 }

@@ -2,16 +2,17 @@
 
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 
 from gyrodrift.errors import GyrodriftError, UsageError
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.registry import AUTO
-from gyrodrift.link.sources.registry import address_of, check_packages, source_named, source_of
-from gyrodrift.link.sources.source import ByteSource, OpenPort, SourcePort
+from gyrodrift.link.sources.registry import address_of, check_packages, source_named
+from gyrodrift.link.sources.source import ByteSource, OpenPort
 
 
-def open_source(text: str, baud: int) -> SourcePort | None:
+def open_source(text: str, baud: int) -> OpenPort | None:
     """Open the source of an address; None for a serial port.
 
     Raises
@@ -40,11 +41,15 @@ def checked_source(options: LinkOptions) -> ByteSource | None:
     UsageError
         The address has a mistake, or an option has no effect on this source.
     """
-    source = source_of(options.port)
-    if source is None:
+    address = address_of(options.port)
+    if address is None:
         return None
+    source = source_named(address.scheme)
     if options.baud is not None and not source.has_baud:
         raise UsageError(f"--port {options.port}: this source has no baud rate; leave out --baud")
+    if source.protocol_of is not None:
+        check_packages(source)
+        source = replace(source, protocol=source.protocol_of(address))
     if source.protocol is not None:
         _check_protocol(options, source.protocol)
     return source

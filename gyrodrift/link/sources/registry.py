@@ -15,6 +15,7 @@ SHIPPED = {
     "tcp": "gyrodrift.link.sources.tcp:TCP",
     "socket": "gyrodrift.link.sources.tcp:SOCKET",
     "udp": "gyrodrift.link.sources.udp:UDP",
+    "mavlink": "gyrodrift.link.sources.mavlink:MAVLINK",
 }
 """Schemes with `module:NAME` of their `ByteSource`, imported when an address has that scheme."""
 

@@ -99,7 +99,8 @@ class SourceAddress:
         host, mark, port = self.rest.rstrip("/").rpartition(":")
         host = host.removeprefix("[").removesuffix("]") or default_host
         if not mark or not host or not (port.isascii() and port.isdigit()) or not 0 < int(port[:6]) <= 0xFFFF:
-            expected = f"{self.scheme}://{'[HOST]' if default_host else 'HOST'}:PORT"
+            slashes = "" if ":" in self.scheme else "//"
+            expected = f"{self.scheme}:{slashes}{'[HOST]' if default_host else 'HOST'}:PORT"
             raise UsageError(f"--port {self.text}: expected {expected} with a port from 1 to 65535")
         return host, int(port)
 
@@ -124,6 +125,8 @@ class ByteSource:
         packages of the source.
     protocol
         Protocol of a source that has its own; None to detect it as on a cable.
+    protocol_of
+        Function that makes the protocol from the options in the address, in place of `protocol`.
     has_baud
         Whether `--baud auto` tries baud rates.
     devices
@@ -137,8 +140,9 @@ class ByteSource:
     scheme: str
     title: str
     about: str
-    open: Callable[[SourceAddress], SourcePort]
+    open: Callable[[SourceAddress], OpenPort]
     protocol: WireProtocol | None = None
+    protocol_of: Callable[[SourceAddress], WireProtocol] | None = None
     has_baud: bool = False
     devices: Callable[[], list[SerialPort]] = no_devices
     packages: tuple[str, ...] = ()

@@ -107,6 +107,19 @@ def open_udp(address: SourceAddress) -> UdpPort:
     LinkError
         The address cannot be bound; the message says why.
     """
+    return UdpPort(address.text, bound_socket(address))
+
+
+def bound_socket(address: SourceAddress) -> socket.socket:
+    """Datagram socket at the `[HOST]:PORT` of an address.
+
+    Raises
+    ------
+    UsageError
+        The address has another form.
+    LinkError
+        The address cannot be bound; the message says why.
+    """
     host, port = address.host_port(LOOPBACK)
     try:
         family, kind, protocol, _, socket_address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
@@ -119,7 +132,7 @@ def open_udp(address: SourceAddress) -> UdpPort:
     except OSError as error:
         bound.close()
         raise _explained(address.text, host, port, error) from error
-    return UdpPort(address.text, bound)
+    return bound
 
 
 def _explained(text: str, host: str, port: int, error: OSError) -> LinkError:

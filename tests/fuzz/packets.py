@@ -1,0 +1,28 @@
+"""Changes of streams of packets: whole packets of a source, with a right checksum and any content."""
+
+import struct
+from random import Random
+
+from gyrodrift.link.sources.mavlink_frames import EXTRAS, HEADER_2, checksum
+
+SPECIAL = (0, 1, 0x7F, 0x80, 0xFF)
+
+
+def changed_packets(content: bytes, random: Random) -> bytes:
+    """One to some whole packets of one source put into the stream."""
+    made = b"".join(_mavlink(random) for _ in range(random.choice((1, 2, 3, 12))))
+    start = random.randint(0, len(content))
+    return content[:start] + made + content[start:]
+
+
+def any_bytes(random: Random, size: int) -> bytes:
+    """Random bytes, with many extreme values."""
+    return bytes(random.choice((random.choice(SPECIAL), random.randrange(256))) for _ in range(size))
+
+
+def _mavlink(random: Random) -> bytes:
+    number = random.choice([*EXTRAS, 30])
+    payload = any_bytes(random, random.choice((0, 9, 22, 24, 26, 29, 62, 63, 255)))
+    addressed = bytes((len(payload), 0, 0, 1, random.randint(1, 2), 1)) + number.to_bytes(3, "little") + payload
+    assert len(addressed) == HEADER_2 - 1 + len(payload)
+    return b"\xfd" + addressed + struct.pack("<H", checksum(addressed + bytes((EXTRAS.get(number, 39),))))
