@@ -19,8 +19,8 @@ MODULES = sorted(
 )
 
 BASE = (
-    "arrays calibration callable_package cluster compile errors files installation log log_stream logger mount nearest"
-    " noise parallel process_list progress public_yaml result_table sample secret system text_chart unwaiting"
+    "arrays calibration callable_package cluster compile effects errors files installation log log_stream logger mount"
+    " nearest noise parallel process_list progress public_yaml result_table sample secret system text_chart unwaiting"
     " vectors waiting"
 )
 """Single files at the top of the package: they know each other and no room."""
@@ -53,8 +53,9 @@ ROOMS = {
     "evaluation filters firmware_sim session tune",
     "diagnose": f"{BASE} diagnose.features diagnose.inference diagnose.next_recording "
     "diagnose.predictive_checks diagnose.recording diagnose.simulate firmware_sim session simulation",
-    "diagnose.report": f"{BASE} diagnose diagnose.features diagnose.inference diagnose.next_recording "
-    "diagnose.predictive_checks html",
+    "diagnose.report": f"{BASE} diagnose diagnose.export diagnose.features diagnose.inference "
+    "diagnose.next_recording diagnose.predictive_checks html",
+    "diagnose.export": f"{BASE} diagnose diagnose.inference diagnose.report firmware_sim html",
     "demo": f"{BASE} filters",
     "firmware": f"{BASE} filters config",
     "library": f"{BASE} columns compare config diagnose diagnose.report evaluation filters firmware_sim html link "

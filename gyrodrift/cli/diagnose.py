@@ -18,7 +18,11 @@ EXAMPLES = """\
 gyrodrift diagnose sessions --out report
 gyrodrift diagnose sessions --rig my-rig.yaml --out report
 gyrodrift diagnose today --baseline last-month --out difference
+gyrodrift diagnose real --baseline their-simulator --export gazebo --export json --out report
 """
+EXPORTS = ("gazebo", "kalibr", "mujoco", "json")
+"""Formats of `gyrodrift.diagnose.export.files`, which is imported late."""
+
 if TYPE_CHECKING:
     from firmware_sim.rig import Rig
     from gyrodrift.html.provenance import Provenance
@@ -43,7 +47,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="PATH",
-        help="earlier sessions of the same device: explain the difference to them (repeatable; default: none)",
+        help="sessions of another day or simulator: explain the difference to them (repeatable; default: none)",
+    )
+    parser.add_argument(
+        "--export",
+        choices=EXPORTS,
+        action="append",
+        default=[],
+        help="write the diagnosed effects for another simulator to DIR/export (repeatable; default: none)",
     )
     options.add_jobs_option(parser)
     options.add_columns_option(parser)
@@ -66,6 +77,8 @@ def run(arguments: argparse.Namespace) -> int:
     from firmware_sim.rig import load_rig
     from firmware_sim.yaml_file import FileError
     from gyrodrift.diagnose.diagnosis import diagnose
+    from gyrodrift.diagnose.export.files import FOLDER, export_line, exports_of, write_exports
+    from gyrodrift.diagnose.export.files import NAMES as EXPORT_NAMES
     from gyrodrift.diagnose.report.files import NAMES, summary, write_files
     from gyrodrift.session.files import session_paths
 
@@ -76,7 +89,8 @@ def run(arguments: argparse.Namespace) -> int:
     paths = session_paths(arguments.paths)
     baseline = session_paths(arguments.baseline) if arguments.baseline else []
     rigs = [arguments.rig] if arguments.rig else []
-    check_inputs_kept([arguments.out / name for name in NAMES], [*paths, *baseline, *rigs])
+    outputs = [*NAMES, *(f"{FOLDER}/{name}" for name in EXPORT_NAMES)]
+    check_inputs_kept([arguments.out / name for name in outputs], [*paths, *baseline, *rigs])
     inputs.check_damage([*paths, *baseline], allow_damage=arguments.allow_damage)
     jobs = options.processes(arguments.jobs)
     with options.progress_of(arguments, {} if arguments.baseline else SHARES) as progress:
@@ -94,13 +108,17 @@ def run(arguments: argparse.Namespace) -> int:
             )
         )
         progress.report(REPORT, 0, 0)
+        exports = exports_of(diagnosis, arguments.export)
         write_files(arguments.out, diagnosis)
-        page = report_html(diagnosis, arguments.out, _provenance(arguments, rig))
+        write_exports(arguments.out, exports)
+        page = report_html(diagnosis, arguments.out, _provenance(arguments, rig), exports)
     write_whole(arguments.out / "report.html", [page])
     for remark in diagnosis.remarks:
         print(f"gyrodrift: note: {remark}", file=sys.stderr)
     for line in summary(diagnosis):
         print(visible(line))
+    for export in exports:
+        print(visible(f"export: {export_line(export)}"))
     return 0
 
 

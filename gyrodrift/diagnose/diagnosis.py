@@ -53,6 +53,7 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
     stated = request.rig
     request = request._replace(rig=with_recorded_axes(with_facts(stated, against), recordings))
     remarks += axes_remarks(stated, recordings)
+    baseline: tuple[DiagnosedSession, ...] = ()
     if request.baseline:
         explained = explained_baseline(request, recordings)
         request = request._replace(rig=explained.rig, least_noise_dps_rthz=explained.least_noise_dps_rthz)
@@ -63,6 +64,7 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         inferred = inferred_of(simulated, request.jobs, request.progress)
         verdict, of_chance = new_since(explained, simulated_today, inferred)
         remarks += [*explained.remarks, *of_chance]
+        baseline = tuple(_session(subject) for subject in explained.subjects)
     else:
         simulated = simulated_of(request, origins, recordings)
         inferred = inferred_of(simulated, request.jobs, request.progress)
@@ -93,6 +95,7 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         threshold_z=explanation.evidence.threshold_z,
         features=feature_comparisons_of(explanation, without_causes, designs),
         residuals=residual_checks_of(subjects, verdict.causes),
+        baseline=baseline,
     )
     return replace(result, seconds=time.monotonic() - begun_s)
 

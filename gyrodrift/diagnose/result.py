@@ -71,6 +71,8 @@ class Diagnosis(ResultTable):
         Real beside simulated, in the order of FEATURES.
     residuals
         Rate errors of some sessions, real beside simulated.
+    baseline
+        Sessions of the baseline, calibrated like the sessions.
     """
 
     verdict: Verdict
@@ -91,6 +93,7 @@ class Diagnosis(ResultTable):
     threshold_z: float
     features: tuple[FeatureComparison, ...] = field(repr=False)
     residuals: ResidualChecks = field(repr=False)
+    baseline: tuple[DiagnosedSession, ...] = field(default=(), repr=False)
 
     def __repr__(self) -> str:
         names = ", ".join(cause.effect.name for cause in self.verdict.causes)

@@ -94,6 +94,23 @@ def test_a_missing_effect_is_named_sized_and_closes_the_gap(
     assert sum("session-0" in chart for chart in drawn) == 3
 
 
+def test_effects_are_exported_for_other_simulators(
+    scaled: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Files, page and output say the same of them."""
+    formats = [word for name in ("gazebo", "kalibr", "mujoco", "json") for word in ("--export", name)]
+    gap = diagnosed(scaled, tmp_path, *formats, *ONE)
+    content = json.loads((tmp_path / "export" / "effects.json").read_text())
+    (entry,) = content["effects"]
+    size = gap["causes"][0]["parameters"]["error_percent"]
+    assert entry["parameters"]["error_percent"] == size["value"]
+    assert entry["intervals"]["error_percent"] == [size["low"], size["high"]]
+    assert "NOT in this file: scale_factor" in (tmp_path / "export" / "gazebo.sdf").read_text()
+    said = capsys.readouterr().out
+    assert "export: export/imu.yaml: no effect, with the measured noise; not scale_factor: Kalibr knows" in said
+    assert "effects that it cannot express" in words((tmp_path / "report.html").read_text())
+
+
 def test_no_gap_is_an_answer_with_what_would_have_been_seen(plain: Path, tmp_path: Path) -> None:
     """No cause, nothing left over, and the smallest effect of each kind."""
     gap = diagnosed(plain, tmp_path)

@@ -17,6 +17,12 @@ LEVELS_TRIED = 4000
 UNITS = (1.0, 180.0 / np.pi, np.pi / 180.0)
 """Text may have been in degrees, in radians, or converted once too often."""
 
+DECIMALS = 10
+"""Numbers of decimals that are tried: simulators write nine digits and more."""
+
+FINEST = 2.0**-31
+"""Share of the span below which a step is one of digits: counts of sensors and encoders have 31 bits at most."""
+
 
 @dataclass(frozen=True, slots=True)
 class Levels:
@@ -38,7 +44,7 @@ class Levels:
         # Where the decimals are nearly as coarse as the step, only a step that they hold exactly can be told.
         # A step of ten units of the last decimal is seen through the rounding.
         exact = self if step > 10.0 * self.text else Levels(self.values, 0.0)
-        is_text = step <= 1.5 * self.text or len(self.values) <= LEAST_GAPS
+        is_text = step <= 1.5 * self.text or len(self.values) <= LEAST_GAPS or step < FINEST * np.ptp(self.values)
         # All but a fifth of the small gaps are whole steps, to a twentieth of a step.
         return None if is_text or off_grid(exact, step, near=0.05) > 0.2 else step
 
@@ -78,7 +84,7 @@ def off_grid(levels: Levels, step: float, near: float) -> float:
 
 
 def _text(values: Floats) -> float:
-    for decimals in range(7):
+    for decimals in range(DECIMALS):
         for unit in UNITS:
             written = values * 10.0**decimals / unit
             if np.all(np.abs(written - np.rint(written)) < 1e-4):

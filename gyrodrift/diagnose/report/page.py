@@ -1,8 +1,11 @@
 """The report of a diagnosis: one HTML file for a person, with the verdict first, and then all that it rests on."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
+from gyrodrift.diagnose.export.formats import FormatExport
 from gyrodrift.diagnose.report.causes import causes
+from gyrodrift.diagnose.report.exports import exported
 from gyrodrift.diagnose.report.features import features
 from gyrodrift.diagnose.report.head import verdict
 from gyrodrift.diagnose.report.method import calibration, sessions, words_used
@@ -14,7 +17,7 @@ from gyrodrift.html.html import page
 from gyrodrift.html.provenance import Provenance, provenance
 
 
-def report_html(diagnosis: Diagnosis, folder: Path, made: Provenance) -> str:
+def report_html(diagnosis: Diagnosis, folder: Path, made: Provenance, exports: Sequence[FormatExport] = ()) -> str:
     """The page of a diagnosis whose files stand in a folder."""
     body = [
         verdict(diagnosis, made.set_name),
@@ -23,6 +26,7 @@ def report_html(diagnosis: Diagnosis, folder: Path, made: Provenance) -> str:
         residuals(diagnosis),
         causes(diagnosis),
         detectable(diagnosis),
+        exported(exports),
         calibration(diagnosis),
         next_steps(diagnosis, folder),
         words_used(),

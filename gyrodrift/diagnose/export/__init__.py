@@ -1,0 +1,1 @@
+"""The diagnosed effects in the formats of other simulators."""
