@@ -29,7 +29,7 @@ ROOMS = {
     "filters": BASE,
     "session": f"{BASE} columns",
     "columns": BASE,
-    "link": f"{BASE} columns",
+    "link": f"{BASE} columns session",
     "html": BASE,
     "outputs": BASE,
     "config": f"{BASE} columns filters link outputs",

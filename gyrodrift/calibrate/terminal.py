@@ -134,6 +134,8 @@ def guided(link: Link, guide: StepGuide, screen: GuideScreen, keys: Keys | None,
         guide.take(samples, clipped_total - clipped)
         clipped = clipped_total
         screen.show(guide.line)
+        if link.is_over:
+            raise DeviceSilentError(f"{link.name}: it ended before the calibration did; nothing is written")
         if link.counters.samples and link.silent_s() > SILENT_MAX_S:
             raise DeviceSilentError(f"{link.name}: stopped sending; nothing is written. Is it still plugged in?")
     return True

@@ -93,7 +93,7 @@ def _hear(link: Link, seconds: float, heard: _Heard, progress: OnProgress, monot
         now_s = monotonic()
         if begun_s is None and heard.samples:
             begun_s = now_s
-        if begun_s is not None and now_s - begun_s >= seconds:
+        if link.is_over or (begun_s is not None and now_s - begun_s >= seconds):
             return
         task = "waiting for the device" if begun_s is None else "listening, keep it still"
         progress(task, int(now_s - (begun_s or opened_s)), int(seconds) if begun_s is not None else 0)
@@ -116,7 +116,7 @@ def _status(link: Link, description: SessionDescription | None, *, has_clock: bo
         port=link.name,
         baud=link.baud,
         protocol=link.decoder.name if link.decoder else "unknown",
-        is_open=link.port is not None,
+        is_open=link.port is not None or link.is_over,
         silent_s=link.silent_s(),
         rate_hz=rate_hz,
         jitter_ms=jitter_ms(description),

@@ -37,7 +37,7 @@ class LinkReader:
         return self
 
     def __next__(self) -> "Sample":
-        """Wait for the next sample; iteration ends after `close`.
+        """Wait for the next sample; iteration ends after `close`, or at the end of a source.
 
         Raises
         ------
@@ -45,7 +45,7 @@ class LinkReader:
             If no decodable data arrives in time, or the device clock is invalid.
         """
         while not self._waiting:
-            if self._is_closed:
+            if self._is_closed or self._link.is_over:
                 raise StopIteration
             self._waiting.extend(self._read(None))
         return self._waiting.popleft()
@@ -61,7 +61,7 @@ class LinkReader:
         until_s = time.monotonic() + wait_s
         samples = [*self._waiting]
         self._waiting.clear()
-        while not self._is_closed:
+        while not self._is_closed and not self._link.is_over:
             samples += self._read(max(0.0, until_s - time.monotonic()) if not samples else 0.0)
             if samples or time.monotonic() >= until_s:
                 break
@@ -109,7 +109,7 @@ def open_link(
     Parameters
     ----------
     port
-        Such as `/dev/ttyUSB0`.
+        Such as `/dev/ttyUSB0`, or a source such as `tcp://HOST:PORT`.
     baud
         Line rate in baud; None to find it.
     protocol

@@ -142,7 +142,7 @@ class Link:
         """Longest time to wait before the next `read`, s."""
         now_s = self._monotonic()
         if self.is_over:
-            return 0.0
+            return 1.0
         if self.port is None:
             return self._backoff.remaining_s(now_s) if self._reopening is None else OPENING_S
         usual_s = 0.1 if not self._spoke else 1.0
@@ -192,7 +192,7 @@ class Link:
         except SourceEndedError:
             self._end()
             return b""
-        if isinstance(self.port, SourcePort) and self.port.notes:
+        if isinstance(self.port, SourcePort):
             self._report_notes(self.port)
         if not chunk:
             self._opening.wait(self.port, self._monotonic())
@@ -247,6 +247,11 @@ class Link:
             self._calendar.follow()
             if self.clock is not None:
                 self.clock.epoch_s = self._calendar.epoch_s
+
+    @property
+    def holds_back(self) -> bool:
+        """Whether bytes that are not read wait, and are not lost."""
+        return self.source is not None and self.source.holds_back
 
     def silent_s(self) -> float:
         """Time since the last sample, s."""
@@ -376,6 +381,8 @@ class Link:
             raise DeviceSilentError(f"{self.name}: it ended, and {self._why_silent(waited_s)}")
 
     def _lose(self) -> None:
+        if isinstance(self.port, SourcePort):
+            self._report_notes(self.port)
         self.close()
         self._backoff.begin(self._monotonic())
         self._on_event("link_lost", port=self.name)

@@ -148,7 +148,9 @@ class _Trial:
         if samples and not self.samples:
             self._spoke_s = self._monotonic()
         self.samples += samples
-        if self.link.port is None:
+        if self.link.is_over:
+            self.is_over = True
+        elif self.link.port is None:
             self._fail("it was unplugged during the search")
 
     def _try(self, act: Callable[[], Any]) -> None:

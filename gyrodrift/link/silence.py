@@ -56,7 +56,7 @@ def why_silent(
     if unread:
         return unread
     if heard.is_text:
-        return _why_text(protocol, heard, port, waited)
+        return _why_text(protocol, heard, port, waited, source)
     return _why_noise(heard_bytes, baud, decoder, protocol, waited, source)
 
 
@@ -94,11 +94,12 @@ def unread_protocol(heard: Heard, protocol: str) -> str:
     return f"the device sends {detected[0].name}, not {protocol}; leave out {instead}"
 
 
-def _why_text(protocol: str, heard: Heard, port: str, waited: str) -> str:
+def _why_text(protocol: str, heard: Heard, port: str, waited: str, source: ByteSource | None) -> str:
     """Message about a device that prints text: its columns, and how to read them, or the missing information."""
     from gyrodrift.link.text.guess import guess  # noqa: PLC0415 - for unknown streams only
 
-    prints = f"the device prints text, so the baud rate is right, but no line is a {_expected_sample(protocol)}"
+    baud = "" if source is not None and not source.has_baud else ", so the baud rate is right"
+    prints = f"the device prints text{baud}, but no line is a {_expected_sample(protocol)}"
     guessed = guess(heard.lines(), heard.lines_per_s)
     if guessed is None:
         return f"{prints}: {quoted(heard.last_words())} {_without_columns(heard, waited)}"

@@ -120,9 +120,10 @@ class Service:
             self._log_stats(self.end_event, time.monotonic(), is_end=True)
 
     def _loop(self) -> None:
-        while not self.stop.is_set and not self.link.is_over:
+        is_waited_for = False
+        while not self.stop.is_set and not (self.link.is_over and not is_waited_for):
             is_waited_for = self._wait()
-            samples = self.link.read()
+            samples = [] if is_waited_for and self.link.holds_back else self.link.read()
             self._watch.take(samples)
             if self.word is not None:
                 samples = self.word.with_rest(samples)
@@ -139,13 +140,12 @@ class Service:
     def _wait(self) -> bool:
         """Wait until there is work; whether a sink waits for its reader."""
         events_by_fd = {self.stop.fd: POLLIN}
-        link_fd = self.link.fileno()
-        if link_fd is not None:
-            events_by_fd[link_fd] = POLLIN
-        own = len(events_by_fd)
         for sink in self.sinks:
             events_by_fd |= sink.wakes()
-        is_waited_for = len(events_by_fd) > own
+        is_waited_for = len(events_by_fd) > 1
+        link_fd = self.link.fileno()
+        if link_fd is not None and not (is_waited_for and self.link.holds_back):
+            events_by_fd[link_fd] = POLLIN
         if self.control is not None:
             events_by_fd |= self.control.wakes()
         if events_by_fd != self._waited_for:

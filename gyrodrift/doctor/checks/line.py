@@ -47,7 +47,7 @@ def protocol(evidence: DeviceEvidence) -> DeviceFinding | None:
 def baud(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Baud rates that carry this stream."""
     needs = _needs_baud(evidence)
-    if not needs or evidence.recording is not None:
+    if not needs or evidence.recording is not None or not evidence.link.baud:
         return None
     fitting = sorted(rate for rate in USUAL_BAUDS if needs <= FULL * rate)
     carried = ", ".join(map(str, fitting[:4])) if fitting else "none of the usual baud rates"

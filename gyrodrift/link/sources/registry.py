@@ -16,8 +16,16 @@ SHIPPED = {
     "socket": "gyrodrift.link.sources.tcp:SOCKET",
     "udp": "gyrodrift.link.sources.udp:UDP",
     "mavlink": "gyrodrift.link.sources.mavlink:MAVLINK",
+    "rfc2217": "gyrodrift.link.sources.rfc2217:RFC2217",
+    "unix": "gyrodrift.link.sources.unix:UNIX",
+    "-": "gyrodrift.link.sources.stdin:STANDARD_INPUT",
+    "mcap": "gyrodrift.link.sources.mcap:MCAP",
 }
 """Schemes with `module:NAME` of their `ByteSource`, imported when an address has that scheme."""
+
+STDIN = "-"
+FOLLOWED = ".mcap"
+"""Addresses without a scheme: standard input, and the ending of a recording that is followed."""
 
 SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(//)?(.*)", re.DOTALL)
 """RFC 3986, section 3.1, with at least two characters: one is a drive of Windows."""
@@ -68,13 +76,15 @@ def address_of(text: str) -> "SourceAddress | None":
     from gyrodrift.link.sources.source import SourceAddress  # noqa: PLC0415 - registration needs less
 
     match = SCHEME.fullmatch(text)
+    if text == STDIN:
+        return SourceAddress(text, STDIN, "")
     if match is None:
-        return None
+        return SourceAddress(text, "mcap", text) if text.lower().endswith(FOLLOWED) else None
     scheme = match[1].lower()
     if scheme in schemes():
         return SourceAddress(text, scheme, match[3])
     if match[2]:
-        names = ", ".join(sorted(schemes()))
+        names = ", ".join(sorted(scheme for scheme in schemes() if scheme != STDIN))
         raise UsageError(f"--port {text}: unknown source {match[1]!r}; there are {names}, or the path of a serial port")
     return None
 

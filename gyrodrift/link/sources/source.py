@@ -129,6 +129,8 @@ class ByteSource:
         Function that makes the protocol from the options in the address, in place of `protocol`.
     has_baud
         Whether `--baud auto` tries baud rates.
+    holds_back
+        Whether bytes that are not read wait, so that the service may wait for its readers; else they would be lost.
     devices
         Function that lists the devices on this machine, without opening them.
     packages, extra
@@ -144,6 +146,7 @@ class ByteSource:
     protocol: WireProtocol | None = None
     protocol_of: Callable[[SourceAddress], WireProtocol] | None = None
     has_baud: bool = False
+    holds_back: bool = False
     devices: Callable[[], list[SerialPort]] = no_devices
     packages: tuple[str, ...] = ()
     extra: str = ""

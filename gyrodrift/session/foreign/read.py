@@ -64,7 +64,7 @@ def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
     contents = contents_of(records(file))
     chosen = chosen_topic(path, list(contents.channels.values()), topic)
     decoders = {
-        channel_id: _decoder(path, channel)
+        channel_id: decoder_of(f"{path}: {channel.topic}", channel)
         for channel_id, channel in contents.channels.items()
         if channel.topic == chosen and channel.is_understood
     }
@@ -119,9 +119,10 @@ def _samples(source: str, file_records: Iterable[ForeignRecord], decoders: dict[
         yield sample
 
 
-def _decoder(path: Path, channel: Messages) -> Decode:
+def decoder_of(source: str, channel: Messages) -> Decode:
+    """Decoder of the messages of a channel that can be read; `source` names it in messages."""
     if channel.encoding == MessageEncoding.JSON or channel.schema is None:
         return json_sample
     if channel.encoding == MessageEncoding.ROS1:
         return ros1_imu_sample
-    return cdr_decoder(f"{path}: {channel.topic}", channel.schema)
+    return cdr_decoder(source, channel.schema)

@@ -50,11 +50,11 @@ def records(file: BinaryIO) -> Iterator[ForeignRecord]:
     file.seek(len(MAGIC))
     crc = zlib.crc32(MAGIC)
     opened_limit = max(OPENED_BYTES, OPENED_TIMES * size)
-    for record in _framed(file, size, is_torn=is_torn):
+    for record in framed(file, size, is_torn=is_torn):
         if record.opcode == Opcode.CHUNK:
-            content = _opened(record, opened_limit)
+            content = opened(record, opened_limit)
             opened_limit -= len(content)
-            yield from filter(_is_whole, _framed(BytesIO(content), len(content), is_torn=not record.is_whole))
+            yield from filter(_is_whole, framed(BytesIO(content), len(content), is_torn=not record.is_whole))
         elif record.opcode in (Opcode.DATA_END, Opcode.FOOTER):
             _check_end(record, crc)
             return
@@ -67,7 +67,7 @@ def _is_whole(record: ForeignRecord) -> bool:
     return record.is_whole
 
 
-def _framed(stream: BinaryIO, size: int, *, is_torn: bool) -> Iterator[ForeignRecord]:
+def framed(stream: BinaryIO, size: int, *, is_torn: bool) -> Iterator[ForeignRecord]:
     """Consecutive records up to `size`; only a torn stream may end within a record."""
     offset = stream.tell()
     while size - offset >= HEAD.size:
@@ -90,7 +90,7 @@ def _check_end(record: ForeignRecord, crc: int) -> None:
         raise DamageError("the checksum of its data is wrong")
 
 
-def _opened(record: ForeignRecord, most_bytes: int) -> bytes:
+def opened(record: ForeignRecord, most_bytes: int) -> bytes:
     """Content of a chunk, at most `most_bytes`; the readable part of a torn chunk."""
     try:
         chunk: Chunk = Chunk.read(ReadDataStream(BytesIO(record.body)))

@@ -1,0 +1,160 @@
+"""Samples of an MCAP file that is still being written, from its bytes as they come."""
+
+import json
+import math
+from collections import deque
+from io import BytesIO
+
+from mcap.opcode import Opcode
+from mcap.records import Channel, Schema
+
+from gyrodrift.errors import DataError
+from gyrodrift.sample import Sample
+from gyrodrift.session.foreign.channels import Messages
+from gyrodrift.session.foreign.columns import Decode, WrongValueError
+from gyrodrift.session.foreign.read import decoder_of
+from gyrodrift.session.foreign.records import OPENED_BYTES, DamageError, ForeignRecord, framed, message, opened
+from gyrodrift.session.mcap.layout import HEAD, MAGIC, SAMPLES, STILLS
+from gyrodrift.session.mcap.walk import BrokenRecordError, channel_of, metadata_of, schema_of
+
+LONGEST_RECORD_BYTES = OPENED_BYTES
+"""Longest record that is waited for: the limit of a chunk of a short file."""
+
+STILLS_MAX = 64
+"""Largest number of rest flags for later samples; a recorder writes a flag right before its sample."""
+
+
+class SampleStream:
+    """Splits the bytes of a file into samples, in any pieces.
+
+    The channel `/gyro` is read, or else the first one that can be read.
+
+    damaged
+        Number of messages that are no samples.
+    device
+        Table `device` of our own recordings.
+    other_topics
+        Topics that could be read too, and are ignored.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.damaged = 0
+        self.device: dict[str, str] = {}
+        self.other_topics: frozenset[str] = frozenset()
+        self._name = name
+        self._pending = bytearray()
+        self._has_magic = False
+        self._schemas: dict[int, Schema] = {}
+        self._channels: dict[int, Channel] = {}
+        self._topic: str | None = None
+        self._decoders: dict[int, Decode | None] = {}
+        self._stills: deque[tuple[int, float]] = deque(maxlen=STILLS_MAX)
+        self._still = math.nan
+        self._count = 0
+
+    def push(self, chunk: bytes) -> list[Sample]:
+        """Samples of the records that are complete now.
+
+        Raises
+        ------
+        DataError
+            It is no MCAP file, or damaged: nothing after this can be read.
+        """
+        self._pending += chunk
+        if not self._has_magic and len(self._pending) >= len(MAGIC):
+            if bytes(self._pending[: len(MAGIC)]) != MAGIC:
+                raise DataError(f"{self._name}: is no MCAP file: it does not begin as one")
+            del self._pending[: len(MAGIC)]
+            self._has_magic = True
+        try:
+            return [sample for record in self._records() for sample in self._samples_of(record)]
+        except (DamageError, BrokenRecordError) as error:
+            raise DataError(f"{self._name}: is damaged: {error}") from error
+
+    def _records(self) -> list[ForeignRecord]:
+        records: list[ForeignRecord] = []
+        position = 0
+        while self._has_magic and len(self._pending) - position >= HEAD.size:
+            opcode, length = HEAD.unpack_from(self._pending, position)
+            if length > LONGEST_RECORD_BYTES:
+                raise DamageError(f"a record claims {length} bytes, at most {LONGEST_RECORD_BYTES} are read")
+            end = position + HEAD.size + length
+            if end > len(self._pending):
+                break
+            records.append(ForeignRecord(opcode, bytes(self._pending[position + HEAD.size : end]), is_whole=True))
+            position = end
+        del self._pending[:position]
+        return records
+
+    def _samples_of(self, record: ForeignRecord) -> list[Sample]:
+        match record.opcode:
+            case Opcode.MESSAGE:
+                return self._sample(record.body)
+            case Opcode.CHUNK:
+                content = opened(record, LONGEST_RECORD_BYTES)
+                inner = framed(BytesIO(content), len(content), is_torn=False)
+                records = (record for record in inner if record.opcode != Opcode.CHUNK)  # no chunk holds chunks
+                return [sample for record in records for sample in self._samples_of(record)]
+            case Opcode.SCHEMA:
+                schema = schema_of(record.body)
+                self._schemas[schema.id] = schema
+            case Opcode.CHANNEL:
+                self._declare(channel_of(record.body))
+            case Opcode.METADATA:
+                table = metadata_of(record.body)
+                if table.name == "device":
+                    self.device = dict(table.metadata)
+        return []
+
+    def _declare(self, channel: Channel) -> None:
+        self._channels[channel.id] = channel
+        self._decoders.pop(channel.id, None)
+        if channel.topic == SAMPLES.name and not self._count:
+            self._topic = channel.topic
+            self._decoders.clear()
+
+    def _sample(self, body: bytes) -> list[Sample]:
+        channel_id, log_ns, payload = message(body)
+        channel = self._channels.get(channel_id)
+        if channel is None:
+            raise DamageError(f"it has messages of channel {channel_id}, which is not declared")
+        if channel.topic == STILLS.name:
+            self._take_still(payload)
+            return []
+        decode = self._decoder(channel)
+        if decode is None:
+            return []
+        try:
+            sample = decode(payload, log_ns)
+        except WrongValueError:
+            self.damaged += 1
+            return []
+        return [self._with_still(sample)]
+
+    def _decoder(self, channel: Channel) -> Decode | None:
+        """Decoder of a channel; None if it is ignored."""
+        if channel.id not in self._decoders:
+            schema = self._schemas.get(channel.schema_id)
+            messages = Messages(channel.topic, channel.message_encoding, schema, 0)
+            is_read = messages.is_understood and self._topic in (None, channel.topic)
+            if messages.is_understood and not is_read:
+                self.other_topics |= {channel.topic}
+            if is_read:
+                self._topic = channel.topic
+            self._decoders[channel.id] = decoder_of(f"{self._name}: {channel.topic}", messages) if is_read else None
+        return self._decoders[channel.id]
+
+    def _take_still(self, payload: bytes) -> None:
+        try:
+            values = json.loads(payload)
+            still = math.nan if values["still"] is None else float(values["still"])
+            self._stills.append((int(values["sample"]), still))
+        except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
+            self.damaged += 1
+
+    def _with_still(self, sample: Sample) -> Sample:
+        """Sample with the flag that holds from an earlier one on."""
+        while self._stills and self._stills[0][0] <= self._count:
+            self._still = self._stills.popleft()[1]
+        self._count += 1
+        return sample if math.isnan(self._still) else sample._replace(still=self._still)
