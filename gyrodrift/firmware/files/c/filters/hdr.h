@@ -42,10 +42,11 @@ static inline gd_real gd_hdr_attenuated_step(const gd_hdr_params *p, uint32_t ru
   return (GD_R(1.0) + p->c1) / (GD_R(1.0) + p->c1 * steepness) * p->i_c_dps;
 }
 
-/* Filters the rate; returns the increase of omega since the sample before, which began with `omega_dps`. */
+/* Filters the rate; returns the increase of omega since the sample before. */
 static inline gd_real gd_hdr_low_pass(gd_hdr *h, gd_real dt_s, gd_real rate_dps, gd_real drift_step_dps) {
-  const gd_real tau_s = h->params.tau_s, omega_before_dps = h->omega_dps;
+  const gd_real tau_s = h->params.tau_s;
   if (!GD_IS_FLOAT) {
+    const gd_real omega_before_dps = h->omega_dps;
     h->lpf_dps = (rate_dps * dt_s + tau_s * h->lpf_dps) / (dt_s + tau_s);
     h->omega_dps = h->lpf_dps + h->i_dps;
     return h->omega_dps - omega_before_dps;

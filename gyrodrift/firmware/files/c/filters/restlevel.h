@@ -60,8 +60,9 @@ static inline void gd_rl_set_yaw(gd_restlevel *s) {
       s->c.scale_sigma * s->c.scale_sigma * (net_deg * net_deg + GD_TURN_DEG * s->travelled_deg);
   const gd_real angle_walk_var = gd_max(GD_R(0.0), s->noise.angle_walk_var);
   const gd_real moving_var = seconds * (m->bias_var * seconds - GD_R(2.0) * m->covariance + angle_walk_var);
+  const gd_real yaw_var = m->yaw_var + moving_var + scale_var;
   s->yaw_deg = GD_IS_FLOAT ? s->base_deg + yaw_deg : yaw_deg;
-  s->yaw_sigma_deg = GD_SQRT(gd_max(GD_R(0.0), m->yaw_var + moving_var + scale_var));
+  s->yaw_sigma_deg = GD_SQRT(gd_max(GD_R(0.0), GD_IS_FLOAT ? gd_min(GD_R(1e38), yaw_var) : yaw_var));
 }
 
 static inline void gd_rl_add_sample(gd_restlevel *s, double dt_s, gd_real rate_dps) {

@@ -102,6 +102,31 @@ static inline void gd_rl_end_auxiliary(gd_restlevel *s, int is_certain) {
 #endif
 }
 
+/* 0 while all hypotheses are finite, else NaN. */
+static inline gd_real gd_rl_probe(const gd_restlevel *s) {
+  gd_real probe = s->moments.yaw_var - s->moments.yaw_var + (s->noise.angle_walk_var - s->noise.angle_walk_var);
+  uint8_t k;
+  for (k = 0; k < s->stored; ++k) {
+    const gd_rl_hypothesis *h = &s->hypotheses[k];
+    probe += (h->weight - h->weight) + (h->yaw_deg - h->yaw_deg) + (h->bias_dps - h->bias_dps);
+    probe += (h->yaw_var - h->yaw_var) + (h->covariance - h->covariance) + (h->bias_var - h->bias_var);
+  }
+  return probe;
+}
+
+/* Of floats, begins again from the last yaw if a damaged sample has led beyond their range, as a rate of 1e12 deg/s can.
+   Doubles reach that far. */
+static inline void gd_rl_recover(gd_restlevel *s) {
+  if (!GD_IS_FLOAT || gd_rl_probe(s) == GD_R(0.0)) {
+    return;
+  }
+  s->moments.yaw_deg = s->yaw_deg;
+  s->start_yaw_deg = s->yaw_deg;
+  s->base_deg = s->travelled_deg = GD_R(0.0);
+  s->segment.sensor_odds = GD_R(1.0);
+  gd_rl_begin_anew(s);
+}
+
 /* A block is full: its mean goes to the segment and from there to the hypotheses, and another block begins. */
 static inline void gd_rl_end_block(gd_restlevel *s) {
   const gd_real seconds = (gd_real)s->block.seconds, turned_deg = s->block.turned_deg;
@@ -121,6 +146,7 @@ static inline void gd_rl_end_block(gd_restlevel *s) {
   gd_rl_predict(s, turned_deg, seconds);
   gd_rl_doubt_turn(s, seconds);
   gd_rl_take_rest(s, mean_dps, step_dps, seconds, is_certain);
+  gd_rl_recover(s);
   gd_rl_end_auxiliary(s, is_certain);
   s->travelled_deg += GD_ABS(turned_deg - s->bias_dps * seconds);
   gd_rl_keep_near_zero(s);

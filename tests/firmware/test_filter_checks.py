@@ -1,0 +1,56 @@
+"""`gyrodrift.h` under sanitizers with random samples, and under clang-tidy."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+from c_filter_support import WARNINGS, words, write_header
+from firmware_support import HERE, run
+
+SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-O1", "-g")
+
+RUNS = 300
+"""Runs of the fuzz program in a test, some seconds."""
+
+CHECKS = ",".join(
+    [
+        "-*",
+        *("bugprone-*", "cert-*", "clang-analyzer-*", "performance-*"),
+        "-bugprone-easily-swappable-parameters",  # a time and a rate have one type in C
+        "-clang-analyzer-security.insecureAPI.DeprecatedOrUnsafeBufferHandling",  # no board has memset_s
+    ]
+)
+
+
+@pytest.mark.parametrize(("compiler", "real"), [("gcc", "float"), ("gcc", "double"), ("clang", "float")])
+def test_random_samples_pass_the_sanitizers(tmp_path: Path, compiler: str, real: str) -> None:
+    """No access out of bounds, no undefined operation, and every output finite."""
+    assert fuzzed(tmp_path, compiler, real) == f"{RUNS} runs\n"
+
+
+@pytest.mark.parametrize("hypotheses", [2, 4, 8])
+def test_any_number_of_hypotheses_passes_the_sanitizers(tmp_path: Path, hypotheses: int) -> None:
+    """The arrays of hypotheses have their sizes from it."""
+    flag = f"-DGD_RESTLEVEL_HYPOTHESES={hypotheses}"
+    assert fuzzed(tmp_path, "gcc", "float", flag) == f"{RUNS} runs\n"
+
+
+def fuzzed(folder: Path, compiler: str, real: str, *flags: str) -> str:
+    """Output of the fuzz program with sanitizers."""
+    if shutil.which(compiler) is None:
+        pytest.skip(f"there is no {compiler}")
+    write_header(folder)
+    source = ("-std=c11", *SANITIZERS, *words("fuzz_filters.c", real), *flags)
+    run(compiler, *source, "-o", "fuzz", "-lm", folder=folder)
+    return run(folder / "fuzz", "1", str(RUNS))
+
+
+@pytest.mark.parametrize("language", [("-std=c11",), ("-x", "c++", "-std=c++11")], ids=["C", "C++"])
+def test_clang_tidy_finds_nothing(tmp_path: Path, language: tuple[str, ...]) -> None:
+    """Its checks for bugs, safety and speed."""
+    if shutil.which("clang-tidy") is None:
+        pytest.skip("there is no clang-tidy: apt-get install clang-tidy")
+    write_header(tmp_path)
+    checks = (f"--checks={CHECKS}", "--warnings-as-errors=*", "--header-filter=.*", "--quiet")
+    source = (HERE / "use_filters.c", "--", *language, *WARNINGS, "-DGD_REAL=float", "-I.")
+    assert "warning:" not in run("clang-tidy", *checks, *source, folder=tmp_path)
