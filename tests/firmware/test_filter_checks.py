@@ -52,5 +52,5 @@ def test_clang_tidy_finds_nothing(tmp_path: Path, language: tuple[str, ...]) -> 
         pytest.skip("there is no clang-tidy: apt-get install clang-tidy")
     write_header(tmp_path)
     checks = (f"--checks={CHECKS}", "--warnings-as-errors=*", "--header-filter=.*", "--quiet")
-    source = (HERE / "use_filters.c", "--", *language, *WARNINGS, "-DGD_REAL=float", "-I.")
+    source = (str(HERE / "use_filters.c"), "--", *language, *WARNINGS, "-DGD_REAL=float", "-I.")
     assert "warning:" not in run("clang-tidy", *checks, *source, folder=tmp_path)

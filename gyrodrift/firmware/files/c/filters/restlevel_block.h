@@ -114,8 +114,8 @@ static inline gd_real gd_rl_probe(const gd_restlevel *s) {
   return probe;
 }
 
-/* Of floats, begins again from the last yaw if a damaged sample has led beyond their range, as a rate of 1e12 deg/s can.
-   Doubles reach that far. */
+/* Of floats, begins again from the last yaw if a damaged sample has led beyond their range, as a rate of 1e12 deg/s
+   can. Doubles reach that far. */
 static inline void gd_rl_recover(gd_restlevel *s) {
   if (!GD_IS_FLOAT || gd_rl_probe(s) == GD_R(0.0)) {
     return;
