@@ -56,6 +56,7 @@ ROOMS = {
     "diagnose.report": f"{BASE} diagnose diagnose.export diagnose.features diagnose.inference "
     "diagnose.next_recording diagnose.predictive_checks html",
     "diagnose.export": f"{BASE} diagnose diagnose.inference diagnose.report firmware_sim html",
+    "gyrogap": "errors files",
     "demo": f"{BASE} filters",
     "firmware": f"{BASE} filters config",
     "library": f"{BASE} columns compare config diagnose diagnose.report evaluation filters firmware_sim html link "

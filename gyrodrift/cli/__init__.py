@@ -23,6 +23,7 @@ COMMANDS = {
     "record": "record a device into session files",
     "tune": "find filter parameters from recorded sessions",
     "diagnose": "name the effect that explains the gap between a simulator and recordings",
+    "gyrogap": "make or score the open benchmark of causes of the gap between a simulator and recordings",
     "compare": "compare the filters with plain integration, x-io Fusion, VQF and others on your sessions",
     "filter": "run the filter of serve over a recorded session",
     "firmware": "write the filter as a library for a microcontroller: C, Arduino, MicroPython and others",

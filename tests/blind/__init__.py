@@ -7,8 +7,7 @@
 
 The parts, in the order in which a case meets them:
 
-    catalogue.py   names, stages and groups of the effects, as the face of `diagnose` has them
-    generator/     sessions and a rig file from a recipe; knows nothing of gyrodrift or of its simulator
+    recipes.py     cases of the sets smoke, development and final
     rows/          cases over devices as people own them, from the generator, `gyrodrift simulate` and real recordings
     sets.py        all sets: smoke, development and final by recipes, bench by rows
     seals.py       labels with a salt, in files of their own; their hashes are published before any run
@@ -16,7 +15,10 @@ The parts, in the order in which a case meets them:
     gap.py         what it said
     judge.py       whether that was right
     score.py, bench_rows.py   shares of what came out right
-    chance.py, table.py       Wilson intervals, the calibration of probabilities, the table
+    table.py       the table
+
+Physics and catalogue of effects are those of the open benchmark, gyrodrift/gyrogap. It knows nothing of the simulator
+or of the diagnosis. The cases here go beyond it: `gyrodrift simulate`, real recordings, second runs.
 
 A set's folder holds `plan.json` (public: which runs there are), `hashes.json`, `seals/`, `results/` and `openings.log`.
 The plan says what is withheld from a run. Runs on data without any gap have something withheld too, so that it tells

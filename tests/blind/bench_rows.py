@@ -4,9 +4,9 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from blind import judge
-from blind.generator.sizes import STRENGTHS
 from blind.score import Share, false_alarms, interval_row, left_out_rows, outside_rows, pair_rows, parameter_row, row
 from blind.tried import Tried
+from gyrodrift.gyrogap.physics.sizes import STRENGTHS
 
 
 def bench_rows(tried: list[Tried]) -> list[Share]:

@@ -3,8 +3,8 @@
 from collections.abc import Collection, Mapping, Sequence
 from itertools import permutations
 
-from blind.catalogue import GROUP
 from blind.gap import Cause, Outcome, Said
+from gyrodrift.gyrogap.catalogue import GROUP
 
 CONFIDENT = 0.8
 NEAR = 0.2

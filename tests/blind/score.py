@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from statistics import median
 
 from blind import judge
-from blind.catalogue import JUDGED
-from blind.chance import Bin, brier, reliability
 from blind.gap import Cause
 from blind.tried import Tried
+from gyrodrift.gyrogap.catalogue import JUDGED
+from gyrodrift.gyrogap.chance import Bin, brier, reliability
 
 WORTH_SHRINKING = 0.05
 """Where the true effect itself shrinks the gap by less, the ratio to it says nothing."""

@@ -4,22 +4,16 @@ import json
 import secrets
 from collections.abc import Iterable
 from datetime import UTC, datetime
-from hashlib import sha256
 from typing import Any
 
 from blind.folder import SetFolder, write_json
+from gyrodrift.gyrogap.seals import hash_of
 
 SALT_BYTES = 16
 
 
 class BrokenSealError(Exception):
     """The label in a seal is not the one whose hash was published."""
-
-
-def hash_of(salt: str, label: dict[str, Any]) -> str:
-    """SHA-256 of the salt and the label in a canonical form."""
-    text = json.dumps(label, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
-    return sha256((salt + text).encode()).hexdigest()
 
 
 def seal(folder: SetFolder, labels: Iterable[dict[str, Any]]) -> None:

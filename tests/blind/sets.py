@@ -6,9 +6,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from blind.generator import recipes as by_recipe
-from blind.generator.recipes import Recipe, recipes
-from blind.generator.write import write_case
+from blind import recipes as by_recipe
+from blind.recipes import Recipe, recipes, write_case
 from blind.rows.case import RowCase
 from blind.rows.table import draw_rows, find_case
 

@@ -3,8 +3,8 @@
 from dataclasses import asdict
 from typing import Any
 
-from blind.chance import wilson
 from blind.score import Score, Share
+from gyrodrift.gyrogap.chance import wilson
 
 
 def terminal_text(score: Score) -> str:

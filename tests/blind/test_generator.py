@@ -6,26 +6,25 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from blind import estimators as by
-from blind.catalogue import EFFECTS, JUDGED
-from blind.generator.bench import Columns
-from blind.generator.kinds import KINDS, Fault
-from blind.generator.recipes import Recipe, recipes
-from blind.generator.scene import scene_of
-from blind.generator.sizes import SIZES, STRENGTHS
-from blind.generator.write import session_columns
+from blind.recipes import Recipe, recipes, session_columns
+from gyrodrift.gyrogap import estimators as by
+from gyrodrift.gyrogap.catalogue import EFFECTS, JUDGED
+from gyrodrift.gyrogap.physics.bench import Columns
+from gyrodrift.gyrogap.physics.kinds import KINDS, InjectedEffect
+from gyrodrift.gyrogap.physics.scene import scene_of
+from gyrodrift.gyrogap.physics.sizes import SIZES, STRENGTHS
 
 COUNT_DPS = 0.00763
 
 
-def plain(*faults: Fault) -> Recipe:
+def plain(*faults: InjectedEffect) -> Recipe:
     """The first case without a gap of the development set, with other contents."""
     recipe = next(recipe for recipe in recipes("development", 5) if recipe.kind == "none")
     device = replace(recipe.device, sample_hz=99.7, dps_per_lsb=COUNT_DPS, noise_dps_rthz=0.0035, encoder_cpr=36000)
     return replace(recipe, faults=faults, device=device)
 
 
-def columns(*faults: Fault) -> Columns:
+def columns(*faults: InjectedEffect) -> Columns:
     """Its heated session."""
     recipe = plain(*faults)
     heated = next(number for number, plan in enumerate(recipe.sessions) if plan.heated_c)
@@ -44,8 +43,8 @@ class Check:
     off_with: float
 
     @property
-    def fault(self) -> Fault:
-        return Fault(self.effect, self.parameters)
+    def fault(self) -> InjectedEffect:
+        return InjectedEffect(self.effect, self.parameters)
 
     @property
     def strength(self) -> float:
@@ -105,7 +104,7 @@ def test_noise_is_the_angle_random_walk_that_is_stated(nothing: Columns) -> None
 
 def test_slips_come_as_often_as_they_should() -> None:
     """Each of the step's size, some in every few minutes."""
-    found = by.slips_deg(columns(Fault("encoder_slip", {"step_deg": 2.0, "per_hour": 120.0})))
+    found = by.slips_deg(columns(InjectedEffect("encoder_slip", {"step_deg": 2.0, "per_hour": 120.0})))
     assert 4 <= len(found) <= 24
     assert np.abs(found) == pytest.approx(2.0, abs=0.15)
 
@@ -125,7 +124,7 @@ def test_flicker_has_the_floor_of_its_name() -> None:
 
 def test_a_low_pass_takes_noise_and_delays_motion() -> None:
     """A second-order filter of 5 Hz leaves a fraction of the noise, and lags by √2/(2π f)."""
-    found = columns(Fault("bandwidth", {"cutoff_hz": 5.0}))
+    found = columns(InjectedEffect("bandwidth", {"cutoff_hz": 5.0}))
     assert np.std(by.at_rest(found)) < 0.5 * 0.0035 * np.sqrt(99.7)
     rate_dps, encoder_dps, _ = by.smooth_rates(found)
     shifts = np.arange(30)

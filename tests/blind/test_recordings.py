@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from blind.catalogue import EFFECTS
-from blind.generator.dice import effect_dice, plan_dice
-from blind.generator.kinds import Fault
 from blind.rows.recordings import LEAST_S, LEAST_SET_S, OWNED, Recorded, Rows, devices, recordings_of
 from blind.rows.table import ROWS, draw_case
 from blind.rows.tampering import ANYWHERE, MOVING, draw_tampering, tamper
+from gyrodrift.gyrogap.catalogue import EFFECTS
+from gyrodrift.gyrogap.physics.dice import effect_dice, plan_dice
+from gyrodrift.gyrogap.physics.kinds import InjectedEffect
 
 HZ = 50.0
 T_S = np.arange(3000) / HZ
@@ -18,7 +18,7 @@ MADE = Rows({"t_device_s": T_S, "rate_dps": RATE_DPS, "encoder_deg": ANGLE_DEG})
 
 
 def put(name: str, **parameters: float) -> Rows:
-    return tamper(MADE, Fault(name, parameters), effect_dice(("test", name)))
+    return tamper(MADE, InjectedEffect(name, parameters), effect_dice(("test", name)))
 
 
 def rate(name: str, **parameters: float) -> np.ndarray:

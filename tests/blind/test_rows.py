@@ -7,24 +7,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from blind import estimators as by
-from blind.catalogue import EFFECTS
+from blind.cost import yaw_cost_deg
 from blind.folder import SetFolder
-from blind.generator.bench import Columns
-from blind.generator.cost import yaw_cost_deg
-from blind.generator.dice import plan_dice
-from blind.generator.driven import Mover, driven_motion
-from blind.generator.kinds import Fault
-from blind.generator.motion import TOP_DPS
-from blind.generator.rig_text import rig_text
-from blind.generator.sizes import STRENGTHS
-from blind.generator.spread import COUNTS, RATES_HZ, STEPS_DPS, draw_facts, draw_fault_for
-from blind.generator.write import Batch
 from blind.prepare import prepare
 from blind.rows.case import RowCase
-from blind.rows.generated import Stand
 from blind.rows.simulated import Simulated
 from blind.rows.table import ROWS, draw_case, draw_rows, find_case
+from gyrodrift.gyrogap import estimators as by
+from gyrodrift.gyrogap.catalogue import EFFECTS
+from gyrodrift.gyrogap.physics.bench import Columns
+from gyrodrift.gyrogap.physics.dice import plan_dice
+from gyrodrift.gyrogap.physics.driven import Mover, driven_motion
+from gyrodrift.gyrogap.physics.kinds import InjectedEffect
+from gyrodrift.gyrogap.physics.motion import TOP_DPS
+from gyrodrift.gyrogap.physics.rig_text import rig_text
+from gyrodrift.gyrogap.physics.sizes import STRENGTHS
+from gyrodrift.gyrogap.physics.spread import COUNTS, RATES_HZ, STEPS_DPS, draw_facts, draw_fault_for
+from gyrodrift.gyrogap.physics.stand import Stand
+from gyrodrift.gyrogap.physics.write import SessionBatch
 
 GENERATED = ("none_generator", "none_driven", "single", "small", "outside", "pair", "triple", "left_out", "loop")
 
@@ -128,8 +128,8 @@ def test_the_rig_of_a_loop_is_for_new_sessions_of_the_same_device(tmp_path: Path
     """Device and faults are the same, plans and random numbers are not."""
     parts = draw_case(9, "loop", 0).draft.parts
     first, again = parts["sessions"], parts["again"]
-    assert isinstance(first, Batch)
-    assert isinstance(again, Batch)
+    assert isinstance(first, SessionBatch)
+    assert isinstance(again, SessionBatch)
     assert (first.device, first.faults) == (again.device, again.faults)
     assert first.plans != again.plans
     assert first.path != again.path
@@ -157,7 +157,7 @@ def test_both_rigs_of_an_own_wrong_size_differ_by_it_alone() -> None:
 
 def test_a_rig_file_is_plain() -> None:
     """Small numbers are written out, and parameters that only the generator knows stay out."""
-    settling = Fault("warmup", {"amplitude_dps": 0.1, "fast_s": 30.0, "slow_s": 150.0, "fast_share": 0.4})
+    settling = InjectedEffect("warmup", {"amplitude_dps": 0.1, "fast_s": 30.0, "slow_s": 150.0, "fast_share": 0.4})
     text = rig_text({"host_jitter_s": 3e-05, "encoder_absolute": True}, [settling])
     assert text.splitlines() == [
         "base:",
@@ -168,12 +168,12 @@ def test_a_rig_file_is_plain() -> None:
     ]
 
 
-def session_of(*faults: Fault, absolute: bool, low_pass_hz: float = 0.0) -> tuple[Columns, float]:
+def session_of(*faults: InjectedEffect, absolute: bool, low_pass_hz: float = 0.0) -> tuple[Columns, float]:
     """A session of a device of 4096 counts that begins at some angle, and that angle."""
     stand = Stand(plan_dice(("stand",)))
     device = replace(stand.device, sample_hz=200.0, encoder_cpr=4096, noise_dps_rthz=0.004, dps_per_lsb=0.0076)
     device = replace(device, encoder_absolute=absolute, low_pass_hz=low_pass_hz)
-    return Batch(device, stand.plans, faults, ("session",)).columns(0), stand.plans[0].start_deg
+    return SessionBatch(device, stand.plans, faults, ("session",)).columns(0), stand.plans[0].start_deg
 
 
 def test_an_incremental_encoder_begins_at_zero_and_an_absolute_one_where_it_stands() -> None:
@@ -187,7 +187,7 @@ def test_an_incremental_encoder_begins_at_zero_and_an_absolute_one_where_it_stan
 
 def test_an_incremental_encoder_has_a_phase_of_its_own() -> None:
     """What happens once per turn begins at the true angle, which the encoder does not tell."""
-    turn = Fault("g_sensitivity", {"amplitude_dps": 0.5, "phase_deg": 20.0})
+    turn = InjectedEffect("g_sensitivity", {"amplitude_dps": 0.5, "phase_deg": 20.0})
     columns, start_deg = session_of(turn, absolute=False)
     found = by.fit(columns)
     phase_deg = np.degrees(np.arctan2(found["cosine"], found["sine"]))
@@ -208,10 +208,10 @@ def test_the_low_pass_of_a_device_has_one_pole() -> None:
 def test_what_a_fault_costs_is_what_the_integrated_rate_is_off_for_it() -> None:
     """A swing of 0.2 deg/s and 20 s moves yaw by 0.64 deg to and fro, 0.41 in the mean; a doubled row does nothing."""
     stand = Stand(plan_dice(("cost",)), sessions=2)
-    swing = Fault("slow_cycle", {"amplitude_dps": 0.2, "period_s": 20.0})
+    swing = InjectedEffect("slow_cycle", {"amplitude_dps": 0.2, "period_s": 20.0})
     costs = [
         yaw_cost_deg(stand.batch(faults, ("cost",)))
-        for faults in ((swing,), (Fault("doubled_rows", {"share_percent": 1.0}),), ())
+        for faults in ((swing,), (InjectedEffect("doubled_rows", {"share_percent": 1.0}),), ())
     ]
     assert costs[0] == pytest.approx(0.2 * 20.0 / np.pi**2, rel=0.2)
     assert costs[1:] == [pytest.approx(0.0, abs=0.01), 0.0]

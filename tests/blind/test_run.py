@@ -7,12 +7,12 @@ from typing import Any
 
 import pytest
 
-from blind.catalogue import EFFECTS
 from blind.folder import SetFolder
 from blind.prepare import prepare
 from blind.rows.recordings import devices
 from blind.run import Options, run_set
 from blind.tried import open_all
+from gyrodrift.gyrogap.catalogue import EFFECTS
 
 STAND_IN = """
 import json, os, sys, time

@@ -6,13 +6,13 @@ import pytest
 from scipy.stats import binomtest
 
 from blind import judge
-from blind.chance import brier, reliability, wilson
 from blind.gap import Cause, read_outcome
 from blind.score import Score, Share, is_right, recipe_rows
 from blind.score import score as score_by
 from blind.table import as_json, markdown, terminal_text
 from blind.told import case, cause, gap, outcome
 from blind.tried import Tried
+from gyrodrift.gyrogap.chance import brier, reliability, wilson
 
 SCALE = {"scale_factor": {"error_percent": 1.0}}
 LAG = {"latency": {"delay_ms": 8.0}}

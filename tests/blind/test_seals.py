@@ -7,9 +7,10 @@ import pytest
 
 from blind.command import main
 from blind.folder import SetFolder
-from blind.generator.recipes import recipes
 from blind.prepare import OtherSetError, prepare
-from blind.seals import BrokenSealError, hash_of, open_seal
+from blind.recipes import recipes
+from blind.seals import BrokenSealError, open_seal
+from gyrodrift.gyrogap.seals import hash_of
 
 
 @pytest.fixture

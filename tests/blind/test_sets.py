@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from blind.catalogue import EFFECTS, EFFECTS_OF_STAGE
-from blind.generator.outside_sizes import OUTSIDE
-from blind.generator.recipes import SEEDS, Recipe, recipes
-from blind.generator.sizes import STRENGTHS, draw_fault
-from blind.generator.write import HEADER, write_case
+from blind.recipes import PART, SEEDS, Recipe, recipes, write_case
+from gyrodrift.gyrogap.catalogue import EFFECTS, EFFECTS_OF_STAGE
+from gyrodrift.gyrogap.physics.outside_sizes import OUTSIDE
+from gyrodrift.gyrogap.physics.sizes import STRENGTHS, draw_fault
+from gyrodrift.gyrogap.physics.write import HEADER
 
 FINAL = recipes("final", SEEDS["final"])
 
@@ -49,7 +49,7 @@ def test_development_and_final_sizes_differ(name: str) -> None:
     """No strength that the one draws is drawn by the other."""
     ranges = {}
     for part in ("development", "final"):
-        drawn = [draw_fault(np.random.default_rng(seed), name, "typical", part, 1.0) for seed in range(40)]
+        drawn = [draw_fault(np.random.default_rng(seed), name, "typical", PART[part], 1.0) for seed in range(40)]
         ranges[part] = {abs(fault.parameters[STRENGTHS[name].parameter]) for fault in drawn}
     assert not ranges["development"] & ranges["final"]
 

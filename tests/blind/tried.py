@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from typing import Any
 
-from blind.catalogue import EFFECTS
 from blind.folder import SetFolder
 from blind.gap import Outcome, load_json, read_outcome
 from blind.seals import open_seal
+from gyrodrift.gyrogap.catalogue import EFFECTS
 
 RUNS = ("blind", "withheld", "without", "again", "oracle")
 

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from blind.chance import wilson
+
+from gyrodrift.gyrogap.chance import wilson
 
 RESAMPLES = 2000
 """Of a bootstrap: percentiles ask for a thousand or more (Efron & Tibshirani 1993, ch. 13)."""

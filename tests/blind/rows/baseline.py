@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from blind.catalogue import STAGE
-from blind.generator.dice import Path as DicePath
-from blind.generator.dice import Rng, effect_dice
-from blind.generator.kinds import Fault
 from blind.rows.case import Draft
 from blind.rows.recordings import LEAST_SET_S, OWNED, Recorded, Rows, devices, recordings_of, rig_of
 from blind.rows.tampering import ANYWHERE, COUNTED, MOVING, draw_tampering, tamper
+from gyrodrift.gyrogap.catalogue import STAGE
+from gyrodrift.gyrogap.physics.dice import Path as DicePath
+from gyrodrift.gyrogap.physics.dice import Rng, effect_dice
+from gyrodrift.gyrogap.physics.kinds import InjectedEffect
 
 TRIES = 50
 STRIDE = 5
@@ -43,7 +43,7 @@ def without_effect(rng: Rng, number: int, path: DicePath) -> Draft:
     return _draft(device, *_two_sets(rng, device), ())
 
 
-def _draft(device: str, last: tuple[Rows, ...], today: tuple[Rows, ...], faults: tuple[Fault, ...]) -> Draft:
+def _draft(device: str, last: tuple[Rows, ...], today: tuple[Rows, ...], faults: tuple[InjectedEffect, ...]) -> Draft:
     return Draft(
         kind="baseline" if faults else "none",
         rig=rig_of(device),

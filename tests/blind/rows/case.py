@@ -6,8 +6,8 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import Any, Protocol
 
-from blind.generator.dice import Path as DicePath
-from blind.generator.kinds import Fault
+from gyrodrift.gyrogap.physics.dice import Path as DicePath
+from gyrodrift.gyrogap.physics.kinds import InjectedEffect
 
 
 class Part(Protocol):
@@ -44,7 +44,7 @@ class Draft:
     kind: str
     rig: str
     parts: Mapping[str, Part]
-    faults: tuple[Fault, ...] = ()
+    faults: tuple[InjectedEffect, ...] = ()
     size: str = ""
     stages: tuple[str, ...] = ()
     about: str = ""

@@ -1,25 +1,20 @@
 """Cases from the generator, over devices as people own them: three sessions of one and a half to three minutes."""
 
-from dataclasses import asdict, replace
-from typing import Any
+from dataclasses import replace
 
-from blind.catalogue import EFFECTS, GROUP, STAGE
-from blind.generator.cost import yaw_cost_deg
-from blind.generator.device import Device, RigFile
-from blind.generator.dice import Path as DicePath
-from blind.generator.dice import Rng
-from blind.generator.driven import MOVERS
-from blind.generator.kinds import Fault
-from blind.generator.outside_sizes import OUTSIDE, OUTSIDE_SIZES, draw_outside
-from blind.generator.pairs import PAIRS
-from blind.generator.sessions import SessionPlan, place_sessions, plan_sessions
-from blind.generator.spread import Facts, draw_facts, draw_fault_for, draw_spread
-from blind.generator.write import Batch
+from blind.cost import yaw_cost_deg
 from blind.rows.case import Draft
-from blind.rows.simulated import describe
+from gyrodrift.gyrogap.catalogue import EFFECTS, GROUP, STAGE
+from gyrodrift.gyrogap.physics.dice import Path as DicePath
+from gyrodrift.gyrogap.physics.dice import Rng
+from gyrodrift.gyrogap.physics.driven import MOVERS
+from gyrodrift.gyrogap.physics.kinds import InjectedEffect
+from gyrodrift.gyrogap.physics.outside_sizes import OUTSIDE, OUTSIDE_SIZES, draw_outside
+from gyrodrift.gyrogap.physics.pairs import PAIRS
+from gyrodrift.gyrogap.physics.spread import draw_fault_for
+from gyrodrift.gyrogap.physics.stand import MINUTES, SESSIONS, Stand, draw_plans
+from gyrodrift.gyrogap.physics.write import SessionBatch
 
-SESSIONS = 3
-MINUTES = (1.5, 3.0)
 SHORT_MINUTES = (25.0 / 60.0, 50.0 / 60.0)
 SHORT = 0.2
 """So many of the cases without a gap have short sessions."""
@@ -27,46 +22,6 @@ SHORT = 0.2
 CLEAR = ("typical", "large")
 
 TOGETHER = 3
-
-
-class Stand:
-    """A device with its rig and the plans of its sessions, drawn together."""
-
-    def __init__(self, rng: Rng, minutes: tuple[float, float] = MINUTES, sessions: int = SESSIONS) -> None:
-        self.facts: Facts = draw_facts(rng)
-        self.plans: tuple[SessionPlan, ...] = draw_plans(rng, minutes, sessions)
-        self.device: Device
-        self.rig: RigFile
-        self.device, self.rig = draw_spread(rng, self.facts, sessions)
-
-    @property
-    def rig_text(self) -> str:
-        """The rig file."""
-        return self.rig.text(self.device)
-
-    @property
-    def about(self) -> str:
-        """For a list of misses."""
-        low_pass = f", low-pass {self.device.low_pass_hz:g} Hz" if self.device.low_pass_hz else ""
-        return describe(self.facts) + low_pass
-
-    @property
-    def label(self) -> dict[str, Any]:
-        """For the label."""
-        return {
-            "facts": asdict(self.facts),
-            "device": self.device.facts(),
-            "sessions": [plan.facts() for plan in self.plans],
-        }
-
-    def batch(self, faults: tuple[Fault, ...], path: DicePath) -> Batch:
-        """Its sessions."""
-        return Batch(self.device, self.plans, faults, path)
-
-
-def draw_plans(rng: Rng, minutes: tuple[float, float], sessions: int) -> tuple[SessionPlan, ...]:
-    """Begun wherever the table stands."""
-    return tuple(place_sessions(rng, plan_sessions(rng, sessions, minutes)))
 
 
 def no_gap(rng: Rng, number: int, path: DicePath) -> Draft:
@@ -106,7 +61,7 @@ def outside(rng: Rng, number: int, path: DicePath) -> Draft:
     stand, names = Stand(rng), list(OUTSIDE)
     name, size = names[number % len(names)], OUTSIDE_SIZES[number // len(names) % len(OUTSIDE_SIZES)]
     what = OUTSIDE[name]
-    faults = (draw_outside(rng, name, size, "bench"),)
+    faults = (draw_outside(rng, name, size),)
     draft = _draft("outside", stand, faults, path, size=size, stages=what.stages, about=what.about)
     return replace(draft, yaw_cost_deg=lambda: yaw_cost_deg(stand.batch(faults, path)))
 
@@ -142,14 +97,14 @@ def loop(rng: Rng, number: int, path: DicePath) -> Draft:
     """New sessions of the same device with the same fault, for the rig that the diagnosis writes."""
     stand, size = Stand(rng), str(rng.choice(CLEAR))
     faults = (draw_fault_for(rng, stand.facts, str(rng.choice(EFFECTS)), size),)
-    new = Batch(stand.device, draw_plans(rng, MINUTES, SESSIONS), faults, (*path, "again"))
+    new = SessionBatch(stand.device, draw_plans(rng, MINUTES, SESSIONS), faults, (*path, "again"))
     return _draft("loop", stand, faults, path, size=size, then="again", more={"again": new})
 
 
 def _draft(
     kind: str,
     stand: Stand,
-    faults: tuple[Fault, ...],
+    faults: tuple[InjectedEffect, ...],
     path: DicePath,
     *,
     size: str = "",
@@ -157,7 +112,7 @@ def _draft(
     about: str = "",
     withhold: str = "",
     then: str = "",
-    more: dict[str, Batch] | None = None,
+    more: dict[str, SessionBatch] | None = None,
 ) -> Draft:
     return Draft(
         kind=kind,

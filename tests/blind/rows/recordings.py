@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from recordings_support import further_recordings
 
-from blind.generator.motion import Floats, Mask
-from blind.generator.rig_text import rig_text
+from gyrodrift.gyrogap.physics.motion import Floats, Mask
+from gyrodrift.gyrogap.physics.rig_text import rig_text
 
 LEAST_S = 21.0
 """A recording of 20 s is the shortest that is taken; one that loses rows at an end must still be as long."""

@@ -9,13 +9,14 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from blind.catalogue import EFFECTS
-from blind.generator.dice import Path as DicePath
-from blind.generator.dice import Rng
-from blind.generator.kinds import Fault
-from blind.generator.rig_text import rig_text
-from blind.generator.spread import Facts, draw_facts, draw_fault_for, log_uniform
 from blind.rows.case import Draft
+from gyrodrift.gyrogap.catalogue import EFFECTS
+from gyrodrift.gyrogap.physics.dice import Path as DicePath
+from gyrodrift.gyrogap.physics.dice import Rng
+from gyrodrift.gyrogap.physics.kinds import InjectedEffect
+from gyrodrift.gyrogap.physics.rig_text import rig_text
+from gyrodrift.gyrogap.physics.spread import DeviceFacts, draw_facts, draw_fault_for, log_uniform
+from gyrodrift.gyrogap.physics.stand import describe
 
 ROOT = Path(__file__).resolve().parent.parent.parent.parent
 PROFILES = ("identify", "turntable", "drive")
@@ -67,7 +68,7 @@ def short_no_gap(rng: Rng, number: int, path: DicePath) -> Draft:
     return _draft(rng, replace(facts, sample_hz=min(facts.sample_hz, 100)), str(rng.choice(LIVELY)), 3, 40.0 / 60.0)
 
 
-def _draft(rng: Rng, facts: Facts, profile: str, sessions: int, minutes: float) -> Draft:
+def _draft(rng: Rng, facts: DeviceFacts, profile: str, sessions: int, minutes: float) -> Draft:
     count = int(rng.choice([0, 1, 2], p=[0.4, 0.4, 0.2]))
     names = rng.choice(EFFECTS, count, replace=False).tolist()
     effects = tuple(draw_fault_for(rng, facts, name, str(rng.choice(["small", "typical"]))) for name in names)
@@ -81,7 +82,7 @@ def _draft(rng: Rng, facts: Facts, profile: str, sessions: int, minutes: float) 
     )
 
 
-def own_rig(rng: Rng, facts: Facts, effects: tuple[Fault, ...]) -> str:
+def own_rig(rng: Rng, facts: DeviceFacts, effects: tuple[InjectedEffect, ...]) -> str:
     """A rig file that states all there is."""
     base = {
         "sample_rate_hz": facts.sample_hz,
@@ -100,11 +101,3 @@ def own_rig(rng: Rng, facts: Facts, effects: tuple[Fault, ...]) -> str:
 def draw_seed(rng: Rng) -> int:
     """For `simulate`."""
     return int(rng.integers(1_000_000_000))
-
-
-def describe(facts: Facts) -> str:
-    """For a list of misses."""
-    return (
-        f"{facts.encoder_cpr} counts{' absolute' if facts.encoder_absolute else ''}, {facts.sample_hz} Hz, "
-        f"noise {facts.noise_dps_rthz:g}, step {facts.dps_per_lsb:g}"
-    )

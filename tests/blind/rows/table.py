@@ -3,12 +3,12 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from blind.generator.dice import Path as DicePath
-from blind.generator.dice import Rng, plan_dice
 from blind.rows import baseline, generated, simulated
 from blind.rows.case import Draft, RowCase, name_of, path_of
 from blind.rows.recordings import devices
 from blind.rows.wrong_size import wrong_size
+from gyrodrift.gyrogap.physics.dice import Path as DicePath
+from gyrodrift.gyrogap.physics.dice import Rng, plan_dice
 
 MOST_CASES = 10_000
 

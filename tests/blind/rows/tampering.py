@@ -7,10 +7,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from blind.generator.dice import Rng, sign
-from blind.generator.kinds import Fault
-from blind.generator.motion import Floats
 from blind.rows.recordings import Rows
+from gyrodrift.gyrogap.physics.dice import Rng, sign
+from gyrodrift.gyrogap.physics.kinds import InjectedEffect
+from gyrodrift.gyrogap.physics.motion import Floats
 
 Tamper = Callable[..., Rows]
 
@@ -138,7 +138,7 @@ COUNTED = ("sample_drop",)
 """What shows in a counter alone."""
 
 
-def draw_tampering(rng: Rng, name: str, rate_hz: float, top_dps: float) -> Fault:
+def draw_tampering(rng: Rng, name: str, rate_hz: float, top_dps: float) -> InjectedEffect:
     """An effect at a size that suits a device of this rate and this speed."""
     interval_ms, near = 1000.0 / rate_hz, rng.uniform(0.8, 1.2)
     parameters = {
@@ -158,9 +158,9 @@ def draw_tampering(rng: Rng, name: str, rate_hz: float, top_dps: float) -> Fault
         "timestamp_jitter": {"sigma_ms": 0.35 * interval_ms * near},
         "sample_drop": {"share_percent": 8.0 * near},
     }[name]
-    return Fault(name, {key: float(f"{value:.4g}") for key, value in parameters.items()})
+    return InjectedEffect(name, {key: float(f"{value:.4g}") for key, value in parameters.items()})
 
 
-def tamper(rows: Rows, fault: Fault, rng: Rng) -> Rows:
+def tamper(rows: Rows, fault: InjectedEffect, rng: Rng) -> Rows:
     """The recording with the effect in it."""
     return (MOVING | ANYWHERE)[fault.name](rows, rng, **fault.parameters)

@@ -2,16 +2,17 @@
 
 from dataclasses import replace
 
-from blind.catalogue import EFFECTS, JUDGED
-from blind.generator.dice import Path as DicePath
-from blind.generator.dice import Rng, sign
-from blind.generator.kinds import Fault
-from blind.generator.rig_text import rig_form
-from blind.generator.sizes import STRENGTHS
-from blind.generator.spread import Facts, draw_facts, draw_fault_for
 from blind.rows.case import Draft
-from blind.rows.generated import CLEAR, MINUTES, Stand
-from blind.rows.simulated import LIVELY, Simulated, describe, draw_seed, own_rig
+from blind.rows.generated import CLEAR
+from blind.rows.simulated import LIVELY, Simulated, draw_seed, own_rig
+from gyrodrift.gyrogap.catalogue import EFFECTS, JUDGED
+from gyrodrift.gyrogap.physics.dice import Path as DicePath
+from gyrodrift.gyrogap.physics.dice import Rng, sign
+from gyrodrift.gyrogap.physics.kinds import InjectedEffect
+from gyrodrift.gyrogap.physics.rig_text import rig_form
+from gyrodrift.gyrogap.physics.sizes import STRENGTHS
+from gyrodrift.gyrogap.physics.spread import DeviceFacts, draw_facts, draw_fault_for
+from gyrodrift.gyrogap.physics.stand import MINUTES, Stand, describe
 
 LEAST_RATIO = 1.5
 """Between the two sizes; a device too coarse for that is drawn again."""
@@ -35,7 +36,7 @@ def _simulated(rng: Rng, effect: str) -> Draft:
     while (drawn := _two_sizes(rng, facts, effect)) is None:
         facts = draw_facts(rng)
     there, stated, size = drawn
-    there = Fault(effect, rig_form(there))
+    there = InjectedEffect(effect, rig_form(there))
     profile, minutes = str(rng.choice(["identify", *LIVELY[:1]])), round(rng.uniform(*MINUTES), 3)
     base = rng.bit_generator.state
     rig = own_rig(rng, facts, (stated,))
@@ -68,15 +69,15 @@ def _generated(rng: Rng, effect: str, path: DicePath) -> Draft:
     )
 
 
-def _two_sizes(rng: Rng, facts: Facts, effect: str) -> tuple[Fault, Fault, str] | None:
+def _two_sizes(rng: Rng, facts: DeviceFacts, effect: str) -> tuple[InjectedEffect, InjectedEffect, str] | None:
     """In the sessions and in the rig, of one sign and alike in the rest; None where the device makes them too alike."""
     sizes = [str(size) for size in rng.permutation(CLEAR)]
     way, parameter = sign(rng), STRENGTHS[effect].parameter
     there, other = (draw_fault_for(rng, facts, effect, size, way) for size in sizes)
-    stated = Fault(effect, there.parameters | {parameter: other.parameters[parameter]})
+    stated = InjectedEffect(effect, there.parameters | {parameter: other.parameters[parameter]})
     ratio = abs(_strength(there) / _strength(stated))
     return (there, stated, sizes[0]) if max(ratio, 1.0 / ratio) >= LEAST_RATIO else None
 
 
-def _strength(fault: Fault) -> float:
+def _strength(fault: InjectedEffect) -> float:
     return fault.parameters[STRENGTHS[fault.name].parameter]

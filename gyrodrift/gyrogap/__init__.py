@@ -1,0 +1,1 @@
+"""An open benchmark of causes of the gap between a simulator and recordings."""
