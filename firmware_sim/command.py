@@ -12,13 +12,17 @@ from firmware_sim.measure import StillWord, measure
 from firmware_sim.motion.profile import load_motion, shipped_profiles
 from firmware_sim.player import play, play_after_each_opening, stopped_by_signals
 from firmware_sim.pty import PtyDevice
-from firmware_sim.rig import load_rig, parse_effect, with_axes, with_effects
+from firmware_sim.rig import OWN_YAWS, Rig, load_rig, parse_effect, with_axes, with_effects, with_own_yaw
 from firmware_sim.wire.encoder import Frame
 from firmware_sim.wire.registry import ENCODERS
+from firmware_sim.yaml_file import FileError
 
 DECIMAL = re.compile(r"(?:[0-9]{1,18}\.?[0-9]{0,18}|\.[0-9]{1,18})(?:[eE][-+]?[0-9]{1,3})?")
 WHOLE = re.compile(r"[0-9]{1,18}")
 """Plain decimal digits: `float` and `int` also take other scripts, underscores and blanks."""
+
+CARRIES_OWN_YAW = "native"
+"""The only protocol with a frame for the device's own yaw."""
 
 LONGEST_QUOTE = 40
 """Longest quote of a wrong value, characters."""
@@ -34,8 +38,7 @@ def run(arguments: argparse.Namespace, tell: Callable[[str], None]) -> None:
     LinkInUseError
         The link cannot be made, or belongs to something else.
     """
-    effects = [parse_effect(text) for text in arguments.effect]
-    rig = with_effects(with_axes(load_rig(arguments.rig), int(arguments.axes) if arguments.axes else None), effects)
+    rig = _rig(arguments)
     faults = [parse_fault(text) for text in arguments.fault]
     profile = load_motion(arguments.profile)
     encoder = ENCODERS[arguments.protocol]
@@ -58,6 +61,18 @@ def run(arguments: argparse.Namespace, tell: Callable[[str], None]) -> None:
         if not is_over():
             device.drain()
     tell(f"{sent} samples sent, {lost} without a reader")
+
+
+def _rig(arguments: argparse.Namespace) -> Rig:
+    effects = [parse_effect(text) for text in arguments.effect]
+    axes = int(arguments.axes) if arguments.axes else None
+    rig = with_own_yaw(with_effects(with_axes(load_rig(arguments.rig), axes), effects), arguments.own_yaw)
+    if rig.base.own_yaw is not None and arguments.protocol != CARRIES_OWN_YAW:
+        raise FileError(
+            f"--protocol {arguments.protocol}: does not carry the device's own yaw; use --protocol {CARRIES_OWN_YAW}, "
+            "or leave out --own-yaw and own_yaw of the rig"
+        )
+    return rig
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -89,6 +104,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--axes",
         choices=("1", "3"),
         help="gyro axes: 1, or 3 with an accelerometer (default: as the rig file says)",
+    )
+    parser.add_argument(
+        "--own-yaw",
+        choices=OWN_YAWS,
+        help="run this filter in the device too, and send its yaw, sigma and drift (attitude: restlevel on three axes; "
+        "default: as the rig file says)",
     )
     parser.add_argument(
         "--protocol", default="native", choices=sorted(ENCODERS), help="protocol that it sends (default native)"

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, Literal, Self, TypeVar, get_args
 
 from pydantic import (
     Field,
@@ -10,8 +10,9 @@ from pydantic import (
     SerializerFunctionWrapHandler,
     WrapValidator,
     model_serializer,
+    model_validator,
 )
-from pydantic_core import PydanticKnownError
+from pydantic_core import PydanticCustomError, PydanticKnownError
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
@@ -25,6 +26,10 @@ Kind = TypeVar("Kind", bound=Effect)
 
 MPS2_PER_LSB_AT_4_G = 4.0 * STANDARD_GRAVITY_MPS2 / 2**15
 """One count at ±4 g in 16 bits, m/s²: 8192 LSB/g (MPU-6050, 6.2)."""
+
+OwnYaw = Literal["hdr", "restlevel", "attitude"]
+OWN_YAWS: tuple[OwnYaw, ...] = get_args(OwnYaw)
+"""Filters that a device may run itself; attitude is restlevel on three axes."""
 
 ENCODER_CPR_MAX = 2**31 // 360
 """A count is a 32-bit number on the wire; this allows 360 turns in either direction."""
@@ -109,6 +114,8 @@ class Base(Checked):
         Mean additional delay by the scheduler of the host, s: exponential and independent, but samples stay in order.
     three_axes
         Gyro of three axes and accelerometer; None for a device that sends the yaw rate alone.
+    own_yaw
+        Filter that the device runs itself on its counts, and whose yaw it sends with each sample; None for none.
     """
 
     sample_rate_hz: Annotated[float, Field(ge=1.0, le=65535.0)] = 100.0
@@ -121,13 +128,21 @@ class Base(Checked):
     host_delay_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.002
     host_jitter_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
     three_axes: ThreeAxes | None = None
+    own_yaw: OwnYaw | None = None
+
+    @model_validator(mode="after")
+    def _has_axes_for_its_filter(self) -> Self:
+        if self.own_yaw == "attitude" and self.three_axes is None:
+            raise PydanticCustomError("own_yaw", "own_yaw: attitude needs three axes; add three_axes, or use restlevel")
+        return self
 
     @model_serializer(mode="wrap")
     def _without_axes(self, as_usual: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Fields of a device with one axis stay what they were, to the byte."""
+        """Fields of a device without axes or filter stay what they were, to the byte."""
         fields: dict[str, Any] = as_usual(self)
-        if self.three_axes is None:
-            fields.pop("three_axes", None)
+        for name in ("three_axes", "own_yaw"):
+            if getattr(self, name) is None:
+                fields.pop(name, None)
         return fields
 
 
@@ -187,6 +202,21 @@ def with_axes(rig: Rig, axes: int | None) -> Rig:
     if axes == 1:
         return _with_axes_block(rig, None)
     return _with_axes_block(rig, ThreeAxes()) if axes and rig.base.three_axes is None else rig
+
+
+def with_own_yaw(rig: Rig, own_yaw: str | None) -> Rig:
+    """Rig whose device runs this filter; None leaves it as it is.
+
+    Raises
+    ------
+    FileError
+        The filter needs three axes, and the rig has one.
+    """
+    if own_yaw is None:
+        return rig
+    if own_yaw == "attitude" and rig.base.three_axes is None:
+        raise FileError("--own-yaw attitude: needs a rig with three axes; add --axes 3, or use --own-yaw restlevel")
+    return rig.model_copy(update={"base": rig.base.model_copy(update={"own_yaw": own_yaw})})
 
 
 def _with_axes_block(rig: Rig, axes: ThreeAxes | None) -> Rig:

@@ -22,7 +22,7 @@ from typing import Annotated, Any, Literal
 
 from annotated_types import Ge, Gt, Le, MaxLen
 
-from gyrodrift.sample import Inertial, Sample, upside_down
+from gyrodrift.sample import DeviceYaw, Inertial, Sample, upside_down
 from gyrodrift.vectors import Vector, numbers_in, product, solution
 
 OLD_DAYS = 365.0
@@ -152,7 +152,13 @@ class Calibration:
         return self.bias_dps + self.bias_dps_per_c * (inside_c - self.temp_c)
 
     def sample(self, measured: Sample) -> Sample:
-        """Sample with its true rate, and with the true rates and accelerations of all axes that it has."""
+        """Sample with its true rate, and with the true rates and accelerations of all axes that it has.
+
+        The device's own yaw only gets the sign: its filter has not this calibration.
+        """
+        if measured.device_yaw is not None and self.sign < 0:
+            yaw_deg, sigma_deg, bias_dps = measured.device_yaw
+            measured = measured._replace(device_yaw=DeviceYaw(-yaw_deg, sigma_deg, -bias_dps))
         if measured.inertial is None:
             return measured._replace(rate_dps=self.rate_dps(measured.rate_dps, measured.temp_c))
         inertial = self.inertial(measured.inertial, measured.temp_c)

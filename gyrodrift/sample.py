@@ -31,6 +31,22 @@ def upside_down(inertial: Inertial) -> Inertial:
     return Inertial(x_dps, -y_dps, -z_dps, x_mps2, -y_mps2, -z_mps2)
 
 
+class DeviceYaw(NamedTuple):
+    """Result of a filter that the device runs itself, after the same sample.
+
+    yaw_deg
+        Yaw, deg, counter-clockwise positive; its zero is that of the device.
+    yaw_sigma_deg
+        Standard deviation of the yaw, deg; NaN if the filter has none.
+    bias_dps
+        Estimated drift of the yaw rate, deg/s.
+    """
+
+    yaw_deg: float
+    yaw_sigma_deg: float
+    bias_dps: float
+
+
 class Reading(NamedTuple):
     """One measurement decoded from the wire, before it has a host time.
 
@@ -48,6 +64,8 @@ class Reading(NamedTuple):
         Yaw angle of a device that sends no rate, deg, counter-clockwise positive; else NaN.
     inertial
         All axes; None if the device does not send three rates. `rate_dps` is its `gyro_z_dps`.
+    device_yaw
+        Result of the device's own filter; None if the device sends none for this measurement.
     """
 
     t_us: int | None
@@ -58,6 +76,7 @@ class Reading(NamedTuple):
     still: float = nan
     yaw_deg: float = nan
     inertial: Inertial | None = None
+    device_yaw: DeviceYaw | None = None
 
 
 class Sample(NamedTuple):
@@ -69,7 +88,7 @@ class Sample(NamedTuple):
         Device clock, s, unwrapped.
     t_host_s
         Arrival, Unix time in s on a clock that never steps.
-    rate_dps, encoder_deg, temp_c, still, inertial
+    rate_dps, encoder_deg, temp_c, still, inertial, device_yaw
         As in `Reading`.
     """
 
@@ -81,6 +100,7 @@ class Sample(NamedTuple):
     temp_c: float = nan
     still: float = nan
     inertial: Inertial | None = None
+    device_yaw: DeviceYaw | None = None
 
 
 class Attitude(NamedTuple):
@@ -130,6 +150,9 @@ class Corrected(NamedTuple):
         Angle of the encoder, unwrapped, from where `yaw_deg` is 0, in degrees; NaN without an encoder.
     attitude
         Attitude; None for a device with one axis.
+    device_difference_deg
+        `yaw_deg` minus the device's own yaw at its last result, −180 to 180 deg, 0 where the two were aligned; NaN
+        before the first result.
     """
 
     sample: Sample
@@ -144,3 +167,4 @@ class Corrected(NamedTuple):
     heading_deg: float = nan
     reference_deg: float = nan
     attitude: Attitude | None = None
+    device_difference_deg: float = nan

@@ -22,7 +22,7 @@ from gyrodrift.outputs import wire
 from gyrodrift.outputs.hub import Hub
 from gyrodrift.outputs.options import OutputSpec, revealed
 from gyrodrift.outputs.status import OutputStatus, ServiceStatus, output_status
-from gyrodrift.sample import Attitude, Corrected, Inertial, Sample
+from gyrodrift.sample import Attitude, Corrected, DeviceYaw, Inertial, Sample
 
 
 def corrected(seq: int, **values: Any) -> Corrected:
@@ -68,6 +68,15 @@ def tilted(
     attitude = Attitude(*q, 22.2687, roll_deg, pitch_deg, 0.4, 0.1, 0.2, 0.25)
     level = corrected(seq, yaw_deg=yaw_deg)
     return level._replace(sample=level.sample._replace(inertial=AXES), attitude=attitude)._replace(**values)
+
+
+OWN_YAW = DeviceYaw(2.5, 0.125, -0.5)
+"""Result of the filter in a device."""
+
+
+def with_own_yaw(plain: Corrected, own: DeviceYaw = OWN_YAW) -> Corrected:
+    """The sample of a device that runs a filter itself; the two yaws differ by −0.25 deg."""
+    return plain._replace(sample=plain.sample._replace(device_yaw=own), device_difference_deg=-0.25)
 
 
 def csv_at_100_hz(count: int, rate_dps: float = 10.0, first: int = 0) -> bytes:

@@ -2,9 +2,11 @@
 
 import struct
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import repeat
 from math import isfinite
 
 from firmware_sim.measure import COUNTS_MAX, Block, TriaxialBlock
+from firmware_sim.own_filter import OwnFilter, own_filter_of
 from firmware_sim.rig import Base
 from firmware_sim.wire.encoder import Frame, Measurement, Vector, WireEncoder, in_16_bits, in_32_bits
 
@@ -137,23 +139,39 @@ def still_flags(still: float) -> int:
 
 
 def greeting(base: Base) -> bytes:
-    """HELLO of a device, with the version for its axes."""
+    """HELLO of a device, with the version for its axes and its filter."""
     axes = base.three_axes
+    if base.own_yaw is not None:
+        mps2_per_lsb = 0.0 if axes is None else axes.mps2_per_lsb
+        return filter_hello_frame(base, mps2_per_lsb, 1 if axes is None else AXES, FILTERS[base.own_yaw])
     return hello_frame(base) if axes is None else axes_hello_frame(base, axes.mps2_per_lsb)
 
 
 def frames(blocks: Iterable[Block], base: Base) -> Iterator[Frame]:
-    """HELLO at power-on, once a second, and after a clock restart; SAMPLE or SAMPLE3 per measurement."""
-    hello = greeting(base)
+    """HELLO at power-on, once a second, and after a clock restart; SAMPLE or SAMPLE3, and YAW, per measurement."""
+    hello, own_filter = greeting(base), own_filter_of(base)
     next_hello_s = last_us = 0.0
     for block in blocks:
         samples = _axes_samples(block, base) if isinstance(block, TriaxialBlock) else _samples(block, base)
-        for (t_us, t_host_s), sample in zip(_times(block), samples, strict=True):
+        own_yaws = _own_yaws(block, own_filter)
+        for (t_us, t_host_s), sample, own_yaw in zip(_times(block), samples, own_yaws, strict=True):
             if t_us / 1e6 >= next_hello_s or t_us < last_us:
                 yield Frame(t_host_s, hello, 0, DELIMITER)
                 next_hello_s = t_us // 1_000_000 + 1.0
             last_us = t_us
             yield Frame(t_host_s, sample, 1, DELIMITER)
+            if own_yaw:
+                yield Frame(t_host_s, own_yaw, 0, DELIMITER)
+
+
+def _own_yaws(block: Block, own_filter: OwnFilter | None) -> Iterator[bytes]:
+    """YAW of each row; empty without a filter."""
+    if own_filter is None:
+        yield from repeat(b"", len(block.seq))
+        return
+    counters = zip(block.seq.tolist(), block.t_device_us.tolist(), strict=True)
+    for (seq, t_us), values in zip(counters, own_filter.results(block), strict=True):
+        yield yaw_frame(seq, t_us, *values)
 
 
 def _times(block: Block) -> Iterator[tuple[int, float]]:

@@ -138,6 +138,7 @@ def run(arguments: argparse.Namespace) -> int:
         filtering = Filtering(
             link, [sink], log, watch, chosen=FILTERS[arguments.filter or DEFAULT.name], axes=arguments.axes
         )
+        events.listeners.append(filtering.hear)
         recording = _recording(arguments, filtering, events, log)
         listeners: list[SampleListener] = [recording, filtering]
         _follow_config(arguments, filtering)

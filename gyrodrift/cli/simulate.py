@@ -62,6 +62,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=("1", "3"),
         help="gyro axes: 1, or 3 with an accelerometer (default: as the rig file says; 1 for the hard cases)",
     )
+    parser.add_argument(
+        "--own-yaw",
+        choices=("hdr", "restlevel", "attitude"),
+        help="run this filter in the device too, and write its yaw, sigma and drift; attitude is restlevel on three "
+        "axes (default: as the rig file says)",
+    )
     parser.add_argument("--format", default="mcap", choices=("mcap", "csv"), help="file format (default mcap)")
     parser.add_argument(
         "--twin", type=Path, metavar="TABLE.csv", help="table of published sessions to imitate (default: none)"
@@ -72,8 +78,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Simulate; 0 when all sessions are written."""
-    if arguments.hard_cases and (arguments.twin or arguments.rig or arguments.effect or arguments.profile):
-        raise UsageError("--hard-cases has its own rigs and motions: leave out --rig, --profile, --effect and --twin")
+    if arguments.hard_cases and (
+        arguments.twin or arguments.rig or arguments.effect or arguments.profile or arguments.own_yaw
+    ):
+        raise UsageError(
+            "--hard-cases has its own rigs and motions: leave out --rig, --profile, --effect, --own-yaw and --twin"
+        )
     if arguments.twin is not None and arguments.axes == "3":
         raise UsageError("--twin imitates sessions of one axis: leave out --axes 3")
     options.hold_product_threads()
@@ -97,12 +107,12 @@ def _axes(arguments: argparse.Namespace) -> int | None:
 
 def _rig_and_profile(arguments: argparse.Namespace) -> "tuple[Rig, Motion]":
     from firmware_sim.motion.profile import load_motion
-    from firmware_sim.rig import load_rig, with_axes, with_effects
+    from firmware_sim.rig import load_rig, with_axes, with_effects, with_own_yaw
     from firmware_sim.yaml_file import FileError
 
     try:
         rig = with_effects(with_axes(load_rig(arguments.rig), _axes(arguments)), arguments.effect)
-        return rig, load_motion(arguments.profile or "turntable")
+        return with_own_yaw(rig, arguments.own_yaw), load_motion(arguments.profile or "turntable")
     except FileError as error:
         raise UsageError(str(error)) from error
 

@@ -3,6 +3,8 @@
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from gyrodrift.describe.axes import axes_of
 from gyrodrift.describe.possible import impossible_values
 from gyrodrift.describe.values import Allan, HostClock, RestSource, SessionDescription, Stretch
@@ -82,7 +84,7 @@ def _raw(raw: RawSize | None) -> TableLine:
 def _groups(session: Session, description: SessionDescription) -> Iterator[Group]:
     yield Group("samples", list(_samples(description)))
     yield Group("host clock", list(_host(description.host)))
-    yield Group("values", [*_values(description), *_axes(session)])
+    yield Group("values", [*_values(description), *_axes(session), *_device_yaw(session)])
     yield Group(REST_HEADINGS[description.still_by], list(_stretches(description)))
     yield Group("noise", list(_noise(description.allan)))
 
@@ -162,6 +164,17 @@ def _axes(session: Session) -> Iterator[TableLine]:
     if axes.accel_norm_mps2:
         without = f"; {axes.without_accel} samples without" if axes.without_accel else ""
         yield TableLine("acceleration", f"median length {axes.accel_norm_mps2:.4g} m/s²{without}", bool(without))
+
+
+def _device_yaw(session: Session) -> Iterator[TableLine]:
+    """A line about the yaw of the filter in the device; none for a device without one."""
+    if session.device_yaw_deg is None:
+        return
+    known_deg = session.device_yaw_deg[np.isfinite(session.device_yaw_deg)]
+    name = session.metadata.get("device", {}).get("device_filter", "")
+    words = f"{known_deg.min():.6g} … {known_deg.max():.6g} deg, the device's own yaw{f' by {name}' if name else ''}"
+    without = len(session.device_yaw_deg) - len(known_deg)
+    yield TableLine("device yaw", words + (f"; {without} samples without" if without else ""))
 
 
 def _stretches(description: SessionDescription) -> Iterator[TableLine]:

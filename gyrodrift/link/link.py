@@ -208,6 +208,7 @@ class Link:
             "damaged": decoder.counters.damaged if decoder else 0,
             "before_hello": decoder.counters.before_hello if decoder else 0,
             "clipped": decoder.counters.clipped if decoder else 0,
+            **({"lone_yaws": decoder.counters.lone_yaws} if decoder and decoder.counters.lone_yaws else {}),
             "gaps": self.counters.gaps,
             "missing": self.counters.missing,
             "device_resets": self.counters.device_resets,
@@ -295,6 +296,7 @@ class Link:
                 sample_rate_hz=device.sample_rate_hz,
                 dps_per_lsb=device.dps_per_lsb,
                 encoder_cpr=device.encoder_cpr,
+                **({"device_filter": device.device_filter} if device.device_filter else {}),
             )
         self.device = device
 

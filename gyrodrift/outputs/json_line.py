@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from gyrodrift.sample import Attitude, Corrected
+from gyrodrift.sample import Attitude, Corrected, DeviceYaw
 
 Value = float | tuple[float, ...]
 
@@ -37,7 +37,14 @@ ATTITUDE_FIELDS: dict[str, Callable[[Attitude], Value]] = {
 }
 """Fields of a device with three axes; a list where there are several numbers."""
 
-NAMES = (*FIELDS, *ATTITUDE_FIELDS)
+DEVICE_FIELDS: dict[str, Callable[[DeviceYaw], float]] = {
+    "device_yaw_deg": lambda d: d.yaw_deg,
+    "device_yaw_sigma_deg": lambda d: d.yaw_sigma_deg,
+    "device_bias_dps": lambda d: d.bias_dps,
+}
+"""Fields of a device that runs a filter itself, as it sends them."""
+
+NAMES = (*FIELDS, *ATTITUDE_FIELDS, *DEVICE_FIELDS)
 
 DIGITS = {name: 5 if name.endswith("_dps") else 4 for name in NAMES} | {"t_s": 6, "t_host_s": 6, "temp_c": 2, "q": 6}
 """Digits behind the point. Device clocks count microseconds. 1e-5 deg/s is 0.036 deg/h, below the bias instability of
@@ -64,6 +71,8 @@ ATTITUDE = (
 )
 """All fields of an `Attitude` in its order."""
 
+DEVICE_YAW, DEVICE_SIGMA, DEVICE_BIAS = ("," + _part(name) for name in DEVICE_FIELDS)
+
 
 def json_line(corrected: Corrected, opening: str = "{") -> str:
     """Line for one sample with significant digits, without unknown values.
@@ -71,7 +80,7 @@ def json_line(corrected: Corrected, opening: str = "{") -> str:
     `opening` is the beginning of the object, for a field that all lines have.
     """
     (
-        (seq, t_s, _, rate_dps, encoder_deg, temp_c, _, _),
+        (seq, t_s, _, rate_dps, encoder_deg, temp_c, _, _, device_yaw),
         corrected_dps,
         yaw_deg,
         bias_dps,
@@ -83,6 +92,7 @@ def json_line(corrected: Corrected, opening: str = "{") -> str:
         heading_deg,
         _,
         attitude,
+        _,
     ) = corrected
     line = opening + MEASURED % (seq, t_s, rate_dps, corrected_dps, yaw_deg, bias_dps)
     if yaw_sigma_deg == yaw_sigma_deg:  # noqa: PLR0124 - false only for NaN; the fastest test
@@ -98,7 +108,14 @@ def json_line(corrected: Corrected, opening: str = "{") -> str:
     if attitude is not None:
         total = sum(attitude)  # NaN if a value is unknown
         line += ATTITUDE % attitude if total == total else _attitude_part(corrected)  # noqa: PLR0124
-    return line + "}\n"
+    return line + (_device_part(device_yaw) if device_yaw is not None else "") + "}\n"
+
+
+def _device_part(device_yaw: DeviceYaw) -> str:
+    """Part of a line with the result of the device's own filter."""
+    yaw_deg, sigma_deg, bias_dps = device_yaw
+    sigma = DEVICE_SIGMA % sigma_deg if sigma_deg == sigma_deg else ""  # noqa: PLR0124 - as above
+    return DEVICE_YAW % yaw_deg + sigma + DEVICE_BIAS % bias_dps
 
 
 def _attitude_part(corrected: Corrected) -> str:
@@ -121,15 +138,22 @@ def present_fields(corrected: Corrected, names: Iterable[str] = NAMES) -> dict[s
 
 def present_values(corrected: Corrected, names: Iterable[str] = NAMES) -> dict[str, Value]:
     """Fields with all digits, in this order, without unknown values."""
-    attitude, values = corrected.attitude, dict[str, Value]()
+    values = dict[str, Value]()
     for name in names:
-        if name in FIELDS:
-            number = FIELDS[name](corrected)
-            if number == number:  # noqa: PLR0124
-                values[name] = number
-        elif attitude is not None and _is_known(value := ATTITUDE_FIELDS[name](attitude)):
+        value = _value(corrected, name)
+        if value is not None and _is_known(value):
             values[name] = value
     return values
+
+
+def _value(corrected: Corrected, name: str) -> Value | None:
+    """Value of a field; None if the device does not have it."""
+    if name in FIELDS:
+        return FIELDS[name](corrected)
+    if name in DEVICE_FIELDS:
+        device_yaw = corrected.sample.device_yaw
+        return None if device_yaw is None else DEVICE_FIELDS[name](device_yaw)
+    return None if corrected.attitude is None else ATTITUDE_FIELDS[name](corrected.attitude)
 
 
 def chosen_line(corrected: Corrected, names: Iterable[str], **fixed: Any) -> str:

@@ -18,7 +18,7 @@ from gyrodrift import __version__
 from gyrodrift.files import UnreadableError, check_ordinary, read_ordinary
 from gyrodrift.outputs.health import health
 from gyrodrift.outputs.home_assistant import BIRTH, OFFLINE, ONLINE, Topics, discovery
-from gyrodrift.outputs.json_line import FIELDS, NAMES, present_fields
+from gyrodrift.outputs.json_line import ATTITUDE_FIELDS, DEVICE_FIELDS, FIELDS, present_fields
 from gyrodrift.outputs.mqtt_guard import BrokerGuard
 from gyrodrift.outputs.net.addresses import shown
 from gyrodrift.outputs.net.backlog import Backlog
@@ -245,7 +245,9 @@ class MqttOutput(Output[MqttOptions]):
 
 def state(sample: Corrected) -> bytes:
     """A sample as JSON with all fields of its device, null for unknown values."""
-    names = FIELDS if sample.attitude is None else NAMES
+    axes = () if sample.attitude is None else ATTITUDE_FIELDS
+    own = () if sample.sample.device_yaw is None else DEVICE_FIELDS
+    names = (*FIELDS, *axes, *own)
     return json.dumps(dict.fromkeys(names) | present_fields(sample)).encode()
 
 

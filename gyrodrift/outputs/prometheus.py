@@ -133,6 +133,10 @@ def _gauges(status: ServiceStatus) -> Iterator[tuple[str, str, float | None]]:
     yield "tilt_sigma_degrees", "Standard deviation of the tilt.", state.tilt_sigma_deg
     yield "roll_degrees", "Roll, positive with the right side down.", state.roll_deg
     yield "pitch_degrees", "Pitch, positive with the nose down.", state.pitch_deg
+    yield "device_yaw_degrees", "Yaw of the filter in the device.", state.device_yaw_deg
+    yield "device_yaw_sigma_degrees", "Standard deviation of the yaw in the device.", state.device_yaw_sigma_deg
+    yield "device_drift_degrees_per_second", "Bias estimate of the filter in the device.", state.device_bias_dps
+    yield "device_difference_degrees", "Yaw minus that of the device since the start.", state.device_difference_deg
     yield "drift_degrees_per_second", "Bias estimate.", state.bias_dps
     yield "drift_sigma_degrees_per_second", "Standard deviation of the bias estimate.", state.bias_sigma_dps
     yield "rest_probability_ratio", "Probability of rest.", state.rest_probability

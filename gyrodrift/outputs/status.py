@@ -52,12 +52,17 @@ class LinkStatus:
 
 @dataclass(frozen=True, slots=True)
 class DeviceStatus:
-    """Description by the device itself; None for missing values."""
+    """Description by the device itself; None for missing values.
+
+    device_filter
+        Name of the filter that the device runs itself.
+    """
 
     device_id: str | None = None
     sample_rate_hz: float | None = None
     dps_per_lsb: float | None = None
     encoder_cpr: int | None = None
+    device_filter: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +79,10 @@ class FilterStatus:
         Last statement of a witness of rest, 1 for rest and 0 for motion, and whether it is believed.
     tilt_deg, roll_deg, pitch_deg, tilt_sigma_deg
         Attitude of a device with three axes, deg, and the standard deviation of its tilt.
+    device_yaw_deg, device_yaw_sigma_deg, device_bias_dps
+        Last result of the device's own filter.
+    device_difference_deg
+        Yaw minus the device's own yaw, deg, 0 where the two were aligned.
     temp_curve
         Bias against temperature: `points`, `slope_dps_c`, `slope_sigma_dps_c`.
     """
@@ -96,6 +105,10 @@ class FilterStatus:
     roll_deg: float | None = None
     pitch_deg: float | None = None
     tilt_sigma_deg: float | None = None
+    device_yaw_deg: float | None = None
+    device_yaw_sigma_deg: float | None = None
+    device_bias_dps: float | None = None
+    device_difference_deg: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

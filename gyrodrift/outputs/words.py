@@ -29,10 +29,21 @@ def _filter_figures(now: FilterStatus) -> list[Figure]:
         Figure("Yaw", f"{now.yaw_deg:+z.2f}{_margin(now.yaw_sigma_deg, 2)} deg"),
         *scale,
         *heading,
+        *_device_figures(now),
         *_tilt_figures(now),
         Figure("Bias", f"{now.bias_dps:+z.4f}{_margin(now.bias_sigma_dps, 4)} deg/s"),
         Figure("At rest", rest),
         Figure("Temperature", UNKNOWN if now.temp_c is None else f"{now.temp_c:.1f} °C"),
+    ]
+
+
+def _device_figures(now: FilterStatus) -> list[Figure]:
+    """Yaw of the device's own filter; no figures for a device without one."""
+    if now.device_yaw_deg is None or now.device_difference_deg is None:
+        return []
+    return [
+        Figure("Device yaw", f"{now.device_yaw_deg:+z.2f}{_margin(now.device_yaw_sigma_deg, 2)} deg"),
+        Figure("Difference", f"{now.device_difference_deg:+z.2f} deg"),
     ]
 
 

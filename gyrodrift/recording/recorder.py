@@ -217,15 +217,26 @@ class Recorder:
             raise failures[0]
 
     def _writer_of(self, samples: list[Sample]) -> McapWriter:
-        """The open file; a new one if none is open, or if it cannot hold the axes of the samples."""
-        if self._writer is not None and self._writer.has_axes:
-            return self._writer
+        """The open file; a new one if none is open, or if it cannot hold all values of the samples."""
+        writer = self._writer
+        if writer is not None and writer.has_axes and writer.has_device_yaw:
+            return writer
         has_axes = any(sample.inertial is not None for sample in samples)
-        if has_axes and self._writer is not None:
+        has_device_yaw = self._is_filtering or any(sample.device_yaw is not None for sample in samples)
+        if writer is not None:
+            if has_axes <= writer.has_axes and has_device_yaw <= writer.has_device_yaw:
+                return writer
+            has_axes, has_device_yaw = has_axes or writer.has_axes, has_device_yaw or writer.has_device_yaw
             self._end()
-        return self._begun(has_axes=has_axes)
+        return self._begun(has_axes=has_axes, has_device_yaw=has_device_yaw)
 
-    def _begun(self, *, has_axes: bool = False) -> McapWriter:
+    @property
+    def _is_filtering(self) -> bool:
+        """Whether the device says that it runs a filter; its first samples may come without a result."""
+        decoder = self._link.decoder
+        return decoder is not None and decoder.device.device_filter is not None
+
+    def _begun(self, *, has_axes: bool = False, has_device_yaw: bool = False) -> McapWriter:
         """The open file; a new one if none is open."""
         if self._writer is not None:
             return self._writer
@@ -242,6 +253,7 @@ class Recorder:
                 **_device_tables(device),
             },
             has_axes=has_axes,
+            has_device_yaw=has_device_yaw,
         )
         for content, t_host_s in self._waiting:
             self._writer.add_read(content, t_host_s)
@@ -311,6 +323,8 @@ class Recorder:
         table: dict[str, object] = {name: getattr(counters, name) for name in counters.__slots__}
         if decoder is not None:
             table |= {name: getattr(decoder.counters, name) for name in decoder.counters.__slots__}
+            if not decoder.counters.lone_yaws:
+                del table["lone_yaws"]
         if drift_ppm is not None:
             table["clock_ppm"] = round(drift_ppm, 2)
         return {name: str(value) for name, value in table.items()}

@@ -5,7 +5,7 @@ from math import nan
 
 from gyrodrift.filters.run import FilterRun
 from gyrodrift.sample import Attitude, Corrected, Sample
-from gyrodrift.service.reference import EncoderReference, YawReference
+from gyrodrift.service.reference import DeviceReference, EncoderReference, YawReference
 
 
 @dataclass(slots=True)
@@ -23,6 +23,7 @@ class Correcting:
     run: FilterRun
     reference: YawReference = field(default_factory=YawReference)
     encoder: EncoderReference = field(default_factory=EncoderReference)
+    device: DeviceReference = field(default_factory=DeviceReference)
     raw_yaw_deg: float = 0.0
     last: Sample | None = None
 
@@ -40,6 +41,7 @@ class Correcting:
         self.run.zero()
         self.reference.zero(self.run.state.yaw_deg, self.raw_yaw_deg)
         self.encoder.align()
+        self.device.align()
 
     @property
     def yaw_deg(self) -> float:
@@ -70,6 +72,7 @@ class Correcting:
             reference.heading_deg(yaw_deg) if reference.has_north else nan,
             self.encoder.angle_deg(sample.encoder_deg, zeroed_deg),
             self.attitude() if has_axes else None,
+            self.device.take(sample.device_yaw, zeroed_deg),
         )
 
     def attitude(self) -> Attitude:

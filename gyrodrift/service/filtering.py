@@ -1,7 +1,7 @@
 """The filter of `serve`: it hands corrected samples to the sinks, and applies a new config between two samples."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import partial
@@ -179,6 +179,11 @@ class Filtering:
     def begin_with(self, state: FilterState) -> None:
         """Start the filter with this state; before its first sample."""
         self.run.state = state
+
+    def hear(self, event: str, _fields: Mapping[str, Any]) -> None:
+        """Align yaw with the device's own yaw again after the device has restarted, where that begins at 0."""
+        if event == "device_reset":
+            self.correcting.device.align()
 
     def zero(self) -> None:
         """Set yaw and its sigma to 0 at the last sample."""

@@ -39,6 +39,7 @@ class ServiceLine:
     def __init__(self, link: Link, fd: int) -> None:
         self._link, self._fd = link, fd
         self._last: Corrected | None = None
+        self._device: Corrected | None = None
         self._marks: list[tuple[float, int]] = []
 
     @property
@@ -51,9 +52,11 @@ class ServiceLine:
         return NO_WAKES
 
     def take(self, samples: list[Corrected]) -> None:
-        """Keep the newest sample."""
+        """Keep the newest sample, and the newest one with the device's own yaw."""
         if samples:
             self._last = samples[-1]
+            own = next((corrected for corrected in reversed(samples) if corrected.sample.device_yaw), None)
+            self._device = own or self._device
 
     def tick(self, now_s: float) -> None:
         """Rewrite the line."""
@@ -70,6 +73,7 @@ class ServiceLine:
         rate_hz = (now - begin) / max(now_s - begin_s, 1e-9)
         parts = [
             f"yaw {_signed(last.yaw_deg, 2)}{_margin(last.yaw_sigma_deg, 2)} deg",
+            _device(self._device),
             _tilt(last.attitude),
             f"bias {_signed(last.bias_dps, 3)} deg/s",
             f"rest {100.0 * last.rest_probability:.0f} %" if isfinite(last.rest_probability) else "",
@@ -137,6 +141,15 @@ def _tilt(attitude: Attitude | None) -> str:
     if attitude is None:
         return ""
     return f"roll {_signed(attitude.roll_deg, 1)} pitch {_signed(attitude.pitch_deg, 1)} deg"
+
+
+def _device(last: Corrected | None) -> str:
+    """The device's own yaw, and how far ours is from it."""
+    if last is None or last.sample.device_yaw is None:
+        return ""
+    yaw_deg, sigma_deg, _ = last.sample.device_yaw
+    margin, difference = _margin(sigma_deg, 2), _signed(last.device_difference_deg, 2)
+    return f"device {_signed(yaw_deg, 2)}{margin} deg, difference {difference}"
 
 
 def _margin(sigma: float, digits: int) -> str:

@@ -1,7 +1,9 @@
-"""Reference of yaw and heading: the zero and the north that a person set, and the encoder angle from the same zero."""
+"""Reference of yaw and heading: the zero and the north that a person set, and other angles from the same zero."""
 
 from dataclasses import dataclass
-from math import copysign, inf, isfinite, nan
+from math import copysign, inf, isfinite, nan, remainder
+
+from gyrodrift.sample import DeviceYaw
 
 FULL_TURN_DEG, HALF_TURN_DEG = 360.0, 180.0
 
@@ -66,3 +68,32 @@ class EncoderReference:
         if not isfinite(self._offset_deg):
             self._offset_deg = yaw_deg - encoder_deg
         return encoder_deg + self._offset_deg
+
+
+@dataclass(slots=True)
+class DeviceReference:
+    """Compares yaw with the device's own yaw, whose zero is that of the device.
+
+    last
+        Last result of the device's own filter; None before the first.
+    difference_deg
+        Yaw minus the device's own yaw at that result, −180 to 180 deg, 0 where the two were aligned.
+    """
+
+    last: DeviceYaw | None = None
+    difference_deg: float = nan
+    _offset_deg: float = nan
+
+    def align(self) -> None:
+        """Take the two as equal at the next result."""
+        self._offset_deg = nan
+
+    def take(self, device_yaw: DeviceYaw | None, yaw_deg: float) -> float:
+        """Difference at the last result of the device; NaN before the first. `yaw_deg` is the output yaw."""
+        if device_yaw is None:
+            return self.difference_deg
+        apart_deg = yaw_deg - device_yaw.yaw_deg
+        if not isfinite(self._offset_deg):
+            self._offset_deg = apart_deg
+        self.last, self.difference_deg = device_yaw, remainder(apart_deg - self._offset_deg, FULL_TURN_DEG)
+        return self.difference_deg

@@ -13,6 +13,7 @@ from gyrodrift.secret import without_secrets
 from gyrodrift.service.filtering import Filtering
 from gyrodrift.service.link_meter import LinkMeter
 from gyrodrift.service.output_feed import OutputFeed, memory_bytes
+from gyrodrift.service.reference import DeviceReference
 
 if TYPE_CHECKING:  # optional parts of the service
     from gyrodrift.service.memory_keeper import MemoryKeeper
@@ -60,14 +61,15 @@ def _link_status(meter: LinkMeter) -> LinkStatus:
         silent_s=round(link.silent_s(), 3),
         rate_hz=round(meter.rate_hz, 2),
         jitter_ms=round(1e3 * meter.jitter_s, 3),
-        **link.counted(),
+        **{name: value for name, value in link.counted().items() if name != "lone_yaws"},
         busy=round(meter.busy, 3),
     )
 
 
 def _device_status(meter: LinkMeter) -> DeviceStatus:
     device = meter.link.device
-    return DeviceStatus(device.device_id, device.sample_rate_hz, device.dps_per_lsb, device.encoder_cpr)
+    values = (device.device_id, device.sample_rate_hz, device.dps_per_lsb, device.encoder_cpr, device.device_filter)
+    return DeviceStatus(*values)
 
 
 def _filter_status(filtering: Filtering) -> FilterStatus:
@@ -88,6 +90,7 @@ def _filter_status(filtering: Filtering) -> FilterStatus:
         temp_curve=getattr(state, "temp_curve", None),
         is_witness_believed=None if filtering.witness is None else filtering.witness.is_believed,
         **_tilt_status(filtering),
+        **_device_yaw_status(filtering.correcting.device),
     )
 
 
@@ -98,6 +101,18 @@ def _tilt_status(filtering: Filtering) -> dict[str, float | None]:
     attitude = filtering.correcting.attitude()
     names = ("tilt_deg", "roll_deg", "pitch_deg", "tilt_sigma_deg")
     return {name: _finite(getattr(attitude, name)) for name in names}
+
+
+def _device_yaw_status(device: DeviceReference) -> dict[str, float | None]:
+    """Result of the device's own filter; empty for a device without one."""
+    if device.last is None:
+        return {}
+    return {
+        "device_yaw_deg": device.last.yaw_deg,
+        "device_yaw_sigma_deg": _finite(device.last.yaw_sigma_deg),
+        "device_bias_dps": device.last.bias_dps,
+        "device_difference_deg": _finite(device.difference_deg),
+    }
 
 
 def _config_status(filtering: Filtering) -> ConfigStatus:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
 from gyrodrift.nearest import nearest
-from gyrodrift.session.session import AXIS_COLUMNS, COLUMNS, Session
+from gyrodrift.session.session import AXIS_COLUMNS, COLUMNS, DEVICE_COLUMNS, SAMPLE_COLUMNS, Session
 
 OLD_NAMES = {"t_s": "t_device_s"}
 """Column names in files of earlier versions."""
@@ -51,16 +51,20 @@ def read_exact(path: Path) -> Session | None:
         return None
     columns = dict(zip([name for name in names if name in COLUMNS], table.T, strict=True))
     seq = columns.get("seq")
-    return Session(
-        name=path.stem,
-        t_device_s=columns["t_device_s"],
-        rate_dps=columns["rate_dps"],
-        t_host_s=columns.get("t_host_s"),
-        seq=None if seq is None else counter(seq),
-        encoder_deg=columns.get("encoder_deg"),
-        temp_c=columns.get("temp_c"),
-        still=columns.get("still"),
-    ).with_axes(columns)
+    return (
+        Session(
+            name=path.stem,
+            t_device_s=columns["t_device_s"],
+            rate_dps=columns["rate_dps"],
+            t_host_s=columns.get("t_host_s"),
+            seq=None if seq is None else counter(seq),
+            encoder_deg=columns.get("encoder_deg"),
+            temp_c=columns.get("temp_c"),
+            still=columns.get("still"),
+        )
+        .with_axes(columns)
+        .with_device_yaw(columns)
+    )
 
 
 def _names(file: TextIO) -> list[str]:
@@ -77,8 +81,8 @@ def _names(file: TextIO) -> list[str]:
 
 def slips_in(names: Sequence[str]) -> dict[int, list[str]]:
     """Indices of misspelled names, with the missing names that they resemble."""
-    expected = COLUMNS if set(names) & set(AXIS_COLUMNS) else [name for name in COLUMNS if name not in AXIS_COLUMNS]
-    absent = set(expected) - set(names)
+    groups = (SAMPLE_COLUMNS, *(group for group in (AXIS_COLUMNS, DEVICE_COLUMNS) if set(names) & set(group)))
+    absent = set().union(*groups) - set(names)
     nearest_names = {
         index: nearest(name, absent, similarity=SIMILAR) for index, name in enumerate(names) if name not in COLUMNS
     }

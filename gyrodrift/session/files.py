@@ -140,7 +140,9 @@ def _write_mcap(path: Path, chunks: Iterable[Session], metadata: dict[str, dict[
     stream = iter(chunks)
     first = next(stream)
     with whole_file(path) as file:
-        writer = McapWriter(file, metadata, has_axes=first.gyro_dps is not None)
+        writer = McapWriter(
+            file, metadata, has_axes=first.gyro_dps is not None, has_device_yaw=first.device_yaw_deg is not None
+        )
         for chunk in chain([first], stream):
             add_chunk(writer, chunk)
         writer.finish()

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gyrodrift.arrays import Floats, Integers
 from gyrodrift.result_table import ResultTable
-from gyrodrift.sample import Inertial, Sample
+from gyrodrift.sample import DeviceYaw, Inertial, Sample
 from gyrodrift.session.damage import RecordingDamage
 
 TABLE = "table"
@@ -19,7 +19,11 @@ TABLE = "table"
 
 GYRO_COLUMNS = ("gyro_x_dps", "gyro_y_dps", "gyro_z_dps")
 ACCEL_COLUMNS = ("accel_x_mps2", "accel_y_mps2", "accel_z_mps2")
-COLUMNS = ("t_device_s", "t_host_s", "seq", "rate_dps", "encoder_deg", "temp_c", "still", *GYRO_COLUMNS, *ACCEL_COLUMNS)
+DEVICE_COLUMNS = ("device_yaw_deg", "device_yaw_sigma_deg", "device_bias_dps")
+"""Columns of a device that runs a filter itself."""
+
+SAMPLE_COLUMNS = ("t_device_s", "t_host_s", "seq", "rate_dps", "encoder_deg", "temp_c", "still")
+COLUMNS = (*SAMPLE_COLUMNS, *GYRO_COLUMNS, *ACCEL_COLUMNS, *DEVICE_COLUMNS)
 """Columns of a session in a file, in this order."""
 
 AXIS_COLUMNS = {
@@ -32,10 +36,13 @@ AXIS_COLUMNS = {
 MISSING = Inertial(nan, nan, nan)
 """Axes of a sample without them."""
 
+NO_YAW = DeviceYaw(nan, nan, nan)
+"""Result of the device's own filter where a sample has none."""
+
 UPSIDE_DOWN = np.array([1.0, -1.0, -1.0])
 """Factors of x, y and z in a frame that is turned by 180° about x."""
 
-ARRAYS = ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg", "temp_c", "still")
+ARRAYS = ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg", "temp_c", "still", *DEVICE_COLUMNS)
 """Arrays of a session of shape (n,)."""
 
 
@@ -57,6 +64,9 @@ class Session(ResultTable):
     gyro_dps, accel_mps2
         Rates in deg/s and specific forces in m/s² about x, y and z of the sensor (see `sample.Inertial`), shape (n, 3);
         None without the columns. Missing values are NaN. `rate_dps` is then the rate about z.
+    device_yaw_deg, device_yaw_sigma_deg, device_bias_dps
+        Result of a filter that the device runs itself: yaw and its standard deviation in deg, estimated drift in deg/s.
+        None without the columns; NaN for samples without a result. The zero of the yaw is that of the device.
     remarks
         Notes for the user about how it was read, a sentence each.
     metadata
@@ -84,6 +94,9 @@ class Session(ResultTable):
     gyro_dps: Floats | None = None
     accel_mps2: Floats | None = None
     accel_scale: float = 1.0
+    device_yaw_deg: Floats | None = None
+    device_yaw_sigma_deg: Floats | None = None
+    device_bias_dps: Floats | None = None
 
     def __repr__(self) -> str:
         seconds = float(self.t_device_s[-1] - self.t_device_s[0])
@@ -91,7 +104,7 @@ class Session(ResultTable):
 
     def columns(self) -> dict[str, Any]:
         """Arrays of the session by name; without the columns that it lacks."""
-        names = (*ARRAYS, *AXIS_COLUMNS)
+        names = (*ARRAYS[: -len(DEVICE_COLUMNS)], *AXIS_COLUMNS, *DEVICE_COLUMNS)
         return {name: column for name in names if (column := self.column(name)) is not None}
 
     def column(self, name: str) -> NDArray[Any] | None:
@@ -128,11 +141,21 @@ class Session(ResultTable):
         return self if factor == 1.0 else replace(self, rate_dps=self.rate_dps * factor, gyro_dps=gyro_dps)
 
     def upside_down(self) -> "Session":
-        """The session in a frame that is turned by 180° about x: y, z and the yaw rate change their sign."""
+        """The session in a frame that is turned by 180° about x: y, z, yaw rate and device's yaw change sign."""
         gyro_dps, accel_mps2 = (
             None if array is None else array * UPSIDE_DOWN for array in (self.gyro_dps, self.accel_mps2)
         )
-        return replace(self, rate_dps=-self.rate_dps, gyro_dps=gyro_dps, accel_mps2=accel_mps2)
+        device_yaw_deg, device_bias_dps = (
+            None if array is None else -array for array in (self.device_yaw_deg, self.device_bias_dps)
+        )
+        return replace(
+            self,
+            rate_dps=-self.rate_dps,
+            gyro_dps=gyro_dps,
+            accel_mps2=accel_mps2,
+            device_yaw_deg=device_yaw_deg,
+            device_bias_dps=device_bias_dps,
+        )
 
     def with_yaw_rate(self, rate_dps: Floats) -> "Session":
         """The session with other rates about z, shape (n,), deg/s."""
@@ -154,6 +177,14 @@ class Session(ResultTable):
             return self
         return replace(self, gyro_dps=gyro_dps, accel_mps2=accel_mps2)
 
+    def with_device_yaw(self, columns: Mapping[str, Floats | None]) -> "Session":
+        """The session with the results of the device's own filter, from columns by name; without any yaw as it is."""
+        yaw_deg = columns.get("device_yaw_deg")
+        if yaw_deg is None or np.isnan(yaw_deg).all():
+            return self
+        sigma_deg, bias_dps = columns.get("device_yaw_sigma_deg"), columns.get("device_bias_dps")
+        return replace(self, device_yaw_deg=yaw_deg, device_yaw_sigma_deg=sigma_deg, device_bias_dps=bias_dps)
+
 
 def stacked(columns: Mapping[str, Floats | None], names: Sequence[str]) -> Floats | None:
     """Columns side by side, shape (n, 3); None if a column is missing, or without any number."""
@@ -166,11 +197,11 @@ def stacked(columns: Mapping[str, Floats | None], names: Sequence[str]) -> Float
 
 def session_of(name: str, samples: Sequence[Sample]) -> Session:
     """Session from samples, without the columns that they lack."""
-    *numbers, axes = zip(*samples, strict=True)
+    *numbers, axes, device_yaws = zip(*samples, strict=True)
     seq, t_device_s, t_host_s, rate_dps, *optional = map(np.array, numbers)
     encoder_deg, temp_c, still = (None if np.isnan(column).all() else column for column in optional)
     session = Session(name, t_device_s, rate_dps, t_host_s, seq, encoder_deg, temp_c, still=still)
-    return session.with_axes(axis_columns(axes))
+    return session.with_axes(axis_columns(axes)).with_device_yaw(device_columns(device_yaws))
 
 
 def axis_columns(axes: Sequence[Inertial | None]) -> dict[str, Floats | None]:
@@ -179,3 +210,11 @@ def axis_columns(axes: Sequence[Inertial | None]) -> dict[str, Floats | None]:
         return {}
     table = np.array([MISSING if inertial is None else inertial for inertial in axes], dtype=np.float64)
     return dict(zip(AXIS_COLUMNS, table.T, strict=True))
+
+
+def device_columns(device_yaws: Sequence[DeviceYaw | None]) -> dict[str, Floats | None]:
+    """Columns of the device's own filter, by name; NaN where a sample has none, empty without any."""
+    if not any(device_yaw is not None for device_yaw in device_yaws):
+        return {}
+    table = np.array([device_yaw or NO_YAW for device_yaw in device_yaws], dtype=np.float64)
+    return dict(zip(DEVICE_COLUMNS, table.T, strict=True))

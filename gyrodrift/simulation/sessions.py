@@ -10,19 +10,30 @@ import yaml
 from numpy.typing import NDArray
 
 from firmware_sim.measure import ACCEL_MISSING, Block, Motion, TriaxialBlock, measure
+from firmware_sim.own_filter import OwnFilter, own_filter_of
 from firmware_sim.rig import Base, Rig
 from gyrodrift.arrays import Floats
 from gyrodrift.files import write_whole
 from gyrodrift.progress import OnProgress, counted, ignore_progress
 from gyrodrift.session.files import write_session
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import DEVICE_COLUMNS, Session
 from gyrodrift.simulation.truth import write_truth
 
 RIG = "rig.yaml"
 """Name of the rig file beside the sessions simulated with it."""
 
 
-SIMULATED = ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg", "temp_c", "gyro_dps", "accel_mps2")
+SIMULATED = (
+    "t_device_s",
+    "rate_dps",
+    "t_host_s",
+    "seq",
+    "encoder_deg",
+    "temp_c",
+    "gyro_dps",
+    "accel_mps2",
+    *DEVICE_COLUMNS,
+)
 """Arrays of a simulated session."""
 
 
@@ -38,14 +49,22 @@ class Simulation:
 
     def chunks(self) -> Iterator[Session]:
         """The session in pieces of a few thousand samples, so that memory does not grow with its length."""
-        count = sample_count(self.rig, self.minutes)
+        count, own_filter = sample_count(self.rig, self.minutes), own_filter_of(self.rig.base)
         for block in measure(self.rig, self.profile, self.seed, self.number):
             is_inside = block.seq < count
             if not is_inside.all():
                 if is_inside.any():
-                    yield as_recorded(block.only(is_inside), self.rig.base, str(self.number))
+                    yield self._recorded(block.only(is_inside), own_filter)
                 return
-            yield as_recorded(block, self.rig.base, str(self.number))
+            yield self._recorded(block, own_filter)
+
+    def _recorded(self, block: Block, own_filter: OwnFilter | None) -> Session:
+        """A block as a session, with the results of the filter in the device."""
+        session = as_recorded(block, self.rig.base, str(self.number))
+        if own_filter is None:
+            return session
+        results = np.array(list(own_filter.results(block)))
+        return session.with_device_yaw(dict(zip(DEVICE_COLUMNS, results.T, strict=True)))
 
     def whole(self) -> Session:
         """The session in one piece."""

@@ -5,7 +5,14 @@ from collections.abc import Callable
 from random import Random
 
 from firmware_sim.wire.bno08x_rvc import rvc_frame
-from firmware_sim.wire.native import HELLO_TYPE, SAMPLE_TYPE, axes_sample_frame, native_frame, sample_frame
+from firmware_sim.wire.native import (
+    HELLO_TYPE,
+    SAMPLE_TYPE,
+    axes_sample_frame,
+    native_frame,
+    sample_frame,
+    yaw_frame,
+)
 from firmware_sim.wire.navx import yaw_message
 from firmware_sim.wire.nmea import sentence
 from firmware_sim.wire.vectornav import vectornav_frame
@@ -18,13 +25,15 @@ READING = struct.Struct("<IHfBf")
 
 HELLO = struct.Struct("<BBHfI16s")
 AXES_HELLO = struct.Struct("<BBHfI16sfB")
+FILTER_HELLO = struct.Struct("<BBHfI16sfBB")
+YAWS = (0.0, -0.0, 90.0, -1e7, 1e30, float("inf"), float("nan"))
 WORDS_16 = (0, 1, -1, 0x7FFF, -0x8000)
 RATES = (0.0, -0.0, 1e-9, 0.00763, 10.0, 10.000001, 1e38, float("inf"), float("nan"), -1.0)
 
 
 def changed_frames(content: bytes, random: Random) -> bytes:
     """One to some whole frames of one protocol put into the stream."""
-    kinds = (_sample, _sample, _sample3, _hello, _axes_hello, _native)
+    kinds = (_sample, _sample, _sample3, _hello, _axes_hello, _native, _with_yaw, _filter_hello)
     make = random.choice((*kinds, _wt901, _xsens, _vectornav, _sentence, _rvc, _ble, _navx))
     made = b"".join(make(random) for _ in range(random.choice((1, 2, 3, 12))))
     at = random.randint(0, len(content))
@@ -55,6 +64,20 @@ def _sample3(random: Random) -> bytes:
     raw = [random.randint(-32768, 32767) for _ in range(6)]
     flags, seq, t_us, counts = (random.getrandbits(bits) for bits in (8, 16, 32, 32))
     return axes_sample_frame(flags, seq, t_us, raw[:3], raw[3:], random.randint(-32768, 32767), counts)
+
+
+def _with_yaw(random: Random) -> bytes:
+    """A sample, and a YAW that may be that of another one, or come twice."""
+    seq, t_us = random.choice((0, 1, 65535, random.getrandbits(16))), random.getrandbits(32)
+    values = [random.choice(YAWS) for _ in range(3)]
+    own = yaw_frame(seq + random.choice((0, 0, 0, 1)), t_us + random.choice((0, 0, 0, 1)), *values)
+    return sample_frame(0x03, seq, t_us, _word(random), 0, 0) + own * random.choice((0, 1, 1, 2))
+
+
+def _filter_hello(random: Random) -> bytes:
+    version, axes, number = random.choice((3, 3, 3, 2, 4)), random.choice((1, 3, 0)), random.choice((0, 1, 2, 3, 255))
+    fields = (HELLO_TYPE, version, 100, 0.00763, 36000, b"bench", random.choice(RATES), axes, number)
+    return native_frame(FILTER_HELLO.pack(*fields))
 
 
 def _axes_hello(random: Random) -> bytes:

@@ -7,17 +7,18 @@ from struct import Struct
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from outputs_support import corrected, tilted
+from outputs_support import corrected, tilted, with_own_yaw
 
 from gyrodrift.outputs import wire
 from gyrodrift.outputs.status import ServiceStatus
-from gyrodrift.sample import Attitude, Corrected, Inertial, Sample
+from gyrodrift.sample import Attitude, Corrected, DeviceYaw, Inertial, Sample
 
 number = st.floats(allow_nan=False)
 inertial = st.none() | st.builds(Inertial, *[number] * 6)
 attitude = st.none() | st.builds(Attitude, *[number] * 11)
-sample = st.builds(Sample, st.integers(0, 2**62), *[number] * 6, inertial)
-batch = st.lists(st.builds(Corrected, sample, *[number] * 10, attitude), max_size=5)
+device_yaw = st.none() | st.builds(DeviceYaw, *[number] * 3)
+sample = st.builds(Sample, st.integers(0, 2**62), *[number] * 6, inertial, device_yaw)
+batch = st.lists(st.builds(Corrected, sample, *[number] * 10, attitude, number), max_size=5)
 
 
 @given(batch)
@@ -53,7 +54,18 @@ def test_a_missing_acceleration_is_not_missing_axes() -> None:
 
 
 def test_the_longest_batch_fits_into_a_datagram() -> None:
-    assert len(wire.pack_samples([tilted(0)] * wire.MOST_RECORDS)) < wire.LONGEST_BYTES
+    assert len(wire.pack_samples([with_own_yaw(tilted(0))] * wire.MOST_RECORDS)) < wire.LONGEST_BYTES
+
+
+def test_the_yaw_of_the_device_and_the_difference_come_out_as_they_went_in() -> None:
+    """In one batch with samples without them, on one axis and on three."""
+    samples = [corrected(0), with_own_yaw(corrected(1)), with_own_yaw(tilted(2)), tilted(3)._replace(heading_deg=1.0)]
+    message = wire.pack_samples(samples)
+    back = wire.unpack_samples(message)
+    assert [str(result.sample) for result in back] == [str(result.sample) for result in samples]
+    assert [result.device_difference_deg for result in back[1:3]] == [-0.25, -0.25]
+    assert [result.attitude for result in back] == [result.attitude for result in samples]
+    assert wire.count_samples(message) == 4
 
 
 @pytest.mark.parametrize("kind", [wire.EVENT, wire.STATUS])

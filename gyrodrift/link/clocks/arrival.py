@@ -104,8 +104,8 @@ class ArrivalClock:
         on_line_s = self._fit.arrival_s(number) - self._origin_s
         lean_s = min(max(LEAN * (on_line_s - expected_s), -0.5 * self.period_s), 0.5 * self.period_s)
         self._time_s = expected_s + lean_s
-        _, _, rate_dps, encoder_deg, temp_c, still, yaw_deg, inertial = reading
+        _, _, rate_dps, encoder_deg, temp_c, still, yaw_deg, inertial, device_yaw = reading
         if yaw_deg == yaw_deg:  # noqa: PLR0124 - NaN alone differs from itself
             rate_dps = self._turning.rate_dps(self._time_s, yaw_deg)
         t_host_s = self.epoch_s + arrival_s
-        return Sample(number, self._time_s, t_host_s, rate_dps, encoder_deg, temp_c, still, inertial)
+        return Sample(number, self._time_s, t_host_s, rate_dps, encoder_deg, temp_c, still, inertial, device_yaw)

@@ -231,11 +231,11 @@ class DeviceClock:
 
     def _sample(self, reading: Reading, time_us: int, seq: int, arrival_s: float) -> Sample:
         # An integer divided by 10^6 is the double nearest to the decimal fraction in a csv.
-        _, _, rate_dps, encoder_deg, temp_c, still, yaw_deg, inertial = reading
+        _, _, rate_dps, encoder_deg, temp_c, still, yaw_deg, inertial, device_yaw = reading
         if yaw_deg == yaw_deg:  # noqa: PLR0124 - NaN alone differs from itself
             rate_dps = self._turning.rate_dps(time_us * 1e-6, yaw_deg)
         t_host_s = self.epoch_s + arrival_s
-        return Sample(seq, time_us / 1e6, t_host_s, rate_dps, encoder_deg, temp_c, still, inertial)
+        return Sample(seq, time_us / 1e6, t_host_s, rate_dps, encoder_deg, temp_c, still, inertial, device_yaw)
 
 
 def _is_forward(suspect: Reading, reading: Reading) -> bool:

@@ -32,6 +32,8 @@ class DecoderCounters:
         Samples with a rate or an acceleration that the device marked as out of range.
     other_frames
         Good frames without a yaw rate.
+    lone_yaws
+        Good frames with the device's own yaw but without its sample, or before the device said that it runs a filter.
     passed_over
         Names of further talkers with a rate on the same line, which are ignored.
     """
@@ -42,6 +44,7 @@ class DecoderCounters:
     late: int = 0
     clipped: int = 0
     other_frames: int = 0
+    lone_yaws: int = 0
     passed_over: frozenset[str] = frozenset()
 
 
@@ -53,6 +56,8 @@ class DeviceDescription:
         Number of gyro axes, 1 or 3.
     mps2_per_lsb
         One count of an acceleration, m/s².
+    device_filter
+        Name of the filter that the device runs itself.
     """
 
     device_id: str | None = None
@@ -61,6 +66,7 @@ class DeviceDescription:
     encoder_cpr: int | None = None
     axes: int | None = None
     mps2_per_lsb: float | None = None
+    device_filter: str | None = None
 
 
 class Decoder(Protocol):

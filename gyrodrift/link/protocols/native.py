@@ -1,18 +1,21 @@
 """The native protocol: COBS frames with a CRC, HELLO once a second and SAMPLE for every measurement.
 
-A device with three axes and an accelerometer sends HELLO version 2 and SAMPLE3 instead. Only HELLO has the scales of a
-count. Earlier samples wait as counts, and are scaled when it arrives.
+A device with three axes and an accelerometer sends HELLO version 2 and SAMPLE3 instead. A device that runs a filter
+sends HELLO version 3, and YAW after a sample. Only HELLO has the scales of a count. Earlier samples wait as counts, and
+are scaled when it arrives.
 """
 
 from binascii import crc_hqx
 from collections import deque
 from math import nan
 from struct import Struct
+from typing import Any
 
 from cobs import cobs
 
 from gyrodrift.link.protocols.decoder import WAITING_MAX, DecoderCounters, DeviceDescription
 from gyrodrift.link.protocols.goes_on import goes_on
+from gyrodrift.link.protocols.native_yaw import YAW, YAW_TYPE, YawJoin, filter_name
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.sample import Inertial, Reading
 
@@ -23,11 +26,12 @@ HELLO = Struct("<BBHfI16s")
 SAMPLE = Struct("<BBHIhhi")
 CRC = Struct("<H")
 AXES_HELLO = Struct("<BBHfI16sfB")
+FILTER_HELLO = Struct("<BBHfI16sfBB")
 AXES_SAMPLE = Struct("<BBHI7hi")
 HELLO_TYPE = 0x01
 SAMPLE_TYPE = 0x02
 AXES_SAMPLE_TYPE = 0x03
-HELLOS = {HELLO.size: (1, HELLO), AXES_HELLO.size: (2, AXES_HELLO)}
+HELLOS = {HELLO.size: (1, HELLO), AXES_HELLO.size: (2, AXES_HELLO), FILTER_HELLO.size: (3, FILTER_HELLO)}
 """Versions and layouts of HELLO by size."""
 
 SAMPLE_SIZES = {SAMPLE_TYPE: SAMPLE.size, AXES_SAMPLE_TYPE: AXES_SAMPLE.size}
@@ -49,9 +53,12 @@ MPS2_PER_LSB_MIN, MPS2_PER_LSB_MAX = 1e-6, 10.0
 """Range of scales that 16-bit accelerometers can have: ±400 g have 0.12 m/s² per count."""
 
 AXES = (1, 3)
+ABSENT: list[Any] = [0.0, None, 0]
+"""Scale of accelerations, axes and filter in a HELLO without them."""
+
 CLIPPED_FLAGS = {SAMPLE_TYPE: RATE_CLIPPED, AXES_SAMPLE_TYPE: RATE_CLIPPED | ACCEL_CLIPPED}
 
-MAX_FRAME_BYTES = AXES_HELLO.size + CRC.size + 1
+MAX_FRAME_BYTES = FILTER_HELLO.size + CRC.size + 1
 """The longest frame before its delimiter; COBS adds one byte to payloads as short as these."""
 
 
@@ -70,6 +77,7 @@ class NativeDecoder:
         self._mps2_per_lsb = nan
         self._waiting: deque[bytes] = deque(maxlen=WAITING_MAX)
         self._is_known_device = False
+        self._join = YawJoin()
 
     def push(self, chunk: bytes) -> list[Reading]:
         """Split at the delimiters, and decode complete frames."""
@@ -100,6 +108,8 @@ class NativeDecoder:
         elif SAMPLE_SIZES.get(payload[0]) == len(payload):
             self.counters.frames += 1
             self._sample(payload, readings)
+        elif payload[0] == YAW_TYPE and len(payload) == YAW.size:
+            self._join.join(payload, readings, self.counters)
         elif payload[0] == HELLO_TYPE and len(payload) in HELLOS:
             self._hello(payload)
         else:
@@ -113,7 +123,7 @@ class NativeDecoder:
             self.counters.frames += 1
             self.counters.other_frames += 1
             return
-        mps2_per_lsb, axes = accelerometer or (0.0, None)
+        mps2_per_lsb, axes, filter_number = accelerometer + ABSENT[len(accelerometer) :]
         has_scale = DPS_PER_LSB_MIN <= dps_per_lsb <= DPS_PER_LSB_MAX
         if not has_scale or not _is_accelerometer(mps2_per_lsb) or (accelerometer and axes not in AXES):
             self.counters.damaged += 1
@@ -126,9 +136,12 @@ class NativeDecoder:
             encoder_cpr=encoder_cpr or None,
             axes=axes,
             mps2_per_lsb=mps2_per_lsb or None,
+            device_filter=filter_name(filter_number),
         )
         if not self._dps_per_lsb:
             self._is_known_device = device == self.device
+        if device != self.device or not self._dps_per_lsb:
+            self._join.announce(device.device_filter)
         self.device = device
         self._dps_per_lsb = dps_per_lsb
         self._deg_per_count = 360.0 / encoder_cpr if encoder_cpr else 0.0
@@ -143,7 +156,7 @@ class NativeDecoder:
             return
         if self._waiting:
             self._release(payload, readings)
-        readings.append(self._reading(payload))
+        self._join.take(self._reading(payload), readings)
 
     def _release(self, payload: bytes, readings: list[Reading]) -> None:
         """Scale the waiting samples when the first sample after HELLO has arrived.

@@ -18,7 +18,7 @@ from gyrodrift.outputs.output import ControlAccess, Output, OutputHost
 from gyrodrift.outputs.status import ClientStatus, ServiceStatus
 from gyrodrift.outputs.web.assets import Assets
 from gyrodrift.outputs.web.buttons import Buttons, is_local
-from gyrodrift.outputs.web.points import ONE_AXIS, POINTS_HZ, THREE_AXES, PointHistory, PointLayout, in_messages
+from gyrodrift.outputs.web.points import LAYOUTS, ONE_AXIS, POINTS_HZ, PointHistory, PointLayout, in_messages
 from gyrodrift.sample import Corrected
 
 KEPT_EVENTS = 50
@@ -37,7 +37,8 @@ class WebOptions:
 class WebOutput(Output[WebOptions]):
     """Serves the page, and sends the last hour, then 30 points a second, events, and the state.
 
-    With the first attitude all pages get a new hello: their points have further columns from then on.
+    With the first attitude, and with the first yaw of the device, all pages get a new hello: their points have further
+    columns from then on.
     """
 
     options_type = WebOptions
@@ -47,6 +48,7 @@ class WebOutput(Output[WebOptions]):
         assets = Assets(options.host, options.reached_as)
         self._server = WebSocketServer(self._session, host.log, assets.answer)
         self._samples: list[Corrected] = []
+        self._has = (False, False)
         self._layout = ONE_AXIS
         self._history = PointHistory(self._layout)
         self._events: tuple[deque[str], deque[str]] = (deque(maxlen=KEPT_EVENTS), deque(maxlen=KEPT_EVENTS))
@@ -90,12 +92,20 @@ class WebOutput(Output[WebOptions]):
         """Send the samples since the last frame as one point."""
         if not self._samples:
             return
-        if self._layout is ONE_AXIS and self._samples[-1].attitude is not None:
-            self._begin_with(THREE_AXES)
+        self._extend(self._samples[-1])
         point = self._layout.point_of(self._samples)
         self._samples.clear()
         self._history.add(point)
         self._send(self._layout.pack(point))
+
+    def _extend(self, newest: Corrected) -> None:
+        """Add the columns of an attitude and of the device's own yaw when a sample has them."""
+        has_attitude, has_device_yaw = self._has
+        is_compared = newest.device_difference_deg == newest.device_difference_deg
+        has = (has_attitude or newest.attitude is not None, has_device_yaw or is_compared)
+        if has != self._has:
+            self._has = has
+            self._begin_with(LAYOUTS[has])
 
     def _begin_with(self, layout: PointLayout) -> None:
         """Begin an empty history with other columns, on all pages too."""

@@ -1,7 +1,7 @@
 """Points of the page: 30 a second with minimum and maximum, for one hour.
 
 Points are merged by minimum and maximum, so a spike of one sample stays visible at any sample rate. Points of a device
-with three axes have further values; those of one axis are shorter.
+with three axes, or with its own yaw, have further values.
 """
 
 from collections import deque
@@ -57,6 +57,17 @@ TILT_LASTS: dict[str, Value] = {
 """Further values of the last sample."""
 
 
+DEVICE_SPANS: dict[str, Value] = {"device_difference_deg": lambda c: c.device_difference_deg}
+"""Further values of a device that runs a filter itself, with minimum and maximum."""
+
+DEVICE_LASTS: dict[str, Value] = {
+    **DEVICE_SPANS,
+    "device_yaw_deg": lambda c: nan if c.sample.device_yaw is None else c.sample.device_yaw.yaw_deg,
+    "device_yaw_sigma_deg": lambda c: nan if c.sample.device_yaw is None else c.sample.device_yaw.yaw_sigma_deg,
+}
+"""Further values of the last sample; NaN if that one has no result of the device."""
+
+
 class Point(NamedTuple):
     """Consecutive samples.
 
@@ -104,6 +115,13 @@ class PointLayout:
 
 ONE_AXIS = PointLayout(SPANS, LASTS)
 THREE_AXES = PointLayout(SPANS | TILT_SPANS, LASTS | TILT_LASTS)
+LAYOUTS = {
+    (False, False): ONE_AXIS,
+    (True, False): THREE_AXES,
+    (False, True): PointLayout(SPANS | DEVICE_SPANS, LASTS | DEVICE_LASTS),
+    (True, True): PointLayout(SPANS | TILT_SPANS | DEVICE_SPANS, LASTS | TILT_LASTS | DEVICE_LASTS),
+}
+"""Layout by whether samples have an attitude, and whether they have the device's own yaw."""
 
 
 def merged(points: Sequence[Point]) -> Point:

@@ -6,8 +6,9 @@ import reprlib
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from gyrodrift.sample import Inertial, Sample
+from gyrodrift.sample import DeviceYaw, Inertial, Sample
 from gyrodrift.session.csv import REQUIRED
+from gyrodrift.session.session import DEVICE_COLUMNS
 
 NS_PER_S = 1_000_000_000
 
@@ -51,6 +52,7 @@ def sample_of(fields: Mapping[str, Any], log_ns: int) -> Sample:
         temp_c=number("temp_c", fields.get("temp_c")),
         still=number("still", fields.get("still")),
         inertial=_inertial(fields),
+        device_yaw=_device_yaw(fields),
     )
 
 
@@ -58,6 +60,12 @@ def _inertial(fields: Mapping[str, Any]) -> Inertial | None:
     if fields.get("gyro_x_dps") is None:
         return None
     return Inertial._make(number(name, fields.get(name)) for name in Inertial._fields)
+
+
+def _device_yaw(fields: Mapping[str, Any]) -> DeviceYaw | None:
+    if fields.get("device_yaw_deg") is None:
+        return None
+    return DeviceYaw._make(number(name, fields.get(name)) for name in DEVICE_COLUMNS)
 
 
 def number(name: str, value: Any) -> float:

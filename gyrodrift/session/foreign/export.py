@@ -10,9 +10,9 @@ from typing import Any
 from gyrodrift import __version__
 from gyrodrift.errors import DataError
 from gyrodrift.files import whole_file
-from gyrodrift.sample import Inertial, Sample
+from gyrodrift.sample import DeviceYaw, Inertial, Sample
 from gyrodrift.session.mcap.layout import SAMPLES
-from gyrodrift.session.session import AXIS_COLUMNS, Session
+from gyrodrift.session.session import AXIS_COLUMNS, DEVICE_COLUMNS, Session
 
 NS_PER_S = 1_000_000_000
 LATEST_LOG_NS = 2**64 - 1
@@ -98,6 +98,7 @@ float64 z
 JSON_SCHEMA = "gyrodrift.Sample"
 NUMBER_OR_NONE = {"type": ["number", "null"]}
 OPTIONAL_NUMBERS = ("encoder_deg", "temp_c", "still")
+SAMPLE_FIELDS = tuple(name for name in Sample._fields if name not in ("inertial", "device_yaw"))
 ALWAYS_WRITTEN = ("t_device_s", "t_host_s", "rate_dps")
 """Null without a number; without `t_host_s` a reader would use the log time instead."""
 
@@ -153,6 +154,7 @@ def write_json(path: Path, chunks: Iterable[Session]) -> None:
 
 def _json_schema(session: Session) -> str:
     axes = () if session.gyro_dps is None else tuple(AXIS_COLUMNS)
+    axes += () if session.device_yaw_deg is None else DEVICE_COLUMNS
     properties = {
         "seq": {"type": "integer"},
         **dict.fromkeys(ALWAYS_WRITTEN, NUMBER_OR_NONE),
@@ -173,8 +175,8 @@ def _samples(chunks: Iterable[Session], writer: Any) -> Iterator[Sample]:
     for number, chunk in enumerate(chunks):
         for name, table in chunk.metadata.items() if number == 0 else ():
             writer.add_metadata(name, dict(table))
-        columns = [chunk.filled(name).tolist() for name in Sample._fields if name != "inertial"]
-        columns.append(_inertials(chunk))
+        columns = [chunk.filled(name).tolist() for name in SAMPLE_FIELDS]
+        columns += [_inertials(chunk), _device_yaws(chunk)]
         yield from map(Sample._make, zip(*columns, strict=True))
 
 
@@ -182,6 +184,12 @@ def _inertials(chunk: Session) -> list[Inertial | None]:
     if chunk.gyro_dps is None:
         return [None] * len(chunk.rate_dps)
     return list(map(Inertial._make, zip(*(chunk.filled(name).tolist() for name in AXIS_COLUMNS), strict=True)))
+
+
+def _device_yaws(chunk: Session) -> list[DeviceYaw | None]:
+    if chunk.device_yaw_deg is None:
+        return [None] * len(chunk.rate_dps)
+    return list(map(DeviceYaw._make, zip(*(chunk.filled(name).tolist() for name in DEVICE_COLUMNS), strict=True)))
 
 
 def _imu(stamp: dict[str, int], sample: Sample) -> dict[str, Any]:
@@ -215,6 +223,8 @@ def _json(sample: Sample) -> bytes:
     values = sample._asdict()
     inertial = values.pop("inertial")
     values |= inertial._asdict() if inertial else {}
+    device_yaw = values.pop("device_yaw")
+    values |= dict(zip(DEVICE_COLUMNS, device_yaw, strict=True)) if device_yaw else {}
     fields: dict[str, float | None] = {
         name: value if math.isfinite(value) else None
         for name, value in values.items()

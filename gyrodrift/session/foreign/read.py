@@ -24,9 +24,9 @@ from gyrodrift.session.foreign.ros import cdr_decoder
 from gyrodrift.session.foreign.ros1 import ros1_imu_sample
 from gyrodrift.session.mcap.layout import MAGIC
 from gyrodrift.session.mcap.walk import BrokenRecordError
-from gyrodrift.session.session import AXIS_COLUMNS, MISSING, Session
+from gyrodrift.session.session import AXIS_COLUMNS, DEVICE_COLUMNS, MISSING, NO_YAW, Session
 
-NAMES = (*(name for name in Sample._fields if name != "inertial"), *Inertial._fields)
+NAMES = (*Sample._fields[:7], *Inertial._fields, *DEVICE_COLUMNS)
 ROW = np.dtype([(name, "i8" if name == "seq" else "f8") for name in NAMES])
 
 
@@ -70,12 +70,12 @@ def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
     }
     is_imu = any(channel.is_imu for channel in contents.channels.values() if channel.topic == chosen)
     samples = _samples(f"{path}: {chosen}", records(file), decoders)
-    rows = np.fromiter(((*sample[:-1], *(sample.inertial or MISSING)) for sample in samples), ROW)
+    rows = np.fromiter(map(_row, samples), ROW)
     remarks: tuple[str, ...] = ()
     t_s = rows["t_device_s"].copy()
     if is_imu:
         t_s, remarks = running_clock(t_s, rows["t_host_s"])
-    return Session(
+    session = Session(
         name=path.stem,
         t_device_s=t_s,
         rate_dps=rows["rate_dps"].copy(),
@@ -87,7 +87,14 @@ def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
         metadata=contents.metadata,
         remarks=remarks,
         rate_scale=math.degrees(1.0) if is_imu else 1.0,
-    ).with_axes({name: rows[name] for name in AXIS_COLUMNS})
+    )
+    return session.with_axes({name: rows[name] for name in AXIS_COLUMNS}).with_device_yaw(
+        {name: rows[name] for name in DEVICE_COLUMNS}
+    )
+
+
+def _row(sample: Sample) -> tuple[float, ...]:
+    return (*sample[:7], *(sample.inertial or MISSING), *(sample.device_yaw or NO_YAW))
 
 
 def running_clock(stamps_s: Floats, logged_s: Floats) -> tuple[Floats, tuple[str, ...]]:

@@ -1,13 +1,13 @@
 """Layout of a session file: MCAP without chunks, so that every flushed sample survives a kill.
 
 A sample is a message on `/gyro`, CDR-encoded with the ROS 2 schema `gyrodrift/Sample`. All samples of a file have the
-same size, which is larger for a device with three axes. A run of samples is a table that numpy reads at once, also in
-an unfinished file. A torn end costs only the torn message. `/raw` has the bytes of the link, a message per read.
-`/link` has link events as JSON. `/still` has rest flags from other sources than the rate.
+same size. It is larger for a device with three axes, and for one that sends its own yaw. A run of samples is a table
+that numpy reads at once, also in an unfinished file. A torn end costs only the torn message. `/raw` has the bytes of
+the link, a message per read. `/link` has link events as JSON. `/still` has rest flags from other sources than the rate.
 """
 
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 MAGIC = b"\x89MCAP0\r\n"
 HEAD = struct.Struct("<BQ")
@@ -66,6 +66,13 @@ float64 accel_z_mps2
 )
 """Samples of a device with three axes; a file has either these or `SAMPLES`."""
 
+DEVICE_YAW_TEXT = """\
+# Result of the device's own filter; NaN where a sample has none.
+float64 device_yaw_deg
+float64 device_yaw_sigma_deg
+float64 device_bias_dps
+"""
+
 READS = Topic(
     channel_id=2,
     name="/raw",
@@ -106,7 +113,27 @@ MESSAGE = struct.Struct("<BQHIQQIqddddd")
 AXES_MESSAGE = struct.Struct(MESSAGE.format + "dddddd")
 """A sample of a device with three axes."""
 
-MESSAGE_LENGTHS = (MESSAGE.size - HEAD.size, AXES_MESSAGE.size - HEAD.size)
+
+@dataclass(frozen=True, slots=True)
+class SampleLayout:
+    """Layout of all samples of a file: their channel with its schema, and the bytes of a message."""
+
+    topic: Topic
+    message: struct.Struct
+
+
+def _with_device_yaw(layout: SampleLayout) -> SampleLayout:
+    topic = replace(layout.topic, schema_text=layout.topic.schema_text + DEVICE_YAW_TEXT)
+    return SampleLayout(topic, struct.Struct(layout.message.format + "ddd"))
+
+
+_LAYOUTS = (SampleLayout(SAMPLES, MESSAGE), SampleLayout(AXES_SAMPLES, AXES_MESSAGE))
+LAYOUTS = {
+    (bool(has_axes), has_device_yaw): _with_device_yaw(layout) if has_device_yaw else layout
+    for has_axes, layout in enumerate(_LAYOUTS)
+    for has_device_yaw in (False, True)
+}
+"""Layout by whether samples have three axes, and whether they have the device's own yaw."""
 
 READ_HEAD = struct.Struct("<BQHIQQIdI")
 """A read up to its bytes; the last value is their number."""

@@ -18,10 +18,10 @@ from gyrodrift.errors import DataError
 from gyrodrift.session.damage import DamagedError, RecordingDamage
 from gyrodrift.session.mcap.interrupted import is_bare
 from gyrodrift.session.mcap.layout import (
-    AXES_SAMPLES,
     CDR_LITTLE_ENDIAN,
     HEAD,
     LATEST_NS,
+    LAYOUTS,
     MAGIC,
     MESSAGE_OPCODE,
     PROVED,
@@ -32,8 +32,9 @@ from gyrodrift.session.mcap.layout import (
 from gyrodrift.session.mcap.survey import survey
 from gyrodrift.session.mcap.surveyed import Survey
 from gyrodrift.session.mcap.walk import (
-    AXES_ROW,
+    DEVICE_YAW,
     ROW,
+    ROWS,
     BrokenRecordError,
     PlacedRecord,
     Rows,
@@ -44,7 +45,7 @@ from gyrodrift.session.mcap.walk import (
     schema_of,
 )
 from gyrodrift.session.mcap.write import McapWriter
-from gyrodrift.session.session import AXIS_COLUMNS, Session
+from gyrodrift.session.session import AXIS_COLUMNS, DEVICE_COLUMNS, Session
 from gyrodrift.system import read_at
 
 OPTIONAL = ("t_host_s", "encoder_deg", "temp_c")
@@ -56,6 +57,9 @@ MESSAGE_BODY = 22
 UNPROVED = (
     "it was repaired from a damaged file without usable checksums: samples may be wrong, repeated or in another order"
 )
+
+WIDE = {"axes": tuple(AXIS_COLUMNS), DEVICE_YAW: DEVICE_COLUMNS}
+"""Columns of a session by the field of a row that has all of them."""
 
 VALUES = ("seq", "t_device_s", "rate_dps", *OPTIONAL)
 
@@ -129,21 +133,27 @@ class _Columns:
         self._survey = file_survey
         self._stills: list[tuple[int, float]] = []
         self._arrays = {name: np.empty(self._most, ROW[name]) for name in VALUES}
-        self._axes: Floats | None = None
+        self._wide: dict[str, Floats] = {}
 
     def take(self, rows: Rows) -> None:
         """Append a table of samples."""
         end = self.count + len(rows)
         for name, array in self._arrays.items():
             array[self.count : end] = rows[name]
-        if rows.dtype == AXES_ROW:
-            if self._axes is None:
-                self._axes = np.empty((self._most, len(AXIS_COLUMNS)))
-                self._axes[: self.count] = np.nan
-            self._axes[self.count : end] = rows["axes"]
-        elif self._axes is not None:
-            self._axes[self.count : end] = np.nan
+        for name in WIDE:
+            self._take_wide(name, rows, end)
         self.count = end
+
+    def _take_wide(self, name: str, rows: Rows, end: int) -> None:
+        """Append columns that only some samples of a repaired file may have."""
+        if name not in (rows.dtype.names or ()):
+            if name in self._wide:
+                self._wide[name][self.count : end] = np.nan
+            return
+        if name not in self._wide:
+            self._wide[name] = np.empty((self._most, len(WIDE[name])))
+            self._wide[name][: self.count] = np.nan
+        self._wide[name][self.count : end] = rows[name]
 
     def take_message(self, body: bytes) -> None:
         """Read a message that is no sample: only rest flags are used."""
@@ -169,8 +179,9 @@ class _Columns:
     def session(self, name: str, metadata: dict[str, dict[str, str]]) -> Session:
         """The session, without the columns that the device never filled."""
         columns = {key: array[: self.count] for key, array in self._arrays.items()}
-        axes = None if self._axes is None else self._axes[: self.count]
-        return Session(
+        wide = {key: array[: self.count] for key, array in self._wide.items()}
+        axes, device_yaw = wide.get("axes"), wide.get(DEVICE_YAW)
+        session = Session(
             name=name,
             t_device_s=columns["t_device_s"],
             rate_dps=columns["rate_dps"],
@@ -183,6 +194,8 @@ class _Columns:
             gyro_dps=None if axes is None or np.isnan(axes[:, :3]).all() else axes[:, :3],
             accel_mps2=None if axes is None or np.isnan(axes[:, 3:]).all() else axes[:, 3:],
         )
+        own = {} if device_yaw is None else dict(zip(DEVICE_COLUMNS, device_yaw.T, strict=True))
+        return session.with_device_yaw(own)
 
 
 def _is_empty(column: Floats) -> bool:
@@ -210,7 +223,7 @@ class _Declared:
                     layout = (schema.name, schema.encoding, schema.data)
                     self._has_schema = any(
                         layout == (topic.schema_name, topic.schema_encoding, topic.schema_text.encode())
-                        for topic in (SAMPLES, AXES_SAMPLES)
+                        for topic in (layout.topic for layout in LAYOUTS.values())
                     )
             case Opcode.CHANNEL:
                 channel = channel_of(walk.body(record))
@@ -223,8 +236,8 @@ class _Declared:
 
 
 def add_chunk(writer: McapWriter, session: Session) -> None:
-    """Add the samples of a session at once; their axes are lost unless the file has axes."""
-    rows = np.zeros(len(session.t_device_s), AXES_ROW if writer.has_axes else ROW)
+    """Add the samples of a session at once; columns that the layout of the file does not have are lost."""
+    rows = np.zeros(len(session.t_device_s), ROWS[writer.has_axes, writer.has_device_yaw])
     if not len(rows):
         return
     rows["opcode"], rows["channel"] = MESSAGE_OPCODE, SAMPLES.channel_id
@@ -235,8 +248,9 @@ def add_chunk(writer: McapWriter, session: Session) -> None:
     rows["t_device_s"], rows["rate_dps"] = session.t_device_s, session.rate_dps
     for name in OPTIONAL:
         rows[name] = session.filled(name)
-    for index, name in enumerate(AXIS_COLUMNS) if writer.has_axes else ():
-        rows["axes"][:, index] = session.filled(name)
+    for field in set(WIDE) & set(rows.dtype.names or ()):
+        for index, name in enumerate(WIDE[field]):
+            rows[field][:, index] = session.filled(name)
     rows["publish_time"] = _nanoseconds(session.t_device_s)
     rows["log_time"] = rows["publish_time"] if session.t_host_s is None else _nanoseconds(session.t_host_s)
     if session.still is not None:

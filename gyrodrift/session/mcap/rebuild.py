@@ -5,7 +5,6 @@ import os
 import shutil
 from collections import deque
 from contextlib import suppress
-from itertools import islice
 from math import nan
 from pathlib import Path
 from typing import IO
@@ -16,7 +15,7 @@ from gyrodrift.files import whole_file
 from gyrodrift.session.damage import RecordingDamage
 from gyrodrift.session.mcap.layout import EVENTS, PROVED, READS, REPAIR, STILLS
 from gyrodrift.session.mcap.surveyed import Survey
-from gyrodrift.session.mcap.walk import AXES_ROW, BrokenRecordError, PlacedRecord, SampleRows, Walk, metadata_of
+from gyrodrift.session.mcap.walk import DEVICE_YAW, BrokenRecordError, PlacedRecord, SampleRows, Walk, metadata_of
 from gyrodrift.session.mcap.write import MESSAGE_START, McapWriter
 
 TOPICS = {topic.channel_id: topic for topic in (READS, EVENTS)}
@@ -30,17 +29,18 @@ def rebuild(path: Path, file: IO[bytes], file_survey: Survey, damage: RecordingD
     except OSError:  # a disk without links, such as FAT, or a file of another user
         shutil.copy(path, kept)
     with whole_file(path) as fresh:
-        has_axes = _has_axes(Walk(file, file_survey.stretches))
-        writer = McapWriter(fresh, {REPAIR: _damage_table(damage)}, has_axes=has_axes)
+        names = _fields(Walk(file, file_survey.stretches))
+        table = {REPAIR: _damage_table(damage)}
+        writer = McapWriter(fresh, table, has_axes="axes" in names, has_device_yaw=DEVICE_YAW in names)
         _Copy(Walk(file, file_survey.stretches), file_survey, writer).run()
         writer.finish()
     return kept
 
 
-def _has_axes(walk: Walk) -> bool:
-    """Whether the samples of a file have three axes."""
+def _fields(walk: Walk) -> tuple[str, ...]:
+    """Fields of the samples of a file."""
     tables = (step.rows for step in walk if isinstance(step, SampleRows))
-    return any(rows.dtype == AXES_ROW for rows in islice(tables, 1))
+    return next((rows.dtype.names or () for rows in tables), ())
 
 
 def _free_name(path: Path) -> Path:

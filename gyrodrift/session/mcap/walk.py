@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from gyrodrift.public_yaml import public_yaml
 from gyrodrift.secret import without_secrets
-from gyrodrift.session.mcap.layout import AXES_MESSAGE, HEAD, MAGIC, MESSAGE, MESSAGE_OPCODE, SAMPLES
+from gyrodrift.session.mcap.layout import HEAD, LAYOUTS, MAGIC, MESSAGE_OPCODE, SAMPLES
 from gyrodrift.system import read_at
 
 CONFIG_TABLE = "config"
@@ -50,6 +50,16 @@ ROW = np.dtype(
 AXES_ROW = np.dtype([*((name, ROW[name]) for name in ROW.names or ()), ("axes", "<f8", 6)])
 """A sample with three axes; the same bytes as `layout.AXES_MESSAGE`."""
 
+DEVICE_YAW = "device_yaw"
+ROWS = {
+    (has_axes, has_device_yaw): np.dtype(
+        [*((name, row[name]) for name in row.names or ()), *([(DEVICE_YAW, "<f8", 3)] if has_device_yaw else [])]
+    )
+    for has_axes, row in ((False, ROW), (True, AXES_ROW))
+    for has_device_yaw in (False, True)
+}
+"""A sample by the keys of `layout.LAYOUTS`, with the same bytes."""
+
 Rows = NDArray[np.void]
 
 
@@ -57,7 +67,7 @@ def _row_start(size: int) -> bytes:
     return HEAD.pack(MESSAGE_OPCODE, size - HEAD.size) + SAMPLES.channel_id.to_bytes(2, "little")
 
 
-ROW_STARTS = {_row_start(MESSAGE.size): ROW, _row_start(AXES_MESSAGE.size): AXES_ROW}
+ROW_STARTS = {_row_start(layout.message.size): ROWS[kind] for kind, layout in LAYOUTS.items()}
 """First bytes of a sample, and its layout."""
 
 ROW_START_BYTES = HEAD.size + 2
@@ -66,7 +76,7 @@ R = TypeVar("R", bound=McapRecord)
 
 @dataclass(frozen=True, slots=True)
 class SampleRows:
-    """Consecutive samples, shape (n,) of `ROW` or `AXES_ROW`; valid only until the next step of the walk."""
+    """Consecutive samples, shape (n,) of one of `ROWS`; valid only until the next step of the walk."""
 
     offset: int
     rows: Rows

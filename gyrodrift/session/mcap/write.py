@@ -27,18 +27,16 @@ from mcap.records import (
 )
 
 from gyrodrift import __version__
-from gyrodrift.sample import Inertial, Sample
+from gyrodrift.sample import DeviceYaw, Inertial, Sample
 from gyrodrift.session.mcap.checksums import ID_BYTES, TABLE_SAMPLES, ChecksumWriter
 from gyrodrift.session.mcap.layout import (
-    AXES_MESSAGE,
-    AXES_SAMPLES,
     CDR_LITTLE_ENDIAN,
     EVENTS,
     FOOTER_LENGTH,
     HEAD,
     LATEST_NS,
+    LAYOUTS,
     MAGIC,
-    MESSAGE,
     MESSAGE_OPCODE,
     READ_HEAD,
     READS,
@@ -54,7 +52,8 @@ MESSAGE_START = struct.Struct("<HIQQ")
 CHANNEL = SAMPLES.channel_id
 LATEST_S = LATEST_NS * 1e-9
 MISSING = Inertial(nan, nan, nan)
-NO_AXES: tuple[float, ...] = ()
+NO_YAW = DeviceYaw(nan, nan, nan)
+NOTHING: tuple[float, ...] = ()
 
 
 class Stream(Protocol):
@@ -135,21 +134,28 @@ class McapWriter:
         Named tables beside the samples: device, host, config.
     has_axes
         Whether samples have three axes.
+    has_device_yaw
+        Whether samples have the result of the device's own filter.
     """
 
     def __init__(
-        self, stream: Stream, metadata: dict[str, dict[str, str]] | None = None, *, has_axes: bool = False
+        self,
+        stream: Stream,
+        metadata: dict[str, dict[str, str]] | None = None,
+        *,
+        has_axes: bool = False,
+        has_device_yaw: bool = False,
     ) -> None:
-        self.has_axes = has_axes
-        self._message = AXES_MESSAGE if has_axes else MESSAGE
+        self.has_axes, self.has_device_yaw = has_axes, has_device_yaw
+        layout = LAYOUTS[has_axes, has_device_yaw]
+        self._message = layout.message
         self._stream = stream
         self._contents = FileSummary()
         self._rows = bytearray()  # apart from other records, so that samples form long runs
         self._others = bytearray()
         self._out = bytearray()
         self._still = nan
-        topic = AXES_SAMPLES if has_axes else SAMPLES
-        begin = MAGIC + encoded(Header("ros2", f"gyrodrift {__version__}")) + self._declared(topic)
+        begin = MAGIC + encoded(Header("ros2", f"gyrodrift {__version__}")) + self._declared(layout.topic)
         metadata_bytes = repr(metadata or {}).encode(
             errors="backslashreplace"
         )  # unknown to devices: their bytes cannot imitate tables
@@ -175,12 +181,11 @@ class McapWriter:
         self.add_all((sample,))
 
     def add_all(self, samples: Iterable[Sample]) -> None:
-        """Add samples in order; their axes are lost unless the file has axes."""
+        """Add samples in order; values that the layout of the file does not have are lost."""
         pack, rows, length = self._message.pack, self._rows, self._message.size - HEAD.size
-        last_host_s, log_ns, count, has_axes, axes = nan, 0, 0, self.has_axes, NO_AXES
-        for seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c, still, inertial in samples:
-            if has_axes:
-                axes = inertial or MISSING
+        last_host_s, log_ns, count = nan, 0, 0
+        no_axes, no_yaw = MISSING if self.has_axes else NOTHING, NO_YAW if self.has_device_yaw else NOTHING
+        for seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c, still, inertial, device_yaw in samples:
             if still != self._still and not (isnan(still) and isnan(self._still)):
                 self.add_still(self.count + count, still, t_host_s)
             if t_host_s != last_host_s:  # samples that arrive together have the same time
@@ -201,7 +206,8 @@ class McapWriter:
                 rate_dps,
                 encoder_deg,
                 temp_c,
-                *axes,
+                *(no_axes and (inertial or no_axes)),
+                *(no_yaw and (device_yaw or no_yaw)),
             )
             count += 1
         self._contents.counts[CHANNEL] = self.count + count

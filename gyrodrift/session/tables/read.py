@@ -9,7 +9,7 @@ import numpy as np
 from gyrodrift.columns.spec import Column
 from gyrodrift.errors import DataError
 from gyrodrift.session.csv import counter, read_exact
-from gyrodrift.session.session import ACCEL_COLUMNS, AXIS_COLUMNS, TABLE, Session
+from gyrodrift.session.session import ACCEL_COLUMNS, AXIS_COLUMNS, DEVICE_COLUMNS, TABLE, Session
 from gyrodrift.session.tables.dialect import split
 from gyrodrift.session.tables.layout import TableLayout, layout_of
 from gyrodrift.session.tables.objects import is_json, json_head, json_objects, json_rows
@@ -169,7 +169,9 @@ def _arrays(name: str, read: ColumnsRead) -> Session:
             encoder_deg=read.column("encoder_deg"),
             temp_c=read.column("temp_c"),
             still=read.column("still"),
-        ).with_axes({name: read.column(name) for name in AXIS_COLUMNS})
+        )
+        .with_axes({name: read.column(name) for name in AXIS_COLUMNS})
+        .with_device_yaw({name: read.column(name) for name in DEVICE_COLUMNS})
     )
 
 

@@ -69,8 +69,8 @@ FAULTS = (
     Fault(
         "axes/repair-forgets-axes",
         f"{MCAP}/rebuild.py",
-        "has_axes=has_axes)",
-        "has_axes=False)",
+        'has_axes="axes" in names,',
+        "has_axes=False,",
         "A repaired file has lost its samples or their axes.",
         FILE_TESTS,
     ),

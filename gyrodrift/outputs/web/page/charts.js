@@ -60,6 +60,10 @@ const CHARTS = [
     ],
   },
   {
+    title: "Yaw minus the device's own", unit: "deg", height: 110, digits: 3, range: atLeast(0.2), needs: "device_difference_deg",
+    lines: [{ name: "difference", color: "device", width: 1.5, of: (view) => view.span("device_difference_deg") }],
+  },
+  {
     title: "Roll and pitch", unit: "deg", height: 110, digits: 1, range: atLeast(2), needs: "roll_deg",
     lines: [
       { name: "roll", color: "roll", width: 1.5, of: (view) => view.span("roll_deg") },

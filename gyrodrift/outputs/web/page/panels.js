@@ -33,8 +33,11 @@ const degrees = (value) => `${words.signed(words.fixed(value, 1), 1)}°`;
 
 let scaleSigmaDeg = NaN; // share of the yaw sigma from the scale factor, once a second
 
+let own = { yawDeg: NaN, sigmaDeg: NaN }; // last result of the device's own filter; not every sample has one
+
 export function showNumbers(history) {
   const last = (name) => history.last(name);
+  if (Number.isFinite(last("device_yaw_deg"))) own = { yawDeg: last("device_yaw_deg"), sigmaDeg: last("device_yaw_sigma_deg") };
   const hasNorth = Number.isFinite(last("heading_deg"));
   byId("main-name").textContent = hasNorth ? "Heading" : "Yaw";
   byId("main-value").textContent = words.angle(hasNorth ? last("heading_deg") : last("yaw_deg"));
@@ -49,6 +52,8 @@ export function showNumbers(history) {
     ["Yaw", hasNorth ? words.angle(last("yaw_deg")) : "", "key yaw"],
     ["Raw yaw", words.angle(last("raw_yaw_deg")), "key raw"],
     ["Encoder", finite(last("encoder_deg"), words.angle(last("encoder_deg"))), "key encoder"],
+    ["Device yaw", finite(own.yawDeg, `${words.angle(own.yawDeg)}${words.margin(own.sigmaDeg, 2, "°")}`), "key device"],
+    ["Difference", finite(last("device_difference_deg"), `${words.signed(last("device_difference_deg"), 2)}°`)],
     ["Roll", finite(last("roll_deg"), degrees(last("roll_deg"))), "key roll"],
     ["Pitch", finite(last("pitch_deg"), degrees(last("pitch_deg"))), "key pitch"],
     ["Tilt", finite(last("tilt_deg"), `${words.number(last("tilt_deg"), 1)}${words.margin(last("tilt_sigma_deg"), 2)}°`)],
