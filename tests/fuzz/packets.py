@@ -3,14 +3,18 @@
 import struct
 from random import Random
 
+from gyrodrift.link.sources.iio_scans import IioPacket
 from gyrodrift.link.sources.mavlink_frames import EXTRAS, HEADER_2, checksum
+from gyrodrift.link.sources.packets import packet
 
+NAMES = ("anglvel_x", "anglvel_y", "anglvel_z", "accel_x", "temp", "timestamp")
 SPECIAL = (0, 1, 0x7F, 0x80, 0xFF)
 
 
 def changed_packets(content: bytes, random: Random) -> bytes:
     """One to some whole packets of one source put into the stream."""
-    made = b"".join(_mavlink(random) for _ in range(random.choice((1, 2, 3, 12))))
+    make = random.choice((_mavlink, _iio))
+    made = b"".join(make(random) for _ in range(random.choice((1, 2, 3, 12))))
     start = random.randint(0, len(content))
     return content[:start] + made + content[start:]
 
@@ -26,3 +30,14 @@ def _mavlink(random: Random) -> bytes:
     addressed = bytes((len(payload), 0, 0, 1, random.randint(1, 2), 1)) + number.to_bytes(3, "little") + payload
     assert len(addressed) == HEADER_2 - 1 + len(payload)
     return b"\xfd" + addressed + struct.pack("<H", checksum(addressed + bytes((EXTRAS.get(number, 39),))))
+
+
+def _iio(random: Random) -> bytes:
+    kind = random.choice(list(IioPacket))
+    if kind in (IioPacket.GYRO_LAYOUT, IioPacket.ACCEL_LAYOUT):
+        scale = random.choice(("0.001", "1e300", "-1", "NaN", "[]"))
+        channels = ", ".join(f'["{name}", "le:s16/16>>0", {scale}, 0]' for name in random.sample(NAMES, 3))
+        matrix = "1, 0, 0, 0, 1, 0, 0, 0, 1"
+        text = f'{{"name": "x", "rate_hz": 1, "matrix": [{matrix}], "channels": [{channels}]}}'
+        return packet(kind, text.encode())
+    return packet(kind, any_bytes(random, random.choice((4, 6, 8, 16, 24))))

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from math import isfinite, isinf, isnan
 
 from gyrodrift.link.protocols.decoder import Decoder
+from gyrodrift.link.sources.iio_scans import IioDecoder
 from gyrodrift.link.sources.mavlink_frames import ImuChoice, MavlinkDecoder
 from gyrodrift.sample import Reading
 
@@ -12,6 +13,7 @@ CHUNK = 61
 DECODERS: dict[str, Callable[[], Decoder]] = {
     "mavlink": lambda: MavlinkDecoder(ImuChoice()),
     "mavlink of one message": lambda: MavlinkDecoder(ImuChoice(1, "raw_imu", 0.01, 0.01)),
+    "iio": IioDecoder,
 }
 
 

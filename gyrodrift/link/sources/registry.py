@@ -20,6 +20,7 @@ SHIPPED = {
     "unix": "gyrodrift.link.sources.unix:UNIX",
     "-": "gyrodrift.link.sources.stdin:STANDARD_INPUT",
     "mcap": "gyrodrift.link.sources.mcap:MCAP",
+    "iio": "gyrodrift.link.sources.iio:IIO",
 }
 """Schemes with `module:NAME` of their `ByteSource`, imported when an address has that scheme."""
 

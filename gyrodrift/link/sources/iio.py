@@ -1,0 +1,152 @@
+"""Source `iio:NAME`: gyro and accelerometer with a Linux driver, such as an MPU-6050 at the I²C bus of a Raspberry Pi.
+
+Scans come through the buffer of the kernel with its timestamps, by a trigger or the FIFO of the chip. Without buffer or
+trigger, the values in sysfs are polled.
+"""
+
+from gyrodrift.errors import LinkError, UsageError
+from gyrodrift.link.serial_port import SerialPort
+from gyrodrift.link.sources import iio_sysfs
+from gyrodrift.link.sources.iio_buffer import Scans, elements_folder
+from gyrodrift.link.sources.iio_polled import PolledPort, Temperature
+from gyrodrift.link.sources.iio_scans import IIO_PROTOCOL, IioPacket
+from gyrodrift.link.sources.iio_sysfs import IioDevice, accelerometer_of, device_named, iio_devices
+from gyrodrift.link.sources.packets import packet
+from gyrodrift.link.sources.query import split_query
+from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
+
+OPTIONS = ("accel", "rate", "trigger")
+
+
+class IioPort(SourcePort):
+    """Buffered gyro, and the accelerometer of the same chip."""
+
+    def __init__(self, path: str, gyro: Scans, accel: Scans | None, temperature: Temperature) -> None:
+        super().__init__(path, gyro.fd)
+        self._gyro, self._accel, self._temperature = gyro, accel, temperature
+        self._first = packet(IioPacket.GYRO_LAYOUT, gyro.description())
+        if accel is not None:
+            self._first += packet(IioPacket.ACCEL_LAYOUT, accel.description())
+
+    def read(self) -> bytes:
+        """Packets of the scans that have arrived, accelerations first."""
+        forces = [] if self._accel is None else self._accel.read(self.path)
+        rates = self._gyro.read(self.path)
+        content = b"".join(
+            (
+                self._first,
+                self._temperature.packet(),
+                *(packet(IioPacket.ACCEL_SCAN, scan) for scan in forces),
+                *(packet(IioPacket.GYRO_SCAN, scan) for scan in rates),
+            )
+        )
+        self._first = b""
+        return content
+
+    def close(self) -> None:
+        """Stop the buffers."""
+        self._gyro.close()
+        if self._accel is not None:
+            self._accel.close()
+
+
+def open_iio(address: SourceAddress) -> SourcePort:
+    """Open the buffers of a device, or poll it.
+
+    Raises
+    ------
+    UsageError
+        An option has a mistake.
+    LinkError
+        There is no such device, or it cannot be opened; the message says why.
+    """
+    name, options = split_query(address, OPTIONS)
+    gyro = device_named(name, "anglvel", address.text)
+    accel = _accelerometer(gyro, options.get("accel"), address.text)
+    if "rate" in options:
+        _set_rate(gyro, options["rate"], address.text)
+        if accel is not None:
+            accel.try_to_write("sampling_frequency", options["rate"])
+    reason = _why_polled(gyro, options.get("trigger"), address.text)
+    port = _buffered(address.text, gyro, accel) if not reason else PolledPort(address.text, gyro, accel)
+    if reason:
+        port.note("iio_polled", reason=reason)
+    if gyro.matrix("anglvel") is None:
+        port.note("mount_matrix_ignored", reason="it is no rotation; correct it in the device tree, or use mount:")
+    return port
+
+
+def _accelerometer(gyro: IioDevice, name: str | None, text: str) -> IioDevice | None:
+    """Other IIO device with the accelerations; None if the gyro has them, or nobody."""
+    if name == "none" or (name is None and gyro.has_axes("accel", "xyz")) or not gyro.has_axes("anglvel", "xyz"):
+        return None
+    return device_named(name, "accel", text) if name is not None else accelerometer_of(gyro)
+
+
+def _buffered(text: str, gyro: IioDevice, accel: IioDevice | None) -> IioPort:
+    temperature = Temperature(gyro)
+    rates = Scans(gyro, ("anglvel", "accel") if accel is None else ("anglvel",))
+    try:
+        is_buffered = accel is not None and not _why_polled(accel, None, text)
+        return IioPort(text, rates, Scans(accel, ("accel",)) if accel and is_buffered else None, temperature)
+    except LinkError:
+        rates.close()
+        raise
+
+
+def _set_rate(device: IioDevice, rate: str, text: str) -> None:
+    for attribute in ("in_anglvel_sampling_frequency", "sampling_frequency"):
+        if device.text(attribute):
+            if device.try_to_write(attribute, rate):
+                return
+            names = f"{attribute}_available"
+            possible = device.text(names) or device.text("sampling_frequency_available") or "unknown"
+            raise UsageError(f"--port {text}: {device.name} cannot measure at rate={rate}; possible rates: {possible}")
+    raise UsageError(f"--port {text}: {device.name} has no sampling_frequency in {device.folder}; leave out rate=")
+
+
+def _why_polled(device: IioDevice, trigger: str | None, text: str) -> str:
+    """Reason why the values must be polled; empty if there is a buffer, and a trigger where one is needed."""
+    if not (device.folder / elements_folder(device)).is_dir():
+        return "the driver has no buffer"
+    if not (iio_sysfs.DEVICE_FILES / device.file).exists():
+        return f"{iio_sysfs.DEVICE_FILES / device.file} is not there"
+    if not (device.folder / "trigger").is_dir():
+        return ""
+    if trigger is None and device.text("trigger/current_trigger"):
+        return ""
+    triggers = {IioDevice(folder, "", "", "").text("name") for folder in iio_sysfs.IIO_DEVICES.glob("trigger*")}
+    if trigger is not None and trigger not in triggers:
+        names = ", ".join(sorted(triggers)) or "none"
+        raise UsageError(f"--port {text}: there is no trigger {trigger!r}; there are: {names}")
+    number = device.file.removeprefix("iio:device")
+    own = trigger or next((name for name in sorted(triggers) if name.endswith(f"-dev{number}")), None)
+    if own is None:
+        return "no trigger; create one in configfs (hrtimer), and append ?trigger=NAME"
+    device.write("trigger/current_trigger", own)
+    return ""
+
+
+def gyros() -> list[SerialPort]:
+    """Gyros of this machine, by name, or by number if several have the name."""
+    devices = [device for device in iio_devices() if device.has_axes("anglvel")]
+    names = [device.name for device in devices]
+    return [
+        SerialPort(
+            f"iio:{device.name if names.count(device.name) == 1 else device.file.removeprefix('iio:')}",
+            str(iio_sysfs.DEVICE_FILES / device.file),
+            product=device.name,
+        )
+        for device in devices
+    ]
+
+
+IIO = ByteSource(
+    "iio",
+    "iio:NAME",
+    "gyro with a Linux IIO driver, such as an MPU-6050 at the I²C bus",
+    open_iio,
+    protocol=IIO_PROTOCOL,
+    devices=gyros,
+    silence="the kernel delivers no scans; check the trigger and the interrupt line of the chip, and dmesg",
+)

@@ -1,0 +1,294 @@
+"""Source iio: a sysfs tree and device files that follow Documentation/ABI/testing/sysfs-bus-iio."""
+
+import errno
+import json
+from collections.abc import Iterator
+from math import degrees, isnan
+from pathlib import Path
+from struct import pack
+
+import pytest
+from iio_support import ACCEL_SCALE, GYRO_SCALE, IioChip, IioTree
+from sources_support import Events, read_until
+
+from gyrodrift.errors import LinkError, PortDeniedError, PortMissingError, UsageError
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
+from gyrodrift.link.sources import iio_sysfs
+from gyrodrift.link.sources.iio_layout import IDENTITY, ChannelEntry, described, description, is_rotation, layout_of
+from gyrodrift.link.sources.iio_scans import IioDecoder, IioPacket
+from gyrodrift.link.sources.packets import packet
+from gyrodrift.link.sources.registry import source_devices
+
+DPS = degrees(GYRO_SCALE)
+MS_NS = 1_000_000
+
+
+@pytest.fixture
+def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> IioTree:
+    """Folders of a machine without devices."""
+    made = IioTree(tmp_path)
+    monkeypatch.setattr(iio_sysfs, "IIO_DEVICES", made.devices)
+    monkeypatch.setattr(iio_sysfs, "DEVICE_FILES", made.files)
+    return made
+
+
+@pytest.fixture
+def chip(tree: IioTree) -> Iterator[IioChip]:
+    """A chip with gyro and accelerometer in one device, with a trigger of its own."""
+    made = IioChip(tree, 0, "mpu6050", "1-0068", ("anglvel", "accel"))
+    made.write("trigger/current_trigger", "")
+    tree.trigger(0, "mpu6050-dev0")
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def pair(tree: IioTree) -> Iterator[tuple[IioChip, IioChip]]:
+    """A chip with two devices, and the FIFO of the chip in place of a trigger."""
+    gyro = IioChip(tree, 0, "lsm6ds3_gyro", "1-006a", ("anglvel",))
+    accel = IioChip(tree, 1, "lsm6ds3_accel", "1-006a", ("accel",))
+    yield gyro, accel
+    gyro.close()
+    accel.close()
+
+
+def test_scans_of_the_buffer_are_read_with_the_time_of_the_kernel(chip: IioChip) -> None:
+    link = Link(LinkOptions("iio:mpu6050"), Events())
+    for step in range(200):
+        chip.send(10 * MS_NS * step, 1, -2, 300, 0, 10, 981)
+    samples = read_until(link, lambda samples: len(samples) == 200)
+    link.close()
+    assert samples[-1].t_device_s == pytest.approx(1.99)
+    assert samples[0].rate_dps == pytest.approx(300 * DPS)
+    assert samples[0].inertial == pytest.approx((DPS, -2 * DPS, 300 * DPS, 0.0, 0.1, 9.81))
+    assert link.device.device_id == "mpu6050"
+    assert link.device.sample_rate_hz == 100.0
+
+
+def test_the_device_is_set_up_and_stopped(chip: IioChip) -> None:
+    """Trigger, clock, channels and buffer; nothing else measures."""
+    chip.element("in_magn_x", 9, "le:s16/16>>0")
+    chip.write("scan_elements/in_magn_x_en", "1")
+    chip.write("buffer/enable", "1")
+    link = Link(LinkOptions("iio:mpu6050"), Events())
+    assert chip.text("trigger/current_trigger") == "mpu6050-dev0"
+    assert chip.text("current_timestamp_clock") == "monotonic"
+    assert [chip.text(f"scan_elements/in_{name}_en") for name in ("anglvel_z", "accel_x", "timestamp", "magn_x")] == [
+        *("1", "1", "1", "0")
+    ]
+    assert (chip.text("buffer/enable"), chip.text("buffer/length")) == ("1", "1024")
+    link.close()
+    assert chip.text("buffer/enable") == "0"
+
+
+def test_a_sampling_frequency_is_set_by_the_address(chip: IioChip) -> None:
+    Link(LinkOptions("iio:mpu6050?rate=200"), Events()).close()
+    assert chip.text("sampling_frequency") == "200"
+
+
+def test_gyro_and_accelerometer_of_one_chip_are_joined_by_time(pair: tuple[IioChip, IioChip]) -> None:
+    """Each rate has the nearest acceleration; after a loss of them it has none."""
+    gyro, accel = pair
+    link = Link(LinkOptions("iio:lsm6ds3_gyro"), Events())
+    for step in range(50):
+        accel.send(10 * MS_NS * step + MS_NS, step, 0, 981)
+    for step in range(100):
+        gyro.send(10 * MS_NS * step, 0, 0, 5)
+    samples = read_until(link, lambda samples: len(samples) == 100)
+    link.close()
+    forces = [sample.inertial.accel_x_mps2 for sample in samples if sample.inertial is not None]
+    assert forces[:50] == pytest.approx([step * ACCEL_SCALE for step in range(50)])
+    assert isnan(forces[60])
+    assert accel.text("buffer/enable") == "0"
+
+
+def test_the_accelerometer_can_be_left_out(pair: tuple[IioChip, IioChip]) -> None:
+    link = Link(LinkOptions("iio:lsm6ds3_gyro?accel=none"), Events())
+    assert pair[1].text("buffer/enable") == "0"
+    link.close()
+
+
+def test_the_mount_matrix_turns_the_axes(chip: IioChip) -> None:
+    """The chip lies on its back: y and z change their sign."""
+    chip.write("in_anglvel_mount_matrix", "1, 0, 0; 0, -1, 0; 0, 0, -1")
+    link = Link(LinkOptions("iio:mpu6050"), Events())
+    chip.send(0, 1, 2, 3, 0, 0, -981)
+    (sample,) = read_until(link, lambda samples: len(samples) == 1)
+    link.close()
+    assert sample.inertial == pytest.approx((DPS, -2 * DPS, -3 * DPS, 0.0, 0.0, 9.81))
+
+
+@pytest.mark.parametrize("matrix", ["1, 0, 0; 0, 1, 0; 0, 0, -1", "2, 0, 0; 0, 1, 0; 0, 0, 1", "1, 0; 0, 1"])
+def test_a_matrix_that_is_no_rotation_is_ignored_and_reported(chip: IioChip, matrix: str) -> None:
+    """A mirrored one would change the sign of the yaw rate."""
+    chip.write("mount_matrix", matrix)
+    events = Events()
+    link = Link(LinkOptions("iio:mpu6050"), events)
+    chip.send(0, 1, 2, 3, 0, 0, 981)
+    (sample,) = read_until(link, lambda samples: len(samples) == 1)
+    link.close()
+    assert sample.rate_dps == pytest.approx(3 * DPS)
+    assert "mount_matrix_ignored" in events.names()
+
+
+def test_the_temperature_comes_from_sysfs(chip: IioChip) -> None:
+    """Offset and scale give thousandths of °C."""
+    for name, value in (("raw", "-521"), ("offset", "12421"), ("scale", "2.941176")):
+        chip.write(f"in_temp_{name}", value)
+    link = Link(LinkOptions("iio:mpu6050"), Events())
+    chip.send(0, 1, 2, 3, 0, 0, 981)
+    (sample,) = read_until(link, lambda samples: len(samples) == 1)
+    link.close()
+    assert sample.temp_c == pytest.approx(35.0, abs=0.01)
+
+
+def test_without_a_trigger_the_values_are_polled(chip: IioChip, tree: IioTree) -> None:
+    """With the reason in the log, and the time of reading."""
+    (tree.devices / "trigger0" / "name").write_text("other\n")
+    events = Events()
+    link = Link(LinkOptions("iio:mpu6050"), events)
+    assert link.fileno() is None
+    assert link.wake_s() <= 0.01
+    samples = read_until(link, lambda samples: len(samples) >= 20)
+    link.close()
+    assert samples[0].inertial == pytest.approx((100 * DPS, 200 * DPS, 300 * DPS, 1.0, 2.0, 3.0))
+    assert samples[-1].t_device_s > samples[0].t_device_s
+    polled = next(fields for event, fields in events.told if event == "iio_polled")
+    assert "no trigger; create one in configfs" in polled["reason"]
+
+
+def test_a_device_without_a_buffer_is_polled(tree: IioTree, chip: IioChip) -> None:
+    """With rates about all axes and the accelerometer of the same chip."""
+    chip.pipe.unlink()
+    link = Link(LinkOptions("iio:mpu6050"), Events())
+    assert read_until(link, lambda samples: len(samples) >= 3)[0].inertial is not None
+    link.close()
+
+
+def test_a_device_that_is_unplugged_is_read_again_when_it_comes_back(chip: IioChip) -> None:
+    events = Events()
+    link = Link(LinkOptions("iio:mpu6050"), events)
+    for step in range(30):
+        chip.send(10 * MS_NS * step, 1, -2, 3, 0, 10, 981)
+    read_until(link, lambda samples: len(samples) == 30)
+    chip.unplug()
+    read_until(link, lambda _: link.port is None)
+    assert link.read() == []
+    chip.plug_in()
+    read_until(link, lambda _: link.port is not None)
+    now_ns = 10 * MS_NS * 30 + int(0.2 * 1e9)
+    for step in range(30):
+        chip.send(now_ns + 10 * MS_NS * step, 1, -2, 3, 0, 10, 981)
+    assert len(read_until(link, lambda samples: len(samples) >= 29)) >= 29
+    link.close()
+    assert link.counters.reconnects == 1
+    assert link.counters.gaps == 1
+    assert "link_restored" in events.names()
+
+
+def test_devices_of_one_name_are_told_apart_by_their_number(tree: IioTree, chip: IioChip) -> None:
+    second = IioChip(tree, 1, "mpu6050", "1-0069", ("anglvel", "accel"))
+    with pytest.raises(LinkError, match=r"2 devices are called mpu6050: device0 \(mpu6050 at 1-0068\), device1"):
+        Link(LinkOptions("iio:mpu6050"), Events())
+    assert [device.name for device in source_devices() if device.name.startswith("iio:")] == [
+        *("iio:device0", "iio:device1")
+    ]
+    Link(LinkOptions("iio:device1"), Events()).close()
+    second.close()
+
+
+def test_gyros_are_listed_by_name(pair: tuple[IioChip, IioChip]) -> None:
+    """An accelerometer alone is no gyro."""
+    listed = [device for device in source_devices() if device.name.startswith("iio:")]
+    assert [(device.name, device.product) for device in listed] == [("iio:lsm6ds3_gyro", "lsm6ds3_gyro")]
+
+
+def test_an_unknown_device_is_an_error_with_the_known_ones(chip: IioChip) -> None:
+    with pytest.raises(PortMissingError, match=r"no IIO gyro 'bmi160'; there is device0 \(mpu6050 at 1-0068\); is its"):
+        Link(LinkOptions("iio:bmi160"), Events())
+
+
+def test_an_unknown_trigger_is_an_error(chip: IioChip) -> None:
+    with pytest.raises(UsageError, match="there is no trigger 'x'; there are: mpu6050-dev0"):
+        Link(LinkOptions("iio:mpu6050?trigger=x"), Events())
+
+
+def test_a_refused_permission_names_the_udev_rule() -> None:
+    error = iio_sysfs.explained(Path("/dev/iio:device0"), PermissionError(errno.EACCES, "denied"))
+    assert isinstance(error, PortDeniedError)
+    assert 'SUBSYSTEM=="iio"' in str(error)
+
+
+def test_a_channel_of_an_unknown_type_is_an_error(chip: IioChip) -> None:
+    chip.write("scan_elements/in_anglvel_z_type", "le:f32/32>>0")
+    with pytest.raises(LinkError, match=r"its scans cannot be read: .*anglvel_z le:f32/32>>0"):
+        Link(LinkOptions("iio:mpu6050"), Events())
+
+
+@pytest.mark.parametrize(
+    ("form", "content", "raw"),
+    [
+        ("le:s16/16>>0", b"\xfe\xff", -2),
+        ("be:s16/16>>0", b"\xff\xfe", -2),
+        ("be:u12/16>>4", b"\xff\xf0", 4095),
+        ("le:s12/16>>4", b"\xf0\xff", -1),
+        ("be:s20/32>>12", b"\x80\x00\x00\x00", -524288),
+        ("le:s24/32>>8", b"\x00\x01\x00\x00", 1),
+        ("le:u8/8>>0", b"\xff", 255),
+    ],
+)
+def test_each_type_of_the_document_is_read(form: str, content: bytes, raw: int) -> None:
+    layout = layout_of("x", 0.0, IDENTITY, [ChannelEntry("anglvel_z", form)])
+    assert layout is not None
+    assert layout.channels["anglvel_z"].raw(content) == raw
+    assert layout.size == len(content)
+
+
+def test_elements_are_aligned_as_in_the_kernel() -> None:
+    """To their own size, and the scan to its largest element."""
+    forms = ("le:s16/16>>0", "le:s32/32>>0", "le:s16/16>>0", "le:s64/64>>0", "le:s8/8>>0")
+    layout = layout_of("x", 0.0, IDENTITY, [ChannelEntry(str(i), form) for i, form in enumerate(forms)])
+    assert layout is not None
+    assert [channel.position for channel in layout.channels.values()] == [0, 4, 8, 16, 24]
+    assert layout.size == 32
+
+
+@pytest.mark.parametrize(
+    "form", ["", "le:s16/16>>1x", "le:s0/16", "le:s17/16", "le:s16/16>>1", "xe:s16/16", "le:s16/12"]
+)
+def test_an_impossible_type_has_no_layout(form: str) -> None:
+    assert layout_of("x", 0.0, IDENTITY, [ChannelEntry("anglvel_z", form)]) is None
+
+
+def test_the_example_of_the_document_is_a_rotation() -> None:
+    assert is_rotation((0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0))
+
+
+def test_a_description_comes_back_as_it_was() -> None:
+    entries = [ChannelEntry("anglvel_z", "le:s16/16>>0", 0.001, 3.0), ChannelEntry("timestamp", "le:s64/64>>0")]
+    layout = layout_of("mpu6050", 104.0, IDENTITY, entries)
+    assert layout is not None
+    assert described(description(layout, entries)) == layout
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"{}", b"[" * 4000, b"\xff", b'{"channels": 5}', json.dumps({"channels": [[1] * 4]}).encode()]
+)
+def test_a_hostile_description_is_damage(content: bytes) -> None:
+    decoder = IioDecoder()
+    assert decoder.push(packet(IioPacket.GYRO_LAYOUT, content) * 2) == []
+    assert decoder.counters.frames == 0
+
+
+def test_a_gyro_with_one_axis_gives_one() -> None:
+    entries = [ChannelEntry("anglvel_z", "le:s16/16>>0", GYRO_SCALE), ChannelEntry("timestamp", "le:s64/64>>0")]
+    layout = layout_of("adxrs450", 0.0, IDENTITY, entries)
+    assert layout is not None
+    content = packet(IioPacket.GYRO_LAYOUT, description(layout, entries))
+    content += packet(IioPacket.GYRO_SCAN, pack("<h6xq", 100, 5_000_000))
+    decoder = IioDecoder()
+    (reading,) = decoder.push(content)
+    assert (reading.t_us, reading.inertial) == (5000, None)
+    assert reading.rate_dps == pytest.approx(100 * DPS)
+    assert decoder.device.axes == 1
