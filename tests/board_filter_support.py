@@ -1,0 +1,113 @@
+"""The filters of `gyrodrift.h` on boards: an ATmega328P in simavr, a Cortex-M0+ and a Cortex-M4F in QEMU."""
+
+import re
+import shutil
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from c_filter_support import write_header
+from c_restlevel_support import drive, measured
+from firmware_support import HERE, SIMAVR, compiled, run
+
+from gyrodrift.arrays import Floats
+
+SAMPLE = np.dtype([("t_us", "<u4"), ("rate_dps", "<f4")])
+
+M0_PLUS = ("-mcpu=cortex-m0plus", "-mthumb")
+M4F = ("-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard")
+MACHINES = {M0_PLUS: "mps2-an385", M4F: "mps2-an386"}
+"""Boards of QEMU; a Cortex-M3 runs the program of a Cortex-M0+ with the same instructions."""
+
+TICKS = 1.6
+"""Ticks of SysTick at 25 MHz in the 64 ns that QEMU counts for an instruction."""
+
+AVR_RAM = 2048
+
+FILTERS = {"hdr": (), "restlevel": ("-DFILTER_RESTLEVEL",)}
+
+
+class BoardRun(NamedTuple):
+    """Cycles (AVR) or instructions (ARM) of each update, the outputs after it, and sizes in bytes."""
+
+    costs: Floats
+    yaw_deg: Floats
+    bias_dps: Floats
+    stack_bytes: int
+    program_bytes: int
+    state_bytes: int
+
+
+def board_samples(rate_hz: float, seconds: float, seed: int = 45) -> tuple[Floats, Floats]:
+    """Times in µs and rates in deg/s of rests and turns; times jitter as those of a board do."""
+    rng = np.random.default_rng(seed)
+    t_s = np.arange(round(rate_hz * seconds)) / rate_hz
+    late_s = rng.uniform(0.0, 2e-4, len(t_s))
+    return np.rint((t_s + late_s) * 1e6), measured(rng, drive(rng, t_s)[0]).astype(np.float32).astype(np.float64)
+
+
+def on_avr(folder: Path, name: str, t_us: Floats, rate_dps: Floats, *flags: str) -> BoardRun:
+    """Run a filter on an ATmega328P in simavr."""
+    if shutil.which("avr-gcc") is None or not SIMAVR.is_dir():
+        pytest.skip("there is no avr-gcc or no simavr: apt-get install gcc-avr avr-libc libsimavr-dev")
+    elf, samples = folder / "board.elf", write_samples(folder, t_us, rate_dps)
+    program("avr-gcc", elf, "-Os", "-mmcu=atmega328p", *FILTERS[name], *flags)
+    heap = re.search(r"(\w+) . _end\n", run("avr-nm", elf))
+    assert heap is not None
+    *lines, free = run(compiled("avr_cycles.c", folder, "-lsimavr", "-lm"), elf, samples, heap[1]).splitlines()
+    costs, yaw_deg, bias_dps = np.loadtxt(lines, delimiter=",").T
+    program_bytes, static_bytes = sizes("avr-size", elf)
+    stack_bytes = AVR_RAM - static_bytes - int(free)
+    return BoardRun(costs, yaw_deg, bias_dps, stack_bytes, program_bytes, state_bytes("avr-nm", elf))
+
+
+def on_arm(folder: Path, core: tuple[str, ...], name: str, t_us: Floats, rate_dps: Floats, *flags: str) -> BoardRun:
+    """Run a filter on a Cortex-M in QEMU."""
+    if shutil.which("arm-none-eabi-gcc") is None or shutil.which("qemu-system-arm") is None:
+        pytest.skip("there is no ARM compiler or no QEMU: apt-get install gcc-arm-none-eabi qemu-system-arm")
+    elf = folder / "board.elf"
+    write_samples(folder, t_us, rate_dps)
+    linked = ("-nostartfiles", "--specs=nosys.specs", "-w", f"-T{HERE / 'board_arm.ld'}", "-Wl,--gc-sections")
+    program("arm-none-eabi-gcc", elf, "-O2", "-ffunction-sections", *core, *FILTERS[name], *flags, *linked)
+    semihosting = ("-semihosting-config", "enable=on,target=native")
+    machine = ("-M", MACHINES[core], "-display", "none", "-monitor", "none", "-serial", "none")
+    run("qemu-system-arm", *machine, *semihosting, "-icount", "shift=6", "-kernel", elf, folder=folder)
+    result = (folder / "result.bin").read_bytes()
+    rows = np.frombuffer(result[:-4], dtype=[("ticks", "<u4"), ("yaw_deg", "<f4"), ("bias_dps", "<f4")])
+    return BoardRun(
+        rows["ticks"] / TICKS,
+        rows["yaw_deg"].astype(np.float64),
+        rows["bias_dps"].astype(np.float64),
+        int.from_bytes(result[-4:], "little"),
+        sizes("arm-none-eabi-size", elf)[0],
+        state_bytes("arm-none-eabi-nm", elf),
+    )
+
+
+def write_samples(folder: Path, t_us: Floats, rate_dps: Floats) -> Path:
+    """File of samples for a board."""
+    rows = np.zeros(len(t_us), dtype=SAMPLE)
+    rows["t_us"], rows["rate_dps"] = t_us % 2**32, rate_dps
+    path = folder / "samples.bin"
+    rows.tofile(path)
+    return path
+
+
+def program(compiler: str, elf: Path, *flags: str) -> None:
+    """Compile `board_filter.c`."""
+    write_header(elf.parent)
+    run(compiler, "-std=c11", *flags, f"-I{elf.parent}", HERE / "board_filter.c", "-o", elf, "-lm")
+
+
+def sizes(tool: str, elf: Path) -> tuple[int, int]:
+    """Bytes of flash, and of RAM without stack."""
+    text, data, bss = run(tool, elf).splitlines()[1].split()[:3]
+    return int(text) + int(data), int(data) + int(bss)
+
+
+def state_bytes(tool: str, elf: Path) -> int:
+    """Size of the filter's struct."""
+    match = re.search(r"\w+ (\w+) b filter\n", run(tool, "-S", elf))
+    assert match is not None
+    return int(match[1], 16)

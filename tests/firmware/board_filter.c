@@ -1,0 +1,40 @@
+/* A filter of gyrodrift.h on a board without anything else, for simavr (avr_cycles.c) and for QEMU (board_arm.h).
+
+   FILTER_RESTLEVEL chooses restlevel, else it is HDR. The board reads samples, u32 t_us and float rate_dps, and sends
+   float yaw_deg and bias_dps after each. board_mark tells where an update begins (1) and ends (2).
+*/
+#include "gyrodrift.h"
+
+#ifdef FILTER_RESTLEVEL
+#define FILTER gd_restlevel
+#define INIT gd_restlevel_init
+#define UPDATE gd_restlevel_update_us
+#else
+#define FILTER gd_hdr
+#define INIT gd_hdr_init
+#define UPDATE gd_hdr_update_us
+#endif
+
+#ifdef __AVR__
+#include "board_avr.h"
+#else
+#include "board_arm.h"
+#endif
+
+static FILTER filter;
+
+int main(void) {
+  board_begin();
+  INIT(&filter, NULL);
+  for (;;) {
+    uint32_t t_us;
+    float rate_dps;
+    board_read(&t_us, sizeof t_us);
+    board_read(&rate_dps, sizeof rate_dps);
+    board_mark(1);
+    UPDATE(&filter, t_us, rate_dps);
+    board_mark(2);
+    board_write(&filter.yaw_deg, sizeof filter.yaw_deg);
+    board_write(&filter.bias_dps, sizeof filter.bias_dps);
+  }
+}

@@ -1,0 +1,64 @@
+"""The filters on boards that are simulated: their yaw is that of this machine, and they fit."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from board_filter_support import AVR_RAM, M0_PLUS, M4F, BoardRun, board_samples, on_arm, on_avr
+from c_filter_support import CFilters
+from c_restlevel_support import samples
+
+from gyrodrift.arrays import Floats
+
+AVR_HZ = 16e6
+SHARE = 0.25
+"""Largest share of the time of an ATmega328P for HDR at 100 Hz."""
+
+STATE_BYTES = 1024
+CORES = {"M0+": M0_PLUS, "M4F": M4F}
+
+
+def here(c_filters: CFilters, name: str, t_us: Floats, rate_dps: Floats) -> Floats:
+    """Yaw of the filter in float on this machine."""
+    inputs = rate_dps if name == "hdr" else samples(rate_dps)
+    return c_filters.get(f"filter_{name}.c", "float").run(t_us, inputs, is_us=True).rows[:, 0]
+
+
+@pytest.mark.parametrize("name", ["hdr", "restlevel"])
+@pytest.mark.parametrize("core", CORES)
+def test_a_cortex_m_gives_the_yaw_of_this_machine(tmp_path: Path, c_filters: CFilters, core: str, name: str) -> None:
+    """A part with and one without floating point."""
+    t_us, rate_dps = board_samples(200.0, 30.0)
+    board = on_arm(tmp_path, CORES[core], name, t_us, rate_dps)
+    assert np.abs(board.yaw_deg - here(c_filters, name, t_us, rate_dps)).max() < 0.01
+
+
+def test_hdr_fits_an_atmega328p(tmp_path: Path, c_filters: CFilters) -> None:
+    """Its yaw, and at most a quarter of the time at 100 Hz, also for the slowest update."""
+    t_us, rate_dps = board_samples(100.0, 60.0)
+    board = on_avr(tmp_path, "hdr", t_us, rate_dps)
+    assert np.abs(board.yaw_deg - here(c_filters, "hdr", t_us, rate_dps)).max() < 0.01
+    assert board.costs.max() * 100.0 < SHARE * AVR_HZ
+    assert board.state_bytes <= 80
+
+
+def test_restlevel_fits_an_atmega328p(tmp_path: Path, c_filters: CFilters) -> None:
+    """State within 1 KB, RAM left for a sketch, and a quarter of the time on average at 100 Hz."""
+    t_us, rate_dps = board_samples(100.0, 120.0)
+    board = on_avr(tmp_path, "restlevel", t_us, rate_dps)
+    assert np.abs(board.yaw_deg - here(c_filters, "restlevel", t_us, rate_dps)).max() < 0.05
+    assert board.state_bytes <= STATE_BYTES
+    assert left_bytes(board) >= 400
+    assert board.costs.mean() * 100.0 < SHARE * AVR_HZ
+
+
+def test_restlevel_as_in_python_has_a_state_within_a_kilobyte_on_avr(tmp_path: Path) -> None:
+    """With six hypotheses, rest sensor and temperature."""
+    flags = ("-DGD_RESTLEVEL_HYPOTHESES=6", "-DGD_RESTLEVEL_AUXILIARY=1")
+    board = on_avr(tmp_path, "restlevel", *board_samples(100.0, 5.0), *flags)
+    assert board.state_bytes <= STATE_BYTES
+
+
+def left_bytes(board: BoardRun) -> int:
+    """RAM for a sketch beside the filter and its stack."""
+    return AVR_RAM - board.state_bytes - board.stack_bytes
