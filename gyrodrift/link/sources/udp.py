@@ -18,8 +18,11 @@ LOOPBACK = "127.0.0.1"
 LONGEST_DATAGRAM = 65_535
 """Length field of UDP, 16 bits (RFC 768)."""
 
-DATAGRAMS_PER_TURN = 64
-"""Largest number of datagrams at a time, so that a flood does not block the loop."""
+DATAGRAMS_PER_TURN, BYTES_PER_TURN = 1024, 65_536
+"""Largest number of datagrams and bytes at a time, so that a flood does not block the loop.
+
+After a stall of WiFi a second of samples arrives at once. Read in several turns, the first ones would look like a gap.
+"""
 
 BUFFER_BYTES = 1 << 20
 """Wanted size of the receive buffer; the kernel may give less (`net.core.rmem_max`)."""
@@ -48,11 +51,15 @@ class UdpPort(SourcePort):
     def read(self) -> bytes:
         """Content of the waiting datagrams, up to a limit, without waiting."""
         chunks: list[bytes] = []
+        size = 0
         for _ in range(DATAGRAMS_PER_TURN):
+            if size >= BYTES_PER_TURN:
+                break
             try:
                 content, sender = self._bound.recvfrom(LONGEST_DATAGRAM)
             except OSError:  # nothing waits, or an answer of ICMP to what was sent
                 break
+            size += len(content)
             if self._is_followed(sender):
                 chunks.append(self._as_stream(content))
         return b"".join(chunks)

@@ -11,6 +11,7 @@ from sources_support import PATIENCE_S, Events, address, lines, read_until, serv
 from gyrodrift.errors import DeviceSilentError, PortBusyError, PortMissingError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
+from gyrodrift.link.sources import udp as udp_module
 from gyrodrift.link.sources.registry import address_of
 from gyrodrift.link.sources.udp import SENDER_S, UdpPort, open_udp
 
@@ -193,14 +194,39 @@ def test_what_is_sent_goes_to_the_device_that_was_heard(udp: tuple[UdpPort, tupl
         assert device.recv(100) == b"start"
 
 
-def test_a_flood_does_not_hold_the_loop(udp: tuple[UdpPort, tuple[str, int]]) -> None:
+def test_a_flood_does_not_hold_the_loop(udp: tuple[UdpPort, tuple[str, int]], monkeypatch: pytest.MonkeyPatch) -> None:
     """One read takes some datagrams, the next one more."""
+    monkeypatch.setattr(udp_module, "DATAGRAMS_PER_TURN", 64)
     port, target = udp
     with sender() as device:
         for _ in range(150):
             device.sendto(b"1\n", target)
         counts = [len(port.read()) // 2 for _ in range(4)]
+        monkeypatch.setattr(udp_module, "BYTES_PER_TURN", 1500)
+        for _ in range(4):
+            device.sendto(b"1" * 999 + b"\n", target)
+        sizes = [len(port.read()) for _ in range(3)]
     assert counts == [64, 64, 22, 0]
+    assert sizes == [2000, 2000, 0]
+
+
+def test_a_stall_of_the_network_is_no_gap(udp: tuple[UdpPort, tuple[str, int]]) -> None:
+    """Samples without a clock that arrive at once after 1.2 s keep their distance in time."""
+    port, target = udp
+    now_s, events = 1000.0, Events()
+    link = Link(LinkOptions(port.path, columns="rate:dps"), events, lambda: now_s, port)
+    samples = []
+    with sender() as device:
+        for _ in range(400):
+            device.sendto(b"0.5", target)
+            now_s += 0.01
+            samples += link.read()
+        for _ in range(120):
+            device.sendto(b"0.5", target)
+        now_s += 1.2
+        samples += link.read()
+    assert "gap" not in events.names()
+    assert samples[-1].t_device_s == pytest.approx(5.19, abs=0.02)
 
 
 def test_a_port_that_is_taken_is_an_error(udp: tuple[UdpPort, tuple[str, int]]) -> None:
