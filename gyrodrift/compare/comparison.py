@@ -220,8 +220,7 @@ def compare(request: ComparisonRequest) -> Comparison:
         If a session cannot be read or has no reference.
     """
     begun_s = time.monotonic()
-    has_axes = all(_has_axes(path, request) for path in (*request.train, *request.paths))
-    applicable = [method for method in request.methods if has_axes or not method.needs_axes]
+    applicable = _applicable(request)
     installed = [method for method in applicable if method.is_installed]
     _compile(installed, request.progress)
     train = _loaded(request)
@@ -243,12 +242,23 @@ def compare(request: ComparisonRequest) -> Comparison:
     )
 
 
+def _applicable(request: ComparisonRequest) -> list[Method]:
+    """Methods for which all sessions have the columns; sessions to tune on need no yaw of the device."""
+    columns = [_columns_of(path, request) for path in (*request.train, *request.paths)]
+    has_axes = all(has for has, _ in columns)
+    has_device_yaw = all(has for _, has in columns[len(request.train) :])
+    chosen = [method for method in request.methods if has_axes or not method.needs_axes]
+    return [method for method in chosen if has_device_yaw or not method.needs_device_yaw]
+
+
 def _compile(methods: Sequence[Method], progress: OnProgress) -> None:
     """Compile every method by a run over a second of rest, before processes are forked: they inherit the code."""
     progress(COMPILING, 0, 0)
     t_s = np.arange(COMPILED_SAMPLES) / COMPILED_SAMPLES
     for method in methods:
-        for function in () if method.needs_axes else filter(None, (method.run, method.sigma)):
+        for function in (
+            () if method.needs_axes or method.needs_device_yaw else filter(None, (method.run, method.sigma))
+        ):
             function(t_s, np.zeros(COMPILED_SAMPLES), method.defaults)
 
 
@@ -284,10 +294,10 @@ def _source(path: Path, request: ComparisonRequest) -> Source:
     return Source(path, path in request.stills, reading=request.reading)
 
 
-def _has_axes(path: Path, request: ComparisonRequest) -> bool:
-    """Whether a session has three rates and accelerations."""
+def _columns_of(path: Path, request: ComparisonRequest) -> tuple[bool, bool]:
+    """Whether a session has three rates and accelerations, and whether it has the device's own yaw."""
     session = load_session(path, request.reading.columns, allow_damage=True)
-    return session.gyro_dps is not None and session.accel_mps2 is not None
+    return session.gyro_dps is not None and session.accel_mps2 is not None, session.device_yaw_deg is not None
 
 
 def _loaded(request: ComparisonRequest) -> list[LoadedSession]:
@@ -329,7 +339,9 @@ class _Work:
 def _compared(work: _Work) -> ComparedSession:
     loaded = load_with_reference(work.source)
     reference = loaded.reference
-    by_name = {key: method.on(reference.axes, reference.auxiliary) for key, method in by_key().items()}
+    by_name = {
+        key: method.on(reference.axes, reference.auxiliary, reference.device_yaw) for key, method in by_key().items()
+    }
     yaws_deg = [by_name[key].run(loaded.t_s, reference.rate_dps, params) for key, params in work.runs]
     return ComparedSession(
         session=loaded.description,

@@ -71,7 +71,9 @@ def _evidence(source: str, outside: PortEvidence | None, link: Link, heard: _Hea
         port=outside,
         failure=heard.failure,
         link=_status(link, description, has_clock=has_clock, has_line=outside is not None and outside.has_line_rate),
-        device=DeviceStatus(about.device_id, about.sample_rate_hz, about.dps_per_lsb, about.encoder_cpr),
+        device=DeviceStatus(
+            about.device_id, about.sample_rate_hz, about.dps_per_lsb, about.encoder_cpr, about.device_filter
+        ),
         has_clock=has_clock,
         is_angle=heard.is_angle,
         units=heard.units,
@@ -110,6 +112,7 @@ def _wait(link: Link) -> None:
 def _status(link: Link, description: SessionDescription | None, *, has_clock: bool, has_line: bool) -> LinkStatus:
     """Counters of the link, with the share of its line that the samples use."""
     counted = link.counted() | {"clock_ppm": clock_ppm(description) if has_clock else None}
+    counted.pop("lone_yaws", None)
     rate_hz = description.rate_hz or 0.0 if description else 0.0
     bits_per_s = counted["bytes"] / max(counted["samples"], 1) * rate_hz * BITS_PER_BYTE
     return LinkStatus(

@@ -69,6 +69,7 @@ def _device(kept: Mapping[str, str]) -> DeviceStatus:
         sample_rate_hz=_number(kept, "sample_rate_hz"),
         dps_per_lsb=_number(kept, "dps_per_lsb"),
         encoder_cpr=None if counts is None else int(counts),
+        device_filter=kept.get("device_filter"),
     )
 
 

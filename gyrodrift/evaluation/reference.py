@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError
 from gyrodrift.evaluation.attitude import attitude_history
-from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary, InertialColumns
+from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary, DeviceColumns, InertialColumns, hold_last
 from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
 from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.session import Session
@@ -30,6 +30,8 @@ class Reference:
         Auxiliary data.
     axes
         Three axes; None for a session of one axis.
+    device_yaw
+        Yaw of the device's own filter; None for a device without one.
     """
 
     name: str
@@ -39,6 +41,7 @@ class Reference:
     minutes: float
     auxiliary: Auxiliary = NO_AUXILIARY
     axes: InertialColumns | None = None
+    device_yaw: DeviceColumns | None = None
 
     def thinned(self, max_samples: int) -> NDArray[np.int64]:
         """Indices of at most `max_samples` samples with a reference, evenly spread, for a figure."""
@@ -95,7 +98,8 @@ def timed_reference_of(session: Session, *, is_still: bool = False) -> tuple[Flo
     reference_deg = reference_deg[first:] - reference_deg[first]
     dt_s = np.diff(t_s, prepend=t_s[0])
     minutes = float(t_s[-1] - t_s[0]) / 60.0
-    return t_s, Reference(session.name, dt_s, rate_dps, reference_deg, minutes, auxiliary, axes)
+    device_yaw = _device_yaw(session, kept, first)
+    return t_s, Reference(session.name, dt_s, rate_dps, reference_deg, minutes, auxiliary, axes, device_yaw)
 
 
 def auxiliary_of(session: Session) -> Auxiliary:
@@ -112,6 +116,13 @@ def _axes(session: Session, kept: NDArray[np.bool_], first: int) -> InertialColu
     if session.gyro_dps is None or session.accel_mps2 is None:
         return None
     return InertialColumns(session.gyro_dps[kept][first:], session.accel_mps2[kept][first:])
+
+
+def _device_yaw(session: Session, kept: NDArray[np.bool_], first: int) -> DeviceColumns | None:
+    if session.device_yaw_deg is None:
+        return None
+    columns = (session.device_yaw_deg, session.filled("device_yaw_sigma_deg"))
+    return DeviceColumns(*(hold_last(column)[kept][first:] for column in columns))
 
 
 def _reference_deg(session: Session, kept: NDArray[np.bool_], *, is_still: bool) -> Floats:

@@ -6,7 +6,7 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 
 from gyrodrift.arrays import Floats
-from gyrodrift.evaluation.auxiliary import Auxiliary, InertialColumns
+from gyrodrift.evaluation.auxiliary import Auxiliary, DeviceColumns, InertialColumns
 from gyrodrift.evaluation.space import Axis
 
 Params = Mapping[str, float]
@@ -46,6 +46,10 @@ class Method:
         rate of the heading.
     needs_axes
         The method runs only if all sessions have accelerations.
+    with_device_yaw
+        Returns the method with the yaw of the device's own filter; None for a method that computes yaw itself.
+    needs_device_yaw
+        The method runs only if all sessions have the yaw of the device's own filter.
     color, dash
         Line style: a color role of the style sheet, and `-` or `--`.
     """
@@ -63,11 +67,17 @@ class Method:
     with_auxiliary: "Callable[[Auxiliary], Method] | None" = None
     with_axes: "Callable[[InertialColumns, Auxiliary], Method] | None" = None
     needs_axes: bool = False
+    with_device_yaw: "Callable[[DeviceColumns], Method] | None" = None
+    needs_device_yaw: bool = False
     color: str = "ink"
     dash: str = "-"
 
-    def on(self, axes: InertialColumns | None, auxiliary: Auxiliary) -> "Method":
+    def on(
+        self, axes: InertialColumns | None, auxiliary: Auxiliary, device_yaw: DeviceColumns | None = None
+    ) -> "Method":
         """The method for the data of a session."""
+        if device_yaw is not None and self.with_device_yaw is not None:
+            return self.with_device_yaw(device_yaw)
         if axes is not None and self.with_axes is not None:
             return self.with_axes(axes, auxiliary)
         return self.with_auxiliary(auxiliary) if self.with_auxiliary is not None else self

@@ -1,4 +1,4 @@
-"""All compared methods in their order: plain methods, the filters of this package, other packages."""
+"""All compared methods in their order: plain methods, the filters of this package, that of the device, others."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -8,6 +8,7 @@ from gyrodrift.compare.methods.filter_method import filter_method
 from gyrodrift.compare.methods.fusion import run_fusion
 from gyrodrift.compare.methods.kalman import run_kalman
 from gyrodrift.compare.methods.method import Method, Params
+from gyrodrift.compare.methods.on_device import ON_DEVICE
 from gyrodrift.compare.methods.plain import run_euler, run_start_calibration
 from gyrodrift.compare.methods.sign import run_sign
 from gyrodrift.compare.methods.six_axes import (
@@ -166,7 +167,8 @@ PEERS = (
 def methods(params: Mapping[str, FilterParams] | None = None) -> tuple[Method, ...]:
     """All methods; filters have these parameters by name, or their defaults."""
     given = params or {}
-    return (*PLAIN, *(filter_method(chosen, given.get(name)) for name, chosen in FILTERS.items()), *PEERS)
+    own = (filter_method(chosen, given.get(name)) for name, chosen in FILTERS.items())
+    return (*PLAIN, *own, ON_DEVICE, *PEERS)
 
 
 def by_key() -> dict[str, Method]:

@@ -4,11 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from gyrodrift.doctor.checks import drift, gravity, line, noise, port, sensor, stream
+from gyrodrift.doctor.checks import device_yaw, drift, gravity, line, noise, port, sensor, stream
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding
 
-CHECKS = (*port.CHECKS, *line.CHECKS, *stream.CHECKS, *sensor.CHECKS, *gravity.CHECKS, *noise.CHECKS, *drift.CHECKS)
+CHECKS = (
+    *port.CHECKS,
+    *line.CHECKS,
+    *stream.CHECKS,
+    *sensor.CHECKS,
+    *gravity.CHECKS,
+    *device_yaw.CHECKS,
+    *noise.CHECKS,
+    *drift.CHECKS,
+)
 
 
 def examine(evidence: DeviceEvidence) -> list[DeviceFinding]:
