@@ -96,6 +96,16 @@ def sketch_object(into: Path, *board: str, folder: Path = SKETCH) -> Path:
     return built
 
 
+def library_object(library: Path, example: str, into: Path, *board: str) -> Path:
+    """An example of an Arduino library for a board, with the headers of that library; a warning is an error."""
+    if shutil.which("avr-g++") is None or not ARDUINO.is_dir():
+        pytest.skip("the sketch cannot be compiled: apt-get install gcc-avr avr-libc arduino-core-avr")
+    built = into / "sketch.o"
+    ino = ("-x", "c++", "-include", "Arduino.h", library / "examples" / example / f"{example}.ino")
+    run("avr-g++", *board, *STRICT, *CPP, f"-I{library / 'src'}", *ino, "-c", "-o", built)
+    return built
+
+
 def changed_sketch(into: Path, **settings: str) -> Path:
     """Folder with the sketch after other settings at its top."""
     folder = into / "changed"
@@ -111,7 +121,11 @@ def changed_sketch(into: Path, **settings: str) -> Path:
 
 def built_sketch(into: Path, folder: Path = SKETCH) -> Path:
     """The sketch for an Uno, to run."""
-    sketch = sketch_object(into, *UNO, folder=folder)
+    return linked(sketch_object(into, *UNO, folder=folder), into)
+
+
+def linked(sketch: Path, into: Path) -> Path:
+    """A compiled sketch with the core, for an Uno."""
     core, wire = ARDUINO / "cores" / "arduino", ARDUINO / "libraries" / "Wire" / "src"
     objects = into / "core"
     objects.mkdir()

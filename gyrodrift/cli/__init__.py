@@ -26,7 +26,7 @@ COMMANDS = {
     "gyrogap": "make or score the open benchmark of causes of the gap between a simulator and recordings",
     "compare": "compare the filters with plain integration, x-io Fusion, VQF and others on your sessions",
     "filter": "run the filter of serve over a recorded session",
-    "firmware": "write the filter as a library for a microcontroller: C, Arduino, MicroPython and others",
+    "firmware": "write the filter as a library for a microcontroller: C, Arduino, ESPHome, MicroPython and others",
     "info": "describe recorded sessions: rate, gaps, clocks, temperature, rest, noise",
     "simulate": "write sessions of the simulated rig, without waiting for real time",
     "simulated-device": "simulate a gyro on a serial port, to try every command without hardware",

@@ -1,6 +1,6 @@
-"""Write the filter as a library for a microcontroller: C header, Arduino, PlatformIO, MicroPython.
+"""Write the filter as a library for a microcontroller: C header, Arduino, PlatformIO, Zephyr, ESPHome, MicroPython.
 
-The library has the filters of serve, and the encoder of the native protocol. --config
+The library has the filters HDR and restlevel, and the encoder of the native protocol. --config
 adds the tuned parameters and the calibration of a gyro as my_gyro.h, for MicroPython as my_gyro.py.
 """
 
@@ -20,7 +20,7 @@ gyrodrift firmware --out ~/Arduino/libraries/gyrodrift --target arduino
 gyrodrift firmware --out lib/gyrodrift --target platformio --config my.yaml
 """
 
-TARGETS = ("c", "arduino", "platformio", "micropython")
+TARGETS = ("c", "arduino", "platformio", "zephyr", "esphome", "micropython")
 FOLDER_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 """Names of libraries that the Arduino IDE loads (Arduino library specification, rev. 2.2)."""
 

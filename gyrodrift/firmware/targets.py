@@ -66,6 +66,20 @@ TARGETS = {
             frozenset({"library.properties", "keywords.txt"}),
         ),
         Target(
+            "zephyr",
+            "a Zephyr module",
+            "zephyr",
+            "west build -b BOARD {out}/samples/yaw -- -DZEPHYR_EXTRA_MODULES={out}",
+            "include",
+        ),
+        Target(
+            "esphome",
+            "an ESPHome external component",
+            "esphome",
+            "esphome run {out}/example.yaml, after its pins and board are yours",
+            "components/gyrodrift",
+        ),
+        Target(
             "micropython",
             "modules for MicroPython",
             "micropython",

@@ -2,6 +2,7 @@
 
 import io
 import re
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -48,7 +49,7 @@ def test_quiet_prints_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert capsys.readouterr() == ("", "")
 
 
-@pytest.mark.parametrize("name", ["c", "arduino", "platformio"])
+@pytest.mark.parametrize("name", ["c", "arduino", "platformio", "zephyr", "esphome"])
 def test_the_headers_are_one_file_for_all_chips(name: str, tmp_path: Path) -> None:
     """`gyrodrift.h` needs no other file, and the encoder of frames neither."""
     out = library(tmp_path, name)
@@ -131,21 +132,32 @@ def a_session(folder: Path) -> Path:
 
 
 @pytest.mark.parametrize("is_calibrated", [False, True])
+@pytest.mark.parametrize("name", ["hdr", "restlevel"])
 def test_the_c_library_is_built_with_cmake_and_filters_as_python_does(
+    name: str,
     is_calibrated: bool,  # noqa: FBT001 - a parameter
     tmp_path: Path,
 ) -> None:
     """Its example reads the table of a session, and gives the yaw of `gyrodrift filter` to 1e-9 deg."""
-    words = ["--config", str(calibrated_config(tmp_path, "hdr", device_id=""))] if is_calibrated else []
+    words = ["--config", str(calibrated_config(tmp_path, name, device_id=""))] if is_calibrated else []
     out = library(tmp_path, "c", *words)
     cmake_built(out, out / "build")
     table = a_session(tmp_path)
-    printed = run("sh", "-c", f"{out}/build/gyrodrift_example < {table}")
+    printed = run("sh", "-c", f"{out}/build/gyrodrift_example {name} < {table}")
     rows = np.genfromtxt(io.StringIO(printed), delimiter=",", names=True)
-    expected = filtered(table, *(words or ["--filter", "hdr"]))
+    expected = filtered(table, *(words or ["--filter", name]))
     assert len(rows) == len(expected) == 6000
-    for column in ("rate_dps", "yaw_deg"):
+    for column in ("rate_dps", "yaw_deg", *(("yaw_sigma_deg", "bias_dps") if name == "restlevel" else ())):
         np.testing.assert_allclose(rows[column], expected[column], rtol=0, atol=1e-9)
+
+
+def test_a_table_without_columns_is_told(tmp_path: Path) -> None:
+    """By the example, which names those that it needs."""
+    out = library(tmp_path, "c")
+    cmake_built(out, out / "build")
+    done = subprocess.run([out / "build" / "gyrodrift_example"], input=b"a,b\n1,2\n", capture_output=True, check=False)
+    assert (done.returncode, done.stdout) == (1, b"")
+    assert done.stderr == b"the first line names no columns t_device_s and rate_dps\n"
 
 
 def test_a_project_takes_the_folder_as_an_interface_library(tmp_path: Path) -> None:

@@ -16,6 +16,17 @@ int main() {
     is_equal &= !hdr.update(0.01 * i, rate);
     gd_hdr_update(&h, 0.01 * i, rate);
   }
+  gyrodrift::Restlevel restlevel, own(MY_GYRO_RESTLEVEL);
+  gd_restlevel r, o;
+  is_equal &= gd_restlevel_init(&r, NULL) && gd_restlevel_init(&o, &MY_GYRO_RESTLEVEL);
+  for (int i = 0; i < 1000; i++) {
+    const gd_real rate = (gd_real)rate_dps(i);
+    is_equal &= restlevel.update(0.01 * i, rate) == (gd_restlevel_update(&r, 0.01 * i, rate) != 0);
+    is_equal &= own.update_us(10000u * (uint32_t)i, rate) == (gd_restlevel_update_us(&o, 10000u * (uint32_t)i, rate) != 0);
+  }
+  is_equal &= !(restlevel.yaw_deg() < r.yaw_deg) && !(restlevel.yaw_deg() > r.yaw_deg);
+  is_equal &= !(restlevel.yaw_sigma_deg() < r.yaw_sigma_deg) && !(restlevel.bias_dps() > r.bias_dps);
+  is_equal &= !(own.yaw_deg() < o.yaw_deg) && !(own.yaw_deg() > o.yaw_deg) && own.state().samples == 1000;
   is_equal &= !(hdr.yaw_deg() < h.yaw_deg) && !(hdr.yaw_deg() > h.yaw_deg) && h.yaw_deg > 10;
   is_equal &= !(tuned.bias_dps() < t.bias_dps) && !(tuned.bias_dps() > t.bias_dps) && tuned.state().samples == 1000;
   std::printf("%d\n", is_equal);

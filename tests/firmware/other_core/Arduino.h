@@ -27,5 +27,8 @@ void interrupts();
 struct HardwareSerial {
   void begin(unsigned long baud);
   size_t write(const uint8_t *bytes, size_t count);
+  size_t print(const char *text);
+  size_t print(double value, int decimals);
+  size_t println(const char *text);
 };
 extern HardwareSerial Serial;

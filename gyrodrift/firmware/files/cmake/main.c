@@ -1,6 +1,6 @@
 /* Filters a CSV table on this machine, as a first program with gyrodrift.h and as a check of a build.
 
-       gyrodrift_example < session.csv > yaw.csv
+       gyrodrift_example [hdr|restlevel] < session.csv > yaw.csv
 
    The first line of the table names its columns: t_device_s and rate_dps, and temp_c if the sensor has a thermometer.
    Lines that begin with # are comments. `gyrodrift convert session.mcap session.csv` writes such a table, and
@@ -22,6 +22,7 @@
 #endif
 #ifndef HAS_MY_GYRO
 static const gd_hdr_params MY_GYRO_HDR = GD_HDR_DEFAULTS;
+static const gd_restlevel_params MY_GYRO_RESTLEVEL = GD_RESTLEVEL_DEFAULTS;
 static const gd_calibration MY_GYRO_CALIBRATION = GD_NO_CALIBRATION;
 #endif
 
@@ -73,11 +74,14 @@ static void take_value(int index, const char *text, void *into) {
   }
 }
 
-int main(void) {
+int main(int count, char **words) {
+  const int is_hdr = count > 1 && strcmp(words[1], "hdr") == 0;
   char line[LONGEST_LINE];
   sample measured = {{MISSING, MISSING, MISSING}, 0.0, 0.0, (double)NAN};
   gd_hdr hdr;
+  gd_restlevel restlevel;
   gd_hdr_init(&hdr, &MY_GYRO_HDR);
+  gd_restlevel_init(&restlevel, &MY_GYRO_RESTLEVEL);
   while (fgets(line, sizeof line, stdin) != NULL && line[0] == '#') {
   }
   split(line, take_name, &measured.at);
@@ -85,14 +89,17 @@ int main(void) {
     fprintf(stderr, "the first line names no columns t_device_s and rate_dps\n");
     return 1;
   }
-  printf("t_s,rate_dps,yaw_deg,bias_dps\n");
+  printf(is_hdr ? "t_s,rate_dps,yaw_deg,bias_dps\n" : "t_s,rate_dps,yaw_deg,yaw_sigma_deg,bias_dps\n");
   while (fgets(line, sizeof line, stdin) != NULL) {
     double rate_dps;
     measured.t_s = measured.rate_dps = measured.temp_c = (double)NAN;
     split(line, take_value, &measured);
     rate_dps = gd_calibrated_dps(&MY_GYRO_CALIBRATION, measured.rate_dps, measured.temp_c);
-    if (gd_hdr_update(&hdr, measured.t_s, rate_dps)) {
+    if (is_hdr && gd_hdr_update(&hdr, measured.t_s, rate_dps)) {
       printf("%.17g,%.17g,%.17g,%.17g\n", measured.t_s, rate_dps, hdr.yaw_deg, hdr.bias_dps);
+    } else if (!is_hdr && gd_restlevel_update_with(&restlevel, measured.t_s, rate_dps, (double)NAN, measured.temp_c)) {
+      printf("%.17g,%.17g,%.17g,%.17g,%.17g\n", measured.t_s, rate_dps, restlevel.yaw_deg, restlevel.yaw_sigma_deg,
+             restlevel.bias_dps);
     }
   }
   return 0;

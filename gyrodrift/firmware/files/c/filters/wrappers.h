@@ -3,6 +3,7 @@
 #define GD_WRAPPERS_H
 
 #include "hdr.h"
+#include "restlevel.h"
 
 #ifdef __cplusplus
 namespace gyrodrift {
@@ -19,6 +20,21 @@ public:
 
 private:
   gd_hdr state_;
+};
+
+class Restlevel {
+public:
+  Restlevel() { gd_restlevel_init(&state_, NULL); }
+  explicit Restlevel(const gd_restlevel_params &params) { gd_restlevel_init(&state_, &params); }
+  bool update(double t_s, gd_real rate_dps) { return gd_restlevel_update(&state_, t_s, rate_dps) != 0; }
+  bool update_us(uint32_t t_us, gd_real rate_dps) { return gd_restlevel_update_us(&state_, t_us, rate_dps) != 0; }
+  gd_real yaw_deg() const { return state_.yaw_deg; }
+  gd_real yaw_sigma_deg() const { return state_.yaw_sigma_deg; }
+  gd_real bias_dps() const { return state_.bias_dps; }
+  gd_restlevel &state() { return state_; }
+
+private:
+  gd_restlevel state_;
 };
 
 } /* namespace gyrodrift */
