@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from gyrodrift.errors import UsageError, visible
 
 if TYPE_CHECKING:
-    from gyrodrift.firmware.my_gyro import Gyro
+    from gyrodrift.firmware.my_gyro import TunedGyro
 
 EXAMPLES = """\
 gyrodrift firmware --out gyrodrift-c
@@ -61,14 +61,14 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _gyro(path: Path | None) -> "Gyro | None":
+def _gyro(path: Path | None) -> "TunedGyro | None":
     """Parameters and calibration of a config; None without one."""
     if path is None:
         return None
     from gyrodrift.cli.configs import loaded_config
-    from gyrodrift.firmware.my_gyro import Gyro
+    from gyrodrift.firmware.my_gyro import TunedGyro
 
-    return Gyro.of_config(loaded_config(path), path.name)
+    return TunedGyro.of_config(loaded_config(path), path.name)
 
 
 def _report(arguments: argparse.Namespace, out: Path, texts: dict[str, str]) -> None:

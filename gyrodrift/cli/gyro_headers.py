@@ -37,6 +37,6 @@ def check_header(path: Path) -> None:
 def write_header(path: Path, config: Path) -> None:
     """Write parameters and calibration of a config."""
     from gyrodrift.config.model import load_config
-    from gyrodrift.firmware.my_gyro import Gyro, my_gyro_h
+    from gyrodrift.firmware.my_gyro import TunedGyro, my_gyro_h
 
-    write_whole(path, [my_gyro_h(Gyro.of_config(load_config(config), config.name), path.name)])
+    write_whole(path, [my_gyro_h(TunedGyro.of_config(load_config(config), config.name), path.name)])

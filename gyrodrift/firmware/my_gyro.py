@@ -27,7 +27,7 @@ Numbers = tuple["float | Numbers", ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Gyro:
+class TunedGyro:
     """Parameters and calibration of a config, as `serve` uses them.
 
     config
@@ -53,7 +53,7 @@ class Gyro:
     mount: Mount
 
     @classmethod
-    def of_config(cls, config: Config, name: str) -> "Gyro":
+    def of_config(cls, config: Config, name: str) -> "TunedGyro":
         """Take the values of a config.
 
         Raises
@@ -89,7 +89,7 @@ class Gyro:
         return lines
 
 
-def my_gyro_h(gyro: Gyro, file_name: str) -> str:
+def my_gyro_h(gyro: TunedGyro, file_name: str) -> str:
     """Text of a header with the values; the names in it begin with the name of the file in capitals."""
     prefix = prefix_of(file_name)
     structs = (
@@ -113,7 +113,7 @@ def prefix_of(file_name: str) -> str:
     return words if re.match(r"[A-Z]", words) else f"GYRO_{words}".rstrip("_")
 
 
-def _head(gyro: Gyro, prefix: str) -> str:
+def _head(gyro: TunedGyro, prefix: str) -> str:
     about = "\n   ".join(gyro.about)
     return f"""\
 /* Filter parameters and calibration of a gyro. Written by gyrodrift {__version__} from {_harmless(gyro.config)}.
@@ -144,7 +144,7 @@ def _harmless(text: str) -> str:
     return visible(text).replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").replace('"""', "'''")
 
 
-def calibration_numbers(gyro: Gyro) -> Numbers:
+def calibration_numbers(gyro: TunedGyro) -> Numbers:
     """Values of `gd_calibration` in its order; a value that was not measured is the one that changes nothing."""
     c = gyro.calibration
     slope, temp_c = (0.0, 0.0) if c.temp_c is None else (c.bias_dps_per_c, c.temp_c)
@@ -166,7 +166,7 @@ def _braces(value: "float | Numbers") -> str:
     return f"GD_R({float(value)!r})"
 
 
-def my_gyro_py(gyro: Gyro) -> str:
+def my_gyro_py(gyro: TunedGyro) -> str:
     """Text of a module for MicroPython with the values."""
     numbers = zip(ONE_AXIS, calibration_numbers(gyro), strict=False)
     constants = "\n".join(f"{name.upper()} = {value!r}" for name, value in numbers)

@@ -6,7 +6,7 @@ from pathlib import Path, PurePosixPath
 from gyrodrift import __version__
 from gyrodrift.firmware.header import gyrodrift_h
 from gyrodrift.firmware.micropython import restlevel_py
-from gyrodrift.firmware.my_gyro import Gyro, my_gyro_h, my_gyro_py
+from gyrodrift.firmware.my_gyro import TunedGyro, my_gyro_h, my_gyro_py
 
 FILES = Path(__file__).parent / "files"
 NATIVE_HEADER = FILES / "c" / "gyrodrift_native.h"
@@ -91,7 +91,7 @@ TARGETS = {
 """Targets by name; the first is the default."""
 
 
-def files_of(target: Target, gyro: Gyro | None = None) -> dict[str, str]:
+def files_of(target: Target, gyro: TunedGyro | None = None) -> dict[str, str]:
     """Texts of a library by their path in its folder; with a config also the parameters of that gyro."""
     source = FILES / target.source
     texts = {
@@ -103,13 +103,13 @@ def files_of(target: Target, gyro: Gyro | None = None) -> dict[str, str]:
     return {path: text.replace(VERSION_MARK, __version__) for path, text in sorted(texts.items())}
 
 
-def _headers(folder: str, gyro: Gyro | None) -> dict[str, str]:
+def _headers(folder: str, gyro: TunedGyro | None) -> dict[str, str]:
     named = {"gyrodrift.h": gyrodrift_h(), NATIVE_HEADER.name: NATIVE_HEADER.read_text(encoding="utf-8")}
     if gyro is not None:
         named[GYRO_HEADER] = my_gyro_h(gyro, GYRO_HEADER)
     return {str(PurePosixPath(folder, name)): text for name, text in named.items()}
 
 
-def _modules(gyro: Gyro | None) -> dict[str, str]:
+def _modules(gyro: TunedGyro | None) -> dict[str, str]:
     modules = {"gyrodrift_restlevel.py": restlevel_py()}
     return modules if gyro is None else {**modules, "my_gyro.py": my_gyro_py(gyro)}

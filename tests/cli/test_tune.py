@@ -17,7 +17,7 @@ from turntable_sessions import RATE_HZ, turntable, write_turntables
 from gyrodrift.cli import main
 from gyrodrift.config.model import load_config
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
-from gyrodrift.firmware.my_gyro import Gyro, my_gyro_h
+from gyrodrift.firmware.my_gyro import TunedGyro, my_gyro_h
 from gyrodrift.mount import Mount
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.session.session import Session
@@ -137,7 +137,7 @@ def test_the_header_has_the_parameters_and_the_calibration_of_the_config(eight: 
     for _ in range(2):
         assert main(["tune", str(eight), "--out", str(out), "--header", str(header), "--iterations", "20", *QUICK]) == 0
     text = header.read_text()
-    assert text == my_gyro_h(Gyro.of_config(load_config(out), "my.yaml"), "left_gyro.h")
+    assert text == my_gyro_h(TunedGyro.of_config(load_config(out), "my.yaml"), "left_gyro.h")
     assert "static const gd_calibration LEFT_GYRO_CALIBRATION =\n    {GD_R(1.0), GD_R(0.98), " in text
     params = load_config(out).params
     assert isinstance(params, HdrParams)

@@ -20,7 +20,7 @@ from gyrodrift.filters import limits
 from gyrodrift.filters.hdr import HdrParams
 from gyrodrift.filters.registry import FILTERS
 from gyrodrift.firmware.micropython import FILES, restlevel_py
-from gyrodrift.firmware.my_gyro import Gyro
+from gyrodrift.firmware.my_gyro import TunedGyro
 
 Samples = list[list[float | None]]
 DRIVE_S = 120.0
@@ -213,4 +213,4 @@ def test_restlevel_is_the_source_of_python() -> None:
     files = {f"restlevel.{path.stem}" for path in package.glob("*.py")}
     assert files - set(FILES) == {"restlevel.__init__", "restlevel.memory"}
     assert "import gyrodrift" not in restlevel_py()
-    assert Gyro.__module__ not in restlevel_py()
+    assert TunedGyro.__module__ not in restlevel_py()

@@ -20,7 +20,7 @@ from gyrodrift.config.model import Config, load_config
 from gyrodrift.errors import UsageError
 from gyrodrift.filters.hdr import HdrParams
 from gyrodrift.filters.restlevel.model import RestlevelParams
-from gyrodrift.firmware.my_gyro import Gyro, my_gyro_h, my_gyro_py, prefix_of
+from gyrodrift.firmware.my_gyro import TunedGyro, my_gyro_h, my_gyro_py, prefix_of
 from gyrodrift.mount import Mount
 from gyrodrift.sample import Inertial
 
@@ -145,7 +145,7 @@ def test_the_module_for_micropython_calibrates_as_python_does(
 ) -> None:
     """It is plain Python, so this Python runs it."""
     module: dict[str, Any] = {}
-    exec(my_gyro_py(Gyro.of_config(config, "my.yaml")), module)
+    exec(my_gyro_py(TunedGyro.of_config(config, "my.yaml")), module)
     assert config.calibration is not None
     expected = config.calibration.rate_dps(rate_dps, nan if temp_c is None else temp_c)
     assert module["calibrated_dps"](rate_dps, temp_c) == pytest.approx(expected, abs=1e-12)
@@ -159,7 +159,7 @@ def test_the_module_for_micropython_calibrates_as_python_does(
 def test_names_begin_with_the_name_of_the_file(name: str, prefix: str) -> None:
     """So that a program can include the headers of two gyros."""
     assert prefix_of(name) == prefix
-    gyro = Gyro("a.yaml", "hdr", HdrParams(), RestlevelParams(), RestlevelParams(), None, NO_CALIBRATION, Mount())
+    gyro = TunedGyro("a.yaml", "hdr", HdrParams(), RestlevelParams(), RestlevelParams(), None, NO_CALIBRATION, Mount())
     assert f"static const gd_hdr_params {prefix}_HDR =\n" in my_gyro_h(gyro, name)
 
 
@@ -174,4 +174,4 @@ def test_a_config_with_mistakes_is_told(tmp_path: Path, capsys: pytest.CaptureFi
 def test_a_filter_that_c_does_not_have_is_told() -> None:
     """A program may have registered one."""
     with pytest.raises(UsageError, match=r"a\.yaml: filter mine runs in Python only; expected hdr or restlevel"):
-        Gyro.of_config(Config("mine"), "a.yaml")
+        TunedGyro.of_config(Config("mine"), "a.yaml")
