@@ -18,6 +18,9 @@ from gyrodrift.session.files import load_session
 FLOAT_DEG_H = 0.01
 """Largest yaw difference of a float, deg for each hour begun."""
 
+FUSED_DEG = 1e-9
+"""Largest difference by fused operations in double, deg."""
+
 Session = tuple[Floats, Floats]
 """Times and inputs."""
 
@@ -91,6 +94,22 @@ def running_motor() -> Session:
     return t_s, inputs
 
 
+def short_start() -> Session:
+    """A slow sensor that sets out before its first rest is confirmed."""
+    rng, t_s = np.random.default_rng(8), timed(5.0, 600.0)
+    rate_dps = np.where(t_s > 4.6, drive(rng, t_s)[0] + 10.0 * np.sin(t_s), 0.0)
+    return t_s, samples(measured(rng, rate_dps, step_dps=0.001))
+
+
+def jumping_bias() -> Session:
+    """A rest sensor, a first bias far out, and a bias that jumps within rests."""
+    rng, t_s = np.random.default_rng(9), timed(100.0, 300.0)
+    rate_dps, is_rest = drive(rng, t_s)
+    rate_dps[t_s < 2.0], is_rest[t_s < 2.0] = 50.0, False
+    jumps_dps = 0.2 * np.sign(np.sin(t_s / 7.0))
+    return t_s, samples(measured(rng, rate_dps + jumps_dps, bias_dps=9.4), is_rest.astype(float))
+
+
 def zeroed() -> Session:
     """The yaw sigma restarts at rest and in motion."""
     t_s, inputs = plain(100.0, 200.0)
@@ -113,6 +132,8 @@ SESSIONS: Mapping[str, Callable[[], Session]] = {
     "huge": huge,
     "turning on and on": turning_on_and_on,
     "running motor": running_motor,
+    "short start": short_start,
+    "jumping bias": jumping_bias,
     "zeroed": zeroed,
 }
 
@@ -169,6 +190,14 @@ def test_simulated_sessions_give_the_same_yaw_in_float(double: CFilter, single: 
         assert np.isfinite(single.run(t_s, inputs).rows).all()
     else:
         assert_close(single.run(t_s, inputs), double.run(t_s, inputs), t_s)
+
+
+@pytest.mark.parametrize("name", ["50 Hz", "temperature and rest sensor", "turning on and on"])
+def test_fused_operations_change_the_last_digits_alone(c_filters: CFilters, double: CFilter, name: str) -> None:
+    """A compiler for a processor that has them may use them."""
+    t_s, inputs = SESSIONS[name]()
+    fused = c_filters.get("filter_restlevel.c", "double", "-O3", "-march=native", "-ffp-contract=fast")
+    assert np.abs(fused.run(t_s, inputs).rows[:, :3] - double.run(t_s, inputs).rows[:, :3]).max() < FUSED_DEG
 
 
 rates = st.one_of(st.floats(-2.0, 2.0), st.sampled_from([0.0, -0.0, nan, inf, -inf, 300.0, -300.0, 1e9, 1.1e12]))
