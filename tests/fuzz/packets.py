@@ -3,6 +3,8 @@
 import struct
 from random import Random
 
+from gyrodrift.link.sources.can_frames import FRAME, FRAME_HEADER
+from gyrodrift.link.sources.can_gyros import BOSCH_IDS, XSENS_IDS
 from gyrodrift.link.sources.iio_scans import IioPacket
 from gyrodrift.link.sources.mavlink_frames import EXTRAS, HEADER_2, checksum
 from gyrodrift.link.sources.packets import packet
@@ -13,7 +15,7 @@ SPECIAL = (0, 1, 0x7F, 0x80, 0xFF)
 
 def changed_packets(content: bytes, random: Random) -> bytes:
     """One to some whole packets of one source put into the stream."""
-    make = random.choice((_mavlink, _iio))
+    make = random.choice((_mavlink, _iio, _can))
     made = b"".join(make(random) for _ in range(random.choice((1, 2, 3, 12))))
     start = random.randint(0, len(content))
     return content[:start] + made + content[start:]
@@ -41,3 +43,8 @@ def _iio(random: Random) -> bytes:
         text = f'{{"name": "x", "rate_hz": 1, "matrix": [{matrix}], "channels": [{channels}]}}'
         return packet(kind, text.encode())
     return packet(kind, any_bytes(random, random.choice((4, 6, 8, 16, 24))))
+
+
+def _can(random: Random) -> bytes:
+    header = FRAME_HEADER.pack(random.getrandbits(64), random.choice((*BOSCH_IDS, *XSENS_IDS, 0x7FF)))
+    return packet(FRAME, header + any_bytes(random, random.choice((0, 2, 4, 6, 8, 64))))

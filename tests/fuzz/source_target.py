@@ -4,6 +4,8 @@ from collections.abc import Callable
 from math import isfinite, isinf, isnan
 
 from gyrodrift.link.protocols.decoder import Decoder
+from gyrodrift.link.sources.can_frames import CanDecoder
+from gyrodrift.link.sources.can_gyros import BOSCH_IDS, XSENS_IDS, bosch, xsens
 from gyrodrift.link.sources.iio_scans import IioDecoder
 from gyrodrift.link.sources.mavlink_frames import ImuChoice, MavlinkDecoder
 from gyrodrift.sample import Reading
@@ -14,6 +16,8 @@ DECODERS: dict[str, Callable[[], Decoder]] = {
     "mavlink": lambda: MavlinkDecoder(ImuChoice()),
     "mavlink of one message": lambda: MavlinkDecoder(ImuChoice(1, "raw_imu", 0.01, 0.01)),
     "iio": IioDecoder,
+    "bosch": lambda: CanDecoder(bosch("bosch-mm7.10", BOSCH_IDS, is_upside_down=True)),
+    "xsens": lambda: CanDecoder(xsens("xsens", XSENS_IDS, is_upside_down=False)),
 }
 
 

@@ -21,6 +21,7 @@ SHIPPED = {
     "-": "gyrodrift.link.sources.stdin:STANDARD_INPUT",
     "mcap": "gyrodrift.link.sources.mcap:MCAP",
     "iio": "gyrodrift.link.sources.iio:IIO",
+    "can": "gyrodrift.link.sources.can:CAN",
 }
 """Schemes with `module:NAME` of their `ByteSource`, imported when an address has that scheme."""
 
