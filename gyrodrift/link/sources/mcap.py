@@ -5,6 +5,7 @@ It is read from its beginning. Its end is the end of a finished file.
 
 import os
 from contextlib import suppress
+from math import isnan, nan
 from pathlib import Path
 
 from gyrodrift.errors import DataError, LinkError, PortDeniedError, PortMissingError
@@ -107,10 +108,12 @@ class McapDecoder:
 
 def _reading(sample: Sample) -> Reading:
     """Reading with the low bits of time and counter, as on a wire."""
-    _, t_device_s, _, rate_dps, encoder_deg, temp_c, still, inertial = sample
-    seq = sample.seq & 0xFFFF if sample.seq >= 0 else None
+    seq, t_device_s, _, rate_dps, encoder_deg, temp_c, still, inertial, device_yaw = sample
     t_us = round(t_device_s * 1e6) & 0xFFFFFFFF
-    return Reading(t_us, seq, rate_dps, encoder_deg, temp_c, still, inertial=inertial)
+    if device_yaw is not None and isnan(device_yaw.yaw_deg):  # a recording has no other sign of a missing result
+        device_yaw = None
+    count = seq & 0xFFFF if seq >= 0 else None
+    return Reading(t_us, count, rate_dps, encoder_deg, temp_c, still, nan, inertial, device_yaw)
 
 
 def _device(table: dict[str, str]) -> DeviceDescription:

@@ -12,6 +12,7 @@ from mcap.well_known import MessageEncoding
 from gyrodrift.errors import DataError
 from gyrodrift.sample import Inertial, Sample
 from gyrodrift.session.foreign.columns import NS_PER_S, Decode, WrongValueError, number, sample_of, whole
+from gyrodrift.session.session import DEVICE_COLUMNS
 
 MOST_LINES, MOST_SCHEMA_BYTES = 2000, 1 << 18
 """Limits of a schema. The time of its parser grows with the square of the fields: 2000 take 0.3 s, 40,000 take 19 s
@@ -19,7 +20,7 @@ MOST_LINES, MOST_SCHEMA_BYTES = 2000, 1 << 18
 
 
 def _own_sample(message: Any, log_ns: int) -> Sample:
-    names = (*Sample._fields, *Inertial._fields)
+    names = (*Sample._fields, *Inertial._fields, *DEVICE_COLUMNS)
     return sample_of({name: getattr(message, name) for name in names if hasattr(message, name)}, log_ns)
 
 

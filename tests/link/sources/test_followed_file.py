@@ -19,7 +19,7 @@ from gyrodrift.errors import DataError, PortMissingError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.sources.mcap import McapDecoder
-from gyrodrift.sample import Inertial, Sample
+from gyrodrift.sample import DeviceYaw, Inertial, Sample
 from gyrodrift.session.follow import SampleStream
 from gyrodrift.session.mcap.write import McapWriter
 
@@ -76,6 +76,17 @@ def test_any_split_of_a_file_gives_the_same_samples(cuts: list[int]) -> None:
 def test_three_axes_come_along() -> None:
     samples = SampleStream("file").push(own_file(10, has_axes=True))
     assert samples[9].inertial == Inertial(1.0, 2.0, 9.5, 0.0, 0.0, 9.8)
+
+
+def test_the_result_of_the_device_comes_along() -> None:
+    """A sample without a result has none."""
+    content = BytesIO()
+    writer = McapWriter(content, has_device_yaw=True)
+    writer.add(sample(0)._replace(device_yaw=DeviceYaw(1.0, 0.1, 0.01)))
+    writer.add(sample(1))
+    writer.finish()
+    readings = McapDecoder().push(content.getvalue())
+    assert [reading.device_yaw for reading in readings] == [DeviceYaw(1.0, 0.1, 0.01), None]
 
 
 @pytest.mark.parametrize("compression", [CompressionType.NONE, CompressionType.LZ4, CompressionType.ZSTD])
