@@ -15,6 +15,7 @@ from gyrodrift.diagnose.inference.linear_model import linear_model_of
 from gyrodrift.diagnose.inference.ranking import ranking
 from gyrodrift.diagnose.inference.verdict import Verdict, is_small, set_aside
 from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
+from gyrodrift.diagnose.predictive_checks.on_device import on_device_yaw
 from gyrodrift.diagnose.predictive_checks.residual_checks import residual_checks_of
 from gyrodrift.diagnose.predictive_checks.yaw_impact import cost_deg, yaw_impact_of
 from gyrodrift.diagnose.recording.facts import contradictions
@@ -96,6 +97,7 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         features=feature_comparisons_of(explanation, without_causes, designs),
         residuals=residual_checks_of(subjects, verdict.causes),
         baseline=baseline,
+        on_device=on_device_yaw(list(dict.fromkeys(origin.path for origin in origins)), request.reading),
     )
     return replace(result, seconds=time.monotonic() - begun_s)
 

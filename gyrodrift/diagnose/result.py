@@ -8,6 +8,7 @@ from gyrodrift.diagnose.inference.linear_model import LinearModel
 from gyrodrift.diagnose.inference.ranking import Ranked
 from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison
+from gyrodrift.diagnose.predictive_checks.on_device import OnDeviceYaw
 from gyrodrift.diagnose.predictive_checks.residual_checks import ResidualChecks
 from gyrodrift.diagnose.predictive_checks.yaw_impact import YawImpact
 from gyrodrift.diagnose.recording.facts import Contradiction
@@ -73,6 +74,8 @@ class Diagnosis(ResultTable):
         Rate errors of some sessions, real beside simulated.
     baseline
         Sessions of the baseline, calibrated like the sessions.
+    on_device
+        Errors of the filter that the device runs itself; None unless all sessions have its yaw.
     """
 
     verdict: Verdict
@@ -94,6 +97,7 @@ class Diagnosis(ResultTable):
     features: tuple[FeatureComparison, ...] = field(repr=False)
     residuals: ResidualChecks = field(repr=False)
     baseline: tuple[DiagnosedSession, ...] = field(default=(), repr=False)
+    on_device: OnDeviceYaw | None = None
 
     def __repr__(self) -> str:
         names = ", ".join(cause.effect.name for cause in self.verdict.causes)

@@ -57,6 +57,7 @@ def content(diagnosis: Diagnosis) -> dict[str, Any]:
         "gap": asdict(verdict.gap),
         "yaw": {name: getattr(impact, name) for name in ("e_real_deg", "e_sim_before_deg", "e_sim_after_deg")},
         "transfer": {name: value for name, value in asdict(impact).items() if name.startswith("pi_")},
+        **({} if diagnosis.on_device is None else {"on_device": asdict(diagnosis.on_device)}),
         "linear_model": asdict(diagnosis.linear_model),
         "detectable": {
             item.effect: {item.parameter: item.value, "unit": item.unit}
@@ -144,6 +145,7 @@ def summary(diagnosis: Diagnosis) -> list[str]:
         *lines,
         _gap_line(diagnosis),
         _yaw_line(diagnosis),
+        *_on_device_lines(diagnosis),
         f"check by a linear model: {diagnosis.linear_model.says}",
         f"next: {diagnosis.next_step}",
     ]
@@ -171,6 +173,16 @@ def _yaw_line(diagnosis: Diagnosis) -> str:
     )
     corrected = f", {after} corrected" * bool(diagnosis.verdict.causes)
     return f"mean yaw error, one filter: {real} recordings, {before} simulator as it is{corrected}"
+
+
+def _on_device_lines(diagnosis: Diagnosis) -> list[str]:
+    """A line about the filter that the device runs itself; none for a device without one."""
+    errors = diagnosis.on_device
+    if errors is None:
+        return []
+    device, ours = (f"{significant(value, 3)} deg" for value in (errors.e_device_deg, errors.e_restlevel_deg))
+    share = "" if errors.within_2_sigma is None else f", {100.0 * errors.within_2_sigma:.0f} % within its 2 σ"
+    return [f"heading error on the recordings: {device} filter in the device{share}, {ours} restlevel"]
 
 
 def _listed(deviations: Sequence[Deviation]) -> str:

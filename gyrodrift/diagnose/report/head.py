@@ -63,7 +63,15 @@ def verdict(diagnosis: Diagnosis, set_name: str = "") -> str:
         *(paragraph(words) for words in _in_words(diagnosis)),
         doubts(diagnosis),
         rate_figure(diagnosis),
-        tiles([*_cause_tiles(diagnosis), _gap_tile(diagnosis), _yaw_tile(diagnosis), _transfer_tile(diagnosis)]),
+        tiles(
+            [
+                *_cause_tiles(diagnosis),
+                _gap_tile(diagnosis),
+                _yaw_tile(diagnosis),
+                _transfer_tile(diagnosis),
+                *_on_device_tiles(diagnosis),
+            ]
+        ),
         paragraph(CARDS, "note"),
         paragraph(f"<b>What to record next.</b> {text(diagnosis.next_step)}"),
     )
@@ -209,6 +217,17 @@ def _yaw_tile(diagnosis: Diagnosis) -> str:
     rows = [(NAMES[0], degrees(impact.e_real_deg)), (before, degrees(impact.e_sim_before_deg))]
     rows += [(NAMES[2], degrees(impact.e_sim_after_deg))] * bool(diagnosis.verdict.causes)
     return tile("Mean absolute yaw error with one and the same filter", rows)
+
+
+def _on_device_tiles(diagnosis: Diagnosis) -> list[str]:
+    """Errors of the filter that the device runs itself; none for a device without one."""
+    errors = diagnosis.on_device
+    if errors is None:
+        return []
+    rows = [("filter in the device", degrees(errors.e_device_deg)), ("restlevel", degrees(errors.e_restlevel_deg))]
+    if errors.within_2_sigma is not None:
+        rows += [("within the 2 σ that the device states", percent(errors.within_2_sigma))]
+    return [tile("Mean absolute heading error on the recordings", rows)]
 
 
 def _transfer_tile(diagnosis: Diagnosis) -> str:
