@@ -22,6 +22,8 @@ SHIPPED = {
     "mcap": "gyrodrift.link.sources.mcap:MCAP",
     "iio": "gyrodrift.link.sources.iio:IIO",
     "can": "gyrodrift.link.sources.can:CAN",
+    "mqtt": "gyrodrift.link.sources.mqtt:MQTT",
+    "mqtts": "gyrodrift.link.sources.mqtt:MQTTS",
 }
 """Schemes with `module:NAME` of their `ByteSource`, imported when an address has that scheme."""
 

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from gyrodrift.errors import LinkError, PortBusyError, PortDeniedError, PortMissingError
-from gyrodrift.link.heard import PRINTABLE
+from gyrodrift.link.sources.line_ends import LineEnds
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
 
 LOOPBACK = "127.0.0.1"
@@ -46,7 +46,8 @@ class UdpPort(SourcePort):
         self._monotonic = monotonic
         self._sender: Sender | None = None
         self._heard_s = 0.0
-        self._is_binary = self._is_told = False
+        self._is_told = False
+        self._line_ends = LineEnds()
 
     def read(self) -> bytes:
         """Content of the waiting datagrams, up to a limit, without waiting."""
@@ -95,13 +96,8 @@ class UdpPort(SourcePort):
             self.note("other_sender", ignored=f"{sender[0]}:{sender[1]}", followed=f"{followed[0]}:{followed[1]}")
 
     def _as_stream(self, content: bytes) -> bytes:
-        """Content with a line end after a text that has none; boards and phones often send one line per datagram."""
-        if self._is_binary or content.endswith((b"\n", b"\r")):
-            return content
-        if all(byte in PRINTABLE or byte >= 0x80 for byte in content):
-            return content + b"\n"
-        self._is_binary = True
-        return content
+        """Content with a line end after a text that has none."""
+        return self._line_ends.add(content)
 
 
 def open_udp(address: SourceAddress) -> UdpPort:

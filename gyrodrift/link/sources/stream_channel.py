@@ -1,0 +1,154 @@
+"""Stream socket with or without TLS: wait for answers while it is opened, later read without waiting."""
+
+import ssl
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from socket import socket
+
+from gyrodrift.errors import LinkError, UsageError
+from gyrodrift.files import UnreadableError, check_ordinary
+from gyrodrift.link.port import READ_BYTES, READS_PER_TURN, PortGoneError
+from gyrodrift.link.sources.sockets import connected
+from gyrodrift.link.sources.source import SourceAddress
+
+ANSWER_S = 5.0
+"""Longest wait for an answer while a channel is opened, s. Chosen: as for a connection."""
+
+
+class StreamChannel:
+    """Connected socket.
+
+    has_more
+        Whether the last `receive` stopped at its limit. TLS may hold bytes that the descriptor does not show.
+    """
+
+    def __init__(self, path: str, connection: socket) -> None:
+        connection.settimeout(ANSWER_S)
+        self.path = path
+        self.fd = connection.fileno()
+        self.has_more = False
+        self._connection = connection
+
+    def start(self) -> None:
+        """Do not wait any more."""
+        self._connection.setblocking(False)
+
+    def wait(self) -> bytes:
+        """Next bytes, while the channel is opened.
+
+        Raises
+        ------
+        LinkError
+            The peer closes the connection, or does not answer.
+        """
+        try:
+            chunk = self._connection.recv(READ_BYTES)
+        except TimeoutError as error:
+            raise LinkError(f"{self.path}: the server does not answer within {ANSWER_S:g} s") from error
+        except OSError as error:
+            raise LinkError(f"{self.path}: the server ends the connection: {error}") from error
+        if not chunk:
+            raise LinkError(f"{self.path}: the server closes the connection; is it another kind of server?")
+        return chunk
+
+    def receive(self) -> bytes:
+        """Available bytes, up to a limit, without waiting.
+
+        Raises
+        ------
+        PortGoneError
+            The connection is closed, and all its bytes have been read.
+        """
+        chunks: list[bytes] = []
+        self.has_more = False
+        for _ in range(READS_PER_TURN):
+            try:
+                chunk = self._connection.recv(READ_BYTES)
+            except (BlockingIOError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
+                return b"".join(chunks)
+            except OSError as error:
+                if chunks:
+                    break
+                raise PortGoneError(self.path) from error
+            if not chunk:
+                if chunks:
+                    break
+                raise PortGoneError(self.path)
+            chunks.append(chunk)
+        self.has_more = True
+        return b"".join(chunks)
+
+    def send(self, content: bytes) -> None:
+        """Send a few bytes.
+
+        Raises
+        ------
+        PortGoneError
+            The peer does not read, or the connection is closed.
+        """
+        try:
+            sent = self._connection.send(content)
+        except OSError as error:
+            raise PortGoneError(self.path) from error
+        if sent != len(content):
+            raise PortGoneError(self.path)
+
+    def close(self) -> None:
+        """Close the socket."""
+        with suppress(OSError):
+            self._connection.close()
+
+
+def open_channel(address: SourceAddress, host: str, port: int, context: ssl.SSLContext | None) -> StreamChannel:
+    """Connect, with TLS if there is a context.
+
+    Raises
+    ------
+    LinkError
+        There is no connection, or the certificate is not trusted.
+    """
+    connection = connected(SourceAddress(address.text, address.scheme, f"[{host}]:{port}"))
+    if context is None:
+        return StreamChannel(address.text, connection)
+    try:
+        return StreamChannel(address.text, context.wrap_socket(connection, server_hostname=host))
+    except ssl.SSLCertVerificationError as error:
+        connection.close()
+        why = error.verify_message
+        raise LinkError(f"{address.text}: the certificate of {host} is not trusted: {why}; append ?ca=FILE") from error
+    except OSError as error:  # SSLError is an OSError
+        connection.close()
+        raise LinkError(f"{address.text}: no TLS with {host}: {error}; is it a port without TLS?") from error
+
+
+def tls_context(address: SourceAddress, options: Mapping[str, str]) -> ssl.SSLContext:
+    """Context that checks the certificate of the server against `ca=FILE`, or those of the system.
+
+    Raises
+    ------
+    UsageError
+        The file cannot be used.
+    """
+    try:
+        if "ca" in options:
+            check_ordinary(Path(options["ca"]))
+        return ssl.create_default_context(cafile=options.get("ca"))
+    except (OSError, ValueError, UnreadableError) as error:
+        raise UsageError(f"--port {address.text}: cannot use ca={options.get('ca')}: {error}") from error
+
+
+def host_and_path(address: SourceAddress, rest: str, usual_port: int) -> tuple[str, int, str]:
+    """Host, port and path of `HOST[:PORT]/PATH`.
+
+    Raises
+    ------
+    UsageError
+        The address has another form.
+    """
+    authority, _, path = rest.partition("/")
+    has_port = ":" in authority.rpartition("]")[2]
+    host, port = SourceAddress(
+        address.text, address.scheme, authority if has_port else f"{authority}:{usual_port}"
+    ).host_port()
+    return host, port, path

@@ -1,0 +1,253 @@
+"""Source mqtt with a real broker, mosquitto, and its own client, mosquitto_pub."""
+
+import os
+import shutil
+import socket
+import subprocess
+import threading
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+
+import pytest
+from broker_support import broker, need_mosquitto
+from sources_support import PATIENCE_S, Events, lines, read_until
+from support import free_port
+
+from gyrodrift.errors import DeviceSilentError, LinkError, PortMissingError, UsageError
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
+from gyrodrift.link.port import PortGoneError
+from gyrodrift.link.sources.mqtt import GONE_S, PASSWORD_VARIABLE, PING_S, MqttPort
+from gyrodrift.link.sources.mqtt_packets import LONGEST_PACKET_BYTES, PING, MqttStream, connect_packet, subscribe_packet
+from gyrodrift.link.sources.stream_channel import StreamChannel
+
+need_mosquitto()
+
+TOPIC = "robot/gyro"
+
+
+@pytest.fixture
+def number() -> int:
+    """A port that nobody has."""
+    return free_port()
+
+
+def publish(number: int, content: bytes, *options: str) -> None:
+    """Publish each line as a message."""
+    command = ["mosquitto_pub", "-h", "127.0.0.1", "-p", str(number), "-t", TOPIC, "-l", *options]
+    subprocess.run(command, input=content, check=True, timeout=PATIENCE_S)
+
+
+def certificate(folder: Path, *names: str) -> Path:
+    """Certificate for names of this machine; its key is beside it."""
+    made, key = folder / "a.crt", folder / "a.key"
+    alternatives = ",".join(names)
+    command = [
+        *("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", str(key), "-out", str(made)),
+        *("-days", "2", "-subj", "/CN=gyro", "-addext", f"subjectAltName={alternatives}"),
+    ]
+    subprocess.run(command, check=True, capture_output=True)
+    return made
+
+
+def test_messages_of_a_topic_are_read_like_a_cable(number: int, tmp_path: Path) -> None:
+    """A line per message, without its line end."""
+    events = Events()
+    with broker(number, tmp_path), closing(Link(LinkOptions(f"mqtt://127.0.0.1:{number}/{TOPIC}"), events)) as link:
+        publish(number, lines(0, 200))
+        samples = read_until(link, lambda samples: len(samples) == 200)
+    assert [sample.seq for sample in samples] == list(range(200))
+    assert ("protocol_found", {"protocol": "csv"}) in events.told
+
+
+def test_json_is_read_by_columns(number: int, tmp_path: Path) -> None:
+    options = LinkOptions(f"mqtt://127.0.0.1:{number}/{TOPIC}", columns="time=t_s, gyro.z=rate:dps")
+    with broker(number, tmp_path), closing(Link(options, Events())) as link:
+        publish(number, b"".join(b'{"time": %g, "gyro": {"z": 2.5}}\n' % (0.01 * step) for step in range(50)))
+        samples = read_until(link, lambda samples: len(samples) == 50)
+    assert samples[-1].rate_dps == 2.5
+
+
+def test_a_retained_message_is_old_and_no_sample(number: int, tmp_path: Path) -> None:
+    with broker(number, tmp_path):
+        command = ["mosquitto_pub", "-h", "127.0.0.1", "-p", str(number), "-t", TOPIC, "-r", "-m", "99,77.0"]
+        subprocess.run(command, check=True, timeout=PATIENCE_S)
+        with closing(Link(LinkOptions(f"mqtt://127.0.0.1:{number}/{TOPIC}"), Events())) as link:
+            publish(number, lines(0, 50))
+            samples = read_until(link, lambda samples: len(samples) == 50)
+    assert {sample.rate_dps for sample in samples} == {0.5}
+
+
+def test_a_broker_that_comes_back_is_read_again(number: int, tmp_path: Path) -> None:
+    events = Events()
+    with broker(number, tmp_path):
+        link = Link(LinkOptions(f"mqtt://127.0.0.1:{number}/{TOPIC}"), events)
+        publish(number, lines(0, 100))
+        read_until(link, lambda samples: len(samples) == 100)
+    read_until(link, lambda _: link.port is None)
+    with broker(number, tmp_path):
+        read_until(link, lambda _: link.port is not None)
+        publish(number, lines(150, 100))
+        samples = read_until(link, lambda samples: len(samples) >= 99)
+        link.close()
+    assert samples[-1].t_device_s == pytest.approx(2.49)
+    assert (link.counters.reconnects, link.counters.gaps) == (1, 1)
+    assert events.names().count("link_restored") == 1
+
+
+@pytest.mark.skipif(shutil.which("mosquitto_passwd") is None, reason="mosquitto_passwd is not installed")
+def test_a_password_comes_from_a_file_or_the_environment(
+    number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    users, secret = tmp_path / "users", tmp_path / "secret"
+    subprocess.run(["mosquitto_passwd", "-b", "-c", str(users), "ann", "s3cret"], check=True, capture_output=True)
+    secret.write_text("s3cret\n")
+    address = f"mqtt://ann@127.0.0.1:{number}/{TOPIC}"
+    with broker(number, tmp_path, "allow_anonymous false", f"password_file {users}"):
+        Link(LinkOptions(f"{address}?password_file={secret}"), Events()).close()
+        monkeypatch.setenv(PASSWORD_VARIABLE, "s3cret")
+        Link(LinkOptions(address), Events()).close()
+        monkeypatch.setenv(PASSWORD_VARIABLE, "wr0ng")
+        with pytest.raises(LinkError, match=r"refuses the connection: .*check USER@ and password_file"):
+            Link(LinkOptions(address), Events())
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl, which makes the certificate, is not installed")
+def test_a_certificate_is_checked(number: int, tmp_path: Path) -> None:
+    made = certificate(tmp_path, "IP:127.0.0.1")
+    settings = ("allow_anonymous true", f"certfile {made}", f"keyfile {made.with_suffix('.key')}")
+    with broker(number, tmp_path, *settings):
+        address = f"mqtts://127.0.0.1:{number}/{TOPIC}"
+        with pytest.raises(LinkError, match=r"certificate of 127.0.0.1 is not trusted: .*; append \?ca=FILE"):
+            Link(LinkOptions(address), Events())
+        with closing(Link(LinkOptions(f"{address}?ca={made}"), Events())) as link:
+            publish(number, lines(0, 2000), "--cafile", str(made))
+            assert len(read_until(link, lambda samples: len(samples) == 2000)) == 2000
+
+
+def test_tls_without_a_certificate_is_an_error(number: int, tmp_path: Path) -> None:
+    with broker(number, tmp_path), pytest.raises(LinkError, match=r"no TLS with 127.0.0.1: .*a port without TLS"):
+        Link(LinkOptions(f"mqtts://127.0.0.1:{number}/{TOPIC}"), Events())
+
+
+def test_a_broker_that_is_not_there_is_an_error(number: int) -> None:
+    with pytest.raises(PortMissingError, match=rf"nothing listens on port {number} of 127.0.0.1"):
+        Link(LinkOptions(f"mqtt://127.0.0.1:{number}/{TOPIC}"), Events())
+
+
+def test_a_topic_without_messages_is_an_error_with_advice(number: int, tmp_path: Path) -> None:
+    now_s = 1000.0
+    with broker(number, tmp_path):
+        link = Link(LinkOptions(f"mqtt://127.0.0.1:{number}/{TOPIC}", timeout_s=3.0), Events(), lambda: now_s)
+        now_s += 3.0
+        with pytest.raises(DeviceSilentError, match="nothing is published on this topic"):
+            link.read()
+        link.close()
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("mqtt://ann:s3cret@host/topic", r"a password in an address is visible .* \?password_file=FILE"),
+        ("mqtt://host", r"expected mqtt://\[USER@\]BROKER\[:PORT\]/TOPIC"),
+        ("mqtt://host/robot/+", "with one topic; several would mix their gyros"),
+        ("mqtt://host:x/topic", "expected mqtt://HOST:PORT with a port from 1 to 65535"),
+        ("mqtt://host/topic?password_file=/nowhere", "cannot read password_file=/nowhere"),
+        ("mqtts://host/topic?ca=/nowhere", "cannot use ca=/nowhere"),
+    ],
+)
+def test_a_wrong_address_is_an_error(text: str, expected: str) -> None:
+    with pytest.raises(UsageError, match=expected) as error:
+        Link(LinkOptions(text), Events())
+    assert "s3cret" not in str(error.value)
+
+
+@contextmanager
+def hostile(answer: bytes) -> Iterator[int]:
+    """A server that reads a little, answers, and closes."""
+
+    def serve() -> None:
+        connection, _ = server.accept()
+        with connection:
+            connection.settimeout(PATIENCE_S)
+            connection.recv(1000)
+            connection.sendall(answer)
+
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        thread = threading.Thread(target=serve)
+        thread.start()
+        yield server.getsockname()[1]
+        thread.join()
+
+
+@pytest.mark.parametrize(
+    ("answer", "expected"),
+    [
+        (b"HTTP/1.1 400 Bad Request\r\n\r\n", "closes the connection; is it another kind of server"),
+        (b"\x20\xff\xff\xff\xff", "this is no MQTT broker"),
+        (b"\x20\x02\x00\x07", "refuses the connection: it answers 7"),
+        (b"", "closes the connection"),
+    ],
+)
+def test_another_server_is_an_error(answer: bytes, expected: str) -> None:
+    with hostile(answer) as port, pytest.raises(LinkError, match=expected):
+        Link(LinkOptions(f"mqtt://127.0.0.1:{port}/{TOPIC}"), Events())
+
+
+@contextmanager
+def subscription() -> Iterator[tuple[MqttPort, socket.socket, list[float]]]:
+    """Port whose broker and clock the test plays."""
+    ours, theirs = socket.socketpair()
+    now_s = [1000.0]
+    channel = StreamChannel("mqtt://test/x", ours)
+    channel.start()
+    port = MqttPort(channel, "x", lambda: now_s[0])
+    with theirs:
+        theirs.settimeout(PATIENCE_S)
+        yield port, theirs, now_s
+        port.close()
+
+
+def test_a_silent_broker_is_asked_and_then_given_up() -> None:
+    with subscription() as (port, theirs, now_s):
+        now_s[0] += PING_S
+        assert port.read() == b""
+        assert theirs.recv(10) == PING
+        theirs.sendall(b"\xd0\x00")
+        assert port.read() == b""
+        now_s[0] += GONE_S
+        with pytest.raises(PortGoneError):
+            port.read()
+
+
+def test_a_packet_of_256_mb_ends_the_connection() -> None:
+    """Only its announcement is read."""
+    with subscription() as (port, theirs, _):
+        theirs.sendall(b"\x30\xff\xff\xff\x7f" + bytes(1000))
+        with pytest.raises(PortGoneError):
+            port.read()
+        assert port.notes[0][0] == "source_refused"
+
+
+def test_messages_of_other_topics_and_other_packets_are_ignored() -> None:
+    with subscription() as (port, theirs, _):
+        theirs.sendall(b"\x30\x05\x00\x01yab\x30\x05\x00\x01xab\xd0\x00\x31\x05\x00\x01xcd\x30\x01\x00\x30\x00")
+        assert port.read() == b"ab\n"
+
+
+def test_any_split_gives_the_same_packets() -> None:
+    stream = connect_packet("gyro", "ann", b"x", 30) + subscribe_packet("a" * 300) + b"\x30" + b"\x80\x01" + bytes(128)
+    whole = MqttStream().push(stream)
+    split = MqttStream()
+    pieces = [entry for position in range(len(stream)) for entry in split.push(stream[position : position + 1])]
+    assert pieces == whole
+    assert [entry.kind for entry in whole] == [1, 8, 3]
+
+
+def test_random_bytes_never_keep_more_than_a_packet() -> None:
+    for _ in range(300):
+        stream = MqttStream()
+        for _ in range(20):
+            stream.push(os.urandom(500))
+        assert len(stream._pending) <= LONGEST_PACKET_BYTES + 5
