@@ -43,6 +43,8 @@ LEONARDO = ("-mmcu=atmega32u4", f"-I{ARDUINO}/variants/leonardo", "-DUSB_VID=0x2
 
 CPP = ("-std=gnu++11", "-fno-exceptions", "-fno-threadsafe-statics")
 STRICT = ("-Wall", "-Wextra", "-Werror")
+LTO = ("-flto", "-fuse-linker-plugin")
+"""The IDE optimizes while it links, too; symbols of such an object cannot be listed."""
 
 
 class Truth(NamedTuple):
@@ -133,7 +135,7 @@ def linked(sketch: Path, into: Path) -> Path:
         sources = [*core.glob(f"*.{suffix}"), *wire.rglob(f"*.{suffix}")]
         run(compiler, *UNO, "-w", *flags, "-c", *sources, folder=objects)
     elf = into / "sketch.elf"
-    run("avr-gcc", "-mmcu=atmega328p", "-Os", "-Wl,--gc-sections", sketch, *objects.glob("*.o"), "-o", elf, "-lm")
+    run("avr-gcc", "-mmcu=atmega328p", "-Os", *LTO, "-Wl,--gc-sections", sketch, *objects.glob("*.o"), "-o", elf, "-lm")
     return elf
 
 

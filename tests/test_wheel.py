@@ -115,6 +115,16 @@ def test_rigs_profiles_and_config_are_inside(installed: Installed) -> None:
     assert "gyrodrift        mean |error|" in demo.stdout
 
 
+@pytest.mark.parametrize("target", ["arduino", "zephyr", "esphome", "micropython", "c"])
+def test_the_firmware_is_inside(installed: Installed, target: str) -> None:
+    """The command writes each library without a clone."""
+    written = installed.run("gyrodrift", "firmware", "--out", f"board-{target}", "--target", target)
+    assert (written.returncode, written.stderr) == (0, "")
+    folder = installed.folder / f"board-{target}"
+    name = "gyrodrift_native.py" if target == "micropython" else "gyrodrift.h"
+    assert [path.name for path in folder.rglob(name)] == [name]
+
+
 @pytest.mark.parametrize("where", ["wheel", "clone"])
 def test_the_command_that_a_message_gives_installs_the_extra(where: str, installed: Installed) -> None:
     """It names the wheel or the clone, never a name of an index; here all packages are installed already."""

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import serial
 from firmware_library import library
-from firmware_support import UNO, Board, library_object, linked
+from firmware_support import LTO, UNO, Board, library_object, linked
 from support import PATIENCE_S, Command
 
 from gyrodrift.filters.registry import FILTERS
@@ -27,7 +27,7 @@ def arduino(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def example(arduino: Path, name: str, into: Path) -> Path:
     """An example of the library, to run on an Uno."""
-    return linked(library_object(arduino, name, into, *UNO), into)
+    return linked(library_object(arduino, name, into, *UNO, *LTO), into)
 
 
 def python_yaw_deg(name: str, t_s: list[float], rates_dps: list[float]) -> list[float]:

@@ -24,6 +24,8 @@ void noInterrupts();
 void interrupts();
 #define digitalPinToInterrupt(pin) (pin)
 
+#define F(text) (text)
+
 struct HardwareSerial {
   void begin(unsigned long baud);
   size_t write(const uint8_t *bytes, size_t count);

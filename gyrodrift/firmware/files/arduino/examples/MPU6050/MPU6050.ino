@@ -20,7 +20,7 @@ static const gd_calibration MY_GYRO_CALIBRATION = GD_NO_CALIBRATION;
 
 static const uint8_t ADDRESS = 0x68; // 0x69 if AD0 is high
 static const uint32_t SAMPLE_US = 10000;
-static const uint32_t LINE_MS = 500;
+static const uint8_t SAMPLES_PER_LINE = 50;
 
 // An Uno has just enough flash for restlevel. A Leonardo has not, and runs HDR, which has no standard deviation.
 #if defined(__AVR_ATmega32U4__)
@@ -29,12 +29,13 @@ static void print_sigma() {}
 #else
 static gyrodrift::Restlevel filter(MY_GYRO_RESTLEVEL);
 static void print_sigma() {
-  Serial.print(" +- ");
+  Serial.print(F(" +- "));
   Serial.print(filter.yaw_sigma_deg(), 2);
 }
 #endif
 
-static uint32_t sample_us, line_ms;
+static uint32_t sample_us;
+static uint8_t samples;
 
 static void write_register(uint8_t reg, uint8_t value) {
   Wire.beginTransmission(ADDRESS);
@@ -75,16 +76,17 @@ void setup() {
 void loop() {
   const uint32_t now_us = micros();
   float rate_dps, temp_c;
-  if (now_us - sample_us >= SAMPLE_US) {
-    sample_us = now_us;
-    if (read_gyro(&rate_dps, &temp_c)) {
-      filter.update_us(now_us, gd_calibrated_dps(&MY_GYRO_CALIBRATION, rate_dps, temp_c));
-    }
+  if (now_us - sample_us < SAMPLE_US) {
+    return;
   }
-  if (millis() - line_ms >= LINE_MS) {
-    line_ms = millis();
+  sample_us = now_us;
+  if (read_gyro(&rate_dps, &temp_c)) {
+    filter.update_us(now_us, gd_calibrated_dps(&MY_GYRO_CALIBRATION, rate_dps, temp_c));
+  }
+  if (++samples == SAMPLES_PER_LINE) {
+    samples = 0;
     Serial.print(filter.yaw_deg(), 2);
     print_sigma();
-    Serial.println(" deg");
+    Serial.println(F(" deg"));
   }
 }

@@ -18,7 +18,7 @@ static void print_sigma() {}
 #else
 static gyrodrift::Restlevel filter;
 static void print_sigma() {
-  Serial.print(" +- ");
+  Serial.print(F(" +- "));
   Serial.print(filter.yaw_sigma_deg(), 2);
 }
 #endif
@@ -53,16 +53,16 @@ static bool read_rate(float *rate_dps) {
 
 static void print_yaw() {
   if (!is_there) {
-    Serial.println("no gyro at this address: check VCC, GND, SCL and SDA");
+    Serial.println(F("no gyro at this address: check VCC, GND, SCL and SDA"));
     is_there = start_gyro();
     return;
   }
-  Serial.print("yaw ");
+  Serial.print(F("yaw "));
   Serial.print(filter.yaw_deg(), 2);
   print_sigma();
-  Serial.print(" deg, bias ");
+  Serial.print(F(" deg, bias "));
   Serial.print(filter.bias_dps(), 3);
-  Serial.println(" deg/s");
+  Serial.println(F(" deg/s"));
 }
 
 void setup() {
