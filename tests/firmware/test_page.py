@@ -44,11 +44,13 @@ def test_the_record_of_another_sensor_fits(cc: str, tmp_path: Path) -> None:
 def test_the_header_is_used_as_shown(cc: str, tmp_path: Path) -> None:
     """In a function that has the values."""
     include, _, body = blocks("c")[1].partition("\n")
-    body += blocks("c")[2]
+    body += blocks("c")[2] + blocks("c")[3]
     source = f"""{include}
 void uart_write(const uint8_t *bytes, uint8_t count);
-void send(uint16_t seq, uint32_t t_us, int16_t rate_raw, const int16_t *g, const int16_t *a, int16_t temp_centi_c);
-void send(uint16_t seq, uint32_t t_us, int16_t rate_raw, const int16_t *g, const int16_t *a, int16_t temp_centi_c) {{
+void send(uint16_t seq, uint32_t t_us, int16_t rate_raw, const int16_t *g, const int16_t *a, int16_t temp_centi_c,
+          float yaw_deg, float yaw_sigma_deg, float bias_dps);
+void send(uint16_t seq, uint32_t t_us, int16_t rate_raw, const int16_t *g, const int16_t *a, int16_t temp_centi_c,
+          float yaw_deg, float yaw_sigma_deg, float bias_dps) {{
 {body}}}
 """
     (tmp_path / "own.c").write_text(source)

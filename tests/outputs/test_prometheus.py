@@ -43,6 +43,22 @@ def page() -> Iterator[str]:
         yield url
 
 
+def test_the_yaw_of_the_device_is_a_gauge_where_it_sends_one(page: str) -> None:
+    """A device without a filter has none of them."""
+    assert "gyrodrift_device" not in fetched(page)
+    own = FilterStatus("restlevel", device_yaw_deg=2.5, device_bias_dps=-0.5, device_difference_deg=-0.25)
+    with hub() as outputs:
+        outputs.want("prometheus:port=0")
+        url = f"http://{outputs.opened()[0].address}/metrics"
+        outputs.status(replace(STATUS, filter=own))
+        until_s = time.monotonic() + PATIENCE_S
+        while "gyrodrift_device_yaw_degrees 2.5" not in (text := fetched(url)):
+            assert time.monotonic() < until_s, text
+    assert "gyrodrift_device_difference_degrees -0.25" in text
+    assert "gyrodrift_device_drift_degrees_per_second -0.5" in text
+    assert "gyrodrift_device_yaw_sigma_degrees " not in text
+
+
 def fetched(url: str, accept: str = "text/plain") -> str:
     request = urllib.request.Request(url, headers={"Accept": accept})
     with urllib.request.urlopen(request, timeout=PATIENCE_S) as answer:

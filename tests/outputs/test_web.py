@@ -2,7 +2,7 @@
 
 import json
 import socket
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from math import isnan, nan
@@ -14,7 +14,7 @@ from urllib.parse import urlsplit
 from urllib.request import Request, urlopen
 
 import pytest
-from outputs_support import HubThread, corrected, hub, tilted
+from outputs_support import HubThread, corrected, hub, tilted, with_own_yaw
 from support import PATIENCE_S
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
@@ -22,7 +22,8 @@ from websockets.sync.client import ClientConnection, connect
 from gyrodrift.outputs.status import LinkStatus, OutputStatus, ServiceStatus
 from gyrodrift.outputs.web.address import AddressError, is_loopback, page_url
 from gyrodrift.outputs.web.buttons import MOST_PENDING
-from gyrodrift.outputs.web.points import ONE_AXIS, THREE_AXES, PointHistory
+from gyrodrift.outputs.web.points import LAYOUTS, ONE_AXIS, THREE_AXES, PointHistory
+from gyrodrift.sample import Corrected
 
 Web = tuple[HubThread, str]
 
@@ -176,6 +177,26 @@ def test_points_of_three_axes_have_further_columns(web: Web) -> None:
     with looking(address) as late:
         assert told(late, "hello")["columns"] == list(THREE_AXES.columns)
         assert len(late.recv(PATIENCE_S)) == 2 * THREE_AXES.record.size
+
+
+@pytest.mark.parametrize(("make", "has_axes"), [(corrected, False), (tilted, True)])
+def test_points_of_a_device_with_a_filter_have_its_yaw(
+    web: Web, make: Callable[[int], Corrected], *, has_axes: bool
+) -> None:
+    """The difference stays where a sample has no result; the columns come with the first one."""
+    outputs, address = web
+    layout = LAYOUTS[has_axes, True]
+    with looking(address) as client:
+        told(client, "hello")
+        outputs.samples([with_own_yaw(make(1))])
+        assert told(client, "hello")["columns"] == list(layout.columns)
+        client.recv(PATIENCE_S)
+        outputs.samples([make(2)._replace(device_difference_deg=0.5)])
+        message = client.recv(PATIENCE_S)
+    assert isinstance(message, bytes)
+    point = dict(zip(layout.columns, layout.record.unpack(message), strict=True))
+    assert (point["device_difference_deg"], point["device_difference_deg_hi"]) == (0.5, 0.5)
+    assert isnan(point["device_yaw_deg"])
 
 
 def test_an_hour_is_kept_in_few_points_and_no_spike_is_lost() -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from browser_support import Tab, browsing
-from outputs_support import corrected, csv_at_100_hz, hub, path_of, serving, tilted
+from outputs_support import corrected, csv_at_100_hz, hub, path_of, serving, tilted, with_own_yaw
 from support import Command, never
 
 from gyrodrift.outputs.status import (
@@ -167,6 +167,26 @@ def test_a_tilted_device_has_a_horizon(page: Tab) -> None:
             assert value in page.text("#values")
         outputs.samples([corrected(300)])
         page.until("document.querySelector('#horizon').hidden && document.querySelector('#tilt').hidden")
+        page.open("about:blank")
+
+
+def test_a_device_with_a_filter_shows_both_yaws_and_a_chart_of_their_difference(page: Tab) -> None:
+    """Also while a sample comes without a result of the device."""
+    with hub() as outputs:
+        outputs.want("web:port=0")
+        page.open(outputs.opened()[0].address)
+        page.until("document.querySelector('#connection').innerText === 'Live'")
+        outputs.samples([corrected(seq, yaw_deg=10.0, heading_deg=nan) for seq in range(100)])
+        page.until("document.querySelector('#main-value').innerText === '10.00°'")
+        assert "Device yaw" not in page.text("#values")
+        assert "own" not in page.text("#charts")
+        outputs.samples([with_own_yaw(corrected(seq)) for seq in range(200, 300)])
+        page.until("document.querySelector('#values').innerText.includes('Device yaw')")
+        outputs.samples([corrected(300)._replace(device_difference_deg=-0.25)])
+        page.until("document.querySelector('#values').innerText.includes('3.75')")
+        assert "Device yaw\n2.50° ± 0.13°" in page.text("#values")
+        assert "Difference\n−0.25°" in page.text("#values")
+        assert "Yaw minus the device's own, deg" in page.text("#charts")
         page.open("about:blank")
 
 

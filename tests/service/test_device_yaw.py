@@ -6,16 +6,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from outputs_support import OWN_YAW, corrected, events, serving
+from outputs_support import OWN_YAW, corrected, events, serving, with_own_yaw
 from support import Command, Terminal, never, ours, speaking_on
 
-from firmware_sim.rig import Base
+from firmware_sim.motion.profile import load_motion
+from firmware_sim.rig import Base, load_rig
+from firmware_sim.rig import with_own_yaw as rig_with_own_yaw
 from firmware_sim.wire.native import filter_hello_frame, hello_frame, sample_frame, yaw_frame
 from gyrodrift.calibration import Calibration
 from gyrodrift.outputs.json_line import json_line, present_fields
+from gyrodrift.outputs.mqtt import state
 from gyrodrift.sample import DeviceYaw, Sample
 from gyrodrift.service.reference import DeviceReference
 from gyrodrift.session.files import load_session
+from gyrodrift.simulation.sessions import Simulation
 
 OWN_FIELDS = {"device_yaw_deg", "device_yaw_sigma_deg", "device_bias_dps"}
 
@@ -138,3 +142,48 @@ def test_a_board_upside_down_has_its_yaw_inverted() -> None:
     own = Sample(0, 0.0, 0.0, 1.0, device_yaw=DeviceYaw(10.0, 0.5, 0.25))
     assert Calibration("", sign=-1).sample(own).device_yaw == DeviceYaw(-10.0, 0.5, -0.25)
     assert Calibration("", scale_ccw=1.1).sample(own).device_yaw == own.device_yaw
+
+
+def test_ctl_status_and_top_have_both_yaws(port: Path, tmp_path: Path) -> None:
+    """And the name of the filter; `top` prints its values once without a terminal."""
+    control = tmp_path / "control"
+    with serving(port, "--control", control) as (serve, device):
+        device.send_all(frames(21), never)
+        serve.take_lines(20)
+        with Command("ctl", control, "status") as status:
+            assert status.end() == 0
+        with Command("top", control) as top:
+            assert top.end() == 0
+    about = json.loads(status.out)
+    assert about["device"]["device_filter"] == "restlevel"
+    assert about["filter"]["device_bias_dps"] == 0.125
+    assert about["filter"]["device_difference_deg"] == pytest.approx(-about["filter"]["device_yaw_deg"], abs=0.01)
+    assert "Device yaw" in top.out
+    assert "Difference" in top.out
+
+
+def test_mqtt_has_the_fields_where_the_device_sends_them() -> None:
+    """Other messages have no null for them."""
+    own = with_own_yaw(corrected(1))
+    assert json.loads(state(own)) == json.loads(state(corrected(1))) | {
+        "device_yaw_deg": 2.5,
+        "device_yaw_sigma_deg": 0.125,
+        "device_bias_dps": -0.5,
+    }
+
+
+@pytest.mark.parametrize("fault", ["bit_flips", "dropped_bytes", "duplicated_bytes", "merged_frames"])
+def test_a_bad_link_mixes_no_yaws_and_costs_no_other_sample(tmp_path: Path, fault: str) -> None:
+    """Each yaw that arrives is that of its own sample, as the device computed it."""
+    link, rig = tmp_path / "gyro", rig_with_own_yaw(load_rig(None), "restlevel")
+    sound = Simulation(rig, load_motion("turntable"), 0, minutes=0.4).whole()
+    words = ("--own-yaw", "restlevel", "--duration", "20", "--speed", "max", "--wait", "--fault", fault)
+    with Command("simulated-device", "--link", link, *words) as device:
+        device.until(lambda _: link.is_symlink(), "port")
+        with Command("serve", "--port", link) as serve:
+            serve.until_log("event=link_lost")
+            serve.stop()
+    lines = [line for line in serve.all_lines() if "device_yaw_deg" in line]
+    expected_deg = sound.filled("device_yaw_deg")[[line["seq"] for line in lines]]
+    assert [line["device_yaw_deg"] for line in lines] == pytest.approx(expected_deg.tolist(), abs=1e-4)
+    assert len(lines) > 900
