@@ -5,6 +5,7 @@ from math import nan
 
 import numpy as np
 from c_filter_support import FilterOutput
+from numpy.typing import NDArray
 
 from gyrodrift.arrays import Floats
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
@@ -48,7 +49,7 @@ def values_of(params: RestlevelParams) -> list[float]:
     return [float(value) for value in astuple(params)]
 
 
-def drive(rng: np.random.Generator, t_s: Floats, turn_dps: float = 60.0) -> tuple[Floats, Floats]:
+def drive(rng: np.random.Generator, t_s: Floats, turn_dps: float = 60.0) -> tuple[Floats, NDArray[np.bool_]]:
     """True rate of rests and turns of some seconds, and where it is a rest; a long first rest."""
     rate_dps, is_rest = np.zeros(len(t_s)), np.ones(len(t_s), dtype=bool)
     begin_s, resting = 0.0, True

@@ -1,12 +1,12 @@
 """Restlevel in C against restlevel in Python, sample by sample: the same bits in double, 0.01 deg an hour in float."""
 
-from collections.abc import Callable, Mapping
 from math import inf, nan
 
 import numpy as np
 import pytest
 from c_filter_support import CFilter, CFilters, FilterOutput
-from c_restlevel_support import SIGMA, YAW, drive, in_python, measured, samples, values_of
+from c_restlevel_sessions import SESSIONS, plain, with_temperature_and_rest_sensor
+from c_restlevel_support import SIGMA, YAW, in_python, samples, values_of
 from hypothesis import given
 from hypothesis import strategies as st
 from recordings_support import Recordings, packed_names
@@ -20,122 +20,6 @@ FLOAT_DEG_H = 0.01
 
 FUSED_DEG = 1e-9
 """Largest difference by fused operations in double, deg."""
-
-Session = tuple[Floats, Floats]
-"""Times and inputs."""
-
-
-def timed(rate_hz: float, seconds: float) -> Floats:
-    return np.arange(round(rate_hz * seconds)) / rate_hz
-
-
-def plain(rate_hz: float, seconds: float, turn_dps: float = 60.0, step_dps: float = 1.0 / 131.0) -> Session:
-    """Rests and turns."""
-    rng, t_s = np.random.default_rng(round(rate_hz)), timed(rate_hz, seconds)
-    return t_s, samples(measured(rng, drive(rng, t_s, turn_dps)[0], step_dps=step_dps))
-
-
-def with_temperature_and_rest_sensor() -> Session:
-    """A warm-up, and wheels that report rest, sometimes late or wrong or not at all."""
-    rng, t_s = np.random.default_rng(4), timed(50.0, 600.0)
-    rate_dps, is_rest = drive(rng, t_s)
-    temp_c = 25.0 + 15.0 * (1.0 - np.exp(-t_s / 200.0)) + rng.normal(0.0, 0.1, len(t_s))
-    still = np.roll(is_rest, 3).astype(float)
-    still[(t_s > 200.0) & (t_s < 300.0)] = nan
-    still[(t_s > 400.0) & (t_s < 440.0)] = 1.0
-    return t_s, samples(measured(rng, rate_dps + 0.02 * (temp_c - 25.0)), still, temp_c)
-
-
-def with_gaps() -> Session:
-    """Lost samples, a pause of minutes, and steps of any length."""
-    t_s, inputs = plain(100.0, 300.0)
-    rng = np.random.default_rng(5)
-    t_s = t_s + rng.uniform(0.0, 0.008, len(t_s))
-    t_s[len(t_s) // 2 :] += 300.0
-    kept = rng.random(len(t_s)) > 0.1
-    return t_s[kept], inputs[kept]
-
-
-def clipped() -> Session:
-    """A range of 250 deg/s, and turns beyond it."""
-    t_s, inputs = plain(100.0, 300.0, turn_dps=900.0)
-    return t_s, np.clip(inputs, -250.0, 250.0)
-
-
-def stuck() -> Session:
-    """A sensor that hangs now and then, at rest and in turns, and says zero before it begins to measure."""
-    t_s, inputs = plain(100.0, 300.0)
-    for begin in range(3000, len(t_s), 2500):
-        inputs[begin : begin + 300, 0] = inputs[begin, 0]
-    inputs[:500, 0] = 0.0
-    return t_s, inputs
-
-
-def huge() -> Session:
-    """Rates up to the limit, among usual ones."""
-    t_s, inputs = plain(100.0, 120.0)
-    inputs[4000:4100, 0] = 1e12
-    inputs[8000:8400, 0] = -3e7
-    return t_s, inputs
-
-
-def turning_on_and_on() -> Session:
-    """Yaw of tens of thousands of degrees."""
-    t_s, inputs = plain(50.0, 600.0, turn_dps=5.0)
-    inputs[:, 0] += np.where((t_s > 30.0) & (t_s % 60.0 < 50.0), 250.0, 0.0)
-    return t_s, inputs
-
-
-def running_motor() -> Session:
-    """Noise that drops in the middle, after rests that were louder than the sensor."""
-    t_s, inputs = plain(100.0, 300.0, turn_dps=2.0)
-    rng = np.random.default_rng(6)
-    inputs[: len(t_s) // 2, 0] += rng.normal(0.0, 1.5, len(t_s) // 2)
-    return t_s, inputs
-
-
-def short_start() -> Session:
-    """A slow sensor that sets out before its first rest is confirmed."""
-    rng, t_s = np.random.default_rng(8), timed(5.0, 600.0)
-    rate_dps = np.where(t_s > 4.6, drive(rng, t_s)[0] + 10.0 * np.sin(t_s), 0.0)
-    return t_s, samples(measured(rng, rate_dps, step_dps=0.001))
-
-
-def jumping_bias() -> Session:
-    """A rest sensor, a first bias far out, and a bias that jumps within rests."""
-    rng, t_s = np.random.default_rng(9), timed(100.0, 300.0)
-    rate_dps, is_rest = drive(rng, t_s)
-    rate_dps[t_s < 2.0], is_rest[t_s < 2.0] = 50.0, False
-    jumps_dps = 0.2 * np.sign(np.sin(t_s / 7.0))
-    return t_s, samples(measured(rng, rate_dps + jumps_dps, bias_dps=9.4), is_rest.astype(float))
-
-
-def zeroed() -> Session:
-    """The yaw sigma restarts at rest and in motion."""
-    t_s, inputs = plain(100.0, 200.0)
-    inputs[::3333, 3] = 1.0
-    return t_s, inputs
-
-
-SESSIONS: Mapping[str, Callable[[], Session]] = {
-    "5 Hz": lambda: plain(5.0, 2400.0),
-    "50 Hz": lambda: plain(50.0, 900.0),
-    "200 Hz": lambda: plain(200.0, 300.0),
-    "1 kHz": lambda: plain(1000.0, 60.0),
-    "coarse": lambda: plain(100.0, 300.0, step_dps=0.25),
-    "slow turns": lambda: plain(100.0, 300.0, turn_dps=1.0),
-    "fine": lambda: plain(100.0, 300.0, step_dps=0.0),
-    "temperature and rest sensor": with_temperature_and_rest_sensor,
-    "gaps": with_gaps,
-    "clipped": clipped,
-    "stuck": stuck,
-    "huge": huge,
-    "turning on and on": turning_on_and_on,
-    "running motor": running_motor,
-    "short start": short_start,
-    "jumping bias": jumping_bias,
-    "zeroed": zeroed,
-}
 
 
 @pytest.fixture(scope="session")
