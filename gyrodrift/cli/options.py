@@ -26,13 +26,15 @@ ITERATIONS = 3000
 """Default number of evaluations of a search, the same in all commands that tune."""
 
 
-def add_link_options(parser: argparse.ArgumentParser, default_port: str | None = None) -> None:
-    """Options of commands that read a device; --port is required without a default."""
+def add_link_options(
+    parser: argparse.ArgumentParser, default_port: str | None = None, *, needs_port: bool = True
+) -> None:
+    """Options of commands that read a device; --port is required without a default, unless the config may have it."""
     from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS
 
     parser.add_argument(
         "--port",
-        required=default_port is None,
+        required=default_port is None and needs_port,
         default=default_port,
         help="serial port of the device, such as /dev/ttyUSB0, or auto for the only gyro that is plugged in; or a "
         "source, such as tcp://HOST:PORT or udp://:PORT",

@@ -1,4 +1,4 @@
-"""The process that reads a config for a running service: `python -m gyrodrift.config PID PATH`.
+"""The process that reads a config for a running service: `python -m gyrodrift.config PID PATH [SOURCE]`.
 
 PID is the service; this process ends with it. It writes to stdout, pickled: the version of this program, the config or
 None, and every mistake.
@@ -15,14 +15,14 @@ from gyrodrift.errors import ConfigError
 from gyrodrift.system import kill_with
 
 
-def _read(path: Path) -> tuple[Config | None, tuple[str, ...]]:
+def _read(path: Path, source: str) -> tuple[Config | None, tuple[str, ...]]:
     try:
-        return load_in_time(path), ()
+        return load_in_time(path, source), ()
     except ConfigError as error:
         return None, error.problems
 
 
 if __name__ == "__main__":
-    _, parent, path = sys.argv
+    _, parent, path, source = [*sys.argv, ""][:4]
     kill_with(int(parent))
-    pickle.dump((__version__, *_read(Path(path))), sys.stdout.buffer)
+    pickle.dump((__version__, *_read(Path(path), source)), sys.stdout.buffer)

@@ -19,8 +19,8 @@ class _TimeIsUpError(BaseException):
     """The time limit. It is a BaseException, so that no handler inside the reading catches it."""
 
 
-def load_in_time(path: Path) -> Config:
-    """Read and check a config as `load_config` does, in the main thread of this process.
+def load_in_time(path: Path, source: str = "") -> Config:
+    """Read and check a config, or its block of a source, as `load_config` does, in the main thread of this process.
 
     Raises
     ------
@@ -29,7 +29,7 @@ def load_in_time(path: Path) -> Config:
     """
     try:
         with _processor_time(MOST_CPU_S):
-            return load_config(path)
+            return load_config(path, source) if source else load_config(path)
     except _TimeIsUpError:
         problem = f"{path}: {TOO_LONG}: more than {MOST_CPU_S:g} s of processor time; make it simpler or shorter"
         raise ConfigError([problem]) from None

@@ -27,6 +27,10 @@ from gyrodrift.public_yaml import public_yaml
 
 SAMPLE_RATE = "sample_rate_hz"
 
+SOURCES = "sources"
+LINK_KEYS = ("port", "baud", "protocol", "timeout")
+"""Block of several gyros, and the keys of each that concern its link."""
+
 LONGEST_COLUMNS = 4096
 """Characters, as in a line of text. The service parses them between two samples."""
 
@@ -140,8 +144,8 @@ def _file() -> type[Strict]:
     return create_model("File", __base__=Strict, **content)
 
 
-def load_config(path: Path) -> Config:
-    """Read and check a config file.
+def load_config(path: Path, source: str = "") -> Config:
+    """Read and check a config file, or its block of a source.
 
     Without `filter:` the first block by the order of FILTERS chooses the filter; without a block it is the default.
 
@@ -150,7 +154,7 @@ def load_config(path: Path) -> Config:
     ConfigError
         With all mistakes as lines `file:line:column key: problem; expected value`.
     """
-    read = read_yaml(path)
+    read = config_block(path, source)
     named = " or ".join(f"filter: {name}" for name in FILTERS)
     if read.value is None and not read.problems:
         read.report((), f"is empty; expected at least {named}")
@@ -180,6 +184,22 @@ def load_config(path: Path) -> Config:
         text=public_yaml(read.text),
         mode=read.mode,
     )
+
+
+def config_block(path: Path, source: str) -> YamlFile:
+    """A file, or its block of a source without the keys of the link."""
+    read = read_yaml(path)
+    if not source:
+        if isinstance(read.value, dict) and SOURCES in read.value:
+            read.report((SOURCES,), "is for serve without --port; this needs a config of one gyro")
+            del read.value[SOURCES]
+        return read
+    block = read.block((SOURCES, source))
+    if isinstance(block.value, dict):
+        block.value = {key: value for key, value in block.value.items() if key not in LINK_KEYS}
+    elif not read.problems:
+        read.report((SOURCES, source), "is missing; restart the service without it")
+    return block
 
 
 def columns_in(value: Any, report: Callable[[str], None]) -> str | None:

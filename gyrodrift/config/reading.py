@@ -27,7 +27,7 @@ AGAIN = "save it again, or ask for it with ctl reload"
 
 
 class ConfigReading:
-    """One reading of a file; it begins with the constructor.
+    """One reading of a file, or of its block of a source; it begins with the constructor.
 
     Raises
     ------
@@ -35,10 +35,10 @@ class ConfigReading:
         From the constructor, if no process can be started.
     """
 
-    def __init__(self, path: Path, monotonic: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, path: Path, monotonic: Callable[[], float] = time.monotonic, source: str = "") -> None:
         self._path = path
         self._monotonic = monotonic
-        command = [sys.executable, "-m", "gyrodrift.config", str(os.getpid()), str(path)]
+        command = [sys.executable, "-m", "gyrodrift.config", str(os.getpid()), str(path), *filter(None, [source])]
         self._file = None if hasattr(os, "set_blocking") else TemporaryFile()  # noqa: SIM115 - until the answer is read; Windows before Python 3.12
         try:
             self._process = subprocess.Popen(  # noqa: S603 - this very program

@@ -1,6 +1,7 @@
 """A config file that is followed by polling `stat`: editors save by renaming, which ends file watches."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Protocol
 
@@ -36,6 +37,8 @@ class ConfigWatch:
     ----------
     begin
         Starts a reading.
+    source
+        Source whose block is read; empty for the whole file.
 
     Raises
     ------
@@ -43,11 +46,11 @@ class ConfigWatch:
         From the constructor, and from `poll` for a changed file with mistakes; the watch goes on.
     """
 
-    def __init__(self, path: Path, begin: Callable[[Path], PendingConfig] = ConfigReading) -> None:
+    def __init__(self, path: Path, begin: Callable[[Path], PendingConfig] | None = None, source: str = "") -> None:
         self.path = path
-        self._begin = begin
+        self._begin = begin or partial(ConfigReading, source=source)
         self._version = _version_of(path)
-        self.config = load_in_time(path)
+        self.config = load_in_time(path, source)
         self._in_vain = 0
         self._is_asked = False
         self._begun = 0

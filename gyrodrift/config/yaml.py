@@ -54,7 +54,8 @@ Key = tuple[str | int, ...]
 class YamlFile:
     """A file as text and as plain values, with line and column of each key, and with its problems.
 
-    `nodes` holds the blocks and lists read so far; it serves to find aliases.
+    `nodes` holds the blocks and lists read so far; it serves to find aliases. `prefix` is the key of a block that is
+    read like a file of its own.
     """
 
     path: Path
@@ -63,6 +64,7 @@ class YamlFile:
     value: Any = None
     positions: dict[Key, tuple[int, int]] = field(default_factory=dict)
     nodes: set[int] = field(default_factory=set)
+    prefix: Key = ()
     _problems: list[tuple[int, int, str]] = field(default_factory=list)
 
     @property
@@ -81,12 +83,20 @@ class YamlFile:
     def report(self, key: Key, message: str) -> None:
         """Add a problem at the line of a key, or of its block if the key is missing."""
         line, column = self.positions.get(key) or self.positions.get(key[:-1]) or (1, 1)
-        name = ".".join(shown_key(str(part)) for part in key)
+        name = ".".join(shown_key(str(part)) for part in (*self.prefix, *key))
         self.report_at(line, column, f"{name}: {message}" if name else message)
 
     def report_at(self, line: int, column: int, message: str) -> None:
         """Add a problem at a position of the file."""
         self._problems.append((line, column, without_secrets(message)))
+
+    def block(self, key: Key) -> "YamlFile":
+        """A block inside, like a file of its own; its problems are also those of this file."""
+        value, depth = self.value, len(key)
+        for part in key:
+            value = value.get(part) if isinstance(value, dict) else None
+        positions = {name[depth:]: spot for name, spot in self.positions.items() if name[:depth] == key}
+        return YamlFile(self.path, self.text, self.mode, value, positions, self.nodes, key, self._problems)
 
 
 def read_yaml(path: Path) -> YamlFile:

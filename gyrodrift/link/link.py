@@ -362,7 +362,8 @@ class Link:
         try:
             return open_port(self.name, self.baud)
         except LinkError as error:
-            if self.source is None or self.options.timeout_s:
+            is_waited_for = self.source is not None and not self.options.timeout_s
+            if not (is_waited_for or self.options.waits):
                 raise
             self._on_event("link_refused", port=self.name, reason=str(error))
             self._backoff.begin(self._monotonic())

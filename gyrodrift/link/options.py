@@ -33,6 +33,8 @@ class LinkOptions:
         Longest time without a decodable sample after the start, s; 0 to wait forever.
     columns
         Columns of the text protocol; None for other protocols.
+    waits
+        Whether a port that is not there at the start is waited for.
     send
         Bytes that are sent to the device after its port was opened.
     """
@@ -43,3 +45,4 @@ class LinkOptions:
     timeout_s: float = 10.0
     columns: str | None = None
     send: bytes = b""
+    waits: bool = False

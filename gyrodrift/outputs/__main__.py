@@ -28,7 +28,7 @@ class LibraryLog(logging.Handler):
         self._log.log(record.levelno, "library", of=record.name, message=record.getMessage())
 
 
-def main(fd: int, level: str, style: str) -> None:
+def main(fd: int, level: str, style: str, source: str = "") -> None:
     """Run until the service closes its end; signals that stop the service are ignored here."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
@@ -36,11 +36,12 @@ def main(fd: int, level: str, style: str) -> None:
     with suppress(OSError, ValueError):  # a service manager may forbid it, and set it itself
         resource.setrlimit(resource.RLIMIT_NOFILE, (min(DESCRIPTORS, hard), hard))
     log = open_log(level, style)
+    log = log.bind(source=source) if source else log
     logging.getLogger("asyncio").setLevel(logging.CRITICAL)
     logging.basicConfig(handlers=[LibraryLog(log)])
     with socket.socket(fileno=fd) as service:
-        asyncio.run(Hub(service, log).run())
+        asyncio.run(Hub(service, log, source).run())
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]), sys.argv[2], sys.argv[3])
+    main(int(sys.argv[1]), *sys.argv[2:])

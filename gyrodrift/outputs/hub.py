@@ -35,8 +35,9 @@ MOST_MESSAGES = 64
 class Hub:
     """All outputs, and the socket to the service."""
 
-    def __init__(self, service: socket.socket, log: FilteringBoundLogger) -> None:
+    def __init__(self, service: socket.socket, log: FilteringBoundLogger, source: str = "") -> None:
         self._service = service
+        self._source = source
         self._log = log
         self._status = ServiceStatus()
         self._access: ControlAccess | None = None
@@ -118,7 +119,7 @@ class Hub:
         for spec in self._wanted:
             if spec not in self._running:
                 running = self._running[spec] = RunningOutput(
-                    spec, self._log, self._status, self._is_blocked, self._access
+                    spec, self._log, self._status, self._is_blocked, self._access, self._source
                 )
                 running.task.add_done_callback(partial(self._ended, spec))
         for running in self._running.values():

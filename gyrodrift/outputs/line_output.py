@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 from gyrodrift.outputs.json_line import json_line
-from gyrodrift.outputs.line_session import SAMPLE, JsonSession, event_line, hello
+from gyrodrift.outputs.line_session import JsonSession, event_line, hello, sample_opening
 from gyrodrift.outputs.net.lines import LineServer
 from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.status import ClientStatus
@@ -19,7 +19,9 @@ class LineOutput(Output[LineOptions]):
 
     def __init__(self, options: LineOptions, host: OutputHost, rate_hz: float | None) -> None:
         super().__init__(options, host)
-        self.server = LineServer(JsonSession, host.log, greet=lambda client: client.send(hello()))
+        self.server = LineServer(
+            lambda client: JsonSession(client, host.source), host.log, greet=lambda client: client.send(hello())
+        )
         self._thinning = Thinning(rate_hz)
 
     def take(self, samples: Sequence[Corrected]) -> None:
@@ -34,7 +36,7 @@ class LineOutput(Output[LineOptions]):
                 session.take(samples)
             elif due:
                 if lines is None:
-                    lines = "".join([json_line(sample, SAMPLE) for sample in due]).encode()
+                    lines = "".join([json_line(sample, sample_opening(self.host.source)) for sample in due]).encode()
                 client.send(lines, len(due))
 
     def hear(self, event: str, fields: Mapping[str, Any]) -> None:

@@ -13,6 +13,13 @@ from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.sample import Corrected
 
 SAMPLE = '{"class":"SAMPLE",'
+
+
+def sample_opening(source: str) -> str:
+    """Beginning of the line of a sample, with the name of its source if there are several."""
+    return f'{SAMPLE}"source":"{source}",' if source else SAMPLE
+
+
 WATCH_KEYS = ("class", "rate_hz", "fields")
 
 
@@ -29,8 +36,9 @@ def event_line(event: str, fields: Any) -> bytes:
 class JsonSession:
     """One client: all samples with all fields, until it sends a WATCH with a rate and fields."""
 
-    def __init__(self, client: LineClient) -> None:
+    def __init__(self, client: LineClient, source: str = "") -> None:
         self.client = client
+        self._source = source
         self._thinning: Thinning | None = None
         self._fields: Sequence[str] = ()
 
@@ -43,9 +51,10 @@ class JsonSession:
         """Send samples with the rate and fields of the WATCH."""
         due = samples if self._thinning is None else self._thinning.due(samples)
         if self._fields:
-            lines = [chosen_line(sample, self._fields, **{"class": "SAMPLE"}) for sample in due]
+            head = {"class": "SAMPLE"} | ({"source": self._source} if self._source else {})
+            lines = [chosen_line(sample, self._fields, **head) for sample in due]
         else:
-            lines = [json_line(sample, SAMPLE) for sample in due]
+            lines = [json_line(sample, sample_opening(self._source)) for sample in due]
         if lines:
             self.client.send("".join(lines).encode(), len(lines))
 

@@ -37,11 +37,14 @@ class OutputHost:
         State of the service as of the last second.
     access
         Access to the control socket; None without one.
+    source
+        Name of the source of its samples; empty if there is one gyro.
     """
 
     log: FilteringBoundLogger
     status: ServiceStatus = field(default_factory=ServiceStatus)
     access: ControlAccess | None = None
+    source: str = ""
 
 
 class Output(Generic[O]):

@@ -46,13 +46,14 @@ class RunningOutput:
         status: ServiceStatus,
         is_blocked: "Callable[[RunningOutput], bool]",
         access: ControlAccess | None = None,
+        source: str = "",
     ) -> None:
         self.spec = spec
         self.is_wanted = True
         self.exclusive_resources = OUTPUTS[spec.name].output.exclusive_resources(spec.options)
         self.problem = "is being opened"
         self._log = log.bind(output=spec.name)
-        self._host = OutputHost(self._log, status, access)
+        self._host = OutputHost(self._log, status, access, source)
         self._is_blocked = is_blocked
         self._open: Output[Any] | None = None
         self._has_failed = False

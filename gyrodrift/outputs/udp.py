@@ -6,7 +6,7 @@ In PlotJuggler: Streaming, UDP Server, port 9870, protocol JSON, "use field as t
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from gyrodrift.outputs.json_line import FIELDS, present_values
 from gyrodrift.outputs.net.datagrams import DatagramSender
@@ -49,8 +49,11 @@ class UdpOutput(Output[UdpOptions]):
             self._sender.send(self.datagram(sample))
 
     def datagram(self, sample: Corrected) -> bytes:
-        """A sample for PlotJuggler, without unknown values."""
-        return json.dumps({"timestamp": self._clock(sample), **present_values(sample)}).encode()
+        """A sample for PlotJuggler, without unknown values; `gyro/NAME/yaw_deg` with several sources."""
+        values: dict[str, Any] = present_values(sample)
+        if self.host.source:
+            values = {"gyro": {self.host.source: values}}
+        return json.dumps({"timestamp": self._clock(sample), **values}).encode()
 
     def counts(self) -> tuple[int, int]:
         """Datagrams sent and dropped."""

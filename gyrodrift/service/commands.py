@@ -16,7 +16,7 @@ from gyrodrift.service.recording_switch import RecordingSwitch
 from gyrodrift.service.reporting import Reporting
 from gyrodrift.service.rest_word import RestWord
 from gyrodrift.service.signals import StopSignal
-from gyrodrift.service.stdout import JsonLines
+from gyrodrift.service.stdout import JsonLines, SourceLines
 
 FASTEST_HZ = 1e6
 OPENING_S = 3.0
@@ -40,7 +40,7 @@ class ServiceCommands:
     """
 
     filtering: Filtering
-    stdout: JsonLines | None
+    stdout: JsonLines | SourceLines | None
     reporting: Reporting
     stop: StopSignal
     word: RestWord

@@ -5,8 +5,8 @@ The loop also wakes for a signal to stop.
 
 import gc
 import time
-from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from math import inf
 from typing import TYPE_CHECKING, Any
@@ -48,6 +48,29 @@ class _Marks:
     is_silent: bool = False
 
 
+def freeze_collector() -> None:
+    """Let the collector skip the objects of the start."""
+    gc.collect()
+    gc.freeze()
+
+
+class Waiting:
+    """Waits for descriptors; a poller is made again only when they change."""
+
+    def __init__(self) -> None:
+        self._poller: Poller = new_poller()
+        self._events_by_fd: dict[int, int] = {}
+
+    def ready(self, events_by_fd: dict[int, int], most_s: float) -> set[int]:
+        """Descriptors with events, at the latest after `most_s`."""
+        if events_by_fd != self._events_by_fd:
+            self._poller = new_poller()
+            for fd, events in events_by_fd.items():
+                self._poller.register(fd, events)
+            self._events_by_fd = events_by_fd
+        return {fd for fd, _ in self._poller.poll(most_s * 1e3)}
+
+
 @dataclass(slots=True)
 class Service:
     """A link and the listeners of its samples, run until a signal or until the last reader is closed.
@@ -84,8 +107,7 @@ class Service:
     end_event: str = "service_end"
     is_watched: bool = False
     _marks: _Marks = field(default_factory=_Marks)
-    _poller: Poller = field(init=False)
-    _waited_for: dict[int, int] = field(default_factory=dict)
+    _is_waited_for: bool = False
     _watch: StreamWatch = field(init=False)
     _begun_s: float = 0.0
 
@@ -93,7 +115,7 @@ class Service:
         self._watch = StreamWatch(self.events)
 
     def run(self) -> None:
-        """Run until the signal to stop.
+        """Run until the signal to stop, or the end of the source.
 
         Raises
         ------
@@ -102,62 +124,86 @@ class Service:
         RecordingError
             If a recording fails.
         """
-        self._begun_s = self._marks.stats_s = self._marks.tick_s = time.monotonic()
-        gc.collect()
-        gc.freeze()  # the collector then skips the objects of the start
+        self.begin()
+        freeze_collector()
         try:
             if self.notify is not None:
                 self.notify.ready(f"reading {without_secrets(self.link.name)}")
-            with ExitStack() as closing:  # a failing listener does not keep the others open
-                for listener in reversed(self.listeners):  # the last callback is called first
-                    closing.callback(listener.close)
-                closing.callback(self.events.report_pending, is_end=True)
+            with self.open_listeners():
                 self._loop()
         except ReaderGoneError:
             self.log.info("reader_gone")
         finally:
-            self.link.close()
-            self._log_stats(self.end_event, time.monotonic(), is_end=True)
+            self.end()
 
-    def _loop(self) -> None:
-        is_waited_for = False
-        while not self.stop.is_set and not (self.link.is_over and not is_waited_for):
-            is_waited_for = self._wait()
-            samples = [] if is_waited_for and self.link.holds_back else self.link.read()
-            self._watch.take(samples)
-            if self.word is not None:
-                samples = self.word.with_rest(samples)
-            if samples or is_waited_for:
-                for listener in self.listeners:
-                    listener.take(samples)
-            now_s = time.monotonic()
-            if now_s - self._marks.tick_s >= TICK_S:
-                self._marks.tick_s = now_s
-                self._tick(now_s)
-            if self.read_interval_s and self.link.clock is not None and 0.0 < self.link.clock.period_s < FAST_PERIOD_S:
-                time.sleep(self.read_interval_s)
+    def begin(self) -> None:
+        """Set the times of the start."""
+        self._begun_s = self._marks.stats_s = self._marks.tick_s = time.monotonic()
 
-    def _wait(self) -> bool:
-        """Wait until there is work; whether a sink waits for its reader."""
-        events_by_fd = {self.stop.fd: POLLIN}
+    @contextmanager
+    def open_listeners(self) -> Iterator[None]:
+        """Close the listeners and report the last events at the end of the block."""
+        with ExitStack() as closing:  # a failing listener does not keep the others open
+            for listener in reversed(self.listeners):  # the last callback is called first
+                closing.callback(listener.close)
+            closing.callback(self.events.report_pending, is_end=True)
+            yield
+
+    def end(self) -> None:
+        """Close the link, and log the run in one line."""
+        self.link.close()
+        self._log_stats(self.end_event, time.monotonic(), is_end=True)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the source has ended, and its samples are written."""
+        return self.link.is_over and not self._is_waited_for
+
+    def descriptors(self) -> dict[int, int]:
+        """Descriptors to wait for, with their events."""
+        events_by_fd: dict[int, int] = {}
         for sink in self.sinks:
             events_by_fd |= sink.wakes()
-        is_waited_for = len(events_by_fd) > 1
+        self._is_waited_for = bool(events_by_fd)
         link_fd = self.link.fileno()
-        if link_fd is not None and not (is_waited_for and self.link.holds_back):
+        if link_fd is not None and not self._is_held:
             events_by_fd[link_fd] = POLLIN
         if self.control is not None:
             events_by_fd |= self.control.wakes()
-        if events_by_fd != self._waited_for:
-            self._poller = new_poller()
-            for fd, events in events_by_fd.items():
-                self._poller.register(fd, events)
-            self._waited_for = events_by_fd
-        most_s = inf if self.control is None else self.control.wake_s()
-        ready = self._poller.poll(min(self.link.wake_s(), TICK_S, most_s) * 1e3)
+        return events_by_fd
+
+    def wake_s(self) -> float:
+        """Longest time to wait for a descriptor, s."""
+        return min(self.link.wake_s(), TICK_S, inf if self.control is None else self.control.wake_s())
+
+    def turn(self, ready: set[int]) -> None:
+        """Work after a wait: `ready` descriptors, samples, and periodic work that is due."""
         if self.control is not None:
-            self.control.serve({fd for fd, _ in ready})
-        return is_waited_for
+            self.control.serve(ready)
+        samples = [] if self._is_held else self.link.read()
+        self._watch.take(samples)
+        if self.word is not None:
+            samples = self.word.with_rest(samples)
+        if samples or self._is_waited_for:
+            for listener in self.listeners:
+                listener.take(samples)
+        now_s = time.monotonic()
+        if now_s - self._marks.tick_s >= TICK_S:
+            self._marks.tick_s = now_s
+            self._tick(now_s)
+
+    @property
+    def _is_held(self) -> bool:
+        """Whether a source that holds back its bytes waits for readers."""
+        return self._is_waited_for and self.link.holds_back
+
+    def _loop(self) -> None:
+        waiting = Waiting()
+        while not self.stop.is_set and not self.is_over:
+            events_by_fd = {self.stop.fd: POLLIN} | self.descriptors()
+            self.turn(waiting.ready(events_by_fd, self.wake_s()))
+            if self.read_interval_s and self.link.clock is not None and 0.0 < self.link.clock.period_s < FAST_PERIOD_S:
+                time.sleep(self.read_interval_s)
 
     def _tick(self, now_s: float) -> None:
         if self.notify is not None:

@@ -60,6 +60,8 @@ class OutputFeed:
     ----------
     level, style
         Level and format of the log of that process.
+    source
+        Name of the source of the samples; empty if there is one gyro.
     """
 
     def __init__(
@@ -68,13 +70,14 @@ class OutputFeed:
         level: str = "info",
         style: str = "auto",
         monotonic: Callable[[], float] = time.monotonic,
+        source: str = "",
     ) -> None:
         self.state: State | None = None
         self.access: ControlAccess | None = None
         self.dropped = 0
         self.specs: tuple[OutputSpec, ...] = ()
         self._log = log
-        self._log_words = (level, style)
+        self._words = (level, style, *filter(None, [source]))
         self._monotonic = monotonic
         self._process: subprocess.Popen[bytes] | None = None
         self._socket: socket.socket | None = None
@@ -184,7 +187,7 @@ class OutputFeed:
         except OSError as error:
             self._not_started(error, now_s)
             return
-        command = [sys.executable, "-m", "gyrodrift.outputs", str(theirs.fileno()), *self._log_words]
+        command = [sys.executable, "-m", "gyrodrift.outputs", str(theirs.fileno()), *self._words]
         with theirs:
             try:
                 self._process = subprocess.Popen(  # noqa: S603 - this program

@@ -74,7 +74,10 @@ class JsonLines:
 
     def take(self, samples: list[Corrected]) -> None:
         """Queue a line for each sample that is due, and write as much as the reader takes now."""
-        lines = [json_line(corrected) for corrected in self._thinning.due(samples)]
+        self.write([json_line(corrected) for corrected in self._thinning.due(samples)])
+
+    def write(self, lines: list[str]) -> None:
+        """Queue lines, and write as much as the reader takes now."""
         if lines:
             self.lines += len(lines)
             self._enqueue(lines)
@@ -142,3 +145,46 @@ class JsonLines:
             self._queue_bytes -= len(piece)
             self._sent = 0
         return sent > 0
+
+
+class SourceLines:
+    """JSON lines of one of several sources; all of them share the descriptor and the queue of `lines`."""
+
+    def __init__(self, lines: JsonLines, source: str, rate_hz: float | None = None) -> None:
+        self.lines = 0
+        self._shared = lines
+        self._opening = f'{{"source":"{source}",'
+        self._thinning = Thinning(rate_hz)
+
+    def set_rate(self, rate_hz: float | None) -> None:
+        """Change the rate."""
+        self._thinning = Thinning(rate_hz)
+
+    @property
+    def is_wanted(self) -> bool:
+        """The reader of the pipe started the service."""
+        return True
+
+    def wakes(self) -> Mapping[int, int]:
+        """The descriptor while lines are queued."""
+        return self._shared.wakes()
+
+    def take(self, samples: list[Corrected]) -> None:
+        """Queue a line for each sample that is due, and write as much as the reader takes now."""
+        due = self._thinning.due(samples)
+        self.lines += len(due)
+        self._shared.write([json_line(corrected, self._opening) for corrected in due])
+
+    def tick(self, now_s: float) -> None:
+        """Do nothing: lines are written in `take`."""
+
+    def stats(self) -> dict[str, Any]:
+        """Number of lines of this source, and of those of all sources that were dropped for a slow reader."""
+        return {"lines": self.lines, "lines_dropped": self._shared.dropped}
+
+    def finish(self) -> None:
+        """Do nothing: `close` writes the queued lines."""
+
+    def close(self) -> None:
+        """Write the queued lines of all sources."""
+        self._shared.close()

@@ -1,0 +1,219 @@
+"""Parts that `serve` builds for every gyro: recording, filter, memory, outputs, control and log."""
+
+import argparse
+import secrets
+import socket
+import sys
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, TextIO, cast
+
+from gyrodrift.cli import configs, numbers, options
+from gyrodrift.errors import UsageError
+
+if TYPE_CHECKING:
+    from gyrodrift.config.watch import ConfigWatch
+    from gyrodrift.filters.filter import Filter, FilterState
+    from gyrodrift.link.events import LinkEvents
+    from gyrodrift.link.link import Link
+    from gyrodrift.logger import FilteringBoundLogger
+    from gyrodrift.outputs.options import OutputSpec
+    from gyrodrift.recording.resilient import ResilientRecorder
+    from gyrodrift.service.control import Control
+    from gyrodrift.service.filtering import Filtering
+    from gyrodrift.service.listener import SampleListener
+    from gyrodrift.service.loop import Service
+    from gyrodrift.service.memory_keeper import MemoryKeeper
+    from gyrodrift.service.recording_switch import RecordingSwitch
+    from gyrodrift.service.reporting import Reporting
+    from gyrodrift.service.rest_word import RestWord
+    from gyrodrift.service.signals import StopSignal
+    from gyrodrift.service.sink import Sink
+    from gyrodrift.service.stdout import JsonLines, SourceLines
+
+DEFAULT_FOLDER = Path("sessions")
+"""Folder of `ctl record start` without --record, in the working directory of the service."""
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceParts:
+    """Parts of the service of a gyro, made before it.
+
+    sinks
+        Sink of stdout, and the same one if it writes JSON lines, whose rate `ctl` sets.
+    source
+        Name of the source; empty if there is one gyro.
+    """
+
+    link: "Link"
+    events: "LinkEvents"
+    log: "FilteringBoundLogger"
+    watch: "ConfigWatch | None"
+    sinks: "tuple[Sink, JsonLines | SourceLines | None]"
+    stop: "StopSignal"
+    closing: ExitStack
+    source: str = ""
+
+
+def service_of(arguments: argparse.Namespace, parts: ServiceParts, specs: "list[OutputSpec]") -> "Service":
+    """The service of a gyro: recording, filter, memory, outputs and control, as the options and its config say."""
+    from gyrodrift.filters.registry import DEFAULT, FILTERS
+    from gyrodrift.service.filtering import Filtering
+    from gyrodrift.service.loop import Service
+    from gyrodrift.service.rest_word import RestWord
+
+    link, events, log, watch = parts.link, parts.events, parts.log, parts.watch
+    sink, stdout = parts.sinks
+    chosen = FILTERS[arguments.filter or DEFAULT.name]
+    filtering = Filtering(link, [sink], log, watch, chosen=chosen, axes=arguments.axes)
+    events.listeners.append(filtering.hear)
+    recording = _recording(arguments, filtering, events, log)
+    listeners: list[SampleListener] = [recording, filtering]
+    _follow_config(arguments, filtering)
+    keeper = _memory(arguments.memory, filtering, listeners)
+    word, control = RestWord(), None
+    if specs or watch is not None or arguments.control is not None:
+        reporting = _reporting(arguments, specs, filtering, listeners, events, parts.source)
+        reporting.memory, reporting.recording = keeper, recording
+        if arguments.control is not None:
+            control = _control(arguments.control, listeners, reporting, stdout, parts.stop, word)
+            parts.closing.callback(control.close)
+        reporting.feed.want([*specs, *(watch.config.outputs if watch else ())])
+    return Service(link, listeners, log, events, parts.stop, filtering.sinks, control, word=word)
+
+
+def check_system(arguments: argparse.Namespace, *, has_outputs: bool) -> None:
+    """Refuse outputs and control on a system without unix sockets."""
+    if has_outputs and not (sys.platform == "linux" and hasattr(socket, "AF_UNIX")):
+        raise UsageError("outputs need Linux: their process is reached through a unix socket that keeps messages whole")
+    if arguments.control is not None and not hasattr(socket, "AF_UNIX"):
+        raise UsageError("--control needs Linux or macOS: this system has no unix sockets")
+
+
+def log_of(arguments: argparse.Namespace, *, has_person: bool) -> "FilteringBoundLogger":
+    """Logger on stderr; its lines stand above the line on stdout if both are the terminal."""
+    from gyrodrift.log import open_log, unwaiting_stderr
+    from gyrodrift.recording.live_line import AboveLine
+
+    above = None
+    if has_person and sys.stderr.isatty():
+        above = AboveLine(cast("TextIO", unwaiting_stderr(arguments.log_format)))
+    return open_log(options.log_level(arguments), arguments.log_format, above)
+
+
+def _follow_config(arguments: argparse.Namespace, filtering: "Filtering") -> None:
+    """Let a new config change the link, unless an option fixes it."""
+    link = filtering.link
+    if configs.reads_columns_of_config(arguments):
+        filtering.config_listeners.append(lambda new: link.follow_columns(new.columns))
+    if not arguments.send:
+        filtering.config_listeners.append(lambda new: link.send_at_opening(new.send))
+
+
+def _control(
+    path: Path,
+    listeners: "list[SampleListener]",
+    reporting: "Reporting",
+    stdout: "JsonLines | SourceLines | None",
+    stop: "StopSignal",
+    word: "RestWord",
+) -> "Control":
+    """The socket of `--control`; the live page reaches it with a token."""
+    from gyrodrift.outputs.output import ControlAccess
+    from gyrodrift.service.commands import ServiceCommands
+    from gyrodrift.service.control import Control
+    from gyrodrift.service.guided import GuidedCalibration
+
+    filtering, recording = reporting.filtering, reporting.recording
+    assert recording is not None  # noqa: S101 - `run` has set it
+    calibration = GuidedCalibration(filtering)
+    listeners.append(calibration)
+    access = reporting.feed.access = ControlAccess(str(path.absolute()), secrets.token_urlsafe(32))
+    commands = ServiceCommands(filtering, stdout, reporting, stop, word, recording, calibration, access)
+    return Control(path, commands.all(), filtering.log)
+
+
+def _reporting(
+    arguments: argparse.Namespace,
+    specs: "list[OutputSpec]",
+    filtering: "Filtering",
+    listeners: "list[SampleListener]",
+    events: "LinkEvents",
+    source: str,
+) -> "Reporting":
+    """State of the service and the feed of the outputs; both hear samples and events."""
+    from gyrodrift.service.link_meter import LinkMeter
+    from gyrodrift.service.output_feed import OutputFeed
+    from gyrodrift.service.reporting import Reporting
+
+    meter = LinkMeter(filtering.link)
+    feed = OutputFeed(filtering.log, options.log_level(arguments), arguments.log_format, source=source)
+    reporting = Reporting(meter, filtering, feed)
+    filtering.sinks.append(feed)
+    filtering.event_listeners.append(feed.hear)
+    filtering.config_listeners.append(lambda new: feed.want([*specs, *new.outputs]))
+    feed.state = reporting.status
+    events.listeners.append(feed.hear)
+    listeners.insert(0, meter)
+    return reporting
+
+
+def _recording(
+    arguments: argparse.Namespace, filtering: "Filtering", events: "LinkEvents", log: "FilteringBoundLogger"
+) -> "RecordingSwitch":
+    """The recorder of `--record`, on from the start; without that option `ctl record start` begins one."""
+    from gyrodrift.service.recording_switch import RecordingSwitch
+
+    rotate_bytes, rotate_s = numbers.rotation(arguments.rotate)
+    folder = DEFAULT_FOLDER if arguments.record is None else arguments.record
+    words = (folder, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
+
+    def make() -> "ResilientRecorder":
+        from gyrodrift.filters.beginning import beginning_table as beginning
+        from gyrodrift.recording.recorder import RecordOptions
+        from gyrodrift.recording.resilient import ResilientRecorder
+
+        config = None if filtering.watch is None else filtering.watch.config
+        about, mode = ({}, 0o666) if config is None else (configs.config_tables(arguments.config, config), config.mode)
+        return ResilientRecorder(
+            RecordOptions(*words, about, lambda: beginning(filtering.run), mode), filtering.link, log
+        )
+
+    recording = RecordingSwitch(make)
+    if arguments.record is not None:
+        from gyrodrift.recording.resilient import repair_interrupted
+
+        recording.start()
+        repair_interrupted(folder, log)
+    events.listeners.append(recording.on_event)
+    filtering.event_listeners.append(recording.on_event)
+    filtering.config_listeners.append(
+        lambda new: recording.set_about(configs.config_tables(arguments.config, new), new.mode)
+    )
+    return recording
+
+
+def _memory(path: Path | None, filtering: "Filtering", listeners: "list[SampleListener]") -> "MemoryKeeper | None":
+    """The keeper of `--memory`. It acts before the first sample reaches filter and recording."""
+    if path is None:
+        return None
+    if path.suffix == ".mcap":
+        filtering.begin_with(_recorded_beginning(path, filtering.filter))
+        return None
+    from gyrodrift.service.memory_keeper import MemoryKeeper
+
+    keeper = MemoryKeeper(path, filtering, filtering.log)
+    listeners.insert(0, keeper)
+    return keeper
+
+
+def _recorded_beginning(path: Path, kind: "Filter") -> "FilterState":
+    """Initial state of this filter in a recording."""
+    from gyrodrift.filters.beginning import beginning_of
+    from gyrodrift.session.files import load_session
+
+    state = beginning_of(kind, load_session(path).metadata, str(path))
+    if state is None:
+        raise UsageError(f"--memory {path}: holds no initial state of the filter {kind.name}")
+    return state

@@ -1,0 +1,91 @@
+"""Several gyros in one config: the block `sources:` with a name, a link and settings for each."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from gyrodrift.config.explain import describe_value, unknown_key
+from gyrodrift.config.model import LINK_KEYS, SOURCES
+from gyrodrift.config.yaml import YamlFile, read_yaml
+from gyrodrift.errors import ConfigError
+
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
+"""Name of a source: it becomes a folder, a part of file names and of topics."""
+
+MOST_SOURCES = 32
+"""Largest number of sources; ten of 1 kHz use a processor. Chosen."""
+
+LONGEST_TIMEOUT_S = 86_400.0
+
+
+@dataclass(frozen=True, slots=True)
+class SourceSettings:
+    """Link of a source; its filter, calibration and outputs are in the `Config` of its block."""
+
+    name: str
+    port: str
+    baud: int | None = None
+    protocol: str = "auto"
+    timeout_s: float = 0.0
+
+
+def load_sources(path: Path) -> tuple[SourceSettings, ...]:
+    """Links of the sources in a config; empty for a config of one gyro.
+
+    Raises
+    ------
+    ConfigError
+        With all mistakes of the block `sources:`.
+    """
+    read = read_yaml(path)
+    if not isinstance(read.value, dict) or SOURCES not in read.value:
+        return ()
+    for key in read.value.keys() - {SOURCES, "provenance"}:
+        read.report((key,), f"belongs to a source; move it below {SOURCES}: NAME:")
+    settings = _all_settings(read, read.value[SOURCES])
+    if read.problems:
+        raise ConfigError(read.problems)
+    return settings
+
+
+def _all_settings(read: YamlFile, value: Any) -> tuple[SourceSettings, ...]:
+    if not isinstance(value, dict) or not 0 < len(value) <= MOST_SOURCES:
+        read.report((SOURCES,), f"is {describe_value(value)}; expected 1 to {MOST_SOURCES} blocks NAME: {{port: …}}")
+        return ()
+    settings = [_settings(read, name, block) for name, block in value.items()]
+    ports = [entry.port for entry in settings if entry is not None]
+    for entry in settings:
+        if entry is not None and ports.count(entry.port) > 1:
+            read.report((SOURCES, entry.name, "port"), "is used by two sources; each needs its own")
+    return tuple(entry for entry in settings if entry is not None)
+
+
+def _settings(read: YamlFile, name: str, block: Any) -> SourceSettings | None:
+    if NAME.fullmatch(name) is None:
+        read.report((SOURCES, name), "is no name; expected up to 32 letters, digits, _ and -, a letter first")
+        return None
+    if not isinstance(block, dict) or not isinstance(block.get("port"), str):
+        read.report((SOURCES, name), "has no port; expected port: with a path or a source such as tcp://HOST:PORT")
+        return None
+    baud, protocol, timeout_s = (block.get(key) for key in LINK_KEYS[1:])
+    if baud is not None and not (isinstance(baud, int) and not isinstance(baud, bool) and baud > 0):
+        read.report((SOURCES, name, "baud"), f"is {describe_value(baud)}; expected a whole number above 0")
+    elif timeout_s is not None and not (_is_number(timeout_s) and 0.0 <= timeout_s <= LONGEST_TIMEOUT_S):
+        read.report((SOURCES, name, "timeout"), f"is {describe_value(timeout_s)}; expected s, 0 waits for ever")
+    elif protocol is not None and protocol not in _protocols():
+        message = unknown_key(str(protocol), _protocols(), "a protocol")
+        read.report((SOURCES, name, "protocol"), message)
+    else:
+        return SourceSettings(name, block["port"], baud, protocol or "auto", float(timeout_s or 0.0))
+    return None
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _protocols() -> list[str]:
+    from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS  # noqa: PLC0415 - few configs name a protocol
+
+    return [AUTO, *PROTOCOLS]

@@ -1,0 +1,122 @@
+"""Several gyros in one loop: each has its own link, filter and outputs, and none waits for another."""
+
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+from gyrodrift.errors import LinkError
+from gyrodrift.logger import FilteringBoundLogger
+from gyrodrift.secret import without_secrets
+from gyrodrift.service.loop import Service, Waiting, freeze_collector
+from gyrodrift.service.signals import StopSignal
+from gyrodrift.service.sink import ReaderGoneError
+from gyrodrift.waiting import POLLIN
+
+if TYPE_CHECKING:  # as in the loop of one gyro
+    from gyrodrift.service.notify import SystemdNotify
+
+
+MANY, PAUSE_S = 4, 0.001
+"""Pause between two turns, s, from that number of sources on: ten sources of 1 kHz would wake the loop 10,000 times a
+second. Arrival times are later by up to this time."""
+
+
+class SeveralServices:
+    """Services of one process, run until a signal or until all of them are over.
+
+    A source that fails ends alone.
+    """
+
+    def __init__(
+        self,
+        services: Sequence[Service],
+        log: FilteringBoundLogger,
+        stop: StopSignal,
+        notify: "SystemdNotify | None" = None,
+    ) -> None:
+        self._running = [_Running(service) for service in services]
+        self._log = log
+        self._stop = stop
+        self._notify = notify
+        self._failed = 0
+
+    def run(self) -> int:
+        """Run, and return the exit status: that of a link if a source has failed."""
+        freeze_collector()
+        if self._notify is not None:
+            names = ", ".join(without_secrets(running.service.link.name) for running in self._running)
+            self._notify.ready(f"reading {names}")
+        with ExitStack() as closing:
+            for running in self._running:
+                closing.callback(running.end)
+                running.begin()
+            self._loop()
+        return LinkError.exit_status if self._failed else 0
+
+    def _loop(self) -> None:
+        waiting = Waiting()
+        while not self._stop.is_set and (running := [entry for entry in self._running if not entry.is_over]):
+            events_by_fd = {self._stop.fd: POLLIN}
+            for entry in running:
+                events_by_fd |= entry.descriptors()
+            ready = waiting.ready(events_by_fd, min(entry.wake_s(time.monotonic()) for entry in running))
+            for entry in running:
+                self._turn(entry, ready)
+            if self._notify is not None:
+                self._notify.alive(time.monotonic())
+            if len(running) >= MANY:
+                time.sleep(PAUSE_S)
+
+    def _turn(self, entry: "_Running", ready: set[int]) -> None:
+        try:
+            if entry.is_due(ready, time.monotonic()):
+                entry.service.turn(ready)
+            if entry.service.is_over:
+                entry.end()
+        except LinkError as error:
+            self._failed += 1
+            entry.service.log.error("source_failed", reason=str(error))  # noqa: TRY400 - a message for people
+            entry.end()
+        except ReaderGoneError:
+            entry.service.log.info("reader_gone")
+            entry.end()
+
+
+class _Running:
+    """A service with its open listeners."""
+
+    def __init__(self, service: Service) -> None:
+        self.service = service
+        self.is_over = False
+        self._closing = ExitStack()
+        self._due_s = 0.0
+        self._events_by_fd: dict[int, int] = {}
+
+    def descriptors(self) -> dict[int, int]:
+        """Descriptors to wait for, with their events."""
+        self._events_by_fd = self.service.descriptors()
+        return self._events_by_fd
+
+    def begin(self) -> None:
+        """Begin the service; `end` then closes it."""
+        self.service.begin()
+        self._closing.callback(self.service.end)
+        self._closing.enter_context(self.service.open_listeners())
+
+    def wake_s(self, now_s: float) -> float:
+        """Time until it must have its turn, s."""
+        return max(0.0, self._due_s - now_s)
+
+    def is_due(self, ready: set[int], now_s: float) -> bool:
+        """Whether one of its descriptors is ready, or its time has come; its next time is then set."""
+        if now_s < self._due_s and ready.isdisjoint(self._events_by_fd):
+            return False
+        self._due_s = now_s + self.service.wake_s()
+        return True
+
+    def end(self) -> None:
+        """Close its listeners and its link."""
+        if not self.is_over:
+            self.is_over = True
+            self._closing.close()
