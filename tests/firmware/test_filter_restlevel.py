@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from c_filter_support import CFilter, CFilters, FilterOutput
 from c_restlevel_sessions import SESSIONS, plain, with_temperature_and_rest_sensor
-from c_restlevel_support import SIGMA, YAW, in_python, samples, values_of
+from c_restlevel_support import BIAS, SIGMA, YAW, in_python, samples, values_of
 from hypothesis import given
 from hypothesis import strategies as st
 from recordings_support import Recordings, packed_names
@@ -74,6 +74,24 @@ def test_simulated_sessions_give_the_same_yaw_in_float(double: CFilter, single: 
         assert np.isfinite(single.run(t_s, inputs).rows).all()
     else:
         assert_close(single.run(t_s, inputs), double.run(t_s, inputs), t_s)
+
+
+@pytest.mark.parametrize("turn_dps", [1.0, 60.0, 900.0])
+def test_an_hour_in_float_keeps_yaw(double: CFilter, single: CFilter, turn_dps: float) -> None:
+    """Rests and turns, up to hundreds of thousands of degrees."""
+    t_s, inputs = plain(50.0, 3600.0, turn_dps)
+    assert_close(single.run(t_s, inputs), double.run(t_s, inputs), t_s)
+
+
+@pytest.mark.parametrize("damaged_dps", [1e12, -1e9])
+def test_a_float_goes_on_after_damaged_rates(single: CFilter, damaged_dps: float) -> None:
+    """It learns the bias again at the next rests."""
+    t_s, inputs = plain(100.0, 120.0)
+    inputs[3000:3060, 0] = damaged_dps
+    inputs[-1500:, 0] = inputs[:1500, 0]
+    rows = single.run(t_s, inputs).rows
+    assert np.isfinite(rows).all()
+    assert abs(rows[-1, BIAS] - inputs[:1500, 0].mean()) < 0.05
 
 
 @pytest.mark.parametrize("name", ["50 Hz", "temperature and rest sensor", "turning on and on"])
