@@ -8,14 +8,16 @@ from gyrodrift.link.sources.can_gyros import BOSCH_IDS, XSENS_IDS
 from gyrodrift.link.sources.iio_scans import IioPacket
 from gyrodrift.link.sources.mavlink_frames import EXTRAS, HEADER_2, checksum
 from gyrodrift.link.sources.packets import packet
+from gyrodrift.link.sources.ros_imu import MESSAGE
 
 NAMES = ("anglvel_x", "anglvel_y", "anglvel_z", "accel_x", "temp", "timestamp")
+JSON_VALUES = ("0", "-1", "0.5", "1e400", "NaN", "1" + 30 * "0", "null", "[]", "{}", '"x"', "true")
 SPECIAL = (0, 1, 0x7F, 0x80, 0xFF)
 
 
 def changed_packets(content: bytes, random: Random) -> bytes:
     """One to some whole packets of one source put into the stream."""
-    make = random.choice((_mavlink, _iio, _can))
+    make = random.choice((_mavlink, _iio, _can, _imu))
     made = b"".join(make(random) for _ in range(random.choice((1, 2, 3, 12))))
     start = random.randint(0, len(content))
     return content[:start] + made + content[start:]
@@ -48,3 +50,12 @@ def _iio(random: Random) -> bytes:
 def _can(random: Random) -> bytes:
     header = FRAME_HEADER.pack(random.getrandbits(64), random.choice((*BOSCH_IDS, *XSENS_IDS, 0x7FF)))
     return packet(FRAME, header + any_bytes(random, random.choice((0, 2, 4, 6, 8, 64))))
+
+
+def _imu(random: Random) -> bytes:
+    x, y, z, seconds, nanoseconds, covariance = (random.choice(JSON_VALUES) for _ in range(6))
+    vector = f'{{"x": {x}, "y": {y}, "z": {z}}}'
+    stamp = f'{{"stamp": {{"sec": {seconds}, "nanosec": {nanoseconds}}}}}'
+    fields = f'"header": {stamp}, "angular_velocity": {vector}, "linear_acceleration": {vector}'
+    text = f'{{"op": "publish", "msg": {{{fields}, "linear_acceleration_covariance": [{covariance}]}}}}'
+    return packet(MESSAGE, text.encode())

@@ -8,6 +8,7 @@ from gyrodrift.link.sources.can_frames import CanDecoder
 from gyrodrift.link.sources.can_gyros import BOSCH_IDS, XSENS_IDS, bosch, xsens
 from gyrodrift.link.sources.iio_scans import IioDecoder
 from gyrodrift.link.sources.mavlink_frames import ImuChoice, MavlinkDecoder
+from gyrodrift.link.sources.ros_imu import RosImuDecoder
 from gyrodrift.sample import Reading
 
 CHUNK = 61
@@ -16,6 +17,7 @@ DECODERS: dict[str, Callable[[], Decoder]] = {
     "mavlink": lambda: MavlinkDecoder(ImuChoice()),
     "mavlink of one message": lambda: MavlinkDecoder(ImuChoice(1, "raw_imu", 0.01, 0.01)),
     "iio": IioDecoder,
+    "rosbridge": RosImuDecoder,
     "bosch": lambda: CanDecoder(bosch("bosch-mm7.10", BOSCH_IDS, is_upside_down=True)),
     "xsens": lambda: CanDecoder(xsens("xsens", XSENS_IDS, is_upside_down=False)),
 }

@@ -24,6 +24,8 @@ SHIPPED = {
     "can": "gyrodrift.link.sources.can:CAN",
     "mqtt": "gyrodrift.link.sources.mqtt:MQTT",
     "mqtts": "gyrodrift.link.sources.mqtt:MQTTS",
+    "ws": "gyrodrift.link.sources.rosbridge:WS",
+    "wss": "gyrodrift.link.sources.rosbridge:WSS",
 }
 """Schemes with `module:NAME` of their `ByteSource`, imported when an address has that scheme."""
 

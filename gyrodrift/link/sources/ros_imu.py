@@ -1,0 +1,113 @@
+"""Decoder of `sensor_msgs/Imu` as JSON of rosbridge: `{"op": "publish", "topic": …, "msg": {…}}`.
+
+Units and axes are those of REP 103: rad/s, m/s², x forward, y left, z up. A covariance that begins with -1 marks a
+missing measurement (sensor_msgs/Imu). The stamp of the header is the clock, `nanosec` in ROS 2 and `nsecs` in ROS 1.
+"""
+
+import json
+from collections.abc import Mapping
+from math import degrees, isfinite
+from typing import Any
+
+from gyrodrift.link.protocols.decoder import DeviceDescription
+from gyrodrift.link.protocols.lines import MAX_RATE_DPS
+from gyrodrift.link.protocols.protocol import WireProtocol
+from gyrodrift.link.sources.packets import HEADER, PacketDecoder
+from gyrodrift.sample import Inertial, Reading
+from gyrodrift.vectors import Vector
+
+MESSAGE = 1
+"""Kind of the packets."""
+
+CLOCK_MASK = 0xFFFFFFFF
+MISSING = -1.0
+LONGEST_STAMP_S = 1 << 63
+MAX_FORCE_MPS2 = 1e4
+"""Several times the range of accelerometers on the market."""
+
+LONGEST_FRAME_ID = 64
+
+
+class RosImuDecoder(PacketDecoder):
+    """Decoder of messages; without a stamp in the first one, messages have no clock."""
+
+    name = "rosbridge"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._is_timed: bool | None = None
+
+    def is_valid(self, kind: int, content: bytes) -> bool:
+        """Whether a content is a published message."""
+        return kind == MESSAGE and _message(content) is not None
+
+    def read(self, frame: bytes) -> Reading | None:
+        """Reading of a message."""
+        message = _message(frame[HEADER.size :])
+        rates = None if message is None else _vector(message, "angular_velocity")
+        if message is None or rates is None:
+            return None
+        x_dps, y_dps, z_dps = map(degrees, rates)
+        if not max(abs(x_dps), abs(y_dps), abs(z_dps)) <= MAX_RATE_DPS:
+            return None
+        t_us = self._time_us(message)
+        if self._is_timed and t_us is None:
+            return None
+        forces = _vector(message, "linear_acceleration")
+        is_plausible = forces is not None and all(abs(force) <= MAX_FORCE_MPS2 for force in forces)
+        inertial = Inertial(x_dps, y_dps, z_dps, *(forces if forces and is_plausible else ()))
+        return Reading(t_us if self._is_timed else None, None, z_dps, inertial=inertial)
+
+    def _time_us(self, message: Mapping[str, Any]) -> int | None:
+        """Stamp of a message; the first one decides whether there is a clock."""
+        header = message.get("header")
+        t_us = _stamp_us(header.get("stamp")) if isinstance(header, dict) else None
+        if self._is_timed is None:
+            self._is_timed = t_us is not None
+            frame_id = str(header.get("frame_id", ""))[:LONGEST_FRAME_ID] if isinstance(header, dict) else ""
+            self.device = DeviceDescription(frame_id or "sensor_msgs/Imu", axes=3)
+        return t_us
+
+
+def _message(content: bytes) -> dict[str, Any] | None:
+    """Message of a publication."""
+    try:
+        publication = json.loads(content)
+    except (ValueError, RecursionError):
+        return None
+    message = publication.get("msg") if isinstance(publication, dict) else None
+    return message if isinstance(message, dict) else None
+
+
+def _vector(message: Mapping[str, Any], name: str) -> Vector | None:
+    """Three finite numbers of a field; None if they are missing, or the covariance says so."""
+    vector, covariance = message.get(name), message.get(f"{name}_covariance")
+    if not isinstance(vector, dict) or (isinstance(covariance, list) and covariance[:1] == [MISSING]):
+        return None
+    try:
+        x, y, z = (float(vector[axis]) for axis in "xyz")
+    except (KeyError, TypeError, ValueError, OverflowError):
+        return None
+    return (x, y, z) if isfinite(x) and isfinite(y) and isfinite(z) else None
+
+
+def _stamp_us(stamp: object) -> int | None:
+    """Stamp in µs; None without one, or for 0, which drivers without a clock send."""
+    if not isinstance(stamp, dict):
+        return None
+    seconds, nanoseconds = (stamp.get(new, stamp.get(old)) for new, old in (("sec", "secs"), ("nanosec", "nsecs")))
+    if not isinstance(seconds, int) or not isinstance(nanoseconds, int) or abs(seconds) >= LONGEST_STAMP_S:
+        return None
+    return (seconds * 1_000_000 + nanoseconds // 1000) & CLOCK_MASK if seconds or nanoseconds else None
+
+
+ROSBRIDGE_PROTOCOL = WireProtocol(
+    "rosbridge",
+    "sensor_msgs/Imu as JSON of rosbridge",
+    RosImuDecoder,
+    has_clock=True,
+    rank=6,
+    is_detected=False,
+    has_unit=True,
+    without_rate="the topic is no sensor_msgs/Imu, or its angular velocity is marked as missing; see ros2 topic info",
+)
