@@ -2,7 +2,7 @@
 
 import importlib.util
 import json
-from math import isnan
+from math import isnan, nan
 from pathlib import Path
 from random import Random
 from types import ModuleType
@@ -15,16 +15,19 @@ from golden_frames import AXES_FILTER_HELLO, AXES_HELLO, AXES_SAMPLES, FILTER_HE
 from support import Command, never, speaking_on
 
 from firmware_sim.wire.native import axes_sample_frame, sample_frame
+from gyrodrift.firmware.micropython import restlevel_py
 from gyrodrift.link.protocols.native import NativeDecoder
 from gyrodrift.sample import Reading
 
 SECONDS = 6.0
-BOARD = {"seconds": SECONDS, "absent": 0.0, "pin": True, "up": [2, False]}
+BOARD = {"seconds": SECONDS, "absent": 0.0, "pin": True, "up": [2, False], "filter": ""}
 
 
 def played(folder: Path, **board: Any) -> tuple[bytes, list[list[int]]]:
     """What `main.py` sends, and what its gyro measured: t_us, then counts: yaw rate, temperature, accelerations."""
-    stream, _, truth = in_micropython("play_board.py", BOARD | board, folder).rpartition(b"\n")
+    (folder / "gyrodrift_restlevel.py").write_text(restlevel_py())
+    modules = [folder / "gyrodrift_restlevel.py"]
+    stream, _, truth = in_micropython("play_board.py", BOARD | board, folder, *modules).rpartition(b"\n")
     return stream, json.loads(truth)
 
 
@@ -110,6 +113,29 @@ def test_every_axis_is_sent(tmp_path: Path) -> None:
         assert reading.inertial is not None
         assert [round(dps * 131) for dps in reading.inertial[:3]] == [111, -222, rate]
         assert [round(force / 9.80665 * 4096) for force in reading.inertial[3:]] == accels
+
+
+@pytest.mark.parametrize(
+    ("name", "file", "kind"), [("hdr", "gyrodrift_hdr.py", "Hdr"), ("restlevel", "gyrodrift_restlevel.py", "Restlevel")]
+)
+def test_the_board_may_send_its_own_yaw(
+    name: str, file: str, kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beside each sample: that of its filter in this Python, on the same counts and ticks; HDR has no sigma."""
+    stream, _ = played(tmp_path, seconds=3.0, filter=name)
+    decoder, readings = read_back(stream)
+    assert decoder.device.device_filter == name
+    assert len(readings) > 300
+    monkeypatch.setattr("time.ticks_diff", lambda end, start: end - start, raising=False)
+    names: dict[str, Any] = {}
+    exec(((tmp_path if name == "restlevel" else MICROPYTHON) / file).read_text(), names)
+    reference = names[kind]()
+    for reading in readings:
+        assert reading.device_yaw is not None
+        assert reference.update_us(reading.t_us, reading.rate_dps)
+        sigma_deg = reference.yaw_sigma_deg if name == "restlevel" else nan
+        expected = (reference.yaw_deg, sigma_deg, reference.bias_dps)
+        assert reading.device_yaw == pytest.approx(expected, rel=1e-4, abs=1e-3, nan_ok=True)
 
 
 @pytest.mark.parametrize(

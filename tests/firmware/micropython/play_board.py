@@ -143,6 +143,7 @@ sys.modules["time"] = Time
 import main  # noqa: E402 - the board has to be there first
 
 main.AXIS, main.IS_UPSIDE_DOWN = ASKED["up"]
+main.FILTER = ASKED["filter"]
 try:
     main.main()
 except OverError:

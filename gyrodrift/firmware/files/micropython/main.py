@@ -11,17 +11,41 @@ from array import array
 
 import machine
 from gyro_sensors import BURST_BYTES, SENSORS, GyroSensor
-from gyrodrift_native import ACCEL_CLIPPED, ACCEL_VALID, AXES, RATE_CLIPPED, TEMPERATURE_VALID, FrameWriter
+from gyrodrift_native import (
+    ACCEL_CLIPPED,
+    ACCEL_VALID,
+    AXES,
+    FILTER_HDR,
+    FILTER_RESTLEVEL,
+    RATE_CLIPPED,
+    TEMPERATURE_VALID,
+    FrameWriter,
+)
 
 # Settings of your robot.
 I2C_ID, SDA_PIN, SCL_PIN, DATA_READY_PIN = (0, 4, 5, 6) if sys.platform == "rp2" else (0, 21, 22, 19)  # Pico, ESP32
 AXIS = 2  # axis that points up: 0 x, 1 y, 2 z; it is sent as z
 IS_UPSIDE_DOWN = False  # True if it points down
+FILTER = ""  # "restlevel" or "hdr": the board filters, too, and sends that yaw beside each sample
 
 I2C_HZ = 400_000
 RESET_MS = 100  # of the MPU-6050, the slowest
 HELLO_MS = 1000
+NO_SIGMA = float("nan")
 SILENCE_MS = 300  # after this silence the sensor is set up again: it lost its settings or its cable
+
+
+def new_filter(name: str) -> object:
+    """Filter of the board; None for an empty name."""
+    if name == "restlevel":
+        from gyrodrift_restlevel import Restlevel
+
+        return Restlevel()
+    if name == "hdr":
+        from gyrodrift_hdr import Hdr
+
+        return Hdr()
+    return None
 
 
 class Gyro:
@@ -29,6 +53,7 @@ class Gyro:
 
     def __init__(self, out: object) -> None:
         self._out = out
+        self._filter = new_filter(FILTER)
         self._writer = FrameWriter()
         self._burst = bytearray(BURST_BYTES)
         self._axes = array("h", [0] * (2 * AXES))  # rates, then accelerations
@@ -93,6 +118,14 @@ class Gyro:
         centi_c = (self._value_at(sensor.temp_at) * factor + divisor // 2) // divisor + centi_c_at_zero
         self._let_time_pass(ready_us)
         self._out.write(self._writer.sample3(flags, self._seq, self._t_us, self._axes, centi_c))
+        if self._filter is not None:
+            self._send_yaw(ready_us)
+
+    def _send_yaw(self, ready_us: int) -> None:
+        chosen = self._filter
+        chosen.update_us(ready_us, self._axes[2] * self._sensor.dps_per_lsb)
+        sigma_deg = chosen.yaw_sigma_deg if FILTER == "restlevel" else NO_SIGMA
+        self._out.write(self._writer.yaw(self._seq, self._t_us, chosen.yaw_deg, sigma_deg, chosen.bias_dps))
 
     def _read_axes(self, index: int, slot: int) -> bool:
         """Read x, y and z into the frame whose z axis points up; True if one is at the end of its range.
@@ -129,11 +162,15 @@ class Gyro:
 
     def _send_hello(self) -> None:
         sensor = self._sensor
-        if sensor is None:
-            self._out.write(self._writer.hello3(0, 1.0, 0, self._name(), 0.0))
+        rate_hz, dps_per_lsb, mps2_per_lsb = 0, 1.0, 0.0
+        if sensor is not None:
+            rate_hz, dps_per_lsb, mps2_per_lsb = sensor.sample_rate_hz, sensor.dps_per_lsb, sensor.mps2_per_lsb
+        if self._filter is None:
+            self._out.write(self._writer.hello3(rate_hz, dps_per_lsb, 0, self._name(), mps2_per_lsb))
             return
-        scales = (sensor.dps_per_lsb, 0, self._name(), sensor.mps2_per_lsb)
-        self._out.write(self._writer.hello3(sensor.sample_rate_hz, *scales))
+        number = FILTER_RESTLEVEL if FILTER == "restlevel" else FILTER_HDR
+        fields = (rate_hz, dps_per_lsb, 0, self._name(), AXES, mps2_per_lsb, number)
+        self._out.write(self._writer.hello_filter(*fields))
 
     def _find_sensor(self) -> None:
         self._sensor = None
