@@ -2,7 +2,8 @@
 
 An .mcap IN may hold samples of this program, sensor_msgs/msg/Imu (rad/s become deg/s) or JSON objects with t_device_s
 and rate_dps. It may be chunked, compressed or cut off. A line on stderr names everything that OUT cannot hold: raw
-bytes, link events and other channels; in .csv also metadata; with --as imu also encoder angle, temperature and counter.
+bytes, link events and other channels; in .csv also metadata; with --as imu also encoder angle, temperature, counter and
+the device's own yaw.
 """
 
 import argparse

@@ -32,6 +32,7 @@ def left_out(source: Path, session: Session, topic: str | None, form: str) -> li
         "temperature": session.temp_c,
         "rest flag": session.still,
         "counter": session.seq,
+        "yaw of the device's own filter": session.device_yaw_deg,
     }
     names = [name for name, column in columns.items() if form == "imu" and column is not None]
     if session.damage is not None:

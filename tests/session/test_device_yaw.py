@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
 from numpy.testing import assert_array_equal
 
 from gyrodrift.sample import DeviceYaw, Inertial, Sample
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.session.foreign.export import write_json
 from gyrodrift.session.foreign.read import read_foreign
-from gyrodrift.session.mcap.layout import LAYOUTS, MESSAGE
+from gyrodrift.session.mcap.layout import LAYOUTS, MESSAGE, SAMPLES
 from gyrodrift.session.mcap.read import read_mcap
 from gyrodrift.session.mcap.repair import repair
 from gyrodrift.session.mcap.walk import ROWS
@@ -91,6 +92,12 @@ def test_a_damaged_recording_is_rebuilt_with_its_yaws(tmp_path: Path) -> None:
     assert repair(path) is not None
     session = read_mcap(path)
     assert 2900 < len(session.rate_dps) < 3000
+    with path.open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert summary is not None
+    assert summary.statistics is not None
+    assert summary.statistics.channel_message_counts[SAMPLES.channel_id] == len(session.rate_dps)
+    assert b"float64 device_yaw_deg" in summary.schemas[SAMPLES.channel_id].data
     assert session.seq is not None
     has_yaw = session.seq % 3 != 2
     assert_array_equal(session.filled("device_yaw_deg")[has_yaw], 0.1 * session.seq[has_yaw])

@@ -156,7 +156,10 @@ class NativeDecoder:
             return
         if self._waiting:
             self._release(payload, readings)
-        self._join.take(self._reading(payload), readings)
+        if self._join.is_idle:
+            readings.append(self._reading(payload))
+        else:
+            self._join.take(self._reading(payload), readings)
 
     def _release(self, payload: bytes, readings: list[Reading]) -> None:
         """Scale the waiting samples when the first sample after HELLO has arrived.

@@ -33,9 +33,13 @@ class YawJoin:
     """Holds a sample back while its YAW is due, and joins the two.
 
     No sample waits until HELLO says that the device runs a filter.
+
+    is_idle
+        No sample waits, and none will: samples need not pass through `take`.
     """
 
     def __init__(self) -> None:
+        self.is_idle = True
         self._is_announced = False
         self._held: Reading | None = None
         self._yaw_seq: int | None = None
@@ -45,6 +49,7 @@ class YawJoin:
         """Start again after HELLO of a device, which names its filter or None."""
         self._is_announced = filter_name is not None
         self._yaw_seq, self._stride = None, 0
+        self.is_idle = not self._is_announced and self._held is None
 
     def take(self, reading: Reading, readings: list[Reading]) -> None:
         """Pass a sample on, after the one that waited; it waits itself if its YAW is due."""
@@ -74,6 +79,7 @@ class YawJoin:
         if self._held is not None:
             readings.append(self._held)
             self._held = None
+            self.is_idle = not self._is_announced
 
     def _is_due(self, reading: Reading) -> bool:
         """Whether a YAW may follow this sample."""

@@ -5,6 +5,7 @@ from mutate.faults import (
     axes,
     calibrate,
     config,
+    device_yaw,
     diagnose,
     filters,
     firmware_sim,
@@ -17,6 +18,19 @@ from mutate.faults import (
 
 FAULTS: tuple[Fault, ...] = tuple(
     fault
-    for area in (axes, calibrate, link, session, recording, service, outputs, config, filters, diagnose, firmware_sim)
+    for area in (
+        axes,
+        calibrate,
+        link,
+        device_yaw,
+        session,
+        recording,
+        service,
+        outputs,
+        config,
+        filters,
+        diagnose,
+        firmware_sim,
+    )
     for fault in area.FAULTS
 )
