@@ -10,6 +10,7 @@ from mutate.faults import FAULTS
 
 AREAS = {
     "axes",
+    "device-yaw",
     "calibrate",
     "link",
     "session",
