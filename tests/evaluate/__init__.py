@@ -11,6 +11,7 @@ same code gives the same figures, so a difference from last.json comes from the 
     last.py               last.json; which figures became worse by more than the margin
     parts.py              the parts by name
     diagnose_part.py      `gyrodrift diagnose` on cases of tests/blind
+    gyrogap_part.py       `gyrodrift diagnose` on a sample of the open benchmark; gyrogap_methods/ has other methods
     hard_cases_part.py    restlevel on the hard cases of the simulator
     everyday_part.py      restlevel beside other filters on everyday motions (everyday_motions.py)
 """
