@@ -144,6 +144,27 @@ def test_each_example_fits_an_uno(name: str, arduino: Path, tmp_path: Path) -> N
     assert data + bss <= UNO_RAM - STACK
 
 
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_the_builder_of_the_ide_takes_each_example(name: str, arduino: Path, tmp_path: Path) -> None:
+    """It finds the library by its properties, writes prototypes, and warns of nothing; sizes are those of users."""
+    builder, ctags = shutil.which("arduino-builder"), shutil.which("arduino-ctags")
+    if builder is None or ctags is None or not ARDUINO.is_dir():
+        pytest.skip("there is no arduino-builder: apt-get install arduino-builder arduino-core-avr")
+    hardware = Path(builder).parent.parent / "share" / "arduino-builder"
+    words = ["-hardware", ARDUINO.parent.parent, "-hardware", hardware, "-tools", "/usr/bin", "-tools", hardware]
+    prefs = ["runtime.tools.avr-gcc.path=/usr", f"tools.ctags.cmd.path={ctags}"]
+    prefs.append("compiler.cpp.extra_flags=-DDECIMAL_DIG=17")  # as in CORE
+    words += [word for pref in prefs for word in ("-prefs", pref)]
+    words += ["-libraries", arduino.parent, "-fqbn", "arduino:avr:uno", "-build-path", tmp_path, "-warnings", "all"]
+    sketch = arduino / "examples" / name / f"{name}.ino"
+    done = subprocess.run(
+        [builder, "-compile", *map(str, words), str(sketch)], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert [line for line in done.stderr.splitlines() if str(arduino) in line and "warning" in line] == []
+    print(*re.findall(r"(?:Sketch|Global).*", done.stdout), sep="\n")
+
+
 @pytest.mark.parametrize("board", [MEGA, LEONARDO], ids=["mega", "leonardo"])
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_each_example_is_compiled_for_other_avr_boards(

@@ -74,7 +74,7 @@ void setup() {
 
 void loop() {
   const uint32_t now_us = micros();
-  float rate_dps;
+  float rate_dps = 0.0f;
   if (is_there && now_us - sample_us >= SAMPLE_US) {
     sample_us = now_us;
     is_there = read_rate(&rate_dps);
