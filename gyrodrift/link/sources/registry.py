@@ -26,6 +26,7 @@ SHIPPED = {
     "mqtts": "gyrodrift.link.sources.mqtt:MQTTS",
     "ws": "gyrodrift.link.sources.rosbridge:WS",
     "wss": "gyrodrift.link.sources.rosbridge:WSS",
+    "ble": "gyrodrift.link.sources.ble:BLE",
 }
 """Schemes with `module:NAME` of their `ByteSource`, imported when an address has that scheme."""
 
