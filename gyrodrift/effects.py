@@ -3,8 +3,8 @@
 `gyrodrift diagnose --export json` writes the effects: `json.loads(Path("report/export/effects.json").read_text())` has
 them under `effects`, and the measured noise and bias under `noise`. Parameters have the units of their names.
 
-`apply` changes whole arrays, `Gyro` one sample after the other. The order is that of a device: the sensor is late, the
-rate gets vibration and noise, a low-pass, scale and bias errors, and is put out in steps.
+`apply` changes whole arrays, `SimulatedGyro` one sample after the other. The order is that of a device: the sensor is
+late, the rate gets vibration and noise, a low-pass, scale and bias errors, and is put out in steps.
 """
 
 from collections.abc import Mapping, Sequence
@@ -64,11 +64,11 @@ def apply(rates: Array, times: Array, effects: Effects, temp_c: Array = 25.0, se
         An effect is not one of the rate.
     """
     t_s = np.asarray(times, float)
-    gyro = Gyro(effects, float(np.median(np.diff(t_s))), seed)
+    gyro = SimulatedGyro(effects, float(np.median(np.diff(t_s))), seed)
     return np.array([gyro.read(*row) for row in np.stack(np.broadcast_arrays(rates, t_s, temp_c), axis=1).tolist()])
 
 
-class Gyro:
+class SimulatedGyro:
     """Gyro that is read each `step_s`, in order; a time that is not later than the last gives the last rate again."""
 
     def __init__(self, effects: Effects, step_s: float, seed: int | None = None) -> None:

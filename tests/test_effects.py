@@ -12,7 +12,7 @@ from firmware_sim.channels import Channel, begin_acts, through
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import EffectSlot, Floats, Moments
 from firmware_sim.rig import Rig, parse_effect
-from gyrodrift.effects import EFFECTS, Gyro, apply
+from gyrodrift.effects import EFFECTS, SimulatedGyro, apply
 
 RATE_HZ, COUNT = 100.0, 12_000
 T_S = np.arange(COUNT) / RATE_HZ
@@ -114,7 +114,7 @@ def test_a_seed_gives_the_same_rates_again() -> None:
 def test_sample_by_sample_is_the_same_as_all_at_once() -> None:
     """A simulator that evaluates a time twice gets the same rate twice."""
     effects = [entry("latency:delay_ms=15"), entry("popcorn:step_dps=0.5,dwell_s=1"), entry("bandwidth:cutoff_hz=9")]
-    gyro = Gyro(effects, 1.0 / RATE_HZ, seed=2)
+    gyro = SimulatedGyro(effects, 1.0 / RATE_HZ, seed=2)
     rates = []
     for rate_dps, t_s in zip(TRUE_DPS.tolist(), T_S.tolist(), strict=True):
         rates.append(gyro.read(rate_dps, t_s))

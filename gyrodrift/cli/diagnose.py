@@ -105,6 +105,7 @@ def run(arguments: argparse.Namespace) -> int:
                 progress.report,
                 baseline,
                 reading=inputs.reading(arguments),
+                is_rig_stated=arguments.rig is not None,
             )
         )
         progress.report(REPORT, 0, 0)

@@ -18,7 +18,7 @@ from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comp
 from gyrodrift.diagnose.predictive_checks.on_device import on_device_yaw
 from gyrodrift.diagnose.predictive_checks.residual_checks import residual_checks_of
 from gyrodrift.diagnose.predictive_checks.yaw_impact import cost_deg, yaw_impact_of
-from gyrodrift.diagnose.recording.facts import contradictions
+from gyrodrift.diagnose.recording.facts import Contradiction, contradictions
 from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis
 from gyrodrift.diagnose.simulate.calibration import host_delay_s, host_jitter_s
 from gyrodrift.diagnose.simulate.twin import Subject
@@ -34,6 +34,7 @@ from gyrodrift.diagnose.stages import (
     with_facts,
     with_recorded_axes,
     with_stated_axes,
+    without_columns_of_one_set,
 )
 from gyrodrift.diagnose.what_next import what_next
 from gyrodrift.simulation.sessions import rig_yaml
@@ -49,6 +50,12 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
     """
     begun_s = time.monotonic()
     origins, recordings, remarks = recordings_of(request.paths, request.progress, request.reading)
+    lacking = None
+    if request.baseline:
+        request, lacking = without_columns_of_one_set(request, recordings)
+        if lacking.of_one_set:
+            origins, recordings, remarks = recordings_of(request.paths, request.progress, request.reading)
+        remarks += lacking.remarks
     base = request.rig.base
     against = contradictions(recordings, base.dps_per_lsb, base.encoder_cpr)
     stated = request.rig
@@ -81,7 +88,7 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         verdict=verdict,
         linear_model=linear_model_of(_rate_errors_dps(subjects), designs, verdict.causes),
         yaw_impact=yaw_impact_of(subjects, verdict.causes),
-        contradictions=against,
+        contradictions=against if request.is_rig_stated or not request.baseline else _of_any_rig(against),
         remarks=tuple(remarks),
         untestable=simulated.untestable,
         withheld=tuple(sorted(request.withheld)),
@@ -98,8 +105,14 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         residuals=residual_checks_of(subjects, verdict.causes),
         baseline=baseline,
         on_device=on_device_yaw(list(dict.fromkeys(origin.path for origin in origins)), request.reading),
+        lacking=lacking,
     )
     return replace(result, seconds=time.monotonic() - begun_s)
+
+
+def _of_any_rig(against: Sequence[Contradiction]) -> tuple[Contradiction, ...]:
+    """Contradictions between gyro and encoder; the shipped rig states nothing about the device of another simulator."""
+    return tuple(item for item in against if item.fact == "turn_ratio")
 
 
 def _adopted(rig: Rig, verdict: Verdict) -> Rig:

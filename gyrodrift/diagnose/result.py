@@ -12,6 +12,7 @@ from gyrodrift.diagnose.predictive_checks.on_device import OnDeviceYaw
 from gyrodrift.diagnose.predictive_checks.residual_checks import ResidualChecks
 from gyrodrift.diagnose.predictive_checks.yaw_impact import YawImpact
 from gyrodrift.diagnose.recording.facts import Contradiction
+from gyrodrift.diagnose.recording.lacking import LackingValues
 from gyrodrift.result_table import ResultTable
 
 
@@ -76,6 +77,8 @@ class Diagnosis(ResultTable):
         Sessions of the baseline, calibrated like the sessions.
     on_device
         Errors of the filter that the device runs itself; None unless all sessions have its yaw.
+    lacking
+        Values that the sessions or the baseline lack; None without a baseline.
     """
 
     verdict: Verdict
@@ -98,6 +101,7 @@ class Diagnosis(ResultTable):
     residuals: ResidualChecks = field(repr=False)
     baseline: tuple[DiagnosedSession, ...] = field(default=(), repr=False)
     on_device: OnDeviceYaw | None = None
+    lacking: LackingValues | None = None
 
     def __repr__(self) -> str:
         names = ", ".join(cause.effect.name for cause in self.verdict.causes)

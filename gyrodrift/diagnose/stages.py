@@ -1,6 +1,7 @@
 """The stages that every set of recordings goes through: loaded and checked, simulated, explained, adopted."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,6 +12,7 @@ from gyrodrift.diagnose.recording.checked import checked_session
 from gyrodrift.diagnose.recording.checks import together_s
 from gyrodrift.diagnose.recording.facts import Contradiction
 from gyrodrift.diagnose.recording.gravity import shows_gravity
+from gyrodrift.diagnose.recording.lacking import LackingValues, lacking_values
 from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.result import Untestable
 from gyrodrift.diagnose.simulate.candidate import Candidate
@@ -43,6 +45,8 @@ class DiagnosisRequest(NamedTuple):
         Least noise that is calibrated away.
     reading
         Columns and units as stated by a person.
+    is_rig_stated
+        Whether a person states the rig. Otherwise its facts give way to those of a baseline without a word.
     """
 
     paths: Sequence[Path]
@@ -54,6 +58,7 @@ class DiagnosisRequest(NamedTuple):
     baseline: Sequence[Path] = ()
     least_noise_dps_rthz: float = 0.0
     reading: ReadingOptions = AS_WRITTEN
+    is_rig_stated: bool = True
 
 
 class Simulated(NamedTuple):
@@ -122,6 +127,21 @@ def recordings_of(
     if len(recordings) == 1:
         remarks.append("one session only: nothing could be held out, so the fit is not checked")
     return origins, recordings, remarks
+
+
+def without_columns_of_one_set(
+    request: DiagnosisRequest, recordings: Sequence[Recording]
+) -> tuple[DiagnosisRequest, LackingValues]:
+    """The request that reads no column that only the sessions or only the baseline have.
+
+    Raises
+    ------
+    DataError
+        No recording of the baseline can be used.
+    """
+    lacking = lacking_values(recordings, recordings_of(request.baseline, request.progress, request.reading)[1])
+    reading = replace(request.reading, without=lacking.of_one_set)
+    return request._replace(reading=reading), lacking
 
 
 def testable_among(

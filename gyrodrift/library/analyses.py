@@ -138,7 +138,15 @@ def diagnose(
     of_baseline = _sessions(baseline)
     jobs = _positive("jobs", jobs)
     request = DiagnosisRequest(
-        _sessions(paths), simulator, withheld, jobs, None, on_progress, of_baseline, reading=_reading(columns)
+        _sessions(paths),
+        simulator,
+        withheld,
+        jobs,
+        None,
+        on_progress,
+        of_baseline,
+        reading=_reading(columns),
+        is_rig_stated=rig is not None,
     )
     _check_damage([*request.paths, *of_baseline], allow_damage=allow_damage)
     return diagnosis.diagnose(request)

@@ -111,6 +111,34 @@ def test_effects_are_exported_for_other_simulators(
     assert "effects that it cannot express" in words((tmp_path / "report.html").read_text())
 
 
+def test_sessions_of_another_simulator_are_a_baseline(
+    scaled: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Neither its exact numbers nor the columns that it lacks are a gap, and the shipped rig states nothing of them."""
+    simulator = record(tmp_path / "simulator")
+    for path in simulator.iterdir():
+        session = load_session(path)
+        assert session.encoder_deg is not None
+        digits = 1e-9 * np.random.default_rng(1).random((2, len(session.rate_dps)))
+        exact = replace(
+            session,
+            rate_dps=session.rate_dps + digits[0],
+            encoder_deg=session.encoder_deg + digits[1],
+            t_host_s=None,
+            seq=None,
+            temp_c=None,
+        )
+        write_session(path, [exact])
+    gap = diagnosed(scaled, tmp_path / "out", "--baseline", str(simulator), *FEW)
+    assert (gap["verdict"], gap["contradictions"]) == ("effect", [])
+    assert gap["causes"][0]["parameters"]["error_percent"]["value"] == pytest.approx(1.2, rel=0.15)
+    assert {"counter", "host times", "temperature"} <= set(gap["lacking"]["baseline"])
+    assert {"clock_drift", "temp_bias", "sample_drop"} <= gap["untestable"].keys()
+    said = capsys.readouterr().err
+    assert "only one of both sets has counter and host times and temperature: this is no gap" in said
+    assert "only one of both sets has counter" in words((tmp_path / "out" / "report.html").read_text())
+
+
 def test_no_gap_is_an_answer_with_what_would_have_been_seen(plain: Path, tmp_path: Path) -> None:
     """No cause, nothing left over, and the smallest effect of each kind."""
     gap = diagnosed(plain, tmp_path)

@@ -64,7 +64,7 @@ CALLBACK_TEXT = '''"""MuJoCo: the sensor "gyro_measured" reads the yaw rate of "
 import mujoco
 import numpy as np
 
-from gyrodrift.effects import Gyro
+from gyrodrift.effects import SimulatedGyro
 
 RATE_HZ = {rate_hz}
 EFFECTS = [
@@ -81,7 +81,7 @@ class Measured:
         if stage != mujoco.mjtStage.mjSTAGE_VEL:
             return
         if data.time < self._last_s - 1e-9:
-            self._gyro, self._next = Gyro(EFFECTS, 1.0 / RATE_HZ, self._random.integers(1 << 31)), 0
+            self._gyro, self._next = SimulatedGyro(EFFECTS, 1.0 / RATE_HZ, self._random.integers(1 << 31)), 0
         self._last_s = data.time
         true = data.sensor("gyro").data
         if data.time * RATE_HZ > self._next - 1e-6:

@@ -66,8 +66,15 @@ OF_TIMES = ALWAYS & _mask(lambda feature: feature.stage in {"clock", "link"})
 OF_LOSS = _begins("drop_share", "drop_runs")
 """Features of lost samples."""
 
-FAMILIES = (np.arange(STATIC), *(np.flatnonzero(_begins(start)) for start in ("noise_slow_", "noise_fast_")))
-"""Features that share one error out among them: coefficients, and how rates scatter over some lengths."""
+FAMILIES = (
+    np.flatnonzero(_mask(lambda feature: feature.name != "acceleration") & (np.arange(len(FEATURES)) < STATIC)),
+    *(np.flatnonzero(_begins(start)) for start in ("noise_slow_", "noise_fast_")),
+)
+"""Features that share one error out among them: coefficients, and how rates scatter over some lengths.
+
+The acceleration stands alone. From rest to rest, ∫ f(ω)·dω/dt dt is 0 for each f: in no motion a delay looks like an
+error over the rate. The wheels of a robot may be late by more than all other coefficients together.
+"""
 
 NOT_OF_STEPS = ~_begins("equal_rest", "equal_moving", "equal_quick", "zero_share", "least_rate", "rate_step")
 """Features that do not depend on the steps in which rates come."""

@@ -71,6 +71,7 @@ def content(diagnosis: Diagnosis) -> dict[str, Any]:
             for base in diagnosis.calibration
         },
         "remarks": list(diagnosis.remarks),
+        **({} if diagnosis.lacking is None else {"lacking": asdict(diagnosis.lacking)}),
         "sessions": [session.name for session in diagnosis.sessions],
         "next": diagnosis.next_step,
         "seconds": round(diagnosis.seconds, 3),

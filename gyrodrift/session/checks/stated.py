@@ -5,6 +5,9 @@ from dataclasses import dataclass, replace
 from gyrodrift.columns.spec import ACCELERATION, RATE, Column, scale_of
 from gyrodrift.session.session import Session
 
+COUNTER, HOST_TIMES, TEMPERATURE = "counter", "host times", "temperature"
+"""Columns that a reader may leave out."""
+
 TIME_UNITS = ("s", "ms", "us", "ns")
 """Time units, each a thousandth of the previous one."""
 
@@ -23,6 +26,8 @@ class ReadingOptions:
         A unit of ACCELERATION_MPS2, or lsb/N.
     is_flipped
         Whether the sign of the rates is reversed.
+    without
+        Columns that are left out: COUNTER, HOST_TIMES or TEMPERATURE.
     """
 
     columns: tuple[Column, ...] | None = None
@@ -30,6 +35,7 @@ class ReadingOptions:
     time_unit: str = ""
     is_flipped: bool = False
     accel_unit: str = ""
+    without: frozenset[str] = frozenset()
 
     @property
     def states_rate(self) -> bool:
@@ -52,7 +58,16 @@ class ReadingOptions:
         if self.time_unit and self.time_unit != time_unit:
             t_s = t_s * 1e-3 ** (TIME_UNITS.index(self.time_unit) - TIME_UNITS.index(time_unit))
             time_unit = self.time_unit
-        return replace(session, t_device_s=t_s, rate_scale=rate_scale, time_unit=time_unit)
+        session = replace(session, t_device_s=t_s, rate_scale=rate_scale, time_unit=time_unit)
+        return self._without(session) if self.without else session
+
+    def _without(self, session: Session) -> Session:
+        return replace(
+            session,
+            seq=None if COUNTER in self.without else session.seq,
+            t_host_s=None if HOST_TIMES in self.without else session.t_host_s,
+            temp_c=None if TEMPERATURE in self.without else session.temp_c,
+        )
 
 
 AS_WRITTEN = ReadingOptions()

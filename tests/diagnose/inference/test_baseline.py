@@ -146,6 +146,14 @@ def test_slow_features_say_nothing_of_single_samples() -> None:
     assert not any(name.startswith(("noise_", "equal_", "stamp_", "arrival_", "angle_", "tails_")) for name in names)
 
 
+def test_a_late_reference_makes_no_scale_error_uncertain() -> None:
+    """No motion takes a delay for an error over the rate; an error over the rate may show in other terms of it."""
+    for cause, is_chance in (("acceleration", False), ("rate_cubed", True)):
+        before = baseline_of([table({cause: 5.0, "rate": 1e-3})] * 3, [SHORT] * 3, ALL)
+        scatter = before.scatter(np.zeros((3, len(FEATURES))))[RATE]
+        assert bool(scatter > 0.03) is is_chance
+
+
 def test_a_radio_loses_as_much_as_it_likes() -> None:
     """Two per cent before and none today, 0.14 in the root of a share, is no difference; ten times as much is."""
     baseline = baseline_of([table({"drop_share": lost}) for lost in (0.13, 0.14, 0.15)], [SHORT] * 3, ALL)

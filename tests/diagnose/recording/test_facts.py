@@ -136,6 +136,16 @@ def test_rates_without_steps_contradict_any_lsb() -> None:
     assert "record what the gyro reads out" in found.says
 
 
+@pytest.mark.parametrize("digits", [7, 8, 9])
+def test_digits_of_a_simulator_are_no_steps(digits: int) -> None:
+    """Neither of the rate nor of the angle: no encoder has a billion counts, and no gyro reads nanodegrees."""
+    t_s = np.arange(6000) / 100.0
+    rate_dps = 90.0 * np.sin(0.7 * t_s) + 20.0 * np.sin(3.1 * t_s)
+    angle_deg = np.cumsum(rate_dps) / 100.0
+    levels = [levels_of(np.round(values, digits)) for values in (rate_dps, angle_deg)]
+    assert [each.step for each in levels] == [None, None]
+
+
 def test_text_that_is_coarser_than_the_lsb_says_nothing() -> None:
     """Two decimals, and a hundredth of a degree, beside finer steps."""
     base = Base(dps_per_lsb=0.0077, encoder_cpr=40_000)
