@@ -20,6 +20,7 @@ AREAS = {
     "config",
     "filters",
     "diagnose",
+    "firmware",
     "firmware_sim",
 }
 

@@ -8,6 +8,7 @@ from mutate.faults import (
     device_yaw,
     diagnose,
     filters,
+    firmware,
     firmware_sim,
     link,
     outputs,
@@ -30,6 +31,7 @@ FAULTS: tuple[Fault, ...] = tuple(
         config,
         filters,
         diagnose,
+        firmware,
         firmware_sim,
     )
     for fault in area.FAULTS
