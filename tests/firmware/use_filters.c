@@ -22,3 +22,13 @@ gd_real use_restlevel(gd_restlevel *r, double t_s, uint32_t t_us, gd_real rate_d
   }
   return r->yaw_deg + r->yaw_sigma_deg + r->bias_dps;
 }
+
+gd_real use_attitude(gd_attitude *a, double t_s, uint32_t t_us, const gd_real gyro_dps[3], const gd_real accel_mps2[3]);
+
+gd_real use_attitude(gd_attitude *a, double t_s, uint32_t t_us, const gd_real gyro_dps[3], const gd_real accel_mps2[3]) {
+  if (gd_attitude_init(a, NULL) && gd_attitude_update(a, t_s, gyro_dps, accel_mps2) &&
+      gd_attitude_update_us(a, t_us, gyro_dps, accel_mps2)) {
+    gd_attitude_zero(a);
+  }
+  return a->yaw_deg + a->yaw_sigma_deg + a->bias_dps + a->bias_xyz_dps[0] + a->tilt_deg + a->tilt_sigma_deg;
+}

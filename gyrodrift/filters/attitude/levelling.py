@@ -41,8 +41,8 @@ def level_start(s: AttitudeState, block: Integrals) -> None:
     if s.motion.level_s >= LEVELLING_S - 1e-9:
         return
     if s.motion.level_s == 0.0 and float(np.abs(block.gyro).max()) > START_RATE:
-        cov = s.hypotheses.cov
-        cov[:, :2, :2] = np.maximum(cov[:, :2, :2], MOVING_TILT**2 * np.eye(2))
+        cov, tilt = s.hypotheses.cov, [0, 1]
+        cov[:, tilt, tilt] = np.maximum(cov[:, tilt, tilt], MOVING_TILT**2)
     x, y, z = block.velocity.tolist()
     fx, fy, fz = rotate(s.start_q, (x, y, z))
     lx, ly, lz = s.motion.level_force

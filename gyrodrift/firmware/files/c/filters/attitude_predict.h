@@ -1,0 +1,186 @@
+/* Attitude filter: prediction of a hypothesis over a block.
+
+   The rotation of the block belongs to a reference bias and scale. A hypothesis with another bias or scale corrects it
+   by the derivatives, to first order. */
+#ifndef GD_ATTITUDE_PREDICT_H
+#define GD_ATTITUDE_PREDICT_H
+
+#include "attitude_hypotheses.h"
+
+/* Error of a rotation by what scale and misalignment do not explain, rad per root of the integral of squared rate. */
+#define GD_ATTITUDE_TURN_NOISE GD_R(0.001)
+/* Noise of the two axes that gravity corrects, rad/sqrt(s). */
+#define GD_ATTITUDE_TILT_NOISE GD_R(0.0026179938779914944)
+/* Noise of the velocity, m/s/sqrt(s). */
+#define GD_ATTITUDE_ACCEL_NOISE GD_R(0.3)
+
+/* The part of the transition matrix that is no identity.
+
+   `turn` has the derivatives (3, 12) of the attitude by bias and scale, `held` the same with a heading that stays where
+   the hypothesis stands still. `fall` is the vertical integral of the specific force: it couples attitude and velocity.
+   The horizontal part does not: through a bounded velocity, accelerations of a vehicle would show a heading. */
+typedef struct {
+  gd_real turn[3][12], held[3][12], fall;
+} gd_attitude_transition;
+
+/* State of column `column` of the derivatives. */
+static inline int gd_attitude_column(int column) {
+  return column < 3 ? GD_ATTITUDE_BIAS + column : GD_ATTITUDE_SCALE + column - 3;
+}
+
+/* Change of the rotation of the block (3) by another bias and scale than those of the reference. */
+static inline void gd_attitude_change(gd_real out[3], const gd_attitude_hypothesis *h,
+                                      const gd_attitude_hypothesis *reference, const gd_attitude_integrals *block) {
+  gd_real bias[3], scaled[3];
+  int i, k;
+  for (i = 0; i < 3; i++) {
+    bias[i] = h->bias[i] - reference->bias[i];
+  }
+  gd_times(scaled, reference->scale, bias);
+  for (i = 0; i < 3; i++) {
+    scaled[i] += bias[i];
+  }
+  for (i = 0; i < 3; i++) {
+    out[i] = 0;
+    for (k = 0; k < 9; k++) {
+      out[i] += (h->scale[k] - reference->scale[k]) * block->by_scale[9 * i + k];
+    }
+    out[i] -= gd_dot(&block->by_bias[3 * i], scaled);
+  }
+}
+
+/* Integral (3) of the specific force of a hypothesis, in the frame of the sensor at the beginning. */
+static inline void gd_attitude_force(gd_real out[3], const gd_attitude_hypothesis *h, const gd_real change[3],
+                                     const gd_attitude_integrals *block) {
+  gd_real turned[3], biased[3];
+  int i;
+  gd_cross(turned, change, block->velocity);
+  gd_times(biased, block->by_bias, h->force_bias);
+  for (i = 0; i < 3; i++) {
+    out[i] = block->velocity[i] + GD_R(0.5) * turned[i] - biased[i];
+  }
+}
+
+static inline void gd_attitude_transition_of(gd_attitude_transition *t, const gd_real start[9], gd_real fall,
+                                             const gd_attitude_integrals *block, int is_held) {
+  int i, j, k;
+  t->fall = fall;
+  for (i = 0; i < 3; i++) {
+    for (j = 0; j < 12; j++) {
+      t->turn[i][j] = 0;
+    }
+    for (k = 0; k < 3; k++) {
+      for (j = 0; j < 3; j++) {
+        t->turn[i][j] -= start[3 * i + k] * block->by_bias[3 * k + j];
+      }
+      for (j = 0; j < 9; j++) {
+        t->turn[i][3 + j] += start[3 * i + k] * block->by_scale[9 * k + j];
+      }
+    }
+  }
+  memcpy(t->held, t->turn, sizeof t->held);
+  for (j = 0; is_held && j < 12; j++) {
+    t->held[GD_ATTITUDE_HEADING][j] = 0;
+  }
+}
+
+/* The six products of changed rows (attitude, velocity) of the transition matrix with a vector (21). */
+static inline void gd_attitude_carry(gd_real out[6], const gd_attitude_transition *t, const gd_real *v) {
+  gd_real turn[3] = {0, 0, 0}, heading = 0, force[3];
+  int i, j;
+  for (j = 0; j < 12; j++) {
+    const gd_real x = v[gd_attitude_column(j)];
+    for (i = 0; i < 3; i++) {
+      turn[i] += t->turn[i][j] * x;
+    }
+    heading += t->held[GD_ATTITUDE_HEADING][j] * x;
+  }
+  for (i = 0; i < 3; i++) {
+    force[i] = gd_dot(t->turn[i], &v[GD_ATTITUDE_FORCE_BIAS]);
+    out[i] = v[i] + (i == GD_ATTITUDE_HEADING ? heading : turn[i]);
+    out[3 + i] = v[GD_ATTITUDE_VELOCITY + i] + force[i];
+  }
+  out[3] += t->fall * (v[1] + GD_R(0.5) * turn[1]);
+  out[4] -= t->fall * (v[0] + GD_R(0.5) * turn[0]);
+}
+
+/* cov = F cov F' for the transition matrix F: only attitude and velocity change, so the rest of cov stays. */
+static inline void gd_attitude_carry_covariance(gd_real *cov, const gd_attitude_transition *t) {
+  static const uint8_t changed[6] = {0, 1, 2, 6, 7, 8};
+  gd_real rows[6][GD_ATTITUDE_STATES], column[GD_ATTITUDE_STATES], carried[6];
+  int i, j;
+  for (j = 0; j < GD_ATTITUDE_STATES; j++) {
+    for (i = 0; i < GD_ATTITUDE_STATES; i++) {
+      column[i] = cov[gd_place(i, j)];
+    }
+    gd_attitude_carry(carried, t, column);
+    for (i = 0; i < 6; i++) {
+      rows[i][j] = carried[i];
+    }
+  }
+  for (i = 0; i < 6; i++) {
+    for (j = 0; j < GD_ATTITUDE_STATES; j++) {
+      cov[gd_place(changed[i], j)] = rows[i][j];
+    }
+  }
+  for (i = 0; i < 6; i++) {
+    gd_attitude_carry(carried, t, rows[i]);
+    for (j = 0; j < 6; j++) {
+      cov[gd_place(changed[i], changed[j])] = carried[j];
+    }
+  }
+}
+
+/* Add the variances of a block. */
+static inline void gd_attitude_add_noise(gd_real *cov, const gd_attitude_integrals *block, gd_real walk_var,
+                                         gd_real noise_var, int is_held) {
+  const gd_real turn_var = GD_ATTITUDE_TURN_NOISE * GD_ATTITUDE_TURN_NOISE * block->squared_turn;
+  const gd_real turn = noise_var * block->seconds + turn_var;
+  const gd_real tilt = GD_ATTITUDE_TILT_NOISE * GD_ATTITUDE_TILT_NOISE * block->seconds;
+  cov[gd_place(0, 0)] += turn + tilt;
+  cov[gd_place(1, 1)] += turn + tilt;
+  cov[gd_place(GD_ATTITUDE_HEADING, GD_ATTITUDE_HEADING)] += is_held ? GD_R(0.0) : turn;
+  gd_add_variance(cov, GD_ATTITUDE_BIAS, walk_var * block->seconds);
+  gd_add_variance(cov, GD_ATTITUDE_VELOCITY, GD_ATTITUDE_ACCEL_NOISE * GD_ATTITUDE_ACCEL_NOISE * block->seconds);
+}
+
+/* Attitude q without its rotation about the vertical since `before`. */
+static inline void gd_attitude_hold_heading(gd_real q[4], const gd_real before[4]) {
+  gd_real turn[3];
+  gd_vector_between(turn, before, q);
+  turn[0] = turn[1] = 0;
+  turn[GD_ATTITUDE_HEADING] = -turn[GD_ATTITUDE_HEADING];
+  gd_turn_by(q, turn);
+}
+
+/* Carry mean and covariance of a hypothesis over a block whose rotation has the bias and scale of the reference.
+   `is_held`: it stands still, and its heading stays. */
+static inline void gd_attitude_predict(gd_attitude_hypothesis *h, const gd_attitude_hypothesis *reference,
+                                       const gd_attitude_integrals *block, gd_real walk_var, gd_real noise_var,
+                                       int is_held) {
+  gd_real start[9], before[4], change[3], force[3], velocity[3], turn[4];
+  gd_attitude_transition transition;
+  int i;
+  gd_rotation_matrix(start, h->q);
+  memcpy(before, h->q, sizeof before);
+  gd_attitude_change(change, h, reference, block);
+  gd_attitude_force(force, h, change, block);
+  gd_times(velocity, start, force);
+  gd_from_vector(turn, change);
+  gd_product(turn, turn, block->rotation);
+  gd_product(h->q, h->q, turn);
+  gd_make_unit(h->q);
+  if (is_held) {
+    gd_attitude_hold_heading(h->q, before);
+  }
+  for (i = 0; i < 3; i++) {
+    h->velocity[i] += velocity[i];
+  }
+  h->velocity[2] -= GD_ATTITUDE_GRAVITY * block->seconds;
+  gd_attitude_transition_of(&transition, start, velocity[2], block, is_held);
+  gd_attitude_carry_covariance(h->cov, &transition);
+  gd_repair(h->cov);
+  gd_attitude_add_noise(h->cov, block, walk_var, noise_var, is_held);
+}
+
+#endif

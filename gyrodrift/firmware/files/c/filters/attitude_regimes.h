@@ -1,0 +1,248 @@
+/* Attitude filter: rest or even turn: the regimes of a segment in which gyro and accelerometer keep their means.
+
+   Gravity stays constant in the sensor only in a rest and in an even turn about the vertical. The rates about the level
+   axes are biases in both, and only the vertical component decides. Each hypothesis branches. Later segments and the
+   velocity decide between the branches. */
+#ifndef GD_ATTITUDE_REGIMES_H
+#define GD_ATTITUDE_REGIMES_H
+
+#include "attitude_evidence.h"
+#include "attitude_measure.h"
+
+/* Rests that last longer than t against turns that do: (1 + (t/12 s)^2)^(1/4) : 1, as in restlevel. */
+#define GD_ATTITUDE_LEVEL_S GD_R(12.0)
+/* Error of a rest's mean beside its scatter, and that of a noisy rest once a quiet one is measured, rad/s. */
+#define GD_ATTITUDE_REST_BIAS (GD_R(0.045) * GD_ATTITUDE_RAD)
+#define GD_ATTITUDE_NOISY_REST (GD_R(0.4) * GD_ATTITUDE_RAD)
+/* Weight of the scatter of block means in the error of their mean. */
+#define GD_ATTITUDE_SPREAD_WEIGHT GD_R(2.0)
+/* Squared distance, of three components, beyond which a later window does not belong to the rest: 3 sigma each. */
+#define GD_ATTITUDE_GATE GD_R(27.0)
+/* Standard deviation of the velocity in quiet and in noisy rests, m/s. */
+#define GD_ATTITUDE_QUIET_SPEED GD_R(0.05)
+#define GD_ATTITUDE_NOISY_SPEED GD_R(0.1)
+/* Standard deviation of the vertical rate of an even turn as a measurement of the bias, rad/s: none. */
+#define GD_ATTITUDE_FREE_RATE (GD_R(1000.0) * GD_ATTITUDE_RAD)
+/* Logarithm of odds from which on a hypothesis does not branch: 1 : 8000. */
+#define GD_ATTITUDE_CERTAIN GD_R(9.0)
+#define GD_ATTITUDE_LARGEST_LOG GD_R(60.0)
+
+/* Odds of a rest against a turn by its duration. */
+static inline gd_real gd_attitude_duration_odds(gd_real seconds) {
+  const gd_real t = seconds / GD_ATTITUDE_LEVEL_S;
+  return GD_SQRT(GD_SQRT(GD_R(1.0) + t * t));
+}
+
+/* Unit vector of the vertical in the sensor: the mean acceleration, or the attitude without one. */
+static inline void gd_attitude_vertical(gd_real up[3], const gd_attitude_hypothesis *h,
+                                        const gd_attitude_candidate *m) {
+  const gd_real norm = GD_SQRT(gd_dot(m->accel, m->accel));
+  int i;
+  if (norm > 0) {
+    for (i = 0; i < 3; i++) {
+      up[i] = m->accel[i] / norm;
+    }
+  } else {
+    gd_up_in_sensor(up, h->q);
+  }
+}
+
+/* Variances (3) of the mean rates of a candidate as measurements of the bias, (rad/s)^2. `overlap` is the factor of a
+   window that contains blocks of an earlier update. */
+static inline void gd_attitude_rest_variances(gd_real out[3], const gd_attitude_hypothesis *h,
+                                              const gd_attitude_candidate *m, gd_real overlap) {
+  const int is_quiet = m->kind.blocks <= GD_ATTITUDE_QUIET_BLOCKS;
+  const gd_real share = GD_ATTITUDE_SPREAD_WEIGHT / (gd_real)m->kind.blocks * (is_quiet ? GD_R(2.0) : GD_R(5.0));
+  const gd_real error = m->kind.bias * GD_ATTITUDE_REST_BIAS;
+  const gd_real extra = h->knows_bias && !is_quiet ? GD_ATTITUDE_NOISY_REST * GD_ATTITUDE_NOISY_REST : GD_R(0.0);
+  int i;
+  for (i = 0; i < 3; i++) {
+    out[i] = (m->gyro_var[i] * share + error * error + extra) * overlap;
+  }
+}
+
+/* Matrix (3, 3) with these variances, and `extra` beside them, on its diagonal. */
+static inline void gd_attitude_diagonal(gd_real out[9], const gd_real variance[3], gd_real extra) {
+  int i;
+  memset(out, 0, 9 * sizeof *out);
+  for (i = 0; i < 3; i++) {
+    out[4 * i] = variance[i] + extra;
+  }
+}
+
+/* Widen all that the bias carries: its covariances with the heading grow too. */
+static inline void gd_attitude_widen_part(gd_real *cov, gd_real factor) {
+  gd_real carried[GD_ATTITUDE_STATES][3], block[9], inverse[9], gain[3];
+  gd_real *entry = cov;
+  int i, j;
+  gd_diagonal_block(block, cov, GD_ATTITUDE_BIAS);
+  gd_invert(inverse, 0, block);
+  for (i = 0; i < GD_ATTITUDE_STATES; i++) {
+    for (j = 0; j < 3; j++) {
+      carried[i][j] = cov[gd_place(i, GD_ATTITUDE_BIAS + j)];
+    }
+  }
+  for (i = 0; i < GD_ATTITUDE_STATES; i++) {
+    gd_times(gain, inverse, carried[i]);
+    for (j = i; j < GD_ATTITUDE_STATES; j++) {
+      *entry++ += (factor - GD_R(1.0)) * gd_dot(gain, carried[j]);
+    }
+  }
+}
+
+/* Widen the bias of a hypothesis whose rest is more than 3 sigma away in a component. Before the first rest the part is
+   a raw one. Later the bias has jumped. */
+static inline void gd_attitude_widen(gd_attitude_hypothesis *h, const gd_real off[3], const gd_real variance[3]) {
+  gd_real factor = 1;
+  int i, is_far = 0;
+  for (i = 0; i < 3; i++) {
+    const gd_real spread = h->cov[gd_place(GD_ATTITUDE_BIAS + i, GD_ATTITUDE_BIAS + i)];
+    is_far = is_far || off[i] * off[i] > GD_R(9.0) * (spread + variance[i]);
+    factor = gd_max(factor, off[i] * off[i] / gd_max(GD_R(9.0) * spread, GD_ATTITUDE_PIVOT));
+  }
+  if (!is_far) {
+    return;
+  }
+  if (h->knows_bias) {
+    for (i = 0; i < 3; i++) {
+      h->cov[gd_place(GD_ATTITUDE_BIAS + i, GD_ATTITUDE_BIAS + i)] += off[i] * off[i];
+    }
+  } else {
+    gd_attitude_widen_part(h->cov, factor);
+  }
+}
+
+/* Update a hypothesis of rest by the candidate: its mean rates are the bias, and the velocity is 0. */
+static inline void gd_attitude_measure_rest(gd_attitude_hypothesis *h, const gd_attitude_candidate *m,
+                                            gd_real overlap) {
+  const int is_quiet = m->kind.blocks <= GD_ATTITUDE_QUIET_BLOCKS;
+  const gd_real speed = is_quiet ? GD_ATTITUDE_QUIET_SPEED : GD_ATTITUDE_NOISY_SPEED, none[3] = {0, 0, 0};
+  gd_real error[GD_ATTITUDE_STATES], variance[3], matrix[9], off[3], back[3];
+  gd_attitude_innovation innovation;
+  int i;
+  memset(error, 0, sizeof error);
+  gd_attitude_rest_variances(variance, h, m, overlap);
+  for (i = 0; i < 3; i++) {
+    off[i] = m->gyro[i] - h->bias[i];
+    back[i] = -h->velocity[i];
+  }
+  gd_attitude_widen(h, off, variance);
+  gd_attitude_diagonal(matrix, variance, GD_R(0.0));
+  gd_attitude_innovate(&innovation, h->cov, error, GD_ATTITUDE_BIAS, off, matrix);
+  gd_attitude_measure(&innovation, h->cov, error);
+  gd_attitude_diagonal(matrix, none, speed * speed);
+  gd_attitude_innovate(&innovation, h->cov, error, GD_ATTITUDE_VELOCITY, back, matrix);
+  gd_attitude_measure(&innovation, h->cov, error);
+  gd_attitude_correct(h, error);
+  h->knows_bias = h->knows_bias || m->kind.blocks >= GD_ATTITUDE_QUIET_BLOCKS;
+}
+
+/* Update a hypothesis of an even turn: the rates about the level axes are biases. On these axes and the vertical the
+   huge variance of the vertical rate takes no digits from theirs. */
+static inline void gd_attitude_measure_turn(gd_attitude_hypothesis *h, const gd_attitude_candidate *m) {
+  const gd_real error_rate = GD_ATTITUDE_MODEL_ERROR * GD_ATTITUDE_RAD;
+  gd_real error[GD_ATTITUDE_STATES], variance[3], matrix[9], basis[9], off[3], up[3];
+  gd_attitude_innovation innovation;
+  int i;
+  memset(error, 0, sizeof error);
+  gd_attitude_rest_variances(variance, h, m, GD_R(1.0));
+  gd_attitude_diagonal(matrix, variance, error_rate * error_rate + GD_ATTITUDE_ALIGNMENT * GD_ATTITUDE_ALIGNMENT *
+                                                                       gd_dot(m->gyro, m->gyro));
+  for (i = 0; i < 3; i++) {
+    off[i] = m->gyro[i] - h->bias[i];
+  }
+  gd_attitude_vertical(up, h, m);
+  gd_attitude_level_basis(basis, up);
+  gd_attitude_innovate(&innovation, h->cov, error, GD_ATTITUDE_BIAS, off, matrix);
+  gd_attitude_turn_basis(&innovation, basis, GD_ATTITUDE_FREE_RATE * GD_ATTITUDE_FREE_RATE);
+  gd_attitude_measure(&innovation, h->cov, error);
+  gd_attitude_correct(h, error);
+}
+
+/* Logarithms of the weights of rest and of no rest, for each hypothesis, and the largest of all. `odds` are the prior
+   odds of a rest. */
+static inline gd_real gd_attitude_weigh_all(gd_real *log_rest, gd_real *log_motion, gd_attitude *a,
+                                            const gd_attitude_candidate *m, gd_real odds) {
+  const gd_real log_odds = odds > 0 ? GD_LOG(odds) : GD_ATTITUDE_LOG_LEAST;
+  gd_real variance[3], up[3], most = 0;
+  int i;
+  for (i = 0; i < a->sum.count; i++) {
+    const gd_attitude_hypothesis *h = gd_attitude_at(a, i);
+    gd_attitude_rest_variances(variance, h, m, GD_R(1.0));
+    gd_attitude_vertical(up, h, m);
+    gd_attitude_weigh(&log_rest[i], &log_motion[i], &a->c, h, m, up, variance);
+    log_rest[i] += log_odds;
+    most = i == 0 ? log_rest[i] : most;
+    most = gd_max(most, gd_max(log_rest[i], log_motion[i]));
+  }
+  return most;
+}
+
+/* Hypotheses after a new candidate: of rest, which measure the bias, and of no rest. The list has the rests first. */
+static inline void gd_attitude_branch(gd_attitude *a, const gd_attitude_candidate *m, gd_real odds) {
+  gd_real log_rest[GD_ATTITUDE_SLOTS], log_motion[GD_ATTITUDE_SLOTS];
+  const gd_real most = gd_attitude_weigh_all(log_rest, log_motion, a, m, odds);
+  gd_attitude_sum *sum = &a->sum;
+  uint8_t motions[GD_ATTITUDE_SLOTS];
+  int i, rests = 0, turns = 0;
+  for (i = 0; i < sum->count; i++) {
+    const gd_real log_ratio = log_rest[i] - log_motion[i], weight = gd_attitude_at(a, i)->weight;
+    const uint8_t slot = sum->order[i];
+    const int is_rest = log_ratio > -GD_ATTITUDE_CERTAIN;
+    if (log_ratio < GD_ATTITUDE_CERTAIN || !is_rest) {
+      const uint8_t copy = is_rest ? gd_attitude_free_slot(sum, motions, turns) : slot;
+      sum->slot[copy] = sum->slot[slot];
+      sum->slot[copy].weight = weight * GD_EXP(gd_max(log_motion[i] - most, -GD_ATTITUDE_LARGEST_LOG));
+      sum->slot[copy].regime = GD_ATTITUDE_TURN;
+      motions[turns++] = copy;
+    }
+    if (is_rest) {
+      sum->slot[slot].weight = weight * GD_EXP(gd_max(log_rest[i] - most, -GD_ATTITUDE_LARGEST_LOG));
+      sum->slot[slot].regime = GD_ATTITUDE_REST;
+      sum->order[rests++] = slot;
+    }
+  }
+  for (i = 0; i < turns; i++) {
+    sum->order[rests + i] = motions[i];
+  }
+  sum->count = (uint8_t)(rests + turns);
+  for (i = 0; i < sum->count; i++) {
+    if (i < rests) {
+      gd_attitude_measure_rest(gd_attitude_at(a, i), m, GD_R(1.0));
+    } else {
+      gd_attitude_measure_turn(gd_attitude_at(a, i), m);
+    }
+  }
+}
+
+/* Whether the rates of a later window fit the bias of the first hypothesis of rest. */
+static inline int gd_attitude_is_same_rest(gd_attitude *a, const gd_attitude_candidate *m) {
+  const gd_real error = GD_ATTITUDE_MODEL_ERROR * GD_ATTITUDE_RAD;
+  gd_real spread[9], inverse[9], off[3];
+  int i, k;
+  for (i = 0; i < a->sum.count; i++) {
+    const gd_attitude_hypothesis *h = gd_attitude_at(a, i);
+    if (h->regime == GD_ATTITUDE_REST) {
+      gd_diagonal_block(spread, h->cov, GD_ATTITUDE_BIAS);
+      for (k = 0; k < 3; k++) {
+        spread[4 * k] += m->gyro_var[k] + error * error;
+        off[k] = m->gyro[k] - h->bias[k];
+      }
+      gd_invert(inverse, 0, spread);
+      return gd_quadratic(inverse, off) <= GD_ATTITUDE_GATE;
+    }
+  }
+  return 1;
+}
+
+/* Raise the probability of rests as a segment grows longer than even turns last. */
+static inline void gd_attitude_weigh_duration(gd_attitude *a, gd_real before_s, gd_real now_s) {
+  const gd_real ratio = gd_attitude_duration_odds(now_s) / gd_attitude_duration_odds(before_s);
+  int i;
+  for (i = 0; i < a->sum.count; i++) {
+    gd_attitude_at(a, i)->weight *= gd_attitude_at(a, i)->regime == GD_ATTITUDE_REST ? ratio : GD_R(1.0);
+  }
+  gd_attitude_normalize(&a->sum);
+}
+
+#endif

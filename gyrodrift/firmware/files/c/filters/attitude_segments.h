@@ -1,0 +1,145 @@
+/* Attitude filter: segments: runs of rest candidates with the same mean rates, and the branches at their start. */
+#ifndef GD_ATTITUDE_SEGMENTS_H
+#define GD_ATTITUDE_SEGMENTS_H
+
+#include "attitude_mixture.h"
+#include "attitude_regimes.h"
+#include "attitude_witness.h"
+
+/* Blocks between two updates of a rest; blocks by which a rest may begin after the first sample and still be one from
+   the start; blocks after which a segment with the same rates is another one. */
+enum { GD_ATTITUDE_UPDATE_BLOCKS = 10, GD_ATTITUDE_START_BLOCKS = 4, GD_ATTITUDE_RESUME_BLOCKS = 11 };
+/* Prior odds of a rest that a witness reports, and that fits the bias. */
+#define GD_ATTITUDE_CERTAIN_ODDS GD_R(1e9)
+/* Least angle random walk of a gyro, rad/sqrt(s), and the weight of a block at rest in it. */
+#define GD_ATTITUDE_GYRO_NOISE (GD_R(0.02) * GD_ATTITUDE_RAD)
+#define GD_ATTITUDE_NOISE_SHARE GD_R(0.05)
+/* Probability from which on a rest counts as one where hypotheses share a value. */
+#define GD_ATTITUDE_MEASURED GD_R(0.5)
+/* Odds of a rest by an accelerometer as quiet as the gyro: vehicles in a bend shake. */
+#define GD_ATTITUDE_QUIET_ODDS GD_R(4.0)
+
+/* Follow the angle random walk of a gyro that is noisier than usual, by the scatter of block means at rest. */
+static inline void gd_attitude_learn_noise(gd_attitude *a, const gd_attitude_candidate *m) {
+  const gd_real mean = (m->gyro_var[0] + m->gyro_var[1] + m->gyro_var[2]) / GD_R(3.0);
+  const gd_real noise_var = gd_max(GD_ATTITUDE_GYRO_NOISE * GD_ATTITUDE_GYRO_NOISE, mean * (gd_real)a->c.block_s);
+  a->noise_var += GD_ATTITUDE_NOISE_SHARE * (noise_var - a->noise_var);
+}
+
+/* Branch all hypotheses by a new candidate. */
+static inline void gd_attitude_begin_segment(gd_attitude *a, const gd_attitude_candidate *m, int is_certain) {
+  gd_attitude_segment *segment = &a->segment;
+  const int is_from_start = a->windows.total <= m->kind.blocks + GD_ATTITUDE_START_BLOCKS;
+  const gd_real odds = is_from_start ? a->c.start_odds : a->c.rest_odds * GD_ATTITUDE_QUIET_ODDS;
+  gd_attitude_branch(a, m, is_certain ? GD_ATTITUDE_CERTAIN_ODDS : odds);
+  gd_attitude_merge_and_prune(&a->sum);
+  segment->blocks = m->kind.blocks;
+  segment->since = segment->ago = 0;
+  segment->seconds = (gd_real)m->kind.blocks * (gd_real)a->c.block_s;
+  memcpy(segment->gyro, m->gyro, sizeof m->gyro);
+}
+
+/* End the segment; after some blocks it cannot resume, and all hypotheses are undecided. */
+static inline void gd_attitude_end_segment(gd_attitude *a) {
+  gd_attitude_segment *segment = &a->segment;
+  int i;
+  if (segment->blocks > 0) {
+    segment->ago = 1;
+  } else {
+    segment->ago += segment->ago < INT32_MAX;
+  }
+  segment->blocks = 0;
+  for (i = 0; segment->ago == GD_ATTITUDE_RESUME_BLOCKS && i < a->sum.count; i++) {
+    gd_attitude_at(a, i)->regime = GD_ATTITUDE_UNDECIDED;
+  }
+}
+
+/* Whether a window has the rates of the present or the last segment, and the bias of its rest. */
+static inline int gd_attitude_continues(gd_attitude *a, const gd_attitude_candidate *m) {
+  const gd_attitude_segment *segment = &a->segment;
+  const gd_real limit = gd_max(m->kind.gyro, GD_R(1.0)) * GD_ATTITUDE_GYRO_SPREAD;
+  gd_real off[3];
+  int i;
+  if (!(segment->seconds > 0) || (segment->blocks == 0 && segment->ago >= GD_ATTITUDE_RESUME_BLOCKS)) {
+    return 0;
+  }
+  for (i = 0; i < 3; i++) {
+    off[i] = m->gyro[i] - segment->gyro[i];
+  }
+  return gd_largest(off) < GD_R(2.0) * limit && gd_attitude_is_same_rest(a, m);
+}
+
+/* Count the blocks since the last update in the duration of the segment, and weigh it. */
+static inline void gd_attitude_lengthen(gd_attitude *a) {
+  gd_attitude_segment *segment = &a->segment;
+  const gd_real seconds = segment->seconds + (gd_real)segment->since * (gd_real)a->c.block_s;
+  gd_attitude_weigh_duration(a, segment->seconds, seconds);
+  segment->seconds = seconds;
+  segment->since = 0;
+}
+
+/* Measure the bias of hypotheses of rest again by a later window; they come first in the list. */
+static inline void gd_attitude_update_rest(gd_attitude *a, const gd_attitude_candidate *m, gd_real overlap) {
+  gd_attitude_sum *sum = &a->sum;
+  uint8_t others[GD_ATTITUDE_SLOTS];
+  int i, rests = 0, rest_count = 0, other_count = 0;
+  for (i = 0; i < sum->count; i++) {
+    if (gd_attitude_at(a, i)->regime == GD_ATTITUDE_REST) {
+      gd_attitude_measure_rest(gd_attitude_at(a, i), m, overlap);
+      sum->order[rest_count++] = sum->order[i];
+      rests = 1;
+    } else {
+      others[other_count++] = sum->order[i];
+    }
+  }
+  for (i = 0; i < other_count; i++) {
+    sum->order[rest_count + i] = others[i];
+  }
+  if (rests) {
+    gd_attitude_merge_and_prune(sum);
+  }
+}
+
+/* Begin, resume or lengthen a segment by a candidate that ends with this block. */
+static inline void gd_attitude_take_candidate(gd_attitude *a, const gd_attitude_candidate *m, int is_certain) {
+  gd_attitude_segment *segment = &a->segment;
+  if (!gd_attitude_continues(a, m)) {
+    gd_attitude_begin_segment(a, m, is_certain);
+  } else if (segment->blocks == 0) {
+    segment->blocks = m->kind.blocks;
+    segment->since = 0;
+    gd_attitude_update_rest(a, m, GD_R(1.0));
+  } else {
+    segment->blocks = m->kind.blocks;
+    segment->since += 1;
+    if (segment->since >= GD_ATTITUDE_UPDATE_BLOCKS) {
+      const gd_real overlap = (gd_real)m->kind.blocks / (gd_real)GD_ATTITUDE_QUIET_BLOCKS;
+      gd_attitude_lengthen(a);
+      gd_attitude_update_rest(a, m, gd_max(overlap, GD_R(1.0)));
+    }
+  }
+}
+
+/* Find a rest candidate that ends with this block, and branch or update the hypotheses by it. */
+static inline void gd_attitude_follow_rest(gd_attitude *a) {
+  gd_attitude_candidate m;
+  int is_certain, is_found;
+  if (a->block.moving > 0) {
+    a->windows.blocks = 0;
+  }
+  is_certain = gd_attitude_certain_rest(&m, a);
+  is_found = is_certain || gd_attitude_find_rest(&m, &a->windows, a->c.limits, a->segment.blocks > 0);
+  if (is_found) {
+    gd_attitude_take_candidate(a, &m, is_certain);
+  } else {
+    gd_attitude_end_segment(a);
+  }
+  if (is_certain) {
+    gd_attitude_keep_rests(&a->sum);
+  }
+  if (is_found && a->rest_probability > GD_ATTITUDE_MEASURED) {
+    gd_attitude_learn_noise(a, &m);
+  }
+}
+
+#endif

@@ -1,0 +1,56 @@
+"""The attitude filter in Python as `tests/firmware/filter_attitude.c` runs it in C, and samples for both."""
+
+from dataclasses import astuple
+from math import nan
+
+import numpy as np
+from c_filter_support import FilterOutput
+from numpy.typing import NDArray
+
+from gyrodrift.arrays import Floats
+from gyrodrift.filters.attitude.model import AttitudeState
+from gyrodrift.filters.attitude.step import coefficients, step
+from gyrodrift.filters.attitude.zero import zero_yaw
+from gyrodrift.filters.restlevel.model import RestlevelParams
+
+YAW, SIGMA, BIAS, BIAS_SIGMA, TILT, TILT_SIGMA, REST, CONFIDENCE = range(8)
+Q, COUNTS = slice(12, 16), slice(16, 20)
+"""Columns of the outputs; the counts are hypotheses, samples, rejected samples, and contradictions of a rest sensor."""
+
+
+def samples(
+    gyro_dps: Floats, accel_mps2: Floats, still: Floats | None = None, zeros: NDArray[np.int64] | None = None
+) -> Floats:
+    """Inputs of the filter, shape (samples, 8); `zeros` are the samples after which the yaw sigma restarts."""
+    inputs = np.full((len(gyro_dps), 8), nan)
+    inputs[:, :3], inputs[:, 3:6] = gyro_dps, accel_mps2
+    if still is not None:
+        inputs[:, 6] = still
+    if zeros is not None:
+        inputs[zeros, 7] = 1.0
+    return inputs
+
+
+def in_python(t_s: Floats, inputs: Floats, params: RestlevelParams | None = None) -> FilterOutput:
+    """Outputs of the Python filter."""
+    c, s = coefficients(params or RestlevelParams()), AttitudeState()
+    taken, rows = [], []
+    for t, (*values, is_zero) in zip(t_s.tolist(), inputs.tolist(), strict=True):
+        taken.append(step(c, s, t, *values))
+        if is_zero == 1.0:
+            zero_yaw(s)
+        rows.append(outputs_of(s))
+    return FilterOutput(True, np.array(taken), np.array(rows))
+
+
+def outputs_of(s: AttitudeState) -> tuple[float, ...]:
+    """Outputs in the order of the C program."""
+    heading = (s.yaw_deg, s.yaw_sigma_deg, s.bias_dps, s.bias_sigma_dps)
+    rest = (s.tilt_deg, s.tilt_sigma_deg, s.rest_probability, s.confidence, s.heading_rate_dps)
+    counts = (len(s.hypotheses.weight), s.samples, s.rejected, s.witness.refuted)
+    return (*heading, *rest, *s.bias_xyz_dps, *s.q, *counts, s.yaw_deg)
+
+
+def values_of(params: RestlevelParams) -> list[float]:
+    """Parameters in the order of the C struct."""
+    return [float(value) for value in astuple(params)]

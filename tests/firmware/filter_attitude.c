@@ -1,0 +1,75 @@
+/* The attitude filter of gyrodrift.h for tests. */
+#include "gyrodrift.h"
+
+#define STATE gd_attitude
+#define INPUTS 8 /* rates, accelerations, rest, and 1 to restart the yaw sigma after the sample */
+#define OUTPUTS 21
+
+static int begin(gd_attitude *a, const double *params) {
+  gd_restlevel_params p;
+  if (params == NULL) {
+    return gd_attitude_init(a, NULL);
+  }
+  p.window_s = (gd_real)params[0];
+  p.quiet = (gd_real)params[1];
+  p.turn_on_dps = (gd_real)params[2];
+  p.walk_dps_rts = (gd_real)params[3];
+  p.drift_dps_s = (gd_real)params[4];
+  p.still_start = (gd_real)params[5];
+  p.rest_share = (gd_real)params[6];
+  p.scale_percent = (gd_real)params[7];
+  return gd_attitude_init(a, &p);
+}
+
+static void copy(gd_real out[6], const double *input) {
+  for (int i = 0; i < 6; i++) {
+    out[i] = (gd_real)input[i];
+  }
+}
+
+static void zero(gd_attitude *a, const double *input) {
+  if (input[7] == 1.0) {
+    gd_attitude_zero(a);
+  }
+}
+
+static int take(gd_attitude *a, double t_s, const double *input) {
+  gd_real sample[6];
+  copy(sample, input);
+  const int taken = gd_attitude_update_with(a, t_s, sample, sample + 3, (gd_real)input[6], (gd_real)NAN);
+  zero(a, input);
+  return taken;
+}
+
+static int take_us(gd_attitude *a, uint32_t t_us, const double *input) {
+  gd_real sample[6];
+  copy(sample, input);
+  const int taken = gd_attitude_update_us_with(a, t_us, sample, sample + 3, (gd_real)input[6], (gd_real)NAN);
+  zero(a, input);
+  return taken;
+}
+
+static void tell(const gd_attitude *a, double *output) {
+  output[0] = 360.0 * (double)a->turns + (double)a->heading_deg;
+  output[1] = (double)a->yaw_sigma_deg;
+  output[2] = (double)a->bias_dps;
+  output[3] = (double)a->bias_sigma_dps;
+  output[4] = (double)a->tilt_deg;
+  output[5] = (double)a->tilt_sigma_deg;
+  output[6] = (double)a->rest_probability;
+  output[7] = (double)a->confidence;
+  output[8] = (double)a->heading_rate_dps;
+  for (int i = 0; i < 3; i++) {
+    output[9 + i] = (double)a->bias_xyz_dps[i];
+  }
+  for (int i = 0; i < 4; i++) {
+    output[12 + i] = (double)a->q[i];
+  }
+  output[16] = (double)a->sum.count;
+  output[17] = (double)a->samples;
+  output[18] = (double)a->rejected;
+  output[19] = (double)a->witness.refuted;
+  output[20] = (double)a->yaw_deg;
+}
+
+#include "filter_driver.h"
