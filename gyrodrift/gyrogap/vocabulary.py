@@ -90,7 +90,9 @@ PARAMETERS: Mapping[str, tuple[AnswerParameter, ...]] = {
     "temp_scale": (_strength("slope_percent_per_c", "%/C", -5.0, 5.0, "of the gain, 0 at 25 C"),),
     "warmup": (
         _strength("amplitude_dps", "deg/s", -50.0, 50.0, "bias at power-on above its final value"),
-        AnswerParameter("time_constant_s", "s", 120.0, 1.0, 5000.0, "of the exponential"),
+        AnswerParameter("time_constant_s", "s", 120.0, 1.0, 5000.0, "of the slow exponential"),
+        _strength("fast_share", "", 0.0, 1.0, "part of the amplitude that decays faster"),
+        AnswerParameter("fast_time_constant_s", "s", 30.0, 1.0, 5000.0, "of that part"),
     ),
     "backlash": (_strength("play_deg", "deg", 0.0, 90.0, "whole play"),),
     "encoder_eccentricity": (_strength("amplitude_deg", "deg", -45.0, 45.0, "angle error once per turn"), PHASE),
@@ -125,8 +127,7 @@ def effect_of_answer(name: str, stated: Mapping[str, float]) -> InjectedEffect:
         for parameter in PARAMETERS[name]
     }
     if name == "warmup":
-        time_constant_s = values.pop("time_constant_s")
-        values |= {"fast_s": time_constant_s, "slow_s": time_constant_s, "fast_share": 0.0}
+        values |= {"fast_s": values.pop("fast_time_constant_s"), "slow_s": values.pop("time_constant_s")}
     if name == "popcorn":
         values["dwell_shape"] = 1.0
     return InjectedEffect(name, values)

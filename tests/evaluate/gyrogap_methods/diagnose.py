@@ -24,11 +24,18 @@ def answer_of(gap: dict[str, Any]) -> dict[str, Any]:
         {
             "effect": cause["effect"],
             "probability": cause["probability"],
-            "parameters": {name: stated["value"] for name, stated in cause["parameters"].items()},
+            "parameters": _translated({name: stated["value"] for name, stated in cause["parameters"].items()}),
         }
         for cause in gap["causes"]
     ]
     return {"causes": causes, "none": gap["probability_none"], "unknown": gap["probability_unknown"]}
+
+
+def _translated(parameters: dict[str, float]) -> dict[str, float]:
+    """Parameters in the words of the benchmark: the curve of a temperature slope is stated relative to it."""
+    curve_per_c = parameters.pop("curve_per_c", None)
+    curve = {} if curve_per_c is None else {"curve_dps_per_c2": curve_per_c * parameters["slope_dps_per_c"]}
+    return parameters | curve
 
 
 def diagnose(case: Path) -> dict[str, Any]:
