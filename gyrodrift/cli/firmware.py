@@ -6,6 +6,7 @@ adds the tuned parameters and the calibration of a gyro as my_gyro.h, for MicroP
 
 import argparse
 import re
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -81,4 +82,5 @@ def _report(arguments: argparse.Namespace, out: Path, texts: dict[str, str]) -> 
     print(visible(f"wrote {out}: {target.about}, {len(texts)} files, {size}"))
     for path in texts:
         print(f"  {path}")
-    print(visible(f"next: {target.next_step.format(out=out)}"))
+    following = target.next_step.format(out=shlex.quote(str(out)), absolute=shlex.quote(str(out.resolve())))
+    print(visible(f"next: {following}"))

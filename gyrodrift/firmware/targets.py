@@ -29,7 +29,7 @@ class Target:
     left_out
         Files of the source folder that this tool chain does not read.
     next_step
-        Next step of the user; `{out}` is the folder of the library.
+        Next step of the user; `{out}` is the folder of the library, `{absolute}` its absolute path.
     """
 
     name: str
@@ -69,7 +69,7 @@ TARGETS = {
             "zephyr",
             "a Zephyr module",
             "zephyr",
-            "west build -b BOARD {out}/samples/yaw -- -DZEPHYR_EXTRA_MODULES={out}",
+            "west build -b BOARD {out}/samples/yaw -- -DZEPHYR_EXTRA_MODULES={absolute}",
             "include",
         ),
         Target(

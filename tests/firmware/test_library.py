@@ -43,6 +43,16 @@ def test_the_targets_of_the_command_are_those_of_the_layouts() -> None:
     assert tuple(TARGETS) == NAMES
 
 
+def test_the_next_step_can_be_pasted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A folder with a blank is quoted, and Zephyr gets an absolute path."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["firmware", "--out", "my gyro", "--target", "zephyr"]) == 0
+    following = capsys.readouterr().out.splitlines()[-1]
+    assert following.endswith(f"'my gyro'/samples/yaw -- -DZEPHYR_EXTRA_MODULES='{tmp_path}/my gyro'")
+
+
 def test_quiet_prints_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """As for other commands."""
     library(tmp_path, "c")
