@@ -42,21 +42,32 @@ class GapClosed:
 
 def gap_closed(case: BenchmarkCase, answered: Sequence[InjectedEffect]) -> GapClosed:
     """Gap of a case whose answer names these effects with these parameters."""
-    names = {effect.name for effect in answered}
-    corrected = (*(effect for effect in case.stated if effect.name not in names), *answered)
-    real = _features(case, case.effects, "real")
-    true = [_features(case, case.effects, f"true {number}") for number in range(REPEATS)]
-    healthy = [_features(case, (), f"healthy {number}") for number in range(REPEATS)]
-    scatter = _scatter([real, *true], healthy)
+    return HeldOutGap(case).closed(answered)
 
-    def distance(simulated: list[Features]) -> float:
-        return float(np.mean([_rms_z(real, features, scatter) for features in simulated]))
 
-    floor = distance(true)
-    before = distance(_simulated(case, case.stated))
-    after = distance(_simulated(case, corrected)) if answered else before
-    share = None if before < LEAST_GAP * floor else 1.0 - (after - floor) / (before - floor)
-    return GapClosed(before, after, floor, share)
+class HeldOutGap:
+    """Held-out sessions of a case, and the distances that no answer changes; several answers share them."""
+
+    def __init__(self, case: BenchmarkCase) -> None:
+        self._case = case
+        self._real = _features(case, case.effects, "real")
+        true = [_features(case, case.effects, f"true {number}") for number in range(REPEATS)]
+        healthy = [_features(case, (), f"healthy {number}") for number in range(REPEATS)]
+        self._scatter = _scatter([self._real, *true], healthy)
+        self._floor = self._distance(true)
+        self._before = self._distance(_simulated(case, case.stated))
+
+    def closed(self, answered: Sequence[InjectedEffect]) -> GapClosed:
+        """Gap with these effects in the simulator; one that it has gets the answered size."""
+        names = {effect.name for effect in answered}
+        corrected = (*(effect for effect in self._case.stated if effect.name not in names), *answered)
+        is_visible = self._before >= LEAST_GAP * self._floor
+        after = self._distance(_simulated(self._case, corrected)) if answered and is_visible else self._before
+        share = 1.0 - (after - self._floor) / (self._before - self._floor) if is_visible else None
+        return GapClosed(self._before, after, self._floor, share)
+
+    def _distance(self, simulated: list[Features]) -> float:
+        return float(np.mean([_rms_z(self._real, features, self._scatter) for features in simulated]))
 
 
 def _simulated(case: BenchmarkCase, effects: tuple[InjectedEffect, ...]) -> list[Features]:

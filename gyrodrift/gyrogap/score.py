@@ -1,6 +1,7 @@
 """Score of a folder of answers: open the seals, judge each case, write `score.json`, and draw a table."""
 
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +9,7 @@ from gyrodrift.errors import DataError
 from gyrodrift.gyrogap.answer import BenchmarkAnswer, read_answer
 from gyrodrift.gyrogap.data_set import OnCase, read_manifest
 from gyrodrift.gyrogap.figures import EFFECT_ROWS, ScoreFigure, figures
-from gyrodrift.gyrogap.gap_closed import GapClosed, gap_closed
+from gyrodrift.gyrogap.gap_closed import GapClosed, HeldOutGap
 from gyrodrift.gyrogap.judge import JudgedCase, judged_case
 from gyrodrift.gyrogap.rows import draw_case
 from gyrodrift.gyrogap.seals import open_seal
@@ -39,9 +40,14 @@ def judge_answers(folder: Path, seals: Path, answers: Path, on_case: OnCase, *, 
 
 def _closed(label: dict[str, Any], answer: BenchmarkAnswer | None) -> GapClosed:
     """Gap closed by the named causes; an answer of none or unknown alone changes nothing."""
-    case = draw_case(label["seed"], label["row"], label["number"])
     named = answer.named if answer and answer.verdict != "none" else ()
-    return gap_closed(case, [cause.injected for cause in named])
+    return _held_out(label["seed"], label["row"], label["number"]).closed([cause.injected for cause in named])
+
+
+@cache
+def _held_out(seed: int, row: str, number: int) -> HeldOutGap:
+    """Held-out sessions of a case, for all answers that are scored in this process."""
+    return HeldOutGap(draw_case(seed, row, number))
 
 
 def score_json(cases: Sequence[JudgedCase]) -> dict[str, Any]:
