@@ -7,13 +7,18 @@ checks are listed in docs/doctor.md.
 With --turn it asks for one quarter turn to the left instead. From the turn it determines which column of a text is
 the yaw rate, its unit and its sign, and prints the --columns to paste.
 
+With --config it listens to all gyros of the block sources: at once. With --one-body it compares gyros on one body, live
+or in recordings of the same time, and says which of them drifts.
+
 exit status: 0 no error (or no finding of --fail-on), 3 at least one, or an unclear turn, 2 wrong usage, 4 a recording
 cannot be read.
 """
 
 import argparse
 import sys
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,7 +29,7 @@ if TYPE_CHECKING:
     from gyrodrift.doctor.evidence import DeviceEvidence
     from gyrodrift.doctor.finding import DeviceFinding
     from gyrodrift.doctor.sensors import Sensor
-    from gyrodrift.progress import Progress
+    from gyrodrift.progress import OnProgress, Progress
 
 SEVERITIES = ("note", "warning", "error")
 
@@ -59,6 +64,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="the same for a turn in a file, S seconds after its beginning: a text, or a session recorded with --raw "
         "(default: none)",
     )
+    parser.add_argument(
+        "--config", type=Path, metavar="FILE", help="check all gyros of sources: in this config at once (default: none)"
+    )
+    parser.add_argument(
+        "--one-body", action="store_true", help="the gyros are on one body: also say which of them drifts"
+    )
     parser.add_argument("--json", action="store_true", help="one JSON object a line instead, for each port or session")
     parser.add_argument("--verbose", action="store_true", help="show all findings, not only problems and drift")
     options.add_damage_option(parser)
@@ -81,12 +92,26 @@ def run(arguments: argparse.Namespace) -> int:
 
     chosen_sensor = _sensor(arguments.sensor)
     severity = Severity.OK
-    for evidence in _evidence(arguments):
+    evidences = _evidence(arguments)
+    if arguments.one_body and len(evidences) < 2:
+        raise UsageError("--one-body: needs two gyros: --config with sources:, or two recordings")
+    for evidence in evidences:
         sensor = chosen_sensor or sensor_named(evidence.device.device_id or "")
         findings = examine(replace(evidence, sensor=sensor))
         severity = max(severity, worst(findings), key=lambda severity: severity.rank)
         _print(arguments, evidence.source, findings)
+    for source, findings in _comparisons(evidences) if arguments.one_body else ():
+        severity = max(severity, worst(findings), key=lambda severity: severity.rank)
+        _print(arguments, source, findings)
     return LinkError.exit_status if severity.rank >= Severity(arguments.fail_on).rank else 0
+
+
+def _comparisons(evidences: "list[DeviceEvidence]") -> "Iterator[tuple[str, list[DeviceFinding]]]":
+    """Findings about each two of the gyros."""
+    from gyrodrift.doctor.body import compare
+
+    for first, second in combinations(evidences, 2):
+        yield f"{first.source} and {second.source}", compare(first, second)
 
 
 def _print(arguments: argparse.Namespace, source: str, findings: "list[DeviceFinding]") -> None:
@@ -101,6 +126,8 @@ def _print(arguments: argparse.Namespace, source: str, findings: "list[DeviceFin
 
 def _evidence(arguments: argparse.Namespace) -> "list[DeviceEvidence]":
     """Evidence from the recordings, or from the port."""
+    if arguments.config is not None:
+        return _all_sources(arguments)
     if not arguments.sessions:
         with options.progress_of(arguments) as progress:
             return [_at_port(arguments, numbers.baud(arguments.baud), progress)]
@@ -114,6 +141,40 @@ def _evidence(arguments: argparse.Namespace) -> "list[DeviceEvidence]":
         if evidence.session is not None:
             inputs.print_remarks(path, evidence.session)
     return recordings
+
+
+def _all_sources(arguments: argparse.Namespace) -> "list[DeviceEvidence]":
+    """Evidence from all gyros of the config, heard at once."""
+    from threading import Thread
+
+    from gyrodrift.config.model import load_config
+    from gyrodrift.config.sources import load_sources
+    from gyrodrift.doctor.evidence import DeviceEvidence
+    from gyrodrift.doctor.listen import listen
+    from gyrodrift.link.options import LinkOptions
+
+    settings = load_sources(arguments.config)
+    if not settings or arguments.sessions:
+        raise UsageError("--config: needs a config with sources:, and no recording beside it")
+    evidences = [DeviceEvidence(source.name) for source in settings]
+
+    def hear(index: int, progress: "OnProgress") -> None:
+        source, config = settings[index], load_config(arguments.config, settings[index].name)
+        timeout_s = source.timeout_s or arguments.timeout
+        target = LinkOptions(source.port, source.baud, source.protocol, timeout_s, config.columns, config.send)
+        evidences[index] = replace(listen(target, arguments.seconds, progress), source=source.name)
+
+    def silent(_task: str, _done: int, _total: int) -> None:
+        """Show nothing: one of the gyros shows the progress of all."""
+
+    threads = [Thread(target=hear, args=(index, silent), daemon=True) for index in range(1, len(settings))]
+    for thread in threads:
+        thread.start()
+    with options.progress_of(arguments) as progress:
+        hear(0, progress.report)
+    for thread in threads:
+        thread.join()
+    return evidences
 
 
 def _at_port(arguments: argparse.Namespace, baud: int | None, progress: "Progress") -> "DeviceEvidence":
