@@ -1,6 +1,6 @@
 """Write the filter as a library for a microcontroller: C header, Arduino, PlatformIO, Zephyr, ESPHome, MicroPython.
 
-The library has the filters HDR and restlevel, and the encoder of the native protocol. --config
+The library has HDR, restlevel on one and on three axes, and the encoder of the native protocol. --config
 adds the tuned parameters and the calibration of a gyro as my_gyro.h, for MicroPython as my_gyro.py.
 """
 

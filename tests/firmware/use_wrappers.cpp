@@ -27,6 +27,21 @@ int main() {
   is_equal &= !(restlevel.yaw_deg() < r.yaw_deg) && !(restlevel.yaw_deg() > r.yaw_deg);
   is_equal &= !(restlevel.yaw_sigma_deg() < r.yaw_sigma_deg) && !(restlevel.bias_dps() > r.bias_dps);
   is_equal &= !(own.yaw_deg() < o.yaw_deg) && !(own.yaw_deg() > o.yaw_deg) && own.state().samples == 1000;
+  gyrodrift::Attitude attitude, space(MY_GYRO_ATTITUDE);
+  gd_attitude a, b;
+  is_equal &= gd_attitude_init(&a, NULL) && gd_attitude_init(&b, &MY_GYRO_ATTITUDE);
+  for (int i = 0; i < 1000; i++) {
+    const gd_real gyro_dps[3] = {0.02f, -0.01f, (gd_real)rate_dps(i)};
+    const gd_real accel_mps2[3] = {0.1f, 0.02f * (gd_real)(i % 3), 9.8f};
+    const uint32_t t_us = 10000u * (uint32_t)i;
+    is_equal &= attitude.update(0.01 * i, gyro_dps, accel_mps2) ==
+                (gd_attitude_update(&a, 0.01 * i, gyro_dps, accel_mps2) != 0);
+    is_equal &= space.update_us(t_us, gyro_dps, accel_mps2) ==
+                (gd_attitude_update_us(&b, t_us, gyro_dps, accel_mps2) != 0);
+  }
+  is_equal &= !(attitude.yaw_deg() < a.yaw_deg) && !(attitude.yaw_deg() > a.yaw_deg) && a.yaw_deg > 10;
+  is_equal &= !(attitude.yaw_sigma_deg() < a.yaw_sigma_deg) && !(attitude.tilt_deg() < a.tilt_deg);
+  is_equal &= !(space.bias_dps() < b.bias_dps) && !(space.bias_dps() > b.bias_dps) && space.state().samples == 1000;
   is_equal &= !(hdr.yaw_deg() < h.yaw_deg) && !(hdr.yaw_deg() > h.yaw_deg) && h.yaw_deg > 10;
   is_equal &= !(tuned.bias_dps() < t.bias_dps) && !(tuned.bias_dps() > t.bias_dps) && tuned.state().samples == 1000;
   std::printf("%d\n", is_equal);
