@@ -100,8 +100,8 @@ $(VENV)/ready: pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable .
 	@touch $@
 
-# Firmware tests need a compiler for AVR, the Arduino core and a simulated AVR.
-FIRMWARE := gcc g++ gcc-avr avr-libc arduino-core-avr libsimavr-dev
+# Firmware tests need a compiler for AVR, the Arduino core with its builder, a simulated AVR, and CMake.
+FIRMWARE := gcc g++ gcc-avr avr-libc arduino-core-avr arduino-builder libsimavr-dev cmake
 # Clients to test the outputs, and shells to test completion. RUNLEVEL=1 tells Debian not to start their services.
 CLIENTS := gpsd gpsd-clients mosquitto mosquitto-clients prometheus chromium xvfb x11-utils netcat-openbsd \
   zsh fish
