@@ -10,12 +10,12 @@ from struct import Struct
 import numpy as np
 
 from gyrodrift.errors import DataError
-from gyrodrift.sample import Inertial, Sample
+from gyrodrift.sample import DeviceYaw, Inertial, Sample
 from gyrodrift.session.mcap.layout import CLOSED_TAIL, CLOSED_TAIL_BYTES, MAGIC
 from gyrodrift.session.mcap.read import read_mcap
 from gyrodrift.session.mcap.repair import repair
 from gyrodrift.session.mcap.write import McapWriter
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import DEVICE_COLUMNS, Session
 
 COUNT, FLUSHED = 400, 25
 CHANGE = Struct("<BHHB")
@@ -26,15 +26,16 @@ COLUMNS = ("t_device_s", "rate_dps", "t_host_s", "encoder_deg", "temp_c")
 
 
 @cache
-def recording(*, has_axes: bool = False) -> bytes:
+def recording(*, has_axes: bool = False, has_device_yaw: bool = False) -> bytes:
     """Samples, raw bytes and events, with the end that a finished recording has."""
     stream, random = io.BytesIO(), Random(1)
-    writer = McapWriter(stream, {"device": {"device_id": "bench"}}, has_axes=has_axes)
+    writer = McapWriter(stream, {"device": {"device_id": "bench"}}, has_axes=has_axes, has_device_yaw=has_device_yaw)
     for number in range(COUNT):
         t_s = number / 100
         sample = Sample(number, t_s, 1.7e9 + t_s, random.gauss(0.0, 10.0), 0.1 * number, 25.0, float(number > 200))
         axes = Inertial(0.5 * number, -1.0, sample.rate_dps, 0.01 * number, 0.0, 9.81)
-        writer.add(sample._replace(inertial=axes if has_axes else None))
+        own = DeviceYaw(0.3 * number, 0.01 * number, -0.5)
+        writer.add(sample._replace(inertial=axes if has_axes else None, device_yaw=own if has_device_yaw else None))
         if number % FLUSHED == FLUSHED - 1:
             writer.add_read(random.randbytes(40), 1.7e9 + t_s)
             writer.add_event("gap", 1.7e9 + t_s, {"missing": 1})
@@ -43,9 +44,9 @@ def recording(*, has_axes: bool = False) -> bytes:
     return stream.getvalue()
 
 
-def changed_recording(changes: bytes, *, has_axes: bool = False) -> bytes:
+def changed_recording(changes: bytes, *, has_axes: bool = False, has_device_yaw: bool = False) -> bytes:
     """The recording with some changes: bytes written over, flipped, taken out, put in, or copied from elsewhere."""
-    made = bytearray(recording(has_axes=has_axes))
+    made = bytearray(recording(has_axes=has_axes, has_device_yaw=has_device_yaw))
     for at in range(0, min(len(changes), MOST_CHANGES * CHANGE.size) - CHANGE.size + 1, CHANGE.size):
         kind, place, length, value = CHANGE.unpack_from(changes, at)
         place %= len(made) + 1
@@ -68,17 +69,17 @@ def changed_recording(changes: bytes, *, has_axes: bool = False) -> bytes:
 
 
 def check_damage(folder: Path, changes: bytes) -> None:
-    """Damage, read, read what is whole, repair, read again: with one axis and with three."""
-    for has_axes in (False, True):
-        check_damaged_file(folder, changes, has_axes=has_axes)
+    """Damage, read, read what is whole, repair, read again: one axis, three, and three with the device's own yaw."""
+    for has_axes, has_device_yaw in ((False, False), (True, False), (True, True)):
+        check_damaged_file(folder, changes, has_axes=has_axes, has_device_yaw=has_device_yaw)
 
 
-def check_damaged_file(folder: Path, changes: bytes, *, has_axes: bool) -> None:
+def check_damaged_file(folder: Path, changes: bytes, *, has_axes: bool, has_device_yaw: bool) -> None:
     """Damage, read, read what is whole, repair, read again."""
     path = folder / "d.mcap"
-    path.write_bytes(recording(has_axes=has_axes))
+    path.write_bytes(recording(has_axes=has_axes, has_device_yaw=has_device_yaw))
     whole = read_mcap(path)
-    content = changed_recording(changes, has_axes=has_axes)
+    content = changed_recording(changes, has_axes=has_axes, has_device_yaw=has_device_yaw)
     if not (content.startswith(MAGIC) and content[-CLOSED_TAIL_BYTES:].startswith(CLOSED_TAIL)):
         return  # as good as interrupted: its last records are not watched over yet
     path.write_bytes(content)
@@ -110,6 +111,8 @@ def are_original(session: Session, whole: Session) -> bool:
     assert numbers is not None
     if len(numbers) and ((np.diff(numbers) <= 0).any() or not 0 <= numbers[0] <= numbers[-1] < COUNT):
         return False
-    names = COLUMNS if whole.gyro_dps is None else (*COLUMNS, "gyro_dps", "accel_mps2")
+    names = [*COLUMNS]
+    names += [] if whole.gyro_dps is None else ["gyro_dps", "accel_mps2"]
+    names += [] if whole.device_yaw_deg is None else DEVICE_COLUMNS
     pairs = [(getattr(session, name), getattr(whole, name)) for name in names]
     return all(here is not None and np.array_equal(here, there[numbers]) for here, there in pairs)
