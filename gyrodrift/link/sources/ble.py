@@ -39,6 +39,9 @@ CONNECT_S = 15.0
 """Longest wait for a device, s: it advertises at least every 10.24 s (Bluetooth Core, Vol 6, Part B, 4.4.2.2)."""
 
 STOP_S = 3.0
+BUS_CLOSE_S = 0.05
+"""Time for bleak to close its connection to D-Bus, s: it waits for the end of the stream. Chosen."""
+
 LONGEST_KEPT_BYTES = 1 << 18
 """Bytes that wait for the loop; then new ones are dropped. At 1 Mbit/s of the radio that is 2 s."""
 
@@ -108,7 +111,7 @@ class BlePort(SourcePort):
         """Disconnect, and end the thread."""
         if not self._thread.is_alive():
             return
-        with suppress(Exception):  # a device that is gone cannot be disconnected
+        with suppress(TimeoutError):
             self._call(self._disconnect()).result(STOP_S)
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(STOP_S)
@@ -128,8 +131,7 @@ class BlePort(SourcePort):
             device = await BleakScanner.find_device_by_name(name, timeout=CONNECT_S)
             if device is None:
                 raise PortMissingError(f"{self.path}: no device advertises the name {name!r}; is it on and near?")
-        backend = {} if client_backend is None else {"backend": client_backend}
-        client = BleakClient(device, disconnected_callback=self._lose, timeout=CONNECT_S, **backend)
+        client = BleakClient(device, disconnected_callback=self._lose, timeout=CONNECT_S, backend=client_backend)
         await client.connect()
         self._client = client
         present = {entry.uuid: entry.properties for service in client.services for entry in service.characteristics}
@@ -137,12 +139,15 @@ class BlePort(SourcePort):
         await client.start_notify(source, self._hear)
 
     async def _disconnect(self) -> None:
+        """Disconnect. After a lost connection, too: bleak still holds a connection to D-Bus."""
+        if self._client is not None:
+            with suppress(Exception):  # a device that is gone cannot be disconnected
+                await self._client.disconnect()
         unfinished = asyncio.all_tasks() - {asyncio.current_task()}
         for task in unfinished:
             task.cancel()
         await asyncio.gather(*unfinished, return_exceptions=True)
-        if self._client is not None and self._client.is_connected:
-            await self._client.disconnect()
+        await asyncio.sleep(BUS_CLOSE_S)
 
     async def _write(self, content: bytes) -> None:
         if self._client is not None:

@@ -1,4 +1,4 @@
-"""Source ble through bleak, with a backend of the test in place of a radio."""
+"""Source ble through bleak, with a backend of the test: errors of any kind, and other characteristics."""
 
 import asyncio
 import time
@@ -25,7 +25,7 @@ from bleak.exc import BleakDeviceNotFoundError, BleakError
 
 ADDRESS = "DF:BE:12:20:70:8C"
 WITMOTION = ("0000ffe4-0000-1000-8000-00805f9a34fb", "0000ffe9-0000-1000-8000-00805f9a34fb")
-OTHER = "12345678-1234-5678-1234-56789abcdef0"
+UNUSUAL = "12345678-1234-5678-1234-56789abcdef0"
 
 
 class Radio(BaseBleakClient):
@@ -174,10 +174,10 @@ def test_a_device_that_is_not_near_is_an_error() -> None:
 
 def test_another_characteristic_is_named_by_the_address(monkeypatch: pytest.MonkeyPatch) -> None:
     """The error lists those that there are."""
-    monkeypatch.setattr(Radio, "characteristics", {OTHER: ["notify"], WITMOTION[1]: ["write"]})
-    with pytest.raises(LinkError, match=rf"no known characteristic; append \?notify=UUID with one of: {OTHER}"):
+    monkeypatch.setattr(Radio, "characteristics", {UNUSUAL: ["notify"], WITMOTION[1]: ["write"]})
+    with pytest.raises(LinkError, match=rf"no known characteristic; append \?notify=UUID with one of: {UNUSUAL}"):
         Link(LinkOptions(f"ble:{ADDRESS}"), Events())
-    with closing(Link(LinkOptions(f"ble:{ADDRESS}?notify={OTHER}"), Events())) as link:
+    with closing(Link(LinkOptions(f"ble:{ADDRESS}?notify={UNUSUAL}"), Events())) as link:
         assert len(feed(link, 60)) >= 60
 
 
