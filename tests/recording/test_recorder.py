@@ -9,6 +9,7 @@ from datetime import datetime
 from io import FileIO
 from pathlib import Path
 
+import numpy as np
 import pytest
 from disk_support import fill, small_disk
 from mcap.reader import make_reader
@@ -20,7 +21,7 @@ from gyrodrift.recording import disk, recorder
 from gyrodrift.recording.disk import DiskFile, RecordingError
 from gyrodrift.recording.names import recording_path
 from gyrodrift.recording.recorder import Recorder, RecordOptions
-from gyrodrift.sample import Inertial, Sample
+from gyrodrift.sample import DeviceYaw, Inertial, Sample
 from gyrodrift.session.mcap.raw import read_raw
 from gyrodrift.session.mcap.read import read_mcap
 
@@ -279,3 +280,19 @@ def test_axes_that_begin_later_begin_another_file(link: Link, out: Path) -> None
     assert second.gyro_dps is not None
     assert second.gyro_dps[:3].tolist() == [[1.0, 2.0, 3.0]] * 3
     assert second.metadata["recording"]["continues"] == recording.paths[0].name
+
+
+def test_a_yaw_of_the_device_that_begins_later_begins_another_file(link: Link, out: Path) -> None:
+    """Three axes of the file before stay; samples without a result are kept in it."""
+    out.mkdir()
+    recording = Recorder(RecordOptions(out), link)
+    axes = Inertial(1.0, 2.0, 3.0, 0.0, 0.0, 9.81)
+    recording.take([sample._replace(inertial=axes) for sample in samples(0, 3)])
+    recording.take([sample._replace(device_yaw=DeviceYaw(5.0, 0.5, -0.25)) for sample in samples(3, 2)])
+    recording.take(samples(5, 1))
+    recording.close()
+    first, second = map(read_mcap, recording.paths)
+    assert first.device_yaw_deg is None
+    assert second.filled("device_yaw_deg")[:2].tolist() == [5.0, 5.0]
+    assert (len(first.rate_dps), len(second.rate_dps)) == (3, 3)
+    assert np.isnan(second.filled("device_yaw_deg")[2])
