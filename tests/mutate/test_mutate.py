@@ -14,6 +14,7 @@ AREAS = {
     "calibrate",
     "link",
     "session",
+    "sources",
     "recording",
     "service",
     "outputs",

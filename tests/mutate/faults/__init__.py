@@ -15,6 +15,7 @@ from mutate.faults import (
     recording,
     service,
     session,
+    sources,
 )
 
 FAULTS: tuple[Fault, ...] = tuple(
@@ -25,6 +26,7 @@ FAULTS: tuple[Fault, ...] = tuple(
         link,
         device_yaw,
         session,
+        sources,
         recording,
         service,
         outputs,
