@@ -26,9 +26,11 @@ def samples(rate_dps: Floats, still: Floats | None = None, temp_c: Floats | None
     return inputs
 
 
-def in_python(t_s: Floats, inputs: Floats, params: RestlevelParams | None = None) -> FilterOutput:
+def in_python(
+    t_s: Floats, inputs: Floats, params: RestlevelParams | None = None, state: RestlevelState | None = None
+) -> FilterOutput:
     """Outputs of the Python filter."""
-    c, s = coefficients(params or RestlevelParams()), RestlevelState()
+    c, s = coefficients(params or RestlevelParams()), state or RestlevelState()
     taken, rows = [], []
     for t, (rate_dps, still, temp_c, is_zero) in zip(t_s.tolist(), inputs.tolist(), strict=True):
         taken.append(step(c, s, t, rate_dps, still, temp_c))

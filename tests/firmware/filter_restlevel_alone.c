@@ -1,10 +1,16 @@
-/* Restlevel of gyrodrift.h, its rate alone, for tests. */
+/* Restlevel of gyrodrift.h, its rate alone, for tests. REMEMBERED: the parameters are bias, sigma and age. */
 #include "gyrodrift.h"
 
 #define STATE gd_restlevel
 #define INPUTS 1
 #define OUTPUTS 8
 
+#ifdef REMEMBERED
+static int begin(gd_restlevel *r, const double *params) {
+  gd_restlevel_init(r, NULL);
+  return gd_restlevel_remember(r, (gd_real)params[0], (gd_real)params[1], (gd_real)params[2]);
+}
+#else
 static int begin(gd_restlevel *r, const double *params) {
   gd_restlevel_params p;
   if (params == NULL) {
@@ -20,6 +26,7 @@ static int begin(gd_restlevel *r, const double *params) {
   p.scale_percent = (gd_real)params[7];
   return gd_restlevel_init(r, &p);
 }
+#endif
 
 static int take(gd_restlevel *r, double t_s, const double *input) {
   return gd_restlevel_update(r, t_s, (gd_real)input[0]);

@@ -136,6 +136,12 @@ static void run(unsigned long seed) {
   memset(&h, 0xA5, sizeof h);
   gd_restlevel_init(&r, &params);
   gd_hdr_init(&h, &hdr_params);
+#if GD_RESTLEVEL_MEMORY
+  if (one_in(3)) {
+    const gd_real sigma_dps = (gd_real)any_size(0.0, 10.0), age_s = (gd_real)any_size(0.0, 1e9);
+    gd_restlevel_remember(&r, (gd_real)any_rate(), sigma_dps, age_s);
+  }
+#endif
   for (int k = 0; k < PERIODS; k++) {
     const double rate_dps = any_rate(), step_s = any_step(), noise_dps = one_in(2) ? 0.0 : uniform(0.0, 0.2);
     const int samples = (int)uniform(1.0, 150.0);

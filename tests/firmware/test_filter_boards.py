@@ -52,9 +52,10 @@ def test_restlevel_fits_an_atmega328p(tmp_path: Path, c_filters: CFilters) -> No
     assert board.costs.mean() * 100.0 < SHARE * AVR_HZ
 
 
-def test_restlevel_as_in_python_has_a_state_within_a_kilobyte_on_avr(tmp_path: Path) -> None:
-    """With six hypotheses, rest sensor and temperature."""
-    flags = ("-DGD_RESTLEVEL_HYPOTHESES=6", "-DGD_RESTLEVEL_AUXILIARY=1")
+@pytest.mark.parametrize(("hypotheses", "auxiliary"), [(6, 0), (6, 1)])
+def test_more_hypotheses_have_a_state_within_a_kilobyte_on_avr(tmp_path: Path, hypotheses: int, auxiliary: int) -> None:
+    """Six as in Python, without and with rest sensor and temperature."""
+    flags = (f"-DGD_RESTLEVEL_HYPOTHESES={hypotheses}", f"-DGD_RESTLEVEL_AUXILIARY={auxiliary}")
     board = on_avr(tmp_path, "restlevel", *board_samples(100.0, 5.0), *flags)
     assert board.state_bytes <= STATE_BYTES
 

@@ -8,13 +8,20 @@ from math import log, pi
 from pathlib import Path
 
 from gyrodrift.filters import limits, restlevel
+from gyrodrift.filters.restlevel import memory
 from gyrodrift.firmware.parameters import FILTERS_FOLDER
 
 ABSENT = {
-    "MAX_REMEMBERED": "no memory between runs",
-    "SAME_PERIOD": "no memory between runs",
-    "RECALLED_BLOCKS": "no memory between runs",
-    "LOOP_VAR_C": "no memory between runs",
+    "MAX_REMEMBERED": "the bias alone is remembered",
+    "SAME_PERIOD": "the bias alone is remembered",
+    "RECALLED_BLOCKS": "the bias alone is remembered",
+    "LOOP_VAR_C": "the bias alone is remembered",
+    "ALIKE_C": "the bias alone is remembered",
+    "STARTS_KEPT": "the bias alone is remembered",
+    "FACTOR_STARTS": "the bias alone is remembered",
+    "FACTOR_CLIP": "the bias alone is remembered",
+    "LEAST_FACTOR": "the bias alone is remembered",
+    "MOST_FACTOR": "the bias alone is remembered",
     "AGREEMENT_ODDS": "its logarithm is used",
     "NEVER": "the count stays at 255",
     "MAX_HYPOTHESES": "GD_RESTLEVEL_HYPOTHESES",
@@ -22,7 +29,17 @@ ABSENT = {
 }
 """Python constants that C has not or has with other values, with the reason."""
 
-OWN = {"GD_PI", "GD_RESTLEVEL_HYPOTHESES", "GD_RESTLEVEL_AUXILIARY", "GD_NEVER", "GD_LOG_USUAL_NOISE", "GD_RL_BASE_DEG"}
+OWN = {
+    "GD_PI",
+    "GD_RESTLEVEL_HYPOTHESES",
+    "GD_RL_DEFAULT_PARTS",
+    "GD_NEVER",
+    "GD_LOG_USUAL_NOISE",
+    "GD_RL_BASE_DEG",
+    "GD_LEAST_REMEMBERED_VAR",
+    "GD_MOST_REMEMBERED_DPS",
+    "GD_MOST_REMEMBERED_SIGMA",
+}
 """Constants that only C has."""
 
 NUMBER = re.compile(r"#define (GD_[A-Z0-9_]+) +(?:GD_R\()?(-?[0-9][0-9.e+-]*)\)?(?:\s|$)")
@@ -35,14 +52,14 @@ def in_c(pattern: str) -> dict[str, float]:
 
 
 def in_python() -> dict[str, float]:
-    """Numeric constants of restlevel and the limits, but for its memory."""
+    """Numeric constants of restlevel and the limits."""
     names = [f"{restlevel.__name__}.{module.name}" for module in pkgutil.iter_modules(restlevel.__path__)]
-    modules = [importlib.import_module(name) for name in names if not name.endswith(".memory")]
+    modules = [importlib.import_module(name) for name in names]
     constants: dict[str, float] = {}
     for module in (limits, *modules):
         for name in assigned(Path(str(module.__file__))):
             value = getattr(module, name)
-            if isinstance(value, int | float):
+            if isinstance(value, int | float) and (module, name) != (memory, "LEAST_VAR"):
                 assert constants.setdefault(name, value) == value, name
     return constants
 
@@ -83,4 +100,5 @@ def test_constants_of_c_alone_follow_from_those_of_python() -> None:
     text = (FILTERS_FOLDER / "restlevel_model.h").read_text()
     assert f"#else\n#define GD_RESTLEVEL_HYPOTHESES {int(ours['MAX_HYPOTHESES'])}\n" in text
     assert in_c("re*.h")["GD_LOG_USUAL_NOISE"] == log(ours["USUAL_NOISE_DPS"])
+    assert in_c("re*.h")["GD_LEAST_REMEMBERED_VAR"] == memory.LEAST_VAR
     assert in_c("re*.h")["GD_PI"] == pi

@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 from recordings_support import Recordings, packed_names
 
 from gyrodrift.arrays import Floats
+from gyrodrift.filters.restlevel.bias_state import RecalledNoise
+from gyrodrift.filters.restlevel.memory import RestlevelMemory, begun
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.session.files import load_session
 
@@ -158,6 +160,35 @@ def test_without_auxiliary_inputs_nothing_changes(c_filters: CFilters, double: C
     alone = library.run(t_s, inputs[:, 0])
     assert np.array_equal(alone.rows[:, :6], double.run(t_s, inputs).rows[:, :6])
     assert library.state_bytes < double.state_bytes
+
+
+@pytest.mark.parametrize(("sigma_dps", "age_s"), [(0.01, 0.0), (0.002, 300.0), (0.02, 86400.0), (0.0, 1e9)])
+@pytest.mark.parametrize("bias_dps", [0.31, -2.0, 0.0])
+def test_a_remembered_bias_agrees_with_python(
+    c_filters: CFilters, bias_dps: float, sigma_dps: float, age_s: float
+) -> None:
+    """A board keeps the last bias over a reset; the noise it sees again."""
+    t_s, inputs = plain(50.0, 120.0)
+    known = RestlevelMemory(bias_dps, sigma_dps, None, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0)
+    state = begun(RestlevelParams(), known, age_s, None)
+    state.recalled = RecalledNoise()
+    python = in_python(t_s[500:], inputs[500:], state=state)
+    for real, limit_deg in (("double", 1e-9), ("float", FLOAT_DEG_H)):
+        library = c_filters.get("filter_restlevel_alone.c", real, "-DREMEMBERED")
+        output = library.run(t_s[500:], inputs[500:, 0], [bias_dps, sigma_dps, age_s])
+        assert output.is_valid
+        assert np.abs(output.rows[:, :6] - python.rows[:, :6]).max() < limit_deg
+
+
+@pytest.mark.parametrize(
+    "values", [[nan, 0.1, 0.0], [0.1, -1.0, 0.0], [0.1, inf, 0.0], [0.1, 0.1, -1.0], [2e5, 0.1, 1.0]]
+)
+def test_a_bias_that_is_none_is_not_remembered(c_filters: CFilters, single: CFilter, values: list[float]) -> None:
+    """The filter then begins as a new one."""
+    t_s, inputs = plain(50.0, 20.0)
+    refused = c_filters.get("filter_restlevel_alone.c", "float", "-DREMEMBERED").run(t_s, inputs[:, 0], values)
+    assert not refused.is_valid
+    assert np.array_equal(refused.rows, single.run(t_s, inputs).rows[:, :8])
 
 
 def test_the_clock_of_microseconds_gives_the_same_yaw(double: CFilter, single: CFilter) -> None:

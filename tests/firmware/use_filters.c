@@ -16,8 +16,17 @@ gd_real use_restlevel(gd_restlevel *r, double t_s, uint32_t t_us, gd_real rate_d
 gd_real use_restlevel(gd_restlevel *r, double t_s, uint32_t t_us, gd_real rate_dps) {
   gd_restlevel_params params = GD_RESTLEVEL_DEFAULTS;
   params.window_s = rate_dps;
-  if (gd_restlevel_init(r, &params) && gd_restlevel_update(r, t_s, rate_dps) &&
-      gd_restlevel_update_us(r, t_us, rate_dps)) {
+  if (!gd_restlevel_init(r, &params)) {
+    return params.window_s;
+  }
+#if GD_RESTLEVEL_MEMORY
+  gd_restlevel_remember(r, rate_dps, rate_dps, rate_dps);
+#endif
+#if GD_RESTLEVEL_AUXILIARY
+  gd_restlevel_update_with(r, t_s, rate_dps, rate_dps, rate_dps);
+  gd_restlevel_update_us_with(r, t_us, rate_dps, rate_dps, rate_dps);
+#endif
+  if (gd_restlevel_update(r, t_s, rate_dps) && gd_restlevel_update_us(r, t_us, rate_dps)) {
     gd_restlevel_zero(r);
   }
   return r->yaw_deg + r->yaw_sigma_deg + r->bias_dps;

@@ -25,7 +25,7 @@
        use(a.yaw_deg, a.yaw_sigma_deg, a.tilt_deg, a.q);
 
    The functions with `_us` take a 32-bit clock of microseconds that wraps. Boards need them where a double has 32 bits
-   (AVR). A copy of the struct saves the filter, and copied back it goes on from there.
+   (AVR). A copy of the struct saves the filter, and copied back it goes on from there, by the same clock.
 
    Do not compile with -ffast-math: NaN would pass as a sample.
 */
@@ -36,6 +36,7 @@
 #include "restlevel.h"
 #include "restlevel_with.h"
 #include "restlevel_zero.h"
+#include "restlevel_memory.h"
 #include "attitude.h"
 #include "attitude_zero.h"
 #include "calibration.h"

@@ -43,6 +43,12 @@ typedef struct {
   gd_real yaw_deg, bias_var, covariance, yaw_var;
 } gd_rl_moments;
 
+/* A bias that the filter begins with, beside those of any sensor. */
+typedef struct {
+  gd_real weight; /* probability; 0 without such a bias */
+  gd_real bias_dps, bias_var;
+} gd_rl_remembered;
+
 /* An external rest sensor, and whether it is believed. */
 typedef struct {
   gd_real doubt;      /* blocks that have contradicted it */

@@ -23,16 +23,34 @@ static inline gd_rl_hypothesis *gd_rl_begin_one(gd_restlevel *s, gd_real yaw_deg
   return h;
 }
 
-/* A part has subtracted its own bias well, or partly, or not at all. */
+/* Adds the hypothesis of a remembered bias; returns the probability of all others. */
+static inline gd_real gd_rl_begin_remembered(gd_restlevel *s, gd_real yaw_deg) {
+#if GD_RESTLEVEL_MEMORY
+  if (s->remembered.weight > GD_R(0.0)) {
+    const gd_real bias_var = s->remembered.bias_var + s->c.rate_walk_var;
+    gd_rl_hypothesis *h = gd_rl_begin_one(s, yaw_deg, s->remembered.weight, bias_var);
+    h->bias_dps = s->remembered.bias_dps;
+    h->knows_bias = 1;
+    return GD_R(1.0) - s->remembered.weight;
+  }
+#endif
+  (void)s, (void)yaw_deg;
+  return GD_R(1.0);
+}
+
+/* What is remembered; else a part has subtracted its own bias well, or partly, or not at all. */
 static inline void gd_rl_begin(gd_restlevel *s, gd_real yaw_deg) {
   const gd_real turn_on_var = s->c.turn_on_var;
+  gd_real unknown;
   s->stored = 0;
+  unknown = gd_rl_begin_remembered(s, yaw_deg);
   if (turn_on_var == GD_R(0.0)) { /* it has, and begins as one whose bias is known */
-    gd_rl_begin_one(s, yaw_deg, GD_R(1.0), GD_R(0.0))->knows_bias = 1;
+    gd_rl_begin_one(s, yaw_deg, unknown, GD_R(0.0))->knows_bias = 1;
   } else {
-    gd_rl_begin_one(s, yaw_deg, GD_WELL_CALIBRATED, turn_on_var * GD_CALIBRATED * GD_CALIBRATED);
-    gd_rl_begin_one(s, yaw_deg, GD_CALIBRATED_SO_SO, turn_on_var * GD_CALIBRATED);
-    gd_rl_begin_one(s, yaw_deg, GD_R(1.0) - GD_WELL_CALIBRATED - GD_CALIBRATED_SO_SO, turn_on_var);
+    const gd_real uncalibrated = unknown * (GD_R(1.0) - GD_WELL_CALIBRATED - GD_CALIBRATED_SO_SO);
+    gd_rl_begin_one(s, yaw_deg, unknown * GD_WELL_CALIBRATED, turn_on_var * GD_CALIBRATED * GD_CALIBRATED);
+    gd_rl_begin_one(s, yaw_deg, unknown * GD_CALIBRATED_SO_SO, turn_on_var * GD_CALIBRATED);
+    gd_rl_begin_one(s, yaw_deg, uncalibrated, turn_on_var);
   }
   gd_rl_collapse(s);
 }

@@ -19,17 +19,23 @@
 #error "GD_RESTLEVEL_HYPOTHESES must be 2 to 8"
 #endif
 
-/* 0 leaves out the external rest sensor and the temperature: less code and memory, and the same results otherwise. */
-#ifndef GD_RESTLEVEL_AUXILIARY
+/* 0 leaves out the external rest sensor and the temperature, or the bias of an earlier run: less code and memory, and
+   the same results otherwise. */
 #ifdef __AVR__
-#define GD_RESTLEVEL_AUXILIARY 0
+#define GD_RL_DEFAULT_PARTS 0
 #else
-#define GD_RESTLEVEL_AUXILIARY 1
+#define GD_RL_DEFAULT_PARTS 1
 #endif
+#ifndef GD_RESTLEVEL_AUXILIARY
+#define GD_RESTLEVEL_AUXILIARY GD_RL_DEFAULT_PARTS
+#endif
+#ifndef GD_RESTLEVEL_MEMORY
+#define GD_RESTLEVEL_MEMORY (GD_RL_DEFAULT_PARTS && GD_RESTLEVEL_HYPOTHESES >= 4) /* it begins with one more */
 #endif
 
 #define GD_MAX_HYPOTHESES GD_RESTLEVEL_HYPOTHESES
-#define GD_RL_STORED (GD_MAX_HYPOTHESES < 3 ? 3 : GD_MAX_HYPOTHESES) /* the filter begins with three */
+#define GD_RL_FIRST (GD_RESTLEVEL_MEMORY ? 4 : 3) /* the filter begins with so many */
+#define GD_RL_STORED (GD_MAX_HYPOTHESES < GD_RL_FIRST ? GD_RL_FIRST : GD_MAX_HYPOTHESES)
 
 #define GD_UNKNOWN_C GD_UNSAID_C
 #define GD_COLDEST_C GD_R(-100.0) /* temperatures out of this range are ignored */
@@ -63,6 +69,9 @@ typedef struct {
   gd_real base_deg; /* of floats, yaw is kept near 0 and this is what was taken away */
   gd_real start_yaw_deg, travelled_deg;
   gd_rl_coefficients c;
+#if GD_RESTLEVEL_MEMORY
+  gd_rl_remembered remembered;
+#endif
   gd_rl_noise noise;
   gd_rl_segment segment;
   gd_rl_ended ended;
