@@ -55,6 +55,7 @@ static inline const gd_real *gd_attitude_row(const gd_attitude_windows *w, int32
 /* Means (6) of the last blocks, sums (6) of squared deviations, and absolute means of deviations in the newer half. */
 static inline void gd_attitude_scatter(const gd_attitude_windows *w, int32_t blocks, gd_real mean[6],
                                        gd_real squares[6], gd_real newer[6]) {
+  const int32_t half = blocks / 2;
   int32_t ago;
   int i;
   for (i = 0; i < 6; i++) {
@@ -66,9 +67,9 @@ static inline void gd_attitude_scatter(const gd_attitude_windows *w, int32_t blo
     for (ago = blocks - 1; ago >= 0; ago--) {
       const gd_real deviation = gd_attitude_row(w, ago)[i] - mean[i];
       squares[i] += deviation * deviation;
-      newer[i] += ago < blocks / 2 ? deviation : GD_R(0.0);
+      newer[i] += ago < half ? deviation : GD_R(0.0);
     }
-    newer[i] = GD_ABS(newer[i] / (gd_real)(blocks / 2));
+    newer[i] = GD_ABS(newer[i] / (gd_real)half);
   }
 }
 
