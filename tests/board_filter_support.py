@@ -13,8 +13,6 @@ from firmware_support import HERE, SIMAVR, compiled, run
 
 from gyrodrift.arrays import Floats
 
-SAMPLE = np.dtype([("t_us", "<u4"), ("rate_dps", "<f4")])
-
 M0_PLUS = ("-mcpu=cortex-m0plus", "-mthumb")
 M4F = ("-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard")
 MACHINES = {M0_PLUS: "mps2-an385", M4F: "mps2-an386"}
@@ -25,7 +23,7 @@ TICKS = 1.6
 
 AVR_RAM = 2048
 
-FILTERS = {"hdr": (), "restlevel": ("-DFILTER_RESTLEVEL",)}
+FILTERS = {"hdr": (), "restlevel": ("-DFILTER_RESTLEVEL",), "attitude": ("-DFILTER_ATTITUDE",)}
 
 
 class BoardRun(NamedTuple):
@@ -62,12 +60,21 @@ def on_avr(folder: Path, name: str, t_us: Floats, rate_dps: Floats, *flags: str)
     return BoardRun(costs, yaw_deg, bias_dps, stack_bytes, program_bytes, state_bytes("avr-nm", elf))
 
 
-def on_arm(folder: Path, core: tuple[str, ...], name: str, t_us: Floats, rate_dps: Floats, *flags: str) -> BoardRun:
-    """Run a filter on a Cortex-M in QEMU."""
+def three_axis_samples(rate_hz: float, seconds: float, seed: int = 45) -> tuple[Floats, Floats]:
+    """Times in µs, and rates and accelerations (n, 6) of a device that leans, turns about the vertical, and rests."""
+    t_us, rate_dps = board_samples(rate_hz, seconds, seed)
+    up = np.array((0.6, 0.0, 0.8))
+    noise = np.random.default_rng(seed).normal(size=(len(t_us), 6)) * (0.05, 0.05, 0.05, 0.03, 0.03, 0.03)
+    rows = noise + np.concatenate((rate_dps[:, None] * up, np.tile(9.81 * up, (len(t_us), 1))), axis=1)
+    return t_us, rows.astype(np.float32).astype(np.float64)
+
+
+def on_arm(folder: Path, core: tuple[str, ...], name: str, t_us: Floats, inputs: Floats, *flags: str) -> BoardRun:
+    """Run a filter on a Cortex-M in QEMU; inputs are rates (n), or rates and accelerations (n, 6)."""
     if shutil.which("arm-none-eabi-gcc") is None or shutil.which("qemu-system-arm") is None:
         pytest.skip("there is no ARM compiler or no QEMU: apt-get install gcc-arm-none-eabi qemu-system-arm")
     elf = folder / "board.elf"
-    write_samples(folder, t_us, rate_dps)
+    write_samples(folder, t_us, inputs)
     linked = ("-nostartfiles", "--specs=nosys.specs", "-w", f"-T{HERE / 'board_arm.ld'}", "-Wl,--gc-sections")
     program("arm-none-eabi-gcc", elf, "-O2", "-ffunction-sections", *core, *FILTERS[name], *flags, *linked)
     semihosting = ("-semihosting-config", "enable=on,target=native")
@@ -85,10 +92,10 @@ def on_arm(folder: Path, core: tuple[str, ...], name: str, t_us: Floats, rate_dp
     )
 
 
-def write_samples(folder: Path, t_us: Floats, rate_dps: Floats) -> Path:
-    """File of samples for a board."""
-    rows = np.zeros(len(t_us), dtype=SAMPLE)
-    rows["t_us"], rows["rate_dps"] = t_us % 2**32, rate_dps
+def write_samples(folder: Path, t_us: Floats, inputs: Floats) -> Path:
+    """File of samples for a board: u32 t_us, then a float for each input."""
+    rows = np.zeros(len(t_us), dtype=[("t_us", "<u4"), ("inputs", "<f4", inputs.shape[1:])])
+    rows["t_us"], rows["inputs"] = t_us % 2**32, inputs
     path = folder / "samples.bin"
     rows.tofile(path)
     return path

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from bench_support import show
-from board_filter_support import AVR_RAM, M0_PLUS, M4F, BoardRun, board_samples, on_arm, on_avr
+from board_filter_support import AVR_RAM, M0_PLUS, M4F, BoardRun, board_samples, on_arm, on_avr, three_axis_samples
 
 pytestmark = [pytest.mark.bench, pytest.mark.timeout(1800)]
 
@@ -46,3 +46,15 @@ def test_a_cortex_m_has_time_and_memory(
     board = on_arm(tmp_path, core, name, *board_samples(200.0, SECONDS))
     show(f"{name} on a {title}", rows_of(board, "instructions", hz, 200.0))
     assert board.costs.mean() < 24_000 / 2.0  # an instruction takes one cycle, or two
+
+
+@pytest.mark.parametrize("hypotheses", [6, 3])
+@pytest.mark.parametrize(("core", "title", "hz"), [(M0_PLUS, "Cortex-M0+", 48e6), (M4F, "Cortex-M4F", 64e6)])
+def test_a_cortex_m_has_time_for_three_axes(
+    tmp_path: Path, core: tuple[str, ...], title: str, hz: float, hypotheses: int
+) -> None:
+    """Rests and turns of a leaning device at 200 Hz in QEMU."""
+    flag = f"-DGD_ATTITUDE_HYPOTHESES={hypotheses}"
+    board = on_arm(tmp_path, core, "attitude", *three_axis_samples(200.0, SECONDS), flag)
+    show(f"attitude, {hypotheses} hypotheses, on a {title}", rows_of(board, "instructions", hz, 200.0))
+    assert board.costs.mean() * 200.0 < 0.9 * hz

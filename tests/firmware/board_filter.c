@@ -1,18 +1,26 @@
 /* A filter of gyrodrift.h on a board without anything else, for simavr (avr_cycles.c) and for QEMU (board_arm.h).
 
-   FILTER_RESTLEVEL chooses restlevel, else it is HDR. The board reads samples, u32 t_us and float rate_dps, and sends
-   float yaw_deg and bias_dps after each. board_mark tells where an update begins (1) and ends (2).
+   FILTER_RESTLEVEL chooses restlevel, FILTER_ATTITUDE the filter of three axes, else it is HDR. The board reads samples,
+   u32 t_us and float rate_dps, or three rates and three accelerations, and sends float yaw_deg and bias_dps after each.
+   board_mark tells where an update begins (1) and ends (2).
 */
 #include "gyrodrift.h"
 
-#ifdef FILTER_RESTLEVEL
+#ifdef FILTER_ATTITUDE
+#define FILTER gd_attitude
+#define NUMBERS 6
+#define INIT gd_attitude_init
+#define UPDATE(filter, t_us, sample) gd_attitude_update_us(filter, t_us, sample, sample + 3)
+#elif defined FILTER_RESTLEVEL
 #define FILTER gd_restlevel
+#define NUMBERS 1
 #define INIT gd_restlevel_init
-#define UPDATE gd_restlevel_update_us
+#define UPDATE(filter, t_us, sample) gd_restlevel_update_us(filter, t_us, sample[0])
 #else
 #define FILTER gd_hdr
+#define NUMBERS 1
 #define INIT gd_hdr_init
-#define UPDATE gd_hdr_update_us
+#define UPDATE(filter, t_us, sample) gd_hdr_update_us(filter, t_us, sample[0])
 #endif
 
 #ifdef __AVR__
@@ -28,11 +36,11 @@ int main(void) {
   INIT(&filter, NULL);
   for (;;) {
     uint32_t t_us;
-    float rate_dps;
+    float sample[NUMBERS];
     board_read(&t_us, sizeof t_us);
-    board_read(&rate_dps, sizeof rate_dps);
+    board_read(sample, sizeof sample);
     board_mark(1);
-    UPDATE(&filter, t_us, rate_dps);
+    UPDATE(&filter, t_us, sample);
     board_mark(2);
     board_write(&filter.yaw_deg, sizeof filter.yaw_deg);
     board_write(&filter.bias_dps, sizeof filter.bias_dps);

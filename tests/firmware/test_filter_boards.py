@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from board_filter_support import AVR_RAM, M0_PLUS, M4F, BoardRun, board_samples, on_arm, on_avr
+from board_filter_support import AVR_RAM, M0_PLUS, M4F, BoardRun, board_samples, on_arm, on_avr, three_axis_samples
+from c_attitude_support import samples as inertial
 from c_filter_support import CFilters
 from c_restlevel_support import samples
 
@@ -31,6 +32,17 @@ def test_a_cortex_m_gives_the_yaw_of_this_machine(tmp_path: Path, c_filters: CFi
     t_us, rate_dps = board_samples(200.0, 30.0)
     board = on_arm(tmp_path, CORES[core], name, t_us, rate_dps)
     assert np.abs(board.yaw_deg - here(c_filters, name, t_us, rate_dps)).max() < 0.01
+
+
+@pytest.mark.parametrize("core", CORES)
+def test_a_cortex_m_gives_the_attitude_of_this_machine(tmp_path: Path, c_filters: CFilters, core: str) -> None:
+    """Three axes, and a stack of at most 4 KB."""
+    t_us, inputs = three_axis_samples(100.0, 20.0)
+    board = on_arm(tmp_path, CORES[core], "attitude", t_us, inputs)
+    here = c_filters.get("filter_attitude.c", "float").run(t_us, inertial(inputs[:, :3], inputs[:, 3:]), is_us=True)
+    assert np.abs(board.yaw_deg - here.rows[:, 0]).max() < 0.01
+    assert board.stack_bytes <= 4096
+    assert board.state_bytes <= 14_000
 
 
 def test_hdr_fits_an_atmega328p(tmp_path: Path, c_filters: CFilters) -> None:
