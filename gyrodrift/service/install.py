@@ -7,6 +7,7 @@ from pathlib import Path
 
 from gyrodrift.errors import UsageError
 from gyrodrift.files import shipped_config
+from gyrodrift.link.sources.registry import source_of
 from gyrodrift.service.unit_words import command_line, file_url, plain_text, serial_pattern, usb_number
 
 UNIT = Path("/etc/systemd/system/gyrodrift.service")
@@ -62,6 +63,7 @@ def unit(port: str, config: Path | None, outputs: Sequence[str]) -> str:
     """Text of the unit for a port."""
     if port.startswith("-"):
         raise UsageError(f"--port {port}: a service needs a port of its own, such as /dev/ttyUSB0")
+    source = source_of(port)
     python = (sys.executable, "-m", "gyrodrift")
     serve = [*python, "serve", "--port", port, "--timeout", "0", "--log-format", "text"]
     if config is not None:
@@ -77,13 +79,16 @@ def unit(port: str, config: Path | None, outputs: Sequence[str]) -> str:
             docs=file_url(str(Path(__file__).parents[2] / "docs" / "service.md")),
             serve=f"{command_line(serve)} --control {CONTROL}",
             reload=f"{command_line([*python, 'ctl'])} {CONTROL} reload",
+            source="".join(f"\n{line}" for line in (source.unit if source else ())),
             home="read-only" if any(path.startswith(HOMES) for path in paths) else "yes",
         )
     )
 
 
 def usb_identity(port: str, devices: Path = Path("/sys/class/tty")) -> UsbIdentity | None:
-    """USB adapter behind a port; None if there is none."""
+    """USB adapter behind a serial port; None if there is none."""
+    if source_of(port) is not None:
+        return None
     device = devices / Path(port).resolve().name / "device"
     if not device.exists():
         return None

@@ -56,6 +56,35 @@ def test_systemd_takes_the_unit_and_finds_it_little_exposed(unit: Path) -> None:
     assert float(security.stdout.rsplit(": ", 1)[1].split()[0]) < MOST_EXPOSED
 
 
+@pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is not installed")
+@pytest.mark.parametrize(
+    ("port", "line"),
+    [
+        ("iio:mpu6050?rate=200", "DeviceAllow=char-iio rw"),
+        ("can:can0?gyro=xsens", "RestrictAddressFamilies=AF_CAN"),
+        ("mqtt://broker/gyro", "RestrictAddressFamilies=AF_UNIX AF_INET AF_INET6"),
+    ],
+)
+def test_a_source_gets_what_it_needs(port: str, line: str, tmp_path: Path) -> None:
+    """And systemd takes the unit."""
+    status, out, log = dry_run("--port", port)
+    assert (status, log) == (0, "")
+    assert line in out.splitlines()
+    assert port.partition("?")[0] in out
+    path = tmp_path / "gyrodrift.service"
+    path.write_text(out)
+    verified = subprocess.run(["systemd-analyze", "verify", path], capture_output=True, text=True, check=False)
+    assert (verified.returncode, verified.stderr) == (0, "")
+
+
+def test_a_source_on_an_adapter_keeps_its_address(tmp_path: Path) -> None:
+    """The name /dev/gyro would lose the protocol."""
+    device = tmp_path / "ttyACM0" / "device"
+    device.mkdir(parents=True)
+    (device / "idVendor").write_text("2dae")
+    assert usb_identity("mavlink:/dev/ttyACM0", tmp_path) is None
+
+
 def test_an_adapter_gets_a_name_and_starts_the_service(tmp_path: Path) -> None:
     """By its numbers, found beside its port in /sys."""
     adapter = tmp_path / "usb1" / "1-2"

@@ -185,5 +185,6 @@ CAN = ByteSource(
     protocol_of=protocol_of,
     packages=("can", "cantools"),
     extra="can",
+    unit=("RestrictAddressFamilies=AF_CAN",),
     silence="no frame with its ids arrives; check the bit rate, the termination, and the ids with candump",
 )

@@ -8,7 +8,7 @@ from gyrodrift.errors import LinkError, UsageError
 from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.link.sources import iio_sysfs
 from gyrodrift.link.sources.iio_buffer import Scans, elements_folder
-from gyrodrift.link.sources.iio_polled import PolledPort, Temperature
+from gyrodrift.link.sources.iio_polled import PolledPort, Repeated, Temperature
 from gyrodrift.link.sources.iio_scans import IIO_PROTOCOL, IioPacket
 from gyrodrift.link.sources.iio_sysfs import IioDevice, accelerometer_of, device_named, iio_devices
 from gyrodrift.link.sources.packets import packet
@@ -24,24 +24,23 @@ class IioPort(SourcePort):
     def __init__(self, path: str, gyro: Scans, accel: Scans | None, temperature: Temperature) -> None:
         super().__init__(path, gyro.fd)
         self._gyro, self._accel, self._temperature = gyro, accel, temperature
-        self._first = packet(IioPacket.GYRO_LAYOUT, gyro.description())
+        content = packet(IioPacket.GYRO_LAYOUT, gyro.description())
         if accel is not None:
-            self._first += packet(IioPacket.ACCEL_LAYOUT, accel.description())
+            content += packet(IioPacket.ACCEL_LAYOUT, accel.description())
+        self._layout = Repeated(content)
 
     def read(self) -> bytes:
         """Packets of the scans that have arrived, accelerations first."""
         forces = [] if self._accel is None else self._accel.read(self.path)
         rates = self._gyro.read(self.path)
-        content = b"".join(
+        return b"".join(
             (
-                self._first,
+                self._layout.due(),
                 self._temperature.packet(),
                 *(packet(IioPacket.ACCEL_SCAN, scan) for scan in forces),
                 *(packet(IioPacket.GYRO_SCAN, scan) for scan in rates),
             )
         )
-        self._first = b""
-        return content
 
     def close(self) -> None:
         """Stop the buffers."""
@@ -148,5 +147,6 @@ IIO = ByteSource(
     open_iio,
     protocol=IIO_PROTOCOL,
     devices=gyros,
+    unit=("# The buffer of the chip is set up in /sys.", "DeviceAllow=char-iio rw", "ProtectKernelTunables=no"),
     silence="the kernel delivers no scans; check the trigger and the interrupt line of the chip, and dmesg",
 )

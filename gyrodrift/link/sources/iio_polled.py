@@ -17,12 +17,31 @@ from gyrodrift.link.sources.source import SourcePort
 POLL_HZ = 100.0
 """Highest rate of polling: a value takes about 0.4 ms at an I²C bus of 400 kHz, and there are six."""
 
+DESCRIBE_S = 1.0
+"""Time between two descriptions, s, as devices of the native protocol send them."""
+
 TEMPERATURE_S = 10.0
 """Time between two temperatures, s: a chip warms up over minutes."""
 
 POLLED_TYPE = "le:s32/32>>0"
 CLOCK_TYPE = "le:s64/64>>0"
 LONGEST_NUMBER_BYTES = 32
+
+
+class Repeated:
+    """Description that is sent again: an open port may get a new decoder, as after `--port auto`."""
+
+    def __init__(self, content: bytes) -> None:
+        self._content = content
+        self._due_s = 0.0
+
+    def due(self) -> bytes:
+        """Description if it is due; else empty."""
+        now_s = time.monotonic()
+        if now_s < self._due_s:
+            return b""
+        self._due_s = now_s + DESCRIBE_S
+        return self._content
 
 
 class PolledPort(SourcePort):
@@ -51,7 +70,7 @@ class PolledPort(SourcePort):
             self.close()
             raise explained(gyro.folder, error) from error
         self._padding = bytes(-4 * len(self._files) % 8)
-        self._first = packet(IioPacket.GYRO_LAYOUT, description(layout, self._entries))
+        self._layout = Repeated(packet(IioPacket.GYRO_LAYOUT, description(layout, self._entries)))
 
     def read(self) -> bytes:
         """One packet if it is due."""
@@ -67,8 +86,7 @@ class PolledPort(SourcePort):
         middle_ns = (begun_ns + time.monotonic_ns()) // 2
         counts = (max(-(1 << 31), min(count, (1 << 31) - 1)) for count in raw)
         scan = pack(f"<{len(raw)}i", *counts) + self._padding + pack("<q", middle_ns)
-        first, self._first = self._first, b""
-        return first + self._temperature.packet() + packet(IioPacket.GYRO_SCAN, scan)
+        return self._layout.due() + self._temperature.packet() + packet(IioPacket.GYRO_SCAN, scan)
 
     def close(self) -> None:
         """Close the files."""

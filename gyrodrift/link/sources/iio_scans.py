@@ -55,14 +55,14 @@ class IioDecoder(PacketDecoder):
         self._temp_c = nan
 
     def is_valid(self, kind: int, content: bytes) -> bool:
-        """Whether a description can be read, and a scan has the length of its layout."""
+        """Whether a description can be read, and a scan has the length of its layout, if that is known."""
         match kind:
             case IioPacket.GYRO_LAYOUT | IioPacket.ACCEL_LAYOUT:
                 return described(content) is not None
             case IioPacket.GYRO_SCAN:
-                return self._gyro is not None and len(content) == self._gyro.size
+                return self._gyro is None or len(content) == self._gyro.size
             case IioPacket.ACCEL_SCAN:
-                return self._accel is not None and len(content) == self._accel.size
+                return self._accel is None or len(content) == self._accel.size
         return kind == IioPacket.TEMPERATURE and len(content) == TEMPERATURE.size
 
     def read(self, frame: bytes) -> Reading | None:

@@ -19,7 +19,7 @@ LONGEST_ATTRIBUTE_BYTES = 4096
 
 GONE = frozenset({errno.ENODEV, errno.ENOENT, errno.ENXIO})
 RULE = (
-    'SUBSYSTEM=="iio", GROUP="plugdev", MODE="0660", RUN+="/bin/sh -c \'chgrp -R plugdev /sys%p; chmod -R g+w /sys%p\'"'
+    'SUBSYSTEM=="iio", GROUP="dialout", MODE="0660", RUN+="/bin/sh -c \'chgrp -R dialout /sys%p; chmod -R g+w /sys%p\'"'
 )
 NUMBER = re.compile(r"[-+]?\d{1,20}(?:\.\d{0,20})?(?:[eE][-+]?\d{1,3})?")
 TIMESTAMP = "timestamp"
@@ -168,7 +168,7 @@ def explained(path: Path, error: OSError) -> LinkError:
     if error.errno in (errno.EACCES, errno.EPERM):
         return PortDeniedError(
             f"{path}: no permission; run as root, or put {RULE} into /etc/udev/rules.d/99-iio.rules, and join the "
-            "group with 'sudo usermod -aG plugdev $USER'"
+            "group with 'sudo usermod -aG dialout $USER'"
         )
     if error.errno == errno.EBUSY:
         return PortBusyError(f"{path}: another program reads this device; stop that program first, such as iiod")

@@ -137,6 +137,8 @@ class ByteSource:
         Packages that it needs, and the extra of gyrodrift that installs them.
     silence
         Advice if no byte arrives.
+    unit
+        Lines for `[Service]` that its systemd unit needs besides the usual ones.
     """
 
     scheme: str
@@ -151,3 +153,4 @@ class ByteSource:
     packages: tuple[str, ...] = ()
     extra: str = ""
     silence: str = "check that the device is on and sends to this address"
+    unit: tuple[str, ...] = ()

@@ -28,7 +28,7 @@ WITMOTION = ("0000ffe4-0000-1000-8000-00805f9a34fb", "0000ffe9-0000-1000-8000-00
 UNUSUAL = "12345678-1234-5678-1234-56789abcdef0"
 
 
-class Radio(BaseBleakClient):
+class Radio(BaseBleakClient):  # type: ignore[misc, unused-ignore] # Any where bleak is not installed
     """A backend of bleak with one device.
 
     characteristics

@@ -3,6 +3,8 @@
 import errno
 import json
 from collections.abc import Iterator
+from contextlib import closing
+from itertools import count
 from math import degrees, isnan
 from pathlib import Path
 from struct import pack
@@ -14,11 +16,14 @@ from sources_support import Events, read_until
 from gyrodrift.errors import LinkError, PortDeniedError, PortMissingError, UsageError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
+from gyrodrift.link.search import find_gyro
 from gyrodrift.link.sources import iio_sysfs
+from gyrodrift.link.sources.iio import IioPort, gyros
 from gyrodrift.link.sources.iio_layout import IDENTITY, ChannelEntry, described, description, is_rotation, layout_of
 from gyrodrift.link.sources.iio_scans import IioDecoder, IioPacket
 from gyrodrift.link.sources.packets import packet
 from gyrodrift.link.sources.registry import source_devices
+from gyrodrift.sample import Sample
 
 DPS = degrees(GYRO_SCALE)
 MS_NS = 1_000_000
@@ -202,6 +207,28 @@ def test_gyros_are_listed_by_name(pair: tuple[IioChip, IioChip]) -> None:
     """An accelerometer alone is no gyro."""
     listed = [device for device in source_devices() if device.name.startswith("iio:")]
     assert [(device.name, device.product) for device in listed] == [("iio:lsm6ds3_gyro", "lsm6ds3_gyro")]
+
+
+def test_port_auto_takes_the_only_gyro(chip: IioChip) -> None:
+    """It is listened to, and its open port is handed over."""
+    for step in range(200):
+        chip.send(10 * MS_NS * step, 1, -2, 300, 0, 10, 981)
+    events = Events()
+    options, port = find_gyro([], LinkOptions("auto"), events, devices=gyros())
+    assert (options.port, options.protocol, options.baud) == ("iio:mpu6050", "iio", None)
+    with closing(Link(options, events, port=port)) as link:
+        steps = count(200)
+
+        def has_samples(samples: list[Sample]) -> bool:
+            chip.send(10 * MS_NS * next(steps), 1, -2, 300, 0, 10, 981)
+            return len(samples) >= 5
+
+        assert read_until(link, has_samples)[0].rate_dps == pytest.approx(300 * DPS)
+        assert link.device.device_id == "mpu6050"
+        assert link.counted()["damaged"] == 0
+        assert isinstance(link.port, IioPort)
+    found = next(fields for event, fields in events.told if event == "port_found")
+    assert found["rate_hz"] == pytest.approx(100.0, abs=0.2)
 
 
 def test_an_unknown_device_is_an_error_with_the_known_ones(chip: IioChip) -> None:
