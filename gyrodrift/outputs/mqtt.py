@@ -75,7 +75,8 @@ class MqttOutput(Output[MqttOptions]):
 
     def __init__(self, options: MqttOptions, host: OutputHost) -> None:
         super().__init__(options, host)
-        self._name = options.id or f"gyrodrift-{re.sub(r'[^a-zA-Z0-9_-]', '-', socket.gethostname())}"
+        own_name = f"gyrodrift-{re.sub(r'[^a-zA-Z0-9_-]', '-', socket.gethostname())}"
+        self._name = options.id or "-".join(filter(None, (own_name, host.source)))
         self._topics = Topics.of(options.topic, self._name)
         self._config_topic = f"{options.discovery}/device/{self._name}/config"
         self._birth_topic = f"{options.discovery}/status"

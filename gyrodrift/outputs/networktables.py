@@ -112,7 +112,7 @@ class NetworkTablesOutput(Output[NetworkTablesOptions]):
         self._sent = 0
         self._mount = UNTURNED
         self._has_tilt = False
-        self._prefix = f"/{options.table.strip('/')}/"
+        self._prefix = "/".join(["", options.table.strip("/"), *filter(None, [host.source]), ""])
         topics = {f"{self._prefix}{name}": kind for name, kind in TOPICS.items()}
         self._tables: Tables = (
             RobotTables(options.robot, options.port, topics, host.log)

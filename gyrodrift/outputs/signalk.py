@@ -49,7 +49,7 @@ class SignalkOutput(Output[SignalkOptions]):
     def take(self, samples: Sequence[Corrected]) -> None:
         """Send the deltas of samples that are due."""
         for sample in self._thinning.due(samples) if self._server.clients else ():
-            line = json.dumps(delta(sample), separators=(",", ":")).encode() + b"\n"
+            line = json.dumps(delta(sample, self.host.source), separators=(",", ":")).encode() + b"\n"
             for client in self._server.clients:
                 client.send(line)
 
@@ -87,8 +87,8 @@ class SignalkSession:
         """Do nothing."""
 
 
-def delta(sample: Corrected) -> dict[str, Any]:
-    """Delta of a sample, without unknown values."""
+def delta(sample: Corrected, source: str = "") -> dict[str, Any]:
+    """Delta of a sample, without unknown values; the label has the name of its source if there are several."""
     values: dict[str, Any] = {"navigation.rateOfTurn": _rounded(-radians(sample.corrected_dps))}
     if not isnan(sample.heading_deg):
         values["navigation.headingTrue"] = _rounded(radians(sample.heading_deg) % (2.0 * pi))
@@ -100,7 +100,7 @@ def delta(sample: Corrected) -> dict[str, Any]:
             "yaw": _rounded(remainder(-radians(sample.yaw_deg), 2.0 * pi)),
         }
     update = {
-        "source": {"label": "gyrodrift"},
+        "source": {"label": ".".join(filter(None, ("gyrodrift", source)))},
         "timestamp": iso_time(sample.sample.t_host_s),
         "values": [{"path": path, "value": value} for path, value in values.items()],
     }
