@@ -112,7 +112,7 @@ $(VENV)/ready-to-test: pyproject.toml tests/clients/package-lock.json tests/clie
 	@{ ! command -v npm > /dev/null || for place in tests/clients tests/clients/signalk; do \
 	  npm ci --silent --no-audit --no-fund --ignore-scripts --omit=optional --prefix $$place > /dev/null || \
 	  echo "no clients of npm in $$place: their tests are skipped" >&2; done; } & npm=$$!; \
-	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,docs,foxglove,logs,mavlink,mqtt,networktables,nmea,parquet,prometheus,ros,websocket,test]'; failed=$$?; \
+	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,docs,foxglove,logs,mavlink,mqtt,networktables,nmea,parquet,prometheus,ros,simulators,websocket,test]'; failed=$$?; \
 	$(BIN)/python -m pip install --quiet --no-deps 'MAVProxy>=1.8.70' || echo "no MAVProxy: its test is skipped" >&2; \
 	wait $$npm; exit $$failed
 	@if command -v apt-get > /dev/null && ! dpkg --status $(FIRMWARE) $(CLIENTS) > /dev/null 2>&1; then \

@@ -12,7 +12,7 @@ from evaluate.last import LAST, Measured, all_worse, read_last, table, write_las
 from evaluate.parts import PARTS
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-CODE = ("gyrodrift", "firmware_sim", "tests/blind", "tests/evaluate")
+CODE = ("gyrodrift", "firmware_sim", "tests/blind", "tests/evaluate", "tests/simulators")
 
 
 def main(argv: Sequence[str] | None = None) -> int:

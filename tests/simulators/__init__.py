@@ -1,0 +1,1 @@
+"""Simulators of others, for tests: models, flaws, cases and sessions."""
