@@ -1,7 +1,7 @@
 """Gap between held-out sessions and a simulation of them by the benchmark's own physics, before and after an answer.
 
-Real and simulated sessions have the same motion and other noise. Their features are compared in units of scatter: the
-standard deviation of a feature over repeated simulations, of the healthy device and of the true one.
+Real and simulated sessions have the same motion and other noise. A feature shows a gap if its difference is far above
+its scatter: the standard deviation over repeated simulations, of the healthy device and of the true one.
 """
 
 from collections.abc import Sequence
@@ -17,26 +17,27 @@ from gyrodrift.gyrogap.physics.motion import Floats
 REPEATS = 3
 """Repeated simulations with other noise."""
 
-MOST_Z = 100.0
-"""Largest difference of a feature, in units of its scatter. Chosen: otherwise a single feature is the whole gap."""
-
-LEAST_GAP = 1.5
-"""Least gap of the simulator as it is, over the gap of the truth, of a case that counts. Chosen."""
+GAP_Z = 5.0
+"""Difference in units of scatter from which a feature shows a gap. Chosen: the scatter of so few repeats is rough."""
 
 Features = list[dict[str, float]]
 
 
 @dataclass(frozen=True, slots=True)
 class GapClosed:
-    """Root mean squares over features: of the simulator as it is, with the answer, and with the truth.
+    """Features of the sessions, by what an answer does to them.
 
+    gaps
+        Features that show a gap to the simulator as it is.
+    created
+        Features that show one only with the answer.
     share
-        Share of the gap that the answer closes; None where the effect is too small for held-out sessions.
+        Mean over the gaps of the share that is closed, less one for each that is created, at least -1. None without
+        gaps: the effect is too small for held-out sessions.
     """
 
-    before: float
-    after: float
-    floor: float
+    gaps: int
+    created: int
     share: float | None
 
 
@@ -54,20 +55,35 @@ class HeldOutGap:
         true = [_features(case, case.effects, f"true {number}") for number in range(REPEATS)]
         healthy = [_features(case, (), f"healthy {number}") for number in range(REPEATS)]
         self._scatter = _scatter([self._real, *true], healthy)
-        self._floor = self._distance(true)
-        self._before = self._distance(_simulated(case, case.stated))
+        self._names = [sorted(name for name in session if name in self._scatter) for session in self._real]
+        self._least = GAP_Z * np.maximum(1.0, self._z(true))
+        self._before = self._z(_simulated(case, case.stated))
 
     def closed(self, answered: Sequence[InjectedEffect]) -> GapClosed:
         """Gap with these effects in the simulator; one that it has gets the answered size."""
+        is_gap = self._before > self._least
+        gaps = int(is_gap.sum())
+        if not gaps or not answered:
+            return GapClosed(gaps, 0, 0.0 if gaps else None)
         names = {effect.name for effect in answered}
         corrected = (*(effect for effect in self._case.stated if effect.name not in names), *answered)
-        is_visible = self._before >= LEAST_GAP * self._floor
-        after = self._distance(_simulated(self._case, corrected)) if answered and is_visible else self._before
-        share = 1.0 - (after - self._floor) / (self._before - self._floor) if is_visible else None
-        return GapClosed(self._before, after, self._floor, share)
+        after = self._z(_simulated(self._case, corrected))
+        created = int(((after > self._least) & ~is_gap).sum())
+        shares = np.clip(1.0 - after[is_gap] / self._before[is_gap], -1.0, 1.0)
+        return GapClosed(gaps, created, max(-1.0, float(shares.sum() - created) / gaps))
 
-    def _distance(self, simulated: list[Features]) -> float:
-        return float(np.mean([_rms_z(self._real, features, self._scatter) for features in simulated]))
+    def _z(self, simulated: list[Features]) -> Floats:
+        """Root mean square difference of each feature of each session over repeats, in units of scatter."""
+        squares = [
+            [
+                ((session[name] - repeated[index].get(name, session[name])) / self._scatter[name]) ** 2
+                for index, session in enumerate(self._real)
+                for name in self._names[index]
+            ]
+            for repeated in simulated
+        ]
+        z: Floats = np.sqrt(np.mean(squares, axis=0))
+        return z
 
 
 def _simulated(case: BenchmarkCase, effects: tuple[InjectedEffect, ...]) -> list[Features]:
@@ -90,14 +106,3 @@ def _spread(group: list[Features], name: str) -> float:
     sessions = ([session[name] for session in repeated if name in session] for repeated in zip(*group, strict=True))
     variances = [float(np.var(values, ddof=1)) for values in sessions if len(values) > 1]
     return float(np.sqrt(np.mean(variances))) if variances else 0.0
-
-
-def _rms_z(real: Features, simulated: Features, scatter: dict[str, float]) -> float:
-    z = [
-        np.clip((ours[name] - theirs[name]) / scatter[name], -MOST_Z, MOST_Z)
-        for ours, theirs in zip(real, simulated, strict=True)
-        for name in sorted(scatter)
-        if name in ours and name in theirs
-    ]
-    values: Floats = np.array(z)
-    return float(np.sqrt(np.mean(values**2)))
