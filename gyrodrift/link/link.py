@@ -48,6 +48,9 @@ CHOOSE_TALKER = (
 )
 
 
+SOON_S = 0.5
+"""Longest wait at the start for a source that may come later, s: an answer or a refusal of a near host is faster."""
+
 OPENING_S = 0.05
 """Time between two looks at a source that is being opened in the background, s."""
 
@@ -127,6 +130,7 @@ class Link:
         self._backoff = Backoff()
         self._reopening: BackgroundOpening | None = None
         self._opening = Opening(options.send, on_event)
+        self._was_open = self._is_refused = False
         self.port: OpenPort | None = port or self._first_open()
         self._was_open = self.port is not None
         if self.port is not None:
@@ -359,15 +363,35 @@ class Link:
 
     def _first_open(self) -> OpenPort | None:
         """Open the port; None for a source that is tried again, because a link without timeout waits for it."""
+        is_waited_for = self.options.waits or (self.source is not None and not self.options.timeout_s)
         try:
+            if is_waited_for and self.source is not None:
+                return self._open_soon()
             return open_port(self.name, self.baud)
         except LinkError as error:
-            is_waited_for = self.source is not None and not self.options.timeout_s
-            if not (is_waited_for or self.options.waits):
+            if not is_waited_for:
                 raise
-            self._on_event("link_refused", port=self.name, reason=str(error))
+            self._refuse(error)
             self._backoff.begin(self._monotonic())
             return None
+
+    def _open_soon(self) -> OpenPort | None:
+        """Open a source; None if it takes longer than SOON_S, so that other gyros do not wait for it."""
+        self._reopening = opening = self._background_opening()
+        opening.wait(SOON_S)
+        try:
+            port = opening.result()
+        except LinkError:
+            self._reopening = None
+            raise
+        self._reopening = opening if port is None else None
+        return port
+
+    def _refuse(self, error: Exception) -> None:
+        """Report why the port cannot be opened; that it is missing is reported once."""
+        if not (isinstance(error, PortMissingError) and (self._was_open or self._is_refused)):
+            self._on_event("link_refused", port=self.name, reason=str(error))
+        self._is_refused = True
 
     def _report_notes(self, port: SourcePort) -> None:
         for event, fields in port.notes:
@@ -399,8 +423,7 @@ class Link:
         except (LinkError, UsageError) as error:  # an adapter refuses its line rate while it is being plugged in
             self._reopening = None
             self._backoff.fail(now_s)
-            if not isinstance(error, PortMissingError):
-                self._on_event("link_refused", port=self.name, reason=str(error))
+            self._refuse(error)
             return
         if self.port is None:
             return
@@ -417,9 +440,12 @@ class Link:
         if self.source is None:
             return open_port(self.name, self.baud)
         if self._reopening is None:
-            name, baud = self.name, self.baud
-            self._reopening = BackgroundOpening(lambda: open_port(name, baud))
+            self._reopening = self._background_opening()
         return self._reopening.result()
+
+    def _background_opening(self) -> BackgroundOpening:
+        name, baud = self.name, self.baud
+        return BackgroundOpening(lambda: open_port(name, baud))
 
     def _come_back(self, now_s: float) -> None:
         gone_s = now_s - self._heard_s

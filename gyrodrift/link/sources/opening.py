@@ -4,7 +4,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import replace
 
-from gyrodrift.errors import GyrodriftError, UsageError
+from gyrodrift.errors import GyrodriftError, LinkError, UsageError
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.registry import AUTO
@@ -74,6 +74,10 @@ class BackgroundOpening:
         self._thread = threading.Thread(target=self._run, name="open source", daemon=True)
         self._thread.start()
 
+    def wait(self, most_s: float) -> None:
+        """Wait for the end of the opening."""
+        self._thread.join(most_s)
+
     def result(self) -> OpenPort | None:
         """The open port; None while the opening goes on.
 
@@ -100,6 +104,9 @@ class BackgroundOpening:
             port = self._open_port()
         except GyrodriftError as error:
             self._error = error
+            return
+        except Exception as error:  # noqa: BLE001 - of a library; the next attempt may succeed
+            self._error = LinkError(f"it cannot be opened: {type(error).__name__}: {error}")
             return
         with self._lock:
             self._port = port

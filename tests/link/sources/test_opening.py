@@ -2,6 +2,7 @@
 
 import socket
 import threading
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +12,8 @@ import pytest
 from sources_support import Events, address, lines, read_until, serving
 from support import Command, python_in
 
-from gyrodrift.errors import PortMissingError, UsageError
+from gyrodrift.errors import LinkError, PortMissingError, UsageError
+from gyrodrift.link import link as link_module
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.search import find_gyro
@@ -51,6 +53,40 @@ def test_a_port_that_opens_too_late_is_closed() -> None:
     BackgroundOpening(opened).abandon()
     may_open.set()
     assert closed.wait(20.0)
+
+
+def test_any_error_of_an_opening_is_one_of_the_link() -> None:
+    """The link then tries again."""
+
+    def fails() -> SourcePort:
+        raise KeyError("library")
+
+    opening = BackgroundOpening(fails)
+    opening.wait(20.0)
+    with pytest.raises(LinkError, match="it cannot be opened: KeyError: 'library'"):
+        opening.result()
+
+
+def test_a_host_that_does_not_answer_holds_no_start(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its refusal is reported once, when it comes."""
+    monkeypatch.setattr(link_module, "SOON_S", 0.01)
+    may_fail = threading.Event()
+
+    def resolve(*_: Any, **__: Any) -> Any:
+        may_fail.wait(20.0)
+        raise socket.gaierror(socket.EAI_NONAME, "not known")
+
+    monkeypatch.setattr(socket, "getaddrinfo", resolve)
+    events = Events()
+    link = Link(LinkOptions("tcp://gyro.local:1", timeout_s=0.0), events)
+    assert (link.port, events.told, link.read()) == (None, [], [])
+    may_fail.set()
+    read_until(link, lambda _: "link_refused" in events.names())
+    for _ in range(20):
+        link.read()
+        time.sleep(0.01)
+    link.close()
+    assert events.names() == ["link_refused"]
 
 
 def test_a_name_that_comes_later_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
