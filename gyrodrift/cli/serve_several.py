@@ -33,6 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     log, lines = serving.log_of(arguments, has_person=False), JsonLines(STDOUT)
     with StopSignal() as stop, ExitStack() as closing:
+        closing.callback(lines.close)
         services = [_service(arguments, source, lines, log, stop, closing) for source in settings]
         notify = SystemdNotify()
         closing.callback(notify.stopping)

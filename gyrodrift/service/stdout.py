@@ -183,8 +183,7 @@ class SourceLines:
         return {"lines": self.lines, "lines_dropped": self._shared.dropped}
 
     def finish(self) -> None:
-        """Do nothing: `close` writes the queued lines."""
+        """Do nothing: the lines of the other sources go on."""
 
     def close(self) -> None:
-        """Write the queued lines of all sources."""
-        self._shared.close()
+        """Do nothing: who shares the lines closes them when all sources are over."""
