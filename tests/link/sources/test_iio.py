@@ -148,6 +148,20 @@ def test_the_temperature_comes_from_sysfs(chip: IioChip) -> None:
     assert sample.temp_c == pytest.approx(35.0, abs=0.01)
 
 
+def test_a_temperature_in_the_scans_is_read(tree: IioTree) -> None:
+    """Its offset is in counts."""
+    entries = [
+        ChannelEntry("anglvel_z", "le:s16/16>>0", GYRO_SCALE),
+        ChannelEntry("temp", "be:s16/16>>0", 2.941176, 12421.0),
+        ChannelEntry("timestamp", "le:s64/64>>0"),
+    ]
+    layout = layout_of("mpu6050", 0.0, IDENTITY, entries)
+    assert layout is not None
+    content = packet(IioPacket.GYRO_LAYOUT, description(layout, entries))
+    (reading,) = IioDecoder().push(content + packet(IioPacket.GYRO_SCAN, pack("<h", 5) + pack(">h4x", -521) + bytes(8)))
+    assert reading.temp_c == pytest.approx(35.0, abs=0.01)
+
+
 def test_without_a_trigger_the_values_are_polled(chip: IioChip, tree: IioTree) -> None:
     """With the reason in the log, and the time of reading."""
     (tree.devices / "trigger0" / "name").write_text("other\n")
@@ -227,8 +241,8 @@ def test_port_auto_takes_the_only_gyro(chip: IioChip) -> None:
         assert link.device.device_id == "mpu6050"
         assert link.counted()["damaged"] == 0
         assert isinstance(link.port, IioPort)
-    found = next(fields for event, fields in events.told if event == "port_found")
-    assert found["rate_hz"] == pytest.approx(100.0, abs=0.2)
+    fields = next(fields for event, fields in events.told if event == "port_found")
+    assert fields["rate_hz"] == pytest.approx(100.0, abs=0.2)
 
 
 def test_an_unknown_device_is_an_error_with_the_known_ones(chip: IioChip) -> None:
