@@ -4,18 +4,21 @@ Scans come through the buffer of the kernel with its timestamps, by a trigger or
 trigger, the values in sysfs are polled.
 """
 
-from gyrodrift.errors import LinkError, UsageError
+from gyrodrift.errors import LinkError, PortDeniedError, PortMissingError, UsageError
 from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.link.sources import iio_sysfs
 from gyrodrift.link.sources.iio_buffer import Scans, elements_folder
-from gyrodrift.link.sources.iio_polled import PolledPort, Repeated, Temperature
+from gyrodrift.link.sources.iio_polled import POLL_HZ, PolledPort, Repeated, Temperature
 from gyrodrift.link.sources.iio_scans import IIO_PROTOCOL, IioPacket
 from gyrodrift.link.sources.iio_sysfs import IioDevice, accelerometer_of, device_named, iio_devices
 from gyrodrift.link.sources.packets import packet
 from gyrodrift.link.sources.query import split_query
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
 
-OPTIONS = ("accel", "rate", "trigger")
+OPTIONS = ("accel", "rate", "trigger", "poll")
+
+FASTEST_POLL_HZ = 1000
+"""Highest rate of `poll=`; faster chips need the buffer."""
 
 
 class IioPort(SourcePort):
@@ -66,8 +69,9 @@ def open_iio(address: SourceAddress) -> SourcePort:
         _set_rate(gyro, options["rate"], address.text)
         if accel is not None:
             accel.try_to_write("sampling_frequency", options["rate"])
-    reason = _why_polled(gyro, options.get("trigger"), address.text)
-    port = _buffered(address.text, gyro, accel) if not reason else PolledPort(address.text, gyro, accel)
+    poll_hz = _poll_hz(gyro, options.get("poll"), address.text)
+    reason = "poll=" if "poll" in options else _why_polled(gyro, options.get("trigger"), address.text)
+    port = _buffered(address.text, gyro, accel) if not reason else PolledPort(address.text, gyro, accel, poll_hz)
     if reason:
         port.note("iio_polled", reason=reason)
     if gyro.matrix("anglvel") is None:
@@ -93,15 +97,31 @@ def _buffered(text: str, gyro: IioDevice, accel: IioDevice | None) -> IioPort:
         raise
 
 
+def _poll_hz(gyro: IioDevice, text: str | None, address: str) -> float:
+    """Rate of polling: that of the address, else that of the device up to `POLL_HZ`."""
+    if text is None:
+        return max(1.0, min(gyro.rate_hz() or POLL_HZ, POLL_HZ))
+    if not (text.isascii() and text.isdigit() and 0 < int(text[:6]) <= FASTEST_POLL_HZ):
+        raise UsageError(f"--port {address}: poll={text} is no number from 1 to {FASTEST_POLL_HZ}")
+    return float(text)
+
+
 def _set_rate(device: IioDevice, rate: str, text: str) -> None:
     for attribute in ("in_anglvel_sampling_frequency", "sampling_frequency"):
         if device.text(attribute):
-            if device.try_to_write(attribute, rate):
-                return
-            names = f"{attribute}_available"
-            possible = device.text(names) or device.text("sampling_frequency_available") or "unknown"
-            raise UsageError(f"--port {text}: {device.name} cannot measure at rate={rate}; possible rates: {possible}")
+            try:
+                device.write(attribute, rate)
+            except (PortDeniedError, PortMissingError):
+                raise
+            except LinkError as error:
+                raise _impossible_rate(device, attribute, rate, text) from error
+            return
     raise UsageError(f"--port {text}: {device.name} has no sampling_frequency in {device.folder}; leave out rate=")
+
+
+def _impossible_rate(device: IioDevice, attribute: str, rate: str, text: str) -> UsageError:
+    possible = device.text(f"{attribute}_available") or device.text("sampling_frequency_available") or "unknown"
+    return UsageError(f"--port {text}: {device.name} cannot measure at rate={rate}; possible rates: {possible}")
 
 
 def _why_polled(device: IioDevice, trigger: str | None, text: str) -> str:

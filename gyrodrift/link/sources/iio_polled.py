@@ -15,7 +15,7 @@ from gyrodrift.link.sources.packets import packet
 from gyrodrift.link.sources.source import SourcePort
 
 POLL_HZ = 100.0
-"""Highest rate of polling: a value takes about 0.4 ms at an I²C bus of 400 kHz, and there are six."""
+"""Usual highest rate of polling: a value takes about 0.4 ms at an I²C bus of 400 kHz, and there are six."""
 
 DESCRIBE_S = 1.0
 """Time between two descriptions, s, as devices of the native protocol send them."""
@@ -47,9 +47,8 @@ class Repeated:
 class PolledPort(SourcePort):
     """Gyro and accelerometer whose values are read from sysfs, with the time of reading."""
 
-    def __init__(self, path: str, gyro: IioDevice, accel: IioDevice | None) -> None:
+    def __init__(self, path: str, gyro: IioDevice, accel: IioDevice | None, rate_hz: float) -> None:
         super().__init__(path, None)
-        rate_hz = min(gyro.rate_hz() or POLL_HZ, POLL_HZ)
         self.wake_s = 1.0 / rate_hz
         self._due_s = 0.0
         self._files: list[int] = []

@@ -167,8 +167,8 @@ def explained(path: Path, error: OSError) -> LinkError:
     """Error about an attribute or a device file."""
     if error.errno in (errno.EACCES, errno.EPERM):
         return PortDeniedError(
-            f"{path}: no permission; run as root, or put {RULE} into /etc/udev/rules.d/99-iio.rules, and join the "
-            "group with 'sudo usermod -aG dialout $USER'"
+            f"{path}: no permission; poll with ?poll=100, or put {RULE} into /etc/udev/rules.d/99-iio.rules, and join "
+            "the group with 'sudo usermod -aG dialout $USER'"
         )
     if error.errno == errno.EBUSY:
         return PortBusyError(f"{path}: another program reads this device; stop that program first, such as iiod")

@@ -177,6 +177,33 @@ def test_without_a_trigger_the_values_are_polled(chip: IioChip, tree: IioTree) -
     assert "no trigger; create one in configfs" in polled["reason"]
 
 
+def test_the_address_can_ask_for_polling(chip: IioChip) -> None:
+    """Nothing is written, so no permission is needed."""
+    with closing(Link(LinkOptions("iio:mpu6050?poll=250"), Events())) as link:
+        assert link.wake_s() <= 0.004
+        assert len(read_until(link, lambda samples: len(samples) >= 3)) >= 3
+    assert chip.text("trigger/current_trigger") == ""
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        ("poll=0", "poll=0 is no number from 1 to 1000"),
+        ("poll=x", "poll=x is no number from 1 to 1000"),
+        ("gain=1", "'gain=1' is no option of this source; there are accel=… and rate=…"),
+    ],
+)
+def test_a_wrong_option_is_an_error(chip: IioChip, options: str, expected: str) -> None:
+    with pytest.raises(UsageError, match=expected):
+        Link(LinkOptions(f"iio:mpu6050?{options}"), Events())
+
+
+def test_a_device_without_sampling_frequency_is_an_error(chip: IioChip) -> None:
+    (chip.folder / "sampling_frequency").unlink()
+    with pytest.raises(UsageError, match=r"mpu6050 has no sampling_frequency in .*; leave out rate="):
+        Link(LinkOptions("iio:mpu6050?rate=200"), Events())
+
+
 def test_a_device_without_a_buffer_is_polled(tree: IioTree, chip: IioChip) -> None:
     """With rates about all axes and the accelerometer of the same chip."""
     chip.pipe.unlink()
