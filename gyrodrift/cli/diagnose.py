@@ -17,7 +17,6 @@ from gyrodrift.files import check_inputs_kept, check_writable, write_whole
 EXAMPLES = """\
 gyrodrift diagnose sessions --out report
 gyrodrift diagnose sessions --rig my-rig.yaml --out report
-gyrodrift diagnose today --baseline last-month --out difference
 gyrodrift diagnose real --baseline their-simulator --export gazebo --export json --out report
 """
 EXPORTS = ("gazebo", "kalibr", "mujoco", "json")
