@@ -143,13 +143,13 @@ def set_aside(verdict: Verdict, costs_deg: Mapping[str, float]) -> Verdict:
 def without_causes(verdict: Verdict, causes: Collection[str], forms: Collection[str], evidence: Evidence) -> Verdict:
     """The verdict without some causes, and without some out-of-catalog forms, given by their features.
 
-    A feature beyond the threshold stays. Features that deviate only together do not: what made them probable may be
-    what was removed.
+    A feature beyond the threshold stays. If only forms are removed, features that deviate together alone do not: a form
+    of chance made them probable.
     """
 
     def stays(deviation: Deviation) -> bool:
         is_form = deviation.feature in forms
-        return abs(deviation.z) > evidence.threshold_z if is_form else deviation.is_beyond_chance
+        return abs(deviation.z) > evidence.threshold_z if is_form else bool(causes) or deviation.is_beyond_chance
 
     where, unexplained = (shared([*filter(stays, group)]) for group in (verdict.where, verdict.unexplained))
     verdict = replace(verdict, probability_none=None, probability_unknown=None)

@@ -107,6 +107,17 @@ def test_a_form_of_chance_that_deviates_in_no_feature_is_no_gap() -> None:
         assert without(conclusion, forms=("moving",))[0] is kind
 
 
+def test_features_that_deviate_together_are_no_gap_without_a_form_of_chance() -> None:
+    """The form made them probable. Without a cause they stay: the cause may act and its share be unknown."""
+    conclusion = concluded({"rate": 10.0, "moving": 9.0}, *TRIED)
+    evidence = conclusion.explanation.evidence
+    together = tuple(replace(deviation, is_beyond_chance=False) for deviation in conclusion.verdict.where)
+    verdict = replace(conclusion.verdict, where=together, unexplained=together)
+    named = [cause.effect.name for cause in verdict.causes]
+    assert without_causes(replace(verdict, causes=()), (), ("direction",), evidence).where == ()
+    assert without_causes(verdict, named, (), evidence).kind is Kind.UNKNOWN
+
+
 def test_beside_a_cause_a_form_of_chance_leaves_nothing_unexplained() -> None:
     """The cause alone is the effect then."""
     conclusion = concluded({"rate": 10.0, "moving": 2.2, "direction": 1.1}, *TRIED)
