@@ -42,12 +42,6 @@ BAUD_TRIAL_WARM_S = 4.0
 TELL_S = 10.0
 """Time after which a link without timeout reports why it understands nothing, s."""
 
-CHOOSE_TALKER = (
-    "the first talker is used; --columns 'TIROT 1=rate:lsb/60:-' chooses another one, here the rate of TI, "
-    "and --columns 'HEHDT 1=yaw:deg:-' the heading of HE"
-)
-
-
 SOON_S = 0.5
 """Longest wait at the start for a source that may come later, s: an answer or a refusal of a near host is faster."""
 
@@ -289,7 +283,8 @@ class Link:
             self._meet(self.decoder.device)
         if self.decoder.counters.passed_over != self._passed_over:
             self._passed_over = self.decoder.counters.passed_over
-            self._on_event("talkers_passed_over", names=", ".join(sorted(self._passed_over)), hint=CHOOSE_TALKER)
+            hint = self._protocols[self.decoder.name].choice_hint
+            self._on_event("talkers_passed_over", names=", ".join(sorted(self._passed_over)), hint=hint)
         return readings
 
     def _meet(self, device: DeviceDescription) -> None:

@@ -47,6 +47,8 @@ class WireProtocol:
         Whether its devices send exactly 0 at rest, because their filter removes bias and noise.
     without_rate
         Advice for a device that sends no rate; empty if every frame has one.
+    choice_hint
+        Advice if the stream holds further devices, which are passed over.
     """
 
     name: str
@@ -63,3 +65,7 @@ class WireProtocol:
     asked_decoder: Callable[[], Decoder] | None = None
     holds_zero: bool = False
     without_rate: str = ""
+    choice_hint: str = (
+        "the first talker is used; --columns 'TIROT 1=rate:lsb/60:-' chooses another one, here the rate of TI, "
+        "and --columns 'HEHDT 1=yaw:deg:-' the heading of HE"
+    )

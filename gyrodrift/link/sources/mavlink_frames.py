@@ -42,6 +42,8 @@ Vehicles stream a message at least once a second. Chosen.
 """
 
 CLOCK_MASK = 0xFFFFFFFF
+MOST_NAMES = 8
+"""Most vehicles that are named."""
 
 
 class MavlinkMessage(NamedTuple):
@@ -175,6 +177,14 @@ class MavlinkDecoder(FrameDecoder):
             self._wait(*measured, readings)
         else:
             self.counters.other_frames += 1
+            if measured is not None:
+                self._pass_over(measured[0])
+
+    def _pass_over(self, stream: MavlinkStream) -> None:
+        """Name another vehicle; noise and hostile input may have many."""
+        followed, names = self._chosen or self._candidate, self.counters.passed_over
+        if followed is not None and stream[2:] != followed[2:] and len(names) < MOST_NAMES:
+            self.counters.passed_over = names | {f"{stream.system}/{stream.component}"}
 
     def _is_candidate(self, stream: MavlinkStream) -> bool:
         """Whether a stream is the best of the vehicle so far, before one is chosen."""
@@ -272,4 +282,5 @@ def mavlink_protocol(choice: ImuChoice) -> WireProtocol:
         is_detected=False,
         has_unit=True,
         without_rate=WITHOUT_RATE,
+        choice_hint="the first vehicle is used; append ?system=N to the address for another one",
     )

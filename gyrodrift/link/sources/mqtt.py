@@ -25,11 +25,11 @@ from gyrodrift.link.sources.mqtt_packets import (
 )
 from gyrodrift.link.sources.query import split_query
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
-from gyrodrift.link.sources.stream_channel import StreamChannel, host_and_path, open_channel, tls_context
+from gyrodrift.link.sources.stream_channel import TLS_OPTIONS, StreamChannel, host_and_path, open_channel, tls_context
 
 PLAIN_PORT, TLS_PORT = 1883, 8883
 TLS = "mqtts"
-OPTIONS = ("password_file", "ca")
+OPTIONS = ("password_file", *TLS_OPTIONS)
 PASSWORD_VARIABLE = "GYRODRIFT_MQTT_PASSWORD"  # noqa: S105 - the name of a variable
 LONGEST_TEXT_BYTES = 0xFFFF
 """Longest topic or password in bytes: its length field has 16 bits."""

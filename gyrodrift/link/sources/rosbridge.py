@@ -13,7 +13,7 @@ from gyrodrift.link.sources.packets import LONGEST_BYTES, packet
 from gyrodrift.link.sources.query import split_query
 from gyrodrift.link.sources.ros_imu import MESSAGE, ROSBRIDGE_PROTOCOL
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
-from gyrodrift.link.sources.stream_channel import StreamChannel, host_and_path, open_channel, tls_context
+from gyrodrift.link.sources.stream_channel import TLS_OPTIONS, StreamChannel, host_and_path, open_channel, tls_context
 
 if TYPE_CHECKING:
     from websockets.uri import WebSocketURI
@@ -126,7 +126,7 @@ def open_rosbridge(address: SourceAddress) -> RosbridgePort:
     """
     from websockets.uri import parse_uri  # noqa: PLC0415 - a package of the extra
 
-    rest, options = split_query(address, ("ca",))
+    rest, options = split_query(address, TLS_OPTIONS)
     host, port, topic = host_and_path(address, rest, USUAL_PORT)
     if not topic:
         raise UsageError(

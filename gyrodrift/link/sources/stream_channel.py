@@ -12,6 +12,9 @@ from gyrodrift.link.port import READ_BYTES, READS_PER_TURN, PortGoneError
 from gyrodrift.link.sources.sockets import connected
 from gyrodrift.link.sources.source import SourceAddress
 
+TLS_OPTIONS = ("ca", "certificate", "key")
+"""Options of an address with TLS."""
+
 ANSWER_S = 5.0
 """Longest wait for an answer while a channel is opened, s. Chosen: as for a connection."""
 
@@ -125,17 +128,26 @@ def open_channel(address: SourceAddress, host: str, port: int, context: ssl.SSLC
 def tls_context(address: SourceAddress, options: Mapping[str, str]) -> ssl.SSLContext:
     """Context that checks the certificate of the server against `ca=FILE`, or those of the system.
 
+    `certificate=FILE` is shown to the server, and `key=FILE` holds its key, if that is a separate file.
+
     Raises
     ------
     UsageError
         The file cannot be used.
     """
+    files = {name: options[name] for name in TLS_OPTIONS if name in options}
     try:
-        if "ca" in options:
-            check_ordinary(Path(options["ca"]))
-        return ssl.create_default_context(cafile=options.get("ca"))
-    except (OSError, ValueError, UnreadableError) as error:
-        raise UsageError(f"--port {address.text}: cannot use ca={options.get('ca')}: {error}") from error
+        for path in files.values():
+            check_ordinary(Path(path))
+        context = ssl.create_default_context(cafile=files.get("ca"))
+        if "certificate" in files:
+            context.load_cert_chain(files["certificate"], files.get("key"))
+    except (OSError, ValueError, UnreadableError) as error:  # ssl.SSLError is an OSError
+        named = ", ".join(f"{name}={path}" for name, path in files.items())
+        raise UsageError(
+            f"--port {address.text}: cannot use {named or 'the certificates of this system'}: {error}"
+        ) from error
+    return context
 
 
 def host_and_path(address: SourceAddress, rest: str, usual_port: int) -> tuple[str, int, str]:

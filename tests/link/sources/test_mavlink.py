@@ -134,6 +134,26 @@ def test_one_vehicle_is_read() -> None:
         assert [round(reading.rate_dps, 4) for reading in readings] == [round(degrees(rads), 4)] * 9
 
 
+def test_other_vehicles_are_reported() -> None:
+    """With the way to choose one; a few names are enough."""
+    first, second = Vehicle(1), Vehicle(2)
+    content = b"".join(first.highres(1000 * step, -1.0) + second.highres(1000 * step, -2.0) for step in range(9))
+    content += b"".join(Vehicle(system).highres(9_000, -2.0) for system in range(3, 50))
+    _, decoder = decoded(content)
+    assert len(decoder.counters.passed_over) == 8
+    events, port = Events(), free_port()
+    link = Link(LinkOptions(f"mavlink:udpin::{port}"), events)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle:
+        vehicle.sendto(first.highres(1_000, -1.0) + second.highres(1_000, -2.0), ("127.0.0.1", port))
+        read_until(link, lambda samples: len(samples) == 1)
+    link.close()
+    fields = next(fields for event, fields in events.told if event == "talkers_passed_over")
+    assert fields == {
+        "names": "2/1",
+        "hint": "the first vehicle is used; append ?system=N to the address for another one",
+    }
+
+
 def test_raw_imu_is_read_with_the_unit_of_the_address_alone() -> None:
     """Its counts have no unit, so no guess is made."""
     content = b"".join(Vehicle().raw(10_000 * step, -500) for step in range(120))

@@ -126,6 +126,24 @@ def test_a_certificate_is_checked(number: int, tmp_path: Path) -> None:
             assert len(read_until(link, lambda samples: len(samples) == 2000)) == 2000
 
 
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl, which makes the certificate, is not installed")
+def test_a_certificate_of_the_client_is_shown(number: int, tmp_path: Path) -> None:
+    made = certificate(tmp_path, "IP:127.0.0.1")
+    key = made.with_suffix(".key")
+    settings = (
+        "allow_anonymous true",
+        f"certfile {made}",
+        f"keyfile {key}",
+        f"cafile {made}",
+        "require_certificate true",
+    )
+    address = f"mqtts://127.0.0.1:{number}/{TOPIC}?ca={made}"
+    with broker(number, tmp_path, *settings):
+        with pytest.raises(LinkError, match=r"(server|broker) ends the connection|no TLS|closes the connection"):
+            Link(LinkOptions(address), Events())
+        Link(LinkOptions(f"{address}&certificate={made}&key={key}"), Events()).close()
+
+
 def test_tls_without_a_certificate_is_an_error(number: int, tmp_path: Path) -> None:
     with broker(number, tmp_path), pytest.raises(LinkError, match=r"no TLS with 127.0.0.1: .*a port without TLS"):
         Link(LinkOptions(f"mqtts://127.0.0.1:{number}/{TOPIC}"), Events())
