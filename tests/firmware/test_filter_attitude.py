@@ -29,7 +29,8 @@ OUTPUT_ROUNDING = 1e-7
 """Likewise of the other outputs: near 0, the arc cosine of the tilt has half of the digits."""
 
 FLOAT_DEG, FLOAT_SHARE = 0.005, 2e-3
-"""Largest yaw difference of float, and likewise as a share of the yaw sigma. Measured: docs/firmware/filter.md."""
+"""Largest yaw difference of float, and likewise as a share of the yaw sigma.
+Measured: tests/bench/test_attitude_accuracy.py."""
 
 USUAL = RestlevelParams()
 Session = tuple[Floats, Floats]
