@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from gyrodrift.tune.result import Tuning
 
 EXAMPLES = """\
-gyrodrift tune sessions --out my.yaml --report report --header my_gyro.h
+gyrodrift tune sessions --out my.yaml --report report
 gyrodrift tune sessions --out my.yaml --filter restlevel --test bench/monday.mcap
 gyrodrift tune sessions --out my.yaml --header my_gyro.h --seeds 3 --jobs 2 --range tau_s=0.01:2
 """
