@@ -161,7 +161,7 @@ def _check_topic(address: SourceAddress, topic: str) -> None:
 
 def _password(address: SourceAddress, options: Mapping[str, str]) -> bytes:
     if "password_file" not in options:
-        return os.environb.get(PASSWORD_VARIABLE.encode(), b"")[:LONGEST_TEXT_BYTES]
+        return os.environ.get(PASSWORD_VARIABLE, "").encode("utf-8", "surrogateescape")[:LONGEST_TEXT_BYTES]
     path = options["password_file"]
     try:
         return read_ordinary(Path(path), LONGEST_TEXT_BYTES).content.rstrip(b"\r\n")
