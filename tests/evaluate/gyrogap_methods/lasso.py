@@ -16,7 +16,7 @@ from gyrodrift.gyrogap.physics.motion import Floats
 
 PENALTY = 8.0
 HALVES = 40
-SEGMENT_BLOCKS = 100
+SEGMENT_BLOCKS = 20
 
 EFFECT_OF = {
     "lag": "latency",

@@ -9,7 +9,12 @@ from gyrodrift.gyrogap.estimators import period_s
 from gyrodrift.gyrogap.physics.bench import Columns
 from gyrodrift.gyrogap.physics.motion import Floats
 
-BLOCK_S = 0.1
+BLOCK_S = (0.1, 2.0)
+"""Shortest and longest block, s."""
+
+BLOCK_COUNTS_S = 2000.0
+"""Length of a block times counts of a turn: a coarse encoder needs longer blocks, because its noise is not white."""
+
 CALIBRATED_C = 25.0
 WARM_S = (30.0, 120.0)
 """Time constants of a warm-up."""
@@ -35,7 +40,7 @@ class RateError:
 def rate_error(columns: Columns, simulator: dict[str, Any]) -> RateError:
     """Rate error of a session; what the simulator states is subtracted."""
     step_s = period_s(columns)
-    samples = max(1, round(BLOCK_S / step_s))
+    samples = block_samples(simulator, step_s)
 
     def blocks(values: Floats) -> Floats:
         means: Floats = values[: len(values) // samples * samples].reshape(-1, samples).mean(axis=1)
@@ -67,6 +72,12 @@ def rate_error(columns: Columns, simulator: dict[str, Any]) -> RateError:
     for name, size in stated_sizes(simulator).items():
         error = error - size * regressors[name]
     return RateError(error, regressors, sigma_dps)
+
+
+def block_samples(simulator: dict[str, Any], step_s: float) -> int:
+    """Samples of a block: longer for a coarse encoder."""
+    length_s = float(np.clip(BLOCK_COUNTS_S / simulator["base"]["encoder_cpr"], *BLOCK_S))
+    return max(1, round(length_s / step_s))
 
 
 def stated_sizes(simulator: dict[str, Any]) -> dict[str, float]:

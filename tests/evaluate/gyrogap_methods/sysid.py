@@ -17,11 +17,11 @@ from mujoco import sysid
 from scipy.signal import lfilter
 
 from evaluate.gyrogap_methods.cases import Answer, PublicCase
+from evaluate.gyrogap_methods.rate_error import block_samples
 from gyrodrift.gyrogap.estimators import period_s
 from gyrodrift.gyrogap.physics.bench import Columns
 from gyrodrift.gyrogap.physics.motion import Floats
 
-BLOCK_S = 0.1
 LEAST_CHANGE = 0.8
 GRAVITY_MPS2 = 9.80665
 ITERATIONS = 25
@@ -101,7 +101,7 @@ class SessionModel:
 def session_model(columns: Columns, simulator: dict[str, Any]) -> SessionModel:
     """Prepare a session; counts of the encoder are the noise of its rate."""
     base, step_s = simulator["base"], period_s(columns)
-    samples = max(1, round(BLOCK_S / step_s))
+    samples = block_samples(simulator, step_s)
     block_s = samples * step_s
     count_dps = 360.0 / base["encoder_cpr"] / np.sqrt(6.0) / block_s
     sigma_dps = float(np.hypot(base["noise_dps_rthz"] / np.sqrt(block_s), count_dps))
@@ -117,7 +117,7 @@ def residual(x: dict[str, float], model: SessionModel, bias_dps: float) -> list[
     parts = [(model.blocks(columns.rate_dps) - model.blocks(rate)).ravel() / model.sigma_dps]
     host_s = columns.t_host_s - columns.t_host_s[0]
     device_s = columns.t_device_s - columns.t_device_s[0]
-    parts.append(model.blocks(device_s - host_s * (1.0 + x["clock"] * 1e-6)).ravel()[::20] / 1e-3)
+    parts.append(model.blocks(device_s - host_s * (1.0 + x["clock"] * 1e-6)).ravel() / 1e-3)
     if columns.axes is not None:
         parts += _axes_residual(x, model)
     return parts
@@ -161,11 +161,12 @@ def changes(case: PublicCase) -> tuple[dict[str, float], dict[str, float]]:
         parts.append(np.array([(x[name] - stated.get(name, 0.0)) / (PRIOR * free[name][2]) for name in free]))
         return parts, None, None
 
-    options = {"max_iters": ITERATIONS, "x_scale": scale, "loss": "soft_l1", "diff_step": 1e-4}
+    toolbox: Any = sysid
+    options: dict[str, Any] = {"max_iters": ITERATIONS, "x_scale": scale, "loss": "soft_l1", "diff_step": 1e-4}
     with redirect_stdout(StringIO()):  # the optimizer prints each step
-        _, result = sysid.optimize(parameters, residuals, optimizer="scipy", verbose=False, **options)
+        _, result = toolbox.optimize(parameters, residuals, optimizer="scipy", verbose=False, **options)
     fitted = dict(zip(names, result.x.tolist(), strict=True))
-    _, intervals = sysid.calculate_intervals(residuals(result.x, None)[0], result.jac)
+    _, intervals = toolbox.calculate_intervals(residuals(result.x, None)[0], result.jac)
     units = {
         name: max(free[name][2], float(interval)) if np.isfinite(interval) else np.inf
         for name, interval in zip(names, intervals, strict=True)
