@@ -53,8 +53,10 @@ class BenchmarkAnswer:
 
     @property
     def top(self) -> AnsweredCause | None:
-        """The most probable cause, if the verdict is a cause."""
-        return self.causes[0] if self.causes and self.verdict == "cause" else None
+        """The most probable cause, if the verdict is a cause, or it is named beside an unknown part of the gap."""
+        if not self.causes or self.verdict == "none":
+            return None
+        return self.causes[0] if self.verdict == "cause" or self.causes[0].probability >= NAMED_FROM else None
 
     @property
     def named(self) -> tuple[AnsweredCause, ...]:

@@ -38,6 +38,15 @@ def test_causes_are_sorted_and_named_from_one_half() -> None:
     assert answer(("spikes", 0.3), none=0.6).named == ()
 
 
+def test_a_cause_can_be_named_beside_an_unknown_part() -> None:
+    """From 0.5; a weaker cause gives way to unknown, and every cause to none."""
+    partly = answer(("latency", 0.9), unknown=1.0)
+    assert partly.verdict == "unknown"
+    assert partly.top is not None
+    assert answer(("latency", 0.4), unknown=1.0).top is None
+    assert answer(("latency", 0.6), none=0.7).top is None
+
+
 @pytest.mark.parametrize(
     ("stated", "message"),
     [
