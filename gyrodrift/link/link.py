@@ -119,12 +119,13 @@ class Link:
         self._check: UnitCheck | None = None
         self._is_told = False
         self._is_angle_told = False
-        self._opened_s = self._heard_s = monotonic()
+        self._opened_s = self._heard_s = self._back_s = monotonic()
         self._trial_s: float | None = None
         self._backoff = Backoff()
         self._reopening: BackgroundOpening | None = None
         self._opening = Opening(options.send, on_event)
         self._was_open = self._is_refused = False
+        self._refusal = ""
         self.port: OpenPort | None = port or self._first_open()
         self._was_open = self.port is not None
         if self.port is not None:
@@ -383,10 +384,12 @@ class Link:
         return port
 
     def _refuse(self, error: Exception) -> None:
-        """Report why the port cannot be opened; that it is missing is reported once."""
-        if not (isinstance(error, PortMissingError) and (self._was_open or self._is_refused)):
-            self._on_event("link_refused", port=self.name, reason=str(error))
-        self._is_refused = True
+        """Report why the port cannot be opened, and once that it is missing; a reason is not repeated."""
+        reason = str(error)
+        is_known = isinstance(error, PortMissingError) and (self._was_open or self._is_refused)
+        if not is_known and reason != self._refusal:
+            self._on_event("link_refused", port=self.name, reason=reason)
+        self._is_refused, self._refusal = True, reason
 
     def _report_notes(self, port: SourcePort) -> None:
         for event, fields in port.notes:
@@ -406,7 +409,10 @@ class Link:
         if isinstance(self.port, SourcePort):
             self._report_notes(self.port)
         self.close()
-        self._backoff.begin(self._monotonic())
+        if self._heard_s < self._back_s:  # a peer that accepts and closes would be called 20 times a second
+            self._backoff.fail(self._monotonic())
+        else:
+            self._backoff.begin(self._monotonic())
         self._on_event("link_lost", port=self.name)
 
     def _reopen(self) -> None:
@@ -423,6 +429,7 @@ class Link:
         if self.port is None:
             return
         self._reopening = None
+        self._refusal = ""
         if self._was_open:
             self._come_back(now_s)
         else:
@@ -445,7 +452,8 @@ class Link:
     def _come_back(self, now_s: float) -> None:
         gone_s = now_s - self._heard_s
         self.counters.reconnects += 1
-        self.counters.gone_s += gone_s
+        self.counters.gone_s += now_s - max(self._heard_s, self._back_s)
+        self._back_s = now_s
         if self.decoder is not None:
             self.decoder = renewed(self._protocols[self.decoder.name], self.decoder)
         if self.clock is not None:

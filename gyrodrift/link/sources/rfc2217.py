@@ -8,7 +8,7 @@ import socket
 import time
 
 from gyrodrift.errors import LinkError
-from gyrodrift.link.port import PortGoneError
+from gyrodrift.link.port import READ_BYTES, PortGoneError
 from gyrodrift.link.sources.sockets import SocketPort, connected
 from gyrodrift.link.sources.source import ByteSource, SourceAddress
 from gyrodrift.link.sources.telnet import DO, DONT, IAC, SB, SE, WILL, WONT, TelnetReceived, TelnetStream, escaped
@@ -89,6 +89,7 @@ class Rfc2217Port(SocketPort):
                 self._take(self._stream.push(super().read()))
             except PortGoneError as error:
                 raise LinkError(f"{self.path}: the server closed the connection; is the serial port in use?") from error
+            self._content = self._content[-READ_BYTES:]
         if not self._is_accepted:
             address = self.path.partition("://")[2]
             raise LinkError(

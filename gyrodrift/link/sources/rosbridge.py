@@ -56,6 +56,8 @@ class RosbridgePort(SourcePort):
         if self._protocol.handshake_exc is not None:
             reason = shortened(str(self._protocol.handshake_exc), LONGEST_REASON)
             raise LinkError(f"{self.path}: this is no rosbridge server: {reason}")
+        if self._protocol.close_expected():
+            raise LinkError(f"{self.path}: the server ends the connection: {self._end_reason()}")
         request = {"op": "subscribe", "topic": topic, "type": TYPE}
         self._protocol.send_text(json.dumps(request).encode())
         self._flush()
@@ -70,14 +72,18 @@ class RosbridgePort(SourcePort):
         packets = [self._taken(message) for message in self._messages()]
         self._flush()
         if self._protocol.close_expected():
-            reason = self._protocol.close_reason or str(self._protocol.parser_exc or "the server closes")
-            self.note("source_refused", reason=shortened(reason, LONGEST_REASON))
+            self.note("source_refused", reason=self._end_reason())
             raise PortGoneError(self.path)
         return b"".join(packets)
 
     def close(self) -> None:
         """Close the connection."""
         self._channel.close()
+
+    def _end_reason(self) -> str:
+        """Reason why the connection ends."""
+        reason = self._protocol.close_reason or str(self._protocol.parser_exc or "the server closes")
+        return shortened(reason, LONGEST_REASON)
 
     def _messages(self) -> list[bytes]:
         """Complete messages; a message may come in several frames."""
@@ -86,7 +92,8 @@ class RosbridgePort(SourcePort):
         messages: list[bytes] = []
         for event in self._protocol.events_received():
             if isinstance(event, Frame) and event.opcode in DATA_OPCODES:
-                self._parts.append(bytes(event.data))
+                if event.data:  # empty frames cost no memory
+                    self._parts.append(bytes(event.data))
                 if event.fin:
                     messages.append(b"".join(self._parts))
                     self._parts = []

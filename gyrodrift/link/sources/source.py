@@ -1,5 +1,6 @@
 """Record of a source, and the port that it opens."""
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
@@ -9,6 +10,9 @@ from gyrodrift.errors import UsageError
 from gyrodrift.link.port import Port
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.serial_port import SerialPort
+
+PORT_NUMBER = re.compile(r"0{0,4}[1-9][0-9]{0,4}")
+LAST_PORT = 0xFFFF
 
 NOTES_MAX = 16
 """Largest number of events that wait for the link; hostile input could make many."""
@@ -94,11 +98,13 @@ class SourceAddress:
         Raises
         ------
         UsageError
-            The address has another form, or no host and there is no default.
+            The address has another form, or a user name, or no host and there is no default.
         """
         host, mark, port = self.rest.rstrip("/").rpartition(":")
         host = host.removeprefix("[").removesuffix("]") or default_host
-        if not mark or not host or not (port.isascii() and port.isdigit()) or not 0 < int(port[:6]) <= 0xFFFF:
+        if "@" in host:  # it is not repeated here: it may hold a password
+            raise UsageError(f"--port {self.scheme}:…@…: this source knows no users; leave out everything up to the @")
+        if not mark or not host or PORT_NUMBER.fullmatch(port) is None or int(port) > LAST_PORT:
             slashes = "" if ":" in self.scheme else "//"
             expected = f"{self.scheme}:{slashes}{'[HOST]' if default_host else 'HOST'}:PORT"
             raise UsageError(f"--port {self.text}: expected {expected} with a port from 1 to 65535")

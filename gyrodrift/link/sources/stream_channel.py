@@ -1,6 +1,7 @@
 """Stream socket with or without TLS: wait for answers while it is opened, later read without waiting."""
 
 import ssl
+import time
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -16,7 +17,7 @@ TLS_OPTIONS = ("ca", "certificate", "key")
 """Options of an address with TLS."""
 
 ANSWER_S = 5.0
-"""Longest wait for an answer while a channel is opened, s. Chosen: as for a connection."""
+"""Longest wait for all answers while a channel is opened, s. Chosen: as for a connection."""
 
 
 class StreamChannel:
@@ -28,6 +29,7 @@ class StreamChannel:
 
     def __init__(self, path: str, connection: socket) -> None:
         connection.settimeout(ANSWER_S)
+        self._until_s = time.monotonic() + ANSWER_S
         self.path = path
         self.fd = connection.fileno()
         self.has_more = False
@@ -45,10 +47,15 @@ class StreamChannel:
         LinkError
             The peer closes the connection, or does not answer.
         """
+        left_s = self._until_s - time.monotonic()
+        silence = f"{self.path}: the server does not answer within {ANSWER_S:g} s"
+        if left_s <= 0.0:  # a peer that sends bytes for ever, and no answer
+            raise LinkError(silence)
+        self._connection.settimeout(left_s)
         try:
             chunk = self._connection.recv(READ_BYTES)
         except TimeoutError as error:
-            raise LinkError(f"{self.path}: the server does not answer within {ANSWER_S:g} s") from error
+            raise LinkError(silence) from error
         except OSError as error:
             raise LinkError(f"{self.path}: the server ends the connection: {error}") from error
         if not chunk:

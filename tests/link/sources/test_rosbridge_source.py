@@ -22,12 +22,17 @@ from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.sources.packets import packet
 from gyrodrift.link.sources.ros_imu import MESSAGE, RosImuDecoder
+from gyrodrift.link.sources.rosbridge import RosbridgePort, open_rosbridge
+from gyrodrift.link.sources.source import SourceAddress
+from gyrodrift.link.sources.stream_channel import StreamChannel
 from gyrodrift.sample import Reading
 
 pytest.importorskip("websockets", reason="websockets is not installed: pip install 'gyrodrift[websocket]'")
 
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import ServerConnection, serve
+from websockets.uri import parse_uri
+from websockets.utils import accept_key
 
 TOPIC = "/imu/data"
 GRAVITY_MPS2 = 9.80665
@@ -299,3 +304,59 @@ def test_deeply_nested_json_is_damage() -> None:
     decoder = RosImuDecoder()
     assert decoder.push(packet(MESSAGE, b"[" * 4000) + packet(MESSAGE, json.dumps(imu(1, radians(1.0))).encode())) != []
     assert decoder.counters.frames == 1
+
+
+def answer_handshake(connection: socket.socket, frames: bytes) -> None:
+    """Answer as a server, send these bytes with the answer, and read to the end."""
+    key = connection.recv(4096).partition(b"Sec-WebSocket-Key: ")[2].partition(b"\r\n")[0]
+    head = "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+    accept = f"{head}Sec-WebSocket-Accept: {accept_key(key.decode())}\r\n\r\n"
+    connection.sendall(accept.encode() + frames)
+    while connection.recv(4096):
+        pass
+
+
+@contextmanager
+def raw_server(frames: bytes) -> Iterator[SourceAddress]:
+    """A server that answers the handshake and sends these bytes with its answer."""
+
+    def answer(server: socket.socket) -> None:
+        connection, _ = server.accept()
+        with connection:
+            answer_handshake(connection, frames)
+
+    with serving() as server:
+        thread = threading.Thread(target=answer, args=(server,))
+        thread.start()
+        rest = f"127.0.0.1:{server.getsockname()[1]}{TOPIC}"
+        yield SourceAddress(f"ws://{rest}", "ws", rest)
+        thread.join()
+
+
+def test_frames_without_content_are_not_kept() -> None:
+    """A message may have any number of empty parts."""
+    publication = json.dumps({"op": "publish", "msg": {}}).encode()
+    frames = b"\x01\x00" + b"\x00\x00" * 1000
+    with (
+        raw_server(frames + bytes((0x80, len(publication))) + publication) as where,
+        closing(open_rosbridge(where)) as subscription,
+    ):
+        until_s = time.monotonic() + PATIENCE_S
+        while not (content := subscription.read()):
+            assert len(subscription._parts) == 0
+            assert time.monotonic() < until_s
+    assert content == packet(MESSAGE, publication)
+
+
+def test_a_server_that_breaks_the_rules_at_once_is_refused_with_its_reason() -> None:
+    """Its answer to the handshake and its first, too long frame arrive together."""
+    near, far = socket.socketpair()
+    with near, far:
+        subscription = RosbridgePort(StreamChannel("ws://peer", near), parse_uri("ws://peer/"))
+        broken = b"\x81\x7f" + (100 << 20).to_bytes(8, "big")
+        thread = threading.Thread(target=answer_handshake, args=(far, broken))
+        thread.start()
+        with pytest.raises(LinkError, match=r"ws://peer: .*exceeds limit of 65536 bytes"):
+            subscription.subscribe(TOPIC)
+        near.close()
+        thread.join()
