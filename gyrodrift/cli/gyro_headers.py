@@ -5,8 +5,11 @@ from pathlib import Path
 from gyrodrift.errors import UsageError
 from gyrodrift.files import UnreadableError, check_writable, read_ordinary, write_whole
 
-MARK = b"Written by gyrodrift"
-"""Words in the head of every written header."""
+MARK = b"Written by gyrodrift "
+"""Words in the head of every written header, before the version."""
+
+INCLUDED = ("gyrodrift.h", "gyrodrift_native.h", "math.h", "stdint.h", "string.h")
+"""Headers that the library and its includes are found by: a header of this name would be included in their place."""
 
 LONGEST_BYTES = 1 << 20
 
@@ -21,6 +24,8 @@ def check_header(path: Path) -> None:
     """
     if path.suffix not in (".h", ".hpp"):
         raise UsageError(f"--header {path}: a header ends in .h")
+    if path.name.lower() in INCLUDED:
+        raise UsageError(f"--header {path}: {path.name} is a header of the library or of C; choose another name")
     if not path.parent.is_dir():
         raise UsageError(f"--header {path}: there is no folder {path.parent}")
     check_writable(path.parent)

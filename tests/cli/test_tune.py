@@ -17,6 +17,7 @@ from turntable_sessions import RATE_HZ, turntable, write_turntables
 from gyrodrift.cli import main
 from gyrodrift.config.model import load_config
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
+from gyrodrift.firmware.header import gyrodrift_h
 from gyrodrift.firmware.my_gyro import TunedGyro, my_gyro_h
 from gyrodrift.mount import Mount
 from gyrodrift.session.files import load_session, write_session
@@ -151,6 +152,9 @@ def test_the_header_has_the_parameters_and_the_calibration_of_the_config(eight: 
         ("no/my.h", "there is no folder"),
         ("robot.h", "is not from gyrodrift; choose another name"),
         ("folder.h", "cannot be read: Is a directory"),
+        ("gyrodrift.h", "gyrodrift.h is a header of the library or of C; choose another name"),
+        ("Math.h", "Math.h is a header of the library or of C; choose another name"),
+        ("renamed.h", "is not from gyrodrift; choose another name"),
     ],
 )
 def test_a_header_that_cannot_be_written_is_told_before_the_search(
@@ -158,6 +162,7 @@ def test_a_header_that_cannot_be_written_is_told_before_the_search(
 ) -> None:
     """A header of another origin is never replaced."""
     (tmp_path / "robot.h").write_text("#define WHEELS 2\n")
+    (tmp_path / "renamed.h").write_text(gyrodrift_h())
     (tmp_path / "folder.h").mkdir()
     assert main(["tune", str(eight), "--out", str(tmp_path / "c.yaml"), "--header", str(tmp_path / name)]) == 2
     assert f"--header {tmp_path / name}: {told}" in capsys.readouterr().err

@@ -49,6 +49,19 @@ def test_fast_mathematics_is_refused(tmp_path: Path) -> None:
         run("cc", "-ffast-math", *words("use_filters.c", "float"), "-c", "-o", "use.o", folder=tmp_path)
 
 
+@pytest.mark.parametrize("real", ["int", "int64_t", "long double"])
+@pytest.mark.parametrize("name", ["gcc", "clang++"])
+def test_a_number_type_that_is_no_float_or_double_is_refused(tmp_path: Path, name: str, real: str) -> None:
+    """Integers of the same size would divide by 0."""
+    program, *flags = COMPILERS[name]
+    if shutil.which(program) is None:
+        pytest.skip(f"there is no {program}")
+    write_header(tmp_path)
+    (tmp_path / "use.c").write_text('#include "gyrodrift.h"\n')
+    with pytest.raises(AssertionError, match="GD_REAL must be float or double"):
+        run(program, *flags, f"-DGD_REAL={real}", "use.c", "-c", "-o", "use.o", folder=tmp_path)
+
+
 def test_the_header_holds_each_part_once() -> None:
     """No include of a part stays, and no part is missing or double."""
     text = gyrodrift_h()

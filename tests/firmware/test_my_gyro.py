@@ -139,6 +139,53 @@ def test_the_classes_of_cpp_are_the_functions_of_c(compiler: str, written: Path,
     assert run(program) == "1\n"
 
 
+USE_IN_BOTH = """
+#include "gyrodrift.h"
+double yaw_of_NAME() {
+  gyrodrift::Hdr hdr;
+  gyrodrift::Restlevel restlevel;
+  gyrodrift::Attitude attitude;
+  const gd_real gyro_dps[3] = {0, 0, 1}, accel_mps2[3] = {0, 0, 10};
+  for (int i = 0; i < 100; i++) {
+    hdr.update(0.01 * i, 1);
+    restlevel.update(0.01 * i, 1);
+    attitude.update(0.01 * i, gyro_dps, accel_mps2);
+  }
+  return static_cast<double>(restlevel.yaw_deg() + hdr.yaw_deg() + attitude.yaw_deg());
+}
+"""
+
+MAIN = """
+#include <cstdio>
+double yaw_of_plain();
+double yaw_of_other();
+int main() { std::printf("%.3f %.3f", yaw_of_plain(), yaw_of_other()); }
+"""
+
+
+@pytest.mark.parametrize(
+    "setting", ["GD_REAL double", "GD_RESTLEVEL_HYPOTHESES 2", "GD_RESTLEVEL_AUXILIARY 0", "GD_ATTITUDE_HYPOTHESES 2"]
+)
+def test_two_files_of_a_program_may_have_another_number_type_or_size(
+    tmp_path: Path, written: Path, setting: str
+) -> None:
+    """Without optimization the linker keeps one body of each function, and would call it with the struct of the other.
+
+    The include is in extern "C", as many projects include headers of C.
+    """
+    need("g++", "g++")
+    plain, set_before = (USE_IN_BOTH.replace("NAME", name) for name in ("plain", "other"))
+    (tmp_path / "plain.cpp").write_text(plain.replace("#include", 'extern "C" {\n#include', 1).replace('.h"', '.h"\n}'))
+    (tmp_path / "other.cpp").write_text(f"#define {setting}\n{set_before}")
+    (tmp_path / "main.cpp").write_text(MAIN)
+    for first, second in (("plain", "other"), ("other", "plain")):
+        run("g++", "-std=c++11", "-O0", f"-I{written}", f"{first}.cpp", f"{second}.cpp", "main.cpp", "-o", "program",
+            folder=tmp_path)  # fmt: skip
+        plain_deg, other_deg = map(float, run(tmp_path / "program").split())
+        assert plain_deg == pytest.approx(other_deg, abs=0.002)
+        assert plain_deg > 2.0
+
+
 @pytest.mark.parametrize(("rate_dps", "temp_c"), [(0.0, None), (1.0, 5.0), (-90.0, 31.0), (90.0, 60.0)])
 def test_the_module_for_micropython_calibrates_as_python_does(
     config: Config, rate_dps: float, temp_c: float | None

@@ -20,7 +20,11 @@
 #endif
 
 typedef GD_REAL gd_real;
-typedef char gd_real_is_float_or_double[sizeof(gd_real) == sizeof(float) || sizeof(gd_real) == sizeof(double) ? 1 : -1];
+#ifdef __cplusplus
+static_assert(gd_real(0.5) > gd_real(0) && sizeof(gd_real) <= sizeof(double), "GD_REAL must be float or double");
+#else
+_Static_assert(_Generic((gd_real)0, float: 1, double: 1, default: 0), "GD_REAL must be float or double");
+#endif
 
 #define GD_R(number) ((gd_real)(number))
 #define GD_IS_FLOAT (sizeof(gd_real) == sizeof(float))

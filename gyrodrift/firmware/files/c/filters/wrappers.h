@@ -7,12 +7,16 @@
 #include "attitude.h"
 
 #ifdef __cplusplus
+extern "C++" { /* also inside extern "C", which has no templates */
 namespace gyrodrift {
 
-class Hdr {
+/* GD_REAL and the sizes are parameters of the classes, so that files of a program may set them differently: the linker
+   takes classes of one name for one class. */
+template <size_t RealBytes>
+class HdrOf {
 public:
-  Hdr() { gd_hdr_init(&state_, NULL); }
-  explicit Hdr(const gd_hdr_params &params) { gd_hdr_init(&state_, &params); }
+  HdrOf() { gd_hdr_init(&state_, NULL); }
+  explicit HdrOf(const gd_hdr_params &params) { gd_hdr_init(&state_, &params); }
   bool update(double t_s, gd_real rate_dps) { return gd_hdr_update(&state_, t_s, rate_dps) != 0; }
   bool update_us(uint32_t t_us, gd_real rate_dps) { return gd_hdr_update_us(&state_, t_us, rate_dps) != 0; }
   gd_real yaw_deg() const { return state_.yaw_deg; }
@@ -23,10 +27,11 @@ private:
   gd_hdr state_;
 };
 
-class Restlevel {
+template <size_t RealBytes, int Hypotheses, int Auxiliary, int Memory>
+class RestlevelOf {
 public:
-  Restlevel() { gd_restlevel_init(&state_, NULL); }
-  explicit Restlevel(const gd_restlevel_params &params) { gd_restlevel_init(&state_, &params); }
+  RestlevelOf() { gd_restlevel_init(&state_, NULL); }
+  explicit RestlevelOf(const gd_restlevel_params &params) { gd_restlevel_init(&state_, &params); }
   bool update(double t_s, gd_real rate_dps) { return gd_restlevel_update(&state_, t_s, rate_dps) != 0; }
   bool update_us(uint32_t t_us, gd_real rate_dps) { return gd_restlevel_update_us(&state_, t_us, rate_dps) != 0; }
   gd_real yaw_deg() const { return state_.yaw_deg; }
@@ -38,10 +43,11 @@ private:
   gd_restlevel state_;
 };
 
-class Attitude {
+template <size_t RealBytes, int Hypotheses>
+class AttitudeOf {
 public:
-  Attitude() { gd_attitude_init(&state_, NULL); }
-  explicit Attitude(const gd_restlevel_params &params) { gd_attitude_init(&state_, &params); }
+  AttitudeOf() { gd_attitude_init(&state_, NULL); }
+  explicit AttitudeOf(const gd_restlevel_params &params) { gd_attitude_init(&state_, &params); }
   bool update(double t_s, const gd_real gyro_dps[3], const gd_real accel_mps2[3]) {
     return gd_attitude_update(&state_, t_s, gyro_dps, accel_mps2) != 0;
   }
@@ -58,7 +64,12 @@ private:
   gd_attitude state_;
 };
 
+typedef HdrOf<sizeof(gd_real)> Hdr;
+typedef RestlevelOf<sizeof(gd_real), GD_RESTLEVEL_HYPOTHESES, GD_RESTLEVEL_AUXILIARY, GD_RESTLEVEL_MEMORY> Restlevel;
+typedef AttitudeOf<sizeof(gd_real), GD_ATTITUDE_HYPOTHESES> Attitude;
+
 } /* namespace gyrodrift */
+} /* extern "C++" */
 #endif
 
 #endif
