@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from gyrodrift.logger import FilteringBoundLogger
     from gyrodrift.service.loop import Service
     from gyrodrift.service.signals import StopSignal
-    from gyrodrift.service.stdout import JsonLines
+    from gyrodrift.service.source_lines import SharedLines
 
 PER_SOURCE = ("baud", "protocol", "columns", "send", "filter", "axes")
 """Options that stand in the block of a source instead."""
@@ -29,9 +29,10 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.service.notify import SystemdNotify
     from gyrodrift.service.several import SeveralServices
     from gyrodrift.service.signals import StopSignal
-    from gyrodrift.service.stdout import STDOUT, JsonLines
+    from gyrodrift.service.source_lines import SharedLines
+    from gyrodrift.service.stdout import STDOUT
 
-    log, lines = serving.log_of(arguments, has_person=False), JsonLines(STDOUT)
+    log, lines = serving.log_of(arguments, has_person=False), SharedLines(STDOUT)
     with StopSignal() as stop, ExitStack() as closing:
         closing.callback(lines.close)
         services = [_service(arguments, source, lines, log, stop, closing) for source in settings]
@@ -61,7 +62,7 @@ def _settings(arguments: argparse.Namespace) -> "tuple[SourceSettings, ...]":
 def _service(
     arguments: argparse.Namespace,
     source: "SourceSettings",
-    lines: "JsonLines",
+    lines: "SharedLines",
     log: "FilteringBoundLogger",
     stop: "StopSignal",
     closing: ExitStack,
@@ -70,7 +71,7 @@ def _service(
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
     from gyrodrift.link.options import LinkOptions
-    from gyrodrift.service.stdout import SourceLines
+    from gyrodrift.service.source_lines import SourceLines
 
     own = _arguments_of(arguments, source)
     watch = ConfigWatch(arguments.config, source=source.name)

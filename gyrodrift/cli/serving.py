@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from gyrodrift.service.rest_word import RestWord
     from gyrodrift.service.signals import StopSignal
     from gyrodrift.service.sink import Sink
-    from gyrodrift.service.stdout import JsonLines, SourceLines
+    from gyrodrift.service.source_lines import SourceLines
+    from gyrodrift.service.stdout import JsonLines
 
 DEFAULT_FOLDER = Path("sessions")
 """Folder of `ctl record start` without --record, in the working directory of the service."""

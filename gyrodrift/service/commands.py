@@ -16,7 +16,8 @@ from gyrodrift.service.recording_switch import RecordingSwitch
 from gyrodrift.service.reporting import Reporting
 from gyrodrift.service.rest_word import RestWord
 from gyrodrift.service.signals import StopSignal
-from gyrodrift.service.stdout import JsonLines, SourceLines
+from gyrodrift.service.source_lines import SourceLines
+from gyrodrift.service.stdout import JsonLines
 
 FASTEST_HZ = 1e6
 OPENING_S = 3.0

@@ -10,7 +10,7 @@ import select
 import sys
 import time
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -33,6 +33,18 @@ TERMINAL_GONE = (*GONE, errno.EIO)
 """Errors of a write to a closed reader; for a file, EIO is a failing disk."""
 
 NOTHING: Mapping[int, int] = {}
+
+
+def pieces_of(lines: list[str]) -> Iterator[str]:
+    """Lines joined to pieces that a pipe takes whole or not at all."""
+    piece = ""
+    for line in lines:
+        if piece and len(piece) + len(line) > PIECE_BYTES:
+            yield piece
+            piece = ""
+        piece += line
+    if piece:
+        yield piece
 
 
 class JsonLines:
@@ -108,17 +120,13 @@ class JsonLines:
         self._queue_bytes = self._sent = 0
 
     def _enqueue(self, lines: list[str]) -> None:
-        piece = lines[0]
-        for line in lines[1:]:
-            if len(piece) + len(line) > PIECE_BYTES:
-                self._append(piece)
-                piece = ""
-            piece += line
-        self._append(piece)
+        for piece in pieces_of(lines):
+            self.append(piece)
         while self._queue_bytes > LONGEST_QUEUE_BYTES and len(self._queue) > 2:
             self._drop_oldest()
 
-    def _append(self, piece: str) -> None:
+    def append(self, piece: str) -> None:
+        """Queue lines as one piece, and write nothing."""
         self._queue.append(piece.encode())
         self._queue_bytes += len(piece)
 
@@ -145,45 +153,3 @@ class JsonLines:
             self._queue_bytes -= len(piece)
             self._sent = 0
         return sent > 0
-
-
-class SourceLines:
-    """JSON lines of one of several sources; all of them share the descriptor and the queue of `lines`."""
-
-    def __init__(self, lines: JsonLines, source: str, rate_hz: float | None = None) -> None:
-        self.lines = 0
-        self._shared = lines
-        self._opening = f'{{"source":"{source}",'
-        self._thinning = Thinning(rate_hz)
-
-    def set_rate(self, rate_hz: float | None) -> None:
-        """Change the rate."""
-        self._thinning = Thinning(rate_hz)
-
-    @property
-    def is_wanted(self) -> bool:
-        """The reader of the pipe started the service."""
-        return True
-
-    def wakes(self) -> Mapping[int, int]:
-        """The descriptor while lines are queued."""
-        return self._shared.wakes()
-
-    def take(self, samples: list[Corrected]) -> None:
-        """Queue a line for each sample that is due, and write as much as the reader takes now."""
-        due = self._thinning.due(samples)
-        self.lines += len(due)
-        self._shared.write([json_line(corrected, self._opening) for corrected in due])
-
-    def tick(self, now_s: float) -> None:
-        """Do nothing: lines are written in `take`."""
-
-    def stats(self) -> dict[str, Any]:
-        """Number of lines of this source, and of those of all sources that were dropped for a slow reader."""
-        return {"lines": self.lines, "lines_dropped": self._shared.dropped}
-
-    def finish(self) -> None:
-        """Do nothing: the lines of the other sources go on."""
-
-    def close(self) -> None:
-        """Do nothing: who shares the lines closes them when all sources are over."""

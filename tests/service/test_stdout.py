@@ -16,7 +16,7 @@ from gyrodrift.outputs.json_line import json_line
 from gyrodrift.sample import Corrected, Sample
 from gyrodrift.service import stdout
 from gyrodrift.service.sink import ReaderGoneError
-from gyrodrift.service.stdout import JsonLines, SourceLines
+from gyrodrift.service.stdout import JsonLines
 
 
 def corrected(seq: int, t_s: float = 0.0) -> Corrected:
@@ -219,27 +219,3 @@ def test_a_reader_who_goes_on_at_the_end_gets_every_line(pipe: Pipe) -> None:
     reader.join()
     assert output.dropped == 0
     assert read.count(b"\n") == 3000
-
-
-def test_the_end_of_one_source_leaves_the_lines_of_the_others() -> None:
-    """They share the queue; it is written when all are over."""
-    reading, writing = os.pipe()
-    lines = JsonLines(writing)
-    first, second = SourceLines(lines, "left"), SourceLines(lines, "right")
-    samples = [corrected(number) for number in range(2000)]
-    first.take(samples)
-    second.take(samples)
-    assert first.wakes() == second.wakes() != {}
-    first.close()
-    assert lines.dropped == 0
-    received = b""
-    while second.wakes():
-        received += os.read(reading, 1 << 16)
-        second.take([])
-    lines.close()
-    os.close(writing)
-    while chunk := os.read(reading, 1 << 16):
-        received += chunk
-    os.close(reading)
-    assert received.count(b'{"source":"left",') == received.count(b'{"source":"right",') == 2000
-    assert (first.stats()["lines"], second.stats()["lines_dropped"]) == (2000, 0)

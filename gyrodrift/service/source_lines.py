@@ -1,0 +1,124 @@
+"""JSON lines of several sources on one descriptor: the pieces of the sources are written in turn.
+
+Each source has its own queue, so a source that floods does not push the lines of another one out.
+"""
+
+from collections import deque
+from collections.abc import Mapping
+from typing import Any
+
+from gyrodrift.outputs.json_line import json_line
+from gyrodrift.outputs.thinning import Thinning
+from gyrodrift.sample import Corrected
+from gyrodrift.service.stdout import LONGEST_QUEUE_BYTES, JsonLines, pieces_of
+
+
+class SharedLines:
+    """Descriptor that several sources share.
+
+    Parameters
+    ----------
+    fd
+        Descriptor to write to; it is not closed here.
+    """
+
+    def __init__(self, fd: int) -> None:
+        self._output = JsonLines(fd)
+        self._waiting = deque["SourceLines"]()
+        self._sources = 0
+
+    def add(self) -> None:
+        """Count one more source."""
+        self._sources += 1
+
+    @property
+    def longest_queue_bytes(self) -> int:
+        """Share of a source of the memory for queued lines."""
+        return LONGEST_QUEUE_BYTES // max(self._sources, 1)
+
+    def wakes(self) -> Mapping[int, int]:
+        """The descriptor while lines are queued."""
+        return self._output.wakes()
+
+    def write(self, source: "SourceLines | None" = None) -> None:
+        """Write as much as the reader takes now; `source` has new lines."""
+        if source is not None and source not in self._waiting:
+            self._waiting.append(source)
+        self._output.write([])
+        while self._waiting and not self._output.wakes():
+            self._output.write([self._next_piece()])
+
+    def close(self) -> None:
+        """Write the queued lines for a short time, and drop the rest."""
+        while self._waiting:
+            self._output.append(self._next_piece())
+        self._output.close()
+
+    def _next_piece(self) -> str:
+        source = self._waiting.popleft()
+        piece = source.next_piece()
+        if source.has_pieces:
+            self._waiting.append(source)
+        return piece
+
+
+class SourceLines:
+    """JSON lines of one of several sources."""
+
+    def __init__(self, shared: SharedLines, source: str, rate_hz: float | None = None) -> None:
+        self.lines = 0
+        self.dropped = 0
+        self._shared = shared
+        self._opening = f'{{"source":"{source}",'
+        self._thinning = Thinning(rate_hz)
+        self._pieces = deque[str]()
+        self._bytes = 0
+        shared.add()
+
+    def set_rate(self, rate_hz: float | None) -> None:
+        """Change the rate."""
+        self._thinning = Thinning(rate_hz)
+
+    @property
+    def is_wanted(self) -> bool:
+        """The reader of the pipe started the service."""
+        return True
+
+    @property
+    def has_pieces(self) -> bool:
+        """Whether lines are queued here."""
+        return bool(self._pieces)
+
+    def next_piece(self) -> str:
+        """Remove and return the oldest lines."""
+        piece = self._pieces.popleft()
+        self._bytes -= len(piece)
+        return piece
+
+    def wakes(self) -> Mapping[int, int]:
+        """The descriptor while lines are queued."""
+        return self._shared.wakes()
+
+    def take(self, samples: list[Corrected]) -> None:
+        """Queue a line for each sample that is due, and write as much as the reader takes now."""
+        due = self._thinning.due(samples)
+        self.lines += len(due)
+        for piece in pieces_of([json_line(corrected, self._opening) for corrected in due]):
+            self._pieces.append(piece)
+            self._bytes += len(piece)
+        while self._bytes > self._shared.longest_queue_bytes:
+            self.dropped += self.next_piece().count("\n")
+        self._shared.write(self if self._pieces else None)
+
+    def tick(self, now_s: float) -> None:
+        """Do nothing: lines are written in `take`."""
+
+    def stats(self) -> dict[str, Any]:
+        """Number of lines of this source, and of those dropped for a slow reader."""
+        return {"lines": self.lines, "lines_dropped": self.dropped}
+
+    def finish(self) -> None:
+        """Do nothing: the lines of the other sources go on."""
+
+    def close(self) -> None:
+        """Do nothing: who shares the lines closes them when all sources are over."""
