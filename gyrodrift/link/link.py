@@ -466,6 +466,8 @@ class Link:
         now_s = self._monotonic()
         waited_s, timeout_s = now_s - self._opened_s, self.options.timeout_s
         if 0.0 < timeout_s <= waited_s:
+            if not self._was_open and self._refusal:
+                raise PortMissingError(f"{self._refusal}; it was not there for {timeout_s:g} s")
             raise DeviceSilentError(f"{self.name}: {self._why_silent(timeout_s)}")
         if not timeout_s and not self._is_told and waited_s >= TELL_S and self.counters.bytes:
             self._is_told = True

@@ -109,6 +109,14 @@ def test_a_source_that_fails_ends_alone(tmp_path: Path) -> None:
         assert serve.stop() == 3
 
 
+def test_a_source_that_never_came_says_why(tmp_path: Path) -> None:
+    """Its last reason, with the time that it was waited for."""
+    path = config(tmp_path, left=f"{{port: 'unix:{tmp_path}/none.sock', timeout: 0.5}}")
+    with Command("serve", "--config", path) as serve:
+        serve.until_log("none.sock: there is no such socket; start the server first; it was not there for 0.5 s")
+        assert serve.process.wait(20.0) == 3
+
+
 def test_a_new_config_changes_one_source(tmp_path: Path) -> None:
     left_port, right_port = free_port(), free_port()
     blocks = {
