@@ -10,10 +10,13 @@ from gyrodrift.link import serial_port
 from gyrodrift.link.holder import holder_of
 from gyrodrift.link.port import PTY_SLAVE_MAJORS, serial_ports, stable_name
 from gyrodrift.link.serial_port import SerialPort
+from gyrodrift.link.sources.registry import address_of
 
 
 def look_at_port(path: str) -> PortEvidence | None:
-    """Evidence about a port; None if the device does not exist."""
+    """Evidence about a port; None if the device does not exist, or the path is the address of a source."""
+    if address_of(path) is not None:
+        return None
     device = os.path.realpath(path)
     try:
         status = Path(device).stat()

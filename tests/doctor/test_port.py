@@ -18,6 +18,8 @@ from support import Command, speaking_on
 
 from gyrodrift.link import holder as port_holder
 from gyrodrift.link import serial_port
+from gyrodrift.sample import Sample
+from gyrodrift.session.mcap.write import McapWriter
 
 RIG = "base: {sample_rate_hz: %d, dps_per_lsb: 0.00763, noise_dps_rthz: 0.0035, bias_dps: 0.35}\n"
 
@@ -191,3 +193,18 @@ def test_the_one_port_there_is_is_taken(
     assert_findings(
         found, [("protocol", "ok", "It sends native, device firmware_sim."), ("bias", "ok", "The bias is +0.3")]
     )
+
+
+def test_a_recording_that_is_followed_is_no_port(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A file with the name of a source has no line, and no adapter."""
+    path = tmp_path / "live.mcap"
+    with path.open("wb") as file:
+        writer = McapWriter(file, {"device": {}})
+        for number in range(500):
+            writer.add(Sample(number, 0.01 * number, 1e9 + 0.01 * number, 0.5 + 0.1 * (number % 2)))
+        writer.flush()
+        writer.finish()
+    status, found = doctor(capsys, "--port", path)
+    assert status == 0
+    assert_findings(found, [("sample_rate", "ok", "100 samples per second"), ("damage", "ok", "No frame")])
+    assert "driver" not in found
