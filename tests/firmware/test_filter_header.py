@@ -40,13 +40,15 @@ def test_no_compiler_warns_of_the_header(tmp_path: Path, name: str, real: str) -
     assert (tmp_path / "use.o").stat().st_size > 0
 
 
-def test_fast_mathematics_is_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize("compiler", ["gcc", "clang", "avr-gcc"])
+@pytest.mark.parametrize("flag", ["-ffast-math", "-Ofast", "-ffinite-math-only"])
+def test_fast_mathematics_is_refused(tmp_path: Path, compiler: str, flag: str) -> None:
     """It lets NaN pass as a sample."""
-    if shutil.which("cc") is None:
-        pytest.skip("there is no C compiler")
+    if shutil.which(compiler) is None:
+        pytest.skip(f"there is no {compiler}")
     write_header(tmp_path)
     with pytest.raises(AssertionError, match="without -ffast-math"):
-        run("cc", "-ffast-math", *words("use_filters.c", "float"), "-c", "-o", "use.o", folder=tmp_path)
+        run(compiler, flag, *words("use_filters.c", "float"), "-c", "-o", "use.o", folder=tmp_path)
 
 
 @pytest.mark.parametrize("real", ["int", "int64_t", "long double"])

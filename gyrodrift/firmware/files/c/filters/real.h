@@ -7,8 +7,8 @@
 #ifndef GD_REAL_H
 #define GD_REAL_H
 
-#ifdef __FAST_MATH__
-#error "gyrodrift.h needs NaN and the order of operations: compile without -ffast-math"
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "gyrodrift.h needs NaN and the order of operations: compile without -ffast-math, -Ofast and their parts"
 #endif
 
 #include <math.h>
