@@ -4,13 +4,15 @@ Scans come through the buffer of the kernel with its timestamps, by a trigger or
 trigger, the values in sysfs are polled.
 """
 
+from math import inf
+
 from gyrodrift.errors import LinkError, PortDeniedError, PortMissingError, UsageError
 from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.link.sources import iio_sysfs
 from gyrodrift.link.sources.iio_buffer import Scans, elements_folder
 from gyrodrift.link.sources.iio_polled import POLL_HZ, PolledPort, Repeated, Temperature
 from gyrodrift.link.sources.iio_scans import IIO_PROTOCOL, IioPacket
-from gyrodrift.link.sources.iio_sysfs import IioDevice, accelerometer_of, device_named, iio_devices
+from gyrodrift.link.sources.iio_sysfs import NUMBER, IioDevice, accelerometer_of, device_named, iio_devices
 from gyrodrift.link.sources.packets import packet
 from gyrodrift.link.sources.query import split_query
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
@@ -64,6 +66,7 @@ def open_iio(address: SourceAddress) -> SourcePort:
     """
     name, options = split_query(address, OPTIONS)
     gyro = device_named(name, "anglvel", address.text)
+    gyro.check_scale("anglvel", address.text)
     accel = _accelerometer(gyro, options.get("accel"), address.text)
     if "rate" in options:
         _set_rate(gyro, options["rate"], address.text)
@@ -107,6 +110,8 @@ def _poll_hz(gyro: IioDevice, text: str | None, address: str) -> float:
 
 
 def _set_rate(device: IioDevice, rate: str, text: str) -> None:
+    if NUMBER.fullmatch(rate) is None or not 0.0 < float(rate) < inf:
+        raise UsageError(f"--port {text}: rate={rate} is no number above 0")
     for attribute in ("in_anglvel_sampling_frequency", "sampling_frequency"):
         if device.text(attribute):
             try:

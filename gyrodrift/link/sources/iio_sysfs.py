@@ -5,7 +5,7 @@ import os
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import nan
+from math import isfinite, nan
 from pathlib import Path
 
 from gyrodrift.errors import LinkError, PortBusyError, PortDeniedError, PortMissingError
@@ -23,6 +23,7 @@ RULE = (
 )
 NUMBER = re.compile(r"[-+]?\d{1,20}(?:\.\d{0,20})?(?:[eE][-+]?\d{1,3})?")
 TIMESTAMP = "timestamp"
+AXES = "xyz"
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +42,10 @@ class IioDevice:
     file: str
     name: str
     parent: str
+
+    def names(self) -> tuple[str, ...]:
+        """Names in an address: its label or the name of the chip, and its number."""
+        return self.name, self.text("name"), self.file, self.file.removeprefix("iio:")
 
     def text(self, attribute: str) -> str:
         """Content of an attribute; empty without it."""
@@ -99,6 +104,25 @@ class IioDevice:
         offset = self.number(f"{name}_offset", f"in_{kind}_offset", default=0.0)
         return ChannelEntry(name.removeprefix("in_"), form, scale, offset)
 
+    def check_scale(self, kind: str, text: str) -> None:
+        """Check that the counts of a kind have a unit.
+
+        Raises
+        ------
+        LinkError
+            A scale is absent, 0, or no number.
+        """
+        for axis in AXES:
+            if not self.has_axes(kind, axis):
+                continue
+            scale = self.number(f"in_{kind}_{axis}_scale", f"in_{kind}_scale")
+            if not isfinite(scale) or not scale:
+                shown = self.text(f"in_{kind}_{axis}_scale") or self.text(f"in_{kind}_scale") or "absent"
+                raise LinkError(
+                    f"{text}: the scale of in_{kind}_{axis} in {self.folder} is {shown}, so its unit is unknown; "
+                    f"write a value of in_{kind}_scale_available into in_{kind}_scale, or update the driver"
+                )
+
     def rate_hz(self) -> float:
         """Sampling frequency; 0 if unknown."""
         return self.number("in_anglvel_sampling_frequency", "sampling_frequency", default=0.0)
@@ -136,7 +160,7 @@ def device_named(name: str, kind: str, text: str) -> IioDevice:
         Several devices have this name.
     """
     devices = [device for device in iio_devices() if device.has_axes(kind)]
-    matching = [device for device in devices if name in (device.name, device.file, device.file.removeprefix("iio:"))]
+    matching = [device for device in devices if name in device.names()]
     if len(matching) > 1:
         raise LinkError(
             f"{text}: {len(matching)} devices are called {name}: {_listed(matching)}; name one by its number"

@@ -190,12 +190,30 @@ def test_the_address_can_ask_for_polling(chip: IioChip) -> None:
     [
         ("poll=0", "poll=0 is no number from 1 to 1000"),
         ("poll=x", "poll=x is no number from 1 to 1000"),
+        ("rate=0", "rate=0 is no number above 0"),
+        ("rate=1e400", "rate=1e400 is no number above 0"),
         ("gain=1", "'gain=1' is no option of this source; there are accel=… and rate=…"),
     ],
 )
 def test_a_wrong_option_is_an_error(chip: IioChip, options: str, expected: str) -> None:
     with pytest.raises(UsageError, match=expected):
         Link(LinkOptions(f"iio:mpu6050?{options}"), Events())
+
+
+@pytest.mark.parametrize("scale", ["0", "0.000000000", "nan", "-", "1e400", ""])
+def test_a_rate_without_a_unit_is_an_error(chip: IioChip, scale: str) -> None:
+    """A wrong scale would give an angle that looks right."""
+    chip.write("in_anglvel_scale", scale)
+    with pytest.raises(LinkError, match=rf"the scale of in_anglvel_x in .* is {scale or 'absent'}, so its unit"):
+        Link(LinkOptions("iio:mpu6050"), Events())
+
+
+def test_a_device_with_a_label_is_found_by_both_names(chip: IioChip) -> None:
+    """The device tree may label a chip."""
+    chip.write("label", "left-gyro")
+    for name in ("left-gyro", "mpu6050", "device0"):
+        Link(LinkOptions(f"iio:{name}?poll=10"), Events()).close()
+    assert [device.name for device in source_devices() if device.name.startswith("iio:")] == ["iio:left-gyro"]
 
 
 def test_a_device_without_sampling_frequency_is_an_error(chip: IioChip) -> None:
