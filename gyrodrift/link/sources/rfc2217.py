@@ -37,6 +37,7 @@ class Rfc2217Port(SocketPort):
         self._stream = TelnetStream()
         self._content = b""
         self._baud = 0
+        self._declined = set[tuple[int, int]]()
         self._is_accepted: bool | None = None
         for option in (BINARY, SUPPRESS_GO_AHEAD):
             self._say(WILL, option)
@@ -101,7 +102,8 @@ class Rfc2217Port(SocketPort):
         for verb, option in received.commands:
             if option == COM_PORT and verb in (DO, DONT):
                 self._is_accepted = verb == DO
-            elif option not in OFFERED and verb in (DO, WILL):
+            elif option not in OFFERED and verb in (DO, WILL) and (verb, option) not in self._declined:
+                self._declined.add((verb, option))  # an answer to each repetition could go on for ever (RFC 854)
                 self._say(WONT if verb == DO else DONT, option)
         for content in received.subnegotiations:
             if content[:2] == bytes((COM_PORT, ANSWER + SET_BAUD)):

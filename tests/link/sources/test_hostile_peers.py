@@ -14,7 +14,7 @@ from gyrodrift.errors import LinkError, UsageError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.sources import rfc2217, stream_channel
-from gyrodrift.link.sources.rfc2217 import open_rfc2217
+from gyrodrift.link.sources.rfc2217 import Rfc2217Port, open_rfc2217
 from gyrodrift.link.sources.source import SourceAddress
 from gyrodrift.link.sources.stream_channel import StreamChannel
 
@@ -147,3 +147,15 @@ def test_a_flood_before_the_answer_costs_no_memory(monkeypatch: pytest.MonkeyPat
         with pytest.raises(LinkError, match="does not answer in RFC 2217"):
             open_rfc2217(SourceAddress(name, "rfc2217", name.partition("://")[2]))
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before_kib < 8 << 10
+
+
+def test_an_option_is_declined_once() -> None:
+    """A peer that repeats its wish would get as many answers, each a call of the system."""
+    near, far = socket.socketpair()
+    with far:
+        port = Rfc2217Port("rfc2217://peer", near)
+        far.recv(4096)
+        far.sendall(b"\xff\xfd\x63" * 500 + b"x")
+        assert port.read() == b"x"
+        port.close()
+        assert far.recv(4096) == b"\xff\xfc\x63"
