@@ -2,7 +2,7 @@
 
 --raw plays the original bytes of the link, damage included, if the recording has them. Without it the samples are
 encoded again. csv (default) carries every digit of the recording. native rounds the rate to --lsb. witmotion rounds it
-to the steps of a WT901 and has no clock.
+to the steps of a WT901 and has no clock. Only --raw plays the device's own yaw.
 
 Playing starts when a reader opens the port. At --speed max the reader sets the pace and no sample is lost. At other
 speeds samples are lost while nobody reads, as from a real device.
@@ -94,6 +94,9 @@ def _encoded(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
     from gyrodrift.simulation.replay import PlayedSession, base_of
 
     session = inputs.read_session(arguments.session, allow_damage=arguments.allow_damage)
+    if session.device_yaw_deg is not None and not arguments.quiet:
+        note = "left out: the device's own yaw; --raw plays it, if it was recorded with --raw"
+        print(f"gyrodrift: {session.name}: {note}", file=sys.stderr)
     recording = PlayedSession(session, is_looping=arguments.loop)
     encoder, base = ENCODERS[arguments.protocol], base_of(recording, arguments.lsb)
     return encoder.recorded(recording, base), encoder.hello(base)

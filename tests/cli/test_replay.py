@@ -78,6 +78,18 @@ def test_witmotion_carries_rates_in_its_own_steps(session: Path) -> None:
     assert np.abs(got - table_of(session)[:, 1]).max() <= 1000 / 32768 + 1e-9
 
 
+def test_it_says_that_the_own_yaw_of_the_device_is_left_out(tmp_path: Path) -> None:
+    """The samples are encoded again, without it."""
+    session, link = tmp_path / "own.csv", tmp_path / "gyro"
+    lines = (f"{i / 100},0.3,{i / 10},0.5,0.3" for i in range(SAMPLES))
+    session.write_text(
+        "t_device_s,rate_dps,device_yaw_deg,device_yaw_sigma_deg,device_bias_dps\n" + "\n".join(lines) + "\n"
+    )
+    with Command("replay", session, "--link", link, "--speed", "max") as replay:
+        replay.until_log("own: left out: the device's own yaw; --raw plays it")
+        replay.until_log("waiting for a reader")
+
+
 def test_a_loop_goes_on_in_time(session: Path) -> None:
     """The second pass begins one period after the first one ended."""
     lines = played(session, "--loop", count=2 * SAMPLES + 10)
