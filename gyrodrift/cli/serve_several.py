@@ -86,7 +86,10 @@ def _service(
         watch.config.send,
         waits=True,
     )
-    link = Link(options, events)
+    try:
+        link = Link(options, events)
+    except UsageError as error:  # it names --port, which nobody has written here
+        raise UsageError(f"{arguments.config}: sources.{source.name}: {error}") from error
     closing.callback(link.close)
     sink = SourceLines(lines, source.name, arguments.rate)
     parts = serving.ServiceParts(link, events, own_log, watch, (sink, sink), stop, closing, source.name)

@@ -117,6 +117,14 @@ def test_a_source_that_never_came_says_why(tmp_path: Path) -> None:
         assert serve.process.wait(20.0) == 3
 
 
+def test_a_mistake_in_an_address_names_its_source(tmp_path: Path) -> None:
+    """The addresses stand in the config, and not on the command line."""
+    path = config(tmp_path, left=udp(free_port()), right="{port: 'fax://office'}")
+    with Command("serve", "--config", path) as serve:
+        serve.until_log("sources.right: --port fax://office: unknown source 'fax'")
+        assert serve.process.wait(20.0) == 2
+
+
 def test_a_new_config_changes_one_source(tmp_path: Path) -> None:
     left_port, right_port = free_port(), free_port()
     blocks = {
