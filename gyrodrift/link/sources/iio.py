@@ -104,7 +104,7 @@ def _poll_hz(gyro: IioDevice, text: str | None, address: str) -> float:
     """Rate of polling: that of the address, else that of the device up to `POLL_HZ`."""
     if text is None:
         return max(1.0, min(gyro.rate_hz() or POLL_HZ, POLL_HZ))
-    if not (text.isascii() and text.isdigit() and 0 < int(text[:6]) <= FASTEST_POLL_HZ):
+    if not (text.isascii() and text.isdigit() and len(text) <= 4 and 0 < int(text) <= FASTEST_POLL_HZ):
         raise UsageError(f"--port {address}: poll={text} is no number from 1 to {FASTEST_POLL_HZ}")
     return float(text)
 

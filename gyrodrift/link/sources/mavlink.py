@@ -23,6 +23,7 @@ USUAL_BAUD = 57600
 OPTIONS = ("system", "message", "raw")
 NETWORK = re.compile(r"(udpin|udp|tcp):(.*)")
 SERIAL = re.compile(r"(.+?)(?:,(\d{1,7}))?")
+SYSTEM = re.compile(r"[0-9]{1,3}")
 COUNTS = re.compile(r"lsb/(\d{1,9}(?:\.\d{1,9})?)")
 
 
@@ -63,7 +64,7 @@ def protocol_of(address: SourceAddress) -> WireProtocol:
     """
     _, options = split_query(address, OPTIONS)
     system, message, raw = (options.get(name) for name in OPTIONS)
-    if system is not None and not (system.isascii() and system.isdigit() and 0 < int(system[:4]) <= 0xFF):
+    if system is not None and (SYSTEM.fullmatch(system) is None or not 0 < int(system) <= 0xFF):
         raise UsageError(f"--port {address.text}: system={system} is no number from 1 to 255")
     names = [entry.name for entry in MESSAGES.values()]
     if message is not None and message.lower() not in names:

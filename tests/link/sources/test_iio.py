@@ -190,6 +190,7 @@ def test_the_address_can_ask_for_polling(chip: IioChip) -> None:
     [
         ("poll=0", "poll=0 is no number from 1 to 1000"),
         ("poll=x", "poll=x is no number from 1 to 1000"),
+        ("poll=00010005", "poll=00010005 is no number from 1 to 1000"),
         ("rate=0", "rate=0 is no number above 0"),
         ("rate=1e400", "rate=1e400 is no number above 0"),
         ("gain=1", "'gain=1' is no option of this source; there are accel=… and rate=…"),

@@ -282,6 +282,7 @@ def test_a_vehicle_without_rates_is_an_error_with_advice() -> None:
         ("mavlink:udpin:127.0.0.1:x", r"expected mavlink:udpin:\[HOST\]:PORT with a port"),
         ("mavlink:", r"expected mavlink:udpin:\[HOST\]:PORT, mavlink:tcp:HOST:PORT or mavlink:PATH"),
         ("mavlink:udpin::14550?system=0", "system=0 is no number from 1 to 255"),
+        ("mavlink:udpin::14550?system=00019", "system=00019 is no number from 1 to 255"),
         ("mavlink:udpin::14550?message=attitude", "message=attitude has no gyro; there are highres_imu, scaled_imu"),
         ("mavlink:udpin::14550?raw=dps", r"raw=dps is no unit of RAW_IMU; expected mrads .* or lsb/N"),
         ("mavlink:udpin::14550?sytem=1", "'sytem=1' is no option of this source; there are system=… and message=…"),
