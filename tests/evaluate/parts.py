@@ -4,7 +4,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from evaluate import diagnose_part, everyday_part, gyrogap_part, hard_cases_part, round_trip_part, simulators_part
+from evaluate import (
+    diagnose_part,
+    everyday_part,
+    gyrogap_part,
+    hard_cases_part,
+    real_causes_part,
+    round_trip_part,
+    simulators_part,
+)
 from evaluate.figures import Figure
 
 Say = Callable[[str], None]
@@ -28,6 +36,9 @@ PARTS = {
     "gyrogap": Part("gyrodrift diagnose on the open benchmark, cases of each row", 4712, 4, gyrogap_part.measure),
     "simulators": Part(
         "diagnose between sessions of MuJoCo and Bullet, seeds of each case", 20261, 1, simulators_part.measure
+    ),
+    "real_causes": Part(
+        "diagnose on real recordings whose cause is known, cases of each device", 0, 20, real_causes_part.measure
     ),
     "everyday": Part("filters on everyday motions, sessions of each", 3, 15, everyday_part.measure),
     "hard-cases": Part("restlevel on the hard cases, seeds of each", 101, 5, hard_cases_part.measure),

@@ -125,7 +125,7 @@ def recordings_of(device: str) -> tuple[Rows, ...]:
     """All that are fit, in the order of their names; what is long, in pieces."""
     owned = OWNED[device]
     folder = further_recordings()
-    read = [_read(path) for path in sorted(folder.glob(owned.pattern))] if folder else []
+    read = [read_rows(path) for path in sorted(folder.glob(owned.pattern))] if folder else []
     pieces = [piece for rows in read for piece in _pieces(rows)]
     return tuple(piece for piece in pieces if _is_fit(piece, owned))
 
@@ -143,7 +143,7 @@ def _pieces(rows: Rows) -> list[Rows]:
     return [rows.only(np.arange(first, last)).from_zero() for first, last in pairwise(edges)]
 
 
-def _read(path: Path) -> Rows:
+def read_rows(path: Path) -> Rows:
     """A CSV file without empty cells."""
     with path.open() as lines:
         names = next(lines).strip().split(",")
