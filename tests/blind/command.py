@@ -8,7 +8,7 @@ from pathlib import Path
 from recordings_support import FOLDER_VARIABLE
 
 from blind.bench_rows import bench_rows
-from blind.folder import SetFolder, write_json
+from blind.folder import SetFolder
 from blind.prepare import OtherSetError, prepare
 from blind.rows.table import ROWS, impossible_rows
 from blind.run import Options, run_set
@@ -17,6 +17,7 @@ from blind.seals import BrokenSealError, open_seal
 from blind.sets import BENCH, SEEDS, case_of
 from blind.table import as_json, markdown, terminal_text
 from blind.tried import open_all
+from gyrodrift.gyrogap.json_files import write_json
 
 
 def main(argv: list[str] | None = None) -> int:

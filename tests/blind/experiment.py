@@ -20,9 +20,9 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from blind.folder import write_json
 from blind.gap import Said, load_json, read_gap
 from gyrodrift.gyrogap.chance import wilson
+from gyrodrift.gyrogap.json_files import write_json
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 SESSIONS, FIRST_MINUTES = 3, 4.0

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from gyrodrift.gyrogap.json_files import write_json
+
 
 @dataclass(frozen=True, slots=True)
 class PlannedCase:
@@ -71,11 +73,3 @@ class SetFolder:
     def write(self, name: str, value: Any) -> None:
         """JSON under a name."""
         write_json(self.root / name, value)
-
-
-def write_json(path: Path, value: Any) -> None:
-    """Beside it first, then in its place."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    beside = path.with_name(path.name + ".part")
-    beside.write_text(json.dumps(value, indent=1, ensure_ascii=False) + "\n")
-    beside.replace(path)

@@ -18,10 +18,11 @@ from tempfile import TemporaryDirectory
 from time import monotonic
 from typing import IO, Any
 
-from blind.folder import Plan, PlannedCase, SetFolder, write_json
+from blind.folder import Plan, PlannedCase, SetFolder
 from blind.gap import load_json, read_outcome
 from blind.seals import open_seal
 from gyrodrift.gyrogap.catalogue import EFFECTS
+from gyrodrift.gyrogap.json_files import write_json
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 STDERR_KEPT = 4000

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from datetime import UTC, datetime
 from typing import Any
 
-from blind.folder import SetFolder, write_json
+from blind.folder import SetFolder
+from gyrodrift.gyrogap.json_files import write_json
 from gyrodrift.gyrogap.seals import hash_of
 
 SALT_BYTES = 16

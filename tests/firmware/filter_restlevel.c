@@ -1,5 +1,6 @@
 /* Restlevel of gyrodrift.h for tests. */
 #include "gyrodrift.h"
+#include "restlevel_params.h"
 
 #define STATE gd_restlevel
 #define INPUTS 4 /* rate, rest, temperature, and 1 to restart the yaw sigma after the sample */
@@ -7,18 +8,7 @@
 
 static int begin(gd_restlevel *r, const double *params) {
   gd_restlevel_params p;
-  if (params == NULL) {
-    return gd_restlevel_init(r, NULL);
-  }
-  p.window_s = (gd_real)params[0];
-  p.quiet = (gd_real)params[1];
-  p.turn_on_dps = (gd_real)params[2];
-  p.walk_dps_rts = (gd_real)params[3];
-  p.drift_dps_s = (gd_real)params[4];
-  p.still_start = (gd_real)params[5];
-  p.rest_share = (gd_real)params[6];
-  p.scale_percent = (gd_real)params[7];
-  return gd_restlevel_init(r, &p);
+  return gd_restlevel_init(r, restlevel_params(&p, params));
 }
 
 static void zero(gd_restlevel *r, const double *input) {

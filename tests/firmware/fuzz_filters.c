@@ -6,25 +6,11 @@
    1, or a refused sample changes the state.
 */
 #include "gyrodrift.h"
+#include "random_numbers.h"
 #include <stdio.h>
 #include <stdlib.h>
 
 #define PERIODS 24 /* of a run; a period repeats one kind of sample */
-
-static uint64_t state;
-
-static uint64_t next_random(void) { /* xorshift64* */
-  state ^= state >> 12;
-  state ^= state << 25;
-  state ^= state >> 27;
-  return state * 2685821657736338717ULL;
-}
-
-static double uniform(double low, double high) {
-  return low + (high - low) * (double)(next_random() >> 11) / 9007199254740992.0;
-}
-
-static int one_in(unsigned n) { return next_random() % n == 0; }
 
 static double any_size(double low, double high) { /* at the bounds, and of any size between */
   const double value = high * pow(10.0, -uniform(0.0, 12.0));

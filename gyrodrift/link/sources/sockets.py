@@ -28,22 +28,8 @@ class SocketPort(SourcePort):
 
     def read(self) -> bytes:
         """Available bytes, up to a limit, without waiting."""
-        chunks: list[bytes] = []
-        for _ in range(READS_PER_TURN):
-            try:
-                chunk = self._connection.recv(READ_BYTES)
-            except BlockingIOError:
-                break
-            except OSError as error:
-                if chunks:
-                    break
-                raise PortGoneError(self.path) from error
-            if not chunk:
-                if chunks:
-                    break
-                raise PortGoneError(self.path)
-            chunks.append(chunk)
-        return b"".join(chunks)
+        content, _ = received(self._connection, self.path)
+        return content
 
     def write(self, content: bytes) -> int:
         """Send without waiting; the next read reports a closed connection."""
@@ -56,6 +42,41 @@ class SocketPort(SourcePort):
         """Close the connection."""
         with suppress(OSError):
             self._connection.close()
+
+
+def received(
+    connection: socket.socket, path: str, waits: tuple[type[OSError], ...] = (BlockingIOError,)
+) -> tuple[bytes, bool]:
+    """Available bytes, up to a limit, without waiting, and whether more may be there.
+
+    Parameters
+    ----------
+    path
+        Address for the error.
+    waits
+        Errors of a connection without bytes.
+
+    Raises
+    ------
+    PortGoneError
+        The connection is closed, and all its bytes have been read.
+    """
+    chunks: list[bytes] = []
+    for _ in range(READS_PER_TURN):
+        try:
+            chunk = connection.recv(READ_BYTES)
+        except waits:
+            return b"".join(chunks), False
+        except OSError as error:
+            if chunks:
+                break
+            raise PortGoneError(path) from error
+        if not chunk:
+            if chunks:
+                break
+            raise PortGoneError(path)
+        chunks.append(chunk)
+    return b"".join(chunks), True
 
 
 def connected(address: SourceAddress) -> socket.socket:

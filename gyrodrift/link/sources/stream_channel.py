@@ -9,12 +9,15 @@ from socket import socket
 
 from gyrodrift.errors import LinkError, UsageError
 from gyrodrift.files import UnreadableError, check_ordinary
-from gyrodrift.link.port import READ_BYTES, READS_PER_TURN, PortGoneError
-from gyrodrift.link.sources.sockets import connected
+from gyrodrift.link.port import READ_BYTES, PortGoneError
+from gyrodrift.link.sources.sockets import connected, received
 from gyrodrift.link.sources.source import SourceAddress
 
 TLS_OPTIONS = ("ca", "certificate", "key")
 """Options of an address with TLS."""
+
+WAITS = (BlockingIOError, ssl.SSLWantReadError, ssl.SSLWantWriteError)
+"""Errors of a channel without bytes."""
 
 ANSWER_S = 5.0
 """Longest wait for all answers while a channel is opened, s. Chosen: as for a connection."""
@@ -70,24 +73,8 @@ class StreamChannel:
         PortGoneError
             The connection is closed, and all its bytes have been read.
         """
-        chunks: list[bytes] = []
-        self.has_more = False
-        for _ in range(READS_PER_TURN):
-            try:
-                chunk = self._connection.recv(READ_BYTES)
-            except (BlockingIOError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
-                return b"".join(chunks)
-            except OSError as error:
-                if chunks:
-                    break
-                raise PortGoneError(self.path) from error
-            if not chunk:
-                if chunks:
-                    break
-                raise PortGoneError(self.path)
-            chunks.append(chunk)
-        self.has_more = True
-        return b"".join(chunks)
+        content, self.has_more = received(self._connection, self.path, WAITS)
+        return content
 
     def send(self, content: bytes) -> None:
         """Send a few bytes.
