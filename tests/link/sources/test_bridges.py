@@ -1,7 +1,8 @@
 """Gyros behind real bridges: ser2net, socat, and pyserial's RFC 2217 server."""
 
+import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from itertools import pairwise
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from bridge_support import free_port, program, pyserial_server, running, ser2net
 from sources_support import Events, lines, read_until, serving
 from support import Command, speaking_on
 
+from firmware_sim.pty import PtyDevice
 from gyrodrift.errors import LinkError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
@@ -70,13 +72,23 @@ def test_a_ser2net_that_restarts_is_read_again(port: Path, tmp_path: Path) -> No
     assert link.counters.device_resets == 0
 
 
+def take(gyro: PtyDevice, taken: bytearray) -> bytearray:
+    """Bytes that the port has sent; a packet of a pty begins with 0 if it has data (`TIOCPKT`)."""
+    with suppress(BlockingIOError):
+        packet = os.read(gyro.fd, 64)
+        taken += packet[1:] if packet[0] == 0 else b""
+    return taken
+
+
 def test_pyserials_server_changes_its_baud_rate(port: Path) -> None:
     """And hands on every byte, also 255."""
     with speaking_on(port) as gyro, pyserial_server(port) as server:
         link = Link(LinkOptions(f"rfc2217://127.0.0.1:{server.number}", baud=9600, send=b"a\xffb"), Events())
         heard: list[bytes] = []
         link.tap = lambda content, _: heard.append(content)
-        read_until(link, lambda _: server.serial.baudrate == 9600)
+        sent = bytearray()
+        read_until(link, lambda _: b"a\xffb" in take(gyro, sent))  # it follows the purge that ends the change
+        assert server.serial.baudrate == 9600
         content = LINES_WITH_255 + lines(0, 50)
         gyro.send(content)
         samples = read_until(link, lambda samples: len(samples) == 50)
