@@ -35,13 +35,14 @@ def measure(_seed: int, count: int, folder: Path, say: Say) -> list[Figure]:
     named = [(case, gap) for case, gap in done if not is_outside(case)]
     figures = [
         _share("group of a known cause first", [names_label_first(case, gap) for case, gap in named]),
+        _share("the same, by the expected share of the gap", [names_label_by_share(case, gap) for case, gap in named]),
         _share("the same, or tied with the first", [names_label_or_ties(case, gap) for case, gap in named]),
         _share("outside the catalog: unknown or partly", [is_left_open(gap) for case, gap in done if is_outside(case)]),
         _share("no cause above 0.8 beside the known ones", [not unlabeled_sure(case, gap) for case, gap in done]),
     ]
     for device in dict.fromkeys(case.device for case, _ in named):
-        hits = [names_label_first(case, gap) for case, gap in named if case.device == device]
-        figures.append(_share(f"{device}: group of a known cause first", hits))
+        hits = [names_label_by_share(case, gap) for case, gap in named if case.device == device]
+        figures.append(_share(f"{device}: group of a known cause first, by the expected share", hits))
     return figures
 
 
@@ -86,6 +87,12 @@ def is_left_open(gap: dict[str, Any]) -> bool:
 def names_label_first(case: LabeledCase, gap: dict[str, Any]) -> bool:
     """Whether the first cause is of a labeled group."""
     causes = gap["causes"]
+    return bool(causes) and group_of(causes[0]["effect"]) in case.labels
+
+
+def names_label_by_share(case: LabeledCase, gap: dict[str, Any]) -> bool:
+    """Whether the first cause of the report is of a labeled group: that of the largest expected share of the gap."""
+    causes = sorted(gap["causes"], key=lambda cause: -cause["probability"] * cause["gap_share"])
     return bool(causes) and group_of(causes[0]["effect"]) in case.labels
 
 

@@ -16,6 +16,7 @@ from evaluate.real_causes_part import (
     has_files,
     is_left_open,
     is_outside,
+    names_label_by_share,
     names_label_first,
     names_label_or_ties,
     rig_of_case,
@@ -150,6 +151,16 @@ def test_a_cause_that_ties_with_the_first_is_counted_in_a_figure_of_its_own() ->
     assert not names_label_first(HEATED, tied)
     assert names_label_or_ties(HEATED, tied)
     assert not names_label_or_ties(HEATED, gap("unknown"))
+
+
+def test_the_order_of_the_report_is_counted_in_a_figure_of_its_own() -> None:
+    """A certain cause of little of the gap comes after a probable cause of most of it."""
+    ordered = gap("partly", ("vibration", 0.96), ("temp_bias", 0.6))
+    for cause, share in zip(ordered["causes"], (0.02, 0.7), strict=True):
+        cause["gap_share"] = share
+    assert names_label_by_share(HEATED, ordered)
+    assert not names_label_first(HEATED, ordered)
+    assert not names_label_by_share(HEATED, gap("unknown"))
 
 
 def test_what_is_outside_the_catalog_has_to_stay_open() -> None:

@@ -1,6 +1,7 @@
 """From the response tables of all sessions to a verdict, by the posterior over sets of effects."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.inference.density import Groups
 from gyrodrift.diagnose.inference.evidence import pooled_z
 from gyrodrift.diagnose.inference.explanation import Explanation
-from gyrodrift.diagnose.inference.gap import Deviation, deviations, gap_of, listed, no_gap
+from gyrodrift.diagnose.inference.gap import Deviation, deviations, gap_of, listed, no_gap, returning_share
 from gyrodrift.diagnose.inference.observation import observation_of
 from gyrodrift.diagnose.inference.parameters import Parameter, unit_of
 from gyrodrift.diagnose.inference.pooling import evidence_of
@@ -68,7 +69,14 @@ def conclude(
     causes = _named(scorer, posterior)
     names = tuple(cause.effect.name for cause in causes)
     explanation = Explanation(evidence, scorer, posterior, posterior.best_with(names), names)
-    return Conclusion(_verdict(explanation, causes), explanation)
+    return Conclusion(_verdict(explanation, tuple(_with_share(explanation, cause) for cause in causes)), explanation)
+
+
+def _with_share(explanation: Explanation, cause: NamedCause) -> NamedCause:
+    """The cause with the share of the gap that returns if it is left out of the named set."""
+    rest = tuple(name for name in explanation.named if name != cause.effect.name)
+    without_z = replace(explanation, named=rest).held_out_z
+    return replace(cause, gap_share=returning_share(explanation.evidence, without_z, explanation.held_out_z))
 
 
 def simulated_posterior(scorer: Scorer, simulate: Simulate) -> Posterior:

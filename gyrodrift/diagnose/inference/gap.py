@@ -113,6 +113,12 @@ def floor_of(evidence: Evidence) -> float:
     return total_of(by_session(_present(evidence, evidence.nulls.reshape(-1, evidence.nulls.shape[-1]))))
 
 
+def returning_share(evidence: Evidence, without_z: Floats, with_z: Floats) -> float:
+    """Share of the squared gap that returns without a cause; z of held-out sessions without and with it, (S, F)."""
+    before, without, after = (total_of(by_session(_present(evidence, z))) ** 2 for z in (evidence.z, without_z, with_z))
+    return max(without - after, 0.0) / before if before else 0.0
+
+
 def _present(evidence: Evidence, z: Floats) -> Floats:
     """(…, some) columns of the features that the sessions have."""
     return np.compress(evidence.is_present, z, axis=1)

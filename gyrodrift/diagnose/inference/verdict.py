@@ -40,6 +40,8 @@ class NamedCause:
         A sentence for a person.
     group_probability
         Probability that it acts, or an effect tied with it.
+    gap_share
+        Share of the gap that returns if only the other causes are added to the rig.
     """
 
     cause: Sized
@@ -50,6 +52,12 @@ class NamedCause:
     group_probability: float
     parameters: tuple[Parameter, ...]
     tied_with: tuple[str, ...]
+    gap_share: float = 0.0
+
+    @property
+    def expected_share(self) -> float:
+        """Expected share of the gap that it explains: probability times `gap_share`."""
+        return self.probability * self.gap_share
 
     @property
     def in_rig(self) -> Effect | None:
@@ -89,6 +97,8 @@ class Negligible:
 class Verdict:
     """The verdict.
 
+    causes
+        The most probable first, as in `gap.json`.
     where, unexplained
         Deviating features of the rig, and of the rig with the causes; the worst first.
     negligible
@@ -110,6 +120,11 @@ class Verdict:
     def may_have_unknown(self) -> bool:
         """Whether something unknown is probable enough to leave a question open."""
         return self.probability_unknown is not None and self.probability_unknown > OPEN_FROM
+
+    @property
+    def causes_by_share(self) -> tuple[NamedCause, ...]:
+        """Causes by their expected share of the gap, the largest first: the order for people."""
+        return tuple(sorted(self.causes, key=lambda cause: (-cause.expected_share, -cause.probability)))
 
     @property
     def acting(self) -> tuple[NamedCause, ...]:

@@ -86,6 +86,7 @@ def _cause(cause: NamedCause) -> dict[str, Any]:
         "group": cause.group,
         "probability": round(cause.probability, 4),
         "group_probability": round(cause.group_probability, 4),
+        "gap_share": round(cause.gap_share, 4),
         "parameters": parameters,
         **in_rig,
         "tied_with": list(cause.tied_with),
@@ -133,7 +134,7 @@ def summary(diagnosis: Diagnosis) -> list[str]:
     verdict = diagnosis.verdict
     lines = [f"contradiction of facts: {item.says}" for item in diagnosis.contradictions]
     lines.append(headline(diagnosis))
-    lines += [f"  {cause_line(cause)}" for cause in verdict.causes[:SHOWN]]
+    lines += [f"  {cause_line(cause)}" for cause in verdict.causes_by_share[:SHOWN]]
     lines += [
         f"  negligible: {cause_line(item.cause)}; changes yaw by {significant(item.yaw_deg, 2)} deg"
         for item in verdict.negligible[:SHOWN]
@@ -198,7 +199,7 @@ def _listed(deviations: Sequence[Deviation]) -> str:
 def headline(diagnosis: Diagnosis) -> str:
     """The verdict as a sentence: each cause in plain words with its sign and size, and the closed share of the gap."""
     gap = diagnosis.verdict.gap
-    causes = "; ".join(effect_sentence(cause) for cause in diagnosis.verdict.causes)
+    causes = "; ".join(effect_sentence(cause) for cause in diagnosis.verdict.causes_by_share)
     small = " and ".join(item.cause.effect.name for item in diagnosis.verdict.negligible)
     closed = "" if gap.shrink is None else f"; {_closed(gap)} of the gap closed"
     match diagnosis.verdict.kind:

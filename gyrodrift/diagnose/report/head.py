@@ -93,7 +93,7 @@ def _sessions(diagnosis: Diagnosis) -> str:
 def _in_words(diagnosis: Diagnosis) -> list[str]:
     verdict = diagnosis.verdict
     sentences = [_where(diagnosis)]
-    sentences += [_cause_words(cause) for cause in verdict.causes]
+    sentences += [_cause_words(cause) for cause in verdict.causes_by_share]
     remaining = [says(deviation) for deviation in verdict.unexplained if deviation.is_beyond_chance]
     if verdict.causes and remaining:
         listed = "; ".join(map(text, remaining[:WHERE]))
@@ -158,7 +158,7 @@ def _cause_tiles(diagnosis: Diagnosis) -> list[str]:
         return [_examples_tile(diagnosis)]
     if not diagnosis.verdict.causes:
         return [_stages_tile(diagnosis)]
-    return [_cause_tile(cause) for cause in diagnosis.verdict.causes]
+    return [_cause_tile(cause) for cause in diagnosis.verdict.causes_by_share]
 
 
 def _cause_tile(cause: NamedCause) -> str:
@@ -170,6 +170,7 @@ def _cause_tile(cause: NamedCause) -> str:
         *((text(parameter.name), size(parameter.value, parameter.unit)) for parameter in others_of(cause)),
         *[("phase", FREE_PHASE)] * has_free_phase(cause),
         ("probability that it acts", text(stated(cause.probability))),
+        ("share of the gap that returns without it", percent(cause.gap_share)),
         ("may be instead", ", ".join(map(text, cause.tied_with)) or "no other effect"),
     ]
     return tile(f"Cause: {cause.effect.name}", rows)

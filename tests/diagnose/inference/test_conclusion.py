@@ -52,6 +52,16 @@ def test_two_effects_are_named_together() -> None:
     assert {cause.effect.name for cause in conclusion.verdict.causes} == {"scale_factor", "clock_drift"}
 
 
+def test_the_share_of_a_cause_is_what_returns_without_it() -> None:
+    """Two causes share the gap by the squares of their changes, chance has the rest, and probability orders them."""
+    causes = concluded(**times(6.0, SCALE), **times(5.0, CLOCK)).verdict.causes
+    share = {cause.effect.name: cause.gap_share for cause in causes}
+    assert share["scale_factor"] / share["clock_drift"] == pytest.approx(36.0 / 25.0, rel=0.2)
+    assert 0.6 < sum(share.values()) < 1.0
+    probabilities = [cause.probability for cause in causes]
+    assert probabilities == sorted(probabilities, reverse=True)
+
+
 def test_a_gap_that_no_effect_makes_is_unknown() -> None:
     """Large deviations in other features than those of the effects, and no effect is named for them."""
     conclusion = concluded(temperature=12.0, wander_20s=-9.0)

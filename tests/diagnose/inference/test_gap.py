@@ -5,7 +5,7 @@ import pytest
 from inference_support import evidence
 
 from gyrodrift.diagnose.features.vector import FEATURES
-from gyrodrift.diagnose.inference.gap import by_session, gap_of, no_gap, shrink_of, total_of
+from gyrodrift.diagnose.inference.gap import by_session, gap_of, no_gap, returning_share, shrink_of, total_of
 
 F = len(FEATURES)
 
@@ -47,3 +47,14 @@ def test_sessions_that_differ_have_an_interval_around_the_whole() -> None:
     assert found.shrink_high is not None
     assert 0.25 <= found.shrink_low < found.shrink < found.shrink_high <= 1.0
     assert found == gap_of(evidence(np.full((4, F), 5.0)), after)
+
+
+def test_the_share_that_returns_without_a_cause_is_one_of_squares() -> None:
+    """From 3 of 5 back to 4 of 5 are 7 of 25; no z counts for more than 20, and nothing returns below zero."""
+    before = evidence(np.full((4, F), 5.0))
+    after, without = np.full((4, F), 3.0), np.full((4, F), 4.0)
+    assert returning_share(before, without, after) == pytest.approx(7.0 / 25.0)
+    assert returning_share(before, after, without) == 0.0
+    far = evidence(np.full((4, F), 90.0))
+    assert returning_share(far, np.full((4, F), 80.0), np.full((4, F), 30.0)) == 0.0
+    assert returning_share(evidence(np.zeros((4, F))), without, after) == 0.0

@@ -226,7 +226,15 @@ def test_the_keys_of_the_file_are_those_that_others_read(scaled: Diagnosis) -> N
         *("verdict", "causes", "where", "leftover", "gap", "yaw", "transfer", "detectable", "calibration", "next"),
         "seconds",
     } <= set(found)
-    assert set(found["causes"][0]) == {"effect", "group", "probability", "group_probability", "parameters", "tied_with"}
+    assert set(found["causes"][0]) == {
+        "effect",
+        "group",
+        "probability",
+        "group_probability",
+        "gap_share",
+        "parameters",
+        "tied_with",
+    }
     assert {"stage", "signature", "regime", "z", "share"} <= set(found["where"][0])
     assert set(found["gap"]) == {"before", "after", "floor", "shrink", "shrink_low", "shrink_high"}
 
