@@ -51,20 +51,77 @@ class TimestampJitter(Effect):
         return act
 
 
+EVEN_TICKS = {"spread_percent": 0.0, "handover_ms": 0.0}
+"""Parameters of a poll by a timer that hands a bunch over at once."""
+
+TICKS = 64
+"""Intervals that are drawn together. Their number does not change them."""
+
+
 class UsbBatching(Effect):
-    """Samples wait for the next tick of an interval and arrive together. Typical: 1 to 16 ms, 64 on slow hosts."""
+    """Samples wait for the next tick of an interval and arrive in a bunch. Typical: 1 to 16 ms, 64 on slow hosts.
+
+    spread_percent
+        Standard deviation of the intervals, as a share of their mean. Intervals have a gamma distribution: at 0 a timer
+        polls; at 100 ticks are independent (a Poisson process), as on a host that reads when it is idle.
+    handover_ms
+        Time in which a sample is handed over, by a serial line that empties a buffer or by a program that handles each
+        sample. Samples of a bunch arrive this far apart, after the bunch before.
+    """
 
     name: Literal["usb_batching"] = "usb_batching"
     interval_ms: Annotated[float, Field(ge=0.01, le=5000.0)]
+    spread_percent: Annotated[float, Field(ge=0.0, le=100.0)] = 0.0
+    handover_ms: Annotated[float, Field(ge=0.0, le=1000.0)] = 0.0
     stage: ClassVar[str] = "link"
     slot: ClassVar[EffectSlot] = EffectSlot.ARRIVAL
-    typical: ClassVar[dict[str, float]] = {"interval_ms": 64.0}
-    small: ClassVar[dict[str, float]] = {"interval_ms": 16.0}
+    typical: ClassVar[dict[str, float]] = {"interval_ms": 64.0, **EVEN_TICKS}
+    small: ClassVar[dict[str, float]] = {"interval_ms": 16.0, **EVEN_TICKS}
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
-        """Next tick."""
+        """Next tick, and then one after the other."""
+        wait = self._next_tick(rng)
+        if not self.handover_ms:
+            return wait
+        hand_over = _one_after_the_other(self.handover_ms * 1e-3)
+        return lambda arrival_s, moments: hand_over(wait(arrival_s, moments), moments)
+
+    def _next_tick(self, rng: Rng) -> Act:
         interval_s = self.interval_ms * 1e-3
+        if self.spread_percent:
+            return _scattered_ticks(rng, interval_s, self.spread_percent / 100.0)
         return lambda arrival_s, _: np.ceil(arrival_s / interval_s) * interval_s
+
+
+def _scattered_ticks(rng: Rng, interval_s: float, spread: float) -> Act:
+    """Wait for the next tick of a renewal process; `spread` is the coefficient of variation of its intervals."""
+    shape, scale_s = spread**-2.0, interval_s * spread**2.0
+    ticks_s = np.zeros(1)
+
+    def act(arrival_s: Floats, _: Moments) -> Floats:
+        nonlocal ticks_s
+        while ticks_s[-1] < arrival_s[-1]:
+            ticks_s = np.concatenate([ticks_s, ticks_s[-1] + np.cumsum(rng.gamma(shape, scale_s, TICKS))])
+        waited: Floats = ticks_s[np.searchsorted(ticks_s, arrival_s)]
+        ticks_s = ticks_s[np.searchsorted(ticks_s, arrival_s[0]) :]
+        return waited
+
+    return act
+
+
+def _one_after_the_other(handover_s: float) -> Act:
+    """A queue: a sample arrives a handover after the sample before, or as soon as it can."""
+    last_s = -np.inf
+
+    def act(arrival_s: Floats, _: Moments) -> Floats:
+        nonlocal last_s
+        ladder_s = handover_s * np.arange(len(arrival_s))
+        reached_s = np.maximum.accumulate(np.maximum(arrival_s - ladder_s, last_s + handover_s))
+        queued: Floats = reached_s + ladder_s
+        last_s = float(queued[-1])
+        return queued
+
+    return act
 
 
 class SampleDrop(Effect):

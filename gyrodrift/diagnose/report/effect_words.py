@@ -40,6 +40,11 @@ def _warmup(values: Values) -> str:
     return f"the bias is {_size(start)} deg/s too {_high(start)} at power-on and decays in {_size(tau_s)} s"
 
 
+def _batches(values: Values) -> str:
+    spread = f", ± {_size(values['spread_percent'])} %" if values["spread_percent"] else ""
+    return f"samples reach the host in batches every {_size(values['interval_ms'])} ms{spread}"
+
+
 SENTENCES: dict[str, Callable[[Values], str]] = {
     "misalignment": lambda v: (
         f"the sensor is tilted by {_size(v['tilt_deg'])}°: the rate reads {_size(_lost(v['tilt_deg']))} % too low"
@@ -75,7 +80,7 @@ SENTENCES: dict[str, Callable[[Values], str]] = {
     "backlash": lambda v: f"the encoder lags by {_size(v['play_deg'])}° after a reversal",
     "clock_drift": lambda v: f"the device clock runs {_size(v['ppm'])} ppm {'fast' if v['ppm'] > 0.0 else 'slow'}",
     "timestamp_jitter": lambda v: f"device times scatter by {_size(v['sigma_ms'])} ms",
-    "usb_batching": lambda v: f"samples reach the host in batches every {_size(v['interval_ms'])} ms",
+    "usb_batching": _batches,
     "sample_drop": lambda v: f"{_size(v['share_percent'])} % of samples are missing",
     "stale_hold": lambda v: f"{_size(v['share_percent'])} % of samples repeat the sample before",
 }

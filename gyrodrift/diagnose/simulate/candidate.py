@@ -64,6 +64,9 @@ class Hints:
         Rates below which the device puts out zero, and that it does not exceed.
     sample_period_s, bunch_s
         Distance of two samples, and of two bunches of them at the host; 0 where there are none.
+    bunch_spread, handover_s
+        Standard deviation of the distances of bunches as a share of their mean, 0 on even ticks; and the distance of
+        samples within a bunch.
     dps_per_lsb
         Steps of the rate as the rig has them.
     lean_deg
@@ -81,6 +84,8 @@ class Hints:
     bunch_s: float
     dps_per_lsb: float
     lean_deg: float = 0.0
+    bunch_spread: float = 0.0
+    handover_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,7 @@
 """Grids of sizes and the variants made of them: the parts that the records of candidates are put together from."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -78,6 +79,17 @@ def turned(least: float, most: float) -> Variants:
 def one_of(grid: SizeGrid, others: Sequence[Mapping[str, float]]) -> Variants:
     """A variant for each of several sets of the other parameters."""
     return lambda _: [Variant(grid, fixed) for fixed in others]
+
+
+def also_with(variants: Variants, hint: Callable[[Hints], Mapping[str, float]]) -> Variants:
+    """These variants, and each with further parameters that the recordings show, if they show any."""
+
+    def both(hints: Hints) -> Sequence[Variant]:
+        own, shown = variants(hints), hint(hints)
+        with_shown = [replace(variant, fixed={**variant.fixed, **shown}) for variant in own if shown]
+        return [*own, *with_shown]
+
+    return both
 
 
 def hinted(parameter: str, hint: Callable[[Hints], float], *points: float) -> Variants:

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.fft import next_fast_len
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.axes import turn_lean
@@ -11,18 +10,12 @@ from gyrodrift.diagnose.features.sample_values import LEAK, NEAR_ZERO_DPS
 from gyrodrift.diagnose.features.spectral_line import spectral_line
 from gyrodrift.diagnose.recording.order_statistics import DECIMALS, distinct
 from gyrodrift.diagnose.recording.outliers import step_of
-from gyrodrift.diagnose.recording.recording import Recording
+from gyrodrift.diagnose.simulate.bunches import bunch_s, bunch_spread, handover_s
 from gyrodrift.diagnose.simulate.candidate import Hints
 from gyrodrift.diagnose.simulate.twin import Subject
 
 NEAR_STEP = np.linspace(0.98, 1.02, 401)
 """Multiples of a step that its levels are held against."""
-
-BEGINS_AFTER, AT_ONCE, FEW_BUNCHES = 1.5, 0.5, 20
-"""Sample periods of silence before a bunch of samples, and between two in it; few may be stalls of a host."""
-
-TICK_BIN, TICK_FINER = 1.0 / 16.0, 4
-"""Bin in which arrivals are counted, in sample periods, and factor by which the frequencies are finer than its own."""
 
 LEVELS_ABOVE = 4
 """Levels of a rate that occur about equally often."""
@@ -46,7 +39,9 @@ def hints_of(subjects: Sequence[Subject]) -> Hints:
         least_dps=_least_dps(np.concatenate(slow_dps), step_dps) or _median(lsb_dps),
         largest_dps=max(1.0, *(_most(subject.seen.rate_dps) for subject in subjects)),
         sample_period_s=min(recording.period_s for recording in recordings),
-        bunch_s=_median([_tick_s(recording) or _bunch_s(recording) for recording in recordings]),
+        bunch_s=_median([bunch_s(recording) for recording in recordings]),
+        bunch_spread=_median([bunch_spread(recording) for recording in recordings]),
+        handover_s=_median([handover_s(recording) for recording in recordings]),
         dps_per_lsb=_median(lsb_dps),
         lean_deg=_lean_deg(subjects),
     )
@@ -91,43 +86,6 @@ def _first_of_many(sizes: Floats, step: float) -> float:
     # A few sizes that lie far below all others may be chance.
     alone = np.logical_and.accumulate(apart[: LEAK - 1] > 6.0 * usual)
     return float(few[np.count_nonzero(alone)])
-
-
-def _bunch_s(recording: Recording) -> float:
-    """Distance of bunches by the silence before two samples at once; a lost sample leaves no second one."""
-    arrived_s = _arrived_s(recording)
-    gaps = np.diff(arrived_s) / recording.period_s
-    begins = np.flatnonzero((gaps[:-1] > BEGINS_AFTER) & (gaps[1:] < AT_ONCE))
-    return float(np.median(np.diff(arrived_s[begins]))) if len(begins) > FEW_BUNCHES else 0.0
-
-
-def _tick_s(recording: Recording) -> float:
-    """Distance of ticks by the lowest frequency at which all arrivals have one phase.
-
-    Where ticks are about as far apart as samples, there are no bunches, but now and then a tick without a sample. Much
-    shorter ones stand behind the comb of the samples themselves; how short they are matters little.
-    """
-    arrived_s, period_s = _arrived_s(recording)[:20_000], recording.period_s
-    # A host whose clock was set: ticks have no phase.
-    if len(arrived_s) < 200 or np.ptp(arrived_s) > 10.0 * len(arrived_s) * period_s:
-        return 0.0
-    places = np.floor((arrived_s - arrived_s.min()) / (TICK_BIN * period_s)).astype(np.int64)
-    bins = next_fast_len(TICK_FINER * int(places.max() + 1), real=True)
-    aligned = np.abs(np.fft.rfft(np.bincount(places), bins)) / len(arrived_s)
-    per_bin_hz = 1.0 / (bins * TICK_BIN * period_s)
-    first = int(1.0 / (0.2 * per_bin_hz)) + 1  # ticks of 0.2 s and less
-    comb = np.flatnonzero(aligned[first:] > 0.85)  # share of arrivals at one phase
-    if not len(comb):
-        return 0.0
-    peak = first + int(comb[0])
-    beside = peak + int(np.argmax(aligned[peak : peak + TICK_FINER]))
-    tick_s = 1.0 / (beside * per_bin_hz)
-    return 0.0 if abs(tick_s / period_s - 1.0) < 1e-3 else tick_s  # the clock of the samples themselves
-
-
-def _arrived_s(recording: Recording) -> Floats:
-    """When samples reached the host; none where nobody knows."""
-    return np.zeros(0) if recording.host_s is None else recording.host_s[np.isfinite(recording.host_s)]
 
 
 def _even_step_of(rates_dps: Floats, finer_dps: float) -> float:

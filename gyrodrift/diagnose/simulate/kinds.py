@@ -4,6 +4,7 @@ import numpy as np
 
 from gyrodrift.diagnose.simulate.candidate import CandidateKind, Hints, Need, SizeGrid, Touches, Variant
 from gyrodrift.diagnose.simulate.grids import (
+    also_with,
     between,
     hinted,
     linear,
@@ -30,6 +31,12 @@ CURVES: tuple[dict[str, float], ...] = ({}, {"curve_per_c": -0.01}, {"curve_per_
 
 CUTOFFS_HZ, ORDERS = (60.0, 30.0, 15.0, 7.0, 3.0, 1.2, 0.5), (1, 2)
 """Low-passes that are simulated."""
+
+LEAST_SPREAD_PERCENT = 5.0
+"""Spread of ticks from which on it is simulated: on a tick of 50 ms, as much as usual host jitter."""
+
+LEAST_HANDOVER = 0.06
+"""Distance of samples in a bunch from which on it is simulated, in sample periods: that of the feature of gaps."""
 
 REALISATIONS = 12
 """Realisations of an effect whose slow disturbance takes milliseconds; two sessions have more than thirty."""
@@ -58,6 +65,13 @@ def _coarser_dps(hints: Hints) -> float:
 def _bunches_ms(hints: Hints) -> float:
     """Quantiles of gaps jump where one sample more fits into a bunch, and lie on no curve between other intervals."""
     return 1e3 * hints.bunch_s
+
+
+def _uneven_bunches(hints: Hints) -> dict[str, float]:
+    """Spread and handover of bunches where the recordings show that they matter; empty on even ticks."""
+    shown = {"spread_percent": 100.0 * min(hints.bunch_spread, 1.0), "handover_ms": 1e3 * hints.handover_s}
+    least = {"spread_percent": LEAST_SPREAD_PERCENT, "handover_ms": LEAST_HANDOVER * 1e3 * hints.sample_period_s}
+    return {name: value for name, value in shown.items() if value >= least[name]}
 
 
 def _counts_per_turn(step_deg: float) -> int:
@@ -154,7 +168,10 @@ EFFECTS = (
     ),
     CandidateKind(
         "usb_batching", "interval_ms",
-        simulated_and_shown(_bunches_ms, 1.5, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 100.0, 250.0),
+        also_with(
+            simulated_and_shown(_bunches_ms, 1.5, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0, 100.0, 250.0),
+            _uneven_bunches,
+        ),
         "samples reach the host in bunches", "times", (Need.HOST,), Touches.TIMES, matters_from=2.0,
     ),
     CandidateKind(

@@ -66,6 +66,16 @@ def test_bunches_are_as_far_apart_as_they_come(interval_ms: float) -> None:
     assert hints_with("sample_drop:share_percent=1").bunch_s == hints_with("timestamp_jitter").bunch_s == 0.0
 
 
+def test_the_spread_of_ticks_and_the_handover_are_read_off() -> None:
+    """Within a tenth; ticks that find no sample do not show, and even ticks have neither."""
+    uneven = hints_with("usb_batching:interval_ms=60,spread_percent=40,handover_ms=2")
+    assert uneven.bunch_spread == pytest.approx(0.4, rel=0.1)
+    assert uneven.handover_s == pytest.approx(2e-3, rel=0.05)
+    even = hints_with("usb_batching:interval_ms=53")
+    assert (even.bunch_spread, even.handover_s) == pytest.approx((0.0, 0.0), abs=1e-6)
+    assert hints_with("timestamp_jitter").bunch_spread == 0.0
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_ticks_about_as_far_apart_as_samples_are_found(seed: int) -> None:
     """Where there are no bunches, but now and then a tick without a sample, or two samples at one."""
@@ -103,6 +113,18 @@ def test_what_is_shown_is_simulated_and_a_size() -> None:
     for bunch_s, is_own in ((0.053, True), (0.0, False), (0.3, False)):
         (one,) = (each for each in candidates(replace(HINTS, bunch_s=bunch_s)) if each.name == "usb_batching")
         assert (1e3 * bunch_s in one.grid_points, 1e3 * bunch_s in one.sizes) == (is_own, is_own)
+
+
+def test_uneven_bunches_are_tried_where_they_show() -> None:
+    """Spread and handover as shown, beside bunches on even ticks; little of both is not tried."""
+    for spread, handover_s, fixed in (
+        (0.4, 2e-3, ["", "spread_percent 40, handover_ms 2"]),
+        (0.4, 1e-4, ["", "spread_percent 40"]),
+        (0.01, 2e-3, ["", "handover_ms 2"]),
+        (0.01, 1e-4, [""]),
+    ):
+        hints = replace(HINTS, bunch_s=0.053, bunch_spread=spread, handover_s=handover_s)
+        assert [each.variant for each in candidates(hints) if each.name == "usb_batching"] == fixed
 
 
 @pytest.mark.parametrize("level_dps", [0.0, 1.334])

@@ -32,7 +32,12 @@ def answer_of(gap: dict[str, Any]) -> dict[str, Any]:
 
 
 def _translated(parameters: dict[str, float]) -> dict[str, float]:
-    """Parameters in the words of the benchmark: the curve of a temperature slope is stated relative to it."""
+    """Parameters in the words of the benchmark: the curve of a temperature slope is stated relative to it.
+
+    The benchmark knows no spread and no handover of bunches.
+    """
+    for name in ("spread_percent", "handover_ms"):
+        parameters.pop(name, None)
     curve_per_c = parameters.pop("curve_per_c", None)
     curve = {} if curve_per_c is None else {"curve_dps_per_c2": curve_per_c * parameters["slope_dps_per_c"]}
     return parameters | curve

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from effects_bench import SHIPPED, Record, effect_of, fitted, put_in, record, rig_of, share_bound, sized
 
-from firmware_sim.effects.effect import Effect
-from firmware_sim.effects.link import TimestampJitter
+from firmware_sim.effects.effect import Effect, Floats, Moments
+from firmware_sim.effects.link import TimestampJitter, UsbBatching
 from firmware_sim.motion.profile import load_profile
 
 DELAY_S = SHIPPED.host_delay_s
@@ -59,6 +59,45 @@ def test_a_sample_waits_for_less_than_an_interval(effect: Effect | None) -> None
     assert waits_s.min() >= -1e-9
     assert waits_s.max() < interval_s + 1e-9
     assert waits_s.mean() == pytest.approx(interval_s / 2.0, abs=0.002 * bool(effect) + 1e-9)
+
+
+def arrivals_s(effect: UsbBatching, *blocks: int) -> Floats:
+    """Arrivals of samples of 100 Hz that are measured in blocks of these lengths."""
+    empty = np.zeros(0)
+    act, moments = effect.begin(np.random.default_rng(3), 100.0), Moments(empty, empty, empty, empty, empty, 0.01)
+    ends = np.cumsum(blocks)
+    pieces = [np.arange(end - length, end) / 100.0 for end, length in zip(ends, blocks, strict=True)]
+    return np.concatenate([act(piece_s, moments) for piece_s in pieces])
+
+
+@pytest.mark.parametrize("spread_percent", [20.0, 50.0, 100.0])
+def test_ticks_scatter_by_their_spread(spread_percent: float) -> None:
+    """Ticks much rarer than samples show: their mean, and their standard deviation as a share of it."""
+    came_s = arrivals_s(UsbBatching(interval_ms=500.0, spread_percent=spread_percent), 400_000)
+    intervals_s = np.diff(np.unique(came_s))
+    assert (came_s >= np.arange(400_000) / 100.0).all()
+    assert intervals_s.mean() == pytest.approx(0.5, rel=0.05)
+    assert intervals_s.std() / intervals_s.mean() == pytest.approx(spread_percent / 100.0, rel=0.05)
+
+
+def test_samples_of_a_bunch_are_handed_over_one_after_the_other() -> None:
+    """Distances within a bunch are the handover; a link that is slower than the samples never rests."""
+    at_once_s = arrivals_s(UsbBatching(interval_ms=79.0), 4000)
+    handed_s = arrivals_s(UsbBatching(interval_ms=79.0, handover_ms=2.0), 4000)
+    gaps_ms = 1e3 * np.diff(handed_s)
+    assert gaps_ms.min() == pytest.approx(2.0)
+    assert np.median(gaps_ms) == pytest.approx(2.0)
+    assert (handed_s - at_once_s).max() == pytest.approx(7 * 2e-3)
+    slow_s = arrivals_s(UsbBatching(interval_ms=79.0, handover_ms=12.0), 4000)
+    assert np.diff(slow_s)[1:] == pytest.approx(np.full(3998, 0.012))
+
+
+def test_bunches_do_not_depend_on_the_blocks_of_the_measurement() -> None:
+    """Neither on their number nor on their length; without spread and handover bunches are those of an even poll."""
+    uneven = UsbBatching(interval_ms=45.0, spread_percent=40.0, handover_ms=2.0)
+    assert arrivals_s(uneven, 3000) == pytest.approx(arrivals_s(uneven, 1, 99, 900, 2000), abs=1e-9)
+    even = UsbBatching(interval_ms=45.0, spread_percent=0.0, handover_ms=0.0)
+    assert np.array_equal(arrivals_s(even, 3000), np.ceil(np.arange(3000) / 100.0 / 0.045) * 0.045)
 
 
 def test_a_sample_that_the_scheduler_delays_still_waits_for_the_tick() -> None:
