@@ -92,7 +92,7 @@ def names_label_first(case: LabeledCase, gap: dict[str, Any]) -> bool:
 
 def names_label_by_share(case: LabeledCase, gap: dict[str, Any]) -> bool:
     """Whether the first cause of the report is of a labeled group: that of the largest expected share of the gap."""
-    causes = sorted(gap["causes"], key=lambda cause: -cause["probability"] * cause["gap_share"])
+    causes = sorted(gap["causes"], key=lambda cause: -cause["group_probability"] * cause["gap_share"])
     return bool(causes) and group_of(causes[0]["effect"]) in case.labels
 
 

@@ -157,7 +157,7 @@ def test_the_order_of_the_report_is_counted_in_a_figure_of_its_own() -> None:
     """A certain cause of little of the gap comes after a probable cause of most of it."""
     ordered = gap("partly", ("vibration", 0.96), ("temp_bias", 0.6))
     for cause, share in zip(ordered["causes"], (0.02, 0.7), strict=True):
-        cause["gap_share"] = share
+        cause |= {"gap_share": share, "group_probability": cause["probability"]}
     assert names_label_by_share(HEATED, ordered)
     assert not names_label_first(HEATED, ordered)
     assert not names_label_by_share(HEATED, gap("unknown"))

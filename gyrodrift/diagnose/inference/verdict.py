@@ -56,8 +56,8 @@ class NamedCause:
 
     @property
     def expected_share(self) -> float:
-        """Expected share of the gap that it explains: probability times `gap_share`."""
-        return self.probability * self.gap_share
+        """Expected share of the gap that it explains, or an effect tied with it: probability times `gap_share`."""
+        return self.group_probability * self.gap_share
 
     @property
     def in_rig(self) -> Effect | None:

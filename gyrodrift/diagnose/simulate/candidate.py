@@ -69,6 +69,8 @@ class Hints:
         samples within a bunch.
     dps_per_lsb
         Steps of the rate as the rig has them.
+    curve_per_c
+        Curve of the bias over the temperature relative to its slope at the reference; 0 without a sweep.
     lean_deg
         Direction in which the turn leans from the yaw axis, from x to y; 0 without three axes.
     """
@@ -86,6 +88,7 @@ class Hints:
     lean_deg: float = 0.0
     bunch_spread: float = 0.0
     handover_s: float = 0.0
+    curve_per_c: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -76,9 +76,13 @@ def turned(least: float, most: float) -> Variants:
     return lambda _: [Variant(grid, {"phase_deg": phase_deg}, phase_deg) for phase_deg in PHASES_DEG]
 
 
-def one_of(grid: SizeGrid, others: Sequence[Mapping[str, float]]) -> Variants:
-    """A variant for each of several sets of the other parameters."""
-    return lambda _: [Variant(grid, fixed) for fixed in others]
+def one_of(
+    grid: SizeGrid,
+    others: Sequence[Mapping[str, float]],
+    shown: Callable[[Hints], Sequence[Mapping[str, float]]] = lambda _: (),
+) -> Variants:
+    """A variant for each of several sets of the other parameters, and of those that the recordings show."""
+    return lambda hints: [Variant(grid, fixed) for fixed in (*others, *shown(hints))]
 
 
 def also_with(variants: Variants, hint: Callable[[Hints], Mapping[str, float]]) -> Variants:

@@ -4,8 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from firmware_sim.effects.environment import REFERENCE_C, SELF_HEATING_C
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.axes import turn_lean
+from gyrodrift.diagnose.features.block_means import block_means
+from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.features.sample_values import LEAK, NEAR_ZERO_DPS
 from gyrodrift.diagnose.features.spectral_line import spectral_line
 from gyrodrift.diagnose.recording.order_statistics import DECIMALS, distinct
@@ -16,6 +19,10 @@ from gyrodrift.diagnose.simulate.twin import Subject
 
 NEAR_STEP = np.linspace(0.98, 1.02, 401)
 """Multiples of a step that its levels are held against."""
+
+SWEEP_C = 2.0 * SELF_HEATING_C
+"""Change of the temperature from which on a curve is read off, °C. Over self-heating alone, a curve and a warm-up look
+alike."""
 
 LEVELS_ABOVE = 4
 """Levels of a rate that occur about equally often."""
@@ -44,7 +51,29 @@ def hints_of(subjects: Sequence[Subject]) -> Hints:
         handover_s=_median([handover_s(recording) for recording in recordings]),
         dps_per_lsb=_median(lsb_dps),
         lean_deg=_lean_deg(subjects),
+        curve_per_c=_curve_per_c(subjects),
     )
+
+
+def _curve_per_c(subjects: Sequence[Subject]) -> float:
+    """Curve of the bias over the temperature about the reference, relative to its slope there; 0 without a sweep."""
+    curves = [_parabola_curve_per_c(subject) for subject in subjects if _sweeps(subject)]
+    return _median(curves) if curves else 0.0
+
+
+def _sweeps(subject: Subject) -> bool:
+    return float(np.ptp(subject.design.motion.sensor_c)) > SWEEP_C
+
+
+def _parabola_curve_per_c(subject: Subject) -> float:
+    """By least squares of the block residuals on temperature and its square, beside all that is no slow bias."""
+    design = subject.design
+    over_c = block_means(design.motion.sensor_c, design.block) - REFERENCE_C
+    powers = design.root_weights[:, None] * np.column_stack([over_c, np.square(over_c)])
+    powers -= design.fast_vectors @ (design.fast_vectors.T @ powers)
+    residuals = design.root_weights * block_residual_dps(subject.seen, design)
+    slope, square = np.linalg.lstsq(powers, residuals)[0]
+    return float(square / slope) if slope else 0.0
 
 
 def _lean_deg(subjects: Sequence[Subject]) -> float:

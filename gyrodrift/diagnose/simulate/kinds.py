@@ -29,6 +29,9 @@ WARMUPS = [
 CURVES: tuple[dict[str, float], ...] = ({}, {"curve_per_c": -0.01}, {"curve_per_c": 0.01})
 """A line, and 10 °C from 25 °C a tenth of the line off it."""
 
+MOST_CURVE = 0.5
+"""Bound of the curve in the simulator, 1/°C."""
+
 CUTOFFS_HZ, ORDERS = (60.0, 30.0, 15.0, 7.0, 3.0, 1.2, 0.5), (1, 2)
 """Low-passes that are simulated."""
 
@@ -74,6 +77,11 @@ def _uneven_bunches(hints: Hints) -> dict[str, float]:
     return {name: value for name, value in shown.items() if value >= least[name]}
 
 
+def _shown_curves(hints: Hints) -> list[dict[str, float]]:
+    """The curve that a sweep of the temperature shows, within the bounds of the effect; none without a sweep."""
+    return [{"curve_per_c": max(-MOST_CURVE, min(hints.curve_per_c, MOST_CURVE))}] if hints.curve_per_c else []
+
+
 def _counts_per_turn(step_deg: float) -> int:
     return max(1, round(360.0 / step_deg))
 
@@ -101,7 +109,7 @@ EFFECTS = (
         "even in rate", (Need.MOTION,), Touches.SLOW_RATE, matters_from=0.006,
     ),
     CandidateKind(
-        "temp_bias", "slope_dps_per_c", one_of(linear_grid(0.0005, 0.5), CURVES),
+        "temp_bias", "slope_dps_per_c", one_of(linear_grid(0.0005, 0.5), CURVES, _shown_curves),
         "the bias follows the temperature",
         "slow bias", (Need.TEMPERATURE,), Touches.SLOW_RATE, matters_from=0.0012,
     ),

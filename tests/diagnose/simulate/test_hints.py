@@ -127,6 +127,26 @@ def test_uneven_bunches_are_tried_where_they_show() -> None:
         assert [each.variant for each in candidates(hints) if each.name == "usb_batching"] == fixed
 
 
+@pytest.mark.parametrize(("slope_dps_per_c", "curve_per_c"), [(0.02, 0.02), (0.01, -0.08)])
+def test_a_sweep_of_the_temperature_shows_the_curve_of_the_bias(slope_dps_per_c: float, curve_per_c: float) -> None:
+    """Within a twentieth; a session whose temperature changes less than by a sweep shows none."""
+    session = session_of()
+    for span_c, shown in ((40.0, curve_per_c), (10.0, 0.0)):
+        temp_c = 25.0 + np.linspace(-0.6 * span_c, 0.4 * span_c, len(session.rate_dps))
+        bias_dps = slope_dps_per_c * (temp_c - 25.0) * (1.0 + curve_per_c * (temp_c - 25.0))
+        heated = replace(session, temp_c=temp_c, rate_dps=session.rate_dps + bias_dps)
+        assert hints_of([subject_from(heated)]).curve_per_c == pytest.approx(shown, rel=0.05)
+    assert hints_of([plain()]).curve_per_c == 0.0
+
+
+def test_a_shown_curve_is_tried_beside_the_usual_ones() -> None:
+    """Within the bounds of the effect."""
+    usual = ["", "curve_per_c -0.01", "curve_per_c 0.01"]
+    for curve_per_c, shown in ((0.0, []), (0.08, ["curve_per_c 0.08"]), (-3.0, ["curve_per_c -0.5"])):
+        hints = replace(HINTS, curve_per_c=curve_per_c)
+        assert [each.variant for each in candidates(hints) if each.name == "temp_bias"] == [*usual, *shown]
+
+
 @pytest.mark.parametrize("level_dps", [0.0, 1.334])
 def test_of_a_single_level_there_are_sizes_all_the_same(level_dps: float) -> None:
     """A part that rests behind steps wider than its noise says one number, and all candidates can be simulated."""
