@@ -66,7 +66,7 @@ def _sweeps(subject: Subject) -> bool:
 
 
 def _parabola_curve_per_c(subject: Subject) -> float:
-    """By least squares of the block residuals on temperature and its square, beside all that is no slow bias."""
+    """Least squares of the block residuals on temperature and its square, beside all that is no slow bias."""
     design = subject.design
     over_c = block_means(design.motion.sensor_c, design.block) - REFERENCE_C
     powers = design.root_weights[:, None] * np.column_stack([over_c, np.square(over_c)])
