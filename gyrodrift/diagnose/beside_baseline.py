@@ -28,7 +28,9 @@ from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, without_ca
 from gyrodrift.diagnose.recording.facts import contradictions
 from gyrodrift.diagnose.recording.levels import LEAST_GAPS, levels_of
 from gyrodrift.diagnose.recording.recording import Recording
+from gyrodrift.diagnose.recording.reference_response import ReferenceResponse, has_steps, reference_response_of
 from gyrodrift.diagnose.simulate.candidate import Touches
+from gyrodrift.diagnose.simulate.distribute import Origin
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, Sized
 from gyrodrift.diagnose.simulate.responses import change_of
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
@@ -62,6 +64,8 @@ class ExplainedBaseline(NamedTuple):
 
     least_noise_dps_rthz
         Less noise than that no recording of this device has.
+    response
+        What lies between reference and gyro in both sets; None if nothing does.
     """
 
     rig: Rig
@@ -70,6 +74,7 @@ class ExplainedBaseline(NamedTuple):
     tables: tuple[ResponseTable, ...]
     least_noise_dps_rthz: float
     remarks: list[str]
+    response: ReferenceResponse | None = None
 
 
 def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording]) -> ExplainedBaseline:
@@ -81,6 +86,8 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
         Where no recording of the baseline can be used.
     """
     origins, of_baseline, remarks = recordings_of(request.baseline, request.progress, request.reading)
+    response = _response_of(of_baseline, recordings)
+    origins, of_baseline = seen_through(response, origins, of_baseline)
     base = request.rig.base
     rig = with_facts(request.rig, contradictions(of_baseline, base.dps_per_lsb, base.encoder_cpr))
     rig = with_recorded_axes(rig, [*of_baseline, *recordings])
@@ -103,12 +110,33 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
         remarks.append(
             f"baseline: no cause is named in its {len(of_baseline)} recordings; changes since then are reported"
         )
+    if response is not None:
+        remarks.append(
+            f"baseline: the gyro turns {response.gain:.4g} times as far as its reference, at other times; the "
+            "references of both sets are corrected for that"
+        )
     compared, differ = compared_of(of_baseline, recordings)
     baseline = baseline_of(tables, [subject.design for subject in subjects], compared)
     # A device that is quieter than half of its baseline has lost something, which is not calibrated away.
     noise = min(subject.rig.base.noise_dps_rthz for subject in subjects) / 2.0
     least_noise = noise if _is_same_rate(of_baseline, recordings) else 0.0
-    return ExplainedBaseline(rig, baseline, subjects, tables, least_noise, [*remarks, *differ])
+    return ExplainedBaseline(rig, baseline, subjects, tables, least_noise, [*remarks, *differ], response)
+
+
+def _response_of(of_baseline: Sequence[Recording], recordings: Sequence[Recording]) -> ReferenceResponse | None:
+    """The response of the baseline, if the references of both sets can be corrected by it."""
+    if any(map(has_steps, recordings)) or not _is_same_rate(of_baseline, recordings):
+        return None
+    return reference_response_of(of_baseline)
+
+
+def seen_through(
+    response: ReferenceResponse | None, origins: Sequence[Origin], recordings: Sequence[Recording]
+) -> tuple[list[Origin], list[Recording]]:
+    """Recordings with a corrected reference, and their origins."""
+    if response is None:
+        return [*origins], [*recordings]
+    return [origin._replace(response=response) for origin in origins], [response.applied(item) for item in recordings]
 
 
 def _adopted_from(cause: NamedCause) -> float:
@@ -219,7 +247,7 @@ def _rates_hz(*sets: Sequence[Recording]) -> list[float]:
 def _of_steps(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
     """Coarser steps may be an effect, but for a power of two: that is a range."""
     before, now = (_steps_dps(recordings) for recordings in (first, second))
-    if before is None or now is None or before == now:
+    if before is None or now is None or before == now or (not before and _hide_noise(second)):
         return ALL, []
     if not before or not now:
         have, have_not = ("the baseline", "these recordings") if before else ("these recordings", "the baseline")
@@ -232,6 +260,14 @@ def _of_steps(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[
         return ALL, []
     words = f"rates come in steps of {before:.4g} deg/s, in these recordings in steps of {now:.4g}"
     return SLOW, [f"{words}: is it the same device with the same range? {SLOW_ONLY}"]
+
+
+def _hide_noise(recordings: Sequence[Recording]) -> bool:
+    """Whether more than half of neighboring rates are equal: noise of less than half a step does not show in a mean.
+
+    Other steps add white noise (B. Widrow, Statistical analysis of amplitude-quantized sampled-data systems, 1961).
+    """
+    return float(np.median([np.mean(np.diff(recording.rate_dps) == 0.0) for recording in recordings])) > 0.5
 
 
 def _steps_dps(recordings: Sequence[Recording]) -> float | None:

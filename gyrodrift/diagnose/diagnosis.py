@@ -8,7 +8,7 @@ import numpy as np
 
 from firmware_sim.rig import Base, Rig
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.beside_baseline import explained_baseline, new_since, without_baseline
+from gyrodrift.diagnose.beside_baseline import explained_baseline, new_since, seen_through, without_baseline
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.linear_model import linear_model_of
@@ -59,12 +59,15 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
     base = request.rig.base
     against = contradictions(recordings, base.dps_per_lsb, base.encoder_cpr)
     stated = request.rig
-    request = request._replace(rig=with_recorded_axes(with_facts(stated, against), recordings))
+    # Steps of an unstated rig are those of the baseline: coarser ones of the recordings are a gap.
+    facts = against if request.is_rig_stated or not request.baseline else ()
+    request = request._replace(rig=with_recorded_axes(with_facts(stated, facts), recordings))
     remarks += axes_remarks(stated, recordings)
     baseline: tuple[DiagnosedSession, ...] = ()
     if request.baseline:
         explained = explained_baseline(request, recordings)
         request = request._replace(rig=explained.rig, least_noise_dps_rthz=explained.least_noise_dps_rthz)
+        origins, recordings = seen_through(explained.response, origins, recordings)
         simulated_today = simulated_of(request, origins, recordings)
         simulated = simulated_today._replace(
             tables=without_baseline(simulated_today.tables, simulated_today.subjects, explained.baseline)

@@ -68,6 +68,13 @@ def test_where_one_of_both_has_no_steps_all_else_is_compared(order: int) -> None
     assert "0.00763" in sentence
 
 
+def test_steps_that_hide_the_noise_are_compared_with_a_baseline_without_steps() -> None:
+    """Most neighbors are equal; the other way round the steps are those of the baseline, which is no effect."""
+    coarse = replace(seen(), rate_dps=np.rint(seen().rate_dps / 0.5) * 0.5)
+    assert compared_of([fine(seen())], [coarse])[0].all()
+    assert not compared_of([coarse], [fine(seen())])[0].all()
+
+
 def test_coarser_steps_may_be_an_effect() -> None:
     """But for a power of two, which is another range; finer ones are one too, and a device of one level tells none."""
     assert compared_of([seen()], [seen(lsb_dps=0.0231)])[0].all()

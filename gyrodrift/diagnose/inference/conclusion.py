@@ -15,7 +15,7 @@ from gyrodrift.diagnose.inference.gap import Deviation, deviations, gap_of, list
 from gyrodrift.diagnose.inference.observation import observation_of
 from gyrodrift.diagnose.inference.parameters import Parameter, unit_of
 from gyrodrift.diagnose.inference.pooling import evidence_of
-from gyrodrift.diagnose.inference.posterior import POWER, Posterior, Slot, posterior_of
+from gyrodrift.diagnose.inference.posterior import POWER, RARE, Posterior, Slot, posterior_of
 from gyrodrift.diagnose.inference.scorer import EffectSet, Scorer
 from gyrodrift.diagnose.inference.sets import find_sets, fitted
 from gyrodrift.diagnose.inference.size import SizePosterior, size_posterior
@@ -66,6 +66,7 @@ def conclude(
     templates = {item.name: item for item in templates_of(observation, evidence.responses)}
     scorer = Scorer(observation, Groups(stages, len(GROUPS), np.logical_or.reduce(evidence.is_compared)), templates)
     posterior = with_unseparated(simulated_posterior(scorer, simulate), unseparated)
+    posterior = posterior.without(_as_in_rig(scorer, posterior))
     causes = _named(scorer, posterior)
     names = tuple(cause.effect.name for cause in causes)
     explanation = Explanation(evidence, scorer, posterior, posterior.best_with(names), names)
@@ -160,10 +161,24 @@ def _deviating(posterior: Posterior, z: Floats, threshold_z: float, *, is_unknow
 
 def _named(scorer: Scorer, posterior: Posterior) -> tuple[NamedCause, ...]:
     slots = [slot for slot in posterior.slots() if slot.total > NAMED]
-    causes = [
-        _cause(slot, size_posterior(scorer, posterior.best_with({slot.name}), slot.name, POWER)) for slot in slots
-    ]
-    return tuple(cause for cause in causes if not cause.is_as_in_rig)
+    return tuple(_cause(slot, _size(scorer, posterior, slot.name)) for slot in slots)
+
+
+def _as_in_rig(scorer: Scorer, posterior: Posterior) -> list[str]:
+    """Effects of the rig that may act there with the size in the rig: they explain nothing that the rig does not."""
+    in_rig = [name for name in posterior.inclusion if _is_of_rig(scorer, name) and posterior.inclusion[name] > RARE]
+    slots = [Slot(name, (), posterior.inclusion[name], posterior.inclusion[name]) for name in in_rig]
+    causes = [_cause(slot, _size(scorer, posterior, slot.name)) for slot in slots]
+    return [cause.effect.name for cause in causes if cause.is_as_in_rig]
+
+
+def _is_of_rig(scorer: Scorer, name: str) -> bool:
+    template = scorer.templates.get(name)
+    return template is not None and template.responses[0].candidate.in_rig is not None
+
+
+def _size(scorer: Scorer, posterior: Posterior, name: str) -> SizePosterior:
+    return size_posterior(scorer, posterior.best_with({name}), name, POWER)
 
 
 def _cause(slot: Slot, size: SizePosterior) -> NamedCause:

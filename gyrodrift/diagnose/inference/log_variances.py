@@ -62,11 +62,24 @@ def straight(candidate: Candidate, nodes: Floats) -> tuple[Floats, Floats | floa
     below, above = points[lower], points[lower + 1]
     part = ((candidate.sizes - below) / (above - below))[:, None, None]
     means: Floats = (1.0 - part) * nodes[lower] + part * nodes[lower + 1]
-    ends, values = np.concatenate([[0.0], points]), np.concatenate([np.zeros_like(nodes[:1]), nodes])
-    slopes = np.diff(values, axis=0) / np.diff(ends)[:, None, None]
-    second = np.abs(np.diff(slopes, axis=0)) / (ends[2:] - ends[:-2])[:, None, None]  # at all points but the last
+    bends = _bends(points, nodes) if candidate.in_rig is not None else _bends(*_with_none(points, nodes))
+    at = np.minimum(lower if candidate.in_rig is None else np.maximum(lower - 1, 0), len(bends) - 1)
     distances = (candidate.sizes - below) * (above - candidate.sizes)
-    return means, second[lower] * np.maximum(distances, 0.0)[:, None, None]
+    return means, bends[at] * np.maximum(distances, 0.0)[:, None, None]
+
+
+def _with_none(points: Floats, nodes: Floats) -> tuple[Floats, Floats]:
+    """Sizes and changes with size 0, which changes nothing if the rig has no such effect."""
+    return np.concatenate([[0.0], points]), np.concatenate([np.zeros_like(nodes[:1]), nodes])
+
+
+def _bends(points: Floats, nodes: Floats) -> Floats:
+    """Absolute second divided differences at all points but the first and the last; 0 at one between two points."""
+    if len(points) < 3:
+        return np.zeros_like(nodes[:1])
+    slopes = np.diff(nodes, axis=0) / np.diff(points)[:, None, None]
+    bends: Floats = np.abs(np.diff(slopes, axis=0)) / (points[2:] - points[:-2])[:, None, None]
+    return bends
 
 
 def between_scaled(candidate: Candidate, nodes: Floats) -> Floats:

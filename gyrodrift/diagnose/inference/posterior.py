@@ -1,7 +1,7 @@
 """The posterior over sets of effects and an unknown effect: probabilities and ties."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -95,6 +95,10 @@ class Posterior:
     def has(self, name: str) -> Mask:
         """(H,) hypotheses with an effect."""
         return np.array([name in hypothesis.names for hypothesis in self.hypotheses])
+
+    def without(self, names: Collection[str]) -> "Posterior":
+        """The posterior in which hypotheses with some effects are those without them."""
+        return Posterior(tuple(replace(item, names=item.names - {*names}) for item in self.hypotheses))
 
     def slots(self) -> list[Slot]:
         """Effects of the catalog, the most probable first, each with its ties."""

@@ -8,6 +8,7 @@ from scipy.ndimage import maximum_filter1d, median_filter
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.recording.among_neighbours import off_cubic, stands_alone, steepest_beside
+from gyrodrift.diagnose.recording.delay import best_lag, smoothed_rates
 from gyrodrift.diagnose.recording.motion import rough_rate_dps
 from gyrodrift.diagnose.recording.order_statistics import distinct
 from gyrodrift.diagnose.recording.recording import Recording, filled
@@ -89,6 +90,10 @@ def cleaned(recording: Recording) -> Cleaned:
     rate_dps, spikes_dps = _without_outliers(recording, rate_dps, encoder_deg)
     step_deg = granularity(recording.encoder_deg)
     jumps_deg = _jumps_deg(recording, rate_dps, encoder_deg, step_deg)
+    if jumps_deg.any():
+        late = best_lag(smoothed_rates(rate_dps, encoder_deg, step_deg, recording.period_s), recording.period_s).fine
+        if abs(late) > 1.0:
+            jumps_deg = _jumps_deg(recording, _earlier(rate_dps, late), encoder_deg, step_deg)
     slips_deg = jumps_deg[jumps_deg != 0.0]
     if len(slips_deg):
         encoder_deg = encoder_deg - np.cumsum(jumps_deg)
@@ -208,7 +213,7 @@ def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step
     out_deg = np.concatenate([[0.0], over_deg - median_filter(over_deg, 9)])
     # The interval before a sample touches the bends at both ends.
     bends_dps = maximum_filter1d(np.abs(np.diff(rate_dps, 2, prepend=rate_dps[0], append=rate_dps[-1])), 3)
-    # A rate that bends within a sample, or comes late, moves the angle by half of the bend.
+    # A rate that bends within a sample, or comes late by a sample, moves the angle by half of the bend.
     # A jump is more than the steps of a coarse encoder.
     least_deg = 2.5 * step_deg + 0.5 * recording.period_s * bends_dps
     is_rounded = np.quantile(np.abs(out_deg), NEARLY_ALL) < ROUNDED * step_deg
@@ -216,6 +221,13 @@ def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step
     is_slip: Mask = np.abs(out_deg) > np.maximum(noise_deg, least_deg)
     jumps_deg: Floats = np.where(is_slip, out_deg, 0.0)
     return jumps_deg
+
+
+def _earlier(rate_dps: Floats, samples: float) -> Floats:
+    """Rates of a gyro that is late by so many samples, at the times of the angles."""
+    numbers = np.arange(len(rate_dps))
+    earlier_dps: Floats = np.interp(numbers + samples, numbers, rate_dps)
+    return earlier_dps
 
 
 def _sigma(absolute: Floats, recording: Recording) -> Floats:

@@ -297,7 +297,10 @@ class CandidateKind:
         one = self._candidate(replace(variant, fixed={**fixed, **variant.fixed}))
         touches = Touches.VALUES if one.touches is Touches.SLOW_RATE else one.touches
         others = [size for size in one.sizes.tolist() if not self._is_same(one.make(size), in_rig)]
-        return replace(one, touches=touches, in_rig=in_rig, sizes=np.array(others))
+        points = (
+            one.grid_points if touches is Touches.RATE else _with_own_size(one, float(getattr(in_rig, one.parameter)))
+        )
+        return replace(one, touches=touches, in_rig=in_rig, grid_points=points, sizes=np.array(others))
 
     def _is_same(self, effect: Effect, in_rig: Effect) -> bool:
         """Whether an effect is the one in the rig, but for SAME of its size."""
@@ -309,6 +312,22 @@ class CandidateKind:
         kind = CATALOGUE[self.name]
         values = {"name": self.name, self.parameter: _allowed(kind, self.parameter, self.of_size(size)), **fixed}
         return kind.model_validate(values)
+
+
+def _with_own_size(candidate: Candidate, has: float) -> Floats:
+    """Sizes to simulate, and the size in the rig among them, where nothing changes; `has` is its parameter.
+
+    Between sizes that were simulated on either side of it, a small change would look like a large one.
+    """
+    points = candidate.grid_points
+    if len(points) < 2 or has <= 0.0:
+        return points
+    made = np.array([float(getattr(candidate.make(size), candidate.parameter)) for size in candidate.sizes.tolist()])
+    order = np.argsort(made)
+    own = float(np.exp(np.interp(np.log(has), np.log(made[order]), np.log(candidate.sizes[order]))))
+    if not points[0] < own < points[-1]:
+        return points
+    return np.union1d(points[np.abs(points - own) > SAME * own], own)
 
 
 def _allowed(kind: type[Effect], parameter: str, value: float) -> float:

@@ -10,6 +10,7 @@ from firmware_sim.rig import Rig
 from gyrodrift.arrays import Floats
 from gyrodrift.cluster import ClusterWorkers
 from gyrodrift.diagnose.recording.checked import checked_session
+from gyrodrift.diagnose.recording.reference_response import ReferenceResponse
 from gyrodrift.diagnose.simulate.candidate import Candidate, Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized, key
@@ -24,11 +25,12 @@ REPLAYED = "sessions replayed"
 
 
 class Origin(NamedTuple):
-    """Session of a recording, its part in the session, from 0, and how the table was read."""
+    """Session of a recording, its part in the session, from 0, how the table was read, and what the reference is."""
 
     path: Path
     part: int
     reading: ReadingOptions = AS_WRITTEN
+    response: ReferenceResponse | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,12 +109,13 @@ def read_and_simulate(task: SessionTask) -> ResponseTable:
     DataError
         Where it cannot be read, or does not go through the checks any more.
     """
-    path, part, reading = task.origin
+    path, part, reading, response = task.origin
     recordings = checked_session(path, reading).recordings
     if part >= len(recordings):
         raise DataError(f"{path}: changed while it was being diagnosed")
     tried = [candidate for candidate in candidates(task.hints, task.rig) if candidate.name in task.names]
-    return response_table(subject_of(recordings[part], task.rig, task.least_noise_dps_rthz), tried, task.null_runs)
+    recording = recordings[part] if response is None else response.applied(recordings[part])
+    return response_table(subject_of(recording, task.rig, task.least_noise_dps_rthz), tried, task.null_runs)
 
 
 class _Sessions(NamedTuple):

@@ -154,10 +154,18 @@ def test_a_form_that_no_effect_has_is_listed_first() -> None:
 
 
 def test_an_effect_that_the_rig_has_at_this_size_is_no_cause() -> None:
-    """Its interval holds the size of the rig; at another size it is a cause."""
+    """Its interval holds the size of the rig, so that nothing is left to explain; at another size it is a cause."""
     (scale, _) = TRIED
-    for percent, has_cause in ((6.0, False), (2.0, True)):
+    for percent, kind in ((6.0, Kind.NONE), (2.0, Kind.EFFECT)):
         in_rig = replace(scale.candidate, in_rig=scale.candidate.make(percent))
         tried = scale._replace(candidate=in_rig)
-        causes = concluded_of(rows(times(6.0, SCALE)), tried).verdict.causes
-        assert bool(causes) is has_cause
+        verdict = concluded_of(rows(times(6.0, SCALE)), tried).verdict
+        assert (verdict.kind, bool(verdict.causes)) == (kind, kind is Kind.EFFECT)
+
+
+def test_an_unknown_effect_stays_beside_an_effect_of_the_rig() -> None:
+    """The effect explains its own features as the rig does, and not those that deviate beside them."""
+    (scale, _) = TRIED
+    tried = scale._replace(candidate=replace(scale.candidate, in_rig=scale.candidate.make(6.0)))
+    verdict = concluded_of(rows({**times(6.0, SCALE), "temperature": 12.0, "wander_20s": -9.0}), tried).verdict
+    assert (verdict.kind, verdict.causes) == (Kind.UNKNOWN, ())

@@ -182,6 +182,19 @@ def test_the_size_in_the_rig_is_no_other_size(cutoff_hz: float) -> None:
     assert len(same.sizes) >= len(other.sizes) - 2
 
 
+@pytest.mark.parametrize("text", ["latency:delay_ms=6.6", "bandwidth:cutoff_hz=11.3,order=1", "backlash:play_deg=0.31"])
+def test_the_size_in_the_rig_is_simulated_and_changes_nothing(text: str) -> None:
+    """So a size next to it changes little; a simulated size that is the same but for SAME gives way."""
+    effect, found = beside(text)
+    candidate = found[0]
+    made = [candidate.make(float(size)).model_dump()[candidate.parameter] for size in candidate.grid_points]
+    has = effect.model_dump()[candidate.parameter]
+    (own,) = [size for size, value in zip(candidate.grid_points, made, strict=True) if abs(value / has - 1.0) < SAME]
+    assert candidate.make(own).model_dump()[candidate.parameter] == pytest.approx(has, rel=1e-6)
+    assert (np.diff(candidate.grid_points) > 0.0).all()
+    assert len(candidate.grid_points) in {len(of(effect.name)[0].grid_points) + more for more in (0, 1)}
+
+
 def test_what_is_read_off_as_the_rig_has_it_is_no_candidate() -> None:
     """There is no other size to try."""
     width_dps = HINTS.least_dps
