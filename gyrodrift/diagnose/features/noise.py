@@ -9,6 +9,7 @@ from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.block_means import block_means
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.feature import (
+    AMPLITUDE_DPS,
     OVER_MIDDLE,
     OVER_NEIGHBOURS,
     OVER_USUAL,
@@ -25,6 +26,9 @@ TAIL_SIGMAS = 5.0
 
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 """Multiples of it less their whole part are spread evenly, however many there are."""
+
+LEAST_SPIKES_DPS = 0.05
+"""RMS by outliers that does not matter: the noise of a sample of a usual gyro."""
 
 LEAST_POINTS, FEW_SECONDS = 25, 20
 """Samples in a second whose scatter is known, and the seconds without motion that bursts are looked for in."""
@@ -129,6 +133,11 @@ def _fast(number: int, points: int) -> Statistic[SampleNoise]:
     )  # fmt: skip
 
 
+def _spike_power(noise: SampleNoise) -> float:
+    """Logarithm of the mean square of all samples by their outliers alone."""
+    return float(np.log(np.square(noise.seen.spikes_dps).sum() / noise.design.samples + LEAST_SPIKES_DPS**2))
+
+
 # fmt: off
 NOISE: tuple[Statistic[SampleNoise], ...] = (
     *(_rest(number, points) for number, points in enumerate(REST_POINTS)),
@@ -155,6 +164,11 @@ NOISE: tuple[Statistic[SampleNoise], ...] = (
     Statistic(
         "spike_share", "sensor", "always", "single samples are outliers", 0.004, "one sample in 60,000",
         reading=PERCENT_OF_SAMPLES, compute=lambda noise: root_share(len(noise.seen.spikes_dps), noise.design.samples),
+    ),
+    Statistic(
+        "spike_power", "sensor", "always", "the outliers of the rate are larger or more", 0.5,
+        "0.5 in ln of a variance: a quarter of the amplitude", reading=AMPLITUDE_DPS, response=ResponseLaw.LOG_VARIANCE,
+        compute=_spike_power,
     ),
 )
 # fmt: on

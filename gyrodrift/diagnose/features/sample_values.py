@@ -25,6 +25,9 @@ NEAR_ZERO_DPS = 3.0
 LEAK = 3
 """The smallest rates but for two: a dead band may leak twice."""
 
+LEAST_SLIP_DEG = 0.2
+"""A jump of the angle in a minute that does not matter: NEGLIGIBLE_DEG of yaw is a little more."""
+
 REACH_DPS = 1.0
 """Added to the largest rates of gyro and encoder: of a recording that hardly moves they say nothing."""
 
@@ -168,6 +171,12 @@ def _log_scatter(angle: AngleValues) -> float:
     return float(np.log(spread + angle.count_deg**2 / 12.0))
 
 
+def _slip_power(angle: AngleValues) -> float:
+    """Logarithm of the sum of squares of the jumps in a minute."""
+    minutes = angle.design.samples * angle.design.period_s / 60.0
+    return float(np.log(np.square(angle.seen.slips_deg).sum() / minutes + LEAST_SLIP_DEG**2))
+
+
 # fmt: off
 ANGLE_VALUES: tuple[Statistic[AngleValues], ...] = (
     Statistic(
@@ -182,6 +191,11 @@ ANGLE_VALUES: tuple[Statistic[AngleValues], ...] = (
     Statistic(
         "slip_count", "encoder", "always", "the angle jumps", 0.4, "a root of 0.4: less than one jump", reading=JUMPS,
         compute=lambda angle: float(np.sqrt(len(angle.seen.slips_deg))),
+    ),
+    Statistic(
+        "slip_power", "encoder", "always", "the jumps of the angle are larger or more", 0.5,
+        "0.5 in ln of a variance: a quarter of the amplitude", reading=AMPLITUDE_DEG, response=ResponseLaw.LOG_VARIANCE,
+        compute=_slip_power,
     ),
 )
 # fmt: on
