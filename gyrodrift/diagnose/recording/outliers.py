@@ -74,6 +74,8 @@ class Cleaned:
         The step that the angles come in.
     spikes_dps, slips_deg
         One entry for each outlier of the rate and each jump of the angle, signed.
+    late_s
+        How much later the gyro speaks than the encoder; 0 if nothing moves.
     """
 
     recording: Recording
@@ -82,6 +84,7 @@ class Cleaned:
     step_deg: float
     spikes_dps: Floats
     slips_deg: Floats
+    late_s: float
 
 
 def cleaned(recording: Recording) -> Cleaned:
@@ -89,15 +92,13 @@ def cleaned(recording: Recording) -> Cleaned:
     rate_dps, encoder_deg = filled(recording.rate_dps), filled(recording.encoder_deg)
     rate_dps, spikes_dps = _without_outliers(recording, rate_dps, encoder_deg)
     step_deg = granularity(recording.encoder_deg)
-    jumps_deg = _jumps_deg(recording, rate_dps, encoder_deg, step_deg)
-    if jumps_deg.any():
-        late = best_lag(smoothed_rates(rate_dps, encoder_deg, step_deg, recording.period_s), recording.period_s).fine
-        if abs(late) > 1.0:
-            jumps_deg = _jumps_deg(recording, _earlier(rate_dps, late), encoder_deg, step_deg)
+    late = _late_samples(recording, rate_dps, encoder_deg, step_deg)
+    at_angles_dps = _earlier(rate_dps, late) if abs(late) > 1.0 else rate_dps
+    jumps_deg = _jumps_deg(recording, at_angles_dps, encoder_deg, step_deg)
     slips_deg = jumps_deg[jumps_deg != 0.0]
     if len(slips_deg):
         encoder_deg = encoder_deg - np.cumsum(jumps_deg)
-    return Cleaned(recording, rate_dps, encoder_deg, step_deg, spikes_dps, slips_deg)
+    return Cleaned(recording, rate_dps, encoder_deg, step_deg, spikes_dps, slips_deg, late * recording.period_s)
 
 
 def at_limit(rate_dps: Floats, angle_deg: Floats, period_s: float) -> Mask:
@@ -221,6 +222,12 @@ def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step
     is_slip: Mask = np.abs(out_deg) > np.maximum(noise_deg, least_deg)
     jumps_deg: Floats = np.where(is_slip, out_deg, 0.0)
     return jumps_deg
+
+
+def _late_samples(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step_deg: float) -> float:
+    if not recording.moves:
+        return 0.0
+    return best_lag(smoothed_rates(rate_dps, encoder_deg, step_deg, recording.period_s), recording.period_s).fine
 
 
 def _earlier(rate_dps: Floats, samples: float) -> Floats:

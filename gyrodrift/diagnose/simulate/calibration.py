@@ -207,4 +207,4 @@ def _played(seen: Cleaned, motion: ReplayedMotion, rig: Rig) -> Cleaned:
     rate_dps[block.seq], angle_deg[block.seq] = session.rate_dps, session.encoder_deg
     recording: Recording = seen.recording
     none: Floats = np.zeros(0)
-    return Cleaned(recording, filled(rate_dps), filled(angle_deg), seen.step_deg, none, none)
+    return Cleaned(recording, filled(rate_dps), filled(angle_deg), seen.step_deg, none, none, seen.late_s)

@@ -31,7 +31,6 @@ from gyrodrift.diagnose.features.vector import (
 )
 from gyrodrift.diagnose.features.within_second import lag_basis
 from gyrodrift.diagnose.recording.counted_rests import CountedRests, counted_rests
-from gyrodrift.diagnose.recording.delay import best_lag, smoothed_rates
 from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.motion_posterior import MotionPosterior, motion_posterior_of
@@ -319,8 +318,5 @@ def _as_late_as_it_is(gyro: GyroModel, seen: Cleaned) -> GyroModel:
     """
     if not seen.recording.moves:
         return gyro
-    period_s = seen.recording.period_s
-    lag = best_lag(smoothed_rates(seen.rate_dps, seen.encoder_deg, seen.step_deg, period_s), period_s)
-    shown_s = lag.fine * period_s
     # A smaller delay costs the motion no more than the two disagree in noise.
-    return gyro if abs(shown_s - gyro.delay_s) < 0.02 else replace(gyro, delay_s=shown_s)
+    return gyro if abs(seen.late_s - gyro.delay_s) < 0.02 else replace(gyro, delay_s=seen.late_s)

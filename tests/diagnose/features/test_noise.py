@@ -138,6 +138,17 @@ def test_outliers_are_a_share_of_all() -> None:
     assert observed(rate_dps).values()["spike_share"] == pytest.approx(np.sqrt(8.0 / 20_000.0))
 
 
+def test_large_outliers_have_more_power_than_small_ones() -> None:
+    """Eight of 30 deg/s in 20,000 are 0.6 deg/s RMS; as many of 1 deg/s do not matter."""
+    found = []
+    for height_dps in (30.0, 1.0):
+        rate_dps = TRUE_DPS + white(SIGMA)
+        rate_dps[1000:9000:1000] += height_dps
+        found.append(observed(rate_dps).values()["spike_power"])
+    assert np.exp(0.5 * found[0]) == pytest.approx(30.0 * np.sqrt(8.0 / 20_000.0), rel=0.01)
+    assert found[1] - 2.0 * np.log(0.05) < 0.2
+
+
 @pytest.mark.parametrize(("count", "of", "root"), [(0, 100, 0.0), (4, 100, 0.2), (0, 0, 0.0)])
 def test_a_share_of_nothing_is_none(count: int, of: int, root: float) -> None:
     """Not NaN."""

@@ -85,6 +85,7 @@ def test_jumps_of_the_angle_are_counted() -> None:
         angle_deg[place:] += jump
     found = observed_beside(rate_dps, angle_deg).values()
     assert found["slip_count"] == pytest.approx(2.0)
+    assert found["slip_power"] - 2.0 * np.log(0.2) < 0.5  # 0.1 deg does not matter
 
 
 def test_an_angle_that_scatters_is_seen() -> None:

@@ -169,22 +169,38 @@ def test_times_are_those_of_the_recording() -> None:
     assert len(seen().rate_dps) == len(seen().encoder_deg) == len(T_S)
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_corners_of_a_quick_motion_are_no_jumps(seed: int) -> None:
-    """A motor that is at its rate within 80 ms, read 50 times a second beside an encoder of 65 536 counts."""
+def quick(seed: int, late: int = 0, jump_deg: float = 0.0) -> Cleaned:
+    """A motor that is at its rate within 80 ms, read 50 times a second beside an encoder of 65 536 counts.
+
+    The gyro is `late` by so many samples; the angle jumps in the middle.
+    """
     dice = np.random.default_rng(seed)
     fine_s, period_s = 1e-4, 0.02
-    levels_dps = np.repeat(dice.uniform(-200.0, 200.0, 80), 5000)
+    levels_dps = np.repeat(np.pad(dice.uniform(-200.0, 200.0, 80), 1), 5000)
     ramp = np.ones(800) / 800.0
     rate_dps = np.convolve(np.convolve(levels_dps, ramp, "same"), np.ones(100) / 100.0, "same")
     angle_deg = np.cumsum(rate_dps) * fine_s
     every = round(period_s / fine_s)
     count_deg, count = 360.0 / 65_536, len(rate_dps) // every
     t_s = np.linspace(0.0, (count - 1) * period_s, count)
-    seen_dps = rate_dps[::every] + dice.normal(0.0, SIGMA, count)
-    angles_deg = np.rint(angle_deg[::every] / count_deg) * count_deg
-    found = cleaned(recording_of(Session("quick", t_s, seen_dps, 1.7e9 + t_s, np.arange(count), angles_deg)))
-    assert len(found.slips_deg) == 0
+    late_dps = rate_dps[::every][np.clip(np.arange(count) - late, 0, count - 1)]
+    seen_dps = late_dps + dice.normal(0.0, SIGMA, count)
+    angle_deg = angle_deg[::every] + np.where(np.arange(count) < count // 2, 0.0, jump_deg)
+    angles_deg = np.rint(angle_deg / count_deg) * count_deg
+    return cleaned(recording_of(Session("quick", t_s, seen_dps, 1.7e9 + t_s, np.arange(count), angles_deg)))
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("late", [0, 2, 7, -3])
+def test_corners_of_a_quick_motion_are_no_jumps(seed: int, late: int) -> None:
+    """Nor those of a gyro that is late or early."""
+    assert len(quick(seed, late).slips_deg) == 0
+
+
+@pytest.mark.parametrize("late", [0, 7])
+def test_a_jump_beside_a_late_gyro_is_found(late: int) -> None:
+    """With its size."""
+    assert quick(1, late, jump_deg=3.0).slips_deg == pytest.approx([3.0], abs=0.3)
 
 
 def plateau(limit_dps: float, sigma_dps: float, step_dps: float = 0.061) -> tuple[Floats, Floats]:

@@ -166,6 +166,13 @@ def test_outliers_are_found_with_their_height() -> None:
     assert hints_with("spikes:height_dps=30,share_percent=0.2").spike_dps == pytest.approx(30.0, rel=0.01)
 
 
+def test_many_small_outliers_hide_no_few_large_ones() -> None:
+    """Half of their power lies in the three large ones."""
+    seen = replace(plain().seen, spikes_dps=np.array([40.0, -40.0, 40.0, *[3.0] * 20]))
+    one = replace(plain(), seen=seen)
+    assert hints_of([one]).spike_dps == 40.0
+
+
 def test_outliers_that_coarse_counts_hide_are_found_with_their_height() -> None:
     """Their neighbours tell them from motion."""
     base = BASE.model_copy(update={"encoder_cpr": 512})
