@@ -54,8 +54,11 @@ class TimestampJitter(Effect):
 EVEN_TICKS = {"spread_percent": 0.0, "handover_ms": 0.0}
 """Parameters of a poll by a timer that hands a bunch over at once."""
 
-TICKS = 64
-"""Intervals that are drawn together. Their number does not change them."""
+TICKS = 1024
+"""Intervals that are drawn together, for speed: blocks of any length get the same ticks."""
+
+LEAST_SPREAD = 1e-6
+"""Ticks that scatter less are even: a microsecond on an interval of a second."""
 
 
 class UsbBatching(Effect):
@@ -88,7 +91,7 @@ class UsbBatching(Effect):
 
     def _next_tick(self, rng: Rng) -> Act:
         interval_s = self.interval_ms * 1e-3
-        if self.spread_percent:
+        if self.spread_percent > 100.0 * LEAST_SPREAD:
             return _scattered_ticks(rng, interval_s, self.spread_percent / 100.0)
         return lambda arrival_s, _: np.ceil(arrival_s / interval_s) * interval_s
 
@@ -100,10 +103,12 @@ def _scattered_ticks(rng: Rng, interval_s: float, spread: float) -> Act:
 
     def act(arrival_s: Floats, _: Moments) -> Floats:
         nonlocal ticks_s
-        while ticks_s[-1] < arrival_s[-1]:
-            ticks_s = np.concatenate([ticks_s, ticks_s[-1] + np.cumsum(rng.gamma(shape, scale_s, TICKS))])
+        pieces = [ticks_s]
+        while pieces[-1][-1] < arrival_s[-1]:
+            pieces.append(pieces[-1][-1] + np.cumsum(rng.gamma(shape, scale_s, TICKS)))
+        ticks_s = np.concatenate(pieces)
         waited: Floats = ticks_s[np.searchsorted(ticks_s, arrival_s)]
-        ticks_s = ticks_s[np.searchsorted(ticks_s, arrival_s[0]) :]
+        ticks_s = ticks_s[np.searchsorted(ticks_s, arrival_s[-1]) :]
         return waited
 
     return act
@@ -115,11 +120,11 @@ def _one_after_the_other(handover_s: float) -> Act:
 
     def act(arrival_s: Floats, _: Moments) -> Floats:
         nonlocal last_s
-        ladder_s = handover_s * np.arange(len(arrival_s))
-        reached_s = np.maximum.accumulate(np.maximum(arrival_s - ladder_s, last_s + handover_s))
-        queued: Floats = reached_s + ladder_s
-        last_s = float(queued[-1])
-        return queued
+        queued_s = []
+        for wanted_s in arrival_s.tolist():
+            last_s = max(wanted_s, last_s + handover_s)
+            queued_s.append(last_s)
+        return np.array(queued_s)
 
     return act
 
