@@ -10,8 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from firmware_sim.rig import Rig
-from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.features.vector import FEATURES, NOT_OF_STEPS, NUMBER, SLOW, rms_scale
+from gyrodrift.arrays import Floats
+from gyrodrift.diagnose.compared_features import compared_of, is_same_rate
+from gyrodrift.diagnose.features.vector import FEATURES, NUMBER, rms_scale
 from gyrodrift.diagnose.inference.baseline import (
     CHANCE,
     Baseline,
@@ -26,7 +27,6 @@ from gyrodrift.diagnose.inference.conclusion import Conclusion
 from gyrodrift.diagnose.inference.scorer import Placed
 from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, without_causes
 from gyrodrift.diagnose.recording.facts import contradictions
-from gyrodrift.diagnose.recording.levels import LEAST_GAPS, levels_of
 from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.recording.reference_response import ReferenceResponse, has_steps, reference_response_of
 from gyrodrift.diagnose.simulate.candidate import Touches
@@ -45,14 +45,6 @@ from gyrodrift.diagnose.stages import (
     with_facts,
     with_recorded_axes,
 )
-
-SAME_RATE = 0.1
-"""Share by which sample rates, and steps as seen, of one device differ from day to day: a PLL is good to 1 %, and a
-radio that loses some samples is not."""
-
-SLOW_ONLY = "single samples are not compared, only rate errors second by second"
-
-ALL = np.ones(len(FEATURES), bool)
 
 ADOPTED_FROM, TIMES_ADOPTED_FROM = 0.8, 0.5
 """Probability of what the baseline shows, from which on it goes into the rig; what is less sure is common to both. What
@@ -102,30 +94,32 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
         tables = tables_of(own._replace(rig=rig), origins, subjects, ())
     if request.rig.base.three_axes is not None and rig.base.three_axes is None:
         remarks.append("its recordings have one axis: the yaw rate alone is compared")
-    remarks = [f"baseline: {remark}" for remark in remarks]
-    if causes:
-        names = ", ".join(cause.effect.name for cause in causes)
-        remarks.append(f"baseline: it already shows {names}, which the rig lacks; only changes since then are reported")
-    else:
-        remarks.append(
-            f"baseline: no cause is named in its {len(of_baseline)} recordings; changes since then are reported"
-        )
+    remarks = [f"baseline: {remark}" for remark in remarks] + _remarks(causes, len(of_baseline), response)
+    compared, differ = compared_of(of_baseline, recordings)
+    baseline = baseline_of(tables, [subject.design for subject in subjects], compared)
+    # A device that is quieter than half of its baseline has lost something, which is not calibrated away.
+    noise = min(subject.rig.base.noise_dps_rthz for subject in subjects) / 2.0
+    least_noise = noise if is_same_rate(of_baseline, recordings) else 0.0
+    return ExplainedBaseline(rig, baseline, subjects, tables, least_noise, [*remarks, *differ], response)
+
+
+def _remarks(causes: Sequence[NamedCause], recordings: int, response: ReferenceResponse | None) -> list[str]:
+    """What the baseline shows already."""
+    names = ", ".join(cause.effect.name for cause in causes)
+    shows = f"it already shows {names}, which the rig lacks; only changes since then are reported"
+    shows_nothing = f"no cause is named in its {recordings} recordings; changes since then are reported"
+    remarks = [f"baseline: {shows if causes else shows_nothing}"]
     if response is not None:
         remarks.append(
             f"baseline: the gyro turns {response.gain:.4g} times as far as its reference, at other times; the "
             "references of both sets are corrected for that"
         )
-    compared, differ = compared_of(of_baseline, recordings)
-    baseline = baseline_of(tables, [subject.design for subject in subjects], compared)
-    # A device that is quieter than half of its baseline has lost something, which is not calibrated away.
-    noise = min(subject.rig.base.noise_dps_rthz for subject in subjects) / 2.0
-    least_noise = noise if _is_same_rate(of_baseline, recordings) else 0.0
-    return ExplainedBaseline(rig, baseline, subjects, tables, least_noise, [*remarks, *differ], response)
+    return remarks
 
 
 def _response_of(of_baseline: Sequence[Recording], recordings: Sequence[Recording]) -> ReferenceResponse | None:
     """The response of the baseline, if the references of both sets can be corrected by it."""
-    if any(map(has_steps, recordings)) or not _is_same_rate(of_baseline, recordings):
+    if any(map(has_steps, recordings)) or not is_same_rate(of_baseline, recordings):
         return None
     return reference_response_of(of_baseline)
 
@@ -218,66 +212,3 @@ def _is_chance(before: ExplainedBaseline, simulated: Simulated, inferred: Conclu
         change, _ = turns
         shown, was_shown = amplitudes_of(unexplained, turns, sigma), amplitudes_of(was_unexplained, was_turns, sigma)
     return chance_of(shown, was_shown, noise_variance_of(change, sigma)) > CHANCE
-
-
-def compared_of(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
-    """Features that both sets determine, and remarks on the others."""
-    compared, remarks = _of_rates(first, second)
-    by_steps, of_steps = _of_steps(first, second)
-    return compared & by_steps, [*remarks, *of_steps]
-
-
-def _of_rates(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
-    if _is_same_rate(first, second):
-        return ALL, []
-    before, now = (f"{round(rate_hz, 1):g}" for rate_hz in _rates_hz(first, second))
-    return SLOW, [f"the baseline has {before} samples a second, these recordings {now}: {SLOW_ONLY}"]
-
-
-def _is_same_rate(first: Sequence[Recording], second: Sequence[Recording]) -> bool:
-    before_hz, after_hz = _rates_hz(first, second)
-    return abs(before_hz / after_hz - 1.0) <= SAME_RATE
-
-
-def _rates_hz(*sets: Sequence[Recording]) -> list[float]:
-    """Usual samples a second of each set."""
-    return [1.0 / float(np.median([recording.period_s for recording in recordings])) for recordings in sets]
-
-
-def _of_steps(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
-    """Coarser steps may be an effect, but for a power of two: that is a range."""
-    before, now = (_steps_dps(recordings) for recordings in (first, second))
-    if before is None or now is None or before == now or (not before and _hide_noise(second)):
-        return ALL, []
-    if not before or not now:
-        have, have_not = ("the baseline", "these recordings") if before else ("these recordings", "the baseline")
-        words = f"the rates of {have} come in steps of {before or now:.4g} deg/s, those of {have_not} in none"
-        return NOT_OF_STEPS, [f"{words}: what depends on steps is not compared"]
-    octaves = float(np.log2(now / before))
-    if abs(octaves) <= np.log2(1.0 + SAME_RATE):
-        return ALL, []
-    if octaves > 0.0 and abs(octaves - round(octaves)) > 0.03:  # ranges of one gyro double
-        return ALL, []
-    words = f"rates come in steps of {before:.4g} deg/s, in these recordings in steps of {now:.4g}"
-    return SLOW, [f"{words}: is it the same device with the same range? {SLOW_ONLY}"]
-
-
-def _hide_noise(recordings: Sequence[Recording]) -> bool:
-    """Whether more than half of neighboring rates are equal: noise of less than half a step does not show in a mean.
-
-    Other steps add white noise (B. Widrow, Statistical analysis of amplitude-quantized sampled-data systems, 1961).
-    """
-    return float(np.median([np.mean(np.diff(recording.rate_dps) == 0.0) for recording in recordings])) > 0.5
-
-
-def _steps_dps(recordings: Sequence[Recording]) -> float | None:
-    """Median of the steps in which rates come, 0 where they come in none; None where there are too few to tell."""
-    levels_of_each = [
-        levels
-        for levels in (levels_of(recording.rate_dps) for recording in recordings)
-        if len(levels.values) > LEAST_GAPS
-    ]
-    steps = [levels.step for levels in levels_of_each if levels.step is not None]
-    if not levels_of_each:
-        return None
-    return float(np.median(steps)) if 2 * len(steps) > len(levels_of_each) else 0.0

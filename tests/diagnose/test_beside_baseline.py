@@ -11,12 +11,8 @@ from simulate_support import BASE, MOTION
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.rig import Rig, parse_effect
-from gyrodrift.diagnose.beside_baseline import (
-    compared_of,
-    explained_baseline,
-    new_since,
-    without_baseline,
-)
+from gyrodrift.diagnose.beside_baseline import explained_baseline, new_since, without_baseline
+from gyrodrift.diagnose.compared_features import compared_of
 from gyrodrift.diagnose.features.vector import NOT_OF_STEPS, NUMBER, SLOW
 from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.recording.recording import Recording, recording_of

@@ -1,0 +1,82 @@
+"""Features that two sets of recordings both determine: another sample rate or other steps leave some of them out."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from gyrodrift.arrays import Mask
+from gyrodrift.diagnose.features.vector import FEATURES, NOT_OF_STEPS, SLOW
+from gyrodrift.diagnose.recording.levels import LEAST_GAPS, levels_of
+from gyrodrift.diagnose.recording.recording import Recording
+
+SAME_RATE = 0.1
+"""Share by which sample rates, and steps as seen, of one device differ from day to day: a PLL is good to 1 %, and a
+radio that loses some samples is not."""
+
+SLOW_ONLY = "single samples are not compared, only rate errors second by second"
+
+ALL = np.ones(len(FEATURES), bool)
+
+
+def compared_of(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
+    """Features that both sets determine, and remarks on the others."""
+    compared, remarks = _of_rates(first, second)
+    by_steps, of_steps = _of_steps(first, second)
+    return compared & by_steps, [*remarks, *of_steps]
+
+
+def _of_rates(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
+    if is_same_rate(first, second):
+        return ALL, []
+    before, now = (f"{round(rate_hz, 1):g}" for rate_hz in _rates_hz(first, second))
+    return SLOW, [f"the baseline has {before} samples a second, these recordings {now}: {SLOW_ONLY}"]
+
+
+def is_same_rate(first: Sequence[Recording], second: Sequence[Recording]) -> bool:
+    """Whether the usual sample rates of two sets are those of one device."""
+    before_hz, after_hz = _rates_hz(first, second)
+    return abs(before_hz / after_hz - 1.0) <= SAME_RATE
+
+
+def _rates_hz(*sets: Sequence[Recording]) -> list[float]:
+    """Usual samples a second of each set."""
+    return [1.0 / float(np.median([recording.period_s for recording in recordings])) for recordings in sets]
+
+
+def _of_steps(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
+    """Coarser steps may be an effect, but for a power of two: that is a range."""
+    before, now = (_steps_dps(recordings) for recordings in (first, second))
+    if before is None or now is None or before == now or (not before and _hide_noise(second)):
+        return ALL, []
+    if not before or not now:
+        have, have_not = ("the baseline", "these recordings") if before else ("these recordings", "the baseline")
+        words = f"the rates of {have} come in steps of {before or now:.4g} deg/s, those of {have_not} in none"
+        return NOT_OF_STEPS, [f"{words}: what depends on steps is not compared"]
+    octaves = float(np.log2(now / before))
+    if abs(octaves) <= np.log2(1.0 + SAME_RATE):
+        return ALL, []
+    if octaves > 0.0 and abs(octaves - round(octaves)) > 0.03:  # ranges of one gyro double
+        return ALL, []
+    words = f"rates come in steps of {before:.4g} deg/s, in these recordings in steps of {now:.4g}"
+    return SLOW, [f"{words}: is it the same device with the same range? {SLOW_ONLY}"]
+
+
+def _hide_noise(recordings: Sequence[Recording]) -> bool:
+    """Whether more than half of neighboring rates are equal: noise of less than half a step does not show in a mean.
+
+    Other steps add white noise (B. Widrow, Statistical analysis of amplitude-quantized sampled-data systems, 1961).
+    """
+    return float(np.median([np.mean(np.diff(recording.rate_dps) == 0.0) for recording in recordings])) > 0.5
+
+
+def _steps_dps(recordings: Sequence[Recording]) -> float | None:
+    """Median of the steps in which rates come, 0 where they come in none; None where there are too few to tell."""
+    levels_of_each = [
+        levels
+        for levels in (levels_of(recording.rate_dps) for recording in recordings)
+        if len(levels.values) > LEAST_GAPS
+    ]
+    steps = [levels.step for levels in levels_of_each if levels.step is not None]
+    if not levels_of_each:
+        return None
+    return float(np.median(steps)) if 2 * len(steps) > len(levels_of_each) else 0.0
