@@ -12,7 +12,7 @@ import numpy as np
 from firmware_sim.rig import Rig
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.compared_features import compared_of, is_same_rate
-from gyrodrift.diagnose.features.vector import FEATURES, NUMBER, rms_scale
+from gyrodrift.diagnose.features.vector import FEATURES, LINEAR, NUMBER, rms_scale
 from gyrodrift.diagnose.inference.baseline import (
     CHANCE,
     Baseline,
@@ -201,14 +201,16 @@ def _is_chance(before: ExplainedBaseline, simulated: Simulated, inferred: Conclu
     sigma = (explanation.evidence.sigma / today.as_rms).mean(axis=0)
     other_causes = explanation.change([name for name in names if name != placed.template.name])
     unexplained, was_unexplained = (today.gaps - other_causes) / today.as_rms, then.gaps / then.as_rms
+    # A random effect has its mean in variances; what it adds to a coefficient differs from one recording to the next.
+    has_mean = ~(LINEAR & cause.is_random)
     if cause.phases_deg is None:
-        change = (explanation.change(names) - other_causes) / today.as_rms
+        change = has_mean * (explanation.change(names) - other_causes) / today.as_rms
         shown, was_shown = (
             amounts_of(unexplained, change, sigma),
-            amounts_of(was_unexplained, then.change(cause), sigma),
+            amounts_of(was_unexplained, has_mean * then.change(cause), sigma),
         )
     else:
         turns, was_turns = today.quadratures(cause), then.quadratures(cause)
         change, _ = turns
         shown, was_shown = amplitudes_of(unexplained, turns, sigma), amplitudes_of(was_unexplained, was_turns, sigma)
-    return chance_of(shown, was_shown, noise_variance_of(change, sigma)) > CHANCE
+    return chance_of(shown, was_shown, noise_variance_of(change, sigma), is_random=cause.is_random) > CHANCE

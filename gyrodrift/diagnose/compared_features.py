@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.stats import norm as normal
 
 from gyrodrift.arrays import Mask
 from gyrodrift.diagnose.features.vector import FEATURES, NOT_OF_STEPS, SLOW
@@ -14,6 +15,9 @@ SAME_RATE = 0.1
 radio that loses some samples is not."""
 
 SLOW_ONLY = "single samples are not compared, only rate errors second by second"
+
+CALM = 0.75
+"""Share of the second differences that are held to be noise."""
 
 ALL = np.ones(len(FEATURES), bool)
 
@@ -46,7 +50,7 @@ def _rates_hz(*sets: Sequence[Recording]) -> list[float]:
 def _of_steps(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
     """Coarser steps may be an effect, but for a power of two: that is a range."""
     before, now = (_steps_dps(recordings) for recordings in (first, second))
-    if before is None or now is None or before == now or (not before and _hide_noise(second)):
+    if before is None or now is None or before == now or (not before and _hide_noise(second, now)):
         return ALL, []
     if not before or not now:
         have, have_not = ("the baseline", "these recordings") if before else ("these recordings", "the baseline")
@@ -61,12 +65,21 @@ def _of_steps(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[
     return SLOW, [f"{words}: is it the same device with the same range? {SLOW_ONLY}"]
 
 
-def _hide_noise(recordings: Sequence[Recording]) -> bool:
-    """Whether more than half of neighboring rates are equal: noise of less than half a step does not show in a mean.
+def _hide_noise(recordings: Sequence[Recording], step_dps: float) -> bool:
+    """Whether noise of less than half a step is rounded away: it no longer shows in the mean of many samples.
 
     Other steps add white noise (B. Widrow, Statistical analysis of amplitude-quantized sampled-data systems, 1961).
+    Noise of half a step and rounding have a standard deviation of 1/√3 of a step together.
     """
-    return float(np.median([np.mean(np.diff(recording.rate_dps) == 0.0) for recording in recordings])) > 0.5
+    return bool(np.median([_scatter_dps(recording) for recording in recordings]) < step_dps / np.sqrt(3.0))
+
+
+def _scatter_dps(recording: Recording) -> float:
+    """Standard deviation of a sample by the second differences, without the quarter where the motion changes most."""
+    bends_dps = np.abs(np.diff(recording.rate_dps[np.isfinite(recording.rate_dps)], 2)) / np.sqrt(6.0)
+    kept = np.sort(bends_dps)[: max(1, int(CALM * len(bends_dps)))]
+    limit = normal.ppf(0.5 + 0.5 * CALM)
+    return float(np.sqrt(np.mean(np.square(kept)) / (1.0 - 2.0 * limit * normal.pdf(limit) / CALM)))
 
 
 def _steps_dps(recordings: Sequence[Recording]) -> float | None:

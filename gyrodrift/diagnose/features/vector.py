@@ -76,6 +76,9 @@ The acceleration stands alone. From rest to rest, ∫ f(ω)·dω/dt dt is 0 for 
 error over the rate. The wheels of a robot may be late by more than all other coefficients together.
 """
 
+OF_EVENTS = _begins("spike_", "slip_")
+"""Features of rare events, of which some recordings have none."""
+
 NOT_OF_STEPS = ~_begins("equal_rest", "equal_moving", "equal_quick", "zero_share", "least_rate", "rate_step")
 """Features that do not depend on the steps in which rates come."""
 

@@ -15,7 +15,7 @@ from scipy.stats import t as student
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
-from gyrodrift.diagnose.features.vector import ALWAYS, FAMILIES, LINEAR, OF_LOSS, OF_TIMES, rms_scale
+from gyrodrift.diagnose.features.vector import ALWAYS, FAMILIES, LINEAR, OF_EVENTS, OF_LOSS, OF_TIMES, rms_scale
 from gyrodrift.diagnose.inference.evidence import NOT_COMPARED
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 
@@ -59,9 +59,10 @@ class Baseline:
 
         differences
             (sessions, F) of the recordings that are compared with the baseline, as RMS. Their variance is chance too,
-            except for coefficients: a scale error of one size differs as much as motions do.
+            except for coefficients and rare events. A scale error of one size differs as much as motions do, and a slip
+            is not in each recording.
         """
-        variance, _ = self._variance(differences, ~LINEAR)
+        variance, _ = self._variance(differences, ~(LINEAR | OF_EVENTS))
         return np.where(self.compared, np.sqrt(variance), NOT_COMPARED)
 
     def extra_sigma(self, differences: Floats) -> Floats:
@@ -157,14 +158,23 @@ TINY = 1e-12
 """Least square of a change, in units of sigma: without a change there is no amount."""
 
 
+SHOWS = 2.0
+"""Least norm of a change in standard deviations, as NOTICEABLE of a template: a smaller one is not seen."""
+
+
 def amounts_of(differences: Floats, changes: Floats, sigma: Floats) -> Floats:
-    """(sessions,) amount of a change in each recording, by weighted least squares.
+    """Amount of a change in each recording that it moves, by weighted least squares; in all if it moves none.
+
+    A recording that never reaches the limit of a gyro does not tell whether it has one.
 
     differences, changes
         (sessions, F) features of recordings minus those of the rig, and their change by a cause.
     sigma
         (F,) standard deviation of each feature.
     """
+    shows = np.linalg.norm(changes / sigma, axis=1) > SHOWS
+    if shows.any():
+        differences, changes = differences[shows], changes[shows]
     weighted = changes / np.square(sigma)
     amounts: Floats = (weighted * differences).sum(axis=1) / np.maximum((weighted * changes).sum(axis=1), TINY)
     return amounts
@@ -187,11 +197,17 @@ def noise_variance_of(changes: Floats, sigma: Floats) -> float:
     return float(1.0 / max(np.square(changes / sigma).sum(axis=1).mean(), TINY))
 
 
-def chance_of(today: Floats, before: Floats, noise_variance: float) -> float:
-    """Probability that two sets of amounts of one device differ by this much, by their scatter and by noise."""
-    squares = sum(float(np.square(amounts - amounts.mean()).sum()) for amounts in (today, before))
+def chance_of(today: Floats, before: Floats, noise_variance: float, *, is_random: bool = False) -> float:
+    """Probability that two sets of amounts of one device differ by this much, by their scatter and by noise.
+
+    is_random
+        Whether chance plays a part in the effect: then its amounts scatter by themselves wherever it acts, and only
+        those of the earlier set tell how much a device varies.
+    """
+    sets = (before,) if is_random else (today, before)
+    squares = sum(float(np.square(amounts - amounts.mean()).sum()) for amounts in sets)
     apart = abs(float(today.mean() - before.mean())) / np.sqrt(1.0 / len(today) + 1.0 / len(before))
-    degrees = len(today) + len(before) - 2.0
+    degrees = float(sum(len(amounts) - 1 for amounts in sets))
     with_noise = degrees + NOISE_DEGREES, squares + NOISE_DEGREES * noise_variance
     estimates = [(degrees, squares), with_noise] if degrees > 0.0 else [with_noise]
     return max(float(2.0 * student.sf(apart / np.sqrt(max(sum_, TINY) / of), of)) for of, sum_ in estimates)

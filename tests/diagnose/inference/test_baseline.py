@@ -91,6 +91,14 @@ def test_recordings_that_differ_among_themselves_differ_from_the_baseline_by_cha
     assert steady.scatter(unlike)[RATE] == pytest.approx(steady.scatter(alike)[RATE])
 
 
+def test_a_rare_event_of_some_recordings_widens_nothing() -> None:
+    """A slip of the encoder in one of three is no scatter of the device."""
+    steady = baseline_of([table({"slip_power": 1.0})] * 3, [SHORT] * 3, ALL)
+    slipped, none = (np.array([row({"slip_power": v}) for v in each]) for each in ((0, 6, 0), (0, 0, 0)))
+    slip = NUMBER["slip_power"]
+    assert steady.scatter(slipped)[slip] == pytest.approx(steady.scatter(none)[slip])
+
+
 def test_what_the_baseline_is_off_by_does_not_average_out() -> None:
     """A mean of nine recordings scatters by as much as that of the three that it is compared with, and more."""
     values = np.random.default_rng(7).normal(0.0, 1.0, 3)

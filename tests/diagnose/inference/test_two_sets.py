@@ -16,10 +16,24 @@ def test_an_amount_does_not_depend_on_the_motion() -> None:
     assert amounts_of(0.7 * changes, changes, SIGMA) == pytest.approx([0.7, 0.7, 0.7])
 
 
-def test_an_effect_that_a_recording_cannot_show_has_no_amount_there() -> None:
-    """Nor does it raise: a gain in a recording that rests."""
+def test_a_recording_that_cannot_show_an_effect_says_nothing_of_its_amount() -> None:
+    """A gain in a recording that rests, beside one that moves; if all of them rest, there is none of it."""
     changes = np.vstack([np.ones(FEATURES), np.zeros(FEATURES)])
-    assert amounts_of(np.ones((2, FEATURES)), changes, SIGMA).tolist() == pytest.approx([1.0, 0.0])
+    assert amounts_of(np.ones((2, FEATURES)), changes, SIGMA).tolist() == pytest.approx([1.0])
+    assert amounts_of(np.ones((2, FEATURES)), 0.0 * changes, SIGMA).tolist() == pytest.approx([0.0, 0.0])
+
+
+def test_an_effect_of_chance_is_new_however_it_scatters_where_it_acts() -> None:
+    """Three recordings with one, four and two of its amount beside three with none; a device's gain may vary so."""
+    today, before = np.array([1.0, 4.0, 2.0]), np.array([0.1, -0.1, 0.0])
+    assert chance_of(today, before, 0.01, is_random=True) < CHANCE < chance_of(today, before, 0.01)
+
+
+def test_an_effect_of_chance_that_the_device_had_is_not_new() -> None:
+    """It scattered as much before, and two sets of it differ no more often than is said."""
+    rng, sets = np.random.default_rng(13), 4000
+    found = [chance_of(rng.normal(5, 2, 3), rng.normal(5, 2, 5), 1e-4, is_random=True) for _ in range(sets)]
+    assert np.mean(np.array(found) < CHANCE) < 2.0 * CHANCE
 
 
 def test_noise_scatters_amounts_by_the_variance_that_is_stated() -> None:
