@@ -162,11 +162,7 @@ NOISE: tuple[Statistic[SampleNoise], ...] = (
         reading=PERCENT_OF_SAMPLES, compute=lambda noise: _tails(noise, noise.design.regimes.is_steady),
     ),
     Statistic(
-        "spike_share", "sensor", "always", "single samples are outliers", 0.004, "one sample in 60,000",
-        reading=PERCENT_OF_SAMPLES, compute=lambda noise: root_share(len(noise.seen.spikes_dps), noise.design.samples),
-    ),
-    Statistic(
-        "spike_power", "sensor", "always", "the outliers of the rate are larger or more", 0.5,
+        "spike_power", "sensor", "always", "single samples are outliers", 0.5,
         "0.5 in ln of a variance: a quarter of the amplitude", reading=AMPLITUDE_DPS, response=ResponseLaw.LOG_VARIANCE,
         compute=_spike_power,
     ),

@@ -9,7 +9,6 @@ from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.feature import (
     AMPLITUDE_DEG,
     COUNTS,
-    JUMPS,
     OVER_ENCODER,
     PERCENT_OF_SAMPLES,
     ResponseLaw,
@@ -189,11 +188,7 @@ ANGLE_VALUES: tuple[Statistic[AngleValues], ...] = (
         compute=_log_scatter,
     ),
     Statistic(
-        "slip_count", "encoder", "always", "the angle jumps", 0.4, "a root of 0.4: less than one jump", reading=JUMPS,
-        compute=lambda angle: float(np.sqrt(len(angle.seen.slips_deg))),
-    ),
-    Statistic(
-        "slip_power", "encoder", "always", "the jumps of the angle are larger or more", 0.5,
+        "slip_power", "encoder", "always", "the angle jumps", 0.5,
         "0.5 in ln of a variance: a quarter of the amplitude", reading=AMPLITUDE_DEG, response=ResponseLaw.LOG_VARIANCE,
         compute=_slip_power,
     ),

@@ -131,13 +131,6 @@ def test_a_little_more_noise_moves_tails_a_little() -> None:
     assert np.abs(np.diff(found)).max() < 0.02
 
 
-def test_outliers_are_a_share_of_all() -> None:
-    """Eight in 20,000."""
-    rate_dps = TRUE_DPS + white(SIGMA)
-    rate_dps[1000:9000:1000] += 30.0
-    assert observed(rate_dps).values()["spike_share"] == pytest.approx(np.sqrt(8.0 / 20_000.0))
-
-
 def test_large_outliers_have_more_power_than_small_ones() -> None:
     """Eight of 30 deg/s in 20,000 are 0.6 deg/s RMS; as many of 1 deg/s do not matter."""
     found = []

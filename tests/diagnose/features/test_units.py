@@ -27,7 +27,7 @@ def test_every_feature_has_a_unit_and_keeps_its_order(feature: Feature) -> None:
         ("angle_step", 3.0, 8.0),
         ("clock_ratio", 2e-5, 20.0),
         ("rate", 0.25, 0.25),
-        ("slip_count", 3.0, 9.0),
+        ("slip_power", 2.0 * np.log(3.0), 3.0),
     ],
 )
 def test_a_reading_is_what_a_person_would_count(name: str, value: float, read: float) -> None:
