@@ -22,6 +22,9 @@ from gyrodrift.diagnose.recording.recording import Recording
 REACH_S = 0.1
 """Longest delay, either way, of a weight. Chosen: a wheeled robot in MuJoCo and two turntables need 0.06 s."""
 
+MOST_REACH, PIECE = 100, 10_000
+"""Most samples in that time, and samples whose products are summed at once, for memory."""
+
 PRIOR = 1.0
 """Standard deviation of a weight about the reference as it is: a delay moves all of it to another weight."""
 
@@ -70,7 +73,8 @@ def reference_response_of(recordings: Sequence[Recording]) -> ReferenceResponse 
     """
     if len(recordings) < 2 or any(has_steps(recording) or not recording.moves for recording in recordings):
         return None
-    reach = max(1, round(REACH_S / float(np.median([recording.period_s for recording in recordings]))))
+    period_s = float(np.median([recording.period_s for recording in recordings]))
+    reach = min(max(1, round(REACH_S / period_s)), MOST_REACH)
     moments = [_moments_of(recording, reach) for recording in recordings]
     as_it_is = np.zeros(2 * reach + 1)
     as_it_is[reach] = 1.0
@@ -90,10 +94,17 @@ def has_steps(recording: Recording) -> bool:
 def _moments_of(recording: Recording, reach: int) -> _Moments:
     """Moments of increments, less their means: a bias is no response."""
     seen = cleaned(recording)
-    turned_dps = np.pad(np.diff(seen.encoder_deg) / recording.period_s, reach)
-    windows, gyro_dps = sliding_window_view(turned_dps, 2 * reach + 1), 0.5 * (seen.rate_dps[1:] + seen.rate_dps[:-1])
-    windows, gyro_dps = windows - windows.mean(axis=0), gyro_dps - gyro_dps.mean()
-    return _Moments(windows.T @ windows, windows.T @ gyro_dps, float(gyro_dps @ gyro_dps), len(gyro_dps))
+    gyro_dps = 0.5 * (seen.rate_dps[1:] + seen.rate_dps[:-1])
+    turned_dps = np.diff(seen.encoder_deg) / recording.period_s
+    gyro_dps, turned_dps = gyro_dps - gyro_dps.mean(), turned_dps - turned_dps.mean()
+    windows = sliding_window_view(np.pad(turned_dps, reach), 2 * reach + 1)
+    pieces = [slice(first, first + PIECE) for first in range(0, len(gyro_dps), PIECE)]
+    return _Moments(
+        np.sum([windows[piece].T @ windows[piece] for piece in pieces], axis=0),
+        np.sum([windows[piece].T @ gyro_dps[piece] for piece in pieces], axis=0),
+        float(gyro_dps @ gyro_dps),
+        len(gyro_dps),
+    )
 
 
 def _fitted(moments: Sequence[_Moments], as_it_is: Floats) -> Floats:
