@@ -13,6 +13,7 @@ same code gives the same figures, so a difference from last.json comes from the 
     diagnose_part.py      `gyrodrift diagnose` on cases of tests/blind
     gyrogap_part.py       `gyrodrift diagnose` on a sample of the open benchmark; gyrogap_methods/ has other methods
     simulators_part.py    `gyrodrift diagnose` between sessions of MuJoCo and Bullet (tests/simulators), and its exports
+    unseen_cases.py       the same between sessions of Drake and pymunk, for the same part; baseline.py runs both
     real_causes_part.py   `gyrodrift diagnose` on real recordings whose cause is known (real_causes.py lists them)
     hard_cases_part.py    restlevel on the hard cases of the simulator
     everyday_part.py      restlevel beside other filters on everyday motions (everyday_motions.py)

@@ -35,7 +35,10 @@ PARTS = {
     ),
     "gyrogap": Part("gyrodrift diagnose on the open benchmark, cases of each row", 4712, 4, gyrogap_part.measure),
     "simulators": Part(
-        "diagnose between sessions of MuJoCo and Bullet, seeds of each case", 20261, 1, simulators_part.measure
+        "diagnose between sessions of MuJoCo, Bullet, Drake and pymunk, seeds of each case of the first two",
+        20261,
+        1,
+        simulators_part.measure,
     ),
     "real_causes": Part(
         "diagnose on real recordings whose cause is known, cases of each device", 0, 20, real_causes_part.measure

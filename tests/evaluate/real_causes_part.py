@@ -11,9 +11,9 @@ import numpy as np
 from blind.rows.recordings import read_rows
 from recordings_support import Recordings, further_recordings, packed_names
 
+from evaluate.baseline import SURE, first_or_tied, gap_of, group_of
 from evaluate.figures import Figure, share_figure
 from evaluate.real_causes import CASES, DEVICES, OUTSIDE, LabeledCase
-from evaluate.simulators_part import SURE, first_or_tied, gap_of, group_of
 from gyrodrift.cli import main
 from gyrodrift.gyrogap.physics.rig_text import rig_text
 from gyrodrift.session.files import load_session

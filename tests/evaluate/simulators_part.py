@@ -2,8 +2,6 @@
 
 import json
 from collections.abc import Callable, Sequence
-from contextlib import redirect_stderr, redirect_stdout
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +9,9 @@ from simulators.benches import is_installed
 from simulators.cases import CASES, LOOPED, SimulatorCase
 from simulators.sessions import write_again, write_set
 
+from evaluate.baseline import diagnose, first_or_tied, gap_of, is_sure_and_wrong, names_group, words_of
 from evaluate.figures import Figure, share_figure
-from gyrodrift.cli import main
-from gyrodrift.diagnose.simulate.candidates import KINDS
-
-SURE = 0.8
-"""Probability of a cause that nobody doubts."""
+from evaluate.unseen_cases import unseen_figures
 
 OF_SIMULATOR = 10_000
 """Seeds of the simulator's side begin here: its motions are others."""
@@ -25,7 +20,7 @@ Say = Callable[[str], None]
 
 
 def measure(seed: int, count: int, folder: Path, say: Say) -> list[Figure]:
-    """Shares of right verdicts; `count` seeds of each case."""
+    """Shares of right verdicts; `count` seeds of each case, and the unseen cases once."""
     seeds = range(seed, seed + count)
     names = [name for name, case in CASES.items() if is_installed(case.bench)]
     if len(names) < len(CASES):
@@ -41,34 +36,12 @@ def measure(seed: int, count: int, folder: Path, say: Say) -> list[Figure]:
         _share("effect named first or tied with the first", [effect in first_or_tied(gap) for effect, gap in flawed]),
         _share("no cause above 0.8 that is not there", sure),
         _share("export, simulate again, diagnose: none", loops),
+        *unseen_figures(folder, say),
     ]
 
 
 def _share(name: str, hits: Sequence[bool]) -> Figure:
     return share_figure(name, sum(hits), len(hits))
-
-
-def first_or_tied(gap: dict[str, Any]) -> set[str]:
-    """The first cause and its ties; empty without causes."""
-    causes = gap["causes"] or gap["negligible"]
-    return {causes[0]["effect"], *causes[0]["tied_with"]} if causes else set()
-
-
-def group_of(effect: str) -> str:
-    """Group of effects that look alike; an effect without one is its own."""
-    return KINDS[effect].group or effect
-
-
-def names_group(effect: str, gap: dict[str, Any]) -> bool:
-    """Whether the first cause belongs to the group of the effect."""
-    causes = gap["causes"] or gap["negligible"]
-    return bool(causes) and group_of(causes[0]["effect"]) == group_of(effect)
-
-
-def is_sure_and_wrong(effect: str, gap: dict[str, Any]) -> bool:
-    """Whether a cause outside the group of the effect has a probability above 0.8."""
-    wrong = [cause for cause in gap["causes"] if not effect or group_of(cause["effect"]) != group_of(effect)]
-    return any(cause["probability"] > SURE for cause in wrong)
 
 
 def diagnosed(name: str, seed: int, folder: Path, say: Say) -> dict[str, Any]:
@@ -79,13 +52,8 @@ def diagnosed(name: str, seed: int, folder: Path, say: Say) -> dict[str, Any]:
         _write(own / "simulator", lambda path: write_simulator(path, case, seed))
         diagnose(own / "real", own / "simulator", own / "out")
     gap = gap_of(own / "out")
-    say(f"{name}: {_words(gap)}")
+    say(f"{name}: {words_of(gap)}")
     return gap
-
-
-def _words(gap: dict[str, Any]) -> str:
-    causes = [f"{cause['effect']} {cause['probability']:.2f}" for cause in gap["causes"]]
-    return ", ".join([gap["verdict"], *causes])
 
 
 def looped(name: str, seed: int, folder: Path, say: Say) -> bool:
@@ -97,7 +65,7 @@ def looped(name: str, seed: int, folder: Path, say: Say) -> bool:
         _write(own / "simulator_again", lambda path: write_again(path, case, seed + OF_SIMULATOR, entries))
         diagnose(own / "real", own / "simulator_again", own / "again")
     gap = gap_of(own / "again")
-    say(f"{name}, simulated again: {_words(gap)}")
+    say(f"{name}, simulated again: {words_of(gap)}")
     return bool(gap["verdict"] == "none")
 
 
@@ -114,25 +82,3 @@ def write_simulator(path: Path, case: SimulatorCase, seed: int) -> None:
 def _write(path: Path, write: Callable[[Path], None]) -> None:
     if not path.exists():
         write(path)
-
-
-def diagnose(real: Path, simulator: Path, out: Path) -> None:
-    """Run the command in this process, which has compiled its loops already.
-
-    Raises
-    ------
-    RuntimeError
-        It ended with an error.
-    """
-    options = ["--baseline", str(simulator), "--export", "json", "--out", str(out), "--jobs", "1", "--quiet"]
-    printed = StringIO()
-    with redirect_stdout(printed), redirect_stderr(printed):
-        status = main(["diagnose", str(real), *options])
-    if status != 0:
-        raise RuntimeError(f"diagnose {real}: status {status}: {printed.getvalue()}")
-
-
-def gap_of(out: Path) -> dict[str, Any]:
-    """`gap.json` of a folder."""
-    gap: dict[str, Any] = json.loads((out / "gap.json").read_text())
-    return gap

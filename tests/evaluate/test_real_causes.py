@@ -10,6 +10,7 @@ from recordings_support import Recordings
 from scipy.signal import periodogram
 
 from evaluate import real_causes_part
+from evaluate.baseline import group_of
 from evaluate.real_causes import ARRIVAL, CASES, DEVICES, LOOP, OUTSIDE, LabeledCase
 from evaluate.real_causes_part import (
     chosen,
@@ -23,7 +24,6 @@ from evaluate.real_causes_part import (
     unlabeled_sure,
     write_piece,
 )  # fmt: skip
-from evaluate.simulators_part import group_of
 from firmware_sim.rig import load_rig
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.simulate.candidates import KINDS

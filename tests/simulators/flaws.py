@@ -22,6 +22,8 @@ class Signals:
         Rate without any flaw.
     arrival_s
         None for a simulation that has no host.
+    temp_c
+        Temperature of the die, °C; None for a simulation without one.
     """
 
     t_s: Floats
@@ -30,69 +32,71 @@ class Signals:
     true_dps: Floats
     rate_dps: Floats
     angle_deg: Floats
+    temp_c: Floats | None = None
 
 
 Flaw = Callable[[Signals, Rng], Signals]
 
 
-def _on_rate(change: Callable[[Signals, Rng], Floats]) -> Flaw:
+def on_rate(change: Callable[[Signals, Rng], Floats]) -> Flaw:
+    """Flaw that gives the session another rate, deg/s."""
     return lambda signals, rng: replace(signals, rate_dps=change(signals, rng))
 
 
 def gain(percent: float) -> Flaw:
     """Sensitivity off by a share."""
-    return _on_rate(lambda s, _: s.rate_dps * (1.0 + percent / 100.0))
+    return on_rate(lambda s, _: s.rate_dps * (1.0 + percent / 100.0))
 
 
 def direction_gain(percent: float) -> Flaw:
     """Sensitivity larger in one direction and smaller in the other."""
-    return _on_rate(lambda s, _: s.rate_dps * (1.0 + percent / 100.0 * np.sign(s.rate_dps)))
+    return on_rate(lambda s, _: s.rate_dps * (1.0 + percent / 100.0 * np.sign(s.rate_dps)))
 
 
 def compression(share: float) -> Flaw:
     """Soft saturation, as of a capacitive drive: tanh with slope 1 at rest; about `share` is lost at 250 deg/s."""
     scale = 250.0 / np.sqrt(3.0 * share)
-    return _on_rate(lambda s, _: scale * np.tanh(s.rate_dps / scale))
+    return on_rate(lambda s, _: scale * np.tanh(s.rate_dps / scale))
 
 
 def square(dps_at_100: float) -> Flaw:
     """Rectified vibration of the drive: a bias with the square of the rate."""
-    return _on_rate(lambda s, _: s.rate_dps + dps_at_100 * np.square(s.true_dps / 100.0))
+    return on_rate(lambda s, _: s.rate_dps + dps_at_100 * np.square(s.true_dps / 100.0))
 
 
 def tilt_bias(dps: float) -> Flaw:
     """Gravity on a leaning plate: a bias once per turn."""
-    return _on_rate(lambda s, rng: s.rate_dps + dps * np.cos(np.radians(s.angle_deg) + rng.uniform(0.0, 6.0)))
+    return on_rate(lambda s, rng: s.rate_dps + dps * np.cos(np.radians(s.angle_deg) + rng.uniform(0.0, 6.0)))
 
 
 def suppression(width_dps: float) -> Flaw:
     """Zero-rate suppression."""
-    return _on_rate(lambda s, _: s.rate_dps * (np.abs(s.rate_dps) >= width_dps))
+    return on_rate(lambda s, _: s.rate_dps * (np.abs(s.rate_dps) >= width_dps))
 
 
 def steps(step_dps: float) -> Flaw:
     """Coarse output words."""
-    return _on_rate(lambda s, _: step_dps * np.floor(s.rate_dps / step_dps + 0.5))
+    return on_rate(lambda s, _: step_dps * np.floor(s.rate_dps / step_dps + 0.5))
 
 
 def limit(dps: float) -> Flaw:
     """Range of the sensor."""
-    return _on_rate(lambda s, _: np.maximum(-dps, np.minimum(dps, s.rate_dps)))
+    return on_rate(lambda s, _: np.maximum(-dps, np.minimum(dps, s.rate_dps)))
 
 
 def late(seconds: float) -> Flaw:
     """Transport delay of the rate."""
-    return _on_rate(lambda s, _: np.interp(s.t_s - seconds, s.t_s, s.rate_dps))
+    return on_rate(lambda s, _: np.interp(s.t_s - seconds, s.t_s, s.rate_dps))
 
 
 def one_pole(cutoff_hz: float) -> Flaw:
     """RC filter, integrated with a twentieth of the sample period."""
-    return _on_rate(lambda s, _: _rc(s.t_s, s.rate_dps, cutoff_hz))
+    return on_rate(lambda s, _: _rc(s.t_s, s.rate_dps, cutoff_hz))
 
 
 def two_poles(cutoff_hz: float) -> Flaw:
     """Two equal RC filters in a row; each at 1.55 times the cutoff, so that both together have it."""
-    return _on_rate(lambda s, _: _rc(s.t_s, _rc(s.t_s, s.rate_dps, 1.5538 * cutoff_hz), 1.5538 * cutoff_hz))
+    return on_rate(lambda s, _: _rc(s.t_s, _rc(s.t_s, s.rate_dps, 1.5538 * cutoff_hz), 1.5538 * cutoff_hz))
 
 
 def _rc(t_s: Floats, values: Floats, cutoff_hz: float) -> Floats:
@@ -113,7 +117,7 @@ def bias_walk(dps_rts: float) -> Flaw:
         track: Floats = np.cumsum(dps_rts * np.sqrt(np.gradient(s.t_s)) * rng.standard_normal(len(s.t_s)))
         return s.rate_dps + track
 
-    return _on_rate(walked)
+    return on_rate(walked)
 
 
 def flicker(dph: float) -> Flaw:
@@ -128,7 +132,7 @@ def flicker(dph: float) -> Flaw:
         added: Floats = s.rate_dps + track - track[0]
         return added
 
-    return _on_rate(with_flicker)
+    return on_rate(with_flicker)
 
 
 def two_levels(dps: float, mean_s: float) -> Flaw:
@@ -138,17 +142,17 @@ def two_levels(dps: float, mean_s: float) -> Flaw:
         jumps = rng.random(len(s.t_s)) < (s.t_s[1] - s.t_s[0]) / mean_s
         return s.rate_dps + dps * (np.cumsum(jumps) % 2)
 
-    return _on_rate(switched)
+    return on_rate(switched)
 
 
 def warm_up(dps: float, tau_s: float) -> Flaw:
     """Bias that settles after power-on: a die and a package, 40 % and 60 %."""
-    return _on_rate(lambda s, _: s.rate_dps + dps * (0.4 * np.exp(-4.0 * s.t_s / tau_s) + 0.6 * np.exp(-s.t_s / tau_s)))
+    return on_rate(lambda s, _: s.rate_dps + dps * (0.4 * np.exp(-4.0 * s.t_s / tau_s) + 0.6 * np.exp(-s.t_s / tau_s)))
 
 
 def hum(dps: float, hz: float) -> Flaw:
     """Tone of a motor."""
-    return _on_rate(lambda s, rng: s.rate_dps + dps * np.cos(2.0 * np.pi * hz * s.t_s + rng.uniform(0.0, 6.3)))
+    return on_rate(lambda s, rng: s.rate_dps + dps * np.cos(2.0 * np.pi * hz * s.t_s + rng.uniform(0.0, 6.3)))
 
 
 def glitches(dps: float, percent: float) -> Flaw:
@@ -159,7 +163,7 @@ def glitches(dps: float, percent: float) -> Flaw:
         changed: Floats = s.rate_dps + hits * rng.choice([-dps, dps], len(s.t_s))
         return changed
 
-    return _on_rate(hit)
+    return on_rate(hit)
 
 
 def repeats(percent: float) -> Flaw:
@@ -171,7 +175,7 @@ def repeats(percent: float) -> Flaw:
             out[index] = out[index - 1]
         return out
 
-    return _on_rate(repeated)
+    return on_rate(repeated)
 
 
 def off_center(deg: float) -> Flaw:

@@ -32,7 +32,8 @@ def noisy(signals: Signals, rng: np.random.Generator, dps_rthz: float) -> Floats
 def columns_of(signals: Signals) -> dict[str, Floats]:
     """Columns with the names of a session."""
     columns = {"t_device_s": signals.stamp_s, "rate_dps": signals.rate_dps, "encoder_deg": signals.angle_deg}
-    return columns if signals.arrival_s is None else {**columns, "t_host_s": signals.arrival_s}
+    optional = {"t_host_s": signals.arrival_s, "temp_c": signals.temp_c}
+    return columns | {name: values for name, values in optional.items() if values is not None}
 
 
 def write_csv(path: Path, signals: Signals) -> None:
