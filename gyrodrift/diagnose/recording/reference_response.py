@@ -34,14 +34,21 @@ BETTER = 0.5
 
 @dataclass(frozen=True, slots=True)
 class ReferenceResponse:
-    """Weights of equation (1), an odd number of them, the middle one of the same moment."""
+    """Weights of equation (1), an odd number of them, the middle one of the same moment, `period_s` apart."""
 
     weights: tuple[float, ...]
+    period_s: float
 
     @property
     def gain(self) -> float:
         """Turn of the gyro over that of the reference."""
         return float(sum(self.weights))
+
+    @property
+    def late_s(self) -> float:
+        """How much later the gyro turns than the reference."""
+        reach = len(self.weights) // 2
+        return float(-self.period_s * np.dot(np.arange(-reach, reach + 1), self.weights) / self.gain)
 
     def applied(self, recording: Recording) -> Recording:
         """The recording with a reference that turns as the gyro does; jumps of the angle are no motion, and stay."""
@@ -83,7 +90,7 @@ def reference_response_of(recordings: Sequence[Recording]) -> ReferenceResponse 
     ]
     if sum(held_out) > BETTER * sum(one.left(as_it_is) for one in moments):
         return None
-    return ReferenceResponse(tuple(_fitted(moments, as_it_is).tolist()))
+    return ReferenceResponse(tuple(_fitted(moments, as_it_is).tolist()), period_s)
 
 
 def has_steps(recording: Recording) -> bool:

@@ -44,6 +44,7 @@ def test_gain_and_delay_of_a_bench_are_found_and_leave_the_noise() -> None:
     response = reference_response_of([seen(1), seen(2)])
     assert response is not None
     assert response.gain == pytest.approx(GAIN, abs=1e-3)
+    assert response.late_s == pytest.approx(LATE / RATE_HZ, abs=1e-3)
     middle = len(response.weights) // 2
     assert int(np.argmax(response.weights)) == middle - LATE
     corrected = response.applied(seen(3))
@@ -74,7 +75,7 @@ def test_a_response_that_recordings_do_not_share_is_not_used() -> None:
 
 def test_a_jump_of_the_angle_is_no_motion() -> None:
     """The reference jumps at once, by as much as before."""
-    response = ReferenceResponse((0.5, 0.5, 0.0))
+    response = ReferenceResponse((0.5, 0.5, 0.0), 1.0 / RATE_HZ)
     still, jumped = seen(1), seen(1)
     jumped.encoder_deg[900:] += 5.0
     added_deg = response.applied(jumped).encoder_deg - response.applied(still).encoder_deg
@@ -85,6 +86,6 @@ def test_missing_angles_stay_missing_and_the_beginning_stays() -> None:
     """A response of 1 at the same moment changes nothing."""
     holed = seen(1)
     holed.encoder_deg[[3, 700]] = np.nan
-    same = ReferenceResponse((0.0, 1.0, 0.0)).applied(holed)
+    same = ReferenceResponse((0.0, 1.0, 0.0), 1.0 / RATE_HZ).applied(holed)
     assert np.array_equal(np.isnan(same.encoder_deg), np.isnan(holed.encoder_deg))
     assert same.encoder_deg == pytest.approx(holed.encoder_deg, nan_ok=True)
