@@ -27,8 +27,9 @@ from gyrodrift.diagnose.inference.conclusion import Conclusion
 from gyrodrift.diagnose.inference.scorer import Placed
 from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, without_causes
 from gyrodrift.diagnose.recording.facts import contradictions
+from gyrodrift.diagnose.recording.levels import has_steps
 from gyrodrift.diagnose.recording.recording import Recording
-from gyrodrift.diagnose.recording.reference_response import ReferenceResponse, has_steps, reference_response_of
+from gyrodrift.diagnose.recording.reference_response import ReferenceResponse, reference_response_of
 from gyrodrift.diagnose.simulate.candidate import Touches
 from gyrodrift.diagnose.simulate.distribute import Origin
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, Sized
@@ -118,7 +119,7 @@ def _remarks(causes: Sequence[NamedCause], recordings: int, response: ReferenceR
 
 def _response_of(of_baseline: Sequence[Recording], recordings: Sequence[Recording]) -> ReferenceResponse | None:
     """The response of the baseline, if the references of both sets can be corrected by it."""
-    if any(map(has_steps, recordings)) or not is_same_rate(of_baseline, recordings):
+    if any(has_steps(recording.encoder_deg) for recording in recordings) or not is_same_rate(of_baseline, recordings):
         return None
     return reference_response_of(of_baseline)
 

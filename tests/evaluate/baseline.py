@@ -1,6 +1,7 @@
 """`gyrodrift diagnose` beside sessions of a simulator, and whether its answer is right."""
 
 import json
+from collections.abc import Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
@@ -13,7 +14,7 @@ SURE = 0.8
 """Probability of a cause that nobody doubts."""
 
 
-def diagnose(real: Path, simulator: Path, out: Path) -> None:
+def run_diagnose(words: Sequence[str]) -> None:
     """Run the command in this process, which has compiled its loops already.
 
     Raises
@@ -21,12 +22,16 @@ def diagnose(real: Path, simulator: Path, out: Path) -> None:
     RuntimeError
         It ended with an error.
     """
-    options = ["--baseline", str(simulator), "--export", "json", "--out", str(out), "--jobs", "1", "--quiet"]
     printed = StringIO()
     with redirect_stdout(printed), redirect_stderr(printed):
-        status = main(["diagnose", str(real), *options])
+        status = main(["diagnose", *words, "--jobs", "1", "--quiet"])
     if status != 0:
-        raise RuntimeError(f"diagnose {real}: status {status}: {printed.getvalue()}")
+        raise RuntimeError(f"diagnose {' '.join(words)}: status {status}: {printed.getvalue()}")
+
+
+def diagnose(real: Path, simulator: Path, out: Path) -> None:
+    """Diagnose sessions beside those of a simulator, and export the effects."""
+    run_diagnose([str(real), "--baseline", str(simulator), "--export", "json", "--out", str(out)])
 
 
 def gap_of(out: Path) -> dict[str, Any]:

@@ -36,7 +36,7 @@ PARTS = {
     "gyrogap": Part("gyrodrift diagnose on the open benchmark, cases of each row", 4712, 4, gyrogap_part.measure),
     "simulators": Part(
         "diagnose between sessions of MuJoCo, Bullet, Drake and pymunk, seeds of each case of the first two",
-        20261,
+        20263,
         1,
         simulators_part.measure,
     ),

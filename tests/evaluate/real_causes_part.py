@@ -2,8 +2,6 @@
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from contextlib import redirect_stderr, redirect_stdout
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +9,9 @@ import numpy as np
 from blind.rows.recordings import read_rows
 from recordings_support import Recordings, further_recordings, packed_names
 
-from evaluate.baseline import SURE, first_or_tied, gap_of, group_of
+from evaluate.baseline import SURE, first_or_tied, gap_of, group_of, run_diagnose, words_of
 from evaluate.figures import Figure, share_figure
 from evaluate.real_causes import CASES, DEVICES, OUTSIDE, LabeledCase
-from gyrodrift.cli import main
 from gyrodrift.gyrogap.physics.rig_text import rig_text
 from gyrodrift.session.files import load_session
 
@@ -121,11 +118,10 @@ def diagnosed(case: LabeledCase, folder: Path, say: Say) -> dict[str, Any]:
 
 
 def _words(case: LabeledCase, gap: dict[str, Any]) -> str:
-    causes = [f"{cause['effect']} {cause['probability']:.2f}" for cause in gap["causes"]]
     is_hit = is_left_open(gap) if is_outside(case) else names_label_first(case, gap)
     score = "hit" if is_hit else "MISS"
     unlabeled = [f"not labeled: {name}" for name in unlabeled_sure(case, gap)]
-    return ", ".join([f"{score} {'/'.join(case.labels)}", gap["verdict"], *causes, *unlabeled])
+    return ", ".join([f"{score} {'/'.join(case.labels)}", words_of(gap), *unlabeled])
 
 
 def _written(case: LabeledCase, name: str, folder: Path) -> Path:
@@ -145,12 +141,7 @@ def write_piece(path: Path, case: LabeledCase, out: Path) -> Path:
 def _diagnose(case: LabeledCase, paths: Sequence[Path], folder: Path) -> None:
     rig = folder / "rig.yaml"
     rig.write_text(rig_of_case(case, paths))
-    words = ["diagnose", *map(str, paths), "--rig", str(rig), "--out", str(folder / "out"), "--jobs", "1", "--quiet"]
-    printed = StringIO()
-    with redirect_stdout(printed), redirect_stderr(printed):
-        status = main(words)
-    if status != 0:
-        raise RuntimeError(f"{case.name}: diagnose ended with status {status}: {printed.getvalue()}")
+    run_diagnose([*map(str, paths), "--rig", str(rig), "--out", str(folder / "out")])
 
 
 def rig_of_case(case: LabeledCase, paths: Sequence[Path]) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from gyrodrift.diagnose.recording.levels import levels_of
+from gyrodrift.diagnose.recording.levels import has_steps
 from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.session.checks.stated import COUNTER, HOST_TIMES, TEMPERATURE
 
@@ -22,8 +22,8 @@ HAS: Mapping[str, Callable[[Recording], bool]] = MappingProxyType(
 
 STEPS: Mapping[str, Callable[[Recording], bool]] = MappingProxyType(
     {
-        "steps of the rate": lambda recording: levels_of(recording.rate_dps).step is not None,
-        "steps of the encoder": lambda recording: levels_of(recording.encoder_deg).step is not None,
+        "steps of the rate": lambda recording: has_steps(recording.rate_dps),
+        "steps of the encoder": lambda recording: has_steps(recording.encoder_deg),
     }
 )
 """Steps in which values come; numbers of a simulator have none."""

@@ -68,6 +68,11 @@ def levels_of(values: Floats) -> Levels:
     return Levels(held, _text(held[:: max(1, len(held) // LEVELS_TRIED)]))
 
 
+def has_steps(values: Floats) -> bool:
+    """Whether values come in steps."""
+    return levels_of(values).step is not None
+
+
 def off_grid(levels: Levels, step: float, near: float) -> float:
     """Share of the small gaps between levels that are no whole number of a step; 0 where there are too few of them.
 

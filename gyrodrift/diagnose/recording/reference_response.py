@@ -15,7 +15,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.recording.levels import levels_of
+from gyrodrift.diagnose.recording.levels import has_steps
 from gyrodrift.diagnose.recording.outliers import cleaned
 from gyrodrift.diagnose.recording.recording import Recording
 
@@ -78,7 +78,7 @@ def reference_response_of(recordings: Sequence[Recording]) -> ReferenceResponse 
     Steps of an encoder are finer in time than a gyro tells, so that references with steps are left as they are. Of a
     single recording nothing can be held out.
     """
-    if len(recordings) < 2 or any(has_steps(recording) or not recording.moves for recording in recordings):
+    if len(recordings) < 2 or any(has_steps(recording.encoder_deg) or not recording.moves for recording in recordings):
         return None
     period_s = float(np.median([recording.period_s for recording in recordings]))
     reach = min(max(1, round(REACH_S / period_s)), MOST_REACH)
@@ -91,11 +91,6 @@ def reference_response_of(recordings: Sequence[Recording]) -> ReferenceResponse 
     if sum(held_out) > BETTER * sum(one.left(as_it_is) for one in moments):
         return None
     return ReferenceResponse(tuple(_fitted(moments, as_it_is).tolist()), period_s)
-
-
-def has_steps(recording: Recording) -> bool:
-    """Whether its angles come in steps."""
-    return levels_of(recording.encoder_deg).step is not None
 
 
 def _moments_of(recording: Recording, reach: int) -> _Moments:

@@ -1,5 +1,7 @@
 """Bunches of arrivals: how far apart they are, and by how much their distances scatter."""
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.fft import next_fast_len
 
@@ -16,46 +18,59 @@ WITHIN_90 = 3.29
 """Distance of the quantiles 5 and 95 % of a normal distribution, in standard deviations."""
 
 
-def bunch_s(recording: Recording) -> float:
-    """Distance of bunches of samples at the host, s; 0 without bunches."""
-    return _tick_s(recording) or _silence_s(recording)
+class Bunches(NamedTuple):
+    """Bunches of samples at the host; all 0 without any.
 
-
-def bunch_spread(recording: Recording) -> float:
-    """Standard deviation of the distances of bunches as a share of their mean; 0 on even ticks and without bunches.
-
-    Of the quantiles 5 and 95 %: a host that stalls now and then is no spread of its ticks.
+    distance_s
+        From one to the next.
+    spread
+        Standard deviation of these distances as a share of their mean; 0 on even ticks.
+    handover_s
+        Median distance of samples within a bunch; 0 without bunches of two samples or more.
     """
-    if _tick_s(recording) or not _silence_s(recording):
-        return 0.0
-    arrived_s = _arrived_s(recording)
-    intervals_s = np.diff(arrived_s[1:][np.diff(arrived_s) > AT_ONCE * recording.period_s])
+
+    distance_s: float
+    spread: float
+    handover_s: float
+
+
+def bunches_of(recording: Recording) -> Bunches:
+    """Bunches by the phase of even ticks, or by the silence before them."""
+    arrived_s, period_s = _arrived_s(recording), recording.period_s
+    tick_s = _tick_s(arrived_s, period_s)
+    distance_s = tick_s or _silence_s(arrived_s, period_s)
+    if not distance_s:
+        return Bunches(0.0, 0.0, 0.0)
+    return Bunches(distance_s, 0.0 if tick_s else _spread(arrived_s, period_s), _handover_s(arrived_s, period_s))
+
+
+def _spread(arrived_s: Floats, period_s: float) -> float:
+    """Of the quantiles 5 and 95 %: a host that stalls now and then is no spread of its ticks."""
+    intervals_s = np.diff(arrived_s[1:][np.diff(arrived_s) > AT_ONCE * period_s])
     low_s, high_s = np.quantile(intervals_s, (0.05, 0.95))
     return float((high_s - low_s) / WITHIN_90 / intervals_s.mean())
 
 
-def handover_s(recording: Recording) -> float:
-    """Median distance of samples within a bunch, s; 0 without bunches of two samples or more."""
-    gaps_s = np.diff(_arrived_s(recording))
-    within_s = gaps_s[gaps_s < AT_ONCE * recording.period_s]
-    return float(np.median(within_s)) if len(within_s) and bunch_s(recording) else 0.0
+def _handover_s(arrived_s: Floats, period_s: float) -> float:
+    gaps_s = np.diff(arrived_s)
+    within_s = gaps_s[gaps_s < AT_ONCE * period_s]
+    return float(np.median(within_s)) if len(within_s) else 0.0
 
 
-def _silence_s(recording: Recording) -> float:
+def _silence_s(arrived_s: Floats, period_s: float) -> float:
     """Distance of bunches by the silence before two samples at once; a lost sample leaves no second one."""
-    arrived_s = _arrived_s(recording)
-    gaps = np.diff(arrived_s) / recording.period_s
+    gaps = np.diff(arrived_s) / period_s
     begins = np.flatnonzero((gaps[:-1] > BEGINS_AFTER) & (gaps[1:] < AT_ONCE))
     return float(np.median(np.diff(arrived_s[begins]))) if len(begins) > FEW_BUNCHES else 0.0
 
 
-def _tick_s(recording: Recording) -> float:
+def _tick_s(arrived_s: Floats, period_s: float) -> float:
     """Distance of ticks by the lowest frequency at which all arrivals have one phase.
 
     Where ticks are about as far apart as samples, there are no bunches, but now and then a tick without a sample. Much
     shorter ones stand behind the comb of the samples themselves; how short they are matters little.
     """
-    arrived_s, period_s = _arrived_s(recording)[:20_000], recording.period_s
+    arrived_s = arrived_s[:20_000]
     # A host whose clock was set: ticks have no phase.
     if len(arrived_s) < 200 or np.ptp(arrived_s) > 10.0 * len(arrived_s) * period_s:
         return 0.0

@@ -13,7 +13,7 @@ from gyrodrift.diagnose.features.sample_values import LEAK, NEAR_ZERO_DPS
 from gyrodrift.diagnose.features.spectral_line import spectral_line
 from gyrodrift.diagnose.recording.order_statistics import DECIMALS, distinct
 from gyrodrift.diagnose.recording.outliers import step_of
-from gyrodrift.diagnose.simulate.bunches import bunch_s, bunch_spread, handover_s
+from gyrodrift.diagnose.simulate.bunches import bunches_of
 from gyrodrift.diagnose.simulate.candidate import Hints
 from gyrodrift.diagnose.simulate.twin import Subject
 
@@ -31,6 +31,7 @@ LEVELS_ABOVE = 4
 def hints_of(subjects: Sequence[Subject]) -> Hints:
     """Second parameters of the candidates as all sessions show them, or usual ones."""
     recordings = [subject.seen.recording for subject in subjects]
+    bunches = [bunches_of(recording) for recording in recordings]
     slow_dps = [_near_zero_dps(subject) for subject in subjects]
     lsb_dps = [subject.rig.base.dps_per_lsb for subject in subjects]
     pairs = zip(slow_dps, lsb_dps, strict=True)
@@ -46,9 +47,9 @@ def hints_of(subjects: Sequence[Subject]) -> Hints:
         least_dps=_least_dps(np.concatenate(slow_dps), step_dps) or _median(lsb_dps),
         largest_dps=max(1.0, *(_most(subject.seen.rate_dps) for subject in subjects)),
         sample_period_s=min(recording.period_s for recording in recordings),
-        bunch_s=_median([bunch_s(recording) for recording in recordings]),
-        bunch_spread=_median([bunch_spread(recording) for recording in recordings]),
-        handover_s=_median([handover_s(recording) for recording in recordings]),
+        bunch_s=_median([one.distance_s for one in bunches]),
+        bunch_spread=_median([one.spread for one in bunches]),
+        handover_s=_median([one.handover_s for one in bunches]),
         dps_per_lsb=_median(lsb_dps),
         lean_deg=_lean_deg(subjects),
         curve_per_c=_curve_per_c(subjects),
