@@ -58,7 +58,7 @@ class ExplainedBaseline(NamedTuple):
     least_noise_dps_rthz
         Less noise than that no recording of this device has.
     response
-        What lies between reference and gyro in both sets; None if nothing does.
+        Response from reference to gyro in both sets; None if the reference is left as it is.
     """
 
     rig: Rig
@@ -105,7 +105,7 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
 
 
 def _remarks(causes: Sequence[NamedCause], recordings: int, response: ReferenceResponse | None) -> list[str]:
-    """What the baseline shows already."""
+    """Sentences on the effects and the reference of the baseline."""
     names = ", ".join(cause.effect.name for cause in causes)
     shows = f"it already shows {names}, which the rig lacks; only changes since then are reported"
     shows_nothing = f"no cause is named in its {recordings} recordings; changes since then are reported"

@@ -1,4 +1,4 @@
-"""What lies between a reference and the gyro, learned from a baseline: wheels that slip, a shaft that twists, a delay.
+"""Response from a reference to the gyro, learned from a baseline: wheels that slip, a shaft that twists, a delay.
 
     angle of the gyro(t) = sum_k w_k · reference(t + k·period)                                   (1)
 
@@ -63,13 +63,13 @@ class _Moments(NamedTuple):
     """Sums of products over a recording: weights with weights, weights with the gyro, and the gyro with itself."""
 
     weights: Floats
-    both: Floats
+    with_gyro: Floats
     gyro: float
     samples: int
 
     def left(self, weights: Floats) -> float:
         """Sum of squares that weights leave."""
-        return float(self.gyro - 2.0 * weights @ self.both + weights @ self.weights @ weights)
+        return float(self.gyro - 2.0 * weights @ self.with_gyro + weights @ self.weights @ weights)
 
 
 def reference_response_of(recordings: Sequence[Recording]) -> ReferenceResponse | None:
@@ -112,8 +112,8 @@ def _moments_of(recording: Recording, reach: int) -> _Moments:
 def _fitted(moments: Sequence[_Moments], as_it_is: Floats) -> Floats:
     """Weights by ridge regression; the noise is held to be what the reference as it is leaves."""
     products = np.sum([one.weights for one in moments], axis=0)
-    both = np.sum([one.both for one in moments], axis=0)
+    with_gyro = np.sum([one.with_gyro for one in moments], axis=0)
     variance = sum(one.left(as_it_is) for one in moments) / sum(one.samples for one in moments)
     ridge = variance / PRIOR**2 * np.eye(len(as_it_is))
-    weights: Floats = as_it_is + np.linalg.solve(products + ridge, both - products @ as_it_is)
+    weights: Floats = as_it_is + np.linalg.solve(products + ridge, with_gyro - products @ as_it_is)
     return weights
