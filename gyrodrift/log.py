@@ -43,7 +43,7 @@ def open_log(level: str = "info", style: str = "auto", stream: TextIOBase | None
         renderer = structlog.processors.LogfmtRenderer(key_order=["timestamp", "level", "event"], bool_as_flag=False)
     else:
         renderer = structlog.dev.ConsoleRenderer(colors=_has_colors())
-    log_to = cast("TextIO", stream or unwaiting_stderr(style))  # print() needs only write and flush
+    log_to = cast("TextIO", stream or unwaiting_stderr(style))  # structlog needs only write and flush
     structlog.configure(
         processors=[
             _public,
@@ -54,7 +54,7 @@ def open_log(level: str = "info", style: str = "auto", stream: TextIOBase | None
             renderer,
         ],
         wrapper_class=structlog.make_filtering_bound_logger(LEVELS[level]),
-        logger_factory=structlog.PrintLoggerFactory(log_to),
+        logger_factory=structlog.WriteLoggerFactory(log_to),  # a line and its end are one write
         cache_logger_on_first_use=True,
     )
     logger: FilteringBoundLogger = structlog.get_logger()

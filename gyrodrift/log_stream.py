@@ -9,6 +9,9 @@ from gyrodrift.unwaiting import send_unwaiting
 LONGEST_KEPT = 65_536
 """Bytes that wait for a slow reader; later lines are counted and dropped."""
 
+AT_ONCE = 4096
+"""Bytes that a pipe takes whole, or not at all (PIPE_BUF of Linux): the process of the outputs writes to it too."""
+
 
 class UnwaitingStream(TextIOBase):
     """Writes as much as the reader takes now, and keeps the rest for the next write.
@@ -59,7 +62,7 @@ class UnwaitingStream(TextIOBase):
 
     def _send(self, fd: int) -> None:
         while self._kept:
-            sent = _send(fd, self._kept)
+            sent = _send(fd, _whole_lines(self._kept))
             if not sent:
                 return
             self._kept = self._kept[sent:]
@@ -72,6 +75,11 @@ def _descriptor(stream: TextIO) -> int | None:
         return stream.fileno()
     except (OSError, UnsupportedOperation, ValueError, AttributeError):
         return None
+
+
+def _whole_lines(data: bytes) -> bytes:
+    """The lines at the beginning that a pipe takes whole; a piece of a line that is longer."""
+    return data[: data.rfind(b"\n", 0, AT_ONCE) + 1 or AT_ONCE] if len(data) > AT_ONCE else data
 
 
 def _send(fd: int, data: bytes) -> int:

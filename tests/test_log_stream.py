@@ -1,5 +1,6 @@
 """Standard error that nobody reads: nothing waits for it, and what was dropped is told."""
 
+import json
 import os
 import signal
 import subprocess
@@ -99,6 +100,28 @@ def test_a_stopped_terminal_stops_nothing() -> None:
         stream.flush()
         assert LINE.strip() in all_of(controller).decode()
     os.close(controller)
+
+
+TWO_LOGS = """
+import sys
+from gyrodrift.log import open_log
+log = open_log(style="json")
+for number in range(5000):
+    log.info("something", of=sys.argv[1], number=number)
+"""
+
+
+def test_lines_of_two_processes_stay_whole(pipe: tuple[int, int]) -> None:
+    """As of a service and of its outputs, which share standard error."""
+    logs = [subprocess.Popen([sys.executable, "-c", TWO_LOGS, name], stderr=pipe[1]) for name in ("a", "b")]
+    os.close(pipe[1])
+    with os.fdopen(pipe[0]) as end:
+        read = [json.loads(line) for line in end]
+    assert [each.wait() for each in logs] == [0, 0]
+    for name in ("a", "b"):
+        numbers = [each["number"] for each in read if each.get("of") == name]
+        assert numbers == sorted(set(numbers))
+        assert numbers
 
 
 REFUSED = """

@@ -105,7 +105,7 @@ class AboveLine(io.TextIOBase):
     def write(self, text: str) -> int:
         """Write in place of the live line, which the next tick shows again."""
         with suppress(OSError):  # as above
-            self._stream.write(text if text == "\n" else CLEAR + text)
+            self._stream.write(CLEAR + text)
         return len(text)
 
     def flush(self) -> None:

@@ -20,6 +20,7 @@ from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import FilterRun
 from gyrodrift.link.link import Link
+from gyrodrift.log import open_log
 from gyrodrift.recording.live_line import CLEAR, AboveLine, LiveLine
 from gyrodrift.recording.live_yaw import LiveYaw
 from gyrodrift.recording.recorder import Recorder
@@ -152,7 +153,8 @@ def test_a_terminal_that_is_gone_does_not_end_a_recording(terminal: Terminal) ->
     terminal.hang_up()
     going.go_on(0.25, 2, 2)
     log = AboveLine(terminal.stream)
-    print("level=info", file=log, flush=True)
+    log.write("level=info\n")
+    log.flush()
     going.line.close()
     assert not terminal.stream.closed, "its owner closes it"
 
@@ -160,8 +162,11 @@ def test_a_terminal_that_is_gone_does_not_end_a_recording(terminal: Terminal) ->
 def test_the_log_clears_the_line_and_ends_its_own() -> None:
     """So that neither stands in the other."""
     stream = io.StringIO()
-    print("level=info event=gap", file=AboveLine(stream), flush=True)
-    assert stream.getvalue() == f"{CLEAR}level=info event=gap\n"
+    open_log("info", "json", AboveLine(stream)).info("gap")
+    line = stream.getvalue()
+    assert line.startswith(f'{CLEAR}{{"event": "gap"')
+    assert line.count(CLEAR) == 1
+    assert line.endswith("}\n")
 
 
 def test_yaw_is_that_of_the_filter() -> None:
