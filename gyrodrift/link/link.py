@@ -8,21 +8,18 @@ events and `LinkCounters`, separately from the samples.
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import cycle
 from math import isnan
 from typing import Any
 
-from gyrodrift.errors import DeviceSilentError, LinkError, PortMissingError, UnitError, UsageError
-from gyrodrift.link.backoff import Backoff
+from gyrodrift.errors import DeviceSilentError, PortMissingError, UnitError
 from gyrodrift.link.calendar import CLOCK_SET, Calendar
 from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
 from gyrodrift.link.clocks.device import DeviceClock
+from gyrodrift.link.connection import Connection
 from gyrodrift.link.heard import Heard
 from gyrodrift.link.late import Arrived, LateArrivals
-from gyrodrift.link.opening import Opening
 from gyrodrift.link.options import EventHandler, LinkCounters, LinkOptions
-from gyrodrift.link.port import HAS_TERMIOS, USUAL_BAUDS, Port, PortGoneError, stable_name
 from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
 from gyrodrift.link.protocols.detect import Detector
@@ -30,8 +27,7 @@ from gyrodrift.link.protocols.guard import Guard, renewed
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.registry import candidates
 from gyrodrift.link.silence import unread_protocol, why_silent
-from gyrodrift.link.sources.opening import BackgroundOpening, checked_source, open_source
-from gyrodrift.link.sources.source import OpenPort, SourceEndedError, SourcePort
+from gyrodrift.link.sources.source import OpenPort
 from gyrodrift.link.units.check import UnitCheck
 from gyrodrift.sample import Reading, Sample
 
@@ -41,32 +37,6 @@ BAUD_TRIAL_WARM_S = 4.0
 
 TELL_S = 10.0
 """Time after which a link without timeout reports why it understands nothing, s."""
-
-SOON_S = 0.5
-"""Longest wait at the start for a source that may come later, s: an answer or a refusal of a near host is faster."""
-
-OPENING_S = 0.05
-"""Time between two looks at a source that is being opened in the background, s."""
-
-
-def open_port(path: str, baud: int) -> OpenPort:
-    """Open a source, or a serial port in the way that this system has.
-
-    Raises
-    ------
-    UsageError
-        The address of a source has a mistake, or a package is missing.
-    LinkError
-        If the port cannot be opened.
-    """
-    source = open_source(path, baud)
-    if source is not None:
-        return source
-    if HAS_TERMIOS:
-        return Port(path, baud)
-    from gyrodrift.link.thread_port import ThreadPort  # noqa: PLC0415 - Linux and macOS do without
-
-    return ThreadPort(path, baud)
 
 
 class Link:
@@ -92,12 +62,12 @@ class Link:
         port: OpenPort | None = None,
     ) -> None:
         self.options = options
-        self.source = checked_source(options)
-        self.name = stable_name(options.port) if self.source is None else options.port
-        self.is_over = False
         self.counters = LinkCounters()
+        self.connection = Connection(options, self.counters, on_event, self._renew, monotonic)
+        self.source, self.name = self.connection.source, self.connection.name
         self.decoder: Decoder | None = None
         self.clock: Clock | None = None
+        self.device = DeviceDescription()
         self.tap: Callable[[bytes, float], Any] | None = None
         self._on_event = on_event
         self._monotonic = monotonic
@@ -108,30 +78,30 @@ class Link:
         self._passed_over: frozenset[str] = frozenset()
         self._late = LateArrivals()
         self._detector = Detector(list(self._protocols.values()), self._guard)
-        self._has_baud = self.source is None or self.source.has_baud
-        if len(self._protocols) == 1 and (options.baud is not None or not self._has_baud):
+        if len(self._protocols) == 1 and (options.baud is not None or not self.connection.has_baud):
             self.decoder = next(iter(self._protocols.values())).decoder()
-        self._bauds = cycle(USUAL_BAUDS)
-        self.baud = options.baud or (next(self._bauds) if self._has_baud else 0)
-        self.device = DeviceDescription()
         self._spoke = False
         self._heard = Heard()
         self._check: UnitCheck | None = None
         self._is_told = False
         self._is_angle_told = False
-        self._opened_s = self._heard_s = self._back_s = monotonic()
         self._trial_s: float | None = None
-        self._backoff = Backoff()
-        self._reopening: BackgroundOpening | None = None
-        self._opening = Opening(options.send, on_event)
-        self._was_open = self._is_refused = False
-        self._refusal = ""
-        self.port: OpenPort | None = port or self._first_open()
-        self._was_open = self.port is not None
-        if self.port is not None:
-            self._on_event("link_open", port=self.name, **self._line(), protocol=options.protocol)
-        if port is None and self.port is not None:
-            self._opening.begin(self.port, self._opened_s)
+        self.connection.begin(port)
+
+    @property
+    def port(self) -> OpenPort | None:
+        """The open port; None while it is gone."""
+        return self.connection.port
+
+    @property
+    def baud(self) -> int:
+        """Baud rate in use; 0 for a source without one."""
+        return self.connection.baud
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the source has ended."""
+        return self.connection.is_over
 
     def fileno(self) -> int | None:
         """File descriptor to wait on; None while the port is gone."""
@@ -139,21 +109,15 @@ class Link:
 
     def wake_s(self) -> float:
         """Longest time to wait before the next `read`, s."""
-        now_s = self._monotonic()
-        if self.is_over:
-            return 1.0
-        if self.port is None:
-            return self._backoff.remaining_s(now_s) if self._reopening is None else OPENING_S
-        usual_s = 0.1 if not self._spoke else 1.0
-        return min(usual_s, self.port.wake_s) if isinstance(self.port, SourcePort) else usual_s
+        return self.connection.wake_s(1.0 if self._spoke else 0.1)
 
     def read(self) -> list[Sample]:
         """Samples that have arrived; empty without any."""
-        chunk = self._received()
+        chunk = self.connection.read()
         if not chunk:
+            self._give_up_waiting()
             return []
         arrival_s = self._monotonic()
-        self._opening.hear(arrival_s)
         self.counters.bytes += len(chunk)
         if self.tap is not None:
             self.tap(chunk, self._calendar.epoch_s + arrival_s)
@@ -165,38 +129,14 @@ class Link:
         arrived = self._late.by_arrival(self.decoder.counters, readings, arrival_s) if self.decoder is not None else []
         if arrived and self.decoder is not None:
             samples = self._stamp(self.decoder, arrived)
-            self._heard_s = arrival_s
             self._spoke = True
-            self._opening.end()
+            self.connection.understood(arrival_s)
             if self._check is not None:
                 self._check_units(self._check, len(readings), samples, arrival_s)
         elif not self._spoke:
             self._give_up_waiting()
         self.counters.samples += len(samples)
         return samples
-
-    def _received(self) -> bytes:
-        """Bytes that have arrived; reopens a lost port."""
-        if self.port is None and not self.is_over:
-            self._reopen()
-        if self.port is None:
-            if self.source is not None:
-                self._give_up_waiting()
-            return b""
-        try:
-            chunk = self.port.read()
-        except PortGoneError:
-            self._lose()
-            return b""
-        except SourceEndedError:
-            self._end()
-            return b""
-        if isinstance(self.port, SourcePort):
-            self._report_notes(self.port)
-        if not chunk:
-            self._opening.wait(self.port, self._monotonic())
-            self._give_up_waiting()
-        return chunk
 
     def counted(self) -> dict[str, Any]:
         """All counters since the link was opened, by their names in the log, and the clock drift."""
@@ -233,7 +173,7 @@ class Link:
 
     def send_at_opening(self, content: bytes) -> None:
         """Send these bytes after the next opening of the port."""
-        self._opening.content = content
+        self.connection.opening.content = content
 
     def unix_s(self) -> float:
         """Present Unix time, on the clock of sample arrivals, s."""
@@ -255,20 +195,15 @@ class Link:
 
     def silent_s(self) -> float:
         """Time since the last sample, s."""
-        return self._monotonic() - self._heard_s
+        return self.connection.silent_s()
 
     def close(self) -> None:
         """Close the port."""
-        if self._reopening is not None:
-            self._reopening.abandon()
-            self._reopening = None
-        if self.port is not None:
-            self.port.close()
-            self.port = None
+        self.connection.close()
 
     def hand_over(self) -> OpenPort | None:
         """The open port, for another link; this link is over."""
-        port, self.port = self.port, None
+        port, self.connection.port = self.port, None
         return port
 
     def _decode(self, chunk: bytes) -> list[Reading]:
@@ -279,7 +214,7 @@ class Link:
             if detected is None:
                 return []
             self.decoder, readings = detected
-            self._on_event("protocol_found", protocol=self.decoder.name, **self._line())
+            self._on_event("protocol_found", protocol=self.decoder.name, **self.connection.line())
         if self.decoder.device is not self.device:
             self._meet(self.decoder.device)
         if self.decoder.counters.passed_over != self._passed_over:
@@ -353,134 +288,44 @@ class Link:
             return [self.source.protocol]
         return candidates(self.options.protocol, self.options.columns)
 
-    def _line(self) -> dict[str, int]:
-        """Field `baud` of events, for a line that has one."""
-        return {"baud": self.baud} if self._has_baud else {}
-
-    def _first_open(self) -> OpenPort | None:
-        """Open the port; None for a source that is tried again, because a link without timeout waits for it."""
-        is_waited_for = self.options.waits or (self.source is not None and not self.options.timeout_s)
-        try:
-            if is_waited_for and self.source is not None:
-                return self._open_soon()
-            return open_port(self.name, self.baud)
-        except LinkError as error:
-            if not is_waited_for:
-                raise
-            self._refuse(error)
-            self._backoff.begin(self._monotonic())
-            return None
-
-    def _open_soon(self) -> OpenPort | None:
-        """Open a source; None if it takes longer than SOON_S, so that other gyros do not wait for it."""
-        self._reopening = opening = self._background_opening()
-        opening.wait(SOON_S)
-        try:
-            port = opening.result()
-        except LinkError:
-            self._reopening = None
-            raise
-        self._reopening = opening if port is None else None
-        return port
-
-    def _refuse(self, error: Exception) -> None:
-        """Report why the port cannot be opened, and once that it is missing; a reason is not repeated."""
-        reason = str(error)
-        is_known = isinstance(error, PortMissingError) and (self._was_open or self._is_refused)
-        if not is_known and reason != self._refusal:
-            self._on_event("link_refused", port=self.name, reason=reason)
-        self._is_refused, self._refusal = True, reason
-
-    def _report_notes(self, port: SourcePort) -> None:
-        for event, fields in port.notes:
-            self._on_event(event, port=self.name, **fields)
-        port.notes.clear()
-
-    def _end(self) -> None:
-        """Handle the end of a source that does not come back."""
-        self.close()
-        self.is_over = True
-        self._on_event("source_end", port=self.name)
-        if not self._spoke:
-            waited_s = max(round(self._monotonic() - self._opened_s, 1), 0.1)
-            raise DeviceSilentError(f"{self.name}: it ended, and {self._why_silent(waited_s)}")
-
-    def _lose(self) -> None:
-        if isinstance(self.port, SourcePort):
-            self._report_notes(self.port)
-        self.close()
-        if self._heard_s < self._back_s:  # a peer that accepts and closes would be called 20 times a second
-            self._backoff.fail(self._monotonic())
-        else:
-            self._backoff.begin(self._monotonic())
-        self._on_event("link_lost", port=self.name)
-
-    def _reopen(self) -> None:
-        now_s = self._monotonic()
-        if self._reopening is None and self._backoff.remaining_s(now_s):
-            return
-        try:
-            self.port = self._reopened()
-        except (LinkError, UsageError) as error:  # an adapter refuses its line rate while it is being plugged in
-            self._reopening = None
-            self._backoff.fail(now_s)
-            self._refuse(error)
-            return
-        if self.port is None:
-            return
-        self._reopening = None
-        self._refusal = ""
-        if self._was_open:
-            self._come_back(now_s)
-        else:
-            self._was_open = True
-            self._on_event("link_open", port=self.name, **self._line(), protocol=self.options.protocol)
-        self._opening.begin(self.port, now_s)
-
-    def _reopened(self) -> OpenPort | None:
-        """The port again; None while a source is being opened in the background."""
-        if self.source is None:
-            return open_port(self.name, self.baud)
-        if self._reopening is None:
-            self._reopening = self._background_opening()
-        return self._reopening.result()
-
-    def _background_opening(self) -> BackgroundOpening:
-        name, baud = self.name, self.baud
-        return BackgroundOpening(lambda: open_port(name, baud))
-
-    def _come_back(self, now_s: float) -> None:
-        gone_s = now_s - self._heard_s
-        self.counters.reconnects += 1
-        self.counters.gone_s += now_s - max(self._heard_s, self._back_s)
-        self._back_s = now_s
+    def _renew(self) -> None:
+        """Prepare for bytes after a break."""
         if self.decoder is not None:
             self.decoder = renewed(self._protocols[self.decoder.name], self.decoder)
         if self.clock is not None:
             self.clock.reconnected()
-        self._on_event("link_restored", port=self.name, gone_s=round(gone_s, 3))
 
     def _give_up_waiting(self) -> None:
-        if self._spoke or self.is_over:
+        """Before the first sample: raise after the timeout, say what is not understood, try another baud rate."""
+        if self._spoke or (self.port is None and self.source is None):
             return
-        now_s = self._monotonic()
-        waited_s, timeout_s = now_s - self._opened_s, self.options.timeout_s
+        now_s, timeout_s = self._monotonic(), self.options.timeout_s
+        waited_s = now_s - self.connection.opened_s
+        if self.is_over:
+            raise DeviceSilentError(f"{self.name}: it ended, and {self._why_silent(max(round(waited_s, 1), 0.1))}")
         if 0.0 < timeout_s <= waited_s:
-            if not self._was_open and self._refusal:
-                raise PortMissingError(f"{self._refusal}; it was not there for {timeout_s:g} s")
+            if not self.connection.was_open and self.connection.refusal:
+                raise PortMissingError(f"{self.connection.refusal}; it was not there for {timeout_s:g} s")
             raise DeviceSilentError(f"{self.name}: {self._why_silent(timeout_s)}")
         if not timeout_s and not self._is_told and waited_s >= TELL_S and self.counters.bytes:
             self._is_told = True
             self._on_event("not_understood", port=self.name, reason=self._why_silent(TELL_S))
-        if self._has_baud and self.options.baud is None and self.decoder is None and self._trial_s is not None:
-            is_slow = self._detector.is_warm or self._heard.may_be_text
-            trial_s = BAUD_TRIAL_WARM_S if is_slow else BAUD_TRIAL_S
-            if now_s - self._trial_s < trial_s:
-                return
-            if self._heard.is_text or unread_protocol(self._heard, self._chosen_protocol):
-                self._trial_s = now_s  # the baud rate is right
-            else:
-                self._next_baud()
+        if self.connection.has_baud and self.options.baud is None and self.decoder is None:
+            self._try_next_baud(now_s)
+
+    def _try_next_baud(self, now_s: float) -> None:
+        """Go on to the next of the usual baud rates, if this one had its time and gave nothing that can be read."""
+        is_slow = self._detector.is_warm or self._heard.may_be_text
+        trial_s = BAUD_TRIAL_WARM_S if is_slow else BAUD_TRIAL_S
+        if self._trial_s is None or now_s - self._trial_s < trial_s:
+            return
+        if self._heard.is_text or unread_protocol(self._heard, self._chosen_protocol):
+            self._trial_s = now_s  # the baud rate is right
+            return
+        self._trial_s = None
+        self._detector = Detector(list(self._protocols.values()), self._guard)
+        self._heard = Heard()
+        self.connection.next_baud()
 
     def _why_silent(self, waited_s: float) -> str:
         baud, heard_bytes = self.options.baud, self.counters.bytes
@@ -491,16 +336,3 @@ class Link:
     def _chosen_protocol(self) -> str:
         """Protocol of the options; columns mean text."""
         return self.options.protocol if self.options.columns is None else text.NAME
-
-    def _next_baud(self) -> None:
-        """Start again at the next of the usual baud rates."""
-        self.baud = next(self._bauds)
-        self._trial_s = None
-        self._detector = Detector(list(self._protocols.values()), self._guard)
-        self._heard = Heard()
-        try:
-            if self.port is not None:
-                self.port.set_baud(self.baud)
-                self._opening.begin(self.port, self._monotonic())
-        except PortGoneError:
-            self._lose()

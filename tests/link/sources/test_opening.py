@@ -13,7 +13,7 @@ from sources_support import Events, address, lines, read_until, serving
 from support import Command, python_in
 
 from gyrodrift.errors import LinkError, PortMissingError, UsageError
-from gyrodrift.link import link as link_module
+from gyrodrift.link import connection as connection_module
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.search import find_gyro
@@ -69,7 +69,7 @@ def test_any_error_of_an_opening_is_one_of_the_link() -> None:
 
 def test_a_host_that_does_not_answer_holds_no_start(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its refusal is reported once, when it comes."""
-    monkeypatch.setattr(link_module, "SOON_S", 0.01)
+    monkeypatch.setattr(connection_module, "SOON_S", 0.01)
     may_fail = threading.Event()
 
     def resolve(*_: Any, **__: Any) -> Any:
