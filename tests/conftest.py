@@ -4,7 +4,7 @@ import os
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,28 +18,29 @@ from worker_groups import GroupScheduling
 settings.register_profile("untimed", deadline=None)  # how long an example takes is the machine's business
 settings.load_profile("untimed")
 
-ENDS_WITHIN_S = 1.0
-"""What a thread of a library takes at most to end, once it has been told to, on a busy machine."""
+ENDS_WITHIN_S = 10.0
+"""What a thread or a child takes at most to end, once it has been told to, on a busy machine."""
 
 
 def _children() -> set[str]:
     return set(Path(f"/proc/self/task/{os.getpid()}/children").read_text().split())
 
 
-def _descriptors() -> dict[str, str]:
-    found = {}
+def _descriptors() -> set[tuple[str, str]]:
+    """Number and target of each that a test may not leave open."""
+    found = set()
     for link in Path("/proc/self/fd").iterdir():
         try:
-            found[link.name] = str(link.readlink())
+            found.add((link.name, str(link.readlink())))
         except OSError:
             continue  # the descriptor of the listing itself
-    return found
+    return {(number, target) for number, target in found if not _may_stay(target)}
 
 
-def _threads_beside(others: set[threading.Thread]) -> set[threading.Thread]:
-    """Those that are still there when a library had time to end what it was told to."""
+def _left(now: Callable[[], Iterable[Any]], before: set[Any]) -> set[Any]:
+    """What is there beside what was there before, when all had time to end what it was told to."""
     until_s = time.monotonic() + ENDS_WITHIN_S
-    while (left := set(threading.enumerate()) - others) and time.monotonic() < until_s:
+    while (left := set(now()) - before) and time.monotonic() < until_s:
         time.sleep(0.01)
     return left
 
@@ -75,9 +76,9 @@ def nothing_left_behind() -> Iterator[None]:
     """Fail a test that leaves a thread, a descriptor, a child or a pty behind."""
     threads, children, descriptors = set(threading.enumerate()), _children(), _descriptors()
     yield
-    assert not _threads_beside(threads), "threads left behind"
-    assert not _children() - children, "child processes left behind"
-    left = {fd: to for fd, to in _descriptors().items() if descriptors.get(fd) != to and not _may_stay(to)}
+    assert not _left(threading.enumerate, threads), "threads left behind"
+    assert not _left(_children, children), "child processes left behind"
+    left = _left(_descriptors, descriptors)
     assert not left, f"descriptors left behind: {left}"
 
 
