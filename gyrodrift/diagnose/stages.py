@@ -153,7 +153,7 @@ def testable_among(
         Whether three axes are compared.
     """
     lacking = {
-        "motion": ("no motion", not any(recording.moves for recording in recordings)),
+        "motion": ("no motion", not any(recording.has_motion for recording in recordings)),
         "host": ("no host times", any(recording.host_s is None for recording in recordings)),
         "temperature": ("no temperature", any(recording.temp_c is None for recording in recordings)),
         "axes": ("no rates about x and y", not has_axes),

@@ -17,7 +17,7 @@ from gyrodrift.diagnose.features.feature import (
     Statistic,
 )
 from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA
-from gyrodrift.diagnose.recording.recording import Recording, line
+from gyrodrift.diagnose.recording.recording import Recording, fit_line
 
 SLOW_S = 10.0
 """Medians of times over so long show how a clock wanders, without their scatter."""
@@ -64,7 +64,7 @@ def stamps_of(recording: Recording) -> Stamps:
 
 def off_line_s(times_s: Floats) -> tuple[float, Floats]:
     """Slope of times over the sample numbers, and how far off that line those lie that are known, s."""
-    slope_s, offset_s = line(times_s)
+    slope_s, offset_s = fit_line(times_s)
     away_s: Floats = times_s - offset_s - slope_s * np.arange(len(times_s))
     is_known = np.isfinite(times_s)
     return slope_s, away_s if is_known.all() else away_s[is_known]

@@ -1,4 +1,4 @@
-"""What a diagnosis begins with: sessions read, put right where they say how, parted at their outages, and checked."""
+"""Read sessions as recordings for a diagnosis: apply their calibration, split them at outages, and check them."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -9,7 +9,7 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.checks import LEAST_S, check_recording
-from gyrodrift.diagnose.recording.numbering import backlog_of, numbered
+from gyrodrift.diagnose.recording.numbering import backlog_of, number_samples
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.session.calibrated import calibration_of, with_calibration
 from gyrodrift.session.checks.examine import ExaminedSession, clock_findings
@@ -18,34 +18,38 @@ from gyrodrift.session.files import load_session
 from gyrodrift.session.session import Session
 
 OUTAGE_S, MANY_APART = 0.2, 10.0
-"""An outage lasts longer than this, and than so many times the usual distance of what is known: a link that loses every
-tenth sample never loses ten in a row, and a reference may be slower than the gyro."""
+"""Least length of an outage: seconds, and median distances of samples that have both a rate and an angle. A link that
+loses every tenth sample rarely loses ten in a row. A reference may have a lower rate than the gyro."""
 
 BREAK_S, AROUND = 1.0, 200
-"""Two clocks that go apart by more than this at once have been set, or the device was gone: among so many samples after
-it none came as early as one of those before. Behind a host that was only busy the next ones do."""
+"""Step between two clocks that counts as a break: a clock was set, or the device began again.
+
+The least delays of so many samples before and after the step are compared. Behind a busy host the delay returns to the
+value before the step.
+"""
 
 ENOUGH = 0.5
-"""Share of a session that its parts hold at least; where a link fails that often, that is what there is to be seen."""
+"""Least share of a session that its parts must hold, or it is not split. If a link fails that often, the outages are
+part of the session."""
 
 
 class Parts(NamedTuple):
-    """Sessions without an outage, and what is to be said of that; nothing where it is the session as it was."""
+    """Parts of a session without an outage, and remarks on the split. An unsplit session has no remarks."""
 
     sessions: tuple[Session, ...]
     remarks: tuple[str, ...] = ()
 
 
 class _Piece(NamedTuple):
-    """Rows of a session, from one to before another, between which nothing is missing for long."""
+    """Rows of a session from `first` to before `end`, without an outage between them, and their length in seconds."""
 
     first: int
     end: int
     seconds: float
 
 
-class _Pieces(NamedTuple):
-    """Those of a stretch of one clock, with what is missing between them."""
+class _Stretch(NamedTuple):
+    """Pieces of a session between two breaks of its clock, with the number and the total length of the outages."""
 
     pieces: list[_Piece]
     outages: int
@@ -53,70 +57,72 @@ class _Pieces(NamedTuple):
 
 
 def between_outages(session: Session) -> Parts:
-    """The parts of a session of LEAST_S and more; the session as it is where nothing interrupts it, or too much.
+    """Parts of a session between its outages that last at least LEAST_S.
+
+    The session is not split if it has no outage, or if the parts hold less than ENOUGH of it.
 
     Raises
     ------
     DataError
-        Where it has fewer than two samples.
+        If the session has fewer than two samples.
     """
     breaks = _breaks(session)
-    stretches = [_pieces_of(session, first, end) for first, end in pairwise([0, *breaks, len(session.rate_dps)])]
+    stretches = [_stretch_of(session, first, end) for first, end in pairwise([0, *breaks, len(session.rate_dps)])]
     pieces = [piece for stretch in stretches for piece in stretch.pieces]
     kept = [piece for piece in pieces if piece.seconds >= LEAST_S]
     kept_s, pieces_s = sum(piece.seconds for piece in kept), sum(piece.seconds for piece in pieces)
-    outages, missing_s = sum(one.outages for one in stretches), sum(one.missing_s for one in stretches)
+    outages, missing_s = sum(stretch.outages for stretch in stretches), sum(stretch.missing_s for stretch in stretches)
     if not (breaks or outages) or not kept or kept_s < ENOUGH * (pieces_s + missing_s):
         return Parts((session,))
-    said = [_missing(missing_s, outages)] if outages else []
-    said += ["the device began anew, or a clock was set" + _times(len(breaks))] if breaks else []
-    remark = f"{session.name}: {', and '.join(said)}; {_what_counts(len(kept), pieces_s - kept_s)}"
+    events = [_missing(missing_s, outages)] if outages else []
+    events += ["the device restarted, or a clock was set" + _times(len(breaks))] if breaks else []
+    remark = f"{session.name}: {', and '.join(events)}; {_kept_words(len(kept), pieces_s - kept_s)}"
     return Parts(_named([session.part(piece.first, piece.end) for piece in kept]), (remark,))
 
 
 def _breaks(session: Session) -> list[int]:
-    """Rows with which a clock begins anew beside the other one, or beside the usual distance of two samples."""
+    """Rows at which the device clock steps against the host's clock; without host times against an even grid."""
     t_s = session.t_device_s
     if len(t_s) < 2:
         return []
     usual_s = float(np.median(np.diff(t_s)))
     late_s = (usual_s * np.arange(len(t_s)) if session.t_host_s is None else session.t_host_s) - t_s
-    known = np.flatnonzero(np.isfinite(late_s))
-    late_s, apart_s = late_s[known], max(BREAK_S, MANY_APART * usual_s)
-    jumps = 1 + np.flatnonzero(np.abs(np.diff(late_s)) > apart_s)
-    return [int(known[row]) for row in jumps.tolist() if abs(_step_s(late_s, row)) > apart_s]
+    rows = np.flatnonzero(np.isfinite(late_s))
+    late_s, least_step_s = late_s[rows], max(BREAK_S, MANY_APART * usual_s)
+    jumps = 1 + np.flatnonzero(np.abs(np.diff(late_s)) > least_step_s)
+    return [int(rows[jump]) for jump in jumps.tolist() if abs(_step_s(late_s, jump)) > least_step_s]
 
 
 def _step_s(late_s: Floats, row: int) -> float:
-    """By how much what waits least is later from a row on than before it."""
+    """Least delay of AROUND samples from a row on, minus the least delay of those before it, s."""
     return float(late_s[row : row + AROUND].min() - late_s[max(0, row - AROUND) : row].min())
 
 
-def _pieces_of(session: Session, first: int, end: int) -> _Pieces:
-    """Of the rows from one to before another; one piece of no length where they are too few to have a distance."""
+def _stretch_of(session: Session, first: int, end: int) -> _Stretch:
+    """Pieces of the rows from `first` to before `end`; a single piece of length 0 if too few samples are complete."""
     stretch = session.part(first, end)
-    whole = _Pieces([_Piece(first, end, 0.0)], 0, 0.0)
+    whole = _Stretch([_Piece(first, end, 0.0)], 0, 0.0)
     if stretch.encoder_deg is None or end - first < 2:
         return whole
-    found = numbered(stretch)
-    spans_s = float(stretch.t_device_s[found.place[-1]] - stretch.t_device_s[found.place[0]])
-    is_known = (np.isfinite(stretch.rate_dps) & np.isfinite(stretch.encoder_deg))[found.place]
+    numbers = number_samples(stretch)
+    spans_s = float(stretch.t_device_s[numbers.row[-1]] - stretch.t_device_s[numbers.row[0]])
+    is_known = (np.isfinite(stretch.rate_dps) & np.isfinite(stretch.encoder_deg))[numbers.row]
     if np.count_nonzero(is_known) < 2 or not spans_s > 0.0:
         return whole
-    number, rows, samples = found.number[is_known], first + found.place[is_known], int(found.number[-1]) + 1
+    sample, rows, samples = numbers.sample[is_known], first + numbers.row[is_known], int(numbers.sample[-1]) + 1
     period_s = spans_s / (samples - 1)
-    gaps = np.diff(number, prepend=-1, append=samples)
+    gaps = np.diff(sample, prepend=-1, append=samples)
     outages = np.flatnonzero(gaps > max(OUTAGE_S / period_s, MANY_APART * float(np.median(gaps))))
     pieces = [
-        _Piece(int(rows[one]), int(rows[after - 1]) + 1, float(number[after - 1] - number[one] + 1) * period_s)
-        for one, after in pairwise([0, *outages.tolist(), len(number)])
-        if one < after
+        _Piece(int(rows[start]), int(rows[stop - 1]) + 1, float(sample[stop - 1] - sample[start] + 1) * period_s)
+        for start, stop in pairwise([0, *outages.tolist(), len(sample)])
+        if start < stop
     ]
-    return _Pieces(pieces, len(outages), float((gaps[outages] - 1).sum()) * period_s)
+    return _Stretch(pieces, len(outages), float((gaps[outages] - 1).sum()) * period_s)
 
 
 def _named(parts: list[Session]) -> tuple[Session, ...]:
-    """Each has a name of its own where there are several."""
+    """Sessions with the number of the part in their names; a single part keeps its name."""
     if len(parts) == 1:
         return tuple(parts)
     return tuple(replace(part, name=f"{part.name}, part {number}") for number, part in enumerate(parts, 1))
@@ -130,17 +136,18 @@ def _times(count: int) -> str:
     return "" if count == 1 else f" {count} times"
 
 
-def _what_counts(parts: int, too_short_s: float) -> str:
-    what = "the rest is one session" if parts == 1 else f"the {parts} parts of the rest are taken as sessions"
-    but = f", without {too_short_s:.1f} s in parts of less than {LEAST_S:.0f} s" if too_short_s > 0.0 else ""
-    return what + but
+def _kept_words(parts: int, too_short_s: float) -> str:
+    """End of the remark on a split: the number of parts, and the seconds in parts that are too short."""
+    use = "the rest is one session" if parts == 1 else f"the {parts} parts of the rest are taken as sessions"
+    lost = f", without {too_short_s:.1f} s in parts of less than {LEAST_S:.0f} s" if too_short_s > 0.0 else ""
+    return use + lost
 
 
 class CheckedSession(NamedTuple):
-    """What is left of a session after the checks: none where it was refused, several where it had outages.
+    """Recordings of a session that passed the checks: none if it was refused, several if it was split at outages.
 
     remarks
-        What was found, each a sentence.
+        A sentence for every finding.
     """
 
     recordings: tuple[Recording, ...]
@@ -148,15 +155,17 @@ class CheckedSession(NamedTuple):
 
 
 def checked_session(path: Path, reading: ReadingOptions = AS_WRITTEN) -> CheckedSession:
-    """A session as recordings that went through the checks, its rates put right by the calibration that it keeps.
+    """Read a session, apply the calibration that it keeps, split it at outages, and check its parts.
 
-    Of a damaged one, which `session.files.damages_of` tells before, what is whole is read.
-    `reading` is what a person states of columns and units.
+    The intact part of a damaged file is read; `session.files.damages_of` reports the damage.
+
+    reading
+        Columns and units that the user states.
 
     Raises
     ------
     DataError
-        Where it cannot be read, has no encoder, or times that are not in the unit that they are taken for.
+        If the file cannot be read, has no encoder, or its times have an implausible unit.
     """
     session = reading.applied(load_session(path, reading.columns, allow_damage=True))
     clock = ExaminedSession(session, clock_findings(session, reading))
@@ -169,8 +178,9 @@ def checked_session(path: Path, reading: ReadingOptions = AS_WRITTEN) -> Checked
         remarks.append(f"{session.name}: {how}")
     if waited := backlog_of(session):
         session = session.part(waited, len(session.t_device_s))
-        remarks.append(f"{session.name}: its first {waited} samples had waited and came at once; they are left out")
+        remarks.append(f"{session.name}: its first {waited} samples had waited and came at once; they are ignored")
     parts = between_outages(session)
     checked = [check_recording(recording_of(part)) for part in parts.sessions]
-    recordings = tuple(one.recording for one in checked if one.recording is not None)
-    return CheckedSession(recordings, (*remarks, *parts.remarks, *(said for one in checked for said in one.remarks)))
+    recordings = tuple(part.recording for part in checked if part.recording is not None)
+    of_checks = (remark for part in checked for remark in part.remarks)
+    return CheckedSession(recordings, (*remarks, *parts.remarks, *of_checks))

@@ -1,6 +1,6 @@
-"""What has to be right before anything is compared: length, motion, axis, alignment, sign, unit.
+"""Checks of a recording before it is compared: length, motion, axis, alignment, sign, unit, and level of the table.
 
-Each check looks at a recording and finds nothing, or one thing: it refuses it, puts it right, or remarks on it.
+A check passes a recording without a finding, or it remarks on it, corrects it, or refuses it.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,21 +18,23 @@ from gyrodrift.errors import DataError
 from gyrodrift.session.checks.rate_unit import LIKE, wrong_unit
 
 LEAST_S = 20.0
-"""A recording counts from here on: rest and a few turns fit into it."""
+"""Least length of a recording, s: a rest and a few turns fit into it."""
 
 TOGETHER_S = 60.0
-"""Recordings that last less than this together tell of no effect."""
+"""Least length of all recordings together, s: shorter recordings do not identify effects."""
 
 LAG_S = 0.25
-"""More than this between encoder and gyro is a recorder that joined them wrongly, not a sensor's delay."""
+"""Largest delay between encoder and gyro that may come from a sensor, s. A recorder that joined two files wrongly makes
+larger ones."""
 
 
 TABLE_TILT = 0.02
-"""Tangent of a tilt of the table that is remarked on, about 1 deg. Chosen: tables by hand are as level."""
+"""Tangent of a tilt of the table that is remarked on, about 1 deg. Chosen: tables that are leveled by hand are within
+it."""
 
 
 class CheckedRecording(NamedTuple):
-    """A recording after the checks, None where it was refused, and remarks, a sentence each."""
+    """A recording after the checks, or None if it was refused, and the remarks, a sentence per finding."""
 
     recording: Recording | None
     remarks: tuple[str, ...]
@@ -46,7 +48,7 @@ class Smoothed(NamedTuple):
 
 
 class Finding(NamedTuple):
-    """Remark of a check, and the recording for the next check: corrected or as it was, None where it is refused."""
+    """Remark of a check, and the recording for the next check, corrected if necessary; None if it is refused."""
 
     remark: str
     smoothed: Smoothed | None
@@ -56,11 +58,11 @@ Check = Callable[[Smoothed], Finding | None]
 
 
 def check_recording(recording: Recording) -> CheckedRecording:
-    """Run all checks, the next on what the one before put right, up to the first that refuses."""
+    """Run the checks in their order until a check refuses. Later checks get the corrected recording."""
     rate_dps, encoder_deg = filled(recording.rate_dps), filled(recording.encoder_deg)
     rates = smoothed_rates(rate_dps, encoder_deg, granularity(recording.encoder_deg), recording.period_s)
     smoothed, remarks = Smoothed(recording, rates), []
-    for check in (*CHECKS, *MOTION_CHECKS) if recording.moves else CHECKS:
+    for check in (*CHECKS, *MOTION_CHECKS) if recording.has_motion else CHECKS:
         finding = check(smoothed)
         if finding is None:
             continue
@@ -72,12 +74,12 @@ def check_recording(recording: Recording) -> CheckedRecording:
 
 
 def together_s(recordings: Sequence[Recording]) -> float:
-    """Length of all recordings that passed, s.
+    """Length of all recordings together, s.
 
     Raises
     ------
     DataError
-        Where they are too short together.
+        If it is below TOGETHER_S.
     """
     seconds = sum(recording.seconds for recording in recordings)
     if seconds >= TOGETHER_S:
@@ -88,6 +90,7 @@ def together_s(recordings: Sequence[Recording]) -> float:
 
 
 def _length(smoothed: Smoothed) -> Finding | None:
+    """Refuse a short recording."""
     seconds = smoothed.recording.seconds
     if seconds >= LEAST_S:
         return None
@@ -95,18 +98,20 @@ def _length(smoothed: Smoothed) -> Finding | None:
 
 
 def _motion(smoothed: Smoothed) -> Finding | None:
-    if smoothed.recording.moves:
+    """Refuse a recording in which the gyro moves alone; remark on a recording without motion."""
+    if smoothed.recording.has_motion:
         return None
     if np.ptp(smoothed.rates.gyro_dps) > 10.0:  # more than drift and noise at rest
         return Finding("the encoder does not move while the gyro does: is it connected?", None)
-    return Finding("nothing moves in it; it tells of rest, clock and link alone", smoothed)
+    return Finding("nothing moves in it; it shows effects at rest, of the clock and of the link only", smoothed)
 
 
 def _alignment(smoothed: Smoothed) -> Finding | None:
+    """Refuse rates that are not correlated; shift the encoder if the delay is too large for a sensor."""
     recording, rates = smoothed.recording, smoothed.rates
     lag, _, likeness = best_lag(rates, recording.period_s)
     if abs(likeness) < LIKE:
-        why = "the gyro does not feel what the encoder sees: another axis, or encoder and gyro of different times?"
+        why = "gyro and encoder do not turn together: is it another axis, or do they come from different times?"
         return Finding(f"{why} (correlation {likeness:.2f})", None)
     lag_s = abs(lag * recording.period_s)
     if lag_s <= LAG_S:
@@ -117,30 +122,33 @@ def _alignment(smoothed: Smoothed) -> Finding | None:
 
 
 def _sign(smoothed: Smoothed) -> Finding | None:
+    """Negate the rate if it has the sign opposite to the encoder's."""
     if not smoothed.rates.gain < 0.0:
         return None
-    turned = replace(smoothed.recording, rate_dps=-smoothed.recording.rate_dps)
-    remark = "the rate has the sign opposite to the encoder's; it was turned round"
-    return Finding(remark, Smoothed(turned, smoothed.rates.with_gyro_times(-1.0)))
+    negated = replace(smoothed.recording, rate_dps=-smoothed.recording.rate_dps)
+    remark = "the rate has the sign opposite to the encoder's; it was negated"
+    return Finding(remark, Smoothed(negated, smoothed.rates.with_gyro_times(-1.0)))
 
 
 def _unit(smoothed: Smoothed) -> Finding | None:
+    """Convert the rates if their gain is the factor between two units."""
     gain = smoothed.rates.gain
     wrong = wrong_unit(1.0 / gain) if gain else None
     if wrong is None:
         return None
-    factor, what = wrong
+    factor, unit_words = wrong
     across_dps = smoothed.recording.gyro_xy_dps
     scaled = replace(
         smoothed.recording,
         rate_dps=smoothed.recording.rate_dps * factor,
         gyro_xy_dps=None if across_dps is None else across_dps * factor,
     )
-    remark = f"the rate {what}; it was multiplied by {factor:.4g}"
+    remark = f"the rate {unit_words}; it was multiplied by {factor:.4g}"
     return Finding(remark, Smoothed(scaled, smoothed.rates.with_gyro_times(factor)))
 
 
 def _level(smoothed: Smoothed) -> Finding | None:
+    """Remark on a table that is not level."""
     recording, rates = smoothed.recording, smoothed.rates
     gravity = gravity_of(recording, filled(recording.encoder_deg), rates.encoder_dps)
     if gravity is None or not gravity.turning > TABLE_TILT:
@@ -151,12 +159,12 @@ def _level(smoothed: Smoothed) -> Finding | None:
 
 
 CHECKS: tuple[Check, ...] = (_length, _motion)
-"""Of every recording."""
+"""Checks of every recording."""
 
 MOTION_CHECKS: tuple[Check, ...] = (_alignment, _sign, _unit, _level)
-"""Of one that moves."""
+"""Checks of recordings with motion."""
 
 
 def _shifted(values: Floats, lag: int) -> Floats:
-    """Later by `lag` samples; what is not known at an end stays as at that end."""
+    """(n,) values, delayed by `lag` samples; the value at the end is repeated."""
     return values[np.clip(np.arange(len(values)) - lag, 0, len(values) - 1)]

@@ -176,7 +176,7 @@ def _gain(recording: Recording) -> float | None:
     """Turns of the gyro over those of the encoder; None where slow and fast turns differ, or there are too few."""
     points = max(1, round(WINDOW_S / recording.period_s))
     windows = len(recording.rate_dps) // points
-    if windows < 2 or not recording.moves:
+    if windows < 2 or not recording.has_motion:
         return None
     ends = np.arange(windows + 1) * points
     gyro_deg = np.concatenate([[0.0], np.cumsum(filled(recording.rate_dps)) * recording.period_s])[ends]

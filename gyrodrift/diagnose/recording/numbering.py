@@ -1,7 +1,8 @@
-"""Which sample of an even grid each row of a session is: by its counter, or by its clock where it has none.
+"""Index on an even grid of samples for each row of a session: by its counter, or by its clock if it has none.
 
-A clock may say when samples arrived: in bunches behind a radio or a busy host, though they were taken evenly. Samples
-are missing only where all that follow are later, too: after a bunch that had to wait they are not.
+A clock may state arrival times. Samples that were taken evenly arrive in bunches behind a radio or a busy host.
+Therefore a late stamp counts as missing samples only if all stamps after it are late, too. After a bunch that had to
+wait, the stamps are on time again.
 """
 
 from dataclasses import dataclass
@@ -14,68 +15,72 @@ from gyrodrift.errors import DataError
 from gyrodrift.session.session import Session
 
 WRAP = 1 << 16
-"""Counters on the wire have 16 bits; one that never went beyond may have wrapped."""
+"""Values of a 16-bit counter, the width on the wire. A counter that stays below may have wrapped."""
 
 AROUND = 200
-"""Samples among whose stamps there is one that did not wait; in so many a clock does not drift by a period."""
+"""Samples in which at least one stamp is on time. During so few samples a clock drifts by less than a period."""
 
 SCATTER = 0.2
-"""Of a period, by which stamps that scatter may look later for good."""
+"""Share of a period that is subtracted from a lasting delay before it is rounded to missing samples: the scatter of
+stamps."""
 
 BLOCK = 50
-"""Samples over which a pace is taken: a bunch is shorter."""
+"""Samples over which the mean period is taken. It is longer than a bunch."""
 
 ROUNDS = 3
-"""Numberings, each by the period that the one before gives."""
+"""Number of passes. Every pass takes the period that the pass before has fitted."""
 
 WAITED, NEAR = 20.0, 3.0
-"""A backlog at the start is of more than the first, in periods; it is over where what is left is no more than the
-second."""
+"""Least backlog at the start, and largest backlog at which it counts as over, in periods."""
 
 EVEN = 0.01
-"""Standard deviation of stamps about their numbers, in periods, that is as good as none."""
+"""Standard deviation of stamps about an even grid, in periods, that is added against the logarithm of zero."""
 
 
 @dataclass(frozen=True, slots=True)
-class Numbered:
-    """Numbers of the samples that are kept, rising from 0, and their places in the session.
+class SampleNumbers:
+    """Grid index and row of every kept sample, both of shape (kept,).
 
+    sample
+        Index on the grid, rising from 0.
+    row
+        Row of the sample in the session.
     repeated, disordered
-        How many samples came twice, or after a later one.
+        Number of samples that came twice, and number of those that came after a later sample.
     """
 
-    number: Integers
-    place: Integers
+    sample: Integers
+    row: Integers
     repeated: int
     disordered: int
 
 
-def numbered(session: Session) -> Numbered:
+def number_samples(session: Session) -> SampleNumbers:
     """Number the samples of a session.
 
     Raises
     ------
     DataError
-        Where fewer than two have a number.
+        If fewer than two samples have different numbers.
     """
     seq = _counter_of(session)
     number = numbers_by_clock(session.t_device_s) if seq is None else _by_counter(seq)
     disordered = int(np.count_nonzero(np.diff(number) < 0))
     number = number - number.min()
     if (np.diff(number) > 0).all():
-        kept, place = number, np.arange(len(number))
+        kept, row = number, np.arange(len(number))
     else:
-        kept, place = np.unique(number, return_index=True)
+        kept, row = np.unique(number, return_index=True)
     if len(kept) < 2:
-        raise DataError(f"{session.name}: has {len(kept)} samples; there is nothing to see")
-    return Numbered(kept - kept[0], place, len(number) - len(kept), disordered)
+        raise DataError(f"{session.name}: has {len(kept)} samples; at least 2 are needed")
+    return SampleNumbers(kept - kept[0], row, len(number) - len(kept), disordered)
 
 
 def backlog_of(session: Session) -> int:
-    """How many samples at the start had waited for a host that was not there yet, and came at once.
+    """Number of samples at the start that had waited for the host, and arrived at once.
 
-    Their stamps say nothing of when they were taken. With a counter, or a clock that the arrivals do not touch, nothing
-    has to be known of them.
+    Their stamps do not state when they were taken. It is 0 with a counter, which numbers them, and 0 with a clock that
+    does not depend on the arrivals.
     """
     t_s = session.t_device_s
     half = len(t_s) // 2
@@ -86,66 +91,71 @@ def backlog_of(session: Session) -> int:
         return 0
     late = (t_s[:half] - t_s[0]) / pace_s - np.arange(half)
     end = int(np.argmax(late <= late.min() + NEAR))
-    return end if -late[end] > max(WAITED, 0.5 * end) else 0  # samples that came at twice the pace came at once
+    return end if -late[end] > max(WAITED, 0.5 * end) else 0  # at twice the pace, samples count as arrived at once
 
 
 def numbers_by_clock(t_s: Floats) -> Integers:
-    """(n,) numbers of samples by their stamps, rising from 0."""
+    """(n,) grid indices of samples by their stamps, rising from 0."""
     steps_s = np.diff(t_s)
     rising_s = steps_s[steps_s > 0.0]
     if not len(rising_s):
         return np.arange(len(t_s))
     usual_s = float(np.median(rising_s))
-    usual_s = float(np.mean(rising_s[np.abs(rising_s - usual_s) < 0.5 * usual_s]))  # of stamps that are rounded, too
-    # Some lack samples and some come unevenly: the usual step is the period of the first, the usual pace of the second.
-    tried = [_numbers_from(t_s, period_s) for period_s in (usual_s, _pace_s(t_s)) if period_s > 0.0]
-    return min(tried, key=lambda one: one[0])[1]
+    usual_s = float(np.mean(rising_s[np.abs(rising_s - usual_s) < 0.5 * usual_s]))  # the mean averages rounded stamps
+    # The usual step is the period of a session that lacks samples. The pace is that of samples that arrive unevenly.
+    candidates = [_numbers_from(t_s, period_s) for period_s in (usual_s, _pace_s(t_s)) if period_s > 0.0]
+    return min(candidates, key=lambda candidate: candidate[0])[1]
 
 
 def _numbers_from(t_s: Floats, period_s: float) -> tuple[float, Integers]:
-    """How many nats a numbering costs that begins with a period, by its holes and by what stamps are off; and it."""
-    number = _with_holes(t_s, period_s)
+    """Cost of the numbering that begins with a period, and the numbers, (n,).
+
+    The cost, in nats, is that of Gaussian stamps about an even grid, plus the logarithm of n for every gap.
+    """
+    number = _with_gaps(t_s, period_s)
     for _ in range(ROUNDS - 1):
         period_s = float(np.polyfit(number, t_s, 1)[0])
         if period_s <= 0.0:
             break
-        number = _with_holes(t_s, period_s)
+        number = _with_gaps(t_s, period_s)
     slope_s, offset_s = np.polyfit(number, t_s, 1)
-    off = float(np.std(t_s - slope_s * number - offset_s)) / max(abs(float(slope_s)), np.finfo(float).tiny)
-    holes = int(np.count_nonzero(np.diff(number) > 1))
-    return float(len(t_s) * np.log(off + EVEN) + holes * np.log(len(t_s))), number
+    scatter = float(np.std(t_s - slope_s * number - offset_s)) / max(abs(float(slope_s)), np.finfo(float).tiny)
+    gaps = int(np.count_nonzero(np.diff(number) > 1))
+    return float(len(t_s) * np.log(scatter + EVEN) + gaps * np.log(len(t_s))), number
 
 
-def _with_holes(t_s: Floats, period_s: float) -> Integers:
-    """Numbers with a hole wherever the least late of the samples to come are later than the least late of those before.
+def _with_gaps(t_s: Floats, period_s: float) -> Integers:
+    """(n,) grid indices, with a gap at every step after which the least delay of the stamps has grown for good.
 
-    Who waits is late and the next ones are less so; where samples are missing, all that come are later.
+    The least delays of AROUND samples before and after the step are compared. A sample that waited is late, but the
+    samples after it are less late. After missing samples all stamps are late.
     """
     late = (t_s - t_s[0]) / period_s - np.arange(len(t_s))
     least_to_come = minimum_filter1d(late, AROUND, origin=-(AROUND // 2), mode="nearest")
     missing = np.zeros(len(t_s), np.int64)
     total, after = 0, 0
-    for place in np.flatnonzero(np.diff(t_s) > 1.6 * period_s) + 1:  # from 1.6 periods on a sample may be missing
-        late[after:place] -= total
-        after = int(place)
-        least_before = late[max(0, place - AROUND) : place].min()
-        missing[place] = max(0, round(least_to_come[place] - total - least_before - SCATTER))
-        total += int(missing[place])
+    for index in np.flatnonzero(np.diff(t_s) > 1.6 * period_s) + 1:  # from 1.6 periods on a sample may be missing
+        late[after:index] -= total
+        after = int(index)
+        least_before = late[max(0, index - AROUND) : index].min()
+        missing[index] = max(0, round(least_to_come[index] - total - least_before - SCATTER))
+        total += int(missing[index])
     return np.arange(len(t_s)) + np.cumsum(missing)
 
 
 def _pace_s(t_s: Floats) -> float:
-    """Usual distance of two samples over BLOCK of them, s."""
+    """Median over the session of the mean period of BLOCK samples, s."""
     block = min(BLOCK, len(t_s) - 1)
     return float(np.median(t_s[block:] - t_s[:-block])) / block
 
 
 def _counter_of(session: Session) -> Integers | None:
-    """The counter, where every sample has one."""
+    """Counter of the samples, (n,); None unless every sample has it."""
     return None if session.seq is None or (session.seq < 0).any() else session.seq
 
 
 def _by_counter(seq: Integers) -> Integers:
+    """(n,) grid indices by a counter, unwrapped if it may have wrapped."""
     steps = np.diff(seq)
     if seq.max() < WRAP:
         steps = (steps + WRAP // 2) % WRAP - WRAP // 2

@@ -225,7 +225,7 @@ def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step
 
 
 def _late_samples(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step_deg: float) -> float:
-    if not recording.moves:
+    if not recording.has_motion:
         return 0.0
     return best_lag(smoothed_rates(rate_dps, encoder_deg, step_deg, recording.period_s), recording.period_s).fine
 

@@ -1,43 +1,45 @@
-"""A recording on an even grid of samples: what diagnose looks at, real and simulated alike."""
+"""A recording on an even grid of samples, the input of a diagnosis. Real and simulated sessions have the same form."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.recording.numbering import numbered
+from gyrodrift.diagnose.recording.numbering import number_samples
 from gyrodrift.errors import DataError
 from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.session import Session
 
 MOST_DPS, MOST_DEG, MOST_S, MOST_MPS2 = 1e6, 1e9, 1e12, 1e6
-"""Rates in any unit that a gyro was ever read in, a reference that turned for years, clocks and forces in any unit."""
+"""Largest plausible rate, angle, time and acceleration. The limits are wide, because the unit may be wrong and a
+reference may have turned for years."""
 
 SHORTEST_S, LONGEST_S = 1e-5, 1.0
-"""Between two samples: what a rig may be asked to play, and a little more."""
+"""Limits of the sample period, a little wider than those of a rig."""
 
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """Measurements by number; arrays have the shape (n,) unless stated, with NaN where the sample is missing.
+    """Measurements on the grid. Arrays have the shape (n,) unless stated, and NaN where a sample is missing.
 
     period_s
-        True distance of two samples: by the host's clock where there is one, by the device's elsewhere.
+        Sample period, s, by the host's clock; without a host's clock by that of the device.
     rate_dps, encoder_deg
-        As measured, deg/s and degrees from the encoder's own zero.
-    device_s, host_s, temp_c
-        Stamp and arrival less the first of each, s, and temperature, °C; None where there is none.
+        Measured rate, deg/s, and unwrapped angle from the encoder's own zero, degrees.
+    device_s, host_s
+        Device time and arrival time since the first sample, s. `host_s` is None without arrival times.
+    temp_c
+        Temperature, °C, or None.
     powered_s
-        What the device clock said at the first sample, s.
+        Device time of the first sample, s, at least 0.
     repeated, disordered
-        How many samples came twice, or after a later one.
+        Number of samples that came twice, and number of those that came after a later sample.
     has_counter
-        Whether samples that are missing are known from a counter.
+        Whether the session has a sample counter, which tells the missing samples.
     host_ahead_s
-        What the host's clock said more than the device's at first, s; None without a host's clock.
+        Host's clock minus device clock in the first samples, s; None without a host's clock.
     gyro_xy_dps, accel_mps2
-        Rates about x and y, deg/s, shape (n, 2), and specific force, m/s², shape (n, 3), of a sensor with three axes;
-        None without them.
+        Rates about x and y, deg/s, shape (n, 2), and specific force, m/s², shape (n, 3); None without three axes.
     """
 
     name: str
@@ -56,9 +58,8 @@ class Recording:
     accel_mps2: Floats | None = None
 
     @property
-    def moves(self) -> bool:
-        """Whether the encoder turned by more than it may creep at rest."""
-        # More than an encoder creeps at rest.
+    def has_motion(self) -> bool:
+        """Whether the encoder turned by more than 5 degrees, which is more than it creeps at rest."""
         return bool(np.nanmax(self.encoder_deg) - np.nanmin(self.encoder_deg) > 5.0)
 
     @property
@@ -68,29 +69,32 @@ class Recording:
 
 
 def recording_of(session: Session, samples: int | None = None) -> Recording:
-    """Put a session on its grid; `samples` cuts or fills it to a length.
+    """Put a session on its grid.
+
+    samples
+        Length of the grid: later samples are cut off, and missing ones are NaN. None takes the length of the session.
 
     Raises
     ------
     DataError
-        Where it has no encoder, too few samples, or a counter, times or values that make no sense.
+        If the session has no encoder, too few samples, or an implausible counter, time or value.
     """
     if session.encoder_deg is None:
         raise DataError(f"{session.name}: has no encoder, so nothing says how it really moved")
     _check_values(session)
-    found = numbered(session)
-    count = int(found.number[-1]) + 1
-    if count > 3 * len(found.number):
-        raise DataError(f"{session.name}: its counter speaks of {count} samples, and {len(found.number)} are there")
+    numbers = number_samples(session)
+    count = int(numbers.sample[-1]) + 1
+    if count > 3 * len(numbers.sample):
+        raise DataError(f"{session.name}: its counter counts {count} samples, but the file has {len(numbers.sample)}")
     length = count if samples is None else samples
-    inside = found.number < length
-    place, taken = found.number[inside], found.place[inside]
+    inside = numbers.sample < length
+    index, row = numbers.sample[inside], numbers.row[inside]
 
     def spread(values: Floats | None) -> Floats | None:
         if values is None or not np.isfinite(values).any():
             return None
         out = np.full((length, *values.shape[1:]), np.nan)
-        out[place] = values[taken]
+        out[index] = values[row]
         return out
 
     device_s, host_s = spread(session.t_device_s), spread(session.t_host_s)
@@ -99,18 +103,18 @@ def recording_of(session: Session, samples: int | None = None) -> Recording:
         raise DataError(f"{session.name}: holds no numbers in its times, rates or angles")
     clock_s = device_s if host_s is None else host_s
     for values in (device_s, clock_s):
-        _check_period(session.name, line(values)[0], values)
+        _check_period(session.name, fit_line(values)[0], values)
     return Recording(
         name=session.name,
-        period_s=line(clock_s)[0],
+        period_s=fit_line(clock_s)[0],
         rate_dps=rate_dps,
         encoder_deg=unwrapped(encoder_deg),
         device_s=device_s - session.t_device_s[0],
         host_s=None if host_s is None else host_s - host_s[np.isfinite(host_s)][0],
         temp_c=spread(session.temp_c),
         powered_s=max(0.0, float(session.t_device_s[0])),
-        repeated=found.repeated,
-        disordered=found.disordered,
+        repeated=numbers.repeated,
+        disordered=numbers.disordered,
         has_counter=session.seq is not None,
         host_ahead_s=_host_ahead_s(session),
         gyro_xy_dps=spread(None if session.gyro_dps is None else session.gyro_dps[:, :2]),
@@ -119,12 +123,12 @@ def recording_of(session: Session, samples: int | None = None) -> Recording:
 
 
 def _check_values(session: Session) -> None:
-    """See that nothing in it is beyond what a sensor says and a calculation holds.
+    """Check that all values are plausible.
 
     Raises
     ------
     DataError
-        With what is.
+        If a value is above its limit; the message states both.
     """
     for values, most, what in (
         (session.rate_dps, MOST_DPS, "a rate of {:g} deg/s"),
@@ -136,52 +140,59 @@ def _check_values(session: Session) -> None:
     ):
         if values is None:
             continue
-        known = np.abs(values[np.isfinite(values)])
-        if len(known) and known.max() > most:
-            raise DataError(f"{session.name}: holds {what.format(known.max())}; no more than {most:g} is believed")
+        sizes = np.abs(values[np.isfinite(values)])
+        if len(sizes) and sizes.max() > most:
+            raise DataError(f"{session.name}: has {what.format(sizes.max())}; the largest plausible value is {most:g}")
 
 
 def _check_period(name: str, period_s: float, clock_s: Floats) -> None:
-    """See that a clock goes forward, at a pace that a gyro has, and in steps that are finer than its samples.
+    """Check that the sample period is plausible, and that the clock resolves it.
 
     Raises
     ------
     DataError
-        Where it does not.
+        If the period is outside SHORTEST_S to LONGEST_S, or if a float holds the clock only to more than half of it.
     """
     if not SHORTEST_S <= period_s <= LONGEST_S:
         raise DataError(f"{name}: its samples are {period_s:.3g} s apart; expected {SHORTEST_S:g} to {LONGEST_S:g} s")
     if np.spacing(np.nanmax(np.abs(clock_s))) > period_s / 2.0:
-        raise DataError(f"{name}: its clock stands at {np.nanmax(np.abs(clock_s)):g} s, with no digits for its samples")
+        largest_s = np.nanmax(np.abs(clock_s))
+        raise DataError(f"{name}: its clock reads {largest_s:g} s, too large to tell its samples apart")
 
 
 def _host_ahead_s(session: Session) -> float | None:
-    """The least of the first samples: what comes late came later than it had to."""
+    """Least difference of host and device clock in the first 100 samples, s: the sample with the least delay.
+
+    The clocks drift little during 100 samples.
+    """
     if session.t_host_s is None:
         return None
-    ahead_s = (session.t_host_s - session.t_device_s)[:100]  # a clock that drifts has not gone far in 100 samples
-    known = ahead_s[np.isfinite(ahead_s)]
-    return float(known.min()) if len(known) else None
+    ahead_s = (session.t_host_s - session.t_device_s)[:100]
+    finite_s = ahead_s[np.isfinite(ahead_s)]
+    return float(finite_s.min()) if len(finite_s) else None
 
 
-def line(values: Floats) -> tuple[float, float]:
-    """Slope and offset of values over their places, by least squares; NaN are passed over."""
+def fit_line(values: Floats) -> tuple[float, float]:
+    """Slope and offset of values over their index, by least squares; NaN are ignored.
+
+    Both are NaN with fewer than two values.
+    """
     is_known = np.isfinite(values)
-    place = np.arange(len(values), dtype=np.float64)
-    place, known = (place, values) if is_known.all() else (place[is_known], values[is_known])
-    if len(place) < 2:
+    index = np.arange(len(values), dtype=np.float64)
+    index, finite = (index, values) if is_known.all() else (index[is_known], values[is_known])
+    if len(index) < 2:
         return float("nan"), float("nan")
-    middle = float(place.mean())
-    away = place - middle
-    slope = float(away @ (known - known[0])) / float(away @ away)
-    return slope, float(known.mean()) - slope * middle
+    middle = float(index.mean())
+    centered = index - middle
+    slope = float(centered @ (finite - finite[0])) / float(centered @ centered)
+    return slope, float(finite.mean()) - slope * middle
 
 
 def filled(values: Floats) -> Floats:
-    """Without holes: straight lines across them."""
-    known = np.isfinite(values)
-    if known.all():
+    """Values with linear interpolation across NaN."""
+    is_known = np.isfinite(values)
+    if is_known.all():
         return values
-    place = np.arange(len(values))
-    out: Floats = np.interp(place, place[known], values[known])
+    index = np.arange(len(values))
+    out: Floats = np.interp(index, index[is_known], values[is_known])
     return out

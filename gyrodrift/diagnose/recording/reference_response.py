@@ -78,7 +78,9 @@ def reference_response_of(recordings: Sequence[Recording]) -> ReferenceResponse 
     Steps of an encoder are finer in time than a gyro tells, so that references with steps are left as they are. Of a
     single recording nothing can be held out.
     """
-    if len(recordings) < 2 or any(has_steps(recording.encoder_deg) or not recording.moves for recording in recordings):
+    if len(recordings) < 2 or any(
+        has_steps(recording.encoder_deg) or not recording.has_motion for recording in recordings
+    ):
         return None
     period_s = float(np.median([recording.period_s for recording in recordings]))
     reach = min(max(1, round(REACH_S / period_s)), MOST_REACH)

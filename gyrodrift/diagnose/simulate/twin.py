@@ -316,7 +316,7 @@ def _as_late_as_it_is(gyro: GyroModel, seen: Cleaned) -> GyroModel:
 
     Else rates of one moment would be taken for the motion of another, and bend it.
     """
-    if not seen.recording.moves:
+    if not seen.recording.has_motion:
         return gyro
     # A smaller delay costs the motion no more than the two disagree in noise.
     return gyro if abs(seen.late_s - gyro.delay_s) < 0.02 else replace(gyro, delay_s=seen.late_s)

@@ -10,7 +10,7 @@ from recordings_support import Recordings
 
 from gyrodrift.arrays import Floats, Integers
 from gyrodrift.diagnose.recording.checked import checked_session
-from gyrodrift.diagnose.recording.numbering import backlog_of, numbered, numbers_by_clock
+from gyrodrift.diagnose.recording.numbering import backlog_of, number_samples, numbers_by_clock
 from gyrodrift.session.files import load_session
 from gyrodrift.session.session import Session
 
@@ -111,7 +111,7 @@ def test_recordings_over_radio_are_even_behind_what_had_waited(kept: str, least:
     for path in paths:
         session = load_session(path)
         session = session.part(backlog_of(session), len(session.t_device_s))
-        number = numbered(session).number
+        number = number_samples(session).sample
         slope_s, offset_s = np.polyfit(number, session.t_device_s, 1)
         off.append(np.std(session.t_device_s - slope_s * number - offset_s) / slope_s)
         period_s.append(slope_s)

@@ -122,7 +122,7 @@ def test_a_device_that_began_anew_begins_another_session(*, counter: bool, has_h
     assert [len(part.t_device_s) for part in found.sessions] == [again, len(number) - again]
     assert [part.t_device_s[0] for part in found.sessions] == [0.0, 0.0]
     assert found.remarks == (
-        "bench: the device began anew, or a clock was set; the 2 parts of the rest are taken as sessions",
+        "bench: the device restarted, or a clock was set; the 2 parts of the rest are taken as sessions",
     )
 
 
@@ -152,7 +152,7 @@ def test_an_outage_and_a_new_beginning_are_told_together() -> None:
     found = between_outages(replace(session, t_device_s=session.t_device_s - np.where(number < 5500, 0.0, 60.0)))
     assert len(found.sessions) == 2
     remark = found.remarks[0]
-    assert "missing for 2.0 s, and the device began anew, or a clock was set; the 2 parts" in remark
+    assert "missing for 2.0 s, and the device restarted, or a clock was set; the 2 parts" in remark
     assert remark.endswith("without 10.0 s in parts of less than 20 s")
 
 
