@@ -14,7 +14,7 @@ from gyrodrift.diagnose.inference.explanation import Explanation
 from gyrodrift.diagnose.inference.scorer import Placed
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict
 from gyrodrift.diagnose.next_recording.choose import NextRecording, next_recording_of
-from gyrodrift.diagnose.next_recording.information import Told
+from gyrodrift.diagnose.next_recording.information import Discrimination
 from gyrodrift.diagnose.next_recording.profiles import STILL_S, profile_yaml, warmer_c
 from gyrodrift.diagnose.next_recording.simulated_features import NOTHING, PlannedMotion, RigHypothesis
 from gyrodrift.diagnose.result import Untestable
@@ -28,25 +28,25 @@ MOST = 0.99
 def sentence(recording: NextRecording, file: str) -> str:
     """The sentence for `next`; `file` is where the profile is written."""
     what, probability = _question(recording.names), _stated(recording.predicted)
-    if recording.again is not None and not recording.is_better_than_again:
+    if recording.repeated is not None and not recording.is_better_than_repeating:
         return (
             f"Record {recording.minutes:g} min more of the same: it tells {what} with probability "
-            f"{_stated(recording.again)}; {file} would with {probability}."
+            f"{_stated(recording.repeated)}; {file} would with {probability}."
         )
-    again = "" if recording.again is None else f"; more of the same would with {_stated(recording.again)}"
+    again = "" if recording.repeated is None else f"; more of the same would with {_stated(recording.repeated)}"
     if not recording.is_worth_it:
         return (
             f"No motion of {recording.minutes:g} min tells {what}: the best, {file}, does so with probability "
             f"{probability}. Record longer and more often."
         )
-    words = " and ".join(manoeuvre.says(recording.limits) for manoeuvre in recording.manoeuvres)
+    words = " and ".join(maneuver.says(recording.limits) for maneuver in recording.maneuvers)
     return (
         f"Switch the device on and play {file} ({recording.minutes:g} min: {words}){_warming(recording)}: "
         f"it tells {what} with probability {probability}{again}."
     )
 
 
-def _stated(chance: Told) -> str:
+def _stated(chance: Discrimination) -> str:
     return f"{min(chance.probability, MOST):.2f}"
 
 
@@ -65,10 +65,8 @@ def _listed(names: Sequence[str], joint: str) -> str:
 
 def _warming(recording: NextRecording) -> str:
     """When to warm the air, for what a table does not do by itself."""
-    seconds = (60.0 * recording.minutes - STILL_S) / len(recording.manoeuvres)
-    starts_s = [
-        STILL_S + number * seconds for number, manoeuvre in enumerate(recording.manoeuvres) if manoeuvre.warms_air
-    ]
+    seconds = (60.0 * recording.minutes - STILL_S) / len(recording.maneuvers)
+    starts_s = [STILL_S + number * seconds for number, maneuver in enumerate(recording.maneuvers) if maneuver.warms_air]
     if not starts_s:
         return ""
     times = " and ".join(f"from {start_s:.0f} to {start_s + 0.5 * seconds:.0f} s" for start_s in starts_s)

@@ -87,7 +87,7 @@ def test_predictions_come_true_and_beat_chance() -> None:
             axis=0,
         )
         rows.append((took_s, found.predicted.probability, *chosen, *drawn))
-        names = ", ".join(one.name for one in found.manoeuvres)
+        names = ", ".join(one.name for one in found.maneuvers)
         print(f"{asked[0].name:24}{asked[1].name:26}{names:28}", *(f"{value:6.2f}" for value in rows[-1]))
     took_s, predicted, mean, right, random_mean, random_right = np.mean(rows, axis=0)
     print(f"{took_s:.1f} s CPU; predicted {predicted:.3f}, came true {mean:.3f}, right {right:.3f}")

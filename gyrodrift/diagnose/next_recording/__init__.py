@@ -1,1 +1,1 @@
-"""The next recording: a motion chosen because it tells apart what the recordings so far do not."""
+"""The next recording: a motion that separates the hypotheses which the recordings so far leave open."""

@@ -1,8 +1,12 @@
-"""Which motion to record next: the two manoeuvres that together tell the hypotheses apart best.
+"""The motion to record next: the pair of maneuvers that separates the hypotheses best.
 
-All manoeuvres are simulated briefly and seldom, the better half of them more often (successive halving). The best of
-them is joined by the one that adds most to it. The best pairs are simulated as they would be played, unless one tells
-all there is already. What is predicted of the chosen one comes from realisations that had no part in choosing it.
+1. Every maneuver is simulated briefly and a few times, and the better half once more (successive halving).
+2. The best maneuver is paired with every other maneuver. The information of a pair is estimated from the sum of the
+   log-likelihoods of its maneuvers.
+3. The best pairs are simulated as whole motions. This step is skipped if the best maneuver already answers the
+   question.
+
+The prediction for the chosen pair uses new realizations, because realizations that choose a motion also flatter it.
 """
 
 from collections.abc import Sequence
@@ -15,13 +19,13 @@ from firmware_sim.motion.profile import Profile
 from firmware_sim.rig import Rig
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.next_recording.information import (
-    Told,
+    Discrimination,
+    discrimination_of,
     entropy,
     held_out_log_likelihoods,
     information_bound,
-    told_by,
 )
-from gyrodrift.diagnose.next_recording.manoeuvres import FAMILY, Manoeuvre, MotionLimits, limits_of
+from gyrodrift.diagnose.next_recording.maneuvers import FAMILY, Maneuver, MotionLimits, limits_of
 from gyrodrift.diagnose.next_recording.profiles import profile_of
 from gyrodrift.diagnose.next_recording.simulated_features import (
     PlannedMotion,
@@ -33,55 +37,55 @@ from gyrodrift.diagnose.next_recording.simulated_features import (
 from gyrodrift.parallel import LocalWorkers, workers
 
 SCREENED, FINAL, PREDICTED, COMPARED = 2, 3, 5, 3
-"""Realisations: of each manoeuvre, and as many more of the better half; of the best pairs; of the chosen one; of what
-it is compared with."""
+"""Numbers of realizations of a motion: in each round of screening, among the best pairs, for the prediction, and for
+the recorded motion in comparison."""
 
 NEARLY_ALL = 0.99
-"""A share of what there is to tell from which on no more is simulated to choose."""
+"""Share of the entropy of the hypotheses. A motion with more information than this answers the question."""
 
 
 @dataclass(frozen=True, slots=True)
 class NextRecording:
-    """What to record.
+    """The motion to record next, and how well it separates the hypotheses.
 
     names
-        Of the hypotheses, the most probable first.
+        Names of the hypotheses, the most probable first.
     minutes
         Length of the recording.
-    manoeuvres, limits
-        What it is made of, and within what.
+    maneuvers, limits
+        Maneuvers of the motion, and their limits.
     profile
         The motion.
     open_bits
-        What there is to be told, bits.
+        Entropy of the hypotheses, bits: the most information that a recording can give.
     predicted
-        What one session of it tells.
-    again
-        What one more session of what was recorded so far tells; None where that was not given.
+        Discrimination by one session of this motion.
+    repeated
+        Discrimination by one more session of the motion recorded so far; None if that motion was not given.
     """
 
     names: tuple[str, ...]
     minutes: float
-    manoeuvres: tuple[Manoeuvre, ...]
+    maneuvers: tuple[Maneuver, ...]
     limits: MotionLimits
     profile: Profile
     open_bits: float
-    predicted: Told
-    again: Told | None
+    predicted: Discrimination
+    repeated: Discrimination | None
 
     @property
     def is_worth_it(self) -> bool:
-        """Whether it tells enough to be recorded."""
+        """Whether the motion gives enough information to be recorded."""
         return self.predicted.information > 0.2 * self.open_bits  # less is not worth the time of the table
 
     @property
-    def is_better_than_again(self) -> bool:
-        """Whether it tells at least what one more session of what was recorded so far does."""
-        return self.again is None or self.predicted.information >= self.again.information
+    def is_better_than_repeating(self) -> bool:
+        """Whether the motion gives at least the information of one more session of the recorded motion."""
+        return self.repeated is None or self.predicted.information >= self.repeated.information
 
 
-class _Played(NamedTuple):
-    """A motion that is simulated so many times, in a stage of the choice."""
+class _Trial(NamedTuple):
+    """A motion, the stage of the choice that simulates it, and the number of realizations."""
 
     planned: PlannedMotion
     stage: int
@@ -90,129 +94,135 @@ class _Played(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class _Question:
-    """What is to be told apart, and with what random numbers."""
+    """Rigs of the hypotheses, their common rig, their probabilities, and the seed of the simulations."""
 
     rigs: tuple[Rig, ...]
     base: Rig
     weights: Floats
     seed: int
 
-    def log_likelihoods(self, played: _Played) -> Floats:
-        """(R, H, H) as held-out realisations have it; each stage has random numbers of its own."""
-        stream = int(np.random.SeedSequence([self.seed, played.stage]).generate_state(1)[0])
+    def log_likelihoods(self, trial: _Trial) -> Floats:
+        """(R, H, H) held-out log-likelihoods of a trial. Each stage has its own random numbers."""
+        stream = int(np.random.SeedSequence([self.seed, trial.stage]).generate_state(1)[0])
         return held_out_log_likelihoods(
-            simulated_features(self.rigs, self.base, played.planned, stream, played.realisations)
+            simulated_features(self.rigs, self.base, trial.planned, stream, trial.realisations)
         )
 
-    def worth(self, log_likelihoods: Floats, manoeuvres: Sequence[Manoeuvre]) -> float:
-        """By which motions are compared, bits."""
-        # Warming the air has to tell more than a motion without.
-        effort = 0.05 * any(one.warms_air for one in manoeuvres)
+    def worth(self, log_likelihoods: Floats, maneuvers: Sequence[Maneuver]) -> float:
+        """Score of a motion, bits: lower bound of its information, minus a penalty if it warms the air.
+
+        The penalty stands for the effort, so a motion that warms the air is chosen only if it gives more information.
+        """
+        effort = 0.05 * any(maneuver.warms_air for maneuver in maneuvers)
         return information_bound(log_likelihoods, self.weights) - effort
 
     def is_answered(self, log_likelihoods: Floats) -> bool:
-        """Whether there is hardly more to tell."""
+        """Whether a motion gives nearly all information that there is."""
         return information_bound(log_likelihoods, self.weights) > NEARLY_ALL * entropy(self.weights)
 
 
-_FIRST, _MORE, _PAIRS, _PREDICTED = range(4)
-"""Stages."""
+_FIRST, _SECOND, _PAIRS, _PREDICTED = range(4)
+"""Stages of the choice: screening of all maneuvers, screening of the better half, the best pairs, the prediction."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Answers:
-    """What motions tell of a question, many at a time."""
+class _Simulator:
+    """Simulates trials of a question in parallel."""
 
     question: _Question
     local: LocalWorkers
 
-    def to(self, every: Sequence[_Played]) -> list[Floats]:
-        """Log-likelihoods of each."""
-        return list(self.local.map(self.question.log_likelihoods, every))
+    def log_likelihoods(self, trials: Sequence[_Trial]) -> list[Floats]:
+        """(R, H, H) held-out log-likelihoods of each trial."""
+        return list(self.local.map(self.question.log_likelihoods, trials))
 
-    def told(self, every: Sequence[_Played]) -> list[Told]:
-        """What each tells."""
-        return [told_by(found, self.question.weights) for found in self.to(every)]
+    def discriminations(self, trials: Sequence[_Trial]) -> list[Discrimination]:
+        """Discrimination by each trial."""
+        return [discrimination_of(logs, self.question.weights) for logs in self.log_likelihoods(trials)]
 
 
 def next_recording_of(
     hypotheses: Sequence[RigHypothesis], minutes: float, seed: int, recorded: PlannedMotion | None = None, jobs: int = 1
 ) -> NextRecording:
-    """Choose what to record, so that the features tell which hypothesis holds.
+    """Choose the motion whose features separate the hypotheses best.
 
     hypotheses
-        What the recordings so far leave open.
+        Hypotheses that the recordings so far leave open.
     minutes
         Length of the next recording.
     seed
-        Of all that is random; the same one gives the same choice.
+        Seed of all random numbers; equal seeds give equal choices.
     recorded
-        A motion that was recorded so far, to be compared with.
+        Motion recorded so far, for comparison.
     jobs
-        So many processes simulate.
+        Number of processes that simulate.
 
     Raises
     ------
     ValueError
-        Where there are fewer than two hypotheses, or the recording would be too short.
+        If there are fewer than two hypotheses, or the recording would be too short.
     """
     base = common_rig(hypotheses)
-    question = _Question(tuple(one.rig for one in hypotheses), base, weights_of(hypotheses), seed)
-    limits, shown = limits_of(base.base), min(minutes, 4.0)  # longer recordings tell at least as much
+    question = _Question(tuple(hypothesis.rig for hypothesis in hypotheses), base, weights_of(hypotheses), seed)
+    # A longer recording gives at least as much information, so at most 4 min are simulated.
+    limits, simulated_minutes = limits_of(base.base), min(minutes, 4.0)
     with workers(jobs) as local:
-        answers = _Answers(question, local)
-        chosen = _chosen(answers, shown, limits)
-        proposed = PlannedMotion(profile_of(chosen, shown, limits), shown)
-        compared = [] if recorded is None else [_Played(recorded, _PREDICTED, COMPARED)]
-        predicted, *again = answers.told([_Played(proposed, _PREDICTED, PREDICTED), *compared])
+        simulator = _Simulator(question, local)
+        chosen = _chosen(simulator, simulated_minutes, limits)
+        proposed = PlannedMotion(profile_of(chosen, simulated_minutes, limits), simulated_minutes)
+        compared = [] if recorded is None else [_Trial(recorded, _PREDICTED, COMPARED)]
+        predicted, *repeated = simulator.discriminations([_Trial(proposed, _PREDICTED, PREDICTED), *compared])
     return NextRecording(
-        names=tuple(one.name for one in sorted(hypotheses, key=lambda one: -one.weight)),
+        names=tuple(hypothesis.name for hypothesis in sorted(hypotheses, key=lambda hypothesis: -hypothesis.weight)),
         minutes=minutes,
-        manoeuvres=chosen,
+        maneuvers=chosen,
         limits=limits,
         profile=profile_of(chosen, minutes, limits),
         open_bits=entropy(question.weights),
         predicted=predicted,
-        again=again[0] if again else None,
+        repeated=repeated[0] if repeated else None,
     )
 
 
-def _chosen(answers: _Answers, minutes: float, limits: MotionLimits) -> tuple[Manoeuvre, ...]:
-    """The pair that tells most."""
-    question, shown = answers.question, _screened(answers, minutes, limits)
+def _chosen(simulator: _Simulator, minutes: float, limits: MotionLimits) -> tuple[Maneuver, ...]:
+    """The pair of maneuvers with the highest score."""
+    question, screened = simulator.question, _screened(simulator, minutes, limits)
 
-    def alone(one: Manoeuvre) -> float:
-        return question.worth(shown[one], (one,))
+    def worth_alone(maneuver: Maneuver) -> float:
+        return question.worth(screened[maneuver], (maneuver,))
 
-    first = max(shown, key=alone)
+    first = max(screened, key=worth_alone)
 
-    def beside_first(one: Manoeuvre) -> float:
-        realisations = min(len(shown[first]), len(shown[one]))
-        return question.worth(shown[first][:realisations] + shown[one][:realisations], (first, one))
+    def worth_with_first(maneuver: Maneuver) -> float:
+        realisations = min(len(screened[first]), len(screened[maneuver]))
+        return question.worth(screened[first][:realisations] + screened[maneuver][:realisations], (first, maneuver))
 
-    others = sorted((one for one in shown if one is not first), key=beside_first, reverse=True)
-    if question.is_answered(shown[first]):
-        return first, others[0]
-    pairs = [(first, other) for other in others[:3]]  # the best three are simulated as they would be played
+    partners = sorted((maneuver for maneuver in screened if maneuver is not first), key=worth_with_first, reverse=True)
+    if question.is_answered(screened[first]):
+        return first, partners[0]
+    pairs = [(first, partner) for partner in partners[:3]]  # the best three are simulated as whole motions
     planned = [PlannedMotion(profile_of(pair, minutes, limits), minutes) for pair in pairs]
-    found = answers.to([_Played(one, _PAIRS, FINAL) for one in planned])
-    worth = [question.worth(one, pair) for one, pair in zip(found, pairs, strict=True)]
+    log_likelihoods = simulator.log_likelihoods([_Trial(motion, _PAIRS, FINAL) for motion in planned])
+    worth = [question.worth(logs, pair) for logs, pair in zip(log_likelihoods, pairs, strict=True)]
     return pairs[int(np.argmax(worth))]
 
 
-def _screened(answers: _Answers, minutes: float, limits: MotionLimits) -> dict[Manoeuvre, Floats]:
-    """Log-likelihoods of each manoeuvre by itself; of the better half alone, where none tells all."""
-    # As long as in a pair, within 1 to 1.5 min.
-    question, brief = answers.question, float(np.clip(0.5 * minutes, 1.0, 1.5))
+def _screened(simulator: _Simulator, minutes: float, limits: MotionLimits) -> dict[Maneuver, Floats]:
+    """Log-likelihoods of single maneuvers: all of them if the best answers the question, else the better half."""
+    # Half of the motion, as in a pair, but within 1 to 1.5 min.
+    question, brief_minutes = simulator.question, float(np.clip(0.5 * minutes, 1.0, 1.5))
 
-    def simulated(every: Sequence[Manoeuvre], stage: int) -> dict[Manoeuvre, Floats]:
-        planned = [PlannedMotion(profile_of((one,), brief, limits), brief) for one in every]
-        return dict(zip(every, answers.to([_Played(one, stage, SCREENED) for one in planned]), strict=True))
+    def simulated(maneuvers: Sequence[Maneuver], stage: int) -> dict[Maneuver, Floats]:
+        planned = [
+            PlannedMotion(profile_of((maneuver,), brief_minutes, limits), brief_minutes) for maneuver in maneuvers
+        ]
+        trials = [_Trial(motion, stage, SCREENED) for motion in planned]
+        return dict(zip(maneuvers, simulator.log_likelihoods(trials), strict=True))
 
-    shown = simulated(FAMILY, _FIRST)
-    ranked = sorted(FAMILY, key=lambda one: question.worth(shown[one], (one,)), reverse=True)
-    if question.is_answered(shown[ranked[0]]):
-        return shown
+    first_round = simulated(FAMILY, _FIRST)
+    ranked = sorted(FAMILY, key=lambda maneuver: question.worth(first_round[maneuver], (maneuver,)), reverse=True)
+    if question.is_answered(first_round[ranked[0]]):
+        return first_round
     better = ranked[: len(FAMILY) // 2]
-    more = simulated(better, _MORE)
-    return {one: np.concatenate([shown[one], more[one]]) for one in better}
+    second_round = simulated(better, _SECOND)
+    return {maneuver: np.concatenate([first_round[maneuver], second_round[maneuver]]) for maneuver in better}

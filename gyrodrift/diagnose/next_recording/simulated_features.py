@@ -1,7 +1,7 @@
-"""Features that a motion would show under each hypothesis, by simulating it a few times.
+"""Features of a motion under each hypothesis, from a few simulations.
 
-The bias of a device is calibrated in each recording, and tells nothing. So it is not left to the hypotheses: each
-rig's bias is shifted until a recording of it shows the same one as the rig that all share.
+A diagnosis calibrates the bias to each recording, so the bias says nothing about a hypothesis. The bias of each rig is
+therefore shifted until its recordings show the same bias as those of the common rig.
 """
 
 from collections.abc import Callable, Sequence
@@ -19,19 +19,19 @@ from gyrodrift.diagnose.simulate.twin import subject_of
 from gyrodrift.simulation.sessions import Simulation
 
 NOTHING = "nothing"
-"""Name of the hypothesis that the rig as it stands explains the sessions."""
+"""Name of the hypothesis that no cause is missing in the rig."""
 
 
 @dataclass(frozen=True, slots=True)
 class RigHypothesis:
-    """One explanation.
+    """A possible explanation of the recordings.
 
     name
-        Of the cause, as a report names it, or NOTHING.
+        Name of the cause in the report, or NOTHING.
     rig
-        The rig as it stands, with that cause at its fitted size, and with the noise that was calibrated beside it.
+        The calibrated rig, with the cause at its fitted size.
     weight
-        Its posterior probability; those of all hypotheses need not add up to 1.
+        Posterior probability; the weights of all hypotheses need not add up to 1.
     """
 
     name: str
@@ -40,14 +40,14 @@ class RigHypothesis:
 
 
 def weights_of(hypotheses: Sequence[RigHypothesis]) -> Floats:
-    """Their probabilities among each other, (H,).
+    """(H,) probabilities of the hypotheses, which add up to 1.
 
     Raises
     ------
     ValueError
-        Where there are fewer than two, or a weight is not above 0.
+        If there are fewer than two hypotheses, or a weight is not above 0.
     """
-    weights = np.array([one.weight for one in hypotheses])
+    weights = np.array([hypothesis.weight for hypothesis in hypotheses])
     if len(weights) < 2:
         raise ValueError("there have to be two hypotheses, or there is nothing to tell apart")
     if not (np.isfinite(weights).all() and (weights > 0.0).all()):
@@ -57,15 +57,15 @@ def weights_of(hypotheses: Sequence[RigHypothesis]) -> Floats:
 
 
 def common_rig(hypotheses: Sequence[RigHypothesis]) -> Rig:
-    """The rig as it stands: the base of the first, and the effects that all of them share."""
-    first, *others = (one.rig for one in hypotheses)
-    shared = tuple(effect for effect in first.effects if all(effect in rig.effects for rig in others))
+    """The rig that all hypotheses share: the base of the first rig, and the effects that all rigs have."""
+    first, *remaining = (hypothesis.rig for hypothesis in hypotheses)
+    shared = tuple(effect for effect in first.effects if all(effect in rig.effects for rig in remaining))
     return first.model_copy(update={"effects": shared})
 
 
 @dataclass(frozen=True, slots=True)
 class PlannedMotion:
-    """A motion and how long it is recorded, min; a profile, or what was recorded so far."""
+    """A motion, which is a profile or a motion rebuilt from a recording, and the length of its recording, min."""
 
     motion: Motion
     minutes: float
@@ -73,14 +73,14 @@ class PlannedMotion:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SimulatedFeatures:
-    """Of one motion, H hypotheses, R realisations, F features.
+    """F features of a motion under H hypotheses, in R realizations.
 
     values
-        (H, R, F); all hypotheses share the random numbers of a realisation.
+        (H, R, F) features; all hypotheses share the random numbers of a realization.
     thresholds
         (F,) relevance thresholds.
     base
-        (F,) of the rig that all hypotheses share, with the random numbers of the first realisation.
+        (F,) features of the common rig, with the random numbers of the first realization.
     """
 
     values: Floats = field(repr=False)
@@ -91,44 +91,49 @@ class SimulatedFeatures:
 def simulated_features(
     rigs: Sequence[Rig], base: Rig, planned: PlannedMotion, seed: int, realisations: int
 ) -> SimulatedFeatures:
-    """Features of sessions in which each rig plays the motion; each is calibrated by itself, as a recording is."""
+    """Features of simulated sessions in which each rig plays the motion.
 
-    def seen(rig: Rig, number: int) -> _Seen:
-        return _seen(rig, base, planned, seed, number)
+    Each session is calibrated by itself, as a recording is.
+    """
 
-    common = seen(base, 0)
+    def simulate(rig: Rig, realization: int) -> _SimulatedSession:
+        return _simulated_session(rig, base, planned, seed, realization)
+
+    common = simulate(base, 0)
     rows = []
     for rig in rigs:
-        alike, first = (base, common) if rig == base else _of_the_same_bias(rig, common.bias_dps, seen)
-        rows.append([first, *(seen(alike, number) for number in range(1, realisations))])
-    values = np.array([[one.measured.values for one in row] for row in rows])
-    thresholds = np.array([one.measured.thresholds for row in rows for one in row])
+        shifted, first = (base, common) if rig == base else _with_bias(rig, common.bias_dps, simulate)
+        rows.append([first, *(simulate(shifted, realization) for realization in range(1, realisations))])
+    values = np.array([[session.measured.values for session in row] for row in rows])
+    thresholds = np.array([session.measured.thresholds for row in rows for session in row])
     return SimulatedFeatures(values, np.median(thresholds, axis=0), common.measured.values)
 
 
-class _Seen(NamedTuple):
+class _SimulatedSession(NamedTuple):
     """Features of a session, and the bias that was calibrated to it, deg/s."""
 
     measured: Measured
     bias_dps: float
 
 
-def _seen(rig: Rig, base: Rig, planned: PlannedMotion, seed: int, number: int) -> _Seen:
-    """One session that a rig makes of a motion, as a diagnosis that takes the device for `base` sees it."""
-    session = Simulation(rig, planned.motion, seed, number, planned.minutes).whole()
+def _simulated_session(rig: Rig, base: Rig, planned: PlannedMotion, seed: int, realization: int) -> _SimulatedSession:
+    """Simulate a session of `rig` and diagnose it with `base` as the simulator."""
+    session = Simulation(rig, planned.motion, seed, realization, planned.minutes).whole()
     subject = subject_of(recording_of(session), base)
-    return _Seen(subject.measured(), subject.rig.base.bias_dps)
+    return _SimulatedSession(subject.measured(), subject.rig.base.bias_dps)
 
 
-def _of_the_same_bias(rig: Rig, bias_dps: float, seen: Callable[[Rig, int], _Seen]) -> tuple[Rig, _Seen]:
-    """The rig with a bias that makes recordings show this one, and its first session."""
-    first = seen(rig, 0)
+def _with_bias(
+    rig: Rig, bias_dps: float, simulate: Callable[[Rig, int], _SimulatedSession]
+) -> tuple[Rig, _SimulatedSession]:
+    """The rig with a bias whose calibration gives `bias_dps`, and its first session."""
+    first = simulate(rig, 0)
     off_dps = first.bias_dps - bias_dps
     if abs(off_dps) < 0.002:  # 0.12 deg in a minute
         return rig, first
-    shifted = rig.base.model_copy(update={"bias_dps": rig.base.bias_dps - off_dps})
-    alike = rig.model_copy(update={"base": shifted})
-    again = seen(alike, 0)
-    # A shift that leaves more is none of the bias: a dead band hides it.
-    comes_nearer = abs(again.bias_dps - bias_dps) < 0.2 * abs(off_dps)
-    return (alike, again) if comes_nearer else (rig, first)
+    base = rig.base.model_copy(update={"bias_dps": rig.base.bias_dps - off_dps})
+    shifted = rig.model_copy(update={"base": base})
+    repeated = simulate(shifted, 0)
+    # A shift that leaves more than a fifth does not help: a dead band hides the bias.
+    is_nearer = abs(repeated.bias_dps - bias_dps) < 0.2 * abs(off_dps)
+    return (shifted, repeated) if is_nearer else (rig, first)

@@ -42,10 +42,10 @@ def test_temperature_and_warming_up_are_told_apart_by_warming_the_air() -> None:
     asked = hypotheses("temp_bias:slope_dps_per_c=0.01", "warmup:amplitude_dps=-0.08,time_constant_s=240")
     rest = PlannedMotion(load_profile("rest"), MINUTES)
     found = next_recording_of(asked, MINUTES, seed=1, recorded=rest)
-    assert any(one.warms_air for one in found.manoeuvres)
+    assert any(one.warms_air for one in found.maneuvers)
     assert found.predicted.probability > 0.95
-    assert found.again is not None
-    assert found.again.probability < 0.6
+    assert found.repeated is not None
+    assert found.repeated.probability < 0.6
     assert share_right(found, asked) > 0.9
 
 
@@ -54,7 +54,7 @@ def test_a_dead_band_is_looked_for_near_zero() -> None:
     rig = Rig(base=RIG.base.model_copy(update={"bias_dps": 0.35}))
     band = rig.model_copy(update={"effects": (parse_effect("deadband:width_dps=0.05"),)})
     found = next_recording_of([RigHypothesis(NOTHING, rig, 0.5), RigHypothesis("deadband", band, 0.5)], MINUTES, seed=2)
-    assert "through_zero" in {one.name for one in found.manoeuvres}
+    assert "through_zero" in {one.name for one in found.maneuvers}
     assert found.predicted.probability > 0.9
     assert sentence(found, "next.yaml").startswith("Switch the device on and play next.yaml (2 min: ")
     assert "it tells whether there is deadband with probability" in sentence(found, "next.yaml")
@@ -70,8 +70,8 @@ def indistinct() -> NextRecording:
 def test_what_the_same_motion_tells_better_is_said_to_be_recorded_again(indistinct: NextRecording) -> None:
     """Of a choice whose own motion tells less."""
     found = indistinct
-    assert found.again is not None
-    better = replace(found, again=replace(found.again, information=found.predicted.information + 0.1))
+    assert found.repeated is not None
+    better = replace(found, repeated=replace(found.repeated, information=found.predicted.information + 0.1))
     assert sentence(better, "next.yaml").startswith("Record 1 min more of the same: it tells scale_factor from")
 
 

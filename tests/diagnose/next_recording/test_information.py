@@ -6,12 +6,12 @@ import pytest
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.next_recording.information import (
+    discrimination_of,
     entropy,
     feature_model_of,
     held_out_log_likelihoods,
     information_bound,
     posteriors,
-    told_by,
 )
 from gyrodrift.diagnose.next_recording.simulated_features import SimulatedFeatures
 
@@ -30,7 +30,7 @@ def simulated(*changes: dict[str, float], noise: float = 0.1, realisations: int 
 
 
 def told(*changes: dict[str, float], weights: Floats = EVEN) -> float:
-    return told_by(held_out_log_likelihoods(simulated(*changes)), weights).probability
+    return discrimination_of(held_out_log_likelihoods(simulated(*changes)), weights).probability
 
 
 def test_posteriors_are_those_of_bayes() -> None:

@@ -8,13 +8,13 @@ import pytest
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base
 from gyrodrift.cli import main
-from gyrodrift.diagnose.next_recording.manoeuvres import FAMILY, Manoeuvre, MotionLimits, limits_of
+from gyrodrift.diagnose.next_recording.maneuvers import FAMILY, Maneuver, MotionLimits, limits_of
 from gyrodrift.diagnose.next_recording.profiles import profile_of, profile_yaml, warmer_c
 
 LIMITS = limits_of(Base())
 NAMED = {one.name: one for one in FAMILY}
 
-families = pytest.mark.parametrize("manoeuvre", FAMILY, ids=[one.name for one in FAMILY])
+families = pytest.mark.parametrize("maneuver", FAMILY, ids=[one.name for one in FAMILY])
 
 
 def test_limits_are_those_of_gyro_encoder_and_table() -> None:
@@ -29,15 +29,15 @@ def test_limits_are_those_of_gyro_encoder_and_table() -> None:
 
 @families
 @pytest.mark.parametrize("minutes", [1.0, 3.0, 10.0])
-def test_a_manoeuvre_fills_its_time_from_rest_to_rest(manoeuvre: Manoeuvre, minutes: float) -> None:
+def test_a_maneuver_fills_its_time_from_rest_to_rest(maneuver: Maneuver, minutes: float) -> None:
     """So that any two can follow each other; and none leaves its limits."""
-    profile = profile_of((manoeuvre,), minutes, LIMITS)
+    profile = profile_of((maneuver,), minutes, LIMITS)
     assert profile.seconds == pytest.approx(60.0 * minutes, abs=1e-6)
     t_s = np.arange(0.0, profile.seconds, 0.01)
     rate_dps = profile.motion_at(t_s)[1]
     assert abs(rate_dps[0]) < 1e-9
     assert profile.motion_at(np.array([profile.seconds - 1e-6]))[1] == pytest.approx(0.0, abs=0.01)
-    is_random = manoeuvre.name in {"drive", "multisine"}
+    is_random = maneuver.name in {"drive", "multisine"}
     assert np.abs(rate_dps).max() <= (4.0 * 40.0 if is_random else LIMITS.rate_dps + 1e-9)
 
 
@@ -73,9 +73,9 @@ def test_what_is_too_short_is_refused() -> None:
 
 
 @families
-def test_the_file_is_the_profile(manoeuvre: Manoeuvre, tmp_path: Path) -> None:
+def test_the_file_is_the_profile(maneuver: Maneuver, tmp_path: Path) -> None:
     """What is loaded from it plays the same, to the last digit."""
-    profile = profile_of((manoeuvre, NAMED["warm_rest"]), 3.0, MotionLimits(rate_dps=137.0 / 3.0, wave_hz=7.3))
+    profile = profile_of((maneuver, NAMED["warm_rest"]), 3.0, MotionLimits(rate_dps=137.0 / 3.0, wave_hz=7.3))
     path = tmp_path / "next-profile.yaml"
     path.write_text(profile_yaml(profile))
     assert load_profile(str(path)) == profile

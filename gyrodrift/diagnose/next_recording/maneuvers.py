@@ -1,4 +1,4 @@
-"""The family of motions that a next recording is put together from: each separates what others cannot."""
+"""Maneuvers that a next recording is made of. Each separates causes that the remaining maneuvers do not separate."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,13 +11,13 @@ from firmware_sim.motion.waves import Chirp, Multisine
 from firmware_sim.rig import Base
 
 SHARE_OF_RANGE, FASTEST_DPS = 0.9, 300.0
-"""A motion stays within this share of the gyro's range, and within what a small turntable turns."""
+"""Share of the range of the gyro that a motion uses, and the highest rate of a small turntable."""
 
 WAVE_DPS = 40.0
-"""Amplitude of chirps and RMS of multisines times √2."""
+"""Amplitude of chirps; √2 times the RMS of multisines."""
 
 SLOWEST_HZ = 0.2
-"""Where chirps and multisines begin."""
+"""Lowest frequency of chirps and multisines."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,17 +29,17 @@ class MotionLimits:
 
     @property
     def wave_dps(self) -> float:
-        """Amplitude of what runs up to that frequency, deg/s."""
+        """Amplitude of chirps, deg/s; √2 times the RMS of multisines."""
         return min(WAVE_DPS, self.rate_dps)
 
 
 def limits_of(base: Base) -> MotionLimits:
-    """Of a gyro and an encoder as a rig states them."""
+    """Limits for the gyro and the encoder of a rig."""
     rate_dps = min(SHARE_OF_RANGE * COUNTS_MAX * base.dps_per_lsb, FASTEST_DPS)
-    swing_deg = 4.0 * 360.0 / max(1, base.encoder_cpr)  # a swing of four counts from end to end is visible
-    # From end to end a rate of amplitude a swings the angle by 2a / (2 pi f).
+    swing_deg = 4.0 * 360.0 / max(1, base.encoder_cpr)
+    # Four counts from end to end are visible. A rate of amplitude a swings the angle by 2a / (2 pi f).
     resolvable_hz = min(WAVE_DPS, rate_dps) / (pi * swing_deg)
-    # Half of what can be sampled, and what a table with a load can follow.
+    # Half of the Nyquist frequency, and the highest frequency that a table with a load follows.
     wave_hz = min(resolvable_hz, 0.25 * base.sample_rate_hz, 12.0)
     return MotionLimits(rate_dps, max(wave_hz, 2.0 * SLOWEST_HZ))
 
@@ -47,30 +47,31 @@ def limits_of(base: Base) -> MotionLimits:
 Segments = list[Segment]
 
 RAMP_S, SHARP_S = 0.5, 0.1
-"""How long a step takes, and how long one that is to be sharp."""
+"""Duration of a change of rate, and of a sharp change."""
 
 HOLD_S = 8.0
-"""About so long a step is held; reversals are held much shorter."""
+"""Approximate duration of a constant rate; between reversals it is much shorter."""
 
 THROUGH_ZERO_DPS = 3.0
 CREEP_S = 2.0
-"""A slow ramp runs between these rates, and takes so long to get there."""
+"""A slow ramp runs between -THROUGH_ZERO_DPS and THROUGH_ZERO_DPS. Before and after it the rate changes for CREEP_S."""
 
 CURVE_S, DRIVE_DPS, STANDS = 4.0, 20.0, 0.1
+"""Duration of a curve of a drive, RMS of its rate, and its share of rest."""
 
 
 @dataclass(frozen=True, slots=True)
-class Manoeuvre:
+class Maneuver:
     """A motion of any length.
 
     name
-        By which it is found.
+        Identifier.
     says
-        What happens, in a few words for a person, within given limits.
+        Description in a few words for a person, from the limits.
     segments
-        The motion of a length in s, from rest to rest, within given limits.
+        Segments of the motion from its length in s and the limits. It begins and ends at rest.
     warms_air
-        Whether the air gets warmer meanwhile, and cools again.
+        Whether the air warms during the motion and cools again.
     """
 
     name: str
@@ -84,24 +85,24 @@ def _rest(seconds: float, _: MotionLimits) -> Segments:
 
 
 def _steps(seconds: float, rates_dps: tuple[float, ...], ramp_s: float, hold_s: float) -> Segments:
-    """Each rate and its opposite, as often as it takes for holds of about this length; exactly so long in all."""
-    both = tuple(signed for rate_dps in rates_dps for signed in (rate_dps, -rate_dps))
-    rounds = max(1, round(seconds / (len(both) * (ramp_s + hold_s))))
-    rates = both * rounds
-    held_s = (seconds - ramp_s) / len(rates) - ramp_s
-    return [Steps(kind="steps", rates_dps=rates, ramp_seconds=ramp_s, hold_seconds=held_s)]
+    """Rates with both signs, in as many rounds as fit if each rate lasts about `hold_s`; exactly `seconds` long."""
+    signed_dps = tuple(signed for rate_dps in rates_dps for signed in (rate_dps, -rate_dps))
+    rounds = max(1, round(seconds / (len(signed_dps) * (ramp_s + hold_s))))
+    rates = signed_dps * rounds
+    exact_hold_s = (seconds - ramp_s) / len(rates) - ramp_s
+    return [Steps(kind="steps", rates_dps=rates, ramp_seconds=ramp_s, hold_seconds=exact_hold_s)]
 
 
 def _turns(seconds: float, rate_dps: float) -> Segments:
-    """Whole turns one way and the same number back, and rest for what is left of the time."""
+    """Whole turns in one direction, the same number back, and rest for the remaining time."""
     turn_s = 360.0 / rate_dps
     turns = max(1, floor((seconds - 2.0 * RAMP_S) / (2.0 * turn_s)))
-    held_s = turns * turn_s - RAMP_S
+    hold_s = turns * turn_s - RAMP_S
     segments: Segments = []
     for signed_dps in (rate_dps, -rate_dps):
-        segments.append(Steps(kind="steps", rates_dps=(signed_dps,), ramp_seconds=RAMP_S, hold_seconds=held_s))
-    left_s = seconds - sum(segment.seconds for segment in segments)
-    return [*segments, Rest(kind="rest", seconds=left_s)] if left_s > 0.0 else segments
+        segments.append(Steps(kind="steps", rates_dps=(signed_dps,), ramp_seconds=RAMP_S, hold_seconds=hold_s))
+    remaining_s = seconds - sum(segment.seconds for segment in segments)
+    return [*segments, Rest(kind="rest", seconds=remaining_s)] if remaining_s > 0.0 else segments
 
 
 def _chirp(seconds: float, limits: MotionLimits) -> Segments:
@@ -136,11 +137,12 @@ def _drive(seconds: float, _: MotionLimits) -> Segments:
         rest_share=STANDS,
         seed=1,
     )
-    left_s = seconds - drive.seconds
-    return [drive, Rest(kind="rest", seconds=left_s)] if left_s > 0.0 else [drive]
+    remaining_s = seconds - drive.seconds
+    return [drive, Rest(kind="rest", seconds=remaining_s)] if remaining_s > 0.0 else [drive]
 
 
 def _shares(limits: MotionLimits, *shares: float) -> tuple[float, ...]:
+    """Rates that are shares of the highest rate, deg/s."""
     return tuple(share * limits.rate_dps for share in shares)
 
 
@@ -149,47 +151,47 @@ def _many_speeds(seconds: float, limits: MotionLimits) -> Segments:
 
 
 FAMILY = (
-    Manoeuvre("rest", lambda _: "rest", _rest),
-    Manoeuvre("warm_rest", lambda _: "rest in air that warms and cools", _rest, warms_air=True),
-    Manoeuvre(
+    Maneuver("rest", lambda _: "rest", _rest),
+    Maneuver("warm_rest", lambda _: "rest in air that warms and cools", _rest, warms_air=True),
+    Maneuver(
         "warm_steps",
         lambda limits: f"steps of both signs up to {0.95 * limits.rate_dps:.0f} deg/s in air that warms and cools",
         _many_speeds,
         warms_air=True,
     ),
-    Manoeuvre(
+    Maneuver(
         "slow_steps",
         lambda _: "steps of both signs from 2 to 20 deg/s",
         lambda seconds, _: _steps(seconds, (2.0, 6.0, 20.0), RAMP_S, HOLD_S),
     ),
-    Manoeuvre(
+    Maneuver(
         "many_speeds",
         lambda limits: f"steps of both signs at four speeds up to {0.95 * limits.rate_dps:.0f} deg/s",
         _many_speeds,
     ),
-    Manoeuvre(
+    Maneuver(
         "fast_steps",
         lambda limits: f"fast steps of both signs to {limits.rate_dps:.0f} deg/s",
         lambda seconds, limits: _steps(seconds, _shares(limits, 0.6, 1.0), RAMP_S, HOLD_S),
     ),
-    Manoeuvre("slow_turns", lambda _: "whole turns both ways at 36 deg/s", lambda seconds, _: _turns(seconds, 36.0)),
-    Manoeuvre(
+    Maneuver("slow_turns", lambda _: "whole turns both ways at 36 deg/s", lambda seconds, _: _turns(seconds, 36.0)),
+    Maneuver(
         "fast_turns",
         lambda limits: f"whole turns both ways at {0.7 * limits.rate_dps:.0f} deg/s",
         lambda seconds, limits: _turns(seconds, 0.7 * limits.rate_dps),
     ),
-    Manoeuvre(
+    Maneuver(
         "reversals",
         lambda limits: f"sharp reversals at {0.3 * limits.rate_dps:.0f} deg/s",
         lambda seconds, limits: _steps(seconds, _shares(limits, 0.3), SHARP_S, 1.0),
     ),
-    Manoeuvre(
+    Maneuver(
         "small_reversals",
         lambda _: "sharp reversals at 8 deg/s",
         lambda seconds, _: _steps(seconds, (8.0,), SHARP_S, 1.0),
     ),
-    Manoeuvre("chirp", lambda limits: f"a chirp to {limits.wave_hz:.3g} Hz", _chirp),
-    Manoeuvre("multisine", lambda limits: f"a multisine to {limits.wave_hz:.3g} Hz", _multisine),
-    Manoeuvre("through_zero", lambda _: "a slow ramp through zero", _through_zero),
-    Manoeuvre("drive", lambda _: "gentle curves as of a drive", _drive),
+    Maneuver("chirp", lambda limits: f"a chirp to {limits.wave_hz:.3g} Hz", _chirp),
+    Maneuver("multisine", lambda limits: f"a multisine to {limits.wave_hz:.3g} Hz", _multisine),
+    Maneuver("through_zero", lambda _: "a slow ramp through zero", _through_zero),
+    Maneuver("drive", lambda _: "gentle curves as of a drive", _drive),
 )
