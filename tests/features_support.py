@@ -36,12 +36,12 @@ TURNING = (T_S > 53.0) & (T_S < 168.0)
 class Observed(NamedTuple):
     """A recording, cleaned, with its design matrix."""
 
-    seen: Cleaned
+    cleaned: Cleaned
     design: DesignMatrix
 
     def values(self) -> dict[str, float]:
         """All features by name."""
-        found = measure(self.seen, self.design, FACTS).values
+        found = measure(self.cleaned, self.design, FACTS).values
         return {name: float(found[number]) for name, number in NUMBER.items()}
 
 

@@ -132,7 +132,7 @@ def _rate_errors_dps(subjects: Sequence[Subject]) -> list[Floats]:
     """Block residuals of the recordings less those that the rig's own effects make, deg/s."""
     errors_dps = []
     for subject in subjects:
-        error_dps = block_residual_dps(subject.seen, subject.design)
+        error_dps = block_residual_dps(subject.cleaned, subject.design)
         if subject.rig.effects:
             error_dps = error_dps - block_residual_dps(subject.replayed((), 0), subject.design)
         errors_dps.append(error_dps)
@@ -140,7 +140,7 @@ def _rate_errors_dps(subjects: Sequence[Subject]) -> list[Floats]:
 
 
 def _session(subject: Subject) -> DiagnosedSession:
-    recording, base = subject.seen.recording, subject.rig.base
+    recording, base = subject.cleaned.recording, subject.rig.base
     return DiagnosedSession(
         name=recording.name,
         minutes=recording.seconds / 60.0,
@@ -176,8 +176,8 @@ CALIBRATED: dict[str, Callable[[Subject], float | None]] = {
     "sample_rate_hz": _of_base("sample_rate_hz"),
     "noise_dps_rthz": _of_base("noise_dps_rthz"),
     "bias_dps": _of_base("bias_dps"),
-    "host_delay_s": lambda subject: host_delay_s(subject.seen.recording),
-    "host_jitter_s": lambda subject: host_jitter_s(subject.seen.recording),
+    "host_delay_s": lambda subject: host_delay_s(subject.cleaned.recording),
+    "host_jitter_s": lambda subject: host_jitter_s(subject.cleaned.recording),
     "encoder_phase_deg": lambda subject: float(subject.posterior.mean.angle_deg[0]),
 }
 """Base values that may differ from session to session, and what each shows; None where it does not."""

@@ -108,9 +108,9 @@ def what_next(
     if len(open_ones) < 2:
         return Next(_more_axes(verdict, explanation) or _without_experiment(verdict, untestable, len(subjects)), None)
     minutes = round(
-        float(np.clip(np.median([subject.seen.recording.seconds / 60.0 for subject in subjects]), *MINUTES)), 1
+        float(np.clip(np.median([subject.cleaned.recording.seconds / 60.0 for subject in subjects]), *MINUTES)), 1
     )
-    recorded = PlannedMotion(subjects[0].posterior.mean, min(minutes, subjects[0].seen.recording.seconds / 60.0))
+    recorded = PlannedMotion(subjects[0].posterior.mean, min(minutes, subjects[0].cleaned.recording.seconds / 60.0))
     recording = next_recording_of(open_ones, minutes, SEED, recorded, jobs)
     return Next(sentence(recording, FILE), profile_yaml(recording.profile))
 

@@ -35,9 +35,9 @@ class BlockResiduals:
     bias_dps: Floats
 
 
-def block_residuals_of(seen: Cleaned, design: DesignMatrix) -> BlockResiduals:
+def block_residuals_of(cleaned: Cleaned, design: DesignMatrix) -> BlockResiduals:
     """All that the features of the blocks are computed from."""
-    centred_dps = _centred_dps(seen, design)
+    centred_dps = _centred_dps(cleaned, design)
     static = _static(centred_dps, design)
     unexplained_dps = _without_static(centred_dps, static, design)
     limit_dps = HOLD_SIGMAS * MAD_TO_SIGMA * np.median(np.abs(unexplained_dps)) + LEAST_DPS
@@ -51,25 +51,25 @@ def block_residuals_of(seen: Cleaned, design: DesignMatrix) -> BlockResiduals:
     )
 
 
-def block_residual_dps(seen: Cleaned, design: DesignMatrix) -> Floats:
+def block_residual_dps(cleaned: Cleaned, design: DesignMatrix) -> Floats:
     """Mean rate of each block less that of the encoder, deg/s, shape (blocks,).
 
     The angle between the integrated rate and the encoder is averaged about each edge of a block, so that the rounding
     of a single angle does not count.
     """
-    away_deg = integral_of(seen.rate_dps, design.period_s) - seen.encoder_deg
+    away_deg = integral_of(cleaned.rate_dps, design.period_s) - cleaned.encoder_deg
     return slopes(away_deg, design.period_s, design.block)
 
 
-def unexplained_dps(seen: Cleaned, design: DesignMatrix) -> Floats:
+def unexplained_dps(cleaned: Cleaned, design: DesignMatrix) -> Floats:
     """What the regressors leave of the block residuals, deg/s, shape (blocks,)."""
-    centred_dps = _centred_dps(seen, design)
+    centred_dps = _centred_dps(cleaned, design)
     return _without_static(centred_dps, _static(centred_dps, design), design)
 
 
-def _centred_dps(seen: Cleaned, design: DesignMatrix) -> Floats:
+def _centred_dps(cleaned: Cleaned, design: DesignMatrix) -> Floats:
     """Block residuals less their level at rest; none where the gyro says nothing."""
-    residual_dps = block_residual_dps(seen, design)
+    residual_dps = block_residual_dps(cleaned, design)
     at_rest = design.regimes.block_at_rest
     level = np.median(residual_dps[at_rest]) if at_rest.any() else 0.0
     centred: Floats = np.where(design.is_silent, 0.0, residual_dps - level)

@@ -22,7 +22,7 @@ from gyrodrift.diagnose.features.columns import (
 from gyrodrift.diagnose.features.motion_terms import MotionTerms, motion_terms_of
 from gyrodrift.diagnose.features.orthogonal import Basis, orthonormal, orthonormal_vectors
 from gyrodrift.diagnose.features.regimes import Regimes, regimes_of
-from gyrodrift.diagnose.features.spreads import SpreadPlaces, spread_places_of
+from gyrodrift.diagnose.features.spreads import DifferenceIndices, difference_indices_of
 from gyrodrift.diagnose.features.within_second import lag_basis
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.outliers import Cleaned
@@ -124,7 +124,7 @@ class DesignMatrix:
     period_s: float
     block: int
     regimes: Regimes
-    spread_places: SpreadPlaces
+    difference_indices: DifferenceIndices
     is_silent: Mask
     root_weights: Floats
     static: Basis
@@ -167,7 +167,7 @@ def design_matrix_of(
         period_s=period_s,
         block=block,
         regimes=regimes,
-        spread_places=spread_places_of(regimes),
+        difference_indices=difference_indices_of(regimes),
         is_silent=is_silent,
         root_weights=root_weights,
         static=orthonormal(regressors, np.array([column.threshold for column in COLUMNS]), CONSTANT),

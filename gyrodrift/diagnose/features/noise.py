@@ -48,7 +48,7 @@ class SampleNoise:
         Second differences of the rate, shape (n − 2,).
     """
 
-    seen: Cleaned
+    cleaned: Cleaned
     design: DesignMatrix
     dps_per_lsb: float
     rest: tuple[float, ...]
@@ -57,20 +57,20 @@ class SampleNoise:
     bends_dps: Floats
 
 
-def sample_noise_of(seen: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> SampleNoise:
+def sample_noise_of(cleaned: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> SampleNoise:
     """What the features of noise are computed from.
 
     A steady rate between two counts may come as either or as both: up to a quarter of a count squared is no noise.
     """
     grain = dps_per_lsb**2 / 4.0
-    spreads = spreads_of(seen.rate_dps, design.spread_places)
+    spreads = spreads_of(cleaned.rate_dps, design.difference_indices)
     # A robot that trembles happens to be calm for moments: with less than 3 s in all, rest gives no level.
     if np.count_nonzero(design.regimes.at_rest) * design.period_s < 3.0:
         spreads = replace(spreads, rest=(0.0,) * len(REST_POINTS))
     rest, slow, fast = (_logs(spread, grain) for spread in (spreads.rest, spreads.slow, spreads.fast))
     level = 0.5 * (rest[MIDDLE[0]] + rest[MIDDLE[1]])
     rest, slow, fast = (tuple(value - level for value in values) for values in (rest, slow, fast))
-    return SampleNoise(seen, design, dps_per_lsb, rest, slow, fast, np.diff(seen.rate_dps, 2))
+    return SampleNoise(cleaned, design, dps_per_lsb, rest, slow, fast, np.diff(cleaned.rate_dps, 2))
 
 
 def root_share(count: int, of: int) -> float:
@@ -135,7 +135,7 @@ def _fast(number: int, points: int) -> Statistic[SampleNoise]:
 
 def _spike_power(noise: SampleNoise) -> float:
     """Logarithm of the mean square of all samples by their outliers alone."""
-    return float(np.log(np.square(noise.seen.spikes_dps).sum() / noise.design.samples + LEAST_SPIKES_DPS**2))
+    return float(np.log(np.square(noise.cleaned.spikes_dps).sum() / noise.design.samples + LEAST_SPIKES_DPS**2))
 
 
 # fmt: off
@@ -146,7 +146,7 @@ NOISE: tuple[Statistic[SampleNoise], ...] = (
     Statistic(
         "line", "sensor", "rest", "a tone exceeds the noise at rest", 0.5,
         "0.5 in ln: two thirds more than its neighbours", reading=OVER_NEIGHBOURS, response=ResponseLaw.LOG_VARIANCE,
-        compute=lambda noise: spectral_line(noise.seen, noise.design).log_height,
+        compute=lambda noise: spectral_line(noise.cleaned, noise.design).log_height,
     ),
     Statistic(
         "noise_uneven", "sensor", "rest", "the noise comes in bursts", 0.15,

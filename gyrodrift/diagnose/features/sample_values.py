@@ -45,7 +45,7 @@ class RateValues:
         In which these come; a count where there are none.
     """
 
-    seen: Cleaned
+    cleaned: Cleaned
     design: DesignMatrix
     dps_per_lsb: float
     counts: Floats
@@ -56,16 +56,16 @@ class RateValues:
     step: float
 
 
-def rate_values_of(seen: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> RateValues:
+def rate_values_of(cleaned: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> RateValues:
     """What the features of the values are computed from."""
-    rate_dps = seen.recording.rate_dps
+    rate_dps = cleaned.recording.rate_dps
     is_there = np.isfinite(rate_dps)
     counts = np.rint(np.where(is_there, rate_dps, 0.0) / dps_per_lsb)
     both = is_there[1:] & is_there[:-1]
     equal = (counts[1:] == counts[:-1]) & both
     near = counts[is_there & (np.abs(rate_dps) < NEAR_ZERO_DPS)]
     step = max(granularity(near), 1.0) if len(near) else 1.0
-    return RateValues(seen, design, dps_per_lsb, counts, is_there, equal, both, near, step)
+    return RateValues(cleaned, design, dps_per_lsb, counts, is_there, equal, both, near, step)
 
 
 def smallest(sizes: Floats) -> float:
@@ -97,7 +97,7 @@ def _log2_least(values: RateValues) -> float:
 
 def _log_reach(values: RateValues) -> float:
     """The largest rate over that of the encoder."""
-    top = float((np.abs(values.seen.rate_dps) / values.dps_per_lsb).max(initial=1.0))
+    top = float((np.abs(values.cleaned.rate_dps) / values.dps_per_lsb).max(initial=1.0))
     fastest_dps = float(np.abs(values.design.regimes.speed_dps).max())
     return float(np.log((top * values.dps_per_lsb + REACH_DPS) / (fastest_dps + REACH_DPS)))
 
@@ -143,22 +143,22 @@ RATE_VALUES: tuple[Statistic[RateValues], ...] = (
 class AngleValues:
     """An angle beside a motion; `count_deg` is the step that the rig states."""
 
-    seen: Cleaned
+    cleaned: Cleaned
     design: DesignMatrix
     count_deg: float
 
 
 def _log2_step(angle: AngleValues) -> float:
-    times = angle.seen.step_deg / angle.count_deg
-    return float(np.log2(times)) if times > 1.0 and _is_shown(angle.seen) else 0.0
+    times = angle.cleaned.step_deg / angle.count_deg
+    return float(np.log2(times)) if times > 1.0 and _is_shown(angle.cleaned) else 0.0
 
 
-def _is_shown(seen: Cleaned) -> bool:
+def _is_shown(cleaned: Cleaned) -> bool:
     """Whether a motion would have come by the counts between two steps, were there any.
 
     At an even speed of a whole number of counts per sample it comes by the same ones again and again.
     """
-    moved = np.abs(np.diff(seen.recording.encoder_deg)) / seen.step_deg
+    moved = np.abs(np.diff(cleaned.recording.encoder_deg)) / cleaned.step_deg
     steps = np.rint(moved[np.isfinite(moved)])
     # So many are no chance, nor the arithmetic of an even ramp.
     return bool(np.count_nonzero(steps == 1.0) + len(np.unique(steps[steps > 1.0])) >= 40)
@@ -166,14 +166,14 @@ def _is_shown(seen: Cleaned) -> bool:
 
 def _log_scatter(angle: AngleValues) -> float:
     """Rounding to counts is a noise that is always there."""
-    spread = turning_spread(angle.seen.encoder_deg, angle.design.spread_places)
+    spread = turning_spread(angle.cleaned.encoder_deg, angle.design.difference_indices)
     return float(np.log(spread + angle.count_deg**2 / 12.0))
 
 
 def _slip_power(angle: AngleValues) -> float:
     """Logarithm of the sum of squares of the jumps in a minute."""
     minutes = angle.design.samples * angle.design.period_s / 60.0
-    return float(np.log(np.square(angle.seen.slips_deg).sum() / minutes + LEAST_SLIP_DEG**2))
+    return float(np.log(np.square(angle.cleaned.slips_deg).sum() / minutes + LEAST_SLIP_DEG**2))
 
 
 # fmt: off

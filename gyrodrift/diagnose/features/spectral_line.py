@@ -40,11 +40,11 @@ class SpectralLine(NamedTuple):
     amplitude_dps: float
 
 
-def spectral_line(seen: Cleaned, design: DesignMatrix) -> SpectralLine:
+def spectral_line(cleaned: Cleaned, design: DesignMatrix) -> SpectralLine:
     """The strongest line at rest; all 0 where nothing is long enough."""
-    windows = windows_within(seen.rate_dps, design.regimes.at_rest)
+    windows = windows_within(cleaned.rate_dps, design.regimes.at_rest)
     if len(windows) < FEW_WINDOWS:
-        windows = windows_within(seen.rate_dps - design.motion.rate_dps, np.ones(design.samples, bool))
+        windows = windows_within(cleaned.rate_dps - design.motion.rate_dps, np.ones(design.samples, bool))
     if not len(windows):
         return SpectralLine(0.0, 0.0, 0.0)
     power = np.median(_spectra(windows), axis=0)[LOWEST:]
@@ -55,13 +55,13 @@ def spectral_line(seen: Cleaned, design: DesignMatrix) -> SpectralLine:
     return SpectralLine(float(np.log(power[best] / around[best] + 1.0)), frequency_hz, float(amplitude))
 
 
-def white_dps(seen: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> float:
+def white_dps(cleaned: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> float:
     """Standard deviation of the white part of a sample, deg/s: of slow noise at rest, past any line in it.
 
     Where steps hide it at rest it is that of slow motion, which scatters, too, but no more than what they hide.
     """
-    spreads = spreads_of(seen.rate_dps, design.spread_places)
-    windows = windows_within(seen.rate_dps, design.regimes.at_rest)
+    spreads = spreads_of(cleaned.rate_dps, design.difference_indices)
+    windows = windows_within(cleaned.rate_dps, design.regimes.at_rest)
     if len(windows) >= FEW_WINDOWS:
         first, last = (round(share * WINDOW) for share in WHITE_BAND)
         level = float(np.median(_spectra(windows)[:, first:last]) / np.log(2.0))  # an exponential's median to its mean

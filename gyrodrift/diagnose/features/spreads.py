@@ -23,7 +23,7 @@ LEAST_SQUARE = 1e-12
 
 
 @dataclass(frozen=True, slots=True)
-class SpreadPlaces:
+class DifferenceIndices:
     """Which differences lie within a regime, by their first mean: one array for each number of points.
 
     rest
@@ -49,9 +49,9 @@ class Spreads:
     fast: tuple[float, ...]
 
 
-def spread_places_of(regimes: Regimes) -> SpreadPlaces:
+def difference_indices_of(regimes: Regimes) -> DifferenceIndices:
     """The places of a motion's regimes."""
-    return SpreadPlaces(
+    return DifferenceIndices(
         rest=tuple(_within(regimes.at_rest, points, REST_ORDER) for points in REST_POINTS),
         slow=tuple(_within(regimes.is_slow, points, MOVING_ORDER) for points in MOVING_POINTS),
         fast=tuple(_within(regimes.is_fast, points, MOVING_ORDER) for points in MOVING_POINTS),
@@ -59,7 +59,7 @@ def spread_places_of(regimes: Regimes) -> SpreadPlaces:
     )
 
 
-def spreads_of(rate_dps: Floats, places: SpreadPlaces) -> Spreads:
+def spreads_of(rate_dps: Floats, places: DifferenceIndices) -> Spreads:
     """Of a rate, in (deg/s)²."""
     rest, slow, fast = [], [], []
     for number, points in enumerate(REST_POINTS):
@@ -72,7 +72,7 @@ def spreads_of(rate_dps: Floats, places: SpreadPlaces) -> Spreads:
     return Spreads(tuple(rest), tuple(slow), tuple(fast))
 
 
-def turning_spread(values: Floats, places: SpreadPlaces) -> float:
+def turning_spread(values: Floats, places: DifferenceIndices) -> float:
     """Variance of the white noise that would scatter as much as values by sample do in motion."""
     return _mean_square(np.diff(values, MOVING_ORDER)[places.turning]) / MOVING_GAIN
 

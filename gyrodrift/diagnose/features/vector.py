@@ -114,16 +114,20 @@ class Facts:
     has_gravity: bool = False
 
 
-def measure(seen: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
+def measure(cleaned: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
     """FEATURES of a recording, or of a simulation, against a design matrix."""
-    parts = measure_residuals(seen, design), measure_samples(seen, design, facts), timing.measure(seen.recording)
+    parts = (
+        measure_residuals(cleaned, design),
+        measure_samples(cleaned, design, facts),
+        timing.measure(cleaned.recording),
+    )
     return Measured(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-def measure_residuals(seen: Cleaned, design: DesignMatrix) -> Measured:
+def measure_residuals(cleaned: Cleaned, design: DesignMatrix) -> Measured:
     """RESIDUAL_FEATURES: what is left of the rate without the encoder's, block by block and within seconds."""
-    blocks = block_residuals_of(seen, design)
-    lags = lag_coefficients(seen.rate_dps, seen.encoder_deg, design.lag, design.period_s)
+    blocks = block_residuals_of(cleaned, design)
+    lags = lag_coefficients(cleaned.rate_dps, cleaned.encoder_deg, design.lag, design.period_s)
     warming = warming_coefficient(blocks.bias_dps, design.warming)
     values = [statistic.compute(blocks) for statistic in BLOCK_STATISTICS]
     limits = [statistic.threshold for statistic in BLOCK_STATISTICS]
@@ -131,12 +135,12 @@ def measure_residuals(seen: Cleaned, design: DesignMatrix) -> Measured:
     return Measured(np.concatenate([blocks.static, lags, warming, values]), np.concatenate(thresholds))
 
 
-def measure_samples(seen: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
+def measure_samples(cleaned: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
     """SAMPLE_FEATURES: what values come, and how they scatter from sample to sample."""
-    noise = sample_noise_of(seen, design, facts.step_dps)
-    rates = rate_values_of(seen, design, facts.dps_per_lsb)
-    angle = AngleValues(seen, design, 360.0 / facts.encoder_cpr)
-    axes = axes_of(seen.recording, design, has_gravity=facts.has_gravity) if facts.has_axes else None
+    noise = sample_noise_of(cleaned, design, facts.step_dps)
+    rates = rate_values_of(cleaned, design, facts.dps_per_lsb)
+    angle = AngleValues(cleaned, design, 360.0 / facts.encoder_cpr)
+    axes = axes_of(cleaned.recording, design, has_gravity=facts.has_gravity) if facts.has_axes else None
     values = [
         *(statistic.compute(noise) for statistic in NOISE),
         *(statistic.compute(rates) for statistic in RATE_VALUES),

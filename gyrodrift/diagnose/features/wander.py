@@ -28,14 +28,14 @@ STEP_EDGE = 8
 def _wander(count: int) -> Statistic[BlockResiduals]:
     return Statistic(
         f"wander_{count}s", "sensor", "late", f"the bias wanders within {2 * count} s", *EIGHTH, reading=AMPLITUDE_DPS,
-        response=ResponseLaw.LOG_VARIANCE, compute=lambda seen: _steps(seen.unexplained_dps, count),
+        response=ResponseLaw.LOG_VARIANCE, compute=lambda blocks: _steps(blocks.unexplained_dps, count),
     )  # fmt: skip
 
 
 def _walk(count: int) -> Statistic[BlockResiduals]:
     return Statistic(
         f"walk_{count}s", "sensor", "late", f"the bias, taken by itself, wanders within {2 * count} s", *EIGHTH,
-        reading=AMPLITUDE_DPS, response=ResponseLaw.LOG_VARIANCE, compute=lambda seen: _steps(seen.bias_dps, count),
+        reading=AMPLITUDE_DPS, response=ResponseLaw.LOG_VARIANCE, compute=lambda blocks: _steps(blocks.bias_dps, count),
     )  # fmt: skip
 
 
@@ -53,15 +53,15 @@ def largest_sum(dps: Floats) -> float:
     return float(np.abs(sums[STEP_EDGE:-STEP_EDGE]).max() / (spread * np.sqrt(len(dps))))
 
 
-def _moving_beside_rest(seen: BlockResiduals) -> float:
-    rests = seen.design.regimes.block_at_rest
-    return log_variance(seen.unexplained_dps[~rests]) - log_variance(seen.unexplained_dps[rests])
+def _moving_beside_rest(blocks: BlockResiduals) -> float:
+    rests = blocks.design.regimes.block_at_rest
+    return log_variance(blocks.unexplained_dps[~rests]) - log_variance(blocks.unexplained_dps[rests])
 
 
-def _accelerating_beside_not(seen: BlockResiduals) -> float:
+def _accelerating_beside_not(blocks: BlockResiduals) -> float:
     """Half of the moving blocks, those that change their rate more, beside the other half."""
-    regimes = seen.design.regimes
-    moving_dps = seen.unexplained_dps[~regimes.block_at_rest]
+    regimes = blocks.design.regimes
+    moving_dps = blocks.unexplained_dps[~regimes.block_at_rest]
     change_dps = np.abs(np.gradient(regimes.block_rate_dps))[~regimes.block_at_rest]
     quick = change_dps > np.median(change_dps) if len(change_dps) else np.zeros(0, bool)
     return log_variance(moving_dps[quick]) - log_variance(moving_dps[~quick])
@@ -73,12 +73,12 @@ WANDER: tuple[Statistic[BlockResiduals], ...] = (
     Statistic(
         "wander_rest", "sensor", "rest", "the bias wanders at rest", *EIGHTH, reading=AMPLITUDE_DPS,
         response=ResponseLaw.LOG_VARIANCE,
-        compute=lambda seen: log_variance(seen.unexplained_dps[seen.design.regimes.block_at_rest]),
+        compute=lambda blocks: log_variance(blocks.unexplained_dps[blocks.design.regimes.block_at_rest]),
     ),
     Statistic(
         "step", "sensor", "late", "the bias jumps", 1.0,
         "1.0 standard errors: white noise goes beyond in 27 % of sessions (Kolmogorov's distribution)",
-        reading=STANDARD_ERRORS, compute=lambda seen: largest_sum(seen.even_dps),
+        reading=STANDARD_ERRORS, compute=lambda blocks: largest_sum(blocks.even_dps),
     ),
 )
 """Of what the regressors leave."""
@@ -122,13 +122,13 @@ PERIODIC: tuple[Statistic[BlockResiduals], ...] = (
         "ripple", "sensor", "moving", "the bias changes several times per turn", 0.3,
         "0.3 in ln of a ratio of variances: a third more than chance gives", reading=OVER_CHANCE,
         response=ResponseLaw.LOG_VARIANCE,
-        compute=lambda seen: angle_periodic_component(seen.unexplained_dps, seen.design.turn_basis),
+        compute=lambda blocks: angle_periodic_component(blocks.unexplained_dps, blocks.design.turn_basis),
     ),
     Statistic(
         "angle_ripple", "encoder", "moving", "the angle errs several times per turn", 0.3,
         "0.3 in ln of a ratio of variances: a third more than chance gives", reading=OVER_CHANCE,
         response=ResponseLaw.LOG_VARIANCE,
-        compute=lambda seen: angle_periodic_component(seen.unexplained_dps, seen.design.turn_rate_basis),
+        compute=lambda blocks: angle_periodic_component(blocks.unexplained_dps, blocks.design.turn_rate_basis),
     ),
 )
 # fmt: on

@@ -50,7 +50,7 @@ def _angle(subject: Subject) -> Floats:
 
 
 def _temperature(subject: Subject) -> Floats:
-    if subject.seen.recording.temp_c is None:
+    if subject.cleaned.recording.temp_c is None:
         return np.full(len(subject.design.regimes.block_rate_dps), np.nan)
     return block_means(subject.design.motion.sensor_c, subject.design.block)
 

@@ -36,8 +36,8 @@ def spectra_of(subject: Subject, before: Cleaned, after: Cleaned) -> tuple[Spect
     """Of a session, and of the simulator driven through its motion: below and above half a hertz."""
     # The rebuilt motion holds the encoder's noise: at rest the recording did not feel it, and the simulator did.
     moved_dps = subject.design.motion.rate_dps
-    slow = [_slow(subject, seen) for seen in (subject.seen, before, after)]
-    errors_dps = (subject.seen.rate_dps, before.rate_dps - moved_dps, after.rate_dps - moved_dps)
+    slow = [_slow(subject, seen) for seen in (subject.cleaned, before, after)]
+    errors_dps = (subject.cleaned.rate_dps, before.rate_dps - moved_dps, after.rate_dps - moved_dps)
     return _spectra(slow), _spectra([_quick(subject, error_dps) for error_dps in errors_dps])
 
 
@@ -126,12 +126,12 @@ def residual_series_of(subject: Subject, causes: tuple[NamedCause, ...], number:
     design = subject.design
     certain = tuple(cause for cause in causes if not cause.cause.is_random)
     before, after, steady = _replays(subject, [(), causes, certain], number)
-    real_dps = block_residual_dps(subject.seen, design)
+    real_dps = block_residual_dps(subject.cleaned, design)
     slow, quick = spectra_of(subject, before, after)
     left_dps = _level(real_dps - block_residual_dps(steady, design))
     return ResidualSeries(
         number=number,
-        name=subject.seen.recording.name,
+        name=subject.cleaned.recording.name,
         minutes=minutes_of(subject),
         real_dps=_level(real_dps),
         before_dps=_level(block_residual_dps(before, design)),

@@ -46,7 +46,7 @@ class YawImpact:
 
 def yaw_impact_of(subjects: Sequence[Subject], causes: Sequence[NamedCause]) -> YawImpact:
     """Tune on simulated and real sessions, and score on real ones held out."""
-    real = [reference_of(_as_session(subject.seen.recording)) for subject in subjects]
+    real = [reference_of(_as_session(subject.cleaned.recording)) for subject in subjects]
     before = [reference_of(subject.session((), seed)) for seed, subject in enumerate(subjects)]
     after = [
         reference_of(corrected_session(subject, effects_in(causes, number, subject), number))

@@ -84,19 +84,19 @@ class Level:
 
 
 def calibrated(
-    seen: Cleaned, design: DesignMatrix, motion: ReplayedMotion, rig: Rig, least_noise_dps_rthz: float = 0.0
+    cleaned: Cleaned, design: DesignMatrix, motion: ReplayedMotion, rig: Rig, least_noise_dps_rthz: float = 0.0
 ) -> Rig:
     """The rig with sample rate, noise, bias and host of a session; its motions begin at the encoder's own angles.
 
     least_noise_dps_rthz
         Less than that no recording of this device has, whatever it shows.
     """
-    period_s = seen.recording.period_s
+    period_s = cleaned.recording.period_s
     step_dps = gyro_model_of(rig).count_dps
-    in_motion = is_hidden_at_rest(seen, design, rig)
-    gyro = gyro_model_of(rig) if scatters_by_motion(seen, design, rig, in_motion=in_motion) else None
-    wanted = level_of(seen, design, step_dps, in_motion=in_motion, gyro=gyro)
-    base = with_host(rig.base, seen.recording).model_copy(
+    in_motion = is_hidden_at_rest(cleaned, design, rig)
+    gyro = gyro_model_of(rig) if scatters_by_motion(cleaned, design, rig, in_motion=in_motion) else None
+    wanted = level_of(cleaned, design, step_dps, in_motion=in_motion, gyro=gyro)
+    base = with_host(rig.base, cleaned.recording).model_copy(
         update={
             "encoder_phase_deg": 0.0,
             "sample_rate_hz": 1.0 / period_s,
@@ -105,7 +105,7 @@ def calibrated(
         }
     )
     for _ in range(ROUNDS):
-        played = _played(seen, motion, rig.model_copy(update={"base": base}))
+        played = _played(cleaned, motion, rig.model_copy(update={"base": base}))
         found = level_of(played, design, step_dps, in_motion=in_motion, gyro=gyro)
         ratio = _above_rounding_dps(wanted, step_dps) / _above_rounding_dps(found, step_dps)
         noise = base.noise_dps_rthz * float(np.clip(ratio, 0.3, 3.0))  # bounds of the change in a round
@@ -114,27 +114,27 @@ def calibrated(
     return rig.model_copy(update={"base": base})
 
 
-def is_hidden_at_rest(seen: Cleaned, design: DesignMatrix, rig: Rig) -> bool:
+def is_hidden_at_rest(cleaned: Cleaned, design: DesignMatrix, rig: Rig) -> bool:
     """Whether noise and bias are hidden at rest: by a dead band, or by steps that are coarse beside both."""
     gyro, at_rest = gyro_model_of(rig), design.regimes.block_at_rest
     if gyro.hides_rest or not at_rest.any():
         return True
-    left_dps = seen.rate_dps - design.motion.rate_dps
+    left_dps = cleaned.rate_dps - design.motion.rate_dps
     squares, means_dps = (block_means(each, design.block) for each in (np.square(left_dps), left_dps))
     variance = float((squares - np.square(means_dps))[at_rest].mean())
     # Two levels in turn scatter by half a step and show no noise; noise of half a step scatters by 0.58.
     return variance < (0.55 * gyro.count_dps) ** 2
 
 
-def scatters_by_motion(seen: Cleaned, design: DesignMatrix, rig: Rig, *, in_motion: bool) -> bool:
+def scatters_by_motion(cleaned: Cleaned, design: DesignMatrix, rig: Rig, *, in_motion: bool) -> bool:
     """Whether motion is a part of what scatters from sample to sample, and no rest tells how much noise there is."""
     gyro = gyro_model_of(rig)
-    quick = _quick_motion(seen, design, gyro)
+    quick = _quick_motion(cleaned, design, gyro)
     if quick.knows_rest or quick.white_dps is None:
         return False
-    rates_dps = seen.rate_dps, design.motion.rate_dps
+    rates_dps = cleaned.rate_dps, design.motion.rate_dps
     scatters_dps = [
-        _scatter_dps(replace(seen, rate_dps=rate_dps), design, gyro.count_dps, in_motion=in_motion)
+        _scatter_dps(replace(cleaned, rate_dps=rate_dps), design, gyro.count_dps, in_motion=in_motion)
         for rate_dps in rates_dps
     ]
     # A tenth of the variance: less of it by motion changes the noise by 5 %, as chance does.
@@ -142,7 +142,7 @@ def scatters_by_motion(seen: Cleaned, design: DesignMatrix, rig: Rig, *, in_moti
 
 
 def level_of(
-    seen: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool = False, gyro: GyroModel | None = None
+    cleaned: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool = False, gyro: GyroModel | None = None
 ) -> Level:
     """Noise and bias of a recording or of a simulation of it.
 
@@ -152,31 +152,31 @@ def level_of(
         Of which the spectrum in motion says how much noise there is, where motion scatters too.
     """
     shows = _shows_bias(design, in_motion=in_motion)
-    white = _quick_motion(seen, design, gyro).white_dps if gyro else None
+    white = _quick_motion(cleaned, design, gyro).white_dps if gyro else None
     if white is None:
-        white = _scatter_dps(seen, design, step_dps, in_motion=in_motion)
-    return Level(white, float(np.median(block_residual_dps(seen, design)[shows])))
+        white = _scatter_dps(cleaned, design, step_dps, in_motion=in_motion)
+    return Level(white, float(np.median(block_residual_dps(cleaned, design)[shows])))
 
 
-def _scatter_dps(seen: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool) -> float:
+def _scatter_dps(cleaned: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool) -> float:
     """Standard deviation of what scatters from sample to sample."""
-    turning_dps = float(np.sqrt(turning_spread(seen.rate_dps, design.spread_places))) if in_motion else 0.0
-    return turning_dps or white_dps(seen, design, step_dps)
+    turning_dps = float(np.sqrt(turning_spread(cleaned.rate_dps, design.difference_indices))) if in_motion else 0.0
+    return turning_dps or white_dps(cleaned, design, step_dps)
 
 
-def _quick_motion(seen: Cleaned, design: DesignMatrix, gyro: GyroModel) -> QuickMotion:
+def _quick_motion(cleaned: Cleaned, design: DesignMatrix, gyro: GyroModel) -> QuickMotion:
     rests = design.motion.rate_dps == 0.0
-    return quick_motion_of(seen.rate_dps, rests, ~rests, design.period_s, gyro)
+    return quick_motion_of(cleaned.rate_dps, rests, ~rests, design.period_s, gyro)
 
 
-def bias_beside(seen: Cleaned, design: DesignMatrix, rig: Rig, effects: tuple[Effect, ...]) -> float:
+def remaining_bias_dps(cleaned: Cleaned, design: DesignMatrix, rig: Rig, effects: tuple[Effect, ...]) -> float:
     """The bias of a calibrated rig beside more effects, deg/s: what these add to the rate was taken for bias.
 
     A rate in coarse steps shows it: added to what is there already, it would stand elsewhere between two steps.
     """
     more = with_replaced(rig, effects)
-    shows = _shows_bias(design, in_motion=is_hidden_at_rest(seen, design, more))
-    residual_dps = block_residual_dps(seen, design)
+    shows = _shows_bias(design, in_motion=is_hidden_at_rest(cleaned, design, more))
+    residual_dps = block_residual_dps(cleaned, design)
     left_dps = [
         float(np.median((residual_dps - block_means(error_dps(each, design.motion), design.block))[shows]))
         for each in (more, rig)
@@ -198,13 +198,13 @@ def _above_rounding_dps(level: Level, step_dps: float) -> float:
     return float(np.sqrt(max(level.white_dps**2 - grain, 0.1 * grain)))
 
 
-def _played(seen: Cleaned, motion: ReplayedMotion, rig: Rig) -> Cleaned:
+def _played(cleaned: Cleaned, motion: ReplayedMotion, rig: Rig) -> Cleaned:
     """A simulation of which only rate and angle are looked at, with nothing to clean but what never came."""
     block = next(play(rig, motion, 7_000_003, block_samples=len(motion.rate_dps)))  # a random stream of its own
-    session = as_recorded(block, rig.base, seen.recording.name)
+    session = as_recorded(block, rig.base, cleaned.recording.name)
     assert session.encoder_deg is not None  # noqa: S101 - a rig whose sessions have an encoder has one
     rate_dps, angle_deg = np.full(len(motion.rate_dps), np.nan), np.full(len(motion.rate_dps), np.nan)
     rate_dps[block.seq], angle_deg[block.seq] = session.rate_dps, session.encoder_deg
-    recording: Recording = seen.recording
+    recording: Recording = cleaned.recording
     none: Floats = np.zeros(0)
-    return Cleaned(recording, filled(rate_dps), filled(angle_deg), seen.step_deg, none, none, seen.late_s)
+    return Cleaned(recording, filled(rate_dps), filled(angle_deg), cleaned.step_deg, none, none, cleaned.late_s)

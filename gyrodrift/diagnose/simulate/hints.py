@@ -30,22 +30,22 @@ LEVELS_ABOVE = 4
 
 def hints_of(subjects: Sequence[Subject]) -> Hints:
     """Second parameters of the candidates as all sessions show them, or usual ones."""
-    recordings = [subject.seen.recording for subject in subjects]
+    recordings = [subject.cleaned.recording for subject in subjects]
     bunches = [bunches_of(recording) for recording in recordings]
     slow_dps = [_near_zero_dps(subject) for subject in subjects]
     lsb_dps = [subject.rig.base.dps_per_lsb for subject in subjects]
     pairs = zip(slow_dps, lsb_dps, strict=True)
     step_dps = _median([_even_step_of(rates_dps, lsb) or _most(rates_dps) or lsb for rates_dps, lsb in pairs])
     return Hints(
-        line_hz=_median([spectral_line(subject.seen, subject.design).frequency_hz for subject in subjects]) or 20.0,
-        spike_dps=_usual([subject.seen.spikes_dps for subject in subjects]) or 20.0,
-        slip_deg=_usual([subject.seen.slips_deg for subject in subjects]) or 0.5,
+        line_hz=_median([spectral_line(subject.cleaned, subject.design).frequency_hz for subject in subjects]) or 20.0,
+        spike_dps=_usual([subject.cleaned.spikes_dps for subject in subjects]) or 20.0,
+        slip_deg=_usual([subject.cleaned.slips_deg for subject in subjects]) or 0.5,
         rate_step_dps=step_dps,
         angle_step_deg=_median(
-            [step_of(subject.seen.recording.encoder_deg) or _count_deg(subject) for subject in subjects]
+            [step_of(subject.cleaned.recording.encoder_deg) or _count_deg(subject) for subject in subjects]
         ),
         least_dps=_least_dps(np.concatenate(slow_dps), step_dps) or _median(lsb_dps),
-        largest_dps=max(1.0, *(_most(subject.seen.rate_dps) for subject in subjects)),
+        largest_dps=max(1.0, *(_most(subject.cleaned.rate_dps) for subject in subjects)),
         sample_period_s=min(recording.period_s for recording in recordings),
         bunch_s=_median([one.distance_s for one in bunches]),
         bunch_spread=_median([one.spread for one in bunches]),
@@ -72,14 +72,14 @@ def _parabola_curve_per_c(subject: Subject) -> float:
     over_c = block_means(design.motion.sensor_c, design.block) - REFERENCE_C
     powers = design.root_weights[:, None] * np.column_stack([over_c, np.square(over_c)])
     powers -= design.fast_vectors @ (design.fast_vectors.T @ powers)
-    residuals = design.root_weights * block_residual_dps(subject.seen, design)
+    residuals = design.root_weights * block_residual_dps(subject.cleaned, design)
     slope, square = np.linalg.lstsq(powers, residuals)[0]
     return float(square / slope) if slope else 0.0
 
 
 def _lean_deg(subjects: Sequence[Subject]) -> float:
     """Direction of the mean lean of the turn in the sensor, from x to y."""
-    leans = [turn_lean(subject.seen.recording, subject.design) for subject in subjects]
+    leans = [turn_lean(subject.cleaned.recording, subject.design) for subject in subjects]
     return float(np.degrees(np.arctan2(sum(lean.y for lean in leans), sum(lean.x for lean in leans))))
 
 
@@ -169,6 +169,6 @@ def _median(values: Sequence[float] | Floats) -> float:
 
 
 def _near_zero_dps(subject: Subject) -> Floats:
-    rates = subject.seen.recording.rate_dps
+    rates = subject.cleaned.recording.rate_dps
     near = rates[np.isfinite(rates) & (np.abs(rates) < NEAR_ZERO_DPS)]
     return near if np.any(near != 0.0) else rates[np.isfinite(rates) & (rates != 0.0)]

@@ -1,4 +1,4 @@
-"""What a rig says that stands between motion and measurement, taken out before the motion is rebuilt."""
+"""Errors that a rig states: they are removed from a recording before its motion is rebuilt."""
 
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
@@ -24,21 +24,24 @@ from gyrodrift.diagnose.recording.outliers import Cleaned, at_limit
 from gyrodrift.diagnose.simulate.candidates import KINDS
 
 ONCE_PER_TURN = {"g_sensitivity": "amplitude_dps", "encoder_eccentricity": "amplitude_deg"}
-"""Effects with a phase, by the names of their amplitudes."""
+"""Parameter that is the amplitude, by name of an effect with a phase."""
 
-NOT_BY_ITSELF = frozenset({"quantization", *ONCE_PER_TURN})
-"""Of these: steps that no noise smooths are others, and phases are what is looked for."""
+WITHOUT_PHASES = frozenset({"quantization", *ONCE_PER_TURN})
+"""Effects left out of the stated rate error when phases are fitted. The phases are the unknowns. Steps of a rate
+without noise differ from those of the noisy rate."""
 
 TABLE_HZ = 20.0
-"""What a table or a robot does is slower: of a motion of 5 Hz a low-pass of the first order there takes 3 %."""
+"""Cutoff from which on a low-pass leaves the motion unchanged: motions of tables and robots are slower. At 5 Hz, a
+first-order low-pass with this cutoff takes 3 % of the amplitude."""
 
 PHASES_DEG = np.arange(0.0, 360.0, 3.0)
+"""Phases that are tried for an effect with one period per turn."""
 
 
 def gyro_model_of(rig: Rig) -> GyroModel:
-    """In what steps the gyro of a rig reads, how late (by its delay, and by that of a low-pass), and what it hides."""
+    """Model of the rig's gyro: step of its rates, delay with that of its low-passes, and white noise."""
     low_passes, count_dps = _low_passes(rig), rig.base.dps_per_lsb
-    delay_s = _late_s(low_passes)
+    delay_s = _delay_s(low_passes)
     for effect in rig.effects:
         if isinstance(effect, Quantization):
             count_dps = max(count_dps, effect.step_dps)
@@ -51,24 +54,27 @@ def gyro_model_of(rig: Rig) -> GyroModel:
 
 
 def hides_rest(effect: Effect, count_dps: float) -> bool:
-    """Whether an effect hides noise and bias at rest; a dead band within a count leaves as much as rounding does."""
+    """Whether an effect hides noise and bias at rest: a dead band wider than a count. A narrower one only rounds."""
     return isinstance(effect, Deadband) and effect.width_dps > count_dps
 
 
-def known_at_limit(rig: Rig, seen: Cleaned) -> Mask | None:
-    """Where a gyro is at a limit that its rig knows of, whichever that is, (n,); None where it knows of none."""
+def known_at_limit(rig: Rig, cleaned: Cleaned) -> Mask | None:
+    """Samples at which the gyro is at its limit, shape (n,); None if the rig has no saturation.
+
+    The limit is read off the recording. The size that the rig states is ignored.
+    """
     if not any(isinstance(effect, Saturation) for effect in rig.effects):
         return None
-    return at_limit(seen.rate_dps, seen.encoder_deg, seen.recording.period_s)
+    return at_limit(cleaned.rate_dps, cleaned.encoder_deg, cleaned.recording.period_s)
 
 
-class MotionSeen(NamedTuple):
-    """What of a rig decides which motion is behind a recording.
+class SensorModel(NamedTuple):
+    """Parts of a rig that determine which motion is rebuilt from a recording.
 
     encoder
-        Effects by which the encoder stands elsewhere.
+        Effects that shift the encoder's angle.
     low_passes
-        Those that take from the rate what a table does.
+        Low-passes below TABLE_HZ, which take a part of the motion from the rate.
     """
 
     gyro: GyroModel
@@ -76,96 +82,106 @@ class MotionSeen(NamedTuple):
     low_passes: tuple[Bandwidth, ...]
 
     @property
-    def is_bent(self) -> bool:
-        """Whether one of the two sees another motion than there is, but for its being late."""
+    def distorts_motion(self) -> bool:
+        """Whether encoder or gyro changes the shape of the motion; a delay alone does not."""
         return bool(self.encoder or self.low_passes)
 
 
-def motion_seen_by(rig: Rig) -> MotionSeen:
-    """How its gyro and its encoder see a motion."""
+def sensor_model_of(rig: Rig) -> SensorModel:
+    """Model of the rig's gyro and encoder."""
     low_passes = tuple(effect for effect in _low_passes(rig) if effect.cutoff_hz < TABLE_HZ)
-    return MotionSeen(gyro_model_of(rig), tuple(_of_encoder(rig)), low_passes)
+    return SensorModel(gyro_model_of(rig), tuple(_encoder_effects(rig)), low_passes)
 
 
 def _low_passes(rig: Rig) -> tuple[Bandwidth, ...]:
     return tuple(effect for effect in rig.effects if isinstance(effect, Bandwidth))
 
 
-def _late_s(low_passes: Iterable[Bandwidth]) -> float:
-    """By how much they delay what they let through, one after the other."""
+def _delay_s(low_passes: Iterable[Bandwidth]) -> float:
+    """Sum of the low-pass filters' delays, s."""
     return sum((effect.delay_s() for effect in low_passes), 0.0)
 
 
-def taken_dps(rig: Rig, motion: ReplayedMotion, rate_dps: Floats) -> Floats:
-    """(n,) What the low-passes of a rig take of a rate, as late as they let the others through, deg/s."""
-    moments, found_dps = moments_of(motion), np.zeros(len(rate_dps))
-    for effect in motion_seen_by(rig).low_passes:
+def low_pass_loss_dps(rig: Rig, motion: ReplayedMotion, rate_dps: Floats) -> Floats:
+    """Difference between the delayed rate and the low-passed rate, deg/s, shape (n,); the sum over all low-passes."""
+    moments, loss_dps = moments_of(motion), np.zeros(len(rate_dps))
+    for effect in sensor_model_of(rig).low_passes:
         passed_dps = effect.begin(np.random.default_rng(0), 1.0 / motion.period_s)(rate_dps, moments)
-        found_dps += np.interp(moments.t_s - effect.delay_s(), moments.t_s, rate_dps) - passed_dps
-    return found_dps
+        loss_dps += np.interp(moments.t_s - effect.delay_s(), moments.t_s, rate_dps) - passed_dps
+    return loss_dps
 
 
 def restored_dps(rig: Rig, motion: ReplayedMotion) -> Floats:
-    """(n,) The rate of a motion that follows a low-passed gyro, with what was taken of it: a Neumann series.
+    """Rate of a motion that follows a low-passed gyro, with the loss restored, deg/s, shape (n,).
 
+    Deconvolution by a Neumann series.
     P. H. van Cittert, Zum Einfluß der Spaltbreite auf die Intensitätsverteilung in Spektrallinien II (1931).
     """
-    low_passes, found_dps = motion_seen_by(rig).low_passes, motion.rate_dps
+    low_passes, rate_dps = sensor_model_of(rig).low_passes, motion.rate_dps
     if not low_passes:
-        return found_dps
-    t_s, late_s = moments_of(motion).t_s, _late_s(low_passes)
+        return rate_dps
+    t_s, delay_s = moments_of(motion).t_s, _delay_s(low_passes)
     for _ in range(6):  # terms of the series
-        found_dps = motion.rate_dps + np.interp(t_s + late_s, t_s, taken_dps(rig, motion, found_dps))
-    return found_dps
+        rate_dps = motion.rate_dps + np.interp(t_s + delay_s, t_s, low_pass_loss_dps(rig, motion, rate_dps))
+    return rate_dps
 
 
-def angles_before(rig: Rig, encoder_deg: Floats, motion: ReplayedMotion) -> Floats:
-    """Angles of the encoder without what the rig says it errs by, of a motion that is about right."""
+def angles_without_error(rig: Rig, encoder_deg: Floats, motion: ReplayedMotion) -> Floats:
+    """Angles of the encoder without the errors that the rig states, shape (n,).
+
+    motion
+        An approximate motion, from which the errors are computed.
+    """
     moments, angle_deg = moments_of(motion), motion.angle_deg
-    for effect in _of_encoder(rig):
+    for effect in _encoder_effects(rig):
         angle_deg = effect.begin(np.random.default_rng(0), 1.0 / motion.period_s)(angle_deg, moments)
     corrected: Floats = encoder_deg - (angle_deg - motion.angle_deg)
     return corrected
 
 
-def angles_read(rig: Rig, angle_deg: Floats) -> Floats:
-    """What the encoder of a rig reads at angles, of their shape, but for what else the rig says it errs by."""
+def counted_angles(rig: Rig, angle_deg: Floats) -> Floats:
+    """Angles rounded to the counts of the rig's encoder, in the shape of the angles; no other error is applied."""
     coarser = [effect.cpr for effect in rig.effects if isinstance(effect, EncoderQuantization)]
     for count_deg in (360.0 / cpr for cpr in (*coarser, rig.base.encoder_cpr)):
         angle_deg = np.floor(angle_deg / count_deg + HALF_A_COUNT) * count_deg
     return angle_deg
 
 
-def with_phases(rig: Rig, seen: Cleaned, design: DesignMatrix) -> Rig:
-    """The rig with what comes once per turn at the phase of a session, where its encoder has no fixed zero."""
-    turning = [effect for effect in rig.effects if effect.name in ONCE_PER_TURN]
-    if rig.base.encoder_absolute or not turning:
+def with_phases(rig: Rig, cleaned: Cleaned, design: DesignMatrix) -> Rig:
+    """The rig with once-per-turn effects at the phases of this session; unchanged if its encoder is absolute."""
+    once_per_turn = [effect for effect in rig.effects if effect.name in ONCE_PER_TURN]
+    if rig.base.encoder_absolute or not once_per_turn:
         return rig
-    # Where a table turns whole turns each way, a gain that differs by direction looks as if it came once per turn.
-    left = _Left.of(seen, design, error_dps(rig, design.motion, NOT_BY_ITSELF))
-    for effect in turning:
-        left = left.without(effect)
+    # On whole turns each way, a gain that differs by direction looks like a once-per-turn effect, so it is subtracted.
+    fit = _PhaseFit.of(cleaned, design, error_dps(rig, design.motion, WITHOUT_PHASES))
+    for effect in once_per_turn:
+        fit = fit.without(effect)
     effects = list(rig.effects)
-    for effect in turning:
-        at = effects.index(effect)
-        effects[at], left = left.turned(effect)
+    for effect in once_per_turn:
+        index = effects.index(effect)
+        effects[index], fit = fit.at_best_phase(effect)
     return rig.model_copy(update={"effects": tuple(effects)})
 
 
 @dataclass(frozen=True, slots=True)
-class _Left:
-    """Block residuals less what is known of them, deg/s, beside the columns of effects once per turn.
+class _PhaseFit:
+    """Fit of the phases of once-per-turn effects to the block residuals.
 
-    A bias A·sin(θ + φ) is in the rate; an angle that errs by A·sin(θ + φ) takes A·ω·cos(θ + φ) from it. The amplitude
-    is the rig's, and only the phase is fitted: where a session hardly turns, sine and cosine would take the bias.
+    A bias A·sin(θ + φ) adds to the rate. An angle error A·sin(θ + φ) subtracts A·ω·cos(θ + φ) from it. Only the phase
+    is fitted, and the amplitude is the rig's: in a session with little rotation, free amplitudes would absorb the bias.
+
+    residual_dps
+        Block residuals without the stated errors, deg/s, shape (blocks,).
+    columns
+        Regressors at the phases 0 and 90 degrees, by name of the effect; shape (blocks,).
     """
 
     residual_dps: Floats
     columns: dict[str, tuple[Floats, Floats]]
 
     @classmethod
-    def of(cls, seen: Cleaned, design: DesignMatrix, known_dps: Floats) -> "_Left":
-        """Of a rate that errs by what is known, shape (n,)."""
+    def of(cls, cleaned: Cleaned, design: DesignMatrix, stated_dps: Floats) -> "_PhaseFit":
+        """Fit to a recording; `stated_dps` is the rate error that the rig states, shape (n,)."""
         turn, rate = np.deg2rad(design.motion.angle_deg), np.deg2rad(design.motion.rate_dps)
         sine, cosine = np.sin(turn), np.cos(turn)
         common = np.column_stack([np.ones(len(turn)), rate])
@@ -175,71 +191,79 @@ class _Left:
 
         basis = orthonormal_vectors(np.column_stack([mean_of(column) for column in common.T]))
 
-        def beside(values: Floats) -> Floats:
-            aside: Floats = values - basis @ (basis.T @ values)
-            return aside
+        def without_bias_and_gain(values: Floats) -> Floats:
+            remainder: Floats = values - basis @ (basis.T @ values)
+            return remainder
 
         pairs = {"g_sensitivity": (sine, cosine), "encoder_eccentricity": (-rate * cosine, rate * sine)}
-        columns = {name: (beside(mean_of(first)), beside(mean_of(second))) for name, (first, second) in pairs.items()}
-        return cls(beside(block_residual_dps(seen, design) - mean_of(known_dps)), columns)
+        columns = {
+            name: (without_bias_and_gain(mean_of(first)), without_bias_and_gain(mean_of(second)))
+            for name, (first, second) in pairs.items()
+        }
+        return cls(without_bias_and_gain(block_residual_dps(cleaned, design) - mean_of(stated_dps)), columns)
 
-    def _of(self, effect: Effect, phase_deg: float) -> Floats:
+    def _effect_dps(self, effect: Effect, phase_deg: float) -> Floats:
         first, second = self.columns[effect.name]
         phase, amplitude = np.deg2rad(phase_deg), float(getattr(effect, ONCE_PER_TURN[effect.name]))
         values: Floats = amplitude * (np.cos(phase) * first + np.sin(phase) * second)
         return values
 
-    def without(self, effect: Effect) -> "_Left":
-        """What an effect leaves, at the phase that it is given with."""
+    def without(self, effect: Effect) -> "_PhaseFit":
+        """The fit with an effect subtracted, at the effect's own phase."""
         phase_deg = float(effect.model_dump()["phase_deg"])
-        return replace(self, residual_dps=self.residual_dps - self._of(effect, phase_deg))
+        return replace(self, residual_dps=self.residual_dps - self._effect_dps(effect, phase_deg))
 
-    def turned(self, effect: Effect) -> tuple[Effect, "_Left"]:
-        """An effect that was taken away, at its best phase; at its own where no phase is better than chance."""
+    def at_best_phase(self, effect: Effect) -> tuple[Effect, "_PhaseFit"]:
+        """A subtracted effect at its best phase, and the fit without it.
+
+        The effect keeps its own phase if no other phase fits better by three standard deviations.
+        """
         own_deg = float(effect.model_dump()["phase_deg"])
-        residual_dps = self.residual_dps + self._of(effect, own_deg)
-        costs = np.array([np.square(residual_dps - self._of(effect, phase)).sum() for phase in PHASES_DEG])
-        chance = costs.min() / max(1, len(residual_dps) - 1)
-        own_cost = float(np.square(residual_dps - self._of(effect, own_deg)).sum())
-        is_better = own_cost - costs.min() > 9.0 * chance  # three standard deviations, in variances of a block
+        residual_dps = self.residual_dps + self._effect_dps(effect, own_deg)
+        costs = np.array([np.square(residual_dps - self._effect_dps(effect, phase)).sum() for phase in PHASES_DEG])
+        block_variance = costs.min() / max(1, len(residual_dps) - 1)
+        own_cost = float(np.square(residual_dps - self._effect_dps(effect, own_deg)).sum())
+        is_better = own_cost - costs.min() > 9.0 * block_variance  # three standard deviations
         phase_deg = float(PHASES_DEG[np.argmin(costs)]) if is_better else own_deg
         best = effect.model_copy(update={"phase_deg": phase_deg})
         return best, replace(self, residual_dps=residual_dps).without(best)
 
 
 def error_dps(rig: Rig, motion: ReplayedMotion, without: Collection[str] = ("quantization",)) -> Floats:
-    """(n,) By how much a rate errs through the bias of a rig and effects that leave nothing to chance, deg/s.
+    """Rate error by the bias of a rig and its deterministic effects, deg/s, shape (n,).
 
     without
         Names of effects to leave out.
     """
     moments = moments_of(motion)
-    none, rate_hz = np.random.default_rng(0), 1.0 / motion.period_s
-    seen_s = moments.t_s
-    effects = [one for one in in_acting_order(rig.effects) if _leaves_no_chance(one) and one.name not in without]
+    unused_rng, rate_hz = np.random.default_rng(0), 1.0 / motion.period_s
+    delayed_s = moments.t_s
+    effects = [
+        effect for effect in in_acting_order(rig.effects) if _is_deterministic(effect) and effect.name not in without
+    ]
     for effect in effects:
         if effect.slot is EffectSlot.LAG:
-            seen_s = effect.begin(none, rate_hz)(seen_s, moments)
-    rate_dps: Floats = np.interp(seen_s, moments.t_s, motion.rate_dps) + rig.base.bias_dps
-    for place in (EffectSlot.LOW_PASS, EffectSlot.RATE, EffectSlot.OUTPUT):
+            delayed_s = effect.begin(unused_rng, rate_hz)(delayed_s, moments)
+    rate_dps: Floats = np.interp(delayed_s, moments.t_s, motion.rate_dps) + rig.base.bias_dps
+    for slot in (EffectSlot.LOW_PASS, EffectSlot.RATE, EffectSlot.OUTPUT):
         for effect in effects:
-            if effect.slot is place:
-                rate_dps = effect.begin(none, rate_hz)(rate_dps, moments)
-    found: Floats = rate_dps - motion.rate_dps
-    return found
+            if effect.slot is slot:
+                rate_dps = effect.begin(unused_rng, rate_hz)(rate_dps, moments)
+    difference_dps: Floats = rate_dps - motion.rate_dps
+    return difference_dps
 
 
-def _leaves_no_chance(effect: Effect) -> bool:
-    """As far as it is known: an effect may be registered with the simulator alone."""
+def _is_deterministic(effect: Effect) -> bool:
+    """Whether an effect is deterministic; False for an effect without a record as a candidate."""
     return effect.name in KINDS and KINDS[effect.name].realisations == 1
 
 
 def moments_of(motion: ReplayedMotion) -> Moments:
-    """The truth at its samples, as effects are handed it."""
+    """Times, angles, rates and temperatures of a motion at its samples, the input of effects."""
     t_s: Floats = np.arange(len(motion.angle_deg), dtype=np.float64) * motion.period_s
     return Moments(t_s, t_s + motion.powered_s, motion.angle_deg, motion.rate_dps, motion.sensor_c, motion.period_s)
 
 
-def _of_encoder(rig: Rig) -> list[Effect]:
-    """Those whose errors follow from the motion: jumps come by chance, and are taken out as what they are."""
+def _encoder_effects(rig: Rig) -> list[Effect]:
+    """Effects on the encoder whose error follows from the motion; random slips are removed as jumps of the angle."""
     return [effect for effect in rig.effects if effect.slot is EffectSlot.ENCODER and effect.name != "encoder_slip"]

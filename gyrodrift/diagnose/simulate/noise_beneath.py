@@ -31,10 +31,10 @@ def with_noise_beneath(subject: Subject, effects: tuple[Effect, ...]) -> Subject
         return subject.recalibrated(effects)
     share = _before_low_pass(subject.rig, effects)
     if share == 1.0:
-        return subject.beside(effects)
-    if is_hidden_at_rest(subject.seen, subject.design, subject.rig):
+        return subject.with_remaining_bias(effects)
+    if is_hidden_at_rest(subject.cleaned, subject.design, subject.rig):
         return subject.recalibrated(effects)
-    return subject.beside(effects).with_noise(share)
+    return subject.with_remaining_bias(effects).with_noise(share)
 
 
 def corrected_session(subject: Subject, effects: tuple[Effect, ...], seed: int) -> Session:
@@ -64,5 +64,5 @@ def _passed(rig: Rig) -> float:
 
 def _reads_zero(subject: Subject) -> bool:
     """Whether the gyro says exactly zero at rest so often that something may hide there."""
-    rest_dps = subject.seen.rate_dps[subject.design.regimes.at_rest]
+    rest_dps = subject.cleaned.rate_dps[subject.design.regimes.at_rest]
     return len(rest_dps) == 0 or float(np.mean(rest_dps == 0.0)) > 0.02  # with fewer zeros nothing is hidden

@@ -43,7 +43,7 @@ def response_table(subject: Subject, tried: Sequence[Candidate], null_runs: int)
     runs = np.array([run.values for run in base])
     nulls = np.array([null_difference(subject, FIRST_NULL_SEED + number) for number in range(null_runs)])
     return ResponseTable(
-        name=subject.seen.recording.name,
+        name=subject.cleaned.recording.name,
         difference=own.values - runs.mean(axis=0),
         thresholds=own.thresholds,
         runs=runs,
@@ -85,7 +85,7 @@ def _features_with(subject: Subject, candidate: Candidate, size: float, base: Ba
     """(F,) features with a realisation of a candidate; those of what it does not touch are taken over."""
     stands = subject.rig.effects
     if candidate.shape is not None:
-        shaped = subject.with_shape(candidate.shape, size, seed, base.seen)
+        shaped = subject.with_shape(candidate.shape, size, seed, base.cleaned)
         is_slow = candidate.touches is Touches.SLOW_RATE
         features_of = subject.residual_features if is_slow else subject.value_features
         return _first(features_of(shaped, base), base.values)
@@ -104,7 +104,7 @@ def _features_with(subject: Subject, candidate: Candidate, size: float, base: Ba
             return _first(subject.value_features(subject.replayed(effects, base.seed), base), base.values)
         case Touches.EVERYTHING:
             seen = subject.replayed(effects, base.seed)
-            return measure(seen, subject.design_beside(seen, base), subject.facts).values
+            return measure(seen, subject.design_for(seen, base), subject.facts).values
 
 
 def _first(features: Floats, others: Floats) -> Floats:

@@ -1,8 +1,7 @@
-"""A rig driven through the motion of a recording, and the result put through all that the recording went through.
+"""Simulation of a recording: the rig is driven through the recording's motion, and the output is processed alike.
 
-From its raw columns on a simulation is treated as a recording is: its own numbering, checks and cleaning, its own
-encoder and gyro, from which its motion is rebuilt. The motion that drives it is drawn from what the recording leaves
-possible.
+A simulation goes through the same steps as a recording: numbering, checks, cleaning, and rebuilding of the motion from
+encoder and gyro. The motion that drives it is drawn from the posterior of the recording's motion.
 """
 
 from dataclasses import dataclass, field, replace
@@ -37,224 +36,242 @@ from gyrodrift.diagnose.recording.motion_posterior import MotionPosterior, motio
 from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.diagnose.recording.reference_noise import ReferenceNoise, reference_noise_of
-from gyrodrift.diagnose.simulate.calibration import bias_beside, calibrated
+from gyrodrift.diagnose.simulate.calibration import calibrated, remaining_bias_dps
 from gyrodrift.diagnose.simulate.candidate import Shape
 from gyrodrift.diagnose.simulate.known_effects import (
-    MotionSeen,
-    angles_before,
-    angles_read,
+    SensorModel,
+    angles_without_error,
+    counted_angles,
     gyro_model_of,
     known_at_limit,
+    low_pass_loss_dps,
     moments_of,
-    motion_seen_by,
     restored_dps,
-    taken_dps,
+    sensor_model_of,
     with_phases,
 )
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import as_recorded
 
 SHAPES, MOTIONS, ARRIVALS, REFERENCES = 1, 2, 3, 4
-"""Tell their random streams from those of effects, which go by their names."""
+"""Keys of the random streams for added shapes, motions, arrivals and reference noise; effects have streams by name."""
 
 
 @dataclass(frozen=True, slots=True)
 class BaseRun:
-    """One realisation of the rig as it stands, driven through a recording's motion, and its features, (F,)."""
+    """One simulation of the rig without further effects, driven through a recording's motion.
+
+    design
+        Design matrix of the motion that is rebuilt from the simulation.
+    values
+        Features, shape (F,).
+    """
 
     seed: int
-    seen: Cleaned
+    cleaned: Cleaned
     design: DesignMatrix
     values: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Subject:
-    """A recording with what it leaves possible of its motion, and the rig calibrated to it."""
+    """A recording, the posterior of its motion, and the rig calibrated to the recording.
 
-    seen: Cleaned
+    reference
+        Noise of the reference angles; None if they scatter no more than the steps of an encoder.
+    drawn
+        Cache: motions drawn from the posterior, by seed.
+    rebuilt_under
+        Cache: subject with its motion rebuilt under a sensor model.
+    """
+
+    cleaned: Cleaned
     posterior: MotionPosterior
     design: DesignMatrix
     rig: Rig
     reference: ReferenceNoise | None = None
     drawn: dict[int, ReplayedMotion] = field(default_factory=dict, repr=False)
-    held: dict[MotionSeen, "Subject"] = field(default_factory=dict, repr=False)
+    rebuilt_under: dict[SensorModel, "Subject"] = field(default_factory=dict, repr=False)
 
     @property
     def facts(self) -> Facts:
-        """What the rig states."""
+        """Facts of the rig that no recording changes."""
         base, axes = self.rig.base, self.rig.base.three_axes
         has_gravity = axes is not None and axes.mps2_per_lsb > 0.0
         step_dps = gyro_model_of(self.rig).count_dps
         return Facts(base.dps_per_lsb, base.encoder_cpr, step_dps, axes is not None, has_gravity)
 
     def with_noise(self, share: float) -> "Subject":
-        """The same with the noise of the rig multiplied."""
+        """The subject with the noise of the rig multiplied by `share`."""
         base = self.rig.base.model_copy(update={"noise_dps_rthz": self.rig.base.noise_dps_rthz * share})
         return self._with_base(base)
 
     def recalibrated(self, effects: tuple[Effect, ...]) -> "Subject":
-        """The same with noise and bias found beside more effects of the rig, which hide both at rest."""
-        motion = self.held_to(effects).posterior.mean
-        return self._with_base(calibrated(self.seen, self.design, motion, with_replaced(self.rig, effects)).base)
+        """The subject calibrated to the rig with more effects, for effects that hide noise and bias at rest."""
+        motion = self.with_motion_under(effects).posterior.mean
+        return self._with_base(calibrated(self.cleaned, self.design, motion, with_replaced(self.rig, effects)).base)
 
-    def beside(self, effects: tuple[Effect, ...]) -> "Subject":
-        """The same with the bias that is left beside more effects."""
-        bias_dps = bias_beside(self.seen, self.design, self.rig, effects)
+    def with_remaining_bias(self, effects: tuple[Effect, ...]) -> "Subject":
+        """The subject with the bias of the rig less what more effects add to the rate."""
+        bias_dps = remaining_bias_dps(self.cleaned, self.design, self.rig, effects)
         return self._with_base(self.rig.base.model_copy(update={"bias_dps": bias_dps}))
 
-    def held_to(self, effects: tuple[Effect, ...]) -> "Subject":
-        """The same with the motion that is behind its angles and rates if the rig has more effects.
+    def with_motion_under(self, effects: tuple[Effect, ...]) -> "Subject":
+        """The subject with its motion rebuilt under the assumption that the rig has more effects.
 
-        What was recorded stands as it is, whatever is held to be behind it: a disc off its centre, added to a motion
-        that follows its angles, would show them twice as far off, and a late gyro would be twice as late.
+        The recorded angles already hold the error of these effects. If the motion followed the recorded angles, the
+        simulation would add the error again: an eccentric disc would err twice as far, and a gyro lag twice as long.
         """
         rig = with_replaced(self.rig, effects)
-        seen_by = motion_seen_by(rig)
-        if seen_by == motion_seen_by(self.rig):
+        model = sensor_model_of(rig)
+        if model == sensor_model_of(self.rig):
             return self
-        if seen_by not in self.held:
-            self.held.clear()  # sizes are simulated one after the other, and a motion takes as much as a recording
-            _, posterior = corrected(self.seen, rig, self.posterior)
-            self.held[seen_by] = replace(self, posterior=posterior, drawn={}, held={})
-        return self.held[seen_by]
+        if model not in self.rebuilt_under:
+            # Only the latest is kept: sizes are simulated in sequence, and a motion is as large as a recording.
+            self.rebuilt_under.clear()
+            _, posterior = corrected(self.cleaned, rig, self.posterior)
+            self.rebuilt_under[model] = replace(self, posterior=posterior, drawn={}, rebuilt_under={})
+        return self.rebuilt_under[model]
 
     def motion(self, seed: int) -> ReplayedMotion:
-        """A motion that the recording leaves possible; the same seed is the same motion."""
+        """A motion drawn from the posterior; a seed always gives the same motion."""
         if seed not in self.drawn:
-            rng = np.random.default_rng([self._course() + seed, MOTIONS])
+            rng = np.random.default_rng([self._profile_hash() + seed, MOTIONS])
             self.drawn[seed] = self.posterior.draw(rng, self._counted_rests())
         return self.drawn[seed]
 
     def _counted_rests(self) -> CountedRests:
-        """Where it rests, by what the rig's encoder would read."""
+        """Rests of the motion, at angles that the rig's encoder would read as recorded."""
         posterior = self.posterior
         return counted_rests(
             posterior.rests,
-            self.seen.encoder_deg,
+            self.cleaned.encoder_deg,
             posterior.encoder_deg,
-            partial(angles_read, self.rig),
-            self.seen.step_deg,
+            partial(counted_angles, self.rig),
+            self.cleaned.step_deg,
         )
 
     def measured(self) -> Measured:
-        """Features of the recording itself; thresholds know what steps of the rate hide."""
+        """Features of the recording; the thresholds include the error by steps of the rate."""
         base = self.rig.base
         hidden = hidden_dps(self.facts.step_dps, base.noise_dps_rthz * base.sample_rate_hz**0.5)
-        left_dps = unexplained_dps(self.seen, self.design)
-        scatter_dps = float(np.sqrt(np.mean(np.square(left_dps))))
-        own = measure(self.seen, self.design, self.facts)
-        return with_hidden(own, hidden, self.facts.step_dps, scatter_dps, len(left_dps))
+        residual_dps = unexplained_dps(self.cleaned, self.design)
+        scatter_dps = float(np.sqrt(np.mean(np.square(residual_dps))))
+        own = measure(self.cleaned, self.design, self.facts)
+        return with_hidden(own, hidden, self.facts.step_dps, scatter_dps, len(residual_dps))
 
     def replayed(self, effects: tuple[Effect, ...], seed: int) -> Cleaned:
-        """The rig with more effects, driven through the recording's motion; the same seed is the same realisation."""
+        """Cleaned simulation of the rig with more effects; a seed always gives the same realization."""
         return cleaned(self.played(effects, seed))
 
     def simulated(self, effects: tuple[Effect, ...], seed: int) -> Measured:
-        """Features of that."""
+        """Features of a simulation of the rig with more effects."""
         return self.measured_again(self.replayed(effects, seed))
 
-    def measured_again(self, seen: Cleaned) -> Measured:
-        """Features of a simulation, against the motion that is rebuilt from itself."""
-        return measure(seen, rebuilt(seen, self.rig).design, self.facts)
+    def measured_again(self, simulated: Cleaned) -> Measured:
+        """Features of a simulation, with the motion rebuilt from the simulation itself."""
+        return measure(simulated, rebuilt(simulated, self.rig).design, self.facts)
 
-    def values_measured_again(self, seen: Cleaned) -> Floats:
-        """The same but for those of times, which are the last."""
-        design = rebuilt(seen, self.rig).design
+    def values_measured_again(self, simulated: Cleaned) -> Floats:
+        """Values of `measured_again` without the features of times, which are the last."""
+        design = rebuilt(simulated, self.rig).design
         return np.concatenate(
-            [measure_residuals(seen, design).values, measure_samples(seen, design, self.facts).values]
+            [measure_residuals(simulated, design).values, measure_samples(simulated, design, self.facts).values]
         )
 
     def base_run(self, seed: int) -> BaseRun:
-        """The rig as it stands, driven through the recording's motion."""
-        seen = self.replayed((), seed)
-        design = rebuilt(seen, self.rig).design
-        return BaseRun(seed, seen, design, measure(seen, design, self.facts).values)
+        """Simulation of the rig without further effects."""
+        simulated = self.replayed((), seed)
+        design = rebuilt(simulated, self.rig).design
+        return BaseRun(seed, simulated, design, measure(simulated, design, self.facts).values)
 
-    def design_beside(self, seen: Cleaned, base: BaseRun) -> DesignMatrix:
-        """The design of a run without an effect for what is seen with it: only what an encoder itself shows is new.
+    def design_for(self, simulated: Cleaned, base: BaseRun) -> DesignMatrix:
+        """Design matrix of a simulation with an effect: that of its base run, with the lag basis of its own encoder.
 
-        Rebuilding the motion takes ten times as long, and changes little; but where another limit keeps the gyro from
-        saying anything, other blocks tell. What is but added to the rate leaves limits where they were.
+        Rebuilding the motion would take ten times as long and changes little. It is rebuilt only if the gyro is at its
+        limit in other blocks than in the base run. An effect that only adds to the rate moves no limit.
         """
-        if seen.encoder_deg is base.seen.encoder_deg:
+        if simulated.encoder_deg is base.cleaned.encoder_deg:
             return base.design
-        at_limit, one = known_at_limit(self.rig, seen), base.design
-        if at_limit is not None and not np.array_equal(touches(at_limit, one.period_s, one.block), one.is_silent):
-            return rebuilt(seen, self.rig).design
-        if np.array_equal(seen.encoder_deg, base.seen.encoder_deg):
+        at_limit, design = known_at_limit(self.rig, simulated), base.design
+        if at_limit is not None and not np.array_equal(
+            touches(at_limit, design.period_s, design.block), design.is_silent
+        ):
+            return rebuilt(simulated, self.rig).design
+        if np.array_equal(simulated.encoder_deg, base.cleaned.encoder_deg):
             return base.design
-        return replace(base.design, lag=lag_basis(seen.encoder_deg, base.design.period_s))
+        return replace(base.design, lag=lag_basis(simulated.encoder_deg, base.design.period_s))
 
-    def residual_features(self, seen: Cleaned, base: BaseRun) -> Floats:
-        """The first features: those that a slow change of the rate moves."""
-        return measure_residuals(seen, self.design_beside(seen, base)).values
+    def residual_features(self, simulated: Cleaned, base: BaseRun) -> Floats:
+        """Values of RESIDUAL_FEATURES, which are the first: slow changes of the rate change only these."""
+        return measure_residuals(simulated, self.design_for(simulated, base)).values
 
-    def value_features(self, seen: Cleaned, base: BaseRun) -> Floats:
-        """All features but those of times, which are the last."""
-        of_samples = measure_samples(seen, base.design, self.facts).values
-        return np.concatenate([self.residual_features(seen, base), of_samples])
+    def value_features(self, simulated: Cleaned, base: BaseRun) -> Floats:
+        """Values of all features without those of times, which are the last."""
+        of_samples = measure_samples(simulated, base.design, self.facts).values
+        return np.concatenate([self.residual_features(simulated, base), of_samples])
 
     def time_features(self, effects: tuple[Effect, ...], seed: int) -> Floats:
-        """Only those of clock and link, for effects that touch nothing else."""
+        """Values of the features of clock and link, for effects that change nothing else."""
         return timing.measure(self.played(effects, seed)).values
 
     def with_rate(self, effects: tuple[Effect, ...], base: BaseRun, seed: int) -> Cleaned:
-        """What a simulation is with a realisation of effects that only add to the rate, without playing it again."""
+        """A base run with a realization of effects that only add to the rate; nothing is simulated again."""
         motion = self.motion(base.seed)
         truth = moments_of(motion)
-        rate_dps = base.seen.rate_dps
+        rate_dps = base.cleaned.rate_dps
         for effect in effects:
             rng = np.random.default_rng([self._stream(seed), crc32(effect.name.encode())])
             rate_dps = effect.begin(rng, 1.0 / motion.period_s)(rate_dps, truth)
-        return replace(base.seen, rate_dps=rate_dps)
+        return replace(base.cleaned, rate_dps=rate_dps)
 
-    def in_counts(self, seen: Cleaned) -> Cleaned:
-        """The same in whole counts again, after something was added to the rate."""
-        step_dps = self.facts.step_dps
-        return replace(seen, rate_dps=np.rint(seen.rate_dps / step_dps) * step_dps if step_dps else seen.rate_dps)
+    def in_counts(self, simulated: Cleaned) -> Cleaned:
+        """A simulation with its rate rounded to whole steps again, after something was added to the rate."""
+        step_dps, rate_dps = self.facts.step_dps, simulated.rate_dps
+        return replace(simulated, rate_dps=np.rint(rate_dps / step_dps) * step_dps if step_dps else rate_dps)
 
     def with_shape(self, shape: Shape, size: float, seed: int, without: Cleaned) -> Cleaned:
-        """What a simulation is with something added to its rate that is no effect."""
+        """The simulation `without` with a shape added to its rate, for out-of-catalog models."""
         added_dps = shape(self.design, np.random.default_rng([self._stream(seed), SHAPES]))
         return replace(without, rate_dps=without.rate_dps + size * added_dps)
 
     def _with_base(self, base: Base) -> "Subject":
         return replace(self, rig=self.rig.model_copy(update={"base": base}))
 
-    def _course(self) -> int:
-        """Sessions that play one profile draw by the same random numbers: what is wrong in rebuilding it is shared.
+    def _profile_hash(self) -> int:
+        """Hash of the motion profile, a seed for drawing motions.
 
-        They are told by where they are from time to time, roughly, since no two of them have quite the same counts.
+        Sessions of one profile share the errors of rebuilding it, so they use the same random numbers. The angles are
+        compared every 5 s, rounded to 45 degrees, since two sessions never have exactly the same counts.
         """
-        every = max(1, round(5.0 / self.seen.recording.period_s))
-        away_deg = self.seen.encoder_deg[::every] - self.seen.encoder_deg[0]
+        stride = max(1, round(5.0 / self.cleaned.recording.period_s))
+        away_deg = self.cleaned.encoder_deg[::stride] - self.cleaned.encoder_deg[0]
         return crc32(np.rint(away_deg / 45.0).astype(np.int32).tobytes())
 
     def _stream(self, seed: int) -> int:
-        """No two sessions are the same realisation."""
-        return crc32(self.seen.recording.name.encode()) + seed
+        """Seed of the random streams; it includes the name, so that every session is a realization of its own."""
+        return crc32(self.cleaned.recording.name.encode()) + seed
 
     def session(self, effects: tuple[Effect, ...], seed: int) -> Session:
-        """The rig with more effects, driven through the recording's motion, as a host would have recorded it.
+        """Simulated session of the rig with more effects, as a host would have recorded it.
 
-        An effect that stands in the rig already is replaced.
+        An effect that the rig already has is replaced.
         """
-        # Ticks of a host begin anywhere.
+        # A host's ticks have a random phase.
         later_s = 0.1 * float(np.random.default_rng([self._stream(seed), ARRIVALS]).random())
         base = self.rig.base.model_copy(update={"host_delay_s": self.rig.base.host_delay_s + later_s})
         rig = with_replaced(self.rig, effects).model_copy(update={"base": base})
-        motion = self.held_to(effects).motion(seed)
+        motion = self.with_motion_under(effects).motion(seed)
         block = next(play(rig, motion, self._stream(seed), block_samples=self.design.samples))
-        session = as_recorded(block, rig.base, self.seen.recording.name)
+        session = as_recorded(block, rig.base, self.cleaned.recording.name)
         if self.reference is None or session.encoder_deg is None:
             return session
         noise_deg = self.reference.drawn(np.random.default_rng([self._stream(seed), REFERENCES]))
         return replace(session, encoder_deg=session.encoder_deg + noise_deg[block.seq])
 
     def played(self, effects: tuple[Effect, ...], seed: int) -> Recording:
-        """A simulation holds what the recording holds: arrivals or numbers that it lacks are no difference."""
-        recording, session = self.seen.recording, self.session(effects, seed)
+        """Recording of a simulated session; without arrival times or a counter if the real recording has none."""
+        recording, session = self.cleaned.recording, self.session(effects, seed)
         if recording.host_s is None:
             session = replace(session, t_host_s=None)
         if not recording.has_counter:
@@ -263,19 +280,23 @@ class Subject:
 
 
 def subject_of(recording: Recording, rig: Rig, least_noise_dps_rthz: float = 0.0) -> Subject:
-    """Rebuild the motion, and calibrate the rig, with no less noise than it is known to have."""
-    seen = cleaned(recording)
-    known, posterior, design, encoder_deg = rebuilt(seen, rig)
-    reference = reference_noise_of(encoder_deg, seen.step_deg, posterior.mean)
-    rig_of_session = calibrated(seen, design, posterior.mean, known, least_noise_dps_rthz)
-    return Subject(seen, posterior, design, rig_of_session, reference)
+    """Rebuild the motion of a recording, and calibrate the rig to it.
+
+    least_noise_dps_rthz
+        Lower bound of the calibrated noise.
+    """
+    samples = cleaned(recording)
+    rig_with_phases, posterior, design, encoder_deg = rebuilt(samples, rig)
+    reference = reference_noise_of(encoder_deg, samples.step_deg, posterior.mean)
+    rig_of_session = calibrated(samples, design, posterior.mean, rig_with_phases, least_noise_dps_rthz)
+    return Subject(samples, posterior, design, rig_of_session, reference)
 
 
 class Rebuilt(NamedTuple):
-    """The motion behind what was seen, the design matrix that it gives, and the rig with the phases of this session.
+    """Motion rebuilt from a recording, its design matrix, and the rig with the phases of this session.
 
     encoder_deg
-        Angles of the encoder without what the rig says it errs by.
+        Angles of the encoder without the errors that the rig states, shape (n,).
     """
 
     rig: Rig
@@ -284,39 +305,43 @@ class Rebuilt(NamedTuple):
     encoder_deg: Floats
 
 
-def rebuilt(seen: Cleaned, rig: Rig) -> Rebuilt:
-    """What an encoder and a gyro of this rig say of how they were moved."""
-    gyro = _as_late_as_it_is(gyro_model_of(rig), seen)
-    posterior, at_limit = motion_posterior_of(seen, gyro), known_at_limit(rig, seen)
-    design = design_matrix_of(seen, posterior.mean, posterior.sigma_dps, at_limit)
-    known = with_phases(rig, seen, design)
-    if not motion_seen_by(rig).is_bent:
-        return Rebuilt(known, posterior, design, seen.encoder_deg)
-    encoder_deg, posterior = corrected(seen, known, posterior)
-    design = design_matrix_of(seen, posterior.mean, posterior.sigma_dps, at_limit)
-    return Rebuilt(known, posterior, design, encoder_deg)
+def rebuilt(cleaned: Cleaned, rig: Rig) -> Rebuilt:
+    """Rebuild the motion from the angles and rates of a recording, assuming this rig."""
+    gyro = _with_recorded_delay(gyro_model_of(rig), cleaned)
+    posterior, at_limit = motion_posterior_of(cleaned, gyro), known_at_limit(rig, cleaned)
+    design = design_matrix_of(cleaned, posterior.mean, posterior.sigma_dps, at_limit)
+    rig_with_phases = with_phases(rig, cleaned, design)
+    if not sensor_model_of(rig).distorts_motion:
+        return Rebuilt(rig_with_phases, posterior, design, cleaned.encoder_deg)
+    encoder_deg, posterior = corrected(cleaned, rig_with_phases, posterior)
+    design = design_matrix_of(cleaned, posterior.mean, posterior.sigma_dps, at_limit)
+    return Rebuilt(rig_with_phases, posterior, design, encoder_deg)
 
 
-def corrected(seen: Cleaned, rig: Rig, posterior: MotionPosterior) -> tuple[Floats, MotionPosterior]:
-    """Angles of the encoder without what a rig says it errs by, and the motion behind them, from one about right."""
-    gyro = _as_late_as_it_is(gyro_model_of(rig), seen)
-    if not motion_seen_by(rig).is_bent:
-        return seen.encoder_deg, motion_posterior_of(seen, gyro)
-    encoder_deg, rate_dps = seen.encoder_deg, restored_dps(rig, posterior.mean)
-    for _ in range(2):  # rounds, each with the motion of the one before
-        encoder_deg = angles_before(rig, seen.encoder_deg, posterior.mean)
-        whole = replace(seen, rate_dps=seen.rate_dps + taken_dps(rig, posterior.mean, rate_dps))
-        posterior = motion_posterior_of(whole, gyro, encoder_deg)
+def corrected(cleaned: Cleaned, rig: Rig, posterior: MotionPosterior) -> tuple[Floats, MotionPosterior]:
+    """Angles of the encoder without the errors that a rig states, shape (n,), and the motion rebuilt from them.
+
+    posterior
+        An approximate motion to begin with.
+    """
+    gyro = _with_recorded_delay(gyro_model_of(rig), cleaned)
+    if not sensor_model_of(rig).distorts_motion:
+        return cleaned.encoder_deg, motion_posterior_of(cleaned, gyro)
+    encoder_deg, rate_dps = cleaned.encoder_deg, restored_dps(rig, posterior.mean)
+    for _ in range(2):  # rounds; a round begins with the motion of the previous one
+        encoder_deg = angles_without_error(rig, cleaned.encoder_deg, posterior.mean)
+        restored = replace(cleaned, rate_dps=cleaned.rate_dps + low_pass_loss_dps(rig, posterior.mean, rate_dps))
+        posterior = motion_posterior_of(restored, gyro, encoder_deg)
         rate_dps = posterior.mean.rate_dps
     return encoder_deg, posterior
 
 
-def _as_late_as_it_is(gyro: GyroModel, seen: Cleaned) -> GyroModel:
-    """The gyro with the delay that the recording shows, where that is far from the rig's.
+def _with_recorded_delay(gyro: GyroModel, cleaned: Cleaned) -> GyroModel:
+    """The gyro with the delay that the recording shows, if it differs from the rig's by 20 ms or more.
 
-    Else rates of one moment would be taken for the motion of another, and bend it.
+    With a wrong delay, rates would be assigned to the motion of another moment, and distort it.
     """
-    if not seen.recording.has_motion:
+    if not cleaned.recording.has_motion:
         return gyro
-    # A smaller delay costs the motion no more than the two disagree in noise.
-    return gyro if abs(seen.late_s - gyro.delay_s) < 0.02 else replace(gyro, delay_s=seen.late_s)
+    # A smaller difference changes the motion by less than the noise of gyro and encoder.
+    return gyro if abs(cleaned.late_s - gyro.delay_s) < 0.02 else replace(gyro, delay_s=cleaned.late_s)

@@ -64,7 +64,7 @@ def test_the_direction_of_the_lean_is_known() -> None:
 def test_devices_without_axes_have_zeros() -> None:
     """Nothing is measured that recording or rig lacks."""
     single = observed(TRUE_DPS)
-    assert not measure(single.seen, single.design, THREE).values[OF_AXES].any()
+    assert not measure(single.cleaned, single.design, THREE).values[OF_AXES].any()
     assert values(tilted(12.0), FACTS) == {"turn_across": 0.0, "gravity_across": 0.0}
     without_gravity = values(tilted(12.0), replace(THREE, has_gravity=False))
     assert without_gravity["turn_across"] > 0.2

@@ -9,7 +9,7 @@ from features_support import AT_REST, FACTS, PERIOD_S, T_S, TRUE_DPS, Observed, 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.noise import root_share
 from gyrodrift.diagnose.features.spectral_line import WINDOW, spectral_line, white_dps
-from gyrodrift.diagnose.features.spreads import MOVING_POINTS, REST_POINTS, SpreadPlaces, spreads_of
+from gyrodrift.diagnose.features.spreads import MOVING_POINTS, REST_POINTS, DifferenceIndices, spreads_of
 
 SIGMA = 0.05
 
@@ -17,13 +17,13 @@ SIGMA = 0.05
 def noisy(noise_dps: Floats) -> Observed:
     """Past the search for outliers: what is measured is what is given."""
     one = observed(TRUE_DPS)
-    return Observed(replace(one.seen, rate_dps=TRUE_DPS + noise_dps), one.design)
+    return Observed(replace(one.cleaned, rate_dps=TRUE_DPS + noise_dps), one.design)
 
 
 def test_white_noise_is_white_at_rest_and_in_motion() -> None:
     """Its variance comes out the same of means of any length; the longest are few."""
     one = noisy(white(SIGMA))
-    spreads = spreads_of(one.seen.rate_dps, one.design.spread_places)
+    spreads = spreads_of(one.cleaned.rate_dps, one.design.difference_indices)
     assert np.sqrt(spreads.rest[:4]) == pytest.approx([SIGMA] * 4, rel=0.06)
     assert np.sqrt(spreads.slow + spreads.fast) == pytest.approx([SIGMA] * 6, rel=0.1)
     found = one.values()
@@ -39,7 +39,7 @@ def test_a_scatter_of_which_most_is_nothing_grows_evenly_with_what_there_is() ->
     found = []
     for share in shares:
         one = noisy(np.where(leaves < share * len(T_S), 0.5, 0.0))
-        found.append(spreads_of(one.seen.rate_dps, one.design.spread_places).rest[0])
+        found.append(spreads_of(one.cleaned.rate_dps, one.design.difference_indices).rest[0])
     assert found == pytest.approx((shares * (1.0 - shares) * 0.25).tolist(), rel=0.3)
 
 
@@ -49,7 +49,7 @@ def test_outliers_in_a_short_rest_are_held_back() -> None:
     rate_dps[[11, 30, 47]] += 20.0
     none = np.zeros(0, np.int64)
     rests = tuple(np.arange(len(rate_dps) // points - 2) if points < 16 else none for points in REST_POINTS)
-    places = SpreadPlaces(rests, (none,) * len(MOVING_POINTS), (none,) * len(MOVING_POINTS), none)
+    places = DifferenceIndices(rests, (none,) * len(MOVING_POINTS), (none,) * len(MOVING_POINTS), none)
     assert spreads_of(rate_dps, places).rest[0] < 6.0 * SIGMA**2
 
 
@@ -64,13 +64,15 @@ def test_correlated_noise_has_the_spread_of_its_kernel(number: int) -> None:
     second[[0, points, 2 * points]] = 1.0, -2.0, 1.0
     weights = np.convolve(np.convolve(mean, second), [0.5, 0.5])
     expected = SIGMA**2 * float(weights @ weights) * points / 6.0
-    assert spreads_of(one.seen.rate_dps, one.design.spread_places).rest[number] == pytest.approx(expected, rel=0.2)
+    assert spreads_of(one.cleaned.rate_dps, one.design.difference_indices).rest[number] == pytest.approx(
+        expected, rel=0.2
+    )
 
 
 def test_a_ramp_is_no_noise() -> None:
     """Not at rest, where a second difference takes it away, nor in motion."""
     one = noisy(0.3 * T_S)
-    spreads = spreads_of(one.seen.rate_dps, one.design.spread_places)
+    spreads = spreads_of(one.cleaned.rate_dps, one.design.difference_indices)
     assert max(*spreads.rest, *spreads.slow, *spreads.fast) < 1e-12
 
 

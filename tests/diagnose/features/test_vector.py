@@ -47,7 +47,7 @@ def test_masks_go_by_the_records() -> None:
 def test_values_and_thresholds_have_a_place_each() -> None:
     """As many as there are features, all of them numbers."""
     one = observed(TRUE_DPS + white(0.05))
-    values, thresholds = measure(one.seen, one.design, FACTS)
+    values, thresholds = measure(one.cleaned, one.design, FACTS)
     assert values.shape == thresholds.shape == (len(FEATURES),)
     assert np.isfinite(values).all()
     assert (thresholds >= 0.0).all()

@@ -24,7 +24,7 @@ def error_deg(subject: Subject, text: str) -> float:
 def test_a_corrected_session_errs_as_the_recording_does(effect: str) -> None:
     """An effect that carries a bias leaves the rig the rest of the bias and no more."""
     subject = subject_from(session_of(parse_effect(effect)))
-    recorded = float(np.nanmean(np.abs(yaw_error_deg(subject.seen.recording))))
+    recorded = float(np.nanmean(np.abs(yaw_error_deg(subject.cleaned.recording))))
     assert error_deg(subject, effect) == pytest.approx(recorded, rel=0.1)
 
 
@@ -33,5 +33,5 @@ def test_the_cost_of_an_effect_is_what_the_recording_shows_of_it() -> None:
     effect = parse_effect("temp_bias:slope_dps_per_c=0.05")
     subject = subject_from(session_of(effect))
     cause = cast("NamedCause", SimpleNamespace(in_session=lambda *_: effect))
-    away_deg = yaw_error_deg(subject.seen.recording) - yaw_error_deg(subject.played((), 0))
+    away_deg = yaw_error_deg(subject.cleaned.recording) - yaw_error_deg(subject.played((), 0))
     assert cost_deg([subject], [cause], cause) == pytest.approx(np.nanmean(np.abs(away_deg)), rel=0.2)

@@ -146,7 +146,7 @@ def test_a_replay_of_a_trembling_robot_scatters_as_its_recording_does(cpr: int) 
     replayed = subject.replayed((), 0)
     for points in (1, 2, 4):
         powers = []
-        for rate_dps in (subject.seen.rate_dps, replayed.rate_dps):
+        for rate_dps in (subject.cleaned.rate_dps, replayed.rate_dps):
             means = rate_dps[: len(rate_dps) // 4 * 4].reshape(-1, points).mean(axis=1)
             powers.append(float(np.square(np.diff(means, 3)).mean()))
         assert powers[1] == pytest.approx(powers[0], rel=0.08)

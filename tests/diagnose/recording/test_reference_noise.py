@@ -35,7 +35,7 @@ def recorded(*effects: str, noise_seed: int | None = None) -> Recording:
 
 def off_dps(subject: Subject) -> float:
     """What gyro and reference disagree by, from a tenth of a second on."""
-    seen = subject.seen
+    seen = subject.cleaned
     away_deg = seen.encoder_deg - np.cumsum(seen.rate_dps) * seen.recording.period_s
     return float(np.std(away_deg[20:] - away_deg[:-20]) / (20 * seen.recording.period_s))
 
@@ -74,10 +74,10 @@ def test_a_simulation_is_as_noisy_as_the_reference() -> None:
     first, second = (subject_of(subject.played((), seed), RIG) for seed in (1, 2))
     for one in (first, second):
         assert off_dps(one) == pytest.approx(off_dps(subject), rel=0.3)
-    apart = first.seen.encoder_deg - second.seen.encoder_deg
+    apart = first.cleaned.encoder_deg - second.cleaned.encoder_deg
     assert np.std(np.diff(apart)) > 0.5 * np.std(np.diff(subject.reference.seen_deg))
     again = subject.played((), 1)
-    assert np.array_equal(again.encoder_deg, first.seen.recording.encoder_deg, equal_nan=True)
+    assert np.array_equal(again.encoder_deg, first.cleaned.recording.encoder_deg, equal_nan=True)
 
 
 def test_noise_that_is_drawn_is_as_large_at_every_moment_and_has_forgotten_its_sign() -> None:

@@ -58,8 +58,8 @@ def test_beside_what_is_held_to_act_the_bias_is_what_is_left(effect: str, noise:
     truth = Rig(base=BASE.model_copy(update=own), effects=(parse_effect(effect),))
     session = Simulation(truth, MOTION, seed=1, minutes=MOTION.seconds / 60.0).whole()
     subject = subject_of(recording_of(session), Rig(base=truth.base, effects=()))
-    assert subject.beside(truth.effects).rig.base.bias_dps == pytest.approx(BIAS_DPS, abs=0.03)
-    assert subject.beside(()).rig.base == subject.rig.base
+    assert subject.with_remaining_bias(truth.effects).rig.base.bias_dps == pytest.approx(BIAS_DPS, abs=0.03)
+    assert subject.with_remaining_bias(()).rig.base == subject.rig.base
 
 
 @pytest.mark.parametrize(("rate_hz", "noise"), [(50.0, 0.02), (200.0, 0.002), (400.0, 0.0035)])
@@ -204,5 +204,5 @@ def test_noise_that_a_low_pass_took_and_steps_hide_at_rest_was_there_before(
     )
     session = Simulation(Rig(base=base, effects=behind), MOTION, seed, minutes=MOTION.seconds / 60.0).whole()
     subject = subject_of(recording_of(session), Rig(base=base))
-    assert is_hidden_at_rest(subject.seen, subject.design, subject.rig)
+    assert is_hidden_at_rest(subject.cleaned, subject.design, subject.rig)
     assert with_noise_beneath(subject, behind).rig.base.noise_dps_rthz == pytest.approx(noise, rel=0.25)

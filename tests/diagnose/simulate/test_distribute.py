@@ -31,8 +31,8 @@ TRIED = (candidate_of("scale_factor"), candidate_of("popcorn"))
 
 def named(name: str) -> Subject:
     """The plain session by another name: its realisations are its own."""
-    seen = plain().seen
-    return replace(plain(), seen=replace(seen, recording=replace(seen.recording, name=name)))
+    seen = plain().cleaned
+    return replace(plain(), cleaned=replace(seen, recording=replace(seen.recording, name=name)))
 
 
 def same(first: ResponseTable, second: ResponseTable) -> bool:
@@ -49,7 +49,7 @@ def same(first: ResponseTable, second: ResponseTable) -> bool:
 def test_processes_are_handed_loaded_sessions_and_give_what_one_would() -> None:
     """No file is read: there is none where they come from. Tables come in the order of the sessions and are counted."""
     subjects = (named("a"), named("b"))
-    origins = tuple(Origin(Path(f"/nowhere/{one.seen.recording.name}.mcap"), 0) for one in subjects)
+    origins = tuple(Origin(Path(f"/nowhere/{one.cleaned.recording.name}.mcap"), 0) for one in subjects)
     plan = SimulationPlan(origins, subjects, Rig(base=BASE), HINTS, TRIED, 0.0)
     told: list[tuple[str, int, int]] = []
     here = response_tables(plan, 1, None, lambda *step: told.append(step))

@@ -168,8 +168,8 @@ def test_outliers_are_found_with_their_height() -> None:
 
 def test_many_small_outliers_hide_no_few_large_ones() -> None:
     """Half of their power lies in the three large ones."""
-    seen = replace(plain().seen, spikes_dps=np.array([40.0, -40.0, 40.0, *[3.0] * 20]))
-    one = replace(plain(), seen=seen)
+    seen = replace(plain().cleaned, spikes_dps=np.array([40.0, -40.0, 40.0, *[3.0] * 20]))
+    one = replace(plain(), cleaned=seen)
     assert hints_of([one]).spike_dps == 40.0
 
 
@@ -197,10 +197,10 @@ def test_a_dead_band_may_leak_twice(leaks: int) -> None:
     """Of the few rates of a quick motion the smallest is the width, but for what lies far below all others."""
     one = subject_from(session_of(parse_effect("deadband:width_dps=0.5")))
     near = np.concatenate([np.linspace(0.1, 0.12, leaks), np.random.default_rng(1).uniform(0.5, 3.0, 300)])
-    rate_dps = np.where(np.abs(one.seen.recording.rate_dps) < 3.0, 0.0, one.seen.recording.rate_dps)
+    rate_dps = np.where(np.abs(one.cleaned.recording.rate_dps) < 3.0, 0.0, one.cleaned.recording.rate_dps)
     rate_dps[: len(near)] = near
-    seen = replace(one.seen, recording=replace(one.seen.recording, rate_dps=rate_dps))
-    assert hints_of([replace(one, seen=seen)]).least_dps == pytest.approx(0.5, abs=0.02)
+    seen = replace(one.cleaned, recording=replace(one.cleaned.recording, rate_dps=rate_dps))
+    assert hints_of([replace(one, cleaned=seen)]).least_dps == pytest.approx(0.5, abs=0.02)
 
 
 def test_without_a_dead_band_all_that_rounds_to_a_step_is_put_out() -> None:
@@ -231,7 +231,7 @@ def test_of_several_sessions_the_median_counts_and_the_largest_rate_of_all() -> 
     coarse = subject_from(session_of(parse_effect("quantization:step_dps=0.25")))
     hints = hints_of([coarse, plain(), coarse])
     assert hints.rate_step_dps == pytest.approx(0.25, rel=2e-3)
-    assert hints.largest_dps == max(float(np.abs(one.seen.rate_dps).max()) for one in (coarse, plain()))
+    assert hints.largest_dps == max(float(np.abs(one.cleaned.rate_dps).max()) for one in (coarse, plain()))
 
 
 @pytest.mark.parametrize(("sample_period_s", "most_ms"), [(0.0035, 5.0), (0.0525, 21.0)])

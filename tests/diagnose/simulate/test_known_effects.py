@@ -10,7 +10,7 @@ from firmware_sim.effects.effect import Effect
 from firmware_sim.rig import Rig, parse_effect
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate import known_effects
-from gyrodrift.diagnose.simulate.known_effects import gyro_model_of, motion_seen_by
+from gyrodrift.diagnose.simulate.known_effects import gyro_model_of, sensor_model_of
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.simulation.sessions import Simulation
 
@@ -90,16 +90,16 @@ def test_the_motion_is_the_one_behind_what_is_held_to_act(text: str) -> None:
     """Nearer to the table than one that takes encoder and gyro for as good as the rig says."""
     effect = parse_effect(text)
     unknown = seen(effect, absolute=True, known=False, cpr=1024)
-    held = unknown.held_to((effect,))
+    held = unknown.with_motion_under((effect,))
     assert off_deg(held) < 0.75 * off_deg(unknown)
-    assert unknown.held_to((effect,)) is held  # realisations of one size follow one another
+    assert unknown.with_motion_under((effect,)) is held  # realisations of one size follow one another
 
 
 def test_a_simulation_shows_the_angles_of_the_recording_whatever_bent_them() -> None:
     """A disc off its centre is in them already, and does not show twice."""
     effect = parse_effect("encoder_eccentricity:amplitude_deg=0.5,phase_deg=40")
     subject = seen(effect, absolute=True, known=False)
-    real_deg = subject.seen.recording.encoder_deg
+    real_deg = subject.cleaned.recording.encoder_deg
     with_it_deg = subject.played((effect,), 0).encoder_deg
     assert np.std(with_it_deg - real_deg) < 0.5 * np.std(subject.played((), 0).encoder_deg - real_deg) + 0.02
 
@@ -108,7 +108,7 @@ def test_a_simulation_shows_the_angles_of_the_recording_whatever_bent_them() -> 
 def test_what_bends_no_motion_leaves_it(text: str) -> None:
     """A gain of the gyro goes with the motion as its bias does, and jumps are taken out as what they are."""
     subject = seen(parse_effect(text), known=False)
-    assert subject.held_to((parse_effect(text),)) is subject
+    assert subject.with_motion_under((parse_effect(text),)) is subject
 
 
 def test_an_effect_that_is_no_candidate_may_stand_in_the_rig(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -179,5 +179,7 @@ def test_a_gyro_is_as_late_as_its_rig_says() -> None:
 
 def test_jumps_are_no_known_error_of_the_encoder() -> None:
     """They come by chance, and are taken out where they are seen."""
-    assert not motion_seen_by(Rig(effects=(parse_effect("encoder_slip"), parse_effect("scale_factor")))).is_bent
-    assert motion_seen_by(Rig(effects=(parse_effect("backlash"),))).is_bent
+    assert not sensor_model_of(
+        Rig(effects=(parse_effect("encoder_slip"), parse_effect("scale_factor")))
+    ).distorts_motion
+    assert sensor_model_of(Rig(effects=(parse_effect("backlash"),))).distorts_motion

@@ -39,7 +39,7 @@ def test_blocks_at_a_limit_that_the_rig_knows_say_nothing(seed: int) -> None:
     limit_dps = dice.uniform(90.0, 150.0)
     rig = rig_of(limit_dps, dice.choice([512, 1024, 4096]))
     one = seen_of(rig, seed, rig)
-    left, silent = block_residuals_of(one.seen, one.design), one.design.is_silent
+    left, silent = block_residuals_of(one.cleaned, one.design), one.design.is_silent
     true_dps = load_profile("turntable").motion_at(
         np.arange(one.design.samples, dtype=np.float64) * one.design.period_s
     )[1]
@@ -66,23 +66,23 @@ def test_a_limit_that_the_rig_does_not_know_shows() -> None:
     """There the blocks say how much is missing."""
     one = seen_of(rig_of(125.0), 1, Rig(base=rig_of(125.0).base))
     assert not one.design.is_silent.any()
-    assert known_at_limit(one.rig, one.seen) is None
-    assert np.abs(block_residuals_of(one.seen, one.design).static).max() > MISSES_DPS
+    assert known_at_limit(one.rig, one.cleaned) is None
+    assert np.abs(block_residuals_of(one.cleaned, one.design).static).max() > MISSES_DPS
 
 
 def test_a_limit_at_another_rate_than_the_rig_says_is_one_too() -> None:
     """How far the motion goes beyond is not known any better; where the limit is, the largest rate tells."""
     one = seen_of(rig_of(100.0), 1, rig_of(150.0))
-    found = known_at_limit(one.rig, one.seen)
+    found = known_at_limit(one.rig, one.cleaned)
     assert found is not None
-    assert found.mean() == pytest.approx(np.mean(np.abs(one.seen.rate_dps) > 99.9), rel=0.05)
+    assert found.mean() == pytest.approx(np.mean(np.abs(one.cleaned.rate_dps) > 99.9), rel=0.05)
 
 
 def test_where_another_limit_is_tried_other_blocks_say_nothing() -> None:
     """Those of the recording, where it is the true one; not those of the rig as it stands."""
     one = seen_of(rig_of(100.0), 1, rig_of(150.0))
     base = one.base_run(1)
-    design = one.design_beside(one.replayed(rig_of(100.0).effects, 1), base)
+    design = one.design_for(one.replayed(rig_of(100.0).effects, 1), base)
     assert design.is_silent.tolist() == one.design.is_silent.tolist()
     assert base.design.is_silent.sum() < design.is_silent.sum()
 
@@ -93,4 +93,4 @@ def test_what_is_added_to_the_rate_leaves_the_limit_where_it_was() -> None:
     one = seen_of(rig, 1, rig)
     base = one.base_run(1)
     with_gain = one.with_rate((parse_effect("scale_factor:error_percent=1"),), base, 1)
-    assert one.design_beside(with_gain, base) is base.design
+    assert one.design_for(with_gain, base) is base.design

@@ -46,7 +46,7 @@ def test_a_set_is_played_as_one_rig() -> None:
     """Its change is that of a simulation with all of them, less the same realisation without any: the mean of three."""
     two = Sized(fresh("scale_factor"), 1.0), Sized(fresh("latency"), 20.0)
     effects: tuple[Effect, ...] = (parse_effect("scale_factor:error_percent=1"), parse_effect("latency:delay_ms=20"))
-    with_both = plain().beside(effects)
+    with_both = plain().with_remaining_bias(effects)
     by_hand = [with_both.simulated(effects, seed).values - plain().base_run(seed).values for seed in range(3)]
     assert change(*two) == pytest.approx(np.mean(by_hand, axis=0), abs=1e-9)
     found = change_of(two, [plain()], [table()])
