@@ -7,12 +7,24 @@ from typing import Any
 MOST = 1e15
 """Largest number in a table, which may come from anywhere; its square is a finite float."""
 
+FILE_KEYS = {
+    ("BlockStats", "angle_deg"): "turned_deg",
+    ("Hypothesis", "safe"): "settled",
+    ("MeanTurns", "angle_deg"): "turned_deg",
+    ("MeanTurns", "count"): "seen",
+    ("NoiseModel", "zero_blocks"): "mute_blocks",
+    ("Witness", "agreeing_blocks"): "alike",
+    ("Witness", "contradictions"): "doubt",
+    ("Witness", "is_reporting_rest"): "is_claiming",
+}
+"""Key in a file of a record's field, if it is not the field's name. Recordings of all versions have this key."""
+
 
 def saved(state: Any, new: Any) -> dict[str, Any]:
-    """Differences of a state from a new one: a nested table by field names, and by indices in lists."""
+    """Differences of a state from a new one: a nested table by the keys of fields, and by indices in lists."""
     table: dict[str, Any] = {}
-    for field in fields(state):
-        value, usual = getattr(state, field.name), getattr(new, field.name)
+    for key, name in _fields_by_key(state).items():
+        value, usual = getattr(state, name), getattr(new, name)
         if is_dataclass(value):
             part: Any = saved(value, usual)
         elif isinstance(value, list):
@@ -23,7 +35,7 @@ def saved(state: Any, new: Any) -> dict[str, Any]:
         else:
             part = value
         if part != {}:
-            table[field.name] = part
+            table[key] = part
     return table
 
 
@@ -35,16 +47,23 @@ def restore(state: Any, table: dict[str, Any]) -> None:
     ValueError
         If the table does not belong to such a state.
     """
-    for name, value in table.items():
-        if name not in {field.name for field in fields(state)}:
-            raise ValueError(f"{type(state).__name__} has no {name}")
-        current = getattr(state, name)
+    names = _fields_by_key(state)
+    for key, value in table.items():
+        if key not in names:
+            raise ValueError(f"{type(state).__name__} has no {key}")
+        current = getattr(state, names[key])
         if is_dataclass(current):
             restore(current, value)
         elif isinstance(current, list):
             for index, inner in value.items():
                 restore(current[int(index)], inner)
         elif type(value) is type(current) and abs(value) <= MOST:
-            setattr(state, name, value)
+            setattr(state, names[key], value)
         else:
-            raise ValueError(f"{name} is {reprlib.repr(value)}")
+            raise ValueError(f"{key} is {reprlib.repr(value)}")
+
+
+def _fields_by_key(record: Any) -> dict[str, str]:
+    """Name of each field of a record by its key in a file."""
+    kind = type(record).__name__
+    return {FILE_KEYS.get((kind, field.name), field.name): field.name for field in fields(record)}

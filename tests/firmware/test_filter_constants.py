@@ -16,7 +16,7 @@ ABSENT = {
     "SAME_PERIOD": "the bias alone is remembered",
     "RECALLED_BLOCKS": "the bias alone is remembered",
     "LOOP_VAR_C": "the bias alone is remembered",
-    "ALIKE_C": "the bias alone is remembered",
+    "SIMILAR_START_C": "the bias alone is remembered",
     "STARTS_KEPT": "the bias alone is remembered",
     "FACTOR_STARTS": "the bias alone is remembered",
     "FACTOR_CLIP": "the bias alone is remembered",

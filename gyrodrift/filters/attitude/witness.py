@@ -16,7 +16,7 @@ FIT_SIGMAS = 6.0
 FASTEST_FIRST = 20.0
 """Largest bias over the spread at power-on before any rest, as in restlevel."""
 
-MOST_CONTRADICTIONS, FORGIVEN = 5.0, 0.1
+MOST_CONTRADICTIONS, FIT_CREDIT = 5.0, 0.1
 """Contradicting blocks that refute a witness, and how many a block that fits removes, as in restlevel."""
 
 
@@ -31,7 +31,7 @@ def certain_rest(c: AttitudeCoefficients, s: AttitudeState) -> RestCandidate | N
         return None
     candidate = last_window(s.windows, STILL, c.limits)
     if candidate is not None and fits_bias(c, s, candidate):
-        w.against = max(0.0, w.against - FORGIVEN)
+        w.against = max(0.0, w.against - FIT_CREDIT)
         return candidate
     w.against += 1.0
     if w.against >= MOST_CONTRADICTIONS:

@@ -1,12 +1,20 @@
 """Restlevel: a Gaussian-sum filter over which constant-rate segments of the rate were rests.
 
-The rate is cut into blocks. Stationary blocks of one mean are a constant-rate segment: a rest, whose mean is the bias,
-or a spin at a constant rate. At each segment every hypothesis branches into these two. A hypothesis of rest takes
-zero-velocity updates; one of a spin goes on turning. Hypotheses that agree are merged, improbable ones are pruned.
+The rate is cut into blocks. A run of stationary blocks with the same mean is a constant-rate segment. It is a rest,
+whose mean is the bias, or a spin at a constant rate. At each segment every hypothesis branches into these two. A
+hypothesis of rest takes zero-velocity updates. A hypothesis of a spin integrates the rate. Hypotheses that agree are
+merged, and improbable hypotheses are pruned.
 
-In reading order: `model` and `state` (the records), `step` (sample by sample), `noise`, `wander` and `segments` (what
-the rate shows), `hypotheses`, `durations`, `kalman` and `mixture` (what may have happened), `witness`, `recall`,
-`temperature` and `memory` (what is known beside the rate). Equations stand in docs/restlevel.md.
+In reading order:
+
+- `model`, `bias_state` and `rate_state`: parameters and state;
+- `step`: samples and blocks;
+- `noise`, `frozen`, `wander` and `segments`: tests of the rate;
+- `hypotheses`, `durations`, `kalman`, `slide`, `turns` and `mixture`: the Gaussian sum;
+- `witness`, `temperature`, `recall` and `memory`: a rest sensor, a thermometer, and earlier runs;
+- `zero`: restart of the yaw sigma.
+
+docs/restlevel.md has the equations.
 
 Prior art: sums of Gaussians as a filter (Alspach and Sorenson, "Nonlinear Bayesian estimation using Gaussian sum
 approximations", IEEE Transactions on Automatic Control 17(4), 1972); a tree of hypotheses that is kept small (Reid, "An

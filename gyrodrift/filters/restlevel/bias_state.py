@@ -1,6 +1,6 @@
-"""What restlevel believes of yaw and bias, and keeps from block to block: one small record for each thing.
+"""State of restlevel between blocks: hypotheses, the rest sensor, remembered values, and bias against temperature.
 
-Laid out like `restlevel.rate_state`.
+The records have the layout that `restlevel.rate_state` describes.
 """
 
 from dataclasses import dataclass, field
@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 
 @dataclass(slots=True)
 class YawCheckpoint:
-    """Yaw of a hypothesis as it was where the present segment began; a rest is counted from there.
+    """Yaw of a hypothesis at the beginning of the present segment. If the segment is a rest, yaw returns to it.
 
     yaw_deg, yaw_var, covariance, moving_s
-        As in `Hypothesis`.
+        Values of `Hypothesis` at that time.
     """
 
     yaw_deg: float = 0.0
@@ -22,7 +22,7 @@ class YawCheckpoint:
 
 @dataclass(slots=True)
 class RestMark:
-    """The bias of a rest as it was some time ago, deg/s, its variance in (deg/s)², and how long ago that was, s."""
+    """Earlier bias of a rest, deg/s, its variance, (deg/s)², and its age, s."""
 
     bias_dps: float = 0.0
     bias_var: float = 0.0
@@ -31,32 +31,32 @@ class RestMark:
 
 @dataclass(slots=True)
 class Hypothesis:
-    """Which of the segments were rests, and the Gaussian over yaw and bias that follows. Weight 0 is a free place.
+    """Assumption about which segments were rests, and its Gaussian over yaw and bias. A slot with weight 0 is free.
 
     weight
-        Its probability.
+        Probability.
     bias_dps, yaw_deg
-        Mean.
+        Mean of the Gaussian.
     bias_var, covariance, yaw_var
         Covariance matrix: (deg/s)², deg²/s and deg².
     knows_bias
-        It has had a zero-velocity update. Until then the bias is 0 with the sigma of the turn-on bias.
+        Whether there was a zero-velocity update. Before it, the bias is 0 with the sigma of the turn-on bias.
     is_at_rest, was_at_rest
-        The device is at rest in the present segment; it was in the one before.
+        Whether the device is at rest in the present segment, and whether it was in the segment before.
     moving_s
-        Time since its last rest, s.
+        Time since the last rest, s.
     rest_odds, chance_density, noisy_density, odds
-        Of its present or last rest: prior odds, densities of levels by chance and of noisy motions at its rate,
-        1/(deg/s), and the odds against all that is no rest that its weight holds by now; see `restlevel.durations`.
+        Prior odds of the present or last rest; densities of chance levels and of noisy motions at its rate, 1/(deg/s);
+        odds of the rest that the weight contains. See `restlevel.durations`.
     slide_dps, has_been_flat
-        How far the bias has slid in its last rest beyond what is usual, to one side, and whether it stood still before.
-    recent, settled
-        Bias of its last rest up to four seconds ago, and before it began to slide; where the rest has ended gradually,
-        the settled one is exchanged with its bias. See `restlevel.slide`.
+        Cumulative sum of the steps of the bias in the last rest, deg/s, and whether the sum has begun.
+    recent, safe
+        Bias of the last rest at most four seconds ago, and before it began to slide. After a gradual end the bias and
+        the safe bias are exchanged. See `restlevel.slide`.
     turn_density
-        What it was weighed by last by the mean turns; see `restlevel.turns`.
+        Density of the median mean rate that the weight contains, 1/(deg/s). See `restlevel.turns`.
     checkpoint
-        Yaw where the present segment began.
+        Yaw at the beginning of the present segment.
     """
 
     weight: float = 0.0
@@ -77,13 +77,13 @@ class Hypothesis:
     has_been_flat: bool = False
     turn_density: float = 1.0
     recent: RestMark = field(default_factory=RestMark)
-    settled: RestMark = field(default_factory=RestMark)
+    safe: RestMark = field(default_factory=RestMark)
     checkpoint: YawCheckpoint = field(default_factory=YawCheckpoint)
 
 
 @dataclass(slots=True)
 class MixtureMoments:
-    """All hypotheses collapsed into one Gaussian as the present block began; its bias is `RestlevelState.bias_dps`.
+    """Gaussian of all hypotheses at the beginning of the present block. Its mean bias is `RestlevelState.bias_dps`.
 
     yaw_deg
         Mean yaw.
@@ -99,36 +99,36 @@ class MixtureMoments:
 
 @dataclass(slots=True)
 class Witness:
-    """What something else than the rate says of rest, and whether it is believed; see `restlevel.witness`.
+    """State of the external rest sensor; see `restlevel.witness`.
 
     still, moving
-        Samples of the present block that are said to stand still, and to move.
-    is_claiming
-        The block before was said to stand still.
+        Numbers of samples of the present block with a report of rest, and with a report of motion.
+    is_reporting_rest
+        Whether all samples of the block before had a report of rest.
     was_certain
-        It was one, and that was believed.
+        Whether the block before was a certain rest: reported, believed, and confirmed by the rate.
     is_believed
-        Until it is found out, and again once it has said something else.
+        False after a refutation, until a block has no report of rest.
     refuted
-        How often it was found out.
-    doubt
-        Blocks that have contradicted it, less what was forgiven.
-    alike, level_dps
-        The last of them that agree with each other, and their mean.
+        Number of refutations.
+    contradictions
+        Number of blocks that contradicted a report of rest. A block that fits removes `witness.FIT_CREDIT`.
+    agreeing_blocks, level_dps
+        Number of the last contradicting blocks that agree with each other, and their mean, deg/s.
     before_dps
-        Bias estimate when it began to say so.
+        Bias estimate at the beginning of the report of rest, deg/s.
     since_s
         Time since the last rest, s.
     """
 
     still: int = 0
     moving: int = 0
-    is_claiming: bool = False
+    is_reporting_rest: bool = False
     was_certain: bool = False
     is_believed: bool = True
     refuted: int = 0
-    doubt: float = 0.0
-    alike: int = 0
+    contradictions: float = 0.0
+    agreeing_blocks: int = 0
     level_dps: float = 0.0
     before_dps: float = 0.0
     since_s: float = 0.0
@@ -136,7 +136,7 @@ class Witness:
 
 @dataclass(slots=True)
 class RememberedBias:
-    """A bias that the filter begins with, beside those of any sensor: its probability, mean and variance."""
+    """Remembered bias as an initial hypothesis: probability, mean, deg/s, and variance, (deg/s)²."""
 
     weight: float = 0.0
     bias_dps: float = 0.0
@@ -145,7 +145,7 @@ class RememberedBias:
 
 @dataclass(slots=True)
 class RecalledNoise:
-    """Noise at rest that is remembered, as in `NoiseModel`, and the time between two samples, s; 0 where none is."""
+    """Remembered noise at rest, as in `NoiseModel`, and its sample period, s; the period is 0 without a memory."""
 
     period_s: float = 0.0
     sample_var: float = 0.0
@@ -156,18 +156,19 @@ class RecalledNoise:
 
 @dataclass(slots=True)
 class SureRest:
-    """The last rest that the filter is sure of, and the first one.
+    """Sure rests of this run, from which `restlevel.memory` learns; see `restlevel.recall`.
 
     seconds
-        How long the present one has lasted, s; 0 where there is none.
+        Time for which rest has been probable, s; 0 if it is not.
     rests
-        How many there were.
+        Number of sure rests.
     begin_dps, begin_c
-        Bias and temperature when the present one began.
+        Bias and temperature at the beginning of the present rest, deg/s and °C.
     bias_dps, bias_var, temp_c, t_s, period_s
-        Bias of the last one as it is known now and its variance, temperature, time, and the time between two samples.
+        Last sure rest: bias, deg/s, its variance, temperature, °C, time, s, and sample period, s.
     has_first, first_dps, first_dps_sigma, first_c, first_s
-        Of the first one: bias where it began and its sigma, temperature there, and when it was sure.
+        First sure rest: whether there was one; bias at its beginning and its sigma, deg/s; temperature there, °C; time
+        at which it became sure, s.
     """
 
     seconds: float = 0.0
@@ -187,10 +188,10 @@ class SureRest:
 
 
 UNSAID_C = -1000.0
-"""Temperature before one was said."""
+"""Temperature before the first measurement, °C."""
 
 NEW_SLOPE_VAR = 0.01**2
-"""Variance of the slope of a new sensor, (deg/s per °C)²: data sheets of common parts."""
+"""Variance of the slope of a new sensor, (deg/s per °C)². Source: data sheets of common parts."""
 
 
 @dataclass(slots=True)
@@ -198,9 +199,9 @@ class TempLine:
     """Bias against temperature; see `restlevel.temperature`.
 
     temp_c, rest_c
-        Averaged temperature, °C, and what it was at the last probable rest; UNSAID_C until one was said.
+        Averaged temperature, now and at the last probable rest, °C; UNSAID_C before the first measurement.
     points
-        Measurements of the level.
+        Number of measurements of the level.
     slope_dps_c, slope_var
         Slope, deg/s per °C, and its variance.
     level_dps, level_var, covariance

@@ -7,12 +7,12 @@ value turns it meanwhile: the device may have stopped with the first repetition.
 from gyrodrift.filters.restlevel.model import RestlevelState
 from gyrodrift.filters.restlevel.noise import FINE_DPS
 
-SEEN_STEPS = 2.0
+NOISE_STEPS = 2.0
 """Where the noise at rest is known to be so many steps of the sensor, two samples are alike one time in seven
-(1/(2·√π·SEEN_STEPS)), and the six of the shortest block one time in 18 000."""
+(1/(2·√π·NOISE_STEPS)), and the six of the shortest block one time in 18 000."""
 
 
-def see_freeze(s: RestlevelState) -> None:
+def detect_freeze(s: RestlevelState) -> None:
     """Whether the sensor has hung all through the block that has just ended.
 
     Parts of coarser steps than FINE_DPS may stand still between two of them. Zeros are no freeze of a device whose bias
@@ -20,7 +20,7 @@ def see_freeze(s: RestlevelState) -> None:
     """
     noise = s.noise
     step_dps = noise.resolution_dps
-    is_noisy = noise.is_walk_measured and noise.sample_var > SEEN_STEPS * SEEN_STEPS * step_dps * step_dps
+    is_noisy = noise.is_walk_measured and noise.sample_var > NOISE_STEPS * NOISE_STEPS * step_dps * step_dps
     is_zero = s.rate_dps == 0.0 and s.bias_dps * s.bias_dps <= noise.sample_var
     noise.is_frozen = s.block.sum_squares == 0.0 and is_noisy and 0.0 < step_dps <= FINE_DPS and not is_zero
     if noise.is_frozen:
@@ -30,13 +30,13 @@ def see_freeze(s: RestlevelState) -> None:
         noise.frozen_deg = 0.0
 
 
-def doubt_turn(s: RestlevelState, seconds: float) -> None:
+def widen_yaw(s: RestlevelState, seconds: float) -> None:
     """What the hanging sensor has turned yaw by is not known, all of it together."""
     noise = s.noise
     if not noise.is_frozen:
         return
     before_deg = noise.frozen_deg
-    noise.frozen_deg += abs(s.block.turned_deg - s.bias_dps * seconds)
+    noise.frozen_deg += abs(s.block.angle_deg - s.bias_dps * seconds)
     more_var = noise.frozen_deg * noise.frozen_deg - before_deg * before_deg
     for h in s.hypotheses:
         if h.weight > 0.0:

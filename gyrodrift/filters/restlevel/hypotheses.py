@@ -17,14 +17,14 @@ from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, forget_noise, learn_
 from gyrodrift.filters.restlevel.rate_state import NEVER
 from gyrodrift.filters.restlevel.recall import begin_remembered, remembered_weight
 from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS, is_from_start
-from gyrodrift.filters.restlevel.slide import follow_slide, give_back, settle, take_back
+from gyrodrift.filters.restlevel.slide import follow_slide, mark_safe, restore_safe_bias, undo_safe_bias
 from gyrodrift.filters.restlevel.turns import forget_turns
 from gyrodrift.filters.restlevel.wander import forget_levels
 
-LOUD_REST = 0.1
+NOISY_REST_SHARE = 0.1
 """Share of rests with a running motor or fan: where the noise drops, all rests so far were louder than the sensor."""
 
-WELL_CALIBRATED, CALIBRATED_SO_SO = 0.25, 0.25
+WELL_CALIBRATED, PARTLY_CALIBRATED = 0.25, 0.25
 CALIBRATED = 0.01
 """Share of parts that have taken out their own bias to a hundredth of `turn_on_dps`, and to a tenth; the variance that
 is left at each of these."""
@@ -40,13 +40,13 @@ def begin(c: RestlevelCoefficients, s: RestlevelState) -> None:
         free.knows_bias = True
     else:
         _begin_one(s, free, unknown * WELL_CALIBRATED, c.turn_on_var * CALIBRATED * CALIBRATED)
-        _begin_one(s, s.hypotheses[first + 1], unknown * CALIBRATED_SO_SO, c.turn_on_var * CALIBRATED)
-        uncalibrated = unknown * (1.0 - WELL_CALIBRATED - CALIBRATED_SO_SO)
+        _begin_one(s, s.hypotheses[first + 1], unknown * PARTLY_CALIBRATED, c.turn_on_var * CALIBRATED)
+        uncalibrated = unknown * (1.0 - WELL_CALIBRATED - PARTLY_CALIBRATED)
         _begin_one(s, s.hypotheses[first + 2], uncalibrated, c.turn_on_var)
     collapse(s)
 
 
-def begin_anew(c: RestlevelCoefficients, s: RestlevelState) -> None:
+def restart(c: RestlevelCoefficients, s: RestlevelState) -> None:
     """What was said so far was no rate: all is as with the first block, but yaw stays."""
     s.yaw_deg = s.moments.yaw_deg
     for h in s.hypotheses:
@@ -92,28 +92,28 @@ def end_gradually(s: RestlevelState) -> None:
     for h in s.hypotheses:
         if h.weight > 0.0 and h.was_at_rest:
             weigh_gradual_end(h, s.ended.seconds, s.ended.sensor_odds)
-            take_back(h)
+            restore_safe_bias(h)
     normalise(s)
 
 
-def doubt_loud_rests(s: RestlevelState) -> None:
+def weigh_noisy_rests(s: RestlevelState) -> None:
     """Weigh all rests so far by the share of loud ones, where the noise has turned out smaller."""
     if not s.noise.has_dropped:
         return
     for h in s.hypotheses:
         if h.knows_bias:
-            h.weight *= LOUD_REST
+            h.weight *= NOISY_REST_SHARE
     normalise(s)
 
 
-def predict(c: RestlevelCoefficients, s: RestlevelState, turned_deg: float, seconds: float) -> None:
+def predict(c: RestlevelCoefficients, s: RestlevelState, angle_deg: float, seconds: float) -> None:
     """A block passes: yaw turns where the device is not at rest, and the bias follows its random walk."""
     angle_walk_var = s.noise.angle_walk_var
     for h in s.hypotheses:
         if h.weight == 0.0:
             continue
         if not h.is_at_rest:
-            h.yaw_deg += turned_deg - h.bias_dps * seconds
+            h.yaw_deg += angle_deg - h.bias_dps * seconds
             h.yaw_var += seconds * (h.bias_var * seconds - 2.0 * h.covariance + angle_walk_var)
             h.covariance -= h.bias_var * seconds
             h.moving_s += seconds
@@ -154,7 +154,7 @@ def _branch(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, mean_v
         begin_rest(rest, s.wander, odds, s.noise.sample_var, mean_dps - h.bias_dps)
         rest.weight = h.weight * exp(first_kalman_update(c, rest, mean_dps, mean_var))
         weigh_rest(rest, s.segment.seconds, s.segment.sensor_odds)
-        settle(rest)
+        mark_safe(rest)
     merge_and_prune(s)
 
 
@@ -165,7 +165,7 @@ def resume(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
         if h.weight > 0.0 and h.was_at_rest:
             _go_back(h, h)
             if s.ended.ended_gradually:
-                give_back(h)
+                undo_safe_bias(h)
             first_kalman_update(c, h, mean_dps, mean_var)
             h.is_at_rest = True
             weigh_rest(h, s.segment.seconds, s.segment.sensor_odds)

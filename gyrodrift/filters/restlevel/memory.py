@@ -14,7 +14,7 @@ from typing import Annotated, Any
 from annotated_types import Ge, Le
 
 from gyrodrift.filters.restlevel.bias_state import NEW_SLOPE_VAR
-from gyrodrift.filters.restlevel.hypotheses import CALIBRATED, CALIBRATED_SO_SO, WELL_CALIBRATED
+from gyrodrift.filters.restlevel.hypotheses import CALIBRATED, PARTLY_CALIBRATED, WELL_CALIBRATED
 from gyrodrift.filters.restlevel.kalman import gaussian_logpdf
 from gyrodrift.filters.restlevel.model import COLDEST_C, UNKNOWN_C, WARMEST_C, RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.temperature import LOOP_VAR_C
@@ -26,7 +26,7 @@ START_SHARE, START_AGE_S = 0.1, 600.0
 """How far a bias changes when the sensor is switched off and on, in sigmas of the turn-on bias; the time after which it
 will have been."""
 
-ALIKE_C = 3.0
+SIMILAR_START_C = 3.0
 """Starts at temperatures no further apart than this are alike."""
 
 STARTS_KEPT = 12
@@ -146,8 +146,8 @@ def _self_nulling(params: RestlevelParams, memory: RestlevelMemory) -> float:
     turn_on_var, seen_var = params.turn_on_dps**2, memory.bias_sigma_dps**2 + LEAST_VAR
     kinds = (
         (WELL_CALIBRATED, turn_on_var * CALIBRATED**2),
-        (CALIBRATED_SO_SO, turn_on_var * CALIBRATED),
-        (1.0 - WELL_CALIBRATED - CALIBRATED_SO_SO, turn_on_var),
+        (PARTLY_CALIBRATED, turn_on_var * CALIBRATED),
+        (1.0 - WELL_CALIBRATED - PARTLY_CALIBRATED, turn_on_var),
     )
     densities = [share * exp(gaussian_logpdf(memory.bias_dps, var + seen_var)) for share, var in kinds]
     return densities[0] / max(sum(densities), LEAST_VAR)
@@ -190,7 +190,7 @@ def _moved(memory: RestlevelMemory, then_c: float | None, now_c: float | None) -
 
 
 def _is_alike(then_c: float | None, now_c: float | None) -> bool:
-    return then_c is None or now_c is None or abs(now_c - then_c) <= ALIKE_C
+    return then_c is None or now_c is None or abs(now_c - then_c) <= SIMILAR_START_C
 
 
 def _drift_factor(state: RestlevelState, before: RestlevelMemory | None) -> tuple[float, int]:

@@ -8,7 +8,7 @@ from gyrodrift.filters.restlevel.rate_state import BlockStats, NoiseModel
 MIN_VAR = 1e-12
 """Of samples, (deg/s)²: what keeps a sensor of the finest steps from having no noise at all."""
 
-UNSEEN_VAR = 0.03**2
+UNKNOWN_STEPS_VAR = 0.03**2
 """The same while a sensor repeats itself, and its steps are not known: half a step of coarse parts."""
 
 COARSEST_VAR = 0.125**2
@@ -19,7 +19,7 @@ FINE_DPS = 0.03
 to begin to measure."""
 
 START_BLOCKS = 5
-LOUD_VAR = 1.2**2
+MAX_NOISE_VAR = 1.2**2
 """Where a sensor has said one thing for so many blocks, its first steps are noise if they are no louder than this,
 (deg/s)², twenty times what is usual; else the device sets out, and its noise has yet to be seen."""
 
@@ -57,7 +57,7 @@ def is_stationary(c: RestlevelCoefficients, block: BlockStats, noise: NoiseModel
     """
     variance = _variance(block, noise)
     is_starting = noise.stationary_blocks < START_BLOCKS
-    if noise.resolution_dps > 0.0 and not noise.has_steps and (is_starting or variance < LOUD_VAR):
+    if noise.resolution_dps > 0.0 and not noise.has_steps and (is_starting or variance < MAX_NOISE_VAR):
         _forget_blocks(noise)  # what was learned of one value over and over is no noise
         variance = _variance(block, noise)
     error = sqrt(2.0 / block.samples)  # of a variance, relative
@@ -87,13 +87,13 @@ def begins_to_measure(noise: NoiseModel, rate_dps: float) -> bool:
     Its steps may show in the next block only, where its first one came at the end of this one.
     """
     if noise.resolution_dps < 0.0:
-        noise.mute_blocks = noise.mute_blocks + 1 if rate_dps == 0.0 else 0
+        noise.zero_blocks = noise.zero_blocks + 1 if rate_dps == 0.0 else 0
         return False
-    was_mute = noise.mute_blocks
-    noise.mute_blocks = -1 if was_mute > 0 else 0
-    if was_mute == 0 or noise.resolution_dps > FINE_DPS:
+    blocks_before = noise.zero_blocks
+    noise.zero_blocks = -1 if blocks_before > 0 else 0
+    if blocks_before == 0 or noise.resolution_dps > FINE_DPS:
         return False
-    noise.mute_blocks = 0
+    noise.zero_blocks = 0
     return True
 
 
@@ -152,5 +152,5 @@ def _variance(block: BlockStats, noise: NoiseModel) -> float:
 def _rounding_var(noise: NoiseModel) -> float:
     """What steps of the resolution may hide, (deg/s)²."""
     if not noise.has_steps:
-        return UNSEEN_VAR
+        return UNKNOWN_STEPS_VAR
     return min(0.25 * noise.resolution_dps * noise.resolution_dps, COARSEST_VAR)

@@ -1,32 +1,32 @@
-"""What restlevel follows of the rate itself, from block to block: one small record for each thing.
+"""State of restlevel that describes the rate: the block, noise, levels, segments and mean rates.
 
-Fields are plain numbers and flags, and other such records: `gyrodrift.evaluation.kernels.compiled` lays them out as
-a structured array, on which the same source runs compiled.
+Fields are plain numbers, flags, and records of them. `gyrodrift.evaluation.kernels.compiled` lays them out as a
+structured array, on which the same source runs compiled.
 """
 
 from dataclasses import dataclass, field
 
 NEVER = 1 << 30
-"""Blocks ago."""
+"""Number of blocks since an event that has not happened."""
 
 
 @dataclass(slots=True)
 class BlockStats:
-    """Running sums over the samples of the block that is being filled.
+    """Sums over the samples of the present block.
 
     seconds, samples
-        Its length so far in s, and its number of samples.
-    turned_deg
+        Length so far, s, and number of samples.
+    angle_deg
         Angle turned, by the trapezoidal rule.
     origin_dps
-        Its first rate. The sums are of rates less this one, so that a large rate costs no digits.
+        First rate. It is subtracted from the rates of the sums, so that a large rate costs no digits.
     sum_dps, sum_squares
-        Of the rates less `origin_dps`, deg/s, and of their squares, (deg/s)².
+        Sums of the rates minus `origin_dps`, deg/s, and of their squares, (deg/s)².
     """
 
     seconds: float = 0.0
     samples: int = 0
-    turned_deg: float = 0.0
+    angle_deg: float = 0.0
     origin_dps: float = 0.0
     sum_dps: float = 0.0
     sum_squares: float = 0.0
@@ -34,30 +34,30 @@ class BlockStats:
 
 @dataclass(slots=True)
 class NoiseModel:
-    """What is known of the sensor's own noise. Variances and the resolution are −1 until they are known.
+    """Noise of the sensor. Variances and the resolution are −1 until they are known.
 
     sample_var
         Variance of the samples of stationary blocks, (deg/s)².
     last_block_var
         Variance of the samples of the block before, (deg/s)².
     stationary_blocks
-        Blocks that `sample_var` is known from; it stops counting at `noise.NOISE_BLOCKS`.
+        Number of blocks that `sample_var` comes from, at most `noise.NOISE_BLOCKS`.
     resolution_dps
-        Smallest step ever seen between two samples, deg/s.
+        Smallest step between two samples so far, deg/s.
     has_steps
-        A step has been seen before the present block, so that the noise is one.
+        Whether `sample_var` comes from blocks after the first step between two samples.
     angle_walk_var
         N² of the angle random walk (IEEE Std 952), deg²/s: the variance of a block mean times the block's length.
     is_walk_measured
-        Whether N² has been measured at a rest; before that it is what white noise makes of `sample_var`.
+        Whether N² has been measured at a rest. Before that it follows from `sample_var`, as if the noise were white.
     has_dropped
-        It has just been found to be smaller than what it was taken for.
-    mute_blocks
-        Blocks so far in which nothing but zero was said; −1 where the block before was the first with a step.
+        Whether the last block has replaced `sample_var` by a much smaller value.
+    zero_blocks
+        Number of blocks at power-on that contain zeros only; −1 if the block before was the first with a step.
     flicker_var
-        Bias instability, (deg/s)²: how far block means at rest wander beyond what N² explains.
+        Bias instability, (deg/s)²: variance of block means at rest that N² does not explain.
     is_frozen, frozen_deg
-        The sensor hung all through the block that has just ended, and what it has turned yaw by since it hangs.
+        Whether the sensor repeated a single value through the last block, and the angle since it began to, deg.
     """
 
     sample_var: float = -1.0
@@ -68,7 +68,7 @@ class NoiseModel:
     angle_walk_var: float = -1.0
     is_walk_measured: bool = False
     has_dropped: bool = False
-    mute_blocks: int = 0
+    zero_blocks: int = 0
     flicker_var: float = 0.0
     is_frozen: bool = False
     frozen_deg: float = 0.0
@@ -76,16 +76,16 @@ class NoiseModel:
 
 @dataclass(slots=True)
 class RateWander:
-    """How the levels of stationary blocks follow on each other, outside of confirmed segments.
+    """Agreement of consecutive stationary blocks outside of confirmed segments; see `restlevel.wander`.
 
     log_odds
-        Logarithm of how much likelier wandering levels give what was seen than a sensor's noise does.
+        Logarithm of the likelihood ratio of wandering levels against the noise of a sensor.
     step_dps
-        Typical step from one level to the next: as many are larger as smaller.
+        Median step between two levels, deg/s.
     steps
-        Steps that it is known from.
+        Number of steps that the median comes from.
     was_stationary
-        The block before was.
+        Whether the block before was stationary.
     """
 
     log_odds: float = 0.0
@@ -96,22 +96,24 @@ class RateWander:
 
 @dataclass(slots=True)
 class RateSegment:
-    """The present constant-rate segment: stationary blocks of one mean.
+    """Present constant-rate segment: a run of stationary blocks with the same mean.
 
     blocks
-        Its blocks so far; 0 where there is no segment, 1 where one begins.
+        Number of blocks so far; 0 without a segment, 1 where a segment begins.
     seconds
-        Its length, s, with that of the segments that it resumes.
+        Length, s, with the segments that it resumes.
     mean_dps
-        Mean of its block means, a running one after the first few.
+        Mean of the block means, deg/s: of all up to `segments.MEAN_BLOCKS`, and after that a running mean.
     sum_squares
-        Sum of the squared steps between its block means, (deg/s)².
+        Sum of the squared steps between block means, (deg/s)².
+    sensor_odds
+        Likelihood ratio of its scatter, as in `noise.sensor_odds`.
     head_sum_dps
-        Sum of its first two block means.
+        Sum of the first two block means, deg/s.
     last_mean_dps
-        Mean of the block before, whether that belonged to a segment or not.
+        Mean of the last block, inside or outside of a segment, deg/s.
     least_dps, most_dps
-        Range of all block means since the start, but for that of the first block.
+        Range of all block means since the start without the first block, deg/s.
     """
 
     blocks: int = 0
@@ -127,16 +129,16 @@ class RateSegment:
 
 @dataclass(slots=True)
 class EndedSegment:
-    """The last constant-rate segment that has ended: a confirmed one, or a short rest from the start.
+    """Last constant-rate segment that has ended: a confirmed segment, or a short rest from the start.
 
-    mean_dps, seconds
-        Its mean, deg/s, and its length, s.
+    mean_dps, seconds, sensor_odds
+        Mean, deg/s, length, s, and likelihood ratio of its scatter.
     ended_gradually
-        The rate left it slowly and without becoming noisy, as it leaves the flat part of a curve.
+        Whether the rate left it slowly and stayed stationary, as it leaves the flat part of a curve.
     blocks_ago
-        Blocks since it ended; 1 for the block that ended it.
+        Number of blocks since its end; 1 for the block that ended it.
     short_start_blocks
-        Its blocks where the present block has ended it before it was confirmed, as a rest from the start; else 0.
+        Number of its blocks if the present block has ended a short rest from the start; else 0.
     """
 
     mean_dps: float = 0.0
@@ -147,38 +149,38 @@ class EndedSegment:
     short_start_blocks: int = 0
 
 
-TURN_PLACES = 32
-"""Places for mean rates, some five minutes of motion."""
+TURN_SLOTS = 32
+"""Number of stored mean rates: of about five minutes of motion."""
 
 
 @dataclass(slots=True)
 class MeanTurn:
-    """A mean rate in deg/s, of some seconds of motion or of a constant-rate segment."""
+    """Mean rate of ten seconds of motion, or of a constant-rate segment, deg/s."""
 
     dps: float = 0.0
 
 
 def _mean_turns() -> list[MeanTurn]:
-    return [MeanTurn() for _ in range(TURN_PLACES)]
+    return [MeanTurn() for _ in range(TURN_SLOTS)]
 
 
 @dataclass(slots=True)
 class MeanTurns:
     """Mean rates and their median; see `restlevel.turns`.
 
-    seconds, turned_deg
-        Of the present one, so far.
-    seen
-        How many there were.
+    seconds, angle_deg
+        Length and angle of the present mean rate so far, s and deg.
+    count
+        Number of mean rates since the start.
     latest, ordered
-        The latest ones, in a ring, and the same from the least to the largest.
+        Last `TURN_SLOTS` mean rates as a ring buffer, and in ascending order.
     median_dps, median_var
-        Their median, and its variance in (deg/s)².
+        Median, deg/s, and its variance, (deg/s)².
     """
 
     seconds: float = 0.0
-    turned_deg: float = 0.0
-    seen: int = 0
+    angle_deg: float = 0.0
+    count: int = 0
     latest: list[MeanTurn] = field(default_factory=_mean_turns)
     ordered: list[MeanTurn] = field(default_factory=_mean_turns)
     median_dps: float = 0.0

@@ -5,7 +5,7 @@ from math import sqrt
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
 from gyrodrift.filters.restlevel.noise import MIN_VAR, is_stationary, sensor_odds
 from gyrodrift.filters.restlevel.rate_state import EndedSegment, NoiseModel, RateSegment
-from gyrodrift.filters.restlevel.wander import forget_levels, see_agreement, see_break
+from gyrodrift.filters.restlevel.wander import count_agreement, count_break, forget_levels
 
 CONFIRMED_BLOCKS = 5
 """Blocks after which a segment is confirmed: the turning point of a gentle curve is over by then."""
@@ -124,9 +124,9 @@ def _follow_wander(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float,
     segment = s.segment
     mean_var, ramp_dps = s.noise.angle_walk_var / seconds, c.rate_ramp_dps_s * seconds
     if segment.blocks > 0 and not _is_in_gate(segment, mean_dps, mean_var, ramp_dps, s.noise.flicker_var):
-        see_break(s.wander, mean_dps - segment.mean_dps)
+        count_break(s.wander, mean_dps - segment.mean_dps)
     elif segment.blocks < CONFIRMED_BLOCKS:
-        see_agreement(s.wander)
+        count_agreement(s.wander)
 
 
 def _take_block(segment: RateSegment, noise: NoiseModel, mean_dps: float, ramp_dps: float, seconds: float) -> None:

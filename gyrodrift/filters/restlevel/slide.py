@@ -23,19 +23,19 @@ LONGEST_SLIDE_S = 40.0
 """Bends last no longer than this; what slides longer is the weather."""
 
 
-def settle(h: Hypothesis) -> None:
+def mark_safe(h: Hypothesis) -> None:
     """Its bias is certain from here on: a gentle end of the rest takes back no more than what follows."""
     _mark(h.recent, h)
-    _mark(h.settled, h)
+    _mark(h.safe, h)
     h.slide_dps = 0.0
     h.has_been_flat = False
 
 
 def follow_slide(c: RestlevelCoefficients, h: Hypothesis, seconds: float) -> None:
     """A block of a rest has passed, and its zero-velocity update was made."""
-    recent, settled = h.recent, h.settled
+    recent, safe = h.recent, h.safe
     recent.ago_s += seconds
-    settled.ago_s += seconds
+    safe.ago_s += seconds
     if recent.ago_s < MARK_S:
         return
     least_dps = c.rate_ramp_dps_s * FLAT_S
@@ -43,34 +43,34 @@ def follow_slide(c: RestlevelCoefficients, h: Hypothesis, seconds: float) -> Non
     before_dps = h.slide_dps
     h.slide_dps = _towards_zero(before_dps + step_dps, least_dps) if h.has_been_flat else 0.0
     h.has_been_flat = h.has_been_flat or abs(step_dps) <= least_dps + sqrt(recent.bias_var)
-    if h.slide_dps * before_dps <= 0.0 or settled.ago_s >= LONGEST_SLIDE_S:
-        settled.bias_dps, settled.bias_var, settled.ago_s = recent.bias_dps, recent.bias_var, recent.ago_s
+    if h.slide_dps * before_dps <= 0.0 or safe.ago_s >= LONGEST_SLIDE_S:
+        safe.bias_dps, safe.bias_var, safe.ago_s = recent.bias_dps, recent.bias_var, recent.ago_s
     _mark(recent, h)
 
 
-def take_back(h: Hypothesis) -> None:
+def restore_safe_bias(h: Hypothesis) -> None:
     """Give a rest that has ended gradually the bias that it had settled at, of some time ago; yaw turns with it since.
 
     The present segment may have begun with the block that ended the rest, when yaw had not turned yet.
     """
     _exchange(h)
-    h.yaw_deg -= (h.bias_dps - h.settled.bias_dps) * h.moving_s
-    h.moving_s += h.settled.ago_s
-    h.checkpoint.moving_s += h.settled.ago_s
+    h.yaw_deg -= (h.bias_dps - h.safe.bias_dps) * h.moving_s
+    h.moving_s += h.safe.ago_s
+    h.checkpoint.moving_s += h.safe.ago_s
 
 
-def give_back(h: Hypothesis) -> None:
-    """Undo `take_back` where the rest goes on; yaw is that of the beginning of the segment."""
+def undo_safe_bias(h: Hypothesis) -> None:
+    """Undo `restore_safe_bias` where the rest goes on; yaw is that of the beginning of the segment."""
     _exchange(h)
-    h.moving_s -= h.settled.ago_s
-    h.yaw_deg -= (h.bias_dps - h.settled.bias_dps) * h.moving_s
+    h.moving_s -= h.safe.ago_s
+    h.yaw_deg -= (h.bias_dps - h.safe.bias_dps) * h.moving_s
 
 
 def _exchange(h: Hypothesis) -> None:
     """Of bias and settled bias."""
-    settled = h.settled
-    h.bias_dps, settled.bias_dps = settled.bias_dps, h.bias_dps
-    h.bias_var, settled.bias_var = settled.bias_var, h.bias_var
+    safe = h.safe
+    h.bias_dps, safe.bias_dps = safe.bias_dps, h.bias_dps
+    h.bias_var, safe.bias_var = safe.bias_var, h.bias_var
 
 
 def _mark(mark: RestMark, h: Hypothesis) -> None:

@@ -6,18 +6,18 @@ Batch versions are this very source, compiled, and held to its bits by a test.
 from math import nan, sqrt
 
 from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
-from gyrodrift.filters.restlevel.frozen import doubt_turn, see_freeze
+from gyrodrift.filters.restlevel.frozen import detect_freeze, widen_yaw
 from gyrodrift.filters.restlevel.hypotheses import (
     begin,
-    begin_anew,
     branch,
     branch_at_end,
-    doubt_loud_rests,
     end_gradually,
     enter_segment,
     leave_segment,
     predict,
+    restart,
     resume,
+    weigh_noisy_rests,
     zero_velocity_update,
 )
 from gyrodrift.filters.restlevel.mixture import collapse
@@ -38,7 +38,7 @@ from gyrodrift.filters.restlevel.segments import (
     update_mean,
 )
 from gyrodrift.filters.restlevel.temperature import follow_temperature, learn_when_sure
-from gyrodrift.filters.restlevel.turns import follow_turns, see_turn, weigh_turns
+from gyrodrift.filters.restlevel.turns import add_mean_rate, follow_turns, weigh_turns
 from gyrodrift.filters.restlevel.witness import end_certain_rest, hear, is_certain_rest, stand_still
 
 LEAST_VAR = 1e-24
@@ -127,13 +127,13 @@ def advance(
     block.samples += 1
     block.sum_dps += above_dps
     block.sum_squares += above_dps * above_dps
-    block.turned_deg += 0.5 * (rate_dps + s.rate_dps) * dt_s
+    block.angle_deg += 0.5 * (rate_dps + s.rate_dps) * dt_s
     s.rate_dps = rate_dps
     s.samples += 1
     if seconds >= c.window_s and block.samples >= MIN_BLOCK_SAMPLES:
         _end_block(c, s, seconds)
         seconds = 0.0
-    yaw_deg = moments.yaw_deg + block.turned_deg - s.bias_dps * seconds
+    yaw_deg = moments.yaw_deg + block.angle_deg - s.bias_dps * seconds
     net_deg = yaw_deg - s.start_yaw_deg
     scale_var = c.scale_sigma * c.scale_sigma * (net_deg * net_deg + TURN_DEG * s.travelled_deg)
     angle_walk_var = max(0.0, noise.angle_walk_var)
@@ -146,15 +146,15 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
     """A block is full: its mean goes to the segment and from there to the hypotheses, and another block begins."""
     block, segment = s.block, s.segment
     s.lived_s += seconds
-    mean_dps = block.turned_deg / seconds
+    mean_dps = block.angle_deg / seconds
     step_dps = mean_dps - segment.last_mean_dps
     if begins_to_measure(s.noise, s.rate_dps):
-        begin_anew(c, s)
+        restart(c, s)
     if s.blocks == 0:
         recall_noise(s, seconds)
-    see_freeze(s)
+    detect_freeze(s)
     track_segment(c, s, mean_dps, step_dps, seconds)
-    doubt_loud_rests(s)
+    weigh_noisy_rests(s)
     _leave(c, s, step_dps, seconds)
     if segment.blocks == 1:
         enter_segment(s)
@@ -164,8 +164,8 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
         stand_still(c, s, mean_dps, step_dps, seconds)
     elif s.witness.was_certain:
         end_certain_rest(s)
-    predict(c, s, block.turned_deg, seconds)
-    doubt_turn(s, seconds)
+    predict(c, s, block.angle_deg, seconds)
+    widen_yaw(s, seconds)
     if not is_certain and segment.blocks > CONFIRMED_BLOCKS:
         zero_velocity_update(c, s, mean_dps, step_dps, seconds)
     if segment.blocks > 1:
@@ -173,16 +173,16 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
     if not is_certain and segment.blocks == CONFIRMED_BLOCKS:
         _confirm(c, s, seconds)
     elif segment.blocks < CONFIRMED_BLOCKS:
-        follow_turns(s.turns, block.turned_deg, seconds)
+        follow_turns(s.turns, block.angle_deg, seconds)
     weigh_turns(s)
     collapse(s)
     learn_when_sure(c, s, seconds, is_certain)
-    s.travelled_deg += abs(block.turned_deg - s.bias_dps * seconds)
+    s.travelled_deg += abs(block.angle_deg - s.bias_dps * seconds)
     s.witness.was_certain = is_certain
     s.witness.still = s.witness.moving = 0
     block.seconds = 0.0
     block.samples = 0
-    block.turned_deg = 0.0
+    block.angle_deg = 0.0
     block.sum_dps = 0.0
     block.sum_squares = 0.0
 
@@ -195,7 +195,7 @@ def _confirm(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> Non
     else:
         branch(c, s, seconds)
         if not s.ended.ended_gradually:  # else it is of the same turn as the one before
-            see_turn(s.turns, s.segment.mean_dps)
+            add_mean_rate(s.turns, s.segment.mean_dps)
 
 
 def _leave(c: RestlevelCoefficients, s: RestlevelState, step_dps: float, seconds: float) -> None:

@@ -28,12 +28,12 @@ STEP_GAIN = 0.1
 """The typical step between levels before one is seen, deg/s, and the least share of it that a step moves it by."""
 
 
-def see_agreement(wander: RateWander) -> None:
+def count_agreement(wander: RateWander) -> None:
     """A stationary block behind another one has the level that was there so far."""
     wander.log_odds = FORGETTING * wander.log_odds - AGREEMENT_LOG_ODDS
 
 
-def see_break(wander: RateWander, step_dps: float) -> None:
+def count_break(wander: RateWander, step_dps: float) -> None:
     """A stationary block behind another one is this far away from the level that was there so far."""
     wander.log_odds = FORGETTING * wander.log_odds + BREAK_LOG_ODDS
     wander.steps += 1

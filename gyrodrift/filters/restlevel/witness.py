@@ -16,7 +16,7 @@ from gyrodrift.filters.restlevel.mixture import merge_and_prune
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
 from gyrodrift.filters.restlevel.noise import FLICKER_CLIP, learn_at_rest
 from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS
-from gyrodrift.filters.restlevel.slide import settle
+from gyrodrift.filters.restlevel.slide import mark_safe
 
 FIT_SIGMAS = 6.0
 """A block mean further from the bias than this contradicts that the device stands still."""
@@ -24,10 +24,10 @@ FIT_SIGMAS = 6.0
 AGREEMENT_SIGMAS = 4.0
 """Contradicting blocks within this of each other have one level: a bias that has jumped, or a constant turn."""
 
-MOST_DOUBT = 5.0
+MOST_CONTRADICTIONS = 5.0
 """Contradicting blocks after which a witness is not believed."""
 
-FORGIVEN = 0.1
+FIT_CREDIT = 0.1
 """Doubt that each block takes away which fits."""
 
 MOST_FIRST, MOST_JUMP = 20.0, 1.0
@@ -38,7 +38,7 @@ FIRST_BLOCKS = 2
 """Contradicting blocks of one level that show a bias which no rest has shown yet; of one that jumps it takes as many as
 confirm a segment."""
 
-KNOWN = 0.5
+MAJORITY = 0.5
 """Probability from which on hypotheses that know a bias stand for all."""
 
 
@@ -61,24 +61,24 @@ def is_certain_rest(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float
         Mean and length of the block.
     """
     w = s.witness
-    w.since_s = seconds if s.rest_probability > KNOWN else w.since_s + seconds
-    is_claim = w.moving == 0 and w.still == s.block.samples
-    if not is_claim:
-        w.is_believed, w.is_claiming, w.alike = True, False, 0
+    w.since_s = seconds if s.rest_probability > MAJORITY else w.since_s + seconds
+    reports_rest = w.moving == 0 and w.still == s.block.samples
+    if not reports_rest:
+        w.is_believed, w.is_reporting_rest, w.agreeing_blocks = True, False, 0
         return False
-    if not w.is_claiming:
-        w.is_claiming, w.before_dps = True, s.bias_dps
+    if not w.is_reporting_rest:
+        w.is_reporting_rest, w.before_dps = True, s.bias_dps
     if not w.is_believed:
         return False
-    mean_var, ramp_dps = loud_mean_var(s, seconds), c.rate_ramp_dps_s * min(w.since_s, MAX_RAMP_S)
+    mean_var, ramp_dps = noisy_mean_var(s, seconds), c.rate_ramp_dps_s * min(w.since_s, MAX_RAMP_S)
     fit_var = s.moments.bias_var + mean_var + s.noise.flicker_var + ramp_dps * ramp_dps
     if abs(mean_dps - s.bias_dps) < FIT_SIGMAS * sqrt(fit_var):
-        w.doubt, w.alike = max(0.0, w.doubt - FORGIVEN), 0
+        w.contradictions, w.agreeing_blocks = max(0.0, w.contradictions - FIT_CREDIT), 0
         return True
     return _is_new_level(c, s, mean_dps, mean_var, seconds)
 
 
-def loud_mean_var(s: RestlevelState, seconds: float) -> float:
+def noisy_mean_var(s: RestlevelState, seconds: float) -> float:
     """Variance of a block mean, (deg/s)², larger where the block is louder than the sensor: a motor that runs.
 
     Before a rest has shown the noise, it is what the scatter of this block makes of it.
@@ -90,7 +90,7 @@ def loud_mean_var(s: RestlevelState, seconds: float) -> float:
 
 def stand_still(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, step_dps: float, seconds: float) -> None:
     """A certain rest: in every hypothesis the block mean is the bias, which also weighs those that come from motion."""
-    mean_var, flicker_var = loud_mean_var(s, seconds), s.noise.flicker_var
+    mean_var, flicker_var = noisy_mean_var(s, seconds), s.noise.flicker_var
     if not s.noise.is_walk_measured:
         s.noise.sample_var, s.noise.angle_walk_var = s.noise.last_block_var, mean_var * seconds
     best, excess_var = -1e300, 0.0
@@ -113,7 +113,7 @@ def stand_still(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, st
         h.is_at_rest = True
         h.moving_s = 0.0
         h.odds = h.rest_odds = 1.0
-        settle(h)
+        mark_safe(h)
         h.chance_density = h.noisy_density = 0.0
     if s.witness.was_certain:
         excess_var = min(excess_var, FLICKER_CLIP * (mean_var + flicker_var))
@@ -135,30 +135,30 @@ def _is_new_level(
     w = s.witness
     ramp_dps = c.rate_ramp_dps_s * seconds
     spread_var = 2.0 * mean_var + ramp_dps * ramp_dps + s.noise.flicker_var
-    if w.alike > 0 and abs(mean_dps - w.level_dps) < AGREEMENT_SIGMAS * sqrt(spread_var):
-        w.alike += 1
-        w.level_dps += (mean_dps - w.level_dps) / w.alike
+    if w.agreeing_blocks > 0 and abs(mean_dps - w.level_dps) < AGREEMENT_SIGMAS * sqrt(spread_var):
+        w.agreeing_blocks += 1
+        w.level_dps += (mean_dps - w.level_dps) / w.agreeing_blocks
     else:
-        w.alike, w.level_dps = 1, mean_dps
-    w.doubt += 1.0
+        w.agreeing_blocks, w.level_dps = 1, mean_dps
+    w.contradictions += 1.0
     known = 0.0
     for h in s.hypotheses:
         if h.weight > 0.0 and h.knows_bias:
             known += h.weight
-    is_known = known > KNOWN
+    is_known = known > MAJORITY
     away_dps, most = (w.level_dps - s.bias_dps, MOST_JUMP) if is_known else (w.level_dps, MOST_FIRST)
-    has_level = w.alike >= (CONFIRMED_BLOCKS if is_known else FIRST_BLOCKS)
+    has_level = w.agreeing_blocks >= (CONFIRMED_BLOCKS if is_known else FIRST_BLOCKS)
     if has_level and away_dps * away_dps < most * most * c.turn_on_var:
         if is_known:  # of a bias that no rest has shown yet the first update takes care
             _open(s, away_dps * away_dps)
-        w.doubt, w.alike = 0.0, 0
+        w.contradictions, w.agreeing_blocks = 0.0, 0
         return True
-    if w.doubt < MOST_DOUBT:
+    if w.contradictions < MOST_CONTRADICTIONS:
         return False
     learned_dps = s.bias_dps - w.before_dps
     _open(s, learned_dps * learned_dps)
     w.is_believed, w.refuted = False, w.refuted + 1
-    w.doubt, w.alike = MOST_DOUBT - 1.0, 0
+    w.contradictions, w.agreeing_blocks = MOST_CONTRADICTIONS - 1.0, 0
     return False
 
 

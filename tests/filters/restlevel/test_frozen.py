@@ -2,7 +2,7 @@
 
 import pytest
 
-from gyrodrift.filters.restlevel.frozen import doubt_turn
+from gyrodrift.filters.restlevel.frozen import widen_yaw
 from gyrodrift.filters.restlevel.model import RestlevelState
 
 
@@ -13,6 +13,6 @@ def test_the_turns_of_a_sensor_that_hangs_add_up() -> None:
     first = state.hypotheses[0]
     first.weight, first.yaw_var = 1.0, 0.0
     for _ in range(2):
-        state.block.turned_deg = 3.0
-        doubt_turn(state, 1.0)
+        state.block.angle_deg = 3.0
+        widen_yaw(state, 1.0)
     assert first.yaw_var == pytest.approx(36.0)

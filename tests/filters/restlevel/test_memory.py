@@ -208,11 +208,29 @@ def test_a_state_is_kept_by_what_differs_from_a_new_one() -> None:
 def test_zeros_and_falses_that_are_no_defaults_are_kept() -> None:
     """Where a new state has something else."""
     state = RestlevelState()
-    state.noise.resolution_dps, state.noise.mute_blocks = 0.0, 3
+    state.noise.resolution_dps, state.noise.zero_blocks = 0.0, 3
     state.witness.is_believed = False
     again = RestlevelState()
     restore(again, json.loads(json.dumps(saved(state, RestlevelState()))))
     assert again == state
+
+
+def test_a_saved_state_has_the_keys_of_its_file_format() -> None:
+    """Recordings keep some keys that are not the names of the fields."""
+    table = {
+        "block": {"turned_deg": 1.0},
+        "noise": {"mute_blocks": 2},
+        "turns": {"turned_deg": 3.0, "seen": 4},
+        "witness": {"is_claiming": True, "doubt": 5.0, "alike": 6},
+        "hypotheses": {"0": {"settled": {"bias_dps": 7.0}}},
+    }
+    state = RestlevelState()
+    restore(state, table)
+    turns, witness = state.turns, state.witness
+    assert (state.block.angle_deg, state.noise.zero_blocks, turns.angle_deg, turns.count) == (1.0, 2, 3.0, 4)
+    assert (witness.is_reporting_rest, witness.contradictions, witness.agreeing_blocks) == (True, 5.0, 6)
+    assert state.hypotheses[0].safe.bias_dps == 7.0
+    assert saved(state, RestlevelState()) == table
 
 
 def test_a_first_temperature_may_be_anything() -> None:

@@ -1,4 +1,4 @@
-"""How far a rest has slid, and what of it is taken back where it ends gently: on numbers by hand, and in a drive."""
+"""Slide of a rest, and its safe bias after a gradual end: on numbers worked out by hand, and in a drive."""
 
 from collections.abc import Sequence
 
@@ -7,7 +7,7 @@ import pytest
 
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
-from gyrodrift.filters.restlevel.slide import follow_slide, give_back, settle, take_back
+from gyrodrift.filters.restlevel.slide import follow_slide, mark_safe, restore_safe_bias, undo_safe_bias
 from gyrodrift.filters.restlevel.step import coefficients, step
 
 C = coefficients(RestlevelParams(drift_dps_s=0.004))
@@ -17,7 +17,7 @@ MARK_S = 4.0
 def rest_of(biases_dps: Sequence[float], sigma_dps: float = 1e-6) -> Hypothesis:
     """A rest with these biases, four seconds apart; its variance grows with its number."""
     h = Hypothesis(weight=1.0, knows_bias=True, is_at_rest=True, bias_dps=biases_dps[0], bias_var=sigma_dps**2)
-    settle(h)
+    mark_safe(h)
     for number, dps in enumerate(biases_dps[1:], 2):
         h.bias_dps, h.bias_var = dps, number * sigma_dps**2
         follow_slide(C, h, MARK_S)
@@ -37,40 +37,40 @@ def rest_of(biases_dps: Sequence[float], sigma_dps: float = 1e-6) -> Hypothesis:
     ],
 )
 def test_a_slide_begins_where_the_rest_was_flat_last(biases_dps: Sequence[float], since: int) -> None:
-    """What a rest has settled at is its bias before it began to slide, or as of four seconds ago."""
+    """The safe bias is the bias before the slide, or the bias of four seconds ago."""
     h = rest_of(biases_dps)
-    assert h.settled.bias_dps == biases_dps[since]
-    assert h.settled.bias_var == (since + 1) * 1e-12
-    assert h.settled.ago_s == pytest.approx(MARK_S * (len(biases_dps) - 1 - since))
+    assert h.safe.bias_dps == biases_dps[since]
+    assert h.safe.bias_var == (since + 1) * 1e-12
+    assert h.safe.ago_s == pytest.approx(MARK_S * (len(biases_dps) - 1 - since))
 
 
 def test_a_first_step_within_the_uncertainty_is_no_slide() -> None:
     """A step of 0.009 deg/s of a bias that is known to 0.006 is flat, so that what follows is a slide."""
-    assert rest_of((0.1, 0.109, 0.13, 0.15, 0.17), sigma_dps=0.006).settled.bias_dps == 0.109
-    assert rest_of((0.1, 0.109, 0.13, 0.15, 0.17), sigma_dps=0.004).settled.bias_dps == 0.15
+    assert rest_of((0.1, 0.109, 0.13, 0.15, 0.17), sigma_dps=0.006).safe.bias_dps == 0.109
+    assert rest_of((0.1, 0.109, 0.13, 0.15, 0.17), sigma_dps=0.004).safe.bias_dps == 0.15
 
 
-def test_what_was_taken_back_is_given_back_with_what_yaw_has_turned() -> None:
-    """Of 0.3 deg/s that had settled at 0.1, eight seconds ago: three seconds later yaw is off by 0.6 deg."""
+def test_undoing_the_safe_bias_also_turns_yaw() -> None:
+    """The bias is 0.3 deg/s, and 0.1 was safe eight seconds ago. Three seconds later yaw is off by 0.6 deg."""
     h = rest_of((0.1, 0.1, 0.1, 0.2, 0.3))
     h.moving_s, h.yaw_deg = 0.0, 5.0
-    take_back(h)
+    restore_safe_bias(h)
     assert (h.bias_dps, h.bias_var, h.moving_s) == (0.1, 3e-12, 8.0)
     h.yaw_deg -= h.bias_dps * 3.0
     h.moving_s += 3.0
-    give_back(h)
+    undo_safe_bias(h)
     assert (h.bias_dps, h.bias_var) == (0.3, 5e-12)
     assert h.moving_s == pytest.approx(3.0)
     assert h.yaw_deg == pytest.approx(5.0 - 0.3 * 3.0)
 
 
-def test_yaw_has_turned_with_the_settled_bias_since_the_end_of_the_rest() -> None:
-    """0.3 deg/s that had settled at 0.1, one second after the end: yaw has turned by -0.1 deg instead of -0.3."""
+def test_yaw_has_turned_with_the_safe_bias_since_the_end_of_the_rest() -> None:
+    """The bias is 0.3 deg/s, 0.1 is safe, and the rest ended a second ago: yaw has turned by -0.1 deg, not -0.3."""
     h = rest_of((0.1, 0.1, 0.1, 0.2, 0.3))
     h.moving_s, h.yaw_deg = 1.0, 5.0 - 0.3
-    take_back(h)
+    restore_safe_bias(h)
     assert h.yaw_deg == pytest.approx(5.0 - 0.1)
-    give_back(h)
+    undo_safe_bias(h)
     assert h.yaw_deg == pytest.approx(5.0 - 0.3)
     assert h.moving_s == pytest.approx(1.0)
 
@@ -80,9 +80,9 @@ def test_a_rest_that_goes_on_from_the_block_that_ended_it_has_the_yaw_of_its_end
     h = rest_of((0.1, 0.1, 0.1, 0.2, 0.3))
     h.checkpoint.yaw_deg, h.checkpoint.moving_s = 5.0, 0.0
     h.yaw_deg, h.moving_s = 4.7, 1.0
-    take_back(h)
+    restore_safe_bias(h)
     h.yaw_deg, h.moving_s = h.checkpoint.yaw_deg, h.checkpoint.moving_s
-    give_back(h)
+    undo_safe_bias(h)
     assert (h.yaw_deg, h.moving_s) == (5.0, 0.0)
 
 

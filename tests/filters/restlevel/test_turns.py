@@ -6,24 +6,24 @@ import pytest
 from gyrodrift.arrays import Floats
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
-from gyrodrift.filters.restlevel.rate_state import TURN_PLACES, MeanTurns
+from gyrodrift.filters.restlevel.rate_state import TURN_SLOTS, MeanTurns
 from gyrodrift.filters.restlevel.step import coefficients, step
-from gyrodrift.filters.restlevel.turns import follow_turns, forget_turns, see_turn, weigh_turns
+from gyrodrift.filters.restlevel.turns import add_mean_rate, follow_turns, forget_turns, weigh_turns
 
 
 def seen(rates_dps: list[float]) -> MeanTurns:
     """After these mean rates."""
     turns = MeanTurns()
     for dps in rates_dps:
-        see_turn(turns, dps)
+        add_mean_rate(turns, dps)
     return turns
 
 
-@pytest.mark.parametrize("count", [5, 8, TURN_PLACES, 3 * TURN_PLACES + 7])
+@pytest.mark.parametrize("count", [5, 8, TURN_SLOTS, 3 * TURN_SLOTS + 7])
 def test_the_median_is_that_of_the_latest(count: int) -> None:
     """Some of them alike, in no order."""
     rates_dps = np.round(np.random.default_rng(count).normal(0.3, 2.0, count), 1).tolist()
-    latest = rates_dps[-TURN_PLACES:]
+    latest = rates_dps[-TURN_SLOTS:]
     turns = seen(rates_dps)
     assert turns.median_dps == pytest.approx(np.median(latest))
     assert [turn.dps for turn in turns.ordered[: len(latest)]] == sorted(latest)
@@ -32,18 +32,18 @@ def test_the_median_is_that_of_the_latest(count: int) -> None:
 def test_the_spread_is_that_of_a_median() -> None:
     """Of normal rates it is 1.25 sigma/√n, doubled for bends that last longer than one rate."""
     dice = np.random.default_rng(3)
-    found = [seen(dice.normal(0.0, 4.0, TURN_PLACES).tolist()).median_var for _ in range(300)]
-    assert np.sqrt(np.median(found)) == pytest.approx(2.0 * 1.2533 * 4.0 / np.sqrt(TURN_PLACES), rel=0.1)
+    found = [seen(dice.normal(0.0, 4.0, TURN_SLOTS).tolist()).median_var for _ in range(300)]
+    assert np.sqrt(np.median(found)) == pytest.approx(2.0 * 1.2533 * 4.0 / np.sqrt(TURN_SLOTS), rel=0.1)
 
 
 def test_a_rate_is_the_mean_of_ten_seconds() -> None:
     """Blocks of 4 s: the third fills it, and the next begins with nothing."""
     turns = MeanTurns()
-    for turned_deg in (2.0, 8.0, 14.0, 6.0):
-        follow_turns(turns, turned_deg, 4.0)
-    assert (turns.seen, turns.latest[0].dps, turns.seconds, turns.turned_deg) == (1, 2.0, 4.0, 6.0)
+    for angle_deg in (2.0, 8.0, 14.0, 6.0):
+        follow_turns(turns, angle_deg, 4.0)
+    assert (turns.count, turns.latest[0].dps, turns.seconds, turns.angle_deg) == (1, 2.0, 4.0, 6.0)
     forget_turns(turns)
-    assert (turns.seen, turns.seconds, turns.turned_deg) == (0, 0.0, 0.0)
+    assert (turns.count, turns.seconds, turns.angle_deg) == (0, 0.0, 0.0)
 
 
 def test_what_turns_to_and_fro_about_a_bias_speaks_for_it() -> None:
@@ -68,7 +68,7 @@ def confirmed_and_seen(rate_dps: Floats) -> tuple[int, int]:
         step(c, s, n / 100.0, dps)
         confirmed += s.segment.blocks == 5 != before
         before = s.segment.blocks
-    return confirmed, s.turns.seen
+    return confirmed, s.turns.count
 
 
 def test_a_gentle_curve_is_one_turn_however_many_segments_it_falls_into() -> None:

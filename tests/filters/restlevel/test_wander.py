@@ -4,9 +4,9 @@ import pytest
 
 from gyrodrift.filters.restlevel.rate_state import RateWander
 from gyrodrift.filters.restlevel.wander import (
+    count_agreement,
+    count_break,
     forget_levels,
-    see_agreement,
-    see_break,
     wander_probability,
 )
 
@@ -16,9 +16,9 @@ def followed(blocks: int, breaks_every: int, step_dps: float = 0.5) -> RateWande
     wander = RateWander()
     for number in range(1, blocks + 1):
         if number % breaks_every == 0:
-            see_break(wander, step_dps)
+            count_break(wander, step_dps)
         else:
-            see_agreement(wander)
+            count_agreement(wander)
     return wander
 
 

@@ -74,8 +74,8 @@ FAULTS = (
     Fault(
         "filters/restlevel-trapezoid",
         f"{RESTLEVEL}/step.py",
-        "block.turned_deg += 0.5 * (rate_dps + s.rate_dps) * dt_s",
-        "block.turned_deg += rate_dps * dt_s",
+        "block.angle_deg += 0.5 * (rate_dps + s.rate_dps) * dt_s",
+        "block.angle_deg += rate_dps * dt_s",
         "Yaw is integrated by rectangles instead of trapezoids.",
         (
             "tests/filters/test_restlevel.py::test_turns_and_rests_are_told_apart_whatever_the_bias",
@@ -85,8 +85,8 @@ FAULTS = (
     Fault(
         "filters/restlevel-bias-sign",
         f"{RESTLEVEL}/step.py",
-        "yaw_deg = moments.yaw_deg + block.turned_deg - s.bias_dps * seconds",
-        "yaw_deg = moments.yaw_deg + block.turned_deg + s.bias_dps * seconds",
+        "yaw_deg = moments.yaw_deg + block.angle_deg - s.bias_dps * seconds",
+        "yaw_deg = moments.yaw_deg + block.angle_deg + s.bias_dps * seconds",
         "Within a block the bias is added instead of taken off.",
         (
             "tests/filters/test_restlevel.py::test_turns_and_rests_are_told_apart_whatever_the_bias",
@@ -150,7 +150,7 @@ FAULTS = (
     Fault(
         "filters/restlevel-slide-before-the-segment",
         f"{RESTLEVEL}/slide.py",
-        "h.checkpoint.moving_s += h.settled.ago_s",
+        "h.checkpoint.moving_s += h.safe.ago_s",
         "h.checkpoint.moving_s += 0.0",
         "A rest that resumes in the block that ended it turns by its slide.",
         (f"{UNITS}/test_slide.py",),

@@ -10,7 +10,7 @@
 #define GD_ATTITUDE_FASTEST_FIRST GD_R(20.0)
 /* Contradicting blocks that refute a witness, and how many a block that fits removes, as in restlevel. */
 #define GD_ATTITUDE_MOST_CONTRADICTIONS GD_R(5.0)
-#define GD_ATTITUDE_FORGIVEN GD_R(0.1)
+#define GD_ATTITUDE_FIT_CREDIT GD_R(0.1)
 
 /* Window of a rest by a witness: as short as three blocks, with up to 15 deg/s of scatter. */
 static inline gd_attitude_kind gd_attitude_still(void) {
@@ -53,7 +53,7 @@ static inline int gd_attitude_certain_rest(gd_attitude_candidate *out, gd_attitu
     return 0;
   }
   if (gd_attitude_last_window(out, &a->windows, gd_attitude_still(), a->c.limits) && gd_attitude_fits_bias(a, out)) {
-    w->against = gd_max(0, w->against - GD_ATTITUDE_FORGIVEN);
+    w->against = gd_max(0, w->against - GD_ATTITUDE_FIT_CREDIT);
     return 1;
   }
   w->against += 1;

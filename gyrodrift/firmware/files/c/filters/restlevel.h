@@ -54,7 +54,7 @@ static inline int gd_restlevel_init(gd_restlevel *s, const gd_restlevel_params *
 static inline void gd_rl_set_yaw(gd_restlevel *s) {
   const gd_rl_moments *m = &s->moments;
   const gd_real seconds = (gd_real)s->block.seconds;
-  const gd_real yaw_deg = m->yaw_deg + s->block.turned_deg - s->bias_dps * seconds;
+  const gd_real yaw_deg = m->yaw_deg + s->block.angle_deg - s->bias_dps * seconds;
   const gd_real net_deg = yaw_deg - s->start_yaw_deg;
   const gd_real scale_var =
       s->c.scale_sigma * s->c.scale_sigma * (net_deg * net_deg + GD_TURN_DEG * s->travelled_deg);
@@ -80,7 +80,7 @@ static inline void gd_rl_add_sample(gd_restlevel *s, double dt_s, gd_real rate_d
   gd_count(&block->samples);
   block->sum_dps += above_dps;
   block->sum_squares += above_dps * above_dps;
-  block->turned_deg += GD_R(0.5) * (rate_dps + s->rate_dps) * (gd_real)dt_s;
+  block->angle_deg += GD_R(0.5) * (rate_dps + s->rate_dps) * (gd_real)dt_s;
   s->rate_dps = rate_dps;
   gd_count(&s->samples);
 }

@@ -1,4 +1,5 @@
-/* What restlevel believes of yaw and bias, and keeps from block to block. Twin of restlevel/bias_state.py. */
+/* State of restlevel between blocks: hypotheses, the rest sensor, and bias against temperature. Twin of
+   restlevel/bias_state.py. */
 #ifndef GD_RESTLEVEL_BIAS_STATE_H
 #define GD_RESTLEVEL_BIAS_STATE_H
 
@@ -18,13 +19,13 @@ typedef struct {
   gd_real bias_dps, bias_var;
 } gd_rl_mark;
 
-/* Which of the segments were rests, and the Gaussian over yaw and bias that follows.
+/* Assumption about which segments were rests, and its Gaussian over yaw and bias.
 
    Python keeps hypotheses in slots, of which some are free. Here they are stored without gaps in the order of their
    slots, so that every sum runs in the same order. */
 typedef struct {
-  gd_rl_mark recent, settled; /* see restlevel_slide.h */
-  gd_real weight;             /* probability */
+  gd_rl_mark recent, safe; /* see restlevel_slide.h */
+  gd_real weight;          /* probability */
   gd_real bias_dps, yaw_deg;
   gd_real bias_var, covariance, yaw_var;
   gd_real moving_s; /* since its last rest */
@@ -33,7 +34,7 @@ typedef struct {
   gd_real turn_density;                                   /* see restlevel_turns.h */
   gd_rl_checkpoint checkpoint;
   uint8_t slot : 4;
-  uint8_t knows_bias : 1; /* it has had a rest; before, the bias is 0 with the sigma of the turn-on bias */
+  uint8_t knows_bias : 1; /* after its first rest; before, the bias is 0 with the sigma of the turn-on bias */
   uint8_t is_at_rest : 1, was_at_rest : 1;
   uint8_t has_been_flat : 1;
 } gd_rl_hypothesis;
@@ -43,7 +44,7 @@ typedef struct {
   gd_real yaw_deg, bias_var, covariance, yaw_var;
 } gd_rl_moments;
 
-/* A bias that the filter begins with, beside those of any sensor. */
+/* Remembered bias, as an initial hypothesis. */
 typedef struct {
   gd_real weight; /* probability; 0 without such a bias */
   gd_real bias_dps, bias_var;
@@ -51,14 +52,14 @@ typedef struct {
 
 /* An external rest sensor, and whether it is believed. */
 typedef struct {
-  gd_real doubt;      /* blocks that have contradicted it */
-  gd_real level_dps;  /* mean of the last of them that agree */
-  gd_real before_dps; /* bias when it began to report rest */
-  gd_real since_s;    /* since the last rest */
-  uint16_t refuted;   /* contradictions */
-  uint8_t alike;      /* contradicting blocks that agree */
+  gd_real contradictions;  /* contradicting blocks; a block that fits removes GD_FIT_CREDIT */
+  gd_real level_dps;       /* mean of the agreeing blocks */
+  gd_real before_dps;      /* bias when it began to report rest */
+  gd_real since_s;         /* since the last rest */
+  uint16_t refuted;        /* number of refutations */
+  uint8_t agreeing_blocks; /* last contradicting blocks that agree with each other */
   uint8_t has_moved : 1, has_silence : 1; /* a sample of the block was in motion; a sample was not reported at rest */
-  uint8_t is_claiming : 1, was_certain : 1, is_believed : 1;
+  uint8_t is_reporting_rest : 1, was_certain : 1, is_believed : 1;
 } gd_rl_witness;
 
 /* Bias against temperature. */

@@ -16,7 +16,7 @@ static inline void gd_rl_confirm(gd_restlevel *s, gd_real seconds) {
   } else {
     gd_rl_branch(s, seconds);
     if (!s->ended.ended_gradually) { /* else it is of the same turn as the one before */
-      gd_rl_see_turn(&s->turns, s->segment.mean_dps);
+      gd_rl_add_mean_rate(&s->turns, s->segment.mean_dps);
     }
   }
 }
@@ -66,7 +66,7 @@ static inline void gd_rl_take_rest(gd_restlevel *s, gd_real mean_dps, gd_real st
   if (!is_certain && s->segment.blocks == GD_CONFIRMED_BLOCKS) {
     gd_rl_confirm(s, seconds);
   } else if (s->segment.blocks < GD_CONFIRMED_BLOCKS) {
-    gd_rl_follow_turns(&s->turns, s->block.turned_deg, s->block.seconds);
+    gd_rl_follow_turns(&s->turns, s->block.angle_deg, s->block.seconds);
   }
   gd_rl_weigh_turns(s);
   gd_rl_collapse(s);
@@ -124,31 +124,31 @@ static inline void gd_rl_recover(gd_restlevel *s) {
   s->start_yaw_deg = s->yaw_deg;
   s->base_deg = s->travelled_deg = GD_R(0.0);
   s->segment.sensor_odds = GD_R(1.0);
-  gd_rl_begin_anew(s);
+  gd_rl_restart(s);
 }
 
 /* A block is full: its mean goes to the segment and from there to the hypotheses, and another block begins. */
 static inline void gd_rl_end_block(gd_restlevel *s) {
-  const gd_real seconds = (gd_real)s->block.seconds, turned_deg = s->block.turned_deg;
-  const gd_real mean_dps = turned_deg / seconds, step_dps = mean_dps - s->segment.last_mean_dps;
+  const gd_real seconds = (gd_real)s->block.seconds, angle_deg = s->block.angle_deg;
+  const gd_real mean_dps = angle_deg / seconds, step_dps = mean_dps - s->segment.last_mean_dps;
   int is_certain;
   if (gd_rl_begins_to_measure(&s->noise, s->rate_dps)) {
-    gd_rl_begin_anew(s);
+    gd_rl_restart(s);
   }
-  gd_rl_see_freeze(s);
+  gd_rl_detect_freeze(s);
   gd_rl_track_segment(s, mean_dps, step_dps, seconds);
-  gd_rl_doubt_loud_rests(s);
+  gd_rl_weigh_noisy_rests(s);
   gd_rl_leave(s, step_dps, seconds);
   if (s->segment.blocks == 1) {
     gd_rl_enter_segment(s);
   }
   is_certain = gd_rl_take_auxiliary(s, mean_dps, step_dps, seconds);
-  gd_rl_predict(s, turned_deg, seconds);
-  gd_rl_doubt_turn(s, seconds);
+  gd_rl_predict(s, angle_deg, seconds);
+  gd_rl_widen_yaw(s, seconds);
   gd_rl_take_rest(s, mean_dps, step_dps, seconds, is_certain);
   gd_rl_recover(s);
   gd_rl_end_auxiliary(s, is_certain);
-  s->travelled_deg += GD_ABS(turned_deg - s->bias_dps * seconds);
+  s->travelled_deg += GD_ABS(angle_deg - s->bias_dps * seconds);
   gd_rl_keep_near_zero(s);
   memset(&s->block, 0, sizeof s->block);
 }

@@ -38,7 +38,7 @@ static inline void gd_rl_begin_branch(const gd_restlevel *s, const gd_rl_hypothe
   rest->weight =
       h->weight * GD_EXP(gd_rl_first_kalman_update(&s->c, rest, level->mean_dps, level->mean_var));
   gd_rl_weigh_rest(rest, (gd_real)s->segment.seconds, s->segment.sensor_odds);
-  gd_rl_settle(rest);
+  gd_rl_mark_safe(rest);
 }
 
 /* First slot from `slot` on that no hypothesis has. */
@@ -105,7 +105,7 @@ static inline void gd_rl_branch_by(gd_restlevel *s, const gd_rl_level *level) {
   }
 }
 
-/* A segment is confirmed: each hypothesis goes on as a spin, and as a rest that begins where the segment began. */
+/* Branches each hypothesis at a confirmed segment into a spin, and a rest that begins where the segment began. */
 static inline void gd_rl_branch(gd_restlevel *s, gd_real seconds) {
   gd_rl_level level;
   level.mean_dps = s->segment.mean_dps;
@@ -114,7 +114,7 @@ static inline void gd_rl_branch(gd_restlevel *s, gd_real seconds) {
   gd_rl_branch_by(s, &level);
 }
 
-/* The same for a short segment from the start, which the present block has ended by setting out. */
+/* Branches each hypothesis at the end of a short rest from the start. */
 static inline void gd_rl_branch_at_end(gd_restlevel *s, gd_real seconds) {
   gd_rl_level level;
   level.mean_dps = s->ended.mean_dps;

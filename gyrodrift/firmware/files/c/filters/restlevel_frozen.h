@@ -4,14 +4,14 @@
 
 #include "restlevel_noise.h"
 
-#define GD_SEEN_STEPS GD_R(2.0) /* noise of so many steps of the sensor repeats a value for a block by chance never */
+#define GD_NOISE_STEPS GD_R(2.0) /* noise in steps of the sensor above which a repeated value is no chance */
 
 /* Whether the sensor has repeated one value all through the block that has just ended. */
-static inline void gd_rl_see_freeze(gd_restlevel *s) {
+static inline void gd_rl_detect_freeze(gd_restlevel *s) {
   gd_rl_noise *noise = &s->noise;
   const gd_real step_dps = noise->resolution_dps;
   const int is_noisy =
-      noise->is_walk_measured && noise->sample_var > GD_SEEN_STEPS * GD_SEEN_STEPS * step_dps * step_dps;
+      noise->is_walk_measured && noise->sample_var > GD_NOISE_STEPS * GD_NOISE_STEPS * step_dps * step_dps;
   const int is_zero = s->rate_dps == GD_R(0.0) && s->bias_dps * s->bias_dps <= noise->sample_var;
   noise->is_frozen = s->block.sum_squares == GD_R(0.0) && is_noisy && GD_R(0.0) < step_dps &&
                      step_dps <= GD_FINE_DPS && !is_zero;
@@ -24,7 +24,7 @@ static inline void gd_rl_see_freeze(gd_restlevel *s) {
 }
 
 /* What the sensor has turned yaw by meanwhile is unknown, all of it together. */
-static inline void gd_rl_doubt_turn(gd_restlevel *s, gd_real seconds) {
+static inline void gd_rl_widen_yaw(gd_restlevel *s, gd_real seconds) {
   gd_rl_noise *noise = &s->noise;
   const gd_real before_deg = noise->frozen_deg;
   gd_real more_var;
@@ -32,7 +32,7 @@ static inline void gd_rl_doubt_turn(gd_restlevel *s, gd_real seconds) {
   if (!noise->is_frozen) {
     return;
   }
-  noise->frozen_deg += GD_ABS(s->block.turned_deg - s->bias_dps * seconds);
+  noise->frozen_deg += GD_ABS(s->block.angle_deg - s->bias_dps * seconds);
   more_var = noise->frozen_deg * noise->frozen_deg - before_deg * before_deg;
   for (k = 0; k < s->stored; ++k) {
     s->hypotheses[k].yaw_var += more_var;

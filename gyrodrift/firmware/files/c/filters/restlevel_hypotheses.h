@@ -6,12 +6,12 @@
 #include "restlevel_collapse.h"
 #include "restlevel_turns.h"
 
-#define GD_LOUD_REST GD_R(0.1) /* share of rests with a running motor or fan */
-#define GD_WELL_CALIBRATED GD_R(0.25)
-#define GD_CALIBRATED_SO_SO GD_R(0.25) /* shares of parts that have subtracted their bias, well or partly */
-#define GD_CALIBRATED GD_R(0.01)       /* of `turn_on_dps`, and its root: what is left then */
+#define GD_NOISY_REST_SHARE GD_R(0.1)   /* share of rests with a running motor or fan */
+#define GD_WELL_CALIBRATED GD_R(0.25)   /* share of parts that subtract their bias to 1/100 of `turn_on_dps` */
+#define GD_PARTLY_CALIBRATED GD_R(0.25) /* share of parts that subtract it to 1/10 */
+#define GD_CALIBRATED GD_R(0.01)        /* share of the variance of the turn-on bias that is left at 1/10 */
 
-/* Adds a hypothesis that knows of no rest. */
+/* Adds a hypothesis without a rest. */
 static inline gd_rl_hypothesis *gd_rl_begin_one(gd_restlevel *s, gd_real yaw_deg, gd_real weight, gd_real bias_var) {
   gd_rl_hypothesis *h = &s->hypotheses[s->stored];
   memset(h, 0, sizeof *h);
@@ -38,25 +38,25 @@ static inline gd_real gd_rl_begin_remembered(gd_restlevel *s, gd_real yaw_deg) {
   return GD_R(1.0);
 }
 
-/* What is remembered; else a part has subtracted its own bias well, or partly, or not at all. */
+/* Sets the initial hypotheses: the remembered bias, and a part that subtracts its bias well, partly or not at all. */
 static inline void gd_rl_begin(gd_restlevel *s, gd_real yaw_deg) {
   const gd_real turn_on_var = s->c.turn_on_var;
   gd_real unknown;
   s->stored = 0;
   unknown = gd_rl_begin_remembered(s, yaw_deg);
-  if (turn_on_var == GD_R(0.0)) { /* it has, and begins as one whose bias is known */
+  if (turn_on_var == GD_R(0.0)) { /* it subtracts its bias, so the bias is known */
     gd_rl_begin_one(s, yaw_deg, unknown, GD_R(0.0))->knows_bias = 1;
   } else {
-    const gd_real uncalibrated = unknown * (GD_R(1.0) - GD_WELL_CALIBRATED - GD_CALIBRATED_SO_SO);
+    const gd_real uncalibrated = unknown * (GD_R(1.0) - GD_WELL_CALIBRATED - GD_PARTLY_CALIBRATED);
     gd_rl_begin_one(s, yaw_deg, unknown * GD_WELL_CALIBRATED, turn_on_var * GD_CALIBRATED * GD_CALIBRATED);
-    gd_rl_begin_one(s, yaw_deg, unknown * GD_CALIBRATED_SO_SO, turn_on_var * GD_CALIBRATED);
+    gd_rl_begin_one(s, yaw_deg, unknown * GD_PARTLY_CALIBRATED, turn_on_var * GD_CALIBRATED);
     gd_rl_begin_one(s, yaw_deg, uncalibrated, turn_on_var);
   }
   gd_rl_collapse(s);
 }
 
-/* What was said so far was no rate: all is as with the first block, but yaw stays. */
-static inline void gd_rl_begin_anew(gd_restlevel *s) {
+/* Restarts the filter with the present block, because the values so far were no rates. Yaw stays. */
+static inline void gd_rl_restart(gd_restlevel *s) {
   gd_rl_begin(s, s->moments.yaw_deg);
   gd_rl_forget_noise(&s->noise);
   gd_rl_forget_levels(&s->wander);
@@ -71,7 +71,7 @@ static inline void gd_rl_begin_anew(gd_restlevel *s) {
 #endif
 }
 
-/* Keeps what each hypothesis says now, where a segment may begin. */
+/* Stores the yaw of each hypothesis where a segment may begin. */
 static inline void gd_rl_enter_segment(gd_restlevel *s) {
   uint8_t k;
   for (k = 0; k < s->stored; ++k) {
@@ -83,7 +83,7 @@ static inline void gd_rl_enter_segment(gd_restlevel *s) {
   }
 }
 
-/* A confirmed segment has ended: no hypothesis is at rest any more. */
+/* Ends the rest of all hypotheses at the end of a confirmed segment. */
 static inline void gd_rl_leave_segment(gd_restlevel *s) {
   uint8_t k;
   for (k = 0; k < s->stored; ++k) {
@@ -92,39 +92,39 @@ static inline void gd_rl_leave_segment(gd_restlevel *s) {
   }
 }
 
-/* The last segment has ended as the flat part of a curve does. */
+/* Weighs rests that have ended gradually, and restores their safe bias. */
 static inline void gd_rl_end_gradually(gd_restlevel *s) {
   uint8_t k;
   for (k = 0; k < s->stored; ++k) {
     if (s->hypotheses[k].was_at_rest) {
       gd_rl_weigh_gradual_end(&s->hypotheses[k], (gd_real)s->ended.seconds, s->ended.sensor_odds);
-      gd_rl_take_back(&s->hypotheses[k]);
+      gd_rl_restore_safe_bias(&s->hypotheses[k]);
     }
   }
   gd_rl_normalise(s);
 }
 
-/* Weighs all rests so far by the share of loud ones, where the noise has turned out smaller. */
-static inline void gd_rl_doubt_loud_rests(gd_restlevel *s) {
+/* Weighs hypotheses with a rest by the share of noisy rests, if the noise has dropped. */
+static inline void gd_rl_weigh_noisy_rests(gd_restlevel *s) {
   uint8_t k;
   if (!s->noise.has_dropped) {
     return;
   }
   for (k = 0; k < s->stored; ++k) {
     if (s->hypotheses[k].knows_bias) {
-      s->hypotheses[k].weight *= GD_LOUD_REST;
+      s->hypotheses[k].weight *= GD_NOISY_REST_SHARE;
     }
   }
   gd_rl_normalise(s);
 }
 
-/* A block passes: yaw turns where the device is not at rest, and the bias follows its random walk. */
-static inline void gd_rl_predict(gd_restlevel *s, gd_real turned_deg, gd_real seconds) {
+/* Predicts a block: yaw turns in hypotheses of motion, and the bias follows its random walk. */
+static inline void gd_rl_predict(gd_restlevel *s, gd_real angle_deg, gd_real seconds) {
   uint8_t k;
   for (k = 0; k < s->stored; ++k) {
     gd_rl_hypothesis *h = &s->hypotheses[k];
     if (!h->is_at_rest) {
-      h->yaw_deg += turned_deg - h->bias_dps * seconds;
+      h->yaw_deg += angle_deg - h->bias_dps * seconds;
       h->yaw_var += seconds * (h->bias_var * seconds - GD_R(2.0) * h->covariance + s->noise.angle_walk_var);
       h->covariance -= h->bias_var * seconds;
       h->moving_s += seconds;
@@ -133,7 +133,7 @@ static inline void gd_rl_predict(gd_restlevel *s, gd_real turned_deg, gd_real se
   }
 }
 
-/* The segment that ended a moment ago continues: a block was out of line by chance, and that is no evidence. */
+/* Resumes the segment before: rests go on, and the blocks between them are no evidence. */
 static inline void gd_rl_resume(gd_restlevel *s, gd_real seconds) {
   const gd_real mean_var = s->noise.angle_walk_var / (seconds * GD_R(GD_CONFIRMED_BLOCKS));
   uint8_t k;
@@ -142,7 +142,7 @@ static inline void gd_rl_resume(gd_restlevel *s, gd_real seconds) {
     if (h->was_at_rest) {
       gd_rl_go_back(h, h);
       if (s->ended.ended_gradually) {
-        gd_rl_give_back(h);
+        gd_rl_undo_safe_bias(h);
       }
       gd_rl_first_kalman_update(&s->c, h, s->segment.mean_dps, mean_var);
       h->is_at_rest = 1;
@@ -152,7 +152,7 @@ static inline void gd_rl_resume(gd_restlevel *s, gd_real seconds) {
   gd_rl_normalise(s);
 }
 
-/* A confirmed segment goes on: hypotheses of rest take the block mean for the bias, and noise is learned. */
+/* Updates hypotheses of rest by the mean of a further block of a confirmed segment, and learns the noise. */
 static inline void gd_rl_zero_velocity_update(gd_restlevel *s, gd_real mean_dps, gd_real step_dps, gd_real seconds) {
   const gd_real mean_var = s->noise.angle_walk_var / seconds, flicker_var = s->noise.flicker_var;
   const gd_real ramp_var = s->c.rate_ramp_dps_s * s->c.rate_ramp_dps_s * seconds * seconds;
@@ -164,7 +164,7 @@ static inline void gd_rl_zero_velocity_update(gd_restlevel *s, gd_real mean_dps,
       const gd_real innovation_dps = mean_dps - h->bias_dps;
       const gd_real beyond_var = innovation_dps * innovation_dps - h->bias_var - mean_var - flicker_var;
       rest_weight += h->weight;
-      h->chance_density *= GD_CHANCE_STAYS; /* a level by chance has ended by then, with its probability */
+      h->chance_density *= GD_CHANCE_STAYS; /* probability that a chance level lasts on */
       gd_rl_weigh_rest(h, (gd_real)s->segment.seconds, s->segment.sensor_odds);
       excess_var += h->weight * gd_min(beyond_var, GD_FLICKER_CLIP * (mean_var + flicker_var));
       gd_rl_kalman_update(h, mean_dps, mean_var, ramp_var);

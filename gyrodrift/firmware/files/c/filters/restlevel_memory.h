@@ -6,7 +6,7 @@
 
 #if GD_RESTLEVEL_MEMORY
 
-#define GD_REMEMBERED_WEIGHT GD_R(0.95)      /* that nothing has happened to the sensor */
+#define GD_REMEMBERED_WEIGHT GD_R(0.95)      /* probability that nothing has happened to the sensor */
 #define GD_START_SHARE GD_R(0.1)             /* change by a new start, in sigmas of the turn-on bias */
 #define GD_START_AGE_S GD_R(600.0)           /* age after which there has been a new start */
 #define GD_LEAST_REMEMBERED_VAR GD_R(1e-8)   /* LEAST_VAR of memory.py, (deg/s)^2 */
@@ -22,8 +22,8 @@ static inline gd_real gd_rl_self_nulling(const gd_restlevel *s, gd_real bias_dps
   }
   well = GD_WELL_CALIBRATED *
          GD_EXP(gd_rl_gaussian_logpdf(bias_dps, var * (GD_CALIBRATED * GD_CALIBRATED) + seen_var));
-  partly = GD_CALIBRATED_SO_SO * GD_EXP(gd_rl_gaussian_logpdf(bias_dps, var * GD_CALIBRATED + seen_var));
-  none = (GD_R(1.0) - GD_WELL_CALIBRATED - GD_CALIBRATED_SO_SO) *
+  partly = GD_PARTLY_CALIBRATED * GD_EXP(gd_rl_gaussian_logpdf(bias_dps, var * GD_CALIBRATED + seen_var));
+  none = (GD_R(1.0) - GD_WELL_CALIBRATED - GD_PARTLY_CALIBRATED) *
          GD_EXP(gd_rl_gaussian_logpdf(bias_dps, var + seen_var));
   return well / gd_max(well + partly + none, GD_LEAST_REMEMBERED_VAR);
 }

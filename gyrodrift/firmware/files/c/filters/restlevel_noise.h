@@ -5,11 +5,11 @@
 #include "restlevel_model.h"
 
 #define GD_MIN_VAR GD_R(1e-12)          /* of samples, (deg/s)^2 */
-#define GD_UNSEEN_VAR GD_R(0.0009)      /* while a sensor repeats itself: half a step of coarse parts */
-#define GD_COARSEST_VAR GD_R(0.015625)  /* of the coarsest part */
+#define GD_UNKNOWN_STEPS_VAR GD_R(0.0009) /* before the first step: half a step of coarse parts, squared */
+#define GD_COARSEST_VAR GD_R(0.015625)  /* half a step of the coarsest part, squared */
 #define GD_FINE_DPS GD_R(0.03)          /* a sensor of finer steps is never without noise at rest */
-#define GD_START_BLOCKS 5               /* after so many blocks of one value, first steps up to LOUD_VAR are noise */
-#define GD_LOUD_VAR GD_R(1.44)
+#define GD_START_BLOCKS 5               /* after so many blocks of one value, larger first steps are motion: */
+#define GD_MAX_NOISE_VAR GD_R(1.44)     /* variance of a block, (deg/s)^2 */
 #define GD_NOISE_BLOCKS 20              /* up to so many the noise is their mean; later it follows by NOISE_GAIN */
 #define GD_NOISE_GAIN GD_R(0.05)
 #define GD_NOISE_RISE GD_R(0.001)       /* share by which it rises in a second of motion */
@@ -26,7 +26,7 @@
 /* Variance that steps of the resolution may hide. */
 static inline gd_real gd_rl_rounding_var(const gd_rl_noise *noise) {
   if (!noise->has_steps) {
-    return GD_UNSEEN_VAR;
+    return GD_UNKNOWN_STEPS_VAR;
   }
   return gd_min(GD_R(0.25) * noise->resolution_dps * noise->resolution_dps, GD_COARSEST_VAR);
 }
@@ -70,7 +70,7 @@ static inline int gd_rl_is_stationary(gd_restlevel *s, gd_real seconds) {
   gd_rl_noise *noise = &s->noise;
   const int is_starting = noise->stationary_blocks < GD_START_BLOCKS;
   gd_real variance = gd_rl_variance(block, noise), error, limit;
-  if (noise->resolution_dps > GD_R(0.0) && !noise->has_steps && (is_starting || variance < GD_LOUD_VAR)) {
+  if (noise->resolution_dps > GD_R(0.0) && !noise->has_steps && (is_starting || variance < GD_MAX_NOISE_VAR)) {
     gd_rl_forget_blocks(noise);
     variance = gd_rl_variance(block, noise);
   }
@@ -90,18 +90,18 @@ static inline int gd_rl_is_stationary(gd_restlevel *s, gd_real seconds) {
   return variance < noise->sample_var * limit;
 }
 
-/* Whether the block that has just ended is the first of a sensor that said nothing but zero until then. */
+/* Whether the present block is the first with rates of a sensor that sent zeros before. */
 static inline int gd_rl_begins_to_measure(gd_rl_noise *noise, gd_real rate_dps) {
-  const int8_t was_mute = noise->mute_blocks;
+  const int8_t blocks_before = noise->zero_blocks;
   if (noise->resolution_dps < GD_R(0.0)) {
-    noise->mute_blocks = rate_dps == GD_R(0.0) ? 1 : 0;
+    noise->zero_blocks = rate_dps == GD_R(0.0) ? 1 : 0;
     return 0;
   }
-  noise->mute_blocks = was_mute > 0 ? -1 : 0;
-  if (was_mute == 0 || noise->resolution_dps > GD_FINE_DPS) {
+  noise->zero_blocks = blocks_before > 0 ? -1 : 0;
+  if (blocks_before == 0 || noise->resolution_dps > GD_FINE_DPS) {
     return 0;
   }
-  noise->mute_blocks = 0;
+  noise->zero_blocks = 0;
   return 1;
 }
 

@@ -1,16 +1,16 @@
-/* What restlevel follows of the rate itself, from block to block. Twin of restlevel/rate_state.py. */
+/* State of restlevel that describes the rate: block, noise, levels and segments. Twin of restlevel/rate_state.py. */
 #ifndef GD_RESTLEVEL_RATE_STATE_H
 #define GD_RESTLEVEL_RATE_STATE_H
 
 #include "real.h"
 
-#define GD_NEVER 255 /* blocks ago; the count stays there */
-#define GD_TURN_PLACES 32
+#define GD_NEVER 255 /* largest number of blocks since an event; the count stays there */
+#define GD_TURN_SLOTS 32
 
-/* Running sums over the samples of the present block, of rates less its first one. */
+/* Sums over the samples of the present block, of rates minus its first rate. */
 typedef struct {
   double seconds;
-  gd_real turned_deg;
+  gd_real angle_deg;
   gd_real origin_dps, sum_dps, sum_squares;
   uint32_t samples;
 } gd_rl_block;
@@ -22,9 +22,9 @@ typedef struct {
   gd_real resolution_dps; /* smallest step between two samples */
   gd_real angle_walk_var; /* N^2 of the angle random walk (IEEE Std 952), deg^2/s */
   gd_real flicker_var;    /* bias instability, (deg/s)^2 */
-  gd_real frozen_deg;     /* turned while the sensor repeats one value */
+  gd_real frozen_deg;     /* angle since the sensor repeats a single value */
   uint8_t stationary_blocks; /* up to GD_NOISE_BLOCKS */
-  int8_t mute_blocks;        /* 1 after a block of zeros alone; -1 after the first block with a step */
+  int8_t zero_blocks;        /* 1 after a block of zeros alone; -1 after the first block with a step */
   uint8_t has_steps : 1, is_walk_measured : 1, has_dropped : 1, is_frozen : 1;
 } gd_rl_noise;
 
@@ -60,11 +60,11 @@ typedef struct {
 /* Mean rates of some seconds of motion or of a segment, the latest ones in a ring, and their median. */
 typedef struct {
   double seconds; /* of the present one */
-  gd_real turned_deg;
+  gd_real angle_deg;
   gd_real median_dps, median_var;
-  gd_real latest_dps[GD_TURN_PLACES];
-  uint8_t ordered[GD_TURN_PLACES]; /* indices of the latest, from the least to the largest */
-  uint8_t seen;                    /* from 32 on it counts around, up to 63 */
+  gd_real latest_dps[GD_TURN_SLOTS];
+  uint8_t ordered[GD_TURN_SLOTS]; /* indices of the latest, from the least to the largest */
+  uint8_t count;                 /* from 32 on it counts around, up to 63 */
 } gd_rl_turns;
 
 #endif

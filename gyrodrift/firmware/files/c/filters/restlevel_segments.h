@@ -71,9 +71,9 @@ static inline void gd_rl_follow_wander(gd_restlevel *s, gd_real mean_dps, gd_rea
   const gd_rl_segment *segment = &s->segment;
   const gd_real mean_var = s->noise.angle_walk_var / seconds, ramp_dps = s->c.rate_ramp_dps_s * seconds;
   if (segment->blocks > 0 && !gd_rl_is_in_gate(segment, mean_dps, mean_var, ramp_dps, s->noise.flicker_var)) {
-    gd_rl_see_break(&s->wander, mean_dps - segment->mean_dps);
+    gd_rl_count_break(&s->wander, mean_dps - segment->mean_dps);
   } else if (segment->blocks < GD_CONFIRMED_BLOCKS) {
-    gd_rl_see_agreement(&s->wander);
+    gd_rl_count_agreement(&s->wander);
   }
 }
 

@@ -1,12 +1,12 @@
-/* Restlevel: the bias before a rest began to slide, which counts if it ends gradually. Twin of restlevel/slide.py. */
+/* Restlevel: bias of a rest before it began to slide, restored after a gradual end. Twin of restlevel/slide.py. */
 #ifndef GD_RESTLEVEL_SLIDE_H
 #define GD_RESTLEVEL_SLIDE_H
 
 #include "restlevel_model.h"
 
-#define GD_MARK_S 4.0                 /* time between two marks of the bias */
-#define GD_FLAT_S GD_R(1.0)           /* a step up to what drift does in this time is no slide */
-#define GD_LONGEST_SLIDE_S 40.0       /* bends last no longer */
+#define GD_MARK_S 4.0           /* time between two recent values of the bias */
+#define GD_FLAT_S GD_R(1.0)     /* a step up to the drift of this time is no slide */
+#define GD_LONGEST_SLIDE_S 40.0 /* bends last no longer */
 
 static inline void gd_rl_mark_bias(gd_rl_mark *mark, const gd_rl_hypothesis *h) {
   mark->bias_dps = h->bias_dps;
@@ -14,10 +14,10 @@ static inline void gd_rl_mark_bias(gd_rl_mark *mark, const gd_rl_hypothesis *h) 
   mark->ago_s = 0.0;
 }
 
-/* The bias is certain from here on: a gradual end of the rest takes back no more than what follows. */
-static inline void gd_rl_settle(gd_rl_hypothesis *h) {
+/* Stores the present bias as recent and as safe. */
+static inline void gd_rl_mark_safe(gd_rl_hypothesis *h) {
   gd_rl_mark_bias(&h->recent, h);
-  gd_rl_mark_bias(&h->settled, h);
+  gd_rl_mark_bias(&h->safe, h);
   h->slide_dps = GD_R(0.0);
   h->has_been_flat = 0;
 }
@@ -26,46 +26,46 @@ static inline gd_real gd_rl_towards_zero(gd_real x, gd_real step) {
   return x > step ? x - step : gd_min(x + step, GD_R(0.0));
 }
 
-/* A block of a rest has passed, and its zero-velocity update was made. */
+/* Follows the slide of a rest after the zero-velocity update of a block. */
 static inline void gd_rl_follow_slide(const gd_rl_coefficients *c, gd_rl_hypothesis *h, double seconds) {
-  gd_rl_mark *recent = &h->recent, *settled = &h->settled;
+  gd_rl_mark *recent = &h->recent, *safe = &h->safe;
   const gd_real least_dps = c->rate_ramp_dps_s * GD_FLAT_S, before_dps = h->slide_dps;
   gd_real step_dps;
   recent->ago_s += seconds;
-  settled->ago_s += seconds;
+  safe->ago_s += seconds;
   if (recent->ago_s < GD_MARK_S) {
     return;
   }
   step_dps = h->bias_dps - recent->bias_dps;
   h->slide_dps = h->has_been_flat ? gd_rl_towards_zero(before_dps + step_dps, least_dps) : GD_R(0.0);
   h->has_been_flat = h->has_been_flat || GD_ABS(step_dps) <= least_dps + GD_SQRT(recent->bias_var);
-  if (h->slide_dps * before_dps <= GD_R(0.0) || settled->ago_s >= GD_LONGEST_SLIDE_S) {
-    *settled = *recent;
+  if (h->slide_dps * before_dps <= GD_R(0.0) || safe->ago_s >= GD_LONGEST_SLIDE_S) {
+    *safe = *recent;
   }
   gd_rl_mark_bias(recent, h);
 }
 
 static inline void gd_rl_exchange(gd_rl_hypothesis *h) {
   const gd_real bias_dps = h->bias_dps, bias_var = h->bias_var;
-  h->bias_dps = h->settled.bias_dps;
-  h->bias_var = h->settled.bias_var;
-  h->settled.bias_dps = bias_dps;
-  h->settled.bias_var = bias_var;
+  h->bias_dps = h->safe.bias_dps;
+  h->bias_var = h->safe.bias_var;
+  h->safe.bias_dps = bias_dps;
+  h->safe.bias_var = bias_var;
 }
 
-/* Gives a rest that has ended gradually the bias that it had settled at; yaw turns with it since. */
-static inline void gd_rl_take_back(gd_rl_hypothesis *h) {
+/* Exchanges bias and safe bias of a rest that has ended gradually; yaw turns with the safe bias since the end. */
+static inline void gd_rl_restore_safe_bias(gd_rl_hypothesis *h) {
   gd_rl_exchange(h);
-  h->yaw_deg -= (h->bias_dps - h->settled.bias_dps) * h->moving_s;
-  h->moving_s += (gd_real)h->settled.ago_s;
-  h->checkpoint.moving_s += (gd_real)h->settled.ago_s;
+  h->yaw_deg -= (h->bias_dps - h->safe.bias_dps) * h->moving_s;
+  h->moving_s += (gd_real)h->safe.ago_s;
+  h->checkpoint.moving_s += (gd_real)h->safe.ago_s;
 }
 
-/* Undoes `take_back` where the rest goes on; yaw is that of the beginning of the segment. */
-static inline void gd_rl_give_back(gd_rl_hypothesis *h) {
+/* Undoes `restore_safe_bias` if the rest resumes; yaw is the yaw at the beginning of the segment. */
+static inline void gd_rl_undo_safe_bias(gd_rl_hypothesis *h) {
   gd_rl_exchange(h);
-  h->moving_s -= (gd_real)h->settled.ago_s;
-  h->yaw_deg -= (h->bias_dps - h->settled.bias_dps) * h->moving_s;
+  h->moving_s -= (gd_real)h->safe.ago_s;
+  h->yaw_deg -= (h->bias_dps - h->safe.bias_dps) * h->moving_s;
 }
 
 #endif

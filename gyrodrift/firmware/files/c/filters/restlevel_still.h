@@ -42,7 +42,7 @@ static inline gd_real gd_rl_update_still(gd_restlevel *s, gd_rl_hypothesis *h, c
   h->is_at_rest = 1;
   h->moving_s = GD_R(0.0);
   h->odds = h->rest_odds = GD_R(1.0);
-  gd_rl_settle(h);
+  gd_rl_mark_safe(h);
   h->chance_density = h->noisy_density = GD_R(0.0);
   return excess_var;
 }
@@ -53,7 +53,7 @@ static inline void gd_rl_stand_still(gd_restlevel *s, gd_real mean_dps, gd_real 
   gd_rl_still b;
   uint8_t k;
   b.mean_dps = mean_dps;
-  b.mean_var = gd_rl_loud_mean_var(s, seconds);
+  b.mean_var = gd_rl_noisy_mean_var(s, seconds);
   b.flicker_var = s->noise.flicker_var;
   b.ramp_var = s->c.rate_ramp_dps_s * s->c.rate_ramp_dps_s * seconds * seconds;
   if (!s->noise.is_walk_measured) {

@@ -1,4 +1,4 @@
-/* Restlevel: the median of mean turns, which weighs the hypotheses without any rest. Twin of restlevel/turns.py. */
+/* Restlevel: the median of mean rates, which weighs the hypotheses without any rest. Twin of restlevel/turns.py. */
 #ifndef GD_RESTLEVEL_TURNS_H
 #define GD_RESTLEVEL_TURNS_H
 
@@ -7,8 +7,8 @@
 
 #define GD_TURN_S 10.0                   /* time of motion that a mean rate is taken over */
 #define GD_LEAST_TURNS 5                 /* mean rates for a median */
-#define GD_TURNS_ALIKE GD_R(4.0)         /* bends last, so that of so many mean rates in a row one is news */
-#define GD_LEAST_SPREAD_DPS GD_R(0.05)   /* the median is no better */
+#define GD_CORRELATED_RATES GD_R(4.0)    /* consecutive mean rates within a bend: a single one is independent */
+#define GD_LEAST_SPREAD_DPS GD_R(0.05)   /* smallest sigma of the median */
 #define GD_SIDED GD_R(0.5)               /* share of devices that turn to one side more than to the other */
 
 /* Value of an order statistic between two of the ordered values, counted from 0. */
@@ -19,24 +19,24 @@ static inline gd_real gd_rl_turn_at(const gd_rl_turns *turns, gd_real rank) {
   return low_dps + (rank - (gd_real)below) * (high_dps - low_dps);
 }
 
-/* Takes the oldest out of the order. */
+/* Removes the oldest mean rate from the order. */
 static inline void gd_rl_forget_turn(gd_rl_turns *turns, uint8_t oldest) {
   uint8_t k = 0;
-  while (k < GD_TURN_PLACES - 1 && turns->ordered[k] != oldest) {
+  while (k < GD_TURN_SLOTS - 1 && turns->ordered[k] != oldest) {
     ++k;
   }
-  for (; k < GD_TURN_PLACES - 1; ++k) {
+  for (; k < GD_TURN_SLOTS - 1; ++k) {
     turns->ordered[k] = turns->ordered[k + 1];
   }
 }
 
 /* Takes a mean rate into the median. Of n ordered values n/2 lie below it, give or take half of the root of n. */
-static inline void gd_rl_see_turn(gd_rl_turns *turns, gd_real mean_dps) {
-  const uint8_t index = turns->seen % GD_TURN_PLACES;
-  const uint8_t others = turns->seen < GD_TURN_PLACES ? turns->seen : GD_TURN_PLACES - 1;
+static inline void gd_rl_add_mean_rate(gd_rl_turns *turns, gd_real mean_dps) {
+  const uint8_t index = turns->count % GD_TURN_SLOTS;
+  const uint8_t others = turns->count < GD_TURN_SLOTS ? turns->count : GD_TURN_SLOTS - 1;
   gd_real middle, sigma, spread_dps;
   uint8_t k = others;
-  if (turns->seen >= GD_TURN_PLACES) {
+  if (turns->count >= GD_TURN_SLOTS) {
     gd_rl_forget_turn(turns, index);
   }
   while (k > 0 && turns->latest_dps[turns->ordered[k - 1]] > mean_dps) {
@@ -45,32 +45,32 @@ static inline void gd_rl_see_turn(gd_rl_turns *turns, gd_real mean_dps) {
   }
   turns->ordered[k] = index;
   turns->latest_dps[index] = mean_dps;
-  turns->seen = turns->seen + 1 < 2 * GD_TURN_PLACES ? (uint8_t)(turns->seen + 1) : GD_TURN_PLACES;
-  if (turns->seen < GD_LEAST_TURNS) {
+  turns->count = turns->count + 1 < 2 * GD_TURN_SLOTS ? (uint8_t)(turns->count + 1) : GD_TURN_SLOTS;
+  if (turns->count < GD_LEAST_TURNS) {
     return;
   }
   middle = GD_R(0.5) * (gd_real)others;
   sigma = GD_R(0.5) * GD_SQRT((gd_real)others + GD_R(1.0));
   spread_dps = GD_R(0.5) * (gd_rl_turn_at(turns, middle + sigma) - gd_rl_turn_at(turns, middle - sigma));
   turns->median_dps = gd_rl_turn_at(turns, middle);
-  turns->median_var = GD_TURNS_ALIKE * spread_dps * spread_dps + GD_LEAST_SPREAD_DPS * GD_LEAST_SPREAD_DPS;
+  turns->median_var = GD_CORRELATED_RATES * spread_dps * spread_dps + GD_LEAST_SPREAD_DPS * GD_LEAST_SPREAD_DPS;
 }
 
 /* Takes a block outside of constant-rate segments into the present mean rate. */
-static inline void gd_rl_follow_turns(gd_rl_turns *turns, gd_real turned_deg, double seconds) {
-  turns->turned_deg += turned_deg;
+static inline void gd_rl_follow_turns(gd_rl_turns *turns, gd_real angle_deg, double seconds) {
+  turns->angle_deg += angle_deg;
   turns->seconds += seconds;
   if (turns->seconds >= GD_TURN_S) {
-    gd_rl_see_turn(turns, turns->turned_deg / (gd_real)turns->seconds);
-    turns->turned_deg = GD_R(0.0);
+    gd_rl_add_mean_rate(turns, turns->angle_deg / (gd_real)turns->seconds);
+    turns->angle_deg = GD_R(0.0);
     turns->seconds = 0.0;
   }
 }
 
 static inline void gd_rl_forget_turns(gd_rl_turns *turns) {
   turns->seconds = 0.0;
-  turns->turned_deg = GD_R(0.0);
-  turns->seen = 0;
+  turns->angle_deg = GD_R(0.0);
+  turns->count = 0;
 }
 
 /* Density of the median under a hypothesis, 1/(deg/s). */
@@ -84,7 +84,7 @@ static inline gd_real gd_rl_median_density(const gd_rl_turns *turns, const gd_rl
 /* Weighs each hypothesis by the distance of its bias from the median, in place of the weighing before. */
 static inline void gd_rl_weigh_turns(gd_restlevel *s) {
   uint8_t k;
-  if (s->turns.seen < GD_LEAST_TURNS) {
+  if (s->turns.count < GD_LEAST_TURNS) {
     return;
   }
   for (k = 0; k < s->stored; ++k) {

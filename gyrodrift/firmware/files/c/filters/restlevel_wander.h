@@ -15,12 +15,12 @@
 #define GD_STEP_GAIN GD_R(0.1)
 
 /* A stationary block after another one has the level so far. */
-static inline void gd_rl_see_agreement(gd_rl_wander *wander) {
+static inline void gd_rl_count_agreement(gd_rl_wander *wander) {
   wander->log_odds = GD_FORGETTING * wander->log_odds - GD_AGREEMENT_LOG_ODDS;
 }
 
 /* A stationary block after another one is so far from the level. */
-static inline void gd_rl_see_break(gd_rl_wander *wander, gd_real step_dps) {
+static inline void gd_rl_count_break(gd_rl_wander *wander, gd_real step_dps) {
   gd_real gain;
   wander->log_odds = GD_FORGETTING * wander->log_odds + GD_BREAK_LOG_ODDS;
   if (wander->steps < UINT8_MAX) {
