@@ -109,10 +109,10 @@ def _motion(smoothed: Smoothed) -> Finding | None:
 def _alignment(smoothed: Smoothed) -> Finding | None:
     """Refuse rates that are not correlated; shift the encoder if the delay is too large for a sensor."""
     recording, rates = smoothed.recording, smoothed.rates
-    lag, _, likeness = best_lag(rates, recording.period_s)
-    if abs(likeness) < LIKE:
+    lag, _, correlation = best_lag(rates, recording.period_s)
+    if abs(correlation) < LIKE:
         why = "gyro and encoder do not turn together: is it another axis, or do they come from different times?"
-        return Finding(f"{why} (correlation {likeness:.2f})", None)
+        return Finding(f"{why} (correlation {correlation:.2f})", None)
     lag_s = abs(lag * recording.period_s)
     if lag_s <= LAG_S:
         return None

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.recording.rests import points_of
+from gyrodrift.diagnose.recording.rests import samples_in
 
 NOISE_GAIN = 6.0
 """Variance of a second difference of white noise, in variances of that."""
@@ -86,7 +86,7 @@ def noise_dps(rate_dps: Floats, period_s: float, gyro: GyroModel) -> float:
         return min(of_means, of_calmest)
     turns = (np.arange(BANDS) + 0.5) / (2 * BANDS)  # of a sample
     passed, half = gyro.power_passed(turns / period_s, 1.0 / period_s), np.pi * turns
-    points = points_of(NOISE_MEAN_S, period_s)
+    points = samples_in(NOISE_MEAN_S, period_s)
     mean, between = np.sin(points * half) / np.sin(half), np.sin(points * half)
     seen_by = np.square(mean) * between**4, np.sin(half) ** 6
     shares = [float((weights * passed).sum() / (weights.sum() * passed[0])) for weights in seen_by]
@@ -95,7 +95,7 @@ def noise_dps(rate_dps: Floats, period_s: float, gyro: GyroModel) -> float:
 
 def _noise_of_means_dps(rate_dps: Floats, period_s: float) -> float:
     """By the calmer part of means: a tone is no noise of what is slower."""
-    points = points_of(NOISE_MEAN_S, period_s)
+    points = samples_in(NOISE_MEAN_S, period_s)
     count = len(rate_dps) // points
     bends = np.abs(np.diff(rate_dps[: count * points].reshape(count, points).mean(axis=1), 2))
     if not len(bends):

@@ -1,4 +1,4 @@
-"""The values that a recording holds, as levels: which step they come in, and whether they lie on a grid."""
+"""Distinct values of a recording: the step between them, and whether they lie on a grid."""
 
 from dataclasses import dataclass
 
@@ -9,29 +9,29 @@ from gyrodrift.diagnose.recording.order_statistics import distinct
 from gyrodrift.diagnose.recording.outliers import NEXT_LEVEL
 
 LEAST_GAPS = 10
-"""Fewer small gaps say nothing of a step."""
+"""Least number of small gaps that determine a step."""
 
 LEVELS_TRIED = 4000
-"""So many levels are enough for decimals and for a grid; more take time."""
+"""About the number of levels that are tried for decimals and for a grid. More levels take time and change nothing."""
 
 UNITS = (1.0, 180.0 / np.pi, np.pi / 180.0)
-"""Text may have been in degrees, in radians, or converted once too often."""
+"""Factors between the written values and these: written as they are, in radians, or converted once too often."""
 
 DECIMALS = 10
-"""Numbers of decimals that are tried: simulators write nine digits and more."""
+"""Number of decimals that are tried: 0 to 9. Simulators write nine digits and more."""
 
 FINEST = 2.0**-31
-"""Share of the span below which a step is one of digits: counts of sensors and encoders have 31 bits at most."""
+"""Share of the span below which a step comes from the digits: counts of sensors and encoders have at most 31 bits."""
 
 
 @dataclass(frozen=True, slots=True)
 class Levels:
-    """The values that a recording holds.
+    """Distinct values of a recording.
 
     values
-        Rising, each once, shape (n,).
+        Rising values, shape (n,).
     text
-        Distance of the decimals that they were written in; 0 where there are too many to have been text.
+        Unit of the last decimal in which they were written; 0 if they have too many decimals.
     """
 
     values: Floats
@@ -39,56 +39,61 @@ class Levels:
 
     @property
     def step(self) -> float | None:
-        """The step that they come in, or None where they come in none but that of the text."""
+        """Step between the values; None if they have no step, or only that of their decimals."""
         step = self.densest
-        # Where the decimals are nearly as coarse as the step, only a step that they hold exactly can be told.
-        # A step of ten units of the last decimal is seen through the rounding.
+        # A step of more than ten units of the last decimal is tested with the rounding of the text as a tolerance.
+        # A finer step is accepted only if the values are exact multiples of it.
         exact = self if step > 10.0 * self.text else Levels(self.values, 0.0)
         is_text = step <= 1.5 * self.text or len(self.values) <= LEAST_GAPS or step < FINEST * np.ptp(self.values)
-        # All but a fifth of the small gaps are whole steps, to a twentieth of a step.
+        # At least four fifths of the small gaps must be whole steps, to a twentieth of a step.
         return None if is_text or off_grid(exact, step, near=0.05) > 0.2 else step
 
     def has_gaps_below(self, least: float) -> bool:
-        """Whether more than a few neighbours are closer than that, beyond what their decimals do."""
+        """Whether at least LEAST_GAPS gaps are smaller than `least`, the rounding of the text included."""
         return int(np.count_nonzero(np.diff(self.values) < least - self.text)) >= LEAST_GAPS
 
     @property
     def densest(self) -> float:
-        """Distance of neighbours where they lie densest, but for a few that are closer by chance; 0 for one value."""
+        """Mean of the gaps near their 5 % quantile; 0 for a single value.
+
+        Smaller gaps are ignored: means and interpolated values have some that are no step.
+        """
         gaps = np.diff(self.values)
         if not len(gaps):
             return 0.0
-        grain = float(np.quantile(gaps, 0.05))  # means and interpolated values have some that no step explains
+        grain = float(np.quantile(gaps, 0.05))
         return float(gaps[(gaps > 0.5 * grain) & (gaps < NEXT_LEVEL * grain)].mean())
 
 
 def levels_of(values: Floats) -> Levels:
-    """What values there are, and in which decimals."""
-    held = distinct(values)
-    return Levels(held, _text(held[:: max(1, len(held) // LEVELS_TRIED)]))
+    """Distinct values, and the unit of their last decimal."""
+    levels = distinct(values)
+    return Levels(levels, _text(levels[:: max(1, len(levels) // LEVELS_TRIED)]))
 
 
 def has_steps(values: Floats) -> bool:
-    """Whether values come in steps."""
+    """Whether values come in steps that are coarser than their decimals."""
     return levels_of(values).step is not None
 
 
 def off_grid(levels: Levels, step: float, near: float) -> float:
-    """Share of the small gaps between levels that are no whole number of a step; 0 where there are too few of them.
+    """Share of the small gaps between levels that are no multiple of a step; 0 with too few gaps.
 
-    `near` is how far off the step may be, as a share of itself.
+    near
+        Relative tolerance of the step.
     """
     gaps = np.diff(levels.values) / step
-    gaps = gaps[gaps < 5.5]  # beyond five steps, an error of the step adds up to too much
+    gaps = gaps[gaps < 5.5]  # beyond five steps, the error of the step adds up too much
     if len(gaps) < LEAST_GAPS:
         return 0.0
     whole = np.rint(gaps)
-    # Two values of one step are one and the same text: a gap of less than half a step is never its rounding.
+    # Values of the same level have the same text. Therefore a gap of less than half a step is no rounding error.
     is_off = (whole == 0.0) | (np.abs(gaps - whole) > near * whole + levels.text / step)
     return float(np.mean(is_off))
 
 
 def _text(values: Floats) -> float:
+    """Unit of the last decimal in which all values can be written, in the unit of the values; 0 without one."""
     for decimals in range(DECIMALS):
         for unit in UNITS:
             written = values * 10.0**decimals / unit
@@ -98,6 +103,6 @@ def _text(values: Floats) -> float:
 
 
 def coherence(levels: Levels, cpr: float) -> float:
-    """How well angles lie on a grid of counts: 1 on it, about 1/√n off it."""
+    """Coherence of angles with a grid of counts, |mean of exp(2πi·angle/count)|: 1 on the grid, about 1/√n off it."""
     chosen = levels.values[:: max(1, len(levels.values) // LEVELS_TRIED)]
     return float(np.abs(np.mean(np.exp(2j * np.pi * chosen * (cpr / 360.0)))))

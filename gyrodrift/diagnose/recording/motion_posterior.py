@@ -19,9 +19,9 @@ from gyrodrift.diagnose.recording.gyro_noise import NOISE_GAIN, GyroModel, middl
 from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, Passed, filtered, smoothed_back
 from gyrodrift.diagnose.recording.local_cubic import local_cubic
 from gyrodrift.diagnose.recording.motion import ReplayedMotion, rough_rate_dps, sensor_c_of
-from gyrodrift.diagnose.recording.outliers import Cleaned, at_limit, steps_of
+from gyrodrift.diagnose.recording.outliers import Cleaned, is_at_limit, steps_of
 from gyrodrift.diagnose.recording.quick_motion import QuickMotion, quick_motion_of
-from gyrodrift.diagnose.recording.rests import STANDS_MOST_S, points_of, rests, stretches
+from gyrodrift.diagnose.recording.rests import STANDS_MOST_S, rest_mask, samples_in, true_runs
 from gyrodrift.diagnose.recording.smoothing import central_difference, gaussian
 
 JERK_STEPS_S = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2)
@@ -108,7 +108,7 @@ def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | No
     """Of a recording without holes, outliers and jumps; `encoder_deg` are its angles where they were corrected."""
     period_s = seen.recording.period_s
     angle_deg = seen.encoder_deg if encoder_deg is None else encoder_deg
-    is_clipped = at_limit(seen.rate_dps, angle_deg, period_s)
+    is_clipped = is_at_limit(seen.rate_dps, angle_deg, period_s)
     scatters = ~is_clipped & ((seen.rate_dps != 0.0) | (not gyro.hides_rest))
     sigma_dps = max(noise_dps(seen.rate_dps[scatters], period_s, gyro), gyro.count_dps / float(np.sqrt(12.0)))
     known_dps = seen.rate_dps
@@ -116,7 +116,7 @@ def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | No
         known_dps = np.where(is_clipped, rough_rate_dps(seen.recording, angle_deg), known_dps)
     rate_dps = _advanced(known_dps, gyro.delay_s / period_s)
     angles, edges, stands_s = _measurements(seen, angle_deg)
-    at_rest = rests(rate_dps, stands_s, sigma_dps, period_s, seen.step_deg)
+    at_rest = rest_mask(rate_dps, stands_s, sigma_dps, period_s, seen.step_deg)
     quick = quick_motion_of(rate_dps, at_rest, ~at_rest & ~is_clipped, period_s, gyro)
     # Motion that never ends widens an estimate by samples; where it has no part, both differ by less than a fifth.
     if quick.white_dps is not None and quick.white_dps < 0.8 * sigma_dps:
@@ -124,7 +124,7 @@ def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | No
     jerk = _jerk(rate_dps, sigma_dps, period_s)
     least = sigma_dps**2 * period_s / STEADY_S**5
     jerk = np.where(at_rest, REST_JERK * least, np.maximum(jerk, least))
-    change_dpss = np.gradient(uniform_filter1d(rate_dps, points_of(BIAS_STEP_S, period_s)), period_s)
+    change_dpss = np.gradient(uniform_filter1d(rate_dps, samples_in(BIAS_STEP_S, period_s)), period_s)
     crossover = sigma_dps**2 * period_s * (2.0 * np.pi * CROSSOVER_HZ) ** 2
     walk = crossover + BIAS_STEP_S * np.square(BIAS_SHARE * change_dpss)
     rates = rate_dps, np.where(is_clipped, NOT_MEASURED, sigma_dps**2)
@@ -132,7 +132,7 @@ def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | No
     none = np.zeros((1, STATES))
     path = _smooth(smoothed_back(period_s, passed, none, False), sigma_dps, period_s)
     path, lacking = quick.completed(path, rate_dps)
-    found = stretches(at_rest)
+    found = true_runs(at_rest)
     like = ReplayedMotion(period_s, path[:, 0], path[:, 1], sensor_c_of(seen.recording), seen.recording.powered_s)
     return MotionPosterior(_motion(path, like, found), passed, found, angle_deg, sigma_dps, quick, lacking)
 
@@ -140,7 +140,7 @@ def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | No
 def _smooth(path: Floats, sigma_dps: float, period_s: float) -> Floats:
     """A path without the noise of the gyro, as far as it is smooth; what is slower than SMOOTH_S stays as it is."""
     angle_deg, rate_dps = path[:, 0], path[:, 1]
-    less_dps = local_cubic(rate_dps, sigma_dps, points_of(SMOOTH_S, period_s)) - rate_dps
+    less_dps = local_cubic(rate_dps, sigma_dps, samples_in(SMOOTH_S, period_s)) - rate_dps
     less_deg = cumulative_trapezoid(less_dps, dx=period_s, initial=0.0)
     slow_deg = gaussian(less_deg, SMOOTH_S / period_s)
     # A derivative of `less_deg` would leave in the path what alternates from sample to sample.
@@ -168,8 +168,8 @@ def _measurements(seen: Cleaned, angle_deg: Floats) -> tuple[tuple[Floats, Float
     begins = np.flatnonzero(np.concatenate([[True], np.diff(counts) != 0.0]))
     lengths = np.diff(np.concatenate([begins, [len(counts)]]))
     lasts = np.repeat(lengths, lengths)
-    most = points_of(STANDS_MOST_S, seen.recording.period_s)
-    own = max(count_deg**2 / 12.0 + steps_deg.uneven**2, _encoder_noise_deg(seen) ** 2)
+    most = samples_in(STANDS_MOST_S, seen.recording.period_s)
+    own = max(count_deg**2 / 12.0 + steps_deg.scatter**2, _encoder_noise_deg(seen) ** 2)
     variance = np.where(np.isfinite(seen.recording.encoder_deg), own * np.minimum(lasts, most), NOT_MEASURED)
     edge_deg, edge_variance = np.zeros(len(counts)), np.zeros(len(counts))
     shorter = np.minimum(lengths[1:], lengths[:-1])
@@ -178,7 +178,7 @@ def _measurements(seen: Cleaned, angle_deg: Floats) -> tuple[tuple[Floats, Float
     at = begins[1:][clear]
     between_deg = 0.5 * count_deg * steps[clear]
     edge_deg[at] = angle_deg[at] - between_deg
-    edge_variance[at] = own / np.square(shorter[clear]) + steps_deg.uneven**2
+    edge_variance[at] = own / np.square(shorter[clear]) + steps_deg.scatter**2
     stands = np.where(np.repeat(_creeping(steps, lengths), lengths), 0, lasts)
     return (angle_deg, variance), (edge_deg, edge_variance), stands * seen.recording.period_s
 
@@ -202,7 +202,7 @@ def _jerk(rate_dps: Floats, sigma_dps: float, period_s: float) -> Floats:
     """Intensity of the white noise that drives the acceleration, deg²/s⁵, at each sample."""
     intensity = np.zeros(len(rate_dps))
     sums = np.concatenate([[0.0], np.cumsum(rate_dps)])
-    for points in dict.fromkeys(points_of(step_s, period_s) for step_s in JERK_STEPS_S):
+    for points in dict.fromkeys(samples_in(step_s, period_s) for step_s in JERK_STEPS_S):
         if 3 * points > len(rate_dps):
             break
         means_dps = (sums[points:] - sums[:-points]) / points

@@ -1,4 +1,7 @@
-"""Outliers out of the rate, jumps out of the angle; each is kept as a finding, and all else sees past it."""
+"""Remove outliers from the rate and jumps from the angle.
+
+Their sizes are kept, because effects of the catalog cause them.
+"""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -7,75 +10,78 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d, median_filter
 
 from gyrodrift.arrays import Floats, Mask
-from gyrodrift.diagnose.recording.among_neighbours import off_cubic, stands_alone, steepest_beside
 from gyrodrift.diagnose.recording.delay import best_lag, smoothed_rates
 from gyrodrift.diagnose.recording.motion import rough_rate_dps
+from gyrodrift.diagnose.recording.neighbors import cubic_residual, is_isolated, steepest_neighbor_step
 from gyrodrift.diagnose.recording.order_statistics import distinct
 from gyrodrift.diagnose.recording.recording import Recording, filled
-from gyrodrift.diagnose.recording.rests import stretches
+from gyrodrift.diagnose.recording.rests import true_runs
 
 SPIKE_SIGMAS = 10.0
-"""An outlier of the rate is this far off, beside the encoder or among its neighbours."""
+"""Least residual of an outlier of the rate, in standard deviations: against the encoder, or against its neighbors."""
 
 SPIKE_OWN = 0.5
-"""A jump of the angle looks like an outlier of the rate beside it; an outlier is one among its own neighbours too, by
-this share of what it is beside the angle."""
+"""Least deviation of an outlier from the median of its neighbors, as a share of its size. A jump of the angle is an
+outlier against the encoder only."""
 
 MOVED_SIGMAS = 3.0
-"""Where an outlier among its neighbours is less than SPIKE_OWN beside the encoder, by so much, something did move."""
+"""Standard deviations below SPIKE_OWN times its size at which an outlier among its neighbors counts as motion, because
+the encoder shows it, too."""
 
 IN_A_ROW = 2
-"""Outliers that hide each other: the second shows once the first is taken out."""
+"""Number of passes. The second outlier of a pair shows only after the first has been removed."""
 
 END_SAMPLES = 2
-"""Neighbours on one side only do not tell a wild value from a motion that is under way."""
+"""Samples at either end that are never outliers: neighbors on a single side do not tell an outlier from motion."""
 
 NEARLY_ALL, ROUNDED = 0.995, 1.05
-"""Where so many samples are off by no more than so many steps, rounding is all that they are off by: it never makes a
-jump of more, and its spread says nothing of jumps."""
+"""Share of the samples, and number of encoder steps within which they lie if the angle errs by rounding only. Then the
+threshold of a jump does not depend on the standard deviation, because rounding makes no larger jump."""
 
 MIDDLE_SHARE, MIDDLE_SIGMAS = 0.9, 1.645
-"""Nine tenths of normal numbers lie within so many standard deviations; a tenth may be outliers, or quick motion."""
+"""Share of a normal distribution within so many standard deviations. A tenth of the samples may be outliers or quick
+motion."""
 
-LEAST_POINTS = 8
-"""Samples, at least, whose spread counts as that of a second."""
+LEAST_SAMPLES = 8
+"""Least number of samples from which the standard deviation within a second is taken."""
 
 FEW_STEPS, WHOLE = 16.0, 0.1
-"""Where the larger of these are a few times the smallest, to this part of it, that one is the step itself: a motion
-that comes by the same values again and again may show it once."""
+"""Largest multiple of the smallest gap, and its tolerance, at which the smallest gap is the step itself. A motion that
+repeats the same values may show that gap only once."""
 
 NEXT_LEVEL = 1.6
-"""LevelSteps of a step and a half of what they are written in come as one and as two, 0.02 and 0.03."""
+"""Gaps below so many times the smallest gap are a single step. Steps of two and a half units of the last decimal are
+written as two and as three units, such as 0.02 and 0.03."""
 
 LIMIT_RUN, LIMIT_DPS = 5, 10.0
-"""So many samples in a row at the largest or the least rate of all, beyond LIMIT_DPS, stand at the gyro's limit."""
+"""Least number of successive samples at the largest rate, and least size of this rate, of a gyro at its limit."""
 
 
 class LevelSteps(NamedTuple):
-    """The steps that values come in.
+    """Steps between the levels of some values.
 
     mean
-        From one level to the next.
-    uneven
-        Standard deviation of a level about where it would be in even steps: counts that were rounded to others.
+        Mean step.
+    scatter
+        Standard deviation of the levels about an even grid. It is large if counts were rounded to a finer grid.
     """
 
     mean: float
-    uneven: float
+    scatter: float
 
 
 @dataclass(frozen=True, slots=True)
 class Cleaned:
-    """A recording without holes, outliers and jumps, and what they were.
+    """A recording without gaps, outliers and jumps.
 
     rate_dps, encoder_deg
-        Shape (n,).
+        Corrected rate and angle, shape (n,).
     step_deg
-        The step that the angles come in.
+        Smallest step of the angles; see `granularity`.
     spikes_dps, slips_deg
-        One entry for each outlier of the rate and each jump of the angle, signed.
-    late_s
-        How much later the gyro speaks than the encoder; 0 if nothing moves.
+        Signed sizes of the removed outliers of the rate and jumps of the angle.
+    delay_s
+        Delay of the gyro against the encoder; 0 without motion.
     """
 
     recording: Recording
@@ -84,77 +90,81 @@ class Cleaned:
     step_deg: float
     spikes_dps: Floats
     slips_deg: Floats
-    late_s: float
+    delay_s: float
 
 
 def cleaned(recording: Recording) -> Cleaned:
-    """Find outliers and jumps by what their neighbours are."""
+    """Interpolate the gaps of a recording, then remove its outliers and jumps."""
     rate_dps, encoder_deg = filled(recording.rate_dps), filled(recording.encoder_deg)
     rate_dps, spikes_dps = _without_outliers(recording, rate_dps, encoder_deg)
     step_deg = granularity(recording.encoder_deg)
-    late = _late_samples(recording, rate_dps, encoder_deg, step_deg)
-    at_angles_dps = _earlier(rate_dps, late) if abs(late) > 1.0 else rate_dps
+    delay = _delay_samples(recording, rate_dps, encoder_deg, step_deg)
+    at_angles_dps = _advanced(rate_dps, delay) if abs(delay) > 1.0 else rate_dps
     jumps_deg = _jumps_deg(recording, at_angles_dps, encoder_deg, step_deg)
     slips_deg = jumps_deg[jumps_deg != 0.0]
     if len(slips_deg):
         encoder_deg = encoder_deg - np.cumsum(jumps_deg)
-    return Cleaned(recording, rate_dps, encoder_deg, step_deg, spikes_dps, slips_deg, late * recording.period_s)
+    return Cleaned(recording, rate_dps, encoder_deg, step_deg, spikes_dps, slips_deg, delay * recording.period_s)
 
 
-def at_limit(rate_dps: Floats, angle_deg: Floats, period_s: float) -> Mask:
-    """Which samples say no more than that it turned faster than the gyro goes, shape (n,).
+def is_at_limit(rate_dps: Floats, angle_deg: Floats, period_s: float) -> Mask:
+    """(n,) whether a sample is at the limit of the gyro, so that the true rate is larger.
 
-    A steady motion at the largest rate of all looks alike where noise is less than a step; but then its encoder does
-    not turn by more than that rate, and with more noise many samples stand a step below.
+    Steady motion at the largest rate also repeats this rate if its noise is less than a step. But then the encoder does
+    not turn faster than the gyro. If the noise is larger, many samples are a step below.
     """
-    found: Mask = np.zeros(len(rate_dps), bool)
-    for way in (1.0, -1.0):
-        largest_dps = float((way * rate_dps).max())
-        runs = _runs_of(way * rate_dps == largest_dps)
+    at_limit: Mask = np.zeros(len(rate_dps), bool)
+    for sign in (1.0, -1.0):
+        largest_dps = float((sign * rate_dps).max())
+        runs = _long_runs(sign * rate_dps == largest_dps)
         if largest_dps <= LIMIT_DPS or not runs:
             continue
-        turned_deg = sum(way * (angle_deg[end - 1] - angle_deg[first]) for first, end in runs)
-        read_deg = largest_dps * period_s * sum(end - first - 1 for first, end in runs)
-        if turned_deg > 1.03 * read_deg and not _stands_below(way * rate_dps, largest_dps):
+        encoder_turn_deg = sum(sign * (angle_deg[end - 1] - angle_deg[first]) for first, end in runs)
+        gyro_turn_deg = largest_dps * period_s * sum(end - first - 1 for first, end in runs)
+        if encoder_turn_deg > 1.03 * gyro_turn_deg and not _has_many_below(sign * rate_dps, largest_dps):
             for first, end in runs:
-                found[first:end] = True
-    return found
+                at_limit[first:end] = True
+    return at_limit
 
 
-def _runs_of(extreme: Mask) -> list[tuple[int, int]]:
-    """First sample, and the one after the last, of each run of LIMIT_RUN and more."""
-    return [(first, end) for first, end in stretches(extreme) if end - first >= LIMIT_RUN]
+def _long_runs(extreme: Mask) -> list[tuple[int, int]]:
+    """First and end sample of every run of at least LIMIT_RUN samples."""
+    return [(first, end) for first, end in true_runs(extreme) if end - first >= LIMIT_RUN]
 
 
-def _stands_below(rate_dps: Floats, largest_dps: float) -> bool:
-    """Whether many samples stand a step below the largest rate."""
+def _has_many_below(rate_dps: Floats, largest_dps: float) -> bool:
+    """Whether more than a fifth as many samples are a step below the largest rate as are at it."""
     below_dps = rate_dps[rate_dps < largest_dps]
     near = np.count_nonzero(below_dps > largest_dps - NEXT_LEVEL * granularity(rate_dps))
     return bool(5.0 * near > len(rate_dps) - len(below_dps))
 
 
 def granularity(values: Floats) -> float:
-    """Distance of neighbouring values where they lie densest; 0 where there is one value only."""
-    return _closest(np.diff(distinct(values)))
+    """Smallest gap between distinct values, without those that are smaller by chance; 0 for a single value."""
+    return _smallest_gap(np.diff(distinct(values)))
 
 
 def step_of(values: Floats) -> float:
-    """The step that values come in, from how many of them span their range; 0 where there is one value only."""
+    """Mean step between distinct values; 0 for a single value."""
     return steps_of(values).mean
 
 
 def steps_of(values: Floats) -> LevelSteps:
-    """The same with how even the steps are."""
+    """Mean and scatter of the steps between distinct values, by the gaps below NEXT_LEVEL times the smallest."""
     gaps = np.diff(distinct(values))
-    grain = _closest(gaps)
+    grain = _smallest_gap(gaps)
     near = gaps[gaps < NEXT_LEVEL * grain]
     return LevelSteps(float(near.mean()), float(near.std() / np.sqrt(2.0))) if grain else LevelSteps(0.0, 0.0)
 
 
-def _closest(gaps: Floats) -> float:
+def _smallest_gap(gaps: Floats) -> float:
+    """Fifth smallest gap, or the smallest if the others are multiples of it; 0 without gaps.
+
+    A few gaps are smaller by chance. With few gaps, as in quick motion, fewer are skipped.
+    """
     if not len(gaps):
         return 0.0
-    last = min(4, int(0.15 * len(gaps)))  # a few pairs are closer by chance; a quick motion visits few values
+    last = min(4, int(0.15 * len(gaps)))
     lowest = np.sort(np.partition(gaps, last)[: last + 1])
     times = lowest / lowest[0]
     is_step = times[-1] < FEW_STEPS and np.abs(times - np.rint(times)).max() < WHOLE
@@ -162,89 +172,98 @@ def _closest(gaps: Floats) -> float:
 
 
 def _without_outliers(recording: Recording, rate_dps: Floats, encoder_deg: Floats) -> tuple[Floats, Floats]:
-    """The rate with straight lines across its outliers, shape (n,), and by how much each is off those."""
+    """(n,) rate with linear interpolation across its outliers, and (outliers,) their signed sizes."""
     is_spike, without_dps = np.zeros(len(rate_dps), np.bool_), rate_dps
     rough_dps = rough_rate_dps(recording, encoder_deg)
     for _ in range(IN_A_ROW):
-        found = _outliers(recording, without_dps, rough_dps)
-        if not found.any():
+        is_outlier = _is_outlier(recording, without_dps, rough_dps)
+        if not is_outlier.any():
             break
-        is_spike |= found
+        is_spike |= is_outlier
         without_dps = filled(np.where(is_spike, np.nan, rate_dps))
     return without_dps, (rate_dps - without_dps)[is_spike]
 
 
-def _outliers(recording: Recording, rate_dps: Floats, rough_dps: Floats) -> Mask:
-    """Which samples are outliers of the rate, shape (n,).
+def _is_outlier(recording: Recording, rate_dps: Floats, rough_dps: Floats) -> Mask:
+    """(n,) whether a sample is an outlier of the rate.
 
-    One is off beside the encoder, or among its neighbours where counts are too coarse to show it: by how much says the
-    one that shows it more clearly. What is off among its neighbours alone was moved where the encoder saw it, too.
+    An outlier has a large residual against the encoder, or against its neighbors if counts are too coarse to show it.
+    Its size is the residual that is larger in standard deviations. An outlier against its neighbors is motion if the
+    encoder shows it, too.
 
     rough_dps
         Rate of the encoder, shape (n,).
     """
-    away_dps = rate_dps - rough_dps
-    beside_dps, among_dps = away_dps - median_filter(away_dps, 5), off_cubic(rate_dps)
-    beside, among, own_dps = np.abs(beside_dps), np.abs(among_dps), np.abs(rate_dps - median_filter(rate_dps, 5))
-    beside_sigma = _sigma(beside, recording)
-    among_sigma = _sigma(np.minimum(among, own_dps), recording)  # an outlier has no echoes there
-    is_spike: Mask = (beside > SPIKE_SIGMAS * beside_sigma) | (among > SPIKE_SIGMAS * among_sigma)
+    difference_dps = rate_dps - rough_dps
+    encoder_dps, cubic_dps = difference_dps - median_filter(difference_dps, 5), cubic_residual(rate_dps)
+    by_encoder, by_cubic = np.abs(encoder_dps), np.abs(cubic_dps)
+    by_median = np.abs(rate_dps - median_filter(rate_dps, 5))
+    encoder_sigma = _sigma(by_encoder, recording)
+    # The median has no residual beside an outlier, so the smaller of both residuals is free of it.
+    cubic_sigma = _sigma(np.minimum(by_cubic, by_median), recording)
+    is_spike: Mask = (by_encoder > SPIKE_SIGMAS * encoder_sigma) | (by_cubic > SPIKE_SIGMAS * cubic_sigma)
     if not is_spike.any():
         return is_spike
-    by_neighbours = among * beside_sigma > beside * among_sigma
-    size_dps = np.where(by_neighbours, among, beside)
-    is_steep = size_dps < 0.6 * steepest_beside(rate_dps)  # less than this share of the steps beside it may be motion
-    along_dps = beside_dps * np.sign(np.where(by_neighbours, among_dps, beside_dps))
-    was_moved = is_steep | (along_dps < SPIKE_OWN * size_dps - MOVED_SIGMAS * beside_sigma)
-    # On a slope the median is none: there a sample that repeats the one before is as far off as an outlier.
-    on_slope = stands_alone(among_dps) & ~is_steep & (np.diff(rate_dps, prepend=np.nan) != 0.0)
-    is_own = np.maximum(own_dps, np.where(on_slope, among, 0.0)) > SPIKE_OWN * size_dps
-    # Less is no outlier where the noise hides within a step.
-    is_spike &= (size_dps > 4.0 * granularity(recording.rate_dps)) & is_own & ~(by_neighbours & was_moved)
-    # Neighbours of an outlier exceed the limit too where the rate changes quickly.
+    is_by_cubic = by_cubic * encoder_sigma > by_encoder * cubic_sigma
+    size_dps = np.where(is_by_cubic, by_cubic, by_encoder)
+    is_steep = size_dps < 0.6 * steepest_neighbor_step(rate_dps)  # smaller than this, it may be part of a motion
+    along_dps = encoder_dps * np.sign(np.where(is_by_cubic, cubic_dps, encoder_dps))
+    is_motion = is_steep | (along_dps < SPIKE_OWN * size_dps - MOVED_SIGMAS * encoder_sigma)
+    # On a slope the median is the sample itself, so its residual is 0 and the cubic decides. A sample that repeats the
+    # sample before is excluded: its cubic residual is as large as that of an outlier.
+    on_slope = is_isolated(cubic_dps) & ~is_steep & (np.diff(rate_dps, prepend=np.nan) != 0.0)
+    is_own = np.maximum(by_median, np.where(on_slope, by_cubic, 0.0)) > SPIKE_OWN * size_dps
+    # If the noise is less than a step, residuals of a few steps are no outliers.
+    is_spike &= (size_dps > 4.0 * granularity(recording.rate_dps)) & is_own & ~(is_by_cubic & is_motion)
+    # If the rate changes quickly, the neighbors of an outlier exceed the threshold, too. The largest is the outlier.
     is_spike &= (size_dps == maximum_filter1d(size_dps, 3)) & np.isfinite(recording.rate_dps)
     is_spike[:END_SAMPLES] = is_spike[-END_SAMPLES:] = False
     return is_spike
 
 
 def _jumps_deg(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step_deg: float) -> Floats:
-    """By how much the angle jumps at each sample, 0 where it does not; shape (n,)."""
-    turned_deg = 0.5 * (rate_dps[1:] + rate_dps[:-1]) * recording.period_s
-    over_deg = np.diff(encoder_deg) - turned_deg
-    out_deg = np.concatenate([[0.0], over_deg - median_filter(over_deg, 9)])
+    """(n,) signed jump of the angle before every sample; 0 without a jump."""
+    gyro_turn_deg = 0.5 * (rate_dps[1:] + rate_dps[:-1]) * recording.period_s
+    excess_deg = np.diff(encoder_deg) - gyro_turn_deg
+    residual_deg = np.concatenate([[0.0], excess_deg - median_filter(excess_deg, 9)])
     # The interval before a sample touches the bends at both ends.
     bends_dps = maximum_filter1d(np.abs(np.diff(rate_dps, 2, prepend=rate_dps[0], append=rate_dps[-1])), 3)
-    # A rate that bends within a sample, or comes late by a sample, moves the angle by half of the bend.
-    # A jump is more than the steps of a coarse encoder.
+    # A rate that bends within a sample, or is late by a sample, moves the angle by half of the bend.
+    # A jump is larger than the rounding of a coarse encoder.
     least_deg = 2.5 * step_deg + 0.5 * recording.period_s * bends_dps
-    is_rounded = np.quantile(np.abs(out_deg), NEARLY_ALL) < ROUNDED * step_deg
-    noise_deg = 0.0 if is_rounded else 7.0 * _sigma(np.abs(out_deg), recording)
-    is_slip: Mask = np.abs(out_deg) > np.maximum(noise_deg, least_deg)
-    jumps_deg: Floats = np.where(is_slip, out_deg, 0.0)
+    is_rounded = np.quantile(np.abs(residual_deg), NEARLY_ALL) < ROUNDED * step_deg
+    noise_deg = 0.0 if is_rounded else 7.0 * _sigma(np.abs(residual_deg), recording)
+    is_slip: Mask = np.abs(residual_deg) > np.maximum(noise_deg, least_deg)
+    jumps_deg: Floats = np.where(is_slip, residual_deg, 0.0)
     return jumps_deg
 
 
-def _late_samples(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step_deg: float) -> float:
+def _delay_samples(recording: Recording, rate_dps: Floats, encoder_deg: Floats, step_deg: float) -> float:
+    """Delay of the gyro against the encoder, in samples; 0 without motion."""
     if not recording.has_motion:
         return 0.0
-    return best_lag(smoothed_rates(rate_dps, encoder_deg, step_deg, recording.period_s), recording.period_s).fine
+    return best_lag(smoothed_rates(rate_dps, encoder_deg, step_deg, recording.period_s), recording.period_s).delay
 
 
-def _earlier(rate_dps: Floats, samples: float) -> Floats:
-    """Rates of a gyro that is late by so many samples, at the times of the angles."""
-    numbers = np.arange(len(rate_dps))
-    earlier_dps: Floats = np.interp(numbers + samples, numbers, rate_dps)
-    return earlier_dps
+def _advanced(rate_dps: Floats, delay: float) -> Floats:
+    """(n,) rates of a delayed gyro at the times of the angles, by linear interpolation; the delay is in samples."""
+    index = np.arange(len(rate_dps))
+    advanced_dps: Floats = np.interp(index + delay, index, rate_dps)
+    return advanced_dps
 
 
 def _sigma(absolute: Floats, recording: Recording) -> Floats:
-    """Spread about each sample: of its second or the neighbouring ones, and no less than of all; shape (n,)."""
-    points = max(LEAST_POINTS, round(1.0 / recording.period_s))
-    seconds = max(1, len(absolute) // points)
-    spread = np.quantile(absolute[: seconds * points].reshape(seconds, -1), MIDDLE_SHARE, axis=1) / MIDDLE_SIGMAS
-    spread = np.maximum(spread, max(np.median(spread), np.quantile(absolute, 0.5) / MIDDLE_SIGMAS))
-    padded = np.concatenate([spread[:1], spread, spread[-1:]])
+    """(n,) standard deviation of residuals near every sample, from their absolute values.
+
+    It is the largest of the second of the sample and the seconds before and after, and at least the median over the
+    recording.
+    """
+    length = max(LEAST_SAMPLES, round(1.0 / recording.period_s))
+    seconds = max(1, len(absolute) // length)
+    sigma = np.quantile(absolute[: seconds * length].reshape(seconds, -1), MIDDLE_SHARE, axis=1) / MIDDLE_SIGMAS
+    sigma = np.maximum(sigma, max(np.median(sigma), np.quantile(absolute, 0.5) / MIDDLE_SIGMAS))
+    padded = np.concatenate([sigma[:1], sigma, sigma[-1:]])
     wide = np.maximum(np.maximum(padded[:-2], padded[1:-1]), padded[2:])
-    last = np.minimum(np.arange(len(absolute)) // points, seconds - 1)
-    widest: Floats = wide[last]
+    second = np.minimum(np.arange(len(absolute)) // length, seconds - 1)
+    widest: Floats = wide[second]
     return widest

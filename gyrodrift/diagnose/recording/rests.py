@@ -1,7 +1,7 @@
-"""Where a recording rests: the count stands, and the gyro is at its level of other rests near by.
+"""Rests of a recording: the encoder count is constant, and the gyro is at its level of nearby rests.
 
-A count stands, too, while a motion begins or ends, and while it creeps through one: what the gyro says decides, and at
-the ends of a rest the motion is left open as far as no gyro tells it from rest.
+A count is also constant while a motion begins or ends, and during a creeping motion. Therefore the gyro decides. At the
+ends of a rest, samples do not count as rest as long as the gyro cannot tell them from a slow motion.
 """
 
 from itertools import pairwise
@@ -13,66 +13,76 @@ from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.compile import compiled_once
 
 RESTS_S = 1.0
-"""A count that stands so long, while the gyro says no more than REST_DPS, is a rest."""
+"""Least time for which the count of a rest is constant."""
 
 REST_DPS, REST_SIGMAS, REST_MEAN_S, REST_EDGE_S = 0.014, 4.0, 1.0, 0.2
-WILD_SIGMAS = 10.0
-"""A sample this far off the median of the five about it is no motion, and ends no rest; where it moves the mean over
-REST_MEAN_S by REST_DPS and more, that median stands in its place."""
+"""Tolerance of the gyro at rest, deg/s, to which so many standard deviations of a mean over REST_MEAN_S are added; and
+the window over which all samples must be at rest."""
+
+OUTLIER_SIGMAS = 10.0
+"""Difference from the median of five samples, in standard deviations, at which a sample is an outlier and ends no rest.
+
+It is replaced by this median if it moves the mean over REST_MEAN_S by at least REST_DPS.
+"""
 
 LEVEL_S, CREEP_DPS, LONGEST_SHARE = 2.0, 0.1, 0.8
-"""Counts that stand so long, and longer than it takes to creep through one at this rate, show the gyro's level at rest;
-where none does, those that stand for this share of the longest."""
+"""Least time of a constant count that shows the level of the gyro at rest: so many seconds, and longer than a motion at
+this rate takes through a count. Shorter counts are taken if they last this share of the longest."""
 
 OPEN_COUNTS = 0.1
-"""Of a count: a motion that turned less than this before it was noticed bends nothing."""
+"""Turn at the edge of a rest, in counts, that a motion may make before it is noticed: it changes no result."""
 
 STANDS_MOST_S = 30.0
-"""A count that stands longer is measured again, and shows another level: a bias may wander meanwhile."""
+"""Longest time for which a count is a single measurement, and shows a single level. The bias may wander meanwhile."""
 
 LEVEL_RUNS = 2
-"""Of such runs on either side whose median is the level."""
+"""Number of runs on either side whose median is the level."""
 
 
-def rests(rate_dps: Floats, stands_s: Floats, sigma_dps: float, period_s: float, count_deg: float) -> Mask:
-    """Shape (n,): which samples rest.
+def rest_mask(rate_dps: Floats, stands_s: Floats, sigma_dps: float, period_s: float, count_deg: float) -> Mask:
+    """(n,) whether a sample is at rest.
 
-    rate_dps, stands_s
-        What the gyro says, and how long the count of each sample stands.
+    rate_dps
+        (n,) rates of the gyro.
+    stands_s
+        (n,) time for which the count of the sample is constant.
     sigma_dps, count_deg
-        White noise of a sample of the gyro, step of the encoder.
+        White noise of a sample of the gyro, and step of the encoder.
     """
-    points = points_of(REST_MEAN_S, period_s)
-    rate_dps = _without_wild(rate_dps, max(WILD_SIGMAS * sigma_dps, REST_DPS * points))
-    slow_dps = uniform_filter1d(rate_dps, points)
+    length = samples_in(REST_MEAN_S, period_s)
+    rate_dps = _without_outliers(rate_dps, max(OUTLIER_SIGMAS * sigma_dps, REST_DPS * length))
+    slow_dps = uniform_filter1d(rate_dps, length)
     level_dps = _level_dps(slow_dps, stands_s, period_s, count_deg)
-    near = np.abs(slow_dps - level_dps) < REST_DPS + REST_SIGMAS * sigma_dps / np.sqrt(points)
+    near = np.abs(slow_dps - level_dps) < REST_DPS + REST_SIGMAS * sigma_dps / np.sqrt(length)
     still = (stands_s > RESTS_S) & near
-    resting: Mask = minimum_filter1d(still.astype(np.uint8), points_of(REST_EDGE_S, period_s) | 1) > 0
+    resting: Mask = minimum_filter1d(still.astype(np.uint8), samples_in(REST_EDGE_S, period_s) | 1) > 0
     least_deg = OPEN_COUNTS * count_deg
-    # A motion that begins so gently is left open for as long as it needs for OPEN_COUNTS.
-    gentle = points_of(float(np.sqrt(2.0 * least_deg / 0.1)), period_s)
-    for first, end in stretches(resting):
+    # A motion that accelerates at 0.1 deg/s² needs this time for OPEN_COUNTS.
+    slow_start = samples_in(float(np.sqrt(2.0 * least_deg / 0.1)), period_s)
+    for first, end in true_runs(resting):
         away_dps = rate_dps[first:end] - np.median(slow_dps[first:end])
-        least = min(gentle, round(0.1 * (end - first)))  # no more than a tenth of a short rest
+        least = min(slow_start, round(0.1 * (end - first)))  # at most a tenth of a short rest
         begins, ends = (
-            max(least, _slide(one[: points_of(5.0, period_s)], sigma_dps, least_deg / period_s))
-            for one in (away_dps, away_dps[::-1])
+            max(least, _moving_samples(edge_dps[: samples_in(5.0, period_s)], sigma_dps, least_deg / period_s))
+            for edge_dps in (away_dps, away_dps[::-1])
         )
         resting[first : first + begins * (first > 0)] = resting[end - ends * (end < len(resting)) : end] = False
     return resting
 
 
-def _without_wild(rate_dps: Floats, least_dps: float) -> Floats:
-    """A step from one rate to another is none of them: the median follows it."""
+def _without_outliers(rate_dps: Floats, least_dps: float) -> Floats:
+    """(n,) rates with outliers replaced by the median of five samples. The median follows a step of the rate."""
     near_dps = median_filter(rate_dps, 5)
     calm_dps: Floats = np.where(np.abs(rate_dps - near_dps) > least_dps, near_dps, rate_dps)
     return calm_dps
 
 
-def _slide(away_dps: Floats, sigma_dps: float, least_dps: float) -> int:
-    """So many samples from the edge of a rest on, the gyro turns: where its sum is furthest beyond chance."""
-    # Beyond chance by three standard deviations.
+def _moving_samples(away_dps: Floats, sigma_dps: float, least_dps: float) -> int:
+    """Number of samples from the edge of a rest during which the gyro turns.
+
+    The turn ends where the sum of the rates exceeds its threshold most. The threshold is three standard deviations of
+    noise, and at least `least_dps`.
+    """
     chance_dps = 3.0 * sigma_dps * np.sqrt(np.arange(1, len(away_dps) + 1))
     over_dps = np.abs(np.cumsum(away_dps)) - np.maximum(chance_dps, least_dps)
     furthest = int(np.argmax(over_dps))
@@ -80,27 +90,27 @@ def _slide(away_dps: Floats, sigma_dps: float, least_dps: float) -> int:
 
 
 def _level_dps(slow_dps: Floats, stands_s: Floats, period_s: float, count_deg: float) -> Floats:
-    """What the gyro says at rest, at each sample: medians over counts that stand long, and between them.
+    """(n,) rate of the gyro at rest: medians over long constant counts, interpolated between them.
 
     slow_dps
-        Means: a median of single samples would be one of the steps that they come in.
+        (n,) rates averaged over REST_MEAN_S. A median of single samples would be one of their steps.
     """
     least_s = min(max(LEVEL_S, count_deg / CREEP_DPS), LONGEST_SHARE * float(stands_s.max()))
-    pieces = stretches(stands_s > least_s)
+    pieces = true_runs(stands_s > least_s)
     if not pieces:
         return np.full(len(slow_dps), float(np.median(slow_dps)))
-    pieces = _divided(pieces, points_of(STANDS_MOST_S, period_s))
+    pieces = _divided(pieces, samples_in(STANDS_MOST_S, period_s))
     middles = np.array([0.5 * (first + end) for first, end in pieces])
     levels = _medians(slow_dps, np.array(pieces))
     wide = np.pad(levels, LEVEL_RUNS, mode="edge")
-    held = np.median([wide[shift : shift + len(levels)] for shift in range(2 * LEVEL_RUNS + 1)], axis=0)
-    level: Floats = np.interp(np.arange(len(slow_dps)), middles, held)
+    medians = np.median([wide[shift : shift + len(levels)] for shift in range(2 * LEVEL_RUNS + 1)], axis=0)
+    level: Floats = np.interp(np.arange(len(slow_dps)), middles, medians)
     return level
 
 
 @compiled_once()
 def _medians(values: Floats, pieces: Integers) -> Floats:
-    """(p,) median of each piece; `pieces` holds first sample and the one after the last, (p, 2)."""
+    """(p,) median of every piece; `pieces`, (p, 2), are their first and end samples."""
     medians = np.empty(len(pieces))
     for index in range(len(pieces)):
         medians[index] = np.median(values[pieces[index, 0] : pieces[index, 1]])
@@ -108,23 +118,23 @@ def _medians(values: Floats, pieces: Integers) -> Floats:
 
 
 def _divided(pieces: tuple[tuple[int, int], ...], most: int) -> tuple[tuple[int, int], ...]:
-    """Each in equal parts of so many samples at most: what is left over would be too short for a level."""
-    found: list[tuple[int, int]] = []
+    """Pieces divided into equal parts of at most so many samples. A short remainder would not show a level."""
+    parts: list[tuple[int, int]] = []
     for first, end in pieces:
         if end - first <= most:
-            found.append((first, end))
+            parts.append((first, end))
             continue
         cuts = np.linspace(first, end, -(-(end - first) // most) + 1).astype(int).tolist()
-        found += pairwise(cuts)
-    return tuple(found)
+        parts += pairwise(cuts)
+    return tuple(parts)
 
 
-def stretches(inside: Mask) -> tuple[tuple[int, int], ...]:
-    """First sample, and the one after the last, of each stretch."""
+def true_runs(inside: Mask) -> tuple[tuple[int, int], ...]:
+    """First and end sample of every run of true values."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], inside.astype(np.int8), [0]])))
     return tuple(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
-def points_of(seconds: float, period_s: float) -> int:
-    """So many samples, one at least."""
+def samples_in(seconds: float, period_s: float) -> int:
+    """Number of samples in a time, at least 1."""
     return max(1, round(seconds / period_s))

@@ -207,4 +207,4 @@ def _played(cleaned: Cleaned, motion: ReplayedMotion, rig: Rig) -> Cleaned:
     rate_dps[block.seq], angle_deg[block.seq] = session.rate_dps, session.encoder_deg
     recording: Recording = cleaned.recording
     none: Floats = np.zeros(0)
-    return Cleaned(recording, filled(rate_dps), filled(angle_deg), cleaned.step_deg, none, none, cleaned.late_s)
+    return Cleaned(recording, filled(rate_dps), filled(angle_deg), cleaned.step_deg, none, none, cleaned.delay_s)

@@ -20,7 +20,7 @@ from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.orthogonal import orthonormal_vectors
 from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
-from gyrodrift.diagnose.recording.outliers import Cleaned, at_limit
+from gyrodrift.diagnose.recording.outliers import Cleaned, is_at_limit
 from gyrodrift.diagnose.simulate.candidates import KINDS
 
 ONCE_PER_TURN = {"g_sensitivity": "amplitude_dps", "encoder_eccentricity": "amplitude_deg"}
@@ -65,7 +65,7 @@ def known_at_limit(rig: Rig, cleaned: Cleaned) -> Mask | None:
     """
     if not any(isinstance(effect, Saturation) for effect in rig.effects):
         return None
-    return at_limit(cleaned.rate_dps, cleaned.encoder_deg, cleaned.recording.period_s)
+    return is_at_limit(cleaned.rate_dps, cleaned.encoder_deg, cleaned.recording.period_s)
 
 
 class SensorModel(NamedTuple):

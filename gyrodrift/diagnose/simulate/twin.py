@@ -344,4 +344,4 @@ def _with_recorded_delay(gyro: GyroModel, cleaned: Cleaned) -> GyroModel:
     if not cleaned.recording.has_motion:
         return gyro
     # A smaller difference changes the motion by less than the noise of gyro and encoder.
-    return gyro if abs(cleaned.late_s - gyro.delay_s) < 0.02 else replace(gyro, delay_s=cleaned.late_s)
+    return gyro if abs(cleaned.delay_s - gyro.delay_s) < 0.02 else replace(gyro, delay_s=cleaned.delay_s)

@@ -25,9 +25,9 @@ def test_the_delay_is_found_to_a_fraction_of_a_sample(delay_s: float, sign: floa
     rate_dps = sign * np.gradient(angle_deg(T_S - delay_s), PERIOD_S) + rng.normal(0.0, 0.2, len(T_S))
     counted_deg = np.rint(angle_deg(T_S) / count_deg) * count_deg
     lag = best_lag(smoothed_rates(rate_dps, counted_deg, count_deg, PERIOD_S), PERIOD_S)
-    assert lag.fine * PERIOD_S == pytest.approx(delay_s, abs=0.002)
-    assert lag.samples == pytest.approx(lag.fine, abs=1.0)
-    assert np.sign(lag.likeness) == sign
+    assert lag.delay * PERIOD_S == pytest.approx(delay_s, abs=0.002)
+    assert lag.samples == pytest.approx(lag.delay, abs=1.0)
+    assert np.sign(lag.correlation) == sign
 
 
 def test_what_never_moves_has_no_delay() -> None:

@@ -7,7 +7,7 @@ from features_support import COUNTS_PER_TURN, T_S, TRUE_DEG, TRUE_DPS, recorded,
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig, parse_effect
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.recording.outliers import Cleaned, at_limit, cleaned, granularity, step_of, steps_of
+from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned, granularity, is_at_limit, step_of, steps_of
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import Simulation
@@ -214,7 +214,7 @@ def plateau(limit_dps: float, sigma_dps: float, step_dps: float = 0.061) -> tupl
 @pytest.mark.parametrize("sigma_dps", [0.0, 0.01, 0.03, 0.1])
 def test_a_steady_motion_is_at_no_limit(sigma_dps: float) -> None:
     """Whether its noise hides within a step or not."""
-    assert not at_limit(*plateau(1000.0, sigma_dps), 0.01).any()
+    assert not is_at_limit(*plateau(1000.0, sigma_dps), 0.01).any()
 
 
 @pytest.mark.parametrize("sigma_dps", [0.0, 0.01, 0.03, 0.1])
@@ -222,10 +222,10 @@ def test_a_steady_motion_is_at_no_limit(sigma_dps: float) -> None:
 def test_what_the_encoder_goes_beyond_is_a_limit(limit_dps: float, sigma_dps: float) -> None:
     """All of the steady motion, and nothing of a slow one; the same the other way round."""
     rate_dps, angle_deg = plateau(limit_dps, sigma_dps)
-    found = at_limit(rate_dps, angle_deg, 0.01)
+    found = is_at_limit(rate_dps, angle_deg, 0.01)
     assert found[1010:1990].all()
     assert not found[:800].any()
-    assert np.array_equal(at_limit(-rate_dps, -angle_deg, 0.01), found)
+    assert np.array_equal(is_at_limit(-rate_dps, -angle_deg, 0.01), found)
 
 
 def test_counts_that_were_rounded_to_others_are_uneven() -> None:
@@ -233,7 +233,7 @@ def test_counts_that_were_rounded_to_others_are_uneven() -> None:
     fine, coarse = 360.0 / 1024.0, 360.0 / 410.0
     rounded_deg: Floats = np.rint(np.arange(0.0, 360.0, coarse) / fine) * fine
     assert steps_of(rounded_deg).mean == pytest.approx(coarse, rel=0.01)
-    assert steps_of(rounded_deg).uneven == pytest.approx(fine / 12.0**0.5, rel=0.3)
+    assert steps_of(rounded_deg).scatter == pytest.approx(fine / 12.0**0.5, rel=0.3)
     even_deg: Floats = np.arange(100.0) * fine
-    assert steps_of(even_deg).uneven == pytest.approx(0.0, abs=1e-9)
+    assert steps_of(even_deg).scatter == pytest.approx(0.0, abs=1e-9)
     assert steps_of(np.ones(5)) == (0.0, 0.0)

@@ -238,7 +238,7 @@ FAULTS = (
     Fault(
         "diagnose/jumps-beside-a-late-gyro",
         "gyrodrift/diagnose/recording/outliers.py",
-        "at_angles_dps = _earlier(rate_dps, late) if abs(late) > 1.0 else rate_dps",
+        "at_angles_dps = _advanced(rate_dps, delay) if abs(delay) > 1.0 else rate_dps",
         "at_angles_dps = rate_dps",
         "Edges of a late gyro are jumps of the angle.",
         ("tests/diagnose/recording/test_outliers.py",),
