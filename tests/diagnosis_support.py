@@ -14,7 +14,7 @@ from gyrodrift.diagnose.features.within_second import LAG_FEATURES
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.linear_model import LinearModel
 from gyrodrift.diagnose.inference.ranking import ranking
-from gyrodrift.diagnose.predictive_checks.binned_medians import medians, shape_dps
+from gyrodrift.diagnose.predictive_checks.binned_medians import medians, trend_rms_dps
 from gyrodrift.diagnose.predictive_checks.change_points import ChangePoint
 from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
 from gyrodrift.diagnose.predictive_checks.residual_checks import Dependence, ResidualChecks
@@ -105,7 +105,7 @@ def _residuals() -> ResidualChecks:
             real_dps=0.05 * rate_dps + noise_dps[number, 0],
             before_dps=noise_dps[number, 1],
             after_dps=0.05 * rate_dps + noise_dps[number, 2],
-            left_dps=noise_dps[number, 3],
+            unexplained_dps=noise_dps[number, 3],
             change_points=(ChangePoint(90, 0.25),) if number == 0 else (),
             slow=spectra,
             quick=spectra,
@@ -119,9 +119,9 @@ def _residuals() -> ResidualChecks:
 
 def _dependence(name: str, x: Floats, sessions: tuple[ResidualSeries, ...]) -> Dependence:
     order = np.argsort(x)
-    real, before, after, left = (
+    real, before, after, unexplained = (
         np.concatenate([getattr(one, f"{column}_dps") for one in sessions])[order]
-        for column in ("real", "before", "after", "left")
+        for column in ("real", "before", "after", "unexplained")
     )
     x = x[order]
     return Dependence(
@@ -130,11 +130,11 @@ def _dependence(name: str, x: Floats, sessions: tuple[ResidualSeries, ...]) -> D
         slack=1e-4,
         x=x,
         real_dps=real,
-        left_dps=left,
+        unexplained_dps=unexplained,
         real=medians(x, real),
         before=medians(x, before),
         after=medians(x, after),
-        left=medians(x, left),
-        follows_before_dps=shape_dps(x, real - before),
-        follows_dps=shape_dps(x, left),
+        unexplained=medians(x, unexplained),
+        trend_before_dps=trend_rms_dps(x, real - before),
+        trend_dps=trend_rms_dps(x, unexplained),
     )

@@ -18,9 +18,6 @@ from language import (
 
 LATER = (
     "gyrodrift/diagnose/features/",
-    "gyrodrift/diagnose/inference/log_variances.py",
-    "gyrodrift/diagnose/inference/posterior.py",
-    "gyrodrift/diagnose/predictive_checks/",
     "gyrodrift/diagnose/recording/",
     "gyrodrift/diagnose/simulate/",
     "gyrodrift/filters/restlevel/",

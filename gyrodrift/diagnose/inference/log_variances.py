@@ -7,13 +7,18 @@ from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR
 from gyrodrift.diagnose.simulate.candidate import Candidate
 
 LOG_RANGE, LEAST_VARIANCE = 20.0, 1e-6
-"""Bounds of logarithms of variances that are added as variances, so that nothing overflows or becomes 0."""
+"""Largest logarithm that is taken as a variance, and the least variance of a sum: neither overflows nor becomes 0."""
 
 LOGARITHMS = np.flatnonzero(IS_LOG)
+"""Indices of features that are logarithms of variances."""
 
 
 def combined(change: Floats, increment: Floats) -> Floats:
-    """Sum of two changes, (…, F)."""
+    """Sum of two changes of the features, (…, F).
+
+    A change of a logarithm is that of a variance relative to the same base. If both variances grow, the increases add:
+    log(exp(a) + exp(b) - 1). Otherwise the logarithms add.
+    """
     added: Floats = change + increment
     first, second = (np.take(values, LOGARITHMS, axis=-1) for values in (change, increment))
     powers = np.exp(np.clip(first, -LOG_RANGE, LOG_RANGE)) + np.exp(np.clip(second, -LOG_RANGE, LOG_RANGE))
@@ -23,7 +28,11 @@ def combined(change: Floats, increment: Floats) -> Floats:
 
 
 def scaled(node: Floats, share: Floats) -> Floats:
-    """A linear effect at shares of a simulated size: variances grow with the square, shares of samples stay below 1."""
+    """Changes (shares, …, F) at multiples of the size of a simulated change (…, F).
+
+    Linear features grow in proportion. Increases of variances grow with the square. All other changes grow in
+    proportion up to the simulated size and no further.
+    """
     by = share.reshape(-1, *([1] * node.ndim))
     squares = np.log1p(np.expm1(np.clip(node, 0.0, LOG_RANGE)) * by**2)
     logs = np.where(node > 0.0, squares, node * np.minimum(by, 1.0))
@@ -32,9 +41,9 @@ def scaled(node: Floats, share: Floats) -> Floats:
 
 
 def interpolated(candidate: Candidate, nodes: Floats) -> Floats:
-    """Changes at the sizes that were simulated, (nodes, …, F), taken to all sizes of a candidate, (sizes, …, F).
+    """Changes at all sizes of a candidate, (sizes, …, F), from those at its simulated sizes, (nodes, …, F).
 
-    Linear effects are scaled; all others are interpolated along the logarithm of the size.
+    Effects of either sign are scaled. All others are interpolated linearly along the logarithm of the size.
     """
     if candidate.grid_points[0] < 0.0:
         up = scaled(nodes[1], candidate.sizes[candidate.sizes > 0.0] / candidate.grid_points[1])
@@ -50,10 +59,11 @@ def interpolated(candidate: Candidate, nodes: Floats) -> Floats:
 
 
 def straight(candidate: Candidate, nodes: Floats) -> tuple[Floats, Floats | float]:
-    """Changes at all sizes of a candidate, (sizes, …, F), on straight lines, and the error of these.
+    """Changes at all sizes of a candidate, (sizes, …, F), by linear interpolation, and the error of the interpolation.
 
-    The error is that of a parabola through three simulated sizes: its second divided difference times the distances
-    to both ends of the chord. What is linear in its size is scaled, without an error.
+    The error is that of a chord of a parabola: the second divided difference of three simulated sizes times the
+    distances to both ends of the chord. Effects of either sign are scaled, and effects of a single size are returned as
+    they are. Both have no error.
     """
     points = candidate.grid_points
     if len(points) < 2 or points[0] < 0.0:
@@ -63,18 +73,18 @@ def straight(candidate: Candidate, nodes: Floats) -> tuple[Floats, Floats | floa
     part = ((candidate.sizes - below) / (above - below))[:, None, None]
     means: Floats = (1.0 - part) * nodes[lower] + part * nodes[lower + 1]
     bends = _bends(points, nodes) if candidate.in_rig is not None else _bends(*_with_none(points, nodes))
-    at = np.minimum(lower if candidate.in_rig is None else np.maximum(lower - 1, 0), len(bends) - 1)
+    bend = np.minimum(lower if candidate.in_rig is None else np.maximum(lower - 1, 0), len(bends) - 1)
     distances = (candidate.sizes - below) * (above - candidate.sizes)
-    return means, bends[at] * np.maximum(distances, 0.0)[:, None, None]
+    return means, bends[bend] * np.maximum(distances, 0.0)[:, None, None]
 
 
 def _with_none(points: Floats, nodes: Floats) -> tuple[Floats, Floats]:
-    """Sizes and changes with size 0, which changes nothing if the rig has no such effect."""
+    """Sizes and changes with a size of 0 added, which changes nothing if the rig has no such effect."""
     return np.concatenate([[0.0], points]), np.concatenate([np.zeros_like(nodes[:1]), nodes])
 
 
 def _bends(points: Floats, nodes: Floats) -> Floats:
-    """Absolute second divided differences at all points but the first and the last; 0 at one between two points."""
+    """Absolute second divided differences at all points but the first and the last; one row of 0 for two points."""
     if len(points) < 3:
         return np.zeros_like(nodes[:1])
     slopes = np.diff(nodes, axis=0) / np.diff(points)[:, None, None]
@@ -83,15 +93,18 @@ def _bends(points: Floats, nodes: Floats) -> Floats:
 
 
 def between_scaled(candidate: Candidate, nodes: Floats) -> Floats:
-    """Changes at all sizes, for effects added to the rate in proportion to size: both neighbors are scaled first."""
+    """Changes at all sizes, (sizes, …, F), of effects that add to the rate in proportion to their size.
+
+    The changes at both neighboring simulated sizes are scaled to the size, and then averaged with weights.
+    """
     points, sizes = candidate.grid_points, candidate.sizes
     lower = np.clip(np.searchsorted(points, sizes, side="right") - 1, 0, len(points) - 2)
     ratio = np.log(points[lower + 1] / points[lower])
     part = (np.log(sizes / points[lower]) / ratio).reshape(-1, *([1] * (nodes.ndim - 1)))
 
-    def from_node(numbers: Integers) -> Floats:
-        shares = sizes / points[numbers]
-        pairs = zip(numbers, shares, strict=True)
+    def from_node(indices: Integers) -> Floats:
+        shares = sizes / points[indices]
+        pairs = zip(indices, shares, strict=True)
         return np.array([scaled(nodes[index], np.array([share]))[0] for index, share in pairs])
 
     change: Floats = (1.0 - part) * from_node(lower) + part * from_node(lower + 1)

@@ -82,9 +82,9 @@ class Posterior:
         return sorted((item for item, mass in masses.items() if mass > least), key=lambda item: -masses[item])
 
     def best_with(self, names: Collection[str]) -> EffectSet:
-        """The most probable set that holds some effects, or as many of them as any set does."""
-        wanted = {*names}
-        return max(self.hypotheses, key=lambda item: (len(wanted & item.names), item.probability)).effect_set
+        """The most probable set with the given effects, or with as many of them as any set has."""
+        required = {*names}
+        return max(self.hypotheses, key=lambda item: (len(required & item.names), item.probability)).effect_set
 
     @cached_property
     def inclusion(self) -> dict[str, float]:

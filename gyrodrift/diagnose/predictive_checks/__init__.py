@@ -1,1 +1,1 @@
-"""Recordings beside replays of the rig, before and after the causes are added: the numbers that the report draws."""
+"""Comparisons of recordings with replays of the rig, without and with the causes: the numbers that the report draws."""

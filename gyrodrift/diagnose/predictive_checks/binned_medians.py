@@ -1,4 +1,4 @@
-"""The shape of a cloud of points: medians of bins, and how much of its height follows it."""
+"""Trend of scattered points: medians in bins of x, and the RMS of the part of y that follows x."""
 
 from itertools import pairwise
 from typing import NamedTuple
@@ -9,16 +9,17 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.order_statistics import MAD_TO_SIGMA
 
 LEAST = 5
-"""Points in a bin; with fewer its median is chance."""
+"""Least points in a bin: the median of fewer is chance."""
 
 SHARE = 1.0 / 24.0
-"""A bin with more than twice this share of all points is halved, down to FINEST of the range."""
+"""Share of all points: a bin with more than twice this share is halved."""
 
 FINEST = 1.0 / 64.0
+"""Smallest width of a bin as a share of the range of x."""
 
 
 class Medians(NamedTuple):
-    """Shape (bins,) each; error is the standard error of a median."""
+    """(bins,) medians of x and of y, and the standard error of the median of y."""
 
     x: Floats
     y: Floats
@@ -26,7 +27,7 @@ class Medians(NamedTuple):
 
 
 def bins_of(x: Floats) -> list[slice]:
-    """Of sorted values: narrow where there are many, wide where there are few, and none with fewer than LEAST."""
+    """Bins of sorted values: narrow where values are dense. Bins with fewer than LEAST values are left out."""
     if not len(x):
         return []
     low, high = float(x[0]), float(x[-1])
@@ -36,10 +37,10 @@ def bins_of(x: Floats) -> list[slice]:
 
 
 def _halved(x: Floats, low: float, high: float, enough: float, finest: float) -> list[int]:
-    """Where bins within a range begin, but for the first."""
+    """Indices at which the bins of a range begin, without the first bin."""
     start, end = np.searchsorted(x, [low, high])
     middle = 0.5 * (low + high)
-    is_between = low < middle < high  # neighbouring floats have no middle
+    is_between = low < middle < high  # neighboring floats have no middle
     if end - start < enough or high - low <= finest or not is_between:
         return []
     edge = int(np.searchsorted(x, middle))
@@ -47,27 +48,27 @@ def _halved(x: Floats, low: float, high: float, enough: float, finest: float) ->
 
 
 def medians(x: Floats, y: Floats) -> Medians:
-    """Of a cloud in the order of x."""
+    """Medians in bins of x; x is sorted."""
     rows = []
-    for one in bins_of(x):
-        middle = float(np.median(y[one]))
-        spread = MAD_TO_SIGMA * float(np.median(np.abs(y[one] - middle)))
-        # Standard error of a median over that of a mean.
-        rows.append((float(np.median(x[one])), middle, 1.2533 * spread / np.sqrt(one.stop - one.start)))
+    for part in bins_of(x):
+        middle = float(np.median(y[part]))
+        spread = MAD_TO_SIGMA * float(np.median(np.abs(y[part] - middle)))
+        # The standard error of a median of normal values is √(π/2) = 1.2533 times that of their mean.
+        rows.append((float(np.median(x[part])), middle, 1.2533 * spread / np.sqrt(part.stop - part.start)))
     return Medians(*np.array(rows).reshape(-1, 3).T)
 
 
-def shape_dps(x: Floats, y: Floats) -> float:
-    """RMS of the part of y that follows x, beyond what as many bins of chance would show."""
+def trend_rms_dps(x: Floats, y: Floats) -> float:
+    """RMS of the part of y that follows x, deg/s, without the part that chance adds to means in bins; x is sorted."""
     bins = bins_of(x)
     if len(bins) < 2:
         return 0.0
     middle = float(np.median(y))
-    most = 6.0 * MAD_TO_SIGMA * float(np.median(np.abs(y - middle)))  # outliers are held at six standard deviations
-    held = np.clip(y, middle - most, middle + most) if most > 0.0 else y
-    counts = np.array([one.stop - one.start for one in bins])
-    levels = np.array([held[one].mean() for one in bins])
-    inside = float(sum(np.square(held[one] - held[one].mean()).sum() for one in bins)) / max(
+    most = 6.0 * MAD_TO_SIGMA * float(np.median(np.abs(y - middle)))
+    clipped = np.clip(y, middle - most, middle + most) if most > 0.0 else y  # at six standard deviations
+    counts = np.array([part.stop - part.start for part in bins])
+    levels = np.array([clipped[part].mean() for part in bins])
+    inside = float(sum(np.square(clipped[part] - clipped[part].mean()).sum() for part in bins)) / max(
         1, counts.sum() - len(bins)
     )
     between = float(counts @ np.square(levels - counts @ levels / counts.sum())) / counts.sum()

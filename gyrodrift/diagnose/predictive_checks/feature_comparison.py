@@ -1,4 +1,4 @@
-"""Features of the recordings beside those of the simulator, before and after the causes are added, in known units."""
+"""Features of the recordings and of the simulator, without and with the causes, in units for people."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,12 +13,12 @@ from gyrodrift.diagnose.inference.evidence import pooled_z
 from gyrodrift.diagnose.inference.explanation import Explanation
 
 BAND = 2.0
-"""Standard deviations: nineteen in twenty lie within, where chance alone is at work."""
+"""Half width of a band in standard deviations: by chance, 19 of 20 values lie within."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Band:
-    """What a simulator expects of a feature, and how far chance alone may take it; shape (sessions,) each."""
+    """(sessions,) expected values of a feature in the simulator, and the ends of the band of chance about them."""
 
     low: Floats
     middle: Floats
@@ -27,15 +27,14 @@ class Band:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FeatureComparison:
-    """A feature in the units of its reading.
+    """A feature in recordings and simulator, in the unit of its reading.
 
     z_before, z_after
-        How far it deviates, pooled over all sessions, in standard deviations of chance; with the effects of the
-        catalogue alone after.
+        Deviation pooled over all sessions, in standard deviations of chance; after with the named causes.
     real
-        Shape (sessions,), less what the replay itself adds.
+        (sessions,) values of the recordings, without the bias of a replay.
     before, after
-        Of the simulator; after under sizes fitted on the other sessions.
+        Values of the simulator, without and with the named causes. Their sizes are fitted on the other sessions.
     """
 
     feature: Feature
@@ -50,33 +49,35 @@ class FeatureComparison:
 def feature_comparisons_of(
     explanation: Explanation, simulated: Floats, designs: Sequence[DesignMatrix]
 ) -> tuple[FeatureComparison, ...]:
-    """Of every feature that the sessions have, in the order of FEATURES.
+    """Comparisons of all features that the sessions have, in the order of FEATURES.
 
     simulated
-        (sessions, F) features of the rig as it stands, driven through each session's motion.
+        (sessions, F) features of the rig without the causes, driven by the motion of each session.
     """
     evidence, scale = explanation.evidence, np.array([rms_scale(design) for design in designs])
     unit = explanation.scorer.observation.unit
-    change, variance = (held * power for held, power in zip(explanation.held_out, (unit, np.square(unit)), strict=True))
+    in_units, variance_in_units = explanation.held_out
+    change, variance = in_units * unit, variance_in_units * np.square(unit)
     spread = np.sqrt(np.square(evidence.sigma) + variance)
     z_before, z_after = pooled_z(evidence.z), pooled_z(explanation.held_out_z)
 
-    def compared(at: int, feature: Feature) -> FeatureComparison:
-        by, middle, reading = scale[:, at], simulated[:, at], feature.reading
+    def compared(index: int, feature: Feature) -> FeatureComparison:
+        divisor, middle, reading = scale[:, index], simulated[:, index], feature.reading
         return FeatureComparison(
             feature=feature,
             unit=reading.unit,
-            z_before=float(z_before[at]),
-            z_after=float(z_after[at]),
-            real=reading.of((middle + evidence.difference[:, at]) / by),
-            before=_band(reading, middle, evidence.sigma[:, at], by),
-            after=_band(reading, middle + change[:, at], spread[:, at], by),
+            z_before=float(z_before[index]),
+            z_after=float(z_after[index]),
+            real=reading.of((middle + evidence.difference[:, index]) / divisor),
+            before=_band(reading, middle, evidence.sigma[:, index], divisor),
+            after=_band(reading, middle + change[:, index], spread[:, index], divisor),
         )
 
     is_present = evidence.is_present
-    return tuple(compared(at, feature) for at, feature in enumerate(FEATURES) if is_present[at])
+    return tuple(compared(index, feature) for index, feature in enumerate(FEATURES) if is_present[index])
 
 
-def _band(reading: FeatureReading, middle: Floats, sigma: Floats, by: Floats) -> Band:
-    ends = (reading.of((middle + deviates * sigma) / by) for deviates in (-BAND, 0.0, BAND))
+def _band(reading: FeatureReading, middle: Floats, sigma: Floats, divisor: Floats) -> Band:
+    """Band about expected values, in the unit of the reading."""
+    ends = (reading.of((middle + deviates * sigma) / divisor) for deviates in (-BAND, 0.0, BAND))
     return Band(*ends)

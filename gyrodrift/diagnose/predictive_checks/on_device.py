@@ -1,4 +1,4 @@
-"""Heading error of a filter that the device runs itself, beside that of restlevel here."""
+"""Heading error of the filter that the device runs itself, and of restlevel on the same samples."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,7 +24,8 @@ class OnDeviceYaw:
     e_device_deg, e_restlevel_deg
         Error of the device's own filter as recorded, and of restlevel at its defaults.
     within_2_sigma
-        Share of the samples whose error is within two standard deviations that the device states; None without any.
+        Share of samples whose error is within two of the standard deviations that the device states; None if it states
+        none.
     """
 
     e_device_deg: float
@@ -38,7 +39,7 @@ def on_device_yaw(paths: Sequence[Path], reading: ReadingOptions = AS_WRITTEN) -
         return None
     try:
         sessions = [load_with_reference(Source(path, reading=reading)) for path in paths]
-    except DataError:  # the checks of a diagnosis and those of a comparison differ in rare cases
+    except DataError:  # in rare cases a session passes the checks of a diagnosis, but not those of an evaluation
         return None
     uncertainty = mean_uncertainty([_stated(loaded) for loaded in sessions])
     return OnDeviceYaw(

@@ -1,4 +1,4 @@
-"""Rate errors of sessions, second by second: against all that they may depend on, over time and as spectra."""
+"""Rate errors of sessions: against the quantities that they may depend on, over time, and as spectra."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from gyrodrift.diagnose.features.block_means import block_means
 from gyrodrift.diagnose.features.motion_terms import TURN_DPS
 from gyrodrift.diagnose.features.regimes import SLOW_DPS
 from gyrodrift.diagnose.inference.verdict import NamedCause
-from gyrodrift.diagnose.predictive_checks.binned_medians import Medians, medians, shape_dps
+from gyrodrift.diagnose.predictive_checks.binned_medians import Medians, medians, trend_rms_dps
 from gyrodrift.diagnose.predictive_checks.residual_series import (
     ResidualSeries,
     Spectra,
@@ -22,14 +22,16 @@ from gyrodrift.diagnose.predictive_checks.residual_series import (
 from gyrodrift.diagnose.simulate.twin import Subject
 
 SLACK_S = 1e-4
-"""A motion rebuilt from an encoder is not known better."""
+"""Error of the time of a motion that is rebuilt from an encoder. Times an acceleration it is an error of the rate."""
 
 
 class ResidualRegressor(NamedTuple):
-    """What it is for each second of a session; NaN where a second does not have it.
+    """A quantity that the rate error may depend on.
 
+    of
+        Function from a session to the (seconds,) values of the quantity; NaN in seconds without a value.
     slack
-        What the comparison itself may leave, deg/s for each unit: motion is not known to the microsecond.
+        Residual that an error of the rebuilt motion may leave, deg/s for each unit of the quantity.
     """
 
     name: str
@@ -39,46 +41,56 @@ class ResidualRegressor(NamedTuple):
 
 
 def _acceleration(subject: Subject) -> Floats:
-    """Acceleration at each sample, deg/s/s."""
+    """(samples,) acceleration, deg/s²."""
     return np.gradient(subject.design.regimes.speed_dps, subject.design.period_s)
 
 
 def _angle(subject: Subject) -> Floats:
+    """(seconds,) angle of the encoder within the turn, deg."""
     design = subject.design
     angle_deg: Floats = np.mod(design.motion.angle_deg[design.block // 2 :: design.block], 360.0)
     return angle_deg[: len(design.regimes.block_rate_dps)]
 
 
 def _temperature(subject: Subject) -> Floats:
+    """(seconds,) temperature of the sensor, °C; NaN if it was not recorded."""
     if subject.cleaned.recording.temp_c is None:
         return np.full(len(subject.design.regimes.block_rate_dps), np.nan)
     return block_means(subject.design.motion.sensor_c, subject.design.block)
 
 
 def _rest(subject: Subject) -> Floats:
-    last, known = _last(subject, np.abs(subject.design.regimes.block_rate_dps) > SLOW_DPS)
-    return np.where(known, (np.arange(len(last)) - last) * (subject.design.block * subject.design.period_s), np.nan)
+    """(seconds,) time since the last motion, s; NaN in motion and before the first motion."""
+    last, is_defined = _last(subject, np.abs(subject.design.regimes.block_rate_dps) > SLOW_DPS)
+    block_s = subject.design.block * subject.design.period_s
+    return np.where(is_defined, (np.arange(len(last)) - last) * block_s, np.nan)
 
 
 def _direction(subject: Subject) -> Floats:
+    """(seconds,) direction of the last turn, 1 or −1; NaN in motion and before the first turn."""
     rate_dps = subject.design.regimes.block_rate_dps
-    last, known = _last(subject, np.abs(rate_dps) > TURN_DPS)
-    return np.where(known, np.sign(rate_dps[last]), np.nan)
+    last, is_defined = _last(subject, np.abs(rate_dps) > TURN_DPS)
+    return np.where(is_defined, np.sign(rate_dps[last]), np.nan)
 
 
-def _last(subject: Subject, is_such: Mask) -> tuple[Floats, Mask]:
-    """Of each second, which before it was such; and whether there was one, and it rests."""
-    last = np.maximum.accumulate(np.where(is_such, np.arange(len(is_such)), -1))
+def _last(subject: Subject, is_moving: Mask) -> tuple[Floats, Mask]:
+    """(seconds,) index of the last second in motion, and whether the device rests after such a second."""
+    last = np.maximum.accumulate(np.where(is_moving, np.arange(len(is_moving)), -1))
     return last, subject.design.regimes.block_at_rest & (last >= 0)
 
 
 REGRESSORS = (
-    ResidualRegressor("rate", "deg/s", lambda one: one.design.regimes.block_rate_dps),
-    ResidualRegressor("acceleration", "deg/s²", lambda one: block_means(_acceleration(one), one.design.block), SLACK_S),
+    ResidualRegressor("rate", "deg/s", lambda subject: subject.design.regimes.block_rate_dps),
+    ResidualRegressor(
+        "acceleration",
+        "deg/s²",
+        lambda subject: block_means(_acceleration(subject), subject.design.block),
+        SLACK_S,
+    ),
     ResidualRegressor(
         "acceleration, either way",
         "deg/s²",
-        lambda one: block_means(np.abs(_acceleration(one)), one.design.block),
+        lambda subject: block_means(np.abs(_acceleration(subject)), subject.design.block),
         SLACK_S,
     ),
     ResidualRegressor("angle within the turn", "deg", _angle),
@@ -87,23 +99,26 @@ REGRESSORS = (
     ResidualRegressor("time since it last moved, at rest", "s", _rest),
     ResidualRegressor("direction it came from, at rest", "−1 clockwise, 1 counter-clockwise", _direction),
 )
-
+"""Quantities that the report draws the rate error against. The names are titles of figures."""
 
 LEAST_SECONDS = 20
+"""Least number of seconds with a value for a figure."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Dependence:
-    """Rate errors against one regressor, in the seconds of all drawn sessions in which it is known, in order of x.
+    """Rate errors of all drawn sessions against a regressor, in the seconds in which it has a value.
 
     slack
-        What the comparison itself may leave, deg/s for each unit: motion is not known to the microsecond.
-    x, real_dps, left_dps
-        (seconds,) the regressor, the recordings' rate errors, and what the certain causes leave unexplained of them.
-    real, before, after, left
-        Binned medians of these, and of the simulator without the causes and with them.
-    follows_before_dps, follows_dps
-        RMS of the part of what is unexplained that follows the regressor, without and with the causes.
+        Residual that an error of the rebuilt motion may leave, deg/s for each unit of the regressor.
+    x
+        (seconds,) the regressor, rising.
+    real_dps, unexplained_dps
+        (seconds,) rate errors of the recordings, and their part that the causes do not explain.
+    real, before, after, unexplained
+        Medians in bins: of the recordings, of the simulator without and with the causes, and of the unexplained part.
+    trend_before_dps, trend_dps
+        RMS of the part of the residual that follows the regressor, without and with the causes.
     """
 
     name: str
@@ -111,62 +126,66 @@ class Dependence:
     slack: float
     x: Floats
     real_dps: Floats
-    left_dps: Floats
+    unexplained_dps: Floats
     real: Medians
     before: Medians
     after: Medians
-    left: Medians
-    follows_before_dps: float
-    follows_dps: float
+    unexplained: Medians
+    trend_before_dps: float
+    trend_dps: float
 
 
 def dependences_of(sessions: Sequence[ResidualSeries], subjects: Sequence[Subject]) -> tuple[Dependence, ...]:
-    """On every regressor that takes more than one value in these sessions, whose subjects are given as well."""
-    found = []
+    """Dependence on each regressor that has more than one value in some sessions.
+
+    subjects
+        The same sessions, from which the regressors are computed.
+    """
+    dependences = []
     for regressor in REGRESSORS:
         x = np.concatenate([regressor.of(subject) for subject in subjects])
         order = np.argsort(x, kind="stable")[: int(np.count_nonzero(np.isfinite(x)))]  # NaN come last
         if len(order) >= LEAST_SECONDS and x[order[-1]] > x[order[0]]:
-            found.append(
+            dependences.append(
                 _dependence(regressor, x[order], [np.concatenate(column)[order] for column in _columns(sessions)])
             )
-    return tuple(found)
+    return tuple(dependences)
 
 
 def _columns(sessions: Sequence[ResidualSeries]) -> list[list[Floats]]:
-    """Of all sessions: real, before, after, left."""
-    rows = [(one.real_dps, one.before_dps, one.after_dps, one.left_dps) for one in sessions]
+    """Rate errors of all sessions in four columns: real, before, after, unexplained."""
+    rows = [(series.real_dps, series.before_dps, series.after_dps, series.unexplained_dps) for series in sessions]
     return [list(column) for column in zip(*rows, strict=True)]
 
 
 def _dependence(regressor: ResidualRegressor, x: Floats, columns: Sequence[Floats]) -> Dependence:
-    real_dps, before_dps, after_dps, left_dps = columns
+    real_dps, before_dps, after_dps, unexplained_dps = columns
     return Dependence(
         name=regressor.name,
         unit=regressor.unit,
         slack=regressor.slack,
         x=x,
         real_dps=real_dps,
-        left_dps=left_dps,
+        unexplained_dps=unexplained_dps,
         real=medians(x, real_dps),
         before=medians(x, before_dps),
         after=medians(x, after_dps),
-        left=medians(x, left_dps),
-        follows_before_dps=shape_dps(x, real_dps - before_dps),
-        follows_dps=shape_dps(x, left_dps),
+        unexplained=medians(x, unexplained_dps),
+        trend_before_dps=trend_rms_dps(x, real_dps - before_dps),
+        trend_dps=trend_rms_dps(x, unexplained_dps),
     )
 
 
 MAX_SESSIONS = 6
-"""With more of them the page would be long and say no more."""
+"""Most sessions that a report draws: more would only make the page longer."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ResidualChecks:
-    """Rate errors of some sessions, real and simulated.
+    """Rate errors of some sessions, recorded and simulated.
 
     spectra
-        Of all of them in one, below and above half a hertz, where there are any.
+        Spectra over all these sessions below and above half a hertz; an empty spectrum is left out.
     """
 
     sessions: tuple[ResidualSeries, ...]
@@ -175,13 +194,13 @@ class ResidualChecks:
 
 
 def residual_checks_of(subjects: Sequence[Subject], causes: tuple[NamedCause, ...]) -> ResidualChecks:
-    """Of at most MAX_SESSIONS, evenly chosen."""
+    """Rate errors of at most MAX_SESSIONS sessions, evenly chosen."""
     count = min(len(subjects), MAX_SESSIONS)
     chosen = np.unique(np.linspace(0, len(subjects) - 1, count).round().astype(int)).tolist()
-    sessions = tuple(residual_series_of(subjects[at], causes, at + 1) for at in chosen)
-    both = pooled([one.slow for one in sessions]), pooled([one.quick for one in sessions])
+    sessions = tuple(residual_series_of(subjects[index], causes, index + 1) for index in chosen)
+    slow, quick = pooled([series.slow for series in sessions]), pooled([series.quick for series in sessions])
     return ResidualChecks(
         sessions=sessions,
-        dependences=dependences_of(sessions, [subjects[at] for at in chosen]),
-        spectra=tuple(one for one in both if len(one.hz)),
+        dependences=dependences_of(sessions, [subjects[index] for index in chosen]),
+        spectra=tuple(spectra for spectra in (slow, quick) if len(spectra.hz)),
     )

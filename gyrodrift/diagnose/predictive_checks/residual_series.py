@@ -1,4 +1,4 @@
-"""The rate error of a session second by second, real and simulated, before and after the causes are added."""
+"""Rate error of a session in each second: of the recording, and of the simulator without and with the causes."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -16,15 +16,21 @@ from gyrodrift.diagnose.simulate.noise_beneath import with_noise_beneath
 from gyrodrift.diagnose.simulate.twin import Subject
 
 FEW_WINDOWS = 4
-"""With fewer that rest, those that turn steadily have to do."""
+"""Least number of windows at rest for a spectrum; with fewer windows, steady turns are used too."""
 
 BINS = 60
-"""Of the logarithm of the frequency: neighbours in a bin are averaged."""
+"""Bins of the logarithm of the frequency in which spectra are averaged."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Spectra:
-    """Two-sided amplitude densities, deg/s/√Hz, shape (frequencies,) each; white noise lies at its noise_dps_rthz."""
+    """Two-sided amplitude spectral densities of rate errors, deg/s/√Hz; white noise lies at its `noise_dps_rthz`.
+
+    hz
+        (frequencies,) frequencies.
+    real, before, after
+        (frequencies,) densities of the recording, and of the simulator without and with the causes.
+    """
 
     hz: Floats
     real: Floats
@@ -33,26 +39,35 @@ class Spectra:
 
 
 def spectra_of(subject: Subject, before: Cleaned, after: Cleaned) -> tuple[Spectra, Spectra]:
-    """Of a session, and of the simulator driven through its motion: below and above half a hertz."""
-    # The rebuilt motion holds the encoder's noise: at rest the recording did not feel it, and the simulator did.
-    moved_dps = subject.design.motion.rate_dps
-    slow = [_slow(subject, seen) for seen in (subject.cleaned, before, after)]
-    errors_dps = (subject.cleaned.rate_dps, before.rate_dps - moved_dps, after.rate_dps - moved_dps)
+    """Spectra below and above half a hertz.
+
+    before, after
+        Replays of the session without and with the causes.
+    """
+    # The rebuilt motion contains noise of the encoder. The simulator was driven by it, the device was not.
+    motion_dps = subject.design.motion.rate_dps
+    slow = [_slow(subject, cleaned) for cleaned in (subject.cleaned, before, after)]
+    errors_dps = (subject.cleaned.rate_dps, before.rate_dps - motion_dps, after.rate_dps - motion_dps)
     return _spectra(slow), _spectra([_quick(subject, error_dps) for error_dps in errors_dps])
 
 
 def _spectra(parts: Sequence[tuple[Floats, Floats]]) -> Spectra:
+    """Spectra from frequencies and one-sided power densities of recording, simulator before and simulator after."""
     return Spectra(parts[0][0], *(np.sqrt(0.5 * power) for _, power in parts))
 
 
-def _slow(subject: Subject, seen: Cleaned) -> tuple[Floats, Floats]:
-    residual_dps = block_residual_dps(seen, subject.design)
+def _slow(subject: Subject, cleaned: Cleaned) -> tuple[Floats, Floats]:
+    """Frequencies up to half a hertz and the one-sided power density of the rate error there."""
+    residual_dps = block_residual_dps(cleaned, subject.design)
     hz, power = periodogram(residual_dps, 1.0 / (subject.design.block * subject.design.period_s), "hann")
     return hz[1:], power[1:]
 
 
 def _quick(subject: Subject, error_dps: Floats) -> tuple[Floats, Floats]:
-    """Frequencies that seconds do not reach; none where nothing rests or turns steadily for a window."""
+    """Frequencies above half a hertz and the one-sided power density there.
+
+    It is the mean over windows of rest, or else of rest and steady turns; empty if there is no window.
+    """
     design = subject.design
     windows = windows_within(error_dps, design.regimes.at_rest)
     if len(windows) < FEW_WINDOWS:
@@ -64,47 +79,51 @@ def _quick(subject: Subject, error_dps: Floats) -> tuple[Floats, Floats]:
     return hz[above], powers[:, above].mean(axis=0)
 
 
-def pooled(every: Sequence[Spectra]) -> Spectra:
-    """Root mean squares over sessions and over neighbouring frequencies; empty where all are."""
-    every = [one for one in every if len(one.hz)]
-    if not every:
+def pooled(spectra: Sequence[Spectra]) -> Spectra:
+    """Root mean square over sessions and over neighboring frequencies; empty if all spectra are empty."""
+    spectra = [spectrum for spectrum in spectra if len(spectrum.hz)]
+    if not spectra:
         return Spectra(*[np.zeros(0)] * 4)
-    hz = np.geomspace(min(one.hz[0] for one in every), max(one.hz[-1] for one in every), BINS)
+    hz = np.geomspace(min(spectrum.hz[0] for spectrum in spectra), max(spectrum.hz[-1] for spectrum in spectra), BINS)
 
-    def of_all(of: Callable[[Spectra], Floats]) -> Floats:
-        rows = np.array([_binned(hz, one.hz, np.square(of(one))) for one in every])
-        known = np.isfinite(rows)
-        sums, counts = np.where(known, rows, 0.0).sum(axis=0), known.sum(axis=0)
+    def of_all(density: Callable[[Spectra], Floats]) -> Floats:
+        rows = np.array([_binned(hz, spectrum.hz, np.square(density(spectrum))) for spectrum in spectra])
+        is_covered = np.isfinite(rows)
+        sums, counts = np.where(is_covered, rows, 0.0).sum(axis=0), is_covered.sum(axis=0)
         return np.where(counts > 0, np.sqrt(sums / np.maximum(counts, 1)), np.nan)
 
-    columns: list[Callable[[Spectra], Floats]] = [lambda one: one.real, lambda one: one.before, lambda one: one.after]
+    columns: list[Callable[[Spectra], Floats]] = [
+        lambda spectrum: spectrum.real,
+        lambda spectrum: spectrum.before,
+        lambda spectrum: spectrum.after,
+    ]
     return Spectra(hz, *(of_all(column) for column in columns))
 
 
 def _binned(hz: Floats, own_hz: Floats, power: Floats) -> Floats:
-    """Means about each frequency; straight lines where a bin is empty, and NaN beyond a session's own range."""
+    """Mean power in the bin of each frequency, interpolated over empty bins; NaN beyond the range of the session."""
     edges = np.sqrt(hz[1:] * hz[:-1])
-    place = np.digitize(own_hz, edges)
-    counts = np.bincount(place, minlength=len(hz))
+    bins = np.digitize(own_hz, edges)
+    counts = np.bincount(bins, minlength=len(hz))
     filled = counts > 0
-    sums = np.bincount(place, power, len(hz))[filled]
+    sums = np.bincount(bins, power, len(hz))[filled]
     return np.interp(hz, hz[filled], sums / counts[filled], left=np.nan, right=np.nan)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ResidualSeries:
-    """Mean rate errors of the seconds of a session, each less its median, the bias: deg/s, shape (seconds,) each.
+    """Mean rate errors of a session in each second, without their median, which is the bias.
 
     number
-        Of the session, from 1.
+        Number of the session, from 1.
     minutes
-        Middles of the seconds since the session began.
+        (seconds,) time from the start of the session to the middle of each second, min.
     real_dps, before_dps, after_dps
-        Of the recording, and of the simulator driven through its motion, without the causes and with them.
-    left_dps
-        Of the recording less that of the simulator with the causes that are not random: what these leave unexplained.
+        (seconds,) rate errors of the recording, and of the simulator without and with the causes, for the same motion.
+    unexplained_dps
+        (seconds,) rate error of the recording minus that of the simulator with those causes that are not random.
     change_points
-        Of what is left.
+        Change points of the unexplained rate error.
     slow, quick
         Spectra below and above half a hertz.
     """
@@ -115,53 +134,54 @@ class ResidualSeries:
     real_dps: Floats
     before_dps: Floats
     after_dps: Floats
-    left_dps: Floats
+    unexplained_dps: Floats
     change_points: tuple[ChangePoint, ...]
     slow: Spectra
     quick: Spectra
 
 
 def residual_series_of(subject: Subject, causes: tuple[NamedCause, ...], number: int) -> ResidualSeries:
-    """Replay a session with and without the causes; its number is the seed."""
+    """Replay a session without and with the causes; its number is the seed."""
     design = subject.design
-    certain = tuple(cause for cause in causes if not cause.cause.is_random)
-    before, after, steady = _replays(subject, [(), causes, certain], number)
+    deterministic_causes = tuple(cause for cause in causes if not cause.cause.is_random)
+    before, after, deterministic = _replays(subject, [(), causes, deterministic_causes], number)
     real_dps = block_residual_dps(subject.cleaned, design)
     slow, quick = spectra_of(subject, before, after)
-    left_dps = _level(real_dps - block_residual_dps(steady, design))
+    unexplained_dps = _without_bias(real_dps - block_residual_dps(deterministic, design))
     return ResidualSeries(
         number=number,
         name=subject.cleaned.recording.name,
         minutes=minutes_of(subject),
-        real_dps=_level(real_dps),
-        before_dps=_level(block_residual_dps(before, design)),
-        after_dps=_level(block_residual_dps(after, design)),
-        left_dps=left_dps,
-        change_points=change_points_of(left_dps, design.regimes.block_is_even),
+        real_dps=_without_bias(real_dps),
+        before_dps=_without_bias(block_residual_dps(before, design)),
+        after_dps=_without_bias(block_residual_dps(after, design)),
+        unexplained_dps=unexplained_dps,
+        change_points=change_points_of(unexplained_dps, design.regimes.block_is_even),
         slow=slow,
         quick=quick,
     )
 
 
 def minutes_of(subject: Subject) -> Floats:
-    """Middles of the seconds since the session began."""
+    """(seconds,) time from the start of the session to the middle of each second, min."""
     seconds: Floats = (
         np.arange(0.5, len(subject.design.regimes.block_rate_dps)) * subject.design.block * subject.design.period_s
     )
     return seconds / 60.0
 
 
-def _level(values_dps: Floats) -> Floats:
-    level: Floats = values_dps - np.median(values_dps)
-    return level
+def _without_bias(values_dps: Floats) -> Floats:
+    """Rate errors minus their median."""
+    unbiased_dps: Floats = values_dps - np.median(values_dps)
+    return unbiased_dps
 
 
 def _replays(subject: Subject, sets: Sequence[tuple[NamedCause, ...]], seed: int) -> list[Cleaned]:
-    """A replay for each set of causes; sets that are the same are played once."""
+    """Replay a session with each set of causes; equal sets are simulated once."""
     played: list[Cleaned] = []
-    for at, causes in enumerate(sets):
+    for index, causes in enumerate(sets):
         first = sets.index(causes)
         effects = tuple(cause.in_session(seed - 1, subject.rig.effects) for cause in causes)
-        is_new = first == at
+        is_new = first == index
         played.append(with_noise_beneath(subject, effects).replayed(effects, seed) if is_new else played[first])
     return played

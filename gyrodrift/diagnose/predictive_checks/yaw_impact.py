@@ -1,4 +1,4 @@
-"""What the gap costs in yaw: errors of the real filter, and sim-to-real transfer of parameters tuned in simulation."""
+"""Cost of the gap in yaw: errors of a filter, and sim-to-real transfer of parameters tuned in simulation."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,20 +20,21 @@ from gyrodrift.tune.search.methods import METHODS, run_to_budget
 from gyrodrift.tune.search.objective import Objective
 
 EVALUATIONS = 300
-"""Of the cost, for each of the three tunings."""
+"""Evaluations of the cost in each of the three tunings."""
 
 HELD_OUT_EVERY = 3
-"""Every third session is scored and not tuned on."""
+"""Every third session is held out: it is used for scoring and not for tuning."""
 
 
 @dataclass(frozen=True, slots=True)
 class YawImpact:
-    """What a gap costs where it matters.
+    """Yaw errors of a filter on recordings and in the simulator, without (before) and with the causes (after).
 
     e_real_deg, e_sim_before_deg, e_sim_after_deg
-        Mean absolute yaw errors under the parameters tuned on the simulator as it stands, deg.
+        Mean absolute yaw errors, deg, with parameters tuned in the simulator without the causes.
     pi_real_tuned_on_sim_before, pi_real_tuned_on_sim_after, pi_real_tuned_on_real
-        Mean squared yaw errors of real sessions that were held out, deg², by what the parameters were tuned on.
+        Mean squared yaw errors of held-out recordings, deg². Parameters are tuned in the simulator without the
+        causes, in the simulator with them, and on recordings.
     """
 
     e_real_deg: float
@@ -45,58 +46,61 @@ class YawImpact:
 
 
 def yaw_impact_of(subjects: Sequence[Subject], causes: Sequence[NamedCause]) -> YawImpact:
-    """Tune on simulated and real sessions, and score on real ones held out."""
+    """Tune a filter on simulated and on real sessions, and score it on held-out real sessions."""
     real = [reference_of(_as_session(subject.cleaned.recording)) for subject in subjects]
     before = [reference_of(subject.session((), seed)) for seed, subject in enumerate(subjects)]
     after = [
-        reference_of(corrected_session(subject, effects_in(causes, number, subject), number))
-        for number, subject in enumerate(subjects)
+        reference_of(corrected_session(subject, effects_in(causes, index, subject), index))
+        for index, subject in enumerate(subjects)
     ]
-    number = range(len(subjects))
-    tuned_on = [at for at in number if at % HELD_OUT_EVERY != HELD_OUT_EVERY - 1 or len(subjects) == 1]
-    scored_on = [at for at in number if at not in tuned_on] or tuned_on
-    best = [_tuned([references[at] for at in tuned_on]) for references in (before, after, real)]
+    indices = range(len(subjects))
+    tuned_on = [index for index in indices if index % HELD_OUT_EVERY != HELD_OUT_EVERY - 1 or len(subjects) == 1]
+    scored_on = [index for index in indices if index not in tuned_on] or tuned_on
+    best = [_tuned([references[index] for index in tuned_on]) for references in (before, after, real)]
     with Cost(real) as on_real, Cost(before) as on_before, Cost(after) as on_after:
         pi = on_real.cost(np.vstack(best), scored_on).pi
         errors = [float(cost.cost(best[0]).mean_absolutes.mean()) for cost in (on_real, on_before, on_after)]
     return YawImpact(*errors, *(float(value) for value in pi))
 
 
-def cost_deg(subjects: Sequence[Subject], causes: Sequence[NamedCause], one: NamedCause) -> float:
-    """What an effect beside others adds to or takes from the yaw error of the integrated rate: mean absolute, deg."""
-    others = [cause for cause in causes if cause is not one]
+def cost_deg(subjects: Sequence[Subject], causes: Sequence[NamedCause], cause: NamedCause) -> float:
+    """Mean absolute change of the integrated yaw by one of the causes, deg: simulations with all minus without it."""
+    remaining = [item for item in causes if item is not cause]
     costs = []
-    for number, subject in enumerate(subjects[:2]):  # two sessions suffice
+    for index, subject in enumerate(subjects[:2]):  # two sessions suffice
         with_it, without = (
-            yaw_error_deg(corrected_recording(subject, effects_in(each, number, subject), number))
-            for each in (causes, others)
+            yaw_error_deg(corrected_recording(subject, effects_in(acting, index, subject), index))
+            for acting in (causes, remaining)
         )
         costs.append(float(np.nanmean(np.abs(with_it - without))))
     return float(np.mean(costs))
 
 
 def yaw_error_deg(recording: Recording) -> Floats:
-    """Integrated rate less the encoder's angle, degrees, shape (n,); NaN where a sample never came."""
+    """(n,) integrated rate minus the angle of the encoder, deg; NaN at missing samples."""
     steps_s = np.diff(filled(recording.device_s), prepend=0.0)
     away_deg: Floats = np.cumsum(filled(recording.rate_dps) * steps_s) - recording.encoder_deg
     return away_deg
 
 
-def effects_in(causes: Sequence[NamedCause], number: int, subject: Subject) -> tuple[Effect, ...]:
-    """Of session `number`."""
-    return tuple(cause.in_session(number, subject.rig.effects) for cause in causes)
+def effects_in(causes: Sequence[NamedCause], index: int, subject: Subject) -> tuple[Effect, ...]:
+    """Effects of the causes in a session, given by its index from 0."""
+    return tuple(cause.in_session(index, subject.rig.effects) for cause in causes)
 
 
 def _as_session(recording: Recording) -> Session:
-    """What the recording checks made of a session, without its holes."""
-    came = np.isfinite(recording.rate_dps)
+    """A checked recording as a session, without its missing samples."""
+    is_present = np.isfinite(recording.rate_dps)
     return Session(
-        recording.name, recording.device_s[came], recording.rate_dps[came], encoder_deg=recording.encoder_deg[came]
+        recording.name,
+        recording.device_s[is_present],
+        recording.rate_dps[is_present],
+        encoder_deg=recording.encoder_deg[is_present],
     )
 
 
 def _tuned(references: Sequence[Reference]) -> Floats:
-    """(1, 5) parameters."""
+    """(1, 5) parameters of the published filter with the least cost on these sessions."""
     with Cost(references) as cost:
         axes = axes_of(PUBLISHED)
         objective = Objective(cost.pi, axes, EVALUATIONS)

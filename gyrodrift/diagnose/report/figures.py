@@ -115,11 +115,11 @@ def _dependence_svg(dependence: Dependence, name: str, has_causes: bool) -> str:
     above, below = _two(figure)
     lines = _lines(dependence.real, dependence.before, dependence.after, has_causes)
     _draw_cloud(above, dependence.x, dependence.real_dps, [line.y for line, _ in lines])
-    _draw_cloud(below, dependence.x, dependence.left_dps, [dependence.left.y])
-    _draw_errors(below, dependence.left, dependence.slack)
+    _draw_cloud(below, dependence.x, dependence.unexplained_dps, [dependence.unexplained.y])
+    _draw_errors(below, dependence.unexplained, dependence.slack)
     for line, colour in lines:
         _draw_medians(above, line, colour)
-    _draw_medians(below, dependence.left, RESIDUAL)
+    _draw_medians(below, dependence.unexplained, RESIDUAL)
     label = f"{dependence.name}, {dependence.unit}"
     _label_two(figure, label if len(label) <= LONGEST_LABEL else dependence.unit)
     return as_svg(figure, name, f"Rate error against {dependence.name}")
@@ -190,7 +190,7 @@ def _over_time_svg(session: ResidualSeries, has_causes: bool) -> str:  # noqa: F
     for values, colour in _lines(session.real_dps, session.before_dps, session.after_dps, has_causes):
         (line,) = above.plot(*thinned(session.minutes, _smooth(values)), color=colour, **_stroke(colour))
         switched(line, ROLES[colour])
-    (line,) = below.plot(*thinned(session.minutes, _smooth(session.left_dps)), color=RESIDUAL, linewidth=1.1)
+    (line,) = below.plot(*thinned(session.minutes, _smooth(session.unexplained_dps)), color=RESIDUAL, linewidth=1.1)
     switched(line, ROLES[RESIDUAL])
     for axes in (above, below):
         low, high = axes.get_ylim()

@@ -90,7 +90,7 @@ def _introduction(diagnosis: Diagnosis, sessions: Sequence[ResidualSeries]) -> s
 
 def _depends(every: Sequence[Dependence], *, has_causes: bool) -> str:
     """The strongest dependences of the residual."""
-    by_size = sorted(((dependence.follows_dps, dependence.name) for dependence in every), reverse=True)
+    by_size = sorted(((dependence.trend_dps, dependence.name) for dependence in every), reverse=True)
     strongest = [
         f"{text(name)}: {significant(dps, 2)} deg/s RMS" for dps, name in by_size[:NAMED] if dps > NEGLIGIBLE_DPS
     ]
@@ -110,9 +110,9 @@ def _dependence_words(*, has_causes: bool) -> str:
 
 def _dependence_name(dependence: Dependence, *, has_causes: bool) -> str:
     amounts = (
-        f"{_dps(dependence.follows_before_dps)} → {_dps(dependence.follows_dps)}"
+        f"{_dps(dependence.trend_before_dps)} → {_dps(dependence.trend_dps)}"
         if has_causes
-        else _dps(dependence.follows_dps)
+        else _dps(dependence.trend_dps)
     )
     follows = span(f"part of the residual that follows it: {amounts} deg/s RMS", "note")
     return f"<strong>{text(dependence.name)}</strong><br/>{follows}"

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrodrift.diagnose.predictive_checks.binned_medians import LEAST, bins_of, medians, shape_dps
+from gyrodrift.diagnose.predictive_checks.binned_medians import LEAST, bins_of, medians, trend_rms_dps
 
 RNG = np.random.default_rng(2)
 X = np.sort(RNG.uniform(-100.0, 100.0, 2000))
@@ -44,13 +44,13 @@ def test_values_that_come_often_have_a_bin_of_their_own() -> None:
 def test_a_shape_is_as_high_as_it_is() -> None:
     """RMS of what follows x; noise alone has next to none."""
     noise = RNG.normal(0.0, 1.0, len(X))
-    assert shape_dps(X, 0.02 * X + noise) == pytest.approx(np.std(0.02 * X), rel=0.1)
-    assert shape_dps(X, noise) < 0.1
+    assert trend_rms_dps(X, 0.02 * X + noise) == pytest.approx(np.std(0.02 * X), rel=0.1)
+    assert trend_rms_dps(X, noise) < 0.1
 
 
 def test_nothing_has_no_shape() -> None:
     """And no warning."""
-    assert shape_dps(np.zeros(0), np.zeros(0)) == shape_dps(np.zeros(9), np.ones(9)) == 0.0
+    assert trend_rms_dps(np.zeros(0), np.zeros(0)) == trend_rms_dps(np.zeros(9), np.ones(9)) == 0.0
     assert len(medians(np.zeros(0), np.zeros(0)).x) == 0
 
 

@@ -41,7 +41,7 @@ def test_the_error_of_the_recording_grows_with_the_rate_and_that_of_the_rig_does
     one = series(is_named=False)
     assert slope(one.real_dps) == pytest.approx(0.02, abs=5e-4)
     assert slope(one.before_dps) == pytest.approx(0.0, abs=5e-4)
-    assert slope(one.left_dps) == pytest.approx(0.02, abs=5e-4)
+    assert slope(one.unexplained_dps) == pytest.approx(0.02, abs=5e-4)
 
 
 def test_with_the_cause_the_rig_errs_as_the_recording_does() -> None:
@@ -49,7 +49,7 @@ def test_with_the_cause_the_rig_errs_as_the_recording_does() -> None:
     one = series(is_named=True)
     assert slope(one.before_dps) == pytest.approx(0.0, abs=5e-4)
     assert slope(one.after_dps) == pytest.approx(0.02, abs=5e-4)
-    assert slope(one.left_dps) == pytest.approx(0.0, abs=5e-4)
+    assert slope(one.unexplained_dps) == pytest.approx(0.0, abs=5e-4)
 
 
 def test_without_causes_there_is_one_simulation() -> None:
@@ -62,7 +62,7 @@ def test_every_second_has_its_middle_and_errors_have_no_level() -> None:
     """The first middle is half a second after the beginning; the bias is taken away as the median."""
     one = series(is_named=False)
     assert one.minutes[:2] * 60.0 == pytest.approx([0.5, 1.5], rel=1e-3)
-    assert len(one.minutes) == len(one.real_dps) == len(one.left_dps)
+    assert len(one.minutes) == len(one.real_dps) == len(one.unexplained_dps)
     assert np.median(one.real_dps) == pytest.approx(0.0, abs=1e-12)
 
 
@@ -74,9 +74,9 @@ def test_the_error_is_found_to_follow_the_rate() -> None:
         for is_named in (False, True)
     )
     expected_dps = 0.02 * float(np.std(rate_dps))
-    assert 0.6 * expected_dps < without.follows_before_dps < expected_dps
-    assert 0.6 * expected_dps < without.follows_dps < expected_dps
-    assert with_it.follows_dps < 0.1 * expected_dps
+    assert 0.6 * expected_dps < without.trend_before_dps < expected_dps
+    assert 0.6 * expected_dps < without.trend_dps < expected_dps
+    assert with_it.trend_dps < 0.1 * expected_dps
     assert (np.diff(without.x) >= 0.0).all()
     assert sorted(rate_dps) == pytest.approx(without.x.tolist())
 

@@ -54,8 +54,8 @@ FAULTS = (
     Fault(
         "diagnose/interpolation-exact",
         "gyrodrift/diagnose/inference/log_variances.py",
-        "return means, bends[at] *",
-        "return means, 0.0 * bends[at] *",
+        "return means, bends[bend] *",
+        "return means, 0.0 * bends[bend] *",
         "A change between two simulated sizes counts as simulated.",
         TEMPLATE_TESTS,
     ),
