@@ -11,7 +11,8 @@ from firmware_sim.rig import Base, Rig
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import NUMBER
 from gyrodrift.diagnose.recording.recording import recording_of
-from gyrodrift.diagnose.simulate.candidate import Candidate, Hints
+from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.diagnose.simulate.candidate_kind import Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.simulate.responses import response
 from gyrodrift.diagnose.simulate.twin import BaseRun, Subject, subject_of

@@ -143,7 +143,10 @@ def test_a_class_name_has_one_meaning() -> None:
 
 
 PLAYS = ("firmware_sim.measure", "gyrodrift.simulation", "gyrodrift.session.files", "gyrodrift.diagnose.diagnosis")
-KNOWLEDGE = {f"gyrodrift.diagnose.simulate.{name}" for name in ("candidate", "candidates", "kinds", "response_table")}
+KNOWLEDGE = {
+    f"gyrodrift.diagnose.simulate.{name}"
+    for name in ("candidate", "candidate_kind", "candidates", "kinds", "response_table")
+}
 """What is known of effects, and the tables of what was simulated; the other files of that room play the rig."""
 
 

@@ -9,7 +9,7 @@ import pytest
 from firmware_sim.rig import Rig, ThreeAxes, with_axes
 from gyrodrift.diagnose import stages
 from gyrodrift.diagnose.recording.recording import Recording
-from gyrodrift.diagnose.simulate.candidate import Hints
+from gyrodrift.diagnose.simulate.candidate_kind import Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.stages import axes_remarks, with_recorded_axes, with_stated_axes
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from gyrodrift.diagnose.inference.posterior import Posterior, WeightedSet
-from gyrodrift.diagnose.simulate.candidate import CandidateKind
+from gyrodrift.diagnose.simulate.candidate_kind import CandidateKind
 from gyrodrift.diagnose.simulate.candidates import KINDS
 
 ODDS = 0.2

@@ -5,7 +5,8 @@ from types import MappingProxyType
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.rig import Rig
-from gyrodrift.diagnose.simulate.candidate import Candidate, CandidateKind, Hints
+from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.diagnose.simulate.candidate_kind import CandidateKind, Hints
 from gyrodrift.diagnose.simulate.kinds import EFFECTS
 from gyrodrift.diagnose.simulate.nuisance import out_of_catalogue
 

@@ -11,7 +11,8 @@ from gyrodrift.arrays import Floats
 from gyrodrift.cluster import ClusterWorkers
 from gyrodrift.diagnose.recording.checked import checked_session
 from gyrodrift.diagnose.recording.reference_response import ReferenceResponse
-from gyrodrift.diagnose.simulate.candidate import Candidate, Hints
+from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.diagnose.simulate.candidate_kind import Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized, key
 from gyrodrift.diagnose.simulate.responses import change_in, null_runs_of, response_table, together

@@ -6,10 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.simulate.candidate import PHASE_STEP_DEG, Hints, SizeGrid, Variant
+from gyrodrift.diagnose.simulate.candidate_kind import Hints, SizeGrid, Variant
 
 PER_DECADE = 24
 """Sizes between which a fit decides, to a decade: steps of a tenth."""
+
+PHASE_STEP_DEG = 30.0
+"""Between phases that are tried."""
 
 PHASES_DEG = tuple(np.arange(0.0, 360.0, PHASE_STEP_DEG).tolist())
 

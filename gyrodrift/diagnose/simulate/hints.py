@@ -14,7 +14,7 @@ from gyrodrift.diagnose.features.spectral_line import spectral_line
 from gyrodrift.diagnose.recording.order_statistics import DECIMALS, distinct
 from gyrodrift.diagnose.recording.outliers import step_of
 from gyrodrift.diagnose.simulate.bunches import bunches_of
-from gyrodrift.diagnose.simulate.candidate import Hints
+from gyrodrift.diagnose.simulate.candidate_kind import Hints
 from gyrodrift.diagnose.simulate.twin import Subject
 
 NEAR_STEP = np.linspace(0.98, 1.02, 401)

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from gyrodrift.diagnose.simulate.candidate import CandidateKind, Hints, Need, SizeGrid, Touches, Variant
+from gyrodrift.diagnose.simulate.candidate import Need, Touches
+from gyrodrift.diagnose.simulate.candidate_kind import CandidateKind, Hints, SizeGrid, Variant
 from gyrodrift.diagnose.simulate.grids import (
     also_with,
     between,

@@ -9,7 +9,8 @@ from simulate_support import BASE, HINTS, candidate_of
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
 from firmware_sim.rig import Rig, parse_effect
-from gyrodrift.diagnose.simulate.candidate import SAME, Candidate, Hints, Touches
+from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
+from gyrodrift.diagnose.simulate.candidate_kind import SAME, Hints
 from gyrodrift.diagnose.simulate.candidates import KINDS, candidates, register
 from gyrodrift.diagnose.simulate.grids import between, linear_grid, simulated_grid
 from gyrodrift.diagnose.simulate.response_table import key

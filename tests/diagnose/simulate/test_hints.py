@@ -8,7 +8,7 @@ from simulate_support import BASE, HINTS, MOTION, plain, session_of, subject_fro
 
 from firmware_sim.rig import Rig, parse_effect
 from gyrodrift.diagnose.recording.recording import recording_of
-from gyrodrift.diagnose.simulate.candidate import Hints
+from gyrodrift.diagnose.simulate.candidate_kind import Hints
 from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.simulate.hints import hints_of
 from gyrodrift.diagnose.simulate.twin import subject_of

@@ -221,7 +221,7 @@ FAULTS = (
     ),
     Fault(
         "diagnose/own-size-not-simulated",
-        "gyrodrift/diagnose/simulate/candidate.py",
+        "gyrodrift/diagnose/simulate/candidate_kind.py",
         "return np.union1d(points[np.abs(points - own) > SAME * own], own)",
         "return points",
         "A size next to that of the rig looks like a large change.",
