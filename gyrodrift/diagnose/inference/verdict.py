@@ -81,7 +81,7 @@ class NamedCause:
         """The effect with the phase of session `number`; `rig_effects` are the effects in the rig of that session."""
         phases_deg = self.cause.phases_deg
         if phases_deg is None:
-            return self.cause.candidate.turned(self.effect, rig_effects)
+            return self.cause.candidate.at_rig_phase(self.effect, rig_effects)
         return self.effect.model_copy(update={"phase_deg": float(phases_deg[number])})
 
 

@@ -12,11 +12,11 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 
 Shape = Callable[[DesignMatrix, np.random.Generator], Floats]
-"""A session's design and random stream to what is added to its rate, deg/s at size 1, shape (n,)."""
+"""Function of a session's design matrix and a random generator: rate to add at size 1, deg/s, shape (n,)."""
 
 
 class Need(StrEnum):
-    """What recordings have to hold for an effect to show in them."""
+    """Data that recordings need for an effect to be visible."""
 
     MOTION = "motion"
     TEMPERATURE = "temperature"
@@ -26,12 +26,12 @@ class Need(StrEnum):
 
 
 class Touches(Enum):
-    """What an effect changes in a recording; features of all else are taken over from a simulation without it.
+    """Parts of a recording that an effect changes; all other features are copied from a simulation without it.
 
-    TIMES        stamps and arrivals; rate and angle of each sample stay as they were
-    SLOW_RATE    it adds to the rate something slow beside a sample: noise, numbers and times stay
-    RATE         it adds to the rate something that shows from sample to sample, too; numbers and times stay
-    VALUES       rates and angles; which samples come and when stays
+    TIMES        stamps and arrivals, but no rate and no angle
+    SLOW_RATE    rate, by a disturbance that is slow compared with a sample: no noise, no sample numbers, no times
+    RATE         rate, also from sample to sample: no sample numbers, no times
+    VALUES       rates and angles: no sample numbers, no times
     EVERYTHING   anything
     """
 
@@ -44,29 +44,29 @@ class Touches(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """An effect with its second parameter fixed, or an out-of-catalogue model, tried at some sizes.
+    """An effect with its second parameter fixed, or an out-of-catalog model, at a grid of sizes.
 
     variant
-        Tells it from others of the same name.
+        Label of the second parameter; unique among candidates of one name.
     make
-        The effect of a size.
+        Function from a size to the effect.
     parameter
-        Which parameter is the size.
+        Name of the parameter that is the size.
     grid_points
-        Sizes that are simulated, rising; 0 stands for none, and sizes in between are interpolated.
+        Simulated sizes, ascending; 0 means no effect. Responses between them are interpolated.
     sizes
-        Those that a fit decides between.
+        Sizes of the fit, ascending.
     group
-        Effects of one group are easily taken for each other.
+        Name of a group of effects with similar responses.
     needs, touches, realisations, is_exact, phase_deg
         As in `CandidateKind` and `Variant`.
     is_phase_free
-        Whether the phase is another one in each session, as with an encoder that is zeroed wherever it stands.
+        Whether every session has its own phase, as with an encoder that is zeroed anywhere.
     in_rig
-        The effect as the rig has it already, which `make` changes; None where the rig has none. Where the effect is
-        linear, sizes are what comes on top.
+        Effect of the same name in the rig, which `make` changes; None if the rig has none. Sizes of a linear effect are
+        then additions to the size in the rig.
     shape
-        Of an out-of-catalogue model: what is added to the rate.
+        Rate that an out-of-catalog model adds; None for an effect of the catalog.
     """
 
     name: str
@@ -87,34 +87,34 @@ class Candidate:
 
     @property
     def stage(self) -> str:
-        """Of the rig."""
+        """Stage of the rig at which the effect acts."""
         return CATALOGUE[self.name].stage
 
     @property
     def is_out_of_catalogue(self) -> bool:
-        """Whether it is no effect of the catalogue."""
+        """Whether this is a model outside of the catalog of effects."""
         return self.shape is not None
 
     def applied(self, size: float, effects: Sequence[Effect]) -> Effect:
-        """The effect of a size in a rig whose effects may have a phase of their own in this session."""
-        return self.turned(self.make(size), effects)
+        """The effect of a size, at the phase of this session; `effects` are those of the session's rig."""
+        return self.at_rig_phase(self.make(size), effects)
 
-    def turned(self, effect: Effect, effects: Sequence[Effect]) -> Effect:
-        """An effect that changes one of a rig, at the phase that this has in a session."""
+    def at_rig_phase(self, effect: Effect, effects: Sequence[Effect]) -> Effect:
+        """An effect at the phase of the rig's effect of this name; unchanged if that has no phase."""
         phase_deg = self._phase_deg(effects)
         return effect if phase_deg is None else effect.model_copy(update={"phase_deg": phase_deg})
 
     def added(self, size: float, effects: Sequence[Effect]) -> Effect:
-        """What is added to a rig that has the effect already, where sizes are what comes on top."""
+        """The effect to add to the rate: for an effect that the rig has, only the difference from the rig's size."""
         if self.in_rig is None:
             return self.make(size)
         phase_deg = self._phase_deg(effects)
         if phase_deg is None:
             return self.in_rig.model_copy(update={self.parameter: size})
-        turned = phase_deg + (180.0 if size < 0.0 else 0.0)
-        return self.in_rig.model_copy(update={self.parameter: abs(size), "phase_deg": turned})
+        signed_phase_deg = phase_deg + (180.0 if size < 0.0 else 0.0)
+        return self.in_rig.model_copy(update={self.parameter: abs(size), "phase_deg": signed_phase_deg})
 
     def _phase_deg(self, effects: Sequence[Effect]) -> float | None:
-        """That of the effect as it stands in a rig, degrees; None where it has none, or does not stand there."""
+        """Phase of the rig's effect of this name, degrees; None if it has no phase, or the rig lacks the effect."""
         own = next((effect for effect in effects if effect.name == self.name), None) if self.in_rig else None
         return None if own is None else own.model_dump().get("phase_deg")

@@ -14,31 +14,31 @@ from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.simulate.candidate import Candidate, Need, Touches
 
-SAME = 0.05
-"""Of its own size: an effect that the rig has so nearly is the one that it has."""
+SAME_SIZE = 0.05
+"""Relative difference of two sizes below which an effect counts as equal to the effect in the rig."""
 
 
 @dataclass(frozen=True, slots=True)
 class Hints:
-    """What the recordings themselves show of a candidate's second parameter, the median over all of them.
+    """Second parameters of candidates, estimated from the recordings; usually the median over all recordings.
 
     line_hz, spike_dps, slip_deg
-        The strongest tone at rest, heights of outliers and of jumps of the angle.
+        Frequency of the strongest tone at rest, height of rate outliers, height of jumps of the angle.
     rate_step_dps, angle_step_deg
-        The steps that rates and angles come in.
+        Steps of rates and angles.
     least_dps, largest_dps
-        Rates below which the device puts out zero, and that it does not exceed.
+        Rate below which the device reports zero, and its largest rate.
     sample_period_s, bunch_s
-        Distance of two samples, and of two bunches of them at the host; 0 where there are none.
+        Sample period, and distance of two bunches of samples at the host; 0 without bunches.
     bunch_spread, handover_s
-        Standard deviation of the distances of bunches as a share of their mean, 0 on even ticks; and the distance of
-        samples within a bunch.
+        Standard deviation of the distances of bunches divided by their mean, 0 for even ticks; and distance of samples
+        within a bunch.
     dps_per_lsb
-        Steps of the rate as the rig has them.
+        Step of the rate in the rig.
     curve_per_c
-        Curve of the bias over the temperature relative to its slope at the reference; 0 without a sweep.
+        Curve of the bias over the temperature, divided by its slope at the reference; 0 without a sweep.
     lean_deg
-        Direction in which the turn leans from the yaw axis, from x to y; 0 without three axes.
+        Direction in which the turn axis leans from the yaw axis, from x to y; 0 without three axes.
     """
 
     line_hz: float
@@ -59,7 +59,7 @@ class Hints:
 
 @dataclass(frozen=True, slots=True)
 class SizeGrid:
-    """Sizes that are simulated, rising, and those that a fit decides between; 0 stands for none. Shape (some,) each."""
+    """Simulated sizes and sizes of the fit, ascending, one dimension; 0 means no effect."""
 
     points: Floats
     sizes: Floats
@@ -67,12 +67,12 @@ class SizeGrid:
 
 @dataclass(frozen=True, slots=True)
 class Variant:
-    """A grid of sizes with everything else fixed.
+    """A grid of sizes at fixed values of all other parameters.
 
     fixed
-        Other parameters of the effect.
+        Values of other parameters, by name.
     phase_deg
-        Of an effect once per turn; only those of 0 and 90 degrees are simulated.
+        Phase of a once-per-turn effect, or None. Only 0 and 90 degrees are simulated.
     """
 
     grid: SizeGrid
@@ -81,42 +81,43 @@ class Variant:
 
     @property
     def label(self) -> str:
-        """Tells it from the others of its kind."""
+        """Fixed parameters as text; unique among the variants of a kind."""
         return ", ".join(f"{name} {value:.4g}" for name, value in self.fixed.items())
 
 
 @dataclass(frozen=True, slots=True)
 class CandidateKind:
-    """All that is known of an effect as a cause.
+    """Record of an effect as a candidate cause.
 
     name
-        Of the effect in the catalogue of the simulator.
+        Name in the simulator's catalog.
     parameter
-        Which of its parameters is the size.
+        Name of the parameter that is the size.
     variants
-        What is tried, given what the recordings show.
+        Function from hints to the variants to try.
     meaning
-        What the effect does, in a sentence for a person, without its period.
+        One sentence for the report that says how the effect acts, without a full stop.
     group
-        Name of the effects that look like it; where None is given it is a group of its own.
+        Name of a group of effects with similar responses; None for a group of its own.
     needs, touches
-        What recordings have to hold for it, and what it changes in them.
+        Data that recordings need for it, and the parts of a recording that it changes.
     realisations
-        How many draws a size takes: one where chance plays no part.
+        Random draws for each size; 1 for a deterministic effect.
     is_exact
-        Whether a device can follow no other form: a gain is a line, and a tilt a sine, where a bend may be any curve.
+        Whether every device has the same form of it: a gain is a line and a tilt a sine, but a nonlinearity is any
+        curve.
     matters_from
-        Size of its parameter below which it is practically negligible for yaw, twice what the relevance threshold of
-        its regressor amounts to (nonlinearity: eight times); None where nothing is known.
+        Value of the parameter below which the effect is practically negligible for yaw; None if unknown. It is twice
+        the relevance threshold of its regressor (nonlinearity: eight times).
     of_size
-        From a size to the parameter, where that is not the size itself.
+        Function from a size to the parameter.
     less_is_more
-        Whether the effect acts the more, the smaller its parameter is.
+        Whether a smaller parameter is a stronger effect.
     is_read_off
-        Whether the recordings show its size or height: at typical size it would show in any of them.
+        Whether the recordings show its size or height directly; at its typical size it is visible in every recording.
     acts_like
-        Name of an effect that changes recordings without `needs` in the same way, with a negative size. Such
-        recordings leave both possible.
+        Name of another effect: with a negative size, it has the same response in recordings that lack a need. Both
+        effects then stay possible.
     """
 
     name: str
@@ -135,14 +136,14 @@ class CandidateKind:
     acts_like: str | None = None
 
     def candidates(self, hints: Hints, in_rig: Effect | None = None, *, is_phase_free: bool = False) -> list[Candidate]:
-        """One for each variant; of an effect that the rig has already, what changes it."""
+        """One candidate for each variant; for an effect in the rig, only candidates that change it."""
         variants = list(self.variants(hints))
         if in_rig is None:
-            return [self._candidate(one, is_phase_free=is_phase_free) for one in variants]
+            return [self._candidate(variant, is_phase_free=is_phase_free) for variant in variants]
         if variants[0].grid.points[0] < 0.0 or variants[0].phase_deg is not None:
-            return [self._on_top(variants[0], in_rig)]
-        instead = [self._instead(variant, in_rig) for variant in variants]
-        return [one for one in instead if len(one.sizes)]
+            return [self._added_to_rig(variants[0], in_rig)]
+        replacements = [self._replacing_rig(variant, in_rig) for variant in variants]
+        return [candidate for candidate in replacements if len(candidate.sizes)]
 
     def _candidate(self, variant: Variant, *, is_phase_free: bool = False) -> Candidate:
         return Candidate(
@@ -161,14 +162,15 @@ class CandidateKind:
             is_phase_free=is_phase_free and variant.phase_deg is not None,
         )
 
-    def _on_top(self, variant: Variant, in_rig: Effect) -> Candidate:
-        """What is linear in its size: simulated by itself, added to what the rig has."""
+    def _added_to_rig(self, variant: Variant, in_rig: Effect) -> Candidate:
+        """Candidate of a linear effect that the rig has: sizes are additions to the rig's size, simulated alone."""
         up = variant.grid.sizes[variant.grid.sizes > 0.0]
         most = float(np.abs(variant.grid.points).max())
         has = float(getattr(in_rig, self.parameter))
 
         def changed(size: float) -> Effect:
-            return in_rig.model_copy(update={**in_rig.model_dump(), self.parameter: has + size})  # all of it is stated
+            # All parameters are set explicitly, so that reports state them.
+            return in_rig.model_copy(update={**in_rig.model_dump(), self.parameter: has + size})
 
         down, lowest = -up[::-1], _bound(type(in_rig), self.parameter, "ge", -np.inf) - has
         if lowest > down[0]:
@@ -179,22 +181,21 @@ class CandidateKind:
             phase_deg=None, in_rig=in_rig,
         )  # fmt: skip
 
-    def _instead(self, variant: Variant, in_rig: Effect) -> Candidate:
-        """What takes the place of the effect in the rig, at other sizes, with its other parameters."""
+    def _replacing_rig(self, variant: Variant, in_rig: Effect) -> Candidate:
+        """Candidate that replaces the rig's effect: other sizes, with the rig's values of other parameters."""
         fixed = {name: value for name, value in in_rig.model_dump().items() if name not in {"name", self.parameter}}
-        one = self._candidate(replace(variant, fixed={**fixed, **variant.fixed}))
-        touches = Touches.VALUES if one.touches is Touches.SLOW_RATE else one.touches
-        others = [size for size in one.sizes.tolist() if not self._is_same(one.make(size), in_rig)]
-        points = (
-            one.grid_points if touches is Touches.RATE else _with_own_size(one, float(getattr(in_rig, one.parameter)))
-        )
-        return replace(one, touches=touches, in_rig=in_rig, grid_points=points, sizes=np.array(others))
+        candidate = self._candidate(replace(variant, fixed={**fixed, **variant.fixed}))
+        touches = Touches.VALUES if candidate.touches is Touches.SLOW_RATE else candidate.touches
+        new_sizes = [size for size in candidate.sizes.tolist() if not self._is_same(candidate.make(size), in_rig)]
+        has = float(getattr(in_rig, candidate.parameter))
+        points = candidate.grid_points if touches is Touches.RATE else _with_rig_size(candidate, has)
+        return replace(candidate, touches=touches, in_rig=in_rig, grid_points=points, sizes=np.array(new_sizes))
 
     def _is_same(self, effect: Effect, in_rig: Effect) -> bool:
-        """Whether an effect is the one in the rig, but for SAME of its size."""
+        """Whether an effect equals the one in the rig, with a size that differs by less than SAME_SIZE."""
         size, has = float(getattr(effect, self.parameter)), float(getattr(in_rig, self.parameter))
         like = effect.model_copy(update={self.parameter: getattr(in_rig, self.parameter)})
-        return abs(size - has) < SAME * abs(has) and like.model_dump() == in_rig.model_dump()
+        return abs(size - has) < SAME_SIZE * abs(has) and like.model_dump() == in_rig.model_dump()
 
     def _effect(self, size: float, fixed: Mapping[str, float]) -> Effect:
         kind = CATALOGUE[self.name]
@@ -202,10 +203,10 @@ class CandidateKind:
         return kind.model_validate(values)
 
 
-def _with_own_size(candidate: Candidate, has: float) -> Floats:
-    """Sizes to simulate, and the size in the rig among them, where nothing changes; `has` is its parameter.
+def _with_rig_size(candidate: Candidate, has: float) -> Floats:
+    """Sizes to simulate, including the rig's own size, at which nothing changes; `has` is its parameter.
 
-    Between sizes that were simulated on either side of it, a small change would look like a large one.
+    Interpolated between the simulated sizes on either side of it, a small change would look like a large one.
     """
     points = candidate.grid_points
     if len(points) < 2 or has <= 0.0:
@@ -215,16 +216,16 @@ def _with_own_size(candidate: Candidate, has: float) -> Floats:
     own = float(np.exp(np.interp(np.log(has), np.log(made[order]), np.log(candidate.sizes[order]))))
     if not points[0] < own < points[-1]:
         return points
-    return np.union1d(points[np.abs(points - own) > SAME * own], own)
+    return np.union1d(points[np.abs(points - own) > SAME_SIZE * own], own)
 
 
 def _allowed(kind: type[Effect], parameter: str, value: float) -> float:
-    """The nearest value that a parameter may take: recordings may hint at one that it may not."""
+    """Value limited to the bounds of a parameter, since a hint may lie beyond them."""
     least, most = _bound(kind, parameter, "ge", -np.inf), _bound(kind, parameter, "le", np.inf)
     return value if least <= value <= most else type(value)(min(max(value, least), most))
 
 
 def _bound(kind: type[Effect], parameter: str, which: str, otherwise: float) -> float:
-    """The bound that an annotation gives."""
-    bounds = [getattr(one, which, None) for one in kind.model_fields[parameter].metadata]
-    return next((float(one) for one in bounds if one is not None), otherwise)
+    """Bound of a parameter in its annotations (`ge` or `le`), or `otherwise`."""
+    bounds = [getattr(annotation, which, None) for annotation in kind.model_fields[parameter].metadata]
+    return next((float(bound) for bound in bounds if bound is not None), otherwise)

@@ -1,4 +1,4 @@
-"""All candidate causes: a record for each effect, what anybody registers beside them, and out-of-catalogue models."""
+"""All candidate causes: effects with a record, effects that a user registers, and out-of-catalog models."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -16,16 +16,16 @@ IDEAL = Rig()
 _KINDS: dict[str, CandidateKind] = {}
 
 KINDS: Mapping[str, CandidateKind] = MappingProxyType(_KINDS)
-"""Record by name of the effect; a view that shows what is registered later too."""
+"""Record by name of the effect; a live view, so later registrations appear in it."""
 
 
 def register(kind: CandidateKind) -> CandidateKind:
-    """Add an effect to what is tried, behind all others.
+    """Add an effect as the last candidate.
 
     Raises
     ------
     ValueError
-        Where the simulator has no such effect or parameter, or there is a record of it already.
+        The simulator lacks the effect or the parameter, or the effect already has a record.
     """
     if kind.name not in CATALOGUE:
         raise ValueError(f"{kind.name}: the simulator has no such effect; register that first")
@@ -38,20 +38,23 @@ def register(kind: CandidateKind) -> CandidateKind:
 
 
 def unregister(name: str) -> None:
-    """Take a candidate away again, as a test does with one of its own."""
+    """Remove a registered effect, as a test does after it registered its own."""
     del _KINDS[name]
 
 
 def candidates(hints: Hints, rig: Rig = IDEAL) -> list[Candidate]:
-    """All of them on given recordings; those of other phases are not simulated but composed, see `responses`."""
+    """All candidates for recordings with these hints and a rig that may have some of the effects already.
+
+    Candidates at phases other than 0 and 90 degrees are combined from those two: see `responses`.
+    """
     in_rig = {effect.name: effect for effect in rig.effects}
     is_free = not rig.base.encoder_absolute
-    found = [
+    of_effects = [
         candidate
         for kind in KINDS.values()
         for candidate in kind.candidates(hints, in_rig.get(kind.name), is_phase_free=is_free)
     ]
-    return [*found, *out_of_catalogue()]
+    return [*of_effects, *out_of_catalogue()]
 
 
 for _kind in EFFECTS:

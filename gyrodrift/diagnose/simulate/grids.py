@@ -1,4 +1,4 @@
-"""Grids of sizes and the variants made of them: the parts that the records of candidates are put together from."""
+"""Grids of sizes, and functions that build the variants of a candidate from them."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -9,40 +9,41 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.simulate.candidate_kind import Hints, SizeGrid, Variant
 
 PER_DECADE = 24
-"""Sizes between which a fit decides, to a decade: steps of a tenth."""
+"""Sizes of a fit per decade: a step of 10 %."""
 
 PHASE_STEP_DEG = 30.0
-"""Between phases that are tried."""
+"""Step of the phases that are tried."""
 
 PHASES_DEG = tuple(np.arange(0.0, 360.0, PHASE_STEP_DEG).tolist())
 
 INNER = 10.0
-"""What is linear in its size is simulated at this part of its largest one, far from the ends of any range."""
+"""Largest size over the simulated size of a linear effect, so that the simulation stays within the range of values."""
 
 LONGER = 1.3
-"""A size that is worth another simulation."""
+"""Ratio of two sizes from which on the larger one gets its own simulation."""
 
 Variants = Callable[[Hints], Sequence[Variant]]
+"""Function from hints to the variants of a candidate."""
 
 
 def between(least: float, most: float) -> Floats:
-    """Sizes in even ratios, PER_DECADE of them to a decade."""
+    """Sizes with equal ratios, PER_DECADE per decade."""
     return np.geomspace(least, most, round(PER_DECADE * np.log10(most / least)) + 1)
 
 
 def linear_grid(least: float, most: float) -> SizeGrid:
-    """Of either sign, for what is exactly linear in its size: two simulations say all."""
+    """Grid of both signs for an effect that is linear in its size: two simulations give all sizes."""
     up = between(least, most)
     return SizeGrid(np.array([-most, most]) / INNER, np.concatenate([-up[::-1], up]))
 
 
 def simulated_grid(*points: float) -> SizeGrid:
-    """Simulated at these sizes, interpolated between them."""
+    """Grid that is simulated at these sizes and interpolated between them."""
     return SizeGrid(np.array(points), between(points[0], points[-1]))
 
 
 def linear(least: float, most: float) -> Variants:
-    """One variant on a linear grid."""
+    """One variant, on a linear grid."""
     return lambda _: [Variant(linear_grid(least, most))]
 
 
@@ -52,19 +53,19 @@ def simulated(*points: float) -> Variants:
 
 
 def simulated_and_shown(shown: Callable[[Hints], float], *points: float) -> Variants:
-    """Simulated at these sizes and at the one that the recordings show, where it is one between them."""
+    """One variant, simulated at these sizes, and at the size that the recordings show if it lies between them."""
 
     def variants(hints: Hints) -> Sequence[Variant]:
-        grid, own = simulated_grid(*points), shown(hints)
-        if not points[0] < own < points[-1]:
+        grid, shown_size = simulated_grid(*points), shown(hints)
+        if not points[0] < shown_size < points[-1]:
             return [Variant(grid)]
-        return [Variant(SizeGrid(np.union1d(grid.points, own), np.union1d(grid.sizes, own)))]
+        return [Variant(SizeGrid(np.union1d(grid.points, shown_size), np.union1d(grid.sizes, shown_size)))]
 
     return variants
 
 
 def simulated_within(periods: float, *points_ms: float) -> Variants:
-    """Simulated at these times, and at so many sample periods where that is longer."""
+    """One variant, simulated at these times, and at a number of sample periods if that is longer."""
 
     def variants(hints: Hints) -> Sequence[Variant]:
         most_ms = periods * hints.sample_period_s * 1e3
@@ -73,37 +74,40 @@ def simulated_within(periods: float, *points_ms: float) -> Variants:
     return variants
 
 
-def turned(least: float, most: float) -> Variants:
-    """Linear, once per turn: the simulations at 0 and 90 degrees are turned to every other phase."""
+def once_per_turn(least: float, most: float) -> Variants:
+    """One variant per phase, for a linear effect with one period per turn.
+
+    Only 0 and 90 degrees are simulated. The response at any other phase is a sum of these two.
+    """
     grid = SizeGrid(np.array([most / INNER]), between(least, most))
     return lambda _: [Variant(grid, {"phase_deg": phase_deg}, phase_deg) for phase_deg in PHASES_DEG]
 
 
 def one_of(
     grid: SizeGrid,
-    others: Sequence[Mapping[str, float]],
+    parameter_sets: Sequence[Mapping[str, float]],
     shown: Callable[[Hints], Sequence[Mapping[str, float]]] = lambda _: (),
 ) -> Variants:
-    """A variant for each of several sets of the other parameters, and of those that the recordings show."""
-    return lambda hints: [Variant(grid, fixed) for fixed in (*others, *shown(hints))]
+    """One variant per set of the other parameters; the recordings may show further sets."""
+    return lambda hints: [Variant(grid, fixed) for fixed in (*parameter_sets, *shown(hints))]
 
 
 def also_with(variants: Variants, hint: Callable[[Hints], Mapping[str, float]]) -> Variants:
-    """These variants, and each with further parameters that the recordings show, if they show any."""
+    """All variants, and copies of them with further parameters, if the recordings show any."""
 
-    def both(hints: Hints) -> Sequence[Variant]:
+    def extended(hints: Hints) -> Sequence[Variant]:
         own, shown = variants(hints), hint(hints)
         with_shown = [replace(variant, fixed={**variant.fixed, **shown}) for variant in own if shown]
         return [*own, *with_shown]
 
-    return both
+    return extended
 
 
 def hinted(parameter: str, hint: Callable[[Hints], float], *points: float) -> Variants:
-    """A second parameter that the recordings show."""
+    """One variant, with the value of a second parameter that the recordings show."""
     return lambda hints: [Variant(simulated_grid(*points), {parameter: hint(hints)})]
 
 
 def read_off(hint: Callable[[Hints], float]) -> Variants:
-    """The size itself is what the recordings show."""
+    """One variant with a single size, which the recordings show."""
     return lambda hints: [Variant(SizeGrid(*[np.array([hint(hints)])] * 2))]

@@ -1,4 +1,4 @@
-"""Records of the effects as causes, in the order in which they are tried."""
+"""Records of the effects as candidate causes, in the order in which they are tried."""
 
 import numpy as np
 
@@ -10,76 +10,80 @@ from gyrodrift.diagnose.simulate.grids import (
     hinted,
     linear,
     linear_grid,
+    once_per_turn,
     one_of,
     read_off,
     simulated,
     simulated_and_shown,
     simulated_grid,
     simulated_within,
-    turned,
 )
 
 WARMUP_TAUS_S, SLOW_TAUS_S = (20.0, 35.0, 60.0, 100.0, 160.0, 260.0, 450.0), (100.0, 160.0, 260.0)
 
-# A third decays with the die, the rest five times slower with the package.
+# Two warm-ups: one exponential; or 35 % with the time constant of the die, and the rest with that of the package, which
+# is five times longer.
 WARMUPS = [
     *({"time_constant_s": tau_s} for tau_s in WARMUP_TAUS_S),
     *({"time_constant_s": tau_s, "fast_share": 0.35, "fast_time_constant_s": tau_s / 5.0} for tau_s in SLOW_TAUS_S),
 ]
 
 CURVES: tuple[dict[str, float], ...] = ({}, {"curve_per_c": -0.01}, {"curve_per_c": 0.01})
-"""A line, and 10 °C from 25 °C a tenth of the line off it."""
+"""Second parameters of `temp_bias`: a line, and curves that are 10 % off the line at a distance of 10 °C from 25 °C."""
 
 MOST_CURVE = 0.5
-"""Bound of the curve in the simulator, 1/°C."""
+"""Bound of `curve_per_c` in the simulator, 1/°C."""
 
 CUTOFFS_HZ, ORDERS = (60.0, 30.0, 15.0, 7.0, 3.0, 1.2, 0.5), (1, 2)
-"""Low-passes that are simulated."""
+"""Cutoffs and orders of the low-passes that are simulated."""
 
 LEAST_SPREAD_PERCENT = 5.0
-"""Spread of ticks from which on it is simulated: on a tick of 50 ms, as much as usual host jitter."""
+"""Minimum spread of ticks that is simulated: for a tick of 50 ms it is as large as usual host jitter."""
 
 LEAST_HANDOVER = 0.06
-"""Distance of samples in a bunch from which on it is simulated, in sample periods: that of the feature of gaps."""
+"""Minimum distance of samples in a bunch that is simulated, in sample periods: relevance threshold of arrival gaps."""
 
 REALISATIONS = 12
-"""Realisations of an effect whose slow disturbance takes milliseconds; two sessions have more than thirty."""
+"""Random draws for each size of an effect whose simulation takes milliseconds."""
 
 LAG = "lag"
-"""Group of effects and forms by which a rate comes late."""
+"""Group of effects and out-of-catalog models that delay the rate."""
 
 
 def _time_constant_s(cutoff_hz: float) -> float:
-    """Inverse of the size of a low-pass."""
+    """Time constant of a low-pass, which is its size; the same formula turns the size into the cutoff."""
     return 1.0 / (2.0 * np.pi * cutoff_hz)
 
 
 def _low_passes(_: Hints) -> list[Variant]:
-    """The size is the time constant of a cutoff, so that 0 is none."""
+    """One variant per order; the size is the time constant, so that size 0 means no low-pass."""
     points = 1.0 / (2.0 * np.pi * np.array(CUTOFFS_HZ))
     grid = SizeGrid(points, between(points[0], points[-1]))
     return [Variant(grid, {"order": order}) for order in ORDERS]
 
 
 def _coarser_dps(hints: Hints) -> float:
-    """Steps that are no coarser than the rig's are the rig's."""
+    """Step of the rate that the recordings show, at least that of the rig, deg/s."""
     return max(hints.rate_step_dps, hints.dps_per_lsb)
 
 
 def _bunches_ms(hints: Hints) -> float:
-    """Quantiles of gaps jump where one sample more fits into a bunch, and lie on no curve between other intervals."""
+    """Interval of bunches that the recordings show, ms.
+
+    It is simulated, not interpolated: quantiles of arrival gaps jump where one more sample fits into a bunch.
+    """
     return 1e3 * hints.bunch_s
 
 
 def _uneven_bunches(hints: Hints) -> dict[str, float]:
-    """Spread and handover of bunches where the recordings show that they matter; empty on even ticks."""
+    """Spread and handover of bunches, if the recordings show relevant values; empty for even ticks."""
     shown = {"spread_percent": 100.0 * min(hints.bunch_spread, 1.0), "handover_ms": 1e3 * hints.handover_s}
     least = {"spread_percent": LEAST_SPREAD_PERCENT, "handover_ms": LEAST_HANDOVER * 1e3 * hints.sample_period_s}
     return {name: value for name, value in shown.items() if value >= least[name]}
 
 
 def _shown_curves(hints: Hints) -> list[dict[str, float]]:
-    """The curve that a sweep of the temperature shows, within the bounds of the effect; none without a sweep."""
+    """Curve that a temperature sweep shows, limited to the bounds of the effect; empty without a sweep."""
     return [{"curve_per_c": max(-MOST_CURVE, min(hints.curve_per_c, MOST_CURVE))}] if hints.curve_per_c else []
 
 
@@ -89,7 +93,7 @@ def _counts_per_turn(step_deg: float) -> int:
 
 # fmt: off
 EFFECTS = (
-    # Linear in their size: two simulations tell of all sizes.
+    # Linear effects: two simulations give all sizes.
     CandidateKind(
         "scale_factor", "error_percent", linear(0.01, 10.0),
         "the rate is too large or too small by the same share at every speed",
@@ -128,15 +132,16 @@ EFFECTS = (
         "clock", (Need.HOST,), Touches.TIMES, is_exact=True, matters_from=30.0,
     ),
     CandidateKind(
-        "g_sensitivity", "amplitude_dps", turned(0.001, 1.0), "the bias changes once per turn, as on a tilted table",
+        "g_sensitivity", "amplitude_dps", once_per_turn(0.001, 1.0),
+        "the bias changes once per turn, as on a tilted table",
         "once per turn", (Need.MOTION,), Touches.SLOW_RATE, is_exact=True, matters_from=0.004,
     ),
     CandidateKind(
-        "encoder_eccentricity", "amplitude_deg", turned(0.005, 5.0),
+        "encoder_eccentricity", "amplitude_deg", once_per_turn(0.005, 5.0),
         "the encoder's angle errs once per turn, as with a disc off its centre",
         "once per turn", (Need.MOTION,), Touches.VALUES, is_exact=True, matters_from=0.02,
     ),
-    # On values, delays and times, which are simulated size by size.
+    # Effects on values, delays and times: every size of the grid is simulated.
     CandidateKind(
         "misalignment", "tilt_deg",
         hinted("about_deg", lambda hints: hints.lean_deg - 90.0, 1.5, 3.0, 5.0, 8.0, 12.0, 17.0, 23.0, 30.0),
@@ -191,7 +196,7 @@ EFFECTS = (
         "stale_hold", "share_percent", simulated(0.02, 0.2, 2.0, 8.0, 30.0, 50.0), "a sample repeats the one before it",
         "coarse values", (Need.MOTION,), Touches.VALUES, realisations=2, matters_from=0.05,
     ),
-    # In which chance plays a part, tones, and the steps of the encoder.
+    # Random effects, tones, and the steps of the encoder.
     CandidateKind(
         "bias_instability", "floor_dph", simulated(3.0, 50.0, 1000.0),
         "the bias wanders slowly, and stays about where it is (1/f noise)",
@@ -227,7 +232,7 @@ EFFECTS = (
         "encoder_quantization", "cpr", read_off(lambda hints: hints.angle_step_deg),
         "the encoder has fewer counts per turn than the rig says",
         None, (Need.MOTION,), Touches.VALUES, of_size=_counts_per_turn, less_is_more=True, is_read_off=True,
-        realisations=4,  # which counts a motion comes by is chance
+        realisations=4,  # which counts a motion passes is random
     ),
 )
 # fmt: on

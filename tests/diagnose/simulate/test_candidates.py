@@ -10,7 +10,7 @@ from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
 from firmware_sim.rig import Rig, parse_effect
 from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
-from gyrodrift.diagnose.simulate.candidate_kind import SAME, Hints
+from gyrodrift.diagnose.simulate.candidate_kind import SAME_SIZE, Hints
 from gyrodrift.diagnose.simulate.candidates import KINDS, candidates, register
 from gyrodrift.diagnose.simulate.grids import between, linear_grid, simulated_grid
 from gyrodrift.diagnose.simulate.response_table import key
@@ -170,7 +170,7 @@ def test_of_any_other_effect_in_the_rig_sizes_are_instead(text: str, variants: i
         assert candidate.in_rig == effect
         has = getattr(effect, other.parameter)
         near = [size for size in other.sizes.tolist() if size not in candidate.sizes]
-        assert all(abs(getattr(other.make(size), other.parameter) / has - 1.0) < SAME for size in near)
+        assert all(abs(getattr(other.make(size), other.parameter) / has - 1.0) < SAME_SIZE for size in near)
         assert candidate.make(candidate.sizes[0]) == other.make(other.sizes[0])
         assert candidate.touches is not Touches.SLOW_RATE
 
@@ -179,18 +179,22 @@ def test_of_any_other_effect_in_the_rig_sizes_are_instead(text: str, variants: i
 def test_the_size_in_the_rig_is_no_other_size(cutoff_hz: float) -> None:
     """However it lies to the grid; of the other order it is another effect."""
     same, other = beside(f"bandwidth:cutoff_hz={cutoff_hz:.6g},order=1")[1]
-    assert np.abs([same.make(size).model_dump()["cutoff_hz"] / cutoff_hz - 1.0 for size in same.sizes]).min() >= SAME
+    assert (
+        np.abs([same.make(size).model_dump()["cutoff_hz"] / cutoff_hz - 1.0 for size in same.sizes]).min() >= SAME_SIZE
+    )
     assert len(same.sizes) >= len(other.sizes) - 2
 
 
 @pytest.mark.parametrize("text", ["latency:delay_ms=6.6", "bandwidth:cutoff_hz=11.3,order=1", "backlash:play_deg=0.31"])
 def test_the_size_in_the_rig_is_simulated_and_changes_nothing(text: str) -> None:
-    """So a size next to it changes little; a simulated size that is the same but for SAME gives way."""
+    """So a size next to it changes little; a simulated size that is the same but for SAME_SIZE gives way."""
     effect, found = beside(text)
     candidate = found[0]
     made = [candidate.make(float(size)).model_dump()[candidate.parameter] for size in candidate.grid_points]
     has = effect.model_dump()[candidate.parameter]
-    (own,) = [size for size, value in zip(candidate.grid_points, made, strict=True) if abs(value / has - 1.0) < SAME]
+    (own,) = [
+        size for size, value in zip(candidate.grid_points, made, strict=True) if abs(value / has - 1.0) < SAME_SIZE
+    ]
     assert candidate.make(own).model_dump()[candidate.parameter] == pytest.approx(has, rel=1e-6)
     assert (np.diff(candidate.grid_points) > 0.0).all()
     assert len(candidate.grid_points) in {len(of(effect.name)[0].grid_points) + more for more in (0, 1)}

@@ -222,7 +222,7 @@ FAULTS = (
     Fault(
         "diagnose/own-size-not-simulated",
         "gyrodrift/diagnose/simulate/candidate_kind.py",
-        "return np.union1d(points[np.abs(points - own) > SAME * own], own)",
+        "return np.union1d(points[np.abs(points - own) > SAME_SIZE * own], own)",
         "return points",
         "A size next to that of the rig looks like a large change.",
         ("tests/diagnose/simulate/test_candidates.py",),
