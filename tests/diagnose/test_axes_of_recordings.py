@@ -24,7 +24,7 @@ def recording(*, axes: bool = False, gravity: bool = False) -> Recording:
     columns = {
         "gyro_xy_dps": values[:, :2] if axes else None,
         "accel_mps2": values if gravity else None,
-        "moves": True,
+        "has_motion": True,
         "host_s": None,
         "temp_c": None,
         "has_counter": True,
