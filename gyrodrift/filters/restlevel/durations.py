@@ -1,7 +1,8 @@
-"""Rests against all that is no rest: how a segment scatters, how long it lasts and how it ends.
+"""Odds of a rest against spins and motions, from the scatter, duration and end of a segment.
 
-A segment is a rest, a constant spin, or a level that a motion has by chance. Motions are as quiet as a sensor, or loud.
-Each kind has a density of its rate, a distribution of its duration and a share of gradual ends, which are multiplied.
+A segment is a rest, a constant spin, or a level that a motion has by chance. A motion is as quiet as the sensor, or
+noisy. Each kind has a density of its rate, a distribution of its duration and a share of gradual ends. The likelihood
+of a kind is their product.
 """
 
 from math import pi, sqrt
@@ -11,36 +12,38 @@ from gyrodrift.filters.restlevel.rate_state import RateWander
 from gyrodrift.filters.restlevel.wander import wander_probability
 
 SPINS_PER_DPS = 0.03
-"""Probability density of the rates of constant spins, 1/(deg/s): even up to some 15 deg/s in both directions."""
+"""Probability density of the rates of constant spins, 1/(deg/s): uniform up to about 15 deg/s in both directions."""
 
 CHANCE_LEVELS = 4.0
-"""Number of levels by chance for each constant spin, where levels wander."""
+"""Number of chance levels for each constant spin, if levels wander."""
 
 LEVEL_S = 12.0
-"""Share of rests that last longer than t: 1/√(1 + (t/12)²), half of them 20 s. Spins: to the power 1.5, half 15 s."""
+"""Time scale of rests and spins, s. A rest lasts longer than t with probability 1/√(1 + (t/12)²); the median is 20 s.
+
+For spins it is this probability to the power 1.5; the median is 15 s."""
 
 CHANCE_STAYS = 0.9
-"""Probability that a level by chance lasts for one more block, 3 s on average. A noisy motion has no such end."""
+"""Probability that a chance level lasts for a further block: 3 s on average. A noisy motion has no such end."""
 
 GRADUAL_REST, GRADUAL_SPIN, GRADUAL_CHANCE = 0.01, 0.1, 0.9
-"""Share of rests, of spins, and of levels by chance (the flat part of a curve) that end gradually."""
+"""Shares of rests, spins and chance levels that end gradually. A chance level may be the flat part of a curve."""
 
 
 def begin_rest(h: Hypothesis, wander: RateWander, odds: float, sample_var: float, away_dps: float) -> None:
-    """Set the densities of all that is no rest at the rate of a segment.
+    """Set the prior odds of a rest, and the densities of chance levels and noisy motions at the rate of a segment.
 
     Parameters
     ----------
     h
-        A hypothesis of rest, with the bias from before it.
+        Hypothesis of rest, with the bias before the rest.
     wander
-        How levels wander.
+        Agreement of levels.
     odds
-        Prior odds of a rest. Odds above 1 are odds against constant spins: loud motions are as frequent as rests.
+        Prior odds of a rest. Odds above 1 are odds against constant spins only: noisy motions are as frequent as rests.
     sample_var
         Variance of the samples, (deg/s)².
     away_dps
-        Distance of the segment's mean from the bias.
+        Distance of the mean of the segment from the bias, deg/s.
     """
     by_chance = CHANCE_LEVELS * wander_probability(wander)
     h.rest_odds, h.odds = odds, 1.0
@@ -49,9 +52,9 @@ def begin_rest(h: Hypothesis, wander: RateWander, odds: float, sample_var: float
 
 
 def weigh_rest(h: Hypothesis, seconds: float, sensor_odds: float) -> None:
-    """Weigh a rest by its scatter and by how long it has lasted; this replaces the weighing before.
+    """Weigh a rest by its scatter and its length; this replaces the earlier weight of the rest.
 
-    `sensor_odds` as in `noise.sensor_odds`.
+    `sensor_odds` is the likelihood ratio of `noise.sensor_odds`.
     """
     _weigh(
         h,
@@ -67,25 +70,27 @@ def weigh_gradual_end(h: Hypothesis, seconds: float, sensor_odds: float) -> None
 
 
 def outlast_motions(h: Hypothesis) -> None:
-    """Count a further block of a rest: a level by chance has ended by then, with its probability."""
+    """Multiply the density of chance levels by the probability that such a level lasts for a further block."""
     h.chance_density *= CHANCE_STAYS
 
 
 def _weigh(h: Hypothesis, odds: float) -> None:
+    """Replace the odds that the weight contains."""
     h.weight *= odds / h.odds
     h.odds = odds
 
 
 def _spin_density(seconds: float) -> float:
-    """Density of spins that last so long, divided by the share of rests that do."""
+    """Density of spins that last so long, divided by the probability that a rest does, 1/(deg/s)."""
     return SPINS_PER_DPS / sqrt(sqrt(1.0 + seconds * seconds / (LEVEL_S * LEVEL_S)))
 
 
 def _noisy_density(h: Hypothesis, sensor_odds: float) -> float:
+    """Density of noisy motions, 1/(deg/s); 0 for a segment that is as quiet as a sensor."""
     return (1.0 - sensor_odds) * h.noisy_density
 
 
 def _cauchy_pdf(x: float, squared_width: float) -> float:
-    """Density of the Cauchy distribution about 0: half of it lies within the width."""
+    """Density of the Cauchy distribution about 0. Half of the distribution lies within the width."""
     width = sqrt(squared_width)
     return width / (pi * (x * x + squared_width))

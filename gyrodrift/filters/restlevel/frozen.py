@@ -1,22 +1,24 @@
-"""A sensor that hangs: it repeats one value, though it is known to have noise.
+"""Frozen sensor: a sensor with noise that repeats a single value.
 
-Such a value measures nothing. Noise, bias and rests stay what was known of them, and yaw is uncertain by as much as the
-value turns it meanwhile: the device may have stopped with the first repetition.
+The repeated value is no measurement, so noise, bias and rests stay unchanged. The device may have stopped with the
+first repetition. So the sigma of yaw grows by the whole angle of the repeated rate.
 """
 
 from gyrodrift.filters.restlevel.model import RestlevelState
 from gyrodrift.filters.restlevel.noise import FINE_DPS
 
 NOISE_STEPS = 2.0
-"""Where the noise at rest is known to be so many steps of the sensor, two samples are alike one time in seven
-(1/(2·√π·NOISE_STEPS)), and the six of the shortest block one time in 18 000."""
+"""Smallest noise at rest, in steps of the sensor, with which a repeated value shows a freeze.
+
+At this noise two samples are equal with probability 1/(2·√π·NOISE_STEPS), one in seven. All six samples of the shortest
+block are equal once in 18 000 blocks."""
 
 
 def detect_freeze(s: RestlevelState) -> None:
-    """Whether the sensor has hung all through the block that has just ended.
+    """Set whether the sensor was frozen through the present block.
 
-    Parts of coarser steps than FINE_DPS may stand still between two of them. Zeros are no freeze of a device whose bias
-    is no larger than its noise: some take their bias out and say zero at rest.
+    A sensor of coarser steps than FINE_DPS may rest between two steps. Zeros are no freeze if the bias is at most the
+    noise: some devices subtract their bias and send zero at rest.
     """
     noise = s.noise
     step_dps = noise.resolution_dps
@@ -31,7 +33,7 @@ def detect_freeze(s: RestlevelState) -> None:
 
 
 def widen_yaw(s: RestlevelState, seconds: float) -> None:
-    """What the hanging sensor has turned yaw by is not known, all of it together."""
+    """Add the angle of a frozen sensor since its first repetition to the sigma of yaw, as a single error."""
     noise = s.noise
     if not noise.is_frozen:
         return

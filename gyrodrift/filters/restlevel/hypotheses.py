@@ -1,9 +1,9 @@
-"""The hypotheses about which constant-rate segments were rests, from block to block.
+"""Hypotheses about which constant-rate segments were rests, from block to block.
 
-A bias is a rate that the sensor comes back to; a spin is one that it does not. At every segment each hypothesis
-branches into one in which the device is at rest and one in which it spins at a constant rate, and the segments that
-follow decide between them. Within a hypothesis yaw and bias are a Kalman filter of two states: a block mean at rest is
-a measurement of the bias, which takes back what a wrong bias has made of yaw since the rest before.
+The rate returns to the bias at each rest. It does not return to the rate of a spin. So each hypothesis branches at each
+segment: in one branch the device is at rest, in the other it spins at a constant rate. Later segments decide between
+the two. Within a hypothesis, yaw and bias are a Kalman filter of two states. A block mean at rest measures the bias. It
+also corrects the yaw error that a wrong bias has caused since the last rest.
 """
 
 from math import exp
@@ -22,20 +22,20 @@ from gyrodrift.filters.restlevel.turns import forget_turns
 from gyrodrift.filters.restlevel.wander import forget_levels
 
 NOISY_REST_SHARE = 0.1
-"""Share of rests with a running motor or fan: where the noise drops, all rests so far were louder than the sensor."""
+"""Share of rests with a running motor or fan. After a drop of the noise, all rests so far were such rests or motion."""
 
 WELL_CALIBRATED, PARTLY_CALIBRATED = 0.25, 0.25
 CALIBRATED = 0.01
-"""Share of parts that have taken out their own bias to a hundredth of `turn_on_dps`, and to a tenth; the variance that
-is left at each of these."""
+"""Shares of parts that subtract their own bias to a hundredth and to a tenth of `turn_on_dps`. `CALIBRATED` is the
+share of the variance that is left at a tenth, and its square the share at a hundredth."""
 
 
 def begin(c: RestlevelCoefficients, s: RestlevelState) -> None:
-    """What is remembered; else a part has taken its own bias out well, or so, or not at all."""
+    """Set the initial hypotheses: remembered biases, and a part that subtracts its bias well, partly or not at all."""
     first = begin_remembered(c, s)
     free = s.hypotheses[first]
     unknown = 1.0 - remembered_weight(s)
-    if c.turn_on_var == 0.0:  # it has taken its bias out, and begins as one whose bias is known
+    if c.turn_on_var == 0.0:  # the sensor subtracts its own bias, so the bias is known
         _begin_one(s, free, unknown, 0.0)
         free.knows_bias = True
     else:
@@ -47,7 +47,7 @@ def begin(c: RestlevelCoefficients, s: RestlevelState) -> None:
 
 
 def restart(c: RestlevelCoefficients, s: RestlevelState) -> None:
-    """What was said so far was no rate: all is as with the first block, but yaw stays."""
+    """Restart the filter with the present block, because the values so far were no rates. Yaw stays."""
     s.yaw_deg = s.moments.yaw_deg
     for h in s.hypotheses:
         h.weight = h.covariance = h.yaw_var = h.bias_dps = h.moving_s = 0.0
@@ -64,14 +64,14 @@ def restart(c: RestlevelCoefficients, s: RestlevelState) -> None:
 
 
 def _begin_one(s: RestlevelState, h: Hypothesis, weight: float, bias_var: float) -> None:
-    """A hypothesis that knows of no rest."""
+    """Set a hypothesis without a rest."""
     h.weight = weight
     h.yaw_deg = s.yaw_deg
     h.bias_var = bias_var
 
 
 def enter_segment(s: RestlevelState) -> None:
-    """Keep what each hypothesis says now, where a segment may begin."""
+    """Store the yaw of each hypothesis where a segment may begin."""
     for h in s.hypotheses:
         checkpoint = h.checkpoint
         checkpoint.yaw_deg = h.yaw_deg
@@ -81,14 +81,14 @@ def enter_segment(s: RestlevelState) -> None:
 
 
 def leave_segment(s: RestlevelState) -> None:
-    """A confirmed segment has ended: no hypothesis is at rest any more."""
+    """End the rest of all hypotheses at the end of a confirmed segment."""
     for h in s.hypotheses:
         h.was_at_rest = h.is_at_rest
         h.is_at_rest = False
 
 
 def end_gradually(s: RestlevelState) -> None:
-    """The last segment has ended as the flat part of a curve does."""
+    """Weigh rests that have ended gradually, as the flat part of a curve does, and restore their safe bias."""
     for h in s.hypotheses:
         if h.weight > 0.0 and h.was_at_rest:
             weigh_gradual_end(h, s.ended.seconds, s.ended.sensor_odds)
@@ -97,7 +97,7 @@ def end_gradually(s: RestlevelState) -> None:
 
 
 def weigh_noisy_rests(s: RestlevelState) -> None:
-    """Weigh all rests so far by the share of loud ones, where the noise has turned out smaller."""
+    """Weigh hypotheses with a rest by the share of noisy rests, if the noise has dropped."""
     if not s.noise.has_dropped:
         return
     for h in s.hypotheses:
@@ -107,7 +107,7 @@ def weigh_noisy_rests(s: RestlevelState) -> None:
 
 
 def predict(c: RestlevelCoefficients, s: RestlevelState, angle_deg: float, seconds: float) -> None:
-    """A block passes: yaw turns where the device is not at rest, and the bias follows its random walk."""
+    """Predict a block: yaw turns in hypotheses of motion, and the bias follows its random walk."""
     angle_walk_var = s.noise.angle_walk_var
     for h in s.hypotheses:
         if h.weight == 0.0:
@@ -121,22 +121,22 @@ def predict(c: RestlevelCoefficients, s: RestlevelState, angle_deg: float, secon
 
 
 def branch(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
-    """A segment is confirmed: each hypothesis goes on as one with a spin, and as one with a rest in a free place.
+    """Branch each hypothesis at a confirmed segment into a spin, and a rest in a free slot.
 
-    The rest begins where the segment began; what was turned since is taken back.
+    The rest begins where the segment began: its yaw is the yaw at that time.
     """
     mean_dps, mean_var = s.segment.mean_dps, s.noise.angle_walk_var / (seconds * CONFIRMED_BLOCKS)
     _branch(c, s, mean_dps, mean_var, c.start_odds if is_from_start(s, seconds) else c.rest_odds)
 
 
 def branch_at_end(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
-    """The same for a short segment from the start, which the present block has ended by setting out."""
+    """Branch each hypothesis at the end of a short rest from the start, which the present block has ended."""
     mean_var = s.noise.angle_walk_var / (seconds * s.ended.short_start_blocks)
     _branch(c, s, s.ended.mean_dps, mean_var, c.rest_odds)
 
 
 def _branch(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, mean_var: float, odds: float) -> None:
-    """By the mean of a segment and its variance, with these prior odds of a rest."""
+    """Branch each hypothesis by the mean of a segment, its variance, and the prior odds of a rest."""
     free = 0
     for k in range(len(s.hypotheses)):
         h = s.hypotheses[k]
@@ -159,7 +159,7 @@ def _branch(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, mean_v
 
 
 def resume(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
-    """The segment that ended a moment ago continues: a block was out of line by chance, and that is no evidence."""
+    """Resume the segment before: its rests go on, and the blocks between are no evidence."""
     mean_dps, mean_var = s.segment.mean_dps, s.noise.angle_walk_var / (seconds * CONFIRMED_BLOCKS)
     for h in s.hypotheses:
         if h.weight > 0.0 and h.was_at_rest:
@@ -175,7 +175,7 @@ def resume(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
 def zero_velocity_update(
     c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, step_dps: float, seconds: float
 ) -> None:
-    """A confirmed segment goes on: hypotheses of rest take the block mean for the bias, and noise is learned."""
+    """Update hypotheses of rest by the mean of a further block of a confirmed segment, and learn the noise."""
     noise = s.noise
     mean_var = noise.angle_walk_var / seconds
     ramp_var = c.rate_ramp_dps_s * c.rate_ramp_dps_s * seconds * seconds
@@ -197,7 +197,7 @@ def zero_velocity_update(
 
 
 def _go_back(h: Hypothesis, to: Hypothesis) -> None:
-    """Put yaw and its covariance into `to` as they were in `h` where the segment began."""
+    """Set yaw and its covariance of `to` to their values in `h` at the beginning of the segment."""
     to.yaw_deg = h.checkpoint.yaw_deg
     to.yaw_var = h.checkpoint.yaw_var
     to.covariance = h.checkpoint.covariance

@@ -1,9 +1,9 @@
-"""Zero-velocity updates: the mean rate of a rest is a measurement of the bias, and corrects yaw along with it.
+"""Zero-velocity updates: the mean rate of a rest measures the bias, and also corrects yaw.
 
-At rest the true angular rate is zero (a zero-velocity update, ZUPT, of a gyro alone: a zero angular rate update,
-ZARU). Each update is made under two models of how the bias has changed since the rest before, a rate random walk and a
-rate ramp (IEEE Std 952), and the two posteriors are merged into one Gaussian by their likelihoods, as interacting
-multiple models do (Blom and Bar-Shalom 1988).
+At rest the true angular rate is zero. This is a zero-velocity update (ZUPT); for a gyro alone it is also called a zero
+angular rate update (ZARU). Two models describe the change of the bias since the last rest: a rate random walk and a
+rate ramp (IEEE Std 952). Each update is made under both of them. The two posteriors are merged into one Gaussian,
+weighted by their likelihoods, as in interacting multiple models (Blom and Bar-Shalom 1988).
 """
 
 from math import exp, log, pi
@@ -13,24 +13,24 @@ from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients
 
 RAMP_PROBABILITY = 0.3
-"""Prior probability that the bias has followed a ramp since the rest before, rather than a random walk."""
+"""Prior probability that the bias has followed a ramp since the last rest, and not a random walk."""
 
 MAX_RAMP_S = 20.0
-"""A ramp does not last longer than this."""
+"""Longest ramp, s."""
 
 UNEXPECTED_VAR = 9.0
-"""A squared innovation of so many times its variance is an unexpected bias: three sigmas."""
+"""Ratio of a squared innovation to its variance above which a bias is unexpected: three sigmas."""
 
 WIDE_PROBABILITY = 0.03
 WIDE_FACTOR = 16.0
-"""Of parts whose turn-on bias is far out, and how much larger its variance is."""
+"""Share of parts with an unusually large turn-on bias, and the ratio of its variance to the usual variance."""
 
 MAX_LOG_ODDS = 700.0
-"""Beyond it exp() leaves the floats."""
+"""Largest argument of exp(): its value is still a finite float."""
 
 
 class KalmanStep(NamedTuple):
-    """What one measurement of the bias does to a Gaussian over yaw and bias.
+    """Kalman update of a Gaussian over yaw and bias by a measurement of the bias.
 
     bias_dps, yaw_deg
         Corrections of the mean.
@@ -46,14 +46,14 @@ class KalmanStep(NamedTuple):
 
 
 def kalman_gain(bias_var: float, covariance: float, mean_var: float) -> tuple[float, float]:
-    """The share of an innovation that goes to the bias, and what goes to yaw, in s."""
+    """Gains of a measurement of the bias: for the bias, a share, and for yaw, s."""
     return bias_var / (bias_var + mean_var), covariance / (bias_var + mean_var)
 
 
 def kalman_step(
     innovation_dps: float, bias_var: float, covariance: float, yaw_var: float, mean_var: float
 ) -> KalmanStep:
-    """The update of a Gaussian over yaw and bias by a block mean at rest, whose variance is `mean_var`."""
+    """Update of a Gaussian over yaw and bias by a block mean at rest with variance `mean_var`."""
     gain, yaw_gain_s = kalman_gain(bias_var, covariance, mean_var)
     return KalmanStep(
         gain * innovation_dps,
@@ -75,12 +75,12 @@ def kalman_update(h: Hypothesis, mean_dps: float, mean_var: float, ramp_var: flo
     Parameters
     ----------
     h
-        Is changed: the two posteriors are merged by their moments.
+        Hypothesis, which is changed: the two posteriors are merged by their moments.
     mean_dps, mean_var
         The block mean and its variance, deg/s and (deg/s)².
     ramp_var
-        Variance of what a ramp has added to the bias since the last rest, (deg/s)². The addition grew evenly, so
-        that yaw is off by half of it times that time.
+        Variance of the change of the bias by a ramp since the last rest, (deg/s)². The change grew linearly, so the
+        yaw error is half the change times the time since the rest.
 
     Returns
     -------
@@ -94,7 +94,7 @@ def kalman_update(h: Hypothesis, mean_dps: float, mean_var: float, ramp_var: flo
     walk_logpdf = gaussian_logpdf(innovation_dps, h.bias_var + mean_var)
     ramp_logpdf = gaussian_logpdf(innovation_dps, ramp_bias_var + mean_var)
     walk_odds = exp(max(-MAX_LOG_ODDS, min(walk_logpdf - ramp_logpdf, MAX_LOG_ODDS)))
-    evidence = RAMP_PROBABILITY + (1.0 - RAMP_PROBABILITY) * walk_odds  # as a multiple of the ramp's likelihood
+    evidence = RAMP_PROBABILITY + (1.0 - RAMP_PROBABILITY) * walk_odds  # divided by the likelihood of the ramp
     walk = kalman_step(innovation_dps, h.bias_var, h.covariance, h.yaw_var, mean_var)
     ramp = kalman_step(innovation_dps, ramp_bias_var, ramp_covariance, ramp_yaw_var, mean_var)
     _mix(h, walk, ramp, RAMP_PROBABILITY / evidence)
@@ -102,9 +102,9 @@ def kalman_update(h: Hypothesis, mean_dps: float, mean_var: float, ramp_var: flo
 
 
 def first_kalman_update(c: RestlevelCoefficients, h: Hypothesis, mean_dps: float, mean_var: float) -> float:
-    """The same at the beginning of a rest, after whatever has happened since the last one.
+    """Update a hypothesis at the beginning of a rest; return the logarithm of the likelihood of the mean.
 
-    A hypothesis without a rest so far has its bias from the turn-on: one Gaussian of typical parts and a wide one.
+    A hypothesis without a rest has the prior of the turn-on bias: a Gaussian of typical parts, and a wide Gaussian.
     """
     if h.knows_bias:
         ramp_dps = c.rate_ramp_dps_s * min(h.moving_s, MAX_RAMP_S)
@@ -112,7 +112,7 @@ def first_kalman_update(c: RestlevelCoefficients, h: Hypothesis, mean_dps: float
     else:
         log_likelihood = _turn_on_logpdf(h.bias_var, mean_dps, mean_var)
         widened = mean_dps * mean_dps / (UNEXPECTED_VAR * h.bias_var)
-        if widened > 1.0:  # what the bias has added to yaw widens with it
+        if widened > 1.0:  # the yaw error that the bias has caused widens with the bias
             h.yaw_var += (widened - 1.0) * h.covariance * h.covariance / h.bias_var
             h.bias_var *= widened
             h.covariance *= widened
@@ -130,7 +130,7 @@ def _turn_on_logpdf(turn_on_var: float, mean_dps: float, mean_var: float) -> flo
 
 
 def _mix(h: Hypothesis, walk: KalmanStep, ramp: KalmanStep, ramp_share: float) -> None:
-    """Into the hypothesis: the Gaussian with the moments of both posteriors, the ramp's with the given share."""
+    """Set the hypothesis to the moments of the mixture of both posteriors; `ramp_share` is the weight of the ramp."""
     apart_dps, apart_deg = ramp.bias_dps - walk.bias_dps, ramp.yaw_deg - walk.yaw_deg
     spread = ramp_share * (1.0 - ramp_share)
     h.bias_dps += walk.bias_dps + ramp_share * apart_dps

@@ -1,10 +1,12 @@
-"""What restlevel remembers of a sensor from one run to the next: bias, noise at rest, drift, and how it starts.
+"""Memory of a sensor from run to run: bias, noise at rest, drift and starts.
 
-Only sure rests are remembered. From a memory of some age follow the biases to begin with: the last one, as far out as
-the sensor is known to drift in that time and to change with its temperature, and that of the starts at such a
-temperature, since a sensor that is switched on in one place comes up alike. How far out the remembered bias was at each
-start, against what was expected, is the sensor's own drift: it is learned, and a start that is far out counts no more
-than nine times what was expected.
+Only sure rests are remembered. A memory gives one or two biases to begin with, each with a variance:
+
+- the bias of the last sure rest, with the drift of the sensor since then and the change by temperature;
+- the bias of the start that is most similar in temperature, because a sensor starts similarly at the same temperature.
+
+The drift factor of the sensor is learned from its starts. It compares the squared error of the remembered bias with its
+expected variance. The ratio is clipped at nine, so that an outlier counts little.
 """
 
 from dataclasses import dataclass, field
@@ -20,21 +22,29 @@ from gyrodrift.filters.restlevel.model import COLDEST_C, UNKNOWN_C, WARMEST_C, R
 from gyrodrift.filters.restlevel.temperature import LOOP_VAR_C
 
 REMEMBERED_WEIGHT = 0.95
-"""Probability that the sensor is the one that is remembered, not one to which something has happened."""
+"""Probability that the memory is still true: the sensor was not replaced or damaged."""
 
 START_SHARE, START_AGE_S = 0.1, 600.0
-"""How far a bias changes when the sensor is switched off and on, in sigmas of the turn-on bias; the time after which it
-will have been."""
+"""Change of the bias when the sensor is switched off and on, in sigmas of the turn-on bias; age in s from which on the
+sensor certainly was."""
 
 SIMILAR_START_C = 3.0
-"""Starts at temperatures no further apart than this are alike."""
+"""Largest difference in temperature of two similar starts, °C."""
 
 STARTS_KEPT = 12
+"""Largest number of remembered starts."""
+
 FACTOR_STARTS = 3.0
+"""Number of starts that the prior of the drift factor counts for."""
+
 FACTOR_CLIP = 9.0
+"""Largest ratio of a squared error to its expected variance that the drift factor counts: three sigmas."""
+
 LEAST_FACTOR, MOST_FACTOR = 0.1, 1000.0
+"""Limits of the drift factor."""
 
 LEAST_VAR = 1e-8
+"""Smallest variance of a remembered bias, (deg/s)², and smallest denominator of a probability."""
 
 Dps = Annotated[float, Ge(-1e5), Le(1e5)]
 Size = Annotated[float, Ge(0.0), Le(1e6)]
@@ -43,7 +53,7 @@ Celsius = Annotated[float, Ge(-100.0), Le(200.0)]
 
 @dataclass(frozen=True, slots=True)
 class RememberedStart:
-    """The first sure rest of a run: bias and sigma in deg/s, temperature in °C, s before the memory was made."""
+    """First sure rest of a run: bias and its sigma, deg/s, temperature, °C, and its age when the memory was made, s."""
 
     bias_dps: Dps
     bias_sigma_dps: Size
@@ -53,18 +63,18 @@ class RememberedStart:
 
 @dataclass(frozen=True, slots=True)
 class RestlevelMemory:
-    """What is known of a sensor.
+    """Memory of a sensor.
 
     bias_dps, bias_sigma_dps, temp_c
-        Bias of the last sure rest and its sigma, deg/s, and the temperature there, °C; None where nobody said.
+        Last sure rest: bias and its sigma, deg/s, and temperature, °C; None if the temperature is unknown.
     age_s
-        How long before the memory was made that was, s.
+        Age of that rest when the memory was made, s.
     sample_var, angle_walk_var, flicker_var, resolution_dps, period_s
-        Noise at rest, as in `NoiseModel`, and the time between two samples, s.
+        Noise at rest, as in `NoiseModel`, and the sample period, s.
     drift_factor, starts
-        By how much its variance from run to run is larger than expected of any sensor, and from how many runs.
+        Ratio of the variance of the bias from run to run to its expected variance, and the number of runs behind it.
     first
-        Its starts, the last one first.
+        Starts of the sensor, the latest first.
     slope_dps_c, slope_sigma_dps_c
         Slope of its bias against temperature and its standard deviation, deg/s per °C.
     """
@@ -86,26 +96,27 @@ class RestlevelMemory:
 
 
 def learned(state: RestlevelState, before: RestlevelMemory | None, age_s: float) -> RestlevelMemory | None:
-    """What a run has made sure of, with what was remembered before it; None where it has made sure of nothing.
+    """Memory after a run; None without a sure rest.
 
     Parameters
     ----------
     state
-        Of the filter.
+        State of the filter at the end of the run.
     before, age_s
-        What it began with, and how old that is now, s.
+        Memory at the beginning of the run, and its age now, s.
     """
     sure, noise = state.sure, state.noise
     if sure.rests == 0:
         return None
-    start = RememberedStart(sure.first_dps, sure.first_dps_sigma, _said(sure.first_c), state.lived_s - sure.first_s)
+    first_age_s = state.lived_s - sure.first_s
+    start = RememberedStart(sure.first_dps, sure.first_dps_sigma, _known_temp(sure.first_c), first_age_s)
     kept = () if before is None else before.first[: STARTS_KEPT - 1]
-    older = [RememberedStart(one.bias_dps, one.bias_sigma_dps, one.temp_c, one.age_s + age_s) for one in kept]
+    older = [RememberedStart(rest.bias_dps, rest.bias_sigma_dps, rest.temp_c, rest.age_s + age_s) for rest in kept]
     factor, starts = _drift_factor(state, before)
     return RestlevelMemory(
         bias_dps=sure.bias_dps,
         bias_sigma_dps=max(0.0, sure.bias_var) ** 0.5,
-        temp_c=_said(sure.temp_c),
+        temp_c=_known_temp(sure.temp_c),
         age_s=max(0.0, state.lived_s - sure.t_s),
         sample_var=noise.sample_var,
         angle_walk_var=noise.angle_walk_var,
@@ -121,17 +132,17 @@ def learned(state: RestlevelState, before: RestlevelMemory | None, age_s: float)
 
 
 def begun(params: RestlevelParams, memory: RestlevelMemory, age_s: float, temp_c: float | None) -> RestlevelState:
-    """A new state that remembers; the memory was made `age_s` ago, and the sensor has this temperature in °C now."""
+    """New state with a memory that was made `age_s` ago; `temp_c` is the present temperature of the sensor, °C."""
     state = RestlevelState()
     state.line.slope_dps_c, state.line.slope_var = memory.slope_dps_c, memory.slope_sigma_dps_c**2
-    is_one = temp_c is not None and COLDEST_C < temp_c < WARMEST_C  # as in `step`: a device may say anything
-    found = _expected(params, memory, age_s, temp_c if is_one else None)
-    precision = sum(1.0 / variance for _, variance in found)
-    is_new_start = min(1.0, (age_s + memory.age_s) / START_AGE_S)
-    weight = REMEMBERED_WEIGHT * (1.0 - is_new_start * _self_nulling(params, memory))
-    for place, (bias_dps, variance) in zip(state.remembered, found, strict=False):
-        place.weight = weight / variance / precision
-        place.bias_dps, place.bias_var = bias_dps, variance
+    is_in_range = temp_c is not None and COLDEST_C < temp_c < WARMEST_C  # a device may send any number
+    biases = _expected_biases(params, memory, age_s, temp_c if is_in_range else None)
+    precision = sum(1.0 / variance for _, variance in biases)
+    restart_probability = _restart_probability(age_s + memory.age_s)
+    weight = REMEMBERED_WEIGHT * (1.0 - restart_probability * _self_nulling(params, memory))
+    for slot, (bias_dps, variance) in zip(state.remembered, biases, strict=False):
+        slot.weight = weight / variance / precision
+        slot.bias_dps, slot.bias_var = bias_dps, variance
     recalled = state.recalled
     recalled.period_s, recalled.sample_var = memory.period_s, memory.sample_var
     recalled.angle_walk_var, recalled.flicker_var = memory.angle_walk_var, memory.flicker_var
@@ -139,49 +150,63 @@ def begun(params: RestlevelParams, memory: RestlevelMemory, age_s: float, temp_c
     return state
 
 
+def _restart_probability(age_s: float) -> float:
+    """Probability that the sensor was switched off and on within an age, s."""
+    return min(1.0, age_s / START_AGE_S)
+
+
 def _self_nulling(params: RestlevelParams, memory: RestlevelMemory) -> float:
-    """Probability that the sensor removes its own bias, by how small the last one was: the next one is another then."""
+    """Probability that the sensor subtracts its own bias at each start, from the size of the remembered bias.
+
+    The bias of such a sensor after the next start is unrelated to the remembered bias.
+    """
     if params.turn_on_dps == 0.0:
         return 0.0
-    turn_on_var, seen_var = params.turn_on_dps**2, memory.bias_sigma_dps**2 + LEAST_VAR
+    turn_on_var, measured_var = params.turn_on_dps**2, memory.bias_sigma_dps**2 + LEAST_VAR
     kinds = (
         (WELL_CALIBRATED, turn_on_var * CALIBRATED**2),
         (PARTLY_CALIBRATED, turn_on_var * CALIBRATED),
         (1.0 - WELL_CALIBRATED - PARTLY_CALIBRATED, turn_on_var),
     )
-    densities = [share * exp(gaussian_logpdf(memory.bias_dps, var + seen_var)) for share, var in kinds]
+    densities = [share * exp(gaussian_logpdf(memory.bias_dps, var + measured_var)) for share, var in kinds]
     return densities[0] / max(sum(densities), LEAST_VAR)
 
 
-def _expected(
+def _expected_biases(
     params: RestlevelParams, memory: RestlevelMemory, age_s: float, temp_c: float | None
 ) -> list[tuple[float, float]]:
-    """Biases to begin with and their variances: of the last sure rest, and of the start most like this one."""
+    """Biases to begin with, deg/s, and their variances, (deg/s)²: of the last sure rest, and of the most similar start.
+
+    The start is used if the sensor certainly was switched off and on, or if the last rest had another temperature.
+    """
     last_s = age_s + memory.age_s
-    is_new_start = min(1.0, last_s / START_AGE_S)
-    last_var = memory.bias_sigma_dps**2 + _drift_var(params, memory, last_s, is_new_start)
-    moved_dps, moved_var = _moved(memory, memory.temp_c, temp_c)
-    found = [(memory.bias_dps + moved_dps, last_var + moved_var)]
-    alike = [one for one in memory.first if _is_alike(one.temp_c, temp_c)]
-    if alike and is_new_start < 1.0 and not _is_alike(memory.temp_c, temp_c):
-        is_new_start = 1.0
-    if alike and is_new_start == 1.0:
-        one = min(alike, key=lambda each: abs((each.temp_c or 0.0) - (temp_c or 0.0)))
-        start_var = one.bias_sigma_dps**2 + _drift_var(params, memory, age_s + one.age_s, 1.0)
-        moved_dps, moved_var = _moved(memory, one.temp_c, temp_c)
-        found.append((one.bias_dps + moved_dps, start_var + moved_var))
-    return found
+    restart_probability = _restart_probability(last_s)
+    last_var = memory.bias_sigma_dps**2 + _drift_var(params, memory, last_s, restart_probability)
+    moved_dps, moved_var = _temp_change(memory, memory.temp_c, temp_c)
+    biases = [(memory.bias_dps + moved_dps, last_var + moved_var)]
+    similar = [start for start in memory.first if _is_similar(start.temp_c, temp_c)]
+    if similar and restart_probability < 1.0 and not _is_similar(memory.temp_c, temp_c):
+        restart_probability = 1.0
+    if similar and restart_probability == 1.0:
+        nearest = min(similar, key=lambda start: abs((start.temp_c or 0.0) - (temp_c or 0.0)))
+        start_var = nearest.bias_sigma_dps**2 + _drift_var(params, memory, age_s + nearest.age_s, 1.0)
+        moved_dps, moved_var = _temp_change(memory, nearest.temp_c, temp_c)
+        biases.append((nearest.bias_dps + moved_dps, start_var + moved_var))
+    return biases
 
 
-def _drift_var(params: RestlevelParams, memory: RestlevelMemory, age_s: float, is_new_start: float) -> float:
-    """What a bias may have changed by, (deg/s)²: by a walk, no further than a turn-on bias is, and by a new start."""
+def _drift_var(params: RestlevelParams, memory: RestlevelMemory, age_s: float, restart_probability: float) -> float:
+    """Variance of the change of a bias within an age, (deg/s)²: by its random walk, and by a restart of the sensor.
+
+    The walk is limited to the variance of the turn-on bias.
+    """
     turn_on_var = params.turn_on_dps**2
     walk_var = min(params.walk_dps_rts**2 * age_s, turn_on_var)
-    return LEAST_VAR + memory.drift_factor * (walk_var + START_SHARE**2 * turn_on_var * is_new_start)
+    return LEAST_VAR + memory.drift_factor * (walk_var + START_SHARE**2 * turn_on_var * restart_probability)
 
 
-def _moved(memory: RestlevelMemory, then_c: float | None, now_c: float | None) -> tuple[float, float]:
-    """Return by how much a change of temperature has moved the bias, deg/s, and the variance of that."""
+def _temp_change(memory: RestlevelMemory, then_c: float | None, now_c: float | None) -> tuple[float, float]:
+    """Change of the bias by temperature, deg/s, and its variance, (deg/s)²; 0 if a temperature is unknown."""
     if then_c is None or now_c is None:
         return 0.0, 0.0
     step_c = now_c - then_c
@@ -189,15 +214,16 @@ def _moved(memory: RestlevelMemory, then_c: float | None, now_c: float | None) -
     return memory.slope_dps_c * step_c, slope_dps * slope_dps + LOOP_VAR_C * abs(step_c)
 
 
-def _is_alike(then_c: float | None, now_c: float | None) -> bool:
+def _is_similar(then_c: float | None, now_c: float | None) -> bool:
+    """Whether two temperatures, °C, are similar; an unknown temperature is similar to all."""
     return then_c is None or now_c is None or abs(now_c - then_c) <= SIMILAR_START_C
 
 
 def _drift_factor(state: RestlevelState, before: RestlevelMemory | None) -> tuple[float, int]:
-    """By how far the first sure rest of this run was out, against what was expected."""
+    """Drift factor after this run, and its number of runs, from the first sure rest and the remembered bias."""
     if before is None:
         return 1.0, 0
-    expected = min(state.remembered, key=lambda one: -one.weight)
+    expected = min(state.remembered, key=lambda slot: -slot.weight)
     if expected.weight == 0.0:
         return before.drift_factor, before.starts
     variance = expected.bias_var + state.sure.first_dps_sigma**2
@@ -206,19 +232,20 @@ def _drift_factor(state: RestlevelState, before: RestlevelMemory | None) -> tupl
     return min(max(factor, LEAST_FACTOR), MOST_FACTOR), before.starts + 1
 
 
-def _said(temp_c: float) -> float | None:
+def _known_temp(temp_c: float) -> float | None:
+    """Temperature, °C; None if it is unknown."""
     return None if temp_c == UNKNOWN_C else temp_c
 
 
 def knowledge(content: Any) -> RestlevelMemory:
-    """A memory from what a file says.
+    """Memory from the content of a file.
 
     Raises
     ------
     ValueError
-        With what is wrong with it.
+        If the content is no memory; the message names the reason.
     """
-    from pydantic import TypeAdapter  # noqa: PLC0415 - only who remembers pays for it
+    from pydantic import TypeAdapter  # noqa: PLC0415 - a run without a memory does not import pydantic
 
     memory: RestlevelMemory = TypeAdapter(RestlevelMemory).validate_python(content)
     return memory

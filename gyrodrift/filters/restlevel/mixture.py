@@ -1,7 +1,7 @@
-"""The Gaussian sum as a whole: kept small by merging and pruning, and collapsed to what the filter tells.
+"""Gaussian sum: merging, pruning, and its moments, which are the output of the filter.
 
-Merging keeps the mean and the covariance of the two; pruning forgets what is least probable (Alspach and Sorenson
-1972 for the sum of Gaussians; Reid 1979 for trees of hypotheses that are kept small).
+Merging keeps the mean and covariance of two hypotheses. Pruning removes the least probable hypotheses. Sources: Alspach
+and Sorenson 1972 for the sum of Gaussians; Reid 1979 for small trees of hypotheses.
 """
 
 from math import sqrt
@@ -11,24 +11,26 @@ from gyrodrift.filters.restlevel.kalman import WIDE_FACTOR
 from gyrodrift.filters.restlevel.model import MAX_HYPOTHESES, RestlevelState
 
 MIN_WEIGHT = 1e-9
+"""Probability below which a hypothesis is pruned."""
 
 TAIL = 0.045
-"""What is taken off each probability for the variances: two sigmas hold nineteen in twenty, not all."""
+"""Probability that is subtracted from each hypothesis for the variances. Two sigmas should hold in 19 of 20 cases, so
+less probable hypotheses do not count."""
 
 TURN_ON_FACTOR = 4.0
-"""Hypotheses that know no bias stand for kinds of parts: variances of their biases that are further apart than this
-are two kinds."""
+"""Largest ratio of the bias variances of two hypotheses without a known bias that merge. A larger ratio is that of two
+kinds of parts."""
 
 GATE_YAW_VAR = 1e-4
-"""What the merge gate adds to the variance of yaw, deg²: in a long rest from the start yaw has none."""
+"""Variance that the merge gate adds to yaw, deg². In a long rest from the start, yaw itself has no variance."""
 
 
 def merge_and_prune(s: RestlevelState) -> None:
-    """Merge hypotheses that say the same, and forget those that are least probable."""
+    """Merge hypotheses that agree, and prune the least probable hypotheses."""
     normalise(s)
-    places = len(s.hypotheses)
-    for k in range(places):
-        for j in range(k + 1, places):
+    slots = len(s.hypotheses)
+    for k in range(slots):
+        for j in range(k + 1, slots):
             if is_in_merge_gate(s.hypotheses[k], s.hypotheses[j]):
                 moment_matched_merge(s.hypotheses[k], s.hypotheses[j])
     alive = 0
@@ -39,7 +41,7 @@ def merge_and_prune(s: RestlevelState) -> None:
             alive += 1
     while alive > MAX_HYPOTHESES:
         least = -1
-        for k in range(places):
+        for k in range(slots):
             weight = s.hypotheses[k].weight
             if weight > 0.0 and (least < 0 or weight < s.hypotheses[least].weight):
                 least = k
@@ -48,45 +50,46 @@ def merge_and_prune(s: RestlevelState) -> None:
     normalise(s)
 
 
-def is_in_merge_gate(h: Hypothesis, other: Hypothesis) -> bool:
-    """Whether two hypotheses agree on rest, and on yaw and bias to within the smaller sigma."""
-    if h.weight == 0.0 or other.weight == 0.0:
+def is_in_merge_gate(first: Hypothesis, second: Hypothesis) -> bool:
+    """Whether two hypotheses agree on rest, and differ in yaw and bias by less than the smaller sigma."""
+    if first.weight == 0.0 or second.weight == 0.0:
         return False
-    if h.is_at_rest != other.is_at_rest or h.knows_bias != other.knows_bias:
+    if first.is_at_rest != second.is_at_rest or first.knows_bias != second.knows_bias:
         return False
-    least_var, most_var = min(h.bias_var, other.bias_var), max(h.bias_var, other.bias_var)
-    if not h.knows_bias and most_var > TURN_ON_FACTOR * least_var:
+    least_var, most_var = min(first.bias_var, second.bias_var), max(first.bias_var, second.bias_var)
+    if not first.knows_bias and most_var > TURN_ON_FACTOR * least_var:
         return False
-    apart_dps, apart_deg = h.bias_dps - other.bias_dps, h.yaw_deg - other.yaw_deg
+    apart_dps, apart_deg = first.bias_dps - second.bias_dps, first.yaw_deg - second.yaw_deg
     is_same_bias = apart_dps * apart_dps < least_var
-    return is_same_bias and apart_deg * apart_deg < GATE_YAW_VAR + min(h.yaw_var, other.yaw_var)
+    return is_same_bias and apart_deg * apart_deg < GATE_YAW_VAR + min(first.yaw_var, second.yaw_var)
 
 
-def moment_matched_merge(h: Hypothesis, other: Hypothesis) -> None:
-    """Into the first: the Gaussian with the mean and the covariance of both together. The other's place is free.
+def moment_matched_merge(first: Hypothesis, second: Hypothesis) -> None:
+    """Merge the second hypothesis into the first by moments: the mean and covariance of both. The second slot is free.
 
-    What holds the two back is averaged, so that together they end with the probability that they would have alone.
+    Odds and densities that the weights contain are averaged. So both together end with the same probability as
+    separately.
     """
-    share = other.weight / (h.weight + other.weight)
-    apart_dps, apart_deg = other.bias_dps - h.bias_dps, other.yaw_deg - h.yaw_deg
+    share = second.weight / (first.weight + second.weight)
+    apart_dps, apart_deg = second.bias_dps - first.bias_dps, second.yaw_deg - first.yaw_deg
     spread = share * (1.0 - share)
-    h.bias_var += share * (other.bias_var - h.bias_var) + spread * apart_dps * apart_dps
-    h.covariance += share * (other.covariance - h.covariance) + spread * apart_dps * apart_deg
-    h.yaw_var += share * (other.yaw_var - h.yaw_var) + spread * apart_deg * apart_deg
-    h.bias_dps += share * apart_dps
-    h.yaw_deg += share * apart_deg
-    h.moving_s = min(h.moving_s, other.moving_s)
-    h.rest_odds += share * (other.rest_odds - h.rest_odds)
-    h.chance_density += share * (other.chance_density - h.chance_density)
-    h.noisy_density += share * (other.noisy_density - h.noisy_density)
-    h.odds += share * (other.odds - h.odds)
-    h.turn_density += share * (other.turn_density - h.turn_density)
-    h.weight += other.weight
-    other.weight = 0.0
+    first.bias_var += share * (second.bias_var - first.bias_var) + spread * apart_dps * apart_dps
+    first.covariance += share * (second.covariance - first.covariance) + spread * apart_dps * apart_deg
+    first.yaw_var += share * (second.yaw_var - first.yaw_var) + spread * apart_deg * apart_deg
+    first.bias_dps += share * apart_dps
+    first.yaw_deg += share * apart_deg
+    first.moving_s = min(first.moving_s, second.moving_s)
+    first.rest_odds += share * (second.rest_odds - first.rest_odds)
+    first.chance_density += share * (second.chance_density - first.chance_density)
+    first.noisy_density += share * (second.noisy_density - first.noisy_density)
+    first.odds += share * (second.odds - first.odds)
+    first.turn_density += share * (second.turn_density - first.turn_density)
+    first.weight += second.weight
+    second.weight = 0.0
 
 
 def normalise(s: RestlevelState) -> None:
-    """Make the probabilities add up to 1."""
+    """Divide the probabilities by their sum."""
     total = 0.0
     for h in s.hypotheses:
         total += h.weight
@@ -95,11 +98,11 @@ def normalise(s: RestlevelState) -> None:
 
 
 def collapse(s: RestlevelState) -> None:
-    """Take the hypotheses together: means by the cube of probability, so that improbable ones pull little.
+    """Compute the output from the Gaussian sum: yaw, bias, their covariance, and probabilities.
 
-    The covariance about that mean is by probability, without a tail of each: what is improbable by itself says nothing
-    of how far yaw is off in nineteen cases of twenty. A hypothesis that knows no bias counts with the covariance of a
-    part whose turn-on bias is far out: the prior of that bias has such a tail.
+    The means are weighted by the cubes of the probabilities, so that improbable hypotheses hardly count. The covariance
+    about these means is weighted by the probability minus `TAIL`, and at least 0. A hypothesis without a known bias
+    counts with the wide covariance of its turn-on bias, because the prior of that bias has a wide part.
     """
     total = yaw_deg = bias_dps = rest_weight = most = 0.0
     for h in s.hypotheses:

@@ -1,4 +1,4 @@
-"""What restlevel consists of: parameters, the coefficients that follow from them, and the state."""
+"""Parameters, coefficients and state of restlevel."""
 
 from dataclasses import dataclass, field
 from typing import Annotated
@@ -25,44 +25,45 @@ from gyrodrift.filters.restlevel.rate_state import (
 )
 
 UNKNOWN_C = UNSAID_C
+"""Temperature before the first measurement, °C."""
+
 COLDEST_C, WARMEST_C = -100.0, 200.0
-"""Temperature before one was said; what a sensor says outside of these two is none."""
+"""Range of temperatures, °C. A value outside of it is ignored."""
 
 MAX_REMEMBERED = 2
-"""Biases that may be remembered: of the last rest, and of a start like this one."""
+"""Largest number of remembered biases: of the last rest, and of a start at a similar temperature."""
 
 MAX_HYPOTHESES = 6
-"""Hypotheses that are kept from one segment to the next; each can branch into two at a segment."""
+"""Largest number of hypotheses after pruning. Each of them can branch into two at a segment."""
 
 
 @dataclass(frozen=True, slots=True)
 class RestlevelParams:
-    """What a person or `tune` sets.
+    """Parameters that a person or `tune` sets.
 
     window_s
-        Length of the blocks that rest is looked for in, s. Small: short stops are found. Large: noise averages out.
+        Length of the blocks tested for rest, s. Small: short stops are detected. Large: more noise is averaged.
     quiet
-        Stationarity threshold: how far the variance of a block may lie above that of the sensor's own noise, in
-        sigmas of a variance. Small: noisy rests are missed. Large: gentle motion passes for rest until its block
-        means give it away.
+        Stationarity threshold: largest excess of a block's variance over the noise of the sensor, in standard errors
+        of a variance. Small: noisy rests are missed. Large: slow motion counts as rest until its block means differ.
     turn_on_dps
-        Sigma of the turn-on bias, deg/s; 0 for a sensor that takes its own bias out: that is 0 at the first sample, and
-        walks and drifts from there as a known bias does. Small: a first constant rate far from zero is taken for a
-        spin. Large: a slow spin is taken for a bias.
+        Sigma of the turn-on bias, deg/s. With 0 the sensor subtracts its own bias: the bias is 0 at the first sample,
+        and walks and drifts from there like a known bias. Small: a first constant rate far from zero counts as a spin.
+        Large: a slow spin counts as a bias.
     walk_dps_rts
-        Rate random walk K of IEEE Std 952, deg/s/√s. Small: long averages. Large: every rest begins anew.
+        Rate random walk K of IEEE Std 952, deg/s/√s. Small: the bias is averaged over many rests. Large: each rest
+        replaces the estimate.
     drift_dps_s
-        Rate ramp R of IEEE Std 952, deg/s²: the fastest that the bias drifts while the sensor warms up or the air
-        changes. Small: a rest after a fast change is taken for a spin. Large: a slow change of a true rate is taken
-        for drift.
+        Rate ramp R of IEEE Std 952, deg/s²: fastest drift of the bias, during a warm-up or a change of the air. Small:
+        a rest after a fast change counts as a spin. Large: a slow change of the true rate counts as drift.
     still_start
         Prior probability of rest at the first sample. Near 1: a constant rate from the first sample on is a bias.
-        Small: it is a spin until the rate has come back to it. Nothing in the rate tells the two apart.
+        Small: it is a spin until the rate returns to it. The rate itself cannot decide between the two.
     rest_share
-        Prior probability of rest for a later constant-rate segment. Small: a rate has to come back before it is
-        believed to be a bias. Large: the first one is.
+        Prior probability of rest for a later constant-rate segment. Small: a rate counts as a bias once it returns.
+        Large: it counts at once.
     scale_percent
-        Sigma of the scale factor, %. It changes nothing but `yaw_sigma_deg`.
+        Sigma of the scale factor, %. It changes only `yaw_sigma_deg`.
     """
 
     window_s: Annotated[float, Gt(0.0), Le(60.0)] = 0.3
@@ -77,7 +78,7 @@ class RestlevelParams:
 
 @dataclass(frozen=True, slots=True)
 class RestlevelCoefficients:
-    """What follows from the parameters alone: variances in place of sigmas, odds in place of probabilities.
+    """Values that follow from the parameters alone: variances for sigmas, odds for probabilities.
 
     window_s
         Length of a block, s.
@@ -86,11 +87,11 @@ class RestlevelCoefficients:
     turn_on_var
         Variance of the turn-on bias, (deg/s)².
     rate_walk_var
-        K² of the rate random walk: what it adds to the variance of the bias, (deg/s)² per s.
+        K² of the rate random walk: growth of the variance of the bias, (deg/s)² per s.
     rate_ramp_dps_s
         R of the rate ramp, deg/s².
     start_odds, rest_odds
-        Prior odds of a rest against a segment that is none, at the start and later.
+        Prior odds of a rest against a segment that is no rest, at the start and later.
     scale_sigma
         Sigma of the scale factor, as a share.
     """
@@ -105,48 +106,49 @@ class RestlevelCoefficients:
     scale_sigma: float
 
 
-def _remembered_places() -> list[RememberedBias]:
+def _remembered_slots() -> list[RememberedBias]:
     return [RememberedBias() for _ in range(MAX_REMEMBERED)]
 
 
-def _free_places() -> list[Hypothesis]:
+def _free_slots() -> list[Hypothesis]:
     return [Hypothesis() for _ in range(2 * MAX_HYPOTHESES)]
 
 
 @dataclass(slots=True)
 class RestlevelState:
-    """All that changes from sample to sample; a deep copy of it is the filter saved.
+    """State of the filter. A deep copy saves the filter.
 
     t_s, rate_dps
-        Of the last accepted sample.
+        Time, s, and rate, deg/s, of the last accepted sample.
     temp_c
-        Temperature that was said last, °C; UNKNOWN_C until one was.
+        Last temperature, °C; UNKNOWN_C before the first.
     yaw_deg, yaw_sigma_deg
-        Yaw, 0 at the first sample unless it was set before, and its sigma.
+        Yaw and its sigma. Yaw is 0 at the first sample, unless it was set before.
     bias_dps, bias_sigma_dps
-        The bias estimate and its sigma, as of the last block.
+        Bias estimate and its sigma at the end of the last block.
     rest_probability
-        Probability that the device is at rest, as of the last block.
+        Probability that the device is at rest, at the end of the last block.
     confidence
         Probability of the most probable hypothesis.
     samples, rejected
-        Samples accepted, and samples passed by because T ≤ 0 or the rate or time was not finite.
+        Numbers of accepted and of rejected samples. A sample is rejected if T ≤ 0, or if its rate or time is not finite
+        or exceeds a limit.
 
     start_yaw_deg
-        Yaw at the first sample.
+        Yaw at the first sample or the last zero.
     lived_s
-        Time since the first sample, s, by block.
+        Time since the first sample up to the present block, s.
     travelled_deg
-        Angle turned, to and fro, by block.
+        Sum of the absolute angles of all blocks since the first sample or the last zero.
     blocks
-        Blocks that have ended so far.
+        Number of complete blocks.
     witness
-        What something else than the rate says of rest.
+        External rest sensor.
     remembered, recalled, sure, line
-        Biases and noise that it begins with; the rests that it is sure of; bias against temperature.
+        Remembered biases; remembered noise; sure rests; bias against temperature.
     block, noise, turns, wander, segment, ended, hypotheses, moments
-        The block that is being filled; the sensor's noise; mean turns; how levels wander; the present constant-rate
-        segment and the last one that has ended; the Gaussian sum, and its moments as the block began.
+        Present block; noise of the sensor; mean rates; agreement of levels; present constant-rate segment; last segment
+        that has ended; Gaussian sum, and its moments at the beginning of the block.
     """
 
     t_s: float = 0.0
@@ -169,18 +171,18 @@ class RestlevelState:
     turns: MeanTurns = field(default_factory=MeanTurns)
     wander: RateWander = field(default_factory=RateWander)
     witness: Witness = field(default_factory=Witness)
-    remembered: list[RememberedBias] = field(default_factory=_remembered_places)
+    remembered: list[RememberedBias] = field(default_factory=_remembered_slots)
     recalled: RecalledNoise = field(default_factory=RecalledNoise)
     sure: SureRest = field(default_factory=SureRest)
     line: TempLine = field(default_factory=TempLine)
     segment: RateSegment = field(default_factory=RateSegment)
     ended: EndedSegment = field(default_factory=EndedSegment)
     moments: MixtureMoments = field(default_factory=MixtureMoments)
-    hypotheses: list[Hypothesis] = field(default_factory=_free_places)
+    hypotheses: list[Hypothesis] = field(default_factory=_free_slots)
 
     @property
     def temp_curve(self) -> dict[str, float] | None:
-        """Bias against temperature for the status; None before there is a measurement."""
+        """Bias against temperature for the status; None before the first measurement."""
         line = self.line
         if line.points == 0:
             return None

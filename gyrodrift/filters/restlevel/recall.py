@@ -1,53 +1,56 @@
-"""What restlevel begins with where it remembers its sensor, and what it is sure of, to be remembered.
+"""Start with a memory of the sensor, and the sure rests that a memory is made from.
 
-A remembered bias is one hypothesis more, with the spread that its age gives it; the sensor may still be as any other,
-which the others say. Remembered noise is taken over with the first block if samples come as often as they did: what is
-louder is motion, and a start in motion is not blind. Sure are rests of some length that hardly anything speaks against.
+Each remembered bias is an additional hypothesis, with a variance that grows with its age. The hypotheses of an unknown
+sensor remain. Remembered noise is used from the first block on if the sample period is the same. So motion is
+recognized at once, even without a rest at the start. A rest is sure if it is long and very probable.
 """
 
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
 
 SURE_PROBABILITY = 0.95
 SURE_S, SURE_BY_WITNESS_S = 10.0, 1.5
-"""A rest is sure where it is as probable as this for so long; by a witness sooner."""
+"""Probability of a sure rest, and its shortest length, s: by the rate alone, and with an external rest sensor."""
 
 SAME_PERIOD = 0.1
-"""By so much, relative, the time between two samples may be another than remembered."""
+"""Largest relative difference of the sample period from the remembered period."""
 
 RECALLED_BLOCKS = 10
-"""Stationary blocks that remembered noise counts for: new ones may move it."""
+"""Number of stationary blocks that remembered noise counts for, so that new blocks can change it."""
 
 
 def recall_noise(s: RestlevelState, seconds: float) -> None:
-    """The first block has ended: take over the noise that is remembered, if samples come as often as they did."""
-    period_s, noise, known = seconds / s.block.samples, s.noise, s.recalled
-    if abs(period_s - known.period_s) > SAME_PERIOD * known.period_s or known.period_s == 0.0:
+    """Take over the remembered noise at the end of the first block, if the sample period is the same."""
+    period_s, noise, recalled = seconds / s.block.samples, s.noise, s.recalled
+    if abs(period_s - recalled.period_s) > SAME_PERIOD * recalled.period_s or recalled.period_s == 0.0:
         return
-    noise.sample_var = known.sample_var
+    noise.sample_var = recalled.sample_var
     noise.stationary_blocks = RECALLED_BLOCKS
-    noise.angle_walk_var = known.angle_walk_var
+    noise.angle_walk_var = recalled.angle_walk_var
     noise.is_walk_measured = True
-    noise.flicker_var = known.flicker_var
-    if known.resolution_dps > 0.0:
+    noise.flicker_var = recalled.flicker_var
+    if recalled.resolution_dps > 0.0:
         noise.has_steps = True
-        if noise.resolution_dps < 0.0 or known.resolution_dps < noise.resolution_dps:
-            noise.resolution_dps = known.resolution_dps
+        if noise.resolution_dps < 0.0 or recalled.resolution_dps < noise.resolution_dps:
+            noise.resolution_dps = recalled.resolution_dps
 
 
 def note_sure_rest(s: RestlevelState, seconds: float, is_certain: bool) -> bool:  # noqa: FBT001 - compiled code takes none by name
-    """A block has ended: keep what is known of the bias in a sure rest; whether it is. `is_certain`: by a witness."""
+    """Store the bias if the present block belongs to a sure rest; return whether it does.
+
+    `is_certain` states that an external rest sensor confirms the rest.
+    """
     sure = s.sure
     if s.rest_probability < SURE_PROBABILITY:
         sure.seconds = 0.0
         return False
     if sure.seconds == 0.0:
         sure.begin_dps, sure.begin_c = s.bias_dps, s.temp_c
-    was_s = sure.seconds
+    before_s = sure.seconds
     sure.seconds += seconds
     long_s = SURE_BY_WITNESS_S if is_certain else SURE_S
     if sure.seconds < long_s:
         return False
-    if was_s < long_s or sure.rests == 0:
+    if before_s < long_s or sure.rests == 0:
         sure.rests += 1
     if sure.rests == 1 and not sure.has_first:
         sure.has_first, sure.first_dps, sure.first_c, sure.first_s = True, sure.begin_dps, sure.begin_c, s.lived_s
@@ -58,20 +61,20 @@ def note_sure_rest(s: RestlevelState, seconds: float, is_certain: bool) -> bool:
 
 
 def remembered_weight(s: RestlevelState) -> float:
-    """Of all remembered biases together."""
+    """Probability of all remembered biases together."""
     weight = 0.0
-    for each in s.remembered:
-        weight += each.weight
+    for memory in s.remembered:
+        weight += memory.weight
     return weight
 
 
 def begin_remembered(c: RestlevelCoefficients, s: RestlevelState) -> int:
-    """A hypothesis for each remembered bias, in the first places; how many there are."""
+    """Set a hypothesis for each remembered bias, in the first slots; return their number."""
     count = 0
-    for each in s.remembered:
-        if each.weight > 0.0:
+    for memory in s.remembered:
+        if memory.weight > 0.0:
             h = s.hypotheses[count]
-            h.weight, h.bias_dps, h.bias_var = each.weight, each.bias_dps, each.bias_var + c.rate_walk_var
+            h.weight, h.bias_dps, h.bias_var = memory.weight, memory.bias_dps, memory.bias_var + c.rate_walk_var
             h.yaw_deg = s.yaw_deg
             h.knows_bias = True
             count += 1

@@ -1,4 +1,4 @@
-"""Constant-rate segments: where one begins, how long it lasts, and whether it continues the one before."""
+"""Constant-rate segments: beginning, confirmation, end, and resumption of the segment before."""
 
 from math import sqrt
 
@@ -8,48 +8,51 @@ from gyrodrift.filters.restlevel.rate_state import EndedSegment, NoiseModel, Rat
 from gyrodrift.filters.restlevel.wander import count_agreement, count_break, forget_levels
 
 CONFIRMED_BLOCKS = 5
-"""Blocks after which a segment is confirmed: the turning point of a gentle curve is over by then."""
+"""Number of blocks that confirm a segment. The extreme rate of a gradual curve does not last so long."""
 
 SHORT_BLOCKS = 3
-"""A slow sensor may set out before its first rest is confirmed. That has so many blocks at least, and lasts as long as
-a fast sensor takes to confirm one."""
+"""Smallest number of blocks of a short rest from the start. A device with a slow sensor may start to move before its
+first rest is confirmed. The rest lasts at least as long as a fast sensor needs for a confirmation."""
 
 GATE_SIGMAS = 4.0
-"""A block whose mean is further from the segment's than this begins another segment."""
+"""Distance of a block mean from the mean of the segment, in sigmas, that begins another segment."""
 
 SLOPE_SIGMAS = 2.0
-"""The two ends of a segment that is to be confirmed may differ by this: a curve's do."""
+"""Largest difference of the two ends of a segment at its confirmation, in sigmas. The ends of a curve differ."""
 
 GRADUAL_DPS_S = 0.4
-"""A segment ends gradually where the rate leaves it by less than this, deg/s², and the noise stays what it was."""
+"""Largest change of the rate at a gradual end, deg/s². The blocks after a gradual end are also stationary."""
 
 MAX_GAP_BLOCKS = 10
-"""A segment may continue the one before within so many blocks; one that begins by then began at the start."""
+"""Largest number of blocks between a segment and the segment that it resumes, or between the start and the beginning
+of a segment from the start."""
 
 START_SIGMAS = 6.0
-"""Of a block mean, that all of them up to a rest from the start may be apart: fourteen normal numbers seldom are."""
+"""Largest range of the block means up to a rest from the start, in sigmas of a block mean. The range of fourteen normal
+numbers is seldom larger."""
 
 LONG_SEGMENT_S = 15.0
 LONG_GATE_SIGMAS = 6.0
-"""After a segment of this length the mean may be as far off as this: a bias that jumped, rather than a spin."""
+"""Length in s from which on the gate for the next segment is wider, and this gate in sigmas. After a long segment, a
+larger difference is a jump of the bias rather than a spin."""
 
 MEAN_BLOCKS = 10
-"""Blocks that the mean of a segment is taken over."""
+"""Number of blocks in the mean of a segment."""
 
 
 def track_segment(
     c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, step_dps: float, seconds: float
 ) -> None:
-    """Count a block: its mean belongs to the present segment, begins another, or there is none.
+    """Take a block into the present segment, begin another segment, or end the segment.
 
     Parameters
     ----------
     c, s
-        Coefficients, and the state: segment, ended segment and noise are changed.
+        Coefficients, and the state: segment, ended segment, levels and noise are changed.
     mean_dps, step_dps
-        Mean of the block that has just ended, and its step from the block before.
+        Mean of the present block, and its step from the mean of the block before, deg/s.
     seconds
-        Length of the block.
+        Length of the block, s.
     """
     segment, ended = s.segment, s.ended
     blocks_before, mean_before_dps = segment.blocks, segment.mean_dps
@@ -82,12 +85,12 @@ def track_segment(
 
 
 def goes_on_gradually(s: RestlevelState, step_dps: float, seconds: float) -> bool:
-    """Whether the block after the end of a segment is as gradual as the one that ended it."""
+    """Whether the block after the end of a segment also changes gradually."""
     return s.wander.was_stationary and abs(step_dps) < GRADUAL_DPS_S * seconds
 
 
 def is_from_start(s: RestlevelState, seconds: float) -> bool:
-    """Whether a segment that is being confirmed began soon after the start, and nothing has moved before it."""
+    """Whether a segment is from the start: confirmed soon after it, without motion before."""
     segment = s.segment
     mean_var = s.noise.angle_walk_var / seconds
     range_dps = segment.most_dps - segment.least_dps
@@ -95,14 +98,14 @@ def is_from_start(s: RestlevelState, seconds: float) -> bool:
 
 
 def update_mean(segment: RateSegment, mean_dps: float) -> None:
-    """Take the mean of a further block into the mean of the segment."""
+    """Update the mean of the segment by a further block."""
     segment.mean_dps += (mean_dps - segment.mean_dps) / min(segment.blocks, MEAN_BLOCKS)
 
 
 def continues(
     c: RestlevelCoefficients, segment: RateSegment, ended: EndedSegment, noise: NoiseModel, seconds: float
 ) -> bool:
-    """Whether a segment that has just been confirmed is the one before; `seconds` is the length of a block."""
+    """Whether a confirmed segment resumes the segment before; `seconds` is the length of a block, s."""
     mean_var = noise.angle_walk_var / seconds
     ramp_dps = c.rate_ramp_dps_s * seconds * ended.blocks_ago
     gate_var = mean_var * (1.0 / CONFIRMED_BLOCKS + 1.0 / MEAN_BLOCKS) + ramp_dps * ramp_dps + noise.flicker_var
@@ -113,14 +116,17 @@ def continues(
 
 
 def _is_short_start(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> bool:
-    """Whether the segment up to the present block is a rest from the start, if that block sets out from it."""
+    """Whether a present block in motion ends a short rest from the start."""
     blocks = s.segment.blocks
     is_long_enough = blocks >= SHORT_BLOCKS and blocks * seconds >= CONFIRMED_BLOCKS * c.window_s
     return is_long_enough and blocks < CONFIRMED_BLOCKS and is_from_start(s, seconds)
 
 
 def _follow_wander(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, seconds: float) -> None:
-    """A stationary block behind another one: does it agree with the level so far? A confirmed one is none by chance."""
+    """Update the agreement of levels by a stationary block after another.
+
+    Blocks inside a confirmed segment do not count, because a confirmed level is no chance level.
+    """
     segment = s.segment
     mean_var, ramp_dps = s.noise.angle_walk_var / seconds, c.rate_ramp_dps_s * seconds
     if segment.blocks > 0 and not _is_in_gate(segment, mean_dps, mean_var, ramp_dps, s.noise.flicker_var):
@@ -130,7 +136,7 @@ def _follow_wander(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float,
 
 
 def _take_block(segment: RateSegment, noise: NoiseModel, mean_dps: float, ramp_dps: float, seconds: float) -> None:
-    """A stationary block: the segment goes on, or another begins."""
+    """Extend the segment by a stationary block, or begin another segment."""
     mean_var = noise.angle_walk_var / seconds
     if segment.blocks == 0 or not _is_in_gate(segment, mean_dps, mean_var, ramp_dps, noise.flicker_var):
         segment.blocks, segment.seconds, segment.sum_squares = 1, seconds, 0.0
@@ -149,10 +155,10 @@ def _take_block(segment: RateSegment, noise: NoiseModel, mean_dps: float, ramp_d
 
 
 def _scatter_var(segment: RateSegment, noise: NoiseModel, samples: int) -> float:
-    """Variance of samples by which a level is judged, (deg/s)².
+    """Scatter of the segment as a variance of samples, (deg/s)².
 
-    It is that of the samples, or what the scatter of the block means makes of it where that is smaller: a vibration
-    averages out within a block, a motion does not. As for D, white noise counts twice.
+    It is the variance of the samples, or the variance that the steps between block means imply, if that is smaller. A
+    vibration averages out within a block, a motion does not. For white noise the second is half of the first.
     """
     step_var = segment.sum_squares / (segment.blocks - 1)
     return max(MIN_VAR, min(noise.sample_var, 0.25 * samples * step_var))

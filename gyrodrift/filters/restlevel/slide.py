@@ -1,10 +1,11 @@
-"""What a curve has carried along: the bias of a rest before it began to slide, which counts where the rest ends gently.
+"""Slide of the bias in a rest, and the safe bias from before the slide, which replaces the bias after a gradual end.
 
-By drift a rest follows the first seconds of a gentle curve, and all of one that is gentler than `drift_dps_s`. Whether
-a slide was drift or a curve shows at its end: a device that is carried off gently was in a curve. So the bias of
-each rest is looked at every few seconds, and where it began to slide is found by a cumulative sum (Page, "Continuous
-inspection schemes", Biometrika 41, 1954): the sum of steps, each less what a rest may do by itself, was zero there
-last. A rest that slides from its first seconds on slides by warming up, until a step is no more than its uncertainty.
+A rest follows the first seconds of a gradual curve as drift, and all of a curve below `drift_dps_s`. Only the end of
+the rest shows whether a slide was drift or a curve: a gradual end belongs to a curve. So the bias of each rest is
+stored every few seconds. A cumulative sum detects the beginning of a slide (Page, "Continuous inspection schemes",
+Biometrika 41, 1954). It sums the steps of the bias, reduced by the step that a rest may have. The slide began where
+the sum was zero last. A slide from the first seconds on is a warm-up. It ends with the first step within its
+uncertainty.
 """
 
 from math import sqrt
@@ -13,18 +14,19 @@ from gyrodrift.filters.restlevel.bias_state import Hypothesis, RestMark
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients
 
 MARK_S = 4.0
-"""The bias of a rest is looked at each time so long has passed."""
+"""Time between two steps of the bias of a rest, s."""
 
 FLAT_S = 1.0
-"""A step of no more than `drift_dps_s` in this time, a quarter of what drift allows, is no slide: half way between
-none and one by half of it."""
+"""Time in s whose drift by `drift_dps_s` is no slide: a quarter of the drift in `MARK_S`.
+
+It is half way between no slide and a slide by half of that drift."""
 
 LONGEST_SLIDE_S = 40.0
-"""Bends last no longer than this; what slides longer is the weather."""
+"""Longest bend, s. A longer slide is a change of temperature."""
 
 
 def mark_safe(h: Hypothesis) -> None:
-    """Its bias is certain from here on: a gentle end of the rest takes back no more than what follows."""
+    """Store the present bias as recent and as safe, so that a gradual end undoes only a later slide."""
     _mark(h.recent, h)
     _mark(h.safe, h)
     h.slide_dps = 0.0
@@ -32,7 +34,7 @@ def mark_safe(h: Hypothesis) -> None:
 
 
 def follow_slide(c: RestlevelCoefficients, h: Hypothesis, seconds: float) -> None:
-    """A block of a rest has passed, and its zero-velocity update was made."""
+    """Update the slide of a rest after the zero-velocity update of a block."""
     recent, safe = h.recent, h.safe
     recent.ago_s += seconds
     safe.ago_s += seconds
@@ -49,9 +51,10 @@ def follow_slide(c: RestlevelCoefficients, h: Hypothesis, seconds: float) -> Non
 
 
 def restore_safe_bias(h: Hypothesis) -> None:
-    """Give a rest that has ended gradually the bias that it had settled at, of some time ago; yaw turns with it since.
+    """Exchange bias and safe bias of a rest that has ended gradually, and turn yaw by their difference since the end.
 
-    The present segment may have begun with the block that ended the rest, when yaw had not turned yet.
+    The present segment may have begun with the block that ended the rest. Yaw had not turned then, so only the time
+    since the rest changes in the checkpoint.
     """
     _exchange(h)
     h.yaw_deg -= (h.bias_dps - h.safe.bias_dps) * h.moving_s
@@ -60,24 +63,24 @@ def restore_safe_bias(h: Hypothesis) -> None:
 
 
 def undo_safe_bias(h: Hypothesis) -> None:
-    """Undo `restore_safe_bias` where the rest goes on; yaw is that of the beginning of the segment."""
+    """Undo `restore_safe_bias` if the rest resumes; yaw is the yaw at the beginning of the segment."""
     _exchange(h)
     h.moving_s -= h.safe.ago_s
     h.yaw_deg -= (h.bias_dps - h.safe.bias_dps) * h.moving_s
 
 
 def _exchange(h: Hypothesis) -> None:
-    """Of bias and settled bias."""
+    """Exchange bias and safe bias, with their variances."""
     safe = h.safe
     h.bias_dps, safe.bias_dps = safe.bias_dps, h.bias_dps
     h.bias_var, safe.bias_var = safe.bias_var, h.bias_var
 
 
 def _mark(mark: RestMark, h: Hypothesis) -> None:
-    """Its bias as it is now."""
+    """Store the present bias."""
     mark.bias_dps, mark.bias_var, mark.ago_s = h.bias_dps, h.bias_var, 0.0
 
 
 def _towards_zero(x: float, step: float) -> float:
-    """By so much, and no further than zero."""
+    """Value moved towards zero by a step, and not beyond zero."""
     return x - step if x > step else min(x + step, 0.0)

@@ -1,6 +1,6 @@
-"""Restlevel, sample by sample, in plain floats: the one truth that `serve`, `filter`, `tune` and `compare` run.
+"""Step of restlevel for a sample, in plain floats, for `serve`, `filter`, `tune` and `compare`.
 
-Batch versions are this very source, compiled, and held to its bits by a test.
+Batch versions compile this source, and a test compares their bits with it.
 """
 
 from math import nan, sqrt
@@ -42,17 +42,17 @@ from gyrodrift.filters.restlevel.turns import add_mean_rate, follow_turns, weigh
 from gyrodrift.filters.restlevel.witness import end_certain_rest, hear, is_certain_rest, stand_still
 
 LEAST_VAR = 1e-24
-"""(deg/s)²: no gyro comes closer to its bias at a turn-on, and it can still be divided by."""
+"""Smallest variance of a turn-on bias, (deg/s)²: below that of any gyro, and large enough to divide by."""
 
 MIN_BLOCK_SAMPLES = 6
-"""A variance of fewer samples says little."""
+"""Smallest number of samples in a block. The variance of fewer samples is too uncertain."""
 
 TURN_DEG = 30.0
-"""What a device turns in one go: errors of the scale and of cross axes are the same in one turn, not in all."""
+"""Angle of a turn, deg. Errors of scale and cross axes are equal within a turn, and independent between turns."""
 
 
 def coefficients(params: RestlevelParams) -> RestlevelCoefficients:
-    """Work out everything that depends on the parameters alone."""
+    """Coefficients of the parameters."""
     return RestlevelCoefficients(
         window_s=params.window_s,
         stationarity_sigmas=params.quiet,
@@ -80,18 +80,19 @@ def step(
     c, s
         Coefficients, and the state, which is changed in place.
     t_s
-        Device time in s.
+        Device time, s, as a plain float.
     rate_dps
-        Measured rate, deg/s, counter-clockwise positive; both plain floats.
-    still, temp_c
-        What is known beside the rate: 1 where something else says that the device stands still and 0 where it moves,
-        and the temperature of the sensor in °C; NaN where nobody says.
+        Measured rate, deg/s, counter-clockwise positive, as a plain float.
+    still
+        Report of an external rest sensor: 1 at rest, 0 in motion, NaN without a report.
+    temp_c
+        Temperature of the sensor, °C; NaN if unknown.
 
     Returns
     -------
     bool
-        False where the sample was passed by (T ≤ 0, or a value that is not finite or beyond all limits); it is counted
-        in `s.rejected` and leaves all else untouched.
+        False if the sample is rejected, because T ≤ 0, or because its time or rate is not finite or exceeds a limit. A
+        rejected sample changes only `s.rejected`.
     """
     dt_s = t_s - s.t_s if s.samples > 0 else 0.0
     is_within = -MOST_S <= t_s <= MOST_S and -MOST_DPS <= rate_dps <= MOST_DPS
@@ -106,7 +107,7 @@ def step(
 def advance(
     c: RestlevelCoefficients, s: RestlevelState, dt_s: float, rate_dps: float, still: float, temp_c: float
 ) -> None:
-    """`step` for a sample that is known to be good, `dt_s` after the one before; 0 for the first."""
+    """Advance the state by a valid sample, `dt_s` after the sample before; 0 for the first sample."""
     block, noise, moments = s.block, s.noise, s.moments
     if s.samples == 0:
         s.start_yaw_deg = s.yaw_deg
@@ -143,7 +144,7 @@ def advance(
 
 
 def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
-    """A block is full: its mean goes to the segment and from there to the hypotheses, and another block begins."""
+    """Pass a complete block to segments and hypotheses, and begin the next block."""
     block, segment = s.block, s.segment
     s.lived_s += seconds
     mean_dps = block.angle_deg / seconds
@@ -188,18 +189,18 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
 
 
 def _confirm(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
-    """The segment is one: it is the one before, or another."""
+    """Resume the segment before, or branch the hypotheses, when a segment is confirmed."""
     if continues(c, s.segment, s.ended, s.noise, seconds):
         s.segment.seconds += s.ended.seconds
         resume(c, s, seconds)
     else:
         branch(c, s, seconds)
-        if not s.ended.ended_gradually:  # else it is of the same turn as the one before
+        if not s.ended.ended_gradually:  # after a gradual end it belongs to the same turn as the segment before
             add_mean_rate(s.turns, s.segment.mean_dps)
 
 
 def _leave(c: RestlevelCoefficients, s: RestlevelState, step_dps: float, seconds: float) -> None:
-    """The segment before may have ended with this block, or gone on ending."""
+    """Process the end of the last segment, if it ended with this block or with the block before."""
     if s.ended.short_start_blocks > 0:
         branch_at_end(c, s, seconds)
     if s.ended.blocks_ago == 1:

@@ -1,9 +1,9 @@
-"""Bias against temperature, of a sensor that sends its temperature: a straight line that sure rests measure.
+"""Bias against temperature as a straight line, for a sensor that sends its temperature. Sure rests measure the line.
 
-The state is a level and a slope, a Kalman filter of its own. The slope of a new sensor is 0 with the standard deviation
-of common parts, so the bias is the less certain the further the temperature is from that of the last rest. Ten
-seconds of a sure rest measure the level. Between them it leaves the line by hysteresis, with the temperature, and by
-the random walk of the bias, with time. A bias that has jumped says nothing about the slope.
+A Kalman filter has the level and the slope as its state. The slope of a new sensor is 0 with the standard deviation of
+common parts. So the uncertainty of the bias grows with the distance from the temperature of the last rest. Every ten
+seconds of a sure rest measure the level. Between the measurements, hysteresis adds a variance with the temperature, and
+the random walk of the bias adds a variance with time. A jump of the bias hardly changes the slope.
 """
 
 from math import floor
@@ -13,20 +13,21 @@ from gyrodrift.filters.restlevel.model import UNKNOWN_C, RestlevelCoefficients, 
 from gyrodrift.filters.restlevel.recall import note_sure_rest
 
 HYSTERESIS_VAR_C, LOOP_VAR_C = 0.015**2, 0.03**2
-"""Variance by which the bias leaves the line per °C of change, (deg/s)²: in a minute and in ten of a real sweep."""
+"""Variance of the bias about the line per °C of change, (deg/s)²/°C: within a minute, and within ten. Source: a real
+temperature sweep."""
 
 POINT_S = 10.0
 """Time of a sure rest between two measurements of the level, s."""
 
 SMOOTH_S = 3.0
-"""Time over which the temperature is averaged, s: thermometers are noisy."""
+"""Averaging time of the temperature, s, because thermometers are noisy."""
 
 JUMP_SIGMAS = 3.0
-"""Distance from the line beyond which the bias has jumped."""
+"""Distance from the line, in sigmas, beyond which the bias has jumped."""
 
 
 def follow_temperature(s: RestlevelState, seconds: float) -> None:
-    """Move the bias of hypotheses in motion along the line, after a block of so many seconds."""
+    """Move the bias of hypotheses in motion along the line; `seconds` is the length of the block, s."""
     line = s.line
     if s.temp_c == UNKNOWN_C:
         return
@@ -43,7 +44,7 @@ def follow_temperature(s: RestlevelState, seconds: float) -> None:
 
 
 def learn_when_sure(c: RestlevelCoefficients, s: RestlevelState, seconds: float, is_certain: bool) -> None:  # noqa: FBT001 - compiled code takes none by name
-    """Measure the level each ten seconds of a sure rest; `is_certain`: by a witness."""
+    """Measure the level every ten seconds of a sure rest; `is_certain` states that a rest sensor confirms the rest."""
     if not note_sure_rest(s, seconds, is_certain) or s.line.temp_c == UNKNOWN_C:
         return
     if floor(s.sure.seconds / POINT_S) > floor((s.sure.seconds - seconds) / POINT_S):
@@ -51,18 +52,18 @@ def learn_when_sure(c: RestlevelCoefficients, s: RestlevelState, seconds: float,
 
 
 def measure_level(line: TempLine, bias_dps: float, bias_var: float, t_s: float, rate_walk_var: float) -> None:
-    """Take the bias of a sure rest into level and slope.
+    """Update level and slope by the bias of a sure rest.
 
     Parameters
     ----------
     line
-        Is changed.
+        Bias against temperature, which is changed.
     bias_dps, bias_var
-        The bias and its variance, deg/s and (deg/s)².
+        Bias and its variance, deg/s and (deg/s)².
     t_s
         Time, s.
     rate_walk_var
-        What the random walk of the bias adds to its variance, (deg/s)² per s.
+        Growth of the variance of the bias by its random walk, (deg/s)² per s.
     """
     line.points += 1
     if line.points == 1:
@@ -74,6 +75,7 @@ def measure_level(line: TempLine, bias_dps: float, bias_var: float, t_s: float, 
 
 
 def _predict(line: TempLine, step_c: float, walk_var: float) -> None:
+    """Predict the level after a change of temperature, °C, and a random walk with a variance, (deg/s)²."""
     line.level_dps += line.slope_dps_c * step_c
     line.level_var += step_c * (2.0 * line.covariance + step_c * line.slope_var)
     line.level_var += HYSTERESIS_VAR_C * abs(step_c) + walk_var
@@ -81,6 +83,7 @@ def _predict(line: TempLine, step_c: float, walk_var: float) -> None:
 
 
 def _update(line: TempLine, innovation_dps: float, bias_var: float) -> None:
+    """Update level and slope by a measured level; after a jump, the level is uncertain by the innovation."""
     square = innovation_dps * innovation_dps
     if square > JUMP_SIGMAS * JUMP_SIGMAS * (line.level_var + bias_var):
         line.level_var += square

@@ -1,8 +1,8 @@
-"""Mean turns: what a device that turns to and fro says of its bias without any rest.
+"""Evidence about the bias from mean rates, without any rest.
 
-One that turns to the left as often as to the right has mean rates over some seconds that scatter about the bias. Their
-median is a doubtful witness of it, since some devices turn to one side alone: it weighs the hypotheses against each
-other, by no more than that doubt allows, and moves none of them.
+The mean rates of a device that turns left as often as right scatter about the bias. Their median is weak evidence,
+because some devices turn to one side only. It changes the probabilities of the hypotheses by a bounded factor, and
+moves no bias.
 """
 
 from math import exp, pi, sqrt
@@ -14,23 +14,23 @@ from gyrodrift.filters.restlevel.model import RestlevelState
 from gyrodrift.filters.restlevel.rate_state import TURN_SLOTS, MeanTurns
 
 TURN_S = 10.0
-"""Time outside of constant-rate segments that a mean rate is taken over."""
+"""Time outside of constant-rate segments in a mean rate, s."""
 
 LEAST_TURNS = 5
-"""Mean rates that a median and its spread are taken from."""
+"""Smallest number of mean rates for a median."""
 
 CORRELATED_RATES = 4.0
-"""Bends last up to forty seconds, so that of so many mean rates in a row one is news."""
+"""Number of consecutive mean rates that count as an independent one, because bends last up to forty seconds."""
 
 LEAST_SPREAD_DPS = 0.05
-"""The median is no better than this, however alike the mean rates: three degrees a minute to one side."""
+"""Smallest sigma of the median, deg/s: no motion is balanced to better than three degrees per minute."""
 
 SIDED = 0.5
-"""Share of devices that turn to one side more than to the other, at any rate: even odds, since nobody knows."""
+"""Share of devices that turn more to one side. The true share is unknown, so the odds are even."""
 
 
 def follow_turns(turns: MeanTurns, angle_deg: float, seconds: float) -> None:
-    """Take a block outside of constant-rate segments into the present mean rate."""
+    """Add a block outside of constant-rate segments to the present mean rate; angle in deg, length in s."""
     turns.angle_deg += angle_deg
     turns.seconds += seconds
     if turns.seconds >= TURN_S:
@@ -39,35 +39,36 @@ def follow_turns(turns: MeanTurns, angle_deg: float, seconds: float) -> None:
 
 
 def add_mean_rate(turns: MeanTurns, mean_dps: float) -> None:
-    """Take one more mean rate into the median: of some seconds of motion, or of a constant-rate segment.
+    """Add a mean rate to the median, of ten seconds of motion or of a constant-rate segment.
 
-    The spread of the median is that of its order statistics: of n values n/2 lie below it, give or take √n/2.
+    The sigma of the median follows from order statistics: the number of n values below it has a mean of n/2 and a
+    standard deviation of √n/2.
     """
-    place, others = turns.count % TURN_SLOTS, min(turns.count, TURN_SLOTS - 1)
+    slot, last = turns.count % TURN_SLOTS, min(turns.count, TURN_SLOTS - 1)
     if turns.count >= TURN_SLOTS:
-        _forget(turns, turns.latest[place].dps)
-    k = others
+        _forget(turns, turns.latest[slot].dps)
+    k = last
     while k > 0 and turns.ordered[k - 1].dps > mean_dps:
         turns.ordered[k].dps = turns.ordered[k - 1].dps
         k -= 1
-    turns.ordered[k].dps = turns.latest[place].dps = mean_dps
+    turns.ordered[k].dps = turns.latest[slot].dps = mean_dps
     turns.count += 1
     if turns.count < LEAST_TURNS:
         return
-    middle, sigma = 0.5 * others, 0.5 * sqrt(others + 1.0)
+    middle, sigma = 0.5 * last, 0.5 * sqrt(last + 1.0)
     spread_dps = 0.5 * (_value_at(turns, middle + sigma) - _value_at(turns, middle - sigma))
     turns.median_dps = _value_at(turns, middle)
     turns.median_var = CORRELATED_RATES * spread_dps * spread_dps + LEAST_SPREAD_DPS * LEAST_SPREAD_DPS
 
 
 def forget_turns(turns: MeanTurns) -> None:
-    """All of them."""
+    """Forget all mean rates."""
     turns.seconds = turns.angle_deg = 0.0
     turns.count = 0
 
 
 def weigh_turns(s: RestlevelState) -> None:
-    """Weigh each hypothesis by how far its bias lies from the median, in place of what it was weighed by before."""
+    """Weigh each hypothesis by the distance of its bias from the median; this replaces the earlier weight."""
     if s.turns.count < LEAST_TURNS:
         return
     for h in s.hypotheses:
@@ -86,7 +87,7 @@ def _median_density(turns: MeanTurns, h: Hypothesis) -> float:
 
 
 def _forget(turns: MeanTurns, oldest_dps: float) -> None:
-    """The oldest leaves the order."""
+    """Remove the oldest mean rate from the order."""
     k = 0
     while k < TURN_SLOTS - 1 and turns.ordered[k].dps != oldest_dps:
         k += 1
@@ -96,7 +97,7 @@ def _forget(turns: MeanTurns, oldest_dps: float) -> None:
 
 
 def _value_at(turns: MeanTurns, rank: float) -> float:
-    """Between two of the ordered values, counted from 0."""
+    """Mean rate at a rank, counted from 0, interpolated linearly between two ordered values."""
     below = int(rank)
     low_dps, high_dps = turns.ordered[below].dps, turns.ordered[below + 1].dps
     return low_dps + (rank - below) * (high_dps - low_dps)

@@ -1,8 +1,8 @@
-"""Levels that wander: whether stationary blocks agree as those of a sensor do, or as those of a motion by chance.
+"""Probability that the levels of stationary blocks wander, as they do in a motion.
 
-A sensor at rest, or in a constant spin, gives block means that agree but for its noise. A motion whose scatter passes
-for noise, as of a vehicle in gentle bends, a boat or a bench that hovers, has stationary blocks too, and their means
-step from level to level. Such a level is a coincidence, and says little about the bias.
+At rest or in a constant spin, block means agree within the noise of the sensor. Some motions scatter as little as the
+noise: of a vehicle in slight bends, a boat, or a hovering bench. They have stationary blocks, too, but the block means
+step from level to level. A level of such a motion is a coincidence, and weak evidence about the bias.
 """
 
 from math import exp, log
@@ -10,31 +10,31 @@ from math import exp, log
 from gyrodrift.filters.restlevel.rate_state import RateWander
 
 SENSOR_BREAK, WANDER_BREAK = 0.02, 0.2
-"""Probability that the next stationary block does not agree: of a sensor, flicker included, and of wandering levels."""
+"""Probability that the next stationary block leaves the level: of a sensor with flicker, and of wandering levels."""
 
 BREAK_LOG_ODDS = log(WANDER_BREAK / SENSOR_BREAK)
 AGREEMENT_ODDS = (1.0 - SENSOR_BREAK) / (1.0 - WANDER_BREAK)
 AGREEMENT_LOG_ODDS = log(AGREEMENT_ODDS)
-"""What one block says for and against wandering: a sequential probability ratio."""
+"""Log odds of a block that leaves the level and of a block that agrees, for a sequential probability ratio test."""
 
 WANDER_ODDS = 1.0 / 9.0
 """Prior odds that levels wander."""
 
 FORGETTING = 0.98
-"""What is left of the evidence with each further block: it is that of some fifty."""
+"""Share of the log odds that a further block leaves, so that about fifty blocks count."""
 
 UNKNOWN_STEP_DPS = 10.0
 STEP_GAIN = 0.1
-"""The typical step between levels before one is seen, deg/s, and the least share of it that a step moves it by."""
+"""Median step between levels before the first step, deg/s, and the smallest change of its logarithm by a step."""
 
 
 def count_agreement(wander: RateWander) -> None:
-    """A stationary block behind another one has the level that was there so far."""
+    """Count a stationary block, after another, that agrees with the level."""
     wander.log_odds = FORGETTING * wander.log_odds - AGREEMENT_LOG_ODDS
 
 
 def count_break(wander: RateWander, step_dps: float) -> None:
-    """A stationary block behind another one is this far away from the level that was there so far."""
+    """Count a stationary block, after another, that leaves the level by a step, deg/s."""
     wander.log_odds = FORGETTING * wander.log_odds + BREAK_LOG_ODDS
     wander.steps += 1
     gain = max(STEP_GAIN, 1.0 / wander.steps)
@@ -42,12 +42,12 @@ def count_break(wander: RateWander, step_dps: float) -> None:
 
 
 def forget_levels(wander: RateWander) -> None:
-    """The noise has turned out smaller: what passed for stationary so far was motion, and its levels say nothing."""
+    """Forget all levels after a drop of the noise: the blocks so far were motion."""
     wander.log_odds = 0.0
     wander.steps = 0
     wander.step_dps = UNKNOWN_STEP_DPS
 
 
 def wander_probability(wander: RateWander) -> float:
-    """That levels wander."""
+    """Probability that levels wander."""
     return 1.0 / (1.0 + exp(-wander.log_odds) / WANDER_ODDS)

@@ -1,11 +1,12 @@
-"""A witness of rest: something else than the rate that says whether the device stands still, as wheels and chargers do.
+"""Witness of rest: an external sensor, such as wheels or a charger, that reports whether the device stands still.
 
-Its word beats every statistic. A block whose samples are all said to stand still is a rest from its first sample on,
-with no wait and no alternative; in one with a sample that is said to move nothing is taken for a rest.
+Its report overrides the statistics of the rate. If all samples of a block have a report of rest, the block is a certain
+rest, without confirmation and without a branch. A block with a report of motion is no rest.
 
-A word of rest that the rate contradicts is not used, and is counted. One that comes a little late at either end of a
-rest does no harm; one that is stuck in turns is found out within a second or two of turning. From then on it is not
-believed until it has said something else, and what it taught is as doubtful as it is far from what was known before.
+A report of rest that the rate contradicts is ignored and counted. A report that is a little late at the beginning or
+end of a rest does no harm. A witness that reports rest in turns is refuted after one or two seconds of a turn. It is
+then ignored until a block without a report of rest. The variance of the bias grows by the square of its change during
+the report.
 """
 
 from math import exp, sqrt
@@ -19,31 +20,30 @@ from gyrodrift.filters.restlevel.segments import CONFIRMED_BLOCKS
 from gyrodrift.filters.restlevel.slide import mark_safe
 
 FIT_SIGMAS = 6.0
-"""A block mean further from the bias than this contradicts that the device stands still."""
+"""Distance of a block mean from the bias, in sigmas, that contradicts a report of rest."""
 
 AGREEMENT_SIGMAS = 4.0
-"""Contradicting blocks within this of each other have one level: a bias that has jumped, or a constant turn."""
+"""Largest distance of contradicting blocks of the same level, in sigmas: a bias that has jumped, or a constant turn."""
 
 MOST_CONTRADICTIONS = 5.0
-"""Contradicting blocks after which a witness is not believed."""
+"""Number of contradicting blocks that refutes a witness."""
 
 FIT_CREDIT = 0.1
-"""Doubt that each block takes away which fits."""
+"""Number of contradictions that a block which fits removes."""
 
 MOST_FIRST, MOST_JUMP = 20.0, 1.0
-"""How far out a bias may be that no rest has shown yet, and how far one jumps that is known, in sigmas of the turn-on
-bias. What is further away is a turn."""
+"""Largest first bias, and largest jump of a known bias, in sigmas of the turn-on bias. A larger level is a turn."""
 
 FIRST_BLOCKS = 2
-"""Contradicting blocks of one level that show a bias which no rest has shown yet; of one that jumps it takes as many as
-confirm a segment."""
+"""Number of contradicting blocks of the same level that show a first bias. A jump of a known bias needs
+`CONFIRMED_BLOCKS`."""
 
 MAJORITY = 0.5
-"""Probability from which on hypotheses that know a bias stand for all."""
+"""Probability above which the device counts as at rest, and its bias as known."""
 
 
 def hear(witness: Witness, still: float) -> None:
-    """What is said of one sample: 1 stands still, 0 moves."""
+    """Count the report of a sample: 1 at rest, 0 in motion."""
     if still == 1.0:
         witness.still += 1
     else:
@@ -51,14 +51,14 @@ def hear(witness: Witness, still: float) -> None:
 
 
 def is_certain_rest(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, seconds: float) -> bool:
-    """Whether the block that has just ended is a rest by a witness that is believed; doubt is counted.
+    """Whether the present block is a certain rest; contradictions are counted.
 
     Parameters
     ----------
     c, s
-        Coefficients, and the state as before the block but for noise and segment; the witness is changed.
+        Coefficients, and the state before the block, but with noise and segment after it. The witness is changed.
     mean_dps, seconds
-        Mean and length of the block.
+        Mean and length of the block, deg/s and s.
     """
     w = s.witness
     w.since_s = seconds if s.rest_probability > MAJORITY else w.since_s + seconds
@@ -79,17 +79,17 @@ def is_certain_rest(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float
 
 
 def noisy_mean_var(s: RestlevelState, seconds: float) -> float:
-    """Variance of a block mean, (deg/s)², larger where the block is louder than the sensor: a motor that runs.
+    """Variance of a block mean, (deg/s)²; larger for a block with more noise than the sensor at rest, as by a motor.
 
-    Before a rest has shown the noise, it is what the scatter of this block makes of it.
+    Before a rest has measured the noise, the variance follows from the scatter of the block.
     """
     noise = s.noise
-    louder = noise.last_block_var / noise.sample_var
-    return noise.angle_walk_var / seconds * (max(1.0, louder) if noise.is_walk_measured else louder)
+    ratio = noise.last_block_var / noise.sample_var
+    return noise.angle_walk_var / seconds * (max(1.0, ratio) if noise.is_walk_measured else ratio)
 
 
 def stand_still(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, step_dps: float, seconds: float) -> None:
-    """A certain rest: in every hypothesis the block mean is the bias, which also weighs those that come from motion."""
+    """Update all hypotheses by the mean of a certain rest, and weigh them by its likelihood."""
     mean_var, flicker_var = noisy_mean_var(s, seconds), s.noise.flicker_var
     if not s.noise.is_walk_measured:
         s.noise.sample_var, s.noise.angle_walk_var = s.noise.last_block_var, mean_var * seconds
@@ -122,7 +122,7 @@ def stand_still(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, st
 
 
 def end_certain_rest(s: RestlevelState) -> None:
-    """The witness says nothing of rest any more: without a confirmed segment nothing else says so."""
+    """End certain rests: without a confirmed segment no hypothesis stays at rest."""
     if s.segment.blocks < CONFIRMED_BLOCKS:
         for h in s.hypotheses:
             h.is_at_rest = False
@@ -131,7 +131,7 @@ def end_certain_rest(s: RestlevelState) -> None:
 def _is_new_level(
     c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, mean_var: float, seconds: float
 ) -> bool:
-    """A block contradicts the word: whether it is the last of those that show a bias that has jumped."""
+    """Whether contradicting blocks up to the present one show a first bias, or a bias that has jumped."""
     w = s.witness
     ramp_dps = c.rate_ramp_dps_s * seconds
     spread_var = 2.0 * mean_var + ramp_dps * ramp_dps + s.noise.flicker_var
@@ -141,28 +141,28 @@ def _is_new_level(
     else:
         w.agreeing_blocks, w.level_dps = 1, mean_dps
     w.contradictions += 1.0
-    known = 0.0
+    known_weight = 0.0
     for h in s.hypotheses:
         if h.weight > 0.0 and h.knows_bias:
-            known += h.weight
-    is_known = known > MAJORITY
+            known_weight += h.weight
+    is_known = known_weight > MAJORITY
     away_dps, most = (w.level_dps - s.bias_dps, MOST_JUMP) if is_known else (w.level_dps, MOST_FIRST)
     has_level = w.agreeing_blocks >= (CONFIRMED_BLOCKS if is_known else FIRST_BLOCKS)
     if has_level and away_dps * away_dps < most * most * c.turn_on_var:
-        if is_known:  # of a bias that no rest has shown yet the first update takes care
-            _open(s, away_dps * away_dps)
+        if is_known:  # the first update widens an unknown bias itself
+            _widen_bias(s, away_dps * away_dps)
         w.contradictions, w.agreeing_blocks = 0.0, 0
         return True
     if w.contradictions < MOST_CONTRADICTIONS:
         return False
     learned_dps = s.bias_dps - w.before_dps
-    _open(s, learned_dps * learned_dps)
+    _widen_bias(s, learned_dps * learned_dps)
     w.is_believed, w.refuted = False, w.refuted + 1
     w.contradictions, w.agreeing_blocks = MOST_CONTRADICTIONS - 1.0, 0
     return False
 
 
-def _open(s: RestlevelState, variance: float) -> None:
-    """The bias of all hypotheses is less certain by this, (deg/s)²."""
+def _widen_bias(s: RestlevelState, variance: float) -> None:
+    """Add a variance to the bias of all hypotheses, (deg/s)²."""
     for h in s.hypotheses:
         h.bias_var += variance

@@ -1,8 +1,7 @@
 """Yaw sigma of restlevel: its restart at a zero, and the share of the scale factor.
 
-Yaw that was turned before the zero is the same in all hypotheses by definition. Each hypothesis therefore gets the yaw
-of the zero with no variance and no covariance with its bias. A later bias estimate then corrects only the yaw turned
-since the zero.
+At a zero yaw is known by definition. So each hypothesis gets the yaw of the zero, with no variance and no covariance
+with its bias. A later bias estimate then corrects only the yaw turned since the zero.
 """
 
 from dataclasses import replace
@@ -26,10 +25,10 @@ def zero_yaw(s: RestlevelState) -> None:
 
 
 def _zero_hypothesis(h: Hypothesis, s: RestlevelState) -> None:
-    """Let it agree with the output yaw now, part way through a block that it adds as a whole at the end.
+    """Set the yaw of a hypothesis to the output yaw within a block.
 
-    With t seconds of the block gone, the block will add -t·bias to yaw too much. Its yaw, variance and covariance
-    begin with the opposite.
+    The hypothesis adds the whole block at its end. With t seconds of the block gone, it will add -t·bias too much. Its
+    yaw, variance and covariance begin with the opposite.
     """
     checkpoint, gone_s = h.checkpoint, s.block.seconds
     checkpoint.yaw_deg, checkpoint.yaw_var, checkpoint.covariance = s.moments.yaw_deg, 0.0, 0.0
@@ -48,5 +47,5 @@ def scale_sigma_deg(c: RestlevelCoefficients, s: RestlevelState) -> float:
 
 
 def with_scale_sigma(params: RestlevelParams, sigma: float) -> RestlevelParams:
-    """Parameters with the standard error of a calibrated scale, where it is below `scale_percent`."""
+    """Parameters with the standard error of a calibrated scale, if it is below `scale_percent`."""
     return replace(params, scale_percent=min(params.scale_percent, 100.0 * sigma))

@@ -158,7 +158,7 @@ FAULTS = (
     Fault(
         "filters/restlevel-memory-without-doubt",
         f"{RESTLEVEL}/memory.py",
-        "weight = REMEMBERED_WEIGHT * (1.0 - is_new_start * _self_nulling(params, memory))",
+        "weight = REMEMBERED_WEIGHT * (1.0 - restart_probability * _self_nulling(params, memory))",
         "weight = REMEMBERED_WEIGHT",
         "A small remembered bias replaces that of a sensor that removes its own bias at each start.",
         (f"{UNITS}/test_memory.py",),
@@ -206,8 +206,8 @@ FAULTS = (
     Fault(
         "filters/memory-age-not-added",
         f"{RESTLEVEL}/memory.py",
-        "one.temp_c, one.age_s + age_s) for one in kept]",
-        "one.temp_c, one.age_s) for one in kept]",
+        "rest.temp_c, rest.age_s + age_s) for rest in kept]",
+        "rest.temp_c, rest.age_s) for rest in kept]",
         "Starts that are remembered never grow older.",
         (f"{UNITS}/test_memory.py",),
     ),
