@@ -111,7 +111,7 @@ def _remarks(causes: Sequence[NamedCause], recordings: int, response: ReferenceR
     shows_nothing = f"no cause is named in its {recordings} recordings; changes since then are reported"
     remarks = [f"baseline: {shows if causes else shows_nothing}"]
     if response is not None:
-        when = f"{abs(response.late_s) * 1e3:.1f} ms {'later' if response.late_s > 0.0 else 'earlier'}"
+        when = f"{abs(response.delay_s) * 1e3:.1f} ms {'later' if response.delay_s > 0.0 else 'earlier'}"
         turns = f"the gyro turns {response.gain:.4g} times as far as its reference, and {when}"
         remarks.append(f"baseline: {turns}; the references of both sets are corrected for that")
     return remarks

@@ -1,4 +1,4 @@
-"""In which count of the encoder a recording rests: an interval, out of which no motion of it may go."""
+"""Interval of true angles in which a recording rests, by its encoder count. Replayed motion must rest inside it."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -7,38 +7,39 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 
-PLACES, REACH = 401, 1.5
-"""Angles that are tried about a count, and how far they reach, in counts."""
+ANGLES, REACH = 401, 1.5
+"""Number of angles that are tried around a count, and the largest distance, in counts."""
 
 
 class CountedRests(NamedTuple):
-    """The rests of a recording.
+    """Rests of a recording.
 
     spans
-        First sample, and the one after the last, of each.
+        First and end sample of every rest.
     low_deg, high_deg
-        (rests,) the interval in which it stands.
+        (rests,) limits of the true angle.
     """
 
     spans: tuple[tuple[int, int], ...]
     low_deg: Floats
     high_deg: Floats
 
-    def way_inside(self, angle_deg: Floats) -> Floats:
-        """(n,) degrees by which a path has to be moved to rest in the counts that were seen; lines from rest to rest.
+    def correction_deg(self, angle_deg: Floats) -> Floats:
+        """(n,) change of a path, (n,), so that it rests within the limits; linear between rests.
 
-        A Gaussian as wide as a count puts one rest in twelve into the next one. The path is mirrored at the edge that
-        it passed: were it cut off there, it would rest on the edge.
+        A Gaussian whose variance is that of a count puts one rest in twelve into the next count. Such a rest is
+        mirrored at the limit, but at most to the middle. If it were moved to the limit only, it would rest on the edge
+        of the count.
         """
         if not self.spans:
             return np.zeros_like(angle_deg)
         rest_deg = np.array([angle_deg[first:end].mean() for first, end in self.spans])
         above_deg, below_deg = (np.maximum(far, 0.0) for far in (rest_deg - self.high_deg, self.low_deg - rest_deg))
         most_deg = 0.5 * (self.high_deg - self.low_deg)
-        way_deg = below_deg - above_deg + np.minimum(below_deg, most_deg) - np.minimum(above_deg, most_deg)
+        change_deg = below_deg - above_deg + np.minimum(below_deg, most_deg) - np.minimum(above_deg, most_deg)
         ends = np.array(self.spans) - (0, 1)
-        way: Floats = np.interp(np.arange(len(angle_deg)), ends.ravel(), np.repeat(way_deg, 2))
-        return way
+        correction: Floats = np.interp(np.arange(len(angle_deg)), ends.ravel(), np.repeat(change_deg, 2))
+        return correction
 
 
 def counted_rests(
@@ -48,17 +49,25 @@ def counted_rests(
     read: Callable[[Floats], Floats],
     count_deg: float,
 ) -> CountedRests:
-    """Of angles as they were read, and without what the encoder errs by beside its counts, shape (n,) each.
+    """Limits of the true angle in every rest.
 
+    spans
+        First and end sample of every rest.
+    encoder_deg
+        (n,) angles that the encoder read.
+    true_deg
+        (n,) these angles without the errors of the encoder, apart from its counts.
     read
-        What the encoder reads at an angle.
+        Angles that the encoder reads at some true angles.
+    count_deg
+        Step of the encoder.
     """
-    about_deg = np.linspace(-REACH, REACH, PLACES) * count_deg
+    around_deg = np.linspace(-REACH, REACH, ANGLES) * count_deg
     low_deg, high_deg = np.empty(len(spans)), np.empty(len(spans))
     for rest, (first, end) in enumerate(spans):
-        shown_deg = float(np.median(encoder_deg[first:end]))
-        off_deg = np.abs(read(shown_deg + about_deg) - shown_deg)
-        inside_deg = about_deg[off_deg < off_deg.min() + 1e-6]  # equal but for rounding
-        here_deg = float(np.median(true_deg[first:end]))
-        low_deg[rest], high_deg[rest] = here_deg + inside_deg[0], here_deg + inside_deg[-1]
+        read_deg = float(np.median(encoder_deg[first:end]))
+        error_deg = np.abs(read(read_deg + around_deg) - read_deg)
+        inside_deg = around_deg[error_deg < error_deg.min() + 1e-6]  # equal except for rounding of floats
+        rest_deg = float(np.median(true_deg[first:end]))
+        low_deg[rest], high_deg[rest] = rest_deg + inside_deg[0], rest_deg + inside_deg[-1]
     return CountedRests(spans, low_deg, high_deg)

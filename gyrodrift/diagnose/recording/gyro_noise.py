@@ -1,4 +1,4 @@
-"""The white noise of a gyro by its rates alone, moved or not, and what a rig says of how it sees the motion."""
+"""White noise of a gyro, estimated from its rates at rest or in motion, and the model of a gyro that a rig states."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -9,48 +9,48 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.rests import samples_in
 
 NOISE_GAIN = 6.0
-"""Variance of a second difference of white noise, in variances of that."""
+"""Variance of a second difference of white noise, divided by the variance of the noise: 1 + 4 + 1."""
 
 NOISE_MEAN_S, CALM_QUANTILE, CALM_SIGMAS = 0.1, 0.4, 0.5244
-"""Over so long rates are averaged where noise is looked for; two fifths of normal numbers are within so many standard
-deviations, and most motion is beyond."""
+"""Time over which rates are averaged, s; the quantile of their absolute second differences that gives the noise; and
+this quantile of a normal distribution, in standard deviations. Most motion is above the quantile."""
 
-CALMEST_POINTS, CALMEST_QUANTILE, CALMEST_GAIN = 40, 0.1, 12.3
-"""A tenth of such stretches are the calmest; the largest mean square of third differences among these is 0.614 of 20
-times the variance, where all is white noise."""
+CALMEST_SAMPLES, CALMEST_QUANTILE, CALMEST_GAIN = 40, 0.1, 12.3
+"""Samples in a stretch; the quantile of the mean squared third differences over stretches that gives the noise; and
+this quantile of white noise, in variances: 0.614 times 20."""
 
 BANDS, FOLDS = 512, 20
-"""Frequencies up to half the sample rate at which a low-pass is looked at, and multiples of that rate, on either side,
-that fold down."""
+"""Number of frequencies up to half the sample rate, and number of multiples of the sample rate on either side, whose
+power folds down."""
 
 MIDDLE_QUANTILE, MIDDLE_SIGMAS = 0.7, 1.036
-"""Seven tenths of the absolute values of normal numbers are within so many standard deviations."""
+"""Quantile of absolute values, and its value for a normal distribution, in standard deviations."""
 
 
 class LowPass(Protocol):
-    """What the noise of a gyro went through."""
+    """Low-pass that the noise of a gyro has passed."""
 
     def power_passed(self, frequency_hz: Floats) -> Floats:
-        """What is left of the power at frequencies, of their shape."""
+        """Share of the power that passes, in the shape of the frequencies."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class GyroModel:
-    """What the rig says of how the gyro sees the motion.
+    """Properties of a gyro that the rig states.
 
     count_dps
-        Step that its rates come in, deg/s.
+        Step of its rates, deg/s.
     delay_s
-        How much later than the encoder, s.
+        Delay against the encoder, s.
     hides_rest
-        Whether it may read zero though it would scatter: no zero says how much.
+        Whether the gyro has a dead band: rates of 0 do not show its noise.
     low_passes
-        What its noise went through.
+        Low-passes that its noise has passed.
     weakens_motion
-        Those of them that take from the motion what the rates given are not restored from.
+        Low-passes whose effect on the motion has not been removed from the rates.
     stated_noise_dps
-        White noise of a sample before low-passes, where no recording tells it.
+        White noise of a sample before the low-passes, for recordings that do not determine it.
     """
 
     count_dps: float
@@ -61,59 +61,65 @@ class GyroModel:
     stated_noise_dps: float = 0.0
 
     def motion_gain(self, frequencies_hz: Floats) -> Floats:
-        """Amplitude of a motion in the gyro, divided by its own, at frequencies, of their shape."""
+        """Amplitude of a motion in the rates, divided by its true amplitude, in the shape of the frequencies."""
         power = [low_pass.power_passed(frequencies_hz) for low_pass in self.weakens_motion]
         gain: Floats = np.sqrt(np.prod(power, axis=0)) * np.ones_like(frequencies_hz)
         return gain
 
     def power_passed(self, frequencies_hz: Floats, sample_rate_hz: float) -> Floats:
-        """Of white noise, at frequencies of the samples, of their shape: what low-passes leave, and what folds down."""
+        """Power density of white noise of density 1 after the low-passes, in the shape of the frequencies.
+
+        It includes the power that sampling folds down.
+        """
         if not self.low_passes:
             return np.ones_like(frequencies_hz)
         folded_hz = frequencies_hz + sample_rate_hz * np.arange(-FOLDS, FOLDS + 1)[:, None]
-        left: Floats = np.prod([one.power_passed(folded_hz) for one in self.low_passes], axis=0).sum(axis=0)
-        return left
+        passed: Floats = np.prod([own.power_passed(folded_hz) for own in self.low_passes], axis=0).sum(axis=0)
+        return passed
 
 
 def noise_dps(rate_dps: Floats, period_s: float, gyro: GyroModel) -> float:
-    """Standard deviation of the white noise of a sample: motion widens the one estimate less, a tone the other.
+    """Standard deviation of the white noise of a sample: the smaller of two estimates.
 
-    Behind low-passes it is that of noise as dense as theirs is at the samples, folds and all, where they let it
-    through: what they took is no sign of a calm gyro, and what they let through no motion.
+    The estimate from means is insensitive to tones, the estimate from calm stretches to motion that never ends. With
+    low-passes, the result is that of white noise with the density of the lowest frequency, folded power included.
     """
     of_means, of_calmest = _noise_of_means_dps(rate_dps, period_s), _noise_of_calmest_dps(rate_dps)
     if not gyro.low_passes:
         return min(of_means, of_calmest)
-    turns = (np.arange(BANDS) + 0.5) / (2 * BANDS)  # of a sample
-    passed, half = gyro.power_passed(turns / period_s, 1.0 / period_s), np.pi * turns
-    points = samples_in(NOISE_MEAN_S, period_s)
-    mean, between = np.sin(points * half) / np.sin(half), np.sin(points * half)
-    seen_by = np.square(mean) * between**4, np.sin(half) ** 6
-    shares = [float((weights * passed).sum() / (weights.sum() * passed[0])) for weights in seen_by]
+    cycles = (np.arange(BANDS) + 0.5) / (2 * BANDS)  # per sample
+    passed, half = gyro.power_passed(cycles / period_s, 1.0 / period_s), np.pi * cycles
+    samples = samples_in(NOISE_MEAN_S, period_s)
+    mean, between = np.sin(samples * half) / np.sin(half), np.sin(samples * half)
+    power_gains = np.square(mean) * between**4, np.sin(half) ** 6  # of both estimates, not normalized
+    shares = [float((gains * passed).sum() / (gains.sum() * passed[0])) for gains in power_gains]
     return min(of_means / float(np.sqrt(shares[0])), of_calmest / float(np.sqrt(shares[1])))
 
 
 def _noise_of_means_dps(rate_dps: Floats, period_s: float) -> float:
-    """By the calmer part of means: a tone is no noise of what is slower."""
-    points = samples_in(NOISE_MEAN_S, period_s)
-    count = len(rate_dps) // points
-    bends = np.abs(np.diff(rate_dps[: count * points].reshape(count, points).mean(axis=1), 2))
+    """White noise of a sample, from the smaller second differences of means. A quick tone averages out in means."""
+    samples = samples_in(NOISE_MEAN_S, period_s)
+    count = len(rate_dps) // samples
+    bends = np.abs(np.diff(rate_dps[: count * samples].reshape(count, samples).mean(axis=1), 2))
     if not len(bends):
         return 0.0
-    found = float(np.quantile(bends, CALM_QUANTILE)) / CALM_SIGMAS
-    return found * float(np.sqrt(points / NOISE_GAIN))
+    bend_sigma_dps = float(np.quantile(bends, CALM_QUANTILE)) / CALM_SIGMAS
+    return bend_sigma_dps * float(np.sqrt(samples / NOISE_GAIN))
 
 
 def _noise_of_calmest_dps(rate_dps: Floats) -> float:
-    """By single samples of the calmest stretches: a motion that never ends is hardly noise within so few of them."""
+    """White noise of a sample, from third differences of samples in the calmest stretches.
+
+    Over four successive samples, even a motion that never ends is nearly a parabola, which has no third difference.
+    """
     squares = np.square(np.diff(rate_dps, 3))
-    count = len(squares) // CALMEST_POINTS
+    count = len(squares) // CALMEST_SAMPLES
     if not count:
         return float("inf")
-    stretches = squares[: count * CALMEST_POINTS].reshape(count, CALMEST_POINTS).mean(axis=1)
+    stretches = squares[: count * CALMEST_SAMPLES].reshape(count, CALMEST_SAMPLES).mean(axis=1)
     return float(np.sqrt(np.quantile(stretches, CALMEST_QUANTILE) / CALMEST_GAIN))
 
 
 def middle_sigma(values: Floats) -> float:
-    """Standard deviation by the middle of normal numbers."""
+    """Standard deviation of normal values, from a quantile of their absolute values that outliers do not move."""
     return float(np.quantile(np.abs(values), MIDDLE_QUANTILE)) / MIDDLE_SIGMAS

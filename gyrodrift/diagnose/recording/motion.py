@@ -1,4 +1,4 @@
-"""A motion and a temperature that a simulated rig can be driven through, on the grid of a recording."""
+"""Motion and temperature on the grid of a recording, as input of a simulated rig."""
 
 from dataclasses import dataclass, field
 
@@ -12,26 +12,29 @@ from gyrodrift.diagnose.recording.recording import Recording, filled
 
 SMOOTH_S = 0.11
 SMOOTH_DEGREE = 4
-"""A fitted quartic over a tenth of a second keeps motion up to some 15 Hz and takes the edge off encoder counts."""
+"""Window, s, and degree of the polynomial that is fitted to angles. It keeps motion up to about 15 Hz and smooths
+encoder counts."""
 
 TEMP_SMOOTH_S = 2.0
-"""Length of the window through which the temperature is smoothed."""
+"""Length of the moving average of the temperature."""
 
-ROOM_C = 25.0
-"""Where a recording has no temperature: the one at which the simulator's linear effects of temperature are zero."""
+REFERENCE_C = 25.0
+"""Temperature of a recording without one: the simulator's linear effects of temperature are zero there."""
 
 SLACK = 1e-6
-"""Of a sample: times that agree so well are those of the grid; and how far before the last sample the motion ends."""
+"""Tolerance, in samples, of times that count as the grid. The cubic also ends so far before the last sample."""
 
 
 @dataclass(frozen=True, slots=True)
 class ReplayedMotion:
-    """Angle and rate on a grid, and in between; `firmware_sim` takes it for a profile.
+    """Angle and rate on a grid, with interpolation; `firmware_sim` takes it as a profile.
 
-    period_s, angle_deg, rate_dps, sensor_c
-        The grid: shape (n,) each, degrees, deg/s, °C.
+    period_s
+        Sample period of the grid.
+    angle_deg, rate_dps, sensor_c
+        Angle, degrees, rate, deg/s, and temperature, °C, shape (n,).
     powered_s
-        How long the device had been on, s.
+        Time from power-on to the first sample, s.
     """
 
     period_s: float
@@ -41,14 +44,14 @@ class ReplayedMotion:
     powered_s: float
 
     def motion_at(self, t_s: Floats) -> tuple[Floats, Floats]:
-        """Angle in degrees and rate in deg/s at times from the first sample on; cubic between the points."""
+        """Angle in degrees and rate in deg/s at times since the first sample, by cubic interpolation."""
         if self._is_grid(t_s):
             return self.angle_deg, self.rate_dps
         angle_deg, rate_dps = _cubic(np.ascontiguousarray(t_s), self.period_s, self.angle_deg, self.rate_dps)
         return angle_deg, rate_dps
 
     def sensor_c_at(self, t_s: Floats) -> Floats:
-        """Temperature at times from the first sample on, °C; straight lines between the points."""
+        """Temperature at times since the first sample, °C, by linear interpolation."""
         if self._is_grid(t_s):
             return self.sensor_c
         temps_c: Floats = np.interp(t_s, np.arange(len(self.sensor_c)) * self.period_s, self.sensor_c)
@@ -61,15 +64,18 @@ class ReplayedMotion:
 
 @compiled_once()
 def _cubic(t_s: Floats, period_s: float, node_deg: Floats, node_dps: Floats) -> tuple[Floats, Floats]:
-    """Angle in degrees and rate in deg/s at times, by Hermite's cubic through angles and rates of a grid."""
+    """Angle in degrees and rate in deg/s at times, by cubic Hermite interpolation of angles and rates on a grid.
+
+    Before the first sample the rate is 0.
+    """
     angle_deg, rate_dps = np.empty(len(t_s)), np.empty(len(t_s))
     last = len(node_deg) - 1.0 - SLACK
     for i in range(len(t_s)):
         slot = min(max(t_s[i] / period_s, 0.0), last)
-        left = int(slot)
-        u = slot - left
-        y0, y1 = node_deg[left], node_deg[left + 1]
-        d0, d1 = node_dps[left] * period_s, node_dps[left + 1] * period_s
+        before = int(slot)
+        u = slot - before
+        y0, y1 = node_deg[before], node_deg[before + 1]
+        d0, d1 = node_dps[before] * period_s, node_dps[before + 1] * period_s
         bend, twist = 3.0 * (y1 - y0) - 2.0 * d0 - d1, 2.0 * (y0 - y1) + d0 + d1
         angle_deg[i] = y0 + u * (d0 + u * (bend + u * twist))
         rate_dps[i] = (d0 + u * (2.0 * bend + 3.0 * u * twist)) / period_s if t_s[i] >= 0.0 else 0.0
@@ -77,28 +83,28 @@ def _cubic(t_s: Floats, period_s: float, node_deg: Floats, node_dps: Floats) -> 
 
 
 def rough_rate_dps(recording: Recording, encoder_deg: Floats) -> Floats:
-    """Rate of an encoder without the care that a replay takes, deg/s, shape (n,)."""
-    points, degree = _window(SMOOTH_S, recording, len(encoder_deg))
-    rate_dps: Floats = savgol_filter(encoder_deg, points, degree, deriv=1, delta=recording.period_s)
+    """(n,) rate of an encoder, deg/s, by a Savitzky-Golay filter."""
+    length, degree = _window(SMOOTH_S, recording, len(encoder_deg))
+    rate_dps: Floats = savgol_filter(encoder_deg, length, degree, deriv=1, delta=recording.period_s)
     return rate_dps
 
 
 def sensor_c_of(recording: Recording) -> Floats:
-    """Temperature at each sample, °C, smoothed; ROOM_C where there is none."""
+    """(n,) smoothed temperature, °C; REFERENCE_C if the recording has none."""
     if recording.temp_c is None:
-        return np.full(len(recording.rate_dps), ROOM_C)
-    points = _odd(TEMP_SMOOTH_S / recording.period_s, 3, len(recording.rate_dps))
-    temps_c: Floats = uniform_filter1d(filled(recording.temp_c), points, mode="nearest")
+        return np.full(len(recording.rate_dps), REFERENCE_C)
+    length = _odd(TEMP_SMOOTH_S / recording.period_s, 3, len(recording.rate_dps))
+    temps_c: Floats = uniform_filter1d(filled(recording.temp_c), length, mode="nearest")
     return temps_c
 
 
 def _window(seconds: float, recording: Recording, samples: int) -> tuple[int, int]:
-    """Points and degree of a smoothing."""
-    points = _odd(seconds / recording.period_s, SMOOTH_DEGREE + 1, samples)
-    return points, min(SMOOTH_DEGREE, points - 1)
+    """Length in samples and degree of a smoothing polynomial."""
+    length = _odd(seconds / recording.period_s, SMOOTH_DEGREE + 1, samples)
+    return length, min(SMOOTH_DEGREE, length - 1)
 
 
-def _odd(points: float, least: int, most: int) -> int:
-    """The odd number next to a number of points, within what there is."""
-    wanted = 2 * int(points / 2.0) + 1
-    return min(max(wanted, least | 1), most - 1 + most % 2)
+def _odd(samples: float, least: int, most: int) -> int:
+    """Odd number near a number of samples, between `least` and `most`."""
+    nearest = 2 * int(samples / 2.0) + 1
+    return min(max(nearest, least | 1), most - 1 + most % 2)

@@ -95,7 +95,7 @@ class MotionPosterior:
         noise = rng.standard_normal((len(self.mean.angle_deg), STATES))
         path = smoothed_back(self.mean.period_s, self.passed, noise, True)
         away_deg = gaussian(path[:, 0] - self.mean.angle_deg, DRAW_SMOOTH_S / self.mean.period_s)
-        away_deg += within.way_inside(self.mean.angle_deg + away_deg)
+        away_deg += within.correction_deg(self.mean.angle_deg + away_deg)
         # The rate is that of the very angles, or gyro and encoder would see two motions.
         away_dps = central_difference(away_deg, self.mean.period_s)
         mean, away = (

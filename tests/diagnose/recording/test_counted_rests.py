@@ -30,7 +30,7 @@ def test_a_path_rests_within_the_counts_that_were_read(seed: int) -> None:
     path_deg = true_deg + away_deg + np.interp(np.arange(SAMPLES), np.linspace(0, SAMPLES, 9), rng.normal(0.0, 0.4, 9))
     for first, end in SPANS:
         path_deg[first:end] = path_deg[first:end].mean()
-    moved_deg = path_deg + found.way_inside(path_deg)
+    moved_deg = path_deg + found.correction_deg(path_deg)
     for first, end in SPANS:
         middle_deg = read_deg[first] + away_deg
         off, was_off = abs(moved_deg[first] - middle_deg), abs(path_deg[first] - middle_deg)
@@ -44,13 +44,13 @@ def test_a_path_rests_within_the_counts_that_were_read(seed: int) -> None:
 def test_between_rests_it_moves_along_lines() -> None:
     """By what one rest and the next one have to."""
     within = CountedRests(((0, 3), (7, 10)), np.array([0.0, 0.0]), np.array([1.0, 1.0]))
-    way = within.way_inside(np.where(np.arange(10) < 5, 0.5, 1.4))
+    way = within.correction_deg(np.where(np.arange(10) < 5, 0.5, 1.4))
     np.testing.assert_allclose(way, [0.0, 0.0, 0.0, -0.16, -0.32, -0.48, -0.64, -0.8, -0.8, -0.8])
 
 
 def test_without_a_rest_nothing_is_moved() -> None:
     none = np.empty(0)
-    assert not CountedRests((), none, none).way_inside(np.linspace(0.0, 50.0, SAMPLES)).any()
+    assert not CountedRests((), none, none).correction_deg(np.linspace(0.0, 50.0, SAMPLES)).any()
 
 
 def test_a_coarse_disc_read_in_fine_steps_stands_for_the_interval_of_its_own() -> None:

@@ -75,7 +75,7 @@ def test_a_simulation_is_as_noisy_as_the_reference() -> None:
     for one in (first, second):
         assert off_dps(one) == pytest.approx(off_dps(subject), rel=0.3)
     apart = first.cleaned.encoder_deg - second.cleaned.encoder_deg
-    assert np.std(np.diff(apart)) > 0.5 * np.std(np.diff(subject.reference.seen_deg))
+    assert np.std(np.diff(apart)) > 0.5 * np.std(np.diff(subject.reference.deviation_deg))
     again = subject.played((), 1)
     assert np.array_equal(again.encoder_deg, first.cleaned.recording.encoder_deg, equal_nan=True)
 

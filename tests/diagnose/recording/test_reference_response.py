@@ -44,7 +44,7 @@ def test_gain_and_delay_of_a_bench_are_found_and_leave_the_noise() -> None:
     response = reference_response_of([seen(1), seen(2)])
     assert response is not None
     assert response.gain == pytest.approx(GAIN, abs=1e-3)
-    assert response.late_s == pytest.approx(LATE / RATE_HZ, abs=1e-3)
+    assert response.delay_s == pytest.approx(LATE / RATE_HZ, abs=1e-3)
     middle = len(response.weights) // 2
     assert int(np.argmax(response.weights)) == middle - LATE
     corrected = response.applied(seen(3))

@@ -246,7 +246,7 @@ FAULTS = (
     Fault(
         "diagnose/response-not-held-out",
         "gyrodrift/diagnose/recording/reference_response.py",
-        "if sum(held_out) > BETTER * sum(one.left(as_it_is) for one in moments):",
+        "if sum(held_out) > BETTER * sum(own.residual(unchanged) for own in moments):",
         "if False:",
         "A response that recordings do not share corrects their references.",
         ("tests/diagnose/recording/test_reference_response.py",),
