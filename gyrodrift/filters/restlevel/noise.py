@@ -19,8 +19,8 @@ FINE_DPS = 0.03
 
 START_BLOCKS = 5
 MAX_NOISE_VAR = 1.2**2
-"""Number of blocks of a single value after which the variance of the first steps may be motion, and largest variance of
-first steps that are noise, (deg/s)². Its root is twenty times `USUAL_NOISE_DPS`."""
+"""First steps after fewer blocks of a single value are noise. After more blocks they are noise only with a variance
+below `MAX_NOISE_VAR`, (deg/s)². Its root is twenty times `USUAL_NOISE_DPS`."""
 
 NOISE_BLOCKS = 20
 """Number of stationary blocks up to which the noise is their mean; after that it follows by `NOISE_GAIN`."""
