@@ -37,9 +37,9 @@ class Baseline:
     common
         Mean over the baseline recordings; 0 of features that are not compared.
     squares
-        Sum of squared differences of single recordings to it.
+        Sum over the baseline recordings of their squared differences to this mean.
     prior
-        Variance from one recording to the next that is expected beforehand.
+        Prior variance from one recording to the next.
     compared
         Features that both sets of recordings determine.
     count
@@ -53,14 +53,14 @@ class Baseline:
     count: int
 
     def scatter(self, differences: Floats) -> Floats:
-        """(F,) standard deviation of the remaining difference in each of some recordings of the device.
+        """(F,) standard deviation by chance of the difference of a recording to the baseline.
 
-        Their mean is compared with the mean of the baseline. The error of the latter is the same in all of them.
+        It contains the error of the mean of the baseline, which is the same in all recordings.
 
         differences
-            (sessions, F) of the recordings that are compared with the baseline, as RMS. Their variance is chance too,
-            except for coefficients and rare events. A scale error of one size differs as much as motions do, and a slip
-            is not in each recording.
+            (sessions, F) differences of recordings that are compared with the baseline, as RMS. Their variance is
+            chance too, except for coefficients and rare events: a scale error of constant size changes the
+            coefficients differently in each motion, and a slip is not in each recording.
         """
         variance, _ = self._variance(differences, ~(LINEAR | OF_EVENTS))
         return np.where(self.compared, np.sqrt(variance), NOT_COMPARED)
@@ -68,8 +68,8 @@ class Baseline:
     def extra_sigma(self, differences: Floats) -> Floats:
         """(F,) standard deviation that is added to `scatter` before a single feature counts as deviating.
 
-        A scatter from a few recordings is not known well. A single feature does not show whether one effect acts in
-        many motions; then the variance between the later recordings is chance in all features.
+        A scatter from a few recordings is uncertain. From a single feature nobody sees whether a single effect acts in
+        different motions. So the variance between the later recordings counts as chance in all features.
         """
         variance, degrees = self._variance(differences, np.ones(len(LINEAR), bool))
         wide = np.square(_coverage(degrees)) * variance
@@ -77,7 +77,10 @@ class Baseline:
         return extra
 
     def _variance(self, differences: Floats, is_chance: Mask) -> tuple[Floats, Floats]:
-        """(F,) variance with what `differences` scatter by where that is chance, and its degrees of freedom."""
+        """(F,) variance from recording to recording and its degrees of freedom.
+
+        The scatter of `differences` is included in features with `is_chance`.
+        """
         count = len(differences)
         own = np.where(is_chance, np.square(differences - differences.mean(axis=0)).sum(axis=0), 0.0)
         degrees = np.where(is_chance, self.count + count - 2.0, self.count - 1.0) + PRIOR_RUNS
@@ -88,17 +91,17 @@ class Baseline:
 def baseline_of(tables: Sequence[ResponseTable], designs: Sequence[DesignMatrix], compared: Mask) -> Baseline:
     """Baseline of some recordings; `compared`, (F,), are the features that both sets of recordings determine."""
     differences = differences_of(tables, designs)
-    centre = np.concatenate([table.nulls / rms_scale(design) for table, design in zip(tables, designs, strict=True)])
-    common = differences.mean(axis=0) - centre.mean(axis=0)
+    center = np.concatenate([table.nulls / rms_scale(design) for table, design in zip(tables, designs, strict=True)])
+    common = differences.mean(axis=0) - center.mean(axis=0)
     shown = np.square(common)
     squares = np.square(differences - differences.mean(axis=0)).sum(axis=0)
     varies = np.where(LINEAR, 0.0, squares / max(1, len(tables) - 1))
-    says = compared & (ALWAYS | np.any(centre != 0.0, axis=0) | np.any(differences != 0.0, axis=0))
+    is_compared = compared & (ALWAYS | np.any(center != 0.0, axis=0) | np.any(differences != 0.0, axis=0))
     return Baseline(
-        common=np.where(says, common, 0.0),
+        common=np.where(is_compared, common, 0.0),
         squares=squares,
         prior=np.square(PRIOR_SHARES) * (shown + _of_family(shown)) + _of_family(varies),
-        compared=says,
+        compared=is_compared,
         count=len(tables),
     )
 
@@ -151,21 +154,22 @@ CHANCE = 0.05
 three recordings against two without the effect, 0.01 would require amounts that agree within a quarter."""
 
 NOISE_DEGREES = 2.0
-"""Degrees of freedom for which the variance of an amount by noise counts, beside the variance between recordings
-(Smyth, Linear models and empirical Bayes methods, 2004)."""
+"""Degrees of freedom of the variance of an amount by noise. It is pooled with the variance between recordings (Smyth,
+Linear models and empirical Bayes methods, 2004)."""
 
 TINY = 1e-12
 """Least square of a change, in units of sigma: without a change there is no amount."""
 
 
 SHOWS = 2.0
-"""Least norm of a change in standard deviations, as NOTICEABLE of a template: a smaller one is not seen."""
+"""Least norm of a change in standard deviations. A smaller change does not show; see `NOTICEABLE` of templates."""
 
 
 def amounts_of(differences: Floats, changes: Floats, sigma: Floats) -> Floats:
-    """Amount of a change in each recording that it moves, by weighted least squares; in all if it moves none.
+    """Amount of a change in each recording, by weighted least squares.
 
-    A recording that never reaches the limit of a gyro does not tell whether it has one.
+    Recordings in which the change does not show are left out, unless it shows in none. An example is a limit of the
+    gyro that a recording never reaches.
 
     differences, changes
         (sessions, F) features of recordings minus those of the rig, and their change by a cause.
@@ -184,7 +188,7 @@ def amplitudes_of(differences: Floats, quadratures: tuple[Floats, Floats], sigma
     """(sessions,) amplitude of an effect with a free phase in each recording, at least 0.
 
     quadratures
-        (sessions, F) each: changes of the features by a cause at phases of 0 and 90 degrees.
+        (sessions, F) changes of the features by a cause at phases of 0 and 90 degrees.
     """
     columns, unexplained = np.stack(quadratures, axis=-1) / sigma[:, None], differences / sigma
     parts = [np.linalg.lstsq(own, values)[0] for own, values in zip(columns, unexplained, strict=True)]
@@ -198,11 +202,13 @@ def noise_variance_of(changes: Floats, sigma: Floats) -> float:
 
 
 def chance_of(today: Floats, before: Floats, noise_variance: float, *, is_random: bool = False) -> float:
-    """Probability that two sets of amounts of one device differ by this much, by their scatter and by noise.
+    """Probability that the means of two sets of amounts of a device differ this much by chance; Student's test.
+
+    The larger of two probabilities counts: with the variance between recordings alone, and with that of noise included.
 
     is_random
-        Whether chance plays a part in the effect: then its amounts scatter by themselves wherever it acts, and only
-        those of the earlier set tell how much a device varies.
+        Whether the effect is random. Then its amounts scatter wherever it acts, and only those of the earlier set show
+        how much the device varies.
     """
     sets = (before,) if is_random else (today, before)
     squares = sum(float(np.square(amounts - amounts.mean()).sum()) for amounts in sets)
@@ -210,4 +216,6 @@ def chance_of(today: Floats, before: Floats, noise_variance: float, *, is_random
     degrees = float(sum(len(amounts) - 1 for amounts in sets))
     with_noise = degrees + NOISE_DEGREES, squares + NOISE_DEGREES * noise_variance
     estimates = [(degrees, squares), with_noise] if degrees > 0.0 else [with_noise]
-    return max(float(2.0 * student.sf(apart / np.sqrt(max(sum_, TINY) / of), of)) for of, sum_ in estimates)
+    return max(
+        float(2.0 * student.sf(apart / np.sqrt(max(total, TINY) / freedom), freedom)) for freedom, total in estimates
+    )

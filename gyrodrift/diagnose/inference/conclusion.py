@@ -1,4 +1,4 @@
-"""From the response tables of all sessions to a verdict, by the posterior over sets of effects."""
+"""The verdict from the response tables of all sessions, by the posterior over sets of effects."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -27,13 +27,13 @@ from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized
 
 NAMED = 0.5
-"""Probability from which on an effect is named; that of an effect or one of its ties."""
+"""Probability from which on a cause is named: that the effect acts, or an effect tied with it."""
 
 FORM = 0.2
 """Probability of an out-of-catalog form from which on its feature is listed first among the deviations."""
 
 GROUPS = sorted({(feature.stage, feature.regime) for feature in FEATURES})
-"""An unknown effect moves features of one stage in one regime of the motion together."""
+"""Groups of features that an unknown effect moves together: those of one stage in one regime of the motion."""
 
 Simulate = Callable[[Sequence[Sized]], SimulatedSet]
 """Simulator: from a set of effects with sizes to the change of the features."""
@@ -42,7 +42,7 @@ SIMULATED = 0.05
 """Probability from which on a set is simulated as a whole."""
 
 ROUNDS, AT_ONCE, REFITTED = 5, 2, 12
-"""Rounds of such simulations, sets in each, and sets that are fitted again after it."""
+"""Rounds in which sets are simulated as a whole, sets in a round, and sets that are fitted again after a round."""
 
 
 class Conclusion(NamedTuple):
@@ -58,7 +58,7 @@ def conclude(
     """Find the posterior and derive the verdict from it.
 
     unseparated
-        Effects that were not tested, and that act like a tested one in these recordings.
+        Untested effects that act like a tested effect in these recordings.
     """
     evidence = evidence_of(tables, tried)
     observation = observation_of(tables, evidence.is_compared)
@@ -83,7 +83,8 @@ def _with_share(explanation: Explanation, cause: NamedCause) -> NamedCause:
 def simulated_posterior(scorer: Scorer, simulate: Simulate) -> Posterior:
     """Posterior after the most probable sets were simulated as a whole and fitted again.
 
-    A longer set may gain by the error of a shorter one. So the best part of a set is simulated before the set.
+    An additional effect may only compensate the error of a sum of templates. So the best part of a set is simulated
+    before the set.
     """
     sets = find_sets(scorer)
     for _ in range(ROUNDS):
@@ -117,7 +118,7 @@ def _not_simulated(scorer: Scorer, sets: Sequence[EffectSet], item: EffectSet) -
 
 
 def kind_of(posterior: Posterior, *, has_causes: bool) -> Kind:
-    """Kind of verdict: nothing acts, known effects alone, known and unknown ones, or unknown ones alone."""
+    """Kind of verdict: nothing acts; only known effects; known and unknown effects; only unknown effects."""
     if posterior.no_gap > NAMED:
         return Kind.NONE
     if not has_causes:
@@ -160,12 +161,13 @@ def _deviating(posterior: Posterior, z: Floats, threshold_z: float, *, is_unknow
 
 
 def _named(scorer: Scorer, posterior: Posterior) -> tuple[NamedCause, ...]:
+    """Causes whose probability, ties included, is above NAMED."""
     slots = [slot for slot in posterior.slots() if slot.total > NAMED]
     return tuple(_cause(slot, _size(scorer, posterior, slot.name)) for slot in slots)
 
 
 def _as_in_rig(scorer: Scorer, posterior: Posterior) -> list[str]:
-    """Effects of the rig that may act there with the size in the rig: they explain nothing that the rig does not."""
+    """Effects of the rig whose interval holds the size in the rig: they explain no more than the rig does."""
     in_rig = [name for name in posterior.inclusion if _is_of_rig(scorer, name) and posterior.inclusion[name] > RARE]
     slots = [Slot(name, (), posterior.inclusion[name], posterior.inclusion[name]) for name in in_rig]
     causes = [_cause(slot, _size(scorer, posterior, slot.name)) for slot in slots]

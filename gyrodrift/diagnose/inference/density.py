@@ -65,16 +65,16 @@ def log_densities(
     covariance: Floats,
     groups: "Groups",
 ) -> LogDensities:
-    """Densities at N points of one template beside fixed others.
+    """Densities at N points of a template; the other effects of the set are fixed.
 
     residual
         (N, S, F) difference minus prediction.
     mean, scatter
-        (N, S, F) of the template alone.
+        (N, S, F) mean and variance of the change by the template.
     form
-        (N, S, F) standard deviation of its mean, with its sign; half of the variance is common to the sessions.
+        (N, S, F) standard deviation of the mean, with its sign; half of the variance is common to the sessions.
     covariance
-        (F, S, S) of everything but the template.
+        (F, S, S) covariance of the difference without the template.
     """
     by_width = _by_width(
         residual, mean, scatter, form, covariance, groups.is_used, np.array((0.0, *UNKNOWN_WIDTHS)),

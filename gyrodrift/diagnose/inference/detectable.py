@@ -28,10 +28,10 @@ class Detectable:
     """The smallest size of an effect that these sessions would have shown.
 
     value
-        None if no size that was tried would.
+        The size; None if these sessions would not have shown any size that was tried.
     other_parameters
-        Its other parameters, such as the height of a jump, of the most sensitive variant. A phase is none of them: the
-        size shows at any phase.
+        Other parameters of the effect, such as the height of a jump, in the most sensitive variant. The phase is left
+        out, because the size shows at any phase.
     """
 
     effect: str
@@ -59,6 +59,7 @@ def detectable(scorer: Scorer, responses: Sequence[Response]) -> tuple[Detectabl
                     result, value=abs(float(getattr(effect, name))), other_parameters=_other_parameters(effect, name)
                 )
         earlier = smallest.get(candidate.name)
+        # The most sensitive variant counts, but the least sensitive phase.
         if earlier is None or _shows_first(result, earlier) is (candidate.phase_deg is None):
             smallest[candidate.name] = result
     return tuple(smallest.values())
@@ -121,6 +122,7 @@ def _scatter(scorer: Scorer, template: Template) -> _Scatter:
 
 
 def _shows_first(result: Detectable, earlier: Detectable) -> bool:
+    """Whether the first variant shows a smaller size than the second."""
     return result.value is not None and (earlier.value is None or result.value < earlier.value)
 
 

@@ -23,7 +23,10 @@ SEED = 0
 
 
 def pooled_z(z: Floats) -> Floats:
-    """(F,) normal deviate over all sessions: of a common shift or of a scatter of either sign, the larger."""
+    """(F,) z over all sessions, from (S, F) z of single sessions.
+
+    It is the larger of two deviates: that of a shift common to the sessions, and that of a scatter larger than chance.
+    """
     count = len(z)
     shift = z.mean(axis=0) * np.sqrt(count)
     scatter = np.linalg.norm(z, axis=0) - np.sqrt(count)
@@ -41,7 +44,7 @@ def family_wise_threshold(nulls: Floats) -> float:
     degrees = sessions * runs - 1
     if degrees < 1:
         return float("inf")
-    # A mean over sessions scatters about the centre of these runs, which has a scatter of its own.
+    # A mean over sessions scatters about the center of these runs, which has a scatter of its own.
     spread = np.sqrt(np.square(nulls).reshape(-1, features).sum(axis=0) / degrees * (1.0 + 1.0 / runs))
     spread = spread[spread > 0.0]
     if not len(spread):
@@ -82,8 +85,8 @@ class Response:
         (sizes, S, F) change of the features; of a random candidate at its simulated sizes only.
     phases_deg
         (S,) phase that each session shows, of a candidate with a free phase; None of all others.
-    realised
-        (simulated sizes, S, realisations, F) changes of a random candidate; None of all others.
+    realized
+        (simulated sizes, S, realizations, F) changes of a random candidate; None of all others.
     interpolation_sigma
         (sizes, S, F) standard deviation of the mean by interpolation between simulated sizes, or 0.
     """
@@ -91,7 +94,7 @@ class Response:
     candidate: Candidate
     mean: Floats
     phases_deg: Floats | None = None
-    realised: Floats | None = None
+    realized: Floats | None = None
     interpolation_sigma: Floats | float = 0.0
 
 
@@ -108,7 +111,7 @@ class Evidence:
     nulls
         (S, runs, F) differences without a gap, in units of sigma.
     sigma_factor
-        (F,) factor of sigma where sigma itself is not known well; it applies to single features only.
+        (F,) factor that widens sigma if sigma comes from a few recordings; it applies to single features only.
     threshold_z
         Pooled z beyond which a feature deviates. Any feature exceeds it by chance with FAMILY_WISE_ERROR.
     """
@@ -137,7 +140,7 @@ class Evidence:
 
     @property
     def is_present(self) -> Mask:
-        """(F,) all features; those of three axes only if a session has them."""
+        """(F,) whether a feature is present; features of three axes are present only if a session compares them."""
         present: Mask = ~OF_AXES | self.is_compared.any(axis=0)
         return present
 

@@ -75,20 +75,21 @@ class Explanation:
         return [placed for placed in map(self.where_best, rest) if placed is not None]
 
     def where_best(self, name: str) -> Placed | None:
-        """An effect as it stands in the most probable set that holds it; None if it was not simulated."""
+        """An effect as placed in the most probable set with it; None if it was not simulated."""
         if name not in self.posterior.inclusion:
             return None
         placed_of_best = self.posterior.best_with({name}).placed
         return next((placed for placed in placed_of_best if placed.template.name == name), None)
 
     def _fitted_without(self, row: int) -> list[Placed]:
+        """The named effects with sizes fitted on the other sessions; a single session keeps its own sizes."""
         placed = self.placed(self.named)
         other_rows = [index for index in range(self.scorer.observation.sessions) if index != row]
         if not other_rows:
             return placed
         scorer = self.scorer.of_sessions(other_rows)
-        begun = tuple(item._replace(template=item.template.of_sessions(other_rows)) for item in placed)
-        own = fitted(scorer, EffectSet(begun, 0.0, 0.0)).placed
+        initial = tuple(item._replace(template=item.template.of_sessions(other_rows)) for item in placed)
+        own = fitted(scorer, EffectSet(initial, 0.0, 0.0)).placed
         refitted = []
         for item in own:
             template = self.scorer.templates[item.template.name]

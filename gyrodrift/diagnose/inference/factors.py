@@ -1,12 +1,12 @@
-"""Covariance of a random effect between features, as factors from its realisations.
+"""Covariance of a random effect between features, as factors from its realizations.
 
-A slow disturbance of the bias moves many features together, differently in each session. Let R hold K realisations
+A slow disturbance of the bias moves many features together, differently in each session. Let R hold K realizations
 minus their mean as rows. Then
 
     covariance = lambda diag(R' R) / K + (1 - lambda) R' R / K = scatter + L' L                     (4)
     log N(y; 0, D + L' L) = log N(y - L' a; 0, D) - a' a / 2 - log det(I + L D^-1 L') / 2           (5)
 
-with a = (I + L D^-1 L')^-1 L D^-1 y, exactly. The factor lambda shrinks correlations from a few realisations
+with a = (I + L D^-1 L')^-1 L D^-1 y, exactly. The factor lambda shrinks correlations from a few realizations
 (J. Schaefer and K. Strimmer, A shrinkage approach to large-scale covariance matrix estimation, 2005). With Student
 densities D is reweighted by the residual.
 """
@@ -19,7 +19,7 @@ from gyrodrift.arrays import Floats, Integers
 from gyrodrift.compile import compiled_once
 
 MOST_FACTORS = 10
-"""Number of principal directions of the realisations; the rest of the variance counts as scatter."""
+"""Number of principal directions of the realizations; the rest of the variance counts as scatter."""
 
 LEAST_MOVED = 1e-6
 """Variance below which factors do not change a feature, in units of the variance without a gap."""
@@ -35,25 +35,25 @@ class Covariance(NamedTuple):
     factors: Floats
 
 
-def covariance_of(realised: Floats) -> Covariance:
-    """Covariance of K realisations of F features, (K, F), minus their mean."""
-    count = len(realised)
-    variance = np.square(realised).mean(axis=0)
+def covariance_of(realized: Floats) -> Covariance:
+    """Covariance of K realizations of F features, (K, F), minus their mean."""
+    count = len(realized)
+    variance = np.square(realized).mean(axis=0)
     moved = np.flatnonzero(variance > 0.0)
     if count < 3 or not len(moved):
         return Covariance(variance, np.zeros((0, len(variance))))
-    share = shrinkage(realised[:, moved])
+    share = shrinkage(realized[:, moved])
     unit = np.sqrt(variance[moved])
-    _, lengths, directions = np.linalg.svd(realised[:, moved] / unit, full_matrices=False)
+    _, lengths, directions = np.linalg.svd(realized[:, moved] / unit, full_matrices=False)
     factors = np.zeros((min(MOST_FACTORS, len(lengths)), len(variance)))
     factors[:, moved] = np.sqrt((1.0 - share) / count) * lengths[:MOST_FACTORS, None] * directions[:MOST_FACTORS] * unit
     return Covariance(variance - np.square(factors).sum(axis=0), factors)
 
 
-def shrinkage(realised: Floats) -> float:
-    """Shrinkage of the correlations of (K, F) realisations, 0 to 1; lambda of equation (4)."""
-    count = len(realised)
-    standard = realised / np.sqrt(np.square(realised).mean(axis=0))
+def shrinkage(realized: Floats) -> float:
+    """Shrinkage of the correlations of (K, F) realizations, 0 to 1; lambda of equation (4)."""
+    count = len(realized)
+    standard = realized / np.sqrt(np.square(realized).mean(axis=0))
     products = standard[:, :, None] * standard[:, None, :]
     correlation = products.mean(axis=0)
     variance = products.var(axis=0) / (count - 1)
@@ -66,11 +66,11 @@ def explained(residual: Floats, own: Floats, placed: Floats, variance: Floats, n
     """(N, S, F) residual minus the part that factors explain, and (N,) log density of that part; equation (5).
 
     residual
-        (N, S, F).
+        (N, S, F) difference minus prediction at N points of a template.
     own, placed
-        (N, S, K, F) and (S, M, F) factors.
+        (N, S, K, F) factors of the template, and (S, M, F) factors of the other effects of the set.
     variance
-        (N, S, F) of the residual beside them.
+        (N, S, F) variance of the residual without these factors.
     """
     points, sessions, features = residual.shape
     number = own.shape[2] + placed.shape[1]
@@ -108,7 +108,7 @@ def _gather(own: Floats, placed: Floats, factors: Floats, moved: Integers) -> in
 
 @compiled_once(fastmath={"reassoc", "contract"})
 def _fitted(factors: Floats, values: Floats, variances: Floats, nu: float) -> tuple[Floats, float]:
-    """Explained part of the values, and its negative log density."""
+    """Part of the values that factors explain, and its negative log density; equation (5)."""
     number, used = factors.shape
     weights, weighted = 1.0 / variances, np.empty(used)
     fitted, root, amounts, spent = np.zeros(used), np.empty((number, number)), np.empty(number), 0.0

@@ -15,12 +15,12 @@ WORST_Z = 20.0
 
 @dataclass(frozen=True, slots=True)
 class Deviation:
-    """A feature that deviates more than others; z is pooled over all sessions.
+    """A deviating feature; z is pooled over all sessions.
 
     share
-        Its share of the sum of squares.
+        Share of the sum of squares over the listed features.
     is_beyond_chance
-        Whether it deviates by itself, beyond the threshold.
+        Whether z exceeds the threshold.
     """
 
     stage: str
@@ -58,7 +58,7 @@ def shared(every: Sequence[Deviation]) -> tuple[Deviation, ...]:
 
 SEED = 0
 NO_GAP = 1.05
-"""Ratio of gap and floor up to which there is nothing to close."""
+"""Ratio of gap and floor up to which there is no gap to close."""
 
 CLOSED = 0.85
 """Share of the gap from which on it counts as closed. Chosen, not measured."""
@@ -66,7 +66,7 @@ CLOSED = 0.85
 
 @dataclass(frozen=True, slots=True)
 class SimToRealGap:
-    """Root mean square of the features' z, each held at 20, on sessions held out from the fit.
+    """Root mean square of the z of all features, each limited to WORST_Z, on held-out sessions.
 
     floor
         RMS of the simulator against itself.
@@ -83,12 +83,12 @@ class SimToRealGap:
 
     @property
     def is_closed(self) -> bool:
-        """Whether the causes close enough of it, or there is nothing to close."""
+        """Whether the causes close enough of the gap, or there is no gap to close."""
         return self.shrink is None or self.shrink >= CLOSED
 
 
 def gap_of(evidence: Evidence, after_z: Floats) -> SimToRealGap:
-    """The gap of the rig, and of the rig with the causes by the z of held-out sessions, (sessions, F)."""
+    """The gap before and after the causes; `after_z`, (sessions, F), are z of held-out sessions with the causes."""
     before, after = (by_session(_present(evidence, z)) for z in (evidence.z, after_z))
     floor = floor_of(evidence)
     rng = np.random.default_rng(SEED)
@@ -125,7 +125,7 @@ def _present(evidence: Evidence, z: Floats) -> Floats:
 
 
 def by_session(z: Floats) -> Floats:
-    """(sessions,) root mean squares over features, each z held at WORST_Z."""
+    """(sessions,) root mean squares over features, each z limited to WORST_Z."""
     rms: Floats = np.sqrt(np.square(np.minimum(np.abs(z), WORST_Z)).mean(axis=1))
     return rms
 

@@ -1,4 +1,4 @@
-"""The linear model: effects that are linear in the rate error, by generalised least squares with a local level.
+"""The linear model: effects that are linear in the rate error, by generalized least squares with a local level.
 
 The mean rate error of each second is a sum of known regressors, white noise and a bias that is constant or a random
 walk. The model uses neither simulator nor features, so it is an independent check.
@@ -26,6 +26,7 @@ LEAST_DPS = 1e-6
 """Added to a spread, so that it is never 0."""
 
 LEAST_VARIANCE = 1e-12
+"""Least variance or norm in a division."""
 
 
 class Whitened(NamedTuple):
@@ -36,7 +37,7 @@ class Whitened(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """Gain in log likelihood, coefficient (of two columns their amplitude), and its standard error."""
+    """Gain in log likelihood, coefficient (for two columns their amplitude), and its standard error."""
 
     log_likelihood_gain: float
     coefficient: float
@@ -44,9 +45,14 @@ class Fit(NamedTuple):
 
 
 def whitened(effects: Sequence[Floats], values: Floats) -> list[Whitened]:
-    """Columns of each effect, (blocks, 1 or 2), and values, through the filter that leaves the whitest residual."""
+    """Innovations of the columns of each effect, (blocks, 1 or 2), and of the values, (blocks,), in units of sigma.
+
+    The gain of the filter is that with the smallest residual of a regression on all columns.
+    """
     every = np.column_stack(effects)
-    gain = min(GAINS, key=lambda gain: _spread_left(innovations(gain, every), innovations(gain, values[:, None])[:, 0]))
+    gain = min(
+        GAINS, key=lambda gain: _mean_residual(innovations(gain, every), innovations(gain, values[:, None])[:, 0])
+    )
     white = innovations(gain, values[:, None])[:, 0]
     sigma = MAD_TO_SIGMA * float(np.median(np.abs(white - np.median(white)))) + LEAST_DPS
     return [Whitened(innovations(gain, columns) / sigma, white / sigma) for columns in effects]
@@ -77,7 +83,7 @@ def fit(sessions: Sequence[Whitened]) -> Fit:
     return Fit(0.5 * len(values) * float(np.log(before / max(after, LEAST_VARIANCE))), amplitude, error)
 
 
-def _spread_left(columns: Floats, values: Floats) -> float:
+def _mean_residual(columns: Floats, values: Floats) -> float:
     """Mean absolute residual of a regression on the columns."""
     scale = np.linalg.norm(columns, axis=0) + LEAST_VARIANCE
     unexplained = values - (columns / scale) @ np.linalg.lstsq(columns / scale, values, rcond=1e-9)[0]
@@ -85,6 +91,8 @@ def _spread_left(columns: Floats, values: Floats) -> float:
 
 
 WARMUP_TAUS_S = (20.0, 60.0, 160.0, 450.0)
+"""Time constants of a warm-up that are tried."""
+
 CLEAR = 12.0
 """Gain in log likelihood from which on the linear model names an effect. Chosen, not derived."""
 
@@ -93,7 +101,7 @@ FULL_SCALE_DPS = 250.0
 
 
 class Regressor(NamedTuple):
-    """A linear effect: its parameter, the factor from its coefficient to that, and its columns, (blocks, 1 or 2)."""
+    """A linear effect: its parameter, the factor from coefficient to parameter, and (blocks, 1 or 2) columns."""
 
     effect: str
     parameter: str
@@ -106,9 +114,9 @@ class LinearModel:
     """The effect that the linear model names; None if it names none.
 
     value, low, high
-        Its parameter, with a 95 % interval.
+        Size of its parameter, and the 95 % interval.
     agrees
-        Whether the verdict names it too; None if the model does not cover the causes of the verdict.
+        Whether the verdict names the effect too; None if no cause of the verdict is linear.
     """
 
     effect: str | None
@@ -142,7 +150,7 @@ def linear_model_of(
 
 
 def regressors_of(design: DesignMatrix) -> list[Regressor]:
-    """Regressors of the linear effects, block by block."""
+    """Regressors of the linear effects, with their means over blocks."""
     motion, block = design.motion, design.block
     rate, turn = motion.rate_dps, np.deg2rad(motion.angle_deg)
     warm_c = motion.sensor_c - 25.0  # effects of temperature are 0 at 25 °C

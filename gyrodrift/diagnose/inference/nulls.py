@@ -1,4 +1,4 @@
-"""Null runs of all sessions, pooled: their center, their variance, and the errors that sessions have in common."""
+"""Pooled null runs of all sessions: their mean, their variance, and the errors that sessions have in common."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -14,18 +14,18 @@ PRIOR_RUNS = 2.0
 
 
 class PooledNulls(NamedTuple):
-    """Differences of S sessions in F features, where there is no gap.
+    """Differences of S sessions in F features, and their scatter without a gap.
 
     difference
         (S, F) recording minus simulation, minus the mean of the nulls.
     away
         (S, runs, F) nulls minus their mean.
     variance
-        (S, F) variance of a null: that of all sessions, and more where a session scatters more.
+        (S, F) variance of a null: that of all sessions, or more if the nulls of a session scatter more.
     common_share
         (F,) ratio of the variance of a mean over sessions to that of independent sessions.
     rebuilding
-        (F,) squared error by rebuilding the motion, the same in all sessions.
+        (F,) squared error by rebuilding the motion; the error is the same in all sessions.
     """
 
     difference: Floats
@@ -69,8 +69,7 @@ def common_share(nulls: Floats) -> Floats:
     Sessions of the same motion share the error of rebuilding it.
 
     nulls
-        (sessions, runs, F) differences without a gap; run by run their motions are drawn by the same random numbers
-        where the course of the motion is the same.
+        (sessions, runs, F) differences without a gap. In a run, equal motions are drawn with equal random numbers.
     """
     sessions, runs, _ = nulls.shape
     if sessions == 1 or runs == 1:

@@ -41,12 +41,12 @@ class Parameter:
 
     @property
     def is_bound(self) -> bool:
-        """Whether the size is known as a bound only."""
+        """Whether the recordings give only a bound of the size."""
         return self.is_at_least or self.is_at_most
 
     @property
     def bound(self) -> float:
-        """The end of the interval that is no end of the tried sizes; the value if both or none are."""
+        """The end of the interval that lies within the tried sizes; the value if both ends do, or neither does."""
         if self.is_at_least == self.is_at_most:
             return self.value
         return self.low if self.is_at_least else self.high

@@ -1,4 +1,4 @@
-"""Evidence from the tables of single sessions: pooled nulls, and responses interpolated between sizes."""
+"""Evidence from the response tables of single sessions: pooled nulls, and responses at all sizes."""
 
 from collections.abc import Sequence
 
@@ -13,6 +13,7 @@ from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simulated_key
 
 PHASES_DEG = np.arange(-180.0, 180.0, 2.0)
+"""Phases that are tried."""
 
 
 def free_phases_deg(unexplained: Floats, quadratures: tuple[Floats, Floats], shares: Floats) -> Floats:
@@ -23,9 +24,9 @@ def free_phases_deg(unexplained: Floats, quadratures: tuple[Floats, Floats], sha
     unexplained
         (sessions, F) differences to explain, in standard deviations of chance.
     quadratures
-        (sessions, F) each: changes at phases of 0 and 90 degrees, likewise.
+        (sessions, F) changes at phases of 0 and 90 degrees, in the same units.
     shares
-        (sizes,) multiples of these changes that are possible.
+        (sizes,) possible multiples of these changes.
     """
     at_0, at_90 = quadratures
     phase = np.deg2rad(PHASES_DEG)[:, None]
@@ -57,10 +58,10 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
     chance = np.sqrt(pooled.variance * pooled.common_share + len(tables) * pooled.rebuilding)
     sigma = np.hypot(chance, thresholds)
     sigma[absent_of(tables)] = NOT_COMPARED
-    sigma[sigma == 0.0] = 1.0  # of regressors that these motions have not
+    sigma[sigma == 0.0] = 1.0  # a regressor that no motion excites
     difference = pooled.difference
-    one_each = [candidate for candidate in tried if not candidate.is_phase_free or candidate.phase_deg == 0.0]
-    responses = [_response(tables, candidate, difference, sigma) for candidate in one_each]
+    distinct = [candidate for candidate in tried if not candidate.is_phase_free or candidate.phase_deg == 0.0]
+    responses = [_response(tables, candidate, difference, sigma) for candidate in distinct]
     return Evidence(
         names=tuple(table.name for table in tables),
         difference=difference,
@@ -74,10 +75,13 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
 
 
 def absent_of(tables: Sequence[ResponseTable]) -> Mask:
-    """(sessions, F) regressors that some replays of a session have and others have not, and axes that it has not."""
+    """(sessions, F) features that a session does not determine.
+
+    These are regressors that only some of its replays have, and features of three axes if it has one axis.
+    """
     shares = np.array([(table.nulls == 0.0).mean(axis=0) for table in tables])
     differs = np.array([table.difference != 0.0 for table in tables])
-    # A regressor that so many replays lack is on the edge of being one.
+    # If a tenth of the replays lack a regressor, the motion hardly excites it.
     is_absent: Mask = REGRESSORS_OF_MOTION & (shares > 0.1) & (differs | (shares < 1.0))
     lacks_axes: Mask = OF_AXES & ~differs & (shares == 1.0)
     return is_absent | lacks_axes
@@ -89,10 +93,10 @@ def _response(tables: Sequence[ResponseTable], candidate: Candidate, unexplained
         return _at_phases(tables, candidate, _phases_deg(tables, candidate, unexplained, sigma))
     if candidate.phase_deg is not None:
         return _at_phases(tables, candidate, np.full(len(tables), candidate.phase_deg))
-    simulated = np.array([table.responses[key(candidate)] for table in tables])  # sessions, nodes, realisations, F
+    simulated = np.array([table.responses[key(candidate)] for table in tables])  # sessions, nodes, realizations, F
     if candidate.realisations > 1:
-        realised = simulated.transpose(1, 0, 2, 3)
-        return Response(candidate, realised.mean(axis=2), realised=realised)
+        realized = simulated.transpose(1, 0, 2, 3)
+        return Response(candidate, realized.mean(axis=2), realized=realized)
     mean, error = straight(candidate, simulated[:, :, 0].transpose(1, 0, 2))
     return Response(candidate, mean, interpolation_sigma=error)
 
@@ -124,10 +128,10 @@ def _nearest(response: Response, unexplained: Floats, sigma: Floats) -> Floats:
 
 
 def _phases_deg(tables: Sequence[ResponseTable], candidate: Candidate, unexplained: Floats, sigma: Floats) -> Floats:
-    """(sessions,) phases that fit best."""
+    """(sessions,) phases of a candidate that fit the once-per-turn features best."""
     at_0, at_90 = _quadratures(tables, candidate)
-    standardised, *turns = (values[:, ONCE_PER_TURN] / sigma[:, ONCE_PER_TURN] for values in (unexplained, at_0, at_90))
-    return free_phases_deg(standardised, (turns[0], turns[1]), candidate.sizes / candidate.grid_points[0])
+    standardized, *turns = (values[:, ONCE_PER_TURN] / sigma[:, ONCE_PER_TURN] for values in (unexplained, at_0, at_90))
+    return free_phases_deg(standardized, (turns[0], turns[1]), candidate.sizes / candidate.grid_points[0])
 
 
 def _quadratures(tables: Sequence[ResponseTable], candidate: Candidate) -> tuple[Floats, Floats]:
@@ -139,7 +143,7 @@ def _quadratures(tables: Sequence[ResponseTable], candidate: Candidate) -> tuple
 
 
 def _at_phases(tables: Sequence[ResponseTable], candidate: Candidate, phases_deg: Floats) -> Response:
-    """A sine of any phase, composed of the phases 0 and 90 degrees; exact for linear features."""
+    """Response of an effect with given phases, composed of those at 0 and 90 degrees; exact for linear features."""
     phase = np.deg2rad(phases_deg)[:, None]
     at_0, at_90 = _quadratures(tables, candidate)
     node = np.where(LINEAR, np.cos(phase) * at_0 + np.sin(phase) * at_90, 0.5 * (at_0 + at_90))

@@ -17,7 +17,8 @@ RESEMBLING = 0.3
 """Prior odds of an unknown effect that resembles an effect to the effect itself. Chosen, not measured."""
 
 TIED = 0.05
-"""Ratio of probabilities, with the second effect instead of the first to with the first alone, that makes a tie."""
+"""Least ratio at which two effects tie: the probability of the second without the first, to that of the first without
+the second."""
 
 RARE = 0.02
 """Probability below which an effect is not reported."""
@@ -97,11 +98,11 @@ class Posterior:
         return np.array([name in hypothesis.names for hypothesis in self.hypotheses])
 
     def without(self, names: Collection[str]) -> "Posterior":
-        """The posterior in which hypotheses with some effects are those without them."""
+        """The posterior in which a hypothesis with the given effects counts as the hypothesis without them."""
         return Posterior(tuple(replace(item, names=item.names - {*names}) for item in self.hypotheses))
 
     def slots(self) -> list[Slot]:
-        """Effects of the catalog, the most probable first, each with its ties."""
+        """Effects of the catalog with their ties, the most probable first. An effect is in a single slot."""
         remaining = {name: mass for name, mass in self.inclusion.items() if not name.startswith("?") and mass > RARE}
         slots = []
         while remaining:
@@ -136,6 +137,7 @@ def posterior_of(scorer: Scorer, sets: Sequence[EffectSet], power: float = POWER
 
 
 def _drafts(scorer: Scorer, effect_set: EffectSet, power: float) -> list[tuple[frozenset[str], bool, EffectSet, float]]:
+    """Hypotheses with a set: names of the effects, whether an unknown effect acts, the set, and the log weight."""
     prior = sum(log_prior_of(placed.template) for placed in effect_set.placed)
     names = frozenset(effect_set.names)
     has_form = any(placed.template.is_out_of_catalogue for placed in effect_set.placed)

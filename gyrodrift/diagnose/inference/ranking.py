@@ -12,11 +12,11 @@ class Ranked:
     """A candidate at the size that fits best by itself.
 
     probability
-        Posterior probability that it acts.
+        Posterior probability that the effect acts.
     gain
         Log evidence of the effect alone, minus that of the rig as it is.
     gain_with_causes
-        Log evidence with the named causes, minus that of the causes; None for the causes and for untried sets.
+        Log evidence of the causes with the effect, minus that of the causes; None for a cause and for an untried set.
     """
 
     name: str

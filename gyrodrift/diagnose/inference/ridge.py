@@ -1,7 +1,8 @@
-"""Two effects that change a feature against each other, placed together.
+"""Joint fit of two effects that compensate each other.
 
-A tilt of the sensor takes from the yaw rate what a scale error may add. The sum of both is known far better than each,
-so the density of their sizes is a narrow ridge. A search along one size at a time stays where it begins.
+A tilt of the sensor reduces the yaw rate, and a scale error may increase it as much. The recordings determine the sum
+of both far better than either size, so the density of the sizes is a narrow ridge. A search along a single size at a
+time does not move along the ridge.
 """
 
 from collections.abc import Collection, Sequence
@@ -15,7 +16,7 @@ from gyrodrift.diagnose.inference.template import Template
 from gyrodrift.diagnose.simulate.candidates import KINDS
 
 REACH = 8
-"""Points on either side of the best ones over which a size is summed: a third of a decade, longer than a ridge."""
+"""Points on either side of the best point over which a size is summed: a third of a decade, longer than a ridge."""
 
 
 class Pair(NamedTuple):
@@ -32,7 +33,7 @@ def pair_in(names: Collection[str]) -> Pair | None:
 
 
 def placed_together(scorer: Scorer, placed: Sequence[Placed]) -> list[Placed]:
-    """A set whose effects that act alike stand at their best pair of points."""
+    """The effects of a set; two effects that act alike are placed at their best pair of points."""
     pair = pair_in([item.template.name for item in placed])
     if pair is None:
         return list(placed)
@@ -59,7 +60,7 @@ def summed_along(scorer: Scorer, placed: Sequence[Placed], name: str, power: flo
 def log_posterior(
     scorer: Scorer, first: Template, second: Template, fixed: Sequence[Placed], power: float = 1.0
 ) -> Floats:
-    """(P, Q) log posterior at all pairs of points of two templates, but for a constant."""
+    """(P, Q) log posterior at all pairs of points of two templates, except for a constant."""
     rows = [
         np.logaddexp(*scorer.with_priors(*scorer.along(second, [*fixed, Placed(first, i, EXACT)], EXACT), power))
         for i in range(len(first.size))

@@ -152,7 +152,7 @@ class Scorer:
         return float(np.log(-np.expm1(self.log_no_unknown)))
 
     def log_posterior(self, effect_set: EffectSet, power: float) -> float:
-        """Log posterior of a set but for a constant, at a power of the likelihood."""
+        """Log posterior of a set, except for a constant, with a power of the likelihood."""
         prior = sum(log_prior_of(placed.template) for placed in effect_set.placed)
         return prior + float(np.logaddexp(*self.with_priors(effect_set.without_unknown, effect_set.unknown, power)))
 
@@ -168,7 +168,7 @@ class Scorer:
         return EffectSet((), float(densities.without_unknown[0]), float(densities.unknown[0]))
 
     def along(self, template: Template, fixed: Sequence[Placed], form_error: float = USUAL) -> Densities:
-        """Densities at all points of a template."""
+        """Densities at all points of a template; the other effects of the set are fixed."""
         change, covariance = self.prediction(fixed, template.name)
         residual = self.observation.difference - self._combined(change, template.mean)
         correction = self._correction({*(placed.template.name for placed in fixed), template.name})
@@ -230,7 +230,7 @@ class Scorer:
         return change
 
     def is_simulated(self, effect_set: EffectSet) -> bool:
-        """Whether it was simulated as a whole."""
+        """Whether a set was simulated as a whole."""
         return frozenset(effect_set.names) in self.corrections
 
     def correct(self, effect_set: EffectSet, simulated: SimulatedSet) -> None:

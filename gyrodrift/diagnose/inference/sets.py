@@ -2,7 +2,7 @@
 
     log evidence = log density at the best points + sum_i log sum_x prior_i(x) density_i(x) / density at the best   (3)
 
-Each effect is summed over its own points (variant, size and form error) beside the others at their best ones.
+Each effect is summed over its own points (variant, size and form error), with the other effects at their best points.
 """
 
 from collections.abc import Sequence
@@ -26,6 +26,8 @@ from gyrodrift.diagnose.inference.scorer import (
 from gyrodrift.diagnose.inference.template import COARSE_STEP, Template
 
 MOST_EFFECTS = 3
+"""Largest number of effects in a set."""
+
 BEAM = 6
 """Number of sets that are extended by one effect."""
 
@@ -85,7 +87,7 @@ def log_sum(values: Floats) -> float:
 
 
 def find_sets(scorer: Scorer) -> list[EffectSet]:
-    """All sets that the search looked at."""
+    """All sets that the search evaluated."""
     by_names = {frozenset[str](): scorer.nothing()}
     frontier = [*by_names.values()]
     for depth in range(MOST_EFFECTS):
@@ -116,7 +118,7 @@ def extended(scorer: Scorer, frontier: Sequence[EffectSet]) -> dict[frozenset[st
 
 
 def _with(scorer: Scorer, base: EffectSet, template: Template) -> EffectSet:
-    """A set with an additional template, summed over its coarse points only; what acts alike is fitted together."""
+    """A set with an additional template, summed over its coarse points; effects that act alike are fitted jointly."""
     if pair_in([*base.names, template.name]) not in (None, pair_in(base.names)):
         return fitted(scorer, EffectSet((*base.placed, Placed(template, 0)), 0.0, 0.0))
     coarse = template.subset(template.coarse)
@@ -129,6 +131,7 @@ def _with(scorer: Scorer, base: EffectSet, template: Template) -> EffectSet:
 
 
 def _best(densities: Densities, log_prior: Floats) -> int:
+    """Index of the point that fits best; with an unknown effect only if that fits better by LESS_LIKELY."""
     without_unknown, unknown = densities
     return int(
         np.argmax((without_unknown if without_unknown.max() > unknown.max() - LESS_LIKELY else unknown) + log_prior)
@@ -136,7 +139,7 @@ def _best(densities: Densities, log_prior: Floats) -> int:
 
 
 def fitted(scorer: Scorer, effect_set: EffectSet) -> EffectSet:
-    """The best point of each effect beside the best of the others, and evidence by equation (3)."""
+    """Place each effect at its best point, given the other effects, and compute the evidence by equation (3)."""
     placed = placed_together(scorer, effect_set.placed)
     if not placed:
         return scorer.nothing()
@@ -162,7 +165,7 @@ def _pair(values: Floats) -> tuple[float, float]:
 
 
 def profile_of(scorer: Scorer, name: str, fixed: Sequence[Placed]) -> EffectProfile:
-    """Sum the points near the best points of the best variants, on a finer grid about the best of all."""
+    """Sum an effect over points near the best points of its best variants; the grid is finer about the best point."""
     template = scorer.templates[name]
     coarse = template.subset(template.coarse)
     rough = scorer.along(coarse, fixed)
@@ -191,10 +194,11 @@ def known_forms(template: Template) -> tuple[float, ...]:
 
 
 def _best_of(template: Template, by_form: Sequence[Densities], form_errors: Sequence[float]) -> tuple[Placed, Floats]:
-    places = [_best(densities, template.log_prior) for densities in by_form[:-1]]
-    at_places = [
+    """Best point over all form errors, and the log densities there, without and with an unknown effect."""
+    points = [_best(densities, template.log_prior) for densities in by_form[:-1]]
+    at_points = [
         np.array([density[point] for density in densities])
-        for point, densities in zip(places, by_form[:-1], strict=True)
+        for point, densities in zip(points, by_form[:-1], strict=True)
     ]
-    form = int(np.argmax([max(pair[0], pair[1] - LESS_LIKELY) for pair in at_places]))
-    return Placed(template, places[form], form_errors[form]), at_places[form]
+    form = int(np.argmax([max(pair[0], pair[1] - LESS_LIKELY) for pair in at_points]))
+    return Placed(template, points[form], form_errors[form]), at_points[form]

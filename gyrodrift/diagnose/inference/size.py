@@ -1,4 +1,4 @@
-"""The posterior of one effect's size, beside the other effects of a set."""
+"""Posterior of the size of an effect, given the other effects of a set."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ class SizePosterior:
     """Size of an effect in its most probable variant, in the unit of the candidate.
 
     is_low_open, is_high_open
-        Whether the interval ends at a size beyond which none was tried.
+        Whether the interval ends at the smallest or the largest size that was tried.
     """
 
     response: Response
@@ -34,7 +34,7 @@ class SizePosterior:
 def size_posterior(scorer: Scorer, effect_set: EffectSet, name: str, power: float) -> SizePosterior:
     """Quantiles of the sizes in the most probable variant, weighted by prior and density to a power.
 
-    The size of an effect that acts like another effect of the set is summed over the sizes of that one.
+    If another effect of the set acts like this effect, the posterior is summed over the size of the other effect.
     """
     fixed = [placed for placed in effect_set.placed if placed.template.name != name]
     profile = profile_of(scorer, name, fixed)

@@ -24,7 +24,7 @@ COARSE_STEP = 4
 """The search tries every fourth size first, then the sizes next to the best."""
 
 ENOUGH = 8
-"""Number of realisations from which on a session has its own mean and covariance."""
+"""Number of realizations from which on a session has its own mean and covariance."""
 
 FINER = 8
 """Points into which an interval of sizes is divided about the best size."""
@@ -62,11 +62,11 @@ class Template:
 
     @property
     def is_out_of_catalogue(self) -> bool:
-        """Whether no effect of the simulator does this."""
+        """Whether this is an out-of-catalog form: a change that no effect of the simulator makes."""
         return self.responses[0].candidate.is_out_of_catalogue
 
     def subset(self, rows: Sequence[int] | Integers) -> "Template":
-        """Some of the points."""
+        """The template at some of its points."""
         index = np.array(rows, dtype=np.int64)
         every = {name: getattr(self, name)[index] for name in PER_POINT}
         return replace(self, **every, coarse=np.arange(len(index)))
@@ -90,19 +90,19 @@ class Template:
         """Successive points of a response on a finer grid, by linear interpolation."""
         if len(rows) < 2:
             return self.subset(rows)
-        places = np.linspace(0.0, len(rows) - 1.0, FINER * len(rows))
-        lower = np.minimum(places.astype(np.int64), len(rows) - 2)
-        part = places - lower
+        positions = np.linspace(0.0, len(rows) - 1.0, FINER * len(rows))
+        lower = np.minimum(positions.astype(np.int64), len(rows) - 2)
+        part = positions - lower
 
         def between(values: Floats) -> Floats:
             by = part.reshape(-1, *([1] * (values.ndim - 1)))
             line: Floats = (1.0 - by) * values[rows][lower] + by * values[rows][lower + 1]
             return line
 
-        log_prior = np.full(len(places), np.logaddexp.reduce(self.log_prior[rows]) - np.log(len(places)))
-        response = np.full(len(places), self.response[rows[0]])
+        log_prior = np.full(len(positions), np.logaddexp.reduce(self.log_prior[rows]) - np.log(len(positions)))
+        response = np.full(len(positions), self.response[rows[0]])
         every: dict[str, Any] = {name: between(getattr(self, name)) for name in (*PER_SESSION, "size")}
-        return replace(self, **every, log_prior=log_prior, response=response, coarse=np.arange(len(places)))
+        return replace(self, **every, log_prior=log_prior, response=response, coarse=np.arange(len(positions)))
 
 
 PER_SESSION = ("mean", "interpolation_sigma", "scatter", "factors")
@@ -150,13 +150,16 @@ class _Points:
 
 
 def _points(observation: Observation, response: Response) -> _Points:
-    """Sizes are equally probable on a logarithmic scale; a phase fitted to each session has an Occam factor."""
+    """Noticeable points of a response with their priors.
+
+    Sizes are equally probable on a logarithmic scale. A phase that is fitted to each session has an Occam factor.
+    """
     by_unit = observation.is_compared / observation.unit
-    if response.realised is None:
+    if response.realized is None:
         change, interpolation = response.mean, np.full_like(response.mean, response.interpolation_sigma)
         scatter, factors = np.zeros_like(change), np.zeros((*change.shape[:2], 0, change.shape[2]))
     else:
-        change, scatter, factors = _random(response.candidate, response.realised)
+        change, scatter, factors = _random(response.candidate, response.realized)
         interpolation = np.zeros_like(change)
     mean, interpolation_sigma = change * by_unit, interpolation * by_unit
     scatter, factors = scatter * np.square(by_unit), factors * by_unit[:, None]
@@ -170,22 +173,22 @@ def _points(observation: Observation, response: Response) -> _Points:
     return _Points(mean[kept], interpolation_sigma[kept], scatter[kept], factors[kept], log_prior, sizes)
 
 
-def _random(candidate: Candidate, realised: Floats) -> tuple[Floats, Floats, Floats]:
+def _random(candidate: Candidate, realized: Floats) -> tuple[Floats, Floats, Floats]:
     """(sizes, S, F) mean and variance and (sizes, S, K, F) factors, scaled from the nearest simulated size.
 
-    realised
-        (grid points, S, realisations, F). If there are few, the realisations of all sessions form one sample.
+    realized
+        (grid points, S, realizations, F). If there are few, the realizations of all sessions form one sample.
     """
-    sessions = realised.shape[1]
-    if realised.shape[2] < ENOUGH:
-        pooled = realised.reshape(len(realised), 1, -1, realised.shape[3])
-        realised = np.broadcast_to(pooled, (len(realised), sessions, *pooled.shape[2:]))
+    sessions = realized.shape[1]
+    if realized.shape[2] < ENOUGH:
+        pooled = realized.reshape(len(realized), 1, -1, realized.shape[3])
+        realized = np.broadcast_to(pooled, (len(realized), sessions, *pooled.shape[2:]))
     at_sizes = between_scaled if candidate.touches in (Touches.SLOW_RATE, Touches.RATE) else interpolated
-    mean, spread = _moments(at_sizes(candidate, realised))
-    of_nodes, spread_of_nodes = _moments(realised)
+    mean, spread = _moments(at_sizes(candidate, realized))
+    of_nodes, spread_of_nodes = _moments(realized)
     covariances = [
         [covariance_of(own - middle) for own, middle in zip(*node, strict=True)]
-        for node in zip(realised, of_nodes, strict=True)
+        for node in zip(realized, of_nodes, strict=True)
     ]
     nearest = np.abs(np.log(candidate.sizes[:, None] / candidate.grid_points)).argmin(axis=1)
     node_spread = spread_of_nodes[nearest]
@@ -195,10 +198,10 @@ def _random(candidate: Candidate, realised: Floats) -> tuple[Floats, Floats, Flo
     return mean, scatter, factors[nearest] * scale[:, :, None]
 
 
-def _moments(realised: Floats) -> tuple[Floats, Floats]:
-    """Mean and standard deviation over realisations, the second last axis; linear features have mean 0."""
-    mean: Floats = np.where(LINEAR, 0.0, realised.mean(axis=-2))
-    return mean, np.sqrt(np.square(realised - mean[..., None, :]).mean(axis=-2))
+def _moments(realized: Floats) -> tuple[Floats, Floats]:
+    """Mean and standard deviation over realizations, the second last axis; linear features have mean 0."""
+    mean: Floats = np.where(LINEAR, 0.0, realized.mean(axis=-2))
+    return mean, np.sqrt(np.square(realized - mean[..., None, :]).mean(axis=-2))
 
 
 def _padded(every: Sequence[Floats], count: int) -> Floats:
@@ -207,6 +210,7 @@ def _padded(every: Sequence[Floats], count: int) -> Floats:
 
 
 def _coarse(counts: Sequence[int]) -> Iterator[int]:
+    """Indices of the points that are tried first, from the numbers of points of the responses."""
     start = 0
     for count in counts:
         step = COARSE_STEP if count > COARSE_STEP else 1

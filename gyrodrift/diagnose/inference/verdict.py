@@ -17,10 +17,11 @@ NEGLIGIBLE_DEG = 0.3
 """Mean absolute yaw in a session below which a small effect is negligible."""
 
 ADOPTED_FROM = 0.5
-"""Probability of a cause from which on it goes into the rig that is written: it acts rather than not."""
+"""Probability from which on a cause goes into the rig that is written: it is more probable than not."""
 
 OPEN_FROM = 0.15
-"""Probability of something unknown from which on a question is open. Chosen: as large as the share of the gap."""
+"""Probability of something unknown from which on a question is open. Chosen: the share of the gap that may stay open,
+1 - CLOSED."""
 
 
 class Kind(StrEnum):
@@ -39,7 +40,7 @@ class NamedCause:
     meaning
         A sentence for a person.
     group_probability
-        Probability that it acts, or an effect tied with it.
+        Probability that the effect acts, or an effect tied with it.
     gap_share
         Share of the gap that returns if only the other causes are added to the rig.
     """
@@ -56,7 +57,7 @@ class NamedCause:
 
     @property
     def expected_share(self) -> float:
-        """Expected share of the gap that it explains, or an effect tied with it: probability times `gap_share`."""
+        """Expected share of the gap that the effect or its ties explain: `group_probability` times `gap_share`."""
         return self.group_probability * self.gap_share
 
     @property
@@ -66,7 +67,7 @@ class NamedCause:
 
     @property
     def is_adopted(self) -> bool:
-        """Whether the rig that is written has it."""
+        """Whether the cause goes into the rig that is written."""
         return self.probability >= ADOPTED_FROM
 
     @property
@@ -98,9 +99,9 @@ class Verdict:
     """The verdict.
 
     causes
-        The most probable first, as in `gap.json`.
+        Causes, the most probable first, as in `gap.json`.
     where, unexplained
-        Deviating features of the rig, and of the rig with the causes; the worst first.
+        Features that deviate from the rig, and from the rig with the causes, the worst first.
     negligible
         Effects that act and hardly change yaw.
     probability_none, probability_unknown
@@ -158,8 +159,8 @@ def set_aside(verdict: Verdict, costs_deg: Mapping[str, float]) -> Verdict:
 def without_causes(verdict: Verdict, causes: Collection[str], forms: Collection[str], evidence: Evidence) -> Verdict:
     """The verdict without some causes, and without some out-of-catalog forms, given by their features.
 
-    A feature beyond the threshold stays. If only forms are removed, features that deviate together alone do not: a form
-    of chance made them probable.
+    A deviating feature beyond the threshold stays. Below the threshold, the feature of a removed form goes. If only
+    forms are removed, all features below the threshold go, because they were listed for the forms.
     """
 
     def stays(deviation: Deviation) -> bool:

@@ -75,10 +75,10 @@ def test_shrinkage_is_near_1_for_independent_noise_and_near_0_for_a_common_facto
 
 def test_a_covariance_keeps_the_variance_of_each_feature() -> None:
     """Scatter and factors together; a feature that stays where it is has neither."""
-    realised = np.random.default_rng(4).standard_normal((16, F)) * np.array([3.0, 1.0, 0.5, 2.0, 1.0, 0.0])
-    realised = realised - realised.mean(axis=0)
-    result = covariance_of(realised)
-    assert result.scatter + np.square(result.factors).sum(axis=0) == pytest.approx(np.square(realised).mean(axis=0))
+    realized = np.random.default_rng(4).standard_normal((16, F)) * np.array([3.0, 1.0, 0.5, 2.0, 1.0, 0.0])
+    realized = realized - realized.mean(axis=0)
+    result = covariance_of(realized)
+    assert result.scatter + np.square(result.factors).sum(axis=0) == pytest.approx(np.square(realized).mean(axis=0))
     assert (result.scatter >= -1e-12).all()
     assert len(result.factors) <= MOST_FACTORS
     assert not result.factors[:, 5].any()

@@ -135,8 +135,8 @@ def test_realisations_are_kept_for_each_session() -> None:
     draws = np.array([[row({"time": 3.0}), row({"time": 1.0})], [row({"time": -3.0}), row({})]])
     tables = [table(str(number), NONE + np.zeros((2, 1)), {key(one): draw[None]}) for number, draw in enumerate(draws)]
     (response,) = evidence_of(tables, [one]).responses
-    assert response.realised is not None
-    assert np.array_equal(response.realised[0], draws)
+    assert response.realized is not None
+    assert np.array_equal(response.realized[0], draws)
     assert response.mean[0, :, NUMBER["time"]] == pytest.approx([2.0, -1.5])
 
 

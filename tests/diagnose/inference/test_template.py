@@ -129,7 +129,7 @@ def test_a_phase_of_each_session_costs_its_occam_factor() -> None:
     assert without - with_phases == pytest.approx(expected)
 
 
-def realised(count: int) -> Floats:
+def realized(count: int) -> Floats:
     """(sessions, realisations, F) at size 1: a rate of either sign, and a variance that is 1.5 times as large."""
     draws = np.random.default_rng(1).standard_normal((SESSIONS, count, 1))
     draws -= draws.mean(axis=1, keepdims=True)
@@ -143,11 +143,11 @@ def _variance(template: Template) -> Floats:
 
 def test_a_linear_feature_of_a_random_effect_has_no_mean() -> None:
     """It may go either way; a logarithm of a variance has a mean."""
-    tried = simulated_at_random("bias_instability", realised(32))
+    tried = simulated_at_random("bias_instability", realized(32))
     template = template_of(tried._replace(candidate=replace(tried.candidate, touches=Touches.SLOW_RATE)))
     variance = _variance(template)
     assert not template.mean[:, :, RATE].any()
-    expected = np.square(realised(32)[:, :, RATE]).mean(axis=1)
+    expected = np.square(realized(32)[:, :, RATE]).mean(axis=1)
     assert variance[:, :, RATE] == pytest.approx(np.square(template.size)[:, None] * expected)
     assert template.mean[:, :, NUMBER[LOG]] == pytest.approx(np.log(1.5) * template.size[:, None] * np.ones(SESSIONS))
 
@@ -155,7 +155,7 @@ def test_a_linear_feature_of_a_random_effect_has_no_mean() -> None:
 def test_a_few_realisations_of_all_sessions_are_one_sample() -> None:
     """Enough of them are the session's own."""
     few, many = (
-        template_of(simulated_at_random("bias_instability", realised(count))) for count in (ENOUGH - 1, ENOUGH)
+        template_of(simulated_at_random("bias_instability", realized(count))) for count in (ENOUGH - 1, ENOUGH)
     )
     variances = [_variance(template)[-1, :, RATE] for template in (few, many)]
     assert np.ptp(variances[0]) == pytest.approx(0.0, abs=1e-9)

@@ -70,8 +70,8 @@ FAULTS = (
     Fault(
         "diagnose/random-mean",
         TEMPLATE,
-        "mean: Floats = np.where(LINEAR, 0.0, realised.mean(axis=-2))",
-        "mean: Floats = realised.mean(axis=-2)",
+        "mean: Floats = np.where(LINEAR, 0.0, realized.mean(axis=-2))",
+        "mean: Floats = realized.mean(axis=-2)",
         "A random effect goes the way that its few realisations went on average.",
         TEMPLATE_TESTS,
     ),
