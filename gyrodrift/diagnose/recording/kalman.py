@@ -1,8 +1,8 @@
-"""Forward filter and backward sampler of a motion, compiled: angle, rate, acceleration, and the bias of the gyro.
+"""Forward filter and backward sampler of a motion, compiled. States are angle, rate, acceleration and gyro bias.
 
-A Kalman filter whose measurements are scalars and come one after the other, and the backward pass of S. Frühwirth-
-Schnatter, Data augmentation and dynamic linear models (1994), which draws a path from the posterior of all states; with
-no noise in it, the pass is the smoother of H. E. Rauch, F. Tung and C. T. Striebel (1965).
+The forward pass is a Kalman filter with sequential scalar measurements. The backward pass draws a path from the joint
+posterior of all states (S. Frühwirth-Schnatter, Data augmentation and dynamic linear models, 1994). Without random
+numbers it is the smoother of H. E. Rauch, F. Tung and C. T. Striebel (1965).
 """
 
 import numpy as np
@@ -15,24 +15,27 @@ STATES = 4
 """Angle, degrees; rate, deg/s; acceleration, deg/s²; bias, deg/s."""
 
 NOT_MEASURED = 0.0
-"""A variance of this says that there is no such measurement at a sample."""
+"""Variance that marks a sample without the measurement."""
 
 LEAST_RANK = 1e-16
-"""Pivots below it are rounding."""
+"""Cholesky pivots up to this value are rounding errors, and count as 0."""
 
 LEAST_VARIANCE = 1e-14
-"""Of any state: keeps a covariance from losing its positive diagonal to rounding."""
+"""Lower bound of the variance of a state. Rounding could make it negative."""
 
 
 Array = npt.NDArray[np.float64]
-Passed = tuple[Floats, Floats, Floats, Floats]
-"""What a filter leaves for the way back: means (n, 4) and covariances (n, 4, 4) after each sample, and the drives. What
-was predicted for a sample follows from these; to keep it takes longer than to work it out again."""
+FilteredStates = tuple[Floats, Floats, Floats, Floats]
+"""Input of the backward pass: means, (n, 4), and covariances, (n, 4, 4), after each sample, and the intensities of jerk
+and bias walk, (n,).
+
+Predictions are not stored: to compute them again is faster.
+"""
 
 
 @compiled_once(nogil=False, inline="always")
 def _copy(mean: Array, covariance: Array, to_mean: Array, to_covariance: Array) -> None:
-    """A state by its numbers: what numba makes of slices takes it seconds to compile."""
+    """Copy a state element by element: numba needs seconds to compile slices."""
     for i in range(4):
         to_mean[i] = mean[i]
         for j in range(4):
@@ -41,27 +44,41 @@ def _copy(mean: Array, covariance: Array, to_mean: Array, to_covariance: Array) 
 
 @compiled_once(nogil=False, inline="always")
 def _measure(mean: Array, covariance: Array, weights: Array, value: float, variance: float, gain: Array) -> None:
-    """Take a scalar measurement into a state, in place."""
-    spread, away = variance, value
+    """Update a state with a scalar measurement, in place.
+
+    weights
+        (4,) derivatives of the measured value with respect to the state.
+    gain
+        (4,) working memory.
+    """
+    innovation_variance, innovation = variance, value
     for i in range(4):
         gain[i] = 0.0
         for j in range(4):
             gain[i] += covariance[i, j] * weights[j]
-        spread += weights[i] * gain[i]
-        away -= weights[i] * mean[i]
+        innovation_variance += weights[i] * gain[i]
+        innovation -= weights[i] * mean[i]
     for i in range(4):
-        share = gain[i] / spread
-        mean[i] += share * away
+        share = gain[i] / innovation_variance
+        mean[i] += share * innovation
         for j in range(i + 1):
-            less = covariance[i, j] - share * gain[j]
-            covariance[i, j] = less
-            covariance[j, i] = less
+            updated = covariance[i, j] - share * gain[j]
+            covariance[i, j] = updated
+            covariance[j, i] = updated
         covariance[i, i] = max(covariance[i, i], LEAST_VARIANCE)
 
 
 @compiled_once(nogil=False, inline="always")
 def _predict(mean: Array, covariance: Array, t: float, jerk: float, walk: float) -> None:
-    """Take a state to the next sample, in place: first its rows and then its columns go through the same step."""
+    """Predict the state of the next sample, in place.
+
+    The covariance is multiplied by the transition matrix from the left, row by row, then from the right.
+
+    t
+        Sample period, s.
+    jerk, walk
+        Intensities of the white noises that drive acceleration, deg²/s⁵, and bias, deg²/s³.
+    """
     half = 0.5 * t * t
     mean[0] += t * mean[1] + half * mean[2]
     mean[1] += t * mean[2]
@@ -88,39 +105,44 @@ def _predict(mean: Array, covariance: Array, t: float, jerk: float, walk: float)
 
 @compiled_once(nogil=False, inline="always")
 def _cholesky(matrix: Array, lower: Array, inverse: Array) -> None:
-    """Lower triangle of a matrix that may lack rank, and of each pivot the inverse, 0 where it lacks it."""
+    """Write the Cholesky factor of a matrix, and the inverse of each pivot.
+
+    A matrix may lack rank: both are 0 for a pivot of at most LEAST_RANK.
+    """
     for i in range(4):
         for j in range(i):
-            rest = matrix[i, j]
+            remainder = matrix[i, j]
             for k in range(j):
-                rest -= lower[i, k] * lower[j, k]
-            lower[i, j] = rest * inverse[j]
-        rest = matrix[i, i]
+                remainder -= lower[i, k] * lower[j, k]
+            lower[i, j] = remainder * inverse[j]
+        remainder = matrix[i, i]
         for k in range(i):
-            rest -= lower[i, k] * lower[i, k]
-        lower[i, i] = np.sqrt(rest) if rest > LEAST_RANK else 0.0
-        inverse[i] = 1.0 / lower[i, i] if rest > LEAST_RANK else 0.0
+            remainder -= lower[i, k] * lower[i, k]
+        lower[i, i] = np.sqrt(remainder) if remainder > LEAST_RANK else 0.0
+        inverse[i] = 1.0 / lower[i, i] if remainder > LEAST_RANK else 0.0
 
 
 @compiled_once(nogil=False)
-def filtered(
+def filter_forward(
     period_s: float,
     angles: tuple[Floats, Floats],
     edges: tuple[Floats, Floats],
     rates: tuple[Floats, Floats],
     rest_variance: Floats,
     drives: tuple[Floats, Floats],
-) -> Passed:
-    """Take all that was measured into a state, from the first sample to the last.
+) -> FilteredStates:
+    """Filter all measurements from the first sample to the last.
+
+    Arrays have the shape (n,). A variance of NOT_MEASURED marks a sample without the measurement.
 
     angles
-        Angle at each sample, degrees, and its variance.
+        Angle at a sample, degrees, and its variance.
     edges
-        Angle half a sample before, where the encoder counted, and its variance.
+        Angle half a sample before, at an edge between two encoder counts, and its variance.
     rates
-        Rate of the gyro, deg/s, bias in it, and its variance.
+        Rate of the gyro with its bias, deg/s, and its variance.
     rest_variance
-        Of a rate that is 0, where the device rests.
+        Variance of the rate of a device at rest.
     drives
         Intensities of the white noises that drive acceleration, deg²/s⁵, and bias, deg²/s³.
     """
@@ -147,18 +169,26 @@ def filtered(
 
 
 @compiled_once(nogil=False)
-def smoothed_back(  # noqa: C901, PLR0912 - one compiled pass
+def sample_backward(  # noqa: C901, PLR0912 - one compiled pass
     period_s: float,
-    passed: Passed,
+    filtered: FilteredStates,
     noise: Floats,
     is_drawn: bool,  # noqa: FBT001 - numba takes no keywords
 ) -> Floats:
-    """Angle and rate at each sample, (n, 2): a path drawn by standard normal numbers, (n, 4), or the mean of all."""
-    means, covariances, jerk, walk = passed
+    """Angle and rate at each sample, (n, 2): a path from the posterior, or the posterior mean.
+
+    noise
+        (n, 4) standard normal numbers of a drawn path.
+    is_drawn
+        Whether a path is drawn; `noise` is ignored otherwise.
+    """
+    means, covariances, jerk, walk = filtered
     count, t = len(means), period_s
     half = 0.5 * t * t
-    lower, gain, ahead, rest = np.zeros((4, 4)), np.zeros((4, 4)), np.zeros((4, 4)), np.zeros((4, 4))
+    # `ahead` is the covariance of a state and its successor, `conditional` that of a state given its successor.
+    lower, gain, ahead, conditional = np.zeros((4, 4)), np.zeros((4, 4)), np.zeros((4, 4)), np.zeros((4, 4))
     predicted_mean, predicted = np.zeros(4), np.zeros((4, 4))
+    # `last` is the deviation of the successor from its prediction.
     d, state, last, inverse = np.zeros(4), np.zeros(4), np.zeros(4), np.zeros(4)
     path = np.empty((count, 2))
     for k in range(count - 1, -1, -1):
@@ -173,15 +203,15 @@ def smoothed_back(  # noqa: C901, PLR0912 - one compiled pass
             _cholesky(predicted, lower, inverse)
             for r in range(4):
                 for i in range(4):
-                    left = ahead[r, i]
+                    remainder = ahead[r, i]
                     for j in range(i):
-                        left -= lower[i, j] * d[j]
-                    d[i] = left * inverse[i]
+                        remainder -= lower[i, j] * d[j]
+                    d[i] = remainder * inverse[i]
                 for i in range(3, -1, -1):
-                    left = d[i]
+                    remainder = d[i]
                     for j in range(i + 1, 4):
-                        left -= lower[j, i] * gain[r, j]
-                    gain[r, i] = left * inverse[i]
+                        remainder -= lower[j, i] * gain[r, j]
+                    gain[r, i] = remainder * inverse[i]
         for i in range(4):
             state[i] = means[k, i]
             for j in range(4):
@@ -189,11 +219,11 @@ def smoothed_back(  # noqa: C901, PLR0912 - one compiled pass
         if is_drawn:
             for i in range(4):
                 for j in range(i + 1):
-                    left = covariances[k, i, j]
+                    remainder = covariances[k, i, j]
                     for r in range(4):
-                        left -= gain[i, r] * ahead[j, r]
-                    rest[i, j] = left
-            _cholesky(rest, lower, inverse)
+                        remainder -= gain[i, r] * ahead[j, r]
+                    conditional[i, j] = remainder
+            _cholesky(conditional, lower, inverse)
             for i in range(4):
                 for j in range(i + 1):
                     state[i] += lower[i, j] * noise[k, j]

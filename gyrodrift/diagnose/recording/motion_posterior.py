@@ -1,9 +1,10 @@
-"""The posterior of a recording's motion: all that its encoder and its gyro leave possible.
+"""Posterior distribution of the motion of a recording, given its encoder and its gyro.
 
-A count of an encoder says that the angle lies within an interval, and the moment at which it changes says where the
-angle was. Where counts follow fast, each is a measurement with the variance of its interval; where one count stands
-long, all its samples together are one such measurement, and what is known well is the edge that was crossed. What is
-quicker than the counts is the gyro's: its bias walks in the model, so that slow errors of the gyro bend no motion.
+An encoder count states an interval of the angle, and the moment of its change states the angle at an edge. If the
+count changes at every sample, a sample is a measurement with the variance of the interval. If a count is constant for
+long, all its samples together are a single such measurement, and the edge is known more precisely. Motion that is
+quicker than the counts is taken from the gyro. Its bias is a random walk in the model, so that slow errors of the gyro
+do not change the motion.
 """
 
 from dataclasses import dataclass, field
@@ -16,7 +17,7 @@ from scipy.ndimage import maximum_filter1d, uniform_filter1d
 from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.diagnose.recording.counted_rests import CountedRests
 from gyrodrift.diagnose.recording.gyro_noise import NOISE_GAIN, GyroModel, middle_sigma, noise_dps
-from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, Passed, filtered, smoothed_back
+from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, FilteredStates, filter_forward, sample_backward
 from gyrodrift.diagnose.recording.local_cubic import local_cubic
 from gyrodrift.diagnose.recording.motion import ReplayedMotion, rough_rate_dps, sensor_c_of
 from gyrodrift.diagnose.recording.outliers import Cleaned, is_at_limit, steps_of
@@ -26,42 +27,52 @@ from gyrodrift.diagnose.recording.smoothing import central_difference, gaussian
 
 JERK_STEPS_S = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2)
 JERK_WINDOW_STEPS = 3
-"""How hard the motion is driven shows in second differences of the rate over short steps where it is quick, over long
-ones where it is gentle; within so many steps."""
+"""Steps over which second differences of the rate show the jerk, and the window of their mean square, in steps.
+
+Quick motion shows in short steps, slow motion in long ones.
+"""
 
 JERK_GAIN = 0.6
-"""Variance of such a difference of means, over intensity of the jerk times the third power of the step."""
+"""Variance of a second difference of means, divided by the intensity of the jerk times the third power of the step."""
 
 NOISE_SHARES = 5.0
-"""So many times what noise makes of it, and less, is no jerk."""
+"""Multiple of the variance by noise that is subtracted from the mean square of these differences."""
 
 STEADY_S = 4.0
-"""Time over which the rate is averaged where nothing drives the motion."""
+"""Time over which the filter averages the rate of a motion without jerk: sets the least intensity of the jerk."""
 
 CROSSOVER_HZ = 0.1
-"""Below it the encoder, above it the gyro says how the device moves."""
+"""Frequency below which the encoder determines the motion, and above which the gyro does."""
 
 BIAS_SHARE, BIAS_STEP_S = 0.02, 0.1
-"""Of its acceleration over so long, by which the bias of the gyro may change: errors of its gain go with the motion."""
+"""Change of the bias in the model, as a share of the change of the rate in this time, s.
+
+An error of the gain looks like a bias that changes with the rate.
+"""
 
 SMOOTH_S = 0.35
-"""Widest half window over which a motion is taken for a cubic."""
+"""Widest half window in which a motion is approximated by a cubic."""
 
 CREEP_LIKE = 0.5
-"""A count that stands between two steps of one direction, and no longer than its neighbours over this, is creeping."""
+"""Least ratio of the shorter neighboring count to a count, in time, at which the count belongs to a creeping motion.
+
+Both steps must have the same direction.
+"""
 
 STILL_DEG = 0.01
-"""Stands for a count of an encoder that never moved."""
+"""Step of an encoder that never moves."""
 
 REST_VARIANCE, REST_JERK = 1e-6, 1e-3
-"""Of the rate at rest, (deg/s)², and of the jerk beside that of steady motion."""
+"""Variance of the rate at rest, (deg/s)², and the jerk at rest as a share of the least jerk."""
 
 RAMP_SAMPLES = 512
-"""Over so many, values go to 0 beyond either end before they are moved in time: a step there would ring."""
+"""Length of a ramp to 0 that is added at both ends before a shift in time: a step would cause ringing."""
 
 DRAW_SMOOTH_S = 0.1
-"""Standard deviation of the Gaussian over what a drawn path is off the mean: the roughness of the model's white jerk,
-which no table has, would pass for noise of the gyro."""
+"""Standard deviation of the Gaussian that smooths the difference of a drawn path from the mean.
+
+The model has white jerk, and a table does not. The roughness of the model would count as noise of the gyro.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,21 +80,21 @@ class MotionPosterior:
     """Distribution of a recording's motion, from which paths are drawn.
 
     mean
-        The smoothed motion.
-    passed
-        What the forward filter gave.
+        Smoothed motion.
+    filtered
+        Result of the forward filter.
     rests
-        First sample, and the one after the last, of each rest.
+        First and end sample of every rest.
     encoder_deg
-        (n,) angles of the encoder that it follows.
+        (n,) angles of the encoder, corrected for its known errors.
     sigma_dps
         White noise of a sample of the gyro.
     quick, lacking
-        Spectrum of the motion, and the power by band that is not in its mean.
+        Spectrum of the motion, and its power by band that the mean lacks.
     """
 
     mean: ReplayedMotion
-    passed: Passed = field(repr=False)
+    filtered: FilteredStates = field(repr=False)
     rests: tuple[tuple[int, int], ...] = field(repr=False)
     encoder_deg: Floats = field(repr=False)
     sigma_dps: float
@@ -91,12 +102,12 @@ class MotionPosterior:
     lacking: Floats = field(repr=False)
 
     def draw(self, rng: np.random.Generator, within: CountedRests) -> ReplayedMotion:
-        """A motion that encoder and gyro leave possible, and that rests within the counts that were seen."""
+        """Random motion from the posterior that rests within the counts of the encoder."""
         noise = rng.standard_normal((len(self.mean.angle_deg), STATES))
-        path = smoothed_back(self.mean.period_s, self.passed, noise, True)
+        path = sample_backward(self.mean.period_s, self.filtered, noise, True)
         away_deg = gaussian(path[:, 0] - self.mean.angle_deg, DRAW_SMOOTH_S / self.mean.period_s)
         away_deg += within.correction_deg(self.mean.angle_deg + away_deg)
-        # The rate is that of the very angles, or gyro and encoder would see two motions.
+        # The rate is the derivative of these angles. Otherwise gyro and encoder would measure different motions.
         away_dps = central_difference(away_deg, self.mean.period_s)
         mean, away = (
             np.column_stack(pair) for pair in ((self.mean.angle_deg, self.mean.rate_dps), (away_deg, away_dps))
@@ -104,21 +115,25 @@ class MotionPosterior:
         return _motion(mean + away + self.quick.drawn(rng, self.lacking), self.mean, self.rests)
 
 
-def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | None = None) -> MotionPosterior:
-    """Of a recording without holes, outliers and jumps; `encoder_deg` are its angles where they were corrected."""
-    period_s = seen.recording.period_s
-    angle_deg = seen.encoder_deg if encoder_deg is None else encoder_deg
-    is_clipped = is_at_limit(seen.rate_dps, angle_deg, period_s)
-    scatters = ~is_clipped & ((seen.rate_dps != 0.0) | (not gyro.hides_rest))
-    sigma_dps = max(noise_dps(seen.rate_dps[scatters], period_s, gyro), gyro.count_dps / float(np.sqrt(12.0)))
-    known_dps = seen.rate_dps
+def motion_posterior_of(cleaned: Cleaned, gyro: GyroModel, encoder_deg: Floats | None = None) -> MotionPosterior:
+    """Posterior of the motion of a recording.
+
+    encoder_deg
+        (n,) angles of the encoder, corrected for its known errors; None takes those of the recording.
+    """
+    period_s = cleaned.recording.period_s
+    angle_deg = cleaned.encoder_deg if encoder_deg is None else encoder_deg
+    is_clipped = is_at_limit(cleaned.rate_dps, angle_deg, period_s)
+    scatters = ~is_clipped & ((cleaned.rate_dps != 0.0) | (not gyro.hides_rest))
+    sigma_dps = max(noise_dps(cleaned.rate_dps[scatters], period_s, gyro), gyro.count_dps / float(np.sqrt(12.0)))
+    known_dps = cleaned.rate_dps
     if is_clipped.any():
-        known_dps = np.where(is_clipped, rough_rate_dps(seen.recording, angle_deg), known_dps)
+        known_dps = np.where(is_clipped, rough_rate_dps(cleaned.recording, angle_deg), known_dps)
     rate_dps = _advanced(known_dps, gyro.delay_s / period_s)
-    angles, edges, stands_s = _measurements(seen, angle_deg)
-    at_rest = rest_mask(rate_dps, stands_s, sigma_dps, period_s, seen.step_deg)
+    angles, edges, stands_s = _measurements(cleaned, angle_deg)
+    at_rest = rest_mask(rate_dps, stands_s, sigma_dps, period_s, cleaned.step_deg)
     quick = quick_motion_of(rate_dps, at_rest, ~at_rest & ~is_clipped, period_s, gyro)
-    # Motion that never ends widens an estimate by samples; where it has no part, both differ by less than a fifth.
+    # Motion that never ends increases the estimate from samples. Without it both estimates differ by less than a fifth.
     if quick.white_dps is not None and quick.white_dps < 0.8 * sigma_dps:
         sigma_dps = quick.white_dps
     jerk = _jerk(rate_dps, sigma_dps, period_s)
@@ -128,63 +143,74 @@ def motion_posterior_of(seen: Cleaned, gyro: GyroModel, encoder_deg: Floats | No
     crossover = sigma_dps**2 * period_s * (2.0 * np.pi * CROSSOVER_HZ) ** 2
     walk = crossover + BIAS_STEP_S * np.square(BIAS_SHARE * change_dpss)
     rates = rate_dps, np.where(is_clipped, NOT_MEASURED, sigma_dps**2)
-    passed = filtered(period_s, angles, edges, rates, np.where(at_rest, REST_VARIANCE, NOT_MEASURED), (jerk, walk))
-    none = np.zeros((1, STATES))
-    path = _smooth(smoothed_back(period_s, passed, none, False), sigma_dps, period_s)
+    at_rests = np.where(at_rest, REST_VARIANCE, NOT_MEASURED)
+    filtered = filter_forward(period_s, angles, edges, rates, at_rests, (jerk, walk))
+    no_noise = np.zeros((1, STATES))
+    path = _smooth(sample_backward(period_s, filtered, no_noise, False), sigma_dps, period_s)
     path, lacking = quick.completed(path, rate_dps)
-    found = true_runs(at_rest)
-    like = ReplayedMotion(period_s, path[:, 0], path[:, 1], sensor_c_of(seen.recording), seen.recording.powered_s)
-    return MotionPosterior(_motion(path, like, found), passed, found, angle_deg, sigma_dps, quick, lacking)
+    rests = true_runs(at_rest)
+    recording = cleaned.recording
+    model = ReplayedMotion(period_s, path[:, 0], path[:, 1], sensor_c_of(recording), recording.powered_s)
+    return MotionPosterior(_motion(path, model, rests), filtered, rests, angle_deg, sigma_dps, quick, lacking)
 
 
 def _smooth(path: Floats, sigma_dps: float, period_s: float) -> Floats:
-    """A path without the noise of the gyro, as far as it is smooth; what is slower than SMOOTH_S stays as it is."""
+    """(n, 2) path with less noise of the gyro. Motion slower than SMOOTH_S does not change."""
     angle_deg, rate_dps = path[:, 0], path[:, 1]
-    less_dps = local_cubic(rate_dps, sigma_dps, samples_in(SMOOTH_S, period_s)) - rate_dps
-    less_deg = cumulative_trapezoid(less_dps, dx=period_s, initial=0.0)
-    slow_deg = gaussian(less_deg, SMOOTH_S / period_s)
-    # A derivative of `less_deg` would leave in the path what alternates from sample to sample.
-    less_dps -= central_difference(slow_deg, period_s)
-    return np.column_stack([angle_deg + less_deg - slow_deg, rate_dps + less_dps])
+    change_dps = local_cubic(rate_dps, sigma_dps, samples_in(SMOOTH_S, period_s)) - rate_dps
+    change_deg = cumulative_trapezoid(change_dps, dx=period_s, initial=0.0)
+    slow_deg = gaussian(change_deg, SMOOTH_S / period_s)
+    # The derivative of `change_deg` as the new rate would keep noise that alternates from sample to sample.
+    change_dps -= central_difference(slow_deg, period_s)
+    return np.column_stack([angle_deg + change_deg - slow_deg, rate_dps + change_dps])
 
 
-def _motion(path: Floats, like: ReplayedMotion, rests: tuple[tuple[int, int], ...]) -> ReplayedMotion:
-    """A path of angles and rates, that stands still where it rests."""
+def _motion(path: Floats, model: ReplayedMotion, rests: tuple[tuple[int, int], ...]) -> ReplayedMotion:
+    """Motion of a path, (n, 2), with constant angles in its rests; period and temperature are those of `model`."""
     angle_deg, rate_dps = path[:, 0].copy(), path[:, 1].copy()
     for first, end in rests:
         angle_deg[first:end] = angle_deg[first:end].mean()
         rate_dps[first:end] = 0.0
-    return ReplayedMotion(like.period_s, angle_deg, rate_dps, like.sensor_c, like.powered_s)
+    return ReplayedMotion(model.period_s, angle_deg, rate_dps, model.sensor_c, model.powered_s)
 
 
-def _measurements(seen: Cleaned, angle_deg: Floats) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats], Floats]:
-    """Angles and edges with their variances, and how long the count of each sample stands, s; shape (n,) each.
+def _measurements(cleaned: Cleaned, angle_deg: Floats) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats], Floats]:
+    """Angles and edges with their variances, and time for which the count of a sample is constant, s; all (n,).
 
-    A count that stands while the device creeps does not stand at all.
+    This time is 0 while the device creeps.
     """
-    steps_deg = steps_of(seen.recording.encoder_deg)
+    steps_deg = steps_of(cleaned.recording.encoder_deg)
     count_deg = steps_deg.mean or STILL_DEG
-    counts = np.rint(seen.encoder_deg / count_deg)
+    counts = np.rint(cleaned.encoder_deg / count_deg)
     begins = np.flatnonzero(np.concatenate([[True], np.diff(counts) != 0.0]))
     lengths = np.diff(np.concatenate([begins, [len(counts)]]))
     lasts = np.repeat(lengths, lengths)
-    most = samples_in(STANDS_MOST_S, seen.recording.period_s)
-    own = max(count_deg**2 / 12.0 + steps_deg.scatter**2, _encoder_noise_deg(seen) ** 2)
-    variance = np.where(np.isfinite(seen.recording.encoder_deg), own * np.minimum(lasts, most), NOT_MEASURED)
+    most = samples_in(STANDS_MOST_S, cleaned.recording.period_s)
+    count_variance = max(count_deg**2 / 12.0 + steps_deg.scatter**2, _encoder_noise_deg(cleaned) ** 2)
+    # The samples of a constant count are a single measurement together.
+    is_measured = np.isfinite(cleaned.recording.encoder_deg)
+    variance = np.where(is_measured, count_variance * np.minimum(lasts, most), NOT_MEASURED)
     edge_deg, edge_variance = np.zeros(len(counts)), np.zeros(len(counts))
     shorter = np.minimum(lengths[1:], lengths[:-1])
     steps = counts[begins[1:]] - counts[begins[1:] - 1]
     clear = (np.abs(steps) == 1.0) & (shorter > 1)
-    at = begins[1:][clear]
+    after = begins[1:][clear]
     between_deg = 0.5 * count_deg * steps[clear]
-    edge_deg[at] = angle_deg[at] - between_deg
-    edge_variance[at] = own / np.square(shorter[clear]) + steps_deg.scatter**2
+    edge_deg[after] = angle_deg[after] - between_deg
+    # In a sample the angle moves by about a count divided by the samples of the shorter count.
+    edge_variance[after] = count_variance / np.square(shorter[clear]) + steps_deg.scatter**2
     stands = np.where(np.repeat(_creeping(steps, lengths), lengths), 0, lasts)
-    return (angle_deg, variance), (edge_deg, edge_variance), stands * seen.recording.period_s
+    return (angle_deg, variance), (edge_deg, edge_variance), stands * cleaned.recording.period_s
 
 
 def _creeping(steps: Floats, lengths: Integers) -> Mask:
-    """Which counts are those of a slow motion: a stair of one direction, whose steps are of about one length."""
+    """(counts,) whether a count belongs to a creeping motion: steps of the same direction and similar length.
+
+    steps
+        (counts - 1,) changes from a count to the next.
+    lengths
+        (counts,) number of samples of a count.
+    """
     creeping = np.zeros(len(lengths), bool)
     if len(lengths) > 2:
         one_way = steps[1:] * steps[:-1] > 0.0
@@ -192,36 +218,39 @@ def _creeping(steps: Floats, lengths: Integers) -> Mask:
     return creeping
 
 
-def _encoder_noise_deg(seen: Cleaned) -> float:
-    """Standard deviation of an angle about the turn that the gyro feels, beyond its neighbours."""
-    turned_deg = np.cumsum(seen.rate_dps) * seen.recording.period_s
-    return middle_sigma(np.diff(seen.encoder_deg - turned_deg, 2)) / float(np.sqrt(NOISE_GAIN))
+def _encoder_noise_deg(cleaned: Cleaned) -> float:
+    """White noise of an angle, from second differences of the angle minus the integrated rate."""
+    integrated_deg = np.cumsum(cleaned.rate_dps) * cleaned.recording.period_s
+    return middle_sigma(np.diff(cleaned.encoder_deg - integrated_deg, 2)) / float(np.sqrt(NOISE_GAIN))
 
 
 def _jerk(rate_dps: Floats, sigma_dps: float, period_s: float) -> Floats:
-    """Intensity of the white noise that drives the acceleration, deg²/s⁵, at each sample."""
+    """(n,) intensity of the white jerk, deg²/s⁵, from the shortest step in which it exceeds noise."""
     intensity = np.zeros(len(rate_dps))
     sums = np.concatenate([[0.0], np.cumsum(rate_dps)])
-    for points in dict.fromkeys(samples_in(step_s, period_s) for step_s in JERK_STEPS_S):
-        if 3 * points > len(rate_dps):
+    for step in dict.fromkeys(samples_in(step_s, period_s) for step_s in JERK_STEPS_S):
+        if 3 * step > len(rate_dps):
             break
-        means_dps = (sums[points:] - sums[:-points]) / points
-        bends = np.square(means_dps[2 * points :] - 2.0 * means_dps[points:-points] + means_dps[: -2 * points])
-        window = JERK_WINDOW_STEPS * points
+        means_dps = (sums[step:] - sums[:-step]) / step
+        bends = np.square(means_dps[2 * step :] - 2.0 * means_dps[step:-step] + means_dps[: -2 * step])
+        window = JERK_WINDOW_STEPS * step
         power = maximum_filter1d(uniform_filter1d(bends, window), window)
-        over = np.maximum(power - NOISE_SHARES * NOISE_GAIN * sigma_dps**2 / points, 0.0)
-        first = (3 * points) // 2
-        over = np.pad(over, (first, len(rate_dps) - len(over) - first), mode="edge")
-        intensity = np.where(intensity > 0.0, intensity, over / (JERK_GAIN * (points * period_s) ** 3))
+        excess = np.maximum(power - NOISE_SHARES * NOISE_GAIN * sigma_dps**2 / step, 0.0)
+        first = (3 * step) // 2
+        excess = np.pad(excess, (first, len(rate_dps) - len(excess) - first), mode="edge")
+        intensity = np.where(intensity > 0.0, intensity, excess / (JERK_GAIN * (step * period_s) ** 3))
     return intensity
 
 
 def _advanced(values: Floats, samples: float) -> Floats:
-    """Values earlier by so many samples, in between by their spectrum: straight lines would weaken quick motion."""
+    """(n,) values that are earlier by a number of samples, by a phase shift of their spectrum.
+
+    Linear interpolation would weaken quick motion.
+    """
     if samples == 0.0:
         return values
     padded = np.pad(values, RAMP_SAMPLES, mode="linear_ramp")
     size = next_fast_len(len(padded), real=True)
-    turns = np.fft.rfftfreq(size) * samples
-    moved: Floats = np.fft.irfft(np.fft.rfft(padded, size) * np.exp(2j * np.pi * turns), size)
-    return moved[RAMP_SAMPLES : RAMP_SAMPLES + len(values)]
+    cycles = np.fft.rfftfreq(size) * samples
+    shifted: Floats = np.fft.irfft(np.fft.rfft(padded, size) * np.exp(2j * np.pi * cycles), size)
+    return shifted[RAMP_SAMPLES : RAMP_SAMPLES + len(values)]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, filtered, smoothed_back
+from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, filter_forward, sample_backward
 
 COUNT, PERIOD_S = 40, 0.05
 START_VARIANCES = np.array([1.0, 1e4, 1e6, 1.0])
@@ -90,16 +90,19 @@ def dense() -> tuple[Floats, Floats]:
 
 def test_the_mean_is_that_of_all_measurements_at_once() -> None:
     """Angle and rate at each sample, whatever is missing where."""
-    path = smoothed_back(PERIOD_S, filtered(PERIOD_S, *case()), np.zeros((1, STATES)), False)
+    path = sample_backward(PERIOD_S, filter_forward(PERIOD_S, *case()), np.zeros((1, STATES)), False)
     assert path == pytest.approx(dense()[0], abs=1e-6)
 
 
 def test_draws_scatter_as_the_posterior_does() -> None:
     """Each by its standard deviation, and with the others as it should: between samples, and angle with rate."""
-    passed, dice = filtered(PERIOD_S, *case()), np.random.default_rng(6)
+    states, dice = filter_forward(PERIOD_S, *case()), np.random.default_rng(6)
     mean, covariance = dense()
     drawn = np.array(
-        [smoothed_back(PERIOD_S, passed, dice.standard_normal((COUNT, STATES)), True).reshape(-1) for _ in range(DRAWS)]
+        [
+            sample_backward(PERIOD_S, states, dice.standard_normal((COUNT, STATES)), True).reshape(-1)
+            for _ in range(DRAWS)
+        ]
     )
     sigma = np.sqrt(np.diag(covariance))
     away = (drawn - mean.reshape(-1)) / sigma
@@ -114,7 +117,7 @@ def test_what_is_measured_exactly_is_kept() -> None:
     line_deg: Floats = 3.0 + 20.0 * PERIOD_S * np.arange(COUNT, dtype=np.float64)
     none = (np.zeros(COUNT), np.full(COUNT, NOT_MEASURED))
     drives = np.full(COUNT, 1e-6), np.full(COUNT, 1e-6)
-    passed = filtered(PERIOD_S, (line_deg, np.full(COUNT, 1e-8)), none, none, none[1], drives)
-    path = smoothed_back(PERIOD_S, passed, np.zeros((1, STATES)), False)
+    states = filter_forward(PERIOD_S, (line_deg, np.full(COUNT, 1e-8)), none, none, none[1], drives)
+    path = sample_backward(PERIOD_S, states, np.zeros((1, STATES)), False)
     assert path[:, 0] == pytest.approx(line_deg, abs=1e-4)
     assert path[:, 1] == pytest.approx(20.0, abs=1e-3)
