@@ -11,7 +11,7 @@ from gyrodrift.diagnose.features.vector import NUMBER, Facts, measure
 from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.motion_posterior import motion_posterior_of
-from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned
+from gyrodrift.diagnose.recording.outliers import Cleaned, clean
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.session.session import Session
 
@@ -61,7 +61,7 @@ def recorded(rate_dps: Floats, angle_deg: Floats = TRUE_DEG, cpr: int = COUNTS_P
 def true_design() -> DesignMatrix:
     """Of the worked-out motion itself, at room temperature."""
     motion = ReplayedMotion(PERIOD_S, TRUE_DEG, TRUE_DPS, np.full(len(T_S), 25.0), 0.0)
-    return design_matrix_of(cleaned(recorded(TRUE_DPS)), motion)
+    return design_matrix_of(clean(recorded(TRUE_DPS)), motion)
 
 
 def design_of(seen: Cleaned) -> DesignMatrix:
@@ -71,10 +71,10 @@ def design_of(seen: Cleaned) -> DesignMatrix:
 
 def observed(rate_dps: Floats) -> Observed:
     """A rate beside the worked-out motion."""
-    return Observed(cleaned(recorded(rate_dps)), true_design())
+    return Observed(clean(recorded(rate_dps)), true_design())
 
 
 def observed_beside(rate_dps: Floats, angle_deg: Floats, cpr: int = COUNTS_PER_TURN) -> Observed:
     """A rate beside another angle."""
-    seen = cleaned(recorded(rate_dps, angle_deg, cpr))
+    seen = clean(recorded(rate_dps, angle_deg, cpr))
     return Observed(seen, design_of(seen))

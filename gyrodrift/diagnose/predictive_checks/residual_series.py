@@ -12,7 +12,7 @@ from gyrodrift.diagnose.features.spectral_line import windows_within
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.predictive_checks.change_points import ChangePoint, change_points_of
 from gyrodrift.diagnose.recording.outliers import Cleaned
-from gyrodrift.diagnose.simulate.noise_beneath import with_noise_beneath
+from gyrodrift.diagnose.simulate.recalibration import recalibrated_with
 from gyrodrift.diagnose.simulate.twin import Subject
 
 FEW_WINDOWS = 4
@@ -183,5 +183,5 @@ def _replays(subject: Subject, sets: Sequence[tuple[NamedCause, ...]], seed: int
         first = sets.index(causes)
         effects = tuple(cause.in_session(seed - 1, subject.rig.effects) for cause in causes)
         is_new = first == index
-        played.append(with_noise_beneath(subject, effects).replayed(effects, seed) if is_new else played[first])
+        played.append(recalibrated_with(subject, effects).replayed(effects, seed) if is_new else played[first])
     return played

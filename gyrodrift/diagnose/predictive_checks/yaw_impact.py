@@ -9,7 +9,7 @@ from firmware_sim.effects.effect import Effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.recording.recording import Recording, filled
-from gyrodrift.diagnose.simulate.noise_beneath import corrected_recording, corrected_session
+from gyrodrift.diagnose.simulate.recalibration import corrected_recording, corrected_session
 from gyrodrift.diagnose.simulate.twin import Subject
 from gyrodrift.evaluation.cost import Cost
 from gyrodrift.evaluation.reference import Reference, reference_of

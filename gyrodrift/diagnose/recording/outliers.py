@@ -93,7 +93,7 @@ class Cleaned:
     delay_s: float
 
 
-def cleaned(recording: Recording) -> Cleaned:
+def clean(recording: Recording) -> Cleaned:
     """Interpolate the gaps of a recording, then remove its outliers and jumps."""
     rate_dps, encoder_deg = filled(recording.rate_dps), filled(recording.encoder_deg)
     rate_dps, spikes_dps = _without_outliers(recording, rate_dps, encoder_deg)

@@ -16,7 +16,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.levels import has_steps
-from gyrodrift.diagnose.recording.outliers import cleaned
+from gyrodrift.diagnose.recording.outliers import clean
 from gyrodrift.diagnose.recording.recording import Recording
 
 REACH_S = 0.1
@@ -52,7 +52,7 @@ class ReferenceResponse:
 
     def applied(self, recording: Recording) -> Recording:
         """Recording with the response applied to its reference. Jumps of the angle are no motion, and stay the same."""
-        angle_deg = cleaned(recording).encoder_deg
+        angle_deg = clean(recording).encoder_deg
         jumps_deg = recording.encoder_deg - angle_deg
         padded_deg = np.pad(angle_deg - angle_deg[0], len(self.weights) // 2, mode="edge")
         filtered_deg = np.correlate(padded_deg, np.array(self.weights), "valid")
@@ -105,7 +105,7 @@ def reference_response_of(recordings: Sequence[Recording]) -> ReferenceResponse 
 
 def _moments_of(recording: Recording, reach: int) -> _Moments:
     """Moments of the increments minus their means, so that the bias has no influence."""
-    samples = cleaned(recording)
+    samples = clean(recording)
     gyro_dps = 0.5 * (samples.rate_dps[1:] + samples.rate_dps[:-1])
     reference_dps = np.diff(samples.encoder_deg) / recording.period_s
     gyro_dps, reference_dps = gyro_dps - gyro_dps.mean(), reference_dps - reference_dps.mean()

@@ -1,8 +1,8 @@
-"""Calibration of a rig to a session, through the rig: base values at which it measures what the recording measured.
+"""Calibration of a rig to a session: base values with which the simulation has the noise and bias of the recording.
 
-Indirect inference (C. Gourieroux, A. Monfort and E. Renault, 1993): a statistic is taken of the recording and of a
-simulation of it, and the base value is moved until both agree. So noise that goes through a low-pass of the rig, or a
-bias beside one that an effect of the rig adds, is counted once.
+Indirect inference (C. Gourieroux, A. Monfort and E. Renault, 1993): a statistic of the recording is compared with that
+of its simulation, and the base value is adjusted until both agree. So noise is not low-passed twice, and a bias that an
+effect of the rig adds is not counted twice.
 """
 
 from dataclasses import dataclass, replace
@@ -27,35 +27,35 @@ from gyrodrift.diagnose.simulate.known_effects import error_dps, gyro_model_of
 from gyrodrift.simulation.sessions import as_recorded
 
 NEIGHBOURS = 100
-"""Arrivals whose median is taken away: clocks that wander are no jitter."""
+"""Arrivals in a group. The median of a group is subtracted, since a slow wander of the clocks is not jitter."""
 
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 
-LEANING = 0.5
-"""A scheduler's delays lean to one side: the lower nine twentieths span 0.28 of what the upper ones do. Waiting for the
-tick of a bus spreads evenly, and clocks scatter to both sides: these span 1."""
+SKEWED = 0.5
+"""Range of arrivals from 5 to 50 %, divided by that from 50 to 95 %, below which the delays count as exponential.
+Exponential delays, as of a scheduler, have 0.28. Waiting for the tick of a bus, and clock noise, have 1."""
 
 
 def host_jitter_s(recording: Recording) -> float | None:
-    """Mean of the exponential delay that arrivals show; None where there is none to be seen, s."""
+    """Mean of the exponential delay of arrivals, s; None if the arrivals show no such delay."""
     if recording.host_s is None:
         return None
     late_s = _without_wander(recording)
     low, lower, middle, upper, high = np.quantile(late_s, QUANTILES)
-    if not (middle - low) < LEANING * (high - middle):
+    if not (middle - low) < SKEWED * (high - middle):
         return None
     return float((upper - lower) / np.log(3.0))  # interquartile range over mean of an exponential distribution
 
 
 def host_delay_s(recording: Recording) -> float | None:
-    """Of the host behind the device, s; None where their clocks have no common zero."""
+    """Delay of the host's times against the device's, s; None if the clocks have no common zero."""
     ahead_s = recording.host_ahead_s
-    # Clocks that are further apart have zeros of their own.
+    # A negative delay, or one of more than 1 s, means that each clock has its own zero.
     return ahead_s if ahead_s is not None and 0.0 <= ahead_s <= 1.0 else None
 
 
 def with_host(base: Base, recording: Recording) -> Base:
-    """The base with the delay and jitter of a session, as far as it shows them."""
+    """The base values with the host delay and jitter that a session shows."""
     shown = {"host_jitter_s": host_jitter_s(recording), "host_delay_s": host_delay_s(recording)}
     return base.model_copy(update={name: value for name, value in shown.items() if value is not None})
 
@@ -72,12 +72,12 @@ def _without_wander(recording: Recording) -> Floats:
 
 
 ROUNDS = 3
-"""Simulations, each with the values that the one before led to."""
+"""Simulations in a calibration; every simulation uses the values adjusted after the previous one."""
 
 
 @dataclass(frozen=True, slots=True)
 class Level:
-    """What the base values are matched by: standard deviation of the white noise of a sample, and bias, deg/s."""
+    """Statistics that are matched: standard deviation of the white noise of a sample, and bias, deg/s."""
 
     white_dps: float
     bias_dps: float
@@ -86,48 +86,49 @@ class Level:
 def calibrated(
     cleaned: Cleaned, design: DesignMatrix, motion: ReplayedMotion, rig: Rig, least_noise_dps_rthz: float = 0.0
 ) -> Rig:
-    """The rig with sample rate, noise, bias and host of a session; its motions begin at the encoder's own angles.
+    """The rig with sample rate, noise, bias and host times of a session, and without an offset of the encoder.
 
     least_noise_dps_rthz
-        Less than that no recording of this device has, whatever it shows.
+        Lower bound of the noise.
     """
     period_s = cleaned.recording.period_s
     step_dps = gyro_model_of(rig).count_dps
     in_motion = is_hidden_at_rest(cleaned, design, rig)
     gyro = gyro_model_of(rig) if scatters_by_motion(cleaned, design, rig, in_motion=in_motion) else None
-    wanted = level_of(cleaned, design, step_dps, in_motion=in_motion, gyro=gyro)
+    target = level_of(cleaned, design, step_dps, in_motion=in_motion, gyro=gyro)
     base = with_host(rig.base, cleaned.recording).model_copy(
         update={
             "encoder_phase_deg": 0.0,
             "sample_rate_hz": 1.0 / period_s,
-            "noise_dps_rthz": wanted.white_dps * period_s**0.5,
-            "bias_dps": wanted.bias_dps,
+            "noise_dps_rthz": target.white_dps * period_s**0.5,
+            "bias_dps": target.bias_dps,
         }
     )
     for _ in range(ROUNDS):
         played = _played(cleaned, motion, rig.model_copy(update={"base": base}))
-        found = level_of(played, design, step_dps, in_motion=in_motion, gyro=gyro)
-        ratio = _above_rounding_dps(wanted, step_dps) / _above_rounding_dps(found, step_dps)
+        simulated = level_of(played, design, step_dps, in_motion=in_motion, gyro=gyro)
+        ratio = _above_rounding_dps(target, step_dps) / _above_rounding_dps(simulated, step_dps)
         noise = base.noise_dps_rthz * float(np.clip(ratio, 0.3, 3.0))  # bounds of the change in a round
-        bias_dps = base.bias_dps + wanted.bias_dps - found.bias_dps
+        bias_dps = base.bias_dps + target.bias_dps - simulated.bias_dps
         base = base.model_copy(update={"noise_dps_rthz": max(noise, least_noise_dps_rthz), "bias_dps": bias_dps})
     return rig.model_copy(update={"base": base})
 
 
 def is_hidden_at_rest(cleaned: Cleaned, design: DesignMatrix, rig: Rig) -> bool:
-    """Whether noise and bias are hidden at rest: by a dead band, or by steps that are coarse beside both."""
+    """Whether noise and bias are invisible at rest, because of a dead band or of steps that are coarser than both."""
     gyro, at_rest = gyro_model_of(rig), design.regimes.block_at_rest
     if gyro.hides_rest or not at_rest.any():
         return True
-    left_dps = cleaned.rate_dps - design.motion.rate_dps
-    squares, means_dps = (block_means(each, design.block) for each in (np.square(left_dps), left_dps))
+    error_dps = cleaned.rate_dps - design.motion.rate_dps
+    squares, means_dps = (block_means(values, design.block) for values in (np.square(error_dps), error_dps))
     variance = float((squares - np.square(means_dps))[at_rest].mean())
-    # Two levels in turn scatter by half a step and show no noise; noise of half a step scatters by 0.58.
+    # A rate that alternates between two levels has a standard deviation of 0.5 steps, whatever its noise. With noise of
+    # half a step the standard deviation is 0.58 steps.
     return variance < (0.55 * gyro.count_dps) ** 2
 
 
 def scatters_by_motion(cleaned: Cleaned, design: DesignMatrix, rig: Rig, *, in_motion: bool) -> bool:
-    """Whether motion is a part of what scatters from sample to sample, and no rest tells how much noise there is."""
+    """Whether motion contributes to the scatter from sample to sample, and no rest shows the noise alone."""
     gyro = gyro_model_of(rig)
     quick = _quick_motion(cleaned, design, gyro)
     if quick.knows_rest or quick.white_dps is None:
@@ -137,19 +138,19 @@ def scatters_by_motion(cleaned: Cleaned, design: DesignMatrix, rig: Rig, *, in_m
         _scatter_dps(replace(cleaned, rate_dps=rate_dps), design, gyro.count_dps, in_motion=in_motion)
         for rate_dps in rates_dps
     ]
-    # A tenth of the variance: less of it by motion changes the noise by 5 %, as chance does.
+    # A motion with less than a tenth of the variance changes the noise by less than 5 %, which is within its error.
     return scatters_dps[1] ** 2 > 0.1 * scatters_dps[0] ** 2
 
 
 def level_of(
     cleaned: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool = False, gyro: GyroModel | None = None
 ) -> Level:
-    """Noise and bias of a recording or of a simulation of it.
+    """Noise and bias of a recording or of its simulation.
 
     in_motion
-        Where something hides noise and bias at rest.
+        Whether they are measured in motion, because they are hidden at rest.
     gyro
-        Of which the spectrum in motion says how much noise there is, where motion scatters too.
+        Gyro whose spectrum in motion gives the noise, if motion adds to the scatter; None to take the scatter itself.
     """
     shows = _shows_bias(design, in_motion=in_motion)
     white = _quick_motion(cleaned, design, gyro).white_dps if gyro else None
@@ -159,7 +160,7 @@ def level_of(
 
 
 def _scatter_dps(cleaned: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool) -> float:
-    """Standard deviation of what scatters from sample to sample."""
+    """Standard deviation of the scatter from sample to sample, deg/s."""
     turning_dps = float(np.sqrt(turning_spread(cleaned.rate_dps, design.difference_indices))) if in_motion else 0.0
     return turning_dps or white_dps(cleaned, design, step_dps)
 
@@ -170,41 +171,46 @@ def _quick_motion(cleaned: Cleaned, design: DesignMatrix, gyro: GyroModel) -> Qu
 
 
 def remaining_bias_dps(cleaned: Cleaned, design: DesignMatrix, rig: Rig, effects: tuple[Effect, ...]) -> float:
-    """The bias of a calibrated rig beside more effects, deg/s: what these add to the rate was taken for bias.
+    """Bias of a calibrated rig with more effects, deg/s: the mean error of the effects is subtracted from the bias.
 
-    A rate in coarse steps shows it: added to what is there already, it would stand elsewhere between two steps.
+    The calibration counted this error as bias. If it were added again, a rate in coarse steps would lie elsewhere
+    between two steps.
     """
-    more = with_replaced(rig, effects)
-    shows = _shows_bias(design, in_motion=is_hidden_at_rest(cleaned, design, more))
+    extended = with_replaced(rig, effects)
+    shows = _shows_bias(design, in_motion=is_hidden_at_rest(cleaned, design, extended))
     residual_dps = block_residual_dps(cleaned, design)
-    left_dps = [
-        float(np.median((residual_dps - block_means(error_dps(each, design.motion), design.block))[shows]))
-        for each in (more, rig)
+    unexplained_dps = [
+        float(np.median((residual_dps - block_means(error_dps(candidate_rig, design.motion), design.block))[shows]))
+        for candidate_rig in (extended, rig)
     ]
-    return rig.base.bias_dps + (left_dps[0] - left_dps[1])
+    return rig.base.bias_dps + (unexplained_dps[0] - unexplained_dps[1])
 
 
 def _shows_bias(design: DesignMatrix, *, in_motion: bool) -> Mask:
-    """(blocks,) Rest, since what an effect adds in motion is no bias; but motion where something hides it at rest."""
+    """Blocks that show the bias, shape (blocks,): rests, or motion if the bias is hidden at rest.
+
+    All blocks if fewer than a tenth qualify. At rest no effect of the motion adds to the bias.
+    """
     at_rest = design.regimes.block_at_rest
     shows: Mask = ~at_rest if in_motion else at_rest
-    # With less than a tenth of the blocks, the bias is that of all.
     return shows if shows.sum() > len(shows) // 10 else np.ones(len(shows), dtype=np.bool_)
 
 
 def _above_rounding_dps(level: Level, step_dps: float) -> float:
-    """Rounding to counts is a noise that is always there; what is above it follows the noise of the rig."""
+    """Noise without the noise of rounding to steps, deg/s; at least a tenth of the rounding's variance."""
     grain = step_dps**2 / 12.0
     return float(np.sqrt(max(level.white_dps**2 - grain, 0.1 * grain)))
 
 
 def _played(cleaned: Cleaned, motion: ReplayedMotion, rig: Rig) -> Cleaned:
-    """A simulation of which only rate and angle are looked at, with nothing to clean but what never came."""
+    """Simulation of which only rate and angle are used; lost samples are interpolated, and nothing else is cleaned."""
     block = next(play(rig, motion, 7_000_003, block_samples=len(motion.rate_dps)))  # a random stream of its own
     session = as_recorded(block, rig.base, cleaned.recording.name)
     assert session.encoder_deg is not None  # noqa: S101 - a rig whose sessions have an encoder has one
     rate_dps, angle_deg = np.full(len(motion.rate_dps), np.nan), np.full(len(motion.rate_dps), np.nan)
     rate_dps[block.seq], angle_deg[block.seq] = session.rate_dps, session.encoder_deg
     recording: Recording = cleaned.recording
-    none: Floats = np.zeros(0)
-    return Cleaned(recording, filled(rate_dps), filled(angle_deg), cleaned.step_deg, none, none, cleaned.delay_s)
+    no_outliers: Floats = np.zeros(0)
+    return Cleaned(
+        recording, filled(rate_dps), filled(angle_deg), cleaned.step_deg, no_outliers, no_outliers, cleaned.delay_s
+    )

@@ -1,4 +1,4 @@
-"""Simulations of all sessions, here, in processes of this machine, or by the workers of a cluster: tables and sets."""
+"""Simulations of all sessions, in processes of this machine or by workers of a cluster."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -26,7 +26,7 @@ REPLAYED = "sessions replayed"
 
 
 class Origin(NamedTuple):
-    """Session of a recording, its part in the session, from 0, how the table was read, and what the reference is."""
+    """Source of a recording: file, part of its session from 0, reading options, and response of the reference."""
 
     path: Path
     part: int
@@ -36,12 +36,14 @@ class Origin(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SimulationPlan:
-    """Plan of the simulations: recordings, loaded, checked and cleaned, with their origins in the same order.
+    """Plan of the simulations.
 
+    origins, subjects
+        Sources of the recordings, and the recordings with their calibrated rigs, in the same order.
     tried
-        Of the candidates that the hints give, those that are to be simulated.
+        Candidates to simulate.
     least_noise_dps_rthz
-        Less noise than that no recording of this device has.
+        Lower bound of the calibrated noise.
     """
 
     origins: tuple[Origin, ...]
@@ -53,7 +55,7 @@ class SimulationPlan:
 
 
 class SessionTask(NamedTuple):
-    """One recording's share for a worker of a cluster, which reads it itself: its path has to hold there."""
+    """Task of a cluster worker: one recording, which the worker reads itself, so it needs access to the same path."""
 
     origin: Origin
     rig: Rig
@@ -66,14 +68,14 @@ class SessionTask(NamedTuple):
 def response_tables(
     plan: SimulationPlan, jobs: int, cluster: str | None, progress: OnProgress
 ) -> tuple[ResponseTable, ...]:
-    """The tables in the order of the sessions.
+    """Response tables in the order of the sessions.
 
     Raises
     ------
     UsageError
-        Where the cluster cannot be reached.
+        The cluster cannot be reached.
     GyrodriftError
-        Where it is lost.
+        The cluster was lost.
     """
     if cluster is not None:
         return _on_cluster(plan, cluster, progress)
@@ -95,20 +97,20 @@ def _on_cluster(plan: SimulationPlan, address: str, progress: OnProgress) -> tup
     workers = ClusterWorkers(address, "a diagnosis")
     try:
         progress(REPLAYED, 0, len(tasks))
-        found: list[ResponseTable] = workers.results(workers.submit(read_and_simulate, tasks))
+        tables: list[ResponseTable] = workers.results(workers.submit(read_and_simulate, tasks))
         progress(REPLAYED, len(tasks), len(tasks))
     finally:
         workers.close()
-    return tuple(found)
+    return tuple(tables)
 
 
 def read_and_simulate(task: SessionTask) -> ResponseTable:
-    """A session on a worker of a cluster.
+    """Read and simulate a session on a worker of a cluster.
 
     Raises
     ------
     DataError
-        Where it cannot be read, or does not go through the checks any more.
+        The session cannot be read, or does not pass the checks any more.
     """
     path, part, reading, response = task.origin
     recordings = checked_session(path, reading).recordings
@@ -120,7 +122,7 @@ def read_and_simulate(task: SessionTask) -> ResponseTable:
 
 
 class _Sessions(NamedTuple):
-    """Sessions in which sets are simulated; candidates hold functions, which cannot be sent, and go by their keys."""
+    """Sessions in which sets are simulated, and candidates by key, since functions cannot be sent to processes."""
 
     subjects: Sequence[Subject]
     tables: Sequence[ResponseTable]
@@ -140,15 +142,15 @@ def set_simulator(
     with inheriting_workers(min(jobs, len(subjects)), sessions) as local:
 
         def simulate(effects: Sequence[Sized]) -> SimulatedSet:
-            sent = [(key(one.candidate), one.size, one.phases_deg) for one in effects]
+            sent = [(key(effect.candidate), effect.size, effect.phases_deg) for effect in effects]
             return together([*local.map(_change_of_sent, [(sent, index) for index in range(len(subjects))])])
 
         yield simulate
 
 
 def _change_of_sent(sessions: _Sessions, sent: _Sent) -> SimulatedSet:
-    every, index = sent
-    effects = [Sized(sessions.candidates[name], size, phases_deg) for name, size, phases_deg in every]
+    keys_and_sizes, index = sent
+    effects = [Sized(sessions.candidates[name], size, phases_deg) for name, size, phases_deg in keys_and_sizes]
     return change_in(effects, index, sessions.subjects[index], sessions.tables[index])
 
 

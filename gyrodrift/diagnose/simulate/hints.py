@@ -1,4 +1,4 @@
-"""Hints: what recordings show by themselves of the second parameters of candidates."""
+"""Estimates of the second parameters of candidates from the recordings: see `Hints`."""
 
 from collections.abc import Sequence
 
@@ -18,38 +18,38 @@ from gyrodrift.diagnose.simulate.candidate_kind import Hints
 from gyrodrift.diagnose.simulate.twin import Subject
 
 NEAR_STEP = np.linspace(0.98, 1.02, 401)
-"""Multiples of a step that its levels are held against."""
+"""Multiples of an approximate step among which the best step of the levels is searched."""
 
 SWEEP_C = 2.0 * SELF_HEATING_C
-"""Change of the temperature from which on a curve is read off, °C. Over self-heating alone, a curve and a warm-up look
-alike."""
+"""Minimum range of the temperature for an estimate of the curve, °C. Over self-heating alone, a curve and a warm-up
+have the same effect on the bias."""
 
 LEVELS_ABOVE = 4
-"""Levels of a rate that occur about equally often."""
+"""Levels above the lowest one that are taken to occur equally often."""
 
 
 def hints_of(subjects: Sequence[Subject]) -> Hints:
-    """Second parameters of the candidates as all sessions show them, or usual ones."""
+    """Estimate the second parameters from all sessions; defaults if the sessions do not show them."""
     recordings = [subject.cleaned.recording for subject in subjects]
     bunches = [bunches_of(recording) for recording in recordings]
     slow_dps = [_near_zero_dps(subject) for subject in subjects]
     lsb_dps = [subject.rig.base.dps_per_lsb for subject in subjects]
     pairs = zip(slow_dps, lsb_dps, strict=True)
-    step_dps = _median([_even_step_of(rates_dps, lsb) or _most(rates_dps) or lsb for rates_dps, lsb in pairs])
+    step_dps = _median([_even_step_of(rates_dps, lsb) or _largest(rates_dps) or lsb for rates_dps, lsb in pairs])
     return Hints(
         line_hz=_median([spectral_line(subject.cleaned, subject.design).frequency_hz for subject in subjects]) or 20.0,
-        spike_dps=_usual([subject.cleaned.spikes_dps for subject in subjects]) or 20.0,
-        slip_deg=_usual([subject.cleaned.slips_deg for subject in subjects]) or 0.5,
+        spike_dps=_power_median([subject.cleaned.spikes_dps for subject in subjects]) or 20.0,
+        slip_deg=_power_median([subject.cleaned.slips_deg for subject in subjects]) or 0.5,
         rate_step_dps=step_dps,
         angle_step_deg=_median(
             [step_of(subject.cleaned.recording.encoder_deg) or _count_deg(subject) for subject in subjects]
         ),
         least_dps=_least_dps(np.concatenate(slow_dps), step_dps) or _median(lsb_dps),
-        largest_dps=max(1.0, *(_most(subject.cleaned.rate_dps) for subject in subjects)),
+        largest_dps=max(1.0, *(_largest(subject.cleaned.rate_dps) for subject in subjects)),
         sample_period_s=min(recording.period_s for recording in recordings),
-        bunch_s=_median([one.distance_s for one in bunches]),
-        bunch_spread=_median([one.spread for one in bunches]),
-        handover_s=_median([one.handover_s for one in bunches]),
+        bunch_s=_median([session.distance_s for session in bunches]),
+        bunch_spread=_median([session.spread for session in bunches]),
+        handover_s=_median([session.handover_s for session in bunches]),
         dps_per_lsb=_median(lsb_dps),
         lean_deg=_lean_deg(subjects),
         curve_per_c=_curve_per_c(subjects),
@@ -57,17 +57,20 @@ def hints_of(subjects: Sequence[Subject]) -> Hints:
 
 
 def _curve_per_c(subjects: Sequence[Subject]) -> float:
-    """Curve of the bias over the temperature about the reference, relative to its slope there; 0 without a sweep."""
-    curves = [_parabola_curve_per_c(subject) for subject in subjects if _sweeps(subject)]
+    """Curve of the bias over the temperature, divided by the slope at the reference, 1/°C; 0 without a sweep."""
+    curves = [_parabola_curve_per_c(subject) for subject in subjects if _has_sweep(subject)]
     return _median(curves) if curves else 0.0
 
 
-def _sweeps(subject: Subject) -> bool:
+def _has_sweep(subject: Subject) -> bool:
     return float(np.ptp(subject.design.motion.sensor_c)) > SWEEP_C
 
 
 def _parabola_curve_per_c(subject: Subject) -> float:
-    """Least squares of the block residuals on temperature and its square, beside all that is no slow bias."""
+    """Ratio of the coefficients of T² and T, 1/°C, in a fit to the block residuals.
+
+    T is the temperature less the reference. All regressors that are no slow bias are projected out first.
+    """
     design = subject.design
     over_c = block_means(design.motion.sensor_c, design.block) - REFERENCE_C
     powers = design.root_weights[:, None] * np.column_stack([over_c, np.square(over_c)])
@@ -78,52 +81,56 @@ def _parabola_curve_per_c(subject: Subject) -> float:
 
 
 def _lean_deg(subjects: Sequence[Subject]) -> float:
-    """Direction of the mean lean of the turn in the sensor, from x to y."""
+    """Direction in which the turn axis leans from the yaw axis, from x to y, degrees; mean over all sessions."""
     leans = [turn_lean(subject.cleaned.recording, subject.design) for subject in subjects]
     return float(np.degrees(np.arctan2(sum(lean.y for lean in leans), sum(lean.x for lean in leans))))
 
 
-def _usual(every: Sequence[Floats]) -> float:
-    """Height of the outliers or jumps of all sessions that half of their power lies below; 0 without any.
+def _power_median(sessions: Sequence[Floats]) -> float:
+    """Height of outliers or jumps below which half of the sum of their squares lies; 0 without any.
 
-    Many small ones that a simulator of the motion makes hide no few large ones.
+    So the few large ones determine it, even if there are many small ones from a simulated motion.
     """
-    heights = np.sort(np.abs(np.concatenate(every)))
+    heights = np.sort(np.abs(np.concatenate(sessions)))
     power = np.cumsum(np.square(heights))
     return float(heights[np.searchsorted(power, 0.5 * power[-1])]) if len(heights) else 0.0
 
 
 def _least_dps(rates_dps: Floats, step: float) -> float:
-    """Rate below which zero is put out; 0 where all rates are zero.
+    """Width of the dead band, deg/s: the device reports zero below this rate. 0 if all rates are zero.
 
-    A level stands for all rates within half a step. The lowest level that occurs is truncated; its count beside the
-    counts of the levels above gives the lowest rate. Where this level stands for zero itself, as where a bias was
-    subtracted from rates in coarse steps, it is the lowest rate.
+    A level holds all rates within half a step. The dead band truncates the lowest level, so the count of that level
+    divided by the count of a level above gives the width. If the result is negative, the lowest level itself is
+    returned: that level stands for zero, for example if a bias was subtracted from rates in coarse steps.
     """
     sizes = np.abs(rates_dps)
     sizes = sizes[sizes > 0.0]
     if not len(sizes):
         return 0.0
-    level = _first_of_many(sizes, step)
-    at = np.rint((sizes - level) / step)
-    here, above = np.count_nonzero(at == 0), np.count_nonzero((at > 0) & (at <= LEVELS_ABOVE)) / LEVELS_ABOVE
-    let_through = min(here / above, 1.0) if above else 1.0
-    least = level + (0.5 - let_through) * step
+    level = _smallest_typical(sizes, step)
+    steps_above = np.rint((sizes - level) / step)
+    in_level = np.count_nonzero(steps_above == 0)
+    in_level_above = np.count_nonzero((steps_above > 0) & (steps_above <= LEVELS_ABOVE)) / LEVELS_ABOVE
+    passed_share = min(in_level / in_level_above, 1.0) if in_level_above else 1.0
+    least = level + (0.5 - passed_share) * step
     return least if least > 0.0 else level
 
 
-def _first_of_many(sizes: Floats, step: float) -> float:
-    """The smallest of some numbers, but for a few that lie far below all others and may be chance."""
-    few = np.sort(sizes)[:25]
-    usual = max(step, float(np.ptp(few[LEAK - 1 :])) / len(few)) if len(few) >= LEAK else step
-    apart = few[LEAK - 1 :] - few[: len(few) - LEAK + 1]
-    # A few sizes that lie far below all others may be chance.
-    alone = np.logical_and.accumulate(apart[: LEAK - 1] > 6.0 * usual)
-    return float(few[np.count_nonzero(alone)])
+def _smallest_typical(sizes: Floats, step: float) -> float:
+    """Smallest number, without up to LEAK − 1 isolated numbers far below, which may be chance."""
+    smallest = np.sort(sizes)[:25]
+    usual_gap = max(step, float(np.ptp(smallest[LEAK - 1 :])) / len(smallest)) if len(smallest) >= LEAK else step
+    gaps = smallest[LEAK - 1 :] - smallest[: len(smallest) - LEAK + 1]
+    is_isolated = np.logical_and.accumulate(gaps[: LEAK - 1] > 6.0 * usual_gap)
+    return float(smallest[np.count_nonzero(is_isolated)])
 
 
 def _even_step_of(rates_dps: Floats, finer_dps: float) -> float:
-    """Step of rates near zero, within the bounds that the rig's finer steps give; 0 where there is one level."""
+    """Step of the rates near zero; 0 if there is only one level.
+
+    finer_dps
+        Step of the rig, to which the levels were rounded afterwards; it bounds the step.
+    """
     step_dps = _even_step(rates_dps)
     if not step_dps:
         return 0.0
@@ -132,22 +139,24 @@ def _even_step_of(rates_dps: Floats, finer_dps: float) -> float:
 
 
 def _possible_steps(levels: Floats, step: float, finer: float) -> tuple[float, float]:
-    """The least and the most that the step of some levels may be, each of which was rounded to finer steps at last.
+    """Smallest and largest possible step of levels that were rounded to finer steps afterwards.
 
-    One within half of the finer step of a whole multiple leaves an interval, and they share one; where they share a
-    single step, ties were rounded both ways. The least is above the most where no step could give all the levels.
+    A level is within half a finer step of a whole multiple of the step, so it gives an interval for the step. The
+    result is the intersection of all intervals. It is a single value if ties were rounded both ways. The smallest is
+    above the largest if no step explains all levels.
     """
-    times = np.abs(np.rint(levels / step))
-    some = times > 0.0
-    nearest = finer * np.rint(np.abs(levels[some]) / finer)
-    least, most = ((nearest + part * finer) / times[some] for part in (-0.5, 0.5))
+    multiples = np.abs(np.rint(levels / step))
+    is_nonzero = multiples > 0.0
+    nearest = finer * np.rint(np.abs(levels[is_nonzero]) / finer)
+    least, most = ((nearest + part * finer) / multiples[is_nonzero] for part in (-0.5, 0.5))
     return round(float(least.max(initial=0.0)), DECIMALS), round(float(most.min(initial=np.inf)), DECIMALS)
 
 
 def _even_step(values: Floats) -> float:
-    """The step of which all levels are nearest to whole multiples; 0 where there is one level only.
+    """Step whose whole multiples are closest to all levels; 0 if there is only one level.
 
-    Levels that were rounded to others are uneven: of a step of two and a half of these, two and three in turn.
+    Levels that were rounded to finer steps are uneven. With a step of 2.5 finer steps, their distances alternate
+    between 2 and 3.
     """
     step = step_of(values)
     if not step:
@@ -156,7 +165,7 @@ def _even_step(values: Floats) -> float:
     return float(near[np.abs(np.exp(2j * np.pi * levels / near[:, None]).mean(axis=1)).argmax()])
 
 
-def _most(values: Floats) -> float:
+def _largest(values: Floats) -> float:
     return float(np.abs(values).max(initial=0.0))
 
 

@@ -1,4 +1,4 @@
-"""The table of a session: how far its features are off, by chance and by each candidate; a value, and no simulation."""
+"""Response table of a session: feature differences, their null distribution, and responses to candidates."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -8,7 +8,7 @@ from gyrodrift.diagnose.simulate.candidate import Candidate
 
 
 class Sized(NamedTuple):
-    """A candidate with its size; where its phase is free, with that of each session, degrees."""
+    """A candidate with a size, and its phases in degrees, one per session, if its phase is free."""
 
     candidate: Candidate
     size: float
@@ -16,17 +16,19 @@ class Sized(NamedTuple):
 
     @property
     def is_random(self) -> bool:
-        """Whether two realisations of it differ."""
+        """Whether the effect is random, so that realizations differ."""
         return self.candidate.realisations > 1
 
 
 class SimulatedSet(NamedTuple):
-    """What a whole set of candidates does to the features, the mean over a few runs: (sessions, F), or (F,) of one.
+    """Change of the features by a set of candidates: shape (sessions, F), or (F,) for one session.
 
+    change
+        Mean over all runs.
     variance
-        Of single runs.
+        Variance of single runs.
     runs
-        How many there were.
+        Number of runs.
     """
 
     change: Floats
@@ -36,19 +38,19 @@ class SimulatedSet(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class ResponseTable:
-    """What a session says, of F features.
+    """Differences, null distribution and responses of a session with F features.
 
     difference, thresholds
-        (F,) features of the recording less those of the rig driven through it; their relevance thresholds.
+        Features of the recording less the mean of its simulations, and their relevance thresholds; shape (F,).
     runs
-        (realisations, F) features of the latter.
+        Features of the simulations, shape (realizations, F).
     nulls
-        (realisations, F) the null distribution: the same differences where the recording is the rig itself.
+        Null distribution of `difference`, from simulations that are taken for recordings; shape (realizations, F).
     responses
-        Of each candidate that was simulated: (grid points, realisations, F), change of the features when it is added.
+        Change of the features by a candidate, shape (grid points, realizations, F), by `key` of the candidate.
     extra_sigma
-        (F,) standard deviation that is added before a single feature counts as deviating, because a few recordings say
-        little of chance; 0 without a baseline.
+        Standard deviation, shape (F,), that is added before a single feature counts as deviating. It covers the small
+        number of baseline recordings; 0 without a baseline.
     """
 
     name: str
@@ -61,10 +63,10 @@ class ResponseTable:
 
 
 def key(candidate: Candidate) -> str:
-    """By which its responses are found."""
+    """Key of a candidate's responses in a table."""
     return f"{candidate.name} {candidate.variant}"
 
 
 def simulated_key(candidate: Candidate, phase_deg: float) -> str:
-    """The same of a candidate once per turn at another phase."""
+    """Key of the simulation of a once-per-turn candidate at a phase."""
     return f"{candidate.name} phase_deg {phase_deg:.4g}"

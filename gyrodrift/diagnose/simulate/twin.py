@@ -33,7 +33,7 @@ from gyrodrift.diagnose.recording.counted_rests import CountedRests, counted_res
 from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.motion_posterior import MotionPosterior, motion_posterior_of
-from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned
+from gyrodrift.diagnose.recording.outliers import Cleaned, clean
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.diagnose.recording.reference_noise import ReferenceNoise, reference_noise_of
 from gyrodrift.diagnose.simulate.calibration import calibrated, remaining_bias_dps
@@ -162,7 +162,7 @@ class Subject:
 
     def replayed(self, effects: tuple[Effect, ...], seed: int) -> Cleaned:
         """Cleaned simulation of the rig with more effects; a seed always gives the same realization."""
-        return cleaned(self.played(effects, seed))
+        return clean(self.played(effects, seed))
 
     def simulated(self, effects: tuple[Effect, ...], seed: int) -> Measured:
         """Features of a simulation of the rig with more effects."""
@@ -285,11 +285,11 @@ def subject_of(recording: Recording, rig: Rig, least_noise_dps_rthz: float = 0.0
     least_noise_dps_rthz
         Lower bound of the calibrated noise.
     """
-    samples = cleaned(recording)
-    rig_with_phases, posterior, design, encoder_deg = rebuilt(samples, rig)
-    reference = reference_noise_of(encoder_deg, samples.step_deg, posterior.mean)
-    rig_of_session = calibrated(samples, design, posterior.mean, rig_with_phases, least_noise_dps_rthz)
-    return Subject(samples, posterior, design, rig_of_session, reference)
+    cleaned = clean(recording)
+    rig_with_phases, posterior, design, encoder_deg = rebuilt(cleaned, rig)
+    reference = reference_noise_of(encoder_deg, cleaned.step_deg, posterior.mean)
+    rig_of_session = calibrated(cleaned, design, posterior.mean, rig_with_phases, least_noise_dps_rthz)
+    return Subject(cleaned, posterior, design, rig_of_session, reference)
 
 
 class Rebuilt(NamedTuple):

@@ -9,7 +9,7 @@ from features_support import FACTS, T_S, TRUE_DEG, TRUE_DPS, observed, recorded,
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.axes import turn_lean
 from gyrodrift.diagnose.features.vector import NUMBER, OF_AXES, Facts, measure
-from gyrodrift.diagnose.recording.outliers import cleaned
+from gyrodrift.diagnose.recording.outliers import clean
 from gyrodrift.diagnose.recording.recording import Recording
 
 THREE = Facts(FACTS.dps_per_lsb, FACTS.encoder_cpr, FACTS.step_dps, has_axes=True, has_gravity=True)
@@ -26,7 +26,7 @@ def tilted(tilt_deg: float, gravity_deg: float | None = None) -> Recording:
 
 
 def values(recording: Recording, facts: Facts = THREE) -> dict[str, float]:
-    features = measure(cleaned(recording), true_design(), facts).values
+    features = measure(clean(recording), true_design(), facts).values
     return {name: float(features[NUMBER[name]]) for name in ("turn_across", "gravity_across")}
 
 

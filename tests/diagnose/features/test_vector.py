@@ -8,7 +8,7 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import COLUMNS
 from gyrodrift.diagnose.features.feature import RMS_DPS, Feature, ResponseLaw, numbers_of
 from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER, STATIC, measure, rms_scale
-from gyrodrift.diagnose.recording.outliers import cleaned
+from gyrodrift.diagnose.recording.outliers import clean
 
 STAGES = {"sensor", "environment", "platform", "encoder", "clock", "link"}
 REGIMES = {"rest", "slow", "fast", "moving", "accelerating", "reversing", "warm", "early", "late", "always"}
@@ -74,7 +74,7 @@ def test_a_short_recording_gives_numbers(seconds: int) -> None:
     count = 100 * seconds
     rate_dps = np.linspace(0.0, 30.0, count) + white(0.05, count=count)
     angle_deg = np.cumsum(np.linspace(0.0, 30.0, count)) * 0.01
-    seen = cleaned(recorded(rate_dps, angle_deg))
+    seen = clean(recorded(rate_dps, angle_deg))
     assert np.isfinite(measure(seen, design_of(seen), FACTS).values).all()
 
 

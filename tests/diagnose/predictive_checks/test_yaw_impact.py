@@ -10,7 +10,7 @@ from simulate_support import session_of, subject_from
 from firmware_sim.rig import parse_effect
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.predictive_checks.yaw_impact import cost_deg, yaw_error_deg
-from gyrodrift.diagnose.simulate.noise_beneath import corrected_recording
+from gyrodrift.diagnose.simulate.recalibration import corrected_recording
 from gyrodrift.diagnose.simulate.twin import Subject
 
 

@@ -9,7 +9,7 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.motion_posterior import motion_posterior_of
-from gyrodrift.diagnose.recording.outliers import cleaned
+from gyrodrift.diagnose.recording.outliers import clean
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.session.session import Session
 
@@ -39,7 +39,7 @@ def rebuilt(noise_dps: float = 0.05, cpr: int = 36_000, *, is_warm: bool = False
     angle_deg = np.round(true_angle_deg(T_S) * cpr / 360.0) * 360.0 / cpr
     temp_c = np.round(20.0 + T_S / 50.0, 1) if is_warm else None
     session = Session("s", T_S, rate_dps, None, np.arange(len(T_S)), angle_deg, temp_c)
-    return motion_posterior_of(cleaned(recording_of(session)), GYRO).mean
+    return motion_posterior_of(clean(recording_of(session)), GYRO).mean
 
 
 def test_the_motion_is_that_of_the_device() -> None:

@@ -14,7 +14,7 @@ from gyrodrift.diagnose.recording.counted_rests import CountedRests
 from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.motion_posterior import MotionPosterior, motion_posterior_of
-from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned
+from gyrodrift.diagnose.recording.outliers import Cleaned, clean
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.simulation.sessions import Simulation
 
@@ -81,7 +81,7 @@ class Seen(NamedTuple):
     @property
     def cleaned(self) -> Cleaned:
         """As every recording is."""
-        return cleaned(self.recording)
+        return clean(self.recording)
 
     def off_deg(self, motion: ReplayedMotion) -> float:
         """Root mean square of the error of the angle."""

@@ -7,7 +7,7 @@ from features_support import COUNTS_PER_TURN, T_S, TRUE_DEG, TRUE_DPS, recorded,
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig, parse_effect
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.recording.outliers import Cleaned, cleaned, granularity, is_at_limit, step_of, steps_of
+from gyrodrift.diagnose.recording.outliers import Cleaned, clean, granularity, is_at_limit, step_of, steps_of
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import Simulation
@@ -27,7 +27,7 @@ def seen(
         rate_dps[at] += height
     for at, height in (jumps or {}).items():
         angle_deg[at:] += height
-    return cleaned(recorded(rate_dps, angle_deg, cpr))
+    return clean(recorded(rate_dps, angle_deg, cpr))
 
 
 def test_nothing_is_found_in_noise() -> None:
@@ -54,7 +54,7 @@ def test_coarse_counts_hide_no_outlier(seed: int) -> None:
     rig = Rig(base=base, effects=(parse_effect(f"spikes:height_dps={height_dps},share_percent=0.3"),))
     whole = [Simulation(each, motion, seed, 0, minutes).whole() for each in (rig, Rig(base=base))]
     put_in = np.count_nonzero(np.abs(whole[0].rate_dps - whole[1].rate_dps) > 0.5 * height_dps)
-    found, without = (cleaned(recording_of(session, round(60.0 * minutes * rate_hz))).spikes_dps for session in whole)
+    found, without = (clean(recording_of(session, round(60.0 * minutes * rate_hz))).spikes_dps for session in whole)
     assert put_in
     assert not len(without)
     assert put_in - len(found) <= max(1, 0.1 * put_in)
@@ -74,7 +74,7 @@ def test_an_edge_of_the_rate_is_no_outlier() -> None:
     rate_dps = np.interp(T_S, [0.0, 20.0, 20.2, 40.0, 40.01, T_S[-1]], [0.0, 0.0, 60.0, 60.0, 0.0, 0.0]) + white(SIGMA)
     rate_dps[2010] = rate_dps[2009]
     angle_deg = np.cumsum(rate_dps) * (T_S[1] - T_S[0])
-    assert not len(cleaned(recorded(rate_dps, angle_deg, 720)).spikes_dps)
+    assert not len(clean(recorded(rate_dps, angle_deg, 720)).spikes_dps)
 
 
 def test_an_outlier_is_filled_by_its_neighbours() -> None:
@@ -108,7 +108,7 @@ def test_jumps_of_a_few_coarse_steps_are_found() -> None:
 def test_noise_of_a_coarse_encoder_makes_no_jumps(steps: float) -> None:
     """A magnet that is read with noise of so many steps."""
     noise_deg = np.random.default_rng(4).normal(0.0, 0.5 * steps, len(T_S))
-    found = cleaned(recorded(TRUE_DPS + white(SIGMA), TRUE_DEG + noise_deg, 720))
+    found = clean(recorded(TRUE_DPS + white(SIGMA), TRUE_DEG + noise_deg, 720))
     assert len(found.slips_deg) == 0
 
 
@@ -116,7 +116,7 @@ def test_holes_are_filled_before_anything_is_looked_for() -> None:
     """And none of them is an outlier."""
     rate_dps = TRUE_DPS + white(SIGMA)
     rate_dps[5000:5003] = np.nan
-    found = cleaned(recorded(rate_dps))
+    found = clean(recorded(rate_dps))
     assert np.isfinite(found.rate_dps).all()
     assert len(found.spikes_dps) == 0
 
@@ -124,7 +124,7 @@ def test_holes_are_filled_before_anything_is_looked_for() -> None:
 @pytest.mark.parametrize("count", [10, 100, 20_000])
 def test_a_constant_has_no_outliers(count: int) -> None:
     """Nor has a recording of ten samples."""
-    found = cleaned(recorded(np.zeros(count), np.zeros(count)))
+    found = clean(recorded(np.zeros(count), np.zeros(count)))
     assert len(found.spikes_dps) == len(found.slips_deg) == 0
     assert found.step_deg == 0.0
 
@@ -187,7 +187,7 @@ def quick(seed: int, late: int = 0, jump_deg: float = 0.0) -> Cleaned:
     seen_dps = late_dps + dice.normal(0.0, SIGMA, count)
     angle_deg = angle_deg[::every] + np.where(np.arange(count) < count // 2, 0.0, jump_deg)
     angles_deg = np.rint(angle_deg / count_deg) * count_deg
-    return cleaned(recording_of(Session("quick", t_s, seen_dps, 1.7e9 + t_s, np.arange(count), angles_deg)))
+    return clean(recording_of(Session("quick", t_s, seen_dps, 1.7e9 + t_s, np.arange(count), angles_deg)))
 
 
 @pytest.mark.parametrize("seed", range(5))

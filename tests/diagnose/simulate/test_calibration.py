@@ -10,7 +10,7 @@ from firmware_sim.motion.profile import Profile
 from firmware_sim.rig import Base, Rig, parse_effect
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.calibration import is_hidden_at_rest
-from gyrodrift.diagnose.simulate.noise_beneath import with_noise_beneath
+from gyrodrift.diagnose.simulate.recalibration import recalibrated_with
 from gyrodrift.diagnose.simulate.twin import subject_of
 from gyrodrift.simulation.sessions import Simulation
 
@@ -125,7 +125,7 @@ def test_noise_that_a_wide_dead_band_hides_at_rest_is_found_in_motion(seed: int)
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_noise_beneath_coarse_steps_is_found_in_motion(seed: int) -> None:
+def test_noise_behind_coarse_steps_is_found_in_motion(seed: int) -> None:
     """Wherever the bias is between two of them, and whether they are tried or stand in the rig.
 
     To half of the variance that rounding adds: what is steady stands in one place between two steps, as at rest.
@@ -137,7 +137,7 @@ def test_noise_beneath_coarse_steps_is_found_in_motion(seed: int) -> None:
     base = BASE.model_copy(update={"noise_dps_rthz": noise, "bias_dps": bias_dps})
     session = Simulation(Rig(base=base, effects=(steps,)), MOTION, seed, minutes=MOTION.seconds / 60.0).whole()
     recording = recording_of(session)
-    tried = with_noise_beneath(subject_of(recording, Rig(base=base)), (steps,)).rig.base
+    tried = recalibrated_with(subject_of(recording, Rig(base=base)), (steps,)).rig.base
     for found in (tried, subject_of(recording, Rig(base=base, effects=(steps,))).rig.base):
         off = (found.noise_dps_rthz**2 - noise**2) * found.sample_rate_hz
         assert abs(off) < 0.5 * step_dps**2 / 12.0
@@ -164,7 +164,7 @@ def test_a_dead_band_within_a_count_changes_no_calibration(share: float) -> None
     session = Simulation(Rig(base=base), MOTION, 3, minutes=MOTION.seconds / 60.0).whole()
     subject = subject_of(recording_of(session), Rig(base=base))
     band = parse_effect(f"deadband:width_dps={share * 0.0305}")
-    assert with_noise_beneath(subject, (band,)).rig.base.noise_dps_rthz == subject.rig.base.noise_dps_rthz
+    assert recalibrated_with(subject, (band,)).rig.base.noise_dps_rthz == subject.rig.base.noise_dps_rthz
 
 
 def test_a_short_rest_shows_that_there_is_no_more_noise_than_its_steps_hide() -> None:
@@ -186,7 +186,7 @@ def test_noise_that_a_low_pass_took_was_there_before(order: int, cutoff_hz: floa
     session = Simulation(truth, MOTION, seed=1, minutes=MOTION.seconds / 60.0).whole()
     alone, known = (subject_of(recording_of(session), Rig(base=BASE, effects=stands)) for stands in ((), act))
     for subject in (alone, known):
-        found = with_noise_beneath(subject, act).rig.base.noise_dps_rthz
+        found = recalibrated_with(subject, act).rig.base.noise_dps_rthz
         assert found == pytest.approx(NOISE_DPS_RTHZ, rel=0.12)
 
 
@@ -205,4 +205,4 @@ def test_noise_that_a_low_pass_took_and_steps_hide_at_rest_was_there_before(
     session = Simulation(Rig(base=base, effects=behind), MOTION, seed, minutes=MOTION.seconds / 60.0).whole()
     subject = subject_of(recording_of(session), Rig(base=base))
     assert is_hidden_at_rest(subject.cleaned, subject.design, subject.rig)
-    assert with_noise_beneath(subject, behind).rig.base.noise_dps_rthz == pytest.approx(noise, rel=0.25)
+    assert recalibrated_with(subject, behind).rig.base.noise_dps_rthz == pytest.approx(noise, rel=0.25)

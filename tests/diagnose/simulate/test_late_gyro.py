@@ -7,7 +7,7 @@ from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig, parse_effect
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.motion_posterior import motion_posterior_of
-from gyrodrift.diagnose.recording.outliers import cleaned
+from gyrodrift.diagnose.recording.outliers import clean
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.known_effects import gyro_model_of
 from gyrodrift.diagnose.simulate.twin import rebuilt
@@ -23,7 +23,7 @@ def test_the_motion_is_the_same_however_late_the_gyro_is(counts: int, delay_ms: 
     rig = Rig(base=Base(sample_rate_hz=100.0, encoder_cpr=counts))
     profile = load_profile("turntable")
     late = rig.model_copy(update={"effects": (parse_effect(f"latency:delay_ms={delay_ms:g}"),)})
-    seen = cleaned(recording_of(Simulation(late, profile, 3, 0, MINUTES).whole()))
+    seen = clean(recording_of(Simulation(late, profile, 3, 0, MINUTES).whole()))
     t_s: Floats = np.arange(len(seen.rate_dps), dtype=np.float64) * seen.recording.period_s
     true_dps = profile.motion_at(t_s)[1]
 

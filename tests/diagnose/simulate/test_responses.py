@@ -22,7 +22,7 @@ from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES, STATIC
 from gyrodrift.diagnose.simulate.candidate import Touches
 from gyrodrift.diagnose.simulate.candidates import KINDS
-from gyrodrift.diagnose.simulate.noise_beneath import with_noise_beneath
+from gyrodrift.diagnose.simulate.recalibration import recalibrated_with
 from gyrodrift.diagnose.simulate.responses import response_table
 
 OF_TIMES = np.array(
@@ -122,7 +122,7 @@ def test_an_effect_on_values_leaves_times_alone(name: str) -> None:
     candidate = candidate_of(name)
     size = float(candidate.grid_points[len(candidate.grid_points) // 2])
     effects = (candidate.make(size),)
-    moved = with_noise_beneath(plain(), effects).simulated(effects, 0).values - base_run(0).values
+    moved = recalibrated_with(plain(), effects).simulated(effects, 0).values - base_run(0).values
     assert not moved[OF_TIMES].any()
     off = np.abs(response_at(candidate, size)[0, 0] - moved)
     cross_talk = np.where(np.arange(len(moved)) < STATIC, 0.04 * np.linalg.norm(moved[:STATIC]), 0.0)
