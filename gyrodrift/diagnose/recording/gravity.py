@@ -1,8 +1,8 @@
-"""Gravity in the frame of a sensor on a table: a part that stays, and a part that comes once per turn.
+"""Direction of gravity in the frame of a sensor on a table: a constant part, and a part that repeats once per turn.
 
-The part that stays is the tilt of the sensor on its table, or the bias of the accelerometer. The part that comes once
-per turn is the tilt of the table. Neither is the centripetal acceleration of a sensor off the axis, which is
-proportional to the square of the rate.
+The constant part comes from the tilt of the sensor on its table, or from the bias of the accelerometer. The part that
+repeats once per turn comes from the tilt of the table. A sensor off the axis also measures a centripetal acceleration,
+which is proportional to the square of the rate and is fitted separately.
 """
 
 from math import hypot
@@ -14,17 +14,17 @@ from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.recording.recording import Recording
 
 LEAST_TURN_DEG = 270.0
-"""Range of the angle from which on a part once per turn is known apart from a constant. Chosen: three quarters."""
+"""Least range of the angle that separates the part once per turn from the constant. Chosen: three quarters."""
 
 LEAST_SHARE = 0.5
-"""Share of samples with an acceleration from which on gravity is known. Chosen."""
+"""Least share of samples with an acceleration. Chosen."""
 
 STEP_S = 0.2
-"""Length of the means that are fitted, s: short beside a turn."""
+"""Length of the means that are fitted, s: short compared with a turn."""
 
 
 class Lean(NamedTuple):
-    """Components of a direction along x and y of the sensor."""
+    """Tilt of a direction against the yaw axis: x and y of its unit vector in the frame of the sensor."""
 
     x: float
     y: float
@@ -39,14 +39,14 @@ NO_LEAN = Lean(0.0, 0.0)
 
 
 class Gravity(NamedTuple):
-    """Lean of gravity that stays, and sine of the lean that comes once per turn (NaN if the table does not turn)."""
+    """Constant lean of gravity, and sine of the lean that repeats once per turn (NaN if the table does not turn)."""
 
     fixed: Lean
     turning: float
 
 
 def fixed_lean(recording: Recording, angle_deg: Floats, rate_dps: Floats) -> Lean:
-    """Lean of gravity that stays in all directions of the table; none without an accelerometer."""
+    """Constant lean of gravity; no lean without an accelerometer."""
     gravity = gravity_of(recording, angle_deg, rate_dps)
     return NO_LEAN if gravity is None else gravity.fixed
 
@@ -58,7 +58,7 @@ def shows_gravity(recording: Recording) -> bool:
 
 
 def gravity_of(recording: Recording, angle_deg: Floats, rate_dps: Floats) -> Gravity | None:
-    """Both parts, by least squares over means of STEP_S; None without an accelerometer.
+    """Constant and turning lean of gravity, by least squares over means of STEP_S; None without an accelerometer.
 
     angle_deg, rate_dps
         (n,) motion of the table.
@@ -66,38 +66,39 @@ def gravity_of(recording: Recording, angle_deg: Floats, rate_dps: Floats) -> Gra
     force = recording.accel_mps2
     if force is None or not shows_gravity(recording):
         return None
-    points = max(1, round(STEP_S / recording.period_s))
+    block = max(1, round(STEP_S / recording.period_s))
     turns = bool(np.ptp(angle_deg) > LEAST_TURN_DEG)
-    force_means, has_force = _force_means(force, points)
-    regressors = [_means(column, points)[has_force] for column in _columns(angle_deg, rate_dps, turns=turns)]
+    force_means, has_force = _force_means(force, block)
+    regressors = [_means(column, block)[has_force] for column in _columns(angle_deg, rate_dps, turns=turns)]
     parts = np.linalg.lstsq(np.column_stack(regressors), force_means, rcond=None)[0]
     size = float(np.linalg.norm(parts[0]))
     if size == 0.0:
         return None
     x, y, _ = (parts[0] / size).tolist()
-    # A vector that turns against the table has equal amplitudes along x and y.
+    # Gravity of a tilted table turns in the frame of the sensor, so its amplitudes along x and y are equal.
     turning = float(np.sqrt(0.5 * np.square(parts[1:3, :2]).sum()) / size) if turns else float("nan")
     return Gravity(Lean(x, y), turning)
 
 
 def _columns(angle_deg: Floats, rate_dps: Floats, *, turns: bool) -> list[Floats]:
-    """Parts of the force, (n,) each: a constant, cosine and sine of the angle, and the centripetal acceleration."""
+    """Regressors of the force, each (n,): a constant, cosine and sine of the angle, and the squared rate, (rad/s)²."""
     turn = np.deg2rad(angle_deg)
     constant: Floats = np.ones(len(turn))
     return [constant, np.cos(turn), np.sin(turn), np.square(np.deg2rad(rate_dps))] if turns else [constant]
 
 
-def _force_means(force: Floats, points: int) -> tuple[Floats, Mask]:
-    """(some, 3) means of the samples with an acceleration, and (blocks,) whether a block has any."""
+def _force_means(force: Floats, block: int) -> tuple[Floats, Mask]:
+    """Mean force of every block that has an acceleration, (m, 3), and whether a block has one, (blocks,)."""
     is_known: Mask = np.isfinite(force.sum(axis=1))
-    shares = _means(is_known.astype(np.float64), points)
+    shares = _means(is_known.astype(np.float64), block)
     has_force: Mask = shares > 0.0
     zero_filled: Floats = np.where(is_known[:, None], force, 0.0)
-    sums = np.column_stack([_means(zero_filled[:, axis], points) for axis in range(3)])
+    sums = np.column_stack([_means(zero_filled[:, axis], block) for axis in range(3)])
     return sums[has_force] / shares[has_force, None], has_force
 
 
-def _means(values: Floats, points: int) -> Floats:
-    count = len(values) // points
-    means: Floats = values[: count * points].reshape(count, points).mean(axis=1)
+def _means(values: Floats, block: int) -> Floats:
+    """(blocks,) means over blocks of so many samples."""
+    count = len(values) // block
+    means: Floats = values[: count * block].reshape(count, block).mean(axis=1)
     return means

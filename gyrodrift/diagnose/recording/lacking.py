@@ -1,6 +1,6 @@
-"""Values that recordings lack beside others: what only one of two sets has is no difference between them.
+"""Columns and steps that one of two sets of recordings lacks. A missing column is no gap, so it is not compared.
 
-Sessions of another simulator often have neither arrival times nor a counter nor a temperature, and exact angles.
+Sessions of another simulator often lack arrival times, a counter and a temperature, and have exact angles.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -18,7 +18,7 @@ HAS: Mapping[str, Callable[[Recording], bool]] = MappingProxyType(
         TEMPERATURE: lambda recording: recording.temp_c is not None,
     }
 )
-"""Columns that a session may lack, and whether a recording has them."""
+"""Optional columns of a session, with a test whether a recording has them."""
 
 STEPS: Mapping[str, Callable[[Recording], bool]] = MappingProxyType(
     {
@@ -26,34 +26,35 @@ STEPS: Mapping[str, Callable[[Recording], bool]] = MappingProxyType(
         "steps of the encoder": lambda recording: has_steps(recording.encoder_deg),
     }
 )
-"""Steps in which values come; numbers of a simulator have none."""
+"""Steps of rate and angle, with a test whether a recording has them. Exact values of a simulator have none."""
 
 
 @dataclass(frozen=True, slots=True)
 class LackingValues:
-    """Values that some of the sessions, or some of the baseline, do not have."""
+    """Names of columns and steps that at least one recording of a set lacks, for the sessions and the baseline."""
 
     sessions: tuple[str, ...]
     baseline: tuple[str, ...]
 
     @property
     def of_one_set(self) -> frozenset[str]:
-        """Columns that only one of both sets has in each recording; they are not compared."""
+        """Columns that are complete in exactly one of the two sets; they are not compared."""
         return (frozenset(self.sessions) ^ frozenset(self.baseline)) & HAS.keys()
 
     @property
     def remarks(self) -> list[str]:
-        """A sentence on the columns that are left out."""
-        left_out = [name for name in HAS if name in self.of_one_set]
-        if not left_out:
+        """Sentence on the columns that are not compared; empty without such a column."""
+        not_compared = [name for name in HAS if name in self.of_one_set]
+        if not not_compared:
             return []
-        return [f"baseline: only one of both sets has {' and '.join(left_out)}: this is no gap, and not compared"]
+        return [f"baseline: only one of both sets has {' and '.join(not_compared)}: this is no gap, and not compared"]
 
 
 def lacking_values(sessions: Sequence[Recording], baseline: Sequence[Recording]) -> LackingValues:
-    """Values that each set lacks."""
+    """Columns and steps that the sessions, and the baseline, lack."""
     return LackingValues(_lacking(sessions), _lacking(baseline))
 
 
 def _lacking(recordings: Sequence[Recording]) -> tuple[str, ...]:
+    """Columns and steps that at least one of some recordings lacks."""
     return tuple(name for name, has in {**HAS, **STEPS}.items() if not all(map(has, recordings)))

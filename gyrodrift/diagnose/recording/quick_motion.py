@@ -1,13 +1,14 @@
-"""Quick motion that a smooth path lacks: the gyro's power above its noise, as on a robot that trembles or in a hand.
+"""Quick motion that a smooth path lacks, as of a robot that trembles, or of a hand: power of the gyro above its noise.
 
-A path driven by white jerk, and smoothed by cubics, holds the motion of turntables. Other motion falls less steeply
-with frequency, and such a path takes its tail for noise of the gyro. The spectrum of the gyro in motion tells the power
-of the motion. Wiener's filter (N. Wiener, 1949) gives the part of it that the gyro shows; the remainder is drawn.
+A path with white jerk that is smoothed by cubics describes the motion of turntables. The power of other motion falls
+less steeply with frequency, and such a path counts its high frequencies as noise of the gyro. The power of the motion
+is estimated from the spectrum of the gyro in motion. Wiener's filter (N. Wiener, 1949) gives the part of the motion
+that the gyro determines; the remainder is drawn at random.
 
-Two rules tell motion from noise, since no encoder is fine enough for it:
+No encoder is fine enough to separate this motion from noise. Two rules do:
 
-- The spectrum at rest is noise, tones included.
-- Motion has inertia, so that its power falls with frequency. White noise that is louder in motion stays noise.
+- The spectrum at rest is noise, including its tones.
+- Motion has inertia, so that its power falls with frequency. White noise that is larger in motion stays noise.
 """
 
 from dataclasses import dataclass, field, replace
@@ -22,72 +23,74 @@ from gyrodrift.diagnose.recording.band_spectrum import LOWEST_HZ, Bands, bands_o
 from gyrodrift.diagnose.recording.gyro_noise import FOLDS, GyroModel
 
 LEAST_POWER, LEAST_SHARE = 1e-12, 1e-9
-"""Lower bounds of the power of a band, and of the share of noise in it, against division by zero."""
+"""Lower bounds of the power of a band, and of the share of noise in it. They prevent a division by zero."""
 
 EXCEEDS_SIGMAS, RISES_SIGMAS = 3.0, 2.0
-"""Standard errors by which the power of motion exceeds noise, and by which it may exceed that of slower motion."""
+"""Standard errors by which the power of motion must exceed noise, and by which it may exceed that of slower motion."""
 
 FALLS = (2.0, 4.0, 8.0)
-"""Powers of the frequency with which parts of a spectrum fall: motion behind one, two and four poles."""
+"""Exponents of the frequency with which the power of motion may fall: after one, two and four poles."""
 
 GAIN_ERROR = 0.04
-"""Share by which the path may be weaker than the gyro and lack nothing: a scale factor that is wrong by 2 % and more
-bends no motion (`BIAS_SHARE` of the motion model, twice)."""
+"""Share by which the path may be weaker than the gyro without a lack of motion.
+
+The motion model attributes a scale error of 2 % (`BIAS_SHARE`) to the bias. This is twice as much.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class QuickMotion:
-    """Spectra of a recording in motion, by band, in units of its windows.
+    """Spectra of a recording in motion, by frequency band. Powers are those of a window, as in `Bands.median_power`.
 
-    trembles
-        Probability that a sample is part of such motion, (n,); 0 at rest.
+    tremble_probability
+        (n,) probability that a sample is part of quick motion; 0 at rest.
     gyro, motion
-        Power of the gyro, and of the motion in it, (bands,).
+        (bands,) power of the gyro, and of the motion in it.
     gain
-        Amplitude of a motion in the gyro, divided by its own, (bands,).
+        (bands,) amplitude of a motion in the gyro, divided by its true amplitude.
     white_dps
-        Standard deviation of the noise of a sample; None where too little moves.
-    knows_rest
-        Whether the device rests long enough for a spectrum.
+        Standard deviation of the white noise of a sample; None if the motion is too short for a spectrum.
+    has_rest_spectrum
+        Whether the rests are long enough for a spectrum.
     """
 
-    trembles: Floats = field(repr=False)
+    tremble_probability: Floats = field(repr=False)
     bands: Bands = field(repr=False)
     gyro: Floats
     motion: Floats
     gain: Floats
     white_dps: float | None
-    knows_rest: bool
+    has_rest_spectrum: bool
 
     def completed(self, path: Floats, rate_dps: Floats) -> tuple[Floats, Floats]:
-        """The path with the motion that the gyro shows beside it, and the power by band that is still lacking.
+        """Add the motion that the gyro determines to a path; return the path and the power, (bands,), that it lacks.
 
         path
-            Angles and rates, (n, 2).
+            (n, 2) angles and rates.
         rate_dps
-            Rates of the gyro, (n,).
+            (n,) rates of the gyro.
         """
         if not self.motion.any():
             return path, np.zeros_like(self.motion)
         path_lines = self.bands.lines(path[:, 1])
-        cross = self.bands.usual_power((self.bands.lines(rate_dps) * path_lines.conj()).real)
-        path_power = self.bands.usual_power(np.square(np.abs(path_lines)))
+        cross = self.bands.median_power((self.bands.lines(rate_dps) * path_lines.conj()).real)
+        path_power = self.bands.median_power(np.square(np.abs(path_lines)))
         share = self._residual_share(cross)
         residual_power = self.gyro - 2.0 * cross + path_power
         power = path_power + 2.0 * share * (cross - path_power) + np.square(share) * residual_power
-        path = path + self._filtered(self.trembles * (rate_dps - path[:, 1]), share)
+        path = path + self._filtered(self.tremble_probability * (rate_dps - path[:, 1]), share)
         weakened = np.where(self.motion > 0.0, 1.0 / self.gain - 1.0, 0.0)
-        return path + self._filtered(self.trembles * path[:, 1], weakened), self._lacking(power)
+        return path + self._filtered(self.tremble_probability * path[:, 1], weakened), self._lacking(power)
 
     def drawn(self, rng: np.random.Generator, lacking: Floats) -> Floats:
-        """Random angles and rates, (n, 2), with a power by band."""
-        white = np.sqrt(self.trembles) * rng.standard_normal(len(self.trembles))
-        if not lacking.any():  # few samples a second make a window without power
+        """(n, 2) random angles and rates with a given power, (bands,)."""
+        white = np.sqrt(self.tremble_probability) * rng.standard_normal(len(self.tremble_probability))
+        if not lacking.any():  # at a few samples per second, the power of a window is 0
             return np.zeros((len(white), 2))
         return self._filtered(white, np.sqrt(lacking / self.bands.window_power))
 
     def _residual_share(self, cross: Floats) -> Floats:
-        """Gain of the residual by band, so that path and residual together have the gain of Wiener's filter."""
+        """(bands,) share of the residual to add, so that the sum with the path has the gain of Wiener's filter."""
         wiener = self.motion / self.gyro
         path_gain = np.maximum(cross / self.gyro, 0.0) / (1.0 - GAIN_ERROR)
         lacks = path_gain < wiener
@@ -95,13 +98,13 @@ class QuickMotion:
         return share
 
     def _lacking(self, power: Floats) -> Floats:
-        """Power of the motion beyond that of the path; at most the variance of Wiener's estimate."""
+        """(bands,) power of the motion beyond that of the path; at most the variance of Wiener's estimate."""
         variance = self.motion * (1.0 - self.motion / self.gyro)
         lacking: Floats = np.clip(self.motion - power / (1.0 - GAIN_ERROR) ** 2, 0.0, variance) / np.square(self.gain)
         return lacking
 
     def _filtered(self, values_dps: Floats, gains: Floats) -> Floats:
-        """Rates through gains by band, and their angles, (n, 2)."""
+        """(n, 2) angles and rates of the given rates after a filter with gains by band."""
         size = next_fast_len(len(values_dps), real=True)
         frequency_hz = np.fft.rfftfreq(size, self.bands.period_s)
         centers_hz = np.concatenate([[0.5 * LOWEST_HZ], self.bands.centers_hz])
@@ -114,7 +117,7 @@ def quick_motion_of(rate_dps: Floats, at_rest: Mask, moves: Mask, period_s: floa
     """Spectrum of the motion in the rates of a gyro, (n,).
 
     at_rest, moves
-        Samples, (n,), that rest, and that move and are known.
+        (n,) whether a sample is at rest, and whether it is in motion with a known rate.
     """
     bands, resting = bands_of(moves, period_s), bands_of(at_rest, period_s)
     passed, gain = gyro.power_passed(bands.centers_hz, 1.0 / period_s), gyro.motion_gain(bands.centers_hz)
@@ -122,27 +125,31 @@ def quick_motion_of(rate_dps: Floats, at_rest: Mask, moves: Mask, period_s: floa
     if not bands.is_known:
         return nothing
     powers = np.square(np.abs(bands.lines(rate_dps)))
-    power = np.maximum(bands.usual_power(powers), LEAST_POWER)
+    power = np.maximum(bands.median_power(powers), LEAST_POWER)
     noise, error = passed * _white_power(bands, power, passed, gyro), bands.relative_error * power
     if resting.is_known:
-        at_rest_power = resting.usual_power(np.square(np.abs(resting.lines(rate_dps))))
+        at_rest_power = resting.median_power(np.square(np.abs(resting.lines(rate_dps))))
         noise, error = np.maximum(noise, at_rest_power), np.hypot(error, resting.relative_error * at_rest_power)
     motion = _falling(power - np.maximum(noise, LEAST_SHARE * power), error)
     window_trembles = _tremble_probability(bands, powers, power - motion, power)
-    trembles = np.where(moves, np.interp(np.arange(len(moves)), bands.middles, window_trembles), 0.0)
+    tremble_probability = np.where(moves, np.interp(np.arange(len(moves)), bands.middles, window_trembles), 0.0)
     white_dps = float(np.sqrt(np.median(noise / passed) * passed[0] / bands.window_power))
-    return replace(nothing, trembles=trembles, gyro=power, motion=motion, white_dps=white_dps)
+    return replace(nothing, tremble_probability=tremble_probability, gyro=power, motion=motion, white_dps=white_dps)
 
 
 def _falling(power: Floats, error: Floats) -> Floats:
-    """Power by band where it is significant, and no more than that of slower bands."""
+    """(bands,) power if it is significant, limited to that of the slower bands."""
     significant = np.where(power > EXCEEDS_SIGMAS * error, power, 0.0)
     falling: Floats = np.minimum(significant, np.minimum.accumulate(significant + RISES_SIGMAS * error))
     return falling
 
 
 def _tremble_probability(bands: Bands, powers: Floats, calm: Floats, trembling: Floats) -> Floats:
-    """Probability, (windows,), that powers, (windows, lines), have the one of two spectra, (bands,), that trembles."""
+    """(windows,) probability that a window has the spectrum `trembling`, (bands,), and not `calm`, (bands,).
+
+    powers
+        (windows, lines) powers of the spectral lines.
+    """
     log_ratios = bands.mean_power(powers) * (1.0 / calm - 1.0 / trembling) - np.log(trembling / calm)
     probability: Floats = expit(log_ratios @ (0.5 * bands.freedoms))
     return probability
@@ -151,7 +158,7 @@ def _tremble_probability(bands: Bands, powers: Floats, calm: Floats, trembling: 
 def _white_power(bands: Bands, power: Floats, passed: Floats, gyro: GyroModel) -> float:
     """Power of the noise before low-passes: the part of a spectrum that does not fall, by non-negative least squares.
 
-    Falling parts are folded at half the sample rate. Where all of the spectrum may fall, the noise is that of the rig.
+    Falling parts are folded at half the sample rate. If the whole spectrum may fall, the noise is that of the rig.
     """
     centers_hz = bands.centers_hz
     top = centers_hz >= centers_hz[-1] / 4.0  # two octaves

@@ -1,6 +1,7 @@
-"""Seven-point slopes, and a Gaussian over samples.
+"""Gaussian filter and central difference of samples.
 
-The Gaussian equals `scipy.ndimage.gaussian_filter1d` in a fifth of the time: a diagnosis smooths thousands of sessions.
+The Gaussian has the same result as `scipy.ndimage.gaussian_filter1d` and takes a fifth of the time. A diagnosis smooths
+thousands of sessions.
 """
 
 from functools import cache
@@ -11,31 +12,39 @@ from gyrodrift.arrays import Floats
 from gyrodrift.compile import compiled_once
 
 SIXTH_ORDER = np.array([45.0, -9.0, 1.0]) / 60.0
-"""Central difference over seven points, by the distance of a pair: a tone of a tenth of the sample rate comes out
-0.05 % too weak."""
+"""Weights of the central difference over seven samples, for pairs at a distance of 1, 2 and 3 samples.
+
+The slope of a tone at a tenth of the sample rate is 0.05 % too small.
+"""
 
 REACH_SIGMAS = 4.0
 """Standard deviations at which the Gaussian ends, as in scipy."""
 
 CHUNK = 1024
-"""Samples that stay in the fastest memory; measured on x86-64."""
+"""Samples per pass, so that they stay in the fastest cache; measured on x86-64."""
 
 
 def gaussian(values: Floats, sigma: float) -> Floats:
-    """Values through a Gaussian of `sigma` samples, mirrored at the ends; shape (n,)."""
+    """(n,) values smoothed by a Gaussian with a standard deviation of `sigma` samples, mirrored at the ends."""
     weights = _weights(float(sigma))
     return convolved(np.pad(np.asarray(values, dtype=np.float64), len(weights) - 1, mode="symmetric"), weights)
 
 
 def convolved(padded: Floats, weights: Floats) -> Floats:
-    """Padded values, (n + 2 radius,), through a symmetric filter by its middle and one side, (radius + 1,)."""
+    """(n,) convolution of values with a symmetric filter.
+
+    padded
+        (n + 2 radius,) values with `radius` samples added at either end.
+    weights
+        (radius + 1,) weights of the middle and of one side.
+    """
     smooth = np.empty(len(padded) - 2 * (len(weights) - 1))
     _convolve(padded, weights, smooth)
     return smooth
 
 
 def central_difference(values: Floats, spacing: float) -> Floats:
-    """Slope of values three samples either way; the end values stand for the values beyond; shape (n,)."""
+    """(n,) derivative of values, `spacing` apart. The first and last value are repeated beyond the ends."""
     reach = len(SIXTH_ORDER)
     padded, slope = np.pad(values, reach, mode="edge"), np.zeros(len(values))
     for away, weight in enumerate(SIXTH_ORDER, 1):
@@ -46,7 +55,7 @@ def central_difference(values: Floats, spacing: float) -> Floats:
 
 @cache
 def _weights(sigma: float) -> Floats:
-    """Weights of the middle and of one side, shape (radius + 1,)."""
+    """(radius + 1,) weights of a Gaussian, for the middle and one side."""
     radius = int(REACH_SIGMAS * sigma + 0.5)
     sides = np.exp(-0.5 / sigma**2 * np.arange(-radius, radius + 1) ** 2)
     weights: Floats = (sides / sides.sum())[radius:]
@@ -56,7 +65,7 @@ def _weights(sigma: float) -> Floats:
 
 @compiled_once()
 def _convolve(padded: Floats, weights: Floats, smooth: Floats) -> None:
-    """Sum from the outer weights to the inner ones, as scipy does, so that the bits are equal."""
+    """Write the convolution to `smooth`. The order of the sum is that of scipy, so that the bits are equal."""
     radius = len(weights) - 1
     for first in range(0, len(smooth), CHUNK):
         part = smooth[first : first + CHUNK]

@@ -131,7 +131,7 @@ def scatters_by_motion(cleaned: Cleaned, design: DesignMatrix, rig: Rig, *, in_m
     """Whether motion contributes to the scatter from sample to sample, and no rest shows the noise alone."""
     gyro = gyro_model_of(rig)
     quick = _quick_motion(cleaned, design, gyro)
-    if quick.knows_rest or quick.white_dps is None:
+    if quick.has_rest_spectrum or quick.white_dps is None:
         return False
     rates_dps = cleaned.rate_dps, design.motion.rate_dps
     scatters_dps = [

@@ -82,7 +82,7 @@ def test_noise_is_known_without_a_rest(size_dps: float) -> None:
     rate_dps = falling(rng, size_dps, 2.0) + NOISE_DPS * rng.standard_normal(SAMPLES)
     nowhere = np.zeros(SAMPLES, bool)
     quick = quick_motion_of(rate_dps, nowhere, ~nowhere, PERIOD_S, GYRO)
-    assert not quick.knows_rest
+    assert not quick.has_rest_spectrum
     assert quick.white_dps == pytest.approx(NOISE_DPS, rel=0.1)
 
 
@@ -100,9 +100,9 @@ def test_calm_stretches_are_told_from_trembling_ones() -> None:
     is_calm = np.arange(SAMPLES) >= 9_000
     motion_dps = np.where(is_calm | ~IN_MOTION, 0.0, falling(rng, 1.8))
     quick = quick_motion(motion_dps + NOISE_DPS * rng.standard_normal(SAMPLES))
-    assert quick.trembles[is_calm][100:].max() < 0.01
-    assert quick.trembles[IN_MOTION & ~is_calm][100:-100].min() > 0.99
-    assert not quick.trembles[~IN_MOTION].any()
+    assert quick.tremble_probability[is_calm][100:].max() < 0.01
+    assert quick.tremble_probability[IN_MOTION & ~is_calm][100:-100].min() > 0.99
+    assert not quick.tremble_probability[~IN_MOTION].any()
 
 
 class Trembling(NamedTuple):

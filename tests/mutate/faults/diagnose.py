@@ -182,7 +182,7 @@ FAULTS = (
     Fault(
         "diagnose/quick-motion-not-drawn",
         QUICK,
-        "white = np.sqrt(self.trembles) * rng",
+        "white = np.sqrt(self.tremble_probability) * rng",
         "white = 0.0 * rng",
         "A drawn path lacks the motion that noise of the gyro hides.",
         QUICK_TESTS,
