@@ -13,7 +13,7 @@ NOISE_GAIN = 6.0
 
 NOISE_MEAN_S, CALM_QUANTILE, CALM_SIGMAS = 0.1, 0.4, 0.5244
 """Time over which rates are averaged, s; the quantile of their absolute second differences that gives the noise; and
-this quantile of a normal distribution, in standard deviations. Most motion is above the quantile."""
+this quantile of absolute normal numbers, in standard deviations. Most motion is above the quantile."""
 
 CALMEST_SAMPLES, CALMEST_QUANTILE, CALMEST_GAIN = 40, 0.1, 12.3
 """Samples in a stretch; the quantile of the mean squared third differences over stretches that gives the noise; and
@@ -47,7 +47,7 @@ class GyroModel:
         Whether the gyro has a dead band: rates of 0 do not show its noise.
     low_passes
         Low-passes that its noise has passed.
-    weakens_motion
+    unrestored_low_passes
         Low-passes whose effect on the motion has not been removed from the rates.
     stated_noise_dps
         White noise of a sample before the low-passes, for recordings that do not determine it.
@@ -57,12 +57,12 @@ class GyroModel:
     delay_s: float = 0.0
     hides_rest: bool = False
     low_passes: tuple[LowPass, ...] = ()
-    weakens_motion: tuple[LowPass, ...] = ()
+    unrestored_low_passes: tuple[LowPass, ...] = ()
     stated_noise_dps: float = 0.0
 
     def motion_gain(self, frequencies_hz: Floats) -> Floats:
         """Amplitude of a motion in the rates, divided by its true amplitude, in the shape of the frequencies."""
-        power = [low_pass.power_passed(frequencies_hz) for low_pass in self.weakens_motion]
+        power = [low_pass.power_passed(frequencies_hz) for low_pass in self.unrestored_low_passes]
         gain: Floats = np.sqrt(np.prod(power, axis=0)) * np.ones_like(frequencies_hz)
         return gain
 

@@ -80,7 +80,7 @@ def recording_of(session: Session, samples: int | None = None) -> Recording:
         If the session has no encoder, too few samples, or an implausible counter, time or value.
     """
     if session.encoder_deg is None:
-        raise DataError(f"{session.name}: has no encoder, so nothing says how it really moved")
+        raise DataError(f"{session.name}: has no encoder, so its true motion is unknown")
     _check_values(session)
     numbers = number_samples(session)
     count = int(numbers.sample[-1]) + 1
@@ -90,17 +90,18 @@ def recording_of(session: Session, samples: int | None = None) -> Recording:
     inside = numbers.sample < length
     index, row = numbers.sample[inside], numbers.row[inside]
 
-    def spread(values: Floats | None) -> Floats | None:
+    def on_grid(values: Floats | None) -> Floats | None:
+        """Rows of a column on the grid; None if no value is finite."""
         if values is None or not np.isfinite(values).any():
             return None
         out = np.full((length, *values.shape[1:]), np.nan)
         out[index] = values[row]
         return out
 
-    device_s, host_s = spread(session.t_device_s), spread(session.t_host_s)
-    rate_dps, encoder_deg = spread(session.rate_dps), spread(session.encoder_deg)
+    device_s, host_s = on_grid(session.t_device_s), on_grid(session.t_host_s)
+    rate_dps, encoder_deg = on_grid(session.rate_dps), on_grid(session.encoder_deg)
     if device_s is None or rate_dps is None or encoder_deg is None:
-        raise DataError(f"{session.name}: holds no numbers in its times, rates or angles")
+        raise DataError(f"{session.name}: has no numbers in its times, rates or angles")
     clock_s = device_s if host_s is None else host_s
     for values in (device_s, clock_s):
         _check_period(session.name, fit_line(values)[0], values)
@@ -111,14 +112,14 @@ def recording_of(session: Session, samples: int | None = None) -> Recording:
         encoder_deg=unwrapped(encoder_deg),
         device_s=device_s - session.t_device_s[0],
         host_s=None if host_s is None else host_s - host_s[np.isfinite(host_s)][0],
-        temp_c=spread(session.temp_c),
+        temp_c=on_grid(session.temp_c),
         powered_s=max(0.0, float(session.t_device_s[0])),
         repeated=numbers.repeated,
         disordered=numbers.disordered,
         has_counter=session.seq is not None,
         host_ahead_s=_host_ahead_s(session),
-        gyro_xy_dps=spread(None if session.gyro_dps is None else session.gyro_dps[:, :2]),
-        accel_mps2=spread(session.accel_mps2),
+        gyro_xy_dps=on_grid(None if session.gyro_dps is None else session.gyro_dps[:, :2]),
+        accel_mps2=on_grid(session.accel_mps2),
     )
 
 
@@ -130,7 +131,7 @@ def _check_values(session: Session) -> None:
     DataError
         If a value is above its limit; the message states both.
     """
-    for values, most, what in (
+    for values, most, words in (
         (session.rate_dps, MOST_DPS, "a rate of {:g} deg/s"),
         (session.encoder_deg, MOST_DEG, "an angle of {:g} degrees"),
         (session.gyro_dps, MOST_DPS, "a rate of {:g} deg/s"),
@@ -142,7 +143,7 @@ def _check_values(session: Session) -> None:
             continue
         sizes = np.abs(values[np.isfinite(values)])
         if len(sizes) and sizes.max() > most:
-            raise DataError(f"{session.name}: has {what.format(sizes.max())}; the largest plausible value is {most:g}")
+            raise DataError(f"{session.name}: has {words.format(sizes.max())}; the largest plausible value is {most:g}")
 
 
 def _check_period(name: str, period_s: float, clock_s: Floats) -> None:
@@ -151,7 +152,8 @@ def _check_period(name: str, period_s: float, clock_s: Floats) -> None:
     Raises
     ------
     DataError
-        If the period is outside SHORTEST_S to LONGEST_S, or if a float holds the clock only to more than half of it.
+        If the period is outside SHORTEST_S to LONGEST_S, or if neighboring floats at the clock's time differ by more
+        than half a period.
     """
     if not SHORTEST_S <= period_s <= LONGEST_S:
         raise DataError(f"{name}: its samples are {period_s:.3g} s apart; expected {SHORTEST_S:g} to {LONGEST_S:g} s")

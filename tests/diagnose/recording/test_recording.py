@@ -83,7 +83,7 @@ def test_samples_that_come_twice_or_late_are_counted() -> None:
     [
         ({"encoder_deg": None}, "has no encoder"),
         ({"seq": np.arange(COUNT) * 50}, "its counter counts 49951 samples, but the file has 1000"),
-        ({"rate_dps": np.full(COUNT, np.nan)}, "holds no numbers"),
+        ({"rate_dps": np.full(COUNT, np.nan)}, "has no numbers"),
     ],
 )
 def test_what_cannot_be_compared_is_refused(change: dict[str, object], message: str) -> None:
