@@ -1,4 +1,4 @@
-"""Features that two sets of recordings both determine: another sample rate or other steps leave some of them out."""
+"""Features that two sets of recordings both determine; other sample rates or steps leave fewer features in common."""
 
 from collections.abc import Sequence
 
@@ -11,25 +11,27 @@ from gyrodrift.diagnose.recording.levels import LEAST_GAPS, levels_of
 from gyrodrift.diagnose.recording.recording import Recording
 
 SAME_RATE = 0.1
-"""Share by which sample rates, and steps as seen, of one device differ from day to day: a PLL is good to 1 %, and a
-radio that loses some samples is not."""
+"""Largest relative difference of the sample rates, and of the measured steps, of a device from day to day. A PLL is
+good to 1 %, but a radio that loses some samples is not."""
 
 SLOW_ONLY = "single samples are not compared, only rate errors second by second"
 
 CALM = 0.75
-"""Share of the second differences that are held to be noise."""
+"""Share of the second differences that count as noise."""
 
 ALL = np.ones(len(FEATURES), bool)
+"""(F,) all features."""
 
 
 def compared_of(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
-    """Features that both sets determine, and remarks on the others."""
+    """(F,) features that both sets determine, and remarks on the remaining features."""
     compared, remarks = _of_rates(first, second)
     by_steps, of_steps = _of_steps(first, second)
     return compared & by_steps, [*remarks, *of_steps]
 
 
 def _of_rates(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
+    """(F,) features that both sample rates determine, and remarks."""
     if is_same_rate(first, second):
         return ALL, []
     before, now = (f"{round(rate_hz, 1):g}" for rate_hz in _rates_hz(first, second))
@@ -37,18 +39,21 @@ def _of_rates(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[
 
 
 def is_same_rate(first: Sequence[Recording], second: Sequence[Recording]) -> bool:
-    """Whether the usual sample rates of two sets are those of one device."""
+    """Whether the median sample rates of two sets agree within SAME_RATE."""
     before_hz, after_hz = _rates_hz(first, second)
     return abs(before_hz / after_hz - 1.0) <= SAME_RATE
 
 
 def _rates_hz(*sets: Sequence[Recording]) -> list[float]:
-    """Usual samples a second of each set."""
+    """Median sample rate of each set, Hz."""
     return [1.0 / float(np.median([recording.period_s for recording in recordings])) for recordings in sets]
 
 
 def _of_steps(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:
-    """Coarser steps may be an effect, but for a power of two: that is a range."""
+    """(F,) features that the steps of both sets determine, and remarks.
+
+    Coarser steps may be an effect. Steps that are coarser by a power of two are not: the ranges of a gyro double.
+    """
     before, now = (_steps_dps(recordings) for recordings in (first, second))
     if before is None or now is None or before == now or (not before and _hide_noise(second, now)):
         return ALL, []
@@ -66,16 +71,16 @@ def _of_steps(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[
 
 
 def _hide_noise(recordings: Sequence[Recording], step_dps: float) -> bool:
-    """Whether noise of less than half a step is rounded away: it no longer shows in the mean of many samples.
+    """Whether steps round the noise away, because it is less than half a step: a mean of many samples is biased then.
 
-    Other steps add white noise (B. Widrow, Statistical analysis of amplitude-quantized sampled-data systems, 1961).
+    Finer steps add white noise (B. Widrow, Statistical analysis of amplitude-quantized sampled-data systems, 1961).
     Noise of half a step and rounding have a standard deviation of 1/√3 of a step together.
     """
     return bool(np.median([_scatter_dps(recording) for recording in recordings]) < step_dps / np.sqrt(3.0))
 
 
 def _scatter_dps(recording: Recording) -> float:
-    """Standard deviation of a sample by the second differences, without the quarter where the motion changes most."""
+    """Standard deviation of the noise of a sample, from second differences without the quarter with the most motion."""
     bends_dps = np.abs(np.diff(recording.rate_dps[np.isfinite(recording.rate_dps)], 2)) / np.sqrt(6.0)
     kept = np.sort(bends_dps)[: max(1, int(CALM * len(bends_dps)))]
     limit = normal.ppf(0.5 + 0.5 * CALM)
@@ -83,7 +88,7 @@ def _scatter_dps(recording: Recording) -> float:
 
 
 def _steps_dps(recordings: Sequence[Recording]) -> float | None:
-    """Median of the steps in which rates come, 0 where they come in none; None where there are too few to tell."""
+    """Median step of the rates; 0 if they have no steps, None if there are too few different rates."""
     levels_of_each = [
         levels
         for levels in (levels_of(recording.rate_dps) for recording in recordings)

@@ -1,4 +1,4 @@
-"""The whole of it: sessions and a rig in, a verdict with all that it rests on out."""
+"""The diagnosis: from recordings and a rig to a verdict and everything that the report shows."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -8,12 +8,17 @@ import numpy as np
 
 from firmware_sim.rig import Base, Rig
 from gyrodrift.arrays import Floats
-from gyrodrift.diagnose.beside_baseline import explained_baseline, new_since, seen_through, without_baseline
+from gyrodrift.diagnose.baseline_comparison import (
+    changes_since,
+    explained_baseline,
+    with_corrected_reference,
+    without_baseline,
+)
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.linear_model import linear_model_of
 from gyrodrift.diagnose.inference.ranking import ranking
-from gyrodrift.diagnose.inference.verdict import Verdict, is_small, set_aside
+from gyrodrift.diagnose.inference.verdict import Verdict, is_small, with_negligible
 from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
 from gyrodrift.diagnose.predictive_checks.on_device import on_device_yaw
 from gyrodrift.diagnose.predictive_checks.residual_checks import residual_checks_of
@@ -46,7 +51,7 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
     Raises
     ------
     DataError
-        Where no session can be used, with what is wrong with each.
+        If no session can be used; the message says why for each session.
     """
     begun_s = time.monotonic()
     origins, recordings, remarks = recordings_of(request.paths, request.progress, request.reading)
@@ -59,7 +64,7 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
     base = request.rig.base
     against = contradictions(recordings, base.dps_per_lsb, base.encoder_cpr)
     stated = request.rig
-    # Steps of an unstated rig are those of the baseline: coarser ones of the recordings are a gap.
+    # An unstated rig has the steps of the baseline: coarser steps of the recordings are a gap.
     facts = against if request.is_rig_stated or not request.baseline else ()
     request = request._replace(rig=with_recorded_axes(with_facts(stated, facts), recordings))
     remarks += axes_remarks(stated, recordings)
@@ -67,13 +72,13 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
     if request.baseline:
         explained = explained_baseline(request, recordings)
         request = request._replace(rig=explained.rig, least_noise_dps_rthz=explained.least_noise_dps_rthz)
-        origins, recordings = seen_through(explained.response, origins, recordings)
+        origins, recordings = with_corrected_reference(explained.response, origins, recordings)
         simulated_today = simulated_of(request, origins, recordings)
         simulated = simulated_today._replace(
             tables=without_baseline(simulated_today.tables, simulated_today.subjects, explained.baseline)
         )
         inferred = inferred_of(simulated, request.jobs, request.progress)
-        verdict, of_chance = new_since(explained, simulated_today, inferred)
+        verdict, of_chance = changes_since(explained, simulated_today, inferred)
         remarks += [*explained.remarks, *of_chance]
         baseline = tuple(_session(subject) for subject in explained.subjects)
     else:
@@ -81,7 +86,7 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         inferred = inferred_of(simulated, request.jobs, request.progress)
         verdict = inferred.verdict
     explanation, subjects = inferred.explanation, simulated.subjects
-    verdict = _set_aside(verdict, subjects)
+    verdict = _with_negligible(verdict, subjects)
     request.progress(WHAT_NEXT, 0, 0)
     following = what_next(verdict, explanation, subjects, simulated.untestable, request.rig, request.jobs)
     designs = [subject.design for subject in subjects]
@@ -114,22 +119,23 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
 
 
 def _of_any_rig(against: Sequence[Contradiction]) -> tuple[Contradiction, ...]:
-    """Contradictions between gyro and encoder; the shipped rig states nothing about the device of another simulator."""
+    """Contradictions between gyro and encoder. The rest does not count, as nobody stated the rig for this device."""
     return tuple(item for item in against if item.fact == "turn_ratio")
 
 
 def _adopted(rig: Rig, verdict: Verdict) -> Rig:
+    """The rig with those causes of a verdict that go into `rig.yaml`."""
     return adopted(rig, [cause for cause in verdict.causes if cause.is_adopted])
 
 
-def _set_aside(verdict: Verdict, subjects: Sequence[Subject]) -> Verdict:
+def _with_negligible(verdict: Verdict, subjects: Sequence[Subject]) -> Verdict:
     """Move small causes that hardly change yaw to `negligible`."""
     small = [cause for cause in verdict.causes if is_small(cause)]
-    return set_aside(verdict, {cause.effect.name: cost_deg(subjects, verdict.causes, cause) for cause in small})
+    return with_negligible(verdict, {cause.effect.name: cost_deg(subjects, verdict.causes, cause) for cause in small})
 
 
 def _rate_errors_dps(subjects: Sequence[Subject]) -> list[Floats]:
-    """Block residuals of the recordings less those that the rig's own effects make, deg/s."""
+    """(blocks,) rate errors of each recording minus those by the effects of the rig, deg/s."""
     errors_dps = []
     for subject in subjects:
         error_dps = block_residual_dps(subject.cleaned, subject.design)
@@ -154,7 +160,7 @@ def _session(subject: Subject) -> DiagnosedSession:
 
 
 def _calibration(base: Base, subjects: Sequence[Subject]) -> tuple[BaseValue, ...]:
-    """Base values that are fitted to each session first."""
+    """Base values of the rig and of the sessions to which they were calibrated."""
     return tuple(
         _base_value(name, float(getattr(base, name)), [value(subject) for subject in subjects])
         for name, value in CALIBRATED.items()
@@ -180,4 +186,5 @@ CALIBRATED: dict[str, Callable[[Subject], float | None]] = {
     "host_jitter_s": lambda subject: host_jitter_s(subject.cleaned.recording),
     "encoder_phase_deg": lambda subject: float(subject.posterior.mean.angle_deg[0]),
 }
-"""Base values that may differ from session to session, and what each shows; None where it does not."""
+"""Base values that may differ from session to session, with the function that gives the value of a session; None if the
+session does not show it."""

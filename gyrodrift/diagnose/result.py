@@ -32,7 +32,7 @@ class DiagnosedSession:
 
 @dataclass(frozen=True, slots=True)
 class BaseValue:
-    """A base value of the rig beside those of the sessions: their median, least and largest, None where not known."""
+    """A base value of the rig, and the median, smallest and largest value of the sessions; None if they show none."""
 
     name: str
     rig: float
@@ -43,7 +43,7 @@ class BaseValue:
 
 @dataclass(frozen=True, slots=True)
 class Untestable:
-    """An effect of which the sessions cannot speak, and what they lack for it."""
+    """An effect that the sessions cannot show, and what they lack."""
 
     effect: str
     why: str
@@ -54,25 +54,29 @@ class Diagnosis(ResultTable):
     """Everything that is reported.
 
     contradictions
-        Facts of the rig that the sessions contradict; they come before all else.
+        Facts of the rig that the sessions contradict; the report begins with them.
     remarks
-        What the recording checks found, and what else limits this result; a sentence each.
+        Sentences on results of the recording checks and on limits of this result.
+    withheld
+        Names of the effects that were not tried.
     detectable
-        Of each effect that was tried, the smallest size that would have been seen.
+        Smallest size of each tried effect that these sessions would have shown.
+    calibration
+        Base values of the rig and of the sessions.
     next_step, next_profile_yaml
-        What to record next, in a sentence; and as a motion, where one would decide what is open.
+        What to record next, in a sentence; and the profile of a motion that separates open hypotheses, if there is one.
     seconds
-        What all of it took.
+        Duration of the diagnosis.
     rig_yaml
-        The rig with the causes switched on at their fitted sizes, as a file that `simulate` and `firmware_sim` take.
+        The rig with the causes switched on at their fitted sizes, as a file for `simulate` and `firmware_sim`.
     ranking
-        The candidates, the best by itself first.
+        The effects, the largest evidence first.
     threshold_z
-        Pooled z from which on a feature counts as a deviation.
+        Pooled z beyond which a feature deviates.
     features
-        Real beside simulated, in the order of FEATURES.
+        Features of recordings and simulator, in the order of FEATURES.
     residuals
-        Rate errors of some sessions, real beside simulated.
+        Rate errors of some sessions, recorded and simulated.
     baseline
         Sessions of the baseline, calibrated like the sessions.
     on_device

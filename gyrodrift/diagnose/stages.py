@@ -1,4 +1,4 @@
-"""The stages that every set of recordings goes through: loaded and checked, simulated, explained, adopted."""
+"""Stages of a diagnosis: load and check recordings, simulate them, infer causes, and put the causes into the rig."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -26,7 +26,7 @@ from gyrodrift.progress import OnProgress, ignore_progress
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 
 CORRECTED: dict[str, Callable[[float], float | int]] = {"encoder_cpr": round, "dps_per_lsb": float}
-"""Facts that are taken from the sessions if these contradict the rig."""
+"""Facts of the rig that are replaced if the sessions contradict them, with the type of their values."""
 
 
 CHECKED, CALIBRATED, SEARCHED = "sessions checked", "rig calibrated to sessions", "search for causes"
@@ -39,14 +39,18 @@ SHARES = {CHECKED: 2.0, CALIBRATED: 5.0, REPLAYED: 50.0, SEARCHED: 8.0, WHAT_NEX
 class DiagnosisRequest(NamedTuple):
     """The input of a diagnosis.
 
+    withheld
+        Effects that are not tried.
+    cluster
+        Address of a cluster that simulates; None for processes on this computer.
     baseline
         Earlier recordings of the device: a difference that they show, too, is no gap.
     least_noise_dps_rthz
-        Least noise that is calibrated away.
+        Least noise that the rig is calibrated to.
     reading
         Columns and units as stated by a person.
     is_rig_stated
-        Whether a person states the rig. Otherwise its facts give way to those of a baseline without a word.
+        Whether a person states the rig. Otherwise facts of a baseline replace its facts, without a warning.
     """
 
     paths: Sequence[Path]
@@ -64,10 +68,14 @@ class DiagnosisRequest(NamedTuple):
 class Simulated(NamedTuple):
     """The simulations of all sessions.
 
+    subjects, tables
+        Calibrated sessions, and their response tables.
     tried
         Candidates that the sessions can show, and that are not withheld.
+    untestable
+        Effects that the sessions cannot show.
     unseparated
-        Untested effects that act like a tested one in these sessions, and that are not withheld.
+        Untestable effects that act like a tested effect in these sessions, and that are not withheld.
     """
 
     subjects: list[Subject]
@@ -94,7 +102,7 @@ def simulated_of(request: DiagnosisRequest, origins: Sequence[Origin], recording
 def tables_of(
     request: DiagnosisRequest, origins: Sequence[Origin], subjects: Sequence[Subject], tried: Sequence[Candidate]
 ) -> tuple[ResponseTable, ...]:
-    """The tables of some sessions."""
+    """Response tables of some sessions."""
     plan = SimulationPlan(
         tuple(origins), tuple(subjects), request.rig, hints_of(subjects), tuple(tried), request.least_noise_dps_rthz
     )
@@ -147,7 +155,7 @@ def without_columns_of_one_set(
 def testable_among(
     every: Sequence[Candidate], recordings: Sequence[Recording], withheld: frozenset[str], *, has_axes: bool
 ) -> tuple[list[Candidate], tuple[Untestable, ...]]:
-    """Candidates that the recordings can show; and the others with the reason.
+    """Candidates that the recordings can show, and effects that they cannot show with the reason.
 
     has_axes
         Whether three axes are compared.
@@ -165,7 +173,7 @@ def testable_among(
 
 
 def adopted(rig: Rig, causes: Sequence[NamedCause]) -> Rig:
-    """The rig with the causes: an effect of another size is replaced, or removed if hardly any is left."""
+    """The rig with the causes. An effect that the rig has with another size is replaced, or removed if it is gone."""
     names = {cause.effect.name for cause in causes}
     kept = tuple(effect for effect in rig.effects if effect.name not in names)
     new = tuple(cause.effect for cause in causes if not _is_gone(cause))
@@ -173,16 +181,18 @@ def adopted(rig: Rig, causes: Sequence[NamedCause]) -> Rig:
 
 
 def _is_gone(cause: NamedCause) -> bool:
-    """Whether hardly any of an effect in the rig is left."""
+    """Whether an effect of the rig is gone: the recordings show less than a tenth of it."""
     if cause.in_rig is None or KINDS[cause.effect.name].less_is_more:
         return False
     name = cause.cause.candidate.parameter
-    # A tenth of the effect in the rig is nothing.
     return abs(float(getattr(cause.effect, name))) < 0.1 * abs(float(getattr(cause.in_rig, name)))
 
 
 def with_recorded_axes(rig: Rig, recordings: Sequence[Recording]) -> Rig:
-    """The rig with three axes if all recordings have them, else with one; without an accelerometer if they lack it."""
+    """The rig with three axes if all recordings have them, else with a single axis.
+
+    It has no accelerometer if a recording shows no gravity.
+    """
     if any(recording.gyro_xy_dps is None for recording in recordings):
         return with_axes(rig, 1)
     rig = with_axes(rig, 3)
@@ -193,7 +203,7 @@ def with_recorded_axes(rig: Rig, recordings: Sequence[Recording]) -> Rig:
 
 
 def axes_remarks(stated: Rig, recordings: Sequence[Recording]) -> list[str]:
-    """A sentence if recordings and rig differ in their axes, or if only some recordings have three."""
+    """A sentence if recordings and rig differ in their axes, or if only some recordings have three axes."""
     with_three = sum(recording.gyro_xy_dps is not None for recording in recordings)
     has_three = stated.base.three_axes is not None
     if with_three == len(recordings):
@@ -204,14 +214,14 @@ def axes_remarks(stated: Rig, recordings: Sequence[Recording]) -> list[str]:
 
 
 def with_stated_axes(rig: Rig, stated: Rig) -> Rig:
-    """The rig with the axes of another rig, if it states three."""
+    """The rig with the axes of the stated rig, if that has three."""
     if stated.base.three_axes is None:
         return rig
     return rig.model_copy(update={"base": rig.base.model_copy(update={"three_axes": stated.base.three_axes})})
 
 
 def with_facts(rig: Rig, against: Sequence[Contradiction]) -> Rig:
-    """The rig with the facts of the sessions where these contradict it."""
+    """The rig with those facts of the sessions that contradict it."""
     shown = {
         contradiction.fact: contradiction.sessions
         for contradiction in against

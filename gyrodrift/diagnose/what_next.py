@@ -22,7 +22,7 @@ from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.twin import Subject
 
 MOST = 0.99
-"""A few simulations can say no more."""
+"""Largest probability that is stated: it comes from a few simulations."""
 
 
 def sentence(recording: NextRecording, file: str) -> str:
@@ -46,12 +46,12 @@ def sentence(recording: NextRecording, file: str) -> str:
     )
 
 
-def _stated(chance: Discrimination) -> str:
-    return f"{min(chance.probability, MOST):.2f}"
+def _stated(predicted: Discrimination) -> str:
+    return f"{min(predicted.probability, MOST):.2f}"
 
 
 def _question(names: Sequence[str]) -> str:
-    """`bandwidth from latency`, or `whether there is a deadband`."""
+    """The question in words, such as `bandwidth from latency` or `whether there is deadband`."""
     causes = [name for name in names if name != NOTHING]
     if len(causes) < len(names):
         return f"whether there is {_listed(causes, 'or')}"
@@ -64,7 +64,7 @@ def _listed(names: Sequence[str], joint: str) -> str:
 
 
 def _warming(recording: NextRecording) -> str:
-    """When to warm the air, for what a table does not do by itself."""
+    """Words on when to warm the air, because a table does not do that; empty if no maneuver warms it."""
     seconds = (60.0 * recording.minutes - STILL_S) / len(recording.maneuvers)
     starts_s = [STILL_S + number * seconds for number, maneuver in enumerate(recording.maneuvers) if maneuver.warms_air]
     if not starts_s:
@@ -74,22 +74,25 @@ def _warming(recording: NextRecording) -> str:
 
 
 FILE = "next-profile.yaml"
-"""Beside `rig.yaml`."""
+"""Name of the file of the profile, in the folder of `rig.yaml`."""
 
 SEED = 0
 MINUTES = (1.0, 4.0)
-"""A proposed recording is as long as those so far, within these bounds."""
+"""Bounds of the length of a proposed recording, which is otherwise the median length of the recordings so far."""
 
 MOST_HYPOTHESES = 3
+"""Largest number of hypotheses that a motion is chosen for."""
+
 UNSEEN = 0.1
 """Probability assumed for an effect of typical size that these sessions would not have shown. Chosen, not measured."""
 
 SMALL_SHARE = 0.5
-"""Share of its typical size below which a detectable effect is no open question."""
+"""An effect that no cause names is an open question if its typical size is below this share of its smallest detectable
+size. For a limit, where smaller values are larger effects, the ratio is inverted."""
 
 
 class Next(NamedTuple):
-    """A sentence, and the file of a profile where a motion is proposed."""
+    """The next step in a sentence, and the text of a profile if a motion is proposed."""
 
     sentence: str
     profile_yaml: str | None
@@ -103,22 +106,26 @@ def what_next(
     rig: Rig,
     jobs: int,
 ) -> Next:
-    """The experiment that decides, chosen by so many processes, or else what there is to say."""
-    open_ones = _open(verdict, explanation, subjects, rig)
-    if len(open_ones) < 2:
+    """The recording that separates the open hypotheses, or advice in a sentence if fewer than two are open.
+
+    jobs
+        Number of processes that simulate motions.
+    """
+    hypotheses = _open(verdict, explanation, subjects, rig)
+    if len(hypotheses) < 2:
         return Next(_more_axes(verdict, explanation) or _without_experiment(verdict, untestable, len(subjects)), None)
     minutes = round(
         float(np.clip(np.median([subject.cleaned.recording.seconds / 60.0 for subject in subjects]), *MINUTES)), 1
     )
     recorded = PlannedMotion(subjects[0].posterior.mean, min(minutes, subjects[0].cleaned.recording.seconds / 60.0))
-    recording = next_recording_of(open_ones, minutes, SEED, recorded, jobs)
+    recording = next_recording_of(hypotheses, minutes, SEED, recorded, jobs)
     return Next(sentence(recording, FILE), profile_yaml(recording.profile))
 
 
 def _open(
     verdict: Verdict, explanation: Explanation, subjects: Sequence[Subject], rig: Rig
 ) -> tuple[RigHypothesis, ...]:
-    """Open hypotheses: tied causes, possible effects that are not named, or effects that could not have shown."""
+    """Open hypotheses: tied causes, or possible effects that are not named, or effects that would not have shown."""
     base = subjects[0].rig.base
     calibrated = rig.model_copy(update={"base": base})
     tied = next((cause for cause in verdict.causes if _simulated_ties(cause, explanation)), None)
@@ -142,12 +149,12 @@ def _open(
 
 
 def _simulated_ties(cause: NamedCause, explanation: Explanation) -> list[Placed]:
-    """Effects that may act instead of a cause, except those that no motion would tell from it."""
+    """Effects that may act instead of a cause, except those that were not simulated: no motion separates these."""
     return [item for name in cause.tied_with if (item := explanation.where_best(name)) is not None]
 
 
 def _unseen(explanation: Explanation, rig: Rig) -> list[Effect]:
-    """Effects that would have gone unseen at their typical size, the worst seen first."""
+    """Effects of typical size that these sessions would not have shown, the least detectable first."""
     in_rig = {effect.name for effect in rig.effects}
     ratios: list[tuple[float, Effect]] = []
     for item in detectable(explanation.scorer, explanation.evidence.effects()):
@@ -165,7 +172,7 @@ def _unseen(explanation: Explanation, rig: Rig) -> list[Effect]:
 
 
 def _more_axes(verdict: Verdict, explanation: Explanation) -> str:
-    """The sentence for a cause that no motion of a single axis tells from another; empty without one."""
+    """The sentence for a cause that a single axis cannot separate from an effect; empty if there is no such cause."""
     for cause in verdict.causes:
         instead = [name for name in cause.tied_with if explanation.where_best(name) is None]
         if instead:
@@ -177,9 +184,10 @@ def _more_axes(verdict: Verdict, explanation: Explanation) -> str:
 
 
 def _without_experiment(verdict: Verdict, untestable: Sequence[Untestable], sessions: int) -> str:
-    if sessions < 3:  # with two, sizes are fitted on one alone
+    """Advice if no hypotheses are open."""
+    if sessions < 3:  # with two sessions, held-out sizes are fitted on a single session
         return "Record more sessions: from three on, each session can check a fit to the others."
-    # What acts like a tested effect is open only if it ties with that.
+    # An untested effect that acts like a tested effect is open only if they tie.
     lacking = next((item for item in untestable if KINDS[item.effect].acts_like is None), None)
     if lacking is not None:
         return f"Record with a device that sends more: {lacking.why} here, so {lacking.effect} was not tested."

@@ -141,7 +141,7 @@ def is_small(cause: NamedCause) -> bool:
     return abs(float(getattr(cause.effect, name)) - has) < least
 
 
-def set_aside(verdict: Verdict, costs_deg: Mapping[str, float]) -> Verdict:
+def with_negligible(verdict: Verdict, costs_deg: Mapping[str, float]) -> Verdict:
     """The verdict with causes moved to `negligible` if they change yaw by less than NEGLIGIBLE_DEG."""
     aside = tuple(
         Negligible(cause, costs_deg[cause.effect.name])

@@ -9,7 +9,14 @@ from inference_support import Amounts, candidate, concluded, simulated
 from firmware_sim.rig import parse_effect
 from gyrodrift.diagnose.inference.conclusion import Conclusion
 from gyrodrift.diagnose.inference.parameters import Parameter
-from gyrodrift.diagnose.inference.verdict import NEGLIGIBLE_DEG, Kind, NamedCause, is_small, set_aside, without_causes
+from gyrodrift.diagnose.inference.verdict import (
+    NEGLIGIBLE_DEG,
+    Kind,
+    NamedCause,
+    is_small,
+    with_negligible,
+    without_causes,
+)
 from gyrodrift.diagnose.simulate.response_table import Sized
 
 TRIED = (
@@ -64,13 +71,13 @@ def test_what_costs_nothing_is_no_cause() -> None:
     """It is listed with its cost; a cause that costs the bound stays, and so does one whose cost nobody asked for."""
     verdict = concluded(BOTH, *TRIED).verdict
     assert {cause.effect.name for cause in verdict.causes} == {"scale_factor", "clock_drift"}
-    aside = set_aside(verdict, {"clock_drift": 0.01})
+    aside = with_negligible(verdict, {"clock_drift": 0.01})
     assert [cause.effect.name for cause in aside.causes] == ["scale_factor"]
     assert [(one.cause.effect.name, one.yaw_deg) for one in aside.negligible] == [("clock_drift", 0.01)]
     assert aside.kind is Kind.EFFECT
     assert {cause.effect.name for cause in aside.acting} == {"scale_factor", "clock_drift"}
-    assert set_aside(verdict, {"clock_drift": NEGLIGIBLE_DEG}) == verdict
-    assert set_aside(verdict, {}) == verdict
+    assert with_negligible(verdict, {"clock_drift": NEGLIGIBLE_DEG}) == verdict
+    assert with_negligible(verdict, {}) == verdict
 
 
 def test_causes_are_told_to_people_by_their_expected_share_of_the_gap() -> None:
@@ -89,9 +96,9 @@ def test_where_all_that_acts_costs_nothing_there_is_no_gap() -> None:
     whole = concluded({"rate": 10.0}, *TRIED).verdict
     part = concluded({"rate": 10.0, "temperature_rate": 12.0}, *TRIED).verdict
     assert (whole.kind, part.kind) == (Kind.EFFECT, Kind.PARTLY)
-    assert set_aside(whole, {"scale_factor": 0.0}).kind is Kind.NONE
-    assert set_aside(part, {"scale_factor": 0.0}).kind is Kind.UNKNOWN
-    assert set_aside(whole, {"scale_factor": 0.0}).causes == ()
+    assert with_negligible(whole, {"scale_factor": 0.0}).kind is Kind.NONE
+    assert with_negligible(part, {"scale_factor": 0.0}).kind is Kind.UNKNOWN
+    assert with_negligible(whole, {"scale_factor": 0.0}).causes == ()
 
 
 def without(conclusion: Conclusion, *causes: str, forms: tuple[str, ...] = ()) -> tuple[Kind, set[str]]:

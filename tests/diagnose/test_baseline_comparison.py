@@ -11,7 +11,7 @@ from simulate_support import BASE, MOTION
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.rig import Rig, parse_effect
-from gyrodrift.diagnose.beside_baseline import explained_baseline, new_since, without_baseline
+from gyrodrift.diagnose.baseline_comparison import changes_since, explained_baseline, without_baseline
 from gyrodrift.diagnose.compared_features import compared_of
 from gyrodrift.diagnose.features.vector import NOT_OF_STEPS, NUMBER, SLOW
 from gyrodrift.diagnose.inference.verdict import Verdict
@@ -128,7 +128,7 @@ def told_beside(tmp_path: Path, name: str, before: Sequence[str], today: Sequenc
     explained = explained_baseline(asked, recordings)
     simulated = simulated_of(asked._replace(rig=explained.rig), kept, recordings)
     tables = without_baseline(simulated.tables, simulated.subjects, explained.baseline)
-    verdict, _ = new_since(explained, simulated, inferred_of(simulated._replace(tables=tables), 1))
+    verdict, _ = changes_since(explained, simulated, inferred_of(simulated._replace(tables=tables), 1))
     return verdict
 
 

@@ -1,7 +1,7 @@
-"""Recordings beside a baseline of the same device: what both differ from the simulator by is explained first.
+"""Comparison of recordings with a baseline, earlier recordings of the same device.
 
-The causes that the baseline names go into the rig, so that the simulator is near the device as it was. What the
-baseline still differs by is then taken from the recordings to be diagnosed.
+The causes that the baseline names go into the rig, so the simulator comes near the device as it was. The remaining
+difference between the baseline and that rig is then subtracted from the recordings to be diagnosed.
 """
 
 from collections.abc import Sequence
@@ -48,17 +48,26 @@ from gyrodrift.diagnose.stages import (
 )
 
 ADOPTED_FROM, TIMES_ADOPTED_FROM = 0.8, 0.5
-"""Probability of what the baseline shows, from which on it goes into the rig; what is less sure is common to both. What
-touches times alone bends nothing else, so that it goes there as soon as it is rather so than not."""
+"""Probability from which on a cause of the baseline goes into the rig, and the same for effects on times alone. A less
+probable cause stays in the difference that is subtracted. An effect on times alone changes no other feature, so it goes
+into the rig as soon as it is more probable than not."""
 
 
 class ExplainedBaseline(NamedTuple):
-    """The rig with what the baseline shows, what is still common, its recordings beside that rig, and what to say.
+    """The result of diagnosing the baseline.
 
+    rig
+        The rig with the causes of the baseline.
+    baseline
+        The difference between the baseline and this rig.
+    subjects, tables
+        Recordings of the baseline, calibrated to this rig, and their response tables.
     least_noise_dps_rthz
-        Less noise than that no recording of this device has.
+        Least noise that a recording of this device is calibrated to.
+    remarks
+        Sentences about the baseline for the report.
     response
-        Response from reference to gyro in both sets; None if the reference is left as it is.
+        Response from reference to gyro in both sets; None if the reference is not corrected.
     """
 
     rig: Rig
@@ -71,16 +80,19 @@ class ExplainedBaseline(NamedTuple):
 
 
 def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording]) -> ExplainedBaseline:
-    """Diagnose the baseline by itself, and keep what no cause explains.
+    """Diagnose the baseline by itself, and store the difference that its causes do not explain.
+
+    recordings
+        The recordings that will be compared with the baseline.
 
     Raises
     ------
     DataError
-        Where no recording of the baseline can be used.
+        If no recording of the baseline can be used.
     """
     origins, of_baseline, remarks = recordings_of(request.baseline, request.progress, request.reading)
     response = _response_of(of_baseline, recordings)
-    origins, of_baseline = seen_through(response, origins, of_baseline)
+    origins, of_baseline = with_corrected_reference(response, origins, of_baseline)
     base = request.rig.base
     rig = with_facts(request.rig, contradictions(of_baseline, base.dps_per_lsb, base.encoder_cpr))
     rig = with_recorded_axes(rig, [*of_baseline, *recordings])
@@ -98,7 +110,7 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
     remarks = [f"baseline: {remark}" for remark in remarks] + _remarks(causes, len(of_baseline), response)
     compared, differ = compared_of(of_baseline, recordings)
     baseline = baseline_of(tables, [subject.design for subject in subjects], compared)
-    # A device that is quieter than half of its baseline has lost something, which is not calibrated away.
+    # If a device has less than half of the noise of its baseline, that is a gap, and it is not calibrated away.
     noise = min(subject.rig.base.noise_dps_rthz for subject in subjects) / 2.0
     least_noise = noise if is_same_rate(of_baseline, recordings) else 0.0
     return ExplainedBaseline(rig, baseline, subjects, tables, least_noise, [*remarks, *differ], response)
@@ -124,10 +136,10 @@ def _response_of(of_baseline: Sequence[Recording], recordings: Sequence[Recordin
     return reference_response_of(of_baseline)
 
 
-def seen_through(
+def with_corrected_reference(
     response: ReferenceResponse | None, origins: Sequence[Origin], recordings: Sequence[Recording]
 ) -> tuple[list[Origin], list[Recording]]:
-    """Recordings with a corrected reference, and their origins."""
+    """Recordings with a corrected reference, and their origins; unchanged without a response."""
     if response is None:
         return [*origins], [*recordings]
     return [origin._replace(response=response) for origin in origins], [response.applied(item) for item in recordings]
@@ -144,49 +156,49 @@ def without_baseline(
     return tuple(against(tables, [subject.design for subject in subjects], baseline))
 
 
-class _Recorded(NamedTuple):
-    """One of two sets of recordings, as a cause is looked for in it: values are RMS over a recording, (sessions, F)."""
+class _RecordedSet(NamedTuple):
+    """A set of recordings in which the amount of a cause is fitted: those to be diagnosed, or those of the baseline."""
 
     subjects: Sequence[Subject]
     tables: Sequence[ResponseTable]
 
     @property
     def as_rms(self) -> Floats:
-        """Divisors of the features."""
+        """(sessions, F) divisors of the features that make them RMS over a recording."""
         return np.array([rms_scale(subject.design) for subject in self.subjects])
 
     @property
     def gaps(self) -> Floats:
-        """Differences of recordings and simulator, less what replaying leaves; as features, not divided yet."""
+        """(sessions, F) recording minus simulation, minus the mean of the nulls, in the units of the features."""
         return np.array([table.difference - table.nulls.mean(axis=0) for table in self.tables])
 
     def change(self, cause: Sized, phase_deg: float | None = None) -> Floats:
-        """Change by a cause; a free phase is the same in all recordings."""
+        """(sessions, F) change by a cause, as RMS; a free phase is the same in all recordings."""
         phases_deg = None if phase_deg is None else np.full(len(self.subjects), phase_deg)
         every = change_of([cause._replace(phases_deg=phases_deg)], self.subjects, self.tables)
         return every.change / self.as_rms
 
     def quadratures(self, cause: Sized) -> tuple[Floats, Floats]:
-        """Changes by a cause with a free phase at 0 and 90 degrees."""
+        """Changes by a cause with a free phase, at 0 and 90 degrees."""
         return self.change(cause, 0.0), self.change(cause, 90.0)
 
 
-def new_since(before: ExplainedBaseline, simulated: Simulated, inferred: Conclusion) -> tuple[Verdict, list[str]]:
-    """The verdict with what recordings show more of than the baseline alone, and what is said of all else.
+def changes_since(before: ExplainedBaseline, simulated: Simulated, inferred: Conclusion) -> tuple[Verdict, list[str]]:
+    """The verdict without causes by which recordings of the device vary anyway, and a remark on each of them.
 
-    Forms that no effect has are asked like causes: a device varies in these, too.
+    Out-of-catalog forms are tested like causes, because a device varies in these, too.
 
     simulated
-        The recordings as they are, with nothing of the baseline taken away.
+        Simulations of the recordings, without subtraction of the baseline.
     """
     verdict, explanation = inferred
-    chance = {
+    is_form_of = {
         placed.template.name: placed.template.is_out_of_catalogue
         for placed in explanation.best.placed
         if _is_chance(before, simulated, inferred, placed)
     }
-    causes = [name for name, is_form in chance.items() if not is_form and name in explanation.named]
-    forms = [name.removeprefix("?") for name, is_form in chance.items() if is_form]
+    causes = [name for name, is_form in is_form_of.items() if not is_form and name in explanation.named]
+    forms = [name.removeprefix("?") for name, is_form in is_form_of.items() if is_form]
     differences = [f"by as much {name} from one to the next" for name in causes]
     differences += [f"as much from one to the next in this: {FEATURES[NUMBER[name]].says}" for name in forms]
     remarks = [f"baseline: recordings of this device differ {how}" for how in differences]
@@ -194,17 +206,17 @@ def new_since(before: ExplainedBaseline, simulated: Simulated, inferred: Conclus
 
 
 def _is_chance(before: ExplainedBaseline, simulated: Simulated, inferred: Conclusion, placed: Placed) -> bool:
-    """Whether two sets of recordings of one device differ in a cause by as much as they do among themselves."""
+    """Whether both sets of recordings of the device show a cause in equal amounts, except for chance."""
     explanation, cause = inferred.explanation, placed.sized
     names = [item.template.name for item in explanation.best.placed]
-    today, then = (_Recorded(recorded.subjects, recorded.tables) for recorded in (simulated, before))
+    today, then = (_RecordedSet(recorded.subjects, recorded.tables) for recorded in (simulated, before))
     sigma = (explanation.evidence.sigma / today.as_rms).mean(axis=0)
-    other_causes = explanation.change([name for name in names if name != placed.template.name])
-    unexplained, was_unexplained = (today.gaps - other_causes) / today.as_rms, then.gaps / then.as_rms
-    # A random effect has its mean in variances; what it adds to a coefficient differs from one recording to the next.
+    change_by_others = explanation.change([name for name in names if name != placed.template.name])
+    unexplained, was_unexplained = (today.gaps - change_by_others) / today.as_rms, then.gaps / then.as_rms
+    # A random effect has a mean in variances only. Its change of a coefficient differs from recording to recording.
     has_mean = ~(LINEAR & cause.is_random)
     if cause.phases_deg is None:
-        change = has_mean * (explanation.change(names) - other_causes) / today.as_rms
+        change = has_mean * (explanation.change(names) - change_by_others) / today.as_rms
         shown, was_shown = (
             amounts_of(unexplained, change, sigma),
             amounts_of(was_unexplained, has_mean * then.change(cause), sigma),
