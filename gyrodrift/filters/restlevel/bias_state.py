@@ -106,7 +106,7 @@ class Witness:
     is_reporting_rest
         Whether all samples of the block before had a report of rest.
     was_certain
-        Whether the block before was a certain rest: reported, believed, and confirmed by the rate.
+        Whether the block before was a certain rest: the report was believed, and the rate did not contradict it.
     is_believed
         False after a refutation, until a block has no report of rest.
     refuted

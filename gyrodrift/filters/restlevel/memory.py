@@ -25,8 +25,8 @@ REMEMBERED_WEIGHT = 0.95
 """Probability that the memory is still true: the sensor was not replaced or damaged."""
 
 START_SHARE, START_AGE_S = 0.1, 600.0
-"""Change of the bias when the sensor is switched off and on, in sigmas of the turn-on bias; age in s from which on the
-sensor certainly was."""
+"""Change of the bias by a restart of the sensor, in sigmas of the turn-on bias. A memory older than `START_AGE_S`, s,
+is from before a restart."""
 
 SIMILAR_START_C = 3.0
 """Largest difference in temperature of two similar starts, °C."""
@@ -151,7 +151,7 @@ def begun(params: RestlevelParams, memory: RestlevelMemory, age_s: float, temp_c
 
 
 def _restart_probability(age_s: float) -> float:
-    """Probability that the sensor was switched off and on within an age, s."""
+    """Probability that the sensor was switched off and on within an age, s; it grows linearly with the age."""
     return min(1.0, age_s / START_AGE_S)
 
 

@@ -139,7 +139,7 @@ def learn_at_rest(
 
 
 def _forget_blocks(noise: NoiseModel) -> None:
-    """Forget the variance of samples, at the first step of the sensor."""
+    """Forget the variance of samples, because the sensor shows its steps from now on."""
     noise.sample_var = noise.last_block_var = -1.0
     noise.stationary_blocks = 0
     noise.has_steps, noise.is_walk_measured = True, False

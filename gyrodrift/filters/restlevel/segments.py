@@ -90,7 +90,7 @@ def goes_on_gradually(s: RestlevelState, step_dps: float, seconds: float) -> boo
 
 
 def is_from_start(s: RestlevelState, seconds: float) -> bool:
-    """Whether a segment is from the start: confirmed soon after it, without motion before."""
+    """Whether a segment is from the start: in the first blocks, without motion before."""
     segment = s.segment
     mean_var = s.noise.angle_walk_var / seconds
     range_dps = segment.most_dps - segment.least_dps
@@ -123,7 +123,7 @@ def _is_short_start(c: RestlevelCoefficients, s: RestlevelState, seconds: float)
 
 
 def _follow_wander(c: RestlevelCoefficients, s: RestlevelState, mean_dps: float, seconds: float) -> None:
-    """Update the agreement of levels by a stationary block after another.
+    """Update the agreement of levels by a stationary block that follows a stationary block.
 
     Blocks inside a confirmed segment do not count, because a confirmed level is no chance level.
     """

@@ -20,7 +20,7 @@ LEAST_TURNS = 5
 """Smallest number of mean rates for a median."""
 
 CORRELATED_RATES = 4.0
-"""Number of consecutive mean rates that count as an independent one, because bends last up to forty seconds."""
+"""Number of consecutive mean rates that count as a single rate, because bends last up to forty seconds."""
 
 LEAST_SPREAD_DPS = 0.05
 """Smallest sigma of the median, deg/s: no motion is balanced to better than three degrees per minute."""
@@ -39,7 +39,7 @@ def follow_turns(turns: MeanTurns, angle_deg: float, seconds: float) -> None:
 
 
 def add_mean_rate(turns: MeanTurns, mean_dps: float) -> None:
-    """Add a mean rate to the median, of ten seconds of motion or of a constant-rate segment.
+    """Update the median by the mean rate of ten seconds of motion, or of a constant-rate segment, deg/s.
 
     The sigma of the median follows from order statistics: the number of n values below it has a mean of n/2 and a
     standard deviation of √n/2.

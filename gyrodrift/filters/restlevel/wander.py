@@ -15,7 +15,8 @@ SENSOR_BREAK, WANDER_BREAK = 0.02, 0.2
 BREAK_LOG_ODDS = log(WANDER_BREAK / SENSOR_BREAK)
 AGREEMENT_ODDS = (1.0 - SENSOR_BREAK) / (1.0 - WANDER_BREAK)
 AGREEMENT_LOG_ODDS = log(AGREEMENT_ODDS)
-"""Log odds of a block that leaves the level and of a block that agrees, for a sequential probability ratio test."""
+"""Log likelihood ratios of a sequential probability ratio test: for wandering levels by a block that leaves the level,
+and against them by a block that agrees."""
 
 WANDER_ODDS = 1.0 / 9.0
 """Prior odds that levels wander."""
@@ -29,12 +30,12 @@ STEP_GAIN = 0.1
 
 
 def count_agreement(wander: RateWander) -> None:
-    """Count a stationary block, after another, that agrees with the level."""
+    """Count a stationary block that follows a stationary block and agrees with its level."""
     wander.log_odds = FORGETTING * wander.log_odds - AGREEMENT_LOG_ODDS
 
 
 def count_break(wander: RateWander, step_dps: float) -> None:
-    """Count a stationary block, after another, that leaves the level by a step, deg/s."""
+    """Count a stationary block that follows a stationary block and leaves its level by a step, deg/s."""
     wander.log_odds = FORGETTING * wander.log_odds + BREAK_LOG_ODDS
     wander.steps += 1
     gain = max(STEP_GAIN, 1.0 / wander.steps)

@@ -9,8 +9,8 @@
 #include "restlevel_block.h"
 
 #define GD_LEAST_VAR GD_R(1e-24) /* of the turn-on bias, (deg/s)^2 */
-#define GD_MIN_BLOCK_SAMPLES 6   /* a variance of fewer samples says little */
-#define GD_TURN_DEG GD_R(30.0)   /* what a device turns in one go, with one error of the scale */
+#define GD_MIN_BLOCK_SAMPLES 6   /* the variance of fewer samples is too uncertain */
+#define GD_TURN_DEG GD_R(30.0)   /* angle of a turn: errors of scale are equal within it */
 
 /* Length of a block in double. A float of 0.3 is larger than 0.3, and a block would have a sample more than in Python:
    so it is rounded to whole microseconds. */
@@ -85,7 +85,7 @@ static inline void gd_rl_add_sample(gd_restlevel *s, double dt_s, gd_real rate_d
   gd_count(&s->samples);
 }
 
-/* Takes a good sample, `dt_s` after the one before; 0 for the first. */
+/* Advances the state by a valid sample, `dt_s` after the sample before; 0 for the first. */
 static inline void gd_rl_advance(gd_restlevel *s, double dt_s, gd_real rate_dps) {
   if (s->samples == 0) {
     s->start_yaw_deg = s->yaw_deg;

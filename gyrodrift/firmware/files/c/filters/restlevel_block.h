@@ -6,22 +6,22 @@
 #include "restlevel_still.h"
 #include "restlevel_temperature.h"
 
-#define GD_RL_BASE_DEG GD_R(64.0) /* of floats, yaw of the hypotheses is kept below about this */
+#define GD_RL_BASE_DEG GD_R(64.0) /* with floats, yaw of the hypotheses is kept below about this */
 
-/* The segment is confirmed: it is the one before, or another. */
+/* Resumes the segment before, or branches the hypotheses, when a segment is confirmed. */
 static inline void gd_rl_confirm(gd_restlevel *s, gd_real seconds) {
   if (gd_rl_continues(s, seconds)) {
     s->segment.seconds += s->ended.seconds;
     gd_rl_resume(s, seconds);
   } else {
     gd_rl_branch(s, seconds);
-    if (!s->ended.ended_gradually) { /* else it is of the same turn as the one before */
+    if (!s->ended.ended_gradually) { /* after a gradual end it is the same turn */
       gd_rl_add_mean_rate(&s->turns, s->segment.mean_dps);
     }
   }
 }
 
-/* The segment before may have ended with this block, or gone on ending. */
+/* Processes the end of the last segment, if it ended with this block or with the block before. */
 static inline void gd_rl_leave(gd_restlevel *s, gd_real step_dps, gd_real seconds) {
   if (s->ended.short_start_blocks > 0) {
     gd_rl_branch_at_end(s, seconds);
@@ -37,8 +37,8 @@ static inline void gd_rl_leave(gd_restlevel *s, gd_real step_dps, gd_real second
   }
 }
 
-/* Of floats, takes whole multiples of 64 degrees out of all yaws, so that a device that turns on and on loses no
-   digits. The multiples are exact. */
+/* With floats, subtracts a whole multiple of 64 degrees from all yaws, so that a device that turns in one direction
+   loses no digits. The multiples are exact. */
 static inline void gd_rl_keep_near_zero(gd_restlevel *s) {
   const gd_real away_deg = GD_FLOOR(s->moments.yaw_deg / GD_RL_BASE_DEG) * GD_RL_BASE_DEG;
   uint8_t k;
@@ -54,7 +54,7 @@ static inline void gd_rl_keep_near_zero(gd_restlevel *s) {
   }
 }
 
-/* The hypotheses take the block: updates at a rest, and branches where a segment is confirmed. */
+/* Updates the hypotheses at a rest, branches them at a confirmed segment, and computes the output. */
 static inline void gd_rl_take_rest(gd_restlevel *s, gd_real mean_dps, gd_real step_dps, gd_real seconds,
                                    int is_certain) {
   if (!is_certain && s->segment.blocks > GD_CONFIRMED_BLOCKS) {
@@ -72,7 +72,7 @@ static inline void gd_rl_take_rest(gd_restlevel *s, gd_real mean_dps, gd_real st
   gd_rl_collapse(s);
 }
 
-/* Takes temperature and an external rest sensor before the block passes; whether it is a certain rest. */
+/* Processes temperature and the external rest sensor; returns whether the block is a certain rest. */
 static inline int gd_rl_take_auxiliary(gd_restlevel *s, gd_real mean_dps, gd_real step_dps, gd_real seconds) {
 #if GD_RESTLEVEL_AUXILIARY
   int is_certain;
@@ -114,8 +114,8 @@ static inline gd_real gd_rl_probe(const gd_restlevel *s) {
   return probe;
 }
 
-/* Of floats, begins again from the last yaw if a damaged sample has led beyond their range, as a rate of 1e12 deg/s
-   can. Doubles reach that far. */
+/* With floats, restarts from the last yaw if a damaged sample has exceeded their range, as a rate of 1e12 deg/s can.
+   Doubles have this range. */
 static inline void gd_rl_recover(gd_restlevel *s) {
   if (!GD_IS_FLOAT || gd_rl_probe(s) == GD_R(0.0)) {
     return;
@@ -127,7 +127,7 @@ static inline void gd_rl_recover(gd_restlevel *s) {
   gd_rl_restart(s);
 }
 
-/* A block is full: its mean goes to the segment and from there to the hypotheses, and another block begins. */
+/* Passes a complete block to segments and hypotheses, and begins the next block. */
 static inline void gd_rl_end_block(gd_restlevel *s) {
   const gd_real seconds = (gd_real)s->block.seconds, angle_deg = s->block.angle_deg;
   const gd_real mean_dps = angle_deg / seconds, step_dps = mean_dps - s->segment.last_mean_dps;

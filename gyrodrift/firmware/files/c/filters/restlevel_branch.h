@@ -19,7 +19,7 @@ typedef struct {
   gd_real mean_dps, mean_var, odds;
 } gd_rl_level;
 
-/* Puts yaw and its covariance into `to` as they were in `h` where the segment began. */
+/* Sets yaw and its covariance of `to` to their values in `h` at the beginning of the segment. */
 static inline void gd_rl_go_back(const gd_rl_hypothesis *h, gd_rl_hypothesis *to) {
   to->yaw_deg = h->checkpoint.yaw_deg;
   to->yaw_var = h->checkpoint.yaw_var;

@@ -4,7 +4,7 @@
 
 #include "restlevel_mixture.h"
 
-/* Takes the means by the cube of probability, so that improbable hypotheses pull little. */
+/* Computes the means, weighted by the cubes of the probabilities, so that improbable hypotheses hardly count. */
 static inline void gd_rl_collapse_means(gd_restlevel *s) {
   gd_real total = GD_R(0.0), yaw_deg = GD_R(0.0), bias_dps = GD_R(0.0), rest_weight = GD_R(0.0), most = GD_R(0.0);
   uint8_t k;
@@ -25,8 +25,8 @@ static inline void gd_rl_collapse_means(gd_restlevel *s) {
   s->rest_probability = rest_weight;
 }
 
-/* Adds the covariance of a hypothesis about the mean. One that knows no bias counts with that of a part whose turn-on
-   bias is far out: the prior has such a tail. */
+/* Adds the covariance of a hypothesis about the mean. Without a known bias it counts with the wide covariance of the
+   turn-on bias, because the prior has a wide part. */
 static inline void gd_rl_add_moments(gd_rl_moments *m, const gd_rl_hypothesis *h, gd_real weight, gd_real bias_dps) {
   const gd_real apart_deg = h->yaw_deg - m->yaw_deg, apart_dps = h->bias_dps - bias_dps;
   m->yaw_var += weight * (h->yaw_var + apart_deg * apart_deg);
@@ -40,7 +40,7 @@ static inline void gd_rl_add_moments(gd_rl_moments *m, const gd_rl_hypothesis *h
   }
 }
 
-/* Takes the hypotheses together. The covariance is by probability, without a tail of each. */
+/* Computes the output. The covariance is weighted by the probability minus GD_TAIL. */
 static inline void gd_rl_collapse(gd_restlevel *s) {
   gd_rl_moments *m = &s->moments;
   gd_real total = GD_R(0.0);

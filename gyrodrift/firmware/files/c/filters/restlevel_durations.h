@@ -1,14 +1,14 @@
-/* Restlevel: rests against all that is no rest, by scatter, length and end. Twin of restlevel/durations.py. */
+/* Restlevel: odds of a rest against spins and motions, by scatter, length and end. Twin of restlevel/durations.py. */
 #ifndef GD_RESTLEVEL_DURATIONS_H
 #define GD_RESTLEVEL_DURATIONS_H
 
 #include "restlevel_wander.h"
 
 #define GD_SPINS_PER_DPS GD_R(0.03) /* density of the rates of constant spins, 1/(deg/s) */
-#define GD_CHANCE_LEVELS GD_R(4.0)  /* levels by chance for each constant spin, where levels wander */
+#define GD_CHANCE_LEVELS GD_R(4.0)  /* chance levels for each constant spin, if levels wander */
 #define GD_LEVEL_S GD_R(12.0)       /* scale of the lengths of rests and spins */
-#define GD_CHANCE_STAYS GD_R(0.9)   /* probability that a level by chance lasts for a further block */
-#define GD_GRADUAL_REST GD_R(0.01)  /* shares that end gradually */
+#define GD_CHANCE_STAYS GD_R(0.9)   /* probability that a chance level lasts for a further block */
+#define GD_GRADUAL_REST GD_R(0.01)  /* shares of rests, spins and chance levels that end gradually */
 #define GD_GRADUAL_SPIN GD_R(0.1)
 #define GD_GRADUAL_CHANCE GD_R(0.9)
 
@@ -17,7 +17,7 @@ static inline gd_real gd_rl_cauchy_pdf(gd_real x, gd_real squared_width) {
   return width / (GD_PI * (x * x + squared_width));
 }
 
-/* Density of spins that last so long, divided by the share of rests that do. */
+/* Density of spins that last so long, divided by the probability that a rest does. */
 static inline gd_real gd_rl_spin_density(gd_real seconds) {
   return GD_SPINS_PER_DPS / GD_SQRT(GD_SQRT(GD_R(1.0) + seconds * seconds / (GD_LEVEL_S * GD_LEVEL_S)));
 }
@@ -26,7 +26,7 @@ static inline gd_real gd_rl_noisy_density(const gd_rl_hypothesis *h, gd_real sen
   return (GD_R(1.0) - sensor_odds) * h->noisy_density;
 }
 
-/* Sets the densities of all that is no rest, `away_dps` from the bias. */
+/* Sets the prior odds of a rest, and the densities of chance levels and noisy motions `away_dps` from the bias. */
 static inline void gd_rl_begin_rest(gd_rl_hypothesis *h, const gd_rl_wander *wander, gd_real odds, gd_real sample_var,
                                     gd_real away_dps) {
   const gd_real by_chance = GD_CHANCE_LEVELS * gd_rl_wander_probability(wander);
@@ -36,7 +36,7 @@ static inline void gd_rl_begin_rest(gd_rl_hypothesis *h, const gd_rl_wander *wan
   h->noisy_density = gd_max(GD_R(1.0), odds) * gd_rl_cauchy_pdf(away_dps, sample_var + h->bias_var);
 }
 
-/* Weighs a hypothesis by odds against all that is no rest, in place of those before. */
+/* Replaces the odds that the weight contains. */
 static inline void gd_rl_weigh(gd_rl_hypothesis *h, gd_real odds) {
   h->weight *= odds / h->odds;
   h->odds = odds;

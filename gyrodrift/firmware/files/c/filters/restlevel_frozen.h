@@ -1,4 +1,4 @@
-/* Restlevel: a sensor that repeats one value, though it is known to have noise. Twin of restlevel/frozen.py. */
+/* Restlevel: a sensor with noise that repeats a single value. Twin of restlevel/frozen.py. */
 #ifndef GD_RESTLEVEL_FROZEN_H
 #define GD_RESTLEVEL_FROZEN_H
 
@@ -6,7 +6,7 @@
 
 #define GD_NOISE_STEPS GD_R(2.0) /* noise in steps of the sensor above which a repeated value is no chance */
 
-/* Whether the sensor has repeated one value all through the block that has just ended. */
+/* Sets whether the sensor repeated a single value through the present block. */
 static inline void gd_rl_detect_freeze(gd_restlevel *s) {
   gd_rl_noise *noise = &s->noise;
   const gd_real step_dps = noise->resolution_dps;
@@ -23,7 +23,7 @@ static inline void gd_rl_detect_freeze(gd_restlevel *s) {
   }
 }
 
-/* What the sensor has turned yaw by meanwhile is unknown, all of it together. */
+/* Adds the angle of a frozen sensor since its first repetition to the sigma of yaw, as a single error. */
 static inline void gd_rl_widen_yaw(gd_restlevel *s, gd_real seconds) {
   gd_rl_noise *noise = &s->noise;
   const gd_real before_deg = noise->frozen_deg;

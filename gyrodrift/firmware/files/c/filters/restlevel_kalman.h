@@ -4,10 +4,10 @@
 
 #include "restlevel_model.h"
 
-#define GD_RAMP_PROBABILITY GD_R(0.3)  /* that the bias has followed a ramp since the rest before */
-#define GD_MAX_RAMP_S GD_R(20.0)       /* a ramp lasts no longer */
-#define GD_UNEXPECTED_VAR GD_R(9.0)    /* squared innovation of an unexpected bias: three sigmas */
-#define GD_WIDE_PROBABILITY GD_R(0.03) /* of parts whose turn-on bias is far out */
+#define GD_RAMP_PROBABILITY GD_R(0.3)  /* probability of a ramp of the bias since the last rest */
+#define GD_MAX_RAMP_S GD_R(20.0)       /* longest ramp */
+#define GD_UNEXPECTED_VAR GD_R(9.0)    /* normalized squared innovation of an unexpected bias: three sigmas */
+#define GD_WIDE_PROBABILITY GD_R(0.03) /* share of parts with an unusually large turn-on bias */
 #define GD_WIDE_FACTOR GD_R(16.0)
 #define GD_MAX_LOG_ODDS (GD_IS_FLOAT ? GD_R(85.0) : GD_R(700.0)) /* beyond it exp() is infinite */
 
@@ -16,7 +16,7 @@ typedef struct {
   gd_real bias_dps, yaw_deg, bias_var, covariance, yaw_var;
 } gd_rl_kalman;
 
-/* The update by a block mean at rest, whose variance is `mean_var`. */
+/* Update by a block mean at rest with variance `mean_var`. */
 static inline gd_rl_kalman gd_rl_kalman_step(gd_real innovation_dps, gd_real bias_var, gd_real covariance,
                                              gd_real yaw_var, gd_real mean_var) {
   const gd_real gain = bias_var / (bias_var + mean_var), yaw_gain_s = covariance / (bias_var + mean_var);
@@ -33,7 +33,7 @@ static inline gd_real gd_rl_gaussian_logpdf(gd_real x, gd_real variance) {
   return GD_R(-0.5) * (x * x / variance + GD_LOG(GD_R(2.0) * GD_PI * variance));
 }
 
-/* Sets the Gaussian with the moments of two posteriors, of which the ramp has the given share. */
+/* Sets the moments of the mixture of both posteriors; `ramp_share` is the weight of the ramp. */
 static inline void gd_rl_mix(gd_rl_hypothesis *h, const gd_rl_kalman *walk, const gd_rl_kalman *ramp,
                              gd_real ramp_share) {
   const gd_real apart_dps = ramp->bias_dps - walk->bias_dps, apart_deg = ramp->yaw_deg - walk->yaw_deg;
@@ -73,7 +73,8 @@ static inline gd_real gd_rl_turn_on_logpdf(gd_real turn_on_var, gd_real mean_dps
   return wide + GD_LOG(GD_WIDE_PROBABILITY + (GD_R(1.0) - GD_WIDE_PROBABILITY) * odds);
 }
 
-/* The same at the beginning of a rest. Without a rest so far the bias has the prior of the turn-on bias. */
+/* Updates a hypothesis at the beginning of a rest. Without an earlier rest, the bias has the prior of the turn-on
+   bias. */
 static inline gd_real gd_rl_first_kalman_update(const gd_rl_coefficients *c, gd_rl_hypothesis *h, gd_real mean_dps,
                                                 gd_real mean_var) {
   gd_real log_likelihood;
@@ -83,7 +84,7 @@ static inline gd_real gd_rl_first_kalman_update(const gd_rl_coefficients *c, gd_
   } else {
     const gd_real widened = mean_dps * mean_dps / (GD_UNEXPECTED_VAR * h->bias_var);
     log_likelihood = gd_rl_turn_on_logpdf(h->bias_var, mean_dps, mean_var);
-    if (widened > GD_R(1.0)) { /* what the bias has added to yaw widens with it */
+    if (widened > GD_R(1.0)) { /* the yaw error by the bias widens with the bias */
       h->yaw_var += (widened - GD_R(1.0)) * h->covariance * h->covariance / h->bias_var;
       h->bias_var *= widened;
       h->covariance *= widened;

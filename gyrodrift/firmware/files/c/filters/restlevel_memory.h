@@ -7,13 +7,13 @@
 #if GD_RESTLEVEL_MEMORY
 
 #define GD_REMEMBERED_WEIGHT GD_R(0.95)      /* probability that nothing has happened to the sensor */
-#define GD_START_SHARE GD_R(0.1)             /* change by a new start, in sigmas of the turn-on bias */
-#define GD_START_AGE_S GD_R(600.0)           /* age after which there has been a new start */
+#define GD_START_SHARE GD_R(0.1)             /* change by a restart, in sigmas of the turn-on bias */
+#define GD_START_AGE_S GD_R(600.0)           /* age from which on a restart is certain */
 #define GD_LEAST_REMEMBERED_VAR GD_R(1e-8)   /* LEAST_VAR of memory.py, (deg/s)^2 */
 #define GD_MOST_REMEMBERED_DPS GD_R(1e5)
 #define GD_MOST_REMEMBERED_SIGMA GD_R(1e6)
 
-/* Probability that the sensor subtracts its own bias, by how small the last one was: the next one is another then. */
+/* Probability that the sensor subtracts its own bias at each start, from the size of the remembered bias. */
 static inline gd_real gd_rl_self_nulling(const gd_restlevel *s, gd_real bias_dps, gd_real seen_var) {
   const gd_real var = s->c.turn_on_var;
   gd_real well, partly, none;

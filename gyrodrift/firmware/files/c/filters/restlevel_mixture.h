@@ -5,9 +5,9 @@
 #include "restlevel_kalman.h"
 
 #define GD_MIN_WEIGHT GD_R(1e-9)
-#define GD_TAIL GD_R(0.045)         /* what the variances leave of each probability: two sigmas hold 19 in 20 */
-#define GD_TURN_ON_FACTOR GD_R(4.0) /* turn-on variances further apart are two kinds of parts */
-#define GD_GATE_YAW_VAR GD_R(1e-4)  /* what the merge gate adds to the variance of yaw, deg^2 */
+#define GD_TAIL GD_R(0.045)         /* subtracted from probabilities for the variances: two sigmas hold 19 in 20 */
+#define GD_TURN_ON_FACTOR GD_R(4.0) /* a larger ratio of turn-on variances is two kinds of parts */
+#define GD_GATE_YAW_VAR GD_R(1e-4)  /* variance that the merge gate adds to yaw, deg^2 */
 
 /* Hypotheses in the order of their slots, twice as many as are kept. */
 typedef struct {
@@ -26,7 +26,7 @@ static inline void gd_rl_normalise_list(gd_rl_list *list) {
   }
 }
 
-/* Makes the probabilities add up to 1. */
+/* Divides the probabilities by their sum. */
 static inline void gd_rl_normalise(gd_restlevel *s) {
   gd_real total = GD_R(0.0);
   uint8_t k;
@@ -38,7 +38,7 @@ static inline void gd_rl_normalise(gd_restlevel *s) {
   }
 }
 
-/* Whether two hypotheses agree on rest, and on yaw and bias to within the smaller sigma. */
+/* Whether two hypotheses agree on rest, and differ in yaw and bias by less than the smaller sigma. */
 static inline int gd_rl_is_in_merge_gate(const gd_rl_hypothesis *h, const gd_rl_hypothesis *other) {
   gd_real least_var, apart_dps, apart_deg;
   if (h->weight == GD_R(0.0) || other->weight == GD_R(0.0)) {
@@ -77,7 +77,7 @@ static inline void gd_rl_moment_matched_merge(gd_rl_hypothesis *h, gd_rl_hypothe
   other->weight = GD_R(0.0);
 }
 
-/* Forgets what is improbable; returns how many stay. */
+/* Prunes improbable hypotheses; returns the number of the others. */
 static inline uint8_t gd_rl_forget_improbable(gd_rl_list *list) {
   uint8_t k, alive = 0;
   for (k = 0; k < list->count; ++k) {
@@ -103,7 +103,7 @@ static inline void gd_rl_forget_least(gd_rl_list *list) {
   }
 }
 
-/* Merges hypotheses that agree, and forgets the least probable ones. Those without weight stay in the list. */
+/* Merges hypotheses that agree, and prunes the least probable hypotheses. Pruned ones stay in the list. */
 static inline void gd_rl_merge_and_prune_list(gd_rl_list *list) {
   uint8_t k, j, alive;
   gd_rl_normalise_list(list);

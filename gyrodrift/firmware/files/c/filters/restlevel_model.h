@@ -41,7 +41,7 @@
 #define GD_COLDEST_C GD_R(-100.0) /* temperatures out of this range are ignored */
 #define GD_WARMEST_C GD_R(200.0)
 
-/* What follows from the parameters alone. */
+/* Values that follow from the parameters alone. */
 typedef struct {
   double window_s;
   gd_real stationarity_sigmas;
@@ -66,7 +66,7 @@ typedef struct {
   gd_rl_block block;
   uint32_t blocks;
   gd_real rate_dps;
-  gd_real base_deg; /* of floats, yaw is kept near 0 and this is what was taken away */
+  gd_real base_deg; /* with floats, yaw is kept near 0; this is the angle subtracted so far */
   gd_real start_yaw_deg, travelled_deg;
   gd_rl_coefficients c;
 #if GD_RESTLEVEL_MEMORY

@@ -10,16 +10,16 @@
 #define GD_FINE_DPS GD_R(0.03)          /* a sensor of finer steps is never without noise at rest */
 #define GD_START_BLOCKS 5               /* after so many blocks of one value, larger first steps are motion: */
 #define GD_MAX_NOISE_VAR GD_R(1.44)     /* variance of a block, (deg/s)^2 */
-#define GD_NOISE_BLOCKS 20              /* up to so many the noise is their mean; later it follows by NOISE_GAIN */
+#define GD_NOISE_BLOCKS 20              /* number up to which the noise is their mean; later NOISE_GAIN */
 #define GD_NOISE_GAIN GD_R(0.05)
-#define GD_NOISE_RISE GD_R(0.001)       /* share by which it rises in a second of motion */
-#define GD_DROP_SIGMAS GD_R(4.5)        /* two blocks in a row so far below the noise are the noise */
-#define GD_USUAL_NOISE_DPS GD_R(0.06)   /* of a sample at rest, and the spread of its logarithm over parts */
+#define GD_NOISE_RISE GD_R(0.001)       /* relative rise in a second of motion */
+#define GD_DROP_SIGMAS GD_R(4.5)        /* two consecutive blocks so far below the noise replace it */
+#define GD_USUAL_NOISE_DPS GD_R(0.06)   /* usual noise of a sample, and spread of its logarithm over parts */
 #define GD_NOISE_SPREAD GD_R(1.0)
 #define GD_LOG_USUAL_NOISE GD_R(-2.8134107167600364)
-#define GD_MOTION_DENSITY GD_R(0.11)    /* of the logarithm of that in motion */
+#define GD_MOTION_DENSITY GD_R(0.11)    /* density of the logarithm of the scatter in motion */
 #define GD_WALK_GAIN GD_R(0.05)
-#define GD_INNOVATION_CLIP GD_R(9.0)    /* largest squared step of block means, as a multiple of what is expected */
+#define GD_INNOVATION_CLIP GD_R(9.0)    /* largest ratio of a squared step of block means to its expected value */
 #define GD_FLICKER_GAIN GD_R(0.002)
 #define GD_FLICKER_CLIP GD_R(4.0)
 
@@ -31,14 +31,14 @@ static inline gd_real gd_rl_rounding_var(const gd_rl_noise *noise) {
   return gd_min(GD_R(0.25) * noise->resolution_dps * noise->resolution_dps, GD_COARSEST_VAR);
 }
 
-/* Variance of the samples of a block, and no less than rounding may hide. */
+/* Variance of the samples of a block, at least the variance that rounding may hide. */
 static inline gd_real gd_rl_variance(const gd_rl_block *block, const gd_rl_noise *noise) {
   const gd_real samples = (gd_real)block->samples, mean_dps = block->sum_dps / samples;
   const gd_real scatter = block->sum_squares / samples - mean_dps * mean_dps;
   return gd_max(gd_max(scatter, gd_rl_rounding_var(noise)), GD_MIN_VAR);
 }
 
-/* The sensor shows its steps now: what was taken for noise before was none. */
+/* Forgets the variance of samples, because the sensor shows its steps from now on. */
 static inline void gd_rl_forget_blocks(gd_rl_noise *noise) {
   noise->sample_var = noise->last_block_var = GD_R(-1.0);
   noise->stationary_blocks = 0;
@@ -46,7 +46,7 @@ static inline void gd_rl_forget_blocks(gd_rl_noise *noise) {
   noise->is_walk_measured = 0;
 }
 
-/* Takes a block that may be stationary into the noise; it is, if it is below the limit. */
+/* Updates the noise by a block: it is stationary if its variance is below the limit. */
 static inline void gd_rl_follow_noise(gd_rl_noise *noise, gd_real variance, gd_real limit, gd_real seconds) {
   if (noise->has_dropped) {
     noise->sample_var = gd_max(variance, noise->last_block_var);
@@ -64,7 +64,7 @@ static inline void gd_rl_follow_noise(gd_rl_noise *noise, gd_real variance, gd_r
   }
 }
 
-/* Whether the block that has just ended shows no more than the noise of the sensor, which is followed here. */
+/* Whether the present block shows no more than the noise of the sensor. The block also updates the noise. */
 static inline int gd_rl_is_stationary(gd_restlevel *s, gd_real seconds) {
   const gd_rl_block *block = &s->block;
   gd_rl_noise *noise = &s->noise;
@@ -74,7 +74,7 @@ static inline int gd_rl_is_stationary(gd_restlevel *s, gd_real seconds) {
     gd_rl_forget_blocks(noise);
     variance = gd_rl_variance(block, noise);
   }
-  error = GD_SQRT(GD_R(2.0) / (gd_real)block->samples); /* of a variance, relative */
+  error = GD_SQRT(GD_R(2.0) / (gd_real)block->samples); /* relative standard error of a variance */
   if (noise->sample_var < GD_R(0.0)) {
     noise->sample_var = variance;
   }
@@ -111,14 +111,14 @@ static inline void gd_rl_forget_noise(gd_rl_noise *noise) {
   noise->flicker_var = GD_R(0.0);
 }
 
-/* How much likelier the noise of a sensor at rest is so large than the scatter of a motion. */
+/* Likelihood ratio of a variance of samples: sensor at rest against motion. */
 static inline gd_real gd_rl_sensor_odds(gd_real sample_var) {
   const gd_real beyond = (GD_R(0.5) * GD_LOG(sample_var) - GD_LOG_USUAL_NOISE) / GD_NOISE_SPREAD;
-  const gd_real away = gd_max(beyond, GD_R(0.0)); /* no sensor is too quiet */
+  const gd_real away = gd_max(beyond, GD_R(0.0)); /* a quiet sensor is no evidence against rest */
   return gd_min(GD_R(1.0), GD_R(0.4) / GD_NOISE_SPREAD * GD_EXP(GD_R(-0.5) * away * away) / GD_MOTION_DENSITY);
 }
 
-/* Follows flicker and angle random walk by a block at rest. */
+/* Updates flicker and angle random walk by a block at rest. */
 static inline void gd_rl_learn_at_rest(gd_restlevel *s, gd_real rest_weight, gd_real excess_var, gd_real step_dps,
                                        gd_real seconds) {
   gd_rl_noise *noise = &s->noise;

@@ -28,15 +28,15 @@ typedef struct {
   uint8_t has_steps : 1, is_walk_measured : 1, has_dropped : 1, is_frozen : 1;
 } gd_rl_noise;
 
-/* How the levels of stationary blocks follow each other, outside of confirmed segments. */
+/* Agreement of consecutive stationary blocks outside of confirmed segments. */
 typedef struct {
   gd_real log_odds; /* of wandering levels against the noise of a sensor */
-  gd_real step_dps; /* typical step between levels */
+  gd_real step_dps; /* median step between levels */
   uint8_t steps;
   uint8_t was_stationary;
 } gd_rl_wander;
 
-/* The present constant-rate segment: stationary blocks of one mean. */
+/* Present constant-rate segment: a run of stationary blocks with the same mean. */
 typedef struct {
   double seconds;
   gd_real mean_dps;
@@ -54,7 +54,7 @@ typedef struct {
   gd_real mean_dps, sensor_odds;
   uint8_t ended_gradually;
   uint8_t blocks_ago;
-  uint8_t short_start_blocks; /* if the present block has ended it before it was confirmed, as a rest from the start */
+  uint8_t short_start_blocks; /* its blocks, if the present block has ended a short rest from the start */
 } gd_rl_ended;
 
 /* Mean rates of some seconds of motion or of a segment, the latest ones in a ring, and their median. */

@@ -5,18 +5,18 @@
 #include "restlevel_noise.h"
 #include "restlevel_wander.h"
 
-#define GD_CONFIRMED_BLOCKS 5          /* a segment is confirmed after so many */
-#define GD_SHORT_BLOCKS 3              /* a rest from the start may end after so many */
+#define GD_CONFIRMED_BLOCKS 5          /* number of blocks that confirm a segment */
+#define GD_SHORT_BLOCKS 3              /* smallest number of blocks of a short rest from the start */
 #define GD_GATE_SIGMAS GD_R(4.0)       /* a block mean further from the segment's begins another segment */
-#define GD_SLOPE_SIGMAS GD_R(2.0)      /* the ends of a segment that is to be confirmed may differ by this */
-#define GD_GRADUAL_DPS_S GD_R(0.4)     /* a rate that leaves the segment by less ends it gradually */
-#define GD_MAX_GAP_BLOCKS 10           /* a segment may continue the one before within so many blocks */
+#define GD_SLOPE_SIGMAS GD_R(2.0)      /* largest difference of the ends of a segment at its confirmation */
+#define GD_GRADUAL_DPS_S GD_R(0.4)     /* largest change of the rate at a gradual end, deg/s^2 */
+#define GD_MAX_GAP_BLOCKS 10           /* largest number of blocks between a segment and the segment that it resumes */
 #define GD_START_SIGMAS GD_R(6.0)      /* range of the block means up to a rest from the start */
-#define GD_LONG_SEGMENT_S 15.0         /* after such a length the mean may be off by LONG_GATE_SIGMAS */
+#define GD_LONG_SEGMENT_S 15.0         /* length from which on the gate is LONG_GATE_SIGMAS */
 #define GD_LONG_GATE_SIGMAS GD_R(6.0)
-#define GD_MEAN_BLOCKS 10              /* blocks that the mean of a segment is taken over */
+#define GD_MEAN_BLOCKS 10              /* number of blocks in the mean of a segment */
 
-/* Number of blocks that the mean of a segment is taken over. */
+/* Number of blocks in the present mean of the segment. */
 static inline gd_real gd_rl_mean_blocks(const gd_rl_segment *segment) {
   return (gd_real)(segment->blocks < GD_MEAN_BLOCKS ? segment->blocks : GD_MEAN_BLOCKS);
 }
@@ -29,24 +29,24 @@ static inline int gd_rl_is_in_gate(const gd_rl_segment *segment, gd_real mean_dp
   return GD_ABS(mean_dps - segment->mean_dps) < GD_GATE_SIGMAS * GD_SQRT(gate_var);
 }
 
-/* Whether a segment began soon after the start, and nothing has moved before it. */
+/* Whether a segment is from the start: in the first blocks, without motion before. */
 static inline int gd_rl_is_from_start(const gd_restlevel *s, gd_real seconds) {
   const gd_real mean_var = s->noise.angle_walk_var / seconds;
   const gd_real range_dps = s->segment.most_dps - s->segment.least_dps;
   return s->blocks < GD_MAX_GAP_BLOCKS + GD_CONFIRMED_BLOCKS && range_dps < GD_START_SIGMAS * GD_SQRT(mean_var);
 }
 
-/* Takes a further block into the mean of the segment. */
+/* Updates the mean of the segment by a further block. */
 static inline void gd_rl_update_mean(gd_rl_segment *segment, gd_real mean_dps) {
   segment->mean_dps += (mean_dps - segment->mean_dps) / gd_rl_mean_blocks(segment);
 }
 
-/* Whether the block after the end of a segment is as gradual as the one that ended it. */
+/* Whether the block after the end of a segment also changes gradually. */
 static inline int gd_rl_goes_on_gradually(const gd_restlevel *s, gd_real step_dps, gd_real seconds) {
   return s->wander.was_stationary && GD_ABS(step_dps) < GD_GRADUAL_DPS_S * seconds;
 }
 
-/* Whether a segment that has just been confirmed continues the one before. */
+/* Whether a confirmed segment resumes the segment before. */
 static inline int gd_rl_continues(const gd_restlevel *s, gd_real seconds) {
   const gd_rl_segment *segment = &s->segment;
   const gd_rl_ended *ended = &s->ended;
@@ -59,14 +59,14 @@ static inline int gd_rl_continues(const gd_restlevel *s, gd_real seconds) {
          GD_ABS(segment->mean_dps - ended->mean_dps) < sigmas * GD_SQRT(gate_var);
 }
 
-/* Whether the segment up to the present block is a rest from the start, if that block sets out from it. */
+/* Whether a present block in motion ends a short rest from the start. */
 static inline int gd_rl_is_short_start(const gd_restlevel *s, gd_real seconds) {
   const uint32_t blocks = s->segment.blocks;
   return blocks >= GD_SHORT_BLOCKS && (gd_real)blocks * seconds >= GD_R(GD_CONFIRMED_BLOCKS) * (gd_real)s->c.window_s &&
          blocks < GD_CONFIRMED_BLOCKS && gd_rl_is_from_start(s, seconds);
 }
 
-/* Takes a stationary block after another one: it agrees with the level so far, or it does not. */
+/* Updates the agreement of levels by a stationary block that follows a stationary block. */
 static inline void gd_rl_follow_wander(gd_restlevel *s, gd_real mean_dps, gd_real seconds) {
   const gd_rl_segment *segment = &s->segment;
   const gd_real mean_var = s->noise.angle_walk_var / seconds, ramp_dps = s->c.rate_ramp_dps_s * seconds;
@@ -77,7 +77,7 @@ static inline void gd_rl_follow_wander(gd_restlevel *s, gd_real mean_dps, gd_rea
   }
 }
 
-/* Takes a stationary block: the segment goes on, or another begins. */
+/* Extends the segment by a stationary block, or begins another segment. */
 static inline void gd_rl_take_block(gd_rl_segment *segment, const gd_rl_noise *noise, gd_real mean_dps,
                                     gd_real ramp_dps, double seconds) {
   const gd_real mean_var = noise->angle_walk_var / (gd_real)seconds;
@@ -104,14 +104,14 @@ static inline void gd_rl_take_block(gd_rl_segment *segment, const gd_rl_noise *n
   }
 }
 
-/* Variance of samples by which a level is judged: that of the samples, or what the scatter of the block means makes of
-   it where that is smaller. A vibration averages out within a block, a motion does not. */
+/* Scatter of the segment as a variance of samples: the variance of the samples, or the variance that the steps between
+   block means imply, if that is smaller. A vibration averages out within a block, a motion does not. */
 static inline gd_real gd_rl_scatter_var(const gd_restlevel *s) {
   const gd_real step_var = s->segment.sum_squares / (gd_real)(s->segment.blocks - 1);
   return gd_max(GD_MIN_VAR, gd_min(s->noise.sample_var, GD_R(0.25) * (gd_real)s->block.samples * step_var));
 }
 
-/* Takes the block that has just ended into the range of block means, the wander of levels and the segment. */
+/* Updates the range of block means, the agreement of levels and the segment by the present block. */
 static inline void gd_rl_take_mean(gd_restlevel *s, int is_stationary, gd_real mean_dps, gd_real seconds) {
   gd_rl_segment *segment = &s->segment;
   gd_count(&s->blocks);
@@ -148,7 +148,7 @@ static inline int gd_rl_has_moved(const gd_restlevel *s) {
 #endif
 }
 
-/* Counts a block: its mean belongs to the present segment, begins another, or there is none. */
+/* Takes a block into the present segment, begins another segment, or ends the segment. */
 static inline void gd_rl_track_segment(gd_restlevel *s, gd_real mean_dps, gd_real step_dps, gd_real seconds) {
   gd_rl_ended *ended = &s->ended;
   const gd_rl_segment before = s->segment;

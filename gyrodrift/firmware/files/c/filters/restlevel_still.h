@@ -6,7 +6,7 @@
 
 #if GD_RESTLEVEL_AUXILIARY
 
-/* Variances of the block of a certain rest. */
+/* Mean and variances of the block of a certain rest. */
 typedef struct {
   gd_real mean_dps, mean_var, flicker_var, ramp_var;
 } gd_rl_still;
@@ -28,7 +28,7 @@ static inline gd_real gd_rl_compare_still(gd_restlevel *s, const gd_rl_still *b,
   return best;
 }
 
-/* Updates a hypothesis; returns by how much its innovation exceeded what was expected, weighted, (deg/s)^2. */
+/* Updates a hypothesis; returns its squared innovation minus the expected value, times its weight, (deg/s)^2. */
 static inline gd_real gd_rl_update_still(gd_restlevel *s, gd_rl_hypothesis *h, const gd_rl_still *b, gd_real best) {
   const gd_real innovation_dps = b->mean_dps - h->bias_dps;
   gd_real excess_var = GD_R(0.0);
@@ -47,7 +47,7 @@ static inline gd_real gd_rl_update_still(gd_restlevel *s, gd_rl_hypothesis *h, c
   return excess_var;
 }
 
-/* A certain rest: in every hypothesis the block mean is the bias, which also weighs those that come from motion. */
+/* Updates all hypotheses by the mean of a certain rest, and weighs them by its likelihood. */
 static inline void gd_rl_stand_still(gd_restlevel *s, gd_real mean_dps, gd_real step_dps, gd_real seconds) {
   gd_real excess_var = GD_R(0.0), best;
   gd_rl_still b;

@@ -7,15 +7,15 @@
 
 #if GD_RESTLEVEL_AUXILIARY
 
-#define GD_HYSTERESIS_VAR_C GD_R(0.000225) /* variance off the line for each degree C of change, (deg/s)^2 */
+#define GD_HYSTERESIS_VAR_C GD_R(0.000225) /* variance about the line per degree C of change, (deg/s)^2 */
 #define GD_POINT_S 10.0                    /* time of a sure rest between two measurements of the level */
-#define GD_SMOOTH_S GD_R(3.0)              /* time that the temperature is averaged over */
+#define GD_SMOOTH_S GD_R(3.0)              /* averaging time of the temperature */
 #define GD_JUMP_SIGMAS GD_R(3.0)           /* distance from the line beyond which the bias has jumped */
-#define GD_SURE_PROBABILITY GD_R(0.95)     /* a rest is sure where it is so probable for so long */
+#define GD_SURE_PROBABILITY GD_R(0.95)     /* probability of a sure rest, and its shortest length */
 #define GD_SURE_S 10.0
 #define GD_SURE_BY_WITNESS_S 1.5
 
-/* Moves the bias of hypotheses in motion along the line, after a block of so many seconds. */
+/* Moves the bias of hypotheses in motion along the line. */
 static inline void gd_rl_follow_temperature(gd_restlevel *s, gd_real seconds) {
   gd_rl_line *line = &s->line;
   gd_real before_c, step_c, away_c, was_away_c, more_var;
@@ -64,7 +64,7 @@ static inline void gd_rl_update_level(gd_rl_line *line, gd_real innovation_dps, 
   line->covariance *= GD_R(1.0) - gain;
 }
 
-/* Takes the bias of a sure rest into level and slope. */
+/* Updates level and slope by the bias of a sure rest. */
 static inline void gd_rl_measure_level(gd_restlevel *s) {
   gd_rl_line *line = &s->line;
   if (line->points == 0) {
@@ -83,7 +83,7 @@ static inline void gd_rl_measure_level(gd_restlevel *s) {
   line->level_s = s->lived_s;
 }
 
-/* Counts a block of a sure rest; whether it is one. */
+/* Counts the length of a probable rest; returns whether it is sure. */
 static inline int gd_rl_note_sure_rest(gd_restlevel *s, int is_certain) {
   if (s->rest_probability < GD_SURE_PROBABILITY) {
     s->sure_s = 0.0;
@@ -93,7 +93,7 @@ static inline int gd_rl_note_sure_rest(gd_restlevel *s, int is_certain) {
   return s->sure_s >= (is_certain ? GD_SURE_BY_WITNESS_S : GD_SURE_S);
 }
 
-/* Measures the level each ten seconds of a sure rest; `is_certain`: by a witness. */
+/* Measures the level every ten seconds of a sure rest; `is_certain` states that a rest sensor confirms the rest. */
 static inline void gd_rl_learn_when_sure(gd_restlevel *s, int is_certain) {
   if (!gd_rl_note_sure_rest(s, is_certain) || s->line.temp_c == GD_UNKNOWN_C) {
     return;

@@ -5,13 +5,13 @@
 #include "restlevel_durations.h"
 #include "restlevel_mixture.h"
 
-#define GD_TURN_S 10.0                   /* time of motion that a mean rate is taken over */
-#define GD_LEAST_TURNS 5                 /* mean rates for a median */
-#define GD_CORRELATED_RATES GD_R(4.0)    /* consecutive mean rates within a bend: a single one is independent */
+#define GD_TURN_S 10.0                   /* time of motion in a mean rate */
+#define GD_LEAST_TURNS 5                 /* smallest number of mean rates for a median */
+#define GD_CORRELATED_RATES GD_R(4.0)    /* consecutive mean rates that count as a single rate: bends last */
 #define GD_LEAST_SPREAD_DPS GD_R(0.05)   /* smallest sigma of the median */
-#define GD_SIDED GD_R(0.5)               /* share of devices that turn to one side more than to the other */
+#define GD_SIDED GD_R(0.5)               /* share of devices that turn more to one side */
 
-/* Value of an order statistic between two of the ordered values, counted from 0. */
+/* Mean rate at a rank, counted from 0, interpolated between two ordered values. */
 static inline gd_real gd_rl_turn_at(const gd_rl_turns *turns, gd_real rank) {
   const uint8_t below = (uint8_t)rank;
   const gd_real low_dps = turns->latest_dps[turns->ordered[below]];
@@ -30,7 +30,7 @@ static inline void gd_rl_forget_turn(gd_rl_turns *turns, uint8_t oldest) {
   }
 }
 
-/* Takes a mean rate into the median. Of n ordered values n/2 lie below it, give or take half of the root of n. */
+/* Updates the median by a mean rate. The number of n values below it is n/2, with a deviation of half the root of n. */
 static inline void gd_rl_add_mean_rate(gd_rl_turns *turns, gd_real mean_dps) {
   const uint8_t index = turns->count % GD_TURN_SLOTS;
   const uint8_t others = turns->count < GD_TURN_SLOTS ? turns->count : GD_TURN_SLOTS - 1;
@@ -56,7 +56,7 @@ static inline void gd_rl_add_mean_rate(gd_rl_turns *turns, gd_real mean_dps) {
   turns->median_var = GD_CORRELATED_RATES * spread_dps * spread_dps + GD_LEAST_SPREAD_DPS * GD_LEAST_SPREAD_DPS;
 }
 
-/* Takes a block outside of constant-rate segments into the present mean rate. */
+/* Adds a block outside of constant-rate segments to the present mean rate. */
 static inline void gd_rl_follow_turns(gd_rl_turns *turns, gd_real angle_deg, double seconds) {
   turns->angle_deg += angle_deg;
   turns->seconds += seconds;
@@ -81,7 +81,7 @@ static inline gd_real gd_rl_median_density(const gd_rl_turns *turns, const gd_rl
   return GD_SIDED * GD_SPINS_PER_DPS + (GD_R(1.0) - GD_SIDED) * both_sides;
 }
 
-/* Weighs each hypothesis by the distance of its bias from the median, in place of the weighing before. */
+/* Weighs each hypothesis by the distance of its bias from the median; this replaces the earlier weight. */
 static inline void gd_rl_weigh_turns(gd_restlevel *s) {
   uint8_t k;
   if (s->turns.count < GD_LEAST_TURNS) {

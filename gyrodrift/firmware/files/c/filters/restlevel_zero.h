@@ -4,7 +4,7 @@
 
 #include "restlevel.h"
 
-/* Lets a hypothesis agree with the output yaw now, part way through a block that it adds as a whole at the end. */
+/* Sets the yaw of a hypothesis to the output yaw within a block, which it adds as a whole at its end. */
 static inline void gd_rl_zero_hypothesis(gd_rl_hypothesis *h, const gd_restlevel *s) {
   const gd_real gone_s = (gd_real)s->block.seconds, yaw_deg = s->moments.yaw_deg;
   h->checkpoint.yaw_deg = yaw_deg;
@@ -19,7 +19,7 @@ static inline void gd_rl_zero_hypothesis(gd_rl_hypothesis *h, const gd_restlevel
   h->yaw_var = h->covariance * gone_s;
 }
 
-/* Restarts the yaw sigma at the last sample: from here on it is that of the yaw turned since. `yaw_deg` stays. */
+/* Restarts the yaw sigma at the last sample: it counts the yaw turned since. `yaw_deg` stays. */
 static inline void gd_restlevel_zero(gd_restlevel *s) {
   uint8_t k;
   if (s->samples == 0) {
