@@ -1,7 +1,7 @@
-"""Features of a sensor with three axes: how far its yaw axis leans from the axis of the turn, and from gravity.
+"""Features of a sensor with three axes: angles of its yaw axis to the turn axis and to gravity.
 
-A tilt θ of the sensor takes 1 − cos θ of the yaw rate, as a scale error would. The axes x and y of the gyro read sin θ
-of the turn, and gravity leans by θ in the frame of the sensor. A scale error does neither.
+A tilt θ of the sensor reduces the yaw rate by 1 − cos θ, as a scale error does. Unlike a scale error, it also
+adds sin θ of the turn to the rates about x and y. And it tilts gravity by θ in the frame of the sensor.
 """
 
 from dataclasses import dataclass
@@ -16,17 +16,17 @@ from gyrodrift.diagnose.recording.gravity import NO_LEAN, Lean, fixed_lean
 from gyrodrift.diagnose.recording.recording import Recording, filled
 
 DEGREES = FeatureReading("deg", lambda sine: np.degrees(np.arcsin(np.clip(sine, -1.0, 1.0))))
-"""A sine as an angle."""
+"""Reading of a sine as an angle, deg."""
 
 
 @dataclass(frozen=True, slots=True)
 class Leans:
-    """Direction of the turn and of gravity in the sensor: components along x and y per unit.
+    """Components of the turn axis and of gravity along x and y of the sensor, relative to their length.
 
     turn
-        Rates about x and y per rate of the encoder.
+        Rates about x and y, divided by the rate of the encoder.
     gravity
-        Force along x and y per force; (0, 0) without an accelerometer.
+        Specific force along x and y, divided by its length; (0, 0) without an accelerometer.
     """
 
     turn: Lean
@@ -34,16 +34,16 @@ class Leans:
 
 
 def axes_of(recording: Recording, design: DesignMatrix, *, has_gravity: bool) -> Leans:
-    """Lean of the sensor in a recording or simulation; `design` holds the motion."""
+    """Leans of the sensor in a recording or simulation, whose motion is that of `design`."""
     motion = design.motion
     gravity = fixed_lean(recording, motion.angle_deg, motion.rate_dps) if has_gravity else NO_LEAN
     return Leans(turn_lean(recording, design), gravity)
 
 
 def turn_lean(recording: Recording, design: DesignMatrix) -> Lean:
-    """Slopes of the rates about x and y over the rate of the encoder, by means over blocks; (0, 0) without motion.
+    """Slopes of the rates about x and y over the rate of the encoder, from block means; (0, 0) without motion.
 
-    The bias of each axis, and a slow change of it, are fitted beside the slope.
+    A bias and a linear drift of the axis are fitted together with the slope.
     """
     if recording.gyro_xy_dps is None:
         return NO_LEAN
@@ -55,7 +55,8 @@ def turn_lean(recording: Recording, design: DesignMatrix) -> Lean:
 
 
 LEAST_MOTION_DPS = 1.0
-"""Range of block means of the rate below which nothing turns. Chosen: a hundred times the error of a block mean."""
+"""Range of the block means of the rate, deg/s, below which a recording has no motion. Chosen: a hundred times the error
+of a block mean."""
 
 
 def _slope(axis_dps: Floats, rate_dps: Floats) -> float:

@@ -1,4 +1,4 @@
-"""Means over whole blocks of samples, and what of a block counts as at least so much scatter."""
+"""Means over whole blocks of samples, mean slopes of blocks, and the logarithm of a variance."""
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
@@ -7,62 +7,62 @@ from gyrodrift.arrays import Floats, Mask
 from gyrodrift.compile import compiled_once
 
 LEAST_DPS = 2e-3
-"""Block means of a second scatter by so much at least, whatever the encoder: added to every spread so that nothing is
-measured in shares of nothing."""
+"""Scatter of block means of 1 s, deg/s, that every encoder has. It is added to every spread, so that ratios of spreads
+stay finite."""
 
 EDGE_S = 0.5
-"""Over which an angle at an edge of a block is averaged."""
+"""Width of the window, s, in which the angle at an edge of a block is averaged."""
 
-FEW = 16
-"""Samples in a block, below which numpy's own mean takes ten times as long as a product."""
+SHORT_BLOCK = 16
+"""Samples in a block below which numpy's mean takes ten times as long as a product."""
 
 OUTLIER_LIMIT = 30.0
-"""Times the median of squares: 3.7 standard deviations of normal numbers. Bounds what one outlier adds."""
+"""Upper limit of a square in a mean of squares, as a multiple of their median: 3.7 standard deviations of normal
+numbers."""
 
 
-def block_means(values: Floats, points: int) -> Floats:
-    """Means of as many whole blocks as there are, shape (blocks,)."""
-    count = len(values) // points
-    rows = values[: count * points].reshape(count, points)
-    means: Floats = rows @ np.ones(points) / points if points < FEW else rows.mean(axis=1)
+def block_means(values: Floats, length: int) -> Floats:
+    """Means over whole blocks of `length` samples, shape (blocks,)."""
+    count = len(values) // length
+    rows = values[: count * length].reshape(count, length)
+    means: Floats = rows @ np.ones(length) / length if length < SHORT_BLOCK else rows.mean(axis=1)
     return means
 
 
 def log_variance(values_dps: Floats) -> float:
-    """Logarithm of the mean square of values in deg/s, outliers held back; of an empty set that of LEAST_DPS."""
+    """Logarithm of the mean square of values in deg/s, with outliers limited; log(LEAST_DPS²) without values."""
     squares = np.square(values_dps) if len(values_dps) else np.zeros(1)
     limit = OUTLIER_LIMIT * np.median(squares) + LEAST_DPS**2
     return float(np.log(np.minimum(squares, limit).mean() + LEAST_DPS**2))
 
 
 def integral_of(values: Floats, period_s: float) -> Floats:
-    """By the trapezoidal rule, zero at the first sample, shape (n,)."""
+    """Integral of values over time by the trapezoidal rule, 0 at the first sample, shape (n,)."""
     integral = np.empty(len(values))
     _integrate(values, period_s, integral)
     return integral
 
 
 def slopes(integral: Floats, period_s: float, block: int) -> Floats:
-    """Mean slope of each block, between means over EDGE_S about its edges, shape (blocks,).
+    """Mean slope of every block, between the means in windows of EDGE_S at its edges, shape (blocks,).
 
-    Residuals and regressors go through this same window, so that an error in proportion to a regressor is taken out
-    with it.
+    Residuals and regressors use the same window, so that an error proportional to a regressor is removed exactly.
     """
-    found = np.empty(len(integral) // block)
-    _slopes_between(integral, period_s, block, _beside(period_s), found)
-    return found
+    block_slopes = np.empty(len(integral) // block)
+    _slopes_between(integral, period_s, block, _half_window(period_s), block_slopes)
+    return block_slopes
 
 
-def touches(samples: Mask, period_s: float, block: int) -> Mask:
-    """Blocks whose slopes go by any of some samples, shape (blocks,)."""
-    near = maximum_filter1d(samples, 2 * _beside(period_s) + 1)
+def blocks_with(samples: Mask, period_s: float, block: int) -> Mask:
+    """Blocks whose slope depends on a marked sample, shape (blocks,)."""
+    near = maximum_filter1d(samples, 2 * _half_window(period_s) + 1)
     count = len(near) // block
-    touched: Mask = near[: count * block].reshape(count, block).any(axis=1)
-    return touched
+    is_affected: Mask = near[: count * block].reshape(count, block).any(axis=1)
+    return is_affected
 
 
-def _beside(period_s: float) -> int:
-    """Samples before and behind an edge that are averaged with it."""
+def _half_window(period_s: float) -> int:
+    """Samples on either side of an edge that are averaged with it."""
     return max(1, round(EDGE_S / period_s)) // 2
 
 
@@ -75,15 +75,15 @@ def _integrate(values: Floats, period_s: float, integral: Floats) -> None:
 
 
 @compiled_once()
-def _slopes_between(integral: Floats, period_s: float, block: int, beside: int, found: Floats) -> None:
+def _slopes_between(integral: Floats, period_s: float, block: int, half_window: int, block_slopes: Floats) -> None:
     count, mean_before, middle_before = len(integral), 0.0, 0.0
-    for edge in range(len(found) + 1):
-        place = min(edge * block, count - 1)
-        first, end = max(place - beside, 0), min(place + beside + 1, count)
+    for edge in range(len(block_slopes) + 1):
+        center = min(edge * block, count - 1)
+        first, end = max(center - half_window, 0), min(center + half_window + 1, count)
         total = 0.0
         for n in range(first, end):
             total += integral[n]
         mean, middle = total / (end - first), 0.5 * (first + end)
         if edge > 0:
-            found[edge - 1] = (mean - mean_before) / ((middle - middle_before) * period_s)
+            block_slopes[edge - 1] = (mean - mean_before) / ((middle - middle_before) * period_s)
         mean_before, middle_before = mean, middle

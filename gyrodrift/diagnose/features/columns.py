@@ -1,4 +1,4 @@
-"""Regressors of the block residuals: rate and angle, temperature and time, history of the motion; and of steps."""
+"""Regressors of the block residuals, from rate, angle, temperature, time and history; and the feature `warming`."""
 
 from collections.abc import Callable
 
@@ -15,11 +15,11 @@ from gyrodrift.diagnose.features.within_second import smoothed
 Columns = tuple[DesignColumn, ...]
 
 HINGES_DPS = (60.0, 120.0)
-"""Rates above which the gain may be another one."""
+"""Rates above which the gain may differ, deg/s."""
 
 
 def _beyond(rate_dps: Floats, hinge_dps: float) -> Floats:
-    """Part of a rate above a hinge, in both directions."""
+    """Part of a rate beyond a hinge, in both directions, deg/s."""
     over_dps: Floats = rate_dps - np.minimum(np.maximum(rate_dps, -hinge_dps), hinge_dps)
     return over_dps
 
@@ -54,14 +54,14 @@ RATE_COLUMNS: Columns = (
     ),
 )
 # fmt: on
-"""Columns of the rate alone."""
+"""Columns that are functions of the rate."""
 
 
 Sines = Callable[[MotionTerms], Floats]
 
 
 def _angle_columns(name: str, often: str, deg: str, sine: Sines, cosine: Sines, *, in_catalogue: bool) -> Columns:
-    """Sine and cosine of a multiple of the angle, of a bias and of the angle itself (there they go with the rate)."""
+    """Sine and cosine of a multiple of the angle, alone for a bias, and times the rate for an angle error."""
     bias = (f"the bias changes {often} per turn", 2e-3, "0.002 deg/s, which cancels over whole turns")
     angle = (f"the angle errs {often} per turn", 2e-4, f"{deg} deg of the angle")
     return (
@@ -97,11 +97,11 @@ ANGLE_COLUMNS: Columns = (
         in_catalogue=False,
     ),
 )
-"""Columns of the angle within the turn."""
+"""Columns that are periodic in the angle."""
 
 
 DECAYS_S = (40.0, 160.0)
-"""Time constants of a fast and of a slow settling after power-on."""
+"""Time constants of a fast and a slow decay of the bias after power-on, s."""
 
 # fmt: off
 DRIFT_COLUMNS: tuple[DesignColumn, ...] = (
@@ -141,7 +141,7 @@ DRIFT_COLUMNS: tuple[DesignColumn, ...] = (
 
 
 WARMING_BLOCKS = 20
-"""In each of the means whose steps are compared."""
+"""Blocks in a mean; differences of successive means of the bias are compared with those of the temperature."""
 
 # fmt: off
 WARMING = Feature(
@@ -152,20 +152,20 @@ WARMING = Feature(
 
 
 def warming_basis(sensor_c: Floats, block: int) -> Basis:
-    """The basis of WARMING, vectors of shape (steps, 1), of temperatures at each sample."""
+    """Basis of WARMING, shape (steps, 1), from the temperature of every sample."""
     steps_c = np.diff(block_means(sensor_c, block * WARMING_BLOCKS))[:, None]
     vectors, thresholds = orthonormal(steps_c, np.array([WARMING.threshold]), 0)
-    return Basis(vectors, np.hypot(thresholds, 4e-3))  # steps of a bias by itself are as large
+    return Basis(vectors, np.hypot(thresholds, 4e-3))  # a bias that wanders by itself has such steps
 
 
 def warming_coefficient(bias_dps: Floats, basis: Basis) -> Floats:
-    """WARMING of a bias by blocks, deg/s, shape (1,)."""
+    """Coefficient of WARMING, shape (1,), from the bias of every block, deg/s."""
     coefficient: Floats = basis.vectors.T @ np.diff(block_means(bias_dps, WARMING_BLOCKS))
     return coefficient
 
 
 MEMORY_S = 10.0
-"""Time constant of the recovery after a reversal."""
+"""Time constant of the recovery after a reversal, s."""
 
 # fmt: off
 HISTORY_COLUMNS: tuple[DesignColumn, ...] = (

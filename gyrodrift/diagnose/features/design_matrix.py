@@ -1,7 +1,7 @@
-"""What the residuals of a session are held against: the motion, temperature and time of the recording itself.
+"""Design matrix of a session: regressors of its residuals, from its motion, temperature and time.
 
-A recording and each simulation have their own, rebuilt from their own encoder and gyro: what goes wrong in rebuilding
-goes wrong in both.
+A recording and its simulations have their own design matrices, rebuilt from their own encoder and gyro. So errors of
+rebuilding the motion appear in both, and cancel in the comparison.
 """
 
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from scipy.ndimage import uniform_filter1d
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.compile import compiled_once
-from gyrodrift.diagnose.features.block_means import integral_of, slopes, touches
+from gyrodrift.diagnose.features.block_means import blocks_with, integral_of, slopes
 from gyrodrift.diagnose.features.columns import (
     ANGLE_COLUMNS,
     DRIFT_COLUMNS,
@@ -28,33 +28,33 @@ from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.outliers import Cleaned
 
 KNOWN_DPS = 0.01
-"""A block whose rounding adds less than this is known as well as any."""
+"""Error of a block's mean rate by an encoder, deg/s. A rounding error far below it does not reduce the weight."""
 
 
 def root_weights_of(motion: ReplayedMotion, count_deg: float, block: int, sigma_dps: float) -> Floats:
-    """Square roots of weights, shape (blocks,).
+    """Square roots of the weights of blocks, shape (blocks,).
 
     motion, count_deg
-        The rebuilt motion, whose angles are those of the encoder, and the step of the encoder.
+        The rebuilt motion, and the step of the encoder.
     sigma_dps
-        White noise of a sample of the gyro, which no block is known better than.
+        White noise of a sample of the gyro, which limits the weight of a block.
     """
     if count_deg == 0.0:
         return np.ones(len(motion.angle_deg) // block)
     rounding_deg = motion.angle_deg - count_deg * np.rint(motion.angle_deg / count_deg)
     rounding_dps = slopes(rounding_deg, motion.period_s, block)
-    variance = uniform_filter1d(np.square(rounding_dps), 3)  # one of three blocks may be rounded to the truth by chance
-    known = KNOWN_DPS**2 + sigma_dps**2 / block
-    roots: Floats = np.sqrt(known / (known + variance))
+    variance = uniform_filter1d(np.square(rounding_dps), 3)  # over 3 blocks, since rounding may be 0 in a single one
+    least_variance = KNOWN_DPS**2 + sigma_dps**2 / block
+    roots: Floats = np.sqrt(least_variance / (least_variance + variance))
     return roots
 
 
 TURN_ORDERS = (3, 8)
-"""Parts of a turn, the first and the last that are looked for; halves and wholes are columns."""
+"""Smallest and largest number of periods per turn in the turn bases; 1 and 2 periods are columns."""
 
 
 def turn_bases(terms: MotionTerms, block: int) -> tuple[Floats, Floats]:
-    """Sine and cosine of each multiple, and both times the rate: shape (blocks, some) each, orthonormal."""
+    """Orthonormal sines and cosines of multiples of the angle, and their products with the rate; (blocks, columns)."""
     means = np.zeros((2, len(terms.rate_dps) // block, 2 * (TURN_ORDERS[1] - TURN_ORDERS[0] + 1)))
     _add_means(terms.sine, terms.cosine, terms.rate_dps, block, TURN_ORDERS[0], means)
     ones = np.ones(means.shape[2])
@@ -63,7 +63,7 @@ def turn_bases(terms: MotionTerms, block: int) -> tuple[Floats, Floats]:
 
 @compiled_once(fastmath={"reassoc", "nsz"})
 def _add_means(sine: Floats, cosine: Floats, rate: Floats, block: int, lowest: int, means: Floats) -> None:
-    """Means over blocks of cosine and sine of each multiple from the lowest on, by itself and times the rate."""
+    """Add block means of cosine and sine of multiples of the angle, from `lowest` on, alone and times the rate."""
     along, across = np.empty(block), np.empty(block)
     for row in range(means.shape[1]):
         inside = slice(row * block, (row + 1) * block)
@@ -83,40 +83,42 @@ def _add_means(sine: Floats, cosine: Floats, rate: Floats, block: int, lowest: i
 
 
 BLOCK_S = 1.0
-"""Over a second an encoder of 0.01 degrees knows the mean rate to some 0.004 deg/s."""
+"""Length of a block, s. In one second an encoder with steps of 0.01 degrees gives the mean rate within 0.004 deg/s."""
 
 SILENT = 1e-3
-"""Root of the weight of a block in which the gyro is at its limit. How far the motion goes beyond is known from counts
-alone, and no finer than these: residuals there, the largest of all, would tell of nothing else."""
+"""Square root of the weight of a block in which the gyro is at its limit. The motion beyond the limit is known from the
+encoder's counts alone, so the residuals of these blocks are large and say nothing about the gyro."""
 
 COLUMNS = (*RATE_COLUMNS, *DRIFT_COLUMNS, *ANGLE_COLUMNS, *HISTORY_COLUMNS)
-"""In the order in which they are made orthogonal: what two of them share counts for the first."""
+"""All regressors in the order of the orthogonalization: a part common to two columns counts for the first."""
 
 CONSTANT = 1
-"""The bias is calibration: the first column, and no feature."""
+"""Number of leading columns that are no features: the constant, since the bias is calibrated."""
 
 
 @dataclass(frozen=True, slots=True)
 class DesignMatrix:
-    """The motion of a session, what it did when, and orthonormal bases of its regressors.
+    """Motion of a session, its regimes, and orthonormal bases of its regressors.
 
     samples, period_s, block
-        Length of the grid, distance in s, samples in a block.
+        Number of samples, sample period, and samples in a block.
+    difference_indices
+        Differences of neighboring means that lie within a regime.
     is_silent
-        Shape (blocks,): where the gyro of the rig says no more than that it is at its limit.
+        Blocks in which the gyro is at the limit that the rig states, shape (blocks,).
     root_weights
-        Shape (blocks,): square roots of how well the encoder knows the mean rate of each block, 1 for very well.
+        Square roots of the weights of blocks, shape (blocks,); 1 if the encoder's rounding is negligible.
     static
-        Of COLUMNS, vectors of shape (blocks, columns), orthonormal under these weights: to be used on what was
-        multiplied by the roots.
+        Basis of COLUMNS, shape (blocks, columns), orthonormal after multiplication by the root weights. Residuals have
+        to be multiplied by the root weights, too.
     fast_vectors
-        Shape (blocks, some): a constant and the columns that no slow bias can be taken for, orthonormal likewise.
+        Orthonormal basis of a constant and the columns that are no slow bias, weighted alike; shape (blocks, columns).
     lag
-        Of LAG_FEATURES: what the rate does within a second, vectors of shape (n, features).
+        Basis of LAG_FEATURES, shape (n, features).
     warming
-        Of WARMING: the change of the temperature from one mean of WARMING_BLOCKS to the next.
+        Basis of WARMING: differences of the temperature between successive means of WARMING_BLOCKS blocks.
     turn_basis, turn_rate_basis
-        Of sines of multiples of the angle, and of these times the rate: shape (blocks, some), orthonormal.
+        Orthonormal sines of multiples of the angle, and their products with the rate; shape (blocks, columns).
     """
 
     motion: ReplayedMotion
@@ -135,30 +137,30 @@ class DesignMatrix:
     turn_rate_basis: Floats
 
     def regressor(self, name: str) -> Floats:
-        """One of COLUMNS at each sample, shape (n,): blocks have their means, and samples are too many to keep."""
+        """Values of one of COLUMNS at all samples, shape (n,); computed here, since only block means are stored."""
         column = next(column for column in COLUMNS if column.name == name)
         return column.compute(motion_terms_of(self.motion, self.regimes.speed_dps))
 
 
 def design_matrix_of(
-    real: Cleaned, motion: ReplayedMotion, sigma_dps: float = 0.0, at_limit: Mask | None = None
+    cleaned: Cleaned, motion: ReplayedMotion, sigma_dps: float = 0.0, at_limit: Mask | None = None
 ) -> DesignMatrix:
-    """The design matrix of a recording and the motion that was rebuilt from it.
+    """Design matrix of a recording and the motion that was rebuilt from it.
 
     sigma_dps
-        White noise of a sample of its gyro.
+        White noise of a sample of the gyro.
     at_limit
-        (n,) samples at which its gyro is at its limit by what the rig says; None for none.
+        Samples at which the gyro is at its limit, shape (n,); None if the rig has no limit.
     """
-    samples, period_s = len(motion.rate_dps), real.recording.period_s
+    samples, period_s = len(motion.rate_dps), cleaned.recording.period_s
     block = max(1, round(BLOCK_S / period_s))
-    lag = lag_basis(real.encoder_deg, period_s)
+    lag = lag_basis(cleaned.encoder_deg, period_s)
     regimes = regimes_of(motion, block)
     terms = motion_terms_of(motion, regimes.speed_dps)
     means = [slopes(integral_of(column.compute(terms), period_s), period_s, block) for column in COLUMNS]
-    is_silent = np.zeros(samples // block, bool) if at_limit is None else touches(at_limit, period_s, block)
-    known = root_weights_of(motion, real.step_deg, block, sigma_dps)
-    root_weights = np.where(is_silent, SILENT, known)
+    is_silent = np.zeros(samples // block, bool) if at_limit is None else blocks_with(at_limit, period_s, block)
+    encoder_weights = root_weights_of(motion, cleaned.step_deg, block, sigma_dps)
+    root_weights = np.where(is_silent, SILENT, encoder_weights)
     regressors = root_weights[:, None] * np.column_stack([np.ones(samples // block), *means])
     turn_basis, turn_rate_basis = turn_bases(terms, block)
     return DesignMatrix(

@@ -10,11 +10,11 @@ import numpy as np
 from gyrodrift.arrays import Floats
 
 LARGEST_EXPONENT = 50.0
-"""Beyond it a number is no longer read as one; it bounds what a report may show."""
+"""Limit of exponents, so that numbers in a report stay finite."""
 
 
 class FeatureReading(NamedTuple):
-    """A unit, and how the value of a feature is taken to it; rising throughout."""
+    """Unit for people, and an increasing function from the value of a feature to this unit."""
 
     unit: str
     of: Callable[[Floats], Floats] = lambda value: value
@@ -64,21 +64,21 @@ WHEN = {
     "late": "over time",
     "always": "at all times",
 }
-"""Regimes of the motion as a person says them, by their names."""
+"""Words of a report for a regime of the motion, by its name."""
 
 
 Observed = TypeVar("Observed")
 
 
 class ResponseLaw(Enum):
-    """How the value of a feature follows the size of an effect.
+    """Dependence of a feature's value on the size of an effect.
 
     LINEAR
-        In proportion, with its sign.
+        Proportional to the size, with its sign.
     LOG_VARIANCE
-        A logarithm of a variance: variances add, and grow with the square of the size.
+        Logarithm of a variance: variances add, and grow with the square of the size.
     SATURATING
-        In proportion to smaller sizes, and no further beyond: shares of samples, steps, quantiles.
+        Proportional to a small size, constant for a large one: shares of samples, steps, quantiles.
     """
 
     LINEAR = "linear"
@@ -88,20 +88,20 @@ class ResponseLaw(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Feature:
-    """A statistic with a name.
+    """A named statistic of a recording.
 
     stage
-        Of the rig, where what moves it most often sits: sensor, environment, platform, encoder, clock or link.
+        Stage of the rig whose effects usually change it: sensor, environment, platform, encoder, clock or link.
     regime
-        Of the motion it speaks of: rest, slow, fast, moving, accelerating, reversing, warm, early, late or always.
+        Regime of the motion in which it is measured: a key of WHEN.
     says
-        What a person reads when it is high.
+        Words of a report for a high value.
     threshold, source
-        Relevance threshold, in the units of the value: smaller deviations do not matter; and what that size amounts to.
+        Relevance threshold in the unit of the value, and its meaning in practice. Smaller deviations are negligible.
     reading
-        Unit for people, and how the value is taken to it.
+        Unit for people, and the conversion to it.
     response
-        How it follows the size of an effect.
+        Dependence on the size of an effect.
     """
 
     name: str
@@ -117,28 +117,28 @@ class Feature:
 
 @dataclass(frozen=True, slots=True)
 class Statistic(Feature, Generic[Observed]):
-    """A feature with the function that takes its value from what was observed."""
+    """A feature with the function that computes its value from an observation."""
 
     _: KW_ONLY
     compute: Callable[[Observed], float]
 
 
 class Measured(NamedTuple):
-    """Values of some features and their relevance thresholds; shape (features,) each."""
+    """Values of features and their relevance thresholds, shape (features,)."""
 
     values: Floats
     thresholds: Floats
 
 
 def numbers_of(features: Sequence[Feature]) -> dict[str, int]:
-    """The place of each feature by its name.
+    """Index of a feature in the sequence, by its name.
 
     Raises
     ------
     ValueError
-        Where two have the same name.
+        Two features have the same name.
     """
-    numbers = {feature.name: number for number, feature in enumerate(features)}
+    numbers = {feature.name: index for index, feature in enumerate(features)}
     if len(numbers) != len(features):
         raise ValueError("two features have the same name")
     return numbers

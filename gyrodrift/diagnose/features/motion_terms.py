@@ -1,4 +1,4 @@
-"""What the regressors of a design are made of: rate, angle, temperature, time and history of a motion, by sample."""
+"""Terms of the regressors at every sample: rate, angle, temperature, time and history of a motion."""
 
 from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass
@@ -12,19 +12,19 @@ from gyrodrift.diagnose.recording.motion import ReplayedMotion
 RADIANS = np.pi / 180.0
 
 TURN_DPS = 1.0
-"""A direction is one that was gone in faster than this."""
+"""Rate above which the motion has a direction, deg/s."""
 
 
 @dataclass(frozen=True, slots=True)
 class MotionTerms:
-    """Terms of a motion, shape (n,) each: what takes time is kept, and the rest worked out when it is asked for.
+    """Terms of a motion, shape (n,). Expensive terms are stored; all further ones are properties.
 
     speed_dps
-        The rate, smoothed.
+        Smoothed rate.
     sine, cosine
-        Of the angle.
+        Sine and cosine of the angle.
     direction, since_s
-        +1 or −1 as it last went, 0 before it first did; and how long it has been so, s.
+        Last direction of motion, +1 or −1, or 0 before the first motion; and the time since it changed, s.
     """
 
     motion: ReplayedMotion
@@ -41,12 +41,12 @@ class MotionTerms:
 
     @property
     def period_s(self) -> float:
-        """Distance of two samples, s."""
+        """Sample period, s."""
         return self.motion.period_s
 
     @property
     def warm_c(self) -> Floats:
-        """Temperature about its mean, °C."""
+        """Temperature less its mean, °C."""
         warm_c: Floats = self.motion.sensor_c - self.motion.sensor_c.mean()
         return warm_c
 
@@ -57,7 +57,7 @@ class MotionTerms:
 
     @property
     def share(self) -> Floats:
-        """Time, from −0.5 at the first sample to 0.5 at the last."""
+        """Time as a share of the session, from −0.5 at the first sample to 0.5 at the last."""
         t_s = self._t_s
         share: Floats = t_s / t_s[-1] - 0.5
         return share
@@ -68,7 +68,7 @@ class MotionTerms:
 
 
 def motion_terms_of(motion: ReplayedMotion, speed_dps: Floats) -> MotionTerms:
-    """The terms of a motion, whose smoothed rate is `speed_dps`."""
+    """Terms of a motion with a smoothed rate."""
     turn = motion.angle_deg * RADIANS
     direction = _last_direction(speed_dps)
     return MotionTerms(
@@ -82,28 +82,28 @@ def motion_terms_of(motion: ReplayedMotion, speed_dps: Floats) -> MotionTerms:
 
 
 def _last_direction(speed_dps: Floats) -> Floats:
-    goes = np.abs(speed_dps) > TURN_DPS
-    place = np.maximum.accumulate(np.where(goes, np.arange(len(speed_dps)), -1))
-    return np.where(place >= 0, np.sign(speed_dps[place]), 0.0)
+    moves = np.abs(speed_dps) > TURN_DPS
+    last_moving = np.maximum.accumulate(np.where(moves, np.arange(len(speed_dps)), -1))
+    return np.where(last_moving >= 0, np.sign(speed_dps[last_moving]), 0.0)
 
 
 def _since_change_s(direction: Floats, period_s: float) -> Floats:
     changed = np.concatenate([[True], np.diff(direction) != 0.0])
-    place = np.arange(len(direction))
-    since_s: Floats = (place - np.maximum.accumulate(np.where(changed, place, 0))).astype(np.float64) * period_s
+    index = np.arange(len(direction))
+    since_s: Floats = (index - np.maximum.accumulate(np.where(changed, index, 0))).astype(np.float64) * period_s
     return since_s
 
 
 @dataclass(frozen=True, slots=True)
 class DesignColumn(Feature):
-    """A regressor of the block residuals; the value of the feature is its coefficient.
+    """A regressor of the block residuals; the feature's value is its coefficient.
 
     is_slow
-        Whether a bias that wanders by itself may be taken for it.
+        Whether it resembles a bias that wanders by itself.
     in_catalogue
-        Whether an effect of the catalogue depends on it by itself.
+        Whether an effect of the catalog is proportional to it.
     compute
-        The regressor at each sample, shape (n,).
+        Function from the terms of a motion to the regressor at every sample, shape (n,).
     """
 
     _: KW_ONLY

@@ -1,4 +1,4 @@
-"""Noise of the rate within a second, at rest and in motion: its level by averaging, a spectral line, bursts, tails."""
+"""Features of the noise at rest and in motion: variances of short means, a spectral line, bursts and tails."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -18,23 +18,24 @@ from gyrodrift.diagnose.features.feature import (
     Statistic,
 )
 from gyrodrift.diagnose.features.spectral_line import LEAST_POWER, spectral_line
-from gyrodrift.diagnose.features.spreads import MOVING_POINTS, REST_POINTS, spreads_of
+from gyrodrift.diagnose.features.spreads import MOVING_LENGTHS, REST_LENGTHS, spreads_of
 from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA
 from gyrodrift.diagnose.recording.outliers import Cleaned
 
 TAIL_SIGMAS = 5.0
+"""Standard deviations from which on a second difference counts as an outlier."""
 
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
-"""Multiples of it less their whole part are spread evenly, however many there are."""
+"""The fractional parts of its multiples are uniform for any number of multiples."""
 
 LEAST_SPIKES_DPS = 0.05
-"""RMS by outliers that does not matter: the noise of a sample of a usual gyro."""
+"""RMS of outliers that is negligible: the noise of a sample of a usual gyro."""
 
-LEAST_POINTS, FEW_SECONDS = 25, 20
-"""Samples in a second whose scatter is known, and the seconds without motion that bursts are looked for in."""
+LEAST_SAMPLES, FEW_SECONDS = 25, 20
+"""Minimum number of samples in a window, and of windows without motion, for a search for bursts."""
 
 MIDDLE = (2, 3)
-"""Of REST_POINTS: means of 4 and 8 samples, whose mean is the level that all others are compared with."""
+"""Indices in REST_LENGTHS of means of 4 and 8 samples: their mean log variance is the reference for all lengths."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,8 +43,8 @@ class SampleNoise:
     """Noise of a recording or simulation.
 
     rest, slow, fast
-        Logarithm of the variance of means of REST_POINTS or MOVING_POINTS samples, taken to single samples as if it
-        were white, less that of the middle at rest.
+        Logarithm of the variance of means, scaled to single samples as for white noise, less that of MIDDLE at rest.
+        One entry for every length in REST_LENGTHS or MOVING_LENGTHS.
     bends_dps
         Second differences of the rate, shape (n − 2,).
     """
@@ -58,15 +59,16 @@ class SampleNoise:
 
 
 def sample_noise_of(cleaned: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> SampleNoise:
-    """What the features of noise are computed from.
+    """Compute the statistics of the noise.
 
-    A steady rate between two counts may come as either or as both: up to a quarter of a count squared is no noise.
+    A quarter of a squared count is added to all variances. A steady rate between two counts may alternate between
+    them, so a variance below this says nothing about the noise.
     """
     grain = dps_per_lsb**2 / 4.0
     spreads = spreads_of(cleaned.rate_dps, design.difference_indices)
-    # A robot that trembles happens to be calm for moments: with less than 3 s in all, rest gives no level.
+    # Less than 3 s of rest gives no level: a trembling robot is calm for moments.
     if np.count_nonzero(design.regimes.at_rest) * design.period_s < 3.0:
-        spreads = replace(spreads, rest=(0.0,) * len(REST_POINTS))
+        spreads = replace(spreads, rest=(0.0,) * len(REST_LENGTHS))
     rest, slow, fast = (_logs(spread, grain) for spread in (spreads.rest, spreads.slow, spreads.fast))
     level = 0.5 * (rest[MIDDLE[0]] + rest[MIDDLE[1]])
     rest, slow, fast = (tuple(value - level for value in values) for values in (rest, slow, fast))
@@ -74,7 +76,7 @@ def sample_noise_of(cleaned: Cleaned, design: DesignMatrix, dps_per_lsb: float) 
 
 
 def root_share(count: int, of: int) -> float:
-    """Square root of a share: small shares scatter equally in it."""
+    """Square root of a share, so that all small shares have the same standard error."""
     return float(np.sqrt(count / max(of, 1)))
 
 
@@ -83,11 +85,13 @@ def _logs(spreads: Iterable[float], grain: float) -> tuple[float, ...]:
 
 
 def _burst_ratio(noise: SampleNoise) -> float:
-    """Logarithm of how much more than usual the noisiest tenth of all seconds scatters."""
-    points, regimes = max(noise.design.block, LEAST_POINTS), noise.design.regimes
-    # Share of samples that rest or turn steadily.
-    calm = block_means((regimes.at_rest | regimes.is_steady)[2:].astype(np.float64), points) > 0.9
-    squares = block_means(np.square(noise.bends_dps), points)[calm]
+    """Log of the 90 % quantile over the median of the mean squares of windows; 0 for few windows.
+
+    A window has a second of samples, at least LEAST_SAMPLES. Only windows of rest or steady rotation count.
+    """
+    length, regimes = max(noise.design.block, LEAST_SAMPLES), noise.design.regimes
+    is_calm = block_means((regimes.at_rest | regimes.is_steady)[2:].astype(np.float64), length) > 0.9
+    squares = block_means(np.square(noise.bends_dps), length)[is_calm]
     if len(squares) < FEW_SECONDS:
         return 0.0
     usual, much = np.quantile(squares, [0.5, 0.9])
@@ -95,54 +99,55 @@ def _burst_ratio(noise: SampleNoise) -> float:
 
 
 def _tails(noise: SampleNoise, allowed: Mask) -> float:
-    """Root of the share of second differences beyond TAIL_SIGMAS.
+    """Square root of the share of second differences beyond TAIL_SIGMAS.
 
-    They are spread evenly within their steps: else the median of few counts is one of two, and what is beyond it jumps.
+    The differences are dithered uniformly within a step. Without dither the median of small counts jumps between two
+    values, and the share with it.
     """
     bends_dps = noise.bends_dps[allowed[2:]]
-    within = np.arange(len(bends_dps)) * GOLDEN % 1.0 - 0.5
-    sizes = np.abs(bends_dps + noise.dps_per_lsb * within)
+    dither = np.arange(len(bends_dps)) * GOLDEN % 1.0 - 0.5
+    sizes = np.abs(bends_dps + noise.dps_per_lsb * dither)
     if not len(sizes):
         return 0.0
-    # Below 1.2 counts, steps of one count would pass for tails.
+    # With a smaller sigma, single counts would be outliers.
     sigma = max(np.median(sizes) / MEDIAN_TO_SIGMA, 1.2 * noise.dps_per_lsb)
     return root_share(int(np.count_nonzero(sizes > TAIL_SIGMAS * sigma)), len(sizes))
 
 
-def _rest(number: int, points: int) -> Statistic[SampleNoise]:
+def _rest(index: int, length: int) -> Statistic[SampleNoise]:
     return Statistic(
-        f"noise_rest_{points}", "sensor", "rest", f"at rest the noise of {points}-sample means differs in shape", 0.08,
+        f"noise_rest_{length}", "sensor", "rest", f"at rest the noise of {length}-sample means differs in shape", 0.08,
         "0.08 in ln of a variance: 4 % of the amplitude", reading=OVER_MIDDLE, response=ResponseLaw.LOG_VARIANCE,
-        compute=lambda noise: noise.rest[number],
+        compute=lambda noise: noise.rest[index],
     )  # fmt: skip
 
 
-def _slow(number: int, points: int) -> Statistic[SampleNoise]:
+def _slow(index: int, length: int) -> Statistic[SampleNoise]:
     return Statistic(
-        f"noise_slow_{points}", "sensor", "slow", f"in slow motion the noise of {points}-sample means differs", 0.1,
+        f"noise_slow_{length}", "sensor", "slow", f"in slow motion the noise of {length}-sample means differs", 0.1,
         "0.1 in ln of a variance: 5 % of the amplitude", reading=OVER_MIDDLE, response=ResponseLaw.LOG_VARIANCE,
-        compute=lambda noise: noise.slow[number],
+        compute=lambda noise: noise.slow[index],
     )  # fmt: skip
 
 
-def _fast(number: int, points: int) -> Statistic[SampleNoise]:
+def _fast(index: int, length: int) -> Statistic[SampleNoise]:
     return Statistic(
-        f"noise_fast_{points}", "sensor", "fast", f"in fast motion the noise of {points}-sample means differs", 0.22,
+        f"noise_fast_{length}", "sensor", "fast", f"in fast motion the noise of {length}-sample means differs", 0.22,
         "0.22 in ln of a variance: 11 % of the amplitude", reading=OVER_MIDDLE, response=ResponseLaw.LOG_VARIANCE,
-        compute=lambda noise: noise.fast[number],
+        compute=lambda noise: noise.fast[index],
     )  # fmt: skip
 
 
 def _spike_power(noise: SampleNoise) -> float:
-    """Logarithm of the mean square of all samples by their outliers alone."""
+    """Logarithm of the contribution of outliers to the mean square of all samples."""
     return float(np.log(np.square(noise.cleaned.spikes_dps).sum() / noise.design.samples + LEAST_SPIKES_DPS**2))
 
 
 # fmt: off
 NOISE: tuple[Statistic[SampleNoise], ...] = (
-    *(_rest(number, points) for number, points in enumerate(REST_POINTS)),
-    *(_slow(number, points) for number, points in enumerate(MOVING_POINTS)),
-    *(_fast(number, points) for number, points in enumerate(MOVING_POINTS)),
+    *(_rest(index, length) for index, length in enumerate(REST_LENGTHS)),
+    *(_slow(index, length) for index, length in enumerate(MOVING_LENGTHS)),
+    *(_fast(index, length) for index, length in enumerate(MOVING_LENGTHS)),
     Statistic(
         "line", "sensor", "rest", "a tone exceeds the noise at rest", 0.5,
         "0.5 in ln: two thirds more than its neighbours", reading=OVER_NEIGHBOURS, response=ResponseLaw.LOG_VARIANCE,

@@ -1,4 +1,4 @@
-"""Orthonormal bases: regressors that share something are told apart by their order."""
+"""Orthonormal bases of regressors: a part common to two regressors counts for the first."""
 
 from typing import NamedTuple
 
@@ -7,19 +7,20 @@ import numpy as np
 from gyrodrift.arrays import Floats
 
 NEW_SHARE = 0.03
-"""A column that is made of those before it but for less than this share says nothing new."""
+"""Minimum share of a column's length that is orthogonal to all columns before it. Below it the column is redundant."""
 
-APART = 1e-2
-"""Columns of which each has so much new are told apart by their products to twelve digits."""
+WELL_CONDITIONED = 1e-2
+"""Smallest singular value of the unit columns for which their products are accurate to twelve digits."""
 
 TINY = 1e-300
-"""Keeps the norm of a column of zeros from dividing by zero."""
+"""Lower bound of a norm, so that a column of zeros does not divide by zero."""
 
 
 class Basis(NamedTuple):
-    """Orthonormal vectors, (rows, columns), zero where a column says nothing new; and thresholds, (columns,).
+    """Orthonormal vectors, (rows, columns), and thresholds of their coefficients, (columns,).
 
-    A threshold is what coefficients as large as the relevance thresholds of the columns make on a vector.
+    A redundant column has a vector of zeros. Columns with coefficients as large as their relevance thresholds have
+    coefficients on a vector; the threshold of the vector is the root of their sum of squares.
     """
 
     vectors: Floats
@@ -27,37 +28,36 @@ class Basis(NamedTuple):
 
 
 def orthonormal(columns: Floats, thresholds: Floats, dropped: int) -> Basis:
-    """Of columns in their order: what two share counts for the first. The first ones are taken out, then dropped."""
+    """Basis of columns in their order, (rows, columns), orthogonal to the first `dropped` columns and without them."""
     vectors = orthonormal_vectors(columns)[:, dropped:]
     amounts = vectors.T @ (columns[:, dropped:] * thresholds)
     return Basis(vectors, np.linalg.norm(amounts, axis=1))
 
 
 def orthonormal_vectors(columns: Floats) -> Floats:
-    """Vectors that span the columns, orthonormal, zero where a column says nothing new."""
+    """Orthonormal vectors that span the columns; zeros for a redundant column."""
     norms = np.maximum(np.sqrt(np.einsum("ij,ij->j", columns, columns)), TINY)
-    if len(columns) >= 1500:  # faster by the products of the columns from 1500 rows on
+    if len(columns) >= 1500:  # faster by a Cholesky decomposition from 1500 rows on
         products = columns.T @ columns / norms / norms[:, None]
-        if np.linalg.eigvalsh(products)[0] > APART**2:
+        if np.linalg.eigvalsh(products)[0] > WELL_CONDITIONED**2:
             lower = np.asarray(np.linalg.cholesky(products), dtype=np.float64)
             if np.diag(lower).min() > NEW_SHARE:
                 vectors: Floats = (np.linalg.inv(lower) / norms @ columns.T).T
                 return vectors
-    return _one_by_one(columns / norms)
+    return _gram_schmidt(columns / norms)
 
 
-def _one_by_one(units: Floats) -> Floats:
-    """Vectors of columns of unit length, by Gram and Schmidt.
+def _gram_schmidt(units: Floats) -> Floats:
+    """Orthonormal vectors of columns of unit length, by Gram-Schmidt orthogonalization.
 
-    A column that says nothing new has no part in those behind it: what is left of it is rounding and noise, and would
-    turn them any way.
+    A redundant column becomes zeros, because its remainder is rounding error and would disturb the next vectors.
     """
     rows, count = units.shape
     vectors = np.zeros((rows, count))
-    # Two rows for each column: a short recording does not show the last columns.
+    # At least two rows per column: in a short recording, the last columns are zeros.
     for number in range(min(count, rows, max(1, rows // 2))):
         new, before = units[:, number], vectors[:, :number]
-        for _ in range(2):  # twice is enough (W. Kahan, in B. N. Parlett 1980)
+        for _ in range(2):  # two passes are enough (W. Kahan, in B. N. Parlett 1980)
             new = new - before @ (before.T @ new)
         length = float(np.linalg.norm(new))
         if length > NEW_SHARE:

@@ -1,4 +1,4 @@
-"""What a device did at each sample and in each block: rest, slow or fast motion, quick or steady."""
+"""Regimes of a motion, by sample and by block: rest, slow or fast, quick or steady."""
 
 from dataclasses import dataclass
 
@@ -10,24 +10,28 @@ from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.smoothing import gaussian
 
 REST_DPS, SLOW_DPS, FAST_DPS = 0.5, 2.0, 40.0
+"""Upper limit of the rate at rest; lower limits of slow and of fast motion, deg/s."""
+
 REST_EDGE_S = 0.6
-"""At rest is what is slower than REST_DPS for so long before and after, and shakes no faster."""
+"""A sample is at rest if rate and shaking stay below REST_DPS for this time before and after it, s."""
 
 QUICK_DPS, STEADY_DPS = 1.0, 0.05
-"""From one sample to the next the rate changes by more than noise does, or by next to nothing."""
+"""Changes of the smoothed rate from sample to sample, deg/s: a quick one is above noise, a steady one almost 0."""
 
 MASK_SMOOTH_S = 0.15
-"""Standard deviation of the Gaussian through which the rate is looked at for this."""
+"""Standard deviation of the Gaussian that smooths the rate, s."""
 
 
 @dataclass(frozen=True, slots=True)
 class Regimes:
     """Regimes of a motion.
 
-    speed_dps, at_rest, is_slow, is_fast, is_turning, is_quick, is_steady
-        Smoothed rate, and what the device did, of samples, shape (n,).
+    speed_dps
+        Smoothed rate, shape (n,).
+    at_rest, is_slow, is_fast, is_turning, is_quick, is_steady
+        Masks of samples, shape (n,). Turning is slow or fast.
     block_rate_dps, block_at_rest, block_is_even
-        Mean rate, blocks that rest, and those that rest or turn steadily, shape (blocks,).
+        Mean rate, blocks at rest, and blocks with an almost constant rate, shape (blocks,).
     """
 
     speed_dps: Floats
@@ -43,7 +47,7 @@ class Regimes:
 
 
 def regimes_of(motion: ReplayedMotion, block: int) -> Regimes:
-    """The regimes of a motion, with blocks of so many samples."""
+    """Regimes of a motion; `block` is the number of samples in a block."""
     speed_dps = gaussian(motion.rate_dps, MASK_SMOOTH_S / motion.period_s)
     absolute_dps = np.abs(speed_dps)
     shakes = gaussian(np.square(motion.rate_dps - speed_dps), MASK_SMOOTH_S / motion.period_s) > REST_DPS**2
@@ -66,10 +70,13 @@ def regimes_of(motion: ReplayedMotion, block: int) -> Regimes:
     )
 
 
-def lasting(is_such: Mask, points: int) -> Mask:
-    """Samples about which so many are such: half of them before, the others from it on; none beyond the ends counts."""
-    others = np.concatenate([[0], np.cumsum(~is_such)])
-    place = np.arange(len(is_such)) - points // 2
-    first, end = np.maximum(place, 0), np.minimum(place + points, len(is_such))
-    lasts: Mask = others[end] == others[first]
+def lasting(mask: Mask, length: int) -> Mask:
+    """Samples whose whole window of `length` samples is in the mask, shape (n,).
+
+    The window begins length // 2 samples before a sample. Its parts beyond the ends are ignored.
+    """
+    outside = np.concatenate([[0], np.cumsum(~mask)])
+    begin = np.arange(len(mask)) - length // 2
+    first, end = np.maximum(begin, 0), np.minimum(begin + length, len(mask))
+    lasts: Mask = outside[end] == outside[first]
     return lasts

@@ -1,4 +1,4 @@
-"""Values of single samples: repeats, zeros, steps and range of the rate; steps, scatter and jumps of the angle."""
+"""Features of single values: repeats, zeros, steps and range of the rate; steps, scatter and jumps of the angle."""
 
 from dataclasses import dataclass
 
@@ -19,30 +19,30 @@ from gyrodrift.diagnose.features.spreads import turning_spread
 from gyrodrift.diagnose.recording.outliers import Cleaned, granularity
 
 NEAR_ZERO_DPS = 3.0
-"""Rates below are dense enough to show the steps that they come in."""
+"""Rates below this limit, deg/s, are dense enough to show their steps."""
 
 LEAK = 3
-"""The smallest rates but for two: a dead band may leak twice."""
+"""Rank of the rate that counts as the smallest: two smaller ones may be chance."""
 
 LEAST_SLIP_DEG = 0.2
-"""A jump of the angle in a minute that does not matter: NEGLIGIBLE_DEG of yaw is a little more."""
+"""Negligible jump of the angle per minute, deg; a little less than NEGLIGIBLE_DEG of yaw."""
 
 REACH_DPS = 1.0
-"""Added to the largest rates of gyro and encoder: of a recording that hardly moves they say nothing."""
+"""Added to the largest rates of gyro and encoder, deg/s, so that their ratio is 1 in a recording with little motion."""
 
 
 @dataclass(frozen=True, slots=True)
 class RateValues:
-    """Values of a rate in counts; only of samples that came, not of those that were filled in.
+    """Recorded values of a rate in counts, without interpolated samples.
 
     counts, is_there
-        Shape (n,), and which of them came.
-    equal, both
-        Shape (n − 1,): which equal their neighbour before, and of which both came.
+        Counts, shape (n,), and which of these samples were recorded.
+    is_equal, has_both
+        Pairs of successive samples, shape (n − 1,): recorded with equal counts, and both recorded.
     near
-        Those below NEAR_ZERO_DPS.
+        Counts of rates below NEAR_ZERO_DPS.
     step
-        In which these come; a count where there are none.
+        Step of `near`, counts; 1 without such rates.
     """
 
     cleaned: Cleaned
@@ -50,53 +50,54 @@ class RateValues:
     dps_per_lsb: float
     counts: Floats
     is_there: Mask
-    equal: Mask
-    both: Mask
+    is_equal: Mask
+    has_both: Mask
     near: Floats
     step: float
 
 
 def rate_values_of(cleaned: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> RateValues:
-    """What the features of the values are computed from."""
+    """Compute the statistics of the recorded rates."""
     rate_dps = cleaned.recording.rate_dps
     is_there = np.isfinite(rate_dps)
     counts = np.rint(np.where(is_there, rate_dps, 0.0) / dps_per_lsb)
-    both = is_there[1:] & is_there[:-1]
-    equal = (counts[1:] == counts[:-1]) & both
+    has_both = is_there[1:] & is_there[:-1]
+    is_equal = (counts[1:] == counts[:-1]) & has_both
     near = counts[is_there & (np.abs(rate_dps) < NEAR_ZERO_DPS)]
     step = max(granularity(near), 1.0) if len(near) else 1.0
-    return RateValues(cleaned, design, dps_per_lsb, counts, is_there, equal, both, near, step)
+    return RateValues(cleaned, design, dps_per_lsb, counts, is_there, is_equal, has_both, near, step)
 
 
 def smallest(sizes: Floats) -> float:
-    """The smallest of some numbers above 0, but for a few that may be chance."""
+    """The LEAK-th smallest of positive numbers, or the smallest if there are fewer."""
     return float(np.partition(sizes, LEAK - 1)[LEAK - 1]) if len(sizes) >= LEAK else float(sizes.min())
 
 
 def _equal_share(values: RateValues, regime: Mask) -> float:
-    return root_share(int(np.count_nonzero(values.equal & regime[1:])), int(np.count_nonzero(values.both & regime[1:])))
+    equal = int(np.count_nonzero(values.is_equal & regime[1:]))
+    return root_share(equal, int(np.count_nonzero(values.has_both & regime[1:])))
 
 
 def _excess_of_zeros(values: RateValues) -> float:
-    """Of samples near zero, by roots of shares: zeros less what comes a step above and a step below.
+    """Root of the share of zeros near zero, less the root of the mean share of the levels one step above and below.
 
-    A rate that drifts through zero takes all values there, as often as its drift has it; a dead band takes one.
+    A rate that passes zero takes these three levels equally often. A dead band takes only zero.
     """
-    zeros, beside = (int(np.count_nonzero(np.abs(values.near) == size)) for size in (0.0, values.step))
-    return root_share(zeros, len(values.near)) - root_share(beside, 2 * len(values.near))
+    zeros, neighbors = (int(np.count_nonzero(np.abs(values.near) == size)) for size in (0.0, values.step))
+    return root_share(zeros, len(values.near)) - root_share(neighbors, 2 * len(values.near))
 
 
 def _log2_least(values: RateValues) -> float:
-    """The smallest rate, in counts; none below what a ramp through zero may step over."""
+    """Binary logarithm of the smallest rate, in counts; at least 1 count and at least 0.08 deg/s."""
     sizes = np.abs(values.near)
     nonzero = sizes[sizes > 0.0]
-    # A rate that only passes through zero takes some of the smaller values by chance.
+    # A rate that only passes through zero may miss smaller values by chance.
     least = max(1.0, 0.08 / values.dps_per_lsb)
     return float(np.log2(max(smallest(nonzero) if len(nonzero) else 1.0, least)))
 
 
 def _log_reach(values: RateValues) -> float:
-    """The largest rate over that of the encoder."""
+    """Logarithm of the gyro's largest rate over that of the encoder."""
     top = float((np.abs(values.cleaned.rate_dps) / values.dps_per_lsb).max(initial=1.0))
     fastest_dps = float(np.abs(values.design.regimes.speed_dps).max())
     return float(np.log((top * values.dps_per_lsb + REACH_DPS) / (fastest_dps + REACH_DPS)))
@@ -141,7 +142,7 @@ RATE_VALUES: tuple[Statistic[RateValues], ...] = (
 
 @dataclass(frozen=True, slots=True)
 class AngleValues:
-    """An angle beside a motion; `count_deg` is the step that the rig states."""
+    """Angles of a recording and its motion; `count_deg` is the step of the encoder that the rig states."""
 
     cleaned: Cleaned
     design: DesignMatrix
@@ -149,29 +150,29 @@ class AngleValues:
 
 
 def _log2_step(angle: AngleValues) -> float:
-    times = angle.cleaned.step_deg / angle.count_deg
-    return float(np.log2(times)) if times > 1.0 and _is_shown(angle.cleaned) else 0.0
+    ratio = angle.cleaned.step_deg / angle.count_deg
+    return float(np.log2(ratio)) if ratio > 1.0 and _shows_counts(angle.cleaned) else 0.0
 
 
-def _is_shown(cleaned: Cleaned) -> bool:
-    """Whether a motion would have come by the counts between two steps, were there any.
+def _shows_counts(cleaned: Cleaned) -> bool:
+    """Whether the motion is varied enough to show counts between two steps, if there are any.
 
-    At an even speed of a whole number of counts per sample it comes by the same ones again and again.
+    A steady speed of a whole number of counts per sample hits the same counts in every turn.
     """
     moved = np.abs(np.diff(cleaned.recording.encoder_deg)) / cleaned.step_deg
     steps = np.rint(moved[np.isfinite(moved)])
-    # So many are no chance, nor the arithmetic of an even ramp.
+    # 40 are more than chance, or the rounding of a steady ramp, produce.
     return bool(np.count_nonzero(steps == 1.0) + len(np.unique(steps[steps > 1.0])) >= 40)
 
 
 def _log_scatter(angle: AngleValues) -> float:
-    """Rounding to counts is a noise that is always there."""
+    """Logarithm of the variance of the angle's noise, including the variance of rounding to counts."""
     spread = turning_spread(angle.cleaned.encoder_deg, angle.design.difference_indices)
     return float(np.log(spread + angle.count_deg**2 / 12.0))
 
 
 def _slip_power(angle: AngleValues) -> float:
-    """Logarithm of the sum of squares of the jumps in a minute."""
+    """Logarithm of the sum of squares of the jumps per minute."""
     minutes = angle.design.samples * angle.design.period_s / 60.0
     return float(np.log(np.square(angle.cleaned.slips_deg).sum() / minutes + LEAST_SLIP_DEG**2))
 

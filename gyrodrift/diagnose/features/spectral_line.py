@@ -1,4 +1,4 @@
-"""The spectrum of a rate at rest: a line that stands out of the noise, and the level of the white part of it."""
+"""Spectrum of the rate at rest: the strongest line, and the level of the white noise."""
 
 from typing import NamedTuple
 
@@ -7,33 +7,39 @@ from scipy.ndimage import median_filter
 
 from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
-from gyrodrift.diagnose.features.spreads import MOVING_POINTS, REST_POINTS, spreads_of
+from gyrodrift.diagnose.features.spreads import MOVING_LENGTHS, REST_LENGTHS, spreads_of
 from gyrodrift.diagnose.recording.outliers import Cleaned
 
 WINDOW = 256
-"""Samples of a spectrum."""
+"""Samples in the window of a spectrum."""
 
 FEW_WINDOWS = 8
-"""With fewer at rest, a line is looked for in motion too, and white noise in differences."""
+"""Minimum number of windows at rest. With fewer, a line is also searched in motion, and differences give the noise."""
 
-LINE_POINTS = 31
-"""Neighbouring frequencies whose median a line stands out of."""
+LINE_NEIGHBORS = 31
+"""Number of frequencies around a line whose median is the level of the noise."""
 
 LOWEST = 3
-"""The first frequency at which a line is looked for; below is what the window leaks of slow changes."""
+"""Index of the lowest frequency of a line. Lower frequencies contain the leakage of slow changes."""
 
 WHITE_BAND = (0.02, 0.12)
-"""Shares of the sample rate: above what 1/f noise adds at rest, below what most filters take away."""
+"""Band of the white noise, as shares of the sample rate: above the 1/f noise, and below the cutoff of most filters."""
 
 LEAST_POWER = 1e-6
-"""Of a window whose samples scatter by 1e-4 deg/s: below it there is no noise for a line to stand out of."""
+"""Power of a window with noise of 1e-4 deg/s, added to the level, so that a ratio to zero noise stays finite."""
 
-WHITE_POINTS = (4, 8)
-"""Samples in the means whose scatter stands for white noise where the spectrum does not show it."""
+WHITE_LENGTHS = (4, 8)
+"""Lengths of the means whose scatter gives the white noise if there are too few windows at rest."""
 
 
 class SpectralLine(NamedTuple):
-    """Logarithm of one more than its height over its neighbours', frequency in Hz, amplitude in deg/s."""
+    """A spectral line.
+
+    log_height
+        log(1 + power / level of the neighboring frequencies).
+    frequency_hz, amplitude_dps
+        Frequency, Hz, and amplitude, deg/s.
+    """
 
     log_height: float
     frequency_hz: float
@@ -41,14 +47,14 @@ class SpectralLine(NamedTuple):
 
 
 def spectral_line(cleaned: Cleaned, design: DesignMatrix) -> SpectralLine:
-    """The strongest line at rest; all 0 where nothing is long enough."""
+    """Strongest line at rest; in the difference to the motion if there is little rest; zeros without a window."""
     windows = windows_within(cleaned.rate_dps, design.regimes.at_rest)
     if len(windows) < FEW_WINDOWS:
         windows = windows_within(cleaned.rate_dps - design.motion.rate_dps, np.ones(design.samples, bool))
     if not len(windows):
         return SpectralLine(0.0, 0.0, 0.0)
     power = np.median(_spectra(windows), axis=0)[LOWEST:]
-    around = median_filter(power, LINE_POINTS, mode="nearest") + LEAST_POWER
+    around = median_filter(power, LINE_NEIGHBORS, mode="nearest") + LEAST_POWER
     best = int(np.argmax(power / around))
     amplitude = 2.0 * np.sqrt(max(power[best] - around[best], 0.0)) / np.hanning(WINDOW).sum()
     frequency_hz = (best + LOWEST) / (WINDOW * design.period_s)
@@ -56,29 +62,31 @@ def spectral_line(cleaned: Cleaned, design: DesignMatrix) -> SpectralLine:
 
 
 def white_dps(cleaned: Cleaned, design: DesignMatrix, dps_per_lsb: float) -> float:
-    """Standard deviation of the white part of a sample, deg/s: of slow noise at rest, past any line in it.
+    """Standard deviation of the white noise of a sample, deg/s, from the spectrum at rest.
 
-    Where steps hide it at rest it is that of slow motion, which scatters, too, but no more than what they hide.
+    The median over frequencies ignores lines. If steps of the rate hide the noise at rest, slow motion gives it. Motion
+    scatters, too, so the value is limited to what the steps can hide.
     """
     spreads = spreads_of(cleaned.rate_dps, design.difference_indices)
     windows = windows_within(cleaned.rate_dps, design.regimes.at_rest)
     if len(windows) >= FEW_WINDOWS:
         first, last = (round(share * WINDOW) for share in WHITE_BAND)
-        level = float(np.median(_spectra(windows)[:, first:last]) / np.log(2.0))  # an exponential's median to its mean
+        # The median of an exponential distribution is ln 2 of its mean.
+        level = float(np.median(_spectra(windows)[:, first:last]) / np.log(2.0))
         at_rest = float(np.sqrt(level / np.sum(np.hanning(WINDOW) ** 2)))
     else:
-        rest = [spreads.rest[REST_POINTS.index(points)] for points in WHITE_POINTS]
+        rest = [spreads.rest[REST_LENGTHS.index(length)] for length in WHITE_LENGTHS]
         at_rest = float(np.sqrt(max(sum(rest) / len(rest), 0.0)))
     hidden_dps = 0.3 * dps_per_lsb  # noise below this share of a count does not show at rest
     if at_rest > hidden_dps:
         return at_rest
-    slow = float(np.sqrt(spreads.slow[MOVING_POINTS.index(WHITE_POINTS[0])]))
-    # Some of so many samples would differ, were there more noise.
+    slow = float(np.sqrt(spreads.slow[MOVING_LENGTHS.index(WHITE_LENGTHS[0])]))
+    # With larger noise, some of 32 samples at rest would differ.
     return min(slow, hidden_dps) if np.count_nonzero(design.regimes.at_rest) >= 32 else slow
 
 
 def windows_within(values: Floats, allowed: Mask) -> Floats:
-    """Half-overlapping windows that lie within the allowed samples, shape (windows, WINDOW)."""
+    """Windows with an overlap of one half that contain allowed samples only, shape (windows, WINDOW)."""
     starts = np.arange(0, len(values) - WINDOW + 1, WINDOW // 2)
     total = np.concatenate([[0], np.cumsum(allowed)])
     inside = starts[total[starts + WINDOW] - total[starts] == WINDOW]
@@ -87,7 +95,7 @@ def windows_within(values: Floats, allowed: Mask) -> Floats:
 
 
 def _spectra(windows: Floats) -> Floats:
-    """Power of each, shape (windows, frequencies)."""
-    level = windows - windows.mean(axis=1, keepdims=True)
-    power: Floats = np.abs(np.fft.rfft(level * np.hanning(WINDOW))) ** 2
+    """Power spectra of windows, shape (windows, frequencies)."""
+    centered = windows - windows.mean(axis=1, keepdims=True)
+    power: Floats = np.abs(np.fft.rfft(centered * np.hanning(WINDOW))) ** 2
     return power

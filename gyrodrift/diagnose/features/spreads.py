@@ -1,4 +1,4 @@
-"""How means of samples scatter about their neighbours, whatever the motion: squares of their differences."""
+"""Noise by differences of neighboring means of samples, in which the motion cancels."""
 
 from dataclasses import dataclass
 
@@ -8,30 +8,31 @@ from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.diagnose.features.block_means import OUTLIER_LIMIT, block_means
 from gyrodrift.diagnose.features.regimes import Regimes
 
-REST_POINTS = (1, 2, 4, 8, 16, 32)
-MOVING_POINTS = (1, 2, 4)
-"""Samples in each of the means whose scatter is looked at, at rest and in motion."""
+REST_LENGTHS = (1, 2, 4, 8, 16, 32)
+MOVING_LENGTHS = (1, 2, 4)
+"""Samples in a mean, at rest and in motion."""
 
 REST_ORDER, MOVING_ORDER = 2, 3
-"""Of the differences: a steady rate and ramp leave no second one, and a changing acceleration hardly a third."""
+"""Orders of the differences. The second difference of a constant rate or a ramp is 0. The third difference is almost 0
+if the acceleration changes."""
 
 REST_GAIN, MOVING_GAIN = 6.0, 20.0
-"""Variances of the second and third difference of white noise over its own: 1 + 4 + 1, and 1 + 9 + 9 + 1."""
+"""Variance of second and third differences of white noise, divided by its variance: 1 + 4 + 1, and 1 + 9 + 9 + 1."""
 
 LEAST_SQUARE = 1e-12
-"""Of a difference; keeps the limit of equal values above zero."""
+"""Squared difference below which values count as equal; it also keeps the limit of outliers above zero."""
 
 
 @dataclass(frozen=True, slots=True)
 class DifferenceIndices:
-    """Which differences lie within a regime, by their first mean: one array for each number of points.
+    """Indices of the differences that lie within a regime.
 
     rest
-        For each of REST_POINTS, of order REST_ORDER.
+        Differences of order REST_ORDER, one array for every length in REST_LENGTHS.
     slow, fast
-        For each of MOVING_POINTS, of order MOVING_ORDER.
+        Differences of order MOVING_ORDER, one array for every length in MOVING_LENGTHS.
     turning
-        Of single samples, slow or fast, of order MOVING_ORDER.
+        Differences of single samples of order MOVING_ORDER, in slow or fast motion.
     """
 
     rest: tuple[Integers, ...]
@@ -42,7 +43,7 @@ class DifferenceIndices:
 
 @dataclass(frozen=True, slots=True)
 class Spreads:
-    """Variances of the white noise that would scatter as much, of single samples: one for each number of points."""
+    """Variance of samples of white noise with the same differences of means; one entry per length of the means."""
 
     rest: tuple[float, ...]
     slow: tuple[float, ...]
@@ -50,56 +51,63 @@ class Spreads:
 
 
 def difference_indices_of(regimes: Regimes) -> DifferenceIndices:
-    """The places of a motion's regimes."""
+    """Indices of the differences within the regimes of a motion."""
     return DifferenceIndices(
-        rest=tuple(_within(regimes.at_rest, points, REST_ORDER) for points in REST_POINTS),
-        slow=tuple(_within(regimes.is_slow, points, MOVING_ORDER) for points in MOVING_POINTS),
-        fast=tuple(_within(regimes.is_fast, points, MOVING_ORDER) for points in MOVING_POINTS),
+        rest=tuple(_within(regimes.at_rest, length, REST_ORDER) for length in REST_LENGTHS),
+        slow=tuple(_within(regimes.is_slow, length, MOVING_ORDER) for length in MOVING_LENGTHS),
+        fast=tuple(_within(regimes.is_fast, length, MOVING_ORDER) for length in MOVING_LENGTHS),
         turning=_within(regimes.is_turning, 1, MOVING_ORDER),
     )
 
 
-def spreads_of(rate_dps: Floats, places: DifferenceIndices) -> Spreads:
-    """Of a rate, in (deg/s)²."""
+def spreads_of(rate_dps: Floats, indices: DifferenceIndices) -> Spreads:
+    """Spreads of a rate, (deg/s)²."""
     rest, slow, fast = [], [], []
-    for number, points in enumerate(REST_POINTS):
-        second = np.diff(block_means(rate_dps, points), REST_ORDER)
-        rest.append(_mean_square(second[places.rest[number]]) * points / REST_GAIN)
-        if number < len(MOVING_POINTS):
+    for index, length in enumerate(REST_LENGTHS):
+        second = np.diff(block_means(rate_dps, length), REST_ORDER)
+        rest.append(_mean_square(second[indices.rest[index]]) * length / REST_GAIN)
+        if index < len(MOVING_LENGTHS):
             third = np.diff(second)
-            slow.append(_mean_square(third[places.slow[number]]) * points / MOVING_GAIN)
-            fast.append(_mean_square(third[places.fast[number]]) * points / MOVING_GAIN)
+            slow.append(_mean_square(third[indices.slow[index]]) * length / MOVING_GAIN)
+            fast.append(_mean_square(third[indices.fast[index]]) * length / MOVING_GAIN)
     return Spreads(tuple(rest), tuple(slow), tuple(fast))
 
 
-def turning_spread(values: Floats, places: DifferenceIndices) -> float:
-    """Variance of the white noise that would scatter as much as values by sample do in motion."""
-    return _mean_square(np.diff(values, MOVING_ORDER)[places.turning]) / MOVING_GAIN
+def turning_spread(values: Floats, indices: DifferenceIndices) -> float:
+    """Variance of white noise with the same third differences as the values in motion."""
+    return _mean_square(np.diff(values, MOVING_ORDER)[indices.turning]) / MOVING_GAIN
 
 
-def _within(allowed: Mask, points: int, order: int) -> Integers:
-    """Of differences of an order between neighbouring means, the first of those that lie within allowed samples."""
-    inside = allowed[: len(allowed) // points * points : points]
+def _within(allowed: Mask, length: int, order: int) -> Integers:
+    """Indices of the differences of an order whose means all begin at an allowed sample.
+
+    length
+        Number of samples in a mean.
+    """
+    inside = allowed[: len(allowed) // length * length : length]
     kept = inside[order:] & inside[:-order]
-    for between in range(1, order):
-        kept = kept & inside[between : between - order]
+    for offset in range(1, order):
+        kept = kept & inside[offset : offset - order]
     return np.flatnonzero(kept)
 
 
 def _mean_square(differences: Floats) -> float:
-    """Outliers held back; 0 of none."""
+    """Mean square of differences, with outliers limited; 0 without differences."""
     if not len(differences):
         return 0.0
     squares = np.square(differences)
-    limit = OUTLIER_LIMIT * _usual(squares) + LEAST_SQUARE
+    limit = OUTLIER_LIMIT * _robust_median(squares) + LEAST_SQUARE
     return float(np.minimum(squares, limit).mean())
 
 
-def _usual(squares: Floats) -> float:
-    """Their median; of which many are 0, rather what it would be by the mean of the smaller ones, or it would jump."""
+def _robust_median(squares: Floats) -> float:
+    """Median of squares. If many squares are 0, at least the median that follows from the mean of the smaller ones.
+
+    Without this bound the median jumps to 0 as soon as half of the squares are 0.
+    """
     middle = np.median(squares)
-    if np.count_nonzero(squares < LEAST_SQUARE) < 0.25 * len(squares):  # a dead band or coarse steps hide most
+    if np.count_nonzero(squares < LEAST_SQUARE) < 0.25 * len(squares):  # many zeros: a dead band or coarse steps
         return middle
-    kept = max(1, round(0.9 * len(squares)))  # nine tenths are no outliers
+    kept = max(1, round(0.9 * len(squares)))  # a tenth may be outliers
     trimmed = float(np.partition(squares, kept - 1)[:kept].mean())
-    return max(middle, 0.73 * trimmed)  # median of normal numbers' squares over the mean of the smaller nine tenths
+    return max(middle, 0.73 * trimmed)  # ratio of both for normal numbers

@@ -1,4 +1,4 @@
-"""Features of clock and link: stamps, arrivals, and samples that are missing, repeated or out of order."""
+"""Features of clock and link: time stamps, arrivals, and samples that are missing, repeated or out of order."""
 
 from dataclasses import dataclass
 
@@ -20,27 +20,29 @@ from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA
 from gyrodrift.diagnose.recording.recording import Recording, fit_line
 
 SLOW_S = 10.0
-"""Medians of times over so long show how a clock wanders, without their scatter."""
+"""Length of the windows, s, whose medians show the wander of a clock without its scatter."""
 
 LEAST_STAMP_S, LEAST_SLOW_S = 3e-5, 5e-4
-"""Added before logarithms are taken: 0.03 ms of scatter, and 0.5 ms of wander, are practically negligible; at 100 Hz
-they are 0.3 % and 5 % of a sample period."""
+"""Added before a logarithm: a scatter of 0.03 ms and a wander of 0.5 ms are practically negligible. At 100 Hz they are
+0.3 % and 5 % of a sample period."""
 
 TAIL_SIGMAS = 8.0
+"""Standard deviations from which on a second difference of stamps counts as an outlier."""
+
 BEND_SIGMAS = np.sqrt(6.0)
-"""Standard deviation of the second difference of white noise over its own."""
+"""Standard deviation of second differences of white noise, divided by its own."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stamps:
-    """Device times of the samples that came.
+    """Statistics of the device times of received samples.
 
     ratio
-        Period by the device's clock over that by the host's, less 1; 0 without a host.
+        Sample period by the device's clock divided by that of the host's clock, less 1; 0 without host times.
     bends_s, scatter_s
-        Second differences, shape (n − 2,), and the standard deviation of a stamp that they show.
+        Second differences, shape (n − 2,), and the standard deviation of a stamp that follows from them.
     slow_s
-        Medians over SLOW_S, off their line.
+        Medians over SLOW_S of the deviations from a line.
     """
 
     ratio: float
@@ -50,7 +52,7 @@ class Stamps:
 
 
 def stamps_of(recording: Recording) -> Stamps:
-    """Series that the features of the clock are computed from."""
+    """Compute the statistics of the device times."""
     slope_s, off_s = off_line_s(recording.device_s)
     bends_s = np.diff(off_s, 2)
     size_s = np.median(np.abs(bends_s)) if len(bends_s) else 0.0
@@ -63,7 +65,7 @@ def stamps_of(recording: Recording) -> Stamps:
 
 
 def off_line_s(times_s: Floats) -> tuple[float, Floats]:
-    """Slope of times over the sample numbers, and how far off that line those lie that are known, s."""
+    """Slope of times over the sample numbers, s, and deviations of the known times from the line, s."""
     slope_s, offset_s = fit_line(times_s)
     away_s: Floats = times_s - offset_s - slope_s * np.arange(len(times_s))
     is_known = np.isfinite(times_s)
@@ -71,24 +73,24 @@ def off_line_s(times_s: Floats) -> tuple[float, Floats]:
 
 
 def slow_medians(off_s: Floats, period_s: float) -> Floats:
-    """Medians over SLOW_S; two zeros where there is one only."""
-    points = max(1, round(SLOW_S / period_s))
-    count = len(off_s) // points
-    return np.median(off_s[: count * points].reshape(count, points), axis=1) if count > 1 else np.zeros(2)
+    """Medians over windows of SLOW_S; two zeros if there are less than two windows."""
+    length = max(1, round(SLOW_S / period_s))
+    count = len(off_s) // length
+    return np.median(off_s[: count * length].reshape(count, length), axis=1) if count > 1 else np.zeros(2)
 
 
 def log_wander(slow_s: Floats) -> float:
-    """Logarithm of the standard deviation."""
+    """Logarithm of the standard deviation of slow medians."""
     return float(np.log(np.std(slow_s) + LEAST_SLOW_S))
 
 
 def log_largest_step(slow_s: Floats) -> float:
-    """Logarithm of the largest difference of neighbours."""
+    """Logarithm of the largest difference of successive slow medians."""
     return float(np.log(np.abs(np.diff(slow_s)).max(initial=0.0) + LEAST_SLOW_S))
 
 
 def _root_tails(stamps: Stamps) -> float:
-    """Root of the share of second differences beyond TAIL_SIGMAS."""
+    """Square root of the share of second differences beyond TAIL_SIGMAS."""
     if not len(stamps.bends_s):
         return 0.0
     limit_s = TAIL_SIGMAS * BEND_SIGMAS * max(stamps.scatter_s, LEAST_STAMP_S)
@@ -123,22 +125,22 @@ STAMPS: tuple[Statistic[Stamps], ...] = (
 
 
 QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
-"""Of the gaps between arrivals: bunches take some to nothing and leave long ones between."""
+"""Quantiles of the gaps between arrivals that are features. Bunches make many gaps of 0, and some long gaps."""
 
-NEIGHBOURS = 100
-"""Arrivals whose mean each of them is compared with."""
+NEIGHBORS = 100
+"""Arrivals in a group, whose mean is subtracted before the scatter is computed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Arrivals:
-    """Times of arrival by the host's clock.
+    """Statistics of the arrival times by the host's clock.
 
     scatter_s
-        Standard deviation about the mean of their neighbours.
+        Standard deviation about the means of groups of NEIGHBORS arrivals.
     gaps
-        QUANTILES of the gaps, in sample periods.
+        QUANTILES of the gaps between successive samples, in sample periods.
     slow_s
-        Medians over ten seconds, off their line.
+        Medians over SLOW_S of the deviations from a line.
     """
 
     scatter_s: float
@@ -147,7 +149,7 @@ class Arrivals:
 
 
 def arrivals_of(recording: Recording) -> Arrivals | None:
-    """Series that the features of the arrivals are computed from; None without the times of a host."""
+    """Compute the statistics of the arrivals; None without host times."""
     if recording.host_s is None:
         return None
     _, off_s = off_line_s(recording.host_s)
@@ -161,20 +163,20 @@ def arrivals_of(recording: Recording) -> Arrivals | None:
 
 
 def _scatter_s(off_s: Floats) -> float:
-    count = len(off_s) // NEIGHBOURS
+    count = len(off_s) // NEIGHBORS
     if not count:
         return 0.0
-    rows = off_s[: count * NEIGHBOURS].reshape(count, NEIGHBOURS)
+    rows = off_s[: count * NEIGHBORS].reshape(count, NEIGHBORS)
     return float(np.std((rows - rows.mean(axis=1, keepdims=True)).reshape(-1)))
 
 
 def missing_of(recording: Recording) -> Mask:
-    """Which samples never came, shape (n,)."""
+    """Samples that were lost, shape (n,)."""
     return ~np.isfinite(recording.device_s)
 
 
 def _log_run(recording: Recording) -> float:
-    """Logarithm of how many samples are missing at a time; 0 where none is."""
+    """Logarithm of the mean number of samples in a run of lost samples; 0 without a loss."""
     missing = missing_of(recording)
     if not missing.any():
         return 0.0
@@ -186,14 +188,14 @@ def _root_of_all(count: int, recording: Recording) -> float:
     return float(np.sqrt(count / len(recording.device_s)))
 
 
-def _gap(number: int, quantile: float) -> Statistic[Arrivals]:
+def _gap(index: int, quantile: float) -> Statistic[Arrivals]:
     return Statistic(
         f"arrival_gap_{round(100 * quantile)}", "link", "always", "the gaps between arrivals are spread differently",
-        0.06, "6 % of a sample period", reading=SAMPLE_PERIODS, compute=lambda arrivals: arrivals.gaps[number],
+        0.06, "6 % of a sample period", reading=SAMPLE_PERIODS, compute=lambda arrivals: arrivals.gaps[index],
     )  # fmt: skip
 
 
-# The scatter of arrivals has 0.5 ms added, 5 % of a period at 100 Hz, which is negligible.
+# 0.5 ms is added to the scatter of arrivals: 5 % of a sample period at 100 Hz, which is negligible.
 # fmt: off
 ARRIVALS: tuple[Statistic[Arrivals], ...] = (
     Statistic(
@@ -201,7 +203,7 @@ ARRIVALS: tuple[Statistic[Arrivals], ...] = (
         "0.5 in ln: two thirds of the scatter, and 0.3 ms of none", reading=MILLISECONDS,
         response=ResponseLaw.LOG_VARIANCE, compute=lambda arrivals: float(np.log(arrivals.scatter_s + 5e-4)),
     ),
-    *(_gap(number, quantile) for number, quantile in enumerate(QUANTILES)),
+    *(_gap(index, quantile) for index, quantile in enumerate(QUANTILES)),
     Statistic(
         "arrival_wander", "link", "always", "arrivals wander slowly against the samples", 0.6,
         "0.6 in ln: 0.4 ms where they did not wander", reading=MILLISECONDS,
@@ -240,7 +242,7 @@ THRESHOLDS = np.array([feature.threshold for feature in FEATURES])
 
 
 def measure(recording: Recording) -> Measured:
-    """FEATURES of a recording or of a simulation; what it has no times for is 0."""
+    """FEATURES of a recording or simulation; 0 for features of arrivals without host times."""
     stamps, arrivals = stamps_of(recording), arrivals_of(recording)
     values = [
         *(statistic.compute(stamps) for statistic in STAMPS),

@@ -1,8 +1,8 @@
-"""All features of a recording in one vector, masks over it, and what steps of the rate hide of each.
+"""All features of a recording in one vector, masks of this vector, and the error of features by steps of the rate.
 
-The mean of a rounded value with Gaussian noise of standard deviation σ is off by at most step/π·exp(−2π²·σ²/step²).
-Its sign depends on the place between two steps (B. Widrow, I. Kollár, Quantization Noise, 2008). Relevance thresholds
-include this error.
+The mean of a rounded value with Gaussian noise of standard deviation σ has an error of at most
+step/π·exp(−2π²·σ²/step²). Its sign depends on the position between two steps (B. Widrow, I. Kollár, Quantization Noise,
+2008). Relevance thresholds include this error.
 """
 
 from collections.abc import Callable
@@ -29,13 +29,14 @@ RESIDUAL_FEATURES: tuple[Feature, ...] = (*COLUMNS, *LAG_FEATURES, WARMING, *BLO
 SAMPLE_FEATURES: tuple[Feature, ...] = (*NOISE, *RATE_VALUES, *ANGLE_VALUES, *AXES)
 FEATURES: tuple[Feature, ...] = (*RESIDUAL_FEATURES, *SAMPLE_FEATURES, *timing.FEATURES)
 NUMBER = numbers_of(FEATURES)
+"""Index in the vector by name of the feature."""
 
 STATIC = len(COLUMNS)
-"""The first features: coefficients on one orthonormal basis, all in deg/s."""
+"""Number of static coefficients, the first features: they belong to one orthonormal basis, and are in deg/s."""
 
 
-def _mask(is_such: Callable[[Feature], bool]) -> Mask:
-    return np.array([is_such(feature) for feature in FEATURES])
+def _mask(is_included: Callable[[Feature], bool]) -> Mask:
+    return np.array([is_included(feature) for feature in FEATURES])
 
 
 def _begins(*names: str) -> Mask:
@@ -43,7 +44,7 @@ def _begins(*names: str) -> Mask:
 
 
 OF_AXES = _mask(lambda feature: feature in AXES)
-"""Features of the axes x and y and of gravity; 0 without these."""
+"""Features of the axes x and y and of gravity; 0 in recordings without three axes."""
 
 LINEAR = _mask(lambda feature: feature.response is ResponseLaw.LINEAR)
 IS_LOG = _mask(lambda feature: feature.response is ResponseLaw.LOG_VARIANCE)
@@ -52,16 +53,16 @@ SLOW = LINEAR | _begins("wander", "walk", "step", "scatter_")
 """Features that do not change with the sample rate."""
 
 REGRESSORS_OF_MOTION = LINEAR & (np.arange(len(FEATURES)) < len(RESIDUAL_FEATURES))
-"""Coefficients of a design matrix, which a motion may lack; the clock ratio is linear too, and no motion lacks it."""
+"""Coefficients of regressors, which a motion may not determine. The clock ratio is linear, too, but needs no motion."""
 
 OF_MOTION = SLOW | _mask(lambda feature: feature.name.endswith("ripple"))
-"""Features from which a motion is removed; values, noise, stamps and arrivals are seen without one."""
+"""Features that need the rebuilt motion; features of values, noise, stamps and arrivals do not."""
 
 ALWAYS = ~LINEAR & _mask(lambda feature: feature.regime == "always")
-"""Features that need no motion."""
+"""Features that are measured in any regime, so that they need no motion."""
 
 OF_TIMES = ALWAYS & _mask(lambda feature: feature.stage in {"clock", "link"})
-"""Features of stamps and arrivals, the same in any motion."""
+"""Features of stamps and arrivals, which do not depend on the motion."""
 
 OF_LOSS = _begins("drop_share", "drop_runs")
 """Features of lost samples."""
@@ -70,29 +71,29 @@ FAMILIES = (
     np.flatnonzero(_mask(lambda feature: feature.name != "acceleration") & (np.arange(len(FEATURES)) < STATIC)),
     *(np.flatnonzero(_begins(start)) for start in ("noise_slow_", "noise_fast_")),
 )
-"""Features that share one error out among them: coefficients, and how rates scatter over some lengths.
+"""Families of features with a common error: static coefficients, and noise in slow and in fast motion.
 
-The acceleration stands alone. From rest to rest, ∫ f(ω)·dω/dt dt is 0 for each f: in no motion a delay looks like an
-error over the rate. The wheels of a robot may be late by more than all other coefficients together.
+The coefficient of the acceleration is no member. From rest to rest, ∫ f(ω)·dω/dt dt is 0 for every f, so a delay is
+orthogonal to any error that depends on the rate. The delay of robot wheels may exceed all other coefficients.
 """
 
 OF_EVENTS = _begins("spike_", "slip_")
-"""Features of rare events, of which some recordings have none."""
+"""Features of rare events. Some recordings have no such event."""
 
 NOT_OF_STEPS = ~_begins("equal_rest", "equal_moving", "equal_quick", "zero_share", "least_rate", "rate_step")
-"""Features that do not depend on the steps in which rates come."""
+"""Features that do not depend on the step of the rate."""
 
 BY_BIAS = _begins("wander", "walk", "step", "ripple", "scatter", "line", "noise_uneven")
-"""Features that grow with the scatter of block means."""
+"""Features that increase with the scatter of block means."""
 
 BY_STEPS = _begins("noise_", "tails_", "equal_", "zero_share")
-"""Features that depend on which steps come."""
+"""Features that depend on the levels of the rate."""
 
 STEPS_MOST: Floats = np.where(IS_LOG, 2.0, 0.5)[BY_STEPS]
-"""Error of such a feature where all noise hides in a step: of logarithms of variances, and of roots of shares."""
+"""Error of a feature in BY_STEPS if the noise is far below a step: for log variances, and for roots of shares."""
 
 STATIC_SHARE = 0.3
-"""Share of errors that differ from rate to rate which one regressor takes, of the length that equal ones would have."""
+"""Coefficient of a regressor by errors that differ from rate to rate, divided by that of constant errors."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,10 +102,10 @@ class Facts:
 
     dps_per_lsb, encoder_cpr
         One count of the rate, deg/s; counts of the encoder per turn.
-    has_axes, has_gravity
-        Whether the rig has three gyro axes, and an accelerometer, as all recordings have.
     step_dps
-        The step that rates come in: a count, or the coarser step of an effect in the rig, deg/s.
+        Step of the rates, deg/s: a count, or the coarser step of an effect in the rig.
+    has_axes, has_gravity
+        Whether the rig has three gyro axes, and an accelerometer. Then all recordings have them, too.
     """
 
     dps_per_lsb: float
@@ -115,7 +116,7 @@ class Facts:
 
 
 def measure(cleaned: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
-    """FEATURES of a recording, or of a simulation, against a design matrix."""
+    """FEATURES of a recording or simulation with its design matrix."""
     parts = (
         measure_residuals(cleaned, design),
         measure_samples(cleaned, design, facts),
@@ -125,7 +126,7 @@ def measure(cleaned: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
 
 
 def measure_residuals(cleaned: Cleaned, design: DesignMatrix) -> Measured:
-    """RESIDUAL_FEATURES: what is left of the rate without the encoder's, block by block and within seconds."""
+    """RESIDUAL_FEATURES, computed from the difference between gyro and encoder."""
     blocks = block_residuals_of(cleaned, design)
     lags = lag_coefficients(cleaned.rate_dps, cleaned.encoder_deg, design.lag, design.period_s)
     warming = warming_coefficient(blocks.bias_dps, design.warming)
@@ -136,7 +137,7 @@ def measure_residuals(cleaned: Cleaned, design: DesignMatrix) -> Measured:
 
 
 def measure_samples(cleaned: Cleaned, design: DesignMatrix, facts: Facts) -> Measured:
-    """SAMPLE_FEATURES: what values come, and how they scatter from sample to sample."""
+    """SAMPLE_FEATURES, computed from single samples: noise, values, and axes."""
     noise = sample_noise_of(cleaned, design, facts.step_dps)
     rates = rate_values_of(cleaned, design, facts.dps_per_lsb)
     angle = AngleValues(cleaned, design, 360.0 / facts.encoder_cpr)
@@ -151,7 +152,7 @@ def measure_samples(cleaned: Cleaned, design: DesignMatrix, facts: Facts) -> Mea
 
 
 def rms_scale(design: DesignMatrix) -> Floats:
-    """(F,) divisors that make coefficients on an orthonormal basis an RMS over a session; 1 for other features."""
+    """Divisors, shape (F,), that turn coefficients of an orthonormal basis into an RMS; 1 for all further features."""
     scale = np.ones(len(FEATURES))
     lags = STATIC + design.lag.vectors.shape[1]
     scale[:STATIC] = np.sqrt(len(design.static.vectors))
@@ -160,21 +161,23 @@ def rms_scale(design: DesignMatrix) -> Floats:
 
 
 def hidden_dps(step_dps: float, sigma_dps: float) -> float:
-    """Largest error of a mean, deg/s, of rates in steps with white noise of a standard deviation."""
+    """Largest error of the mean of a rate with steps and white noise, deg/s; see the head of this module."""
     return float(step_dps / np.pi * np.exp(-2.0 * (np.pi * sigma_dps / step_dps) ** 2))
 
 
 def with_hidden(measured: Measured, hidden: float, step_dps: float, scatter_dps: float, blocks: int) -> Measured:
-    """Measured features with thresholds that include what steps hide.
+    """Measured features with thresholds that include the error by steps of the rate.
 
+    hidden
+        Largest error of a mean, deg/s; see `hidden_dps`.
     scatter_dps
-        Of block residuals, beside which it counts.
+        Scatter of the block residuals, with which this error is compared.
     """
     if hidden <= LEAST_DPS:
         return measured
     thresholds: Floats = measured.thresholds.copy()
-    more = np.log1p((hidden / max(scatter_dps, LEAST_DPS)) ** 2)
-    thresholds[BY_BIAS] = np.hypot(thresholds[BY_BIAS], more)
+    log_increase = np.log1p((hidden / max(scatter_dps, LEAST_DPS)) ** 2)
+    thresholds[BY_BIAS] = np.hypot(thresholds[BY_BIAS], log_increase)
     thresholds[:STATIC] = np.hypot(thresholds[:STATIC], STATIC_SHARE * hidden * np.sqrt(blocks))
     thresholds[BY_STEPS] = np.hypot(thresholds[BY_STEPS], STEPS_MOST * np.pi * hidden / step_dps)
     return measured._replace(thresholds=thresholds)

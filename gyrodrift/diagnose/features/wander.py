@@ -1,4 +1,4 @@
-"""Features of the block residuals: how a bias wanders, jumps, scatters and repeats beyond the regressors."""
+"""Features of the block residuals: wander, steps, scatter and periods of the bias beyond the regressors."""
 
 import numpy as np
 
@@ -16,36 +16,40 @@ from gyrodrift.diagnose.features.feature import (
 
 WANDER_MEANS = (2, 5, 10, 20, 50)
 WALK_MEANS = (5, 20, 60, 120)
-"""Blocks in each of the means that are compared with their neighbours."""
+"""Blocks in the means whose successive differences are features, for residuals and for the bias."""
 
 EIGHTH = (0.25, "0.25 in ln of a variance: an eighth of the amplitude")
-"""Relevance threshold of the logarithm of a variance."""
+"""Relevance threshold of the logarithm of a variance, and its meaning."""
 
 STEP_EDGE = 8
-"""Blocks at either end at which no step is looked for."""
+"""Blocks at either end in which no step is searched."""
 
 
 def _wander(count: int) -> Statistic[BlockResiduals]:
     return Statistic(
         f"wander_{count}s", "sensor", "late", f"the bias wanders within {2 * count} s", *EIGHTH, reading=AMPLITUDE_DPS,
-        response=ResponseLaw.LOG_VARIANCE, compute=lambda blocks: _steps(blocks.unexplained_dps, count),
+        response=ResponseLaw.LOG_VARIANCE, compute=lambda blocks: _log_step_variance(blocks.unexplained_dps, count),
     )  # fmt: skip
 
 
 def _walk(count: int) -> Statistic[BlockResiduals]:
     return Statistic(
         f"walk_{count}s", "sensor", "late", f"the bias, taken by itself, wanders within {2 * count} s", *EIGHTH,
-        reading=AMPLITUDE_DPS, response=ResponseLaw.LOG_VARIANCE, compute=lambda blocks: _steps(blocks.bias_dps, count),
+        reading=AMPLITUDE_DPS, response=ResponseLaw.LOG_VARIANCE,
+        compute=lambda blocks: _log_step_variance(blocks.bias_dps, count),
     )  # fmt: skip
 
 
-def _steps(dps: Floats, count: int) -> float:
-    """Logarithm of the variance of steps between neighbouring means of so many blocks."""
+def _log_step_variance(dps: Floats, count: int) -> float:
+    """Logarithm of the variance of differences between successive means of `count` blocks."""
     return log_variance(np.diff(block_means(dps, count)))
 
 
 def largest_sum(dps: Floats) -> float:
-    """The largest sum up to a block, in standard errors of what would be white: the statistic of Kolmogorov."""
+    """Largest absolute cumulative sum of the centered residuals, in standard errors of white noise.
+
+    For white noise it has Kolmogorov's distribution. A step of the mean increases it.
+    """
     if len(dps) < 3 * STEP_EDGE:
         return 0.0
     sums = np.cumsum(dps - dps.mean())
@@ -53,18 +57,19 @@ def largest_sum(dps: Floats) -> float:
     return float(np.abs(sums[STEP_EDGE:-STEP_EDGE]).max() / (spread * np.sqrt(len(dps))))
 
 
-def _moving_beside_rest(blocks: BlockResiduals) -> float:
+def _moving_against_rest(blocks: BlockResiduals) -> float:
+    """Log ratio of the variances in motion and at rest."""
     rests = blocks.design.regimes.block_at_rest
     return log_variance(blocks.unexplained_dps[~rests]) - log_variance(blocks.unexplained_dps[rests])
 
 
-def _accelerating_beside_not(blocks: BlockResiduals) -> float:
-    """Half of the moving blocks, those that change their rate more, beside the other half."""
+def _accelerating_against_steady(blocks: BlockResiduals) -> float:
+    """Log ratio of the variances of two halves of the moving blocks: larger and smaller change of the rate."""
     regimes = blocks.design.regimes
     moving_dps = blocks.unexplained_dps[~regimes.block_at_rest]
     change_dps = np.abs(np.gradient(regimes.block_rate_dps))[~regimes.block_at_rest]
-    quick = change_dps > np.median(change_dps) if len(change_dps) else np.zeros(0, bool)
-    return log_variance(moving_dps[quick]) - log_variance(moving_dps[~quick])
+    is_quick = change_dps > np.median(change_dps) if len(change_dps) else np.zeros(0, bool)
+    return log_variance(moving_dps[is_quick]) - log_variance(moving_dps[~is_quick])
 
 
 # fmt: off
@@ -81,39 +86,39 @@ WANDER: tuple[Statistic[BlockResiduals], ...] = (
         reading=STANDARD_ERRORS, compute=lambda blocks: largest_sum(blocks.even_dps),
     ),
 )
-"""Of what the regressors leave."""
+"""Features of the residuals after all static regressors."""
 
 WALK: tuple[Statistic[BlockResiduals], ...] = (
     *(_walk(count) for count in WALK_MEANS),
 )
-"""Of the bias by itself."""
+"""Features of the bias, with slow regressors."""
 
 SCATTER: tuple[Statistic[BlockResiduals], ...] = (
     Statistic(
         "scatter_moving", "sensor", "moving", "the rate scatters more in motion, second by second", *EIGHTH,
-        reading=OVER_REST, response=ResponseLaw.LOG_VARIANCE, compute=_moving_beside_rest,
+        reading=OVER_REST, response=ResponseLaw.LOG_VARIANCE, compute=_moving_against_rest,
     ),
     Statistic(
         "scatter_accelerating", "sensor", "accelerating", "the rate scatters more while it accelerates", *EIGHTH,
-        reading=OVER_REST, response=ResponseLaw.LOG_VARIANCE, compute=_accelerating_beside_not,
+        reading=OVER_REST, response=ResponseLaw.LOG_VARIANCE, compute=_accelerating_against_steady,
     ),
 )
 # fmt: on
-"""Of blocks that move beside others."""
+"""Features that compare the scatter of two sets of blocks."""
 
 
 def angle_shares(unexplained_dps: Floats, vectors: Floats) -> Floats:
-    """Share of the mean square that each of some orthonormal vectors takes; shape (columns,)."""
+    """Share of the sum of squares that an orthonormal vector explains; shape (columns,)."""
     total = float(unexplained_dps @ unexplained_dps) + len(unexplained_dps) * LEAST_DPS**2
     return np.square(vectors.T @ unexplained_dps) / total
 
 
 def angle_periodic_component(unexplained_dps: Floats, vectors: Floats) -> float:
-    """Logarithm of one more than what each vector takes, over what is left for each other dimension."""
-    # Bounds the logarithm where the components of the angle take all.
+    """log(1 + F), where F is the mean square explained per vector over the mean square of the remaining dimensions."""
+    # The upper limit keeps the ratio finite if the vectors explain everything.
     share = min(float(angle_shares(unexplained_dps, vectors).sum()), 1.0 - 1e-6)
-    others = max(1, len(unexplained_dps) - vectors.shape[1])
-    return float(np.log1p(share / vectors.shape[1] / ((1.0 - share) / others)))
+    remaining = max(1, len(unexplained_dps) - vectors.shape[1])
+    return float(np.log1p(share / vectors.shape[1] / ((1.0 - share) / remaining)))
 
 
 # fmt: off

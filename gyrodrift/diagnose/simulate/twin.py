@@ -16,7 +16,7 @@ from firmware_sim.measure import measure as play
 from firmware_sim.rig import Base, Rig, with_replaced
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features import timing
-from gyrodrift.diagnose.features.block_means import touches
+from gyrodrift.diagnose.features.block_means import blocks_with
 from gyrodrift.diagnose.features.block_residuals import unexplained_dps
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix, design_matrix_of
 from gyrodrift.diagnose.features.feature import Measured
@@ -195,7 +195,7 @@ class Subject:
             return base.design
         at_limit, design = known_at_limit(self.rig, simulated), base.design
         if at_limit is not None and not np.array_equal(
-            touches(at_limit, design.period_s, design.block), design.is_silent
+            blocks_with(at_limit, design.period_s, design.block), design.is_silent
         ):
             return rebuilt(simulated, self.rig).design
         if np.array_equal(simulated.encoder_deg, base.cleaned.encoder_deg):

@@ -9,7 +9,7 @@ from features_support import AT_REST, FACTS, PERIOD_S, T_S, TRUE_DPS, Observed, 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.noise import root_share
 from gyrodrift.diagnose.features.spectral_line import WINDOW, spectral_line, white_dps
-from gyrodrift.diagnose.features.spreads import MOVING_POINTS, REST_POINTS, DifferenceIndices, spreads_of
+from gyrodrift.diagnose.features.spreads import MOVING_LENGTHS, REST_LENGTHS, DifferenceIndices, spreads_of
 
 SIGMA = 0.05
 
@@ -27,8 +27,8 @@ def test_white_noise_is_white_at_rest_and_in_motion() -> None:
     assert np.sqrt(spreads.rest[:4]) == pytest.approx([SIGMA] * 4, rel=0.06)
     assert np.sqrt(spreads.slow + spreads.fast) == pytest.approx([SIGMA] * 6, rel=0.1)
     found = one.values()
-    assert max(abs(found[f"noise_rest_{points}"]) for points in REST_POINTS) < 0.35
-    assert max(abs(found[f"noise_slow_{points}"]) for points in MOVING_POINTS) < 0.25
+    assert max(abs(found[f"noise_rest_{points}"]) for points in REST_LENGTHS) < 0.35
+    assert max(abs(found[f"noise_slow_{points}"]) for points in MOVING_LENGTHS) < 0.25
 
 
 def test_a_scatter_of_which_most_is_nothing_grows_evenly_with_what_there_is() -> None:
@@ -48,15 +48,15 @@ def test_outliers_in_a_short_rest_are_held_back() -> None:
     rate_dps = white(SIGMA, 7, 60)
     rate_dps[[11, 30, 47]] += 20.0
     none = np.zeros(0, np.int64)
-    rests = tuple(np.arange(len(rate_dps) // points - 2) if points < 16 else none for points in REST_POINTS)
-    places = DifferenceIndices(rests, (none,) * len(MOVING_POINTS), (none,) * len(MOVING_POINTS), none)
+    rests = tuple(np.arange(len(rate_dps) // points - 2) if points < 16 else none for points in REST_LENGTHS)
+    places = DifferenceIndices(rests, (none,) * len(MOVING_LENGTHS), (none,) * len(MOVING_LENGTHS), none)
     assert spreads_of(rate_dps, places).rest[0] < 6.0 * SIGMA**2
 
 
 @pytest.mark.parametrize("number", range(5))
 def test_correlated_noise_has_the_spread_of_its_kernel(number: int) -> None:
     """Means of two neighbours: the squares of the weights that a second difference gives to each draw, in all."""
-    points = REST_POINTS[number]
+    points = REST_LENGTHS[number]
     draws = white(SIGMA, 4, len(T_S) + 1)
     one = noisy(0.5 * (draws[1:] + draws[:-1]))
     mean = np.ones(points) / points
