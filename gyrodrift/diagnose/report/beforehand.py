@@ -1,4 +1,4 @@
-"""The beginning of a report, before its verdict: contradicted facts of the rig, the baseline, and warnings."""
+"""Boxes and paragraphs about the verdict: contradicted facts of the rig, the baseline, and limits of the result."""
 
 from gyrodrift.diagnose.report.text import number
 from gyrodrift.diagnose.result import Diagnosis
@@ -16,9 +16,9 @@ FACTS = {
     "range_dps": "a range of {}, the recordings reach {}",
     "turn_ratio": "an encoder of {}, the gyro agrees with {}",
 }
-"""Statement of the rig, and finding of the recordings."""
+"""Words for each fact: the value of the rig, and the value of the recordings."""
 
-PUT_RIGHT = (
+CORRECTED = (
     "Where the recordings show the counts per turn or the step of the rates, everything below uses those values, and "
     "<code>rig.yaml</code> states them."
 )
@@ -29,7 +29,7 @@ def against(diagnosis: Diagnosis) -> str:
     if not diagnosis.contradictions:
         return ""
     warnings_said = [f"{contradiction.fact}: {contradiction.says}" for contradiction in diagnosis.contradictions]
-    return warnings("The rig file contradicts the recordings", warnings_said) + paragraph(PUT_RIGHT)
+    return warnings("The rig file contradicts the recordings", warnings_said) + paragraph(CORRECTED)
 
 
 def headline_of(diagnosis: Diagnosis, otherwise: str) -> str:
@@ -53,7 +53,7 @@ def baseline(diagnosis: Diagnosis) -> str:
     )
 
 
-def doubts(diagnosis: Diagnosis) -> str:
+def limits(diagnosis: Diagnosis) -> str:
     """Limits of the result in a box."""
     linear = diagnosis.linear_model
     disagrees = [f"a linear model of the rate error {linear.says}"] if linear.agrees is False else []

@@ -1,4 +1,4 @@
-"""The causes in a report: probability and evidence of every effect, effects that were not tried."""
+"""The causes in a report: probability and evidence of every effect, and the effects that were not tried."""
 
 from gyrodrift.diagnose.inference.ranking import Ranked
 from gyrodrift.diagnose.report.text import fixed, number, percent, quiet, size, stated
@@ -7,7 +7,7 @@ from gyrodrift.html.html import facts, headings, paragraph, section, span, table
 
 
 def causes(diagnosis: Diagnosis) -> str:
-    """The section."""
+    """The section of the causes."""
     return section(
         "Which effect explains it" if diagnosis.verdict.where else "What each effect would explain",
         paragraph(_introduction(diagnosis)),
@@ -75,7 +75,7 @@ def _mark(diagnosis: Diagnosis, name: str) -> str:
 
 
 def _bar(share: float) -> str:
-    """A probability as a length."""
+    """A probability as a bar, in SVG."""
     long = 56.0 * max(share, 0.0)
     return (
         f'<svg class="track short" viewBox="0 0 64 16" role="img" aria-label="{percent(share)}">'
@@ -91,7 +91,7 @@ def _linear_model(diagnosis: Diagnosis) -> str:
         between = f"{number(linear.low)} to {number(linear.high)}"
         size_words = f": {text(linear.parameter)} {size(linear.value, linear.unit)} ({between})"
     return paragraph(
-        f"<b>Check by a linear model: it {text(linear.says)}{size_words}.</b> It is a generalised least-squares "
+        f"<b>Check by a linear model: it {text(linear.says)}{size_words}.</b> It is a generalized least-squares "
         "regression of the rate error, with a bias that may walk at random. It uses neither the simulator nor the "
         "features, and knows only the effects that are linear. It leaves out effects that are too small to matter for "
         "yaw, such as 0.06 % of scale."
@@ -99,7 +99,7 @@ def _linear_model(diagnosis: Diagnosis) -> str:
 
 
 def _remarks(diagnosis: Diagnosis) -> list[tuple[str, str]]:
-    """Remarks on the candidates."""
+    """Remarks on ties and on effects that were not tried, with their titles."""
     rows = [
         (f"May act instead of {text(cause.effect.name)}", _tied(cause.tied_with)) for cause in diagnosis.verdict.causes
     ]

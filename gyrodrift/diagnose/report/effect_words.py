@@ -26,7 +26,7 @@ def _rises(value: float) -> str:
 
 
 def _lost(tilt_deg: float) -> float:
-    """Percent of the rate that a tilt takes."""
+    """Loss of rate by a tilt, %."""
     return 100.0 * (1.0 - cos(radians(tilt_deg)))
 
 
@@ -103,7 +103,7 @@ def effect_sentence(cause: NamedCause) -> str:
 
 
 def effect_words(cause: NamedCause) -> str:
-    """The effect with its sign and its size or a bound of it."""
+    """The effect with its sign, and its size or a bound of the size."""
     sentence = SENTENCES.get(cause.effect.name)
     if sentence is None:
         return cause.meaning
@@ -117,7 +117,7 @@ def effect_words(cause: NamedCause) -> str:
 
 
 def deviation_words(feature: str, z: float, says: str) -> str:
-    """A deviation in words, with its direction if that has a plain meaning."""
+    """A deviation in words, with its direction if the direction has a plain meaning."""
     below, above = SIGNED.get(feature, (says, says))
     return above if z > 0.0 else below
 

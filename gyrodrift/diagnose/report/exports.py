@@ -8,7 +8,7 @@ from gyrodrift.html.html import headings, paragraph, section, table, text
 
 
 def exported(exports: Sequence[FormatExport]) -> str:
-    """The section; empty without exports."""
+    """The section of the exports; empty without exports."""
     if not exports:
         return ""
     words = (

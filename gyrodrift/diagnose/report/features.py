@@ -29,7 +29,7 @@ def _measured(diagnosis: Diagnosis) -> str:
 
 
 def features(diagnosis: Diagnosis) -> str:
-    """The section."""
+    """The section of the deviating features."""
     compared = _listed(diagnosis)
     if not compared:
         return section("Where recordings and simulator differ", paragraph(_nowhere(diagnosis)))
@@ -42,7 +42,7 @@ def features(diagnosis: Diagnosis) -> str:
 
 
 def _listed(diagnosis: Diagnosis) -> list[FeatureComparison]:
-    """Every feature that deviates before or after, the worst before first."""
+    """Features that deviate without or with the causes; those that deviate without them first, in order of size."""
     verdict, by_name = diagnosis.verdict, {comparison.feature.name: comparison for comparison in diagnosis.features}
     names = dict.fromkeys(comparison.feature for comparison in (*verdict.where, *verdict.unexplained))
     remaining = {comparison.feature: comparison.z for comparison in verdict.unexplained}
@@ -58,7 +58,7 @@ def _introduction(diagnosis: Diagnosis) -> str:
 
 
 def _family_wise(diagnosis: Diagnosis) -> str:
-    """The meaning of the threshold."""
+    """The meaning of the threshold, in a sentence."""
     return (
         f"Chance alone takes one of the {len(diagnosis.features)} features beyond {number(diagnosis.threshold_z)} σ in "
         f"{number(100.0 * FAMILY_WISE_ERROR)} % of such sets of sessions."
@@ -66,6 +66,7 @@ def _family_wise(diagnosis: Diagnosis) -> str:
 
 
 def _nowhere(diagnosis: Diagnosis) -> str:
+    """The text of the section if no feature deviates."""
     worst = max(diagnosis.features, key=lambda comparison: abs(comparison.z_before))
     return (
         f"Nowhere. {_measured(diagnosis)} The largest deviation is {deviates(worst.z_before)} σ "
@@ -104,7 +105,7 @@ def _says(comparison: FeatureComparison) -> str:
 
 
 def _share(every: Sequence[Deviation], name: str) -> str:
-    """Empty where the feature does not deviate."""
+    """Share of a feature in the deviations; empty if it does not deviate."""
     return next((percent(deviation.share) for deviation in every if deviation.feature == name), "")
 
 

@@ -18,6 +18,8 @@ from gyrodrift.files import write_whole
 from gyrodrift.html.numbers import significant
 
 SHOWN = 3
+"""Largest number of causes, of negligible effects and of deviations in the summary."""
+
 PROFILE = "next-profile.yaml"
 
 NAMES = ("gap.json", "rig.yaml", PROFILE, "report.html")
@@ -25,12 +27,14 @@ NAMES = ("gap.json", "rig.yaml", PROFILE, "report.html")
 
 
 def write_files(folder: Path, diagnosis: Diagnosis) -> None:
-    """`gap.json`, `rig.yaml` and the next motion where there is one, each whole or not at all.
+    """Write `gap.json`, `rig.yaml` and the profile of the next motion, each whole or not at all.
+
+    Without a next motion, the profile of an earlier diagnosis is removed.
 
     Raises
     ------
     UsageError
-        Where the folder cannot be written to.
+        If the folder cannot be written to.
     """
     text = json.dumps(_finite(content(diagnosis)), indent=1, allow_nan=False, ensure_ascii=False)
     write_whole(folder / "gap.json", [text, "\n"])

@@ -1,10 +1,10 @@
-"""The head of a report: contradicted facts, the verdict, what it means, its numbers as tiles, what to record next."""
+"""The head of a report: contradicted facts, the verdict in words, its numbers as tiles, and what to record next."""
 
 from math import sqrt
 
 from gyrodrift.diagnose.inference.gap import SimToRealGap
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict
-from gyrodrift.diagnose.report.beforehand import against, baseline, doubts, headline_of
+from gyrodrift.diagnose.report.beforehand import against, baseline, headline_of, limits
 from gyrodrift.diagnose.report.effect_words import effect_words, says
 from gyrodrift.diagnose.report.files import headline
 from gyrodrift.diagnose.report.residuals import rate_figure
@@ -28,8 +28,10 @@ from gyrodrift.html.html import header, paragraph, text, tile, tiles
 from gyrodrift.html.numbers import degrees, significant
 
 WHERE = 3
+"""Largest number of deviations in a sentence."""
+
 EXAMPLES = ("scale_factor", "warmup", "rate_random_walk", "latency")
-"""Well-known effects, for the verdict none."""
+"""Well-known effects, whose detectable sizes are shown if the verdict is `none`."""
 
 CARDS = (
     "<b>How to read the cards.</b> A cause: its most probable size, the sizes that the recordings leave possible (95 "
@@ -52,7 +54,7 @@ NO_SINGLE_FEATURE = (
 
 
 def verdict(diagnosis: Diagnosis, set_name: str = "") -> str:
-    """The head of the page, which names the set of sessions."""
+    """The head of the page; `set_name` is the name of the set of sessions."""
     kind, _, sentence = headline(diagnosis).partition(": ")
     return header(
         f"gyrodrift diagnose · {_sessions(diagnosis)} · verdict: {kind}",
@@ -61,7 +63,7 @@ def verdict(diagnosis: Diagnosis, set_name: str = "") -> str:
         paragraph(f"<b>Apart from that:</b> {text(sentence)}.") if diagnosis.contradictions else "",
         baseline(diagnosis),
         *(paragraph(words) for words in _in_words(diagnosis)),
-        doubts(diagnosis),
+        limits(diagnosis),
         rate_figure(diagnosis),
         tiles(
             [
@@ -91,6 +93,7 @@ def _sessions(diagnosis: Diagnosis) -> str:
 
 
 def _in_words(diagnosis: Diagnosis) -> list[str]:
+    """The verdict as paragraphs: differences, causes, what is unexplained, probabilities."""
     verdict = diagnosis.verdict
     sentences = [_where(diagnosis)]
     sentences += [_cause_words(cause) for cause in verdict.causes_by_share]
@@ -177,7 +180,7 @@ def _cause_tile(cause: NamedCause) -> str:
 
 
 def _examples_tile(diagnosis: Diagnosis) -> str:
-    """Some of the smallest effects that would have shown."""
+    """Detectable sizes of some effects."""
     smallest = {item.effect: size(item.value, item.unit) for item in diagnosis.detectable if item.value is not None}
     names = [name for name in EXAMPLES if name in smallest] or list(smallest)[: len(EXAMPLES)]
     rows = [(text(name), smallest[name]) for name in names]
@@ -185,7 +188,7 @@ def _examples_tile(diagnosis: Diagnosis) -> str:
 
 
 def _stages_tile(diagnosis: Diagnosis) -> str:
-    """Stages of the rig where an unknown difference shows."""
+    """Stages of the rig that the deviating features belong to, with their shares, for the verdict `unknown`."""
     shares: dict[str, float] = {}
     for deviation in diagnosis.verdict.where:
         shares[deviation.stage] = shares.get(deviation.stage, 0.0) + deviation.share

@@ -1,4 +1,4 @@
-"""Base values of rig and recordings, the sessions, and a glossary, in a report."""
+"""The base values of rig and recordings, the sessions, and the glossary of a report."""
 
 from collections.abc import Sequence
 from math import floor, isfinite, log10
@@ -13,7 +13,7 @@ from gyrodrift.noise import ROOT_SECONDS_PER_ROOT_HOUR
 
 
 class BaseUnit(NamedTuple):
-    """A base value in words: its name with the unit, the factor from the unit of the rig, and the most decimals."""
+    """Presentation of a base value: name with unit, factor from the unit of the rig, and largest number of decimals."""
 
     name: str
     times: float = 1.0
@@ -86,7 +86,7 @@ def calibration(diagnosis: Diagnosis) -> str:
 
 
 def _base_row(base_value: BaseValue) -> list[str]:
-    """A base value of the rig and of the recordings."""
+    """Row of a base value in the table."""
     shown = SHOWN.get(base_value.name, BaseUnit(""))
     values = [
         value * shown.times

@@ -7,7 +7,7 @@ from gyrodrift.html.html import headings, paragraph, section, table, text
 
 
 def negligible(diagnosis: Diagnosis) -> str:
-    """The section; empty without negligible effects."""
+    """The section of the negligible effects; empty without such effects."""
     items = diagnosis.verdict.negligible
     if not items:
         return ""

@@ -1,4 +1,4 @@
-"""The end of a report: the smallest effects that would have shown, and the next steps."""
+"""The end of a report: detectable sizes of the effects, and the next steps."""
 
 import shlex
 from pathlib import Path
@@ -12,7 +12,7 @@ from gyrodrift.html.numbers import significant
 
 
 def detectable(diagnosis: Diagnosis) -> str:
-    """The section of the smallest effects."""
+    """The section of the detectable sizes."""
     rows = []
     for item in diagnosis.detectable:
         smallest, parameter = "none that was tried", ""
@@ -35,7 +35,7 @@ def detectable(diagnosis: Diagnosis) -> str:
 
 
 def next_steps(diagnosis: Diagnosis, folder: Path) -> str:
-    """The section of commands to be copied."""
+    """The section of the next steps, with commands to copy."""
     rig, home = shlex.quote(str(folder / "rig.yaml")), folder
     simulated, tuned = shlex.quote(str(home / "simulated")), shlex.quote(str(home / "tuned.yaml"))
     steps = [
@@ -64,6 +64,7 @@ def next_steps(diagnosis: Diagnosis, folder: Path) -> str:
 
 
 def _rig_words(diagnosis: Diagnosis) -> str:
+    """Content of `rig.yaml`, in a paragraph."""
     here = "<code>rig.yaml</code> beside this page is the rig"
     facts = ", with the facts that the recordings show" if diagnosis.contradictions else ""
     causes = diagnosis.verdict.causes

@@ -1,4 +1,4 @@
-"""The report of a diagnosis: one HTML file for a person, with the verdict first, and then all that it rests on."""
+"""The report of a diagnosis as an HTML page: first the verdict, then the results that it is derived from."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,7 +18,7 @@ from gyrodrift.html.provenance import Provenance, provenance
 
 
 def report_html(diagnosis: Diagnosis, folder: Path, made: Provenance, exports: Sequence[FormatExport] = ()) -> str:
-    """The page of a diagnosis whose files stand in a folder."""
+    """The page of a diagnosis; `folder` is the folder of its files."""
     body = [
         verdict(diagnosis, made.set_name),
         negligible(diagnosis),

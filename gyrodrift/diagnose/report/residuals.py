@@ -1,4 +1,4 @@
-"""The rate errors in a report: against their possible dependences, over time, and as a spectrum."""
+"""The rate errors in a report: against the quantities that they may depend on, over time, and as spectra."""
 
 from collections.abc import Sequence
 
@@ -11,6 +11,8 @@ from gyrodrift.html.html import figure, panels, paragraph, section, span, text
 from gyrodrift.html.numbers import significant
 
 NAMED = 3
+"""Largest number of dependences in the introduction."""
+
 RATE = "rate"
 """Name of the regressor of the figure at the top of the page."""
 
@@ -18,7 +20,9 @@ NEGLIGIBLE_DPS = 2e-3
 """RMS below which a dependence is practically negligible, deg/s: the relevance threshold of a bias that depends on
 angle or direction, `features/columns.py`."""
 
-CHANGE_POINTS_TOLD = 4
+MOST_CHANGE_POINTS = 4
+"""Largest number of change points that are listed for a session."""
+
 RANDOM = (
     "A named cause is random: the simulator draws a course of its own, so that it agrees with the recordings in its "
     "statistics and not second by second. The residual still holds it."
@@ -26,7 +30,7 @@ RANDOM = (
 
 
 def residuals(diagnosis: Diagnosis) -> str:
-    """The section."""
+    """The section of the rate errors."""
     checks, has_causes = diagnosis.residuals, bool(diagnosis.verdict.causes)
     is_random = any(cause.cause.is_random for cause in diagnosis.verdict.causes)
     return section(
@@ -89,7 +93,7 @@ def _introduction(diagnosis: Diagnosis, sessions: Sequence[ResidualSeries]) -> s
 
 
 def _depends(every: Sequence[Dependence], *, has_causes: bool) -> str:
-    """The strongest dependences of the residual."""
+    """The strongest dependences of the residual, in a sentence."""
     by_size = sorted(((dependence.trend_dps, dependence.name) for dependence in every), reverse=True)
     strongest = [
         f"{text(name)}: {significant(dps, 2)} deg/s RMS" for dps, name in by_size[:NAMED] if dps > NEGLIGIBLE_DPS
@@ -102,7 +106,7 @@ def _depends(every: Sequence[Dependence], *, has_causes: bool) -> str:
 
 def _dependence_words(*, has_causes: bool) -> str:
     return (
-        "<b>Rate error against what it may depend on.</b> Grey dots are single seconds of the recordings, lines are "
+        "<b>Rate error against what it may depend on.</b> Gray dots are single seconds of the recordings, lines are "
         "medians. Below, on a scale of its own, the residual, with ± 2 standard errors as a band: where the band holds "
         f"0, the residual does not depend on it.<br/>{marks(has_causes=has_causes)}"
     )
@@ -141,9 +145,9 @@ def _change_points(series: ResidualSeries) -> str:
         return "no change points"
     listed = [
         f"{series.minutes[change_point.second]:.1f} min ({number(change_point.step_dps, 2)})"
-        for change_point in series.change_points[:CHANGE_POINTS_TOLD]
+        for change_point in series.change_points[:MOST_CHANGE_POINTS]
     ]
-    rest = " …" if count > CHANGE_POINTS_TOLD else ""
+    rest = " …" if count > MOST_CHANGE_POINTS else ""
     return f"{count} change point{'s' * (count > 1)}: {', '.join(listed)}{rest}"
 
 

@@ -8,7 +8,7 @@ from gyrodrift.html.html import legend, span, switches, text
 from gyrodrift.html.numbers import significant
 
 NAMES = ("recordings", "simulator as it is", "corrected simulator")
-"""Names of the compared sets in all figures and tables; corrected is the rig with the named causes."""
+"""Names of the compared sets in all figures and tables. The corrected simulator has the named causes."""
 
 REAL, BEFORE, AFTER = zip(("ink", "plain", "tuned"), ("key", "key", "key"), NAMES, strict=True)
 RESIDUAL = ("two", "key", "residual: recordings − simulator")
@@ -20,7 +20,7 @@ FREE_PHASE = "different in each session"
 """Phase of a once-per-turn effect if the encoder is zeroed at power-on."""
 
 SURELY = 0.995
-"""Probability that would round to 1.00."""
+"""Probability from which on a probability would round to 1.00."""
 
 UNITS = {"1/h": "per hour"}
 """Units as words."""
@@ -53,7 +53,7 @@ def number(value: float, digits: int = 3) -> str:
 
 
 def size_or_bound(parameter: Parameter) -> str:
-    """The size with its unit; a bound if its interval ends at a size beyond which none was tried."""
+    """The size with its unit; a bound if its interval ends at the smallest or the largest tried size."""
     limit = "at least " if parameter.is_at_least else "at most " if parameter.is_at_most else ""
     return limit + size(parameter.bound, parameter.unit)
 
@@ -116,7 +116,7 @@ def sigmas(z: float) -> str:
 
 
 def percent(share: float) -> str:
-    """A share, without decimals where it is large."""
+    """A share in percent, with a decimal from 0.05 % to 10 %."""
     if not isfinite(share):
         return UNKNOWN
     decimals = 0 if abs(share) >= 0.0995 or abs(share) < 0.0005 else 1
@@ -124,7 +124,7 @@ def percent(share: float) -> str:
 
 
 def fixed(value: float, decimals: int) -> str:
-    """A number with fixed decimals and a true minus; 0 has none."""
+    """A number with fixed decimals and a true minus; a rounded 0 has no sign."""
     return f"{round(value, decimals) + 0.0:.{decimals}f}".replace("-", "−") if isfinite(value) else UNKNOWN
 
 
