@@ -82,12 +82,14 @@ def _static(centered_dps: Floats, design: DesignMatrix) -> Floats:
 
 
 def _without_static(centered_dps: Floats, static: Floats, design: DesignMatrix) -> Floats:
+    """Residuals less their weighted mean and the static regressors, deg/s; 0 in blocks at the gyro's limit."""
     mean_dps = np.average(centered_dps, weights=np.square(design.root_weights))
     remainder: Floats = centered_dps - mean_dps - design.static.vectors @ static / design.root_weights
     return np.where(design.is_silent, 0.0, remainder)
 
 
 def _bias_dps(centered_dps: Floats, design: DesignMatrix) -> Floats:
+    """Residuals less the fast regressors, deg/s, interpolated over blocks with a changing rate or at the limit."""
     roots = design.root_weights
     slow_dps = centered_dps - design.fast_vectors @ (design.fast_vectors.T @ (roots * centered_dps)) / roots
     index, is_even = np.arange(len(slow_dps)), design.regimes.block_is_even & ~design.is_silent

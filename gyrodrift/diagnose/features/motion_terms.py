@@ -82,12 +82,14 @@ def motion_terms_of(motion: ReplayedMotion, speed_dps: Floats) -> MotionTerms:
 
 
 def _last_direction(speed_dps: Floats) -> Floats:
+    """Sign of the last rate above TURN_DPS, or 0 before the first, shape (n,)."""
     moves = np.abs(speed_dps) > TURN_DPS
     last_moving = np.maximum.accumulate(np.where(moves, np.arange(len(speed_dps)), -1))
     return np.where(last_moving >= 0, np.sign(speed_dps[last_moving]), 0.0)
 
 
 def _since_change_s(direction: Floats, period_s: float) -> Floats:
+    """Time since the direction last changed, s, shape (n,)."""
     changed = np.concatenate([[True], np.diff(direction) != 0.0])
     index = np.arange(len(direction))
     since_s: Floats = (index - np.maximum.accumulate(np.where(changed, index, 0))).astype(np.float64) * period_s

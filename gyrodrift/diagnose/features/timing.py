@@ -163,6 +163,7 @@ def arrivals_of(recording: Recording) -> Arrivals | None:
 
 
 def _scatter_s(off_s: Floats) -> float:
+    """Standard deviation about the means of groups of NEIGHBORS values, s; 0 for fewer values."""
     count = len(off_s) // NEIGHBORS
     if not count:
         return 0.0

@@ -160,24 +160,26 @@ def rms_scale(design: DesignMatrix) -> Floats:
     return scale
 
 
-def hidden_dps(step_dps: float, sigma_dps: float) -> float:
+def rounding_error_dps(step_dps: float, sigma_dps: float) -> float:
     """Largest error of the mean of a rate with steps and white noise, deg/s; see the head of this module."""
     return float(step_dps / np.pi * np.exp(-2.0 * (np.pi * sigma_dps / step_dps) ** 2))
 
 
-def with_hidden(measured: Measured, hidden: float, step_dps: float, scatter_dps: float, blocks: int) -> Measured:
+def with_rounding_error(
+    measured: Measured, error_dps: float, step_dps: float, scatter_dps: float, blocks: int
+) -> Measured:
     """Measured features with thresholds that include the error by steps of the rate.
 
-    hidden
-        Largest error of a mean, deg/s; see `hidden_dps`.
+    error_dps
+        Largest error of a mean; see `rounding_error_dps`.
     scatter_dps
         Scatter of the block residuals, with which this error is compared.
     """
-    if hidden <= LEAST_DPS:
+    if error_dps <= LEAST_DPS:
         return measured
     thresholds: Floats = measured.thresholds.copy()
-    log_increase = np.log1p((hidden / max(scatter_dps, LEAST_DPS)) ** 2)
+    log_increase = np.log1p((error_dps / max(scatter_dps, LEAST_DPS)) ** 2)
     thresholds[BY_BIAS] = np.hypot(thresholds[BY_BIAS], log_increase)
-    thresholds[:STATIC] = np.hypot(thresholds[:STATIC], STATIC_SHARE * hidden * np.sqrt(blocks))
-    thresholds[BY_STEPS] = np.hypot(thresholds[BY_STEPS], STEPS_MOST * np.pi * hidden / step_dps)
+    thresholds[:STATIC] = np.hypot(thresholds[:STATIC], STATIC_SHARE * error_dps * np.sqrt(blocks))
+    thresholds[BY_STEPS] = np.hypot(thresholds[BY_STEPS], STEPS_MOST * np.pi * error_dps / step_dps)
     return measured._replace(thresholds=thresholds)

@@ -56,6 +56,7 @@ def _spread(arrived_s: Floats, period_s: float) -> float:
 
 
 def _handover_s(arrived_s: Floats, period_s: float) -> float:
+    """Median gap within bunches, s; 0 without such gaps."""
     gaps_s = np.diff(arrived_s)
     within_s = gaps_s[gaps_s < AT_ONCE * period_s]
     return float(np.median(within_s)) if len(within_s) else 0.0

@@ -26,7 +26,7 @@ from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.diagnose.simulate.known_effects import error_dps, gyro_model_of
 from gyrodrift.simulation.sessions import as_recorded
 
-NEIGHBOURS = 100
+NEIGHBORS = 100
 """Arrivals in a group. The median of a group is subtracted, since a slow wander of the clocks is not jitter."""
 
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
@@ -61,10 +61,11 @@ def with_host(base: Base, recording: Recording) -> Base:
 
 
 def _without_wander(recording: Recording) -> Floats:
+    """Delays of known arrivals against the sample numbers, s, less the median of their group of NEIGHBORS."""
     assert recording.host_s is not None  # noqa: S101 - asked before
     away_s = recording.host_s - np.arange(len(recording.host_s)) * recording.period_s
     away_s = away_s[np.isfinite(away_s)]
-    rows = away_s[: len(away_s) // NEIGHBOURS * NEIGHBOURS].reshape(-1, NEIGHBOURS)
+    rows = away_s[: len(away_s) // NEIGHBORS * NEIGHBORS].reshape(-1, NEIGHBORS)
     if not len(rows):
         rows = away_s[None]
     level: Floats = (rows - np.median(rows, axis=1, keepdims=True)).reshape(-1)
@@ -160,7 +161,7 @@ def level_of(
 
 
 def _scatter_dps(cleaned: Cleaned, design: DesignMatrix, step_dps: float, *, in_motion: bool) -> float:
-    """Standard deviation of the scatter from sample to sample, deg/s."""
+    """Standard deviation of the noise of a sample, deg/s: in motion by third differences, else by the spectrum."""
     turning_dps = float(np.sqrt(turning_spread(cleaned.rate_dps, design.difference_indices))) if in_motion else 0.0
     return turning_dps or white_dps(cleaned, design, step_dps)
 
@@ -171,10 +172,10 @@ def _quick_motion(cleaned: Cleaned, design: DesignMatrix, gyro: GyroModel) -> Qu
 
 
 def remaining_bias_dps(cleaned: Cleaned, design: DesignMatrix, rig: Rig, effects: tuple[Effect, ...]) -> float:
-    """Bias of a calibrated rig with more effects, deg/s: the mean error of the effects is subtracted from the bias.
+    """Bias of a calibrated rig with more effects, deg/s: their median rate error is subtracted from the bias.
 
-    The calibration counted this error as bias. If it were added again, a rate in coarse steps would lie elsewhere
-    between two steps.
+    The calibration counted this error as bias. Without the subtraction it would be counted twice, and a rate in coarse
+    steps would lie elsewhere between two steps.
     """
     extended = with_replaced(rig, effects)
     shows = _shows_bias(design, in_motion=is_hidden_at_rest(cleaned, design, extended))
@@ -189,7 +190,7 @@ def remaining_bias_dps(cleaned: Cleaned, design: DesignMatrix, rig: Rig, effects
 def _shows_bias(design: DesignMatrix, *, in_motion: bool) -> Mask:
     """Blocks that show the bias, shape (blocks,): rests, or motion if the bias is hidden at rest.
 
-    All blocks if fewer than a tenth qualify. At rest no effect of the motion adds to the bias.
+    At rest, no effect of the motion adds to the rate. All blocks are returned if no more than a tenth of them qualify.
     """
     at_rest = design.regimes.block_at_rest
     shows: Mask = ~at_rest if in_motion else at_rest

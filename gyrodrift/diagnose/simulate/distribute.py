@@ -149,15 +149,17 @@ def set_simulator(
 
 
 def _change_of_sent(sessions: _Sessions, sent: _Sent) -> SimulatedSet:
+    """Simulate a set in one session, in a process that got the set as keys."""
     keys_and_sizes, index = sent
     effects = [Sized(sessions.candidates[name], size, phases_deg) for name, size, phases_deg in keys_and_sizes]
     return change_in(effects, index, sessions.subjects[index], sessions.tables[index])
 
 
-def _counted(tables: Iterable[ResponseTable], of: int, progress: OnProgress) -> tuple[ResponseTable, ...]:
+def _counted(tables: Iterable[ResponseTable], total: int, progress: OnProgress) -> tuple[ResponseTable, ...]:
+    """Collect all tables, and report the progress."""
     counted = []
-    progress(REPLAYED, 0, of)
+    progress(REPLAYED, 0, total)
     for number, table in enumerate(tables, 1):
-        progress(REPLAYED, number, of)
+        progress(REPLAYED, number, total)
         counted.append(table)
     return tuple(counted)

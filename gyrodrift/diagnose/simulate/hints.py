@@ -178,6 +178,7 @@ def _median(values: Sequence[float] | Floats) -> float:
 
 
 def _near_zero_dps(subject: Subject) -> Floats:
+    """Known rates below NEAR_ZERO_DPS, deg/s; all known nonzero rates if these are all zero."""
     rates = subject.cleaned.recording.rate_dps
     near = rates[np.isfinite(rates) & (np.abs(rates) < NEAR_ZERO_DPS)]
     return near if np.any(near != 0.0) else rates[np.isfinite(rates) & (rates != 0.0)]

@@ -203,6 +203,7 @@ class _PhaseFit:
         return cls(without_bias_and_gain(block_residual_dps(cleaned, design) - mean_of(stated_dps)), columns)
 
     def _effect_dps(self, effect: Effect, phase_deg: float) -> Floats:
+        """Rate error of an effect at a phase in every block, deg/s."""
         first, second = self.columns[effect.name]
         phase, amplitude = np.deg2rad(phase_deg), float(getattr(effect, ONCE_PER_TURN[effect.name]))
         values: Floats = amplitude * (np.cos(phase) * first + np.sin(phase) * second)

@@ -1,7 +1,7 @@
-"""Simulation of a recording: the rig is driven through the recording's motion, and the output is processed alike.
+"""Simulation of a recording: the rig is driven through a motion that is drawn from the posterior of the recording's.
 
-A simulation goes through the same steps as a recording: numbering, checks, cleaning, and rebuilding of the motion from
-encoder and gyro. The motion that drives it is drawn from the posterior of the recording's motion.
+The output is processed in the same way as a recording: numbering, checks, cleaning, and rebuilding of the motion from
+encoder and gyro.
 """
 
 from dataclasses import dataclass, field, replace
@@ -22,11 +22,11 @@ from gyrodrift.diagnose.features.design_matrix import DesignMatrix, design_matri
 from gyrodrift.diagnose.features.feature import Measured
 from gyrodrift.diagnose.features.vector import (
     Facts,
-    hidden_dps,
     measure,
     measure_residuals,
     measure_samples,
-    with_hidden,
+    rounding_error_dps,
+    with_rounding_error,
 )
 from gyrodrift.diagnose.features.within_second import lag_basis
 from gyrodrift.diagnose.recording.counted_rests import CountedRests, counted_rests
@@ -101,9 +101,9 @@ class Subject:
         step_dps = gyro_model_of(self.rig).count_dps
         return Facts(base.dps_per_lsb, base.encoder_cpr, step_dps, axes is not None, has_gravity)
 
-    def with_noise(self, share: float) -> "Subject":
-        """The subject with the noise of the rig multiplied by `share`."""
-        base = self.rig.base.model_copy(update={"noise_dps_rthz": self.rig.base.noise_dps_rthz * share})
+    def with_noise(self, factor: float) -> "Subject":
+        """The subject with the noise of the rig multiplied by a factor."""
+        base = self.rig.base.model_copy(update={"noise_dps_rthz": self.rig.base.noise_dps_rthz * factor})
         return self._with_base(base)
 
     def recalibrated(self, effects: tuple[Effect, ...]) -> "Subject":
@@ -112,7 +112,7 @@ class Subject:
         return self._with_base(calibrated(self.cleaned, self.design, motion, with_replaced(self.rig, effects)).base)
 
     def with_remaining_bias(self, effects: tuple[Effect, ...]) -> "Subject":
-        """The subject with the bias of the rig less what more effects add to the rate."""
+        """The subject with the bias of the rig less the rate error of more effects; see `remaining_bias_dps`."""
         bias_dps = remaining_bias_dps(self.cleaned, self.design, self.rig, effects)
         return self._with_base(self.rig.base.model_copy(update={"bias_dps": bias_dps}))
 
@@ -141,7 +141,7 @@ class Subject:
         return self.drawn[seed]
 
     def _counted_rests(self) -> CountedRests:
-        """Rests of the motion, at angles that the rig's encoder would read as recorded."""
+        """Rests of the motion, at angles for which the rig's encoder reads the recorded counts."""
         posterior = self.posterior
         return counted_rests(
             posterior.rests,
@@ -154,11 +154,11 @@ class Subject:
     def measured(self) -> Measured:
         """Features of the recording; the thresholds include the error by steps of the rate."""
         base = self.rig.base
-        hidden = hidden_dps(self.facts.step_dps, base.noise_dps_rthz * base.sample_rate_hz**0.5)
+        error_dps = rounding_error_dps(self.facts.step_dps, base.noise_dps_rthz * base.sample_rate_hz**0.5)
         residual_dps = unexplained_dps(self.cleaned, self.design)
         scatter_dps = float(np.sqrt(np.mean(np.square(residual_dps))))
         own = measure(self.cleaned, self.design, self.facts)
-        return with_hidden(own, hidden, self.facts.step_dps, scatter_dps, len(residual_dps))
+        return with_rounding_error(own, error_dps, self.facts.step_dps, scatter_dps, len(residual_dps))
 
     def replayed(self, effects: tuple[Effect, ...], seed: int) -> Cleaned:
         """Cleaned simulation of the rig with more effects; a seed always gives the same realization."""
@@ -258,8 +258,8 @@ class Subject:
         An effect that the rig already has is replaced.
         """
         # A host's ticks have a random phase.
-        later_s = 0.1 * float(np.random.default_rng([self._stream(seed), ARRIVALS]).random())
-        base = self.rig.base.model_copy(update={"host_delay_s": self.rig.base.host_delay_s + later_s})
+        phase_s = 0.1 * float(np.random.default_rng([self._stream(seed), ARRIVALS]).random())
+        base = self.rig.base.model_copy(update={"host_delay_s": self.rig.base.host_delay_s + phase_s})
         rig = with_replaced(self.rig, effects).model_copy(update={"base": base})
         motion = self.with_motion_under(effects).motion(seed)
         block = next(play(rig, motion, self._stream(seed), block_samples=self.design.samples))
