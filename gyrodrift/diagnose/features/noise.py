@@ -11,7 +11,7 @@ from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.feature import (
     AMPLITUDE_DPS,
     OVER_MIDDLE,
-    OVER_NEIGHBOURS,
+    OVER_NEIGHBORS,
     OVER_USUAL,
     PERCENT_OF_SAMPLES,
     ResponseLaw,
@@ -150,7 +150,7 @@ NOISE: tuple[Statistic[SampleNoise], ...] = (
     *(_fast(index, length) for index, length in enumerate(MOVING_LENGTHS)),
     Statistic(
         "line", "sensor", "rest", "a tone exceeds the noise at rest", 0.5,
-        "0.5 in ln: two thirds more than its neighbours", reading=OVER_NEIGHBOURS, response=ResponseLaw.LOG_VARIANCE,
+        "0.5 in ln: two thirds more than its neighbors", reading=OVER_NEIGHBORS, response=ResponseLaw.LOG_VARIANCE,
         compute=lambda noise: spectral_line(noise.cleaned, noise.design).log_height,
     ),
     Statistic(

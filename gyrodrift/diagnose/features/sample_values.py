@@ -106,12 +106,12 @@ def _log_reach(values: RateValues) -> float:
 # fmt: off
 RATE_VALUES: tuple[Statistic[RateValues], ...] = (
     Statistic(
-        "equal_rest", "sensor", "rest", "neighbouring samples at rest are equal too often", 0.02,
+        "equal_rest", "sensor", "rest", "neighboring samples at rest are equal too often", 0.02,
         "four samples in 10,000", reading=PERCENT_OF_SAMPLES,
         compute=lambda values: _equal_share(values, values.design.regimes.at_rest),
     ),
     Statistic(
-        "equal_moving", "link", "moving", "neighbouring samples in motion are equal too often", 0.01,
+        "equal_moving", "link", "moving", "neighboring samples in motion are equal too often", 0.01,
         "one sample in 10,000", reading=PERCENT_OF_SAMPLES,
         compute=lambda values: _equal_share(values, values.design.regimes.is_turning),
     ),

@@ -45,7 +45,7 @@ UNITS = {
     "times its middle": "variance, over that of 4- to 8-sample means at rest",
     "times as by chance": "share of the variance, over that by chance",
     "times as at rest": "scatter, over that at rest",
-    "times its neighbours": "power, over that of neighboring frequencies",
+    "times its neighbors": "power, over that of neighboring frequencies",
     "times as usual": "variance of the noisiest seconds, over the median",
     "of the encoder's": "largest rate, over that of the encoder",
     "standard errors": "largest step, in standard errors",

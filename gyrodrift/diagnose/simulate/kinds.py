@@ -138,7 +138,7 @@ EFFECTS = (
     ),
     CandidateKind(
         "encoder_eccentricity", "amplitude_deg", once_per_turn(0.005, 5.0),
-        "the encoder's angle errs once per turn, as with a disc off its centre",
+        "the encoder's angle errs once per turn, as with a disc off its center",
         "once per turn", (Need.MOTION,), Touches.VALUES, is_exact=True, matters_from=0.02,
     ),
     # Effects on values, delays and times: every size of the grid is simulated.
