@@ -25,7 +25,7 @@ ADDED = {
     "latency": "delay_ms",
     "clock_drift": "ppm",
 }
-"""Effects of which two act like one with the sum of these parameters."""
+"""Effects whose parameter adds up: two of them act like a single effect with the sum."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ class Exported:
     noise_dps_rthz, bias_dps
         White noise and constant bias of the recordings, less those of the baseline.
     upper_bounds
-        Smallest detectable size of effects that were not named: a larger one would have been seen.
+        Smallest detectable size of effects that were not named: a larger effect would have been named.
     """
 
     says: str
@@ -82,7 +82,7 @@ class Exported:
 
 
 def exported_of(diagnosis: Diagnosis) -> Exported:
-    """Causes with a probability of 0.5 or more, as in `rig.yaml`, and what was measured beside them."""
+    """Causes with a probability of 0.5 or more, as in `rig.yaml`, and noise, bias and rate of the sessions."""
     named = [cause for cause in diagnosis.verdict.causes if cause.is_adopted]
     has_baseline = bool(diagnosis.baseline)
     return Exported(
@@ -97,7 +97,7 @@ def exported_of(diagnosis: Diagnosis) -> Exported:
 
 def _effect(cause: NamedCause, *, has_baseline: bool) -> ExportedEffect:
     parameters: dict[str, float] = cause.effect.model_dump(exclude={"name"})
-    if cause.cause.phases_deg is not None:  # another one in each session
+    if cause.cause.phases_deg is not None:  # the phase differs from session to session
         parameters.pop("phase_deg", None)
     intervals = {item.name: (item.low, item.high) for item in cause.parameters}
     in_simulator = None if cause.in_rig is None else cause.in_rig.model_dump(exclude={"name"})

@@ -19,7 +19,7 @@ RESTRICTIONS = {
     EffectSlot.CLOCK: "it changes the time stamps, not the rate",
     EffectSlot.ARRIVAL: "it changes when samples arrive, not the rate",
 }
-"""Why an effect is none of the rate."""
+"""Reasons why an effect is not part of a model of the rate, by its slot."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class FormatExport:
     expressed
         Effects that the files contain.
     not_expressed
-        The others, with the reason.
+        Effects that they do not contain, with the reason.
     """
 
     format: str

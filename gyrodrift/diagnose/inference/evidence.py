@@ -15,7 +15,7 @@ FAMILY_WISE_ERROR = 0.02
 of false alarms."""
 
 LEAST, MOST = 4.3, 1e6
-"""Bounds of the threshold. If chance is small beside the relevance thresholds, the errors of the null decide. Of 218
+"""Bounds of the threshold. If chance is small compared with the relevance thresholds, errors of the null decide. Of 218
 random rigs diagnosed against themselves, 8 exceeded 3.5 and 3 exceeded 4.3. Of 171 devices with an effect outside the
 catalog, 1 lay in between."""
 

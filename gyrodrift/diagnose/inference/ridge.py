@@ -27,13 +27,13 @@ class Pair(NamedTuple):
 
 
 def pair_in(names: Collection[str]) -> Pair | None:
-    """The effects of a set that act alike; None if there are none."""
+    """The two effects of a set that compensate each other; None if there are none."""
     pairs = (Pair(name, KINDS[name].acts_like or "") for name in names if name in KINDS)
     return next((pair for pair in pairs if pair.second in names), None)
 
 
 def placed_together(scorer: Scorer, placed: Sequence[Placed]) -> list[Placed]:
-    """The effects of a set; two effects that act alike are placed at their best pair of points."""
+    """The effects of a set; two that compensate each other are placed at their best pair of points."""
     pair = pair_in([item.template.name for item in placed])
     if pair is None:
         return list(placed)
@@ -47,7 +47,7 @@ def placed_together(scorer: Scorer, placed: Sequence[Placed]) -> list[Placed]:
 
 
 def summed_along(scorer: Scorer, placed: Sequence[Placed], name: str, power: float) -> tuple[Floats, Floats]:
-    """Sizes of an effect, (P,), and their log posterior, summed over the sizes of the effect that acts alike."""
+    """Sizes of an effect, (P,), and their log posterior, summed over the sizes of its partner."""
     own = next(item for item in placed if item.template.name == name)
     pair = pair_in([item.template.name for item in placed])
     partner = next(item for item in placed if pair is not None and item.template.name in {*pair} - {name})

@@ -118,7 +118,7 @@ def extended(scorer: Scorer, frontier: Sequence[EffectSet]) -> dict[frozenset[st
 
 
 def _with(scorer: Scorer, base: EffectSet, template: Template) -> EffectSet:
-    """A set with an additional template, summed over its coarse points; effects that act alike are fitted jointly."""
+    """A set with an additional template, summed over its coarse points; a pair that compensates is fitted jointly."""
     if pair_in([*base.names, template.name]) not in (None, pair_in(base.names)):
         return fitted(scorer, EffectSet((*base.placed, Placed(template, 0)), 0.0, 0.0))
     coarse = template.subset(template.coarse)
