@@ -127,6 +127,7 @@ def kind_of(posterior: Posterior, *, has_causes: bool) -> Kind:
 
 
 def _verdict(explanation: Explanation, causes: tuple[NamedCause, ...]) -> Verdict:
+    """The verdict from the posterior, the deviating features and the gap."""
     evidence, posterior = explanation.evidence, explanation.posterior
     kind = kind_of(posterior, has_causes=bool(causes))
     before, after_z = pooled_z(evidence.z) / evidence.sigma_factor, explanation.held_out_z
@@ -184,6 +185,7 @@ def _size(scorer: Scorer, posterior: Posterior, name: str) -> SizePosterior:
 
 
 def _cause(slot: Slot, size: SizePosterior) -> NamedCause:
+    """The effect of a slot as a cause, at the median of its size."""
     candidate, phases_deg = size.response.candidate, size.response.phases_deg
     effect = candidate.make(size.median)
     if phases_deg is not None:
@@ -201,6 +203,7 @@ def _cause(slot: Slot, size: SizePosterior) -> NamedCause:
 
 
 def _size_parameter(candidate: Candidate, size: SizePosterior) -> Parameter:
+    """The fitted parameter with its interval; the ends are sorted, because a size may map to a falling parameter."""
     name = candidate.parameter
     value, *ends = (float(getattr(candidate.make(item), name)) for item in (size.median, size.low, size.high))
     (low, is_low_open), (high, is_high_open) = sorted(zip(ends, (size.is_low_open, size.is_high_open), strict=True))

@@ -74,6 +74,7 @@ def _mixed(variance: Floats, correlation: Floats) -> Floats:
 
 
 def _in_units(difference: Floats, covariance: Floats, is_compared: Mask) -> Observation:
+    """The observation in units of the standard deviation without a gap; features that are not compared have 0 and 1."""
     variance = np.diagonal(covariance, axis1=1, axis2=2).T
     unit = np.where(is_compared & (variance > 0.0), np.sqrt(variance), 1.0)
     scaled = covariance / (unit.T[:, :, None] * unit.T[:, None, :])

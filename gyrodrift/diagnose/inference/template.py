@@ -119,6 +119,7 @@ def templates_of(observation: Observation, responses: Sequence[Response]) -> lis
 
 
 def _template(name: str, observation: Observation, responses: tuple[Response, ...]) -> Template | None:
+    """Template of an effect from the responses of its variants; None if no size is noticeable."""
     parts = [_points(observation, response) for response in responses]
     counts = [len(part.size) for part in parts]
     if not sum(counts):

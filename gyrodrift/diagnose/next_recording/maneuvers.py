@@ -195,3 +195,4 @@ FAMILY = (
     Maneuver("through_zero", lambda _: "a slow ramp through zero", _through_zero),
     Maneuver("drive", lambda _: "gentle curves as of a drive", _drive),
 )
+"""All maneuvers, from which a pair is chosen."""

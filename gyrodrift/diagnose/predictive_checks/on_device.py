@@ -54,6 +54,7 @@ def _has_own_yaw(path: Path, reading: ReadingOptions) -> bool:
 
 
 def _own_deg(loaded: LoadedSession) -> Floats:
+    """(n,) yaw of the device, counted from its first value, deg."""
     device_yaw = loaded.reference.device_yaw
     assert device_yaw is not None  # noqa: S101 - checked before
     from_start_deg: Floats = device_yaw.yaw_deg - device_yaw.yaw_deg[0]
@@ -61,12 +62,14 @@ def _own_deg(loaded: LoadedSession) -> Floats:
 
 
 def _stated(loaded: LoadedSession) -> Uncertainty | None:
+    """Agreement of the errors of the device with the sigmas that it states; None if it states none."""
     device_yaw = loaded.reference.device_yaw
     assert device_yaw is not None  # noqa: S101 - checked before
     return uncertainty_of(loaded.reference, _own_deg(loaded), device_yaw.yaw_sigma_deg)
 
 
 def _restlevel_deg(loaded: LoadedSession) -> Floats:
+    """(n,) yaw by restlevel at its defaults, on all axes that the session has, deg."""
     reference = loaded.reference
     if reference.axes is not None:
         return attitude_history(loaded.t_s, reference.axes, reference.auxiliary).yaw_deg
