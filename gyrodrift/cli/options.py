@@ -56,7 +56,7 @@ def add_link_options(
         "--columns",
         metavar="SPEC",
         help="read lines of text with these columns, a comma list: _ (ignored), t_us, t_ms, t_s, seq, "
-        "rate[:dps|:mdps|:rads|:mrads|:lsb/N][:-], encoder[:deg|:counts/N], temp, such as "
+        "rate[:dps|:mdps|:rads|:mrads|:lsb/N][:-], encoder[:deg|:rad|:counts/N], temp, such as "
         "'t_ms, _, _, rate:lsb/131'; for labeled values and JSON, LABEL=rate (default: none)",
     )
     parser.add_argument(

@@ -46,7 +46,7 @@ PLAIN = Quantity(is_signed=False)
 QUANTITIES: Mapping[str, Quantity] = {
     **dict.fromkeys((IGNORED, *CLOCK_US, "seq"), PLAIN),
     "rate": RATE,
-    "encoder": Quantity({"deg": 1.0}, "counts", 360.0),
+    "encoder": Quantity(ANGLE_DEG, "counts", 360.0),
     "temp": PLAIN,
     "still": PLAIN,
     "yaw": Quantity(ANGLE_DEG),
@@ -60,8 +60,8 @@ OTHER_NAMES = {"gz": "rate", "temp_c": "temp", "rate_dps": "rate", "encoder_deg"
 EXAMPLE = '--columns "t_ms, _, _, rate:lsb/131"'
 EXPECTED = (
     f"expected one entry per column: {', '.join(MEANINGS)}; rate, gx and gy may have :dps, :mdps, :rads, :mrads or"
-    f" :lsb/N, encoder :deg or :counts/N, yaw :deg or :rad, ax, ay and az :mps2, :g, :mg or :lsb/N, and all of them :-"
-    f" for the other sign, as in {EXAMPLE}"
+    f" :lsb/N, encoder :deg, :rad or :counts/N, yaw :deg or :rad, ax, ay and az :mps2, :g, :mg or :lsb/N, and all of"
+    f" them :- for the other sign, as in {EXAMPLE}"
 )
 PER = re.compile(r"(lsb|counts)/([0-9]{1,12}(?:\.[0-9]{0,12})?)")
 

@@ -19,6 +19,9 @@ from gyrodrift.session.session import AXIS_COLUMNS, COLUMNS, DEVICE_COLUMNS, SAM
 OLD_NAMES = {"t_s": "t_device_s"}
 """Column names in files of earlier versions."""
 
+OTHER_NAMES = {**OLD_NAMES, "gyro_z_dps": "rate_dps"}
+"""Also the name that stands next to `gyro_x_dps` and `gyro_y_dps` in files of other programs."""
+
 SIMILAR = 0.8
 """An unknown column with this similarity to a missing one counts as misspelled."""
 
@@ -73,7 +76,7 @@ def _names(file: TextIO) -> list[str]:
     words = [word.strip() for word in line.split(",")]
     if len(words) > MOST_COLUMNS:
         return []
-    names = [OLD_NAMES.get(word, word) if OLD_NAMES.get(word) not in words else word for word in words]
+    names = [OTHER_NAMES.get(word, word) if OTHER_NAMES.get(word) not in words else word for word in words]
     columns = [name for name in names if name in COLUMNS]
     is_session = set(REQUIRED) <= set(columns) and len(columns) == len(set(columns)) and not slips_in(names)
     return names if is_session else []

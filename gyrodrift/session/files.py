@@ -14,6 +14,9 @@ ENDINGS = (".mcap", ".csv")
 TABLES = (".csv", ".tsv", ".txt", ".log", ".json", ".jsonl", ".ndjson", ".parquet")
 """Endings of tables in lower case."""
 
+OTHERS_IN_FOLDER = (".parquet", ".jsonl", ".ndjson", ".tsv", ".ulg", ".bag")
+"""Endings that count in a folder without `.mcap` and `.csv`; the rest may be notes, configs or logs of a program."""
+
 LOGS = (".bag", ".db3", ".bin", ".log", ".ulg")
 """Endings of bags and logs of autopilots; tables have some of them too."""
 
@@ -155,8 +158,9 @@ def _unknown_ending(path: Path) -> str:
 def session_paths(paths: Iterable[Path]) -> list[Path]:
     """Paths of sessions: a file itself, and all sessions in a folder, by name.
 
-    A ROS 2 bag counts as its first file. A folder without sessions counts as the folders in it. Other files, hidden
-    files, and recordings that were cut off while empty are skipped.
+    A ROS 2 bag counts as its first file. Files of OTHERS_IN_FOLDER count in a folder with neither `.mcap` nor `.csv`.
+    A folder without sessions counts as the folders in it. Other files, hidden files, and recordings that were cut off
+    while empty are skipped.
 
     Raises
     ------
@@ -177,7 +181,8 @@ def session_paths(paths: Iterable[Path]) -> list[Path]:
             p for folder in _visible_in(path) if folder.is_dir() for p in _sessions_in(folder)
         ]
         if not inside:
-            raise DataError(f"{path}: there are no sessions in this folder; they end in {' or '.join(ENDINGS)}")
+            endings = ", ".join((*ENDINGS, *OTHERS_IN_FOLDER))
+            raise DataError(f"{path}: no file in this folder ends in {endings}; name other files one by one")
         sessions += inside
     return list(dict.fromkeys(sessions))
 
@@ -187,7 +192,11 @@ def _visible_in(folder: Path) -> list[Path]:
 
 
 def _sessions_in(folder: Path) -> list[Path]:
-    return [p for p in _visible_in(folder) if p.suffix.lower() in ENDINGS and not _is_bare(p)]
+    for endings in (ENDINGS, OTHERS_IN_FOLDER):
+        paths = [p for p in _visible_in(folder) if p.suffix.lower() in endings and not _is_bare(p)]
+        if paths:
+            return paths
+    return []
 
 
 def _is_bare(path: Path) -> bool:

@@ -452,7 +452,7 @@ def test_sessions_that_cannot_be_used_are_told_by_name(
 @pytest.mark.parametrize(
     ("arguments", "status", "message"),
     [
-        (["{empty}", "--out", "{out}"], 4, "there are no sessions in this folder"),
+        (["{empty}", "--out", "{out}"], 4, "no file in this folder ends in .mcap, .csv, "),
         (["{empty}/none", "--out", "{out}"], 4, "there is no such session or folder"),
         (["{eight}", "--out", "{empty}/x/c.yaml"], 2, "there is no folder"),
         (["{eight}", "--out", "{empty}/c.txt"], 2, "a config ends in .yaml"),

@@ -26,7 +26,18 @@ def test_files_and_folders_mix_and_nothing_comes_twice(folder: Path) -> None:
     assert session_paths([folder / "b.mcap", folder]) == [folder / "b.mcap", folder / "a.csv"]
 
 
-@pytest.mark.parametrize(("name", "message"), [("empty", "there are no sessions in this folder"), ("x", "is no such")])
+def test_tables_of_other_formats_count_where_nothing_else_is(folder: Path) -> None:
+    """Beside recordings a `.jsonl` may be anything."""
+    for name in ("b.parquet", "a.jsonl", "notes.txt"):
+        (folder / "empty" / name).write_bytes(b"x")
+    assert [path.name for path in session_paths([folder / "empty"])] == ["a.jsonl", "b.parquet"]
+    (folder / "a.jsonl").write_bytes(b"x")
+    assert [path.name for path in session_paths([folder])] == ["a.csv", "b.mcap"]
+
+
+@pytest.mark.parametrize(
+    ("name", "message"), [("empty", "no file in this folder ends in .mcap, .csv, "), ("x", "is no such")]
+)
 def test_nothing_there_is_told(folder: Path, name: str, message: str) -> None:
     """By its path."""
     with pytest.raises(DataError, match=message):

@@ -33,6 +33,9 @@ WORDS = {
     COUNTS: "is in counts, not degrees per second",
 }
 
+TOO_LARGE = WORDS[DEGREES]
+"""Description of rates that are 57.3 times too large."""
+
 NEAR = 1.35
 """A factor this close to a wrong unit counts as this unit; a scale error of a third does not."""
 

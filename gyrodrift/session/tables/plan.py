@@ -11,7 +11,7 @@ from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.spec import ACCELERATION_MPS2, ANGLE_DEG, CLOCK_US, IGNORED, RATE_DPS, Column
 from gyrodrift.columns.units import Dimension, Unit, unit_in, unit_of, without_unit
 from gyrodrift.errors import DataError, UsageError
-from gyrodrift.session.csv import OLD_NAMES
+from gyrodrift.session.csv import OTHER_NAMES
 from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS
 from gyrodrift.session.tables.known import KNOWN_TABLES, NOTHING, label_index
 from gyrodrift.session.tables.times import epoch_unit, is_time
@@ -200,7 +200,7 @@ def _taken(index: int, column: Column) -> UsedColumn:
 def own_columns(head: Head) -> TableColumns | None:
     """Columns of a session of this program; None if the header lacks a required name."""
     labels = [label.strip() for label in head.labels]
-    names = [OLD_NAMES.get(label, label) if OLD_NAMES.get(label) not in labels else label for label in labels]
+    names = [OTHER_NAMES.get(label, label) if OTHER_NAMES.get(label) not in labels else label for label in labels]
     if not {"t_device_s", "rate_dps"} <= set(names):
         return None
     twice = next((name for name in COLUMNS if names.count(name) > 1), None)
@@ -269,8 +269,10 @@ def labelled_columns(head: Head) -> TableColumns | None:
         return None
     running = [clock for clock in clocks if _goes_on(head.texts(clock.index))] or clocks
     motion = rates or yaws or quaternion
-    taken = (running[0], *motion, *(_axes(head) if rates else ()), *_temperature(head))
+    encoder = _encoder(head) if rates else []
+    taken = (running[0], *motion, *(_axes(head) if rates else ()), *encoder, *_temperature(head))
     remarks = _yaw_remarks({column.target for column in motion}, head.labels[motion[0].index])
+    remarks += _unused_angle_remarks(head, running[0], rates[0], yaws) if rates and not encoder else ()
     return TableColumns(BY_LABELS, taken, remarks=remarks)
 
 
@@ -339,6 +341,31 @@ def _yaw(head: Head, index: int) -> UsedColumn | None:
     if kind not in {"yaw", "heading"}:
         return None
     return UsedColumn(index, "yaw_deg", ANGLE_DEG[unit.option] * (-1.0 if kind == "heading" else 1.0))
+
+
+def _encoder(head: Head) -> list[UsedColumn]:
+    """The reference angle with a unit; empty if there is none or more than one."""
+    units = ((index, unit_in(label)) for index, label in enumerate(head.labels) if _names_encoder(label))
+    angles = [(index, unit) for index, unit in units if unit is not None and unit.dimension is Dimension.ANGLE]
+    return [UsedColumn(index, "encoder_deg", ANGLE_DEG[unit.option]) for index, unit in angles[:1] if len(angles) == 1]
+
+
+def _names_encoder(label: str) -> bool:
+    return "encoder" in {kind_of(without_unit(label)), kind_of(label)}
+
+
+def _unused_angle_remarks(
+    head: Head, clock: UsedColumn, rate: UsedColumn, yaws: Sequence[UsedColumn]
+) -> tuple[str, ...]:
+    """Remark on an angle with a rate, which may be a reference or the result of the device's own filter."""
+    if len(yaws) != 1:
+        return ()
+    labels = [head.labels[column.index].strip() for column in (clock, rate, yaws[0])]
+    rate_unit = unit_in(labels[1])
+    angle = f"encoder:{'deg' if abs(yaws[0].scale) == 1.0 else 'rad'}{':-' if yaws[0].scale < 0.0 else ''}"
+    meanings = [clock.unit, f"rate:{rate_unit.option if rate_unit else 'dps'}", angle]
+    spec = ", ".join(f"{label}={meaning}" for label, meaning in zip(labels, meanings, strict=True))
+    return (f"its angle {labels[2]} is not used; if it is the reference, state --columns '{spec}'",)
 
 
 def _quaternion(head: Head) -> list[UsedColumn]:

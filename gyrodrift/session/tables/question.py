@@ -40,7 +40,8 @@ MEANINGS = {
 HOW = (
     "name them with --columns, one entry per column or LABEL=entry: the clock is t_s, t_ms, t_us or t_ns; the rate"
     " about the vertical axis is rate with its unit, :dps, :rads, :mdps or :lsb/N for counts (N is in the sensor's data"
-    " sheet); an angle is yaw:deg or yaw:rad; _ ignores a column"
+    " sheet); a reference angle is encoder:deg or encoder:rad; an angle of the device itself is yaw:deg or yaw:rad; _"
+    " ignores a column"
 )
 
 
@@ -112,4 +113,4 @@ def _looks(label: str, texts: Sequence[str]) -> str:
     kind = kind_of(without_unit(label)) or kind_of(label)
     meaning = MEANINGS.get(kind, "unknown")
     has_unit = unit is not None or bool(clock_unit(label, texts))
-    return f"{meaning}, {f'unit of {unit.dimension}' if unit else 'with a unit' if has_unit else 'no unit'}"
+    return f"{meaning}, {f'in a unit of {unit.dimension}' if unit else 'with a unit' if has_unit else 'no unit'}"
