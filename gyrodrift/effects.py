@@ -19,15 +19,31 @@ Floats = NDArray[np.float64]
 Effects = Sequence[Mapping[str, Any]]
 """Entries with the name under `effect` and the numbers under `parameters`."""
 
-# fmt: off
-EFFECTS = frozenset((
-    "bandwidth", "bias_instability", "constant_bias", "deadband", "g_sensitivity", "latency", "misalignment",
-    "nonlinearity", "popcorn", "quantization", "rate_random_walk", "saturation", "scale_asymmetry",
-    "scale_factor", "spikes", "stale_hold", "temp_bias", "temp_scale", "vibration", "vibration_rectification",
-    "warmup", "white_noise",
-))
-# fmt: on
-"""Effects on the rate; effects of clocks, links and encoders are none of these."""
+EFFECTS = {
+    "bandwidth": {"cutoff_hz", "order"},
+    "bias_instability": {"floor_dph"},
+    "constant_bias": {"bias_dps"},
+    "deadband": {"width_dps"},
+    "g_sensitivity": {"amplitude_dps", "phase_deg"},
+    "latency": {"delay_ms"},
+    "misalignment": {"tilt_deg", "about_deg"},
+    "nonlinearity": {"error_percent_fs"},
+    "popcorn": {"step_dps", "dwell_s"},
+    "quantization": {"step_dps"},
+    "rate_random_walk": {"density_dps_rts"},
+    "saturation": {"limit_dps"},
+    "scale_asymmetry": {"error_percent"},
+    "scale_factor": {"error_percent"},
+    "spikes": {"height_dps", "share_percent"},
+    "stale_hold": {"share_percent"},
+    "temp_bias": {"slope_dps_per_c", "curve_per_c"},
+    "temp_scale": {"slope_percent_per_c"},
+    "vibration": {"amplitude_dps", "frequency_hz"},
+    "vibration_rectification": {"bias_dps_at_100_dps"},
+    "warmup": {"amplitude_dps", "time_constant_s", "fast_share", "fast_time_constant_s"},
+    "white_noise": {"density_dps_rthz"},
+}
+"""Effects on the rate and their parameters. Effects of clocks, links and encoders do not change a rate."""
 
 FULL_SCALE_DPS = 250.0
 REFERENCE_C = 25.0
@@ -61,19 +77,21 @@ def apply(rates: Array, times: Array, effects: Effects, temp_c: Array = 25.0, se
     Raises
     ------
     ValueError
-        An effect is not one of the rate.
+        An effect is not one of the rate, a parameter does not exist, or a value is not finite.
     """
-    t_s = np.asarray(times, float)
-    gyro = SimulatedGyro(effects, float(np.median(np.diff(t_s))), seed)
-    return np.array([gyro.read(*row) for row in np.stack(np.broadcast_arrays(rates, t_s, temp_c), axis=1).tolist()])
+    rows = np.asarray_chkfinite(np.stack(np.broadcast_arrays(np.asarray(rates, float), times, temp_c), axis=1))
+    gyro = SimulatedGyro(effects, float(np.median(np.diff(rows[:, 1]))), seed)
+    return np.array([gyro.read(*row) for row in rows.tolist()])
 
 
 class SimulatedGyro:
     """Gyro that is read each `step_s`, in order; a time that is not later than the last gives the last rate again."""
 
     def __init__(self, effects: Effects, step_s: float, seed: int | None = None) -> None:
-        if unknown := sorted({entry["effect"] for entry in effects} - EFFECTS):
-            raise ValueError(f"{', '.join(unknown)}: no effect on the rate; there are {', '.join(sorted(EFFECTS))}")
+        for name, given in ((entry["effect"], entry["parameters"].keys()) for entry in effects):
+            if name not in EFFECTS or given - EFFECTS[name]:
+                names = ", ".join(sorted(EFFECTS.get(name, EFFECTS)))
+                raise ValueError(f"no effect on the rate is called {name} with {', '.join(given)}; there are {names}")
         self._of = {(entry["effect"], name): value for entry in effects for name, value in entry["parameters"].items()}
         self._step_s, self._rng = step_s, np.random.default_rng(seed)
         self._tone, phase_deg = self._rng.uniform(0.0, 2.0 * pi), self._rng.uniform(0.0, 360.0)

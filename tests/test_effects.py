@@ -85,7 +85,7 @@ def test_every_effect_on_the_rate_is_compared() -> None:
     """White noise and constant bias belong to the ideal device and have tests of their own."""
     compared = {text.partition(":")[0] for text in (*EXACT, *RANDOM)}
     on_rate = {name for name, kind in CATALOGUE.items() if kind.slot <= EffectSlot.HOLD}
-    assert compared == on_rate == EFFECTS - {"white_noise", "constant_bias"}
+    assert compared == on_rate == EFFECTS.keys() - {"white_noise", "constant_bias"}
 
 
 def test_noise_and_bias_have_their_size() -> None:
@@ -131,7 +131,11 @@ def test_effects_act_in_the_order_of_a_device() -> None:
 
 def test_an_effect_that_is_none_of_the_rate_is_refused() -> None:
     """The message lists those that are."""
-    with pytest.raises(ValueError, match="clock_drift: no effect on the rate; there are bandwidth, "):
+    with pytest.raises(ValueError, match="is called scale_factor with error_pct; there are error_percent"):
+        apply([1.0, 1.0], [0.0, 0.01], [{"effect": "scale_factor", "parameters": {"error_pct": 2.0}}])
+    with pytest.raises(ValueError, match="must not contain infs or NaNs"):
+        apply([1.0, float("nan")], [0.0, 0.01], [])
+    with pytest.raises(ValueError, match="is called clock_drift with ppm; there are bandwidth, "):
         apply(TRUE_DPS, T_S, [{"effect": "clock_drift", "parameters": {"ppm": 100.0}}])
 
 
