@@ -122,7 +122,7 @@ def _remarks(causes: Sequence[NamedCause], recordings: int, response: ReferenceR
     shows = f"it already shows {names}, which the rig lacks; only changes since then are reported"
     shows_nothing = f"no cause is named in its {recordings} recordings; changes since then are reported"
     remarks = [f"baseline: {shows if causes else shows_nothing}"]
-    if response is not None:
+    if response is not None and (round(response.gain, 3), round(response.delay_s, 4)) != (1.0, 0.0):
         when = f"{abs(response.delay_s) * 1e3:.1f} ms {'later' if response.delay_s > 0.0 else 'earlier'}"
         turns = f"the gyro turns {response.gain:.4g} times as far as its reference, and {when}"
         remarks.append(f"baseline: {turns}; the references of both sets are corrected for that")

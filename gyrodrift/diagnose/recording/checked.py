@@ -10,7 +10,9 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.checks import LEAST_S, check_recording
 from gyrodrift.diagnose.recording.numbering import backlog_of, number_samples
+from gyrodrift.diagnose.recording.outliers import granularity
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
+from gyrodrift.errors import DataError
 from gyrodrift.session.calibrated import calibration_of, with_calibration
 from gyrodrift.session.checks.examine import ExaminedSession, clock_findings
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
@@ -31,6 +33,12 @@ value before the step.
 ENOUGH = 0.5
 """Least share of a session that its parts must hold, or it is not split. If a link fails that often, the outages are
 part of the session."""
+
+
+MANY_STEPS, HELD_SHARE, MOVES = 4.0, 0.9, 20
+"""Change of an angle that a motion cannot begin and end with, in its steps; least share of these changes that stop at
+once, and least number of them, for an angle that is held. Chosen: of angles that are read with each sample hardly any
+change stops at once, of held ones all do."""
 
 
 class Parts(NamedTuple):
@@ -143,6 +151,38 @@ def _kept_words(parts: int, too_short_s: float) -> str:
     return use + lost
 
 
+def without_held_angles(session: Session) -> tuple[Session, str]:
+    """Session whose angles count only where they are new, if its reference is slower than its gyro; and the remark.
+
+    Such a reference turns by many steps within a sample, and by none in the next. The remark is empty otherwise.
+    """
+    angle_deg = session.encoder_deg
+    if angle_deg is None or len(angle_deg) < 2:
+        return session, ""
+    change_deg = np.abs(np.diff(angle_deg))
+    moves = np.flatnonzero(change_deg[:-1] > MANY_STEPS * granularity(angle_deg))
+    if len(moves) < MOVES or np.mean(change_deg[moves + 1] == 0.0) < HELD_SHARE:
+        return session, ""
+    every = round(float(np.median(np.diff(moves))))
+    is_read = np.zeros(len(angle_deg), dtype=bool)
+    after = 0
+    for row in [*(1 + np.flatnonzero(change_deg)).tolist(), len(angle_deg)]:
+        is_read[after:row:every] = True  # at rest the readings are equal, too
+        after = row
+    remark = f"{session.name}: its angle is new in every {every}th sample only; between them it counts as missing"
+    return replace(session, encoder_deg=np.where(is_read, angle_deg, np.nan)), remark
+
+
+def _missing_numbers(session: Session) -> list[str]:
+    """Remark on rates and angles that are not numbers; empty without any."""
+    columns = {"rates": session.rate_dps, "angles": session.encoder_deg}
+    missing = {
+        name: int(np.count_nonzero(~np.isfinite(values))) for name, values in columns.items() if values is not None
+    }
+    words = [f"{count} of {len(session.rate_dps)} {name}" for name, count in missing.items() if count]
+    return [f"{session.name}: {' and '.join(words)} are not numbers, and count as missing"] if words else []
+
+
 class CheckedSession(NamedTuple):
     """Recordings of a session that passed the checks: none if it was refused, several if it was split at outages.
 
@@ -170,12 +210,18 @@ def checked_session(path: Path, reading: ReadingOptions = AS_WRITTEN) -> Checked
     session = reading.applied(load_session(path, reading.columns, allow_damage=True))
     clock = ExaminedSession(session, clock_findings(session, reading))
     clock.refuse_errors(str(path))
+    if session.encoder_deg is None:
+        how = "name its reference angle with --columns, as in 'time=t_s, gz=rate:rads, angle=encoder:rad'"
+        raise DataError(f"{path}: has no encoder, so its true motion is unknown; {how}")
     remarks = [f"{session.name}: {remark}" for remark in (*session.remarks, *clock.warnings)]
     calibration = calibration_of(session)
     if calibration is not None:
         session = with_calibration(session, calibration)
         how = f"is compared with its calibration of {calibration.date} applied, as a filter takes it"
         remarks.append(f"{session.name}: {how}")
+    remarks += _missing_numbers(session)
+    session, held_remark = without_held_angles(session)
+    remarks += [held_remark] if held_remark else []
     if waited := backlog_of(session):
         session = session.part(waited, len(session.t_device_s))
         remarks.append(f"{session.name}: its first {waited} samples had waited and came at once; they are ignored")

@@ -15,7 +15,7 @@ from gyrodrift.diagnose.recording.gravity import gravity_of
 from gyrodrift.diagnose.recording.outliers import granularity
 from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.errors import DataError
-from gyrodrift.session.checks.rate_unit import LIKE, wrong_unit
+from gyrodrift.session.checks.rate_unit import LIKE, TOO_LARGE, wrong_unit
 
 LEAST_S = 20.0
 """Least length of a recording, s: a rest and a few turns fit into it."""
@@ -27,6 +27,10 @@ LAG_S = 0.25
 """Largest delay between encoder and gyro that may come from a sensor, s. A recorder that joined two files wrongly makes
 larger ones."""
 
+
+STATE_RADIANS = "state encoder:rad in --columns"
+FULL_TURN_RAD = 2.0 * np.pi + 0.1
+"""Range of angles that are wrapped and in radians, and some noise. A table turns by more degrees."""
 
 TABLE_TILT = 0.02
 """Tangent of a tilt of the table that is remarked on, about 1 deg. Chosen: tables that are leveled by hand are within
@@ -102,7 +106,8 @@ def _motion(smoothed: Smoothed) -> Finding | None:
     if smoothed.recording.has_motion:
         return None
     if np.ptp(smoothed.rates.gyro_dps) > 10.0:  # more than drift and noise at rest
-        return Finding("the encoder does not move while the gyro does: is it connected?", None)
+        why = "the encoder does not move while the gyro does: is it connected?"
+        return Finding(f"{why} If its angle is in radians, {STATE_RADIANS}", None)
     return Finding("nothing moves in it; it shows effects at rest, of the clock and of the link only", smoothed)
 
 
@@ -112,7 +117,9 @@ def _alignment(smoothed: Smoothed) -> Finding | None:
     lag, _, correlation = best_lag(rates, recording.period_s)
     if abs(correlation) < LIKE:
         why = "gyro and encoder do not turn together: is it another axis, or do they come from different times?"
-        return Finding(f"{why} (correlation {correlation:.2f})", None)
+        angles_deg = np.ptp(filled(recording.encoder_deg))
+        hint = f"; if the angle is in radians, {STATE_RADIANS}" if angles_deg < FULL_TURN_RAD else ""
+        return Finding(f"{why} (correlation {correlation:.2f}){hint}", None)
     lag_s = abs(lag * recording.period_s)
     if lag_s <= LAG_S:
         return None
@@ -131,12 +138,15 @@ def _sign(smoothed: Smoothed) -> Finding | None:
 
 
 def _unit(smoothed: Smoothed) -> Finding | None:
-    """Convert the rates if their gain is the factor between two units."""
+    """Convert the rates if their gain is the factor between two units; refuse if the angle may have the wrong one."""
     gain = smoothed.rates.gain
     wrong = wrong_unit(1.0 / gain) if gain else None
     if wrong is None:
         return None
     factor, unit_words = wrong
+    if unit_words == TOO_LARGE:
+        question = f"the gyro turns 57.3 times as far as the reference: if the angle is in radians, {STATE_RADIANS}"
+        return Finding(f"{question}; if the rate was in deg/s already, state --rate-unit dps", None)
     across_dps = smoothed.recording.gyro_xy_dps
     scaled = replace(
         smoothed.recording,

@@ -85,7 +85,8 @@ def recording_of(session: Session, samples: int | None = None) -> Recording:
     numbers = number_samples(session)
     count = int(numbers.sample[-1]) + 1
     if count > 3 * len(numbers.sample):
-        raise DataError(f"{session.name}: its counter counts {count} samples, but the file has {len(numbers.sample)}")
+        by = "time stamps" if session.seq is None else "counter"
+        raise DataError(f"{session.name}: by its {by} it has {count} samples, but the file has {len(numbers.sample)}")
     length = count if samples is None else samples
     inside = numbers.sample < length
     index, row = numbers.sample[inside], numbers.row[inside]

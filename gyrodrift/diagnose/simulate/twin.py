@@ -50,6 +50,7 @@ from gyrodrift.diagnose.simulate.known_effects import (
     sensor_model_of,
     with_phases,
 )
+from gyrodrift.errors import DataError
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import as_recorded
 
@@ -270,13 +271,24 @@ class Subject:
         return replace(session, encoder_deg=session.encoder_deg + noise_deg[block.seq])
 
     def played(self, effects: tuple[Effect, ...], seed: int) -> Recording:
-        """Recording of a simulated session; without arrival times or a counter if the real recording has none."""
-        recording, session = self.cleaned.recording, self.session(effects, seed)
-        if recording.host_s is None:
+        """Recording of a simulated session; without a counter, arrival times or angles that the real one lacks."""
+        real, session = self.cleaned.recording, self.session(effects, seed)
+        if real.host_s is None:
             session = replace(session, t_host_s=None)
-        if not recording.has_counter:
-            session = replace(session, seq=None)
-        return recording_of(session, self.design.samples)
+        recording = self._on_grid(session)
+        lacks_angle = np.isfinite(real.rate_dps) & ~np.isfinite(real.encoder_deg)
+        if not lacks_angle.any():
+            return recording
+        return replace(recording, encoder_deg=np.where(lacks_angle, np.nan, recording.encoder_deg))
+
+    def _on_grid(self, session: Session) -> Recording:
+        """Recording of a session, numbered by its clock if the real recording has no counter."""
+        if self.cleaned.recording.has_counter:
+            return recording_of(session, self.design.samples)
+        try:
+            return recording_of(replace(session, seq=None), self.design.samples)
+        except DataError:  # stamps that scatter by many periods show no grid, but the simulator knows it
+            return replace(recording_of(session, self.design.samples), has_counter=False)
 
 
 def subject_of(recording: Recording, rig: Rig, least_noise_dps_rthz: float = 0.0) -> Subject:

@@ -35,7 +35,6 @@ def test_a_good_recording_passes_as_it_is() -> None:
     [
         (-1.0, "the sign opposite to the encoder's"),
         (np.pi / 180.0, "in radians per second"),
-        (180.0 / np.pi, "multiplied by 57.3"),
         (-np.pi / 180.0, "the sign opposite"),
     ],
 )
@@ -48,7 +47,16 @@ def test_sign_and_unit_are_told_and_put_right(factor: float, said: str) -> None:
     assert np.allclose(passed.recording.rate_dps, whole.rate_dps)
 
 
-@pytest.mark.parametrize("factor", [1.0, -1.0, np.pi / 180.0, 180.0 / np.pi])
+def test_an_angle_in_radians_is_asked_about() -> None:
+    """Nothing tells it from a rate that was converted twice, and the wrong one of both would scale all results."""
+    whole = recording()
+    passed = check_recording(replace(whole, rate_dps=np.rad2deg(whole.rate_dps)))
+    assert passed.recording is None
+    assert "encoder:rad" in passed.remarks[-1]
+    assert "--rate-unit dps" in passed.remarks[-1]
+
+
+@pytest.mark.parametrize("factor", [1.0, -1.0, np.pi / 180.0])
 @pytest.mark.parametrize("speed_dps", [20.0, -7.0, 200.0])
 def test_an_even_spin_is_alike_at_any_lag_and_has_a_sign_and_a_unit(speed_dps: float, factor: float) -> None:
     """Noise alone changes, and tells of no other axis and no other time."""
@@ -123,7 +131,8 @@ def test_a_scale_error_is_no_unit(*, gain: float, is_unit: bool) -> None:
     """Only what is within a third of 57.3 is."""
     whole = recording()
     passed = check_recording(replace(whole, rate_dps=whole.rate_dps * gain))
-    assert ("multiplied by 57.3" in " ".join(passed.remarks)) is is_unit
+    assert ("57.3 times as far" in " ".join(passed.remarks)) is is_unit
+    assert (passed.recording is None) is is_unit
 
 
 @pytest.mark.parametrize(("apart_s", "is_shifted"), [(0.2, False), (0.3, True)])

@@ -82,7 +82,7 @@ def test_samples_that_come_twice_or_late_are_counted() -> None:
     ("change", "message"),
     [
         ({"encoder_deg": None}, "has no encoder"),
-        ({"seq": np.arange(COUNT) * 50}, "its counter counts 49951 samples, but the file has 1000"),
+        ({"seq": np.arange(COUNT) * 50}, "by its counter it has 49951 samples, but the file has 1000"),
         ({"rate_dps": np.full(COUNT, np.nan)}, "has no numbers"),
     ],
 )

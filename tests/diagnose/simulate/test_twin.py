@@ -1,5 +1,6 @@
 """A motion that is drawn for a recording rests where that rests, by the encoder of its rig."""
 
+from dataclasses import replace
 from random import Random
 
 import numpy as np
@@ -41,3 +42,13 @@ def test_every_motion_rests_in_the_counts_that_were_read(seed: int) -> None:
         for first, end in rests:
             middle = (first + end) // 2
             np.testing.assert_allclose(read_deg[middle], one.cleaned.encoder_deg[middle], atol=1e-6)
+
+
+def test_stamps_that_scatter_by_many_periods_need_no_counter() -> None:
+    """The simulator knows the number of each sample, whatever its stamps say."""
+    rig = Rig(base=Base(sample_rate_hz=1000.0, encoder_cpr=4096))
+    session = Simulation(rig, load_profile("turntable"), 1, 0, 0.5).whole()
+    subject = subject_of(recording_of(replace(session, seq=None, t_host_s=None)), rig)
+    played = subject.played((parse_effect("timestamp_jitter:sigma_ms=100"),), 1)
+    assert len(played.rate_dps) == len(subject.cleaned.rate_dps)
+    assert not played.has_counter
