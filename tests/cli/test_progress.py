@@ -93,7 +93,7 @@ def test_a_pager_is_not_drawn_over(sessions: Path) -> None:
 LONG = {
     "tune": ["{all}", "--out", "{out}/c.yaml", "--iterations", "60", "--jobs", "1"],
     "compare": ["{many}", "--jobs", "1"],
-    "diagnose": ["{many}", "--out", "{out}/report", "--jobs", "1"],
+    "diagnose": ["{all}", "--out", "{out}/report", "--jobs", "1"],
 }
 LEFT_OF = {"tune": "total", "compare": "sessions", "diagnose": "total"}
 """The bar with the time left: a stage with others after it has none."""
@@ -110,7 +110,7 @@ def test_long_ones_show_something_before_they_load_their_packages(name: str, ses
     line = words(name, LONG[name], sessions, tmp_path)
     with Terminal(*ours(*line), columns=120, streams=["stderr"]) as terminal:
         terminal.until(lambda shown: "packages" in shown.text, "packages")
-        terminal.until(lambda shown: NEXT[name] in shown.text, NEXT[name])
+        terminal.until(lambda shown: NEXT[name].encode() in shown.sent, NEXT[name])
         terminal.until(lambda shown: " left " in shown.text, "time left")
         assert [row.split()[0] for row in terminal.text.splitlines() if " left " in row] == [LEFT_OF[name]]
         terminal.process.send_signal(signal.SIGINT)
