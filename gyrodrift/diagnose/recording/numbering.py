@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import minimum_filter1d
 
-from gyrodrift.arrays import Floats, Integers
+from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.errors import DataError
 from gyrodrift.session.session import Session
 
@@ -64,7 +64,7 @@ def number_samples(session: Session) -> SampleNumbers:
         If fewer than two samples have different numbers.
     """
     seq = _counter_of(session)
-    number = numbers_by_clock(session.t_device_s) if seq is None else _by_counter(seq)
+    number = _by_times(session) if seq is None else _by_counter(seq)
     disordered = int(np.count_nonzero(np.diff(number) < 0))
     number = number - number.min()
     if (np.diff(number) > 0).all():
@@ -74,6 +74,27 @@ def number_samples(session: Session) -> SampleNumbers:
     if len(kept) < 2:
         raise DataError(f"{session.name}: has {len(kept)} samples; at least 2 are needed")
     return SampleNumbers(kept - kept[0], row, len(number) - len(kept), disordered)
+
+
+def _by_times(session: Session) -> Integers:
+    """(n,) grid indices by the stamps; a repeated row has the index of the row before it."""
+    is_new = ~_repeats_row(session)
+    numbers: Integers = numbers_by_clock(session.t_device_s[is_new])[np.cumsum(is_new) - 1]
+    return numbers
+
+
+def _repeats_row(session: Session) -> Mask:
+    """(n,) whether a row repeats the row before it, with stamp and values.
+
+    Stamps that are coarser than the samples are equal, too. But then the values of some equal stamps differ.
+    """
+    t_s, values = session.t_device_s, [session.rate_dps, session.encoder_deg]
+    is_same_time: Mask = np.concatenate([[False], np.diff(t_s) == 0.0])
+    is_same = is_same_time.copy()
+    for column in values:
+        if column is not None:
+            is_same[1:] &= (column[1:] == column[:-1]) | (np.isnan(column[1:]) & np.isnan(column[:-1]))
+    return is_same if (is_same == is_same_time).all() else np.zeros(len(t_s), bool)
 
 
 def backlog_of(session: Session) -> int:

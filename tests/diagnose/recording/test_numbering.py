@@ -118,3 +118,22 @@ def test_recordings_over_radio_are_even_behind_what_had_waited(kept: str, least:
     assert np.median(off) < 0.6
     assert max(off) < 2.5
     assert 0.0095 < min(period_s) < max(period_s) < 0.012
+
+
+@pytest.mark.parametrize("counter", [True, False])
+def test_a_row_that_comes_twice_is_one_sample(*, counter: bool) -> None:
+    """By its counter, or by its stamp and values; otherwise all times after it would be late by a sample."""
+    row = np.sort(np.concatenate([np.arange(COUNT), np.arange(0, COUNT, 50)]))
+    rate_dps = np.random.default_rng(2).normal(0.0, 1.0, COUNT)
+    session = Session("twice", PERIOD_S * row, rate_dps[row], seq=row if counter else None, encoder_deg=1.0 * row)
+    numbers = number_samples(session)
+    assert (numbers.sample == np.arange(COUNT)).all()
+    assert (numbers.repeated, numbers.disordered) == (len(row) - COUNT, 0)
+
+
+def test_equal_stamps_of_different_samples_are_coarse() -> None:
+    """Four samples to each stamp, some of which are equal at rest."""
+    rate_dps: Floats = np.where(np.arange(COUNT) < 500, 0.0, np.random.default_rng(2).normal(0.0, 1.0, COUNT))
+    stamps_s = PERIOD_S * 4.0 * (np.arange(COUNT) // 4)
+    numbers = number_samples(Session("coarse", stamps_s, rate_dps, encoder_deg=np.zeros(COUNT)))
+    assert numbers.repeated == 0
