@@ -134,6 +134,6 @@ def test_a_row_that_comes_twice_is_one_sample(*, counter: bool) -> None:
 def test_equal_stamps_of_different_samples_are_coarse() -> None:
     """Four samples to each stamp, some of which are equal at rest."""
     rate_dps: Floats = np.where(np.arange(COUNT) < 500, 0.0, np.random.default_rng(2).normal(0.0, 1.0, COUNT))
-    stamps_s = PERIOD_S * 4.0 * (np.arange(COUNT) // 4)
+    stamps_s = PERIOD_S * 4.0 * np.repeat(np.arange(COUNT / 4), 4)
     numbers = number_samples(Session("coarse", stamps_s, rate_dps, encoder_deg=np.zeros(COUNT)))
     assert numbers.repeated == 0
