@@ -76,10 +76,15 @@ def _names(file: TextIO) -> list[str]:
     words = [word.strip() for word in line.split(",")]
     if len(words) > MOST_COLUMNS:
         return []
-    names = [OTHER_NAMES.get(word, word) if OTHER_NAMES.get(word) not in words else word for word in words]
+    names = present_names(words)
     columns = [name for name in names if name in COLUMNS]
     is_session = set(REQUIRED) <= set(columns) and len(columns) == len(set(columns)) and not slips_in(names)
     return names if is_session else []
+
+
+def present_names(labels: Sequence[str]) -> list[str]:
+    """Labels with the present names of columns; another name stays if the present one is there, too."""
+    return [OTHER_NAMES.get(label, label) if OTHER_NAMES.get(label) not in labels else label for label in labels]
 
 
 def slips_in(names: Sequence[str]) -> dict[int, list[str]]:

@@ -36,9 +36,9 @@ part of the session."""
 
 
 MANY_STEPS, HELD_SHARE, MOVES = 4.0, 0.9, 20
-"""Change of an angle that a motion cannot begin and end with, in its steps; least share of these changes that stop at
-once, and least number of them, for an angle that is held. Chosen: of angles that are read with each sample hardly any
-change stops at once, of held ones all do."""
+"""A held angle changes by more than so many of its steps, and by none in the next sample. At least this share of its
+large changes stops so, and there are at least so many of them. Chosen: hardly any large change of an angle that is read
+with each sample stops at once, and all of a held angle do."""
 
 
 class Parts(NamedTuple):

@@ -15,7 +15,7 @@ from gyrodrift.diagnose.recording.gravity import gravity_of
 from gyrodrift.diagnose.recording.outliers import granularity
 from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.errors import DataError
-from gyrodrift.session.checks.rate_unit import LIKE, TOO_LARGE, wrong_unit
+from gyrodrift.session.checks.rate_unit import LIKE, TOO_LARGE, WORDS, wrong_unit
 
 LEAST_S = 20.0
 """Least length of a recording, s: a rest and a few turns fit into it."""
@@ -26,7 +26,6 @@ TOGETHER_S = 60.0
 LAG_S = 0.25
 """Largest delay between encoder and gyro that may come from a sensor, s. A recorder that joined two files wrongly makes
 larger ones."""
-
 
 STATE_RADIANS = "state encoder:rad in --columns"
 FULL_TURN_RAD = 2.0 * np.pi + 0.1
@@ -143,8 +142,8 @@ def _unit(smoothed: Smoothed) -> Finding | None:
     wrong = wrong_unit(1.0 / gain) if gain else None
     if wrong is None:
         return None
-    factor, unit_words = wrong
-    if unit_words == TOO_LARGE:
+    factor, unit = wrong
+    if unit == TOO_LARGE:
         question = f"the gyro turns 57.3 times as far as the reference: if the angle is in radians, {STATE_RADIANS}"
         return Finding(f"{question}; if the rate was in deg/s already, state --rate-unit dps", None)
     across_dps = smoothed.recording.gyro_xy_dps
@@ -153,7 +152,7 @@ def _unit(smoothed: Smoothed) -> Finding | None:
         rate_dps=smoothed.recording.rate_dps * factor,
         gyro_xy_dps=None if across_dps is None else across_dps * factor,
     )
-    remark = f"the rate {unit_words}; it was multiplied by {factor:.4g}"
+    remark = f"the rate {WORDS[unit]}; it was multiplied by {factor:.4g}"
     return Finding(remark, Smoothed(scaled, smoothed.rates.with_gyro_times(factor)))
 
 

@@ -33,8 +33,8 @@ WORDS = {
     COUNTS: "is in counts, not degrees per second",
 }
 
-TOO_LARGE = WORDS[DEGREES]
-"""Description of rates that are 57.3 times too large."""
+TOO_LARGE = DEGREES
+"""Unit of rates that are 57.3 times too large."""
 
 NEAR = 1.35
 """A factor this close to a wrong unit counts as this unit; a scale error of a third does not."""
@@ -65,8 +65,8 @@ LIKELY_ODDS = 1.0
 
 
 def wrong_unit(factor: float) -> tuple[float, str] | None:
-    """Exact factor and description of the unit that explains a wrong factor of the rates; None if none does."""
-    matches = ((1.0 / per, WORDS[unit]) for unit, per in PER_DPS.items() if 1.0 / NEAR < factor * per < NEAR)
+    """Exact factor and unit, a key of WORDS, that explain a wrong factor of the rates; None if none does."""
+    matches = ((1.0 / per, unit) for unit, per in PER_DPS.items() if 1.0 / NEAR < factor * per < NEAR)
     return next(matches, None)
 
 
@@ -105,7 +105,9 @@ def _by_encoder(session: Session, comparison: EncoderComparison) -> Iterator[Ses
     if wrong is None and 1.0 / NEAR < size < NEAR:
         return
     is_sure = wrong is not None or not 1.0 / FAR < size < FAR
-    statement = wrong[1] if wrong else f"is {max(size, 1.0 / size):.4g} times too {'small' if size > 1.0 else 'large'}"
+    statement = (
+        WORDS[wrong[1]] if wrong else f"is {max(size, 1.0 / size):.4g} times too {'small' if size > 1.0 else 'large'}"
+    )
     factor = wrong[0] if wrong and not _is_counts(session, size) else 1.0 / (_sensitivity(size) or 1.0 / size)
     option = _option(session, factor)
     yield SessionFinding("rate_unit", f"the rate {statement}: {angles}", f"use --rate-unit {option}", is_error=is_sure)

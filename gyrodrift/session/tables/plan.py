@@ -11,7 +11,7 @@ from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.spec import ACCELERATION_MPS2, ANGLE_DEG, CLOCK_US, IGNORED, RATE_DPS, Column
 from gyrodrift.columns.units import Dimension, Unit, unit_in, unit_of, without_unit
 from gyrodrift.errors import DataError, UsageError
-from gyrodrift.session.csv import OTHER_NAMES
+from gyrodrift.session.csv import present_names
 from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS
 from gyrodrift.session.tables.known import KNOWN_TABLES, NOTHING, label_index
 from gyrodrift.session.tables.times import epoch_unit, is_time
@@ -199,8 +199,7 @@ def _taken(index: int, column: Column) -> UsedColumn:
 
 def own_columns(head: Head) -> TableColumns | None:
     """Columns of a session of this program; None if the header lacks a required name."""
-    labels = [label.strip() for label in head.labels]
-    names = [OTHER_NAMES.get(label, label) if OTHER_NAMES.get(label) not in labels else label for label in labels]
+    names = present_names([label.strip() for label in head.labels])
     if not {"t_device_s", "rate_dps"} <= set(names):
         return None
     twice = next((name for name in COLUMNS if names.count(name) > 1), None)
@@ -305,11 +304,16 @@ def clock_unit(label: str, texts: Sequence[str]) -> str:
     return epoch_unit(texts)
 
 
+def _kinds(label: str) -> tuple[str, str]:
+    """Kinds of a label without its unit, and with it."""
+    return kind_of(without_unit(label)), kind_of(label)
+
+
 def _rate(head: Head, index: int) -> UsedColumn | None:
     label = head.labels[index]
     unit = unit_in(label)
     factor = rate_factor(unit) if unit else None
-    is_rate = bool({kind_of(without_unit(label)), kind_of(label)} & RATES)
+    is_rate = not RATES.isdisjoint(_kinds(label))
     has_numbers = any(map(NUMBER_BEGINS.match, head.texts(index)))
     return UsedColumn(index, "rate_dps", factor) if factor is not None and is_rate and has_numbers else None
 
@@ -324,7 +328,7 @@ def _axes(head: Head) -> list[UsedColumn]:
 def _axis(head: Head, index: int) -> UsedColumn | None:
     label = head.labels[index]
     unit = unit_in(label)
-    kind = next((kind for kind in (kind_of(without_unit(label)), kind_of(label)) if kind in AXES), "")
+    kind = next((kind for kind in _kinds(label) if kind in AXES), "")
     if unit is None or not kind or not all(map(NUMBER_BEGINS.match, head.texts(index))):
         return None
     factor = rate_factor(unit) if kind in ("gx", "gy") else ACCELERATION_MPS2.get(unit.option)
@@ -345,13 +349,9 @@ def _yaw(head: Head, index: int) -> UsedColumn | None:
 
 def _encoder(head: Head) -> list[UsedColumn]:
     """The reference angle with a unit; empty if there is none or more than one."""
-    units = ((index, unit_in(label)) for index, label in enumerate(head.labels) if _names_encoder(label))
+    units = ((index, unit_in(label)) for index, label in enumerate(head.labels) if "encoder" in _kinds(label))
     angles = [(index, unit) for index, unit in units if unit is not None and unit.dimension is Dimension.ANGLE]
     return [UsedColumn(index, "encoder_deg", ANGLE_DEG[unit.option]) for index, unit in angles[:1] if len(angles) == 1]
-
-
-def _names_encoder(label: str) -> bool:
-    return "encoder" in {kind_of(without_unit(label)), kind_of(label)}
 
 
 def _unused_angle_remarks(
@@ -361,9 +361,8 @@ def _unused_angle_remarks(
     if len(yaws) != 1:
         return ()
     labels = [head.labels[column.index].strip() for column in (clock, rate, yaws[0])]
-    rate_unit = unit_in(labels[1])
-    angle = f"encoder:{'deg' if abs(yaws[0].scale) == 1.0 else 'rad'}{':-' if yaws[0].scale < 0.0 else ''}"
-    meanings = [clock.unit, f"rate:{rate_unit.option if rate_unit else 'dps'}", angle]
+    rate_unit, angle_unit = (unit.option if (unit := unit_in(label)) else "" for label in labels[1:])
+    meanings = [clock.unit, f"rate:{rate_unit}", f"encoder:{angle_unit}{':-' if yaws[0].scale < 0.0 else ''}"]
     spec = ", ".join(f"{label}={meaning}" for label, meaning in zip(labels, meanings, strict=True))
     return (f"its angle {labels[2]} is not used; if it is the reference, state --columns '{spec}'",)
 
