@@ -107,13 +107,13 @@ def test_a_response_loses_its_share_and_a_dead_band_its_rates() -> None:
 
 
 def test_a_bias_follows_the_temperature_and_the_clock() -> None:
-    """Zero at 25 °C with its slope there; a part e of the warm-up after its time constant."""
+    """Zero at 25 °C with its slope there; 1/e of the warm-up after its time constant."""
     signals = tone(0.1, 0.0)
     assert signals.temp_c is not None
     bias_dps = flawed(flaws.temperature_bias(0.04), signals).rate_dps
     assert np.interp([24.0, 25.0, 26.0], signals.temp_c, bias_dps) == pytest.approx([-0.04, 0.0, 0.04], abs=1e-3)
     warm_dps = flawed(flaws.exponential_warm_up(0.6, 20.0), signals).rate_dps
-    assert warm_dps[[0, 1600]] == pytest.approx([0.6, 0.6 / np.e])
+    assert warm_dps[[0, 1600]] == pytest.approx([0.6, 0.6 * np.exp(-1.0)])
     with pytest.raises(ValueError, match="needs a session with temperatures"):
         flawed(flaws.temperature_gain(0.1), replace(signals, temp_c=None))
 
