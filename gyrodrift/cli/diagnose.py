@@ -25,6 +25,7 @@ EXPORTS = ("gazebo", "kalibr", "mujoco", "json")
 if TYPE_CHECKING:
     from firmware_sim.rig import Rig
     from gyrodrift.html.provenance import Provenance
+    from gyrodrift.session.checks.stated import ReadingOptions
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -49,6 +50,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="sessions of another day or simulator: explain the difference to them (repeatable; default: none)",
     )
     parser.add_argument(
+        "--baseline-columns",
+        metavar="SPEC",
+        help="columns, units and signs of the --baseline tables, if the options --columns, --rate-unit, --time-unit, "
+        "--accel-unit and --flip do not hold for them (default: like PATH)",
+    )
+    parser.add_argument(
         "--export",
         choices=EXPORTS,
         action="append",
@@ -64,6 +71,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Diagnose; 0 if all files are written, whatever the verdict."""
+    if arguments.baseline_columns is not None and not arguments.baseline:
+        raise UsageError("--baseline-columns: needs --baseline PATH, whose columns it states")
     check_writable(arguments.out)
     options.hold_product_threads()
     with options.progress_of(arguments, {}) as waiting:
@@ -104,6 +113,7 @@ def run(arguments: argparse.Namespace) -> int:
                 progress.report,
                 baseline,
                 reading=inputs.reading(arguments),
+                baseline_reading=_baseline_reading(arguments),
                 is_rig_stated=arguments.rig is not None,
             )
         )
@@ -120,6 +130,16 @@ def run(arguments: argparse.Namespace) -> int:
     for export in exports:
         print(visible(f"export: {export_line(export)}"))
     return 0
+
+
+def _baseline_reading(arguments: argparse.Namespace) -> "ReadingOptions":
+    """Statements on the baseline: the spec of its own alone, or else those on the sessions."""
+    from gyrodrift.columns.spec import columns_of
+    from gyrodrift.session.checks.stated import ReadingOptions
+
+    if arguments.baseline_columns is None:
+        return inputs.reading(arguments)
+    return ReadingOptions(columns_of(arguments.baseline_columns))
 
 
 def _provenance(arguments: argparse.Namespace, rig: "Rig") -> "Provenance":

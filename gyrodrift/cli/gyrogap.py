@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 from gyrodrift.cli import numbers, options
-from gyrodrift.errors import UsageError
+from gyrodrift.errors import UsageError, visible
 
 ACTIONS = ("make", "score")
 ROW_NAMES = ("none", "single", "small", "pair", "outside", "wrong_size")
@@ -88,7 +88,7 @@ def _score(arguments: argparse.Namespace) -> int:
         )
     from gyrodrift.gyrogap.data_set import CASES, SEALS
     from gyrodrift.gyrogap.json_files import write_json
-    from gyrodrift.gyrogap.score import judge_answers, score_json, table
+    from gyrodrift.gyrogap.score import SCORE, judge_answers, score_json, table, unused_answers
 
     with options.progress_of(arguments) as progress:
         cases = judge_answers(
@@ -98,7 +98,11 @@ def _score(arguments: argparse.Namespace) -> int:
             lambda done, total: progress.report(CASES, done, total),
             has_gap=not arguments.no_gap_closed,
         )
-    write_json(arguments.out or arguments.answers / "score.json", score_json(cases))
+    write_json(arguments.out or arguments.answers / SCORE, score_json(cases))
+    unused = unused_answers(arguments.folder, arguments.answers)
+    if unused:
+        files = f"{arguments.answers}: {len(unused)} JSON files answer no case of {arguments.folder}"
+        print(visible(f"gyrodrift: note: {files}, such as {unused[0]}"), file=sys.stderr)
     for line in table(cases):
         print(line)
     return 0

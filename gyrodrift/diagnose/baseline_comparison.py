@@ -90,7 +90,7 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
     DataError
         If no recording of the baseline can be used.
     """
-    origins, of_baseline, remarks = recordings_of(request.baseline, request.progress, request.reading)
+    origins, of_baseline, remarks = recordings_of(request.baseline, request.progress, request.baseline_reading)
     response = _response_of(of_baseline, recordings)
     origins, of_baseline = with_corrected_reference(response, origins, of_baseline)
     base = request.rig.base

@@ -48,8 +48,8 @@ class DiagnosisRequest(NamedTuple):
         Earlier recordings of the device: a difference that they show, too, is no gap.
     least_noise_dps_rthz
         Least noise that the rig is calibrated to.
-    reading
-        Columns and units as stated by a person.
+    reading, baseline_reading
+        Columns and units as stated by a person, of the sessions and of the baseline.
     is_rig_stated
         Whether a person states the rig. Otherwise facts of a baseline replace its facts, without a warning.
     """
@@ -63,6 +63,7 @@ class DiagnosisRequest(NamedTuple):
     baseline: Sequence[Path] = ()
     least_noise_dps_rthz: float = 0.0
     reading: ReadingOptions = AS_WRITTEN
+    baseline_reading: ReadingOptions = AS_WRITTEN
     is_rig_stated: bool = True
 
 
@@ -148,9 +149,11 @@ def without_columns_of_one_set(
     DataError
         No recording of the baseline can be used.
     """
-    lacking = lacking_values(recordings, recordings_of(request.baseline, request.progress, request.reading)[1])
+    of_baseline = recordings_of(request.baseline, request.progress, request.baseline_reading)[1]
+    lacking = lacking_values(recordings, of_baseline)
     reading = replace(request.reading, without=lacking.of_one_set)
-    return request._replace(reading=reading), lacking
+    baseline_reading = replace(request.baseline_reading, without=lacking.of_one_set)
+    return request._replace(reading=reading, baseline_reading=baseline_reading), lacking
 
 
 def testable_among(

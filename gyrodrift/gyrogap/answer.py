@@ -95,8 +95,11 @@ def _cause(stated: Any, path: Path) -> AnsweredCause:
     parameters, names = stated.get("parameters", {}), {parameter.name for parameter in PARAMETERS[effect]}
     if not isinstance(parameters, dict) or not all(_is_number(value) for value in parameters.values()):
         raise DataError(f"{path}: parameters of {effect} must be numbers by name")
-    used = {name: float(value) for name, value in parameters.items() if name in names}
-    return AnsweredCause(effect, _probability(stated.get("probability"), effect, path), used)
+    for name in parameters:
+        if name not in names:
+            raise DataError(f"{path}: {effect} has no parameter {name!r}; it has {', '.join(sorted(names))}")
+    values = {name: float(value) for name, value in parameters.items()}
+    return AnsweredCause(effect, _probability(stated.get("probability"), effect, path), values)
 
 
 def _probability(stated: Any, name: str, path: Path) -> float:

@@ -14,6 +14,9 @@ from gyrodrift.gyrogap.judge import JudgedCase, judged_case
 from gyrodrift.gyrogap.rows import draw_case
 from gyrodrift.gyrogap.seals import open_seal
 
+SCORE = "score.json"
+"""The score of a folder of answers, written beside them."""
+
 
 def judge_answers(folder: Path, seals: Path, answers: Path, on_case: OnCase, *, has_gap: bool) -> list[JudgedCase]:
     """Judge all cases of a data set; `has_gap` simulates the answers on held-out sessions.
@@ -36,6 +39,12 @@ def judge_answers(folder: Path, seals: Path, answers: Path, on_case: OnCase, *, 
         judged.append(judged_case(label, answer, closed))
     on_case(len(listed), len(listed))
     return judged
+
+
+def unused_answers(folder: Path, answers: Path) -> list[str]:
+    """Names of the JSON files beside the answers that answer no case of a data set; the score is none of them."""
+    used = {f"{case.case}.json" for case in read_manifest(folder)} | {SCORE}
+    return sorted(path.name for path in answers.glob("*.json") if path.name not in used)
 
 
 def _closed(label: dict[str, Any], answer: BenchmarkAnswer | None) -> GapClosed:

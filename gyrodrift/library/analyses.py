@@ -94,6 +94,7 @@ def diagnose(
     on_progress: OnProgress = ignore_progress,
     allow_damage: bool = False,
     columns: str | None = None,
+    baseline_columns: str | None = None,
 ) -> "Diagnosis":
     """Explain the gap between a simulated rig and recordings; `result.verdict` names the missing effect.
 
@@ -111,8 +112,9 @@ def diagnose(
         Called with the name of the stage, how much is done, and the total, 0 if unknown.
     allow_damage
         Use the undamaged part of a damaged recording.
-    columns
-        Columns of tables, as in the option `--columns`; None to read them from the header.
+    columns, baseline_columns
+        Columns of tables, as in the option `--columns`; None to read them from the header. The baseline has those of
+        `columns` unless `baseline_columns` states its own.
 
     Raises
     ------
@@ -146,6 +148,7 @@ def diagnose(
         on_progress,
         of_baseline,
         reading=_reading(columns),
+        baseline_reading=_reading(columns if baseline_columns is None else baseline_columns),
         is_rig_stated=rig is not None,
     )
     _check_damage([*request.paths, *of_baseline], allow_damage=allow_damage)

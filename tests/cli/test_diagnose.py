@@ -139,6 +139,23 @@ def test_sessions_of_another_simulator_are_a_baseline(
     assert "only one of both sets has counter" in words((tmp_path / "out" / "report.html").read_text())
 
 
+def test_a_baseline_has_columns_of_its_own(scaled: Path, tmp_path: Path) -> None:
+    """In other units, with the other sign, and without labels: one spec states them, and the sessions keep theirs."""
+    simulator = record(tmp_path / "simulator")
+    tables = tmp_path / "tables"
+    tables.mkdir()
+    for path in simulator.iterdir():
+        session = load_session(path)
+        assert session.encoder_deg is not None
+        columns = np.column_stack([1000.0 * session.t_device_s, session.encoder_deg, -np.deg2rad(session.rate_dps)])
+        np.savetxt((tables / path.name).with_suffix(".txt"), columns, fmt="%.9f", delimiter=",")
+    baseline = [word for path in sorted(tables.iterdir()) for word in ("--baseline", str(path))]
+    stated = ("--baseline-columns", "t_ms, encoder, rate:rads:-")
+    gap = diagnosed(scaled, tmp_path / "out", *baseline, *stated, *FEW)
+    assert gap["causes"][0]["parameters"]["error_percent"]["value"] == pytest.approx(1.2, rel=0.15)
+    assert main(["diagnose", str(scaled), "--out", str(tmp_path / "none"), *stated]) == 2
+
+
 def test_no_gap_is_an_answer_with_what_would_have_been_seen(plain: Path, tmp_path: Path) -> None:
     """No cause, nothing left over, and the smallest effect of each kind."""
     gap = diagnosed(plain, tmp_path)

@@ -65,6 +65,10 @@ def test_a_cause_can_be_named_beside_an_unknown_part() -> None:
             "parameters of latency must be numbers by name",
         ),
         (
+            {"causes": [{"effect": "latency", "probability": 1, "parameters": {"delay": 8}}]},
+            "latency has no parameter 'delay'; it has delay_ms",
+        ),
+        (
             {"causes": [{"effect": "latency", "probability": 0.5}] * 2, "none": 0, "unknown": 0},
             "names an effect twice",
         ),

@@ -32,9 +32,14 @@ def test_make_and_score(data_set: Path, capsys: pytest.CaptureFixture[str], tmp_
     assert len(cases) == 6
     for case in cases[1:]:
         (tmp_path / f"{case}.json").write_text('{"causes": [], "none": 0.9, "unknown": 0.05}')
+    for other in ("case-1.json", "score.json"):
+        (tmp_path / other).write_text("{}")
     words = ["gyrogap", "score", str(folder), str(tmp_path), "--seals", str(data_set / "sealed")]
     assert main([*words, "--out", str(tmp_path / "out" / "score.json")]) == 0
-    assert "6 cases, 5 answered" in capsys.readouterr().out
+    printed = capsys.readouterr()
+    assert "6 cases, 5 answered" in printed.out
+    assert "1 JSON files answer no case of" in printed.err
+    assert "such as case-1.json" in printed.err
     score = json.loads((tmp_path / "out" / "score.json").read_text())
     figures = {figure["key"]: figure for figure in score["figures"]}
     assert figures["single_effect"]["value"] == 0.0

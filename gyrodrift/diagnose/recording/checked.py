@@ -169,7 +169,7 @@ def without_held_angles(session: Session) -> tuple[Session, str]:
     for row in [*(1 + np.flatnonzero(change_deg)).tolist(), len(angle_deg)]:
         is_read[after:row:every] = True  # at rest the readings are equal, too
         after = row
-    remark = f"{session.name}: its angle is new in every {every}th sample only; between them it counts as missing"
+    remark = f"{session.name}: its angle is new in one of {every} samples only; between them it counts as missing"
     return replace(session, encoder_deg=np.where(is_read, angle_deg, np.nan)), remark
 
 

@@ -40,7 +40,7 @@ def test_a_held_angle_counts_where_it_was_read(table: Session) -> None:
     moves = np.flatnonzero(np.abs(np.diff(read.encoder_deg[is_read])) > 0.0)
     rows = np.flatnonzero(is_read)[moves + 1]
     np.testing.assert_array_equal(read.encoder_deg[rows], table.encoder_deg[rows])
-    assert "new in every 10th sample only" in remark
+    assert "new in one of 10 samples only" in remark
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3])
