@@ -100,11 +100,12 @@ $(VENV)/ready: pyproject.toml | $(BIN)/python
 	$(BIN)/python -m pip install --quiet --editable .
 	@touch $@
 
-# Firmware tests need a compiler for AVR, the Arduino core with its builder, a simulated AVR, and CMake.
-FIRMWARE := gcc g++ gcc-avr avr-libc arduino-core-avr arduino-builder libsimavr-dev cmake
+# Firmware tests need compilers, also for AVR, the Arduino core with its builder, a simulated AVR, and CMake.
+FIRMWARE := gcc g++ clang clang-tidy libclang-rt-dev gcc-avr avr-libc arduino-core-avr arduino-builder libsimavr-dev \
+  cmake
 # Clients to test the outputs, and shells to test completion. RUNLEVEL=1 tells Debian not to start their services.
-CLIENTS := gpsd gpsd-clients mosquitto mosquitto-clients prometheus chromium xvfb x11-utils netcat-openbsd \
-  zsh fish
+CLIENTS := gpsd gpsd-clients mosquitto mosquitto-clients prometheus ser2net socat chromium xvfb x11-utils \
+  netcat-openbsd zsh fish
 
 # MAVProxy is a test client, installed without the packages for its maps and plots. Clients of npm are installed at the
 # same time, without their optional packages.

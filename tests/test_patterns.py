@@ -24,12 +24,12 @@ SOURCE = "\n".join(path.read_text() for path in Path(gyrodrift.__file__).parent.
 OURS = ("gyrodrift.html.", "gyrodrift.demo.", "gyrodrift.simulation.", "gyrodrift.link.text.")
 """Rooms whose patterns see what this program wrote, or single lines of a device, whose length is bounded."""
 
-SHORT, LONG = 2048, 8192
+SHORT, LONG = 8192, 32768
 MOST_RATIO = 10.0
 """Of the times for the two lengths: 4 where they are linear, 16 where they are quadratic."""
 
 QUICK_S = 0.02
-"""Who is done with LONG by then is not quadratic: that would be 33 million steps."""
+"""Who is done with LONG by then is not quadratic: that would be 500 million steps."""
 
 PATIENCE_S = 0.3
 """Processor time for one text; what takes longer is not linear."""

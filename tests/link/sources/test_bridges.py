@@ -118,8 +118,9 @@ def test_socat_brings_a_device_over_tcp(port: Path) -> None:
 def test_socat_brings_a_device_over_udp(port: Path) -> None:
     """Datagrams of its reads, cut anywhere in a frame."""
     number = free_port()
+    bridge = [program("socat"), f"OPEN:{port},rawer", f"UDP4-SENDTO:127.0.0.1:{number}"]
     link = Link(LinkOptions(f"udp://:{number}"), Events())
-    with device(port), running([program("socat"), f"OPEN:{port},rawer", f"UDP4-SENDTO:127.0.0.1:{number}"]):
+    with device(port), running(bridge):
         samples = read_until(link, lambda samples: len(samples) > 100)
     link.close()
     assert are_whole(samples)
