@@ -9,8 +9,8 @@ import numpy as np
 
 from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.checks import LEAST_S, check_recording
+from gyrodrift.diagnose.recording.held_angles import without_held_angles
 from gyrodrift.diagnose.recording.numbering import backlog_of, number_samples
-from gyrodrift.diagnose.recording.outliers import granularity
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.errors import DataError
 from gyrodrift.session.calibrated import calibration_of, with_calibration
@@ -33,12 +33,6 @@ value before the step.
 ENOUGH = 0.5
 """Least share of a session that its parts must hold, or it is not split. If a link fails that often, the outages are
 part of the session."""
-
-
-MANY_STEPS, HELD_SHARE, MOVES = 4.0, 0.9, 20
-"""A held angle changes by more than so many of its steps, and by none in the next sample. At least this share of its
-large changes stops so, and there are at least so many of them. Chosen: hardly any large change of an angle that is read
-with each sample stops at once, and all of a held angle do."""
 
 
 class Parts(NamedTuple):
@@ -149,28 +143,6 @@ def _kept_words(parts: int, too_short_s: float) -> str:
     use = "the rest is one session" if parts == 1 else f"the {parts} parts of the rest are taken as sessions"
     lost = f", without {too_short_s:.1f} s in parts of less than {LEAST_S:.0f} s" if too_short_s > 0.0 else ""
     return use + lost
-
-
-def without_held_angles(session: Session) -> tuple[Session, str]:
-    """Session whose angles count only where they are new, if its reference is slower than its gyro; and the remark.
-
-    Such a reference turns by many steps within a sample, and by none in the next. The remark is empty otherwise.
-    """
-    angle_deg = session.encoder_deg
-    if angle_deg is None or len(angle_deg) < 2:
-        return session, ""
-    change_deg = np.abs(np.diff(angle_deg))
-    moves = np.flatnonzero(change_deg[:-1] > MANY_STEPS * granularity(angle_deg))
-    if len(moves) < MOVES or np.mean(change_deg[moves + 1] == 0.0) < HELD_SHARE:
-        return session, ""
-    every = round(float(np.median(np.diff(moves))))
-    is_read = np.zeros(len(angle_deg), dtype=bool)
-    after = 0
-    for row in [*(1 + np.flatnonzero(change_deg)).tolist(), len(angle_deg)]:
-        is_read[after:row:every] = True  # at rest the readings are equal, too
-        after = row
-    remark = f"{session.name}: its angle is new in one of {every} samples only; between them it counts as missing"
-    return replace(session, encoder_deg=np.where(is_read, angle_deg, np.nan)), remark
 
 
 def _missing_numbers(session: Session) -> list[str]:

@@ -28,6 +28,9 @@ MOST_REACH, PIECE = 100, 10_000
 PRIOR = 1.0
 """Prior standard deviation of a weight. It is 1, because a delay moves the whole weight to another sample."""
 
+MOST_MISSING = 0.3
+"""Largest share of missing angles. Chosen: links lose fewer, and a reference at half of the rate lacks half of them."""
+
 BETTER = 0.5
 """Largest remaining share of the variance at which the weights are used, in recordings that they were not fitted to."""
 
@@ -84,11 +87,10 @@ def reference_response_of(recordings: Sequence[Recording]) -> ReferenceResponse 
     """Response that recordings of a bench share; None if it does not predict recordings that it was not fitted to.
 
     It is also None for a single recording, which leaves nothing to test the prediction. It is None for references with
-    steps, whose edges are finer in time than the samples of a gyro.
+    steps, whose edges are finer in time than the samples of a gyro, and for slow references: the weights would be those
+    of a filter against the error of interpolated angles, not those of the mechanics.
     """
-    if len(recordings) < 2 or any(
-        has_steps(recording.encoder_deg) or not recording.has_motion for recording in recordings
-    ):
+    if len(recordings) < 2 or not all(_has_response(recording) for recording in recordings):
         return None
     period_s = float(np.median([recording.period_s for recording in recordings]))
     reach = min(max(1, round(REACH_S / period_s)), MOST_REACH)
@@ -101,6 +103,12 @@ def reference_response_of(recordings: Sequence[Recording]) -> ReferenceResponse 
     if sum(held_out) > BETTER * sum(own.residual(unchanged) for own in moments):
         return None
     return ReferenceResponse(tuple(_fitted(moments, unchanged).tolist()), period_s)
+
+
+def _has_response(recording: Recording) -> bool:
+    """Whether the response to the reference of a recording can be determined."""
+    is_slow = np.mean(np.isnan(recording.encoder_deg)) > MOST_MISSING
+    return recording.has_motion and not is_slow and not has_steps(recording.encoder_deg)
 
 
 def _moments_of(recording: Recording, reach: int) -> _Moments:
