@@ -16,8 +16,8 @@ from gyrodrift.session.session import Session
 
 MANY_STEPS, HELD_SHARE, MOVES = 4.0, 0.5, 20
 """A held angle changes by more than so many of its steps, and by none in the next sample. At least this share of its
-large changes stops so, and there are at least so many of them. Chosen: hardly any large change of an angle that is read
-with each sample stops at once, and most of a held angle do, even if it comes at half of the rate with scatter."""
+large changes stops so, and there are at least so many of them. Chosen: hardly any change stops at once if the angle is
+read with each sample. Most changes do if it is held, even at half of the rate and with scatter."""
 
 REST = 3.0
 """Length from which on an equal angle is a rest with readings in it, in distances of readings in motion."""
@@ -46,26 +46,33 @@ def without_held_angles(session: Session) -> tuple[Session, str]:
         If fewer than two samples have different numbers.
     """
     angle_deg = session.encoder_deg
-    if angle_deg is None or len(angle_deg) < 2:
+    if angle_deg is None or not len(_moves(angle_deg[np.isfinite(angle_deg)])):
         return session, ""
-    change_deg = np.abs(np.diff(angle_deg))
-    moves = np.flatnonzero(change_deg[:-1] > MANY_STEPS * granularity(angle_deg))
-    if len(moves) < MOVES or np.mean(change_deg[moves + 1] == 0.0) < HELD_SHARE:
+    numbers = number_samples(session)
+    is_known = np.isfinite(angle_deg[numbers.row])
+    row, sample = numbers.row[is_known], numbers.sample[is_known]
+    angle_deg = angle_deg[row]
+    moves = _moves(angle_deg)
+    if not len(moves):
         return session, ""
     every = round(float(np.median(np.diff(moves))))
-    is_read = _is_read(1 + np.flatnonzero(change_deg), len(angle_deg), every)
-    rows = np.flatnonzero(is_read)
-    sample = np.full(len(angle_deg), -1)
-    numbers = number_samples(session)
-    sample[numbers.row] = numbers.sample
-    rows = rows[sample[rows] >= 0]  # of a sample that came twice, one row counts
-    age = ages(sample[rows], sample[1 + moves])
-    read_deg = np.full(len(angle_deg), np.nan)
-    read_deg[rows] = angle_deg[rows] + _turn_since_deg(sample[rows], age, angle_deg[rows])
+    is_read = _is_read(1 + np.flatnonzero(np.diff(angle_deg)), len(angle_deg), every)
+    age = ages(sample[is_read], sample[1 + moves])
+    read_deg = np.full(len(session.t_device_s), np.nan)
+    read_deg[row[is_read]] = angle_deg[is_read] + _turn_since_deg(sample[is_read], age, angle_deg[is_read])
     remark = f"{session.name}: its angle is new in one of {every} samples only; between them it counts as missing"
     if age.any():
         remark += ", and it is moved from the time of its reading to that of its sample"
-    return replace(session, encoder_deg=read_deg).part(int(rows[0]), int(rows[-1]) + 1), remark
+    first, *_, last = np.flatnonzero(np.isfinite(read_deg)).tolist()
+    return replace(session, encoder_deg=read_deg).part(first, last + 1), remark
+
+
+def _moves(angle_deg: Floats) -> Integers:
+    """(k,) indices before the large changes of an angle that is held; none if it is not held."""
+    change_deg = np.abs(np.diff(angle_deg))
+    moves = np.flatnonzero(change_deg[:-1] > MANY_STEPS * granularity(angle_deg))
+    is_held = len(moves) >= MOVES and np.mean(change_deg[moves + 1] == 0.0) >= HELD_SHARE
+    return moves if is_held else moves[:0]
 
 
 def _is_read(new: Integers, rows: int, every: int) -> Mask:

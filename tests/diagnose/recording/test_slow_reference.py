@@ -92,6 +92,21 @@ def test_even_readings_are_found_through_rests_and_lost_readings(smooth: Session
     assert np.median(np.abs(errors_ms(read, smooth))) < 0.5
 
 
+def test_missing_cells_and_repeated_rows_are_no_readings(smooth: Session) -> None:
+    """A lost angle spoils no other, and a row that comes twice moves none. Ages count as half a sample then."""
+    whole = read_at(smooth, np.arange(-0.4, len(smooth.rate_dps), 6.62))
+    assert whole.encoder_deg is not None
+    is_lost = np.random.default_rng(1).random(len(whole.rate_dps)) < 0.03
+    rows = np.sort(np.concatenate([np.arange(len(is_lost)), np.arange(500, len(is_lost), 500)]))
+    holed = replace(whole, encoder_deg=np.where(is_lost, np.nan, whole.encoder_deg)).rows(rows)
+    read, _ = without_held_angles(holed)
+    assert read.encoder_deg is not None
+    assert np.count_nonzero(np.isfinite(read.encoder_deg)) > 0.9 * len(is_lost) / 6.62
+    late_ms = errors_ms(read, smooth)
+    assert abs(late_ms.mean()) < 1.0
+    assert np.percentile(np.abs(late_ms), 95) < 6.0
+
+
 def test_readings_at_any_time_are_right_on_average(smooth: Session) -> None:
     """Each may be half a sample off, 5 ms."""
     rng = np.random.default_rng(2)
