@@ -90,13 +90,22 @@ def _loaded(source: Path, topic: str | None, arguments: argparse.Namespace) -> "
     if topic is None:
         return inputs.read_session(source, inputs.reading(arguments), allow_damage=arguments.allow_damage)
     reading = inputs.reading(arguments)
+    session = _of_topic(source, topic)
+    if reading.reference:
+        from gyrodrift.session.topics.reference import with_reference
+
+        session = with_reference(session, source, reading.reference)
+    return reading.applied(session)
+
+
+def _of_topic(source: Path, topic: str) -> "Session":
     if source.suffix in BAGS or source.is_dir():
         from gyrodrift.session.logs.bag import read_bag
 
-        return reading.applied(read_bag(source, topic))
+        return read_bag(source, topic)
     from gyrodrift.session.foreign.read import read_foreign
 
-    return reading.applied(read_foreign(source, topic))
+    return read_foreign(source, topic)
 
 
 def _tell_left_out(arguments: argparse.Namespace, session: "Session") -> None:

@@ -156,12 +156,12 @@ def _described(arguments: argparse.Namespace, path: Path) -> _Description:
     from gyrodrift.describe.possible import possible_part
     from gyrodrift.describe.text import groups_of
     from gyrodrift.session.checks.examine import examined
-    from gyrodrift.session.files import load_session
+    from gyrodrift.session.checks.stated import session_as_stated
     from gyrodrift.session.mcap.raw import raw_size
 
     reading = inputs.reading(arguments)
-    loaded = load_session(path, reading.columns, allow_damage=arguments.allow_damage)
-    checked = examined(reading.applied(loaded), reading)
+    loaded = session_as_stated(path, reading, allow_damage=arguments.allow_damage)
+    checked = examined(loaded, reading)
     session = checked.session
     raw = raw_size(path, allow_damage=session.damage is not None)
     possible = possible_part(session)

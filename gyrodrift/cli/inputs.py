@@ -26,6 +26,7 @@ def reading(arguments: argparse.Namespace) -> "ReadingOptions":
         arguments.time_unit or "",
         is_flipped=arguments.flip,
         accel_unit=arguments.accel_unit or "",
+        reference=arguments.reference or "",
     )
 
 
@@ -43,13 +44,13 @@ def read_session(path: Path, stated: "ReadingOptions | None" = None, *, allow_da
     DamagedError
         If it is damaged and `allow_damage` is false.
     """
-    from gyrodrift.session.files import load_session
+    from gyrodrift.session.checks.stated import AS_WRITTEN, session_as_stated
 
-    session = load_session(path, stated.columns if stated else None, allow_damage=allow_damage)
+    session = session_as_stated(path, stated or AS_WRITTEN, allow_damage=allow_damage)
     print_remarks(path, session)
     if session.damage is not None:
         _print_damage(path, str(session.damage))
-    return stated.applied(session) if stated else session
+    return session
 
 
 def checked_session(path: Path, arguments: argparse.Namespace) -> "Session":

@@ -102,7 +102,7 @@ def add_columns_option(parser: argparse.ArgumentParser) -> None:
 
 
 def add_unit_options(parser: argparse.ArgumentParser) -> None:
-    """Options of commands that read sessions, for headers with a wrong unit or sign."""
+    """Options of commands that read sessions, for headers with a wrong unit or sign, and for bags with a reference."""
     parser.add_argument(
         "--rate-unit",
         type=rate_unit,
@@ -124,6 +124,12 @@ def add_unit_options(parser: argparse.ArgumentParser) -> None:
         "--flip",
         action="store_true",
         help="change the sign of the rates; with three axes of y and z, for a sensor that is upside down",
+    )
+    parser.add_argument(
+        "--reference",
+        metavar="TOPIC",
+        help="topic of a ROS bag or .mcap with the reference angle: Odometry, PoseStamped, TransformStamped, or "
+        "JointState as TOPIC:JOINT (default: none)",
     )
 
 

@@ -28,8 +28,7 @@ from gyrodrift.evaluation.uncertainty import Uncertainty, mean_uncertainty, unce
 from gyrodrift.parallel import workers
 from gyrodrift.progress import COMPILING, OnProgress, ignore_progress
 from gyrodrift.result_table import ResultTable
-from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
-from gyrodrift.session.files import load_session
+from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions, session_as_stated
 from gyrodrift.tune.provenance import TuningProvenance, read_provenance
 
 COMPILED_SAMPLES = 100
@@ -296,7 +295,7 @@ def _source(path: Path, request: ComparisonRequest) -> Source:
 
 def _columns_of(path: Path, request: ComparisonRequest) -> tuple[bool, bool]:
     """Whether a session has three rates and accelerations, and whether it has the device's own yaw."""
-    session = load_session(path, request.reading.columns, allow_damage=True)
+    session = session_as_stated(path, request.reading)
     return session.gyro_dps is not None and session.accel_mps2 is not None, session.device_yaw_deg is not None
 
 

@@ -10,8 +10,7 @@ from gyrodrift.doctor.listen import clock_ppm, jitter_ms
 from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.outputs.status import DeviceStatus, LinkStatus
 from gyrodrift.session.checks.examine import examined
-from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
-from gyrodrift.session.files import load_session
+from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions, session_as_stated
 
 CLOCK_CHECKS = frozenset({"clock_unit", "clock_stamps"})
 """Checks whose errors make all times useless."""
@@ -30,7 +29,7 @@ def recorded(path: Path, reading: ReadingOptions = AS_WRITTEN) -> DeviceEvidence
     DataError
         It cannot be read.
     """
-    checked = examined(reading.applied(load_session(path, reading.columns, allow_damage=True)), reading)
+    checked = examined(session_as_stated(path, reading), reading)
     session, is_timed = checked.session, not any(f.is_error and f.id in CLOCK_CHECKS for f in checked.findings)
     description = describe(session)
     about, kept, device = (session.metadata.get(name, {}) for name in ("recording", "link", "device"))

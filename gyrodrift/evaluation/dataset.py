@@ -16,8 +16,7 @@ from gyrodrift.evaluation.reference import Reference, timed_reference_of
 from gyrodrift.evaluation.score import Score, score_of
 from gyrodrift.session.calibrated import calibrated
 from gyrodrift.session.checks.examine import examined
-from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
-from gyrodrift.session.files import load_session
+from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions, session_as_stated
 
 CROSS_VALIDATED = 5
 """Most sessions for leave-one-out cross-validation; with more sessions, a share is held out: chosen."""
@@ -107,7 +106,7 @@ def load_with_reference(source: Source) -> LoadedSession:
     DataError
         With its path, if it cannot be read, has no reference, or contradicts its options.
     """
-    whole = source.reading.applied(load_session(source.path, source.reading.columns, allow_damage=True))
+    whole = session_as_stated(source.path, source.reading)
     checked = examined(whole, source.reading, is_still=source.is_still)
     checked.refuse_errors(str(source.path))
     session = calibrated(checked.session)

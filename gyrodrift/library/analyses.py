@@ -95,6 +95,7 @@ def diagnose(
     allow_damage: bool = False,
     columns: str | None = None,
     baseline_columns: str | None = None,
+    reference: str | None = None,
 ) -> "Diagnosis":
     """Explain the gap between a simulated rig and recordings; `result.verdict` names the missing effect.
 
@@ -115,6 +116,8 @@ def diagnose(
     columns, baseline_columns
         Columns of tables, as in the option `--columns`; None to read them from the header. The baseline has those of
         `columns` unless `baseline_columns` states its own.
+    reference
+        Topic of bags and `.mcap` files with the reference angle, as in the option `--reference`; None for none.
 
     Raises
     ------
@@ -147,8 +150,8 @@ def diagnose(
         None,
         on_progress,
         of_baseline,
-        reading=_reading(columns),
-        baseline_reading=_reading(columns if baseline_columns is None else baseline_columns),
+        reading=_reading(columns, reference),
+        baseline_reading=_reading(columns if baseline_columns is None else baseline_columns, reference),
         is_rig_stated=rig is not None,
     )
     _check_damage([*request.paths, *of_baseline], allow_damage=allow_damage)
@@ -249,11 +252,11 @@ def _check_damage(paths: Iterable[Path], *, allow_damage: bool) -> None:
         raise DamagedError(damages)
 
 
-def _reading(spec: str | None) -> "ReadingOptions":
+def _reading(spec: str | None, reference: str | None = None) -> "ReadingOptions":
     from gyrodrift.columns.spec import columns_of
     from gyrodrift.session.checks.stated import ReadingOptions
 
-    return ReadingOptions(None if spec is None else columns_of(spec))
+    return ReadingOptions(None if spec is None else columns_of(spec), reference=reference or "")
 
 
 def _need(function: str, *packages: str) -> None:

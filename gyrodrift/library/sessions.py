@@ -8,7 +8,13 @@ if TYPE_CHECKING:
     from gyrodrift.session.session import Session
 
 
-def load_session(path: str | PathLike[str], *, columns: str | None = None, allow_damage: bool = False) -> "Session":
+def load_session(
+    path: str | PathLike[str],
+    *,
+    columns: str | None = None,
+    reference: str | None = None,
+    allow_damage: bool = False,
+) -> "Session":
     """Load a recorded session (`.mcap`) or a table (`.csv`, `.json` and others) as arrays.
 
     Parameters
@@ -17,6 +23,8 @@ def load_session(path: str | PathLike[str], *, columns: str | None = None, allow
         The file.
     columns
         Columns of a table, as in the option `--columns`; None to read them from the header.
+    reference
+        Topic of a bag or `.mcap` with the reference angle, as in the option `--reference`; None for none.
     allow_damage
         Return the undamaged part of a damaged recording; `session.damage` then has the losses.
 
@@ -31,4 +39,4 @@ def load_session(path: str | PathLike[str], *, columns: str | None = None, allow
     from gyrodrift.session import files
 
     named = None if columns is None else columns_of(columns)
-    return files.load_session(Path(path), named, allow_damage=allow_damage)
+    return files.load_session(Path(path), named, reference=reference or "", allow_damage=allow_damage)

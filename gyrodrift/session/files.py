@@ -21,7 +21,9 @@ LOGS = (".bag", ".db3", ".bin", ".log", ".ulg")
 """Endings of bags and logs of autopilots; tables have some of them too."""
 
 
-def load_session(path: Path, columns: Sequence[Column] | None = None, *, allow_damage: bool = False) -> Session:
+def load_session(
+    path: Path, columns: Sequence[Column] | None = None, *, reference: str = "", allow_damage: bool = False
+) -> Session:
     """Load a session by its ending.
 
     Parameters
@@ -30,6 +32,8 @@ def load_session(path: Path, columns: Sequence[Column] | None = None, *, allow_d
         The file.
     columns
         Meaning of the columns of a table; without them its header has to state it.
+    reference
+        Topic of a bag or .mcap file with the reference angle, as in `--reference`; empty for none.
     allow_damage
         Whether the whole samples of a damaged recording are returned.
 
@@ -40,6 +44,15 @@ def load_session(path: Path, columns: Sequence[Column] | None = None, *, allow_d
     DataError
         The file is missing, of an unknown kind, or no session.
     """
+    session = _loaded(path, columns, allow_damage=allow_damage)
+    if not reference:
+        return session
+    from gyrodrift.session.topics.reference import with_reference  # noqa: PLC0415 - imported only for topics
+
+    return with_reference(session, path, reference)
+
+
+def _loaded(path: Path, columns: Sequence[Column] | None, *, allow_damage: bool) -> Session:
     if not path.exists():
         raise DataError(f"{path}: there is no such session")
     if path.is_dir():
@@ -71,6 +84,11 @@ def _bag(folder: Path) -> Session:
     from gyrodrift.session.logs.bag import read_bag  # noqa: PLC0415 - as above
 
     return read_bag(folder)
+
+
+def _bag_file(folder: Path) -> list[Path]:
+    """First file of a ROS 2 bag in SQLite, which stands for the bag; none for other folders."""
+    return [min(folder.glob("*.db3"))] if _is_bag_folder(folder) else []
 
 
 def _is_bag_folder(folder: Path) -> bool:
@@ -174,11 +192,11 @@ def session_paths(paths: Iterable[Path]) -> list[Path]:
                 raise DataError(f"{path}: there is no such session or folder")
             sessions.append(path)
             continue
-        if _is_bag_folder(path):
-            sessions.append(min(path.glob("*.db3")))
+        if bag := _bag_file(path):
+            sessions += bag
             continue
         inside = _sessions_in(path) or [
-            p for folder in _visible_in(path) if folder.is_dir() for p in _sessions_in(folder)
+            p for folder in _visible_in(path) if folder.is_dir() for p in _bag_file(folder) or _sessions_in(folder)
         ]
         if not inside:
             endings = ", ".join((*ENDINGS, *OTHERS_IN_FOLDER))

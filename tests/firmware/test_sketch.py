@@ -158,7 +158,7 @@ def test_a_clipped_acceleration_is_marked(board_program: Path, sketch: Path, lin
 
 def test_a_gyro_that_is_plugged_in_late_is_found(board_program: Path, sketch: Path, link: Path) -> None:
     """HELLO says that there is none; with the gyro comes its scale, before the first sample."""
-    lines, log, _, truth = heard(Board(board_program, sketch, link, seconds=3, absent=1))
+    lines, log, _, truth = heard(Board(board_program, sketch, link, seconds=5, absent=3))
     assert log.index('device_id="no gyro on I2C"') < log.index('device_id="MPU-6050 250/42"')
     assert [round(line["rate_dps"] * 131) for line in lines] == truth.rate_raw.tolist()
 

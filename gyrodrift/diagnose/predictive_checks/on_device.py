@@ -13,8 +13,7 @@ from gyrodrift.evaluation.score import mean_score, score_of
 from gyrodrift.evaluation.space import row_of
 from gyrodrift.evaluation.uncertainty import Uncertainty, mean_uncertainty, uncertainty_of
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
-from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
-from gyrodrift.session.files import load_session
+from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions, session_as_stated
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +49,7 @@ def on_device_yaw(paths: Sequence[Path], reading: ReadingOptions = AS_WRITTEN) -
 
 
 def _has_own_yaw(path: Path, reading: ReadingOptions) -> bool:
-    return load_session(path, reading.columns, allow_damage=True).device_yaw_deg is not None
+    return session_as_stated(path, reading).device_yaw_deg is not None
 
 
 def _own_deg(loaded: LoadedSession) -> Floats:

@@ -15,9 +15,9 @@ from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.errors import DataError
 from gyrodrift.session.calibrated import calibration_of, with_calibration
 from gyrodrift.session.checks.examine import ExaminedSession, clock_findings
-from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
-from gyrodrift.session.files import load_session
+from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions, session_as_stated
 from gyrodrift.session.session import Session
+from gyrodrift.session.topics.reference import question_of
 
 OUTAGE_S, MANY_APART = 0.2, 10.0
 """Least length of an outage: seconds, and median distances of samples that have both a rate and an angle. A link that
@@ -179,11 +179,12 @@ def checked_session(path: Path, reading: ReadingOptions = AS_WRITTEN) -> Checked
     DataError
         If the file cannot be read, has no encoder, or its times have an implausible unit.
     """
-    session = reading.applied(load_session(path, reading.columns, allow_damage=True))
+    session = session_as_stated(path, reading)
     clock = ExaminedSession(session, clock_findings(session, reading))
     clock.refuse_errors(str(path))
     if session.encoder_deg is None:
-        how = "name its reference angle with --columns, as in 'time=t_s, gz=rate:rads, angle=encoder:rad'"
+        of_table = "name its reference angle with --columns, as in 'time=t_s, gz=rate:rads, angle=encoder:rad'"
+        how = question_of(path) or of_table
         raise DataError(f"{path}: has no encoder, so its true motion is unknown; {how}")
     remarks = [f"{session.name}: {remark}" for remark in (*session.remarks, *clock.warnings)]
     calibration = calibration_of(session)

@@ -1,8 +1,10 @@
 """Columns, units and sign that the user states for recordings, regardless of their header."""
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from gyrodrift.columns.spec import ACCELERATION, RATE, Column, scale_of
+from gyrodrift.session.files import load_session
 from gyrodrift.session.session import Session
 
 COUNTER, HOST_TIMES, TEMPERATURE = "counter", "host times", "temperature"
@@ -26,6 +28,8 @@ class ReadingOptions:
         A unit of ACCELERATION_MPS2, or lsb/N.
     is_flipped
         Whether the sign of the rates is reversed.
+    reference
+        Topic of a bag or .mcap file with the reference angle; empty for none.
     without
         Columns that are left out: COUNTER, HOST_TIMES or TEMPERATURE.
     """
@@ -35,6 +39,7 @@ class ReadingOptions:
     time_unit: str = ""
     is_flipped: bool = False
     accel_unit: str = ""
+    reference: str = ""
     without: frozenset[str] = frozenset()
 
     @property
@@ -68,6 +73,18 @@ class ReadingOptions:
             t_host_s=None if HOST_TIMES in self.without else session.t_host_s,
             temp_c=None if TEMPERATURE in self.without else session.temp_c,
         )
+
+
+def session_as_stated(path: Path, reading: "ReadingOptions", *, allow_damage: bool = True) -> Session:
+    """Load a session with the columns, units and reference that the user states.
+
+    Raises
+    ------
+    DamagedError, DataError
+        As `load_session`.
+    """
+    session = load_session(path, reading.columns, reference=reading.reference, allow_damage=allow_damage)
+    return reading.applied(session)
 
 
 AS_WRITTEN = ReadingOptions()

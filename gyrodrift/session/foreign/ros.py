@@ -69,12 +69,12 @@ def cdr_decoder(source: str, schema: Schema) -> Decode:
     DataError
         The schema cannot be parsed.
     """
-    decode = _parsed(source, schema)
+    decode = parsed(source, schema)
     to_sample = ROS_MESSAGES[schema.name]
 
     def decoded(payload: bytes, log_ns: int) -> Sample:
         try:  # any bytes with any schema
-            message = decode(payload) if decode else None
+            message = decode(payload)
         except Exception as error:
             raise WrongValueError(f"does not fit its schema {schema.name}") from error
         return to_sample(message, log_ns)
@@ -82,8 +82,14 @@ def cdr_decoder(source: str, schema: Schema) -> Decode:
     return decoded
 
 
-def _parsed(source: str, schema: Schema) -> Callable[[bytes], Any] | None:
-    """Parse a schema, which may be any text; its parser prints errors and raises many types."""
+def parsed(source: str, schema: Schema) -> Callable[[bytes], Any]:
+    """Parse a schema, which may be any text; its parser prints errors and raises many types.
+
+    Raises
+    ------
+    DataError
+        The schema is too large, or cannot be parsed; `source` names the channel.
+    """
     lines = schema.data.count(b"\n") + 1
     if lines > MOST_LINES or len(schema.data) > MOST_SCHEMA_BYTES:
         size = f"{lines} lines and {len(schema.data)} bytes"
@@ -93,6 +99,9 @@ def _parsed(source: str, schema: Schema) -> Callable[[bytes], Any] | None:
 
     try:
         with redirect_stderr(StringIO()):
-            return DecoderFactory().decoder_for(MessageEncoding.CDR, schema)
+            decode = DecoderFactory().decoder_for(MessageEncoding.CDR, schema)
     except Exception as error:
         raise DataError(f"{source}: the schema {schema.name} cannot be parsed") from error
+    if decode is None:
+        raise DataError(f"{source}: the schema {schema.name} is not in the form of ROS 2")
+    return decode

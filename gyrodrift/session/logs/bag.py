@@ -35,11 +35,8 @@ def read_bag(path: Path, topic: str | None = None) -> Session:
     DataError
         It is no bag or damaged, has no or several possible topics, or `rosbags` is missing.
     """
-    folder = path.parent if path.suffix.lower() == ".db3" else path
-    if path.suffix.lower() == ".db3" and not (folder / "metadata.yaml").is_file():
-        raise DataError(f"{path}: there is no metadata.yaml beside it; give the folder of the bag as ros2 bag wrote it")
     try:
-        with _reader_of(path, folder) as reader:
+        with reader_of(path) as reader:
             decode = ros1_imu_sample if path.suffix.lower() == ".bag" else _ros2_decode()
             rows = list(_samples(reader, _chosen(path, reader, topic), decode))
     except DataError:
@@ -67,8 +64,17 @@ def _check_beginning(path: Path) -> None:
             raise DataError(f"{path}: is no bag of ROS 1: it does not begin with {ROS1_MAGIC.decode()}")
 
 
-def _reader_of(path: Path, folder: Path) -> Any:
-    """Reader of a bag that does not parse its message definitions, which may be any text."""
+def reader_of(path: Path) -> Any:
+    """Reader of a bag that does not parse its message definitions, which may be any text.
+
+    Raises
+    ------
+    DataError
+        It does not begin as a bag, is a part of one, or `rosbags` is missing.
+    """
+    folder = path.parent if path.suffix.lower() == ".db3" else path
+    if path.suffix.lower() == ".db3" and not (folder / "metadata.yaml").is_file():
+        raise DataError(f"{path}: there is no metadata.yaml beside it; give the folder of the bag as ros2 bag wrote it")
     with packages_of(path, "ros"):
         from rosbags import rosbag1, rosbag2  # noqa: PLC0415 - an extra that few have
     _check_beginning(path)

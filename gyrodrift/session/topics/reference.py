@@ -1,0 +1,105 @@
+"""A session with the reference angle of another topic of its recording."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from gyrodrift.arrays import Floats
+from gyrodrift.errors import DataError, UsageError
+from gyrodrift.session.session import Session
+from gyrodrift.session.topics.messages import AngleReading
+
+LEAST_READINGS = 3
+"""Least number of readings that tell the rate at which a reading is moved to its sample."""
+
+
+def with_reference(session: Session, path: Path, topic: str) -> Session:
+    """A session with the angle of a topic of its recording, in each sample that is the nearest to a reading.
+
+    The angle is moved from the time of the reading to that of the sample, by half a sample at most. Samples without a
+    reading have no angle. The stamps of both topics count, or the times of logging if the stamps are of two clocks.
+
+    Parameters
+    ----------
+    session, path
+        The session without a reference, and the recording that it comes from.
+    topic
+        Name of the topic, and of a joint behind a colon.
+
+    Raises
+    ------
+    UsageError
+        The recording is a table, which has no topics.
+    DataError
+        The topic has no reference angle, or none at the time of the samples.
+    """
+    name, _, joint = topic.partition(":")
+    kind, readings = _readings(path, name, joint)
+    if len(readings) < LEAST_READINGS:
+        raise DataError(f"{path}: has {len(readings)} messages on {name}; a reference needs {LEAST_READINGS}")
+    t_s, remark = _times_of(session, readings)
+    t_s, first = np.unique(t_s, return_index=True)
+    angle_deg = np.unwrap(np.array([reading.angle_deg for reading in readings])[first], period=360.0)
+    encoder_deg = at_samples(session.t_device_s, t_s, angle_deg) if len(t_s) >= LEAST_READINGS else np.array([np.nan])
+    if not np.isfinite(encoder_deg).any():
+        raise DataError(f"{path}: the messages on {name} are not from the time of its samples")
+    what = f"its reference angle is that of {topic} ({kind})"
+    return replace(session, encoder_deg=encoder_deg, remarks=(*session.remarks, what + remark))
+
+
+def at_samples(t_s: Floats, read_s: Floats, angle_deg: Floats) -> Floats:
+    """(n,) angles at the times of samples, from (k,) rising times of readings; NaN without a reading so near."""
+    period_s = float(np.median(np.diff(t_s))) if len(t_s) > 1 else 0.0
+    after = np.clip(np.searchsorted(read_s, t_s), 1, len(read_s) - 1)
+    nearest = np.where(t_s - read_s[after - 1] < read_s[after] - t_s, after - 1, after)
+    since_s = t_s - read_s[nearest]
+    moved_deg = angle_deg[nearest] + np.gradient(angle_deg, read_s)[nearest] * since_s
+    sample_deg: Floats = np.where(np.abs(since_s) <= 0.5 * period_s, moved_deg, np.nan)
+    return sample_deg
+
+
+def question_of(path: Path) -> str:
+    """How to name the reference of a recording: its topics with an angle; empty without any."""
+    topics = _topics(path)
+    return f"choose its reference with --reference TOPIC: {', '.join(topics)}" if topics else ""
+
+
+def _times_of(session: Session, readings: Sequence[AngleReading]) -> tuple[Floats, str]:
+    """Times of the readings by the clock of the samples, s, and a remark if they are not their stamps."""
+    stamp_s = np.array([reading.stamp_s for reading in readings])
+    if (stamp_s.max() > session.t_device_s[0] and stamp_s.min() < session.t_device_s[-1]) or session.t_host_s is None:
+        return stamp_s, ""
+    logged_s = np.array([reading.logged_s for reading in readings])
+    is_inside = (logged_s >= session.t_host_s[0]) & (logged_s <= session.t_host_s[-1])
+    t_s = np.where(is_inside, np.interp(logged_s, session.t_host_s, session.t_device_s), stamp_s)
+    return t_s, ", by the times of logging: its stamps are of another clock"
+
+
+def _readings(path: Path, topic: str, joint: str) -> tuple[str, list[AngleReading]]:
+    if path.suffix.lower() == ".mcap":
+        from gyrodrift.session.topics.mcap import mcap_readings  # noqa: PLC0415 - a format is imported when it is read
+
+        return mcap_readings(path, topic, joint)
+    if _is_bag(path):
+        from gyrodrift.session.topics.bag import bag_readings  # noqa: PLC0415 - as above
+
+        return bag_readings(path, topic, joint)
+    raise UsageError(f"--reference: {path} has no topics; name the angle of a table with --columns")
+
+
+def _topics(path: Path) -> list[str]:
+    if path.suffix.lower() == ".mcap":
+        from gyrodrift.session.topics.mcap import mcap_topics  # noqa: PLC0415 - as above
+
+        return mcap_topics(path)
+    if _is_bag(path):
+        from gyrodrift.session.topics.bag import bag_topics  # noqa: PLC0415 - as above
+
+        return bag_topics(path)
+    return []
+
+
+def _is_bag(path: Path) -> bool:
+    return path.is_dir() or path.suffix.lower() in (".bag", ".db3")
