@@ -156,6 +156,28 @@ def test_a_baseline_has_columns_of_its_own(scaled: Path, tmp_path: Path) -> None
     assert main(["diagnose", str(scaled), "--out", str(tmp_path / "none"), *stated]) == 2
 
 
+def test_a_reference_that_is_read_at_its_own_times_is_no_gap(scaled: Path, tmp_path: Path) -> None:
+    """15 times a second, and held in the rows between: held as it is, it would be late, and each motion have a lag."""
+    simulator = record(tmp_path / "simulator")
+    for seed, folder in enumerate((scaled, simulator)):
+        (tmp_path / f"slow-{seed}").mkdir()
+        for path in sorted(folder.iterdir()):
+            session = load_session(path)
+            assert session.encoder_deg is not None
+            rows = np.arange(len(session.encoder_deg))
+            times = np.arange(-0.3 - seed, len(rows), 100.0 / 15.0)
+            latest = np.maximum(np.searchsorted(times, rows, side="right") - 1, 0)
+            held_deg = np.interp(times, rows, session.encoder_deg)[latest]
+            slow = replace(session, encoder_deg=held_deg, seq=None, temp_c=None, t_host_s=None)
+            write_session(tmp_path / f"slow-{seed}" / path.name, [slow])
+    lagging = only("scale_factor", "latency", "bandwidth", "popcorn", "timestamp_jitter")
+    gap = diagnosed(tmp_path / "slow-0", tmp_path / "out", "--baseline", str(tmp_path / "slow-1"), *lagging)
+    assert gap["verdict"] == "effect"
+    (cause,) = gap["causes"]
+    assert cause["effect"] == "scale_factor"
+    assert cause["parameters"]["error_percent"]["value"] == pytest.approx(1.2, rel=0.15)
+
+
 def test_no_gap_is_an_answer_with_what_would_have_been_seen(plain: Path, tmp_path: Path) -> None:
     """No cause, nothing left over, and the smallest effect of each kind."""
     gap = diagnosed(plain, tmp_path)

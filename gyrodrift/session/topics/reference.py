@@ -9,7 +9,7 @@ import numpy as np
 from gyrodrift.arrays import Floats
 from gyrodrift.errors import DataError, UsageError
 from gyrodrift.session.session import Session
-from gyrodrift.session.topics.messages import AngleReading
+from gyrodrift.session.topics.messages import JOINTS, AngleReading
 
 LEAST_READINGS = 3
 """Least number of readings that tell the rate at which a reading is moved to its sample."""
@@ -41,7 +41,9 @@ def with_reference(session: Session, path: Path, topic: str) -> Session:
         raise DataError(f"{path}: has {len(readings)} messages on {name}; a reference needs {LEAST_READINGS}")
     t_s, remark = _times_of(session, readings)
     t_s, first = np.unique(t_s, return_index=True)
-    angle_deg = np.unwrap(np.array([reading.angle_deg for reading in readings])[first], period=360.0)
+    angle_deg = np.array([reading.angle_deg for reading in readings])[first]
+    if kind != JOINTS:  # a heading ends at 180 degrees, and the position of a joint counts its turns
+        angle_deg = np.unwrap(angle_deg, period=360.0)
     encoder_deg = at_samples(session.t_device_s, t_s, angle_deg) if len(t_s) >= LEAST_READINGS else np.array([np.nan])
     if not np.isfinite(encoder_deg).any():
         raise DataError(f"{path}: the messages on {name} are not from the time of its samples")
