@@ -193,6 +193,15 @@ def test_a_table_has_no_topics(tmp_path: Path) -> None:
     assert question_of(tmp_path / "a.csv") == ""
 
 
+def test_a_table_keeps_its_angle_beside_a_bag(tmp_path: Path) -> None:
+    """So that a robot may write tables, and its simulator bags."""
+    (tmp_path / "a.csv").write_text("t_device_s,rate_dps,encoder_deg\n0.0,1.5,3\n0.01,1.5,4\n")
+    session = load_session(tmp_path / "a.csv", reference="/odom")
+    assert session.encoder_deg is not None
+    assert session.encoder_deg.tolist() == [3.0, 4.0]
+    assert session.remarks[-1] == "it has no topic /odom: its own angle is the reference"
+
+
 @pytest.mark.parametrize("record", [bag2, mcap2])
 def test_diagnose_asks_for_the_topic(
     tmp_path: Path, record: Callable[..., Path], capsys: pytest.CaptureFixture[str]

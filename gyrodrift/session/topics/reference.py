@@ -20,21 +20,24 @@ def with_reference(session: Session, path: Path, topic: str) -> Session:
 
     The angle is moved from the time of the reading to that of the sample, by half a sample at most. Samples without a
     reading have no angle. The stamps of both topics count, or the times of logging if the stamps are of two clocks.
+    A table keeps the angle that it has.
 
     Parameters
     ----------
     session, path
-        The session without a reference, and the recording that it comes from.
+        The session, and the recording that it comes from.
     topic
         Name of the topic, and of a joint behind a colon.
 
     Raises
     ------
     UsageError
-        The recording is a table, which has no topics.
+        The recording is a table without an angle, and has no topics.
     DataError
         The topic has no reference angle, or none at the time of the samples.
     """
+    if not _has_topics(path) and session.encoder_deg is not None:
+        return replace(session, remarks=(*session.remarks, f"it has no topic {topic}: its own angle is the reference"))
     name, _, joint = topic.partition(":")
     kind, readings = _readings(path, name, joint)
     if len(readings) < LEAST_READINGS:
@@ -101,6 +104,10 @@ def _topics(path: Path) -> list[str]:
 
         return bag_topics(path)
     return []
+
+
+def _has_topics(path: Path) -> bool:
+    return path.suffix.lower() == ".mcap" or _is_bag(path)
 
 
 def _is_bag(path: Path) -> bool:
