@@ -95,7 +95,8 @@ def test_a_client_sees_yaw_and_when_it_was_measured(port: Path, tmp_path: Path) 
             assert not until(seen, joined=True)["connected"]
             device.send_all(csv_at_100_hz(100), never)
             last = serve.take_lines(100)[-1]
-            found = until(seen, yaw_deg=last["yaw_deg"])
+            until(seen, yaw_deg=last["yaw_deg"])
+            found = next(seen)  # the client takes the values of a sample one by one
     assert found["corrected_dps"] == last["corrected_dps"]
     assert found["time_s"] == near(found["stamp_s"], 1e-5)
     assert 0.0 < time.time() - found["time_s"] < 3600.0
