@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import partial
-from math import isfinite
+from math import atan2, degrees, hypot, isfinite
 from typing import TYPE_CHECKING, Any
 
 from gyrodrift.calibration import Calibration
@@ -219,12 +219,19 @@ class Filtering:
             self._tell("axes_missing", {"hint": hint})
 
     def _compare_mount(self, samples: list[Sample]) -> None:
-        """Warn of a device that begins on its side or upside down, as a sensor with another mount does."""
-        forces = [sample.inertial[3:] for sample in samples if sample.inertial and self.run.has_axes(sample.inertial)]
-        tilt_deg = self.run.attitude().tilt_deg
-        if tilt_deg < SIDEWAYS_DEG or not forces or not isfinite(sum(forces[-1])):
+        """Warn of a device that begins on its side or upside down, as a sensor with another mount does.
+
+        The first sample counts: many may come at once, and the device may turn meanwhile.
+        """
+        forces = (sample.inertial[3:] for sample in samples if sample.inertial and self.run.has_axes(sample.inertial))
+        first = next((force for force in forces if isfinite(sum(force))), None)
+        if first is None:
             return
-        hint = f"if the device is level now, set mount: {{up: {nearest_axis(forces[-1])}, forward: ...}} in the config"
+        x, y, z = self.run.mount.to_device(first)
+        tilt_deg = degrees(atan2(hypot(x, y), z))
+        if tilt_deg < SIDEWAYS_DEG:
+            return
+        hint = f"if the device was level then, set mount: {{up: {nearest_axis(first)}, forward: ...}} in the config"
         fields = {"up": self.run.mount.up, "tilt_deg": round(tilt_deg, 1), "hint": hint}
         self.log.warning("mount_differs", **fields)
         self._tell("mount_differs", fields)

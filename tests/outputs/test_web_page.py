@@ -262,6 +262,7 @@ def test_the_guide_names_the_buttons_of_the_page(page: Tab) -> None:
     with hub() as outputs:
         outputs.want("web:port=0")
         page.open(outputs.opened()[0].address)
+        page.until("document.querySelector('#connection').innerText === 'Live'")
         assert page.run(SENTENCES) == [
             "Put it there. Press Begin to start.",
             "Turn it, stop at the mark, then press At the mark.",

@@ -2,13 +2,18 @@
 
 import json
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
+import structlog
 from hand_motion import BIAS_DPS, HandMotion, hand_motion
 from support import Command
 
+from gyrodrift.link.protocols.decoder import DeviceDescription
+from gyrodrift.sample import Inertial, Sample
+from gyrodrift.service.filtering import Filtering
 from gyrodrift.session.files import load_session
 
 
@@ -78,6 +83,22 @@ def test_a_board_on_its_side_is_told_with_the_axis_that_points_up(tmp_path: Path
     for words, made in (((), motion), (("--config", config), sideways)):
         _, events = served(tmp_path, made, *words)
         assert "mount_differs" not in {event["event"] for event in events}
+
+
+def test_the_axis_that_points_up_is_that_of_the_first_sample() -> None:
+    """A busy service takes seconds of samples at once, in which the device may have turned on."""
+    link = SimpleNamespace(device=DeviceDescription(), name="")
+    for forces_mps2, up in ((((0.0, 9.8, 0.0), (0.0, 0.0, 9.8)), "+y"), (((0.0, 0.0, 9.8), (0.0, 9.8, 0.0)), "")):
+        filtering = Filtering(cast("Any", link), [], structlog.get_logger())
+        samples = [
+            Sample(n, n / 100.0, n / 100.0, 0.0, inertial=Inertial(0.0, 0.0, 0.0, *forces_mps2[n >= 20]))
+            for n in range(300)
+        ]
+        with structlog.testing.capture_logs() as events:
+            filtering.take(samples)
+        hints = [event["hint"] for event in events if event["event"] == "mount_differs"]
+        assert len(hints) == (1 if up else 0)
+        assert all(f"up: {up}" in hint for hint in hints)
 
 
 def test_axes_3_on_a_device_of_one_axis_is_told_once(tmp_path: Path) -> None:
