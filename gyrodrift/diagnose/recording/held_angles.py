@@ -57,7 +57,7 @@ def without_held_angles(session: Session) -> tuple[Session, str]:
         return session, ""
     every = round(float(np.median(np.diff(moves))))
     is_read = _is_read(1 + np.flatnonzero(np.diff(angle_deg)), len(angle_deg), every)
-    age = ages(sample[is_read], sample[1 + moves])
+    age = _ages(sample[is_read], sample[1 + moves])
     read_deg = np.full(len(session.t_device_s), np.nan)
     read_deg[row[is_read]] = angle_deg[is_read] + _turn_since_deg(sample[is_read], age, angle_deg[is_read])
     remark = f"{session.name}: its angle is new in one of {every} samples only; between them it counts as missing"
@@ -85,7 +85,7 @@ def _is_read(new: Integers, rows: int, every: int) -> Mask:
     return is_read
 
 
-def ages(sample: Integers, moving: Integers) -> Floats:
+def _ages(sample: Integers, moving: Integers) -> Floats:
     """(k,) ages of readings in the samples in which they appear, in samples: 0 to 1.
 
     sample, moving

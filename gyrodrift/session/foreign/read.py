@@ -7,6 +7,7 @@ Four kinds of messages can be read: `gyrodrift/Sample` and `sensor_msgs/msg/Imu`
 import math
 import struct
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
@@ -47,9 +48,22 @@ def read_foreign(path: Path, topic: str | None = None) -> Session:
     DataError
         It is no MCAP file, or damaged. Or no channel, or more than one, can be read. Or a message is no sample.
     """
+    with opened_file(path) as file:
+        return _session(path, file, topic)
+
+
+@contextmanager
+def opened_file(path: Path) -> Iterator[BinaryIO]:
+    """Open an MCAP file, and turn what can go wrong while it is read into an error for the user.
+
+    Raises
+    ------
+    DataError
+        It is damaged, or cannot be read.
+    """
     try:
         with path.open("rb") as file:
-            return _session(path, file, topic)
+            yield file
     except OSError as error:
         raise DataError(f"{path}: cannot be read: {error.strerror or error}") from error
     except (DamageError, BrokenRecordError) as error:

@@ -72,18 +72,13 @@ def cdr_decoder(source: str, schema: Schema) -> Decode:
     decode = parsed(source, schema)
     to_sample = ROS_MESSAGES[schema.name]
 
-    def decoded(payload: bytes, log_ns: int) -> Sample:
-        try:  # any bytes with any schema
-            message = decode(payload)
-        except Exception as error:
-            raise WrongValueError(f"does not fit its schema {schema.name}") from error
-        return to_sample(message, log_ns)
-
-    return decoded
+    return lambda payload, log_ns: to_sample(decode(payload), log_ns)
 
 
 def parsed(source: str, schema: Schema) -> Callable[[bytes], Any]:
     """Parse a schema, which may be any text; its parser prints errors and raises many types.
+
+    The result decodes a message, and raises WrongValueError for bytes that do not fit the schema.
 
     Raises
     ------
@@ -104,4 +99,16 @@ def parsed(source: str, schema: Schema) -> Callable[[bytes], Any]:
         raise DataError(f"{source}: the schema {schema.name} cannot be parsed") from error
     if decode is None:
         raise DataError(f"{source}: the schema {schema.name} is not in the form of ROS 2")
-    return decode
+    return fitting(decode, schema.name)
+
+
+def fitting(decode: Callable[[bytes], Any], name: str) -> Callable[[bytes], Any]:
+    """A decoder that raises WrongValueError, with the name of the schema, whatever it meets in any bytes."""
+
+    def decoded(payload: bytes) -> Any:
+        try:
+            return decode(payload)
+        except Exception as error:
+            raise WrongValueError(f"does not fit its schema {name}") from error
+
+    return decoded

@@ -1,6 +1,7 @@
 """Bags of ROS 1 (.bag) and ROS 2 (a folder with .db3 files): `sensor_msgs/Imu` through the package rosbags."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from math import degrees
 from pathlib import Path
 from typing import Any
@@ -35,16 +36,9 @@ def read_bag(path: Path, topic: str | None = None) -> Session:
     DataError
         It is no bag or damaged, has no or several possible topics, or `rosbags` is missing.
     """
-    try:
-        with reader_of(path) as reader:
-            decode = ros1_imu_sample if path.suffix.lower() == ".bag" else _ros2_decode()
-            rows = list(_samples(reader, _chosen(path, reader, topic), decode))
-    except DataError:
-        raise
-    except MemoryError as error:
-        raise DataError(f"{path}: needs more memory than this computer has") from error
-    except Exception as error:  # bytes from anywhere
-        raise DataError(f"{path}: is no bag, or damaged: {error}") from error
+    with opened_bag(path) as reader:
+        decode = ros1_imu_sample if is_ros1(path) else _ros2_decode()
+        rows = list(_samples(reader, _chosen(path, reader, topic), decode))
     if not rows:
         raise DataError(f"{path}: has no samples")
     table = np.array([(row.t_device_s, row.t_host_s, row.rate_dps) for row in rows])
@@ -55,16 +49,55 @@ def read_bag(path: Path, topic: str | None = None) -> Session:
     return session.with_axes(axis_columns([row.inertial for row in rows]))
 
 
+@contextmanager
+def opened_bag(path: Path) -> Iterator[Any]:
+    """Open a bag, and turn what can go wrong while it is read into an error for the user.
+
+    Raises
+    ------
+    DataError
+        It is no bag or damaged, or `rosbags` is missing.
+    """
+    try:
+        with _reader_of(path) as reader:
+            yield reader
+    except DataError:
+        raise
+    except MemoryError as error:
+        raise DataError(f"{path}: needs more memory than this computer has") from error
+    except Exception as error:  # bytes from anywhere
+        raise DataError(f"{path}: is no bag, or damaged: {error}") from error
+
+
+def is_ros1(path: Path) -> bool:
+    """Whether a bag is one of ROS 1, by its ending."""
+    return path.suffix.lower() == ".bag"
+
+
+def deserializer(*, is_ros1: bool) -> Callable[[bytes, str], Any]:
+    """Decoder of messages of standard types, by their bytes and type; what a file says about its types is not parsed.
+
+    The layout of messages is the same in every release of ROS 2.
+    """
+    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - an extra that few have
+
+    if is_ros1:
+        ros1: Callable[[bytes, str], Any] = get_typestore(Stores.ROS1_NOETIC).deserialize_ros1
+        return ros1
+    ros2: Callable[[bytes, str], Any] = get_typestore(Stores.ROS2_HUMBLE).deserialize_cdr
+    return ros2
+
+
 def _check_beginning(path: Path) -> None:
     """Check the beginning of a ROS 1 bag; its reader would search the whole file for the end of the first line."""
-    if path.suffix.lower() != ".bag":
+    if not is_ros1(path):
         return
     with path.open("rb") as file:
         if file.read(len(ROS1_MAGIC)) != ROS1_MAGIC:
             raise DataError(f"{path}: is no bag of ROS 1: it does not begin with {ROS1_MAGIC.decode()}")
 
 
-def reader_of(path: Path) -> Any:
+def _reader_of(path: Path) -> Any:
     """Reader of a bag that does not parse its message definitions, which may be any text.
 
     Raises
@@ -78,7 +111,7 @@ def reader_of(path: Path) -> Any:
     with packages_of(path, "ros"):
         from rosbags import rosbag1, rosbag2  # noqa: PLC0415 - an extra that few have
     _check_beginning(path)
-    return rosbag1.Reader(folder) if path.suffix.lower() == ".bag" else rosbag2.Reader(folder)
+    return rosbag1.Reader(folder) if is_ros1(path) else rosbag2.Reader(folder)
 
 
 def _chosen(path: Path, reader: Any, topic: str | None) -> list[Any]:
@@ -106,11 +139,9 @@ def _samples(reader: Any, connections: list[Any], decode: Decode) -> Iterator[Sa
 
 
 def _ros2_decode() -> Decode:
-    """Decoder of CDR messages; their layout is the same in every release of ROS 2."""
-    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - as above
-
-    store = get_typestore(Stores.ROS2_HUMBLE)
-    return lambda payload, log_ns: _sample(store.deserialize_cdr(payload, IMU), log_ns)
+    """Decoder of CDR messages."""
+    decode = deserializer(is_ros1=False)
+    return lambda payload, log_ns: _sample(decode(payload, IMU), log_ns)
 
 
 def _sample(message: Any, log_ns: int) -> Sample:

@@ -1,21 +1,20 @@
 """Reference angles in bags of ROS 1 and ROS 2, through the package rosbags."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from gyrodrift.errors import DataError
 from gyrodrift.session.foreign.columns import WrongValueError
-from gyrodrift.session.logs.bag import reader_of
+from gyrodrift.session.logs.bag import deserializer, is_ros1, opened_bag
 from gyrodrift.session.topics.messages import TYPES, AngleReading, no_such_topic, reading_of
 
 
 def bag_topics(path: Path) -> list[str]:
     """Topics of a bag with a reference angle, each with its type; none of a bag that cannot be read."""
     try:
-        with reader_of(path) as reader:
+        with opened_bag(path) as reader:
             return _listed(reader)
-    except Exception:  # noqa: BLE001 - bytes from anywhere; the reader of the samples reports it
+    except DataError:  # the reader of the samples reports it
         return []
 
 
@@ -27,22 +26,16 @@ def bag_readings(path: Path, topic: str, joint: str) -> tuple[str, list[AngleRea
     DataError
         The bag is damaged, or the topic has no reference angle.
     """
-    try:
-        with reader_of(path) as reader:
-            chosen = _chosen(path, reader, topic)
-            kind, decode = chosen[0].msgtype, _decoder(path)
+    with opened_bag(path) as reader:
+        chosen = _chosen(path, reader, topic)
+        kind, decode = chosen[0].msgtype, deserializer(is_ros1=is_ros1(path))
+        try:
             return kind, [
                 reading_of(decode(bytes(payload), kind), kind, joint, log_ns)
                 for _, log_ns, payload in reader.messages(connections=chosen)
             ]
-    except DataError:
-        raise
-    except WrongValueError as error:
-        raise DataError(f"{path}: {topic}: a message {error}") from error
-    except MemoryError as error:
-        raise DataError(f"{path}: needs more memory than this computer has") from error
-    except Exception as error:  # bytes from anywhere
-        raise DataError(f"{path}: is no bag, or damaged: {error}") from error
+        except WrongValueError as error:
+            raise DataError(f"{path}: {topic}: a message {error}") from error
 
 
 def _chosen(path: Path, reader: Any, topic: str) -> list[Any]:
@@ -60,14 +53,3 @@ def _listed(reader: Any) -> list[str]:
 def _with_angle(reader: Any) -> list[Any]:
     """Connections with a type that has a reference angle."""
     return [connection for connection in reader.connections if connection.msgtype in TYPES]
-
-
-def _decoder(path: Path) -> Callable[[bytes, str], Any]:
-    """Decoder of messages with the standard types; what a bag says about its types is not parsed."""
-    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - an extra that few have
-
-    if path.suffix.lower() == ".bag":
-        ros1: Callable[[bytes, str], Any] = get_typestore(Stores.ROS1_NOETIC).deserialize_ros1
-        return ros1
-    ros2: Callable[[bytes, str], Any] = get_typestore(Stores.ROS2_HUMBLE).deserialize_cdr
-    return ros2

@@ -1,8 +1,9 @@
 """A session with the reference angle of another topic of its recording."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,10 +37,13 @@ def with_reference(session: Session, path: Path, topic: str) -> Session:
     DataError
         The topic has no reference angle, or none at the time of the samples.
     """
-    if not _has_topics(path) and session.encoder_deg is not None:
+    reader = _reader_of(path)
+    if reader is None and session.encoder_deg is None:
+        raise UsageError(f"--reference: {path} has no topics; name the angle of a table with --columns")
+    if reader is None:
         return replace(session, remarks=(*session.remarks, f"it has no topic {topic}: its own angle is the reference"))
     name, _, joint = topic.partition(":")
-    kind, readings = _readings(path, name, joint)
+    kind, readings = reader.readings(path, name, joint)
     if len(readings) < LEAST_READINGS:
         raise DataError(f"{path}: has {len(readings)} messages on {name}; a reference needs {LEAST_READINGS}")
     t_s, remark = _times_of(session, readings)
@@ -67,7 +71,8 @@ def at_samples(t_s: Floats, read_s: Floats, angle_deg: Floats) -> Floats:
 
 def question_of(path: Path) -> str:
     """How to name the reference of a recording: its topics with an angle; empty without any."""
-    topics = _topics(path)
+    reader = _reader_of(path)
+    topics = reader.topics(path) if reader else []
     return f"choose its reference with --reference TOPIC: {', '.join(topics)}" if topics else ""
 
 
@@ -82,33 +87,21 @@ def _times_of(session: Session, readings: Sequence[AngleReading]) -> tuple[Float
     return t_s, ", by the times of logging: its stamps are of another clock"
 
 
-def _readings(path: Path, topic: str, joint: str) -> tuple[str, list[AngleReading]]:
+class _TopicReader(NamedTuple):
+    """Functions of a format: topics with an angle, and type and readings of a topic and joint."""
+
+    topics: Callable[[Path], list[str]]
+    readings: Callable[[Path, str, str], tuple[str, list[AngleReading]]]
+
+
+def _reader_of(path: Path) -> _TopicReader | None:
+    """Reader of the topics of a recording; None for a table, which has none."""
     if path.suffix.lower() == ".mcap":
-        from gyrodrift.session.topics.mcap import mcap_readings  # noqa: PLC0415 - a format is imported when it is read
+        from gyrodrift.session.topics.mcap import mcap_readings, mcap_topics  # noqa: PLC0415 - imported when it is read
 
-        return mcap_readings(path, topic, joint)
-    if _is_bag(path):
-        from gyrodrift.session.topics.bag import bag_readings  # noqa: PLC0415 - as above
+        return _TopicReader(mcap_topics, mcap_readings)
+    if path.is_dir() or path.suffix.lower() in (".bag", ".db3"):
+        from gyrodrift.session.topics.bag import bag_readings, bag_topics  # noqa: PLC0415 - as above
 
-        return bag_readings(path, topic, joint)
-    raise UsageError(f"--reference: {path} has no topics; name the angle of a table with --columns")
-
-
-def _topics(path: Path) -> list[str]:
-    if path.suffix.lower() == ".mcap":
-        from gyrodrift.session.topics.mcap import mcap_topics  # noqa: PLC0415 - as above
-
-        return mcap_topics(path)
-    if _is_bag(path):
-        from gyrodrift.session.topics.bag import bag_topics  # noqa: PLC0415 - as above
-
-        return bag_topics(path)
-    return []
-
-
-def _has_topics(path: Path) -> bool:
-    return path.suffix.lower() == ".mcap" or _is_bag(path)
-
-
-def _is_bag(path: Path) -> bool:
-    return path.is_dir() or path.suffix.lower() in (".bag", ".db3")
+        return _TopicReader(bag_topics, bag_readings)
+    return None
