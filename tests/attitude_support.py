@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from six_axis_sensors import Recorded
 
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.attitude.model import AttitudeState, coefficients
 from gyrodrift.filters.attitude.step import step
 from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.values.arrays import Floats
 
 
 class Filtered(NamedTuple):

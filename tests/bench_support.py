@@ -31,8 +31,8 @@ from firmware_sim.wire.native import (
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.protocols.native import NativeDecoder
-from gyrodrift.sample import Corrected
 from gyrodrift.service.stdout import JsonLines
+from gyrodrift.values.sample import Corrected
 
 Process = subprocess.Popen[bytes]
 

@@ -11,7 +11,7 @@ from c_filter_support import write_header
 from c_restlevel_support import drive, measured
 from firmware_support import HERE, SIMAVR, compiled, run
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 M0_PLUS = ("-mcpu=cortex-m0plus", "-mthumb")
 M4F = ("-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard")

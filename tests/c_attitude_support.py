@@ -7,11 +7,11 @@ import numpy as np
 from c_filter_support import FilterOutput
 from numpy.typing import NDArray
 
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.attitude.model import AttitudeState
 from gyrodrift.filters.attitude.step import coefficients, step
 from gyrodrift.filters.attitude.zero import zero_yaw
 from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.values.arrays import Floats
 
 YAW, SIGMA, BIAS, BIAS_SIGMA, TILT, TILT_SIGMA, REST, CONFIDENCE = range(8)
 Q, COUNTS = slice(12, 16), slice(16, 20)

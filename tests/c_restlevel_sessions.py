@@ -6,8 +6,8 @@ from math import nan
 import numpy as np
 from c_restlevel_support import drive, measured, samples
 
-from gyrodrift.arrays import Floats
 from gyrodrift.simulation.hard_cases import CASES, simulation
+from gyrodrift.values.arrays import Floats
 
 Session = tuple[Floats, Floats]
 """Times and inputs."""

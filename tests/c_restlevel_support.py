@@ -7,10 +7,10 @@ import numpy as np
 from c_filter_support import FilterOutput
 from numpy.typing import NDArray
 
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.filters.restlevel.zero import zero_yaw
+from gyrodrift.values.arrays import Floats
 
 YAW, SIGMA, BIAS = 0, 1, 2
 """Columns of the outputs."""

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.session.files import write_session
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
 
 PATIENCE_S = 60.0
 

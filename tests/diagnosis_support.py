@@ -7,7 +7,6 @@ import numpy as np
 from inference_support import Amounts, concluded, rows, simulated
 
 from firmware_sim.rig import load_rig
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
 from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.features.within_second import LAG_FEATURES
@@ -22,6 +21,7 @@ from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries,
 from gyrodrift.diagnose.predictive_checks.yaw_impact import YawImpact
 from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis, Untestable
 from gyrodrift.simulation.sessions import rig_yaml
+from gyrodrift.values.arrays import Floats
 
 SESSIONS, SECONDS = 2, 180
 SCALED: Amounts = {"rate": 10.0, "rate_cubed": 6.5}

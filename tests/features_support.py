@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix, design_matrix_of
 from gyrodrift.diagnose.features.vector import NUMBER, Facts, measure
 from gyrodrift.diagnose.recording.gyro_noise import GyroModel
@@ -14,6 +13,7 @@ from gyrodrift.diagnose.recording.motion_posterior import motion_posterior_of
 from gyrodrift.diagnose.recording.outliers import Cleaned, clean
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
 
 PERIOD_S = 0.01
 SECONDS = 200

@@ -13,8 +13,8 @@ from mcap.writer import CompressionType, IndexType
 from mcap.writer import Writer as PlainWriter
 from mcap_ros2.writer import Writer as RosWriter
 
-from gyrodrift.errors import DataError
 from gyrodrift.session.foreign.read import read_foreign
+from gyrodrift.values.errors import DataError
 
 FIELDS = ("seq", "t_device_s", "t_host_s", "rate_dps", "encoder_deg", "temp_c")
 SAMPLE_TEXT = "int64 seq\n" + "".join(f"float64 {name}\n" for name in FIELDS[1:])

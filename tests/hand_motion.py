@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 RATE_HZ = 100.0
 BIAS_DPS = (0.8, -0.5, 0.6)

@@ -8,7 +8,6 @@ import numpy as np
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.inference.conclusion import GROUPS, Conclusion, conclude
 from gyrodrift.diagnose.inference.density import Groups
@@ -20,6 +19,7 @@ from gyrodrift.diagnose.inference.template import Template, templates_of
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized, key
+from gyrodrift.values.arrays import Floats
 
 SESSIONS = 4
 RUNS = 6

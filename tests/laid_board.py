@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from gyrodrift.arrays import Floats
-from gyrodrift.sample import Inertial, Sample
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.sample import Inertial, Sample
 
 GRAVITY_MPS2 = 9.80665
 RATE_HZ = 100.0

@@ -22,7 +22,7 @@ from gyrodrift.outputs import wire
 from gyrodrift.outputs.hub import Hub
 from gyrodrift.outputs.options import OutputSpec, revealed
 from gyrodrift.outputs.status import OutputStatus, ServiceStatus, output_status
-from gyrodrift.sample import Attitude, Corrected, DeviceYaw, Inertial, Sample
+from gyrodrift.values.sample import Attitude, Corrected, DeviceYaw, Inertial, Sample
 
 
 def corrected(seq: int, **values: Any) -> Corrected:

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.stats import cauchy, norm
 
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.values.arrays import Floats
 
 
 @dataclass

@@ -8,7 +8,6 @@ import numpy as np
 from firmware_sim.effects.effect import Effect
 from firmware_sim.motion.profile import Profile
 from firmware_sim.rig import Base, Rig
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import NUMBER
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.candidate import Candidate
@@ -18,6 +17,7 @@ from gyrodrift.diagnose.simulate.responses import response
 from gyrodrift.diagnose.simulate.twin import BaseRun, Subject, subject_of
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import Simulation
+from gyrodrift.values.arrays import Floats
 
 BASE = Base()
 RATE_HZ = BASE.sample_rate_hz

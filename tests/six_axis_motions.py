@@ -10,7 +10,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 from six_axis_sensors import GRID_HZ, Random, TrueMotion
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 
 def smooth_noise(n: int, hz: float, rng: Random) -> Floats:

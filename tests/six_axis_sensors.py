@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 GRID_HZ = 1000
 Random = np.random.Generator

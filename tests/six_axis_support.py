@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from six_axis_motions import MOTIONS
 from six_axis_sensors import Recorded, measure, random_errors
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 
 def record(name: str, seed: int, seconds: float = 90.0) -> Recorded:

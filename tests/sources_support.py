@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from gyrodrift.link.link import Link
-from gyrodrift.sample import Sample
+from gyrodrift.values.sample import Sample
 
 PATIENCE_S = 20.0
 """How long a test waits for what should come at once."""

@@ -18,12 +18,8 @@ MODULES = sorted(
     if not path.is_relative_to(PROGRAMS_OF_BOARDS)
 )
 
-BASE = (
-    "arrays calibration callable_package cluster compile effects errors files installation log log_stream logger mount"
-    " nearest noise parallel process_list progress public_yaml result_table sample secret system text_chart unwaiting"
-    " vectors waiting"
-)
-"""Single files at the top of the package: they know each other and no room."""
+BASE = "effects errors io sample values"
+"""Packages that know each other and no other package; `errors` and `sample` are public names of `values`."""
 
 ROOMS = {
     "filters": BASE,
@@ -164,7 +160,7 @@ def test_what_judges_or_draws_does_not_simulate() -> None:
     assert {name_of(path): names for path in judges if (names := simulation_in(path))} == {}
 
 
-@pytest.mark.parametrize(("package", "file"), [("serial", "gyrodrift.link.port"), ("structlog", "gyrodrift.logger")])
+@pytest.mark.parametrize(("package", "file"), [("serial", "gyrodrift.link.port"), ("structlog", "gyrodrift.io.logger")])
 def test_only_one_file_imports_a_package(package: str, file: str) -> None:
     """The port knows pyserial; the logger keeps structlog light."""
     assert {name_of(path) for path in MODULES if of(package, imports_of(path))} == {file}
@@ -175,7 +171,9 @@ def test_a_file_opens_with_what_it_is() -> None:
     assert [name_of(path) for path in MODULES if not ast.get_docstring(ast.parse(path.read_text()))] == []
 
 
-SERVE = "import gyrodrift.cli.serve, gyrodrift.service.loop, gyrodrift.config.watch, gyrodrift.log, gyrodrift.link.link"
+SERVE = (
+    "import gyrodrift.cli.serve, gyrodrift.service.loop, gyrodrift.config.watch, gyrodrift.io.log, gyrodrift.link.link"
+)
 
 
 @pytest.mark.parametrize("statement", ["import gyrodrift.cli", SERVE])

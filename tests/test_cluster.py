@@ -14,10 +14,10 @@ import pytest
 from cluster_support import Cluster, cluster, end
 from support import free_port
 
-from gyrodrift import cluster as cluster_module
-from gyrodrift.cluster import ClusterWorkers
-from gyrodrift.errors import DataError, GyrodriftError, UsageError
+from gyrodrift.io import cluster as cluster_module
+from gyrodrift.io.cluster import ClusterWorkers
 from gyrodrift.session.files import load_session
+from gyrodrift.values.errors import DataError, GyrodriftError, UsageError
 
 pytest.importorskip("distributed", reason="a cluster is an extra: pip install 'gyrodrift[cluster]'")
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from gyrodrift.cli import COMMANDS, parser_of
-from gyrodrift.errors import UsageError
+from gyrodrift.values.errors import UsageError
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"

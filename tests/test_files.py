@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from gyrodrift.errors import UsageError
-from gyrodrift.files import check_writable, whole_file, write_whole
+from gyrodrift.io.files import check_writable, whole_file, write_whole
+from gyrodrift.values.errors import UsageError
 
 
 @pytest.mark.parametrize("mode", [0o600, 0o640, 0o664])

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from gyrodrift import installation
-from gyrodrift.installation import PACKAGE, extra_command, package_command
+from gyrodrift.io import installation
+from gyrodrift.io.installation import PACKAGE, extra_command, package_command
 
 WHEEL: dict[str, Any] = {"archive_info": {}}
 EDITABLE = {"dir_info": {"editable": True}}

@@ -4,7 +4,7 @@ import io
 
 import pytest
 
-from gyrodrift.log import open_log
+from gyrodrift.io.log import open_log
 
 
 @pytest.mark.parametrize("style", ["text", "json"])

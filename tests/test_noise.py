@@ -2,7 +2,7 @@
 
 from math import log, pi, sqrt
 
-from gyrodrift.noise import FLICKER_FLOOR, hourly_rate_text, random_walk_text
+from gyrodrift.values.noise import FLICKER_FLOOR, hourly_rate_text, random_walk_text
 
 
 def test_noise_stands_in_the_units_of_data_sheets() -> None:

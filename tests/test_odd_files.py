@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from gyrodrift.cli import main
-from gyrodrift.errors import DataError, UsageError
-from gyrodrift.files import UnreadableError, read_ordinary
+from gyrodrift.io.files import UnreadableError, read_ordinary
 from gyrodrift.service.memory_file import LONGEST_BYTES, read_memory
 from gyrodrift.session.files import load_session
+from gyrodrift.values.errors import DataError, UsageError
 
 
 @pytest.fixture(params=[(kind, end) for kind in ("pipe", "zero", "socket") for end in ("", ".mcap", ".csv")])

@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from gyrodrift.parallel import inheriting_workers
+from gyrodrift.io.parallel import inheriting_workers
 
 PATIENCE_S = 60.0
 
 PROGRAM = """
 import os, sys, time
-from gyrodrift.parallel import workers
+from gyrodrift.io.parallel import workers
 
 def work(number):
     with open(f"{sys.argv[1]}/{os.getpid()}", "w"):

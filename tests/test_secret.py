@@ -9,9 +9,9 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrodrift.errors import GyrodriftError
-from gyrodrift.public_yaml import NOT_KEPT, public_yaml
-from gyrodrift.secret import SecretText, is_secret_name, shown_key, shown_words, without_secrets
+from gyrodrift.io.public_yaml import NOT_KEPT, public_yaml
+from gyrodrift.values.errors import GyrodriftError
+from gyrodrift.values.secret import SecretText, is_secret_name, shown_key, shown_words, without_secrets
 
 MARKER = "Marker7"
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from gyrodrift import system
-from gyrodrift.parallel import usable_jobs
-from gyrodrift.waiting import POLLIN, POLLOUT, Poller, SelectPoller, new_poller
+from gyrodrift.io import system
+from gyrodrift.io.parallel import usable_jobs
+from gyrodrift.io.waiting import POLLIN, POLLOUT, Poller, SelectPoller, new_poller
 
 
 @pytest.mark.parametrize("has_pread", [True, False])
@@ -64,7 +64,7 @@ def test_without_poll_select_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_without_fork_the_work_is_done_in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("gyrodrift.parallel.CAN_FORK", False)
+    monkeypatch.setattr("gyrodrift.io.parallel.CAN_FORK", False)
     assert usable_jobs(8) == 1
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from gyrodrift.text_chart import AxisRange, ChartLine, chart, legend, padded_range, tick_step, ticks
+from gyrodrift.io.text_chart import AxisRange, ChartLine, chart, legend, padded_range, tick_step, ticks
 
 
 @pytest.mark.parametrize(

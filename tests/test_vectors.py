@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrodrift.vectors import determinant, numbers_in, numbers_of, product, solution
+from gyrodrift.values.vectors import determinant, numbers_in, numbers_of, product, solution
 
 entries = st.floats(-2.0, 2.0)
 rows = st.tuples(entries, entries, entries)

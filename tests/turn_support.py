@@ -6,9 +6,9 @@ from math import radians
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.doctor.turn.motion import TurnWindow
 from gyrodrift.doctor.turn.series import TimedLine
+from gyrodrift.values.arrays import Floats
 
 PER_DPS = {
     "dps": 1.0,

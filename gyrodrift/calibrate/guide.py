@@ -15,9 +15,9 @@ from gyrodrift.calibrate.move import FinishedMove, Move
 from gyrodrift.calibrate.rest import RestMeasurement, rest_of
 from gyrodrift.calibrate.scale import REPEATS_MIN, Scales, Turns, check_turns, checked_scales, scales_of
 from gyrodrift.calibrate.warming import BiasLine, Warming
-from gyrodrift.calibration import Calibration
-from gyrodrift.errors import CalibrationError
-from gyrodrift.sample import Sample
+from gyrodrift.values.calibration import Calibration
+from gyrodrift.values.errors import CalibrationError
+from gyrodrift.values.sample import Sample
 
 HANDS_OFF_S = 0.5
 """A key press shakes the table for about this time, s."""

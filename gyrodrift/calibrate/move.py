@@ -8,10 +8,10 @@ from math import sqrt
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.calibrate.rest import BLOCK_SAMPLES_MIN, RestMeasurement
-from gyrodrift.errors import CalibrationError
-from gyrodrift.sample import Sample
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import CalibrationError
+from gyrodrift.values.sample import Sample
 
 BLOCK_S = 0.25
 STOP_S = 1.5

@@ -5,10 +5,10 @@ from math import isnan, nan, sqrt
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.describe.arrays import blocks_of, smallest_step
-from gyrodrift.errors import CalibrationError
-from gyrodrift.sample import Sample
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import CalibrationError
+from gyrodrift.values.sample import Sample
 
 SAMPLES_MIN = 20
 BLOCK_S = 0.5

@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from gyrodrift.errors import CalibrationError
+from gyrodrift.values.errors import CalibrationError
 
 WHOLE_DEG = 360.0
 ERROR_MAX = 0.1

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from typing import Protocol, TextIO
 
 from gyrodrift.calibrate.guide import GuideStep, Key
-from gyrodrift.errors import DeviceSilentError
 from gyrodrift.link.link import Link
-from gyrodrift.sample import Sample
+from gyrodrift.values.errors import DeviceSilentError
+from gyrodrift.values.sample import Sample
 
 CLEAR = "\r\x1b[K"
 LINE_EVERY_S = 0.1

@@ -8,10 +8,10 @@ from math import isnan, sqrt
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.calibrate.rest import MOVED_DPS, RestMeasurement
-from gyrodrift.errors import CalibrationError
-from gyrodrift.sample import Sample
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import CalibrationError
+from gyrodrift.values.sample import Sample
 
 BLOCK_S = 5.0
 BLOCKS_MIN = 24

@@ -9,8 +9,8 @@ from types import ModuleType
 
 from gyrodrift.cli.parser import Parser, unknown
 from gyrodrift.cli.standard_streams import accept_all_characters, open_standard_streams
-from gyrodrift.errors import GyrodriftError, UsageError, visible
-from gyrodrift.secret import mentions_secret, shown_words
+from gyrodrift.values.errors import GyrodriftError, UsageError, visible
+from gyrodrift.values.secret import mentions_secret, shown_words
 
 COMMANDS = {
     "serve": "read a gyro, correct its drift, print yaw",
@@ -110,7 +110,7 @@ def _forget_stdout() -> None:
 
 def _run(name: str, arguments: list[str]) -> int:
     if any(map(mentions_secret, arguments)):
-        from gyrodrift.process_list import hide_secrets
+        from gyrodrift.io.process_list import hide_secrets
 
         hide_secrets()
     try:
@@ -158,7 +158,7 @@ def parser_of(name: str) -> Parser:
 
 def program_parser() -> Parser:
     """Parser of the options without a command."""
-    from gyrodrift.installation import version_line
+    from gyrodrift.io.installation import version_line
 
     width = max(map(len, COMMANDS))
     listing = "\n".join(f"  {command:{width}}  {what}" for command, what in COMMANDS.items())

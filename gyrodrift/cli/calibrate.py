@@ -22,15 +22,15 @@ from typing import TYPE_CHECKING
 
 from gyrodrift.cli import INTERRUPTED, configs, numbers, options
 from gyrodrift.cli.calibrated import check_config, write_result
-from gyrodrift.errors import CalibrationError, UsageError
+from gyrodrift.values.errors import CalibrationError, UsageError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from gyrodrift.calibrate.guide import CalibrationPlan, Guide
     from gyrodrift.calibrate.positions.guide import PositionGuide, PositionPlan
-    from gyrodrift.calibration import Calibration
     from gyrodrift.link.link import Link
+    from gyrodrift.values.calibration import Calibration
 
     AnyGuide = Guide | PositionGuide
 
@@ -111,9 +111,9 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.columns = columns_by_turn(arguments)
 
     from gyrodrift.calibrate.terminal import GuideScreen, Keys, guided, without_echo
+    from gyrodrift.io.log import open_log
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
-    from gyrodrift.log import open_log
     from gyrodrift.recording.live_line import AboveLine
     from gyrodrift.service.signals import StopSignal
 
@@ -193,7 +193,7 @@ def _plan(arguments: argparse.Namespace) -> "CalibrationPlan":
 
 
 def _result(guide: "AnyGuide", link: "Link") -> "Calibration":
-    from gyrodrift.calibration import device_identity
+    from gyrodrift.values.calibration import device_identity
 
     device_id = device_identity(link.device.device_id, link.name)
     try:

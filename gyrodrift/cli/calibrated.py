@@ -6,12 +6,12 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gyrodrift.errors import UsageError
+from gyrodrift.values.errors import UsageError
 
 if TYPE_CHECKING:
     from gyrodrift.calibrate.guide import Guide
     from gyrodrift.calibrate.positions.guide import PositionGuide
-    from gyrodrift.calibration import Calibration
+    from gyrodrift.values.calibration import Calibration
 
 NEW_FILE = (
     "# Created by gyrodrift calibrate. serve --config applies changes of this file while it runs.\nfilter: restlevel\n"
@@ -22,7 +22,7 @@ def check_config(path: Path, *, force: bool) -> "Calibration | None":
     """Check before the calibration that its result can be written; the calibration that it replaces."""
     from gyrodrift.config.calibration import has_block
     from gyrodrift.config.model import load_config
-    from gyrodrift.files import check_writable
+    from gyrodrift.io.files import check_writable
 
     if path.suffix not in (".yaml", ".yml"):
         raise UsageError(f"--config {path}: the name of a config ends in .yaml")
@@ -45,7 +45,7 @@ def write_result(arguments: argparse.Namespace, calibration: "Calibration", guid
     """Print the calibration, and write it into the config."""
     from gyrodrift.config.calibration import block_text, checked, with_block
     from gyrodrift.config.model import load_config
-    from gyrodrift.files import write_whole
+    from gyrodrift.io.files import write_whole
 
     block = block_text(calibration)
     if arguments.json:

@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import configs, inputs, numbers, options
-from gyrodrift.errors import visible
-from gyrodrift.files import check_inputs_kept, check_writable
+from gyrodrift.io.files import check_inputs_kept, check_writable
+from gyrodrift.values.errors import visible
 
 if TYPE_CHECKING:
     from gyrodrift.compare.comparison import Comparison, ComparisonRequest
-    from gyrodrift.progress import Progress
+    from gyrodrift.io.progress import Progress
 
 EXAMPLES = """\
 gyrodrift compare sessions
@@ -65,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
     options.hold_product_threads()
     with options.progress_of(arguments, {} if arguments.train else None) as progress:
         progress.report(options.PACKAGES, 0, 0)
-        from gyrodrift.installation import need_packages
+        from gyrodrift.io.installation import need_packages
 
         need_packages("compare", "cma", "matplotlib", "numba", "scipy")
         from gyrodrift.compare.comparison import compare
@@ -108,8 +108,8 @@ def _write(arguments: argparse.Namespace, comparison: "Comparison") -> None:
 
     if arguments.out is not None:
         from gyrodrift.compare.report.page import report_html
-        from gyrodrift.files import write_whole
         from gyrodrift.html.provenance import Provenance, date_now, set_name
+        from gyrodrift.io.files import write_whole
 
         command = shlex.join(arguments.command_line)
         made = Provenance(set_name([*arguments.paths, *arguments.still]), command, date_now())

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING
 
 from gyrodrift.cli import inputs, options
 from gyrodrift.cli.written import samples_text, tell_written
-from gyrodrift.errors import UsageError, visible
-from gyrodrift.files import check_kept
+from gyrodrift.io.files import check_kept
+from gyrodrift.values.errors import UsageError, visible
 
 if TYPE_CHECKING:
-    from gyrodrift.progress import OnProgress
+    from gyrodrift.io.progress import OnProgress
     from gyrodrift.session.session import Session
 
 PIECE = 50_000
@@ -79,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def in_pieces(session: "Session", progress: "OnProgress") -> "Iterator[Session]":
     """The session in consecutive pieces, each counted in the progress."""
-    from gyrodrift.progress import counted
+    from gyrodrift.io.progress import counted
 
     samples = len(session.t_device_s)
     pieces = (session.part(first, first + PIECE) for first in range(0, samples, PIECE))

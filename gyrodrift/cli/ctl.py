@@ -20,7 +20,7 @@ import json
 import sys
 from pathlib import Path
 
-from gyrodrift.errors import UsageError
+from gyrodrift.values.errors import UsageError
 
 COMMANDS = ("zero", "heading", "rest", "rate", "record", "calibrate", "page", "status", "reload", "stop")
 PATIENCE_S, RELOAD_PATIENCE_S = 5.0, 45.0

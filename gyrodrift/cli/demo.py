@@ -9,8 +9,8 @@ import signal
 from pathlib import Path
 
 from gyrodrift.cli import numbers, options
-from gyrodrift.errors import UsageError
-from gyrodrift.files import check_inputs_kept, check_writable
+from gyrodrift.io.files import check_inputs_kept, check_writable
+from gyrodrift.values.errors import UsageError
 
 EXAMPLES = """\
 gyrodrift demo

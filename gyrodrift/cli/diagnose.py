@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import inputs, options
-from gyrodrift.errors import UsageError, visible
-from gyrodrift.files import check_inputs_kept, check_writable, write_whole
+from gyrodrift.io.files import check_inputs_kept, check_writable, write_whole
+from gyrodrift.values.errors import UsageError, visible
 
 EXAMPLES = """\
 gyrodrift diagnose sessions --out report
@@ -77,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
     options.hold_product_threads()
     with options.progress_of(arguments, {}) as waiting:
         waiting.report(options.PACKAGES, 0, 0)
-        from gyrodrift.installation import need_packages
+        from gyrodrift.io.installation import need_packages
 
         need_packages("diagnose", "matplotlib", "numba", "scipy")
         from gyrodrift.diagnose.report.page import report_html

@@ -23,13 +23,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import inputs, numbers, options
-from gyrodrift.errors import LinkError, PortMissingError, UsageError
+from gyrodrift.values.errors import LinkError, PortMissingError, UsageError
 
 if TYPE_CHECKING:
     from gyrodrift.doctor.evidence import DeviceEvidence
     from gyrodrift.doctor.finding import DeviceFinding
     from gyrodrift.doctor.sensors import Sensor
-    from gyrodrift.progress import OnProgress, Progress
+    from gyrodrift.io.progress import OnProgress, Progress
 
 SEVERITIES = ("note", "warning", "error")
 

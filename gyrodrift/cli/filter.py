@@ -17,16 +17,16 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from gyrodrift.cli import configs, inputs, options
 from gyrodrift.cli.written import samples_text, tell_written
-from gyrodrift.errors import DataError, GyrodriftError, visible
 from gyrodrift.filters.registry import FILTERS
-from gyrodrift.sample import Attitude
+from gyrodrift.values.errors import DataError, GyrodriftError, visible
+from gyrodrift.values.sample import Attitude
 
 if TYPE_CHECKING:
     from gyrodrift.filters.run import FilterRun
-    from gyrodrift.progress import OnProgress
-    from gyrodrift.sample import Inertial
+    from gyrodrift.io.progress import OnProgress
     from gyrodrift.session.session import Session
     from gyrodrift.session.tables.write import Row
+    from gyrodrift.values.sample import Inertial
 
     FilterSample = tuple[float, float, Inertial | None, float, float]
 
@@ -65,9 +65,9 @@ def run(arguments: argparse.Namespace) -> int:
     arguments.quiet |= arguments.out is None and not _is_file(sys.stdout)  # a progress bar would disturb a pager
     with options.progress_of(arguments) as progress:
         progress.report(options.PACKAGES, 0, 0)
-        from gyrodrift.files import check_kept
         from gyrodrift.filters.beginning import beginning_of
         from gyrodrift.filters.run import FilterRun
+        from gyrodrift.io.files import check_kept
         from gyrodrift.session.calibrated import applied_scale_sigmas
         from gyrodrift.session.tables.write import written_ending
 
@@ -100,8 +100,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _write(out: Path | None, session: "Session", run: "FilterRun", progress: "OnProgress") -> None:
-    from gyrodrift.files import write_whole
-    from gyrodrift.progress import counted
+    from gyrodrift.io.files import write_whole
+    from gyrodrift.io.progress import counted
     from gyrodrift.session.tables.write import write_rows, written_ending
 
     samples = list(_samples(session))

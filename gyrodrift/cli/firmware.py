@@ -10,7 +10,7 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gyrodrift.errors import UsageError, visible
+from gyrodrift.values.errors import UsageError, visible
 
 if TYPE_CHECKING:
     from gyrodrift.firmware.my_gyro import TunedGyro
@@ -43,10 +43,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the library; exit status 0."""
-    from gyrodrift.files import check_writable
     from gyrodrift.firmware.library_folder import check_replaceable, write_library
     from gyrodrift.firmware.targets import TARGETS as LAYOUTS
     from gyrodrift.firmware.targets import files_of
+    from gyrodrift.io.files import check_writable
 
     out: Path = arguments.out.expanduser()
     if arguments.target == "arduino" and not FOLDER_NAME.fullmatch(out.resolve().name):

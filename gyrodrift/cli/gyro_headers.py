@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from gyrodrift.errors import UsageError
-from gyrodrift.files import UnreadableError, check_writable, read_ordinary, write_whole
+from gyrodrift.io.files import UnreadableError, check_writable, read_ordinary, write_whole
+from gyrodrift.values.errors import UsageError
 
 MARK = b"Written by gyrodrift "
 """Words in the head of every written header, before the version."""

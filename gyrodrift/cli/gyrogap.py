@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 from gyrodrift.cli import numbers, options
-from gyrodrift.errors import UsageError, visible
+from gyrodrift.values.errors import UsageError, visible
 
 ACTIONS = ("make", "score")
 ROW_NAMES = ("none", "single", "small", "pair", "outside", "wrong_size")
@@ -55,7 +55,7 @@ def _rows(text: str) -> list[str]:
 def run(arguments: argparse.Namespace) -> int:
     """Make or score; 0 when everything is written."""
     options.hold_product_threads()
-    from gyrodrift.installation import need_packages
+    from gyrodrift.io.installation import need_packages
 
     need_packages("gyrogap", "scipy")
     return _make(arguments) if arguments.action == "make" else _score(arguments)

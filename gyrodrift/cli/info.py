@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from gyrodrift.cli import inputs, options
 from gyrodrift.cli.written import samples_text, tell_written
-from gyrodrift.errors import DataError, UsageError, visible
-from gyrodrift.files import check_writable, whole_file, write_whole
+from gyrodrift.io.files import check_writable, whole_file, write_whole
+from gyrodrift.values.errors import DataError, UsageError, visible
 
 if TYPE_CHECKING:
     from gyrodrift.config.model import Config
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from gyrodrift.describe.values import SessionDescription
     from gyrodrift.describe.yaw import YawHistory
     from gyrodrift.html.provenance import Provenance
-    from gyrodrift.progress import Progress
+    from gyrodrift.io.progress import Progress
     from gyrodrift.session.checks.finding import SessionFinding
     from gyrodrift.session.mcap.raw import RawSize
     from gyrodrift.session.session import Session
@@ -229,7 +229,7 @@ def _drawing(arguments: argparse.Namespace, sessions: "Sequence[Path]", *, is_ta
         return None
     if arguments.picture is not None:
         _check_picture(arguments.picture, sessions)
-    from gyrodrift.installation import need_packages
+    from gyrodrift.io.installation import need_packages
 
     need_packages("--out" if arguments.picture is None else "--picture", "matplotlib")
     if arguments.out is not None:
@@ -238,7 +238,7 @@ def _drawing(arguments: argparse.Namespace, sessions: "Sequence[Path]", *, is_ta
 
 
 def _check_picture(path: Path, sessions: "Sequence[Path]") -> None:
-    from gyrodrift.files import check_inputs_kept
+    from gyrodrift.io.files import check_inputs_kept
 
     if path.suffix not in PICTURES:
         raise UsageError(f"--picture {path}: expected a name that ends in {', '.join(PICTURES)}")

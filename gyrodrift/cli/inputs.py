@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from gyrodrift.errors import visible
+from gyrodrift.values.errors import visible
 
 if TYPE_CHECKING:
     from gyrodrift.config.model import Config

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli.options import AUTO_PORT
-from gyrodrift.errors import UsageError
+from gyrodrift.values.errors import UsageError
 
 if TYPE_CHECKING:
     from gyrodrift.outputs.options import OutputSpec
@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     if os.geteuid() != 0:
         raise UsageError("install-service writes to /etc: run it as root, or use --dry-run")
-    from gyrodrift.files import write_whole
+    from gyrodrift.io.files import write_whole
 
     for path, text in written.items():
         path.parent.mkdir(parents=True, exist_ok=True)

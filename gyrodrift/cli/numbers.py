@@ -7,7 +7,7 @@ import argparse
 import re
 from collections.abc import Callable
 
-from gyrodrift.errors import UsageError, shortened
+from gyrodrift.values.errors import UsageError, shortened
 
 DECIMAL = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,4})?")
 WHOLE = re.compile(r"[+-]?[0-9]+")

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 
 from gyrodrift.cli import numbers
 from gyrodrift.cli.parser import unknown
-from gyrodrift.errors import UsageError
 from gyrodrift.filters.registry import DEFAULT, FILTERS
 from gyrodrift.filters.run import AXES
-from gyrodrift.system import processor_count
+from gyrodrift.io.system import processor_count
+from gyrodrift.values.errors import UsageError
 
 if TYPE_CHECKING:
     from firmware_sim.effects.effect import Effect
-    from gyrodrift.progress import Progress
+    from gyrodrift.io.progress import Progress
 
 AUTO_PORT = "auto"
 PACKAGES = "packages"
@@ -287,7 +287,7 @@ def profile(text: str) -> str:
 
 def progress_of(arguments: argparse.Namespace, shares: "Mapping[str, float] | None" = None) -> "Progress":
     """Progress on stderr, shown on a terminal."""
-    from gyrodrift.progress import Progress
+    from gyrodrift.io.progress import Progress
 
     return Progress(sys.stderr, shares, is_quiet=arguments.quiet)
 

@@ -5,8 +5,8 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import Any, NoReturn
 
-from gyrodrift.errors import UsageError, shortened
-from gyrodrift.nearest import nearest, suggestion
+from gyrodrift.values.errors import UsageError, shortened
+from gyrodrift.values.nearest import nearest, suggestion
 
 RENAMED = {"--threads": "--jobs"}
 """Options that had another name."""

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TextIO, cast
 
 from gyrodrift.cli import configs, numbers, options
-from gyrodrift.unwaiting import send_within
+from gyrodrift.io.unwaiting import send_within
 
 if TYPE_CHECKING:
     from gyrodrift.link.link import Link
@@ -56,11 +56,11 @@ def run(arguments: argparse.Namespace) -> int:
     rotate_bytes, rotate_s = numbers.rotation(arguments.rotate)
     baud = numbers.baud(arguments.baud)
 
-    from gyrodrift.files import check_writable
     from gyrodrift.filters.run import FilterRun
+    from gyrodrift.io.files import check_writable
+    from gyrodrift.io.log import open_log, unwaiting_stderr
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
-    from gyrodrift.log import open_log, unwaiting_stderr
     from gyrodrift.recording.live_line import AboveLine
     from gyrodrift.recording.live_yaw import LiveYaw
     from gyrodrift.recording.recorder import Recorder, RecordOptions

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli.written import samples_text, size_text
-from gyrodrift.errors import DataError, visible
+from gyrodrift.values.errors import DataError, visible
 
 if TYPE_CHECKING:
     from gyrodrift.session.mcap.repair import Repaired

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import INTERRUPTED, inputs, numbers, options
-from gyrodrift.errors import LinkError, UsageError
+from gyrodrift.values.errors import LinkError, UsageError
 
 if TYPE_CHECKING:
     from firmware_sim.wire.encoder import Frame

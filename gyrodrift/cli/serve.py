@@ -30,7 +30,7 @@ class ListOutputs(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
         """Print the list."""
         from gyrodrift.config.outputs import options_help
-        from gyrodrift.installation import extra_command
+        from gyrodrift.io.installation import extra_command
         from gyrodrift.outputs.registry import OUTPUTS
 
         for name, kind in OUTPUTS.items():

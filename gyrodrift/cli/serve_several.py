@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 from gyrodrift.cli import serving
 from gyrodrift.cli.options import AUTO_PORT
-from gyrodrift.errors import UsageError
+from gyrodrift.values.errors import UsageError
 
 if TYPE_CHECKING:
     from gyrodrift.config.sources import SourceSettings
-    from gyrodrift.logger import FilteringBoundLogger
+    from gyrodrift.io.logger import FilteringBoundLogger
     from gyrodrift.service.loop import Service
     from gyrodrift.service.signals import StopSignal
     from gyrodrift.service.source_lines import SharedLines

@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TextIO, cast
 
 from gyrodrift.cli import configs, numbers, options
-from gyrodrift.errors import UsageError
+from gyrodrift.values.errors import UsageError
 
 if TYPE_CHECKING:
     from gyrodrift.config.watch import ConfigWatch
     from gyrodrift.filters.filter import Filter, FilterState
+    from gyrodrift.io.logger import FilteringBoundLogger
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
-    from gyrodrift.logger import FilteringBoundLogger
     from gyrodrift.outputs.options import OutputSpec
     from gyrodrift.recording.resilient import ResilientRecorder
     from gyrodrift.service.control import Control
@@ -94,7 +94,7 @@ def check_system(arguments: argparse.Namespace, *, has_outputs: bool) -> None:
 
 def log_of(arguments: argparse.Namespace, *, has_person: bool) -> "FilteringBoundLogger":
     """Logger on stderr; its lines stand above the line on stdout if both are the terminal."""
-    from gyrodrift.log import open_log, unwaiting_stderr
+    from gyrodrift.io.log import open_log, unwaiting_stderr
     from gyrodrift.recording.live_line import AboveLine
 
     above = None

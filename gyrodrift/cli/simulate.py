@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING
 
 from gyrodrift.cli import numbers, options
 from gyrodrift.cli.written import samples_text, written_words
-from gyrodrift.errors import UsageError, visible
+from gyrodrift.values.errors import UsageError, visible
 
 if TYPE_CHECKING:
     from firmware_sim.measure import Motion
     from firmware_sim.rig import Rig
-    from gyrodrift.progress import OnProgress
+    from gyrodrift.io.progress import OnProgress
 
 SESSIONS = "sessions"
 
@@ -119,7 +119,7 @@ def _rig_and_profile(arguments: argparse.Namespace) -> "tuple[Rig, Motion]":
 
 def _check_kept(arguments: argparse.Namespace, rig: "Rig") -> None:
     """Protect the files that are read, and the sessions and the rig of another simulation."""
-    from gyrodrift.files import check_inputs_kept, check_kept
+    from gyrodrift.io.files import check_inputs_kept, check_kept
     from gyrodrift.simulation.sessions import RIG, rig_yaml
     from gyrodrift.simulation.truth import truth_path
 

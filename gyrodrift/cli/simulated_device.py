@@ -9,7 +9,7 @@ import argparse
 import sys
 
 from gyrodrift.cli import options
-from gyrodrift.errors import LinkError, UsageError
+from gyrodrift.values.errors import LinkError, UsageError
 
 EXAMPLES = """\
 gyrodrift simulated-device --link /tmp/gyro

@@ -16,13 +16,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import INTERRUPTED, inputs, numbers, options
-from gyrodrift.errors import UsageError, visible
-from gyrodrift.files import check_inputs_kept, check_writable
 from gyrodrift.filters.registry import FILTERS
+from gyrodrift.io.files import check_inputs_kept, check_writable
+from gyrodrift.values.errors import UsageError, visible
 
 if TYPE_CHECKING:
     from gyrodrift.evaluation.dataset import Source
-    from gyrodrift.progress import Progress
+    from gyrodrift.io.progress import Progress
     from gyrodrift.tune.result import Tuning
 
 EXAMPLES = """\
@@ -98,7 +98,7 @@ def run(arguments: argparse.Namespace) -> int:
         check_header(arguments.header)
     with options.progress_of(arguments, {}) as progress:
         progress.report(options.PACKAGES, 0, 0)
-        from gyrodrift.installation import need_packages
+        from gyrodrift.io.installation import need_packages
 
         need_packages("tune", "cma", "numba")
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends like Ctrl-C, with the best so far
@@ -161,8 +161,8 @@ def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
     if kept:
         _keep(arguments.out, kept)
     if arguments.report is not None:
-        from gyrodrift.files import write_whole
         from gyrodrift.html.provenance import Provenance, date_now, set_name
+        from gyrodrift.io.files import write_whole
         from gyrodrift.tune.report.page import report_html
 
         write_json(arguments.report / "tune.json", tuning)
@@ -195,6 +195,6 @@ def _kept_in(out: Path) -> str:
 
 def _keep(out: Path, block: str) -> None:
     from gyrodrift.config.calibration import with_block
-    from gyrodrift.files import write_whole
+    from gyrodrift.io.files import write_whole
 
     write_whole(out, [with_block(out.read_text(encoding="utf-8"), block)])

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import numbers, options
-from gyrodrift.errors import LinkError, UsageError
+from gyrodrift.values.errors import LinkError, UsageError
 
 if TYPE_CHECKING:
     from gyrodrift.doctor.turn.heard import TurnResult

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from gyrodrift.errors import visible
+from gyrodrift.values.errors import visible
 
 SIZES = ((1e9, "GB"), (1e6, "MB"), (1e3, "kB"))
 

@@ -10,7 +10,7 @@ from itertools import permutations, product
 from math import sqrt
 from statistics import median
 
-from gyrodrift.vectors import Vector
+from gyrodrift.values.vectors import Vector
 
 WINDOW_S = 0.5
 """Length of the windows over which gravity and gyro are compared, s: chosen; hands turn slowly within it."""

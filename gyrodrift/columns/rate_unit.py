@@ -15,7 +15,7 @@ from math import degrees, isfinite, isnan, log, radians, sqrt
 from statistics import median
 
 from gyrodrift.columns.sensitivities import SENSITIVITIES
-from gyrodrift.sample import Sample
+from gyrodrift.values.sample import Sample
 
 PRIOR = 0.05
 """Prior share of streams in another unit than deg/s; a guess."""

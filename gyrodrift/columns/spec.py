@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import degrees
 
-from gyrodrift.errors import UsageError
-from gyrodrift.nearest import did_you_mean
+from gyrodrift.values.errors import UsageError
+from gyrodrift.values.nearest import did_you_mean
 
 IGNORED = "_"
 CLOCK_US = {"t_us": 1.0, "t_ms": 1e3, "t_s": 1e6, "t_ns": 1e-3}

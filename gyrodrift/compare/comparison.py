@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.registry import by_key
 from gyrodrift.compare.tuning import tuned
@@ -25,11 +24,12 @@ from gyrodrift.evaluation.dataset import (
 )
 from gyrodrift.evaluation.score import Score, mean_score, score_of
 from gyrodrift.evaluation.uncertainty import Uncertainty, mean_uncertainty, uncertainty_of
-from gyrodrift.parallel import workers
-from gyrodrift.progress import COMPILING, OnProgress, ignore_progress
-from gyrodrift.result_table import ResultTable
+from gyrodrift.io.parallel import workers
+from gyrodrift.io.progress import COMPILING, OnProgress, ignore_progress
+from gyrodrift.io.result_table import ResultTable
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions, session_as_stated
 from gyrodrift.tune.provenance import TuningProvenance, read_provenance
+from gyrodrift.values.arrays import Floats
 
 COMPILED_SAMPLES = 100
 """Samples of the run that compiles a method."""

@@ -5,17 +5,17 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.registry import by_key
 from gyrodrift.evaluation.dataset import LoadedSession
 from gyrodrift.evaluation.score import score_of
 from gyrodrift.evaluation.space import values_of
-from gyrodrift.parallel import LocalWorkers, workers
-from gyrodrift.progress import OnProgress
+from gyrodrift.io.parallel import LocalWorkers, workers
+from gyrodrift.io.progress import OnProgress
 from gyrodrift.tune.search.methods import METHODS as SEARCHES
 from gyrodrift.tune.search.methods import run_to_budget
 from gyrodrift.tune.search.objective import Objective
+from gyrodrift.values.arrays import Floats
 
 SEARCH = "race"
 """Search method: the default of `tune`."""

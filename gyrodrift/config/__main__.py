@@ -11,8 +11,8 @@ from pathlib import Path
 from gyrodrift import __version__
 from gyrodrift.config.in_time import load_in_time
 from gyrodrift.config.model import Config
-from gyrodrift.errors import ConfigError
-from gyrodrift.system import kill_with
+from gyrodrift.io.system import kill_with
+from gyrodrift.values.errors import ConfigError
 
 
 def _read(path: Path, source: str) -> tuple[Config | None, tuple[str, ...]]:

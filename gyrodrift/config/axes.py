@@ -6,8 +6,8 @@ from typing import Any
 from gyrodrift.config.explain import describe_value, unknown_key
 from gyrodrift.config.yaml import Key
 from gyrodrift.filters.run import AXES, Axes
-from gyrodrift.mount import AXES as DIRECTIONS
-from gyrodrift.mount import LEVEL, Mount
+from gyrodrift.values.mount import AXES as DIRECTIONS
+from gyrodrift.values.mount import LEVEL, Mount
 
 
 def axes_in(value: Any, report: Callable[[Key, str], None]) -> Axes:

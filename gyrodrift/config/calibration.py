@@ -10,11 +10,11 @@ from typing import Any, get_type_hints
 import yaml
 from pydantic import ValidationError, create_model
 
-from gyrodrift.calibration import AXES_SHAPES, Calibration, moment
 from gyrodrift.config.explain import Strict, describe_value, expectation, unknown_key
 from gyrodrift.config.yaml import Key
-from gyrodrift.errors import UsageError
-from gyrodrift.vectors import determinant, numbers_of, shape_text
+from gyrodrift.values.calibration import AXES_SHAPES, Calibration, moment
+from gyrodrift.values.errors import UsageError
+from gyrodrift.values.vectors import determinant, numbers_of, shape_text
 
 CALIBRATION = "calibration"
 LEAST_DETERMINANT = 0.1

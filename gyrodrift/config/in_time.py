@@ -7,7 +7,7 @@ from pathlib import Path
 from types import FrameType
 
 from gyrodrift.config.model import Config, load_config
-from gyrodrift.errors import ConfigError
+from gyrodrift.values.errors import ConfigError
 
 MOST_CPU_S = 1.0
 """Processor time; a config of 128 KiB takes up to 0.7 s on a desktop, an ordinary one 0.01 s."""

@@ -10,20 +10,20 @@ from annotated_types import Gt, Le
 from pydantic import ValidationError, create_model
 from pydantic.fields import FieldInfo
 
-from gyrodrift.calibration import Calibration
 from gyrodrift.config.axes import axes_in, mount_in
 from gyrodrift.config.calibration import CALIBRATION, calibration_in
 from gyrodrift.config.explain import Strict, describe_value, expectation, unknown_key
 from gyrodrift.config.outputs import outputs_in
 from gyrodrift.config.yaml import MOST_PROBLEMS, Key, YamlFile, read_yaml
-from gyrodrift.errors import ConfigError
 from gyrodrift.filters.filter import Filter, FilterParams
 from gyrodrift.filters.registry import DEFAULT, FILTERS
 from gyrodrift.filters.run import Axes
-from gyrodrift.mount import LEVEL, Mount
-from gyrodrift.nearest import did_you_mean
+from gyrodrift.io.public_yaml import public_yaml
 from gyrodrift.outputs.options import OutputSpec
-from gyrodrift.public_yaml import public_yaml
+from gyrodrift.values.calibration import Calibration
+from gyrodrift.values.errors import ConfigError
+from gyrodrift.values.mount import LEVEL, Mount
+from gyrodrift.values.nearest import did_you_mean
 
 SAMPLE_RATE = "sample_rate_hz"
 

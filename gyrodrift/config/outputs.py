@@ -8,10 +8,10 @@ from pydantic import ValidationError, create_model
 
 from gyrodrift.config.explain import Strict, describe_value, expectation, unknown_key
 from gyrodrift.config.yaml import Key, plain_value
-from gyrodrift.errors import UsageError
 from gyrodrift.outputs.options import OutputSpec, about, secrets
 from gyrodrift.outputs.registry import OUTPUTS
-from gyrodrift.secret import HIDDEN, SecretText, shown_key, without_secrets
+from gyrodrift.values.errors import UsageError
+from gyrodrift.values.secret import HIDDEN, SecretText, shown_key, without_secrets
 
 MOST_OUTPUTS = 100
 """Outputs of a config; each has a thread or a socket."""

@@ -14,7 +14,7 @@ from typing import IO
 from gyrodrift import __version__
 from gyrodrift.config.in_time import TOO_LONG
 from gyrodrift.config.model import Config
-from gyrodrift.errors import ConfigError
+from gyrodrift.values.errors import ConfigError
 
 LONGEST_S = 20.0
 """Elapsed time. The process uses at most `in_time.MOST_CPU_S` of it; other programs may have the processor."""

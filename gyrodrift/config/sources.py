@@ -8,7 +8,7 @@ from typing import Any
 from gyrodrift.config.explain import describe_value, unknown_key
 from gyrodrift.config.model import LINK_KEYS, SOURCES
 from gyrodrift.config.yaml import YamlFile, read_yaml
-from gyrodrift.errors import ConfigError
+from gyrodrift.values.errors import ConfigError
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
 """Name of a source: it becomes a folder, a part of file names and of topics."""

@@ -8,7 +8,7 @@ from typing import Protocol
 from gyrodrift.config.in_time import load_in_time
 from gyrodrift.config.model import Config
 from gyrodrift.config.reading import ConfigReading
-from gyrodrift.errors import ConfigError
+from gyrodrift.values.errors import ConfigError
 
 FileVersion = tuple[int, int, int]
 

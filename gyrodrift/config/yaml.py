@@ -11,9 +11,9 @@ from typing import Any
 
 import yaml
 
-from gyrodrift.errors import shortened, visible
-from gyrodrift.files import UnreadableError, read_ordinary
-from gyrodrift.secret import shown_key, without_secrets
+from gyrodrift.io.files import UnreadableError, read_ordinary
+from gyrodrift.values.errors import shortened, visible
+from gyrodrift.values.secret import shown_key, without_secrets
 
 LONGEST_BYTES = 128 << 10
 """A config with a few hundred training sessions in its provenance takes a tenth of this."""

@@ -22,8 +22,8 @@ from rich.live import Live
 
 from gyrodrift.demo.view import PICTURE, Size, draw, summary
 from gyrodrift.demo.yaw_error import YawError
-from gyrodrift.errors import LinkError
-from gyrodrift.files import shipped_config, write_whole
+from gyrodrift.io.files import shipped_config, write_whole
+from gyrodrift.values.errors import LinkError
 
 FRAMES_PER_S = 10
 STARTING_S = 60.0

@@ -8,7 +8,7 @@ from rich.table import Table
 from rich.text import Text
 
 from gyrodrift.demo.yaw_error import YawError
-from gyrodrift.text_chart import AxisRange, ChartLine, chart, legend, padded_range
+from gyrodrift.io.text_chart import AxisRange, ChartLine, chart, legend, padded_range
 
 FRAME_COLUMNS, FRAME_ROWS = 4, 2
 TABLE_ROWS, TABLE_COLUMNS = 4, 43

@@ -4,9 +4,9 @@ from math import inf, sqrt
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.describe.values import Allan, Stretch
-from gyrodrift.noise import FLICKER_FLOOR
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.noise import FLICKER_FLOOR
 
 ALLAN_LEAST_S = 30.0
 CLUSTERS_LEAST = 9

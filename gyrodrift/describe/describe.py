@@ -4,13 +4,13 @@ from math import inf
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.describe.allan import allan_of
 from gyrodrift.describe.arrays import only, smallest_step
 from gyrodrift.describe.host import host_clock
 from gyrodrift.describe.rest import stationary_by_encoder, stationary_by_rate
 from gyrodrift.describe.values import Allan, Encoder, Gaps, Rates, RestSource, SessionDescription, Stretch, Temperatures
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
 
 NORMAL_MAD = 1.4826
 """Standard deviation of a normal distribution over its median absolute deviation."""

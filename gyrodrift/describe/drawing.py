@@ -7,11 +7,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from gyrodrift.arrays import Floats
 from gyrodrift.describe.values import SessionDescription
 from gyrodrift.describe.yaw import YawHistory
 from gyrodrift.html.svg import FIVE, INK, PLAIN, QUIET, STEPS, THREE, TUNED, label_steps, switched, thinned
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
 
 PARTS = 400
 """A noisy line is drawn as its mean within its range, in at most this many parts, so that spikes stay visible."""

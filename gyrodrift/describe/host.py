@@ -4,10 +4,10 @@ from math import ceil, inf, sqrt
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.describe.arrays import blocks_of, only
 from gyrodrift.describe.values import HostClock
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
 
 WINDOW_S = 1.0
 WINDOW_SAMPLES = 20

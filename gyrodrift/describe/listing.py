@@ -5,7 +5,7 @@ from statistics import median
 
 from gyrodrift.describe.overview import SessionRow
 from gyrodrift.html.numbers import degrees, mean, significant
-from gyrodrift.noise import ROOT_SECONDS_PER_ROOT_HOUR, SECONDS_PER_HOUR, hourly_rate_text, random_walk_text
+from gyrodrift.values.noise import ROOT_SECONDS_PER_ROOT_HOUR, SECONDS_PER_HOUR, hourly_rate_text, random_walk_text
 
 NO_VALUE = "–"
 MINUTE_S, HOUR_S = 60.0, 3600.0

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
 
 MOST_DPS = 100_000.0
 """The fastest gyro on sale, the ADXRS649, measures up to 20,000 deg/s, extended 50,000 (its data sheet, rev. B)."""

@@ -5,7 +5,6 @@ from collections.abc import Iterator
 import numpy as np
 from matplotlib.axes import Axes
 
-from gyrodrift.arrays import Floats
 from gyrodrift.describe.allan import allan_errors
 from gyrodrift.describe.describe import GAP_PERIODS
 from gyrodrift.describe.drawing import (
@@ -23,7 +22,8 @@ from gyrodrift.describe.temperature import TemperatureDrift, temperature_drift
 from gyrodrift.describe.values import Allan, RestSource
 from gyrodrift.html.numbers import significant
 from gyrodrift.html.svg import FIVE, INK, PLAIN, QUIET, THREE, label_factors, label_steps
-from gyrodrift.noise import FLICKER_FLOOR, hourly_rate_text, random_walk_text
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.noise import FLICKER_FLOOR, hourly_rate_text, random_walk_text
 
 SHADES = 300
 """At most this many gaps and rests are drawn, the longest."""

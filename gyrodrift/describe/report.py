@@ -32,7 +32,7 @@ from gyrodrift.html.html import (
 )
 from gyrodrift.html.numbers import degrees, even, mean, significant
 from gyrodrift.html.provenance import Provenance, provenance
-from gyrodrift.noise import (
+from gyrodrift.values.noise import (
     FLICKER_WORDS,
     ROOT_SECONDS_PER_ROOT_HOUR,
     SECONDS_PER_HOUR,

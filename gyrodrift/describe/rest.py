@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.describe.arrays import Flags, blocks_of, smallest_step
+from gyrodrift.values.arrays import Floats
 
 Runs = list[tuple[int, int]]
 """Half-open ranges of indices."""

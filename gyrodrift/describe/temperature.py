@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.describe.values import SessionDescription
 from gyrodrift.describe.yaw import YawHistory
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
 
 LEAST_RANGE_C = 1.0
 LEAST_POINTS = 3

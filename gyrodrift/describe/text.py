@@ -8,10 +8,10 @@ import numpy as np
 from gyrodrift.describe.axes import axes_of
 from gyrodrift.describe.possible import impossible_values
 from gyrodrift.describe.values import Allan, HostClock, RestSource, SessionDescription, Stretch
-from gyrodrift.noise import FLICKER_FLOOR, FLICKER_WORDS, hourly_rate_text, random_walk_text
 from gyrodrift.session.checks.finding import SessionFinding
 from gyrodrift.session.mcap.raw import RawSize
 from gyrodrift.session.session import Session
+from gyrodrift.values.noise import FLICKER_FLOOR, FLICKER_WORDS, hourly_rate_text, random_walk_text
 
 STRETCHES_SHOWN = 6
 TEXT_SHOWN = 90

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from enum import Enum
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 
 class RestSource(Enum):

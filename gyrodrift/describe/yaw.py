@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.evaluation.integration import trapezium
 from gyrodrift.evaluation.reference import accepted, auxiliary_of
 from gyrodrift.filters.run import FilterRun
 from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats, Mask
 
 
 @dataclass(frozen=True, slots=True, eq=False)

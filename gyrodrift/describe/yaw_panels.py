@@ -4,7 +4,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from gyrodrift.arrays import Floats
 from gyrodrift.describe.drawing import (
     DescribedSession,
     Mark,
@@ -18,6 +17,7 @@ from gyrodrift.describe.values import RestSource
 from gyrodrift.describe.yaw import YawHistory
 from gyrodrift.html.numbers import factor_label, significant
 from gyrodrift.html.svg import THREE, TUNED, label_steps, switched
+from gyrodrift.values.arrays import Floats
 
 LEAST_YAW_DEG = 2.0
 LEAST_BIAS_DPS = 0.1

@@ -1,5 +1,5 @@
 """Explain the gap between a simulated rig and real recordings."""
 
-from gyrodrift.callable_package import make_callable
+from gyrodrift.io.callable_package import make_callable
 
 make_callable(__name__)

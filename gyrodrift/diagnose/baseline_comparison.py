@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 
 from firmware_sim.rig import Rig
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.compared_features import compared_of, is_same_rate
 from gyrodrift.diagnose.features.vector import FEATURES, LINEAR, NUMBER, rms_scale
 from gyrodrift.diagnose.inference.baseline import (
@@ -46,6 +45,7 @@ from gyrodrift.diagnose.stages import (
     with_facts,
     with_recorded_axes,
 )
+from gyrodrift.values.arrays import Floats
 
 ADOPTED_FROM, TIMES_ADOPTED_FROM = 0.8, 0.5
 """Probability from which on a cause of the baseline goes into the rig, and the same for effects on times alone. A less

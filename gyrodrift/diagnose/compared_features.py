@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.stats import norm as normal
 
-from gyrodrift.arrays import Mask
 from gyrodrift.diagnose.features.vector import FEATURES, NOT_OF_STEPS, SLOW
 from gyrodrift.diagnose.recording.levels import LEAST_GAPS, levels_of
 from gyrodrift.diagnose.recording.recording import Recording
+from gyrodrift.values.arrays import Mask
 
 SAME_RATE = 0.1
 """Largest relative difference of the sample rates, and of the measured steps, of a device from day to day. A PLL is

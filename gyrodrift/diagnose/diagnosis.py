@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 
 from firmware_sim.rig import Base, Rig
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.baseline_comparison import (
     changes_since,
     explained_baseline,
@@ -43,6 +42,7 @@ from gyrodrift.diagnose.stages import (
 )
 from gyrodrift.diagnose.what_next import what_next
 from gyrodrift.simulation.sessions import rig_yaml
+from gyrodrift.values.arrays import Floats
 
 
 def diagnose(request: DiagnosisRequest) -> Diagnosis:

@@ -13,7 +13,7 @@ from gyrodrift.diagnose.predictive_checks.residual_checks import ResidualChecks
 from gyrodrift.diagnose.predictive_checks.yaw_impact import YawImpact
 from gyrodrift.diagnose.recording.facts import Contradiction
 from gyrodrift.diagnose.recording.lacking import LackingValues
-from gyrodrift.result_table import ResultTable
+from gyrodrift.io.result_table import ResultTable
 
 
 @dataclass(frozen=True, slots=True)

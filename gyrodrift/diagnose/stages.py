@@ -21,9 +21,9 @@ from gyrodrift.diagnose.simulate.distribute import REPLAYED, Origin, SimulationP
 from gyrodrift.diagnose.simulate.hints import hints_of
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
-from gyrodrift.errors import DataError
-from gyrodrift.progress import OnProgress, ignore_progress
+from gyrodrift.io.progress import OnProgress, ignore_progress
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
+from gyrodrift.values.errors import DataError
 
 CORRECTED: dict[str, Callable[[float], float | int]] = {"encoder_cpr": round, "dps_per_lsb": float}
 """Facts of the rig that are replaced if the sessions contradict them, with the type of their values."""

@@ -6,9 +6,9 @@ from math import hypot, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrodrift.arrays import Floats
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, note, ok, warning
+from gyrodrift.values.arrays import Floats
 
 Flags = NDArray[np.bool_]
 

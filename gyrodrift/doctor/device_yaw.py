@@ -5,10 +5,10 @@ from math import hypot, isnan
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import FilterRun
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
 
 SAMPLES_MAX = 200_000
 """Samples at the end of a long recording that are compared."""

@@ -6,13 +6,13 @@ from typing import Any
 
 from gyrodrift.describe.values import SessionDescription, Stretch
 from gyrodrift.doctor.sensors import Sensor
-from gyrodrift.errors import LinkError
 from gyrodrift.link.holder import PortHolder
 from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.outputs.status import DeviceStatus, LinkStatus
 from gyrodrift.session.checks.finding import SessionFinding
 from gyrodrift.session.session import Session
+from gyrodrift.values.errors import LinkError
 
 BY_ID = "/dev/serial/by-id/"
 NO_LINE_DRIVERS = frozenset({"cdc_acm"})

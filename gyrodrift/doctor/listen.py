@@ -9,16 +9,16 @@ from gyrodrift.describe.describe import describe
 from gyrodrift.describe.values import SessionDescription
 from gyrodrift.doctor.evidence import DeviceEvidence, PortEvidence
 from gyrodrift.doctor.look import latency_ms, look_at_port
-from gyrodrift.errors import LinkError, UnitError
+from gyrodrift.io.progress import OnProgress
+from gyrodrift.io.waiting import POLLIN, new_poller
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.sources.source import OpenPort
 from gyrodrift.outputs.status import DeviceStatus, LinkStatus
-from gyrodrift.progress import OnProgress
-from gyrodrift.sample import Sample
 from gyrodrift.session.session import session_of
-from gyrodrift.waiting import POLLIN, new_poller
+from gyrodrift.values.errors import LinkError, UnitError
+from gyrodrift.values.sample import Sample
 
 BITS_PER_BYTE = 10
 SURE_PPM = 100.0

@@ -5,7 +5,7 @@ from math import sqrt
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 SEGMENT = 256
 SEGMENTS_MIN = 4

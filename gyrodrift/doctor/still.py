@@ -5,9 +5,9 @@ from math import sqrt
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.describe.arrays import smallest_step
 from gyrodrift.doctor.evidence import DeviceEvidence
+from gyrodrift.values.arrays import Floats
 
 RAIL_MIN_DPS = 20.0
 """Smallest rate that may be the end of a range, deg/s."""

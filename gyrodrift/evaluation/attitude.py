@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.auxiliary import Auxiliary, InertialColumns
 from gyrodrift.filters.filter import FilterParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import FilterRun
-from gyrodrift.sample import Inertial
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.sample import Inertial
 
 
 @dataclass(frozen=True, slots=True)

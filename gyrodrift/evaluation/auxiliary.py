@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 
 class Auxiliary(NamedTuple):

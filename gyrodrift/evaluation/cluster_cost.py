@@ -24,16 +24,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrodrift import __version__
-from gyrodrift.arrays import Floats
-from gyrodrift.cluster import ClusterWorkers
-from gyrodrift.errors import UsageError
 from gyrodrift.evaluation.cost import BLOCK, Scores
 from gyrodrift.evaluation.dataset import SessionSummary, Source, load_with_reference
 from gyrodrift.evaluation.kernels.kernel import GROUP, groups, kernel_of
 from gyrodrift.evaluation.reference import Reference
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.registry import FILTERS, PUBLISHED
+from gyrodrift.io.cluster import ClusterWorkers
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import UsageError
 
 BATCHES_PER_THREAD = 2
 """More batches than threads balance the load; a batch costs the scheduler up to a millisecond: chosen."""

@@ -11,13 +11,13 @@ from typing import IO, Self
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.kernels.kernel import groups, kernel_of
 from gyrodrift.evaluation.reference import Reference
 from gyrodrift.evaluation.score import Score
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.registry import PUBLISHED
-from gyrodrift.system import memory_bytes_of_machine, processor_count
+from gyrodrift.io.system import memory_bytes_of_machine, processor_count
+from gyrodrift.values.arrays import Floats
 
 FLOAT_BYTES = 8
 BLOCK = 512

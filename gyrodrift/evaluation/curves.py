@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.dataset import LoadedSession
+from gyrodrift.values.arrays import Floats
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
-from gyrodrift.errors import DataError
 from gyrodrift.evaluation.integration import start_calibrated, trapezium
 from gyrodrift.evaluation.motion import longest_motion_s
 from gyrodrift.evaluation.reference import Reference, timed_reference_of
@@ -17,6 +15,8 @@ from gyrodrift.evaluation.score import Score, score_of
 from gyrodrift.session.calibrated import calibrated
 from gyrodrift.session.checks.examine import examined
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions, session_as_stated
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError
 
 CROSS_VALIDATED = 5
 """Most sessions for leave-one-out cross-validation; with more sessions, a share is held out: chosen."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 INVERTED_DEG = 150.0
 """Tilt above which the twist turns fast for small rotations; there the heading follows the rate about the vertical.

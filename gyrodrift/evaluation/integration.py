@@ -5,7 +5,7 @@ HDR defines its yaw by equation 8, rate times step. That is off by w·T/2 at a r
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 CALIBRATION_S = 3.0
 """Length of a start calibration, s: chosen, the usual rest at power-on."""

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.reference import Reference
+from gyrodrift.values.arrays import Floats
 
 
 @dataclass(frozen=True, slots=True)

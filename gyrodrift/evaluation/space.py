@@ -7,9 +7,9 @@ from typing import get_type_hints
 import numpy as np
 from annotated_types import Ge, Le, Lt
 
-from gyrodrift.arrays import Floats
-from gyrodrift.errors import UsageError
 from gyrodrift.filters.filter import Filter, FilterParams
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import UsageError
 
 
 @dataclass(frozen=True, slots=True)

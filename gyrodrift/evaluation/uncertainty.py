@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtr
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.reference import Reference
+from gyrodrift.values.arrays import Floats
 
 SIGMAS = 2.0
 """Half width of the interval of `Uncertainty.coverage`, in standard deviations: chosen, 95.4 % if normal."""

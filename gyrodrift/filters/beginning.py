@@ -6,10 +6,10 @@ A file that continues another one has the full state of the filter at its first 
 import json
 from collections.abc import Mapping
 
-from gyrodrift.errors import DataError
 from gyrodrift.filters.filter import Filter, FilterState
 from gyrodrift.filters.run import FilterRun
 from gyrodrift.filters.saved import restore, saved
+from gyrodrift.values.errors import DataError
 
 TABLE = "filter"
 

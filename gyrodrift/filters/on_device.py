@@ -9,7 +9,7 @@ from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.hdr_filter import HDR
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import Axes, FilterRun
-from gyrodrift.sample import Inertial
+from gyrodrift.values.sample import Inertial
 
 Vector = tuple[float, float, float]
 

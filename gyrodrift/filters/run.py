@@ -9,8 +9,8 @@ from math import inf, isfinite, nan
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from gyrodrift.filters.filter import Filter
-from gyrodrift.mount import LEVEL, Mount, with_heading
-from gyrodrift.sample import Attitude, Inertial
+from gyrodrift.values.mount import LEVEL, Mount, with_heading
+from gyrodrift.values.sample import Attitude, Inertial
 
 if TYPE_CHECKING:
     from gyrodrift.filters.three_axes import ThreeAxisFilter

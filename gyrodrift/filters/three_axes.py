@@ -15,8 +15,8 @@ from gyrodrift.filters.attitude.zero import zero_yaw
 from gyrodrift.filters.filter import Filter, FilterState
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
-from gyrodrift.mount import Quaternion, with_heading
-from gyrodrift.sample import Inertial
+from gyrodrift.values.mount import Quaternion, with_heading
+from gyrodrift.values.sample import Inertial
 
 
 class ThreeAxisState(FilterState, Protocol):

@@ -10,8 +10,8 @@ from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
 
-from gyrodrift.errors import UsageError
-from gyrodrift.files import NAMED, UnreadableError, check_writable, read_ordinary, write_whole
+from gyrodrift.io.files import NAMED, UnreadableError, check_writable, read_ordinary, write_whole
+from gyrodrift.values.errors import UsageError
 
 RECORD = ".gyrodrift-firmware.json"
 LONGEST_BYTES = 4 << 20

@@ -6,14 +6,14 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from gyrodrift import __version__
-from gyrodrift.calibration import NO_CALIBRATION, Calibration
 from gyrodrift.config.model import Config
-from gyrodrift.errors import UsageError, visible
 from gyrodrift.filters.filter import Filter, FilterParams
 from gyrodrift.filters.hdr_filter import HDR
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.firmware.parameters import WIDTH, initializer
-from gyrodrift.mount import Mount
+from gyrodrift.values.calibration import NO_CALIBRATION, Calibration
+from gyrodrift.values.errors import UsageError, visible
+from gyrodrift.values.mount import Mount
 
 NO_LIMIT_C = 1000.0
 """End of a temperature run that has none, °C; no gyro works there."""

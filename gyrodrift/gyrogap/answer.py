@@ -6,10 +6,10 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from gyrodrift.errors import DataError
 from gyrodrift.gyrogap.json_files import read_json
 from gyrodrift.gyrogap.physics.kinds import InjectedEffect
 from gyrodrift.gyrogap.vocabulary import PARAMETERS, effect_of_answer
+from gyrodrift.values.errors import DataError
 
 NAMED_FROM = 0.5
 """Probability from which a cause is named."""

@@ -17,12 +17,12 @@ from pathlib import Path
 import numpy as np
 import scipy
 
-from gyrodrift.errors import DataError, UsageError
 from gyrodrift.gyrogap.case import NAME, BenchmarkCase
 from gyrodrift.gyrogap.json_files import read_json, write_json
 from gyrodrift.gyrogap.rows import ROWS, draw_case
 from gyrodrift.gyrogap.seals import HASHES, seal_label
 from gyrodrift.gyrogap.vocabulary import table
+from gyrodrift.values.errors import DataError, UsageError
 
 VERSION = 1
 """Version of the benchmark; another one has other data for the same seed."""

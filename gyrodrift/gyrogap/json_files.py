@@ -4,8 +4,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from gyrodrift.errors import DataError
-from gyrodrift.files import write_whole
+from gyrodrift.io.files import write_whole
+from gyrodrift.values.errors import DataError
 
 
 def write_json(path: Path, value: Any) -> None:

@@ -5,7 +5,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from gyrodrift.errors import DataError
 from gyrodrift.gyrogap.answer import BenchmarkAnswer, read_answer
 from gyrodrift.gyrogap.data_set import OnCase, read_manifest
 from gyrodrift.gyrogap.figures import EFFECT_ROWS, ScoreFigure, figures
@@ -13,6 +12,7 @@ from gyrodrift.gyrogap.gap_closed import GapClosed, HeldOutGap
 from gyrodrift.gyrogap.judge import JudgedCase, judged_case
 from gyrodrift.gyrogap.rows import draw_case
 from gyrodrift.gyrogap.seals import open_seal
+from gyrodrift.values.errors import DataError
 
 SCORE = "score.json"
 """The score of a folder of answers, written beside them."""

@@ -7,8 +7,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from gyrodrift.errors import DataError
 from gyrodrift.gyrogap.json_files import read_json, write_json
+from gyrodrift.values.errors import DataError
 
 HASHES, OPENINGS = "hashes.json", "openings.log"
 

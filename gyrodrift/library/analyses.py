@@ -6,8 +6,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from gyrodrift.errors import UsageError
-from gyrodrift.progress import OnProgress, ignore_progress
+from gyrodrift.io.progress import OnProgress, ignore_progress
+from gyrodrift.values.errors import UsageError
 
 if TYPE_CHECKING:
     from gyrodrift.compare.comparison import Comparison
@@ -260,7 +260,7 @@ def _reading(spec: str | None, reference: str | None = None) -> "ReadingOptions"
 
 
 def _need(function: str, *packages: str) -> None:
-    from gyrodrift.installation import need_packages
+    from gyrodrift.io.installation import need_packages
 
     need_packages(function, *packages)
 

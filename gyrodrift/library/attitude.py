@@ -3,21 +3,21 @@
 from math import nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from gyrodrift.errors import UsageError
 from gyrodrift.filters.filter import FilterParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import FilterRun
+from gyrodrift.io.result_table import ResultTable
 from gyrodrift.library.filters import checked_params
-from gyrodrift.mount import Axis, Mount
-from gyrodrift.result_table import ResultTable
-from gyrodrift.sample import Inertial
+from gyrodrift.values.errors import UsageError
+from gyrodrift.values.mount import Axis, Mount
+from gyrodrift.values.sample import Inertial
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import ArrayLike
 
-    from gyrodrift.arrays import Floats
+    from gyrodrift.values.arrays import Floats
 
 MISSING = (nan, nan, nan)
 

@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterator
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-from gyrodrift.waiting import POLLIN, new_poller
+from gyrodrift.io.waiting import POLLIN, new_poller
 
 if TYPE_CHECKING:
     from gyrodrift.link.link import Link
     from gyrodrift.link.options import EventHandler, LinkCounters
-    from gyrodrift.sample import Sample
+    from gyrodrift.values.sample import Sample
 
 
 class LinkReader:

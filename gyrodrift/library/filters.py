@@ -7,16 +7,16 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
-from gyrodrift.errors import UsageError
 from gyrodrift.filters.filter import Filter, FilterParams, FilterState
 from gyrodrift.filters.hdr_filter import HDR
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
-from gyrodrift.result_table import ResultTable
+from gyrodrift.io.result_table import ResultTable
+from gyrodrift.values.errors import UsageError
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from gyrodrift.arrays import Floats, Mask
+    from gyrodrift.values.arrays import Floats, Mask
 
 
 class Estimate(NamedTuple):

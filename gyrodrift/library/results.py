@@ -5,7 +5,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gyrodrift.errors import UsageError
+from gyrodrift.values.errors import UsageError
 
 if TYPE_CHECKING:
     from gyrodrift.compare.comparison import Comparison
@@ -120,8 +120,8 @@ def _save_tuning(tuning: "Tuning", path: Path) -> None:
 def _save_comparison(comparison: "Comparison", folder: Path) -> None:
     from gyrodrift.compare.report.files import write_json
     from gyrodrift.compare.report.page import report_html
-    from gyrodrift.files import check_writable, write_whole
     from gyrodrift.html.provenance import Provenance, date_now
+    from gyrodrift.io.files import check_writable, write_whole
 
     check_writable(folder)
     write_json(folder / "compare.json", comparison)
@@ -131,8 +131,8 @@ def _save_comparison(comparison: "Comparison", folder: Path) -> None:
 def _save_diagnosis(diagnosis: "Diagnosis", folder: Path) -> None:
     from gyrodrift.diagnose.report.files import write_files
     from gyrodrift.diagnose.report.page import report_html
-    from gyrodrift.files import check_writable, write_whole
     from gyrodrift.html.provenance import Provenance, date_now
+    from gyrodrift.io.files import check_writable, write_whole
 
     check_writable(folder)
     write_files(folder, diagnosis)
@@ -158,7 +158,7 @@ def plot(session: "Session", estimates: "Estimates | None" = None) -> Any:
     UsageError
         If matplotlib is missing, or the estimates belong to another session.
     """
-    from gyrodrift.installation import need_packages
+    from gyrodrift.io.installation import need_packages
 
     need_packages("plot", "matplotlib")
     import numpy as np

@@ -4,13 +4,13 @@ import time
 from collections.abc import Callable
 from itertools import cycle
 
-from gyrodrift.errors import LinkError, PortMissingError, UsageError
 from gyrodrift.link.backoff import Backoff
 from gyrodrift.link.opening import Opening
 from gyrodrift.link.options import EventHandler, LinkCounters, LinkOptions
 from gyrodrift.link.port import HAS_TERMIOS, USUAL_BAUDS, Port, PortGoneError, stable_name
 from gyrodrift.link.sources.opening import BackgroundOpening, checked_source, open_source
 from gyrodrift.link.sources.source import OpenPort, SourceEndedError, SourcePort
+from gyrodrift.values.errors import LinkError, PortMissingError, UsageError
 
 SOON_S = 0.5
 """Longest wait at the start for a source that may come later, s: an answer or a refusal of a near host is faster."""

@@ -3,7 +3,7 @@
 from collections import deque
 
 from gyrodrift.link.protocols.decoder import WAITING_MAX, DecoderCounters
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 Arrived = tuple[float, list[Reading]]
 """Arrival time, s on the monotonic host clock, and its readings."""

@@ -11,7 +11,6 @@ from dataclasses import replace
 from math import isnan
 from typing import Any
 
-from gyrodrift.errors import DeviceSilentError, PortMissingError, UnitError
 from gyrodrift.link.calendar import CLOCK_SET, Calendar
 from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
@@ -29,7 +28,8 @@ from gyrodrift.link.protocols.registry import candidates
 from gyrodrift.link.silence import unread_protocol, why_silent
 from gyrodrift.link.sources.source import OpenPort
 from gyrodrift.link.units.check import UnitCheck
-from gyrodrift.sample import Reading, Sample
+from gyrodrift.values.errors import DeviceSilentError, PortMissingError, UnitError
+from gyrodrift.values.sample import Reading, Sample
 
 BAUD_TRIAL_S = 0.8
 BAUD_TRIAL_WARM_S = 4.0

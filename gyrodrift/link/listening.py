@@ -10,14 +10,14 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from typing import Any
 
-from gyrodrift.errors import LinkError
+from gyrodrift.io.waiting import POLLIN, new_poller
 from gyrodrift.link.holder import PortHolder, holder_of
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.link.sources.source import OpenPort
-from gyrodrift.sample import Sample
-from gyrodrift.waiting import POLLIN, new_poller
+from gyrodrift.values.errors import LinkError
+from gyrodrift.values.sample import Sample
 
 USUAL_S = 10.0
 """Listening time without a timeout, s: enough for all usual baud rates."""

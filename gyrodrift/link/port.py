@@ -15,9 +15,9 @@ import serial
 from serial.tools import list_ports
 from serial.tools.list_ports_common import ListPortInfo
 
-from gyrodrift.errors import LinkError, PortBusyError, PortDeniedError, PortMissingError, UsageError
 from gyrodrift.link.holder import holder_of
 from gyrodrift.link.serial_port import SerialPort, built_in_ports, has_uart
+from gyrodrift.values.errors import LinkError, PortBusyError, PortDeniedError, PortMissingError, UsageError
 
 try:
     import fcntl

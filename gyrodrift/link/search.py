@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from gyrodrift.errors import PortMissingError, UsageError
 from gyrodrift.link.listening import HeardPort, Speech, listen_at
 from gyrodrift.link.options import EventHandler, LinkOptions
 from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.link.sources.source import OpenPort
+from gyrodrift.values.errors import PortMissingError, UsageError
 
 
 def find_gyro(

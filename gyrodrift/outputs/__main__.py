@@ -8,8 +8,8 @@ import socket
 import sys
 from contextlib import suppress
 
-from gyrodrift.log import open_log
-from gyrodrift.logger import FilteringBoundLogger
+from gyrodrift.io.log import open_log
+from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs.hub import Hub
 
 DESCRIPTORS = 4096

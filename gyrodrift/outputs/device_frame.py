@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from math import asin, atan2, cos, radians, sin, sqrt
 from typing import Any
 
-from gyrodrift.mount import LEVEL, Mount, Quaternion, with_heading
-from gyrodrift.sample import Attitude, Inertial
-from gyrodrift.vectors import Vector
+from gyrodrift.values.mount import LEVEL, Mount, Quaternion, with_heading
+from gyrodrift.values.sample import Attitude, Inertial
+from gyrodrift.values.vectors import Vector
 
 UPSIDE_DOWN = cos(radians(150.0))
 """Height of the up axis below which a twist is ill defined. There the service carries yaw by the rate about the

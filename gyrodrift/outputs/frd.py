@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from math import cos, isnan, pi, radians, remainder, sin
 from typing import Literal
 
-from gyrodrift.mount import Quaternion
 from gyrodrift.outputs.device_frame import UNTURNED, DeviceFrame, angles_rad, frd
-from gyrodrift.sample import Attitude, Corrected, Inertial
-from gyrodrift.vectors import Vector
+from gyrodrift.values.mount import Quaternion
+from gyrodrift.values.sample import Attitude, Corrected, Inertial
+from gyrodrift.values.vectors import Vector
 
 FrdReference = Literal["frd", "ned"]
 """Yaw from the start of the service, or heading from north."""

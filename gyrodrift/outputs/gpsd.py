@@ -22,7 +22,7 @@ from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.status import ClientStatus, ServiceStatus
 from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.outputs.utc import iso_time
-from gyrodrift.sample import Attitude, Corrected
+from gyrodrift.values.sample import Attitude, Corrected
 
 PROTOCOL = (3, 14)
 """Major and minor version of the protocol."""

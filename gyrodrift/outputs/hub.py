@@ -13,7 +13,7 @@ from dataclasses import asdict
 from functools import partial
 from typing import Any
 
-from gyrodrift.logger import FilteringBoundLogger
+from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs import wire
 from gyrodrift.outputs.net.periodic import Periodic
 from gyrodrift.outputs.net.refusals import BoundedEvent
@@ -22,7 +22,7 @@ from gyrodrift.outputs.output import ControlAccess, Output
 from gyrodrift.outputs.registry import OUTPUTS
 from gyrodrift.outputs.running import RunningOutput
 from gyrodrift.outputs.status import ServiceStatus
-from gyrodrift.sample import Corrected
+from gyrodrift.values.sample import Corrected
 
 REPORT_S = 0.5
 END_S = 3.0

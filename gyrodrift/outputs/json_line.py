@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from gyrodrift.sample import Attitude, Corrected, DeviceYaw
+from gyrodrift.values.sample import Attitude, Corrected, DeviceYaw
 
 Value = float | tuple[float, ...]
 

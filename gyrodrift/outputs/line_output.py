@@ -9,7 +9,7 @@ from gyrodrift.outputs.net.lines import LineServer
 from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.status import ClientStatus
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.sample import Corrected
+from gyrodrift.values.sample import Corrected
 
 LineOptions = TypeVar("LineOptions")
 

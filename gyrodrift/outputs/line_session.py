@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from typing import Any
 
 from gyrodrift import __version__
-from gyrodrift.nearest import did_you_mean
 from gyrodrift.outputs.json_line import NAMES, chosen_line, json_line
 from gyrodrift.outputs.net.json_input import parse_json
 from gyrodrift.outputs.net.lines import LineClient
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.sample import Corrected
+from gyrodrift.values.nearest import did_you_mean
+from gyrodrift.values.sample import Corrected
 
 SAMPLE = '{"class":"SAMPLE",'
 

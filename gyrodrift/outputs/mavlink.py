@@ -22,7 +22,7 @@ from gyrodrift.outputs.options import LOOPBACK, About, Host, Port
 from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.status import ServiceStatus
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.sample import Corrected
+from gyrodrift.values.sample import Corrected
 
 if TYPE_CHECKING:
     from pymavlink.dialects.v20.common import MAVLink_message

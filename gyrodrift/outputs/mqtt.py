@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated
 from annotated_types import MaxLen, MinLen
 
 from gyrodrift import __version__
-from gyrodrift.files import UnreadableError, check_ordinary, read_ordinary
+from gyrodrift.io.files import UnreadableError, check_ordinary, read_ordinary
 from gyrodrift.outputs.health import health
 from gyrodrift.outputs.home_assistant import BIRTH, OFFLINE, ONLINE, Topics, discovery
 from gyrodrift.outputs.json_line import ATTITUDE_FIELDS, DEVICE_FIELDS, FIELDS, present_fields
@@ -27,8 +27,8 @@ from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import Output, OutputError, OutputHost
 from gyrodrift.outputs.status import DeviceStatus, ServiceStatus
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.sample import Corrected
-from gyrodrift.secret import NO_SECRET, SecretText
+from gyrodrift.values.sample import Corrected
+from gyrodrift.values.secret import NO_SECRET, SecretText
 
 if TYPE_CHECKING:
     import aiomqtt

@@ -20,7 +20,7 @@ from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.status import ClientStatus, ServiceStatus
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.sample import Attitude, Corrected
+from gyrodrift.values.sample import Attitude, Corrected
 
 T = TypeVar("T")
 

@@ -7,7 +7,7 @@ publishers of its topics. ntcore sends from threads of its own.
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from gyrodrift.logger import FilteringBoundLogger
+from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs.net.addresses import shown
 from gyrodrift.outputs.net.names import shown_name
 from gyrodrift.outputs.networktables_session import TopicValue

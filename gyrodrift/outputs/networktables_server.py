@@ -12,7 +12,7 @@ from http import HTTPStatus
 from typing import TYPE_CHECKING
 from urllib.parse import unquote_to_bytes
 
-from gyrodrift.logger import FilteringBoundLogger
+from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs.net.names import shown_name
 from gyrodrift.outputs.net.refusals import BoundedEvent
 from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer

@@ -20,7 +20,7 @@ from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.status import ClientStatus
 from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.outputs.unix import runtime_folder
-from gyrodrift.sample import Corrected
+from gyrodrift.values.sample import Corrected
 
 NAME = "gyrodrift.nmea"
 

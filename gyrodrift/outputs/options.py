@@ -16,7 +16,7 @@ from typing import Annotated, Any, get_type_hints
 
 from annotated_types import Ge, Gt, Le, MaxLen, MinLen, Predicate
 
-from gyrodrift.secret import SecretText, without_secrets
+from gyrodrift.values.secret import SecretText, without_secrets
 
 LOOPBACK = "127.0.0.1"
 

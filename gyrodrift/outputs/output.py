@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Generic, TypeVar
 
-from gyrodrift.logger import FilteringBoundLogger
+from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs.status import ClientStatus, ServiceStatus
-from gyrodrift.sample import Corrected
+from gyrodrift.values.sample import Corrected
 
 O = TypeVar("O")  # noqa: E741 - the options of an output
 

@@ -5,7 +5,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-from gyrodrift.errors import UsageError
+from gyrodrift.values.errors import UsageError
 
 if TYPE_CHECKING:
     from gyrodrift.outputs.output import Output
@@ -47,7 +47,7 @@ class OutputKind:
         UsageError
             With the command that installs a missing package.
         """
-        from gyrodrift.installation import extra_command
+        from gyrodrift.io.installation import extra_command
 
         for package in self.packages:
             if not _is_installed(package):

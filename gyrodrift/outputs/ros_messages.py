@@ -10,7 +10,7 @@ from math import cos, isfinite, isnan, modf, radians, sin
 from typing import Literal
 
 from gyrodrift.outputs.device_frame import corrected_rates_dps
-from gyrodrift.sample import Attitude, Corrected, Inertial
+from gyrodrift.values.sample import Attitude, Corrected, Inertial
 
 RosVersion = Literal["ros2", "ros1"]
 

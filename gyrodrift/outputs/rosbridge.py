@@ -15,7 +15,7 @@ from gyrodrift.outputs.rosbridge_services import RosServices
 from gyrodrift.outputs.rosbridge_session import RosbridgeSession
 from gyrodrift.outputs.status import ClientStatus
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.sample import Corrected
+from gyrodrift.values.sample import Corrected
 
 
 @dataclass(frozen=True, slots=True)

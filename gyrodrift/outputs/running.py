@@ -9,7 +9,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-from gyrodrift.logger import FilteringBoundLogger
+from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs.options import OutputSpec
 from gyrodrift.outputs.output import ControlAccess, Output, OutputError, OutputHost
 from gyrodrift.outputs.registry import OUTPUTS

@@ -17,7 +17,7 @@ from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.status import ClientStatus
 from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.outputs.utc import iso_time
-from gyrodrift.sample import Corrected
+from gyrodrift.values.sample import Corrected
 
 DIGITS = 6
 """Digits behind the point: 1e-6 rad is 6e-5 deg."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from gyrodrift.sample import Corrected
+from gyrodrift.values.sample import Corrected
 
 SAME_TIME_S = 1e-6
 """Times closer than this are equal, s; device clocks count microseconds."""

@@ -13,7 +13,7 @@ from gyrodrift.outputs.net.datagrams import DatagramSender
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.sample import Corrected
+from gyrodrift.values.sample import Corrected
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from math import nan
 from struct import Struct
 from typing import Any
 
-from gyrodrift.sample import Attitude, Corrected, DeviceYaw, Inertial, Sample
+from gyrodrift.values.sample import Attitude, Corrected, DeviceYaw, Inertial, Sample
 
 SAMPLES = b"S"
 AXES = b"X"

@@ -10,8 +10,8 @@ from io import FileIO
 from pathlib import Path
 from queue import Empty, SimpleQueue
 
-from gyrodrift.errors import DataError
-from gyrodrift.system import lock_file, sync_folder
+from gyrodrift.io.system import lock_file, sync_folder
+from gyrodrift.values.errors import DataError
 
 SYNC_S = 3.0
 """Longest time from one fsync to the next, s."""

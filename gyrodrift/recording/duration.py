@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from gyrodrift.recording.recorder import Recorder
-from gyrodrift.sample import Sample
+from gyrodrift.values.sample import Sample
 
 GRACE_S = 1.0
 """A device that falls silent keeps a recording open no longer than this, s."""

@@ -6,11 +6,11 @@ import sys
 from contextlib import suppress
 from typing import Any, TextIO
 
-from gyrodrift.errors import printable
 from gyrodrift.link.link import Link
 from gyrodrift.recording.live_yaw import LiveYaw
 from gyrodrift.recording.recorder import Recorder
-from gyrodrift.sample import Sample
+from gyrodrift.values.errors import printable
+from gyrodrift.values.sample import Sample
 
 CLEAR = "\r\x1b[K"
 

@@ -1,9 +1,9 @@
 """Yaw for the live line of a recording; the file has the samples as measured."""
 
-from gyrodrift.calibration import NO_CALIBRATION, Calibration, of_this_device
 from gyrodrift.filters.run import FilterRun
 from gyrodrift.link.link import Link
-from gyrodrift.sample import Sample
+from gyrodrift.values.calibration import NO_CALIBRATION, Calibration, of_this_device
+from gyrodrift.values.sample import Sample
 
 
 class LiveYaw:

@@ -19,9 +19,9 @@ from gyrodrift.link.link import Link
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.recording.disk import MOST_WAITING_BYTES, DiskFile, RecordingError, disk_left_bytes
 from gyrodrift.recording.names import recording_path
-from gyrodrift.sample import Sample
-from gyrodrift.secret import without_secrets
 from gyrodrift.session.mcap.write import McapWriter
+from gyrodrift.values.sample import Sample
+from gyrodrift.values.secret import without_secrets
 
 NAMELESS_S = 2.0
 """Raw bytes wait this long for the first sample, which brings the name of the device; then a file begins without it."""
@@ -58,7 +58,7 @@ class RecordOptions:
 
 
 class Recorder:
-    """Records a link into a folder; check the folder before with `gyrodrift.files.check_writable`.
+    """Records a link into a folder; check the folder before with `gyrodrift.io.files.check_writable`.
 
     `unflushed` counts the samples that are in no file yet. A file begins with the first sample, because its name has
     the name of the device.

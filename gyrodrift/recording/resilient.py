@@ -7,14 +7,14 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from gyrodrift.errors import DataError
-from gyrodrift.files import check_writable
+from gyrodrift.io.files import check_writable
+from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.link.link import Link
-from gyrodrift.logger import FilteringBoundLogger
 from gyrodrift.recording.disk import ChangedFileError, RecordingError
 from gyrodrift.recording.recorder import Recorder, RecordOptions
-from gyrodrift.sample import Sample
 from gyrodrift.session.mcap.interrupted import interrupted
+from gyrodrift.values.errors import DataError
+from gyrodrift.values.sample import Sample
 
 RETRY_S = 10.0
 

@@ -9,7 +9,7 @@ from math import hypot, nan
 from typing import Any
 
 from gyrodrift.filters.run import WITHOUT_AXES_S as LOST_S
-from gyrodrift.sample import Sample
+from gyrodrift.values.sample import Sample
 
 WITHOUT_ACCELERATIONS = "the device sends three rates without accelerations: the tilt is by the gyro, or unknown"
 WITHOUT_AXES = "the device sends one rate: yaw is right while this axis is vertical"

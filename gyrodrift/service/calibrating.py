@@ -9,13 +9,13 @@ from datetime import UTC, datetime
 from math import nan
 from typing import Any
 
-from gyrodrift.calibration import NO_CALIBRATION, OLD_DAYS, Calibration, device_identity
 from gyrodrift.filters.filter import FilterState
+from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.link.link import Link
 from gyrodrift.link.protocols.decoder import DeviceDescription
-from gyrodrift.logger import FilteringBoundLogger
-from gyrodrift.sample import Sample
-from gyrodrift.vectors import Vector
+from gyrodrift.values.calibration import NO_CALIBRATION, OLD_DAYS, Calibration, device_identity
+from gyrodrift.values.sample import Sample
+from gyrodrift.values.vectors import Vector
 
 Bias = float | Vector
 """Estimate of a filter, deg/s: of one axis, or about x, y and z."""

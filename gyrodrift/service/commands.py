@@ -6,7 +6,6 @@ from dataclasses import asdict, dataclass
 from math import nan
 from typing import Any
 
-from gyrodrift.errors import CalibrationError, ConfigError, UsageError
 from gyrodrift.outputs.output import ControlAccess
 from gyrodrift.outputs.web.address import WEB, AddressError, page_url
 from gyrodrift.service.control import CommandError, ControlCommand, Later, number
@@ -18,6 +17,7 @@ from gyrodrift.service.rest_word import RestWord
 from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.source_lines import SourceLines
 from gyrodrift.service.stdout import JsonLines
+from gyrodrift.values.errors import CalibrationError, ConfigError, UsageError
 
 FASTEST_HZ = 1e6
 OPENING_S = 3.0

@@ -17,10 +17,10 @@ from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
-from gyrodrift.errors import UsageError
-from gyrodrift.logger import FilteringBoundLogger
+from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs.net.unix_socket import bind_unix, file_of, unlink_unix
 from gyrodrift.outputs.output import OutputError
+from gyrodrift.values.errors import UsageError
 
 MOST_CLIENTS = 8
 IDLE_S = 10.0

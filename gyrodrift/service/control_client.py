@@ -6,7 +6,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from gyrodrift.errors import UsageError
+from gyrodrift.values.errors import UsageError
 
 
 class ControlClient:

@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 from math import nan
 
 from gyrodrift.filters.run import FilterRun
-from gyrodrift.sample import Attitude, Corrected, Sample
 from gyrodrift.service.reference import DeviceReference, EncoderReference, YawReference
+from gyrodrift.values.sample import Attitude, Corrected, Sample
 
 
 @dataclass(slots=True)

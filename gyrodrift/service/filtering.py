@@ -8,19 +8,19 @@ from functools import partial
 from math import atan2, degrees, hypot, isfinite
 from typing import TYPE_CHECKING, Any
 
-from gyrodrift.calibration import Calibration
-from gyrodrift.errors import ConfigError
 from gyrodrift.filters.filter import Filter, FilterState, WitnessState
 from gyrodrift.filters.registry import DEFAULT
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import Axes, FilterRun
+from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.link.link import Link
-from gyrodrift.logger import FilteringBoundLogger
-from gyrodrift.mount import nearest_axis
-from gyrodrift.sample import Corrected, Sample
 from gyrodrift.service.calibrating import Calibrating, bias_of
 from gyrodrift.service.correcting import Correcting
 from gyrodrift.service.sink import ReaderGoneError, Sink
+from gyrodrift.values.calibration import Calibration
+from gyrodrift.values.errors import ConfigError
+from gyrodrift.values.mount import nearest_axis
+from gyrodrift.values.sample import Corrected, Sample
 
 if TYPE_CHECKING:  # the config loads its checker, which a service without a config does not need
     from gyrodrift.config.model import Config

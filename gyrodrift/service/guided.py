@@ -9,12 +9,12 @@ from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Any
 
-from gyrodrift.calibration import Calibration, device_identity
-from gyrodrift.errors import CalibrationError, UsageError
-from gyrodrift.files import UnreadableError, read_ordinary, write_whole
-from gyrodrift.sample import Sample
+from gyrodrift.io.files import UnreadableError, read_ordinary, write_whole
 from gyrodrift.service.calibrating import bias_of
 from gyrodrift.service.filtering import Filtering
+from gyrodrift.values.calibration import Calibration, device_identity
+from gyrodrift.values.errors import CalibrationError, UsageError
+from gyrodrift.values.sample import Sample
 
 if TYPE_CHECKING:  # brings numpy, which a service does not need before somebody calibrates
     from gyrodrift.calibrate.guide import Guide

@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from gyrodrift.errors import UsageError
-from gyrodrift.files import shipped_config
+from gyrodrift.io.files import shipped_config
 from gyrodrift.link.sources.registry import source_of
 from gyrodrift.service.unit_words import command_line, file_url, plain_text, serial_pattern, usb_number
+from gyrodrift.values.errors import UsageError
 
 UNIT = Path("/etc/systemd/system/gyrodrift.service")
 RULES = Path("/etc/udev/rules.d/60-gyrodrift.rules")

@@ -4,7 +4,7 @@ import time
 from typing import Any
 
 from gyrodrift.link.link import Link
-from gyrodrift.sample import Sample
+from gyrodrift.values.sample import Sample
 
 SECOND_S = 1.0
 BITS_PER_BYTE = 10

@@ -2,7 +2,7 @@
 
 from typing import Any, Protocol, TypeVar
 
-from gyrodrift.sample import Sample
+from gyrodrift.values.sample import Sample
 
 T = TypeVar("T")
 

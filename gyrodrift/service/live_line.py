@@ -8,11 +8,11 @@ from itertools import accumulate
 from math import isfinite
 from typing import Any
 
-from gyrodrift.errors import printable
+from gyrodrift.io.unwaiting import send_unwaiting
 from gyrodrift.link.link import Link
-from gyrodrift.sample import Attitude, Corrected
 from gyrodrift.service.sink import ReaderGoneError
-from gyrodrift.unwaiting import send_unwaiting
+from gyrodrift.values.errors import printable
+from gyrodrift.values.sample import Attitude, Corrected
 
 CLEAR = "\r\x1b[K"
 SILENT_S = 2.0

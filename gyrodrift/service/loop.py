@@ -11,16 +11,16 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import TYPE_CHECKING, Any
 
+from gyrodrift.io.logger import FilteringBoundLogger
+from gyrodrift.io.waiting import POLLIN, Poller, new_poller
 from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
-from gyrodrift.logger import FilteringBoundLogger
-from gyrodrift.secret import without_secrets
 from gyrodrift.service.listener import SampleListener
 from gyrodrift.service.rest_word import RestWord
 from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.sink import ReaderGoneError, Sink
 from gyrodrift.service.stream_watch import StreamWatch
-from gyrodrift.waiting import POLLIN, Poller, new_poller
+from gyrodrift.values.secret import without_secrets
 
 if TYPE_CHECKING:  # a service without control socket does not need them
     from gyrodrift.service.control import Control

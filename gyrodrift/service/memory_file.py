@@ -7,8 +7,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from gyrodrift.errors import UsageError
-from gyrodrift.files import UnreadableError, read_ordinary, write_whole
+from gyrodrift.io.files import UnreadableError, read_ordinary, write_whole
+from gyrodrift.values.errors import UsageError
 
 VERSION = 1
 

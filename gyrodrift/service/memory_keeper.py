@@ -8,14 +8,14 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from gyrodrift.calibration import of_this_device
-from gyrodrift.errors import UsageError
-from gyrodrift.files import check_writable
 from gyrodrift.filters.filter import FilterMemory
-from gyrodrift.logger import FilteringBoundLogger
-from gyrodrift.sample import Sample
+from gyrodrift.io.files import check_writable
+from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.service.filtering import Filtering
 from gyrodrift.service.memory_file import MemoryDamagedError, MemoryFile, read_memory, set_aside, write_memory
+from gyrodrift.values.calibration import of_this_device
+from gyrodrift.values.errors import UsageError
+from gyrodrift.values.sample import Sample
 
 SAVE_S = 60.0
 """Interval of writing, s; a kill loses at most this."""

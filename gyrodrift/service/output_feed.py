@@ -20,12 +20,12 @@ from dataclasses import asdict
 from math import inf
 from typing import Any
 
-from gyrodrift.logger import FilteringBoundLogger
+from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs import wire
 from gyrodrift.outputs.options import OutputSpec, revealed
 from gyrodrift.outputs.output import ControlAccess
 from gyrodrift.outputs.status import OutputStatus, ServiceStatus, output_status
-from gyrodrift.sample import Corrected
+from gyrodrift.values.sample import Corrected
 
 LONGEST_QUEUE_BYTES = 4 << 20
 KERNEL_BYTES = 1 << 20

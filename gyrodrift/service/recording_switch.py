@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from gyrodrift.errors import UsageError
-from gyrodrift.sample import Sample
+from gyrodrift.values.errors import UsageError
+from gyrodrift.values.sample import Sample
 
 if TYPE_CHECKING:  # brings the writer of mcap, which a service that records nothing does without
     from gyrodrift.recording.resilient import ResilientRecorder

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import copysign, inf, isfinite, nan, remainder
 
-from gyrodrift.sample import DeviceYaw
+from gyrodrift.values.sample import DeviceYaw
 
 FULL_TURN_DEG, HALF_TURN_DEG = 360.0, 180.0
 

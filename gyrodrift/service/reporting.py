@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 from gyrodrift import __version__
 from gyrodrift.outputs.net.names import well_formed
 from gyrodrift.outputs.status import ConfigStatus, DeviceStatus, FilterStatus, LinkStatus, ServiceStatus
-from gyrodrift.secret import without_secrets
 from gyrodrift.service.filtering import Filtering
 from gyrodrift.service.link_meter import LinkMeter
 from gyrodrift.service.output_feed import OutputFeed, memory_bytes
 from gyrodrift.service.reference import DeviceReference
+from gyrodrift.values.secret import without_secrets
 
 if TYPE_CHECKING:  # optional parts of the service
     from gyrodrift.service.memory_keeper import MemoryKeeper

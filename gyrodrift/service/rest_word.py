@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import isnan, nan
 
-from gyrodrift.sample import Sample
+from gyrodrift.values.sample import Sample
 
 
 @dataclass(slots=True)

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
-from gyrodrift.errors import LinkError
-from gyrodrift.logger import FilteringBoundLogger
-from gyrodrift.secret import without_secrets
+from gyrodrift.io.logger import FilteringBoundLogger
+from gyrodrift.io.waiting import POLLIN
 from gyrodrift.service.loop import Service, Waiting, freeze_collector
 from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.sink import ReaderGoneError
-from gyrodrift.waiting import POLLIN
+from gyrodrift.values.errors import LinkError
+from gyrodrift.values.secret import without_secrets
 
 if TYPE_CHECKING:  # as in the loop of one gyro
     from gyrodrift.service.notify import SystemdNotify

@@ -6,7 +6,7 @@ import time
 from types import TracebackType
 from typing import Self
 
-from gyrodrift.system import WakePipe
+from gyrodrift.io.system import WakePipe
 
 OUTPUTS = (1, 2)
 SIGHUP: signal.Signals | None = getattr(signal, "SIGHUP", None)

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import Protocol
 
-from gyrodrift.sample import Corrected
 from gyrodrift.service.listener import Listener
+from gyrodrift.values.sample import Corrected
 
 
 class ReaderGoneError(Exception):

@@ -9,8 +9,8 @@ from typing import Any
 
 from gyrodrift.outputs.json_line import json_line
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.sample import Corrected
 from gyrodrift.service.stdout import LONGEST_QUEUE_BYTES, JsonLines, pieces_of
+from gyrodrift.values.sample import Corrected
 
 
 class SharedLines:

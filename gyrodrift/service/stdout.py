@@ -14,12 +14,12 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Any
 
+from gyrodrift.io.unwaiting import send_unwaiting
+from gyrodrift.io.waiting import POLLOUT, new_poller
 from gyrodrift.outputs.json_line import json_line
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.sample import Corrected
 from gyrodrift.service.sink import ReaderGoneError
-from gyrodrift.unwaiting import send_unwaiting
-from gyrodrift.waiting import POLLOUT, new_poller
+from gyrodrift.values.sample import Corrected
 
 STDOUT = 1
 

@@ -10,8 +10,8 @@ from typing import Any
 
 from gyrodrift.filters.restlevel.noise import FINE_DPS
 from gyrodrift.link.units.clock_unit import SLOWEST_PACE
-from gyrodrift.sample import Sample
 from gyrodrift.service.axes_watch import AxesWatch
+from gyrodrift.values.sample import Sample
 
 Tell = Callable[..., Any]
 """Called with the name of an event and its fields."""

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from urllib.parse import quote
 
-from gyrodrift.errors import UsageError
+from gyrodrift.values.errors import UsageError
 
 PLAIN = re.compile(r"[A-Za-z0-9/_.:,+=@~-]+")
 """Characters without a special meaning in a unit file."""

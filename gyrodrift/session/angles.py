@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 FULL_TURN_DEG = 360.0
 

@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
-from gyrodrift.calibration import Calibration, calibration_of_table, device_identity
-from gyrodrift.errors import DataError
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.calibration import Calibration, calibration_of_table, device_identity
+from gyrodrift.values.errors import DataError
 
 KEPT, APPLIED = "calibration", "calibration applied"
 """Names of the calibration table in the metadata, before and after it is applied."""

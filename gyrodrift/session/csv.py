@@ -11,10 +11,10 @@ from typing import TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrodrift.arrays import Floats
-from gyrodrift.errors import DataError
-from gyrodrift.nearest import nearest
 from gyrodrift.session.session import AXIS_COLUMNS, COLUMNS, DEVICE_COLUMNS, SAMPLE_COLUMNS, Session
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError
+from gyrodrift.values.nearest import nearest
 
 OLD_NAMES = {"t_s": "t_device_s"}
 """Column names in files of earlier versions."""

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
-from gyrodrift.errors import DataError
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError
 
 NAMED = 5
 """Losses that a message names."""

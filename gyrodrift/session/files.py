@@ -5,10 +5,10 @@ from itertools import chain
 from pathlib import Path
 
 from gyrodrift.columns.spec import Column
-from gyrodrift.errors import DataError, UsageError
-from gyrodrift.files import UnreadableError, check_ordinary, whole_file, write_whole
+from gyrodrift.io.files import UnreadableError, check_ordinary, whole_file, write_whole
 from gyrodrift.session.damage import DamagedError, RecordingDamage
 from gyrodrift.session.session import Session
+from gyrodrift.values.errors import DataError, UsageError
 
 ENDINGS = (".mcap", ".csv")
 TABLES = (".csv", ".tsv", ".txt", ".log", ".json", ".jsonl", ".ndjson", ".parquet")

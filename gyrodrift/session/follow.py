@@ -8,14 +8,14 @@ from io import BytesIO
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 
-from gyrodrift.errors import DataError
-from gyrodrift.sample import Sample
 from gyrodrift.session.foreign.channels import Messages
 from gyrodrift.session.foreign.columns import Decode, WrongValueError
 from gyrodrift.session.foreign.read import decoder_of
 from gyrodrift.session.foreign.records import OPENED_BYTES, DamageError, ForeignRecord, framed, message, opened
 from gyrodrift.session.mcap.layout import HEAD, MAGIC, SAMPLES, STILLS
 from gyrodrift.session.mcap.walk import BrokenRecordError, channel_of, metadata_of, schema_of
+from gyrodrift.values.errors import DataError
+from gyrodrift.values.sample import Sample
 
 LONGEST_RECORD_BYTES = OPENED_BYTES
 """Longest record that is waited for: the limit of a chunk of a short file."""

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrodrift.arrays import Floats, Integers
-from gyrodrift.result_table import ResultTable
-from gyrodrift.sample import DeviceYaw, Inertial, Sample
+from gyrodrift.io.result_table import ResultTable
 from gyrodrift.session.damage import RecordingDamage
+from gyrodrift.values.arrays import Floats, Integers
+from gyrodrift.values.sample import DeviceYaw, Inertial, Sample
 
 TABLE = "table"
 """Name of the metadata table about how a table of another program was read."""

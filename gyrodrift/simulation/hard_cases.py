@@ -22,7 +22,7 @@ from firmware_sim.effects.sensor_dynamics import Vibration
 from firmware_sim.motion.profile import Ambient, Profile, Segment
 from firmware_sim.motion.segments import Ramp, Rest
 from firmware_sim.rig import Base, Rig
-from gyrodrift.files import write_whole
+from gyrodrift.io.files import write_whole
 from gyrodrift.simulation.hard_attitudes import ATTITUDE_CASES, AttitudeCase, attitude_simulation
 from gyrodrift.simulation.hard_motions import (
     RAMP_S,

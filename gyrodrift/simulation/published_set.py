@@ -17,11 +17,11 @@ import numpy as np
 from firmware_sim.effects.sensor_bias import BiasInstability, RateRandomWalk
 from firmware_sim.motion.profile import Profile, load_profile
 from firmware_sim.rig import Rig, with_effects
-from gyrodrift.errors import DataError
-from gyrodrift.files import write_whole
+from gyrodrift.io.files import write_whole
 from gyrodrift.session.files import write_session
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import Simulation, euler_error_deg, rig_yaml
+from gyrodrift.values.errors import DataError
 
 BIAS_DPS = 0.1
 FLOOR_DPH = 40.0

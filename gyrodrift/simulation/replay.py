@@ -6,10 +6,10 @@ import numpy as np
 
 from firmware_sim.rig import Base
 from firmware_sim.wire.encoder import Frame, Measurement, Vector
-from gyrodrift.arrays import Floats
-from gyrodrift.errors import DataError
 from gyrodrift.session.mcap.raw import Read
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError
 
 ENCODER_CPR = 3_600_000
 """Counts per turn for the angles of a recording: steps of 0.0001 deg."""

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from firmware_sim.measure import ACCEL_MISSING, Block, Motion, TriaxialBlock, measure
 from firmware_sim.own_filter import OwnFilter, own_filter_of
 from firmware_sim.rig import Base, Rig
-from gyrodrift.arrays import Floats
-from gyrodrift.files import write_whole
-from gyrodrift.progress import OnProgress, counted, ignore_progress
+from gyrodrift.io.files import write_whole
+from gyrodrift.io.progress import OnProgress, counted, ignore_progress
 from gyrodrift.session.files import write_session
 from gyrodrift.session.session import DEVICE_COLUMNS, Session
 from gyrodrift.simulation.truth import write_truth
+from gyrodrift.values.arrays import Floats
 
 RIG = "rig.yaml"
 """Name of the rig file beside the sessions simulated with it."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from firmware_sim.measure import Motion
 from firmware_sim.triaxial import kinematics_of
-from gyrodrift.files import whole_file
+from gyrodrift.io.files import whole_file
 
 ENDING = ".truth.npz"
 

@@ -7,7 +7,7 @@ from math import cos, radians, sin
 
 from rich.text import Text
 
-from gyrodrift.text_chart import DOTS
+from gyrodrift.io.text_chart import DOTS
 
 SHOWN_PITCH_DEG = 45.0
 """Pitch that moves the horizon to the edge, deg."""

@@ -9,10 +9,10 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
+from gyrodrift.io.text_chart import SMALLEST_ROWS, AxisRange, ChartLine, chart, legend, padded_range
 from gyrodrift.outputs.health import HealthLevel, health
 from gyrodrift.outputs.status import FilterStatus, OutputStatus, ServiceStatus
 from gyrodrift.outputs.words import figures
-from gyrodrift.text_chart import SMALLEST_ROWS, AxisRange, ChartLine, chart, legend, padded_range
 from gyrodrift.top.horizon import horizon
 
 BLOCKS = "▁▂▃▄▅▆▇█"

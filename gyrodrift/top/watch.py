@@ -15,10 +15,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.live import Live
 
-from gyrodrift.errors import UsageError
 from gyrodrift.outputs.status import ServiceStatus
 from gyrodrift.service.control_client import ControlClient
 from gyrodrift.top.view import YawPoint, draw
+from gyrodrift.values.errors import UsageError
 
 EVERY_S = 0.25
 PATIENCE_S = 3.0

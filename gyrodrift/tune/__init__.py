@@ -1,5 +1,5 @@
 """Find filter parameters from recorded sessions."""
 
-from gyrodrift.callable_package import make_callable
+from gyrodrift.io.callable_package import make_callable
 
 make_callable(__name__)

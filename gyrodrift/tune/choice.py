@@ -7,20 +7,20 @@ from math import sqrt
 
 import numpy as np
 
-from gyrodrift.errors import DataError
 from gyrodrift.evaluation.dataset import Split
 from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import row_of
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.registry import SHIPPED
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
-from gyrodrift.progress import COMPILING, OnProgress, ignore_progress
+from gyrodrift.io.progress import COMPILING, OnProgress, ignore_progress
 from gyrodrift.tune.result import Alternative, Pi, Tuning
 from gyrodrift.tune.search.journal import Journal
 from gyrodrift.tune.three_axes import CHECKED, worse_on_three_axes
 from gyrodrift.tune.total_progress import TotalProgress
 from gyrodrift.tune.tuning import Plan, TuningRun
 from gyrodrift.tune.tuning_set import TuningSet
+from gyrodrift.values.errors import DataError
 
 
 def tune_filters(

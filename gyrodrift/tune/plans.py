@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from gyrodrift.errors import UsageError
 from gyrodrift.evaluation.space import with_ranges
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.registry import FILTERS, SHIPPED
 from gyrodrift.tune.tuning import Plan
+from gyrodrift.values.errors import UsageError
 
 METHOD = "race"
 """Search method for a filter that is named."""

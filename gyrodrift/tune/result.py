@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.curves import YawCurves
 from gyrodrift.evaluation.dataset import SessionSummary, Split
 from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import Axis
 from gyrodrift.filters.filter import Filter, FilterParams
-from gyrodrift.result_table import ResultTable
+from gyrodrift.io.result_table import ResultTable
+from gyrodrift.values.arrays import Floats
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,6 @@
 """Progress of a whole tuning: searches of several filters, as one total."""
 
-from gyrodrift.progress import TOTAL, OnProgress
+from gyrodrift.io.progress import TOTAL, OnProgress
 from gyrodrift.tune.tuning import REDUCED_EVALUATIONS, Plan
 
 WEIGHTS = {"hdr": 1, "restlevel": 3}

@@ -7,8 +7,6 @@ from typing import Protocol
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
-from gyrodrift.errors import DataError
 from gyrodrift.evaluation.cost import Scores
 from gyrodrift.evaluation.curves import YawCurves, yaw_curves
 from gyrodrift.evaluation.dataset import LoadedSession, SessionSummary, Split, check_rates
@@ -17,7 +15,7 @@ from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.space import Axis, axes_of, candidates_of, params_record, row_of, values_of
 from gyrodrift.filters.filter import Filter, FilterParams
 from gyrodrift.filters.registry import PUBLISHED
-from gyrodrift.progress import OnProgress, ignore_progress
+from gyrodrift.io.progress import OnProgress, ignore_progress
 from gyrodrift.tune.result import Pi, Run, SessionScore, Tuning
 from gyrodrift.tune.search.journal import Journal
 from gyrodrift.tune.search.methods import METHODS, run_to_budget
@@ -29,6 +27,8 @@ from gyrodrift.tune.warnings import (
     identifiability_warnings,
     slice_candidates,
 )
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError
 
 REDUCED_EVALUATIONS = 600
 """Most evaluations for the reduced model: chosen."""

@@ -18,7 +18,7 @@ from gyrodrift.evaluation.dataset import (
     split_sources,
 )
 from gyrodrift.evaluation.reference import Reference
-from gyrodrift.progress import OnProgress
+from gyrodrift.io.progress import OnProgress
 from gyrodrift.tune.tuning import Costs, Plan
 
 

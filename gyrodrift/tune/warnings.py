@@ -5,10 +5,10 @@ from math import sqrt
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.space import Axis, limits, row_of
 from gyrodrift.filters.filter import Filter, FilterParams
 from gyrodrift.tune.result import Pi
+from gyrodrift.values.arrays import Floats
 
 AT_BOUND = 0.01
 """Distance from an end of the range, in shares of it, that counts as at the bound: chosen."""

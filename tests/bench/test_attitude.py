@@ -10,10 +10,10 @@ from six_axis_motions import MOTIONS
 from six_axis_sensors import Recorded
 from six_axis_support import heading_errors_deg, inclination_errors_deg, record
 
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.attitude.model import AttitudeState, coefficients
 from gyrodrift.filters.attitude.step import step
 from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.values.arrays import Floats
 
 pytestmark = pytest.mark.bench
 

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from bench_support import BENCH, show
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.cost import Cost
 from gyrodrift.evaluation.reference import Reference
+from gyrodrift.values.arrays import Floats
 
 pytestmark = pytest.mark.bench
 

@@ -24,7 +24,7 @@ from bench_support import (
 from outputs_support import corrected
 
 from gyrodrift.config.outputs import output_of
-from gyrodrift.log import open_log
+from gyrodrift.io.log import open_log
 from gyrodrift.service.output_feed import OutputFeed, memory_bytes
 
 pytestmark = pytest.mark.bench

@@ -27,7 +27,7 @@ from outputs_support import corrected
 from support import free_port
 
 from gyrodrift.config.outputs import output_of
-from gyrodrift.log import open_log
+from gyrodrift.io.log import open_log
 from gyrodrift.outputs.json_line import json_line
 from gyrodrift.service.output_feed import OutputFeed
 

@@ -12,7 +12,6 @@ from recordings_support import DATA
 from scipy.optimize import differential_evolution
 
 from firmware_sim.rig import load_rig
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.cost import Cost
 from gyrodrift.evaluation.dataset import Source, load_with_reference
 from gyrodrift.evaluation.space import axes_of, values_of
@@ -20,6 +19,7 @@ from gyrodrift.filters.hdr_filter import HDR
 from gyrodrift.simulation.published_set import read_rows, write_twins
 from gyrodrift.tune.search.methods import METHODS, run_to_budget
 from gyrodrift.tune.search.objective import Objective
+from gyrodrift.values.arrays import Floats
 
 AXES = axes_of(HDR)
 

@@ -11,22 +11,22 @@ from calibrate_support import GAIN_CCW, GAIN_CW, Table, rest, to_and_fro, turn, 
 from hand_motion import BIAS_DPS, hand_motion
 from support import Command, near, speaking_on
 
-from gyrodrift.arrays import Floats
-from gyrodrift.calibration import AXES_SHAPES, Calibration, calibration_of_table
 from gyrodrift.cli import main
 from gyrodrift.config.calibration import block_text, with_block
 from gyrodrift.config.model import load_config
 from gyrodrift.diagnose.recording.checked import checked_session
-from gyrodrift.errors import ConfigError, DataError, UsageError
 from gyrodrift.evaluation.dataset import Source, load_with_reference
 from gyrodrift.filters.hdr_filter import HDR
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import FilterRun
-from gyrodrift.sample import Inertial, Sample
 from gyrodrift.service.calibrating import bias_of
 from gyrodrift.session.calibrated import KEPT, applied_scale_sigmas, calibrated, true_rates_dps, with_calibration
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.session.session import AXIS_COLUMNS, Session, session_of
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.calibration import AXES_SHAPES, Calibration, calibration_of_table
+from gyrodrift.values.errors import ConfigError, DataError, UsageError
+from gyrodrift.values.sample import Inertial, Sample
 
 RIGHT = Calibration(
     date="2026-05-01T10:00:00+00:00",

@@ -9,8 +9,8 @@ import pytest
 from calibrate_support import GAIN_CCW, GAIN_CW, SCALED, Table, profile_of, rest, to_and_fro, turn, turn_s
 from support import Command, Terminal, near, ours, speaking_on
 
-from gyrodrift.calibration import Calibration
 from gyrodrift.config.model import load_config
+from gyrodrift.values.calibration import Calibration
 
 MARKS_DEG = [0.3, -0.2, 0.4, -0.4, 0.1, 0.2, -0.3]
 """Where a person stops: so far from the mark."""

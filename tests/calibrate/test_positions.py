@@ -25,9 +25,9 @@ from gyrodrift.calibrate.guide import GuideStep, Key
 from gyrodrift.calibrate.positions.guide import PositionGuide, PositionPlan
 from gyrodrift.calibrate.positions.matrix import AxisTurn, fit_matrix
 from gyrodrift.calibrate.positions.result import over
-from gyrodrift.calibration import Calibration
-from gyrodrift.errors import CalibrationError
-from gyrodrift.sample import Sample
+from gyrodrift.values.calibration import Calibration
+from gyrodrift.values.errors import CalibrationError
+from gyrodrift.values.sample import Sample
 
 NOW = datetime(2026, 5, 1, tzinfo=UTC)
 CORRECTION = np.linalg.inv(GYRO_GAIN)

@@ -12,10 +12,10 @@ from laid_board import BIAS_DPS, GYRO_GAIN, OFFSET_MPS2, SCALE, SIX_SIDES, WITH_
 from scipy.spatial.transform import Rotation
 from support import Command, Terminal, near, ours
 
-from gyrodrift.calibration import Calibration
 from gyrodrift.config.model import load_config
 from gyrodrift.session.calibrated import calibrated
 from gyrodrift.session.files import load_session
+from gyrodrift.values.calibration import Calibration
 
 NATIVE, CSV = ("--protocol", "native"), ("--protocol", "csv")
 ONE_AXIS = """\

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from support import near
 
-from gyrodrift.arrays import Floats
 from gyrodrift.calibrate.guide import CalibrationPlan, Guide, GuideStep, Key
 from gyrodrift.calibrate.rest import rest_of
 from gyrodrift.calibrate.scale import Turns, check_turns, checked_scales
 from gyrodrift.calibrate.warming import line_of
-from gyrodrift.calibration import Calibration
-from gyrodrift.errors import CalibrationError
-from gyrodrift.sample import Sample
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.calibration import Calibration
+from gyrodrift.values.errors import CalibrationError
+from gyrodrift.values.sample import Sample
 
 RATE_HZ = 100.0
 RNG = np.random.default_rng(7)

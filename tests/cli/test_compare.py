@@ -17,7 +17,7 @@ from turntable_sessions import RATE_HZ, turntable, write_turntables
 from gyrodrift.cli import main
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
-from gyrodrift.installation import package_command
+from gyrodrift.io.installation import package_command
 from gyrodrift.session.files import load_session, write_session
 
 pytest.importorskip("numba", reason="comparing needs the workstation extra")

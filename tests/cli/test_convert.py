@@ -13,9 +13,9 @@ from mcap_ros2.decoder import DecoderFactory
 from support import Command
 
 from gyrodrift.cli import main
-from gyrodrift.sample import Sample
 from gyrodrift.session.files import load_session
 from gyrodrift.session.mcap.write import McapWriter
+from gyrodrift.values.sample import Sample
 
 CSV = """\
 t_device_s,t_host_s,seq,rate_dps,encoder_deg,temp_c

@@ -17,8 +17,8 @@ from gyrodrift.cli import main
 from gyrodrift.filters.hdr_filter import HDR as HDR_FILTER
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
-from gyrodrift.sample import Sample
 from gyrodrift.session.mcap.write import McapWriter
+from gyrodrift.values.sample import Sample
 
 SESSION = "t_device_s,rate_dps\n0,0.5\n0.01,0.25\n0.01,9\n0.02,nan\n0.03,-0.125\n"
 

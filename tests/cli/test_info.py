@@ -15,11 +15,11 @@ from page_support import row, words
 from recordings_support import Recordings
 
 from gyrodrift.cli import main
-from gyrodrift.installation import extra_command
-from gyrodrift.sample import Sample
+from gyrodrift.io.installation import extra_command
 from gyrodrift.session.files import write_session
 from gyrodrift.session.mcap.write import McapWriter
 from gyrodrift.session.session import Session
+from gyrodrift.values.sample import Sample
 
 ABOUT = {
     "device": {"id": "bench-7", "note": "left on the table\x1b[31m over night"},

@@ -5,7 +5,7 @@ import argparse
 import pytest
 
 from gyrodrift.cli import COMMANDS, main, numbers, parser_of
-from gyrodrift.errors import UsageError
+from gyrodrift.values.errors import UsageError
 
 NO_NUMBERS = (
     *("", " ", "x", "²", "٣", "\uff11\uff12", "1_000", "0x10", "1e", "1,5", "1 2", "\x00"),

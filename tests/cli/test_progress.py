@@ -18,8 +18,8 @@ import pytest
 from support import PATIENCE_S, Terminal, ours
 
 from gyrodrift.cli import main
+from gyrodrift.io.progress import COMPILING, Progress
 from gyrodrift.library.analyses import compare, tune
-from gyrodrift.progress import COMPILING, Progress
 from gyrodrift.tune.plans import plans_of
 from gyrodrift.tune.total_progress import TotalProgress
 from gyrodrift.tune.tuning import Plan
@@ -128,7 +128,7 @@ def test_no_colour_where_none_is_wanted(tmp_path: Path) -> None:
         assert not re.search(rb"\x1b\[[\d;]*3[0-7][\d;]*m|\x1b\[[\d;]*38;", terminal.sent)
 
 
-LOGGING = "from gyrodrift.log import open_log; open_log().info('gap', missing=3)"
+LOGGING = "from gyrodrift.io.log import open_log; open_log().info('gap', missing=3)"
 
 
 @pytest.mark.parametrize(

@@ -12,11 +12,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gyrodrift.arrays import Floats
 from gyrodrift.cli import main
 from gyrodrift.session.checks.examine import examined
 from gyrodrift.session.files import write_session
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
 
 TURN_DEG = 165.0
 HZ = 50.0

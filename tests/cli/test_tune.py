@@ -19,11 +19,11 @@ from gyrodrift.config.model import load_config
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
 from gyrodrift.firmware.header import gyrodrift_h
 from gyrodrift.firmware.my_gyro import TunedGyro, my_gyro_h
-from gyrodrift.mount import Mount
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.session.session import Session
 from gyrodrift.tune.search import journal
 from gyrodrift.tune.search.journal import Journal
+from gyrodrift.values.mount import Mount
 
 pytest.importorskip("numba", reason="tuning needs the workstation extra")
 

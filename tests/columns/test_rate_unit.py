@@ -11,7 +11,7 @@ import pytest
 from recordings_support import Recordings
 
 from gyrodrift.columns.rate_unit import SURE_ODDS, WINDOW, RateUnit, RateUnitOdds
-from gyrodrift.sample import Sample
+from gyrodrift.values.sample import Sample
 
 RATE_HZ = 100.0
 REST_S, TURN_S = 10, 4

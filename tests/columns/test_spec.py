@@ -5,9 +5,9 @@ from math import degrees, isnan
 import pytest
 
 from gyrodrift.columns.spec import Column, columns_of
-from gyrodrift.errors import UsageError
 from gyrodrift.link.protocols.registry import candidates
-from gyrodrift.sample import Reading
+from gyrodrift.values.errors import UsageError
+from gyrodrift.values.sample import Reading
 
 
 def read(spec: str, *lines: str) -> list[Reading]:

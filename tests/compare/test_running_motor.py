@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 pytest.importorskip("numba", reason="comparing needs the workstation extra")
 from gyrodrift.compare.methods.registry import by_key

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from gyrodrift.config.model import load_config
-from gyrodrift.errors import ConfigError
-from gyrodrift.mount import Mount
+from gyrodrift.values.errors import ConfigError
+from gyrodrift.values.mount import Mount
 
 
 def written(folder: Path, text: str) -> Path:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from gyrodrift.config.model import load_config
-from gyrodrift.errors import ConfigError
+from gyrodrift.values.errors import ConfigError
 
 MOST_S = 2.0
 """Processor time for 100 000 digits; they took minutes where every digit was tried twice, and take 0.03 s."""

@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gyrodrift.config.model import Config, load_config
-from gyrodrift.errors import ConfigError
-from gyrodrift.files import shipped_config
 from gyrodrift.filters.hdr import HdrParams
 from gyrodrift.filters.registry import FILTERS
 from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.io.files import shipped_config
+from gyrodrift.values.errors import ConfigError
 
 KEYS = (
     "filter",

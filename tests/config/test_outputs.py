@@ -6,11 +6,11 @@ import pytest
 
 from gyrodrift.config.model import load_config
 from gyrodrift.config.outputs import options_help, output_of
-from gyrodrift.errors import ConfigError, UsageError
 from gyrodrift.outputs.options import OutputSpec
 from gyrodrift.outputs.registry import OUTPUTS
 from gyrodrift.outputs.tcp import TcpOptions
 from gyrodrift.outputs.udp import UdpOptions
+from gyrodrift.values.errors import ConfigError, UsageError
 
 HDR = "hdr: {i_c_dps: 1e-3, tau_s: .5, theta_w_dps: 1, c1: 0, c2: 1}\n"
 

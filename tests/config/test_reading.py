@@ -18,7 +18,7 @@ from gyrodrift.config import in_time, reading
 from gyrodrift.config.in_time import load_in_time
 from gyrodrift.config.model import Config, load_config
 from gyrodrift.config.reading import ConfigReading
-from gyrodrift.errors import ConfigError
+from gyrodrift.values.errors import ConfigError
 
 HDR = "hdr: {i_c_dps: 0.001, tau_s: 1, theta_w_dps: 1, c1: 0, c2: 1}\n"
 WITH_ALL = f"""{HDR}columns: [t_ms, rate]

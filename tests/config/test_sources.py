@@ -6,8 +6,8 @@ import pytest
 
 from gyrodrift.config.model import load_config
 from gyrodrift.config.sources import SourceSettings, load_sources
-from gyrodrift.errors import ConfigError
 from gyrodrift.filters.hdr import HdrParams
+from gyrodrift.values.errors import ConfigError
 
 TWO = """\
 sources:

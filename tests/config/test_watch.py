@@ -8,8 +8,8 @@ from config_support import ReadHere
 
 from gyrodrift.config.model import Config
 from gyrodrift.config.watch import ConfigWatch
-from gyrodrift.errors import ConfigError
 from gyrodrift.filters.hdr import HdrParams
+from gyrodrift.values.errors import ConfigError
 
 BLOCK = "hdr: {{i_c_dps: 0.001, tau_s: {tau_s}, theta_w_dps: 1, c1: 0, c2: 1}}\n"
 

@@ -21,7 +21,7 @@ from gyrodrift.session.mcap.repair import repair
 WRITER = """
 import sys, itertools
 from pathlib import Path
-from gyrodrift.files import write_whole
+from gyrodrift.io.files import write_whole
 path = Path(sys.argv[1])
 for number in itertools.count():
     write_whole(path, (f"hdr: {{tau_s: {number % 2}.25}}\\n" + "# padding\\n" * 20 for _ in range(1)))

@@ -15,14 +15,14 @@ from support import near
 
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig, parse_effect, with_effects
-from gyrodrift.arrays import Floats
 from gyrodrift.describe.allan import allan_deviation
 from gyrodrift.describe.describe import describe
 from gyrodrift.describe.values import RestSource, SessionDescription
-from gyrodrift.noise import FLICKER_FLOOR
 from gyrodrift.session.files import load_session
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import Simulation
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.noise import FLICKER_FLOOR
 
 RATE_HZ = 100.0
 BIAS_DPS = 0.4

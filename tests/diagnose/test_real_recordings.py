@@ -13,11 +13,11 @@ from support import beginning
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Moments
 from firmware_sim.effects.link import UsbBatching
-from gyrodrift.arrays import Floats
 from gyrodrift.cli import main
 from gyrodrift.diagnose import diagnosis
 from gyrodrift.diagnose.what_next import Next
 from gyrodrift.session.files import load_session
+from gyrodrift.values.arrays import Floats
 
 pytestmark = [pytest.mark.long, pytest.mark.timeout(1800)]
 

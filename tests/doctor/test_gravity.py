@@ -7,7 +7,7 @@ import pytest
 from doctor_support import assert_findings, doctor
 from hand_motion import hand_motion
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 
 def board(**changed: Floats) -> dict[str, Floats]:

@@ -6,10 +6,10 @@ import pytest
 from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig, parse_effect, with_effects
-from gyrodrift.arrays import Floats
 from gyrodrift.doctor.drift import MINUTE_S, of_bias, of_uncertainty
 from gyrodrift.doctor.sensors import SENSORS, sensor_named, with_step
 from gyrodrift.doctor.spectrum import spectrum_of
+from gyrodrift.values.arrays import Floats
 
 NOISE, WALK, SIGMA = 0.0035, 0.0005, 0.002
 RATE_HZ = 10.0

@@ -18,8 +18,8 @@ from support import Command, speaking_on
 
 from gyrodrift.link import holder as port_holder
 from gyrodrift.link import serial_port
-from gyrodrift.sample import Sample
 from gyrodrift.session.mcap.write import McapWriter
+from gyrodrift.values.sample import Sample
 
 RIG = "base: {sample_rate_hz: %d, dps_per_lsb: 0.00763, noise_dps_rthz: 0.0035, bias_dps: 0.35}\n"
 

@@ -13,11 +13,11 @@ import pytest
 from support import Command, speaking_on
 
 from firmware_sim.pty import PtyDevice
-from gyrodrift.arrays import Floats
 from gyrodrift.cli import main
 from gyrodrift.doctor.turn.listen import DONE, STILL, TURN
 from gyrodrift.session.files import write_session
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
 
 RATE_HZ, LASTS_S = 40.0, 2.5
 Line = Callable[[float, float, float, int], str]

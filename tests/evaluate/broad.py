@@ -18,10 +18,10 @@ import numpy as np
 from scipy.io import loadmat
 from scipy.spatial.transform import Rotation
 
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.filters.attitude.model import AttitudeState, coefficients
 from gyrodrift.filters.attitude.step import step
 from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.values.arrays import Floats, Mask
 
 Attitudes = Callable[["Trial"], Floats]
 GROUPS = ("undisturbed", "disturbed")

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import lfilter
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 RATES_HZ = (5.0, 10.0, 20.0, 50.0, 100.0, 200.0)
 

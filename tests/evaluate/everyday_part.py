@@ -8,13 +8,13 @@ import numpy as np
 
 from evaluate.everyday_motions import MOTIONS, Dice, Session, session
 from evaluate.figures import Figure, mean_figure, share_figure
-from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.registry import by_key
 from gyrodrift.evaluation.kernels.compiled import array_of
 from gyrodrift.evaluation.kernels.restlevel import _follow
 from gyrodrift.filters.restlevel.memory import RestlevelMemory, begun, learned
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
+from gyrodrift.values.arrays import Floats
 
 HARM, HARMLESS_DEG = 1.5, 0.5
 """Restlevel harms where its E is above 1.5 times the better of the plain two, and of half a degree."""

@@ -10,7 +10,7 @@ from scipy.io import savemat
 from scipy.spatial.transform import Rotation
 
 from evaluate.broad import Trial, load_trial, main, trial_errors
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 
 def trial(count: int = 2000) -> Trial:

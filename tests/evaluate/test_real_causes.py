@@ -25,9 +25,9 @@ from evaluate.real_causes_part import (
     write_piece,
 )  # fmt: skip
 from firmware_sim.rig import load_rig
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.session.files import load_session
+from gyrodrift.values.arrays import Floats
 
 HEATED = next(case for case in CASES if case.device == "thermal chamber")
 HAND_HELD = next(case for case in CASES if case.name == "BROAD 01")

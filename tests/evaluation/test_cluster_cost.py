@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from cluster_support import PATIENCE_S, Cluster, candidates, cluster, recorded
 
-from gyrodrift.errors import DataError, GyrodriftError, UsageError
 from gyrodrift.evaluation import cluster_cost
 from gyrodrift.evaluation.cluster_cost import ClusterCost, load_batch
 from gyrodrift.evaluation.cost import BLOCK, Cost, Scores
 from gyrodrift.evaluation.dataset import Source, load_with_reference
 from gyrodrift.session.files import load_session, write_session
+from gyrodrift.values.errors import DataError, GyrodriftError, UsageError
 
 pytest.importorskip("distributed", reason="tuning on a cluster is an extra: pip install 'gyrodrift[cluster]'")
 

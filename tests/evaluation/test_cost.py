@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.cost import BLOCK, Cost, Scores
 from gyrodrift.evaluation.kernels import hdr as kernel
 from gyrodrift.evaluation.reference import Reference
 from gyrodrift.evaluation.score import Score
+from gyrodrift.values.arrays import Floats
 
 PLAIN = (0.0, 0.0, 1.0, 0.0, 0.0)
 """No bias and no low-pass: yaw is the sum of rate times step."""

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from gyrodrift.errors import DataError
 from gyrodrift.evaluation.dataset import SessionSummary, Source, Split, check_rates, split_sources
+from gyrodrift.values.errors import DataError
 
 
 def sources(count: int, tests: int = 0) -> list[Source]:

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gyrodrift.arrays import Floats
-from gyrodrift.errors import DataError
 from gyrodrift.evaluation.kernels.hdr import yaw
 from gyrodrift.evaluation.reference import accepted, reference_of
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
 from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError
 
 times = st.one_of(st.floats(-1e6, 1e6), st.sampled_from([0.0, -0.0, 1.0, 1.0, 2.0, 3.0, nan, inf, -inf, 5e-324]))
 rates = st.one_of(st.floats(-300.0, 300.0), st.sampled_from([nan, inf, -inf]))

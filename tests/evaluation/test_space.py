@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrodrift.errors import UsageError
 from gyrodrift.evaluation.space import Axis, axes_of, limits, linear, values_of, with_ranges
 from gyrodrift.filters.hdr import HdrParams
 from gyrodrift.filters.hdr_filter import HDR
+from gyrodrift.values.errors import UsageError
 
 AXES = axes_of(HDR)
 

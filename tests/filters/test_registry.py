@@ -18,13 +18,13 @@ from config_support import ReadHere
 from gyrodrift.cli import main
 from gyrodrift.config.model import load_config
 from gyrodrift.config.watch import ConfigWatch
-from gyrodrift.errors import ConfigError
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.registry import FILTERS, register, unregister
+from gyrodrift.io.log import open_log
 from gyrodrift.link.protocols.decoder import DeviceDescription
-from gyrodrift.log import open_log
-from gyrodrift.sample import Corrected, Sample
 from gyrodrift.service.filtering import Filtering
+from gyrodrift.values.errors import ConfigError
+from gyrodrift.values.sample import Corrected, Sample
 
 pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation takes seconds
 

@@ -11,7 +11,6 @@ from recordings_support import Recordings
 from restlevel_reference import reference
 from scipy.signal import lfilter
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary
 from gyrodrift.evaluation.kernels.compiled import array_of
 from gyrodrift.evaluation.kernels.restlevel import _follow, walk
@@ -19,6 +18,7 @@ from gyrodrift.evaluation.reference import accepted
 from gyrodrift.filters.restlevel.model import MAX_HYPOTHESES, RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.session.files import load_session
+from gyrodrift.values.arrays import Floats
 
 pytestmark = pytest.mark.xdist_group("restlevel_kernel")
 

@@ -7,14 +7,14 @@ import pytest
 from hand_motion import BIAS_DPS, HandMotion, hand_motion
 from scipy.spatial.transform import Rotation
 
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.hdr_filter import HDR
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import FilterRun
-from gyrodrift.mount import Mount
-from gyrodrift.sample import Inertial
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.mount import Mount
+from gyrodrift.values.sample import Inertial
 
 
 def rates_only(run: FilterRun, motion: HandMotion) -> None:

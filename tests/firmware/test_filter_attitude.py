@@ -19,8 +19,8 @@ from hypothesis import strategies as st
 from six_axis_motions import MOTIONS
 from six_axis_support import record
 
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.values.arrays import Floats
 
 DOUBLE_DEG = 1e-9
 """Largest yaw difference of double: numpy sums in another order."""

@@ -9,7 +9,7 @@ from c_attitude_support import samples as inertial
 from c_filter_support import CFilters
 from c_restlevel_support import samples
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 AVR_HZ = 16e6
 SHARE = 0.25

@@ -11,11 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from recordings_support import Recordings, packed_names
 
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.restlevel.bias_state import RecalledNoise
 from gyrodrift.filters.restlevel.memory import RestlevelMemory, begun
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.session.files import load_session
+from gyrodrift.values.arrays import Floats
 
 FLOAT_DEG_H = 0.01
 """Largest yaw difference of a float, deg for each hour begun."""

@@ -17,7 +17,7 @@ from support import Command, never, speaking_on
 from firmware_sim.wire.native import axes_sample_frame, sample_frame
 from gyrodrift.firmware.micropython import restlevel_py
 from gyrodrift.link.protocols.native import NativeDecoder
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 SECONDS = 6.0
 BOARD = {"seconds": SECONDS, "absent": 0.0, "pin": True, "up": [2, False], "filter": ""}

@@ -14,15 +14,15 @@ from firmware_support import HERE, run
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrodrift.calibration import NO_CALIBRATION
 from gyrodrift.cli import main
 from gyrodrift.config.model import Config, load_config
-from gyrodrift.errors import UsageError
 from gyrodrift.filters.hdr import HdrParams
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.firmware.my_gyro import TunedGyro, my_gyro_h, my_gyro_py, prefix_of
-from gyrodrift.mount import Mount
-from gyrodrift.sample import Inertial
+from gyrodrift.values.calibration import NO_CALIBRATION
+from gyrodrift.values.errors import UsageError
+from gyrodrift.values.mount import Mount
+from gyrodrift.values.sample import Inertial
 
 C11 = ("-std=c11", *EXACT, *WARNINGS)
 

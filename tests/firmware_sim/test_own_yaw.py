@@ -14,8 +14,8 @@ from firmware_sim.wire import native
 from firmware_sim.yaml_file import FileError
 from gyrodrift.filters.on_device import FILTERS, device_filter
 from gyrodrift.link.protocols.native import NativeDecoder
-from gyrodrift.sample import Reading
 from gyrodrift.simulation.sessions import Simulation, rig_yaml
+from gyrodrift.values.sample import Reading
 
 
 def rig_of(own_yaw: str) -> Rig:

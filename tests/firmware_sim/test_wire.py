@@ -32,7 +32,7 @@ from firmware_sim.wire import bno08x_rvc, csv, native, nmea, vectornav, witmotio
 from firmware_sim.wire.registry import ENCODERS
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.link.protocols.native import NativeDecoder
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 i16 = st.integers(-32768, 32767)
 finite = st.floats(allow_nan=False, allow_infinity=False)

@@ -13,7 +13,7 @@ from firmware_sim.wire.registry import ENCODERS
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.link.protocols.text import text_protocol
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 RIG = load_rig(config_folder() / "rig-three-axes.yaml")
 COLUMNS = "t_ms=t_ms, gx=gx:lsb/131, gy=gy:lsb/131, gz=rate:lsb/131, ax=ax:lsb/16384, ay=ay:lsb/16384, az=az:lsb/16384"

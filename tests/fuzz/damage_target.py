@@ -9,13 +9,13 @@ from struct import Struct
 
 import numpy as np
 
-from gyrodrift.errors import DataError
-from gyrodrift.sample import DeviceYaw, Inertial, Sample
 from gyrodrift.session.mcap.layout import CLOSED_TAIL, CLOSED_TAIL_BYTES, MAGIC
 from gyrodrift.session.mcap.read import read_mcap
 from gyrodrift.session.mcap.repair import repair
 from gyrodrift.session.mcap.write import McapWriter
 from gyrodrift.session.session import DEVICE_COLUMNS, Session
+from gyrodrift.values.errors import DataError
+from gyrodrift.values.sample import DeviceYaw, Inertial, Sample
 
 COUNT, FLUSHED = 400, 25
 CHANGE = Struct("<BHHB")

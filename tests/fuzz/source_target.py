@@ -9,7 +9,7 @@ from gyrodrift.link.sources.can_gyros import BOSCH_IDS, XSENS_IDS, bosch, xsens
 from gyrodrift.link.sources.iio_scans import IioDecoder
 from gyrodrift.link.sources.mavlink_frames import ImuChoice, MavlinkDecoder
 from gyrodrift.link.sources.ros_imu import RosImuDecoder
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 CHUNK = 61
 

@@ -18,7 +18,6 @@ from fuzz.source_target import source_decoders
 from gyrodrift.columns.spec import columns_of
 from gyrodrift.config.model import load_config
 from gyrodrift.config.outputs import output_of
-from gyrodrift.errors import GyrodriftError
 from gyrodrift.filters.registry import FILTERS
 from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.clocks.device import DeviceClock
@@ -26,13 +25,14 @@ from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.link.text.decoder import TextDecoder
 from gyrodrift.link.text.guess import guess
-from gyrodrift.sample import Reading
 from gyrodrift.service.memory_file import MemoryDamagedError, read_memory
 from gyrodrift.session.files import load_session
 from gyrodrift.session.mcap.raw import read_raw
 from gyrodrift.session.mcap.repair import repair
 from gyrodrift.simulation.published_set import read_rows
 from gyrodrift.tune.search.journal import Journal
+from gyrodrift.values.errors import GyrodriftError
+from gyrodrift.values.sample import Reading
 
 Target = Callable[[bytes], None]
 

@@ -5,12 +5,12 @@ from typing import Any
 
 import pytest
 
-from gyrodrift.errors import DataError
 from gyrodrift.gyrogap.answer import BenchmarkAnswer, answer_of, read_answer
 from gyrodrift.gyrogap.physics.bench import measure
 from gyrodrift.gyrogap.physics.scene import scene_of
 from gyrodrift.gyrogap.rows import draw_case
 from gyrodrift.gyrogap.vocabulary import GROUP_OF, PARAMETERS, effect_of_answer
+from gyrodrift.values.errors import DataError
 
 PATH = Path("answers/c0ffee.json")
 

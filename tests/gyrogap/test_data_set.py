@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from gyrodrift.errors import DataError, UsageError
 from gyrodrift.gyrogap.case import BenchmarkCase
 from gyrodrift.gyrogap.data_set import chosen_cases, digest_of_files, make_data_set, read_manifest
 from gyrodrift.gyrogap.rows import ON_THREE_AXES, ROWS, draw_case
 from gyrodrift.gyrogap.seals import hash_of, open_seal
 from gyrodrift.gyrogap.vocabulary import GROUP_OF, PARAMETERS
+from gyrodrift.values.errors import DataError, UsageError
 
 SEED = 20261126
 

@@ -10,9 +10,9 @@ from turntable_sessions import write_turntables
 
 from gyrodrift import compare, diagnose, tune
 from gyrodrift.cli import main
-from gyrodrift.errors import DataError, UsageError
 from gyrodrift.filters.hdr import HdrParams
-from gyrodrift.progress import ignore_progress
+from gyrodrift.io.progress import ignore_progress
+from gyrodrift.values.errors import DataError, UsageError
 
 pytest.importorskip("numba", reason="the analyses need the workstation extra")
 from gyrodrift.diagnose.stages import DiagnosisRequest

@@ -8,10 +8,10 @@ import pytest
 from hand_motion import hand_motion
 
 import gyrodrift
-from gyrodrift.errors import UsageError
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import FilterRun
-from gyrodrift.sample import Inertial
+from gyrodrift.values.errors import UsageError
+from gyrodrift.values.sample import Inertial
 
 
 def test_a_batch_has_the_bits_of_the_service_also_in_parts() -> None:

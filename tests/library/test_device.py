@@ -8,7 +8,7 @@ import pytest
 from support import PATIENCE_S, Command
 
 from gyrodrift import open_link
-from gyrodrift.errors import DeviceSilentError, PortMissingError, UsageError
+from gyrodrift.values.errors import DeviceSilentError, PortMissingError, UsageError
 
 
 def test_samples_come_until_it_is_closed(port: Path) -> None:

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import gyrodrift
-from gyrodrift.errors import UsageError
 from gyrodrift.filters.hdr import HdrParams
 from gyrodrift.filters.registry import FILTERS
 from gyrodrift.library.filters import DriftFilter
+from gyrodrift.values.errors import UsageError
 
 BOTH: list[type[DriftFilter]] = [gyrodrift.Hdr, gyrodrift.Restlevel]
 

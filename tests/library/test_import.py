@@ -33,7 +33,7 @@ def test_names_load_only_what_is_called() -> None:
 def test_analyses_stay_callable(before: str) -> None:
     """Their rooms have the same names; an import of one of them takes nothing away."""
     code = (
-        f"{before}\nfrom gyrodrift import tune, compare\nfrom gyrodrift.errors import DataError\n"
+        f"{before}\nfrom gyrodrift import tune, compare\nfrom gyrodrift.values.errors import DataError\n"
         "import gyrodrift\n"
         "for call in (tune, gyrodrift.tune, compare, gyrodrift.compare, gyrodrift.tune):\n"
         "    try: call('missing')\n"

@@ -10,11 +10,11 @@ import pytest
 from turntable_sessions import write_turntables
 
 import gyrodrift
-from gyrodrift import errors
-from gyrodrift.errors import UsageError
+from gyrodrift.io.result_table import ResultTable
 from gyrodrift.library.filters import DriftFilter
-from gyrodrift.result_table import ResultTable
 from gyrodrift.tune.result import Tuning
+from gyrodrift.values import errors
+from gyrodrift.values.errors import UsageError
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from gyrodrift import Estimate
-from gyrodrift.sample import Inertial, Sample
+from gyrodrift.values.sample import Inertial, Sample
 
 NODE = Path(__file__).parents[2] / "docs" / "ros2_node.py"
 

@@ -7,9 +7,9 @@ import pytest
 from hand_motion import BIAS_DPS, HandMotion, hand_motion
 
 from gyrodrift.link.units.accel_axes import AccelerationAxesCheck
-from gyrodrift.sample import Inertial, Sample
 from gyrodrift.session.checks.axes import agreement
 from gyrodrift.session.session import Session
+from gyrodrift.values.sample import Inertial, Sample
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,8 @@ from support import near, never, speaking_on
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.recording.recorder import Recorder, RecordOptions
-from gyrodrift.sample import Sample
 from gyrodrift.session.mcap.read import read_mcap
+from gyrodrift.values.sample import Sample
 
 
 @pytest.mark.parametrize("set_by_s", [3600.0, -3600.0])

@@ -19,11 +19,11 @@ from firmware_sim.pty import PtyDevice
 from firmware_sim.rig import Rig
 from firmware_sim.wire.encoder import Frame
 from firmware_sim.wire.registry import ENCODERS
-from gyrodrift.errors import DeviceSilentError, UsageError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.protocols.registry import PROTOCOLS
-from gyrodrift.sample import Sample
+from gyrodrift.values.errors import DeviceSilentError, UsageError
+from gyrodrift.values.sample import Sample
 
 RIG = Rig()
 DETECTED = [name for name in ENCODERS if PROTOCOLS[name].is_detected]

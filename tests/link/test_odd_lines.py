@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 from support import Command, never, speaking_on
 
-from gyrodrift.errors import DeviceSilentError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
+from gyrodrift.values.errors import DeviceSilentError
 
 ODD = (
     b"{[]: 1}\n",

@@ -14,11 +14,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support import Command
 
-from gyrodrift.errors import DeviceSilentError
 from gyrodrift.link.link import Link
 from gyrodrift.link.opening import SEND_LONGEST_BYTES, bytes_to_send
 from gyrodrift.link.options import LinkOptions
-from gyrodrift.sample import Sample
+from gyrodrift.values.errors import DeviceSilentError
+from gyrodrift.values.sample import Sample
 
 PROMPT = b"Send any character to begin: \r\n"
 

@@ -14,8 +14,8 @@ import pytest
 import serial
 from support import speaking_on
 
-from gyrodrift.errors import PortDeniedError
 from gyrodrift.link.port import Port
+from gyrodrift.values.errors import PortDeniedError
 
 GROUPS = {"root": 0, "tty": 5, "dialout": 20, "uucp": 986, "rig": 1234}
 USER, USER_ID = "ada", 1000

@@ -12,10 +12,10 @@ import pytest
 from serial.tools.list_ports_common import ListPortInfo
 from support import Command, speaking_on
 
-from gyrodrift.errors import LinkError, PortBusyError, PortMissingError, UsageError
 from gyrodrift.link import port as port_module
 from gyrodrift.link.holder import PortHolder, holder_of
 from gyrodrift.link.port import Port, PortGoneError, stable_name
+from gyrodrift.values.errors import LinkError, PortBusyError, PortMissingError, UsageError
 
 
 def test_bytes_come_as_they_were_sent(tmp_path: Path) -> None:

@@ -6,13 +6,13 @@ from typing import Any
 import pytest
 from support import Command
 
-from gyrodrift.errors import UsageError
 from gyrodrift.link import connection as connection_module
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.port import Port
 from gyrodrift.link.search import find_gyro
 from gyrodrift.link.serial_port import SerialPort
+from gyrodrift.values.errors import UsageError
 
 
 def test_the_link_goes_on_with_the_port_that_was_found(port: Path, monkeypatch: pytest.MonkeyPatch) -> None:

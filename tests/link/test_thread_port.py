@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 from support import speaking_on
 
-from gyrodrift.errors import LinkError, PortBusyError, PortMissingError
+from gyrodrift.io.waiting import POLLIN, SelectPoller
 from gyrodrift.link import port as port_module
 from gyrodrift.link.port import PortGoneError
 from gyrodrift.link.thread_port import ThreadPort
-from gyrodrift.waiting import POLLIN, SelectPoller
+from gyrodrift.values.errors import LinkError, PortBusyError, PortMissingError
 
 LONGEST_WAIT_MS = 20_000
 """For a loaded machine; the wait ends with the first byte."""

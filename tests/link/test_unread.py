@@ -15,10 +15,10 @@ from pynmeagps import GET, NMEAMessage
 from support import speaking_on
 
 from firmware_sim.pty import PtyDevice
-from gyrodrift.errors import DeviceSilentError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.unread import FAILED_MAX, UNREAD, spoken
+from gyrodrift.values.errors import DeviceSilentError
 
 
 def mip(i: int) -> bytes:

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from outputs_support import tilted
 from scipy.spatial.transform import Rotation
 
-from gyrodrift.mount import Quaternion
 from gyrodrift.outputs.device_frame import DeviceFrame, angles_rad, frd
-from gyrodrift.sample import Attitude
+from gyrodrift.values.mount import Quaternion
+from gyrodrift.values.sample import Attitude
 
 SIGNED_AXES = [sign + axis for sign in "+-" for axis in "xyz"]
 MOUNTS = [(up, forward) for up, forward in product(SIGNED_AXES, SIGNED_AXES) if up[1] != forward[1]]

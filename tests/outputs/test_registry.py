@@ -8,9 +8,9 @@ import pytest
 from outputs_support import connected, corrected, hub
 from support import python_in
 
-from gyrodrift.errors import UsageError
 from gyrodrift.outputs.options import about
 from gyrodrift.outputs.registry import OUTPUTS, OutputKind, register, unregister
+from gyrodrift.values.errors import UsageError
 
 RECORD, SOURCE, TEST = python_in("extending-output.md")
 """The record, the module and the test of the how-to."""

@@ -10,7 +10,7 @@ from outputs_support import HubThread, connected, corrected, hub, tilted
 from signalk_support import signalk_server
 
 from gyrodrift.outputs.signalk import delta
-from gyrodrift.sample import Corrected
+from gyrodrift.values.sample import Corrected
 
 
 @pytest.fixture

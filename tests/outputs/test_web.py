@@ -23,7 +23,7 @@ from gyrodrift.outputs.status import LinkStatus, OutputStatus, ServiceStatus
 from gyrodrift.outputs.web.address import AddressError, is_loopback, page_url
 from gyrodrift.outputs.web.buttons import MOST_PENDING
 from gyrodrift.outputs.web.points import LAYOUTS, ONE_AXIS, THREE_AXES, PointHistory
-from gyrodrift.sample import Corrected
+from gyrodrift.values.sample import Corrected
 
 Web = tuple[HubThread, str]
 

@@ -20,7 +20,7 @@ from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
 from gyrodrift.outputs.options import Port
 from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.registry import OutputKind, register, unregister
-from gyrodrift.sample import Corrected
+from gyrodrift.values.sample import Corrected
 
 LIMITS = Limits(clients=4, message_bytes=1000, messages_per_s=10.0, handshake_s=0.3, queue_bytes=100_000)
 

@@ -11,7 +11,7 @@ from outputs_support import corrected, tilted, with_own_yaw
 
 from gyrodrift.outputs import wire
 from gyrodrift.outputs.status import ServiceStatus
-from gyrodrift.sample import Attitude, Corrected, DeviceYaw, Inertial, Sample
+from gyrodrift.values.sample import Attitude, Corrected, DeviceYaw, Inertial, Sample
 
 number = st.floats(allow_nan=False)
 inertial = st.none() | st.builds(Inertial, *[number] * 6)

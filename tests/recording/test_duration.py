@@ -7,7 +7,7 @@ import pytest
 
 from gyrodrift.recording.duration import GRACE_S, Duration
 from gyrodrift.recording.recorder import Recorder
-from gyrodrift.sample import Sample
+from gyrodrift.values.sample import Sample
 
 
 @dataclass

@@ -19,12 +19,12 @@ import pytest
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import FilterRun
+from gyrodrift.io.log import open_log
 from gyrodrift.link.link import Link
-from gyrodrift.log import open_log
 from gyrodrift.recording.live_line import CLEAR, AboveLine, LiveLine
 from gyrodrift.recording.live_yaw import LiveYaw
 from gyrodrift.recording.recorder import Recorder
-from gyrodrift.sample import Sample
+from gyrodrift.values.sample import Sample
 
 QUIET_S = 0.2
 

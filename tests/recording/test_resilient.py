@@ -20,8 +20,8 @@ from gyrodrift.recording import resilient as recording
 from gyrodrift.recording.disk import ChangedFileError, RecordingError
 from gyrodrift.recording.recorder import RecordOptions
 from gyrodrift.recording.resilient import ResilientRecorder
-from gyrodrift.sample import Sample
 from gyrodrift.session.mcap.read import read_mcap
+from gyrodrift.values.sample import Sample
 
 
 @pytest.fixture(autouse=True)

@@ -14,7 +14,7 @@ import numpy as np
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.wire.encoder import Frame
 from gyrodrift.filters.registry import DEFAULT
-from gyrodrift.sample import Sample
+from gyrodrift.values.sample import Sample
 from robustness.identity import number_of
 from robustness.scaled import BASE, BEGUN_S, MOTION, Story
 

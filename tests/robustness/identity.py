@@ -11,7 +11,7 @@ import numpy as np
 
 from firmware_sim.measure import Block
 from firmware_sim.rig import Base
-from gyrodrift.sample import Sample
+from gyrodrift.values.sample import Sample
 
 NO_ENCODER = frozenset({"witmotion"})
 LOWEST = -32768

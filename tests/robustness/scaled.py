@@ -15,10 +15,10 @@ from firmware_sim.pty import PtyDevice
 from firmware_sim.rig import Base, Rig
 from firmware_sim.wire.encoder import Frame
 from firmware_sim.wire.registry import ENCODERS
-from gyrodrift.errors import UnitError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkCounters, LinkOptions
-from gyrodrift.sample import Sample
+from gyrodrift.values.errors import UnitError
+from gyrodrift.values.sample import Sample
 from robustness.identity import numbered
 
 BASE = Base(bias_dps=0.35, encoder_cpr=36000)

@@ -23,10 +23,10 @@ from typing import Any
 from firmware_sim.pty import PtyDevice
 from firmware_sim.rig import Base
 from firmware_sim.wire.native import hello_frame, sample_frame
-from gyrodrift.errors import UsageError
 from gyrodrift.filters.registry import FILTERS
 from gyrodrift.service.control_client import ControlClient
 from gyrodrift.service.output_feed import memory_bytes
+from gyrodrift.values.errors import UsageError
 
 RATE_HZ = 1000
 BASE = Base(sample_rate_hz=RATE_HZ, encoder_cpr=0)

@@ -13,13 +13,13 @@ from firmware_sim.motion.profile import load_motion
 from firmware_sim.rig import Base, load_rig
 from firmware_sim.rig import with_own_yaw as rig_with_own_yaw
 from firmware_sim.wire.native import filter_hello_frame, hello_frame, sample_frame, yaw_frame
-from gyrodrift.calibration import Calibration
 from gyrodrift.outputs.json_line import json_line, present_fields
 from gyrodrift.outputs.mqtt import state
-from gyrodrift.sample import DeviceYaw, Sample
 from gyrodrift.service.reference import DeviceReference
 from gyrodrift.session.files import load_session
 from gyrodrift.simulation.sessions import Simulation
+from gyrodrift.values.calibration import Calibration
+from gyrodrift.values.sample import DeviceYaw, Sample
 
 OWN_FIELDS = {"device_yaw_deg", "device_yaw_sigma_deg", "device_bias_dps"}
 

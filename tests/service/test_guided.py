@@ -15,15 +15,15 @@ from laid_board import SCALE, SIX_SIDES, WITH_TURNS, laid_board
 from support import PATIENCE_S, Command, near, speaking_on
 
 from gyrodrift.calibrate.guide import Guide
-from gyrodrift.calibration import Calibration
 from gyrodrift.config.model import load_config
-from gyrodrift.errors import CalibrationError
 from gyrodrift.link.protocols.decoder import DeviceDescription
-from gyrodrift.sample import Sample
 from gyrodrift.service import guided
 from gyrodrift.service.calibrating import Calibrating
 from gyrodrift.service.control_client import ControlClient
 from gyrodrift.service.guided import GuidedCalibration
+from gyrodrift.values.calibration import Calibration
+from gyrodrift.values.errors import CalibrationError
+from gyrodrift.values.sample import Sample
 
 TURNS_DEG = [360.0, -360.0] * 3
 

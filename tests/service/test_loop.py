@@ -11,13 +11,13 @@ from support import never, speaking_on
 from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
-from gyrodrift.sample import Corrected
 from gyrodrift.service import loop
 from gyrodrift.service.filtering import Filtering
 from gyrodrift.service.loop import Service
 from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.sink import Sink
 from gyrodrift.service.stdout import JsonLines
+from gyrodrift.values.sample import Corrected
 
 
 class StopAfter:

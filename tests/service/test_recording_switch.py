@@ -13,15 +13,15 @@ from disk_support import wait_for_disks
 from support import PATIENCE_S, Command, never, speaking_on
 
 from firmware_sim.wire.csv import csv_line
-from gyrodrift.errors import UsageError
 from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.recording.disk import ChangedFileError, RecordingError
 from gyrodrift.recording.recorder import Recorder, RecordOptions
 from gyrodrift.recording.resilient import ResilientRecorder
-from gyrodrift.sample import Sample
 from gyrodrift.service.recording_switch import RecordingSwitch
+from gyrodrift.values.errors import UsageError
+from gyrodrift.values.sample import Sample
 
 SAMPLES = [Sample(i, i / 100, 1.7e9 + i / 100, i / 4.0) for i in range(100)]
 

@@ -13,8 +13,8 @@ import pytest
 from outputs_support import Reader, address_of, csv_at_100_hz, path_of, serving
 from support import Command, never
 
-from gyrodrift.sample import Sample
 from gyrodrift.session.mcap.write import McapWriter
+from gyrodrift.values.sample import Sample
 
 MARKER = "Marker7"
 HDR = "hdr: {i_c_dps: 0, tau_s: 0, theta_w_dps: 1, c1: 0, c2: 1}\n"

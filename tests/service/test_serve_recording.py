@@ -18,8 +18,8 @@ from gyrodrift.link.options import LinkOptions
 from gyrodrift.recording import resilient as recording
 from gyrodrift.recording.recorder import RecordOptions
 from gyrodrift.recording.resilient import ResilientRecorder
-from gyrodrift.sample import Sample
 from gyrodrift.session.mcap.read import read_mcap
+from gyrodrift.values.sample import Sample
 
 SMALL = 40_000
 

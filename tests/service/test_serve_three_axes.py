@@ -12,9 +12,9 @@ from hand_motion import BIAS_DPS, HandMotion, hand_motion
 from support import Command
 
 from gyrodrift.link.protocols.decoder import DeviceDescription
-from gyrodrift.sample import Inertial, Sample
 from gyrodrift.service.filtering import Filtering
 from gyrodrift.session.files import load_session
+from gyrodrift.values.sample import Inertial, Sample
 
 
 @pytest.fixture(scope="module")

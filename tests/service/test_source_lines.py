@@ -7,9 +7,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from gyrodrift.sample import Corrected, Sample
 from gyrodrift.service.source_lines import SharedLines, SourceLines
 from gyrodrift.service.stdout import LONGEST_QUEUE_BYTES
+from gyrodrift.values.sample import Corrected, Sample
 
 Pipe = tuple[int, int]
 

@@ -13,10 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gyrodrift.outputs.json_line import json_line
-from gyrodrift.sample import Corrected, Sample
 from gyrodrift.service import stdout
 from gyrodrift.service.sink import ReaderGoneError
 from gyrodrift.service.stdout import JsonLines
+from gyrodrift.values.sample import Corrected, Sample
 
 
 def corrected(seq: int, t_s: float = 0.0) -> Corrected:

@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from gyrodrift.sample import Inertial, Sample
 from gyrodrift.service.axes_watch import AxesWatch
 from gyrodrift.service.stream_watch import PaceWatch, RateWatch
+from gyrodrift.values.sample import Inertial, Sample
 
 HZ = 100.0
 FINE_DPS = 0.0076

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from gyrodrift.arrays import Floats
 from gyrodrift.link.units.acceleration import LENGTHS, AccelerationCheck
-from gyrodrift.sample import Inertial, Sample
 from gyrodrift.session.checks.axes import agreement, axis_findings
 from gyrodrift.session.checks.gravity import acceleration_findings
 from gyrodrift.session.checks.rate_unit import rate_findings
 from gyrodrift.session.checks.vertical import vertical_rates_dps
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.sample import Inertial, Sample
 
 ALL_AXES = [(order, signs) for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)]
 SIGNS = {"+": 1.0, "-": -1.0}

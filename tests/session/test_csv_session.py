@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrodrift.errors import DataError
 from gyrodrift.session.files import load_session, write_session
+from gyrodrift.values.errors import DataError
 
 
 def written(folder: Path, text: str | bytes, name: str = "s.csv") -> Path:

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrodrift.arrays import Floats
 from gyrodrift.session.csv import csv_pieces
 from gyrodrift.session.files import load_session
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
 
 any_float = st.floats(width=64)
 times = st.one_of(st.floats(0, 1e7), st.integers(0, 10**13).map(lambda micros: micros / 1e6))

@@ -10,7 +10,6 @@ import pytest
 from mcap.reader import make_reader
 from numpy.testing import assert_array_equal
 
-from gyrodrift.sample import DeviceYaw, Inertial, Sample
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.session.foreign.export import write_json
 from gyrodrift.session.foreign.read import read_foreign
@@ -21,6 +20,7 @@ from gyrodrift.session.mcap.walk import ROWS
 from gyrodrift.session.mcap.write import McapWriter
 from gyrodrift.session.session import DEVICE_COLUMNS, Session, session_of
 from gyrodrift.session.tables.write import session_table, write_rows
+from gyrodrift.values.sample import DeviceYaw, Inertial, Sample
 
 AXES = Inertial(0.1, 0.2, 0.3, 0.0, 0.0, 9.81)
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from gyrodrift.errors import DataError
 from gyrodrift.session.files import session_paths
+from gyrodrift.values.errors import DataError
 
 
 @pytest.fixture

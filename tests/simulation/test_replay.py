@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_sim.wire.registry import ENCODERS
-from gyrodrift.errors import DataError
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.replay import PlayedSession, base_of
+from gyrodrift.values.errors import DataError
 
 any_floats = st.lists(st.floats(width=64), min_size=6, max_size=6)
 

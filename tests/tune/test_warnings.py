@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.space import axes_of
 from gyrodrift.filters.hdr import HdrParams
 from gyrodrift.filters.hdr_filter import HDR
@@ -18,6 +17,7 @@ from gyrodrift.tune.warnings import (
     identifiability_warnings,
     slice_candidates,
 )
+from gyrodrift.values.arrays import Floats
 
 AXES = axes_of(HDR)
 

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.calibrate.positions.block import AxesRest
 from gyrodrift.calibrate.positions.sides import listed, missing_sides, side_up
-from gyrodrift.errors import CalibrationError
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import CalibrationError
 
 GRAVITY_MPS2 = 9.80665
 """Standard gravity (CGPM 1901). On earth it is 9.76 to 9.84: the scales may all be 0.3 % off, which turns no axis."""

@@ -6,10 +6,10 @@ from math import inf, isfinite, nan, sqrt
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.describe.arrays import smallest_step
-from gyrodrift.errors import CalibrationError
-from gyrodrift.sample import Sample
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import CalibrationError
+from gyrodrift.values.sample import Sample
 
 AXIS_Z = 2
 

@@ -19,9 +19,9 @@ from gyrodrift.calibrate.positions.rests import Laid, RestFinder
 from gyrodrift.calibrate.positions.result import MeasuredTurn, over
 from gyrodrift.calibrate.positions.sides import AXES, TILT_MAX_DEG, SideUp, side_up
 from gyrodrift.calibrate.scale import Turns, check_turns
-from gyrodrift.calibration import Calibration
-from gyrodrift.errors import CalibrationError
-from gyrodrift.sample import Sample
+from gyrodrift.values.calibration import Calibration
+from gyrodrift.values.errors import CalibrationError
+from gyrodrift.values.sample import Sample
 
 TURN_MIN_DEG = 90.0
 """Angle about the vertical from which a move on a side counts as a turn, deg."""

@@ -4,14 +4,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.calibrate.positions.accelerometer import AccelerometerFit, fit_accelerometer
 from gyrodrift.calibrate.positions.block import AxesRest
 from gyrodrift.calibrate.positions.matrix import AxisTurn, MatrixFit, missing_turns, missing_turns_text
 from gyrodrift.calibrate.positions.motion import AxesMove
 from gyrodrift.calibrate.positions.result import MeasuredTurn, SixPositions, matrix_of
 from gyrodrift.calibrate.positions.sides import AXES, Side, listed, missing_sides, side_up
-from gyrodrift.errors import CalibrationError
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import CalibrationError
 
 MOVES_MIN = 3
 GRAVITY_ERROR_DEG = 20.0

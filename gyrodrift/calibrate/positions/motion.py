@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from gyrodrift.arrays import Floats
 from gyrodrift.calibrate.positions.block import AxesBlock, AxesRest
+from gyrodrift.values.arrays import Floats
 
 TIPPED_DEG = 20.0
 """Largest tilt during a turn on a table, deg: hands push with less than 3 m/s². Chosen."""

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.calibrate.positions.block import AxesBlock, AxesRest, block_of, rest_of_blocks
-from gyrodrift.sample import Sample
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.sample import Sample
 
 BLOCK_S = 0.25
 BLOCK_SAMPLES_MIN = 5

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.calibrate.positions.accelerometer import GRAVITY_MPS2, AccelerometerFit
 from gyrodrift.calibrate.positions.block import AXIS_Z, AxesRest
 from gyrodrift.calibrate.positions.matrix import AxisTurn, MatrixFit, fit_matrix
 from gyrodrift.calibrate.positions.motion import AxesMove
 from gyrodrift.calibrate.positions.sides import AXES, side_up
-from gyrodrift.calibration import AXES_SHAPES, Calibration
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.calibration import AXES_SHAPES, Calibration
 
 
 @dataclass(frozen=True, slots=True)

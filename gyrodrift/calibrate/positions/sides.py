@@ -5,7 +5,7 @@ from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 AXES = "xyz"
 Side = Literal["+x", "-x", "+y", "-y", "+z", "-z"]

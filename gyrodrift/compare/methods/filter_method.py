@@ -8,7 +8,6 @@ from functools import cache
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.plain import steps_s
 from gyrodrift.evaluation.attitude import AttitudeHistory, attitude_history
@@ -17,6 +16,7 @@ from gyrodrift.evaluation.kernels.kernel import kernel_of
 from gyrodrift.evaluation.space import axes_of, row_of
 from gyrodrift.filters.filter import Filter, FilterParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
+from gyrodrift.values.arrays import Floats
 
 
 def filter_method(chosen: Filter, params: FilterParams | None = None, auxiliary: Auxiliary = NO_AUXILIARY) -> Method:

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Params
 from gyrodrift.compare.methods.plain import mean_step_s, steps_s
 from gyrodrift.evaluation.integration import trapezium
+from gyrodrift.values.arrays import Floats
 
 
 def run_fusion(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:

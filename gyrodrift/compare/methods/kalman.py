@@ -1,10 +1,10 @@
 """The zero-rate update: a scalar Kalman filter that measures the bias at rest."""
 
-from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Params
 from gyrodrift.compare.methods.plain import steps_s
-from gyrodrift.compile import compiled_once
 from gyrodrift.evaluation.integration import trapezium
+from gyrodrift.io.compile import compiled_once
+from gyrodrift.values.arrays import Floats
 
 REST_TAU_S = 0.5
 """Time constant of the low-pass for the detection of rest, s: chosen."""

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.auxiliary import Auxiliary, DeviceColumns, InertialColumns
 from gyrodrift.evaluation.space import Axis
+from gyrodrift.values.arrays import Floats
 
 Params = Mapping[str, float]
 """Values by name; a name has its unit, except names of other packages."""

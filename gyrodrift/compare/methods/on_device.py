@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.evaluation.auxiliary import DeviceColumns
+from gyrodrift.values.arrays import Floats
 
 
 def missing_yaw(_t_s: Floats, _rate_dps: Floats, _params: Params) -> Floats:

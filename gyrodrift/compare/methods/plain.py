@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Params
 from gyrodrift.evaluation.integration import start_calibrated, trapezium
+from gyrodrift.values.arrays import Floats
 
 
 def steps_s(t_s: Floats) -> Floats:

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.filter_method import filter_method
 from gyrodrift.compare.methods.fusion import run_fusion
 from gyrodrift.compare.methods.kalman import run_kalman
@@ -23,6 +22,7 @@ from gyrodrift.evaluation.auxiliary import Auxiliary, InertialColumns
 from gyrodrift.evaluation.space import Axis
 from gyrodrift.filters.filter import FilterParams
 from gyrodrift.filters.registry import FILTERS
+from gyrodrift.values.arrays import Floats
 
 Heading = Callable[[Floats, InertialColumns, Params], Floats]
 """From device times in s, three axes and parameters to heading in deg, shape (n,)."""

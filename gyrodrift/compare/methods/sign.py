@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Params
 from gyrodrift.compare.methods.plain import steps_s
-from gyrodrift.compile import compiled_once
 from gyrodrift.evaluation.integration import trapezium
+from gyrodrift.io.compile import compiled_once
+from gyrodrift.values.arrays import Floats
 
 
 def run_sign(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:

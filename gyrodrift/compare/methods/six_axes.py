@@ -9,11 +9,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Params
 from gyrodrift.compare.methods.plain import mean_step_s, steps_s
 from gyrodrift.evaluation.auxiliary import InertialColumns
 from gyrodrift.evaluation.heading import heading_deg
+from gyrodrift.values.arrays import Floats
 
 STANDARD_GRAVITY_MPS2 = 9.80665
 """Exact by definition: 3rd General Conference on Weights and Measures, 1901."""

@@ -6,10 +6,10 @@ disturbance rejection", Information Fusion 91, 2023, DOI 10.1016/j.inffus.2022.1
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.compare.methods.method import Params
 from gyrodrift.compare.methods.plain import mean_step_s, steps_s
 from gyrodrift.evaluation.integration import trapezium
+from gyrodrift.values.arrays import Floats
 
 GRAVITY_MSS = 9.81
 """Gravity on a level device, m/s². Without an accelerometer VQF detects no rest."""

@@ -7,7 +7,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
-from gyrodrift.arrays import Floats
 from gyrodrift.compare.comparison import ComparedSession, Entry
 from gyrodrift.evaluation.curves import YawCurves
 from gyrodrift.html.numbers import factor_label, significant
@@ -25,6 +24,7 @@ from gyrodrift.html.svg import (
     switched,
     thinned,
 )
+from gyrodrift.values.arrays import Floats
 
 COLORS = {role: color for color, role in ROLES.items()}
 

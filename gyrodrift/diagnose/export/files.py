@@ -8,7 +8,7 @@ from gyrodrift.diagnose.export import effects_json, gazebo, kalibr, mujoco
 from gyrodrift.diagnose.export.exported import exported_of
 from gyrodrift.diagnose.export.formats import Express, FormatExport
 from gyrodrift.diagnose.result import Diagnosis
-from gyrodrift.files import write_whole
+from gyrodrift.io.files import write_whole
 
 FOLDER = "export"
 

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_means import block_means
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.feature import FeatureReading, Statistic
 from gyrodrift.diagnose.recording.gravity import NO_LEAN, Lean, fixed_lean
 from gyrodrift.diagnose.recording.recording import Recording, filled
+from gyrodrift.values.arrays import Floats
 
 DEGREES = FeatureReading("deg", lambda sine: np.degrees(np.arcsin(np.clip(sine, -1.0, 1.0))))
 """Reading of a sine as an angle, deg."""

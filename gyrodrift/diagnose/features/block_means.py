@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
-from gyrodrift.arrays import Floats, Mask
-from gyrodrift.compile import compiled_once
+from gyrodrift.io.compile import compiled_once
+from gyrodrift.values.arrays import Floats, Mask
 
 LEAST_DPS = 2e-3
 """Scatter of block means of 1 s, deg/s, that every encoder has. It is added to every spread, so that ratios of spreads

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_means import LEAST_DPS, integral_of, slopes
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.recording.order_statistics import MAD_TO_SIGMA
 from gyrodrift.diagnose.recording.outliers import Cleaned
+from gyrodrift.values.arrays import Floats
 
 HOLD_SIGMAS = 4.0
 """Limit of residuals, in standard deviations, so that a single outlier does not count as a step of the bias."""

@@ -4,13 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_means import block_means
 from gyrodrift.diagnose.features.feature import RMS_DPS, Feature, ResponseLaw
 from gyrodrift.diagnose.features.motion_terms import DesignColumn, MotionTerms
 from gyrodrift.diagnose.features.orthogonal import Basis, orthonormal
 from gyrodrift.diagnose.features.regimes import SLOW_DPS
 from gyrodrift.diagnose.features.within_second import smoothed
+from gyrodrift.values.arrays import Floats
 
 Columns = tuple[DesignColumn, ...]
 

@@ -9,8 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from gyrodrift.arrays import Floats, Mask
-from gyrodrift.compile import compiled_once
 from gyrodrift.diagnose.features.block_means import blocks_with, integral_of, slopes
 from gyrodrift.diagnose.features.columns import (
     ANGLE_COLUMNS,
@@ -26,6 +24,8 @@ from gyrodrift.diagnose.features.spreads import DifferenceIndices, difference_in
 from gyrodrift.diagnose.features.within_second import lag_basis
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.outliers import Cleaned
+from gyrodrift.io.compile import compiled_once
+from gyrodrift.values.arrays import Floats, Mask
 
 KNOWN_DPS = 0.01
 """Error of a block's mean rate by an encoder, deg/s. A rounding error far below it does not reduce the weight."""

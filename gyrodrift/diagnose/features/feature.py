@@ -7,7 +7,7 @@ from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 LARGEST_EXPONENT = 50.0
 """Limit of exponents, so that numbers in a report stay finite."""

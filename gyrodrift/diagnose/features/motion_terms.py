@@ -5,9 +5,9 @@ from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.feature import RMS_DPS, Feature, FeatureReading, ResponseLaw
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
+from gyrodrift.values.arrays import Floats
 
 RADIANS = np.pi / 180.0
 

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 NEW_SHARE = 0.03
 """Minimum share of a column's length that is orthogonal to all columns before it. Below it the column is redundant."""

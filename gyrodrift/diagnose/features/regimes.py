@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.block_means import block_means
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.smoothing import gaussian
+from gyrodrift.values.arrays import Floats, Mask
 
 REST_DPS, SLOW_DPS, FAST_DPS = 0.5, 2.0, 40.0
 """Upper limit of the rate at rest; lower limits of slow and of fast motion, deg/s."""

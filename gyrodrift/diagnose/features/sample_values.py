@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.feature import (
     AMPLITUDE_DEG,
@@ -17,6 +16,7 @@ from gyrodrift.diagnose.features.feature import (
 from gyrodrift.diagnose.features.noise import root_share
 from gyrodrift.diagnose.features.spreads import turning_spread
 from gyrodrift.diagnose.recording.outliers import Cleaned, granularity
+from gyrodrift.values.arrays import Floats, Mask
 
 NEAR_ZERO_DPS = 3.0
 """Rates below this limit, deg/s, are dense enough to show their steps."""

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import median_filter
 
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.spreads import MOVING_LENGTHS, REST_LENGTHS, spreads_of
 from gyrodrift.diagnose.recording.outliers import Cleaned
+from gyrodrift.values.arrays import Floats, Mask
 
 WINDOW = 256
 """Samples in the window of a spectrum."""

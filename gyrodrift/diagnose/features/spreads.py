@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.diagnose.features.block_means import OUTLIER_LIMIT, block_means
 from gyrodrift.diagnose.features.regimes import Regimes
+from gyrodrift.values.arrays import Floats, Integers, Mask
 
 REST_LENGTHS = (1, 2, 4, 8, 16, 32)
 MOVING_LENGTHS = (1, 2, 4)

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.feature import (
     MILLISECONDS,
     PERCENT_OF_SAMPLES,
@@ -18,6 +17,7 @@ from gyrodrift.diagnose.features.feature import (
 )
 from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA
 from gyrodrift.diagnose.recording.recording import Recording, fit_line
+from gyrodrift.values.arrays import Floats, Mask
 
 SLOW_S = 10.0
 """Length of the windows, s, whose medians show the wander of a clock without its scatter."""

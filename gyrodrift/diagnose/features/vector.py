@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features import timing
 from gyrodrift.diagnose.features.axes import AXES, axes_of
 from gyrodrift.diagnose.features.block_means import LEAST_DPS
@@ -23,6 +22,7 @@ from gyrodrift.diagnose.features.sample_values import ANGLE_VALUES, RATE_VALUES,
 from gyrodrift.diagnose.features.wander import PERIODIC, SCATTER, WALK, WANDER
 from gyrodrift.diagnose.features.within_second import LAG_FEATURES, lag_coefficients
 from gyrodrift.diagnose.recording.outliers import Cleaned
+from gyrodrift.values.arrays import Floats, Mask
 
 BLOCK_STATISTICS = (*WANDER, *PERIODIC, *WALK, *SCATTER)
 RESIDUAL_FEATURES: tuple[Feature, ...] = (*COLUMNS, *LAG_FEATURES, WARMING, *BLOCK_STATISTICS)

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_means import LEAST_DPS, block_means, log_variance
 from gyrodrift.diagnose.features.block_residuals import BlockResiduals
 from gyrodrift.diagnose.features.feature import (
@@ -13,6 +12,7 @@ from gyrodrift.diagnose.features.feature import (
     ResponseLaw,
     Statistic,
 )
+from gyrodrift.values.arrays import Floats
 
 WANDER_MEANS = (2, 5, 10, 20, 50)
 WALK_MEANS = (5, 20, 60, 120)

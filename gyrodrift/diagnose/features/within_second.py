@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.feature import RMS_DPS, Feature, ResponseLaw
 from gyrodrift.diagnose.features.orthogonal import Basis, orthonormal
 from gyrodrift.diagnose.recording.smoothing import central_difference, gaussian
+from gyrodrift.values.arrays import Floats
 
 SMOOTH_S = 0.02
 """Standard deviation of the Gaussian that smooths the rates of gyro and encoder, s."""

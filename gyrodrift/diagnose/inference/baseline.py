@@ -13,11 +13,11 @@ import numpy as np
 from scipy.stats import norm as normal
 from scipy.stats import t as student
 
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.vector import ALWAYS, FAMILIES, LINEAR, OF_EVENTS, OF_LOSS, OF_TIMES, rms_scale
 from gyrodrift.diagnose.inference.evidence import NOT_COMPARED
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
+from gyrodrift.values.arrays import Floats, Mask
 
 PRIOR_SHARES = np.where(OF_LOSS, 1.0, np.where(OF_TIMES, 0.1, 0.7))
 """Share of the common difference by which the next recording may differ. Another motion shows another part of it.

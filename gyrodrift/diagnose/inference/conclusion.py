@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.inference.density import Groups
 from gyrodrift.diagnose.inference.evidence import pooled_z
@@ -25,6 +24,7 @@ from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized
+from gyrodrift.values.arrays import Floats
 
 NAMED = 0.5
 """Probability from which on a cause is named: that the effect acts, or an effect tied with it."""

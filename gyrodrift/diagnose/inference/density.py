@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Integers, Mask
-from gyrodrift.compile import compiled_once
+from gyrodrift.io.compile import compiled_once
+from gyrodrift.values.arrays import Floats, Integers, Mask
 
 DEGREES_OF_FREEDOM = 20.0
 """Degrees of freedom of the Student density. Between 12 and 30 the verdicts on 13 simulated rigs without a gap stay the

@@ -9,12 +9,12 @@ import numpy as np
 from scipy.special import chdtri
 
 from firmware_sim.effects.effect import Effect
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.parameters import unit_of
 from gyrodrift.diagnose.inference.posterior import POWER, RESEMBLING
 from gyrodrift.diagnose.inference.scorer import ONE_POINT, TINY, Scorer, log_prior_of
 from gyrodrift.diagnose.inference.template import Template
+from gyrodrift.values.arrays import Floats
 
 SURE = 0.9
 """Share of the recordings with an effect that show it."""

@@ -6,9 +6,9 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import t as student
 
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.vector import OF_AXES
 from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.values.arrays import Floats, Mask
 
 FAMILY_WISE_ERROR = 0.02
 """Probability that any feature deviates by chance. The search over causes and the inexact null use the rest of the 5 %

@@ -6,11 +6,11 @@ from functools import cached_property
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.evidence import Evidence
 from gyrodrift.diagnose.inference.posterior import RARE, Posterior
 from gyrodrift.diagnose.inference.scorer import EffectSet, Placed, Scorer
 from gyrodrift.diagnose.inference.sets import fitted
+from gyrodrift.values.arrays import Floats
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Integers
-from gyrodrift.compile import compiled_once
+from gyrodrift.io.compile import compiled_once
+from gyrodrift.values.arrays import Floats, Integers
 
 MOST_FACTORS = 10
 """Number of principal directions of the realizations; the rest of the variance counts as scatter."""

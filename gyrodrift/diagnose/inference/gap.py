@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.inference.evidence import Evidence
+from gyrodrift.values.arrays import Floats
 
 WORST_Z = 20.0
 """Limit of a z in sums: a z of hundreds says no more than a z of twenty."""

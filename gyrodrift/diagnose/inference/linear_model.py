@@ -11,13 +11,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.signal import lfilter
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_means import integral_of, slopes
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.inference.parameters import unit_of
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.recording.order_statistics import MAD_TO_SIGMA
 from gyrodrift.diagnose.simulate.candidates import KINDS
+from gyrodrift.values.arrays import Floats
 
 GAINS = (0.0, 0.003, 0.01, 0.03, 0.1, 0.3)
 """Gains of the filter, from a constant bias, 0, to a fast random walk."""

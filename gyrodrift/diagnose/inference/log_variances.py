@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Integers
 from gyrodrift.diagnose.features.vector import IS_LOG, LINEAR
 from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.values.arrays import Floats, Integers
 
 LOG_RANGE, LEAST_VARIANCE = 20.0, 1e-6
 """Largest logarithm that is taken as a variance, and the least variance of a sum: neither overflows nor becomes 0."""

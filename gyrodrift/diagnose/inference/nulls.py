@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import OF_MOTION
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
+from gyrodrift.values.arrays import Floats
 
 PRIOR_RUNS = 2.0
 """Weight of the prior assumption of independent sessions, in null runs."""

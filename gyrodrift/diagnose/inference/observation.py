@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.inference.nulls import pooled_nulls
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
+from gyrodrift.values.arrays import Floats, Mask
 
 SHARED_RELEVANCE = 0.5
 """Share of the relevance variance that all sessions have in common: the same small error of the rig in each."""

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.vector import LINEAR, NUMBER, OF_AXES, REGRESSORS_OF_MOTION
 from gyrodrift.diagnose.inference.evidence import NOT_COMPARED, Evidence, Response
 from gyrodrift.diagnose.inference.log_variances import scaled, straight
 from gyrodrift.diagnose.inference.nulls import pooled_nulls
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simulated_key
+from gyrodrift.values.arrays import Floats, Mask
 
 PHASES_DEG = np.arange(-180.0, 180.0, 2.0)
 """Phases that are tried."""

@@ -6,8 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.inference.scorer import EffectSet, Scorer, log_prior_of
+from gyrodrift.values.arrays import Floats, Mask
 
 POWER = 0.8
 """Power of the likelihood. On 73 simulated cases and 35 of them without the true effect, the mean logarithm of the

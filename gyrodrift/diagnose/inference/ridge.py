@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.scorer import EXACT, Placed, Scorer
 from gyrodrift.diagnose.inference.template import Template
 from gyrodrift.diagnose.simulate.candidates import KINDS
+from gyrodrift.values.arrays import Floats
 
 REACH = 8
 """Points on either side of the best point over which a size is summed: a third of a decade, longer than a ridge."""

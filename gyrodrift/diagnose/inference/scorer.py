@@ -7,7 +7,6 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.density import (
     DEGREES_OF_FREEDOM,
     Groups,
@@ -20,6 +19,7 @@ from gyrodrift.diagnose.inference.log_variances import combined
 from gyrodrift.diagnose.inference.observation import Observation
 from gyrodrift.diagnose.inference.template import Template
 from gyrodrift.diagnose.simulate.response_table import SimulatedSet, Sized
+from gyrodrift.values.arrays import Floats
 
 Values = TypeVar("Values", float, Floats)
 

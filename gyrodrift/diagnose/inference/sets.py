@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.ridge import pair_in, placed_together
 from gyrodrift.diagnose.inference.scorer import (
     CLOSE_TO_IT,
@@ -24,6 +23,7 @@ from gyrodrift.diagnose.inference.scorer import (
     Scorer,
 )
 from gyrodrift.diagnose.inference.template import COARSE_STEP, Template
+from gyrodrift.values.arrays import Floats
 
 MOST_EFFECTS = 3
 """Largest number of effects in a set."""

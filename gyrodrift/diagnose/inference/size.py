@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.ridge import pair_in, summed_along
 from gyrodrift.diagnose.inference.scorer import EffectSet, Scorer
 from gyrodrift.diagnose.inference.sets import profile_of
+from gyrodrift.values.arrays import Floats
 
 CREDIBLE = (0.025, 0.5, 0.975)
 """Quantiles: a central interval that holds the true size in 95 % of cases, and the median."""

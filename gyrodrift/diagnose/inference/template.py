@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Integers
 from gyrodrift.diagnose.features.vector import LINEAR
 from gyrodrift.diagnose.inference.evidence import Response
 from gyrodrift.diagnose.inference.factors import MOST_FACTORS, covariance_of
@@ -15,6 +14,7 @@ from gyrodrift.diagnose.inference.log_variances import between_scaled, interpola
 from gyrodrift.diagnose.inference.observation import Observation
 from gyrodrift.diagnose.inference.pooling import ONCE_PER_TURN
 from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
+from gyrodrift.values.arrays import Floats, Integers
 
 NOTICEABLE = 2.0
 """Least norm of the change over all features, in standard deviations, of a size that counts as an effect. Smaller sizes

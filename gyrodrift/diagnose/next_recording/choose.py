@@ -17,7 +17,6 @@ import numpy as np
 
 from firmware_sim.motion.profile import Profile
 from firmware_sim.rig import Rig
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.next_recording.information import (
     Discrimination,
     discrimination_of,
@@ -34,7 +33,8 @@ from gyrodrift.diagnose.next_recording.simulated_features import (
     simulated_features,
     weights_of,
 )
-from gyrodrift.parallel import LocalWorkers, workers
+from gyrodrift.io.parallel import LocalWorkers, workers
+from gyrodrift.values.arrays import Floats
 
 SCREENED, FINAL, PREDICTED, COMPARED = 2, 3, 5, 3
 """Numbers of realizations of a motion: in each round of screening, among the best pairs, for the prediction, and for

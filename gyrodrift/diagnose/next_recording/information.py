@@ -17,11 +17,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.special import logsumexp
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.density import DEGREES_OF_FREEDOM
 from gyrodrift.diagnose.inference.log_variances import scaled
 from gyrodrift.diagnose.inference.scorer import USUAL
 from gyrodrift.diagnose.next_recording.simulated_features import SimulatedFeatures
+from gyrodrift.values.arrays import Floats
 
 LEARNING_RATES = np.concatenate([[0.0], np.geomspace(0.01, 1.0, 17)])
 """Learning rates among which the best is chosen; 0 ignores the features."""

@@ -12,11 +12,11 @@ import numpy as np
 
 from firmware_sim.measure import Motion
 from firmware_sim.rig import Rig
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.feature import Measured
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.twin import subject_of
 from gyrodrift.simulation.sessions import Simulation
+from gyrodrift.values.arrays import Floats
 
 NOTHING = "nothing"
 """Name of the hypothesis that no cause is missing in the rig."""

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.order_statistics import MAD_TO_SIGMA
+from gyrodrift.values.arrays import Floats
 
 LEAST = 5
 """Least points in a bin: the median of fewer is chance."""

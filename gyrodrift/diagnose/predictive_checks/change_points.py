@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.diagnose.recording.order_statistics import MAD_TO_SIGMA
+from gyrodrift.values.arrays import Floats, Integers, Mask
 
 LEAST_SECONDS = 10
 """Least distance of two change points, and length of the windows before and after a change point."""

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.features.feature import Feature, FeatureReading
 from gyrodrift.diagnose.features.vector import FEATURES, rms_scale
 from gyrodrift.diagnose.inference.evidence import pooled_z
 from gyrodrift.diagnose.inference.explanation import Explanation
+from gyrodrift.values.arrays import Floats
 
 BAND = 2.0
 """Half width of a band in standard deviations: by chance, 19 of 20 values lie within."""

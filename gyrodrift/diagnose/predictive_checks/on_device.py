@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from gyrodrift.arrays import Floats
-from gyrodrift.errors import DataError
 from gyrodrift.evaluation.attitude import attitude_history
 from gyrodrift.evaluation.dataset import LoadedSession, Source, load_with_reference
 from gyrodrift.evaluation.kernels.kernel import kernel_of
@@ -14,6 +12,8 @@ from gyrodrift.evaluation.space import row_of
 from gyrodrift.evaluation.uncertainty import Uncertainty, mean_uncertainty, uncertainty_of
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions, session_as_stated
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError
 
 
 @dataclass(frozen=True, slots=True)

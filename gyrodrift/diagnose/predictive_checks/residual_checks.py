@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.block_means import block_means
 from gyrodrift.diagnose.features.motion_terms import TURN_DPS
 from gyrodrift.diagnose.features.regimes import SLOW_DPS
@@ -20,6 +19,7 @@ from gyrodrift.diagnose.predictive_checks.residual_series import (
     residual_series_of,
 )
 from gyrodrift.diagnose.simulate.twin import Subject
+from gyrodrift.values.arrays import Floats, Mask
 
 SLACK_S = 1e-4
 """Error of the time of a motion that is rebuilt from an encoder. Times an acceleration it is an error of the rate."""

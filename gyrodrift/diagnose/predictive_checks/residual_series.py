@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import periodogram
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.features.spectral_line import windows_within
 from gyrodrift.diagnose.inference.verdict import NamedCause
@@ -14,6 +13,7 @@ from gyrodrift.diagnose.predictive_checks.change_points import ChangePoint, chan
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.diagnose.simulate.recalibration import recalibrated_with
 from gyrodrift.diagnose.simulate.twin import Subject
+from gyrodrift.values.arrays import Floats
 
 FEW_WINDOWS = 4
 """Least number of windows at rest for a spectrum; with fewer windows, steady turns are used too."""

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from firmware_sim.effects.effect import Effect
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.diagnose.simulate.recalibration import corrected_recording, corrected_session
@@ -18,6 +17,7 @@ from gyrodrift.filters.registry import PUBLISHED
 from gyrodrift.session.session import Session
 from gyrodrift.tune.search.methods import METHODS, run_to_budget
 from gyrodrift.tune.search.objective import Objective
+from gyrodrift.values.arrays import Floats
 
 EVALUATIONS = 300
 """Evaluations of the cost in each of the three tunings."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from gyrodrift.arrays import Floats, Integers, Mask
+from gyrodrift.values.arrays import Floats, Integers, Mask
 
 Lines = npt.NDArray[np.complex128]
 

@@ -7,17 +7,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.checks import LEAST_S, check_recording
 from gyrodrift.diagnose.recording.held_angles import without_held_angles
 from gyrodrift.diagnose.recording.numbering import backlog_of, number_samples
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
-from gyrodrift.errors import DataError
 from gyrodrift.session.calibrated import calibration_of, with_calibration
 from gyrodrift.session.checks.examine import ExaminedSession, clock_findings
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions, session_as_stated
 from gyrodrift.session.session import Session
 from gyrodrift.session.topics.reference import question_of
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError
 
 OUTAGE_S, MANY_APART = 0.2, 10.0
 """Least length of an outage: seconds, and median distances of samples that have both a rate and an angle. A link that

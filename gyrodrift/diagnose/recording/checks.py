@@ -9,13 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.delay import SmoothedRates, best_lag, smoothed_rates
 from gyrodrift.diagnose.recording.gravity import gravity_of
 from gyrodrift.diagnose.recording.outliers import granularity
 from gyrodrift.diagnose.recording.recording import Recording, filled
-from gyrodrift.errors import DataError
 from gyrodrift.session.checks.rate_unit import LIKE, TOO_LARGE, WORDS, wrong_unit
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError
 
 LEAST_S = 20.0
 """Least length of a recording, s: a rest and a few turns fit into it."""

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 ANGLES, REACH = 401, 1.5
 """Number of angles that are tried around a count, and the largest distance, in counts."""

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.fft import next_fast_len
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.smoothing import gaussian
+from gyrodrift.values.arrays import Floats
 
 SMOOTH_S, SMOOTH_MOST_S, COUNTS = 0.1, 1.0, 3.0
 """Least and largest standard deviation of the Gaussian that smooths both rates, s. Between them it is the time in which

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.recording.recording import Recording
+from gyrodrift.values.arrays import Floats, Mask
 
 LEAST_TURN_DEG = 270.0
 """Least range of the angle that separates the part once per turn from the constant. Chosen: three quarters."""

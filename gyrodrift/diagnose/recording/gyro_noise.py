@@ -5,8 +5,8 @@ from typing import Protocol
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.rests import samples_in
+from gyrodrift.values.arrays import Floats
 
 NOISE_GAIN = 6.0
 """Variance of a second difference of white noise, divided by the variance of the noise: 1 + 4 + 1."""

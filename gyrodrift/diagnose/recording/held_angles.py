@@ -9,10 +9,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.diagnose.recording.numbering import number_samples
 from gyrodrift.diagnose.recording.outliers import granularity
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats, Integers, Mask
 
 MANY_STEPS, HELD_SHARE, MOVES = 4.0, 0.5, 20
 """A held angle changes by more than so many of its steps, and by none in the next sample. At least this share of its

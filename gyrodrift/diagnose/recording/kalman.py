@@ -8,8 +8,8 @@ numbers it is the smoother of H. E. Rauch, F. Tung and C. T. Striebel (1965).
 import numpy as np
 import numpy.typing as npt
 
-from gyrodrift.arrays import Floats
-from gyrodrift.compile import compiled_once
+from gyrodrift.io.compile import compiled_once
+from gyrodrift.values.arrays import Floats
 
 STATES = 4
 """Angle, degrees; rate, deg/s; acceleration, deg/s²; bias, deg/s."""

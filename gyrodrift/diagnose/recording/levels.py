@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.order_statistics import distinct
 from gyrodrift.diagnose.recording.outliers import NEXT_LEVEL
+from gyrodrift.values.arrays import Floats
 
 LEAST_GAPS = 10
 """Least number of small gaps that determine a step."""

@@ -11,8 +11,8 @@ from functools import cache
 import numpy as np
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.recording.smoothing import convolved
+from gyrodrift.values.arrays import Floats, Mask
 
 HALF_WINDOWS = (2, 4, 8, 16, 32, 64)
 """Number of samples on either side."""

@@ -6,9 +6,9 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
-from gyrodrift.arrays import Floats
-from gyrodrift.compile import compiled_once
 from gyrodrift.diagnose.recording.recording import Recording, filled
+from gyrodrift.io.compile import compiled_once
+from gyrodrift.values.arrays import Floats
 
 SMOOTH_S = 0.11
 SMOOTH_DEGREE = 4

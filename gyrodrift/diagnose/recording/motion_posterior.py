@@ -14,7 +14,6 @@ from scipy.fft import next_fast_len
 from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
-from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.diagnose.recording.counted_rests import CountedRests
 from gyrodrift.diagnose.recording.gyro_noise import NOISE_GAIN, GyroModel, middle_sigma, noise_dps
 from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, FilteredStates, filter_forward, sample_backward
@@ -24,6 +23,7 @@ from gyrodrift.diagnose.recording.outliers import Cleaned, is_at_limit, steps_of
 from gyrodrift.diagnose.recording.quick_motion import QuickMotion, quick_motion_of
 from gyrodrift.diagnose.recording.rests import STANDS_MOST_S, rest_mask, samples_in, true_runs
 from gyrodrift.diagnose.recording.smoothing import central_difference, gaussian
+from gyrodrift.values.arrays import Floats, Integers, Mask
 
 JERK_STEPS_S = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2)
 JERK_WINDOW_STEPS = 3

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Mask
+from gyrodrift.values.arrays import Floats, Mask
 
 
 def cubic_residual(values: Floats) -> Floats:

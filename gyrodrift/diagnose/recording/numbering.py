@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import minimum_filter1d
 
-from gyrodrift.arrays import Floats, Integers, Mask
-from gyrodrift.errors import DataError
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats, Integers, Mask
+from gyrodrift.values.errors import DataError
 
 WRAP = 1 << 16
 """Values of a 16-bit counter, the width on the wire. A counter that stays below may have wrapped."""

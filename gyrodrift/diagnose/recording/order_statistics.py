@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 MEDIAN_TO_SIGMA = 0.6745
 """Median of the absolute values of normal numbers, in standard deviations."""

@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import maximum_filter1d, median_filter
 
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.recording.delay import best_lag, smoothed_rates
 from gyrodrift.diagnose.recording.motion import rough_rate_dps
 from gyrodrift.diagnose.recording.neighbors import cubic_residual, is_isolated, steepest_neighbor_step
 from gyrodrift.diagnose.recording.order_statistics import distinct
 from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.diagnose.recording.rests import true_runs
+from gyrodrift.values.arrays import Floats, Mask
 
 SPIKE_SIGMAS = 10.0
 """Least residual of an outlier of the rate, in standard deviations: against the encoder, or against its neighbors."""

@@ -18,9 +18,9 @@ from scipy.fft import next_fast_len
 from scipy.optimize import nnls
 from scipy.special import expit
 
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.recording.band_spectrum import LOWEST_HZ, Bands, bands_of
 from gyrodrift.diagnose.recording.gyro_noise import FOLDS, GyroModel
+from gyrodrift.values.arrays import Floats, Mask
 
 LEAST_POWER, LEAST_SHARE = 1e-12, 1e-9
 """Lower bounds of the power of a band, and of the share of noise in it. They prevent a division by zero."""

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.numbering import number_samples
-from gyrodrift.errors import DataError
 from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError
 
 MOST_DPS, MOST_DEG, MOST_S, MOST_MPS2 = 1e6, 1e9, 1e12, 1e6
 """Largest plausible rate, angle, time and acceleration. The limits are wide, because the unit may be wrong and a

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA
 from gyrodrift.diagnose.recording.smoothing import gaussian
+from gyrodrift.values.arrays import Floats
 
 CLIP_SIGMAS = 6.0
 """Standard deviations at which the noise is clipped. Larger deviations are slips or interpolated gaps."""

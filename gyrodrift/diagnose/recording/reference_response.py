@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.levels import has_steps
 from gyrodrift.diagnose.recording.outliers import clean
 from gyrodrift.diagnose.recording.recording import Recording
+from gyrodrift.values.arrays import Floats
 
 REACH_S = 0.1
 """Largest delay of a weight, either way. Chosen: a wheeled robot in MuJoCo and two turntables need 0.06 s."""

@@ -9,8 +9,8 @@ from itertools import pairwise
 import numpy as np
 from scipy.ndimage import median_filter, minimum_filter1d, uniform_filter1d
 
-from gyrodrift.arrays import Floats, Integers, Mask
-from gyrodrift.compile import compiled_once
+from gyrodrift.io.compile import compiled_once
+from gyrodrift.values.arrays import Floats, Integers, Mask
 
 RESTS_S = 1.0
 """Least time for which the count of a rest is constant."""

@@ -8,8 +8,8 @@ from functools import cache
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
-from gyrodrift.compile import compiled_once
+from gyrodrift.io.compile import compiled_once
+from gyrodrift.values.arrays import Floats
 
 SIXTH_ORDER = np.array([45.0, -9.0, 1.0]) / 60.0
 """Weights of the central difference over seven samples, for pairs at a distance of 1, 2 and 3 samples.

@@ -8,7 +8,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.predictive_checks.binned_medians import Medians
 from gyrodrift.diagnose.predictive_checks.feature_comparison import Band, FeatureComparison
 from gyrodrift.diagnose.predictive_checks.residual_checks import Dependence
@@ -28,6 +27,7 @@ from gyrodrift.html.svg import (
     switched,
     thinned,
 )
+from gyrodrift.values.arrays import Floats
 
 T = TypeVar("T")
 

@@ -14,8 +14,8 @@ from gyrodrift.diagnose.inference.verdict import Kind, NamedCause
 from gyrodrift.diagnose.report.effect_words import effect_sentence, says
 from gyrodrift.diagnose.report.text import stated
 from gyrodrift.diagnose.result import Diagnosis
-from gyrodrift.files import write_whole
 from gyrodrift.html.numbers import significant
+from gyrodrift.io.files import write_whole
 
 SHOWN = 3
 """Largest number of causes, of negligible effects and of deviations in the summary."""

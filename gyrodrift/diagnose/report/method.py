@@ -9,7 +9,7 @@ from gyrodrift.diagnose.report.text import fixed
 from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis
 from gyrodrift.html.html import facts, headings, paragraph, section, table, text
 from gyrodrift.html.numbers import even, significant
-from gyrodrift.noise import ROOT_SECONDS_PER_ROOT_HOUR
+from gyrodrift.values.noise import ROOT_SECONDS_PER_ROOT_HOUR
 
 
 class BaseUnit(NamedTuple):

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.fft import next_fast_len
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.recording import Recording
+from gyrodrift.values.arrays import Floats
 
 BEGINS_AFTER, AT_ONCE, FEW_BUNCHES = 1.5, 0.5, 20
 """Minimum gap before a bunch and maximum gap within it, in sample periods; and the number of bunches up to which the

@@ -12,7 +12,6 @@ import numpy as np
 from firmware_sim.effects.effect import Effect
 from firmware_sim.measure import measure as play
 from firmware_sim.rig import Base, Rig, with_replaced
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.block_means import block_means
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
@@ -25,6 +24,7 @@ from gyrodrift.diagnose.recording.quick_motion import QuickMotion, quick_motion_
 from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.diagnose.simulate.known_effects import error_dps, gyro_model_of
 from gyrodrift.simulation.sessions import as_recorded
+from gyrodrift.values.arrays import Floats, Mask
 
 NEIGHBORS = 100
 """Arrivals in a group. The median of a group is subtracted, since a slow wander of the clocks is not jitter."""

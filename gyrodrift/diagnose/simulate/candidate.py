@@ -8,8 +8,8 @@ import numpy as np
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
+from gyrodrift.values.arrays import Floats
 
 Shape = Callable[[DesignMatrix, np.random.Generator], Floats]
 """Function of a session's design matrix and a random generator: rate to add at size 1, deg/s, shape (n,)."""

@@ -11,8 +11,8 @@ import numpy as np
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.simulate.candidate import Candidate, Need, Touches
+from gyrodrift.values.arrays import Floats
 
 SAME_SIZE = 0.05
 """Relative difference of two sizes below which an effect counts as equal to the effect in the rig."""

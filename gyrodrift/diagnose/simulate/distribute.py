@@ -7,8 +7,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from firmware_sim.rig import Rig
-from gyrodrift.arrays import Floats
-from gyrodrift.cluster import ClusterWorkers
 from gyrodrift.diagnose.recording.checked import checked_session
 from gyrodrift.diagnose.recording.reference_response import ReferenceResponse
 from gyrodrift.diagnose.simulate.candidate import Candidate
@@ -17,10 +15,12 @@ from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized, key
 from gyrodrift.diagnose.simulate.responses import change_in, null_runs_of, response_table, together
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
-from gyrodrift.errors import DataError
-from gyrodrift.parallel import inheriting_workers
-from gyrodrift.progress import OnProgress
+from gyrodrift.io.cluster import ClusterWorkers
+from gyrodrift.io.parallel import inheriting_workers
+from gyrodrift.io.progress import OnProgress
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError
 
 REPLAYED = "sessions replayed"
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.simulate.candidate_kind import Hints, SizeGrid, Variant
+from gyrodrift.values.arrays import Floats
 
 PER_DECADE = 24
 """Sizes of a fit per decade: a step of 10 %."""

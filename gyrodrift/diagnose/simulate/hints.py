@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from firmware_sim.effects.environment import REFERENCE_C, SELF_HEATING_C
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.axes import turn_lean
 from gyrodrift.diagnose.features.block_means import block_means
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
@@ -16,6 +15,7 @@ from gyrodrift.diagnose.recording.outliers import step_of
 from gyrodrift.diagnose.simulate.bunches import bunches_of
 from gyrodrift.diagnose.simulate.candidate_kind import Hints
 from gyrodrift.diagnose.simulate.twin import Subject
+from gyrodrift.values.arrays import Floats
 
 NEAR_STEP = np.linspace(0.98, 1.02, 401)
 """Multiples of an approximate step among which the best step of the levels is searched."""

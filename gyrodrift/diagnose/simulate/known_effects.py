@@ -13,7 +13,6 @@ from firmware_sim.effects.sensor_curve import Deadband, Quantization, Saturation
 from firmware_sim.effects.sensor_dynamics import Bandwidth, Latency
 from firmware_sim.measure import HALF_A_COUNT
 from firmware_sim.rig import Rig
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.features.block_means import integral_of, slopes
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
@@ -22,6 +21,7 @@ from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.outliers import Cleaned, is_at_limit
 from gyrodrift.diagnose.simulate.candidates import KINDS
+from gyrodrift.values.arrays import Floats, Mask
 
 ONCE_PER_TURN = {"g_sensitivity": "amplitude_dps", "encoder_eccentricity": "amplitude_deg"}
 """Parameter that is the amplitude, by name of an effect with a phase."""

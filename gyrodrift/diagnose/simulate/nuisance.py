@@ -10,7 +10,6 @@ import numpy as np
 from scipy.signal import lfilter
 
 from firmware_sim.effects.effect import Effect
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.columns import WARMING
 from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
 from gyrodrift.diagnose.features.feature import Feature
@@ -18,6 +17,7 @@ from gyrodrift.diagnose.features.regimes import SLOW_DPS
 from gyrodrift.diagnose.simulate.candidate import Candidate, Shape, Touches
 from gyrodrift.diagnose.simulate.grids import between
 from gyrodrift.diagnose.simulate.kinds import LAG
+from gyrodrift.values.arrays import Floats
 
 WAVES, GRID = 8, 512
 """Number of cosine waves in a random function, and of grid points between which it is interpolated linearly."""

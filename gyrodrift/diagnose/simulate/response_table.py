@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.values.arrays import Floats
 
 
 class Sized(NamedTuple):

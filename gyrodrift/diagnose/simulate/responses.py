@@ -9,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 
 from firmware_sim.effects.effect import Effect
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import measure
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.diagnose.simulate.candidate import Candidate, Touches
 from gyrodrift.diagnose.simulate.recalibration import recalibrated_with
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized, key
 from gyrodrift.diagnose.simulate.twin import BaseRun, Subject, subject_of
+from gyrodrift.values.arrays import Floats
 
 NULL_RUNS_TOGETHER, NULL_RUNS_LEAST, NULL_RUNS_MOST = 24, 4, 10
 """Null runs of all sessions together; and the minimum and maximum per session."""

@@ -14,7 +14,6 @@ import numpy as np
 from firmware_sim.effects.effect import Effect
 from firmware_sim.measure import measure as play
 from firmware_sim.rig import Base, Rig, with_replaced
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features import timing
 from gyrodrift.diagnose.features.block_means import blocks_with
 from gyrodrift.diagnose.features.block_residuals import unexplained_dps
@@ -50,9 +49,10 @@ from gyrodrift.diagnose.simulate.known_effects import (
     sensor_model_of,
     with_phases,
 )
-from gyrodrift.errors import DataError
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import as_recorded
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError
 
 SHAPES, MOTIONS, ARRIVALS, REFERENCES = 1, 2, 3, 4
 """Keys of the random streams for added shapes, motions, arrivals and reference noise; effects have streams by name."""

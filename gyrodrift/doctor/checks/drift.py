@@ -10,7 +10,7 @@ from gyrodrift.doctor.finding import DeviceFinding, note, ok
 from gyrodrift.doctor.still import still_rate
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.registry import FILTERS
-from gyrodrift.noise import hourly_rate_text
+from gyrodrift.values.noise import hourly_rate_text
 
 UNIT = "deg/h"
 

@@ -6,9 +6,9 @@ from gyrodrift.doctor.check import Check
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_error, of_health, ok, sentence
 from gyrodrift.doctor.listen import BITS_PER_BYTE
-from gyrodrift.errors import DeviceSilentError, UnitError
 from gyrodrift.link.port import USUAL_BAUDS
 from gyrodrift.outputs import health
+from gyrodrift.values.errors import DeviceSilentError, UnitError
 
 FULL = 0.6
 """Share of the line above which larger frames, or a higher rate, do not fit."""

@@ -9,7 +9,7 @@ from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, note, ok, warning
 from gyrodrift.doctor.spectrum import spectrum_of
 from gyrodrift.doctor.still import step_of, still_rate
-from gyrodrift.noise import FLICKER_WORDS, hourly_rate_text, random_walk_text
+from gyrodrift.values.noise import FLICKER_WORDS, hourly_rate_text, random_walk_text
 
 NOISY, AVERAGED = 2.0, 0.4
 """Measured noise density over the data sheet: above, something shakes the sensor; below, something averages."""

@@ -5,7 +5,7 @@ import os
 from gyrodrift.doctor.check import Check
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, error, note, of_error, ok, sentence, warning
-from gyrodrift.errors import DeviceSilentError, PortBusyError, PortDeniedError, UnitError
+from gyrodrift.values.errors import DeviceSilentError, PortBusyError, PortDeniedError, UnitError
 
 OPENED = (PortBusyError, PortDeniedError, DeviceSilentError, UnitError)
 """Failures of a port that exists."""

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.describe.text import NOISY_DPS
 from gyrodrift.describe.values import RestSource
 from gyrodrift.doctor.check import Check
@@ -11,6 +10,7 @@ from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_he
 from gyrodrift.doctor.sensors import with_step
 from gyrodrift.doctor.still import RAIL_MIN_DPS, step_of, still_rate
 from gyrodrift.outputs import health
+from gyrodrift.values.arrays import Floats
 
 RAIL_SAMPLES = 5
 """Samples at exactly the largest rate that show the end of a range."""

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.describe.text import JITTER_ODD
 from gyrodrift.doctor.check import Check
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_health, ok, warning
 from gyrodrift.doctor.still import RAIL_MIN_DPS, step_of, still_rate
 from gyrodrift.outputs import health
+from gyrodrift.values.arrays import Floats
 
 MANY_MISSING = 0.01
 CHANGED = 0.05

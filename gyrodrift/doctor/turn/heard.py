@@ -10,7 +10,7 @@ from gyrodrift.doctor.turn.motion import TurnWindow
 from gyrodrift.doctor.turn.series import ColumnKey, Series, TextTable
 from gyrodrift.doctor.turn.spec import read_back, spec_of
 from gyrodrift.doctor.turn.verdict import TurnVerdict, judge
-from gyrodrift.sample import Sample
+from gyrodrift.values.sample import Sample
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,14 +13,14 @@ from gyrodrift.doctor.turn.heard import HeardTurn, TurnResult, result_of, series
 from gyrodrift.doctor.turn.motion import TurnWindow
 from gyrodrift.doctor.turn.series import LineTimes, TextTable
 from gyrodrift.doctor.turn.verdict import judge
-from gyrodrift.errors import DeviceSilentError, PortMissingError, UnitError
+from gyrodrift.io.waiting import POLLIN, new_poller
 from gyrodrift.link.heard import Heard
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.silence import why_silent
 from gyrodrift.link.sources.source import OpenPort
-from gyrodrift.sample import Sample
-from gyrodrift.waiting import POLLIN, new_poller
+from gyrodrift.values.errors import DeviceSilentError, PortMissingError, UnitError
+from gyrodrift.values.sample import Sample
 
 TEXTS = frozenset({"csv", "text"})
 """Protocols of text, which have columns."""

@@ -9,9 +9,9 @@ from math import pi, sqrt
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.describe.arrays import Flags
 from gyrodrift.doctor.turn.series import Series
+from gyrodrift.values.arrays import Floats
 
 REACTION_S = 0.2
 """Time before the prompt at which a hand may begin already, s."""

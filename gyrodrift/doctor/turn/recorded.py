@@ -9,11 +9,11 @@ from gyrodrift.doctor.turn.heard import HeardTurn, TurnResult, result_of
 from gyrodrift.doctor.turn.listen import LIMIT_S, REST_S, TEXTS
 from gyrodrift.doctor.turn.motion import TurnWindow
 from gyrodrift.doctor.turn.series import ColumnKey, LineTimes, TextTable, TimedLine, table_of
-from gyrodrift.errors import DataError
-from gyrodrift.files import UnreadableError, check_ordinary
+from gyrodrift.io.files import UnreadableError, check_ordinary
 from gyrodrift.link.heard import decoded, plain_text
 from gyrodrift.link.text.guess import guess
-from gyrodrift.sample import Sample
+from gyrodrift.values.errors import DataError
+from gyrodrift.values.sample import Sample
 
 REST_BEFORE_MIN_S = 0.5
 TEXT_BYTES_MAX = 64_000_000

@@ -5,10 +5,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.doctor.turn.motion import ColumnMotion
 from gyrodrift.doctor.turn.scale import ANGLE_TOLERANCE, HAND, QUARTER_DEG, scale_of
 from gyrodrift.link.text.behavior import GRAVITIES
+from gyrodrift.values.arrays import Floats
 
 SIMILAR_SHARE = 0.35
 """Share of the clearest motion from which another column is a further axis that turns, too."""

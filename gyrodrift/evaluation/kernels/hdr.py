@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
-from gyrodrift.compile import compiled_once
 from gyrodrift.evaluation.kernels.kernel import GROUP, Kernel, groups
 from gyrodrift.evaluation.kernels.simd import is_any, load, look_up, magnitude, select, signs, splat, store, with_sign
+from gyrodrift.io.compile import compiled_once
+from gyrodrift.values.arrays import Floats
 
 TABLE_SIZE = 1 << 14
 """Runs of equal signs up to this length, in samples, have their step in a table; longer runs compute it."""

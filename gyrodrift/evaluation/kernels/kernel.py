@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.auxiliary import Auxiliary
 from gyrodrift.evaluation.kernels.stepped import stepped_sigma, stepped_sums, stepped_yaw
 from gyrodrift.filters.filter import Filter
+from gyrodrift.values.arrays import Floats
 
 GROUP = 8
 """Candidates in a group: two vectors of AVX2, one of AVX-512, four of NEON."""

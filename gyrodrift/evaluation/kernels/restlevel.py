@@ -4,13 +4,13 @@ from typing import Any
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
-from gyrodrift.compile import compiled_once, stamp_of
 from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary
 from gyrodrift.evaluation.kernels.compiled import array_of, compiled_callee
 from gyrodrift.evaluation.kernels.kernel import Kernel
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import advance, coefficients
+from gyrodrift.io.compile import compiled_once, stamp_of
+from gyrodrift.values.arrays import Floats
 
 _advance: Any = compiled_callee(advance)
 _NEW_STATE = array_of(RestlevelState())

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary
 from gyrodrift.filters.filter import Filter
+from gyrodrift.values.arrays import Floats
 
 
 def stepped_yaw(

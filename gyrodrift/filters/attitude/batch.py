@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 TINY = 1e-12
 

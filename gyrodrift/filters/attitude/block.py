@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.attitude.batch import rotation_matrices
 from gyrodrift.filters.attitude.quaternion import IDENTITY, from_rotation_vector
-from gyrodrift.mount import Quaternion, product
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.mount import Quaternion, product
 
 RAD = 0.017453292519943295
 

@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.attitude.hypotheses import BIAS, Hypotheses
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients
 from gyrodrift.filters.attitude.rests import QUIET, RestCandidate
+from gyrodrift.values.arrays import Floats
 
 TURNS_PER_DPS = 0.03
 """Density of the rates of even turns, 1/(deg/s), as in restlevel: even to 15 deg/s in both directions."""

@@ -4,8 +4,8 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Integers, Mask
 from gyrodrift.filters.attitude.batch import from_rotation_vectors, products, unit
+from gyrodrift.values.arrays import Floats, Integers, Mask
 
 ATTITUDE, BIAS, VELOCITY, SCALE, FORCE_BIAS = slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 18), slice(18, 21)
 STATES = 21

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.attitude.hypotheses import STATES, Hypotheses
+from gyrodrift.values.arrays import Floats
 
 MOST_SQUARED = 25.0
 """Largest squared distance that counts in a likelihood: beyond it, no model of the motion holds."""

@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.attitude.batch import conjugates, products, to_rotation_vectors
 from gyrodrift.filters.attitude.hypotheses import (
     ATTITUDE,
@@ -16,6 +15,7 @@ from gyrodrift.filters.attitude.hypotheses import (
     VELOCITY,
     Hypotheses,
 )
+from gyrodrift.values.arrays import Floats
 
 MAX_HYPOTHESES = 6
 """Hypotheses that are kept."""

@@ -9,8 +9,8 @@ from gyrodrift.filters.attitude.motion import MotionMemory
 from gyrodrift.filters.attitude.quaternion import IDENTITY, heading_axis, tilt_deg
 from gyrodrift.filters.attitude.rests import AttitudeWitness, Segment, Windows
 from gyrodrift.filters.restlevel.model import RestlevelParams
-from gyrodrift.mount import Quaternion
-from gyrodrift.vectors import Vector
+from gyrodrift.values.mount import Quaternion
+from gyrodrift.values.vectors import Vector
 
 RAD = 0.017453292519943295
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
-from gyrodrift.vectors import Vector
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.vectors import Vector
 
 
 @dataclass(slots=True)

@@ -6,7 +6,6 @@ the derivatives, to first order.
 
 import numpy as np
 
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.filters.attitude.batch import (
     conjugates,
     cross_matrices,
@@ -27,6 +26,7 @@ from gyrodrift.filters.attitude.hypotheses import (
     VELOCITY,
     Hypotheses,
 )
+from gyrodrift.values.arrays import Floats, Mask
 
 GRAVITY = 9.81
 VERTICAL = np.array((0.0, 0.0, 1.0))

@@ -2,8 +2,8 @@
 
 from math import acos, atan2, cos, degrees, sin, sqrt
 
-from gyrodrift.mount import Quaternion
-from gyrodrift.vectors import Vector
+from gyrodrift.values.mount import Quaternion
+from gyrodrift.values.vectors import Vector
 
 IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
 

@@ -7,13 +7,13 @@ velocity decide between the branches.
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.attitude.batch import rotation_matrices
 from gyrodrift.filters.attitude.evidence import ALIGNMENT, MODEL_ERROR, weigh
 from gyrodrift.filters.attitude.hypotheses import BIAS, REST, STATES, TURN, VELOCITY, Hypotheses
 from gyrodrift.filters.attitude.measure import innovations, measure
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients
 from gyrodrift.filters.attitude.rests import QUIET, RestCandidate
+from gyrodrift.values.arrays import Floats
 
 LEVEL_S = 12.0
 """Rests that last longer than t against turns that do: (1 + (t/12 s)²)^¼ : 1, as in restlevel."""

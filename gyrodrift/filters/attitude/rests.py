@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.attitude.block import Integrals
 from gyrodrift.filters.attitude.predict import GRAVITY
+from gyrodrift.values.arrays import Floats
 
 RAD = 0.017453292519943295
 

@@ -1,7 +1,7 @@
 """Rates of single samples that jump and return: a damaged transfer, not a turn."""
 
 from gyrodrift.filters.attitude.model import AttitudeState
-from gyrodrift.vectors import Vector
+from gyrodrift.values.vectors import Vector
 
 SPIKE_DPS = 300.0
 """Change of a rate between two samples that may be a spike, deg/s. Chosen: hands reach 15 000 deg/s² at 50 Hz."""

@@ -7,8 +7,8 @@ from gyrodrift.filters.attitude.model import AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.spikes import mean_rate
 from gyrodrift.filters.attitude.update import begin, end_block
 from gyrodrift.filters.attitude.yaw import unwrapped_deg
-from gyrodrift.mount import product
-from gyrodrift.vectors import Vector
+from gyrodrift.values.mount import product
+from gyrodrift.values.vectors import Vector
 
 __all__ = ["coefficients", "step"]
 

@@ -4,7 +4,6 @@ from math import degrees, sqrt
 
 import numpy as np
 
-from gyrodrift.arrays import Mask
 from gyrodrift.filters.attitude.batch import rotation_matrices
 from gyrodrift.filters.attitude.block import InertialBlock, Integrals, next_block
 from gyrodrift.filters.attitude.hypotheses import (
@@ -27,8 +26,9 @@ from gyrodrift.filters.attitude.rests import GYRO_SPREAD, QUIET, add_block
 from gyrodrift.filters.attitude.segments import GYRO_NOISE, MEASURED, follow_rest
 from gyrodrift.filters.attitude.velocity import START_SPEED, bound_velocity, forget_velocity
 from gyrodrift.filters.attitude.yaw import unwrap_headings
-from gyrodrift.mount import product, with_heading
-from gyrodrift.vectors import Vector
+from gyrodrift.values.arrays import Mask
+from gyrodrift.values.mount import product, with_heading
+from gyrodrift.values.vectors import Vector
 
 FORCE_BIAS_SIGMA = 0.3
 """Standard deviation of the bias of an accelerometer, m/s²: data sheets allow 0.4 m/s² (LSM6DS3), 0.5 (ICM-20948) and

@@ -7,7 +7,7 @@ it never goes back.
 
 from gyrodrift.link.clocks.clock import ArrivalFit, ClockEvent, SampleGap
 from gyrodrift.link.clocks.turning import TurningRate
-from gyrodrift.sample import Reading, Sample
+from gyrodrift.values.sample import Reading, Sample
 
 HOLD_S = 0.3
 HOLD_SAMPLES = 8

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import exp
 from typing import Protocol
 
-from gyrodrift.sample import Reading, Sample
+from gyrodrift.values.sample import Reading, Sample
 
 
 @dataclass(frozen=True, slots=True)

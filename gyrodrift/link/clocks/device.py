@@ -6,7 +6,7 @@ from statistics import median
 from gyrodrift.link.clocks.clock import ArrivalFit, ClockEvent, ClockRestart, SampleGap
 from gyrodrift.link.clocks.steps import COUNTER_WRAP, agree, clock_step, counter_step, is_one_pace, step_between
 from gyrodrift.link.clocks.turning import TurningRate
-from gyrodrift.sample import Reading, Sample
+from gyrodrift.values.sample import Reading, Sample
 
 STEP_US = 1_000_000
 """Longest step that counts before the period is known, µs."""

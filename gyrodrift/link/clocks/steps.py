@@ -1,6 +1,6 @@
 """Steps of the wrapping clock and counter of a device, and their comparison."""
 
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 CLOCK_WRAP_US = 1 << 32
 COUNTER_WRAP = 1 << 16

@@ -14,7 +14,7 @@ from struct import Struct
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.link.protocols.frames import FrameDecoder
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 FRAME = Struct("<2sBhhhhhhBBBB")
 PERIOD_US = 10_000

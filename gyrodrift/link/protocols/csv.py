@@ -12,7 +12,7 @@ from math import hypot, isfinite, isnan, nan
 from gyrodrift.columns.ranges import MEDIAN_ACCEL_MPS2, TEMPERATURES_C
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS, LineDecoder
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.sample import Inertial, Reading
+from gyrodrift.values.sample import Inertial, Reading
 
 NUMBER = rb"\s*+[-+]?+(?:\d++(?:\.\d*+)?+(?:[eE][-+]?+\d++)?+|\.\d++(?:[eE][-+]?+\d++)?+|nan|NaN|NAN|inf|INF)\s*+"
 """Possessive quantifiers: no backtracking, so a line of digits takes no longer than others."""

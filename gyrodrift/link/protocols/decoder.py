@@ -7,7 +7,7 @@ keeps less than 5 kB, and the samples that wait for their scale.
 from dataclasses import dataclass
 from typing import Protocol
 
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 WAITING_MAX = 65_536
 """Largest number of samples that wait for their scale; then the oldest are dropped.

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from gyrodrift.link.protocols.decoder import Decoder
 from gyrodrift.link.protocols.guard import Guard
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 
 @dataclass(slots=True)

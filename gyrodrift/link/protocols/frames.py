@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from typing import ClassVar
 
 from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 
 class FrameDecoder(ABC):

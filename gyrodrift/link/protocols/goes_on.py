@@ -1,7 +1,7 @@
 """Check that two samples come from the same device: counter and clock both advance."""
 
 from gyrodrift.link.clocks.steps import COUNTER_WRAP, ODD_SHARE, ODD_US, step_between
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 
 def goes_on(last: Reading, reading: Reading, rate_hz: float | None) -> bool:

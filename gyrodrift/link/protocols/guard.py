@@ -10,7 +10,7 @@ from typing import Any
 from gyrodrift.link.heard import quoted
 from gyrodrift.link.protocols.decoder import Decoder
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 EVENT = "decoder_failed"
 QUOTED_BYTES = 80

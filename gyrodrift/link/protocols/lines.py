@@ -8,7 +8,7 @@ two more, and a line with another number of columns counts as damaged until thre
 from abc import ABC, abstractmethod
 
 from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 MAX_RATE_DPS = 2e4
 """Several times the range of gyros on the market; a larger number is a damaged line."""

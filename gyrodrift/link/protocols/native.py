@@ -17,7 +17,7 @@ from gyrodrift.link.protocols.decoder import WAITING_MAX, DecoderCounters, Devic
 from gyrodrift.link.protocols.goes_on import goes_on
 from gyrodrift.link.protocols.native_yaw import YAW, YAW_TYPE, YawJoin, filter_name
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.sample import Inertial, Reading
+from gyrodrift.values.sample import Inertial, Reading
 
 CRC_INIT = 0xFFFF
 """CRC-16/CCITT-FALSE; `binascii.crc_hqx` has its polynomial 0x1021."""

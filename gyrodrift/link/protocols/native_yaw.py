@@ -9,7 +9,7 @@ from struct import Struct
 
 from gyrodrift.link.clocks.steps import COUNTER_WRAP
 from gyrodrift.link.protocols.decoder import DecoderCounters
-from gyrodrift.sample import DeviceYaw, Reading
+from gyrodrift.values.sample import DeviceYaw, Reading
 
 YAW = Struct("<BBHIfff")
 YAW_TYPE = 0x04

@@ -9,7 +9,7 @@ from math import nan
 
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.sentences import SentenceDecoder
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 MESSAGE = re.compile(rb"!y([-+][0-9]{3}\.[0-9]{2})(?:[-+][0-9]{3}\.[0-9]{2}){3}([0-9A-Fa-f]{2})")
 OTHER_MESSAGE = re.compile(rb"![a-z][ -~]+([0-9A-Fa-f]{2})")

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from gyrodrift.link.protocols.decoder import Decoder
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 SURE_FRAMES = 3
 """Good frames that make a protocol certain: noise passes any shipped protocol less than once in 10^9 runs."""

@@ -5,9 +5,9 @@ from importlib import import_module
 from pkgutil import iter_modules
 
 import gyrodrift.link.protocols
-from gyrodrift.errors import UsageError
 from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.protocol import WireProtocol
+from gyrodrift.values.errors import UsageError
 
 AUTO = "auto"
 

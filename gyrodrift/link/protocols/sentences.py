@@ -7,7 +7,7 @@ from math import isfinite
 from operator import xor
 
 from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 LONGEST_BYTES = 256
 HEX = frozenset(b"0123456789ABCDEFabcdef")

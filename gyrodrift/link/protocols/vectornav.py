@@ -18,7 +18,7 @@ from typing import NamedTuple
 from gyrodrift.link.protocols.frames import FrameDecoder
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.sample import Inertial, Reading
+from gyrodrift.values.sample import Inertial, Reading
 
 GPS = (8, 8, 2, 1, 1, 24, 24, 12, 12, 12, 4, 4, 2, 28)
 FIELD_BYTES = (

@@ -11,7 +11,7 @@ from gyrodrift.link.protocols.angles import RateOrAngle, yaw_of
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.sentences import SentenceDecoder, number_in
-from gyrodrift.sample import Inertial, Reading, upside_down
+from gyrodrift.values.sample import Inertial, Reading, upside_down
 
 RATE_INDEX = {
     "VNIMU": 9,

@@ -14,7 +14,7 @@ from gyrodrift.columns.spec import STANDARD_GRAVITY_MPS2
 from gyrodrift.link.protocols.angles import RateOrAngle
 from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.sample import Inertial, Reading
+from gyrodrift.values.sample import Inertial, Reading
 
 HEADER = 0x55
 FRAME_BYTES = 11

@@ -13,7 +13,7 @@ from struct import Struct
 from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.witmotion import DPS_PER_LSB, HEADER, MPS2_PER_LSB, inertial_of
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 HEAD = re.compile(rb"\x55[\x61\x71]")
 """Heads of a measurement, and of the answer to a register request."""

@@ -13,7 +13,7 @@ from gyrodrift.link.protocols.angles import RateOrAngle, yaw_of
 from gyrodrift.link.protocols.frames import FrameDecoder
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.sample import Inertial, Reading
+from gyrodrift.values.sample import Inertial, Reading
 
 EXTENDED = 0xFF
 LONGEST_BYTES = 700

@@ -12,10 +12,10 @@ from concurrent.futures import Future
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from gyrodrift.errors import LinkError, PortMissingError, UsageError
 from gyrodrift.link.port import PortGoneError
 from gyrodrift.link.sources.query import split_query
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
+from gyrodrift.values.errors import LinkError, PortMissingError, UsageError
 
 if TYPE_CHECKING:
     from bleak import BleakClient

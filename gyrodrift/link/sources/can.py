@@ -6,7 +6,6 @@ import socket
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from gyrodrift.errors import LinkError, PortMissingError, UsageError
 from gyrodrift.link.port import PortGoneError
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.sources.can_dbc import SIGNALS, dbc_gyro
@@ -15,6 +14,7 @@ from gyrodrift.link.sources.can_gyros import CAN_GYROS
 from gyrodrift.link.sources.packets import packet
 from gyrodrift.link.sources.query import split_query
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
+from gyrodrift.values.errors import LinkError, PortMissingError, UsageError
 
 if TYPE_CHECKING:
     import can

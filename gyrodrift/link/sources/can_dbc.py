@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from gyrodrift.columns.spec import ACCELERATION_MPS2, RATE_DPS
-from gyrodrift.errors import UsageError
 from gyrodrift.link.sources.can_frames import EXTENDED, FORCES, RATES, CanGyro
+from gyrodrift.values.errors import UsageError
 
 SIGNALS = {"signal": "gz", "x": "gx", "y": "gy", "ax": "ax", "ay": "ay", "az": "az", "temp": "temp"}
 """Options of an address that name a signal, and the values that they give."""

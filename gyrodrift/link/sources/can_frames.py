@@ -14,7 +14,7 @@ from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.sources.packets import HEADER, PacketDecoder
-from gyrodrift.sample import Inertial, Reading, upside_down
+from gyrodrift.values.sample import Inertial, Reading, upside_down
 
 FRAME = 1
 """Kind of the packets."""

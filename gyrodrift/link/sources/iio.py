@@ -6,7 +6,6 @@ trigger, the values in sysfs are polled.
 
 from math import inf
 
-from gyrodrift.errors import LinkError, PortDeniedError, PortMissingError, UsageError
 from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.link.sources import iio_sysfs
 from gyrodrift.link.sources.iio_buffer import Scans, elements_folder
@@ -16,6 +15,7 @@ from gyrodrift.link.sources.iio_sysfs import NUMBER, IioDevice, accelerometer_of
 from gyrodrift.link.sources.packets import packet
 from gyrodrift.link.sources.query import split_query
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
+from gyrodrift.values.errors import LinkError, PortDeniedError, PortMissingError, UsageError
 
 OPTIONS = ("accel", "rate", "trigger", "poll")
 

@@ -3,11 +3,11 @@
 import os
 from contextlib import suppress
 
-from gyrodrift.errors import LinkError
 from gyrodrift.link.port import PortGoneError
 from gyrodrift.link.sources import iio_sysfs
 from gyrodrift.link.sources.iio_layout import IDENTITY, ChannelEntry, IioLayout, description, layout_of
 from gyrodrift.link.sources.iio_sysfs import TIMESTAMP, IioDevice, explained
+from gyrodrift.values.errors import LinkError
 
 CHANNELS = (("anglvel", "x"), ("anglvel", "y"), ("anglvel", "z"), ("accel", "x"), ("accel", "y"), ("accel", "z"))
 TEMP = ("temp", "")

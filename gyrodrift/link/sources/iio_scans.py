@@ -14,8 +14,8 @@ from gyrodrift.link.protocols.lines import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.sources.iio_layout import IioLayout, described
 from gyrodrift.link.sources.packets import PacketDecoder
-from gyrodrift.sample import Inertial, Reading
-from gyrodrift.vectors import Vector
+from gyrodrift.values.sample import Inertial, Reading
+from gyrodrift.values.vectors import Vector
 
 CLOCK_MASK = 0xFFFFFFFF
 MILLI = 1e-3

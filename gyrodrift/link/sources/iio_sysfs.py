@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from math import isfinite, nan
 from pathlib import Path
 
-from gyrodrift.errors import LinkError, PortBusyError, PortDeniedError, PortMissingError
 from gyrodrift.link.sources.iio_layout import IDENTITY, ChannelEntry, is_rotation
+from gyrodrift.values.errors import LinkError, PortBusyError, PortDeniedError, PortMissingError
 
 IIO_DEVICES = Path("/sys/bus/iio/devices")
 DEVICE_FILES = Path("/dev")

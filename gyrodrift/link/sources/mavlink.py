@@ -2,7 +2,6 @@
 
 import re
 
-from gyrodrift.errors import UsageError
 from gyrodrift.link.port import HAS_TERMIOS, Port
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.sources.mavlink_frames import (
@@ -16,6 +15,7 @@ from gyrodrift.link.sources.query import split_query
 from gyrodrift.link.sources.sockets import SocketPort, connected
 from gyrodrift.link.sources.source import ByteSource, OpenPort, SourceAddress
 from gyrodrift.link.sources.udp import UdpPort, bound_socket
+from gyrodrift.values.errors import UsageError
 
 USUAL_BAUD = 57600
 """Default of `SERIAL1_BAUD` of ArduPilot and of telemetry radios; USB ignores it."""

@@ -19,7 +19,7 @@ from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.link.protocols.frames import FrameDecoder
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.sample import Inertial, Reading, upside_down
+from gyrodrift.values.sample import Inertial, Reading, upside_down
 
 MAGIC_1, MAGIC_2 = 0xFE, 0xFD
 HEADER_1, HEADER_2, CHECK_BYTES, SIGNATURE_BYTES = 6, 10, 2, 13

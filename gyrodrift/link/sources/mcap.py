@@ -8,15 +8,15 @@ from contextlib import suppress
 from math import isnan, nan
 from pathlib import Path
 
-from gyrodrift.errors import DataError, LinkError, PortDeniedError, PortMissingError
-from gyrodrift.files import UnreadableError, check_ordinary
+from gyrodrift.io.files import UnreadableError, check_ordinary
 from gyrodrift.link.port import PortGoneError
 from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourceEndedError, SourcePort
-from gyrodrift.sample import Reading, Sample
 from gyrodrift.session.follow import SampleStream
 from gyrodrift.session.mcap.layout import CLOSED_TAIL, CLOSED_TAIL_BYTES, LATEST_NS, MAGIC
+from gyrodrift.values.errors import DataError, LinkError, PortDeniedError, PortMissingError
+from gyrodrift.values.sample import Reading, Sample
 
 READ_BYTES = 65_536
 LATEST_S = LATEST_NS * 1e-9

@@ -8,8 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from secrets import token_hex
 
-from gyrodrift.errors import LinkError, UsageError
-from gyrodrift.files import UnreadableError, read_ordinary
+from gyrodrift.io.files import UnreadableError, read_ordinary
 from gyrodrift.link.port import PortGoneError
 from gyrodrift.link.sources.line_ends import LineEnds
 from gyrodrift.link.sources.mqtt_packets import (
@@ -26,6 +25,7 @@ from gyrodrift.link.sources.mqtt_packets import (
 from gyrodrift.link.sources.query import split_query
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
 from gyrodrift.link.sources.stream_channel import TLS_OPTIONS, StreamChannel, host_and_path, open_channel, tls_context
+from gyrodrift.values.errors import LinkError, UsageError
 
 PLAIN_PORT, TLS_PORT = 1883, 8883
 TLS = "mqtts"

@@ -4,12 +4,12 @@ import threading
 from collections.abc import Callable
 from dataclasses import replace
 
-from gyrodrift.errors import GyrodriftError, LinkError, UsageError
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.registry import AUTO
 from gyrodrift.link.sources.registry import address_of, check_packages, source_named
 from gyrodrift.link.sources.source import ByteSource, OpenPort
+from gyrodrift.values.errors import GyrodriftError, LinkError, UsageError
 
 
 def open_source(text: str, baud: int) -> OpenPort | None:

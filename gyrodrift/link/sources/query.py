@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from urllib.parse import unquote
 
-from gyrodrift.errors import UsageError
 from gyrodrift.link.sources.source import SourceAddress
+from gyrodrift.values.errors import UsageError
 
 
 def split_query(address: SourceAddress, allowed: Sequence[str]) -> tuple[str, dict[str, str]]:

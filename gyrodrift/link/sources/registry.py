@@ -5,7 +5,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from gyrodrift.errors import UsageError
+from gyrodrift.values.errors import UsageError
 
 if TYPE_CHECKING:
     from gyrodrift.link.serial_port import SerialPort
@@ -118,7 +118,7 @@ def check_packages(source: "ByteSource") -> None:
     """
     for package in source.packages:
         if not _is_installed(package):
-            from gyrodrift.installation import extra_command  # noqa: PLC0415 - only for the message
+            from gyrodrift.io.installation import extra_command  # noqa: PLC0415 - only for the message
 
             command = extra_command(source.extra)
             raise UsageError(f"source {source.scheme} needs the package {package}: {command}")

@@ -7,11 +7,11 @@ import select
 import socket
 import time
 
-from gyrodrift.errors import LinkError
 from gyrodrift.link.port import READ_BYTES, PortGoneError
 from gyrodrift.link.sources.sockets import SocketPort, connected
 from gyrodrift.link.sources.source import ByteSource, SourceAddress
 from gyrodrift.link.sources.telnet import DO, DONT, IAC, SB, SE, WILL, WONT, TelnetReceived, TelnetStream, escaped
+from gyrodrift.values.errors import LinkError
 
 BINARY, SUPPRESS_GO_AHEAD, COM_PORT = 0, 3, 44
 OFFERED = frozenset({BINARY, SUPPRESS_GO_AHEAD, COM_PORT})

@@ -13,8 +13,8 @@ from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.sources.packets import HEADER, PacketDecoder
-from gyrodrift.sample import Inertial, Reading
-from gyrodrift.vectors import Vector
+from gyrodrift.values.sample import Inertial, Reading
+from gyrodrift.values.vectors import Vector
 
 MESSAGE = 1
 """Kind of the packets."""

@@ -7,13 +7,13 @@ import json
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from gyrodrift.errors import LinkError, UsageError, shortened
 from gyrodrift.link.port import PortGoneError
 from gyrodrift.link.sources.packets import LONGEST_BYTES, packet
 from gyrodrift.link.sources.query import split_query
 from gyrodrift.link.sources.ros_imu import MESSAGE, ROSBRIDGE_PROTOCOL
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
 from gyrodrift.link.sources.stream_channel import TLS_OPTIONS, StreamChannel, host_and_path, open_channel, tls_context
+from gyrodrift.values.errors import LinkError, UsageError, shortened
 
 if TYPE_CHECKING:
     from websockets.uri import WebSocketURI

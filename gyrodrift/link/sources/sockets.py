@@ -4,9 +4,9 @@ import errno
 import socket
 from contextlib import suppress
 
-from gyrodrift.errors import LinkError, PortMissingError
 from gyrodrift.link.port import READ_BYTES, READS_PER_TURN, PortGoneError
 from gyrodrift.link.sources.source import SourceAddress, SourcePort
+from gyrodrift.values.errors import LinkError, PortMissingError
 
 CONNECT_S = 5.0
 """Longest wait for a connection, s: the third SYN of Linux leaves after 3 s (RFC 6298, initial timeout 1 s)."""

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
-from gyrodrift.errors import UsageError
 from gyrodrift.link.port import Port
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.serial_port import SerialPort
+from gyrodrift.values.errors import UsageError
 
 PORT_NUMBER = re.compile(r"0{0,4}[1-9][0-9]{0,4}")
 LAST_PORT = 0xFFFF

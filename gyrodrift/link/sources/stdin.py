@@ -3,9 +3,9 @@
 import os
 import select
 
-from gyrodrift.errors import LinkError
 from gyrodrift.link.heard import PRINTABLE
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourceEndedError, SourcePort
+from gyrodrift.values.errors import LinkError
 
 STDIN = 0
 READ_BYTES = 65_536

@@ -7,11 +7,11 @@ from contextlib import suppress
 from pathlib import Path
 from socket import socket
 
-from gyrodrift.errors import LinkError, UsageError
-from gyrodrift.files import UnreadableError, check_ordinary
+from gyrodrift.io.files import UnreadableError, check_ordinary
 from gyrodrift.link.port import READ_BYTES, PortGoneError
 from gyrodrift.link.sources.sockets import connected, received
 from gyrodrift.link.sources.source import SourceAddress
+from gyrodrift.values.errors import LinkError, UsageError
 
 TLS_OPTIONS = ("ca", "certificate", "key")
 """Options of an address with TLS."""

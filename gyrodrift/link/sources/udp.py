@@ -9,9 +9,9 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 
-from gyrodrift.errors import LinkError, PortBusyError, PortDeniedError, PortMissingError
 from gyrodrift.link.sources.line_ends import LineEnds
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
+from gyrodrift.values.errors import LinkError, PortBusyError, PortDeniedError, PortMissingError
 
 LOOPBACK = "127.0.0.1"
 

@@ -3,9 +3,9 @@
 import errno
 import socket
 
-from gyrodrift.errors import LinkError, PortDeniedError, PortMissingError, UsageError
 from gyrodrift.link.sources.sockets import CONNECT_S, SocketPort
 from gyrodrift.link.sources.source import ByteSource, SourceAddress
+from gyrodrift.values.errors import LinkError, PortDeniedError, PortMissingError, UsageError
 
 MISSING = {
     errno.ENOENT: "there is no such socket; start the server first",

@@ -8,7 +8,7 @@ from gyrodrift.link.heard import decoded, plain_text
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS, WITHOUT_RATE, LineDecoder
 from gyrodrift.link.text.fields import Fields, is_number, is_whole
 from gyrodrift.link.text.headings import Headings
-from gyrodrift.sample import Inertial, Reading
+from gyrodrift.values.sample import Inertial, Reading
 
 CLOCK_MASK = 0xFFFFFFFF
 COUNTER_MASK = 0xFFFF

@@ -4,8 +4,8 @@ from math import degrees, hypot, radians
 from typing import Any
 
 from gyrodrift.columns.accel_axes import AGREES, TURN_MIN_DEG, WINDOW_S, Agreement, Tilting, agreement_of
-from gyrodrift.sample import Sample
-from gyrodrift.vectors import Vector
+from gyrodrift.values.sample import Sample
+from gyrodrift.values.vectors import Vector
 
 TILTS = 24
 """Tilts that are judged: three times those that `doctor` needs, because nobody asked. Chosen."""

@@ -6,7 +6,7 @@ from typing import Any
 
 from gyrodrift.columns.gravity import FREE_SHARE, gravity_unit, is_gravity
 from gyrodrift.columns.spec import STANDARD_GRAVITY_MPS2
-from gyrodrift.sample import Sample
+from gyrodrift.values.sample import Sample
 
 LENGTHS = 200
 """Number of accelerations that are judged: a second or more, so that a jolt is no median."""

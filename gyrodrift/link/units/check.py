@@ -3,11 +3,11 @@
 from collections.abc import Callable
 from typing import Any
 
-from gyrodrift.errors import UnitError
 from gyrodrift.link.clocks.clock import Clock
 from gyrodrift.link.heard import Heard
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.sample import Sample
+from gyrodrift.values.errors import UnitError
+from gyrodrift.values.sample import Sample
 
 CLOCK_S = 1.5
 """Time of samples before the clock is judged, s."""

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from gyrodrift.logger import FilteringBoundLogger
+from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs.output import OutputError
 
 LISTENING = "0A"

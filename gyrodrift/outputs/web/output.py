@@ -19,7 +19,7 @@ from gyrodrift.outputs.status import ClientStatus, ServiceStatus
 from gyrodrift.outputs.web.assets import Assets
 from gyrodrift.outputs.web.buttons import Buttons, is_local
 from gyrodrift.outputs.web.points import LAYOUTS, ONE_AXIS, POINTS_HZ, PointHistory, PointLayout, in_messages
-from gyrodrift.sample import Corrected
+from gyrodrift.values.sample import Corrected
 
 KEPT_EVENTS = 50
 """Kept events of the config, and as many others: link events do not displace config events."""

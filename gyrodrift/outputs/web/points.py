@@ -11,7 +11,7 @@ from math import nan
 from struct import Struct
 from typing import NamedTuple
 
-from gyrodrift.sample import Corrected
+from gyrodrift.values.sample import Corrected
 
 POINTS_HZ = 30.0
 """Points, and messages, per second."""

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.columns.accel_axes import AGREES, TURN_MIN_DEG, WINDOW_S, Agreement, frames
 from gyrodrift.session.checks.finding import SessionFinding
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
 
 WINDOWS_MIN = 8
 """Windows with a tilt that are needed for a comparison: chosen."""

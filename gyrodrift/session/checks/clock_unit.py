@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.session.checks.finding import SessionFinding
 from gyrodrift.session.checks.stated import TIME_UNITS
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
 
 NAMES = {"s": "seconds", "ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds"}
 

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.errors import DataError
 from gyrodrift.session.calibrated import calibrated
 from gyrodrift.session.checks.axes import axis_findings
 from gyrodrift.session.checks.clock_unit import clock_unit_findings
@@ -14,6 +13,7 @@ from gyrodrift.session.checks.rate_unit import rate_findings
 from gyrodrift.session.checks.restarts import one_clock
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 from gyrodrift.session.session import Session
+from gyrodrift.values.errors import DataError
 
 
 @dataclass(frozen=True, slots=True)

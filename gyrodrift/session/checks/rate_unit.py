@@ -21,10 +21,10 @@ from gyrodrift.columns.rate_unit import (
 )
 from gyrodrift.columns.sensitivities import SENSITIVITIES
 from gyrodrift.columns.spec import RATE_DPS
-from gyrodrift.sample import Sample
 from gyrodrift.session.checks.finding import SessionFinding
 from gyrodrift.session.checks.reference import MOST_READ, EncoderComparison, compared_to_encoder
 from gyrodrift.session.session import Session
+from gyrodrift.values.sample import Sample
 
 WORDS = {
     RADIANS: "is in radians per second, not degrees",

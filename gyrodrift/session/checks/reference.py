@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.checks.vertical import vertical_rates_dps
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
 
 BLOCK_S = 0.5
 BLOCK_PERIODS = 4.0

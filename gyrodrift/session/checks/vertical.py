@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
 
 AVERAGE_S = 1.0
 """Time over which accelerations are averaged: steps and vibration cancel, and a tilt by hand takes longer."""

@@ -9,12 +9,12 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 from mcap.well_known import MessageEncoding, SchemaEncoding
 
-from gyrodrift.errors import DataError
 from gyrodrift.session.foreign.records import DamageError, ForeignRecord, message
 from gyrodrift.session.foreign.ros import ROS_MESSAGES
 from gyrodrift.session.foreign.ros1 import NAMES
 from gyrodrift.session.mcap.layout import SAMPLES
 from gyrodrift.session.mcap.walk import channel_of, metadata_of, schema_of
+from gyrodrift.values.errors import DataError
 
 UNDERSTOOD = (
     "gyrodrift/Sample or sensor_msgs/msg/Imu (ros2msg, cdr; ros1msg, ros1), or json with t_device_s and rate_dps"

@@ -6,9 +6,9 @@ import reprlib
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from gyrodrift.sample import DeviceYaw, Inertial, Sample
 from gyrodrift.session.csv import REQUIRED
 from gyrodrift.session.session import DEVICE_COLUMNS
+from gyrodrift.values.sample import DeviceYaw, Inertial, Sample
 
 NS_PER_S = 1_000_000_000
 

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from gyrodrift import __version__
-from gyrodrift.errors import DataError
-from gyrodrift.files import whole_file
-from gyrodrift.sample import DeviceYaw, Inertial, Sample
+from gyrodrift.io.files import whole_file
 from gyrodrift.session.mcap.layout import SAMPLES
 from gyrodrift.session.session import AXIS_COLUMNS, DEVICE_COLUMNS, Session
+from gyrodrift.values.errors import DataError
+from gyrodrift.values.sample import DeviceYaw, Inertial, Sample
 
 NS_PER_S = 1_000_000_000
 LATEST_LOG_NS = 2**64 - 1

@@ -15,9 +15,6 @@ import numpy as np
 from mcap.opcode import Opcode
 from mcap.well_known import MessageEncoding
 
-from gyrodrift.arrays import Floats
-from gyrodrift.errors import DataError
-from gyrodrift.sample import Inertial, Sample
 from gyrodrift.session.foreign.channels import Messages, chosen_topic, contents_of
 from gyrodrift.session.foreign.columns import Decode, WrongValueError, json_sample
 from gyrodrift.session.foreign.records import DamageError, ForeignRecord, message, records
@@ -26,6 +23,9 @@ from gyrodrift.session.foreign.ros1 import ros1_imu_sample
 from gyrodrift.session.mcap.layout import MAGIC
 from gyrodrift.session.mcap.walk import BrokenRecordError
 from gyrodrift.session.session import AXIS_COLUMNS, DEVICE_COLUMNS, MISSING, NO_YAW, Session
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError
+from gyrodrift.values.sample import Inertial, Sample
 
 NAMES = (*Sample._fields[:7], *Inertial._fields, *DEVICE_COLUMNS)
 ROW = np.dtype([(name, "i8" if name == "seq" else "f8") for name in NAMES])

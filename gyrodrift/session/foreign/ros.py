@@ -9,10 +9,10 @@ from typing import Any
 from mcap.records import Schema
 from mcap.well_known import MessageEncoding
 
-from gyrodrift.errors import DataError
-from gyrodrift.sample import Inertial, Sample
 from gyrodrift.session.foreign.columns import NS_PER_S, Decode, WrongValueError, number, sample_of, whole
 from gyrodrift.session.session import DEVICE_COLUMNS
+from gyrodrift.values.errors import DataError
+from gyrodrift.values.sample import Inertial, Sample
 
 MOST_LINES, MOST_SCHEMA_BYTES = 2000, 1 << 18
 """Limits of a schema. The time of its parser grows with the square of the fields: 2000 take 0.3 s, 40,000 take 19 s

@@ -3,8 +3,8 @@
 import math
 import struct
 
-from gyrodrift.sample import Inertial, Sample
 from gyrodrift.session.foreign.columns import NS_PER_S, WrongValueError
+from gyrodrift.values.sample import Inertial, Sample
 
 NAMES = frozenset({"sensor_msgs/Imu", "sensor_msgs/msg/Imu"})
 HEADER = struct.Struct("<IIII")

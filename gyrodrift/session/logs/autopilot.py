@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
-from gyrodrift.errors import DataError
 from gyrodrift.session.logs.missing import packages_of
 from gyrodrift.session.session import AXIS_COLUMNS, TABLE, Session
 from gyrodrift.session.tables.known import DOWN
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError
 
 US_PER_S = 1e6
 Z_UP = np.array([degrees(1.0), -degrees(1.0), -degrees(1.0), 1.0, -1.0, -1.0])

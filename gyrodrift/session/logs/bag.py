@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from gyrodrift.errors import DataError
-from gyrodrift.sample import Sample
 from gyrodrift.session.foreign.columns import NS_PER_S, Decode, WrongValueError
 from gyrodrift.session.foreign.read import running_clock
 from gyrodrift.session.foreign.ros import imu_inertial
 from gyrodrift.session.foreign.ros1 import ros1_imu_sample
 from gyrodrift.session.logs.missing import packages_of
 from gyrodrift.session.session import Session, axis_columns
+from gyrodrift.values.errors import DataError
+from gyrodrift.values.sample import Sample
 
 IMU = "sensor_msgs/msg/Imu"
 ROS1_MAGIC = b"#ROSBAG V"

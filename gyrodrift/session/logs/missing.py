@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from gyrodrift.errors import DataError
-from gyrodrift.installation import extra_command
+from gyrodrift.io.installation import extra_command
+from gyrodrift.values.errors import DataError
 
 
 @contextmanager

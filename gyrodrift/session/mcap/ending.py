@@ -8,9 +8,9 @@ from typing import IO
 
 from mcap.opcode import Opcode
 
+from gyrodrift.io.system import read_at
 from gyrodrift.session.mcap.interrupted import is_closed
 from gyrodrift.session.mcap.layout import CLOSED_TAIL_BYTES, HEAD, MAGIC
-from gyrodrift.system import read_at
 
 FOOTER = struct.Struct("<QQI")
 DATA_END = HEAD.pack(Opcode.DATA_END, 4)

@@ -9,9 +9,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import IO
 
-from gyrodrift.errors import DataError
+from gyrodrift.io.system import lock_file, read_at
 from gyrodrift.session.mcap.layout import CLOSED_TAIL, CLOSED_TAIL_BYTES, MAGIC
-from gyrodrift.system import lock_file, read_at
+from gyrodrift.values.errors import DataError
 
 MOST_BARE_BYTES = 1 << 16
 """Largest file of zeros that a power cut leaves of a short recording, bytes."""

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 from mcap.opcode import Opcode
 
-from gyrodrift.errors import DataError
 from gyrodrift.session.mcap.layout import MAGIC, READ_HEAD, READS
 from gyrodrift.session.mcap.survey import survey
 from gyrodrift.session.mcap.walk import BrokenRecordError, PlacedRecord, Walk, channel_of
+from gyrodrift.values.errors import DataError
 
 READ_BODY = struct.Struct("<" + READ_HEAD.format.removeprefix("<BQ"))
 """A read after its record head, up to its bytes."""

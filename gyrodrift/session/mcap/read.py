@@ -13,8 +13,7 @@ import numpy as np
 from mcap.opcode import Opcode
 from numpy.typing import NDArray
 
-from gyrodrift.arrays import Floats
-from gyrodrift.errors import DataError
+from gyrodrift.io.system import read_at
 from gyrodrift.session.damage import DamagedError, RecordingDamage
 from gyrodrift.session.mcap.interrupted import is_bare
 from gyrodrift.session.mcap.layout import (
@@ -46,7 +45,8 @@ from gyrodrift.session.mcap.walk import (
 )
 from gyrodrift.session.mcap.write import McapWriter
 from gyrodrift.session.session import AXIS_COLUMNS, DEVICE_COLUMNS, Session
-from gyrodrift.system import read_at
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError
 
 OPTIONAL = ("t_host_s", "encoder_deg", "temp_c")
 """Optional columns; all NaN in a file without them."""

@@ -11,7 +11,7 @@ from typing import IO
 
 from mcap.opcode import Opcode
 
-from gyrodrift.files import whole_file
+from gyrodrift.io.files import whole_file
 from gyrodrift.session.damage import RecordingDamage
 from gyrodrift.session.mcap.layout import EVENTS, PROVED, READS, REPAIR, STILLS
 from gyrodrift.session.mcap.surveyed import Survey

@@ -12,8 +12,8 @@ from typing import IO
 from mcap.opcode import Opcode
 from mcap.records import MetadataIndex
 
-from gyrodrift.errors import DataError
-from gyrodrift.files import UnreadableError, check_ordinary
+from gyrodrift.io.files import UnreadableError, check_ordinary
+from gyrodrift.io.system import read_at
 from gyrodrift.session.damage import DamagedError, RecordingDamage
 from gyrodrift.session.mcap.checksums import ChecksumWriter
 from gyrodrift.session.mcap.ending import crc_of
@@ -35,7 +35,7 @@ from gyrodrift.session.mcap.walk import (
     schema_of,
 )
 from gyrodrift.session.mcap.write import FileSummary
-from gyrodrift.system import read_at
+from gyrodrift.values.errors import DataError
 
 BLOCK_BYTES = 1 << 22
 MESSAGE_START = struct.Struct("<HIQ")

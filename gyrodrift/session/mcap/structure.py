@@ -7,6 +7,7 @@ from typing import IO
 
 from mcap.opcode import Opcode
 
+from gyrodrift.io.system import read_at
 from gyrodrift.session.damage import LostSamples
 from gyrodrift.session.mcap.checksums import OPCODE
 from gyrodrift.session.mcap.ending import Ending
@@ -21,7 +22,6 @@ from gyrodrift.session.mcap.walk import (
     Walk,
     data_blocks,
 )
-from gyrodrift.system import read_at
 
 LONGEST_RECORD_BYTES = 1 << 20
 """Limit of the records that this program writes."""

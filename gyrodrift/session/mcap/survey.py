@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import IO
 
+from gyrodrift.io.system import read_at
 from gyrodrift.session.damage import LostSamples
 from gyrodrift.session.mcap.checksums import LONGEST_TABLE_BYTES, MARKER, OPCODE, Piece, Region, Table, table_of
 from gyrodrift.session.mcap.ending import DATA_END, Ending, data_end_of, ending_of
 from gyrodrift.session.mcap.layout import HEAD, MAGIC
 from gyrodrift.session.mcap.surveyed import PlacedTable, Survey
 from gyrodrift.session.mcap.walk import ByteStretch, data_blocks
-from gyrodrift.system import read_at
 
 MOST_SHIFTS = 64
 """Offsets to try for a moved piece, one per gap before it."""

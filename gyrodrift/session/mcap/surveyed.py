@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
-from gyrodrift.arrays import Floats
 from gyrodrift.session.damage import LostSamples, RecordingDamage, timed
 from gyrodrift.session.mcap.checksums import Table
 from gyrodrift.session.mcap.walk import ByteStretch
+from gyrodrift.values.arrays import Floats
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,9 +9,9 @@ import stat
 from pathlib import Path
 from typing import IO
 
-from gyrodrift.secret import MENTION
+from gyrodrift.io.system import read_at, set_mode
 from gyrodrift.session.mcap.walk import data_blocks
-from gyrodrift.system import read_at, set_mode
+from gyrodrift.values.secret import MENTION
 
 LONGEST_TEXT = 1 << 17
 """Bytes of a config, the longest text with secrets."""

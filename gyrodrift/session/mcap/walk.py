@@ -13,10 +13,10 @@ from mcap.exceptions import McapError
 from mcap.records import Channel, Header, McapRecord, Metadata, Schema
 from numpy.typing import NDArray
 
-from gyrodrift.public_yaml import public_yaml
-from gyrodrift.secret import without_secrets
+from gyrodrift.io.public_yaml import public_yaml
+from gyrodrift.io.system import read_at
 from gyrodrift.session.mcap.layout import HEAD, LAYOUTS, MAGIC, MESSAGE_OPCODE, SAMPLES
-from gyrodrift.system import read_at
+from gyrodrift.values.secret import without_secrets
 
 CONFIG_TABLE = "config"
 """Name of the metadata table with the text of the config."""

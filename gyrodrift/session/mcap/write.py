@@ -27,7 +27,6 @@ from mcap.records import (
 )
 
 from gyrodrift import __version__
-from gyrodrift.sample import DeviceYaw, Inertial, Sample
 from gyrodrift.session.mcap.checksums import ID_BYTES, TABLE_SAMPLES, ChecksumWriter
 from gyrodrift.session.mcap.layout import (
     CDR_LITTLE_ENDIAN,
@@ -44,6 +43,7 @@ from gyrodrift.session.mcap.layout import (
     STILLS,
     Topic,
 )
+from gyrodrift.values.sample import DeviceYaw, Inertial, Sample
 
 MESSAGE_HEAD = struct.Struct("<BQHIQQ")
 MESSAGE_START = struct.Struct("<HIQQ")

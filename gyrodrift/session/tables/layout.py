@@ -6,11 +6,11 @@ from itertools import islice
 from pathlib import Path
 
 from gyrodrift.columns.units import unit_of
-from gyrodrift.errors import DataError
 from gyrodrift.session.csv import MOST_COLUMNS, REQUIRED
 from gyrodrift.session.tables.dialect import Dialect, dialect_of, is_data, split, width_of
 from gyrodrift.session.tables.plan import Head
 from gyrodrift.session.tables.text import Lines, opened
+from gyrodrift.values.errors import DataError
 
 LOOKED_AT = 1000
 """Lines of the beginning to detect the layout from; preambles of flight logs have about 150."""

@@ -6,9 +6,9 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from gyrodrift.errors import DataError
 from gyrodrift.session.tables.plan import Head
 from gyrodrift.session.tables.text import Lines, opened
+from gyrodrift.values.errors import DataError
 
 LOOKED_AT = 200
 DEEPEST = 8

@@ -5,10 +5,10 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from gyrodrift.errors import DataError
-from gyrodrift.installation import extra_command
+from gyrodrift.io.installation import extra_command
 from gyrodrift.session.csv import MOST_COLUMNS
 from gyrodrift.session.tables.plan import Head
+from gyrodrift.values.errors import DataError
 
 LOOKED_AT = 400
 PIECE = 20_000

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 
 from gyrodrift.columns.spec import Column
-from gyrodrift.errors import DataError
 from gyrodrift.session.csv import counter, read_exact
 from gyrodrift.session.session import ACCEL_COLUMNS, AXIS_COLUMNS, DEVICE_COLUMNS, TABLE, Session
 from gyrodrift.session.tables.dialect import split
@@ -28,6 +27,7 @@ from gyrodrift.session.tables.rows import ColumnsRead, RowReader
 from gyrodrift.session.tables.text import Lines, opened
 from gyrodrift.session.tables.turning import rates_of, yaw_of
 from gyrodrift.session.tables.wire import wire_columns
+from gyrodrift.values.errors import DataError
 
 PARQUET = ".parquet"
 BAD_SHARE = 0.1

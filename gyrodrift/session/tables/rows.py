@@ -7,10 +7,10 @@ from math import nan
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
-from gyrodrift.errors import shortened, visible
 from gyrodrift.session.tables.plan import OWN, Head, TableColumns, UsedColumn
 from gyrodrift.session.tables.times import StampReader
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import shortened, visible
 
 PIECE = 20_000
 """Rows per conversion."""

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
-from gyrodrift.errors import DataError
+from gyrodrift.values.errors import DataError
 
 HEAD_BYTES = 1 << 16
 LONGEST_LINE = 1 << 16

@@ -7,7 +7,7 @@ from math import isfinite
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 PER_S = {"t_s": 1, "t_ms": 10**3, "t_us": 10**6, "t_ns": 10**9}
 NS_PER_S, DAY_S = 10**9, 86400

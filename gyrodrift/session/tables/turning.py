@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 NORMS = (0.9, 1.1)
 """Norms of a unit quaternion after rounding."""

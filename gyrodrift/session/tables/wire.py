@@ -6,10 +6,10 @@ is read this way only if all columns are plausible.
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.columns.ranges import MEDIAN_ACCEL_MPS2, TEMPERATURES_C
 from gyrodrift.session.session import ACCEL_COLUMNS
 from gyrodrift.session.tables.plan import Head, TableColumns, UsedColumn
+from gyrodrift.values.arrays import Floats
 
 FORM = "csv protocol of gyrodrift"
 TARGETS = ("t_device_s", "rate_dps", "encoder_deg", "temp_c", "still")

@@ -7,10 +7,10 @@ from math import isfinite
 from pathlib import Path
 from typing import BinaryIO
 
-from gyrodrift.errors import UsageError
-from gyrodrift.files import whole_file, write_whole
-from gyrodrift.installation import extra_command
+from gyrodrift.io.files import whole_file, write_whole
+from gyrodrift.io.installation import extra_command
 from gyrodrift.session.session import COLUMNS, Session
+from gyrodrift.values.errors import UsageError
 
 WRITTEN = (".csv", ".json", ".jsonl", ".parquet", ".mcap")
 PIECE = 50_000

@@ -3,10 +3,10 @@
 from pathlib import Path
 from typing import Any
 
-from gyrodrift.errors import DataError
 from gyrodrift.session.foreign.columns import WrongValueError
 from gyrodrift.session.logs.bag import deserializer, is_ros1, opened_bag
 from gyrodrift.session.topics.messages import TYPES, AngleReading, no_such_topic, reading_of
+from gyrodrift.values.errors import DataError
 
 
 def bag_topics(path: Path) -> list[str]:

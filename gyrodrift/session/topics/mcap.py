@@ -7,7 +7,6 @@ from typing import Any
 from mcap.opcode import Opcode
 from mcap.well_known import MessageEncoding, SchemaEncoding
 
-from gyrodrift.errors import DataError
 from gyrodrift.session.foreign.channels import ForeignFile, Messages, contents_of
 from gyrodrift.session.foreign.columns import WrongValueError
 from gyrodrift.session.foreign.read import opened_file
@@ -16,6 +15,7 @@ from gyrodrift.session.foreign.ros import fitting, parsed
 from gyrodrift.session.logs.bag import deserializer
 from gyrodrift.session.logs.missing import packages_of
 from gyrodrift.session.topics.messages import TYPES, AngleReading, no_such_topic, reading_of, type_of
+from gyrodrift.values.errors import DataError
 
 FORMS = {(MessageEncoding.CDR, SchemaEncoding.ROS2), (MessageEncoding.ROS1, SchemaEncoding.ROS1)}
 """Encodings of messages and schemas that can be read."""

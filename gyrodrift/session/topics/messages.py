@@ -6,8 +6,8 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from gyrodrift.errors import DataError
 from gyrodrift.session.foreign.columns import NS_PER_S, WrongValueError, number, whole
+from gyrodrift.values.errors import DataError
 
 ORIENTATIONS = {
     "nav_msgs/msg/Odometry": attrgetter("pose.pose.orientation"),

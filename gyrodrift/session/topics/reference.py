@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
-from gyrodrift.errors import DataError, UsageError
 from gyrodrift.session.session import Session
 from gyrodrift.session.topics.messages import JOINTS, AngleReading
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError, UsageError
 
 LEAST_READINGS = 3
 """Least number of readings that tell the rate at which a reading is moved to its sample."""

@@ -7,7 +7,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.curves import YawCurves
 from gyrodrift.evaluation.dataset import Split
 from gyrodrift.evaluation.space import Axis
@@ -31,6 +30,7 @@ from gyrodrift.html.svg import (
 )
 from gyrodrift.tune.result import Run, Tuning
 from gyrodrift.tune.warnings import slice_values
+from gyrodrift.values.arrays import Floats
 
 DOTS = 4000
 """Most dots of a search, some 100 bytes each."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 WIDTH = 0.02
 """g_w: width of a reward around an action, in shares of the range; published."""

@@ -8,10 +8,10 @@ from zipfile import ZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrodrift.arrays import Floats
-from gyrodrift.errors import DataError
-from gyrodrift.files import whole_file
+from gyrodrift.io.files import whole_file
 from gyrodrift.tune.search.objective import Objective
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError
 
 SAVE_S = 5.0
 

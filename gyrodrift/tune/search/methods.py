@@ -5,11 +5,11 @@ from typing import Protocol
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.space import Axis, linear
 from gyrodrift.tune.search.carla import Automaton, Carla
 from gyrodrift.tune.search.objective import BudgetSpentError, Objective
 from gyrodrift.tune.search.race import BATCH, LARGEST, Team, race
+from gyrodrift.values.arrays import Floats
 
 
 class SearchMethod(Protocol):

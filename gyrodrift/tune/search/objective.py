@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.space import Axis, values_of
+from gyrodrift.values.arrays import Floats
 
 
 class BudgetSpentError(Exception):

@@ -13,9 +13,9 @@ Additions, each better by measurement (`tests/bench/test_search.py`):
 
 import numpy as np
 
-from gyrodrift.arrays import Floats
 from gyrodrift.tune.search.carla import Automaton
 from gyrodrift.tune.search.objective import Objective
+from gyrodrift.values.arrays import Floats
 
 LOOK_POINTS = 64
 """Points of the exploration, evaluated in batches."""

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from features_support import FACTS, T_S, TRUE_DEG, TRUE_DPS, observed, recorded, true_design, white
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.axes import turn_lean
 from gyrodrift.diagnose.features.vector import NUMBER, OF_AXES, Facts, measure
 from gyrodrift.diagnose.recording.outliers import clean
 from gyrodrift.diagnose.recording.recording import Recording
+from gyrodrift.values.arrays import Floats
 
 THREE = Facts(FACTS.dps_per_lsb, FACTS.encoder_cpr, FACTS.step_dps, has_axes=True, has_gravity=True)
 G = 9.8

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_means import slopes
 from gyrodrift.diagnose.features.design_matrix import KNOWN_DPS, root_weights_of
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
+from gyrodrift.values.arrays import Floats
 
 RATE_HZ, BLOCK = 50.0, 50
 COARSE_DEG, FINE_DEG = 360.0 / 512.0, 360.0 / 36_000.0

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from features_support import AT_REST, FACTS, PERIOD_S, T_S, TRUE_DPS, Observed, observed, white
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.noise import root_share
 from gyrodrift.diagnose.features.spectral_line import WINDOW, spectral_line, white_dps
 from gyrodrift.diagnose.features.spreads import MOVING_LENGTHS, REST_LENGTHS, DifferenceIndices, spreads_of
+from gyrodrift.values.arrays import Floats
 
 SIGMA = 0.05
 

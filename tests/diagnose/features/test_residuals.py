@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from features_support import PERIOD_S, SECONDS, T_S, TRUE_DEG, TRUE_DPS, observed, observed_beside, white
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps, unexplained_dps
 from gyrodrift.diagnose.features.design_matrix import COLUMNS
 from gyrodrift.diagnose.features.vector import LINEAR, NUMBER, STATIC
 from gyrodrift.diagnose.features.within_second import LAG_FEATURES
+from gyrodrift.values.arrays import Floats
 
 BLOCKS_DPS: Floats = TRUE_DPS.reshape(SECONDS, 100).mean(axis=1)
 

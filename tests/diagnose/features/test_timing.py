@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from features_support import PERIOD_S, T_S, TRUE_DPS, recorded, white
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features import timing
 from gyrodrift.diagnose.recording.recording import Recording
+from gyrodrift.values.arrays import Floats
 
 COUNT = len(T_S)
 CLEAN = recorded(TRUE_DPS)

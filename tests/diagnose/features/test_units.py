@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.feature import Feature
 from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
+from gyrodrift.values.arrays import Floats
 
 
 @pytest.mark.parametrize("feature", FEATURES, ids=lambda feature: feature.name)

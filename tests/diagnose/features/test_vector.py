@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from features_support import FACTS, T_S, TRUE_DPS, design_of, observed, observed_beside, recorded, white
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import COLUMNS
 from gyrodrift.diagnose.features.feature import RMS_DPS, Feature, ResponseLaw, numbers_of
 from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER, STATIC, measure, rms_scale
 from gyrodrift.diagnose.recording.outliers import clean
+from gyrodrift.values.arrays import Floats
 
 STAGES = {"sensor", "environment", "platform", "encoder", "clock", "link"}
 REGIMES = {"rest", "slow", "fast", "moving", "accelerating", "reversing", "warm", "early", "late", "always"}

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_t
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.density import (
     BROAD_IN_GROUP,
     DEGREES_OF_FREEDOM,
@@ -21,6 +20,7 @@ from gyrodrift.diagnose.inference.density import (
     log_densities,
     log_no_unknown,
 )
+from gyrodrift.values.arrays import Floats
 
 S = 3
 COVARIANCE = np.array([[1.0, 0.3, 0.3], [0.3, 2.0, 0.3], [0.3, 0.3, 0.5]])

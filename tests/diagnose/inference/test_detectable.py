@@ -20,13 +20,13 @@ from inference_support import (
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.inference.detectable import Detectable, detectable, odds
 from gyrodrift.diagnose.inference.explanation import Explanation
 from gyrodrift.diagnose.inference.posterior import posterior_of
 from gyrodrift.diagnose.inference.sets import find_sets
 from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.values.arrays import Floats
 
 CASES = 200
 FINE = np.geomspace(0.5, 20.0, 30)

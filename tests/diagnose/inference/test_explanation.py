@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from inference_support import SESSIONS, concluded, rows, simulated
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import NUMBER
 from gyrodrift.diagnose.inference.explanation import Explanation
 from gyrodrift.diagnose.inference.scorer import CLOSE_TO_IT
+from gyrodrift.values.arrays import Floats
 
 RATE, CLOCK = NUMBER["rate"], NUMBER["clock_ratio"]
 SCALE = simulated("scale_factor", {"rate": 2.0})

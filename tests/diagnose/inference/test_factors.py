@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.factors import MOST_FACTORS, covariance_of, explained, shrinkage
+from gyrodrift.values.arrays import Floats
 
 GAUSSIAN = 1e9
 """Degrees of freedom of a Student density that is a Gaussian one."""

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.evidence import FAMILY_WISE_ERROR, LEAST, family_wise_threshold, pooled_z
+from gyrodrift.values.arrays import Floats
 
 FEATURES = 60
 STUDIES, SETS_OF_A_STUDY = 80, 25

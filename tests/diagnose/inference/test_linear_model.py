@@ -8,7 +8,6 @@ import pytest
 from inference_support import PARAMETERS, candidate
 
 from firmware_sim.effects.catalogue import CATALOGUE
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.inference.linear_model import (
     Whitened,
@@ -20,6 +19,7 @@ from gyrodrift.diagnose.inference.linear_model import (
 )
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.simulate.response_table import Sized
+from gyrodrift.values.arrays import Floats
 
 BLOCKS, BLOCK = 600, 4
 NOISE_DPS = 0.005

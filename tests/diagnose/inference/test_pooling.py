@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from inference_support import candidate, row
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES, IS_LOG, LINEAR, NUMBER
 from gyrodrift.diagnose.inference.log_variances import interpolated, scaled
 from gyrodrift.diagnose.inference.nulls import beyond_chance, common_share
 from gyrodrift.diagnose.inference.pooling import evidence_of
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, key, simulated_key
+from gyrodrift.values.arrays import Floats
 
 LOG = FEATURES[int(np.flatnonzero(IS_LOG)[0])].name
 SHARE = FEATURES[int(np.flatnonzero(~IS_LOG & ~LINEAR)[0])].name

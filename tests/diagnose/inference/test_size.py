@@ -5,12 +5,12 @@ import pytest
 from inference_support import SESSIONS, row, scorer_of, simulated, with_difference
 from scipy.stats import norm
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.inference.posterior import POWER
 from gyrodrift.diagnose.inference.scorer import CLOSE_TO_IT, USUAL, EffectSet, Placed, Scorer
 from gyrodrift.diagnose.inference.sets import fitted
 from gyrodrift.diagnose.inference.size import CREDIBLE, SizePosterior, open_ends, quantiles, size_posterior
+from gyrodrift.values.arrays import Floats
 
 CASES = 240
 PER_SIZE = {"rate": 2.0, "lag": 1.0, "moving": 0.7}

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.next_recording.information import (
     discrimination_of,
@@ -14,6 +13,7 @@ from gyrodrift.diagnose.next_recording.information import (
     posteriors,
 )
 from gyrodrift.diagnose.next_recording.simulated_features import SimulatedFeatures
+from gyrodrift.values.arrays import Floats
 
 EVEN = np.array([0.5, 0.5])
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.predictive_checks.change_points import change_points_of
+from gyrodrift.values.arrays import Floats
 
 SECONDS = 400
 EVEN = np.ones(SECONDS, bool)

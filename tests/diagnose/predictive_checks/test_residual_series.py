@@ -9,11 +9,11 @@ import pytest
 from simulate_support import candidate_of, session_of, subject_from
 
 from firmware_sim.rig import parse_effect
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.inference.verdict import NamedCause
 from gyrodrift.diagnose.predictive_checks.residual_checks import dependences_of
 from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries, residual_series_of
 from gyrodrift.diagnose.simulate.twin import Subject
+from gyrodrift.values.arrays import Floats
 
 HIGH = parse_effect("scale_factor:error_percent=2")
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.checks import check_recording, together_s
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
-from gyrodrift.errors import DataError
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError
 
 T_S: Floats = np.arange(12_000, dtype=np.float64) * 0.01
 TRUE_DPS = 40.0 * np.sin(2.0 * np.pi * T_S / 13.0) + 25.0 * np.sin(2.0 * np.pi * T_S / 3.7)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.counted_rests import CountedRests, counted_rests
+from gyrodrift.values.arrays import Floats
 
 SAMPLES = 1000
 SPANS = ((0, 150), (300, 400), (420, 425), (700, 1000))

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.delay import best_lag, smoothed_rates
+from gyrodrift.values.arrays import Floats
 
 PERIOD_S = 0.01
 T_S: Floats = np.arange(6000, dtype=np.float64) * PERIOD_S

@@ -12,13 +12,13 @@ from recordings_support import Recordings
 
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig, parse_effect, with_effects
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.facts import Contradiction, contradictions
 from gyrodrift.diagnose.recording.levels import levels_of
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.session.files import load_session
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import Simulation, write_simulation
+from gyrodrift.values.arrays import Floats
 
 T_S: Floats = np.arange(6000, dtype=np.float64) * 0.01
 TRUE_DPS = 60.0 * np.sin(2.0 * np.pi * T_S / 13.0) * (T_S > 5.0)

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from features_support import T_S, TRUE_DEG, TRUE_DPS, recorded
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.checks import check_recording
 from gyrodrift.diagnose.recording.gravity import Gravity, gravity_of
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
 
 G = 9.8
 RNG_SEED = 4

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, filter_forward, sample_backward
+from gyrodrift.values.arrays import Floats
 
 COUNT, PERIOD_S = 40, 0.05
 START_VARIANCES = np.array([1.0, 1e4, 1e6, 1.0])

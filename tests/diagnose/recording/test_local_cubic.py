@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.local_cubic import local_cubic
+from gyrodrift.values.arrays import Floats
 
 SAMPLE_RATE_HZ, SIGMA = 100.0, 0.02
 T_S = np.arange(3000) / SAMPLE_RATE_HZ

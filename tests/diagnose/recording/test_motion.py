@@ -5,13 +5,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
 from gyrodrift.diagnose.recording.motion_posterior import motion_posterior_of
 from gyrodrift.diagnose.recording.outliers import clean
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
 
 RATE_HZ = 100.0
 T_S = np.arange(20_000) / RATE_HZ

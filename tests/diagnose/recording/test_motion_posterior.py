@@ -9,7 +9,6 @@ from scipy.ndimage import minimum_filter1d
 
 from firmware_sim.motion.profile import Profile, load_profile
 from firmware_sim.rig import Base, Rig, parse_effect
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.counted_rests import CountedRests
 from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.motion import ReplayedMotion
@@ -17,6 +16,7 @@ from gyrodrift.diagnose.recording.motion_posterior import MotionPosterior, motio
 from gyrodrift.diagnose.recording.outliers import Cleaned, clean
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.simulation.sessions import Simulation
+from gyrodrift.values.arrays import Floats
 
 ANYWHERE = CountedRests((), np.empty(0), np.empty(0))
 SECONDS = 50.0

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from recordings_support import Recordings
 
-from gyrodrift.arrays import Floats, Integers
 from gyrodrift.diagnose.recording.checked import checked_session
 from gyrodrift.diagnose.recording.numbering import backlog_of, number_samples, numbers_by_clock
 from gyrodrift.session.files import load_session
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats, Integers
 
 COUNT, PERIOD_S = 5000, 0.01
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrodrift.arrays import Integers, Mask
 from gyrodrift.diagnose.recording.checked import between_outages
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Integers, Mask
 
 HZ, SECONDS = 50.0, 120.0
 

@@ -6,11 +6,11 @@ from features_support import COUNTS_PER_TURN, T_S, TRUE_DEG, TRUE_DPS, recorded,
 
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig, parse_effect
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.outliers import Cleaned, clean, granularity, is_at_limit, step_of, steps_of
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import Simulation
+from gyrodrift.values.arrays import Floats
 
 SIGMA = 0.05
 

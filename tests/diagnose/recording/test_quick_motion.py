@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from firmware_sim.rig import Base, Rig
-from gyrodrift.arrays import Floats, Mask
 from gyrodrift.diagnose.recording.gyro_noise import GyroModel
 from gyrodrift.diagnose.recording.quick_motion import QuickMotion, quick_motion_of
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.recording.smoothing import gaussian
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.simulation.sessions import Simulation
+from gyrodrift.values.arrays import Floats, Mask
 
 PERIOD_S, SAMPLES, NOISE_DPS = 0.01, 12_000, 0.035
 GYRO = GyroModel(0.0)

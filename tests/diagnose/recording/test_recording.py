@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.recording import filled, fit_line, recording_of
-from gyrodrift.errors import DataError
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import DataError
 
 COUNT = 1000
 T_S: Floats = np.arange(COUNT, dtype=np.float64) * 0.01

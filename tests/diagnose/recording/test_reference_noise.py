@@ -8,11 +8,11 @@ from scipy.ndimage import gaussian_filter1d
 
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig, parse_effect
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.diagnose.recording.reference_noise import ReferenceNoise
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.simulation.sessions import Simulation
+from gyrodrift.values.arrays import Floats
 
 RATE_HZ, MINUTES = 100.0, 1.5
 RIG = Rig(base=Base(sample_rate_hz=RATE_HZ, encoder_cpr=36_000))

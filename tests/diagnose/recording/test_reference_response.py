@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.diagnose.recording.reference_response import ReferenceResponse, reference_response_of
 from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats
 
 RATE_HZ, GAIN, LATE = 50.0, 0.98, 2
 NOISE_DPS = 0.05

@@ -8,13 +8,13 @@ from scipy.interpolate import CubicSpline
 
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.held_angles import without_held_angles
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.recording.reference_response import reference_response_of
 from gyrodrift.diagnose.simulate.twin import subject_of
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import Simulation
+from gyrodrift.values.arrays import Floats
 
 EVERY, RATE_HZ = 10, 100.0
 RIG = Rig(base=Base(sample_rate_hz=RATE_HZ, encoder_cpr=4096))

@@ -15,8 +15,8 @@ from gyrodrift.diagnose.simulate.distribute import Origin, SessionTask, Simulati
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.responses import response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
-from gyrodrift.errors import DataError
 from gyrodrift.session.files import write_session
+from gyrodrift.values.errors import DataError
 
 
 @pytest.fixture(autouse=True)

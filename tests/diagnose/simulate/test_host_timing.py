@@ -8,11 +8,11 @@ import pytest
 from simulate_support import BASE, MOTION
 
 from firmware_sim.rig import Rig, parse_effect
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
 from gyrodrift.diagnose.simulate.calibration import host_delay_s, host_jitter_s, with_host
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import Simulation
+from gyrodrift.values.arrays import Floats
 
 
 def simulated(*effects: str, delay_s: float = 0.002, jitter_s: float = 0.0) -> Session:

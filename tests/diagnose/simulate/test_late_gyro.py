@@ -5,13 +5,13 @@ import pytest
 
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig, parse_effect
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.motion_posterior import motion_posterior_of
 from gyrodrift.diagnose.recording.outliers import clean
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.known_effects import gyro_model_of
 from gyrodrift.diagnose.simulate.twin import rebuilt
 from gyrodrift.simulation.sessions import Simulation
+from gyrodrift.values.arrays import Floats
 
 MINUTES = 2.0
 

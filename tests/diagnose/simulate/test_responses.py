@@ -18,12 +18,12 @@ from simulate_support import (
 )
 
 from firmware_sim.rig import parse_effect
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.features.vector import FEATURES, STATIC
 from gyrodrift.diagnose.simulate.candidate import Touches
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.recalibration import recalibrated_with
 from gyrodrift.diagnose.simulate.responses import response_table
+from gyrodrift.values.arrays import Floats
 
 OF_TIMES = np.array(
     [one.name.startswith(("clock_", "stamp_", "arrival_", "drop_", "repeat_", "disorder_")) for one in FEATURES]

@@ -9,13 +9,13 @@ from simulate_support import BASE, HINTS, candidate_of, feature, plain, session_
 
 from firmware_sim.effects.effect import Effect
 from firmware_sim.rig import Rig, parse_effect
-from gyrodrift.arrays import Floats
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import candidates
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, Sized
 from gyrodrift.diagnose.simulate.responses import change_of, in_session, response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
+from gyrodrift.values.arrays import Floats
 
 TILT = parse_effect("g_sensitivity:amplitude_dps=0.1,phase_deg=30")
 

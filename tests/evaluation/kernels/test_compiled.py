@@ -9,8 +9,8 @@ from typing import cast
 
 import pytest
 
-from gyrodrift.compile import stamp_of
 from gyrodrift.evaluation.kernels.compiled import array_of, compiled, layout
+from gyrodrift.io.compile import stamp_of
 
 
 @dataclass(slots=True)

@@ -9,9 +9,9 @@ from hdr_reference import CASES, as_printed
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.kernels import hdr as kernel
 from gyrodrift.filters.hdr import ATTENUATOR_TABLE, HdrParams, HdrState, attenuated_step, coefficients, step
+from gyrodrift.values.arrays import Floats
 
 LOW = (0.0, 0.0, 1e-9, 0.0, 0.0)
 HIGH = (10.0, 1000.0, 2000.0, 1000.0, 10.0)

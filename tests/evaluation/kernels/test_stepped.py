@@ -6,7 +6,7 @@ from math import inf
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 pytest.importorskip("numba", reason="kernels need the workstation extra")
 from gyrodrift.evaluation.auxiliary import NO_AUXILIARY

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.attitude.model import AttitudeState, coefficients
 from gyrodrift.filters.attitude.step import step
 from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.values.arrays import Floats
 
 HZ = 100
 C = coefficients(RestlevelParams())

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.attitude.block import Integrals, add_sample, integrals, next_block
 from gyrodrift.filters.attitude.hypotheses import (
     ATTITUDE,
@@ -20,6 +19,7 @@ from gyrodrift.filters.attitude.hypotheses import (
     first_hypothesis,
 )
 from gyrodrift.filters.attitude.predict import GRAVITY, predict, process_noise, transitions
+from gyrodrift.values.arrays import Floats
 
 MOVING = np.zeros(1, dtype=np.bool_)
 DT, SAMPLES = 0.005, 20

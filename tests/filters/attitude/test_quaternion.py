@@ -13,7 +13,7 @@ from gyrodrift.filters.attitude.quaternion import (
     tilt_deg,
     up_in_sensor,
 )
-from gyrodrift.mount import Quaternion, product
+from gyrodrift.values.mount import Quaternion, product
 
 
 def random_rotations() -> Rotation:

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from six_axis_motions import arm
 from six_axis_sensors import Recorded, measure, perfect
 
-from gyrodrift.arrays import Floats
+from gyrodrift.values.arrays import Floats
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,6 @@ import pytest
 from recordings_support import Recordings
 from restlevel_reference import reference
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.kernels.compiled import array_of
 from gyrodrift.evaluation.kernels.restlevel import _follow
 from gyrodrift.filters.restlevel.memory import RestlevelMemory, begun, knowledge, learned
@@ -17,6 +16,7 @@ from gyrodrift.filters.restlevel.recall import remembered_weight
 from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.filters.saved import restore, saved
 from gyrodrift.session.files import load_session
+from gyrodrift.values.arrays import Floats
 
 pytestmark = pytest.mark.xdist_group("restlevel_kernel")
 

@@ -5,7 +5,6 @@ import pytest
 from recordings_support import Recordings
 from restlevel_reference import reference
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.auxiliary import Auxiliary
 from gyrodrift.evaluation.kernels.restlevel import walk
 from gyrodrift.filters.restlevel.bias_state import TempLine
@@ -14,6 +13,7 @@ from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.filters.restlevel.temperature import measure_level
 from gyrodrift.session.files import load_session
+from gyrodrift.values.arrays import Floats
 
 pytestmark = pytest.mark.xdist_group("restlevel_kernel")
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.rate_state import TURN_SLOTS, MeanTurns
 from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.filters.restlevel.turns import add_mean_rate, follow_turns, forget_turns, weigh_turns
+from gyrodrift.values.arrays import Floats
 
 
 def seen(rates_dps: list[float]) -> MeanTurns:

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from restlevel_reference import reference
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.auxiliary import Auxiliary
 from gyrodrift.evaluation.kernels.restlevel import walk
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
+from gyrodrift.values.arrays import Floats
 
 pytestmark = pytest.mark.xdist_group("restlevel_kernel")
 

@@ -7,7 +7,7 @@ import pytest
 
 from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.clocks.clock import ArrivalFit, SampleGap
-from gyrodrift.sample import Reading, Sample
+from gyrodrift.values.sample import Reading, Sample
 
 READING = Reading(None, None, 0.0)
 

@@ -7,7 +7,7 @@ from support import near
 
 from gyrodrift.link.clocks.clock import ClockRestart, SampleGap
 from gyrodrift.link.clocks.device import DeviceClock
-from gyrodrift.sample import Reading, Sample
+from gyrodrift.values.sample import Reading, Sample
 
 WRAP = 1 << 32
 PERIOD_US = 10_000

@@ -22,7 +22,7 @@ from gyrodrift.link.protocols.nmea import AskedNmeaDecoder, NmeaDecoder
 from gyrodrift.link.protocols.vectornav_ascii import VectornavAsciiDecoder
 from gyrodrift.link.protocols.witmotion import WitmotionDecoder
 from gyrodrift.link.protocols.xsens import XsensDecoder
-from gyrodrift.sample import Reading, Sample
+from gyrodrift.values.sample import Reading, Sample
 
 TRUE_DEG = 250.0
 """Counter-clockwise, over more than half a turn: each form wraps on the way."""

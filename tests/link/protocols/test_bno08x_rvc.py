@@ -6,7 +6,7 @@ import golden_frames as golden
 
 from firmware_sim.wire.bno08x_rvc import rvc_frame
 from gyrodrift.link.protocols.bno08x_rvc import RvcDecoder
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 
 def turning(*indexed_yaw: tuple[int, int]) -> list[Reading]:

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gyrodrift.link.protocols.csv import CsvDecoder, is_plausible
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 THREE = b"100,1.5\n10100,2.5\n20100,-3.5\n"
 

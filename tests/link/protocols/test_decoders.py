@@ -16,7 +16,7 @@ from firmware_sim.wire.encoder import Frame
 from firmware_sim.wire.registry import ENCODERS
 from gyrodrift.link.protocols.decoder import Decoder
 from gyrodrift.link.protocols.registry import PROTOCOLS
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 RIG = Rig(base=Base(bias_dps=0.3))
 

@@ -8,9 +8,9 @@ from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Rig
 from firmware_sim.wire.registry import ENCODERS
-from gyrodrift.errors import UsageError
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS, candidates
+from gyrodrift.values.errors import UsageError
 
 RIG = Rig()
 

@@ -11,7 +11,7 @@ from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.guard import Guard
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.registry import PROTOCOLS
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 POISON = b"POISON\n"
 

@@ -14,7 +14,7 @@ from gyrodrift.link.protocols.decoder import WAITING_MAX, DeviceDescription
 from gyrodrift.link.protocols.guard import renewed
 from gyrodrift.link.protocols.native import NativeDecoder
 from gyrodrift.link.protocols.registry import PROTOCOLS
-from gyrodrift.sample import Inertial, Reading
+from gyrodrift.values.sample import Inertial, Reading
 
 LSB = 0.007629999890923500
 """0.00763 as the nearest 32-bit float."""

@@ -17,7 +17,7 @@ from gyrodrift.link.protocols.guard import renewed
 from gyrodrift.link.protocols.native import NativeDecoder
 from gyrodrift.link.protocols.native_yaw import MOST_BIAS_DPS, MOST_DEG
 from gyrodrift.link.protocols.registry import PROTOCOLS
-from gyrodrift.sample import DeviceYaw, Reading
+from gyrodrift.values.sample import DeviceYaw, Reading
 
 OWN = DeviceYaw(12.5, 0.25, -0.5)
 PERIOD_US = 10_000

@@ -17,11 +17,11 @@ from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig
 from firmware_sim.wire import registry as spoken
 from gyrodrift.cli import options, replay
-from gyrodrift.errors import UsageError
 from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.protocols import registry as read
+from gyrodrift.values.errors import UsageError
 
 RIG = Rig(base=Base(bias_dps=0.5, noise_dps_rthz=0.0))
 

@@ -17,7 +17,7 @@ from gyrodrift.link.protocols.text import text_protocol
 from gyrodrift.link.protocols.vectornav_ascii import VectornavAsciiDecoder
 from gyrodrift.link.protocols.witmotion import WitmotionDecoder
 from gyrodrift.link.protocols.xsens import XsensDecoder
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 GRAVITY_MPS2 = 9.80665
 COLUMNS = "t_ms=t_ms, gx=gx:lsb/131, gy=gy:lsb/131, gz=rate:lsb/131, ax=ax:lsb/16384, ay=ay:lsb/16384, az=az:lsb/16384"

@@ -4,7 +4,7 @@ import golden_frames as golden
 import pytest
 
 from gyrodrift.link.protocols.witmotion import WitmotionDecoder
-from gyrodrift.sample import Reading
+from gyrodrift.values.sample import Reading
 
 
 def test_golden_frames_are_read() -> None:

@@ -10,11 +10,11 @@ import pytest
 from sources_support import PATIENCE_S, Events, read_until
 
 from firmware_sim.wire.witmotion_ble import ble_frame
-from gyrodrift.errors import LinkError, PortMissingError, UsageError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.sources import ble
 from gyrodrift.link.sources.ble import LONGEST_KEPT_BYTES, BlePort
+from gyrodrift.values.errors import LinkError, PortMissingError, UsageError
 
 pytest.importorskip("bleak", reason="bleak is not installed: pip install 'gyrodrift[ble]'")
 

@@ -11,10 +11,10 @@ from bluez_support import FakeBluez, system_bus
 from sources_support import PATIENCE_S, Events, read_until
 
 from firmware_sim.wire.witmotion_ble import ble_frame
-from gyrodrift.errors import PortMissingError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.sources import ble
+from gyrodrift.values.errors import PortMissingError
 
 pytest.importorskip("bleak", reason="bleak is not installed: pip install 'gyrodrift[ble]'")
 if sys.platform != "linux":

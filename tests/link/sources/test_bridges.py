@@ -12,11 +12,11 @@ from sources_support import Events, lines, read_until, serving
 from support import Command, speaking_on
 
 from firmware_sim.pty import PtyDevice
-from gyrodrift.errors import LinkError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.sources import rfc2217
-from gyrodrift.sample import Sample
+from gyrodrift.values.errors import LinkError
+from gyrodrift.values.sample import Sample
 
 LINES_WITH_255 = b"#\xff\xff,\xff\n"
 """Comment of csv with bytes that Telnet doubles."""

@@ -13,14 +13,14 @@ from typing import Any
 import pytest
 from sources_support import Events, read_until
 
-from gyrodrift.errors import DeviceSilentError, LinkError, UsageError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.sources.can import gyro_of
 from gyrodrift.link.sources.can_frames import EXTENDED, FRAME, FRAME_HEADER, CanDecoder
 from gyrodrift.link.sources.packets import packet
 from gyrodrift.link.sources.registry import address_of
-from gyrodrift.sample import Reading, Sample
+from gyrodrift.values.errors import DeviceSilentError, LinkError, UsageError
+from gyrodrift.values.sample import Reading, Sample
 
 can = pytest.importorskip("can", reason="python-can is not installed: pip install 'gyrodrift[can]'")
 pytest.importorskip("cantools", reason="cantools is not installed: pip install 'gyrodrift[can]'")

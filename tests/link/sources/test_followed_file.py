@@ -15,13 +15,13 @@ from mcap.writer import CompressionType, Writer
 from sources_support import Events, read_until
 from support import Command
 
-from gyrodrift.errors import DataError, PortMissingError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.sources.mcap import McapDecoder
-from gyrodrift.sample import DeviceYaw, Inertial, Sample
 from gyrodrift.session.follow import SampleStream
 from gyrodrift.session.mcap.write import McapWriter
+from gyrodrift.values.errors import DataError, PortMissingError
+from gyrodrift.values.sample import DeviceYaw, Inertial, Sample
 
 
 def sample(number: int, inertial: Inertial | None = None, still: float = nan) -> Sample:

@@ -10,13 +10,13 @@ from contextlib import contextmanager, suppress
 import pytest
 from sources_support import Events, address, lines, read_until, serving
 
-from gyrodrift.errors import LinkError, UsageError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.sources import rfc2217, stream_channel
 from gyrodrift.link.sources.rfc2217 import Rfc2217Port, open_rfc2217
 from gyrodrift.link.sources.source import SourceAddress
 from gyrodrift.link.sources.stream_channel import StreamChannel
+from gyrodrift.values.errors import LinkError, UsageError
 
 FLOOD = b"x" * (1 << 16)
 

@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 from support import python_in
 
-from gyrodrift.errors import PortMissingError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.sources import registry
+from gyrodrift.values.errors import PortMissingError
 
 (SOURCE,) = python_in("extending-source.md")
 

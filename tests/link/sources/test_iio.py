@@ -13,7 +13,6 @@ import pytest
 from iio_support import ACCEL_SCALE, GYRO_SCALE, IioChip, IioTree
 from sources_support import Events, read_until
 
-from gyrodrift.errors import LinkError, PortDeniedError, PortMissingError, UsageError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.search import find_gyro
@@ -23,7 +22,8 @@ from gyrodrift.link.sources.iio_layout import IDENTITY, ChannelEntry, described,
 from gyrodrift.link.sources.iio_scans import IioDecoder, IioPacket
 from gyrodrift.link.sources.packets import packet
 from gyrodrift.link.sources.registry import source_devices
-from gyrodrift.sample import Sample
+from gyrodrift.values.errors import LinkError, PortDeniedError, PortMissingError, UsageError
+from gyrodrift.values.sample import Sample
 
 DPS = degrees(GYRO_SCALE)
 MS_NS = 1_000_000

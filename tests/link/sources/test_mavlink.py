@@ -10,13 +10,13 @@ from typing import Any
 import pytest
 from sources_support import Events, read_until, serving
 
-from gyrodrift.errors import DeviceSilentError, PortMissingError, UsageError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.sources.mavlink import protocol_of
 from gyrodrift.link.sources.mavlink_frames import EXTRAS, MESSAGES, ImuChoice, MavlinkDecoder
 from gyrodrift.link.sources.registry import address_of
-from gyrodrift.sample import Reading
+from gyrodrift.values.errors import DeviceSilentError, PortMissingError, UsageError
+from gyrodrift.values.sample import Reading
 
 pytest.importorskip("pymavlink", reason="pymavlink is not installed: pip install 'gyrodrift[mavlink]'")
 

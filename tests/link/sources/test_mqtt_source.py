@@ -14,13 +14,13 @@ from broker_support import broker, need_mosquitto
 from sources_support import PATIENCE_S, Events, lines, read_until
 from support import free_port
 
-from gyrodrift.errors import DeviceSilentError, LinkError, PortMissingError, UsageError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.port import PortGoneError
 from gyrodrift.link.sources.mqtt import GONE_S, PASSWORD_VARIABLE, PING_S, MqttPort
 from gyrodrift.link.sources.mqtt_packets import LONGEST_PACKET_BYTES, PING, MqttStream, connect_packet, subscribe_packet
 from gyrodrift.link.sources.stream_channel import StreamChannel
+from gyrodrift.values.errors import DeviceSilentError, LinkError, PortMissingError, UsageError
 
 need_mosquitto()
 

@@ -8,12 +8,12 @@ from contextlib import contextmanager
 import pytest
 from sources_support import PATIENCE_S, Events, address, lines, read_until, serving
 
-from gyrodrift.errors import DeviceSilentError, PortBusyError, PortMissingError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.sources import udp as udp_module
 from gyrodrift.link.sources.registry import address_of
 from gyrodrift.link.sources.udp import SENDER_S, UdpPort, open_udp
+from gyrodrift.values.errors import DeviceSilentError, PortBusyError, PortMissingError
 
 
 def test_a_tcp_server_is_read_like_a_cable() -> None:

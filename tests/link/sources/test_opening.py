@@ -12,7 +12,6 @@ import pytest
 from sources_support import Events, address, lines, read_until, serving
 from support import Command, python_in
 
-from gyrodrift.errors import LinkError, PortMissingError, UsageError
 from gyrodrift.link import connection as connection_module
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
@@ -21,6 +20,7 @@ from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.link.sources import registry
 from gyrodrift.link.sources.opening import BackgroundOpening
 from gyrodrift.link.sources.source import ByteSource, SourcePort
+from gyrodrift.values.errors import LinkError, PortMissingError, UsageError
 
 
 def test_an_opening_that_takes_long_keeps_nobody_waiting() -> None:

@@ -17,7 +17,6 @@ import pytest
 from outputs_support import AXES, corrected, hub, tilted
 from sources_support import PATIENCE_S, Events, read_until, serving
 
-from gyrodrift.errors import DeviceSilentError, LinkError, PortMissingError, UsageError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.sources.packets import packet
@@ -25,7 +24,8 @@ from gyrodrift.link.sources.ros_imu import MESSAGE, RosImuDecoder
 from gyrodrift.link.sources.rosbridge import RosbridgePort, open_rosbridge
 from gyrodrift.link.sources.source import SourceAddress
 from gyrodrift.link.sources.stream_channel import StreamChannel
-from gyrodrift.sample import Reading
+from gyrodrift.values.errors import DeviceSilentError, LinkError, PortMissingError, UsageError
+from gyrodrift.values.sample import Reading
 
 pytest.importorskip("websockets", reason="websockets is not installed: pip install 'gyrodrift[websocket]'")
 

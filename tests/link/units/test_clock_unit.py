@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 from support import speaking_on
 
-from gyrodrift.errors import UnitError
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
-from gyrodrift.sample import Sample
+from gyrodrift.values.errors import UnitError
+from gyrodrift.values.sample import Sample
 
 
 def heard(port: Path, line: Callable[[int], str], count: int = 400, **options: Any) -> list[Sample]:

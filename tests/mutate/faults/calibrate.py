@@ -17,7 +17,7 @@ FAULTS = (
     ),
     Fault(
         "calibrate/matrix-transposed",
-        "gyrodrift/vectors.py",
+        "gyrodrift/values/vectors.py",
         "(a, b, c), (d, e, f), (g, h, i) = matrix\n",
         "(a, d, g), (b, e, h), (c, f, i) = matrix\n",
         "The misalignment is applied with the wrong sign.",
@@ -25,7 +25,7 @@ FAULTS = (
     ),
     Fault(
         "calibrate/biases-of-level-axes-lost",
-        "gyrodrift/calibration.py",
+        "gyrodrift/values/calibration.py",
         "shifted = x_dps + before[0] - after[0], y_dps + before[1] - after[1]",
         "shifted = x_dps, y_dps",
         "A new calibration shifts the biases that a filter has learnt.",

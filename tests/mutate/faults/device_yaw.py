@@ -59,7 +59,7 @@ FAULTS = (
     ),
     Fault(
         "device-yaw/sign-kept-upside-down",
-        "gyrodrift/calibration.py",
+        "gyrodrift/values/calibration.py",
         "device_yaw=DeviceYaw(-yaw_deg, sigma_deg, -bias_dps)",
         "device_yaw=DeviceYaw(yaw_deg, sigma_deg, bias_dps)",
         "The yaw of a device upside down turns against ours.",

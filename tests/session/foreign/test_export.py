@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
-from gyrodrift.errors import DataError, UsageError
 from gyrodrift.session.foreign.export import write_imu, write_json
 from gyrodrift.session.foreign.read import read_foreign
 from gyrodrift.session.session import Session
+from gyrodrift.values.errors import DataError, UsageError
 
 UNKNOWN = [-1.0] + [0.0] * 8
 METADATA = {"device": {"id": "bench"}}

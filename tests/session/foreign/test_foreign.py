@@ -18,8 +18,8 @@ from foreign_support import (
     written,
 )
 
-from gyrodrift.errors import DataError
 from gyrodrift.session.foreign.read import read_foreign
+from gyrodrift.values.errors import DataError
 
 
 @pytest.mark.parametrize("form", FORMS)

@@ -24,8 +24,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mcap.writer import CompressionType
 
-from gyrodrift.errors import DataError
 from gyrodrift.session.foreign.read import read_foreign
+from gyrodrift.values.errors import DataError
 
 
 @pytest.mark.parametrize("form", FORMS)

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from foreign_support import SAMPLE_TEXT, Recorder, imu, refused, ros, written
 
-from gyrodrift.errors import DataError
 from gyrodrift.session.files import load_session
 from gyrodrift.session.foreign.read import read_foreign
+from gyrodrift.values.errors import DataError
 
 
 @pytest.mark.parametrize("name", ["sensor_msgs/msg/Imu", "sensor_msgs/Imu"])

@@ -10,9 +10,9 @@ import pytest
 from tables_support import TURN_DEG, filtered_yaw_deg, samples, written
 
 from gyrodrift.cli import main
-from gyrodrift.errors import DataError
-from gyrodrift.installation import extra_command
+from gyrodrift.io.installation import extra_command
 from gyrodrift.session.files import load_session
+from gyrodrift.values.errors import DataError
 
 IMU_COLUMNS = "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,T"
 IMU_FORMAT, IMU_STRUCT = "QBfffffff", struct.Struct("<QB7f")

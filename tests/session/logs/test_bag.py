@@ -10,8 +10,8 @@ import pytest
 from tables_support import TURN_DEG, filtered_yaw_deg, samples, written
 
 from gyrodrift.cli import main
-from gyrodrift.errors import DataError
 from gyrodrift.session.files import load_session, session_paths
+from gyrodrift.values.errors import DataError
 
 rosbag1 = pytest.importorskip("rosbags.rosbag1")
 rosbag2 = pytest.importorskip("rosbags.rosbag2")

@@ -12,8 +12,6 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader
 
-from gyrodrift.errors import DataError
-from gyrodrift.sample import Sample
 from gyrodrift.session.damage import DamagedError
 from gyrodrift.session.mcap.checksums import MARKER, PIECE_SAMPLES
 from gyrodrift.session.mcap.interrupted import is_closed
@@ -22,6 +20,8 @@ from gyrodrift.session.mcap.read import read_mcap
 from gyrodrift.session.mcap.repair import repair
 from gyrodrift.session.mcap.write import McapWriter
 from gyrodrift.session.session import Session
+from gyrodrift.values.errors import DataError
+from gyrodrift.values.sample import Sample
 
 COUNT, FLUSHED = 1000, 25
 BLOCK = 4096

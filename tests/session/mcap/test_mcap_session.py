@@ -16,14 +16,14 @@ from mcap.writer import Writer
 from mcap_ros2.decoder import DecoderFactory
 
 from gyrodrift.cli import main
-from gyrodrift.errors import DataError
-from gyrodrift.sample import Sample
 from gyrodrift.session.mcap import walk
 from gyrodrift.session.mcap.layout import CLOSED_TAIL_BYTES, HEAD, MESSAGE, STILLS
 from gyrodrift.session.mcap.read import add_chunk, read_mcap
 from gyrodrift.session.mcap.walk import ROW
 from gyrodrift.session.mcap.write import MESSAGE_HEAD, McapWriter
 from gyrodrift.session.session import Session
+from gyrodrift.values.errors import DataError
+from gyrodrift.values.sample import Sample
 
 any_float = st.floats(width=64)
 samples = st.lists(

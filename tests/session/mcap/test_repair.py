@@ -19,8 +19,6 @@ from mcap.stream_reader import StreamReader
 from mcap.writer import Writer
 
 from gyrodrift.cli import main
-from gyrodrift.errors import DataError
-from gyrodrift.sample import Sample
 from gyrodrift.session.files import session_paths
 from gyrodrift.session.mcap import interrupted as looking
 from gyrodrift.session.mcap.interrupted import interrupted
@@ -29,6 +27,8 @@ from gyrodrift.session.mcap.raw import raw_size, read_raw
 from gyrodrift.session.mcap.read import read_mcap
 from gyrodrift.session.mcap.repair import repair
 from gyrodrift.session.mcap.write import McapWriter
+from gyrodrift.values.errors import DataError
+from gyrodrift.values.sample import Sample
 
 METADATA = {"device": {"device_id": "bench"}}
 

@@ -10,7 +10,6 @@ import pytest
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
-from gyrodrift.sample import Inertial, Sample
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.session.foreign.export import write_imu, write_json
 from gyrodrift.session.mcap.layout import AXES_MESSAGE, MESSAGE
@@ -19,6 +18,7 @@ from gyrodrift.session.mcap.repair import repair
 from gyrodrift.session.mcap.walk import AXES_ROW
 from gyrodrift.session.mcap.write import McapWriter
 from gyrodrift.session.session import AXIS_COLUMNS, Session, session_of
+from gyrodrift.values.sample import Inertial, Sample
 
 METADATA = {"device": {"device_id": "bench"}}
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gyrodrift.errors import DataError
 from gyrodrift.session.tables.read import read_table
+from gyrodrift.values.errors import DataError
 
 
 def table(folder: Path, head: str) -> Path:

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gyrodrift.columns.spec import columns_of
-from gyrodrift.errors import DataError
 from gyrodrift.session.files import load_session
+from gyrodrift.values.errors import DataError
 
 ROWS = 40
 CLOCKS = {"t_s": 1.0, "time (ms)": 1e3, "micros": 1e6, "Timestamp [us]": 1e6, "stamp_ns": 1e9}

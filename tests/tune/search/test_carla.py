@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrodrift.arrays import Floats
 from gyrodrift.tune.search.carla import GRID, HEIGHT, MEMORY, POINTS, WIDTH, Automaton, Carla, Memory
+from gyrodrift.values.arrays import Floats
 
 FULL = np.array([1.0])
 

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gyrodrift.errors import DataError
 from gyrodrift.evaluation.space import axes_of
 from gyrodrift.filters.hdr_filter import HDR
 from gyrodrift.tune.search.journal import Journal
 from gyrodrift.tune.search.objective import Objective
+from gyrodrift.values.errors import DataError
 
 AXES = axes_of(HDR)
 

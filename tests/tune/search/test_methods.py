@@ -5,11 +5,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from gyrodrift.arrays import Floats
 from gyrodrift.evaluation.space import Axis, axes_of
 from gyrodrift.filters.hdr_filter import HDR
 from gyrodrift.tune.search.methods import METHODS, run_to_budget
 from gyrodrift.tune.search.objective import BudgetSpentError, Objective
+from gyrodrift.values.arrays import Floats
 
 AXES = axes_of(HDR)
 

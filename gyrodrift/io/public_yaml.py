@@ -6,7 +6,7 @@ It works on the events of the parser, so the depth of a file has no limit.
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from gyrodrift.secret import HIDDEN, is_secret_name, mentions_secret, without_secrets
+from gyrodrift.values.secret import HIDDEN, is_secret_name, mentions_secret, without_secrets
 
 if TYPE_CHECKING:
     import yaml

@@ -5,10 +5,10 @@ import sys
 from io import TextIOBase
 from typing import Any, TextIO, cast
 
-from gyrodrift.errors import UsageError, printable
-from gyrodrift.log_stream import UnwaitingStream
-from gyrodrift.logger import FilteringBoundLogger, structlog
-from gyrodrift.secret import without_secrets
+from gyrodrift.io.log_stream import UnwaitingStream
+from gyrodrift.io.logger import FilteringBoundLogger, structlog
+from gyrodrift.values.errors import UsageError, printable
+from gyrodrift.values.secret import without_secrets
 
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40}
 FORMATS = ("auto", "text", "json")

@@ -11,8 +11,8 @@ from secrets import token_hex
 from tempfile import TemporaryFile
 from typing import BinaryIO
 
-from gyrodrift.errors import UsageError
-from gyrodrift.system import OPEN_AT_ONCE, set_mode, set_owner
+from gyrodrift.io.system import OPEN_AT_ONCE, set_mode, set_owner
+from gyrodrift.values.errors import UsageError
 
 MCAP_MAGIC = b"\x89MCAP"
 COMMENT, LONGEST_LINE = b"#", 4096
@@ -253,5 +253,5 @@ def check_writable(folder: Path) -> None:
 
 def shipped_config(name: str) -> Path:
     """Path of a file of `config/`, in a checkout or in an installed wheel."""
-    installed = Path(__file__).parent / "shipped"
-    return (installed if installed.is_dir() else Path(__file__).parent.parent / "config") / name
+    installed = Path(__file__).parent.parent / "shipped"
+    return (installed if installed.is_dir() else Path(__file__).parents[2] / "config") / name

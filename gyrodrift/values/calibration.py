@@ -22,8 +22,8 @@ from typing import Annotated, Any, Literal
 
 from annotated_types import Ge, Gt, Le, MaxLen
 
-from gyrodrift.sample import DeviceYaw, Inertial, Sample, upside_down
-from gyrodrift.vectors import Vector, numbers_in, product, solution
+from gyrodrift.values.sample import DeviceYaw, Inertial, Sample, upside_down
+from gyrodrift.values.vectors import Vector, numbers_in, product, solution
 
 OLD_DAYS = 365.0
 """Age from which a calibration is reported as old; it is still applied.

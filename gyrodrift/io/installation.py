@@ -19,12 +19,12 @@ from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
 from gyrodrift import __version__
-from gyrodrift.errors import UsageError
+from gyrodrift.values.errors import UsageError
 
 NAME = "gyrodrift"
 DEVELOPMENT = frozenset({"docs", "fuzz", "test"})
 """Extras that only a clone needs."""
-PACKAGE = Path(__file__).parent
+PACKAGE = Path(__file__).parent.parent
 
 
 class Installer(Enum):

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from io import TextIOBase, UnsupportedOperation
 from typing import TextIO
 
-from gyrodrift.unwaiting import send_unwaiting
+from gyrodrift.io.unwaiting import send_unwaiting
 
 LONGEST_KEPT = 65_536
 """Bytes that wait for a slow reader; later lines are counted and dropped."""

@@ -5,7 +5,7 @@ import socket
 import stat
 import time
 
-from gyrodrift.waiting import POLLOUT, new_poller
+from gyrodrift.io.waiting import POLLOUT, new_poller
 
 CAN_REFUSE_TO_WAIT = hasattr(os, "O_NONBLOCK")
 """Windows waits for a slow reader of a pipe."""

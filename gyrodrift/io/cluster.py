@@ -12,8 +12,8 @@ from concurrent import futures
 from contextlib import suppress
 from typing import Any
 
-from gyrodrift.errors import GyrodriftError, UsageError
-from gyrodrift.installation import extra_command
+from gyrodrift.io.installation import extra_command
+from gyrodrift.values.errors import GyrodriftError, UsageError
 
 CONNECT_S = 5.0
 FIRST_WORKER_S = 10.0

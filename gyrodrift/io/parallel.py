@@ -9,7 +9,7 @@ from multiprocessing import get_context
 from signal import SIG_DFL, SIG_IGN, SIGINT, SIGTERM, signal
 from typing import Any, Generic, TypeVar
 
-from gyrodrift.system import CAN_FORK, kill_with
+from gyrodrift.io.system import CAN_FORK, kill_with
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

@@ -10,7 +10,7 @@ from functools import cache
 from math import asin, atan2, cos, degrees, hypot, radians, sin, sqrt
 from typing import Literal, get_args
 
-from gyrodrift.vectors import Vector
+from gyrodrift.values.vectors import Vector
 
 Quaternion = tuple[float, float, float, float]
 Axis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from gyrodrift.secret import WITHIN_WORD
+from gyrodrift.values.secret import WITHIN_WORD
 
 ARGUMENTS = Path("/proc/self/cmdline")
 MEMORY = Path("/proc/self/mem")

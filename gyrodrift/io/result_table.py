@@ -59,8 +59,8 @@ def _cell(value: Any) -> str:
 def _package(name: str, method: str) -> Any:
     from importlib import import_module  # noqa: PLC0415 - an optional package
 
-    from gyrodrift.errors import UsageError  # noqa: PLC0415
-    from gyrodrift.installation import package_command  # noqa: PLC0415
+    from gyrodrift.io.installation import package_command  # noqa: PLC0415
+    from gyrodrift.values.errors import UsageError  # noqa: PLC0415
 
     try:
         return import_module(name)

@@ -1,0 +1,1 @@
+"""Values that all packages share: samples, vectors, mount, calibration, errors and secrets."""
