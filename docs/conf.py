@@ -18,7 +18,7 @@ release = version = gyrodrift.__version__
 
 extensions = ["myst_parser", "numpydoc", "sphinx.ext.autodoc"]
 root_doc = "README"
-include_patterns = ["*.md", "docs/**"]
+include_patterns = ["*.md", "benchmark/*.md", "docs/**"]
 exclude_patterns = [".*", "build", "config", "firmware_sim", "gyrodrift", "tests", "**/__pycache__"]
 suppress_warnings = [
     "myst.header",  # headings may skip a level
@@ -49,7 +49,9 @@ def contents() -> str:
     sections = re.split(r"^## ", (ROOT / "docs" / "README.md").read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]
     listed = {heading: _pages_in(body) for heading, _, body in (section.partition("\n") for section in sections)}
     linked = {page for pages in listed.values() for page in pages} | {"README"}
-    listed["Project"] = ["docs/README", *(page.stem for page in sorted(ROOT.glob("*.md")) if page.stem not in linked)]
+    others = [page.relative_to(ROOT) for pattern in ("*.md", "benchmark/*.md") for page in sorted(ROOT.glob(pattern))]
+    names = [page.with_suffix("").as_posix() for page in others]
+    listed["Project"] = ["docs/README", *(name for name in names if name not in linked)]
     return "".join(_table(heading, pages) for heading, pages in listed.items())
 
 

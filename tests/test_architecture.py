@@ -10,13 +10,16 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
+BENCHMARK = ROOT / "benchmark"
 PROGRAMS_OF_BOARDS = ROOT / "gyrodrift" / "firmware" / "files"
 MODULES = sorted(
     path
-    for room in ("gyrodrift", "firmware_sim")
-    for path in (ROOT / room).rglob("*.py")
+    for folder in (ROOT / "gyrodrift", ROOT / "firmware_sim", BENCHMARK / "gyrogap")
+    for path in folder.rglob("*.py")
     if not path.is_relative_to(PROGRAMS_OF_BOARDS)
 )
+
+PACKAGES = ("gyrodrift", "firmware_sim", "gyrogap")
 
 BASE = "effects errors io sample values"
 """Packages that know each other and no other package; `errors` and `sample` are public names of `values`."""
@@ -52,18 +55,19 @@ ROOMS = {
     "diagnose.report": f"{BASE} diagnose diagnose.export diagnose.features diagnose.inference "
     "diagnose.next_recording diagnose.predictive_checks html",
     "diagnose.export": f"{BASE} diagnose diagnose.inference diagnose.report firmware_sim html",
-    "gyrogap": "errors files",
     "demo": f"{BASE} filters",
     "firmware": f"{BASE} filters config",
     "library": f"{BASE} columns compare config diagnose diagnose.report evaluation filters firmware_sim html link "
     "session simulation tune",
     "firmware_sim": "",
+    "gyrogap": "cli io values",
 }
 """Each room with the rooms it may know: data goes from the first to the last, and no value travels back."""
 
 
 def name_of(path: Path) -> str:
-    return ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+    folder = BENCHMARK if path.is_relative_to(BENCHMARK) else ROOT
+    return ".".join(path.relative_to(folder).with_suffix("").parts).removesuffix(".__init__")
 
 
 NAMES = {name_of(path): path for path in MODULES}
@@ -102,7 +106,8 @@ def forbidden_rooms(path: Path) -> set[str]:
     room = room_of(name_of(path))
     if room in {"cli", "__main__", "gyrodrift"}:
         return set()
-    known = {room_of(name) for name in of("gyrodrift", imports_of(path)) | of("firmware_sim", imports_of(path))}
+    imports = imports_of(path)
+    known = {room_of(name) for package in PACKAGES for name in of(package, imports)}
     allowed = set((BASE if room in BASE.split() else ROOMS[room]).split())
     return known - allowed - {room, "gyrodrift"}
 

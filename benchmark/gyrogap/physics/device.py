@@ -1,0 +1,127 @@
+"""The real device of a case, and the rig file: what somebody who bought it would write down about it.
+
+Bias, noise, sample rate and host delay differ between the two; one count and the counts per turn do not.
+"""
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from gyrogap.physics.dice import Rng
+from gyrogap.physics.kinds import InjectedEffect
+from gyrogap.physics.motion import Floats
+from gyrogap.physics.rig_text import rig_text
+from gyrogap.physics.scene import PHYSICS_HZ
+from gyrogap.physics.three_axes import ThreeAxisPart
+
+UNUSUAL_RATE = 0.1
+"""So often the device samples at 50 or 200 Hz, whatever the rig says."""
+
+FILTERED_HZ = 3600.0
+"""Rate of the fine grid of a device that has a filter: some ten points to its time constant."""
+
+
+@dataclass(frozen=True, slots=True)
+class Device:
+    """A real device.
+
+    noise_dps_rthz
+        Angle random walk: a sample scatters by noise·√sample_rate.
+    bias_dps
+        One for each session: no device is switched on twice with the same bias.
+    host_delay_s, host_scatter_s
+        From measurement to host: least, and mean of what comes on top, which scatters as much.
+    stamp_scatter_s, clock_ppm
+        Of a healthy device clock.
+    encoder_absolute
+        Whether the encoder tells the true angle; else it is zeroed where it stands at power-on.
+    low_pass_hz
+        The filter that it is sold with, which the rig states; 0 for none.
+    three_axes
+        The other two axes and the accelerometer; None for a device of one axis.
+    """
+
+    sample_hz: float
+    dps_per_lsb: float
+    noise_dps_rthz: float
+    bias_dps: tuple[float, ...]
+    encoder_cpr: int
+    host_delay_s: float
+    host_scatter_s: float
+    stamp_scatter_s: float
+    clock_ppm: float
+    encoder_absolute: bool = True
+    low_pass_hz: float = 0.0
+    three_axes: ThreeAxisPart | None = None
+
+    @property
+    def healthy_filters(self) -> tuple[InjectedEffect, ...]:
+        """Filters of a healthy device, as effects."""
+        return (InjectedEffect("one_pole", {"cutoff_hz": self.low_pass_hz}),) if self.low_pass_hz else ()
+
+    @property
+    def physics_hz(self) -> float:
+        """Least rate of the fine grid."""
+        return FILTERED_HZ if self.low_pass_hz else PHYSICS_HZ
+
+    def facts(self) -> dict[str, Any]:
+        """For the label."""
+        facts = asdict(self)
+        return facts if self.three_axes else {name: fact for name, fact in facts.items() if name != "three_axes"}
+
+
+@dataclass(frozen=True, slots=True)
+class RigFile:
+    """Values of the rig file.
+
+    encoder_absolute
+        None where it does not say.
+    effects
+        Which the rig has already.
+    """
+
+    noise_dps_rthz: float
+    bias_dps: float
+    host_delay_s: float
+    sample_rate_hz: int = 100
+    encoder_absolute: bool | None = None
+    effects: tuple[InjectedEffect, ...] = ()
+
+    def text(self, device: Device) -> str:
+        """The file."""
+        base = {
+            "sample_rate_hz": self.sample_rate_hz,
+            "dps_per_lsb": device.dps_per_lsb,
+            "noise_dps_rthz": self.noise_dps_rthz,
+            "bias_dps": self.bias_dps,
+            "encoder_cpr": device.encoder_cpr,
+            "host_delay_s": self.host_delay_s,
+        }
+        if self.encoder_absolute is not None:
+            base["encoder_absolute"] = self.encoder_absolute
+        return rig_text(base, self.effects, None if device.three_axes is None else device.three_axes.stated())
+
+
+def draw_device(rng: Rng, sessions: int, *, usual_rate: bool) -> tuple[Device, RigFile]:
+    """A device and its rig; at a usual rate where samples of 50 Hz would hide a small effect."""
+    rig = RigFile(round(rng.uniform(0.003, 0.0045), 5), round(rng.uniform(-0.6, 0.6), 3), 0.002)
+    bias_dps = rig.bias_dps + rng.normal(0.0, 0.3) + rng.uniform(0.05, 0.5) * rng.standard_normal(sessions)
+    near_hz, far = rng.uniform(98.6, 101.2), rng.random() < UNUSUAL_RATE
+    factor = float(rng.choice([0.5, 2.0])) if far and not usual_rate else 1.0
+    device = Device(
+        sample_hz=round(near_hz * factor, 3),
+        dps_per_lsb=float(rng.choice([0.00763, 0.00875])),
+        noise_dps_rthz=rig.noise_dps_rthz * rng.uniform(0.6, 1.7),
+        bias_dps=_rounded(bias_dps),
+        encoder_cpr=int(rng.choice([36000, 40000])),
+        host_delay_s=rng.uniform(0.001, 0.008),
+        host_scatter_s=rng.uniform(0.00003, 0.00015),
+        stamp_scatter_s=2e-6,
+        clock_ppm=rng.uniform(-3.0, 3.0),
+    )
+    return device, rig
+
+
+def _rounded(values: Floats) -> tuple[float, ...]:
+    return tuple(np.round(values, 4).tolist())

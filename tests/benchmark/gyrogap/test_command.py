@@ -1,0 +1,77 @@
+"""The command: make a data set, score answers to it, from a terminal."""
+
+import json
+from pathlib import Path
+
+import pytest
+from gyrogap.command import ROW_NAMES
+from gyrogap.rows import ROWS
+
+from gyrodrift.cli import main
+
+
+@pytest.fixture(scope="module")
+def data_set(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A case of each row, its labels elsewhere."""
+    folder = tmp_path_factory.mktemp("gyrogap")
+    words = ["gyrogap", "make", str(folder / "set"), "--seed", "4", "--count", "1", "--seals", str(folder / "sealed")]
+    assert main(words) == 0
+    return folder
+
+
+def test_the_rows_of_the_help_are_those_of_the_benchmark() -> None:
+    """In their order."""
+    assert tuple(ROWS) == ROW_NAMES
+
+
+def test_make_and_score(data_set: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """An answer of none to all cases: right where there is no gap, missing everywhere else."""
+    folder = data_set / "set"
+    assert not (folder / "seals").exists()
+    cases = [case["case"] for case in json.loads((folder / "manifest.json").read_text())["cases"]]
+    assert len(cases) == 6
+    for case in cases[1:]:
+        (tmp_path / f"{case}.json").write_text('{"causes": [], "none": 0.9, "unknown": 0.05}')
+    for other in ("case-1.json", "score.json"):
+        (tmp_path / other).write_text("{}")
+    words = ["gyrogap", "score", str(folder), str(tmp_path), "--seals", str(data_set / "sealed")]
+    assert main([*words, "--out", str(tmp_path / "out" / "score.json")]) == 0
+    printed = capsys.readouterr()
+    assert "6 cases, 5 answered" in printed.out
+    assert "1 JSON files answer no case of" in printed.err
+    assert "such as case-1.json" in printed.err
+    score = json.loads((tmp_path / "out" / "score.json").read_text())
+    figures = {figure["key"]: figure for figure in score["figures"]}
+    assert figures["single_effect"]["value"] == 0.0
+    assert figures["gap_closed"]["value"] == 0.0
+    assert len((folder / "openings.log").read_text().splitlines()) == 6
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["make", "{tmp}/new"], "needs one folder and --seed N"),
+        (["make", "{tmp}/new", "more", "--seed", "1"], "needs one folder and --seed N"),
+        (
+            ["make", "{tmp}/new", "--seed", "1", "--rows", "none,singel"],
+            "there is no row singel; there are none, single",
+        ),
+        (["make", "{set}", "--seed", "1", "--count", "1"], "holds a data set; give another folder"),
+        (["score", "{set}"], "needs the folder of the answers"),
+    ],
+)
+def test_wrong_usage_is_one_line(
+    words: list[str], message: str, data_set: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With exit status 2, and what to do."""
+    given = [word.format(tmp=tmp_path, set=data_set / "set") for word in words]
+    assert main(["gyrogap", *given]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_a_folder_without_answers_is_reported(
+    data_set: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Before a seal is opened."""
+    assert main(["gyrogap", "score", str(data_set / "set"), str(tmp_path)]) == 4
+    assert "an answer is CASE.json" in capsys.readouterr().err
