@@ -12,11 +12,9 @@ from typing import NamedTuple
 import pytest
 from support import PATIENCE_S, never, speaking_on
 
-from gyrodrift.cli import main
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.values.errors import DeviceSilentError
-
 
 HEARD_S = 3.0
 
