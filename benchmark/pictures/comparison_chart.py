@@ -1,16 +1,14 @@
-"""The comparison chart of the README, drawn from the tables of docs/results.md: no figure is stated a second time."""
+"""The comparison chart of the README, drawn from the tables of docs/results: no figure is stated a second time."""
 
-import re
-from collections.abc import Iterator
+import csv
 from dataclasses import dataclass
 from math import log10
 from pathlib import Path
 
 from pictures.card import card, label, line
 
-RESULTS = Path(__file__).parents[2] / "docs" / "results.md"
-REAL, HARD = "All methods", "Hard cases, defaults"
-"""Headings of the two tables."""
+RESULTS = Path(__file__).parents[2] / "docs" / "results" / "0.1.0"
+REAL, HARD = RESULTS / "all-methods.csv", RESULTS / "hard-cases-defaults.csv"
 
 METHODS = ("Euler", "start calibration", "x-io Fusion", "VQF", "restlevel")
 TITLES = {
@@ -59,22 +57,14 @@ class Row:
         return self.errors_deg["restlevel"] > min(self.errors_deg.values())
 
 
-def table_below(heading: str, page: str) -> Iterator[dict[str, str]]:
-    """Rows of the first table below a heading, by column, without bold marks."""
-    section = page.split(f"# {heading}\n", 1)[1]
-    lines = re.findall(r"^\|.*\|$", section.partition("\n#")[0].replace("*", ""), re.MULTILINE)
-    header, _, *rows = ([cell.strip() for cell in text.strip("|").split("|")] for text in lines)
-    for row in rows:
-        yield dict(zip(header, row, strict=True))
-
-
-def rows_of(heading: str, page: str, column: int = 0) -> list[Row]:
-    """Rows with one of the errors that a cell holds as `still / moving`."""
-    return [
-        Row(_title(next(iter(cells.values()))), {name: float(cells[name].split(" / ")[column]) for name in METHODS})
-        for cells in table_below(heading, page)
-        if not next(iter(cells.values())).startswith("mean")
-    ]
+def rows_of(path: Path, column: int = 0) -> list[Row]:
+    """Rows of a table with one of the errors that a cell holds as `still / moving`."""
+    with path.open(encoding="utf-8", newline="") as table:
+        return [
+            Row(_title(name), {method: float(cells[method].split(" / ")[column]) for method in METHODS})
+            for cells in csv.DictReader(table)
+            if not (name := next(iter(cells.values()))).startswith("mean")
+        ]
 
 
 def _title(name: str) -> str:
@@ -88,8 +78,7 @@ def write(path: Path) -> None:
 
 def picture() -> str:
     """The chart of the committed tables."""
-    page = RESULTS.read_text(encoding="utf-8")
-    return draw(rows_of(REAL, page), rows_of(HARD, page), rows_of(HARD, page, 1))
+    return draw(rows_of(REAL), rows_of(HARD), rows_of(HARD, 1))
 
 
 def draw(real: list[Row], still: list[Row], moving: list[Row]) -> str:
@@ -109,7 +98,7 @@ def draw(real: list[Row], still: list[Row], moving: list[Row]) -> str:
         + _panel(still, LEFTS[0], hard_top)
         + _panel(moving, LEFTS[1], hard_top)
     )
-    return card(WIDTH, round(height), "Mean yaw error of five methods; docs/results.md has the tables", STYLE, content)
+    return card(WIDTH, round(height), "Mean yaw error of five methods; docs/results has the tables", STYLE, content)
 
 
 def _x(left: float, error_deg: float) -> float:
