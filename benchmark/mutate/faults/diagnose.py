@@ -133,7 +133,7 @@ FAULTS = (
     ),
     Fault(
         "diagnose/quantiles-swapped",
-        f"{INFERENCE}/size.py",
+        f"{INFERENCE}/conclusion.py",
         "low, median, high = quantiles(",
         "high, median, low = quantiles(",
         "The interval of a size is empty.",
@@ -197,7 +197,7 @@ FAULTS = (
     ),
     Fault(
         "diagnose/tilt-raises-rate",
-        f"{INFERENCE}/unseparated.py",
+        f"{INFERENCE}/conclusion.py",
         "any(size < 0.0 for size in sizes)",
         "any(size > 0.0 for size in sizes)",
         "A rate that is too high ties with a tilted sensor.",
