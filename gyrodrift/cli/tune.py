@@ -135,8 +135,6 @@ def run(arguments: argparse.Namespace) -> int:
     """Tune; 0 if all files are written."""
     _check_paths(arguments.out, arguments.report)
     if arguments.header is not None:
-        from gyrodrift.cli.tune import check_header
-
         check_header(arguments.header)
     with options.progress_of(arguments, {}) as progress:
         progress.report(options.PACKAGES, 0, 0)
@@ -212,8 +210,6 @@ def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
         made = Provenance(set_name(given), command, date_now(), config=f"{arguments.out}, with these parameters:")
         write_whole(arguments.report / "report.html", [report_html(tuning, made)])
     if arguments.header is not None:
-        from gyrodrift.cli.tune import write_header
-
         write_header(arguments.header, arguments.out)
     for warning in tuning.warnings:
         print(f"gyrodrift: warning: {warning}", file=sys.stderr)
