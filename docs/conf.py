@@ -10,6 +10,7 @@ ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT))  # the code beside these pages
 
 import gyrodrift  # noqa: E402 - after its folder is on the path
+from gyrodrift.cli import COMMANDS, parser_of  # noqa: E402
 
 project = "gyrodrift"
 author = "The gyrodrift authors"
@@ -41,7 +42,7 @@ linkcheck_ignore = [r"http://(127\.0\.0\.1|localhost)"]
 
 LINK = re.compile(r"\]\(([\w./-]+\.md)\)")
 ANCHOR = re.compile(r'<a id="([\w-]+)"></a>')
-API = "docs/api"
+API, TERMINAL = "docs/api", "docs/terminal"
 
 
 def contents() -> str:
@@ -67,13 +68,20 @@ def _table(heading: str, pages: list[str]) -> str:
 
 
 def adapt(app: Sphinx, docname: str, source: list[str]) -> None:
-    """Add the contents to the front page, and turn anchors of HTML into anchors that Sphinx can check."""
+    """Add contents, options and missing names to their pages; turn anchors of HTML into those that Sphinx checks."""
     if docname == API:
         source[0] += missing_names(source[0])
         return
     source[0] = ANCHOR.sub(r"[]{#\1}", source[0])
+    if docname == TERMINAL:
+        source[0] += options()
     if docname == app.config.root_doc:
         source[0] += contents()
+
+
+def options() -> str:
+    """The help of each command, from its parser."""
+    return "".join(f"\n### {name}\n\n```text\n{parser_of(name).format_help()}```\n" for name in COMMANDS)
 
 
 def missing_names(page: str) -> str:
