@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-BENCHMARK = Path(__file__).parents[3] / "benchmark"
+BENCHMARK = Path(__file__).parents[2] / "benchmark"
 FOLDER, PHYSICS = BENCHMARK / "blind", BENCHMARK / "gyrogap" / "physics"
 MODULES = sorted(FOLDER.rglob("*.py"))
 
