@@ -44,7 +44,7 @@ tests: $(VENV)/ready-to-test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadgroup
 
 bench: $(VENV)/ready-to-test
-	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest benchmark/bench -m bench -s -p no:randomly --timeout 600
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest benchmark/bench -s -p no:randomly --timeout 600
 
 # Compares results over many random cases with the committed figures, and fails if one is worse. All rows of the blind
 # check take hours; EVALUATE="diagnose --count 50" selects some. An interrupted run continues.

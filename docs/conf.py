@@ -50,8 +50,8 @@ def contents() -> str:
     sections = re.split(r"^## ", (ROOT / "docs" / "README.md").read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]
     listed = {heading: _pages_in(body) for heading, _, body in (section.partition("\n") for section in sections)}
     linked = {page for pages in listed.values() for page in pages} | {"README"}
-    others = [page.relative_to(ROOT) for pattern in ("*.md", "benchmark/*.md") for page in sorted(ROOT.glob(pattern))]
-    names = [page.with_suffix("").as_posix() for page in others]
+    paths = [page.relative_to(ROOT) for pattern in ("*.md", "benchmark/*.md") for page in sorted(ROOT.glob(pattern))]
+    names = [page.with_suffix("").as_posix() for page in paths]
     listed["Project"] = ["docs/README", *(name for name in names if name not in linked)]
     return "".join(_table(heading, pages) for heading, pages in listed.items())
 

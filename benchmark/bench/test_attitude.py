@@ -15,8 +15,6 @@ from gyrodrift.filters.attitude.step import step
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.values.arrays import Floats
 
-pytestmark = pytest.mark.bench
-
 SEEDS = range(400, 410)
 
 

@@ -12,7 +12,7 @@ from six_axis_support import heading_errors_deg, record
 
 from bench.harness import show
 
-pytestmark = [pytest.mark.bench, pytest.mark.timeout(1800)]
+pytestmark = pytest.mark.timeout(1800)
 
 NUMBERS = (6, 4, 3, 2)
 SEEDS = (11, 12, 13)

@@ -16,7 +16,6 @@ from gyrodrift.evaluation.cluster_cost import ClusterCost, descriptions_of, load
 from gyrodrift.evaluation.cost import Cost
 from gyrodrift.evaluation.dataset import Source, load_with_reference
 
-pytestmark = pytest.mark.bench
 distributed = pytest.importorskip(
     "distributed", reason="tuning on a cluster is an extra: pip install 'gyrodrift[cluster]'"
 )

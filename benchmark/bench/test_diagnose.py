@@ -12,7 +12,7 @@ from firmware_sim.rig import load_rig, parse_effect, with_effects
 from gyrodrift.cli import main
 from gyrodrift.simulation.sessions import write_sessions
 
-pytestmark = [pytest.mark.bench, pytest.mark.timeout(1200)]
+pytestmark = pytest.mark.timeout(1200)
 
 HALF = tuple(word for name in sorted(CATALOGUE)[::2] if name != "scale_factor" for word in ("--withhold", name))
 

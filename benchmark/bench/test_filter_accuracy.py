@@ -14,7 +14,7 @@ from gyrodrift.evaluation.reference import Reference, reference_of
 from gyrodrift.session.files import load_session
 from gyrodrift.simulation.hard_cases import CASES, simulation
 
-pytestmark = [pytest.mark.bench, pytest.mark.timeout(1800)]
+pytestmark = pytest.mark.timeout(1800)
 
 NUMBERS = (8, 6, 5, 4, 3, 2)
 SEED = 1045

@@ -7,7 +7,7 @@ from board_filter_support import AVR_RAM, M0_PLUS, M4F, BoardRun, board_samples,
 
 from bench.harness import show
 
-pytestmark = [pytest.mark.bench, pytest.mark.timeout(1800)]
+pytestmark = pytest.mark.timeout(1800)
 
 SECONDS = 300.0
 SIX = ("-DGD_RESTLEVEL_HYPOTHESES=6", "-DGD_RESTLEVEL_AUXILIARY=1")

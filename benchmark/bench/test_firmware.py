@@ -14,8 +14,6 @@ from support import PATIENCE_S, ours
 from bench.harness import show
 from gyrodrift.session.mcap.read import read_mcap
 
-pytestmark = pytest.mark.bench
-
 SECONDS = 600
 LONGEST_S = 500.0
 

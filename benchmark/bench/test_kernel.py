@@ -9,14 +9,11 @@ from pathlib import Path
 from statistics import median
 
 import numpy as np
-import pytest
 
 from bench.harness import BENCH, show
 from gyrodrift.evaluation.cost import Cost
 from gyrodrift.evaluation.reference import Reference
 from gyrodrift.values.arrays import Floats
-
-pytestmark = pytest.mark.bench
 
 SESSIONS = 10
 SAMPLES = 60_000

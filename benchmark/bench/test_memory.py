@@ -27,8 +27,6 @@ from gyrodrift.config.outputs import output_of
 from gyrodrift.io.log import open_log
 from gyrodrift.service.output_feed import OutputFeed, memory_bytes
 
-pytestmark = pytest.mark.bench
-
 EARLY_SAMPLES, LATE_SAMPLES = 1_000_000, 10_000_000
 MOST_GROWTH_BYTES = 5 << 20
 

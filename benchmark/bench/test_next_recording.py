@@ -8,7 +8,6 @@ import time
 from collections.abc import Sequence
 
 import numpy as np
-import pytest
 import yaml
 from blind.experiment import random_profile
 
@@ -68,7 +67,6 @@ def drawn_profile(seed: int) -> Profile:
     return Profile.model_validate(yaml.safe_load(random_profile(MINUTES, seed)))
 
 
-@pytest.mark.bench
 def test_predictions_come_true_and_beat_chance() -> None:
     """Over all pairs the prediction is right within 0.05, and a motion at random tells clearly less."""
     rows = []

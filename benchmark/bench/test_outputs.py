@@ -31,7 +31,6 @@ from gyrodrift.io.log import open_log
 from gyrodrift.outputs.json_line import json_line
 from gyrodrift.service.output_feed import OutputFeed
 
-pytestmark = pytest.mark.bench
 need_mosquitto()
 
 RATE_HZ = 1000.0

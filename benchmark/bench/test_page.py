@@ -3,14 +3,11 @@
 import os
 from pathlib import Path
 
-import pytest
 from browser_support import Tab, browsing
 from outputs_support import path_of
 from support import Command
 
 from bench.harness import cpu_s, show
-
-pytestmark = pytest.mark.bench
 
 SECONDS = 10.0
 WIDE, PHONE = (1280, 900), (360, 740)

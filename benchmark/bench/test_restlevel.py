@@ -15,7 +15,7 @@ from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.simulation.hard_cases import CASES, simulation
 
-pytestmark = [pytest.mark.bench, pytest.mark.timeout(1200)]
+pytestmark = pytest.mark.timeout(1200)
 
 
 RATIO_MOST = 5.5

@@ -7,7 +7,6 @@ from pathlib import Path
 from statistics import median
 
 import numpy as np
-import pytest
 
 from bench.harness import (
     BENCH,
@@ -36,8 +35,6 @@ from gyrodrift.filters.hdr import (
     coefficients,
     step,
 )
-
-pytestmark = pytest.mark.bench
 
 Step = Callable[[HdrCoefficients, HdrState, float, float], bool]
 

@@ -21,7 +21,7 @@ from gyrodrift.tune.search.objective import Objective
 
 AXES = axes_of(HDR)
 
-pytestmark = [pytest.mark.bench, pytest.mark.timeout(7200)]
+pytestmark = pytest.mark.timeout(7200)
 
 SEEDS = 20
 EVALUATIONS = 3000

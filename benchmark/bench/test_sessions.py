@@ -16,8 +16,6 @@ from gyrodrift.session.files import write_session
 from gyrodrift.session.mcap.read import read_mcap
 from gyrodrift.session.session import Session
 
-pytestmark = pytest.mark.bench
-
 SAMPLES = 10_000_000
 PUBLIC_SAMPLES = 200_000
 ARRAY_BYTES = 6 * 8

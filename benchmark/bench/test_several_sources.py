@@ -6,12 +6,9 @@ import time
 from contextlib import ExitStack
 from pathlib import Path
 
-import pytest
 from bridge_support import free_port
 
 from bench.harness import BENCH, MODULES, PATIENCE_S, Process, cpu_s, running, show
-
-pytestmark = pytest.mark.bench
 
 RATE_HZ, SECONDS = 1000.0, 30.0
 COUNT = round(RATE_HZ * SECONDS)

@@ -5,14 +5,10 @@ import random
 import time
 from pathlib import Path
 
-import pytest
-
 from bench.harness import show
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig, parse_effect, with_effects
 from gyrodrift.simulation.sessions import Simulation, write_sessions
-
-pytestmark = pytest.mark.bench
 
 EFFECTS = ("scale_factor", "bandwidth", "bias_instability", "rate_random_walk", "temp_bias")
 LOOP_SAMPLES = 20_000

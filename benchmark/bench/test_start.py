@@ -13,8 +13,6 @@ from support import speaking_on
 
 from bench.harness import PATIENCE_S, hello, is_readable, native_frames, repeat, serving, show
 
-pytestmark = pytest.mark.bench
-
 STARTS = 15
 PERIOD_S = 0.001
 CONFIG = Path(__file__).parents[2] / "config" / "gyrodrift.yaml"

@@ -10,11 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import median, quantiles
 
-import pytest
-
 from bench.harness import PATIENCE_S, cpu_s, is_readable, logged, metronome, metronome_result, serving, show
-
-pytestmark = pytest.mark.bench
 
 SETTLING_S = 1.0
 SILENCE_S = 5.0

@@ -23,7 +23,7 @@ from gyrodrift.values.arrays import Floats
 
 AXES = axes_of(HDR)
 
-pytestmark = [pytest.mark.bench, pytest.mark.timeout(3600)]
+pytestmark = pytest.mark.timeout(3600)
 
 EVALUATIONS = 3000
 POPULATION = 15 * len(AXES)

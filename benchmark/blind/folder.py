@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from gyrogap.json_files import write_json
+from gyrogap.seals import HASHES, open_seal
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,9 +20,8 @@ class PlannedCase:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Which set this is, and the cases in the order of their names."""
+    """The seed of the set, and the cases in the order of their names."""
 
-    set_name: str
     seed: int
     cases: tuple[PlannedCase, ...]
 
@@ -33,13 +33,9 @@ class SetFolder:
     root: Path
 
     @property
-    def openings(self) -> Path:
-        """The log: a line for each seal that was opened."""
-        return self.root / "openings.log"
-
-    def seal(self, case: str) -> Path:
-        """Label and salt of a case."""
-        return self.root / "seals" / f"{case}.json"
+    def seals(self) -> Path:
+        """Labels and salts, a file for each case."""
+        return self.root / "seals"
 
     def result(self, case: str, run: str) -> Path:
         """What came of one run."""
@@ -49,9 +45,13 @@ class SetFolder:
         """Where the sessions go that are to be kept."""
         return self.root / "kept" / case
 
+    def open_seal(self, case: str, why: str) -> dict[str, Any]:
+        """Label of a case; the opening is logged."""
+        return open_seal(self.root, self.seals, case, why)
+
     def hashes(self) -> dict[str, str]:
         """Hash of salt and label by case; none before anything is sealed."""
-        path = self.root / "hashes.json"
+        path = self.root / HASHES
         read: dict[str, str] = json.loads(path.read_text()) if path.is_file() else {}
         return read
 
@@ -63,12 +63,12 @@ class SetFolder:
         """Read it."""
         read = json.loads((self.root / "plan.json").read_text())
         cases = tuple(PlannedCase(case["case"], case["withhold"], case["then"]) for case in read["cases"])
-        return Plan(read["set"], read["seed"], cases)
+        return Plan(read["seed"], cases)
 
     def write_plan(self, plan: Plan) -> None:
         """Write it."""
         cases = [{"case": case.name, "withhold": case.withhold, "then": case.then} for case in plan.cases]
-        self.write("plan.json", {"set": plan.set_name, "seed": plan.seed, "cases": cases})
+        self.write("plan.json", {"seed": plan.seed, "cases": cases})
 
     def write(self, name: str, value: Any) -> None:
         """JSON under a name."""

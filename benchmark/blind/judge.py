@@ -3,12 +3,11 @@
 from collections.abc import Collection, Mapping, Sequence
 from itertools import permutations
 
+from gyrogap.answer import SURE_ABOVE
 from gyrogap.catalogue import GROUP
+from gyrogap.judge import NEAR
 
 from blind.gap import Cause, Outcome, Said
-
-CONFIDENT = 0.8
-NEAR = 0.2
 
 NEGLIGIBLE_DEG = 0.3
 """Mean absolute yaw in a session: what costs less is reported as negligible, and is no cause."""
@@ -27,21 +26,10 @@ def names_group_first(outcome: Outcome, truth: str) -> bool:
     return bool(named) and GROUP.get(named[0].effect) == GROUP[truth]
 
 
-def names_first(outcome: Outcome, truth: str) -> bool:
-    """The first cause is the right effect, and nothing is tied with it or before it."""
-    named = _named(outcome)
-    return bool(named) and named[0].effect == truth
-
-
 def names_first_or_tied(outcome: Outcome, truth: str) -> bool:
     """The right effect is the first cause, or the first cause says that it is tied with it."""
     named = _named(outcome)
     return bool(named) and truth in named[0].names
-
-
-def names_among_two(outcome: Outcome, truth: str) -> bool:
-    """One of the first two causes is the right effect, or what the first one is tied with."""
-    return names_first_or_tied(outcome, truth) or truth in {cause.effect for cause in _named(outcome)[:2]}
 
 
 def raises_alarm(outcome: Outcome) -> bool:
@@ -145,4 +133,4 @@ def _named(outcome: Outcome) -> tuple[Cause, ...]:
 
 
 def _is_confident(cause: Cause) -> bool:
-    return cause.probability >= CONFIDENT
+    return cause.probability >= SURE_ABOVE

@@ -1,10 +1,14 @@
 """A set before its first run: labels sealed, hashes published, the plan written."""
 
+import secrets
 from collections.abc import Sequence
 
+from gyrogap.seals import HASHES, seal_label
+
 from blind.folder import Plan, PlannedCase, SetFolder
-from blind.seals import seal
-from blind.sets import cases_of
+from blind.rows.table import draw_rows
+
+SALT_BYTES = 16
 
 
 class OtherSetError(Exception):
@@ -12,46 +16,44 @@ class OtherSetError(Exception):
 
 
 def prepare(
-    folder: SetFolder,
-    set_name: str,
-    seed: int,
-    only: Sequence[str] = (),
-    rows: Sequence[str] = (),
-    count: int | None = None,
+    folder: SetFolder, seed: int, rows: Sequence[str] = (), count: int | None = None, only: Sequence[str] = ()
 ) -> None:
     """Seal what is asked for and not sealed yet; no seal is ever made anew.
 
     Parameters
     ----------
-    folder, set_name, seed
-        Where, which, with which numbers.
-    only
-        Parts of titles (`single/latency`) that a case must have one of; empty for the whole set.
+    folder, seed
+        Where, with which numbers.
     rows, count
-        Of the set `bench`: which rows (empty for all), and how many cases of each.
+        Which rows (empty for all), and how many cases of each.
+    only
+        Parts of titles (`single/3/latency`) that a case must have one of; empty for all cases.
 
     Raises
     ------
     OtherSetError
-        Where the folder belongs to another set or seed, or there is nothing to seal.
+        Where the folder belongs to another seed, or there is nothing to seal.
     """
-    planned = _planned(folder, set_name, seed)
+    planned = _planned(folder, seed)
     known = {case.name for case in planned}
-    asked = [case for case in cases_of(set_name, seed, rows, count) if case.name not in known]
+    asked = [case for case in draw_rows(seed, list(rows), count) if case.name not in known]
     new = [case for case in asked if not only or any(part in case.title for part in only)]
     if not new and not planned:
-        raise OtherSetError(f"{folder.root}: there is no such case in the set {set_name}")
+        raise OtherSetError(f"{folder.root}: there is no such case")
     if not new:
         return
-    seal(folder, (case.label() for case in new))
-    cases = [*planned, *(PlannedCase(case.name, case.withhold, case.then) for case in new)]
-    folder.write_plan(Plan(set_name, seed, tuple(sorted(cases, key=lambda case: case.name))))
+    hashes = folder.hashes()
+    for case in new:
+        hashes[case.name] = seal_label(folder.seals, secrets.token_hex(SALT_BYTES), case.label())
+    folder.write(HASHES, dict(sorted(hashes.items())))
+    cases = [*planned, *(PlannedCase(case.name, case.draft.withhold, case.draft.then) for case in new)]
+    folder.write_plan(Plan(seed, tuple(sorted(cases, key=lambda case: case.name))))
 
 
-def _planned(folder: SetFolder, set_name: str, seed: int) -> tuple[PlannedCase, ...]:
+def _planned(folder: SetFolder, seed: int) -> tuple[PlannedCase, ...]:
     if not folder.is_planned():
         return ()
     plan = folder.plan()
-    if (plan.set_name, plan.seed) != (set_name, seed):
-        raise OtherSetError(f"{folder.root}: holds the set {plan.set_name} of seed {plan.seed}; give another --out")
+    if plan.seed != seed:
+        raise OtherSetError(f"{folder.root}: holds cases of seed {plan.seed}; give another --out")
     return plan.cases

@@ -23,7 +23,6 @@ from gyrogap.json_files import write_json
 
 from blind.folder import Plan, PlannedCase, SetFolder
 from blind.gap import load_json, read_outcome
-from blind.seals import open_seal
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 STDERR_KEPT = 4000
@@ -115,7 +114,7 @@ def _oracle_jobs(folder: SetFolder, plan: Plan) -> list[_Job]:
     """For every case with a single effect: all others are withheld."""
     jobs = []
     for case in plan.cases:
-        label = open_seal(folder, case.name, "oracle")
+        label = folder.open_seal(case.name, "oracle")
         if label["kind"] == "single":
             true = label["effects"][0]["name"]
             jobs.append(_Job(case.name, (_Look("oracle", tuple(effect for effect in EFFECTS if effect != true)),)))
@@ -174,7 +173,7 @@ def _adopted(folder: SetFolder, case: str) -> str:
 
 def _generate(plan: Plan, case: str, into: Path) -> None:
     """In a process of its own, which alone knows what is put in."""
-    numbers = ["--set", plan.set_name, "--seed", str(plan.seed), "--case", case]
+    numbers = ["--seed", str(plan.seed), "--case", case]
     subprocess.run(
         [sys.executable, "-m", "benchmark", "blind", "generate", *numbers, "--out", str(into)], cwd=ROOT, check=True
     )

@@ -5,16 +5,14 @@ from dataclasses import dataclass
 from statistics import median
 
 from gyrogap.catalogue import JUDGED
-from gyrogap.chance import Bin, brier, reliability
 
 from blind import judge
 from blind.gap import Cause
+from blind.probabilities import Bin, brier, reliability
 from blind.tried import Tried
 
 WORTH_SHRINKING = 0.05
 """Where the true effect itself shrinks the gap by less, the ratio to it says nothing."""
-
-CLEAR = ("typical", "large")
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,24 +63,6 @@ def score(tried: list[Tried], rows_of: Callable[[list[Tried]], list[Share]]) -> 
     )
 
 
-def recipe_rows(tried: list[Tried]) -> list[Share]:
-    """The rows of the sets that are made by recipes."""
-    singles = [*single_rows(tried), false_alarms(tried)]
-    return [*singles, *outside_rows(tried), *pair_rows(tried), *left_out_rows(tried), parameter_row(tried)]
-
-
-def is_right(case: Tried) -> bool:
-    """Whether a case came out as it should, by the rule of its kind; a case that leaves one out in both of its runs."""
-    if case.kind == "none":
-        return not _alarm(case)
-    if case.kind == "outside":
-        return judge.abstains_at(case.blind, case.stages)
-    if case.kind in {"pair", "triple"}:
-        return _both(case, alone=True)
-    is_named = judge.names_first_or_tied(case.blind, case.truth)
-    return is_named and (case.kind == "single" or judge.is_not_fooled(case.outcomes["withheld"]))
-
-
 Rule = Callable[[Tried], bool]
 
 
@@ -110,29 +90,9 @@ def _miss(case: Tried, run: str) -> str:
     return f"{case.id}: {size}{case.put_in}{of}{without} → {case.outcomes[run].text}"
 
 
-def of_kind(tried: list[Tried], kind: str, *sizes: str) -> list[Tried]:
-    """Cases of a kind, and of some sizes."""
-    return [case for case in tried if case.kind == kind and (not sizes or case.size in sizes)]
-
-
-def single_rows(tried: list[Tried]) -> list[Share]:
-    """One effect of the catalogue at a time."""
-    clear, small = of_kind(tried, "single", *CLEAR), of_kind(tried, "single", "small")
-
-    def group(case: Tried) -> bool:
-        return judge.names_group_first(case.blind, case.truth)
-
-    def effect(case: Tried) -> bool:
-        return judge.names_first_or_tied(case.blind, case.truth)
-
-    return [
-        row("group named first, typical and large", clear, group, 0.95),
-        row("effect named first or tied first, typical and large", clear, effect, 0.9),
-        row("effect named first, alone, typical and large", clear, lambda c: judge.names_first(c.blind, c.truth)),
-        row("effect among the first two, typical and large", clear, lambda c: judge.names_among_two(c.blind, c.truth)),
-        row("group named first, small", small, group, 0.7),
-        row("effect named first or tied first, small", small, effect, 0.7),
-    ]
+def of_kind(tried: list[Tried], kind: str) -> list[Tried]:
+    """Cases of a kind."""
+    return [case for case in tried if case.kind == kind]
 
 
 def false_alarms(tried: list[Tried]) -> Share:
@@ -177,7 +137,6 @@ def _both(case: Tried, *, alone: bool) -> bool:
 def left_out_rows(tried: list[Tried]) -> list[Share]:
     """The true effect is withheld."""
     left_out = of_kind(tried, "left_out")
-    decoys = [case for case in of_kind(tried, "none") if case.withhold]
     return [
         row(
             "left out: no confident wrong cause without a leftover",
@@ -200,12 +159,6 @@ def left_out_rows(tried: list[Tried]) -> list[Share]:
             "left out: with the effect back it is named first or tied first",
             left_out,
             lambda c: judge.names_first_or_tied(c.blind, c.truth),
-        ),
-        row(
-            "no gap, something left out: false alarms",
-            decoys,
-            lambda c: judge.raises_alarm(c.outcomes["withheld"]),
-            is_most=True,
         ),
     ]
 

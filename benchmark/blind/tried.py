@@ -7,7 +7,6 @@ from gyrogap.catalogue import EFFECTS
 
 from blind.folder import SetFolder
 from blind.gap import Outcome, load_json, read_outcome
-from blind.seals import open_seal
 
 RUNS = ("blind", "withheld", "without", "again", "oracle")
 
@@ -91,7 +90,7 @@ def open_all(folder: SetFolder) -> list[Tried]:
     """Open every seal of a set and put the results beside the labels."""
     tried = []
     for case in folder.plan().cases:
-        label = open_seal(folder, case.name, "score")
+        label = folder.open_seal(case.name, "score")
         outcomes = {run: read_outcome(load_json(folder.result(case.name, run))) for run in RUNS}
         tried.append(tried_of(label, outcomes))
     return tried

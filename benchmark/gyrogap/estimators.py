@@ -1,6 +1,4 @@
-"""Estimators for the tests of the generator: what a textbook does with the columns of a session, and no more."""
-
-from collections.abc import Callable
+"""Estimators of a textbook on the columns of a session: for features, and for the tests of the generator."""
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -51,21 +49,6 @@ def fit(columns: Columns) -> dict[str, float]:
     return dict(zip(regressors, values.tolist(), strict=True))
 
 
-def of_fit(name: str, factor: float = 1.0) -> Callable[[Columns], float]:
-    """One of the coefficients."""
-    return lambda columns: factor * fit(columns)[name]
-
-
-def amplitude(sine: str, cosine: str) -> Callable[[Columns], float]:
-    """Amplitude of a sine of unknown phase."""
-
-    def estimate(columns: Columns) -> float:
-        fitted = fit(columns)
-        return float(np.hypot(fitted[sine], fitted[cosine]))
-
-    return estimate
-
-
 def at_rest(columns: Columns) -> Floats:
     """The rate of the still from power-on."""
     _, encoder_dps, _ = smooth_rates(columns)
@@ -81,12 +64,6 @@ def clock_ppm(columns: Columns) -> float:
 def stamp_sigma_ms(columns: Columns) -> float:
     """Scatter of stamps about even ones."""
     return float(np.std(np.diff(columns.t_device_s, 2)) / np.sqrt(6.0) * 1e3)
-
-
-def arrival_spread_ms(columns: Columns) -> float:
-    """From the soonest to the latest arrival, against even ones."""
-    late_s = columns.t_host_s - columns.t_host_s[0] - columns.seq * period_s(columns)
-    return float(np.ptp(late_s) * 1e3)
 
 
 def dropped_percent(columns: Columns) -> float:
@@ -109,23 +86,6 @@ def largest_dps(columns: Columns) -> float:
     return float(np.abs(columns.rate_dps).max())
 
 
-def zero_width_dps(columns: Columns) -> float:
-    """The smallest output that is not zero."""
-    return float(np.abs(columns.rate_dps[columns.rate_dps != 0.0]).min())
-
-
-def tone_dps(frequency_hz: float) -> Callable[[Columns], float]:
-    """Amplitude at a frequency, at rest; above half the sample rate it is looked for where it folds to."""
-
-    def estimate(columns: Columns) -> float:
-        rate_dps = at_rest(columns)
-        t_s = np.arange(len(rate_dps)) * period_s(columns)
-        wave = np.exp(-2j * np.pi * frequency_hz * t_s)
-        return float(2.0 * np.abs(np.mean((rate_dps - rate_dps.mean()) * wave)))
-
-    return estimate
-
-
 def moving_equal_percent(columns: Columns) -> float:
     """Neighbors that are equal while the rate changes fast."""
     _, _, acceleration = smooth_rates(columns)
@@ -144,12 +104,6 @@ def play_deg(columns: Columns) -> float:
     is_reversal = direction[APART:] * direction[:-APART] == -1.0
     moved_deg = direction[APART:] * (mean_deg[APART:] - mean_deg[:-APART])
     return -float(np.median(moved_deg[is_reversal]))
-
-
-def slips_deg(columns: Columns) -> Floats:
-    """Jumps of the encoder that the rate knows nothing of."""
-    off_deg = np.diff(columns.encoder_deg) - columns.rate_dps[1:] * period_s(columns)
-    return off_deg[np.abs(off_deg) > 0.15]
 
 
 def allan_dps(rate_dps: Floats, points: int) -> float:

@@ -13,6 +13,10 @@ from gyrogap.json_files import read_json, write_json
 HASHES, OPENINGS = "hashes.json", "openings.log"
 
 
+class BrokenSealError(DataError):
+    """The label in a seal is not the one whose hash was published."""
+
+
 def hash_of(salt: str, label: Mapping[str, Any]) -> str:
     """SHA-256 of the salt and the label in a canonical form."""
     text = json.dumps(label, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
@@ -31,8 +35,10 @@ def open_seal(folder: Path, seals: Path, case: str, why: str) -> dict[str, Any]:
 
     Raises
     ------
+    BrokenSealError
+        The label is not the one that was sealed.
     DataError
-        The label is not the one that was sealed, or there is no seal.
+        There is no seal.
     """
     now = datetime.now(UTC).isoformat(timespec="seconds")
     with (folder / OPENINGS).open("a") as log:
@@ -40,6 +46,6 @@ def open_seal(folder: Path, seals: Path, case: str, why: str) -> dict[str, Any]:
     path = seals / f"{case}.json"
     seal, published = read_json(path), read_json(folder / HASHES).get(case)
     if published != hash_of(seal["salt"], seal["label"]) or seal["label"]["case"] != case:
-        raise DataError(f"{path}: is not the label that was sealed; its hash differs from {folder / HASHES}")
+        raise BrokenSealError(f"{path}: is not the label that was sealed; its hash differs from {folder / HASHES}")
     label: dict[str, Any] = seal["label"]
     return label

@@ -90,7 +90,6 @@ class RowCase:
         costs = {} if draft.yaw_cost_deg is None else {"yaw_cost_deg": draft.yaw_cost_deg()}
         return {
             "case": self.name,
-            "set": "bench",
             "seed": self.seed,
             "row": self.row,
             "number": self.number,

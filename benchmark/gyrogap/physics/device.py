@@ -6,17 +6,10 @@ Bias, noise, sample rate and host delay differ between the two; one count and th
 from dataclasses import asdict, dataclass
 from typing import Any
 
-import numpy as np
-
-from gyrogap.physics.dice import Rng
 from gyrogap.physics.kinds import InjectedEffect
-from gyrogap.physics.motion import Floats
 from gyrogap.physics.rig_text import rig_text
 from gyrogap.physics.scene import PHYSICS_HZ
 from gyrogap.physics.three_axes import ThreeAxisPart
-
-UNUSUAL_RATE = 0.1
-"""So often the device samples at 50 or 200 Hz, whatever the rig says."""
 
 FILTERED_HZ = 3600.0
 """Rate of the fine grid of a device that has a filter: some ten points to its time constant."""
@@ -101,27 +94,3 @@ class RigFile:
         if self.encoder_absolute is not None:
             base["encoder_absolute"] = self.encoder_absolute
         return rig_text(base, self.effects, None if device.three_axes is None else device.three_axes.stated())
-
-
-def draw_device(rng: Rng, sessions: int, *, usual_rate: bool) -> tuple[Device, RigFile]:
-    """A device and its rig; at a usual rate where samples of 50 Hz would hide a small effect."""
-    rig = RigFile(round(rng.uniform(0.003, 0.0045), 5), round(rng.uniform(-0.6, 0.6), 3), 0.002)
-    bias_dps = rig.bias_dps + rng.normal(0.0, 0.3) + rng.uniform(0.05, 0.5) * rng.standard_normal(sessions)
-    near_hz, far = rng.uniform(98.6, 101.2), rng.random() < UNUSUAL_RATE
-    factor = float(rng.choice([0.5, 2.0])) if far and not usual_rate else 1.0
-    device = Device(
-        sample_hz=round(near_hz * factor, 3),
-        dps_per_lsb=float(rng.choice([0.00763, 0.00875])),
-        noise_dps_rthz=rig.noise_dps_rthz * rng.uniform(0.6, 1.7),
-        bias_dps=_rounded(bias_dps),
-        encoder_cpr=int(rng.choice([36000, 40000])),
-        host_delay_s=rng.uniform(0.001, 0.008),
-        host_scatter_s=rng.uniform(0.00003, 0.00015),
-        stamp_scatter_s=2e-6,
-        clock_ppm=rng.uniform(-3.0, 3.0),
-    )
-    return device, rig
-
-
-def _rounded(values: Floats) -> tuple[float, ...]:
-    return tuple(np.round(values, 4).tolist())

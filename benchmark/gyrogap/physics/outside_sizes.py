@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from gyrogap.physics.dice import Rng
 from gyrogap.physics.kinds import InjectedEffect
-from gyrogap.physics.sizes import WHOLE_RANGE, Ranges, varied
+from gyrogap.physics.sizes import varied
 
 OUTSIDE_SIZES = ("typical", "large")
 
@@ -131,10 +131,10 @@ EITHER_WAY = (
 )
 
 
-def draw_outside(rng: Rng, name: str, size: str, ranges: Ranges = WHOLE_RANGE) -> InjectedEffect:
+def draw_outside(rng: Rng, name: str, size: str) -> InjectedEffect:
     """An effect from OUTSIDE at one of OUTSIDE_SIZES."""
     outside = OUTSIDE[name]
-    strength = float(f"{varied(rng, outside.sizes[OUTSIDE_SIZES.index(size)], 1.0, ranges):.4g}")
+    strength = float(f"{varied(rng, outside.sizes[OUTSIDE_SIZES.index(size)], 1.0):.4g}")
     if name in EITHER_WAY and rng.random() < 0.5:
         strength = -strength
     rest = {key: rng.uniform(low, high) for key, low, high in outside.rest}

@@ -12,9 +12,7 @@ from gyrogap.physics.kinds import InjectedEffect
 
 SIZES = ("small", "typical", "large")
 
-Ranges = tuple[tuple[float, float], ...]
-
-WHOLE_RANGE: Ranges = ((0.8, 1.2),)
+FACTORS = (0.8, 1.2)
 """Range from which the factor of a size is drawn."""
 
 
@@ -111,18 +109,15 @@ REST: dict[str, Callable[[Rng, float], dict[str, float]]] = {
 """Parameters of an effect apart from its strength."""
 
 
-def varied(rng: Rng, value: float, spread: float, ranges: Ranges = WHOLE_RANGE) -> float:
-    """A value changed by what the seed and the part of the range say."""
-    factor = rng.uniform(*ranges[int(rng.integers(len(ranges)))])
-    return value * (1.0 + spread * (factor - 1.0))
+def varied(rng: Rng, value: float, spread: float) -> float:
+    """A value times a random factor."""
+    return value * (1.0 + spread * (rng.uniform(*FACTORS) - 1.0))
 
 
-def draw_fault(
-    rng: Rng, name: str, size: str, ranges: Ranges = WHOLE_RANGE, way: float | None = None
-) -> InjectedEffect:
+def draw_fault(rng: Rng, name: str, size: str, way: float | None = None) -> InjectedEffect:
     """An effect of the catalogue at a size; `way` is its sign, where a sign makes sense."""
     sized = STRENGTHS[name]
-    strength = varied(rng, sized.sizes[SIZES.index(size)], sized.spread, ranges)
+    strength = varied(rng, sized.sizes[SIZES.index(size)], sized.spread)
     strength = round(strength) if sized.parameter == "cpr" else float(f"{strength:.4g}")
     drawn = sign(rng)
     signed = strength * (drawn if way is None else way) if sized.signed else strength

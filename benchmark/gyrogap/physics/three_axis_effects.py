@@ -12,7 +12,7 @@ import numpy as np
 from gyrogap.physics.dice import Rng
 from gyrogap.physics.kinds import InjectedEffect
 from gyrogap.physics.motion import Floats
-from gyrogap.physics.sizes import SIZES, WHOLE_RANGE, EffectSizes, Ranges, varied
+from gyrogap.physics.sizes import SIZES, EffectSizes, varied
 
 ON_EVERY_AXIS = frozenset({"latency", "bandwidth", "one_pole", "deadband", "saturation", "quantization", "stale_hold"})
 """Effects of the electronics that all axes of a part share; all other effects on rates act on z."""
@@ -95,10 +95,10 @@ def mount_of(faults: Iterable[InjectedEffect]) -> AxisMount:
     return mount
 
 
-def draw_three_axis_effect(rng: Rng, name: str, size: str, ranges: Ranges = WHOLE_RANGE) -> InjectedEffect:
+def draw_three_axis_effect(rng: Rng, name: str, size: str) -> InjectedEffect:
     """An effect of THREE_AXIS_KINDS at a size."""
     sized = THREE_AXIS_STRENGTHS[name]
-    strength = float(f"{varied(rng, sized.sizes[SIZES.index(size)], sized.spread, ranges):.4g}")
+    strength = float(f"{varied(rng, sized.sizes[SIZES.index(size)], sized.spread):.4g}")
     strength *= float(rng.choice([-1.0, 1.0])) if sized.signed else 1.0
     rest = {"about_deg": round(rng.uniform(-180.0, 180.0), 3)} if name in {"misalignment", "accel_bias"} else {}
     if name == "gyro_cross_axis":

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from pictures import comparison_chart, moving_demo
 
-DOCS = Path(__file__).parents[3] / "docs"
+DOCS = Path(__file__).parents[2] / "docs"
 RUN = moving_demo.DemoRun(np.arange(0.0, 60.01, 0.01), np.linspace(0.0, 21.0, 6001), np.zeros(6001))
 
 

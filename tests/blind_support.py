@@ -5,6 +5,9 @@ from typing import Any
 from blind.gap import Outcome, read_outcome
 from blind.tried import RUNS, Tried, tried_of
 
+ROWS = {"none": "baseline_none"}
+"""Row of a kind of case, where it has another name."""
+
 
 def gap(verdict: str, *causes: dict[str, Any], where: str = "sensor", leftover: str = "", **numbers: float) -> Any:
     """A `gap.json`; numbers go into its gap."""
@@ -49,7 +52,9 @@ def case(
         "effects": [{"name": name, "parameters": parameters} for name, parameters in (effects or {}).items()],
         "stages": stages,
         "withhold": withhold,
-        **({"row": row, "seed": 9, "number": 2} if row else {}),
+        "row": row or ROWS.get(kind, kind),
+        "seed": 9,
+        "number": 2,
     }
     outcomes = {run: outcome(other_runs.get(run)) for run in RUNS[1:]}
     return tried_of(label, {"blind": outcome(said), **outcomes})

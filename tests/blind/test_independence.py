@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-BENCHMARK = Path(__file__).parents[3] / "benchmark"
+BENCHMARK = Path(__file__).parents[2] / "benchmark"
 FOLDER, PHYSICS = BENCHMARK / "blind", BENCHMARK / "gyrogap" / "physics"
 MODULES = sorted(FOLDER.rglob("*.py"))
 
@@ -33,7 +33,7 @@ def test_nothing_of_the_program_is_imported(path: Path) -> None:
 def test_the_generator_needs_numpy_and_scipy_alone(path: Path) -> None:
     """And the standard library, and nothing of what runs and scores but the names of the effects."""
     standard = {"collections", "dataclasses", "enum", "hashlib", "math", "pathlib", "typing"}
-    own = {module for module in modules_of(path) if module.startswith("gyrodrift")}
+    own = {module for module in modules_of(path) if module.startswith("gyrogap")}
     assert {module.split(".")[0] for module in modules_of(path) - own} <= standard | {"numpy", "scipy"}
     inner = ("gyrogap.catalogue", "gyrogap.physics")
     assert all(module.startswith(inner) for module in own)

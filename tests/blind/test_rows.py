@@ -114,9 +114,9 @@ def test_no_row_moves_another() -> None:
 def test_a_folder_can_be_extended(tmp_path: Path) -> None:
     """More cases of a row are sealed beside those that are; no seal is made anew."""
     folder = SetFolder(tmp_path / "set")
-    prepare(folder, "bench", 9, rows=["small"], count=2)
+    prepare(folder, 9, ["small"], 2)
     before = folder.hashes()
-    prepare(folder, "bench", 9, rows=["small", "loop"], count=3)
+    prepare(folder, 9, ["small", "loop"], 3)
     after = folder.hashes()
     assert len(before) == 2
     assert len(after) == len(folder.plan().cases) == 6

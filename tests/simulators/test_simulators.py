@@ -21,7 +21,7 @@ from gyrodrift.session.files import load_session
 
 mj: Any = pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install '.[simulators]'")
 
-HERE = Path(__file__).parents[3] / "benchmark" / "simulators"
+HERE = Path(__file__).parents[2] / "benchmark" / "simulators"
 KEPT = ("scale_factor", "scale_asymmetry", "latency", "quantization", "popcorn", "warmup")
 FEW = [word for name in CATALOGUE if name not in KEPT for word in ("--withhold", name)]
 """Fewer candidates take less time; `make evaluate` tries all."""

@@ -17,7 +17,7 @@ from simulators.unseen.sessions import simulated
 
 from firmware_sim.effects.catalogue import CATALOGUE
 
-HERE = Path(__file__).parents[4] / "benchmark" / "simulators" / "unseen"
+HERE = Path(__file__).parents[3] / "benchmark" / "simulators" / "unseen"
 RATE_HZ = 80.0
 AGREES = {
     "Drake table": (1.3e-3, 0.0, 0.02),

@@ -1,5 +1,0 @@
-"""Measurements that pytest runs: with the fixtures of the tests."""
-
-from conftest import log_as_it_is_at_first, nothing_left_behind, port, pytest_sessionstart, recordings
-
-__all__ = ["log_as_it_is_at_first", "nothing_left_behind", "port", "pytest_sessionstart", "recordings"]
