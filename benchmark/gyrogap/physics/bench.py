@@ -9,7 +9,7 @@ from math import sqrt
 
 import numpy as np
 
-from gyrogap.physics.device import Device
+from gyrogap.physics.device import DrawnDevice
 from gyrogap.physics.dice import Path, effect_dice, noise_dice
 from gyrogap.physics.kinds import KINDS, ORDER, InjectedEffect, InjectionPoint
 from gyrogap.physics.motion import Floats
@@ -63,7 +63,9 @@ class _Acts:
         return values
 
 
-def measure(scene: TableScene, device: Device, session: int, faults: tuple[InjectedEffect, ...], path: Path) -> Columns:
+def measure(
+    scene: TableScene, device: DrawnDevice, session: int, faults: tuple[InjectedEffect, ...], path: Path
+) -> Columns:
     """Measurements of session number `session`; `path` leads to its random numbers."""
     acts = _Acts((*faults, *device.healthy_filters), path)
     stamp_s, arrival_s, first = _times(scene, device, acts, path)
@@ -82,7 +84,7 @@ def measure(scene: TableScene, device: Device, session: int, faults: tuple[Injec
 
 
 def _axes(
-    scene: TableScene, device: Device, session: int, faults: tuple[InjectedEffect, ...], path: Path
+    scene: TableScene, device: DrawnDevice, session: int, faults: tuple[InjectedEffect, ...], path: Path
 ) -> AxisColumns | None:
     """Rates and forces at all samples, shape (samples, 3); effects of `ON_EVERY_AXIS` act on all of them."""
     if device.three_axes is None:
@@ -101,7 +103,7 @@ def _axes(
     return AxisColumns(np.column_stack(rates), np.clip(counts, -MOST_COUNTS, MOST_COUNTS) * axes.mps2_per_lsb + 0.0)
 
 
-def _rate(scene: TableScene, device: Device, bias_dps: float, acts: _Acts, path: Path) -> Floats:
+def _rate(scene: TableScene, device: DrawnDevice, bias_dps: float, acts: _Acts, path: Path) -> Floats:
     """Rate as read out, deg/s: whole counts."""
     felt_dps = acts.through(InjectionPoint.FELT, scene.fine_dps, scene)
     sampled_dps = acts.through(InjectionPoint.PASSED, felt_dps, scene)[:: scene.fine]
@@ -112,7 +114,7 @@ def _rate(scene: TableScene, device: Device, bias_dps: float, acts: _Acts, path:
     return acts.through(InjectionPoint.READ, np.clip(counts, -MOST_COUNTS, MOST_COUNTS), sampled) * device.dps_per_lsb
 
 
-def _noise(scene: TableScene, device: Device, acts: _Acts, path: Path) -> Floats:
+def _noise(scene: TableScene, device: DrawnDevice, acts: _Acts, path: Path) -> Floats:
     """White noise at the samples; behind a filter, filtered white noise of the fine grid."""
     dice = noise_dice((*path, "noise"))
     if not acts.of_point(InjectionPoint.PASSED):
@@ -121,7 +123,7 @@ def _noise(scene: TableScene, device: Device, acts: _Acts, path: Path) -> Floats
     return acts.through(InjectionPoint.PASSED, fine, scene)[:: scene.fine]
 
 
-def _encoder(scene: TableScene, device: Device, acts: _Acts) -> Floats:
+def _encoder(scene: TableScene, device: DrawnDevice, acts: _Acts) -> Floats:
     """Angle as counted, degrees."""
     shaft_deg = acts.through(InjectionPoint.ANGLE, scene.fine_deg, scene)[:: scene.fine]
     count_deg = 360.0 / device.encoder_cpr
@@ -130,7 +132,7 @@ def _encoder(scene: TableScene, device: Device, acts: _Acts) -> Floats:
     return zeroed * count_deg + 0.0  # no minus zero
 
 
-def _times(scene: TableScene, device: Device, acts: _Acts, path: Path) -> tuple[Floats, Floats, int]:
+def _times(scene: TableScene, device: DrawnDevice, acts: _Acts, path: Path) -> tuple[Floats, Floats, int]:
     """Device stamps and arrivals in whole microseconds, s, and the counter of the first sample."""
     dice = noise_dice((*path, "times"))
     count = len(scene.t_s)

@@ -16,7 +16,7 @@ FILTERED_HZ = 3600.0
 
 
 @dataclass(frozen=True, slots=True)
-class Device:
+class DrawnDevice:
     """A real device.
 
     noise_dps_rthz
@@ -81,7 +81,7 @@ class RigFile:
     encoder_absolute: bool | None = None
     effects: tuple[InjectedEffect, ...] = ()
 
-    def text(self, device: Device) -> str:
+    def text(self, device: DrawnDevice) -> str:
         """The file."""
         base = {
             "sample_rate_hz": self.sample_rate_hz,

@@ -6,7 +6,7 @@ from math import exp, log
 
 import numpy as np
 
-from gyrogap.physics.device import Device, RigFile
+from gyrogap.physics.device import DrawnDevice, RigFile
 from gyrogap.physics.dice import Rng
 from gyrogap.physics.kinds import InjectedEffect
 from gyrogap.physics.sizes import draw_fault
@@ -50,7 +50,7 @@ def draw_facts(rng: Rng, rates_hz: Sequence[int] = RATES_HZ) -> DeviceFacts:
     )
 
 
-def draw_spread(rng: Rng, facts: DeviceFacts, sessions: int) -> tuple[Device, RigFile]:
+def draw_spread(rng: Rng, facts: DeviceFacts, sessions: int) -> tuple[DrawnDevice, RigFile]:
     """A device of these facts and its rig, which knows noise, bias, rate and delay roughly."""
     low_pass_hz = LOW_PASS_HZ if rng.random() < WITH_LOW_PASS else 0.0
     rig = RigFile(
@@ -61,7 +61,7 @@ def draw_spread(rng: Rng, facts: DeviceFacts, sessions: int) -> tuple[Device, Ri
         encoder_absolute=facts.encoder_absolute,
         effects=(InjectedEffect("bandwidth", {"cutoff_hz": low_pass_hz}),) if low_pass_hz else (),
     )
-    device = Device(
+    device = DrawnDevice(
         sample_hz=round(facts.sample_hz * rng.uniform(0.988, 1.012), 3),
         dps_per_lsb=facts.dps_per_lsb,
         noise_dps_rthz=facts.noise_dps_rthz * rng.uniform(0.8, 1.3),

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
-from gyrogap.physics.device import Device, RigFile
+from gyrogap.physics.device import DrawnDevice, RigFile
 from gyrogap.physics.dice import Path, Rng
 from gyrogap.physics.kinds import InjectedEffect
 from gyrogap.physics.sessions import SessionPlan, place_sessions, plan_sessions
@@ -30,7 +30,7 @@ class Stand:
     ) -> None:
         self.facts: DeviceFacts = draw_facts(rng, rates_hz)
         self.plans: tuple[SessionPlan, ...] = draw_plans(rng, minutes, sessions)
-        self.device: Device
+        self.device: DrawnDevice
         self.rig: RigFile
         self.device, self.rig = draw_spread(rng, self.facts, sessions)
         if has_three_axes:

@@ -5,7 +5,7 @@ from math import ceil, log10
 from pathlib import Path
 
 from gyrogap.physics.bench import Columns, measure
-from gyrogap.physics.device import Device
+from gyrogap.physics.device import DrawnDevice
 from gyrogap.physics.dice import Path as DicePath
 from gyrogap.physics.driven import Mover
 from gyrogap.physics.kinds import InjectedEffect
@@ -28,7 +28,7 @@ class SessionBatch:
         Name of the random numbers of noise and effects; empty for those of `path`. The motion does not depend on it.
     """
 
-    device: Device
+    device: DrawnDevice
     plans: tuple[SessionPlan, ...]
     faults: tuple[InjectedEffect, ...]
     path: DicePath
@@ -49,7 +49,7 @@ class SessionBatch:
         return measure(scene, self.device, number, self.faults, (*path, self.noise) if self.noise else path)
 
 
-def _lines(columns: Columns, device: Device) -> list[str]:
+def _lines(columns: Columns, device: DrawnDevice) -> list[str]:
     """Every digit that the device knows and none beyond."""
     rate = _decimals(device.dps_per_lsb)
     angle = _decimals(360.0 / device.encoder_cpr)
