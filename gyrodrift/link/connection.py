@@ -9,6 +9,7 @@ from gyrodrift.link.opening import Opening
 from gyrodrift.link.options import EventHandler, LinkCounters, LinkOptions
 from gyrodrift.link.port import HAS_TERMIOS, USUAL_BAUDS, Port, PortGoneError, stable_name
 from gyrodrift.link.sources.opening import BackgroundOpening, checked_source, open_source
+from gyrodrift.link.sources.readings import ReadingBatch
 from gyrodrift.link.sources.source import OpenPort, SourceEndedError, SourcePort
 from gyrodrift.values.errors import LinkError, PortMissingError, UsageError
 
@@ -111,8 +112,8 @@ class Connection:
             return self._backoff.remaining_s(self._monotonic()) if self._reopening is None else OPENING_S
         return min(usual_s, self.port.wake_s) if isinstance(self.port, SourcePort) else usual_s
 
-    def read(self) -> bytes:
-        """Bytes that have arrived; opens a lost port again."""
+    def read(self) -> bytes | ReadingBatch:
+        """Bytes or readings that have arrived; opens a lost port again."""
         if self.port is None and not self.is_over:
             self._reopen()
         if self.port is None:

@@ -26,6 +26,7 @@ from gyrodrift.link.protocols.guard import Guard, renewed
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.registry import candidates
 from gyrodrift.link.silence import unread_protocol, why_silent
+from gyrodrift.link.sources.readings import ReadingBatch
 from gyrodrift.link.sources.source import OpenPort
 from gyrodrift.link.units.check import UnitCheck
 from gyrodrift.values.errors import DeviceSilentError, PortMissingError, UnitError
@@ -113,10 +114,11 @@ class Link:
 
     def read(self) -> list[Sample]:
         """Samples that have arrived; empty without any."""
-        chunk = self.connection.read()
-        if not chunk:
+        received = self.connection.read()
+        if not received:
             self._give_up_waiting()
             return []
+        chunk = received.content if isinstance(received, ReadingBatch) else received
         arrival_s = self._monotonic()
         self.counters.bytes += len(chunk)
         if self.tap is not None:
@@ -124,7 +126,7 @@ class Link:
         self._trial_s = self._trial_s or arrival_s
         if not self._spoke or (self._check is not None and self._check.is_hearing):
             self._heard.add(chunk, arrival_s)
-        readings = self._decode(chunk)
+        readings = self._decode(received)
         samples: list[Sample] = []
         arrived = self._late.by_arrival(self.decoder.counters, readings, arrival_s) if self.decoder is not None else []
         if arrived and self.decoder is not None:
@@ -206,7 +208,7 @@ class Link:
         port, self.connection.port = self.port, None
         return port
 
-    def _decode(self, chunk: bytes) -> list[Reading]:
+    def _decode(self, chunk: Any) -> list[Reading]:
         if self.decoder is not None:
             self.decoder, readings = self._guard.push(self._protocols[self.decoder.name], self.decoder, chunk)
         else:

@@ -4,8 +4,9 @@ from collections import deque
 from statistics import median
 
 from gyrodrift.link.clocks.clock import ArrivalFit, ClockEvent, ClockRestart, SampleGap
-from gyrodrift.link.clocks.steps import COUNTER_WRAP, agree, clock_step, counter_step, is_one_pace, step_between
+from gyrodrift.link.clocks.steps import agree, clock_step, counter_step, is_one_pace, step_between
 from gyrodrift.link.clocks.turning import TurningRate
+from gyrodrift.values.constants import COUNTER_WRAP
 from gyrodrift.values.sample import Reading, Sample
 
 STEP_US = 1_000_000

@@ -1,6 +1,7 @@
 """Check that two samples come from the same device: counter and clock both advance."""
 
-from gyrodrift.link.clocks.steps import COUNTER_WRAP, ODD_SHARE, ODD_US, step_between
+from gyrodrift.link.clocks.steps import ODD_SHARE, ODD_US, step_between
+from gyrodrift.values.constants import COUNTER_WRAP
 from gyrodrift.values.sample import Reading
 
 

@@ -13,9 +13,10 @@ from typing import Any
 
 from cobs import cobs
 
-from gyrodrift.link.protocols.decoder import WAITING_MAX, DecoderCounters, DeviceDescription
+from gyrodrift.link.protocols.decoder import WAITING_MAX, DeviceDescription
 from gyrodrift.link.protocols.goes_on import goes_on
 from gyrodrift.link.protocols.native_yaw import YAW, YAW_TYPE, YawJoin, filter_name
+from gyrodrift.link.protocols.pieces import PieceDecoder
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.values.sample import Inertial, Reading
 
@@ -62,16 +63,15 @@ MAX_FRAME_BYTES = FILTER_HELLO.size + CRC.size + 1
 """The longest frame before its delimiter; COBS adds one byte to payloads as short as these."""
 
 
-class NativeDecoder:
+class NativeDecoder(PieceDecoder):
     """Decoder of frames between zero bytes; damage costs one frame, since every zero starts a new one."""
 
     name = "native"
+    delimiter = b"\0"
+    longest_bytes = MAX_FRAME_BYTES
 
     def __init__(self) -> None:
-        self.counters = DecoderCounters()
-        self.device = DeviceDescription()
-        self._pending = b""
-        self._overlong = False
+        super().__init__()
         self._dps_per_lsb = 0.0
         self._deg_per_count = 0.0
         self._mps2_per_lsb = nan
@@ -79,26 +79,10 @@ class NativeDecoder:
         self._is_known_device = False
         self._join = YawJoin()
 
-    def push(self, chunk: bytes) -> list[Reading]:
-        """Split at the delimiters, and decode complete frames."""
-        readings: list[Reading] = []
-        *frames, pending = (self._pending + chunk).split(b"\0")
-        for frame in frames:
-            if frame:
-                self._decode(frame, readings)
-            self._overlong = False
-        if len(pending) > MAX_FRAME_BYTES:
-            self._overlong = True
-            pending = pending[:1]  # enough to remember that this frame is not empty
-        self._pending = pending
-        return readings
-
-    def _decode(self, frame: bytes, readings: list[Reading]) -> None:
-        if self._overlong or len(frame) > MAX_FRAME_BYTES:
-            self.counters.damaged += 1
-            return
+    def take(self, piece: bytes, readings: list[Reading]) -> None:
+        """Decode a frame."""
         try:
-            body = cobs.decode(frame)
+            body = cobs.decode(piece)
         except cobs.DecodeError:
             self.counters.damaged += 1
             return

@@ -2,15 +2,17 @@
 
 import os
 from contextlib import suppress
+from math import isfinite
 
 from gyrodrift.link.port import PortGoneError
 from gyrodrift.link.sources import iio_sysfs
-from gyrodrift.link.sources.iio_layout import IDENTITY, ChannelEntry, IioLayout, description, layout_of
-from gyrodrift.link.sources.iio_sysfs import TIMESTAMP, IioDevice, explained
+from gyrodrift.link.sources.iio_layout import layout_of
+from gyrodrift.link.sources.iio_readings import TIMESTAMP, IioDescription
+from gyrodrift.link.sources.iio_sysfs import IioDevice, explained
 from gyrodrift.values.errors import LinkError
 
-CHANNELS = (("anglvel", "x"), ("anglvel", "y"), ("anglvel", "z"), ("accel", "x"), ("accel", "y"), ("accel", "z"))
-TEMP = ("temp", "")
+CHANNELS = tuple(f"{kind}_{axis}" for kind in ("anglvel", "accel") for axis in "xyz")
+TEMPERATURES = ("temp", "temp0")
 
 BUFFER_SCANS = 1024
 """Length of the kernel's buffer: a second at 1 kHz."""
@@ -23,10 +25,10 @@ WAKE_SHARE = 0.01
 
 
 class Scans:
-    """Open buffer of one device."""
+    """Open buffer of one device, for the channels of these kinds, its temperature and its timestamp."""
 
     def __init__(self, device: IioDevice, kinds: tuple[str, ...]) -> None:
-        self.device = device
+        self._device = device
         path = iio_sysfs.DEVICE_FILES / device.file
         try:
             self.fd = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
@@ -34,36 +36,36 @@ class Scans:
             raise explained(path, error) from error
         try:
             device.try_to_write("buffer/enable", "0")  # after a kill it is still on, and refuses changes
-            self.entries = _enabled(device, kinds)
-            self._layout = scan_layout(device, kinds[0], self.entries)
+            types = _enabled(device, kinds)
+            self.description = checked_description(device, kinds[0], types)
+            layout = layout_of(types)
+            if layout is None:
+                raise _unreadable(device, types)
+            self.layout = layout
             _start(device)
         except LinkError:
             os.close(self.fd)
             raise
         self._rest = b""
 
-    def description(self) -> bytes:
-        """Layout for the stream."""
-        return description(self._layout, self.entries)
-
     def read(self, path: str) -> list[bytes]:
         """Scans that have arrived."""
         try:
-            chunk = os.read(self.fd, SCANS_PER_READ * self._layout.size)
+            chunk = os.read(self.fd, SCANS_PER_READ * self.layout.size)
         except BlockingIOError:
             return []
         except OSError as error:
             raise PortGoneError(path) from error
         if not chunk:
             raise PortGoneError(path)
-        content, size = self._rest + chunk, self._layout.size
+        content, size = self._rest + chunk, self.layout.size
         whole = len(content) // size * size
         self._rest = content[whole:]
         return [content[start : start + size] for start in range(0, whole, size)]
 
     def close(self) -> None:
         """Stop the buffer."""
-        self.device.try_to_write("buffer/enable", "0")
+        self._device.try_to_write("buffer/enable", "0")
         with suppress(OSError):
             os.close(self.fd)
 
@@ -73,35 +75,40 @@ def elements_folder(device: IioDevice) -> str:
     return "scan_elements" if (device.folder / "scan_elements").is_dir() else "buffer0"
 
 
-def _enabled(device: IioDevice, kinds: tuple[str, ...]) -> list[ChannelEntry]:
-    """Enable the channels of these kinds, temperature and timestamp, disable others, and return them by index."""
+def _enabled(device: IioDevice, kinds: tuple[str, ...]) -> dict[str, str]:
+    """Enable the channels of these kinds, temperature and timestamp, disable others, and return their types."""
     folder = elements_folder(device)
-    enabled_names = {f"in_{kind}_{axis}": (kind, axis) for kind, axis in CHANNELS if kind in kinds}
-    enabled_names |= {"in_temp": TEMP, "in_temp0": TEMP, f"in_{TIMESTAMP}": (TIMESTAMP, "")}
-    entries: list[tuple[float, ChannelEntry]] = []
+    temperature = next((name for name in TEMPERATURES if (device.folder / folder / f"in_{name}_en").exists()), "")
+    names = {name: name for name in (*CHANNELS, TIMESTAMP) if name.startswith((*kinds, TIMESTAMP))}
+    names[temperature] = TEMPERATURES[0]
+    found: list[tuple[float, str]] = []
     device.try_to_write("current_timestamp_clock", "monotonic")
     for switch in sorted((device.folder / folder).glob("in_*_en")):
-        name = switch.name.removesuffix("_en")
-        device.write(f"{folder}/{switch.name}", "1" if name in enabled_names else "0")
-        if name in enabled_names:
-            index, form = device.number(f"{folder}/{name}_index"), device.text(f"{folder}/{name}_type")
-            entries.append((index, device.channel(*enabled_names[name], form)))
-    return [entry for _, entry in sorted(entries, key=lambda pair: pair[0])]
+        name = switch.name.removeprefix("in_").removesuffix("_en")
+        device.write(f"{folder}/{switch.name}", "1" if name in names else "0")
+        if name in names:
+            found.append((device.number(f"{folder}/in_{name}_index"), name))
+    return {names[name]: device.text(f"{folder}/in_{name}_type") for _, name in sorted(found, key=lambda pair: pair[0])}
 
 
-def scan_layout(device: IioDevice, kind: str, entries: list[ChannelEntry]) -> IioLayout:
-    """Layout of the enabled channels.
+def checked_description(device: IioDevice, kind: str, types: dict[str, str]) -> IioDescription:
+    """Description of the enabled channels.
 
     Raises
     ------
     LinkError
-        A type is unknown, or the rate about z is missing.
+        A scale is no number, or the rate about z is missing.
     """
-    layout = layout_of(device.name, device.rate_hz(), device.matrix(kind) or IDENTITY, entries)
-    if layout is None or (kind == "anglvel" and "anglvel_z" not in layout.channels):
-        types = ", ".join(f"{entry.name} {entry.type}" for entry in entries)
-        raise LinkError(f"{device.folder}: its scans cannot be read: {types or 'no channels'}")
-    return layout
+    channels = {name: device.channel(name) for name in types}
+    has_numbers = all(isfinite(channel.scale) and isfinite(channel.offset) for channel in channels.values())
+    if not has_numbers or (kind == "anglvel" and "anglvel_z" not in channels):
+        raise _unreadable(device, types)
+    return device.described(kind, channels)
+
+
+def _unreadable(device: IioDevice, types: dict[str, str]) -> LinkError:
+    shown = ", ".join(f"{name} {text}" for name, text in types.items())
+    return LinkError(f"{device.folder}: its scans cannot be read: {shown or 'no channels'}")
 
 
 def _start(device: IioDevice) -> None:

@@ -4,7 +4,7 @@ import re
 
 from gyrodrift.link.port import HAS_TERMIOS, Port
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.link.sources.mavlink_frames import (
+from gyrodrift.link.sources.mavlink_decoder import (
     DPS_PER_MRADS,
     MESSAGES,
     MPS2_PER_MG,
@@ -66,7 +66,7 @@ def protocol_of(address: SourceAddress) -> WireProtocol:
     system, message, raw = (options.get(name) for name in OPTIONS)
     if system is not None and (SYSTEM.fullmatch(system) is None or not 0 < int(system) <= 0xFF):
         raise UsageError(f"--port {address.text}: system={system} is no number from 1 to 255")
-    names = [entry.name for entry in MESSAGES.values()]
+    names = [name.lower() for name in MESSAGES]
     if message is not None and message.lower() not in names:
         raise UsageError(f"--port {address.text}: message={message} has no gyro; there are {', '.join(names)}")
     scales = _raw_scales(address, raw) if raw is not None else (None, None)
@@ -107,5 +107,7 @@ MAVLINK = ByteSource(
     "the gyro of an autopilot: udpin:[HOST]:PORT, tcp:HOST:PORT or PATH[,BAUD]",
     open_mavlink,
     protocol_of=protocol_of,
+    packages=("pymavlink",),
+    extra="mavlink",
     silence="check that the vehicle sends MAVLink to this machine and port; udpin:0.0.0.0:PORT listens on all networks",
 )

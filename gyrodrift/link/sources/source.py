@@ -9,6 +9,7 @@ from typing import Any
 from gyrodrift.link.port import Port
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.serial_port import SerialPort
+from gyrodrift.link.sources.readings import ReadingBatch
 from gyrodrift.values.errors import UsageError
 
 PORT_NUMBER = re.compile(r"0{0,4}[1-9][0-9]{0,4}")
@@ -24,6 +25,8 @@ class SourceEndedError(Exception):
 
 class SourcePort:
     """Open source with the methods of a serial port. A source overrides `read` and `close`. `notes` are for the link.
+
+    A source of bytes reads `bytes`; a source of readings, whose messages are values, reads a `ReadingBatch`.
 
     path
         Address as the user wrote it.
@@ -44,8 +47,8 @@ class SourcePort:
         self.fd = fd
         self.notes: list[tuple[str, dict[str, Any]]] = []
 
-    def read(self) -> bytes:
-        """Available bytes, up to a limit, without waiting.
+    def read(self) -> bytes | ReadingBatch:
+        """Available bytes or readings, up to a limit, without waiting.
 
         Raises
         ------

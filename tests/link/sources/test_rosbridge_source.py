@@ -19,8 +19,7 @@ from sources_support import PATIENCE_S, Events, read_until, serving
 
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
-from gyrodrift.link.sources.packets import packet
-from gyrodrift.link.sources.ros_imu import MESSAGE, RosImuDecoder
+from gyrodrift.link.sources.ros_imu import ImuReadings, message_of
 from gyrodrift.link.sources.rosbridge import RosbridgePort, open_rosbridge
 from gyrodrift.link.sources.source import SourceAddress
 from gyrodrift.link.sources.stream_channel import StreamChannel
@@ -53,9 +52,9 @@ def imu(t_ns: int, z_rads: float, **changed: Any) -> dict[str, Any]:
 
 
 def decoded(*publications: object) -> list[Reading]:
-    decoder = RosImuDecoder()
-    content = b"".join(packet(MESSAGE, json.dumps(publication).encode()) for publication in publications)
-    return decoder.push(content)
+    readings = ImuReadings()
+    messages = (message_of(json.dumps(publication).encode()) for publication in publications)
+    return [reading for message in messages if message and (reading := readings.reading(message)) is not None]
 
 
 class Bridge:
@@ -301,9 +300,12 @@ def test_a_hostile_stamp_is_none(stamp: object) -> None:
 
 
 def test_deeply_nested_json_is_damage() -> None:
-    decoder = RosImuDecoder()
-    assert decoder.push(packet(MESSAGE, b"[" * 4000) + packet(MESSAGE, json.dumps(imu(1, radians(1.0))).encode())) != []
-    assert decoder.counters.frames == 1
+    with bridge() as server, closing(Link(LinkOptions(f"ws://127.0.0.1:{server.port}{TOPIC}"), Events())) as link:
+        server.send('"publish"' + "[" * 4000)
+        server.send(json.dumps(imu(1, radians(1.0))))
+        read_until(link, lambda samples: len(samples) == 1)
+        assert link.decoder is not None
+        assert (link.decoder.counters.frames, link.decoder.counters.damaged) == (1, 1)
 
 
 def answer_handshake(connection: socket.socket, frames: bytes) -> None:
@@ -345,7 +347,7 @@ def test_frames_without_content_are_not_kept() -> None:
         while not (content := subscription.read()):
             assert len(subscription._parts) == 0
             assert time.monotonic() < until_s
-    assert content == packet(MESSAGE, publication)
+    assert content.messages == [publication]
 
 
 def test_a_server_that_breaks_the_rules_at_once_is_refused_with_its_reason() -> None:
