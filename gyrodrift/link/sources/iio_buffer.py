@@ -81,14 +81,16 @@ def _enabled(device: IioDevice, kinds: tuple[str, ...]) -> dict[str, str]:
     temperature = next((name for name in TEMPERATURES if (device.folder / folder / f"in_{name}_en").exists()), "")
     names = {name: name for name in (*CHANNELS, TIMESTAMP) if name.startswith((*kinds, TIMESTAMP))}
     names[temperature] = TEMPERATURES[0]
-    found: list[tuple[float, str]] = []
+    indexed: list[tuple[float, str]] = []
     device.try_to_write("current_timestamp_clock", "monotonic")
     for switch in sorted((device.folder / folder).glob("in_*_en")):
         name = switch.name.removeprefix("in_").removesuffix("_en")
         device.write(f"{folder}/{switch.name}", "1" if name in names else "0")
         if name in names:
-            found.append((device.number(f"{folder}/in_{name}_index"), name))
-    return {names[name]: device.text(f"{folder}/in_{name}_type") for _, name in sorted(found, key=lambda pair: pair[0])}
+            indexed.append((device.number(f"{folder}/in_{name}_index"), name))
+    return {
+        names[name]: device.text(f"{folder}/in_{name}_type") for _, name in sorted(indexed, key=lambda pair: pair[0])
+    }
 
 
 def checked_description(device: IioDevice, kind: str, types: dict[str, str]) -> IioDescription:

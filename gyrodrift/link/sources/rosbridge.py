@@ -12,7 +12,13 @@ from gyrodrift.link.sources.query import split_query
 from gyrodrift.link.sources.readings import ReadingBatch
 from gyrodrift.link.sources.ros_imu import ROSBRIDGE_PROTOCOL, ImuReadings, message_of
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
-from gyrodrift.link.sources.stream_channel import TLS_OPTIONS, StreamChannel, host_and_path, open_channel, tls_context
+from gyrodrift.link.sources.stream_channel import (
+    TLS_OPTIONS,
+    StreamChannel,
+    connected_socket,
+    host_and_path,
+    tls_context,
+)
 from gyrodrift.values.errors import LinkError, UsageError, shortened
 
 if TYPE_CHECKING:
@@ -149,7 +155,7 @@ def open_rosbridge(address: SourceAddress) -> RosbridgePort:
             f"--port {address.text}: expected {address.scheme}://HOST[:{USUAL_PORT}]/TOPIC, such as /imu/data"
         )
     context = tls_context(address, options) if address.scheme == TLS else None
-    channel = open_channel(address, host, port, context)
+    channel = StreamChannel(address.text, connected_socket(address, host, port, context))
     try:
         authority = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
         subscription = RosbridgePort(channel, parse_uri(f"{address.scheme}://{authority}/"))

@@ -97,8 +97,8 @@ class StreamChannel:
             self._connection.close()
 
 
-def open_channel(address: SourceAddress, host: str, port: int, context: ssl.SSLContext | None) -> StreamChannel:
-    """Connect, with TLS if there is a context.
+def connected_socket(address: SourceAddress, host: str, port: int, context: ssl.SSLContext | None) -> socket:
+    """Connection, with TLS if there is a context.
 
     Raises
     ------
@@ -107,9 +107,9 @@ def open_channel(address: SourceAddress, host: str, port: int, context: ssl.SSLC
     """
     connection = connected(SourceAddress(address.text, address.scheme, f"[{host}]:{port}"))
     if context is None:
-        return StreamChannel(address.text, connection)
+        return connection
     try:
-        return StreamChannel(address.text, context.wrap_socket(connection, server_hostname=host))
+        return context.wrap_socket(connection, server_hostname=host)
     except ssl.SSLCertVerificationError as error:
         connection.close()
         why = error.verify_message

@@ -1,12 +1,14 @@
 """Source mqtt with a real broker, mosquitto, and its own client, mosquitto_pub."""
 
-import os
+import select
 import shutil
 import socket
 import subprocess
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -17,14 +19,15 @@ from support import free_port
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.port import PortGoneError
-from gyrodrift.link.sources.mqtt import GONE_S, PASSWORD_VARIABLE, PING_S, MqttPort
-from gyrodrift.link.sources.mqtt_packets import LONGEST_PACKET_BYTES, PING, MqttStream, connect_packet, subscribe_packet
-from gyrodrift.link.sources.stream_channel import StreamChannel
+from gyrodrift.link.sources.mqtt import KEEP_ALIVE_S, PASSWORD_VARIABLE, MqttPort, open_mqtt
+from gyrodrift.link.sources.source import SourceAddress
 from gyrodrift.values.errors import DeviceSilentError, LinkError, PortMissingError, UsageError
 
 need_mosquitto()
+pytest.importorskip("paho", reason="paho-mqtt is not installed: pip install 'gyrodrift[mqtt]'")
 
 TOPIC = "robot/gyro"
+PING = b"\xc0\x00"
 
 
 @pytest.fixture
@@ -205,7 +208,7 @@ def hostile(answer: bytes) -> Iterator[int]:
     [
         (b"HTTP/1.1 400 Bad Request\r\n\r\n", "closes the connection; is it another kind of server"),
         (b"\x20\xff\xff\xff\xff", "this is no MQTT broker"),
-        (b"\x20\x02\x00\x07", "refuses the connection: it answers 7"),
+        (b"\x20\x02\x00\x07", "refuses the connection: it answers Unspecified error"),
         (b"", "closes the connection"),
     ],
 )
@@ -215,58 +218,75 @@ def test_another_server_is_an_error(answer: bytes, expected: str) -> None:
 
 
 @contextmanager
-def subscription() -> Iterator[tuple[MqttPort, socket.socket, list[float]]]:
-    """Port whose broker and clock the test plays."""
-    ours, theirs = socket.socketpair()
-    now_s = [1000.0]
-    channel = StreamChannel("mqtt://test/x", ours)
-    channel.start()
-    port = MqttPort(channel, "x", lambda: now_s[0])
-    with theirs:
-        theirs.settimeout(PATIENCE_S)
-        yield port, theirs, now_s
-        port.close()
+def subscription() -> Iterator[tuple[MqttPort, socket.socket]]:
+    """Port whose broker the test plays, after its answers."""
+    accepted: list[socket.socket] = []
+
+    def serve(server: socket.socket) -> None:
+        broker, _ = server.accept()
+        broker.settimeout(PATIENCE_S)
+        accepted.append(broker)
+        for answer in (b"\x20\x02\x00\x00", b"\x90\x03\x00\x01\x00"):
+            broker.recv(1000)
+            broker.sendall(answer)
+
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        thread = threading.Thread(target=serve, args=(server,))
+        thread.start()
+        rest = f"127.0.0.1:{server.getsockname()[1]}/x"
+        with closing(open_mqtt(SourceAddress(f"mqtt://{rest}", "mqtt", rest))) as port:
+            thread.join()
+            with accepted[0]:
+                yield port, accepted[0]
 
 
-def test_a_silent_broker_is_asked_and_then_given_up() -> None:
-    with subscription() as (port, theirs, now_s):
-        now_s[0] += PING_S
+def read_bytes(port: MqttPort) -> bytes:
+    """Content of the next message, which must come soon."""
+    select.select([port.fd], [], [], PATIENCE_S)
+    return port.read()
+
+
+def test_a_silent_broker_is_asked_and_then_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    now_s = time.monotonic()
+    with subscription() as (port, theirs):
+        monkeypatch.setattr("paho.mqtt.client.time_func", lambda: now_s)
+        now_s += KEEP_ALIVE_S + 1
         assert port.read() == b""
         assert theirs.recv(10) == PING
         theirs.sendall(b"\xd0\x00")
+        assert read_bytes(port) == b""
+        now_s += KEEP_ALIVE_S
         assert port.read() == b""
-        now_s[0] += GONE_S
+        now_s += KEEP_ALIVE_S
         with pytest.raises(PortGoneError):
             port.read()
 
 
 def test_a_packet_of_256_mb_ends_the_connection() -> None:
     """Only its announcement is read."""
-    with subscription() as (port, theirs, _):
+    with subscription() as (port, theirs):
         theirs.sendall(b"\x30\xff\xff\xff\x7f" + bytes(1000))
         with pytest.raises(PortGoneError):
-            port.read()
+            read_bytes(port)
         assert port.notes[0][0] == "source_refused"
 
 
+def test_a_broker_that_wants_answers_without_end_is_left() -> None:
+    """Messages of the highest quality of service wait for its last word."""
+    with subscription() as (port, theirs):
+        for number in range(1, 400):
+            theirs.sendall(b"\x34\x05\x00\x01x" + number.to_bytes(2, "big"))
+        with pytest.raises(PortGoneError):
+            b"".join(iter(partial(read_bytes, port), b"never"))
+        assert "wait for an answer" in port.notes[0][1]["reason"]
+
+
 def test_messages_of_other_topics_and_other_packets_are_ignored() -> None:
-    with subscription() as (port, theirs, _):
-        theirs.sendall(b"\x30\x05\x00\x01yab\x30\x05\x00\x01xab\xd0\x00\x31\x05\x00\x01xcd\x30\x01\x00\x30\x00")
-        assert port.read() == b"ab\n"
-
-
-def test_any_split_gives_the_same_packets() -> None:
-    stream = connect_packet("gyro", "ann", b"x", 30) + subscribe_packet("a" * 300) + b"\x30" + b"\x80\x01" + bytes(128)
-    whole = MqttStream().push(stream)
-    split = MqttStream()
-    pieces = [entry for position in range(len(stream)) for entry in split.push(stream[position : position + 1])]
-    assert pieces == whole
-    assert [entry.kind for entry in whole] == [1, 8, 3]
-
-
-def test_random_bytes_never_keep_more_than_a_packet() -> None:
-    for _ in range(300):
-        stream = MqttStream()
-        for _ in range(20):
-            stream.push(os.urandom(500))
-        assert len(stream._pending) <= LONGEST_PACKET_BYTES + 5
+    with subscription() as (port, theirs):
+        theirs.sendall(
+            b"\x30\x05\x00\x01yab\xd0\x00\x31\x05\x00\x01xcd\x30\x05\x00\x01\xffab\x30\x03\x00\x01x\x30\x05\x00\x01xab"
+        )
+        content = b""
+        while not content:
+            content = read_bytes(port)
+    assert content == b"ab\n"

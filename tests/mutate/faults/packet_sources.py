@@ -100,9 +100,9 @@ FAULTS = (
     ),
     Fault(
         "sources/mqtt-retained-is-a-sample",
-        f"{SOURCES}/mqtt_packets.py",
-        "packet.flags & (RETAINED | QUALITY)",
-        "packet.flags & QUALITY",
+        f"{SOURCES}/mqtt.py",
+        "if message.payload and not message.retain:",
+        "if message.payload:",
         "A message of yesterday is the first sample.",
         MQTT_TESTS,
     ),
@@ -117,8 +117,8 @@ FAULTS = (
     Fault(
         "sources/mqtt-broker-is-never-asked",
         f"{SOURCES}/mqtt.py",
-        "            self._channel.send(PING)\n",
-        "            pass\n",
+        " and not self._client.loop_misc()",
+        "",
         "The broker ends a connection on which nothing is published.",
         MQTT_TESTS,
     ),
