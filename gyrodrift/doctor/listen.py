@@ -14,7 +14,7 @@ from gyrodrift.io.waiting import POLLIN, new_poller
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
-from gyrodrift.link.sources.source import OpenPort
+from gyrodrift.link.sources.source import SourcePort
 from gyrodrift.outputs.status import DeviceStatus, LinkStatus
 from gyrodrift.session.session import session_of
 from gyrodrift.values.errors import LinkError, UnitError
@@ -42,7 +42,7 @@ def listen(
     options: LinkOptions,
     seconds: float,
     progress: OnProgress,
-    port: OpenPort | None = None,
+    port: SourcePort | None = None,
     monotonic: Callable[[], float] = time.monotonic,
 ) -> DeviceEvidence:
     """Evidence from `seconds` after the first sample; `port` is an open port, or None to open it."""

@@ -27,7 +27,7 @@ from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.registry import candidates
 from gyrodrift.link.silence import unread_protocol, why_silent
 from gyrodrift.link.sources.readings import ReadingBatch
-from gyrodrift.link.sources.source import OpenPort
+from gyrodrift.link.sources.source import SourcePort
 from gyrodrift.link.units.check import UnitCheck
 from gyrodrift.values.errors import DeviceSilentError, PortMissingError, UnitError
 from gyrodrift.values.sample import Reading, Sample
@@ -60,7 +60,7 @@ class Link:
         options: LinkOptions,
         on_event: EventHandler,
         monotonic: Callable[[], float] = time.monotonic,
-        port: OpenPort | None = None,
+        port: SourcePort | None = None,
     ) -> None:
         self.options = options
         self.counters = LinkCounters()
@@ -90,7 +90,7 @@ class Link:
         self.connection.begin(port)
 
     @property
-    def port(self) -> OpenPort | None:
+    def port(self) -> SourcePort | None:
         """The open port; None while it is gone."""
         return self.connection.port
 
@@ -203,7 +203,7 @@ class Link:
         """Close the port."""
         self.connection.close()
 
-    def hand_over(self) -> OpenPort | None:
+    def hand_over(self) -> SourcePort | None:
         """The open port, for another link; this link is over."""
         port, self.connection.port = self.port, None
         return port

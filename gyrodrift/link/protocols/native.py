@@ -13,11 +13,12 @@ from typing import Any
 
 from cobs import cobs
 
+from gyrodrift.link.clocks.steps import ODD_SHARE, ODD_US, step_between
 from gyrodrift.link.protocols.decoder import WAITING_MAX, DeviceDescription
-from gyrodrift.link.protocols.goes_on import goes_on
 from gyrodrift.link.protocols.native_yaw import YAW, YAW_TYPE, YawJoin, filter_name
 from gyrodrift.link.protocols.pieces import PieceDecoder
 from gyrodrift.link.protocols.protocol import WireProtocol
+from gyrodrift.values.constants import COUNTER_WRAP
 from gyrodrift.values.sample import Inertial, Reading
 
 CRC_INIT = 0xFFFF
@@ -161,7 +162,7 @@ class NativeDecoder(PieceDecoder):
     def _last_break(self, readings: list[Reading]) -> int:
         """Index of the last reading that does not follow from the one before it; 0 without one."""
         rate_hz = self.device.sample_rate_hz
-        breaks = (i for i in range(1, len(readings)) if not goes_on(readings[i - 1], readings[i], rate_hz))
+        breaks = (i for i in range(1, len(readings)) if not _goes_on(readings[i - 1], readings[i], rate_hz))
         return max(breaks, default=0)
 
     def _reading(self, payload: bytes) -> Reading:
@@ -198,6 +199,20 @@ class NativeDecoder(PieceDecoder):
             accel_y * mps2_per_lsb,
             accel_z * mps2_per_lsb,
         )
+
+
+def _goes_on(last: Reading, reading: Reading, rate_hz: float | None) -> bool:
+    """Whether two samples come from the same device: the clock advances, and the counter by the samples of that time.
+
+    `rate_hz` is None if the device does not send it; then only the clock counts.
+    """
+    step_us, counted = step_between(last, reading)
+    if step_us < 0:
+        return False
+    if rate_hz is None:
+        return True
+    off = (counted - step_us * 1e-6 * rate_hz) % COUNTER_WRAP
+    return min(off, COUNTER_WRAP - off) <= max(ODD_US, ODD_SHARE * step_us) * 1e-6 * rate_hz
 
 
 def _is_accelerometer(mps2_per_lsb: float) -> bool:

@@ -50,7 +50,7 @@ class NmeaDecoder(SentenceDecoder):
         index = STATUS_INDEX.get(kind)
         if number is None or (index is not None and words[index : index + 1] != [VALID]):
             return None
-        if not (self._choice.takes_rate() if kind == RATE else self._choice.takes_angle()):
+        if not (self._choice.offer_rate() if kind == RATE else self._choice.offer_angle()):
             return None
         self._sender = self._sender or words[0]
         if words[0] != self._sender:

@@ -54,7 +54,7 @@ class VectornavAsciiDecoder(SentenceDecoder):
         reading = _rate(words) if message in RATE_INDEX else _angle(words)
         if reading is None or message != (self._message or message):
             return None
-        if not (self._choice.takes_rate() if message in RATE_INDEX else self._choice.takes_angle()):
+        if not (self._choice.offer_rate() if message in RATE_INDEX else self._choice.offer_angle()):
             return None
         self._message = message
         return reading

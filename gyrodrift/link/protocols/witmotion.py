@@ -60,11 +60,11 @@ class WitmotionDecoder(FrameDecoder):
     def read(self, frame: bytes) -> Reading | None:
         """Reading with rates, else with yaw."""
         _, kind, x_raw, y_raw, z_raw, extra, _ = FRAME.unpack(frame)
-        if kind == RATES_KIND and self._choice.takes_rate():
+        if kind == RATES_KIND and self._choice.offer_rate():
             inertial = inertial_from((x_raw, y_raw, z_raw), self._forces_mps2)
             self._forces_mps2 = NO_FORCES
             return Reading(None, None, inertial.gyro_z_dps, temp_c=extra / 100.0, inertial=inertial)
-        if kind == ANGLES_KIND and self._choice.takes_angle():
+        if kind == ANGLES_KIND and self._choice.offer_angle():
             return Reading(None, None, nan, yaw_deg=z_raw * DEG_PER_LSB)
         if kind == ACCELERATIONS_KIND:
             self._forces_mps2 = (x_raw * MPS2_PER_LSB, y_raw * MPS2_PER_LSB, z_raw * MPS2_PER_LSB)

@@ -137,10 +137,10 @@ class XsensDecoder(FrameDecoder):
         rates = [
             degrees(number(content, form & PRECISION, 2)) for kind, (form, content) in items.items() if kind in RATES
         ]
-        if rates and self._choice.takes_rate():
+        if rates and self._choice.offer_rate():
             return (rates[-1] if abs(rates[-1]) <= MAX_RATE_DPS else nan), nan
         yaws = [_yaw_deg(kind, form, content) for kind, (form, content) in items.items() if kind in YAW_OF]
-        is_taken = bool(yaws) and isfinite(yaws[-1]) and self._choice.takes_angle()
+        is_taken = bool(yaws) and isfinite(yaws[-1]) and self._choice.offer_angle()
         return nan, yaws[-1] if is_taken else nan
 
 

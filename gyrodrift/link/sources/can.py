@@ -11,7 +11,6 @@ from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.sources.can_dbc import SIGNALS, dbc_gyro
 from gyrodrift.link.sources.can_frames import CAN_PROTOCOL, EXTENDED, CanGyro, CanReadings
 from gyrodrift.link.sources.can_gyros import CAN_GYROS
-from gyrodrift.link.sources.query import split_query
 from gyrodrift.link.sources.readings import ReadingBatch
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
 from gyrodrift.values.errors import LinkError, PortMissingError, UsageError
@@ -95,7 +94,7 @@ def open_can(address: SourceAddress) -> CanPort:
     """
     import can  # noqa: PLC0415 - a package of the extra
 
-    channel, options = split_query(address, OPTIONS)
+    channel, options = address.split_query(OPTIONS)
     gyro = gyro_of(address)
     interface = options.get("interface", USUAL_INTERFACE)
     settings: dict[str, Any] = {"can_filters": _filters(gyro.ids)} if interface == USUAL_INTERFACE else {}
@@ -116,7 +115,7 @@ def gyro_of(address: SourceAddress) -> CanGyro:
     UsageError
         The options do not name one, or have a mistake.
     """
-    channel, options = split_query(address, OPTIONS)
+    channel, options = address.split_query(OPTIONS)
     names = ", ".join(CAN_GYROS)
     if not channel or ("gyro" in options) == ("dbc" in options) or ("dbc" in options) != ("signal" in options):
         raise UsageError(

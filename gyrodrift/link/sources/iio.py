@@ -13,7 +13,6 @@ from gyrodrift.link.sources.iio_buffer import Scans, elements_folder
 from gyrodrift.link.sources.iio_polled import POLL_HZ, PolledPort, Temperature
 from gyrodrift.link.sources.iio_readings import IioReadings
 from gyrodrift.link.sources.iio_sysfs import NUMBER, IioDevice, accelerometer_of, device_named, iio_devices
-from gyrodrift.link.sources.query import split_query
 from gyrodrift.link.sources.readings import BatchDecoder, ReadingBatch
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
 from gyrodrift.values.errors import LinkError, PortDeniedError, PortMissingError, UsageError
@@ -60,7 +59,7 @@ def open_iio(address: SourceAddress) -> SourcePort:
     LinkError
         There is no such device, or it cannot be opened; the message says why.
     """
-    name, options = split_query(address, OPTIONS)
+    name, options = address.split_query(OPTIONS)
     gyro = device_named(name, "anglvel", address.text)
     gyro.check_scale("anglvel", address.text)
     accel = _accelerometer(gyro, options.get("accel"), address.text)

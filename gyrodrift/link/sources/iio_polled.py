@@ -6,7 +6,7 @@ from contextlib import suppress
 from math import inf, isnan
 
 from gyrodrift.link.port import PortGoneError
-from gyrodrift.link.sources.iio_buffer import CHANNELS, checked_description
+from gyrodrift.link.sources.iio_buffer import CHANNELS, description_of, unreadable
 from gyrodrift.link.sources.iio_readings import MILLI, TIMESTAMP, IioReadings
 from gyrodrift.link.sources.iio_sysfs import IioDevice, explained
 from gyrodrift.link.sources.readings import ReadingBatch
@@ -32,7 +32,10 @@ class PolledPort(SourcePort):
         devices = {name: gyro if accel is None or name.startswith("anglvel") else accel for name in CHANNELS}
         present = {name: device for name, device in devices.items() if device.has_axes(*name.split("_"))}
         channels = {name: device.channel(name) for name, device in present.items()}
-        self._readings = IioReadings(checked_description(gyro, "anglvel", channels))
+        description = description_of(gyro, "anglvel", channels)
+        if description is None:
+            raise unreadable(gyro, channels)
+        self._readings = IioReadings(description)
         self._temperature = Temperature(gyro)
         try:
             for name, device in present.items():

@@ -98,7 +98,7 @@ class MavlinkDecoder(CountingDecoder):
         measured = self._measured(message)
         if measured is not None and measured[0] == self._chosen:
             self.count(measured[1], readings)
-        elif measured is not None and self._is_candidate(measured[0]):
+        elif measured is not None and self._follow_best(measured[0]):
             self.counters.frames += 1
             self._wait(*measured, readings)
         else:
@@ -112,8 +112,8 @@ class MavlinkDecoder(CountingDecoder):
         if followed is not None and stream[2:] != followed[2:] and len(names) < MOST_NAMES:
             self.counters.passed_over = names | {f"{stream.system}/{stream.component}"}
 
-    def _is_candidate(self, stream: MavlinkStream) -> bool:
-        """Whether a stream is the best of the vehicle so far, before one is chosen."""
+    def _follow_best(self, stream: MavlinkStream) -> bool:
+        """Follow a stream that is the best of the vehicle so far; False after one is chosen, and for others."""
         if self._chosen is not None:
             return False
         best = self._candidate

@@ -18,7 +18,6 @@ from gyrodrift.io.files import UnreadableError, read_ordinary
 from gyrodrift.io.paho_guard import PahoGuard
 from gyrodrift.link.port import PortGoneError
 from gyrodrift.link.sources.line_ends import LineEnds
-from gyrodrift.link.sources.query import split_query
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
 from gyrodrift.link.sources.stream_channel import (
     ANSWER_S,
@@ -111,7 +110,7 @@ class MqttPort(SourcePort):
     def _take(self, _client: "Client", _data: Any, message: "MQTTMessage") -> None:
         """Keep a message; a retained one is old."""
         if message.payload and not message.retain:
-            self._arrived.append(message.payload)
+            self._arrived.append(bytes(message.payload))
 
     def _follow(self) -> None:
         """Handle the packets that have arrived, and ask a silent broker."""
@@ -147,7 +146,7 @@ def open_mqtt(address: SourceAddress) -> MqttPort:
     LinkError
         The broker is absent or refuses; the message says why.
     """
-    rest, options = split_query(address, OPTIONS)
+    rest, options = address.split_query(OPTIONS)
     user, _, location = rest.rpartition("@")
     if ":" in user:
         raise UsageError(
@@ -170,7 +169,8 @@ def open_mqtt(address: SourceAddress) -> MqttPort:
 
 def _client(user: str, password: bytes) -> "Client":
     """Client with a new session."""
-    from paho.mqtt.client import CallbackAPIVersion, Client  # noqa: PLC0415 - a package of the extra
+    from paho.mqtt.client import Client  # noqa: PLC0415 - a package of the extra
+    from paho.mqtt.enums import CallbackAPIVersion  # noqa: PLC0415 - as above
 
     client = Client(CallbackAPIVersion.VERSION2, f"gyrodrift-{token_hex(4)}", reconnect_on_failure=False)
     if user:

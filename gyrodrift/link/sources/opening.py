@@ -8,11 +8,11 @@ from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.registry import AUTO
 from gyrodrift.link.sources.registry import address_of, check_packages, source_named
-from gyrodrift.link.sources.source import ByteSource, OpenPort
+from gyrodrift.link.sources.source import ByteSource, SourcePort
 from gyrodrift.values.errors import GyrodriftError, LinkError, UsageError
 
 
-def open_source(text: str, baud: int) -> OpenPort | None:
+def open_source(text: str, baud: int) -> SourcePort | None:
     """Open the source of an address; None for a serial port.
 
     Raises
@@ -65,10 +65,10 @@ def _check_protocol(options: LinkOptions, own: WireProtocol) -> None:
 class BackgroundOpening:
     """Opening in its own thread: a name server or a host may take seconds, and the loop must go on."""
 
-    def __init__(self, open_port: Callable[[], OpenPort]) -> None:
+    def __init__(self, open_port: Callable[[], SourcePort]) -> None:
         self._open_port = open_port
         self._lock = threading.Lock()
-        self._port: OpenPort | None = None
+        self._port: SourcePort | None = None
         self._error: GyrodriftError | None = None
         self._is_abandoned = False
         self._thread = threading.Thread(target=self._run, name="open source", daemon=True)
@@ -78,7 +78,7 @@ class BackgroundOpening:
         """Wait for the end of the opening."""
         self._thread.join(most_s)
 
-    def result(self) -> OpenPort | None:
+    def result(self) -> SourcePort | None:
         """The open port; None while the opening goes on.
 
         Raises

@@ -8,7 +8,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from gyrodrift.link.port import PortGoneError
-from gyrodrift.link.sources.query import split_query
 from gyrodrift.link.sources.readings import ReadingBatch
 from gyrodrift.link.sources.ros_imu import ROSBRIDGE_PROTOCOL, ImuReadings, message_of
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
@@ -71,12 +70,11 @@ class RosbridgePort(SourcePort):
         request = {"op": "subscribe", "topic": topic, "type": TYPE}
         self._protocol.send_text(json.dumps(request).encode())
         self._flush()
-        self._channel.start()
 
     def read(self) -> ReadingBatch:
         """Messages that have arrived, up to a limit, without waiting."""
-        chunk = self._channel.receive()
-        self.wake_s = 0.0 if self._channel.has_more else 1.0
+        chunk = self._channel.read()
+        self.wake_s = self._channel.wake_s
         if chunk:
             self._protocol.receive_data(chunk)
         batch = ReadingBatch()
@@ -148,7 +146,7 @@ def open_rosbridge(address: SourceAddress) -> RosbridgePort:
     """
     from websockets.uri import parse_uri  # noqa: PLC0415 - a package of the extra
 
-    rest, options = split_query(address, TLS_OPTIONS)
+    rest, options = address.split_query(TLS_OPTIONS)
     host, port, topic = host_and_path(address, rest, USUAL_PORT)
     if not topic:
         raise UsageError(

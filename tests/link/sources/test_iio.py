@@ -17,7 +17,7 @@ from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.search import find_gyro
 from gyrodrift.link.sources import iio_sysfs
 from gyrodrift.link.sources.iio import IioPort, gyros
-from gyrodrift.link.sources.iio_layout import layout_of
+from gyrodrift.link.sources.iio_buffer import layout_of
 from gyrodrift.link.sources.iio_readings import IDENTITY, IioChannel, IioDescription, IioReadings, is_rotation
 from gyrodrift.link.sources.registry import source_devices
 from gyrodrift.values.errors import LinkError, PortDeniedError, PortMissingError, UsageError
@@ -112,6 +112,12 @@ def test_gyro_and_accelerometer_of_one_chip_are_joined_by_time(pair: tuple[IioCh
     assert forces[:50] == pytest.approx([step * ACCEL_SCALE for step in range(50)])
     assert isnan(forces[60])
     assert accel.text("buffer/enable") == "0"
+
+
+def test_another_accelerometer_of_the_chip_is_polled_with_its_own_scale(pair: tuple[IioChip, IioChip]) -> None:
+    with closing(Link(LinkOptions("iio:lsm6ds3_gyro?poll=250"), Events())) as link:
+        samples = read_until(link, lambda samples: len(samples) >= 1)
+    assert samples[0].inertial == pytest.approx((100 * DPS, 200 * DPS, 300 * DPS, 1.0, 2.0, 3.0))
 
 
 def test_the_accelerometer_can_be_left_out(pair: tuple[IioChip, IioChip]) -> None:

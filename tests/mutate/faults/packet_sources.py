@@ -44,7 +44,7 @@ FAULTS = (
     ),
     Fault(
         "sources/iio-elements-are-not-aligned",
-        f"{SOURCES}/iio_layout.py",
+        f"{SOURCES}/iio_buffer.py",
         "        position = -(-end // size) * size\n",
         "        position = end\n",
         "The timestamp is read from the padding before it.",
@@ -141,8 +141,8 @@ FAULTS = (
     Fault(
         "sources/ble-lost-device-is-not-noticed",
         f"{SOURCES}/ble.py",
-        "        if not content and self._is_gone:\n",
-        "        if not content and self._is_gone and False:\n",
+        "        if not content and self._inbox.is_over:\n",
+        "        if not content and self._inbox.is_over and False:\n",
         "A device that comes back is never read again.",
         (f"{TESTS}/test_ble.py",),
     ),
