@@ -17,5 +17,14 @@ COUNTER_MASK = COUNTER_WRAP - 1
 DEG_PER_RAD = degrees(1.0)
 """Degrees in a radian, 180/π."""
 
+FULL_TURN_DEG = 360.0
+"""Degrees in a turn."""
+
+INT16_COUNTS = 32768.0
+"""Counts of a signed number of 16 bits at its full scale."""
+
+LINE_BITS_PER_BYTE = 10
+"""Bits of a byte on a serial line: start bit, eight data bits, stop bit (8N1)."""
+
 STANDARD_GRAVITY_MPS2 = 9.80665
-"""Standard acceleration of free fall (3rd General Conference on Weights and Measures, 1901)."""
+"""Standard acceleration of free fall (3rd General Conference on Weights and Measures, 1901; ISO 80000-3)."""

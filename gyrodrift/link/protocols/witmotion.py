@@ -15,7 +15,7 @@ from gyrodrift.link.protocols.angles import RateOrAngle
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.link.protocols.frames import FrameDecoder
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
+from gyrodrift.values.constants import INT16_COUNTS, STANDARD_GRAVITY_MPS2
 from gyrodrift.values.sample import Inertial, Reading
 
 HEAD = b"\x55"
@@ -26,9 +26,9 @@ ANGLES_KIND = 0x53
 KINDS = range(0x50, 0x60)
 """Time, acceleration, rate, angle, magnetic field, ports, pressure, position, velocity, quaternion, accuracy."""
 
-DPS_PER_LSB = 2000.0 / 32768.0
-DEG_PER_LSB = 180.0 / 32768.0
-MPS2_PER_LSB = 16.0 * STANDARD_GRAVITY_MPS2 / 32768.0
+DPS_PER_LSB = 2000.0 / INT16_COUNTS
+DEG_PER_LSB = 180.0 / INT16_COUNTS
+MPS2_PER_LSB = 16.0 * STANDARD_GRAVITY_MPS2 / INT16_COUNTS
 """Full scale of ±2000 deg/s, of ±180 deg and of ±16 g, over 16 bits (WT901 protocol description)."""
 
 NO_FORCES = (nan, nan, nan)

@@ -14,6 +14,7 @@ from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.link.protocols.frames import FrameDecoder
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.witmotion import DPS_PER_LSB, HEAD, MPS2_PER_LSB, inertial_from
+from gyrodrift.values.constants import INT16_COUNTS
 from gyrodrift.values.sample import Reading
 
 HEADS = re.compile(rb"\x55[\x61\x71]")
@@ -24,7 +25,7 @@ FRAME = Struct("<2s9h")
 IN_A_ROW = 4
 """Four heads of two bytes: noise has them once in 2**64 positions."""
 
-G_PER_LSB = 16.0 / 32768.0
+G_PER_LSB = 16.0 / INT16_COUNTS
 PLAUSIBLE_G = (0.2, 8.0)
 """Plausible length of the first acceleration, g."""
 
