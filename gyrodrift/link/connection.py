@@ -7,9 +7,9 @@ from itertools import cycle
 
 from gyrodrift.link.opening import Opening
 from gyrodrift.link.options import EventHandler, LinkCounters, LinkOptions
-from gyrodrift.link.port import USUAL_BAUDS, PortGoneError, open_line, stable_name
-from gyrodrift.link.sources.opening import BackgroundOpening, checked_source, open_source
-from gyrodrift.link.sources.readings import ReadingBatch
+from gyrodrift.link.port import USUAL_BAUDS, PortGoneError, stable_name
+from gyrodrift.link.protocols.batch import ReadingBatch
+from gyrodrift.link.sources.opening import BackgroundOpening, checked_source, open_port
 from gyrodrift.link.sources.source import SourceEndedError, SourcePort
 from gyrodrift.values.errors import LinkError, PortMissingError, UsageError
 
@@ -22,19 +22,6 @@ OPENING_S = 0.05
 FIRST_S = 0.05
 LONGEST_S = 2.0
 """First and longest wait between two attempts, s; the wait doubles after a failure."""
-
-
-def open_port(path: str, baud: int) -> SourcePort:
-    """Open a source, or a serial port in the way that this system has.
-
-    Raises
-    ------
-    UsageError
-        The address of a source has a mistake, or a package is missing.
-    LinkError
-        If the port cannot be opened.
-    """
-    return open_source(path, baud) or open_line(path, baud)
 
 
 @dataclass(slots=True)

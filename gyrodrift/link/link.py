@@ -20,13 +20,13 @@ from gyrodrift.link.heard import Heard
 from gyrodrift.link.late import Arrived, LateArrivals
 from gyrodrift.link.options import EventHandler, LinkCounters, LinkOptions
 from gyrodrift.link.protocols import text
+from gyrodrift.link.protocols.batch import ReadingBatch
 from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.guard import Guard, renewed
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.registry import candidates
 from gyrodrift.link.silence import unread_protocol, why_silent
-from gyrodrift.link.sources.readings import ReadingBatch
 from gyrodrift.link.sources.source import SourcePort
 from gyrodrift.link.units.check import UnitCheck
 from gyrodrift.values.errors import DeviceSilentError, PortMissingError, UnitError

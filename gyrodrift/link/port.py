@@ -123,21 +123,6 @@ class Port(SourcePort):
             self._serial.close()
 
 
-def open_line(path: str, baud: int) -> SourcePort:
-    """Open a serial port in the way that this system has.
-
-    Raises
-    ------
-    LinkError
-        If the port cannot be opened.
-    """
-    if HAS_TERMIOS:
-        return Port(path, baud)
-    from gyrodrift.link.thread_port import ThreadPort  # noqa: PLC0415 - Linux and macOS do without
-
-    return ThreadPort(path, baud)
-
-
 def stable_name(path: str) -> str:
     """Name that the adapter keeps when it is replugged; the path itself without one."""
     device = os.path.realpath(path)

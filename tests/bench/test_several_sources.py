@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from bench_support import BENCH, PATIENCE_S, Process, cpu_s, running, show
-from bridge_support import free_port
+from support import free_port
 
 pytestmark = pytest.mark.bench
 

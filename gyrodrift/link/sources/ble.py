@@ -145,7 +145,7 @@ class BlePort(SourcePort):
     def _hear(self, _: object, content: bytearray) -> None:
         content = content[:LONGEST_NOTIFICATION_BYTES]
         if len(self._inbox) + len(content) <= LONGEST_KEPT_BYTES:
-            self._inbox.put(content)
+            self._inbox.put(bytes(content))
         else:
             self._dropped_bytes += len(content)
 

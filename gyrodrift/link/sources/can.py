@@ -7,11 +7,11 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from gyrodrift.link.port import PortGoneError
+from gyrodrift.link.protocols.batch import ReadingBatch
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.sources.can_dbc import SIGNALS, dbc_gyro
 from gyrodrift.link.sources.can_frames import CAN_PROTOCOL, EXTENDED, CanGyro, CanReadings
 from gyrodrift.link.sources.can_gyros import CAN_GYROS
-from gyrodrift.link.sources.readings import ReadingBatch
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
 from gyrodrift.values.errors import LinkError, PortMissingError, UsageError
 

@@ -9,10 +9,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import isfinite, nan
 
+from gyrodrift.link.protocols.batch import batch_protocol
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.link.protocols.plausible import MAX_RATE_DPS, inertial_of
-from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.link.sources.readings import BatchDecoder
 from gyrodrift.values.constants import CLOCK_MASK, COUNTER_MASK
 from gyrodrift.values.sample import Reading, upside_down
 
@@ -108,13 +107,4 @@ class CanReadings:
         return Reading(t_us, seq, rate_dps, temp_c=self._temp_c, inertial=inertial)
 
 
-CAN_PROTOCOL = WireProtocol(
-    "can",
-    "CAN frames of a gyro",
-    lambda: BatchDecoder("can"),
-    has_clock=True,
-    rank=5,
-    is_detected=False,
-    has_unit=True,
-    without_rate="check gyro=, signal= and the ids",
-)
+CAN_PROTOCOL = batch_protocol("can", "CAN frames of a gyro", "check gyro=, signal= and the ids")

@@ -6,14 +6,13 @@ trigger, the values in sysfs are polled.
 
 from math import inf
 
-from gyrodrift.link.protocols.protocol import WireProtocol
+from gyrodrift.link.protocols.batch import ReadingBatch, batch_protocol
 from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.link.sources import iio_sysfs
 from gyrodrift.link.sources.iio_buffer import Scans, elements_folder
 from gyrodrift.link.sources.iio_polled import POLL_HZ, PolledPort, Temperature
 from gyrodrift.link.sources.iio_readings import IioReadings
 from gyrodrift.link.sources.iio_sysfs import NUMBER, IioDevice, accelerometer_of, device_named, iio_devices
-from gyrodrift.link.sources.readings import BatchDecoder, ReadingBatch
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
 from gyrodrift.values.errors import LinkError, PortDeniedError, PortMissingError, UsageError
 
@@ -160,22 +159,12 @@ def gyros() -> list[SerialPort]:
     ]
 
 
-IIO_PROTOCOL = WireProtocol(
-    "iio",
-    "scans of a Linux IIO device",
-    lambda: BatchDecoder("iio"),
-    has_clock=True,
-    rank=4,
-    is_detected=False,
-    has_unit=True,
-)
-
 IIO = ByteSource(
     "iio",
     "iio:NAME",
     "gyro with a Linux IIO driver, such as an MPU-6050 at the I²C bus",
     open_iio,
-    protocol=IIO_PROTOCOL,
+    protocol=batch_protocol("iio", "scans of a Linux IIO device"),
     devices=gyros,
     unit=("# The buffer of the chip is set up in /sys.", "DeviceAllow=char-iio rw", "ProtectKernelTunables=no"),
     silence="the kernel delivers no scans; check the trigger and the interrupt line of the chip, and dmesg",

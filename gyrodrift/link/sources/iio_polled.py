@@ -6,10 +6,10 @@ from contextlib import suppress
 from math import inf, isnan
 
 from gyrodrift.link.port import PortGoneError
+from gyrodrift.link.protocols.batch import ReadingBatch
 from gyrodrift.link.sources.iio_buffer import CHANNELS, description_of, unreadable
 from gyrodrift.link.sources.iio_readings import MILLI, TIMESTAMP, IioReadings
 from gyrodrift.link.sources.iio_sysfs import IioDevice, explained
-from gyrodrift.link.sources.readings import ReadingBatch
 from gyrodrift.link.sources.source import SourcePort
 
 POLL_HZ = 100.0

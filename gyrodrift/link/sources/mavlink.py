@@ -2,7 +2,6 @@
 
 import re
 
-from gyrodrift.link.port import open_line
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.sources.mavlink_decoder import (
     DPS_PER_MRADS,
@@ -11,6 +10,7 @@ from gyrodrift.link.sources.mavlink_decoder import (
     ImuChoice,
     mavlink_protocol,
 )
+from gyrodrift.link.sources.opening import open_line
 from gyrodrift.link.sources.sockets import SocketPort, connected
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
 from gyrodrift.link.sources.udp import UdpPort, bound_socket

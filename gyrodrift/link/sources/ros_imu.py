@@ -9,10 +9,9 @@ from collections.abc import Mapping
 from math import degrees, isfinite
 from typing import Any
 
+from gyrodrift.link.protocols.batch import batch_protocol
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.link.protocols.plausible import inertial_of
-from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.link.sources.readings import BatchDecoder
 from gyrodrift.values.constants import CLOCK_MASK
 from gyrodrift.values.sample import Reading
 from gyrodrift.values.vectors import Vector
@@ -87,13 +86,8 @@ def _stamp_us(stamp: object) -> int | None:
     return (seconds * 1_000_000 + nanoseconds // 1000) & CLOCK_MASK if seconds or nanoseconds else None
 
 
-ROSBRIDGE_PROTOCOL = WireProtocol(
+ROSBRIDGE_PROTOCOL = batch_protocol(
     "rosbridge",
     "sensor_msgs/Imu as JSON of rosbridge",
-    lambda: BatchDecoder("rosbridge"),
-    has_clock=True,
-    rank=6,
-    is_detected=False,
-    has_unit=True,
-    without_rate="the topic is no sensor_msgs/Imu, or its angular velocity is marked as missing; see ros2 topic info",
+    "the topic is no sensor_msgs/Imu, or its angular velocity is marked as missing; see ros2 topic info",
 )

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from gyrodrift.link.port import PortGoneError
-from gyrodrift.link.sources.readings import ReadingBatch
+from gyrodrift.link.protocols.batch import ReadingBatch
 from gyrodrift.link.sources.ros_imu import ROSBRIDGE_PROTOCOL, ImuReadings, message_of
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
 from gyrodrift.link.sources.stream_channel import (

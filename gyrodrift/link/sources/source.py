@@ -7,9 +7,9 @@ from math import inf
 from typing import Any
 from urllib.parse import unquote
 
+from gyrodrift.link.protocols.batch import ReadingBatch
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.serial_port import SerialPort
-from gyrodrift.link.sources.readings import ReadingBatch
 from gyrodrift.values.errors import UsageError
 
 PORT_NUMBER = re.compile(r"0{0,4}[1-9][0-9]{0,4}")

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from sources_support import Events, read_until, serving
+from support import free_port
 
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
@@ -205,13 +206,6 @@ def test_the_decoder_keeps_less_than_two_frames() -> None:
         assert len(decoder._parser.buf) < 600
 
 
-def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-        free.bind(("127.0.0.1", 0))
-        port: int = free.getsockname()[1]
-    return port
-
-
 @pytest.mark.parametrize("host", ["127.0.0.1", ""])
 def test_datagrams_of_a_vehicle_are_read(host: str) -> None:
     """Without a host on loopback alone; a vehicle that goes away and restarts is a restart of the clock."""
@@ -222,7 +216,7 @@ def test_datagrams_of_a_vehicle_are_read(host: str) -> None:
             for step in range(first, first + 60):
                 vehicle.sendto(highres_stream(1, step), ("127.0.0.1", port))
             if link.port is not None and first == 0:
-                link.port._heard_s = float("-inf")  # type: ignore[union-attr] # the silence of a restart
+                link.port._heard_s = float("-inf")  # type: ignore[attr-defined] # the silence of a restart
             samples = read_until(link, lambda samples: len(samples) >= 59)
     link.close()
     assert samples[-1].rate_dps == pytest.approx(degrees(0.5))

@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from broker_support import broker, need_mosquitto
+from broker_support import broker, certificate, need_mosquitto, needs_openssl
 from sources_support import PATIENCE_S, Events, lines, read_until
 from support import free_port
 
@@ -41,18 +41,6 @@ def publish(number: int, content: bytes, *options: str) -> None:
     command = ["mosquitto_pub", "-h", "127.0.0.1", "-p", str(number), "-t", TOPIC, "-l", *options]
     with suppress(subprocess.TimeoutExpired):
         subprocess.run(command, input=content, check=True, timeout=PATIENCE_S / 4.0)
-
-
-def certificate(folder: Path, *names: str) -> Path:
-    """Certificate for names of this machine; its key is beside it."""
-    made, key = folder / "a.crt", folder / "a.key"
-    alternatives = ",".join(names)
-    command = [
-        *("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", str(key), "-out", str(made)),
-        *("-days", "2", "-subj", "/CN=gyro", "-addext", f"subjectAltName={alternatives}"),
-    ]
-    subprocess.run(command, check=True, capture_output=True)
-    return made
 
 
 def test_messages_of_a_topic_are_read_like_a_cable(number: int, tmp_path: Path) -> None:
@@ -117,9 +105,9 @@ def test_a_password_comes_from_a_file_or_the_environment(
             Link(LinkOptions(address), Events())
 
 
-@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl, which makes the certificate, is not installed")
+@needs_openssl
 def test_a_certificate_is_checked(number: int, tmp_path: Path) -> None:
-    made = certificate(tmp_path, "IP:127.0.0.1")
+    made = certificate(tmp_path)
     settings = ("allow_anonymous true", f"certfile {made}", f"keyfile {made.with_suffix('.key')}")
     with broker(number, tmp_path, *settings):
         address = f"mqtts://127.0.0.1:{number}/{TOPIC}"
@@ -130,9 +118,9 @@ def test_a_certificate_is_checked(number: int, tmp_path: Path) -> None:
             assert len(read_until(link, lambda samples: len(samples) == 2000)) == 2000
 
 
-@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl, which makes the certificate, is not installed")
+@needs_openssl
 def test_a_certificate_of_the_client_is_shown(number: int, tmp_path: Path) -> None:
-    made = certificate(tmp_path, "IP:127.0.0.1")
+    made = certificate(tmp_path)
     key = made.with_suffix(".key")
     settings = (
         "allow_anonymous true",
@@ -242,7 +230,7 @@ def subscription() -> Iterator[tuple[MqttPort, socket.socket]]:
 
 def read_bytes(port: MqttPort) -> bytes:
     """Content of the next message, which must come soon."""
-    select.select([port.fd], [], [], PATIENCE_S)
+    select.select([port.fd or 0], [], [], PATIENCE_S)
     return port.read()
 
 

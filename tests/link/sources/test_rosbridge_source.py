@@ -1,10 +1,8 @@
 """Source ws: our own rosbridge output, and a server of the library websockets that speaks the protocol."""
 
 import json
-import shutil
 import socket
 import ssl
-import subprocess
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -14,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from broker_support import certificate, needs_openssl
 from outputs_support import AXES, corrected, hub, tilted
 from sources_support import PATIENCE_S, Events, read_until, serving
 
@@ -24,7 +23,7 @@ from gyrodrift.link.sources.rosbridge import RosbridgePort, open_rosbridge
 from gyrodrift.link.sources.source import SourceAddress
 from gyrodrift.link.sources.stream_channel import StreamChannel
 from gyrodrift.values.errors import DeviceSilentError, LinkError, PortMissingError, UsageError
-from gyrodrift.values.sample import Reading
+from gyrodrift.values.sample import Corrected, Reading
 
 pytest.importorskip("websockets", reason="websockets is not installed: pip install 'gyrodrift[websocket]'")
 
@@ -102,7 +101,8 @@ def bridge(port: int = 0, tls: ssl.SSLContext | None = None) -> Iterator[Bridge]
         yield server
 
 
-def test_our_own_rosbridge_output_is_read() -> None:
+@pytest.mark.parametrize("make", [tilted, corrected], ids=["three axes", "one axis"])
+def test_our_own_rosbridge_output_is_read(make: Callable[[int], Corrected]) -> None:
     """Rates, accelerations and stamps that one service sends, another one reads."""
     with hub() as outputs:
         outputs.want("rosbridge:port=0")
@@ -111,28 +111,16 @@ def test_our_own_rosbridge_output_is_read() -> None:
             number = iter(range(10**6))
 
             def has_enough(samples: list[Any]) -> bool:
-                outputs.samples([tilted(next(number))])
+                outputs.samples([make(next(number))])
                 return len(samples) >= 20
 
             samples = read_until(link, has_enough)
     expected = (AXES.gyro_x_dps - 0.1, AXES.gyro_y_dps - 0.2, AXES.gyro_z_dps - 0.25, *AXES[3:])
-    assert samples[0].inertial == pytest.approx(expected, abs=1e-6)
+    if make is tilted:
+        assert samples[0].inertial == pytest.approx(expected, abs=1e-6)
+    else:
+        assert samples[0].rate_dps == pytest.approx(1.25)
     assert samples[1].t_device_s - samples[0].t_device_s == pytest.approx(0.01, abs=1e-4)
-
-
-def test_a_device_with_one_axis_comes_through_our_output_too() -> None:
-    with hub() as outputs:
-        outputs.want("rosbridge:port=0")
-        where = outputs.opened()[0].address
-        with closing(Link(LinkOptions(f"ws://{where}{TOPIC}"), Events())) as link:
-            number = iter(range(10**6))
-
-            def has_enough(samples: list[Any]) -> bool:
-                outputs.samples([corrected(next(number))])
-                return len(samples) >= 5
-
-            samples = read_until(link, has_enough)
-    assert samples[0].rate_dps == pytest.approx(1.25)
 
 
 def test_the_topic_is_subscribed_with_its_type() -> None:
@@ -192,16 +180,11 @@ def test_a_message_that_is_too_long_ends_the_connection() -> None:
     assert "source_refused" in events.names()
 
 
-@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl, which makes the certificate, is not installed")
+@needs_openssl
 def test_tls_is_checked(tmp_path: Path) -> None:
-    made, key = tmp_path / "a.crt", tmp_path / "a.key"
-    command = [
-        *("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", str(key), "-out", str(made)),
-        *("-days", "2", "-subj", "/CN=ros", "-addext", "subjectAltName=IP:127.0.0.1"),
-    ]
-    subprocess.run(command, check=True, capture_output=True)
+    made = certificate(tmp_path)
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-    context.load_cert_chain(made, key)
+    context.load_cert_chain(made, made.with_suffix(".key"))
     with bridge(tls=context) as server:
         address = f"wss://127.0.0.1:{server.port}{TOPIC}"
         with pytest.raises(LinkError, match=r"certificate of 127.0.0.1 is not trusted: .*; append \?ca=FILE"):

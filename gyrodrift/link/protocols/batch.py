@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from gyrodrift.link.protocols.decoder import CountingDecoder, DeviceDescription
+from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.values.sample import Reading
 
 
@@ -58,3 +59,17 @@ class BatchDecoder(CountingDecoder):
         self.counters.damaged += batch.damaged
         self.device = batch.device
         return batch.readings
+
+
+def batch_protocol(name: str, about: str, without_rate: str = "") -> WireProtocol:
+    """Protocol of a source of readings, whose rates have a unit; a reading may have its time."""
+    return WireProtocol(
+        name,
+        about,
+        lambda: BatchDecoder(name),
+        has_clock=True,
+        rank=0,
+        is_detected=False,
+        has_unit=True,
+        without_rate=without_rate,
+    )
