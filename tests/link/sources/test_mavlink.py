@@ -8,7 +8,7 @@ from random import Random
 from typing import Any
 
 import pytest
-from sources_support import Events, read_until, serving
+from sources_support import Events, Host, read_until, serving
 from support import free_port
 
 from gyrodrift.link.link import Link
@@ -256,16 +256,14 @@ def test_a_serial_line_is_read() -> None:
 
 
 def test_a_vehicle_without_rates_is_an_error_with_advice() -> None:
-    now_s, port = 1000.0, free_port()
-    link = Link(LinkOptions(f"mavlink:udpin::{port}", timeout_s=3.0), Events(), lambda: now_s)
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle:
-        for step in range(20):
-            vehicle.sendto(Vehicle().raw(step, 1), ("127.0.0.1", port))
-    read_until(link, lambda _: link.counters.bytes > 400)
-    now_s += 3.0
-    with pytest.raises(DeviceSilentError, match=r"good mavlink frames .* none with a yaw rate; .* \?raw=mrads"):
-        link.read()
-    link.close()
+    port = free_port()
+    with Host(f"mavlink:udpin::{port}", timeout_s=3.0) as host:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle:
+            for step in range(20):
+                vehicle.sendto(Vehicle().raw(step, 1), ("127.0.0.1", port))
+        read_until(host.link, lambda _: host.link.counters.bytes > 400)
+        with pytest.raises(DeviceSilentError, match=r"good mavlink frames .* none with a yaw rate; .* \?raw=mrads"):
+            host.read(3.0)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 from broker_support import broker, certificate, need_mosquitto, needs_openssl
-from sources_support import PATIENCE_S, Events, lines, read_until
+from sources_support import PATIENCE_S, Events, Host, lines, read_until
 from support import free_port
 
 from gyrodrift.link.link import Link
@@ -147,13 +147,9 @@ def test_a_broker_that_is_not_there_is_an_error(number: int) -> None:
 
 
 def test_a_topic_without_messages_is_an_error_with_advice(number: int, tmp_path: Path) -> None:
-    now_s = 1000.0
-    with broker(number, tmp_path):
-        link = Link(LinkOptions(f"mqtt://127.0.0.1:{number}/{TOPIC}", timeout_s=3.0), Events(), lambda: now_s)
-        now_s += 3.0
-        with pytest.raises(DeviceSilentError, match="nothing is published on this topic"):
-            link.read()
-        link.close()
+    silence = pytest.raises(DeviceSilentError, match="nothing is published on this topic")
+    with broker(number, tmp_path), Host(f"mqtt://127.0.0.1:{number}/{TOPIC}", timeout_s=3.0) as host, silence:
+        host.read(3.0)
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from broker_support import certificate, needs_openssl
 from outputs_support import AXES, corrected, hub, tilted
-from sources_support import PATIENCE_S, Events, read_until, serving
+from sources_support import PATIENCE_S, Events, Host, read_until, serving
 
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
@@ -228,13 +228,9 @@ def test_an_address_without_a_topic_is_an_error(text: str) -> None:
 
 
 def test_a_topic_without_messages_is_an_error_with_advice() -> None:
-    now_s = 1000.0
-    with bridge() as server:
-        options = LinkOptions(f"ws://127.0.0.1:{server.port}{TOPIC}", timeout_s=3.0)
-        with closing(Link(options, Events(), lambda: now_s)) as link:
-            now_s += 3.0
-            with pytest.raises(DeviceSilentError, match="nothing is published on this topic; list the topics"):
-                link.read()
+    silence = pytest.raises(DeviceSilentError, match="nothing is published on this topic; list the topics")
+    with bridge() as server, Host(f"ws://127.0.0.1:{server.port}{TOPIC}", timeout_s=3.0) as host, silence:
+        host.read(3.0)
 
 
 def test_stamps_of_both_versions_are_the_clock() -> None:
