@@ -41,8 +41,8 @@ LONGEST_TEXT_BYTES = 0xFFFF
 LONGEST_PACKET_BYTES = 64 << 10
 """Longest packet: a message of a gyro has some hundred bytes, and a batch of them some thousand."""
 
-PACKETS_PER_READ = 1024
-"""Largest number of packets at a time, so that a flood does not block the loop."""
+PACKETS_PER_READ, BYTES_PER_READ = 1024, 64 << 10
+"""Largest number of packets, and of bytes before the last one, so that a flood does not block the loop."""
 
 KEEP_ALIVE_S = 12
 """A broker is asked after so much silence, s, and counts as gone after so much more. Chosen."""
@@ -64,7 +64,7 @@ class MqttPort(SourcePort):
         self._client, self._connection, self._topic = client, connection, topic
         self._guard = PahoGuard(client, LONGEST_PACKET_BYTES)
         self._line_ends = LineEnds()
-        self._arrived: list[bytes] = []
+        self._arrived = bytearray()
         self._answers: list[Any] = []
         self._is_open = True
         client.on_connect = lambda _client, _data, _flags, code, _properties: self._answers.append(code)
@@ -94,7 +94,8 @@ class MqttPort(SourcePort):
     def read(self) -> bytes:
         """Messages that have arrived, up to a limit, without waiting."""
         self._follow()
-        content, self._arrived = b"".join(map(self._line_ends.add, self._arrived)), []
+        content = bytes(self._arrived)
+        self._arrived.clear()
         self.wake_s = KEEP_ALIVE_S if self._guard.is_drained else 0.0
         if not self._is_open and not content:
             if self._guard.problem:
@@ -108,15 +109,15 @@ class MqttPort(SourcePort):
         self._connection.close()
 
     def _take(self, _client: "Client", _data: Any, message: "MQTTMessage") -> None:
-        """Keep a message; a retained one is old."""
-        if message.payload and not message.retain:
-            self._arrived.append(bytes(message.payload))
+        """Keep a message, and drop those that flood the login; a retained one is old."""
+        if message.payload and not message.retain and len(self._arrived) < BYTES_PER_READ:
+            self._arrived += self._line_ends.add(bytes(message.payload))
 
     def _follow(self) -> None:
         """Handle the packets that have arrived, and ask a silent broker."""
         for _ in range(PACKETS_PER_READ):
             self._is_open = self._is_open and not self._client.loop_read()
-            if self._guard.is_drained or not self._is_open:
+            if self._guard.is_drained or not self._is_open or len(self._arrived) >= BYTES_PER_READ:
                 break
         if self._client.want_write():
             self._client.loop_write()
@@ -127,7 +128,7 @@ class MqttPort(SourcePort):
         while not self._answers:
             left_s = until_s - time.monotonic()
             if left_s <= 0.0:
-                raise LinkError(f"{self.path}: this is no MQTT broker, or it does not answer within {ANSWER_S:g} s")
+                raise LinkError(f"{self.path}: the server does not answer within {ANSWER_S:g} s")
             if not self._is_open:
                 why = self._guard.problem or "the server closes the connection; is it another kind of server?"
                 raise LinkError(f"{self.path}: this is no MQTT broker: {why}")

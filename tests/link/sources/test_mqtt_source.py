@@ -255,6 +255,19 @@ def test_a_packet_of_256_mb_ends_the_connection() -> None:
         assert port.notes[0][0] == "source_refused"
 
 
+def test_a_flood_does_not_hold_the_loop() -> None:
+    """One read takes some messages, the next one more."""
+    with subscription() as (port, theirs):
+        message = b"\x30\x83\x40\x00\x01x" + bytes(8192)
+        thread = threading.Thread(target=theirs.sendall, args=(message * 40,))
+        thread.start()
+        sizes: list[int] = []
+        while sum(sizes) < 40 * 8192:
+            sizes.append(len(read_bytes(port)))
+        thread.join()
+    assert max(sizes) <= 64 << 10
+
+
 def test_a_broker_that_wants_answers_without_end_is_left() -> None:
     """Messages of the highest quality of service wait for its last word."""
     with subscription() as (port, theirs):

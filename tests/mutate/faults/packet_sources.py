@@ -101,8 +101,8 @@ FAULTS = (
     Fault(
         "sources/mqtt-retained-is-a-sample",
         f"{SOURCES}/mqtt.py",
-        "if message.payload and not message.retain:",
-        "if message.payload:",
+        "if message.payload and not message.retain and",
+        "if message.payload and",
         "A message of yesterday is the first sample.",
         MQTT_TESTS,
     ),
