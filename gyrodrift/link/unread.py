@@ -8,9 +8,9 @@ import zlib
 from binascii import crc_hqx
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import reduce
 from itertools import accumulate
-from operator import xor
+
+from gyrodrift.link.protocols.sentences import checksum
 
 FRAMES_MIN = 3
 LONGEST_HEADER = 256
@@ -138,9 +138,9 @@ def _is_navx(frame: bytes) -> bool:
 
 
 def _is_sentence(frame: bytes) -> bool:
-    """Check the exclusive or of all characters between `$` and `*` (NMEA 0183)."""
+    """Check the sum of a sentence."""
     body, _, digits = frame.strip()[1:].rpartition(b"*")
-    return b"%02X" % reduce(xor, body, 0) == digits.upper()
+    return b"%02X" % checksum(body) == digits.upper()
 
 
 def _anything(frame: bytes) -> bool:  # noqa: ARG001 - the frames have a counter

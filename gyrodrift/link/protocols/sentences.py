@@ -39,6 +39,11 @@ class SentenceDecoder(PieceDecoder):
             self.count(None, readings)
 
 
+def checksum(body: bytes) -> int:
+    """Exclusive or of all characters between `$` and `*` (NMEA 0183)."""
+    return reduce(xor, body, 0)
+
+
 def words_of(line: bytes) -> list[str] | None:
     """Words between the commas of a sentence; None if its checksum is wrong or missing."""
     body, mark, digits = line[1:].rpartition(b"*")
@@ -47,7 +52,7 @@ def words_of(line: bytes) -> list[str] | None:
     if len(digits) == 4:
         is_right = crc_hqx(body, 0) == int(digits, 16)
     else:
-        is_right = len(digits) == 2 and reduce(xor, body, 0) == int(digits, 16)
+        is_right = len(digits) == 2 and checksum(body) == int(digits, 16)
     return body.decode("ascii").split(",") if is_right else None
 
 
