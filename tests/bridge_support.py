@@ -25,13 +25,6 @@ def program(name: str) -> str:
     return path
 
 
-def free_port() -> int:
-    """A TCP port that nobody listens on."""
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port: int = server.getsockname()[1]
-        return port
-
-
 @contextmanager
 def running(words: Sequence[str], number: int | None = None) -> Iterator["subprocess.Popen[bytes]"]:
     """A program, from the time when it listens on a TCP port."""

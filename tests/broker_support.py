@@ -20,6 +20,22 @@ def need_mosquitto() -> None:
         pytest.skip("mosquitto and mosquitto-clients are not installed", allow_module_level=True)
 
 
+needs_openssl = pytest.mark.skipif(
+    shutil.which("openssl") is None, reason="openssl, which makes the certificate, is not installed"
+)
+
+
+def certificate(folder: Path) -> Path:
+    """Certificate of 127.0.0.1 that trusts itself; its key is beside it, with the ending `.key`."""
+    path = folder / "broker.pem"
+    command = [
+        *("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", str(path.with_suffix(".key"))),
+        *("-out", str(path), "-days", "2", "-subj", "/CN=127.0.0.1", "-addext", "subjectAltName=IP:127.0.0.1"),
+    ]
+    subprocess.run(command, check=True, capture_output=True)
+    return path
+
+
 @contextmanager
 def broker(number: int, folder: Path, *lines: str) -> Iterator["subprocess.Popen[bytes]"]:
     """Mosquitto on a port, with lines of its configuration, until the end of the block."""

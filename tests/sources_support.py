@@ -1,12 +1,15 @@
-"""Helpers for tests of sources: the events of a link, TCP servers, lines of csv, and reading until enough arrived."""
+"""Helpers for tests of links: their events and their clock, TCP servers, lines of csv, reading until enough arrived."""
 
 import socket
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from pathlib import Path
+from typing import Any, Self
 
+from firmware_sim.pty import PtyDevice
 from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
 from gyrodrift.values.sample import Sample
 
 PATIENCE_S = 20.0
@@ -24,6 +27,34 @@ class Events:
 
     def names(self) -> list[str]:
         return [event for event, _ in self.told]
+
+
+class Host(Events):
+    """A link with a clock that the test sets, and its events."""
+
+    def __init__(self, port: Path | str, **options: Any) -> None:
+        super().__init__()
+        self.now_s = 1000.0
+        self.link = Link(LinkOptions(str(port), **options), self, lambda: self.now_s)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.link.close()
+
+    def read(self, after_s: float) -> list[Sample]:
+        """Samples after some time."""
+        self.now_s += after_s
+        return self.link.read()
+
+    def hear(self, device: PtyDevice, frames: Iterable[bytes], step_s: float = 0.01) -> list[Sample]:
+        """Samples of frames that are sent and read one by one."""
+        samples: list[Sample] = []
+        for frame in frames:
+            assert device.send(frame)
+            samples += self.read(step_s)
+        return samples
 
 
 @contextmanager

@@ -6,7 +6,7 @@ import time
 from contextlib import ExitStack
 from pathlib import Path
 
-from bridge_support import free_port
+from support import free_port
 
 from bench.harness import BENCH, MODULES, PATIENCE_S, Process, cpu_s, running, show
 

@@ -1,16 +1,23 @@
-"""Changes of streams of packets: whole packets of a source, with a right checksum and any content."""
+"""Messages of sources in one stream of bytes, and changes of it: whole frames of MAVLink, and packets of the others.
+
+A packet is two bytes of head, a kind that is not used, two bytes of length, and the content.
+"""
 
 import struct
+from collections.abc import Iterator
 from random import Random
 
-from gyrodrift.link.sources.can_frames import FRAME, FRAME_HEADER
-from gyrodrift.link.sources.can_gyros import BOSCH_IDS, XSENS_IDS
-from gyrodrift.link.sources.iio_scans import IioPacket
-from gyrodrift.link.sources.mavlink_frames import EXTRAS, HEADER_2, checksum
-from gyrodrift.link.sources.packets import packet
-from gyrodrift.link.sources.ros_imu import MESSAGE
+from pymavlink.dialects.v20 import common
 
-NAMES = ("anglvel_x", "anglvel_y", "anglvel_z", "accel_x", "temp", "timestamp")
+from gyrodrift.link.sources.can_gyros import BOSCH_IDS, XSENS_IDS
+
+HEAD, HEADER = b"\xa7\x1d", struct.Struct("<2sBH")
+CAN_HEADER = struct.Struct("<QI")
+"""Time of reception and id before the content of a frame."""
+
+MAVLINK_IDS = (0, 26, 27, 30, 105, 116, 129)
+"""HEARTBEAT, ATTITUDE, and the messages with rates."""
+
 JSON_VALUES = ("0", "-1", "0.5", "1e400", "NaN", "1" + 30 * "0", "null", "[]", "{}", '"x"', "true")
 SPECIAL = (0, 1, 0x7F, 0x80, 0xFF)
 
@@ -23,33 +30,40 @@ def changed_packets(content: bytes, random: Random) -> bytes:
     return content[:start] + made + content[start:]
 
 
+def packet(content: bytes) -> bytes:
+    """A packet."""
+    return HEADER.pack(HEAD, 1, len(content)) + content
+
+
+def packets_of(content: bytes) -> Iterator[bytes]:
+    """Contents of the packets in a stream."""
+    position = content.find(HEAD)
+    while 0 <= position <= len(content) - HEADER.size:
+        _, _, length = HEADER.unpack_from(content, position)
+        yield content[position + HEADER.size : position + HEADER.size + length]
+        position = content.find(HEAD, position + 1)
+
+
 def any_bytes(random: Random, size: int) -> bytes:
     """Random bytes, with many extreme values."""
     return bytes(random.choice((random.choice(SPECIAL), random.randrange(256))) for _ in range(size))
 
 
 def _mavlink(random: Random) -> bytes:
-    number = random.choice([*EXTRAS, 30])
+    number = random.choice(MAVLINK_IDS)
     payload = any_bytes(random, random.choice((0, 9, 22, 24, 26, 29, 62, 63, 255)))
     addressed = bytes((len(payload), 0, 0, 1, random.randint(1, 2), 1)) + number.to_bytes(3, "little") + payload
-    assert len(addressed) == HEADER_2 - 1 + len(payload)
-    return b"\xfd" + addressed + struct.pack("<H", checksum(addressed + bytes((EXTRAS.get(number, 39),))))
+    crc = common.x25crc(addressed + bytes((common.mavlink_map[number].crc_extra,))).crc
+    return b"\xfd" + addressed + struct.pack("<H", crc)
 
 
 def _iio(random: Random) -> bytes:
-    kind = random.choice(list(IioPacket))
-    if kind in (IioPacket.GYRO_LAYOUT, IioPacket.ACCEL_LAYOUT):
-        scale = random.choice(("0.001", "1e300", "-1", "NaN", "[]"))
-        channels = ", ".join(f'["{name}", "le:s16/16>>0", {scale}, 0]' for name in random.sample(NAMES, 3))
-        matrix = "1, 0, 0, 0, 1, 0, 0, 0, 1"
-        text = f'{{"name": "x", "rate_hz": 1, "matrix": [{matrix}], "channels": [{channels}]}}'
-        return packet(kind, text.encode())
-    return packet(kind, any_bytes(random, random.choice((4, 6, 8, 16, 24))))
+    return packet(any_bytes(random, random.choice((8, 16, 16, 24))))
 
 
 def _can(random: Random) -> bytes:
-    header = FRAME_HEADER.pack(random.getrandbits(64), random.choice((*BOSCH_IDS, *XSENS_IDS, 0x7FF)))
-    return packet(FRAME, header + any_bytes(random, random.choice((0, 2, 4, 6, 8, 64))))
+    header = CAN_HEADER.pack(random.getrandbits(64), random.choice((*BOSCH_IDS, *XSENS_IDS, 0x7FF)))
+    return packet(header + any_bytes(random, random.choice((0, 2, 4, 6, 8, 64))))
 
 
 def _imu(random: Random) -> bytes:
@@ -58,4 +72,4 @@ def _imu(random: Random) -> bytes:
     stamp = f'{{"stamp": {{"sec": {seconds}, "nanosec": {nanoseconds}}}}}'
     fields = f'"header": {stamp}, "angular_velocity": {vector}, "linear_acceleration": {vector}'
     text = f'{{"op": "publish", "msg": {{{fields}, "linear_acceleration_covariance": [{covariance}]}}}}'
-    return packet(MESSAGE, text.encode())
+    return packet(text.encode())

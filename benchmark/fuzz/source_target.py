@@ -1,32 +1,27 @@
-"""Fuzz target for sources with their own packets: any bytes, in one piece and in many, give the same valid readings."""
+"""Fuzz target for sources with their own messages: any content gives valid readings, MAVLink the same in any pieces."""
 
-from collections.abc import Callable
-from math import isfinite, isinf, isnan
+from collections.abc import Iterator
+from math import isfinite, isinf, isnan, nan
 
-from gyrodrift.link.protocols.decoder import Decoder
-from gyrodrift.link.sources.can_frames import CanDecoder
+from fuzz.packets import CAN_HEADER, packets_of
+from gyrodrift.link.sources.can_frames import CanReadings
 from gyrodrift.link.sources.can_gyros import BOSCH_IDS, XSENS_IDS, bosch, xsens
-from gyrodrift.link.sources.iio_scans import IioDecoder
-from gyrodrift.link.sources.mavlink_frames import ImuChoice, MavlinkDecoder
-from gyrodrift.link.sources.ros_imu import RosImuDecoder
+from gyrodrift.link.sources.iio_buffer import layout_of
+from gyrodrift.link.sources.iio_readings import IDENTITY, IioChannel, IioDescription, IioReadings
+from gyrodrift.link.sources.mavlink_decoder import ImuChoice, MavlinkDecoder
+from gyrodrift.link.sources.ros_imu import ImuReadings, message_of
 from gyrodrift.values.sample import Reading
 
 CHUNK = 61
-
-DECODERS: dict[str, Callable[[], Decoder]] = {
-    "mavlink": lambda: MavlinkDecoder(ImuChoice()),
-    "mavlink of one message": lambda: MavlinkDecoder(ImuChoice(1, "raw_imu", 0.01, 0.01)),
-    "iio": IioDecoder,
-    "rosbridge": RosImuDecoder,
-    "bosch": lambda: CanDecoder(bosch("bosch-mm7.10", BOSCH_IDS, is_upside_down=True)),
-    "xsens": lambda: CanDecoder(xsens("xsens", XSENS_IDS, is_upside_down=False)),
-}
+CHOICES = (ImuChoice(), ImuChoice(1, "raw_imu", 0.01, 0.01))
+TYPES = {f"anglvel_{axis}": "le:s16/16>>0" for axis in "xyz"} | {"temp": "be:u12/16>>4", "timestamp": "le:s64/64>>0"}
+SCALES = (0.001, 1e300, -1.0)
 
 
 def source_decoders(content: bytes) -> None:
-    """Packets of all sources."""
-    for make in DECODERS.values():
-        whole, cut = make(), make()
+    """Messages of all sources."""
+    for choice in CHOICES:
+        whole, cut = MavlinkDecoder(choice), MavlinkDecoder(choice)
         at_once = whole.push(content)
         in_pieces = [
             reading for start in range(0, len(content), CHUNK) for reading in cut.push(content[start : start + CHUNK])
@@ -34,6 +29,32 @@ def source_decoders(content: bytes) -> None:
         assert repr(at_once) == repr(in_pieces)
         assert whole.counters == cut.counters
         assert all(map(is_valid, at_once))
+    packets = list(packets_of(content))
+    assert all(is_valid(reading) for reading in readings_of(packets) if reading is not None)
+
+
+def readings_of(packets: list[bytes]) -> Iterator[Reading | None]:
+    """Readings of packets as frames of a bus, as messages of ROS, and as scans."""
+    gyros = (
+        bosch("bosch-mm7.10", BOSCH_IDS, is_upside_down=True),
+        xsens("xsens", XSENS_IDS, is_upside_down=False),
+    )
+    for gyro in gyros:
+        bus = CanReadings(gyro)
+        for packet in packets:
+            if len(packet) >= CAN_HEADER.size:
+                received_us, number = CAN_HEADER.unpack_from(packet)
+                if number in gyro.ids:
+                    yield bus.reading(received_us, number, packet[CAN_HEADER.size :])
+    topic, layout = ImuReadings(), layout_of(TYPES)
+    for packet in packets:
+        message = message_of(packet)
+        if message is not None:
+            yield topic.reading(message)
+    for scale in SCALES:
+        chip = IioReadings(IioDescription("x", 1.0, IDENTITY, dict.fromkeys(TYPES, IioChannel(scale))))
+        if layout is not None:
+            yield from (chip.reading(layout.counts(packet), nan) for packet in packets if len(packet) == layout.size)
 
 
 def is_valid(reading: Reading) -> bool:

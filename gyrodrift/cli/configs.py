@@ -11,7 +11,7 @@ from gyrodrift.filters.registry import DEFAULT
 if TYPE_CHECKING:
     from gyrodrift.config.model import Config
     from gyrodrift.link.options import EventHandler, LinkOptions
-    from gyrodrift.link.sources.source import OpenPort
+    from gyrodrift.link.sources.source import SourcePort
 
 
 def reads_columns_of_config(arguments: argparse.Namespace) -> bool:
@@ -25,7 +25,7 @@ def link_target(
     on_event: "EventHandler",
     columns: str | None = None,
     send: bytes = b"",
-) -> "tuple[LinkOptions, OpenPort | None]":
+) -> "tuple[LinkOptions, SourcePort | None]":
     """Link options of a command; with `--port auto` also the open port of the only gyro.
 
     `columns` and `send` come from the config. The options --columns, --protocol and --send take precedence.

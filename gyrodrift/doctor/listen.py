@@ -14,13 +14,13 @@ from gyrodrift.io.waiting import POLLIN, new_poller
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
-from gyrodrift.link.sources.source import OpenPort
+from gyrodrift.link.sources.source import SourcePort
 from gyrodrift.outputs.status import DeviceStatus, LinkStatus
 from gyrodrift.session.session import session_of
+from gyrodrift.values.constants import LINE_BITS_PER_BYTE
 from gyrodrift.values.errors import LinkError, UnitError
 from gyrodrift.values.sample import Sample
 
-BITS_PER_BYTE = 10
 SURE_PPM = 100.0
 """Largest standard error of a reported clock drift, ppm."""
 
@@ -42,7 +42,7 @@ def listen(
     options: LinkOptions,
     seconds: float,
     progress: OnProgress,
-    port: OpenPort | None = None,
+    port: SourcePort | None = None,
     monotonic: Callable[[], float] = time.monotonic,
 ) -> DeviceEvidence:
     """Evidence from `seconds` after the first sample; `port` is an open port, or None to open it."""
@@ -114,7 +114,7 @@ def _status(link: Link, description: SessionDescription | None, *, has_clock: bo
     counted = link.counted() | {"clock_ppm": clock_ppm(description) if has_clock else None}
     counted.pop("lone_yaws", None)
     rate_hz = description.rate_hz or 0.0 if description else 0.0
-    bits_per_s = counted["bytes"] / max(counted["samples"], 1) * rate_hz * BITS_PER_BYTE
+    bits_per_s = counted["bytes"] / max(counted["samples"], 1) * rate_hz * LINE_BITS_PER_BYTE
     return LinkStatus(
         port=link.name,
         baud=link.baud,

@@ -2,14 +2,15 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import cycle
 
-from gyrodrift.link.backoff import Backoff
 from gyrodrift.link.opening import Opening
 from gyrodrift.link.options import EventHandler, LinkCounters, LinkOptions
-from gyrodrift.link.port import HAS_TERMIOS, USUAL_BAUDS, Port, PortGoneError, stable_name
-from gyrodrift.link.sources.opening import BackgroundOpening, checked_source, open_source
-from gyrodrift.link.sources.source import OpenPort, SourceEndedError, SourcePort
+from gyrodrift.link.port import USUAL_BAUDS, PortGoneError, stable_name
+from gyrodrift.link.protocols.batch import ReadingBatch
+from gyrodrift.link.sources.opening import BackgroundOpening, checked_source, open_port
+from gyrodrift.link.sources.source import SourceEndedError, SourcePort
 from gyrodrift.values.errors import LinkError, PortMissingError, UsageError
 
 SOON_S = 0.5
@@ -18,25 +19,31 @@ SOON_S = 0.5
 OPENING_S = 0.05
 """Time between two looks at a source that is being opened in the background, s."""
 
+FIRST_S = 0.05
+LONGEST_S = 2.0
+"""First and longest wait between two attempts, s; the wait doubles after a failure."""
 
-def open_port(path: str, baud: int) -> OpenPort:
-    """Open a source, or a serial port in the way that this system has.
 
-    Raises
-    ------
-    UsageError
-        The address of a source has a mistake, or a package is missing.
-    LinkError
-        If the port cannot be opened.
-    """
-    source = open_source(path, baud)
-    if source is not None:
-        return source
-    if HAS_TERMIOS:
-        return Port(path, baud)
-    from gyrodrift.link.thread_port import ThreadPort  # noqa: PLC0415 - Linux and macOS do without
+@dataclass(slots=True)
+class Backoff:
+    """Wait before the next attempt to open a lost port, on the monotonic clock, s: short at first, then longer."""
 
-    return ThreadPort(path, baud)
+    _wait_s: float = FIRST_S
+    _due_s: float = 0.0
+
+    def begin(self, now_s: float) -> None:
+        """Start with the shortest wait, after the port was lost."""
+        self._wait_s = FIRST_S
+        self._due_s = now_s + self._wait_s
+
+    def fail(self, now_s: float) -> None:
+        """Wait longer, after an attempt has failed."""
+        self._wait_s = min(2.0 * self._wait_s, LONGEST_S)
+        self._due_s = now_s + self._wait_s
+
+    def remaining_s(self, now_s: float) -> float:
+        """Time until the next attempt, s; 0 if it is due."""
+        return max(0.0, self._due_s - now_s)
 
 
 class Connection:
@@ -77,7 +84,7 @@ class Connection:
         self.has_baud = self.source is None or self.source.has_baud
         self._bauds = cycle(USUAL_BAUDS)
         self.baud = options.baud or (next(self._bauds) if self.has_baud else 0)
-        self.port: OpenPort | None = None
+        self.port: SourcePort | None = None
         self.is_over = False
         self.refusal = ""
         self.was_open = False
@@ -89,7 +96,7 @@ class Connection:
         self._reopening: BackgroundOpening | None = None
         self.opened_s = self._heard_s = self._back_s = monotonic()
 
-    def begin(self, port: OpenPort | None = None) -> None:
+    def begin(self, port: SourcePort | None = None) -> None:
         """Open the port, or take one that is open with the name and baud rate of the options.
 
         Raises
@@ -109,10 +116,10 @@ class Connection:
             return 1.0
         if self.port is None:
             return self._backoff.remaining_s(self._monotonic()) if self._reopening is None else OPENING_S
-        return min(usual_s, self.port.wake_s) if isinstance(self.port, SourcePort) else usual_s
+        return min(usual_s, self.port.wake_s)
 
-    def read(self) -> bytes:
-        """Bytes that have arrived; opens a lost port again."""
+    def read(self) -> bytes | ReadingBatch:
+        """Bytes or readings that have arrived; opens a lost port again."""
         if self.port is None and not self.is_over:
             self._reopen()
         if self.port is None:
@@ -127,8 +134,7 @@ class Connection:
             self.is_over = True
             self._on_event("source_end", port=self.name)
             return b""
-        if isinstance(self.port, SourcePort):
-            self._report_notes(self.port)
+        self._report_notes(self.port)
         if chunk:
             self.opening.hear(self._monotonic())
         else:
@@ -167,7 +173,7 @@ class Connection:
             self.port.close()
             self.port = None
 
-    def _first_open(self) -> OpenPort | None:
+    def _first_open(self) -> SourcePort | None:
         """Open the port; None for a source that is tried again, because a link without timeout waits for it."""
         is_waited_for = self._options.waits or (self.source is not None and not self._options.timeout_s)
         try:
@@ -181,7 +187,7 @@ class Connection:
             self._backoff.begin(self._monotonic())
             return None
 
-    def _open_soon(self) -> OpenPort | None:
+    def _open_soon(self) -> SourcePort | None:
         """Open a source; None if it takes longer than SOON_S, so that other gyros do not wait for it."""
         self._reopening = opening = self._background_opening()
         opening.wait(SOON_S)
@@ -214,7 +220,7 @@ class Connection:
             self._report_open()
         self.opening.begin(self.port, now_s)
 
-    def _reopened(self) -> OpenPort | None:
+    def _reopened(self) -> SourcePort | None:
         """The port again; None while a source is being opened in the background."""
         if self.source is None:
             return open_port(self.name, self.baud)
@@ -244,7 +250,7 @@ class Connection:
         port.notes.clear()
 
     def _lose(self) -> None:
-        if isinstance(self.port, SourcePort):
+        if self.port is not None:
             self._report_notes(self.port)
         self.close()
         if self._heard_s < self._back_s:  # a peer that accepts and closes would be called 20 times a second

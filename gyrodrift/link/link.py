@@ -20,13 +20,14 @@ from gyrodrift.link.heard import Heard
 from gyrodrift.link.late import Arrived, LateArrivals
 from gyrodrift.link.options import EventHandler, LinkCounters, LinkOptions
 from gyrodrift.link.protocols import text
+from gyrodrift.link.protocols.batch import ReadingBatch
 from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.guard import Guard, renewed
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.registry import candidates
 from gyrodrift.link.silence import unread_protocol, why_silent
-from gyrodrift.link.sources.source import OpenPort
+from gyrodrift.link.sources.source import SourcePort
 from gyrodrift.link.units.check import UnitCheck
 from gyrodrift.values.errors import DeviceSilentError, PortMissingError, UnitError
 from gyrodrift.values.sample import Reading, Sample
@@ -59,7 +60,7 @@ class Link:
         options: LinkOptions,
         on_event: EventHandler,
         monotonic: Callable[[], float] = time.monotonic,
-        port: OpenPort | None = None,
+        port: SourcePort | None = None,
     ) -> None:
         self.options = options
         self.counters = LinkCounters()
@@ -89,7 +90,7 @@ class Link:
         self.connection.begin(port)
 
     @property
-    def port(self) -> OpenPort | None:
+    def port(self) -> SourcePort | None:
         """The open port; None while it is gone."""
         return self.connection.port
 
@@ -113,10 +114,11 @@ class Link:
 
     def read(self) -> list[Sample]:
         """Samples that have arrived; empty without any."""
-        chunk = self.connection.read()
-        if not chunk:
+        received = self.connection.read()
+        if not received:
             self._give_up_waiting()
             return []
+        chunk = received.content if isinstance(received, ReadingBatch) else received
         arrival_s = self._monotonic()
         self.counters.bytes += len(chunk)
         if self.tap is not None:
@@ -124,7 +126,7 @@ class Link:
         self._trial_s = self._trial_s or arrival_s
         if not self._spoke or (self._check is not None and self._check.is_hearing):
             self._heard.add(chunk, arrival_s)
-        readings = self._decode(chunk)
+        readings = self._decode(received)
         samples: list[Sample] = []
         arrived = self._late.by_arrival(self.decoder.counters, readings, arrival_s) if self.decoder is not None else []
         if arrived and self.decoder is not None:
@@ -201,12 +203,12 @@ class Link:
         """Close the port."""
         self.connection.close()
 
-    def hand_over(self) -> OpenPort | None:
+    def hand_over(self) -> SourcePort | None:
         """The open port, for another link; this link is over."""
         port, self.connection.port = self.port, None
         return port
 
-    def _decode(self, chunk: bytes) -> list[Reading]:
+    def _decode(self, chunk: Any) -> list[Reading]:
         if self.decoder is not None:
             self.decoder, readings = self._guard.push(self._protocols[self.decoder.name], self.decoder, chunk)
         else:

@@ -15,7 +15,7 @@ from gyrodrift.link.holder import PortHolder, holder_of
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.serial_port import SerialPort
-from gyrodrift.link.sources.source import OpenPort
+from gyrodrift.link.sources.source import SourcePort
 from gyrodrift.values.errors import LinkError
 from gyrodrift.values.sample import Sample
 
@@ -53,7 +53,7 @@ class HeardPort:
     holder: PortHolder | None = None
     speech: Speech | None = None
     reason: str = ""
-    open_port: OpenPort | None = None
+    open_port: SourcePort | None = None
 
 
 def look_at(ports: Sequence[SerialPort]) -> list[HeardPort]:

@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from gyrodrift.link.sources.source import OpenPort
+from gyrodrift.link.sources.source import SourcePort
 
 SEND_LONGEST_BYTES = 4096
 """Size of the input buffer of a Linux terminal (`N_TTY_BUF_SIZE`)."""
@@ -77,7 +77,7 @@ class Opening:
         self._silence_s = SILENCE_S
         self._heard_s: float | None = None
 
-    def begin(self, port: OpenPort, now_s: float) -> None:
+    def begin(self, port: SourcePort, now_s: float) -> None:
         """Handle an opened port, or a new baud rate."""
         self._silence_s = SILENCE_S
         self._send(port, now_s)
@@ -91,7 +91,7 @@ class Opening:
         """Stop sending: samples have arrived."""
         self._heard_s, self._unsent = None, b""
 
-    def wait(self, port: OpenPort, now_s: float) -> None:
+    def wait(self, port: SourcePort, now_s: float) -> None:
         """Handle a read without bytes: send the rest, or everything again after a silence."""
         if self._unsent:
             self._unsent = self._unsent[port.write(self._unsent) :]
@@ -99,7 +99,7 @@ class Opening:
             self._silence_s = min(2.0 * self._silence_s, SILENCE_LONGEST_S)
             self._send(port, now_s)
 
-    def _send(self, port: OpenPort, now_s: float) -> None:
+    def _send(self, port: SourcePort, now_s: float) -> None:
         if not self.content:
             return
         self._heard_s = now_s

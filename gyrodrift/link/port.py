@@ -17,6 +17,7 @@ from serial.tools.list_ports_common import ListPortInfo
 
 from gyrodrift.link.holder import holder_of
 from gyrodrift.link.serial_port import SerialPort, built_in_ports, has_uart
+from gyrodrift.link.sources.source import SourcePort
 from gyrodrift.values.errors import LinkError, PortBusyError, PortDeniedError, PortMissingError, UsageError
 
 try:
@@ -50,21 +51,15 @@ class PortGoneError(Exception):
     """Port that is unplugged, or whose other end is closed."""
 
 
-class Port:
+class Port(SourcePort):
     """Open port with exclusive use of its device."""
 
-    is_pty: bool
-
-    @property
-    def has_line_rate(self) -> bool:
-        """Whether the bytes come through a line with a baud rate, which may be too slow for the samples."""
-        return not self.is_pty
-
     def __init__(self, path: str, baud: int) -> None:
-        self.path = path
         self._serial = open_serial(path, baud)
         self.fd: int = self._serial.fileno()
+        super().__init__(path, self.fd)
         self.is_pty = _is_pty(self.fd)
+        self.has_line_rate = not self.is_pty
         if not self.is_pty:  # after a kill, a pty would stay locked while its other end is open
             with suppress(OSError):
                 fcntl.ioctl(self.fd, termios.TIOCEXCL)

@@ -6,7 +6,7 @@ from dataclasses import replace
 from gyrodrift.link.listening import HeardPort, Speech, listen_at
 from gyrodrift.link.options import EventHandler, LinkOptions
 from gyrodrift.link.serial_port import SerialPort
-from gyrodrift.link.sources.source import OpenPort
+from gyrodrift.link.sources.source import SourcePort
 from gyrodrift.values.errors import PortMissingError, UsageError
 
 
@@ -16,7 +16,7 @@ def find_gyro(
     on_event: EventHandler,
     simulated: Sequence[SerialPort] = (),
     devices: Sequence[SerialPort] = (),
-) -> tuple[LinkOptions, OpenPort]:
+) -> tuple[LinkOptions, SourcePort]:
     """Options of the link to the only gyro, and its open port.
 
     devices

@@ -1,14 +1,12 @@
-"""A serial port that a thread reads through pyserial alone, for systems without termios, such as Windows.
+"""A serial port that a thread reads through pyserial alone, for systems without termios, such as Windows."""
 
-Windows cannot wait for a serial port and a socket at once. The thread therefore wakes the loop through a socket.
-"""
-
-import socket
 import threading
 import time
 from contextlib import suppress
 
-from gyrodrift.link.port import Port, PortGoneError, open_serial
+from gyrodrift.link.inbox import Inbox
+from gyrodrift.link.port import PortGoneError, open_serial
+from gyrodrift.link.sources.source import SourcePort
 
 WAIT_S = 0.1
 """Longest wait of one read, s; the thread notices within this time that the port is being closed."""
@@ -19,38 +17,25 @@ LONGEST_KEPT_BYTES = 1 << 20
 JOIN_S = 2.0
 
 
-class ThreadPort(Port):
-    """An open port; `fd` is a socket that becomes readable when bytes arrive."""
+class ThreadPort(SourcePort):
+    """Open port with exclusive use of its device."""
+
+    has_line_rate = True
 
     def __init__(self, path: str, baud: int) -> None:
-        self.path = path
-        self.is_pty = False
         self._serial = open_serial(path, baud)
         self._serial.timeout = WAIT_S
         self._serial.write_timeout = 0
-        self._arrived = bytearray()
-        self._lock = threading.Lock()
-        self._is_gone = self._is_closed = False
-        self._wake, self._waker = socket.socketpair()
-        self._wake.setblocking(False)
-        self._waker.setblocking(False)
-        self.fd = self._wake.fileno()
+        self._inbox = Inbox()
+        super().__init__(path, self._inbox.fd)
+        self._is_closed = False
         self._thread = threading.Thread(target=self._run, name=f"read {path}", daemon=True)
         self._thread.start()
 
     def read(self) -> bytes:
-        """All that has arrived, without waiting.
-
-        Raises
-        ------
-        PortGoneError
-            If the port was unplugged and everything it had before has been read.
-        """
-        with suppress(BlockingIOError):
-            while self._wake.recv(4096):
-                pass
-        chunk = self._taken()
-        if not chunk and self._is_gone:
+        """All that has arrived, without waiting."""
+        chunk = self._inbox.take()
+        if not chunk and self._inbox.is_over:
             raise PortGoneError(self.path)
         return chunk
 
@@ -68,7 +53,7 @@ class ThreadPort(Port):
             self._serial.reset_input_buffer()
         except (OSError, ValueError) as error:
             raise PortGoneError(self.path) from error
-        self._taken()
+        self._inbox.take()
 
     def close(self) -> None:
         """Close, whatever state the device is in."""
@@ -78,33 +63,18 @@ class ThreadPort(Port):
         self._thread.join(JOIN_S)
         with suppress(OSError):
             self._serial.close()
-        self._wake.close()
-        self._waker.close()
-
-    def _taken(self) -> bytes:
-        with self._lock:
-            chunk = bytes(self._arrived)
-            self._arrived.clear()
-        return chunk
+        self._inbox.close()
 
     def _run(self) -> None:
-        try:
+        with suppress(OSError, TypeError):  # unplugged; pyserial raises TypeError during a close
             while not self._is_closed:
                 self._take_one_read()
-        except (OSError, TypeError):  # unplugged; pyserial raises TypeError during a close
-            self._is_gone = True
-        self._tell()
+        self._inbox.end()
 
     def _take_one_read(self) -> None:
         chunk = self._serial.read(max(1, self._serial.in_waiting))
         if not chunk:
             return
-        with self._lock:
-            self._arrived += chunk
-        self._tell()
-        while len(self._arrived) > LONGEST_KEPT_BYTES and not self._is_closed:
+        self._inbox.put(chunk)
+        while len(self._inbox) > LONGEST_KEPT_BYTES and not self._is_closed:
             time.sleep(WAIT_S)
-
-    def _tell(self) -> None:
-        with suppress(OSError):  # full of wake-ups already, or closed
-            self._waker.send(b"\0")

@@ -8,9 +8,9 @@ import zlib
 from binascii import crc_hqx
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import reduce
 from itertools import accumulate
-from operator import xor
+
+from gyrodrift.link.protocols.sentences import checksum
 
 FRAMES_MIN = 3
 LONGEST_HEADER = 256
@@ -138,9 +138,9 @@ def _is_navx(frame: bytes) -> bool:
 
 
 def _is_sentence(frame: bytes) -> bool:
-    """Check the exclusive or of all characters between `$` and `*` (NMEA 0183)."""
+    """Check the sum of a sentence."""
     body, _, digits = frame.strip()[1:].rpartition(b"*")
-    return b"%02X" % reduce(xor, body, 0) == digits.upper()
+    return b"%02X" % checksum(body) == digits.upper()
 
 
 def _anything(frame: bytes) -> bool:  # noqa: ARG001 - the frames have a counter
@@ -148,8 +148,36 @@ def _anything(frame: bytes) -> bool:  # noqa: ARG001 - the frames have a counter
 
 
 ASK_FOR_NMEA = "read it with --protocol nmea; a damaged sentence may then look like a rate"
-WITHOUT_CHECK = "which does not show damage"
 CONVERT = "a program of its maker can record it, and gyrodrift convert reads tables"
+
+
+def _novatel(name: str, head: bytes, length: Callable[[bytes], int]) -> UnreadProtocol:
+    """Logs of NovAtel, whose CRC-32 begins with 0."""
+    return UnreadProtocol(
+        name,
+        re.compile(re.escape(head)),
+        length,
+        lambda frame: _crc32_from_0(frame[:-4]) == int.from_bytes(frame[-4:], "little"),
+        CONVERT,
+    )
+
+
+def _mavlink(
+    version: int, head: bytes, length: Callable[[bytes], int], chained: Callable[[bytes], int]
+) -> UnreadProtocol:
+    """MAVLink on a cable; the checksum depends on the message."""
+    advice = "record its log (.bin, .ulg) or --out of mavlogdump.py, and give that to gyrodrift convert"
+    name = f"MAVLink {version} of a flight controller"
+    return UnreadProtocol(name, re.compile(head), length, _anything, advice, chained)
+
+
+def _unchecked_nmea(about: str, sentence: bytes) -> UnreadProtocol:
+    """Sentences without a checksum, which the user may ask for."""
+    name = f"NMEA 0183 without checksums: {about}"
+    return UnreadProtocol(
+        name, re.compile(sentence), _line_length, _anything, ASK_FOR_NMEA, status="which does not show damage"
+    )
+
 
 UNREAD = (
     UnreadProtocol(
@@ -166,20 +194,11 @@ UNREAD = (
         lambda frame: sum(frame[:-2]) & 0xFFFF == int.from_bytes(frame[-2:], "big"),
         "turn on its NMEA packets with rates ($PCHRS) instead, and read them with --columns",
     ),
-    UnreadProtocol(
-        "MAVLink 1 of a flight controller",
-        re.compile(rb"\xfe"),
-        lambda header: _byte(header, 1, 8),
-        _anything,
-        "record its log (.bin, .ulg) or --out of mavlogdump.py, and give that to gyrodrift convert",
-        lambda frame: frame[2],
-    ),
-    UnreadProtocol(
-        "MAVLink 2 of a flight controller",
-        re.compile(rb"\xfd"),
+    _mavlink(1, rb"\xfe", lambda header: _byte(header, 1, 8), lambda frame: frame[2]),
+    _mavlink(
+        2,
+        rb"\xfd",
         lambda header: _byte(header, 1, 25 if header[2:3] == b"\x01" else 12),
-        _anything,
-        "record its log (.bin, .ulg) or --out of mavlogdump.py, and give that to gyrodrift convert",
         lambda frame: frame[4],
     ),
     UnreadProtocol(
@@ -218,20 +237,8 @@ UNREAD = (
         lambda frame: _crc24q(frame) == 0,
         "no gyro sends it: choose another port",
     ),
-    UnreadProtocol(
-        "NovAtel binary logs",
-        re.compile(rb"\xaa\x44\x12\x1c"),
-        lambda header: _word(header, 8, 32),
-        lambda frame: _crc32_from_0(frame[:-4]) == int.from_bytes(frame[-4:], "little"),
-        CONVERT,
-    ),
-    UnreadProtocol(
-        "NovAtel short binary logs",
-        re.compile(rb"\xaa\x44\x13"),
-        lambda header: _byte(header, 3, 16),
-        lambda frame: _crc32_from_0(frame[:-4]) == int.from_bytes(frame[-4:], "little"),
-        CONVERT,
-    ),
+    _novatel("NovAtel binary logs", b"\xaa\x44\x12\x1c", lambda header: _word(header, 8, 32)),
+    _novatel("NovAtel short binary logs", b"\xaa\x44\x13", lambda header: _byte(header, 3, 16)),
     UnreadProtocol(
         "the frames of a HiPNUC HI226, HI229 or CH100",
         re.compile(rb"\x5a\xa5"),
@@ -253,23 +260,13 @@ UNREAD = (
         lambda frame: not _is_navx(frame),
         "the line damages them, or the firmware is not original: check the cable, update the firmware",
     ),
-    UnreadProtocol(
-        "NMEA 0183 without checksums: $--ROT is the rate of turn in deg/min, positive to starboard",
-        re.compile(rb"\$(?=[A-Z]{2}ROT,[-+]?[0-9.]{1,12},[AV]\s)"),
-        _line_length,
-        _anything,
-        ASK_FOR_NMEA,
-        status=WITHOUT_CHECK,
+    _unchecked_nmea(
+        "$--ROT is the rate of turn in deg/min, positive to starboard",
+        rb"\$(?=[A-Z]{2}ROT,[-+]?[0-9.]{1,12},[AV]\s)",
     ),
-    UnreadProtocol(
-        "NMEA 0183 without checksums: $--HDT, HDM, HDG and THS are headings in degrees, clockwise",
-        re.compile(
-            rb"\$(?=[A-Z]{2}(?:HDT,[0-9.]{1,9},T|HDM,[0-9.]{1,9},M|THS,[0-9.]{1,9},A|HDG(?:,[0-9.EW]{0,9}){5})\s)"
-        ),
-        _line_length,
-        _anything,
-        ASK_FOR_NMEA,
-        status=WITHOUT_CHECK,
+    _unchecked_nmea(
+        "$--HDT, HDM, HDG and THS are headings in degrees, clockwise",
+        rb"\$(?=[A-Z]{2}(?:HDT,[0-9.]{1,9},T|HDM,[0-9.]{1,9},M|THS,[0-9.]{1,9},A|HDG(?:,[0-9.EW]{0,9}){5})\s)",
     ),
     UnreadProtocol(
         "NMEA 0183 without a rate of turn ($--ROT) or a heading ($--HDT)",

@@ -4,11 +4,10 @@ import time
 from typing import Any
 
 from gyrodrift.link.link import Link
+from gyrodrift.values.constants import LINE_BITS_PER_BYTE
 from gyrodrift.values.sample import Sample
 
 SECOND_S = 1.0
-BITS_PER_BYTE = 10
-"""A byte on a serial line has a start and a stop bit."""
 
 
 class LinkMeter:
@@ -47,7 +46,7 @@ class LinkMeter:
         counters, port = self.link.counters, self.link.port
         self.rate_hz = (counters.samples - self._samples) / elapsed_s
         self.jitter_s = max(0.0, self._most_s - self._least_s)
-        bits_per_s = (counters.bytes - self._bytes) * BITS_PER_BYTE / elapsed_s
+        bits_per_s = (counters.bytes - self._bytes) * LINE_BITS_PER_BYTE / elapsed_s
         self.busy = bits_per_s / self.link.baud if port is not None and port.has_line_rate else 0.0
         self._marked_s, self._samples, self._bytes = now_s, counters.samples, counters.bytes
         self._least_s, self._most_s = float("inf"), float("-inf")

@@ -20,6 +20,7 @@ from gyrodrift.service.rest_word import RestWord
 from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.sink import ReaderGoneError, Sink
 from gyrodrift.service.stream_watch import StreamWatch
+from gyrodrift.values.constants import LINE_BITS_PER_BYTE
 from gyrodrift.values.secret import without_secrets
 
 if TYPE_CHECKING:  # a service without control socket does not need them
@@ -33,8 +34,7 @@ SILENCE_S = 5.0
 FAST_PERIOD_S = 0.0005
 
 BUSY_LINE = 0.85
-BITS_PER_BYTE = 10
-"""A byte on a serial line has a start and a stop bit; above BUSY_LINE of its capacity samples start to be lost."""
+"""Share of the capacity of a serial line above which samples start to be lost."""
 
 
 @dataclass(slots=True)
@@ -251,6 +251,6 @@ class Service:
         )
         marks.stats_s, marks.stats_bytes, marks.stats_samples = now_s, counters.bytes, counters.samples
         port = self.link.port
-        if port is not None and port.has_line_rate and byte_rate * BITS_PER_BYTE > BUSY_LINE * self.link.baud:
-            share = byte_rate * BITS_PER_BYTE / self.link.baud
+        if port is not None and port.has_line_rate and byte_rate * LINE_BITS_PER_BYTE > BUSY_LINE * self.link.baud:
+            share = byte_rate * LINE_BITS_PER_BYTE / self.link.baud
             self.log.warning("line_busy", share=round(share, 2), baud=self.link.baud)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bridge_support import free_port
+from support import free_port
 
 from gyrodrift.cli import main
 from gyrodrift.doctor.body import compare

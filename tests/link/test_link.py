@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from itertools import islice, pairwise, repeat
 from math import radians
 from pathlib import Path
-from typing import Any
 
 import golden_frames as golden
 import pytest
+from sources_support import Host
 from support import speaking_on
 
 from firmware_sim.measure import measure
@@ -23,34 +23,9 @@ from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.values.errors import DeviceSilentError, UsageError
-from gyrodrift.values.sample import Sample
 
 RIG = Rig()
 DETECTED = [name for name in ENCODERS if PROTOCOLS[name].is_detected]
-
-
-class Host:
-    """A link with a clock that the test sets, and what it reported."""
-
-    def __init__(self, port: Path, **options: Any) -> None:
-        self.now_s = 1000.0
-        self.told: list[tuple[str, dict[str, Any]]] = []
-        self.link = Link(LinkOptions(str(port), **options), self.tell, lambda: self.now_s)
-
-    def tell(self, event: str, **fields: Any) -> None:
-        self.told.append((event, fields))
-
-    def events(self) -> list[str]:
-        return [event for event, _ in self.told]
-
-    def hear(self, device: PtyDevice, frames: Iterator[bytes], count: int) -> list[Sample]:
-        """Samples of the next `count` frames, sent and read one by one, 10 ms apart."""
-        samples = []
-        for frame in islice(frames, count):
-            assert device.send(frame)
-            self.now_s += 0.01
-            samples += self.link.read()
-        return samples
 
 
 def frames(protocol: str) -> Iterator[Frame]:
@@ -64,24 +39,20 @@ def spoken(protocol: str) -> Iterator[bytes]:
 @pytest.mark.parametrize("protocol", DETECTED)
 def test_protocol_and_baud_are_found_and_told(port: Path, protocol: str) -> None:
     """With nothing lost but the samples before HELLO."""
-    with speaking_on(port) as device:
-        host = Host(port)
-        samples = host.hear(device, spoken(protocol), 150)
+    with speaking_on(port) as device, Host(port) as host:
+        samples = host.hear(device, islice(spoken(protocol), 150))
         assert ("protocol_found", {"protocol": protocol, "baud": 115200}) in host.told
         measured = sum(frame.rows for frame in islice(frames(protocol), 150))
         assert len(samples) == measured - PROTOCOLS[protocol].sends_angle  # of the first angle no rate can be made
-        assert ("no_device_clock" in host.events()) != PROTOCOLS[protocol].has_clock
-        host.link.close()
+        assert ("no_device_clock" in host.names()) != PROTOCOLS[protocol].has_clock
 
 
 def test_a_device_tells_who_it_is(port: Path) -> None:
     """Once, not with every HELLO."""
-    with speaking_on(port) as device:
-        host = Host(port)
-        host.hear(device, spoken("native"), 350)
-        assert host.events() == ["link_open", "protocol_found", "device"]
+    with speaking_on(port) as device, Host(port) as host:
+        host.hear(device, islice(spoken("native"), 350))
+        assert host.names() == ["link_open", "protocol_found", "device"]
         assert host.told[-1][1]["device_id"] == "firmware_sim"
-        host.link.close()
 
 
 def garbled(device: PtyDevice, frame: bytes, baud: int) -> bytes:
@@ -94,22 +65,19 @@ def garbled(device: PtyDevice, frame: bytes, baud: int) -> bytes:
 @pytest.mark.parametrize("protocol", DETECTED)
 def test_auto_baud_tries_the_usual_rates_until_one_makes_sense(port: Path, protocol: str, baud: int) -> None:
     """Bytes at the wrong rate are garbage."""
-    with speaking_on(port) as device:
-        host = Host(port, timeout_s=30.0)
+    with speaking_on(port) as device, Host(port, timeout_s=30.0) as host:
         for frame in islice(spoken(protocol), 1000):
             device.send(garbled(device, frame, baud))
             host.now_s += 0.01
             host.link.read()
         assert host.link.baud == baud
         assert host.link.counters.samples > 100
-        host.link.close()
 
 
 @pytest.mark.parametrize(("line", "every_s"), [(b"0.5\r\n", 0.5), (b"12\r\n", 0.9), (b"gz: 0.25\r\n", 1.0)])
 def test_a_board_that_prints_slowly_is_not_left_for_another_rate(port: Path, line: bytes, every_s: float) -> None:
     """A few printable bytes do not tell yet; more of them do."""
-    with speaking_on(port) as device:
-        host = Host(port, timeout_s=9.0)
+    with speaking_on(port) as device, Host(port, timeout_s=9.0) as host:
 
         def print_slowly() -> None:
             for tenth in range(200):
@@ -121,62 +89,53 @@ def test_a_board_that_prints_slowly_is_not_left_for_another_rate(port: Path, lin
         with pytest.raises(DeviceSilentError, match="the device prints text, so the baud rate is right"):
             print_slowly()
         assert host.link.baud == 115200
-        host.link.close()
 
 
 def test_a_given_baud_is_never_second_guessed(port: Path) -> None:
     """Garbage at 115200 stays garbage at 115200, until time is up; the message says what to try."""
-    with speaking_on(port) as device:
-        host = Host(port, baud=115200, timeout_s=5.0)
+    with speaking_on(port) as device, Host(port, baud=115200, timeout_s=5.0) as host:
         garbage = (garbled(device, frame, 9600) for frame in spoken("native"))
         with pytest.raises(
             DeviceSilentError,
             match=r"bytes arrived within 5 s, but no native.* at 115200 baud; the baud rate may be wrong",
         ):
-            host.hear(device, garbage, 1000)
+            host.hear(device, islice(garbage, 1000))
         assert host.link.baud == 115200
-        host.link.close()
 
 
 def test_a_device_that_says_nothing_is_given_up(port: Path) -> None:
     """With the questions a person should ask."""
-    with speaking_on(port):
-        host = Host(port, timeout_s=3.0)
+    with speaking_on(port), Host(port, timeout_s=3.0) as host:
         host.now_s += 2.9
         assert host.link.read() == []
         host.now_s += 0.2
         with pytest.raises(DeviceSilentError, match="sent nothing within 3 s; check its power"):
             host.link.read()
-        host.link.close()
 
 
 def test_who_waits_for_ever_is_told_once_what_is_not_understood(port: Path) -> None:
     """And where text can be read, no other rate is tried."""
     lines = (f"gx:{i % 3},gy:{i % 5},gz:{i % 7}\n".encode() for i in range(1200))
-    with speaking_on(port) as device:
-        host = Host(port, timeout_s=0.0)
-        assert host.hear(device, lines, 1200) == []
+    with speaking_on(port) as device, Host(port, timeout_s=0.0) as host:
+        assert host.hear(device, islice(lines, 1200)) == []
         (reason,) = (fields["reason"] for event, fields in host.told if event == "not_understood")
         assert "looks like gx, gy, gz (label:value pairs)" in reason
         assert host.link.baud == 115200
-        host.link.close()
 
 
 def test_samples_that_never_say_their_scale_are_explained(port: Path) -> None:
     """A native device without HELLO."""
-    with speaking_on(port) as device:
-        host = Host(port, baud=115200, protocol="native", timeout_s=3.0)
+    with speaking_on(port) as device, Host(port, baud=115200, protocol="native", timeout_s=3.0) as host:
         frames = [frame for frame in islice(spoken("native"), 400) if len(frame) == 20]
         with pytest.raises(DeviceSilentError, match="but no HELLO frame"):
-            host.hear(device, iter(frames), 400)
-        host.link.close()
+            host.hear(device, islice(frames, 400))
 
 
 def test_unplugging_keeps_time_and_tells_how_long_it_was_gone(port: Path) -> None:
     """The device comes back as another pty under the same name, its clock at zero."""
     with speaking_on(port) as device:
         host = Host(port)
-        before = host.hear(device, spoken("native"), 300)
+        before = host.hear(device, islice(spoken("native"), 300))
     assert host.link.read() == []
     assert host.link.fileno() is None
     for _ in range(40):
@@ -185,8 +144,8 @@ def test_unplugging_keeps_time_and_tells_how_long_it_was_gone(port: Path) -> Non
     with speaking_on(port) as device:
         host.now_s += host.link.wake_s() + 0.001
         host.link.read()
-        after = host.hear(device, spoken("native"), 50)
-    assert host.events() == [
+        after = host.hear(device, islice(spoken("native"), 50))
+    assert host.names() == [
         "link_open",
         "protocol_found",
         "device",
@@ -213,8 +172,7 @@ def test_samples_that_waited_for_a_hello_have_their_own_times(port: Path, is_det
     for order in ([*samples[:3], hello, *samples[3:]], [*samples[:120], hello, *samples[120:]]):
         with speaking_on(port) as device:
             host = Host(port, **options)
-            host.hear(device, iter(()), 0)
-            heard.append(host.hear(device, iter(order), len(order)))
+            heard.append(host.hear(device, order))
             assert host.link.counted()["before_hello"] == 0
             host.link.close()
     early, late = heard
@@ -231,17 +189,17 @@ def test_after_a_reconnect_samples_wait_for_the_hello_of_their_device(port: Path
     frames = list(islice(spoken("native"), 500))
     with speaking_on(port) as device:
         host = Host(port)
-        before = host.hear(device, iter(frames), 200)
+        before = host.hear(device, islice(frames, 200))
     host.link.read()
     samples = [frame for frame in frames[300:] if len(frame) == 20]
     with speaking_on(port) as device:
         host.now_s += host.link.wake_s() + 0.001
         host.link.read()
-        assert host.hear(device, iter(samples), 60) == []
-        after = host.hear(device, iter(frames), 1) + host.hear(device, iter(samples[60:]), 20)
+        assert host.hear(device, islice(samples, 60)) == []
+        after = host.hear(device, islice(frames, 1)) + host.hear(device, islice(samples[60:], 20))
     assert len(after) == 80
     assert after[0].t_device_s > before[-1].t_device_s
-    assert host.events().count("device") == 1
+    assert host.names().count("device") == 1
     host.link.close()
 
 
@@ -261,13 +219,11 @@ def test_reopening_is_tried_less_and_less_often(port: Path) -> None:
 
 def test_gaps_are_counted_and_told(port: Path) -> None:
     """Missing frames on the way."""
-    with speaking_on(port) as device:
-        host = Host(port)
+    with speaking_on(port) as device, Host(port) as host:
         frames = list(islice(spoken("native"), 200))
-        host.hear(device, iter(frames[:150] + frames[157:]), 193)
+        host.hear(device, frames[:150] + frames[157:])
         assert host.told[-1] == ("gap", {"missing": 7, "seconds": pytest.approx(0.08)})
         assert (host.link.counters.gaps, host.link.counters.missing) == (1, 7)
-        host.link.close()
 
 
 def test_an_unknown_protocol_is_refused_before_the_port_is_opened() -> None:
@@ -285,22 +241,18 @@ def test_an_unknown_protocol_is_refused_before_the_port_is_opened() -> None:
 )
 def test_a_device_that_sends_no_rate_is_told_what_to_send(port: Path, frame: bytes, protocol: str, advice: str) -> None:
     """Its frames are good, and there is nothing in them for a filter."""
-    with speaking_on(port) as device:
-        host = Host(port, timeout_s=1.0)
+    with speaking_on(port) as device, Host(port, timeout_s=1.0) as host:
         said = rf"good {protocol} frames arrived within 1 s, but none with a yaw rate; {advice}"
         with pytest.raises(DeviceSilentError, match=said):
-            host.hear(device, repeat(frame), 200)
-        host.link.close()
+            host.hear(device, islice(repeat(frame), 200))
 
 
 def test_a_device_whose_frames_have_no_time_is_timed_by_their_arrival(port: Path) -> None:
     """Though its protocol has a word for it."""
     rate = b"\x01\x20\x00" + struct.pack("<3f", 0.0, 0.0, -radians(2.0))
-    with speaking_on(port) as device:
-        host = Host(port)
+    with speaking_on(port) as device, Host(port) as host:
         frame = b"\xfa" + rate + struct.pack(">H", crc_hqx(rate, 0))
-        samples = host.hear(device, repeat(frame), 100)
+        samples = host.hear(device, islice(repeat(frame), 100))
         assert len(samples) == 100
         assert samples[-1].t_device_s == pytest.approx(0.99, abs=0.05)
-        assert "no_device_clock" in host.events()
-        host.link.close()
+        assert "no_device_clock" in host.names()

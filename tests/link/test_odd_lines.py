@@ -1,15 +1,16 @@
 """A device can send anything at all: odd lines are counted, whoever listens and however."""
 
+from collections.abc import Iterable
 from itertools import cycle, islice
 from pathlib import Path
 from typing import Any
 
 import pytest
+from sources_support import Host
 from support import Command, never, speaking_on
 
-from gyrodrift.link.link import Link
-from gyrodrift.link.options import LinkOptions
 from gyrodrift.values.errors import DeviceSilentError
+from gyrodrift.values.sample import Sample
 
 ODD = (
     b"{[]: 1}\n",
@@ -26,39 +27,28 @@ ODD = (
 BOOT = tuple(b"boot %d\n" % i for i in range(len(ODD)))
 
 
-def heard(port: Path, lines: list[bytes], step_s: float, **options: Any) -> tuple[Link, list[str], list[Any]]:
-    """A link that is closed, what it told, and the samples of these lines, one every `step_s`."""
-    told: list[str] = []
-    now_s = [1000.0]
-    with speaking_on(port) as device:
-        link = Link(LinkOptions(str(port), **options), lambda event, **_: told.append(event), lambda: now_s[0])
-        samples = []
-        try:
-            for line in lines:
-                assert device.send(line)
-                now_s[0] += step_s
-                samples += link.read()
-        finally:
-            link.close()
-    return link, told, samples
+def heard(port: Path, lines: Iterable[bytes], step_s: float, **options: Any) -> tuple[Host, list[Sample]]:
+    """Host with a closed link, and the samples of these lines, one every `step_s`."""
+    with speaking_on(port) as device, Host(port, **options) as host:
+        return host, host.hear(device, lines, step_s)
 
 
 def test_between_samples_they_are_damage(port: Path) -> None:
     """Every sample is handed on, and the decoder never failed."""
     good = [b"%d, 0.5\n" % (10 * i) for i in range(200)]
     lines = [part for i, line in enumerate(good) for part in (line, ODD[i % len(ODD)])]
-    link, told, samples = heard(port, lines, 0.005, baud=115200, columns="t_ms, rate")
+    host, samples = heard(port, lines, 0.005, baud=115200, columns="t_ms, rate")
     assert len(samples) == 200
-    assert link.counted()["damaged"] == 200
-    assert "decoder_failed" not in told
+    assert host.link.counted()["damaged"] == 200
+    assert "decoder_failed" not in host.names()
 
 
 def test_who_waits_for_ever_is_told_what_they_look_like(port: Path) -> None:
     """`--timeout 0`: nothing ends."""
     lines = [line for pair in zip(BOOT, ODD, strict=True) for line in pair]
-    _, told, samples = heard(port, list(islice(cycle(lines), 700)), 0.02, timeout_s=0.0)
+    host, samples = heard(port, islice(cycle(lines), 700), 0.02, timeout_s=0.0)
     assert samples == []
-    assert "not_understood" in told
+    assert "not_understood" in host.names()
 
 
 @pytest.mark.parametrize("options", [{}, {"columns": "gyro=rate"}, {"columns": "t_ms, rate"}])
@@ -66,7 +56,7 @@ def test_who_waits_gives_up_as_with_any_other_text(port: Path, options: dict[str
     """With status 3 and a line that says what came."""
     lines = [line for pair in zip(BOOT, ODD, strict=True) for line in pair]
     with pytest.raises(DeviceSilentError, match=r"within 10 s|prints text"):
-        heard(port, list(islice(cycle(lines), 700)), 0.02, **options)
+        heard(port, islice(cycle(lines), 700), 0.02, **options)
 
 
 def test_the_service_goes_on(port: Path) -> None:

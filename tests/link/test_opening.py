@@ -7,18 +7,15 @@ import tty
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from sources_support import Host
 from support import Command
 
-from gyrodrift.link.link import Link
 from gyrodrift.link.opening import SEND_LONGEST_BYTES, bytes_to_send
-from gyrodrift.link.options import LinkOptions
 from gyrodrift.values.errors import DeviceSilentError
-from gyrodrift.values.sample import Sample
 
 PROMPT = b"Send any character to begin: \r\n"
 
@@ -60,104 +57,77 @@ def board(port: Path) -> Iterator[Board]:
     board.unplug()
 
 
-class Host:
-    """A link whose clock the test sets."""
-
-    def __init__(self, board: Board, send: bytes, **options: Any) -> None:
-        self.now_s = 100.0
-        self.told: list[tuple[str, dict[str, Any]]] = []
-        self.link = Link(LinkOptions(str(board.link), send=send, **options), self.tell, lambda: self.now_s)
-
-    def tell(self, event: str, **fields: Any) -> None:
-        self.told.append((event, fields))
-
-    def times_sent(self) -> int:
-        return [event for event, _ in self.told].count("sent")
-
-    def await_bytes(self) -> None:
-        """Until what the board said is there."""
-        fd = self.link.fileno()
-        assert fd is not None
-        assert select.select([fd], [], [], 10.0)[0]
-
-    def read(self, after_s: float) -> list[Sample]:
-        self.now_s += after_s
-        return self.link.read()
-
-
 def test_a_board_that_waits_for_a_key_is_sent_one(board: Board) -> None:
     """After opening; and the log tells what."""
-    host = Host(board, b"\r\n")
-    assert board.sent() == b"\r\n"
-    assert host.told[-1] == ("sent", {"bytes": 2, "content": r"\r\n"})
-    host.link.close()
+    with Host(board.link, send=b"\r\n") as host:
+        assert board.sent() == b"\r\n"
+        assert host.told[-1] == ("sent", {"bytes": 2, "content": r"\r\n"})
 
 
 def test_a_key_that_was_lost_in_the_reset_is_sent_again_after_a_silence(board: Board) -> None:
     """Opening the port resets many a board: what came meanwhile went to its bootloader."""
-    host = Host(board, b"x", baud=115200)
-    host.read(1.9)
-    board.say(PROMPT)
-    host.await_bytes()
-    host.read(0.05)
-    host.read(1.9)
-    assert host.times_sent() == 1
-    host.read(0.2)
-    assert host.times_sent() == 2
-    assert board.sent().startswith(b"x")
-    host.link.close()
+    with Host(board.link, send=b"x", baud=115200) as host:
+        host.read(1.9)
+        board.say(PROMPT)
+        assert select.select([host.link.fileno() or 0], [], [], 10.0)[0]
+        host.read(0.05)
+        host.read(1.9)
+        assert host.names().count("sent") == 1
+        host.read(0.2)
+        assert host.names().count("sent") == 2
+        assert board.sent().startswith(b"x")
 
 
 def test_a_board_that_is_busy_with_what_it_was_told_is_left_alone_longer_each_time(board: Board) -> None:
     """2, 4, 8 and then each 16 s."""
-    host = Host(board, b"x", timeout_s=0.0)
-    sent_s = []
-    for half in range(140):
-        before = host.times_sent()
-        host.read(0.5)
-        if host.times_sent() > before:
-            sent_s.append(0.5 * (half + 1))
-    assert sent_s == [2, 6, 14, 30, 46, 62]
-    host.link.close()
+    with Host(board.link, send=b"x", timeout_s=0.0) as host:
+        sent_s = []
+        for half in range(140):
+            before = host.names().count("sent")
+            host.read(0.5)
+            if host.names().count("sent") > before:
+                sent_s.append(0.5 * (half + 1))
+        assert sent_s == [2, 6, 14, 30, 46, 62]
 
 
 def test_a_board_that_speaks_is_sent_nothing_more(board: Board) -> None:
     """However long it is silent later."""
-    host = Host(board, b"x")
-    samples = []
-    for i in range(20):
-        board.say(b"%d,1.5\n" % (10_000 * i))
-        samples += host.read(0.01)
-    assert samples
-    for _ in range(30):
-        host.read(1.0)
-    assert host.times_sent() == 1
-    host.link.close()
+    with Host(board.link, send=b"x") as host:
+        samples = []
+        for i in range(20):
+            board.say(b"%d,1.5\n" % (10_000 * i))
+            samples += host.read(0.01)
+        assert samples
+        for _ in range(30):
+            host.read(1.0)
+        assert host.names().count("sent") == 1
 
 
 def test_a_board_that_comes_back_is_sent_it_again(board: Board) -> None:
     """It has begun anew, and waits anew; and a changed text holds from then on."""
-    host = Host(board, b"x")
-    host.link.send_at_opening(b"y")
-    assert board.sent() == b"x"
-    board.unplug()
-    host.read(0.1)
-    board.plug_in()
-    host.read(0.1)
-    assert board.sent() == b"y"
-    assert [event for event, _ in host.told if event in {"sent", "link_restored"}] == ["sent", "link_restored", "sent"]
-    host.link.close()
+    with Host(board.link, send=b"x") as host:
+        host.link.send_at_opening(b"y")
+        assert board.sent() == b"x"
+        board.unplug()
+        host.read(0.1)
+        board.plug_in()
+        host.read(0.1)
+        assert board.sent() == b"y"
+        assert [event for event, _ in host.told if event in {"sent", "link_restored"}] == [
+            "sent",
+            "link_restored",
+            "sent",
+        ]
 
 
 def test_where_nothing_is_to_be_sent_nothing_is(board: Board) -> None:
     """A board that hears a byte may take it for an order."""
-    host = Host(board, b"", timeout_s=20.0)
-    for _ in range(19):
-        host.read(1.0)
-    with pytest.raises(DeviceSilentError):
-        host.read(1.0)
-    assert (host.times_sent(), board.sent(0.0)) == (0, b"")
-    host.link.close()
+    with Host(board.link, send=b"", timeout_s=20.0) as host:
+        for _ in range(19):
+            host.read(1.0)
+        with pytest.raises(DeviceSilentError):
+            host.read(1.0)
+        assert (host.names().count("sent"), board.sent(0.0)) == (0, b"")
 
 
 def test_the_command_starts_a_board_that_waits(board: Board) -> None:

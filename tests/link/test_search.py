@@ -6,12 +6,12 @@ from typing import Any
 import pytest
 from support import Command
 
-from gyrodrift.link import connection as connection_module
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.port import Port
 from gyrodrift.link.search import find_gyro
 from gyrodrift.link.serial_port import SerialPort
+from gyrodrift.link.sources import opening as opening_module
 from gyrodrift.values.errors import UsageError
 
 
@@ -24,7 +24,7 @@ def test_the_link_goes_on_with_the_port_that_was_found(port: Path, monkeypatch: 
             opened.append(path)
             super().__init__(path, baud)
 
-    monkeypatch.setattr(connection_module, "Port", Counted)
+    monkeypatch.setattr(opening_module, "Port", Counted)
     events: list[tuple[str, dict[str, Any]]] = []
     name = str(port)
     with Command("--link", port, "--quiet", module="firmware_sim") as device:

@@ -20,7 +20,7 @@ LONGEST_WAIT_MS = 20_000
 def read_within(port: ThreadPort, count: int) -> bytes:
     """The next `count` bytes, waiting on `fd` as the loop of the service does."""
     poller, content = SelectPoller(), b""
-    poller.register(port.fd, POLLIN)
+    poller.register(port.fd or 0, POLLIN)
     while len(content) < count:
         assert poller.poll(LONGEST_WAIT_MS), f"{len(content)} of {count} bytes"
         content += port.read()
@@ -55,7 +55,7 @@ def test_another_baud_rate_drops_the_bytes_of_the_old_one(tmp_path: Path) -> Non
         port = ThreadPort(str(tmp_path / "gyro"), 115200)
         device.send(b"old")
         poller = SelectPoller()
-        poller.register(port.fd, POLLIN)
+        poller.register(port.fd or 0, POLLIN)
         assert poller.poll(LONGEST_WAIT_MS)
         port.set_baud(9600)
         device.send(b"new")

@@ -12,11 +12,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pynmeagps import GET, NMEAMessage
+from sources_support import Host
 from support import speaking_on
 
-from firmware_sim.pty import PtyDevice
-from gyrodrift.link.link import Link
-from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.unread import FAILED_MAX, UNREAD, spoken
 from gyrodrift.values.errors import DeviceSilentError
 
@@ -214,26 +212,16 @@ def test_random_bytes_are_none_of_them(noise: bytes) -> None:
         assert spoken(head.join(noise[i : i + 11] for i in range(0, len(noise), 11))) is None
 
 
-def hear(link: Link, device: PtyDevice, frame: Callable[[int], bytes], now_s: list[float]) -> None:
-    """Frames at 50 Hz, until the link has heard enough."""
-    for i in range(500):
-        device.send(frame(i))
-        now_s[0] += 0.02
-        link.read()
-
-
 @pytest.mark.parametrize("name", SPOKEN)
 def test_the_link_names_it_and_suspects_no_line_rate(port: Path, name: str) -> None:
     """And keeps to the rate at which it was heard."""
-    now_s = [100.0]
-    with speaking_on(port) as device:
-        link = Link(LinkOptions(str(port), timeout_s=4.0), lambda *_, **__: None, lambda: now_s[0])
+    frames = map(SPOKEN[name], range(500))
+    with speaking_on(port) as device, Host(port, timeout_s=4.0) as host:
         with pytest.raises(DeviceSilentError, match="the device sends") as refused:
-            hear(link, device, SPOKEN[name], now_s)
+            host.hear(device, frames, 0.02)
         assert name in str(refused.value)
         assert "baud" not in str(refused.value)
-        assert link.baud == 115200
-        link.close()
+        assert host.link.baud == 115200
 
 
 @pytest.mark.parametrize(
@@ -252,10 +240,7 @@ def test_a_device_that_speaks_another_protocol_than_was_asked_for_is_named(
         body = struct.pack("<B6h3B", i & 0xFF, 0, 0, 0, 0, 0, 1000, 0, 0, 0)
         return b"\xaa\xaa" + body + bytes((sum(body) & 0xFF,))
 
-    now_s = [100.0]
-    with speaking_on(port) as device:
-        link = Link(LinkOptions(str(port), timeout_s=4.0, **asked), lambda *_, **__: None, lambda: now_s[0])
+    with speaking_on(port) as device, Host(port, timeout_s=4.0, **asked) as host:
         with pytest.raises(DeviceSilentError, match=what):
-            hear(link, device, frame, now_s)
-        assert link.baud == 115200
-        link.close()
+            host.hear(device, map(frame, range(500)), 0.02)
+        assert host.link.baud == 115200

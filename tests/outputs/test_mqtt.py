@@ -2,7 +2,6 @@
 
 import json
 import os
-import shutil
 import signal
 import subprocess
 import time
@@ -12,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from broker_support import broker, need_mosquitto
+from broker_support import broker, certificate, need_mosquitto, needs_openssl
 from clients_support import python_client
 from outputs_support import await_problem, corrected, csv_at_100_hz, events, hub, path_of, serving, tilted
 from support import PATIENCE_S, free_port, never
@@ -200,23 +199,9 @@ def test_home_assistant_learns_of_a_tilt_with_the_first_sample_that_has_one(numb
     assert all(state[name] is not None for name in after.keys() - before.keys())
 
 
-def certificate(folder: Path) -> Path:
-    """A certificate of 127.0.0.1 that trusts itself, with its key beside it."""
-    made, key = folder / "broker.pem", folder / "broker.key"
-    subprocess.run(
-        [
-            *("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", str(key), "-out", str(made)),
-            *("-days", "2", "-subj", "/CN=127.0.0.1", "-addext", "subjectAltName=IP:127.0.0.1"),
-        ],
-        check=True,
-        capture_output=True,
-    )
-    return made
-
-
 # paho-mqtt leaves a socket whose handshake failed to the garbage collector, which closes it.
 @pytest.mark.filterwarnings("ignore:Exception ignored in. <ssl.SSLSocket:pytest.PytestUnraisableExceptionWarning")
-@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl, which makes the certificate, is not installed")
+@needs_openssl
 def test_user_password_and_certificate_are_checked(number: int, tmp_path: Path) -> None:
     """A wrong one of each is told; the right ones open; the password is shown to nobody."""
     users, trusted, secret = tmp_path / "users", certificate(tmp_path), tmp_path / "secret"

@@ -11,9 +11,8 @@ from threading import Event, Thread
 from typing import Any
 
 import pytest
-from bridge_support import free_port
 from sources_support import lines, serving
-from support import Command
+from support import Command, free_port
 
 from gyrodrift.session.files import load_session
 

@@ -3,7 +3,7 @@
 from mutate.fault import Fault
 
 CLOCK, CLOCK_TESTS = "gyrodrift/link/clocks/device.py", ("tests/link/clocks/test_device_clock.py",)
-STEPS = "gyrodrift/link/clocks/steps.py"
+CONSTANTS = "gyrodrift/values/constants.py"
 ARRIVAL, ARRIVAL_TESTS = "gyrodrift/link/clocks/arrival.py", ("tests/link/clocks/test_arrival_clock.py",)
 THREAD_PORT, THREAD_PORT_TESTS = "gyrodrift/link/thread_port.py", ("tests/link/test_thread_port.py",)
 PROTOCOLS = "gyrodrift/link/protocols"
@@ -12,7 +12,7 @@ TESTS = "tests/link/protocols"
 FAULTS = (
     Fault(
         "link/clock-wrap-off-by-one",
-        STEPS,
+        CONSTANTS,
         "CLOCK_WRAP_US = 1 << 32",
         "CLOCK_WRAP_US = (1 << 32) - 1",
         "Every wrap of the device clock costs a microsecond.",
@@ -20,7 +20,7 @@ FAULTS = (
     ),
     Fault(
         "link/counter-wrap-off-by-one",
-        STEPS,
+        CONSTANTS,
         "COUNTER_WRAP = 1 << 16",
         "COUNTER_WRAP = (1 << 16) - 1",
         "A sample counts as missing, or twice, at each wrap of the counter.",
@@ -108,8 +108,8 @@ FAULTS = (
     ),
     Fault(
         "link/native-overlong-kept",
-        f"{PROTOCOLS}/native.py",
-        "            pending = pending[:1]  # enough to remember that this frame is not empty\n",
+        f"{PROTOCOLS}/pieces.py",
+        "            pending = pending[:1]  # enough to remember that the piece is not empty\n",
         "",
         "Noise without a delimiter is kept in memory without end.",
         (f"{TESTS}/test_native.py", f"{TESTS}/test_decoders.py"),
@@ -157,8 +157,8 @@ FAULTS = (
     Fault(
         "link/witmotion-checksum",
         f"{PROTOCOLS}/witmotion.py",
-        "and sum(buffer[position : position + FRAME_BYTES - 1]) & 0xFF ==",
-        "and sum(buffer[position + 2 : position + FRAME_BYTES - 1]) + 0xA7 & 0xFF ==",
+        "frame[1] in KINDS and sum(frame[:-1]) & 0xFF ==",
+        "frame[1] in KINDS and sum(frame[2:-1]) + 0xA7 & 0xFF ==",
         "The checksum leaves out the kind of the frame.",
         (f"{TESTS}/test_witmotion.py", f"{TESTS}/test_decoders.py"),
     ),
@@ -180,16 +180,16 @@ FAULTS = (
     ),
     Fault(
         "link/thread-port-wakes-nobody",
-        THREAD_PORT,
-        "            self._arrived += chunk\n        self._tell()\n",
-        "            self._arrived += chunk\n",
+        "gyrodrift/link/inbox.py",
+        "            self._arrived += content\n        self._tell()\n",
+        "            self._arrived += content\n",
         "Bytes that a thread has read wait for the next tick of the loop.",
         THREAD_PORT_TESTS,
     ),
     Fault(
         "link/thread-port-keeps-old-bytes",
         THREAD_PORT,
-        "            raise PortGoneError(self.path) from error\n        self._taken()\n",
+        "            raise PortGoneError(self.path) from error\n        self._inbox.take()\n",
         "            raise PortGoneError(self.path) from error\n",
         "Bytes of the old baud rate are decoded at the new rate.",
         THREAD_PORT_TESTS,
@@ -197,8 +197,8 @@ FAULTS = (
     Fault(
         "link/thread-port-never-gone",
         THREAD_PORT,
-        "            self._is_gone = True\n",
-        "            self._is_gone = False\n",
+        "        self._inbox.end()\n",
+        "",
         "An unplugged port stays open for ever.",
         THREAD_PORT_TESTS,
     ),

@@ -17,8 +17,8 @@ FAULTS = (
     Fault(
         "sources/udp-mixes-senders",
         f"{SOURCES}/udp.py",
-        "            if self._is_followed(sender):\n",
-        "            if self._is_followed(sender) or True:\n",
+        "            if self._follow(sender):\n",
+        "            if self._follow(sender) or True:\n",
         "The samples of two gyros become one stream.",
         NETWORK_TESTS,
     ),
@@ -33,8 +33,8 @@ FAULTS = (
     Fault(
         "sources/telnet-keeps-doubled-255",
         f"{SOURCES}/telnet.py",
-        "            parts.append(verb)",
-        "            parts.append(verb + verb)",
+        'parts.append(match["doubled"])',
+        'parts.append(2 * match["doubled"])',
         "A byte 255 arrives twice through RFC 2217.",
         (f"{TESTS}/test_telnet.py",),
     ),

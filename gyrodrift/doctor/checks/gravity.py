@@ -2,12 +2,12 @@
 
 from gyrodrift.columns.accel_axes import AGREES
 from gyrodrift.columns.gravity import gravity_unit
-from gyrodrift.columns.spec import STANDARD_GRAVITY_MPS2
 from gyrodrift.doctor.check import Check
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, error, note, ok, warning
 from gyrodrift.doctor.gravity import gravity_summary
 from gyrodrift.session.checks.axes import agreement
+from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 
 SIZE_SHARE = 0.12
 """Largest relative error of gravity in the right unit: offset and scale of cheap parts, 0.08 g and 3 % (MPU-6050 data

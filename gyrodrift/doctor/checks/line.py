@@ -5,9 +5,9 @@ from functools import partial
 from gyrodrift.doctor.check import Check
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_error, of_health, ok, sentence
-from gyrodrift.doctor.listen import BITS_PER_BYTE
 from gyrodrift.link.port import USUAL_BAUDS
 from gyrodrift.outputs import health
+from gyrodrift.values.constants import LINE_BITS_PER_BYTE
 from gyrodrift.values.errors import DeviceSilentError, UnitError
 
 FULL = 0.6
@@ -66,7 +66,7 @@ def line_budget(evidence: DeviceEvidence) -> DeviceFinding | None:
     if not needs or not link.baud:
         return None
     frame_bytes, share = link.bytes / link.samples, needs / link.baud
-    limit_hz = health.BUSY * link.baud / BITS_PER_BYTE / frame_bytes
+    limit_hz = health.BUSY * link.baud / LINE_BITS_PER_BYTE / frame_bytes
     about = f"{frame_bytes:.1f} bytes per sample at {link.rate_hz:.4g} Hz are {share:.0%} of {link.baud} baud"
     if not _has_line(evidence):
         return ok(f"{about}; this port has no such limit.", share)
@@ -180,7 +180,7 @@ def _has_line(evidence: DeviceEvidence) -> bool:
 def _needs_baud(evidence: DeviceEvidence) -> float:
     """Smallest baud rate for this stream; 0 if it is unknown."""
     link = evidence.link
-    return link.bytes / link.samples * link.rate_hz * BITS_PER_BYTE if link.samples and link.bytes else 0.0
+    return link.bytes / link.samples * link.rate_hz * LINE_BITS_PER_BYTE if link.samples and link.bytes else 0.0
 
 
 CHECKS = (

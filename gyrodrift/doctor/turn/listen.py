@@ -18,7 +18,7 @@ from gyrodrift.link.heard import Heard
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.silence import why_silent
-from gyrodrift.link.sources.source import OpenPort
+from gyrodrift.link.sources.source import SourcePort
 from gyrodrift.values.errors import DeviceSilentError, PortMissingError, UnitError
 from gyrodrift.values.sample import Sample
 
@@ -94,7 +94,7 @@ class TurnListener:
         options: LinkOptions,
         say: Callable[[str], None],
         monotonic: Callable[[], float] = time.monotonic,
-        port: OpenPort | None = None,
+        port: SourcePort | None = None,
     ) -> None:
         self._options = options
         self._say = say

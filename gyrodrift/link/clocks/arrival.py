@@ -5,8 +5,7 @@ samples wait until there is a line. Then time advances by one period per sample,
 it never goes back.
 """
 
-from gyrodrift.link.clocks.clock import ArrivalFit, ClockEvent, SampleGap
-from gyrodrift.link.clocks.turning import TurningRate
+from gyrodrift.link.clocks.clock import Clock, SampleGap
 from gyrodrift.values.sample import Reading, Sample
 
 HOLD_S = 0.3
@@ -27,34 +26,19 @@ Otherwise samples were lost.
 """
 
 
-class ArrivalClock:
+class ArrivalClock(Clock):
     """Times of readings without a device clock; the first one is at 0 s."""
 
     def __init__(self, epoch_s: float) -> None:
-        self.events: list[ClockEvent] = []
-        self.period_s = 0.0
-        self.epoch_s = epoch_s
-        self._fit = ArrivalFit()
+        super().__init__(epoch_s)
         self._waiting: list[tuple[Reading, float]] = []
         self._number = 0
         self._time_s = 0.0
         self._origin_s = 0.0
-        self._has_reconnected = False
-        self._turning = TurningRate()
-
-    @property
-    def drift_ppm(self) -> float | None:
-        """None: there is no device clock."""
-        return None
-
-    @property
-    def pace(self) -> float:
-        """1: this is host time."""
-        return 1.0
 
     def reconnected(self) -> None:
         """Handle a reconnect: late samples count as lost."""
-        self._has_reconnected = True
+        super().reconnected()
         self._turning.forget()
 
     def stamp(self, readings: list[Reading], arrival_s: float) -> list[Sample]:

@@ -1,13 +1,14 @@
-"""Clock interface, its events, and the fading regression line that both clocks use.
+"""Base of both clocks, their events, and the fading regression line that they use.
 
 The arrival is never the time of a sample: a serial link delivers late and in bursts, never early. The device clock uses
 the line only to cross-check and to measure its drift; the arrival clock takes its times from it.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from math import exp
-from typing import Protocol
 
+from gyrodrift.link.clocks.turning import TurningRate
 from gyrodrift.values.sample import Reading, Sample
 
 
@@ -34,39 +35,6 @@ class ClockRestart:
 
 
 ClockEvent = SampleGap | ClockRestart
-
-
-class Clock(Protocol):
-    """Times of readings; `events` collects its events for the link.
-
-    `epoch_s` is the Unix time at zero of the monotonic host clock, s.
-    """
-
-    epoch_s: float
-    events: list[ClockEvent]
-
-    def stamp(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
-        """Samples from readings that arrived together at `arrival_s`, s on the monotonic host clock."""
-        ...
-
-    def reconnected(self) -> None:
-        """Handle a reconnect: the clock of the next reading may have restarted."""
-        ...
-
-    @property
-    def period_s(self) -> float:
-        """Typical step between samples, s; 0 while unknown."""
-        ...
-
-    @property
-    def drift_ppm(self) -> float | None:
-        """Drift of the device clock against the host clock, ppm; None if unknown."""
-        ...
-
-    @property
-    def pace(self) -> float:
-        """Host seconds per second of the device clock; 0 while unknown."""
-        ...
 
 
 class ArrivalFit:
@@ -136,3 +104,39 @@ class ArrivalFit:
             return True
         self._scatter_s += (residual_s - self._scatter_s) / self.SCATTER_MEMORY
         return False
+
+
+class Clock(ABC):
+    """Times of readings; `events` collects its events for the link.
+
+    epoch_s
+        Unix time at zero of the monotonic host clock, s.
+    period_s
+        Typical step between samples, s; 0 while unknown.
+    """
+
+    def __init__(self, epoch_s: float) -> None:
+        self.events: list[ClockEvent] = []
+        self.epoch_s = epoch_s
+        self.period_s = 0.0
+        self._fit = ArrivalFit()
+        self._turning = TurningRate()
+        self._has_reconnected = False
+
+    @property
+    def drift_ppm(self) -> float | None:
+        """Drift of the device clock against the host clock, ppm; None if unknown, or without a device clock."""
+        return None
+
+    @property
+    def pace(self) -> float:
+        """Host seconds per second of the device clock; 0 while unknown, 1 for times of the host."""
+        return 1.0
+
+    @abstractmethod
+    def stamp(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
+        """Samples from readings that arrived together at `arrival_s`, s on the monotonic host clock."""
+
+    def reconnected(self) -> None:
+        """Handle a reconnect: the clock of the next reading may have restarted."""
+        self._has_reconnected = True

@@ -3,9 +3,9 @@
 from collections import deque
 from statistics import median
 
-from gyrodrift.link.clocks.clock import ArrivalFit, ClockEvent, ClockRestart, SampleGap
-from gyrodrift.link.clocks.steps import COUNTER_WRAP, agree, clock_step, counter_step, is_one_pace, step_between
-from gyrodrift.link.clocks.turning import TurningRate
+from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
+from gyrodrift.link.clocks.steps import agree, clock_step, counter_step, is_one_pace, step_between
+from gyrodrift.values.constants import COUNTER_WRAP
 from gyrodrift.values.sample import Reading, Sample
 
 STEP_US = 1_000_000
@@ -40,7 +40,7 @@ FIT_EVERY_S = 0.02
 """Interval of points for the line through (device time, arrival), s; more points would cost too much time."""
 
 
-class DeviceClock:
+class DeviceClock(Clock):
     """Unwrapped microsecond clock and 16-bit counter.
 
     A step of about one period counts at once. So does a longer one that the counter confirms, or whose samples are as
@@ -56,11 +56,8 @@ class DeviceClock:
     """
 
     def __init__(self, epoch_s: float) -> None:
-        self.events: list[ClockEvent] = []
+        super().__init__(epoch_s)
         self.glitches = 0
-        self.period_s = 0.0
-        self.epoch_s = epoch_s
-        self._fit = ArrivalFit()
         self._steps_s: deque[float] = deque(maxlen=PERIOD_STEPS)
         self._last: Reading | None = None
         self._time_us = 0
@@ -68,8 +65,6 @@ class DeviceClock:
         self._step = 0, 0
         self._arrival_s = 0.0
         self._suspect: Reading | None = None
-        self._turning = TurningRate()
-        self._has_reconnected = False
         self._usual_us = 0.0
         self._fit_due_s = float("-inf")
 
@@ -82,10 +77,6 @@ class DeviceClock:
     def pace(self) -> float:
         """Host seconds per device second: about 1, except for a fast replay, or a clock in another unit."""
         return self._fit.slope if self._fit.is_warm else 0.0
-
-    def reconnected(self) -> None:
-        """Handle a reconnect: the next step must agree with the host clock in both directions."""
-        self._has_reconnected = True
 
     def stamp(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
         """Samples with unwrapped device times."""

@@ -1,9 +1,7 @@
 """Steps of the wrapping clock and counter of a device, and their comparison."""
 
+from gyrodrift.values.constants import CLOCK_WRAP_US, COUNTER_WRAP
 from gyrodrift.values.sample import Reading
-
-CLOCK_WRAP_US = 1 << 32
-COUNTER_WRAP = 1 << 16
 
 ODD_US = 100_000
 ODD_SHARE = 0.1

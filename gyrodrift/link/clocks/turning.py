@@ -2,7 +2,8 @@
 
 from math import nan
 
-TURN_DEG = 360.0
+from gyrodrift.values.constants import FULL_TURN_DEG
+
 FASTEST_DPS = 2000.0
 """Range of the gyros on these boards; an angle that moves faster was reset."""
 
@@ -26,6 +27,6 @@ class TurningRate:
         if step_s <= 0.0:
             self._before = before
             return nan
-        step_deg = (angle_deg - before[1] + 0.5 * TURN_DEG) % TURN_DEG - 0.5 * TURN_DEG
+        step_deg = (angle_deg - before[1] + 0.5 * FULL_TURN_DEG) % FULL_TURN_DEG - 0.5 * FULL_TURN_DEG
         rate_dps = step_deg / step_s
         return rate_dps if abs(rate_dps) <= FASTEST_DPS else nan

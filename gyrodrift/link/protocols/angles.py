@@ -18,13 +18,13 @@ class RateOrAngle:
         """Whether the angle has been chosen."""
         return self._angles > ANGLES_BEFORE
 
-    def takes_rate(self) -> bool:
-        """Whether a received rate is used."""
+    def offer_rate(self) -> bool:
+        """Note a received rate, and return whether it is used."""
         self._has_rate = not self.is_angle
         return self._has_rate
 
-    def takes_angle(self) -> bool:
-        """Whether a received angle is used."""
+    def offer_angle(self) -> bool:
+        """Note a received angle, and return whether it is used."""
         self._angles += not self._has_rate
         return self.is_angle
 

@@ -14,6 +14,7 @@ from struct import Struct
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.link.protocols.frames import FrameDecoder
 from gyrodrift.link.protocols.protocol import WireProtocol
+from gyrodrift.values.constants import CLOCK_MASK, COUNTER_MASK
 from gyrodrift.values.sample import Reading
 
 FRAME = Struct("<2sBhhhhhhBBBB")
@@ -59,7 +60,7 @@ class RvcDecoder(FrameDecoder):
         rate_dps = turn_centideg / steps
         if abs(rate_dps) > FASTEST_DPS:
             return None
-        return Reading(self._count * PERIOD_US & 0xFFFFFFFF, self._count & 0xFFFF, rate_dps)
+        return Reading(self._count * PERIOD_US & CLOCK_MASK, self._count & COUNTER_MASK, rate_dps)
 
 
 PROTOCOL = WireProtocol(

@@ -10,14 +10,15 @@ from itertools import pairwise
 from math import hypot, isfinite, isnan, nan
 
 from gyrodrift.columns.ranges import MEDIAN_ACCEL_MPS2, TEMPERATURES_C
-from gyrodrift.link.protocols.lines import MAX_RATE_DPS, LineDecoder
+from gyrodrift.link.protocols.lines import LineDecoder
+from gyrodrift.link.protocols.plausible import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
+from gyrodrift.values.constants import CLOCK_MASK
 from gyrodrift.values.sample import Inertial, Reading
 
 NUMBER = rb"\s*+[-+]?+(?:\d++(?:\.\d*+)?+(?:[eE][-+]?+\d++)?+|\.\d++(?:[eE][-+]?+\d++)?+|nan|NaN|NAN|inf|INF)\s*+"
 """Possessive quantifiers: no backtracking, so a line of digits takes no longer than others."""
 
-CLOCK_MASK = 0xFFFFFFFF
 WORD = rb"\s*+(?:[01](?:\.0)?+|nan|NaN|NAN)\s*+"
 """Values of the last column: 1 at rest, 0 in motion, nan unknown."""
 

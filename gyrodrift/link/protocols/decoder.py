@@ -5,7 +5,7 @@ keeps less than 5 kB, and the samples that wait for their scale.
 """
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from gyrodrift.values.sample import Reading
 
@@ -69,6 +69,24 @@ class DeviceDescription:
     device_filter: str | None = None
 
 
+class CountingDecoder:
+    """Base of all decoders: counters, and the description of the device."""
+
+    name: str
+
+    def __init__(self) -> None:
+        self.counters = DecoderCounters()
+        self.device = DeviceDescription()
+
+    def count(self, reading: Reading | None, readings: list[Reading]) -> None:
+        """Count a good frame, and keep its reading; None for a frame without a rate."""
+        self.counters.frames += 1
+        if reading is None:
+            self.counters.other_frames += 1
+        else:
+            readings.append(reading)
+
+
 class Decoder(Protocol):
     """Decoder of a wire protocol."""
 
@@ -76,6 +94,6 @@ class Decoder(Protocol):
     counters: DecoderCounters
     device: DeviceDescription
 
-    def push(self, chunk: bytes) -> list[Reading]:
-        """Decode the next bytes of the stream, and return the completed readings."""
+    def push(self, chunk: Any) -> list[Reading]:
+        """Decode the next bytes of the stream, or the next batch of a source of readings; return the readings."""
         ...

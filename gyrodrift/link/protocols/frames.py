@@ -8,11 +8,11 @@ import re
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
-from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
+from gyrodrift.link.protocols.decoder import CountingDecoder
 from gyrodrift.values.sample import Reading
 
 
-class FrameDecoder(ABC):
+class FrameDecoder(CountingDecoder, ABC):
     """Decoder that searches for heads.
 
     head
@@ -25,7 +25,6 @@ class FrameDecoder(ABC):
         Whether a frame after damage counts only if the next frame follows directly.
     """
 
-    name: str
     head: ClassVar[bytes]
     header: ClassVar[re.Pattern[bytes]]
     header_bytes: ClassVar[int]
@@ -33,8 +32,7 @@ class FrameDecoder(ABC):
     needs_two: ClassVar[bool] = False
 
     def __init__(self) -> None:
-        self.counters = DecoderCounters()
-        self.device = DeviceDescription()
+        super().__init__()
         self._pending = b""
         self._in_step = False
 
@@ -60,7 +58,7 @@ class FrameDecoder(ABC):
                 break
             if end:
                 self._in_step = True
-                self._take(buffer[position:end], readings)
+                self.count(self.read(buffer[position:end]), readings)
             else:
                 self._lose_step()
             position = end or position + 1
@@ -100,11 +98,3 @@ class FrameDecoder(ABC):
         if self._in_step and not (first and first == self.filler):
             self.counters.damaged += 1
         self._in_step = False
-
-    def _take(self, frame: bytes, readings: list[Reading]) -> None:
-        self.counters.frames += 1
-        reading = self.read(frame)
-        if reading is None:
-            self.counters.other_frames += 1
-        else:
-            readings.append(reading)

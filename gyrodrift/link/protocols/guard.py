@@ -28,7 +28,7 @@ class Guard:
         self._on_event = on_event
         self._is_told = False
 
-    def push(self, protocol: WireProtocol, decoder: Decoder, chunk: bytes) -> tuple[Decoder, list[Reading]]:
+    def push(self, protocol: WireProtocol, decoder: Decoder, chunk: Any) -> tuple[Decoder, list[Reading]]:
         """Completed readings, and the decoder to use from now on.
 
         After an error that is a fresh decoder, as after a reconnect. It gets the same bytes again, one by one, so that

@@ -5,13 +5,11 @@ of columns is constant, and a reader that starts inside a line gets a shortened 
 two more, and a line with another number of columns counts as damaged until three in a row have it.
 """
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 
-from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
+from gyrodrift.link.protocols.pieces import PieceDecoder
+from gyrodrift.values.constants import CLOCK_MASK
 from gyrodrift.values.sample import Reading
-
-MAX_RATE_DPS = 2e4
-"""Several times the range of gyros on the market; a larger number is a damaged line."""
 
 COLUMN_CHANGE_LINES = 3
 JOIN_GAP_US = 1_000_000
@@ -21,17 +19,11 @@ WITHOUT_RATE = (0, Reading(None, None, 0.0))
 """Result for a good line without a rate."""
 
 
-class LineDecoder(ABC):
+class LineDecoder(PieceDecoder):
     """Decoder of lines that end with LF, CRLF or CR; comments start with `#`."""
 
-    name: str
-    longest_bytes = 256
-
     def __init__(self) -> None:
-        self.counters = DecoderCounters()
-        self.device = DeviceDescription()
-        self._pending = b""
-        self._overlong = False
+        super().__init__()
         self._columns = 0
         self._column_change: list[tuple[int, Reading]] = []
         self._first: list[tuple[int, Reading]] | None = []
@@ -46,23 +38,14 @@ class LineDecoder(ABC):
 
     def push(self, chunk: bytes) -> list[Reading]:
         """Split at line ends, and parse complete lines."""
-        readings: list[Reading] = []
-        *lines, pending = (self._pending + chunk).replace(b"\r", b"\n").split(b"\n")
-        for line in lines:
-            self._line(line, readings)
-            self._overlong = False
-        if len(pending) > self.longest_bytes:
-            self._overlong = True
-            pending = pending[:1]
-        self._pending = pending
-        return readings
+        return super().push(chunk.replace(b"\r", b"\n"))
 
-    def _line(self, line: bytes, readings: list[Reading]) -> None:
-        overlong = self._overlong or len(line) > self.longest_bytes
-        text = line.strip()
-        if not overlong and (not text or self.is_comment(text)):
+    def take(self, piece: bytes, readings: list[Reading]) -> None:
+        """Parse a line."""
+        text = piece.strip()
+        if not text or self.is_comment(text):
             return
-        parsed = None if overlong else self.parse(text)
+        parsed = self.parse(text)
         if parsed is None:
             self.counters.damaged += 1
             return
@@ -109,6 +92,6 @@ class LineDecoder(ABC):
 
 def _first_line_is_whole(first_lines: list[tuple[int, Reading]]) -> bool:
     (columns, first), (columns_next, second), (_, third) = first_lines
-    step_us = ((second.t_us or 0) - (first.t_us or 0)) & 0xFFFFFFFF
-    step_next_us = ((third.t_us or 0) - (second.t_us or 0)) & 0xFFFFFFFF
+    step_us = ((second.t_us or 0) - (first.t_us or 0)) & CLOCK_MASK
+    step_next_us = ((third.t_us or 0) - (second.t_us or 0)) & CLOCK_MASK
     return columns == columns_next and (step_us <= JOIN_GAP_US or step_us <= 4 * step_next_us)

@@ -13,10 +13,12 @@ from typing import Any
 
 from cobs import cobs
 
-from gyrodrift.link.protocols.decoder import WAITING_MAX, DecoderCounters, DeviceDescription
-from gyrodrift.link.protocols.goes_on import goes_on
+from gyrodrift.link.clocks.steps import ODD_SHARE, ODD_US, step_between
+from gyrodrift.link.protocols.decoder import WAITING_MAX, DeviceDescription
 from gyrodrift.link.protocols.native_yaw import YAW, YAW_TYPE, YawJoin, filter_name
+from gyrodrift.link.protocols.pieces import PieceDecoder
 from gyrodrift.link.protocols.protocol import WireProtocol
+from gyrodrift.values.constants import COUNTER_WRAP
 from gyrodrift.values.sample import Inertial, Reading
 
 CRC_INIT = 0xFFFF
@@ -62,16 +64,15 @@ MAX_FRAME_BYTES = FILTER_HELLO.size + CRC.size + 1
 """The longest frame before its delimiter; COBS adds one byte to payloads as short as these."""
 
 
-class NativeDecoder:
+class NativeDecoder(PieceDecoder):
     """Decoder of frames between zero bytes; damage costs one frame, since every zero starts a new one."""
 
     name = "native"
+    delimiter = b"\0"
+    longest_bytes = MAX_FRAME_BYTES
 
     def __init__(self) -> None:
-        self.counters = DecoderCounters()
-        self.device = DeviceDescription()
-        self._pending = b""
-        self._overlong = False
+        super().__init__()
         self._dps_per_lsb = 0.0
         self._deg_per_count = 0.0
         self._mps2_per_lsb = nan
@@ -79,26 +80,10 @@ class NativeDecoder:
         self._is_known_device = False
         self._join = YawJoin()
 
-    def push(self, chunk: bytes) -> list[Reading]:
-        """Split at the delimiters, and decode complete frames."""
-        readings: list[Reading] = []
-        *frames, pending = (self._pending + chunk).split(b"\0")
-        for frame in frames:
-            if frame:
-                self._decode(frame, readings)
-            self._overlong = False
-        if len(pending) > MAX_FRAME_BYTES:
-            self._overlong = True
-            pending = pending[:1]  # enough to remember that this frame is not empty
-        self._pending = pending
-        return readings
-
-    def _decode(self, frame: bytes, readings: list[Reading]) -> None:
-        if self._overlong or len(frame) > MAX_FRAME_BYTES:
-            self.counters.damaged += 1
-            return
+    def take(self, piece: bytes, readings: list[Reading]) -> None:
+        """Decode a frame."""
         try:
-            body = cobs.decode(frame)
+            body = cobs.decode(piece)
         except cobs.DecodeError:
             self.counters.damaged += 1
             return
@@ -177,7 +162,7 @@ class NativeDecoder:
     def _last_break(self, readings: list[Reading]) -> int:
         """Index of the last reading that does not follow from the one before it; 0 without one."""
         rate_hz = self.device.sample_rate_hz
-        breaks = (i for i in range(1, len(readings)) if not goes_on(readings[i - 1], readings[i], rate_hz))
+        breaks = (i for i in range(1, len(readings)) if not _goes_on(readings[i - 1], readings[i], rate_hz))
         return max(breaks, default=0)
 
     def _reading(self, payload: bytes) -> Reading:
@@ -214,6 +199,20 @@ class NativeDecoder:
             accel_y * mps2_per_lsb,
             accel_z * mps2_per_lsb,
         )
+
+
+def _goes_on(last: Reading, reading: Reading, rate_hz: float | None) -> bool:
+    """Whether two samples come from the same device: the clock advances, and the counter by the samples of that time.
+
+    `rate_hz` is None if the device does not send it; then only the clock counts.
+    """
+    step_us, counted = step_between(last, reading)
+    if step_us < 0:
+        return False
+    if rate_hz is None:
+        return True
+    off = (counted - step_us * 1e-6 * rate_hz) % COUNTER_WRAP
+    return min(off, COUNTER_WRAP - off) <= max(ODD_US, ODD_SHARE * step_us) * 1e-6 * rate_hz
 
 
 def _is_accelerometer(mps2_per_lsb: float) -> bool:

@@ -7,8 +7,8 @@ the other nine do not wait: the smallest distance between two YAWs so far tells 
 from math import isnan
 from struct import Struct
 
-from gyrodrift.link.clocks.steps import COUNTER_WRAP
 from gyrodrift.link.protocols.decoder import DecoderCounters
+from gyrodrift.values.constants import COUNTER_WRAP
 from gyrodrift.values.sample import DeviceYaw, Reading
 
 YAW = Struct("<BBHIfff")

@@ -10,13 +10,13 @@ with a checksum has arrived.
 from math import nan
 
 from gyrodrift.link.protocols.angles import RateOrAngle
-from gyrodrift.link.protocols.lines import MAX_RATE_DPS
+from gyrodrift.link.protocols.plausible import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.sentences import SentenceDecoder, number_in, words_of
+from gyrodrift.values.constants import FULL_TURN_DEG
 from gyrodrift.values.sample import Reading
 
 SECONDS_PER_MINUTE = 60.0
-FULL_TURN_DEG = 360.0
 VALID = "A"
 RATE = "ROT"
 HEADINGS = frozenset({"HDT", "HDM", "HDG", "THS"})
@@ -50,7 +50,7 @@ class NmeaDecoder(SentenceDecoder):
         index = STATUS_INDEX.get(kind)
         if number is None or (index is not None and words[index : index + 1] != [VALID]):
             return None
-        if not (self._choice.takes_rate() if kind == RATE else self._choice.takes_angle()):
+        if not (self._choice.offer_rate() if kind == RATE else self._choice.offer_angle()):
             return None
         self._sender = self._sender or words[0]
         if words[0] != self._sender:

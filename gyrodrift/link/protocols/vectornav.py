@@ -11,14 +11,15 @@ The z axis of the body frame points down: a positive rate is clockwise from abov
 import re
 from binascii import crc_hqx
 from functools import lru_cache
-from math import degrees, isfinite, nan, radians
+from math import degrees, isfinite, nan
 from struct import Struct
 from typing import NamedTuple
 
 from gyrodrift.link.protocols.frames import FrameDecoder
-from gyrodrift.link.protocols.lines import MAX_RATE_DPS
+from gyrodrift.link.protocols.plausible import MAX_RATE_DPS, inertial_of
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.values.sample import Inertial, Reading
+from gyrodrift.values.constants import CLOCK_MASK
+from gyrodrift.values.sample import Inertial, Reading, upside_down
 
 GPS = (8, 8, 2, 1, 1, 24, 24, 12, 12, 12, 4, 4, 2, 28)
 FIELD_BYTES = (
@@ -44,7 +45,6 @@ FORCES = ((2, 2, 0), (0, 9, 0), (0, 8, 0), (2, 9, 0))
 TEMPERATURES = ((2, 4, 0), (0, 10, 12))
 """Temp, and the temperature in MagPres."""
 
-MAX_RATE_RADS = radians(MAX_RATE_DPS)
 LONGEST_BYTES = 500
 NANOSECONDS = Struct("<Q")
 FLOAT = Struct("<f")
@@ -141,22 +141,17 @@ class VectornavDecoder(FrameDecoder):
         if self._is_timed > bool(layout.time) or not (isfinite(rate_dps) and abs(rate_dps) <= MAX_RATE_DPS):
             return None
         inertial = _inertial(frame, layout)
-        t_us = NANOSECONDS.unpack_from(frame, layout.time)[0] // 1000 & 0xFFFFFFFF if self._is_timed else None
+        t_us = NANOSECONDS.unpack_from(frame, layout.time)[0] // 1000 & CLOCK_MASK if self._is_timed else None
         temp_c = FLOAT.unpack_from(frame, layout.temp)[0] if layout.temp else nan
         return Reading(t_us, None, rate_dps, nan, temp_c, inertial=inertial)
 
 
 def _inertial(frame: bytes, layout: Layout) -> Inertial | None:
     """All axes in a frame with z up; None without three plausible rates."""
-    x_rads, y_rads, z_rads = VECTOR.unpack_from(frame, layout.rate - 2 * FLOAT.size)
-    if not (abs(x_rads) <= MAX_RATE_RADS and abs(y_rads) <= MAX_RATE_RADS):
-        return None
-    rates_dps = degrees(x_rads), -degrees(y_rads), -degrees(z_rads)
-    if not layout.force:
-        return Inertial(*rates_dps)
-    x_mps2, y_mps2, z_mps2 = VECTOR.unpack_from(frame, layout.force)
-    has_forces = isfinite(x_mps2 + y_mps2 + z_mps2)
-    return Inertial(*rates_dps, x_mps2, -y_mps2, -z_mps2) if has_forces else Inertial(*rates_dps)
+    rates_rads = VECTOR.unpack_from(frame, layout.rate - 2 * FLOAT.size)
+    forces_mps2 = VECTOR.unpack_from(frame, layout.force) if layout.force else None
+    inertial = inertial_of(tuple(map(degrees, rates_rads)), forces_mps2)
+    return None if inertial is None else upside_down(inertial)
 
 
 PROTOCOL = WireProtocol(

@@ -8,7 +8,7 @@ Without a rate, the yaw of `VNYPR`, or of the quaternion of `VNQTN`, is used.
 from math import degrees, nan
 
 from gyrodrift.link.protocols.angles import RateOrAngle, yaw_of
-from gyrodrift.link.protocols.lines import MAX_RATE_DPS
+from gyrodrift.link.protocols.plausible import MAX_RATE_DPS, inertial_of
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.sentences import SentenceDecoder, number_in
 from gyrodrift.values.sample import Inertial, Reading, upside_down
@@ -54,7 +54,7 @@ class VectornavAsciiDecoder(SentenceDecoder):
         reading = _rate(words) if message in RATE_INDEX else _angle(words)
         if reading is None or message != (self._message or message):
             return None
-        if not (self._choice.takes_rate() if message in RATE_INDEX else self._choice.takes_angle()):
+        if not (self._choice.offer_rate() if message in RATE_INDEX else self._choice.offer_angle()):
             return None
         self._message = message
         return reading
@@ -72,12 +72,13 @@ def _inertial(words: list[str]) -> Inertial | None:
     """All axes in a frame with z up; None without three plausible rates."""
     last = RATE_INDEX[words[0]]
     rates_rads = [number_in(words, index) for index in range(last - 2, last + 1)]
-    rates_dps = [degrees(rate_rads) for rate_rads in rates_rads if rate_rads is not None]
-    if len(rates_dps) < 3 or not all(abs(rate_dps) <= MAX_RATE_DPS for rate_dps in rates_dps):
-        return None
     first = last - 5 if words[0] in WITH_GRAVITY else len(words)
     forces_mps2 = [number_in(words, index) for index in range(first, first + 3)]
-    return upside_down(Inertial(*rates_dps, *(nan if force is None else force for force in forces_mps2)))
+    inertial = inertial_of(
+        [nan if rate_rads is None else degrees(rate_rads) for rate_rads in rates_rads],
+        [nan if force_mps2 is None else force_mps2 for force_mps2 in forces_mps2],
+    )
+    return None if inertial is None else upside_down(inertial)
 
 
 def _angle(words: list[str]) -> Reading | None:

@@ -11,9 +11,10 @@ from struct import Struct
 
 from gyrodrift.link.protocols.angles import RateOrAngle, yaw_of
 from gyrodrift.link.protocols.frames import FrameDecoder
-from gyrodrift.link.protocols.lines import MAX_RATE_DPS
+from gyrodrift.link.protocols.plausible import MAX_RATE_DPS, inertial_of
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.values.sample import Inertial, Reading
+from gyrodrift.values.constants import CLOCK_MASK
+from gyrodrift.values.sample import Reading
 
 EXTENDED = 0xFF
 LONGEST_BYTES = 700
@@ -117,7 +118,7 @@ class XsensDecoder(FrameDecoder):
             if kind == TEMPERATURE:
                 self._temp_c = number(content, form & PRECISION, 0)
             elif kind == SAMPLE_TIME_FINE and len(content) == TICKS.size:
-                t_us = TICKS.unpack(content)[0] * SAMPLE_TIME_US & 0xFFFFFFFF
+                t_us = TICKS.unpack(content)[0] * SAMPLE_TIME_US & CLOCK_MASK
             elif kind == PACKET_COUNTER and len(content) == COUNTER.size:
                 seq = COUNTER.unpack(content)[0]
         rate_dps, yaw_deg = self._turn(items)
@@ -127,7 +128,8 @@ class XsensDecoder(FrameDecoder):
             self._is_timed = t_us is not None
         if self._is_timed and t_us is None:
             return None
-        inertial = None if isnan(rate_dps) else _inertial(items, rate_dps)
+        rates_dps = tuple(map(degrees, _vector(items, RATES)))
+        inertial = None if isnan(rate_dps) else inertial_of(rates_dps, _vector(items, ACCELERATIONS))
         return Reading(t_us if self._is_timed else None, seq, rate_dps, nan, self._temp_c, nan, yaw_deg, inertial)
 
     def _turn(self, items: Items) -> tuple[float, float]:
@@ -135,22 +137,11 @@ class XsensDecoder(FrameDecoder):
         rates = [
             degrees(number(content, form & PRECISION, 2)) for kind, (form, content) in items.items() if kind in RATES
         ]
-        if rates and self._choice.takes_rate():
+        if rates and self._choice.offer_rate():
             return (rates[-1] if abs(rates[-1]) <= MAX_RATE_DPS else nan), nan
         yaws = [_yaw_deg(kind, form, content) for kind, (form, content) in items.items() if kind in YAW_OF]
-        is_taken = bool(yaws) and isfinite(yaws[-1]) and self._choice.takes_angle()
+        is_taken = bool(yaws) and isfinite(yaws[-1]) and self._choice.offer_angle()
         return nan, yaws[-1] if is_taken else nan
-
-
-def _inertial(items: Items, rate_dps: float) -> Inertial | None:
-    """All axes of a message; None without three plausible rates."""
-    x_rads, y_rads, _ = _vector(items, RATES)
-    x_dps, y_dps = degrees(x_rads), degrees(y_rads)
-    if not (abs(x_dps) <= MAX_RATE_DPS and abs(y_dps) <= MAX_RATE_DPS):
-        return None
-    x_mps2, y_mps2, z_mps2 = _vector(items, ACCELERATIONS)
-    has_forces = isfinite(x_mps2 + y_mps2 + z_mps2)
-    return Inertial(x_dps, y_dps, rate_dps, x_mps2, y_mps2, z_mps2) if has_forces else Inertial(x_dps, y_dps, rate_dps)
 
 
 def _vector(items: Items, kinds: tuple[int, int]) -> tuple[float, ...]:

@@ -1,19 +1,18 @@
 """Source `ble:ADDRESS`: the notifications of a Bluetooth LE device, such as WitMotion's WT901BLE, through bleak.
 
-bleak runs in a thread with an event loop of its own, which wakes the loop of the service through a socket.
+bleak runs in a thread with an event loop of its own.
 """
 
 import asyncio
 import re
-import socket
 import threading
 from collections.abc import Coroutine
 from concurrent.futures import Future
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
+from gyrodrift.link.inbox import Inbox
 from gyrodrift.link.port import PortGoneError
-from gyrodrift.link.sources.query import split_query
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
 from gyrodrift.values.errors import LinkError, PortMissingError, UsageError
 
@@ -56,14 +55,9 @@ class BlePort(SourcePort):
     """Connected device."""
 
     def __init__(self, path: str) -> None:
-        self._wake, self._waker = socket.socketpair()
-        self._wake.setblocking(False)
-        self._waker.setblocking(False)
-        super().__init__(path, self._wake.fileno())
-        self._lock = threading.Lock()
-        self._arrived = bytearray()
-        self._is_gone = False
-        self._dropped = 0
+        self._inbox = Inbox()
+        super().__init__(path, self._inbox.fd)
+        self._dropped_bytes = 0
         self._client: BleakClient | None = None
         self._write_to = ""
         self._loop = asyncio.new_event_loop()
@@ -88,22 +82,17 @@ class BlePort(SourcePort):
 
     def read(self) -> bytes:
         """Bytes that have arrived, without waiting."""
-        with suppress(BlockingIOError):
-            while self._wake.recv(4096):
-                pass
-        with self._lock:
-            content, dropped = bytes(self._arrived), self._dropped
-            self._arrived.clear()
-            self._dropped = 0
-        if dropped:
-            self.note("source_overflow", dropped_bytes=dropped)
-        if not content and self._is_gone:
+        content = self._inbox.take()
+        if self._dropped_bytes:
+            self.note("source_overflow", dropped_bytes=self._dropped_bytes)
+            self._dropped_bytes = 0
+        if not content and self._inbox.is_over:
             raise PortGoneError(self.path)
         return content
 
     def write(self, content: bytes) -> int:
         """Send to the device, in the background."""
-        if self._client is not None and self._write_to and not self._is_gone:
+        if self._client is not None and self._write_to and not self._inbox.is_over:
             self._call(self._write(content))
         return len(content)
 
@@ -117,8 +106,7 @@ class BlePort(SourcePort):
         self._thread.join(STOP_S)
         if not self._thread.is_alive():
             self._loop.close()
-        self._wake.close()
-        self._waker.close()
+        self._inbox.close()
 
     def _call(self, work: Coroutine[Any, Any, None]) -> "Future[None]":
         return asyncio.run_coroutine_threadsafe(work, self._loop)
@@ -156,20 +144,13 @@ class BlePort(SourcePort):
 
     def _hear(self, _: object, content: bytearray) -> None:
         content = content[:LONGEST_NOTIFICATION_BYTES]
-        with self._lock:
-            if len(self._arrived) + len(content) <= LONGEST_KEPT_BYTES:
-                self._arrived += content
-            else:
-                self._dropped += len(content)
-        self._wake_up()
+        if len(self._inbox) + len(content) <= LONGEST_KEPT_BYTES:
+            self._inbox.put(bytes(content))
+        else:
+            self._dropped_bytes += len(content)
 
     def _lose(self, _: object) -> None:
-        self._is_gone = True
-        self._wake_up()
-
-    def _wake_up(self) -> None:
-        with suppress(OSError):  # it is awake already, or closed
-            self._waker.send(b"\0")
+        self._inbox.end()
 
 
 def _chosen(path: str, present: "dict[str, list[Any]]", notify: str | None, write: str | None) -> tuple[str, str]:
@@ -195,7 +176,7 @@ def open_ble(address: SourceAddress) -> BlePort:
     LinkError
         The device cannot be connected; the message says why.
     """
-    name, options = split_query(address, OPTIONS)
+    name, options = address.split_query(OPTIONS)
     if not name:
         raise UsageError(f"--port {address.text}: expected ble:ADDRESS or ble:NAME, such as ble:DF:BE:12:20:70:8C")
     for option in OPTIONS:

@@ -7,12 +7,11 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from gyrodrift.link.port import PortGoneError
+from gyrodrift.link.protocols.batch import ReadingBatch
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.sources.can_dbc import SIGNALS, dbc_gyro
-from gyrodrift.link.sources.can_frames import EXTENDED, FRAME, FRAME_HEADER, CanGyro, can_protocol
+from gyrodrift.link.sources.can_frames import CAN_PROTOCOL, EXTENDED, CanGyro, CanReadings
 from gyrodrift.link.sources.can_gyros import CAN_GYROS
-from gyrodrift.link.sources.packets import packet
-from gyrodrift.link.sources.query import split_query
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
 from gyrodrift.values.errors import LinkError, PortMissingError, UsageError
 
@@ -40,34 +39,41 @@ LONGEST_BASE_ID = (1 << 11) - 1
 
 
 class CanPort(SourcePort):
-    """Open bus; its frames become packets with the time of reception."""
+    """Open bus."""
 
-    def __init__(self, path: str, bus: "can.BusABC", ids: frozenset[int]) -> None:
+    def __init__(self, path: str, bus: "can.BusABC", channel: str, gyro: CanGyro) -> None:
         super().__init__(path, _descriptor(bus))
-        self._bus = bus
-        self._ids = ids
+        self._bus, self._channel, self._ids = bus, channel, gyro.ids
+        self._readings = CanReadings(gyro)
         if self.fd is None:
             self.wake_s = POLL_S
         else:
             _enlarge_buffer(self.fd)
 
-    def read(self) -> bytes:
-        """Packets of the frames that have arrived, up to a limit."""
-        packets: list[bytes] = []
+    def read(self) -> ReadingBatch:
+        """Frames that have arrived, up to a limit, as lines of candump."""
+        batch = ReadingBatch(self._readings.device)
         for _ in range(FRAMES_PER_READ):
             message = self._received()
             if message is None:
                 break
             number = message.arbitration_id | (EXTENDED if message.is_extended_id else 0)
             if number in self._ids and not message.is_error_frame and not message.is_remote_frame:
-                time_us = max(0, round(message.timestamp * 1e6))
-                packets.append(packet(FRAME, FRAME_HEADER.pack(time_us, number) + bytes(message.data)))
-        return b"".join(packets)
+                time_us, content = max(0, round(message.timestamp * 1e6)), bytes(message.data)
+                reading = self._readings.reading(time_us, number, content)
+                batch.add(self._line(message, time_us, content), reading)
+        return batch
 
     def close(self) -> None:
         """Close the bus."""
         with suppress(Exception):  # drivers have errors of any kind for a device that is gone
             self._bus.shutdown()
+
+    def _line(self, message: "can.Message", time_us: int, content: bytes) -> bytes:
+        """Line of candump -L, which canplayer and python-can read."""
+        number = f"{message.arbitration_id:0{8 if message.is_extended_id else 3}X}"
+        mark = f"##{message.bitrate_switch | message.error_state_indicator << 1:X}" if message.is_fd else "#"
+        return f"({time_us / 1e6:.6f}) {self._channel} {number}{mark}{content.hex().upper()}\n".encode()
 
     def _received(self) -> "can.Message | None":
         try:
@@ -88,17 +94,17 @@ def open_can(address: SourceAddress) -> CanPort:
     """
     import can  # noqa: PLC0415 - a package of the extra
 
-    channel, options = split_query(address, OPTIONS)
-    ids = gyro_of(address).ids
+    channel, options = address.split_query(OPTIONS)
+    gyro = gyro_of(address)
     interface = options.get("interface", USUAL_INTERFACE)
-    settings: dict[str, Any] = {"can_filters": _filters(ids)} if interface == USUAL_INTERFACE else {}
+    settings: dict[str, Any] = {"can_filters": _filters(gyro.ids)} if interface == USUAL_INTERFACE else {}
     if "bitrate" in options:
         settings["bitrate"] = _number(address, options["bitrate"], 1_000_000)
     try:
         bus = can.Bus(channel=channel, interface=interface, **settings)
     except Exception as error:  # drivers have errors of any kind
         raise _explained(address.text, channel, error) from error
-    return CanPort(address.text, bus, ids)
+    return CanPort(address.text, bus, channel, gyro)
 
 
 def gyro_of(address: SourceAddress) -> CanGyro:
@@ -109,7 +115,7 @@ def gyro_of(address: SourceAddress) -> CanGyro:
     UsageError
         The options do not name one, or have a mistake.
     """
-    channel, options = split_query(address, OPTIONS)
+    channel, options = address.split_query(OPTIONS)
     names = ", ".join(CAN_GYROS)
     if not channel or ("gyro" in options) == ("dbc" in options) or ("dbc" in options) != ("signal" in options):
         raise UsageError(
@@ -127,8 +133,9 @@ def gyro_of(address: SourceAddress) -> CanGyro:
 
 
 def protocol_of(address: SourceAddress) -> WireProtocol:
-    """Protocol of the gyro of an address."""
-    return can_protocol(gyro_of(address))
+    """Protocol of an address, after the check of its gyro."""
+    gyro_of(address)
+    return CAN_PROTOCOL
 
 
 def _ids(address: SourceAddress, text: str | None, usual: tuple[int, ...]) -> tuple[int, ...]:

@@ -1,4 +1,4 @@
-"""Decoder of CAN frames of a gyro. Its frames of one measurement are joined.
+"""Readings of a gyro on a CAN bus. Its frames of one measurement are joined.
 
 A gyro sends the frames of a measurement one after the other. The bus lets the lowest id pass first. So an id that is
 not higher than the last one begins the next measurement. A measurement is complete as soon as it has all ids that were
@@ -8,31 +8,18 @@ seen in the last measurements.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import isfinite, nan
-from struct import Struct
 
+from gyrodrift.link.protocols.batch import batch_protocol
 from gyrodrift.link.protocols.decoder import DeviceDescription
-from gyrodrift.link.protocols.lines import MAX_RATE_DPS
-from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.link.sources.packets import HEADER, PacketDecoder
-from gyrodrift.values.sample import Inertial, Reading, upside_down
+from gyrodrift.link.protocols.plausible import MAX_RATE_DPS, inertial_of
+from gyrodrift.values.constants import CLOCK_MASK, COUNTER_MASK
+from gyrodrift.values.sample import Reading, upside_down
 
-FRAME = 1
-"""Kind of the packets."""
-
-FRAME_HEADER = Struct("<QI")
-"""Time of reception, µs, and id; frames of CAN FD have at most 64 bytes of content."""
-
-LONGEST_FRAME_BYTES = 64
 EXTENDED = 1 << 31
 """Flag of an id with 29 bits, as in SocketCAN."""
 
-CLOCK_MASK = 0xFFFFFFFF
-COUNTER_MASK = 0xFFFF
 FORGET = 20
 """Measurements without an id after which it is not expected any more. Chosen."""
-
-MAX_FORCE_MPS2 = 1e4
-"""Several times the range of accelerometers on the market."""
 
 RATES, FORCES = ("gx", "gy", "gz"), ("ax", "ay", "az")
 
@@ -56,13 +43,14 @@ class CanGyro:
     is_upside_down: bool = False
 
 
-class CanDecoder(PacketDecoder):
-    """Decoder of one gyro on a bus."""
+class CanReadings:
+    """Readings of one gyro on a bus.
 
-    name = "can"
+    device
+        Its description.
+    """
 
     def __init__(self, gyro: CanGyro) -> None:
-        super().__init__()
         self.device = DeviceDescription(gyro.name)
         self._gyro = gyro
         self._values: dict[str, float] = {}
@@ -74,18 +62,11 @@ class CanDecoder(PacketDecoder):
         self._has_clock = False
         self._temp_c = nan
 
-    def is_valid(self, kind: int, content: bytes) -> bool:
-        """Whether a packet is a frame."""
-        return kind == FRAME and FRAME_HEADER.size <= len(content) <= FRAME_HEADER.size + LONGEST_FRAME_BYTES
-
-    def read(self, frame: bytes) -> Reading | None:
-        """Measurement that this frame completes, or that it shows to be over."""
-        received_us, number = FRAME_HEADER.unpack_from(frame, HEADER.size)
-        if number not in self._gyro.ids:
-            return None
+    def reading(self, received_us: int, number: int, content: bytes) -> Reading | None:
+        """Measurement that a frame of the gyro completes, or that it shows to be over."""
         is_next = bool(self._ids) and number & ~EXTENDED <= self._last_id
         finished = self._finish() if is_next else None
-        values = self._gyro.fields(number, frame[HEADER.size + FRAME_HEADER.size :])
+        values = self._gyro.fields(number, content)
         if "gz" in values:
             self._received_us = received_us
         self._values.update(values)
@@ -119,30 +100,11 @@ class CanDecoder(PacketDecoder):
         self._temp_c = temp_c if isfinite(temp_c) else self._temp_c
         t_us = int(values.get("t_us", self._received_us)) & CLOCK_MASK
         seq = int(values["seq"]) & COUNTER_MASK if "seq" in values else None
-        inertial = _inertial(values)
+        rates, forces = ([values.get(name, nan) for name in names] for names in (RATES, FORCES))
+        inertial = inertial_of(rates, forces)
         if self._gyro.is_upside_down:
             rate_dps, inertial = -rate_dps, None if inertial is None else upside_down(inertial)
         return Reading(t_us, seq, rate_dps, temp_c=self._temp_c, inertial=inertial)
 
 
-def _inertial(values: Mapping[str, float]) -> Inertial | None:
-    """All axes; None without three plausible rates."""
-    rates = [values.get(name, nan) for name in RATES]
-    forces = [values.get(name, nan) for name in FORCES]
-    if not all(abs(rate_dps) <= MAX_RATE_DPS for rate_dps in rates):
-        return None
-    return Inertial(*rates, *(forces if all(abs(force) <= MAX_FORCE_MPS2 for force in forces) else ()))
-
-
-def can_protocol(gyro: CanGyro) -> WireProtocol:
-    """Protocol that reads one gyro."""
-    return WireProtocol(
-        "can",
-        "CAN frames of a gyro",
-        lambda: CanDecoder(gyro),
-        has_clock=True,
-        rank=5,
-        is_detected=False,
-        has_unit=True,
-        without_rate="check gyro=, signal= and the ids",
-    )
+CAN_PROTOCOL = batch_protocol("can", "CAN frames of a gyro", "check gyro=, signal= and the ids")

@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from math import degrees
 from struct import Struct
 
-from gyrodrift.columns.spec import STANDARD_GRAVITY_MPS2
-from gyrodrift.link.sources.can_frames import CanGyro
+from gyrodrift.link.sources.can_frames import FORCES, RATES, CanGyro
+from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 
 BOSCH_IDS = (0x174, 0x178, 0x17C)
 BOSCH_FRAME = Struct("<HxxH")
@@ -31,8 +31,6 @@ XSENS_TICK_US = 100
 XSENS_DPS = degrees(2.0**-9)
 XSENS_MPS2 = 2.0**-8
 TICKS, COUNT, VECTOR = Struct(">I"), Struct(">H"), Struct(">3h")
-
-RATE_NAMES, FORCE_NAMES = ("gx", "gy", "gz"), ("ax", "ay", "az")
 
 
 def bosch(name: str, ids: tuple[int, ...], *, is_upside_down: bool) -> CanGyro:
@@ -68,7 +66,7 @@ def xsens(name: str, ids: tuple[int, ...], *, is_upside_down: bool) -> CanGyro:
         if len(content) != VECTOR.size or kind in (XSENS_TIME, XSENS_COUNTER):
             return {}
         is_rate = kind in (XSENS_RATES, XSENS_RATES_HR)
-        names, scale = (RATE_NAMES, XSENS_DPS) if is_rate else (FORCE_NAMES, XSENS_MPS2)
+        names, scale = (RATES, XSENS_DPS) if is_rate else (FORCES, XSENS_MPS2)
         return {name: value * scale for name, value in zip(names, VECTOR.unpack(content), strict=True)}
 
     return CanGyro(name, frozenset(ids), fields, is_upside_down)

@@ -6,14 +6,13 @@ trigger, the values in sysfs are polled.
 
 from math import inf
 
+from gyrodrift.link.protocols.batch import ReadingBatch, batch_protocol
 from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.link.sources import iio_sysfs
 from gyrodrift.link.sources.iio_buffer import Scans, elements_folder
-from gyrodrift.link.sources.iio_polled import POLL_HZ, PolledPort, Repeated, Temperature
-from gyrodrift.link.sources.iio_scans import IIO_PROTOCOL, IioPacket
+from gyrodrift.link.sources.iio_polled import POLL_HZ, PolledPort, Temperature
+from gyrodrift.link.sources.iio_readings import IioReadings
 from gyrodrift.link.sources.iio_sysfs import NUMBER, IioDevice, accelerometer_of, device_named, iio_devices
-from gyrodrift.link.sources.packets import packet
-from gyrodrift.link.sources.query import split_query
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
 from gyrodrift.values.errors import LinkError, PortDeniedError, PortMissingError, UsageError
 
@@ -29,23 +28,18 @@ class IioPort(SourcePort):
     def __init__(self, path: str, gyro: Scans, accel: Scans | None, temperature: Temperature) -> None:
         super().__init__(path, gyro.fd)
         self._gyro, self._accel, self._temperature = gyro, accel, temperature
-        content = packet(IioPacket.GYRO_LAYOUT, gyro.description())
-        if accel is not None:
-            content += packet(IioPacket.ACCEL_LAYOUT, accel.description())
-        self._layout = Repeated(content)
+        self._readings = IioReadings(gyro.description, None if accel is None else accel.description)
 
-    def read(self) -> bytes:
-        """Packets of the scans that have arrived, accelerations first."""
-        forces = [] if self._accel is None else self._accel.read(self.path)
-        rates = self._gyro.read(self.path)
-        return b"".join(
-            (
-                self._layout.due(),
-                self._temperature.packet(),
-                *(packet(IioPacket.ACCEL_SCAN, scan) for scan in forces),
-                *(packet(IioPacket.GYRO_SCAN, scan) for scan in rates),
-            )
-        )
+    def read(self) -> ReadingBatch:
+        """Scans that have arrived, accelerations first."""
+        batch, temp_c = ReadingBatch(self._readings.device), self._temperature.now_c()
+        if self._accel is not None:
+            for scan in self._accel.read(self.path):
+                self._readings.keep_forces(self._accel.layout.counts(scan))
+                batch.add(scan, None)
+        for scan in self._gyro.read(self.path):
+            batch.add(scan, self._readings.reading(self._gyro.layout.counts(scan), temp_c))
+        return batch
 
     def close(self) -> None:
         """Stop the buffers."""
@@ -64,7 +58,7 @@ def open_iio(address: SourceAddress) -> SourcePort:
     LinkError
         There is no such device, or it cannot be opened; the message says why.
     """
-    name, options = split_query(address, OPTIONS)
+    name, options = address.split_query(OPTIONS)
     gyro = device_named(name, "anglvel", address.text)
     gyro.check_scale("anglvel", address.text)
     accel = _accelerometer(gyro, options.get("accel"), address.text)
@@ -170,7 +164,7 @@ IIO = ByteSource(
     "iio:NAME",
     "gyro with a Linux IIO driver, such as an MPU-6050 at the I²C bus",
     open_iio,
-    protocol=IIO_PROTOCOL,
+    protocol=batch_protocol("iio", "scans of a Linux IIO device"),
     devices=gyros,
     unit=("# The buffer of the chip is set up in /sys.", "DeviceAllow=char-iio rw", "ProtectKernelTunables=no"),
     silence="the kernel delivers no scans; check the trigger and the interrupt line of the chip, and dmesg",

@@ -3,12 +3,12 @@
 import errno
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import isfinite, nan
 from pathlib import Path
 
-from gyrodrift.link.sources.iio_layout import IDENTITY, ChannelEntry, is_rotation
+from gyrodrift.link.sources.iio_readings import IDENTITY, IioChannel, IioDescription, is_rotation
 from gyrodrift.values.errors import LinkError, PortBusyError, PortDeniedError, PortMissingError
 
 IIO_DEVICES = Path("/sys/bus/iio/devices")
@@ -22,7 +22,6 @@ RULE = (
     'SUBSYSTEM=="iio", GROUP="dialout", MODE="0660", RUN+="/bin/sh -c \'chgrp -R dialout /sys%p; chmod -R g+w /sys%p\'"'
 )
 NUMBER = re.compile(r"[-+]?\d{1,20}(?:\.\d{0,20})?(?:[eE][-+]?\d{1,3})?")
-TIMESTAMP = "timestamp"
 AXES = "xyz"
 
 
@@ -97,12 +96,16 @@ class IioDevice:
             return False
         return True
 
-    def channel(self, kind: str, axis: str, form: str) -> ChannelEntry:
-        """Channel with its scale and offset."""
-        name = f"in_{kind}_{axis}" if axis else f"in_{kind}"
-        scale = self.number(f"{name}_scale", f"in_{kind}_scale", default=1.0)
-        offset = self.number(f"{name}_offset", f"in_{kind}_offset", default=0.0)
-        return ChannelEntry(name.removeprefix("in_"), form, scale, offset)
+    def channel(self, name: str) -> IioChannel:
+        """Scale and offset of a channel such as `anglvel_z`; those of its kind serve all axes."""
+        kind, _, _ = name.partition("_")
+        scale = self.number(f"in_{name}_scale", f"in_{kind}_scale", default=1.0)
+        offset = self.number(f"in_{name}_offset", f"in_{kind}_offset", default=0.0)
+        return IioChannel(scale, offset)
+
+    def described(self, kind: str, channels: Mapping[str, IioChannel]) -> IioDescription:
+        """Description with the mount matrix of a kind; a matrix that is no rotation is left out."""
+        return IioDescription(self.name, self.rate_hz(), self.matrix(kind) or IDENTITY, channels)
 
     def check_scale(self, kind: str, text: str) -> None:
         """Check that the counts of a kind have a unit.

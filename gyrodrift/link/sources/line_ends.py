@@ -6,8 +6,8 @@ from gyrodrift.link.heard import PRINTABLE
 class LineEnds:
     """Adds a line end to each text without one, until a binary message comes."""
 
-    def __init__(self) -> None:
-        self._is_binary = False
+    def __init__(self, *, is_text: bool = True) -> None:
+        self._is_binary = not is_text
 
     def add(self, content: bytes) -> bytes:
         """Message as a part of a stream; a frame may look like text by chance, so binary streams stay as they are."""

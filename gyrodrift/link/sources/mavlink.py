@@ -2,18 +2,17 @@
 
 import re
 
-from gyrodrift.link.port import HAS_TERMIOS, Port
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.link.sources.mavlink_frames import (
+from gyrodrift.link.sources.mavlink_decoder import (
     DPS_PER_MRADS,
     MESSAGES,
     MPS2_PER_MG,
     ImuChoice,
     mavlink_protocol,
 )
-from gyrodrift.link.sources.query import split_query
+from gyrodrift.link.sources.opening import open_line
 from gyrodrift.link.sources.sockets import SocketPort, connected
-from gyrodrift.link.sources.source import ByteSource, OpenPort, SourceAddress
+from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
 from gyrodrift.link.sources.udp import UdpPort, bound_socket
 from gyrodrift.values.errors import UsageError
 
@@ -27,14 +26,7 @@ SYSTEM = re.compile(r"[0-9]{1,3}")
 COUNTS = re.compile(r"lsb/(\d{1,9}(?:\.\d{1,9})?)")
 
 
-class FramesPort(UdpPort):
-    """Bound datagram socket whose datagrams are frames, never text."""
-
-    def _as_stream(self, content: bytes) -> bytes:
-        return content
-
-
-def open_mavlink(address: SourceAddress) -> OpenPort:
+def open_mavlink(address: SourceAddress) -> SourcePort:
     """Listen, connect, or open the serial line.
 
     Raises
@@ -44,14 +36,14 @@ def open_mavlink(address: SourceAddress) -> OpenPort:
     LinkError
         The connection cannot be opened; the message says why.
     """
-    rest, _ = split_query(address, OPTIONS)
+    rest, _ = address.split_query(OPTIONS)
     network = NETWORK.fullmatch(rest)
     if network is None:
         return _open_line(address, rest)
     part = SourceAddress(address.text, f"mavlink:{network[1]}", network[2])
     if network[1] == "tcp":
         return SocketPort(address.text, connected(part))
-    return FramesPort(address.text, bound_socket(part))
+    return UdpPort(address.text, bound_socket(part), is_text=False)
 
 
 def protocol_of(address: SourceAddress) -> WireProtocol:
@@ -62,11 +54,11 @@ def protocol_of(address: SourceAddress) -> WireProtocol:
     UsageError
         An option has a mistake.
     """
-    _, options = split_query(address, OPTIONS)
+    _, options = address.split_query(OPTIONS)
     system, message, raw = (options.get(name) for name in OPTIONS)
     if system is not None and (SYSTEM.fullmatch(system) is None or not 0 < int(system) <= 0xFF):
         raise UsageError(f"--port {address.text}: system={system} is no number from 1 to 255")
-    names = [entry.name for entry in MESSAGES.values()]
+    names = [name.lower() for name in MESSAGES]
     if message is not None and message.lower() not in names:
         raise UsageError(f"--port {address.text}: message={message} has no gyro; there are {', '.join(names)}")
     scales = _raw_scales(address, raw) if raw is not None else (None, None)
@@ -87,18 +79,13 @@ def _raw_scales(address: SourceAddress, raw: str) -> tuple[float, float | None]:
     return 1.0 / float(counts[1]), None
 
 
-def _open_line(address: SourceAddress, rest: str) -> OpenPort:
+def _open_line(address: SourceAddress, rest: str) -> SourcePort:
     line = SERIAL.fullmatch(rest)
     if line is None or line[1].isalpha():
         raise UsageError(
             f"--port {address.text}: expected mavlink:udpin:[HOST]:PORT, mavlink:tcp:HOST:PORT or mavlink:PATH[,BAUD]"
         )
-    baud = int(line[2] or USUAL_BAUD)
-    if HAS_TERMIOS:
-        return Port(line[1], baud)
-    from gyrodrift.link.thread_port import ThreadPort  # noqa: PLC0415 - Linux and macOS do without
-
-    return ThreadPort(line[1], baud)
+    return open_line(line[1], int(line[2] or USUAL_BAUD))
 
 
 MAVLINK = ByteSource(
@@ -107,5 +94,7 @@ MAVLINK = ByteSource(
     "the gyro of an autopilot: udpin:[HOST]:PORT, tcp:HOST:PORT or PATH[,BAUD]",
     open_mavlink,
     protocol_of=protocol_of,
+    packages=("pymavlink",),
+    extra="mavlink",
     silence="check that the vehicle sends MAVLink to this machine and port; udpin:0.0.0.0:PORT listens on all networks",
 )

@@ -10,11 +10,12 @@ from pathlib import Path
 
 from gyrodrift.io.files import UnreadableError, check_ordinary
 from gyrodrift.link.port import PortGoneError
-from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
+from gyrodrift.link.protocols.decoder import CountingDecoder, DeviceDescription
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourceEndedError, SourcePort
 from gyrodrift.session.follow import SampleStream
 from gyrodrift.session.mcap.layout import CLOSED_TAIL, CLOSED_TAIL_BYTES, LATEST_NS, MAGIC
+from gyrodrift.values.constants import CLOCK_MASK, COUNTER_MASK
 from gyrodrift.values.errors import DataError, LinkError, PortDeniedError, PortMissingError
 from gyrodrift.values.sample import Reading, Sample
 
@@ -75,14 +76,13 @@ class FollowedFile(SourcePort):
             return False
 
 
-class McapDecoder:
+class McapDecoder(CountingDecoder):
     """Readings of the samples in a file. After damage to its structure nothing can be read."""
 
     name = "mcap"
 
     def __init__(self) -> None:
-        self.counters = DecoderCounters()
-        self.device = DeviceDescription()
+        super().__init__()
         self._stream: SampleStream | None = SampleStream("the file")
         self._is_introduced = False
 
@@ -109,10 +109,10 @@ class McapDecoder:
 def _reading(sample: Sample) -> Reading:
     """Reading with the low bits of time and counter, as on a wire."""
     seq, t_device_s, _, rate_dps, encoder_deg, temp_c, still, inertial, device_yaw = sample
-    t_us = round(t_device_s * 1e6) & 0xFFFFFFFF
+    t_us = round(t_device_s * 1e6) & CLOCK_MASK
     if device_yaw is not None and isnan(device_yaw.yaw_deg):  # a recording has no other sign of a missing result
         device_yaw = None
-    count = seq & 0xFFFF if seq >= 0 else None
+    count = seq & COUNTER_MASK if seq >= 0 else None
     return Reading(t_us, count, rate_dps, encoder_deg, temp_c, still, nan, inertial, device_yaw)
 
 

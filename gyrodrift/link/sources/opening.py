@@ -1,36 +1,52 @@
-"""Open a source, at the start or in the background, and the rules for its link options."""
+"""Open a serial port or a source, at the start or in the background, and the rules for the link options of a source."""
 
 import threading
 from collections.abc import Callable
 from dataclasses import replace
 
 from gyrodrift.link.options import LinkOptions
+from gyrodrift.link.port import HAS_TERMIOS, Port
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.registry import AUTO
 from gyrodrift.link.sources.registry import address_of, check_packages, source_named
-from gyrodrift.link.sources.source import ByteSource, OpenPort
+from gyrodrift.link.sources.source import ByteSource, SourcePort
 from gyrodrift.values.errors import GyrodriftError, LinkError, UsageError
 
 
-def open_source(text: str, baud: int) -> OpenPort | None:
-    """Open the source of an address; None for a serial port.
+def open_port(text: str, baud: int) -> SourcePort:
+    """Open the source of an address, or a serial port.
 
     Raises
     ------
     UsageError
         The address has a mistake, or a package is missing.
     LinkError
-        The source cannot be opened.
+        The source or the port cannot be opened.
     """
     address = address_of(text)
     if address is None:
-        return None
+        return open_line(text, baud)
     source = source_named(address.scheme)
     check_packages(source)
     port = source.open(address)
     if source.has_baud:
         port.set_baud(baud)
     return port
+
+
+def open_line(path: str, baud: int) -> SourcePort:
+    """Open a serial port in the way that this system has.
+
+    Raises
+    ------
+    LinkError
+        If the port cannot be opened.
+    """
+    if HAS_TERMIOS:
+        return Port(path, baud)
+    from gyrodrift.link.thread_port import ThreadPort  # noqa: PLC0415 - Linux and macOS do without
+
+    return ThreadPort(path, baud)
 
 
 def checked_source(options: LinkOptions) -> ByteSource | None:
@@ -65,10 +81,10 @@ def _check_protocol(options: LinkOptions, own: WireProtocol) -> None:
 class BackgroundOpening:
     """Opening in its own thread: a name server or a host may take seconds, and the loop must go on."""
 
-    def __init__(self, open_port: Callable[[], OpenPort]) -> None:
+    def __init__(self, open_port: Callable[[], SourcePort]) -> None:
         self._open_port = open_port
         self._lock = threading.Lock()
-        self._port: OpenPort | None = None
+        self._port: SourcePort | None = None
         self._error: GyrodriftError | None = None
         self._is_abandoned = False
         self._thread = threading.Thread(target=self._run, name="open source", daemon=True)
@@ -78,7 +94,7 @@ class BackgroundOpening:
         """Wait for the end of the opening."""
         self._thread.join(most_s)
 
-    def result(self) -> OpenPort | None:
+    def result(self) -> SourcePort | None:
         """The open port; None while the opening goes on.
 
         Raises

@@ -12,12 +12,12 @@ if TYPE_CHECKING:
     from gyrodrift.link.sources.source import ByteSource, SourceAddress
 
 SHIPPED = {
-    "tcp": "gyrodrift.link.sources.tcp:TCP",
-    "socket": "gyrodrift.link.sources.tcp:SOCKET",
+    "tcp": "gyrodrift.link.sources.sockets:TCP",
+    "socket": "gyrodrift.link.sources.sockets:SOCKET",
     "udp": "gyrodrift.link.sources.udp:UDP",
     "mavlink": "gyrodrift.link.sources.mavlink:MAVLINK",
     "rfc2217": "gyrodrift.link.sources.rfc2217:RFC2217",
-    "unix": "gyrodrift.link.sources.unix:UNIX",
+    "unix": "gyrodrift.link.sources.sockets:UNIX",
     "-": "gyrodrift.link.sources.stdin:STANDARD_INPUT",
     "mcap": "gyrodrift.link.sources.mcap:MCAP",
     "iio": "gyrodrift.link.sources.iio:IIO",

@@ -1,6 +1,7 @@
 """Source `rfc2217://HOST:PORT`: a serial port of another machine, with its baud rate (RFC 2217).
 
-pyserial's client reads in a thread; this one has a descriptor to wait for.
+pyserial's client reads in a thread, byte by byte and without a limit (docs/blind-alleys.md); this one has a descriptor
+to wait for.
 """
 
 import select

@@ -1,4 +1,4 @@
-"""Decoder of `sensor_msgs/Imu` as JSON of rosbridge: `{"op": "publish", "topic": …, "msg": {…}}`.
+"""Readings of `sensor_msgs/Imu` as JSON of rosbridge: `{"op": "publish", "topic": …, "msg": {…}}`.
 
 Units and axes are those of REP 103: rad/s, m/s², x forward, y left, z up. A covariance that begins with -1 marks a
 missing measurement (sensor_msgs/Imu). The stamp of the header is the clock, `nanosec` in ROS 2 and `nsecs` in ROS 1.
@@ -9,54 +9,39 @@ from collections.abc import Mapping
 from math import degrees, isfinite
 from typing import Any
 
+from gyrodrift.link.protocols.batch import batch_protocol
 from gyrodrift.link.protocols.decoder import DeviceDescription
-from gyrodrift.link.protocols.lines import MAX_RATE_DPS
-from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.link.sources.packets import HEADER, PacketDecoder
-from gyrodrift.values.sample import Inertial, Reading
+from gyrodrift.link.protocols.plausible import inertial_of
+from gyrodrift.values.constants import CLOCK_MASK
+from gyrodrift.values.sample import Reading
 from gyrodrift.values.vectors import Vector
 
-MESSAGE = 1
-"""Kind of the packets."""
-
-CLOCK_MASK = 0xFFFFFFFF
 MISSING = -1.0
 LONGEST_STAMP_S = 1 << 63
-MAX_FORCE_MPS2 = 1e4
-"""Several times the range of accelerometers on the market."""
-
 LONGEST_FRAME_ID = 64
 
 
-class RosImuDecoder(PacketDecoder):
-    """Decoder of messages; without a stamp in the first one, messages have no clock."""
+class ImuReadings:
+    """Readings of messages; without a stamp in the first one, messages have no clock.
 
-    name = "rosbridge"
+    device
+        Frame of the first message.
+    """
 
     def __init__(self) -> None:
-        super().__init__()
+        self.device = DeviceDescription()
         self._is_timed: bool | None = None
 
-    def is_valid(self, kind: int, content: bytes) -> bool:
-        """Whether a content is a published message."""
-        return kind == MESSAGE and _message(content) is not None
-
-    def read(self, frame: bytes) -> Reading | None:
-        """Reading of a message."""
-        message = _message(frame[HEADER.size :])
-        rates = None if message is None else _vector(message, "angular_velocity")
-        if message is None or rates is None:
-            return None
-        x_dps, y_dps, z_dps = map(degrees, rates)
-        if not max(abs(x_dps), abs(y_dps), abs(z_dps)) <= MAX_RATE_DPS:
+    def reading(self, message: Mapping[str, Any]) -> Reading | None:
+        """Reading of a message; None without plausible rates."""
+        rates = _vector(message, "angular_velocity")
+        inertial = rates and inertial_of(tuple(map(degrees, rates)), _vector(message, "linear_acceleration"))
+        if inertial is None:
             return None
         t_us = self._time_us(message)
         if self._is_timed and t_us is None:
             return None
-        forces = _vector(message, "linear_acceleration")
-        is_plausible = forces is not None and all(abs(force) <= MAX_FORCE_MPS2 for force in forces)
-        inertial = Inertial(x_dps, y_dps, z_dps, *(forces if forces and is_plausible else ()))
-        return Reading(t_us if self._is_timed else None, None, z_dps, inertial=inertial)
+        return Reading(t_us if self._is_timed else None, None, inertial.gyro_z_dps, inertial=inertial)
 
     def _time_us(self, message: Mapping[str, Any]) -> int | None:
         """Stamp of a message; the first one decides whether there is a clock."""
@@ -69,8 +54,8 @@ class RosImuDecoder(PacketDecoder):
         return t_us
 
 
-def _message(content: bytes) -> dict[str, Any] | None:
-    """Message of a publication."""
+def message_of(content: bytes) -> dict[str, Any] | None:
+    """Message of a publication; None if it is none."""
     try:
         publication = json.loads(content)
     except (ValueError, RecursionError):
@@ -101,13 +86,8 @@ def _stamp_us(stamp: object) -> int | None:
     return (seconds * 1_000_000 + nanoseconds // 1000) & CLOCK_MASK if seconds or nanoseconds else None
 
 
-ROSBRIDGE_PROTOCOL = WireProtocol(
+ROSBRIDGE_PROTOCOL = batch_protocol(
     "rosbridge",
     "sensor_msgs/Imu as JSON of rosbridge",
-    RosImuDecoder,
-    has_clock=True,
-    rank=6,
-    is_detected=False,
-    has_unit=True,
-    without_rate="the topic is no sensor_msgs/Imu, or its angular velocity is marked as missing; see ros2 topic info",
+    "the topic is no sensor_msgs/Imu, or its angular velocity is marked as missing; see ros2 topic info",
 )

@@ -8,11 +8,16 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from gyrodrift.link.port import PortGoneError
-from gyrodrift.link.sources.packets import LONGEST_BYTES, packet
-from gyrodrift.link.sources.query import split_query
-from gyrodrift.link.sources.ros_imu import MESSAGE, ROSBRIDGE_PROTOCOL
+from gyrodrift.link.protocols.batch import ReadingBatch
+from gyrodrift.link.sources.ros_imu import ROSBRIDGE_PROTOCOL, ImuReadings, message_of
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
-from gyrodrift.link.sources.stream_channel import TLS_OPTIONS, StreamChannel, host_and_path, open_channel, tls_context
+from gyrodrift.link.sources.stream_channel import (
+    TLS_OPTIONS,
+    StreamChannel,
+    connected_socket,
+    host_and_path,
+    tls_context,
+)
 from gyrodrift.values.errors import LinkError, UsageError, shortened
 
 if TYPE_CHECKING:
@@ -24,13 +29,16 @@ TYPE = "sensor_msgs/Imu"
 """Name of ROS 1, which servers of ROS 2 take too; a server without the type cannot subscribe before the publisher."""
 
 LONGEST_MESSAGE_BYTES = 64 << 10
-"""Longest message of the server; one of sensor_msgs/Imu has about 1 kB."""
+"""Longest message of the server."""
+
+LONGEST_PUBLICATION_BYTES = 4096
+"""Longest message with a measurement: one of sensor_msgs/Imu has about 1 kB."""
 
 LONGEST_REASON = 200
 
 
 class RosbridgePort(SourcePort):
-    """Subscription to a topic; its messages become packets."""
+    """Subscription to a topic."""
 
     def __init__(self, channel: StreamChannel, uri: "WebSocketURI") -> None:
         from websockets.client import ClientProtocol  # noqa: PLC0415 - a package of the extra
@@ -38,6 +46,7 @@ class RosbridgePort(SourcePort):
         super().__init__(channel.path, channel.fd)
         self._channel = channel
         self._protocol: ClientProtocol = ClientProtocol(uri, max_size=LONGEST_MESSAGE_BYTES)
+        self._readings = ImuReadings()
         self._parts: list[bytes] = []
         self._has_told = False
 
@@ -61,20 +70,22 @@ class RosbridgePort(SourcePort):
         request = {"op": "subscribe", "topic": topic, "type": TYPE}
         self._protocol.send_text(json.dumps(request).encode())
         self._flush()
-        self._channel.start()
 
-    def read(self) -> bytes:
-        """Packets of the messages that have arrived, up to a limit, without waiting."""
-        chunk = self._channel.receive()
-        self.wake_s = 0.0 if self._channel.has_more else 1.0
+    def read(self) -> ReadingBatch:
+        """Messages that have arrived, up to a limit, without waiting."""
+        chunk = self._channel.read()
+        self.wake_s = self._channel.wake_s
         if chunk:
             self._protocol.receive_data(chunk)
-        packets = [self._taken(message) for message in self._messages()]
+        batch = ReadingBatch()
+        for message in self._messages():
+            self._take(message, batch)
+        batch.device = self._readings.device
         self._flush()
         if self._protocol.close_expected():
             self.note("source_refused", reason=self._end_reason())
             raise PortGoneError(self.path)
-        return b"".join(packets)
+        return batch
 
     def close(self) -> None:
         """Close the connection."""
@@ -99,16 +110,18 @@ class RosbridgePort(SourcePort):
                     self._parts = []
         return messages
 
-    def _taken(self, message: bytes) -> bytes:
-        """Packet of a publication; other messages report problems."""
-        if len(message) > LONGEST_BYTES:
+    def _take(self, message: bytes, batch: ReadingBatch) -> None:
+        """Read a publication; other messages report problems."""
+        if len(message) > LONGEST_PUBLICATION_BYTES:
             self._tell("source_refused", reason=f"a message of {len(message)} bytes is no {TYPE}")
-            return b""
-        if b'"publish"' in message:
-            return packet(MESSAGE, message)
-        if b'"status"' in message:
+        elif b'"publish"' in message:
+            published = message_of(message)
+            if published is None:
+                batch.add_damaged(message)
+            else:
+                batch.add(message, self._readings.reading(published))
+        elif b'"status"' in message:
             self._tell("rosbridge_status", message=_status_of(message))
-        return b""
 
     def _tell(self, event: str, **fields: Any) -> None:
         if not self._has_told:
@@ -133,14 +146,14 @@ def open_rosbridge(address: SourceAddress) -> RosbridgePort:
     """
     from websockets.uri import parse_uri  # noqa: PLC0415 - a package of the extra
 
-    rest, options = split_query(address, TLS_OPTIONS)
+    rest, options = address.split_query(TLS_OPTIONS)
     host, port, topic = host_and_path(address, rest, USUAL_PORT)
     if not topic:
         raise UsageError(
             f"--port {address.text}: expected {address.scheme}://HOST[:{USUAL_PORT}]/TOPIC, such as /imu/data"
         )
     context = tls_context(address, options) if address.scheme == TLS else None
-    channel = open_channel(address, host, port, context)
+    channel = StreamChannel(address.text, connected_socket(address, host, port, context))
     try:
         authority = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
         subscription = RosbridgePort(channel, parse_uri(f"{address.scheme}://{authority}/"))

@@ -1,12 +1,13 @@
 """Record of a source, and the port that it opens."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import Any
+from urllib.parse import unquote
 
-from gyrodrift.link.port import Port
+from gyrodrift.link.protocols.batch import ReadingBatch
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.values.errors import UsageError
@@ -23,12 +24,16 @@ class SourceEndedError(Exception):
 
 
 class SourcePort:
-    """Open source with the methods of a serial port. A source overrides `read` and `close`. `notes` are for the link.
+    """Open serial port or source. A source overrides `read` and `close`. `notes` are for the link.
+
+    A source of bytes reads `bytes`; a source of readings, whose messages are values, reads a `ReadingBatch`.
 
     path
         Address as the user wrote it.
     fd
         Descriptor that becomes readable when bytes arrive; None if there is none.
+    is_pty
+        Whether it is a terminal of another program, which has no line with a baud rate.
     wake_s
         Longest time between two reads, s, for a source without descriptor.
     has_line_rate
@@ -44,8 +49,8 @@ class SourcePort:
         self.fd = fd
         self.notes: list[tuple[str, dict[str, Any]]] = []
 
-    def read(self) -> bytes:
-        """Available bytes, up to a limit, without waiting.
+    def read(self) -> bytes | ReadingBatch:
+        """Available bytes or readings, up to a limit, without waiting.
 
         Raises
         ------
@@ -70,10 +75,6 @@ class SourcePort:
         """Add an event for the log, unless too many wait."""
         if len(self.notes) < NOTES_MAX:
             self.notes.append((event, fields))
-
-
-OpenPort = Port | SourcePort
-"""An open serial port, or an open source."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +110,24 @@ class SourceAddress:
             expected = f"{self.scheme}:{slashes}{'[HOST]' if default_host else 'HOST'}:PORT"
             raise UsageError(f"--port {self.text}: expected {expected} with a port from 1 to 65535")
         return host, int(port)
+
+    def split_query(self, allowed: Sequence[str]) -> tuple[str, dict[str, str]]:
+        """Address without its options `?NAME=VALUE&NAME=VALUE`, and the options by name.
+
+        Raises
+        ------
+        UsageError
+            An option is unknown, has no value, or stands there twice.
+        """
+        rest, _, query = self.rest.partition("?")
+        options: dict[str, str] = {}
+        for text in query.split("&") if query else ():
+            name, _, value = text.partition("=")
+            if name not in allowed or not value or name in options:
+                expected = " and ".join(f"{name}=…" for name in allowed)
+                raise UsageError(f"--port {self.text}: {text!r} is no option of this source; there are {expected}")
+            options[name] = unquote(value)
+        return rest, options
 
 
 def no_devices() -> list[SerialPort]:
@@ -150,7 +169,7 @@ class ByteSource:
     scheme: str
     title: str
     about: str
-    open: Callable[[SourceAddress], OpenPort]
+    open: Callable[[SourceAddress], SourcePort]
     protocol: WireProtocol | None = None
     protocol_of: Callable[[SourceAddress], WireProtocol] | None = None
     has_baud: bool = False

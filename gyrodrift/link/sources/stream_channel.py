@@ -3,44 +3,30 @@
 import ssl
 import time
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 from socket import socket
 
 from gyrodrift.io.files import UnreadableError, check_ordinary
 from gyrodrift.link.port import READ_BYTES, PortGoneError
-from gyrodrift.link.sources.sockets import connected, received
+from gyrodrift.link.sources.sockets import SocketPort, connected
 from gyrodrift.link.sources.source import SourceAddress
 from gyrodrift.values.errors import LinkError, UsageError
 
 TLS_OPTIONS = ("ca", "certificate", "key")
 """Options of an address with TLS."""
 
-WAITS = (BlockingIOError, ssl.SSLWantReadError, ssl.SSLWantWriteError)
-"""Errors of a channel without bytes."""
-
 ANSWER_S = 5.0
 """Longest wait for all answers while a channel is opened, s. Chosen: as for a connection."""
 
 
-class StreamChannel:
-    """Connected socket.
+class StreamChannel(SocketPort):
+    """Connected socket, with or without TLS."""
 
-    has_more
-        Whether the last `receive` stopped at its limit. TLS may hold bytes that the descriptor does not show.
-    """
+    waits = (BlockingIOError, ssl.SSLWantReadError, ssl.SSLWantWriteError)
 
     def __init__(self, path: str, connection: socket) -> None:
-        connection.settimeout(ANSWER_S)
+        super().__init__(path, connection)
         self._until_s = time.monotonic() + ANSWER_S
-        self.path = path
-        self.fd = connection.fileno()
-        self.has_more = False
-        self._connection = connection
-
-    def start(self) -> None:
-        """Do not wait any more."""
-        self._connection.setblocking(False)
 
     def wait(self) -> bytes:
         """Next bytes, while the channel is opened.
@@ -63,18 +49,8 @@ class StreamChannel:
             raise LinkError(f"{self.path}: the server ends the connection: {error}") from error
         if not chunk:
             raise LinkError(f"{self.path}: the server closes the connection; is it another kind of server?")
+        self._connection.setblocking(False)
         return chunk
-
-    def receive(self) -> bytes:
-        """Available bytes, up to a limit, without waiting.
-
-        Raises
-        ------
-        PortGoneError
-            The connection is closed, and all its bytes have been read.
-        """
-        content, self.has_more = received(self._connection, self.path, WAITS)
-        return content
 
     def send(self, content: bytes) -> None:
         """Send a few bytes.
@@ -84,21 +60,12 @@ class StreamChannel:
         PortGoneError
             The peer does not read, or the connection is closed.
         """
-        try:
-            sent = self._connection.send(content)
-        except OSError as error:
-            raise PortGoneError(self.path) from error
-        if sent != len(content):
+        if self.write(content) != len(content):
             raise PortGoneError(self.path)
 
-    def close(self) -> None:
-        """Close the socket."""
-        with suppress(OSError):
-            self._connection.close()
 
-
-def open_channel(address: SourceAddress, host: str, port: int, context: ssl.SSLContext | None) -> StreamChannel:
-    """Connect, with TLS if there is a context.
+def connected_socket(address: SourceAddress, host: str, port: int, context: ssl.SSLContext | None) -> socket:
+    """Connection, with TLS if there is a context.
 
     Raises
     ------
@@ -107,9 +74,9 @@ def open_channel(address: SourceAddress, host: str, port: int, context: ssl.SSLC
     """
     connection = connected(SourceAddress(address.text, address.scheme, f"[{host}]:{port}"))
     if context is None:
-        return StreamChannel(address.text, connection)
+        return connection
     try:
-        return StreamChannel(address.text, context.wrap_socket(connection, server_hostname=host))
+        return context.wrap_socket(connection, server_hostname=host)
     except ssl.SSLCertVerificationError as error:
         connection.close()
         why = error.verify_message

@@ -36,10 +36,18 @@ Sender = tuple[object, ...]
 class UdpPort(SourcePort):
     """Bound datagram socket that follows one sender at a time.
 
-    Two senders would mix two streams. Datagrams of others are dropped; the first one is noted.
+    Two senders would mix two streams. Datagrams of others are dropped; the first one is noted. `is_text` is False for
+    frames that may look like a text without a line end.
     """
 
-    def __init__(self, path: str, bound: socket.socket, monotonic: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        path: str,
+        bound: socket.socket,
+        monotonic: Callable[[], float] = time.monotonic,
+        *,
+        is_text: bool = True,
+    ) -> None:
         bound.setblocking(False)
         super().__init__(path, bound.fileno())
         self._bound = bound
@@ -47,7 +55,7 @@ class UdpPort(SourcePort):
         self._sender: Sender | None = None
         self._heard_s = 0.0
         self._is_told = False
-        self._line_ends = LineEnds()
+        self._line_ends = LineEnds(is_text=is_text)
 
     def read(self) -> bytes:
         """Content of the waiting datagrams, up to a limit, without waiting."""
@@ -61,8 +69,8 @@ class UdpPort(SourcePort):
             except OSError:  # nothing waits, or an answer of ICMP to what was sent
                 break
             size += len(content)
-            if self._is_followed(sender):
-                chunks.append(self._as_stream(content))
+            if self._follow(sender):
+                chunks.append(self._line_ends.add(content))
         return b"".join(chunks)
 
     def write(self, content: bytes) -> int:
@@ -79,7 +87,8 @@ class UdpPort(SourcePort):
         with suppress(OSError):
             self._bound.close()
 
-    def _is_followed(self, sender: Sender) -> bool:
+    def _follow(self, sender: Sender) -> bool:
+        """Follow a sender; False while another one is followed."""
         now_s = self._monotonic()
         if sender != self._sender:
             if self._sender is not None and now_s - self._heard_s < SENDER_S:
@@ -94,10 +103,6 @@ class UdpPort(SourcePort):
             self._is_told = True
             followed = self._sender or sender
             self.note("other_sender", ignored=f"{sender[0]}:{sender[1]}", followed=f"{followed[0]}:{followed[1]}")
-
-    def _as_stream(self, content: bytes) -> bytes:
-        """Content with a line end after a text that has none."""
-        return self._line_ends.add(content)
 
 
 def open_udp(address: SourceAddress) -> UdpPort:

@@ -5,13 +5,13 @@ from math import isfinite, nan
 
 from gyrodrift.columns.spec import CLOCK_US, IGNORED, Column
 from gyrodrift.link.heard import decoded, plain_text
-from gyrodrift.link.protocols.lines import MAX_RATE_DPS, WITHOUT_RATE, LineDecoder
+from gyrodrift.link.protocols.lines import WITHOUT_RATE, LineDecoder
+from gyrodrift.link.protocols.plausible import MAX_RATE_DPS
 from gyrodrift.link.text.fields import Fields, is_number, is_whole
 from gyrodrift.link.text.headings import Headings
+from gyrodrift.values.constants import CLOCK_MASK, COUNTER_MASK
 from gyrodrift.values.sample import Inertial, Reading
 
-CLOCK_MASK = 0xFFFFFFFF
-COUNTER_MASK = 0xFFFF
 NO_CONTROLS = bytes((0x09, *range(0x20, 0x7F), *range(0x80, 0x100)))
 """All bytes but control characters: a line with a control character is noise."""
 

@@ -6,11 +6,10 @@ other words after it are ignored.
 
 import re
 from enum import StrEnum
-from functools import reduce
-from operator import xor
 from typing import NamedTuple
 
 from gyrodrift.columns.units import unit_of
+from gyrodrift.link.protocols import sentences
 from gyrodrift.link.text.heads import head_of, with_head
 from gyrodrift.link.text.objects import leaves_of
 
@@ -179,7 +178,7 @@ def _headed_row(headed: re.Match[str]) -> Fields:
 
 def checksum(body: str) -> int:
     """Checksum of an NMEA sentence: exclusive or of all characters between `$` and `*` (NMEA 0183)."""
-    return reduce(xor, body.encode(errors="replace"), 0)
+    return sentences.checksum(body.encode(errors="replace"))
 
 
 def as_label(text: str) -> str:

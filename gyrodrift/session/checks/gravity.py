@@ -5,10 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from gyrodrift.columns.gravity import FREE_SHARE, gravity_unit, is_gravity
-from gyrodrift.columns.spec import STANDARD_GRAVITY_MPS2
 from gyrodrift.session.checks.finding import SessionFinding
 from gyrodrift.session.session import Session
 from gyrodrift.values.arrays import Floats
+from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 
 UPSIDE_DOWN = -0.7
 """Median of the z component over the length: z points down by 135° of tilt or more."""

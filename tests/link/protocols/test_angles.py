@@ -7,15 +7,13 @@ from math import cos, radians, sin
 from operator import xor
 from pathlib import Path
 from struct import pack
-from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from sources_support import Host
 from support import speaking_on
 
-from gyrodrift.link.link import Link
-from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.protocols.angles import ANGLES_BEFORE, yaw_of
 from gyrodrift.link.protocols.navx import NavxDecoder
 from gyrodrift.link.protocols.nmea import AskedNmeaDecoder, NmeaDecoder
@@ -91,29 +89,23 @@ FORMS: dict[str, tuple[str, Callable[[float], bytes]]] = {
 }
 
 
-def played(port: Path, frame: Callable[[float], bytes]) -> tuple[list[Sample], list[tuple[str, dict[str, Any]]]]:
-    """Samples and events of 2 s of rest, the turn within 4 s, and 1 s of rest, each frame read as it comes."""
-    now_s, samples, told = [50.0], list[Sample](), list[tuple[str, dict[str, Any]]]()
-    with speaking_on(port) as device:
-        link = Link(LinkOptions(str(port)), lambda event, **about: told.append((event, about)), lambda: now_s[0])
-        for i in range(7 * HZ):
-            assert device.send(frame(110.0 + TRUE_DEG * min(1.0, max(0.0, (i / HZ - 2.0) / 4.0))))
-            now_s[0] += 1.0 / HZ
-            samples += link.read()
-        link.close()
-    return samples, told
+def played(port: Path, frame: Callable[[float], bytes]) -> tuple[list[Sample], Host]:
+    """Samples of 2 s of rest, the turn within 4 s, and 1 s of rest, and their host; a frame is read as it comes."""
+    turns = (TRUE_DEG * min(1.0, max(0.0, (i / HZ - 2.0) / 4.0)) for i in range(7 * HZ))
+    with speaking_on(port) as device, Host(port) as host:
+        return host.hear(device, (frame(110.0 + turn) for turn in turns), 1.0 / HZ), host
 
 
 @pytest.mark.parametrize("form", FORMS)
 def test_the_turn_of_a_device_that_sends_an_angle_is_the_true_one(port: Path, form: str) -> None:
     """With its sign and through the wrap; and it is said that its own filter has been at work."""
     protocol, frame = FORMS[form]
-    samples, told = played(port, frame)
+    samples, host = played(port, frame)
     turned_deg = sum(now.rate_dps * (now.t_device_s - before.t_device_s) for before, now in pairwise(samples))
     assert turned_deg == pytest.approx(TRUE_DEG, abs=0.2)
-    assert ("protocol_found", {"protocol": protocol, "baud": 115200}) in told
-    assert [event for event, _ in told].count("rate_from_angle") == 1
-    assert "rate_unit_differs" not in [event for event, _ in told]
+    assert ("protocol_found", {"protocol": protocol, "baud": 115200}) in host.told
+    assert host.names().count("rate_from_angle") == 1
+    assert "rate_unit_differs" not in host.names()
 
 
 WITH_RATE: dict[str, tuple[type, Callable[[float], bytes], Callable[[float], bytes]]] = {
@@ -198,15 +190,8 @@ def test_a_sentence_without_a_checksum_has_to_be_whole(line: bytes) -> None:
 
 def test_who_asks_for_nmea_by_name_reads_it_without_checksums(port: Path) -> None:
     """`--protocol nmea`; detection does not take it."""
-    samples = []
-    with speaking_on(port) as device:
-        now_s = [9.0]
-        link = Link(LinkOptions(str(port), protocol="nmea"), lambda *_, **__: None, lambda: now_s[0])
-        for _ in range(40):
-            device.send(b"$TIROT,-300.0,A\r\n")
-            now_s[0] += 0.1
-            samples += link.read()
-        link.close()
+    with speaking_on(port) as device, Host(port, protocol="nmea") as host:
+        samples = host.hear(device, [b"$TIROT,-300.0,A\r\n"] * 40, 0.1)
     assert {sample.rate_dps for sample in samples} == {5.0}
 
 

@@ -5,9 +5,9 @@ import sys
 
 import pytest
 
-from gyrodrift.link.connection import open_port
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
+from gyrodrift.link.sources.opening import open_port
 from gyrodrift.link.sources.registry import SHIPPED, address_of, source_named
 from gyrodrift.values.errors import PortMissingError, UsageError
 

@@ -7,9 +7,9 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from bridge_support import free_port, program, pyserial_server, running, ser2net
+from bridge_support import program, pyserial_server, running, ser2net
 from sources_support import Events, lines, read_until, serving
-from support import Command, speaking_on
+from support import Command, free_port, speaking_on
 
 from firmware_sim.pty import PtyDevice
 from gyrodrift.link.link import Link
@@ -105,35 +105,23 @@ def test_a_server_without_rfc2217_is_an_error_that_names_tcp(monkeypatch: pytest
             Link(LinkOptions(f"rfc2217://127.0.0.1:{number}"), Events())
 
 
-def test_socat_brings_a_device_over_tcp(port: Path) -> None:
-    number = free_port()
-    listen = [program("socat"), f"TCP-LISTEN:{number},bind=127.0.0.1,reuseaddr", f"OPEN:{port},rawer"]
-    with device(port), running(listen, number):
-        link = Link(LinkOptions(f"socket://127.0.0.1:{number}"), Events())
-        samples = read_until(link, lambda samples: len(samples) > 100)
-        link.close()
-    assert are_whole(samples)
-
-
-def test_socat_brings_a_device_over_udp(port: Path) -> None:
-    """Datagrams of its reads, cut anywhere in a frame."""
-    number = free_port()
-    bridge = [program("socat"), f"OPEN:{port},rawer", f"UDP4-SENDTO:127.0.0.1:{number}"]
-    link = Link(LinkOptions(f"udp://:{number}"), Events())
+@pytest.mark.parametrize(
+    ("place", "address"),
+    [
+        ("TCP-LISTEN:{number},bind=127.0.0.1,reuseaddr", "socket://127.0.0.1:{number}"),
+        ("UDP4-SENDTO:127.0.0.1:{number}", "udp://:{number}"),
+        ("UNIX-LISTEN:{folder}/socket", "unix:{folder}/socket"),
+    ],
+    ids=["tcp", "udp", "unix"],
+)
+def test_socat_brings_a_device(port: Path, tmp_path: Path, place: str, address: str) -> None:
+    """As a stream, or as datagrams of its reads, cut anywhere in a frame; a server that starts late is waited for."""
+    names = {"number": free_port(), "folder": tmp_path}
+    bridge = [program("socat"), *((f"OPEN:{port},rawer", place.format(**names))[:: -1 if "LISTEN" in place else 1])]
+    link = Link(LinkOptions(address.format(**names), timeout_s=0.0), Events())
     with device(port), running(bridge):
         samples = read_until(link, lambda samples: len(samples) > 100)
     link.close()
-    assert are_whole(samples)
-
-
-def test_socat_brings_a_device_over_a_unix_socket(port: Path, tmp_path: Path) -> None:
-    path = tmp_path / "socket"
-    with device(port), running([program("socat"), f"UNIX-LISTEN:{path}", f"OPEN:{port},rawer"]):
-        while not path.exists():
-            pass
-        link = Link(LinkOptions(f"unix:{path}"), Events())
-        samples = read_until(link, lambda samples: len(samples) > 100)
-        link.close()
     assert are_whole(samples)
 
 

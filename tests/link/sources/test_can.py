@@ -11,13 +11,13 @@ from random import Random
 from typing import Any
 
 import pytest
-from sources_support import Events, read_until
+from fuzz.source_target import is_valid
+from sources_support import Events, Host, read_until
 
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.sources.can import gyro_of
-from gyrodrift.link.sources.can_frames import EXTENDED, FRAME, FRAME_HEADER, CanDecoder
-from gyrodrift.link.sources.packets import packet
+from gyrodrift.link.sources.can_frames import EXTENDED, CanGyro, CanReadings
 from gyrodrift.link.sources.registry import address_of
 from gyrodrift.values.errors import DeviceSilentError, LinkError, UsageError
 from gyrodrift.values.sample import Reading, Sample
@@ -55,14 +55,10 @@ def dbc(tmp_path: Path) -> Path:
     return path
 
 
-def decoder_of(text: str) -> CanDecoder:
+def gyro_at(text: str) -> CanGyro:
     address = address_of(text)
     assert address is not None
-    return CanDecoder(gyro_of(address))
-
-
-def frame(number: int, content: bytes, t_us: int = 0) -> bytes:
-    return packet(FRAME, FRAME_HEADER.pack(t_us, number) + content)
+    return gyro_of(address)
 
 
 def bosch(step: int, rate_dps: float) -> list[tuple[int, bytes]]:
@@ -87,15 +83,15 @@ def xsens(step: int, z_rads: float) -> list[tuple[int, bytes]]:
     ]
 
 
-def stream(measurements: list[list[tuple[int, bytes]]]) -> bytes:
-    """Packets with reception 10 ms apart."""
-    return b"".join(
-        frame(number, content, 10_000 * step) for step, frames in enumerate(measurements) for number, content in frames
-    )
+def readings_of(text: str, measurements: list[list[tuple[int, bytes]]]) -> list[Reading]:
+    """Readings of frames with reception 10 ms apart."""
+    gyro = CanReadings(gyro_at(text))
+    frames = ((10_000 * step, *frame) for step, frames in enumerate(measurements) for frame in frames)
+    return [reading for frame in frames if (reading := gyro.reading(*frame)) is not None]
 
 
 def test_a_bosch_sensor_has_three_axes() -> None:
-    readings = decoder_of("can:x?gyro=bosch-mm7.10").push(stream([bosch(step, 12.5) for step in range(10)]))
+    readings = readings_of("can:x?gyro=bosch-mm7.10", [bosch(step, 12.5) for step in range(10)])
     assert [reading.t_us for reading in readings] == [10_000 * step for step in range(1, 10)]
     expected = (1.0, 2.0, 12.5, 0.1 * GRAVITY_MPS2, 0.0, GRAVITY_MPS2)
     assert readings[0].inertial == pytest.approx(expected, abs=2e-3)
@@ -104,20 +100,20 @@ def test_a_bosch_sensor_has_three_axes() -> None:
 
 def test_a_bosch_sensor_without_pitch_rate_has_one_axis() -> None:
     """Its third frame has an acceleration alone."""
-    readings = decoder_of("can:x?gyro=bosch-mm5.10").push(stream([bosch(step, -3.0) for step in range(5)]))
+    readings = readings_of("can:x?gyro=bosch-mm5.10", [bosch(step, -3.0) for step in range(5)])
     assert [reading.rate_dps for reading in readings] == pytest.approx([-3.0] * 4)
     assert {reading.inertial for reading in readings} == {None}
 
 
 def test_the_ids_of_a_gyro_can_be_others() -> None:
     """Customers of Bosch order theirs."""
-    decoder = decoder_of("can:x?gyro=bosch-mm5.10&ids=0x70,0x80,0x576")
     frames = [[(new, content) for new, (_, content) in zip((0x70, 0x80, 0x576), bosch(0, 4.0), strict=True)]] * 3
-    assert [reading.rate_dps for reading in decoder.push(stream(frames))] == [pytest.approx(4.0)] * 2
+    readings = readings_of("can:x?gyro=bosch-mm5.10&ids=0x70,0x80,0x576", frames)
+    assert [reading.rate_dps for reading in readings] == [pytest.approx(4.0)] * 2
 
 
 def test_xsens_brings_its_clock_and_its_counter() -> None:
-    readings = decoder_of("can:x?gyro=xsens").push(stream([xsens(step, 0.5) for step in range(10)]))
+    readings = readings_of("can:x?gyro=xsens", [xsens(step, 0.5) for step in range(10)])
     assert [(reading.t_us, reading.seq) for reading in readings] == [(10_000 * step, step) for step in range(1, 10)]
     expected = (0.0, degrees(0.25), degrees(0.5), 0.0, 0.5, 9.8125)
     assert readings[0].inertial == pytest.approx(expected)
@@ -127,7 +123,7 @@ def test_a_bus_that_is_joined_within_a_measurement_mixes_nothing() -> None:
     """The rest of the first measurement is dropped."""
     measurements = [xsens(step, 0.5 * step) for step in range(5)]
     measurements[0] = measurements[0][3:]
-    readings = decoder_of("can:x?gyro=xsens").push(stream(measurements))
+    readings = readings_of("can:x?gyro=xsens", measurements)
     assert [reading.seq for reading in readings] == [1, 2, 3, 4]
     assert [reading.rate_dps for reading in readings] == pytest.approx([degrees(0.5 * step) for step in range(1, 5)])
 
@@ -137,7 +133,7 @@ def test_a_lost_frame_costs_its_values_alone() -> None:
     measurements = [xsens(step, 0.5) for step in range(12)]
     del measurements[5][3]
     del measurements[8][0]
-    readings = decoder_of("can:x?gyro=xsens").push(stream(measurements))
+    readings = readings_of("can:x?gyro=xsens", measurements)
     assert [reading.seq for reading in readings] == [1, 2, 3, 4, 5, 6, 7, 9, 10, 11]
     assert readings[4].inertial is not None
     assert isnan(readings[4].inertial.accel_z_mps2)
@@ -145,27 +141,25 @@ def test_a_lost_frame_costs_its_values_alone() -> None:
 
 def test_an_upside_down_gyro_is_read_with_z_up() -> None:
     """With z=down the rate and the axes y and z change their sign."""
-    readings = decoder_of("can:x?gyro=bosch-mm7.10&z=down").push(stream([bosch(step, 12.5) for step in range(3)]))
+    readings = readings_of("can:x?gyro=bosch-mm7.10&z=down", [bosch(step, 12.5) for step in range(3)])
     assert readings[0].rate_dps == pytest.approx(-12.5)
     assert readings[0].inertial is not None
     assert readings[0].inertial[:3] == pytest.approx((1.0, -2.0, -12.5))
 
 
 def test_a_signal_of_a_dbc_file_is_read(dbc: Path) -> None:
-    """Its unit is that of the file; frames with other ids are passed over."""
-    decoder = decoder_of(f"can:x?dbc={dbc}&signal=YawRate")
-    frames = [[(176, struct.pack("<h6x", 1234)), (177, bytes(8))] for _ in range(4)]
-    readings = decoder.push(stream(frames))
+    """Its unit is that of the file."""
+    address = f"can:x?dbc={dbc}&signal=YawRate"
+    readings = readings_of(address, [[(176, struct.pack("<h6x", 1234))] for _ in range(4)])
     assert [reading.rate_dps for reading in readings] == [pytest.approx(12.34)] * 3
-    assert decoder.device.device_id == "YawRate"
+    assert CanReadings(gyro_at(address)).device.device_id == "YawRate"
 
 
 def test_three_axes_of_a_dbc_file_are_read(dbc: Path) -> None:
     """Radians become degrees; the message has an id of 29 bits."""
-    decoder = decoder_of(f"can:x?dbc={dbc}&signal=Rates.Yaw&x=Roll&y=Pitch&ay=LatAccel")
     number = (2364540158 & 0x1FFFFFFF) | EXTENDED
     frames = [[(177, struct.pack("<h6x", 500)), (number, struct.pack("<3h2x", 500, 100, 200))] for _ in range(4)]
-    readings = decoder.push(stream(frames))
+    readings = readings_of(f"can:x?dbc={dbc}&signal=Rates.Yaw&x=Roll&y=Pitch&ay=LatAccel", frames)
     assert readings[0].inertial is not None
     assert readings[0].inertial[:3] == pytest.approx((degrees(0.1), degrees(0.2), degrees(0.5)))
 
@@ -199,27 +193,21 @@ def test_a_file_that_is_no_database_is_an_error(tmp_path: Path) -> None:
 
 
 def test_a_unit_that_the_file_lacks_is_given_by_the_address(dbc: Path) -> None:
-    decoder = decoder_of(f"can:x?dbc={dbc}&signal=YawRate2&unit=rads")
-    readings = decoder.push(stream([[(179, struct.pack("<h6x", 100))]] * 3))
+    measurements = [[(179, struct.pack("<h6x", 100))]] * 3
+    readings = readings_of(f"can:x?dbc={dbc}&signal=YawRate2&unit=rads", measurements)
     assert readings[0].rate_dps == pytest.approx(degrees(1.0))
 
 
-def test_any_split_and_any_content_give_valid_readings(dbc: Path) -> None:
+def test_any_content_gives_valid_readings(dbc: Path) -> None:
     """Frames of any length, also those that do not fit the DBC file."""
     random = Random(3)
     for text in ("gyro=xsens", "gyro=bosch-mm7.10", f"dbc={dbc}&signal=YawRate&ay=LatAccel"):
-        ids = [0x005, 0x006, 0x032, 0x034, 0x174, 0x178, 0x17C, 176, 177]
-        content = b"".join(
-            frame(random.choice(ids), random.randbytes(random.choice((0, 2, 4, 6, 8)))) for _ in range(2000)
-        )
-        whole, split = decoder_of(f"can:x?{text}"), decoder_of(f"can:x?{text}")
-        at_once = whole.push(content)
-        pieces: list[Reading] = []
-        for start in range(0, len(content), 37):
-            pieces += split.push(content[start : start + 37])
-        assert repr(pieces) == repr(at_once)
-        assert whole.counters == split.counters
-        assert whole.counters.damaged == 0
+        gyro = gyro_at(f"can:x?{text}")
+        readings = CanReadings(gyro)
+        for _ in range(2000):
+            content = random.randbytes(random.choice((0, 2, 4, 6, 8)))
+            reading = readings.reading(0, random.choice(sorted(gyro.ids)), content)
+            assert reading is None or is_valid(reading)
 
 
 @contextmanager
@@ -271,15 +259,22 @@ def test_a_gyro_that_falls_silent_and_returns_leaves_a_gap() -> None:
     assert (link.counters.gaps, link.counters.reconnects) == (1, 0)
 
 
-def test_frames_of_others_are_not_handed_on() -> None:
-    """Nor recorded: a bus of a car has many."""
+def test_frames_of_others_are_not_handed_on(tmp_path: Path) -> None:
+    """Nor recorded: a bus of a car has many. A recording of raw bytes holds lines that python-can reads."""
     with bus(interface="virtual", channel="busy", preserve_timestamps=True) as sender:
         link = Link(LinkOptions("can:busy?gyro=bosch-mm7.10&interface=virtual"), Events())
         send(sender, 0, 10)
+        heard: list[bytes] = []
+        link.tap = lambda content, _: heard.append(content)
         read_until(link, lambda samples: len(samples) == 9)
         assert link.decoder is not None
         assert link.decoder.counters.frames == 30
+        assert link.counters.bytes == len(b"".join(heard))
         link.close()
+    recorded = tmp_path / "raw.log"
+    recorded.write_bytes(b"".join(heard))
+    messages = list(can.CanutilsLogReader(recorded))
+    assert [(message.arbitration_id, bytes(message.data)) for message in messages[:3]] == bosch(0, 10.0)
 
 
 def test_a_flood_does_not_hold_the_loop() -> None:
@@ -348,13 +343,9 @@ def test_a_channel_that_is_not_there_is_an_error() -> None:
 
 
 def test_a_bus_without_the_ids_is_an_error_with_advice() -> None:
-    now_s = 1000.0
-    options = LinkOptions("can:none?gyro=xsens&interface=virtual", timeout_s=3.0)
-    link = Link(options, Events(), lambda: now_s)
-    now_s += 3.0
-    with pytest.raises(DeviceSilentError, match="no frame with its ids arrives; check the bit rate"):
-        link.read()
-    link.close()
+    silence = pytest.raises(DeviceSilentError, match="no frame with its ids arrives; check the bit rate")
+    with Host("can:none?gyro=xsens&interface=virtual", timeout_s=3.0) as host, silence:
+        host.read(3.0)
 
 
 def test_an_unknown_interface_is_an_error() -> None:

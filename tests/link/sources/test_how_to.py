@@ -6,12 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from sources_support import Host
 from support import python_in
 
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.sources import registry
 from gyrodrift.values.errors import PortMissingError
+from gyrodrift.values.sample import Sample
 
 (SOURCE,) = python_in("extending-source.md")
 
@@ -28,16 +30,12 @@ def fifo() -> Iterator[str]:
 
 def test_a_source_that_is_added_is_read(fifo: str, tmp_path: Path) -> None:
     """Text through a named pipe, detected as on a cable."""
-    pipe, now_s = tmp_path / "gyro", 1000.0
+    pipe, samples = tmp_path / "gyro", list[Sample]()
     os.mkfifo(pipe)
-    link = Link(LinkOptions(f"{fifo}:{pipe}"), lambda *_, **__: None, lambda: now_s)
-    samples = []
-    with pipe.open("wb", buffering=0) as writer:
+    with Host(f"{fifo}:{pipe}") as host, pipe.open("wb", buffering=0) as writer:
         for number in range(200):
             writer.write(b"%d,0.5\n" % (number * 10_000))
-            now_s += 0.01
-            samples += link.read()
-    link.close()
+            samples += host.read(0.01)
     assert len(samples) == 200
     assert samples[-1].rate_dps == 0.5
 

@@ -1,30 +1,33 @@
 """Source mqtt with a real broker, mosquitto, and its own client, mosquitto_pub."""
 
-import os
+import select
 import shutil
 import socket
 import subprocess
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 
 import pytest
-from broker_support import broker, need_mosquitto
-from sources_support import PATIENCE_S, Events, lines, read_until
+from broker_support import broker, certificate, need_mosquitto, needs_openssl
+from sources_support import PATIENCE_S, Events, Host, lines, read_until
 from support import free_port
 
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.port import PortGoneError
-from gyrodrift.link.sources.mqtt import GONE_S, PASSWORD_VARIABLE, PING_S, MqttPort
-from gyrodrift.link.sources.mqtt_packets import LONGEST_PACKET_BYTES, PING, MqttStream, connect_packet, subscribe_packet
-from gyrodrift.link.sources.stream_channel import StreamChannel
+from gyrodrift.link.sources.mqtt import KEEP_ALIVE_S, PASSWORD_VARIABLE, MqttPort, open_mqtt
+from gyrodrift.link.sources.source import SourceAddress
 from gyrodrift.values.errors import DeviceSilentError, LinkError, PortMissingError, UsageError
 
 need_mosquitto()
+pytest.importorskip("paho", reason="paho-mqtt is not installed: pip install 'gyrodrift[mqtt]'")
 
 TOPIC = "robot/gyro"
+PING = b"\xc0\x00"
 
 
 @pytest.fixture
@@ -38,18 +41,6 @@ def publish(number: int, content: bytes, *options: str) -> None:
     command = ["mosquitto_pub", "-h", "127.0.0.1", "-p", str(number), "-t", TOPIC, "-l", *options]
     with suppress(subprocess.TimeoutExpired):
         subprocess.run(command, input=content, check=True, timeout=PATIENCE_S / 4.0)
-
-
-def certificate(folder: Path, *names: str) -> Path:
-    """Certificate for names of this machine; its key is beside it."""
-    made, key = folder / "a.crt", folder / "a.key"
-    alternatives = ",".join(names)
-    command = [
-        *("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", str(key), "-out", str(made)),
-        *("-days", "2", "-subj", "/CN=gyro", "-addext", f"subjectAltName={alternatives}"),
-    ]
-    subprocess.run(command, check=True, capture_output=True)
-    return made
 
 
 def test_messages_of_a_topic_are_read_like_a_cable(number: int, tmp_path: Path) -> None:
@@ -114,9 +105,9 @@ def test_a_password_comes_from_a_file_or_the_environment(
             Link(LinkOptions(address), Events())
 
 
-@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl, which makes the certificate, is not installed")
+@needs_openssl
 def test_a_certificate_is_checked(number: int, tmp_path: Path) -> None:
-    made = certificate(tmp_path, "IP:127.0.0.1")
+    made = certificate(tmp_path)
     settings = ("allow_anonymous true", f"certfile {made}", f"keyfile {made.with_suffix('.key')}")
     with broker(number, tmp_path, *settings):
         address = f"mqtts://127.0.0.1:{number}/{TOPIC}"
@@ -127,9 +118,9 @@ def test_a_certificate_is_checked(number: int, tmp_path: Path) -> None:
             assert len(read_until(link, lambda samples: len(samples) == 2000)) == 2000
 
 
-@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl, which makes the certificate, is not installed")
+@needs_openssl
 def test_a_certificate_of_the_client_is_shown(number: int, tmp_path: Path) -> None:
-    made = certificate(tmp_path, "IP:127.0.0.1")
+    made = certificate(tmp_path)
     key = made.with_suffix(".key")
     settings = (
         "allow_anonymous true",
@@ -156,13 +147,9 @@ def test_a_broker_that_is_not_there_is_an_error(number: int) -> None:
 
 
 def test_a_topic_without_messages_is_an_error_with_advice(number: int, tmp_path: Path) -> None:
-    now_s = 1000.0
-    with broker(number, tmp_path):
-        link = Link(LinkOptions(f"mqtt://127.0.0.1:{number}/{TOPIC}", timeout_s=3.0), Events(), lambda: now_s)
-        now_s += 3.0
-        with pytest.raises(DeviceSilentError, match="nothing is published on this topic"):
-            link.read()
-        link.close()
+    silence = pytest.raises(DeviceSilentError, match="nothing is published on this topic")
+    with broker(number, tmp_path), Host(f"mqtt://127.0.0.1:{number}/{TOPIC}", timeout_s=3.0) as host, silence:
+        host.read(3.0)
 
 
 @pytest.mark.parametrize(
@@ -205,7 +192,7 @@ def hostile(answer: bytes) -> Iterator[int]:
     [
         (b"HTTP/1.1 400 Bad Request\r\n\r\n", "closes the connection; is it another kind of server"),
         (b"\x20\xff\xff\xff\xff", "this is no MQTT broker"),
-        (b"\x20\x02\x00\x07", "refuses the connection: it answers 7"),
+        (b"\x20\x02\x00\x07", "refuses the connection: it answers Unspecified error"),
         (b"", "closes the connection"),
     ],
 )
@@ -215,58 +202,88 @@ def test_another_server_is_an_error(answer: bytes, expected: str) -> None:
 
 
 @contextmanager
-def subscription() -> Iterator[tuple[MqttPort, socket.socket, list[float]]]:
-    """Port whose broker and clock the test plays."""
-    ours, theirs = socket.socketpair()
-    now_s = [1000.0]
-    channel = StreamChannel("mqtt://test/x", ours)
-    channel.start()
-    port = MqttPort(channel, "x", lambda: now_s[0])
-    with theirs:
-        theirs.settimeout(PATIENCE_S)
-        yield port, theirs, now_s
-        port.close()
+def subscription() -> Iterator[tuple[MqttPort, socket.socket]]:
+    """Port whose broker the test plays, after its answers."""
+    accepted: list[socket.socket] = []
+
+    def serve(server: socket.socket) -> None:
+        broker, _ = server.accept()
+        broker.settimeout(PATIENCE_S)
+        accepted.append(broker)
+        for answer in (b"\x20\x02\x00\x00", b"\x90\x03\x00\x01\x00"):
+            broker.recv(1000)
+            broker.sendall(answer)
+
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        thread = threading.Thread(target=serve, args=(server,))
+        thread.start()
+        rest = f"127.0.0.1:{server.getsockname()[1]}/x"
+        with closing(open_mqtt(SourceAddress(f"mqtt://{rest}", "mqtt", rest))) as port:
+            thread.join()
+            with accepted[0]:
+                yield port, accepted[0]
 
 
-def test_a_silent_broker_is_asked_and_then_given_up() -> None:
-    with subscription() as (port, theirs, now_s):
-        now_s[0] += PING_S
+def read_bytes(port: MqttPort) -> bytes:
+    """Content of the next message, which must come soon."""
+    select.select([port.fd or 0], [], [], PATIENCE_S)
+    return port.read()
+
+
+def test_a_silent_broker_is_asked_and_then_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    now_s = time.monotonic()
+    with subscription() as (port, theirs):
+        monkeypatch.setattr("paho.mqtt.client.time_func", lambda: now_s)
+        now_s += KEEP_ALIVE_S + 1
         assert port.read() == b""
         assert theirs.recv(10) == PING
         theirs.sendall(b"\xd0\x00")
+        assert read_bytes(port) == b""
+        now_s += KEEP_ALIVE_S
         assert port.read() == b""
-        now_s[0] += GONE_S
+        now_s += KEEP_ALIVE_S
         with pytest.raises(PortGoneError):
             port.read()
 
 
 def test_a_packet_of_256_mb_ends_the_connection() -> None:
     """Only its announcement is read."""
-    with subscription() as (port, theirs, _):
+    with subscription() as (port, theirs):
         theirs.sendall(b"\x30\xff\xff\xff\x7f" + bytes(1000))
         with pytest.raises(PortGoneError):
-            port.read()
+            read_bytes(port)
         assert port.notes[0][0] == "source_refused"
 
 
+def test_a_flood_does_not_hold_the_loop() -> None:
+    """One read takes some messages, the next one more."""
+    with subscription() as (port, theirs):
+        message = b"\x30\x83\x40\x00\x01x" + bytes(8192)
+        thread = threading.Thread(target=theirs.sendall, args=(message * 40,))
+        thread.start()
+        sizes: list[int] = []
+        while sum(sizes) < 40 * 8192:
+            sizes.append(len(read_bytes(port)))
+        thread.join()
+    assert max(sizes) <= 64 << 10
+
+
+def test_a_broker_that_wants_answers_without_end_is_left() -> None:
+    """Messages of the highest quality of service wait for its last word."""
+    with subscription() as (port, theirs):
+        for number in range(1, 400):
+            theirs.sendall(b"\x34\x05\x00\x01x" + number.to_bytes(2, "big"))
+        with pytest.raises(PortGoneError):
+            b"".join(iter(partial(read_bytes, port), b"never"))
+        assert "wait for an answer" in port.notes[0][1]["reason"]
+
+
 def test_messages_of_other_topics_and_other_packets_are_ignored() -> None:
-    with subscription() as (port, theirs, _):
-        theirs.sendall(b"\x30\x05\x00\x01yab\x30\x05\x00\x01xab\xd0\x00\x31\x05\x00\x01xcd\x30\x01\x00\x30\x00")
-        assert port.read() == b"ab\n"
-
-
-def test_any_split_gives_the_same_packets() -> None:
-    stream = connect_packet("gyro", "ann", b"x", 30) + subscribe_packet("a" * 300) + b"\x30" + b"\x80\x01" + bytes(128)
-    whole = MqttStream().push(stream)
-    split = MqttStream()
-    pieces = [entry for position in range(len(stream)) for entry in split.push(stream[position : position + 1])]
-    assert pieces == whole
-    assert [entry.kind for entry in whole] == [1, 8, 3]
-
-
-def test_random_bytes_never_keep_more_than_a_packet() -> None:
-    for _ in range(300):
-        stream = MqttStream()
-        for _ in range(20):
-            stream.push(os.urandom(500))
-        assert len(stream._pending) <= LONGEST_PACKET_BYTES + 5
+    with subscription() as (port, theirs):
+        theirs.sendall(
+            b"\x30\x05\x00\x01yab\xd0\x00\x31\x05\x00\x01xcd\x30\x05\x00\x01\xffab\x30\x03\x00\x01x\x30\x05\x00\x01xab"
+        )
+        content = b""
+        while not content:
+            content = read_bytes(port)
+    assert content == b"ab\n"

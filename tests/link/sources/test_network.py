@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
-from sources_support import PATIENCE_S, Events, address, lines, read_until, serving
+from sources_support import PATIENCE_S, Events, Host, address, lines, read_until, serving
 
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
@@ -86,27 +86,19 @@ def test_without_a_timeout_the_link_waits_for_a_server() -> None:
 
 
 def test_a_silent_server_is_an_error_with_advice() -> None:
-    now_s = 1000.0
-    with serving() as server:
-        link = Link(LinkOptions(address(server), timeout_s=3.0), Events(), lambda: now_s)
-        now_s += 3.0
-        with pytest.raises(DeviceSilentError, match="sent nothing within 3 s; the server accepted the connection"):
-            link.read()
-        link.close()
+    silence = pytest.raises(DeviceSilentError, match="sent nothing within 3 s; the server accepted the connection")
+    with serving() as server, Host(address(server), timeout_s=3.0) as host, silence:
+        host.read(3.0)
 
 
 def test_noise_from_a_server_is_not_blamed_on_a_baud_rate_of_this_machine() -> None:
-    now_s = 1000.0
-    with serving() as server:
-        link = Link(LinkOptions(address(server), timeout_s=3.0), Events(), lambda: now_s)
+    with serving() as server, Host(address(server), timeout_s=3.0) as host:
         connection, _ = server.accept()
         with connection:
             connection.sendall(bytes(range(128, 256)) * 4)
-            read_until(link, lambda _: link.counters.bytes == 512)
-            now_s += 3.0
+            read_until(host.link, lambda _: host.link.counters.bytes == 512)
             with pytest.raises(DeviceSilentError, match=r"512 bytes arrived .* baud rate of a serial line behind it"):
-                link.read()
-        link.close()
+                host.read(3.0)
 
 
 def test_what_is_sent_at_the_opening_reaches_the_server() -> None:

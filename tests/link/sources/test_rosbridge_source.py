@@ -1,10 +1,8 @@
 """Source ws: our own rosbridge output, and a server of the library websockets that speaks the protocol."""
 
 import json
-import shutil
 import socket
 import ssl
-import subprocess
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -14,18 +12,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from broker_support import certificate, needs_openssl
 from outputs_support import AXES, corrected, hub, tilted
-from sources_support import PATIENCE_S, Events, read_until, serving
+from sources_support import PATIENCE_S, Events, Host, read_until, serving
 
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
-from gyrodrift.link.sources.packets import packet
-from gyrodrift.link.sources.ros_imu import MESSAGE, RosImuDecoder
+from gyrodrift.link.sources.ros_imu import ImuReadings, message_of
 from gyrodrift.link.sources.rosbridge import RosbridgePort, open_rosbridge
 from gyrodrift.link.sources.source import SourceAddress
 from gyrodrift.link.sources.stream_channel import StreamChannel
 from gyrodrift.values.errors import DeviceSilentError, LinkError, PortMissingError, UsageError
-from gyrodrift.values.sample import Reading
+from gyrodrift.values.sample import Corrected, Reading
 
 pytest.importorskip("websockets", reason="websockets is not installed: pip install 'gyrodrift[websocket]'")
 
@@ -53,9 +51,9 @@ def imu(t_ns: int, z_rads: float, **changed: Any) -> dict[str, Any]:
 
 
 def decoded(*publications: object) -> list[Reading]:
-    decoder = RosImuDecoder()
-    content = b"".join(packet(MESSAGE, json.dumps(publication).encode()) for publication in publications)
-    return decoder.push(content)
+    readings = ImuReadings()
+    messages = (message_of(json.dumps(publication).encode()) for publication in publications)
+    return [reading for message in messages if message and (reading := readings.reading(message)) is not None]
 
 
 class Bridge:
@@ -103,7 +101,8 @@ def bridge(port: int = 0, tls: ssl.SSLContext | None = None) -> Iterator[Bridge]
         yield server
 
 
-def test_our_own_rosbridge_output_is_read() -> None:
+@pytest.mark.parametrize("make", [tilted, corrected], ids=["three axes", "one axis"])
+def test_our_own_rosbridge_output_is_read(make: Callable[[int], Corrected]) -> None:
     """Rates, accelerations and stamps that one service sends, another one reads."""
     with hub() as outputs:
         outputs.want("rosbridge:port=0")
@@ -112,28 +111,16 @@ def test_our_own_rosbridge_output_is_read() -> None:
             number = iter(range(10**6))
 
             def has_enough(samples: list[Any]) -> bool:
-                outputs.samples([tilted(next(number))])
+                outputs.samples([make(next(number))])
                 return len(samples) >= 20
 
             samples = read_until(link, has_enough)
     expected = (AXES.gyro_x_dps - 0.1, AXES.gyro_y_dps - 0.2, AXES.gyro_z_dps - 0.25, *AXES[3:])
-    assert samples[0].inertial == pytest.approx(expected, abs=1e-6)
+    if make is tilted:
+        assert samples[0].inertial == pytest.approx(expected, abs=1e-6)
+    else:
+        assert samples[0].rate_dps == pytest.approx(1.25)
     assert samples[1].t_device_s - samples[0].t_device_s == pytest.approx(0.01, abs=1e-4)
-
-
-def test_a_device_with_one_axis_comes_through_our_output_too() -> None:
-    with hub() as outputs:
-        outputs.want("rosbridge:port=0")
-        where = outputs.opened()[0].address
-        with closing(Link(LinkOptions(f"ws://{where}{TOPIC}"), Events())) as link:
-            number = iter(range(10**6))
-
-            def has_enough(samples: list[Any]) -> bool:
-                outputs.samples([corrected(next(number))])
-                return len(samples) >= 5
-
-            samples = read_until(link, has_enough)
-    assert samples[0].rate_dps == pytest.approx(1.25)
 
 
 def test_the_topic_is_subscribed_with_its_type() -> None:
@@ -193,16 +180,11 @@ def test_a_message_that_is_too_long_ends_the_connection() -> None:
     assert "source_refused" in events.names()
 
 
-@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl, which makes the certificate, is not installed")
+@needs_openssl
 def test_tls_is_checked(tmp_path: Path) -> None:
-    made, key = tmp_path / "a.crt", tmp_path / "a.key"
-    command = [
-        *("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-keyout", str(key), "-out", str(made)),
-        *("-days", "2", "-subj", "/CN=ros", "-addext", "subjectAltName=IP:127.0.0.1"),
-    ]
-    subprocess.run(command, check=True, capture_output=True)
+    made = certificate(tmp_path)
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-    context.load_cert_chain(made, key)
+    context.load_cert_chain(made, made.with_suffix(".key"))
     with bridge(tls=context) as server:
         address = f"wss://127.0.0.1:{server.port}{TOPIC}"
         with pytest.raises(LinkError, match=r"certificate of 127.0.0.1 is not trusted: .*; append \?ca=FILE"):
@@ -246,13 +228,9 @@ def test_an_address_without_a_topic_is_an_error(text: str) -> None:
 
 
 def test_a_topic_without_messages_is_an_error_with_advice() -> None:
-    now_s = 1000.0
-    with bridge() as server:
-        options = LinkOptions(f"ws://127.0.0.1:{server.port}{TOPIC}", timeout_s=3.0)
-        with closing(Link(options, Events(), lambda: now_s)) as link:
-            now_s += 3.0
-            with pytest.raises(DeviceSilentError, match="nothing is published on this topic; list the topics"):
-                link.read()
+    silence = pytest.raises(DeviceSilentError, match="nothing is published on this topic; list the topics")
+    with bridge() as server, Host(f"ws://127.0.0.1:{server.port}{TOPIC}", timeout_s=3.0) as host, silence:
+        host.read(3.0)
 
 
 def test_stamps_of_both_versions_are_the_clock() -> None:
@@ -301,9 +279,12 @@ def test_a_hostile_stamp_is_none(stamp: object) -> None:
 
 
 def test_deeply_nested_json_is_damage() -> None:
-    decoder = RosImuDecoder()
-    assert decoder.push(packet(MESSAGE, b"[" * 4000) + packet(MESSAGE, json.dumps(imu(1, radians(1.0))).encode())) != []
-    assert decoder.counters.frames == 1
+    with bridge() as server, closing(Link(LinkOptions(f"ws://127.0.0.1:{server.port}{TOPIC}"), Events())) as link:
+        server.send('"publish"' + "[" * 4000)
+        server.send(json.dumps(imu(1, radians(1.0))))
+        read_until(link, lambda samples: len(samples) == 1)
+        assert link.decoder is not None
+        assert (link.decoder.counters.frames, link.decoder.counters.damaged) == (1, 1)
 
 
 def answer_handshake(connection: socket.socket, frames: bytes) -> None:
@@ -345,7 +326,7 @@ def test_frames_without_content_are_not_kept() -> None:
         while not (content := subscription.read()):
             assert len(subscription._parts) == 0
             assert time.monotonic() < until_s
-    assert content == packet(MESSAGE, publication)
+    assert content.messages == [publication]
 
 
 def test_a_server_that_breaks_the_rules_at_once_is_refused_with_its_reason() -> None:

@@ -1,0 +1,30 @@
+"""Physical constants and the ranges of the counters on the wire, each with its source."""
+
+from math import degrees
+
+CLOCK_WRAP_US = 1 << 32
+"""Range of the clock of a device, µs: 32 bits, as `micros()` of an Arduino has them."""
+
+CLOCK_MASK = CLOCK_WRAP_US - 1
+"""Bits of a time that the clock of a device keeps."""
+
+COUNTER_WRAP = 1 << 16
+"""Range of the sample counter of a device: 16 bits (docs/protocols.md, the native protocol)."""
+
+COUNTER_MASK = COUNTER_WRAP - 1
+"""Bits of a count that the counter of a device keeps."""
+
+DEG_PER_RAD = degrees(1.0)
+"""Degrees in a radian, 180/π."""
+
+FULL_TURN_DEG = 360.0
+"""Degrees in a turn."""
+
+INT16_COUNTS = 32768.0
+"""Counts of a signed number of 16 bits at its full scale."""
+
+LINE_BITS_PER_BYTE = 10
+"""Bits of a byte on a serial line: start bit, eight data bits, stop bit (8N1)."""
+
+STANDARD_GRAVITY_MPS2 = 9.80665
+"""Standard acceleration of free fall (3rd General Conference on Weights and Measures, 1901; ISO 80000-3)."""
