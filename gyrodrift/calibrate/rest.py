@@ -5,7 +5,7 @@ from math import isnan, nan, sqrt
 
 import numpy as np
 
-from gyrodrift.describe.arrays import blocks_of, smallest_step
+from gyrodrift.facts.arrays import blocks_of, smallest_step
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import CalibrationError
 from gyrodrift.values.sample import Sample

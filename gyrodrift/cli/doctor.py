@@ -138,8 +138,8 @@ def _evidence(arguments: argparse.Namespace) -> "list[DeviceEvidence]":
     inputs.check_damage(paths, allow_damage=arguments.allow_damage)
     recordings = [recorded(path, inputs.reading(arguments)) for path in paths]
     for path, evidence in zip(paths, recordings, strict=True):
-        if evidence.session is not None:
-            inputs.print_remarks(path, evidence.session)
+        if evidence.facts is not None:
+            inputs.print_remarks(path, evidence.facts.session)
     return recordings
 
 

@@ -1,6 +1,7 @@
 """Unit of accelerations by gravity: at rest and in most motions their median length is 9.81 m/s²."""
 
-from gyrodrift.columns.spec import ACCELERATION_MPS2, STANDARD_GRAVITY_MPS2
+from gyrodrift.columns.spec import ACCELERATION_MPS2
+from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 
 NEAR = 0.25
 """Largest relative error of the length of gravity: biases, scale errors and the forces of a motion are smaller."""

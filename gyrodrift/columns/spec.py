@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import degrees
 
+from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 from gyrodrift.values.errors import UsageError
 from gyrodrift.values.nearest import did_you_mean
 
@@ -14,9 +15,6 @@ CLOCK_US = {"t_us": 1.0, "t_ms": 1e3, "t_s": 1e6, "t_ns": 1e-3}
 
 RATE_DPS = {"dps": 1.0, "mdps": 1e-3, "rads": degrees(1.0), "mrads": degrees(1e-3)}
 ANGLE_DEG = {"deg": 1.0, "rad": degrees(1.0)}
-STANDARD_GRAVITY_MPS2 = 9.80665
-"""ISO 80000-3."""
-
 ACCELERATION_MPS2 = {"mps2": 1.0, "g": STANDARD_GRAVITY_MPS2, "mg": 1e-3 * STANDARD_GRAVITY_MPS2}
 
 

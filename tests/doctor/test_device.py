@@ -10,6 +10,7 @@ from support import speaking_on
 
 from gyrodrift.doctor.checks.sensor import still
 from gyrodrift.doctor.evidence import DeviceEvidence
+from gyrodrift.facts.session_facts import SessionFacts
 
 QUIET_RIG = "base: {sample_rate_hz: 100, dps_per_lsb: 0.00763, noise_dps_rthz: %s, bias_dps: %s}\n"
 SWAY = "about: To and fro.\nsegments: [{kind: sine, seconds: 60, amplitude_dps: 30, frequency_hz: 0.3}]\n"
@@ -124,9 +125,8 @@ def test_a_healthy_device_has_no_finding_that_matters(port: Path, capsys: pytest
 )
 def test_a_short_look_is_not_taken_for_motion(seconds: float, words: str) -> None:
     """Without a rest, the finding says whether there was time for one."""
-    description = SimpleNamespace(duration_s=seconds)
-    evidence = cast("DeviceEvidence", SimpleNamespace(description=description, is_in_deg_s=True, rest=None))
-    finding = still(evidence)
+    facts = SimpleNamespace(duration_s=seconds, rest=None)
+    finding = still.look(DeviceEvidence("gyro", facts=cast("SessionFacts", facts)))
     assert finding is not None
     assert words in finding.says
 

@@ -6,10 +6,11 @@ import pytest
 from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig, parse_effect, with_effects
-from gyrodrift.doctor.drift import MINUTE_S, of_bias, of_uncertainty
+from gyrodrift.doctor.checks.drift import of_bias, of_uncertainty
 from gyrodrift.doctor.sensors import SENSORS, sensor_named, with_step
-from gyrodrift.doctor.spectrum import spectrum_of
+from gyrodrift.facts.spectrum import spectrum_of
 from gyrodrift.values.arrays import Floats
+from gyrodrift.values.constants import SECONDS_PER_MINUTE
 
 NOISE, WALK, SIGMA = 0.0035, 0.0005, 0.002
 RATE_HZ = 10.0
@@ -18,7 +19,7 @@ RATE_HZ = 10.0
 def test_expected_drift_is_the_scatter_of_yaw_that_is_drawn() -> None:
     """Bias, white noise and a walk of the bias, integrated over a minute, two thousand times."""
     rng = np.random.default_rng(5)
-    runs, steps = 2000, int(MINUTE_S * RATE_HZ)
+    runs, steps = 2000, int(SECONDS_PER_MINUTE * RATE_HZ)
     walks = WALK / np.sqrt(RATE_HZ) * rng.standard_normal((runs, steps)).cumsum(axis=1)
     whites = NOISE * np.sqrt(RATE_HZ) * rng.standard_normal((runs, steps))
     rates = SIGMA * rng.standard_normal((runs, 1)) + walks + whites

@@ -6,7 +6,7 @@ from math import inf, isfinite, nan, sqrt
 
 import numpy as np
 
-from gyrodrift.describe.arrays import smallest_step
+from gyrodrift.facts.arrays import smallest_step
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import CalibrationError
 from gyrodrift.values.sample import Sample

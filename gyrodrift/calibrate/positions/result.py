@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from gyrodrift.calibrate.positions.accelerometer import GRAVITY_MPS2, AccelerometerFit
+from gyrodrift.calibrate.positions.accelerometer import AccelerometerFit
 from gyrodrift.calibrate.positions.block import AXIS_Z, AxesRest
 from gyrodrift.calibrate.positions.matrix import AxisTurn, MatrixFit, fit_matrix
 from gyrodrift.calibrate.positions.motion import AxesMove
 from gyrodrift.calibrate.positions.sides import AXES, side_up
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.calibration import AXES_SHAPES, Calibration
+from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +38,7 @@ def matrix_of(measured_turns: Sequence[MeasuredTurn], accelerometer: Acceleromet
     for done in measured_turns:
         mean = accelerometer.up(done.move.before) + accelerometer.up(done.move.after)
         ups.append(mean / np.linalg.norm(mean))
-    up_se = float(accelerometer.offset_se_mps2.max()) / GRAVITY_MPS2
+    up_se = float(accelerometer.offset_se_mps2.max()) / STANDARD_GRAVITY_MPS2
     return fit_matrix([done.turn for done in measured_turns], ups, up_se)
 
 

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from gyrodrift.doctor.check import Check
+from gyrodrift.doctor.check import Check, check
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_error, of_health, ok, sentence
 from gyrodrift.doctor.listen import BITS_PER_BYTE
@@ -20,8 +20,9 @@ UNCHECKED = frozenset({"csv", "text", "witmotion-ble"})
 """Protocols without a checksum."""
 
 
+@check
 def protocol(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Protocol of the device."""
+    """Protocol, with or without checksum and clock."""
     link = evidence.link
     if isinstance(evidence.failure, DeviceSilentError):
         return of_error(str(evidence.failure).removeprefix(f"{link.port or evidence.source}: "))
@@ -44,8 +45,9 @@ def protocol(evidence: DeviceEvidence) -> DeviceFinding | None:
     return ok(f"{says}.")
 
 
+@check
 def baud(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Baud rates that carry this stream."""
+    """The baud rate, and rates that carry this stream."""
     needs = _needs_baud(evidence)
     if not needs or evidence.recording is not None or not evidence.link.baud:
         return None
@@ -60,6 +62,7 @@ def baud(evidence: DeviceEvidence) -> DeviceFinding | None:
     return ok(f"It sends at {evidence.link.baud} baud; this stream fits at {carried}.", evidence.link.baud, "baud")
 
 
+@check
 def line_budget(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Load of the line at this sample rate and frame size."""
     link, needs = evidence.link, _needs_baud(evidence)
@@ -81,6 +84,7 @@ def line_budget(evidence: DeviceEvidence) -> DeviceFinding | None:
     return ok(f"{about}; up to {limit_hz:.0f} Hz fit.", share)
 
 
+@check
 def damage(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Frames with a wrong checksum or form."""
     if not _is_counted(evidence):
@@ -99,6 +103,7 @@ def damage(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
+@check
 def silence(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Whether the device stopped sending."""
     if not evidence.is_understood or evidence.recording is not None or not evidence.link.is_open:
@@ -111,6 +116,7 @@ def silence(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
+@check
 def unplugged(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Whether the port went away."""
     if evidence.recording is None and evidence.is_understood and not evidence.link.is_open:
@@ -123,6 +129,7 @@ def unplugged(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
+@check
 def restarts(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Whether the device booted, or its clock jumped."""
     if finding := of_recording("restarts", evidence):
@@ -141,15 +148,17 @@ def restarts(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
+@check
 def clock_unit(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Whether the clock has the expected unit."""
+    """A clock in milliseconds or seconds."""
     if not isinstance(evidence.failure, UnitError):
         return of_recording("clock_unit", evidence)
     return of_error(str(evidence.failure).removeprefix(f"{evidence.link.port}: "))
 
 
+@check
 def rate_unit(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Whether the rates are in deg/s."""
+    """Rates in rad/s or counts."""
     units = evidence.units
     if not units:
         return of_recording("rate_unit", evidence)
@@ -184,15 +193,7 @@ def _needs_baud(evidence: DeviceEvidence) -> float:
 
 
 CHECKS = (
-    Check("protocol", "protocol, with or without checksum and clock", protocol),
-    Check("baud", "the baud rate, and rates that carry this stream", baud),
-    Check("line_budget", "load of the line at this sample rate and frame size", line_budget),
-    Check("damage", "frames with a wrong checksum or form", damage),
-    Check("silence", "whether the device stopped sending", silence),
-    Check("unplugged", "whether the port went away", unplugged),
-    Check("restarts", "whether the device booted, or its clock jumped", restarts),
-    Check("clock_unit", "a clock in milliseconds or seconds", clock_unit),
-    Check("rate_unit", "rates in rad/s or counts", rate_unit),
+    *(protocol, baud, line_budget, damage, silence, unplugged, restarts, clock_unit, rate_unit),
     *(
         Check(name, about, partial(of_recording, name))
         for name, about in (

@@ -10,10 +10,10 @@ follows directly.
 from math import nan
 from struct import Struct
 
-from gyrodrift.columns.spec import STANDARD_GRAVITY_MPS2
 from gyrodrift.link.protocols.angles import RateOrAngle
 from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
 from gyrodrift.link.protocols.protocol import WireProtocol
+from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 from gyrodrift.values.sample import Inertial, Reading
 
 HEADER = 0x55

@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from math import degrees
 from struct import Struct
 
-from gyrodrift.columns.spec import STANDARD_GRAVITY_MPS2
 from gyrodrift.link.sources.can_frames import CanGyro
+from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 
 BOSCH_IDS = (0x174, 0x178, 0x17C)
 BOSCH_FRAME = Struct("<HxxH")

@@ -14,11 +14,11 @@ from math import degrees, isfinite, nan
 from struct import Struct
 from typing import NamedTuple
 
-from gyrodrift.columns.spec import STANDARD_GRAVITY_MPS2
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.link.protocols.frames import FrameDecoder
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
+from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 from gyrodrift.values.sample import Inertial, Reading, upside_down
 
 MAGIC_1, MAGIC_2 = 0xFE, 0xFD

@@ -7,10 +7,11 @@ from statistics import fmean
 
 from gyrodrift.columns.names import SeenColumn
 from gyrodrift.columns.rate_unit import DEGREES_OF_FREEDOM, NOISE_DPS, NOISE_SCALE, SURE_ODDS, student
-from gyrodrift.columns.spec import CLOCK_US, RATE_DPS, STANDARD_GRAVITY_MPS2
+from gyrodrift.columns.spec import CLOCK_US, RATE_DPS
 from gyrodrift.columns.units import Dimension
 from gyrodrift.link.text.behavior import step_of
 from gyrodrift.link.text.fields import is_whole
+from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 
 UNIT_FACTOR = 6.0
 """Largest factor between a clock and the arrival of its lines; its units differ by a factor of 1000."""

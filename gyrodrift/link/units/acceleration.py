@@ -5,7 +5,7 @@ from statistics import median
 from typing import Any
 
 from gyrodrift.columns.gravity import FREE_SHARE, gravity_unit, is_gravity
-from gyrodrift.columns.spec import STANDARD_GRAVITY_MPS2
+from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 from gyrodrift.values.sample import Sample
 
 LENGTHS = 200

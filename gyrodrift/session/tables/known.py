@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from gyrodrift.columns.spec import STANDARD_GRAVITY_MPS2, Column, column_of, parsed
+from gyrodrift.columns.spec import Column, column_of, parsed
+from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 
 NOTHING: Mapping[str, str] = {}
 

@@ -1,16 +1,50 @@
-"""Look at a port without opening it: its holder, permissions and adapter."""
+"""Evidence about a port, without opening it: its holder, permissions and adapter."""
 
 import os
 import stat
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 
-from gyrodrift.doctor.evidence import PortEvidence
 from gyrodrift.link import serial_port
-from gyrodrift.link.holder import holder_of
+from gyrodrift.link.holder import PortHolder, holder_of
 from gyrodrift.link.port import PTY_SLAVE_MAJORS, serial_ports, stable_name
 from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.link.sources.registry import address_of
+
+BY_ID = "/dev/serial/by-id/"
+NO_LINE_DRIVERS = frozenset({"cdc_acm"})
+"""Drivers of native USB devices, which have no line rate."""
+
+
+@dataclass(frozen=True, slots=True)
+class PortEvidence:
+    """A port, seen without opening it.
+
+    access
+        Mode, owner and group, such as `crw-rw---- root:dialout`.
+    driver
+        Kernel driver, such as `ftdi_sio`; None if sysfs has none.
+    latency_ms
+        Latency timer of the adapter, ms; None without such a timer.
+    """
+
+    port: SerialPort
+    holder: PortHolder | None = None
+    is_pty: bool = False
+    access: str = ""
+    driver: str | None = None
+    latency_ms: int | None = None
+
+    @property
+    def has_line_rate(self) -> bool:
+        """Whether the port has a line with a baud rate."""
+        return self.driver not in NO_LINE_DRIVERS if self.driver else not self.is_pty
+
+    @property
+    def has_stable_name(self) -> bool:
+        """Whether the port keeps its name after it was unplugged."""
+        return self.port.name.startswith(BY_ID)
 
 
 def look_at_port(path: str) -> PortEvidence | None:
