@@ -6,7 +6,6 @@ from typing import TypeVar
 
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding
-from gyrodrift.facts.host import HostClock
 from gyrodrift.facts.session_facts import SessionFacts, StillRate
 
 Part = TypeVar("Part")
@@ -30,24 +29,21 @@ class Check:
     look: Look
 
 
-def check(look: Look) -> Check:
-    """Check with the name and the docstring of a function."""
-    return _named(look, look)
+def checks(*looks: Look) -> tuple[Check, ...]:
+    """Checks with the names and the docstrings of functions."""
+    return tuple(_check(look, look) for look in looks)
 
 
-def check_of(
+def checks_of(
     part_of: Callable[[DeviceEvidence], Part | None],
-) -> Callable[[Callable[[DeviceEvidence, Part], DeviceFinding | None]], Check]:
-    """Check of a part of the evidence: its function gets the part, and is not asked without it."""
+    *looks: Callable[[DeviceEvidence, Part], DeviceFinding | None],
+) -> tuple[Check, ...]:
+    """Checks of a part of the evidence: their functions get it too, and are not called without it."""
 
-    def decorated(look: Callable[[DeviceEvidence, Part], DeviceFinding | None]) -> Check:
-        def look_at_part(evidence: DeviceEvidence) -> DeviceFinding | None:
-            part = part_of(evidence)
-            return None if part is None else look(evidence, part)
+    def with_part(look: Callable[[DeviceEvidence, Part], DeviceFinding | None]) -> Look:
+        return lambda evidence: None if (part := part_of(evidence)) is None else look(evidence, part)
 
-        return _named(look, look_at_part)
-
-    return decorated
+    return tuple(_check(look, with_part(look)) for look in looks)
 
 
 def facts_of(evidence: DeviceEvidence) -> SessionFacts | None:
@@ -55,16 +51,11 @@ def facts_of(evidence: DeviceEvidence) -> SessionFacts | None:
     return evidence.facts
 
 
-def host_of(evidence: DeviceEvidence) -> HostClock | None:
-    """Clock of the device against the clock of the host."""
-    return evidence.facts and evidence.facts.host
-
-
 def rest_of(evidence: DeviceEvidence) -> StillRate | None:
     """Bias and noise of the longest rest, if the rates are in deg/s."""
     return evidence.at_rest
 
 
-def _named(function: Callable[..., DeviceFinding | None], look: Look) -> Check:
+def _check(function: Callable[..., DeviceFinding | None], look: Look) -> Check:
     about = (function.__doc__ or "").removesuffix(".")
     return Check(function.__name__, about[:1].lower() + about[1:], look)

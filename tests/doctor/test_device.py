@@ -126,7 +126,7 @@ def test_a_healthy_device_has_no_finding_that_matters(port: Path, capsys: pytest
 def test_a_short_look_is_not_taken_for_motion(seconds: float, words: str) -> None:
     """Without a rest, the finding says whether there was time for one."""
     facts = SimpleNamespace(duration_s=seconds, rest=None)
-    finding = still.look(DeviceEvidence("gyro", facts=cast("SessionFacts", facts)))
+    finding = still(DeviceEvidence("gyro"), cast("SessionFacts", facts))
     assert finding is not None
     assert words in finding.says
 

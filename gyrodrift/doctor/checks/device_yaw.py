@@ -5,7 +5,7 @@ from math import hypot, isnan, pi
 
 import numpy as np
 
-from gyrodrift.doctor.check import check_of
+from gyrodrift.doctor.check import checks_of
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, error, ok, warning
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
@@ -90,7 +90,6 @@ def _agreement(evidence: DeviceEvidence) -> YawAgreement | None:
     return None if evidence.facts is None else yaw_agreement(evidence.facts.session)
 
 
-@check_of(_agreement)
 def device_yaw(evidence: DeviceEvidence, agreement: YawAgreement) -> DeviceFinding | None:
     """Whether the yaw of the device's own filter agrees with restlevel here."""
     name = f" ({evidence.device.device_filter})" if evidence.device.device_filter else ""
@@ -125,4 +124,4 @@ def _convention(agreement: YawAgreement) -> tuple[str, str] | None:
     return None
 
 
-CHECKS = (device_yaw,)
+CHECKS = checks_of(_agreement, device_yaw)

@@ -9,7 +9,7 @@ from functools import partial
 from math import hypot, isfinite, sqrt
 from typing import Any
 
-from gyrodrift.doctor.check import Check, check_of, rest_of
+from gyrodrift.doctor.check import Check, checks_of, rest_of
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, note, ok
 from gyrodrift.evaluation.reference import accepted
@@ -79,14 +79,12 @@ def _round(degrees: float) -> str:
     return f"{degrees:.0f}" if degrees >= 100.0 else f"{degrees:.2g}"
 
 
-@check_of(rest_of)
 def drift_plain(_evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding | None:
     """Plain integration, in a minute and in an hour."""
     drift = of_bias(at_rest.bias_dps)
     return ok(f"Plain integration drifts {drift}.", drift.hour_deg, UNIT)
 
 
-@check_of(rest_of)
 def drift_start_calibration(_evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding | None:
     """The same after subtracting the mean of the first 3 s."""
     drift = of_start_calibration(at_rest)
@@ -140,8 +138,7 @@ def _of_sigma(name: str, sigma_dps: float, noise_dps_rthz: float, walk_dps_rts: 
 
 
 CHECKS = (
-    drift_plain,
-    drift_start_calibration,
+    *checks_of(rest_of, drift_plain, drift_start_calibration),
     *(
         Check(f"drift_{name}", f"the same with {name} at its defaults", partial(of_filter, chosen))
         for name, chosen in FILTERS.items()

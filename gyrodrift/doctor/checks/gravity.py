@@ -2,7 +2,7 @@
 
 from gyrodrift.columns.accel_axes import AGREES, Agreement
 from gyrodrift.columns.gravity import gravity_unit
-from gyrodrift.doctor.check import check_of
+from gyrodrift.doctor.check import checks_of
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, error, note, ok, warning
 from gyrodrift.facts.gravity import GravitySummary
@@ -31,7 +31,6 @@ def _agreement(evidence: DeviceEvidence) -> Agreement | None:
     return evidence.facts and evidence.facts.axes_agreement
 
 
-@check_of(_gravity)
 def gravity(_evidence: DeviceEvidence, summary: GravitySummary) -> DeviceFinding | None:
     """Size of gravity, and the axis that points up."""
     size = summary.size_mps2
@@ -56,7 +55,6 @@ def gravity(_evidence: DeviceEvidence, summary: GravitySummary) -> DeviceFinding
     )
 
 
-@check_of(_agreement)
 def axes_agree(_evidence: DeviceEvidence, axes: Agreement) -> DeviceFinding | None:
     """Whether gravity turns as the gyro says."""
     if axes.residual <= AGREES:
@@ -74,7 +72,6 @@ def axes_agree(_evidence: DeviceEvidence, axes: Agreement) -> DeviceFinding | No
     )
 
 
-@check_of(_gravity)
 def accel_vibration(_evidence: DeviceEvidence, summary: GravitySummary) -> DeviceFinding | None:
     """Vibration at rest, by the accelerometer."""
     noise = summary.noise_mps2
@@ -88,7 +85,6 @@ def accel_vibration(_evidence: DeviceEvidence, summary: GravitySummary) -> Devic
     )
 
 
-@check_of(_gravity)
 def accel_range(_evidence: DeviceEvidence, summary: GravitySummary) -> DeviceFinding | None:
     """Whether accelerations exceed the range or are missing."""
     if summary.largest_mps2 >= RAIL_MPS2 and summary.at_largest >= CLIPPED_MIN:
@@ -107,4 +103,8 @@ def accel_range(_evidence: DeviceEvidence, summary: GravitySummary) -> DeviceFin
     return ok(f"The largest acceleration is {summary.largest_mps2:.3g} m/s².", summary.largest_mps2, "m/s²")
 
 
-CHECKS = (gravity, axes_agree, accel_vibration, accel_range)
+CHECKS = (
+    *checks_of(_gravity, gravity),
+    *checks_of(_agreement, axes_agree),
+    *checks_of(_gravity, accel_vibration, accel_range),
+)

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from gyrodrift.doctor.check import Check, check
+from gyrodrift.doctor.check import Check, checks
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_error, of_health, ok, sentence
 from gyrodrift.doctor.listen import BITS_PER_BYTE
@@ -20,7 +20,6 @@ UNCHECKED = frozenset({"csv", "text", "witmotion-ble"})
 """Protocols without a checksum."""
 
 
-@check
 def protocol(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Protocol, with or without checksum and clock."""
     link = evidence.link
@@ -45,7 +44,6 @@ def protocol(evidence: DeviceEvidence) -> DeviceFinding | None:
     return ok(f"{says}.")
 
 
-@check
 def baud(evidence: DeviceEvidence) -> DeviceFinding | None:
     """The baud rate, and rates that carry this stream."""
     needs = _needs_baud(evidence)
@@ -62,7 +60,6 @@ def baud(evidence: DeviceEvidence) -> DeviceFinding | None:
     return ok(f"It sends at {evidence.link.baud} baud; this stream fits at {carried}.", evidence.link.baud, "baud")
 
 
-@check
 def line_budget(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Load of the line at this sample rate and frame size."""
     link, needs = evidence.link, _needs_baud(evidence)
@@ -84,7 +81,6 @@ def line_budget(evidence: DeviceEvidence) -> DeviceFinding | None:
     return ok(f"{about}; up to {limit_hz:.0f} Hz fit.", share)
 
 
-@check
 def damage(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Frames with a wrong checksum or form."""
     if not _is_counted(evidence):
@@ -103,7 +99,6 @@ def damage(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
-@check
 def silence(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Whether the device stopped sending."""
     if not evidence.is_understood or evidence.recording is not None or not evidence.link.is_open:
@@ -116,7 +111,6 @@ def silence(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
-@check
 def unplugged(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Whether the port went away."""
     if evidence.recording is None and evidence.is_understood and not evidence.link.is_open:
@@ -129,7 +123,6 @@ def unplugged(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
-@check
 def restarts(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Whether the device booted, or its clock jumped."""
     if finding := of_recording("restarts", evidence):
@@ -148,7 +141,6 @@ def restarts(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
-@check
 def clock_unit(evidence: DeviceEvidence) -> DeviceFinding | None:
     """A clock in milliseconds or seconds."""
     if not isinstance(evidence.failure, UnitError):
@@ -156,7 +148,6 @@ def clock_unit(evidence: DeviceEvidence) -> DeviceFinding | None:
     return of_error(str(evidence.failure).removeprefix(f"{evidence.link.port}: "))
 
 
-@check
 def rate_unit(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Rates in rad/s or counts."""
     units = evidence.units
@@ -193,7 +184,7 @@ def _needs_baud(evidence: DeviceEvidence) -> float:
 
 
 CHECKS = (
-    *(protocol, baud, line_budget, damage, silence, unplugged, restarts, clock_unit, rate_unit),
+    *checks(protocol, baud, line_budget, damage, silence, unplugged, restarts, clock_unit, rate_unit),
     *(
         Check(name, about, partial(of_recording, name))
         for name, about in (

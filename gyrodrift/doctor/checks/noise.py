@@ -4,7 +4,7 @@ from math import sqrt
 
 import numpy as np
 
-from gyrodrift.doctor.check import check_of, rest_of
+from gyrodrift.doctor.check import checks_of, rest_of
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, note, ok, warning
 from gyrodrift.facts.session_facts import StillRate
@@ -24,7 +24,6 @@ LONG_S = 600
 """Rest in which the Allan deviation of a cheap gyro reaches its minimum, s."""
 
 
-@check_of(rest_of)
 def noise(evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding | None:
     """White noise, compared with the data sheet."""
     density = sqrt(2.0) * at_rest.noise_dps_rthz  # data sheets state one-sided densities
@@ -46,7 +45,6 @@ def noise(evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding | None:
     return ok(f"{compared}.", density, "deg/s/√Hz")
 
 
-@check_of(rest_of)
 def bias_instability(evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding | None:
     """Flicker noise of the bias, compared with the data sheet."""
     in_run_dps = evidence.sensor.in_run_dps if evidence.sensor else None
@@ -61,7 +59,6 @@ def bias_instability(evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFind
     )
 
 
-@check_of(rest_of)
 def resolution(evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding | None:
     """Step of the rate, compared with its noise."""
     step_dps = evidence.step_dps
@@ -91,7 +88,6 @@ def _spectrum(evidence: DeviceEvidence) -> RestSpectrum | None:
     return evidence.facts.spectrum if evidence.facts is not None and evidence.is_in_deg_s else None
 
 
-@check_of(_spectrum)
 def aliasing(evidence: DeviceEvidence, spectrum: RestSpectrum) -> DeviceFinding | None:
     """A tone at rest, and whether it may be an alias."""
     rate_hz, is_flat = evidence.link.rate_hz, spectrum.upper_share > FLAT
@@ -112,4 +108,4 @@ def aliasing(evidence: DeviceEvidence, spectrum: RestSpectrum) -> DeviceFinding 
     )
 
 
-CHECKS = (noise, bias_instability, resolution, aliasing)
+CHECKS = (*checks_of(rest_of, noise, bias_instability, resolution), *checks_of(_spectrum, aliasing))

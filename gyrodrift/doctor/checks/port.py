@@ -2,7 +2,7 @@
 
 import os
 
-from gyrodrift.doctor.check import check
+from gyrodrift.doctor.check import checks
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, error, note, of_error, ok, sentence, warning
 from gyrodrift.values.errors import DeviceSilentError, PortBusyError, PortDeniedError, UnitError
@@ -16,7 +16,6 @@ LATENCY_OK_MS = 2
 ROOT = 0
 
 
-@check
 def port(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Whether the port exists; with auto, the port of the gyro."""
     if evidence.search:
@@ -30,7 +29,6 @@ def port(evidence: DeviceEvidence) -> DeviceFinding | None:
     return ok(f"The port is {device}.")
 
 
-@check
 def permission(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Whether this user may open it."""
     if isinstance(evidence.failure, PortDeniedError):
@@ -42,7 +40,6 @@ def permission(evidence: DeviceEvidence) -> DeviceFinding | None:
     return ok(f"You may open the port: {evidence.port.access}.")
 
 
-@check
 def holder(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Whether another program has it open."""
     if isinstance(evidence.failure, PortBusyError):
@@ -54,7 +51,6 @@ def holder(evidence: DeviceEvidence) -> DeviceFinding | None:
     return ok("No other program has the port open.")
 
 
-@check
 def name(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Whether it keeps its name."""
     if evidence.port is None or evidence.port.driver is None:
@@ -70,7 +66,6 @@ def name(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
-@check
 def adapter(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Maker, product and driver."""
     outside = evidence.port
@@ -84,7 +79,6 @@ def adapter(evidence: DeviceEvidence) -> DeviceFinding | None:
     return ok(f"The adapter is {about or 'unnamed'}, with the driver {outside.driver}.")
 
 
-@check
 def latency_timer(evidence: DeviceEvidence) -> DeviceFinding | None:
     """Delay in an FTDI adapter."""
     timer_ms = evidence.port.latency_ms if evidence.port else None
@@ -106,4 +100,4 @@ def _without_name(evidence: DeviceEvidence) -> str:
     return str(evidence.failure).removeprefix(f"{evidence.source}: ").removeprefix(f"{evidence.link.port}: ")
 
 
-CHECKS = (port, permission, holder, name, adapter, latency_timer)
+CHECKS = checks(port, permission, holder, name, adapter, latency_timer)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from gyrodrift.describe.text import NOISY_DPS
-from gyrodrift.doctor.check import check_of, facts_of, rest_of
+from gyrodrift.doctor.check import checks_of, facts_of, rest_of
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_health, ok, warning
 from gyrodrift.doctor.sensors import with_step
@@ -37,7 +37,6 @@ SHORT_S = 6.0
 """Twice the shortest rest, so that one fits in beside the first and the last motion."""
 
 
-@check_of(facts_of)
 def sensor(evidence: DeviceEvidence, _facts: SessionFacts) -> DeviceFinding | None:
     """Which sensor it is, and its data sheet."""
     step_dps = evidence.step_dps
@@ -53,7 +52,6 @@ def sensor(evidence: DeviceEvidence, _facts: SessionFacts) -> DeviceFinding | No
     return note(f"The device names no sensor.{guess}", "Name it with --sensor to compare it with its data sheet.")
 
 
-@check_of(facts_of)
 def still(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Whether there was a rest to measure at."""
     if not evidence.is_in_deg_s:
@@ -82,7 +80,6 @@ def still(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None
     return ok(f"It stood still for {seconds:.1f} s, or turned evenly: the rate alone cannot tell.", seconds, "s")
 
 
-@check_of(facts_of)
 def clipped(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Rates at the end of the range."""
     session = facts.session
@@ -101,7 +98,6 @@ def clipped(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | No
     return ok(f"All rates are inside the range; the largest was {largest_dps:.4g} deg/s.", 0.0)
 
 
-@check_of(facts_of)
 def temperature(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Whether the temperature changes."""
     session = facts.session
@@ -139,7 +135,6 @@ def _bias_change(evidence: DeviceEvidence, span_c: float) -> str:
     return f", a bias change of up to {per_c * span_c:.2g} deg/s by the data sheet" if per_c else ""
 
 
-@check_of(rest_of)
 def bias(evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding | None:
     """The bias now, compared with the data sheet."""
     says = f"The bias is {at_rest.bias_dps:+.4f} ± {at_rest.bias_sigma_dps:.4f} deg/s"
@@ -157,7 +152,6 @@ def bias(evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding | None:
     return ok(f"{says}; {allowed}.", at_rest.bias_dps, "deg/s")
 
 
-@check_of(rest_of)
 def bias_moves(_evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding | None:
     """Whether the bias is constant."""
     if len(at_rest.rate_dps) < 40:
@@ -175,4 +169,4 @@ def bias_moves(_evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding |
     )
 
 
-CHECKS = (sensor, still, clipped, temperature, bias, bias_moves)
+CHECKS = (*checks_of(facts_of, sensor, still, clipped, temperature), *checks_of(rest_of, bias, bias_moves))

@@ -3,11 +3,10 @@
 import numpy as np
 
 from gyrodrift.describe.text import JITTER_ODD
-from gyrodrift.doctor.check import check, check_of, facts_of, host_of, rest_of
+from gyrodrift.doctor.check import checks_of, facts_of, rest_of
 from gyrodrift.doctor.checks.sensor import RAIL_MIN_DPS
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_health, ok, warning
-from gyrodrift.facts.host import HostClock
 from gyrodrift.facts.session_facts import SessionFacts, StillRate
 from gyrodrift.outputs import health
 from gyrodrift.values.arrays import Floats
@@ -31,7 +30,6 @@ REPEATED = 0.01
 """Share of repeated samples beyond the share that noise and step explain."""
 
 
-@check_of(facts_of)
 def gaps(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Missing samples."""
     link, missing = evidence.link, facts.gaps.missing
@@ -44,19 +42,17 @@ def gaps(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     return of_health(lost, severity, do, share)
 
 
-@check
-def sample_rate(evidence: DeviceEvidence) -> DeviceFinding | None:
+def sample_rate(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Received sample rate, compared with the stated one."""
-    if not evidence.link.rate_hz:
+    if not facts.rate_hz:
         return None
     differs = health.rate_differs(evidence.link, evidence.device)
     if differs is None:
-        return ok(f"{evidence.link.rate_hz:.5g} samples per second arrive.", evidence.link.rate_hz, "Hz")
+        return ok(f"{facts.rate_hz:.5g} samples per second arrive.", facts.rate_hz, "Hz")
     do = "State the true sample rate in HELLO; parameters of HDR belong to a sample rate."
-    return of_health(differs, Severity.WARNING, do, evidence.link.rate_hz, "Hz")
+    return of_health(differs, Severity.WARNING, do, facts.rate_hz, "Hz")
 
 
-@check_of(facts_of)
 def rate_changes(_evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Whether the sample rate is constant."""
     steps_s = np.diff(facts.session.t_device_s)
@@ -74,7 +70,6 @@ def rate_changes(_evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFindin
     )
 
 
-@check_of(facts_of)
 def stamps(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Whether the time stamps of the device are regular."""
     if facts.rate_hz is None or facts.jitter_s is None or not evidence.has_clock:
@@ -94,9 +89,10 @@ def stamps(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | Non
     )
 
 
-@check_of(host_of)
-def jitter(evidence: DeviceEvidence, _host: HostClock) -> DeviceFinding | None:
+def jitter(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Jitter of the arrival."""
+    if facts.host is None:
+        return None
     link = evidence.link
     uneven = health.uneven(link)
     if uneven is None:
@@ -117,13 +113,12 @@ def jitter(evidence: DeviceEvidence, _host: HostClock) -> DeviceFinding | None:
     )
 
 
-@check_of(facts_of)
-def bursts(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
+def bursts(_evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Whether samples arrive in bursts."""
-    session, rate_hz = facts.session, evidence.link.rate_hz
-    if session.t_host_s is None or not rate_hz:
+    host_s = facts.session.t_host_s
+    if host_s is None or not facts.rate_hz:
         return None
-    arrivals_s = session.t_host_s[np.isfinite(session.t_host_s)]
+    arrivals_s = host_s[np.isfinite(host_s)]
     waits_s = np.diff(arrivals_s)
     if not waits_s.sum() > 0.0:
         return None
@@ -131,18 +126,17 @@ def bursts(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | Non
     if together <= BUNCH:
         return ok("Samples arrive one by one.", together)
     return note(
-        f"Samples arrive in bursts of {together:.3g}, every {1e3 * together / rate_hz:.0f} ms.",
+        f"Samples arrive in bursts of {together:.3g}, every {1e3 * together / facts.rate_hz:.0f} ms.",
         "Send every sample at once, and check latency_timer. Bluetooth and USB hubs collect samples, too.",
         together,
     )
 
 
-@check_of(host_of)
-def clock_drift(evidence: DeviceEvidence, host: HostClock) -> DeviceFinding | None:
+def clock_drift(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Drift of the device clock against the host clock."""
-    if not evidence.has_clock:
+    if facts.host is None or not evidence.has_clock:
         return None
-    ppm, rough_ppm = evidence.link.clock_ppm, host.drift_ppm or 0.0
+    ppm, rough_ppm = evidence.link.clock_ppm, facts.host.drift_ppm or 0.0
     if abs(rough_ppm) > REPLAY_PPM:
         pace = 1.0 + 1e-6 * rough_ppm
         return note(f"The device clock runs {pace:.3g} times as fast as this computer: this is a replay.")
@@ -161,13 +155,12 @@ def clock_drift(evidence: DeviceEvidence, host: HostClock) -> DeviceFinding | No
     )
 
 
-@check_of(facts_of)
 def stuck(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Whether the rate keeps changing."""
-    if not evidence.link.rate_hz:
+    if not facts.rate_hz:
         return None
     longest, value_dps = _longest_run(facts.session.rate_dps)
-    seconds = longest / evidence.link.rate_hz
+    seconds = longest / facts.rate_hz
     if seconds < STUCK_S or longest < STUCK_SAMPLES:
         return ok("The rate is never constant for long.", seconds, "s")
     if value_dps == 0.0 and evidence.holds_zero:
@@ -186,7 +179,6 @@ def stuck(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None
     )
 
 
-@check_of(rest_of)
 def repeats(evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding | None:
     """Samples that repeat the previous one."""
     if not at_rest.std_dps:
@@ -213,4 +205,7 @@ def _longest_run(rate_dps: Floats) -> tuple[int, float]:
     return int(runs[longest]), float(rate_dps[ends[longest + 1]])
 
 
-CHECKS = (gaps, sample_rate, rate_changes, stamps, jitter, bursts, clock_drift, stuck, repeats)
+CHECKS = (
+    *checks_of(facts_of, gaps, sample_rate, rate_changes, stamps, jitter, bursts, clock_drift, stuck),
+    *checks_of(rest_of, repeats),
+)
