@@ -7,6 +7,7 @@ import numpy as np
 
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, note, ok, warning
+from gyrodrift.facts.still import quiet_windows
 from gyrodrift.values.arrays import Floats, Mask
 
 WINDOW_S = 1.0
@@ -67,9 +68,9 @@ def rate_windows(first: DeviceEvidence, second: DeviceEvidence) -> RateWindows |
     whole = is_full & is_second_full
     if int(whole.sum()) < 2 * WINDOWS_MIN:
         return None
-    first_dps, second_dps = first_dps[whole], second_dps[whole]
-    is_still = _still(first_dps, first_stds[whole]) & _still(second_dps, second_stds[whole])
-    return RateWindows(first_dps, second_dps, is_still)
+    gyros = ((first_dps[whole], first_stds[whole]), (second_dps[whole], second_stds[whole]))
+    is_still = np.logical_and(*(quiet_windows(*gyro, STILL_STDS, SHIFT_MAX_DPS) for gyro in gyros))
+    return RateWindows(first_dps[whole], second_dps[whole], is_still)
 
 
 def _series(evidence: DeviceEvidence) -> tuple[Floats, Floats] | None:
@@ -95,13 +96,6 @@ def _binned(times_s: Floats, rates_dps: Floats, begin_s: float, count: int) -> t
     squares: Floats = np.bincount(index, (rates_dps[inside] - means[index]) ** 2, count) / divisors
     is_full: Mask = (counts >= 2.0) & (counts >= 0.5 * float(np.median(counts)))
     return means, np.sqrt(squares), is_full
-
-
-def _still(mean: Floats, std: Floats) -> Mask:
-    quiet_dps = float(np.quantile(std, 0.1))
-    usual_dps = float(np.median(mean[std <= quiet_dps]))
-    is_still: Mask = std <= STILL_STDS * quiet_dps + 1e-9
-    return is_still & (np.abs(mean - usual_dps) <= SHIFT_MAX_DPS)
 
 
 def _turns(windows: RateWindows, first: str, second: str) -> DeviceFinding | None:

@@ -10,7 +10,7 @@ from gyrodrift.doctor.port import PortEvidence, latency_ms, look_at_port
 from gyrodrift.facts.host import HostClock
 from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.io.progress import OnProgress
-from gyrodrift.io.waiting import POLLIN, new_poller
+from gyrodrift.io.waiting import wait_readable
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
@@ -21,6 +21,7 @@ from gyrodrift.values.errors import LinkError, UnitError
 from gyrodrift.values.sample import Sample
 
 BITS_PER_BYTE = 10
+LONGEST_WAIT_S = 0.1
 SURE_PPM = 100.0
 """Largest standard error of a reported clock drift, ppm."""
 
@@ -84,7 +85,7 @@ def _hear(link: Link, seconds: float, heard: _Heard, progress: OnProgress, monot
     opened_s = monotonic()
     begun_s: float | None = None
     while True:
-        _wait(link)
+        wait_readable(link.fileno(), min(link.wake_s(), LONGEST_WAIT_S))
         try:
             heard.samples += link.read()
         except LinkError as error:
@@ -97,14 +98,6 @@ def _hear(link: Link, seconds: float, heard: _Heard, progress: OnProgress, monot
             return
         task = "waiting for the device" if begun_s is None else "listening, keep it still"
         progress(task, int(now_s - (begun_s or opened_s)), int(seconds) if begun_s is not None else 0)
-
-
-def _wait(link: Link) -> None:
-    poller = new_poller()
-    fd = link.fileno()
-    if fd is not None:
-        poller.register(fd, POLLIN)
-    poller.poll(min(link.wake_s(), 0.1) * 1e3)
 
 
 def _status(link: Link, facts: SessionFacts | None, *, has_clock: bool, has_line: bool) -> LinkStatus:

@@ -10,7 +10,7 @@ import numpy as np
 
 from gyrodrift.columns.accel_axes import Agreement
 from gyrodrift.facts.allan import Allan, allan_of
-from gyrodrift.facts.arrays import only, smallest_step
+from gyrodrift.facts.arrays import only, robust_sigma, smallest_step
 from gyrodrift.facts.gravity import GravitySummary, SessionAxes, axes_agreement, axes_of, gravity_summary
 from gyrodrift.facts.host import HostClock, host_clock
 from gyrodrift.facts.reference import EncoderComparison, compared_to_encoder
@@ -18,7 +18,6 @@ from gyrodrift.facts.rests import RestRates, RestSource, Stretch, rests_of
 from gyrodrift.facts.spectrum import RestSpectrum, spectrum_of
 from gyrodrift.session.session import Session
 from gyrodrift.values.arrays import Floats
-from gyrodrift.values.constants import NORMAL_MAD
 
 GAP_PERIODS = 1.5
 MOST_MISSING = 1e15
@@ -148,7 +147,7 @@ class SessionFacts:
     @fact
     def jitter_s(self) -> float | None:
         """Robust standard deviation of the time steps, s."""
-        return None if self.period_s is None else NORMAL_MAD * float(np.median(np.abs(self._forward_s - self.period_s)))
+        return None if self.period_s is None else robust_sigma(self._forward_s)
 
     @fact
     def gaps(self) -> Gaps:
