@@ -37,11 +37,11 @@ ROOMS = {
     "calibrate": f"{BASE} facts link",
     "service": f"{BASE} calibrate config filters link outputs recording",
     "top": f"{BASE} outputs service",
-    "evaluation": f"{BASE} filters session session.checks",
+    "evaluation": f"{BASE} facts filters session session.checks",
     "simulation": f"{BASE} firmware_sim session",
     "tune": f"{BASE} evaluation filters html",
     "compare": f"{BASE} evaluation filters html session session.checks tune",
-    "diagnose.recording": f"{BASE} evaluation session session.checks",
+    "diagnose.recording": f"{BASE} evaluation facts session session.checks",
     "diagnose.features": f"{BASE} diagnose.recording",
     "diagnose.simulate": f"{BASE} diagnose.features diagnose.recording firmware_sim session session.checks "
     "simulation",

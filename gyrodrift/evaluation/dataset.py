@@ -12,6 +12,7 @@ from gyrodrift.evaluation.integration import start_calibrated, trapezium
 from gyrodrift.evaluation.motion import longest_motion_s
 from gyrodrift.evaluation.reference import Reference, timed_reference_of
 from gyrodrift.evaluation.score import Score, score_of
+from gyrodrift.facts.arrays import blocks_of
 from gyrodrift.session.calibrated import calibrated
 from gyrodrift.session.checks.examine import examined
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions, session_as_stated
@@ -162,7 +163,7 @@ def _warnings(source: Source, reference: Reference) -> Iterator[str]:
 
 def _has_moved(reference: Reference) -> bool:
     size = max(1, round(reference.sample_rate_hz))
-    seconds = reference.rate_dps[: len(reference.rate_dps) // size * size].reshape(-1, size).mean(axis=1)
+    seconds = blocks_of(reference.rate_dps, size).mean(axis=1)
     return len(seconds) > 1 and float(np.ptp(seconds)) > MOVES_DPS
 
 

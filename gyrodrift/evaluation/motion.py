@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from gyrodrift.facts.arrays import true_runs
 from gyrodrift.values.arrays import Floats
 
 STEP_S = 1.0
@@ -26,5 +27,4 @@ def longest_motion_s(t_s: Floats, reference_deg: Floats) -> float:
     seconds, first = np.unique((known_s - known_s[0]) // STEP_S, return_index=True)
     start_s, angle_deg = known_s[first], reference_deg[is_known][first]
     is_moving = np.abs(np.diff(angle_deg)) >= REST_DEG * np.diff(seconds)
-    changes = np.flatnonzero(np.diff(np.concatenate(([False], is_moving, [False])).astype(np.int8)))
-    return float((start_s[changes[1::2]] - start_s[changes[::2]]).max(initial=0.0))
+    return max((float(start_s[end] - start_s[first]) for first, end in true_runs(is_moving)), default=0.0)

@@ -22,6 +22,17 @@ def blocks_of(values: NDArray[Scalar], size: int) -> NDArray[Scalar]:
     return values[: len(values) // size * size].reshape(-1, size)
 
 
+def samples_in(seconds: float, period_s: float) -> int:
+    """Number of samples in a time, at least 1."""
+    return max(1, round(min(seconds / period_s, 1e9)))
+
+
+def true_runs(inside: Mask) -> tuple[tuple[int, int], ...]:
+    """First and end sample of every run of true values."""
+    edges = np.flatnonzero(np.diff(inside, prepend=False, append=False))
+    return tuple(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
 def smallest_step(values: Floats) -> float | None:
     """Smallest change between neighbors above 1e-9; None if all are equal."""
     steps = np.abs(np.diff(values))

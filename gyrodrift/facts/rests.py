@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.facts.arrays import blocks_of, only, smallest_step
+from gyrodrift.facts.arrays import blocks_of, only, samples_in, smallest_step, true_runs
 from gyrodrift.session.session import Session
 from gyrodrift.values.arrays import Floats, Mask
 
@@ -109,7 +109,7 @@ class StationaryRun(NamedTuple):
 
 def stationary_by_encoder(encoder_deg: Floats, is_break: Mask, period_s: float) -> Runs:
     """Runs of at least 2 s in which the encoder moves no more than at rest."""
-    size = _samples(ENCODER_BLOCK_S, period_s)
+    size = samples_in(ENCODER_BLOCK_S, period_s)
     blocks_deg = blocks_of(encoder_deg, size)
     lows_deg, highs_deg = np.fmin.reduce(blocks_deg, axis=1), np.fmax.reduce(blocks_deg, axis=1)
     ranges_deg = highs_deg - lows_deg
@@ -130,10 +130,6 @@ def stationary_by_encoder(encoder_deg: Floats, is_break: Mask, period_s: float) 
         )  # motion begins before the encoder shows it
         for start, end, _ in _without_creep(runs, size * period_s)
     ]
-
-
-def _samples(seconds: float, period_s: float) -> int:
-    return max(1, round(min(seconds / period_s, 1e9)))
 
 
 def _within(lows: list[float], highs: list[float], slack: float) -> Iterator[tuple[int, int]]:
@@ -165,7 +161,7 @@ def _without_creep(runs: list[StationaryRun], block_s: float) -> Iterator[Statio
 
 def stationary_by_rate(rate_dps: Floats, is_break: Mask, period_s: float) -> Runs:
     """Runs of blocks of about a second in which the rate is at its quietest."""
-    size = max(STEADY_BLOCK_SAMPLES, _samples(STEADY_BLOCK_S, period_s))
+    size = max(STEADY_BLOCK_SAMPLES, samples_in(STEADY_BLOCK_S, period_s))
     blocks_dps = blocks_of(rate_dps, size)
     if not len(blocks_dps):
         return []
@@ -177,5 +173,5 @@ def stationary_by_rate(rate_dps: Floats, is_break: Mask, period_s: float) -> Run
     is_quiet &= ~blocks_of(is_break, size).any(axis=1)
     continues = is_quiet[1:] & is_quiet[:-1]
     continues &= np.abs(np.diff(means_dps)) <= max(JUMP, own * sqrt(2.0)) * floor_dps + step_dps
-    ends = np.flatnonzero(np.diff(continues, prepend=False, append=False)).reshape(-1, 2).tolist()
-    return [(size * start, size * (end + 1)) for start, end in ends if end + 1 - start >= STEADY_LEAST_BLOCKS]
+    runs = true_runs(continues)
+    return [(size * start, size * (end + 1)) for start, end in runs if end + 1 - start >= STEADY_LEAST_BLOCKS]

@@ -105,7 +105,7 @@ def fact(compute: Callable[["SessionFacts"], Part]) -> cached_property[Part]:
 
 
 class SessionFacts:
-    """What a session shows, whatever its values are; the time is linear in its length. None for what it lacks."""
+    """Facts of a session, whatever its values are; the time is linear in its length. Parts that it lacks are None."""
 
     def __init__(self, session: Session) -> None:
         self.session = session

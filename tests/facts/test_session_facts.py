@@ -1,4 +1,4 @@
-"""What a session holds: against data whose truth is known, the simulated rig, and real recordings."""
+"""Facts of sessions against data whose truth is known, the simulated rig, and real recordings."""
 
 import time
 from collections.abc import Sequence

@@ -14,7 +14,7 @@ from gyrodrift.diagnose.recording.motion import rough_rate_dps
 from gyrodrift.diagnose.recording.neighbors import cubic_residual, is_isolated, steepest_neighbor_step
 from gyrodrift.diagnose.recording.order_statistics import distinct
 from gyrodrift.diagnose.recording.recording import Recording, filled
-from gyrodrift.diagnose.recording.rests import true_runs
+from gyrodrift.facts.arrays import true_runs
 from gyrodrift.values.arrays import Floats, Mask
 
 SPIKE_SIGMAS = 10.0
