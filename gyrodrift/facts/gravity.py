@@ -59,9 +59,7 @@ class GravitySummary:
     size_mps2
         Median size in the quiet windows, m/s².
     up
-        Axis of the sensor that points up most, such as `+z`, and by how many degrees it is off.
-    off_deg
-        Angle between this axis and gravity, deg.
+        Axis of the sensor that points up most, such as `+z`.
     noise_mps2
         Median scatter of single samples in the quiet windows, m/s².
     largest_mps2, at_largest
@@ -72,7 +70,6 @@ class GravitySummary:
 
     size_mps2: float
     up: str
-    off_deg: float
     noise_mps2: float
     largest_mps2: float
     at_largest: int
@@ -95,7 +92,6 @@ def gravity_summary(session: Session) -> GravitySummary | None:
     return GravitySummary(
         size_mps2=size,
         up=f"{'+' if mean[index] > 0 else '-'}{'xyz'[index]}",
-        off_deg=float(np.rad2deg(np.arccos(min(1.0, abs(mean[index]) / max(float(np.linalg.norm(mean)), 1e-12))))),
         noise_mps2=float(np.median(scatters[quiet])),
         largest_mps2=largest,
         at_largest=int((absolute >= largest).any(axis=1).sum()),
