@@ -115,11 +115,13 @@ def _comparisons(evidences: "list[DeviceEvidence]") -> "Iterator[tuple[str, list
 
 
 def _print(arguments: argparse.Namespace, source: str, findings: "list[DeviceFinding]") -> None:
-    from gyrodrift.doctor.show import Detail, as_json, show
+    from gyrodrift.doctor.finding import as_json
 
     if arguments.json:
         print(as_json(source, findings))
         return
+    from gyrodrift.doctor.show import Detail, show
+
     detail = Detail.PROBLEMS if arguments.quiet else Detail.ALL if arguments.verbose else Detail.SUMMARY
     show(source, findings, sys.stdout, detail)
 

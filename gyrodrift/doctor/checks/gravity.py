@@ -24,11 +24,11 @@ RAIL_MPS2 = 15.0
 
 
 def _gravity(evidence: DeviceEvidence) -> GravitySummary | None:
-    return evidence.facts and evidence.facts.gravity
+    return None if evidence.facts is None else evidence.facts.gravity
 
 
 def _agreement(evidence: DeviceEvidence) -> Agreement | None:
-    return evidence.facts and evidence.facts.axes_agreement
+    return None if evidence.facts is None else evidence.facts.axes_agreement
 
 
 def gravity(_evidence: DeviceEvidence, summary: GravitySummary) -> DeviceFinding | None:
