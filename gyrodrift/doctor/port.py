@@ -2,6 +2,7 @@
 
 import os
 import stat
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -56,12 +57,13 @@ def look_at_port(path: str) -> PortEvidence | None:
         status = Path(device).stat()
     except OSError:
         return None
+    owner, group = _named(Path(device).owner, status.st_uid), _named(Path(device).group, status.st_gid)
     ports = {port.device: port for port in serial_ports()}
     return PortEvidence(
         port=ports.get(device, SerialPort(stable_name(path), device)),
         holder=holder_of(path),
         is_pty=hasattr(os, "major") and os.major(status.st_rdev) in PTY_SLAVE_MAJORS,
-        access=f"{stat.filemode(status.st_mode)} {_owner(status.st_uid)}:{_group(status.st_gid)}",
+        access=f"{stat.filemode(status.st_mode)} {owner}:{group}",
         driver=_driver(device),
         latency_ms=latency_ms(device),
     )
@@ -86,17 +88,8 @@ def _of_sysfs(device: str) -> Path:
     return serial_port.TERMINALS / Path(device).name / "device"
 
 
-def _owner(user_id: int) -> str:
-    with suppress(KeyError, ImportError):  # Windows has no user database
-        import pwd  # noqa: PLC0415
-
-        return pwd.getpwuid(user_id).pw_name
-    return str(user_id)
-
-
-def _group(group_id: int) -> str:
-    with suppress(KeyError, ImportError):
-        import grp  # noqa: PLC0415
-
-        return grp.getgrgid(group_id).gr_name
-    return str(group_id)
+def _named(name_of: Callable[[], str], number: int) -> str:
+    """Name of a user or group, or its number without a name."""
+    with suppress(KeyError, NotImplementedError):  # Windows has no user database
+        return name_of()
+    return str(number)

@@ -6,7 +6,6 @@ from pathlib import Path
 
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.listen import clock_ppm, jitter_ms
-from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.outputs.status import DeviceStatus, LinkStatus
 from gyrodrift.session.checks.examine import examined
@@ -30,11 +29,8 @@ def recorded(path: Path, reading: ReadingOptions = AS_WRITTEN) -> DeviceEvidence
         It cannot be read.
     """
     checked = examined(session_as_stated(path, reading), reading)
-    facts, is_timed = (
-        SessionFacts(checked.session),
-        not any(f.is_error and f.id in CLOCK_CHECKS for f in checked.findings),
-    )
-    about, kept, device = (checked.session.metadata.get(name, {}) for name in ("recording", "link", "device"))
+    facts, is_timed = checked.facts, not any(f.is_error and f.id in CLOCK_CHECKS for f in checked.findings)
+    about, kept, device = (facts.session.metadata.get(name, {}) for name in ("recording", "link", "device"))
     counted = {name: int(_number(kept, name) or 0.0) for name in COUNTED}
     protocol = about.get("protocol", "")
     link = LinkStatus(

@@ -18,10 +18,15 @@ from gyrodrift.values.errors import DataError
 
 @dataclass(frozen=True, slots=True)
 class ExaminedSession:
-    """A session on one clock, and the findings of the checks."""
+    """Facts of a session on one clock, and the findings of the checks."""
 
-    session: Session
+    facts: SessionFacts
     findings: tuple[SessionFinding, ...]
+
+    @property
+    def session(self) -> Session:
+        """The session on one clock."""
+        return self.facts.session
 
     @property
     def warnings(self) -> list[str]:
@@ -61,13 +66,12 @@ def examined(session: Session, stated: ReadingOptions = AS_WRITTEN, *, is_still:
     """
     with np.errstate(all="ignore"):  # a recording may hold numbers of any size
         clock = one_clock(session)
-        findings = list(clock.findings)
+        facts, findings = SessionFacts(clock.session), list(clock.findings)
         if not any(finding.is_error for finding in findings):
             findings += clock_findings(clock.session, stated)
         if not any(finding.is_error for finding in findings):
             corrected = SessionFacts(calibrated(clock.session))
             findings += rate_findings(corrected, is_stated=stated.states_rate, is_still=is_still)
-        facts = SessionFacts(clock.session)
         findings += acceleration_findings(facts, is_stated=bool(stated.accel_unit))
         findings += axis_findings(facts)
-    return ExaminedSession(clock.session, tuple(findings))
+    return ExaminedSession(facts, tuple(findings))
