@@ -48,7 +48,6 @@ class Warming:
     rest: RestMeasurement
     last_dps: float
     seconds: float = 0.0
-    skipped: int = 0
     _temps_c: list[float] = field(default_factory=list)
     _biases_dps: list[float] = field(default_factory=list)
     _block: list[Sample] = field(default_factory=list)
@@ -83,7 +82,6 @@ class Warming:
         moved = abs(bias_dps - self.last_dps) > MOVED_DPS or abs(halves) > MOVED_DPS
         self._block.clear()
         if moved or isnan(temp_c):
-            self.skipped += 1
             return
         self._temps_c.append(temp_c)
         self._biases_dps.append(bias_dps)

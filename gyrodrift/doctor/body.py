@@ -135,12 +135,10 @@ def _drift(windows: RateWindows, first: str, second: str) -> DeviceFinding:
             f"Nothing tells which of {first} and {second} drifts: they did not rest at the beginning and at the end.",
             "Leave the body still for at least 5 s at both ends.",
         )
-    changes, errors = [], []
-    for rates_dps in (windows.first_dps, windows.second_dps, windows.first_dps - windows.second_dps):
-        begin, end = (rates_dps[part][rest] for part, rest in zip(parts, rests, strict=True))
-        changes.append(float(end.mean() - begin.mean()))
-        errors.append(hypot(_standard_error(begin), _standard_error(end)))
-    return _verdict(changes, errors[2], first, second)
+    rates = (windows.first_dps, windows.second_dps, windows.first_dps - windows.second_dps)
+    ends = [[rates_dps[part][rest] for part, rest in zip(parts, rests, strict=True)] for rates_dps in rates]
+    changes = [float(end.mean() - begin.mean()) for begin, end in ends]
+    return _verdict(changes, hypot(*map(_standard_error, ends[2])), first, second)
 
 
 def _standard_error(rates_dps: Floats) -> float:

@@ -62,7 +62,7 @@ def test_a_clean_session_has_its_rate_and_nothing_missing() -> None:
     assert facts.gaps == Gaps(0, 0, 0.0)
     assert (facts.steps_not_forward, facts.rates_not_finite) == (0, 0)
     assert facts.rate == Rates(-1.0, 2.0, near(0.5))
-    assert facts.host is facts.temperature is facts.encoder is facts.allan is None
+    assert [facts.host, facts.temperature, facts.encoder, facts.allan] == [None] * 4
 
 
 @pytest.mark.parametrize("has_counter", [True, False])

@@ -31,26 +31,6 @@ class AxesBlock:
     accel_mps2: Floats
     temp_c: float
 
-    @property
-    def seconds(self) -> float:
-        """Time from the first to the last sample, s."""
-        return float(self.t_s[-1] - self.t_s[0])
-
-    @property
-    def gyro_noise_dps(self) -> float:
-        """Largest standard deviation of the white noise of an axis, deg/s; from differences, so without motion."""
-        return white_noise(self.gyro_dps)
-
-    @property
-    def accel_step_mps2(self) -> float:
-        """Smallest step of an acceleration, m/s²; infinite if all samples are equal."""
-        return min((smallest_step(axis) or inf for axis in self.accel_mps2.T), default=inf)
-
-    @property
-    def accel_noise_mps2(self) -> float:
-        """Largest standard deviation of the white noise of an axis, m/s²."""
-        return white_noise(self.accel_mps2)
-
 
 def block_of(samples: Sequence[Sample]) -> AxesBlock:
     """Block of samples; an acceleration that is missing in some samples is that of the sample before.

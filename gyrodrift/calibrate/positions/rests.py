@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gyrodrift.calibrate.positions.block import AxesBlock, AxesRest, block_of, rest_of_blocks
+from gyrodrift.facts.arrays import smallest_step, white_noise
 from gyrodrift.facts.still import StillRule, has_hole
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.sample import Sample
@@ -140,9 +141,10 @@ class RestFinder:
             self._previous, self._between = [], []
 
     def _is_quiet(self, block: AxesBlock) -> bool:
-        self._gyro_noise_dps = min(self._gyro_noise_dps, block.gyro_noise_dps)
-        self._accel_noise_mps2 = min(self._accel_noise_mps2, block.accel_noise_mps2)
-        self._accel_step_mps2 = min(self._accel_step_mps2, block.accel_step_mps2)
+        steps_mps2 = (smallest_step(axis) or inf for axis in block.accel_mps2.T)
+        self._gyro_noise_dps = min(self._gyro_noise_dps, white_noise(block.gyro_dps))
+        self._accel_noise_mps2 = min(self._accel_noise_mps2, white_noise(block.accel_mps2))
+        self._accel_step_mps2 = min(self._accel_step_mps2, *steps_mps2)
         bias_dps = block.gyro_dps.mean(axis=0)
         if self._first_bias_dps is None:
             is_bias = bool((np.abs(bias_dps) < BIAS_MAX_DPS).all())
