@@ -86,7 +86,7 @@ def drift_plain(_evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding 
 
 
 def drift_start_calibration(_evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding | None:
-    """The same after subtracting the mean of the first 3 s."""
+    """Drift after subtracting the mean of the first 3 s."""
     drift = of_start_calibration(at_rest)
     says = f"A start calibration of {START_S:g} s drifts ±{drift} (one standard deviation)"
     if at_rest.instability_dps is None:
@@ -140,7 +140,7 @@ def _of_sigma(name: str, sigma_dps: float, noise_dps_rthz: float, walk_dps_rts: 
 CHECKS = (
     *checks_of(rest_of, drift_plain, drift_start_calibration),
     *(
-        Check(f"drift_{name}", f"the same with {name} at its defaults", partial(of_filter, chosen))
+        Check(f"drift_{name}", f"drift with {name} at its defaults", partial(of_filter, chosen))
         for name, chosen in FILTERS.items()
     ),
 )

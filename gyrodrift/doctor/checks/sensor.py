@@ -38,7 +38,7 @@ SHORT_S = 6.0
 
 
 def sensor(evidence: DeviceEvidence, _facts: SessionFacts) -> DeviceFinding | None:
-    """Which sensor it is, and its data sheet."""
+    """Name of the sensor, and its data sheet."""
     step_dps = evidence.step_dps
     if evidence.sensor is not None:
         scale = evidence.sensor.range_of(step_dps) if step_dps else None
