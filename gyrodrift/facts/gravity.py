@@ -82,7 +82,7 @@ def gravity_summary(session: Session) -> GravitySummary | None:
     if accel is None or not np.isfinite(accel).all(axis=1).any():
         return None
     is_finite = np.isfinite(accel).all(axis=1)
-    means, scatters = windows(session.t_device_s[is_finite], accel[is_finite])
+    means, scatters = _windows(session.t_device_s[is_finite], accel[is_finite])
     quiet = scatters <= np.quantile(scatters, QUIET_SHARE)
     mean = np.median(means[quiet], axis=0)
     size = float(np.median(np.linalg.norm(means[quiet], axis=1)))
@@ -112,8 +112,8 @@ def axes_agreement(session: Session) -> Agreement | None:
     t_s, gyro_dps, accel = session.t_device_s[is_finite], session.gyro_dps[is_finite], session.accel_mps2[is_finite]
     if len(t_s) < WINDOWS_MIN:
         return None
-    means, _ = windows(t_s, accel)
-    turns_rad, _ = windows(t_s, np.deg2rad(_integrals(t_s, gyro_dps)))
+    means, _ = _windows(t_s, accel)
+    turns_rad, _ = _windows(t_s, np.deg2rad(_integrals(t_s, gyro_dps)))
     directions = means / np.maximum(np.linalg.norm(means, axis=1, keepdims=True), 1e-12)
     changes, rotations = np.diff(directions, axis=0), np.diff(turns_rad, axis=0)
     middles = 0.5 * (directions[1:] + directions[:-1])
@@ -149,7 +149,7 @@ def _integrals(t_s: Floats, rates: Floats) -> Floats:
     return integrals
 
 
-def windows(t_s: Floats, values: Floats) -> tuple[Floats, Floats]:
+def _windows(t_s: Floats, values: Floats) -> tuple[Floats, Floats]:
     """Means of the columns over windows, and the scatter of the samples within, root of the mean variance."""
     index = np.floor((t_s - t_s[0]) / WINDOW_S).astype(int)
     _, first, counts = np.unique(index, return_index=True, return_counts=True)

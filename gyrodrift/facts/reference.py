@@ -6,7 +6,7 @@ import numpy as np
 
 from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.session import Session
-from gyrodrift.values.arrays import Floats
+from gyrodrift.values.arrays import Floats, Mask
 
 BLOCK_S = 0.5
 BLOCK_PERIODS = 4.0
@@ -175,7 +175,7 @@ def vertical_rates_dps(session: Session) -> Floats:
     return np.where((lengths > 0.0) & np.isfinite(rates), rates, session.rate_dps)
 
 
-def _averaged(forces: Floats, is_known: np.ndarray, size: int) -> Floats:
+def _averaged(forces: Floats, is_known: Mask, size: int) -> Floats:
     """Moving average over `size` samples around each sample; zeros where none of them is known."""
     half = max(1, size // 2)
     sums = np.concatenate([np.zeros((1, 3)), np.cumsum(forces, axis=0)])
