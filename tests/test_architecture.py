@@ -43,8 +43,7 @@ ROOMS = {
     "compare": f"{BASE} evaluation filters html session session.checks tune",
     "diagnose.recording": f"{BASE} evaluation facts session session.checks",
     "diagnose.features": f"{BASE} diagnose.recording",
-    "diagnose.simulate": f"{BASE} diagnose.features diagnose.recording firmware_sim session session.checks "
-    "simulation",
+    "diagnose.simulate": f"{BASE} diagnose.features diagnose.recording firmware_sim session session.checks simulation",
     "diagnose.inference": f"{BASE} diagnose.features diagnose.recording diagnose.simulate firmware_sim",
     "diagnose.next_recording": f"{BASE} diagnose.features diagnose.inference diagnose.recording diagnose.simulate "
     "firmware_sim simulation",
