@@ -44,38 +44,38 @@ tests: $(VENV)/ready-to-test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadgroup
 
 bench: $(VENV)/ready-to-test
-	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest tests/bench -m bench -s -p no:randomly --timeout 600
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest benchmark/bench -s -p no:randomly --timeout 600
 
 # Compares results over many random cases with the committed figures, and fails if one is worse. All rows of the blind
 # check take hours; EVALUATE="diagnose --count 50" selects some. An interrupted run continues.
 evaluate: $(VENV)/ready-to-test
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.evaluate $(EVALUATE)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmark evaluate $(EVALUATE)
 
 # Robustness campaigns: every fault of the simulated device (FAULT_SEED); HOURS of device time at 1 kHz (PACE=1: in real
 # time); overload.
 faults: $(VENV)/ready-to-test
-	$(BIN)/python -m tests.robustness faults $(if $(FAULT_SEED),--seed $(FAULT_SEED))
+	$(BIN)/python -m benchmark robustness faults $(if $(FAULT_SEED),--seed $(FAULT_SEED))
 
 soak: $(VENV)/ready-to-test
-	$(BIN)/python -m tests.robustness soak --hours $(or $(HOURS),24) $(if $(MINUTES),--minutes $(MINUTES)) $(if $(PACE),--pace $(PACE))
+	$(BIN)/python -m benchmark robustness soak --hours $(or $(HOURS),24) $(if $(MINUTES),--minutes $(MINUTES)) $(if $(PACE),--pace $(PACE))
 
 overload: $(VENV)/ready-to-test
-	$(BIN)/python -m tests.robustness overload
+	$(BIN)/python -m benchmark robustness overload
 
 # Fuzzes all inputs for FUZZ_S seconds of processor time: guided by coverage if atheris has a wheel, else at random.
 FUZZ_S := 1800
 fuzz: $(VENV)/ready-to-test
 	@$(BIN)/python -m pip install --quiet --editable '.[fuzz]' || echo "no atheris: inputs are random" >&2
-	$(BIN)/python -m tests.fuzz --seconds $(FUZZ_S)
+	$(BIN)/python -m benchmark fuzz --seconds $(FUZZ_S)
 
 # Mutation test: a test must catch each deliberate fault. FAULTS selects areas or faults.
 mutate: $(VENV)/ready-to-test
-	$(BIN)/python -m tests.mutate $(FAULTS)
+	$(BIN)/python -m benchmark mutate $(FAULTS)
 
 # Kills every writer at random moments, KILLS times each.
 KILLS := 20
 crash: $(VENV)/ready-to-test
-	$(BIN)/python -m tests.crash --kills $(KILLS)
+	$(BIN)/python -m benchmark crash --kills $(KILLS)
 
 # Checks the packages of .venv against the public list of vulnerabilities. An unknown package is a failure, too.
 AUDIT := $(VENV)/audit
@@ -85,13 +85,13 @@ audit: $(VENV)/ready
 	$(AUDIT)/bin/pip-audit --strict --disable-pip --no-deps --requirement $(AUDIT)/packages.txt
 
 pictures: $(VENV)/ready-to-test
-	$(BIN)/python -m tests.pictures moving-demo docs/demo-moving.svg
-	$(BIN)/python -m tests.pictures comparison docs/comparison.svg
-	$(BIN)/python -m tests.pictures reports docs/reports
+	$(BIN)/python -m benchmark pictures moving-demo docs/demo-moving.svg
+	$(BIN)/python -m benchmark pictures comparison docs/comparison.svg
+	$(BIN)/python -m benchmark pictures reports docs/reports
 	$(BIN)/gyrodrift demo --svg docs/demo.svg
-	$(BIN)/python -m firmware_sim.gallery --out docs/effects
-	$(BIN)/python -m gyrodrift.demo.restlevel_picture --out docs/restlevel.png
-	$(BIN)/python tests/web_pictures.py docs
+	$(BIN)/python -m benchmark pictures.effects --out docs/effects
+	$(BIN)/python -m benchmark pictures.restlevel --out docs/restlevel.png
+	$(BIN)/python -m benchmark pictures.live_page docs
 
 clean:
 	rm -rf $(VENV)
@@ -109,11 +109,11 @@ CLIENTS := gpsd gpsd-clients mosquitto mosquitto-clients prometheus ser2net soca
 
 # MAVProxy is a test client, installed without the packages for its maps and plots. Clients of npm are installed at the
 # same time, without their optional packages.
-$(VENV)/ready-to-test: pyproject.toml tests/clients/package-lock.json tests/clients/signalk/package-lock.json | $(BIN)/python
+$(VENV)/ready-to-test: pyproject.toml benchmark/pyproject.toml tests/clients/package-lock.json tests/clients/signalk/package-lock.json | $(BIN)/python
 	@{ ! command -v npm > /dev/null || for place in tests/clients tests/clients/signalk; do \
 	  npm ci --silent --no-audit --no-fund --ignore-scripts --omit=optional --prefix $$place > /dev/null || \
 	  echo "no clients of npm in $$place: their tests are skipped" >&2; done; } & npm=$$!; \
-	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,docs,foxglove,logs,mavlink,mqtt,networktables,nmea,parquet,prometheus,ros,simulators,websocket,test]'; failed=$$?; \
+	$(BIN)/python -m pip install --quiet --editable '.[lab,cluster,docs,foxglove,logs,mavlink,mqtt,networktables,nmea,parquet,prometheus,ros,simulators,websocket,test]' --editable benchmark; failed=$$?; \
 	$(BIN)/python -m pip install --quiet --no-deps 'MAVProxy>=1.8.70' || echo "no MAVProxy: its test is skipped" >&2; \
 	wait $$npm; exit $$failed
 	@if command -v apt-get > /dev/null && ! dpkg --status $(FIRMWARE) $(CLIENTS) > /dev/null 2>&1; then \

@@ -10,6 +10,7 @@ ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT))  # the code beside these pages
 
 import gyrodrift  # noqa: E402 - after its folder is on the path
+from gyrodrift.cli import COMMANDS, parser_of  # noqa: E402
 
 project = "gyrodrift"
 author = "The gyrodrift authors"
@@ -18,7 +19,7 @@ release = version = gyrodrift.__version__
 
 extensions = ["myst_parser", "numpydoc", "sphinx.ext.autodoc"]
 root_doc = "README"
-include_patterns = ["*.md", "docs/**"]
+include_patterns = ["*.md", "benchmark/*.md", "docs/**"]
 exclude_patterns = [".*", "build", "config", "firmware_sim", "gyrodrift", "tests", "**/__pycache__"]
 suppress_warnings = [
     "myst.header",  # headings may skip a level
@@ -41,7 +42,7 @@ linkcheck_ignore = [r"http://(127\.0\.0\.1|localhost)"]
 
 LINK = re.compile(r"\]\(([\w./-]+\.md)\)")
 ANCHOR = re.compile(r'<a id="([\w-]+)"></a>')
-API = "docs/api"
+API, TERMINAL = "docs/api", "docs/terminal"
 
 
 def contents() -> str:
@@ -49,7 +50,9 @@ def contents() -> str:
     sections = re.split(r"^## ", (ROOT / "docs" / "README.md").read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]
     listed = {heading: _pages_in(body) for heading, _, body in (section.partition("\n") for section in sections)}
     linked = {page for pages in listed.values() for page in pages} | {"README"}
-    listed["Project"] = ["docs/README", *(page.stem for page in sorted(ROOT.glob("*.md")) if page.stem not in linked)]
+    paths = [page.relative_to(ROOT) for pattern in ("*.md", "benchmark/*.md") for page in sorted(ROOT.glob(pattern))]
+    names = [page.with_suffix("").as_posix() for page in paths]
+    listed["Project"] = ["docs/README", *(name for name in names if name not in linked)]
     return "".join(_table(heading, pages) for heading, pages in listed.items())
 
 
@@ -65,13 +68,20 @@ def _table(heading: str, pages: list[str]) -> str:
 
 
 def adapt(app: Sphinx, docname: str, source: list[str]) -> None:
-    """Add the contents to the front page, and turn anchors of HTML into anchors that Sphinx can check."""
+    """Add contents, options and missing names to their pages; turn anchors of HTML into those that Sphinx checks."""
     if docname == API:
         source[0] += missing_names(source[0])
         return
     source[0] = ANCHOR.sub(r"[]{#\1}", source[0])
+    if docname == TERMINAL:
+        source[0] += options()
     if docname == app.config.root_doc:
         source[0] += contents()
+
+
+def options() -> str:
+    """The help of each command, from its parser."""
+    return "".join(f"\n### {name}\n\n```text\n{parser_of(name).format_help()}```\n" for name in COMMANDS)
 
 
 def missing_names(page: str) -> str:

@@ -4,6 +4,7 @@ import argparse
 import re
 from collections.abc import Callable, Iterator
 from contextlib import closing
+from dataclasses import dataclass
 from itertools import takewhile
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from firmware_sim.faults.catalogue import FAULTS, FaultyCable, faulty_blocks, fa
 from firmware_sim.measure import StillWord, measure
 from firmware_sim.motion.profile import load_motion, shipped_profiles
 from firmware_sim.player import play, play_after_each_opening, stopped_by_signals
-from firmware_sim.pty import PtyDevice
+from firmware_sim.pty import Cable, PtyDevice
 from firmware_sim.rig import OWN_YAWS, Rig, load_rig, parse_effect, with_axes, with_effects, with_own_yaw
 from firmware_sim.wire.encoder import Frame
 from firmware_sim.wire.registry import ENCODERS
@@ -28,6 +29,36 @@ LONGEST_QUOTE = 40
 """Longest quote of a wrong value, characters."""
 
 
+@dataclass(frozen=True, slots=True)
+class Device:
+    """What the options describe: all frames from power-on, the first bytes for each reader, and the cable."""
+
+    frames: Callable[[], Iterator[Frame]]
+    greeting: bytes
+    cable: Cable
+
+
+def device_of(arguments: argparse.Namespace) -> Device:
+    """Device of the options.
+
+    Raises
+    ------
+    FileError
+        The rig, the profile, an effect or a fault has a mistake.
+    """
+    rig = _rig(arguments)
+    faults = [parse_fault(text) for text in arguments.fault]
+    profile = load_motion(arguments.profile)
+    encoder = ENCODERS[arguments.protocol]
+
+    def frames() -> Iterator[Frame]:
+        blocks = faulty_blocks(measure(rig, profile, arguments.seed, still=StillWord(arguments.still)), faults)
+        endless = faulty_frames(encoder.frames(blocks, rig.base), faults, arguments.seed)
+        return endless if arguments.duration is None else takewhile(lambda f: f.t_s < arguments.duration, endless)
+
+    return Device(frames, encoder.hello(rig.base), FaultyCable(faults))
+
+
 def run(arguments: argparse.Namespace, tell: Callable[[str], None]) -> None:
     """Play the rig on a pty until a signal comes or the time is over; `tell` gets a sentence at both ends.
 
@@ -38,26 +69,15 @@ def run(arguments: argparse.Namespace, tell: Callable[[str], None]) -> None:
     LinkInUseError
         The link cannot be made, or belongs to something else.
     """
-    rig = _rig(arguments)
-    faults = [parse_fault(text) for text in arguments.fault]
-    profile = load_motion(arguments.profile)
-    encoder = ENCODERS[arguments.protocol]
-
-    def frames() -> Iterator[Frame]:
-        """All frames from power-on."""
-        blocks = faulty_blocks(measure(rig, profile, arguments.seed, still=StillWord(arguments.still)), faults)
-        endless = faulty_frames(encoder.frames(blocks, rig.base), faults, arguments.seed)
-        return endless if arguments.duration is None else takewhile(lambda f: f.t_s < arguments.duration, endless)
-
-    cable = FaultyCable(faults)
-    with stopped_by_signals() as is_over, closing(PtyDevice(arguments.link, encoder.hello(rig.base), cable)) as device:
+    made = device_of(arguments)
+    with stopped_by_signals() as is_over, closing(PtyDevice(arguments.link, made.greeting, made.cable)) as device:
         tell(f"{arguments.protocol} on {arguments.link} ({device.slave_name})")
         if arguments.reset:
-            sent, lost = play_after_each_opening(frames, device, arguments.speed, is_over)
+            sent, lost = play_after_each_opening(made.frames, device, arguments.speed, is_over)
         else:
             if arguments.wait:
                 device.wait_for_reader(is_over)
-            sent, lost = play(frames(), device, arguments.speed, is_over)
+            sent, lost = play(made.frames(), device, arguments.speed, is_over)
         if not is_over():
             device.drain()
     tell(f"{sent} samples sent, {lost} without a reader")

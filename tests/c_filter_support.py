@@ -11,7 +11,7 @@ import pytest
 from firmware_support import HERE, run
 from numpy.typing import ArrayLike, NDArray
 
-from gyrodrift.firmware.header import gyrodrift_h
+from gyrodrift.firmware.targets import gyrodrift_h
 from gyrodrift.values.arrays import Floats
 
 WARNINGS = ("-Wall", "-Wextra", "-Werror", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-pedantic")

@@ -14,10 +14,9 @@ from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.linear_model import LinearModel
 from gyrodrift.diagnose.inference.ranking import ranking
 from gyrodrift.diagnose.predictive_checks.binned_medians import medians, trend_rms_dps
-from gyrodrift.diagnose.predictive_checks.change_points import ChangePoint
 from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
 from gyrodrift.diagnose.predictive_checks.residual_checks import Dependence, ResidualChecks
-from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries, Spectra
+from gyrodrift.diagnose.predictive_checks.residual_series import ChangePoint, ResidualSeries, Spectra
 from gyrodrift.diagnose.predictive_checks.yaw_impact import YawImpact
 from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis, Untestable
 from gyrodrift.simulation.sessions import rig_yaml

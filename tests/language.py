@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-PACKAGES = ("docs", "gyrodrift", "firmware_sim")
+PACKAGES = ("docs", "gyrodrift", "firmware_sim", "benchmark/gyrogap")
 
 PRONOUNS = frozenset(
     [

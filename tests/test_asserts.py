@@ -31,8 +31,7 @@ def _is_expectation(node: ast.AST) -> bool:
 
 
 def test_every_test_shows_what_it_asserts() -> None:
-    """Benches that only measure are left out."""
-    paths = [path for path in sorted(TESTS.rglob("test_*.py")) if path.parent.name != "bench"]
+    paths = sorted(TESTS.rglob("test_*.py"))
     silent = [
         f"{path.relative_to(TESTS)}::{one.name}" for path in paths for one in functions_of(path) if not has_assert(one)
     ]

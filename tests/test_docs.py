@@ -11,11 +11,15 @@ from pathlib import Path
 import pytest
 
 from gyrodrift.cli import COMMANDS, parser_of
+from gyrodrift.cli.plug_ins import summaries
 from gyrodrift.values.errors import UsageError
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
-PAGES = sorted([*ROOT.glob("*.md"), *DOCS.rglob("*.md")])
+PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("benchmark/*.md"), *DOCS.rglob("*.md")])
+NAMES = [*COMMANDS, *(name for name, _ in summaries(COMMANDS))]
+"""Commands here, and those of the package in benchmark/."""
+
 SOURCES = sorted([*(ROOT / "gyrodrift").rglob("*.py"), *(ROOT / "firmware_sim").rglob("*.py")])
 EQUATIONS = 11
 """1 to 8 are HDR, 9 PI, 10 E, 11 NE."""
@@ -91,7 +95,7 @@ def test_links_lead_somewhere(page: Path) -> None:
 def test_every_page_is_in_the_index() -> None:
     """docs/README.md links to every other page of docs."""
     listed = {(DOCS / target.partition("#")[0]).resolve() for target in links(DOCS / "README.md")}
-    assert {name_of(page) for page in PAGES if page.parent != ROOT and page not in listed} == {"docs/README.md"}
+    assert {name_of(page) for page in PAGES if page.is_relative_to(DOCS) and page not in listed} == {"docs/README.md"}
 
 
 def test_every_picture_is_shown() -> None:
@@ -108,7 +112,7 @@ def test_commands_in_code_blocks_are_understood(page: Path) -> None:
     for program, *words in shell_lines(page):
         if Path(program).name == "gyrodrift":
             command, *arguments = words
-            assert command in COMMANDS, f"gyrodrift {command}: there is no such command"
+            assert command in NAMES, f"gyrodrift {command}: there is no such command"
             if page.name.startswith("extending-"):
                 assert set(OPTION.findall(" ".join(arguments))) <= options_of(command)
                 continue
@@ -124,12 +128,12 @@ def test_commands_in_code_blocks_are_understood(page: Path) -> None:
 def test_commands_and_options_in_the_text_exist(page: Path) -> None:
     """`gyrodrift COMMAND --option` names a command and its options; an option alone is one of some command."""
     known = set(OPTION.findall("--help --version")) | options_of_module("firmware_sim")
-    known |= {option for command in COMMANDS for option in options_of(command)}
+    known |= {option for command in NAMES for option in options_of(command)}
     for code in CODE.findall(prose(page)):
         words = code.split()
         named = set(OPTION.findall(code))
         if words[0] == "gyrodrift" and len(words) > 1 and not words[1].startswith("-"):
-            assert words[1] in COMMANDS, f"{code}: there is no such command"
+            assert words[1] in NAMES, f"{code}: there is no such command"
             assert named <= options_of(words[1]), code
         elif words[0].startswith("--"):
             assert named <= known, f"{code}: no command has it"
@@ -139,7 +143,7 @@ def test_commands_and_options_in_the_text_exist(page: Path) -> None:
 def test_what_is_to_be_run_or_read_exists(page: Path) -> None:
     """Tests, configs and sources that a page names by path, but for toys and old names, and targets of make."""
     if not page.name.startswith(("extending-", "CHANGELOG")):
-        for path in re.findall(r"\b(?:tests|config|gyrodrift)/[\w./-]+\.(?:py|yaml)\b", page.read_text()):
+        for path in re.findall(r"\b(?:benchmark|tests|config|gyrodrift)/[\w./-]+\.(?:py|yaml)\b", page.read_text()):
             assert (ROOT / path).exists(), f"{path}: there is no such file"
     targets = set(re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
     for program, *words in shell_lines(page):
@@ -150,7 +154,7 @@ def test_what_is_to_be_run_or_read_exists(page: Path) -> None:
 def test_each_promise_is_held_by_a_test_that_there_is() -> None:
     """Every row of docs/promises.md names one, by file and function."""
     page = (DOCS / "promises.md").read_text()
-    named = re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", page)
+    named = re.findall(r"`((?:benchmark|tests)/[\w/]+\.py)::(\w+)`", page)
     assert [f"{path}::{name}" for path, name in named if f"def {name}(" not in (ROOT / path).read_text()] == []
     rows = page.partition("## What was run")[0].splitlines()
     promises = [line for line in rows if line.startswith("| ") and "| test |" not in line]

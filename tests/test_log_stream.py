@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from support import are_recorded, never, speaking_on
 
-from gyrodrift.io.log_stream import LONGEST_KEPT, UnwaitingStream
+from gyrodrift.io.log import LONGEST_KEPT, UnwaitingStream
 
 LINE = "timestamp=now level=info event=something number=1\n"
 
@@ -126,7 +126,7 @@ def test_lines_of_two_processes_stay_whole(pipe: tuple[int, int]) -> None:
 
 REFUSED = """
 import os, sys
-from gyrodrift.io.log_stream import UnwaitingStream
+from gyrodrift.io.log import UnwaitingStream
 os.setuid(65534)  # of a pipe of root, as in a container with a user of its own
 try:
     os.open("/proc/self/fd/2", os.O_WRONLY)

@@ -1,7 +1,7 @@
-"""Regular expressions on text that came from elsewhere: each takes time that grows with the length alone.
+"""Regular expressions on text from elsewhere: each takes time that grows with the length of the text alone.
 
-Every pattern of the package is given what makes backtracking worst: the texts that its own parts match, over and over,
-behind a beginning that it likes, with an end that it does not.
+Every pattern of the package gets the texts that make backtracking worst: what its own parts match, repeated, behind a
+beginning that it matches, with an end that it does not. `Backtracking` counts the steps; no clock is read.
 """
 
 import ast
@@ -9,40 +9,29 @@ import importlib
 import itertools
 import pkgutil
 import re
-import signal
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 import pytest
+from pattern_steps import Backtracking, TooManyStepsError
 
 import gyrodrift
 
 SOURCE = "\n".join(path.read_text() for path in Path(gyrodrift.__file__).parent.rglob("*.py"))
 OURS = ("gyrodrift.html.", "gyrodrift.demo.", "gyrodrift.simulation.", "gyrodrift.link.text.")
-"""Rooms whose patterns see what this program wrote, or single lines of a device, whose length is bounded."""
+"""Packages whose patterns see what this program wrote, or single lines of a device, whose length is bounded."""
 
-SHORT, LONG = 8192, 32768
-MOST_RATIO = 10.0
-"""Of the times for the two lengths: 4 where they are linear, 16 where they are quadratic."""
+REPETITIONS = (8, 16, 32)
+"""Of a unit. The increase of linear steps doubles from one pair to the next, that of quadratic steps is fourfold."""
 
-QUICK_S = 0.02
-"""Who is done with LONG by then is not quadratic: that would be 500 million steps."""
-
-PATIENCE_S = 0.3
-"""Processor time for one text; what takes longer is not linear."""
+MOST_RATIO = 2.25
 
 MOST_CHARACTERS = 3
 """Of a pattern, that are taken in pairs."""
 
 CALLS = {f"re.{name}" for name in ("match", "fullmatch", "search", "sub", "split", "findall", "finditer")}
 parser: Any = importlib.import_module("re._parser")
-
-
-class TooLongError(Exception):
-    """A pattern was not done in time."""
 
 
 def modules() -> Iterator[str]:
@@ -163,30 +152,14 @@ class Texts:
                 return ""
 
 
-def time_s(call: Callable[[Any], object], text: str | bytes) -> float:
-    """Processor time; TooLongError behind PATIENCE_S."""
-    begun_s = time.process_time()
-    signal.setitimer(signal.ITIMER_VIRTUAL, PATIENCE_S)
+def is_linear(matcher: Backtracking, before: str, unit: str, *, is_searched: bool) -> bool:
+    """Whether twice the repetitions take about twice the steps."""
     try:
-        call(text)
-    finally:
-        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
-    return time.process_time() - begun_s
-
-
-def is_linear(call: Callable[[Any], object], text_of: Callable[[int], str | bytes]) -> bool:
-    """Whether four times the text takes about four times as long."""
-    try:
-        long_s = time_s(call, text_of(LONG))
-        if long_s < QUICK_S:
-            return True
-        ratios = [
-            time_s(call, text_of(LONG)) / max(min(time_s(call, text_of(SHORT)) for _ in range(3)), 1e-9)
-            for _ in range(3)
-        ]
-    except TooLongError:
+        counts = (matcher.steps(before + unit * count + "\0", is_searched=is_searched) for count in REPETITIONS)
+        few, some = next(counts), next(counts)
+        return few == some or next(counts) - some <= MOST_RATIO * (some - few)
+    except TooManyStepsError:
         return False
-    return min(ratios) < MOST_RATIO
 
 
 def is_looked_for(name: str) -> bool:
@@ -195,31 +168,18 @@ def is_looked_for(name: str) -> bool:
 
 
 def slow_text(pattern: re.Pattern[Any], *, is_searched: bool = True) -> str:
-    """One that it takes too long for; empty where there is none."""
-    calls: list[Callable[[Any], object]] = [pattern.fullmatch]
+    """A text whose steps grow faster than its length; empty if there is none.
+
+    A search is a match at each place, so a bound in a pattern bounds what a place costs. One match has no such excuse.
+    """
+    matchers = [(Backtracking(pattern, has_bounds=False), False)]
     if is_searched:
-        calls.append(lambda text: sum(1 for _ in pattern.finditer(text)))
-    is_bytes = isinstance(pattern.pattern, bytes)
+        matchers.append((Backtracking(pattern, has_bounds=True), True))
     for before, unit in Texts(pattern).all():
-
-        def text_of(length: int, before: str = before, unit: str = unit) -> str | bytes:
-            text = before + unit * (length // max(1, len(unit))) + "\0"
-            return text.encode("latin-1", "replace") if is_bytes else text
-
-        for call in calls:
-            if unit and not is_linear(call, text_of):
+        for matcher, searched in matchers:
+            if unit and not is_linear(matcher, before, unit, is_searched=searched):
                 return f"{before!r} + {unit!r}*n"
     return ""
-
-
-@pytest.fixture(autouse=True)
-def alarm() -> Iterator[None]:
-    def end(_number: int, _frame: FrameType | None) -> None:
-        raise TooLongError
-
-    before = signal.signal(signal.SIGVTALRM, end)
-    yield
-    signal.signal(signal.SIGVTALRM, before)
 
 
 def test_every_pattern_takes_time_that_grows_with_the_length_alone() -> None:
@@ -230,7 +190,39 @@ def test_every_pattern_takes_time_that_grows_with_the_length_alone() -> None:
     assert slow == {}
 
 
-@pytest.mark.parametrize("pattern", [r"(a+)+b", r"\d+\d+x", r"(?:x*)*y", r"\s*\n\s*;", r"<[^>]*>", r"a.*?b.*?c"])
+@pytest.mark.parametrize(
+    "pattern", [r"(a+)+b", r"\d+\d+x", r"(?:x*)*y", r"\s*\n\s*;", r"<[^>]*>", r"a.*?b.*?c", r"(?:a|a)*b", r"a*(?=a*b)a"]
+)
 def test_a_pattern_that_goes_back_is_found(pattern: str) -> None:
     """Nested repeats, two that match the same, and a beginning that is looked for over and over."""
     assert slow_text(re.compile(pattern))
+
+
+@pytest.mark.parametrize("pattern", [r"(a++)+b", r"(?>\d+)x", r"a*b", r"<[^>]*>", r"(a)(?!\1)b?", r"(?<=a)b*+|c"])
+def test_a_pattern_that_does_not_go_back_passes(pattern: str) -> None:
+    assert not slow_text(re.compile(pattern), is_searched=False)
+
+
+@pytest.mark.parametrize(
+    "pattern",
+    [
+        r"(a+)+b",
+        r"(?:a*)*b?",
+        r"(?:ab|a)(?:b,)?+",
+        r"(?>a|ab)b",
+        r"(?:a|ab)b",
+        r"a*?b{2,3}",
+        r"a*+a",
+        r"(a|b)\1,?",
+        r"(?:(?=ab).|,)*+b",
+        r"(?:a(?!b)|b(?<=ab))+",
+        r"(?i:A)[^a]*$",
+        r"\b[ab]+\b,?",
+        r"(?:a??b){1,2}",
+    ],
+)
+def test_the_matcher_that_counts_finds_what_re_finds(pattern: str) -> None:
+    matcher, compiled = Backtracking(re.compile(pattern), has_bounds=True), re.compile(pattern)
+    for length in range(6):
+        for text in map("".join, itertools.product("ab,", repeat=length)):
+            assert matcher.fullmatch(text) == bool(compiled.fullmatch(text)), text

@@ -1,4 +1,7 @@
-"""The command line `gyrodrift COMMAND ...`: one file for each command, imported when it runs."""
+"""The command line `gyrodrift COMMAND ...`: one file for each command, imported when it runs.
+
+Other packages add commands (`plug_ins.py`); they are looked for where a name is none of ours, and for a list of all.
+"""
 
 import os
 import select
@@ -7,7 +10,7 @@ from importlib import import_module
 from textwrap import indent
 from types import ModuleType
 
-from gyrodrift.cli.parser import Parser, unknown
+from gyrodrift.cli.parser import Parser
 from gyrodrift.cli.standard_streams import accept_all_characters, open_standard_streams
 from gyrodrift.values.errors import GyrodriftError, UsageError, visible
 from gyrodrift.values.secret import mentions_secret, shown_words
@@ -23,7 +26,6 @@ COMMANDS = {
     "record": "record a device into session files",
     "tune": "find filter parameters from recorded sessions",
     "diagnose": "name the effect that explains the gap between a simulator and recordings",
-    "gyrogap": "make or score the open benchmark of causes of the gap between a simulator and recordings",
     "compare": "compare the filters with plain integration, x-io Fusion, VQF and others on your sessions",
     "filter": "run the filter of serve over a recorded session",
     "firmware": "write the filter as a library for a microcontroller: C, Arduino, ESPHome, MicroPython and others",
@@ -66,7 +68,7 @@ def main(argv: list[str] | None = None) -> int:
     arguments = sys.argv[1:] if argv is None else argv
     name = next((word for word in arguments if not word.startswith("-")), "")
     try:
-        if name in COMMANDS and arguments[0] == name:
+        if name and arguments[0] == name:
             return _run(name, arguments[1:])
         return _outside_of_commands(arguments, name)
     except GyrodriftError as error:
@@ -143,8 +145,18 @@ def _check_system(name: str) -> None:
 
 
 def command_of(name: str) -> ModuleType:
-    """Module of a command."""
-    return import_module(f"gyrodrift.cli.{name.replace('-', '_')}")
+    """Module of a command, ours or that of another package.
+
+    Raises
+    ------
+    UsageError
+        There is no such command, or the package that adds it is broken.
+    """
+    if name in COMMANDS:
+        return import_module(f"gyrodrift.cli.{name.replace('-', '_')}")
+    from gyrodrift.cli.plug_ins import command_named
+
+    return command_named(name, COMMANDS)
 
 
 def parser_of(name: str) -> Parser:
@@ -158,10 +170,12 @@ def parser_of(name: str) -> Parser:
 
 def program_parser() -> Parser:
     """Parser of the options without a command."""
+    from gyrodrift.cli.plug_ins import summaries
     from gyrodrift.io.installation import version_line
 
-    width = max(map(len, COMMANDS))
-    listing = "\n".join(f"  {command:{width}}  {what}" for command, what in COMMANDS.items())
+    commands = [*COMMANDS.items(), *summaries(COMMANDS)]
+    width = max(len(command) for command, _ in commands)
+    listing = "\n".join(f"  {command:{width}}  {what}" for command, what in commands)
     parser = Parser(
         usage="gyrodrift COMMAND ... (gyrodrift help COMMAND for its options)",
         description=f"Correct the yaw drift of a low-cost gyro in real time.\n\ncommands:\n{listing}",
@@ -172,10 +186,9 @@ def program_parser() -> Parser:
 
 
 def _outside_of_commands(arguments: list[str], name: str) -> int:
-    if name in COMMANDS:
-        raise UsageError(f"{name!r} stands behind options; write gyrodrift {name} first")
     if name:
-        raise unknown("command", name, COMMANDS)
+        command_of(name)
+        raise UsageError(f"{name!r} stands behind options; write gyrodrift {name} first")
     parser = program_parser()
     parser.read(arguments)
     parser.print_help(sys.stderr)

@@ -7,11 +7,12 @@ gyrodrift completion fish | source. For good: put that line into ~/.bashrc, ~/.z
 import argparse
 import os
 from collections.abc import Callable, Iterable
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from gyrodrift.cli import COMMANDS, parser_of
+from gyrodrift.cli.parser import Parser
+from gyrodrift.values.errors import UsageError
 
 EXAMPLES = """\
 eval "$(gyrodrift completion bash)"
@@ -68,10 +69,25 @@ def _whole_parser(line: str) -> argparse.ArgumentParser:
     parser.add_argument("--version", action="store_true", help="the version")
     commands = parser.add_subparsers()
     command = line.split()[1:2]
-    for name, what in COMMANDS.items():
-        parents = [parser_of(name)] if command == [name] else []
+    for name, what in _commands().items():
+        parents = _parents(name) if command == [name] else []
         commands.add_parser(name, help=what, parents=parents, add_help=not parents)
     return parser
+
+
+def _parents(name: str) -> list[Parser]:
+    """Parser of a command; none if the package that adds it is broken."""
+    try:
+        return [parser_of(name)]
+    except UsageError:
+        return []
+
+
+def _commands() -> dict[str, str]:
+    """Commands with their summaries; those here win over plug-ins with their names."""
+    from gyrodrift.cli.plug_ins import summaries
+
+    return dict(summaries(COMMANDS)) | COMMANDS
 
 
 def _profiles() -> list[str]:
@@ -109,6 +125,6 @@ NAMES: dict[str, Callable[[], list[str]]] = {
     "EFFECT": _effects,
     "NAME[:param=value,...]": _rig_effects,
     "port": _ports,
-    "COMMAND": partial(list, COMMANDS),
+    "COMMAND": lambda: list(_commands()),
 }
 """Known names for each kind of argument."""

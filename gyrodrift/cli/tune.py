@@ -17,13 +17,55 @@ from typing import TYPE_CHECKING
 
 from gyrodrift.cli import INTERRUPTED, inputs, numbers, options
 from gyrodrift.filters.registry import FILTERS
-from gyrodrift.io.files import check_inputs_kept, check_writable
+from gyrodrift.io.files import UnreadableError, check_inputs_kept, check_writable, read_ordinary, write_whole
 from gyrodrift.values.errors import UsageError, visible
 
 if TYPE_CHECKING:
     from gyrodrift.evaluation.dataset import Source
     from gyrodrift.io.progress import Progress
     from gyrodrift.tune.result import Tuning
+
+MARK = b"Written by gyrodrift "
+"""Words in the head of every written header, before the version."""
+
+INCLUDED = ("gyrodrift.h", "gyrodrift_native.h", "math.h", "stdint.h", "string.h")
+"""Headers that the library and its includes are found by: a header of this name would be included in their place."""
+
+LONGEST_BYTES = 1 << 20
+
+
+def check_header(path: Path) -> None:
+    """Check that a header can be written, and replaces no file of another origin.
+
+    Raises
+    ------
+    UsageError
+        With what is wrong.
+    """
+    if path.suffix not in (".h", ".hpp"):
+        raise UsageError(f"--header {path}: a header ends in .h")
+    if path.name.lower() in INCLUDED:
+        raise UsageError(f"--header {path}: {path.name} is a header of the library or of C; choose another name")
+    if not path.parent.is_dir():
+        raise UsageError(f"--header {path}: there is no folder {path.parent}")
+    check_writable(path.parent)
+    try:
+        content = read_ordinary(path, LONGEST_BYTES).content
+    except FileNotFoundError:
+        return
+    except UnreadableError as error:
+        raise UsageError(f"--header {path}: {error}") from error
+    if MARK not in content:
+        raise UsageError(f"--header {path}: is not from gyrodrift; choose another name")
+
+
+def write_header(path: Path, config: Path) -> None:
+    """Write parameters and calibration of a config."""
+    from gyrodrift.config.model import load_config
+    from gyrodrift.firmware.my_gyro import TunedGyro, my_gyro_h
+
+    write_whole(path, [my_gyro_h(TunedGyro.of_config(load_config(config), config.name), path.name)])
+
 
 EXAMPLES = """\
 gyrodrift tune sessions --out my.yaml --report report
@@ -93,8 +135,6 @@ def run(arguments: argparse.Namespace) -> int:
     """Tune; 0 if all files are written."""
     _check_paths(arguments.out, arguments.report)
     if arguments.header is not None:
-        from gyrodrift.cli.gyro_headers import check_header
-
         check_header(arguments.header)
     with options.progress_of(arguments, {}) as progress:
         progress.report(options.PACKAGES, 0, 0)
@@ -170,8 +210,6 @@ def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
         made = Provenance(set_name(given), command, date_now(), config=f"{arguments.out}, with these parameters:")
         write_whole(arguments.report / "report.html", [report_html(tuning, made)])
     if arguments.header is not None:
-        from gyrodrift.cli.gyro_headers import write_header
-
         write_header(arguments.header, arguments.out)
     for warning in tuning.warnings:
         print(f"gyrodrift: warning: {warning}", file=sys.stderr)

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from typing import Any
 
+from firmware_sim.strict_yaml import Key
 from gyrodrift.config.explain import describe_value, unknown_key
-from gyrodrift.config.yaml import Key
 from gyrodrift.filters.run import AXES, Axes
 from gyrodrift.values.mount import AXES as DIRECTIONS
 from gyrodrift.values.mount import LEVEL, Mount

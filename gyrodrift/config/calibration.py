@@ -10,8 +10,8 @@ from typing import Any, get_type_hints
 import yaml
 from pydantic import ValidationError, create_model
 
+from firmware_sim.strict_yaml import Key
 from gyrodrift.config.explain import Strict, describe_value, expectation, unknown_key
-from gyrodrift.config.yaml import Key
 from gyrodrift.values.calibration import AXES_SHAPES, Calibration, moment
 from gyrodrift.values.errors import UsageError
 from gyrodrift.values.vectors import determinant, numbers_of, shape_text

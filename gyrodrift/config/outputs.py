@@ -6,8 +6,8 @@ from typing import Any, get_args, get_type_hints
 
 from pydantic import ValidationError, create_model
 
+from firmware_sim.strict_yaml import Key, plain_value
 from gyrodrift.config.explain import Strict, describe_value, expectation, unknown_key
-from gyrodrift.config.yaml import Key, plain_value
 from gyrodrift.outputs.options import OutputSpec, about, secrets
 from gyrodrift.outputs.registry import OUTPUTS
 from gyrodrift.values.errors import UsageError

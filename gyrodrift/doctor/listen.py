@@ -85,7 +85,7 @@ def _hear(link: Link, seconds: float, heard: _Heard, progress: OnProgress, monot
     opened_s = monotonic()
     begun_s: float | None = None
     while True:
-        wait_readable(link.fileno(), min(link.wake_s(), LONGEST_WAIT_S))
+        _wait(link)
         try:
             heard.samples += link.read()
         except LinkError as error:
@@ -98,6 +98,10 @@ def _hear(link: Link, seconds: float, heard: _Heard, progress: OnProgress, monot
             return
         task = "waiting for the device" if begun_s is None else "listening, keep it still"
         progress(task, int(now_s - (begun_s or opened_s)), int(seconds) if begun_s is not None else 0)
+
+
+def _wait(link: Link) -> None:
+    wait_readable(link.fileno(), min(link.wake_s(), LONGEST_WAIT_S))
 
 
 def _status(link: Link, facts: SessionFacts | None, *, has_clock: bool, has_line: bool) -> LinkStatus:

@@ -198,8 +198,8 @@ def _write(path: Path, calibration: Calibration) -> None:
     """Put the calibration into a config; all other lines stay. UsageError if the config has become unreadable."""
     from yaml import YAMLError  # noqa: PLC0415 - there is a config, so it is loaded, and so are the next two
 
+    from firmware_sim.strict_yaml import LONGEST_BYTES  # noqa: PLC0415
     from gyrodrift.config.calibration import block_text, with_block  # noqa: PLC0415
-    from gyrodrift.config.yaml import LONGEST_BYTES  # noqa: PLC0415
 
     block = block_text(calibration)
     try:

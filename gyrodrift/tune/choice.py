@@ -7,20 +7,90 @@ from math import sqrt
 
 import numpy as np
 
-from gyrodrift.evaluation.dataset import Split
-from gyrodrift.evaluation.score import Score
+from gyrodrift.evaluation.attitude import attitude_history
+from gyrodrift.evaluation.dataset import LoadedSession, Split
+from gyrodrift.evaluation.score import Score, score_of
 from gyrodrift.evaluation.space import row_of
-from gyrodrift.filters.filter import Filter
+from gyrodrift.filters.filter import Filter, FilterParams
 from gyrodrift.filters.registry import SHIPPED
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
-from gyrodrift.io.progress import COMPILING, OnProgress, ignore_progress
+from gyrodrift.io.progress import COMPILING, TOTAL, OnProgress, ignore_progress
 from gyrodrift.tune.result import Alternative, Pi, Tuning
 from gyrodrift.tune.search.journal import Journal
-from gyrodrift.tune.three_axes import CHECKED, worse_on_three_axes
-from gyrodrift.tune.total_progress import TotalProgress
-from gyrodrift.tune.tuning import Plan, TuningRun
+from gyrodrift.tune.tuning import REDUCED_EVALUATIONS, Plan, TuningRun
 from gyrodrift.tune.tuning_set import TuningSet
 from gyrodrift.values.errors import DataError
+
+CHECKED = 3
+"""Sessions that are compared: 3 of 30 min at 100 Hz take some minutes. Chosen."""
+
+
+def worse_on_three_axes(params: FilterParams, sessions: Sequence[LoadedSession]) -> str:
+    """Warning if the attitude filter is worse with these parameters than with its defaults; empty if it is better."""
+    with_axes = [session for session in sessions if session.reference.axes is not None]
+    if not with_axes:
+        return ""
+    tuned_deg, default_deg = (_rms_deg(candidate, with_axes) for candidate in (params, RESTLEVEL.params()))
+    if tuned_deg < default_deg:
+        return ""
+    return (
+        f"the parameters found on the rate of the heading are worse on three axes: {tuned_deg:.3g} against "
+        f"{default_deg:.3g} deg RMS; the config has the defaults"
+    )
+
+
+def _rms_deg(params: FilterParams, sessions: Sequence[LoadedSession]) -> float:
+    """Root of the mean PI over the sessions, deg."""
+    return sqrt(float(np.mean([_pi_deg2(params, session) for session in sessions])))
+
+
+def _pi_deg2(params: FilterParams, session: LoadedSession) -> float:
+    reference = session.reference
+    if reference.axes is None:
+        raise ValueError(f"{reference.name} has one axis")
+    history = attitude_history(session.t_s, reference.axes, reference.auxiliary, params)
+    return float(score_of(reference, history.yaw_deg).pi_deg2)
+
+
+WEIGHTS = {"hdr": 1, "restlevel": 3}
+"""Duration of an evaluation relative to HDR by CARLA: measured, `gyrodrift tune` on 6 sessions of 10 minutes."""
+
+
+class TotalProgress:
+    """Passes on the progress of each search, and adds the total of all searches.
+
+    Parameters
+    ----------
+    sessions
+        Number of sessions if each is held out in turn, else 0.
+    """
+
+    def __init__(self, plans: tuple[Plan, ...], sessions: int, progress: OnProgress) -> None:
+        self._progress = progress
+        self._total = sum(_weight(plan) * _evaluations(plan, sessions) for plan in plans)
+        self._done: dict[tuple[str, str], int] = {}
+
+    def of_plan(self, plan: Plan) -> OnProgress:
+        """Progress for the searches of a plan."""
+
+        def report(search: str, done: int, total: int) -> None:
+            self._progress(search, done, total)
+            self._done[plan.filter.name, search] = _weight(plan) * done
+            self._progress(TOTAL, min(sum(self._done.values()), self._total), self._total)
+
+        return report
+
+
+def _weight(plan: Plan) -> int:
+    return WEIGHTS.get(plan.filter.name, max(WEIGHTS.values()))
+
+
+def _evaluations(plan: Plan, sessions: int) -> int:
+    """Evaluations of all searches: of each seed, of the reduced model, and without each session."""
+    model = plan.filter.reduced_model
+    is_reduced = {axis.name for axis in plan.axes} != set(model.names)
+    reduced = min(REDUCED_EVALUATIONS, plan.evaluations) if is_reduced else 0
+    return (len(plan.seeds) + sessions) * plan.evaluations + reduced
 
 
 def tune_filters(

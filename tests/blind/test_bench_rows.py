@@ -4,14 +4,13 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-
 from blind import judge
 from blind.bench_rows import bench_rows
 from blind.gap import read_gap
 from blind.score import Share, score
 from blind.table import markdown
-from blind.told import case, cause, gap, outcome
 from blind.tried import Tried
+from blind_support import case, cause, gap, outcome
 
 LAG = {"latency": {"delay_ms": 8.0}}
 LIMIT = {"saturation": {"limit_dps": 125.0}}

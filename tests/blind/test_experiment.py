@@ -4,10 +4,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
 from blind.experiment import cases, names, random_profile, summary
 from blind.gap import read_gap
-from blind.told import cause, gap
+from blind_support import cause, gap
+
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import parse_effect
 

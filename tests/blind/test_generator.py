@@ -1,34 +1,24 @@
 """The physics of the generator: what is put in is found by plain estimators, and where nothing is, nothing is."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
+import generator_support as further
 import numpy as np
 import pytest
-
-from blind.recipes import Recipe, recipes, session_columns
-from gyrodrift.gyrogap import estimators as by
-from gyrodrift.gyrogap.catalogue import EFFECTS, JUDGED
-from gyrodrift.gyrogap.physics.bench import Columns
-from gyrodrift.gyrogap.physics.kinds import KINDS, InjectedEffect
-from gyrodrift.gyrogap.physics.scene import scene_of
-from gyrodrift.gyrogap.physics.sizes import SIZES, STRENGTHS
-
-COUNT_DPS = 0.00763
+from generator_support import COUNT_DPS, plain_batch
+from gyrogap import estimators as by
+from gyrogap.catalogue import EFFECTS, JUDGED
+from gyrogap.physics.bench import Columns
+from gyrogap.physics.kinds import KINDS, InjectedEffect
+from gyrogap.physics.scene import scene_of
+from gyrogap.physics.sizes import SIZES, STRENGTHS
 
 
-def plain(*faults: InjectedEffect) -> Recipe:
-    """The first case without a gap of the development set, with other contents."""
-    recipe = next(recipe for recipe in recipes("development", 5) if recipe.kind == "none")
-    device = replace(recipe.device, sample_hz=99.7, dps_per_lsb=COUNT_DPS, noise_dps_rthz=0.0035, encoder_cpr=36000)
-    return replace(recipe, faults=faults, device=device)
-
-
-def columns(*faults: InjectedEffect) -> Columns:
-    """Its heated session."""
-    recipe = plain(*faults)
-    heated = next(number for number, plan in enumerate(recipe.sessions) if plan.heated_c)
-    return session_columns(recipe, heated)
+def columns(*effects: InjectedEffect) -> Columns:
+    """The heated session of a device with these effects."""
+    batch = plain_batch(*effects)
+    return batch.columns(next(number for number, plan in enumerate(batch.plans) if plan.heated_c))
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,24 +46,24 @@ TURN = {"amplitude_dps": 0.03, "phase_deg": 40.0}
 DISC = {"amplitude_deg": 0.3, "phase_deg": 70.0}
 
 CHECKS = [
-    Check("scale_factor", {"error_percent": -1.0}, by.of_fit("scale", 100.0), 0.0, 0.02, 0.02),
-    Check("scale_asymmetry", {"error_percent": 0.3}, by.of_fit("asymmetry", 100.0), 0.0, 0.02, 0.02),
-    Check("vibration_rectification", {"bias_dps_at_100_dps": 0.05}, by.of_fit("square"), 0.0, 0.005, 0.005),
-    Check("latency", {"delay_ms": 8.0}, by.of_fit("lead_s", -1000.0), 0.0, 0.3, 0.3),
-    Check("temp_bias", {"slope_dps_per_c": 0.02, "curve_dps_per_c2": 0.0}, by.of_fit("temp"), 0.0, 0.0015, 0.0015),
-    Check("temp_scale", {"slope_percent_per_c": 0.05}, by.of_fit("temp_scale", 100.0), 0.0, 0.003, 0.003),
-    Check("g_sensitivity", TURN, by.amplitude("sine", "cosine"), 0.0, 0.003, 0.003),
-    Check("encoder_eccentricity", DISC, by.amplitude("sine_rate", "cosine_rate"), 0.0, 0.01, 0.02),
+    Check("scale_factor", {"error_percent": -1.0}, further.of_fit("scale", 100.0), 0.0, 0.02, 0.02),
+    Check("scale_asymmetry", {"error_percent": 0.3}, further.of_fit("asymmetry", 100.0), 0.0, 0.02, 0.02),
+    Check("vibration_rectification", {"bias_dps_at_100_dps": 0.05}, further.of_fit("square"), 0.0, 0.005, 0.005),
+    Check("latency", {"delay_ms": 8.0}, further.of_fit("lead_s", -1000.0), 0.0, 0.3, 0.3),
+    Check("temp_bias", {"slope_dps_per_c": 0.02, "curve_dps_per_c2": 0.0}, further.of_fit("temp"), 0.0, 0.0015, 0.0015),
+    Check("temp_scale", {"slope_percent_per_c": 0.05}, further.of_fit("temp_scale", 100.0), 0.0, 0.003, 0.003),
+    Check("g_sensitivity", TURN, further.amplitude("sine", "cosine"), 0.0, 0.003, 0.003),
+    Check("encoder_eccentricity", DISC, further.amplitude("sine_rate", "cosine_rate"), 0.0, 0.01, 0.02),
     Check("clock_drift", {"ppm": -600.0}, by.clock_ppm, 0.0, 10.0, 10.0),
     Check("timestamp_jitter", {"sigma_ms": 0.5}, by.stamp_sigma_ms, 0.002, 0.001, 0.02),
-    Check("usb_batching", {"interval_ms": 16.0}, by.arrival_spread_ms, 0.0, 1.6, 1.6),
+    Check("usb_batching", {"interval_ms": 16.0}, further.arrival_spread_ms, 0.0, 1.6, 1.6),
     Check("sample_drop", {"share_percent": 1.0}, by.dropped_percent, 0.0, 0.0, 0.15),
     Check("stale_hold", {"share_percent": 4.0}, by.moving_equal_percent, 0.0, 0.4, 1.0),
     Check("quantization", {"step_dps": 0.25}, by.least_step_dps, COUNT_DPS, 1e-6, 0.006),
-    Check("deadband", {"width_dps": 0.2}, by.zero_width_dps, COUNT_DPS, 1e-6, 0.006),
+    Check("deadband", {"width_dps": 0.2}, further.zero_width_dps, COUNT_DPS, 1e-6, 0.006),
     Check("saturation", {"limit_dps": 125.0}, by.largest_dps, 195.0, 8.0, 0.004),
     Check("encoder_quantization", {"cpr": 720.0}, by.counts_per_turn, 36000.0, 10.0, 5.0),
-    Check("vibration", TONE, by.tone_dps(143.0), 0.0, 0.004, 0.01),
+    Check("vibration", TONE, further.tone_dps(143.0), 0.0, 0.004, 0.01),
     Check("backlash", {"play_deg": 0.4}, by.play_deg, 0.0, 0.02, 0.03),
 ]
 
@@ -104,15 +94,15 @@ def test_noise_is_the_angle_random_walk_that_is_stated(nothing: Columns) -> None
 
 def test_slips_come_as_often_as_they_should() -> None:
     """Each of the step's size, some in every few minutes."""
-    found = by.slips_deg(columns(InjectedEffect("encoder_slip", {"step_deg": 2.0, "per_hour": 120.0})))
+    found = further.slips_deg(columns(InjectedEffect("encoder_slip", {"step_deg": 2.0, "per_hour": 120.0})))
     assert 4 <= len(found) <= 24
     assert np.abs(found) == pytest.approx(2.0, abs=0.15)
 
 
 def test_flicker_has_the_floor_of_its_name() -> None:
     """The Allan deviation of 1/f noise lies at 0.664 B whatever the averaging time."""
-    recipe = plain()
-    scene = scene_of(recipe.sessions[0], recipe.device.sample_hz, recipe.path)
+    batch = plain_batch()
+    scene = scene_of(batch.plans[0], batch.device.sample_hz, batch.path)
     found = []
     for seed in range(12):
         noise = KINDS["bias_instability"][1](
@@ -135,22 +125,22 @@ def test_a_low_pass_takes_noise_and_delays_motion() -> None:
 
 def test_sessions_differ_in_start_and_heat() -> None:
     """One starts warm, another one is heated by 8 to 15 °C, the others start cold; the clock says since when."""
-    for recipe in recipes("development", 4)[:20]:
-        warm = [plan.powered_s >= 900.0 for plan in recipe.sessions]
-        heated = [plan.heated_c >= 8.0 for plan in recipe.sessions]
+    for seed in range(20):
+        batch = plain_batch(seed=seed)
+        warm = [plan.powered_s >= 900.0 for plan in batch.plans]
+        heated = [plan.heated_c >= 8.0 for plan in batch.plans]
         assert (sum(warm), sum(heated)) == (1, 1)
         assert warm.index(True) != heated.index(True)
-        assert 4 <= len(recipe.sessions) <= 6
-    first = session_columns(recipe, warm.index(True))
+    first = batch.columns(warm.index(True))
     assert 900.0 <= first.t_device_s[0] <= 2001.0
-    assert np.ptp(session_columns(recipe, heated.index(True)).temp_c) > 6.0
+    assert np.ptp(batch.columns(heated.index(True)).temp_c) > 6.0
 
 
 def test_motion_is_rich() -> None:
     """Both signs up to some 190 deg/s, stills, full turns, acceleration beyond a thousand deg/s²; it starts at rest."""
-    recipe = plain()
-    for number, plan in enumerate(recipe.sessions):
-        scene = scene_of(plan, 100.0, (*recipe.path, number))
+    batch = plain_batch()
+    for number, plan in enumerate(batch.plans):
+        scene = scene_of(plan, 100.0, (*batch.path, number))
         assert scene.rate_dps.min() < -185.0
         assert scene.rate_dps.max() > 185.0
         assert np.mean(scene.rate_dps == 0.0) > 0.15
@@ -162,7 +152,7 @@ def test_motion_is_rich() -> None:
 
 def test_angle_is_the_integral_of_rate() -> None:
     """Between samples ten seconds apart, by another rule of integration."""
-    scene = scene_of(plain().sessions[0], 100.0, ("integral",))
+    scene = scene_of(plain_batch().plans[0], 100.0, ("integral",))
     for start in range(0, len(scene.t_s) - 1000, 1000):
         part = slice(start * scene.fine, (start + 1000) * scene.fine + 1)
         turned_deg = np.trapezoid(scene.fine_dps[part], dx=1.0 / scene.fine_hz)

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-FOLDER = Path(__file__).parent
-PHYSICS = FOLDER.parent.parent / "gyrodrift" / "gyrogap" / "physics"
-MODULES = sorted(path for path in FOLDER.rglob("*.py") if not path.name.startswith("test_"))
+BENCHMARK = Path(__file__).parents[2] / "benchmark"
+FOLDER, PHYSICS = BENCHMARK / "blind", BENCHMARK / "gyrogap" / "physics"
+MODULES = sorted(FOLDER.rglob("*.py"))
 
 
 def modules_of(path: Path) -> set[str]:
@@ -24,7 +24,7 @@ def modules_of(path: Path) -> set[str]:
 @pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(FOLDER)))
 def test_nothing_of_the_program_is_imported(path: Path) -> None:
     """Neither the simulator that explains nor the program that is judged: the open benchmark is neither."""
-    modules = {module for module in modules_of(path) if not module.startswith("gyrodrift.gyrogap")}
+    modules = {module for module in modules_of(path) if not module.startswith("gyrogap")}
     assert not {module.split(".")[0] for module in modules} & {"gyrodrift", "firmware_sim", "importlib", "runpy"}
     assert "__import__" not in path.read_text()
 
@@ -33,7 +33,7 @@ def test_nothing_of_the_program_is_imported(path: Path) -> None:
 def test_the_generator_needs_numpy_and_scipy_alone(path: Path) -> None:
     """And the standard library, and nothing of what runs and scores but the names of the effects."""
     standard = {"collections", "dataclasses", "enum", "hashlib", "math", "pathlib", "typing"}
-    own = {module for module in modules_of(path) if module.startswith("gyrodrift")}
+    own = {module for module in modules_of(path) if module.startswith("gyrogap")}
     assert {module.split(".")[0] for module in modules_of(path) - own} <= standard | {"numpy", "scipy"}
-    inner = ("gyrodrift.gyrogap.catalogue", "gyrodrift.gyrogap.physics")
+    inner = ("gyrogap.catalogue", "gyrogap.physics")
     assert all(module.startswith(inner) for module in own)

@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-
 from blind.rows.recordings import LEAST_S, LEAST_SET_S, OWNED, Recorded, Rows, devices, recordings_of
 from blind.rows.table import ROWS, draw_case
 from blind.rows.tampering import ANYWHERE, MOVING, draw_tampering, tamper
-from gyrodrift.gyrogap.catalogue import EFFECTS
-from gyrodrift.gyrogap.physics.dice import effect_dice, plan_dice
-from gyrodrift.gyrogap.physics.kinds import InjectedEffect
+from gyrogap.catalogue import EFFECTS
+from gyrogap.physics.dice import effect_dice, plan_dice
+from gyrogap.physics.kinds import InjectedEffect
 
 HZ = 50.0
 T_S = np.arange(3000) / HZ

@@ -6,25 +6,24 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from blind.cost import yaw_cost_deg
 from blind.folder import SetFolder
 from blind.prepare import prepare
 from blind.rows.case import RowCase
 from blind.rows.simulated import Simulated
 from blind.rows.table import ROWS, draw_case, draw_rows, find_case
-from gyrodrift.gyrogap import estimators as by
-from gyrodrift.gyrogap.catalogue import EFFECTS
-from gyrodrift.gyrogap.physics.bench import Columns
-from gyrodrift.gyrogap.physics.dice import plan_dice
-from gyrodrift.gyrogap.physics.driven import Mover, driven_motion
-from gyrodrift.gyrogap.physics.kinds import InjectedEffect
-from gyrodrift.gyrogap.physics.motion import TOP_DPS
-from gyrodrift.gyrogap.physics.rig_text import rig_text
-from gyrodrift.gyrogap.physics.sizes import STRENGTHS
-from gyrodrift.gyrogap.physics.spread import COUNTS, RATES_HZ, STEPS_DPS, draw_facts, draw_fault_for
-from gyrodrift.gyrogap.physics.stand import Stand
-from gyrodrift.gyrogap.physics.write import SessionBatch
+from gyrogap import estimators as by
+from gyrogap.catalogue import EFFECTS
+from gyrogap.physics.bench import Columns
+from gyrogap.physics.dice import plan_dice
+from gyrogap.physics.driven import Mover, driven_motion
+from gyrogap.physics.kinds import InjectedEffect
+from gyrogap.physics.motion import TOP_DPS
+from gyrogap.physics.rig_text import rig_text
+from gyrogap.physics.sizes import STRENGTHS
+from gyrogap.physics.spread import COUNTS, RATES_HZ, STEPS_DPS, draw_facts, draw_fault_for
+from gyrogap.physics.stand import Stand
+from gyrogap.physics.write import SessionBatch
 
 GENERATED = ("none_generator", "none_driven", "single", "small", "outside", "pair", "triple", "left_out", "loop")
 
@@ -115,9 +114,9 @@ def test_no_row_moves_another() -> None:
 def test_a_folder_can_be_extended(tmp_path: Path) -> None:
     """More cases of a row are sealed beside those that are; no seal is made anew."""
     folder = SetFolder(tmp_path / "set")
-    prepare(folder, "bench", 9, rows=["small"], count=2)
+    prepare(folder, 9, ["small"], 2)
     before = folder.hashes()
-    prepare(folder, "bench", 9, rows=["small", "loop"], count=3)
+    prepare(folder, 9, ["small", "loop"], 3)
     after = folder.hashes()
     assert len(before) == 2
     assert len(after) == len(folder.plan().cases) == 6

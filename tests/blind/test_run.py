@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
 from blind.folder import SetFolder
 from blind.prepare import prepare
 from blind.rows.recordings import devices
 from blind.run import Options, run_set
 from blind.tried import open_all
-from gyrodrift.gyrogap.catalogue import EFFECTS
+from gyrogap.catalogue import EFFECTS
+from gyrogap.seals import OPENINGS
 
 STAND_IN = """
 import json, os, sys, time
@@ -41,14 +41,11 @@ sys.exit(0)
 class Set:
     """A small set and a stand-in that does something before it answers."""
 
-    def __init__(self, tmp_path: Path, *titles: str, row: str = "") -> None:
+    def __init__(self, tmp_path: Path, row: str) -> None:
         self.folder = SetFolder(tmp_path / "set")
         self.log = tmp_path / "log"
         self._script = tmp_path / "stand_in.py"
-        if row:
-            prepare(self.folder, "bench", 9, rows=[row], count=1)
-        else:
-            prepare(self.folder, "smoke", 3, titles)
+        prepare(self.folder, 9, [row], 1)
 
     def run(self, act: str = "", timeout_s: float = 60.0, *, oracle: bool = False, keep: bool = False) -> None:
         self._script.write_text(STAND_IN.format(log=str(self.log), act=act))
@@ -67,15 +64,15 @@ class Set:
 
 def test_it_hands_over_sessions_and_a_rig_alone(tmp_path: Path) -> None:
     """The words of the command line, and nothing else beside the sessions; no seal is opened."""
-    one = Set(tmp_path, "single/latency")
+    one = Set(tmp_path, "triple")
     one.run()
     (call,) = one.calls()
     words = call["words"]
     assert [words[0], words[2], words[4], *words[6:]] == ["diagnose", "--rig", "--out", "--jobs", "1"]
     assert call["files"] == ["rig.yaml", "sessions", *(f"sessions/session-{number}.csv" for number in range(1, 4))]
-    assert "latency" not in " ".join(words)
+    assert not [effect for effect in EFFECTS if effect in " ".join(words)]
     assert not Path(words[1]).exists()
-    assert not one.folder.openings.exists()
+    assert not (one.folder.root / OPENINGS).exists()
     assert one.result()["gap"]["verdict"] == "none"
 
 
@@ -89,7 +86,7 @@ def test_what_the_plan_withholds_is_withheld_in_a_second_run(tmp_path: Path) -> 
 
 def test_what_has_a_result_is_not_run_again(tmp_path: Path) -> None:
     """A run that was interrupted goes on; the sessions are kept where that is asked for."""
-    one = Set(tmp_path, "single/latency")
+    one = Set(tmp_path, "triple")
     one.run(keep=True)
     one.run()
     assert len(one.calls()) == 1
@@ -98,16 +95,16 @@ def test_what_has_a_result_is_not_run_again(tmp_path: Path) -> None:
 
 def test_the_oracle_may_name_the_true_effect_only(tmp_path: Path) -> None:
     """It runs after the blind ones, and its openings are logged."""
-    one = Set(tmp_path, "single/latency")
+    one = Set(tmp_path, "single")
     one.run(oracle=True)
-    withheld = set(one.calls()[1]["words"][8:]) - {"--withhold"}
-    assert withheld == set(EFFECTS) - {"latency"}
-    assert one.folder.openings.read_text().endswith("oracle\n")
+    withheld = set(one.calls()[-1]["words"][8:]) - {"--withhold"}
+    assert withheld == set(EFFECTS) - {"scale_factor"}
+    assert (one.folder.root / OPENINGS).read_text().endswith("oracle\n")
 
 
 def test_new_sessions_are_looked_at_with_the_rig_that_was_adopted(tmp_path: Path) -> None:
     """And that rig is kept with the blind result, so that an interrupted run goes on with it."""
-    one = Set(tmp_path, row="loop")
+    one = Set(tmp_path, "loop")
     one.run(NAMES_A_CAUSE)
     first, again = one.calls()
     assert again["rig"] == first["rig"] + "# adopted"
@@ -121,7 +118,7 @@ def test_new_sessions_are_looked_at_with_the_rig_that_was_adopted(tmp_path: Path
 
 def test_where_nothing_is_named_nothing_is_adopted(tmp_path: Path) -> None:
     """The second run is not made, and not tried again."""
-    one = Set(tmp_path, row="loop")
+    one = Set(tmp_path, "loop")
     one.run()
     one.run()
     assert len(one.calls()) == 1
@@ -132,7 +129,7 @@ def test_where_nothing_is_named_nothing_is_adopted(tmp_path: Path) -> None:
 
 def test_the_device_without_the_effect_is_looked_at_with_the_same_rig(tmp_path: Path) -> None:
     """As it would be before anything happened to it."""
-    one = Set(tmp_path, row="small")
+    one = Set(tmp_path, "small")
     one.run()
     first, without = one.calls()
     assert first["rig"] == without["rig"]
@@ -143,7 +140,7 @@ def test_a_baseline_is_handed_over(tmp_path: Path) -> None:
     """Beside the recordings of today, as the command line takes it."""
     if not devices():
         pytest.skip("the folder of recordings is not there")
-    one = Set(tmp_path, row="baseline")
+    one = Set(tmp_path, "baseline")
     one.run()
     (call,) = one.calls()
     words = call["words"]
@@ -164,7 +161,7 @@ def test_a_baseline_is_handed_over(tmp_path: Path) -> None:
 )
 def test_a_failure_is_a_result(tmp_path: Path, act: str, failure: str) -> None:
     """It is kept with its last words, counted, and not tried again."""
-    one = Set(tmp_path, "single/latency")
+    one = Set(tmp_path, "triple")
     one.run(act, timeout_s=2.0 if failure == "too late" else 60.0)
     one.run()
     assert len(one.calls()) <= 1  # a machine that is busy may not have started it before it is late

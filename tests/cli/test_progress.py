@@ -20,8 +20,8 @@ from support import PATIENCE_S, Terminal, ours
 from gyrodrift.cli import main
 from gyrodrift.io.progress import COMPILING, Progress
 from gyrodrift.library.analyses import compare, tune
+from gyrodrift.tune.choice import TotalProgress
 from gyrodrift.tune.plans import plans_of
-from gyrodrift.tune.total_progress import TotalProgress
 from gyrodrift.tune.tuning import Plan
 
 

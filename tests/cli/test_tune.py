@@ -17,8 +17,8 @@ from turntable_sessions import RATE_HZ, turntable, write_turntables
 from gyrodrift.cli import main
 from gyrodrift.config.model import load_config
 from gyrodrift.filters.hdr import HdrParams, HdrState, coefficients, step
-from gyrodrift.firmware.header import gyrodrift_h
 from gyrodrift.firmware.my_gyro import TunedGyro, my_gyro_h
+from gyrodrift.firmware.targets import gyrodrift_h
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.session.session import Session
 from gyrodrift.tune.search import journal

@@ -1,16 +1,22 @@
 """`gyrodrift serve` at boards of other people: it proposes what something says, and asks for everything else."""
 
+import select
 from collections.abc import Callable
+from contextlib import closing
+from itertools import count
 from math import radians
 from pathlib import Path
 from random import Random
-from threading import Thread
 from typing import NamedTuple
 
 import pytest
-from support import never, speaking_on
+from support import PATIENCE_S, never, speaking_on
 
-from gyrodrift.cli import main
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
+from gyrodrift.values.errors import DeviceSilentError
+
+HEARD_S = 3.0
 
 
 class Motion(NamedTuple):
@@ -110,52 +116,39 @@ ASKED: dict[str, Printed] = {
 }
 
 
-def said(port: Path, capsys: pytest.CaptureFixture[str], printed: Printed) -> str:
-    """What the command says of a board that prints this, when it gives up."""
-    dice = Random(1)
-
-    def speak() -> None:
-        device.wait_for_reader(never)
-        number = 0
-        while not is_over and device.send_all(printed(motion(number, dice)).encode("latin-1"), lambda: bool(is_over)):
-            number += 1
-
-    is_over: list[bool] = []
+def said(port: Path, printed: Printed) -> str:
+    """What the link says of a board that prints this, when it gives up; time goes by with the lines."""
+    dice, now_s = Random(1), [100.0]
     with speaking_on(port) as device:
-        speaker = Thread(target=speak)
-        speaker.start()
-        try:
-            status = main(
-                ["serve", "--port", str(port), "--baud", "115200", "--timeout", "0.6", "--log-level", "error"]
-            )
-        finally:
-            is_over.append(True)
-            speaker.join()
-    out, err = capsys.readouterr()
-    assert (status, out) == (3, "")
-    return err
+        link = Link(LinkOptions(str(port), baud=115200, timeout_s=HEARD_S), lambda _, **__: None, lambda: now_s[0])
+        with closing(link), pytest.raises(DeviceSilentError) as raised:
+            device.wait_for_reader(never)
+            for number in count():
+                assert device.send_all(printed(motion(number, dice)).encode("latin-1"), never)
+                select.select([link.fileno()], [], [], PATIENCE_S)
+                assert link.read() == []
+                now_s[0] = 100.0 + motion(number, dice).t_s
+    return str(raised.value)
 
 
 @pytest.mark.parametrize("name", PROPOSED)
-def test_what_something_says_is_proposed_with_its_unit(
-    port: Path, capsys: pytest.CaptureFixture[str], name: str
-) -> None:
+def test_what_something_says_is_proposed_with_its_unit(port: Path, name: str) -> None:
     printed, columns = PROPOSED[name]
-    assert f"--columns '{columns}'" in said(port, capsys, printed)
+    assert f"--columns '{columns}'" in said(port, printed)
 
 
 @pytest.mark.parametrize("name", UNIT_ASKED)
-def test_a_unit_that_nothing_says_is_asked_for(port: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
+def test_a_unit_that_nothing_says_is_asked_for(port: Path, name: str) -> None:
     printed, columns = UNIT_ASKED[name]
-    told = said(port, capsys, printed)
+    told = said(port, printed)
     assert f"{columns}'" in told
     assert f"gyrodrift doctor --port {port} --turn" in told
 
 
 @pytest.mark.parametrize("name", ASKED)
-def test_what_no_number_is_said_to_be_is_asked_for(port: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
+def test_what_no_number_is_said_to_be_is_asked_for(port: Path, name: str) -> None:
     """Without a proposal that somebody could paste."""
-    told = said(port, capsys, ASKED[name])
+    told = said(port, ASKED[name])
     assert "none of them is known to be the yaw rate" in told
     assert f"gyrodrift doctor --port {port} --turn" in told
     assert "--columns '" not in told

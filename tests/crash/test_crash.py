@@ -9,10 +9,10 @@ from random import Random
 
 import numpy as np
 import pytest
+from crash.kills import killed_serve, killed_writer
 from disk_support import fill, read_only_disk, small_disk
 from support import ours
 
-from crash.kills import killed_serve, killed_writer
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.session.session import Session
 from gyrodrift.values.arrays import Floats

@@ -11,8 +11,7 @@ from simulate_support import BASE, MOTION
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.rig import Rig, parse_effect
-from gyrodrift.diagnose.baseline_comparison import changes_since, explained_baseline, without_baseline
-from gyrodrift.diagnose.compared_features import compared_of
+from gyrodrift.diagnose.baseline_comparison import changes_since, compared_of, explained_baseline, without_baseline
 from gyrodrift.diagnose.features.vector import NOT_OF_STEPS, NUMBER, SLOW
 from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.recording.recording import Recording, recording_of

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import pytest
 import serial
-from doctor_support import FAST, SECONDS, assert_findings, device, doctor
+from doctor_support import FAST, SECONDS, assert_findings, device, doctor, running_device
 from serial.tools import list_ports
 from serial.tools.list_ports_common import ListPortInfo
 from support import Command, speaking_on
@@ -120,7 +120,7 @@ def test_how_full_the_line_is(
 
 def test_a_port_that_another_program_holds(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """It is named, and loses nothing."""
-    with device(port, "--profile", "rest"), Command("serve", "--port", port) as serve:
+    with running_device(port, "--profile", "rest"), Command("serve", "--port", port) as serve:
         serve.take_lines(3)
         status, found = doctor(capsys, "--port", port)
         assert status == 3
@@ -182,7 +182,7 @@ def test_of_several_ports_that_of_the_gyro_is_taken(
 ) -> None:
     """It is opened once: what was heard while it was looked for is not lost to a second boot."""
     plugged_in(port, tmp_path / "gone")
-    with device(port, *FAST, "--profile", "rest"):
+    with running_device(port, "--profile", "rest"):
         status, found = doctor(capsys, "--seconds", "0.2")
     assert status == 0
     assert_findings(found, [("protocol", "ok", "It sends native"), ("restarts", "ok", "")])

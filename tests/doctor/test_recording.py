@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from doctor_support import FAST, assert_findings, device, doctor
+from doctor_support import assert_findings, doctor, running_device
 from support import Command, Terminal
 
 from gyrodrift.cli import main
@@ -50,7 +50,8 @@ def test_what_a_recording_kept_of_its_link_is_told(
     """Damage, the protocol and how full the line was; a table of other people says nothing of them."""
     out = tmp_path / "out"
     record = ("record", "--port", port, "--out", out, "--duration", "10")
-    with device(port, *FAST, "--profile", "rest", "--fault", "bit_flips:per_kilobyte=5"), Command(*record) as run:
+    words = ("--speed", "max", "--profile", "rest", "--fault", "bit_flips:per_kilobyte=5")
+    with running_device(port, *words), Command(*record) as run:
         assert run.end() == 0, run.log
     status, found = doctor(capsys, *out.glob("*.mcap"))
     assert status == 3

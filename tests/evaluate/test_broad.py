@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from evaluate.broad import Trial, load_trial, main, trial_errors
 from hand_motion import RATE_HZ, hand_motion
 from scipy.io import savemat
 from scipy.spatial.transform import Rotation
 
-from evaluate.broad import Trial, load_trial, main, trial_errors
 from gyrodrift.values.arrays import Floats
 
 

@@ -5,16 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from evaluate.gyrogap_methods.cases import case_features, read_case
 from evaluate.gyrogap_methods.diagnose import answer_of
 from evaluate.gyrogap_methods.rate_error import rate_error
 from evaluate.gyrogap_methods.table import table
 from evaluate.gyrogap_methods.training import training_line
-from gyrodrift.gyrogap.answer import BenchmarkAnswer
-from gyrodrift.gyrogap.answer import answer_of as checked
-from gyrodrift.gyrogap.judge import JudgedCase
-from gyrodrift.gyrogap.rows import draw_case
+from gyrogap.answer import BenchmarkAnswer
+from gyrogap.answer import answer_of as checked
+from gyrogap.judge import JudgedCase
+from gyrogap.rows import draw_case
 
 
 def test_a_diagnosis_becomes_an_answer() -> None:

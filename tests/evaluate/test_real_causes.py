@@ -6,9 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from recordings_support import Recordings
-from scipy.signal import periodogram
-
 from evaluate import real_causes_part
 from evaluate.baseline import group_of
 from evaluate.real_causes import ARRIVAL, CASES, DEVICES, LOOP, OUTSIDE, LabeledCase
@@ -24,6 +21,9 @@ from evaluate.real_causes_part import (
     unlabeled_sure,
     write_piece,
 )  # fmt: skip
+from recordings_support import Recordings
+from scipy.signal import periodogram
+
 from firmware_sim.rig import load_rig
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.session.files import load_session

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
 from evaluate.round_trip_part import names_first_or_tied
+
 from firmware_sim.rig import load_rig
 from gyrodrift.cli import main
 from gyrodrift.simulation.sessions import rig_yaml

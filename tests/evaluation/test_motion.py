@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gyrodrift.evaluation.motion import longest_motion_s
+from gyrodrift.evaluation.dataset import longest_motion_s
 
 
 def test_the_longest_motion_is_measured_between_rests() -> None:

@@ -30,7 +30,7 @@ OUTPUT_ROUNDING = 1e-7
 
 FLOAT_DEG, FLOAT_SHARE = 0.005, 2e-3
 """Largest yaw difference of float, and likewise as a share of the yaw sigma.
-Measured: tests/bench/test_attitude_accuracy.py."""
+Measured: benchmark/bench/test_attitude_accuracy.py."""
 
 USUAL = RestlevelParams()
 Session = tuple[Floats, Floats]

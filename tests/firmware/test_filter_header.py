@@ -11,8 +11,8 @@ from c_filter_support import WARNINGS, CFilters, words, write_header
 from firmware_support import run
 
 from gyrodrift.filters.registry import FILTERS
-from gyrodrift.firmware.header import ROOT_PART, gyrodrift_h, joined
 from gyrodrift.firmware.parameters import FILTERS_FOLDER, initializer, parameters_h
+from gyrodrift.firmware.targets import ROOT_PART, gyrodrift_h, joined
 
 M4F = ("-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard")
 

@@ -5,13 +5,12 @@ from pathlib import Path
 from random import Random
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
-
 from fuzz.command import CORPUS, NAMES
 from fuzz.limits import Limited
 from fuzz.mutate import mutated
 from fuzz.targets import FOLDER, TARGETS, forget
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 KEPT = sorted(path for path in CORPUS.glob("*/*") if path.is_file())
 SEEDS = {name: [path.read_bytes() for path in KEPT if path.parent.name == name] for name in NAMES}

@@ -4,12 +4,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from gyrogap.answer import BenchmarkAnswer, answer_of, read_answer
+from gyrogap.physics.bench import measure
+from gyrogap.physics.scene import scene_of
+from gyrogap.rows import draw_case
+from gyrogap.vocabulary import GROUP_OF, PARAMETERS, effect_of_answer
 
-from gyrodrift.gyrogap.answer import BenchmarkAnswer, answer_of, read_answer
-from gyrodrift.gyrogap.physics.bench import measure
-from gyrodrift.gyrogap.physics.scene import scene_of
-from gyrodrift.gyrogap.rows import draw_case
-from gyrodrift.gyrogap.vocabulary import GROUP_OF, PARAMETERS, effect_of_answer
 from gyrodrift.values.errors import DataError
 
 PATH = Path("answers/c0ffee.json")
@@ -103,7 +103,7 @@ def test_every_effect_of_an_answer_can_be_simulated(name: str) -> None:
 
 def test_the_page_has_the_vocabulary() -> None:
     """Each effect with its group, and each parameter with its unit, in the table of docs/gyrogap.md."""
-    page = (Path(__file__).parent.parent.parent / "docs" / "gyrogap.md").read_text()
+    page = (Path(__file__).parents[2] / "docs" / "gyrogap.md").read_text()
     rows = {line.split("`")[1]: line for line in page.splitlines() if line.startswith("| `") and line.count("|") == 4}
     for name, parameters in PARAMETERS.items():
         assert all(f"`{parameter.name}` {parameter.unit}: {parameter.about}" in rows[name] for parameter in parameters)

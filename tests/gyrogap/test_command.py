@@ -4,10 +4,10 @@ import json
 from pathlib import Path
 
 import pytest
+from gyrogap.command import ROW_NAMES
+from gyrogap.rows import ROWS
 
 from gyrodrift.cli import main
-from gyrodrift.cli.gyrogap import ROW_NAMES
-from gyrodrift.gyrogap.rows import ROWS
 
 
 @pytest.fixture(scope="module")

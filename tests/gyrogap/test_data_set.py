@@ -5,12 +5,12 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from gyrogap.case import BenchmarkCase
+from gyrogap.data_set import chosen_cases, digest_of_files, make_data_set, read_manifest
+from gyrogap.rows import ON_THREE_AXES, ROWS, draw_case
+from gyrogap.seals import hash_of, open_seal
+from gyrogap.vocabulary import GROUP_OF, PARAMETERS
 
-from gyrodrift.gyrogap.case import BenchmarkCase
-from gyrodrift.gyrogap.data_set import chosen_cases, digest_of_files, make_data_set, read_manifest
-from gyrodrift.gyrogap.rows import ON_THREE_AXES, ROWS, draw_case
-from gyrodrift.gyrogap.seals import hash_of, open_seal
-from gyrodrift.gyrogap.vocabulary import GROUP_OF, PARAMETERS
 from gyrodrift.values.errors import DataError, UsageError
 
 SEED = 20261126

@@ -5,15 +5,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from gyrodrift.gyrogap.answer import AnsweredCause, BenchmarkAnswer
-from gyrodrift.gyrogap.chance import expected_calibration_error
-from gyrodrift.gyrogap.figures import ScoreFigure, figures
-from gyrodrift.gyrogap.gap_closed import GapClosed, gap_closed
-from gyrodrift.gyrogap.judge import JudgedCase
-from gyrodrift.gyrogap.physics.kinds import InjectedEffect
-from gyrodrift.gyrogap.rows import draw_case
-from gyrodrift.gyrogap.score import score_json, table
+from gyrogap.answer import AnsweredCause, BenchmarkAnswer
+from gyrogap.chance import expected_calibration_error
+from gyrogap.figures import ScoreFigure, figures
+from gyrogap.gap_closed import GapClosed, gap_closed
+from gyrogap.judge import JudgedCase
+from gyrogap.physics.kinds import InjectedEffect
+from gyrogap.rows import draw_case
+from gyrogap.score import score_json, table
 
 TRUTHS: dict[str, dict[str, dict[str, float]]] = {
     "none": {},

@@ -5,12 +5,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from gyrodrift.gyrogap.estimators import smooth_rates
-from gyrodrift.gyrogap.features import features_of
-from gyrodrift.gyrogap.physics.bench import Columns
-from gyrodrift.gyrogap.physics.kinds import InjectedEffect
-from gyrodrift.gyrogap.rows import draw_case
+from gyrogap.estimators import smooth_rates
+from gyrogap.features import features_of
+from gyrogap.physics.bench import Columns
+from gyrogap.physics.kinds import InjectedEffect
+from gyrogap.rows import draw_case
 
 GRAVITY_MPS2 = 9.80665
 

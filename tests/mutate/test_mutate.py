@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import pytest
-
 from mutate.copy import ROOT, Outcome, try_fault
 from mutate.fault import Fault, FaultError
 from mutate.faults import FAULTS

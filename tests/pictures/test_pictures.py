@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from pictures import comparison_chart, moving_demo
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -18,18 +17,17 @@ def test_the_chart_shows_the_figures_of_the_results_page() -> None:
 
 
 def test_a_case_is_tinted_if_another_method_is_better() -> None:
-    rows = comparison_chart.rows_of(comparison_chart.REAL, comparison_chart.RESULTS.read_text(encoding="utf-8"))
+    rows = comparison_chart.rows_of(comparison_chart.REAL)
     assert [row.name for row in rows if row.is_lost] == ["BROAD 01", "BROAD 14"]
 
 
-def test_a_cell_with_two_errors_is_read_by_its_column() -> None:
-    page = (
-        "## Hard cases, defaults\n\n| case | Euler | start calibration | x-io Fusion | VQF | restlevel |\n|---|---|\n"
+def test_a_cell_with_two_errors_is_read_by_its_column(tmp_path: Path) -> None:
+    table = tmp_path / "hard.csv"
+    table.write_text(
+        "case,Euler,start calibration,x-io Fusion,VQF,restlevel\n"
+        "drive,1 / 2,3 / 4,5 / 6,7 / 8,9 / 10\nmean of all,1,1,1,1,1\n"
     )
-    page += (
-        "| drive | 1 / 2 | 3 / 4 | 5 / 6 | 7 / 8 | **9 / 10** |\n| **mean of all** | 1 | 1 | 1 | 1 | 1 |\n\n### Next\n"
-    )
-    assert [row.errors_deg["restlevel"] for row in comparison_chart.rows_of("Hard cases, defaults", page, 1)] == [10.0]
+    assert [row.errors_deg["restlevel"] for row in comparison_chart.rows_of(table, 1)] == [10.0]
 
 
 def test_yaw_errors_are_those_against_the_encoder() -> None:

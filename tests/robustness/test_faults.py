@@ -4,7 +4,6 @@ import os
 from datetime import UTC, datetime
 
 import pytest
-
 from robustness.campaign import PROTOCOLS, run, summary, table
 from robustness.strengths import STRENGTHS, Pair, pairs
 

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 
 import pytest
-
 from robustness import soak as soak_module
 from robustness.overload import OverloadResult, clock_set, stopped, too_many_samples
 from robustness.soak import soak

@@ -9,19 +9,19 @@ from typing import Any
 
 import numpy as np
 import pytest
+from simulators import benches
+from simulators.cases import CASES, LOOPED
+from simulators.sessions import write_again, write_jsonl, write_set
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from gyrodrift.cli import main
 from gyrodrift.diagnose.export.exported import Exported, ExportedEffect, MeasuredValue
 from gyrodrift.diagnose.export.mujoco import CALLBACK, XML, mujoco
 from gyrodrift.session.files import load_session
-from simulators import benches
-from simulators.cases import CASES, LOOPED
-from simulators.sessions import write_again, write_jsonl, write_set
 
 mj: Any = pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install '.[simulators]'")
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parents[2] / "benchmark" / "simulators"
 KEPT = ("scale_factor", "scale_asymmetry", "latency", "quantization", "popcorn", "warmup")
 FEW = [word for name in CATALOGUE if name not in KEPT for word in ("--withhold", name)]
 """Fewer candidates take less time; `make evaluate` tries all."""

@@ -8,7 +8,7 @@ from hand_motion import BIAS_DPS, COLUMNS, hand_motion
 pytest.importorskip("numba", reason="tuning needs the workstation extra")
 from gyrodrift.evaluation.dataset import Source, load_with_reference
 from gyrodrift.filters.restlevel.model import RestlevelParams
-from gyrodrift.tune.three_axes import worse_on_three_axes
+from gyrodrift.tune.choice import worse_on_three_axes
 
 WITHOUT_BIAS = RestlevelParams(turn_on_dps=0.001, walk_dps_rts=1e-6)
 """A gyro whose bias is known to be 0: wrong for any board."""

@@ -1,30 +1,119 @@
 """The verdict from the response tables of all sessions, by the posterior over sets of effects."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.inference.density import Groups
-from gyrodrift.diagnose.inference.evidence import pooled_z
+from gyrodrift.diagnose.inference.evidence import Response, pooled_z
 from gyrodrift.diagnose.inference.explanation import Explanation
 from gyrodrift.diagnose.inference.gap import Deviation, deviations, gap_of, listed, no_gap, returning_share
 from gyrodrift.diagnose.inference.observation import observation_of
 from gyrodrift.diagnose.inference.parameters import Parameter, unit_of
 from gyrodrift.diagnose.inference.pooling import evidence_of
-from gyrodrift.diagnose.inference.posterior import POWER, RARE, Posterior, Slot, posterior_of
+from gyrodrift.diagnose.inference.posterior import POWER, RARE, Posterior, Slot, WeightedSet, posterior_of
+from gyrodrift.diagnose.inference.ridge import pair_in, summed_along
 from gyrodrift.diagnose.inference.scorer import EffectSet, Scorer
-from gyrodrift.diagnose.inference.sets import find_sets, fitted
-from gyrodrift.diagnose.inference.size import SizePosterior, size_posterior
+from gyrodrift.diagnose.inference.sets import find_sets, fitted, profile_of
 from gyrodrift.diagnose.inference.template import templates_of
-from gyrodrift.diagnose.inference.unseparated import with_unseparated
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict
 from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.diagnose.simulate.candidate_kind import CandidateKind
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedSet, Sized
 from gyrodrift.values.arrays import Floats
+
+ODDS = 0.2
+"""Prior odds of a tilt against a scale error that reduces the rate as much. Chosen: scale errors with a standard
+deviation of 1.5 % (data sheets) and boards tilted by 3° about each level axis have odds of 0.23 at 1.2 %."""
+
+
+def with_unseparated(posterior: Posterior, names: Sequence[str]) -> Posterior:
+    """The posterior with untested effects; each takes a part of the probability of the effect that it acts like."""
+    for name in names:
+        posterior = Posterior(tuple(_divided(posterior.hypotheses, KINDS[name])))
+    return posterior
+
+
+def _divided(hypotheses: Sequence[WeightedSet], kind: CandidateKind) -> Iterator[WeightedSet]:
+    for hypothesis in hypotheses:
+        if not _may_be(hypothesis, kind):
+            yield hypothesis
+            continue
+        yield replace(hypothesis, probability=hypothesis.probability / (1.0 + ODDS))
+        names = (hypothesis.names - {kind.acts_like}) | {kind.name}
+        yield replace(hypothesis, names=names, probability=hypothesis.probability * ODDS / (1.0 + ODDS))
+
+
+def _may_be(hypothesis: WeightedSet, kind: CandidateKind) -> bool:
+    """Whether the hypothesis has the effect that `kind` acts like, with the sign that `kind` can have."""
+    sizes = [item.size for item in hypothesis.effect_set.placed if item.template.name == kind.acts_like]
+    return kind.acts_like in hypothesis.names and any(size < 0.0 for size in sizes)
+
+
+CREDIBLE = (0.025, 0.5, 0.975)
+"""Quantiles: a central interval that holds the true size in 95 % of cases, and the median."""
+
+
+@dataclass(frozen=True, slots=True)
+class SizePosterior:
+    """Size of an effect in its most probable variant, in the unit of the candidate.
+
+    is_low_open, is_high_open
+        Whether the interval ends at the smallest or the largest size that was tried.
+    """
+
+    response: Response
+    median: float
+    low: float
+    high: float
+    is_low_open: bool = False
+    is_high_open: bool = False
+
+
+def size_posterior(scorer: Scorer, effect_set: EffectSet, name: str, power: float) -> SizePosterior:
+    """Quantiles of the sizes in the most probable variant, weighted by prior and density to a power.
+
+    If another effect of the set acts like this effect, the posterior is summed over the size of the other effect.
+    """
+    fixed = [placed for placed in effect_set.placed if placed.template.name != name]
+    profile = profile_of(scorer, name, fixed)
+    response = int(profile.best.template.response[profile.best.point])
+    sizes, log_weights = [], []
+    for template, by_form in profile.parts:
+        is_same = template.response == response
+        for densities in by_form[:-1]:
+            log_density = np.logaddexp(*scorer.with_priors(*densities, power))
+            sizes.append(template.size[is_same])
+            log_weights.append((log_density + template.log_prior)[is_same])
+    pair = pair_in(effect_set.names)
+    if pair is not None and name in pair:
+        sizes, log_weights = ([values] for values in summed_along(scorer, effect_set.placed, name, power))
+    low, median, high = quantiles(np.concatenate(sizes), np.concatenate(log_weights), CREDIBLE)
+    best = profile.best.template.responses[response]
+    return SizePosterior(best, median, low, high, *open_ends(best.candidate.sizes, low, high))
+
+
+def open_ends(tried: Floats, low: float, high: float) -> tuple[bool, bool]:
+    """Whether an interval ends within half a step of the smallest and of the largest size that was tried."""
+    if len(tried) == 1:
+        return False, False
+    return bool(low < 0.5 * (tried[0] + tried[1])), bool(high > 0.5 * (tried[-1] + tried[-2]))
+
+
+def quantiles(sizes: Floats, log_weights: Floats, shares: Sequence[float]) -> list[float]:
+    """Quantiles of weighted sizes; the weight of a size is spread over the interval halfway to its neighbors."""
+    every, slot = np.unique(sizes, return_inverse=True)
+    mass = np.bincount(slot, np.exp(log_weights - log_weights.max()))
+    if len(every) == 1:
+        return [float(every[0])] * len(shares)
+    edges = np.concatenate([every[:1], 0.5 * (every[1:] + every[:-1]), every[-1:]])
+    total = np.concatenate([[0.0], np.cumsum(mass)]) / mass.sum()
+    return [float(value) for value in np.interp(shares, total, edges)]
+
 
 NAMED = 0.5
 """Probability from which on a cause is named: that the effect acts, or an effect tied with it."""

@@ -49,8 +49,9 @@ def is_plausible(readings: Sequence[Reading]) -> bool:
     """
     times_us = [reading.t_us or 0 for reading in readings]
     steps_us = [(after - before) & CLOCK_MASK for before, after in pairwise(times_us)]
-    is_enough = len(readings) >= JUDGED_LINES or sum(steps_us) >= JUDGED_S * 1e6
-    odd = sum(not 0 < step_us < CLOCK_MASK // 2 for step_us in steps_us)
+    forward_us = [step_us for step_us in steps_us if 0 < step_us < CLOCK_MASK // 2]
+    is_enough = len(readings) >= JUDGED_LINES or sum(forward_us) >= JUDGED_S * 1e6
+    odd = len(steps_us) - len(forward_us)
     is_warm = all(TEMPERATURES_C[0] <= r.temp_c <= TEMPERATURES_C[1] for r in readings if not isnan(r.temp_c))
     is_clock = odd <= max(1.0, ODD_SHARE * len(steps_us))
     return is_enough and is_clock and is_warm and _follows_rate(readings) and _feels_gravity(readings)

@@ -1,7 +1,7 @@
 """The default search: automata explore the cube in batches, then several local searches compete.
 
 From CARLA: one automaton for each parameter, rewards between the median cost and the least, a density with memory.
-Additions, each better by measurement (`tests/bench/test_search.py`):
+Additions, each better by measurement (`benchmark/bench/test_search.py`):
 
 - logarithmic axes and costs
 - batches of points, which are evaluated in parallel

@@ -5,11 +5,11 @@ import pytest
 from inference_support import Amounts, Simulated, concluded, scorer_of, simulated
 from signed_support import simulated_either_way
 
+from gyrodrift.diagnose.inference.conclusion import SizePosterior, size_posterior
 from gyrodrift.diagnose.inference.posterior import POWER
 from gyrodrift.diagnose.inference.ridge import pair_in, placed_together
 from gyrodrift.diagnose.inference.scorer import EffectSet, Placed, Scorer
 from gyrodrift.diagnose.inference.sets import fitted
-from gyrodrift.diagnose.inference.size import SizePosterior, size_posterior
 
 SCALE = simulated_either_way("scale_factor", {"rate": 40.0})
 TILT_SIZES = np.arange(0.5, 8.01, 0.5)

@@ -6,10 +6,10 @@ from inference_support import SESSIONS, row, scorer_of, simulated, with_differen
 from scipy.stats import norm
 
 from gyrodrift.diagnose.features.vector import FEATURES
+from gyrodrift.diagnose.inference.conclusion import CREDIBLE, SizePosterior, open_ends, quantiles, size_posterior
 from gyrodrift.diagnose.inference.posterior import POWER
 from gyrodrift.diagnose.inference.scorer import CLOSE_TO_IT, USUAL, EffectSet, Placed, Scorer
 from gyrodrift.diagnose.inference.sets import fitted
-from gyrodrift.diagnose.inference.size import CREDIBLE, SizePosterior, open_ends, quantiles, size_posterior
 from gyrodrift.values.arrays import Floats
 
 CASES = 240

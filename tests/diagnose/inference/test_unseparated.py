@@ -4,8 +4,7 @@ import pytest
 from inference_support import Amounts, simulated, simulator, tables
 from signed_support import simulated_either_way
 
-from gyrodrift.diagnose.inference.conclusion import Conclusion, conclude
-from gyrodrift.diagnose.inference.unseparated import ODDS, with_unseparated
+from gyrodrift.diagnose.inference.conclusion import ODDS, Conclusion, conclude, with_unseparated
 
 TRIED = (
     simulated_either_way("scale_factor", {"rate": 2.0, "lag": 1.0}),

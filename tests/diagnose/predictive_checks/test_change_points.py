@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gyrodrift.diagnose.predictive_checks.change_points import change_points_of
+from gyrodrift.diagnose.predictive_checks.residual_series import change_points_of
 from gyrodrift.values.arrays import Floats
 
 SECONDS = 400

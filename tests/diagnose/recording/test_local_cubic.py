@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gyrodrift.diagnose.recording.local_cubic import local_cubic
+from gyrodrift.diagnose.recording.motion_posterior import local_cubic
 from gyrodrift.values.arrays import Floats
 
 SAMPLE_RATE_HZ, SIGMA = 100.0, 0.02

@@ -8,7 +8,7 @@ from scipy.interpolate import CubicSpline
 
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Base, Rig
-from gyrodrift.diagnose.recording.held_angles import without_held_angles
+from gyrodrift.diagnose.recording.checked import without_held_angles
 from gyrodrift.diagnose.recording.recording import recording_of
 from gyrodrift.diagnose.recording.reference_response import reference_response_of
 from gyrodrift.diagnose.simulate.twin import subject_of

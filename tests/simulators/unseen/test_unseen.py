@@ -8,8 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from evaluate import unseen_cases
-
-from firmware_sim.effects.catalogue import CATALOGUE
 from simulators.flaws import Flaw, Floats, Signals
 from simulators.unseen import benches, flaws
 from simulators.unseen.benches import BENCHES
@@ -17,7 +15,9 @@ from simulators.unseen.cases import CASES, REAL, SIMULATOR
 from simulators.unseen.motions import STYLES, commanded_dps
 from simulators.unseen.sessions import simulated
 
-HERE = Path(__file__).parent
+from firmware_sim.effects.catalogue import CATALOGUE
+
+HERE = Path(__file__).parents[3] / "benchmark" / "simulators" / "unseen"
 RATE_HZ = 80.0
 AGREES = {
     "Drake table": (1.3e-3, 0.0, 0.02),

@@ -1,0 +1,7 @@
+"""`python -m benchmark blind`."""
+
+import sys
+
+from blind.command import main
+
+sys.exit(main())

@@ -1,0 +1,175 @@
+"""Real recordings of a device, whole or in pieces, and a rig file that states what can be read off them.
+
+They lie in the folder of further recordings (`recordings_support`). Without it there are none.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from gyrogap.physics.motion import Floats, Mask
+from gyrogap.physics.rig_text import rig_text
+from numpy.typing import NDArray
+from recordings_support import further_recordings
+
+LEAST_S = 21.0
+"""A recording of 20 s is the shortest that is taken; one that loses rows at an end must still be as long."""
+
+LEAST_SET_S = 60.0
+"""Of all recordings of a set together."""
+
+WHOLE_S = 150.0
+PIECE_S = 60.0
+"""What is longer than WHOLE_S is cut into pieces of so much."""
+
+
+@dataclass(frozen=True, slots=True)
+class Owned:
+    """A device of which there are recordings.
+
+    pattern
+        Of their file names, in the folder of further recordings.
+    rates_hz
+        Within which all of them were taken; one device was read at several rates.
+    encoder_cpr
+        Counts per turn of the reference.
+    least_turned_deg
+        Recordings that turned less are left out: a bench that stood still shows another device.
+    each
+        How many recordings a set gets at least; more, until they are a minute in all.
+    """
+
+    pattern: str
+    rates_hz: tuple[float, float]
+    encoder_cpr: int
+    least_turned_deg: float
+    each: int
+
+
+OWNED = {
+    "benchy": Owned("real/benchy_*.csv", (18.5, 19.3), 4096, 30.0, 3),
+    "lsm9ds0": Owned("real/rasteiro_*_lsm9ds0.csv", (80.0, 140.0), 36000, 10.0, 3),
+    "mpu6500": Owned("real/rasteiro_*_mpu6500rm3100.csv", (80.0, 140.0), 36000, 10.0, 2),
+    "broad": Owned("broad_*.csv", (280.0, 290.0), 36000, 10.0, 3),
+    "mpu6050_still": Owned("mpu6050_still.csv", (95.0, 105.0), 36000, -1.0, 3),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """A recording or a piece of one; columns by name, each of shape (n,), times from 0."""
+
+    columns: dict[str, Floats]
+
+    @property
+    def t_s(self) -> Floats:
+        """Device times."""
+        return self.columns["t_device_s"]
+
+    @property
+    def seconds(self) -> float:
+        """Length."""
+        return float(self.t_s[-1] - self.t_s[0])
+
+    @property
+    def rate_hz(self) -> float:
+        """Samples in a second, mean."""
+        return (len(self.t_s) - 1) / self.seconds
+
+    def with_columns(self, **columns: Floats) -> "Rows":
+        """The same with other columns."""
+        return replace(self, columns=self.columns | columns)
+
+    def only(self, chosen: NDArray[np.intp] | Mask) -> "Rows":
+        """Some of the rows, by number or mask."""
+        return Rows({name: column[chosen] for name, column in self.columns.items()})
+
+    def from_zero(self) -> "Rows":
+        """Times and angle begin at 0, as those of a recording of its own do."""
+        starts = {name: self.columns[name] - self.columns[name][0] for name in ("t_device_s", "encoder_deg")}
+        return self.with_columns(**starts)
+
+    def text(self) -> str:
+        """CSV."""
+        lines = [",".join(self.columns), *(_row(cells) for cells in zip(*self.columns.values(), strict=True))]
+        return "\n".join(lines) + "\n"
+
+
+def _row(cells: tuple[float, ...]) -> str:
+    return ",".join(f"{cell:.6f}".rstrip("0").rstrip(".") for cell in cells)
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """Recordings as sessions."""
+
+    recordings: tuple[Rows, ...]
+
+    def write(self, folder: Path) -> None:
+        """Each as a CSV file."""
+        folder.mkdir(parents=True)
+        for number, rows in enumerate(self.recordings, 1):
+            (folder / f"session-{number}.csv").write_text(rows.text())
+
+
+def devices() -> list[str]:
+    """Those of which there are recordings enough for two sets of a minute each, and some to choose from."""
+    return [name for name in OWNED if sum(rows.seconds for rows in recordings_of(name)) >= 2.5 * LEAST_SET_S]
+
+
+@cache
+def recordings_of(device: str) -> tuple[Rows, ...]:
+    """All that are fit, in the order of their names; what is long, in pieces."""
+    owned = OWNED[device]
+    folder = further_recordings()
+    read = [read_rows(path) for path in sorted(folder.glob(owned.pattern))] if folder else []
+    pieces = [piece for rows in read for piece in _pieces(rows)]
+    return tuple(piece for piece in pieces if _is_fit(piece, owned))
+
+
+def _is_fit(rows: Rows, owned: Owned) -> bool:
+    turned_deg = float(np.ptp(rows.columns["encoder_deg"]))
+    low_hz, high_hz = owned.rates_hz
+    return rows.seconds >= LEAST_S and low_hz <= rows.rate_hz <= high_hz and turned_deg > owned.least_turned_deg
+
+
+def _pieces(rows: Rows) -> list[Rows]:
+    if rows.seconds <= WHOLE_S:
+        return [rows.from_zero()]
+    edges = np.searchsorted(rows.t_s, np.arange(rows.t_s[0], rows.t_s[-1], PIECE_S))
+    return [rows.only(np.arange(first, last)).from_zero() for first, last in pairwise(edges)]
+
+
+def read_rows(path: Path) -> Rows:
+    """A CSV file without empty cells."""
+    with path.open() as lines:
+        names = next(lines).strip().split(",")
+        values = np.loadtxt(lines, delimiter=",", ndmin=2)
+    return Rows(dict(zip(names, values.T, strict=True)))
+
+
+def rig_of(device: str) -> str:
+    """What its owner would write down: rate, count of the gyro, counts of the reference, noise where it is calmest."""
+    recordings = recordings_of(device)
+    rate_hz = float(np.median([rows.rate_hz for rows in recordings]))
+    steps = np.concatenate([np.diff(np.unique(np.round(rows.columns["rate_dps"], 5))) for rows in recordings])
+    noise = min(_calmest_dps(rows) for rows in recordings) / np.sqrt(rate_hz)
+    base = {
+        "sample_rate_hz": round(rate_hz, 2),
+        "dps_per_lsb": max(float(f"{np.median(steps):.4g}"), 1e-4),
+        "noise_dps_rthz": max(float(f"{noise:.3g}"), 1e-4),
+        "bias_dps": 0.0,
+        "encoder_cpr": OWNED[device].encoder_cpr,
+        "host_delay_s": 0.002,
+    }
+    return rig_text(base)
+
+
+def _calmest_dps(rows: Rows, window: int = 100) -> float:
+    """Scatter of a sample, from differences of neighbours, in the quietest window that is not dead."""
+    squares = np.square(np.diff(rows.columns["rate_dps"])) / 2.0
+    means = np.convolve(squares, np.ones(window) / window, "valid")
+    alive = means[means > 0.0]
+    return float(np.sqrt(alive.min())) if len(alive) else 0.0

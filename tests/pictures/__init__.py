@@ -1,6 +1,0 @@
-"""Pictures of README and docs that `make pictures` draws.
-
-python -m tests.pictures moving-demo docs/demo-moving.svg     runs the demo's device and service for a minute
-python -m tests.pictures comparison docs/comparison.svg       reads the tables of docs/results.md
-python -m tests.pictures reports docs/reports                 opens every report in a browser; minutes
-"""
