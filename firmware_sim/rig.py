@@ -14,10 +14,11 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError, PydanticKnownError
 
+from firmware_sim.constants import STANDARD_GRAVITY_MPS2
 from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
 from firmware_sim.effects.triaxial.catalogue import TRIAXIAL
-from firmware_sim.effects.triaxial.effect import STANDARD_GRAVITY_MPS2, TriaxialEffect
+from firmware_sim.effects.triaxial.effect import TriaxialEffect
 from firmware_sim.motion.profile import config_folder
 from firmware_sim.named import parse_named
 from firmware_sim.yaml_file import Checked, FileError, load

@@ -27,38 +27,40 @@ BASE = "effects errors io sample values"
 ROOMS = {
     "filters": BASE,
     "session": f"{BASE} columns",
+    "facts": f"{BASE} columns session",
+    "session.checks": f"{BASE} columns facts session",
     "columns": BASE,
     "link": f"{BASE} columns session",
     "html": BASE,
     "outputs": BASE,
     "config": f"{BASE} columns filters firmware_sim.strict_yaml link outputs",
-    "describe": f"{BASE} evaluation filters html session",
-    "doctor": f"{BASE} columns describe evaluation filters link outputs session",
+    "describe": f"{BASE} evaluation facts filters html session session.checks",
+    "doctor": f"{BASE} columns describe evaluation facts filters link outputs session session.checks",
     "recording": f"{BASE} filters link session",
-    "calibrate": f"{BASE} describe link",
+    "calibrate": f"{BASE} facts link",
     "service": f"{BASE} calibrate config filters firmware_sim.strict_yaml link outputs recording",
     "top": f"{BASE} outputs service",
-    "evaluation": f"{BASE} filters session",
+    "evaluation": f"{BASE} facts filters session session.checks",
     "simulation": f"{BASE} firmware_sim session",
     "tune": f"{BASE} evaluation filters html",
-    "compare": f"{BASE} evaluation filters html session tune",
-    "diagnose.recording": f"{BASE} evaluation session",
+    "compare": f"{BASE} evaluation filters html session session.checks tune",
+    "diagnose.recording": f"{BASE} evaluation facts session session.checks",
     "diagnose.features": f"{BASE} diagnose.recording",
-    "diagnose.simulate": f"{BASE} diagnose.features diagnose.recording firmware_sim session simulation",
+    "diagnose.simulate": f"{BASE} diagnose.features diagnose.recording firmware_sim session session.checks simulation",
     "diagnose.inference": f"{BASE} diagnose.features diagnose.recording diagnose.simulate firmware_sim",
     "diagnose.next_recording": f"{BASE} diagnose.features diagnose.inference diagnose.recording diagnose.simulate "
     "firmware_sim simulation",
     "diagnose.predictive_checks": f"{BASE} diagnose.features diagnose.inference diagnose.recording diagnose.simulate "
-    "evaluation filters firmware_sim session tune",
+    "evaluation filters firmware_sim session session.checks tune",
     "diagnose": f"{BASE} diagnose.features diagnose.inference diagnose.next_recording "
-    "diagnose.predictive_checks diagnose.recording diagnose.simulate firmware_sim session simulation",
+    "diagnose.predictive_checks diagnose.recording diagnose.simulate firmware_sim session session.checks simulation",
     "diagnose.report": f"{BASE} diagnose diagnose.export diagnose.features diagnose.inference "
     "diagnose.next_recording diagnose.predictive_checks html",
     "diagnose.export": f"{BASE} diagnose diagnose.inference diagnose.report firmware_sim html",
     "demo": f"{BASE} filters",
     "firmware": f"{BASE} filters config",
     "library": f"{BASE} columns compare config diagnose diagnose.report evaluation filters firmware_sim html link "
-    "session simulation tune",
+    "session session.checks simulation tune",
     "firmware_sim": "firmware_sim.strict_yaml",
     "firmware_sim.strict_yaml": "",
     "gyrogap": "cli io values",
@@ -93,13 +95,13 @@ def of(package: str, names: frozenset[str] | set[str]) -> set[str]:
 
 
 def room_of(name: str) -> str:
-    """`diagnose.features` for a stage of the diagnosis, else the package or the single file below gyrodrift."""
+    """`diagnose.features` for a part with a row of its own, else the package or the single file below gyrodrift."""
     package, *inside = name.split(".")
     if name in ROOMS:  # the one file of the simulated device that the host shares
         return name
     if package != "gyrodrift":
         return package
-    if inside[:1] == ["diagnose"] and ".".join(inside[:2]) in ROOMS:
+    if ".".join(inside[:2]) in ROOMS:
         return ".".join(inside[:2])
     return inside[0] if inside else "gyrodrift"
 

@@ -6,6 +6,7 @@ from itertools import repeat
 from math import isfinite, nan
 from typing import NamedTuple
 
+from firmware_sim.constants import STANDARD_GRAVITY_MPS2
 from firmware_sim.measure import COUNTS_MAX, Block, TriaxialBlock
 from firmware_sim.rig import Base
 
@@ -26,8 +27,6 @@ class Frame(NamedTuple):
 
 
 Vector = tuple[float, float, float]
-STANDARD_GRAVITY_MPS2 = 9.80665
-"""ISO 80000-3."""
 
 
 class Axes(NamedTuple):

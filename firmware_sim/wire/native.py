@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import repeat
 from math import isfinite
 
+from firmware_sim.constants import STANDARD_GRAVITY_MPS2
 from firmware_sim.measure import COUNTS_MAX, Block, TriaxialBlock
 from firmware_sim.own_filter import OwnFilter, own_filter_of
 from firmware_sim.rig import Base
@@ -21,7 +22,7 @@ YAW_TYPE, FILTER_VERSION = 0x04, 0x03
 FILTERS = {"hdr": 1, "restlevel": 2, "attitude": 3}
 """Numbers of the filters in HELLO version 3."""
 
-RECORDED_MPS2_PER_LSB = 16.0 * 9.80665 / 32768.0
+RECORDED_MPS2_PER_LSB = 16.0 * STANDARD_GRAVITY_MPS2 / 32768.0
 """Scale of accelerations in a replayed recording, m/s² per count: a range of ±16 g."""
 
 DEVICE_ID = b"firmware_sim"

@@ -4,10 +4,10 @@ import struct
 from collections.abc import Iterable, Iterator
 from math import isfinite
 
+from firmware_sim.constants import STANDARD_GRAVITY_MPS2
 from firmware_sim.measure import Block
 from firmware_sim.rig import Base
 from firmware_sim.wire.encoder import (
-    STANDARD_GRAVITY_MPS2,
     Axes,
     Frame,
     Measurement,

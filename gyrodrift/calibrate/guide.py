@@ -5,7 +5,7 @@ stop by the rest of the device. A failed step is repeated with a user, and raise
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from datetime import datetime
 from enum import Enum
 from math import isfinite, isnan
@@ -167,11 +167,6 @@ class Guide:
         return Calibration(
             date=now.isoformat(timespec="seconds"),
             device_id=device_id,
-            sign=scales.sign,
-            scale_ccw=scales.scale_ccw,
-            scale_ccw_se=scales.scale_ccw_se,
-            scale_cw=scales.scale_cw,
-            scale_cw_se=scales.scale_cw_se,
             bias_dps=rest.bias_dps if run is None else run.bias_dps,
             bias_se_dps=rest.bias_se_dps,
             temp_c=(rest.temp_c if isfinite(rest.temp_c) else None) if run is None else run.temp_c,
@@ -181,9 +176,7 @@ class Guide:
             temp_high_c=None if run is None else run.high_c,
             noise_dps_rthz=rest.noise_dps_rthz,
             dps_per_lsb=dps_per_lsb or rest.dps_per_lsb,
-            turns=scales.turns,
-            repeats=scales.repeats,
-            mark_deg=scales.mark_deg,
+            **asdict(scales),
         )
 
     def measured(self) -> dict[str, Any]:

@@ -4,11 +4,11 @@ The bias is interpolated between the rests before and after the move.
 """
 
 from dataclasses import dataclass, field
-from math import sqrt
 
 import numpy as np
 
 from gyrodrift.calibrate.rest import BLOCK_SAMPLES_MIN, RestMeasurement
+from gyrodrift.facts.still import StillRule, has_hole
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import CalibrationError
 from gyrodrift.values.sample import Sample
@@ -20,19 +20,8 @@ STOP_S = 1.5
 WINDOW_S = 5.0
 """Longest part of a rest, next to the move, that gives the bias, s."""
 
-STILL_DPS = 0.15
-STILL_ERRORS = 6.0
-"""A block is still if its mean differs from the last bias by less than the larger of both.
-
-The first is the largest bias walk between two stops, the second counts standard errors of the noise.
-"""
-
-TREMBLES_DPS = 0.3
-TREMBLES = 3.0
-"""A still block scatters by less than the larger of both: a hand that holds the table, and a multiple of the noise."""
-
-HOLE_PERIODS = 3.5
-"""Longest step of time without lost samples, in periods."""
+STILL = StillRule(level=0.15, level_errors=6.0, scatter=0.3, scatter_sigmas=3.0)
+"""Floors, deg/s: the largest bias walk between two stops, and a hand that holds the table."""
 
 
 @dataclass(slots=True)
@@ -115,11 +104,8 @@ class Move:
         return max(BLOCK_SAMPLES_MIN, round(BLOCK_S / self.rest.period_s))
 
     def _is_still(self, rate_dps: Floats) -> bool:
-        noise_dps = self.rest.noise_dps
-        is_level = abs(float(rate_dps.mean()) - self.bias_dps) <= max(
-            STILL_DPS, STILL_ERRORS * noise_dps / sqrt(len(rate_dps))
-        )
-        return is_level and float(rate_dps.std()) <= max(TREMBLES_DPS, TREMBLES * noise_dps)
+        noise_dps, change_dps = self.rest.noise_dps, abs(float(rate_dps.mean()) - self.bias_dps)
+        return STILL.is_level(change_dps, noise_dps, len(rate_dps)) and STILL.is_calm(float(rate_dps.std()), noise_dps)
 
     def _forget(self) -> None:
         """Before the move begins, keep the last WINDOW_S of the rest only, and update the bias from them."""
@@ -148,9 +134,9 @@ class Move:
         return max(size, still)
 
     def _check(self, t_s: Floats) -> None:
-        holes_s = np.diff(t_s)
-        if holes_s.max() > HOLE_PERIODS * self.rest.period_s or holes_s.min() <= 0.0:
-            raise CalibrationError(f"samples were lost during the turn, {holes_s.max():.3g} s of them")
+        steps_s = np.diff(t_s)
+        if has_hole(t_s, self.rest.period_s) or steps_s.min() <= 0.0:
+            raise CalibrationError(f"samples were lost during the turn, {steps_s.max():.3g} s of them")
         if self._clipped:
             raise CalibrationError(f"{self._clipped} samples were out of the range of the device: turn more slowly")
 

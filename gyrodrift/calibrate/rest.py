@@ -5,7 +5,7 @@ from math import isnan, nan, sqrt
 
 import numpy as np
 
-from gyrodrift.describe.arrays import blocks_of, smallest_step
+from gyrodrift.facts.arrays import blocks_of, smallest_step, white_noise
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import CalibrationError
 from gyrodrift.values.sample import Sample
@@ -75,7 +75,7 @@ def rest_of(samples: list[Sample]) -> RestMeasurement:
     blocks_dps = blocks_of(rate_dps, size)
     if len(blocks_dps) < 2:
         raise CalibrationError(f"the rest of {t_s[-1] - t_s[0]:.1f} s is too short at {1.0 / period_s:.3g} Hz")
-    noise_dps = float(np.std(np.diff(rate_dps))) / sqrt(2.0)
+    noise_dps = white_noise(rate_dps)
     step_dps = smallest_step(rate_dps)
     _check(blocks_dps, noise_dps, step_dps or 0.0, size * period_s)
     valid_c = temp_c[~np.isnan(temp_c)]

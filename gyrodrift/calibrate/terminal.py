@@ -7,43 +7,19 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from typing import Protocol, TextIO
+from typing import TYPE_CHECKING, TextIO
 
-from gyrodrift.calibrate.guide import GuideStep, Key
+from gyrodrift.calibrate.guide import Guide, GuideStep, Key
 from gyrodrift.link.link import Link
 from gyrodrift.values.errors import DeviceSilentError
-from gyrodrift.values.sample import Sample
+
+if TYPE_CHECKING:
+    from gyrodrift.calibrate.positions.guide import PositionGuide
 
 CLEAR = "\r\x1b[K"
 LINE_EVERY_S = 0.1
 LONGEST_WAIT_S = 0.2
 SILENT_MAX_S = 10.0
-
-
-class StepGuide(Protocol):
-    """Guide through a calibration, as `Guide` for one axis."""
-
-    @property
-    def step(self) -> GuideStep:
-        """Present step."""
-        ...
-
-    @property
-    def line(self) -> str:
-        """Current state, for the status line."""
-        ...
-
-    def begin(self) -> None:
-        """Start, with the first instruction."""
-        ...
-
-    def take(self, samples: list[Sample], clipped: int = 0) -> None:
-        """Add samples; `clipped` of them were out of the range of the device."""
-        ...
-
-    def press(self, key: Key) -> None:
-        """Handle an input line of the user."""
-        ...
 
 
 @dataclass(slots=True)
@@ -110,7 +86,7 @@ def without_echo(fd: int) -> Iterator[None]:
             termios.tcsetattr(fd, termios.TCSANOW, before)
 
 
-def guided(link: Link, guide: StepGuide, screen: GuideScreen, keys: Keys | None, stop_fd: int) -> bool:
+def guided(link: Link, guide: "Guide | PositionGuide", screen: GuideScreen, keys: Keys | None, stop_fd: int) -> bool:
     """Run until the guide is done, or until `stop_fd` becomes readable; True if it is done.
 
     Raises

@@ -1,7 +1,4 @@
-"""Bias against temperature, from a rest during which the device warms up: a robust line and its checks.
-
-Theil (1950) and Sen (1968): the median of the slopes between all pairs of blocks, which ignores a few outliers.
-"""
+"""Bias against temperature, from a rest during which the device warms up: a robust line and its checks."""
 
 from dataclasses import dataclass, field
 from math import isnan, sqrt
@@ -9,6 +6,7 @@ from math import isnan, sqrt
 import numpy as np
 
 from gyrodrift.calibrate.rest import MOVED_DPS, RestMeasurement
+from gyrodrift.facts.arrays import median_slope, robust_sigma
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import CalibrationError
 from gyrodrift.values.sample import Sample
@@ -25,8 +23,6 @@ SLOPE_ERRORS = 4.0
 
 SCATTER_SHARE = 0.5
 """Largest scatter around the line, as a share of the scatter without a line."""
-
-NORMAL_MAD = 1.4826
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +48,6 @@ class Warming:
     rest: RestMeasurement
     last_dps: float
     seconds: float = 0.0
-    skipped: int = 0
     _temps_c: list[float] = field(default_factory=list)
     _biases_dps: list[float] = field(default_factory=list)
     _block: list[Sample] = field(default_factory=list)
@@ -87,7 +82,6 @@ class Warming:
         moved = abs(bias_dps - self.last_dps) > MOVED_DPS or abs(halves) > MOVED_DPS
         self._block.clear()
         if moved or isnan(temp_c):
-            self.skipped += 1
             return
         self._temps_c.append(temp_c)
         self._biases_dps.append(bias_dps)
@@ -112,15 +106,11 @@ def line_of(temps_c: Floats, biases_dps: Floats) -> BiasLine:
             f"the temperature changed by only {high_c - low_c:.1f} °C, from {low_c:.1f} to {high_c:.1f}; at least "
             f"{SPAN_MIN_C:g} °C are needed: start with a cold device"
         )
-    first, second = np.triu_indices(len(temps_c), 1)
-    is_apart = np.abs(temps_c[second] - temps_c[first]) > 0.1 * (high_c - low_c)
-    first, second = first[is_apart], second[is_apart]
-    slope = float(np.median((biases_dps[second] - biases_dps[first]) / (temps_c[second] - temps_c[first])))
+    slope = median_slope(temps_c, biases_dps, 0.1 * (high_c - low_c))
     residual_dps = biases_dps - slope * temps_c
-    level_dps = float(np.median(residual_dps))
-    scatter_dps = NORMAL_MAD * float(np.median(np.abs(residual_dps - level_dps)))
+    level_dps, scatter_dps = float(np.median(residual_dps)), robust_sigma(residual_dps)
     slope_se = scatter_dps / (float(np.std(temps_c)) * sqrt(len(temps_c)))
-    before_dps = NORMAL_MAD * float(np.median(np.abs(biases_dps - np.median(biases_dps))))
+    before_dps = robust_sigma(biases_dps)
     if abs(slope) < SLOPE_ERRORS * slope_se or scatter_dps > SCATTER_SHARE * before_dps:
         raise CalibrationError(
             f"the bias does not follow the temperature along a line ({slope:+.5f} ± {slope_se:.5f} deg/s per °C, "

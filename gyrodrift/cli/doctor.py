@@ -115,11 +115,13 @@ def _comparisons(evidences: "list[DeviceEvidence]") -> "Iterator[tuple[str, list
 
 
 def _print(arguments: argparse.Namespace, source: str, findings: "list[DeviceFinding]") -> None:
-    from gyrodrift.doctor.show import Detail, as_json, show
+    from gyrodrift.doctor.finding import as_json
 
     if arguments.json:
         print(as_json(source, findings))
         return
+    from gyrodrift.doctor.show import Detail, show
+
     detail = Detail.PROBLEMS if arguments.quiet else Detail.ALL if arguments.verbose else Detail.SUMMARY
     show(source, findings, sys.stdout, detail)
 
@@ -138,8 +140,8 @@ def _evidence(arguments: argparse.Namespace) -> "list[DeviceEvidence]":
     inputs.check_damage(paths, allow_damage=arguments.allow_damage)
     recordings = [recorded(path, inputs.reading(arguments)) for path in paths]
     for path, evidence in zip(paths, recordings, strict=True):
-        if evidence.session is not None:
-            inputs.print_remarks(path, evidence.session)
+        if evidence.facts is not None:
+            inputs.print_remarks(path, evidence.facts.session)
     return recordings
 
 

@@ -25,8 +25,8 @@ from gyrodrift.values.errors import DataError, UsageError, visible
 if TYPE_CHECKING:
     from gyrodrift.config.model import Config
     from gyrodrift.describe.text import Group
-    from gyrodrift.describe.values import SessionDescription
     from gyrodrift.describe.yaw import YawHistory
+    from gyrodrift.facts.session_facts import SessionFacts
     from gyrodrift.html.provenance import Provenance
     from gyrodrift.io.progress import Progress
     from gyrodrift.session.checks.finding import SessionFinding
@@ -109,7 +109,7 @@ class _Description(NamedTuple):
     path: Path
     session: "Session"
     possible: "Session"
-    values: "SessionDescription"
+    facts: "SessionFacts"
     groups: "Sequence[Group]"
     raw: "RawSize | None"
     findings: "Sequence[SessionFinding]"
@@ -144,7 +144,7 @@ def _descriptions(
             inputs.print_remarks(path, description.session)
         errors += [f"{path}: {finding}" for finding in description.findings if finding.is_error]
         yaw = None
-        if drawing is not None or description.values.encoder is not None:
+        if drawing is not None or description.facts.encoder is not None:
             yaw = description.yaw(config)
         if drawing is not None:
             drawing.add(description, yaw)
@@ -152,9 +152,9 @@ def _descriptions(
 
 
 def _described(arguments: argparse.Namespace, path: Path) -> _Description:
-    from gyrodrift.describe.describe import describe
     from gyrodrift.describe.possible import possible_part
     from gyrodrift.describe.text import groups_of
+    from gyrodrift.facts.session_facts import SessionFacts
     from gyrodrift.session.checks.examine import examined
     from gyrodrift.session.checks.stated import session_as_stated
     from gyrodrift.session.mcap.raw import raw_size
@@ -165,9 +165,9 @@ def _described(arguments: argparse.Namespace, path: Path) -> _Description:
     session = checked.session
     raw = raw_size(path, allow_damage=session.damage is not None)
     possible = possible_part(session)
-    values = describe(possible)
-    groups = groups_of(session, values, raw, checked.findings)
-    return _Description(path, session, possible, values, groups, raw, checked.findings)
+    facts = SessionFacts(possible)
+    groups = groups_of(session, facts, raw, checked.findings)
+    return _Description(path, session, possible, facts, groups, raw, checked.findings)
 
 
 def _texts(arguments: argparse.Namespace, descriptions: "Descriptions") -> Iterator[str]:
@@ -182,14 +182,12 @@ def _texts(arguments: argparse.Namespace, descriptions: "Descriptions") -> Itera
 
 
 def _json(described: _Description) -> dict[str, object]:
-    from gyrodrift.describe.axes import axes_of
     from gyrodrift.describe.possible import impossible_values
 
-    session, raw = described.session, described.raw
-    axes = axes_of(session)
+    session, raw, axes = described.session, described.raw, described.facts.axes
     return {
         "session": str(described.path),
-        **_plain(described.values),
+        **_plain(described.facts.published()),
         **({} if axes is None else {"axes": _plain(axes)}),
         "raw": None if raw is None else raw._asdict(),
         "metadata": _plain(session.metadata),
@@ -204,7 +202,7 @@ def _table(paths: "Sequence[Path]", descriptions: "Descriptions") -> Iterator[st
     from gyrodrift.describe.overview import row_of
 
     names = _names(paths)
-    rows = [row_of(names[described.path], described.values, yaw, described.groups) for described, yaw in descriptions]
+    rows = [row_of(names[described.path], described.facts, yaw, described.groups) for described, yaw in descriptions]
     if rows:
         yield from listing(rows)
 
@@ -264,9 +262,9 @@ class _Drawing:
         from gyrodrift.describe.drawing import DescribedSession
         from gyrodrift.describe.picture import draw
 
-        drawn = DescribedSession(described.possible, described.values, yaw)
+        drawn = DescribedSession(described.possible, described.facts, yaw)
         self._count += 1
-        self._samples += described.values.samples
+        self._samples += described.facts.samples
         if self._page is not None:
             self._page.add(drawn, described.groups)
         picture = self._arguments.picture

@@ -88,13 +88,15 @@ def _recorded(arguments: argparse.Namespace) -> "list[TurnResult]":
 
 
 def _print(arguments: argparse.Namespace, result: "TurnResult") -> None:
-    from gyrodrift.doctor.show import Detail, as_json, show
+    from gyrodrift.doctor.finding import as_json
     from gyrodrift.doctor.turn.tell import config_lines, findings_of, paste, turn_json
 
     findings, source = findings_of(result), result.heard.source
     if arguments.json:
         print(as_json(source, findings, turn_json(result)))
         return
+    from gyrodrift.doctor.show import Detail, show
+
     show(source, findings, sys.stdout, Detail.ALL)
     if result.spec:
         print(f"\nOn the command line:\n  {paste(result)}\nor in the config:\n  {config_lines(result)}", end="")

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from gyrodrift.describe.values import SessionDescription
 from gyrodrift.describe.yaw import YawHistory
+from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.html.svg import FIVE, INK, PLAIN, QUIET, STEPS, THREE, TUNED, label_steps, switched, thinned
 from gyrodrift.session.session import Session
 from gyrodrift.values.arrays import Floats
@@ -37,7 +37,7 @@ class DescribedSession(NamedTuple):
     """A session with everything that panels are drawn from."""
 
     session: Session
-    description: SessionDescription
+    description: SessionFacts
     yaw: YawHistory | None
 
 

@@ -5,10 +5,10 @@ from statistics import median
 
 from gyrodrift.describe.overview import SessionRow
 from gyrodrift.html.numbers import degrees, mean, significant
-from gyrodrift.values.noise import ROOT_SECONDS_PER_ROOT_HOUR, SECONDS_PER_HOUR, hourly_rate_text, random_walk_text
+from gyrodrift.values.constants import SECONDS_PER_HOUR, SECONDS_PER_MINUTE
+from gyrodrift.values.noise import ROOT_SECONDS_PER_ROOT_HOUR, hourly_rate_text, random_walk_text
 
 NO_VALUE = "–"
-MINUTE_S, HOUR_S = 60.0, 3600.0
 
 
 def listing(rows: Sequence[SessionRow]) -> Iterator[str]:
@@ -52,11 +52,11 @@ def _cells(row: SessionRow, rows: Sequence[SessionRow]) -> list[str]:
 
 def duration_text(seconds: float) -> str:
     """A duration in s, min or h, with three digits."""
-    if seconds < 2.0 * MINUTE_S:
+    if seconds < 2.0 * SECONDS_PER_MINUTE:
         return f"{significant(seconds, 3)} s"
-    if seconds < 2.0 * HOUR_S:
-        return f"{significant(seconds / MINUTE_S, 3)} min"
-    return f"{significant(seconds / HOUR_S, 3)} h"
+    if seconds < 2.0 * SECONDS_PER_HOUR:
+        return f"{significant(seconds / SECONDS_PER_MINUTE, 3)} min"
+    return f"{significant(seconds / SECONDS_PER_HOUR, 3)} h"
 
 
 def _gaps(gaps: int, missing: int) -> str:

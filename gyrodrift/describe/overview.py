@@ -7,8 +7,9 @@ from math import sqrt
 import numpy as np
 
 from gyrodrift.describe.text import Group
-from gyrodrift.describe.values import RestSource, SessionDescription
 from gyrodrift.describe.yaw import YawHistory, last_error, mean_absolute
+from gyrodrift.facts.rests import RestSource
+from gyrodrift.facts.session_facts import SessionFacts
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,9 +53,7 @@ class SessionRow:
     odd: tuple[str, ...]
 
 
-def row_of(
-    name: str, description: SessionDescription, yaw: YawHistory | None, groups: Sequence[Group] = ()
-) -> SessionRow:
+def row_of(name: str, description: SessionFacts, yaw: YawHistory | None, groups: Sequence[Group] = ()) -> SessionRow:
     """The row of a session; `groups` is its full text."""
     allan = description.allan
     return SessionRow(
@@ -83,14 +82,14 @@ def _errors(yaw: YawHistory | None) -> YawErrors | None:
     return YawErrors(yaw.filter_name, *means, last_error(raw_deg), last_error(corrected_deg))
 
 
-def _white_deg_rts(description: SessionDescription) -> float | None:
+def _white_deg_rts(description: SessionFacts) -> float | None:
     if not description.stretches or not description.rate_hz:
         return None
     longest = max(description.stretches, key=lambda rest: rest.end_s - rest.start_s)
     return longest.std_dps / sqrt(description.rate_hz)
 
 
-def bias_at_rest(description: SessionDescription) -> float | None:
+def bias_at_rest(description: SessionFacts) -> float | None:
     """Mean rate at rest weighted by duration, deg/s; None if no encoder shows a rest."""
     rests = description.stretches if description.still_by is RestSource.ENCODER else ()
     lengths_s = [rest.end_s - rest.start_s for rest in rests]

@@ -5,8 +5,6 @@ from collections.abc import Iterator
 import numpy as np
 from matplotlib.axes import Axes
 
-from gyrodrift.describe.allan import allan_errors
-from gyrodrift.describe.describe import GAP_PERIODS
 from gyrodrift.describe.drawing import (
     DescribedSession,
     Mark,
@@ -17,9 +15,11 @@ from gyrodrift.describe.drawing import (
     session_times,
     time_axis,
 )
-from gyrodrift.describe.host import host_delays_s
 from gyrodrift.describe.temperature import TemperatureDrift, temperature_drift
-from gyrodrift.describe.values import Allan, RestSource
+from gyrodrift.facts.allan import Allan, allan_errors
+from gyrodrift.facts.host import host_delays_s
+from gyrodrift.facts.rests import RestSource
+from gyrodrift.facts.session_facts import GAP_PERIODS
 from gyrodrift.html.numbers import significant
 from gyrodrift.html.svg import FIVE, INK, PLAIN, QUIET, THREE, label_factors, label_steps
 from gyrodrift.values.arrays import Floats

@@ -32,10 +32,10 @@ from gyrodrift.html.html import (
 )
 from gyrodrift.html.numbers import degrees, even, mean, significant
 from gyrodrift.html.provenance import Provenance, provenance
+from gyrodrift.values.constants import SECONDS_PER_HOUR
 from gyrodrift.values.noise import (
     FLICKER_WORDS,
     ROOT_SECONDS_PER_ROOT_HOUR,
-    SECONDS_PER_HOUR,
 )
 
 UNKNOWN = "–"

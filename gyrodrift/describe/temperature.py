@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.describe.values import SessionDescription
 from gyrodrift.describe.yaw import YawHistory
+from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.session.session import Session
 from gyrodrift.values.arrays import Floats
 
@@ -41,13 +41,11 @@ class TemperatureDrift:
         return self.offset_dps + self.slope_dps_per_c * temp_c
 
 
-def temperature_drift(
-    session: Session, description: SessionDescription, yaw: YawHistory | None
-) -> TemperatureDrift | None:
+def temperature_drift(session: Session, facts: SessionFacts, yaw: YawHistory | None) -> TemperatureDrift | None:
     """Mean rates at rest, or else the rate less the encoder's; None if neither spans 1 °C in 3 windows."""
     if session.temp_c is None:
         return None
-    at_rest = _fitted(*_rest_points(session, session.temp_c, description), "mean rate at rest")
+    at_rest = _fitted(*_rest_points(session, session.temp_c, facts), "mean rate at rest")
     if at_rest is not None or yaw is None or not yaw.has_reference:
         return at_rest
     return _fitted(*_error_points(session, session.temp_c, yaw), "mean error of the rate, by the encoder")
@@ -62,10 +60,10 @@ def _fitted(temp_c: Floats, drift_dps: Floats, source: str) -> TemperatureDrift 
     return TemperatureDrift(temp_c, drift_dps, slope, offset, source)
 
 
-def _rest_points(session: Session, temp_c: Floats, description: SessionDescription) -> tuple[Floats, Floats]:
+def _rest_points(session: Session, temp_c: Floats, facts: SessionFacts) -> tuple[Floats, Floats]:
     """Mean temperature and mean rate of windows at rest."""
-    rests = description.stretches
-    window_s = max(WINDOW_S, sum(rest.end_s - rest.start_s for rest in rests) / MOST_WINDOWS)
+    rests = facts.stretches
+    window_s = max(WINDOW_S, sum(rest.seconds for rest in rests) / MOST_WINDOWS)
     edges_s = [_windows(rest.start_s, rest.end_s, window_s) for rest in rests]
     windows_s = np.concatenate([np.empty((0, 2)), *edges_s])
     t_s = _seconds(session)

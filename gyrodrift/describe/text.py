@@ -5,9 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.describe.axes import axes_of
 from gyrodrift.describe.possible import impossible_values
-from gyrodrift.describe.values import Allan, HostClock, RestSource, SessionDescription, Stretch
+from gyrodrift.facts.allan import Allan
+from gyrodrift.facts.gravity import SessionAxes
+from gyrodrift.facts.host import HostClock
+from gyrodrift.facts.rests import RestSource, Stretch
+from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.session.checks.finding import SessionFinding
 from gyrodrift.session.mcap.raw import RawSize
 from gyrodrift.session.session import Session
@@ -59,19 +62,20 @@ def lines_of(groups: Sequence[Group]) -> Iterator[str]:
 
 def groups_of(
     session: Session,
-    description: SessionDescription,
+    facts: SessionFacts,
     raw: RawSize | None = None,
     findings: Sequence[SessionFinding] = (),
 ) -> list[Group]:
     """Everything that `info` says about a session, the metadata of its file last.
 
-    `raw` is the size of the recorded link bytes. `findings` come from the checks of the session.
+    `facts` are those of its possible part, `raw` is the size of the recorded link bytes, and `findings` come from the
+    checks of the session.
     """
     checked = [TableLine(finding.id, str(finding), is_odd=True) for finding in findings]
     checks = [Group("checks", checked)] if checked else []
     wrong = [TableLine(impossible.column, str(impossible), is_odd=True) for impossible in impossible_values(session)]
     impossible_group = [Group("impossible values, left out below", wrong)] if wrong else []
-    groups = [*_groups(session, description), Group("bytes of the link", [_raw(raw)]), *_metadata(session)]
+    groups = [*_groups(facts), Group("bytes of the link", [_raw(raw)]), *_metadata(session)]
     return [*checks, *impossible_group, *groups]
 
 
@@ -81,32 +85,32 @@ def _raw(raw: RawSize | None) -> TableLine:
     return TableLine("raw", f"{raw.reads} reads, {raw.total_bytes / 1000.0:.4g} kB; replay --raw plays them again")
 
 
-def _groups(session: Session, description: SessionDescription) -> Iterator[Group]:
-    yield Group("samples", list(_samples(description)))
-    yield Group("host clock", list(_host(description.host)))
-    yield Group("values", [*_values(description), *_axes(session), *_device_yaw(session)])
-    yield Group(REST_HEADINGS[description.still_by], list(_stretches(description)))
-    yield Group("noise", list(_noise(description.allan)))
+def _groups(facts: SessionFacts) -> Iterator[Group]:
+    yield Group("samples", list(_samples(facts)))
+    yield Group("host clock", list(_host(facts.host)))
+    yield Group("values", [*_values(facts), *_axes(facts.axes), *_device_yaw(facts.session)])
+    yield Group(REST_HEADINGS[facts.still_by], list(_stretches(facts)))
+    yield Group("noise", list(_noise(facts.allan)))
 
 
-def _samples(description: SessionDescription) -> Iterator[TableLine]:
-    yield TableLine("samples", str(description.samples))
-    yield TableLine("duration", f"{description.duration_s:.6g} s")
-    if description.rate_hz is None or description.jitter_s is None:
+def _samples(facts: SessionFacts) -> Iterator[TableLine]:
+    yield TableLine("samples", str(facts.samples))
+    yield TableLine("duration", f"{facts.duration_s:.6g} s")
+    if facts.rate_hz is None or facts.jitter_s is None:
         yield TableLine("rate", "unknown: device time never goes forward", is_odd=True)
     else:
-        yield TableLine("rate", f"{description.rate_hz:.6g} Hz")
-        is_odd = description.jitter_s * description.rate_hz > JITTER_ODD
-        yield TableLine("jitter", f"{_milliseconds(description.jitter_s)}, scatter of the time steps", is_odd)
-    gaps = description.gaps
+        yield TableLine("rate", f"{facts.rate_hz:.6g} Hz")
+        is_odd = facts.jitter_s * facts.rate_hz > JITTER_ODD
+        yield TableLine("jitter", f"{_milliseconds(facts.jitter_s)}, scatter of the time steps", is_odd)
+    gaps = facts.gaps
     missing = f": {gaps.missing} samples missing" if gaps.count or gaps.missing else ""
     longest = f", the longest gap {gaps.longest_s:.3g} s" if gaps.count else ""
     yield TableLine("gaps", f"{gaps.count or 'none'}{missing}{longest}", bool(missing))
-    if description.steps_not_forward:
-        words = f"{description.steps_not_forward} steps do not go forward; the filter skips these samples"
+    if facts.steps_not_forward:
+        words = f"{facts.steps_not_forward} steps do not go forward; the filter skips these samples"
         yield TableLine("time", words, is_odd=True)
-    if description.rates_not_finite:
-        words = f"{description.rates_not_finite} are not finite; the filter skips these samples"
+    if facts.rates_not_finite:
+        words = f"{facts.rates_not_finite} are not finite; the filter skips these samples"
         yield TableLine("rates", words, is_odd=True)
 
 
@@ -131,14 +135,14 @@ def _host(host: HostClock | None) -> Iterator[TableLine]:
     yield TableLine("delay", late, host.delay_p95_s > DELAY_ODD_S)
 
 
-def _values(description: SessionDescription) -> Iterator[TableLine]:
-    if description.rate is None:
+def _values(facts: SessionFacts) -> Iterator[TableLine]:
+    if facts.rate is None:
         yield TableLine("rate", "no finite value", is_odd=True)
     else:
-        low, high, mean = description.rate.min_dps, description.rate.max_dps, description.rate.mean_dps
-        stuck = ": never changes" if low == high and description.samples > 1 else ""
+        low, high, mean = facts.rate.min_dps, facts.rate.max_dps, facts.rate.mean_dps
+        stuck = ": never changes" if low == high and facts.samples > 1 else ""
         yield TableLine("rate", f"{low:.6g} … {high:.6g} deg/s, mean {mean:.4g} deg/s{stuck}", bool(stuck))
-    encoder, temperature = description.encoder, description.temperature
+    encoder, temperature = facts.encoder, facts.temperature
     if encoder is None:
         yield TableLine("encoder", "none")
     elif encoder.smallest_step_deg is None:
@@ -153,9 +157,8 @@ def _values(description: SessionDescription) -> Iterator[TableLine]:
         yield TableLine("temperature", f"{temperature.min_c:.2f} … {temperature.max_c:.2f} °C, {ends}")
 
 
-def _axes(session: Session) -> Iterator[TableLine]:
+def _axes(axes: SessionAxes | None) -> Iterator[TableLine]:
     """Lines about three axes; none for a device with one."""
-    axes = axes_of(session)
     if axes is None:
         return
     yield TableLine("axes", f"three axes, {'accelerometer' if axes.accel_norm_mps2 else 'no accelerometer'}")
@@ -177,15 +180,15 @@ def _device_yaw(session: Session) -> Iterator[TableLine]:
     yield TableLine("device yaw", words + (f"; {without} samples without" if without else ""))
 
 
-def _stretches(description: SessionDescription) -> Iterator[TableLine]:
+def _stretches(facts: SessionFacts) -> Iterator[TableLine]:
     """A line for all rests, then the longest in order of time."""
-    rests = description.stretches
+    rests = facts.stretches
     if not rests:
         yield TableLine("rests", "none: the bias is unknown", is_odd=True)
         return
-    lengths_s = [rest.end_s - rest.start_s for rest in rests]
+    lengths_s = [rest.seconds for rest in rests]
     yield TableLine("rests", f"{len(rests)}: {sum(lengths_s):.1f} s in all, the longest {max(lengths_s):.1f} s")
-    longest = sorted(rests, key=lambda rest: rest.start_s - rest.end_s)[:STRETCHES_SHOWN]
+    longest = sorted(rests, key=lambda rest: -rest.seconds)[:STRETCHES_SHOWN]
     yield from (_stretch(rest) for rest in sorted(longest, key=lambda rest: rest.start_s))
     if len(longest) < len(rests):
         means = [rest.mean_dps for rest in rests]

@@ -13,8 +13,8 @@ from gyrodrift.describe.drawing import (
     label_times,
     time_axis,
 )
-from gyrodrift.describe.values import RestSource
 from gyrodrift.describe.yaw import YawHistory
+from gyrodrift.facts.rests import RestSource
 from gyrodrift.html.numbers import factor_label, significant
 from gyrodrift.html.svg import THREE, TUNED, label_steps, switched
 from gyrodrift.values.arrays import Floats

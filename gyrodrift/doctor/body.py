@@ -4,13 +4,11 @@ from dataclasses import dataclass, replace
 from math import hypot, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, note, ok, warning
-from gyrodrift.values.arrays import Floats
-
-Flags = NDArray[np.bool_]
+from gyrodrift.facts.still import quiet_windows
+from gyrodrift.values.arrays import Floats, Mask
 
 WINDOW_S = 1.0
 """Length over which rates are averaged, s: long against the delay of a link."""
@@ -41,7 +39,7 @@ class RateWindows:
 
     first_dps: Floats
     second_dps: Floats
-    is_still: Flags
+    is_still: Mask
 
 
 def compare(first: DeviceEvidence, second: DeviceEvidence) -> list[DeviceFinding]:
@@ -70,14 +68,14 @@ def rate_windows(first: DeviceEvidence, second: DeviceEvidence) -> RateWindows |
     whole = is_full & is_second_full
     if int(whole.sum()) < 2 * WINDOWS_MIN:
         return None
-    first_dps, second_dps = first_dps[whole], second_dps[whole]
-    is_still = _still(first_dps, first_stds[whole]) & _still(second_dps, second_stds[whole])
-    return RateWindows(first_dps, second_dps, is_still)
+    gyros = ((first_dps[whole], first_stds[whole]), (second_dps[whole], second_stds[whole]))
+    is_still = np.logical_and(*(quiet_windows(*gyro, STILL_STDS, SHIFT_MAX_DPS) for gyro in gyros))
+    return RateWindows(first_dps[whole], second_dps[whole], is_still)
 
 
 def _series(evidence: DeviceEvidence) -> tuple[Floats, Floats] | None:
     """Times on the clock of the host, s, and rates, deg/s."""
-    session = evidence.session
+    session = None if evidence.facts is None else evidence.facts.session
     if session is None or session.t_host_s is None or not evidence.is_in_deg_s:
         return None
     is_known = np.isfinite(session.rate_dps) & np.isfinite(session.t_device_s) & np.isfinite(session.t_host_s)
@@ -88,7 +86,7 @@ def _series(evidence: DeviceEvidence) -> tuple[Floats, Floats] | None:
     return t_device_s + delay_s, session.rate_dps[is_known]
 
 
-def _binned(times_s: Floats, rates_dps: Floats, begin_s: float, count: int) -> tuple[Floats, Floats, Flags]:
+def _binned(times_s: Floats, rates_dps: Floats, begin_s: float, count: int) -> tuple[Floats, Floats, Mask]:
     """Mean and standard deviation of each window, and whether it has at least half of the usual samples."""
     inside = (times_s >= begin_s) & (times_s < begin_s + count * WINDOW_S)
     index = ((times_s[inside] - begin_s) / WINDOW_S).astype(int)
@@ -96,15 +94,8 @@ def _binned(times_s: Floats, rates_dps: Floats, begin_s: float, count: int) -> t
     divisors = np.maximum(counts, 1.0)
     means: Floats = np.bincount(index, rates_dps[inside], count) / divisors
     squares: Floats = np.bincount(index, (rates_dps[inside] - means[index]) ** 2, count) / divisors
-    is_full: Flags = (counts >= 2.0) & (counts >= 0.5 * float(np.median(counts)))
+    is_full: Mask = (counts >= 2.0) & (counts >= 0.5 * float(np.median(counts)))
     return means, np.sqrt(squares), is_full
-
-
-def _still(mean: Floats, std: Floats) -> Flags:
-    quiet_dps = float(np.quantile(std, 0.1))
-    usual_dps = float(np.median(mean[std <= quiet_dps]))
-    is_still: Flags = std <= STILL_STDS * quiet_dps + 1e-9
-    return is_still & (np.abs(mean - usual_dps) <= SHIFT_MAX_DPS)
 
 
 def _turns(windows: RateWindows, first: str, second: str) -> DeviceFinding | None:
@@ -129,7 +120,7 @@ def _turns(windows: RateWindows, first: str, second: str) -> DeviceFinding | Non
     return ok(f"They turn together; {second} reads {scale:.4f} of {first}.", scale)
 
 
-def _bias(rates_dps: Floats, is_still: Flags) -> float:
+def _bias(rates_dps: Floats, is_still: Mask) -> float:
     """Rate at rest, deg/s; 0 without a rest."""
     return float(np.median(rates_dps[is_still])) if is_still.any() else 0.0
 
@@ -144,12 +135,10 @@ def _drift(windows: RateWindows, first: str, second: str) -> DeviceFinding:
             f"Nothing tells which of {first} and {second} drifts: they did not rest at the beginning and at the end.",
             "Leave the body still for at least 5 s at both ends.",
         )
-    changes, errors = [], []
-    for rates_dps in (windows.first_dps, windows.second_dps, windows.first_dps - windows.second_dps):
-        begin, end = (rates_dps[part][rest] for part, rest in zip(parts, rests, strict=True))
-        changes.append(float(end.mean() - begin.mean()))
-        errors.append(hypot(_standard_error(begin), _standard_error(end)))
-    return _verdict(changes, errors[2], first, second)
+    rates = (windows.first_dps, windows.second_dps, windows.first_dps - windows.second_dps)
+    ends = [[rates_dps[part][rest] for part, rest in zip(parts, rests, strict=True)] for rates_dps in rates]
+    changes = [float(end.mean() - begin.mean()) for begin, end in ends]
+    return _verdict(changes, hypot(*map(_standard_error, ends[2])), first, second)
 
 
 def _standard_error(rates_dps: Floats) -> float:

@@ -4,49 +4,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from gyrodrift.describe.values import SessionDescription, Stretch
+from gyrodrift.doctor.port import PortEvidence
 from gyrodrift.doctor.sensors import Sensor
-from gyrodrift.link.holder import PortHolder
+from gyrodrift.facts.session_facts import SessionFacts, StillRate
 from gyrodrift.link.protocols.registry import PROTOCOLS
-from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.outputs.status import DeviceStatus, LinkStatus
 from gyrodrift.session.checks.finding import SessionFinding
-from gyrodrift.session.session import Session
 from gyrodrift.values.errors import LinkError
-
-BY_ID = "/dev/serial/by-id/"
-NO_LINE_DRIVERS = frozenset({"cdc_acm"})
-"""Drivers of native USB devices, which have no line rate."""
-
-
-@dataclass(frozen=True, slots=True)
-class PortEvidence:
-    """A port, seen without opening it.
-
-    access
-        Mode, owner and group, such as `crw-rw---- root:dialout`.
-    driver
-        Kernel driver, such as `ftdi_sio`; None if sysfs has none.
-    latency_ms
-        Latency timer of the adapter, ms; None without such a timer.
-    """
-
-    port: SerialPort
-    holder: PortHolder | None = None
-    is_pty: bool = False
-    access: str = ""
-    driver: str | None = None
-    latency_ms: int | None = None
-
-    @property
-    def has_line_rate(self) -> bool:
-        """Whether the port has a line with a baud rate."""
-        return self.driver not in NO_LINE_DRIVERS if self.driver else not self.is_pty
-
-    @property
-    def has_stable_name(self) -> bool:
-        """Whether the port keeps its name after it was unplugged."""
-        return self.port.name.startswith(BY_ID)
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +29,8 @@ class DeviceEvidence:
         Fields of the event `rate_unit_differs`; empty without one.
     checked
         Findings about clock and rates of a recording.
+    facts
+        Facts of the samples, if any arrived in time that can be used.
     """
 
     source: str
@@ -78,8 +44,7 @@ class DeviceEvidence:
     is_angle: bool = False
     units: dict[str, Any] = field(default_factory=dict)
     checked: tuple[SessionFinding, ...] = ()
-    session: Session | None = None
-    description: SessionDescription | None = None
+    facts: SessionFacts | None = None
     sensor: Sensor | None = None
 
     @property
@@ -88,10 +53,17 @@ class DeviceEvidence:
         return not self.units and not any(finding.is_error for finding in self.checked)
 
     @property
-    def rest(self) -> Stretch | None:
-        """Longest stretch without motion; None without one."""
-        stretches = self.description.stretches if self.description else ()
-        return max(stretches, key=lambda stretch: stretch.end_s - stretch.start_s, default=None)
+    def at_rest(self) -> StillRate | None:
+        """Bias and noise of the longest rest; None without one, or if the rates have another unit."""
+        return self.facts.at_rest if self.facts is not None and self.is_in_deg_s else None
+
+    @property
+    def step_dps(self) -> float | None:
+        """Step of the rate, deg/s: the stated one, or the measured one if it is coarser; None without both."""
+        if self.facts is None:
+            return None
+        measured_dps, stated_dps = self.facts.step_dps, self.device.dps_per_lsb
+        return max(stated_dps, measured_dps or 0.0) if stated_dps else measured_dps
 
     @property
     def holds_zero(self) -> bool:
@@ -102,4 +74,4 @@ class DeviceEvidence:
     @property
     def is_understood(self) -> bool:
         """Whether samples arrived."""
-        return self.session is not None
+        return self.facts is not None

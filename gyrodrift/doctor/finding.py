@@ -1,8 +1,11 @@
 """Finding of a check: its severity, a sentence, the advice, and the number behind it."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
 from enum import StrEnum
+from math import isfinite
+from typing import Any
 
 from gyrodrift.outputs.health import Health, HealthLevel
 
@@ -93,3 +96,14 @@ def sentence(text: str) -> str:
 def worst(findings: Sequence[DeviceFinding]) -> Severity:
     """Highest severity; ok without findings."""
     return max((finding.severity for finding in findings), key=lambda severity: severity.rank, default=Severity.OK)
+
+
+def as_json(source: str, findings: Sequence[DeviceFinding], extra: Mapping[str, Any] | None = None) -> str:
+    """One JSON object on one line, with the keys of `extra` at its end; a value that is not finite is null."""
+    rows = [{"id": finding.id, **asdict(finding), "value": _finite(finding.value)} for finding in findings]
+    report: dict[str, Any] = {"source": source, "severity": worst(findings), "findings": rows}
+    return json.dumps(report | dict(extra or {}), ensure_ascii=False, allow_nan=False)
+
+
+def _finite(value: float | None) -> float | None:
+    return None if value is None or not isfinite(value) else float(value)

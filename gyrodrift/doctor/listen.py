@@ -5,12 +5,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from gyrodrift.describe.describe import describe
-from gyrodrift.describe.values import SessionDescription
-from gyrodrift.doctor.evidence import DeviceEvidence, PortEvidence
-from gyrodrift.doctor.look import latency_ms, look_at_port
+from gyrodrift.doctor.evidence import DeviceEvidence
+from gyrodrift.doctor.port import PortEvidence, latency_ms, look_at_port
+from gyrodrift.facts.host import HostClock
+from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.io.progress import OnProgress
-from gyrodrift.io.waiting import POLLIN, new_poller
+from gyrodrift.io.waiting import wait_readable
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
@@ -21,6 +21,7 @@ from gyrodrift.values.constants import LINE_BITS_PER_BYTE
 from gyrodrift.values.errors import LinkError, UnitError
 from gyrodrift.values.sample import Sample
 
+LONGEST_WAIT_S = 0.1
 SURE_PPM = 100.0
 """Largest standard error of a reported clock drift, ppm."""
 
@@ -63,22 +64,20 @@ def listen(
 
 def _evidence(source: str, outside: PortEvidence | None, link: Link, heard: _Heard) -> DeviceEvidence:
     is_timed = not isinstance(heard.failure, UnitError)
-    session = session_of("now", heard.samples) if heard.samples and is_timed else None
-    description = describe(session) if session is not None else None
+    facts = SessionFacts(session_of("now", heard.samples)) if heard.samples and is_timed else None
     about, has_clock = link.device, isinstance(link.clock, DeviceClock)
     return DeviceEvidence(
         source=source,
         port=outside,
         failure=heard.failure,
-        link=_status(link, description, has_clock=has_clock, has_line=outside is not None and outside.has_line_rate),
+        link=_status(link, facts, has_clock=has_clock, has_line=outside is not None and outside.has_line_rate),
         device=DeviceStatus(
             about.device_id, about.sample_rate_hz, about.dps_per_lsb, about.encoder_cpr, about.device_filter
         ),
         has_clock=has_clock,
         is_angle=heard.is_angle,
         units=heard.units,
-        session=session,
-        description=description,
+        facts=facts,
     )
 
 
@@ -102,18 +101,15 @@ def _hear(link: Link, seconds: float, heard: _Heard, progress: OnProgress, monot
 
 
 def _wait(link: Link) -> None:
-    poller = new_poller()
-    fd = link.fileno()
-    if fd is not None:
-        poller.register(fd, POLLIN)
-    poller.poll(min(link.wake_s(), 0.1) * 1e3)
+    wait_readable(link.fileno(), min(link.wake_s(), LONGEST_WAIT_S))
 
 
-def _status(link: Link, description: SessionDescription | None, *, has_clock: bool, has_line: bool) -> LinkStatus:
+def _status(link: Link, facts: SessionFacts | None, *, has_clock: bool, has_line: bool) -> LinkStatus:
     """Counters of the link, with the share of its line that the samples use."""
-    counted = link.counted() | {"clock_ppm": clock_ppm(description) if has_clock else None}
+    host = facts.host if facts else None
+    counted = link.counted() | {"clock_ppm": clock_ppm(host) if has_clock else None}
     counted.pop("lone_yaws", None)
-    rate_hz = description.rate_hz or 0.0 if description else 0.0
+    rate_hz = facts.rate_hz or 0.0 if facts else 0.0
     bits_per_s = counted["bytes"] / max(counted["samples"], 1) * rate_hz * LINE_BITS_PER_BYTE
     return LinkStatus(
         port=link.name,
@@ -122,21 +118,19 @@ def _status(link: Link, description: SessionDescription | None, *, has_clock: bo
         is_open=link.port is not None or link.is_over,
         silent_s=link.silent_s(),
         rate_hz=rate_hz,
-        jitter_ms=jitter_ms(description),
+        jitter_ms=jitter_ms(host),
         busy=bits_per_s / link.baud if has_line else 0.0,
         **counted,
     )
 
 
-def clock_ppm(description: SessionDescription | None) -> float | None:
+def clock_ppm(host: HostClock | None) -> float | None:
     """Drift of the device clock against the host clock, ppm; None if it is uncertain."""
-    host = description.host if description else None
     if host is None or host.drift_ppm is None or (host.drift_sd_ppm or 0.0) >= SURE_PPM:
         return None
     return host.drift_ppm
 
 
-def jitter_ms(description: SessionDescription | None) -> float:
+def jitter_ms(host: HostClock | None) -> float:
     """95th percentile of the arrival delay, ms; 0 without host times."""
-    host = description.host if description else None
     return 0.0 if host is None else 1e3 * host.delay_p95_s

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from math import isfinite
 from pathlib import Path
 
-from gyrodrift.describe.describe import describe
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.listen import clock_ppm, jitter_ms
 from gyrodrift.link.protocols.registry import PROTOCOLS
@@ -30,9 +29,8 @@ def recorded(path: Path, reading: ReadingOptions = AS_WRITTEN) -> DeviceEvidence
         It cannot be read.
     """
     checked = examined(session_as_stated(path, reading), reading)
-    session, is_timed = checked.session, not any(f.is_error and f.id in CLOCK_CHECKS for f in checked.findings)
-    description = describe(session)
-    about, kept, device = (session.metadata.get(name, {}) for name in ("recording", "link", "device"))
+    facts, is_timed = checked.facts, not any(f.is_error and f.id in CLOCK_CHECKS for f in checked.findings)
+    about, kept, device = (facts.session.metadata.get(name, {}) for name in ("recording", "link", "device"))
     counted = {name: int(_number(kept, name) or 0.0) for name in COUNTED}
     protocol = about.get("protocol", "")
     link = LinkStatus(
@@ -40,12 +38,12 @@ def recorded(path: Path, reading: ReadingOptions = AS_WRITTEN) -> DeviceEvidence
         baud=int(_number(about, "baud") or 0.0),
         protocol=protocol,
         is_open=True,
-        rate_hz=description.rate_hz or 0.0 if is_timed else 0.0,
-        jitter_ms=jitter_ms(description),
-        samples=description.samples,
-        gaps=description.gaps.count,
-        missing=description.gaps.missing,
-        clock_ppm=clock_ppm(description),
+        rate_hz=facts.rate_hz or 0.0 if is_timed else 0.0,
+        jitter_ms=jitter_ms(facts.host),
+        samples=facts.samples,
+        gaps=facts.gaps.count,
+        missing=facts.gaps.missing,
+        clock_ppm=clock_ppm(facts.host),
         **counted,
     )
     return DeviceEvidence(
@@ -55,8 +53,7 @@ def recorded(path: Path, reading: ReadingOptions = AS_WRITTEN) -> DeviceEvidence
         device=_device(device),
         has_clock=PROTOCOLS[protocol].has_clock if protocol in PROTOCOLS else True,
         checked=checked.findings,
-        session=session if is_timed else None,
-        description=description if is_timed else None,
+        facts=facts if is_timed else None,
     )
 
 

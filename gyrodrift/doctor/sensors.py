@@ -3,6 +3,9 @@
 import re
 from dataclasses import dataclass
 
+from gyrodrift.columns.sensitivities import INVENSENSE
+from gyrodrift.values.constants import SECONDS_PER_HOUR
+
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
@@ -40,14 +43,13 @@ class Sensor:
 
 STEP_TOLERANCE = 0.01
 
-INVENSENSE = ((250, 131.0), (500, 65.5), (1000, 32.8), (2000, 16.4))
 ST = ((125, 1e3 / 4.375), (250, 1e3 / 8.75), (500, 1e3 / 17.5), (1000, 1e3 / 35.0), (2000, 1e3 / 70.0))
 BOSCH = ((125, 262.4), (250, 131.2), (500, 65.6), (1000, 32.8), (2000, 16.4))
 
 SENSORS = (
     Sensor(
         "MPU-6050",
-        INVENSENSE,
+        tuple(INVENSENSE.items()),
         noise_dps_rthz=0.005,
         source="InvenSense PS-MPU-6000A rev. 3.4, 6.1",
         bandwidth_by="DLPF_CFG of register 0x1A",
@@ -56,7 +58,7 @@ SENSORS = (
     ),
     Sensor(
         "ICM-20948",
-        INVENSENSE,
+        tuple(INVENSENSE.items()),
         noise_dps_rthz=0.015,
         source="TDK InvenSense DS-000189 rev. 1.3, table 1",
         bandwidth_by="GYRO_DLPFCFG of register 0x01 in bank 2",
@@ -96,7 +98,7 @@ SENSORS = (
         noise_dps_rthz=0.008,
         source="Analog Devices ADIS16470 rev. C, page 1",
         bandwidth_by="FILT_CTRL, register 0x5C",
-        in_run_dps=8.0 / 3600.0,
+        in_run_dps=8.0 / SECONDS_PER_HOUR,
     ),
 )
 """A name that begins with another name comes after it."""

@@ -1,17 +1,14 @@
-"""Findings as text, the worst first, at the width of the terminal; in a pipe one line per finding. Also as JSON."""
+"""Findings as text, the worst first, at the width of the terminal; in a pipe one line per finding."""
 
-import json
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from collections.abc import Sequence
 from enum import Enum
-from math import isfinite
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import TextIO
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
 
 from gyrodrift.doctor.finding import DeviceFinding, Severity, worst
-
-if TYPE_CHECKING:
-    from rich.table import Table
-    from rich.text import Text
 
 MARKS = {
     Severity.ERROR: ("✗", "bold red"),
@@ -43,9 +40,6 @@ class Detail(Enum):
 
 def show(source: str, findings: Sequence[DeviceFinding], stream: TextIO, detail: Detail) -> None:
     """Print the findings of a port or recording, and their count by severity."""
-    from rich.console import Console  # noqa: PLC0415 - --json does without
-    from rich.text import Text  # noqa: PLC0415
-
     console = Console(file=stream, highlight=False, width=None if stream.isatty() else PIPE_WIDTH)
     shown = sorted(filter(detail.shows, findings), key=lambda finding: -finding.severity.rank)
     console.print(Text(source, style="bold"))
@@ -58,18 +52,13 @@ def show(source: str, findings: Sequence[DeviceFinding], stream: TextIO, detail:
     console.print(Text(f"{counted(findings)}{hint}", style=MARKS[worst(findings)][1]))
 
 
-def _body(finding: DeviceFinding) -> "Text":
+def _body(finding: DeviceFinding) -> Text:
     """A finding and its advice on one line."""
-    from rich.text import Text  # noqa: PLC0415
-
     return Text.assemble((f"{finding.id}: ", "bold"), finding.says, f" → {finding.do}" if finding.do else "")
 
 
-def _narrow(findings: Sequence[DeviceFinding]) -> "Table":
+def _narrow(findings: Sequence[DeviceFinding]) -> Table:
     """One column of findings with their advice."""
-    from rich.table import Table  # noqa: PLC0415
-    from rich.text import Text  # noqa: PLC0415
-
     table = Table.grid(padding=(0, 1))
     for finding in findings:
         mark, style = MARKS[finding.severity]
@@ -77,11 +66,8 @@ def _narrow(findings: Sequence[DeviceFinding]) -> "Table":
     return table
 
 
-def _wide(findings: Sequence[DeviceFinding]) -> "Table":
+def _wide(findings: Sequence[DeviceFinding]) -> Table:
     """Columns for the check, the finding and the advice, over the whole width."""
-    from rich.table import Table  # noqa: PLC0415
-    from rich.text import Text  # noqa: PLC0415
-
     table = Table.grid(padding=(0, 2, 0, 0), expand=True)
     table.add_column(no_wrap=True)
     table.add_column(no_wrap=True, style="bold")
@@ -103,19 +89,3 @@ def counted(findings: Sequence[DeviceFinding]) -> str:
             plural = "" if count == 1 or severity is Severity.OK else "s"
             counts.append(f"{count} {severity}{plural}")
     return ", ".join(counts) or "no findings"
-
-
-def as_json(source: str, findings: Sequence[DeviceFinding], extra: Mapping[str, Any] | None = None) -> str:
-    """One JSON object on one line, with the keys of `extra` at its end; a value that is not finite is null."""
-    rows = [asdict(finding) | {"value": _finite(finding.value)} for finding in findings]
-    keys = ("id", "severity", "says", "do", "value", "unit")
-    report: dict[str, Any] = {
-        "source": source,
-        "severity": worst(findings),
-        "findings": [{key: row[key] for key in keys} for row in rows],
-    }
-    return json.dumps(report | dict(extra or {}), ensure_ascii=False, allow_nan=False)
-
-
-def _finite(value: float | None) -> float | None:
-    return None if value is None or not isfinite(value) else float(value)

@@ -11,6 +11,7 @@ import numpy as np
 from gyrodrift.evaluation.integration import start_calibrated, trapezium
 from gyrodrift.evaluation.reference import Reference, timed_reference_of
 from gyrodrift.evaluation.score import Score, score_of
+from gyrodrift.facts.arrays import blocks_of, true_runs
 from gyrodrift.session.calibrated import calibrated
 from gyrodrift.session.checks.examine import examined
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions, session_as_stated
@@ -39,8 +40,7 @@ def longest_motion_s(t_s: Floats, reference_deg: Floats) -> float:
     seconds, first = np.unique((known_s - known_s[0]) // STEP_S, return_index=True)
     start_s, angle_deg = known_s[first], reference_deg[is_known][first]
     is_moving = np.abs(np.diff(angle_deg)) >= REST_DEG * np.diff(seconds)
-    changes = np.flatnonzero(np.diff(np.concatenate(([False], is_moving, [False])).astype(np.int8)))
-    return float((start_s[changes[1::2]] - start_s[changes[::2]]).max(initial=0.0))
+    return max((float(start_s[end] - start_s[first]) for first, end in true_runs(is_moving)), default=0.0)
 
 
 CROSS_VALIDATED = 5
@@ -187,7 +187,7 @@ def _warnings(source: Source, reference: Reference) -> Iterator[str]:
 
 def _has_moved(reference: Reference) -> bool:
     size = max(1, round(reference.sample_rate_hz))
-    seconds = reference.rate_dps[: len(reference.rate_dps) // size * size].reshape(-1, size).mean(axis=1)
+    seconds = blocks_of(reference.rate_dps, size).mean(axis=1)
     return len(seconds) > 1 and float(np.ptp(seconds)) > MOVES_DPS
 
 

@@ -27,6 +27,14 @@ def new_poller() -> Poller:
     return select.poll() if hasattr(select, "poll") else SelectPoller()
 
 
+def wait_readable(fd: int | None, seconds: float) -> None:
+    """Wait until a descriptor is readable, at most so long; without a descriptor, so long."""
+    poller = new_poller()
+    if fd is not None:
+        poller.register(fd, POLLIN)
+    poller.poll(seconds * 1e3)
+
+
 class SelectPoller:
     """`select.poll` by means of `select.select`."""
 

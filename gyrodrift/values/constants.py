@@ -26,5 +26,12 @@ INT16_COUNTS = 32768.0
 LINE_BITS_PER_BYTE = 10
 """Bits of a byte on a serial line: start bit, eight data bits, stop bit (8N1)."""
 
+NORMAL_MAD = 1.4826
+"""Standard deviation of normal numbers over their median absolute deviation: 1/Φ⁻¹(3/4)."""
+
+SECONDS_PER_HOUR = 3600.0
+SECONDS_PER_MINUTE = 60.0
+
 STANDARD_GRAVITY_MPS2 = 9.80665
-"""Standard acceleration of free fall (3rd General Conference on Weights and Measures, 1901; ISO 80000-3)."""
+"""Standard acceleration of free fall (3rd General Conference on Weights and Measures, 1901; ISO 80000-3). On earth it is
+9.76 to 9.84 m/s²."""

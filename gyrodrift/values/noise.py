@@ -1,7 +1,8 @@
 """Noise of a gyro in the units of data sheets, °/√h and °/h, beside deg/√s and deg/s."""
 
+from gyrodrift.values.constants import SECONDS_PER_HOUR
+
 ROOT_SECONDS_PER_ROOT_HOUR = 60.0
-SECONDS_PER_HOUR = 3600.0
 
 FLICKER_FLOOR = 0.664
 """√(2 ln 2/π): the flat part of the Allan deviation over the bias instability B (IEEE Std 952-1997, C.1.3).

@@ -24,7 +24,7 @@ from support import near
 from gyrodrift.calibrate.guide import GuideStep, Key
 from gyrodrift.calibrate.positions.guide import PositionGuide, PositionPlan
 from gyrodrift.calibrate.positions.matrix import AxisTurn, fit_matrix
-from gyrodrift.calibrate.positions.result import over
+from gyrodrift.calibrate.positions.measurements import over
 from gyrodrift.values.calibration import Calibration
 from gyrodrift.values.errors import CalibrationError
 from gyrodrift.values.sample import Sample

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from gyrodrift.describe.describe import describe
 from gyrodrift.describe.yaw import yaw_history_of
+from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.filters.registry import FILTERS
 from gyrodrift.filters.run import FilterRun
 from gyrodrift.session.session import Session
@@ -24,7 +24,7 @@ NOISE_DPS = np.random.default_rng(1).normal(0.0, 0.01, len(T_S))
 def panels_of(session: Session) -> dict[str, Panel]:
     chosen = FILTERS["restlevel"]
     described = DescribedSession(
-        session, describe(session), yaw_history_of(session, FilterRun(chosen, chosen.params()))
+        session, SessionFacts(session), yaw_history_of(session, FilterRun(chosen, chosen.params()))
     )
     by_encoder = (error_panel(described), histogram_panel(described))
     panels = [panel for panel in by_encoder if panel is not None]

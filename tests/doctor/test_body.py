@@ -18,6 +18,7 @@ from gyrodrift.cli import main
 from gyrodrift.doctor.body import compare
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding
+from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.session.files import write_session
 from gyrodrift.session.session import Session
 
@@ -32,7 +33,7 @@ def gyro(
     t_s = np.arange(0.0, SECONDS, 0.01)
     turning = np.where((t_s > 20.0) & (t_s < 40.0), turn_dps * np.sin(t_s), 0.0)
     rate_dps = bias_dps + walk_dps * t_s / SECONDS + scale * turning + noise.normal(0.0, 0.05, len(t_s))
-    return DeviceEvidence(name, session=Session(name, t_s, rate_dps, t_host_s=1e9 + t_s + late_s))
+    return DeviceEvidence(name, facts=SessionFacts(Session(name, t_s, rate_dps, t_host_s=1e9 + t_s + late_s)))
 
 
 def findings(first: DeviceEvidence, second: DeviceEvidence) -> dict[str, DeviceFinding]:
@@ -76,7 +77,7 @@ def test_gyros_that_do_not_turn_together_are_not_on_one_body() -> None:
 def test_without_rest_nothing_is_claimed() -> None:
     t_s = np.arange(0.0, SECONDS, 0.01)
     evidence = [
-        DeviceEvidence(name, session=Session(name, t_s, 50.0 * np.sin(phase * t_s), t_host_s=1e9 + t_s))
+        DeviceEvidence(name, facts=SessionFacts(Session(name, t_s, 50.0 * np.sin(phase * t_s), t_host_s=1e9 + t_s)))
         for name, phase in (("left", 1.0), ("right", 1.0))
     ]
     assert "did not rest at the beginning and at the end" in findings(*evidence)["body_drift"].says
@@ -89,8 +90,8 @@ def test_recordings_of_other_times_have_nothing_to_compare() -> None:
 
 def test_the_command_compares_recordings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for evidence in (gyro("left", 0.5, walk_dps=0.2), gyro("right", -0.3)):
-        assert evidence.session is not None
-        write_session(tmp_path / f"{evidence.source}.csv", [evidence.session])
+        assert evidence.facts is not None
+        write_session(tmp_path / f"{evidence.source}.csv", [evidence.facts.session])
     main(["doctor", str(tmp_path / "left.csv"), str(tmp_path / "right.csv"), "--one-body", "--json"])
     *_, last = map(json.loads, capsys.readouterr().out.splitlines())
     assert [finding["id"] for finding in last["findings"]] == ["body_drift"]
@@ -99,8 +100,8 @@ def test_the_command_compares_recordings(tmp_path: Path, capsys: pytest.CaptureF
 
 def test_one_recording_is_not_enough(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     evidence = gyro("left", 0.5)
-    assert evidence.session is not None
-    write_session(tmp_path / "left.csv", [evidence.session])
+    assert evidence.facts is not None
+    write_session(tmp_path / "left.csv", [evidence.facts.session])
     assert main(["doctor", str(tmp_path / "left.csv"), "--one-body"]) == 2
     assert "--one-body: needs two gyros" in capsys.readouterr().err
 

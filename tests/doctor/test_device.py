@@ -1,8 +1,9 @@
 """What `gyrodrift doctor` finds at a simulated device: each fault and effect by its finding, over a real pty."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from types import SimpleNamespace
-from typing import cast
+from typing import NamedTuple, cast
 
 import pytest
 from doctor_support import FAST, SECONDS, assert_findings, device, doctor
@@ -10,8 +11,9 @@ from support import speaking_on
 
 from gyrodrift.doctor.checks.sensor import still
 from gyrodrift.doctor.evidence import DeviceEvidence
+from gyrodrift.facts.session_facts import SessionFacts
 
-QUIET_RIG = "base: {sample_rate_hz: 100, dps_per_lsb: 0.00763, noise_dps_rthz: %s, bias_dps: %s}\n"
+QUIET_RIG = "base: {sample_rate_hz: 100, dps_per_lsb: %s, noise_dps_rthz: %s, bias_dps: %s}\n"
 SWAY = "about: To and fro.\nsegments: [{kind: sine, seconds: 60, amplitude_dps: 30, frequency_hz: 0.3}]\n"
 RADIANS_RIG = (
     "base: {sample_rate_hz: 100, dps_per_lsb: 0.00013, noise_dps_rthz: 0.00006, bias_dps: 0.006, encoder_cpr: 0}\n"
@@ -24,9 +26,32 @@ segments:
   - {kind: ramp, seconds: 1, to_dps: 0}
 """
 REST = ("--profile", "rest")
+LIVE = (*REST, "--speed", "1")
+ZERO_RIG = "base: {sample_rate_hz: 100, noise_dps_rthz: 0, bias_dps: 0}\n"
+MEASURED = frozenset({"noise", "bias", "drift_plain", "drift_restlevel"})
+RIG, PROFILE = Path("rig.yaml"), Path("profile.yaml")
+
+
+class Case(NamedTuple):
+    """A simulated device by its words, and findings about it; a path among the words is one of the files.
+
+    absent
+        Checks without a finding.
+    options
+        Words for doctor.
+    files
+        Texts of rigs and profiles.
+    """
+
+    words: tuple[str | Path, ...]
+    expected: tuple[tuple[str, str, str], ...]
+    absent: frozenset[str] = frozenset()
+    options: tuple[str, ...] = ("--seconds", SECONDS)
+    files: Mapping[Path, str] = {}
+
 
 CASES = {
-    "bit flips, lost samples, a reset, a sensor that hangs": (
+    "bit flips, lost samples, a reset, a sensor that hangs": Case(
         (
             *(*REST, "--fault", "bit_flips", "--effect", "sample_drop:share_percent=3"),
             *("--fault", "reset:from_s=8", "--fault", "stuck_value:from_s=16"),
@@ -40,7 +65,7 @@ CASES = {
             ("restarts", "warning", "The device restarted once."),
         ),
     ),
-    "lines of stale samples with scattered times": (
+    "lines of stale samples with scattered times": Case(
         (
             *REST,
             "--protocol",
@@ -57,15 +82,15 @@ CASES = {
             ("stamps", "warning", "data-ready interrupt"),
         ),
     ),
-    "vibration above half the sample rate": (
+    "vibration above half the sample rate": Case(
         (*REST, "--effect", "vibration:amplitude_dps=0.5,frequency_hz=73"),
         (("aliasing", "warning", "A tone of 27 Hz"), ("aliasing", "warning", "an alias of 73, 127 Hz or more")),
     ),
-    "vibration behind a low-pass": (
+    "vibration behind a low-pass": Case(
         (*REST, "--effect", "vibration:amplitude_dps=0.5,frequency_hz=12", "--effect", "bandwidth:cutoff_hz=12"),
         (("aliasing", "note", "A tone of 12 Hz"),),
     ),
-    "coarse steps, and a range that ends": (
+    "coarse steps, and a range that ends": Case(
         ("--profile", "turntable", "--effect", "saturation:limit_dps=40", "--effect", "quantization:step_dps=0.25"),
         (
             ("resolution", "warning", "The step of the rate is 0.2"),
@@ -74,7 +99,7 @@ CASES = {
             ("repeats", "ok", ""),
         ),
     ),
-    "a sensor at its rail, at another rate than HELLO says": (
+    "a sensor at its rail, at another rate than HELLO says": Case(
         (*REST, "--fault", "full_scale:from_s=7", "--fault", "rate_change:from_s=6"),
         (
             ("clipped", "error", "Out of range: "),
@@ -83,20 +108,93 @@ CASES = {
             ("rate_changes", "warning", "from 100 to 50 Hz"),
         ),
     ),
-    "no device clock": (
+    "no device clock": Case(
         (*REST, "--protocol", "witmotion"),
         (("protocol", "note", "It sends witmotion, which has no device clock"),),
+    ),
+    "noise and bias beyond the data sheet": Case(
+        (*REST, "--rig", RIG),
+        (
+            ("noise", "warning", "times the 0.005 of the MPU-6050"),
+            ("noise", "warning", "DLPF_CFG"),
+            ("bias", "warning", "the MPU-6050 may have ±20"),
+        ),
+        options=("--seconds", SECONDS, "--sensor", "MPU-6050"),
+        files={RIG: QUIET_RIG % (0.00763, 0.02, 25.0)},
+    ),
+    "noise and range short of the data sheet: a mean hides noise, and a finer range is offered": Case(
+        (*REST, "--rig", RIG),
+        (
+            ("sensor", "ok", "ICM-20948, set to ±1000 deg/s"),
+            ("noise", "note", "something averages"),
+            ("resolution", "note", "Choose ±250 deg/s"),
+        ),
+        options=("--seconds", SECONDS, "--sensor", "icm20948"),
+        files={RIG: QUIET_RIG % (0.03049, 0.0035, 0.35)},
+    ),
+    "a plug that is pulled and put back": Case(
+        (*LIVE, "--fault", "unplug:from_s=1,seconds=0.3"),
+        (("unplugged", "warning", "The port was reconnected once"), ("unplugged", "warning", "cable and hub")),
+        options=("--seconds", "2.5"),
+    ),
+    "a plug that stays pulled: what came before is told all the same": Case(
+        (*LIVE, "--fault", "unplug:from_s=0.8,seconds=100"),
+        (("unplugged", "error", "went away while doctor listened"), ("damage", "ok", "")),
+        options=("--seconds", "1.2"),
+    ),
+    "a device that stops in the middle of a stream": Case(
+        (*LIVE, "--fault", "stall:from_s=0.5,seconds=100"),
+        (("silence", "error", "No sample for"), ("silence", "error", "firmware hangs")),
+        options=("--seconds", "2"),
+    ),
+    **{
+        f"{protocol}, a family that says exactly 0 at rest: its own filter has taken bias and noise away": Case(
+            (*LIVE, "--protocol", protocol, "--rig", RIG),
+            (("stuck", "note", "was exactly 0 for"), ("stuck", "note", "hides its bias")),
+            options=("--seconds", "2.5"),
+            files={RIG: ZERO_RIG},
+        )
+        for protocol in ("witmotion", "witmotion-ble", "bno08x-rvc")
+    },
+    "a rate of 0 of any other device, as an MPU-6050 says that has reset itself": Case(
+        (*LIVE, "--rig", RIG),
+        (("stuck", "error", "The sensor hangs on its bus"),),
+        options=("--seconds", "2.5"),
+        files={RIG: ZERO_RIG},
+    ),
+    "rates in radians: nothing is made of them in deg/s": Case(
+        ("--protocol", "csv", "--rig", RIG, "--profile", PROFILE),
+        (("rate_unit", "error", "rad/s instead of deg/s"), ("rate_unit", "error", "rate:rads")),
+        absent=MEASURED,
+        options=("--seconds", "1"),
+        files={RIG: RADIANS_RIG, PROFILE: RADIANS},
+    ),
+    "a device that never rests": Case(
+        ("--profile", PROFILE), (("still", "warning", "Leave it on a table"),), absent=MEASURED, files={PROFILE: SWAY}
+    ),
+    "a clock of milliseconds: nothing else is made of such times": Case(
+        (*LIVE, "--protocol", "csv", "--fault", "millisecond_clock"),
+        (("clock_unit", "error", "counts milliseconds"), ("clock_unit", "error", "--columns")),
+        absent=frozenset({"sample_rate", "still", "bias"}),
+        options=("--seconds", "3"),
+    ),
+    "a baud rate that was given and is not that of the device": Case(
+        (*LIVE, "--fault", "wrong_baud:baud=9600"),
+        (("protocol", "error", "at 115200 baud"), ("protocol", "error", "without --baud")),
+        options=("--timeout", "1", "--baud", "115200"),
     ),
 }
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_a_fault_has_its_finding(port: Path, capsys: pytest.CaptureFixture[str], case: str) -> None:
+@pytest.mark.parametrize("case", CASES.values(), ids=CASES)
+def test_a_fault_has_its_finding(port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], case: Case) -> None:
     """With what to do about it; the status is 3 where one of them is an error."""
-    words, expected = CASES[case]
-    with device(port, *FAST, *words):
-        status, found = doctor(capsys, "--port", port, "--seconds", SECONDS)
-    assert_findings(found, expected)
+    for name, text in case.files.items():
+        (tmp_path / name).write_text(text)
+    with device(port, *FAST, *(tmp_path / word if isinstance(word, Path) else word for word in case.words)):
+        status, found = doctor(capsys, "--port", port, *case.options)
+    assert_findings(found, case.expected)
+    assert not case.absent & found.keys()
     severities = {each["severity"] for each in found.values()}
     assert status == (3 if "error" in severities else 0)
 
@@ -124,9 +222,8 @@ def test_a_healthy_device_has_no_finding_that_matters(port: Path, capsys: pytest
 )
 def test_a_short_look_is_not_taken_for_motion(seconds: float, words: str) -> None:
     """Without a rest, the finding says whether there was time for one."""
-    description = SimpleNamespace(duration_s=seconds)
-    evidence = cast("DeviceEvidence", SimpleNamespace(description=description, is_in_deg_s=True, rest=None))
-    finding = still(evidence)
+    facts = SimpleNamespace(duration_s=seconds, rest=None)
+    finding = still(DeviceEvidence("gyro"), cast("SessionFacts", facts))
     assert finding is not None
     assert words in finding.says
 
@@ -152,40 +249,6 @@ def test_what_half_a_minute_of_rest_shows(port: Path, capsys: pytest.CaptureFixt
     assert found["drift_restlevel"]["value"] < found["drift_plain"]["value"] / 10
 
 
-def test_noise_and_bias_beyond_the_data_sheet(port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Of the sensor that was named."""
-    rig = tmp_path / "rig.yaml"
-    rig.write_text(QUIET_RIG % (0.02, 25.0))
-    with device(port, *FAST, *REST, "--rig", rig):
-        _, found = doctor(capsys, "--port", port, "--seconds", SECONDS, "--sensor", "MPU-6050")
-    assert_findings(
-        found,
-        [
-            ("noise", "warning", "times the 0.005 of the MPU-6050"),
-            ("noise", "warning", "DLPF_CFG"),
-            ("bias", "warning", "the MPU-6050 may have ±20"),
-        ],
-    )
-
-
-def test_noise_and_range_short_of_the_data_sheet(
-    port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """A mean hides noise, and a finer range is offered where the step is as large as the noise."""
-    rig = tmp_path / "rig.yaml"
-    rig.write_text("base: {sample_rate_hz: 100, dps_per_lsb: 0.03049, noise_dps_rthz: 0.0035, bias_dps: 0.35}\n")
-    with device(port, *FAST, *REST, "--rig", rig):
-        _, found = doctor(capsys, "--port", port, "--seconds", SECONDS, "--sensor", "icm20948")
-    assert_findings(
-        found,
-        [
-            ("sensor", "ok", "ICM-20948, set to ±1000 deg/s"),
-            ("noise", "note", "something averages"),
-            ("resolution", "note", "Choose ±250 deg/s"),
-        ],
-    )
-
-
 def test_samples_in_bunches(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """As a slow USB host or Bluetooth delivers them."""
     with device(port, *REST, "--effect", "usb_batching:interval_ms=100"):
@@ -194,92 +257,6 @@ def test_samples_in_bunches(port: Path, capsys: pytest.CaptureFixture[str]) -> N
         found, [("bursts", "note", "Samples arrive in bursts of"), ("jitter", "note", "Samples arrive unevenly")]
     )
     assert found["bursts"]["value"] > 5
-
-
-def test_a_plug_that_is_pulled(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """And put back while it is listened to."""
-    with device(port, *REST, "--fault", "unplug:from_s=1,seconds=0.3"):
-        _, found = doctor(capsys, "--port", port, "--seconds", "2.5")
-    assert_findings(
-        found, [("unplugged", "warning", "The port was reconnected once"), ("unplugged", "warning", "cable and hub")]
-    )
-
-
-def test_a_plug_that_stays_pulled(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """What came before is told all the same."""
-    with device(port, *REST, "--fault", "unplug:from_s=0.8,seconds=100"):
-        status, found = doctor(capsys, "--port", port, "--seconds", "1.2")
-    assert status == 3
-    assert_findings(found, [("unplugged", "error", "went away while doctor listened"), ("damage", "ok", "")])
-
-
-def test_a_device_that_stops(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """In the middle of a stream, with its port still there."""
-    with device(port, *REST, "--fault", "stall:from_s=0.5,seconds=100"):
-        status, found = doctor(capsys, "--port", port, "--seconds", "2")
-    assert status == 3
-    assert_findings(found, [("silence", "error", "No sample for"), ("silence", "error", "firmware hangs")])
-
-
-@pytest.mark.parametrize("protocol", ["witmotion", "witmotion-ble", "bno08x-rvc"])
-def test_a_family_that_says_exactly_0_at_rest_does_not_hang(
-    port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], protocol: str
-) -> None:
-    """Its own filter has taken bias and noise away; a device of another family that does so hangs."""
-    rig = tmp_path / "rig.yaml"
-    rig.write_text("base: {sample_rate_hz: 100, noise_dps_rthz: 0, bias_dps: 0}\n")
-    with device(port, *REST, "--protocol", protocol, "--rig", rig):
-        _, found = doctor(capsys, "--port", port, "--seconds", "2.5")
-    assert_findings(found, [("stuck", "note", "was exactly 0 for"), ("stuck", "note", "hides its bias")])
-
-
-def test_a_rate_of_0_of_any_other_device_is_one_that_hangs(
-    port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """As an MPU-6050 says that has reset itself."""
-    rig = tmp_path / "rig.yaml"
-    rig.write_text("base: {sample_rate_hz: 100, noise_dps_rthz: 0, bias_dps: 0}\n")
-    with device(port, *REST, "--rig", rig):
-        status, found = doctor(capsys, "--port", port, "--seconds", "2.5")
-    assert status == 3
-    assert_findings(found, [("stuck", "error", "The sensor hangs on its bus")])
-
-
-def test_rates_in_radians(port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Nothing is made of them in deg/s."""
-    (tmp_path / "rig.yaml").write_text(RADIANS_RIG)
-    (tmp_path / "turns.yaml").write_text(RADIANS)
-    with device(port, *FAST, "--protocol", "csv", "--rig", tmp_path / "rig.yaml", "--profile", tmp_path / "turns.yaml"):
-        status, found = doctor(capsys, "--port", port, "--seconds", "1")
-    assert status == 3
-    assert_findings(found, [("rate_unit", "error", "rad/s instead of deg/s"), ("rate_unit", "error", "rate:rads")])
-    assert not {"noise", "bias", "drift_plain", "drift_restlevel"} & set(found)
-
-
-def test_a_device_that_never_rests(port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Nothing is said of noise, bias and drift, but why."""
-    (tmp_path / "sway.yaml").write_text(SWAY)
-    with device(port, *FAST, "--profile", tmp_path / "sway.yaml"):
-        _, found = doctor(capsys, "--port", port, "--seconds", SECONDS)
-    assert_findings(found, [("still", "warning", "Leave it on a table")])
-    assert not {"noise", "bias", "drift_plain", "drift_restlevel"} & set(found)
-
-
-def test_a_clock_of_milliseconds(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Nothing else is made of such times."""
-    with device(port, *REST, "--protocol", "csv", "--fault", "millisecond_clock"):
-        status, found = doctor(capsys, "--port", port, "--seconds", "3")
-    assert status == 3
-    assert_findings(found, [("clock_unit", "error", "counts milliseconds"), ("clock_unit", "error", "--columns")])
-    assert not {"sample_rate", "still", "bias"} & set(found)
-
-
-def test_a_wrong_baud_rate(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """One that was given and is not that of the device."""
-    with device(port, *REST, "--fault", "wrong_baud:baud=9600"):
-        status, found = doctor(capsys, "--port", port, "--timeout", "1", "--baud", "115200")
-    assert status == 3
-    assert_findings(found, [("protocol", "error", "at 115200 baud"), ("protocol", "error", "without --baud")])
 
 
 def test_a_device_that_says_nothing(port: Path, capsys: pytest.CaptureFixture[str]) -> None:

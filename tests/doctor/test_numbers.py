@@ -1,15 +1,11 @@
-"""The numbers behind findings: drift that is expected against drift that happens, tones in a spectrum, data sheets."""
+"""The numbers behind findings: drift that is expected against drift that happens, and data sheets."""
 
 import numpy as np
 import pytest
 
-from firmware_sim.measure import measure
-from firmware_sim.motion.profile import load_profile
-from firmware_sim.rig import load_rig, parse_effect, with_effects
-from gyrodrift.doctor.drift import MINUTE_S, of_bias, of_uncertainty
+from gyrodrift.doctor.checks.drift import of_bias, of_uncertainty
 from gyrodrift.doctor.sensors import SENSORS, sensor_named, with_step
-from gyrodrift.doctor.spectrum import spectrum_of
-from gyrodrift.values.arrays import Floats
+from gyrodrift.values.constants import SECONDS_PER_MINUTE
 
 NOISE, WALK, SIGMA = 0.0035, 0.0005, 0.002
 RATE_HZ = 10.0
@@ -18,7 +14,7 @@ RATE_HZ = 10.0
 def test_expected_drift_is_the_scatter_of_yaw_that_is_drawn() -> None:
     """Bias, white noise and a walk of the bias, integrated over a minute, two thousand times."""
     rng = np.random.default_rng(5)
-    runs, steps = 2000, int(MINUTE_S * RATE_HZ)
+    runs, steps = 2000, int(SECONDS_PER_MINUTE * RATE_HZ)
     walks = WALK / np.sqrt(RATE_HZ) * rng.standard_normal((runs, steps)).cumsum(axis=1)
     whites = NOISE * np.sqrt(RATE_HZ) * rng.standard_normal((runs, steps))
     rates = SIGMA * rng.standard_normal((runs, 1)) + walks + whites
@@ -30,60 +26,6 @@ def test_a_bias_adds_up() -> None:
     """Whatever its sign."""
     assert (of_bias(-0.5).minute_deg, of_bias(-0.5).hour_deg) == (30.0, 1800.0)
     assert str(of_bias(0.35)) == "21 deg in a minute, 1260 deg in an hour"
-
-
-def test_a_tone_is_found_with_its_frequency_and_amplitude() -> None:
-    """In noise that hides it from the eye; noise alone has none."""
-    rng = np.random.default_rng(1)
-    noise = 0.035 * rng.standard_normal(3000)
-    tone = 0.02 * np.sin(2.0 * np.pi * 27.0 * np.arange(3000) / 100.0)
-    seen = spectrum_of(noise + tone, 100.0)
-    assert seen is not None
-    assert seen.tone_hz == pytest.approx(27.0, abs=0.1)
-    assert seen.tone_dps == pytest.approx(0.02, rel=0.2)
-    assert seen.upper_share == pytest.approx(1.0, abs=0.3)
-    assert all(one is not None and one.tone_hz is None for one in (spectrum_of(_white(rng), 100.0) for _ in range(200)))
-    assert spectrum_of(noise[:500], 100.0) is None
-
-
-@pytest.mark.parametrize("effect", ["bias_instability", "bias_instability:floor_dph=72", "popcorn", "rate_random_walk"])
-def test_noise_that_rises_to_low_frequencies_is_no_tone(effect: str) -> None:
-    """A tone is a narrow line above the local floor; flicker noise has none, for five seeds and two lengths."""
-    rates = [(simulated_rest(effect, seed, samples)) for seed in range(5) for samples in (3000, 12000)]
-    spectra = [spectrum_of(rate_dps, 100.0) for rate_dps in rates]
-    assert [spectrum.tone_hz for spectrum in spectra if spectrum is not None] == [None] * 10
-
-
-def test_a_tone_in_flicker_noise_is_found() -> None:
-    """Also where the flicker noise is stronger than the tone at low frequencies."""
-    tone = 0.03 * np.sin(2.0 * np.pi * 11.0 * np.arange(3000) / 100.0)
-    spectrum = spectrum_of(simulated_rest("bias_instability:floor_dph=72", 1, 3000) + tone, 100.0)
-    assert spectrum is not None
-    assert spectrum.tone_hz == pytest.approx(11.0, abs=0.1)
-    assert spectrum.tone_dps == pytest.approx(0.03, rel=0.2)
-
-
-def simulated_rest(effect: str, seed: int, samples: int) -> Floats:
-    """Rates of the shipped rig at rest with one more effect, deg/s, shape (samples,)."""
-    rig = with_effects(load_rig(None), [parse_effect(effect)])
-    blocks: list[Floats] = []
-    for block in measure(rig, load_profile("rest"), seed):
-        blocks.append(np.asarray(block.rate_raw * rig.base.dps_per_lsb, dtype=np.float64))
-        if sum(map(len, blocks)) >= samples:
-            break
-    return np.concatenate(blocks)[:samples]
-
-
-def _white(rng: np.random.Generator) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    return np.asarray(rng.standard_normal(3000))
-
-
-def test_a_low_pass_shows_at_half_the_sample_rate() -> None:
-    """A mean of four samples, as some firmware sends it."""
-    means = np.convolve(np.random.default_rng(2).standard_normal(3003), np.full(4, 0.25), "valid")
-    seen = spectrum_of(means, 100.0)
-    assert seen is not None
-    assert seen.upper_share < 0.5
 
 
 def test_sensors_are_known_by_name_and_step() -> None:

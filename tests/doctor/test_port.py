@@ -47,6 +47,17 @@ def adapter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Adapter:
     return plug
 
 
+@pytest.fixture
+def plugged_in(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Makes these ports those of the machine."""
+
+    def plug(*ports: Path) -> None:
+        monkeypatch.setattr(list_ports, "comports", lambda *_: [ListPortInfo(str(name)) for name in ports])
+        monkeypatch.setattr(serial_port, "TERMINALS", Path("/nowhere"))
+
+    return plug
+
+
 def test_an_adapter_that_holds_bytes_back(port: Path, adapter: Adapter, capsys: pytest.CaptureFixture[str]) -> None:
     """Its driver, its timer with the command that sets it, and a name that may change."""
     with device(port, *FAST, "--profile", "rest"):
@@ -153,12 +164,11 @@ def test_a_port_that_is_not_there(tmp_path: Path, capsys: pytest.CaptureFixture[
 
 @pytest.mark.parametrize("count", [0, 2])
 def test_without_a_port_it_is_looked_for(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], count: int
+    tmp_path: Path, plugged_in: Callable[..., None], capsys: pytest.CaptureFixture[str], count: int
 ) -> None:
     """None is there, or none of several speaks: one finding says so, with each port."""
     ports = [tmp_path / f"silent-{number}" for number in range(2)]
-    monkeypatch.setattr(list_ports, "comports", lambda *_: [ListPortInfo(str(name)) for name in ports[:count]])
-    monkeypatch.setattr(serial_port, "TERMINALS", Path("/nowhere"))
+    plugged_in(*ports[:count])
     with speaking_on(ports[0]), speaking_on(ports[1]):
         status, found = doctor(capsys, "--timeout", "0.5")
     assert status == 3
@@ -168,12 +178,10 @@ def test_without_a_port_it_is_looked_for(
 
 
 def test_of_several_ports_that_of_the_gyro_is_taken(
-    port: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    port: Path, tmp_path: Path, plugged_in: Callable[..., None], capsys: pytest.CaptureFixture[str]
 ) -> None:
     """It is opened once: what was heard while it was looked for is not lost to a second boot."""
-    names = [str(port), str(tmp_path / "gone")]
-    monkeypatch.setattr(list_ports, "comports", lambda *_: [ListPortInfo(name) for name in names])
-    monkeypatch.setattr(serial_port, "TERMINALS", Path("/nowhere"))
+    plugged_in(port, tmp_path / "gone")
     with running_device(port, "--profile", "rest"):
         status, found = doctor(capsys, "--seconds", "0.2")
     assert status == 0
@@ -181,11 +189,13 @@ def test_of_several_ports_that_of_the_gyro_is_taken(
 
 
 def test_the_one_port_there_is_is_taken(
-    port: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    port: Path,
+    plugged_in: Callable[..., None],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     """And its gyro is listened to."""
-    monkeypatch.setattr(list_ports, "comports", lambda *_: [ListPortInfo(str(port))])
-    monkeypatch.setattr(serial_port, "TERMINALS", Path("/nowhere"))
+    plugged_in(port)
     monkeypatch.setattr(port_holder, "LOCKS", Path("/nowhere"))
     with device(port, *FAST, "--profile", "rest"):
         status, found = doctor(capsys, "--seconds", SECONDS)

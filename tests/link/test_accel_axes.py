@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hand_motion import BIAS_DPS, HandMotion, hand_motion
 
+from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.link.units.accel_axes import AccelerationAxesCheck
-from gyrodrift.session.checks.axes import agreement
 from gyrodrift.session.session import Session
 from gyrodrift.values.sample import Inertial, Sample
 
@@ -57,7 +57,7 @@ def test_other_axes_are_told_once_with_the_columns_that_mend_them(
         gyro_dps=motion.gyro_dps,
         accel_mps2=motion.accel_mps2[:, order] * signs,
     )
-    recorded = agreement(session)
+    recorded = SessionFacts(session).axes_agreement
     assert recorded is not None
     assert recorded.spec == spec
 

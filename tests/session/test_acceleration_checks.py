@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from gyrodrift.facts.reference import vertical_rates_dps
+from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.link.units.acceleration import LENGTHS, AccelerationCheck
-from gyrodrift.session.checks.axes import agreement, axis_findings
-from gyrodrift.session.checks.gravity import acceleration_findings
+from gyrodrift.session.checks.gravity import acceleration_findings, axis_findings
 from gyrodrift.session.checks.rate_unit import rate_findings
-from gyrodrift.session.checks.vertical import vertical_rates_dps
 from gyrodrift.session.session import Session
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.sample import Inertial, Sample
@@ -43,8 +43,8 @@ def with_forces(session: Session, forces: Floats) -> Session:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_right_axes_are_no_finding(seed: int) -> None:
-    assert not list(axis_findings(waved(seed=seed)))
-    assert not list(axis_findings(waved(seed=seed, shake_mps2=3.0)))
+    assert not list(axis_findings(SessionFacts(waved(seed=seed))))
+    assert not list(axis_findings(SessionFacts(waved(seed=seed, shake_mps2=3.0))))
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -54,11 +54,11 @@ def test_swapped_and_inverted_axes_are_named_with_the_order_that_mends_them(seed
     session, (order, signs) = waved(seed=seed), ALL_AXES[index]
     assert session.accel_mps2 is not None
     wrong_forces = session.accel_mps2[:, order] * np.array(signs)
-    findings = list(axis_findings(with_forces(session, wrong_forces)))
+    findings = list(axis_findings(SessionFacts(with_forces(session, wrong_forces))))
     is_right = order == (0, 1, 2) and len(set(signs)) == 1
     assert len(findings) == (not is_right)
     if findings:
-        axes = agreement(with_forces(session, wrong_forces))
+        axes = SessionFacts(with_forces(session, wrong_forces)).axes_agreement
         assert axes is not None
         assert axes.spec in findings[0].do
         columns = [SIGNS[name[0]] * wrong_forces[:, "xyz".index(name[1])] for name in axes.best]
@@ -79,7 +79,7 @@ def test_a_level_turn_says_nothing_of_the_axes() -> None:
     """Gravity stays in place."""
     session = waved(tilt_deg=0.0)
     assert session.accel_mps2 is not None
-    assert not list(axis_findings(with_forces(session, session.accel_mps2[:, [1, 0, 2]])))
+    assert not list(axis_findings(SessionFacts(with_forces(session, session.accel_mps2[:, [1, 0, 2]]))))
 
 
 def test_accelerations_of_a_car_say_nothing_of_the_axes() -> None:
@@ -87,23 +87,25 @@ def test_accelerations_of_a_car_say_nothing_of_the_axes() -> None:
     session, rng = waved(), np.random.default_rng(5)
     jolts = np.repeat(rng.normal(0.0, 8.0, (200, 3)), 20, axis=0)
     assert session.accel_mps2 is not None
-    assert not list(axis_findings(with_forces(session, session.accel_mps2[:, [1, 0, 2]] + jolts)))
+    assert not list(axis_findings(SessionFacts(with_forces(session, session.accel_mps2[:, [1, 0, 2]] + jolts))))
 
 
 def test_a_sensor_that_measures_gravity_downward_is_told() -> None:
     session = waved(tilt_deg=10.0)
     assert session.accel_mps2 is not None
-    (finding,) = acceleration_findings(with_forces(session, -session.accel_mps2), is_stated=False)
+    (finding,) = acceleration_findings(SessionFacts(with_forces(session, -session.accel_mps2)), is_stated=False)
     assert finding.id == "accel_sign"
     assert not finding.is_error
-    assert not list(acceleration_findings(session, is_stated=False))
+    assert not list(acceleration_findings(SessionFacts(session), is_stated=False))
 
 
 @pytest.mark.parametrize("forces", [np.full((40, 3), np.nan), np.zeros((40, 3))])
 def test_missing_and_zero_accelerations_do_not_stop_the_checks(forces: Floats) -> None:
     session = Session("s", np.arange(40.0), np.ones(40), gyro_dps=np.ones((40, 3)), accel_mps2=forces)
-    assert not list(axis_findings(session))
-    assert {finding.id for finding in acceleration_findings(session, is_stated=False)} <= {"accel_gravity"}
+    assert not list(axis_findings(SessionFacts(session)))
+    assert {finding.id for finding in acceleration_findings(SessionFacts(session), is_stated=False)} <= {
+        "accel_gravity"
+    }
 
 
 def events_of(force: tuple[float, float, float], protocol: str = "csv") -> list[dict[str, Any]]:
@@ -144,9 +146,9 @@ def test_the_rate_about_the_vertical_is_compared_with_the_encoder_of_a_tilted_de
         gyro_dps=heading_dps[:, None] * up,
         accel_mps2=np.tile(G_MPS2 * up, (len(t_s), 1)),
     )
-    assert rate_findings(session, is_stated=False) == []
+    assert rate_findings(SessionFacts(session), is_stated=False) == []
     assert vertical_rates_dps(session) == pytest.approx(heading_dps)
-    (finding,) = rate_findings(replace(session, gyro_dps=None, accel_mps2=None), is_stated=False)
+    (finding,) = rate_findings(SessionFacts(replace(session, gyro_dps=None, accel_mps2=None)), is_stated=False)
     assert finding.id == "rate_unit"
 
 

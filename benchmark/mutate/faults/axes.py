@@ -124,7 +124,7 @@ FAULTS = (
     ),
     Fault(
         "axes/swapped-axes-agree",
-        f"{CHECKS}/axes.py",
+        f"{CHECKS}/gravity.py",
         "axes.residual > AGREES >= axes.best_residual",
         "axes.residual > 10.0 >= axes.best_residual",
         "Swapped axes of an accelerometer pass.",
@@ -132,7 +132,7 @@ FAULTS = (
     ),
     Fault(
         "axes/encoder-against-z",
-        f"{CHECKS}/vertical.py",
+        "gyrodrift/facts/reference.py",
         "(session.gyro_dps * means).sum(axis=1)",
         "(session.gyro_dps * means)[:, 2]",
         "A tilted gyro seems to have a wrong unit.",

@@ -81,7 +81,7 @@ FAULTS = (
     ),
     Fault(
         "calibrate/temperature-run-lost",
-        f"{POSITIONS}/result.py",
+        f"{POSITIONS}/measurements.py",
         "    return replace(old, **{",
         "    return replace(new, **{",
         "Six positions drop the values of one axis.",

@@ -14,9 +14,6 @@ from pydantic import Field
 
 from firmware_sim.effects.effect import Effect, Floats, Rng
 
-STANDARD_GRAVITY_MPS2 = 9.80665
-"""1 g in m/s² (ISO 80000-3)."""
-
 Percent = Annotated[float, Field(ge=-20.0, le=20.0)]
 SmallAngle = Annotated[float, Field(ge=-20.0, le=20.0)]
 

@@ -8,9 +8,9 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
+from firmware_sim.constants import STANDARD_GRAVITY_MPS2
 from firmware_sim.effects.effect import Floats, Rng
 from firmware_sim.effects.triaxial.effect import (
-    STANDARD_GRAVITY_MPS2,
     Percent,
     SmallAngle,
     TriaxialAct,

@@ -9,12 +9,12 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
+from firmware_sim.constants import STANDARD_GRAVITY_MPS2
 from firmware_sim.effects.effect import Floats, Rng
 from firmware_sim.motion.attitude.generated import AXES, REST_S, Generated, Legs, Tracks, vector, windowed
 from firmware_sim.motion.attitude.rotations import Z, about, product, rotated
 from firmware_sim.motion.attitude.track import StepTrack, Track, drawn_tones
 
-GRAVITY_MPS2 = 9.80665
 CLIMB_S, WAY_S, HOVER_S, FADE_S = 4.0, (3.0, 6.0), (2.0, 10.0), 2.0
 """Times of a climb, of a way between two points, of a hover, and in which the air grows rough, s."""
 
@@ -67,7 +67,7 @@ class Drone(Generated):
         thrust = np.stack(
             [vector(tracks, order + 2) + self.drag_per_s * vector(tracks, order + 1) for order in range(3)]
         )
-        thrust[0, :, 2] += GRAVITY_MPS2
+        thrust[0, :, 2] += STANDARD_GRAVITY_MPS2
         up = _unit(thrust)
         ahead = rotated(about(Z, tracks["yaw"]), np.array([1.0, 0.0, 0.0]))
         leftward = _unit(product(np.cross, up, ahead))

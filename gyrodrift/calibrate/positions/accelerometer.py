@@ -2,7 +2,8 @@
 
 Least squares on |scale · (measured − offset)| = g over all rests: an ellipsoid whose axes are those of the sensor
 (Frosio, Pedersini and Borghese 2009, DOI 10.1109/TIM.2008.2006137, without cross-axis terms). The direction of a rest
-does not matter, so the board may lie askew.
+does not matter, so the board may lie askew. Gravity differs from its standard by 0.3 % at most: all scales together
+may be as wrong, which turns no axis.
 """
 
 from collections.abc import Sequence
@@ -13,10 +14,8 @@ import numpy as np
 from gyrodrift.calibrate.positions.block import AxesRest
 from gyrodrift.calibrate.positions.sides import listed, missing_sides, side_up
 from gyrodrift.values.arrays import Floats
+from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 from gyrodrift.values.errors import CalibrationError
-
-GRAVITY_MPS2 = 9.80665
-"""Standard gravity (CGPM 1901). On earth it is 9.76 to 9.84: the scales may all be 0.3 % off, which turns no axis."""
 
 STABILITY_MPS2 = 0.005
 """Smallest standard deviation of a rest, m/s²: offsets of MEMS change by 0.5 mg within minutes. Chosen."""
@@ -66,7 +65,7 @@ def check_size(rest: AxesRest) -> None:
         It is too small or too large.
     """
     size = float(np.linalg.norm(rest.accel_mps2))
-    if SIZES[0] <= size / GRAVITY_MPS2 <= SIZES[1]:
+    if SIZES[0] <= size / STANDARD_GRAVITY_MPS2 <= SIZES[1]:
         return
     unit = ": it is in g; name the unit in --columns, such as ax:g" if SIZES[0] <= size <= SIZES[1] else ""
     raise CalibrationError(
@@ -108,7 +107,7 @@ def _linearized(measured: Floats, offset: Floats, scale: Floats) -> tuple[Floats
     true = scale * (measured - offset)
     sizes = np.linalg.norm(true, axis=1)
     units = true / sizes[:, None]
-    return np.hstack([-units * scale, units * (measured - offset)]), sizes - GRAVITY_MPS2
+    return np.hstack([-units * scale, units * (measured - offset)]), sizes - STANDARD_GRAVITY_MPS2
 
 
 def _sigma(rest: AxesRest) -> float:

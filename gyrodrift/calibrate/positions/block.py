@@ -6,7 +6,7 @@ from math import inf, isfinite, nan, sqrt
 
 import numpy as np
 
-from gyrodrift.describe.arrays import smallest_step
+from gyrodrift.facts.arrays import smallest_step, white_noise
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import CalibrationError
 from gyrodrift.values.sample import Sample
@@ -30,30 +30,6 @@ class AxesBlock:
     gyro_dps: Floats
     accel_mps2: Floats
     temp_c: float
-
-    @property
-    def seconds(self) -> float:
-        """Time from the first to the last sample, s."""
-        return float(self.t_s[-1] - self.t_s[0])
-
-    @property
-    def gyro_noise_dps(self) -> float:
-        """Largest standard deviation of the white noise of an axis, deg/s; from differences, so without motion."""
-        return _white_noise(self.gyro_dps)
-
-    @property
-    def accel_step_mps2(self) -> float:
-        """Smallest step of an acceleration, m/s²; infinite if all samples are equal."""
-        return min((smallest_step(axis) or inf for axis in self.accel_mps2.T), default=inf)
-
-    @property
-    def accel_noise_mps2(self) -> float:
-        """Largest standard deviation of the white noise of an axis, m/s²."""
-        return _white_noise(self.accel_mps2)
-
-
-def _white_noise(values: Floats) -> float:
-    return float(np.diff(values, axis=0).std(axis=0).max()) / sqrt(2.0)
 
 
 def block_of(samples: Sequence[Sample]) -> AxesBlock:
@@ -131,7 +107,7 @@ def rest_of_blocks(blocks: Sequence[AxesBlock], accel_step_mps2: float = inf) ->
             _rounding(np.concatenate([block.accel_mps2 for block in blocks]), accel_step_mps2),
         ),
         temp_c=float(np.mean([block.temp_c for block in blocks])),
-        noise_dps_rthz=float(np.diff(z_dps).std()) / sqrt(2.0) * sqrt(float(np.median(np.diff(t_s)))),
+        noise_dps_rthz=white_noise(z_dps) * sqrt(float(np.median(np.diff(t_s)))),
         dps_per_lsb=smallest_step(z_dps),
     )
 

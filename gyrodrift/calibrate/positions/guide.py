@@ -3,20 +3,18 @@
 The guide takes samples and waits for no key. Each rest is a new side, or the end of a turn on the same side.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Any
 
 from gyrodrift.calibrate.guide import GuideStep, Key
-from gyrodrift.calibrate.positions import words
-from gyrodrift.calibrate.positions.accelerometer import check_size
+from gyrodrift.calibrate.positions.accelerometer import AccelerometerFit, check_size
 from gyrodrift.calibrate.positions.block import AxesRest
-from gyrodrift.calibrate.positions.matrix import AxisTurn, check_axes
-from gyrodrift.calibrate.positions.measurements import Measurements
+from gyrodrift.calibrate.positions.matrix import AxisTurn, MatrixFit, check_axes
+from gyrodrift.calibrate.positions.measurements import MeasuredTurn, Measurements, over
 from gyrodrift.calibrate.positions.motion import AxesMove, move_between
 from gyrodrift.calibrate.positions.rests import Laid, RestFinder
-from gyrodrift.calibrate.positions.result import MeasuredTurn, over
 from gyrodrift.calibrate.positions.sides import AXES, TILT_MAX_DEG, SideUp, side_up
 from gyrodrift.calibrate.scale import Turns, check_turns
 from gyrodrift.values.calibration import Calibration
@@ -65,7 +63,7 @@ class PositionGuide:
     def begin(self) -> None:
         """Start, with the instructions."""
         plan, self.step = self.plan, GuideStep.REST
-        self._say_all(words.instructions(plan.turns, plan.rest_s, has_turns=plan.has_turns, is_by_hand=plan.is_by_hand))
+        self._say_all(_instructions(plan))
 
     def take(self, samples: list[Sample], clipped: int = 0) -> None:
         """Add samples; `clipped` of them were marked as out of range by the device.
@@ -102,11 +100,11 @@ class PositionGuide:
         CalibrationError
             Sides are missing, or the results are impossible.
         """
-        return self._so_far.positions().calibration(now, device_id, dps_per_lsb)
+        return self._so_far.calibration(now, device_id, dps_per_lsb)
 
     def measured(self) -> dict[str, Any]:
         """Measurements for JSON, after `result`."""
-        return self._so_far.positions().measured()
+        return self._so_far.measured()
 
     @staticmethod
     def merged(new: Calibration, old: Calibration | None) -> Calibration:
@@ -166,7 +164,7 @@ class PositionGuide:
         x, y, z = rest.accel_mps2
         self._go_on(f"{position.side} up: {x:+.3f}, {y:+.3f}, {z:+.3f} m/s²")
         if not self._so_far.missing_sides:
-            self._say_all(words.accelerometer_sentences(self._so_far.accelerometer()))
+            self._say_all(_accelerometer_sentences(self._so_far.accelerometer()))
         self._finish_when_complete()
 
     def _go_on(self, sentence: str) -> None:
@@ -184,7 +182,7 @@ class PositionGuide:
                 raise
             self.say(f"Not accepted: {error}. u removes the last turn; more turns improve the mean.")
             return
-        self._say_all([] if matrix is None else words.matrix_sentences(matrix))
+        self._say_all([] if matrix is None else _matrix_sentences(matrix))
         error_deg = self._so_far.gravity_error_deg()
         if error_deg is not None:
             self.say(f"  gravity turns as the gyro says, within {error_deg:.1f} deg")
@@ -212,3 +210,35 @@ class PositionGuide:
     def _say_all(self, sentences: Iterable[str]) -> None:
         for sentence in sentences:
             self.say(sentence)
+
+
+def _instructions(plan: PositionPlan) -> Iterator[str]:
+    yield (
+        f"Lay the board down on each of its six sides, in any order, and let go for {plan.rest_s + 1.0:.0f} s. A side "
+        "may be askew: lean the board against a book."
+    )
+    if plan.has_turns:
+        turns = "one whole turn" if plan.turns == 1 else f"{plan.turns} whole turns"
+        yield (
+            f"Once with x, once with y and once with z upright, also turn it {turns} on the table, stop at a mark, and "
+            "turn it back."
+        )
+    if plan.is_by_hand:
+        yield "u removes the last measurement, q ends the calibration."
+
+
+def _accelerometer_sentences(fit: AccelerometerFit) -> Iterator[str]:
+    yield f"  accelerometer offset {_entries(fit.offset_mps2, fit.offset_se_mps2, '.3f')} m/s²"
+    yield f"  accelerometer scale {_entries(fit.scale, fit.scale_se, '.4f')}"
+
+
+def _matrix_sentences(fit: MatrixFit) -> Iterator[str]:
+    for axis, row, errors in zip(AXES, fit.matrix, fit.matrix_se, strict=True):
+        yield f"  gyro {axis} = {_entries(row, errors, '.4f')}"
+    yield f"  stops at the mark ± {fit.mark_deg:.2f} deg"
+
+
+def _entries(values: Iterable[float], errors: Iterable[float], form: str) -> str:
+    return ", ".join(
+        f"{name} {value:+{form}} ± {error:{form}}" for name, value, error in zip(AXES, values, errors, strict=True)
+    )

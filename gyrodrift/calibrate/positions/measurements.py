@@ -1,22 +1,34 @@
-"""Rests, turns and moves that were measured so far, and what they determine."""
+"""Rests, turns and moves that were measured so far, and the calibration of three axes that they determine."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from datetime import datetime
+from math import isfinite, sqrt
+from typing import Any
 
 import numpy as np
 
 from gyrodrift.calibrate.positions.accelerometer import AccelerometerFit, fit_accelerometer
-from gyrodrift.calibrate.positions.block import AxesRest
-from gyrodrift.calibrate.positions.matrix import AxisTurn, MatrixFit, missing_turns, missing_turns_text
+from gyrodrift.calibrate.positions.block import AXIS_Z, AxesRest
+from gyrodrift.calibrate.positions.matrix import AxisTurn, MatrixFit, fit_matrix, missing_turns, missing_turns_text
 from gyrodrift.calibrate.positions.motion import AxesMove
-from gyrodrift.calibrate.positions.result import MeasuredTurn, SixPositions, matrix_of
 from gyrodrift.calibrate.positions.sides import AXES, Side, listed, missing_sides, side_up
 from gyrodrift.values.arrays import Floats
+from gyrodrift.values.calibration import AXES_SHAPES, Calibration
+from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 from gyrodrift.values.errors import CalibrationError
 
 MOVES_MIN = 3
 GRAVITY_ERROR_DEG = 20.0
 """Number of moves, and their median error of gravity, from which gyro and accelerometer disagree: swapped or reversed
 axes give 60° and more, uncalibrated axes less than 10°."""
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuredTurn:
+    """Turn, with its move between two rests."""
+
+    turn: AxisTurn
+    move: AxesMove
 
 
 @dataclass(slots=True)
@@ -57,7 +69,7 @@ class Measurements:
 
     @property
     def missing_axes(self) -> list[str]:
-        """Axes that were not measured_turns in both directions; none if turns are not wanted."""
+        """Axes that were not turned in both directions; none if turns are not wanted."""
         return missing_turns(self.turns) if self.has_turns else []
 
     @property
@@ -91,13 +103,84 @@ class Measurements:
         return fit_accelerometer(self.rests)
 
     def matrix(self, accelerometer: AccelerometerFit) -> MatrixFit | None:
-        """Matrix of the gyro; None while turns are missing. CalibrationError if the turns differ too much."""
-        return None if missing_turns(self.turns) else matrix_of(self.measured_turns, accelerometer)
+        """Matrix of the gyro, from turns about the vertical of the calibrated accelerometer; None while turns miss.
 
-    def positions(self) -> SixPositions:
-        """All results; CalibrationError if sides are missing or the turns differ too much."""
-        accelerometer = self.accelerometer()
-        return SixPositions(self.rests, self.measured_turns, accelerometer, self.matrix(accelerometer))
+        Raises
+        ------
+        CalibrationError
+            The turns do not determine the matrix, or differ too much.
+        """
+        if missing_turns(self.turns):
+            return None
+        ups = []
+        for done in self.measured_turns:
+            mean = accelerometer.up(done.move.before) + accelerometer.up(done.move.after)
+            ups.append(mean / np.linalg.norm(mean))
+        up_se = float(accelerometer.offset_se_mps2.max()) / STANDARD_GRAVITY_MPS2
+        return fit_matrix(self.turns, ups, up_se)
+
+    def calibration(self, now: datetime, device_id: str, dps_per_lsb: float | None) -> Calibration:
+        """Calibration with sign and scales of 1: the matrix contains them, or they were not measured.
+
+        Raises
+        ------
+        CalibrationError
+            Sides are missing, or the turns differ too much.
+        """
+        fit = self.accelerometer()
+        matrix = self.matrix(fit)
+        biases_dps = np.array([rest.gyro_dps for rest in self.rests])
+        bias_dps = biases_dps.mean(axis=0)
+        bias_se_dps = biases_dps.std(axis=0, ddof=1) / sqrt(len(biases_dps))
+        temps_c = [rest.temp_c for rest in self.rests if isfinite(rest.temp_c)]
+        scale_se = None if matrix is None else float(matrix.matrix_se[AXIS_Z, AXIS_Z])
+        values: dict[str, Any] = {
+            "accel_offset_mps2": _tuple(fit.offset_mps2),
+            "accel_offset_se_mps2": _tuple(fit.offset_se_mps2),
+            "accel_scale": _tuple(fit.scale),
+            "accel_scale_se": _tuple(fit.scale_se),
+            "gyro_bias_xy_dps": _tuple(bias_dps[:AXIS_Z]),
+            "gyro_bias_xy_se_dps": _tuple(bias_se_dps[:AXIS_Z]),
+            "gyro_matrix": None if matrix is None else tuple(map(_tuple, matrix.matrix)),
+            "gyro_matrix_se": None if matrix is None else tuple(map(_tuple, matrix.matrix_se)),
+        }
+        return Calibration(
+            date=now.isoformat(timespec="seconds"),
+            device_id=device_id,
+            scale_ccw_se=scale_se,
+            scale_cw_se=scale_se,
+            bias_dps=float(bias_dps[AXIS_Z]),
+            bias_se_dps=float(bias_se_dps[AXIS_Z]),
+            temp_c=float(np.mean(temps_c)) if temps_c else None,
+            noise_dps_rthz=self.rests[0].noise_dps_rthz,
+            dps_per_lsb=dps_per_lsb or self.rests[0].dps_per_lsb,
+            turns=self.measured_turns[0].turn.turns if matrix is not None else None,
+            mark_deg=None if matrix is None else matrix.mark_deg,
+            **values,
+        )
+
+    def measured(self) -> dict[str, Any]:
+        """Measurements for JSON."""
+        return {
+            "positions": [
+                {
+                    "up": side_up(rest.accel_mps2).side,
+                    "accel_mps2": rest.accel_mps2.tolist(),
+                    "gyro_dps": rest.gyro_dps.tolist(),
+                }
+                for rest in self.rests
+            ],
+            "turns": [
+                {
+                    "axis": AXES[done.turn.axis],
+                    "turns": done.turn.turns,
+                    "angle_deg": done.turn.up_angle_deg,
+                    "angles_deg": done.turn.angles_deg.tolist(),
+                }
+                for done in self.measured_turns
+            ],
+            "gravity_residual_mps2": self.accelerometer().residual_mps2,
+        }
 
     def gravity_error_deg(self) -> float | None:
         """Median angle between gravity after a move, and gravity as the gyro turned it; None with too few moves."""
@@ -126,3 +209,21 @@ class Measurements:
                 f"gravity does not turn as the gyro says: {error_deg:.0f} deg apart after a move; axes of gyro or "
                 "accelerometer are swapped or reversed, or a scale is wrong. gyrodrift doctor tells the axes"
             )
+
+
+def over(new: Calibration, old: Calibration | None) -> Calibration:
+    """A calibration by six positions, with the values of one axis that an old one of the device has.
+
+    With a matrix, sign and scales are new too.
+    """
+    if old is None or not old.is_for(new.device_id):
+        return new
+    names = ["date", "device_id", "bias_dps", "bias_se_dps", "temp_c", "noise_dps_rthz", "dps_per_lsb"]
+    names += [name for name in AXES_SHAPES if getattr(new, name) is not None]
+    if new.gyro_matrix is not None:
+        names += ["sign", "scale_ccw", "scale_ccw_se", "scale_cw", "scale_cw_se", "turns", "repeats", "mark_deg"]
+    return replace(old, **{name: getattr(new, name) for name in names})
+
+
+def _tuple(values: Floats) -> tuple[float, ...]:
+    return tuple(values.tolist())

@@ -6,12 +6,14 @@ bias of the gyro may be unknown: a rest is told from an even turn by the bias of
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from math import inf, sqrt
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
 
 from gyrodrift.calibrate.positions.block import AxesBlock, AxesRest, block_of, rest_of_blocks
+from gyrodrift.facts.arrays import smallest_step, white_noise
+from gyrodrift.facts.still import StillRule, has_hole
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.sample import Sample
 
@@ -21,16 +23,10 @@ BLOCK_SAMPLES_MIN = 5
 SHAKING_BLOCKS = 1
 """Blocks after the hand has left that do not count: the table still shakes."""
 
-TREMBLES_DPS = 0.3
-TREMBLES_MPS2 = 0.25
-TREMBLES = 3.0
-"""A quiet block scatters by less than the larger of floor and multiple of the noise. A hand that holds the board shakes
-by 1 deg/s and 0.3 m/s² (physiological tremor, 8 to 12 Hz); the floor of the acceleration is above steps of 10 bits."""
-
-LEVEL_DPS = 0.5
-LEVEL_MPS2 = 0.1
-LEVEL_ERRORS = 6.0
-"""Means of blocks of a rest differ by less than the larger of floor and number of standard errors."""
+STILL_GYRO = StillRule(level=0.5, level_errors=6.0, scatter=0.3, scatter_sigmas=3.0)
+STILL_ACCEL = StillRule(level=0.1, level_errors=6.0, scatter=0.25, scatter_sigmas=3.0)
+"""A hand that holds the board shakes by 1 deg/s and 0.3 m/s² (physiological tremor, 8 to 12 Hz); the floor of the
+acceleration is above steps of 10 bits."""
 
 BIAS_MAX_DPS = 30.0
 """Above the zero rate of all data sheets (MPU-6050: 20 deg/s)."""
@@ -43,9 +39,6 @@ KEPT_S = 5.0
 
 LONGEST_MOVE_S = 120.0
 """Longer moves are forgotten: their angle would be that of the bias."""
-
-HOLE_PERIODS = 3.5
-"""Longest step of time without lost samples, in periods."""
 
 
 class Laid(NamedTuple):
@@ -148,38 +141,36 @@ class RestFinder:
             self._previous, self._between = [], []
 
     def _is_quiet(self, block: AxesBlock) -> bool:
-        self._gyro_noise_dps = min(self._gyro_noise_dps, block.gyro_noise_dps)
-        self._accel_noise_mps2 = min(self._accel_noise_mps2, block.accel_noise_mps2)
-        self._accel_step_mps2 = min(self._accel_step_mps2, block.accel_step_mps2)
+        steps_mps2 = (smallest_step(axis) or inf for axis in block.accel_mps2.T)
+        self._gyro_noise_dps = min(self._gyro_noise_dps, white_noise(block.gyro_dps))
+        self._accel_noise_mps2 = min(self._accel_noise_mps2, white_noise(block.accel_mps2))
+        self._accel_step_mps2 = min(self._accel_step_mps2, *steps_mps2)
         bias_dps = block.gyro_dps.mean(axis=0)
         if self._first_bias_dps is None:
             is_bias = bool((np.abs(bias_dps) < BIAS_MAX_DPS).all())
         else:
             is_bias = bool((np.abs(bias_dps - self._first_bias_dps) < BIAS_CHANGE_DPS).all())
-        trembles_dps, trembles_mps2 = block.gyro_dps.std(axis=0).max(), block.accel_mps2.std(axis=0).max()
         return (
             is_bias
-            and trembles_dps <= max(TREMBLES_DPS, TREMBLES * self._gyro_noise_dps)
-            and trembles_mps2 <= max(TREMBLES_MPS2, TREMBLES * self._accel_noise_mps2)
+            and STILL_GYRO.is_calm(float(block.gyro_dps.std(axis=0).max()), self._gyro_noise_dps)
+            and STILL_ACCEL.is_calm(float(block.accel_mps2.std(axis=0).max()), self._accel_noise_mps2)
         )
 
     def _is_level(self, block: AxesBlock) -> bool:
         """Whether the means of a block are those of the present rest."""
         if not self._still:
             return True
-        root = sqrt(len(block.t_s))
         gyros_dps, accels_mps2 = (
             np.mean([values.mean(axis=0) for values in column], axis=0)
             for column in ([still.gyro_dps for still in self._still], [still.accel_mps2 for still in self._still])
         )
-        turn_dps = np.abs(block.gyro_dps.mean(axis=0) - gyros_dps).max()
-        push_mps2 = np.abs(block.accel_mps2.mean(axis=0) - accels_mps2).max()
-        return bool(
-            turn_dps <= max(LEVEL_DPS, LEVEL_ERRORS * self._gyro_noise_dps / root)
-            and push_mps2 <= max(LEVEL_MPS2, LEVEL_ERRORS * self._accel_noise_mps2 / root)
+        turn_dps = float(np.abs(block.gyro_dps.mean(axis=0) - gyros_dps).max())
+        push_mps2 = float(np.abs(block.accel_mps2.mean(axis=0) - accels_mps2).max())
+        return STILL_GYRO.is_level(turn_dps, self._gyro_noise_dps, len(block.t_s)) and STILL_ACCEL.is_level(
+            push_mps2, self._accel_noise_mps2, len(block.t_s)
         )
 
 
 def _has_hole(blocks: tuple[AxesBlock, ...]) -> bool:
-    steps_s = np.diff(np.concatenate([block.t_s for block in blocks]))
-    return bool(steps_s.max() > HOLE_PERIODS * np.median(steps_s))
+    t_s = np.concatenate([block.t_s for block in blocks])
+    return has_hole(t_s, float(np.median(np.diff(t_s))))

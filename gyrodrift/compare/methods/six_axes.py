@@ -14,9 +14,7 @@ from gyrodrift.compare.methods.plain import mean_step_s, steps_s
 from gyrodrift.evaluation.auxiliary import InertialColumns
 from gyrodrift.evaluation.heading import heading_deg
 from gyrodrift.values.arrays import Floats
-
-STANDARD_GRAVITY_MPS2 = 9.80665
-"""Exact by definition: 3rd General Conference on Weights and Measures, 1901."""
+from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 
 REJECTION_DEG, REJECTION_TIMEOUT_S = 10.0, 5.0
 """Settings of the package's examples: accelerations that disagree by more than 10 deg are ignored for at most 5 s."""

@@ -6,9 +6,9 @@ import numpy as np
 
 from gyrodrift.diagnose.features.block_means import LEAST_DPS, integral_of, slopes
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
-from gyrodrift.diagnose.recording.order_statistics import MAD_TO_SIGMA
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.values.arrays import Floats
+from gyrodrift.values.constants import NORMAL_MAD
 
 HOLD_SIGMAS = 4.0
 """Limit of residuals, in standard deviations, so that a single outlier does not count as a step of the bias."""
@@ -40,7 +40,7 @@ def block_residuals_of(cleaned: Cleaned, design: DesignMatrix) -> BlockResiduals
     centered_dps = _centered_dps(cleaned, design)
     static = _static(centered_dps, design)
     unexplained_dps = _without_static(centered_dps, static, design)
-    limit_dps = HOLD_SIGMAS * MAD_TO_SIGMA * np.median(np.abs(unexplained_dps)) + LEAST_DPS
+    limit_dps = HOLD_SIGMAS * NORMAL_MAD * np.median(np.abs(unexplained_dps)) + LEAST_DPS
     limited_dps = np.clip(unexplained_dps, -limit_dps, limit_dps)
     return BlockResiduals(
         design=design,

@@ -11,13 +11,14 @@ from typing import NamedTuple
 import numpy as np
 from scipy.signal import lfilter
 
+from firmware_sim.effects.sensor_curve import FULL_SCALE_DPS
 from gyrodrift.diagnose.features.block_means import integral_of, slopes
 from gyrodrift.diagnose.features.design_matrix import DesignMatrix
 from gyrodrift.diagnose.inference.parameters import unit_of
 from gyrodrift.diagnose.inference.verdict import NamedCause
-from gyrodrift.diagnose.recording.order_statistics import MAD_TO_SIGMA
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.values.arrays import Floats
+from gyrodrift.values.constants import NORMAL_MAD
 
 GAINS = (0.0, 0.003, 0.01, 0.03, 0.1, 0.3)
 """Gains of the filter, from a constant bias, 0, to a fast random walk."""
@@ -54,7 +55,7 @@ def whitened(effects: Sequence[Floats], values: Floats) -> list[Whitened]:
         GAINS, key=lambda gain: _mean_residual(innovations(gain, every), innovations(gain, values[:, None])[:, 0])
     )
     white = innovations(gain, values[:, None])[:, 0]
-    sigma = MAD_TO_SIGMA * float(np.median(np.abs(white - np.median(white)))) + LEAST_DPS
+    sigma = NORMAL_MAD * float(np.median(np.abs(white - np.median(white)))) + LEAST_DPS
     return [Whitened(innovations(gain, columns) / sigma, white / sigma) for columns in effects]
 
 
@@ -95,9 +96,6 @@ WARMUP_TAUS_S = (20.0, 60.0, 160.0, 450.0)
 
 CLEAR = 12.0
 """Gain in log likelihood from which on the linear model names an effect. Chosen, not derived."""
-
-FULL_SCALE_DPS = 250.0
-"""Full scale of the rig's gyro; nonlinearity is stated in shares of it."""
 
 
 class Regressor(NamedTuple):

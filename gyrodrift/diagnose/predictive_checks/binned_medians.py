@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.diagnose.recording.order_statistics import MAD_TO_SIGMA
 from gyrodrift.values.arrays import Floats
+from gyrodrift.values.constants import NORMAL_MAD
 
 LEAST = 5
 """Least points in a bin: the median of fewer is chance."""
@@ -52,7 +52,7 @@ def medians(x: Floats, y: Floats) -> Medians:
     rows = []
     for part in bins_of(x):
         middle = float(np.median(y[part]))
-        spread = MAD_TO_SIGMA * float(np.median(np.abs(y[part] - middle)))
+        spread = NORMAL_MAD * float(np.median(np.abs(y[part] - middle)))
         # The standard error of a median of normal values is √(π/2) = 1.2533 times that of their mean.
         rows.append((float(np.median(x[part])), middle, 1.2533 * spread / np.sqrt(part.stop - part.start)))
     return Medians(*np.array(rows).reshape(-1, 3).T)
@@ -64,7 +64,7 @@ def trend_rms_dps(x: Floats, y: Floats) -> float:
     if len(bins) < 2:
         return 0.0
     middle = float(np.median(y))
-    most = 6.0 * MAD_TO_SIGMA * float(np.median(np.abs(y - middle)))
+    most = 6.0 * NORMAL_MAD * float(np.median(np.abs(y - middle)))
     clipped = np.clip(y, middle - most, middle + most) if most > 0.0 else y  # at six standard deviations
     counts = np.array([part.stop - part.start for part in bins])
     levels = np.array([clipped[part].mean() for part in bins])

@@ -11,11 +11,11 @@ from scipy.signal import periodogram
 from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.features.spectral_line import windows_within
 from gyrodrift.diagnose.inference.verdict import NamedCause
-from gyrodrift.diagnose.recording.order_statistics import MAD_TO_SIGMA
 from gyrodrift.diagnose.recording.outliers import Cleaned
 from gyrodrift.diagnose.simulate.recalibration import recalibrated_with
 from gyrodrift.diagnose.simulate.twin import Subject
 from gyrodrift.values.arrays import Floats, Integers, Mask
+from gyrodrift.values.constants import NORMAL_MAD
 
 LEAST_SECONDS = 10
 """Least distance of two change points, and length of the windows before and after a change point."""
@@ -52,7 +52,7 @@ def change_points_of(unexplained_dps: Floats, is_even: Mask) -> tuple[ChangePoin
     if len(seconds) < 2 * LEAST_SECONDS:
         return ()
     level_dps = unexplained_dps[seconds]
-    spread_dps = MAD_TO_SIGMA * float(np.median(np.abs(np.diff(level_dps)))) / np.sqrt(2.0) + 1e-9
+    spread_dps = NORMAL_MAD * float(np.median(np.abs(np.diff(level_dps)))) / np.sqrt(2.0) + 1e-9
     level_dps = _without_outliers(level_dps, OUTLIER_SIGMAS * spread_dps)
     edges = [0, *sorted(_splits(level_dps, spread_dps)), len(seconds)]
     means = [float(level_dps[start:end].mean()) for start, end in pairwise(edges)]

@@ -11,6 +11,7 @@ from gyrodrift.diagnose.recording.checks import LEAST_S, check_recording
 from gyrodrift.diagnose.recording.numbering import backlog_of, number_samples
 from gyrodrift.diagnose.recording.outliers import granularity
 from gyrodrift.diagnose.recording.recording import Recording, recording_of
+from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.session.calibrated import calibration_of, with_calibration
 from gyrodrift.session.checks.examine import ExaminedSession, clock_findings
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions, session_as_stated
@@ -289,7 +290,7 @@ def checked_session(path: Path, reading: ReadingOptions = AS_WRITTEN) -> Checked
         If the file cannot be read, has no encoder, or its times have an implausible unit.
     """
     session = session_as_stated(path, reading)
-    clock = ExaminedSession(session, clock_findings(session, reading))
+    clock = ExaminedSession(SessionFacts(session), clock_findings(session, reading))
     clock.refuse_errors(str(path))
     if session.encoder_deg is None:
         of_table = "name its reference angle with --columns, as in 'time=t_s, gz=rate:rads, angle=encoder:rad'"

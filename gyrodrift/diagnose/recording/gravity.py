@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from gyrodrift.diagnose.recording.recording import Recording
+from gyrodrift.facts.arrays import blocks_of
 from gyrodrift.values.arrays import Floats, Mask
 
 LEAST_TURN_DEG = 270.0
@@ -99,6 +100,5 @@ def _force_means(force: Floats, block: int) -> tuple[Floats, Mask]:
 
 def _means(values: Floats, block: int) -> Floats:
     """(blocks,) means over blocks of so many samples."""
-    count = len(values) // block
-    means: Floats = values[: count * block].reshape(count, block).mean(axis=1)
+    means: Floats = blocks_of(values, block).mean(axis=1)
     return means

@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from gyrodrift.diagnose.recording.rests import samples_in
+from gyrodrift.facts.arrays import blocks_of, samples_in
 from gyrodrift.values.arrays import Floats
 
 NOISE_GAIN = 6.0
@@ -99,8 +99,7 @@ def noise_dps(rate_dps: Floats, period_s: float, gyro: GyroModel) -> float:
 def _noise_of_means_dps(rate_dps: Floats, period_s: float) -> float:
     """White noise of a sample, from the smaller second differences of means. A quick tone averages out in means."""
     samples = samples_in(NOISE_MEAN_S, period_s)
-    count = len(rate_dps) // samples
-    bends = np.abs(np.diff(rate_dps[: count * samples].reshape(count, samples).mean(axis=1), 2))
+    bends = np.abs(np.diff(blocks_of(rate_dps, samples).mean(axis=1), 2))
     if not len(bends):
         return 0.0
     bend_sigma_dps = float(np.quantile(bends, CALM_QUANTILE)) / CALM_SIGMAS
@@ -112,11 +111,9 @@ def _noise_of_calmest_dps(rate_dps: Floats) -> float:
 
     Over four successive samples, even a motion that never ends is nearly a parabola, which has no third difference.
     """
-    squares = np.square(np.diff(rate_dps, 3))
-    count = len(squares) // CALMEST_SAMPLES
-    if not count:
+    stretches = blocks_of(np.square(np.diff(rate_dps, 3)), CALMEST_SAMPLES).mean(axis=1)
+    if not len(stretches):
         return float("inf")
-    stretches = squares[: count * CALMEST_SAMPLES].reshape(count, CALMEST_SAMPLES).mean(axis=1)
     return float(np.sqrt(np.quantile(stretches, CALMEST_QUANTILE) / CALMEST_GAIN))
 
 

@@ -21,8 +21,9 @@ from gyrodrift.diagnose.recording.kalman import NOT_MEASURED, STATES, FilteredSt
 from gyrodrift.diagnose.recording.motion import ReplayedMotion, rough_rate_dps, sensor_c_of
 from gyrodrift.diagnose.recording.outliers import Cleaned, is_at_limit, steps_of
 from gyrodrift.diagnose.recording.quick_motion import QuickMotion, quick_motion_of
-from gyrodrift.diagnose.recording.rests import STANDS_MOST_S, rest_mask, samples_in, true_runs
+from gyrodrift.diagnose.recording.rests import STANDS_MOST_S, rest_mask
 from gyrodrift.diagnose.recording.smoothing import central_difference, convolved, gaussian
+from gyrodrift.facts.arrays import samples_in, true_runs
 from gyrodrift.values.arrays import Floats, Integers, Mask
 
 HALF_WINDOWS = (2, 4, 8, 16, 32, 64)

@@ -7,9 +7,6 @@ from gyrodrift.values.arrays import Floats
 MEDIAN_TO_SIGMA = 0.6745
 """Median of the absolute values of normal numbers, in standard deviations."""
 
-MAD_TO_SIGMA = 1.4826
-"""Standard deviation of normal numbers divided by their median absolute deviation."""
-
 DECIMALS = 9
 """Decimals to which values of a level are equal: parsing and unwrapping add less than a unit of the last."""
 

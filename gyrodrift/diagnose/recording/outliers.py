@@ -13,7 +13,7 @@ from gyrodrift.diagnose.recording.delay import best_lag, smoothed_rates
 from gyrodrift.diagnose.recording.motion import rough_rate_dps
 from gyrodrift.diagnose.recording.order_statistics import distinct
 from gyrodrift.diagnose.recording.recording import Recording, filled
-from gyrodrift.diagnose.recording.rests import true_runs
+from gyrodrift.facts.arrays import true_runs
 from gyrodrift.values.arrays import Floats, Mask
 
 

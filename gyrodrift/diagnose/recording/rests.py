@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.ndimage import median_filter, minimum_filter1d, uniform_filter1d
 
+from gyrodrift.facts.arrays import samples_in, true_runs
 from gyrodrift.io.compile import compiled_once
 from gyrodrift.values.arrays import Floats, Integers, Mask
 
@@ -127,14 +128,3 @@ def _divided(pieces: tuple[tuple[int, int], ...], most: int) -> tuple[tuple[int,
         cuts = np.linspace(first, end, -(-(end - first) // most) + 1).astype(int).tolist()
         parts += pairwise(cuts)
     return tuple(parts)
-
-
-def true_runs(inside: Mask) -> tuple[tuple[int, int], ...]:
-    """First and end sample of every run of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], inside.astype(np.int8), [0]])))
-    return tuple(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
-
-
-def samples_in(seconds: float, period_s: float) -> int:
-    """Number of samples in a time, at least 1."""
-    return max(1, round(seconds / period_s))

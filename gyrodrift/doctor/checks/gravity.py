@@ -1,12 +1,11 @@
 """Checks of the accelerometer: unit, axis up, agreement with the gyro, vibration, range."""
 
-from gyrodrift.columns.accel_axes import AGREES
+from gyrodrift.columns.accel_axes import AGREES, Agreement
 from gyrodrift.columns.gravity import gravity_unit
-from gyrodrift.doctor.check import Check
+from gyrodrift.doctor.check import checks_of
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, error, note, ok, warning
-from gyrodrift.doctor.gravity import gravity_summary
-from gyrodrift.session.checks.axes import agreement
+from gyrodrift.facts.gravity import GravitySummary
 from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 
 SIZE_SHARE = 0.12
@@ -24,11 +23,16 @@ RAIL_MPS2 = 15.0
 """Samples at the largest value, and the smallest value that may be the end of a range: 2 g is 19.6 m/s²."""
 
 
-def gravity(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Whether the accelerometer measures gravity in m/s²."""
-    summary = None if evidence.session is None else gravity_summary(evidence.session)
-    if summary is None:
-        return None
+def _gravity(evidence: DeviceEvidence) -> GravitySummary | None:
+    return None if evidence.facts is None else evidence.facts.gravity
+
+
+def _agreement(evidence: DeviceEvidence) -> Agreement | None:
+    return None if evidence.facts is None else evidence.facts.axes_agreement
+
+
+def gravity(_evidence: DeviceEvidence, summary: GravitySummary) -> DeviceFinding | None:
+    """Size of gravity, and the axis that points up."""
     size = summary.size_mps2
     if abs(size / STANDARD_GRAVITY_MPS2 - 1.0) <= SIZE_SHARE:
         do = (
@@ -51,11 +55,8 @@ def gravity(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
-def axes_agree(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Whether gravity turns as the gyro says, so that both have the same axes."""
-    axes = None if evidence.session is None else agreement(evidence.session)
-    if axes is None:
-        return None
+def axes_agree(_evidence: DeviceEvidence, axes: Agreement) -> DeviceFinding | None:
+    """Whether gravity turns as the gyro says."""
     if axes.residual <= AGREES:
         return ok("Gravity turns as the gyro says: both have the same axes.", axes.residual)
     if axes.best_residual <= AGREES:
@@ -71,11 +72,8 @@ def axes_agree(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
-def accel_vibration(evidence: DeviceEvidence) -> DeviceFinding | None:
+def accel_vibration(_evidence: DeviceEvidence, summary: GravitySummary) -> DeviceFinding | None:
     """Vibration at rest, by the accelerometer."""
-    summary = None if evidence.session is None else gravity_summary(evidence.session)
-    if summary is None:
-        return None
     noise = summary.noise_mps2
     if noise <= VIBRATION_MPS2:
         return ok(f"The acceleration scatters by {noise:.2g} m/s² at rest.", noise, "m/s²")
@@ -87,11 +85,8 @@ def accel_vibration(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
-def accel_range(evidence: DeviceEvidence) -> DeviceFinding | None:
+def accel_range(_evidence: DeviceEvidence, summary: GravitySummary) -> DeviceFinding | None:
     """Whether accelerations exceed the range or are missing."""
-    summary = None if evidence.session is None else gravity_summary(evidence.session)
-    if summary is None:
-        return None
     if summary.largest_mps2 >= RAIL_MPS2 and summary.at_largest >= CLIPPED_MIN:
         return warning(
             f"{summary.at_largest} accelerations are exactly {summary.largest_mps2:.4g} m/s²: the range ends there.",
@@ -109,8 +104,7 @@ def accel_range(evidence: DeviceEvidence) -> DeviceFinding | None:
 
 
 CHECKS = (
-    Check("gravity", "size of gravity, and the axis that points up", gravity),
-    Check("axes_agree", "whether gravity turns as the gyro says", axes_agree),
-    Check("accel_vibration", "vibration at rest, by the accelerometer", accel_vibration),
-    Check("accel_range", "whether accelerations exceed the range or are missing", accel_range),
+    *checks_of(_gravity, gravity),
+    *checks_of(_agreement, axes_agree),
+    *checks_of(_gravity, accel_vibration, accel_range),
 )

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from gyrodrift.doctor.check import Check
+from gyrodrift.doctor.check import Check, checks
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_error, of_health, ok, sentence
 from gyrodrift.link.port import USUAL_BAUDS
@@ -21,7 +21,7 @@ UNCHECKED = frozenset({"csv", "text", "witmotion-ble"})
 
 
 def protocol(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Protocol of the device."""
+    """Protocol, with or without checksum and clock."""
     link = evidence.link
     if isinstance(evidence.failure, DeviceSilentError):
         return of_error(str(evidence.failure).removeprefix(f"{link.port or evidence.source}: "))
@@ -45,7 +45,7 @@ def protocol(evidence: DeviceEvidence) -> DeviceFinding | None:
 
 
 def baud(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Baud rates that carry this stream."""
+    """The baud rate, and rates that carry this stream."""
     needs = _needs_baud(evidence)
     if not needs or evidence.recording is not None or not evidence.link.baud:
         return None
@@ -142,14 +142,14 @@ def restarts(evidence: DeviceEvidence) -> DeviceFinding | None:
 
 
 def clock_unit(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Whether the clock has the expected unit."""
+    """A clock in milliseconds or seconds."""
     if not isinstance(evidence.failure, UnitError):
         return of_recording("clock_unit", evidence)
     return of_error(str(evidence.failure).removeprefix(f"{evidence.link.port}: "))
 
 
 def rate_unit(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Whether the rates are in deg/s."""
+    """Rates in rad/s or counts."""
     units = evidence.units
     if not units:
         return of_recording("rate_unit", evidence)
@@ -184,15 +184,7 @@ def _needs_baud(evidence: DeviceEvidence) -> float:
 
 
 CHECKS = (
-    Check("protocol", "protocol, with or without checksum and clock", protocol),
-    Check("baud", "the baud rate, and rates that carry this stream", baud),
-    Check("line_budget", "load of the line at this sample rate and frame size", line_budget),
-    Check("damage", "frames with a wrong checksum or form", damage),
-    Check("silence", "whether the device stopped sending", silence),
-    Check("unplugged", "whether the port went away", unplugged),
-    Check("restarts", "whether the device booted, or its clock jumped", restarts),
-    Check("clock_unit", "a clock in milliseconds or seconds", clock_unit),
-    Check("rate_unit", "rates in rad/s or counts", rate_unit),
+    *checks(protocol, baud, line_budget, damage, silence, unplugged, restarts, clock_unit, rate_unit),
     *(
         Check(name, about, partial(of_recording, name))
         for name, about in (

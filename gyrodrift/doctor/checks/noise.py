@@ -4,11 +4,11 @@ from math import sqrt
 
 import numpy as np
 
-from gyrodrift.doctor.check import Check
+from gyrodrift.doctor.check import checks_of, rest_of
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, note, ok, warning
-from gyrodrift.doctor.spectrum import spectrum_of
-from gyrodrift.doctor.still import step_of, still_rate
+from gyrodrift.facts.session_facts import StillRate
+from gyrodrift.facts.spectrum import RestSpectrum
 from gyrodrift.values.noise import FLICKER_WORDS, hourly_rate_text, random_walk_text
 
 NOISY, AVERAGED = 2.0, 0.4
@@ -24,11 +24,8 @@ LONG_S = 600
 """Rest in which the Allan deviation of a cheap gyro reaches its minimum, s."""
 
 
-def noise(evidence: DeviceEvidence) -> DeviceFinding | None:
+def noise(evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding | None:
     """White noise, compared with the data sheet."""
-    at_rest = still_rate(evidence)
-    if at_rest is None:
-        return None
     density = sqrt(2.0) * at_rest.noise_dps_rthz  # data sheets state one-sided densities
     says = f"White noise at rest: {random_walk_text(at_rest.noise_dps_rthz)} angle random walk, {density:.2g} deg/s/√Hz"
     if evidence.sensor is None:
@@ -48,11 +45,8 @@ def noise(evidence: DeviceEvidence) -> DeviceFinding | None:
     return ok(f"{compared}.", density, "deg/s/√Hz")
 
 
-def bias_instability(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Bias instability B, compared with the data sheet."""
-    at_rest = still_rate(evidence)
-    if at_rest is None:
-        return None
+def bias_instability(evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding | None:
+    """Flicker noise of the bias, compared with the data sheet."""
     in_run_dps = evidence.sensor.in_run_dps if evidence.sensor else None
     sheet = f" The data sheet states {hourly_rate_text(in_run_dps)}." if in_run_dps else ""
     if at_rest.instability_dps is not None:
@@ -65,10 +59,10 @@ def bias_instability(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
-def resolution(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Step of the rate, compared with its noise and with the finer ranges of the sensor."""
-    at_rest, step_dps = still_rate(evidence), step_of(evidence)
-    if at_rest is None or evidence.session is None or not step_dps:
+def resolution(evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding | None:
+    """Step of the rate, compared with its noise."""
+    step_dps = evidence.step_dps
+    if evidence.facts is None or not step_dps:
         return None
     says = f"The step of the rate is {step_dps:.3g} deg/s"
     if step_dps > COARSE * at_rest.std_dps:
@@ -78,7 +72,7 @@ def resolution(evidence: DeviceEvidence) -> DeviceFinding | None:
             step_dps,
             "deg/s",
         )
-    fastest_dps = float(np.abs(evidence.session.rate_dps).max())
+    fastest_dps = float(np.abs(evidence.facts.session.rate_dps).max())
     finer = [scale for scale, lsb in evidence.sensor.ranges if 1.0 / lsb < 0.9 * step_dps] if evidence.sensor else []
     if finer and step_dps > 0.5 * at_rest.std_dps:
         return note(
@@ -90,13 +84,13 @@ def resolution(evidence: DeviceEvidence) -> DeviceFinding | None:
     return ok(f"{says}, smaller than its noise of {at_rest.std_dps:.2g} deg/s.", step_dps, "deg/s")
 
 
-def aliasing(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """A tone at rest, and whether it may be the alias of a tone above half the sample rate."""
-    at_rest, rate_hz = still_rate(evidence), evidence.link.rate_hz
-    spectrum = spectrum_of(at_rest.rate_dps, rate_hz) if at_rest is not None else None
-    if spectrum is None:
-        return None
-    is_flat = spectrum.upper_share > FLAT
+def _spectrum(evidence: DeviceEvidence) -> RestSpectrum | None:
+    return evidence.facts.spectrum if evidence.facts is not None and evidence.is_in_deg_s else None
+
+
+def aliasing(evidence: DeviceEvidence, spectrum: RestSpectrum) -> DeviceFinding | None:
+    """A tone at rest, and whether it may be an alias."""
+    rate_hz, is_flat = evidence.link.rate_hz, spectrum.upper_share > FLAT
     if spectrum.tone_hz is None or spectrum.tone_dps is None:
         low_pass = "No low-pass acts" if is_flat else "A low-pass acts"
         return ok(f"No vibration. {low_pass} below {rate_hz / 2.0:.4g} Hz.", spectrum.upper_share)
@@ -114,9 +108,4 @@ def aliasing(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
-CHECKS = (
-    Check("noise", "white noise, compared with the data sheet", noise),
-    Check("bias_instability", "flicker noise of the bias, compared with the data sheet", bias_instability),
-    Check("resolution", "step of the rate, compared with its noise", resolution),
-    Check("aliasing", "a tone at rest, and whether it may be an alias", aliasing),
-)
+CHECKS = (*checks_of(rest_of, noise, bias_instability, resolution), *checks_of(_spectrum, aliasing))

@@ -2,7 +2,7 @@
 
 import os
 
-from gyrodrift.doctor.check import Check
+from gyrodrift.doctor.check import checks
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, error, note, of_error, ok, sentence, warning
 from gyrodrift.values.errors import DeviceSilentError, PortBusyError, PortDeniedError, UnitError
@@ -17,7 +17,7 @@ ROOT = 0
 
 
 def port(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Whether the port exists."""
+    """Whether the port exists; with auto, the port of the gyro."""
     if evidence.search:
         says, _, do = evidence.search.removeprefix("--port auto: ").partition("; ")
         return error(sentence(says), sentence(do.replace("\n", "; ")))
@@ -30,7 +30,7 @@ def port(evidence: DeviceEvidence) -> DeviceFinding | None:
 
 
 def permission(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Whether this user may open the port."""
+    """Whether this user may open it."""
     if isinstance(evidence.failure, PortDeniedError):
         return of_error(_without_name(evidence))
     if evidence.port is None or isinstance(evidence.failure, PortBusyError):
@@ -41,7 +41,7 @@ def permission(evidence: DeviceEvidence) -> DeviceFinding | None:
 
 
 def holder(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Whether another program has the port open."""
+    """Whether another program has it open."""
     if isinstance(evidence.failure, PortBusyError):
         return of_error(_without_name(evidence))
     if evidence.port is None or isinstance(evidence.failure, PortDeniedError):
@@ -52,7 +52,7 @@ def holder(evidence: DeviceEvidence) -> DeviceFinding | None:
 
 
 def name(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Whether the port keeps its name."""
+    """Whether it keeps its name."""
     if evidence.port is None or evidence.port.driver is None:
         return None
     serial_port = evidence.port.port
@@ -67,7 +67,7 @@ def name(evidence: DeviceEvidence) -> DeviceFinding | None:
 
 
 def adapter(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Adapter between the line and the host."""
+    """Maker, product and driver."""
     outside = evidence.port
     if outside is None:
         return None
@@ -80,7 +80,7 @@ def adapter(evidence: DeviceEvidence) -> DeviceFinding | None:
 
 
 def latency_timer(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Latency timer of the adapter."""
+    """Delay in an FTDI adapter."""
     timer_ms = evidence.port.latency_ms if evidence.port else None
     if evidence.port is None or timer_ms is None:
         return None
@@ -100,11 +100,4 @@ def _without_name(evidence: DeviceEvidence) -> str:
     return str(evidence.failure).removeprefix(f"{evidence.source}: ").removeprefix(f"{evidence.link.port}: ")
 
 
-CHECKS = (
-    Check("port", "whether the port exists; with auto, the port of the gyro", port),
-    Check("permission", "whether this user may open it", permission),
-    Check("holder", "whether another program has it open", holder),
-    Check("name", "whether it keeps its name", name),
-    Check("adapter", "maker, product and driver", adapter),
-    Check("latency_timer", "delay in an FTDI adapter", latency_timer),
-)
+CHECKS = checks(port, permission, holder, name, adapter, latency_timer)

@@ -1,4 +1,4 @@
-"""All checks in the order of the report. A further check is one record in a file of this package."""
+"""All checks in the order of the report. A further check is one function in a file of this package."""
 
 from dataclasses import replace
 

@@ -3,14 +3,17 @@
 import numpy as np
 
 from gyrodrift.describe.text import NOISY_DPS
-from gyrodrift.describe.values import RestSource
-from gyrodrift.doctor.check import Check
+from gyrodrift.doctor.check import checks_of, facts_of, rest_of
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_health, ok, warning
 from gyrodrift.doctor.sensors import with_step
-from gyrodrift.doctor.still import RAIL_MIN_DPS, step_of, still_rate
+from gyrodrift.facts.rests import RestSource
+from gyrodrift.facts.session_facts import SessionFacts, StillRate
 from gyrodrift.outputs import health
 from gyrodrift.values.arrays import Floats
+
+RAIL_MIN_DPS = 20.0
+"""Smallest rate that may be the end of a range, deg/s."""
 
 RAIL_SAMPLES = 5
 """Samples at exactly the largest rate that show the end of a range."""
@@ -34,11 +37,9 @@ SHORT_S = 6.0
 """Twice the shortest rest, so that one fits in beside the first and the last motion."""
 
 
-def sensor(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Sensor that the device or the user names, or sensors with the same step."""
-    if evidence.session is None:
-        return None
-    step_dps = step_of(evidence)
+def sensor(evidence: DeviceEvidence, _facts: SessionFacts) -> DeviceFinding | None:
+    """Name of the sensor, and its data sheet."""
+    step_dps = evidence.step_dps
     if evidence.sensor is not None:
         scale = evidence.sensor.range_of(step_dps) if step_dps else None
         ranged = f", set to ±{scale} deg/s" if scale else ""
@@ -51,14 +52,14 @@ def sensor(evidence: DeviceEvidence) -> DeviceFinding | None:
     return note(f"The device names no sensor.{guess}", "Name it with --sensor to compare it with its data sheet.")
 
 
-def still(evidence: DeviceEvidence) -> DeviceFinding | None:
+def still(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Whether there was a rest to measure at."""
-    if evidence.description is None or not evidence.is_in_deg_s:
+    if not evidence.is_in_deg_s:
         return None
-    rest = evidence.rest
-    if rest is None and evidence.description.duration_s < SHORT_S:
+    rest = facts.rest
+    if rest is None and facts.duration_s < SHORT_S:
         return warning(
-            f"{evidence.description.duration_s:.1f} s are too short to find a rest: noise, bias and drift are unknown.",
+            f"{facts.duration_s:.1f} s are too short to find a rest: noise, bias and drift are unknown.",
             "Listen for 30 s.",
         )
     if rest is None:
@@ -73,17 +74,15 @@ def still(evidence: DeviceEvidence) -> DeviceFinding | None:
             rest.std_dps,
             "deg/s",
         )
-    seconds = rest.end_s - rest.start_s
-    if evidence.description.still_by is RestSource.ENCODER:
+    seconds = rest.seconds
+    if facts.still_by is RestSource.ENCODER:
         return ok(f"It stood still for {seconds:.1f} s, by its encoder.", seconds, "s")
     return ok(f"It stood still for {seconds:.1f} s, or turned evenly: the rate alone cannot tell.", seconds, "s")
 
 
-def clipped(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Whether rates exceed the range."""
-    session = evidence.session
-    if session is None:
-        return None
+def clipped(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
+    """Rates at the end of the range."""
+    session = facts.session
     rates = np.abs(session.rate_dps[np.isfinite(session.rate_dps)])
     largest_dps = float(rates.max(initial=0.0))
     at_largest = int((rates >= largest_dps * (1.0 - 1e-9)).sum())
@@ -99,11 +98,9 @@ def clipped(evidence: DeviceEvidence) -> DeviceFinding | None:
     return ok(f"All rates are inside the range; the largest was {largest_dps:.4g} deg/s.", 0.0)
 
 
-def temperature(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Whether the temperature of the sensor changes."""
-    session = evidence.session
-    if session is None:
-        return None
+def temperature(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
+    """Whether the temperature changes."""
+    session = facts.session
     if session.temp_c is None:
         return ok("The device sends no temperature.")
     is_valid = np.isfinite(session.temp_c) & np.isfinite(session.t_device_s)
@@ -138,11 +135,8 @@ def _bias_change(evidence: DeviceEvidence, span_c: float) -> str:
     return f", a bias change of up to {per_c * span_c:.2g} deg/s by the data sheet" if per_c else ""
 
 
-def bias(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Bias now, compared with the data sheet."""
-    at_rest = still_rate(evidence)
-    if at_rest is None:
-        return None
+def bias(evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding | None:
+    """The bias now, compared with the data sheet."""
     says = f"The bias is {at_rest.bias_dps:+.4f} ± {at_rest.bias_sigma_dps:.4f} deg/s"
     limit_dps = evidence.sensor.zero_rate_dps if evidence.sensor else None
     if evidence.sensor is None or limit_dps is None:
@@ -158,10 +152,9 @@ def bias(evidence: DeviceEvidence) -> DeviceFinding | None:
     return ok(f"{says}; {allowed}.", at_rest.bias_dps, "deg/s")
 
 
-def bias_moves(evidence: DeviceEvidence) -> DeviceFinding | None:
-    """Whether the bias changes during the rest."""
-    at_rest = still_rate(evidence)
-    if at_rest is None or len(at_rest.rate_dps) < 40:
+def bias_moves(_evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding | None:
+    """Whether the bias is constant."""
+    if len(at_rest.rate_dps) < 40:
         return None
     quarter = len(at_rest.rate_dps) // 4
     moved_dps = float(at_rest.rate_dps[-quarter:].mean() - at_rest.rate_dps[:quarter].mean())
@@ -176,11 +169,4 @@ def bias_moves(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
-CHECKS = (
-    Check("sensor", "which sensor it is, and its data sheet", sensor),
-    Check("still", "whether there was a rest to measure at", still),
-    Check("clipped", "rates at the end of the range", clipped),
-    Check("temperature", "whether the temperature changes", temperature),
-    Check("bias", "the bias now, compared with the data sheet", bias),
-    Check("bias_moves", "whether the bias is constant", bias_moves),
-)
+CHECKS = (*checks_of(facts_of, sensor, still, clipped, temperature), *checks_of(rest_of, bias, bias_moves))

@@ -3,10 +3,11 @@
 import numpy as np
 
 from gyrodrift.describe.text import JITTER_ODD
-from gyrodrift.doctor.check import Check
+from gyrodrift.doctor.check import checks_of, facts_of, rest_of
+from gyrodrift.doctor.checks.sensor import RAIL_MIN_DPS
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_health, ok, warning
-from gyrodrift.doctor.still import RAIL_MIN_DPS, step_of, still_rate
+from gyrodrift.facts.session_facts import SessionFacts, StillRate
 from gyrodrift.outputs import health
 from gyrodrift.values.arrays import Floats
 
@@ -29,11 +30,9 @@ REPEATED = 0.01
 """Share of repeated samples beyond the share that noise and step explain."""
 
 
-def gaps(evidence: DeviceEvidence) -> DeviceFinding | None:
+def gaps(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Missing samples."""
-    if evidence.description is None:
-        return None
-    link, missing = evidence.link, evidence.description.gaps.missing
+    link, missing = evidence.link, facts.gaps.missing
     lost = health.lost(link)
     if lost is None:
         return ok("No sample is missing.", 0)
@@ -43,20 +42,21 @@ def gaps(evidence: DeviceEvidence) -> DeviceFinding | None:
     return of_health(lost, severity, do, share)
 
 
-def sample_rate(evidence: DeviceEvidence) -> DeviceFinding | None:
+def sample_rate(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Received sample rate, compared with the stated one."""
-    if not evidence.link.rate_hz:
+    if not facts.rate_hz:
         return None
     differs = health.rate_differs(evidence.link, evidence.device)
     if differs is None:
-        return ok(f"{evidence.link.rate_hz:.5g} samples per second arrive.", evidence.link.rate_hz, "Hz")
+        return ok(f"{facts.rate_hz:.5g} samples per second arrive.", facts.rate_hz, "Hz")
     do = "State the true sample rate in HELLO; parameters of HDR belong to a sample rate."
-    return of_health(differs, Severity.WARNING, do, evidence.link.rate_hz, "Hz")
+    return of_health(differs, Severity.WARNING, do, facts.rate_hz, "Hz")
 
 
-def rate_changes(evidence: DeviceEvidence) -> DeviceFinding | None:
+def rate_changes(_evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Whether the sample rate is constant."""
-    steps_s = _steps_s(evidence)
+    steps_s = np.diff(facts.session.t_device_s)
+    steps_s = steps_s[steps_s > 0.0]
     if len(steps_s) < 40 or steps_s.sum() < CHANGE_MIN_S:
         return None
     tenths = [float(np.median(part)) for part in np.array_split(steps_s, 10)]
@@ -70,29 +70,28 @@ def rate_changes(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
-def stamps(evidence: DeviceEvidence) -> DeviceFinding | None:
+def stamps(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Whether the time stamps of the device are regular."""
-    about = evidence.description
-    if about is None or about.rate_hz is None or about.jitter_s is None or not evidence.has_clock:
+    if facts.rate_hz is None or facts.jitter_s is None or not evidence.has_clock:
         return None
-    share = about.jitter_s * about.rate_hz
+    share = facts.jitter_s * facts.rate_hz
     if share <= JITTER_ODD:
         return ok(
-            f"The time stamps of the device are regular to {max(1e3 * about.jitter_s, 1e-3):.2g} ms.",
-            1e3 * about.jitter_s,
+            f"The time stamps of the device are regular to {max(1e3 * facts.jitter_s, 1e-3):.2g} ms.",
+            1e3 * facts.jitter_s,
             "ms",
         )
     return warning(
-        f"The time stamps of the device scatter by {1e3 * about.jitter_s:.2g} ms, {share:.0%} of a period.",
+        f"The time stamps of the device scatter by {1e3 * facts.jitter_s:.2g} ms, {share:.0%} of a period.",
         "Take the time in the data-ready interrupt, not when the line is printed.",
-        1e3 * about.jitter_s,
+        1e3 * facts.jitter_s,
         "ms",
     )
 
 
-def jitter(evidence: DeviceEvidence) -> DeviceFinding | None:
+def jitter(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Jitter of the arrival."""
-    if evidence.description is None or evidence.description.host is None:
+    if facts.host is None:
         return None
     link = evidence.link
     uneven = health.uneven(link)
@@ -114,12 +113,12 @@ def jitter(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
-def bursts(evidence: DeviceEvidence) -> DeviceFinding | None:
+def bursts(_evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Whether samples arrive in bursts."""
-    session, rate_hz = evidence.session, evidence.link.rate_hz
-    if session is None or session.t_host_s is None or not rate_hz:
+    host_s = facts.session.t_host_s
+    if host_s is None or not facts.rate_hz:
         return None
-    arrivals_s = session.t_host_s[np.isfinite(session.t_host_s)]
+    arrivals_s = host_s[np.isfinite(host_s)]
     waits_s = np.diff(arrivals_s)
     if not waits_s.sum() > 0.0:
         return None
@@ -127,17 +126,17 @@ def bursts(evidence: DeviceEvidence) -> DeviceFinding | None:
     if together <= BUNCH:
         return ok("Samples arrive one by one.", together)
     return note(
-        f"Samples arrive in bursts of {together:.3g}, every {1e3 * together / rate_hz:.0f} ms.",
+        f"Samples arrive in bursts of {together:.3g}, every {1e3 * together / facts.rate_hz:.0f} ms.",
         "Send every sample at once, and check latency_timer. Bluetooth and USB hubs collect samples, too.",
         together,
     )
 
 
-def clock_drift(evidence: DeviceEvidence) -> DeviceFinding | None:
+def clock_drift(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Drift of the device clock against the host clock."""
-    if evidence.description is None or evidence.description.host is None or not evidence.has_clock:
+    if facts.host is None or not evidence.has_clock:
         return None
-    ppm, rough_ppm = evidence.link.clock_ppm, evidence.description.host.drift_ppm or 0.0
+    ppm, rough_ppm = evidence.link.clock_ppm, facts.host.drift_ppm or 0.0
     if abs(rough_ppm) > REPLAY_PPM:
         pace = 1.0 + 1e-6 * rough_ppm
         return note(f"The device clock runs {pace:.3g} times as fast as this computer: this is a replay.")
@@ -156,12 +155,12 @@ def clock_drift(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
-def stuck(evidence: DeviceEvidence) -> DeviceFinding | None:
+def stuck(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Whether the rate keeps changing."""
-    if evidence.session is None or not evidence.link.rate_hz:
+    if not facts.rate_hz:
         return None
-    longest, value_dps = _longest_run(evidence.session.rate_dps)
-    seconds = longest / evidence.link.rate_hz
+    longest, value_dps = _longest_run(facts.session.rate_dps)
+    seconds = longest / facts.rate_hz
     if seconds < STUCK_S or longest < STUCK_SAMPLES:
         return ok("The rate is never constant for long.", seconds, "s")
     if value_dps == 0.0 and evidence.holds_zero:
@@ -180,12 +179,11 @@ def stuck(evidence: DeviceEvidence) -> DeviceFinding | None:
     )
 
 
-def repeats(evidence: DeviceEvidence) -> DeviceFinding | None:
+def repeats(evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding | None:
     """Samples that repeat the previous one."""
-    at_rest = still_rate(evidence)
-    if at_rest is None or not at_rest.std_dps:
+    if not at_rest.std_dps:
         return None
-    step_dps = step_of(evidence) or 0.0
+    step_dps = evidence.step_dps or 0.0
     chance = step_dps / (2.0 * np.sqrt(np.pi) * at_rest.std_dps)  # that two normal values round to the same step
     share = float((np.diff(at_rest.rate_dps) == 0.0).mean())
     if chance > 0.5 or share <= 1.3 * chance + REPEATED:
@@ -207,21 +205,7 @@ def _longest_run(rate_dps: Floats) -> tuple[int, float]:
     return int(runs[longest]), float(rate_dps[ends[longest + 1]])
 
 
-def _steps_s(evidence: DeviceEvidence) -> Floats:
-    if evidence.session is None:
-        return np.empty(0)
-    steps_s: Floats = np.diff(evidence.session.t_device_s)
-    return steps_s[steps_s > 0.0]
-
-
 CHECKS = (
-    Check("gaps", "missing samples", gaps),
-    Check("sample_rate", "received sample rate, compared with the stated one", sample_rate),
-    Check("rate_changes", "whether the sample rate is constant", rate_changes),
-    Check("stamps", "whether the time stamps of the device are regular", stamps),
-    Check("jitter", "jitter of the arrival", jitter),
-    Check("bursts", "whether samples arrive in bursts", bursts),
-    Check("clock_drift", "drift of the device clock against the host clock", clock_drift),
-    Check("stuck", "whether the rate keeps changing", stuck),
-    Check("repeats", "samples that repeat the previous one", repeats),
+    *checks_of(facts_of, gaps, sample_rate, rate_changes, stamps, jitter, bursts, clock_drift, stuck),
+    *checks_of(rest_of, repeats),
 )

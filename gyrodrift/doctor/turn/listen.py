@@ -9,11 +9,12 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from gyrodrift.doctor.listen import LONGEST_WAIT_S
 from gyrodrift.doctor.turn.heard import HeardTurn, TurnResult, result_of, series_of
 from gyrodrift.doctor.turn.motion import TurnWindow
 from gyrodrift.doctor.turn.series import LineTimes, TextTable
 from gyrodrift.doctor.turn.verdict import judge
-from gyrodrift.io.waiting import POLLIN, new_poller
+from gyrodrift.io.waiting import wait_readable
 from gyrodrift.link.heard import Heard
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
@@ -163,10 +164,7 @@ class TurnListener:
 
     def _read(self) -> None:
         link = self._link
-        poller = new_poller()
-        if (fd := link.fileno()) is not None:
-            poller.register(fd, POLLIN)
-        poller.poll(min(link.wake_s(), 0.1) * 1e3)
+        wait_readable(link.fileno(), min(link.wake_s(), LONGEST_WAIT_S))
         samples: Sequence[Sample] = ()
         with suppress(UnitError):  # the turn finds the units
             samples = link.read()

@@ -9,9 +9,8 @@ from math import pi, sqrt
 
 import numpy as np
 
-from gyrodrift.describe.arrays import Flags
 from gyrodrift.doctor.turn.series import Series
-from gyrodrift.values.arrays import Floats
+from gyrodrift.values.arrays import Floats, Mask
 
 REACTION_S = 0.2
 """Time before the prompt at which a hand may begin already, s."""
@@ -125,7 +124,7 @@ def motion_of(series: Series, window: TurnWindow, values: Floats | None = None) 
 
 
 def _behavior_of(
-    t_s: Floats, deviation: Floats, moving: Flags, after: Floats, *, change: float, grown: float, noise: float
+    t_s: Floats, deviation: Floats, moving: Mask, after: Floats, *, change: float, grown: float, noise: float
 ) -> Behavior:
     largest = float(np.abs(deviation).max())
     if largest < CLEAR * noise:

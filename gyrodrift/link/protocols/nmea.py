@@ -13,10 +13,9 @@ from gyrodrift.link.protocols.angles import RateOrAngle
 from gyrodrift.link.protocols.plausible import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.sentences import SentenceDecoder, number_in, words_of
-from gyrodrift.values.constants import FULL_TURN_DEG
+from gyrodrift.values.constants import FULL_TURN_DEG, SECONDS_PER_MINUTE
 from gyrodrift.values.sample import Reading
 
-SECONDS_PER_MINUTE = 60.0
 VALID = "A"
 RATE = "ROT"
 HEADINGS = frozenset({"HDT", "HDM", "HDG", "THS"})

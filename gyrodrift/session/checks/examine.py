@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.session.calibrated import calibrated
-from gyrodrift.session.checks.axes import axis_findings
 from gyrodrift.session.checks.clock_unit import clock_unit_findings
 from gyrodrift.session.checks.finding import SessionFinding
-from gyrodrift.session.checks.gravity import acceleration_findings
+from gyrodrift.session.checks.gravity import acceleration_findings, axis_findings
 from gyrodrift.session.checks.rate_unit import rate_findings
 from gyrodrift.session.checks.restarts import one_clock
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
@@ -18,10 +18,15 @@ from gyrodrift.values.errors import DataError
 
 @dataclass(frozen=True, slots=True)
 class ExaminedSession:
-    """A session on one clock, and the findings of the checks."""
+    """Facts of a session on one clock, and the findings of the checks."""
 
-    session: Session
+    facts: SessionFacts
     findings: tuple[SessionFinding, ...]
+
+    @property
+    def session(self) -> Session:
+        """The session on one clock."""
+        return self.facts.session
 
     @property
     def warnings(self) -> list[str]:
@@ -61,12 +66,12 @@ def examined(session: Session, stated: ReadingOptions = AS_WRITTEN, *, is_still:
     """
     with np.errstate(all="ignore"):  # a recording may hold numbers of any size
         clock = one_clock(session)
-        findings = list(clock.findings)
+        facts, findings = SessionFacts(clock.session), list(clock.findings)
         if not any(finding.is_error for finding in findings):
             findings += clock_findings(clock.session, stated)
         if not any(finding.is_error for finding in findings):
-            corrected = calibrated(clock.session)
+            corrected = SessionFacts(calibrated(clock.session))
             findings += rate_findings(corrected, is_stated=stated.states_rate, is_still=is_still)
-        findings += acceleration_findings(clock.session, is_stated=bool(stated.accel_unit))
-        findings += axis_findings(clock.session)
-    return ExaminedSession(clock.session, tuple(findings))
+        findings += acceleration_findings(facts, is_stated=bool(stated.accel_unit))
+        findings += axis_findings(facts)
+    return ExaminedSession(facts, tuple(findings))

@@ -21,8 +21,9 @@ from gyrodrift.columns.rate_unit import (
 )
 from gyrodrift.columns.sensitivities import SENSITIVITIES
 from gyrodrift.columns.spec import RATE_DPS
+from gyrodrift.facts.reference import MOST_READ, EncoderComparison
+from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.session.checks.finding import SessionFinding
-from gyrodrift.session.checks.reference import MOST_READ, EncoderComparison, compared_to_encoder
 from gyrodrift.session.session import Session
 from gyrodrift.values.sample import Sample
 
@@ -70,7 +71,7 @@ def wrong_unit(factor: float) -> tuple[float, str] | None:
     return next(matches, None)
 
 
-def rate_findings(session: Session, *, is_stated: bool, is_still: bool = False) -> list[SessionFinding]:
+def rate_findings(facts: SessionFacts, *, is_stated: bool, is_still: bool = False) -> list[SessionFinding]:
     """Findings about the rates of a session in deg/s, with its calibration applied.
 
     is_stated
@@ -78,7 +79,7 @@ def rate_findings(session: Session, *, is_stated: bool, is_still: bool = False) 
     is_still
         Whether the device did not move, regardless of its encoder.
     """
-    comparison = None if is_still else compared_to_encoder(session)
+    session, comparison = facts.session, None if is_still else facts.reference
     findings = list(_by_size(session)) if comparison is None else list(_by_encoder(session, comparison))
     return [
         SessionFinding(finding.id, finding.says, finding.do, is_error=finding.is_error and not is_stated)

@@ -7,7 +7,8 @@ from gyrodrift.tune.report.figures import importances
 from gyrodrift.tune.report.numbering import table_name
 from gyrodrift.tune.result import Run, Tuning
 from gyrodrift.tune.warnings import bound_of
-from gyrodrift.values.noise import ROOT_SECONDS_PER_ROOT_HOUR, SECONDS_PER_HOUR
+from gyrodrift.values.constants import SECONDS_PER_HOUR
+from gyrodrift.values.noise import ROOT_SECONDS_PER_ROOT_HOUR
 
 DATA_SHEET = {
     "turn_on_dps": (SECONDS_PER_HOUR, "°/h"),

@@ -1,11 +1,11 @@
 """Clock of the device against the clock of the host."""
 
+from dataclasses import dataclass
 from math import ceil, inf, sqrt
 
 import numpy as np
 
-from gyrodrift.describe.arrays import blocks_of, only
-from gyrodrift.describe.values import HostClock
+from gyrodrift.facts.arrays import blocks_of, only
 from gyrodrift.session.session import Session
 from gyrodrift.values.arrays import Floats
 
@@ -20,6 +20,22 @@ STOPPED = -0.999
 
 QUANTILE_VALUES = 1_000_000
 """Quantiles of more values than this use an evenly spaced selection."""
+
+
+@dataclass(frozen=True, slots=True)
+class HostClock:
+    """The device clock against the host's.
+
+    drift_ppm, drift_sd_ppm
+        Rate of the device clock against the host clock, parts per million, and its standard error; None if the session
+        is too short.
+    delay_p95_s
+        95 % of the samples arrived within this time of the minimum delay, s.
+    """
+
+    drift_ppm: float | None
+    drift_sd_ppm: float | None
+    delay_p95_s: float
 
 
 def host_clock(session: Session, period_s: float | None) -> HostClock | None:

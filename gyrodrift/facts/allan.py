@@ -1,10 +1,11 @@
 """Allan deviation of a rest, and the noise parameters that it shows."""
 
+from dataclasses import dataclass
 from math import inf, sqrt
 
 import numpy as np
 
-from gyrodrift.describe.values import Allan, Stretch
+from gyrodrift.facts.rests import Stretch
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.noise import FLICKER_FLOOR
 
@@ -21,6 +22,26 @@ LOW_PASSED = 0.8
 
 FLAT_ERROR = 0.2
 """A flat minimum counts only where the relative error is at most this, over two octaves."""
+
+
+@dataclass(frozen=True, slots=True)
+class Allan:
+    """Noise over one rest.
+
+    taus_s, deviations_dps
+        Overlapping Allan deviation, shape (k,), averaging times in octaves.
+    angle_random_walk_deg_rts
+        N, deg/√s: the line of slope −1/2 at 1 s; None without this slope.
+    bias_instability_dps, bias_instability_tau_s
+        B, deg/s: the minimum over 0.664, and its averaging time, s; None if the rest is too short.
+    """
+
+    stretch: Stretch
+    taus_s: Floats
+    deviations_dps: Floats
+    angle_random_walk_deg_rts: float | None
+    bias_instability_dps: float | None
+    bias_instability_tau_s: float | None
 
 
 def allan_deviation(rate_dps: Floats, period_s: float) -> tuple[Floats, Floats]:

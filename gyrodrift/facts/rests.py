@@ -1,13 +1,16 @@
 """Rests of the device: by the encoder, or else where the rate is at its quietest."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
 from math import inf, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
-from gyrodrift.describe.arrays import Flags, blocks_of, smallest_step
-from gyrodrift.values.arrays import Floats
+from gyrodrift.facts.arrays import blocks_of, only, samples_in, smallest_step, true_runs
+from gyrodrift.session.session import Session
+from gyrodrift.values.arrays import Floats, Mask
 
 Runs = list[tuple[int, int]]
 """Half-open ranges of indices."""
@@ -39,6 +42,58 @@ SCATTERS = 5.0
 floors. Short blocks scatter more; SCATTERS standard deviations of that are allowed."""
 
 
+BREAK_S = 1.0
+BREAK_PERIODS = 10.0
+"""A time step longer than both ends a rest."""
+
+
+class RestSource(Enum):
+    """Evidence of rest; the rate alone cannot distinguish rest from a constant spin."""
+
+    ENCODER = "encoder"
+    RATE = "rate"
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """A rest: start and end in s after the first sample, mean rate (the bias) and standard deviation in deg/s."""
+
+    start_s: float
+    end_s: float
+    mean_dps: float
+    std_dps: float
+
+    @property
+    def seconds(self) -> float:
+        """Length, s."""
+        return self.end_s - self.start_s
+
+
+class RestRates(NamedTuple):
+    """A rest, and its rates, deg/s, shape (n,)."""
+
+    stretch: Stretch
+    rate_dps: Floats
+
+
+def rests_of(session: Session, period_s: float) -> list[RestRates]:
+    """Rests in order of time, by the encoder if there is one."""
+    is_usable = np.isfinite(session.rate_dps) & np.isfinite(session.t_device_s)
+    t_s, rate_dps = only(session.t_device_s, is_usable), only(session.rate_dps, is_usable)
+    steps_s = np.diff(t_s, prepend=t_s[:1])
+    is_break = (steps_s < 0.0) | (steps_s > max(BREAK_S, BREAK_PERIODS * period_s))
+    if session.encoder_deg is None:
+        runs = stationary_by_rate(rate_dps, is_break, period_s)
+    else:
+        runs = stationary_by_encoder(only(session.encoder_deg, is_usable), is_break, period_s)
+    first_s = float(session.t_device_s[np.isfinite(session.t_device_s)][0])
+    return [_rest(t_s[start:end] - first_s, rate_dps[start:end]) for start, end in runs]
+
+
+def _rest(t_s: Floats, rate_dps: Floats) -> RestRates:
+    return RestRates(Stretch(float(t_s[0]), float(t_s[-1]), float(rate_dps.mean()), float(rate_dps.std())), rate_dps)
+
+
 class StationaryRun(NamedTuple):
     """A half-open range of blocks in which the encoder moves by no more than the slack."""
 
@@ -52,9 +107,9 @@ class StationaryRun(NamedTuple):
         return self.end - self.start
 
 
-def stationary_by_encoder(encoder_deg: Floats, is_break: Flags, period_s: float) -> Runs:
+def stationary_by_encoder(encoder_deg: Floats, is_break: Mask, period_s: float) -> Runs:
     """Runs of at least 2 s in which the encoder moves no more than at rest."""
-    size = _samples(ENCODER_BLOCK_S, period_s)
+    size = samples_in(ENCODER_BLOCK_S, period_s)
     blocks_deg = blocks_of(encoder_deg, size)
     lows_deg, highs_deg = np.fmin.reduce(blocks_deg, axis=1), np.fmax.reduce(blocks_deg, axis=1)
     ranges_deg = highs_deg - lows_deg
@@ -75,10 +130,6 @@ def stationary_by_encoder(encoder_deg: Floats, is_break: Flags, period_s: float)
         )  # motion begins before the encoder shows it
         for start, end, _ in _without_creep(runs, size * period_s)
     ]
-
-
-def _samples(seconds: float, period_s: float) -> int:
-    return max(1, round(min(seconds / period_s, 1e9)))
 
 
 def _within(lows: list[float], highs: list[float], slack: float) -> Iterator[tuple[int, int]]:
@@ -108,9 +159,9 @@ def _without_creep(runs: list[StationaryRun], block_s: float) -> Iterator[Statio
             yield run
 
 
-def stationary_by_rate(rate_dps: Floats, is_break: Flags, period_s: float) -> Runs:
+def stationary_by_rate(rate_dps: Floats, is_break: Mask, period_s: float) -> Runs:
     """Runs of blocks of about a second in which the rate is at its quietest."""
-    size = max(STEADY_BLOCK_SAMPLES, _samples(STEADY_BLOCK_S, period_s))
+    size = max(STEADY_BLOCK_SAMPLES, samples_in(STEADY_BLOCK_S, period_s))
     blocks_dps = blocks_of(rate_dps, size)
     if not len(blocks_dps):
         return []
@@ -122,5 +173,5 @@ def stationary_by_rate(rate_dps: Floats, is_break: Flags, period_s: float) -> Ru
     is_quiet &= ~blocks_of(is_break, size).any(axis=1)
     continues = is_quiet[1:] & is_quiet[:-1]
     continues &= np.abs(np.diff(means_dps)) <= max(JUMP, own * sqrt(2.0)) * floor_dps + step_dps
-    ends = np.flatnonzero(np.diff(continues, prepend=False, append=False)).reshape(-1, 2).tolist()
-    return [(size * start, size * (end + 1)) for start, end in ends if end + 1 - start >= STEADY_LEAST_BLOCKS]
+    runs = true_runs(continues)
+    return [(size * start, size * (end + 1)) for start, end in runs if end + 1 - start >= STEADY_LEAST_BLOCKS]

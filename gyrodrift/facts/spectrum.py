@@ -5,6 +5,7 @@ from math import sqrt
 
 import numpy as np
 
+from gyrodrift.facts.arrays import median_slope
 from gyrodrift.values.arrays import Floats
 
 SEGMENT = 256
@@ -102,12 +103,11 @@ def _is_narrow(density: Floats, peak: int) -> bool:
 def _floor_at(density: Floats, index: int) -> float:
     """Noise floor at a bin, from its neighbors on both sides without the lobe.
 
-    A line through log density over log frequency, by the median of the slopes of all pairs (Theil 1950, Sen 1968): it
-    follows 1/f noise and a low-pass, and ignores other tones.
+    A line through log density over log frequency, by the median slope: it follows 1/f noise and a low-pass, and ignores
+    other tones.
     """
     bins = np.arange(max(BIN_MIN, index - NEIGHBOR_BINS), min(len(density) - 1, index + NEIGHBOR_BINS + 1))
     bins = bins[np.abs(bins - index) > LOBE_BINS]
     x, y = np.log(bins), np.log(np.maximum(density[bins], np.finfo(float).tiny))
-    first, second = np.triu_indices(len(bins), 1)
-    slope = np.median((y[second] - y[first]) / (x[second] - x[first]))
+    slope = median_slope(x, y)
     return float(np.exp(np.median(y - slope * x) + slope * np.log(index)))

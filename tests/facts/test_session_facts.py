@@ -1,4 +1,4 @@
-"""What a session holds: against data whose truth is known, the simulated rig, and real recordings."""
+"""Facts of sessions against data whose truth is known, the simulated rig, and real recordings."""
 
 import time
 from collections.abc import Sequence
@@ -15,9 +15,10 @@ from support import near
 
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import load_rig, parse_effect, with_effects
-from gyrodrift.describe.allan import allan_deviation
-from gyrodrift.describe.describe import describe
-from gyrodrift.describe.values import RestSource, SessionDescription
+from gyrodrift.facts.allan import allan_deviation
+from gyrodrift.facts.host import HostClock
+from gyrodrift.facts.rests import RestSource
+from gyrodrift.facts.session_facts import Encoder, Gaps, Rates, SessionFacts, Temperatures
 from gyrodrift.session.files import load_session
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import Simulation
@@ -49,42 +50,35 @@ def simulated(profile: str, *effects: str, minutes: float = 5.0) -> Session:
     return Simulation(rig, load_profile(profile), 1, 0, minutes).whole()
 
 
-def times_of(description: SessionDescription) -> Floats:
-    return np.array([(one.start_s, one.end_s) for one in description.stretches])
+def times_of(facts: SessionFacts) -> Floats:
+    return np.array([(one.start_s, one.end_s) for one in facts.stretches])
 
 
 def test_a_clean_session_has_its_rate_and_nothing_missing() -> None:
     """With time that begins anywhere."""
-    description = describe(session_of(1e5 + np.arange(501) / 50.0, np.linspace(-1.0, 2.0, 501)))
-    assert (description.samples, description.duration_s, description.rate_hz) == (501, near(10.0), near(50.0))
-    assert description.jitter_s == near(0.0, 1e-9)
-    assert (description.gaps.count, description.gaps.missing, description.gaps.longest_s) == (0, 0, 0.0)
-    assert (description.steps_not_forward, description.rates_not_finite) == (0, 0)
-    assert description.rate is not None
-    assert (description.rate.min_dps, description.rate.max_dps, description.rate.mean_dps) == (-1.0, 2.0, near(0.5))
-    assert (description.host, description.temperature, description.encoder, description.allan) == (
-        None,
-        None,
-        None,
-        None,
-    )
+    facts = SessionFacts(session_of(1e5 + np.arange(501) / 50.0, np.linspace(-1.0, 2.0, 501)))
+    assert (facts.samples, facts.duration_s, facts.rate_hz) == (501, near(10.0), near(50.0))
+    assert facts.jitter_s == near(0.0, 1e-9)
+    assert facts.gaps == Gaps(0, 0, 0.0)
+    assert (facts.steps_not_forward, facts.rates_not_finite) == (0, 0)
+    assert facts.rate == Rates(-1.0, 2.0, near(0.5))
+    assert [facts.host, facts.temperature, facts.encoder, facts.allan] == [None] * 4
 
 
 @pytest.mark.parametrize("has_counter", [True, False])
 def test_gaps_are_counted_by_the_counter_or_else_by_time(*, has_counter: bool) -> None:
     """Holes of 1, 3 and 20 samples."""
     kept = np.setdiff1d(np.arange(1000), [100, *range(300, 303), *range(500, 520)])
-    description = describe(session_of(kept / RATE_HZ, seq=kept if has_counter else None))
-    assert (description.gaps.count, description.gaps.missing, description.gaps.longest_s) == (3, 24, near(0.21))
+    facts = SessionFacts(session_of(kept / RATE_HZ, seq=kept if has_counter else None))
+    assert facts.gaps == Gaps(3, 24, near(0.21))
 
 
 def test_the_counter_knows_better_than_time() -> None:
     """A device that waits loses nothing; one whose clock stops for what it loses has no step that shows it."""
     t_s = np.arange(200) / RATE_HZ
     late = np.where(np.arange(200) < 100, t_s, t_s + 0.5)
-    waited = describe(session_of(late, seq=np.arange(200))).gaps
-    assert (waited.count, waited.missing, waited.longest_s) == (1, 0, near(0.51))
-    lost = describe(session_of(t_s, seq=np.where(np.arange(200) < 100, np.arange(200), np.arange(200) + 7))).gaps
+    assert SessionFacts(session_of(late, seq=np.arange(200))).gaps == Gaps(1, 0, near(0.51))
+    lost = SessionFacts(session_of(t_s, seq=np.where(np.arange(200) < 100, np.arange(200), np.arange(200) + 7))).gaps
     assert (lost.count, lost.missing) == (0, 7)
 
 
@@ -92,19 +86,18 @@ def test_jitter_is_the_scatter_of_steps_whatever_the_gaps() -> None:
     """To a few percent, of 10 000 steps."""
     steps_s = 0.01 + 2e-4 * np.random.default_rng(1).standard_normal(10_000)
     steps_s[::100] = 0.5
-    description = describe(session_of(np.cumsum(steps_s)))
-    assert description.jitter_s == pytest.approx(2e-4, rel=0.05)
-    assert description.gaps.count == pytest.approx(100, abs=1)
+    facts = SessionFacts(session_of(np.cumsum(steps_s)))
+    assert facts.jitter_s == pytest.approx(2e-4, rel=0.05)
+    assert facts.gaps.count == pytest.approx(100, abs=1)
 
 
 def test_what_the_filter_passes_by_is_counted() -> None:
     """Time that stands still, goes back or is no number; rates that are no number."""
-    description = describe(
+    facts = SessionFacts(
         session_of([0.0, 0.01, 0.01, 0.02, 0.005, np.nan, 0.03], [1.0, np.nan, 1.0, np.inf, 1.0, 1.0, 3.0])
     )
-    assert (description.steps_not_forward, description.rates_not_finite) == (3, 2)
-    assert description.rate is not None
-    assert description.rate.mean_dps == near(1.4)
+    assert (facts.steps_not_forward, facts.rates_not_finite) == (3, 2)
+    assert facts.rate == Rates(1.0, 3.0, near(1.4))
 
 
 def arrived(ppm: float, delays_s: Floats) -> Session:
@@ -124,7 +117,7 @@ def test_clock_drift_is_found_within_its_stated_error(ppm: float, *, is_bunched:
             ready_s = np.arange(20_000) / RATE_HZ + delays_s
             period_s = 0.016 * (1.0 + 1e-4 * rng.standard_normal())
             delays_s = np.ceil(ready_s / period_s) * period_s - np.arange(20_000) / RATE_HZ
-        host = describe(arrived(ppm, delays_s)).host
+        host = SessionFacts(arrived(ppm, delays_s)).host
         assert host is not None
         assert host.drift_ppm is not None
         assert host.drift_sd_ppm is not None
@@ -136,30 +129,23 @@ def test_clock_drift_is_found_within_its_stated_error(ppm: float, *, is_bunched:
 
 def test_host_delay_is_its_scatter_above_the_soonest() -> None:
     """The 95 % quantile of exponential delays is 3 times their mean."""
-    host = describe(arrived(100.0, np.random.default_rng(3).exponential(0.004, 30_000))).host
+    host = SessionFacts(arrived(100.0, np.random.default_rng(3).exponential(0.004, 30_000))).host
     assert host is not None
     assert host.delay_p95_s == pytest.approx(0.012, rel=0.05)
 
 
 def test_a_short_session_says_nothing_of_its_clock() -> None:
     """But how late samples were."""
-    host = describe(arrived(100.0, np.tile([0.0, 0.01], 200))).host
-    assert host is not None
-    assert (host.drift_ppm, host.drift_sd_ppm) == (None, None)
-    assert host.delay_p95_s == near(0.01, 1e-3)
+    host = SessionFacts(arrived(100.0, np.tile([0.0, 0.01], 200))).host
+    assert host == HostClock(None, None, near(0.01, 1e-3))
 
 
 def test_temperature_and_encoder_are_told() -> None:
     """What is NaN in them is passed over."""
     temp_c = np.concatenate(([np.nan, 20.0], np.linspace(20.0, 31.0, 97), [30.0, np.nan]))
-    description = describe(replace(turned((1.01, 36.0), step_deg=0.09), temp_c=temp_c))
-    temperature, encoder = description.temperature, description.encoder
-    assert temperature is not None
-    assert (temperature.min_c, temperature.max_c) == (20.0, 31.0)
-    assert (temperature.first_c, temperature.last_c) == (20.0, 30.0)
-    assert encoder is not None
-    assert (encoder.min_deg, encoder.max_deg) == (0.0, near(36.0))
-    assert encoder.smallest_step_deg == near(0.36)
+    facts = SessionFacts(replace(turned((1.01, 36.0), step_deg=0.09), temp_c=temp_c))
+    assert facts.temperature == Temperatures(20.0, 31.0, 20.0, 30.0)
+    assert facts.encoder == Encoder(0.0, near(36.0), near(0.36))
 
 
 MOTION = ((6.0, 0.0), (5.0, 30.0), (4.0, 0.0), (3.0, -90.0), (1.0, 0.0), (2.0, 5.0), (8.0, 0.0))
@@ -169,13 +155,13 @@ RESTS_S = [(0.0, 6.0), (11.0, 15.0), (21.0, 29.0)]
 @pytest.mark.parametrize("step_deg", [0.001, 0.01, 0.36])
 def test_rests_are_found_by_the_encoder_and_end_before_motion_begins(step_deg: float) -> None:
     """Within a second of their times and never outside, with the bias to 4 errors of the mean; not the short one."""
-    description = describe(turned(*MOTION, step_deg=step_deg))
-    found = times_of(description)
-    assert description.still_by is RestSource.ENCODER
+    facts = SessionFacts(turned(*MOTION, step_deg=step_deg))
+    found = times_of(facts)
+    assert facts.still_by is RestSource.ENCODER
     assert found == pytest.approx(np.array(RESTS_S), abs=1.0)
     assert (found[:, 0] >= [start for start, _ in RESTS_S]).all()
     assert (found[:, 1] <= [end for _, end in RESTS_S]).all()
-    for one in description.stretches:
+    for one in facts.stretches:
         assert one.mean_dps == near(BIAS_DPS, 4.0 * NOISE_DPS / np.sqrt((one.end_s - one.start_s) * RATE_HZ))
         assert one.std_dps == pytest.approx(NOISE_DPS, rel=0.15)
 
@@ -185,17 +171,17 @@ def test_a_reference_that_is_never_quite_still_shows_rest_all_the_same() -> None
     session = turned(*MOTION)
     assert session.encoder_deg is not None
     wander_deg = 0.025 * np.sin(session.t_device_s) + 0.005 * np.random.default_rng(1).standard_normal(2900)
-    found = times_of(describe(replace(session, encoder_deg=session.encoder_deg + wander_deg)))
+    found = times_of(SessionFacts(replace(session, encoder_deg=session.encoder_deg + wander_deg)))
     assert found == pytest.approx(np.array(RESTS_S), abs=1.0)
 
 
 def test_without_an_encoder_steady_stretches_are_a_guess() -> None:
     """The rests to a second, and the steady turns with them."""
-    description = describe(replace(turned(*MOTION), encoder_deg=None))
-    assert description.still_by is RestSource.RATE
+    facts = SessionFacts(replace(turned(*MOTION), encoder_deg=None))
+    assert facts.still_by is RestSource.RATE
     expected = sorted([*RESTS_S, (6.0, 11.0), (15.0, 18.0)])
-    assert times_of(description) == pytest.approx(np.array(expected), abs=1.001)
-    assert [one.mean_dps for one in description.stretches] == pytest.approx([0.4, 30.4, 0.4, -89.6, 0.4], abs=0.01)
+    assert times_of(facts) == pytest.approx(np.array(expected), abs=1.001)
+    assert [one.mean_dps for one in facts.stretches] == pytest.approx([0.4, 30.4, 0.4, -89.6, 0.4], abs=0.01)
 
 
 @pytest.mark.parametrize("dps", [0.05, 0.2, 20.0])
@@ -203,8 +189,8 @@ def test_without_an_encoder_steady_stretches_are_a_guess() -> None:
 def test_a_constant_spin_is_rest_to_the_rate_and_none_to_the_encoder(dps: float, step_deg: float) -> None:
     """However slow, and though a coarse encoder stands for seconds."""
     session = turned((120.0, dps), step_deg=step_deg)
-    assert describe(session).stretches == ()
-    (one,) = describe(replace(session, encoder_deg=None)).stretches
+    assert SessionFacts(session).stretches == ()
+    (one,) = SessionFacts(replace(session, encoder_deg=None)).stretches
     assert one.mean_dps == near(dps + BIAS_DPS, 0.002)
     assert one.end_s - one.start_s > 118.0
 
@@ -214,8 +200,8 @@ def test_motion_without_rest_is_no_stretch_for_either() -> None:
     t_s = np.arange(6000) / RATE_HZ
     noise_dps = NOISE_DPS * np.random.default_rng(1).standard_normal(6000)
     session = session_of(t_s, 30.0 * np.cos(t_s) + noise_dps, encoder_deg=30.0 * np.sin(t_s))
-    assert describe(session).stretches == ()
-    assert describe(replace(session, encoder_deg=None)).stretches == ()
+    assert SessionFacts(session).stretches == ()
+    assert SessionFacts(replace(session, encoder_deg=None)).stretches == ()
 
 
 def test_a_long_hole_ends_a_stretch_and_a_lost_sample_does_not() -> None:
@@ -223,7 +209,7 @@ def test_a_long_hole_ends_a_stretch_and_a_lost_sample_does_not() -> None:
     kept = np.setdiff1d(np.arange(6000), [*range(0, 6000, 77), *range(3000, 3500)])
     rate_dps = NOISE_DPS * np.random.default_rng(1).standard_normal(len(kept))
     for encoder_deg in (None, np.zeros(len(kept))):
-        found = times_of(describe(session_of(kept / RATE_HZ, rate_dps, encoder_deg=encoder_deg)))
+        found = times_of(SessionFacts(session_of(kept / RATE_HZ, rate_dps, encoder_deg=encoder_deg)))
         assert found == pytest.approx(np.array([(0.0, 30.0), (35.0, 60.0)]), abs=1.5)
 
 
@@ -245,7 +231,7 @@ def test_the_angle_random_walk_is_recovered(walk_deg_rts: float) -> None:
     for seconds, bound in ((30, 0.1), (600, 0.05)):
         for seed in range(5):
             rate_dps = walk_deg_rts * 10.0 * np.random.default_rng(seed).standard_normal(seconds * 100)
-            allan = describe(
+            allan = SessionFacts(
                 session_of(np.arange(len(rate_dps)) / 100.0, rate_dps, encoder_deg=np.zeros(len(rate_dps)))
             ).allan
             assert allan is not None
@@ -255,7 +241,7 @@ def test_the_angle_random_walk_is_recovered(walk_deg_rts: float) -> None:
 
 def test_a_low_pass_hides_neither_noise_nor_makes_a_minimum() -> None:
     """The rig's own noise, in a band of 5 Hz."""
-    allan = describe(simulated("rest", "bandwidth:cutoff_hz=5", minutes=10.0)).allan
+    allan = SessionFacts(simulated("rest", "bandwidth:cutoff_hz=5", minutes=10.0)).allan
     assert allan is not None
     assert allan.angle_random_walk_deg_rts == pytest.approx(0.0035, rel=0.1)
     assert allan.bias_instability_dps is None
@@ -263,7 +249,7 @@ def test_a_low_pass_hides_neither_noise_nor_makes_a_minimum() -> None:
 
 def test_bias_instability_is_read_off_the_flat_part() -> None:
     """0.01 deg/s of it in the simulated rig, to a third: one hour has few independent minutes."""
-    allan = describe(simulated("rest", "bias_instability:floor_dph=36", minutes=60.0)).allan
+    allan = SessionFacts(simulated("rest", "bias_instability:floor_dph=36", minutes=60.0)).allan
     assert allan is not None
     assert allan.bias_instability_dps == pytest.approx(0.01, rel=0.34)
     assert allan.bias_instability_tau_s is not None
@@ -274,7 +260,7 @@ def test_a_walking_bias_has_a_minimum() -> None:
     """N²/τ + K²·τ/3 is least at τ = N/K·√3: about 3 s here, found within an octave."""
     rng = np.random.default_rng(1)
     rate_dps = 0.1 * rng.standard_normal(60_000) + 0.00058 * np.cumsum(rng.standard_normal(60_000))
-    allan = describe(session_of(np.arange(60_000) / 100.0, rate_dps, encoder_deg=np.zeros(60_000))).allan
+    allan = SessionFacts(session_of(np.arange(60_000) / 100.0, rate_dps, encoder_deg=np.zeros(60_000))).allan
     assert allan is not None
     assert allan.bias_instability_tau_s is not None
     assert 1.4 < allan.bias_instability_tau_s < 6.0
@@ -283,27 +269,27 @@ def test_a_walking_bias_has_a_minimum() -> None:
 def test_allan_needs_half_a_minute() -> None:
     """Of one stretch."""
     rate_dps = np.random.default_rng(1).standard_normal(2900)
-    assert describe(session_of(np.arange(2900) / 100.0, rate_dps, encoder_deg=np.zeros(2900))).allan is None
+    assert SessionFacts(session_of(np.arange(2900) / 100.0, rate_dps, encoder_deg=np.zeros(2900))).allan is None
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])
 @pytest.mark.parametrize("columns", [(), ("t_host_s", "encoder_deg", "temp_c")])
 def test_a_few_samples_are_described(count: int, columns: tuple[str, ...]) -> None:
     """One has no rate of its own."""
-    description = describe(session_of(np.arange(count) / 10.0, **{name: np.arange(float(count)) for name in columns}))
-    assert description.samples == count
-    assert (description.rate_hz is None) == (count == 1)
-    assert description.stretches == ()
+    facts = SessionFacts(session_of(np.arange(count) / 10.0, **{name: np.arange(float(count)) for name in columns}))
+    assert facts.samples == count
+    assert (facts.rate_hz is None) == (count == 1)
+    assert facts.stretches == ()
 
 
 def test_time_that_stands_still_and_rates_that_are_no_numbers_are_described() -> None:
     """Nothing is left to say but how many."""
-    still = describe(session_of(np.ones(100), t_host_s=np.arange(100.0), encoder_deg=np.zeros(100)))
+    still = SessionFacts(session_of(np.ones(100), t_host_s=np.arange(100.0), encoder_deg=np.zeros(100)))
     assert (still.rate_hz, still.duration_s, still.steps_not_forward, still.stretches) == (None, 0.0, 99, ())
-    nothing = describe(session_of(np.full(100, np.nan), np.full(100, np.nan), t_host_s=np.full(100, np.nan)))
+    nothing = SessionFacts(session_of(np.full(100, np.nan), np.full(100, np.nan), t_host_s=np.full(100, np.nan)))
     assert (nothing.rate, nothing.rate_hz, nothing.host) == (None, None, None)
     assert (nothing.steps_not_forward, nothing.rates_not_finite) == (99, 100)
-    stopped = describe(session_of(np.arange(5000) / 100.0, t_host_s=np.ones(5000))).host
+    stopped = SessionFacts(session_of(np.arange(5000) / 100.0, t_host_s=np.ones(5000))).host
     assert stopped is not None
     assert stopped.drift_ppm is None
 
@@ -319,25 +305,26 @@ def test_any_numbers_are_described(
     wide = {"t_host_s": host_s, "seq": seq, "encoder_deg": angle, "temp_c": angle}
     columns = {name: np.array(column)[:count] for name, column in wide.items()}
     even_s = np.arange(count) / 2.0
-    assert describe(session_of(t_s[:count], rate[:count], **columns)).samples == count
-    assert describe(session_of(even_s, rate[:count], **columns)).samples == count
-    assert describe(session_of(even_s, rate[:count])).samples == count
+    for session in (
+        session_of(t_s[:count], rate[:count], **columns),
+        session_of(even_s, rate[:count], **columns),
+        session_of(even_s, rate[:count]),
+    ):
+        assert SessionFacts(session).published()["samples"] == count
 
 
 def test_the_simulated_rig_is_described_as_it_is() -> None:
     """Its clock drift, its bias at every rest, its encoder, and every sample it lost."""
     session = simulated("turntable", "clock_drift:ppm=300", "usb_batching", "sample_drop")
-    description = describe(session)
+    facts = SessionFacts(session)
     assert session.seq is not None
-    assert description.gaps.missing == session.seq[-1] - session.seq[0] + 1 - description.samples
-    assert description.host is not None
-    assert description.host.drift_ppm == near(300.0, 1.0)
-    assert description.encoder is not None
-    assert description.encoder.smallest_step_deg == near(0.01)
-    assert len(description.stretches) > 20
-    assert [one.mean_dps for one in description.stretches] == pytest.approx(
-        [0.35] * len(description.stretches), abs=0.01
-    )
+    assert facts.gaps.missing == session.seq[-1] - session.seq[0] + 1 - facts.samples
+    assert facts.host is not None
+    assert facts.host.drift_ppm == near(300.0, 1.0)
+    assert facts.encoder is not None
+    assert facts.encoder.smallest_step_deg == near(0.01)
+    assert len(facts.stretches) > 20
+    assert [one.mean_dps for one in facts.stretches] == pytest.approx([0.35] * len(facts.stretches), abs=0.01)
 
 
 @pytest.mark.parametrize(
@@ -355,7 +342,7 @@ def test_real_recordings_have_the_rest_that_their_makers_tell(
     """With the reference and without it, and a bias to 0.02 deg/s."""
     session = load_session(recordings.path(name))
     for one in (session, replace(session, encoder_deg=None)):
-        stretches = describe(one).stretches
+        stretches = SessionFacts(one).stretches
         lengths_s = [stretch.end_s - stretch.start_s for stretch in stretches]
         assert sum(lengths_s) > least_s
         means_dps = [stretch.mean_dps for stretch in stretches]
@@ -368,6 +355,6 @@ def test_an_hour_at_a_kilohertz_takes_about_a_second() -> None:
     t_s, still = np.arange(count) / 1000.0, np.zeros(count)
     session = session_of(t_s, rng.standard_normal(count), t_host_s=t_s, seq=np.arange(count), encoder_deg=still)
     began_s = time.process_time()
-    description = describe(session)
+    facts = SessionFacts(session).published()
     assert time.process_time() - began_s < 8.0
-    assert description.allan is not None
+    assert facts["allan"] is not None

@@ -1,0 +1,1 @@
+"""Facts that a session shows: clock, gaps, rests, noise, spectrum, gravity, reference and temperature."""
