@@ -40,16 +40,17 @@ def built_distributions() -> Distributions:
     pytest.importorskip("hatchling", reason="building a wheel needs the test extra")
     folder = Path(tempfile.mkdtemp(prefix="gyrodrift-dist-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    _build("sdist", ROOT, folder)
+    build("sdist", ROOT, folder)
     (sdist,) = folder.glob("*.tar.gz")
     with tarfile.open(sdist) as archive:
         archive.extractall(folder, filter="data")
-    _build("wheel", folder / sdist.name.removesuffix(".tar.gz"), folder)
+    build("wheel", folder / sdist.name.removesuffix(".tar.gz"), folder)
     (wheel,) = folder.glob("*.whl")
     return Distributions(sdist, wheel)
 
 
-def _build(target: str, source: Path, folder: Path) -> None:
+def build(target: str, source: Path, folder: Path) -> None:
+    """Build the `sdist` or the `wheel` of a project into a folder."""
     words = [sys.executable, "-m", "hatchling", "build", "--target", target, "--directory", str(folder)]
     subprocess.run(words, cwd=source, capture_output=True, check=True)
 

@@ -10,7 +10,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 import pytest
-from distribution_support import ROOT, built_distributions, run, run_online, tool
+from distribution_support import ROOT, build, built_distributions, run, run_online, tool
 
 pytestmark = pytest.mark.xdist_group("wheel")  # it is built once
 
@@ -50,6 +50,18 @@ def test_the_sdist_has_what_a_packager_needs() -> None:
     assert {"LICENSE", "README.md", "Makefile", "pyproject.toml", "uv.lock", "config/rig.yaml"} <= names
     assert {"docs/CHANGELOG.md", "tests/test_distributions.py"} <= names
     assert [name for name in names if name.startswith((".venv", "build/", "dist/")) or "node_modules" in name] == []
+
+
+def test_the_wheel_of_gyrogap_adds_its_command(tmp_path: Path) -> None:
+    """It holds the package alone, no program of its folder."""
+    pytest.importorskip("hatchling", reason="building a wheel needs the test extra")
+    build("wheel", ROOT / "benchmark", tmp_path)
+    (wheel,) = tmp_path.glob("gyrogap-*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        tops = {name.partition("/")[0].partition("-")[0] for name in archive.namelist()}
+        (entries,) = (name for name in archive.namelist() if name.endswith("entry_points.txt"))
+        assert archive.read(entries).decode().split() == ["[gyrodrift.commands]", "gyrogap", "=", "gyrogap.command"]
+    assert tops == {"gyrogap"}
 
 
 def test_uvx_runs_the_demo_from_the_clone(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from blind.experiment import random_profile
 from firmware_sim.motion.profile import Profile
 from firmware_sim.rig import Base, Rig, parse_effect
 from gyrodrift.diagnose.next_recording.choose import next_recording_of
-from gyrodrift.diagnose.next_recording.information import feature_model_of, posteriors
+from gyrodrift.diagnose.next_recording.information import feature_model, posteriors
 from gyrodrift.diagnose.next_recording.simulated_features import (
     NOTHING,
     PlannedMotion,
@@ -54,7 +54,8 @@ PAIRS = (
 def came_true(rigs: Sequence[Rig], base: Rig, profile: Profile, learning_rate: float) -> tuple[float, float]:
     """Mean posterior of the right hypothesis in new sessions of each, and the share in which it is the highest."""
     planned, even = PlannedMotion(profile, MINUTES), np.full(len(rigs), 1.0 / len(rigs))
-    model = feature_model_of(simulated_features(rigs, base, planned, 7001, 5))
+    learned = simulated_features(rigs, base, planned, 7001, 5)
+    model = feature_model(learned, learned.values.mean(axis=1))
     fresh = simulated_features(rigs, base, planned, 7002, FRESH).values
     found = [posteriors(model.log_likelihoods(values), even, learning_rate) for values in fresh]
     right = [each[:, number] for number, each in enumerate(found)]

@@ -14,8 +14,8 @@ The parts, in the order in which a case meets them:
     score.py, bench_rows.py   shares of what came out right
     table.py       the table
 
-Seals, physics and catalogue of effects are those of the open benchmark gyrogap. The cases here go beyond it: exported
-effects that are put back, real recordings, second runs, withheld effects. And the judge reads all of `gap.json`.
+Seals, physics and catalogue of effects are those of the open benchmark gyrogap. The cases here go beyond it: rigs
+that are adopted, real recordings, a next recording, withheld effects. And the judge reads all of `gap.json`.
 
 A set's folder holds `plan.json` (public: which runs there are), `hashes.json`, `seals/`, `results/` and `openings.log`.
 The plan says what is withheld from a run. The runs in which only the true effect may be fitted, the oracle of the

@@ -7,9 +7,7 @@ result are not run again.
 """
 
 import argparse
-import os
 import re
-import subprocess
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,10 +18,10 @@ from typing import Any
 
 from gyrogap.chance import wilson
 from gyrogap.json_files import write_json
+from this_tree import run_gyrodrift
 
 from blind.gap import Said, load_json, read_gap
 
-ROOT = Path(__file__).resolve().parent.parent.parent
 SESSIONS, FIRST_MINUTES = 3, 4.0
 
 MINUTES = re.compile(r"^about: ['\"]?([\d.]+) min\b", re.MULTILINE)
@@ -139,27 +137,13 @@ def run_case(case: Case, folder: Path) -> dict[str, Any]:
 
 def _simulated(case: Case, rig: Path, motion: str, minutes: float, out: Path, seed: int) -> Path:
     words = ["--rig", str(rig), "--effect", case.effect, "--profile", motion, "--sessions", str(SESSIONS)]
-    _gyrodrift("simulate", "--out", str(out), *words, "--minutes", f"{minutes:g}", "--seed", str(seed))
+    run_gyrodrift("simulate", "--out", str(out), *words, "--minutes", f"{minutes:g}", "--seed", str(seed))
     return out
 
 
 def _diagnosed(sessions: Sequence[Path], rig: Path, out: Path) -> Said:
-    _gyrodrift("diagnose", *map(str, sessions), "--rig", str(rig), "--out", str(out), "--jobs", "1")
+    run_gyrodrift("diagnose", *map(str, sessions), "--rig", str(rig), "--out", str(out), "--jobs", "1")
     return read_gap(load_json(out / "gap.json"))
-
-
-def _gyrodrift(*words: str) -> None:
-    one_thread = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
-    done = subprocess.run(
-        [sys.executable, "-m", "gyrodrift", *words],
-        cwd=ROOT,
-        env=one_thread,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if done.returncode:
-        raise SystemExit(f"experiment: gyrodrift {' '.join(words)}: {done.stderr[-2000:]}")
 
 
 def summary(results: Sequence[dict[str, Any]]) -> list[str]:

@@ -12,26 +12,20 @@ import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
-from hashlib import sha256
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import monotonic
 from typing import IO, Any
 
 from gyrogap.catalogue import EFFECTS
+from gyrogap.data_set import digest_of_files
 from gyrogap.json_files import write_json
+from this_tree import COMMAND, ENVIRONMENT, ROOT
 
 from blind.folder import Plan, PlannedCase, SetFolder
 from blind.gap import load_json, read_outcome
 
-ROOT = Path(__file__).resolve().parent.parent.parent
 STDERR_KEPT = 4000
-THIS_TREE = {"PYTHONPATH": str(ROOT)}
-"""What is judged is the program beside these tests, wherever another one is installed."""
-
-ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-"""As many cases at a time as there are workers, none with threads of its own in linear algebra."""
-
 ADOPTING = "again"
 NOTHING_TO_ADOPT = {
     "exit_status": 0,
@@ -65,7 +59,7 @@ class Options:
     timeout_s: float = 600.0
     oracle: bool = True
     keep: bool = False
-    command: tuple[str, ...] = (sys.executable, "-m", "gyrodrift")
+    command: tuple[str, ...] = COMMAND
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +136,7 @@ def _run_job(folder: SetFolder, plan: Plan, job: _Job, options: Options) -> str:
     with TemporaryDirectory(prefix="blind-") as temporary:
         case = Path(temporary) / "case"
         _generate(plan, job.case, case)
-        print_of_data = _hash_of_files(case)
+        print_of_data = digest_of_files(case)
         for look in _missing(folder, job):
             rig = _adopted(folder, job.case) if look.adopts else (case / "rig.yaml").read_text()
             outcome = _diagnose(case, Path(temporary) / look.run, look, rig, options) if rig else NOTHING_TO_ADOPT
@@ -177,15 +171,6 @@ def _generate(plan: Plan, case: str, into: Path) -> None:
     subprocess.run(
         [sys.executable, "-m", "benchmark", "blind", "generate", *numbers, "--out", str(into)], cwd=ROOT, check=True
     )
-
-
-def _hash_of_files(case: Path) -> str:
-    """So that runs of the same case can be seen to have had the same data."""
-    total = sha256()
-    for path in sorted(case.rglob("*")):
-        if path.is_file():
-            total.update(path.name.encode() + path.read_bytes())
-    return total.hexdigest()
 
 
 def _diagnose(case: Path, out: Path, look: _Look, rig: str, options: Options) -> dict[str, Any]:
@@ -224,7 +209,7 @@ def _wait(words: list[str], folder: Path, stderr: IO[str], timeout_s: float) -> 
     process = subprocess.Popen(
         words,
         cwd=folder,
-        env=os.environ | ONE_THREAD | THIS_TREE,
+        env=os.environ | ENVIRONMENT,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=stderr,

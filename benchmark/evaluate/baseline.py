@@ -7,11 +7,10 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
+from gyrogap.answer import SURE_ABOVE
+
 from gyrodrift.cli import main
 from gyrodrift.diagnose.simulate.candidates import KINDS
-
-SURE = 0.8
-"""Probability of a cause that nobody doubts."""
 
 
 def run_diagnose(words: Sequence[str]) -> None:
@@ -66,4 +65,4 @@ def names_group(effect: str, gap: dict[str, Any]) -> bool:
 def is_sure_and_wrong(effect: str, gap: dict[str, Any]) -> bool:
     """Whether a cause outside the group of the effect has a probability above 0.8."""
     wrong = [cause for cause in gap["causes"] if not effect or group_of(cause["effect"]) != group_of(effect)]
-    return any(cause["probability"] > SURE for cause in wrong)
+    return any(cause["probability"] > SURE_ABOVE for cause in wrong)

@@ -12,7 +12,14 @@ from evaluate.last import LAST, Measured, all_worse, read_last, table, write_las
 from evaluate.parts import PARTS
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-CODE = ("gyrodrift", "firmware_sim", "benchmark/blind", "benchmark/evaluate", "benchmark/simulators")
+CODE = (
+    "gyrodrift",
+    "firmware_sim",
+    "benchmark/gyrogap",
+    "benchmark/blind",
+    "benchmark/evaluate",
+    "benchmark/simulators",
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -7,7 +7,7 @@ from gyrogap.data_set import MANIFEST, SEALS, chosen_cases, make_data_set
 from gyrogap.figures import figures
 from gyrogap.score import judge_answers
 
-from evaluate.figures import Figure
+from evaluate.figures import Figure, share_figure
 from evaluate.gyrogap_methods import diagnose
 
 SHARES = (
@@ -30,18 +30,12 @@ def measure(seed: int, count: int, folder: Path, say: Callable[[str], None]) -> 
         make_data_set(data, data / SEALS, list(chosen_cases(seed, [], count)), lambda done, total: None)
     diagnose.main(data, answers)
     cases = judge_answers(data, data / SEALS, answers, lambda done, total: None, has_gap=False)
-    chosen = [figure for figure in figures(cases) if figure.key in SHARES and figure.value is not None]
+    chosen = [figure for figure in figures(cases) if figure.key in SHARES]
     say(f"{len(cases)} cases of gyrogap")
     return [
-        Figure(
-            name=figure.about,
-            value=float(f"{figure.value:.4g}"),
-            low=float(f"{figure.low:.4g}"),
-            high=float(f"{figure.high:.4g}"),
-            count=figure.count,
-            is_share=True,
-            is_less_better=figure.is_less_better,
+        share_figure(
+            figure.about, round(figure.value * figure.count), figure.count, is_less_better=figure.is_less_better
         )
         for figure in chosen
-        if figure.value is not None and figure.low is not None and figure.high is not None
+        if figure.value is not None
     ]

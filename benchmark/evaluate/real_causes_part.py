@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 from blind.rows.recordings import read_rows
+from gyrogap.answer import SURE_ABOVE
 from gyrogap.physics.rig_text import rig_text
 from recordings_support import Recordings, further_recordings, packed_names
 
-from evaluate.baseline import SURE, first_or_tied, gap_of, group_of, run_diagnose, words_of
+from evaluate.baseline import first_or_tied, gap_of, group_of, run_diagnose, words_of
 from evaluate.figures import Figure, share_figure
 from evaluate.real_causes import CASES, DEVICES, OUTSIDE, LabeledCase
 from gyrodrift.session.files import load_session
@@ -102,7 +103,7 @@ def names_label_or_ties(case: LabeledCase, gap: dict[str, Any]) -> bool:
 def unlabeled_sure(case: LabeledCase, gap: dict[str, Any]) -> list[str]:
     """Causes above 0.8 of groups that are neither labeled nor documented."""
     groups = {*case.labels, *case.also}
-    sure = [cause["effect"] for cause in gap["causes"] if cause["probability"] > SURE]
+    sure = [cause["effect"] for cause in gap["causes"] if cause["probability"] > SURE_ABOVE]
     return [effect for effect in sure if group_of(effect) not in groups]
 
 

@@ -1,12 +1,12 @@
 """Round trip: each effect of the catalog through `gyrodrift simulate` and `gyrodrift diagnose` with the shipped rig."""
 
-import json
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from this_tree import run_gyrodrift
+
+from evaluate.baseline import first_or_tied, gap_of
 from evaluate.figures import Figure, share_figure
 from firmware_sim.effects.catalogue import CATALOGUE
 
@@ -43,21 +43,19 @@ def effect_text(name: str, size: str) -> str:
 
 def names_first_or_tied(gap: dict[str, Any], name: str) -> bool:
     """Whether the first cause is the effect or is tied with it."""
-    return bool(gap["causes"]) and name in {gap["causes"][0]["effect"], *gap["causes"][0]["tied_with"]}
+    return bool(gap["causes"]) and name in first_or_tied(gap)
 
 
 def diagnosis_of(effect: str, folder: Path, seed: int) -> dict[str, Any]:
     """`gap.json` of simulated sessions with an effect, or with none; an interrupted run goes on."""
-    result = folder / "report" / "gap.json"
-    if not result.exists():
+    if not (folder / "report" / "gap.json").exists():
         options = ["--effect", effect] if effect else []
         sessions = ["--sessions", str(SESSIONS), "--minutes", str(MINUTES), "--profile", PROFILE, "--seed", str(seed)]
-        _run("simulate", "--out", str(folder / "sessions"), "--force", *sessions, *options)
-        _run("diagnose", str(folder / "sessions"), "--out", str(folder / "report"), "--jobs", "1")
-    gap: dict[str, Any] = json.loads(result.read_text())
-    return gap
+        simulated, report = folder / "sessions", folder / "report"
+        _run("simulate", "--out", simulated, "--force", *sessions, *options)
+        _run("diagnose", simulated, "--out", report, "--jobs", "1")
+    return gap_of(folder / "report")
 
 
-def _run(*words: str) -> None:
-    command = [sys.executable, "-m", "gyrodrift", *words, "--quiet"]
-    subprocess.run(command, check=True, capture_output=True, timeout=TIMEOUT_S)
+def _run(*words: str | Path) -> None:
+    run_gyrodrift(*words, "--quiet", timeout_s=TIMEOUT_S)

@@ -94,11 +94,6 @@ def one_pole(cutoff_hz: float) -> Flaw:
     return on_rate(lambda s, _: _rc(s.t_s, s.rate_dps, cutoff_hz))
 
 
-def two_poles(cutoff_hz: float) -> Flaw:
-    """Two equal RC filters in a row; each at 1.55 times the cutoff, so that both together have it."""
-    return on_rate(lambda s, _: _rc(s.t_s, _rc(s.t_s, s.rate_dps, 1.5538 * cutoff_hz), 1.5538 * cutoff_hz))
-
-
 def _rc(t_s: Floats, values: Floats, cutoff_hz: float) -> Floats:
     substeps, state, out = 20, float(values[0]), np.empty_like(values)
     gain_of_step = 1.0 - np.exp(-2.0 * np.pi * cutoff_hz * (t_s[1] - t_s[0]) / substeps)

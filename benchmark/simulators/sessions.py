@@ -1,7 +1,5 @@
 """Sessions of a bench as files, as a user of that simulator would write them."""
 
-import json
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -41,12 +39,6 @@ def write_csv(path: Path, signals: Signals) -> None:
     columns = columns_of(signals)
     rows = np.column_stack(list(columns.values()))
     np.savetxt(path, rows, "%.9g", ",", header=",".join(columns), comments="")
-
-
-def write_jsonl(path: Path, columns: Mapping[str, Floats]) -> None:
-    """An object a sample."""
-    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-    path.write_text("".join(json.dumps(dict(zip(columns, row, strict=True))) + "\n" for row in rows))
 
 
 def write_set(folder: Path, case: SimulatorCase, seed: int, *, has_flaws: bool, count: int = SESSIONS) -> None:

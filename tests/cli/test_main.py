@@ -12,8 +12,11 @@ from support import Command
 import gyrodrift
 from gyrodrift.cli import COMMANDS, command_of, main, parser_of
 
+NAMES = [*COMMANDS, "gyrogap"]
+"""Commands here, and that of the package in benchmark/, which `make test` installs."""
 
-@pytest.mark.parametrize("command", COMMANDS)
+
+@pytest.mark.parametrize("command", NAMES)
 def test_every_command_has_help_with_units_and_exit_statuses(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     """On stdout, the same by `help COMMAND`, and it begins with what the command is for."""
     with pytest.raises(SystemExit) as ended:
@@ -29,7 +32,7 @@ def test_every_command_has_help_with_units_and_exit_statuses(command: str, capsy
     assert capsys.readouterr().out == shown
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", NAMES)
 def test_the_examples_of_every_command_are_understood(command: str) -> None:
     """Two or three, of that command, and shown."""
     examples = command_of(command).EXAMPLES.splitlines()
@@ -41,7 +44,7 @@ def test_the_examples_of_every_command_are_understood(command: str) -> None:
         parser_of(name).read(words[: min(ends, default=None)])
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", NAMES)
 def test_every_option_tells_its_default(command: str) -> None:
     """But for those that have to be given, and those that take no value."""
     text = " ".join(parser_of(command).format_help().partition("\noptions:\n")[2].split())
@@ -54,7 +57,7 @@ def test_help_lists_the_commands() -> None:
     """Each with a line, and examples."""
     with Command("help") as run:
         assert run.end() == 0
-    assert all(f"  {command}" in run.out for command in COMMANDS)
+    assert all(f"  {command}" in run.out for command in NAMES)
     assert "examples:\n  gyrodrift demo" in run.out
 
 

@@ -33,7 +33,7 @@ NUMERIC = (
 def numeric_options() -> list[tuple[str, str]]:
     """Of all commands, those whose values become numbers."""
     found = []
-    for command in COMMANDS:
+    for command in (*COMMANDS, "gyrogap"):
         for action in parser_of(command)._actions:
             name = next((name for name in action.option_strings if name in NUMERIC), None)
             if name is not None:
@@ -43,7 +43,7 @@ def numeric_options() -> list[tuple[str, str]]:
 
 def test_the_options_that_are_numbers_are_known() -> None:
     """One with a reader of numbers that is not listed here would go untested, and so would `int` and `float`."""
-    for command in COMMANDS:
+    for command in (*COMMANDS, "gyrogap"):
         for action in parser_of(command)._actions:
             if not isinstance(action.type, argparse.FileType) and action.type is not None:
                 assert action.type not in (int, float), (command, action.option_strings)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from simulators import benches
 from simulators.cases import CASES, LOOPED
-from simulators.sessions import write_again, write_jsonl, write_set
+from simulators.sessions import write_again, write_set
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from gyrodrift.cli import main
@@ -99,7 +99,8 @@ def test_sessions_of_a_simulator_are_read_in_any_form(tmp_path: Path) -> None:
     write_set(tmp_path / "csv", CASES["nothing, turntable"], 1, has_flaws=False, count=1)
     session = load_session(tmp_path / "csv" / "0.csv")
     lines = tmp_path / "session.jsonl"
-    write_jsonl(lines, {"t_device_s": session.t_device_s, "rate_dps": session.rate_dps})
+    rows = zip(session.t_device_s.tolist(), session.rate_dps.tolist(), strict=True)
+    lines.write_text("".join(json.dumps({"t_device_s": t_s, "rate_dps": rate_dps}) + "\n" for t_s, rate_dps in rows))
     again = load_session(lines)
     assert again.rate_dps == pytest.approx(session.rate_dps, abs=1e-9)
 

@@ -6,7 +6,6 @@ The command gets the sessions and the file of the simulator, and nothing else.
 """
 
 import json
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -14,8 +13,7 @@ from tempfile import TemporaryDirectory
 from time import monotonic
 from typing import Any
 
-ROOT = Path(__file__).resolve().parent.parent.parent.parent
-THIS_TREE = {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+from this_tree import run_gyrodrift
 
 
 def answer_of(gap: dict[str, Any]) -> dict[str, Any]:
@@ -47,14 +45,7 @@ def diagnose(case: Path) -> dict[str, Any]:
     """Run the command on the folder of a case."""
     with TemporaryDirectory(prefix="gyrogap-") as folder:
         words = ["diagnose", str(case / "sessions"), "--rig", str(case / "simulator.yaml"), "--out", folder]
-        subprocess.run(
-            [sys.executable, "-m", "gyrodrift", *words, "--jobs", "1"],
-            check=True,
-            cwd=folder,
-            env=os.environ | THIS_TREE,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-        )
+        run_gyrodrift(*words, "--jobs", "1")
         gap: dict[str, Any] = json.loads((Path(folder) / "gap.json").read_text())
     return gap
 
@@ -70,7 +61,7 @@ def main(data: Path, answers: Path) -> None:
         try:
             gap = diagnose(data / "cases" / case)
         except subprocess.CalledProcessError as error:
-            print(f"{case}: {error.stderr.decode()[-500:]}", flush=True)
+            print(f"{case}: {error.stderr[-500:]}", flush=True)
             continue
         seconds = round(monotonic() - started_s, 1)
         target.write_text(json.dumps(answer_of(gap) | {"seconds": seconds, "verdict": gap["verdict"]}) + "\n")

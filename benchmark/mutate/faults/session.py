@@ -3,7 +3,6 @@
 from mutate.fault import Fault
 
 MCAP, TESTS = "gyrodrift/session/mcap", "tests/session/mcap"
-FOREIGN = "tests/session/foreign"
 
 FAULTS = (
     Fault(

@@ -84,11 +84,6 @@ def log_likelihood(residual: Floats, variance: Floats) -> Floats:
     return total
 
 
-def feature_model_of(simulated: SimulatedFeatures) -> FeatureModel:
-    """Model of all realizations."""
-    return _model(simulated, simulated.values.mean(axis=1))
-
-
 def held_out_log_likelihoods(simulated: SimulatedFeatures) -> Floats:
     """(R, H, H) log-likelihoods [realization, true hypothesis, assumed hypothesis].
 
@@ -97,13 +92,13 @@ def held_out_log_likelihoods(simulated: SimulatedFeatures) -> Floats:
     values = simulated.values
     totals, remaining = values.sum(axis=1), values.shape[1] - 1
     held_out = [
-        _model(simulated, (totals - realization) / remaining).log_likelihoods(realization)
+        feature_model(simulated, (totals - realization) / remaining).log_likelihoods(realization)
         for realization in values.swapaxes(0, 1)
     ]
     return np.array(held_out)
 
 
-def _model(simulated: SimulatedFeatures, means: Floats) -> FeatureModel:
+def feature_model(simulated: SimulatedFeatures, means: Floats) -> FeatureModel:
     """Model with given mean features (H, F).
 
     The effect of the size comes from the first realization: it has the random numbers of `base`, so their difference

@@ -8,7 +8,7 @@ import pytest
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.rig import Rig, parse_effect
 from gyrodrift.diagnose.next_recording.choose import NextRecording, next_recording_of
-from gyrodrift.diagnose.next_recording.information import feature_model_of
+from gyrodrift.diagnose.next_recording.information import feature_model
 from gyrodrift.diagnose.next_recording.simulated_features import (
     NOTHING,
     PlannedMotion,
@@ -30,7 +30,8 @@ def hypotheses(*texts: str) -> list[RigHypothesis]:
 def share_right(found: NextRecording, asked: list[RigHypothesis]) -> float:
     """Of eight new sessions of each hypothesis, how many are most like those of their own."""
     planned, rigs = PlannedMotion(found.profile, found.minutes), [one.rig for one in asked]
-    model = feature_model_of(simulated_features(rigs, RIG, planned, 4001, 4))
+    learned = simulated_features(rigs, RIG, planned, 4001, 4)
+    model = feature_model(learned, learned.values.mean(axis=1))
     fresh = simulated_features(rigs, RIG, planned, 4002, 8).values
     right = [model.log_likelihoods(values).argmax(axis=1) == number for number, values in enumerate(fresh)]
     return float(np.mean(right))

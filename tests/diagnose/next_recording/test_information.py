@@ -7,7 +7,7 @@ from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.next_recording.information import (
     discrimination_of,
     entropy,
-    feature_model_of,
+    feature_model,
     held_out_log_likelihoods,
     information_bound,
     posteriors,
@@ -82,7 +82,8 @@ def test_fewer_than_the_threshold_matter_little() -> None:
 
 def test_new_features_are_judged_by_the_model() -> None:
     """Those that one hypothesis predicts are likelier under it, in the order of the hypotheses."""
-    model = feature_model_of(simulated({}, {"rate": 15.0, "temperature": -15.0}))
+    features = simulated({}, {"rate": 15.0, "temperature": -15.0})
+    model = feature_model(features, features.values.mean(axis=1))
     logs = model.log_likelihoods(model.means[2])
     assert logs.shape == (2, 2)
     assert (logs.argmax(axis=1) == [0, 1]).all()
