@@ -9,7 +9,7 @@ from typing import Any
 from gyrodrift.link.link import Link
 from gyrodrift.values.sample import Sample
 
-PATIENCE_S = 20.0
+PATIENCE_S = 240.0
 """How long a test waits for what should come at once."""
 
 

@@ -29,7 +29,7 @@ MEGABYTE = ALL_BYTES * 4100
 SLOW_READER = """
 import hashlib, serial, sys
 total, content = int(sys.argv[2]), bytearray()
-with serial.Serial(sys.argv[1], timeout=20) as port:
+with serial.Serial(sys.argv[1], timeout=240) as port:
     while len(content) < total and (piece := port.read(min(997, total - len(content)))):
         content += piece
 print(hashlib.sha256(content).hexdigest())
