@@ -20,7 +20,7 @@ import gyrodrift
 
 ROOT = Path(__file__).parent.parent
 
-pytestmark = pytest.mark.xdist_group("wheel")  # it is built once
+pytestmark = [pytest.mark.packaging, pytest.mark.xdist_group("wheel")]  # it is built once
 
 WITHOUT_CMA = "import sys; sys.modules['cma'] = None; from gyrodrift.cli import main; sys.exit(main(sys.argv[1:]))"
 
