@@ -21,7 +21,7 @@ HUMS_DPS = (0.1, 0.3, 0.5, 1.0, 2.0, 4.0)
 KNOT_S, TYPICAL_DPS = 4.0, 40.0
 """The rate goes in a straight line to a normal random value every KNOT_S."""
 
-STARTS = [(bias_dps, seed) for bias_dps in (0.35, 1.0) for seed in range(3)]
+STARTS = [(bias_dps, seed) for bias_dps in (0.35, 1.0) for seed in range(6)]
 
 
 def start(hum_dps: float, quiet_s: float, rest_s: float, bias_dps: float, seed: int) -> tuple[Floats, Floats, Floats]:
