@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # Many tests wait for a device in real time, so three processes are needed to keep two cores busy.
 WORKERS := $(shell echo $$(( ($$(nproc) * 3 + 1) / 2 )))
 
-.PHONY: demo test types tests docs links build lock bench evaluate faults soak overload crash fuzz mutate audit pictures clean
+.PHONY: demo test types tests packaging release-check docs links build lock bench evaluate faults soak overload crash fuzz mutate audit pictures clean
 
 demo: $(VENV)/ready
 	@$(BIN)/gyrodrift demo
@@ -14,7 +14,7 @@ demo: $(VENV)/ready
 test: $(VENV)/ready-to-test
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	@$(MAKE) --no-print-directory -j2 types tests
+	@$(MAKE) --no-print-directory -j3 types tests packaging
 
 types: $(VENV)/ready-to-test
 	$(BIN)/mypy
@@ -41,7 +41,17 @@ lock: $(VENV)/ready-to-test
 
 # Each test process uses one thread of linear algebra, like the commands. More threads would wait for each other.
 tests: $(VENV)/ready-to-test
-	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadgroup
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadgroup -m "not packaging"
+
+# Tests that build the wheel and install it. They run in a fresh clone, and again when these files have changed.
+packaging: $(VENV)/packaging-passed
+$(VENV)/packaging-passed: pyproject.toml uv.lock Makefile $(wildcard tests/*distribution*.py) tests/test_wheel.py | $(VENV)/ready-to-test
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -m packaging tests/test_wheel.py tests/test_distributions.py
+	@touch $@
+
+release-check: $(VENV)/ready-to-test
+	rm -f $(VENV)/packaging-passed
+	@$(MAKE) --no-print-directory packaging build
 
 bench: $(VENV)/ready-to-test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest benchmark/bench -s -p no:randomly --timeout 600

@@ -79,7 +79,7 @@ def run(arguments: argparse.Namespace, tell: Callable[[str], None]) -> None:
                 device.wait_for_reader(is_over)
             sent, lost = play(made.frames(), device, arguments.speed, is_over)
         if not is_over():
-            device.drain()
+            device.drain(is_over if arguments.speed is None else None)
     tell(f"{sent} samples sent, {lost} without a reader")
 
 

@@ -81,7 +81,7 @@ def _wait_until(due_s: float, is_over: Callable[[], bool]) -> None:
 def _send_as_read(frame: Frame, device: PtyDevice, is_over: Callable[[], bool]) -> bool | None:
     """Send at the pace of the reader; False if the cable is unplugged, None if it is over."""
     if device.is_pulled_at(frame.t_s):
-        device.drain()
+        device.drain(is_over)
     device.live_until(frame.t_s)
     if not device.is_plugged:
         return False

@@ -153,11 +153,12 @@ class PtyDevice:
             out.poll(100)
         return False
 
-    def drain(self) -> None:
-        """Wait until the reader has read everything, has left, or DRAIN_S have passed."""
+    def drain(self, is_over: Callable[[], bool] | None = None) -> None:
+        """Wait until the reader has read everything, has left, or `is_over` (default: DRAIN_S have passed)."""
         until_s = time.monotonic() + DRAIN_S
+        is_over = is_over or (lambda: time.monotonic() >= until_s)
         empty_s: float | None = None
-        while time.monotonic() < until_s and self.has_reader():
+        while not is_over() and self.has_reader():
             if self._finish() and self._reader_is_done():
                 empty_s = empty_s or time.monotonic()
                 if time.monotonic() - empty_s > DRAINED_S:

@@ -21,7 +21,7 @@ from dbus_fast.aio import MessageBus
 
 ADAPTER, BLUEZ = "/org/bluez/hci0", "org.bluez"
 SERVICE_UUID = "0000ffe5-0000-1000-8000-00805f9a34fb"
-PATIENCE_S = 20.0
+PATIENCE_S = 240.0
 
 
 class FakeBluez:

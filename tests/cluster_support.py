@@ -17,7 +17,7 @@ from gyrodrift.session.files import write_session
 from gyrodrift.session.session import Session
 from gyrodrift.values.arrays import Floats
 
-PATIENCE_S = 60.0
+PATIENCE_S = 240.0
 
 Process = subprocess.Popen[bytes]
 

@@ -12,7 +12,7 @@ from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.values.sample import Sample
 
-PATIENCE_S = 20.0
+PATIENCE_S = 240.0
 """How long a test waits for what should come at once."""
 
 

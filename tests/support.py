@@ -23,11 +23,11 @@ import pytest
 from firmware_sim.pty import PtyDevice
 from gyrodrift.session.mcap.layout import MESSAGE
 
-PATIENCE_S = 60.0
+PATIENCE_S = 240.0
 """How long a test waits for what should come at once: a loaded machine is slow, a hang is for ever."""
 
 
-TERMINAL_PATIENCE_S = 180.0
+TERMINAL_PATIENCE_S = 480.0
 """The same where packages of the workstation are loaded first."""
 
 

@@ -18,6 +18,7 @@ PUBLIC_HOSTS = {"pypi.org", "files.pythonhosted.org"}
 DEMO = ("gyrodrift", "demo", "--duration", "2", "--speed", "20")
 
 
+@pytest.mark.packaging
 def test_twine_accepts_both() -> None:
     """Metadata and the long description are those that an index renders."""
     pytest.importorskip("twine", reason="the extra test brings it")
@@ -27,6 +28,7 @@ def test_twine_accepts_both() -> None:
     assert done.stdout.count("PASSED") == 2
 
 
+@pytest.mark.packaging
 def test_the_wheel_holds_what_a_wheel_should() -> None:
     """check-wheel-contents finds nothing but what pyproject.toml excuses."""
     done = run(tool("check-wheel-contents"), built_distributions().wheel)
@@ -34,6 +36,7 @@ def test_the_wheel_holds_what_a_wheel_should() -> None:
     assert done.stdout.rstrip().endswith("OK")
 
 
+@pytest.mark.packaging
 def test_the_wheel_of_the_sdist_has_all_of_the_clone() -> None:
     """Every file of both packages that is not compiled by Python."""
     with zipfile.ZipFile(built_distributions().wheel) as wheel:
@@ -43,6 +46,7 @@ def test_the_wheel_of_the_sdist_has_all_of_the_clone() -> None:
     assert files - names == set()
 
 
+@pytest.mark.packaging
 def test_the_sdist_has_what_a_packager_needs() -> None:
     """License, tests, docs, the lock file and the shipped configs, and nothing of this machine."""
     with tarfile.open(built_distributions().sdist) as archive:
@@ -52,6 +56,7 @@ def test_the_sdist_has_what_a_packager_needs() -> None:
     assert [name for name in names if name.startswith((".venv", "build/", "dist/")) or "node_modules" in name] == []
 
 
+@pytest.mark.packaging
 def test_the_wheel_of_gyrogap_adds_its_command(tmp_path: Path) -> None:
     """It holds the package alone, no program of its folder."""
     pytest.importorskip("hatchling", reason="building a wheel needs the test extra")
@@ -64,6 +69,7 @@ def test_the_wheel_of_gyrogap_adds_its_command(tmp_path: Path) -> None:
     assert tops == {"gyrogap"}
 
 
+@pytest.mark.packaging
 def test_uvx_runs_the_demo_from_the_clone(tmp_path: Path) -> None:
     """`uvx --from . gyrodrift demo`, and a missing extra is told as uvx installs it."""
     uvx, fresh = tool("uvx"), ("--python", sys.executable, "--refresh-package", "gyrodrift")
@@ -77,6 +83,7 @@ def test_uvx_runs_the_demo_from_the_clone(tmp_path: Path) -> None:
     assert tune.stderr.endswith(f": uvx --from '{ROOT}[lab]' gyrodrift\n")
 
 
+@pytest.mark.packaging
 def test_pipx_installs_the_wheel(tmp_path: Path) -> None:
     """`pipx install WHEEL` brings the command, and a missing extra is told as pipx installs it."""
     pytest.importorskip("pipx", reason="the extra test brings it")

@@ -144,7 +144,7 @@ def test_what_is_to_be_run_or_read_exists(page: Path) -> None:
     if not page.name.startswith(("extending-", "CHANGELOG")):
         for path in re.findall(r"\b(?:benchmark|tests|config|gyrodrift)/[\w./-]+\.(?:py|yaml)\b", page.read_text()):
             assert (ROOT / path).exists(), f"{path}: there is no such file"
-    targets = set(re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    targets = set(re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
     for program, *words in shell_lines(page):
         if program == "make":
             assert set(words) <= targets

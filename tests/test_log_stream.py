@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from support import are_recorded, never, speaking_on
+from support import PATIENCE_S, are_recorded, never, speaking_on
 
 from gyrodrift.io.log import LONGEST_KEPT, UnwaitingStream
 
@@ -160,14 +160,14 @@ def test_a_log_that_nobody_reads_costs_no_sample(command: str, tmp_path: Path, p
             stdout=subprocess.DEVNULL,
         )
         try:
-            deadline_s, first = time.monotonic() + 60.0, 0
+            deadline_s, first = time.monotonic() + PATIENCE_S, 0
             while not (out.is_dir() and are_recorded(1000, out)) and time.monotonic() < deadline_s:
                 device.send_all(b"".join(b"%d,0.5\n" % (i * 10_000) for i in range(first, first + 100)), never)
                 first += 100
                 time.sleep(0.1)
             assert are_recorded(1000, out)
             process.send_signal(signal.SIGTERM)
-            assert process.wait(30.0) == 0
+            assert process.wait(PATIENCE_S) == 0
         finally:
             process.kill()
             process.wait()

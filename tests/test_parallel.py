@@ -12,7 +12,7 @@ import pytest
 
 from gyrodrift.io.parallel import inheriting_workers
 
-PATIENCE_S = 60.0
+PATIENCE_S = 240.0
 
 PROGRAM = """
 import os, sys, time

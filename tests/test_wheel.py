@@ -20,7 +20,7 @@ import gyrodrift
 
 ROOT = Path(__file__).parent.parent
 
-pytestmark = pytest.mark.xdist_group("wheel")  # it is built once
+pytestmark = [pytest.mark.packaging, pytest.mark.xdist_group("wheel")]  # it is built once
 
 WITHOUT_CMA = "import sys; sys.modules['cma'] = None; from gyrodrift.cli import main; sys.exit(main(sys.argv[1:]))"
 
@@ -145,8 +145,8 @@ def test_the_page_from_parts_to_yaw_works_without_parts(installed: Installed, tm
     """Its commands, one after the other: the link is listed, doctor has no error, a whole turn of 364.3 reads 360."""
     link = tmp_path / "gyro"
     device, devices, doctor, calibrate, serve = commands_without_parts(link)
-    assert device.pop() == "&"
-    with installed.running(*device, "--speed", "3") as simulated:
+    assert (device[:2], device.pop()) == (["gyrodrift", "simulated-device"], "&")
+    with installed.running("python", ROOT / "tests" / "patient_device.py", *device[2:], "--speed", "3") as simulated:
         while not link.is_symlink():
             assert simulated.poll() is None, "the simulated device ended"
         listed = installed.run("python", "-c", only_below(tmp_path), *devices[1:])

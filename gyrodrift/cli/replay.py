@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
             device.wait_for_reader(is_over)
             sent, lost = play(frames, device, speed, is_over)
             if not is_over():
-                device.drain()
+                device.drain(is_over if speed is None else None)
             was_stopped = is_over()
     finally:
         device.close()

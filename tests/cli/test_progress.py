@@ -8,8 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TextIO
 
@@ -18,8 +17,7 @@ import pytest
 from support import PATIENCE_S, Terminal, ours
 
 from gyrodrift.cli import main
-from gyrodrift.io.progress import COMPILING, Progress
-from gyrodrift.library.analyses import compare, tune
+from gyrodrift.io.progress import Progress
 from gyrodrift.tune.choice import TotalProgress
 from gyrodrift.tune.plans import plans_of
 from gyrodrift.tune.tuning import Plan
@@ -198,18 +196,3 @@ def test_the_total_of_a_tuning_has_all_its_searches() -> None:
     assert totals[0] == (10, (1 + 3) * 5 * 10)
     assert totals[-1] == (200, 200)
     assert totals == sorted(totals)
-
-
-@pytest.mark.parametrize(
-    ("analysis", "first"),
-    [(compare, "sessions"), (partial(tune, filter="hdr", iterations=8), "seed 0")],
-    ids=["compare", "tune"],
-)
-def test_compiling_is_said_before_the_first_evaluation(
-    analysis: Callable[..., object], first: str, sessions: Path
-) -> None:
-    """Once."""
-    stages: list[str] = []
-    analysis(sessions, on_progress=lambda stage, _done, _total: stages.append(stage))
-    assert stages.count(COMPILING) == 1
-    assert stages.index(COMPILING) < stages.index(first)

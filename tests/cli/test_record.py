@@ -13,7 +13,7 @@ from random import Random
 import numpy as np
 import pytest
 from mcap.reader import make_reader
-from support import Command, are_recorded, near, never, speaking_on
+from support import PATIENCE_S, Command, are_recorded, near, never, speaking_on
 
 from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
@@ -54,7 +54,7 @@ def test_every_sample_of_a_device_is_recorded(port: Path, out: Path, protocol: s
     with speaking_on(port) as device, Command("record", "--port", port, "--out", out) as record:
         device.wait_for_reader(never)
         device.send_all(b"".join(frames(protocol, 500)), never)
-        device.drain()
+        device.drain(never)
         record.until(lambda _: are_recorded(495, out), "samples on disk")
         assert record.stop() == 0
     (session,) = recorded(out)
@@ -132,7 +132,7 @@ def test_between_two_files_nothing_is_lost(port: Path, out: Path, rotate: str) -
             sent += 20
             record._read(0.05)
             assert sent < 20_000
-        device.drain()
+        device.drain(never)
         assert record.stop() == 0
     sessions = recorded(out)
     assert len(sessions) >= 4
@@ -149,7 +149,7 @@ def test_raw_bytes_are_kept_as_they_came(port: Path, out: Path) -> None:
     with speaking_on(port) as device, Command("record", "--port", port, "--out", out, "--raw") as record:
         device.wait_for_reader(never)
         device.send_all(sent, never)
-        device.drain()
+        device.drain(never)
         record.until(lambda _: are_recorded(390, out, len(sent)), "all on disk")
         assert record.stop() == 0
     (path,) = out.glob("*.mcap")
@@ -211,7 +211,7 @@ def test_a_full_disk_is_told_and_what_was_written_stays(port: Path, out: Path) -
         record = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         device.wait_for_reader(never)
         device.send_all(lines(2000), record.poll)  # type: ignore[arg-type]  # None while it runs
-        _, error = record.communicate(timeout=20)
+        _, error = record.communicate(timeout=PATIENCE_S)
     assert record.returncode == 4
     assert "recording stopped: File too large; 40000 bytes are written and stay readable" in error
     assert "Traceback" not in error

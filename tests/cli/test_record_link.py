@@ -16,7 +16,7 @@ import pytest
 from disk_support import fill, read_only_disk, small_disk
 from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader
-from support import Command, are_recorded, never, speaking_on
+from support import PATIENCE_S, Command, are_recorded, never, speaking_on
 
 from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
@@ -77,7 +77,7 @@ def test_every_sample_that_was_sent_is_recorded_to_the_last(port: Path, out: Pat
         device.wait_for_reader(never)
         for at in range(0, len(content), len(content) // 10):  # arrivals are the clock of a device that has none
             device.send_all(content[at : at + len(content) // 10], never)
-            device.drain()
+            device.drain(never)
         assert record.stop() == 0
     (path,) = out.glob("*.mcap")
     check_closed(path)
@@ -126,7 +126,7 @@ def test_with_rotation_every_sample_and_byte_is_in_one_of_the_files(port: Path, 
             sent += piece
             record._read(0.05)
             assert len(sent) < 1_000_000
-        device.drain()
+        device.drain(never)
         assert record.stop() == 0
     paths = [Path(line) for line in record.out.splitlines()]
     assert sorted(paths) == sorted(out.glob("*.mcap"))
@@ -148,7 +148,7 @@ def test_what_happened_on_the_link_is_in_the_file(port: Path, out: Path) -> None
         record.until_log("event=gap")
         device.send_all(lines(0, 100), never)
         record.until_log("event=device_reset")
-        device.drain()
+        device.drain(never)
         assert record.stop() == 0
     (path,) = out.glob("*.mcap")
     events = events_in(path)
@@ -224,9 +224,9 @@ def test_a_terminal_that_is_hung_up_does_not_end_a_recording(port: Path, out: Pa
             shown += os.read(master, 4096)
         os.close(master)
         device.send_all(lines(100, 100) + lines(300, 100), never)
-        device.drain()
+        device.drain(never)
         record.terminate()
-        assert record.wait(20) == 0
+        assert record.wait(PATIENCE_S) == 0
     assert rates_in(out) == [i / 4.0 for i in [*range(200), *range(300, 400)]]
 
 
@@ -279,7 +279,7 @@ def test_a_folder_removed_under_a_silent_device_is_noticed_at_once(port: Path, o
     with speaking_on(port) as device, Command("record", "--port", port, "--out", out) as record:
         device.wait_for_reader(never)
         device.send_all(lines(0, 100), never)
-        device.drain()
+        device.drain(never)
         record.until(lambda _: are_recorded(100, out), "samples on disk")
         for path in out.iterdir():
             path.unlink()

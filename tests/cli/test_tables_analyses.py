@@ -10,6 +10,8 @@ from tables_support import samples, table, written
 from gyrodrift import compare, load_session
 from gyrodrift.cli import main
 
+pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation takes seconds
+
 SPEC = "t_ms, _, rate:rads, encoder, temp"
 
 

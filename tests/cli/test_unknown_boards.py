@@ -16,7 +16,7 @@ from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.values.errors import DeviceSilentError
 
-HEARD_S = 3.0
+LINE_S = 0.02
 
 
 class Motion(NamedTuple):
@@ -37,7 +37,7 @@ def motion(i: int, dice: Random) -> Motion:
     """At rest, level, with a bias of 0.5 deg/s; yaw is where it has been left."""
     x, y, z = (dice.gauss(mean, 0.05) for mean in (0.3, -0.8, 0.5))
     ax, ay, az = (dice.gauss(mean, 0.003) for mean in (0.01, -0.02, 0.995))
-    return Motion(i, 0.02 * i, x, y, z, ax, ay, az, 170.0)
+    return Motion(i, LINE_S * i, x, y, z, ax, ay, az, 170.0)
 
 
 Printed = Callable[[Motion], str]
@@ -119,15 +119,19 @@ ASKED: dict[str, Printed] = {
 def said(port: Path, printed: Printed) -> str:
     """What the link says of a board that prints this, when it gives up; time goes by with the lines."""
     dice, now_s = Random(1), [100.0]
+
+    def hear(link: Link) -> None:
+        for number in count():
+            assert device.send_all(printed(motion(number, dice)).encode("latin-1"), never)
+            select.select([link.fileno()], [], [], PATIENCE_S)
+            assert link.read() == []
+            now_s[0] += LINE_S
+
     with speaking_on(port) as device:
-        link = Link(LinkOptions(str(port), baud=115200, timeout_s=HEARD_S), lambda _, **__: None, lambda: now_s[0])
+        link = Link(LinkOptions(str(port), baud=115200, timeout_s=3.0), lambda _, **__: None, lambda: now_s[0])
+        device.wait_for_reader(never)
         with closing(link), pytest.raises(DeviceSilentError) as raised:
-            device.wait_for_reader(never)
-            for number in count():
-                assert device.send_all(printed(motion(number, dice)).encode("latin-1"), never)
-                select.select([link.fileno()], [], [], PATIENCE_S)
-                assert link.read() == []
-                now_s[0] = 100.0 + motion(number, dice).t_s
+            hear(link)
     return str(raised.value)
 
 

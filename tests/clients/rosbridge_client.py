@@ -6,9 +6,11 @@ import threading
 
 import roslibpy
 
+PATIENCE_S = 240
+
 host, port, throttle_ms = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
 ros = roslibpy.Ros(host, port)
-ros.run(timeout=30)
+ros.run(timeout=PATIENCE_S)
 enough = threading.Event()
 messages: list[dict[str, object]] = []
 
@@ -22,7 +24,7 @@ def take(message: dict[str, object]) -> None:
 topics = {each: ros.get_topic_type(each) for each in ros.get_topics()}
 imu = roslibpy.Topic(ros, "/imu/data", "sensor_msgs/Imu", throttle_rate=throttle_ms)
 imu.subscribe(take)
-assert enough.wait(30), messages
+assert enough.wait(PATIENCE_S), messages
 imu.unsubscribe()
 time = ros.get_time()
 try:

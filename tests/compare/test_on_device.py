@@ -19,6 +19,8 @@ from gyrodrift.session.files import load_session, write_session
 from gyrodrift.session.session import Session
 from gyrodrift.simulation.sessions import Simulation
 
+pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation takes seconds
+
 CHOSEN = tuple(method for method in methods() if method.key in ("euler", "hdr", "restlevel", "on-device"))
 
 

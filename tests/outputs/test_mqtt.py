@@ -286,7 +286,7 @@ def test_home_assistant_itself_takes_the_discovery_document(tmp_path: Path) -> N
     document = tmp_path / "document.json"
     topics = Topics.of("gyrodrift", "bench")
     document.write_text(discovery("bench", topics, DeviceStatus("G-17"), "1.0", has_axes=True))
-    said, complaint = python_client("homeassistant", "home_assistant.py", str(document)).communicate(timeout=60.0)
+    said, complaint = python_client("homeassistant", "home_assistant.py", str(document)).communicate(timeout=PATIENCE_S)
     assert complaint == ""
     found = json.loads(said)
     assert found["complaints"] == []

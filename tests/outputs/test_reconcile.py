@@ -112,7 +112,7 @@ def connect_to_one(random: Random, wanted: list[OutputSpec], clients: ExitStack)
 
 def until_equal(measure: Any, expected: Any) -> bool:
     """What is closed goes within moments; whether it did."""
-    until_s = time.monotonic() + 20.0
+    until_s = time.monotonic() + PATIENCE_S
     while (found := measure()) != expected:
         assert time.monotonic() < until_s, (found, expected)
         time.sleep(0.05)

@@ -10,11 +10,14 @@ from pathlib import Path
 import pytest
 from support import Command, ours
 
+from firmware_sim.effects.catalogue import CATALOGUE
 from gyrodrift.cli import main
 
 pytestmark = pytest.mark.xdist_group("portable")  # they share sessions
 
 ELSEWHERE = "tests.portable.elsewhere"
+
+TWO_EFFECTS = [word for name in CATALOGUE if name not in ("scale_factor", "popcorn") for word in ("--withhold", name)]
 
 COMMANDS = """
 import json, sys
@@ -73,7 +76,7 @@ def test_analyses_run(sessions: Path, slow_rig: Path, tmp_path: Path) -> None:
         ["repair", session],
         ["compare", sessions, "--jobs", "2"],
         ["tune", sessions, "--iterations", "30", "--out", results / "tuned.yaml"],
-        ["diagnose", sessions, "--rig", slow_rig, "--jobs", "2", "--out", results / "gap"],
+        ["diagnose", sessions, "--rig", slow_rig, "--jobs", "2", "--out", results / "gap", *TWO_EFFECTS],
     ]
     done = run_elsewhere("-c", COMMANDS, stdin=json.dumps(commands, default=str))
     assert done.returncode == 0, done.stderr

@@ -169,7 +169,7 @@ def test_raw_bytes_of_a_killed_recording_are_what_was_said(tmp_path: Path) -> No
     ):
         device.wait_for_reader(never)
         device.send_all(lines, never)
-        device.drain()
+        device.drain(never)
         record.until(lambda _: are_recorded(2990, tmp_path / "out", len(lines)), "samples and bytes on disk")
         record.process.kill()
     (path,) = (tmp_path / "out").glob("*.mcap")

@@ -40,7 +40,7 @@ def served(
 ) -> Iterator[tuple[Command, Command]]:
     """A service on a device that powers on when the service has opened its port."""
     faulty = [word for fault in faults for word in ("--fault", fault)]
-    with Command("--link", link, "--wait", *options, *faulty, module="firmware_sim") as device:
+    with Command("--link", link, "--wait", *options, *faulty, module="tests.patient_device") as device:
         device.until(lambda _: link.is_symlink(), "link")
         with Command("serve", "--port", link, "--baud", baud, "--filter", "hdr", "--log-format", "json") as serve:
             yield serve, device

@@ -179,16 +179,14 @@ def test_a_reload_that_removes_the_last_output_waits_for_nobody(port: Path, tmp_
 
 
 def test_a_stopped_process_of_outputs_does_not_hold_up_the_end(port: Path) -> None:
-    """It is killed; two seconds are promised, and a loaded machine gets more."""
+    """It is killed: stopped as it is, it would never end."""
     with serving(port, "--output", "tcp:port=0") as (serve, device):
         address_of(serve, "tcp")
         device.send_all(csv_at_100_hz(101), never)
         serve.take_lines(100)
         (child,) = children(serve)
         os.kill(child, signal.SIGSTOP)
-        begun_s = time.monotonic()
         assert serve.stop() == 0
-        assert time.monotonic() - begun_s < 6.0
         assert not Path(f"/proc/{child}").exists()
 
 

@@ -14,7 +14,7 @@ from random import Random
 from typing import Any
 
 import pytest
-from support import Command, near, never, speaking_on
+from support import PATIENCE_S, Command, near, never, speaking_on
 
 from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
@@ -297,7 +297,7 @@ def test_a_reader_that_has_enough_ends_it_without_noise(port: Path) -> None:
         frames = iter(spoken("csv", 20_000))
         while shell.poll() is None and device.send_all(next(frames), never):
             pass
-        out, error = shell.communicate(timeout=20)
+        out, error = shell.communicate(timeout=PATIENCE_S)
     assert (out.count(b"\n"), error, shell.returncode) == (1, b"", 0)
 
 
@@ -306,7 +306,7 @@ def test_a_reader_that_sleeps_does_not_stop_the_service(port: Path) -> None:
     with speaking_on(port) as device, Command("serve", "--port", port, "--log-format", "json") as serve:
         device.wait_for_reader(never)
         device.send_all(b"".join(b"%d,0.25\n" % (i * 1000) for i in range(100_000)), never)
-        device.drain()
+        device.drain(never)
         serve.process.send_signal(signal.SIGTERM)
         serve.end()
     stats = json.loads(serve.log.splitlines()[-1])
@@ -370,6 +370,6 @@ def test_the_log_goes_to_stderr_and_only_samples_to_stdout(port: Path) -> None:
         device.wait_for_reader(never)
         device.send_all(b"".join(spoken("csv", 50)) + os.urandom(100), never)
         serve.take_lines(49)
-        device.drain()
+        device.drain(never)
         serve.stop()
     assert len(serve.all_lines()) == 49

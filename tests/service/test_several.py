@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 from sources_support import lines, serving
-from support import Command, free_port
+from support import PATIENCE_S, Command, free_port
 
 from gyrodrift.session.files import load_session
 
@@ -113,7 +113,7 @@ def test_a_source_that_never_came_says_why(tmp_path: Path) -> None:
     path = config(tmp_path, left=f"{{port: 'unix:{tmp_path}/none.sock', timeout: 0.5}}")
     with Command("serve", "--config", path) as serve:
         serve.until_log("none.sock: there is no such socket; start the server first; it was not there for 0.5 s")
-        assert serve.process.wait(20.0) == 3
+        assert serve.process.wait(PATIENCE_S) == 3
 
 
 def test_a_mistake_in_an_address_names_its_source(tmp_path: Path) -> None:
@@ -121,7 +121,7 @@ def test_a_mistake_in_an_address_names_its_source(tmp_path: Path) -> None:
     path = config(tmp_path, left=udp(free_port()), right="{port: 'fax://office'}")
     with Command("serve", "--config", path) as serve:
         serve.until_log("sources.right: --port fax://office: unknown source 'fax'")
-        assert serve.process.wait(20.0) == 2
+        assert serve.process.wait(PATIENCE_S) == 2
 
 
 def test_a_new_config_changes_one_source(tmp_path: Path) -> None:
@@ -151,7 +151,7 @@ def test_outputs_carry_the_name(tmp_path: Path) -> None:
     gyro, tcp = free_port(), free_port()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as plot, ExitStack() as stack:
         plot.bind(("127.0.0.1", 0))
-        plot.settimeout(60.0)
+        plot.settimeout(PATIENCE_S)
         outputs = f"[{{name: tcp, port: {tcp}}}, {{name: udp, port: {plot.getsockname()[1]}}}]"
         path = config(tmp_path, left=udp(gyro, f"outputs: {outputs}"))
         stack.enter_context(sending(gyro))

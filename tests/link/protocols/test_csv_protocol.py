@@ -162,3 +162,4 @@ def test_lines_that_only_look_like_csv_are_not(name: str) -> None:
 def test_slow_lines_are_judged_by_their_time() -> None:
     assert not plausible(lambda i, dice: f"{20_000 * i},0.5", lines=4)
     assert plausible(lambda i, dice: f"{500_000 * i},0.5", lines=4)
+    assert not plausible(lambda i, dice: f"{(430, 431, 425, 440)[i]},-90", lines=4), "a number that falls is no hour"

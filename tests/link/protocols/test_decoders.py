@@ -109,7 +109,7 @@ def test_noise_is_never_more_than_counted(protocol: str, noise: bytes) -> None:
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_after_a_hundred_megabytes_of_noise_the_next_good_frame_counts(protocol: str) -> None:
+def test_after_megabytes_of_noise_the_next_good_frame_counts(protocol: str) -> None:
     """In bounded memory; half the noise has no line end and no zero."""
     random = Random(5)
     decoder = PROTOCOLS[protocol].decoder()
@@ -118,7 +118,7 @@ def test_after_a_hundred_megabytes_of_noise_the_next_good_frame_counts(protocol:
     no_end = bytes(byte or 1 for byte in any_byte.replace(b"\n", b"x"))
     decoder.push(any_byte)  # patterns that are compiled at their first use stay with the module
     tracemalloc.start()
-    for _ in range(50):
+    for _ in range(5):
         decoder.push(any_byte)
         decoder.push(no_end)
     kept_bytes, _ = tracemalloc.get_traced_memory()

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from sources_support import Events, address, lines, read_until, serving
-from support import Command, python_in
+from support import PATIENCE_S, Command, python_in
 
 from gyrodrift.link import connection as connection_module
 from gyrodrift.link.link import Link
@@ -28,7 +28,7 @@ def test_an_opening_that_takes_long_keeps_nobody_waiting() -> None:
     may_open, port = threading.Event(), SourcePort("slow", None)
 
     def opened() -> SourcePort:
-        may_open.wait(20.0)
+        may_open.wait(PATIENCE_S)
         return port
 
     opening = BackgroundOpening(opened)
@@ -47,12 +47,12 @@ def test_a_port_that_opens_too_late_is_closed() -> None:
             closed.set()
 
     def opened() -> SourcePort:
-        may_open.wait(20.0)
+        may_open.wait(PATIENCE_S)
         return LatePort("late", None)
 
     BackgroundOpening(opened).abandon()
     may_open.set()
-    assert closed.wait(20.0)
+    assert closed.wait(PATIENCE_S)
 
 
 def test_any_error_of_an_opening_is_one_of_the_link() -> None:
@@ -62,7 +62,7 @@ def test_any_error_of_an_opening_is_one_of_the_link() -> None:
         raise KeyError("library")
 
     opening = BackgroundOpening(fails)
-    opening.wait(20.0)
+    opening.wait(PATIENCE_S)
     with pytest.raises(LinkError, match="it cannot be opened: KeyError: 'library'"):
         opening.result()
 
@@ -73,7 +73,7 @@ def test_a_host_that_does_not_answer_holds_no_start(monkeypatch: pytest.MonkeyPa
     may_fail = threading.Event()
 
     def resolve(*_: Any, **__: Any) -> Any:
-        may_fail.wait(20.0)
+        may_fail.wait(PATIENCE_S)
         raise socket.gaierror(socket.EAI_NONAME, "not known")
 
     monkeypatch.setattr(socket, "getaddrinfo", resolve)
