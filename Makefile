@@ -45,7 +45,7 @@ tests: $(VENV)/ready-to-test
 
 # Tests that build the wheel and install it. They run in a fresh clone, and again when these files have changed.
 packaging: $(VENV)/packaging-passed
-$(VENV)/packaging-passed: pyproject.toml uv.lock Makefile $(wildcard tests/*distribution*.py) tests/test_wheel.py | $(VENV)/ready-to-test
+$(VENV)/packaging-passed: pyproject.toml benchmark/pyproject.toml uv.lock Makefile $(wildcard tests/*distribution*.py) tests/test_wheel.py | $(VENV)/ready-to-test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -m packaging tests/test_wheel.py tests/test_distributions.py
 	@touch $@
 

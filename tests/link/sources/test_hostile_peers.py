@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
 import pytest
-from sources_support import Events, Host, address, lines, read_until, serving
+from sources_support import PATIENCE_S, Events, Host, address, lines, read_until, serving
 
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
