@@ -11,11 +11,11 @@ import numpy as np
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.records import Channel, Header, McapRecord, Metadata, Schema
-from numpy.typing import NDArray
 
 from gyrodrift.io.public_yaml import public_yaml
 from gyrodrift.io.system import read_at
-from gyrodrift.session.mcap.layout import HEAD, LAYOUTS, MAGIC, MESSAGE_OPCODE, SAMPLES
+from gyrodrift.session.mcap.layout import HEAD, MAGIC, MESSAGE_OPCODE, SAMPLES
+from gyrodrift.session.mcap.rows import ROW_START_BYTES, ROW_STARTS, Rows
 from gyrodrift.values.secret import without_secrets
 
 CONFIG_TABLE = "config"
@@ -28,55 +28,12 @@ FIRST_LOOK_ROWS = 16
 MOST_BODY_BYTES = 1 << 28
 """Longest record that is read whole; a file with holes may claim any length."""
 
-ROW = np.dtype(
-    [
-        ("opcode", "u1"),
-        ("length", "<u8"),
-        ("channel", "<u2"),
-        ("sequence", "<u4"),
-        ("log_time", "<u8"),
-        ("publish_time", "<u8"),
-        ("cdr", "<u4"),
-        ("seq", "<i8"),
-        ("t_device_s", "<f8"),
-        ("t_host_s", "<f8"),
-        ("rate_dps", "<f8"),
-        ("encoder_deg", "<f8"),
-        ("temp_c", "<f8"),
-    ]
-)
-"""A sample in the file; the same bytes as `layout.MESSAGE`."""
-
-AXES_ROW = np.dtype([*((name, ROW[name]) for name in ROW.names or ()), ("axes", "<f8", 6)])
-"""A sample with three axes; the same bytes as `layout.AXES_MESSAGE`."""
-
-DEVICE_YAW = "device_yaw"
-ROWS = {
-    (has_axes, has_device_yaw): np.dtype(
-        [*((name, row[name]) for name in row.names or ()), *([(DEVICE_YAW, "<f8", 3)] if has_device_yaw else [])]
-    )
-    for has_axes, row in ((False, ROW), (True, AXES_ROW))
-    for has_device_yaw in (False, True)
-}
-"""A sample by the keys of `layout.LAYOUTS`, with the same bytes."""
-
-Rows = NDArray[np.void]
-
-
-def _row_start(size: int) -> bytes:
-    return HEAD.pack(MESSAGE_OPCODE, size - HEAD.size) + SAMPLES.channel_id.to_bytes(2, "little")
-
-
-ROW_STARTS = {_row_start(layout.message.size): ROWS[kind] for kind, layout in LAYOUTS.items()}
-"""First bytes of a sample, and its layout."""
-
-ROW_START_BYTES = HEAD.size + 2
 R = TypeVar("R", bound=McapRecord)
 
 
 @dataclass(frozen=True, slots=True)
 class SampleRows:
-    """Consecutive samples, shape (n,) of one of `ROWS`; valid only until the next step of the walk."""
+    """Consecutive samples, shape (n,) of one of `rows.ROW_STARTS`; valid only until the next step of the walk."""
 
     offset: int
     rows: Rows
@@ -92,11 +49,10 @@ class PlacedRecord:
 
 
 class ByteStretch(NamedTuple):
-    """Whole records from `start` to before `stop`, and the number of samples before them."""
+    """Whole records from `start` to before `stop`."""
 
     start: int
     stop: int
-    first_sample: int = 0
 
 
 class Walk:

@@ -20,8 +20,8 @@ from mcap.writer import Writer
 
 from gyrodrift.cli import main
 from gyrodrift.session.files import session_paths
-from gyrodrift.session.mcap import interrupted as looking
-from gyrodrift.session.mcap.interrupted import interrupted
+from gyrodrift.session.mcap import ending as looking
+from gyrodrift.session.mcap.ending import interrupted
 from gyrodrift.session.mcap.layout import MESSAGE
 from gyrodrift.session.mcap.raw import raw_size, read_raw
 from gyrodrift.session.mcap.read import read_mcap
