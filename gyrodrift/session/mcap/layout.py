@@ -7,7 +7,7 @@ the link, a message per read. `/link` has link events as JSON. `/still` has rest
 
 Every byte has a CRC-32. A sample ends with its own. Other records are followed by a seal, a private record with theirs.
 Neither depends on its position: bytes before it may be missing or doubled. Each checksum is XORed with the salt of the
-recording, so that no sample of another recording, and no bytes of a device, pass for a sample of this one.
+recording. So no sample of another recording, and no bytes of a device, pass for a sample of this one.
 """
 
 import struct

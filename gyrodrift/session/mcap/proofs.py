@@ -1,4 +1,4 @@
-"""What the checksums of a session file prove, wherever its bytes are now."""
+"""Records of a session file that their checksums prove, wherever the bytes are now."""
 
 import re
 from collections.abc import Iterator
@@ -20,7 +20,7 @@ LEAST_VOTES = 2
 SEALED_TIMES = 4
 """Bytes of all seals to check, times the size of the file: sealed records do not overlap, but any bytes may say so."""
 
-FOUND = np.dtype([("offset", "i8"), ("number", "i8"), ("size", "i8"), ("salt", "u4")])
+CANDIDATE = np.dtype([("offset", "i8"), ("number", "i8"), ("size", "i8"), ("salt", "u4")])
 """A possible sample: offset, number in the file, size in bytes, and the salt with which its checksum is right."""
 
 
@@ -59,28 +59,28 @@ class Proofs(NamedTuple):
 
 
 class _Seal(NamedTuple):
-    piece: Piece
     number: int
+    piece: Piece
     salt: int
 
 
 def checked_proofs(file: IO[bytes], size: int) -> Proofs | None:
     """Samples with right checksums and records with right seals; None if no two checksums agree on a salt."""
-    found, seals = [np.empty(0, FOUND)], []
+    row_tables, seals = [np.empty(0, CANDIDATE)], []
     left_bytes = SEALED_TIMES * size
     for offset, block in data_blocks(file, 0, size, max(ROW_SIZES) - 1):
-        found += _rows_in(block, offset)
+        row_tables += _rows_in(block, offset)
         for possible in _seals_in(block, offset):
             left_bytes -= possible.stop - possible.start
             if left_bytes >= 0:
                 seals += _checked_seal(file, possible)
-    rows = np.concatenate(found)
-    salts, votes = np.unique([*rows["salt"], *(each.salt for each in seals)], return_counts=True)
+    rows = np.concatenate(row_tables)
+    salts, votes = np.unique([*rows["salt"], *(found_seal.salt for found_seal in seals)], return_counts=True)
     if not len(votes) or votes.max() < LEAST_VOTES:
         return None
     salt = int(salts[votes.argmax()])
     first_copies: dict[int, Piece] = {}
-    for number, piece in sorted((each.number, each.piece) for each in seals if each.salt == salt):
+    for number, piece in sorted(found_seal[:2] for found_seal in seals if found_seal.salt == salt):
         first_copies.setdefault(number, piece)
     runs = _runs(rows[rows["salt"] == salt])
     pieces = sorted([*first_copies.values(), *runs], key=lambda piece: (piece.first_sample, piece.samples > 0))
@@ -98,10 +98,10 @@ def _rows_in(block: bytes, offset: int) -> Iterator[NDArray[np.void]]:
         indices = starts[(sizes == size) & (starts <= len(block) - size)]
         if len(indices):
             rows = sliding_window_view(octets, size)[indices].view(layout).ravel()
-            found = np.empty(len(rows), FOUND)
-            found["offset"], found["number"], found["size"] = offset + indices, rows["sequence"], size
-            found["salt"] = rows[CRC] ^ checksums(rows)
-            yield found
+            candidates = np.empty(len(rows), CANDIDATE)
+            candidates["offset"], candidates["number"] = offset + indices, rows["sequence"]
+            candidates["size"], candidates["salt"] = size, rows[CRC] ^ checksums(rows)
+            yield candidates
 
 
 def _seals_in(block: bytes, offset: int) -> Iterator[Piece]:
@@ -121,7 +121,7 @@ def _checked_seal(file: IO[bytes], piece: Piece) -> Iterator[_Seal]:
         records, own = content[:-SEAL_BYTES], content[-SEAL_BYTES:]
         _, _, number, _, samples = SEAL.unpack_from(own)
         unsalted = seal(number, records, samples, 0)
-        yield _Seal(piece, number, _crc_in(own) ^ _crc_in(unsalted))
+        yield _Seal(number, piece, _crc_in(own) ^ _crc_in(unsalted))
 
 
 def _crc_in(content: bytes) -> int:

@@ -18,7 +18,7 @@ from gyrodrift.io.system import read_at
 from gyrodrift.session.damage import DamagedError, RecordingDamage
 from gyrodrift.session.mcap.ending import crc_of, is_bare, is_closed, lock
 from gyrodrift.session.mcap.inspection import LONGEST_RECORD_BYTES, Inspection, inspect, is_torn_record
-from gyrodrift.session.mcap.layout import EVENTS, HEAD, MAGIC, PROVED, READS, REPAIR, SAMPLES, seal
+from gyrodrift.session.mcap.layout import EVENTS, HEAD, MAGIC, PROVED, READS, REPAIR, SAMPLES, SEAL_BYTES, seal
 from gyrodrift.session.mcap.read import add_chunk, read_mcap, writer_for
 from gyrodrift.session.mcap.tail import free_path, keep_tail
 from gyrodrift.session.mcap.walk import (
@@ -157,12 +157,12 @@ def _close(path: Path, file: IO[bytes], inspection: Inspection) -> Repaired:
 
 
 def _last_seal(file: IO[bytes], inspection: Inspection, end: int) -> bytes:
-    """Seal of the records after the last one; empty if there are none."""
+    """Seal of the records after the last one; empty if the file ends in the last seal of a closed file."""
     proofs = inspection.proofs
     if proofs is None or proofs.salt is None:
         return b""
     last = proofs.pieces[-1]
-    if last.stop == end and not last.samples:
+    if last.stop == end and not last.samples and last.stop - last.start == SEAL_BYTES:
         return b""
     return seal(proofs.seals, read_at(file.fileno(), end - last.stop, last.stop), proofs.samples, proofs.salt)
 

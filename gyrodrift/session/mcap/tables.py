@@ -104,16 +104,14 @@ def _searched(file: IO[bytes], region: Region, shifts: list[int]) -> Iterator[tu
     """Parts of a region with the number of samples before them, and where they are now."""
     start, number = region.start, region.first_sample
     for part in region.parts:
-        offsets = [start + shift for shift in shifts if start + shift >= 0]
-        piece = next(
-            (Piece(at, at + part.length, number, part.samples) for at in offsets if _is_at(file, part, at)), None
-        )
+        offset = next((start + shift for shift in shifts if _is_at(file, part, start + shift)), None)
+        piece = None if offset is None else Piece(offset, offset + part.length, number, part.samples)
         yield number, part, piece
         start, number = start + part.length, number + part.samples
 
 
 def _is_at(file: IO[bytes], part: Part, offset: int) -> bool:
-    content = read_at(file.fileno(), part.length, offset)
+    content = read_at(file.fileno(), part.length, offset) if offset >= 0 else b""
     return len(content) == part.length and zlib.crc32(content) == part.crc
 
 

@@ -158,7 +158,6 @@ class McapWriter:
         self._out = bytearray()
         self._still = nan
         self._seals = 0
-        self._is_unsealed = False
         self._hand_over(MAGIC + encoded(Header("ros2", f"gyrodrift {__version__}")) + self._declared(layout.topic))
         self._seal(bytes(self._out))
         self._send()
@@ -253,23 +252,19 @@ class McapWriter:
 
     def flush(self) -> None:
         """Write everything added to the stream."""
-        if self._rows:
-            self._hand_over(bytes(self._rows))
-            self._rows.clear()
-            self._is_unsealed = True
+        self._hand_over(bytes(self._rows))
+        self._rows.clear()
         if self._others:
-            others = bytes(self._others)
+            self._hand_over(bytes(self._others))
+            self._seal(bytes(self._others))
             self._others.clear()
-            self._hand_over(others)
-            self._seal(others)
         self._send()
 
     def finish(self) -> None:
         """Write the end of the file."""
         self.flush()
-        if self._is_unsealed:  # the last seal has the number of all samples
-            self._seal(b"")
-            self._send()
+        self._seal(b"")  # with the number of all samples
+        self._send()
         self._stream.write(self._contents.end())
 
     def _message_head(self, topic: Topic, length: int, log_ns: int) -> bytes:
@@ -291,7 +286,6 @@ class McapWriter:
         """Queue the seal of the last bytes."""
         self._hand_over(seal(self._seals, content, self.count, self.salt))
         self._seals += 1
-        self._is_unsealed = False
 
     def _hand_over(self, content: bytes) -> None:
         """Queue bytes for the next `_send`, which writes them in one piece."""

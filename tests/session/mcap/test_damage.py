@@ -110,6 +110,20 @@ def test_one_flipped_bit_of_a_rate_costs_that_sample(tmp_path: Path, whole: Sess
     assert np.setdiff1d(np.arange(COUNT), session.seq).tolist() == [500]
 
 
+def test_a_lost_sample_is_told_by_its_number_in_the_file(tmp_path: Path) -> None:
+    """Whatever the device counts; and a lost event is told with nothing else."""
+    stream = io.BytesIO()
+    writer = McapWriter(stream)
+    writer.add_all(Sample(-1 if number < 5 else 70_000, number / 100, 1.7e9, 0.5 + number) for number in range(10))
+    writer.add_event("gap", 1.7e9, {"missing": 1})
+    writer.finish()
+    content = stream.getvalue()
+    with pytest.raises(DamagedError, match=r"lost is sample 7 .* 9 samples are whole"):
+        loaded(tmp_path, flipped(content.index(struct.pack("<d", 7.5)), 1, content))
+    with pytest.raises(DamagedError, match=r"records other than samples are lost .*; no sample is lost; 10 samples"):
+        loaded(tmp_path, flipped(content.index(b"missing"), 1, content))
+
+
 @pytest.mark.parametrize("kind", ["twice", "moved"])
 def test_records_in_another_place_are_read_in_their_order(tmp_path: Path, whole: Session, kind: str) -> None:
     """No checksum depends on its place."""

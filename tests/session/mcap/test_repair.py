@@ -379,6 +379,15 @@ def test_a_sample_that_ends_in_zeros_of_a_power_cut_is_not_made_up(tmp_path: Pat
         assert [sequence for sequence, _ in public(path)] == list(range(whole - 1))
 
 
+def test_a_read_that_ends_in_zeros_of_a_power_cut_is_not_made_up(tmp_path: Path) -> None:
+    """Its whole bytes may be zeros, so the zeros behind it count as missing."""
+    path = tmp_path / "s.mcap"
+    path.write_bytes(written()[: written().rindex(b"x" * 19) + 5] + bytes(4096))
+    assert [len(read.content) for read in read_raw(path)] == [4, 9, 14]
+    assert repair(path) is not None
+    assert [len(read.content) for read in read_raw(path)] == [4, 9, 14]
+
+
 def record_end(content: bytes) -> int:
     """Where the record ends that `content` is torn in, with zeros for the rest of its head."""
     at = 8
