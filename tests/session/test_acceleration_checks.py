@@ -12,7 +12,7 @@ from gyrodrift.link.units.acceleration import LENGTHS, AccelerationCheck
 from gyrodrift.session.checks.axes import agreement, axis_findings
 from gyrodrift.session.checks.gravity import acceleration_findings
 from gyrodrift.session.checks.rate_unit import rate_findings
-from gyrodrift.session.checks.vertical import vertical_rates_dps
+from gyrodrift.session.checks.reference import vertical_rates_dps
 from gyrodrift.session.session import Session
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.sample import Inertial, Sample

@@ -109,6 +109,9 @@ MESSAGE_OPCODE = 5
 CDR_LITTLE_ENDIAN = 0x00000100
 """The four bytes 00 01 00 00 before the values."""
 
+MESSAGE_START = struct.Struct("<HIQQ")
+"""A message after its record head, up to its content: channel, sequence, log and publish time in ns."""
+
 CRC_BYTES = 4
 SAMPLE_HEAD = "<BQHIQQI"
 """Record head, channel, number of the sample in the file, log and publish time in ns, CDR head."""

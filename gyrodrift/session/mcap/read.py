@@ -17,7 +17,7 @@ from gyrodrift.io.system import read_at
 from gyrodrift.session.damage import DamagedError, RecordingDamage
 from gyrodrift.session.mcap.ending import is_bare
 from gyrodrift.session.mcap.inspection import Inspection, inspect
-from gyrodrift.session.mcap.layout import LATEST_NS, LAYOUTS, MAGIC, PROVED, REPAIR, SAMPLES, STILLS
+from gyrodrift.session.mcap.layout import LATEST_NS, LAYOUTS, MAGIC, MESSAGE_START, PROVED, REPAIR, SAMPLES, STILLS
 from gyrodrift.session.mcap.rows import DEVICE_YAW, ROW_SIZES, ROWS, Rows, finished
 from gyrodrift.session.mcap.walk import (
     BrokenRecordError,
@@ -35,9 +35,6 @@ from gyrodrift.values.errors import DataError
 
 OPTIONAL = ("t_host_s", "encoder_deg", "temp_c")
 """Optional columns; all NaN in a file without them."""
-
-MESSAGE_BODY = 22
-"""Offset of the content of a message, after channel, sequence, log and publish time."""
 
 UNPROVED = (
     "it was repaired from a damaged file without usable checksums: samples may be wrong, repeated or in another order"
@@ -148,7 +145,7 @@ class _Columns:
         """Read a message that is no sample: only rest flags are used."""
         if body.startswith(STILLS.channel_id.to_bytes(2, "little")):
             try:
-                values = json.loads(body[MESSAGE_BODY:])
+                values = json.loads(body[MESSAGE_START.size :])
                 first = self._inspection.kept_before(min(max(int(values["sample"]), 0), LATEST_NS))
                 first = min(first, self._most)
                 self._stills.append((first, np.nan if values["still"] is None else float(values["still"])))

@@ -18,7 +18,18 @@ from gyrodrift.io.system import read_at
 from gyrodrift.session.damage import DamagedError, RecordingDamage
 from gyrodrift.session.mcap.ending import crc_of, is_bare, is_closed, lock
 from gyrodrift.session.mcap.inspection import LONGEST_RECORD_BYTES, Inspection, inspect, is_torn_record
-from gyrodrift.session.mcap.layout import EVENTS, HEAD, MAGIC, PROVED, READS, REPAIR, SAMPLES, SEAL_BYTES, seal
+from gyrodrift.session.mcap.layout import (
+    EVENTS,
+    HEAD,
+    MAGIC,
+    MESSAGE_START,
+    PROVED,
+    READS,
+    REPAIR,
+    SAMPLES,
+    SEAL_BYTES,
+    seal,
+)
 from gyrodrift.session.mcap.read import add_chunk, read_mcap, writer_for
 from gyrodrift.session.mcap.tail import free_path, keep_tail
 from gyrodrift.session.mcap.walk import (
@@ -31,7 +42,7 @@ from gyrodrift.session.mcap.walk import (
     metadata_of,
     schema_of,
 )
-from gyrodrift.session.mcap.write import MESSAGE_START, FileSummary, McapWriter
+from gyrodrift.session.mcap.write import FileSummary, McapWriter
 from gyrodrift.session.session import Session
 from gyrodrift.values.errors import DataError
 

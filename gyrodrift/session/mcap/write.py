@@ -47,8 +47,6 @@ from gyrodrift.session.mcap.layout import (
 from gyrodrift.values.sample import DeviceYaw, Inertial, Sample
 
 MESSAGE_HEAD = struct.Struct("<BQHIQQ")
-MESSAGE_START = struct.Struct("<HIQQ")
-"""A message after its record head, up to its content: channel, sequence, log and publish time in ns."""
 
 CHANNEL = SAMPLES.channel_id
 LATEST_S = LATEST_NS * 1e-9
