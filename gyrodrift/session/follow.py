@@ -1,6 +1,5 @@
 """Samples of an MCAP file that is still being written, from its bytes as they come."""
 
-import json
 import math
 from collections import deque
 from io import BytesIO
@@ -13,7 +12,7 @@ from gyrodrift.session.foreign.columns import Decode, WrongValueError
 from gyrodrift.session.foreign.read import decoder_of
 from gyrodrift.session.foreign.records import OPENED_BYTES, ForeignRecord, framed, message, opened
 from gyrodrift.session.mcap.layout import HEAD, MAGIC, SAMPLES, STILLS
-from gyrodrift.session.mcap.walk import BrokenRecordError, channel_of, metadata_of, schema_of
+from gyrodrift.session.mcap.walk import BrokenRecordError, channel_of, metadata_of, schema_of, still_of
 from gyrodrift.values.errors import DataError
 from gyrodrift.values.sample import Sample
 
@@ -146,10 +145,8 @@ class SampleStream:
 
     def _take_still(self, payload: bytes) -> None:
         try:
-            values = json.loads(payload)
-            still = math.nan if values["still"] is None else float(values["still"])
-            self._stills.append((int(values["sample"]), still))
-        except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
+            self._stills.append(still_of(payload))
+        except BrokenRecordError:
             self.damaged += 1
 
     def _with_still(self, sample: Sample) -> Sample:

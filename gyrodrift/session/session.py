@@ -198,9 +198,11 @@ def stacked(columns: Mapping[str, Floats | None], names: Sequence[str]) -> Float
 def session_of(name: str, samples: Sequence[Sample]) -> Session:
     """Session from samples, without the columns that they lack."""
     *numbers, axes, device_yaws = zip(*samples, strict=True)
-    columns: dict[str, NDArray[Any] | None] = dict(zip(Sample._fields, map(np.array, numbers), strict=False))
-    columns |= {name: None for name in ("encoder_deg", "temp_c", "still") if np.isnan(columns[name]).all()}
-    return session_of_columns(name, columns | axis_columns(axes) | device_columns(device_yaws))
+    columns = dict(zip(Sample._fields, map(np.array, numbers), strict=False))
+    for optional in ("encoder_deg", "temp_c", "still"):
+        if np.isnan(columns[optional]).all():
+            del columns[optional]
+    return session_of_columns(name, {**columns, **axis_columns(axes), **device_columns(device_yaws)})
 
 
 def session_of_columns(name: str, columns: Mapping[str, NDArray[Any] | None], **fields: Any) -> Session:

@@ -9,10 +9,10 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 from mcap.well_known import MessageEncoding, SchemaEncoding
 
-from gyrodrift.session.foreign.records import BrokenRecordError, ForeignRecord, message
+from gyrodrift.session.foreign.records import ForeignRecord, message
 from gyrodrift.session.foreign.ros import IMU_NAMES, ROS_MESSAGES
 from gyrodrift.session.mcap.layout import SAMPLES
-from gyrodrift.session.mcap.walk import channel_of, metadata_of, schema_of
+from gyrodrift.session.mcap.walk import BrokenRecordError, channel_of, metadata_of, schema_of
 from gyrodrift.values.errors import DataError
 
 UNDERSTOOD = (

@@ -13,8 +13,9 @@ from typing import Any
 from mcap.records import Schema
 from mcap.well_known import MessageEncoding
 
-from gyrodrift.session.foreign.columns import NS_PER_S, Decode, WrongValueError, number, sample_of, whole
+from gyrodrift.session.foreign.columns import Decode, WrongValueError, number, sample_of, whole
 from gyrodrift.session.session import DEVICE_COLUMNS
+from gyrodrift.values.constants import NS_PER_S
 from gyrodrift.values.errors import DataError
 from gyrodrift.values.sample import Inertial, Sample
 

@@ -66,7 +66,8 @@ class _Seal(NamedTuple):
 
 def checked_proofs(file: IO[bytes], size: int) -> Proofs | None:
     """Samples with right checksums and records with right seals; None if no two checksums agree on a salt."""
-    row_tables, seals = [np.empty(0, CANDIDATE)], []
+    row_tables: list[NDArray[np.void]] = [np.empty(0, CANDIDATE)]
+    seals: list[_Seal] = []
     left_bytes = SEALED_TIMES * size
     for offset, block in data_blocks(file, 0, size, max(ROW_SIZES) - 1):
         row_tables += _rows_in(block, offset)
@@ -75,7 +76,8 @@ def checked_proofs(file: IO[bytes], size: int) -> Proofs | None:
             if left_bytes >= 0:
                 seals += _checked_seal(file, possible)
     rows = np.concatenate(row_tables)
-    salts, votes = np.unique([*rows["salt"], *(found_seal.salt for found_seal in seals)], return_counts=True)
+    stated = np.array([found_seal.salt for found_seal in seals], np.uint32)
+    salts, votes = np.unique(np.concatenate([rows["salt"], stated]), return_counts=True)
     if not len(votes) or votes.max() < LEAST_VOTES:
         return None
     salt = int(salts[votes.argmax()])

@@ -3,11 +3,10 @@
 `foreign` reads files of other programs.
 """
 
-import json
 from math import nan
 from operator import itemgetter
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 from mcap.opcode import Opcode
@@ -27,6 +26,7 @@ from gyrodrift.session.mcap.walk import (
     channel_of,
     metadata_of,
     schema_of,
+    still_of,
 )
 from gyrodrift.session.mcap.write import McapWriter, Stream
 from gyrodrift.session.session import AXIS_COLUMNS, DEVICE_COLUMNS, Session
@@ -118,7 +118,9 @@ class _Columns:
         self._most = min(zeros_at, most) // min(ROW_SIZES) + 1  # the last sample may end in zeros
         self._inspection = inspection
         self._stills: list[tuple[int, float]] = []
-        self._arrays = {name: np.empty(self._most, np.int64 if name == "seq" else np.float64) for name in VALUES}
+        self._arrays: dict[str, NDArray[Any]] = {
+            name: np.empty(self._most, np.int64 if name == "seq" else np.float64) for name in VALUES
+        }
         self._wide: dict[str, Floats] = {}
 
     def take(self, rows: Rows) -> None:
@@ -144,13 +146,9 @@ class _Columns:
     def take_message(self, body: bytes) -> None:
         """Read a message that is no sample: only rest flags are used."""
         if body.startswith(STILLS.channel_id.to_bytes(2, "little")):
-            try:
-                values = json.loads(body[MESSAGE_START.size :])
-                first = self._inspection.kept_before(min(max(int(values["sample"]), 0), LATEST_NS))
-                first = min(first, self._most)
-                self._stills.append((first, np.nan if values["still"] is None else float(values["still"])))
-            except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
-                raise BrokenRecordError(f"a message on {STILLS.name} is damaged") from error
+            number, still = still_of(body[MESSAGE_START.size :])
+            first = self._inspection.kept_before(min(max(number, 0), LATEST_NS))
+            self._stills.append((min(first, self._most), still))
 
     def _still(self) -> Floats | None:
         """Rest flag of every sample; unknown from a loss of records to the next flag."""

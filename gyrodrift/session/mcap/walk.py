@@ -1,10 +1,12 @@
 """Iteration over the records of an MCAP file without chunks, in bounded memory; samples come in tables."""
 
+import json
 import os
 import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from io import BytesIO
+from math import nan
 from typing import IO, NamedTuple, TypeVar
 
 import numpy as np
@@ -14,7 +16,7 @@ from mcap.records import Channel, Header, McapRecord, Metadata, Schema
 
 from gyrodrift.io.public_yaml import public_yaml
 from gyrodrift.io.system import read_at
-from gyrodrift.session.mcap.layout import HEAD, MAGIC, MESSAGE_OPCODE, SAMPLES
+from gyrodrift.session.mcap.layout import HEAD, MAGIC, MESSAGE_OPCODE, SAMPLES, STILLS
 from gyrodrift.session.mcap.rows import ROW_START_BYTES, ROW_STARTS, Rows
 from gyrodrift.values.secret import without_secrets
 
@@ -60,7 +62,8 @@ class Walk:
 
     With stretches it iterates over every stretch, up to the first incomplete record in it. Afterwards `end` is the
     offset after the last whole record. After a power cut a file may end in zeros instead of its last bytes: from
-    `zeros_at` on there are only zeros, and a record that reaches into them is incomplete.
+    `zeros_at` on there are only zeros. In a stretch up to the end of the file, a record that reaches into them is
+    incomplete.
     """
 
     def __init__(self, file: IO[bytes], stretches: Sequence[ByteStretch] | None = None) -> None:
@@ -125,7 +128,8 @@ class Walk:
 
     def _is_whole(self, end: int) -> bool:
         """Whether a record that ends there is complete."""
-        return end <= min(self.zeros_at, self.stretch.stop) or end == self.size == self.stretch.stop
+        is_torn = self.zeros_at < end < self.size == self.stretch.stop
+        return end <= self.stretch.stop and not is_torn
 
 
 def data_blocks(file: IO[bytes], start: int, end: int, overlap: int = 0) -> Iterator[tuple[int, bytes]]:
@@ -214,6 +218,15 @@ def schema_of(body: bytes) -> Schema:
 def channel_of(body: bytes) -> Channel:
     """Decode a channel record."""
     return _read(Channel, body)
+
+
+def still_of(content: bytes) -> tuple[int, float]:
+    """Decode a rest flag: the number of the first sample, and 1, 0, or NaN for unknown."""
+    try:
+        values = json.loads(content)
+        return int(values["sample"]), nan if values["still"] is None else float(values["still"])
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
+        raise BrokenRecordError(f"a message on {STILLS.name} is damaged") from error
 
 
 def metadata_of(body: bytes) -> Metadata:

@@ -73,9 +73,9 @@ FAULTS = (
     Fault(
         "session/torn-zeros-whole",
         f"{MCAP}/walk.py",
-        "        return end <= min(self.zeros_at, self.stretch.stop) or end == self.size == self.stretch.stop\n",
+        "        return end <= self.stretch.stop and not is_torn\n",
         "        return end <= self.stretch.stop\n",
-        "A sample whose end is the zeros of a power cut is taken for whole.",
+        "A read whose end is the zeros of a power cut is taken for whole.",
         (f"{TESTS}/test_repair.py",),
     ),
     Fault(

@@ -20,7 +20,7 @@ from gyrodrift.cli import main
 from gyrodrift.session.mcap import walk
 from gyrodrift.session.mcap.layout import CLOSED_TAIL_BYTES, HEAD, LAYOUTS, MESSAGE, STILLS
 from gyrodrift.session.mcap.read import add_chunk, read_mcap
-from gyrodrift.session.mcap.rows import ROWS, checksums
+from gyrodrift.session.mcap.rows import ROWS, Rows, checksums
 from gyrodrift.session.mcap.write import MESSAGE_HEAD, McapWriter
 from gyrodrift.session.session import Session
 from gyrodrift.values.errors import DataError
@@ -207,7 +207,7 @@ def test_samples_that_take_turns_with_reads_are_looked_at_once(tmp_path: Path, m
     looked_at: list[int] = []
     run_length = walk._run_length
 
-    def counted(rows: walk.Rows) -> int:
+    def counted(rows: Rows) -> int:
         looked_at.append(len(rows))
         return run_length(rows)
 

@@ -379,6 +379,23 @@ def test_a_sample_that_ends_in_zeros_of_a_power_cut_is_not_made_up(tmp_path: Pat
         assert [sequence for sequence, _ in public(path)] == list(range(whole - 1))
 
 
+def test_a_whole_sample_before_zeros_of_a_power_cut_is_kept(tmp_path: Path) -> None:
+    """Also if its own last bytes are zeros."""
+    path, count = tmp_path / "s.mcap", 0
+    for first in range(600):
+        stream = io.BytesIO()
+        writer = McapWriter(stream)
+        writer.add_all(sample(first + number) for number in range(2))
+        writer.flush()
+        count += stream.getvalue().endswith(b"\0")
+        if stream.getvalue().endswith(b"\0"):
+            path.write_bytes(stream.getvalue() + bytes(4096))
+            assert len(read_mcap(path).rate_dps) == 2
+            assert repair(path) is not None
+            assert len(public(path)) == 2
+    assert count
+
+
 def test_a_read_that_ends_in_zeros_of_a_power_cut_is_not_made_up(tmp_path: Path) -> None:
     """Its whole bytes may be zeros, so the zeros behind it count as missing."""
     path = tmp_path / "s.mcap"
