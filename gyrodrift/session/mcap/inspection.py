@@ -1,9 +1,11 @@
 """Whole records of a session file, and the losses between them."""
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import IO
 
+import numpy as np
 from mcap.opcode import Opcode
 
 from gyrodrift.io.system import read_at
@@ -65,9 +67,14 @@ class Inspection:
         """Whether there is damage before the end of the last record."""
         return bool(self.lost or self.remarks) or not self.is_sure
 
-    def kept_before(self, number: int) -> int:
-        """Number of whole samples among the first `number` samples of the recording."""
-        return number - sum(min(loss.count or 0, max(0, number - loss.first)) for loss in self.lost)
+    def kept_before(self, numbers: Sequence[int]) -> list[int]:
+        """How many of the first `numbers` samples of the recording are whole, for each of `numbers`."""
+        firsts = np.array([0, *(loss.first for loss in self.lost)])
+        counts = np.array([0, *(loss.count or 0 for loss in self.lost)])
+        last = np.searchsorted(firsts, numbers, side="right") - 1  # the last loss that begins before them
+        rest = np.maximum(0, (firsts + counts)[last] - numbers)  # its samples behind them
+        kept: list[int] = (numbers - np.cumsum(counts)[last] + rest).tolist()
+        return kept
 
     def damage(self, t_device_s: Floats) -> RecordingDamage | None:
         """Damage with times, from the device times of the whole samples, shape (n,); None without damage."""

@@ -33,6 +33,9 @@ from gyrodrift.session.session import AXIS_COLUMNS, DEVICE_COLUMNS, Session
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import DataError
 
+LATEST_SAMPLE = 1 << 62
+"""Numbers of samples are clipped to this."""
+
 OPTIONAL = ("t_host_s", "encoder_deg", "temp_c")
 """Optional columns; all NaN in a file without them."""
 
@@ -147,15 +150,15 @@ class _Columns:
         """Read a message that is no sample: only rest flags are used."""
         if body.startswith(STILLS.channel_id.to_bytes(2, "little")):
             number, still = still_of(body[MESSAGE_START.size :])
-            first = self._inspection.kept_before(min(max(number, 0), LATEST_NS))
-            self._stills.append((min(first, self._most), still))
+            self._stills.append((min(max(number, 0), LATEST_SAMPLE), still))
 
     def _still(self) -> Floats | None:
         """Rest flag of every sample; unknown from a loss of records to the next flag."""
         if not self._stills:
             return None
-        lost = [(self._inspection.kept_before(number), nan) for number in self._inspection.record_losses]
-        firsts, flags = zip(*sorted([*lost, *self._stills], key=itemgetter(0)) if lost else self._stills, strict=True)
+        lost = [(number, nan) for number in self._inspection.record_losses]
+        numbers, flags = zip(*sorted([*lost, *self._stills], key=itemgetter(0)) if lost else self._stills, strict=True)
+        firsts = self._inspection.kept_before(numbers)
         ends = np.minimum.accumulate([*firsts, self.count][::-1])[::-1]  # a flag holds until the next one
         still: Floats = np.repeat([np.nan, *flags], np.diff(ends, prepend=0))
         return still
