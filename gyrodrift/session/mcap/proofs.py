@@ -76,11 +76,9 @@ def checked_proofs(file: IO[bytes], size: int) -> Proofs | None:
             if left_bytes >= 0:
                 seals += _checked_seal(file, possible)
     rows = np.concatenate(row_tables)
-    stated = np.array([found_seal.salt for found_seal in seals], np.uint32)
-    salts, votes = np.unique(np.concatenate([rows["salt"], stated]), return_counts=True)
-    if not len(votes) or votes.max() < LEAST_VOTES:
+    salt = _salt(rows, seals)
+    if salt is None:
         return None
-    salt = int(salts[votes.argmax()])
     first_copies: dict[int, Piece] = {}
     for number, piece in sorted(found_seal[:2] for found_seal in seals if found_seal.salt == salt):
         first_copies.setdefault(number, piece)
@@ -88,6 +86,16 @@ def checked_proofs(file: IO[bytes], size: int) -> Proofs | None:
     pieces = sorted([*first_copies.values(), *runs], key=lambda piece: (piece.first_sample, piece.samples > 0))
     samples = max(piece.first_sample + piece.samples for piece in pieces)
     return Proofs(pieces, samples, list(_record_losses(first_copies)), salt, max(first_copies, default=-1) + 1)
+
+
+def _salt(rows: NDArray[np.void], seals: list[_Seal]) -> int | None:
+    """Salt of the recording: that of the seal of its header, which no device can imitate, or else the most frequent."""
+    salts = np.concatenate([rows["salt"], np.array([found_seal.salt for found_seal in seals], np.uint32)])
+    values, votes = np.unique(salts, return_counts=True)
+    of_header = next((found_seal.salt for found_seal in seals if found_seal.piece.start == 0), None)
+    if of_header is not None and np.count_nonzero(salts == of_header) >= LEAST_VOTES:
+        return of_header
+    return int(values[votes.argmax()]) if len(votes) and votes.max() >= LEAST_VOTES else None
 
 
 def _rows_in(block: bytes, offset: int) -> Iterator[NDArray[np.void]]:

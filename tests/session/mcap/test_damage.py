@@ -222,6 +222,21 @@ def test_whatever_is_done_to_a_recording_is_told_or_harmless(
     assert_told_or_whole(folder, content, whole)
 
 
+def test_bytes_of_a_device_that_look_like_samples_are_none(tmp_path: Path) -> None:
+    """Though they are more than the samples, and have right checksums of another recording; also after a kill."""
+    stream, forged = io.BytesIO(), recording(device_id="forger", is_finished=False)
+    writer = McapWriter(stream, {"device": {"device_id": "bench"}})
+    for number in range(10):
+        writer.add(Sample(number, number / 100, 1.7e9, 0.5))
+        writer.add_read(forged, 1.7e9)
+        writer.flush()
+    for content in (stream.getvalue(), flipped(len(stream.getvalue()) // 2, 1, stream.getvalue())):
+        session = loaded(tmp_path, content, allow_damage=True)
+        assert session.seq is not None
+        assert session.seq.tolist() == list(range(10))
+        assert (session.rate_dps == 0.5).all()
+
+
 def test_what_was_said_of_rest_stays_with_its_samples(tmp_path: Path, whole: Session) -> None:
     """The messages name samples by number, and numbers before them may be missing."""
     content = damaged_at(WHOLE.index(whole.rate_dps[120].tobytes()), bytes(100))
