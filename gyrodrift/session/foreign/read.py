@@ -12,13 +12,12 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
-from mcap.opcode import Opcode
 from mcap.well_known import MessageEncoding
 from numpy.typing import NDArray
 
 from gyrodrift.session.foreign.channels import Messages, chosen_topic, contents_of
 from gyrodrift.session.foreign.columns import Decode, WrongValueError, json_sample
-from gyrodrift.session.foreign.records import ForeignRecord, message, records
+from gyrodrift.session.foreign.records import messages, records
 from gyrodrift.session.foreign.ros import cdr_decoder, ros1_imu_sample
 from gyrodrift.session.mcap.layout import MAGIC
 from gyrodrift.session.mcap.walk import BrokenRecordError
@@ -84,7 +83,7 @@ def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
         if channel.topic == chosen and channel.is_understood
     }
     is_imu = any(channel.is_imu for channel in contents.channels.values() if channel.topic == chosen)
-    samples = _samples(f"{path}: {chosen}", records(file), decoders)
+    samples = _samples(f"{path}: {chosen}", file, decoders)
     return session_of_rows(path.stem, sample_rows(samples), is_imu=is_imu, metadata=contents.metadata)
 
 
@@ -121,15 +120,9 @@ def running_clock(stamps_s: Floats, logged_s: Floats) -> tuple[Floats, tuple[str
     return logged_s - logged_s[0], (remark,)
 
 
-def _samples(source: str, file_records: Iterable[ForeignRecord], decoders: dict[int, Decode]) -> Iterator[Sample]:
-    number = 0
-    for record in file_records:
-        if record.opcode != Opcode.MESSAGE:
-            continue
-        channel_id, log_ns, payload = message(record.body)
-        if channel_id not in decoders:
-            continue
-        number += 1
+def _samples(source: str, file: BinaryIO, decoders: dict[int, Decode]) -> Iterator[Sample]:
+    read = (body for body in messages(file) if body.channel_id in decoders)
+    for number, (channel_id, log_ns, payload) in enumerate(read, 1):
         try:
             sample = decoders[channel_id](payload, log_ns)
         except WrongValueError as error:

@@ -133,3 +133,8 @@ def message(body: bytes) -> Message:
         raise BrokenRecordError(f"a message has {len(body)} bytes, fewer than its head")
     channel_id, _, log_ns, _ = MESSAGE_START.unpack_from(body)
     return Message(channel_id, log_ns, body[MESSAGE_START.size :])
+
+
+def messages(file: BinaryIO) -> Iterator[Message]:
+    """Yield all whole messages of a file."""
+    return (message(record.body) for record in records(file) if record.opcode == Opcode.MESSAGE)

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from gyrodrift.columns.spec import Column
 from gyrodrift.session.csv import counter, read_exact
 from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS, TABLE, Session, session_of_columns
-from gyrodrift.session.tables.dialect import split
-from gyrodrift.session.tables.layout import TableLayout, layout_of
+from gyrodrift.session.tables.layout import TableLayout, layout_of, split
 from gyrodrift.session.tables.objects import is_json, json_head, json_objects, json_rows
 from gyrodrift.session.tables.parquet import parquet_head, parquet_rows
 from gyrodrift.session.tables.plan import (

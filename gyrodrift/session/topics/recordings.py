@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mcap.opcode import Opcode
 from mcap.well_known import MessageEncoding, SchemaEncoding
 
 from gyrodrift.io.installation import packages_of
 from gyrodrift.session.foreign.channels import Messages, contents_of
 from gyrodrift.session.foreign.columns import WrongValueError
 from gyrodrift.session.foreign.read import opened_file
-from gyrodrift.session.foreign.records import message, records
+from gyrodrift.session.foreign.records import messages, records
 from gyrodrift.session.foreign.ros import fitting, parsed
 from gyrodrift.session.logs.bag import deserializer, is_ros1, opened_bag
 from gyrodrift.session.topics.messages import TYPES, AngleReading, reading_of, type_of
@@ -84,10 +83,8 @@ def _opened(path: Path) -> Iterator[AngleTopics]:
 
             def decoded(topic: str) -> Iterator[tuple[Any, int]]:
                 chosen = {key: _decoder(path, channel) for key, channel in channels.items() if channel.topic == topic}
-                bodies = (message(record.body) for record in records(file) if record.opcode == Opcode.MESSAGE)
-                return (
-                    (chosen[body.channel_id](body.payload), body.log_ns) for body in bodies if body.channel_id in chosen
-                )
+                bodies = (body for body in messages(file) if body.channel_id in chosen)
+                return ((chosen[body.channel_id](body.payload), body.log_ns) for body in bodies)
 
             yield AngleTopics({(channel.topic, _kind(channel)) for channel in channels.values()}, decoded)
         return
