@@ -132,7 +132,7 @@ FAULTS = (
     ),
     Fault(
         "axes/encoder-against-z",
-        f"{CHECKS}/vertical.py",
+        f"{CHECKS}/reference.py",
         "(session.gyro_dps * means).sum(axis=1)",
         "(session.gyro_dps * means)[:, 2]",
         "A tilted gyro seems to have a wrong unit.",
