@@ -15,7 +15,7 @@ from firmware_sim.wire.csv import csv_line
 from gyrodrift.config.model import load_config
 from gyrodrift.filters.hdr import HdrParams
 from gyrodrift.session.files import load_session, session_paths
-from gyrodrift.session.mcap.interrupted import interrupted
+from gyrodrift.session.mcap.ending import interrupted
 from gyrodrift.session.mcap.repair import repair
 
 WRITER = """

@@ -19,7 +19,7 @@ from gyrodrift.io.unwaiting import send_within
 
 if TYPE_CHECKING:
     from gyrodrift.link.link import Link
-    from gyrodrift.recording.live_yaw import LiveYaw
+    from gyrodrift.recording.live_line import LiveYaw
     from gyrodrift.recording.recorder import Recorder
     from gyrodrift.service.listener import SampleListener
     from gyrodrift.service.signals import StopSignal
@@ -61,8 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.io.log import open_log, unwaiting_stderr
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
-    from gyrodrift.recording.live_line import AboveLine
-    from gyrodrift.recording.live_yaw import LiveYaw
+    from gyrodrift.recording.live_line import AboveLine, LiveYaw
     from gyrodrift.recording.recorder import Recorder, RecordOptions
     from gyrodrift.recording.resilient import repair_interrupted
     from gyrodrift.service.loop import Service

@@ -9,6 +9,8 @@ import platform
 import re
 import shlex
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import Enum
 from importlib import import_module
@@ -19,7 +21,7 @@ from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
 from gyrodrift import __version__
-from gyrodrift.values.errors import UsageError
+from gyrodrift.values.errors import DataError, UsageError
 
 NAME = "gyrodrift"
 DEVELOPMENT = frozenset({"docs", "fuzz", "test"})
@@ -99,6 +101,21 @@ def need_packages(purpose: str, *names: str) -> None:
             import_module(name)
     except ImportError as error:
         raise UsageError(f"{purpose} needs the package {error.name}: {extra_command('lab')}") from error
+
+
+@contextmanager
+def packages_of(path: Path, extra: str) -> Iterator[None]:
+    """Turn the import error of an optional package into an error for the user.
+
+    Raises
+    ------
+    DataError
+        The package is missing; with the command that installs it.
+    """
+    try:
+        yield
+    except ImportError as error:
+        raise DataError(f"{path}: needs the package {error.name}: {extra_command(extra)}") from error
 
 
 def _installer() -> Installer:

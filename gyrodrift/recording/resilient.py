@@ -12,7 +12,7 @@ from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.link.link import Link
 from gyrodrift.recording.disk import ChangedFileError, RecordingError
 from gyrodrift.recording.recorder import Recorder, RecordOptions
-from gyrodrift.session.mcap.interrupted import interrupted
+from gyrodrift.session.mcap.ending import interrupted
 from gyrodrift.values.errors import DataError
 from gyrodrift.values.sample import Sample
 

@@ -3,8 +3,7 @@
 import numpy as np
 
 from gyrodrift.values.arrays import Floats
-
-FULL_TURN_DEG = 360.0
+from gyrodrift.values.constants import FULL_TURN_DEG
 
 
 def unwrapped(angle_deg: Floats) -> Floats:

@@ -6,12 +6,12 @@ Other columns, such as those of `filter`, are ignored.
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrodrift.session.session import AXIS_COLUMNS, COLUMNS, DEVICE_COLUMNS, SAMPLE_COLUMNS, Session
+from gyrodrift.session.session import AXIS_COLUMNS, COLUMNS, DEVICE_COLUMNS, SAMPLE_COLUMNS, Session, session_of_columns
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import DataError
 from gyrodrift.values.nearest import nearest
@@ -52,22 +52,10 @@ def read_exact(path: Path) -> Session | None:
         return None
     if table is None:
         return None
-    columns = dict(zip([name for name in names if name in COLUMNS], table.T, strict=True))
-    seq = columns.get("seq")
-    return (
-        Session(
-            name=path.stem,
-            t_device_s=columns["t_device_s"],
-            rate_dps=columns["rate_dps"],
-            t_host_s=columns.get("t_host_s"),
-            seq=None if seq is None else counter(seq),
-            encoder_deg=columns.get("encoder_deg"),
-            temp_c=columns.get("temp_c"),
-            still=columns.get("still"),
-        )
-        .with_axes(columns)
-        .with_device_yaw(columns)
-    )
+    columns: dict[str, NDArray[Any]] = dict(zip([name for name in names if name in COLUMNS], table.T, strict=True))
+    if "seq" in columns:
+        columns["seq"] = counter(columns["seq"])
+    return session_of_columns(path.stem, columns)
 
 
 def _names(file: TextIO) -> list[str]:

@@ -63,7 +63,8 @@ class RecordingDamage:
         if self.lost:
             rest = f" and {len(self.lost) - NAMED} more places" if len(self.lost) > NAMED else ""
             total = f", {self.lost_seconds:.3g} s in all" if len(self.lost) > 1 else ""
-            phrases.insert(0, f"lost are {', '.join(map(str, self.lost[:NAMED]))}{rest}{total}")
+            verb = "is" if [loss.count for loss in self.lost] == [1] else "are"
+            phrases.insert(0, f"lost {verb} {', '.join(map(str, self.lost[:NAMED]))}{rest}{total}")
         elif self.is_sure:
             phrases.append("no sample is lost")
         else:

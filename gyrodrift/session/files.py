@@ -155,15 +155,12 @@ def write_session(path: Path, chunks: Iterable[Session], metadata: dict[str, dic
 
 
 def _write_mcap(path: Path, chunks: Iterable[Session], metadata: dict[str, dict[str, str]] | None) -> None:
-    from gyrodrift.session.mcap.read import add_chunk  # noqa: PLC0415
-    from gyrodrift.session.mcap.write import McapWriter  # noqa: PLC0415
+    from gyrodrift.session.mcap.read import add_chunk, writer_for  # noqa: PLC0415
 
     stream = iter(chunks)
     first = next(stream)
     with whole_file(path) as file:
-        writer = McapWriter(
-            file, metadata, has_axes=first.gyro_dps is not None, has_device_yaw=first.device_yaw_deg is not None
-        )
+        writer = writer_for(first, file, metadata)
         for chunk in chain([first], stream):
             add_chunk(writer, chunk)
         writer.finish()
@@ -218,7 +215,7 @@ def _sessions_in(folder: Path) -> list[Path]:
 
 
 def _is_bare(path: Path) -> bool:
-    from gyrodrift.session.mcap.interrupted import is_bare  # noqa: PLC0415 - as above
+    from gyrodrift.session.mcap.ending import is_bare  # noqa: PLC0415 - as above
 
     if path.suffix != ".mcap" or not path.is_file():
         return False

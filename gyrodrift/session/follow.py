@@ -1,6 +1,5 @@
 """Samples of an MCAP file that is still being written, from its bytes as they come."""
 
-import json
 import math
 from collections import deque
 from io import BytesIO
@@ -11,9 +10,9 @@ from mcap.records import Channel, Schema
 from gyrodrift.session.foreign.channels import Messages
 from gyrodrift.session.foreign.columns import Decode, WrongValueError
 from gyrodrift.session.foreign.read import decoder_of
-from gyrodrift.session.foreign.records import OPENED_BYTES, DamageError, ForeignRecord, framed, message, opened
+from gyrodrift.session.foreign.records import OPENED_BYTES, ForeignRecord, framed, message, opened
 from gyrodrift.session.mcap.layout import HEAD, MAGIC, SAMPLES, STILLS
-from gyrodrift.session.mcap.walk import BrokenRecordError, channel_of, metadata_of, schema_of
+from gyrodrift.session.mcap.walk import BrokenRecordError, channel_of, metadata_of, schema_of, still_of
 from gyrodrift.values.errors import DataError
 from gyrodrift.values.sample import Sample
 
@@ -68,7 +67,7 @@ class SampleStream:
             self._has_magic = True
         try:
             return [sample for record in self._records() for sample in self._samples_of(record)]
-        except (DamageError, BrokenRecordError) as error:
+        except BrokenRecordError as error:
             raise DataError(f"{self._name}: is damaged: {error}") from error
 
     def _records(self) -> list[ForeignRecord]:
@@ -77,7 +76,7 @@ class SampleStream:
         while self._has_magic and len(self._pending) - position >= HEAD.size:
             opcode, length = HEAD.unpack_from(self._pending, position)
             if length > LONGEST_RECORD_BYTES:
-                raise DamageError(f"a record claims {length} bytes, at most {LONGEST_RECORD_BYTES} are read")
+                raise BrokenRecordError(f"a record claims {length} bytes, at most {LONGEST_RECORD_BYTES} are read")
             end = position + HEAD.size + length
             if end > len(self._pending):
                 break
@@ -117,7 +116,7 @@ class SampleStream:
         channel_id, log_ns, payload = message(body)
         channel = self._channels.get(channel_id)
         if channel is None:
-            raise DamageError(f"it has messages of channel {channel_id}, which is not declared")
+            raise BrokenRecordError(f"it has messages of channel {channel_id}, which is not declared")
         if channel.topic == STILLS.name:
             self._take_still(payload)
             return []
@@ -146,10 +145,8 @@ class SampleStream:
 
     def _take_still(self, payload: bytes) -> None:
         try:
-            values = json.loads(payload)
-            still = math.nan if values["still"] is None else float(values["still"])
-            self._stills.append((int(values["sample"]), still))
-        except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
+            self._stills.append(still_of(payload))
+        except BrokenRecordError:
             self.damaged += 1
 
     def _with_still(self, sample: Sample) -> Sample:

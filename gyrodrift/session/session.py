@@ -198,10 +198,17 @@ def stacked(columns: Mapping[str, Floats | None], names: Sequence[str]) -> Float
 def session_of(name: str, samples: Sequence[Sample]) -> Session:
     """Session from samples, without the columns that they lack."""
     *numbers, axes, device_yaws = zip(*samples, strict=True)
-    seq, t_device_s, t_host_s, rate_dps, *optional = map(np.array, numbers)
-    encoder_deg, temp_c, still = (None if np.isnan(column).all() else column for column in optional)
-    session = Session(name, t_device_s, rate_dps, t_host_s, seq, encoder_deg, temp_c, still=still)
-    return session.with_axes(axis_columns(axes)).with_device_yaw(device_columns(device_yaws))
+    columns = dict(zip(Sample._fields, map(np.array, numbers), strict=False))
+    for optional in ("encoder_deg", "temp_c", "still"):
+        if np.isnan(columns[optional]).all():
+            del columns[optional]
+    return session_of_columns(name, {**columns, **axis_columns(axes), **device_columns(device_yaws)})
+
+
+def session_of_columns(name: str, columns: Mapping[str, NDArray[Any] | None], **fields: Any) -> Session:
+    """Session from columns by their names in a file; `fields` are fields that are no columns, such as `remarks`."""
+    arrays = {column: columns.get(column) for column in SAMPLE_COLUMNS}
+    return Session(name, **arrays, **fields).with_axes(columns).with_device_yaw(columns)  # type: ignore[arg-type]
 
 
 def axis_columns(axes: Sequence[Inertial | None]) -> dict[str, Floats | None]:

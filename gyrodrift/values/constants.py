@@ -29,6 +29,9 @@ LINE_BITS_PER_BYTE = 10
 NORMAL_MAD = 1.4826
 """Standard deviation of normal numbers over their median absolute deviation: 1/Φ⁻¹(3/4)."""
 
+NS_PER_S = 1_000_000_000
+"""Nanoseconds in a second."""
+
 SECONDS_PER_HOUR = 3600.0
 SECONDS_PER_MINUTE = 60.0
 

@@ -12,7 +12,7 @@ from support import PATIENCE_S
 
 from gyrodrift.recording import disk
 from gyrodrift.recording.disk import ChangedFileError, DiskFile, RecordingError
-from gyrodrift.session.mcap.interrupted import lock
+from gyrodrift.session.mcap.ending import lock
 
 
 def until(is_done: Callable[[], bool]) -> None:

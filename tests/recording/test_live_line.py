@@ -21,8 +21,7 @@ from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import FilterRun
 from gyrodrift.io.log import open_log
 from gyrodrift.link.link import Link
-from gyrodrift.recording.live_line import CLEAR, AboveLine, LiveLine
-from gyrodrift.recording.live_yaw import LiveYaw
+from gyrodrift.recording.live_line import CLEAR, AboveLine, LiveLine, LiveYaw
 from gyrodrift.recording.recorder import Recorder
 from gyrodrift.values.sample import Sample
 

@@ -51,9 +51,9 @@ FAULTS = (
     ),
     Fault(
         "device-yaw/repair-forgets-it",
-        "gyrodrift/session/mcap/rebuild.py",
-        "has_device_yaw=DEVICE_YAW in names",
-        "has_device_yaw=False",
+        "gyrodrift/session/mcap/read.py",
+        "session.gyro_dps is not None, session.device_yaw_deg is not None",
+        "session.gyro_dps is not None, False",
         "A repaired file has lost its samples or the yaw of the device.",
         FILE_TESTS,
     ),

@@ -9,11 +9,10 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 from mcap.well_known import MessageEncoding, SchemaEncoding
 
-from gyrodrift.session.foreign.records import DamageError, ForeignRecord, message
-from gyrodrift.session.foreign.ros import ROS_MESSAGES
-from gyrodrift.session.foreign.ros1 import NAMES
+from gyrodrift.session.foreign.records import ForeignRecord, message
+from gyrodrift.session.foreign.ros import IMU_NAMES, ROS_MESSAGES
 from gyrodrift.session.mcap.layout import SAMPLES
-from gyrodrift.session.mcap.walk import channel_of, metadata_of, schema_of
+from gyrodrift.session.mcap.walk import BrokenRecordError, channel_of, metadata_of, schema_of
 from gyrodrift.values.errors import DataError
 
 UNDERSTOOD = (
@@ -46,7 +45,7 @@ class Messages:
             return self.encoding == MessageEncoding.JSON
         forms = (self.encoding, self.schema.encoding)
         if forms == (MessageEncoding.ROS1, SchemaEncoding.ROS1):
-            return self.schema.name in NAMES
+            return self.schema.name in IMU_NAMES
         return forms == (MessageEncoding.CDR, SchemaEncoding.ROS2) and self.schema.name in ROS_MESSAGES
 
 
@@ -71,7 +70,7 @@ def contents_of(records: Iterable[ForeignRecord], other_counts: Mapping[int, int
 
     Raises
     ------
-    DamageError
+    BrokenRecordError
         A channel or a schema is not declared.
     """
     schemas: dict[int, Schema] = {}
@@ -101,9 +100,9 @@ def contents_of(records: Iterable[ForeignRecord], other_counts: Mapping[int, int
 def _declared(channel_id: int, count: int, channels: dict[int, Channel], schemas: dict[int, Schema]) -> Messages:
     channel = channels.get(channel_id)
     if channel is None:
-        raise DamageError(f"it has messages of channel {channel_id}, which is not declared")
+        raise BrokenRecordError(f"it has messages of channel {channel_id}, which is not declared")
     if channel.schema_id and channel.schema_id not in schemas:
-        raise DamageError(f"{channel.topic} has schema {channel.schema_id}, which is not declared")
+        raise BrokenRecordError(f"{channel.topic} has schema {channel.schema_id}, which is not declared")
     return Messages(channel.topic, channel.message_encoding, schemas.get(channel.schema_id), count)
 
 

@@ -8,9 +8,8 @@ from typing import Any
 
 from gyrodrift.session.csv import REQUIRED
 from gyrodrift.session.session import DEVICE_COLUMNS
+from gyrodrift.values.constants import NS_PER_S
 from gyrodrift.values.sample import DeviceYaw, Inertial, Sample
-
-NS_PER_S = 1_000_000_000
 
 Decode = Callable[[bytes, int], Sample]
 """Makes a sample from the bytes of a message and its log time in ns."""

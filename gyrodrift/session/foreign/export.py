@@ -11,10 +11,10 @@ from gyrodrift import __version__
 from gyrodrift.io.files import whole_file
 from gyrodrift.session.mcap.layout import SAMPLES
 from gyrodrift.session.session import AXIS_COLUMNS, DEVICE_COLUMNS, Session
+from gyrodrift.values.constants import NS_PER_S
 from gyrodrift.values.errors import DataError
 from gyrodrift.values.sample import DeviceYaw, Inertial, Sample
 
-NS_PER_S = 1_000_000_000
 LATEST_LOG_NS = 2**64 - 1
 STAMP_SECONDS = range(-(2**31), 2**31)
 """Range of `builtin_interfaces/Time`."""

@@ -9,25 +9,25 @@ import struct
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
-from mcap.opcode import Opcode
 from mcap.well_known import MessageEncoding
+from numpy.typing import NDArray
 
 from gyrodrift.session.foreign.channels import Messages, chosen_topic, contents_of
 from gyrodrift.session.foreign.columns import Decode, WrongValueError, json_sample
-from gyrodrift.session.foreign.records import DamageError, ForeignRecord, message, records
-from gyrodrift.session.foreign.ros import cdr_decoder
-from gyrodrift.session.foreign.ros1 import ros1_imu_sample
+from gyrodrift.session.foreign.records import messages, records
+from gyrodrift.session.foreign.ros import cdr_decoder, ros1_imu_sample
 from gyrodrift.session.mcap.layout import MAGIC
 from gyrodrift.session.mcap.walk import BrokenRecordError
-from gyrodrift.session.session import AXIS_COLUMNS, DEVICE_COLUMNS, MISSING, NO_YAW, Session
+from gyrodrift.session.session import DEVICE_COLUMNS, MISSING, NO_YAW, Session, session_of_columns
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import DataError
 from gyrodrift.values.sample import Inertial, Sample
 
 NAMES = (*Sample._fields[:7], *Inertial._fields, *DEVICE_COLUMNS)
+OPTIONAL = ("t_host_s", "encoder_deg", "temp_c", "still")
 ROW = np.dtype([(name, "i8" if name == "seq" else "f8") for name in NAMES])
 
 
@@ -66,7 +66,7 @@ def opened_file(path: Path) -> Iterator[BinaryIO]:
             yield file
     except OSError as error:
         raise DataError(f"{path}: cannot be read: {error.strerror or error}") from error
-    except (DamageError, BrokenRecordError) as error:
+    except BrokenRecordError as error:
         raise DataError(f"{path}: is damaged: {error}") from error
     except (MemoryError, struct.error) as error:
         raise DataError(f"{path}: cannot be read: it needs too much memory, or changes while it is read") from error
@@ -83,28 +83,28 @@ def _session(path: Path, file: BinaryIO, topic: str | None) -> Session:
         if channel.topic == chosen and channel.is_understood
     }
     is_imu = any(channel.is_imu for channel in contents.channels.values() if channel.topic == chosen)
-    samples = _samples(f"{path}: {chosen}", records(file), decoders)
-    rows = np.fromiter(map(_row, samples), ROW)
+    samples = _samples(f"{path}: {chosen}", file, decoders)
+    return session_of_rows(path.stem, sample_rows(samples), is_imu=is_imu, metadata=contents.metadata)
+
+
+def sample_rows(samples: Iterable[Sample]) -> NDArray[np.void]:
+    """Samples as rows of `ROW`, shape (n,)."""
+    return np.fromiter(map(_row, samples), ROW)
+
+
+def session_of_rows(
+    name: str, rows: NDArray[np.void], *, is_imu: bool, metadata: dict[str, dict[str, str]] | None = None
+) -> Session:
+    """Session from rows of `ROW`; the clock of Imu messages may stand still."""
+    columns: dict[str, NDArray[Any] | None] = {name: rows[name].copy() for name in NAMES}
+    columns |= {name: None for name in OPTIONAL if np.isnan(rows[name]).all()}
     remarks: tuple[str, ...] = ()
-    t_s = rows["t_device_s"].copy()
     if is_imu:
-        t_s, remarks = running_clock(t_s, rows["t_host_s"])
-    session = Session(
-        name=path.stem,
-        t_device_s=t_s,
-        rate_dps=rows["rate_dps"].copy(),
-        t_host_s=_column(rows["t_host_s"]),
-        seq=None if (rows["seq"] < 0).all() else rows["seq"].copy(),
-        encoder_deg=_column(rows["encoder_deg"]),
-        temp_c=_column(rows["temp_c"]),
-        still=_column(rows["still"]),
-        metadata=contents.metadata,
-        remarks=remarks,
-        rate_scale=math.degrees(1.0) if is_imu else 1.0,
-    )
-    return session.with_axes({name: rows[name] for name in AXIS_COLUMNS}).with_device_yaw(
-        {name: rows[name] for name in DEVICE_COLUMNS}
-    )
+        columns["t_device_s"], remarks = running_clock(rows["t_device_s"].copy(), rows["t_host_s"])
+    if (rows["seq"] < 0).all():
+        columns["seq"] = None
+    rate_scale = math.degrees(1.0) if is_imu else 1.0
+    return session_of_columns(name, columns, metadata=metadata or {}, remarks=remarks, rate_scale=rate_scale)
 
 
 def _row(sample: Sample) -> tuple[float, ...]:
@@ -120,19 +120,9 @@ def running_clock(stamps_s: Floats, logged_s: Floats) -> tuple[Floats, tuple[str
     return logged_s - logged_s[0], (remark,)
 
 
-def _column(values: Floats) -> Floats | None:
-    return None if np.isnan(values).all() else values.copy()
-
-
-def _samples(source: str, file_records: Iterable[ForeignRecord], decoders: dict[int, Decode]) -> Iterator[Sample]:
-    number = 0
-    for record in file_records:
-        if record.opcode != Opcode.MESSAGE:
-            continue
-        channel_id, log_ns, payload = message(record.body)
-        if channel_id not in decoders:
-            continue
-        number += 1
+def _samples(source: str, file: BinaryIO, decoders: dict[int, Decode]) -> Iterator[Sample]:
+    read = (body for body in messages(file) if body.channel_id in decoders)
+    for number, (channel_id, log_ns, payload) in enumerate(read, 1):
         try:
             sample = decoders[channel_id](payload, log_ns)
         except WrongValueError as error:

@@ -18,20 +18,14 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Chunk
 
-from gyrodrift.session.mcap.layout import HEAD, MAGIC
+from gyrodrift.session.mcap.layout import HEAD, MAGIC, MESSAGE_START
+from gyrodrift.session.mcap.walk import BrokenRecordError
 
 RECORD_LIMIT_BYTES = 1 << 30
 """Longest plausible record."""
 
 OPENED_BYTES, OPENED_TIMES = 1 << 24, 100
 """Limit of decompressed chunks: bytes, or times the file size; noisy samples shrink about tenfold."""
-
-MESSAGE_HEAD = struct.Struct("<HIQQ")
-"""Head of a message: channel, sequence, log and publish time in ns."""
-
-
-class DamageError(Exception):
-    """The file contradicts itself."""
 
 
 class ForeignRecord(NamedTuple):
@@ -76,18 +70,18 @@ def framed(stream: BinaryIO, size: int, *, is_torn: bool) -> Iterator[ForeignRec
         if opcode == 0 and is_torn:  # zeros are left by a power cut
             return
         if length > RECORD_LIMIT_BYTES or (length > available and not is_torn):
-            raise DamageError(f"the record at byte {offset} claims {length} bytes, only {available} follow")
+            raise BrokenRecordError(f"the record at byte {offset} claims {length} bytes, only {available} follow")
         yield ForeignRecord(opcode, stream.read(min(length, available)), length <= available)
         offset += HEAD.size + length
     if offset < size and not is_torn:
-        raise DamageError("it ends within a record")
+        raise BrokenRecordError("it ends within a record")
 
 
 def _check_end(record: ForeignRecord, crc: int) -> None:
     """Check the checksum at the end of the data; 0 means none."""
     stated_crc = int.from_bytes(record.body[:4], "little")
     if record.opcode == Opcode.DATA_END and record.is_whole and stated_crc not in (0, crc):
-        raise DamageError("the checksum of its data is wrong")
+        raise BrokenRecordError("the checksum of its data is wrong")
 
 
 def opened(record: ForeignRecord, most_bytes: int) -> bytes:
@@ -98,20 +92,20 @@ def opened(record: ForeignRecord, most_bytes: int) -> bytes:
     except (McapError, ValueError, OverflowError, MemoryError, struct.error) as error:
         if not record.is_whole:
             return b""
-        raise DamageError("a chunk cannot be opened") from error
+        raise BrokenRecordError("a chunk cannot be opened") from error
     except (RuntimeError, zstandard.ZstdError) as error:
-        raise DamageError(f"a chunk cannot be opened: {chunk.compression} refuses it") from error
+        raise BrokenRecordError(f"a chunk cannot be opened: {chunk.compression} refuses it") from error
     if record.is_whole and len(content) != chunk.uncompressed_size:
-        raise DamageError(f"a chunk does not have the {chunk.uncompressed_size} bytes that it claims")
+        raise BrokenRecordError(f"a chunk does not have the {chunk.uncompressed_size} bytes that it claims")
     if record.is_whole and chunk.uncompressed_crc not in (0, zlib.crc32(content)):
-        raise DamageError("the checksum of a chunk is wrong")
+        raise BrokenRecordError("the checksum of a chunk is wrong")
     return content
 
 
 def _inflated(chunk: Chunk, most_bytes: int) -> bytes:
     """Decompressed content of a chunk, at most a byte more than it claims: few bytes can expand to any size."""
     if chunk.uncompressed_size > most_bytes:
-        raise DamageError(f"a chunk claims {chunk.uncompressed_size} bytes, too many for this file")
+        raise BrokenRecordError(f"a chunk claims {chunk.uncompressed_size} bytes, too many for this file")
     most_bytes = chunk.uncompressed_size + 1
     match chunk.compression:
         case "":
@@ -122,7 +116,7 @@ def _inflated(chunk: Chunk, most_bytes: int) -> bytes:
         case "zstd":
             with zstandard.ZstdDecompressor().stream_reader(chunk.data, read_across_frames=True) as reader:
                 return reader.read(most_bytes)
-    raise DamageError(f"a chunk is compressed with {chunk.compression!r}; known are lz4 and zstd")
+    raise BrokenRecordError(f"a chunk is compressed with {chunk.compression!r}; known are lz4 and zstd")
 
 
 class Message(NamedTuple):
@@ -135,7 +129,12 @@ class Message(NamedTuple):
 
 def message(body: bytes) -> Message:
     """Decode the body of a message record."""
-    if len(body) < MESSAGE_HEAD.size:
-        raise DamageError(f"a message has {len(body)} bytes, fewer than its head")
-    channel_id, _, log_ns, _ = MESSAGE_HEAD.unpack_from(body)
-    return Message(channel_id, log_ns, body[MESSAGE_HEAD.size :])
+    if len(body) < MESSAGE_START.size:
+        raise BrokenRecordError(f"a message has {len(body)} bytes, fewer than its head")
+    channel_id, _, log_ns, _ = MESSAGE_START.unpack_from(body)
+    return Message(channel_id, log_ns, body[MESSAGE_START.size :])
+
+
+def messages(file: BinaryIO) -> Iterator[Message]:
+    """Yield all whole messages of a file."""
+    return (message(record.body) for record in records(file) if record.opcode == Opcode.MESSAGE)

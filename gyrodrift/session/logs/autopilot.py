@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from gyrodrift.session.logs.missing import packages_of
+from gyrodrift.io.installation import packages_of
 from gyrodrift.session.session import AXIS_COLUMNS, TABLE, Session
 from gyrodrift.session.tables.known import DOWN
 from gyrodrift.values.arrays import Floats

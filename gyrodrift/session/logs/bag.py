@@ -2,18 +2,14 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from math import degrees
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from gyrodrift.session.foreign.columns import NS_PER_S, Decode, WrongValueError
-from gyrodrift.session.foreign.read import running_clock
-from gyrodrift.session.foreign.ros import imu_inertial
-from gyrodrift.session.foreign.ros1 import ros1_imu_sample
-from gyrodrift.session.logs.missing import packages_of
-from gyrodrift.session.session import Session, axis_columns
+from gyrodrift.io.installation import packages_of
+from gyrodrift.session.foreign.columns import Decode
+from gyrodrift.session.foreign.read import sample_rows, session_of_rows
+from gyrodrift.session.foreign.ros import imu_sample, ros1_imu_sample
+from gyrodrift.session.session import Session
 from gyrodrift.values.errors import DataError
 from gyrodrift.values.sample import Sample
 
@@ -38,15 +34,10 @@ def read_bag(path: Path, topic: str | None = None) -> Session:
     """
     with opened_bag(path) as reader:
         decode = ros1_imu_sample if is_ros1(path) else _ros2_decode()
-        rows = list(_samples(reader, _chosen(path, reader, topic), decode))
-    if not rows:
+        rows = sample_rows(_samples(reader, _chosen(path, reader, topic), decode))
+    if not len(rows):
         raise DataError(f"{path}: has no samples")
-    table = np.array([(row.t_device_s, row.t_host_s, row.rate_dps) for row in rows])
-    t_s, remarks = running_clock(table[:, 0], table[:, 1])
-    session = Session(
-        path.stem, t_s, table[:, 2].copy(), t_host_s=table[:, 1].copy(), remarks=remarks, rate_scale=degrees(1.0)
-    )
-    return session.with_axes(axis_columns([row.inertial for row in rows]))
+    return session_of_rows(path.stem, rows, is_imu=True)
 
 
 @contextmanager
@@ -141,13 +132,4 @@ def _samples(reader: Any, connections: list[Any], decode: Decode) -> Iterator[Sa
 def _ros2_decode() -> Decode:
     """Decoder of CDR messages."""
     decode = deserializer(is_ros1=False)
-    return lambda payload, log_ns: _sample(decode(payload, IMU), log_ns)
-
-
-def _sample(message: Any, log_ns: int) -> Sample:
-    if message.angular_velocity_covariance[0] == -1.0:
-        raise WrongValueError("angular_velocity_covariance begins with -1: it has no rate")
-    stamp = message.header.stamp
-    t_s = (stamp.sec * NS_PER_S + stamp.nanosec) / NS_PER_S
-    rate_dps = degrees(message.angular_velocity.z)
-    return Sample(-1, t_s, log_ns / NS_PER_S, rate_dps, inertial=imu_inertial(message, rate_dps))
+    return lambda payload, log_ns: imu_sample(decode(payload, IMU), log_ns)

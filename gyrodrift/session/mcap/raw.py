@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 from mcap.opcode import Opcode
 
+from gyrodrift.session.mcap.inspection import inspect
 from gyrodrift.session.mcap.layout import MAGIC, READ_HEAD, READS
-from gyrodrift.session.mcap.survey import survey
 from gyrodrift.session.mcap.walk import BrokenRecordError, PlacedRecord, Walk, channel_of
 from gyrodrift.values.errors import DataError
 
@@ -64,7 +64,7 @@ def read_raw(path: Path, *, allow_damage: bool = False) -> Iterator[Read]:
         with path.open("rb") as file:
             if not allow_damage and file.read(len(MAGIC)) != MAGIC:
                 raise DataError(f"{path}: is no MCAP file; only MCAP files have raw bytes")
-            walk = Walk(file, survey(file).stretches if allow_damage else None)
+            walk = Walk(file, inspect(file).stretches if allow_damage else None)
             for step in walk:
                 match step:
                     case PlacedRecord(opcode=Opcode.CHANNEL):

@@ -3,11 +3,10 @@
 `foreign` reads files of other programs.
 """
 
-import json
 from math import nan
 from operator import itemgetter
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 from mcap.opcode import Opcode
@@ -15,44 +14,30 @@ from numpy.typing import NDArray
 
 from gyrodrift.io.system import read_at
 from gyrodrift.session.damage import DamagedError, RecordingDamage
-from gyrodrift.session.mcap.interrupted import is_bare
-from gyrodrift.session.mcap.layout import (
-    CDR_LITTLE_ENDIAN,
-    HEAD,
-    LATEST_NS,
-    LAYOUTS,
-    MAGIC,
-    MESSAGE_OPCODE,
-    PROVED,
-    REPAIR,
-    SAMPLES,
-    STILLS,
-)
-from gyrodrift.session.mcap.survey import survey
-from gyrodrift.session.mcap.surveyed import Survey
+from gyrodrift.session.mcap.ending import is_bare
+from gyrodrift.session.mcap.inspection import Inspection, inspect
+from gyrodrift.session.mcap.layout import LATEST_NS, LAYOUTS, MAGIC, MESSAGE_START, PROVED, REPAIR, SAMPLES, STILLS
+from gyrodrift.session.mcap.rows import DEVICE_YAW, ROW_SIZES, ROWS, Rows, finished
 from gyrodrift.session.mcap.walk import (
-    DEVICE_YAW,
-    ROW,
-    ROWS,
     BrokenRecordError,
     PlacedRecord,
-    Rows,
     SampleRows,
     Walk,
     channel_of,
     metadata_of,
     schema_of,
+    still_of,
 )
-from gyrodrift.session.mcap.write import McapWriter
+from gyrodrift.session.mcap.write import McapWriter, Stream
 from gyrodrift.session.session import AXIS_COLUMNS, DEVICE_COLUMNS, Session
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import DataError
 
+LATEST_SAMPLE = 1 << 62
+"""Numbers of samples are clipped to this."""
+
 OPTIONAL = ("t_host_s", "encoder_deg", "temp_c")
 """Optional columns; all NaN in a file without them."""
-
-MESSAGE_BODY = 22
-"""Offset of the content of a message, after channel, sequence, log and publish time."""
 
 UNPROVED = (
     "it was repaired from a damaged file without usable checksums: samples may be wrong, repeated or in another order"
@@ -61,6 +46,10 @@ UNPROVED = (
 WIDE = {"axes": tuple(AXIS_COLUMNS), DEVICE_YAW: DEVICE_COLUMNS}
 """Columns of a session by the field of a row that has all of them."""
 
+OWN_SCHEMAS = {
+    (layout.topic.schema_name, layout.topic.schema_encoding, layout.topic.schema_text.encode())
+    for layout in LAYOUTS.values()
+}
 VALUES = ("seq", "t_device_s", "rate_dps", *OPTIONAL)
 
 
@@ -80,10 +69,10 @@ def read_mcap(path: Path, *, allow_damage: bool = False) -> Session:
         with path.open("rb") as file:
             if is_bare(file):
                 raise DataError(f"{path}: nothing was recorded before it was cut off; it can be deleted")
-            file_survey = survey(file)
-            if not file_survey.is_ours and read_at(file.fileno(), len(MAGIC), 0) != MAGIC:
+            inspection = inspect(file)
+            if not inspection.is_ours and read_at(file.fileno(), len(MAGIC), 0) != MAGIC:
                 raise DataError(f"{path}: is no MCAP file: it does not begin as one")
-            session = _read_own(path, file, file_survey)
+            session = _read_own(path, file, inspection)
     except OSError as error:
         raise DataError(f"{path}: cannot be read: {error.strerror}") from error
     except MemoryError as error:
@@ -97,10 +86,10 @@ def read_mcap(path: Path, *, allow_damage: bool = False) -> Session:
     return session
 
 
-def _read_own(path: Path, file: BinaryIO, file_survey: Survey) -> Session | None:
+def _read_own(path: Path, file: BinaryIO, inspection: Inspection) -> Session | None:
     """The session; None if its samples have another layout."""
-    walk = Walk(file, file_survey.stretches)
-    columns, declared = _Columns(file_survey, walk.zeros_at), _Declared(is_ours=file_survey.is_ours)
+    walk = Walk(file, inspection.stretches)
+    columns, declared = _Columns(inspection, walk.zeros_at), _Declared(is_ours=inspection.is_ours)
     for step in walk:
         match step:
             case SampleRows(rows=rows) if declared.is_ours:
@@ -116,23 +105,25 @@ def _read_own(path: Path, file: BinaryIO, file_survey: Survey) -> Session | None
                     else:
                         declared.take(step, walk)
                 except BrokenRecordError as error:
-                    if not file_survey.is_damaged:
+                    if not inspection.is_damaged:
                         raise DataError(f"{path}: {error}; the file was changed since it was written") from error
-    if not columns.count and file_survey.is_ours and file_survey.lost:
-        raise DamagedError([(path, RecordingDamage(file_survey.lost, 0, file_survey.remarks))])
+    if not columns.count and inspection.is_ours and inspection.lost:
+        raise DamagedError([(path, RecordingDamage(tuple(inspection.lost), 0, tuple(inspection.remarks)))])
     return columns.session(path.stem, declared.metadata) if columns.count else None
 
 
 class _Columns:
     """Arrays of a session while they fill; memory without samples is never touched."""
 
-    def __init__(self, file_survey: Survey, zeros_at: int) -> None:
+    def __init__(self, inspection: Inspection, zeros_at: int) -> None:
         self.count = 0
-        most = sum(stretch.stop - stretch.start for stretch in file_survey.stretches)
-        self._most = min(zeros_at, most) // ROW.itemsize + 1  # the last sample may end in zeros
-        self._survey = file_survey
+        most = sum(stretch.stop - stretch.start for stretch in inspection.stretches)
+        self._most = min(zeros_at, most) // min(ROW_SIZES) + 1  # the last sample may end in zeros
+        self._inspection = inspection
         self._stills: list[tuple[int, float]] = []
-        self._arrays = {name: np.empty(self._most, ROW[name]) for name in VALUES}
+        self._arrays: dict[str, NDArray[Any]] = {
+            name: np.empty(self._most, np.int64 if name == "seq" else np.float64) for name in VALUES
+        }
         self._wide: dict[str, Floats] = {}
 
     def take(self, rows: Rows) -> None:
@@ -158,20 +149,16 @@ class _Columns:
     def take_message(self, body: bytes) -> None:
         """Read a message that is no sample: only rest flags are used."""
         if body.startswith(STILLS.channel_id.to_bytes(2, "little")):
-            try:
-                values = json.loads(body[MESSAGE_BODY:])
-                first = self._survey.kept_before(min(max(int(values["sample"]), 0), LATEST_NS))
-                first = min(first, self._most)
-                self._stills.append((first, np.nan if values["still"] is None else float(values["still"])))
-            except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
-                raise BrokenRecordError(f"a message on {STILLS.name} is damaged") from error
+            number, still = still_of(body[MESSAGE_START.size :])
+            self._stills.append((min(max(number, 0), LATEST_SAMPLE), still))
 
     def _still(self) -> Floats | None:
         """Rest flag of every sample; unknown from a loss of records to the next flag."""
         if not self._stills:
             return None
-        lost = [(self._survey.kept_before(number), nan) for number in self._survey.record_losses]
-        firsts, flags = zip(*sorted([*lost, *self._stills], key=itemgetter(0)) if lost else self._stills, strict=True)
+        lost = [(number, nan) for number in self._inspection.record_losses]
+        numbers, flags = zip(*sorted([*lost, *self._stills], key=itemgetter(0)) if lost else self._stills, strict=True)
+        firsts = self._inspection.kept_before(numbers)
         ends = np.minimum.accumulate([*firsts, self.count][::-1])[::-1]  # a flag holds until the next one
         still: Floats = np.repeat([np.nan, *flags], np.diff(ends, prepend=0))
         return still
@@ -189,7 +176,7 @@ class _Columns:
             **{key: None if _is_empty(columns[key]) else columns[key] for key in OPTIONAL},  # type: ignore[arg-type]
             still=self._still(),
             metadata=metadata,
-            damage=self._survey.damage(columns["t_device_s"]),
+            damage=self._inspection.damage(columns["t_device_s"]),
             remarks=(UNPROVED,) if metadata.get(REPAIR, {}).get(PROVED) == "no" else (),
             gyro_dps=None if axes is None or np.isnan(axes[:, :3]).all() else axes[:, :3],
             accel_mps2=None if axes is None or np.isnan(axes[:, 3:]).all() else axes[:, 3:],
@@ -220,11 +207,7 @@ class _Declared:
             case Opcode.SCHEMA:
                 schema = schema_of(walk.body(record))
                 if schema.id == SAMPLES.channel_id:
-                    layout = (schema.name, schema.encoding, schema.data)
-                    self._has_schema = any(
-                        layout == (topic.schema_name, topic.schema_encoding, topic.schema_text.encode())
-                        for topic in (layout.topic for layout in LAYOUTS.values())
-                    )
+                    self._has_schema = (schema.name, schema.encoding, schema.data) in OWN_SCHEMAS
             case Opcode.CHANNEL:
                 channel = channel_of(walk.body(record))
                 if channel.id == SAMPLES.channel_id:
@@ -235,16 +218,18 @@ class _Declared:
                 self.metadata[table.name] = table.metadata
 
 
+def writer_for(session: Session, stream: Stream, metadata: dict[str, dict[str, str]] | None) -> McapWriter:
+    """A writer with a layout that holds all values of a session."""
+    has_axes, has_device_yaw = session.gyro_dps is not None, session.device_yaw_deg is not None
+    return McapWriter(stream, metadata, has_axes=has_axes, has_device_yaw=has_device_yaw)
+
+
 def add_chunk(writer: McapWriter, session: Session) -> None:
     """Add the samples of a session at once; columns that the layout of the file does not have are lost."""
-    rows = np.zeros(len(session.t_device_s), ROWS[writer.has_axes, writer.has_device_yaw])
+    rows = np.zeros(len(session.t_device_s), ROWS[writer.has_axes, writer.has_device_yaw, True])
     if not len(rows):
         return
-    rows["opcode"], rows["channel"] = MESSAGE_OPCODE, SAMPLES.channel_id
-    rows["length"] = rows.dtype.itemsize - HEAD.size
-    rows["cdr"] = CDR_LITTLE_ENDIAN
     rows["seq"] = session.filled("seq")
-    rows["sequence"] = rows["seq"] & 0xFFFFFFFF
     rows["t_device_s"], rows["rate_dps"] = session.t_device_s, session.rate_dps
     for name in OPTIONAL:
         rows[name] = session.filled(name)
@@ -255,7 +240,8 @@ def add_chunk(writer: McapWriter, session: Session) -> None:
     rows["log_time"] = rows["publish_time"] if session.t_host_s is None else _nanoseconds(session.t_host_s)
     if session.still is not None:
         _add_stills(writer, session.still, rows["log_time"])
-    writer.add_rows(rows.tobytes(), int(rows["log_time"].min()), int(rows["log_time"].max()))
+    content = finished(rows, writer.count, writer.salt)
+    writer.add_rows(content, int(rows["log_time"].min()), int(rows["log_time"].max()))
 
 
 def _add_stills(writer: McapWriter, still: Floats, log_time: NDArray[np.uint64]) -> None:

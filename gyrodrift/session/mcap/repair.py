@@ -1,10 +1,11 @@
-"""Repair of a session file whose writer was killed: whole records stay, and the end is added.
+"""Repair of a session file: a killed writer's file gets its end, and a damaged file is replaced by a whole one.
 
-After an interrupted repair the file can be repaired again. For a damaged file, `rebuild` writes a new one.
+After an interrupted repair the file can be repaired again.
 """
 
 import os
-import struct
+import shutil
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
@@ -12,20 +13,27 @@ from typing import IO
 from mcap.opcode import Opcode
 from mcap.records import MetadataIndex
 
-from gyrodrift.io.files import UnreadableError, check_ordinary
+from gyrodrift.io.files import UnreadableError, check_ordinary, whole_file
 from gyrodrift.io.system import read_at
 from gyrodrift.session.damage import DamagedError, RecordingDamage
-from gyrodrift.session.mcap.checksums import ChecksumWriter
-from gyrodrift.session.mcap.ending import crc_of
-from gyrodrift.session.mcap.interrupted import is_bare, is_closed, lock
-from gyrodrift.session.mcap.layout import HEAD, MAGIC, SAMPLES
-from gyrodrift.session.mcap.structure import LONGEST_RECORD_BYTES, is_torn_record
-from gyrodrift.session.mcap.survey import survey
-from gyrodrift.session.mcap.surveyed import Survey
-from gyrodrift.session.mcap.tail import keep_tail
+from gyrodrift.session.mcap.ending import crc_of, is_bare, is_closed, lock
+from gyrodrift.session.mcap.inspection import LONGEST_RECORD_BYTES, Inspection, inspect, is_torn_record
+from gyrodrift.session.mcap.layout import (
+    EVENTS,
+    HEAD,
+    MAGIC,
+    MESSAGE_START,
+    PROVED,
+    READS,
+    REPAIR,
+    SAMPLES,
+    SEAL_BYTES,
+    seal,
+)
+from gyrodrift.session.mcap.read import add_chunk, read_mcap, writer_for
+from gyrodrift.session.mcap.tail import free_path, keep_tail
 from gyrodrift.session.mcap.walk import (
     BrokenRecordError,
-    ByteStretch,
     PlacedRecord,
     SampleRows,
     Walk,
@@ -34,11 +42,12 @@ from gyrodrift.session.mcap.walk import (
     metadata_of,
     schema_of,
 )
-from gyrodrift.session.mcap.write import FileSummary
+from gyrodrift.session.mcap.write import FileSummary, McapWriter
+from gyrodrift.session.session import Session
 from gyrodrift.values.errors import DataError
 
 BLOCK_BYTES = 1 << 22
-MESSAGE_START = struct.Struct("<HIQ")
+TOPICS = {topic.channel_id: topic for topic in (READS, EVENTS)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,47 +86,78 @@ def repair(path: Path, *, rebuilds: bool = True) -> Repaired | None:
         check_ordinary(path)
         with path.open("r+b") as file:
             lock(path, file)
-            file_survey = _own_survey(path, file)
-            if not file_survey.has_inner_damage:
-                return None if is_closed(file) else _close(path, file, file_survey)
-            if not file_survey.is_ours:
+            inspection = _own_inspection(path, file)
+            if not inspection.has_inner_damage:
+                return None if is_closed(file) else _close(path, file, inspection)
+            if not inspection.is_ours:
                 _check_writer(next(iter(Walk(file)), None), Walk(file), path)
-            return _rebuilt(path, file, file_survey, rebuilds=rebuilds)
+            session = read_mcap(path, allow_damage=True)
+            if session.damage is None:
+                raise DataError(f"{path}: cannot be repaired: it changes while it is read")
+            if not rebuilds:
+                raise DamagedError([(path, session.damage)])
+            kept = _rebuild(path, Walk(file, inspection.stretches), session, session.damage)
+            return Repaired(path, session.damage.kept, 0, None, session.damage, kept)
     except OSError as error:
         raise DataError(f"{path}: cannot be repaired: {error.strerror}") from error
     except (BrokenRecordError, UnreadableError) as error:
         raise DataError(f"{path}: cannot be repaired: {error}") from error
 
 
-def _own_survey(path: Path, file: IO[bytes]) -> Survey:
-    """Survey of a file that this program wrote or may have written."""
+def _own_inspection(path: Path, file: IO[bytes]) -> Inspection:
+    """Inspection of a file that this program wrote or may have written."""
     if is_bare(file):
         raise DataError(f"{path}: cannot be repaired: nothing was recorded into it; it can be deleted")
-    file_survey = survey(file)
-    if not file_survey.is_ours and read_at(file.fileno(), len(MAGIC), 0) != MAGIC:
+    inspection = inspect(file)
+    if not inspection.is_ours and read_at(file.fileno(), len(MAGIC), 0) != MAGIC:
         raise DataError(f"{path}: cannot be repaired: it does not begin as an MCAP file")
-    return file_survey
+    return inspection
 
 
-def _rebuilt(path: Path, file: IO[bytes], file_survey: Survey, *, rebuilds: bool) -> Repaired:
-    from gyrodrift.session.mcap.read import read_mcap  # noqa: PLC0415 - only for damaged files
-    from gyrodrift.session.mcap.rebuild import rebuild  # noqa: PLC0415
+def _rebuild(path: Path, walk: Walk, session: Session, damage: RecordingDamage) -> Path:
+    """Replace a damaged file by a whole one with all that was read of it; returns the new path of the damaged file."""
+    kept = free_path(path, "damaged")
+    try:
+        os.link(path, kept)
+    except OSError:  # a disk without links, such as FAT, or a file of another user
+        shutil.copy(path, kept)
+    repair_table = {
+        "damage": str(damage),
+        "samples_lost": str(damage.lost_count),
+        "seconds_lost": f"{damage.lost_seconds:.6g}",
+        PROVED: "yes" if damage.is_sure else "no",
+    }
+    with whole_file(path) as fresh:
+        writer = writer_for(session, fresh, {REPAIR: repair_table})
+        add_chunk(writer, session)
+        for step in walk:
+            if isinstance(step, PlacedRecord):
+                with suppress(BrokenRecordError):
+                    _copy(step, walk, writer)
+        writer.finish()
+    return kept
 
-    damage = read_mcap(path, allow_damage=True).damage
-    if damage is None:
-        raise DataError(f"{path}: cannot be repaired: it changes while it is read")
-    if not rebuilds:
-        raise DamagedError([(path, damage)])
-    return Repaired(path, damage.kept, 0, None, damage, rebuild(path, file, file_survey, damage))
+
+def _copy(record: PlacedRecord, walk: Walk, writer: McapWriter) -> None:
+    """Copy a table, or a message other than a sample or a rest flag."""
+    body = walk.body(record)
+    if record.opcode == Opcode.METADATA:
+        table = metadata_of(body)
+        if table.name != REPAIR or table.metadata.get(PROVED) == "no":  # once unproved, always unproved
+            writer.add_metadata(table.name, table.metadata)
+    elif record.opcode == Opcode.MESSAGE and len(body) >= MESSAGE_START.size:
+        channel_id, _, log_ns, _ = MESSAGE_START.unpack_from(body)
+        if channel_id in TOPICS:
+            writer.add_message(TOPICS[channel_id], body[MESSAGE_START.size :], log_ns)
 
 
-def _close(path: Path, file: IO[bytes], file_survey: Survey) -> Repaired:
-    walk = Walk(file)
+def _close(path: Path, file: IO[bytes], inspection: Inspection) -> Repaired:
+    walk = Walk(file, inspection.stretches)
     contents, end = _contents(path, walk)
     contents.size, contents.crc = end, crc_of(file, 0, end)
-    tables = _last_tables(file, file_survey, end)
-    contents.add_bytes(tables)
-    closing = tables + contents.end()
+    last_seal = _last_seal(file, inspection, end)
+    contents.add_bytes(last_seal)
+    closing = last_seal + contents.end()
     tail = _keep_tail(path, file, end, walk, closing)
     file.truncate(end)
     file.seek(end)
@@ -127,20 +167,15 @@ def _close(path: Path, file: IO[bytes], file_survey: Survey) -> Repaired:
     return Repaired(path, contents.counts.get(SAMPLES.channel_id, 0), walk.size - end, tail)
 
 
-def _last_tables(file: IO[bytes], file_survey: Survey, end: int) -> bytes:
-    """Checksum tables for the bytes after the last table, and the repetition of the last one."""
-    if file_survey.last_table is None:
+def _last_seal(file: IO[bytes], inspection: Inspection, end: int) -> bytes:
+    """Seal of the records after the last one; empty if the file ends in the last seal of a closed file."""
+    proofs = inspection.proofs
+    if proofs is None or proofs.salt is None:
         return b""
-    offset, table = file_survey.last_table.offset, file_survey.last_table.table
-    writer = ChecksumWriter.after(table)
-    for step in Walk(file, [ByteStretch(offset + table.size, end)]):
-        match step:
-            case SampleRows(rows=rows):
-                writer.add_samples(rows.tobytes(), rows.dtype.itemsize)
-            case PlacedRecord(offset=start, length=length):
-                writer.add_records(read_at(file.fileno(), HEAD.size + length, start))
-    tables = writer.table() if writer.is_pending else b""
-    return tables + writer.table() if tables or table.region.pieces else b""
+    last = proofs.pieces[-1]
+    if last.stop == end and not last.samples and last.stop - last.start == SEAL_BYTES:
+        return b""
+    return seal(proofs.seals, read_at(file.fileno(), end - last.stop, last.stop), proofs.samples, proofs.salt)
 
 
 def _contents(path: Path, walk: Walk) -> tuple[FileSummary, int]:
@@ -182,7 +217,7 @@ def _add(contents: FileSummary, record: PlacedRecord, walk: Walk) -> None:
         case Opcode.MESSAGE:
             if record.length < MESSAGE_START.size:
                 raise BrokenRecordError("a message is too short")
-            channel_id, _sequence, log_ns = MESSAGE_START.unpack_from(walk.body(record))
+            channel_id, _, log_ns, _ = MESSAGE_START.unpack_from(walk.body(record))
             contents.add_messages(channel_id, 1, log_ns, log_ns)
 
 

@@ -23,10 +23,7 @@ IS_TEXT = bytes(byte in TEXT for byte in range(256))
 
 def keep_tail(path: Path, file: IO[bytes], end: int, size: int) -> Path:
     """Copy the bytes between two offsets to a new file with the permissions of the session file; returns its path."""
-    saved, number = path.with_name(f"{path.name}.tail"), 1
-    while os.path.lexists(saved):  # an earlier copy, or another file
-        number += 1
-        saved = path.with_name(f"{path.name}.tail_{number}")
+    saved = free_path(path, "tail")
     with open(saved, "xb", opener=_open_private) as copy:
         set_mode(copy.fileno(), stat.S_IMODE(os.fstat(file.fileno()).st_mode))
         for offset, block in data_blocks(file, end, size):
@@ -36,6 +33,15 @@ def keep_tail(path: Path, file: IO[bytes], end: int, size: int) -> Path:
         copy.flush()
         os.fsync(copy.fileno())
     return saved
+
+
+def free_path(path: Path, ending: str) -> Path:
+    """Path beside a file for what is kept of it; with a number if an earlier copy or another file has it."""
+    free, number = path.with_name(f"{path.name}.{ending}"), 1
+    while os.path.lexists(free):
+        number += 1
+        free = path.with_name(f"{path.name}.{ending}_{number}")
+    return free
 
 
 def _open_private(name: str, flags: int) -> int:

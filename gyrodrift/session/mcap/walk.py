@@ -1,21 +1,23 @@
 """Iteration over the records of an MCAP file without chunks, in bounded memory; samples come in tables."""
 
+import json
 import os
 import struct
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from io import BytesIO
+from math import nan
 from typing import IO, NamedTuple, TypeVar
 
 import numpy as np
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.records import Channel, Header, McapRecord, Metadata, Schema
-from numpy.typing import NDArray
 
 from gyrodrift.io.public_yaml import public_yaml
 from gyrodrift.io.system import read_at
-from gyrodrift.session.mcap.layout import HEAD, LAYOUTS, MAGIC, MESSAGE_OPCODE, SAMPLES
+from gyrodrift.session.mcap.layout import HEAD, MAGIC, MESSAGE_OPCODE, SAMPLES, STILLS
+from gyrodrift.session.mcap.rows import ROW_START_BYTES, ROW_STARTS, Rows
 from gyrodrift.values.secret import without_secrets
 
 CONFIG_TABLE = "config"
@@ -28,55 +30,12 @@ FIRST_LOOK_ROWS = 16
 MOST_BODY_BYTES = 1 << 28
 """Longest record that is read whole; a file with holes may claim any length."""
 
-ROW = np.dtype(
-    [
-        ("opcode", "u1"),
-        ("length", "<u8"),
-        ("channel", "<u2"),
-        ("sequence", "<u4"),
-        ("log_time", "<u8"),
-        ("publish_time", "<u8"),
-        ("cdr", "<u4"),
-        ("seq", "<i8"),
-        ("t_device_s", "<f8"),
-        ("t_host_s", "<f8"),
-        ("rate_dps", "<f8"),
-        ("encoder_deg", "<f8"),
-        ("temp_c", "<f8"),
-    ]
-)
-"""A sample in the file; the same bytes as `layout.MESSAGE`."""
-
-AXES_ROW = np.dtype([*((name, ROW[name]) for name in ROW.names or ()), ("axes", "<f8", 6)])
-"""A sample with three axes; the same bytes as `layout.AXES_MESSAGE`."""
-
-DEVICE_YAW = "device_yaw"
-ROWS = {
-    (has_axes, has_device_yaw): np.dtype(
-        [*((name, row[name]) for name in row.names or ()), *([(DEVICE_YAW, "<f8", 3)] if has_device_yaw else [])]
-    )
-    for has_axes, row in ((False, ROW), (True, AXES_ROW))
-    for has_device_yaw in (False, True)
-}
-"""A sample by the keys of `layout.LAYOUTS`, with the same bytes."""
-
-Rows = NDArray[np.void]
-
-
-def _row_start(size: int) -> bytes:
-    return HEAD.pack(MESSAGE_OPCODE, size - HEAD.size) + SAMPLES.channel_id.to_bytes(2, "little")
-
-
-ROW_STARTS = {_row_start(layout.message.size): ROWS[kind] for kind, layout in LAYOUTS.items()}
-"""First bytes of a sample, and its layout."""
-
-ROW_START_BYTES = HEAD.size + 2
 R = TypeVar("R", bound=McapRecord)
 
 
 @dataclass(frozen=True, slots=True)
 class SampleRows:
-    """Consecutive samples, shape (n,) of one of `ROWS`; valid only until the next step of the walk."""
+    """Consecutive samples, shape (n,) of one of `rows.ROW_STARTS`; valid only until the next step of the walk."""
 
     offset: int
     rows: Rows
@@ -92,11 +51,10 @@ class PlacedRecord:
 
 
 class ByteStretch(NamedTuple):
-    """Whole records from `start` to before `stop`, and the number of samples before them."""
+    """Whole records from `start` to before `stop`."""
 
     start: int
     stop: int
-    first_sample: int = 0
 
 
 class Walk:
@@ -104,7 +62,8 @@ class Walk:
 
     With stretches it iterates over every stretch, up to the first incomplete record in it. Afterwards `end` is the
     offset after the last whole record. After a power cut a file may end in zeros instead of its last bytes: from
-    `zeros_at` on there are only zeros, and a record that reaches into them is incomplete.
+    `zeros_at` on there are only zeros. In a stretch up to the end of the file, a record that reaches into them is
+    incomplete.
     """
 
     def __init__(self, file: IO[bytes], stretches: Sequence[ByteStretch] | None = None) -> None:
@@ -169,7 +128,8 @@ class Walk:
 
     def _is_whole(self, end: int) -> bool:
         """Whether a record that ends there is complete."""
-        return end <= min(self.zeros_at, self.stretch.stop) or end == self.size == self.stretch.stop
+        is_torn = self.zeros_at < end < self.size == self.stretch.stop
+        return end <= self.stretch.stop and not is_torn
 
 
 def data_blocks(file: IO[bytes], start: int, end: int, overlap: int = 0) -> Iterator[tuple[int, bytes]]:
@@ -258,6 +218,15 @@ def schema_of(body: bytes) -> Schema:
 def channel_of(body: bytes) -> Channel:
     """Decode a channel record."""
     return _read(Channel, body)
+
+
+def still_of(content: bytes) -> tuple[int, float]:
+    """Decode a rest flag: the number of the first sample, and 1, 0, or NaN for unknown."""
+    try:
+        values = json.loads(content)
+        return int(values["sample"]), nan if values["still"] is None else float(values["still"])
+    except (ValueError, KeyError, TypeError, OverflowError, RecursionError) as error:
+        raise BrokenRecordError(f"a message on {STILLS.name} is damaged") from error
 
 
 def metadata_of(body: bytes) -> Metadata:

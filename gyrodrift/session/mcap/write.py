@@ -7,7 +7,6 @@ import json
 import struct
 import zlib
 from collections.abc import Iterable
-from hashlib import blake2b
 from math import isnan, nan
 from typing import Any, Protocol
 
@@ -27,9 +26,9 @@ from mcap.records import (
 )
 
 from gyrodrift import __version__
-from gyrodrift.session.mcap.checksums import ID_BYTES, TABLE_SAMPLES, ChecksumWriter
 from gyrodrift.session.mcap.layout import (
     CDR_LITTLE_ENDIAN,
+    CRC_BYTES,
     EVENTS,
     FOOTER_LENGTH,
     HEAD,
@@ -42,12 +41,12 @@ from gyrodrift.session.mcap.layout import (
     SAMPLES,
     STILLS,
     Topic,
+    salt_of,
+    seal,
 )
 from gyrodrift.values.sample import DeviceYaw, Inertial, Sample
 
 MESSAGE_HEAD = struct.Struct("<BQHIQQ")
-MESSAGE_START = struct.Struct("<HIQQ")
-"""A message after its record head, up to its content: channel, sequence, log and publish time in ns."""
 
 CHANNEL = SAMPLES.channel_id
 LATEST_S = LATEST_NS * 1e-9
@@ -147,21 +146,18 @@ class McapWriter:
         has_device_yaw: bool = False,
     ) -> None:
         self.has_axes, self.has_device_yaw = has_axes, has_device_yaw
-        layout = LAYOUTS[has_axes, has_device_yaw]
-        self._message = layout.message
+        layout = LAYOUTS[has_axes, has_device_yaw, True]
+        self.salt = salt_of(metadata or {})
+        self._layout = layout
         self._stream = stream
         self._contents = FileSummary()
         self._rows = bytearray()  # apart from other records, so that samples form long runs
         self._others = bytearray()
         self._out = bytearray()
         self._still = nan
-        begin = MAGIC + encoded(Header("ros2", f"gyrodrift {__version__}")) + self._declared(layout.topic)
-        metadata_bytes = repr(metadata or {}).encode(
-            errors="backslashreplace"
-        )  # unknown to devices: their bytes cannot imitate tables
-        self._checksums = ChecksumWriter(blake2b(metadata_bytes, digest_size=ID_BYTES).digest())
-        self._write(begin)
-        self._write_table()
+        self._seals = 0
+        self._hand_over(MAGIC + encoded(Header("ros2", f"gyrodrift {__version__}")) + self._declared(layout.topic))
+        self._seal(bytes(self._out))
         self._send()
         for name, table in (metadata or {}).items():
             self.add_metadata(name, table)
@@ -182,21 +178,22 @@ class McapWriter:
 
     def add_all(self, samples: Iterable[Sample]) -> None:
         """Add samples in order; values that the layout of the file does not have are lost."""
-        pack, rows, length = self._message.pack, self._rows, self._message.size - HEAD.size
-        last_host_s, log_ns, count = nan, 0, 0
+        pack, rows, length = self._layout.values.pack, self._rows, self._layout.message.size - HEAD.size
+        crc32, salt, number = zlib.crc32, self.salt, self.count
+        last_host_s, log_ns = nan, 0
         no_axes, no_yaw = MISSING if self.has_axes else NOTHING, NO_YAW if self.has_device_yaw else NOTHING
         for seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c, still, inertial, device_yaw in samples:
             if still != self._still and not (isnan(still) and isnan(self._still)):
-                self.add_still(self.count + count, still, t_host_s)
+                self.add_still(number, still, t_host_s)
             if t_host_s != last_host_s:  # samples that arrive together have the same time
                 last_host_s, log_ns = t_host_s, to_ns(t_host_s)
                 self._contents.add_messages(CHANNEL, 0, log_ns, log_ns)
             device_ns = int(t_device_s * 1e9) if 0.0 <= t_device_s < LATEST_S else to_ns(t_device_s)
-            rows += pack(
+            values = pack(
                 MESSAGE_OPCODE,
                 length,
                 CHANNEL,
-                seq & 0xFFFFFFFF,
+                number & 0xFFFFFFFF,
                 log_ns,
                 device_ns,
                 CDR_LITTLE_ENDIAN,
@@ -209,13 +206,14 @@ class McapWriter:
                 *(no_axes and (inertial or no_axes)),
                 *(no_yaw and (device_yaw or no_yaw)),
             )
-            count += 1
-        self._contents.counts[CHANNEL] = self.count + count
+            rows += values + (crc32(values) ^ salt).to_bytes(CRC_BYTES, "little")
+            number += 1
+        self._contents.counts[CHANNEL] = number
 
     def add_rows(self, rows: bytes, first_ns: int, last_ns: int) -> None:
         """Add many packed samples, with their earliest and latest log time."""
         self._rows += rows
-        self._contents.add_messages(CHANNEL, len(rows) // self._message.size, first_ns, last_ns)
+        self._contents.add_messages(CHANNEL, len(rows) // self._layout.message.size, first_ns, last_ns)
         self.flush()
 
     def add_message(self, topic: Topic, content: bytes, log_ns: int) -> None:
@@ -246,29 +244,24 @@ class McapWriter:
         self.flush()
         record = encoded(Metadata(name, {key: _in_utf_8(text) for key, text in table.items()}))
         self._contents.metadata.append(MetadataIndex(self._contents.size, len(record), name))
-        self._write(record)
+        self._hand_over(record)
+        self._seal(record)
         self._send()
 
     def flush(self) -> None:
         """Write everything added to the stream."""
-        rows = bytes(self._rows)
+        self._hand_over(bytes(self._rows))
         self._rows.clear()
-        table_bytes = TABLE_SAMPLES * self._message.size
-        for start in range(0, len(rows), table_bytes):
-            self._write_rows(rows[start : start + table_bytes])
         if self._others:
-            self._write(bytes(self._others))
+            self._hand_over(bytes(self._others))
+            self._seal(bytes(self._others))
             self._others.clear()
-        if self._checksums.is_due:
-            self._write_table()
         self._send()
 
     def finish(self) -> None:
         """Write the end of the file."""
         self.flush()
-        if self._checksums.is_pending:
-            self._write_table()
-        self._write_table()  # repeats the previous table
+        self._seal(b"")  # with the number of all samples
         self._send()
         self._stream.write(self._contents.end())
 
@@ -287,30 +280,20 @@ class McapWriter:
         self._contents.channels.append(channel)
         return encoded(schema) + encoded(channel)
 
-    def _write(self, content: bytes) -> None:
-        """Write records that are no samples."""
-        self._hand_over(content)
-        self._checksums.add_records(content)
-
-    def _send(self) -> None:
-        if self._out:
-            self._stream.write(bytes(self._out))
-            self._out.clear()
-
-    def _write_rows(self, rows: bytes) -> None:
-        """Write samples, at most as many as a table covers."""
-        self._hand_over(rows)
-        self._checksums.add_samples(rows, self._message.size)
-        if len(rows) == TABLE_SAMPLES * self._message.size:
-            self._write_table()
-
-    def _write_table(self) -> None:
-        self._hand_over(self._checksums.table())
+    def _seal(self, content: bytes) -> None:
+        """Queue the seal of the last bytes."""
+        self._hand_over(seal(self._seals, content, self.count, self.salt))
+        self._seals += 1
 
     def _hand_over(self, content: bytes) -> None:
         """Queue bytes for the next `_send`, which writes them in one piece."""
         self._out += content
         self._contents.add_bytes(content)
+
+    def _send(self) -> None:
+        if self._out:
+            self._stream.write(bytes(self._out))
+            self._out.clear()
 
 
 def _in_utf_8(text: str) -> str:

@@ -5,7 +5,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from gyrodrift.io.installation import extra_command
+from gyrodrift.io.installation import packages_of
 from gyrodrift.session.csv import MOST_COLUMNS
 from gyrodrift.session.tables.plan import Head
 from gyrodrift.values.errors import DataError
@@ -46,11 +46,9 @@ def parquet_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
 
 
 def _opened(path: Path) -> Any:
-    try:
+    with packages_of(path, "parquet"):
         import pyarrow as pa  # noqa: PLC0415
         import pyarrow.parquet as pq  # noqa: PLC0415
-    except ImportError as error:
-        raise DataError(f"{path}: needs the package {error.name}: {extra_command('parquet')}") from error
     try:
         return pq.ParquetFile(path)
     except (pa.ArrowException, OSError) as error:

@@ -3,14 +3,15 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gyrodrift.columns.spec import Column
 from gyrodrift.session.csv import counter, read_exact
-from gyrodrift.session.session import ACCEL_COLUMNS, AXIS_COLUMNS, DEVICE_COLUMNS, TABLE, Session
-from gyrodrift.session.tables.dialect import split
-from gyrodrift.session.tables.layout import TableLayout, layout_of
+from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS, TABLE, Session, session_of_columns
+from gyrodrift.session.tables.layout import TableLayout, layout_of, split
 from gyrodrift.session.tables.objects import is_json, json_head, json_objects, json_rows
 from gyrodrift.session.tables.parquet import parquet_head, parquet_rows
 from gyrodrift.session.tables.plan import (
@@ -25,13 +26,20 @@ from gyrodrift.session.tables.plan import (
 from gyrodrift.session.tables.question import check_header, unclear
 from gyrodrift.session.tables.rows import ColumnsRead, RowReader
 from gyrodrift.session.tables.text import Lines, opened
-from gyrodrift.session.tables.turning import rates_of, yaw_of
 from gyrodrift.session.tables.wire import wire_columns
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.constants import FULL_TURN_DEG
 from gyrodrift.values.errors import DataError
 
 PARQUET = ".parquet"
 BAD_SHARE = 0.1
 """A larger share of bad rows means that the table is misread."""
+
+NORMS = (0.9, 1.1)
+"""Norms of a unit quaternion after rounding."""
+
+MOST_DEG = 1e9
+"""Largest angle counted over many turns; larger values are skipped."""
 
 
 def read_table(path: Path, columns: Sequence[Column] | None = None) -> Session:
@@ -158,24 +166,40 @@ def _arrays(name: str, read: ColumnsRead) -> Session:
     if yaw_deg is not None:
         t_s, rate_dps = rates_of(t_s, yaw_deg)
         return _with_samples(Session(name, t_s, rate_dps))
-    seq = read.column("seq")
-    return _with_samples(
-        Session(
-            name,
-            t_s,
-            np.empty(0) if rate_dps is None else rate_dps,
-            t_host_s=read.column("t_host_s"),
-            seq=None if seq is None else counter(np.where(np.isnan(seq), -1.0, seq)),
-            encoder_deg=read.column("encoder_deg"),
-            temp_c=read.column("temp_c"),
-            still=read.column("still"),
-        )
-        .with_axes({name: read.column(name) for name in AXIS_COLUMNS})
-        .with_device_yaw({name: read.column(name) for name in DEVICE_COLUMNS})
-    )
+    columns: dict[str, NDArray[Any] | None] = {column: read.column(column) for column in COLUMNS}
+    if columns["seq"] is not None:
+        columns["seq"] = counter(columns["seq"])
+    columns["rate_dps"] = np.empty(0) if rate_dps is None else rate_dps
+    return _with_samples(session_of_columns(name, columns))
 
 
 def _with_samples(session: Session) -> Session:
     if not len(session.rate_dps):
         raise DataError(f"{session.name}: has no samples")
     return session
+
+
+def yaw_of(w: Floats, x: Floats, y: Floats, z: Floats) -> Floats:
+    """Yaw of unit quaternions, deg (z-y-x Euler angles), shape (n,); NaN for other norms."""
+    with np.errstate(all="ignore"):  # values may be no quaternion
+        norm = np.sqrt(w * w + x * x + y * y + z * z)
+        yaw_deg: Floats = np.degrees(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+    return np.where((norm >= NORMS[0]) & (norm <= NORMS[1]), yaw_deg, np.nan)
+
+
+def rates_of(t_s: Floats, angle_deg: Floats) -> tuple[Floats, Floats]:
+    """Times in s and mean rates since the previous time in deg/s, for angles that wrap.
+
+    Of equal times the last angle counts. A backward step of the clock gives NaN.
+    """
+    is_angle = np.isfinite(t_s) & (np.abs(angle_deg) <= MOST_DEG)
+    t_s, angle_deg = t_s[is_angle], angle_deg[is_angle]
+    if not len(t_s):
+        return t_s, angle_deg
+    is_last = np.append(np.diff(t_s) != 0.0, [True])
+    t_s, angle_deg = t_s[is_last], angle_deg[is_last]
+    step_s = np.diff(t_s)
+    change_deg = (np.diff(angle_deg) + 0.5 * FULL_TURN_DEG) % FULL_TURN_DEG - 0.5 * FULL_TURN_DEG
+    rate_dps = np.full(len(step_s), np.nan)
+    np.divide(change_deg, step_s, out=rate_dps, where=step_s > 0.0)
+    return t_s[1:], rate_dps

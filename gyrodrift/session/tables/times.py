@@ -8,9 +8,10 @@ from math import isfinite
 import numpy as np
 
 from gyrodrift.values.arrays import Floats
+from gyrodrift.values.constants import NS_PER_S
 
 PER_S = {"t_s": 1, "t_ms": 10**3, "t_us": 10**6, "t_ns": 10**9}
-NS_PER_S, DAY_S = 10**9, 86400
+DAY_S = 86400
 OFFSET_S = 1e8
 """A clock that starts after this counts from a date; its first stamp is subtracted before rounding."""
 

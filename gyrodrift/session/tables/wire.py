@@ -10,6 +10,7 @@ from gyrodrift.columns.ranges import MEDIAN_ACCEL_MPS2, TEMPERATURES_C
 from gyrodrift.session.session import ACCEL_COLUMNS
 from gyrodrift.session.tables.plan import Head, TableColumns, UsedColumn
 from gyrodrift.values.arrays import Floats
+from gyrodrift.values.constants import FULL_TURN_DEG
 
 FORM = "csv protocol of gyrodrift"
 TARGETS = ("t_device_s", "rate_dps", "encoder_deg", "temp_c", "still")
@@ -26,7 +27,6 @@ LEAST_ROWS = 10
 MOST = 2.0**63
 """Limit of the numbers in the first columns."""
 
-TURN_DEG = 360.0
 SHARE = 0.5
 """Largest share of the encoder motion that the integrated rate may fail to explain."""
 
@@ -103,7 +103,7 @@ def _is_level(first: Floats, last: Floats) -> bool:
 
 def _turns(table: Floats) -> bool:
     """Whether the integrated rate follows the encoder; if the encoder stands still, whether the rate does too."""
-    steps_deg = (np.diff(table[:, 2]) + 0.5 * TURN_DEG) % TURN_DEG - 0.5 * TURN_DEG
+    steps_deg = (np.diff(table[:, 2]) + 0.5 * FULL_TURN_DEG) % FULL_TURN_DEG - 0.5 * FULL_TURN_DEG
     expected_deg = table[1:, 1] * np.diff(table[:, 0]) * 1e-6
     moved_deg = float(np.ptp(np.cumsum(steps_deg)))
     if moved_deg == 0.0:

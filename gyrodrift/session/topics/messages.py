@@ -1,13 +1,11 @@
 """Reference angle of a ROS message: the heading of a pose, or the position of a joint."""
 
 import math
-from collections.abc import Sequence
 from operator import attrgetter
-from pathlib import Path
 from typing import Any, NamedTuple
 
-from gyrodrift.session.foreign.columns import NS_PER_S, WrongValueError, number, whole
-from gyrodrift.values.errors import DataError
+from gyrodrift.session.foreign.columns import WrongValueError, number, whole
+from gyrodrift.values.constants import NS_PER_S
 
 ORIENTATIONS = {
     "nav_msgs/msg/Odometry": attrgetter("pose.pose.orientation"),
@@ -55,12 +53,6 @@ def reading_of(message: Any, kind: str, joint: str, log_ns: int) -> AngleReading
     except (AttributeError, IndexError, TypeError) as error:
         raise WrongValueError(f"does not fit its type {kind}") from error
     return AngleReading((sec * NS_PER_S + nanosec) / NS_PER_S, log_ns / NS_PER_S, angle_deg)
-
-
-def no_such_topic(path: Path, topic: str, listing: Sequence[str]) -> DataError:
-    """Error for a topic without a reference angle; `listing` has the topics with one."""
-    topics = ", ".join(listing) or "none"
-    return DataError(f"{path}: {topic} has no reference angle: expected {', '.join(TYPES)}; topics with one: {topics}")
 
 
 def _heading_deg(quaternion: Any) -> float:

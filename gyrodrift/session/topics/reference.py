@@ -1,14 +1,14 @@
 """A session with the reference angle of another topic of its recording."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
 from gyrodrift.session.session import Session
 from gyrodrift.session.topics.messages import JOINTS, AngleReading
+from gyrodrift.session.topics.recordings import angle_readings, angle_topics, is_with_topics
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import DataError, UsageError
 
@@ -37,13 +37,12 @@ def with_reference(session: Session, path: Path, topic: str) -> Session:
     DataError
         The topic has no reference angle, or none at the time of the samples.
     """
-    reader = _reader_of(path)
-    if reader is None and session.encoder_deg is None:
+    if not is_with_topics(path) and session.encoder_deg is None:
         raise UsageError(f"--reference: {path} has no topics; name the angle of a table with --columns")
-    if reader is None:
+    if not is_with_topics(path):
         return replace(session, remarks=(*session.remarks, f"it has no topic {topic}: its own angle is the reference"))
     name, _, joint = topic.partition(":")
-    kind, readings = reader.readings(path, name, joint)
+    kind, readings = angle_readings(path, name, joint)
     if len(readings) < LEAST_READINGS:
         raise DataError(f"{path}: has {len(readings)} messages on {name}; a reference needs {LEAST_READINGS}")
     t_s, remark = _times_of(session, readings)
@@ -71,8 +70,7 @@ def at_samples(t_s: Floats, read_s: Floats, angle_deg: Floats) -> Floats:
 
 def question_of(path: Path) -> str:
     """How to name the reference of a recording: its topics with an angle; empty without any."""
-    reader = _reader_of(path)
-    topics = reader.topics(path) if reader else []
+    topics = angle_topics(path) if is_with_topics(path) else []
     return f"choose its reference with --reference TOPIC: {', '.join(topics)}" if topics else ""
 
 
@@ -85,23 +83,3 @@ def _times_of(session: Session, readings: Sequence[AngleReading]) -> tuple[Float
     is_inside = (logged_s >= session.t_host_s[0]) & (logged_s <= session.t_host_s[-1])
     t_s = np.where(is_inside, np.interp(logged_s, session.t_host_s, session.t_device_s), stamp_s)
     return t_s, ", by the times of logging: its stamps are of another clock"
-
-
-class _TopicReader(NamedTuple):
-    """Functions of a format: topics with an angle, and type and readings of a topic and joint."""
-
-    topics: Callable[[Path], list[str]]
-    readings: Callable[[Path, str, str], tuple[str, list[AngleReading]]]
-
-
-def _reader_of(path: Path) -> _TopicReader | None:
-    """Reader of the topics of a recording; None for a table, which has none."""
-    if path.suffix.lower() == ".mcap":
-        from gyrodrift.session.topics.mcap import mcap_readings, mcap_topics  # noqa: PLC0415 - imported when it is read
-
-        return _TopicReader(mcap_topics, mcap_readings)
-    if path.is_dir() or path.suffix.lower() in (".bag", ".db3"):
-        from gyrodrift.session.topics.bag import bag_readings, bag_topics  # noqa: PLC0415 - as above
-
-        return _TopicReader(bag_topics, bag_readings)
-    return None

@@ -1,21 +1,19 @@
 """Damage to a closed recording: it is found, told with the samples it costs, and everything else is read."""
 
 import io
+import struct
 from pathlib import Path
 
 import numpy as np
 import pytest
-from fuzz.command import CORPUS
-from fuzz.damage_target import changed_recording
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader
 
 from gyrodrift.session.damage import DamagedError
-from gyrodrift.session.mcap.checksums import MARKER, PIECE_SAMPLES
-from gyrodrift.session.mcap.interrupted import is_closed
-from gyrodrift.session.mcap.layout import CLOSED_TAIL, CLOSED_TAIL_BYTES, MESSAGE
+from gyrodrift.session.mcap.ending import DATA_END, is_closed
+from gyrodrift.session.mcap.layout import CLOSED_TAIL, CLOSED_TAIL_BYTES, MESSAGE, SAMPLE_HEAD, SEAL_START
 from gyrodrift.session.mcap.read import read_mcap
 from gyrodrift.session.mcap.repair import repair
 from gyrodrift.session.mcap.write import McapWriter
@@ -25,14 +23,15 @@ from gyrodrift.values.sample import Sample
 
 COUNT, FLUSHED = 1000, 25
 BLOCK = 4096
+RATE_OFFSET = struct.calcsize(SAMPLE_HEAD + "qdd")
 COLUMNS = ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg", "temp_c")
 patient = settings(deadline=None, max_examples=60)
 
 
-def recording(*, is_finished: bool = True) -> bytes:
+def recording(*, is_finished: bool = True, device_id: str = "bench") -> bytes:
     """A recording at 100 Hz, flushed four times a second, with events and raw bytes between its samples."""
     stream = io.BytesIO()
-    writer = McapWriter(stream, {"device": {"device_id": "bench"}})
+    writer = McapWriter(stream, {"device": {"device_id": device_id}})
     dice = np.random.default_rng(1)
     for number, rate_dps in enumerate(dice.normal(0.0, 10.0, COUNT).tolist()):
         still = float(number // 300 % 2)
@@ -48,6 +47,8 @@ def recording(*, is_finished: bool = True) -> bytes:
 
 
 WHOLE = recording()
+EARLIER = Path(__file__).parent / "earlier"
+"""Recordings of 100 samples by a version that wrote tables of checksums."""
 
 
 def loaded(folder: Path, content: bytes, *, allow_damage: bool = False) -> Session:
@@ -92,17 +93,56 @@ def test_a_damaged_block_costs_the_samples_in_it_and_no_others(tmp_path: Path, w
     assert session.seq is not None
     assert session.seq[-1] == COUNT - 1
     missing = np.setdiff1d(np.arange(COUNT), session.seq)
-    assert sum(each.count or 0 for each in damage.lost) == len(missing) <= BLOCK // MESSAGE.size + 2 * PIECE_SAMPLES
+    assert sum(each.count or 0 for each in damage.lost) == len(missing) <= BLOCK // MESSAGE.size + 2
     assert damage.lost_seconds == pytest.approx(len(missing) / 100)
     assert damage.kept == COUNT - len(missing)
     assert damage.lost[0].first == missing[0]
 
 
-def test_one_flipped_bit_of_a_rate_costs_the_samples_that_share_its_checksum(tmp_path: Path, whole: Session) -> None:
-    """Nothing but a checksum shows it: the record is laid out as ever."""
-    session = loaded(tmp_path, flipped(WHOLE.index(whole.rate_dps[500].tobytes()), 3), allow_damage=True)
+def test_one_flipped_bit_of_a_rate_costs_that_sample(tmp_path: Path, whole: Session) -> None:
+    """Nothing but its checksum shows it: the record is laid out as ever."""
+    content = flipped(WHOLE.index(whole.rate_dps[500].tobytes()), 3)
+    with pytest.raises(DamagedError, match=r"lost is sample 500 \(0.01 s, at 5.00 s\); 999 samples are whole"):
+        loaded(tmp_path, content)
+    session = loaded(tmp_path, content, allow_damage=True)
     assert are_original(session, whole)
-    assert COUNT - PIECE_SAMPLES <= len(session.rate_dps) < COUNT
+    assert session.seq is not None
+    assert np.setdiff1d(np.arange(COUNT), session.seq).tolist() == [500]
+
+
+def test_a_lost_sample_is_told_by_its_number_in_the_file(tmp_path: Path) -> None:
+    """Whatever the device counts; and a lost event is told with nothing else."""
+    stream = io.BytesIO()
+    writer = McapWriter(stream)
+    writer.add_all(Sample(-1 if number < 5 else 70_000, number / 100, 1.7e9, 0.5 + number) for number in range(10))
+    writer.add_event("gap", 1.7e9, {"missing": 1})
+    writer.finish()
+    content = stream.getvalue()
+    with pytest.raises(DamagedError, match=r"lost is sample 7 .* 9 samples are whole"):
+        loaded(tmp_path, flipped(content.index(struct.pack("<d", 7.5)), 1, content))
+    with pytest.raises(DamagedError, match=r"records other than samples are lost .*; no sample is lost; 10 samples"):
+        loaded(tmp_path, flipped(content.index(b"missing"), 1, content))
+
+
+@pytest.mark.parametrize("kind", ["twice", "moved"])
+def test_records_in_another_place_are_read_in_their_order(tmp_path: Path, whole: Session, kind: str) -> None:
+    """No checksum depends on its place."""
+    content = damaged(WHOLE, WHOLE.index(whole.rate_dps[500].tobytes()) - RATE_OFFSET, 2 * MESSAGE.size, kind)
+    with pytest.raises(DamagedError, match="no sample is lost"):
+        loaded(tmp_path, content)
+    session = loaded(tmp_path, content, allow_damage=True)
+    assert are_original(session, whole)
+    assert len(session.rate_dps) == COUNT
+
+
+def test_samples_of_another_recording_are_none_of_this_one(tmp_path: Path, whole: Session) -> None:
+    """As a disk may give them; their checksums are right, and their numbers would fit."""
+    stranger = recording(device_id="shelf")
+    start = WHOLE.index(whole.rate_dps[400].tobytes()) // BLOCK * BLOCK
+    session = loaded(tmp_path, damaged_at(start, stranger[start : start + BLOCK]), allow_damage=True)
+    assert session.damage is not None
+    assert session.damage.lost_count > 40
+    assert are_original(session, whole)
 
 
 def flipped(place: int, bit: int, content: bytes = WHOLE) -> bytes:
@@ -175,11 +215,26 @@ def test_whatever_is_done_to_a_recording_is_told_or_harmless(
     content = WHOLE
     for place, size, kind in done:
         content = damaged(content, place, size, kind)
-    if not content.startswith(WHOLE[:8]) and MARKER not in content:
+    if not content.startswith(WHOLE[:8]) and SEAL_START not in content:
         return  # nothing shows that it was a recording
     if len(done) > 1 and content[-CLOSED_TAIL_BYTES:][: len(CLOSED_TAIL)] != CLOSED_TAIL:
         return  # as good as interrupted: its last records are not watched over yet
     assert_told_or_whole(folder, content, whole)
+
+
+def test_bytes_of_a_device_that_look_like_samples_are_none(tmp_path: Path) -> None:
+    """Though they are more than the samples, and have right checksums of another recording; also after a kill."""
+    stream, forged = io.BytesIO(), recording(device_id="forger", is_finished=False)
+    writer = McapWriter(stream, {"device": {"device_id": "bench"}})
+    for number in range(10):
+        writer.add(Sample(number, number / 100, 1.7e9, 0.5))
+        writer.add_read(forged, 1.7e9)
+        writer.flush()
+    for content in (stream.getvalue(), flipped(len(stream.getvalue()) // 2, 1, stream.getvalue())):
+        session = loaded(tmp_path, content, allow_damage=True)
+        assert session.seq is not None
+        assert session.seq.tolist() == list(range(10))
+        assert (session.rate_dps == 0.5).all()
 
 
 def test_what_was_said_of_rest_stays_with_its_samples(tmp_path: Path, whole: Session) -> None:
@@ -195,16 +250,17 @@ def test_what_was_said_of_rest_stays_with_its_samples(tmp_path: Path, whole: Ses
 
 
 def test_a_flipped_bit_in_an_interrupted_recording_is_told_too(tmp_path: Path, whole: Session) -> None:
-    """Where its tables reach; without damage it loads as ever."""
+    """Up to its last sample; without damage it loads as ever."""
     content = recording(is_finished=False)
     assert len(loaded(tmp_path, content).rate_dps) == COUNT
     assert len(loaded(tmp_path, content[:-30]).rate_dps) == COUNT
-    place = content.index(whole.rate_dps[500].tobytes())
-    with pytest.raises(DamagedError, match="lost are samples"):
-        loaded(tmp_path, flipped(place, 2, content))
+    for number in (500, COUNT - 1):
+        place = content.index(whole.rate_dps[number].tobytes())
+        with pytest.raises(DamagedError, match=f"lost is sample {number} "):
+            loaded(tmp_path, flipped(place, 2, content))
 
 
-def test_public_readers_take_the_tables_as_they_are() -> None:
+def test_public_readers_take_the_seals_as_they_are() -> None:
     """They pass over records of applications, with all checksums on."""
     records = list(StreamReader(io.BytesIO(WHOLE), validate_crcs=True).records)
     assert type(records[-1]).__name__ == "Footer"
@@ -213,9 +269,9 @@ def test_public_readers_take_the_tables_as_they_are() -> None:
 
 
 def test_a_repair_without_checksums_is_told_each_time_the_file_is_read(tmp_path: Path) -> None:
-    """A copied block makes samples come twice; a second repair does not take the remark away."""
+    """A second repair does not take the remark away."""
     path = tmp_path / "d.mcap"
-    path.write_bytes(changed_recording((CORPUS / "damage" / "copied-block-of-samples").read_bytes()))
+    path.write_bytes((EARLIER / "one_axis.mcap").read_bytes().replace(b"gdcrc", b"xxxxx"))
     assert repair(path) is not None
     session = read_mcap(path)
     assert session.damage is None
@@ -226,9 +282,44 @@ def test_a_repair_without_checksums_is_told_each_time_the_file_is_read(tmp_path:
 
 
 def test_samples_before_bytes_that_are_no_record_are_not_called_whole(tmp_path: Path) -> None:
-    """The last checksum table may have been among these bytes."""
+    """Nothing says what these bytes were."""
     damage = loaded(tmp_path, WHOLE[: len(WHOLE) // 2] + b"\x07" * 3000, allow_damage=True).damage
     assert damage is not None
     assert not damage.is_sure
     assert "no checksum says which samples are damaged" in str(damage)
     assert str(damage).endswith("samples are there")
+
+
+@pytest.mark.parametrize("name", ["one_axis", "three_axes_and_yaw"])
+@pytest.mark.parametrize("kind", ["flip", "zeros", "missing", "twice"])
+def test_damage_in_a_recording_of_an_earlier_version_is_told_by_sample(tmp_path: Path, name: str, kind: str) -> None:
+    """Its tables have a checksum for 24 samples; a repair gives a file of this version."""
+    path, content = tmp_path / "s.mcap", (EARLIER / f"{name}.mcap").read_bytes()
+    whole = loaded(tmp_path, content)
+    assert len(whole.rate_dps) == 100
+    path.write_bytes(damaged(content, len(content) // 2, 0 if kind == "flip" else 512, kind))
+    with pytest.raises(DamagedError, match=r"lost are samples 50 to 73 \(0.24 s, at 0.50 s\); 76 samples are whole"):
+        read_mcap(path)
+    kept = read_mcap(path, allow_damage=True)
+    assert are_original(kept, whole)
+    repaired = repair(path)
+    assert repaired is not None
+    assert repaired.samples == len(kept.rate_dps)
+    assert b"uint32 crc32" in path.read_bytes()
+    after = read_mcap(path)
+    assert after.damage is None
+    for column in (*COLUMNS, "device_yaw_deg"):
+        assert np.array_equal(after.filled(column), kept.filled(column), equal_nan=True)
+
+
+@pytest.mark.parametrize("name", ["one_axis", "three_axes_and_yaw"])
+def test_an_interrupted_recording_of_an_earlier_version_is_closed(tmp_path: Path, name: str) -> None:
+    """At any byte of its last records."""
+    path, content = tmp_path / "s.mcap", (EARLIER / f"{name}.mcap").read_bytes()
+    for length in range(len(content) - 2500, content.rindex(DATA_END), 61):
+        path.write_bytes(content[:length])
+        samples = len(read_mcap(path).rate_dps)
+        repaired = repair(path)
+        assert repaired is not None
+        assert (repaired.samples, repaired.damage, repaired.tail) == (samples, None, None)
+        assert len(read_mcap(path).rate_dps) == samples > 70

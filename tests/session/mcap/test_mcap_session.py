@@ -4,6 +4,7 @@ import io
 import json
 import os
 import struct
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -17,9 +18,9 @@ from mcap_ros2.decoder import DecoderFactory
 
 from gyrodrift.cli import main
 from gyrodrift.session.mcap import walk
-from gyrodrift.session.mcap.layout import CLOSED_TAIL_BYTES, HEAD, MESSAGE, STILLS
+from gyrodrift.session.mcap.layout import CLOSED_TAIL_BYTES, HEAD, LAYOUTS, MESSAGE, STILLS
 from gyrodrift.session.mcap.read import add_chunk, read_mcap
-from gyrodrift.session.mcap.walk import ROW
+from gyrodrift.session.mcap.rows import ROWS, Rows, checksums
 from gyrodrift.session.mcap.write import MESSAGE_HEAD, McapWriter
 from gyrodrift.session.session import Session
 from gyrodrift.values.errors import DataError
@@ -55,9 +56,20 @@ def steady(count: int) -> list[Sample]:
     return [Sample(i, i / 100, 1.7e9 + i / 100, 0.5 * i, 0.1 * i, 25.0) for i in range(count)]
 
 
-def test_a_message_has_one_size_for_writer_and_reader() -> None:
+@pytest.mark.parametrize("kind", LAYOUTS)
+def test_a_message_has_one_size_for_writer_and_reader(kind: tuple[bool, bool, bool]) -> None:
     """The two descriptions of it agree."""
-    assert MESSAGE.size == ROW.itemsize == 83
+    has_axes, has_device_yaw, has_checksum = kind
+    size = 83 + 48 * has_axes + 24 * has_device_yaw + 4 * has_checksum
+    assert LAYOUTS[kind].message.size == ROWS[kind].itemsize == size
+
+
+@given(st.binary(min_size=1, max_size=4000))
+def test_checksums_of_rows_are_those_of_their_bytes(content: bytes) -> None:
+    """Of any bytes, whole rows of them."""
+    for row in ROWS.values():
+        rows = np.frombuffer(content.ljust(row.itemsize, b"x"), row, max(1, len(content) // row.itemsize))
+        assert checksums(rows).tolist() == [zlib.crc32(each.tobytes()[:-4]) for each in rows]
 
 
 @given(samples)
@@ -195,7 +207,7 @@ def test_samples_that_take_turns_with_reads_are_looked_at_once(tmp_path: Path, m
     looked_at: list[int] = []
     run_length = walk._run_length
 
-    def counted(rows: walk.Rows) -> int:
+    def counted(rows: Rows) -> int:
         looked_at.append(len(rows))
         return run_length(rows)
 

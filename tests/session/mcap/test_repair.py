@@ -20,8 +20,8 @@ from mcap.writer import Writer
 
 from gyrodrift.cli import main
 from gyrodrift.session.files import session_paths
-from gyrodrift.session.mcap import interrupted as looking
-from gyrodrift.session.mcap.interrupted import interrupted
+from gyrodrift.session.mcap import ending as looking
+from gyrodrift.session.mcap.ending import interrupted
 from gyrodrift.session.mcap.layout import MESSAGE
 from gyrodrift.session.mcap.raw import raw_size, read_raw
 from gyrodrift.session.mcap.read import read_mcap
@@ -377,6 +377,32 @@ def test_a_sample_that_ends_in_zeros_of_a_power_cut_is_not_made_up(tmp_path: Pat
         assert done is not None
         assert (done.samples, done.tail) == (whole - 1, None)
         assert [sequence for sequence, _ in public(path)] == list(range(whole - 1))
+
+
+def test_a_whole_sample_before_zeros_of_a_power_cut_is_kept(tmp_path: Path) -> None:
+    """Also if its own last bytes are zeros."""
+    path, count = tmp_path / "s.mcap", 0
+    for first in range(600):
+        stream = io.BytesIO()
+        writer = McapWriter(stream)
+        writer.add_all(sample(first + number) for number in range(2))
+        writer.flush()
+        count += stream.getvalue().endswith(b"\0")
+        if stream.getvalue().endswith(b"\0"):
+            path.write_bytes(stream.getvalue() + bytes(4096))
+            assert len(read_mcap(path).rate_dps) == 2
+            assert repair(path) is not None
+            assert len(public(path)) == 2
+    assert count
+
+
+def test_a_read_that_ends_in_zeros_of_a_power_cut_is_not_made_up(tmp_path: Path) -> None:
+    """Its whole bytes may be zeros, so the zeros behind it count as missing."""
+    path = tmp_path / "s.mcap"
+    path.write_bytes(written()[: written().rindex(b"x" * 19) + 5] + bytes(4096))
+    assert [len(read.content) for read in read_raw(path)] == [4, 9, 14]
+    assert repair(path) is not None
+    assert [len(read.content) for read in read_raw(path)] == [4, 9, 14]
 
 
 def record_end(content: bytes) -> int:
