@@ -2,13 +2,14 @@
 
 import json
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
 from math import isnan
-from typing import Annotated, Any
+from types import NoneType, UnionType
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 from gyrodrift.outputs.device_frame import UNTURNED, DeviceFrame
-from gyrodrift.outputs.foxglove_schemas import POSE_SCHEMA, SAMPLE_SCHEMA, schema_of
+from gyrodrift.outputs.fields import CHOICES
 from gyrodrift.outputs.foxglove_session import FoxgloveChannel, FoxgloveSession, Parameters, opening
 from gyrodrift.outputs.json_line import json_line
 from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
@@ -20,6 +21,51 @@ from gyrodrift.values.sample import Corrected
 
 SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
 """Present and former name of the protocol; the app and its forks request one or both."""
+
+TYPES = {int: "integer", float: "number", str: "string", bool: "boolean", dict: "object"}
+NUMBER: dict[str, Any] = {"type": "number"}
+NUMBERS = {"type": "array", "items": NUMBER}
+
+
+def _object(properties: Mapping[str, Any]) -> dict[str, Any]:
+    """Schema of an object. Unknown values are omitted, so no property is required."""
+    return {"type": "object", "properties": dict(properties)}
+
+
+def schema_of(title: str, record: type[Any]) -> dict[str, Any]:
+    """Schema of a dataclass of plain values."""
+    hints = get_type_hints(record)
+    return {"title": title, **_object({field.name: {"type": _type_of(hints[field.name])} for field in fields(record)})}
+
+
+def _type_of(hint: Any) -> str:
+    if isinstance(hint, UnionType):
+        hint = next(option for option in get_args(hint) if option is not NoneType)
+    return TYPES[get_origin(hint) or hint]
+
+
+SAMPLE_SCHEMA = {
+    "title": "gyrodrift.Sample",
+    **_object(
+        {
+            name: NUMBERS if field.is_list else {"type": "number" if field.decimals else "integer"}
+            for name, field in CHOICES.items()
+        }
+    ),
+}
+
+VECTOR, QUATERNION = (_object(dict.fromkeys(names, NUMBER)) for names in ("xyz", "xyzw"))
+POSE_SCHEMA = {
+    "title": "foxglove.PoseInFrame",
+    **_object(
+        {
+            "timestamp": _object({"sec": {"type": "integer"}, "nsec": {"type": "integer"}}),
+            "frame_id": {"type": "string"},
+            "pose": _object({"position": VECTOR, "orientation": QUATERNION}),
+        }
+    ),
+}
+"""Schema that the app draws as a pose; source: schemas/jsonschema/PoseInFrame.json of foxglove/foxglove-sdk."""
 
 SAMPLE = FoxgloveChannel(1, "/gyro/sample", SAMPLE_SCHEMA)
 STATE = FoxgloveChannel(2, "/gyro/state", schema_of("gyrodrift.State", FilterStatus))

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from gyrodrift import __version__
-from gyrodrift.outputs.json_line import NAMES, chosen_line, json_line
+from gyrodrift.outputs.fields import CHOICES
+from gyrodrift.outputs.json_line import chosen_line, json_line
 from gyrodrift.outputs.net.json_input import parse_json
 from gyrodrift.outputs.net.lines import LineClient
 from gyrodrift.outputs.thinning import Thinning
@@ -25,7 +26,7 @@ WATCH_KEYS = ("class", "rate_hz", "fields")
 
 def hello() -> bytes:
     """First line of a connection."""
-    return _line({"class": "HELLO", "program": "gyrodrift", "version": __version__, "fields": list(NAMES)})
+    return _line({"class": "HELLO", "program": "gyrodrift", "version": __version__, "fields": list(CHOICES)})
 
 
 def event_line(event: str, fields: Any) -> bytes:
@@ -88,19 +89,19 @@ class JsonSession:
         rate_hz, fields = request.get("rate_hz"), request.get("fields", [])
         if rate_hz is not None and not (_is_number(rate_hz) and 0.0 < rate_hz <= 1e6):
             raise ValueError("rate_hz: expected a number above 0, up to 1000000, in Hz")
-        if not isinstance(fields, list) or len(fields) > len(NAMES):
+        if not isinstance(fields, list) or len(fields) > len(CHOICES):
             raise ValueError("fields: expected a list of names")
         for name in fields:
             _check_field(name)
         self._thinning = Thinning(rate_hz) if rate_hz else None
         self._fields = fields
-        self.client.send(_line({"class": "WATCH", "rate_hz": rate_hz, "fields": fields or list(NAMES)}))
+        self.client.send(_line({"class": "WATCH", "rate_hz": rate_hz, "fields": fields or list(CHOICES)}))
 
 
 def _check_field(name: object) -> None:
-    if isinstance(name, str) and name in NAMES:
+    if isinstance(name, str) and name in CHOICES:
         return
-    meant = did_you_mean(str(name), NAMES) or f"there are {', '.join(NAMES)}"
+    meant = did_you_mean(str(name), CHOICES) or f"there are {', '.join(CHOICES)}"
     raise ValueError(f"fields: {_shown(str(name).encode())} is no field; {meant}")
 
 

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Protocol, TypeVar
 from annotated_types import MaxLen, MinLen
 
 from gyrodrift.outputs.device_frame import UNTURNED, DeviceFrame
-from gyrodrift.outputs.json_line import FIELDS
+from gyrodrift.outputs.fields import OF_EVERY_DEVICE, OF_THREE_AXES, Use, fields_of
 from gyrodrift.outputs.measured_time import MeasuredTime
 from gyrodrift.outputs.networktables_robot import RobotTables
 from gyrodrift.outputs.networktables_server import ServedTables
@@ -24,14 +24,12 @@ from gyrodrift.values.sample import Attitude, Corrected
 
 T = TypeVar("T")
 
-VALUES = ("yaw_deg", "corrected_dps", "yaw_sigma_deg", "bias_dps", "heading_deg", "temp_c")
+VALUES = {field.name: field.number for field in fields_of(Use.TOPIC, OF_EVERY_DEVICE)}
 TOPICS = {**dict.fromkeys((*VALUES, "time_s"), "double"), "connected": "boolean"}
 """Type of each topic of the table."""
 
-TILT_TOPICS = {
-    **dict.fromkeys(("roll_deg", "pitch_deg", "tilt_deg", "tilt_sigma_deg"), "double"),
-    "rotation": "struct:Rotation3d",
-}
+TILT_VALUES = {field.name: field.number for field in fields_of(Use.TOPIC, OF_THREE_AXES)}
+TILT_TOPICS = {**dict.fromkeys(TILT_VALUES, "double"), "rotation": "struct:Rotation3d"}
 """Further topics of a device with three axes; other devices do not have them."""
 
 ROTATION = Struct("<4d")
@@ -161,7 +159,7 @@ class NetworkTablesOutput(Output[NetworkTablesOptions]):
 
     def _publish(self, sample: Corrected) -> None:
         measured_s = self._clock.of(sample.sample.t_device_s)
-        values: dict[str, TopicValue] = {name: FIELDS[name](sample) for name in VALUES}
+        values: dict[str, TopicValue] = {name: of(sample) for name, of in VALUES.items()}
         values["time_s"] = measured_s + self._tables.server_offset_s()
         if sample.attitude is not None:
             values |= self._tilt(sample, sample.attitude)
@@ -174,13 +172,7 @@ class NetworkTablesOutput(Output[NetworkTablesOptions]):
             self._has_tilt = True
             self._tables.add(self._named(TILT_TOPICS), SCHEMAS)
         q = self._mount.attitude(attitude, sample.yaw_deg, sample.yaw_deg)
-        return {
-            "roll_deg": attitude.roll_deg,
-            "pitch_deg": attitude.pitch_deg,
-            "tilt_deg": attitude.tilt_deg,
-            "tilt_sigma_deg": attitude.tilt_sigma_deg,
-            "rotation": ROTATION.pack(*q),
-        }
+        return {name: of(sample) for name, of in TILT_VALUES.items()} | {"rotation": ROTATION.pack(*q)}
 
     def _say_connected(self, *, is_connected: bool) -> None:
         self._tables.publish(self._named({"connected": is_connected}))

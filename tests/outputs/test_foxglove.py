@@ -16,7 +16,7 @@ from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
-from gyrodrift.outputs.foxglove_schemas import POSE_SCHEMA
+from gyrodrift.outputs.foxglove import POSE_SCHEMA
 from gyrodrift.outputs.foxglove_session import FoxgloveSession
 from gyrodrift.outputs.net.websocket import WebSocketClient
 from gyrodrift.outputs.status import ConfigStatus, ServiceStatus

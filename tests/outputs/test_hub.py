@@ -16,7 +16,7 @@ from outputs_support import HubThread, Reader, connected, corrected, hub
 from support import PATIENCE_S
 
 from gyrodrift import __version__
-from gyrodrift.outputs.json_line import FIELDS, NAMES
+from gyrodrift.outputs.fields import CHOICES, OF_EVERY_DEVICE
 from gyrodrift.outputs.line_session import JsonSession
 from gyrodrift.outputs.status import MOST_CLIENTS, ClientStatus
 from gyrodrift.outputs.udp import UdpOutput
@@ -51,11 +51,11 @@ def test_a_client_gets_hello_and_then_samples(outputs: HubThread, tcp: Address) 
     """With every field that is known."""
     with connected(tcp) as client:
         hello = client.json()
-        assert hello == {"class": "HELLO", "program": "gyrodrift", "version": __version__, "fields": list(NAMES)}
+        assert hello == {"class": "HELLO", "program": "gyrodrift", "version": __version__, "fields": list(CHOICES)}
         outputs.samples([corrected(seq) for seq in range(300)])
         samples = [client.json() for _ in range(300)]
     assert [each["seq"] for each in samples] == list(range(300))
-    assert set(samples[0]) == {"class", *FIELDS} - {"t_host_s", "raw_yaw_deg"}
+    assert set(samples[0]) == {"class", *(field.name for field in OF_EVERY_DEVICE)} - {"t_host_s", "raw_yaw_deg"}
 
 
 def test_a_client_asks_for_a_rate_and_for_fields(outputs: HubThread, tcp: Address) -> None:
