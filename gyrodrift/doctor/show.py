@@ -4,10 +4,10 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from enum import Enum
-from math import isfinite
 from typing import TYPE_CHECKING, Any, TextIO
 
 from gyrodrift.doctor.finding import DeviceFinding, Severity, worst
+from gyrodrift.io.json_numbers import finite
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -107,7 +107,10 @@ def counted(findings: Sequence[DeviceFinding]) -> str:
 
 def as_json(source: str, findings: Sequence[DeviceFinding], extra: Mapping[str, Any] | None = None) -> str:
     """One JSON object on one line, with the keys of `extra` at its end; a value that is not finite is null."""
-    rows = [asdict(finding) | {"value": _finite(finding.value)} for finding in findings]
+    rows = [
+        asdict(finding) | {"value": None if finding.value is None else finite(float(finding.value))}
+        for finding in findings
+    ]
     keys = ("id", "severity", "says", "do", "value", "unit")
     report: dict[str, Any] = {
         "source": source,
@@ -115,7 +118,3 @@ def as_json(source: str, findings: Sequence[DeviceFinding], extra: Mapping[str, 
         "findings": [{key: row[key] for key in keys} for row in rows],
     }
     return json.dumps(report | dict(extra or {}), ensure_ascii=False, allow_nan=False)
-
-
-def _finite(value: float | None) -> float | None:
-    return None if value is None or not isfinite(value) else float(value)

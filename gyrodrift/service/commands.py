@@ -8,12 +8,12 @@ from typing import Any
 
 from gyrodrift.outputs.output import ControlAccess
 from gyrodrift.outputs.web.address import WEB, AddressError, page_url
+from gyrodrift.service.config_follower import ConfigFollower
 from gyrodrift.service.control import CommandError, ControlCommand, Later, number
-from gyrodrift.service.filtering import Filtering
 from gyrodrift.service.guided import GuidedCalibration
+from gyrodrift.service.loop import RestWord
 from gyrodrift.service.recording_switch import RecordingSwitch
 from gyrodrift.service.reporting import Reporting
-from gyrodrift.service.rest_word import RestWord
 from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.source_lines import SourceLines
 from gyrodrift.service.stdout import JsonLines
@@ -40,7 +40,7 @@ class ServiceCommands:
         Token of the live page.
     """
 
-    filtering: Filtering
+    follower: ConfigFollower
     stdout: JsonLines | SourceLines | None
     reporting: Reporting
     stop: StopSignal
@@ -67,22 +67,22 @@ class ServiceCommands:
 
     def _zero(self, words: list[str]) -> Mapping[str, Any]:
         _check_empty(words, "zero")
-        self.filtering.zero()
+        self.follower.pipeline.zero()
         self.reporting.feed.hear("yaw_zeroed", {})
-        return {"yaw_deg": self.filtering.yaw_deg}
+        return {"yaw_deg": self.follower.pipeline.yaw_deg}
 
     def _heading(self, words: list[str]) -> Mapping[str, Any]:
         heading_deg = number(words, "heading DEG, clockwise from north") % 360.0
-        self.filtering.set_heading(heading_deg)
+        self.follower.pipeline.set_heading(heading_deg)
         self.reporting.feed.hear("heading_set", {"heading_deg": heading_deg})
         return {"heading_deg": heading_deg}
 
     def _rest(self, words: list[str]) -> Mapping[str, Any]:
         if words not in (["0"], ["1"], [NO_REST_WORD]):
             raise CommandError(f"expected rest 0 or rest 1, or rest {NO_REST_WORD} to end it")
-        witness = self.filtering.witness
+        witness = self.follower.pipeline.witness
         if witness is None:
-            raise CommandError(f"the filter {self.filtering.filter.name} takes no witness of rest")
+            raise CommandError(f"the filter {self.follower.pipeline.filter.name} takes no witness of rest")
         still = None if words == [NO_REST_WORD] else float(words[0])
         is_new = self.word.still != still
         self.word.still = nan if still is None else still
@@ -154,9 +154,9 @@ class ServiceCommands:
 
     def _reload(self, words: list[str]) -> Later:
         _check_empty(words, "reload")
-        if self.filtering.watch is None:
+        if self.follower.watch is None:
             raise CommandError("the service runs without --config")
-        pending_changes = self.filtering.reload(self.filtering.watch)
+        pending_changes = self.follower.reload(self.follower.watch)
 
         def answer() -> Mapping[str, Any] | None:
             try:

@@ -1,10 +1,15 @@
 """Receivers of samples as they arrive, before the filter and behind it."""
 
+from collections.abc import Mapping
 from typing import Any, Protocol, TypeVar
 
-from gyrodrift.values.sample import Sample
+from gyrodrift.values.sample import Corrected, Sample
 
 T = TypeVar("T")
+
+
+class ReaderGoneError(Exception):
+    """The reader has closed the pipe or the terminal."""
 
 
 class Listener(Protocol[T]):
@@ -28,4 +33,21 @@ class Listener(Protocol[T]):
 
 
 SampleListener = Listener[Sample]
-"""A receiver of samples as measured: the filter, a recorder, a live line."""
+"""A receiver of samples as measured: the pipeline, a recorder, a live line."""
+
+
+class Sink(Listener[Corrected], Protocol):
+    """Takes corrected samples and writes as many as the reader takes now; raises ReaderGoneError if it is closed."""
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether the service must continue for this sink alone."""
+        ...
+
+    def wakes(self) -> Mapping[int, int]:
+        """Descriptors to wait for, with the events of `poll`; when one is ready, `take` is called."""
+        ...
+
+    def finish(self) -> None:
+        """Begin to end, without waiting; `close` waits."""
+        ...

@@ -10,7 +10,7 @@ from typing import Any
 
 from gyrodrift.io.unwaiting import send_unwaiting
 from gyrodrift.link.link import Link
-from gyrodrift.service.sink import ReaderGoneError
+from gyrodrift.service.listener import ReaderGoneError
 from gyrodrift.values.errors import printable
 from gyrodrift.values.sample import Attitude, Corrected
 

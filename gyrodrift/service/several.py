@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.io.waiting import POLLIN
+from gyrodrift.service.listener import ReaderGoneError
 from gyrodrift.service.loop import Service, Waiting, freeze_collector
 from gyrodrift.service.signals import StopSignal
-from gyrodrift.service.sink import ReaderGoneError
 from gyrodrift.values.errors import LinkError
 from gyrodrift.values.secret import without_secrets
 

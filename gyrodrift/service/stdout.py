@@ -18,7 +18,7 @@ from gyrodrift.io.unwaiting import send_unwaiting
 from gyrodrift.io.waiting import POLLOUT, new_poller
 from gyrodrift.outputs.json_line import json_line
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.service.sink import ReaderGoneError
+from gyrodrift.service.listener import ReaderGoneError
 from gyrodrift.values.sample import Corrected
 
 STDOUT = 1
