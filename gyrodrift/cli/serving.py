@@ -66,8 +66,8 @@ def service_of(arguments: argparse.Namespace, parts: ServiceParts, specs: "list[
     link, events, log, watch = parts.link, parts.events, parts.log, parts.watch
     sink, stdout = parts.sinks
     chosen = FILTERS[arguments.filter or DEFAULT.name]
-    given = (None, "defaults") if watch is None else (watch.config, str(watch.path))
-    pipeline = Pipeline(link, [sink], log, *given, chosen=chosen, axes=arguments.axes)
+    config, source = (None, "defaults") if watch is None else (watch.config, str(watch.path))
+    pipeline = Pipeline(link, [sink], log, config, source, chosen, arguments.axes)
     follower = ConfigFollower(pipeline, watch)
     events.listeners.append(pipeline.hear)
     recording = _recording(arguments, follower, events, log)

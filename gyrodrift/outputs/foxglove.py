@@ -14,8 +14,8 @@ from gyrodrift.outputs.foxglove_session import FoxgloveChannel, FoxgloveSession,
 from gyrodrift.outputs.json_line import json_line
 from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
-from gyrodrift.outputs.output import Output, OutputHost
-from gyrodrift.outputs.status import ClientStatus, ConfigStatus, FilterStatus, LinkStatus, ServiceStatus
+from gyrodrift.outputs.output import OutputHost, ServerOutput
+from gyrodrift.outputs.status import ConfigStatus, FilterStatus, LinkStatus, ServiceStatus
 from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.values.sample import Corrected
 
@@ -90,7 +90,7 @@ class FoxgloveOptions:
     rate_hz: Annotated[Rate, About("at most this many samples a second of device time")] = None
 
 
-class FoxgloveOutput(Output[FoxgloveOptions]):
+class FoxgloveOutput(ServerOutput[FoxgloveOptions, WebSocketServer[FoxgloveSession]]):
     """Three channels, a fourth for attitude, and the config in force as read-only parameters."""
 
     options_type = FoxgloveOptions
@@ -98,8 +98,7 @@ class FoxgloveOutput(Output[FoxgloveOptions]):
     def __init__(self, options: FoxgloveOptions, host: OutputHost) -> None:
         super().__init__(options, host)
         self._thinning = Thinning(options.rate_hz)
-        self._server = WebSocketServer(self._session, host.log, subprotocols=SUBPROTOCOLS)
-        self._sessions: dict[FoxgloveSession, None] = {}
+        self.server = WebSocketServer(self._session, host.log, subprotocols=SUBPROTOCOLS)
         self._parameters: Parameters = {}
         self._mount = UNTURNED
         self._channels: tuple[FoxgloveChannel, ...] = CHANNELS
@@ -107,7 +106,7 @@ class FoxgloveOutput(Output[FoxgloveOptions]):
 
     async def open(self) -> None:
         """Begin to listen."""
-        self.address = await self._server.listen(self.options.host, self.options.port)
+        self.address = await self.server.listen(self.options.host, self.options.port)
 
     def take(self, samples: Sequence[Corrected]) -> None:
         """Send samples and poses to subscribers; each message is encoded once."""
@@ -131,31 +130,19 @@ class FoxgloveOutput(Output[FoxgloveOptions]):
                 for session in subscribed:
                     session.publish(channel.number, time_ns, message)
 
-    def clients(self) -> Sequence[ClientStatus]:
-        """Connected clients."""
-        return self._server.statuses()
-
-    def counts(self) -> tuple[int, int]:
-        """Messages sent and dropped."""
-        return self._server.counts()
-
-    async def close(self) -> None:
-        """Close the connections."""
-        await self._server.close()
-
     def _subscribed(self, channel: FoxgloveChannel) -> list[FoxgloveSession]:
-        return [session for session in self._sessions if session.has_subscribed(channel.number)]
+        return [session for session in self.server.clients.values() if session.has_subscribed(channel.number)]
 
     def _set_parameters(self, values: Parameters) -> None:
         changed = {name for name, value in values.items() if self._parameters.get(name) != value}
         self._parameters = values
         if changed:
-            for session in self._sessions:
+            for session in self.server.clients.values():
                 session.tell_parameters(changed)
 
     def _advertise(self, channel: FoxgloveChannel) -> None:
         self._channels += (channel,)
-        for session in self._sessions:
+        for session in self.server.clients.values():
             session.advertise(channel)
 
     def _pose(self, corrected: Corrected) -> bytes:
@@ -173,12 +160,7 @@ class FoxgloveOutput(Output[FoxgloveOptions]):
     def _session(self, client: WebSocketClient) -> FoxgloveSession:
         for message in opening(self._channels, self._session_id):
             client.send_first(message)
-        session = FoxgloveSession(client, self._channels, lambda: self._parameters, self._forget)
-        self._sessions[session] = None
-        return session
-
-    def _forget(self, session: FoxgloveSession) -> None:
-        self._sessions.pop(session, None)
+        return FoxgloveSession(client, self._channels, lambda: self._parameters)
 
 
 def parameters_of(config: ConfigStatus) -> Parameters:

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterable
+from datetime import UTC, datetime
 from itertools import chain
 from typing import Any
 
@@ -124,3 +125,8 @@ def chosen_line(corrected: Corrected, names: Iterable[str], **fixed: Any) -> str
 def _is_known(value: Value) -> bool:
     total = sum(value) if isinstance(value, tuple) else value
     return total == total  # noqa: PLR0124
+
+
+def iso_time(unix_s: float) -> str:
+    """UTC, with milliseconds, as gpsd and Signal K write it."""
+    return datetime.fromtimestamp(unix_s, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")

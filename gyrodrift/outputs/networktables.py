@@ -12,7 +12,6 @@ from annotated_types import MaxLen, MinLen
 
 from gyrodrift.outputs.device_frame import UNTURNED, DeviceFrame
 from gyrodrift.outputs.fields import OF_EVERY_DEVICE, OF_THREE_AXES, Use, fields_of
-from gyrodrift.outputs.measured_time import MeasuredTime
 from gyrodrift.outputs.networktables_robot import RobotTables
 from gyrodrift.outputs.networktables_server import ServedTables
 from gyrodrift.outputs.networktables_session import TopicValue
@@ -56,6 +55,30 @@ class NetworkTablesOptions:
     port: Annotated[Port, About("port of the server; 0 takes a free one")] = 5810
     table: Annotated[str, MinLen(1), MaxLen(64), About("table of the topics")] = "gyrodrift"
     rate_hz: Annotated[Rate, About("at most this many values a second of device time")] = 100.0
+
+
+class MeasuredTime:
+    """Converts device time to another clock, s, without the variable part of the delay.
+
+    The smallest difference between arrival and device time is the one without waiting. It may grow as fast as clocks
+    drift apart. The delay of the fastest sample remains.
+    """
+
+    DRIFT = 5e-4
+    """Largest drift of two clocks, s/s: ten times that of quartz."""
+
+    def __init__(self) -> None:
+        self._difference_s = float("inf")
+        self._at_s = 0.0
+
+    def note(self, t_device_s: float, arrived_s: float) -> None:
+        """Note the arrival of a sample."""
+        grown_s = self._difference_s + self.DRIFT * abs(t_device_s - self._at_s)
+        self._difference_s, self._at_s = min(grown_s, arrived_s - t_device_s), t_device_s
+
+    def of(self, t_device_s: float) -> float:
+        """Time of measurement, s."""
+        return t_device_s + self._difference_s
 
 
 class Tables(Protocol):

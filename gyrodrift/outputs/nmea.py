@@ -12,14 +12,14 @@ from typing import Annotated, Literal
 
 from annotated_types import MaxLen
 
+from gyrodrift.outputs.line_output import runtime_folder
 from gyrodrift.outputs.net.datagrams import DatagramSender
-from gyrodrift.outputs.net.lines import LineClient, LineServer
+from gyrodrift.outputs.net.lines import LineServer, SilentSession
 from gyrodrift.outputs.net.pty import PtyWriter
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.status import ClientStatus
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.outputs.unix import runtime_folder
 from gyrodrift.values.sample import Corrected
 
 NAME = "gyrodrift.nmea"
@@ -50,7 +50,7 @@ class NmeaOutput(Output[NmeaOptions]):
     def __init__(self, options: NmeaOptions, host: OutputHost) -> None:
         super().__init__(options, host)
         self._thinning = Thinning(options.rate_hz)
-        self._server = LineServer(NmeaSession, host.log)
+        self._server = LineServer(lambda _: NmeaSession(), host.log)
         self._datagrams = DatagramSender()
         self._pty = PtyWriter()
 
@@ -91,14 +91,8 @@ class NmeaOutput(Output[NmeaOptions]):
         self._pty.close()
 
 
-class NmeaSession:
-    """One client, which only listens."""
-
-    def __init__(self, client: LineClient) -> None:
-        pass
-
-    def line(self, text: bytes) -> None:
-        """Ignore lines of clients, such as broadcasts of a chart plotter."""
+class NmeaSession(SilentSession):
+    """One client; its lines, such as broadcasts of a chart plotter, are ignored."""
 
     def dropped(self, messages: int) -> bytes:
         """Text sentence for a client that was too slow."""
@@ -107,9 +101,6 @@ class NmeaSession:
     def refused(self, why: str) -> bytes:
         """Text sentence for a client whose connection is closed."""
         return _sentence("TXT", "01", "01", "02", why)
-
-    def closed(self) -> None:
-        """Do nothing."""
 
 
 def sentences(sample: Corrected) -> list[bytes]:

@@ -6,7 +6,7 @@ from http import HTTPStatus
 from typing import TYPE_CHECKING, Annotated
 
 from gyrodrift.outputs.fields import Field, Use, fields_of
-from gyrodrift.outputs.net.names import well_formed
+from gyrodrift.outputs.net.addresses import well_formed
 from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer, WebSocketSession
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port
 from gyrodrift.outputs.output import Output, OutputHost

@@ -83,8 +83,8 @@ def unregister(name: str) -> None:
 
 
 SHIPPED = (
-    OutputKind("tcp", "JSON lines on a TCP port", "gyrodrift.outputs.tcp:TcpOutput"),
-    OutputKind("unix", "JSON lines on a unix socket", "gyrodrift.outputs.unix:UnixOutput"),
+    OutputKind("tcp", "JSON lines on a TCP port", "gyrodrift.outputs.line_output:TcpOutput"),
+    OutputKind("unix", "JSON lines on a unix socket", "gyrodrift.outputs.line_output:UnixOutput"),
     OutputKind("udp", "JSON datagrams for PlotJuggler", "gyrodrift.outputs.udp:UdpOutput"),
     OutputKind(
         "web",

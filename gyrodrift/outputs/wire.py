@@ -96,13 +96,9 @@ def _extended(corrected: Corrected) -> bytes:
     )
 
 
-def _corrected(
-    record: tuple[Any, ...],
-    inertial: Inertial | None = None,
-    attitude: Attitude | None = None,
-    device_yaw: DeviceYaw | None = None,
-    difference_deg: float = nan,
-) -> Corrected:
+def _corrected(record: tuple[Any, ...], *parts: Any, difference_deg: float = nan) -> Corrected:
+    """Sample of the plain values of a record, and its parts: axes, attitude and result of the device."""
+    inertial, attitude, device_yaw = parts or (None, None, None)
     sample = Sample._make((*record[:OWN], inertial, device_yaw))
     results = OWN + RESULTS - 1
     return Corrected._make((sample, *record[OWN:results], attitude, difference_deg, *record[results:PLAIN]))
@@ -112,10 +108,8 @@ def _of_extended(record: tuple[Any, ...]) -> Corrected:
     values = iter(record[PLAIN:])
     parts = [type(part)(*islice(values, len(part))) for part in PARTS]
     difference_deg, *are_there = values
-    inertial, attitude, device_yaw = (
-        part if is_there else None for part, is_there in zip(parts, are_there, strict=True)
-    )
-    return _corrected(record, inertial, attitude, device_yaw, difference_deg)
+    known = [part if is_there else None for part, is_there in zip(parts, are_there, strict=True)]
+    return _corrected(record, *known, difference_deg=difference_deg)
 
 
 def pack_json(kind: bytes, value: Any) -> bytes:

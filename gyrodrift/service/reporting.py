@@ -9,7 +9,7 @@ from gyrodrift import __version__
 from gyrodrift.io.json_numbers import finite
 from gyrodrift.link.link import Link
 from gyrodrift.outputs.fields import Use, fields_of
-from gyrodrift.outputs.net.names import well_formed
+from gyrodrift.outputs.net.addresses import well_formed
 from gyrodrift.outputs.status import ConfigStatus, DeviceStatus, FilterStatus, LinkStatus, ServiceStatus
 from gyrodrift.service.config_follower import ConfigFollower
 from gyrodrift.service.output_feed import OutputFeed, memory_bytes

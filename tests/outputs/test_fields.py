@@ -20,7 +20,7 @@ from outputs_support import corrected
 from gyrodrift.outputs import gpsd, home_assistant, mqtt, networktables, prometheus, status, udp
 from gyrodrift.outputs.foxglove import SAMPLE, STATE
 from gyrodrift.outputs.json_line import json_line
-from gyrodrift.outputs.line_session import hello
+from gyrodrift.outputs.line_output import hello
 from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.web.points import LAYOUTS
 from gyrodrift.top.figures import figures

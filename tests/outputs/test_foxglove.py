@@ -194,7 +194,7 @@ def test_a_port_that_is_taken_is_told(port: Path) -> None:
 
 def test_all_losses_so_far_are_told() -> None:
     """The app shows the last message alone."""
-    session = FoxgloveSession(cast("WebSocketClient", None), [], dict, lambda _: None)
+    session = FoxgloveSession(cast("WebSocketClient", None), [], dict)
     assert [json.loads(session.dropped(count))["message"].split()[0] for count in (3, 4)] == ["3", "7"]
 
 

@@ -17,7 +17,7 @@ from support import PATIENCE_S
 
 from gyrodrift import __version__
 from gyrodrift.outputs.fields import CHOICES, OF_EVERY_DEVICE
-from gyrodrift.outputs.line_session import JsonSession
+from gyrodrift.outputs.line_output import JsonSession
 from gyrodrift.outputs.status import MOST_CLIENTS, ClientStatus
 from gyrodrift.outputs.udp import UdpOutput
 

@@ -29,7 +29,7 @@ from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
-from gyrodrift.outputs.measured_time import MeasuredTime
+from gyrodrift.outputs.networktables import MeasuredTime
 from gyrodrift.service.control_client import ControlClient
 
 pytest.importorskip("ntcore", reason="the extra networktables is not installed")

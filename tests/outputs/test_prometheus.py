@@ -81,7 +81,7 @@ def test_it_tells_of_link_filter_and_outputs(page: str) -> None:
 def test_a_tilt_is_shown_where_there_is_one(page: str) -> None:
     """One axis has no gauges of it."""
     assert "gyrodrift_tilt_degrees" not in fetched(page)
-    tilt = replace(STATUS.filter, tilt_deg=22.0, roll_deg=10.0, pitch_deg=-20.0, tilt_sigma_deg=0.4)
+    tilt = FilterStatus("restlevel", tilt_deg=22.0, roll_deg=10.0, pitch_deg=-20.0, tilt_sigma_deg=0.4)
     with hub() as outputs:
         outputs.want("prometheus:port=0")
         url = f"http://{outputs.opened()[0].address}/metrics"

@@ -9,10 +9,11 @@ import re
 from math import degrees, isfinite, isnan, nan
 from struct import Struct
 
-from gyrodrift.link.protocols.angles import RateOrAngle, yaw_of
+from gyrodrift.link.protocols.angles import RateOrAngle
 from gyrodrift.link.protocols.frames import FrameDecoder
 from gyrodrift.link.protocols.lines import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
+from gyrodrift.values.quaternion import yaw_of
 from gyrodrift.values.sample import Inertial, Reading
 
 EXTENDED = 0xFF

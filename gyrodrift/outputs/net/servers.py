@@ -1,12 +1,15 @@
-"""Log of closed clients: the first at once, then their number once a second."""
+"""Common part of the servers: their clients with sessions and counts, and the log of refused clients."""
 
 import asyncio
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Generic, Protocol, TypeVar
 
 from gyrodrift.io.logger import FilteringBoundLogger
+from gyrodrift.outputs.net.limits import DEFAULT_LIMITS, Limits
+from gyrodrift.outputs.status import ClientStatus
 
 EVERY_S = 1.0
+"""Interval of the log lines with a number of events, after the first event, s."""
 
 
 class BoundedEvent:
@@ -65,3 +68,54 @@ class Refusals:
 def own_mistake(error: Exception) -> str:
     """Message for a client that triggered a bug of this program."""
     return f"this is a bug of gyrodrift, please report it: {type(error).__name__}: {error}"[:200]
+
+
+class Client(Protocol):
+    """A connection: its address, and the messages sent and dropped."""
+
+    peer: str
+    sent: int
+
+    @property
+    def dropped(self) -> int:
+        """Messages dropped for this client, which was too slow."""
+        ...
+
+
+C = TypeVar("C", bound=Client)
+S = TypeVar("S")
+
+
+class ClientServer(Generic[C, S]):
+    """Clients of a server and the counts of their messages.
+
+    clients
+        Session of each client.
+
+    Parameters
+    ----------
+    sessions
+        Gives the session of a new client.
+    """
+
+    def __init__(self, sessions: Callable[[C], S], log: FilteringBoundLogger, limits: Limits = DEFAULT_LIMITS) -> None:
+        self.limits, self.log = limits, log
+        self.refusals = Refusals(log)
+        self.clients: dict[C, S] = {}
+        self.open_session = sessions
+        self._gone_sent = self._gone_dropped = 0
+
+    def statuses(self) -> list[ClientStatus]:
+        """Status of each client."""
+        return [ClientStatus(client.peer, client.sent, client.dropped) for client in self.clients]
+
+    def counts(self) -> tuple[int, int]:
+        """Messages sent and dropped, with those of former clients."""
+        sent = self._gone_sent + sum(client.sent for client in self.clients)
+        return sent, self._gone_dropped + sum(client.dropped for client in self.clients)
+
+    def forget(self, client: C) -> None:
+        """Remove a client, and keep its counts."""
+        del self.clients[client]
+        self._gone_sent += client.sent
+        self._gone_dropped += client.dropped
