@@ -96,7 +96,7 @@ def check_system(arguments: argparse.Namespace, *, has_outputs: bool) -> None:
 def log_of(arguments: argparse.Namespace, *, has_person: bool) -> "FilteringBoundLogger":
     """Logger on stderr; its lines stand above the line on stdout if both are the terminal."""
     from gyrodrift.io.log import open_log, unwaiting_stderr
-    from gyrodrift.recording.live_line import AboveLine
+    from gyrodrift.io.terminal import AboveLine
 
     above = None
     if has_person and sys.stderr.isatty():
