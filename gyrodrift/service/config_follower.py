@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from gyrodrift.service.listener import IdleListener
 from gyrodrift.service.pipeline import Pipeline
 from gyrodrift.values.errors import ConfigError
-from gyrodrift.values.sample import Sample
 
 if TYPE_CHECKING:  # the config loads its checker, which a service without a config does not need
     from gyrodrift.config.model import Config
@@ -19,7 +19,7 @@ RATE_TOLERANCE = 0.05
 
 
 @dataclass(slots=True)
-class ConfigFollower:
+class ConfigFollower(IdleListener):
     """A listener behind the pipeline; without a config it does nothing.
 
     listeners
@@ -42,19 +42,12 @@ class ConfigFollower:
         if self.watch is not None:
             self._log_completed(self.watch)
 
-    def take(self, samples: list[Sample]) -> None:
-        """Do nothing: a config is applied in `tick`."""
-
     def tick(self, now_s: float) -> None:  # noqa: ARG002 - all listeners have this signature
         """Apply a config that has changed, and check the sample rate once."""
         if self.watch is not None:
             self.follow(self.watch)
             if not self._is_rate_checked and self.pipeline.filter.counts_samples:
                 self._compare_rate(self.watch.config)
-
-    def stats(self) -> dict[str, Any]:
-        """No fields."""
-        return {}
 
     def close(self) -> None:
         """End the process that reads the config."""

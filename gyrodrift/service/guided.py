@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from gyrodrift.io.files import UnreadableError, read_ordinary, write_whole
 from gyrodrift.service.calibrating import bias_of
+from gyrodrift.service.listener import IdleListener
 from gyrodrift.service.pipeline import Pipeline
 from gyrodrift.values.calibration import Calibration, device_identity
 from gyrodrift.values.errors import CalibrationError, UsageError
@@ -44,7 +45,7 @@ Answer = Mapping[str, Any]
 
 
 @dataclass(slots=True)
-class GuidedCalibration:
+class GuidedCalibration(IdleListener):
     """Hears the samples as measured, and writes the result into the config of the service.
 
     Without a config, or if it cannot be written, the result is applied until the service ends.
@@ -146,13 +147,6 @@ class GuidedCalibration:
             self._end("The device fell silent; nothing is written.")
         elif now_s - self._unattended_since_s > UNATTENDED_S:
             self._end(f"No key for {UNATTENDED_S / 60.0:.0f} min; nothing is written.")
-
-    def stats(self) -> dict[str, Any]:
-        """No counters."""
-        return {}
-
-    def close(self) -> None:
-        """Nothing is open."""
 
     def _end(self, sentence: str) -> None:
         self._guide = None

@@ -7,6 +7,9 @@ from gyrodrift.values.sample import Corrected, Sample
 
 T = TypeVar("T")
 
+NO_WAKES: Mapping[int, int] = {}
+"""No descriptor to wait for."""
+
 
 class ReaderGoneError(Exception):
     """The reader has closed the pipe or the terminal."""
@@ -30,6 +33,28 @@ class Listener(Protocol[T]):
     def close(self) -> None:
         """End; no more samples come."""
         ...
+
+
+class IdleListener:
+    """Base of a listener that does not need all of them."""
+
+    __slots__ = ()
+
+    def take(self, samples: list[Any]) -> None:
+        """Ignore samples."""
+
+    def tick(self, now_s: float) -> None:
+        """Do nothing."""
+
+    def stats(self) -> dict[str, Any]:
+        """No fields."""
+        return {}
+
+    def finish(self) -> None:
+        """Do nothing: `close` does all."""
+
+    def close(self) -> None:
+        """Nothing is open."""
 
 
 SampleListener = Listener[Sample]

@@ -3,12 +3,11 @@
 import errno
 from collections.abc import Mapping
 from math import isfinite
-from typing import Any
 
 from gyrodrift.io.terminal import line_in_place
 from gyrodrift.io.unwaiting import send_unwaiting
 from gyrodrift.link.link import Link
-from gyrodrift.service.listener import ReaderGoneError
+from gyrodrift.service.listener import NO_WAKES, IdleListener, ReaderGoneError
 from gyrodrift.values.errors import printable
 from gyrodrift.values.sample import Attitude, Corrected
 
@@ -18,10 +17,8 @@ SILENT_S = 2.0
 RATE_S = 2.0
 """The sample rate is the mean over at least this time, s."""
 
-NO_WAKES: Mapping[int, int] = {}
 
-
-class ServiceLine:
+class ServiceLine(IdleListener):
     """Writes the newest corrected sample and the state of the link on one line, with each tick.
 
     Parameters
@@ -76,17 +73,10 @@ class ServiceLine:
         ]
         return "   ".join(filter(None, parts))
 
-    def stats(self) -> dict[str, Any]:
-        """No counters of its own."""
-        return {}
-
     def finish(self) -> None:
         """End the line; the last values stay on the screen."""
         if self._last is not None:
             self._write("\r\n")
-
-    def close(self) -> None:
-        """Leave the terminal open."""
 
     def _link_words(self) -> str:
         silent_s = self._link.silent_s()

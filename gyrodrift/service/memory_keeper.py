@@ -11,6 +11,7 @@ from typing import Any
 from gyrodrift.filters.filter import FilterMemory
 from gyrodrift.io.files import check_writable
 from gyrodrift.io.logger import FilteringBoundLogger
+from gyrodrift.service.listener import IdleListener
 from gyrodrift.service.memory_file import MemoryDamagedError, MemoryFile, read_memory, set_aside, write_memory
 from gyrodrift.service.pipeline import Pipeline
 from gyrodrift.values.calibration import of_this_device
@@ -25,7 +26,7 @@ HANGS_S = 5.0
 
 
 @dataclass(slots=True)
-class MemoryKeeper:
+class MemoryKeeper(IdleListener):
     """A listener before filter and recording, so that both begin with the memory.
 
     state
@@ -72,10 +73,6 @@ class MemoryKeeper:
         if now_s - self._saved_s >= SAVE_S:
             self._saved_s = now_s
             self._save()
-
-    def stats(self) -> dict[str, Any]:
-        """No fields."""
-        return {}
 
     def close(self) -> None:
         """Write the memory a last time."""

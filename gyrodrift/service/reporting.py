@@ -3,7 +3,7 @@
 import os
 import time
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from gyrodrift import __version__
 from gyrodrift.io.json_numbers import finite
@@ -12,6 +12,7 @@ from gyrodrift.outputs.fields import Use, fields_of
 from gyrodrift.outputs.net.addresses import well_formed
 from gyrodrift.outputs.status import ConfigStatus, DeviceStatus, FilterStatus, LinkStatus, ServiceStatus
 from gyrodrift.service.config_follower import ConfigFollower
+from gyrodrift.service.listener import IdleListener
 from gyrodrift.service.output_feed import OutputFeed, memory_bytes
 from gyrodrift.service.pipeline import Pipeline
 from gyrodrift.values.sample import Sample
@@ -27,7 +28,7 @@ BITS_PER_BYTE = 10
 """A byte on a serial line has a start and a stop bit."""
 
 
-class LinkMeter:
+class LinkMeter(IdleListener):
     """Measures the samples of a link over the last whole second.
 
     rate_hz
@@ -67,13 +68,6 @@ class LinkMeter:
         self.busy = bits_per_s / self.link.baud if port is not None and port.has_line_rate else 0.0
         self._marked_s, self._samples, self._bytes = now_s, counters.samples, counters.bytes
         self._least_s, self._most_s = float("inf"), float("-inf")
-
-    def stats(self) -> dict[str, Any]:
-        """No fields: the loop logs the counters."""
-        return {}
-
-    def close(self) -> None:
-        """Nothing is open."""
 
 
 @dataclass(slots=True)

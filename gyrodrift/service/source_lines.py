@@ -9,6 +9,7 @@ from typing import Any
 
 from gyrodrift.outputs.json_line import json_line
 from gyrodrift.outputs.thinning import Thinning
+from gyrodrift.service.listener import IdleListener
 from gyrodrift.service.stdout import LONGEST_QUEUE_BYTES, JsonLines, pieces_of
 from gyrodrift.values.sample import Corrected
 
@@ -62,7 +63,7 @@ class SharedLines:
         return piece
 
 
-class SourceLines:
+class SourceLines(IdleListener):
     """JSON lines of one of several sources."""
 
     def __init__(self, shared: SharedLines, source: str, rate_hz: float | None = None) -> None:
@@ -110,15 +111,6 @@ class SourceLines:
             self.dropped += self.next_piece().count("\n")
         self._shared.write(self if self._pieces else None)
 
-    def tick(self, now_s: float) -> None:
-        """Do nothing: lines are written in `take`."""
-
     def stats(self) -> dict[str, Any]:
         """Number of lines of this source, and of those dropped for a slow reader."""
         return {"lines": self.lines, "lines_dropped": self.dropped}
-
-    def finish(self) -> None:
-        """Do nothing: the lines of the other sources go on."""
-
-    def close(self) -> None:
-        """Do nothing: who shares the lines closes them when all sources are over."""

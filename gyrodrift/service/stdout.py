@@ -18,7 +18,7 @@ from gyrodrift.io.unwaiting import send_unwaiting
 from gyrodrift.io.waiting import POLLOUT, new_poller
 from gyrodrift.outputs.json_line import json_line
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.service.listener import ReaderGoneError
+from gyrodrift.service.listener import NO_WAKES, IdleListener, ReaderGoneError
 from gyrodrift.values.sample import Corrected
 
 STDOUT = 1
@@ -31,8 +31,6 @@ LAST_S = 1.0
 GONE = (errno.EPIPE, errno.ECONNRESET, *([errno.EINVAL] if sys.platform == "win32" else []))
 TERMINAL_GONE = (*GONE, errno.EIO)
 """Errors of a write to a closed reader; for a file, EIO is a failing disk."""
-
-NOTHING: Mapping[int, int] = {}
 
 
 def pieces_of(lines: list[str]) -> Iterator[str]:
@@ -47,7 +45,7 @@ def pieces_of(lines: list[str]) -> Iterator[str]:
         yield piece
 
 
-class JsonLines:
+class JsonLines(IdleListener):
     """Writes corrected samples as JSON lines.
 
     Parameters
@@ -82,7 +80,7 @@ class JsonLines:
 
     def wakes(self) -> Mapping[int, int]:
         """The descriptor while lines are queued."""
-        return self._writable if self._queue else NOTHING
+        return self._writable if self._queue else NO_WAKES
 
     def take(self, samples: list[Corrected]) -> None:
         """Queue a line for each sample that is due, and write as much as the reader takes now."""
@@ -96,15 +94,9 @@ class JsonLines:
         while self._queue and self._write():
             pass
 
-    def tick(self, now_s: float) -> None:
-        """Do nothing: lines are written in `take`."""
-
     def stats(self) -> dict[str, Any]:
         """Number of lines, and of those dropped for a slow reader."""
         return {"lines": self.lines, "lines_dropped": self.dropped}
-
-    def finish(self) -> None:
-        """Do nothing: `close` writes the queued lines."""
 
     def close(self) -> None:
         """Write the queued lines for at most LAST_S, and drop the rest."""

@@ -19,11 +19,14 @@ LONGEST_NAME = 40
 
 
 def is_loopback(host: str) -> bool:
-    """Whether only this machine reaches a host; names other than localhost do not count."""
+    """Whether an address, or the name in a URL, stands for this machine alone; no name but localhost counts."""
+    if host == "localhost":
+        return True
     try:
-        return ipaddress.ip_address(host).is_loopback
+        address = ipaddress.ip_address(host)
     except ValueError:
-        return host == "localhost"
+        return False
+    return (getattr(address, "ipv4_mapped", None) or address).is_loopback
 
 
 def warn_of_others(log: FilteringBoundLogger, host: str) -> None:

@@ -47,15 +47,3 @@ def loopback_of(host: str) -> str:
         return "127.0.0.1" if address.version == 4 else "[::1]"
     name = f"[{host}]" if address.version == 6 else host
     return name if address.is_loopback else ""
-
-
-def is_loopback(host: str) -> bool:
-    """Whether a peer address or the name in a URL stands for this machine alone."""
-    if host == "localhost":
-        return True
-    try:
-        address = ip_address(host)
-    except ValueError:
-        return False
-    mapped = getattr(address, "ipv4_mapped", None)
-    return (mapped or address).is_loopback
