@@ -6,7 +6,7 @@ A device with three axes has its attitude too: as angles, and as a Rotation3d of
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from struct import Struct
-from typing import Annotated, Any, Protocol, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from annotated_types import MaxLen, MinLen
 
@@ -81,46 +81,6 @@ class MeasuredTime:
         return t_device_s + self._difference_s
 
 
-class Tables(Protocol):
-    """Topics on a server of this process, or on the server of the robot."""
-
-    async def open(self) -> str:
-        """Begin; returns the address as text. OutputError if that fails."""
-        ...
-
-    def now_s(self) -> float:
-        """The clock of time stamps, s."""
-        ...
-
-    def server_offset_s(self) -> float:
-        """Clock of the server minus `now_s`."""
-        ...
-
-    def add(self, topics: Mapping[str, str], schemas: Mapping[str, str]) -> None:
-        """Announce further topics, and the layouts of their types."""
-        ...
-
-    def publish(self, values: Mapping[str, TopicValue], stamp_us: int | None = None) -> None:
-        """Publish values by topic, measured at a time of `now_s`, or now."""
-        ...
-
-    def check(self) -> str:
-        """Problem of the topics as text, or empty; called once a second."""
-        ...
-
-    def clients(self) -> Sequence[ClientStatus]:
-        """Connected clients."""
-        ...
-
-    def dropped(self) -> int:
-        """Messages dropped for slow clients."""
-        ...
-
-    async def close(self) -> None:
-        """Close everything, also after an `open` that failed."""
-        ...
-
-
 class NetworkTablesOutput(Output[NetworkTablesOptions]):
     """A client of the robot, which reconnects by itself, or a server that takes no values from clients."""
 
@@ -135,7 +95,7 @@ class NetworkTablesOutput(Output[NetworkTablesOptions]):
         self._has_tilt = False
         self._prefix = "/".join(["", options.table.strip("/"), *filter(None, [host.source]), ""])
         topics = {f"{self._prefix}{name}": kind for name, kind in TOPICS.items()}
-        self._tables: Tables = (
+        self._tables: RobotTables | ServedTables = (
             RobotTables(options.robot, options.port, topics, host.log)
             if options.robot
             else ServedTables(options.host, options.port, topics, host.log)

@@ -1,13 +1,15 @@
 """Commands of `gyrodrift ctl`, carried out by the running service."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
+from ipaddress import ip_address
 from math import nan
 from typing import Any
+from urllib.parse import urlsplit
 
 from gyrodrift.outputs.output import ControlAccess
-from gyrodrift.outputs.web.address import WEB, AddressError, page_url
+from gyrodrift.outputs.status import OutputStatus
 from gyrodrift.service.config_follower import ConfigFollower
 from gyrodrift.service.control import CommandError, ControlCommand, Later, number
 from gyrodrift.service.guided import GuidedCalibration
@@ -19,6 +21,7 @@ from gyrodrift.service.source_lines import SourceLines
 from gyrodrift.service.stdout import JsonLines
 from gyrodrift.values.errors import CalibrationError, ConfigError, UsageError
 
+WEB = "web"
 FASTEST_HZ = 1e6
 OPENING_S = 3.0
 """Longest wait of `page` for a page that is being opened, s."""
@@ -141,10 +144,10 @@ class ServiceCommands:
         def answer() -> Mapping[str, Any] | None:
             try:
                 return {"url": page_url(self.reporting.feed.statuses(), self.access.token)}
-            except AddressError as error:
+            except CommandError:
                 if time.monotonic() < until_s and any(spec.name == WEB for spec in self.reporting.feed.specs):
                     return None
-                raise CommandError(str(error)) from error
+                raise
 
         return answer
 
@@ -188,3 +191,41 @@ def _refused(answer: Later) -> Later:
 def _check_empty(words: list[str], usage: str) -> None:
     if words:
         raise CommandError(f"expected {usage} alone")
+
+
+def page_url(outputs: Iterable[OutputStatus], token: str) -> str:
+    """URL of the first open live page on loopback, with the token that lets its buttons work.
+
+    Browsers do not send the part after the `#`.
+
+    Raises
+    ------
+    CommandError
+        If there is none.
+    """
+    statuses = [status for status in outputs if status.output.partition(":")[0] == WEB]
+    pages = [urlsplit(status.address) for status in statuses]
+    open_pages = [page for page in pages if page.hostname and page.port]
+    if not statuses:
+        raise CommandError("no live page is open; start serve with --output web")
+    if not open_pages:
+        raise CommandError(f"the live page is not open: {statuses[0].problem or 'is being opened'}")
+    for page in open_pages:
+        host = _loopback_of(page.hostname or "")
+        if host:
+            return f"{page.scheme}://{host}:{page.port}/#token={token}"
+    raise CommandError(f"the page listens on {open_pages[0].hostname} alone; its buttons need host=127.0.0.1")
+
+
+def _loopback_of(host: str) -> str:
+    """Loopback name under which a server that listens on this host is reached; empty if it is not."""
+    if host == "localhost":
+        return host
+    try:
+        address = ip_address(host)
+    except ValueError:
+        return ""
+    if address.is_unspecified:
+        return "127.0.0.1" if address.version == 4 else "[::1]"
+    name = f"[{host}]" if address.version == 6 else host
+    return name if address.is_loopback else ""

@@ -19,10 +19,12 @@ from support import PATIENCE_S
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
+from gyrodrift.outputs.net.addresses import is_loopback
 from gyrodrift.outputs.status import LinkStatus, OutputStatus, ServiceStatus
-from gyrodrift.outputs.web.address import AddressError, is_loopback, page_url
 from gyrodrift.outputs.web.buttons import MOST_PENDING
 from gyrodrift.outputs.web.points import LAYOUTS, ONE_AXIS, THREE_AXES, PointHistory
+from gyrodrift.service.commands import page_url
+from gyrodrift.service.control import CommandError
 from gyrodrift.values.sample import Corrected
 
 Web = tuple[HubThread, str]
@@ -356,9 +358,9 @@ def test_only_loopback_addresses_count_as_this_machine() -> None:
     opened = [OutputStatus("tcp", "127.0.0.1:1"), OutputStatus("web:host=0.0.0.0", "http://0.0.0.0:8117")]
     assert page_url(opened, "t") == "http://127.0.0.1:8117/#token=t"
     assert page_url([OutputStatus("web", "http://[::1]:8117")], "t") == "http://[::1]:8117/#token=t"
-    with pytest.raises(AddressError, match=r"its buttons need host=127\.0\.0\.1"):
+    with pytest.raises(CommandError, match=r"its buttons need host=127\.0\.0\.1"):
         page_url([OutputStatus("web", "http://192.0.2.1:8117")], "t")
-    with pytest.raises(AddressError, match="no live page is open"):
+    with pytest.raises(CommandError, match="no live page is open"):
         page_url(opened[:1], "t")
-    with pytest.raises(AddressError, match="the live page is not open: port 8117 is in use"):
+    with pytest.raises(CommandError, match="the live page is not open: port 8117 is in use"):
         page_url([OutputStatus("web", problem="port 8117 is in use")], "t")
