@@ -151,6 +151,7 @@ class HubThread:
     """Outputs on a loop of their own in this process, fed by the test in place of a service."""
 
     def __init__(self, service: socket.socket) -> None:
+        self.address = ""
         self._service = service
         service.settimeout(PATIENCE_S)
 
@@ -192,13 +193,17 @@ class HubThread:
 
 
 @contextmanager
-def hub() -> Iterator[HubThread]:
-    """Until the end of the block."""
+def hub(*specs: OutputSpec | str) -> Iterator[HubThread]:
+    """Until the end of the block; these outputs are open at its begin."""
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     loop = threading.Thread(target=lambda: asyncio.run(Hub(theirs, structlog.get_logger()).run()))
     loop.start()
     try:
-        yield HubThread(ours)
+        outputs = HubThread(ours)
+        if specs:
+            outputs.want(*specs)
+            outputs.address = outputs.opened(len(specs))[0].address
+        yield outputs
     finally:
         ours.close()
         loop.join()

@@ -50,9 +50,8 @@ def test_unknown_values_are_left_out(unknown: dict[str, float], missing: set[str
 
 
 def test_fields_are_chosen_by_name() -> None:
-    with hub() as outputs:
-        outputs.want("tcp:port=0")
-        host, _, port = outputs.opened()[0].address.rpartition(":")
+    with hub("tcp:port=0") as outputs:
+        host, _, port = outputs.address.rpartition(":")
         with connected((host, int(port))) as client:
             assert {"q", "roll_deg"} <= set(client.until("HELLO")["fields"])
             client.connection.sendall(b'{"class":"WATCH","fields":["seq","q","pitch_deg"]}\n')

@@ -33,9 +33,8 @@ Web = tuple[HubThread, str]
 @pytest.fixture
 def web() -> Iterator[Web]:
     """Outputs with a page, and where it is."""
-    with hub() as outputs:
-        outputs.want("web:port=0,reached_as=gyro.example")
-        yield outputs, outputs.opened()[0].address
+    with hub("web:port=0,reached_as=gyro.example") as outputs:
+        yield outputs, outputs.address
 
 
 def got(address: str, path: str = "/", **headers: str) -> tuple[int, str, dict[str, str]]:

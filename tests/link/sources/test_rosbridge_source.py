@@ -105,9 +105,8 @@ def bridge(port: int = 0, tls: ssl.SSLContext | None = None) -> Iterator[Bridge]
 
 def test_our_own_rosbridge_output_is_read() -> None:
     """Rates, accelerations and stamps that one service sends, another one reads."""
-    with hub() as outputs:
-        outputs.want("rosbridge:port=0")
-        where = outputs.opened()[0].address
+    with hub("rosbridge:port=0") as outputs:
+        where = outputs.address
         with closing(Link(LinkOptions(f"ws://{where}{TOPIC}"), Events())) as link:
             number = iter(range(10**6))
 
@@ -122,9 +121,8 @@ def test_our_own_rosbridge_output_is_read() -> None:
 
 
 def test_a_device_with_one_axis_comes_through_our_output_too() -> None:
-    with hub() as outputs:
-        outputs.want("rosbridge:port=0")
-        where = outputs.opened()[0].address
+    with hub("rosbridge:port=0") as outputs:
+        where = outputs.address
         with closing(Link(LinkOptions(f"ws://{where}{TOPIC}"), Events())) as link:
             number = iter(range(10**6))
 
