@@ -161,6 +161,11 @@ class HubThread:
         named = [{"name": each.name, "options": revealed(each.options)} for each in wanted]
         self._service.send(wire.pack_json(wire.OUTPUTS, named))
 
+    def endpoint(self) -> tuple[str, int]:
+        """Host and port of the only output, once it is open."""
+        host, _, port = self.opened()[0].address.rpartition(":")
+        return host, int(port)
+
     def access(self, path: str, token: str) -> None:
         """Name the control socket and the token of pages; before the outputs are wanted."""
         self._service.send(wire.pack_json(wire.ACCESS, {"path": path, "token": token}))

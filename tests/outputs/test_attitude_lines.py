@@ -50,14 +50,12 @@ def test_unknown_values_are_left_out(unknown: dict[str, float], missing: set[str
 
 
 def test_fields_are_chosen_by_name() -> None:
-    with hub("tcp:port=0") as outputs:
-        host, _, port = outputs.address.rpartition(":")
-        with connected((host, int(port))) as client:
-            assert {"q", "roll_deg"} <= set(client.until("HELLO")["fields"])
-            client.connection.sendall(b'{"class":"WATCH","fields":["seq","q","pitch_deg"]}\n')
-            client.until("WATCH")
-            outputs.samples([tilted(5)])
-            line = client.json()
+    with hub("tcp:port=0") as outputs, connected(outputs.endpoint()) as client:
+        assert {"q", "roll_deg"} <= set(client.until("HELLO")["fields"])
+        client.connection.sendall(b'{"class":"WATCH","fields":["seq","q","pitch_deg"]}\n')
+        client.until("WATCH")
+        outputs.samples([tilted(5)])
+        line = client.json()
     assert line == {"class": "SAMPLE", "seq": 5, "q": [0.947744, 0.12543, -0.14683, 0.253947], "pitch_deg": -20.0}
 
 

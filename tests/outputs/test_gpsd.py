@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from outputs_support import HubThread, Reader, address_of, connected, corrected, csv_at_100_hz, hub, serving, tilted
+from outputs_support import HubThread, Reader, address_of, connected, corrected, csv_at_100_hz, serving, tilted
 from support import PATIENCE_S
 
 from gyrodrift import __version__
@@ -31,16 +31,9 @@ nan = float("nan")
 
 
 @pytest.fixture
-def outputs() -> Iterator[HubThread]:
-    with hub() as running:
-        yield running
-
-
-@pytest.fixture
 def gpsd(outputs: HubThread) -> Address:
     outputs.want("gpsd:port=0")
-    host, _, port = outputs.opened()[0].address.rpartition(":")
-    return host, int(port)
+    return outputs.endpoint()
 
 
 @pytest.fixture

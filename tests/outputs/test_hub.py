@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import structlog
 from outputs_support import HubThread, Reader, connected, corrected, hub
 from support import PATIENCE_S
 
@@ -31,20 +30,9 @@ def outputs(logged: list[Any]) -> Iterator[HubThread]:
 
 
 @pytest.fixture
-def logged() -> Iterator[list[Any]]:
-    with structlog.testing.capture_logs() as events:
-        yield events
-
-
-@pytest.fixture
 def tcp(outputs: HubThread) -> Address:
     outputs.want("tcp:port=0")
-    return address(outputs)
-
-
-def address(outputs: HubThread) -> Address:
-    host, _, port = outputs.opened()[0].address.rpartition(":")
-    return host, int(port)
+    return outputs.endpoint()
 
 
 def test_a_client_gets_hello_and_then_samples(outputs: HubThread, tcp: Address) -> None:
@@ -237,7 +225,7 @@ def test_a_port_that_is_taken_is_told_with_by_whom_and_tried_again(
             f"port 127.0.0.1:{port} is used by {name} (process {holder.pid}); choose another with port="
         )
         holder.communicate(b"\n")
-    assert address(outputs) == ("127.0.0.1", port)
+    assert outputs.endpoint() == ("127.0.0.1", port)
     outputs.want(f"tcp:port={port}", f"tcp:port={port},rate_hz=10")
     assert "is used by another output of this service" in problem(outputs)
 

@@ -229,14 +229,15 @@ def test_robot_code_reads_a_rotation(role: str, tmp_path: Path) -> None:
 
 def test_a_device_with_one_axis_has_no_rotation(tmp_path: Path) -> None:
     """Its topics stay those that they were, also for a client that was there before."""
-    with hub("networktables:port=0") as outputs:
-        _, _, number = outputs.address.rpartition(":")
-        with other_end("client", int(number), tmp_path, ROBOT_CODE) as seen:
-            until(seen, joined=True)
-            outputs.samples([corrected(0)])
-            before = next(each for each in seen if len(each["topics"]) >= 8)["topics"]
-            outputs.samples([tilted(10)])
-            after = next(each for each in seen if len(each["topics"]) > 8)["topics"]
+    with (
+        hub("networktables:port=0") as outputs,
+        other_end("client", outputs.endpoint()[1], tmp_path, ROBOT_CODE) as seen,
+    ):
+        until(seen, joined=True)
+        outputs.samples([corrected(0)])
+        before = next(each for each in seen if len(each["topics"]) >= 8)["topics"]
+        outputs.samples([tilted(10)])
+        after = next(each for each in seen if len(each["topics"]) > 8)["topics"]
     assert set(after) - set(before) == {
         f"/gyrodrift/{name}" for name in ("roll_deg", "pitch_deg", "tilt_deg", "tilt_sigma_deg", "rotation")
     }

@@ -81,8 +81,7 @@ def echo() -> Iterator[tuple[HubThread, tuple[str, int]]]:
     register(OutputKind("echo", "", f"{__name__}:EchoOutput"))
     try:
         with hub("echo") as outputs:
-            host, _, port = outputs.address.rpartition(":")
-            yield outputs, (host, int(port))
+            yield outputs, outputs.endpoint()
     finally:
         unregister("echo")
 

@@ -1,6 +1,6 @@
 """The loop in this process: what it logs, and when it ends."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -49,12 +49,6 @@ class StopAfter:
 
     def close(self) -> None:
         self.closed = True
-
-
-@pytest.fixture
-def logged() -> Iterator[list[Any]]:
-    with structlog.testing.capture_logs() as events:
-        yield events
 
 
 def test_link_stats_say_all_that_helps_from_afar(
