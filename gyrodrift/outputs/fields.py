@@ -101,8 +101,8 @@ class Field:
         get: Callable[[Any], Value] = attrgetter(*names.split())
         if not holder:
             return get
-        held = attrgetter(holder)
-        return lambda corrected: None if (record := held(corrected)) is None else get(record)
+        holder_of = attrgetter(holder)
+        return lambda corrected: None if (record := holder_of(corrected)) is None else get(record)
 
     @cached_property
     def number(self) -> Callable[[Corrected], float]:

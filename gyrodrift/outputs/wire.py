@@ -37,8 +37,8 @@ NO_YAW = DeviceYaw(nan, nan, nan)
 PARTS = (NO_AXES, NO_ATTITUDE, NO_YAW)
 
 EXTENDED_RECORD = Struct(f"{RECORD.format}{sum(map(len, PARTS)) + 1}d{len(PARTS)}?")
-"""A record, the axes of the sensor, the attitude, the result of the device's own filter, the difference from it, and
-whether the sample has axes, an attitude, a result."""
+"""A record, the axes of the sensor, the attitude, the result of the device's own filter and the difference from it. At
+the end: whether the sample has axes, an attitude, a result."""
 
 RECORDS = {SAMPLES: RECORD, EXTENDED: EXTENDED_RECORD}
 """Layout of a sample by the kind of its message."""
@@ -108,8 +108,8 @@ def _of_extended(record: tuple[Any, ...]) -> Corrected:
     values = iter(record[PLAIN:])
     parts = [type(part)(*islice(values, len(part))) for part in PARTS]
     difference_deg, *are_there = values
-    known = [part if is_there else None for part, is_there in zip(parts, are_there, strict=True)]
-    return _corrected(record, *known, difference_deg=difference_deg)
+    present_parts = [part if is_there else None for part, is_there in zip(parts, are_there, strict=True)]
+    return _corrected(record, *present_parts, difference_deg=difference_deg)
 
 
 def pack_json(kind: bytes, value: Any) -> bytes:

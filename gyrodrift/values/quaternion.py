@@ -125,7 +125,7 @@ def angles_rad(q: Quaternion) -> Vector:
 
 
 def positive(q: Quaternion) -> Quaternion:
-    """The same rotation with w ≥ 0."""
+    """Quaternion of the same rotation with w ≥ 0."""
     w, x, y, z = q
     return q if w >= 0.0 else (-w, -x, -y, -z)
 

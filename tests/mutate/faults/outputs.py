@@ -159,7 +159,7 @@ FAULTS = (
     ),
     Fault(
         "outputs/frd-rates-of-the-sensor",
-        f"{OUTPUTS}/frd.py",
+        f"{OUTPUTS}/device_frame.py",
         "    rates = forward, -leftward, -upward\n",
         "    rates = forward, leftward, upward\n",
         "Rates of MAVLink are about left and up.",
