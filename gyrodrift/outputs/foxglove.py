@@ -12,9 +12,10 @@ from gyrodrift.outputs.device_frame import UNTURNED, DeviceFrame
 from gyrodrift.outputs.fields import CHOICES
 from gyrodrift.outputs.foxglove_session import FoxgloveChannel, FoxgloveSession, Parameters, opening
 from gyrodrift.outputs.json_line import json_line
+from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
-from gyrodrift.outputs.output import OutputHost, ServerOutput
+from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.status import ConfigStatus, FilterStatus, LinkStatus, ServiceStatus
 from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.values.sample import Corrected

@@ -17,8 +17,9 @@ from gyrodrift import __version__
 from gyrodrift.outputs.json_line import iso_time, present_fields
 from gyrodrift.outputs.net.json_input import parse_json_at
 from gyrodrift.outputs.net.lines import LineClient, LineServer, SilentSession
+from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
-from gyrodrift.outputs.output import OutputHost, ServerOutput
+from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.status import ServiceStatus
 from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.values.sample import Attitude, Corrected

@@ -14,8 +14,9 @@ from gyrodrift.outputs.fields import CHOICES
 from gyrodrift.outputs.json_line import chosen_line, json_line
 from gyrodrift.outputs.net.json_input import parse_json
 from gyrodrift.outputs.net.lines import LineClient, LineServer, SilentSession
+from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
-from gyrodrift.outputs.output import OutputHost, ServerOutput
+from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.values.nearest import did_you_mean
 from gyrodrift.values.sample import Corrected

@@ -6,7 +6,7 @@ does not read has a bounded queue (see the servers in `net`). A library that wai
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Generic, Protocol, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs.status import ClientStatus, ServiceStatus
@@ -106,44 +106,3 @@ class Output(Generic[O]):
 
     async def close(self) -> None:
         """Close everything; also called after an `open` that failed."""
-
-
-class ClientHost(Protocol):
-    """A server of `net`."""
-
-    def statuses(self) -> Sequence[ClientStatus]:
-        """Connected clients."""
-        ...
-
-    def counts(self) -> tuple[int, int]:
-        """Messages sent and dropped."""
-        ...
-
-    async def close(self) -> None:
-        """Close the connections."""
-        ...
-
-
-S = TypeVar("S", bound=ClientHost)
-
-
-class ServerOutput(Output[O], Generic[O, S]):
-    """An output with one server.
-
-    server
-        Set by the constructor.
-    """
-
-    server: S
-
-    def clients(self) -> Sequence[ClientStatus]:
-        """Connected clients."""
-        return self.server.statuses()
-
-    def counts(self) -> tuple[int, int]:
-        """Messages to clients, sent and dropped."""
-        return self.server.counts()
-
-    async def close(self) -> None:
-        """Close the connections."""
-        await self.server.close()

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 from gyrodrift.outputs.fields import Field, Use, fields_of
 from gyrodrift.outputs.net.addresses import well_formed
+from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer, WebSocketSession
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port
-from gyrodrift.outputs.output import Output, OutputHost
+from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.status import ServiceStatus
 
 if TYPE_CHECKING:
@@ -33,14 +34,14 @@ class PrometheusOptions:
     port: Annotated[Port, About("port to listen on; 0 takes a free one")] = 9817
 
 
-class PrometheusOutput(Output[PrometheusOptions]):
+class PrometheusOutput(ServerOutput[PrometheusOptions, WebSocketServer[WebSocketSession]]):
     """Answers each request with the state of the last second."""
 
     options_type = PrometheusOptions
 
     def __init__(self, options: PrometheusOptions, host: OutputHost) -> None:
         super().__init__(options, host)
-        self._server = WebSocketServer(_no_session, host.log, self._answer)
+        self.server = WebSocketServer(_no_session, host.log, self._answer)
         self._registry: CollectorRegistry | None = None
         self._scrapes = 0
 
@@ -50,15 +51,11 @@ class PrometheusOutput(Output[PrometheusOptions]):
 
         self._registry = CollectorRegistry()
         self._registry.register(_StatusCollector(self.host))
-        self.address = await self._server.listen(self.options.host, self.options.port)
+        self.address = await self.server.listen(self.options.host, self.options.port)
 
     def counts(self) -> tuple[int, int]:
         """Number of scrapes."""
         return self._scrapes, 0
-
-    async def close(self) -> None:
-        """Stop listening."""
-        await self._server.close()
 
     def _answer(self, connection: "ServerConnection", request: "Request") -> "Response":
         if request.path.partition("?")[0] != PATH:

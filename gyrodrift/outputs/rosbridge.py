@@ -7,9 +7,10 @@ from typing import Annotated
 
 from annotated_types import Gt, Le, MaxLen, MinLen
 
+from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.net.websocket import WebSocketServer
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
-from gyrodrift.outputs.output import OutputHost, ServerOutput
+from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.ros_messages import IMU_TYPES, ImuMessage, RosVersion
 from gyrodrift.outputs.rosbridge_session import RosbridgeSession, RosServices
 from gyrodrift.outputs.thinning import Thinning

@@ -13,8 +13,9 @@ from typing import Annotated, Any
 
 from gyrodrift.outputs.json_line import iso_time
 from gyrodrift.outputs.net.lines import LineServer, SilentSession
+from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
-from gyrodrift.outputs.output import OutputHost, ServerOutput
+from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.values.sample import Corrected
 

@@ -45,22 +45,46 @@ def pieces_of(lines: list[str]) -> Iterator[str]:
         yield piece
 
 
-class JsonLines(IdleListener):
+class LineSink(IdleListener):
+    """Counts JSON lines, and thins samples to a rate that may change.
+
+    Parameters
+    ----------
+    rate_hz
+        At most this many lines a second of device time; None for every sample.
+    """
+
+    def __init__(self, rate_hz: float | None) -> None:
+        self.lines = 0
+        self.dropped = 0
+        self.set_rate(rate_hz)
+
+    def set_rate(self, rate_hz: float | None) -> None:
+        """Change the rate."""
+        self.thinning = Thinning(rate_hz)
+
+    @property
+    def is_wanted(self) -> bool:
+        """The reader of the pipe started the service."""
+        return True
+
+    def stats(self) -> dict[str, Any]:
+        """Number of lines, and of those dropped for a slow reader."""
+        return {"lines": self.lines, "lines_dropped": self.dropped}
+
+
+class JsonLines(LineSink):
     """Writes corrected samples as JSON lines.
 
     Parameters
     ----------
     fd
         Descriptor to write to; it is not closed here.
-    rate_hz
-        At most this many lines a second of device time; None for every sample.
     """
 
     def __init__(self, fd: int, rate_hz: float | None = None) -> None:
-        self.lines = 0
-        self.dropped = 0
+        super().__init__(rate_hz)
         self.fd = fd
-        self._thinning = Thinning(rate_hz)
         self._queue: deque[bytes] = deque()
         self._queue_bytes = 0
         self._sent = 0
@@ -69,22 +93,13 @@ class JsonLines(IdleListener):
         self._gone = TERMINAL_GONE if os.isatty(fd) else GONE
         self._writable = {fd: POLLOUT}
 
-    def set_rate(self, rate_hz: float | None) -> None:
-        """Change the rate."""
-        self._thinning = Thinning(rate_hz)
-
-    @property
-    def is_wanted(self) -> bool:
-        """The reader of the pipe started the service."""
-        return True
-
     def wakes(self) -> Mapping[int, int]:
         """The descriptor while lines are queued."""
         return self._writable if self._queue else NO_WAKES
 
     def take(self, samples: list[Corrected]) -> None:
         """Queue a line for each sample that is due, and write as much as the reader takes now."""
-        self.write([json_line(corrected) for corrected in self._thinning.due(samples)])
+        self.write([json_line(corrected) for corrected in self.thinning.due(samples)])
 
     def write(self, lines: list[str]) -> None:
         """Queue lines, and write as much as the reader takes now."""
@@ -93,10 +108,6 @@ class JsonLines(IdleListener):
             self._enqueue(lines)
         while self._queue and self._write():
             pass
-
-    def stats(self) -> dict[str, Any]:
-        """Number of lines, and of those dropped for a slow reader."""
-        return {"lines": self.lines, "lines_dropped": self.dropped}
 
     def close(self) -> None:
         """Write the queued lines for at most LAST_S, and drop the rest."""

@@ -94,7 +94,7 @@ class LineClient(asyncio.Protocol):
         if self._transport is None:
             return
         if why:
-            self._server.refusals.say(self.peer, why)
+            self._server.refusals.happened(client=self.peer, reason=why)
             if self.session is not None and not self._is_paused:
                 self._transport.write(self.session.refused(why))
         if self._is_paused:
@@ -238,7 +238,7 @@ class LineServer(ClientServer[LineClient, S]):
         """Close the connections and stop listening."""
         if self._server is None:
             return
-        self.refusals.close()
+        await super().close()
         self._server.close()
         for client in list(self.clients):
             client.close()

@@ -1,11 +1,12 @@
-"""Common part of the servers: their clients with sessions and counts, and the log of refused clients."""
+"""Common part of servers and of their outputs: clients with sessions and counts, and the log of refused clients."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Generic, Protocol, TypeVar
 
 from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs.net.limits import DEFAULT_LIMITS, Limits
+from gyrodrift.outputs.output import Output
 from gyrodrift.outputs.status import ClientStatus
 
 EVERY_S = 1.0
@@ -50,21 +51,6 @@ class BoundedEvent:
             self._untold = 0
 
 
-class Refusals:
-    """Refused clients of one server, with a bounded log."""
-
-    def __init__(self, log: FilteringBoundLogger) -> None:
-        self._closed = BoundedEvent(log.warning, "client_closed", "clients_closed")
-
-    def say(self, client: str, reason: str) -> None:
-        """Log that a client was closed, or count it for the next line."""
-        self._closed.happened(client=client, reason=reason)
-
-    def close(self) -> None:
-        """Log the remaining count."""
-        self._closed.close()
-
-
 def own_mistake(error: Exception) -> str:
     """Message for a client that triggered a bug of this program."""
     return f"this is a bug of gyrodrift, please report it: {type(error).__name__}: {error}"[:200]
@@ -100,7 +86,7 @@ class ClientServer(Generic[C, S]):
 
     def __init__(self, sessions: Callable[[C], S], log: FilteringBoundLogger, limits: Limits = DEFAULT_LIMITS) -> None:
         self.limits, self.log = limits, log
-        self.refusals = Refusals(log)
+        self.refusals = BoundedEvent(log.warning, "client_closed", "clients_closed")
         self.clients: dict[C, S] = {}
         self.open_session = sessions
         self._gone_sent = self._gone_dropped = 0
@@ -119,3 +105,33 @@ class ClientServer(Generic[C, S]):
         del self.clients[client]
         self._gone_sent += client.sent
         self._gone_dropped += client.dropped
+
+    async def close(self) -> None:
+        """Close the connections and stop listening."""
+        self.refusals.close()
+
+
+O = TypeVar("O")  # noqa: E741 - the options of an output
+V = TypeVar("V", bound=ClientServer[Any, Any])
+
+
+class ServerOutput(Output[O], Generic[O, V]):
+    """An output with one server.
+
+    server
+        Set by the constructor.
+    """
+
+    server: V
+
+    def clients(self) -> Sequence[ClientStatus]:
+        """Connected clients."""
+        return self.server.statuses()
+
+    def counts(self) -> tuple[int, int]:
+        """Messages to clients, sent and dropped."""
+        return self.server.counts()
+
+    async def close(self) -> None:
+        """Close the connections."""
+        await self.server.close()

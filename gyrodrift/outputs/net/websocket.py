@@ -182,7 +182,7 @@ class WebSocketServer(ClientServer[WebSocketClient, S]):
         server, self._server = self._server, None
         if server is None:
             return
-        self.refusals.close()
+        await super().close()
         server.close(code=GOING_AWAY)
         for connection in self._connections - {client.connection for client in self.clients}:  # before their handshake
             connection.transport.abort()
@@ -213,7 +213,7 @@ class WebSocketServer(ClientServer[WebSocketClient, S]):
 
     async def _refuse(self, client: WebSocketClient, code: int, why: str) -> None:
         """Log the reason and close a client; the reason may quote the client, so it is escaped."""
-        self.refusals.say(client.peer, why)
+        self.refusals.happened(client=client.peer, reason=why)
         await client.connection.close(code, why.encode("ascii", "backslashreplace")[:LONGEST_REASON].decode())
 
     def _checked_answer(self, connection: "ServerConnection", request: "Request") -> "Response | None":
@@ -222,5 +222,5 @@ class WebSocketServer(ClientServer[WebSocketClient, S]):
         try:
             return self._answer(connection, request)
         except Exception as error:  # noqa: BLE001 - a bug of one output must not affect the others
-            self.refusals.say(shown(*connection.remote_address[:2]), own_mistake(error))
+            self.refusals.happened(client=shown(*connection.remote_address[:2]), reason=own_mistake(error))
             return connection.respond(HTTPStatus.BAD_REQUEST, "This request cannot be answered.\n")
