@@ -1,7 +1,6 @@
 """State of the service as one record, for outputs (once a second), `ctl status` and `top`."""
 
-import json
-from dataclasses import asdict, dataclass, field, make_dataclass
+from dataclasses import dataclass, field, make_dataclass
 from typing import Any, Self
 
 from gyrodrift.outputs.fields import Use, fields_of
@@ -202,15 +201,6 @@ class ServiceStatus:
     outputs: tuple[OutputStatus, ...] = ()
     memory: dict[str, str] | None = None
     recording: str | None = None
-
-    def to_json(self) -> str:
-        """Encode as one line of JSON."""
-        return json.dumps(asdict(self), separators=(",", ":"), allow_nan=False)
-
-    @classmethod
-    def from_json(cls, text: str | bytes) -> Self:
-        """Decode the text of `to_json`."""
-        return cls.from_dict(json.loads(text))
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> Self:

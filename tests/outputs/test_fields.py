@@ -13,6 +13,7 @@ fields.FIELDS += (more,)
 fields.CHOICES[more.name] = more
 
 import json
+from dataclasses import asdict
 
 import structlog
 from outputs_support import corrected
@@ -33,7 +34,7 @@ assert json.loads(udp.UdpOutput(udp.UdpOptions(), host).datagram(sample))["refer
 assert json.loads(mqtt.state(sample))["reference_deg"] == 10.0
 assert gpsd.reports(sample, "")[1]["reference_deg"] == 10.0
 now = status.ServiceStatus(filter=status.FilterStatus(reference_deg=10.0))
-assert status.ServiceStatus.from_json(now.to_json()) == now
+assert status.ServiceStatus.from_dict(asdict(now)) == now
 assert ("reference_degrees", more.description, 10.0) in prometheus.gauges(now)
 topics = home_assistant.Topics.of("gyrodrift", "gyro")
 entity = json.loads(home_assistant.discovery("gyro", topics, now.device, "1"))["cmps"]["reference_deg"]
