@@ -89,6 +89,13 @@ def log_as_it_is_at_first() -> None:
 
 
 @pytest.fixture
+def logged() -> Iterator[list[Any]]:
+    """Events of the log, as they come."""
+    with structlog.testing.capture_logs() as events:
+        yield events
+
+
+@pytest.fixture
 def port(tmp_path: Path) -> Path:
     """A name for the port of a device."""
     return tmp_path / "gyro"

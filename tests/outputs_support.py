@@ -151,6 +151,7 @@ class HubThread:
     """Outputs on a loop of their own in this process, fed by the test in place of a service."""
 
     def __init__(self, service: socket.socket) -> None:
+        self.address = ""
         self._service = service
         service.settimeout(PATIENCE_S)
 
@@ -159,6 +160,11 @@ class HubThread:
         wanted = [output_of(each) if isinstance(each, str) else each for each in specs]
         named = [{"name": each.name, "options": revealed(each.options)} for each in wanted]
         self._service.send(wire.pack_json(wire.OUTPUTS, named))
+
+    def endpoint(self) -> tuple[str, int]:
+        """Host and port of the only output, once it is open."""
+        host, _, port = self.opened()[0].address.rpartition(":")
+        return host, int(port)
 
     def access(self, path: str, token: str) -> None:
         """Name the control socket and the token of pages; before the outputs are wanted."""
@@ -192,13 +198,17 @@ class HubThread:
 
 
 @contextmanager
-def hub() -> Iterator[HubThread]:
-    """Until the end of the block."""
+def hub(*specs: OutputSpec | str) -> Iterator[HubThread]:
+    """Until the end of the block; these outputs are open at its begin."""
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     loop = threading.Thread(target=lambda: asyncio.run(Hub(theirs, structlog.get_logger()).run()))
     loop.start()
     try:
-        yield HubThread(ours)
+        outputs = HubThread(ours)
+        if specs:
+            outputs.want(*specs)
+            outputs.address = outputs.opened(len(specs))[0].address
+        yield outputs
     finally:
         ours.close()
         loop.join()

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from gyrodrift.values.mount import AXES, Axis, Mount, Quaternion, vector_of, with_heading
+from gyrodrift.values.mount import AXES, Axis, Mount, vector_of
+from gyrodrift.values.quaternion import Quaternion, with_heading
 
 MOUNTS = [(up, forward) for up in AXES for forward in AXES if up[1] != forward[1]]
 

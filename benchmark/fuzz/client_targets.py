@@ -11,12 +11,11 @@ import msgpack
 
 from gyrodrift.outputs.foxglove_session import FoxgloveChannel, FoxgloveSession
 from gyrodrift.outputs.gpsd import requests
-from gyrodrift.outputs.line_session import JsonSession
+from gyrodrift.outputs.line_output import JsonSession
 from gyrodrift.outputs.net.lines import LineClient
 from gyrodrift.outputs.net.websocket import WebSocketClient
 from gyrodrift.outputs.networktables_session import TableSession
-from gyrodrift.outputs.rosbridge_services import RosServices
-from gyrodrift.outputs.rosbridge_session import RosbridgeSession
+from gyrodrift.outputs.rosbridge_session import RosbridgeSession, RosServices
 
 LONGEST_ANSWER = 200_000
 """A message of 64 kB may be repeated in an answer, each of its characters as `\\u0000`, but not more than once."""
@@ -69,9 +68,9 @@ def sockets(content: bytes) -> None:
     """Messages to rosbridge, foxglove and networktables: a line each, and all of it as bytes."""
     client = cast("WebSocketClient", Answers())
     sessions: list[Any] = [
-        RosbridgeSession(client, RosServices("/gyro", "sensor_msgs/msg/Imu", "ros2"), forget),
-        FoxgloveSession(client, CHANNELS, lambda: {"yaw_deg": 1.0, "filter": "hdr"}, forget),
-        TableSession(client, TOPICS, IDS, {0: b"\x94\x00\x00\x01\x00"}, lambda: 1.0, forget, forget),
+        RosbridgeSession(client, RosServices("/gyro", "sensor_msgs/msg/Imu", "ros2")),
+        FoxgloveSession(client, CHANNELS, lambda: {"yaw_deg": 1.0, "filter": "hdr"}),
+        TableSession(client, TOPICS, IDS, {0: b"\x94\x00\x00\x01\x00"}, lambda: 1.0, forget),
     ]
     for session in sessions:
         for message in (content, *content.decode(errors="replace").split("\n")[:MOST_MESSAGES]):

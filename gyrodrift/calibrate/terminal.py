@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TextIO
 
 from gyrodrift.calibrate.guide import Guide, GuideStep, Key
+from gyrodrift.io.terminal import CLEAR, line_in_place
 from gyrodrift.link.link import Link
 from gyrodrift.values.errors import DeviceSilentError
 
 if TYPE_CHECKING:
     from gyrodrift.calibrate.positions.guide import PositionGuide
 
-CLEAR = "\r\x1b[K"
 LINE_EVERY_S = 0.1
 LONGEST_WAIT_S = 0.2
 SILENT_MAX_S = 10.0
@@ -40,10 +40,7 @@ class GuideScreen:
         if not self.is_terminal or time.monotonic() - self._shown_s < LINE_EVERY_S:
             return
         self._shown_s = time.monotonic()
-        columns = 80
-        with suppress(OSError):
-            columns = os.get_terminal_size(self.stream.fileno()).columns or columns
-        self.stream.write(CLEAR + line[: columns - 1])
+        self.stream.write(line_in_place(line, self.stream, otherwise=80))
         self.stream.flush()
 
     def clear(self) -> None:

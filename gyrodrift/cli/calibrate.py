@@ -178,9 +178,9 @@ def run(arguments: argparse.Namespace) -> int:
 
     from gyrodrift.calibrate.terminal import GuideScreen, Keys, guided, without_echo
     from gyrodrift.io.log import open_log
+    from gyrodrift.io.terminal import AboveLine
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
-    from gyrodrift.recording.live_line import AboveLine
     from gyrodrift.service.signals import StopSignal
 
     screen = GuideScreen(sys.stderr, sys.stderr.isatty() and not arguments.quiet)

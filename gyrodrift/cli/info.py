@@ -13,13 +13,13 @@ import os
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from enum import Enum
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from gyrodrift.cli import inputs, options
 from gyrodrift.cli.written import samples_text, tell_written
 from gyrodrift.io.files import check_writable, whole_file, write_whole
+from gyrodrift.io.json_numbers import finite
 from gyrodrift.values.errors import DataError, UsageError, visible
 
 if TYPE_CHECKING:
@@ -310,7 +310,7 @@ def _plain(value: Any) -> dict[str, object]:
 def _plain_value(value: object) -> object:
     match value:
         case float():
-            return value if isfinite(value) else None
+            return finite(value)
         case None | int() | str():
             return value
         case Enum():

@@ -59,9 +59,10 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.filters.run import FilterRun
     from gyrodrift.io.files import check_writable
     from gyrodrift.io.log import open_log, unwaiting_stderr
+    from gyrodrift.io.terminal import AboveLine
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
-    from gyrodrift.recording.live_line import AboveLine, LiveYaw
+    from gyrodrift.recording.live_line import LiveYaw
     from gyrodrift.recording.recorder import Recorder, RecordOptions
     from gyrodrift.recording.resilient import repair_interrupted
     from gyrodrift.service.loop import Service

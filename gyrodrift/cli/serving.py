@@ -20,16 +20,15 @@ if TYPE_CHECKING:
     from gyrodrift.link.link import Link
     from gyrodrift.outputs.options import OutputSpec
     from gyrodrift.recording.resilient import ResilientRecorder
+    from gyrodrift.service.config_follower import ConfigFollower
     from gyrodrift.service.control import Control
-    from gyrodrift.service.filtering import Filtering
-    from gyrodrift.service.listener import SampleListener
-    from gyrodrift.service.loop import Service
+    from gyrodrift.service.listener import SampleListener, Sink
+    from gyrodrift.service.loop import RestWord, Service
     from gyrodrift.service.memory_keeper import MemoryKeeper
+    from gyrodrift.service.pipeline import Pipeline
     from gyrodrift.service.recording_switch import RecordingSwitch
     from gyrodrift.service.reporting import Reporting
-    from gyrodrift.service.rest_word import RestWord
     from gyrodrift.service.signals import StopSignal
-    from gyrodrift.service.sink import Sink
     from gyrodrift.service.source_lines import SourceLines
     from gyrodrift.service.stdout import JsonLines
 
@@ -60,28 +59,30 @@ class ServiceParts:
 def service_of(arguments: argparse.Namespace, parts: ServiceParts, specs: "list[OutputSpec]") -> "Service":
     """The service of a gyro: recording, filter, memory, outputs and control, as the options and its config say."""
     from gyrodrift.filters.registry import DEFAULT, FILTERS
-    from gyrodrift.service.filtering import Filtering
-    from gyrodrift.service.loop import Service
-    from gyrodrift.service.rest_word import RestWord
+    from gyrodrift.service.config_follower import ConfigFollower
+    from gyrodrift.service.loop import RestWord, Service
+    from gyrodrift.service.pipeline import Pipeline
 
     link, events, log, watch = parts.link, parts.events, parts.log, parts.watch
     sink, stdout = parts.sinks
     chosen = FILTERS[arguments.filter or DEFAULT.name]
-    filtering = Filtering(link, [sink], log, watch, chosen=chosen, axes=arguments.axes)
-    events.listeners.append(filtering.hear)
-    recording = _recording(arguments, filtering, events, log)
-    listeners: list[SampleListener] = [recording, filtering]
-    _follow_config(arguments, filtering)
-    keeper = _memory(arguments.memory, filtering, listeners)
+    config, source = (None, "defaults") if watch is None else (watch.config, str(watch.path))
+    pipeline = Pipeline(link, [sink], log, config, source, chosen, arguments.axes)
+    follower = ConfigFollower(pipeline, watch)
+    events.listeners.append(pipeline.hear)
+    recording = _recording(arguments, follower, events, log)
+    listeners: list[SampleListener] = [recording, pipeline, *([] if watch is None else [follower])]
+    _follow_config(arguments, follower)
+    keeper = _memory(arguments.memory, pipeline, listeners)
     word, control = RestWord(), None
     if specs or watch is not None or arguments.control is not None:
-        reporting = _reporting(arguments, specs, filtering, listeners, events, parts.source)
+        reporting = _reporting(arguments, specs, follower, listeners, events, parts.source)
         reporting.memory, reporting.recording = keeper, recording
         if arguments.control is not None:
             control = _control(arguments.control, listeners, reporting, stdout, parts.stop, word)
             parts.closing.callback(control.close)
         reporting.feed.want([*specs, *(watch.config.outputs if watch else ())])
-    return Service(link, listeners, log, events, parts.stop, filtering.sinks, control, word=word)
+    return Service(link, listeners, log, events, parts.stop, pipeline.sinks, control, word=word)
 
 
 def check_system(arguments: argparse.Namespace, *, has_outputs: bool) -> None:
@@ -95,7 +96,7 @@ def check_system(arguments: argparse.Namespace, *, has_outputs: bool) -> None:
 def log_of(arguments: argparse.Namespace, *, has_person: bool) -> "FilteringBoundLogger":
     """Logger on stderr; its lines stand above the line on stdout if both are the terminal."""
     from gyrodrift.io.log import open_log, unwaiting_stderr
-    from gyrodrift.recording.live_line import AboveLine
+    from gyrodrift.io.terminal import AboveLine
 
     above = None
     if has_person and sys.stderr.isatty():
@@ -103,13 +104,13 @@ def log_of(arguments: argparse.Namespace, *, has_person: bool) -> "FilteringBoun
     return open_log(options.log_level(arguments), arguments.log_format, above)
 
 
-def _follow_config(arguments: argparse.Namespace, filtering: "Filtering") -> None:
+def _follow_config(arguments: argparse.Namespace, follower: "ConfigFollower") -> None:
     """Let a new config change the link, unless an option fixes it."""
-    link = filtering.link
+    link = follower.pipeline.link
     if configs.reads_columns_of_config(arguments):
-        filtering.config_listeners.append(lambda new: link.follow_columns(new.columns))
+        follower.listeners.append(lambda new: link.follow_columns(new.columns))
     if not arguments.send:
-        filtering.config_listeners.append(lambda new: link.send_at_opening(new.send))
+        follower.listeners.append(lambda new: link.send_at_opening(new.send))
 
 
 def _control(
@@ -126,34 +127,34 @@ def _control(
     from gyrodrift.service.control import Control
     from gyrodrift.service.guided import GuidedCalibration
 
-    filtering, recording = reporting.filtering, reporting.recording
+    follower, recording = reporting.follower, reporting.recording
     assert recording is not None  # noqa: S101 - `run` has set it
-    calibration = GuidedCalibration(filtering)
+    calibration = GuidedCalibration(follower.pipeline, follower.watch)
     listeners.append(calibration)
     access = reporting.feed.access = ControlAccess(str(path.absolute()), secrets.token_urlsafe(32))
-    commands = ServiceCommands(filtering, stdout, reporting, stop, word, recording, calibration, access)
-    return Control(path, commands.all(), filtering.log)
+    commands = ServiceCommands(follower, stdout, reporting, stop, word, recording, calibration, access)
+    return Control(path, commands.all(), follower.pipeline.log)
 
 
 def _reporting(
     arguments: argparse.Namespace,
     specs: "list[OutputSpec]",
-    filtering: "Filtering",
+    follower: "ConfigFollower",
     listeners: "list[SampleListener]",
     events: "LinkEvents",
     source: str,
 ) -> "Reporting":
     """State of the service and the feed of the outputs; both hear samples and events."""
-    from gyrodrift.service.link_meter import LinkMeter
     from gyrodrift.service.output_feed import OutputFeed
-    from gyrodrift.service.reporting import Reporting
+    from gyrodrift.service.reporting import LinkMeter, Reporting
 
-    meter = LinkMeter(filtering.link)
-    feed = OutputFeed(filtering.log, options.log_level(arguments), arguments.log_format, source=source)
-    reporting = Reporting(meter, filtering, feed)
-    filtering.sinks.append(feed)
-    filtering.event_listeners.append(feed.hear)
-    filtering.config_listeners.append(lambda new: feed.want([*specs, *new.outputs]))
+    pipeline = follower.pipeline
+    meter = LinkMeter(pipeline.link)
+    feed = OutputFeed(pipeline.log, options.log_level(arguments), arguments.log_format, source=source)
+    reporting = Reporting(meter, follower, feed)
+    pipeline.sinks.append(feed)
+    pipeline.event_listeners.append(feed.hear)
+    follower.listeners.append(lambda new: feed.want([*specs, *new.outputs]))
     feed.state = reporting.status
     events.listeners.append(feed.hear)
     listeners.insert(0, meter)
@@ -161,12 +162,13 @@ def _reporting(
 
 
 def _recording(
-    arguments: argparse.Namespace, filtering: "Filtering", events: "LinkEvents", log: "FilteringBoundLogger"
+    arguments: argparse.Namespace, follower: "ConfigFollower", events: "LinkEvents", log: "FilteringBoundLogger"
 ) -> "RecordingSwitch":
     """The recorder of `--record`, on from the start; without that option `ctl record start` begins one."""
     from gyrodrift.service.recording_switch import RecordingSwitch
 
     rotate_bytes, rotate_s = numbers.rotation(arguments.rotate)
+    pipeline, watch = follower.pipeline, follower.watch
     folder = DEFAULT_FOLDER if arguments.record is None else arguments.record
     words = (folder, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
 
@@ -175,10 +177,10 @@ def _recording(
         from gyrodrift.recording.recorder import RecordOptions
         from gyrodrift.recording.resilient import ResilientRecorder
 
-        config = None if filtering.watch is None else filtering.watch.config
+        config = None if watch is None else watch.config
         about, mode = ({}, 0o666) if config is None else (configs.config_tables(arguments.config, config), config.mode)
         return ResilientRecorder(
-            RecordOptions(*words, about, lambda: beginning(filtering.run), mode), filtering.link, log
+            RecordOptions(*words, about, lambda: beginning(pipeline.run), mode), pipeline.link, log
         )
 
     recording = RecordingSwitch(make)
@@ -188,23 +190,21 @@ def _recording(
         recording.start()
         repair_interrupted(folder, log)
     events.listeners.append(recording.on_event)
-    filtering.event_listeners.append(recording.on_event)
-    filtering.config_listeners.append(
-        lambda new: recording.set_about(configs.config_tables(arguments.config, new), new.mode)
-    )
+    pipeline.event_listeners.append(recording.on_event)
+    follower.listeners.append(lambda new: recording.set_about(configs.config_tables(arguments.config, new), new.mode))
     return recording
 
 
-def _memory(path: Path | None, filtering: "Filtering", listeners: "list[SampleListener]") -> "MemoryKeeper | None":
+def _memory(path: Path | None, pipeline: "Pipeline", listeners: "list[SampleListener]") -> "MemoryKeeper | None":
     """The keeper of `--memory`. It acts before the first sample reaches filter and recording."""
     if path is None:
         return None
     if path.suffix == ".mcap":
-        filtering.begin_with(_recorded_beginning(path, filtering.filter))
+        pipeline.begin_with(_recorded_beginning(path, pipeline.filter))
         return None
     from gyrodrift.service.memory_keeper import MemoryKeeper
 
-    keeper = MemoryKeeper(path, filtering, filtering.log)
+    keeper = MemoryKeeper(path, pipeline, pipeline.log)
     listeners.insert(0, keeper)
     return keeper
 

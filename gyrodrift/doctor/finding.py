@@ -4,9 +4,9 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from enum import StrEnum
-from math import isfinite
 from typing import Any
 
+from gyrodrift.io.json_numbers import finite
 from gyrodrift.outputs.health import Health, HealthLevel
 
 
@@ -100,10 +100,9 @@ def worst(findings: Sequence[DeviceFinding]) -> Severity:
 
 def as_json(source: str, findings: Sequence[DeviceFinding], extra: Mapping[str, Any] | None = None) -> str:
     """One JSON object on one line, with the keys of `extra` at its end; a value that is not finite is null."""
-    rows = [{"id": finding.id, **asdict(finding), "value": _finite(finding.value)} for finding in findings]
+    rows = [
+        {"id": finding.id, **asdict(finding), "value": None if finding.value is None else finite(float(finding.value))}
+        for finding in findings
+    ]
     report: dict[str, Any] = {"source": source, "severity": worst(findings), "findings": rows}
     return json.dumps(report | dict(extra or {}), ensure_ascii=False, allow_nan=False)
-
-
-def _finite(value: float | None) -> float | None:
-    return None if value is None or not isfinite(value) else float(value)

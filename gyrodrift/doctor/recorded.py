@@ -1,11 +1,11 @@
 """Evidence from a recording: its samples, and the counters of its link."""
 
 from collections.abc import Mapping
-from math import isfinite
 from pathlib import Path
 
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.listen import clock_ppm, jitter_ms
+from gyrodrift.io.json_numbers import finite
 from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.outputs.status import DeviceStatus, LinkStatus
 from gyrodrift.session.checks.examine import examined
@@ -75,4 +75,4 @@ def _number(kept: Mapping[str, str], name: str) -> float | None:
         value = float(kept[name])
     except (KeyError, ValueError):
         return None
-    return value if isfinite(value) else None
+    return finite(value)

@@ -9,7 +9,8 @@ from math import inf, isfinite, nan
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from gyrodrift.filters.filter import Filter
-from gyrodrift.values.mount import LEVEL, Mount, with_heading
+from gyrodrift.values.mount import LEVEL, Mount
+from gyrodrift.values.quaternion import with_heading
 from gyrodrift.values.sample import Attitude, Inertial
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from gyrodrift.filters.attitude.zero import zero_yaw
 from gyrodrift.filters.filter import Filter, FilterState
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
-from gyrodrift.values.mount import Quaternion, with_heading
+from gyrodrift.values.quaternion import Quaternion, with_heading
 from gyrodrift.values.sample import Inertial
 
 

@@ -2,24 +2,71 @@
 
 import json
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
 from math import isnan
-from typing import Annotated, Any
+from types import NoneType, UnionType
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 from gyrodrift.outputs.device_frame import UNTURNED, DeviceFrame
-from gyrodrift.outputs.foxglove_schemas import POSE_SCHEMA, SAMPLE_SCHEMA, schema_of
+from gyrodrift.outputs.fields import CHOICES
 from gyrodrift.outputs.foxglove_session import FoxgloveChannel, FoxgloveSession, Parameters, opening
 from gyrodrift.outputs.json_line import json_line
+from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
-from gyrodrift.outputs.output import Output, OutputHost
-from gyrodrift.outputs.status import ClientStatus, ConfigStatus, FilterStatus, LinkStatus, ServiceStatus
+from gyrodrift.outputs.output import OutputHost
+from gyrodrift.outputs.status import ConfigStatus, FilterStatus, LinkStatus, ServiceStatus
 from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.values.sample import Corrected
 
 SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
 """Present and former name of the protocol; the app and its forks request one or both."""
+
+TYPES = {int: "integer", float: "number", str: "string", bool: "boolean", dict: "object"}
+NUMBER: dict[str, Any] = {"type": "number"}
+NUMBERS = {"type": "array", "items": NUMBER}
+
+
+def _object(properties: Mapping[str, Any]) -> dict[str, Any]:
+    """Schema of an object. Unknown values are omitted, so no property is required."""
+    return {"type": "object", "properties": dict(properties)}
+
+
+def schema_of(title: str, record: type[Any]) -> dict[str, Any]:
+    """Schema of a dataclass of plain values."""
+    hints = get_type_hints(record)
+    return {"title": title, **_object({field.name: {"type": _type_of(hints[field.name])} for field in fields(record)})}
+
+
+def _type_of(hint: Any) -> str:
+    if isinstance(hint, UnionType):
+        hint = next(option for option in get_args(hint) if option is not NoneType)
+    return TYPES[get_origin(hint) or hint]
+
+
+SAMPLE_SCHEMA = {
+    "title": "gyrodrift.Sample",
+    **_object(
+        {
+            name: NUMBERS if field.is_list else {"type": "number" if field.decimals else "integer"}
+            for name, field in CHOICES.items()
+        }
+    ),
+}
+
+VECTOR, QUATERNION = (_object(dict.fromkeys(names, NUMBER)) for names in ("xyz", "xyzw"))
+POSE_SCHEMA = {
+    "title": "foxglove.PoseInFrame",
+    **_object(
+        {
+            "timestamp": _object({"sec": {"type": "integer"}, "nsec": {"type": "integer"}}),
+            "frame_id": {"type": "string"},
+            "pose": _object({"position": VECTOR, "orientation": QUATERNION}),
+        }
+    ),
+}
+"""Schema that the app draws as a pose; source: schemas/jsonschema/PoseInFrame.json of foxglove/foxglove-sdk."""
 
 SAMPLE = FoxgloveChannel(1, "/gyro/sample", SAMPLE_SCHEMA)
 STATE = FoxgloveChannel(2, "/gyro/state", schema_of("gyrodrift.State", FilterStatus))
@@ -44,7 +91,7 @@ class FoxgloveOptions:
     rate_hz: Annotated[Rate, About("at most this many samples a second of device time")] = None
 
 
-class FoxgloveOutput(Output[FoxgloveOptions]):
+class FoxgloveOutput(ServerOutput[FoxgloveOptions, WebSocketServer[FoxgloveSession]]):
     """Three channels, a fourth for attitude, and the config in force as read-only parameters."""
 
     options_type = FoxgloveOptions
@@ -52,8 +99,7 @@ class FoxgloveOutput(Output[FoxgloveOptions]):
     def __init__(self, options: FoxgloveOptions, host: OutputHost) -> None:
         super().__init__(options, host)
         self._thinning = Thinning(options.rate_hz)
-        self._server = WebSocketServer(self._session, host.log, subprotocols=SUBPROTOCOLS)
-        self._sessions: dict[FoxgloveSession, None] = {}
+        self.server = WebSocketServer(self._session, host.log, subprotocols=SUBPROTOCOLS)
         self._parameters: Parameters = {}
         self._mount = UNTURNED
         self._channels: tuple[FoxgloveChannel, ...] = CHANNELS
@@ -61,7 +107,7 @@ class FoxgloveOutput(Output[FoxgloveOptions]):
 
     async def open(self) -> None:
         """Begin to listen."""
-        self.address = await self._server.listen(self.options.host, self.options.port)
+        self.address = await self.server.listen(self.options.host, self.options.port)
 
     def take(self, samples: Sequence[Corrected]) -> None:
         """Send samples and poses to subscribers; each message is encoded once."""
@@ -85,31 +131,19 @@ class FoxgloveOutput(Output[FoxgloveOptions]):
                 for session in subscribed:
                     session.publish(channel.number, time_ns, message)
 
-    def clients(self) -> Sequence[ClientStatus]:
-        """Connected clients."""
-        return self._server.statuses()
-
-    def counts(self) -> tuple[int, int]:
-        """Messages sent and dropped."""
-        return self._server.counts()
-
-    async def close(self) -> None:
-        """Close the connections."""
-        await self._server.close()
-
     def _subscribed(self, channel: FoxgloveChannel) -> list[FoxgloveSession]:
-        return [session for session in self._sessions if session.has_subscribed(channel.number)]
+        return [session for session in self.server.clients.values() if session.has_subscribed(channel.number)]
 
     def _set_parameters(self, values: Parameters) -> None:
         changed = {name for name, value in values.items() if self._parameters.get(name) != value}
         self._parameters = values
         if changed:
-            for session in self._sessions:
+            for session in self.server.clients.values():
                 session.tell_parameters(changed)
 
     def _advertise(self, channel: FoxgloveChannel) -> None:
         self._channels += (channel,)
-        for session in self._sessions:
+        for session in self.server.clients.values():
             session.advertise(channel)
 
     def _pose(self, corrected: Corrected) -> bytes:
@@ -127,12 +161,7 @@ class FoxgloveOutput(Output[FoxgloveOptions]):
     def _session(self, client: WebSocketClient) -> FoxgloveSession:
         for message in opening(self._channels, self._session_id):
             client.send_first(message)
-        session = FoxgloveSession(client, self._channels, lambda: self._parameters, self._forget)
-        self._sessions[session] = None
-        return session
-
-    def _forget(self, session: FoxgloveSession) -> None:
-        self._sessions.pop(session, None)
+        return FoxgloveSession(client, self._channels, lambda: self._parameters)
 
 
 def parameters_of(config: ConfigStatus) -> Parameters:

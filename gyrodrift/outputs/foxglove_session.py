@@ -13,7 +13,7 @@ from struct import Struct
 from typing import Any
 
 from gyrodrift.outputs.net.json_input import NotJsonError, parse_json
-from gyrodrift.outputs.net.websocket import WebSocketClient
+from gyrodrift.outputs.net.websocket import SilentWebSocketSession, WebSocketClient
 
 MESSAGE_DATA = 1
 """Opcode of a binary message to a client."""
@@ -50,15 +50,13 @@ class FoxgloveChannel:
 Parameters = dict[str, float | str]
 
 
-class FoxgloveSession:
+class FoxgloveSession(SilentWebSocketSession):
     """Protocol state of one client.
 
     Parameters
     ----------
     parameters
         Gives the present parameters.
-    forget
-        Called with the session when the client has left.
     """
 
     def __init__(
@@ -66,11 +64,10 @@ class FoxgloveSession:
         client: WebSocketClient,
         channels: Sequence[FoxgloveChannel],
         parameters: Callable[[], Parameters],
-        forget: "Callable[[FoxgloveSession], None]",
     ) -> None:
         self._client = client
         self._channels = {channel.number: channel for channel in channels}
-        self._parameters, self._forget = parameters, forget
+        self._parameters = parameters
         self._subscriptions: dict[int, int] = {}
         self._followed: set[str] = set()
         self._dropped = 0
@@ -115,10 +112,6 @@ class FoxgloveSession:
         self._dropped += messages
         text = f"{self._dropped} messages dropped: this client reads too slowly"
         return json.dumps({"op": "status", "level": WARNING, "message": text, "id": "gyrodrift-dropped"})
-
-    def closed(self) -> None:
-        """End: no more messages."""
-        self._forget(self)
 
     def _take(self, operation: Any) -> None:
         name = operation.get("op") if isinstance(operation, dict) else None

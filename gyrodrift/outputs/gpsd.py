@@ -14,14 +14,14 @@ from datetime import UTC, datetime
 from typing import Annotated, Any
 
 from gyrodrift import __version__
-from gyrodrift.outputs.json_line import present_fields
+from gyrodrift.outputs.json_line import iso_time, present_fields
 from gyrodrift.outputs.net.json_input import parse_json_at
-from gyrodrift.outputs.net.lines import LineClient, LineServer
+from gyrodrift.outputs.net.lines import LineClient, LineServer, SilentSession
+from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
-from gyrodrift.outputs.output import Output, OutputHost
-from gyrodrift.outputs.status import ClientStatus, ServiceStatus
+from gyrodrift.outputs.output import OutputHost
+from gyrodrift.outputs.status import ServiceStatus
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.outputs.utc import iso_time
 from gyrodrift.values.sample import Attitude, Corrected
 
 PROTOCOL = (3, 14)
@@ -44,7 +44,7 @@ class GpsdOptions:
     rate_hz: Annotated[Rate, About("at most this many reports a second of device time")] = 10.0
 
 
-class GpsdOutput(Output[GpsdOptions]):
+class GpsdOutput(ServerOutput[GpsdOptions, "LineServer[GpsdSession]"]):
     """Serves clients of gpsd."""
 
     options_type = GpsdOptions
@@ -52,13 +52,13 @@ class GpsdOutput(Output[GpsdOptions]):
     def __init__(self, options: GpsdOptions, host: OutputHost) -> None:
         super().__init__(options, host)
         self.last: Corrected | None = None
-        self._server = LineServer(lambda client: GpsdSession(client, self), host.log, _greet)
+        self.server = LineServer(lambda client: GpsdSession(client, self), host.log, _greet)
         self._thinning = Thinning(options.rate_hz)
         self._device = device_of(host.status)
 
     async def open(self) -> None:
         """Begin to listen."""
-        self.address = await self._server.listen_tcp(self.options.host, self.options.port)
+        self.address = await self.server.listen_tcp(self.options.host, self.options.port)
 
     def take(self, samples: Sequence[Corrected]) -> None:
         """Send reports to watching clients."""
@@ -86,24 +86,11 @@ class GpsdOutput(Output[GpsdOptions]):
         """The DEVICE object."""
         return device_of(self.host.status)
 
-    def clients(self) -> Sequence[ClientStatus]:
-        """Connected clients."""
-        return self._server.statuses()
-
-    def counts(self) -> tuple[int, int]:
-        """Reports and answers, sent and dropped."""
-        return self._server.counts()
-
-    async def close(self) -> None:
-        """Close the connections."""
-        await self._server.close()
-
     def _watching(self) -> list[LineClient]:
-        sessions = ((client, client.session) for client in self._server.clients)
-        return [client for client, session in sessions if isinstance(session, GpsdSession) and session.is_watching]
+        return [client for client, session in self.server.clients.items() if session.is_watching]
 
 
-class GpsdSession:
+class GpsdSession(SilentSession):
     """One client, and its WATCH policy."""
 
     def __init__(self, client: LineClient, output: GpsdOutput) -> None:
@@ -130,9 +117,6 @@ class GpsdSession:
     def refused(self, why: str) -> bytes:
         """Message for a client whose connection is closed."""
         return encoded({"class": "ERROR", "message": why})
-
-    def closed(self) -> None:
-        """Do nothing."""
 
     def _answer(self, name: str, argument: dict[str, Any] | None) -> None:
         if name == "VERSION":

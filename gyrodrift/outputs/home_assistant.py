@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from gyrodrift.outputs.fields import OF_EVERY_DEVICE, OF_THREE_AXES, Field, Use, fields_of
 from gyrodrift.outputs.status import DeviceStatus
 
 ONLINE, OFFLINE = "online", "offline"
@@ -48,25 +49,19 @@ class Entity:
     state_class: str | None = "measurement"
 
 
-MEASURED = (
-    Entity("yaw_deg", "Yaw", "°", 2),
-    Entity("yaw_sigma_deg", "Yaw uncertainty", "°", 3),
-    Entity("heading_deg", "Heading", "°", 1, state_class=None),
-    Entity("corrected_dps", "Yaw rate", "°/s", 3),
-    Entity("bias_dps", "Drift estimate", "°/s", 5),
-    Entity("bias_sigma_dps", "Drift uncertainty", "°/s", 5),
-    Entity("rest_probability", "Rest probability", None, 2),
-    Entity("temp_c", "Temperature", "°C", 1, "temperature"),
-)
-"""Sensors of `Topics.state`. A mean of headings has no meaning, so heading has no state class."""
+UNITS = {"deg": "°", "deg/s": "°/s", "": None}
+DEVICE_CLASSES = {"°C": "temperature"}
+NO_MEAN = ("heading_deg",)
+"""A mean of headings has no meaning, so heading has no state class."""
 
-TILT = (
-    Entity("roll_deg", "Roll", "°", 1),
-    Entity("pitch_deg", "Pitch", "°", 1),
-    Entity("tilt_deg", "Tilt", "°", 1),
-    Entity("tilt_sigma_deg", "Tilt uncertainty", "°", 2),
-)
-"""Further sensors of `Topics.state` of a device with three axes."""
+
+def _entity(field: Field) -> Entity:
+    unit, state_class = UNITS.get(field.unit, field.unit), None if field.name in NO_MEAN else "measurement"
+    return Entity(field.name, field.title, unit, field.shown, DEVICE_CLASSES.get(field.unit), state_class)
+
+
+MEASURED, TILT = (tuple(map(_entity, fields_of(Use.SENSOR, table))) for table in (OF_EVERY_DEVICE, OF_THREE_AXES))
+"""Sensors of `Topics.state`, and further ones of a device with three axes."""
 
 DIAGNOSTIC = (
     Entity("rate_hz", "Sample rate", "Hz", 1, "frequency"),

@@ -14,10 +14,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from annotated_types import Ge, Gt, Le, MinLen
 
-from gyrodrift.outputs.device_frame import UNTURNED, DeviceFrame
-from gyrodrift.outputs.frd import FrdReference, FrdSample, frd_sample
+from gyrodrift.outputs.device_frame import UNTURNED, DeviceFrame, FrdReference, FrdSample, frd_sample
 from gyrodrift.outputs.net.datagrams import DatagramSender
-from gyrodrift.outputs.net.serial_line import SerialLine
+from gyrodrift.outputs.net.pty import SerialLine
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port
 from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.status import ServiceStatus

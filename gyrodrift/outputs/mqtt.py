@@ -16,9 +16,10 @@ from annotated_types import MaxLen, MinLen
 
 from gyrodrift import __version__
 from gyrodrift.io.files import UnreadableError, check_ordinary, read_ordinary
+from gyrodrift.outputs.fields import CHOICES
 from gyrodrift.outputs.health import health
 from gyrodrift.outputs.home_assistant import BIRTH, OFFLINE, ONLINE, Topics, discovery
-from gyrodrift.outputs.json_line import ATTITUDE_FIELDS, DEVICE_FIELDS, FIELDS, present_fields
+from gyrodrift.outputs.json_line import present_fields
 from gyrodrift.outputs.mqtt_guard import BrokerGuard
 from gyrodrift.outputs.net.addresses import shown
 from gyrodrift.outputs.net.backlog import Backlog
@@ -246,9 +247,7 @@ class MqttOutput(Output[MqttOptions]):
 
 def state(sample: Corrected) -> bytes:
     """A sample as JSON with all fields of its device, null for unknown values."""
-    axes = () if sample.attitude is None else ATTITUDE_FIELDS
-    own = () if sample.sample.device_yaw is None else DEVICE_FIELDS
-    names = (*FIELDS, *axes, *own)
+    names = [name for name, field in CHOICES.items() if field.value(sample) is not None]
     return json.dumps(dict.fromkeys(names) | present_fields(sample)).encode()
 
 

@@ -6,13 +6,12 @@ A device with three axes has its attitude too: as angles, and as a Rotation3d of
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from struct import Struct
-from typing import Annotated, Any, Protocol, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from annotated_types import MaxLen, MinLen
 
 from gyrodrift.outputs.device_frame import UNTURNED, DeviceFrame
-from gyrodrift.outputs.json_line import FIELDS
-from gyrodrift.outputs.measured_time import MeasuredTime
+from gyrodrift.outputs.fields import OF_EVERY_DEVICE, OF_THREE_AXES, Use, fields_of
 from gyrodrift.outputs.networktables_robot import RobotTables
 from gyrodrift.outputs.networktables_server import ServedTables
 from gyrodrift.outputs.networktables_session import TopicValue
@@ -24,14 +23,12 @@ from gyrodrift.values.sample import Attitude, Corrected
 
 T = TypeVar("T")
 
-VALUES = ("yaw_deg", "corrected_dps", "yaw_sigma_deg", "bias_dps", "heading_deg", "temp_c")
+VALUES = {field.name: field.number for field in fields_of(Use.TOPIC, OF_EVERY_DEVICE)}
 TOPICS = {**dict.fromkeys((*VALUES, "time_s"), "double"), "connected": "boolean"}
 """Type of each topic of the table."""
 
-TILT_TOPICS = {
-    **dict.fromkeys(("roll_deg", "pitch_deg", "tilt_deg", "tilt_sigma_deg"), "double"),
-    "rotation": "struct:Rotation3d",
-}
+TILT_VALUES = {field.name: field.number for field in fields_of(Use.TOPIC, OF_THREE_AXES)}
+TILT_TOPICS = {**dict.fromkeys(TILT_VALUES, "double"), "rotation": "struct:Rotation3d"}
 """Further topics of a device with three axes; other devices do not have them."""
 
 ROTATION = Struct("<4d")
@@ -60,44 +57,28 @@ class NetworkTablesOptions:
     rate_hz: Annotated[Rate, About("at most this many values a second of device time")] = 100.0
 
 
-class Tables(Protocol):
-    """Topics on a server of this process, or on the server of the robot."""
+class MeasuredTime:
+    """Converts device time to another clock, s, without the variable part of the delay.
 
-    async def open(self) -> str:
-        """Begin; returns the address as text. OutputError if that fails."""
-        ...
+    The smallest difference between arrival and device time is the one without waiting. It may grow as fast as clocks
+    drift apart. The delay of the fastest sample remains.
+    """
 
-    def now_s(self) -> float:
-        """The clock of time stamps, s."""
-        ...
+    DRIFT = 5e-4
+    """Largest drift of two clocks, s/s: ten times that of quartz."""
 
-    def server_offset_s(self) -> float:
-        """Clock of the server minus `now_s`."""
-        ...
+    def __init__(self) -> None:
+        self._difference_s = float("inf")
+        self._at_s = 0.0
 
-    def add(self, topics: Mapping[str, str], schemas: Mapping[str, str]) -> None:
-        """Announce further topics, and the layouts of their types."""
-        ...
+    def note(self, t_device_s: float, arrived_s: float) -> None:
+        """Note the arrival of a sample."""
+        grown_s = self._difference_s + self.DRIFT * abs(t_device_s - self._at_s)
+        self._difference_s, self._at_s = min(grown_s, arrived_s - t_device_s), t_device_s
 
-    def publish(self, values: Mapping[str, TopicValue], stamp_us: int | None = None) -> None:
-        """Publish values by topic, measured at a time of `now_s`, or now."""
-        ...
-
-    def check(self) -> str:
-        """Problem of the topics as text, or empty; called once a second."""
-        ...
-
-    def clients(self) -> Sequence[ClientStatus]:
-        """Connected clients."""
-        ...
-
-    def dropped(self) -> int:
-        """Messages dropped for slow clients."""
-        ...
-
-    async def close(self) -> None:
-        """Close everything, also after an `open` that failed."""
-        ...
+    def of(self, t_device_s: float) -> float:
+        """Time of measurement, s."""
+        return t_device_s + self._difference_s
 
 
 class NetworkTablesOutput(Output[NetworkTablesOptions]):
@@ -114,7 +95,7 @@ class NetworkTablesOutput(Output[NetworkTablesOptions]):
         self._has_tilt = False
         self._prefix = "/".join(["", options.table.strip("/"), *filter(None, [host.source]), ""])
         topics = {f"{self._prefix}{name}": kind for name, kind in TOPICS.items()}
-        self._tables: Tables = (
+        self._tables: RobotTables | ServedTables = (
             RobotTables(options.robot, options.port, topics, host.log)
             if options.robot
             else ServedTables(options.host, options.port, topics, host.log)
@@ -161,7 +142,7 @@ class NetworkTablesOutput(Output[NetworkTablesOptions]):
 
     def _publish(self, sample: Corrected) -> None:
         measured_s = self._clock.of(sample.sample.t_device_s)
-        values: dict[str, TopicValue] = {name: FIELDS[name](sample) for name in VALUES}
+        values: dict[str, TopicValue] = {name: of(sample) for name, of in VALUES.items()}
         values["time_s"] = measured_s + self._tables.server_offset_s()
         if sample.attitude is not None:
             values |= self._tilt(sample, sample.attitude)
@@ -174,13 +155,7 @@ class NetworkTablesOutput(Output[NetworkTablesOptions]):
             self._has_tilt = True
             self._tables.add(self._named(TILT_TOPICS), SCHEMAS)
         q = self._mount.attitude(attitude, sample.yaw_deg, sample.yaw_deg)
-        return {
-            "roll_deg": attitude.roll_deg,
-            "pitch_deg": attitude.pitch_deg,
-            "tilt_deg": attitude.tilt_deg,
-            "tilt_sigma_deg": attitude.tilt_sigma_deg,
-            "rotation": ROTATION.pack(*q),
-        }
+        return {name: of(sample) for name, of in TILT_VALUES.items()} | {"rotation": ROTATION.pack(*q)}
 
     def _say_connected(self, *, is_connected: bool) -> None:
         self._tables.publish(self._named({"connected": is_connected}))

@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from gyrodrift.io.logger import FilteringBoundLogger
-from gyrodrift.outputs.net.addresses import shown
-from gyrodrift.outputs.net.names import shown_name
+from gyrodrift.outputs.net.addresses import shown, shown_name
 from gyrodrift.outputs.networktables_session import TopicValue
 from gyrodrift.outputs.status import ClientStatus
 

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 from urllib.parse import unquote_to_bytes
 
 from gyrodrift.io.logger import FilteringBoundLogger
-from gyrodrift.outputs.net.names import shown_name
-from gyrodrift.outputs.net.refusals import BoundedEvent
+from gyrodrift.outputs.net.addresses import shown_name
+from gyrodrift.outputs.net.servers import BoundedEvent
 from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
 from gyrodrift.outputs.networktables_session import TableSession, TopicValue, value_message
 from gyrodrift.outputs.status import ClientStatus
@@ -46,8 +46,9 @@ class ServedTables:
         self._topics = dict(topics)
         self._ids = {name: index for index, name in enumerate(topics)}
         self._last: dict[int, bytes] = {}
-        self._sessions: dict[TableSession, None] = {}
-        self._server = WebSocketServer(self._session, log, _answer, subprotocols=SUBPROTOCOLS)
+        self._server: WebSocketServer[TableSession] = WebSocketServer(
+            self._session, log, _answer, subprotocols=SUBPROTOCOLS
+        )
         self._refused = BoundedEvent(log.warning, "forgery_refused", "forgeries_refused")
         self._begun_s = time.time() - time.monotonic()
 
@@ -68,7 +69,7 @@ class ServedTables:
         layouts = {f"{SCHEMA_PREFIX}{kind}": schema.encode() for kind, schema in schemas.items()}
         self._topics |= {**dict.fromkeys(layouts, "structschema"), **topics}
         self._ids |= {name: index for index, name in enumerate(self._topics)}
-        for session in self._sessions:
+        for session in self._server.clients.values():
             session.follow_topics()
         self.publish(layouts)
 
@@ -77,7 +78,7 @@ class ServedTables:
         stamp_us = round(self.now_s() * 1e6) if stamp_us is None else stamp_us
         messages = {self._ids[name]: value_message(self._ids[name], stamp_us, value) for name, value in values.items()}
         self._last |= messages
-        for session in self._sessions:
+        for session in self._server.clients.values():
             session.publish(messages)
 
     def check(self) -> str:
@@ -101,12 +102,7 @@ class ServedTables:
         request = client.connection.request
         name = shown_name(unquote_to_bytes(request.path.removeprefix(PATH))) if request else ""
         client.peer = f"{name} {client.peer}"
-        session = TableSession(client, self._topics, self._ids, self._last, self.now_s, self._forget, self._refuse)
-        self._sessions[session] = None
-        return session
-
-    def _forget(self, session: TableSession) -> None:
-        self._sessions.pop(session, None)
+        return TableSession(client, self._topics, self._ids, self._last, self.now_s, self._refuse)
 
     def _refuse(self, client: WebSocketClient, topic: str) -> None:
         self._refused.happened(client=client.peer, topic=shown_name(topic), hint="clients cannot publish to it")

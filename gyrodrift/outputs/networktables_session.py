@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from gyrodrift.outputs.net.json_input import parse_json
-from gyrodrift.outputs.net.websocket import WebSocketClient
+from gyrodrift.outputs.net.websocket import SilentWebSocketSession, WebSocketClient
 
 MOST_SUBSCRIPTIONS = 200
 MOST_METHODS = 1000
@@ -43,7 +43,7 @@ class Subscription:
         return topic.startswith(self.names) if self.is_prefix else topic in self.names
 
 
-class TableSession:
+class TableSession(SilentWebSocketSession):
     """Protocol state of one client.
 
     Parameters
@@ -52,8 +52,6 @@ class TableSession:
         Type and number of each topic, by its full name. Topics can be added later; see `follow_topics`.
     last
         The last value message of each topic, by its number.
-    forget
-        Called with the session when the client has left.
     refuse
         Called with the client and the topic that it wanted to publish or change.
     """
@@ -65,12 +63,11 @@ class TableSession:
         ids: Mapping[str, int],
         last: Mapping[int, bytes],
         now_s: Callable[[], float],
-        forget: "Callable[[TableSession], None]",
         refuse: Callable[[WebSocketClient, str], None],
     ) -> None:
         self._client = client
         self._topics, self._ids, self._last, self._now_s = topics, ids, last, now_s
-        self._forget, self._refuse = forget, refuse
+        self._refuse = refuse
         self._announced: set[str] = set()
         self._subscriptions: dict[int, Subscription] = {}
         self._topic_ids: frozenset[int] = frozenset()
@@ -106,14 +103,6 @@ class TableSession:
             raise ValueError(f"expected a list of at most {MOST_METHODS} messages")
         for request in requests:
             self._take(request)
-
-    def dropped(self, messages: int) -> str:  # noqa: ARG002 - the protocol has no such message
-        """Empty: only `status` counts dropped messages."""
-        return ""
-
-    def closed(self) -> None:
-        """End: no more messages."""
-        self._forget(self)
 
     def _take(self, request: Any) -> None:
         """Carry out a request; unknown requests are ignored, as the specification says."""

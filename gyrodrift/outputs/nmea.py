@@ -12,14 +12,14 @@ from typing import Annotated, Literal
 
 from annotated_types import MaxLen
 
+from gyrodrift.outputs.line_output import runtime_folder
 from gyrodrift.outputs.net.datagrams import DatagramSender
-from gyrodrift.outputs.net.lines import LineClient, LineServer
+from gyrodrift.outputs.net.lines import LineServer, SilentSession
 from gyrodrift.outputs.net.pty import PtyWriter
+from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
-from gyrodrift.outputs.output import Output, OutputHost
-from gyrodrift.outputs.status import ClientStatus
+from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.outputs.unix import runtime_folder
 from gyrodrift.values.sample import Corrected
 
 NAME = "gyrodrift.nmea"
@@ -42,7 +42,7 @@ class NmeaOptions:
     rate_hz: Annotated[Rate, About("at most this many sentences of each kind a second of device time")] = 10.0
 
 
-class NmeaOutput(Output[NmeaOptions]):
+class NmeaOutput(ServerOutput[NmeaOptions, "LineServer[NmeaSession]"]):
     """Sends up to four sentences per sample."""
 
     options_type = NmeaOptions
@@ -50,7 +50,7 @@ class NmeaOutput(Output[NmeaOptions]):
     def __init__(self, options: NmeaOptions, host: OutputHost) -> None:
         super().__init__(options, host)
         self._thinning = Thinning(options.rate_hz)
-        self._server = LineServer(NmeaSession, host.log)
+        self.server = LineServer(lambda _: NmeaSession(), host.log)
         self._datagrams = DatagramSender()
         self._pty = PtyWriter()
 
@@ -58,7 +58,7 @@ class NmeaOutput(Output[NmeaOptions]):
         """Listen, resolve the receiver, or make the pty."""
         options = self.options
         if options.to == "tcp":
-            self.address = await self._server.listen_tcp(options.host, options.port)
+            self.address = await self.server.listen_tcp(options.host, options.port)
         elif options.to == "udp":
             self.address = await self._datagrams.open(options.host, options.port)
         else:
@@ -71,34 +71,24 @@ class NmeaOutput(Output[NmeaOptions]):
             for sentence in lines:
                 self._datagrams.send(sentence)
             self._pty.send(b"".join(lines), len(lines))
-            for client in self._server.clients:
+            for client in self.server.clients:
                 client.send(b"".join(lines), len(lines))
-
-    def clients(self) -> Sequence[ClientStatus]:
-        """Clients connected over TCP."""
-        return self._server.statuses()
 
     def counts(self) -> tuple[int, int]:
         """Sentences sent and dropped."""
-        sent, dropped = self._server.counts()
+        sent, dropped = super().counts()
         writers = (self._datagrams, self._pty)
         return sent + sum(writer.sent for writer in writers), dropped + sum(writer.dropped for writer in writers)
 
     async def close(self) -> None:
         """Close the server, the socket and the pty."""
-        await self._server.close()
+        await super().close()
         self._datagrams.close()
         self._pty.close()
 
 
-class NmeaSession:
-    """One client, which only listens."""
-
-    def __init__(self, client: LineClient) -> None:
-        pass
-
-    def line(self, text: bytes) -> None:
-        """Ignore lines of clients, such as broadcasts of a chart plotter."""
+class NmeaSession(SilentSession):
+    """One client; its lines, such as broadcasts of a chart plotter, are ignored."""
 
     def dropped(self, messages: int) -> bytes:
         """Text sentence for a client that was too slow."""
@@ -107,9 +97,6 @@ class NmeaSession:
     def refused(self, why: str) -> bytes:
         """Text sentence for a client whose connection is closed."""
         return _sentence("TXT", "01", "01", "02", why)
-
-    def closed(self) -> None:
-        """Do nothing."""
 
 
 def sentences(sample: Corrected) -> list[bytes]:

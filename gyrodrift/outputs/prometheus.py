@@ -5,10 +5,12 @@ from dataclasses import dataclass
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Annotated
 
-from gyrodrift.outputs.net.names import well_formed
+from gyrodrift.outputs.fields import Field, Use, fields_of
+from gyrodrift.outputs.net.addresses import well_formed
+from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer, WebSocketSession
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port
-from gyrodrift.outputs.output import Output, OutputHost
+from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.status import ServiceStatus
 
 if TYPE_CHECKING:
@@ -19,6 +21,9 @@ if TYPE_CHECKING:
     from websockets.http11 import Request, Response
 
 PATH = "/metrics"
+UNITS = {"deg": "degrees", "deg/s": "degrees_per_second", "°C": "celsius", "": "ratio"}
+WORDS = {"bias": "drift", "temp": "temperature"}
+"""Units and words of metric names (Prometheus, "Metric and label naming")."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,14 +34,14 @@ class PrometheusOptions:
     port: Annotated[Port, About("port to listen on; 0 takes a free one")] = 9817
 
 
-class PrometheusOutput(Output[PrometheusOptions]):
+class PrometheusOutput(ServerOutput[PrometheusOptions, WebSocketServer[WebSocketSession]]):
     """Answers each request with the state of the last second."""
 
     options_type = PrometheusOptions
 
     def __init__(self, options: PrometheusOptions, host: OutputHost) -> None:
         super().__init__(options, host)
-        self._server = WebSocketServer(_no_session, host.log, self._answer)
+        self.server = WebSocketServer(_no_session, host.log, self._answer)
         self._registry: CollectorRegistry | None = None
         self._scrapes = 0
 
@@ -46,15 +51,11 @@ class PrometheusOutput(Output[PrometheusOptions]):
 
         self._registry = CollectorRegistry()
         self._registry.register(_StatusCollector(self.host))
-        self.address = await self._server.listen(self.options.host, self.options.port)
+        self.address = await self.server.listen(self.options.host, self.options.port)
 
     def counts(self) -> tuple[int, int]:
         """Number of scrapes."""
         return self._scrapes, 0
-
-    async def close(self) -> None:
-        """Stop listening."""
-        await self._server.close()
 
     def _answer(self, connection: "ServerConnection", request: "Request") -> "Response":
         if request.path.partition("?")[0] != PATH:
@@ -93,7 +94,7 @@ class _StatusCollector:
         status = self._host.status
         for name, about, count in _counters(status):
             yield _counter(name, about, count)
-        for name, about, value in _gauges(status):
+        for name, about, value in gauges(status):
             if value is not None:
                 yield _gauge(name, about, value)
         yield from _of_outputs(status)
@@ -118,32 +119,25 @@ def _counters(status: ServiceStatus) -> Iterator[tuple[str, str, float]]:
     yield "outputs_samples_dropped", "Samples dropped because the process of the outputs was too slow.", status.dropped
 
 
-def _gauges(status: ServiceStatus) -> Iterator[tuple[str, str, float | None]]:
-    link, state = status.link, status.filter
+def gauges(status: ServiceStatus) -> Iterator[tuple[str, str, float | None]]:
+    """Name, description and value of the gauges; None for unknown values."""
+    link = status.link
     yield "link_open", "1 while the port is open.", link.is_open
     yield "link_rate_hertz", "Samples per second over the last second.", link.rate_hz
     yield "link_jitter_seconds", "Peak-to-peak variation of the delay over the last second.", link.jitter_ms / 1e3
     yield "link_silent_seconds", "Time since the last sample.", link.silent_s
     yield "link_clock_ppm", "Rate of the device clock against the host clock, parts per million.", link.clock_ppm
     yield "link_busy_ratio", "Used share of the capacity of the line.", link.busy
-    yield "yaw_degrees", "Unwrapped yaw, counter-clockwise.", state.yaw_deg
-    yield "yaw_sigma_degrees", "Standard deviation of yaw.", state.yaw_sigma_deg
-    yield "heading_degrees", "Compass heading, clockwise, 0 to 360.", state.heading_deg
-    yield "tilt_degrees", "Angle between the up axis and the vertical.", state.tilt_deg
-    yield "tilt_sigma_degrees", "Standard deviation of the tilt.", state.tilt_sigma_deg
-    yield "roll_degrees", "Roll, positive with the right side down.", state.roll_deg
-    yield "pitch_degrees", "Pitch, positive with the nose down.", state.pitch_deg
-    yield "device_yaw_degrees", "Yaw of the filter in the device.", state.device_yaw_deg
-    yield "device_yaw_sigma_degrees", "Standard deviation of the yaw in the device.", state.device_yaw_sigma_deg
-    yield "device_drift_degrees_per_second", "Bias estimate of the filter in the device.", state.device_bias_dps
-    yield "device_difference_degrees", "Yaw minus that of the device since the start.", state.device_difference_deg
-    yield "drift_degrees_per_second", "Bias estimate.", state.bias_dps
-    yield "drift_sigma_degrees_per_second", "Standard deviation of the bias estimate.", state.bias_sigma_dps
-    yield "rest_probability_ratio", "Probability of rest.", state.rest_probability
-    yield "confidence_ratio", "Probability of the most probable hypothesis of the filter.", state.confidence
-    yield "temperature_celsius", "Temperature of the sensor.", state.temp_c
+    for field in fields_of(Use.STATUS):
+        yield metric_name(field), field.description, getattr(status.filter, field.name)
     yield "memory_bytes", "Resident memory of the service and of the process of its outputs.", status.memory_bytes
     yield "start_time_seconds", "Unix time of the start of the service.", status.started_s
+
+
+def metric_name(field: Field) -> str:
+    """Name of the gauge of a field, with its unit in full."""
+    words = field.name.split("_")[: -1 if field.unit else None]
+    return "_".join([*(WORDS.get(word, word) for word in words), UNITS[field.unit]])
 
 
 def _of_outputs(status: ServiceStatus) -> "Iterator[Metric]":

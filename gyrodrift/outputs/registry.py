@@ -82,67 +82,49 @@ def unregister(name: str) -> None:
     del OUTPUTS[name]
 
 
+def _own(name: str, about: str, target: str, packages: tuple[str, ...] = (), extra: str = "") -> OutputKind:
+    """Record of an output of this package."""
+    return OutputKind(name, about, f"{__package__}.{target}", packages, extra)
+
+
+WS = ("websockets",)
 SHIPPED = (
-    OutputKind("tcp", "JSON lines on a TCP port", "gyrodrift.outputs.tcp:TcpOutput"),
-    OutputKind("unix", "JSON lines on a unix socket", "gyrodrift.outputs.unix:UnixOutput"),
-    OutputKind("udp", "JSON datagrams for PlotJuggler", "gyrodrift.outputs.udp:UdpOutput"),
-    OutputKind(
-        "web",
-        "live page for the browser",
-        "gyrodrift.outputs.web.output:WebOutput",
-        packages=("websockets",),
-        extra="websocket",
-    ),
-    OutputKind("gpsd", "JSON of gpsd, for clients of gpsd", "gyrodrift.outputs.gpsd:GpsdOutput"),
-    OutputKind(
-        "nmea",
-        "NMEA 0183: HDT, ROT and XDR",
-        "gyrodrift.outputs.nmea:NmeaOutput",
-        packages=("pynmeagps",),
-        extra="nmea",
-    ),
-    OutputKind("signalk", "deltas of Signal K on a TCP port", "gyrodrift.outputs.signalk:SignalkOutput"),
-    OutputKind(
-        "rosbridge",
-        "sensor_msgs/Imu over WebSocket, as in rosbridge",
-        "gyrodrift.outputs.rosbridge:RosbridgeOutput",
-        packages=("websockets",),
-        extra="websocket",
-    ),
-    OutputKind(
+    _own("tcp", "JSON lines on a TCP port", "line_output:TcpOutput"),
+    _own("unix", "JSON lines on a unix socket", "line_output:UnixOutput"),
+    _own("udp", "JSON datagrams for PlotJuggler", "udp:UdpOutput"),
+    _own("web", "live page for the browser", "web.output:WebOutput", WS, "websocket"),
+    _own("gpsd", "JSON of gpsd, for clients of gpsd", "gpsd:GpsdOutput"),
+    _own("nmea", "NMEA 0183: HDT, ROT and XDR", "nmea:NmeaOutput", ("pynmeagps",), "nmea"),
+    _own("signalk", "deltas of Signal K on a TCP port", "signalk:SignalkOutput"),
+    _own("rosbridge", "sensor_msgs/Imu over WebSocket, as in rosbridge", "rosbridge:RosbridgeOutput", WS, "websocket"),
+    _own(
         "foxglove",
         "samples, state and link statistics for the Foxglove app",
-        "gyrodrift.outputs.foxglove:FoxgloveOutput",
-        packages=("websockets",),
-        extra="foxglove",
+        "foxglove:FoxgloveOutput",
+        WS,
+        "foxglove",
     ),
-    OutputKind(
-        "mqtt",
-        "state topics on an MQTT broker, for Home Assistant",
-        "gyrodrift.outputs.mqtt:MqttOutput",
-        ("aiomqtt",),
-        "mqtt",
-    ),
-    OutputKind(
+    _own("mqtt", "state topics on an MQTT broker, for Home Assistant", "mqtt:MqttOutput", ("aiomqtt",), "mqtt"),
+    _own(
         "prometheus",
         "counters and gauges for Prometheus to scrape",
-        "gyrodrift.outputs.prometheus:PrometheusOutput",
-        ("prometheus_client", "websockets"),
+        "prometheus:PrometheusOutput",
+        ("prometheus_client", *WS),
         "prometheus",
     ),
-    OutputKind(
+    _own(
         "networktables",
         "NetworkTables 4, for robots of FRC",
-        "gyrodrift.outputs.networktables:NetworkTablesOutput",
-        ("msgpack", "ntcore", "websockets"),
+        "networktables:NetworkTablesOutput",
+        ("msgpack", "ntcore", *WS),
         "networktables",
     ),
-    OutputKind(
+    _own(
         "mavlink",
         "MAVLink odometry or attitude over UDP or serial",
-        "gyrodrift.outputs.mavlink:MavlinkOutput",
-        packages=("pymavlink",),
-        extra="mavlink",
+        "mavlink:MavlinkOutput",
+        ("pymavlink",),
+        "mavlink",
     ),
 )
 

@@ -7,13 +7,12 @@ from typing import Annotated
 
 from annotated_types import Gt, Le, MaxLen, MinLen
 
-from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
+from gyrodrift.outputs.net.servers import ServerOutput
+from gyrodrift.outputs.net.websocket import WebSocketServer
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
-from gyrodrift.outputs.output import Output, OutputHost
+from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.ros_messages import IMU_TYPES, ImuMessage, RosVersion
-from gyrodrift.outputs.rosbridge_services import RosServices
-from gyrodrift.outputs.rosbridge_session import RosbridgeSession
-from gyrodrift.outputs.status import ClientStatus
+from gyrodrift.outputs.rosbridge_session import RosbridgeSession, RosServices
 from gyrodrift.outputs.thinning import Thinning
 from gyrodrift.values.sample import Corrected
 
@@ -38,47 +37,29 @@ class RosbridgeOptions:
     ] = None
 
 
-class RosbridgeOutput(Output[RosbridgeOptions]):
+class RosbridgeOutput(ServerOutput[RosbridgeOptions, WebSocketServer[RosbridgeSession]]):
     """One topic, and the services that clients call before they subscribe."""
 
     options_type = RosbridgeOptions
 
     def __init__(self, options: RosbridgeOptions, host: OutputHost) -> None:
         super().__init__(options, host)
-        self._server = WebSocketServer(self._session, host.log)
-        self._sessions: dict[RosbridgeSession, None] = {}
-        self._services = RosServices(f"/{options.topic.strip('/')}", IMU_TYPES[options.ros], options.ros)
+        services = RosServices(f"/{options.topic.strip('/')}", IMU_TYPES[options.ros], options.ros)
+        self.server = WebSocketServer(lambda client: RosbridgeSession(client, services), host.log)
         sigmas = options.rate_sigma_dps, options.accel_sigma_mps2
         self._message = ImuMessage(json.dumps(options.frame_id), options.ros, *sigmas)
         self._thinning = Thinning(options.rate_hz)
 
     async def open(self) -> None:
         """Begin to listen."""
-        self.address = await self._server.listen(self.options.host, self.options.port)
+        self.address = await self.server.listen(self.options.host, self.options.port)
 
     def take(self, samples: Sequence[Corrected]) -> None:
         """Publish to subscribers; each message is encoded once."""
-        subscribed = [session for session in self._sessions if session.has_subscribed]
+        subscribed = [session for session in self.server.clients.values() if session.has_subscribed]
         if not subscribed:
             return
         for corrected in self._thinning.due(samples):
             message = self._message.json(corrected)
             for session in subscribed:
                 session.publish(corrected.sample.t_device_s, message)
-
-    def clients(self) -> Sequence[ClientStatus]:
-        """Connected clients."""
-        return self._server.statuses()
-
-    def counts(self) -> tuple[int, int]:
-        """Messages sent and dropped."""
-        return self._server.counts()
-
-    async def close(self) -> None:
-        """Close the connections."""
-        await self._server.close()
-
-    def _session(self, client: WebSocketClient) -> RosbridgeSession:
-        session = RosbridgeSession(client, self._services, self._sessions.pop)
-        self._sessions[session] = None
-        return session

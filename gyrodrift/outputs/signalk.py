@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from math import isnan, pi, radians, remainder
 from typing import Annotated, Any
 
-from gyrodrift.outputs.net.lines import LineClient, LineServer
+from gyrodrift.outputs.json_line import iso_time
+from gyrodrift.outputs.net.lines import LineServer, SilentSession
+from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
-from gyrodrift.outputs.output import Output, OutputHost
-from gyrodrift.outputs.status import ClientStatus
+from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.outputs.utc import iso_time
 from gyrodrift.values.sample import Corrected
 
 DIGITS = 6
@@ -32,59 +32,26 @@ class SignalkOptions:
     rate_hz: Annotated[Rate, About("at most this many deltas a second of device time")] = 10.0
 
 
-class SignalkOutput(Output[SignalkOptions]):
-    """Sends a delta per sample to each client."""
+class SignalkOutput(ServerOutput[SignalkOptions, LineServer[SilentSession]]):
+    """Sends a delta per sample to each client. A server takes only deltas, so losses are told in `status` alone."""
 
     options_type = SignalkOptions
 
     def __init__(self, options: SignalkOptions, host: OutputHost) -> None:
         super().__init__(options, host)
         self._thinning = Thinning(options.rate_hz)
-        self._server = LineServer(SignalkSession, host.log)
+        self.server = LineServer(lambda _: SilentSession(), host.log)
 
     async def open(self) -> None:
         """Begin to listen."""
-        self.address = await self._server.listen_tcp(self.options.host, self.options.port)
+        self.address = await self.server.listen_tcp(self.options.host, self.options.port)
 
     def take(self, samples: Sequence[Corrected]) -> None:
         """Send the deltas of samples that are due."""
-        for sample in self._thinning.due(samples) if self._server.clients else ():
+        for sample in self._thinning.due(samples) if self.server.clients else ():
             line = json.dumps(delta(sample, self.host.source), separators=(",", ":")).encode() + b"\n"
-            for client in self._server.clients:
+            for client in self.server.clients:
                 client.send(line)
-
-    def clients(self) -> Sequence[ClientStatus]:
-        """Connected servers."""
-        return self._server.statuses()
-
-    def counts(self) -> tuple[int, int]:
-        """Deltas sent and dropped."""
-        return self._server.counts()
-
-    async def close(self) -> None:
-        """Close the connections."""
-        await self._server.close()
-
-
-class SignalkSession:
-    """One client, which only listens. A server takes only deltas, so losses are told in `status` alone."""
-
-    def __init__(self, client: LineClient) -> None:
-        pass
-
-    def line(self, text: bytes) -> None:
-        """Ignore what the server sends, such as its own deltas."""
-
-    def dropped(self, messages: int) -> bytes:  # noqa: ARG002 - the protocol has no such message
-        """No message."""
-        return b""
-
-    def refused(self, why: str) -> bytes:  # noqa: ARG002
-        """No message."""
-        return b""
-
-    def closed(self) -> None:
-        """Do nothing."""
 
 
 def delta(sample: Corrected, source: str = "") -> dict[str, Any]:

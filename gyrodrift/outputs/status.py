@@ -1,8 +1,9 @@
 """State of the service as one record, for outputs (once a second), `ctl status` and `top`."""
 
-import json
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field, make_dataclass
 from typing import Any, Self
+
+from gyrodrift.outputs.fields import Use, fields_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,50 +66,39 @@ class DeviceStatus:
     device_filter: str | None = None
 
 
+_FieldStatus: Any = make_dataclass(
+    "_FieldStatus",
+    [
+        (entry.name, float | None, 0.0 if entry.name in {"yaw_deg", "bias_dps"} else None)
+        for entry in fields_of(Use.STATUS)
+    ],
+    frozen=True,
+    slots=True,
+    kw_only=True,
+)
+"""Values of the table of fields; None if unknown."""
+
+
 @dataclass(frozen=True, slots=True)
-class FilterStatus:
-    """The filter after the last sample; None for unknown values.
+class FilterStatus(_FieldStatus):  # type: ignore[misc]  # the attributes of its base are the records of a table
+    """The filter after the last sample: values of the table of fields, and what no sample has. None if unknown.
 
     scale_sigma_deg
         Share of `yaw_sigma_deg` from the scale factor.
-    heading_deg
-        Compass heading, clockwise from north, 0 to 360; None until a heading was set.
     rejected
         Number of rejected samples.
     still, is_witness_believed
         Last statement of a witness of rest, 1 for rest and 0 for motion, and whether it is believed.
-    tilt_deg, roll_deg, pitch_deg, tilt_sigma_deg
-        Attitude of a device with three axes, deg, and the standard deviation of its tilt.
-    device_yaw_deg, device_yaw_sigma_deg, device_bias_dps
-        Last result of the device's own filter.
-    device_difference_deg
-        Yaw minus the device's own yaw, deg, 0 where the two were aligned.
     temp_curve
         Bias against temperature: `points`, `slope_dps_c`, `slope_sigma_dps_c`.
     """
 
     name: str = ""
-    yaw_deg: float = 0.0
-    yaw_sigma_deg: float | None = None
     scale_sigma_deg: float | None = None
-    bias_dps: float = 0.0
-    bias_sigma_dps: float | None = None
-    rest_probability: float | None = None
-    confidence: float | None = None
-    heading_deg: float | None = None
-    temp_c: float | None = None
     rejected: int = 0
     still: float | None = None
     is_witness_believed: bool | None = None
     temp_curve: dict[str, float] | None = None
-    tilt_deg: float | None = None
-    roll_deg: float | None = None
-    pitch_deg: float | None = None
-    tilt_sigma_deg: float | None = None
-    device_yaw_deg: float | None = None
-    device_yaw_sigma_deg: float | None = None
-    device_bias_dps: float | None = None
-    device_difference_deg: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,15 +201,6 @@ class ServiceStatus:
     outputs: tuple[OutputStatus, ...] = ()
     memory: dict[str, str] | None = None
     recording: str | None = None
-
-    def to_json(self) -> str:
-        """Encode as one line of JSON."""
-        return json.dumps(asdict(self), separators=(",", ":"), allow_nan=False)
-
-    @classmethod
-    def from_json(cls, text: str | bytes) -> Self:
-        """Decode the text of `to_json`."""
-        return cls.from_dict(json.loads(text))
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> Self:

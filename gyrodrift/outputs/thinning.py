@@ -23,9 +23,10 @@ class Thinning:
 
     def due(self, samples: Sequence[Corrected]) -> Sequence[Corrected]:
         """Samples that are due."""
-        return [corrected for corrected in samples if self._is_due(corrected[0][1])] if self._every_s else samples
+        return [corrected for corrected in samples if self._take(corrected[0][1])] if self._every_s else samples
 
-    def _is_due(self, t_s: float) -> bool:
+    def _take(self, t_s: float) -> bool:
+        """Take a sample if it is due, and note when the next one is."""
         since_s = t_s - self._due_s
         if -self._every_s <= since_s < -SAME_TIME_S:
             return False

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from gyrodrift.outputs.json_line import FIELDS, present_values
+from gyrodrift.outputs.fields import CHOICES
+from gyrodrift.outputs.json_line import present_values
 from gyrodrift.outputs.net.datagrams import DatagramSender
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import Output, OutputHost
@@ -37,7 +38,7 @@ class UdpOutput(Output[UdpOptions]):
         super().__init__(options, host)
         self._sender = DatagramSender()
         self._thinning = Thinning(options.rate_hz)
-        self._clock = FIELDS["t_host_s" if options.timestamp == "host" else "t_s"]
+        self._clock = CHOICES["t_host_s" if options.timestamp == "host" else "t_s"].number
 
     async def open(self) -> None:
         """Resolve the receiver."""

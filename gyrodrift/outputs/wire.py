@@ -6,6 +6,7 @@ sample has three axes or a device's own yaw is sent with longer records, of anot
 
 import json
 from collections.abc import Iterator, Sequence
+from itertools import islice
 from math import nan
 from struct import Struct
 from typing import Any
@@ -13,24 +14,33 @@ from typing import Any
 from gyrodrift.values.sample import Attitude, Corrected, DeviceYaw, Inertial, Sample
 
 SAMPLES = b"S"
-AXES = b"X"
-DEVICE_YAW = b"Y"
+EXTENDED = b"X"
 EVENT = b"E"
 STATUS = b"T"
 OUTPUTS = b"O"
 DROPPED = b"D"
 ACCESS = b"A"
 
-RECORD = Struct("<q16d")
-"""Fields of a sample before its axes, then of a corrected sample before its attitude."""
+OWN = Sample._fields.index("inertial")
+"""Number of values of a sample before its axes."""
 
-AXES_RECORD = Struct("<q16d6d11d2?")
-"""A record, the axes of the sensor, the attitude, and whether the sample has them."""
+RESULTS = Corrected._fields.index("attitude")
+"""Index of the attitude: results before it, and behind the difference that follows it, go into every record."""
 
-DEVICE_YAW_RECORD = Struct(AXES_RECORD.format + "4d?")
-"""A record with axes, the result of the device's own filter, the difference, and whether the sample has a result."""
+PLAIN = OWN + len(Corrected._fields) - len(("sample", "attitude", "device_difference_deg"))
+RECORD = Struct(f"<q{PLAIN - 1}d")
+"""Values of a sample before its axes, then results of the filter."""
 
-RECORDS = {SAMPLES: RECORD, AXES: AXES_RECORD, DEVICE_YAW: DEVICE_YAW_RECORD}
+NO_AXES = Inertial(*(nan,) * len(Inertial._fields))
+NO_ATTITUDE = Attitude(*(nan,) * len(Attitude._fields))
+NO_YAW = DeviceYaw(nan, nan, nan)
+PARTS = (NO_AXES, NO_ATTITUDE, NO_YAW)
+
+EXTENDED_RECORD = Struct(f"{RECORD.format}{sum(map(len, PARTS)) + 1}d{len(PARTS)}?")
+"""A record, the axes of the sensor, the attitude, the result of the device's own filter and the difference from it. At
+the end: whether the sample has axes, an attitude, a result."""
+
+RECORDS = {SAMPLES: RECORD, EXTENDED: EXTENDED_RECORD}
 """Layout of a sample by the kind of its message."""
 
 MOST_RECORDS = 256
@@ -39,39 +49,29 @@ MOST_RECORDS = 256
 LONGEST_BYTES = 128 << 10
 """Longest datagram; the default of the kernel is 208 KiB."""
 
-NO_AXES = Inertial(*(nan,) * len(Inertial._fields))
-NO_ATTITUDE = Attitude(*(nan,) * len(Attitude._fields))
-NO_YAW = DeviceYaw(nan, nan, nan)
-
 _pack = RECORD.pack
 
 
 def pack_samples(samples: Sequence[Corrected]) -> bytes:
-    """Pack at most MOST_RECORDS samples."""
+    """Pack at most MOST_RECORDS samples; with the longer records if one of them has more than one axis measures."""
     records = []
     for corrected in samples:
         sample = corrected[0]
-        if sample[7] is not None or corrected[11] is not None or _is_compared(corrected):
-            return _pack_long(samples)
-        records.append(_pack(*sample[:7], *corrected[1:11]))
+        if (
+            sample[7] is not None
+            or sample[8] is not None
+            or corrected[11] is not None
+            or corrected[12] == corrected[12]
+        ):
+            return EXTENDED + b"".join(map(_extended, samples))
+        records.append(_pack(*sample[:OWN], *corrected[1:RESULTS], *corrected[RESULTS + 2 :]))
     return SAMPLES + b"".join(records)
-
-
-def _pack_long(samples: Sequence[Corrected]) -> bytes:
-    """Pack samples of which one has axes or the device's own yaw."""
-    if any(map(_is_compared, samples)):
-        return DEVICE_YAW + b"".join([_with_yaw(corrected) for corrected in samples])
-    return AXES + b"".join([_with_axes(corrected) for corrected in samples])
 
 
 def unpack_samples(message: bytes) -> list[Corrected]:
     """Unpack the samples of `pack_samples`."""
     records = RECORDS[message[:1]].iter_unpack(memoryview(message)[1:])
-    if message[:1] == AXES:
-        return [_of_axes(record) for record in records]
-    if message[:1] == DEVICE_YAW:
-        return [_of_yaw(record) for record in records]
-    return [Corrected(Sample(*record[:7]), *record[7:]) for record in records]
+    return [_corrected(record) if len(record) == PLAIN else _of_extended(record) for record in records]
 
 
 def count_samples(message: bytes) -> int:
@@ -80,47 +80,36 @@ def count_samples(message: bytes) -> int:
     return 0 if record is None else (len(message) - 1) // record.size
 
 
-def _is_compared(corrected: Corrected) -> bool:
-    """Whether the device sends its own yaw."""
-    return corrected[0][8] is not None or corrected[12] == corrected[12]
-
-
-def _with_axes(corrected: Corrected) -> bytes:
-    return AXES_RECORD.pack(*_axes_values(corrected))
-
-
-def _with_yaw(corrected: Corrected) -> bytes:
-    device_yaw = corrected.sample.device_yaw
-    own = (*(device_yaw or NO_YAW), corrected.device_difference_deg)
-    return DEVICE_YAW_RECORD.pack(*_axes_values(corrected), *own, device_yaw is not None)
-
-
-def _axes_values(corrected: Corrected) -> tuple[float, ...]:
-    """Values of a record with axes."""
-    inertial, attitude = corrected.sample.inertial, corrected.attitude
-    return (
-        *corrected.sample[:7],
-        *corrected[1:11],
-        *(inertial or NO_AXES),
+def _extended(corrected: Corrected) -> bytes:
+    sample, attitude = corrected.sample, corrected.attitude
+    return EXTENDED_RECORD.pack(
+        *sample[:OWN],
+        *corrected[1:RESULTS],
+        *corrected[RESULTS + 2 :],
+        *(sample.inertial or NO_AXES),
         *(attitude or NO_ATTITUDE),
-        inertial is not None,
+        *(sample.device_yaw or NO_YAW),
+        corrected.device_difference_deg,
+        sample.inertial is not None,
         attitude is not None,
+        sample.device_yaw is not None,
     )
 
 
-def _of_axes(record: tuple[Any, ...]) -> Corrected:
-    inertial = Inertial(*record[17:23]) if record[34] else None
-    attitude = Attitude(*record[23:34]) if record[35] else None
-    return Corrected._make((Sample._make((*record[:7], inertial, None)), *record[7:17], attitude, nan))
+def _corrected(record: tuple[Any, ...], *parts: Any, difference_deg: float = nan) -> Corrected:
+    """Sample of the plain values of a record, and its parts: axes, attitude and result of the device."""
+    inertial, attitude, device_yaw = parts or (None, None, None)
+    sample = Sample._make((*record[:OWN], inertial, device_yaw))
+    results = OWN + RESULTS - 1
+    return Corrected._make((sample, *record[OWN:results], attitude, difference_deg, *record[results:PLAIN]))
 
 
-def _of_yaw(record: tuple[Any, ...]) -> Corrected:
-    corrected = _of_axes(record)
-    device_yaw = DeviceYaw(*record[36:39]) if record[40] else None
-    sample = corrected.sample._replace(device_yaw=device_yaw)
-    difference_deg = record[39]
-    is_known = difference_deg == difference_deg  # noqa: PLR0124 - not NaN
-    return corrected._replace(sample=sample, device_difference_deg=difference_deg if is_known else nan)
+def _of_extended(record: tuple[Any, ...]) -> Corrected:
+    values = iter(record[PLAIN:])
+    parts = [type(part)(*islice(values, len(part))) for part in PARTS]
+    difference_deg, *are_there = values
+    present_parts = [part if is_there else None for part, is_there in zip(parts, are_there, strict=True)]
+    return _corrected(record, *present_parts, difference_deg=difference_deg)
 
 
 def pack_json(kind: bytes, value: Any) -> bytes:

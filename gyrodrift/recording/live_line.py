@@ -1,19 +1,16 @@
 """Status line of a recording on the terminal."""
 
-import io
-import os
 import sys
 from contextlib import suppress
 from typing import Any, TextIO
 
 from gyrodrift.filters.run import FilterRun
+from gyrodrift.io.terminal import line_in_place
 from gyrodrift.link.link import Link
 from gyrodrift.recording.recorder import Recorder
 from gyrodrift.values.calibration import NO_CALIBRATION, Calibration, of_this_device
 from gyrodrift.values.errors import printable
 from gyrodrift.values.sample import Sample
-
-CLEAR = "\r\x1b[K"
 
 
 class LiveYaw:
@@ -91,19 +88,9 @@ class LiveLine:
         self._show("")
 
     def _show(self, text: str) -> None:
-        """Show as much as fits, because a line that wraps cannot be cleared."""
         with suppress(OSError):  # a closed terminal does not end a recording
-            self._stream.write(CLEAR + text[: _columns(self._stream)])
+            self._stream.write(line_in_place(text, self._stream))
             self._stream.flush()
-
-
-def _columns(stream: TextIO) -> int | None:
-    """Width of the terminal without wrapping; None if unknown."""
-    try:
-        columns = os.get_terminal_size(stream.fileno()).columns
-    except OSError:
-        return None
-    return columns - 1 if columns else None
 
 
 def _clock(seconds: float) -> str:
@@ -120,21 +107,3 @@ def _disk(left_bytes: int | None, bytes_per_s: float) -> str:
         return text
     hours = left_bytes / bytes_per_s / 3600.0
     return f"{text} for {hours:.0f} h" if hours < 72 else f"{text} for {hours / 24:.0f} days"
-
-
-class AboveLine(io.TextIOBase):
-    """A stream for the log that first clears the live line."""
-
-    def __init__(self, stream: TextIO) -> None:
-        self._stream = stream
-
-    def write(self, text: str) -> int:
-        """Write in place of the live line, which the next tick shows again."""
-        with suppress(OSError):  # as above
-            self._stream.write(CLEAR + text)
-        return len(text)
-
-    def flush(self) -> None:
-        """Flush the terminal."""
-        with suppress(OSError):
-            self._stream.flush()

@@ -1,24 +1,27 @@
 """Commands of `gyrodrift ctl`, carried out by the running service."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
+from ipaddress import ip_address
 from math import nan
 from typing import Any
+from urllib.parse import urlsplit
 
 from gyrodrift.outputs.output import ControlAccess
-from gyrodrift.outputs.web.address import WEB, AddressError, page_url
+from gyrodrift.outputs.status import OutputStatus
+from gyrodrift.service.config_follower import ConfigFollower
 from gyrodrift.service.control import CommandError, ControlCommand, Later, number
-from gyrodrift.service.filtering import Filtering
 from gyrodrift.service.guided import GuidedCalibration
+from gyrodrift.service.loop import RestWord
 from gyrodrift.service.recording_switch import RecordingSwitch
 from gyrodrift.service.reporting import Reporting
-from gyrodrift.service.rest_word import RestWord
 from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.source_lines import SourceLines
 from gyrodrift.service.stdout import JsonLines
 from gyrodrift.values.errors import CalibrationError, ConfigError, UsageError
 
+WEB = "web"
 FASTEST_HZ = 1e6
 OPENING_S = 3.0
 """Longest wait of `page` for a page that is being opened, s."""
@@ -40,7 +43,7 @@ class ServiceCommands:
         Token of the live page.
     """
 
-    filtering: Filtering
+    follower: ConfigFollower
     stdout: JsonLines | SourceLines | None
     reporting: Reporting
     stop: StopSignal
@@ -67,22 +70,22 @@ class ServiceCommands:
 
     def _zero(self, words: list[str]) -> Mapping[str, Any]:
         _check_empty(words, "zero")
-        self.filtering.zero()
+        self.follower.pipeline.zero()
         self.reporting.feed.hear("yaw_zeroed", {})
-        return {"yaw_deg": self.filtering.yaw_deg}
+        return {"yaw_deg": self.follower.pipeline.yaw_deg}
 
     def _heading(self, words: list[str]) -> Mapping[str, Any]:
         heading_deg = number(words, "heading DEG, clockwise from north") % 360.0
-        self.filtering.set_heading(heading_deg)
+        self.follower.pipeline.set_heading(heading_deg)
         self.reporting.feed.hear("heading_set", {"heading_deg": heading_deg})
         return {"heading_deg": heading_deg}
 
     def _rest(self, words: list[str]) -> Mapping[str, Any]:
         if words not in (["0"], ["1"], [NO_REST_WORD]):
             raise CommandError(f"expected rest 0 or rest 1, or rest {NO_REST_WORD} to end it")
-        witness = self.filtering.witness
+        witness = self.follower.pipeline.witness
         if witness is None:
-            raise CommandError(f"the filter {self.filtering.filter.name} takes no witness of rest")
+            raise CommandError(f"the filter {self.follower.pipeline.filter.name} takes no witness of rest")
         still = None if words == [NO_REST_WORD] else float(words[0])
         is_new = self.word.still != still
         self.word.still = nan if still is None else still
@@ -141,10 +144,10 @@ class ServiceCommands:
         def answer() -> Mapping[str, Any] | None:
             try:
                 return {"url": page_url(self.reporting.feed.statuses(), self.access.token)}
-            except AddressError as error:
+            except CommandError:
                 if time.monotonic() < until_s and any(spec.name == WEB for spec in self.reporting.feed.specs):
                     return None
-                raise CommandError(str(error)) from error
+                raise
 
         return answer
 
@@ -154,9 +157,9 @@ class ServiceCommands:
 
     def _reload(self, words: list[str]) -> Later:
         _check_empty(words, "reload")
-        if self.filtering.watch is None:
+        if self.follower.watch is None:
             raise CommandError("the service runs without --config")
-        pending_changes = self.filtering.reload(self.filtering.watch)
+        pending_changes = self.follower.reload(self.follower.watch)
 
         def answer() -> Mapping[str, Any] | None:
             try:
@@ -188,3 +191,41 @@ def _refused(answer: Later) -> Later:
 def _check_empty(words: list[str], usage: str) -> None:
     if words:
         raise CommandError(f"expected {usage} alone")
+
+
+def page_url(outputs: Iterable[OutputStatus], token: str) -> str:
+    """URL of the first open live page on loopback, with the token that lets its buttons work.
+
+    Browsers do not send the part after the `#`.
+
+    Raises
+    ------
+    CommandError
+        If there is none.
+    """
+    statuses = [status for status in outputs if status.output.partition(":")[0] == WEB]
+    pages = [urlsplit(status.address) for status in statuses]
+    open_pages = [page for page in pages if page.hostname and page.port]
+    if not statuses:
+        raise CommandError("no live page is open; start serve with --output web")
+    if not open_pages:
+        raise CommandError(f"the live page is not open: {statuses[0].problem or 'is being opened'}")
+    for page in open_pages:
+        host = _loopback_of(page.hostname or "")
+        if host:
+            return f"{page.scheme}://{host}:{page.port}/#token={token}"
+    raise CommandError(f"the page listens on {open_pages[0].hostname} alone; its buttons need host=127.0.0.1")
+
+
+def _loopback_of(host: str) -> str:
+    """Loopback name under which a server that listens on this host is reached; empty if it is not."""
+    if host == "localhost":
+        return host
+    try:
+        address = ip_address(host)
+    except ValueError:
+        return ""
+    if address.is_unspecified:
+        return "127.0.0.1" if address.version == 4 else "[::1]"
+    name = f"[{host}]" if address.version == 6 else host
+    return name if address.is_loopback else ""

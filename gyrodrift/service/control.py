@@ -20,6 +20,7 @@ from typing import Any
 from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs.net.unix_socket import bind_unix, file_of, unlink_unix
 from gyrodrift.outputs.output import OutputError
+from gyrodrift.service.listener import NO_WAKES
 from gyrodrift.values.errors import UsageError
 
 MOST_CLIENTS = 8
@@ -41,8 +42,6 @@ LONGEST_PAUSE_S = 0.5
 
 POLLED = (["status"], ["calibrate", "state"])
 """Commands that clients repeat; they are not logged."""
-
-NOTHING: Mapping[int, int] = {}
 
 
 class CommandError(Exception):
@@ -150,7 +149,7 @@ class Control:
 
     def wakes(self) -> Mapping[int, int]:
         """Descriptors to wait for, with the events of `poll`; none during a pause."""
-        return NOTHING if self._monotonic() < self._resume_s else self._wakes
+        return NO_WAKES if self._monotonic() < self._resume_s else self._wakes
 
     def wake_s(self) -> float:
         """Longest wait of the loop, s: until the pause ends, or 0 if a command was read already."""
@@ -200,12 +199,12 @@ class Control:
         except OSError:  # it has closed already, or no descriptor is free
             return
         connection.setblocking(False)
-        if len(self._clients) >= MOST_CLIENTS and not self._has_dropped_idle(now_s):
+        if len(self._clients) >= MOST_CLIENTS and not self._drop_idle(now_s):
             self._turn_away(connection)
             return
         self._clients[connection.fileno()] = _Client(connection, now_s)
 
-    def _has_dropped_idle(self, now_s: float) -> bool:
+    def _drop_idle(self, now_s: float) -> bool:
         """Drop the client that was silent for longest; False if it was silent for less than IDLE_S."""
         fd, client = min(self._clients.items(), key=lambda item: item[1].heard_s)
         if now_s - client.heard_s < IDLE_S:

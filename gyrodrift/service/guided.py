@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from gyrodrift.io.files import UnreadableError, read_ordinary, write_whole
 from gyrodrift.service.calibrating import bias_of
-from gyrodrift.service.filtering import Filtering
+from gyrodrift.service.listener import IdleListener
+from gyrodrift.service.pipeline import Pipeline
 from gyrodrift.values.calibration import Calibration, device_identity
 from gyrodrift.values.errors import CalibrationError, UsageError
 from gyrodrift.values.sample import Sample
@@ -19,6 +20,7 @@ from gyrodrift.values.sample import Sample
 if TYPE_CHECKING:  # brings numpy, which a service does not need before somebody calibrates
     from gyrodrift.calibrate.guide import Guide
     from gyrodrift.calibrate.positions.guide import PositionGuide
+    from gyrodrift.config.watch import ConfigWatch
 
     AnyGuide = Guide | PositionGuide
 
@@ -43,13 +45,14 @@ Answer = Mapping[str, Any]
 
 
 @dataclass(slots=True)
-class GuidedCalibration:
+class GuidedCalibration(IdleListener):
     """Hears the samples as measured, and writes the result into the config of the service.
 
     Without a config, or if it cannot be written, the result is applied until the service ends.
     """
 
-    filtering: Filtering
+    pipeline: Pipeline
+    watch: "ConfigWatch | None" = None
     _guide: "AnyGuide | None" = None
     _says: deque[str] = field(default_factory=lambda: deque(maxlen=KEPT_SENTENCES))
     _clipped: int = 0
@@ -122,10 +125,10 @@ class GuidedCalibration:
 
     def take(self, samples: list[Sample]) -> None:
         """Hand samples to the guide."""
-        guide, decoder = self._guide, self.filtering.link.decoder
+        guide, decoder = self._guide, self.pipeline.link.decoder
         if guide is None or not samples:
             return
-        device_id = self.filtering.link.device.device_id or self._device_id  # a name may come late
+        device_id = self.pipeline.link.device.device_id or self._device_id  # a name may come late
         if self._device_id not in ("", device_id):
             self._end("Another device is connected; nothing is written.")
             return
@@ -140,17 +143,10 @@ class GuidedCalibration:
             return
         if self._unattended_since_s is None:
             self._unattended_since_s = now_s
-        if self.filtering.link.silent_s() > SILENT_S:
+        if self.pipeline.link.silent_s() > SILENT_S:
             self._end("The device fell silent; nothing is written.")
         elif now_s - self._unattended_since_s > UNATTENDED_S:
             self._end(f"No key for {UNATTENDED_S / 60.0:.0f} min; nothing is written.")
-
-    def stats(self) -> dict[str, Any]:
-        """No counters."""
-        return {}
-
-    def close(self) -> None:
-        """Nothing is open."""
 
     def _end(self, sentence: str) -> None:
         self._guide = None
@@ -165,7 +161,7 @@ class GuidedCalibration:
             self._end(f"Nothing is written: {error}")
         except Exception as error:  # noqa: BLE001 - the filter and its outputs must go on
             reason = f"{type(error).__name__}: {error}"
-            self.filtering.log.error("calibration_failed", reason=reason)  # noqa: TRY400 - the reason says it
+            self.pipeline.log.error("calibration_failed", reason=reason)  # noqa: TRY400 - the reason says it
             self._end(f"Nothing is written: {reason}")
 
     def _finish_when_done(self, guide: "AnyGuide") -> None:
@@ -173,14 +169,14 @@ class GuidedCalibration:
 
         if guide.step is not GuideStep.DONE:
             return
-        link, watch = self.filtering.link, self.filtering.watch
+        link, watch = self.pipeline.link, self.watch
         try:
             device_id = device_identity(link.device.device_id, link.name)
             result = guide.result(datetime.now(UTC), device_id, link.device.dps_per_lsb)
         except CalibrationError as error:
             self._end(f"Nothing is written: {error}")
             return
-        calibration = guide.merged(result, self.filtering.calibrating.given)
+        calibration = guide.merged(result, self.pipeline.calibrating.given)
         hint = "start serve with --config FILE to keep it"
         if watch is not None:
             try:
@@ -190,7 +186,7 @@ class GuidedCalibration:
             else:
                 self._end(f"Written to {watch.path}; it is applied at once.")
                 return
-        self.filtering.calibrating.follow(calibration, bias_of(self.filtering.state))
+        self.pipeline.calibrating.follow(calibration, bias_of(self.pipeline.state))
         self._end(f"Applied until the service ends; {hint.rstrip('.')}.")
 
 

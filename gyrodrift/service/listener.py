@@ -1,10 +1,18 @@
 """Receivers of samples as they arrive, before the filter and behind it."""
 
+from collections.abc import Mapping
 from typing import Any, Protocol, TypeVar
 
-from gyrodrift.values.sample import Sample
+from gyrodrift.values.sample import Corrected, Sample
 
 T = TypeVar("T")
+
+NO_WAKES: Mapping[int, int] = {}
+"""No descriptor to wait for."""
+
+
+class ReaderGoneError(Exception):
+    """The reader has closed the pipe or the terminal."""
 
 
 class Listener(Protocol[T]):
@@ -27,5 +35,44 @@ class Listener(Protocol[T]):
         ...
 
 
+class IdleListener:
+    """Base of a listener that does not need all of them."""
+
+    __slots__ = ()
+
+    def take(self, samples: list[Any]) -> None:
+        """Ignore samples."""
+
+    def tick(self, now_s: float) -> None:
+        """Do nothing."""
+
+    def stats(self) -> dict[str, Any]:
+        """No fields."""
+        return {}
+
+    def finish(self) -> None:
+        """Do nothing: `close` does all."""
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+
 SampleListener = Listener[Sample]
-"""A receiver of samples as measured: the filter, a recorder, a live line."""
+"""A receiver of samples as measured: the pipeline, a recorder, a live line."""
+
+
+class Sink(Listener[Corrected], Protocol):
+    """Takes corrected samples and writes as many as the reader takes now; raises ReaderGoneError if it is closed."""
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether the service must continue for this sink alone."""
+        ...
+
+    def wakes(self) -> Mapping[int, int]:
+        """Descriptors to wait for, with the events of `poll`; when one is ready, `take` is called."""
+        ...
+
+    def finish(self) -> None:
+        """Begin to end, without waiting; `close` waits."""
+        ...

@@ -1,33 +1,24 @@
 """The line that `serve` shows on a terminal in place of JSON: yaw, sigma, bias, rest and link, updated in place."""
 
 import errno
-import os
-from bisect import bisect_right
 from collections.abc import Mapping
-from itertools import accumulate
 from math import isfinite
-from typing import Any
 
+from gyrodrift.io.terminal import line_in_place
 from gyrodrift.io.unwaiting import send_unwaiting
 from gyrodrift.link.link import Link
-from gyrodrift.service.sink import ReaderGoneError
+from gyrodrift.service.listener import NO_WAKES, IdleListener, ReaderGoneError
 from gyrodrift.values.errors import printable
 from gyrodrift.values.sample import Attitude, Corrected
 
-CLEAR = "\r\x1b[K"
 SILENT_S = 2.0
 """A link without samples for this long is called silent, s."""
 
 RATE_S = 2.0
 """The sample rate is the mean over at least this time, s."""
 
-FIRST_WIDE = "\u1100"
-"""First character that takes two columns (Unicode Standard Annex 11)."""
 
-NO_WAKES: Mapping[int, int] = {}
-
-
-class ServiceLine:
+class ServiceLine(IdleListener):
     """Writes the newest corrected sample and the state of the link on one line, with each tick.
 
     Parameters
@@ -63,7 +54,7 @@ class ServiceLine:
         self._marks.append((now_s, self._link.counters.samples))
         while len(self._marks) > 2 and now_s - self._marks[1][0] >= RATE_S:
             del self._marks[0]
-        self._write(CLEAR + _cut(self.text(), self._columns()))
+        self._write(line_in_place(self.text(), self._fd))
 
     def text(self) -> str:
         """The line, of printable characters only."""
@@ -82,17 +73,10 @@ class ServiceLine:
         ]
         return "   ".join(filter(None, parts))
 
-    def stats(self) -> dict[str, Any]:
-        """No counters of its own."""
-        return {}
-
     def finish(self) -> None:
         """End the line; the last values stay on the screen."""
         if self._last is not None:
             self._write("\r\n")
-
-    def close(self) -> None:
-        """Leave the terminal open."""
 
     def _link_words(self) -> str:
         silent_s = self._link.silent_s()
@@ -101,14 +85,6 @@ class ServiceLine:
         lost, decoder = self._link.counters.missing, self._link.decoder
         damaged = decoder.counters.damaged if decoder else 0
         return f"{lost} lost, {damaged} damaged" if lost or damaged else "link ok"
-
-    def _columns(self) -> int | None:
-        """Characters that fit without wrapping; a wrapped line cannot be cleared."""
-        try:
-            columns = os.get_terminal_size(self._fd).columns
-        except OSError:
-            return None
-        return columns - 1 if columns else None
 
     def _write(self, text: str) -> None:
         rest = text.encode()
@@ -119,18 +95,6 @@ class ServiceLine:
             if error.errno in (errno.EPIPE, errno.EIO):
                 raise ReaderGoneError from error
             raise
-
-
-def _cut(text: str, columns: int | None) -> str:
-    """Cut a text to columns of a terminal; some characters, such as Chinese ones, take two."""
-    if columns is None or len(text) * 2 <= columns:
-        return text
-    if max(text) < FIRST_WIDE:
-        return text[:columns]
-    from unicodedata import east_asian_width  # noqa: PLC0415 - only for a line with such a character
-
-    ends = list(accumulate(2 if east_asian_width(character) in "WF" else 1 for character in text))
-    return text[: bisect_right(ends, columns)]
 
 
 def _signed(value: float, digits: int) -> str:

@@ -8,19 +8,18 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
-from math import inf
+from math import inf, isnan, nan
 from typing import TYPE_CHECKING, Any
 
 from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.io.waiting import POLLIN, Poller, new_poller
 from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
-from gyrodrift.service.listener import SampleListener
-from gyrodrift.service.rest_word import RestWord
+from gyrodrift.service.listener import ReaderGoneError, SampleListener, Sink
 from gyrodrift.service.signals import StopSignal
-from gyrodrift.service.sink import ReaderGoneError, Sink
 from gyrodrift.service.stream_watch import StreamWatch
 from gyrodrift.values.constants import LINE_BITS_PER_BYTE
+from gyrodrift.values.sample import Sample
 from gyrodrift.values.secret import without_secrets
 
 if TYPE_CHECKING:  # a service without control socket does not need them
@@ -35,6 +34,18 @@ FAST_PERIOD_S = 0.0005
 
 BUSY_LINE = 0.85
 """Share of the capacity of a serial line above which samples start to be lost."""
+
+
+@dataclass(slots=True)
+class RestWord:
+    """Rest as stated by `ctl rest`, which replaces the statement of the device: 1 rest, 0 motion, NaN no statement."""
+
+    still: float = nan
+
+    def with_rest(self, samples: list[Sample]) -> list[Sample]:
+        """Samples with the stated rest."""
+        still = self.still
+        return samples if isnan(still) else [sample._replace(still=still) for sample in samples]
 
 
 @dataclass(slots=True)

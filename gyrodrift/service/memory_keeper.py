@@ -11,8 +11,9 @@ from typing import Any
 from gyrodrift.filters.filter import FilterMemory
 from gyrodrift.io.files import check_writable
 from gyrodrift.io.logger import FilteringBoundLogger
-from gyrodrift.service.filtering import Filtering
+from gyrodrift.service.listener import IdleListener
 from gyrodrift.service.memory_file import MemoryDamagedError, MemoryFile, read_memory, set_aside, write_memory
+from gyrodrift.service.pipeline import Pipeline
 from gyrodrift.values.calibration import of_this_device
 from gyrodrift.values.errors import UsageError
 from gyrodrift.values.sample import Sample
@@ -25,7 +26,7 @@ HANGS_S = 5.0
 
 
 @dataclass(slots=True)
-class MemoryKeeper:
+class MemoryKeeper(IdleListener):
     """A listener before filter and recording, so that both begin with the memory.
 
     state
@@ -38,7 +39,7 @@ class MemoryKeeper:
     """
 
     path: Path
-    filtering: Filtering
+    pipeline: Pipeline
     log: FilteringBoundLogger
     now: Callable[[], float] = time.time
     state: str = "none"
@@ -73,10 +74,6 @@ class MemoryKeeper:
             self._saved_s = now_s
             self._save()
 
-    def stats(self) -> dict[str, Any]:
-        """No fields."""
-        return {}
-
     def close(self) -> None:
         """Write the memory a last time."""
         self._join()
@@ -91,7 +88,7 @@ class MemoryKeeper:
         return {"file": str(self.path), "state": self.state, "reason": self.reason, "device": self.device}
 
     def _begin(self, first: Sample) -> None:
-        link, kind = self.filtering.link, self.filtering.filter
+        link, kind = self.pipeline.link, self.pipeline.filter
         self.device = link.device.device_id or link.name
         self._begun_s, self._saved_s, self._filter = self.now(), time.monotonic(), kind.name
         self._calibration = self._calibrated()
@@ -114,8 +111,8 @@ class MemoryKeeper:
 
     def _calibrated(self) -> str:
         """Date of the calibration at the start of this run; empty for none."""
-        link = self.filtering.link
-        applied = of_this_device(self.filtering.calibrating.given, link.device.device_id, link.name)
+        link = self.pipeline.link
+        applied = of_this_device(self.pipeline.calibrating.given, link.device.device_id, link.name)
         return "" if applied is None else applied.date
 
     def _use(self, file: MemoryFile, memory: FilterMemory, first: Sample) -> None:
@@ -126,7 +123,7 @@ class MemoryKeeper:
             self._put_aside(" ".join(str(error).split()))
             return
         temp_c = first.temp_c if isfinite(first.temp_c) else None
-        self.filtering.begin_with(memory.begun(self.filtering.params, self._before, age_s, temp_c))
+        self.pipeline.begin_with(memory.begun(self.pipeline.params, self._before, age_s, temp_c))
         self.state = "used"
         self.log.info("memory_used", file=str(self.path), device=self.device, age_s=round(age_s, 1))
 
@@ -141,16 +138,16 @@ class MemoryKeeper:
 
     def _save(self) -> None:
         """Write the memory in a thread: a slow disk must not delay the port."""
-        kind, now_s = self.filtering.filter, self.now()
+        kind, now_s = self.pipeline.filter, self.now()
         if self.state not in {"new", "used"} or kind.memory is None or self._writing is not None:
             return
         if kind.name != self._filter:  # a new config has changed the filter
             return
-        if self.filtering.run.three_axes is not None:
+        if self.pipeline.run.three_axes is not None:
             self._refuse("the filter of three axes has no memory; --axes 1 keeps the bias about z")
             return
         age_s = 0.0 if self._file is None else self._file.age_s(now_s)
-        knowledge = kind.memory.learned(self.filtering.state, self._before, age_s)
+        knowledge = kind.memory.learned(self.pipeline.state, self._before, age_s)
         if knowledge is None:
             return
         memory = MemoryFile(self.device, kind.name, now_s, asdict(knowledge), self._calibration)

@@ -25,6 +25,7 @@ from gyrodrift.outputs import wire
 from gyrodrift.outputs.options import OutputSpec, revealed
 from gyrodrift.outputs.output import ControlAccess
 from gyrodrift.outputs.status import OutputStatus, ServiceStatus, output_status
+from gyrodrift.service.listener import NO_WAKES
 from gyrodrift.values.sample import Corrected
 
 LONGEST_QUEUE_BYTES = 4 << 20
@@ -43,8 +44,6 @@ LAST_S = 1.5
 
 KILLED_S = 0.2
 """Time for a killed process to end, s; a process that hangs in the kernel may take longer."""
-
-NOTHING: Mapping[int, int] = {}
 
 KEPT_KINDS = (wire.OUTPUTS, wire.ACCESS)
 """Messages that are never dropped."""
@@ -91,7 +90,7 @@ class OutputFeed:
         self._untold = 0
         self._statuses: tuple[OutputStatus, ...] = ()
         self._status_s = -inf
-        self._wakes: Mapping[int, int] = NOTHING
+        self._wakes: Mapping[int, int] = NO_WAKES
 
     @property
     def is_wanted(self) -> bool:
@@ -148,7 +147,7 @@ class OutputFeed:
 
     def wakes(self) -> Mapping[int, int]:
         """The socket while messages are queued."""
-        return self._wakes if self._queue else NOTHING
+        return self._wakes if self._queue else NO_WAKES
 
     def finish(self) -> None:
         """Let the outputs close their clients."""
@@ -257,7 +256,7 @@ class OutputFeed:
         self._restart_s = min(2.0 * self._restart_s, RESTART_LONGEST_S)
 
     def _send(self, message: bytes) -> None:
-        if not self._queue and self._is_taken(message):
+        if not self._queue and self._hand_over(message):
             return
         if self._socket is None:
             return
@@ -267,12 +266,13 @@ class OutputFeed:
             self._drop()
 
     def _flush(self) -> None:
-        while self._queue and self._is_taken(self._queue[0]):
+        while self._queue and self._hand_over(self._queue[0]):
             self._queue_bytes -= len(self._queue.popleft())
-        if self._untold and not self._queue and self._is_taken(wire.pack_json(wire.DROPPED, self._untold)):
+        if self._untold and not self._queue and self._hand_over(wire.pack_json(wire.DROPPED, self._untold)):
             self._untold = 0
 
-    def _is_taken(self, message: bytes) -> bool:
+    def _hand_over(self, message: bytes) -> bool:
+        """Send a message now; False if the process does not take it."""
         if self._socket is None:
             return False
         try:

@@ -1,18 +1,22 @@
-"""The state of the service as one value, for outputs, `ctl status` and `top`."""
+"""The state of the service as one value, for outputs, `ctl status` and `top`, and the meter of the link."""
 
 import os
 import time
 from dataclasses import asdict, dataclass, field
-from math import isfinite
 from typing import TYPE_CHECKING
 
 from gyrodrift import __version__
-from gyrodrift.outputs.net.names import well_formed
+from gyrodrift.io.json_numbers import finite
+from gyrodrift.link.link import Link
+from gyrodrift.outputs.fields import Use, fields_of
+from gyrodrift.outputs.net.addresses import well_formed
 from gyrodrift.outputs.status import ConfigStatus, DeviceStatus, FilterStatus, LinkStatus, ServiceStatus
-from gyrodrift.service.filtering import Filtering
-from gyrodrift.service.link_meter import LinkMeter
+from gyrodrift.service.config_follower import ConfigFollower
+from gyrodrift.service.listener import IdleListener
 from gyrodrift.service.output_feed import OutputFeed, memory_bytes
-from gyrodrift.service.reference import DeviceReference
+from gyrodrift.service.pipeline import Pipeline
+from gyrodrift.values.constants import LINE_BITS_PER_BYTE
+from gyrodrift.values.sample import Sample
 from gyrodrift.values.secret import without_secrets
 
 if TYPE_CHECKING:  # optional parts of the service
@@ -20,12 +24,57 @@ if TYPE_CHECKING:  # optional parts of the service
     from gyrodrift.service.recording_switch import RecordingSwitch
 
 
+SECOND_S = 1.0
+
+
+class LinkMeter(IdleListener):
+    """Measures the samples of a link over the last whole second.
+
+    rate_hz
+        Samples per second.
+    jitter_s
+        Peak-to-peak variation of the delay from device clock to arrival, s.
+    busy
+        Used share of the capacity of the line; 0 for a pty.
+    """
+
+    def __init__(self, link: Link) -> None:
+        self.link = link
+        self._marked_s = time.monotonic()
+        self._samples = self._bytes = 0
+        self._least_s = float("inf")
+        self._most_s = float("-inf")
+        self.rate_hz = self.jitter_s = self.busy = 0.0
+
+    def take(self, samples: list[Sample]) -> None:
+        """Note the delay of the newest sample."""
+        if not samples:
+            return
+        newest = samples[-1]
+        late_s = newest.t_host_s - newest.t_device_s
+        self._least_s = min(self._least_s, late_s)
+        self._most_s = max(self._most_s, late_s)
+
+    def tick(self, now_s: float) -> None:
+        """Update the values once a second."""
+        elapsed_s = now_s - self._marked_s
+        if elapsed_s < SECOND_S:
+            return
+        counters, port = self.link.counters, self.link.port
+        self.rate_hz = (counters.samples - self._samples) / elapsed_s
+        self.jitter_s = max(0.0, self._most_s - self._least_s)
+        bits_per_s = (counters.bytes - self._bytes) * LINE_BITS_PER_BYTE / elapsed_s
+        self.busy = bits_per_s / self.link.baud if port is not None and port.has_line_rate else 0.0
+        self._marked_s, self._samples, self._bytes = now_s, counters.samples, counters.bytes
+        self._least_s, self._most_s = float("inf"), float("-inf")
+
+
 @dataclass(slots=True)
 class Reporting:
     """Sources of the state of the service."""
 
     meter: LinkMeter
-    filtering: Filtering
+    follower: ConfigFollower
     feed: OutputFeed
     memory: "MemoryKeeper | None" = None
     recording: "RecordingSwitch | None" = None
@@ -43,8 +92,8 @@ class Reporting:
             dropped=self.feed.dropped,
             link=_link_status(self.meter),
             device=_device_status(self.meter),
-            filter=_filter_status(self.filtering),
-            config=_config_status(self.filtering),
+            filter=_filter_status(self.follower.pipeline),
+            config=_config_status(self.follower),
             outputs=self.feed.statuses(),
             memory=None if self.memory is None else self.memory.status(),
             recording=None if self.recording is None else self.recording.file,
@@ -72,56 +121,22 @@ def _device_status(meter: LinkMeter) -> DeviceStatus:
     return DeviceStatus(*values)
 
 
-def _filter_status(filtering: Filtering) -> FilterStatus:
-    state = filtering.state
+def _filter_status(pipeline: Pipeline) -> FilterStatus:
+    state, now, witness = pipeline.state, pipeline.now(), pipeline.witness
     return FilterStatus(
-        name=filtering.filter.name,
-        yaw_deg=filtering.yaw_deg,
-        yaw_sigma_deg=_finite(state.yaw_sigma_deg),
-        scale_sigma_deg=_finite(filtering.scale_sigma_deg),
-        bias_dps=state.bias_dps,
-        bias_sigma_dps=_finite(state.bias_sigma_dps),
-        rest_probability=_finite(state.rest_probability),
-        confidence=_finite(state.confidence),
-        heading_deg=_finite(filtering.correcting.reference.heading_deg(state.yaw_deg)),
-        temp_c=_finite(filtering.last.temp_c) if filtering.last else None,
+        name=pipeline.filter.name,
+        **{field.name: finite(field.number(now)) for field in fields_of(Use.STATUS)},
+        scale_sigma_deg=finite(pipeline.run.scale_sigma_deg),
         rejected=state.rejected,
-        still=_finite(filtering.last.still) if filtering.last else None,
+        still=finite(now.sample.still),
+        is_witness_believed=None if witness is None else witness.is_believed,
         temp_curve=getattr(state, "temp_curve", None),
-        is_witness_believed=None if filtering.witness is None else filtering.witness.is_believed,
-        **_tilt_status(filtering),
-        **_device_yaw_status(filtering.correcting.device),
     )
 
 
-def _tilt_status(filtering: Filtering) -> dict[str, float | None]:
-    """Tilt, roll and pitch of a device with three axes."""
-    if filtering.run.three_axes is None:
-        return {}
-    attitude = filtering.correcting.attitude()
-    names = ("tilt_deg", "roll_deg", "pitch_deg", "tilt_sigma_deg")
-    return {name: _finite(getattr(attitude, name)) for name in names}
-
-
-def _device_yaw_status(device: DeviceReference) -> dict[str, float | None]:
-    """Result of the device's own filter; empty for a device without one."""
-    if device.last is None:
-        return {}
-    return {
-        "device_yaw_deg": device.last.yaw_deg,
-        "device_yaw_sigma_deg": _finite(device.last.yaw_sigma_deg),
-        "device_bias_dps": device.last.bias_dps,
-        "device_difference_deg": _finite(device.difference_deg),
-    }
-
-
-def _config_status(filtering: Filtering) -> ConfigStatus:
-    file = None if filtering.watch is None else well_formed(str(filtering.watch.path))
-    counts = (filtering.applied, filtering.refused, filtering.applied_s)
-    mount = None if filtering.run.three_axes is None else asdict(filtering.run.mount)
-    return ConfigStatus(file, filtering.filter.name, asdict(filtering.params), *counts, mount=mount)
-
-
-def _finite(value: float) -> float | None:
-    """A finite value, or None."""
-    return value if isfinite(value) else None
+def _config_status(follower: ConfigFollower) -> ConfigStatus:
+    pipeline, watch = follower.pipeline, follower.watch
+    file = None if watch is None else well_formed(str(watch.path))
+    counts = (follower.applied, follower.refused, follower.applied_s)
+    mount = None if pipeline.run.three_axes is None else asdict(pipeline.run.mount)
+    return ConfigStatus(file, pipeline.filter.name, asdict(pipeline.params), *counts, mount=mount)

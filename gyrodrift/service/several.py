@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.io.waiting import POLLIN
+from gyrodrift.service.listener import ReaderGoneError
 from gyrodrift.service.loop import Service, Waiting, freeze_collector
 from gyrodrift.service.signals import StopSignal
-from gyrodrift.service.sink import ReaderGoneError
 from gyrodrift.values.errors import LinkError
 from gyrodrift.values.secret import without_secrets
 
@@ -70,7 +70,7 @@ class SeveralServices:
 
     def _turn(self, entry: "_Running", ready: set[int]) -> None:
         try:
-            if entry.is_due(ready, time.monotonic()):
+            if entry.take_turn(ready, time.monotonic()):
                 entry.service.turn(ready)
             if entry.service.is_over:
                 entry.end()
@@ -108,8 +108,8 @@ class _Running:
         """Time until it must have its turn, s."""
         return max(0.0, self._due_s - now_s)
 
-    def is_due(self, ready: set[int], now_s: float) -> bool:
-        """Whether one of its descriptors is ready, or its time has come; its next time is then set."""
+    def take_turn(self, ready: set[int], now_s: float) -> bool:
+        """Set its next time if one of its descriptors is ready, or its time has come; False if it is not its turn."""
         if now_s < self._due_s and ready.isdisjoint(self._events_by_fd):
             return False
         self._due_s = now_s + self.service.wake_s()

@@ -5,11 +5,10 @@ Each source has its own queue, so a source that floods does not push the lines o
 
 from collections import deque
 from collections.abc import Mapping
-from typing import Any
 
 from gyrodrift.outputs.json_line import json_line
-from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.service.stdout import LONGEST_QUEUE_BYTES, JsonLines, pieces_of
+from gyrodrift.outputs.net.backlog import Backlog
+from gyrodrift.service.stdout import LONGEST_QUEUE_BYTES, JsonLines, LineSink, pieces_of
 from gyrodrift.values.sample import Corrected
 
 
@@ -62,27 +61,15 @@ class SharedLines:
         return piece
 
 
-class SourceLines:
+class SourceLines(LineSink):
     """JSON lines of one of several sources."""
 
     def __init__(self, shared: SharedLines, source: str, rate_hz: float | None = None) -> None:
-        self.lines = 0
-        self.dropped = 0
+        super().__init__(rate_hz)
         self._shared = shared
         self._opening = f'{{"source":"{source}",'
-        self._thinning = Thinning(rate_hz)
-        self._pieces = deque[str]()
-        self._bytes = 0
+        self._pieces = Backlog[str](shared.longest_queue_bytes)
         shared.add()
-
-    def set_rate(self, rate_hz: float | None) -> None:
-        """Change the rate."""
-        self._thinning = Thinning(rate_hz)
-
-    @property
-    def is_wanted(self) -> bool:
-        """The reader of the pipe started the service."""
-        return True
 
     @property
     def has_pieces(self) -> bool:
@@ -91,9 +78,7 @@ class SourceLines:
 
     def next_piece(self) -> str:
         """Remove and return the oldest lines."""
-        piece = self._pieces.popleft()
-        self._bytes -= len(piece)
-        return piece
+        return self._pieces.pop()[0]
 
     def wakes(self) -> Mapping[int, int]:
         """The descriptor while lines are queued."""
@@ -101,24 +86,10 @@ class SourceLines:
 
     def take(self, samples: list[Corrected]) -> None:
         """Queue a line for each sample that is due, and write as much as the reader takes now."""
-        due = self._thinning.due(samples)
+        due = self.thinning.due(samples)
         self.lines += len(due)
+        self._pieces.longest_bytes = self._shared.longest_queue_bytes
         for piece in pieces_of([json_line(corrected, self._opening) for corrected in due]):
-            self._pieces.append(piece)
-            self._bytes += len(piece)
-        while self._bytes > self._shared.longest_queue_bytes:
-            self.dropped += self.next_piece().count("\n")
+            self._pieces.append(piece, piece.count("\n"))
+        self.dropped = self._pieces.dropped
         self._shared.write(self if self._pieces else None)
-
-    def tick(self, now_s: float) -> None:
-        """Do nothing: lines are written in `take`."""
-
-    def stats(self) -> dict[str, Any]:
-        """Number of lines of this source, and of those dropped for a slow reader."""
-        return {"lines": self.lines, "lines_dropped": self.dropped}
-
-    def finish(self) -> None:
-        """Do nothing: the lines of the other sources go on."""
-
-    def close(self) -> None:
-        """Do nothing: who shares the lines closes them when all sources are over."""

@@ -18,7 +18,7 @@ from gyrodrift.io.unwaiting import send_unwaiting
 from gyrodrift.io.waiting import POLLOUT, new_poller
 from gyrodrift.outputs.json_line import json_line
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.service.sink import ReaderGoneError
+from gyrodrift.service.listener import NO_WAKES, IdleListener, ReaderGoneError
 from gyrodrift.values.sample import Corrected
 
 STDOUT = 1
@@ -31,8 +31,6 @@ LAST_S = 1.0
 GONE = (errno.EPIPE, errno.ECONNRESET, *([errno.EINVAL] if sys.platform == "win32" else []))
 TERMINAL_GONE = (*GONE, errno.EIO)
 """Errors of a write to a closed reader; for a file, EIO is a failing disk."""
-
-NOTHING: Mapping[int, int] = {}
 
 
 def pieces_of(lines: list[str]) -> Iterator[str]:
@@ -47,22 +45,46 @@ def pieces_of(lines: list[str]) -> Iterator[str]:
         yield piece
 
 
-class JsonLines:
+class LineSink(IdleListener):
+    """Counts JSON lines, and thins samples to a rate that may change.
+
+    Parameters
+    ----------
+    rate_hz
+        At most this many lines a second of device time; None for every sample.
+    """
+
+    def __init__(self, rate_hz: float | None) -> None:
+        self.lines = 0
+        self.dropped = 0
+        self.set_rate(rate_hz)
+
+    def set_rate(self, rate_hz: float | None) -> None:
+        """Change the rate."""
+        self.thinning = Thinning(rate_hz)
+
+    @property
+    def is_wanted(self) -> bool:
+        """The reader of the pipe started the service."""
+        return True
+
+    def stats(self) -> dict[str, Any]:
+        """Number of lines, and of those dropped for a slow reader."""
+        return {"lines": self.lines, "lines_dropped": self.dropped}
+
+
+class JsonLines(LineSink):
     """Writes corrected samples as JSON lines.
 
     Parameters
     ----------
     fd
         Descriptor to write to; it is not closed here.
-    rate_hz
-        At most this many lines a second of device time; None for every sample.
     """
 
     def __init__(self, fd: int, rate_hz: float | None = None) -> None:
-        self.lines = 0
-        self.dropped = 0
+        super().__init__(rate_hz)
         self.fd = fd
-        self._thinning = Thinning(rate_hz)
         self._queue: deque[bytes] = deque()
         self._queue_bytes = 0
         self._sent = 0
@@ -71,22 +93,13 @@ class JsonLines:
         self._gone = TERMINAL_GONE if os.isatty(fd) else GONE
         self._writable = {fd: POLLOUT}
 
-    def set_rate(self, rate_hz: float | None) -> None:
-        """Change the rate."""
-        self._thinning = Thinning(rate_hz)
-
-    @property
-    def is_wanted(self) -> bool:
-        """The reader of the pipe started the service."""
-        return True
-
     def wakes(self) -> Mapping[int, int]:
         """The descriptor while lines are queued."""
-        return self._writable if self._queue else NOTHING
+        return self._writable if self._queue else NO_WAKES
 
     def take(self, samples: list[Corrected]) -> None:
         """Queue a line for each sample that is due, and write as much as the reader takes now."""
-        self.write([json_line(corrected) for corrected in self._thinning.due(samples)])
+        self.write([json_line(corrected) for corrected in self.thinning.due(samples)])
 
     def write(self, lines: list[str]) -> None:
         """Queue lines, and write as much as the reader takes now."""
@@ -95,16 +108,6 @@ class JsonLines:
             self._enqueue(lines)
         while self._queue and self._write():
             pass
-
-    def tick(self, now_s: float) -> None:
-        """Do nothing: lines are written in `take`."""
-
-    def stats(self) -> dict[str, Any]:
-        """Number of lines, and of those dropped for a slow reader."""
-        return {"lines": self.lines, "lines_dropped": self.dropped}
-
-    def finish(self) -> None:
-        """Do nothing: `close` writes the queued lines."""
 
     def close(self) -> None:
         """Write the queued lines for at most LAST_S, and drop the rest."""

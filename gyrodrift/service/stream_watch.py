@@ -1,16 +1,17 @@
 """Warnings about a stream without gaps: a rate that hangs, a device clock that changes its unit, and missing axes.
 
-The first two are guesses, so the samples are still processed; the warning says that yaw is not reliable.
+The first two are guesses, so the samples are still processed; the warning says that yaw is not reliable. A device of
+three axes may stop sending its accelerations, or two of its rates. Yaw goes on by fewer measurements.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import inf, nan
+from math import hypot, inf, nan
 from typing import Any
 
 from gyrodrift.filters.restlevel.noise import FINE_DPS
+from gyrodrift.filters.run import WITHOUT_AXES_S as LOST_S
 from gyrodrift.link.units.clock_unit import SLOWEST_PACE
-from gyrodrift.service.axes_watch import AxesWatch
 from gyrodrift.values.sample import Sample
 
 Tell = Callable[..., Any]
@@ -27,6 +28,9 @@ PACE_S, PACE_SAMPLES = 2.0, 10
 PACE_WINDOWS = 2
 """Windows of host time in which a clock is compared. Two in a row must differ: in one the device may have slept, or the
 clock of the host may have been set."""
+
+WITHOUT_ACCELERATIONS = "the device sends three rates without accelerations: the tilt is by the gyro, or unknown"
+WITHOUT_AXES = "the device sends one rate: yaw is right while this axis is vertical"
 
 
 @dataclass(slots=True)
@@ -108,6 +112,44 @@ class PaceWatch:
         if self._windows == PACE_WINDOWS:
             reason = f"a second of the device clock takes {pace:.3g} s: its unit has changed"
             self.tell("clock_unit_differs", reason=reason, hint="yaw hardly changes until the device is repaired")
+
+
+@dataclass(slots=True)
+class AxesWatch:
+    """Reports `accelerations_missing` and `accelerations_back`, `axes_missing` and `axes_back`.
+
+    Three zeros are no acceleration: a sensor has noise. A device that never sent three rates has one axis.
+    """
+
+    tell: Tell
+    _axes_s: float = nan
+    _accel_s: float = nan
+    _has_axes: bool = True
+    _has_accel: bool = True
+
+    def take(self, samples: list[Sample]) -> None:
+        """Examine new samples."""
+        for sample in samples:
+            if sample.inertial is not None:
+                self._take_axes(sample.t_device_s, hypot(*sample.inertial[3:]) > 0.0)
+            elif self._has_axes and sample.t_device_s - self._axes_s > LOST_S:
+                self._has_axes = False
+                self.tell("axes_missing", seconds=round(sample.t_device_s - self._axes_s, 3), hint=WITHOUT_AXES)
+
+    def _take_axes(self, t_s: float, has_accel: bool) -> None:  # noqa: FBT001 - of the sample
+        if not self._has_axes:
+            self._has_axes = True
+            self.tell("axes_back", seconds=round(t_s - self._axes_s, 3))
+            self._accel_s = t_s
+        if has_accel or self._axes_s != self._axes_s:  # or NaN, before the first sample
+            if not self._has_accel:
+                self._has_accel = True
+                self.tell("accelerations_back", seconds=round(t_s - self._accel_s, 3))
+            self._accel_s = t_s
+        elif self._has_accel and t_s - self._accel_s > LOST_S:
+            self._has_accel = False
+            self.tell("accelerations_missing", seconds=round(t_s - self._accel_s, 3), hint=WITHOUT_ACCELERATIONS)
+        self._axes_s = t_s
 
 
 @dataclass(slots=True)

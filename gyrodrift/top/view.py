@@ -12,7 +12,7 @@ from rich.text import Text
 from gyrodrift.io.text_chart import SMALLEST_ROWS, AxisRange, ChartLine, chart, legend, padded_range
 from gyrodrift.outputs.health import HealthLevel, health
 from gyrodrift.outputs.status import FilterStatus, OutputStatus, ServiceStatus
-from gyrodrift.outputs.words import figures
+from gyrodrift.top.figures import figures
 from gyrodrift.top.horizon import horizon
 
 BLOCKS = "▁▂▃▄▅▆▇█"

@@ -7,12 +7,12 @@ side down, pitch with the nose down.
 
 from dataclasses import dataclass
 from functools import cache
-from math import asin, atan2, cos, degrees, hypot, radians, sin, sqrt
+from math import asin, atan2, degrees, hypot, sqrt
 from typing import Literal, get_args
 
+from gyrodrift.values.quaternion import Quaternion, product, up_in_sensor, with_heading
 from gyrodrift.values.vectors import Vector
 
-Quaternion = tuple[float, float, float, float]
 Axis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 
 AXES: tuple[Axis, ...] = get_args(Axis)
@@ -93,8 +93,7 @@ class Mount:
 
     def _heights(self, q: Quaternion) -> Vector:
         """Heights of the unit vectors forward, left and up over the horizon."""
-        w, x, y, z = q
-        vertical = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
+        vertical = up_in_sensor(q)
         return vertical if self is LEVEL else self.to_device(vertical)
 
 
@@ -115,26 +114,6 @@ def vector_of(axis: Axis) -> Vector:
 def nearest_axis(of_sensor: Vector) -> Axis:
     """Axis of the sensor that is nearest to a vector in its frame, such as gravity."""
     return max(AXES, key=lambda axis: sum(a * b for a, b in zip(vector_of(axis), of_sensor, strict=True)))
-
-
-def with_heading(q: Quaternion, turn_deg: float) -> Quaternion:
-    """Attitude after a further turn about the vertical."""
-    half = radians(0.5 * turn_deg)
-    c, s = cos(half), sin(half)
-    w, x, y, z = q
-    return c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w
-
-
-def product(p: Quaternion, q: Quaternion) -> Quaternion:
-    """Hamilton product: the rotation q, then p."""
-    a, b, c, d = p
-    w, x, y, z = q
-    return (
-        a * w - b * x - c * y - d * z,
-        a * x + b * w + c * z - d * y,
-        a * y - b * z + c * w + d * x,
-        a * z + b * y - c * x + d * w,
-    )
 
 
 def _cross(a: Vector, b: Vector) -> Vector:

@@ -6,9 +6,9 @@ import pytest
 
 from gyrodrift.config.model import load_config
 from gyrodrift.config.outputs import options_help, output_of
+from gyrodrift.outputs.line_output import TcpOptions
 from gyrodrift.outputs.options import OutputSpec
 from gyrodrift.outputs.registry import OUTPUTS
-from gyrodrift.outputs.tcp import TcpOptions
 from gyrodrift.outputs.udp import UdpOptions
 from gyrodrift.values.errors import ConfigError, UsageError
 

@@ -22,7 +22,8 @@ from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.registry import FILTERS, register, unregister
 from gyrodrift.io.log import open_log
 from gyrodrift.link.protocols.decoder import DeviceDescription
-from gyrodrift.service.filtering import Filtering
+from gyrodrift.service.config_follower import ConfigFollower
+from gyrodrift.service.pipeline import Pipeline
 from gyrodrift.values.errors import ConfigError
 from gyrodrift.values.sample import Corrected, Sample
 
@@ -159,15 +160,15 @@ def test_the_service_changes_over_to_it_and_keeps_yaw(tmp_path: Path) -> None:
     plain = "hdr: {i_c_dps: 0, tau_s: 0, theta_w_dps: 1, c1: 0, c2: 1}\n"
     watch, output = ConfigWatch(config_of(tmp_path, plain), ReadHere), Kept()
     link = SimpleNamespace(device=DeviceDescription(), name="")
-    filtering = Filtering(cast("Any", link), [output], open_log("error", "json"), watch)
+    pipeline = Pipeline(cast("Any", link), [output], open_log("error", "json"), watch.config)
 
     def second_from(start_s: int) -> None:
         times_s = [start_s + n / RATE_HZ for n in range(RATE_HZ + 1)]
-        filtering.take([Sample(seq=n, t_device_s=t_s, t_host_s=t_s, rate_dps=1.0) for n, t_s in enumerate(times_s)])
+        pipeline.take([Sample(seq=n, t_device_s=t_s, t_host_s=t_s, rate_dps=1.0) for n, t_s in enumerate(times_s)])
 
     second_from(0)
     config_of(tmp_path, CONFIG.format(bias_dps=0.5))
-    filtering._follow_config(watch)
+    ConfigFollower(pipeline, watch).follow(watch)
     second_from(1)
     assert output.given[RATE_HZ].yaw_deg == pytest.approx(1.0)
     assert output.given[-1].yaw_deg == pytest.approx(1.5)

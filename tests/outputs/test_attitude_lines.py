@@ -7,13 +7,14 @@ import pytest
 import structlog
 from outputs_support import connected, corrected, hub, tilted
 
-from gyrodrift.outputs.json_line import ATTITUDE_FIELDS, FIELDS, chosen_line, json_line
+from gyrodrift.outputs.fields import CHOICES, OF_THREE_AXES
+from gyrodrift.outputs.json_line import chosen_line, json_line
 from gyrodrift.outputs.mqtt import state
 from gyrodrift.outputs.options import LOOPBACK
 from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.udp import UdpOptions, UdpOutput
 
-NEW = set(ATTITUDE_FIELDS)
+NEW = {field.name for field in OF_THREE_AXES}
 
 
 def test_a_line_has_the_attitude_behind_the_values_of_one_axis() -> None:
@@ -28,7 +29,7 @@ def test_a_line_has_the_attitude_behind_the_values_of_one_axis() -> None:
 def test_one_axis_has_no_attitude() -> None:
     """In no line."""
     assert not NEW & set(json.loads(json_line(corrected(0))))
-    assert not NEW & set(json.loads(chosen_line(corrected(0), [*FIELDS, *ATTITUDE_FIELDS])))
+    assert not NEW & set(json.loads(chosen_line(corrected(0), CHOICES)))
     assert not NEW & set(json.loads(state(corrected(0))))
 
 
@@ -49,15 +50,12 @@ def test_unknown_values_are_left_out(unknown: dict[str, float], missing: set[str
 
 
 def test_fields_are_chosen_by_name() -> None:
-    with hub() as outputs:
-        outputs.want("tcp:port=0")
-        host, _, port = outputs.opened()[0].address.rpartition(":")
-        with connected((host, int(port))) as client:
-            assert {"q", "roll_deg"} <= set(client.until("HELLO")["fields"])
-            client.connection.sendall(b'{"class":"WATCH","fields":["seq","q","pitch_deg"]}\n')
-            client.until("WATCH")
-            outputs.samples([tilted(5)])
-            line = client.json()
+    with hub("tcp:port=0") as outputs, connected(outputs.endpoint()) as client:
+        assert {"q", "roll_deg"} <= set(client.until("HELLO")["fields"])
+        client.connection.sendall(b'{"class":"WATCH","fields":["seq","q","pitch_deg"]}\n')
+        client.until("WATCH")
+        outputs.samples([tilted(5)])
+        line = client.json()
     assert line == {"class": "SAMPLE", "seq": 5, "q": [0.947744, 0.12543, -0.14683, 0.253947], "pitch_deg": -20.0}
 
 

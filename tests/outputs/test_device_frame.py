@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from outputs_support import tilted
 from scipy.spatial.transform import Rotation
 
-from gyrodrift.outputs.device_frame import DeviceFrame, angles_rad, frd
-from gyrodrift.values.mount import Quaternion
+from gyrodrift.outputs.device_frame import DeviceFrame
+from gyrodrift.values.quaternion import Quaternion, angles_rad, frd
 from gyrodrift.values.sample import Attitude
 
 SIGNED_AXES = [sign + axis for sign in "+-" for axis in "xyz"]

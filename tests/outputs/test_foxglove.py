@@ -16,7 +16,7 @@ from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
-from gyrodrift.outputs.foxglove_schemas import POSE_SCHEMA
+from gyrodrift.outputs.foxglove import POSE_SCHEMA
 from gyrodrift.outputs.foxglove_session import FoxgloveSession
 from gyrodrift.outputs.net.websocket import WebSocketClient
 from gyrodrift.outputs.status import ConfigStatus, ServiceStatus
@@ -60,9 +60,8 @@ def listening() -> int:
 def test_there_is_one_port_and_it_takes_so_many_clients() -> None:
     """Those beyond the limit are cut off, and who was there goes on."""
     before = listening()
-    with hub() as outputs, ExitStack() as many:
-        outputs.want("foxglove:port=0")
-        address = outputs.opened()[0].address
+    with hub("foxglove:port=0") as outputs, ExitStack() as many:
+        address = outputs.address
         assert listening() == before + 1
         clients = [many.enter_context(connect(f"ws://{address}", subprotocols=[PROTOCOL])) for _ in range(64)]
         for _ in range(100):
@@ -93,9 +92,8 @@ def wait_for_answer(client: ClientConnection) -> None:
 
 def test_a_tilted_device_has_a_pose() -> None:
     """It is advertised with the first attitude, also to clients that come later; one axis has none."""
-    with hub() as outputs:
-        outputs.want("foxglove:port=0")
-        address = f"ws://{outputs.opened()[0].address}"
+    with hub("foxglove:port=0") as outputs:
+        address = f"ws://{outputs.address}"
         with connect(address, subprotocols=[PROTOCOL]) as early:
             subscribed(early, number=7)
             wait_for_answer(early)
@@ -152,34 +150,30 @@ def test_the_schema_of_a_pose_is_foxgloves_own() -> None:
     ],
 )
 def test_a_mistake_is_told_and_the_connection_stays(sent: str | bytes) -> None:
-    with hub() as outputs:
-        outputs.want("foxglove:port=0")
-        with connect(f"ws://{outputs.opened()[0].address}", subprotocols=[PROTOCOL]) as client:
-            client.recv(PATIENCE_S)
-            client.recv(PATIENCE_S)
-            client.send(sent)
-            told = json.loads(client.recv(PATIENCE_S))
-            assert told["op"] == "status"
-            assert told["level"] in {1, 2}
-            wait_for_answer(client)
+    with hub("foxglove:port=0") as outputs, connect(f"ws://{outputs.address}", subprotocols=[PROTOCOL]) as client:
+        client.recv(PATIENCE_S)
+        client.recv(PATIENCE_S)
+        client.send(sent)
+        told = json.loads(client.recv(PATIENCE_S))
+        assert told["op"] == "status"
+        assert told["level"] in {1, 2}
+        wait_for_answer(client)
 
 
 def test_parameters_are_told_when_they_change_to_who_follows_them() -> None:
-    with hub() as outputs:
-        outputs.want("foxglove:port=0")
-        with connect(f"ws://{outputs.opened()[0].address}", subprotocols=[PROTOCOL]) as client:
-            client.recv(PATIENCE_S)
-            client.recv(PATIENCE_S)
-            outputs.status(ServiceStatus(config=ConfigStatus(filter="hdr", params={"tau_s": 0.5})))
+    with hub("foxglove:port=0") as outputs, connect(f"ws://{outputs.address}", subprotocols=[PROTOCOL]) as client:
+        client.recv(PATIENCE_S)
+        client.recv(PATIENCE_S)
+        outputs.status(ServiceStatus(config=ConfigStatus(filter="hdr", params={"tau_s": 0.5})))
+        client.send('{"op":"getParameters","parameterNames":["hdr.tau_s"],"id":"a"}')
+        while not (values := json.loads(client.recv(PATIENCE_S))["parameters"]):
             client.send('{"op":"getParameters","parameterNames":["hdr.tau_s"],"id":"a"}')
-            while not (values := json.loads(client.recv(PATIENCE_S))["parameters"]):
-                client.send('{"op":"getParameters","parameterNames":["hdr.tau_s"],"id":"a"}')
-            assert values == [{"name": "hdr.tau_s", "value": 0.5, "type": "float64"}]
-            client.send('{"op":"subscribeParameterUpdates","parameterNames":["hdr.tau_s"]}')
-            wait_for_answer(client)
-            outputs.status(ServiceStatus(config=ConfigStatus(file="c", filter="hdr", params={"tau_s": 0.7})))
-            told = json.loads(client.recv(PATIENCE_S))
-            assert told["parameters"] == [{"name": "hdr.tau_s", "value": 0.7, "type": "float64"}]
+        assert values == [{"name": "hdr.tau_s", "value": 0.5, "type": "float64"}]
+        client.send('{"op":"subscribeParameterUpdates","parameterNames":["hdr.tau_s"]}')
+        wait_for_answer(client)
+        outputs.status(ServiceStatus(config=ConfigStatus(file="c", filter="hdr", params={"tau_s": 0.7})))
+        told = json.loads(client.recv(PATIENCE_S))
+        assert told["parameters"] == [{"name": "hdr.tau_s", "value": 0.7, "type": "float64"}]
 
 
 def test_a_port_that_is_taken_is_told(port: Path) -> None:
@@ -194,7 +188,7 @@ def test_a_port_that_is_taken_is_told(port: Path) -> None:
 
 def test_all_losses_so_far_are_told() -> None:
     """The app shows the last message alone."""
-    session = FoxgloveSession(cast("WebSocketClient", None), [], dict, lambda _: None)
+    session = FoxgloveSession(cast("WebSocketClient", None), [], dict)
     assert [json.loads(session.dropped(count))["message"].split()[0] for count in (3, 4)] == ["3", "7"]
 
 

@@ -16,11 +16,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from outputs_support import HubThread, Reader, address_of, connected, corrected, csv_at_100_hz, hub, serving, tilted
+from outputs_support import HubThread, Reader, address_of, connected, corrected, csv_at_100_hz, serving, tilted
 from support import PATIENCE_S
 
 from gyrodrift import __version__
-from gyrodrift.outputs.json_line import FIELDS
+from gyrodrift.outputs.fields import OF_EVERY_DEVICE
 from gyrodrift.outputs.status import DeviceStatus, LinkStatus, ServiceStatus
 
 WATCH = b'?WATCH={"enable":true,"json":true};\r\n'
@@ -31,16 +31,9 @@ nan = float("nan")
 
 
 @pytest.fixture
-def outputs() -> Iterator[HubThread]:
-    with hub() as running:
-        yield running
-
-
-@pytest.fixture
 def gpsd(outputs: HubThread) -> Address:
     outputs.want("gpsd:port=0")
-    host, _, port = outputs.opened()[0].address.rpartition(":")
-    return host, int(port)
+    return outputs.endpoint()
 
 
 @pytest.fixture
@@ -83,7 +76,7 @@ def test_a_watcher_gets_devices_and_policy_and_then_reports(outputs: HubThread, 
     opening = {"device": "gyrodrift", "time": "2023-11-14T22:13:21.000Z"}
     assert client.json() == {"class": "ATT", **opening, "heading": 90.0, "yaw": 170.0, "rot": -75.0, "temp": 25.0}
     gyro = client.json()
-    assert gyro == {"class": "GYRO", **opening, **{name: gyro[name] for name in FIELDS}}
+    assert gyro == {"class": "GYRO", **opening, **{field.name: gyro[field.name] for field in OF_EVERY_DEVICE}}
     assert gyro["yaw_deg"] == 190.0
     assert gyro["corrected_dps"] == 1.25
 

@@ -11,13 +11,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import structlog
 from outputs_support import HubThread, Reader, connected, corrected, hub
 from support import PATIENCE_S
 
 from gyrodrift import __version__
-from gyrodrift.outputs.json_line import FIELDS, NAMES
-from gyrodrift.outputs.line_session import JsonSession
+from gyrodrift.outputs.fields import CHOICES, OF_EVERY_DEVICE
+from gyrodrift.outputs.line_output import JsonSession
 from gyrodrift.outputs.status import MOST_CLIENTS, ClientStatus
 from gyrodrift.outputs.udp import UdpOutput
 
@@ -31,31 +30,20 @@ def outputs(logged: list[Any]) -> Iterator[HubThread]:
 
 
 @pytest.fixture
-def logged() -> Iterator[list[Any]]:
-    with structlog.testing.capture_logs() as events:
-        yield events
-
-
-@pytest.fixture
 def tcp(outputs: HubThread) -> Address:
     outputs.want("tcp:port=0")
-    return address(outputs)
-
-
-def address(outputs: HubThread) -> Address:
-    host, _, port = outputs.opened()[0].address.rpartition(":")
-    return host, int(port)
+    return outputs.endpoint()
 
 
 def test_a_client_gets_hello_and_then_samples(outputs: HubThread, tcp: Address) -> None:
     """With every field that is known."""
     with connected(tcp) as client:
         hello = client.json()
-        assert hello == {"class": "HELLO", "program": "gyrodrift", "version": __version__, "fields": list(NAMES)}
+        assert hello == {"class": "HELLO", "program": "gyrodrift", "version": __version__, "fields": list(CHOICES)}
         outputs.samples([corrected(seq) for seq in range(300)])
         samples = [client.json() for _ in range(300)]
     assert [each["seq"] for each in samples] == list(range(300))
-    assert set(samples[0]) == {"class", *FIELDS} - {"t_host_s", "raw_yaw_deg"}
+    assert set(samples[0]) == {"class", *(field.name for field in OF_EVERY_DEVICE)} - {"t_host_s", "raw_yaw_deg"}
 
 
 def test_a_client_asks_for_a_rate_and_for_fields(outputs: HubThread, tcp: Address) -> None:
@@ -237,7 +225,7 @@ def test_a_port_that_is_taken_is_told_with_by_whom_and_tried_again(
             f"port 127.0.0.1:{port} is used by {name} (process {holder.pid}); choose another with port="
         )
         holder.communicate(b"\n")
-    assert address(outputs) == ("127.0.0.1", port)
+    assert outputs.endpoint() == ("127.0.0.1", port)
     outputs.want(f"tcp:port={port}", f"tcp:port={port},rate_hz=10")
     assert "is used by another output of this service" in problem(outputs)
 

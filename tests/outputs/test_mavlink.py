@@ -65,9 +65,7 @@ def yaw_deg(q: list[float]) -> float:
 
 def test_odometry_is_clockwise_with_covariance() -> None:
     """A turn to the left is negative in axes forward, right, down."""
-    with hub() as outputs, listening() as station:
-        outputs.want(f"mavlink:port={station.port}")
-        outputs.opened()
+    with listening() as station, hub(f"mavlink:port={station.port}") as outputs:
         outputs.samples([corrected(100, yaw_deg=90.0, corrected_dps=2.0, yaw_sigma_deg=0.5)])
         got = station.next("ODOMETRY")
     assert yaw_deg(got.q) == pytest.approx(-90.0, abs=1e-4)
@@ -81,9 +79,7 @@ def test_odometry_is_clockwise_with_covariance() -> None:
 
 def test_without_sigma_the_covariance_is_unknown() -> None:
     """NaN in the first element, and an estimator without covariance."""
-    with hub() as outputs, listening() as station:
-        outputs.want(f"mavlink:port={station.port}")
-        outputs.opened()
+    with listening() as station, hub(f"mavlink:port={station.port}") as outputs:
         outputs.samples([corrected(100, yaw_sigma_deg=nan, bias_sigma_dps=nan, confidence=nan)])
         got = station.next("ODOMETRY")
     assert isnan(got.pose_covariance[0])
@@ -93,9 +89,7 @@ def test_without_sigma_the_covariance_is_unknown() -> None:
 
 def test_ned_is_the_heading_and_waits_for_it() -> None:
     """Nothing is sent before there is a reference."""
-    with hub() as outputs, listening() as station:
-        outputs.want(f"mavlink:port={station.port},frame=ned,message=attitude")
-        outputs.opened()
+    with listening() as station, hub(f"mavlink:port={station.port},frame=ned,message=attitude") as outputs:
         outputs.samples([corrected(0, heading_deg=nan), corrected(100, heading_deg=270.0)])
         attitude, covariance = station.next("ATTITUDE"), station.next("ATTITUDE_QUATERNION_COV")
     assert attitude.time_boot_ms == 1000
@@ -110,9 +104,7 @@ TILT_RATES = [radians(rate) for rate in (2.0 - 0.1, 3.0 + 0.2, -(1.5 - 0.25))]
 
 def test_a_tilted_device_sends_its_attitude() -> None:
     """Nose up is positive in axes forward, right, down; all rates are measured."""
-    with hub() as outputs, listening() as station:
-        outputs.want(f"mavlink:port={station.port},message=attitude")
-        outputs.opened()
+    with listening() as station, hub(f"mavlink:port={station.port},message=attitude") as outputs:
         outputs.samples([tilted(100)])
         attitude = station.next("ATTITUDE")
         quaternion, covariance = station.next("ATTITUDE_QUATERNION"), station.next("ATTITUDE_QUATERNION_COV")
@@ -129,9 +121,7 @@ def test_a_tilted_device_sends_its_attitude() -> None:
 
 
 def test_odometry_of_a_tilted_device_has_three_rates() -> None:
-    with hub() as outputs, listening() as station:
-        outputs.want(f"mavlink:port={station.port},frame=ned")
-        outputs.opened()
+    with listening() as station, hub(f"mavlink:port={station.port},frame=ned") as outputs:
         outputs.samples([tilted(100, heading_deg=330.0)])
         got = station.next("ODOMETRY")
     assert [got.rollspeed, got.pitchspeed, got.yawspeed] == pytest.approx(TILT_RATES)
@@ -144,9 +134,7 @@ def test_odometry_of_a_tilted_device_has_three_rates() -> None:
 
 def test_rates_are_about_the_axes_of_the_device() -> None:
     """Its sensor stands on its side: x points up and y forward, so z points to the left."""
-    with hub() as outputs, listening() as station:
-        outputs.want(f"mavlink:port={station.port}")
-        outputs.opened()
+    with listening() as station, hub(f"mavlink:port={station.port}") as outputs:
         outputs.status(ServiceStatus(config=ConfigStatus(mount={"up": "+x", "forward": "+y"})))
         outputs.samples([tilted(100)])
         got = station.next("ODOMETRY")
@@ -157,18 +145,14 @@ def test_rates_are_about_the_axes_of_the_device() -> None:
 def test_without_a_sigma_of_tilt_the_option_counts() -> None:
     sample = tilted(100)
     assert sample.attitude is not None
-    with hub() as outputs, listening() as station:
-        outputs.want(f"mavlink:port={station.port},tilt_sigma_deg=2")
-        outputs.opened()
+    with listening() as station, hub(f"mavlink:port={station.port},tilt_sigma_deg=2") as outputs:
         outputs.samples([sample._replace(attitude=sample.attitude._replace(tilt_sigma_deg=nan))])
         got = station.next("ODOMETRY")
     assert got.pose_covariance[ROLL] == pytest.approx(radians(2.0) ** 2)
 
 
 def test_a_device_with_one_axis_sends_no_attitude_quaternion() -> None:
-    with hub() as outputs, listening() as station:
-        outputs.want(f"mavlink:port={station.port},message=attitude")
-        outputs.opened()
+    with listening() as station, hub(f"mavlink:port={station.port},message=attitude") as outputs:
         outputs.samples([corrected(0), corrected(100)])
         assert [station.next_of_any() for _ in range(4)] == ["ATTITUDE", "ATTITUDE_QUATERNION_COV"] * 2
 
@@ -187,9 +171,7 @@ def test_a_device_with_one_axis_sends_no_attitude_quaternion() -> None:
 )
 def test_what_makes_yaw_jump_is_counted(frame: str, event: str, step: int) -> None:
     """An autopilot begins its estimate anew where the counter changes, and nowhere else."""
-    with hub() as outputs, listening() as station:
-        outputs.want(f"mavlink:port={station.port},frame={frame}")
-        outputs.opened()
+    with listening() as station, hub(f"mavlink:port={station.port},frame={frame}") as outputs:
         outputs.samples([corrected(0)])
         before = station.next("ODOMETRY").reset_counter
         outputs.event(event)
@@ -206,9 +188,7 @@ def test_what_makes_yaw_jump_is_counted(frame: str, event: str, step: int) -> No
     ],
 )
 def test_the_heartbeat_says_whether_samples_come(link: LinkStatus, state: int) -> None:
-    with hub() as outputs, listening() as station:
-        outputs.want(f"mavlink:port={station.port}")
-        outputs.opened()
+    with listening() as station, hub(f"mavlink:port={station.port}") as outputs:
         outputs.status(ServiceStatus(link=link))
         got = station.next("HEARTBEAT")
     assert (got.type, got.autopilot) == (common.MAV_TYPE_IMU, common.MAV_AUTOPILOT_INVALID)
@@ -221,9 +201,7 @@ def test_a_serial_line_gets_the_same() -> None:
     time_us = [round(corrected(seq).sample.t_host_s * 1e6) for seq in numbers]
     master, slave = pty.openpty()
     try:
-        with hub() as outputs:
-            outputs.want(f"mavlink:device={os.ttyname(slave)},rate_hz=100")
-            outputs.opened()
+        with hub(f"mavlink:device={os.ttyname(slave)},rate_hz=100") as outputs:
             outputs.samples([corrected(seq) for seq in numbers[:-1]])
             while not (status := outputs.statuses()[0]).dropped:
                 pass
@@ -250,9 +228,7 @@ def test_a_line_that_goes_is_tried_again() -> None:
     master, slave = pty.openpty()
     name = os.ttyname(slave)
     os.close(slave)
-    with hub() as outputs:
-        outputs.want(f"mavlink:device={name}")
-        outputs.opened()
+    with hub(f"mavlink:device={name}") as outputs:
         os.close(master)
         outputs.samples([corrected(0)])
         while not (problem := outputs.statuses()[0].problem):

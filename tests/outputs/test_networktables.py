@@ -29,7 +29,7 @@ from websockets.exceptions import ConnectionClosed, InvalidMessage
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
-from gyrodrift.outputs.measured_time import MeasuredTime
+from gyrodrift.outputs.networktables import MeasuredTime
 from gyrodrift.service.control_client import ControlClient
 
 pytest.importorskip("ntcore", reason="the extra networktables is not installed")
@@ -229,15 +229,15 @@ def test_robot_code_reads_a_rotation(role: str, tmp_path: Path) -> None:
 
 def test_a_device_with_one_axis_has_no_rotation(tmp_path: Path) -> None:
     """Its topics stay those that they were, also for a client that was there before."""
-    with hub() as outputs:
-        outputs.want("networktables:port=0")
-        _, _, number = outputs.opened()[0].address.rpartition(":")
-        with other_end("client", int(number), tmp_path, ROBOT_CODE) as seen:
-            until(seen, joined=True)
-            outputs.samples([corrected(0)])
-            before = next(each for each in seen if len(each["topics"]) >= 8)["topics"]
-            outputs.samples([tilted(10)])
-            after = next(each for each in seen if len(each["topics"]) > 8)["topics"]
+    with (
+        hub("networktables:port=0") as outputs,
+        other_end("client", outputs.endpoint()[1], tmp_path, ROBOT_CODE) as seen,
+    ):
+        until(seen, joined=True)
+        outputs.samples([corrected(0)])
+        before = next(each for each in seen if len(each["topics"]) >= 8)["topics"]
+        outputs.samples([tilted(10)])
+        after = next(each for each in seen if len(each["topics"]) > 8)["topics"]
     assert set(after) - set(before) == {
         f"/gyrodrift/{name}" for name in ("roll_deg", "pitch_deg", "tilt_deg", "tilt_sigma_deg", "rotation")
     }
@@ -253,9 +253,8 @@ def names_in_use(outputs: HubThread, count: int) -> list[str]:
 
 def test_any_name_of_a_client_is_shown_as_text() -> None:
     """Bytes that are no text, control characters and long names; the status of all outputs goes on."""
-    with hub() as outputs:
-        outputs.want("networktables:port=0")
-        address = outputs.opened()[0].address
+    with hub("networktables:port=0") as outputs:
+        address = outputs.address
         with (
             connected_as(address, "%ff"),
             connected_as(address, "%0a%1b[2J"),
@@ -285,14 +284,12 @@ def connected_as(address: str, name: str) -> ClientConnection:
 )
 def test_what_no_client_sends_closes_its_connection(sent: str | bytes) -> None:
     """And the reason is told."""
-    with hub() as outputs:
-        outputs.want("networktables:port=0")
-        with connected_as(outputs.opened()[0].address, "x") as client:
-            client.send(sent)
-            with pytest.raises(ConnectionClosed):
-                client.recv(PATIENCE_S)
-            assert client.close_code == 1008
-            assert client.close_reason
+    with hub("networktables:port=0") as outputs, connected_as(outputs.address, "x") as client:
+        client.send(sent)
+        with pytest.raises(ConnectionClosed):
+            client.recv(PATIENCE_S)
+        assert client.close_code == 1008
+        assert client.close_reason
 
 
 @pytest.mark.parametrize(
@@ -309,22 +306,19 @@ def test_what_no_client_sends_closes_its_connection(sent: str | bytes) -> None:
 )
 def test_what_is_not_understood_is_ignored(sent: object) -> None:
     """As the specification has it; the clock is answered as before."""
-    with hub() as outputs:
-        outputs.want("networktables:port=0")
-        with connected_as(outputs.opened()[0].address, "x") as client:
-            client.send(json.dumps(sent))
-            client.send(b"\x94\xff\x00\x02\x07")
-            answer = client.recv(PATIENCE_S)
-            assert isinstance(answer, bytes)
-            assert answer[:2] == b"\x94\xff"
-            assert answer[-1:] == b"\x07"
+    with hub("networktables:port=0") as outputs, connected_as(outputs.address, "x") as client:
+        client.send(json.dumps(sent))
+        client.send(b"\x94\xff\x00\x02\x07")
+        answer = client.recv(PATIENCE_S)
+        assert isinstance(answer, bytes)
+        assert answer[:2] == b"\x94\xff"
+        assert answer[-1:] == b"\x07"
 
 
 def test_a_crowd_is_turned_away() -> None:
     """As by every other output."""
-    with hub() as outputs, ExitStack() as many:
-        outputs.want("networktables:port=0")
-        address = outputs.opened()[0].address
+    with hub("networktables:port=0") as outputs, ExitStack() as many:
+        address = outputs.address
         for index in range(64):
             many.enter_context(connected_as(address, str(index)))
         with pytest.raises((ConnectionClosed, OSError, InvalidMessage)), connected_as(address, "one more"):

@@ -12,7 +12,7 @@ from math import radians
 from pathlib import Path
 
 import pytest
-from outputs_support import HubThread, Reader, connected, corrected, hub, tilted
+from outputs_support import HubThread, Reader, connected, corrected, tilted
 from serial import Serial
 from signalk_support import signalk_server
 from support import PATIENCE_S, free_port
@@ -22,17 +22,6 @@ from gyrodrift.outputs.nmea import sentences
 pynmeagps = pytest.importorskip("pynmeagps", reason="NMEA 0183 is an extra: pip install 'gyrodrift[nmea]'")
 
 nan = float("nan")
-
-
-@pytest.fixture
-def outputs() -> Iterator[HubThread]:
-    with hub() as running:
-        yield running
-
-
-def address(outputs: HubThread) -> tuple[str, int]:
-    host, _, port = outputs.opened()[0].address.rpartition(":")
-    return host, int(port)
 
 
 def fields(sentence: bytes) -> dict[str, object]:
@@ -71,7 +60,7 @@ def test_a_tilted_device_has_pitch_and_roll() -> None:
 def test_over_tcp(outputs: HubThread) -> None:
     """What a plotter sends is passed by."""
     outputs.want("nmea:port=0")
-    with connected(address(outputs)) as client:
+    with connected(outputs.endpoint()) as client:
         client.connection.sendall(b"$ECRMB,A*00\r\n")
         while outputs.statuses()[0].client_count == 0:
             pass

@@ -32,9 +32,8 @@ STATUS = ServiceStatus(
 @pytest.fixture
 def page() -> Iterator[str]:
     """Address of a page that tells of STATUS."""
-    with hub() as outputs:
-        outputs.want("prometheus:port=0")
-        address = outputs.opened()[0].address
+    with hub("prometheus:port=0") as outputs:
+        address = outputs.address
         outputs.status(STATUS)
         url = f"http://{address}/metrics"
         until_s = time.monotonic() + PATIENCE_S
@@ -47,9 +46,8 @@ def test_the_yaw_of_the_device_is_a_gauge_where_it_sends_one(page: str) -> None:
     """A device without a filter has none of them."""
     assert "gyrodrift_device" not in fetched(page)
     own = FilterStatus("restlevel", device_yaw_deg=2.5, device_bias_dps=-0.5, device_difference_deg=-0.25)
-    with hub() as outputs:
-        outputs.want("prometheus:port=0")
-        url = f"http://{outputs.opened()[0].address}/metrics"
+    with hub("prometheus:port=0") as outputs:
+        url = f"http://{outputs.address}/metrics"
         outputs.status(replace(STATUS, filter=own))
         until_s = time.monotonic() + PATIENCE_S
         while "gyrodrift_device_yaw_degrees 2.5" not in (text := fetched(url)):
@@ -81,10 +79,9 @@ def test_it_tells_of_link_filter_and_outputs(page: str) -> None:
 def test_a_tilt_is_shown_where_there_is_one(page: str) -> None:
     """One axis has no gauges of it."""
     assert "gyrodrift_tilt_degrees" not in fetched(page)
-    tilt = replace(STATUS.filter, tilt_deg=22.0, roll_deg=10.0, pitch_deg=-20.0, tilt_sigma_deg=0.4)
-    with hub() as outputs:
-        outputs.want("prometheus:port=0")
-        url = f"http://{outputs.opened()[0].address}/metrics"
+    tilt = FilterStatus("restlevel", tilt_deg=22.0, roll_deg=10.0, pitch_deg=-20.0, tilt_sigma_deg=0.4)
+    with hub("prometheus:port=0") as outputs:
+        url = f"http://{outputs.address}/metrics"
         outputs.status(replace(STATUS, filter=tilt))
         until_s = time.monotonic() + PATIENCE_S
         while "gyrodrift_pitch_degrees -20.0" not in (text := fetched(url)):
@@ -100,9 +97,8 @@ def test_names_that_are_no_text_are_told_with_escapes() -> None:
         link=replace(STATUS.link, port="/dev/gy\udcff"),
         outputs=(OutputStatus("unix:path=/tmp/\udcfe", "/tmp/\udcfe", "", (), 0, 0, 0),),
     )
-    with hub() as outputs:
-        outputs.want("prometheus:port=0")
-        url = f"http://{outputs.opened()[0].address}/metrics"
+    with hub("prometheus:port=0") as outputs:
+        url = f"http://{outputs.address}/metrics"
         outputs.status(odd)
         until_s = time.monotonic() + PATIENCE_S
         while "udcff" not in (text := fetched(url)):

@@ -16,11 +16,11 @@ from support import PATIENCE_S, free_port
 
 from gyrodrift.config.outputs import output_of
 from gyrodrift.outputs import running
+from gyrodrift.outputs.line_output import TcpOutput
 from gyrodrift.outputs.options import OutputSpec
 from gyrodrift.outputs.output import Output
 from gyrodrift.outputs.registry import OUTPUTS
 from gyrodrift.outputs.status import OutputStatus
-from gyrodrift.outputs.tcp import TcpOutput
 
 KINDS = ("tcp", "gpsd", "web", "rosbridge", "prometheus", "foxglove", "nmea", "signalk", "networktables")
 RELOADS = 1000

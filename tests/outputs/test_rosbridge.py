@@ -18,10 +18,11 @@ Rosbridge = tuple[HubThread, ClientConnection]
 
 @contextmanager
 def bridged(options: str = "") -> Iterator[Rosbridge]:
-    with hub() as outputs:
-        outputs.want(f"rosbridge:port=0{options}")
-        with connect(f"ws://{outputs.opened()[0].address}", compression=None) as client:
-            yield outputs, client
+    with (
+        hub(f"rosbridge:port=0{options}") as outputs,
+        connect(f"ws://{outputs.address}", compression=None) as client,
+    ):
+        yield outputs, client
 
 
 @pytest.fixture(scope="module")

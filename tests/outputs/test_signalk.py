@@ -1,22 +1,15 @@
 """Deltas of Signal K: by hand, and as a Signal K server shows them."""
 
-from collections.abc import Iterator
 from math import nan, radians
 from pathlib import Path
 from typing import Any
 
 import pytest
-from outputs_support import HubThread, connected, corrected, hub, tilted
+from outputs_support import HubThread, connected, corrected, tilted
 from signalk_support import signalk_server
 
 from gyrodrift.outputs.signalk import delta
 from gyrodrift.values.sample import Corrected
-
-
-@pytest.fixture
-def outputs() -> Iterator[HubThread]:
-    with hub() as running:
-        yield running
 
 
 def values(sample: Corrected) -> dict[str, Any]:
@@ -47,8 +40,7 @@ def test_an_attitude_is_positive_to_starboard_and_with_the_bow_up() -> None:
 def test_a_client_gets_deltas_ten_times_a_second(outputs: HubThread) -> None:
     """What it sends itself is passed by."""
     outputs.want("signalk:port=0")
-    host, _, port = outputs.opened()[0].address.rpartition(":")
-    with connected((host, int(port))) as client:
+    with connected(outputs.endpoint()) as client:
         client.connection.sendall(b'{"context":"*","subscribe":[]}\n')
         while outputs.statuses()[0].client_count == 0:
             pass
@@ -60,8 +52,7 @@ def test_a_client_gets_deltas_ten_times_a_second(outputs: HubThread) -> None:
 def test_signalk_server_shows_the_attitude(outputs: HubThread, tmp_path: Path) -> None:
     """With heading and rate of turn, from our source."""
     outputs.want("signalk:port=0")
-    _, _, port = outputs.opened()[0].address.rpartition(":")
-    source = {"type": "tcp", "host": "127.0.0.1", "port": port}
+    source = {"type": "tcp", "host": "127.0.0.1", "port": str(outputs.endpoint()[1])}
     with signalk_server("SignalK", source, tmp_path) as server:
         shown = server.navigation("attitude", lambda number: outputs.samples([tilted(10 * number)]))
     assert shown["attitude"]["value"] == {"roll": near(10.0), "pitch": near(20.0), "yaw": near(-30.0)}

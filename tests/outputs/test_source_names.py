@@ -4,7 +4,7 @@ import pytest
 import structlog
 from outputs_support import corrected
 
-from gyrodrift.outputs.line_session import sample_opening
+from gyrodrift.outputs.line_output import sample_opening
 from gyrodrift.outputs.mqtt import MqttOptions, MqttOutput
 from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.signalk import delta

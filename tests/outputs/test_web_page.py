@@ -3,12 +3,13 @@
 import json
 import socket
 from collections.abc import Iterator
+from contextlib import contextmanager
 from math import nan
 from pathlib import Path
 
 import pytest
 from browser_support import Tab, browsing
-from outputs_support import corrected, csv_at_100_hz, hub, path_of, serving, tilted, with_own_yaw
+from outputs_support import HubThread, corrected, csv_at_100_hz, hub, path_of, serving, tilted, with_own_yaw
 from support import Command, never
 
 from gyrodrift.outputs.status import (
@@ -93,13 +94,18 @@ def page(tab: Tab) -> Iterator[Tab]:
     tab.open("about:blank")
 
 
+@contextmanager
+def live(page: Tab) -> Iterator[HubThread]:
+    """Outputs whose page is open in the browser."""
+    with hub("web:port=0") as outputs:
+        page.open(outputs.address)
+        page.until("document.querySelector('#connection').innerText === 'Live'")
+        yield outputs
+
+
 def test_it_shows_the_stream_and_moves_with_it(page: Tab) -> None:
     """Dial, numbers, charts, link in words, config, clients; and it asks nobody else for anything."""
-    with hub() as outputs:
-        outputs.want("web:port=0")
-        address = outputs.opened()[0].address
-        page.open(address)
-        page.until("document.querySelector('#connection').innerText === 'Live'")
+    with live(page) as outputs:
         outputs.samples([corrected(seq, yaw_deg=10.0, heading_deg=nan) for seq in range(200)])
         outputs.status(STATUS)
         outputs.event("config_applied", file="my.yaml", changes=["restlevel.window_s: 0.2 → 0.3"])
@@ -121,16 +127,15 @@ def test_it_shows_the_stream_and_moves_with_it(page: Tab) -> None:
         outputs.samples([corrected(400, heading_deg=90.0)])
         page.until("document.querySelector('#main-name').innerText === 'Heading'")
         assert page.run("document.querySelector('#dial .yaw').getAttribute('transform')") == "rotate(90.00)"
-        assert all(each.split("://")[1].startswith(address.split("://")[1]) for each in page.requests)
+        assert all(each.split("://")[1].startswith(outputs.address.split("://")[1]) for each in page.requests)
         page.open("about:blank")
 
 
 def test_it_fits_a_telephone_and_is_dark_where_that_is_wanted(page: Tab) -> None:
     """Nothing stands out to the right, and the charts are drawn in other colours."""
-    with hub() as outputs:
-        outputs.want("web:port=0")
+    with hub("web:port=0") as outputs:
         page.size(*PHONE, is_phone=True)
-        page.open(outputs.opened()[0].address)
+        page.open(outputs.address)
         outputs.status(STATUS)
         outputs.samples([corrected(seq) for seq in range(200)])
         page.until("document.querySelector('#values dd')")
@@ -147,10 +152,7 @@ def test_it_fits_a_telephone_and_is_dark_where_that_is_wanted(page: Tab) -> None
 
 def test_a_tilted_device_has_a_horizon(page: Tab) -> None:
     """It rises on the side that is down and sinks if the nose goes up; text and a label say the same."""
-    with hub() as outputs:
-        outputs.want("web:port=0")
-        page.open(outputs.opened()[0].address)
-        page.until("document.querySelector('#connection').innerText === 'Live'")
+    with live(page) as outputs:
         outputs.samples([corrected(seq, yaw_deg=10.0, heading_deg=nan) for seq in range(100)])
         page.until("document.querySelector('#main-value').innerText === '10.00°'")
         assert page.run("document.querySelector('#horizon').hidden && document.querySelector('#tilt').hidden")
@@ -172,10 +174,7 @@ def test_a_tilted_device_has_a_horizon(page: Tab) -> None:
 
 def test_a_device_with_a_filter_shows_both_yaws_and_a_chart_of_their_difference(page: Tab) -> None:
     """Also while a sample comes without a result of the device."""
-    with hub() as outputs:
-        outputs.want("web:port=0")
-        page.open(outputs.opened()[0].address)
-        page.until("document.querySelector('#connection').innerText === 'Live'")
+    with live(page) as outputs:
         outputs.samples([corrected(seq, yaw_deg=10.0, heading_deg=nan) for seq in range(100)])
         page.until("document.querySelector('#main-value').innerText === '10.00°'")
         assert "Device yaw" not in page.text("#values")
@@ -192,11 +191,8 @@ def test_a_device_with_a_filter_shows_both_yaws_and_a_chart_of_their_difference(
 
 def test_a_horizon_fits_a_telephone(page: Tab) -> None:
     """Beside the dial and yaw; sky and ground have other colors in the dark."""
-    with hub() as outputs:
-        outputs.want("web:port=0")
-        page.size(*PHONE, is_phone=True)
-        page.open(outputs.opened()[0].address)
-        page.until("document.querySelector('#connection').innerText === 'Live'")
+    page.size(*PHONE, is_phone=True)
+    with live(page) as outputs:
         outputs.samples([tilted(0, yaw_deg=-12345.0, heading_deg=nan)])
         page.until("!document.querySelector('#tilt').hidden")
         assert page.run("document.documentElement.scrollWidth") == PHONE[0]
@@ -259,10 +255,7 @@ SENTENCES = """(async () => {
 
 def test_the_guide_names_the_buttons_of_the_page(page: Tab) -> None:
     """The keys of a terminal become buttons."""
-    with hub() as outputs:
-        outputs.want("web:port=0")
-        page.open(outputs.opened()[0].address)
-        page.until("document.querySelector('#connection').innerText === 'Live'")
+    with live(page):
         assert page.run(SENTENCES) == [
             "Put it there. Press Begin to start.",
             "Turn it, stop at the mark, then press At the mark.",
@@ -273,10 +266,7 @@ def test_the_guide_names_the_buttons_of_the_page(page: Tab) -> None:
 
 def test_a_device_with_three_axes_has_a_calibration_of_its_own(page: Tab) -> None:
     """Its button appears with the first tilt."""
-    with hub() as outputs:
-        outputs.want("web:port=0")
-        page.open(outputs.opened()[0].address)
-        page.until("document.querySelector('#connection').innerText === 'Live'")
+    with live(page) as outputs:
         outputs.samples([corrected(seq) for seq in range(50)])
         page.until("document.querySelector('#values dd')")
         assert page.run("document.querySelector('#calibrate-axes').hidden") is True
@@ -295,10 +285,7 @@ SAVED = """new Promise((resolve) => {
 
 def test_a_chart_is_saved_as_a_picture(page: Tab) -> None:
     """With its title for a name."""
-    with hub() as outputs:
-        outputs.want("web:port=0")
-        page.open(outputs.opened()[0].address)
-        page.until("document.querySelector('#connection').innerText === 'Live'")
+    with live(page) as outputs:
         outputs.samples([corrected(seq) for seq in range(100)])
         page.until(f"{INK % 0} > 3")
         assert page.run(SAVED) == ["Yaw, deg.png", "blob:"]
@@ -306,9 +293,8 @@ def test_a_chart_is_saved_as_a_picture(page: Tab) -> None:
 
 def test_yaw_stays_in_view_on_a_telephone(page: Tab) -> None:
     """At 400 px, wherever the page is scrolled to."""
-    with hub() as outputs:
-        outputs.want("web:port=0")
-        address = outputs.opened()[0].address
+    with hub("web:port=0") as outputs:
+        address = outputs.address
         page.size(400, 800, is_phone=True)
         page.open(address)
         page.until("document.querySelector('#connection').innerText === 'Live'")
@@ -348,10 +334,7 @@ def test_it_outlives_the_service(page: Tab, port: Path) -> None:
 
 def test_an_hour_is_looked_back_through_without_losing_a_spike(page: Tab) -> None:
     """The hour is drawn from no more rows than there are pixels; seconds are drawn as they came."""
-    with hub() as outputs:
-        outputs.want("web:port=0")
-        page.open(outputs.opened()[0].address)
-        page.until("document.querySelector('#connection').innerText === 'Live'")
+    with live(page) as outputs:
         found = page.run(HISTORY)
         assert found["rows"] <= 800
         assert (found["greatest"], found["fine"], found["last"], found["holes"]) == (99, 302, 2, 1)

@@ -80,10 +80,8 @@ class EchoOutput(Output[EchoOptions]):
 def echo() -> Iterator[tuple[HubThread, tuple[str, int]]]:
     register(OutputKind("echo", "", f"{__name__}:EchoOutput"))
     try:
-        with hub() as outputs:
-            outputs.want("echo")
-            host, _, port = outputs.opened()[0].address.rpartition(":")
-            yield outputs, (host, int(port))
+        with hub("echo") as outputs:
+            yield outputs, outputs.endpoint()
     finally:
         unregister("echo")
 

@@ -20,8 +20,9 @@ from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import FilterRun
 from gyrodrift.io.log import open_log
+from gyrodrift.io.terminal import CLEAR, AboveLine
 from gyrodrift.link.link import Link
-from gyrodrift.recording.live_line import CLEAR, AboveLine, LiveLine, LiveYaw
+from gyrodrift.recording.live_line import LiveLine, LiveYaw
 from gyrodrift.recording.recorder import Recorder
 from gyrodrift.values.sample import Sample
 

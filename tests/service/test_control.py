@@ -99,6 +99,7 @@ def clients(service: Controlled) -> int:
 
 def test_reload_reads_the_config_again(service: Controlled) -> None:
     """And says what changed, or what is wrong with it."""
+    service.feed(50)  # without a sample the service ends after 10 s, and reading a config may take longer
     assert service.asked("reload") == {"ok": True, "changes": []}
     service.config.write_text("hdr: 5\n")
     answer = service.asked("reload")

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import pytest
 import structlog
@@ -93,9 +93,9 @@ def begun(config: Path | None = None, kind: str = "start") -> GuidedCalibration:
     link = SimpleNamespace(decoder=None, device=device, name="gyro", silent_s=lambda: 0.0)
     watch = None if config is None else SimpleNamespace(path=config)
     log = structlog.get_logger()
-    filtering: Any = SimpleNamespace(link=link, log=log, watch=watch, state=SimpleNamespace(bias_dps=0.0))
-    filtering.calibrating = Calibrating(filtering.link, log, lambda *_: None)
-    calibration = GuidedCalibration(filtering)
+    pipeline: Any = SimpleNamespace(link=link, log=log, state=SimpleNamespace(bias_dps=0.0))
+    pipeline.calibrating = Calibrating(pipeline.link, log, lambda *_: None)
+    calibration = GuidedCalibration(pipeline, cast("Any", watch))
     waited_for(calibration.start(kind))
     return calibration
 
@@ -122,7 +122,7 @@ def test_a_mistake_in_a_calibration_does_not_end_the_service(monkeypatch: pytest
 def test_another_device_ends_a_calibration() -> None:
     """The rest of one device and the turns of another give no scale; a name that comes late is no other device."""
     calibration = begun()
-    link: Any = calibration.filtering.link
+    link: Any = calibration.pipeline.link
     for device_id in (None, "first", None, "first"):
         link.device = DeviceDescription(device_id=device_id)
         calibration.take([Sample(0, 0.0, 0.0, 0.0)])
@@ -182,17 +182,17 @@ def test_a_config_that_cannot_be_written_costs_no_calibration(
     assert state["step"] == "idle"
     assert state["says"][-1].startswith("Applied until the service ends; it is not written: ")
     assert str(config) in state["says"][-1]
-    assert calibration.filtering.calibrating.given == found
+    assert calibration.pipeline.calibrating.given == found
     assert not content or config.read_bytes() == content
 
 
 def test_a_calibration_of_the_service_keeps_the_accelerometer_of_its_device(monkeypatch: pytest.MonkeyPatch) -> None:
     """The guide of the service measures one axis; six positions measured before stay valid."""
     calibration = begun()
-    calibration.filtering.calibrating.given = Calibration("2026-01-01", accel_scale=(1.01, 0.99, 1.0))
+    calibration.pipeline.calibrating.given = Calibration("2026-01-01", accel_scale=(1.01, 0.99, 1.0))
     monkeypatch.setattr(Guide, "result", lambda *_: Calibration("2026-05-01", scale_ccw=0.98))
     calibration.press("finish")
-    applied = calibration.filtering.calibrating.given
+    applied = calibration.pipeline.calibrating.given
     assert applied == Calibration("2026-05-01", scale_ccw=0.98, accel_scale=(1.01, 0.99, 1.0))
 
 
@@ -204,7 +204,7 @@ def test_six_sides_are_measured_while_the_service_runs(
     config = tmp_path / "my.yaml"
     config.write_text("filter: restlevel\n")
     calibration = begun(config, kind)
-    calibration.filtering.calibrating.given = Calibration("2026-01-01", bias_dps_per_c=0.01)
+    calibration.pipeline.calibrating.given = Calibration("2026-01-01", bias_dps_per_c=0.01)
     samples = laid_board(legs).through_sensor().samples()
     for now_s, start in enumerate(range(0, len(samples), 50)):
         calibration.take(samples[start : start + 50])

@@ -1,6 +1,6 @@
 """The loop in this process: what it logs, and when it ends."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +12,10 @@ from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.service import loop
-from gyrodrift.service.filtering import Filtering
+from gyrodrift.service.listener import Sink
 from gyrodrift.service.loop import Service
+from gyrodrift.service.pipeline import Pipeline
 from gyrodrift.service.signals import StopSignal
-from gyrodrift.service.sink import Sink
 from gyrodrift.service.stdout import JsonLines
 from gyrodrift.values.sample import Corrected
 
@@ -51,12 +51,6 @@ class StopAfter:
         self.closed = True
 
 
-@pytest.fixture
-def logged() -> Iterator[list[Any]]:
-    with structlog.testing.capture_logs() as events:
-        yield events
-
-
 def test_link_stats_say_all_that_helps_from_afar(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, logged: list[Any]
 ) -> None:
@@ -70,8 +64,8 @@ def test_link_stats_say_all_that_helps_from_afar(
         link = Link(LinkOptions(str(tmp_path / "gyro")), LinkEvents(log))
         device.send_all(lines, never)
         sinks: list[Sink] = [JsonLines(null.fileno()), counted]
-        filtering = Filtering(link, sinks, log)
-        Service(link, [filtering], log, LinkEvents(log), stop, sinks).run()
+        pipeline = Pipeline(link, sinks, log)
+        Service(link, [pipeline], log, LinkEvents(log), stop, sinks).run()
     stats = [event for event in logged if event["event"] == "link_stats"]
     assert stats
     assert set(stats[-1]) >= {

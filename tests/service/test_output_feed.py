@@ -68,12 +68,6 @@ def fed() -> Iterator[Fed]:
     fed.feed.close()
 
 
-@pytest.fixture
-def logged() -> Iterator[list[Any]]:
-    with structlog.testing.capture_logs() as events:
-        yield events
-
-
 def test_a_stopped_process_that_has_to_go_is_left_alone_and_killed_when_its_time_is_over(fed: Fed) -> None:
     """And the next one begins when it is gone, with what is wanted then."""
     fed.feed.want([TCP])
@@ -124,7 +118,7 @@ def test_what_is_dropped_is_counted_in_samples(fed: Fed, monkeypatch: pytest.Mon
     fed.feed.want([TCP])
     fed.opened()
     with monkeypatch.context() as patched:
-        patched.setattr(fed.feed, "_is_taken", lambda _message: False)
+        patched.setattr(fed.feed, "_hand_over", lambda _message: False)
         for first in range(0, 20_000, 50):
             fed.feed.take([corrected(number) for number in range(first, first + 50)])
         waiting = [message for message in fed.feed._queue if message[:1] == wire.SAMPLES]

@@ -36,12 +36,6 @@ def out(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def logged() -> Iterator[list[Any]]:
-    with structlog.testing.capture_logs() as events:
-        yield events
-
-
-@pytest.fixture
 def link(port: Path, logged: list[Any]) -> Iterator[Link]:
     with speaking_on(port):
         link = Link(LinkOptions(str(port)), LinkEvents(structlog.get_logger()))

@@ -12,7 +12,7 @@ from hand_motion import BIAS_DPS, HandMotion, hand_motion
 from support import Command
 
 from gyrodrift.link.protocols.decoder import DeviceDescription
-from gyrodrift.service.filtering import Filtering
+from gyrodrift.service.pipeline import Pipeline
 from gyrodrift.session.files import load_session
 from gyrodrift.values.sample import Inertial, Sample
 
@@ -101,13 +101,13 @@ def test_the_axis_that_points_up_is_that_of_the_first_sample() -> None:
     """A busy service takes seconds of samples at once, in which the device may have turned on."""
     link = SimpleNamespace(device=DeviceDescription(), name="")
     for forces_mps2, up in ((((0.0, 9.8, 0.0), (0.0, 0.0, 9.8)), "+y"), (((0.0, 0.0, 9.8), (0.0, 9.8, 0.0)), "")):
-        filtering = Filtering(cast("Any", link), [], structlog.get_logger())
+        pipeline = Pipeline(cast("Any", link), [], structlog.get_logger())
         samples = [
             Sample(n, n / 100.0, n / 100.0, 0.0, inertial=Inertial(0.0, 0.0, 0.0, *forces_mps2[n >= 20]))
             for n in range(300)
         ]
         with structlog.testing.capture_logs() as events:
-            filtering.take(samples)
+            pipeline.take(samples)
         hints = [event["hint"] for event in events if event["event"] == "mount_differs"]
         assert len(hints) == (1 if up else 0)
         assert all(f"up: {up}" in hint for hint in hints)

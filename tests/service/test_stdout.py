@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from gyrodrift.outputs.json_line import json_line
 from gyrodrift.service import stdout
-from gyrodrift.service.sink import ReaderGoneError
+from gyrodrift.service.listener import ReaderGoneError
 from gyrodrift.service.stdout import JsonLines
 from gyrodrift.values.sample import Corrected, Sample
 

@@ -5,8 +5,7 @@ from typing import Any
 
 import pytest
 
-from gyrodrift.service.axes_watch import AxesWatch
-from gyrodrift.service.stream_watch import PaceWatch, RateWatch
+from gyrodrift.service.stream_watch import AxesWatch, PaceWatch, RateWatch
 from gyrodrift.values.sample import Inertial, Sample
 
 HZ = 100.0

@@ -9,8 +9,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrodrift.service.install import CONTROL, RULES, UNIT, UsbIdentity, files, usb_identity
-from gyrodrift.service.unit_words import command_line, file_url, plain_text
+from gyrodrift.service.install import (
+    CONTROL,
+    RULES,
+    UNIT,
+    UsbIdentity,
+    command_line,
+    file_url,
+    files,
+    plain_text,
+    usb_identity,
+)
 from gyrodrift.values.errors import UsageError
 
 HARD = st.text(st.sampled_from("ab /\\\"'%$;{}[]*?|=,!+\n\r\t\0\x1b\x85\u2028ä\udc80"), max_size=12) | st.text(

@@ -98,7 +98,7 @@ FAULTS = (
     ),
     Fault(
         "service/refused-config-taken",
-        f"{SERVICE}/filtering.py",
+        f"{SERVICE}/config_follower.py",
         "        if new is not None:\n            self._outcome = self._apply(watch, old, new)\n",
         "        self._outcome = self._apply(watch, old, watch.config if new is None else new)\n",
         "The config is applied at every tick, whether it has changed or not.",
@@ -106,7 +106,7 @@ FAULTS = (
     ),
     Fault(
         "service/yaw-lost-with-filter",
-        f"{SERVICE}/filtering.py",
+        f"{SERVICE}/pipeline.py",
         "        self.state.yaw_deg, self.state.rejected = old.yaw_deg, old.rejected\n",
         "        self.state.rejected = old.rejected\n",
         "Yaw jumps to 0 when another filter is taken.",

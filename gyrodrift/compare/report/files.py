@@ -4,7 +4,6 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from functools import partial
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from gyrodrift.evaluation.uncertainty import Uncertainty
 from gyrodrift.html.numbers import significant
 from gyrodrift.io.files import write_whole
 from gyrodrift.io.installation import package_command
+from gyrodrift.io.json_numbers import finite
 
 DIGITS = 3
 
@@ -105,7 +105,7 @@ def _stated(stated: Uncertainty | None) -> dict[str, float | None]:
 
 
 def _numbers(score: Score) -> dict[str, float | None]:
-    return {name: value if isfinite(value) else None for name, value in asdict(score).items()}
+    return {name: finite(value) for name, value in asdict(score).items()}
 
 
 def summary(comparison: Comparison) -> list[str]:

@@ -3,7 +3,6 @@
 import json
 from collections.abc import Sequence
 from dataclasses import asdict
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ from gyrodrift.diagnose.report.text import stated
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.html.numbers import significant
 from gyrodrift.io.files import write_whole
+from gyrodrift.io.json_numbers import finite_values
 
 SHOWN = 3
 """Largest number of causes, of negligible effects and of deviations in the summary."""
@@ -36,7 +36,7 @@ def write_files(folder: Path, diagnosis: Diagnosis) -> None:
     UsageError
         If the folder cannot be written to.
     """
-    text = json.dumps(_finite(content(diagnosis)), indent=1, allow_nan=False, ensure_ascii=False)
+    text = json.dumps(finite_values(content(diagnosis)), indent=1, allow_nan=False, ensure_ascii=False)
     write_whole(folder / "gap.json", [text, "\n"])
     write_whole(folder / "rig.yaml", [diagnosis.rig_yaml])
     profile = folder / PROFILE
@@ -122,15 +122,6 @@ def _deviation(deviation: Deviation) -> dict[str, Any]:
         "share": round(deviation.share, 4),
         "says": says(deviation),
     }
-
-
-def _finite(value: Any) -> Any:
-    """The value with None for infinite numbers and NaN."""
-    if isinstance(value, dict):
-        return {name: _finite(inner) for name, inner in value.items()}
-    if isinstance(value, list):
-        return [_finite(inner) for inner in value]
-    return None if isinstance(value, float) and not isfinite(value) else value
 
 
 def summary(diagnosis: Diagnosis) -> list[str]:

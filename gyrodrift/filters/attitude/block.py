@@ -9,9 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from gyrodrift.filters.attitude.batch import rotation_matrices
-from gyrodrift.filters.attitude.quaternion import IDENTITY, from_rotation_vector
 from gyrodrift.values.arrays import Floats
-from gyrodrift.values.mount import Quaternion, product
+from gyrodrift.values.quaternion import IDENTITY, Quaternion, from_rotation_vector, product
 
 RAD = 0.017453292519943295
 

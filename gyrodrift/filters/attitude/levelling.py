@@ -7,7 +7,7 @@ from gyrodrift.filters.attitude.block import Integrals
 from gyrodrift.filters.attitude.hypotheses import BIAS
 from gyrodrift.filters.attitude.model import RAD, AttitudeState
 from gyrodrift.filters.attitude.predict import GRAVITY
-from gyrodrift.filters.attitude.quaternion import level, rotate
+from gyrodrift.values.quaternion import level, rotate
 
 START_TILT = 4.0 * RAD
 """Standard deviation of the tilt at the first sample, rad. Measured: recordings of five rigs, median heading error."""

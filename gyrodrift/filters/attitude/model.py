@@ -6,10 +6,9 @@ from math import nan, sqrt
 from gyrodrift.filters.attitude.block import InertialBlock
 from gyrodrift.filters.attitude.hypotheses import Hypotheses, first_hypothesis
 from gyrodrift.filters.attitude.motion import MotionMemory
-from gyrodrift.filters.attitude.quaternion import IDENTITY, heading_axis, tilt_deg
 from gyrodrift.filters.attitude.rests import AttitudeWitness, Segment, Windows
 from gyrodrift.filters.restlevel.model import RestlevelParams
-from gyrodrift.values.mount import Quaternion
+from gyrodrift.values.quaternion import IDENTITY, Quaternion, heading_axis, tilt_deg
 from gyrodrift.values.vectors import Vector
 
 RAD = 0.017453292519943295

@@ -7,7 +7,7 @@ from gyrodrift.filters.attitude.model import AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.spikes import mean_rate
 from gyrodrift.filters.attitude.update import begin, end_block
 from gyrodrift.filters.attitude.yaw import unwrapped_deg
-from gyrodrift.values.mount import product
+from gyrodrift.values.quaternion import product
 from gyrodrift.values.vectors import Vector
 
 __all__ = ["coefficients", "step"]

@@ -21,13 +21,12 @@ from gyrodrift.filters.attitude.levelling import START_TILT, UNKNOWN_TILT, find_
 from gyrodrift.filters.attitude.mixture import moments, ordered
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.predict import GRAVITY, predict
-from gyrodrift.filters.attitude.quaternion import IDENTITY, heading_axis, level
 from gyrodrift.filters.attitude.rests import GYRO_SPREAD, QUIET, add_block
 from gyrodrift.filters.attitude.segments import GYRO_NOISE, MEASURED, follow_rest
 from gyrodrift.filters.attitude.velocity import START_SPEED, bound_velocity, forget_velocity
 from gyrodrift.filters.attitude.yaw import unwrap_headings
 from gyrodrift.values.arrays import Mask
-from gyrodrift.values.mount import product, with_heading
+from gyrodrift.values.quaternion import IDENTITY, heading_axis, level, product, with_heading
 from gyrodrift.values.vectors import Vector
 
 FORCE_BIAS_SIGMA = 0.3

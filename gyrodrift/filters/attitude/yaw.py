@@ -3,8 +3,7 @@
 import numpy as np
 
 from gyrodrift.filters.attitude.hypotheses import Hypotheses
-from gyrodrift.filters.attitude.quaternion import heading_deg
-from gyrodrift.values.mount import Quaternion
+from gyrodrift.values.quaternion import Quaternion, heading_deg
 
 INVERTED = 0.06698729810778066
 """w² + z² of an attitude below which the tilt is above 150°: cos²(75°). The twist turns fast there."""

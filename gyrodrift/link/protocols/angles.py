@@ -1,7 +1,5 @@
 """Choice between rate and angle of a device that may send both, and yaw of a quaternion."""
 
-from math import atan2, degrees
-
 ANGLES_BEFORE = 5
 """Angles without a rate before the angle is chosen: devices that send both alternate."""
 
@@ -27,8 +25,3 @@ class RateOrAngle:
         """Note a received angle, and return whether it is used."""
         self._angles += not self._has_rate
         return self.is_angle
-
-
-def yaw_of(w: float, x: float, y: float, z: float) -> float:
-    """Yaw in degrees of the rotation from body to world, about the world's z axis (Z-Y-X Euler angles)."""
-    return degrees(atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z))

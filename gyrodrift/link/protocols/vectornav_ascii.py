@@ -7,10 +7,11 @@ Without a rate, the yaw of `VNYPR`, or of the quaternion of `VNQTN`, is used.
 
 from math import degrees, nan
 
-from gyrodrift.link.protocols.angles import RateOrAngle, yaw_of
+from gyrodrift.link.protocols.angles import RateOrAngle
 from gyrodrift.link.protocols.plausible import MAX_RATE_DPS, inertial_of
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.sentences import SentenceDecoder, number_in
+from gyrodrift.values.quaternion import yaw_of
 from gyrodrift.values.sample import Inertial, Reading, upside_down
 
 RATE_INDEX = {

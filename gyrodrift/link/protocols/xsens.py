@@ -9,11 +9,12 @@ import re
 from math import degrees, isfinite, isnan, nan
 from struct import Struct
 
-from gyrodrift.link.protocols.angles import RateOrAngle, yaw_of
+from gyrodrift.link.protocols.angles import RateOrAngle
 from gyrodrift.link.protocols.frames import FrameDecoder
 from gyrodrift.link.protocols.plausible import MAX_RATE_DPS, inertial_of
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.values.constants import CLOCK_MASK
+from gyrodrift.values.quaternion import yaw_of
 from gyrodrift.values.sample import Reading
 
 EXTENDED = 0xFF

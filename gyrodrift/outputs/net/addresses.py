@@ -1,4 +1,4 @@
-"""Addresses to listen on: whether the network can reach them, and which program has a port."""
+"""Addresses and names of others: whether the network reaches an address, which program has a port, safe display."""
 
 import errno
 import ipaddress
@@ -14,13 +14,19 @@ LISTENING = "0A"
 """State of a listening socket in /proc/net/tcp; bound datagram sockets have the state 07 in /proc/net/udp."""
 BOUND = "07"
 
+LONGEST_NAME = 40
+"""Longest foreign name in `status`, in the log, on the page and in metrics, in characters."""
+
 
 def is_loopback(host: str) -> bool:
-    """Whether only this machine reaches a host; names other than localhost do not count."""
+    """Whether an address, or the name in a URL, stands for this machine alone; no name but localhost counts."""
+    if host == "localhost":
+        return True
     try:
-        return ipaddress.ip_address(host).is_loopback
+        address = ipaddress.ip_address(host)
     except ValueError:
-        return host == "localhost"
+        return False
+    return (getattr(address, "ipv4_mapped", None) or address).is_loopback
 
 
 def warn_of_others(log: FilteringBoundLogger, host: str) -> None:
@@ -93,3 +99,15 @@ def _name_of(folder: Path) -> str:
         return (folder / "comm").read_text(errors="replace").strip()
     except OSError:
         return "a process"
+
+
+def shown_name(name: str | bytes) -> str:
+    """A name with escapes for unprintable characters, shortened if it is long."""
+    text = name if isinstance(name, str) else name.decode("utf-8", "backslashreplace")
+    cut = text[:LONGEST_NAME] + "…" * (len(text) > LONGEST_NAME)
+    return "".join(character if character.isprintable() else repr(character)[1:-1] for character in cut)
+
+
+def well_formed(name: str) -> str:
+    """A name as valid UTF-8, with escapes for other bytes."""
+    return name.encode("utf-8", "backslashreplace").decode()

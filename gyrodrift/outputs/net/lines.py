@@ -9,15 +9,14 @@ import socket
 from collections.abc import Callable
 from pathlib import Path
 from struct import calcsize, unpack
-from typing import Protocol, cast
+from typing import Any, Protocol, TypeVar, cast
 
 from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs.net.addresses import cannot_listen, shown, warn_of_others
 from gyrodrift.outputs.net.backlog import Backlog
 from gyrodrift.outputs.net.limits import DEFAULT_LIMITS, Allowance, Limits
-from gyrodrift.outputs.net.refusals import Refusals, own_mistake
+from gyrodrift.outputs.net.servers import ClientServer, own_mistake
 from gyrodrift.outputs.net.unix_socket import bind_unix, file_of, unlink_unix
-from gyrodrift.outputs.status import ClientStatus
 
 KERNEL_BYTES = 64 << 10
 """Buffer of the kernel and of asyncio for a client. Messages there cannot be dropped any more, and are late."""
@@ -43,10 +42,28 @@ class LineSession(Protocol):
         ...
 
 
+class SilentSession:
+    """A client whose lines are ignored, and that is told nothing."""
+
+    def line(self, text: bytes) -> None:
+        """Ignore it."""
+
+    def dropped(self, messages: int) -> bytes:  # noqa: ARG002 - sessions of other protocols tell it
+        """No message."""
+        return b""
+
+    def refused(self, why: str) -> bytes:  # noqa: ARG002
+        """No message."""
+        return b""
+
+    def closed(self) -> None:
+        """Release nothing."""
+
+
 class LineClient(asyncio.Protocol):
     """One connection."""
 
-    def __init__(self, server: "LineServer") -> None:
+    def __init__(self, server: "LineServer[Any]") -> None:
         self.peer = ""
         self.sent = 0
         self.session: LineSession | None = None
@@ -77,7 +94,7 @@ class LineClient(asyncio.Protocol):
         if self._transport is None:
             return
         if why:
-            self._server.refusals.say(self.peer, why)
+            self._server.refusals.happened(client=self.peer, reason=why)
             if self.session is not None and not self._is_paused:
                 self._transport.write(self.session.refused(why))
         if self._is_paused:
@@ -138,7 +155,7 @@ class LineClient(asyncio.Protocol):
         if len(self._server.clients) >= self._server.limits.clients:
             self.close(f"there are {self._server.limits.clients} clients already")
             return
-        self._server.clients[self] = None
+        self._server.clients[self] = self.session
         self._server.greet(self)
 
     def _hear(self, line: bytes) -> bool:
@@ -159,38 +176,30 @@ class LineClient(asyncio.Protocol):
         return not self._transport.is_closing()
 
 
-Sessions = Callable[[LineClient], LineSession]
-"""Gives the session of a new client."""
+S = TypeVar("S", bound=LineSession)
 
 
-class LineServer:
-    """Listens, and counts the messages of its clients.
+class LineServer(ClientServer[LineClient, S]):
+    """Listens on TCP or on a unix socket.
 
     Parameters
     ----------
-    sessions
-        Called with each client that connects.
     greet
         Called with an accepted client, to send the first message.
     """
 
     def __init__(
         self,
-        sessions: Sessions,
+        sessions: Callable[[LineClient], S],
         log: FilteringBoundLogger,
         greet: Callable[[LineClient], None] = lambda _: None,
         limits: Limits = DEFAULT_LIMITS,
     ) -> None:
-        self.limits = limits
-        self.log = log
-        self.refusals = Refusals(log)
-        self.clients: dict[LineClient, None] = {}
-        self.open_session = sessions
+        super().__init__(sessions, log, limits)
         self.greet = greet
         self._server: asyncio.Server | None = None
         self._path: Path | None = None
         self._file = 0, 0
-        self._gone_sent = self._gone_dropped = 0
 
     async def listen_tcp(self, host: str, port: int) -> str:
         """Listen on a port; returns the address as text.
@@ -225,26 +234,11 @@ class LineServer:
         self._server = await loop.create_unix_server(lambda: LineClient(self), sock=listening)
         return str(path)
 
-    def statuses(self) -> list[ClientStatus]:
-        """Status of each client."""
-        return [ClientStatus(client.peer, client.sent, client.dropped) for client in self.clients]
-
-    def counts(self) -> tuple[int, int]:
-        """Messages sent and dropped, with those of former clients."""
-        sent = self._gone_sent + sum(client.sent for client in self.clients)
-        return sent, self._gone_dropped + sum(client.dropped for client in self.clients)
-
-    def forget(self, client: LineClient) -> None:
-        """Remove a client, and keep its counts."""
-        del self.clients[client]
-        self._gone_sent += client.sent
-        self._gone_dropped += client.dropped
-
     async def close(self) -> None:
         """Close the connections and stop listening."""
         if self._server is None:
             return
-        self.refusals.close()
+        await super().close()
         self._server.close()
         for client in list(self.clients):
             client.close()

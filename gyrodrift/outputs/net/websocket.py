@@ -9,15 +9,14 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from http import HTTPStatus
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs.net.addresses import cannot_listen, shown, warn_of_others
 from gyrodrift.outputs.net.backlog import Backlog
 from gyrodrift.outputs.net.limits import DEFAULT_LIMITS, Allowance, Limits
 from gyrodrift.outputs.net.lines import KERNEL_BYTES
-from gyrodrift.outputs.net.refusals import Refusals, own_mistake
-from gyrodrift.outputs.status import ClientStatus
+from gyrodrift.outputs.net.servers import ClientServer, own_mistake
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import Server, ServerConnection
@@ -52,6 +51,17 @@ class WebSocketSession(Protocol):
     def closed(self) -> None:
         """End: the client has left."""
         ...
+
+
+class SilentWebSocketSession:
+    """A client that is told nothing of dropped messages, and has nothing to release."""
+
+    def dropped(self, messages: int) -> str:  # noqa: ARG002 - sessions of other protocols tell it
+        """No message."""
+        return ""
+
+    def closed(self) -> None:
+        """Release nothing."""
 
 
 class WebSocketClient:
@@ -98,13 +108,14 @@ class WebSocketClient:
             self._has_some.clear()
 
 
-class WebSocketServer:
-    """Listens, and counts the messages of its clients.
+S = TypeVar("S", bound=WebSocketSession)
+
+
+class WebSocketServer(ClientServer[WebSocketClient, S]):
+    """Listens on TCP; a client has its session after its handshake.
 
     Parameters
     ----------
-    sessions
-        Called with each client after its handshake.
     answer
         Called with each request before its handshake. A response is sent and the connection closed; None continues.
     options
@@ -113,22 +124,17 @@ class WebSocketServer:
 
     def __init__(
         self,
-        sessions: Callable[[WebSocketClient], WebSocketSession],
+        sessions: Callable[[WebSocketClient], S],
         log: FilteringBoundLogger,
         answer: "Callable[[ServerConnection, Request], Response | None] | None" = None,
         limits: Limits = DEFAULT_LIMITS,
         **options: Any,
     ) -> None:
-        self.limits = limits
-        self.log = log
-        self._refusals = Refusals(log)
-        self.clients: dict[WebSocketClient, None] = {}
-        self._sessions = sessions
+        super().__init__(sessions, log, limits)
         self._answer = answer
         self._options = options
         self._server: Server | None = None
         self._connections: set[ServerConnection] = set()
-        self._gone_sent = self._gone_dropped = 0
 
     async def listen(self, host: str, port: int) -> str:
         """Listen on a port; returns the address as text.
@@ -157,37 +163,26 @@ class WebSocketServer:
         """One client, from its handshake to its end."""
         client = WebSocketClient(connection, self.limits)
         try:
-            session = self._sessions(client)
+            session = self.open_session(client)
         except Exception as error:  # noqa: BLE001 - a bug of this program ends only this connection
             await self._refuse(client, INTERNAL_ERROR, own_mistake(error))
             return
-        self.clients[client] = None
+        self.clients[client] = session
         writing = asyncio.create_task(client.write(session.dropped))
         try:
             await self._hear(connection, client, session)
         finally:
             writing.cancel()
             await asyncio.gather(writing, return_exceptions=True)
-            del self.clients[client]
-            self._gone_sent += client.sent
-            self._gone_dropped += client.dropped
+            self.forget(client)
             session.closed()
-
-    def statuses(self) -> list[ClientStatus]:
-        """Status of each client."""
-        return [ClientStatus(client.peer, client.sent, client.dropped) for client in self.clients]
-
-    def counts(self) -> tuple[int, int]:
-        """Messages sent and dropped, with those of former clients."""
-        sent = self._gone_sent + sum(client.sent for client in self.clients)
-        return sent, self._gone_dropped + sum(client.dropped for client in self.clients)
 
     async def close(self) -> None:
         """Stop listening and close the connections; a client that does not answer in END_S is cut off."""
         server, self._server = self._server, None
         if server is None:
             return
-        self._refusals.close()
+        await super().close()
         server.close(code=GOING_AWAY)
         for connection in self._connections - {client.connection for client in self.clients}:  # before their handshake
             connection.transport.abort()
@@ -218,7 +213,7 @@ class WebSocketServer:
 
     async def _refuse(self, client: WebSocketClient, code: int, why: str) -> None:
         """Log the reason and close a client; the reason may quote the client, so it is escaped."""
-        self._refusals.say(client.peer, why)
+        self.refusals.happened(client=client.peer, reason=why)
         await client.connection.close(code, why.encode("ascii", "backslashreplace")[:LONGEST_REASON].decode())
 
     def _checked_answer(self, connection: "ServerConnection", request: "Request") -> "Response | None":
@@ -227,5 +222,5 @@ class WebSocketServer:
         try:
             return self._answer(connection, request)
         except Exception as error:  # noqa: BLE001 - a bug of one output must not affect the others
-            self._refusals.say(shown(*connection.remote_address[:2]), own_mistake(error))
+            self.refusals.happened(client=shown(*connection.remote_address[:2]), reason=own_mistake(error))
             return connection.respond(HTTPStatus.BAD_REQUEST, "This request cannot be answered.\n")

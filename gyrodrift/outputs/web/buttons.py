@@ -12,9 +12,9 @@ import re
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
+from gyrodrift.outputs.net.addresses import is_loopback
 from gyrodrift.outputs.net.json_input import parse_json
 from gyrodrift.outputs.output import ControlAccess
-from gyrodrift.outputs.web.address import is_loopback
 
 if TYPE_CHECKING:
     from websockets.asyncio.server import ServerConnection

@@ -12,10 +12,11 @@ from annotated_types import MaxLen
 from gyrodrift import __version__
 from gyrodrift.outputs.health import health
 from gyrodrift.outputs.net.periodic import Periodic
+from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port
-from gyrodrift.outputs.output import ControlAccess, Output, OutputHost
-from gyrodrift.outputs.status import ClientStatus, ServiceStatus
+from gyrodrift.outputs.output import ControlAccess, OutputHost
+from gyrodrift.outputs.status import ServiceStatus
 from gyrodrift.outputs.web.assets import Assets
 from gyrodrift.outputs.web.buttons import Buttons, is_local
 from gyrodrift.outputs.web.points import LAYOUTS, ONE_AXIS, POINTS_HZ, PointHistory, PointLayout, in_messages
@@ -34,7 +35,7 @@ class WebOptions:
     reached_as: Annotated[str, MaxLen(253), About("additional host name under which browsers open the page")] = ""
 
 
-class WebOutput(Output[WebOptions]):
+class WebOutput(ServerOutput[WebOptions, "WebSocketServer[WebSession]"]):
     """Serves the page, and sends the last hour, then 30 points a second, events, and the state.
 
     With the first attitude, and with the first yaw of the device, all pages get a new hello: their points have further
@@ -46,7 +47,7 @@ class WebOutput(Output[WebOptions]):
     def __init__(self, options: WebOptions, host: OutputHost) -> None:
         super().__init__(options, host)
         assets = Assets(options.host, options.reached_as)
-        self._server = WebSocketServer(self._session, host.log, assets.answer)
+        self.server = WebSocketServer(self._session, host.log, assets.answer)
         self._samples: list[Corrected] = []
         self._has = (False, False)
         self._layout = ONE_AXIS
@@ -56,7 +57,7 @@ class WebOutput(Output[WebOptions]):
 
     async def open(self) -> None:
         """Begin to listen."""
-        self.address = f"http://{await self._server.listen(self.options.host, self.options.port)}"
+        self.address = f"http://{await self.server.listen(self.options.host, self.options.port)}"
         self._frames = Periodic(1.0 / POINTS_HZ, self._frame)
 
     def take(self, samples: Sequence[Corrected]) -> None:
@@ -71,22 +72,14 @@ class WebOutput(Output[WebOptions]):
 
     def note(self, status: ServiceStatus) -> None:
         """Send the state to all pages."""
-        if self._server.clients:
+        if self.server.clients:
             self._send(_state(status))
-
-    def clients(self) -> Sequence[ClientStatus]:
-        """Open pages."""
-        return self._server.statuses()
-
-    def counts(self) -> tuple[int, int]:
-        """Messages sent and dropped."""
-        return self._server.counts()
 
     async def close(self) -> None:
         """Close the connections; the pages reconnect."""
         if self._frames is not None:
             await self._frames.close()
-        await self._server.close()
+        await super().close()
 
     def _frame(self) -> None:
         """Send the samples since the last frame as one point."""
@@ -110,7 +103,7 @@ class WebOutput(Output[WebOptions]):
     def _begin_with(self, layout: PointLayout) -> None:
         """Begin an empty history with other columns, on all pages too."""
         self._layout, self._history = layout, PointHistory(layout)
-        for client in self._server.clients:
+        for client in self.server.clients:
             client.send(self._hello(client))
 
     def _hello(self, client: WebSocketClient) -> str:
@@ -123,7 +116,7 @@ class WebOutput(Output[WebOptions]):
         return self.host.access if is_local(client.connection) else None
 
     def _send(self, message: str | bytes) -> None:
-        for client in self._server.clients:
+        for client in self.server.clients:
             client.send(message)
 
     def _session(self, client: WebSocketClient) -> "WebSession":

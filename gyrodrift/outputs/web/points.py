@@ -11,6 +11,7 @@ from math import nan
 from struct import Struct
 from typing import NamedTuple
 
+from gyrodrift.outputs.fields import OF_EVERY_DEVICE, OF_OWN_FILTER, OF_THREE_AXES, Field, Use, fields_of
 from gyrodrift.values.sample import Corrected
 
 POINTS_HZ = 30.0
@@ -18,54 +19,10 @@ POINTS_HZ = 30.0
 
 Value = Callable[[Corrected], float]
 
-SPANS: dict[str, Value] = {
-    "yaw_deg": lambda c: c.yaw_deg,
-    "raw_yaw_deg": lambda c: c.raw_yaw_deg,
-    "encoder_deg": lambda c: c.reference_deg,
-    "error_deg": lambda c: c.yaw_deg - c.reference_deg,
-    "rate_dps": lambda c: c.sample.rate_dps,
-    "rest_probability": lambda c: c.rest_probability,
-}
-"""Values with minimum and maximum, `NAME_lo` and `NAME_hi` of a point."""
-
-LASTS: dict[str, Value] = {
-    "yaw_deg": lambda c: c.yaw_deg,
-    "raw_yaw_deg": lambda c: c.raw_yaw_deg,
-    "encoder_deg": lambda c: c.reference_deg,
-    "rate_dps": lambda c: c.sample.rate_dps,
-    "corrected_dps": lambda c: c.corrected_dps,
-    "yaw_sigma_deg": lambda c: c.yaw_sigma_deg,
-    "bias_dps": lambda c: c.bias_dps,
-    "bias_sigma_dps": lambda c: c.bias_sigma_dps,
-    "rest_probability": lambda c: c.rest_probability,
-    "heading_deg": lambda c: c.heading_deg,
-    "temp_c": lambda c: c.sample.temp_c,
-}
-"""Values of the last sample of a point."""
-
-TILT_SPANS: dict[str, Value] = {
-    "roll_deg": lambda c: nan if c.attitude is None else c.attitude.roll_deg,
-    "pitch_deg": lambda c: nan if c.attitude is None else c.attitude.pitch_deg,
-}
-"""Further values of a device with three axes, with minimum and maximum."""
-
-TILT_LASTS: dict[str, Value] = {
-    **TILT_SPANS,
-    "tilt_deg": lambda c: nan if c.attitude is None else c.attitude.tilt_deg,
-    "tilt_sigma_deg": lambda c: nan if c.attitude is None else c.attitude.tilt_sigma_deg,
-}
-"""Further values of the last sample."""
-
-
-DEVICE_SPANS: dict[str, Value] = {"device_difference_deg": lambda c: c.device_difference_deg}
-"""Further values of a device that runs a filter itself, with minimum and maximum."""
-
-DEVICE_LASTS: dict[str, Value] = {
-    **DEVICE_SPANS,
-    "device_yaw_deg": lambda c: nan if c.sample.device_yaw is None else c.sample.device_yaw.yaw_deg,
-    "device_yaw_sigma_deg": lambda c: nan if c.sample.device_yaw is None else c.sample.device_yaw.yaw_sigma_deg,
-}
-"""Further values of the last sample; NaN if that one has no result of the device."""
+ENCODER: dict[str, Value] = {"encoder_deg": lambda c: c.reference_deg}
+ERROR: dict[str, Value] = {"error_deg": lambda c: c.yaw_deg - c.reference_deg}
+"""Values that only the page has: the encoder unwrapped from the zero of yaw, and the minimum and maximum of yaw minus
+that angle."""
 
 
 class Point(NamedTuple):
@@ -113,15 +70,21 @@ class PointLayout:
         return self.record.pack(point.t_s, *point.last, *point.lo, *point.hi)
 
 
-ONE_AXIS = PointLayout(SPANS, LASTS)
-THREE_AXES = PointLayout(SPANS | TILT_SPANS, LASTS | TILT_LASTS)
+def _layout(*tables: tuple[Field, ...]) -> PointLayout:
+    """Layout of the fields of some tables."""
+    spans, lasts = ({field.name: field.number for field in fields_of(use, *tables)} for use in (Use.SPAN, Use.POINT))
+    return PointLayout(spans | ENCODER | ERROR, lasts | ENCODER)
+
+
 LAYOUTS = {
-    (False, False): ONE_AXIS,
-    (True, False): THREE_AXES,
-    (False, True): PointLayout(SPANS | DEVICE_SPANS, LASTS | DEVICE_LASTS),
-    (True, True): PointLayout(SPANS | TILT_SPANS | DEVICE_SPANS, LASTS | TILT_LASTS | DEVICE_LASTS),
+    (False, False): _layout(OF_EVERY_DEVICE),
+    (True, False): _layout(OF_EVERY_DEVICE, OF_THREE_AXES),
+    (False, True): _layout(OF_EVERY_DEVICE, OF_OWN_FILTER),
+    (True, True): _layout(OF_EVERY_DEVICE, OF_THREE_AXES, OF_OWN_FILTER),
 }
 """Layout by whether samples have an attitude, and whether they have the device's own yaw."""
+
+ONE_AXIS, THREE_AXES = LAYOUTS[False, False], LAYOUTS[True, False]
 
 
 def merged(points: Sequence[Point]) -> Point:

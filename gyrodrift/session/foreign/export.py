@@ -9,6 +9,7 @@ from typing import Any
 
 from gyrodrift import __version__
 from gyrodrift.io.files import whole_file
+from gyrodrift.io.json_numbers import finite
 from gyrodrift.session.mcap.layout import SAMPLES
 from gyrodrift.session.session import AXIS_COLUMNS, DEVICE_COLUMNS, Session
 from gyrodrift.values.constants import NS_PER_S
@@ -226,9 +227,7 @@ def _json(sample: Sample) -> bytes:
     device_yaw = values.pop("device_yaw")
     values |= dict(zip(DEVICE_COLUMNS, device_yaw, strict=True)) if device_yaw else {}
     fields: dict[str, float | None] = {
-        name: value if math.isfinite(value) else None
-        for name, value in values.items()
-        if name in ALWAYS_WRITTEN or math.isfinite(value)
+        name: finite(value) for name, value in values.items() if name in ALWAYS_WRITTEN or math.isfinite(value)
     }
     if sample.seq < 0:
         del fields["seq"]

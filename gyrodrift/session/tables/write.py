@@ -3,12 +3,12 @@
 import json
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain, islice
-from math import isfinite
 from pathlib import Path
 from typing import BinaryIO
 
 from gyrodrift.io.files import whole_file, write_whole
 from gyrodrift.io.installation import extra_command
+from gyrodrift.io.json_numbers import finite
 from gyrodrift.session.session import COLUMNS, Session
 from gyrodrift.values.errors import UsageError
 
@@ -84,12 +84,8 @@ def _rows(chunk: Session, names: Sequence[str]) -> Iterator[Row]:
     return zip(*columns, strict=True)
 
 
-def _finite(value: Value) -> Value:
-    return value if value is not None and isfinite(value) else None
-
-
 def _object(names: Sequence[str], row: Row) -> str:
-    return json.dumps(dict(zip(names, map(_finite, row), strict=True)), allow_nan=False)
+    return json.dumps(dict(zip(names, map(finite, row), strict=True)), allow_nan=False)
 
 
 def _objects(names: Sequence[str], rows: Iterable[Row]) -> Iterator[str]:
@@ -111,7 +107,7 @@ def _write_parquet(file: BinaryIO, names: Sequence[str], rows: Iterator[Row]) ->
     schema = pa.schema([(name, pa.int64() if name == "seq" else pa.float64()) for name in names])
     with pq.ParquetWriter(file, schema) as writer:
         while piece := list(islice(rows, PIECE)):
-            columns = zip(*(map(_finite, row) for row in piece), strict=True)
+            columns = zip(*(map(finite, row) for row in piece), strict=True)
             arrays = [pa.array(column, part.type) for column, part in zip(columns, schema, strict=True)]
             writer.write_table(pa.Table.from_arrays(arrays, schema=schema))
 
@@ -124,6 +120,6 @@ def _write_mcap(file: BinaryIO, names: Sequence[str], rows: Iterable[Row]) -> No
     channel = writer.register_channel(TOPIC, "json", 0)
     time_index = list(names).index("t_device_s")
     for row in rows:
-        log_ns = min(max(round((_finite(row[time_index]) or 0.0) * 1e9), 0), LATEST_LOG_NS)
+        log_ns = min(max(round((finite(row[time_index]) or 0.0) * 1e9), 0), LATEST_LOG_NS)
         writer.add_message(channel, log_ns, _object(names, row).encode(), log_ns)
     writer.finish()  # type: ignore[no-untyped-call]  # the package leaves it unannotated

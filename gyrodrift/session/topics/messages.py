@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 from gyrodrift.session.foreign.columns import WrongValueError, number, whole
 from gyrodrift.values.constants import NS_PER_S
+from gyrodrift.values.quaternion import yaw_of
 
 ORIENTATIONS = {
     "nav_msgs/msg/Odometry": attrgetter("pose.pose.orientation"),
@@ -60,7 +61,7 @@ def _heading_deg(quaternion: Any) -> float:
     x, y, z, w = (number(f"orientation.{name}", getattr(quaternion, name)) for name in "xyzw")
     if not math.hypot(x, y, z, w) > 0.0:
         raise WrongValueError("has no orientation: all parts of its quaternion are 0")
-    return math.degrees(math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z))
+    return yaw_of(w, x, y, z)
 
 
 def _joint_deg(message: Any, joint: str) -> float:

@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import asdict
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from gyrodrift.evaluation.dataset import Split
 from gyrodrift.filters.filter import Filter
 from gyrodrift.html.numbers import significant
 from gyrodrift.io.files import write_whole
+from gyrodrift.io.json_numbers import finite
 from gyrodrift.tune.result import Alternative, Run, SessionScore, Tuning
 
 HEAD = "# Written by gyrodrift tune. serve --config reloads this file when it changes."
@@ -55,10 +55,10 @@ def _provenance(tuning: Tuning, command: str) -> dict[str, Any]:
         "iterations": len(tuning.run.history),
         "parameters": "defaults" if tuning.is_default_written else "tuned",
         "pi_deg2": {
-            "train_before": _number(tuning.euler.train),
-            "train_after": _number(after.train),
-            "test_before": _number(tuning.euler.test),
-            "test_after": _number(after.test),
+            "train_before": finite(tuning.euler.train),
+            "train_after": finite(after.train),
+            "test_before": finite(tuning.euler.test),
+            "test_after": finite(after.test),
         },
         "test": "each session by parameters tuned on the other sessions"
         if tuning.cross_validation
@@ -86,12 +86,12 @@ def write_json(path: Path, tuning: Tuning) -> None:
         If the path cannot be written.
     """
     content = {
-        "pi_train": _number(tuning.run.pi.train),
-        "pi_test": _number(tuning.run.pi.test),
-        "euler_pi_train": _number(tuning.euler.train),
-        "euler_pi_test": _number(tuning.euler.test),
-        "reduced_pi_train": _number(tuning.reduced.train),
-        "reduced_pi_test": _number(tuning.reduced.test),
+        "pi_train": finite(tuning.run.pi.train),
+        "pi_test": finite(tuning.run.pi.test),
+        "euler_pi_train": finite(tuning.euler.train),
+        "euler_pi_test": finite(tuning.euler.test),
+        "reduced_pi_train": finite(tuning.reduced.train),
+        "reduced_pi_test": finite(tuning.reduced.test),
         "parameters": asdict(tuning.params),
         "parameters_from": "defaults" if tuning.is_default_written else "tuning",
         "filters": _filters(tuning),
@@ -103,10 +103,10 @@ def write_json(path: Path, tuning: Tuning) -> None:
         "sample_rate_hz": tuning.sample_rate_hz,
         "seconds": round(tuning.seconds, 3),
         "sessions": [_session(score) for score in tuning.scores],
-        "left_out": {name: _number(score.e_deg) for name, score in tuning.cross_validation.items()},
+        "left_out": {name: finite(score.e_deg) for name, score in tuning.cross_validation.items()},
         "seeds": [_seed(run) for run in (tuning.run, *tuning.other_runs)],
         "warnings": list(tuning.warnings),
-        "history": [_number(cost) for cost in tuning.run.history.tolist()],
+        "history": [finite(cost) for cost in tuning.run.history.tolist()],
     }
     write_whole(path, [json.dumps(content, indent=1, allow_nan=False, ensure_ascii=False), "\n"])
 
@@ -116,10 +116,10 @@ def _filters(tuning: Tuning) -> dict[str, Any]:
     defaults = {way.key: way.pi for way in tuning.alternatives if not way.is_tuned}
     return {
         way.key: {
-            "pi_train": _number(way.pi.train),
-            "pi_test": _number(way.pi.test),
-            "pi_train_default": _number(defaults[way.key].train),
-            "pi_test_default": _number(defaults[way.key].test),
+            "pi_train": finite(way.pi.train),
+            "pi_test": finite(way.pi.test),
+            "pi_train_default": finite(defaults[way.key].train),
+            "pi_test_default": finite(defaults[way.key].test),
             "parameters": None if way.params is None else asdict(way.params),
         }
         for way in tuning.alternatives
@@ -132,10 +132,10 @@ def _alternative(way: Alternative) -> dict[str, Any]:
         "name": way.title,
         "filter": None if way.filter is None else way.filter.name,
         "tuned": way.is_tuned,
-        "pi_train": _number(way.pi.train),
-        "pi_test": _number(way.pi.test),
-        "e_train_deg": _number(way.e_deg.train),
-        "e_test_deg": _number(way.e_deg.test),
+        "pi_train": finite(way.pi.train),
+        "pi_test": finite(way.pi.test),
+        "e_train_deg": finite(way.e_deg.train),
+        "e_test_deg": finite(way.e_deg.test),
     }
 
 
@@ -144,11 +144,11 @@ def _session(score: SessionScore) -> dict[str, Any]:
         "name": score.session.name,
         "split": score.split.value,
         "minutes": score.session.minutes,
-        "e_euler_deg": _number(score.euler.e_deg),
-        "ne_euler": _number(score.euler.ne),
-        "e_hdr_deg": _number(score.tuned.e_deg),
-        "ne_hdr": _number(score.tuned.ne),
-        "e_reduced_deg": _number(score.reduced.e_deg),
+        "e_euler_deg": finite(score.euler.e_deg),
+        "ne_euler": finite(score.euler.ne),
+        "e_hdr_deg": finite(score.tuned.e_deg),
+        "ne_hdr": finite(score.tuned.ne),
+        "e_reduced_deg": finite(score.reduced.e_deg),
         "sha256": score.session.digest,
     }
 
@@ -205,9 +205,5 @@ def _aligned(rows: list[list[str]]) -> list[str]:
 
 
 def _seed(run: Run) -> dict[str, Any]:
-    pi = {"pi_train": _number(run.pi.train), "pi_test": _number(run.pi.test)}
+    pi = {"pi_train": finite(run.pi.train), "pi_test": finite(run.pi.test)}
     return {"seed": run.seed, **pi, "parameters": asdict(run.params)}
-
-
-def _number(value: float | None) -> float | None:
-    return value if value is not None and isfinite(value) else None

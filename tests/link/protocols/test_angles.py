@@ -14,12 +14,13 @@ from hypothesis import strategies as st
 from sources_support import Host
 from support import speaking_on
 
-from gyrodrift.link.protocols.angles import ANGLES_BEFORE, yaw_of
+from gyrodrift.link.protocols.angles import ANGLES_BEFORE
 from gyrodrift.link.protocols.navx import NavxDecoder
 from gyrodrift.link.protocols.nmea import AskedNmeaDecoder, NmeaDecoder
 from gyrodrift.link.protocols.vectornav_ascii import VectornavAsciiDecoder
 from gyrodrift.link.protocols.witmotion import WitmotionDecoder
 from gyrodrift.link.protocols.xsens import XsensDecoder
+from gyrodrift.values.quaternion import yaw_of
 from gyrodrift.values.sample import Reading, Sample
 
 TRUE_DEG = 250.0

@@ -104,9 +104,8 @@ def bridge(port: int = 0, tls: ssl.SSLContext | None = None) -> Iterator[Bridge]
 @pytest.mark.parametrize("make", [tilted, corrected], ids=["three axes", "one axis"])
 def test_our_own_rosbridge_output_is_read(make: Callable[[int], Corrected]) -> None:
     """Rates, accelerations and stamps that one service sends, another one reads."""
-    with hub() as outputs:
-        outputs.want("rosbridge:port=0")
-        where = outputs.opened()[0].address
+    with hub("rosbridge:port=0") as outputs:
+        where = outputs.address
         with closing(Link(LinkOptions(f"ws://{where}{TOPIC}"), Events())) as link:
             number = iter(range(10**6))
 

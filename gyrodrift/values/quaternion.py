@@ -1,9 +1,10 @@
-"""Rotations in plain floats. A quaternion (w, x, y, z) turns vectors of the sensor to the earth frame, z up."""
+"""Rotations in plain floats. A quaternion (w, x, y, z) turns vectors of a sensor or device to the earth frame, z up."""
 
-from math import acos, atan2, cos, degrees, sin, sqrt
+from math import acos, asin, atan2, cos, degrees, radians, sin, sqrt
 
-from gyrodrift.values.mount import Quaternion
 from gyrodrift.values.vectors import Vector
+
+Quaternion = tuple[float, float, float, float]
 
 IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
@@ -87,3 +88,48 @@ def level(x: float, y: float, z: float) -> Quaternion:
         return (0.0, 1.0, 0.0, 0.0)
     s = sqrt(2.0 * (1.0 + z / norm))
     return normalized((0.5 * s, y / (norm * s), -x / (norm * s), 0.0))
+
+
+def with_heading(q: Quaternion, turn_deg: float) -> Quaternion:
+    """Attitude after a further turn about the vertical."""
+    half = radians(0.5 * turn_deg)
+    c, s = cos(half), sin(half)
+    w, x, y, z = q
+    return c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w
+
+
+def product(p: Quaternion, q: Quaternion) -> Quaternion:
+    """Hamilton product: the rotation q, then p."""
+    a, b, c, d = p
+    w, x, y, z = q
+    return (
+        a * w - b * x - c * y - d * z,
+        a * x + b * w + c * z - d * y,
+        a * y - b * z + c * w + d * x,
+        a * z + b * y - c * x + d * w,
+    )
+
+
+def frd(q: Quaternion) -> Quaternion:
+    """Rotation between frames forward, right, down instead of forward, left, up."""
+    w, x, y, z = q
+    return w, x, -y, -z
+
+
+def angles_rad(q: Quaternion) -> Vector:
+    """Roll, pitch and yaw of R = Rz(yaw)·Ry(pitch)·Rx(roll), rad."""
+    w, x, y, z = q
+    roll = atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    pitch = asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x))))
+    return roll, pitch, atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
+def positive(q: Quaternion) -> Quaternion:
+    """Quaternion of the same rotation with w ≥ 0."""
+    w, x, y, z = q
+    return q if w >= 0.0 else (-w, -x, -y, -z)
+
+
+def yaw_of(w: float, x: float, y: float, z: float) -> float:
+    """Yaw of R = Rz(yaw)·Ry(pitch)·Rx(roll), deg, of a quaternion of any norm."""
+    return degrees(atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z))

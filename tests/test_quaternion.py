@@ -5,15 +5,16 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from gyrodrift.filters.attitude.batch import from_rotation_vectors, products, rotation_matrices, to_rotation_vectors
-from gyrodrift.filters.attitude.quaternion import (
+from gyrodrift.values.quaternion import (
+    Quaternion,
     from_rotation_vector,
     heading_deg,
     level,
+    product,
     rotate,
     tilt_deg,
     up_in_sensor,
 )
-from gyrodrift.values.mount import Quaternion, product
 
 
 def random_rotations() -> Rotation:

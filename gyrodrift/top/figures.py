@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from gyrodrift.outputs.fields import Field, Use, fields_of
 from gyrodrift.outputs.status import FilterStatus, LinkStatus, ServiceStatus
 
 
@@ -33,8 +34,13 @@ def _filter_figures(now: FilterStatus) -> list[Figure]:
         *_tilt_figures(now),
         Figure("Bias", f"{now.bias_dps:+z.4f}{_margin(now.bias_sigma_dps, 4)} deg/s"),
         Figure("At rest", rest),
-        Figure("Temperature", UNKNOWN if now.temp_c is None else f"{now.temp_c:.1f} °C"),
+        *(_figure(field, getattr(now, field.name)) for field in fields_of(Use.FIGURE)),
     ]
+
+
+def _figure(field: Field, value: float | None) -> Figure:
+    """Line of a field by its record."""
+    return Figure(field.title, UNKNOWN if value is None else f"{value:.{field.shown}f} {field.unit}".rstrip())
 
 
 def _device_figures(now: FilterStatus) -> list[Figure]:

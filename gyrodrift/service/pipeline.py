@@ -1,0 +1,279 @@
+"""The way of a sample through `serve`: calibration, filter on the axes of the device, zero and north, sinks.
+
+`Pipeline.take` shows the whole way. `FilterRun` turns the axes of the sensor into those of the device, and steps the
+filter on one axis or on three.
+"""
+
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from math import atan2, degrees, hypot, isfinite, nan
+from typing import TYPE_CHECKING, Any
+
+from gyrodrift.filters.filter import Filter, FilterState, WitnessState
+from gyrodrift.filters.registry import DEFAULT
+from gyrodrift.filters.restlevel_filter import RESTLEVEL
+from gyrodrift.filters.run import Axes, FilterRun
+from gyrodrift.io.logger import FilteringBoundLogger
+from gyrodrift.link.link import Link
+from gyrodrift.service.calibrating import Calibrating, bias_of
+from gyrodrift.service.listener import ReaderGoneError, Sink
+from gyrodrift.service.reference import DeviceReference, EncoderReference, YawReference
+from gyrodrift.values.calibration import Calibration
+from gyrodrift.values.mount import Mount, nearest_axis
+from gyrodrift.values.sample import Corrected, Sample
+
+if TYPE_CHECKING:  # the config loads its checker, which a service without a config does not need
+    from gyrodrift.config.model import Config
+
+REJECTED_S = 1.0
+
+SIDEWAYS_DEG = 60.0
+"""Tilt from which on another axis of the sensor points up: it is nearer to the vertical from 45° to 54.7° on, with a
+margin. Derived: acos(1/√3)."""
+
+NO_SAMPLE = Sample(0, nan, nan, nan)
+
+
+@dataclass(slots=True)
+class Pipeline:
+    """A filter with everything before and behind it.
+
+    sinks
+        Receivers of corrected samples. A sink with a closed reader is removed while another sink is wanted.
+    config, source
+        Config at the start, and its path; None and `defaults` without one. `ConfigFollower` applies later ones.
+    chosen, axes
+        Filter that runs at its defaults without a config, and axes that precede those of a config.
+    event_listeners
+        Called with the log events of filter and config.
+    calibrating, run
+        Calibration before the filter, and the running filter.
+    reference, encoder, device
+        Zero and north of yaw, and the angles of encoder and device from the same zero.
+    last, raw_yaw_deg
+        Last sample that the filter accepted, and the integral of the measured rate, deg.
+    """
+
+    link: Link
+    sinks: list[Sink]
+    log: FilteringBoundLogger
+    config: "Config | None" = None
+    source: str = "defaults"
+    chosen: Filter = DEFAULT
+    axes: Axes | None = None
+    event_listeners: list[Callable[[str, dict[str, Any]], Any]] = field(default_factory=list)
+    calibrating: Calibrating = field(init=False)
+    params: Any = field(init=False)
+    run: FilterRun = field(init=False)
+    reference: YawReference = field(default_factory=YawReference)
+    encoder: EncoderReference = field(default_factory=EncoderReference)
+    device: DeviceReference = field(default_factory=DeviceReference)
+    last: Sample | None = None
+    raw_yaw_deg: float = 0.0
+    _scaled_by: Calibration | None = None
+    _rejected: int = 0
+    _rejected_s: float = 0.0
+    _refuted: int = 0
+    _is_one_axis_told: bool = False
+
+    def __post_init__(self) -> None:
+        config = self.config
+        chosen, self.params = (self.chosen, self.chosen.params()) if config is None else (config.chosen, config.params)
+        self.calibrating = Calibrating(self.link, self.log, self.tell, None if config is None else config.calibration)
+        self.run = FilterRun(chosen, self.params, self.axes or "auto")
+        self._set_coefficients()
+        self.log.info("filter_chosen", name=chosen.name, parameters=self.source)
+        if config is not None:
+            self._use_axes(self.axes or config.axes, config.mount)
+
+    def take(self, samples: list[Sample]) -> None:
+        """Calibrate and filter samples, and hand the corrected ones to the sinks."""
+        calibrated = self.calibrating.take(samples, bias_of(self.run.state))
+        if self.calibrating.applied is not self._scaled_by:
+            self._set_coefficients()
+        had_axes, step, corrected = self.run.three_axes is not None, self.run.step, []
+        for sample in calibrated:
+            if step(sample.t_device_s, sample.rate_dps, sample.inertial, sample.still, sample.temp_c):
+                if (last := self.last) is not None:
+                    self.raw_yaw_deg += 0.5 * (sample.rate_dps + last.rate_dps) * (sample.t_device_s - last.t_device_s)
+                self.last = sample
+                corrected.append(self._corrected(sample))
+        if calibrated:
+            self._tell_axes(calibrated, had_axes=had_axes)
+        for sink in tuple(self.sinks):
+            try:
+                sink.take(corrected)
+            except ReaderGoneError:
+                self._forget(sink)
+
+    def tick(self, now_s: float) -> None:
+        """Let the sinks go on, and warn of rejected samples and of a wrong witness of rest."""
+        for sink in tuple(self.sinks):
+            try:
+                sink.tick(now_s)
+            except ReaderGoneError:
+                self._forget(sink)
+        if self.state.rejected > self._rejected and now_s - self._rejected_s >= REJECTED_S:
+            self.warn("samples_rejected", count=self.state.rejected - self._rejected, total=self.state.rejected)
+            self._rejected, self._rejected_s = self.state.rejected, now_s
+        witness = self.witness
+        if witness is not None and witness.refuted > self._refuted:
+            self._refuted = witness.refuted
+            hint = "it reported rest during a turn; it is ignored until it reports motion"
+            self.warn("witness_refuted", count=witness.refuted, hint=hint)
+
+    def stats(self) -> dict[str, Any]:
+        """Counters and values for the log."""
+        of_sinks = {name: value for sink in self.sinks for name, value in sink.stats().items()}
+        yaw_deg, bias_dps = round(self.yaw_deg, 3), round(self.state.bias_dps, 5)
+        return {"rejected": self.state.rejected, **of_sinks, "yaw_deg": yaw_deg, "bias_dps": bias_dps}
+
+    def close(self) -> None:
+        """Close all sinks at the same time; a failing sink does not keep the others open."""
+        with ExitStack() as closing:
+            for sink in self.sinks:
+                sink.finish()
+                closing.callback(sink.close)
+
+    @property
+    def filter(self) -> Filter:
+        """The record of the running filter."""
+        return self.run.filter
+
+    @property
+    def state(self) -> FilterState:
+        """State of the running filter."""
+        state: FilterState = self.run.state
+        return state
+
+    @property
+    def yaw_deg(self) -> float:
+        """Yaw of the output, deg."""
+        return float(self.run.state.yaw_deg) - self.reference.zero_deg
+
+    @property
+    def witness(self) -> WitnessState | None:
+        """Witness of rest of the filter; None for a filter without one."""
+        return getattr(self.state, "witness", None) if self.filter.uses_auxiliary else None
+
+    def now(self) -> Corrected:
+        """The last sample with the present state, after a zero or a heading too; without the encoder."""
+        last = (self.last or NO_SAMPLE)._replace(encoder_deg=nan, device_yaw=None)
+        return self._corrected(last)._replace(sample=last._replace(device_yaw=self.device.last))
+
+    def begin_with(self, state: FilterState) -> None:
+        """Start the filter with this state; before its first sample."""
+        self.run.state = state
+
+    def hear(self, event: str, _fields: Mapping[str, Any]) -> None:
+        """Align yaw with the device's own yaw again after the device has restarted, where that begins at 0."""
+        if event == "device_reset":
+            self.device.align()
+
+    def zero(self) -> None:
+        """Set yaw and its sigma to 0 at the last sample."""
+        self.run.zero()
+        self.reference.zero(self.run.state.yaw_deg, self.raw_yaw_deg)
+        self.encoder.align()
+        self.device.align()
+
+    def set_heading(self, heading_deg: float) -> None:
+        """Set the compass heading, deg clockwise from north."""
+        self.reference.set_heading(self.state.yaw_deg, heading_deg)
+
+    def use(self, config: "Config") -> None:
+        """Go on with another config; another filter starts at the present yaw."""
+        if config.chosen is not self.filter:
+            self._begin_again(config.chosen)
+        self.calibrating.follow(config.calibration, bias_of(self.state))
+        self.params = config.params
+        self._use_axes(self.axes or config.axes, config.mount)
+        self._set_coefficients()
+
+    def tell(self, event: str, fields: dict[str, Any]) -> None:
+        """Tell the listeners of an event."""
+        for listener in self.event_listeners:
+            listener(event, fields)
+
+    def warn(self, event: str, **fields: Any) -> None:
+        """Log a warning, and tell the listeners."""
+        self.log.warning(event, **fields)
+        self.tell(event, fields)
+
+    def _corrected(self, sample: Sample) -> Corrected:
+        run, state, reference = self.run, self.run.state, self.reference
+        bias_dps, yaw_deg = state.bias_dps, state.yaw_deg
+        zeroed_deg = yaw_deg - reference.zero_deg
+        has_axes = run.three_axes is not None
+        return Corrected(
+            sample,
+            (state.heading_rate_dps if has_axes else sample.rate_dps) - bias_dps,
+            zeroed_deg,
+            bias_dps,
+            state.yaw_sigma_deg,
+            state.confidence,
+            state.bias_sigma_dps,
+            state.rest_probability,
+            self.raw_yaw_deg - reference.raw_zero_deg,
+            reference.heading_deg(yaw_deg) if reference.has_north else nan,
+            self.encoder.angle_deg(sample.encoder_deg, zeroed_deg),
+            run.attitude(-reference.zero_deg) if has_axes else None,
+            self.device.take(sample.device_yaw, zeroed_deg),
+        )
+
+    def _set_coefficients(self) -> None:
+        """Work out the coefficients, with the scale error that the calibration in force leaves."""
+        self._scaled_by = applied = self.calibrating.applied
+        sigma, axes_sigma = (None, None) if applied is None else (applied.scale_sigma, applied.axes_scale_sigma)
+        self.run.use(self.filter.scaled(self.params, sigma), self.filter.scaled(self.params, axes_sigma))
+
+    def _use_axes(self, axes: Axes, mount: Mount) -> None:
+        """Set axes and mount; a filter of three axes starts again if they differ."""
+        is_same = (axes, mount) == (self.run.axes, self.run.mount)
+        self.run.axes, self.run.mount = axes, mount
+        if self.run.three_axes is not None and not is_same:
+            self._begin_again(self.filter)
+
+    def _begin_again(self, chosen: Filter) -> None:
+        """Start another filter at the present yaw; the bias estimate of the old filter is dropped."""
+        old, self._refuted = self.state, 0
+        self.run = FilterRun(chosen, chosen.params(), self.run.axes, self.run.mount)
+        self.state.yaw_deg, self.state.rejected = old.yaw_deg, old.rejected
+        if chosen is RESTLEVEL and isfinite(old.yaw_sigma_deg):  # three axes go on from it
+            self.run.state.yaw_sigma_deg = old.yaw_sigma_deg
+
+    def _tell_axes(self, samples: list[Sample], *, had_axes: bool) -> None:
+        """Report three axes, and warn once of a device that has not those that the user states."""
+        has_axes = self.run.three_axes is not None
+        if has_axes and not had_axes:
+            self.log.info("three_axes", filter=self.filter.name, hint="the device sends three rates and accelerations")
+            self.tell("three_axes", {"filter": self.filter.name})
+            self._compare_mount(samples)
+        if self.run.axes == "3" and not (has_axes or samples[-1].inertial or self._is_one_axis_told):
+            self._is_one_axis_told = True
+            hint = "the device sends one rate: axes 3 has no effect, and yaw is right while this axis is vertical"
+            self.warn("axes_missing", hint=hint)
+
+    def _compare_mount(self, samples: list[Sample]) -> None:
+        """Warn of a device that begins on its side or upside down, as a sensor with another mount does.
+
+        The first sample counts: many may come at once, and the device may turn meanwhile.
+        """
+        forces = (sample.inertial[3:] for sample in samples if sample.inertial and self.run.has_axes(sample.inertial))
+        first = next((force for force in forces if isfinite(sum(force))), None)
+        if first is None:
+            return
+        x, y, z = self.run.mount.to_device(first)
+        tilt_deg = degrees(atan2(hypot(x, y), z))
+        if tilt_deg >= SIDEWAYS_DEG:
+            hint = f"if the device was level then, set mount: {{up: {nearest_axis(first)}, forward: ...}} in the config"
+            self.warn("mount_differs", up=self.run.mount.up, tilt_deg=round(tilt_deg, 1), hint=hint)
+
+    def _forget(self, sink: Sink) -> None:
+        """Continue without a sink whose reader is closed, unless no other sink is wanted."""
+        remaining = [candidate for candidate in self.sinks if candidate is not sink]
+        if not any(candidate.is_wanted for candidate in remaining):
+            raise ReaderGoneError
+        self.log.info("reader_gone")
+        self.sinks.remove(sink)
