@@ -204,7 +204,7 @@ def test_two_recordings_into_one_folder_do_not_meet(tmp_path: Path, out: Path) -
 
 def test_a_full_disk_is_told_and_what_was_written_stays(port: Path, out: Path) -> None:
     """Here a limit on the size of files stands for it: the system refuses to write more."""
-    limited = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (40000, 40000)); "
+    limited = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (42000, 42000)); "
     start = "sys.dont_write_bytecode = True; from gyrodrift.cli import main; sys.exit(main(sys.argv[1:]))"
     command = [sys.executable, "-c", limited + start, "record", "--port", str(port), "--out", str(out)]
     with speaking_on(port) as device:
@@ -213,7 +213,7 @@ def test_a_full_disk_is_told_and_what_was_written_stays(port: Path, out: Path) -
         device.send_all(lines(2000), record.poll)  # type: ignore[arg-type]  # None while it runs
         _, error = record.communicate(timeout=PATIENCE_S)
     assert record.returncode == 4
-    assert "recording stopped: File too large; 40000 bytes are written and stay readable" in error
+    assert "recording stopped: File too large; 42000 bytes are written and stay readable" in error
     assert "Traceback" not in error
     (session,) = recorded(out)
     assert session.rate_dps.tolist() == [i / 4.0 for i in range(len(session.rate_dps))]
