@@ -31,7 +31,7 @@ LONGEST_QUOTE = 40
 
 @dataclass(frozen=True, slots=True)
 class Device:
-    """What the options describe: all frames from power-on, the first bytes for each reader, and the cable."""
+    """Device as the options describe it: frames from power-on, first bytes for each reader, cable."""
 
     frames: Callable[[], Iterator[Frame]]
     greeting: bytes

@@ -123,7 +123,9 @@ def said(port: Path, printed: Printed) -> str:
     def hear(link: Link) -> None:
         for number in count():
             assert device.send_all(printed(motion(number, dice)).encode("latin-1"), never)
-            select.select([link.fileno()], [], [], PATIENCE_S)
+            fd = link.fileno()
+            assert fd is not None
+            select.select([fd], [], [], PATIENCE_S)
             assert link.read() == []
             now_s[0] += LINE_S
 
