@@ -26,10 +26,10 @@ ROOMS = {
     "session": f"{BASE} columns",
     "columns": BASE,
     "link": f"{BASE} columns session",
-    "html": BASE,
+    "report": BASE,
     "outputs": BASE,
     "config": f"{BASE} columns filters link outputs",
-    "describe": f"{BASE} evaluation filters html session",
+    "describe": f"{BASE} evaluation filters report session",
     "doctor": f"{BASE} columns describe evaluation filters link outputs session",
     "recording": f"{BASE} filters link session",
     "calibrate": f"{BASE} describe link",
@@ -37,8 +37,8 @@ ROOMS = {
     "top": f"{BASE} outputs service",
     "evaluation": f"{BASE} filters session",
     "simulation": f"{BASE} firmware_sim session",
-    "tune": f"{BASE} evaluation filters html",
-    "compare": f"{BASE} evaluation filters html session tune",
+    "tune": f"{BASE} evaluation filters report",
+    "compare": f"{BASE} evaluation filters report session tune",
     "diagnose.recording": f"{BASE} evaluation session",
     "diagnose.features": f"{BASE} diagnose.recording",
     "diagnose.simulate": f"{BASE} diagnose.features diagnose.recording firmware_sim session simulation",
@@ -50,12 +50,12 @@ ROOMS = {
     "diagnose": f"{BASE} diagnose.features diagnose.inference diagnose.next_recording "
     "diagnose.predictive_checks diagnose.recording diagnose.simulate firmware_sim session simulation",
     "diagnose.report": f"{BASE} diagnose diagnose.export diagnose.features diagnose.inference "
-    "diagnose.next_recording diagnose.predictive_checks html",
-    "diagnose.export": f"{BASE} diagnose diagnose.inference diagnose.report firmware_sim html",
+    "diagnose.next_recording diagnose.predictive_checks report",
+    "diagnose.export": f"{BASE} diagnose diagnose.inference diagnose.report firmware_sim report",
     "gyrogap": "errors files",
     "demo": f"{BASE} filters",
     "firmware": f"{BASE} filters config",
-    "library": f"{BASE} columns compare config diagnose diagnose.report evaluation filters firmware_sim html link "
+    "library": f"{BASE} columns compare config diagnose diagnose.report evaluation filters firmware_sim report link "
     "session simulation tune",
     "firmware_sim": "",
 }

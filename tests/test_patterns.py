@@ -21,7 +21,7 @@ import pytest
 import gyrodrift
 
 SOURCE = "\n".join(path.read_text() for path in Path(gyrodrift.__file__).parent.rglob("*.py"))
-OURS = ("gyrodrift.html.", "gyrodrift.demo.", "gyrodrift.simulation.", "gyrodrift.link.text.")
+OURS = ("gyrodrift.report.", "gyrodrift.demo.", "gyrodrift.simulation.", "gyrodrift.link.text.")
 """Rooms whose patterns see what this program wrote, or single lines of a device, whose length is bounded."""
 
 SHORT, LONG = 8192, 32768

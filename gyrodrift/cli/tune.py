@@ -161,8 +161,8 @@ def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
     if kept:
         _keep(arguments.out, kept)
     if arguments.report is not None:
-        from gyrodrift.html.provenance import Provenance, date_now, set_name
         from gyrodrift.io.files import write_whole
+        from gyrodrift.report.provenance import Provenance, date_now, set_name
         from gyrodrift.tune.report.page import report_html
 
         write_json(arguments.report / "tune.json", tuning)

@@ -120,8 +120,8 @@ def _save_tuning(tuning: "Tuning", path: Path) -> None:
 def _save_comparison(comparison: "Comparison", folder: Path) -> None:
     from gyrodrift.compare.report.files import write_json
     from gyrodrift.compare.report.page import report_html
-    from gyrodrift.html.provenance import Provenance, date_now
     from gyrodrift.io.files import check_writable, write_whole
+    from gyrodrift.report.provenance import Provenance, date_now
 
     check_writable(folder)
     write_json(folder / "compare.json", comparison)
@@ -131,8 +131,8 @@ def _save_comparison(comparison: "Comparison", folder: Path) -> None:
 def _save_diagnosis(diagnosis: "Diagnosis", folder: Path) -> None:
     from gyrodrift.diagnose.report.files import write_files
     from gyrodrift.diagnose.report.page import report_html
-    from gyrodrift.html.provenance import Provenance, date_now
     from gyrodrift.io.files import check_writable, write_whole
+    from gyrodrift.report.provenance import Provenance, date_now
 
     check_writable(folder)
     write_files(folder, diagnosis)

@@ -14,9 +14,9 @@ from gyrodrift.compare.methods.method import Method
 from gyrodrift.compare.report.sources import sources
 from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.uncertainty import Uncertainty
-from gyrodrift.html.numbers import significant
 from gyrodrift.io.files import write_whole
 from gyrodrift.io.installation import package_command
+from gyrodrift.report.numbers import significant
 
 DIGITS = 3
 

@@ -3,14 +3,14 @@
 A strip fills its cell, and its text has the size of the text of the page.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, floor, log10
 
 import numpy as np
+from markupsafe import Markup
 
-from gyrodrift.html.html import text
-from gyrodrift.html.numbers import factor_label, significant
+from gyrodrift.report.numbers import factor_label, significant
 
 DOTS = 60
 """Most dots in a strip; more sessions are thinned at even steps from the best to the worst: chosen."""
@@ -54,40 +54,41 @@ def forest_axis(errors_deg: Sequence[float]) -> ForestAxis:
     return ForestAxis(low / 1.15, high * 1.15)
 
 
-def strip(axis: ForestAxis, names: Sequence[str], errors_deg: Sequence[float], mean_deg: float, color: str) -> str:
+def strip(axis: ForestAxis, names: Sequence[str], errors_deg: Sequence[float], mean_deg: float, color: str) -> Markup:
     """Strip of a row: a dot for each session, a line from the smallest to the largest error, a bar at the mean."""
     ranked = sorted(zip(errors_deg, names, strict=True))
     drawn = [ranked[index] for index in np.unique(np.linspace(0, len(ranked) - 1, DOTS).astype(int)).tolist()]
-    ends = [axis.percent(ranked[index][0]) for index in (0, -1)]
-    dots = "".join(_dot(axis, name, error_deg) for error_deg, name in drawn)
-    mean = axis.percent(mean_deg)
-    label = (
-        f"mean {significant(mean_deg, 3)} deg, from {significant(ranked[0][0], 3)} to {significant(ranked[-1][0], 3)}"
+    least, largest = ranked[0][0], ranked[-1][0]
+    ends = f"from {significant(least, 3)} to {significant(largest, 3)}"
+    return Markup(
+        '<svg class="strip {}" role="img" aria-label="mean {} deg, {}">{}'
+        '<line class="spread" x1="{:.2f}%" x2="{:.2f}%" y1="50%" y2="50%"/>{}'
+        '<rect class="mean" x="{:.2f}%" y="12%" height="76%"/></svg>'
+    ).format(
+        color,
+        significant(mean_deg, 3),
+        ends,
+        _grid(axis, 100.0),
+        axis.percent(least),
+        axis.percent(largest),
+        Markup().join(_dot(axis, name, error_deg) for error_deg, name in drawn),
+        axis.percent(mean_deg),
     )
-    return (
-        f'<svg class="strip {color}" role="img" aria-label="{label}">{"".join(_grid(axis, 100.0))}'
-        f'<line class="spread" x1="{ends[0]:.2f}%" x2="{ends[1]:.2f}%" y1="50%" y2="50%"/>{dots}'
-        f'<rect class="mean" x="{mean:.2f}%" y="12%" height="76%"/></svg>'
-    )
 
 
-def _dot(axis: ForestAxis, name: str, error_deg: float) -> str:
-    title = f"<title>{text(name)}: {significant(error_deg, 3)} deg</title>"
-    return f'<circle cx="{axis.percent(error_deg):.2f}%" cy="50%" r="3.2">{title}</circle>'
+def _dot(axis: ForestAxis, name: str, error_deg: float) -> Markup:
+    dot = Markup('<circle cx="{:.2f}%" cy="50%" r="3.2"><title>{}: {} deg</title></circle>')
+    return dot.format(axis.percent(error_deg), name, significant(error_deg, 3))
 
 
-def _grid(axis: ForestAxis, high_percent: float) -> Iterator[str]:
-    for mark_deg in axis.marks_deg:
-        x = axis.percent(mark_deg)
-        yield f'<line class="grid" x1="{x:.2f}%" x2="{x:.2f}%" y1="0" y2="{high_percent:.0f}%"/>'
+def _grid(axis: ForestAxis, high_percent: float) -> Markup:
+    line = Markup('<line class="grid" x1="{0:.2f}%" x2="{0:.2f}%" y1="0" y2="{1:.0f}%"/>')
+    return Markup().join(line.format(axis.percent(mark_deg), high_percent) for mark_deg in axis.marks_deg)
 
 
-def scale(axis: ForestAxis) -> str:
+def scale(axis: ForestAxis) -> Markup:
     """The axis, for the last row of the table."""
-    labels = "".join(
-        f'<text x="{axis.percent(mark_deg):.2f}%" y="85%">{factor_label(mark_deg)}</text>'
-        for mark_deg in axis.marks_deg
-    )
-    return (
-        f'<svg class="strip scale" role="img" aria-label="logarithmic axis">{"".join(_grid(axis, 25.0))}{labels}</svg>'
-    )
+    label = Markup('<text x="{:.2f}%" y="85%">{}</text>')
+    labels = (label.format(axis.percent(mark_deg), factor_label(mark_deg)) for mark_deg in axis.marks_deg)
+    drawing = Markup('<svg class="strip scale" role="img" aria-label="logarithmic axis">{}{}</svg>')
+    return drawing.format(_grid(axis, 25.0), Markup().join(labels))

@@ -14,8 +14,8 @@ from gyrodrift.diagnose.inference.verdict import Kind, NamedCause
 from gyrodrift.diagnose.report.effect_words import effect_sentence, says
 from gyrodrift.diagnose.report.text import stated
 from gyrodrift.diagnose.result import Diagnosis
-from gyrodrift.html.numbers import significant
 from gyrodrift.io.files import write_whole
+from gyrodrift.report.numbers import significant
 
 SHOWN = 3
 """Largest number of causes, of negligible effects and of deviations in the summary."""

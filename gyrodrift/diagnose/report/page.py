@@ -5,21 +5,19 @@ from pathlib import Path
 
 from gyrodrift.diagnose.export.formats import FormatExport
 from gyrodrift.diagnose.report.causes import causes
-from gyrodrift.diagnose.report.exports import exported
 from gyrodrift.diagnose.report.features import features
 from gyrodrift.diagnose.report.head import verdict
-from gyrodrift.diagnose.report.method import calibration, sessions, words_used
-from gyrodrift.diagnose.report.negligible import negligible
-from gyrodrift.diagnose.report.next_steps import detectable, next_steps
+from gyrodrift.diagnose.report.next_steps import next_steps
 from gyrodrift.diagnose.report.residuals import residuals
+from gyrodrift.diagnose.report.tables import calibration, detectable, exported, glossary, negligible, sessions
 from gyrodrift.diagnose.result import Diagnosis
-from gyrodrift.html.html import page
-from gyrodrift.html.provenance import Provenance, provenance
+from gyrodrift.report.page import page
+from gyrodrift.report.provenance import Provenance, provenance
 
 
 def report_html(diagnosis: Diagnosis, folder: Path, made: Provenance, exports: Sequence[FormatExport] = ()) -> str:
     """The page of a diagnosis; `folder` is the folder of its files."""
-    body = [
+    sections = [
         verdict(diagnosis, made.set_name),
         negligible(diagnosis),
         features(diagnosis),
@@ -29,8 +27,8 @@ def report_html(diagnosis: Diagnosis, folder: Path, made: Provenance, exports: S
         exported(exports),
         calibration(diagnosis),
         next_steps(diagnosis, folder),
-        words_used(),
+        glossary(),
         sessions(diagnosis),
         provenance(made),
     ]
-    return page(f"{made.set_name}: recordings and simulator".removeprefix(": "), body)
+    return page(f"{made.set_name}: recordings and simulator".removeprefix(": "), sections)

@@ -11,8 +11,8 @@ import yaml
 from gyrodrift import __version__
 from gyrodrift.evaluation.dataset import Split
 from gyrodrift.filters.filter import Filter
-from gyrodrift.html.numbers import significant
 from gyrodrift.io.files import write_whole
+from gyrodrift.report.numbers import significant
 from gyrodrift.tune.result import Alternative, Run, SessionScore, Tuning
 
 HEAD = "# Written by gyrodrift tune. serve --config reloads this file when it changes."

@@ -1,11 +1,14 @@
-"""Table 1 in the report of a tuning: parameters with range, importance and meaning."""
+"""Tables of filters and of parameters in a tuning's report."""
+
+from math import isfinite, log10
+
+from markupsafe import Markup
 
 from gyrodrift.evaluation.space import Axis
-from gyrodrift.html.html import headings, paragraph, section, span, table, text
-from gyrodrift.html.numbers import Numbers, significant
-from gyrodrift.tune.report.figures import importances
-from gyrodrift.tune.report.numbering import table_name
-from gyrodrift.tune.result import Run, Tuning
+from gyrodrift.report.numbers import Numbers, significant
+from gyrodrift.report.page import Section, bar, bold, marked
+from gyrodrift.tune.report.charts import importances
+from gyrodrift.tune.result import Alternative, Run, Tuning
 from gyrodrift.tune.warnings import bound_of
 from gyrodrift.values.noise import ROOT_SECONDS_PER_ROOT_HOUR, SECONDS_PER_HOUR
 
@@ -15,94 +18,102 @@ DATA_SHEET = {
 }
 """Factor and unit of data sheets for parameters that these quote."""
 
+COLORS = {"euler": "plain", "start": "quiet"}
+
+
+def alternatives(tuning: Tuning) -> Section | None:
+    """Mean yaw error of every filter, tuned and at its defaults; None for a tuning without alternatives."""
+    if not tuning.alternatives:
+        return None
+    has_test = any(way.pi.test is not None for way in tuning.alternatives)
+    splits = ["training", *["held out"] * has_test]
+    head = ["", *(f"E {split}, deg" for split in splits), *(f"PI {split}, deg²" for split in splits), "E"]
+    rows = [_alternative_row(tuning, way, has_test=has_test) for way in tuning.alternatives]
+    values = {"head": head, "rows": rows, "has_test": has_test}
+    return Section("tune/report/templates/alternatives.html", values, "Filters and defaults")
+
+
+def _alternative_row(tuning: Tuning, way: Alternative, *, has_test: bool) -> list[str]:
+    is_best = way is min(tuning.alternatives, key=lambda every: every.judged_pi)
+    marks = [marked("best", "best")] * is_best + [marked("note", "in the config")] * (way is tuning.written)
+    means = [value for mean in (way.e_deg, way.pi) for value in (mean.train, *[mean.test] * has_test)]
+    cells = ["–" if value is None else significant(value, 3) for value in means]
+    return [Markup(" ").join([way.title, *marks]), *cells, _error_bar(tuning, way)]
+
+
+def _judged_e_deg(way: Alternative) -> float:
+    return way.e_deg.train if way.e_deg.test is None else way.e_deg.test
+
+
+def _error_bar(tuning: Tuning, way: Alternative) -> Markup:
+    """A bar from a third of the least error to this error, on a logarithmic scale."""
+    errors_deg = [_judged_e_deg(every) for every in tuning.alternatives]
+    known_deg = [e_deg for e_deg in errors_deg if e_deg > 0.0 and isfinite(e_deg)] or [1.0]
+    low, high = min(known_deg) / 3.0, max(known_deg)
+    e_deg = min(max(_judged_e_deg(way), low), high) if isfinite(_judged_e_deg(way)) else high
+    color = COLORS.get(way.key, way.filter.color if way.filter else "quiet")
+    is_pale = not way.is_tuned and way.filter is not None
+    return bar(log10(e_deg / low) / log10(high / low), f"{significant(e_deg, 3)} deg", color, is_pale=is_pale)
+
 
 def value_found(run: Run, axis: Axis) -> float:
     """Value of a search result, in the unit of the parameter."""
     return float(getattr(run.params, axis.name))
 
 
-def parameter(tuning: Tuning, axis: Axis) -> str:
+def found_value(tuning: Tuning, axis: Axis) -> str:
     """Value found, with four digits."""
     return significant(value_found(tuning.run, axis), 4)
 
 
-def parameters(tuning: Tuning) -> str:
-    """The section of Table 1."""
+def parameters(tuning: Tuning) -> Section:
+    """The parameters with range, importance and meaning."""
     spread = [f"over {1 + len(tuning.other_runs)} seeds"] if tuning.other_runs else []
-    importance = ["importance"] if tuning.slices.size else []
-    columns = ["parameter", "found", *spread, "searched", *importance, "effect"]
-    head = headings(columns, words=2)
-    shares = importances(tuning.slices) if tuning.slices.size else None
-    rows = [_row(tuning, axis, None if shares is None else float(shares[n])) for n, axis in enumerate(tuning.axes)]
-    caption = f"{table_name(1, published=1)} The parameters found."
-    if tuning.slices.size:
-        caption += (
-            " Importance: share of the parameter in how much the cost rises along the slices below "
-            "(the mean of ln PI/least PI over the range)."
-        )
-    if any(bound_of(axis, value_found(tuning.run, axis)) for axis in tuning.axes):
-        caption += (
-            " For a value at a bound, widen the range (<code>--range NAME=LOW:HIGH</code>), unless it is a bound of "
-            "the filter, such as c1 = 0."
-        )
-    return section("Parameters", table(caption, head, rows, words=2), _reduced_note(tuning))
+    shares = importances(tuning.slices).tolist() if tuning.slices.size else [None] * len(tuning.axes)
+    model = tuning.filter.reduced_model
+    values = {
+        "model": model,
+        "head": ["parameter", "found", *spread, "searched", *["importance"] * bool(tuning.slices.size), "effect"],
+        "rows": [_row(tuning, axis, share) for axis, share in zip(tuning.axes, shares, strict=True)],
+        "has_slices": bool(tuning.slices.size),
+        "has_bound": any(bound_of(axis, value_found(tuning.run, axis)) for axis in tuning.axes),
+        "reduced": [f"{name} {significant(getattr(tuning.reduced_params, name), 4)}" for name in model.names],
+    }
+    return Section("tune/report/templates/parameters.html", values, "Parameters")
 
 
-def _row(tuning: Tuning, axis: Axis, importance: float | None) -> list[str]:
+def _row(tuning: Tuning, axis: Axis, share: float | None) -> list[str]:
     described = tuning.filter.parameter(axis.name)
-    unit = f" {span(described.unit, 'note')}" if described.unit else ""
     values = [value_found(run, axis) for run in (tuning.run, *tuning.other_runs)]
-    spread = [f"{significant(min(values), 3)} – {significant(max(values), 3)}"] if tuning.other_runs else []
-    searched = f"{significant(axis.low, 4)} – {significant(axis.high, 4)}"
     bound = bound_of(axis, values[0])
-    mark = span(f"at the {bound} bound", "mark") if bound else ""
-    meaning = f'<div class="meaning">{described.effect}</div>'
-    shares = [] if importance is None else [_share(importance)]
-    chosen = f"<b>{parameter(tuning, axis)}</b>{_data_sheet(axis, values[0])}"
+    unit = Markup(" {}").format(marked("note", described.unit)) if described.unit else ""
+    searched = Markup("{} – {}<br/>{} {}").format(
+        significant(axis.low, 4),
+        significant(axis.high, 4),
+        _track(axis, values),
+        marked("mark", f"at the {bound} bound") if bound else "",
+    )
+    percent = "" if share is None else f"{100.0 * share:.0f} %"
     return [
-        f"{text(axis.name)}{unit}",
-        chosen,
-        *spread,
-        f"{searched}<br/>{_track(axis, values)} {mark}",
-        *shares,
-        meaning,
+        Markup("{}{}").format(axis.name, unit),
+        bold(found_value(tuning, axis)) + _data_sheet(axis, values[0]),
+        *[f"{significant(min(values), 3)} – {significant(max(values), 3)}"] * bool(tuning.other_runs),
+        searched,
+        *([] if share is None else [marked("word", Markup("{} {}").format(bar(share, percent), percent))]),
+        Markup('<div class="meaning">{}</div>').format(described.effect),
     ]
 
 
-def _data_sheet(axis: Axis, value: float) -> str:
+def _data_sheet(axis: Axis, value: float) -> Markup:
     """The value in the unit of data sheets, below it; empty for other parameters."""
     if axis.name not in DATA_SHEET:
-        return ""
+        return Markup()
     factor, unit = DATA_SHEET[axis.name]
-    return f"<br/>{span(f'{significant(factor * value, 3)} {unit}', 'note')}"
+    return Markup("<br/>") + marked("note", f"{significant(factor * value, 3)} {unit}")
 
 
-def _share(importance: float) -> str:
-    """A bar with its percentage."""
-    return (
-        f'<svg class="track" viewBox="0 0 128 16" role="img" aria-label="{100 * importance:.0f} %">'
-        f'<rect x="0" y="3" width="{84.0 * importance:.1f}" height="10" rx="2" fill="var(--tuned)"/>'
-        f'<text x="{84.0 * importance + 4.0:.1f}" y="12.5" font-size="11" fill="currentColor">{100 * importance:.0f} %'
-        "</text></svg>"
-    )
-
-
-def _track(axis: Axis, values: Numbers) -> str:
-    """Range with a dot at the value and ticks at the values of other seeds."""
-    places = [4.0 + 120.0 * axis.unit(value) for value in values]
-    ticks = "".join(f'<path d="M{x:.1f} 3V13" stroke="var(--quiet)" stroke-width="1.2"/>' for x in places[1:])
-    return (
-        f'<svg class="track" viewBox="0 0 128 16" role="img" aria-label="{100 * axis.unit(values[0]):.0f} % of the '
-        f'way"><path d="M4 8H124" stroke="var(--grid)" stroke-width="4" stroke-linecap="round"/>{ticks}'
-        f'<circle cx="{places[0]:.1f}" cy="8" r="4" fill="var(--tuned)"/></svg>'
-    )
-
-
-def _reduced_note(tuning: Tuning) -> str:
-    model = tuning.filter.reduced_model
-    values = ", ".join(f"{name} {significant(getattr(tuning.reduced_params, name), 4)}" for name in model.names)
-    return paragraph(
-        f"Reduced model, with {model.title} tuned and the other parameters fixed: {values}. If it is about as good on "
-        "the test sessions, the other parameters bring no gain.",
-        "note",
-    )
+def _track(axis: Axis, values: Numbers) -> Markup:
+    """Range with a dot at the first value and ticks at the other values."""
+    marks = [Markup('<i style="left:{:.1f}%"></i>').format(100.0 * axis.unit(value)) for value in values]
+    words = f"{100.0 * axis.unit(values[0]):.0f} % of the way"
+    return Markup('<span class="track" role="img" aria-label="{}">{}</span>').format(words, Markup().join(marks))
