@@ -1,23 +1,20 @@
 """A session as a picture of one page; matplotlib comes with `[lab]`."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any, BinaryIO
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocator, NullLocator
+from matplotlib.ticker import FuncFormatter
 
 from gyrodrift.describe.drawing import DescribedSession, Panel
 from gyrodrift.describe.recording_panels import recording_panels
 from gyrodrift.describe.yaw_panels import error_panel, histogram_panel, yaw_panels
 from gyrodrift.report.chart import LINEAR_LIMIT, AxisScale, ChartSeries, Mark, ScaleKind, Shape
-from gyrodrift.report.numbers import factor_label, minus
+from gyrodrift.report.numbers import minus
 from gyrodrift.values.arrays import Floats
 
 COLUMNS = 2
@@ -25,9 +22,6 @@ WIDE_IN, HIGH_IN = 13.0, 2.5
 
 POINTS_PER_PX = 0.75
 """A CSS pixel is 1/96 in, a point 1/72 in."""
-
-STEPS = (1, 2, 5, 10)
-"""Steps between ticks of a linear scale, times a power of ten."""
 
 UNDATED = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
 """Without dates the same session gives the same bytes."""
@@ -46,26 +40,15 @@ DASHES = {"dashed": "--", "dotted": ":", "": "-"}
 
 STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],
     "font.size": 8.0,
-    "text.color": COLORS["ink"],
-    "axes.labelcolor": COLORS["quiet"],
     "axes.edgecolor": COLORS["quiet"],
     "axes.linewidth": 0.6,
-    "axes.facecolor": "none",
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.axisbelow": True,
     "axes.grid": True,
     "grid.color": "#d0d1d2",
     "grid.linewidth": 0.6,
-    "xtick.color": COLORS["quiet"],
-    "ytick.color": COLORS["quiet"],
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "xtick.major.size": 2.5,
-    "ytick.major.size": 2.5,
 }
 
 
@@ -73,7 +56,7 @@ def draw(described: DescribedSession, file: BinaryIO, ending: str) -> None:
     """Write all panels of a session to a file, as png, svg or pdf; the yaw error takes the whole width."""
     error, histogram = error_panel(described), histogram_panel(described)
     small = [*yaw_panels(described), *([histogram] if histogram else []), *recording_panels(described)]
-    with _styled():
+    with mpl.rc_context({**mpl.rcParamsDefault, **STYLE}):
         first = 1 if error else 0
         rows = max(1, first + -(-len(small) // COLUMNS))
         figure = Figure(figsize=(WIDE_IN, 0.5 + HIGH_IN * rows), layout="constrained", facecolor="white")
@@ -89,15 +72,6 @@ def draw(described: DescribedSession, file: BinaryIO, ending: str) -> None:
         figure.savefig(file, format=ending, dpi=110, metadata=UNDATED[ending])
 
 
-@contextmanager
-def _styled() -> Iterator[None]:
-    """Use the style of the pictures, and restore the settings of matplotlib afterwards."""
-    with mpl.rc_context():
-        mpl.rcdefaults()
-        mpl.rcParams.update(STYLE)
-        yield
-
-
 def _title(described: DescribedSession) -> str:
     description = described.description
     rate = "" if description.rate_hz is None else f", {description.rate_hz:.6g} Hz"
@@ -109,8 +83,12 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
     x, y = panel.chart.x, part.y
     for series in part.series:
         _draw_series(axes, series, x, y)
-    _scale(axes, axes.xaxis, "x", x, 6)
-    _scale(axes, axes.yaxis, "y", y, 5)
+    linear = {"linthresh": LINEAR_LIMIT} if y.kind is ScaleKind.SYMLOG else {}
+    axes.set_xscale(x.kind.value)
+    axes.set_yscale(y.kind.value, **linear)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(FuncFormatter(lambda value, _: minus(f"{value:g}")))
+    axes.set(xlim=(x.low, x.high), ylim=(y.low, y.high), xlabel=x.label, ylabel=y.label)
     axes.set_title(panel.name, loc="left", fontsize=10)
     if panel.marks:
         axes.legend(handles=[_handle(mark) for mark in panel.marks], fontsize=8, loc="best", framealpha=0.85)
@@ -146,30 +124,6 @@ def _within(values: Floats, scale: AxisScale) -> Floats:
     """Coordinates with the ends of the scale for infinite ones."""
     within: Floats = np.nan_to_num(values, nan=np.nan, posinf=scale.high, neginf=scale.low)
     return within
-
-
-def _scale(axes: Axes, axis: Axis, name: str, scale: AxisScale, labels: int) -> None:
-    """Set kind, ends, ticks and label of an axis."""
-    axes.set(**{f"{name}label": scale.label})
-    if scale.kind is ScaleKind.SYMLOG:
-        axes.set(**{f"{name}scale": "symlog"})
-        decades = LINEAR_LIMIT * 10.0 ** np.arange(0, np.ceil(np.log10(max(-scale.low, scale.high))))
-        every = decades[:: max(1, len(decades) // 3)]
-        axis.set_major_locator(FixedLocator([*(-every[::-1]), 0.0, *every]))
-    elif scale.kind is ScaleKind.LOG:
-        axes.set(**{f"{name}scale": "log"})
-        axis.set_major_locator(LogLocator(numticks=labels + 1))
-    if scale.kind is ScaleKind.LINEAR or (scale.kind is ScaleKind.LOG and scale.high < 30.0 * scale.low):
-        axis.set_major_locator(MaxNLocator(labels, steps=STEPS))
-    axis.set_minor_locator(NullLocator())
-    axis.set_major_formatter(FuncFormatter(lambda value, _: _label(value, scale)))
-    axes.set(**{f"{name}lim": (scale.low, scale.high)})
-
-
-def _label(value: float, scale: AxisScale) -> str:
-    if scale.kind is ScaleKind.LINEAR:
-        return minus(f"{value:g}")
-    return f"−{factor_label(-value)}" if value < 0.0 else factor_label(value)
 
 
 def _handle(mark: Mark) -> Line2D:

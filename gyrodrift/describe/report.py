@@ -10,11 +10,12 @@ from gyrodrift.describe.listing import duration_text
 from gyrodrift.describe.overview import SessionRow, bias_at_rest, row_of
 from gyrodrift.describe.recording_panels import recording_panels
 from gyrodrift.describe.text import Group
-from gyrodrift.describe.yaw import YawHistory, last_error, mean_absolute
+from gyrodrift.describe.values import SessionDescription
+from gyrodrift.describe.yaw import last_error, mean_absolute
 from gyrodrift.describe.yaw_panels import error_panel, histogram_panel, yaw_panels
 from gyrodrift.report.chart import Chart
-from gyrodrift.report.numbers import degrees, even, mean, minus, significant
-from gyrodrift.report.page import Section, Tile, page
+from gyrodrift.report.numbers import even, mean, minus, significant
+from gyrodrift.report.page import Section, page
 from gyrodrift.report.provenance import Provenance, provenance
 from gyrodrift.values.noise import (
     FLICKER_WORDS,
@@ -23,6 +24,9 @@ from gyrodrift.values.noise import (
 )
 
 UNKNOWN = "–"
+
+HISTORY = {"last_error": last_error, "mean_absolute": mean_absolute, "isfinite": isfinite}
+"""Functions that the template of a session calls."""
 
 DRAWN = 12
 """Only this many sessions have figures; the table has all of them."""
@@ -99,7 +103,10 @@ def _chapter(number: int, described: DescribedSession, groups: Sequence[Group]) 
     curves, histogram = yaw_panels(described), histogram_panel(described)
     values = {
         "odd": [f"{line.name}: {line.value}" for group in groups for line in group.lines if line.is_odd],
-        "tiles": [_yaw_tile(described.yaw), _samples_tile(described), _rest_tile(described)],
+        "description": described.description,
+        "history": described.yaw,
+        "length": duration_text(described.description.duration_s),
+        "rests": _rest_values(described.description),
         "error": error_panel(described),
         "yaw": [
             *((Markup("<b>{}</b>").format(panel.name), panel.chart) for panel in curves),
@@ -110,7 +117,7 @@ def _chapter(number: int, described: DescribedSession, groups: Sequence[Group]) 
         "noise": FLICKER_WORDS if described.description.allan else "",
         "groups": groups,
     }
-    return Section("describe/templates/session.html", values, f"{number}. {described.session.name}")
+    return Section("describe/templates/session.html", values | HISTORY, f"{number}. {described.session.name}")
 
 
 def _with_legend(panel: Panel) -> tuple[Markup, Chart]:
@@ -120,52 +127,18 @@ def _with_legend(panel: Panel) -> tuple[Markup, Chart]:
     return Markup("<strong>{}</strong>{}").format(panel.name, legend), panel.chart
 
 
-def _yaw_tile(yaw: YawHistory | None) -> Tile:
-    if yaw is None:
-        return Tile("Yaw", [("fewer than two usable samples", UNKNOWN)])
-    corrected = f"corrected by {yaw.filter_name}"
-    if yaw.has_reference:
-        return Tile(
-            "Mean absolute yaw error",
-            [
-                (corrected, degrees(mean_absolute(yaw.corrected_error_deg))),
-                ("raw", degrees(mean_absolute(yaw.raw_error_deg))),
-                ("corrected, error at the end", minus(degrees(last_error(yaw.corrected_error_deg)))),
-                ("raw, error at the end", minus(degrees(last_error(yaw.raw_error_deg)))),
-            ],
-        )
-    sigma_deg = float(yaw.sigma_deg[-1])
-    rows = [
-        (corrected, minus(degrees(float(yaw.corrected_deg[-1])))),
-        *[("σ that the filter states", degrees(sigma_deg))] * isfinite(sigma_deg),
-        ("raw", minus(degrees(float(yaw.raw_deg[-1])))),
-    ]
-    return Tile("Yaw at the end, without an encoder", rows)
-
-
-def _samples_tile(described: DescribedSession) -> Tile:
-    description = described.description
-    rate = UNKNOWN if description.rate_hz is None else f"{significant(description.rate_hz, 4)} Hz"
-    counts = [("samples", f"{description.samples:,}"), ("missing", f"{description.gaps.missing:,}")]
-    return Tile("Recording", [("length", duration_text(description.duration_s)), ("sample rate", rate), *counts])
-
-
-def _rest_tile(described: DescribedSession) -> Tile:
-    """Bias and noise at rest, as far as they are known."""
-    description = described.description
+def _rest_values(description: SessionDescription) -> list[tuple[str, str]]:
+    """Bias and noise at rest with their names, as far as they are known."""
     allan = description.allan
     rest_s = sum(rest.end_s - rest.start_s for rest in description.stretches)
-    walk = None if allan is None else allan.angle_random_walk_deg_rts
-    instability_dps = None if allan is None else allan.bias_instability_dps
     values = (
         ("bias", bias_at_rest(description), 1.0, "deg/s"),
         ("time at rest", rest_s, 1.0, "s"),
-        ("angle random walk", walk, ROOT_SECONDS_PER_ROOT_HOUR, "°/√h"),
-        ("bias instability", instability_dps, SECONDS_PER_HOUR, "°/h"),
+        ("angle random walk", allan and allan.angle_random_walk_deg_rts, ROOT_SECONDS_PER_ROOT_HOUR, "°/√h"),
+        ("bias instability", allan and allan.bias_instability_dps, SECONDS_PER_HOUR, "°/h"),
     )
-    rows = [
+    return [
         (name, minus(f"{significant(factor * value, 3)} {unit}"))
         for name, value, factor, unit in values
         if value is not None
     ]
-    return Tile(f"At rest, by the {description.still_by.value}", rows)

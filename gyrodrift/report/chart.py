@@ -183,7 +183,7 @@ def thinned(x: Floats, y: Floats) -> tuple[Floats, Floats]:
         return x, y
     inside = np.array_split(np.arange(1, len(y) - 1), LINE_PARTS)
     rows = [row for part in inside for row in _extremes(y, part)]
-    places = [part[index] for part in inside for index in (0, len(part) // 2)]
+    places = [part[index] for part in inside for index in (0, -1)]
     return x[[0, *places, len(x) - 1]], y[[0, *rows, len(y) - 1]]
 
 

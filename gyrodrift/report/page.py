@@ -1,11 +1,10 @@
 """A page of sections: one HTML file with style sheet, scripts and charts inside, and nothing from the network."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple
 from unicodedata import category
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -50,14 +49,6 @@ class Section:
     def __html__(self) -> str:
         """The part without its heading."""
         return _environment().get_template(self.template).render(self.values)
-
-
-class Tile(NamedTuple):
-    """A box with names and values; the first `large` values are large."""
-
-    heading: str
-    rows: Sequence[tuple[str, str]]
-    large: int = 1
 
 
 def page(title: str, sections: Sequence[Section | None]) -> str:
@@ -107,6 +98,12 @@ def _allowed(html: str) -> str:
     """HTML in which forbidden characters, such as escape codes in a name, are replaced."""
     forbidden = [letter for letter in set(html) - set("\n\t") if category(letter) in FORBIDDEN]
     return html.translate(dict.fromkeys(map(ord, forbidden), "\ufffd"))
+
+
+def macro(template: str, name: str) -> Callable[..., Markup]:
+    """A macro of a template as a function."""
+    function: Callable[..., Markup] = getattr(_environment().get_template(template).module, name)
+    return function
 
 
 def counted(count: int, noun: str) -> str:

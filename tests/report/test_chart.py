@@ -58,7 +58,8 @@ def test_a_line_across_the_chart_ends_at_its_edges() -> None:
 def test_a_scale_holds_all_finite_values() -> None:
     """With a margin, and at least as wide as is asked for; without a value it has a width too."""
     assert scale_of("", [np.array([0.0, nan, 10.0]), np.array([inf])]) == AxisScale("", -0.5, 10.5)
-    assert scale_of("", [np.array([1.0, 1.1])], 2.0) == AxisScale("", pytest.approx(0.05), pytest.approx(2.05))
+    wide = scale_of("", [np.array([1.0, 1.1])], 2.0)
+    assert (wide.low, wide.high) == pytest.approx((0.05, 2.05))
     for nothing in ([], [np.array([nan])]):
         assert scale_of("", nothing) == AxisScale("", -0.5, 0.5)
 
@@ -66,7 +67,7 @@ def test_a_scale_holds_all_finite_values() -> None:
 def test_a_scale_of_factors_is_at_least_so_long() -> None:
     """From the middle; values that are not positive are left out."""
     scale = log_scale("", [np.array([0.0, -1.0, 1.0, nan])], 100.0)
-    assert (scale.low, scale.high, scale.kind) == (pytest.approx(0.1), pytest.approx(10.0), ScaleKind.LOG)
+    assert (scale.low, scale.high) == pytest.approx((0.1, 10.0))
     assert log_scale("", [np.zeros(3)]).low > 0.0
 
 

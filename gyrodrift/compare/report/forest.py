@@ -10,7 +10,10 @@ from math import ceil, floor, log10
 import numpy as np
 from markupsafe import Markup
 
-from gyrodrift.report.numbers import factor_label, significant
+from gyrodrift.report.numbers import factor_label
+from gyrodrift.report.page import macro
+
+TEMPLATE = "compare/report/templates/forest.html"
 
 DOTS = 60
 """Most dots in a strip; more sessions are thinned at even steps from the best to the worst: chosen."""
@@ -57,38 +60,10 @@ def forest_axis(errors_deg: Sequence[float]) -> ForestAxis:
 def strip(axis: ForestAxis, names: Sequence[str], errors_deg: Sequence[float], mean_deg: float, color: str) -> Markup:
     """Strip of a row: a dot for each session, a line from the smallest to the largest error, a bar at the mean."""
     ranked = sorted(zip(errors_deg, names, strict=True))
-    drawn = [ranked[index] for index in np.unique(np.linspace(0, len(ranked) - 1, DOTS).astype(int)).tolist()]
-    least, largest = ranked[0][0], ranked[-1][0]
-    ends = f"from {significant(least, 3)} to {significant(largest, 3)}"
-    return Markup(
-        '<svg class="strip {}" role="img" aria-label="mean {} deg, {}">{}'
-        '<line class="spread" x1="{:.2f}%" x2="{:.2f}%" y1="50%" y2="50%"/>{}'
-        '<rect class="mean" x="{:.2f}%" y="12%" height="76%"/></svg>'
-    ).format(
-        color,
-        significant(mean_deg, 3),
-        ends,
-        _grid(axis, 100.0),
-        axis.percent(least),
-        axis.percent(largest),
-        Markup().join(_dot(axis, name, error_deg) for error_deg, name in drawn),
-        axis.percent(mean_deg),
-    )
-
-
-def _dot(axis: ForestAxis, name: str, error_deg: float) -> Markup:
-    dot = Markup('<circle cx="{:.2f}%" cy="50%" r="3.2"><title>{}: {} deg</title></circle>')
-    return dot.format(axis.percent(error_deg), name, significant(error_deg, 3))
-
-
-def _grid(axis: ForestAxis, high_percent: float) -> Markup:
-    line = Markup('<line class="grid" x1="{0:.2f}%" x2="{0:.2f}%" y1="0" y2="{1:.0f}%"/>')
-    return Markup().join(line.format(axis.percent(mark_deg), high_percent) for mark_deg in axis.marks_deg)
+    rows = np.unique(np.linspace(0, len(ranked) - 1, DOTS).astype(int)).tolist()
+    return macro(TEMPLATE, "strip")(axis, color, [ranked[row] for row in rows], mean_deg)
 
 
 def scale(axis: ForestAxis) -> Markup:
     """The axis, for the last row of the table."""
-    label = Markup('<text x="{:.2f}%" y="85%">{}</text>')
-    labels = (label.format(axis.percent(mark_deg), factor_label(mark_deg)) for mark_deg in axis.marks_deg)
-    drawing = Markup('<svg class="strip scale" role="img" aria-label="logarithmic axis">{}{}</svg>')
-    return drawing.format(_grid(axis, 25.0), Markup().join(labels))
+    return macro(TEMPLATE, "scale")(axis, [(mark_deg, factor_label(mark_deg)) for mark_deg in axis.marks_deg])

@@ -1,9 +1,7 @@
 """The files of a diagnosis, and its verdict in ten lines."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +13,7 @@ from gyrodrift.diagnose.report.effect_words import effect_sentence, says
 from gyrodrift.diagnose.report.text import stated
 from gyrodrift.diagnose.result import Diagnosis
 from gyrodrift.io.files import write_whole
+from gyrodrift.report.files import write_json
 from gyrodrift.report.numbers import significant
 
 SHOWN = 3
@@ -36,8 +35,7 @@ def write_files(folder: Path, diagnosis: Diagnosis) -> None:
     UsageError
         If the folder cannot be written to.
     """
-    text = json.dumps(_finite(content(diagnosis)), indent=1, allow_nan=False, ensure_ascii=False)
-    write_whole(folder / "gap.json", [text, "\n"])
+    write_json(folder / "gap.json", content(diagnosis))
     write_whole(folder / "rig.yaml", [diagnosis.rig_yaml])
     profile = folder / PROFILE
     if diagnosis.next_profile_yaml is not None:
@@ -122,15 +120,6 @@ def _deviation(deviation: Deviation) -> dict[str, Any]:
         "share": round(deviation.share, 4),
         "says": says(deviation),
     }
-
-
-def _finite(value: Any) -> Any:
-    """The value with None for infinite numbers and NaN."""
-    if isinstance(value, dict):
-        return {name: _finite(inner) for name, inner in value.items()}
-    if isinstance(value, list):
-        return [_finite(inner) for inner in value]
-    return None if isinstance(value, float) and not isfinite(value) else value
 
 
 def summary(diagnosis: Diagnosis) -> list[str]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from gyrodrift.evaluation.dataset import Split
 from gyrodrift.report.numbers import degrees, mean, significant
-from gyrodrift.report.page import Section, Tile, counted
+from gyrodrift.report.page import Section
 from gyrodrift.tune.report.files import verdict_words
 from gyrodrift.tune.report.parameters import found_value
 from gyrodrift.tune.result import SessionScore, Tuning
@@ -25,7 +25,12 @@ def head(tuning: Tuning, set_name: str) -> Section:
         "train": _fall("training", len(train), *tuning.mean_e_deg(Split.TRAIN)) if train else None,
         "held_out": _fall("", 0, plain_deg, tuned_deg) if tuning.cross_validation and not test else None,
         "in_config": in_config[:1].upper() + in_config[1:],
-        "tiles": [tile for tile in (_held_out_tile(tuning), _training_tile(tuning)) if tile],
+        "held_out_deg": (plain_deg, tuned_deg),
+        "means": {
+            kind: [_mean_deg(scores, name) for name in ("tuned", "euler", "reduced")]
+            for kind, scores in (("test", test), ("training", train))
+        },
+        "counts": {"test": len(test), "training": len(train), "held out": len(tuning.cross_validation)},
         "parameters": [f"{axis.name} {found_value(tuning, axis)}" for axis in tuning.axes],
         "is_better": tuned_deg < plain_deg,
     }
@@ -70,30 +75,6 @@ def _fall(kind: str, count: int, plain_deg: float, tuned_deg: float) -> dict[str
     return {"sessions": sessions, "plain": degrees(plain_deg), "tuned": degrees(tuned_deg), "times": times}
 
 
-def _held_out_tile(tuning: Tuning) -> Tile | None:
-    """Tile of the error to expect on a new session; None without held-out sessions."""
-    scores = tuning.scores_on(Split.TEST)
-    if scores:
-        return Tile(f"Held out: mean E of {counted(len(scores), 'session')}", _tile_rows(tuning, scores))
-    held_out = tuning.cross_validation
-    if not held_out:
-        return None
-    plain_deg, tuned_deg, _ = judged(tuning)
-    rows = [("tuned on the others", degrees(tuned_deg)), ("plain integration", degrees(plain_deg))]
-    return Tile(f"Each held out in turn: mean E of {counted(len(held_out), 'session')}", rows)
-
-
-def _training_tile(tuning: Tuning) -> Tile | None:
-    """Tile of the error on the training sessions; None without any."""
-    scores = tuning.scores_on(Split.TRAIN)
-    heading = f"Training: mean E of {counted(len(scores), 'session')}"
-    return Tile(heading, _tile_rows(tuning, scores), large=0) if scores else None
-
-
-def _tile_rows(tuning: Tuning, scores: Sequence[SessionScore]) -> list[tuple[str, str]]:
-    reduced_deg = mean([score.reduced.e_deg for score in scores])
-    return [
-        ("tuned filter", degrees(mean([score.tuned.e_deg for score in scores]))),
-        ("plain integration", degrees(mean([score.euler.e_deg for score in scores]))),
-        (f"filter with {tuning.filter.reduced_model.title} tuned", degrees(reduced_deg)),
-    ]
+def _mean_deg(scores: Sequence[SessionScore], name: str) -> float:
+    """Mean E of plain integration, the tuned or the reduced filter."""
+    return mean([getattr(score, name).e_deg for score in scores])
