@@ -48,6 +48,12 @@ def _no_number(value: float) -> str:
     return "∞" if value > 0.0 else "–"
 
 
+def log_share(value: float, low: float, high: float) -> float:
+    """Position of a value on a logarithmic scale from 0 to 1; a value beyond an end, or none, is at the end."""
+    inside = min(max(value, low), high) if isfinite(value) else high
+    return log10(inside / low) / log10(high / low)
+
+
 def factor_label(value: float) -> str:
     """Label of a logarithmic scale: 100 and 0.01 as they are, but 10⁶ instead of many zeros."""
     if value <= 0.0 or 1e-3 <= value < 1e4:

@@ -87,6 +87,7 @@ def _environment() -> Environment:
         loader=FileSystemLoader(PACKAGE),
         autoescape=True,
         undefined=StrictUndefined,
+        extensions=["jinja2.ext.do"],
         trim_blocks=True,
         lstrip_blocks=True,
     )
@@ -124,13 +125,6 @@ def bold(words: object) -> Markup:
 def code(words: object) -> Markup:
     """Text as code."""
     return Markup("<code>{}</code>").format(words)
-
-
-def bar(share: float, says: str, color: str = "tuned", *, is_pale: bool = False) -> Markup:
-    """A bar that fills a share of its cell, with its description for screen readers."""
-    return Markup('<span class="bar {}{}" role="img" aria-label="{}"><i style="--share:{:.3f}"></i></span>').format(
-        color, " pale" * is_pale, says, min(max(share, 0.0), 1.0)
-    )
 
 
 def titled(name: str, note: object, number: str = "") -> Markup:

@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from gyrodrift import __version__
-from gyrodrift.report.page import Section, code, counted
+from gyrodrift.report.page import Section
 
 NAMED = 3
 """At most this many folders or files name a set; for more, their folders do, or the first of them."""
@@ -76,18 +76,9 @@ def _name(path: Path) -> str:
 
 def provenance(made: Provenance) -> Section:
     """The section."""
-    columns = {"name": "session", "use": "used for", "sha256": "SHA-256"}
-    shown = [name for name in columns if any(getattr(file, name) for file in made.sessions)]
-    rows = [
-        [code(file.sha256) if name == "sha256" else getattr(file, name) for name in shown] for file in made.sessions
-    ]
-    count = len(made.sessions)
-    words = [made.set_name or counted(count, "session")] * bool(made.set_name or count)
-    facts = {
-        "Date": made.date,
-        "Version": f"gyrodrift {__version__}, Python {platform.python_version()}, {platform.machine()}",
-        "Sessions": f"{made.set_name} ({counted(count, 'session')})" if made.set_name and count else "".join(words),
-        "Config": made.config,
+    values = {
+        "made": made,
+        "version": f"gyrodrift {__version__}, Python {platform.python_version()}, {platform.machine()}",
+        "shown": [name for name in ("name", "use", "sha256") if any(getattr(file, name) for file in made.sessions)],
     }
-    values = {"made": made, "facts": facts, "head": [columns[name] for name in shown], "rows": rows}
     return Section("report/templates/provenance.html", values, "Provenance")

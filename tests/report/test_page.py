@@ -8,7 +8,7 @@ from browser_support import browsing
 from page_support import parsed, row, shown, words
 
 from gyrodrift.report.chart import AxisScale, Chart, ChartSeries, Mark, Part
-from gyrodrift.report.page import Section, Tile, bold, code, marked, page
+from gyrodrift.report.page import Section, bold, code, marked, page
 
 HEAD = shown('{% call blocks.header("k", "h") %}{% endcall %}')
 CHART = Chart(
@@ -39,12 +39,14 @@ def test_what_no_page_may_hold_is_replaced() -> None:
 def test_all_parts_together_are_a_page() -> None:
     """Every element closed, in the order that they were given."""
     head = """{% call blocks.header("a & b", "It <works>") %}
-        {{ blocks.warnings("First", ["one < two"]) }}{{ blocks.tiles(tiles) }}{% endcall %}"""
+        {{ blocks.warnings("First", ["one < two"]) }}
+        {% call blocks.tile("E") %}{{ blocks.row("now", "1°") }}{{ blocks.row("then", "2°") }}{% endcall %}
+        {% endcall %}"""
     numbers = """<p class="note">small</p>
         {% call blocks.figure(blocks.panels(panels)) %}{{ blocks.legend(marks) }}{% endcall %}
-        {{ blocks.facts([("Seed", "1")]) }}{{ blocks.command("gyrodrift tune <here>") }}"""
+        <dl><dt>Seed</dt><dd>1</dd></dl>{{ blocks.command("gyrodrift tune <here>") }}"""
     body = [
-        shown(head, tiles=[Tile("E", [("now", "1°"), ("then", "2°")])]),
+        shown(head),
         None,
         shown(
             numbers, "Numbers", panels=[("left", CHART), ("right", CHART)], marks=[Mark("", "plain", "key", "plain")]
@@ -114,11 +116,11 @@ def test_a_page_fetches_nothing_and_has_a_script_only_for_charts() -> None:
     assert "addEventListener" in (ours.text or "")
 
 
-def test_the_first_value_of_a_tile_is_large() -> None:
+def test_a_main_value_of_a_tile_is_large() -> None:
     """The others are not."""
-    tile = Tile("E", [("now", "1°"), ("then", "2°"), ("once", "3°")])
-    found = parsed(page("T", [shown("{{ blocks.tiles([tile]) }}", tile=tile)])).iter("dd")
-    assert [value.get("class") for value in found] == ["main", None, None]
+    tile = '{% call blocks.tile("E") %}{{ blocks.row("now", "1°", "main") }}{{ blocks.row("then", "2°") }}{% endcall %}'
+    found = parsed(page("T", [shown(tile)])).iter("dd")
+    assert [value.get("class") for value in found] == ["main", None]
 
 
 def test_a_section_is_known_by_its_heading() -> None:

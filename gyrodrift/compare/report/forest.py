@@ -10,7 +10,7 @@ from math import ceil, floor, log10
 import numpy as np
 from markupsafe import Markup
 
-from gyrodrift.report.numbers import factor_label
+from gyrodrift.report.numbers import factor_label, log_share
 from gyrodrift.report.page import macro
 
 TEMPLATE = "compare/report/templates/forest.html"
@@ -34,9 +34,7 @@ class ForestAxis:
 
     def percent(self, error_deg: float) -> float:
         """Position of an error in percent of the width; an error outside of the axis is drawn at its end."""
-        inside_deg = min(max(error_deg, self.low_deg), self.high_deg)
-        share = log10(inside_deg / self.low_deg) / log10(self.high_deg / self.low_deg)
-        return MARGIN_PERCENT + (100.0 - 2.0 * MARGIN_PERCENT) * share
+        return MARGIN_PERCENT + (100.0 - 2.0 * MARGIN_PERCENT) * log_share(error_deg, self.low_deg, self.high_deg)
 
     @property
     def marks_deg(self) -> list[float]:

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from gyrodrift.compare.comparison import ComparedSession, Comparison
-from gyrodrift.compare.report.charts import key_of, mark_of, session_chart
+from gyrodrift.compare.comparison import ComparedSession, Comparison, Entry
 from gyrodrift.compare.report.files import best_of
 from gyrodrift.compare.report.tables import groups
-from gyrodrift.report.chart import Mark
+from gyrodrift.evaluation.curves import YawCurves
+from gyrodrift.report.chart import AxisScale, Chart, ChartSeries, Mark, Part, error_scale, line, scale_of, thinned
 from gyrodrift.report.page import Section, titled
 
 SHOWN = 2
@@ -58,3 +58,38 @@ def _visible_first(comparison: Comparison, shown: Sequence[int]) -> set[int]:
     start = [row for row in shown if comparison.entries[row].method.key == "start"]
     real_time = [row for row in shown if not comparison.entries[row].method.is_offline and row not in start]
     return {*real_time[:SHOWN], *start}
+
+
+def key_of(entry: Entry) -> str:
+    """Key by which the legend switches the curves of an entry."""
+    return f"{entry.method.key}-{entry.source.value}"
+
+
+def mark_of(entry: Entry) -> Mark:
+    """Legend entry of an entry."""
+    return Mark(key_of(entry), entry.method.color, "key dashed" if _dash(entry) else "key", entry.method.title)
+
+
+def _dash(entry: Entry) -> str:
+    return "dashed" if entry.method.dash == "--" else ""
+
+
+def session_chart(curves: YawCurves, lines: Sequence[tuple[int, Entry]]) -> Chart:
+    """Yaw above, its error below, for some rows of the comparison; the first is drawn last."""
+    yaws, errors = [], [line(y=0.0, color="quiet", width=0.8)]
+    for row, entry in reversed(lines):
+        for part, yaw_deg in ((yaws, curves.yaw_deg[row]), (errors, curves.errors_deg[row])):
+            x, y = thinned(curves.minutes, yaw_deg)
+            name = entry.method.title
+            part.append(
+                ChartSeries(x, y, entry.method.color, key=key_of(entry), name=name, width=1.3, dash=_dash(entry))
+            )
+    reference = thinned(curves.minutes, curves.reference_deg)
+    yaws.append(ChartSeries(*reference, "ink", key="reference", name="reference", width=1.6, dash="dotted"))
+    drawn_deg = [curves.reference_deg, *(curves.yaw_deg[row] for row, _ in lines)]
+    parts = [
+        Part(scale_of("yaw, deg", drawn_deg), yaws),
+        Part(error_scale("error, deg", [curves.errors_deg[row] for row, _ in lines]), errors),
+    ]
+    x_scale = AxisScale("minutes", 0.0, max(float(curves.minutes[-1]), 1e-3))
+    return Chart("Yaw and its error over time, by method", x_scale, parts, 300)

@@ -7,7 +7,6 @@ from gyrodrift.compare.report.files import absence
 from gyrodrift.compare.report.over_time import over_time
 from gyrodrift.compare.report.sources import shared, sources
 from gyrodrift.compare.report.tables import by_folder, by_session, ranking, session_name
-from gyrodrift.report.numbers import degrees
 from gyrodrift.report.page import Section, page
 from gyrodrift.report.provenance import Provenance, UsedFile, provenance
 
@@ -29,18 +28,15 @@ def report_html(comparison: Comparison, made: Provenance) -> str:
 def _head(comparison: Comparison, set_name: str) -> Section:
     """Verdict: the best real-time method, and the next."""
     first, *others = comparison.streaming
-    sessions, best = comparison.sessions, comparison.entries[first]
-    mark = shared(comparison, best)
+    sessions = comparison.sessions
     values = {
         "comparison": comparison,
         "set_name": set_name,
         "minutes": sum(session.session.minutes for session in sessions),
-        "headline": f"Smallest yaw error on {set_name}: {best.title}{f' ({mark})' if mark else ''}, "
-        f"{degrees(comparison.means[first].e_deg)} on average",
+        "first": first,
+        "second": others[0] if others else None,
+        "mark": shared(comparison, comparison.entries[first]),
         "absent": [f"{method.title} did not run: {absence(method)}." for method in comparison.missing],
-        "best": best.title,
-        "following": comparison.entries[others[0]].title if others else None,
-        "following_deg": comparison.means[others[0]].e_deg if others else None,
         "ahead": sum(
             session.scores[first].e_deg < session.scores[row].e_deg for session in sessions for row in others[:1]
         ),

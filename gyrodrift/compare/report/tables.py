@@ -1,16 +1,16 @@
 """Tables of a comparison: means of all methods with a forest plot, then errors by folder and by session."""
 
 from collections.abc import Sequence
-from math import isfinite
+from math import floor, inf, isfinite, log10
 
 from markupsafe import Markup
 
-from gyrodrift.compare.comparison import ComparedSession, Comparison, ParamsFrom
-from gyrodrift.compare.report.charts import mean_bars
+from gyrodrift.compare.comparison import ComparedSession, Comparison, Entry, ParamsFrom
 from gyrodrift.compare.report.files import best_of, cells, e_cell, uncertainty_cells
 from gyrodrift.compare.report.forest import forest_axis, scale, strip
 from gyrodrift.compare.report.sources import shared
 from gyrodrift.evaluation.score import Score
+from gyrodrift.report.numbers import log_share, significant
 from gyrodrift.report.page import Section, bold, marked
 
 
@@ -30,7 +30,7 @@ def ranking(comparison: Comparison) -> Section:
         rows.append([_name(comparison, row, is_best=row == best), *cells(mean), *stated, drawn])
     rows += [[method.title, *["–"] * len(units), ""] for method in comparison.missing]
     values = {
-        "bars": mean_bars(comparison.entries, [mean.e_deg for mean in comparison.means], comparison.ranked),
+        "bars": _mean_bars(comparison),
         "has_tuned": any(entry.is_tuned for entry in comparison.entries),
         "has_sigma": has_sigma,
         "has_offline": any(entry.method.is_offline for entry in comparison.entries),
@@ -40,6 +40,18 @@ def ranking(comparison: Comparison) -> Section:
         "foot": ["", *[""] * len(units), scale(axis)],
     }
     return Section("compare/report/templates/ranking.html", values, "Yaw error by method")
+
+
+def _mean_bars(comparison: Comparison) -> list[tuple[Entry, float, str]]:
+    """Each entry with its mean E, as a share of a logarithmic scale and in words."""
+    e_deg = [comparison.means[row].e_deg for row in comparison.ranked]
+    known_deg = [value for value in e_deg if 0.0 < value < inf] or [1.0]
+    low, high = 10.0 ** floor(log10(min(known_deg) / 1.5)), max(known_deg)
+    entries = [comparison.entries[row] for row in comparison.ranked]
+    return [
+        (entry, log_share(value, low, high), f"{significant(value, 3)}°")
+        for entry, value in zip(entries, e_deg, strict=True)
+    ]
 
 
 def _name(comparison: Comparison, row: int, *, is_best: bool) -> Markup:

@@ -10,10 +10,10 @@ from gyrodrift.diagnose.export.files import FOLDER
 from gyrodrift.diagnose.export.formats import FormatExport
 from gyrodrift.diagnose.inference.gap import WORST_Z
 from gyrodrift.diagnose.inference.verdict import NEGLIGIBLE_DEG
-from gyrodrift.diagnose.report.text import fixed, in_rig, interval, number, size, stated
+from gyrodrift.diagnose.report import text
 from gyrodrift.diagnose.result import BaseValue, DiagnosedSession, Diagnosis
 from gyrodrift.report.numbers import even, significant
-from gyrodrift.report.page import Section, code, marked
+from gyrodrift.report.page import Section, code
 from gyrodrift.values.noise import ROOT_SECONDS_PER_ROOT_HOUR
 
 TEMPLATES = "diagnose/report/templates"
@@ -40,48 +40,20 @@ UNKNOWN = "none seen"
 
 def negligible(diagnosis: Diagnosis) -> Section | None:
     """The section of the negligible effects; None without such effects."""
-    rows = []
-    for item in diagnosis.verdict.negligible:
-        first = item.cause.parameters[0]
-        rows.append(
-            [
-                Markup("{} {}").format(item.cause.effect.name, marked("note", first.name)),
-                size(first.value, first.unit),
-                interval(first),
-                stated(item.cause.probability),
-                f"{number(item.yaw_deg, 2)}°",
-                in_rig(item.cause) or "not in it",
-            ]
-        )
-    values = {"rows": rows, "limit": number(NEGLIGIBLE_DEG)}
-    return Section(f"{TEMPLATES}/negligible.html", values, "Real, but negligible") if rows else None
+    items = diagnosis.verdict.negligible
+    values = {"items": items, "limit": NEGLIGIBLE_DEG, "words": text}
+    return Section(f"{TEMPLATES}/negligible.html", values, "Real, but negligible") if items else None
 
 
 def detectable(diagnosis: Diagnosis) -> Section:
     """The section of the detectable sizes."""
-    rows = []
-    for item in diagnosis.detectable:
-        others = [f"{name} {significant(value, 4)}" for name, value in item.other_parameters.items()]
-        has_size = item.value is not None
-        smallest = "none that was tried" if item.value is None else size(item.value, item.unit)
-        parameter = ", ".join([item.parameter, *others]) if has_size else ""
-        rows.append([item.effect, smallest, marked("note", parameter), item.stage])
-    rows += [[item.effect, "–", marked("note", item.why), ""] for item in diagnosis.untestable]
-    return Section(f"{TEMPLATES}/detectable.html", {"rows": rows}, "The smallest effects these sessions would show")
+    values = {"diagnosis": diagnosis, "words": text}
+    return Section(f"{TEMPLATES}/detectable.html", values, "The smallest effects these sessions would show")
 
 
 def exported(exports: Sequence[FormatExport]) -> Section | None:
     """The section of the exports; None without exports."""
-    rows = [
-        [
-            export.format,
-            Markup(", ").join(code(f"{FOLDER}/{name}") for name in export.files),
-            ", ".join(export.expressed) or "none",
-            "; ".join(f"{name}: {why}" for name, why in export.not_expressed.items()) or "none",
-        ]
-        for export in exports
-    ]
-    return Section(f"{TEMPLATES}/exports.html", {"rows": rows}, "Exports") if rows else None
+    return Section(f"{TEMPLATES}/exports.html", {"exports": exports, "folder": FOLDER}, "Exports") if exports else None
 
 
 def calibration(diagnosis: Diagnosis) -> Section:
@@ -102,7 +74,7 @@ def _base_row(base_value: BaseValue) -> list[str]:
     sizes = [abs(value) for value in values if isfinite(value) and abs(value) >= 10.0**-shown.decimals]
     decimals = min(max(2 - floor(log10(max(sizes))), 0), shown.decimals) if sizes else 0
     name = Markup("{} {}").format(shown.name, code(base_value.name)).strip()
-    return [name, *[*(fixed(value, decimals) for value in values), *[UNKNOWN] * 3][:4]]
+    return [name, *[*(text.fixed(value, decimals) for value in values), *[UNKNOWN] * 3][:4]]
 
 
 def glossary() -> Section:

@@ -3,8 +3,7 @@
 from dataclasses import replace
 
 from gyrodrift.evaluation.dataset import Split
-from gyrodrift.report.numbers import significant
-from gyrodrift.report.page import Section, bold, page
+from gyrodrift.report.page import Section, page
 from gyrodrift.report.provenance import Provenance, UsedFile, provenance
 from gyrodrift.tune.report.files import config_text
 from gyrodrift.tune.report.head import head
@@ -43,19 +42,12 @@ def report_html(tuning: Tuning, made: Provenance) -> str:
 def _method(tuning: Tuning) -> Section:
     """Method, cost, seeds and time, with the results of all seeds if there are several."""
     runs = sorted((tuning.run, *tuning.other_runs), key=lambda run: run.seed)
-    has_test = tuning.run.pi.test is not None
-    rows = [
-        [
-            bold(run.seed) if run is tuning.run else str(run.seed),
-            *pi_cells(run.pi, has_test=has_test),
-            *(significant(value_found(run, axis), 3) for axis in tuning.axes),
-        ]
-        for run in runs
-    ]
     values = {
         "tuning": tuning,
         "method": METHODS.get(tuning.method),
-        "head": ["seed", "PI training", *["PI test"] * has_test, *(axis.name for axis in tuning.axes)],
-        "rows": rows,
+        "runs": runs,
+        "has_test": tuning.run.pi.test is not None,
+        "cells": pi_cells,
+        "value_found": value_found,
     }
     return Section("tune/report/templates/method.html", values, "Method")

@@ -4,7 +4,6 @@ import numpy as np
 from markupsafe import Markup
 
 from gyrodrift.evaluation.space import Axis
-from gyrodrift.report.chart import Mark
 from gyrodrift.report.numbers import significant
 from gyrodrift.report.page import Section, marked
 from gyrodrift.tune.report.charts import DOTS, density_chart, highest_drawn, search_chart, slice_chart
@@ -15,32 +14,19 @@ from gyrodrift.tune.result import Pi, Tuning
 def search(tuning: Tuning) -> Section:
     """The section of the search."""
     names = [_parameter_name(tuning, axis) for axis in tuning.axes]
-    reduced = f"filter with {tuning.filter.reduced_model.title} tuned"
-    costs = [("plain integration", tuning.euler), (reduced, tuning.reduced), ("tuned filter", tuning.run.pi)]
-    has_test = any(pi.test is not None for _, pi in costs)
+    costs = (tuning.euler, tuning.reduced, tuning.run.pi)
     history = tuning.run.history
     finite = history[np.isfinite(history)]
     values = {
         "tuning": tuning,
         "chart": search_chart(tuning),
-        "marks": [
-            Mark("", "note", "dot", "an evaluation"),
-            Mark("", "tuned", "key", "best so far"),
-            *[Mark("", "tuned", "key thin", "other seeds")] * bool(tuning.other_runs),
-            Mark("", "plain", "key dashed", "plain integration"),
-            Mark("", "two", "key dotted", reduced),
-        ],
         "finite": len(finite),
         "every": -(-len(finite) // DOTS),
         "above": int(np.count_nonzero(finite > highest_drawn(tuning))),
         "infinite": len(history) - len(finite),
-        "head": ["PI, deg²", "training", *["test"] * has_test],
-        "rows": [[name, *pi_cells(pi, has_test=has_test)] for name, pi in costs],
+        "has_test": any(pi.test is not None for pi in costs),
+        "cells": pi_cells,
         "slices": [(name, slice_chart(tuning, number)) for number, name in enumerate(names) if tuning.slices.size],
-        "slice_marks": [
-            Mark("", "note", "dot", "an evaluation, light in the first half of the search"),
-            Mark("", "tuned", "key", "slice"),
-        ],
         "densities": [(name, density_chart(tuning, number)) for number, name in enumerate(names)],
     }
     return Section("tune/report/templates/search.html", values, "The search")

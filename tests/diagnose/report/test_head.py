@@ -18,8 +18,7 @@ from gyrodrift.diagnose.recording.facts import Contradiction
 from gyrodrift.diagnose.report.effect_words import SENTENCES, deviation_words
 from gyrodrift.diagnose.report.files import cause_line, headline, summary
 from gyrodrift.diagnose.report.head import verdict
-from gyrodrift.diagnose.report.next_steps import next_steps
-from gyrodrift.diagnose.report.page import report_html
+from gyrodrift.diagnose.report.page import next_steps, report_html
 from gyrodrift.diagnose.report.tables import calibration, negligible
 from gyrodrift.diagnose.result import BaseValue, Diagnosis
 from gyrodrift.diagnose.simulate.response_table import Sized
