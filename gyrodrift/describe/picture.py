@@ -130,5 +130,6 @@ def _handle(mark: Mark) -> Line2D:
     color, shapes = COLORS[mark.color], mark.shape.split()
     if "dot" in shapes:
         return Line2D([], [], color=color, linestyle="", marker=".", label=mark.name)
-    dash = next((line for name, line in DASHES.items() if name in shapes), "-")
-    return Line2D([], [], color=color, linestyle=dash, linewidth=0.8 if "thin" in shapes else 2.0, label=mark.name)
+    handle = Line2D([], [], color=color, linewidth=0.8 if "thin" in shapes else 2.0, label=mark.name)
+    handle.set_linestyle(next((line for name, line in DASHES.items() if name in shapes), "-"))
+    return handle

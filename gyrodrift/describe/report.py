@@ -134,8 +134,13 @@ def _rest_values(description: SessionDescription) -> list[tuple[str, str]]:
     values = (
         ("bias", bias_at_rest(description), 1.0, "deg/s"),
         ("time at rest", rest_s, 1.0, "s"),
-        ("angle random walk", allan and allan.angle_random_walk_deg_rts, ROOT_SECONDS_PER_ROOT_HOUR, "°/√h"),
-        ("bias instability", allan and allan.bias_instability_dps, SECONDS_PER_HOUR, "°/h"),
+        (
+            "angle random walk",
+            None if allan is None else allan.angle_random_walk_deg_rts,
+            ROOT_SECONDS_PER_ROOT_HOUR,
+            "°/√h",
+        ),
+        ("bias instability", None if allan is None else allan.bias_instability_dps, SECONDS_PER_HOUR, "°/h"),
     )
     return [
         (name, minus(f"{significant(factor * value, 3)} {unit}"))

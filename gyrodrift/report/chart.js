@@ -11,14 +11,22 @@ const FONT = "system-ui, 'DejaVu Sans', Arial, sans-serif";
 const TEXT_PX = 12, LINE_PX = 16, KEY_PX = 18, PAD_PX = 8, LABEL_PX = 4;
 const AXIS_PX = 35; // height of the horizontal axis
 const PNG_WIDTH = 1600; // pixels
+const LINES = new Set(["line", "strokes"]); // shapes that are not filled
 const DASHES = { dashed: [6, 4], dotted: [2, 3] };
 const MARGIN = 0.06; // of the vertical scale of a part of a chart
 const LEAST_SHARE = 1e-3; // of the width: the deepest zoom
 const SHOWN_MS = 1500; // how long a button says that it is done
-const DISTRIBUTIONS = { linear: 1, log: 3, symlog: 4 };
+
+/* Scales: their kinds in uPlot, and maps to and from a straight line. */
+const MAPS = {
+  linear: { distr: 1, to: Number, from: Number },
+  log: { distr: 3, to: Math.log, from: Math.exp },
+  symlog: { distr: 4, to: Math.asinh, from: Math.sinh },
+};
 
 const all = (root, selector) => [...root.querySelectorAll(selector)];
-const made = (name, kind, words = "") => Object.assign(document.createElement(name), { className: kind, textContent: words });
+const made = (name, className, textContent = "") =>
+  Object.assign(document.createElement(name), { className, textContent });
 const words = element => element.textContent.replace(/\s+/g, " ").trim();
 
 const drawn = (name, attributes, text = "") => {
@@ -29,19 +37,10 @@ const drawn = (name, attributes, text = "") => {
 };
 
 /* Colors by name: those of the screen now, or those that the style sheet states for paper. */
-const screenColors = () => {
-  const style = getComputedStyle(document.documentElement);
-  return name => style.getPropertyValue(`--${name}`).trim();
-};
+const screenColor = name => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 const paperColors = () => {
   const [root] = [...document.styleSheets[0].cssRules].filter(rule => rule.selectorText === ":root");
   return name => root.style.getPropertyValue(`--${name}`).trim();
-};
-
-const textWidth = text => {
-  const context = document.createElement("canvas").getContext("2d");
-  context.font = `${TEXT_PX}px ${FONT}`;
-  return context.measureText(text).width;
 };
 
 /* Text of a number: without many zeros, with a true minus. */
@@ -63,8 +62,9 @@ function evenTicks(low, high, most, least) {
 }
 
 function ticks({ kind, step }, low, high, most) {
-  const powers = Array.from({ length: 31 }, (_, index) => 10 ** (index - 15)).filter(value => kind === "log" || value >= 1);
-  const decades = [...powers.map(value => -value).reverse(), 0, ...powers].filter(value => value >= low && value <= high);
+  const powers = Array.from({ length: 31 }, (_, index) => 10 ** (index - 15));
+  const known = kind === "log" ? powers : powers.filter(value => value >= 1);
+  const decades = [...known.map(value => -value).reverse(), 0, ...known].filter(value => value >= low && value <= high);
   if (kind === "linear" || decades.length < (kind === "log" ? 2 : 3)) return evenTicks(low, high, most, step);
   const every = Math.ceil(decades.length / most), zero = Math.max(0, decades.indexOf(0)) % every;
   return decades.filter((_, index) => index % every === zero);
@@ -73,17 +73,18 @@ function ticks({ kind, step }, low, high, most) {
 /* Path of a series; at.x and at.y give pixels, at.left, at.right, at.top and at.bottom are the edges. */
 function pathOf({ shape, x, y, xEnd, yEnd, width }, at) {
   const corner = (value, scale, edge) => (value === null ? edge : scale(value)).toFixed(2);
-  const points = values => x.map((value, index) => (values[index] === null ? null : [at.x(value).toFixed(2), at.y(values[index]).toFixed(2)]));
+  const point = (right, down) => (down === null ? null : [at.x(right).toFixed(2), at.y(down).toFixed(2)]);
+  const points = values => x.map((value, index) => point(value, values[index]));
   switch (shape) {
     case "line": {
       const placed = points(y);
-      return placed.map((point, index) => (point ? `${placed[index - 1] ? "L" : "M"}${point.join(" ")}` : "")).join("");
+      return placed.map((pair, index) => (pair ? `${placed[index - 1] ? "L" : "M"}${pair.join(" ")}` : "")).join("");
     }
     case "band": {
       const runs = [[]], [starts, ends] = [points(y), points(yEnd)];
       starts.forEach((start, index) => (start && ends[index] ? runs.at(-1).push([start, ends[index]]) : runs.push([])));
-      return runs.filter(run => run.length).map(run => `M${[...run.map(pair => pair[0]), ...run.map(pair => pair[1]).reverse()]
-        .map(point => point.join(" ")).join("L")}Z`).join("");
+      const around = run => [...run.map(([start]) => start), ...run.map(([, end]) => end).reverse()];
+      return runs.filter(run => run.length).map(run => `M${around(run).map(pair => pair.join(" ")).join("L")}Z`).join("");
     }
     case "dots":
       return points(y).filter(Boolean).map(([right, down]) => `M${right - width / 2} ${down}` +
@@ -101,11 +102,12 @@ function pathOf({ shape, x, y, xEnd, yEnd, width }, at) {
 class Part {
   constructor(chart, { y, share, series }, isLast) {
     Object.assign(this, { chart, y, share, series, isLast });
+    const font = `${TEXT_PX}px ${FONT}`;
     const axis = index => ({
-      label: isLast && !index ? chart.x.label : null, labelSize: 15, labelGap: 0, labelFont: `${TEXT_PX}px ${FONT}`,
-      font: `${TEXT_PX}px ${FONT}`, size: index ? 44 : isLast ? 20 : 6, gap: 3, stroke: () => chart.color("quiet"),
-      grid: { stroke: () => chart.color("grid"), width: 1 }, ticks: { show: false },
-      splits: () => this.ticks(index), values: (_, values) => values.map(value => (index || isLast ? numbered(value) : "")),
+      label: isLast && !index ? chart.x.label : null, labelSize: 15, labelGap: 0, labelFont: font, font, gap: 3,
+      size: index ? 44 : isLast ? 20 : 6, stroke: () => screenColor("quiet"), ticks: { show: false },
+      grid: { stroke: () => screenColor("grid"), width: 1 }, splits: () => this.ticks(index), filter: (_, splits) => splits,
+      values: (_, values) => values.map(value => (index || isLast ? numbered(value) : "")),
     });
     this.plot = new uPlot({
       ...this.size(), padding: [LINE_PX + 4, 10, 0, 0], legend: { show: false },
@@ -114,8 +116,8 @@ class Part {
         bind: { dblclick: () => () => chart.zoom(chart.x.low, chart.x.high) },
       },
       scales: {
-        x: { time: false, distr: DISTRIBUTIONS[chart.x.kind], range: (_, low, high) => [low, high] },
-        y: { distr: DISTRIBUTIONS[y.kind], asinh: 1, range: () => this.heights() },
+        x: { time: false, distr: MAPS[chart.x.kind].distr, range: (_, low, high) => [low, high] },
+        y: { distr: MAPS[y.kind].distr, asinh: 1, range: () => this.heights() },
       },
       axes: [axis(0), axis(1)], series: [{}, { paths: () => null, points: { show: false } }],
       hooks: { draw: [() => this.draw()], setSelect: [() => this.zoom()], setCursor: [() => chart.tell(this)] },
@@ -123,8 +125,8 @@ class Part {
   }
 
   size() {
-    const shares = this.chart.parts.reduce((sum, part) => sum + part.share, 0), { clientWidth, clientHeight } = this.chart.place;
-    return { width: clientWidth, height: Math.round((clientHeight - AXIS_PX) * this.share / shares) + (this.isLast ? AXIS_PX : 0) };
+    const { clientWidth, clientHeight } = this.chart.place;
+    return { width: clientWidth, height: (clientHeight - AXIS_PX) * this.share + (this.isLast ? AXIS_PX : 0) };
   }
 
   get visible() { return this.series.filter(one => !this.chart.off.has(one.key)); }
@@ -135,11 +137,11 @@ class Part {
     const isWhole = range[0] === x.low && range[1] === x.high;
     if (isWhole && !this.series.some(one => off.has(one.key))) return [low, high];
     const keyed = this.visible.filter(one => one.key), inside = x => x !== null && x >= range[0] && x <= range[1];
-    const values = (keyed.length ? keyed : this.visible).flatMap(one => [one.y, one.yEnd ?? []].flatMap(column =>
-      column.filter((value, index) => value !== null && inside(one.x[index]))));
+    const within = one => column => column.filter((value, index) => value !== null && inside(one.x[index]));
+    const values = (keyed.length ? keyed : this.visible).flatMap(one => [one.y, one.yEnd ?? []].flatMap(within(one)));
     const [least, most] = [1, -1].map(sign => sign * values.reduce((end, value) => Math.min(end, sign * value), Infinity));
     if (!values.length) return [low, high];
-    const to = { log: Math.log, symlog: Math.asinh }[kind] ?? Number, from = { log: Math.exp, symlog: Math.sinh }[kind] ?? Number;
+    const { to, from } = MAPS[kind];
     const extra = MARGIN * (to(most) - to(least)) || MARGIN * (to(high) - to(low));
     return [Math.max(low, from(to(least) - extra)), Math.min(high, from(to(most) + extra))];
   }
@@ -154,7 +156,8 @@ class Part {
 
   ticks(index) {
     const { min, max } = this.plot.scales[index ? "y" : "x"], { width, height } = this.plot.over.getBoundingClientRect();
-    return ticks(index ? this.y : this.chart.x, min, max, Math.max(2, Math.floor(index ? height / 24 : width / 52)));
+    const most = Math.max(2, Math.floor(index ? height / 24 : width / 52));
+    return ticks(index ? this.y : this.chart.x, min, max, most);
   }
 
   /* Edges and scales in CSS pixels. */
@@ -174,19 +177,21 @@ class Part {
     ctx.rect(frame.left, frame.top, frame.right - frame.left, frame.bottom - frame.top);
     ctx.clip();
     for (const one of this.visible) {
-      const path = new Path2D(pathOf(one, frame)), color = this.chart.color(one.color), isLine = one.shape === "line" || one.shape === "strokes";
-      Object.assign(ctx, { globalAlpha: one.opacity ?? 1, lineWidth: one.width, lineJoin: "round", strokeStyle: color, fillStyle: color });
+      const path = new Path2D(pathOf(one, frame)), color = screenColor(one.color);
+      Object.assign(ctx, { globalAlpha: one.opacity ?? 1, lineWidth: one.width, lineJoin: "round" });
+      Object.assign(ctx, { strokeStyle: color, fillStyle: color });
       ctx.setLineDash(DASHES[one.dash] ?? []);
-      isLine ? ctx.stroke(path) : ctx.fill(path);
+      LINES.has(one.shape) ? ctx.stroke(path) : ctx.fill(path);
     }
     ctx.restore();
-    Object.assign(ctx, { font: `${TEXT_PX * uPlot.pxRatio}px ${FONT}`, fillStyle: this.chart.color("quiet"), textAlign: "left", textBaseline: "alphabetic" });
+    Object.assign(ctx, { font: `${TEXT_PX * uPlot.pxRatio}px ${FONT}`, fillStyle: screenColor("quiet") });
+    Object.assign(ctx, { textAlign: "left", textBaseline: "alphabetic" });
     ctx.fillText(this.y.label, LABEL_PX * uPlot.pxRatio, TEXT_PX * uPlot.pxRatio);
   }
 
   /* The part as SVG, below other parts. */
   svg(down, clip) {
-    const frame = this.frame(), group = drawn("g", { transform: `translate(0 ${down})`, "font-size": TEXT_PX, fill: "var(--quiet)" });
+    const frame = this.frame(), group = drawn("g", { transform: `translate(0 ${down})`, fill: "var(--quiet)" });
     const box = { x: frame.left, y: frame.top, width: frame.right - frame.left, height: frame.bottom - frame.top };
     const text = (x, y, words, more = {}) => group.append(drawn("text", { x, y, ...more }, words));
     const grid = d => group.append(drawn("path", { d, stroke: "var(--grid)", fill: "none" }));
@@ -199,14 +204,15 @@ class Part {
       text(frame.left - 5, frame.y(value) + 4, numbered(value), { "text-anchor": "end" });
     });
     text(LABEL_PX, TEXT_PX, this.y.label);
-    if (this.isLast) text((frame.left + frame.right) / 2, frame.bottom + 31, this.chart.x.label, { "text-anchor": "middle" });
+    const middle = (frame.left + frame.right) / 2;
+    if (this.isLast) text(middle, frame.bottom + 31, this.chart.x.label, { "text-anchor": "middle" });
     const inside = drawn("g", { "clip-path": `url(#${clip})` }), shape = drawn("clipPath", { id: clip });
     shape.append(drawn("rect", box));
     inside.append(...this.visible.map(one => drawn("path", {
       d: pathOf(one, frame), opacity: one.opacity ?? 1, "data-curve": one.key ?? "", "stroke-linejoin": "round",
-      ...(one.shape === "line" || one.shape === "strokes" ?
-        { fill: "none", stroke: `var(--${one.color})`, "stroke-width": one.width, "stroke-dasharray": (DASHES[one.dash] ?? ["none"]).join(" ") } :
-        { fill: `var(--${one.color})` }),
+      "stroke-width": one.width, "stroke-dasharray": (DASHES[one.dash] ?? ["none"]).join(" "),
+      [LINES.has(one.shape) ? "stroke" : "fill"]: `var(--${one.color})`,
+      ...(LINES.has(one.shape) ? { fill: "none" } : {}),
     })));
     group.append(shape, inside);
     return group;
@@ -217,14 +223,15 @@ class Part {
 class Chart {
   constructor(place, number) {
     const { x, height, parts, arrays } = JSON.parse(place.dataset.chart);
-    Object.assign(this, { place, number, x, off: new Set(), range: [x.low, x.high], color: screenColors(), parts });
+    Object.assign(this, { place, number, x, off: new Set(), range: [x.low, x.high], parts });
     const figure = place.closest("figure"), panel = place.closest(".panel");
     this.captions = [panel?.querySelector(".name"), figure?.querySelector("figcaption")].filter(Boolean);
     place.style.height = `${height}px`;
     place.tabIndex = 0;
     this.told = made("div", "values");
-    const series = part => part.series.map(one => ({ ...one, x: arrays[one.x], y: arrays[one.y], xEnd: arrays[one.xEnd], yEnd: arrays[one.yEnd] }));
-    this.parts = parts.map((part, index) => new Part(this, { ...part, series: series(part) }, index === parts.length - 1));
+    const known = one => ["x", "y", "xEnd", "yEnd"].forEach(name => { one[name] = arrays[one[name]]; });
+    parts.forEach(part => part.series.forEach(known));
+    this.parts = parts.map((part, index) => new Part(this, part, index === parts.length - 1));
     this.captions[0]?.prepend(menu(this));
     place.append(this.told);
     place.addEventListener("keydown", event => this.key(event));
@@ -234,14 +241,11 @@ class Chart {
 
   fit() { this.parts.forEach(part => part.plot.setSize(part.size())); }
 
-  redraw() {
-    this.color = screenColors();
-    this.zoom(...this.range);
-  }
+  redraw() { this.zoom(...this.range); }
 
   /* All parts show a range, at most as wide as the chart. */
   zoom(low, high) {
-    const { x } = this, to = x.kind === "log" ? Math.log : Number, from = x.kind === "log" ? Math.exp : Number, [first, last] = [to(x.low), to(x.high)];
+    const { x } = this, { to, from } = MAPS[x.kind], [first, last] = [to(x.low), to(x.high)];
     const width = Math.max(to(high) - to(low), LEAST_SHARE * (last - first));
     const begin = Math.min(Math.max(to(low), first), Math.max(last - width, first));
     this.range = [begin === first ? x.low : from(begin), begin + width >= last ? x.high : from(begin + width)];
@@ -260,21 +264,18 @@ class Chart {
     this.zoom(...moves[event.key]);
   }
 
-  /* Values of the named series under the pointer. */
-  tell(part) {
-    const { left } = part.plot.cursor;
+  /* Values of the named series under the pointer, on the other side of the chart. */
+  tell({ plot, visible }) {
+    const { left } = plot.cursor, x = plot.posToVal(left, "x");
     this.told.hidden = !(left >= 0);
     if (this.told.hidden) return;
-    const x = part.plot.posToVal(left, "x"), distance = one => index => Math.abs(one.x[index] - x);
-    const rows = part.visible.filter(one => one.name).map(one => {
-      const far = distance(one), nearest = one.x.reduce((best, _, index) => (far(index) < far(best) ? index : best), 0);
-      const ends = [one.y[nearest], one.yEnd?.[nearest]].filter(value => value !== undefined).map(value => (value === null ? "–" : numbered(value)));
-      return made("span", one.color, `${one.name} ${ends.join(" to ")}`);
+    const rows = visible.filter(one => one.name).map(one => {
+      const far = index => Math.abs(one.x[index] - x);
+      const nearest = one.x.reduce((best, _, index) => (far(index) < far(best) ? index : best), 0);
+      return made("span", one.color, `${one.name} ${one.y[nearest] === null ? "–" : numbered(one.y[nearest])}`);
     });
     this.told.replaceChildren(made("span", "quiet", `${this.x.label}: ${numbered(x)}`), ...rows);
-    this.told.style[left > part.plot.over.clientWidth / 2 ? "left" : "right"] = "auto";
-    this.told.style[left > part.plot.over.clientWidth / 2 ? "right" : "left"] = left > part.plot.over.clientWidth / 2 ?
-      `${part.plot.over.clientWidth - left + 18}px` : `${left + 60}px`;
+    this.told.classList.toggle("before", left > plot.over.clientWidth / 2);
   }
 
   get name() {
@@ -291,7 +292,8 @@ class Chart {
   legend() {
     const keys = new Set(this.parts.flatMap(part => part.visible.map(one => one.key)));
     return this.captions.flatMap(caption => all(caption, "span"))
-      .filter(entry => entry.firstElementChild?.matches(".key, .dot") && (!entry.dataset.switch || keys.has(entry.dataset.switch)))
+      .filter(entry => entry.firstElementChild?.matches(".key, .dot"))
+      .filter(entry => !entry.dataset.switch || keys.has(entry.dataset.switch))
       .map(entry => ({
         color: [...entry.classList].find(name => name !== "switch" && name !== "off") ?? "ink",
         shape: [...entry.firstElementChild.classList], text: words(entry),
@@ -300,19 +302,22 @@ class Chart {
 
   /* The chart as an element of SVG with the colors of paper; as a file it has its name and its legend, too. */
   svg(isFile = false) {
-    const width = this.place.clientWidth, rows = isFile ? rowsOf(this.legend(), width - PAD_PX) : [], top = isFile ? 2 * LINE_PX : 0;
-    const heights = this.parts.map(part => part.plot.height), bottom = top + heights.reduce((sum, height) => sum + height, 0);
-    const height = bottom + (rows.length ? rows.length * LINE_PX + PAD_PX : 0);
-    const root = drawn("svg", { viewBox: `0 0 ${width} ${height}`, "font-family": FONT, "font-size": TEXT_PX });
+    const width = this.place.clientWidth, entries = isFile ? this.legend() : [];
+    const root = drawn("svg", { "font-family": FONT, "font-size": TEXT_PX });
+    let bottom = isFile ? 2 * LINE_PX : 0;
+    const parts = this.parts.map((part, index) => {
+      const group = part.svg(bottom, `clip-${this.number}-${index}${isFile ? "-file" : ""}`);
+      bottom += part.plot.height;
+      return group;
+    });
+    const height = bottom + entries.length * LINE_PX + (isFile ? PAD_PX : 0);
+    root.setAttribute("viewBox", `0 0 ${width} ${height}`);
     if (isFile) {
-      root.setAttribute("width", width);
-      root.setAttribute("height", height);
+      Object.entries({ width, height }).forEach(([name, value]) => root.setAttribute(name, value));
       root.append(drawn("rect", { width, height, fill: "var(--paper)" }),
         drawn("text", { x: PAD_PX, y: 1.3 * LINE_PX, "font-weight": "bold", fill: "var(--ink)" }, this.name));
     }
-    root.append(...this.parts.map((part, index) => part.svg(heights.slice(0, index).reduce((sum, one) => sum + one, top),
-      `clip-${this.number}-${index}${isFile ? "-file" : ""}`)));
-    rows.forEach((row, index) => root.append(...row.map(entry => drawnEntry(entry, bottom + (index + 0.5) * LINE_PX))));
+    root.append(...parts, ...entries.map((entry, index) => drawnEntry(entry, bottom + (index + 0.5) * LINE_PX)));
     return root;
   }
 
@@ -332,27 +337,13 @@ class Chart {
   }
 }
 
-/* Legend entries in rows that fit the width, with the place of each. */
-function rowsOf(entries, width) {
-  const rows = [];
-  let x = Infinity;
-  for (const entry of entries) {
-    const length = KEY_PX + 4 + textWidth(entry.text);
-    if (x + length > width) {
-      rows.push([]);
-      x = PAD_PX;
-    }
-    rows.at(-1).push({ ...entry, x });
-    x += length + LINE_PX;
-  }
-  return rows;
-}
-
-function drawnEntry({ color, shape, text, x }, y) {
-  const group = drawn("g", {}), paint = `var(--${color})`, dash = DASHES[shape.find(name => name in DASHES)] ?? ["none"];
-  group.append(shape.includes("dot") ? drawn("circle", { cx: x + KEY_PX / 2, cy: y, r: 2, fill: paint }) :
-    drawn("path", { d: `M${x} ${y}h${KEY_PX}`, fill: "none", stroke: paint, "stroke-dasharray": dash.join(" "), "stroke-width": shape.includes("thin") ? 1 : 2 }),
-  drawn("text", { x: x + KEY_PX + 4, y: y + 4, fill: "var(--ink)" }, text));
+/* An entry of the legend of a file, which has an entry a line. */
+function drawnEntry({ color, shape, text }, y) {
+  const group = drawn("g", {}), dash = DASHES[shape.find(name => name in DASHES)] ?? ["none"];
+  group.append(drawn("text", { x: 2 * PAD_PX + KEY_PX, y: y + 4, fill: "var(--ink)" }, text));
+  group.append(shape.includes("dot") ? drawn("circle", { cx: PAD_PX + KEY_PX / 2, cy: y, r: 2, fill: `var(--${color})` }) :
+    drawn("path", { d: `M${PAD_PX} ${y}h${KEY_PX}`, fill: "none", stroke: `var(--${color})`,
+      "stroke-dasharray": dash.join(" "), "stroke-width": shape.includes("thin") ? 1 : 2 }));
   return group;
 }
 
@@ -396,7 +387,8 @@ class Legend {
   }
 
   arm(name) {
-    Object.entries({ role: "button", tabindex: "0", "aria-pressed": "true" }).forEach(([key, value]) => name.setAttribute(key, value));
+    const marks = { role: "button", tabindex: "0", "aria-pressed": "true" };
+    Object.entries(marks).forEach(([key, value]) => name.setAttribute(key, value));
     const press = alone => {
       if (alone) this.turn(this.names, false);
       this.turn([name], alone || name.classList.contains("off"));
@@ -443,7 +435,7 @@ addEventListener("DOMContentLoaded", () => {
     .filter(one => event.key === "Escape" || (event.type === "click" && !one.contains(event.target)))
     .forEach(one => { one.open = false; });
   ["click", "keydown"].forEach(kind => document.addEventListener(kind, closeOthers));
-  addEventListener("beforeprint", () => charts.forEach(chart => chart.place.append(Object.assign(chart.svg(), { id: `paper-${chart.number}` }))));
+  addEventListener("beforeprint", () => charts.forEach(chart => chart.place.append(chart.svg())));
   addEventListener("afterprint", () => all(document, ".chart > svg").forEach(svg => svg.remove()));
 });
 })();

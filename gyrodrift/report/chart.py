@@ -129,11 +129,12 @@ class Chart:
     def json(self) -> str:
         """The chart for chart.js; equal coordinates are stated once."""
         arrays: dict[str, int] = {}
+        whole = sum(part.share for part in self.parts)
         parts = [
             {
                 "y": _scale(part.y),
-                "share": part.share,
-                "series": [_series(one, self.x, part.y, arrays) for one in part.series],
+                "share": round(part.share / whole, 4),
+                "series": [_series(series, self.x, part.y, arrays) for series in part.series],
             }
             for part in self.parts
         ]

@@ -10,7 +10,7 @@ import pytest
 from browser_support import browsing
 from page_support import charts, parsed, shown, words
 
-from gyrodrift.report.chart import AxisScale, Chart, ChartSeries, Mark, Part, Shape, line
+from gyrodrift.report.chart import AxisScale, Chart, ChartSeries, Mark, Part, ScaleKind, Shape, line
 from gyrodrift.report.page import bold, page
 
 MINUTES = np.linspace(0.0, 10.0, 101)
@@ -142,7 +142,7 @@ def written() -> str:
     x = AxisScale("minutes", 0.0, 10.0)
     chart = Chart("Two curves", x, [Part(AxisScale("error, deg", 0.0, 100.0), curves)], 210)
     shapes = [ChartSeries(MINUTES, MINUTES, "plain", shape, MINUTES + 0.05, 2.0 * MINUTES) for shape in Shape]
-    other = Chart("Every shape", x, [Part(AxisScale("deg", 0.0, 20.0), shapes)])
+    other = Chart("Every shape", x, [Part(AxisScale("deg", -300.0, 0.5, ScaleKind.SYMLOG), shapes)])
     source = """{% call blocks.figure(blocks.panels([(name, chart)])) %}Two. {{ blocks.legend(marks) }}{% endcall %}
         {% call blocks.figure(blocks.chart(other), "compact") %}<b>Alone.</b> {{ blocks.legend(dots) }}{% endcall %}"""
     dots = [Mark("", "plain", "dot", "some dots")]

@@ -76,7 +76,8 @@ def _dash(entry: Entry) -> str:
 
 def session_chart(curves: YawCurves, lines: Sequence[tuple[int, Entry]]) -> Chart:
     """Yaw above, its error below, for some rows of the comparison; the first is drawn last."""
-    yaws, errors = [], [line(y=0.0, color="quiet", width=0.8)]
+    yaws: list[ChartSeries] = []
+    errors = [line(y=0.0, color="quiet", width=0.8)]
     for row, entry in reversed(lines):
         for part, yaw_deg in ((yaws, curves.yaw_deg[row]), (errors, curves.errors_deg[row])):
             x, y = thinned(curves.minutes, yaw_deg)
