@@ -181,5 +181,5 @@ def test_the_service_stays_light(statement: str) -> None:
     """Neither the command line nor the service with all it may load brings numerical or plotting packages."""
     code = f"import sys; {statement}; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    heavy = {"numpy", "scipy", "matplotlib", "pandas", "numba", "firmware_sim", "rich", "twisted"}
+    heavy = {"numpy", "scipy", "matplotlib", "jinja2", "pandas", "numba", "firmware_sim", "rich", "twisted"}
     assert not heavy & set(done.stdout.split())

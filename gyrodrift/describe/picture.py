@@ -105,13 +105,15 @@ def _draw_series(axes: Axes, series: ChartSeries, x: AxisScale, y: AxisScale) ->
         case Shape.BAND:
             axes.fill_between(series.x, series.y, _ends(series.y_end), linewidth=0.0, **style)
         case _:
-            left, right = _within(series.x, x), _within(_ends(series.x_end), x)
-            bottom, top = _within(series.y, y), _within(_ends(series.y_end), y)
+            x_low, x_high = _within(series.x, x), _within(_ends(series.x_end), x)
+            y_low, y_high = _within(series.y, y), _within(_ends(series.y_end), y)
             if series.shape is Shape.BOXES:
-                corners = np.array([[left, bottom], [right, bottom], [right, top], [left, top]]).transpose(2, 0, 1)
+                corners = np.array([[x_low, y_low], [x_high, y_low], [x_high, y_high], [x_low, y_high]]).transpose(
+                    2, 0, 1
+                )
                 axes.add_collection(PolyCollection(list(corners), linewidth=0.0, **style))
             else:
-                ends = np.array([[left, bottom], [right, top]]).transpose(2, 0, 1)
+                ends = np.array([[x_low, y_low], [x_high, y_high]]).transpose(2, 0, 1)
                 lines = LineCollection(list(ends), linewidth=width, linestyle=DASHES[series.dash], **style)
                 axes.add_collection(lines)
 

@@ -10,11 +10,10 @@ from gyrodrift.describe.listing import duration_text
 from gyrodrift.describe.overview import SessionRow, bias_at_rest, row_of
 from gyrodrift.describe.recording_panels import recording_panels
 from gyrodrift.describe.text import Group
-from gyrodrift.describe.values import SessionDescription
 from gyrodrift.describe.yaw import last_error, mean_absolute
 from gyrodrift.describe.yaw_panels import error_panel, histogram_panel, yaw_panels
 from gyrodrift.report.chart import Chart
-from gyrodrift.report.numbers import even, mean, minus, significant
+from gyrodrift.report.numbers import even, mean
 from gyrodrift.report.page import Section, page
 from gyrodrift.report.provenance import Provenance, provenance
 from gyrodrift.values.noise import (
@@ -25,8 +24,14 @@ from gyrodrift.values.noise import (
 
 UNKNOWN = "–"
 
-HISTORY = {"last_error": last_error, "mean_absolute": mean_absolute, "isfinite": isfinite}
-"""Functions that the template of a session calls."""
+SHARED = {
+    "last_error": last_error,
+    "mean_absolute": mean_absolute,
+    "isfinite": isfinite,
+    "per_root_hour": ROOT_SECONDS_PER_ROOT_HOUR,
+    "per_hour": SECONDS_PER_HOUR,
+}
+"""Functions and units of the template of a session."""
 
 DRAWN = 12
 """Only this many sessions have figures; the table has all of them."""
@@ -106,7 +111,7 @@ def _chapter(number: int, described: DescribedSession, groups: Sequence[Group]) 
         "description": described.description,
         "history": described.yaw,
         "length": duration_text(described.description.duration_s),
-        "rests": _rest_values(described.description),
+        "bias_dps": bias_at_rest(described.description),
         "error": error_panel(described),
         "yaw": [
             *((Markup("<b>{}</b>").format(panel.name), panel.chart) for panel in curves),
@@ -117,7 +122,7 @@ def _chapter(number: int, described: DescribedSession, groups: Sequence[Group]) 
         "noise": FLICKER_WORDS if described.description.allan else "",
         "groups": groups,
     }
-    return Section("describe/templates/session.html", values | HISTORY, f"{number}. {described.session.name}")
+    return Section("describe/templates/session.html", values | SHARED, f"{number}. {described.session.name}")
 
 
 def _with_legend(panel: Panel) -> tuple[Markup, Chart]:
@@ -125,25 +130,3 @@ def _with_legend(panel: Panel) -> tuple[Markup, Chart]:
     entry = Markup('<br/><span class="{}"><span class="{}"></span> {}</span>')
     legend = Markup().join(entry.format(mark.color, mark.shape, mark.name) for mark in panel.marks)
     return Markup("<strong>{}</strong>{}").format(panel.name, legend), panel.chart
-
-
-def _rest_values(description: SessionDescription) -> list[tuple[str, str]]:
-    """Bias and noise at rest with their names, as far as they are known."""
-    allan = description.allan
-    rest_s = sum(rest.end_s - rest.start_s for rest in description.stretches)
-    values = (
-        ("bias", bias_at_rest(description), 1.0, "deg/s"),
-        ("time at rest", rest_s, 1.0, "s"),
-        (
-            "angle random walk",
-            None if allan is None else allan.angle_random_walk_deg_rts,
-            ROOT_SECONDS_PER_ROOT_HOUR,
-            "°/√h",
-        ),
-        ("bias instability", None if allan is None else allan.bias_instability_dps, SECONDS_PER_HOUR, "°/h"),
-    )
-    return [
-        (name, minus(f"{significant(factor * value, 3)} {unit}"))
-        for name, value, factor, unit in values
-        if value is not None
-    ]

@@ -210,7 +210,7 @@ def error_scale(label: str, values: Iterable[Floats]) -> AxisScale:
 
 def log_scale(label: str, values: Iterable[Floats], least_factor: float = 1.0) -> AxisScale:
     """A logarithmic scale over all positive values, at least `least_factor` from end to end."""
-    low, high = _ends([np.where(one > 0.0, one, np.nan) for one in values])
+    low, high = _ends([np.where(array > 0.0, array, np.nan) for array in values])
     low, high = (low, high) if low > 0.0 else (0.1, 1.0)
     margin = (high / low) ** MARGIN
     low, high = low / margin, high * margin

@@ -27,18 +27,18 @@ def report_html(comparison: Comparison, made: Provenance) -> str:
 
 def _head(comparison: Comparison, set_name: str) -> Section:
     """Verdict: the best real-time method, and the next."""
-    first, *others = comparison.streaming
+    first, *following = comparison.streaming
     sessions = comparison.sessions
     values = {
         "comparison": comparison,
         "set_name": set_name,
         "minutes": sum(session.session.minutes for session in sessions),
         "first": first,
-        "second": others[0] if others else None,
+        "second": following[0] if following else None,
         "mark": shared(comparison, comparison.entries[first]),
         "absent": [f"{method.title} did not run: {absence(method)}." for method in comparison.missing],
         "ahead": sum(
-            session.scores[first].e_deg < session.scores[row].e_deg for session in sessions for row in others[:1]
+            session.scores[first].e_deg < session.scores[row].e_deg for session in sessions for row in following[:1]
         ),
         "sources": sources(comparison),
     }

@@ -73,7 +73,7 @@ def feature_chart(compared: FeatureComparison, *, has_causes: bool) -> Chart:
     """A feature session by session: recordings as dots, expected values of the simulator as bars."""
     sessions = np.arange(1.0, len(compared.real) + 1.0)
     bands = [(compared.before, BEFORE, WIDE_BAR), *[(compared.after, AFTER, NARROW_BAR)] * has_causes]
-    series = [one for band, color, width in bands for one in _bars(sessions, band, color, width)]
+    series = [bar for band, color, width in bands for bar in _bars(sessions, band, color, width)]
     series.append(ChartSeries(sessions, compared.real, REAL, Shape.DOTS, name="recordings", width=5.0))
     values = [compared.real, *(end for band, _, _ in bands for end in (band.low, band.high))]
     y = scale_of(UNITS.get(compared.unit, compared.unit), values)
@@ -200,13 +200,18 @@ def _smooth(values: Floats) -> Floats:
 def spectrum_charts(parts: Sequence[Spectra], *, has_causes: bool) -> list[Chart]:
     """A chart for each range of frequencies: recorded and simulated amplitude spectral densities, on a common scale."""
     lines = [_lines(part.real, part.before, part.after, has_causes=has_causes) for part in parts]
-    y = log_scale("rate error, deg/s/√Hz", [values for one in lines for values, _ in one], DECADE)
+    y = log_scale("rate error, deg/s/√Hz", [values for curves in lines for values, _ in curves], DECADE)
     return [
         Chart(
             "Spectrum of the rate error",
             AxisScale("frequency, Hz", float(part.hz[0]), float(part.hz[-1]), ScaleKind.LOG),
-            [Part(y, [_curve(part.hz, np.where(values > 0.0, values, np.nan), color, color) for values, color in one])],
+            [
+                Part(
+                    y,
+                    [_curve(part.hz, np.where(values > 0.0, values, np.nan), color, color) for values, color in curves],
+                )
+            ],
             220,
         )
-        for part, one in zip(parts, lines, strict=True)
+        for part, curves in zip(parts, lines, strict=True)
     ]
