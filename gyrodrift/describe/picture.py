@@ -1,6 +1,6 @@
 """A session as a picture of one page; matplotlib comes with `[lab]`."""
 
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, Literal
 
 import matplotlib as mpl
 import numpy as np
@@ -36,7 +36,7 @@ COLORS = {
 }
 """Variables of the style sheet of pages as colors."""
 
-DASHES = {"dashed": "--", "dotted": ":", "": "-"}
+DASHES: dict[str, Literal["--", ":", "-"]] = {"dashed": "--", "dotted": ":", "": "-"}
 
 STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",

@@ -20,6 +20,9 @@ DIGITS = 5
 MARGIN = 0.05
 """Margin of a scale on either side, as a share of its range."""
 
+LARGEST = 1e300
+"""Largest end of a scale, so that its margin is finite."""
+
 LINEAR_LIMIT = 1.0
 """A symmetric logarithmic scale is linear up to this value."""
 
@@ -166,12 +169,13 @@ def _series(series: ChartSeries, x: AxisScale, y: AxisScale, arrays: dict[str, i
 
 def _numbers(values: Floats, scale: AxisScale) -> str:
     """Coordinates as JSON, rounded for their scale; null for values that are not finite."""
+    drawn = np.where(np.abs(values) < LARGEST, values, np.nan)
     if scale.kind is ScaleKind.LINEAR:
-        rounded = np.round(values, DIGITS - ceil(log10(max(scale.high - scale.low, 1e-300)))) + 0.0
+        rounded = np.round(drawn, DIGITS - ceil(log10(max(scale.high - scale.low, 1e-300)))) + 0.0
         numbers = [f"{value:.12g}" for value in rounded.tolist()]
     else:
-        numbers = [f"{value:.{DIGITS}g}" for value in values.tolist()]
-    return f"[{','.join('null' if number in ('nan', 'inf', '-inf') else number for number in numbers)}]"
+        numbers = [f"{value:.{DIGITS}g}" for value in drawn.tolist()]
+    return f"[{','.join(numbers)}]".replace("nan", "null")
 
 
 def thinned(x: Floats, y: Floats) -> tuple[Floats, Floats]:
@@ -208,7 +212,7 @@ def error_scale(label: str, values: Iterable[Floats]) -> AxisScale:
     return AxisScale(label, 1.3 * low, 1.3 * high, ScaleKind.SYMLOG)
 
 
-def log_scale(label: str, values: Iterable[Floats], least_factor: float = 1.0) -> AxisScale:
+def log_scale(label: str, values: Iterable[Floats], least_factor: float) -> AxisScale:
     """A logarithmic scale over all positive values, at least `least_factor` from end to end."""
     low, high = _ends([np.where(array > 0.0, array, np.nan) for array in values])
     low, high = (low, high) if low > 0.0 else (0.1, 1.0)
@@ -221,7 +225,7 @@ def log_scale(label: str, values: Iterable[Floats], least_factor: float = 1.0) -
 def _ends(values: Iterable[Floats]) -> tuple[float, float]:
     """Lowest and highest finite value; 0 and 0 without any."""
     finite = [value[np.isfinite(value)] for value in values]
-    everything = np.concatenate([np.empty(0), *finite])
+    everything = np.clip(np.concatenate([np.empty(0), *finite]), -LARGEST, LARGEST)
     return (float(everything.min()), float(everything.max())) if len(everything) else (0.0, 0.0)
 
 

@@ -56,17 +56,14 @@ def page(title: str, sections: Sequence[Section | None]) -> str:
     parts = [(section, Markup(section)) for section in sections if section is not None]  # noqa: S704 - of a template
     chapters = [section for section, _ in parts if section.heading]
     has_charts = any('data-chart="' in html for _, html in parts)
-    html = (
-        _environment()
-        .get_template("report/templates/base.html")
-        .render(
-            title=title,
-            policy=POLICY,
-            styles=[_source(HOME / "page.css"), *[_source(UPLOT / "uPlot.min.css")] * has_charts],
-            scripts=[_uplot(), _source(HOME / "chart.js")] * has_charts,
-            contents=chapters if len(chapters) >= CHAPTERS else [],
-            parts=parts,
-        )
+    base = _environment().get_template("report/templates/base.html")
+    html = base.render(
+        title=title,
+        policy=POLICY,
+        styles=[_source(HOME / "page.css"), *[_source(UPLOT / "uPlot.min.css")] * has_charts],
+        scripts=[_uplot(), _source(HOME / "chart.js")] * has_charts,
+        contents=chapters if len(chapters) >= CHAPTERS else [],
+        parts=parts,
     )
     return _allowed(html)
 

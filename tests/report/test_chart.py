@@ -60,6 +60,8 @@ def test_a_scale_holds_all_finite_values() -> None:
     assert scale_of("", [np.array([0.0, nan, 10.0]), np.array([inf])]) == AxisScale("", -0.5, 10.5)
     wide = scale_of("", [np.array([1.0, 1.1])], 2.0)
     assert (wide.low, wide.high) == pytest.approx((0.05, 2.05))
+    assert json.loads(chart_of(ChartSeries(X, X * 1.7e307, "ink")).json())["arrays"][1][:2] == [0, None]
+    assert np.isfinite(scale_of("", [np.array([-1.7e308, 1.7e308])]).high)
     for nothing in ([], [np.array([nan])]):
         assert scale_of("", nothing) == AxisScale("", -0.5, 0.5)
 
@@ -68,7 +70,7 @@ def test_a_scale_of_factors_is_at_least_so_long() -> None:
     """From the middle; values that are not positive are left out."""
     scale = log_scale("", [np.array([0.0, -1.0, 1.0, nan])], 100.0)
     assert (scale.low, scale.high) == pytest.approx((0.1, 10.0))
-    assert log_scale("", [np.zeros(3)]).low > 0.0
+    assert log_scale("", [np.zeros(3)], 10.0).low > 0.0
 
 
 def test_a_scale_of_errors_has_its_linear_part() -> None:
