@@ -31,10 +31,10 @@ ROOMS = {
     "session.checks": f"{BASE} columns facts session",
     "columns": BASE,
     "link": f"{BASE} columns session",
-    "html": BASE,
+    "report": BASE,
     "outputs": BASE,
     "config": f"{BASE} columns filters firmware_sim.strict_yaml link outputs",
-    "describe": f"{BASE} evaluation facts filters html session session.checks",
+    "describe": f"{BASE} evaluation facts filters report session session.checks",
     "doctor": f"{BASE} columns describe evaluation facts filters link outputs session session.checks",
     "recording": f"{BASE} filters link session",
     "calibrate": f"{BASE} facts link",
@@ -42,8 +42,8 @@ ROOMS = {
     "top": f"{BASE} outputs service",
     "evaluation": f"{BASE} facts filters session session.checks",
     "simulation": f"{BASE} firmware_sim session",
-    "tune": f"{BASE} evaluation filters html",
-    "compare": f"{BASE} evaluation filters html session session.checks tune",
+    "tune": f"{BASE} evaluation filters report",
+    "compare": f"{BASE} evaluation filters report session session.checks tune",
     "diagnose.recording": f"{BASE} evaluation facts session session.checks",
     "diagnose.features": f"{BASE} diagnose.recording",
     "diagnose.simulate": f"{BASE} diagnose.features diagnose.recording firmware_sim session session.checks simulation",
@@ -55,11 +55,11 @@ ROOMS = {
     "diagnose": f"{BASE} diagnose.features diagnose.inference diagnose.next_recording "
     "diagnose.predictive_checks diagnose.recording diagnose.simulate firmware_sim session session.checks simulation",
     "diagnose.report": f"{BASE} diagnose diagnose.export diagnose.features diagnose.inference "
-    "diagnose.next_recording diagnose.predictive_checks html",
-    "diagnose.export": f"{BASE} diagnose diagnose.inference diagnose.report firmware_sim html",
+    "diagnose.next_recording diagnose.predictive_checks report",
+    "diagnose.export": f"{BASE} diagnose diagnose.inference diagnose.report firmware_sim report",
     "demo": f"{BASE} filters",
     "firmware": f"{BASE} filters config",
-    "library": f"{BASE} columns compare config diagnose diagnose.report evaluation filters firmware_sim html link "
+    "library": f"{BASE} columns compare config diagnose diagnose.report evaluation filters firmware_sim report link "
     "session session.checks simulation tune",
     "firmware_sim": "firmware_sim.strict_yaml",
     "firmware_sim.strict_yaml": "",
@@ -191,7 +191,7 @@ def test_the_service_stays_light(statement: str) -> None:
     """Neither the command line nor the service with all it may load brings numerical or plotting packages."""
     code = f"import sys; {statement}; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    heavy = {"numpy", "scipy", "matplotlib", "pandas", "numba", "rich", "twisted"}
+    heavy = {"numpy", "scipy", "matplotlib", "jinja2", "pandas", "numba", "rich", "twisted"}
     loaded = set(done.stdout.split())
     assert not heavy & loaded
     assert of("firmware_sim", loaded) <= {"firmware_sim", "firmware_sim.strict_yaml"}

@@ -67,7 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
         progress.report(options.PACKAGES, 0, 0)
         from gyrodrift.io.installation import need_packages
 
-        need_packages("compare", "cma", "matplotlib", "numba", "scipy")
+        need_packages("compare", "cma", "numba", "scipy")
         from gyrodrift.compare.comparison import compare
 
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends the workers too
@@ -104,16 +104,17 @@ def _request(arguments: argparse.Namespace, progress: "Progress") -> "Comparison
 
 
 def _write(arguments: argparse.Namespace, comparison: "Comparison") -> None:
-    from gyrodrift.compare.report.files import summary, write_json
+    from gyrodrift.compare.report.files import content, summary
 
     if arguments.out is not None:
         from gyrodrift.compare.report.page import report_html
-        from gyrodrift.html.provenance import Provenance, date_now, set_name
         from gyrodrift.io.files import write_whole
+        from gyrodrift.report.files import write_json
+        from gyrodrift.report.provenance import Provenance, date_now, set_name
 
         command = shlex.join(arguments.command_line)
         made = Provenance(set_name([*arguments.paths, *arguments.still]), command, date_now())
-        write_json(arguments.out / "compare.json", comparison, command)
+        write_json(arguments.out / "compare.json", content(comparison, command))
         write_whole(arguments.out / "report.html", [report_html(comparison, made)])
     for note in comparison.notes:
         print(f"gyrodrift: note: {note}", file=sys.stderr)

@@ -24,7 +24,7 @@ EXPORTS = ("gazebo", "kalibr", "mujoco", "json")
 
 if TYPE_CHECKING:
     from firmware_sim.rig import Rig
-    from gyrodrift.html.provenance import Provenance
+    from gyrodrift.report.provenance import Provenance
     from gyrodrift.session.checks.stated import ReadingOptions
 
 
@@ -79,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
         waiting.report(options.PACKAGES, 0, 0)
         from gyrodrift.io.installation import need_packages
 
-        need_packages("diagnose", "matplotlib", "numba", "scipy")
+        need_packages("diagnose", "numba", "scipy")
         from gyrodrift.diagnose.report.page import report_html
         from gyrodrift.diagnose.stages import REPORT, SHARES, DiagnosisRequest
     from firmware_sim.rig import load_rig
@@ -145,7 +145,7 @@ def _baseline_reading(arguments: argparse.Namespace) -> "ReadingOptions":
 def _provenance(arguments: argparse.Namespace, rig: "Rig") -> "Provenance":
     """Provenance of the page; its config is the rig."""
     from gyrodrift.evaluation.dataset import digest_of
-    from gyrodrift.html.provenance import Provenance, UsedFile, date_now, set_name
+    from gyrodrift.report.provenance import Provenance, UsedFile, date_now, set_name
     from gyrodrift.session.files import session_paths
     from gyrodrift.simulation.sessions import rig_yaml
 

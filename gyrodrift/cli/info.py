@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from gyrodrift.describe.text import Group
     from gyrodrift.describe.yaw import YawHistory
     from gyrodrift.facts.session_facts import SessionFacts
-    from gyrodrift.html.provenance import Provenance
     from gyrodrift.io.progress import Progress
+    from gyrodrift.report.provenance import Provenance
     from gyrodrift.session.checks.finding import SessionFinding
     from gyrodrift.session.mcap.raw import RawSize
     from gyrodrift.session.session import Session
@@ -227,9 +227,6 @@ def _drawing(arguments: argparse.Namespace, sessions: "Sequence[Path]", *, is_ta
         return None
     if arguments.picture is not None:
         _check_picture(arguments.picture, sessions)
-    from gyrodrift.io.installation import need_packages
-
-    need_packages("--out" if arguments.picture is None else "--picture", "matplotlib")
     if arguments.out is not None:
         check_writable(arguments.out)
     return _Drawing(arguments)
@@ -237,12 +234,14 @@ def _drawing(arguments: argparse.Namespace, sessions: "Sequence[Path]", *, is_ta
 
 def _check_picture(path: Path, sessions: "Sequence[Path]") -> None:
     from gyrodrift.io.files import check_inputs_kept
+    from gyrodrift.io.installation import need_packages
 
     if path.suffix not in PICTURES:
         raise UsageError(f"--picture {path}: expected a name that ends in {', '.join(PICTURES)}")
     if len(sessions) > 1:
         raise UsageError(f"--picture shows one session, {len(sessions)} were given; --out DIR makes a page of all")
     check_inputs_kept([path], sessions)
+    need_packages("--picture", "matplotlib")
 
 
 class _Drawing:
@@ -260,7 +259,6 @@ class _Drawing:
     def add(self, described: _Description, yaw: "YawHistory | None") -> None:
         """Draw the next session."""
         from gyrodrift.describe.drawing import DescribedSession
-        from gyrodrift.describe.picture import draw
 
         drawn = DescribedSession(described.possible, described.facts, yaw)
         self._count += 1
@@ -269,6 +267,8 @@ class _Drawing:
             self._page.add(drawn, described.groups)
         picture = self._arguments.picture
         if picture is not None:
+            from gyrodrift.describe.picture import draw
+
             with whole_file(picture) as file:
                 draw(drawn, file, picture.suffix.removeprefix("."))
 
@@ -288,7 +288,7 @@ class _Drawing:
 
 def _provenance(arguments: argparse.Namespace, config: "Config", paths: "Sequence[Path]") -> "Provenance":
     from gyrodrift.evaluation.dataset import digest_of
-    from gyrodrift.html.provenance import Provenance, UsedFile, date_now, set_name
+    from gyrodrift.report.provenance import Provenance, UsedFile, date_now, set_name
 
     given = arguments.config
     return Provenance(

@@ -192,7 +192,7 @@ def _sources(arguments: argparse.Namespace) -> "list[Source]":
 
 
 def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
-    from gyrodrift.tune.report.files import summary, write_config, write_json
+    from gyrodrift.tune.report.files import content, summary, write_config
 
     words = [word for word in arguments.command_line if word != "--resume"]
     command = shlex.join(words)
@@ -201,11 +201,12 @@ def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
     if kept:
         _keep(arguments.out, kept)
     if arguments.report is not None:
-        from gyrodrift.html.provenance import Provenance, date_now, set_name
         from gyrodrift.io.files import write_whole
+        from gyrodrift.report.files import write_json
+        from gyrodrift.report.provenance import Provenance, date_now, set_name
         from gyrodrift.tune.report.page import report_html
 
-        write_json(arguments.report / "tune.json", tuning)
+        write_json(arguments.report / "tune.json", content(tuning))
         given = [*arguments.paths, *arguments.still, *arguments.test]
         made = Provenance(set_name(given), command, date_now(), config=f"{arguments.out}, with these parameters:")
         write_whole(arguments.report / "report.html", [report_html(tuning, made)])

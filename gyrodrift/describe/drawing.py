@@ -1,15 +1,12 @@
-"""Parts that all panels of a session share: marks, scales, and noisy lines in parts. matplotlib comes with `[lab]`."""
+"""Parts that all charts of a session share: marks, times, noisy lines in parts, and curves with a legend entry."""
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
 from gyrodrift.describe.yaw import YawHistory
 from gyrodrift.facts.session_facts import SessionFacts
-from gyrodrift.html.svg import FIVE, INK, PLAIN, QUIET, STEPS, THREE, TUNED, label_steps, switched, thinned
+from gyrodrift.report.chart import AxisScale, Chart, ChartSeries, Mark, Part, Shape, scale_of, thinned
 from gyrodrift.session.session import Session
 from gyrodrift.values.arrays import Floats
 
@@ -19,18 +16,13 @@ PARTS = 400
 MINUTES_FROM_S = 300.0
 """Time axes of longer sessions are in minutes."""
 
-COLORS = {"plain": PLAIN, "tuned": TUNED, "ink": INK, "three": THREE, "five": FIVE, "quiet": QUIET}
-
-Mark = tuple[str, str, str, str]
-"""Legend entry of a curve: key of its switch, color and shape as classes of the style sheet, and text."""
-
 
 class Panel(NamedTuple):
-    """A chart: its name, its legend, and the function that draws it."""
+    """A chart with its name and its legend."""
 
     name: str
     marks: tuple[Mark, ...]
-    draw: Callable[[Axes], None]
+    chart: Chart
 
 
 class DescribedSession(NamedTuple):
@@ -62,22 +54,22 @@ def line_parts(x: Floats, y: Floats) -> LineParts:
     return LineParts(x[starts], np.fmin.reduceat(y, starts), means, np.fmax.reduceat(y, starts))
 
 
-def draw_parts(axes: Axes, x: Floats, y: Floats, color: str) -> None:
-    """Draw a noisy line as its mean within its range."""
+def noisy_line(x: Floats, y: Floats, color: str, name: str) -> list[ChartSeries]:
+    """A noisy line as its mean within its range."""
     parts = line_parts(x, y)
+    mean = ChartSeries(parts.x, parts.mean, color, name=name, width=1.3)
     if len(parts.x) < len(x):
-        axes.fill_between(parts.x, parts.low, parts.high, color=color, alpha=0.35, linewidth=0.6)
-    marker = "." if len(x) < 2 else ""  # a line through one point is invisible
-    axes.plot(parts.x, parts.mean, color=color, linewidth=1.0, marker=marker)
+        return [ChartSeries(parts.x, parts.low, color, Shape.BAND, y_end=parts.high, opacity=0.35), mean]
+    return [
+        mean,
+        *[ChartSeries(x, y, color, Shape.DOTS, width=5.0)] * (len(x) < 2),
+    ]  # a line through one point is invisible
 
 
-def draw_curve(axes: Axes, mark: Mark, x: Floats, y: Floats) -> None:
-    """Draw a curve that its legend entry switches; values that are not finite are left out."""
-    key, color, shape, _ = mark
-    style = ":" if "dotted" in shape else "-"
-    width = 0.7 if "thin" in shape else 1.3
-    (line,) = axes.plot(*thinned(x, y), color=COLORS[color], linestyle=style, linewidth=width)
-    switched(line, key)
+def curve(mark: Mark, x: Floats, y: Floats, name: str) -> ChartSeries:
+    """A curve that its legend entry switches; values that are not finite are left out."""
+    dash, width = ("dotted" if "dotted" in mark.shape else ""), (0.9 if "thin" in mark.shape else 1.7)
+    return ChartSeries(*thinned(x, y), mark.color, key=mark.key, name=name, dash=dash, width=width)
 
 
 def time_axis(t_s: Floats, duration_s: float) -> tuple[Floats, str]:
@@ -98,18 +90,9 @@ def session_times(described: DescribedSession) -> tuple[Floats, str]:
     return time_axis(seconds_of(described.session), described.description.duration_s)
 
 
-def finish_axes(axes: Axes, x_label: str, y_label: str, least_span: float) -> None:
-    """Label both axes, and widen the vertical scale to at least `least_span`."""
-    low, high = axes.get_ylim()
-    if high - low < least_span:
-        middle = 0.5 * (low + high)
-        axes.set_ylim(middle - 0.5 * least_span, middle + 0.5 * least_span)
-    label_steps(axes.yaxis, 5)
-    label_times(axes, x_label)
-    axes.set_ylabel(y_label)
-
-
-def label_times(axes: Axes, x_label: str) -> None:
-    """Label the horizontal axis in plain steps."""
-    axes.xaxis.set_major_locator(MaxNLocator(6, steps=STEPS))
-    axes.set_xlabel(x_label, labelpad=1.0)
+def chart_over_time(
+    name: str, times: tuple[Floats, str], y: AxisScale, series: list[ChartSeries], height_px: int = 200
+) -> Chart:
+    """A chart over all times, which come with the label of their axis."""
+    t, label = times
+    return Chart(name, scale_of(label, [t], margin=0.0), [Part(y, series)], height_px)

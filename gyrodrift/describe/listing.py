@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from statistics import median
 
 from gyrodrift.describe.overview import SessionRow
-from gyrodrift.html.numbers import degrees, mean, significant
+from gyrodrift.report.numbers import degrees, mean, significant
 from gyrodrift.values.constants import SECONDS_PER_HOUR, SECONDS_PER_MINUTE
 from gyrodrift.values.noise import ROOT_SECONDS_PER_ROOT_HOUR, hourly_rate_text, random_walk_text
 

@@ -3,14 +3,12 @@
 from collections.abc import Iterator
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from gyrodrift.describe.drawing import (
     DescribedSession,
-    Mark,
     Panel,
-    draw_parts,
-    finish_axes,
+    chart_over_time,
+    noisy_line,
     seconds_of,
     session_times,
     time_axis,
@@ -20,8 +18,19 @@ from gyrodrift.facts.allan import Allan, allan_errors
 from gyrodrift.facts.host import host_delays_s
 from gyrodrift.facts.rests import RestSource
 from gyrodrift.facts.session_facts import GAP_PERIODS
-from gyrodrift.html.numbers import significant
-from gyrodrift.html.svg import FIVE, INK, PLAIN, QUIET, THREE, label_factors, label_steps
+from gyrodrift.report.chart import (
+    AxisScale,
+    Chart,
+    ChartSeries,
+    Mark,
+    Part,
+    ScaleKind,
+    Shape,
+    line,
+    log_scale,
+    scale_of,
+)
+from gyrodrift.report.numbers import minus, significant
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.noise import FLICKER_FLOOR, hourly_rate_text, random_walk_text
 
@@ -45,38 +54,37 @@ LEAST_CHANGE_MS = 1e-3
 MARGIN = 0.05
 """Share of the delay scale below 0."""
 
-MEASURED: Mark = ("rate", "quiet", "key", "measured rate: mean and range")
+MEASURED = Mark("", "quiet", "key", "measured rate: mean and range")
 
 
 def recording_panels(described: DescribedSession) -> Iterator[Panel]:
     """The panels that have something to show."""
     description = described.description
     if description.rate is not None and np.isfinite(described.session.t_device_s).any():
-        yield Panel("Rate", _rate_marks(described), lambda axes: _draw_rate(axes, described))
+        yield Panel("Rate", _rate_marks(described), _rate_chart(described))
     yield from _temperature_panels(described)
     yield from _time_panels(described)
     if description.allan is not None and (description.allan.deviations_dps > 0.0).all():
-        allan = description.allan
-        yield Panel("Noise at rest", _noise_marks(allan), lambda axes: _draw_noise(axes, allan))
+        yield Panel("Noise at rest", _noise_marks(description.allan), _noise_chart(description.allan))
 
 
 def _temperature_panels(described: DescribedSession) -> Iterator[Panel]:
     if described.description.temperature is None:
         return
-    yield Panel("Temperature", (), lambda axes: _draw_temperature(axes, described))
+    yield Panel("Temperature", (), _temperature_chart(described))
     drift = temperature_drift(described.session, described.description, described.yaw)
     if drift is not None:
-        yield Panel("Drift against temperature", _drift_marks(drift), lambda axes: _draw_drift(axes, drift))
+        yield Panel("Drift against temperature", _drift_marks(drift), _drift_chart(drift))
 
 
 def _time_panels(described: DescribedSession) -> Iterator[Panel]:
     """Time steps and delays, if they change at all."""
     rate_hz = described.description.rate_hz
     if rate_hz is not None and _changes(np.diff(seconds_of(described.session))):
-        yield Panel("Time from sample to sample", (), lambda axes: _draw_steps(axes, described))
+        yield Panel("Time from sample to sample", (), _steps_chart(described))
     delays_s = host_delays_s(described.session, None if rate_hz is None else 1.0 / rate_hz)
     if delays_s is not None and _changes(delays_s):
-        yield Panel("Delay of arrival", (), lambda axes: _draw_delays(axes, described, delays_s))
+        yield Panel("Delay of arrival", (), _delays_chart(described, delays_s))
 
 
 def _changes(times_s: Floats) -> bool:
@@ -89,102 +97,109 @@ def _rate_marks(described: DescribedSession) -> tuple[Mark, ...]:
     by_encoder = description.still_by is RestSource.ENCODER
     still = "at rest, by the encoder" if by_encoder else "steady rate: at rest, or a constant spin"
     marks = [MEASURED]
-    marks += [("still", "three", "key", still)] * bool(description.stretches)
-    marks += [("gap", "five", "key", "gap: samples are missing")] * bool(description.gaps.count)
+    marks += [Mark("", "three", "key", still)] * bool(description.stretches)
+    marks += [Mark("", "five", "key", "gap: samples are missing")] * bool(description.gaps.count)
     return tuple(marks)
 
 
-def _draw_rate(axes: Axes, described: DescribedSession) -> None:
-    t, label = session_times(described)
-    draw_parts(axes, t, described.session.rate_dps, QUIET)
+def _rate_chart(described: DescribedSession) -> Chart:
+    times = session_times(described)
+    y = scale_of("rate, deg/s", [described.session.rate_dps], LEAST_RATE_DPS)
     longest = sorted(described.description.stretches, key=lambda rest: rest.start_s - rest.end_s)[:SHADES]
-    for rest in longest:
-        ends, _ = time_axis(np.array([rest.start_s, rest.end_s]), described.description.duration_s)
-        axes.axvspan(*ends.tolist(), color=THREE, alpha=0.22, linewidth=0)
-    for start, end in zip(*_gap_ends(t, described), strict=True):
-        axes.axvspan(start, end, color=FIVE, alpha=0.2, linewidth=0)
-        axes.axvspan(start, end, GAP_MARK, color=FIVE, linewidth=0.8)
-    finish_axes(axes, label, "rate, deg/s", LEAST_RATE_DPS)
+    rests, _ = time_axis(
+        np.array([(rest.start_s, rest.end_s) for rest in longest]).reshape(-1, 2), described.description.duration_s
+    )
+    starts, ends = _gap_ends(times[0], described)
+    marks = np.full(len(starts), y.low + GAP_MARK * (y.high - y.low))
+    series = [
+        *noisy_line(times[0], described.session.rate_dps, "quiet", "rate"),
+        _shades(rests[:, 0], rests[:, 1], "three", 0.22),
+        _shades(starts, ends, "five", 0.2),
+        ChartSeries(starts, marks, "five", Shape.STROKES, starts, np.full(len(starts), np.inf)),
+    ]
+    return chart_over_time("Rate", times, y, series)
 
 
-def _gap_ends(t: Floats, described: DescribedSession) -> tuple[list[float], list[float]]:
+def _shades(starts: Floats, ends: Floats, color: str, opacity: float) -> ChartSeries:
+    """Shaded times over the whole height."""
+    infinite = np.full(len(starts), np.inf)
+    return ChartSeries(starts, -infinite, color, Shape.BOXES, ends, infinite, opacity=opacity)
+
+
+def _gap_ends(t: Floats, described: DescribedSession) -> tuple[Floats, Floats]:
     """Starts and ends of the longest gaps on the time axis."""
     if described.description.rate_hz is None:
-        return [], []
+        return np.empty(0), np.empty(0)
     steps_s = np.diff(seconds_of(described.session))
     before = np.flatnonzero(steps_s > GAP_PERIODS / described.description.rate_hz)
     before = before[np.argsort(-steps_s[before])[:SHADES]]
-    return t[before].tolist(), t[before + 1].tolist()
+    return t[before], t[before + 1]
 
 
-def _draw_temperature(axes: Axes, described: DescribedSession) -> None:
-    t, label = session_times(described)
-    if described.session.temp_c is not None:
-        draw_parts(axes, t, described.session.temp_c, INK)
-    finish_axes(axes, label, "temperature, °C", LEAST_TEMPERATURE_C)
+def _temperature_chart(described: DescribedSession) -> Chart:
+    times, temp_c = session_times(described), described.session.temp_c
+    columns = [] if temp_c is None else [temp_c]
+    series = [part for column in columns for part in noisy_line(times[0], column, "ink", "temperature")]
+    return chart_over_time("Temperature", times, scale_of("temperature, °C", columns, LEAST_TEMPERATURE_C), series)
 
 
 def _drift_marks(drift: TemperatureDrift) -> tuple[Mark, ...]:
-    slope = f"{significant(drift.slope_dps_per_c, 2)} deg/s per °C".replace("-", "−")
-    return ("drift", "plain", "dot", drift.source), ("slope", "ink", "key dotted", f"slope: {slope}")
+    slope = minus(f"{significant(drift.slope_dps_per_c, 2)} deg/s per °C")
+    return Mark("", "plain", "dot", drift.source), Mark("", "ink", "key dotted", f"slope: {slope}")
 
 
-def _draw_drift(axes: Axes, drift: TemperatureDrift) -> None:
-    axes.plot(drift.temp_c, drift.drift_dps, ".", color=PLAIN, markersize=4.0, alpha=0.7)
+def _drift_chart(drift: TemperatureDrift) -> Chart:
     ends_c = np.array([drift.temp_c.min(), drift.temp_c.max()])
-    axes.plot(ends_c, drift.line_dps(ends_c), ":", color=INK, linewidth=1.3)
-    finish_axes(axes, "temperature, °C", "drift of the rate, deg/s", LEAST_DRIFT_DPS)
-    label_steps(axes.xaxis, 6)
+    series = [
+        ChartSeries(drift.temp_c, drift.drift_dps, "plain", Shape.DOTS, name="drift", width=5.0, opacity=0.7),
+        ChartSeries(ends_c, drift.line_dps(ends_c), "ink", dash="dotted", width=1.7),
+    ]
+    y = scale_of("drift of the rate, deg/s", [drift.drift_dps, drift.line_dps(ends_c)], LEAST_DRIFT_DPS)
+    return Chart("Drift against temperature", scale_of("temperature, °C", [ends_c]), [Part(y, series)])
 
 
-def _draw_steps(axes: Axes, described: DescribedSession) -> None:
+def _steps_chart(described: DescribedSession) -> Chart:
     t, label = session_times(described)
     steps_ms = np.round(1e3 * np.diff(seconds_of(described.session)), 6)  # finer digits are rounding errors
-    draw_parts(axes, t[1:], steps_ms, INK)
     period_ms = 1e3 / (described.description.rate_hz or 1.0)
-    finish_axes(axes, label, "step, ms", LEAST_STEP_PERIODS * period_ms)
+    y = scale_of("step, ms", [steps_ms], LEAST_STEP_PERIODS * period_ms)
+    return chart_over_time("Time from sample to sample", (t, label), y, noisy_line(t[1:], steps_ms, "ink", "step"))
 
 
-def _draw_delays(axes: Axes, described: DescribedSession, delays_s: Floats) -> None:
-    t, label = session_times(described)
-    draw_parts(axes, t, 1e3 * delays_s, INK)
-    high = max(axes.get_ylim()[1], LEAST_DELAY_MS)
-    axes.set_ylim(-MARGIN * high, high)
-    finish_axes(axes, label, "delay above minimum, ms", LEAST_DELAY_MS)
+def _delays_chart(described: DescribedSession, delays_s: Floats) -> Chart:
+    times, delays_ms = session_times(described), 1e3 * delays_s
+    high = max(scale_of("", [delays_ms]).high, LEAST_DELAY_MS)
+    y = AxisScale("delay above minimum, ms", -MARGIN * high, high)
+    return chart_over_time("Delay of arrival", times, y, noisy_line(times[0], delays_ms, "ink", "delay"))
 
 
 def _noise_marks(allan: Allan) -> tuple[Mark, ...]:
     walk, instability_dps = allan.angle_random_walk_deg_rts, allan.bias_instability_dps
-    marks: list[Mark] = [("allan", "ink", "key", "Allan deviation, ± 1 standard error")]
+    marks = [Mark("", "ink", "key", "Allan deviation, ± 1 standard error")]
     if walk is not None:
-        marks.append(("walk", "plain", "key dashed", f"angle random walk, {random_walk_text(walk)}"))
+        marks.append(Mark("", "plain", "key dashed", f"angle random walk, {random_walk_text(walk)}"))
     if instability_dps is not None:
         words = f"bias instability × 0.664, {hourly_rate_text(FLICKER_FLOOR * instability_dps)}"
-        marks.append(("floor", "three", "key dotted", words))
+        marks.append(Mark("", "three", "key dotted", words))
     return tuple(marks)
 
 
-def _draw_noise(axes: Axes, allan: Allan) -> None:
+def _noise_chart(allan: Allan) -> Chart:
+    """The Allan deviation over at least a decade, so that a flat one looks flat."""
     taus_s, deviations_dps = allan.taus_s, allan.deviations_dps
     errors = allan_errors(taus_s, allan.stretch.end_s - allan.stretch.start_s)
-    axes.set(xscale="log", yscale="log")
-    band = (deviations_dps * (1.0 - errors), deviations_dps * (1.0 + errors))
-    axes.fill_between(taus_s, *band, color=INK, alpha=0.15, linewidth=0)
-    axes.plot(taus_s, deviations_dps, color=INK, linewidth=1.3)
+    low_dps, high_dps = deviations_dps * (1.0 - errors), deviations_dps * (1.0 + errors)
+    series = [
+        ChartSeries(taus_s, low_dps, "ink", Shape.BAND, y_end=high_dps, opacity=0.15),
+        ChartSeries(taus_s, deviations_dps, "ink", name="Allan deviation", width=1.7),
+    ]
+    drawn = [deviations_dps, low_dps, high_dps]
     if allan.angle_random_walk_deg_rts is not None:
-        axes.plot(taus_s, allan.angle_random_walk_deg_rts / np.sqrt(taus_s), "--", color=PLAIN, linewidth=1.1)
+        drawn.append(allan.angle_random_walk_deg_rts / np.sqrt(taus_s))
+        series.append(ChartSeries(taus_s, drawn[-1], "plain", dash="dashed"))
     if allan.bias_instability_dps is not None:
-        axes.axhline(FLICKER_FLOOR * allan.bias_instability_dps, color=THREE, linestyle=":", linewidth=1.4)
-    _scale_noise(axes)
-    axes.set_xlabel("averaging time, s", labelpad=1.0)
-    axes.set_ylabel("Allan deviation, deg/s")
-
-
-def _scale_noise(axes: Axes) -> None:
-    """Show at least a decade, so that a flat Allan deviation looks flat."""
-    low, high = axes.get_ylim()
-    if high < LEAST_DECADE * low:
-        middle = (low * high) ** 0.5
-        axes.set_ylim(middle / LEAST_DECADE**0.5, middle * LEAST_DECADE**0.5)
-    label_factors(axes.xaxis, *axes.get_xlim(), 6)
-    label_factors(axes.yaxis, *axes.get_ylim(), 5)
+        floor_dps = FLICKER_FLOOR * allan.bias_instability_dps
+        drawn.append(np.array([floor_dps]))
+        series.append(line(y=floor_dps, color="three", dash="dotted", width=1.8))
+    x = AxisScale("averaging time, s", float(taus_s[0]), float(taus_s[-1]), ScaleKind.LOG)
+    return Chart("Noise at rest", x, [Part(log_scale("Allan deviation, deg/s", drawn, LEAST_DECADE), series)])

@@ -126,7 +126,7 @@ def diagnose(
     DataError
         If no session can be used, with the reason for each.
     """
-    _need("diagnose", "matplotlib", "numba", "scipy")
+    _need("diagnose", "numba", "scipy")
     from firmware_sim.effects.catalogue import CATALOGUE
     from firmware_sim.rig import load_rig
     from firmware_sim.yaml_file import FileError
@@ -197,7 +197,7 @@ def compare(
     DataError
         If a session cannot be read or has no reference.
     """
-    _need("compare", "cma", "matplotlib", "numba", "scipy")
+    _need("compare", "cma", "numba", "scipy")
     from gyrodrift.compare import comparison
     from gyrodrift.compare.methods.registry import methods
     from gyrodrift.config.model import load_config

@@ -118,21 +118,22 @@ def _save_tuning(tuning: "Tuning", path: Path) -> None:
 
 
 def _save_comparison(comparison: "Comparison", folder: Path) -> None:
-    from gyrodrift.compare.report.files import write_json
+    from gyrodrift.compare.report.files import content
     from gyrodrift.compare.report.page import report_html
-    from gyrodrift.html.provenance import Provenance, date_now
     from gyrodrift.io.files import check_writable, write_whole
+    from gyrodrift.report.files import write_json
+    from gyrodrift.report.provenance import Provenance, date_now
 
     check_writable(folder)
-    write_json(folder / "compare.json", comparison)
+    write_json(folder / "compare.json", content(comparison))
     write_whole(folder / "report.html", [report_html(comparison, Provenance(folder.name, date=date_now()))])
 
 
 def _save_diagnosis(diagnosis: "Diagnosis", folder: Path) -> None:
     from gyrodrift.diagnose.report.files import write_files
     from gyrodrift.diagnose.report.page import report_html
-    from gyrodrift.html.provenance import Provenance, date_now
     from gyrodrift.io.files import check_writable, write_whole
+    from gyrodrift.report.provenance import Provenance, date_now
 
     check_writable(folder)
     write_files(folder, diagnosis)

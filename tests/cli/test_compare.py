@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from page_support import parsed, row, words
+from page_support import charts, parsed, row, words
 from turntable_sessions import RATE_HZ, turntable, write_turntables
 
 from gyrodrift.cli import main
@@ -134,7 +134,7 @@ def test_the_page_shows_all_of_it(told: Path) -> None:
     assert {"HDR, tuned ▲ tuned on 2 of these", "HDR, tuned best ▲ tuned on 2 of these"} & set(first_cells(html))
     assert "tuned rows are too optimistic: they were tuned and scored on table-0, table-1" in words(html)
     assert row(html, "a/table-1")
-    assert sum("data-scales" in one.attrib for one in parsed(html).iter()) == 2 * 4 * 2, "yaw and error, twice"
+    assert sum(len(chart["parts"]) for chart in charts(html)) == 2 * 4 * 2, "yaw and error, twice"
     assert [one.text for one in parsed(html).iter("h2")][-1] == "Provenance"
     assert parsed(html).findtext("head/title") == "Yaw drift compared on a and b"
     assert not any(script.attrib for script in parsed(html).iter("script"))

@@ -3,19 +3,15 @@
 import numpy as np
 import pytest
 
+from gyrodrift.describe.drawing import DescribedSession, Panel
+from gyrodrift.describe.recording_panels import recording_panels
 from gyrodrift.describe.yaw import yaw_history_of
+from gyrodrift.describe.yaw_panels import error_panel, histogram_panel, yaw_panels
 from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.filters.registry import FILTERS
 from gyrodrift.filters.run import FilterRun
+from gyrodrift.report.chart import Shape
 from gyrodrift.session.session import Session
-
-pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
-from matplotlib.figure import Figure
-from matplotlib.patches import StepPatch
-
-from gyrodrift.describe.drawing import DescribedSession, Panel
-from gyrodrift.describe.recording_panels import recording_panels
-from gyrodrift.describe.yaw_panels import error_panel, histogram_panel, yaw_panels
 
 T_S = np.arange(4000) / 100.0
 NOISE_DPS = np.random.default_rng(1).normal(0.0, 0.01, len(T_S))
@@ -32,11 +28,9 @@ def panels_of(session: Session) -> dict[str, Panel]:
 
 
 def spans(panel: Panel) -> float:
-    """Of its vertical scale, once it is drawn."""
-    axes = Figure().add_subplot()
-    panel.draw(axes)
-    low, high = axes.get_ylim()
-    return float(high - low)
+    """Of its vertical scale."""
+    (part,) = panel.chart.parts
+    return part.y.high - part.y.low
 
 
 def full_session(rate_dps: np.ndarray = NOISE_DPS) -> Session:
@@ -83,7 +77,7 @@ def test_drift_against_temperature_shows_its_slope() -> None:
         Session("turning", t_s, rate_dps - motion_dps + 30.0, None, None, 30.0 * t_s, temp_c),
     ):
         (_, slope) = panels_of(session)["Drift against temperature"].marks
-        assert slope[3] in {f"slope: 0.0{digits} deg/s per °C" for digits in ("49", "5", "51")}
+        assert slope.name in {f"slope: 0.0{digits} deg/s per °C" for digits in ("49", "5", "51")}
 
 
 def test_a_temperature_that_hardly_changes_shows_no_drift() -> None:
@@ -94,10 +88,10 @@ def test_a_temperature_that_hardly_changes_shows_no_drift() -> None:
 
 def test_the_histogram_has_all_samples() -> None:
     """Its bars add up to 100 %."""
-    axes = Figure().add_subplot()
-    panels_of(full_session())["Histogram of errors"].draw(axes)
-    (bars,) = (patch for patch in axes.patches if isinstance(patch, StepPatch))
-    assert np.sum(bars.get_data()[0]) == pytest.approx(100.0)
+    (part,) = panels_of(full_session())["Histogram of errors"].chart.parts
+    (bars,) = (series for series in part.series if series.shape is Shape.BOXES)
+    assert bars.y_end is not None
+    assert np.sum(bars.y_end) == pytest.approx(100.0)
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,8 @@
 """A comparison as a JSON file, and as a table for a terminal."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from gyrodrift import __version__
@@ -13,23 +11,16 @@ from gyrodrift.compare.methods.method import Method
 from gyrodrift.compare.report.sources import sources
 from gyrodrift.evaluation.score import Score
 from gyrodrift.evaluation.uncertainty import Uncertainty
-from gyrodrift.html.numbers import significant
-from gyrodrift.io.files import write_whole
 from gyrodrift.io.installation import package_command
-from gyrodrift.io.json_numbers import finite
+from gyrodrift.report.files import aligned
+from gyrodrift.report.numbers import significant
 
 DIGITS = 3
 
 
-def write_json(path: Path, comparison: Comparison, command: str = "") -> None:
-    """Write the comparison as JSON, whole or not at all; infinite values are null.
-
-    Raises
-    ------
-    UsageError
-        If the path cannot be written.
-    """
-    content = {
+def content(comparison: Comparison, command: str = "") -> dict[str, Any]:
+    """Content of `compare.json`."""
+    return {
         "command": command,
         "version": __version__,
         "train": list(comparison.train),
@@ -47,7 +38,6 @@ def write_json(path: Path, comparison: Comparison, command: str = "") -> None:
         "notes": list(comparison.notes),
         "seconds": round(comparison.seconds, 3),
     }
-    write_whole(path, [json.dumps(content, indent=1, allow_nan=False, ensure_ascii=False), "\n"])
 
 
 def _config(config: ConfigFile | None) -> dict[str, Any] | None:
@@ -70,14 +60,14 @@ def _entry(comparison: Comparison, row: int) -> dict[str, Any]:
         "parameters": dict(entry.params),
         "parameters_from": entry.source.value,
         "trained_on": [session.session.name for session in comparison.trained_on_by(entry)],
-        **_numbers(comparison.means[row]),
+        **asdict(comparison.means[row]),
         **_stated(stated),
     }
 
 
 def _scores(entries: Sequence[Entry], scores: Sequence[Score]) -> list[dict[str, Any]]:
     return [
-        {"method": entry.method.key, "tuned": entry.is_tuned, **_numbers(score)}
+        {"method": entry.method.key, "tuned": entry.is_tuned, **asdict(score)}
         for entry, score in zip(entries, scores, strict=True)
     ]
 
@@ -104,16 +94,12 @@ def _stated(stated: Uncertainty | None) -> dict[str, float | None]:
     }
 
 
-def _numbers(score: Score) -> dict[str, float | None]:
-    return {name: finite(value) for name, value in asdict(score).items()}
-
-
 def summary(comparison: Comparison) -> list[str]:
     """Lines for a terminal: means over all sessions, the best first, then E by folder and sources of the parameters."""
     sessions = len(comparison.sessions)
     counted = f"mean over {sessions} session{'s' * (sessions > 1)}; E, largest error and CRPS in deg"
     lines = [f"{counted}, NE in deg/min, PI in deg²; * is the best in real time"]
-    lines += _aligned(
+    lines += aligned(
         [["", "E", "NE", "PI", "largest", "2σ", "CRPS"], *map(partial(_line, comparison), comparison.ranked)]
     )
     lines += [f"{method.title}: {absence(method)}" for method in comparison.missing]
@@ -163,13 +149,4 @@ def _by_folder(comparison: Comparison) -> list[str]:
     marks = ["", *("tuned" if entry.is_tuned else "" for entry in entries)]
     head = [names, marks] if comparison.train else [names]
     rows = [[name, *map(e_cell, means)] for name, means in comparison.folders.items()]
-    return _aligned([*head, *rows])
-
-
-def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Lines of aligned columns, the first left-aligned and numbers right-aligned."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(cell.ljust(width) if index == 0 else cell.rjust(width) for index, (cell, width) in pairs).rstrip()
-        for pairs in (list(enumerate(zip(row, widths, strict=True))) for row in rows)
-    ]
+    return aligned([*head, *rows])

@@ -3,14 +3,17 @@
 A strip fills its cell, and its text has the size of the text of the page.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, floor, log10
 
 import numpy as np
+from markupsafe import Markup
 
-from gyrodrift.html.html import text
-from gyrodrift.html.numbers import factor_label, significant
+from gyrodrift.report.numbers import factor_label, log_share
+from gyrodrift.report.page import macro
+
+TEMPLATE = "compare/report/templates/forest.html"
 
 DOTS = 60
 """Most dots in a strip; more sessions are thinned at even steps from the best to the worst: chosen."""
@@ -31,9 +34,7 @@ class ForestAxis:
 
     def percent(self, error_deg: float) -> float:
         """Position of an error in percent of the width; an error outside of the axis is drawn at its end."""
-        inside_deg = min(max(error_deg, self.low_deg), self.high_deg)
-        share = log10(inside_deg / self.low_deg) / log10(self.high_deg / self.low_deg)
-        return MARGIN_PERCENT + (100.0 - 2.0 * MARGIN_PERCENT) * share
+        return MARGIN_PERCENT + (100.0 - 2.0 * MARGIN_PERCENT) * log_share(error_deg, self.low_deg, self.high_deg)
 
     @property
     def marks_deg(self) -> list[float]:
@@ -54,40 +55,13 @@ def forest_axis(errors_deg: Sequence[float]) -> ForestAxis:
     return ForestAxis(low / 1.15, high * 1.15)
 
 
-def strip(axis: ForestAxis, names: Sequence[str], errors_deg: Sequence[float], mean_deg: float, color: str) -> str:
+def strip(axis: ForestAxis, names: Sequence[str], errors_deg: Sequence[float], mean_deg: float, color: str) -> Markup:
     """Strip of a row: a dot for each session, a line from the smallest to the largest error, a bar at the mean."""
     ranked = sorted(zip(errors_deg, names, strict=True))
-    drawn = [ranked[index] for index in np.unique(np.linspace(0, len(ranked) - 1, DOTS).astype(int)).tolist()]
-    ends = [axis.percent(ranked[index][0]) for index in (0, -1)]
-    dots = "".join(_dot(axis, name, error_deg) for error_deg, name in drawn)
-    mean = axis.percent(mean_deg)
-    label = (
-        f"mean {significant(mean_deg, 3)} deg, from {significant(ranked[0][0], 3)} to {significant(ranked[-1][0], 3)}"
-    )
-    return (
-        f'<svg class="strip {color}" role="img" aria-label="{label}">{"".join(_grid(axis, 100.0))}'
-        f'<line class="spread" x1="{ends[0]:.2f}%" x2="{ends[1]:.2f}%" y1="50%" y2="50%"/>{dots}'
-        f'<rect class="mean" x="{mean:.2f}%" y="12%" height="76%"/></svg>'
-    )
+    rows = np.unique(np.linspace(0, len(ranked) - 1, DOTS).astype(int)).tolist()
+    return macro(TEMPLATE, "strip")(axis, color, [ranked[row] for row in rows], mean_deg)
 
 
-def _dot(axis: ForestAxis, name: str, error_deg: float) -> str:
-    title = f"<title>{text(name)}: {significant(error_deg, 3)} deg</title>"
-    return f'<circle cx="{axis.percent(error_deg):.2f}%" cy="50%" r="3.2">{title}</circle>'
-
-
-def _grid(axis: ForestAxis, high_percent: float) -> Iterator[str]:
-    for mark_deg in axis.marks_deg:
-        x = axis.percent(mark_deg)
-        yield f'<line class="grid" x1="{x:.2f}%" x2="{x:.2f}%" y1="0" y2="{high_percent:.0f}%"/>'
-
-
-def scale(axis: ForestAxis) -> str:
+def scale(axis: ForestAxis) -> Markup:
     """The axis, for the last row of the table."""
-    labels = "".join(
-        f'<text x="{axis.percent(mark_deg):.2f}%" y="85%">{factor_label(mark_deg)}</text>'
-        for mark_deg in axis.marks_deg
-    )
-    return (
-        f'<svg class="strip scale" role="img" aria-label="logarithmic axis">{"".join(_grid(axis, 25.0))}{labels}</svg>'
-    )
+    return macro(TEMPLATE, "scale")(axis, [(mark_deg, factor_label(mark_deg)) for mark_deg in axis.marks_deg])

@@ -8,7 +8,7 @@ from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import EffectSlot
 from gyrodrift.diagnose.export.exported import Exported, ExportedEffect
 from gyrodrift.diagnose.inference.parameters import unit_of
-from gyrodrift.html.numbers import significant
+from gyrodrift.report.numbers import significant
 
 RAD = pi / 180.0
 """Radians per degree."""

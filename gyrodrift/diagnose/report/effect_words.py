@@ -5,7 +5,7 @@ from math import cos, radians
 
 from gyrodrift.diagnose.inference.gap import Deviation
 from gyrodrift.diagnose.inference.verdict import NamedCause
-from gyrodrift.html.numbers import significant
+from gyrodrift.report.numbers import significant
 
 Values = Mapping[str, float]
 

@@ -1,44 +1,44 @@
-"""The features in a report: every feature that deviates, as a table and as charts."""
+"""Features in a report: every feature that deviates, as a table and as charts."""
 
 from collections.abc import Sequence
 from dataclasses import replace
+
+from markupsafe import Markup
 
 from gyrodrift.diagnose.features.feature import WHEN
 from gyrodrift.diagnose.inference.evidence import FAMILY_WISE_ERROR
 from gyrodrift.diagnose.inference.gap import WORST_Z, Deviation
 from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison
+from gyrodrift.diagnose.report.charts import feature_chart
 from gyrodrift.diagnose.report.effect_words import deviation_words
-from gyrodrift.diagnose.report.figures import feature_svgs
 from gyrodrift.diagnose.report.text import NAMES, deviates, marks, number, percent
 from gyrodrift.diagnose.result import Diagnosis
-from gyrodrift.html.html import figure, headings, panels, paragraph, section, span, table, text
-
-MEASURED = (
-    "single numbers, such as by how much the rate error grows with the rate. The deviation of a feature is the "
-    "difference between the two in units of σ, the standard deviation that it has between two runs of the simulator "
-    "alone, with an allowance for differences too small to matter for yaw."
-)
+from gyrodrift.report.page import Section, code, marked
 
 
-def _measured(diagnosis: Diagnosis) -> str:
-    return (
-        "The simulator was driven through the motion of each recording, and "
-        f"{len(diagnosis.features)} features were measured on both: {MEASURED}"
-    )
-
-
-def features(diagnosis: Diagnosis) -> str:
+def features(diagnosis: Diagnosis) -> Section:
     """The section of the deviating features."""
-    compared = _listed(diagnosis)
-    if not compared:
-        return section("Where recordings and simulator differ", paragraph(_nowhere(diagnosis)))
-    return section(
-        "Where recordings and simulator differ",
-        paragraph(_introduction(diagnosis)),
-        _table(diagnosis, compared),
-        _charts(diagnosis, compared),
-    )
+    has_causes, compared = bool(diagnosis.verdict.acting), _listed(diagnosis)
+    worst = max(diagnosis.features, key=lambda comparison: abs(comparison.z_before))
+    first = f"{NAMES[1]}, σ" if has_causes else "deviation, σ"
+    values = {
+        "has_causes": has_causes,
+        "is_fitted_apart": has_causes and len(diagnosis.sessions) > 1,
+        "count": len(diagnosis.features),
+        "threshold": number(diagnosis.threshold_z),
+        "chance": number(100.0 * FAMILY_WISE_ERROR),
+        "limit": f"{WORST_Z:g}",
+        "worst": (deviates(worst.z_before), worst.feature.says),
+        "head": ["what deviates", first, "share", *[f"{NAMES[2]}, σ", "share"] * has_causes, "stage, when, name"],
+        "rows": [_row(diagnosis.verdict, comparison) for comparison in compared],
+        "marks": marks(has_causes=has_causes, has_residual=False),
+        "panels": [
+            (_name(comparison, has_causes=has_causes), feature_chart(comparison, has_causes=has_causes))
+            for comparison in compared
+        ],
+    }
+    return Section("diagnose/report/templates/features.html", values, "Where recordings and simulator differ")
 
 
 def _listed(diagnosis: Diagnosis) -> list[FeatureComparison]:
@@ -49,54 +49,16 @@ def _listed(diagnosis: Diagnosis) -> list[FeatureComparison]:
     return [replace(by_name[name], z_after=remaining.get(name, by_name[name].z_after)) for name in names]
 
 
-def _introduction(diagnosis: Diagnosis) -> str:
-    corrected = ", or by as much from the corrected simulator, in which the named causes act at their fitted sizes"
-    return (
-        f"{_measured(diagnosis)} Listed is every feature that deviates by more than {number(diagnosis.threshold_z)} σ "
-        f"over all sessions{corrected * bool(diagnosis.verdict.acting)}. {_family_wise(diagnosis)}"
-    )
-
-
-def _family_wise(diagnosis: Diagnosis) -> str:
-    """The meaning of the threshold, in a sentence."""
-    return (
-        f"Chance alone takes one of the {len(diagnosis.features)} features beyond {number(diagnosis.threshold_z)} σ in "
-        f"{number(100.0 * FAMILY_WISE_ERROR)} % of such sets of sessions."
-    )
-
-
-def _nowhere(diagnosis: Diagnosis) -> str:
-    """The text of the section if no feature deviates."""
-    worst = max(diagnosis.features, key=lambda comparison: abs(comparison.z_before))
-    return (
-        f"Nowhere. {_measured(diagnosis)} The largest deviation is {deviates(worst.z_before)} σ "
-        f"({text(worst.feature.says)}); only more than {number(diagnosis.threshold_z)} σ counts. "
-        f"{_family_wise(diagnosis)}"
-    )
-
-
-def _table(diagnosis: Diagnosis, compared: Sequence[FeatureComparison]) -> str:
-    has_causes = bool(diagnosis.verdict.acting)
-    after = [f"{NAMES[2]}, σ", "share"] * has_causes
-    first = f"{NAMES[1]}, σ" if has_causes else "deviation, σ"
-    head = headings(["what deviates", first, "share", *after, "stage, when, name"], words=1)
-    caption = (
-        "Deviations, the largest first. Share: of the sum of squares of all deviations, each limited to "
-        f"{WORST_Z:g} σ. The last column says which stage of the rig the feature speaks of, when, and what "
-        "<code>gap.json</code> calls it."
-    )
-    return table(caption, head, [_row(diagnosis.verdict, comparison) for comparison in compared], words=1)
-
-
 def _row(verdict: Verdict, comparison: FeatureComparison) -> list[str]:
-    where, remaining = (_share(every, comparison.feature.name) for every in (verdict.where, verdict.unexplained))
-    cells = [text(_says(comparison)), deviates(comparison.z_before), where]
-    if verdict.acting:
-        after = deviates(comparison.z_after)
-        cells += [span(after, "mark") if remaining else after, remaining]
+    feature = comparison.feature
+    where, remaining = (_share(every, feature.name) for every in (verdict.where, verdict.unexplained))
+    after = deviates(comparison.z_after)
     return [
-        *cells,
-        f"{comparison.feature.stage}, {WHEN[comparison.feature.regime]}, <code>{text(comparison.feature.name)}</code>",
+        _says(comparison),
+        deviates(comparison.z_before),
+        where,
+        *([marked("mark", after) if remaining else after, remaining] if verdict.acting else []),
+        Markup("{}, {}, {}").format(feature.stage, WHEN[feature.regime], code(feature.name)),
     ]
 
 
@@ -109,23 +71,7 @@ def _share(every: Sequence[Deviation], name: str) -> str:
     return next((percent(deviation.share) for deviation in every if deviation.feature == name), "")
 
 
-def _charts(diagnosis: Diagnosis, compared: Sequence[FeatureComparison]) -> str:
-    has_causes = bool(diagnosis.verdict.acting)
-    apart = has_causes and len(diagnosis.sessions) > 1
-    fitted = " The correction of each session is fitted on the other sessions." * apart
-    words = (
-        "A dot is a recording, a line what the simulator gives for the same motion, and the bar around it ± 2 σ of "
-        f"chance. A dot inside a bar is explained.{fitted}"
-    )
-    legend = marks(has_causes=has_causes, has_left=False)
-    names = [_name(comparison, has_causes=has_causes) for comparison in compared]
-    return figure(
-        f"<b>Each deviating feature, session by session.</b> {words}<br/>{legend}",
-        panels(names, feature_svgs(compared, has_causes=has_causes)),
-    )
-
-
-def _name(comparison: FeatureComparison, *, has_causes: bool) -> str:
+def _name(comparison: FeatureComparison, *, has_causes: bool) -> Markup:
     corrected = f"; corrected {deviates(comparison.z_after)} σ" if has_causes else ""
-    off = f"{text(comparison.feature.name)}: {deviates(comparison.z_before)} σ{corrected}"
-    return f"<strong>{text(_says(comparison))}</strong><br/>{span(off, 'note')}"
+    note = f"{comparison.feature.name}: {deviates(comparison.z_before)} σ{corrected}"
+    return Markup("<strong>{}</strong><br/>{}").format(_says(comparison), marked("note", note))

@@ -1,6 +1,5 @@
 """The files of a diagnosis, and its verdict in ten lines."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -13,9 +12,9 @@ from gyrodrift.diagnose.inference.verdict import Kind, NamedCause
 from gyrodrift.diagnose.report.effect_words import effect_sentence, says
 from gyrodrift.diagnose.report.text import stated
 from gyrodrift.diagnose.result import Diagnosis
-from gyrodrift.html.numbers import significant
 from gyrodrift.io.files import write_whole
-from gyrodrift.io.json_numbers import finite_values
+from gyrodrift.report.files import write_json
+from gyrodrift.report.numbers import significant
 
 SHOWN = 3
 """Largest number of causes, of negligible effects and of deviations in the summary."""
@@ -36,8 +35,7 @@ def write_files(folder: Path, diagnosis: Diagnosis) -> None:
     UsageError
         If the folder cannot be written to.
     """
-    text = json.dumps(finite_values(content(diagnosis)), indent=1, allow_nan=False, ensure_ascii=False)
-    write_whole(folder / "gap.json", [text, "\n"])
+    write_json(folder / "gap.json", content(diagnosis))
     write_whole(folder / "rig.yaml", [diagnosis.rig_yaml])
     profile = folder / PROFILE
     if diagnosis.next_profile_yaml is not None:

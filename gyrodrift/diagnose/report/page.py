@@ -1,25 +1,26 @@
 """The report of a diagnosis as an HTML page: first the verdict, then the results that it is derived from."""
 
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
 from gyrodrift.diagnose.export.formats import FormatExport
+from gyrodrift.diagnose.inference.verdict import Kind
 from gyrodrift.diagnose.report.causes import causes
-from gyrodrift.diagnose.report.exports import exported
 from gyrodrift.diagnose.report.features import features
+from gyrodrift.diagnose.report.files import PROFILE
 from gyrodrift.diagnose.report.head import verdict
-from gyrodrift.diagnose.report.method import calibration, sessions, words_used
-from gyrodrift.diagnose.report.negligible import negligible
-from gyrodrift.diagnose.report.next_steps import detectable, next_steps
 from gyrodrift.diagnose.report.residuals import residuals
+from gyrodrift.diagnose.report.tables import calibration, detectable, exported, glossary, negligible, sessions
+from gyrodrift.diagnose.report.text import in_rig
 from gyrodrift.diagnose.result import Diagnosis
-from gyrodrift.html.html import page
-from gyrodrift.html.provenance import Provenance, provenance
+from gyrodrift.report.page import Section, page
+from gyrodrift.report.provenance import Provenance, provenance
 
 
 def report_html(diagnosis: Diagnosis, folder: Path, made: Provenance, exports: Sequence[FormatExport] = ()) -> str:
     """The page of a diagnosis; `folder` is the folder of its files."""
-    body = [
+    sections = [
         verdict(diagnosis, made.set_name),
         negligible(diagnosis),
         features(diagnosis),
@@ -29,8 +30,24 @@ def report_html(diagnosis: Diagnosis, folder: Path, made: Provenance, exports: S
         exported(exports),
         calibration(diagnosis),
         next_steps(diagnosis, folder),
-        words_used(),
+        glossary(),
         sessions(diagnosis),
         provenance(made),
     ]
-    return page(f"{made.set_name}: recordings and simulator".removeprefix(": "), body)
+    return page(f"{made.set_name}: recordings and simulator".removeprefix(": "), sections)
+
+
+def next_steps(diagnosis: Diagnosis, folder: Path) -> Section:
+    """The next steps, with commands to copy; `folder` is the folder of the report."""
+    causes = [cause for cause in diagnosis.verdict.causes if cause.is_adopted]
+    names = {"rig": "rig.yaml", "simulated": "simulated", "again": "again", "profile": PROFILE, "combined": "more"}
+    values = {
+        **{key: shlex.quote(str(folder / name)) for key, name in names.items()},
+        "tuned": folder / "tuned.yaml",
+        "diagnosis": diagnosis,
+        "new": [cause.effect.name for cause in causes if not in_rig(cause)],
+        "changed": [cause.effect.name for cause in causes if in_rig(cause)],
+        "undecided": [cause.effect.name for cause in diagnosis.verdict.causes if not cause.is_adopted],
+        "is_open": diagnosis.verdict.kind is Kind.PARTLY or not diagnosis.verdict.gap.is_closed,
+    }
+    return Section("diagnose/report/templates/next_steps.html", values, "What to do next")

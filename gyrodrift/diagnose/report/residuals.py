@@ -1,14 +1,14 @@
-"""The rate errors in a report: against the quantities that they may depend on, over time, and as spectra."""
+"""Rate errors in a report: against the quantities that they may depend on, over time, and as spectra."""
 
-from collections.abc import Sequence
+from markupsafe import Markup
 
 from gyrodrift.diagnose.predictive_checks.residual_checks import Dependence
 from gyrodrift.diagnose.predictive_checks.residual_series import ResidualSeries, Spectra
-from gyrodrift.diagnose.report.figures import dependence_svgs, over_time_svgs, spectrum_svgs
-from gyrodrift.diagnose.report.text import NAMES, marks, number, switched_marks
+from gyrodrift.diagnose.report.charts import dependence_chart, over_time_chart, spectrum_charts
+from gyrodrift.diagnose.report.text import marks, number
 from gyrodrift.diagnose.result import Diagnosis
-from gyrodrift.html.html import figure, panels, paragraph, section, span, text
-from gyrodrift.html.numbers import significant
+from gyrodrift.report.numbers import significant
+from gyrodrift.report.page import Section, counted, marked, titled
 
 NAMED = 3
 """Largest number of dependences in the introduction."""
@@ -23,120 +23,57 @@ angle or direction, `features/columns.py`."""
 MOST_CHANGE_POINTS = 4
 """Largest number of change points that are listed for a session."""
 
-RANDOM = (
-    "A named cause is random: the simulator draws a course of its own, so that it agrees with the recordings in its "
-    "statistics and not second by second. The residual still holds it."
-)
 
-
-def residuals(diagnosis: Diagnosis) -> str:
+def residuals(diagnosis: Diagnosis) -> Section:
     """The section of the rate errors."""
     checks, has_causes = diagnosis.residuals, bool(diagnosis.verdict.causes)
-    is_random = any(cause.cause.is_random for cause in diagnosis.verdict.causes)
-    return section(
-        "What the difference looks like" if diagnosis.verdict.where else "What the rate errors look like",
-        paragraph(_introduction(diagnosis, checks.sessions)),
-        paragraph(RANDOM if is_random else _depends(checks.dependences, has_causes=has_causes)),
-        _dependence_figure(checks.dependences, has_causes=has_causes),
-        _time_figure(checks.sessions, has_causes=has_causes),
-        _spectrum_figure(checks.spectra, has_causes=has_causes),
-    )
+    by_size = sorted(((item.trend_dps, item.name) for item in checks.dependences), reverse=True)
+    values = {
+        "has_causes": has_causes,
+        "is_random": any(cause.cause.is_random for cause in diagnosis.verdict.causes),
+        "drawn": len(checks.sessions),
+        "total": len(diagnosis.sessions),
+        "negligible": f"{NEGLIGIBLE_DPS:g}",
+        "strongest": [
+            f"{name}: {significant(dps, 2)} deg/s RMS" for dps, name in by_size[:NAMED] if dps > NEGLIGIBLE_DPS
+        ],
+        "dependences": [
+            (dependence_name(item, has_causes=has_causes), dependence_chart(item, has_causes=has_causes))
+            for item in checks.dependences
+            if item.name != RATE
+        ],
+        "over_time": [
+            (
+                titled(series.name, _change_points(series), f"{series.number}. "),
+                over_time_chart(series, has_causes=has_causes),
+            )
+            for series in checks.sessions
+        ],
+        "spectra": list(
+            zip(map(_range, checks.spectra), spectrum_charts(checks.spectra, has_causes=has_causes), strict=True)
+        ),
+        "marks": marks(has_causes=has_causes),
+        "switches": marks(has_causes=has_causes, is_switched=True),
+        "spectrum_switches": marks(has_causes=has_causes, is_switched=True, has_residual=False),
+    }
+    heading = "What the difference looks like" if diagnosis.verdict.where else "What the rate errors look like"
+    return Section("diagnose/report/templates/residuals.html", values, heading)
 
 
-def rate_figure(diagnosis: Diagnosis) -> str:
-    """The figure of the rate error against the rate; empty if no session moves."""
-    has_causes = bool(diagnosis.verdict.causes)
-    against_rate = [dependence for dependence in diagnosis.residuals.dependences if dependence.name == RATE]
-    if not against_rate:
-        return ""
-    caption = (
-        "<b>Rate error against rate.</b> A slope is a scale error, a level is a bias, a bend is a nonlinearity. Below, "
-        f"on a scale of its own, the residual.<br/>{marks(has_causes=has_causes)}"
-    )
-    names = [_dependence_name(dependence, has_causes=has_causes) for dependence in against_rate]
-    return figure(caption, panels(names, dependence_svgs(against_rate, has_causes=has_causes, name="rate-error")))
-
-
-def _dependence_figure(every: Sequence[Dependence], *, has_causes: bool) -> str:
-    """The figure of the other regressors; the rate has its own figure."""
-    every = [series for series in every if series.name != RATE]
-    if not every:
-        return ""
-    names = [_dependence_name(series, has_causes=has_causes) for series in every]
-    return figure(
-        _dependence_words(has_causes=has_causes), panels(names, dependence_svgs(every, has_causes=has_causes))
-    )
-
-
-def _time_figure(sessions: Sequence[ResidualSeries], *, has_causes: bool) -> str:
-    names = [_session_name(series) for series in sessions]
-    return figure(_time_words(has_causes=has_causes), panels(names, over_time_svgs(sessions, has_causes=has_causes)))
-
-
-def _spectrum_figure(spectra: Sequence[Spectra], *, has_causes: bool) -> str:
-    words = _spectrum_words(has_causes=has_causes)
-    names = [
-        f"<strong>{significant(panel.hz[0], 2)} to {significant(panel.hz[-1], 2)} Hz</strong>" for panel in spectra
-    ]
-    return figure(words, panels(names, spectrum_svgs(spectra, has_causes=has_causes))) if spectra else ""
-
-
-def _introduction(diagnosis: Diagnosis, sessions: Sequence[ResidualSeries]) -> str:
-    total = len(diagnosis.sessions)
-    some = f" {len(sessions)} of {total} sessions are drawn." if total > len(sessions) else ""
-    simulated = f"{NAMES[1]} and from the {NAMES[2]}" if diagnosis.verdict.causes else "simulator"
-    return (
-        "The rate error is the rate of the gyro minus that of the encoder, each averaged over a second, without the "
-        f"mean bias of the session. Each figure shows it from the recordings and, for the same motion, from the "
-        f"{simulated}. The residual is what remains: recordings minus simulator.{some}"
-    )
-
-
-def _depends(every: Sequence[Dependence], *, has_causes: bool) -> str:
-    """The strongest dependences of the residual, in a sentence."""
-    by_size = sorted(((dependence.trend_dps, dependence.name) for dependence in every), reverse=True)
-    strongest = [
-        f"{text(name)}: {significant(dps, 2)} deg/s RMS" for dps, name in by_size[:NAMED] if dps > NEGLIGIBLE_DPS
-    ]
-    what = f"The residual of the {NAMES[2]}" if has_causes else "The residual"
-    if not strongest:
-        return f"<b>{what} depends on</b> nothing that is drawn here by more than {NEGLIGIBLE_DPS:g} deg/s RMS."
-    return f"<b>{what} depends on</b> {'; '.join(strongest)}. Each is taken by itself, the strongest first."
-
-
-def _dependence_words(*, has_causes: bool) -> str:
-    return (
-        "<b>Rate error against what it may depend on.</b> Gray dots are single seconds of the recordings, lines are "
-        "medians. Below, on a scale of its own, the residual, with ± 2 standard errors as a band: where the band holds "
-        f"0, the residual does not depend on it.<br/>{marks(has_causes=has_causes)}"
-    )
-
-
-def _dependence_name(dependence: Dependence, *, has_causes: bool) -> str:
-    amounts = (
-        f"{_dps(dependence.trend_before_dps)} → {_dps(dependence.trend_dps)}"
-        if has_causes
-        else _dps(dependence.trend_dps)
-    )
-    follows = span(f"part of the residual that follows it: {amounts} deg/s RMS", "note")
-    return f"<strong>{text(dependence.name)}</strong><br/>{follows}"
+def dependence_name(dependence: Dependence, *, has_causes: bool) -> Markup:
+    """Name of the chart of a regressor."""
+    before = f"{_dps(dependence.trend_before_dps)} → " if has_causes else ""
+    note = f"part of the residual that follows it: {before}{_dps(dependence.trend_dps)} deg/s RMS"
+    return Markup("<strong>{}</strong><br/>{}").format(dependence.name, marked("note", note))
 
 
 def _dps(value: float) -> str:
     return f"{value:.3f}" if value < 1.0 else significant(value, 3)
 
 
-def _time_words(*, has_causes: bool) -> str:
-    return (
-        "<b>Rate error over time</b>, as medians of five seconds. Below, on a scale of its own, the residual; a dotted "
-        "line marks a change point, where it jumps from one level to another (by so many deg/s)."
-        f"<br/>{switched_marks(has_causes=has_causes)}"
-    )
-
-
-def _session_name(series: ResidualSeries) -> str:
-    name = f'<b title="{text(series.name)}">{series.number}. {text(series.name)}</b>'
-    return name + span(_change_points(series), "note")
+def _range(spectra: Spectra) -> Markup:
+    ends = (significant(hz, 2) for hz in (spectra.hz[0], spectra.hz[-1]))
+    return Markup("<strong>{} to {} Hz</strong>").format(*ends)
 
 
 def _change_points(series: ResidualSeries) -> str:
@@ -147,13 +84,4 @@ def _change_points(series: ResidualSeries) -> str:
         f"{series.minutes[change_point.second]:.1f} min ({number(change_point.step_dps, 2)})"
         for change_point in series.change_points[:MOST_CHANGE_POINTS]
     ]
-    rest = " …" if count > MOST_CHANGE_POINTS else ""
-    return f"{count} change point{'s' * (count > 1)}: {', '.join(listed)}{rest}"
-
-
-def _spectrum_words(*, has_causes: bool) -> str:
-    return (
-        "<b>Amplitude spectral density of the rate error.</b> Above 0.5 Hz it is measured while the device rests, or "
-        "else turns steadily. White noise of the sensor is a level line, a wandering bias rises to the left, a "
-        f"vibration is a peak.<br/>{switched_marks(has_causes=has_causes, has_left=False)}"
-    )
+    return f"{counted(count, 'change point')}: {', '.join(listed)}{' …' * (count > MOST_CHANGE_POINTS)}"

@@ -4,14 +4,12 @@ from math import isfinite
 
 from gyrodrift.diagnose.inference.parameters import Parameter
 from gyrodrift.diagnose.inference.verdict import NamedCause
-from gyrodrift.html.html import legend, span, switches, text
-from gyrodrift.html.numbers import significant
+from gyrodrift.report.chart import Mark
+from gyrodrift.report.numbers import significant
 
 NAMES = ("recordings", "simulator as it is", "corrected simulator")
 """Names of the compared sets in all figures and tables. The corrected simulator has the named causes."""
 
-REAL, BEFORE, AFTER = zip(("ink", "plain", "tuned"), ("key", "key", "key"), NAMES, strict=True)
-RESIDUAL = ("two", "key", "residual: recordings − simulator")
 UNKNOWN = "–"
 """Shown instead of a missing number."""
 
@@ -26,25 +24,17 @@ UNITS = {"1/h": "per hour"}
 """Units as words."""
 
 
-def marks(*, has_causes: bool, has_left: bool = True) -> str:
-    """The legend of a figure."""
-    return legend(_marks(has_causes=has_causes, has_left=has_left))
-
-
-def switched_marks(*, has_causes: bool, has_left: bool = True) -> str:
-    """The legend of a figure that switches its curves, by the names of their colors."""
-    return switches([(mark[0], *mark) for mark in _marks(has_causes=has_causes, has_left=has_left)])
-
-
-def _marks(*, has_causes: bool, has_left: bool) -> list[tuple[str, str, str]]:
-    simulated = [BEFORE, AFTER] if has_causes else [(*BEFORE[:2], "simulator")]
-    residual = (*RESIDUAL[:2], f"residual: recordings − {AFTER[2]}") if has_causes else RESIDUAL
-    return [REAL, *simulated, *[residual] * has_left]
+def marks(*, has_causes: bool, has_residual: bool = True, is_switched: bool = False) -> list[Mark]:
+    """Legend entries of a figure; those that switch curves have the colors as keys."""
+    simulated = [("plain", NAMES[1]), ("tuned", NAMES[2])] if has_causes else [("plain", "simulator")]
+    residual = [("two", f"residual: recordings − {NAMES[2] if has_causes else 'simulator'}")] * has_residual
+    entries = [("ink", NAMES[0]), *simulated, *residual]
+    return [Mark(color if is_switched else "", color, "key", name) for color, name in entries]
 
 
 def size(value: float, unit: str) -> str:
     """A number with its unit."""
-    return f"{number(value)} {text(UNITS.get(unit, unit))}".strip()
+    return f"{number(value)} {UNITS.get(unit, unit)}".strip()
 
 
 def number(value: float, digits: int = 3) -> str:
@@ -76,9 +66,9 @@ def interval(parameter: Parameter) -> str:
 def fitted(cause: NamedCause) -> str:
     """Parameters of a cause in a line, the first with its 95 % interval or as a bound."""
     first, phase = cause.parameters[0], ["a phase that is " + FREE_PHASE] * has_free_phase(cause)
-    fixed_ones = [f"{text(parameter.name)} {size(parameter.value, parameter.unit)}" for parameter in others_of(cause)]
+    fixed_ones = [f"{parameter.name} {size(parameter.value, parameter.unit)}" for parameter in others_of(cause)]
     bounds = "" if first.is_bound else f" (95 %: {interval(first)})"
-    return ", ".join([f"{text(first.name)} {size_or_bound(first)}{bounds}", *fixed_ones, *phase])
+    return ", ".join([f"{first.name} {size_or_bound(first)}{bounds}", *fixed_ones, *phase])
 
 
 def has_free_phase(cause: NamedCause) -> bool:
@@ -126,8 +116,3 @@ def percent(share: float) -> str:
 def fixed(value: float, decimals: int) -> str:
     """A number with fixed decimals and a true minus; a rounded 0 has no sign."""
     return f"{round(value, decimals) + 0.0:.{decimals}f}".replace("-", "−") if isfinite(value) else UNKNOWN
-
-
-def quiet(html: str) -> str:
-    """Text in a quiet color."""
-    return span(html, "note")

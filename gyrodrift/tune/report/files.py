@@ -1,6 +1,5 @@
 """Files of a tuning: the config for `serve`, and the numbers as JSON."""
 
-import json
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -10,9 +9,10 @@ import yaml
 from gyrodrift import __version__
 from gyrodrift.evaluation.dataset import Split
 from gyrodrift.filters.filter import Filter
-from gyrodrift.html.numbers import significant
 from gyrodrift.io.files import write_whole
-from gyrodrift.io.json_numbers import finite
+from gyrodrift.io.json_numbers import finite_values
+from gyrodrift.report.files import aligned
+from gyrodrift.report.numbers import significant
 from gyrodrift.tune.result import Alternative, Run, SessionScore, Tuning
 
 HEAD = "# Written by gyrodrift tune. serve --config reloads this file when it changes."
@@ -54,12 +54,14 @@ def _provenance(tuning: Tuning, command: str) -> dict[str, Any]:
         "seed": tuning.run.seed,
         "iterations": len(tuning.run.history),
         "parameters": "defaults" if tuning.is_default_written else "tuned",
-        "pi_deg2": {
-            "train_before": finite(tuning.euler.train),
-            "train_after": finite(after.train),
-            "test_before": finite(tuning.euler.test),
-            "test_after": finite(after.test),
-        },
+        "pi_deg2": finite_values(
+            {
+                "train_before": tuning.euler.train,
+                "train_after": after.train,
+                "test_before": tuning.euler.test,
+                "test_after": after.test,
+            }
+        ),
         "test": "each session by parameters tuned on the other sessions"
         if tuning.cross_validation
         else "held-out sessions",
@@ -77,21 +79,15 @@ def _explained(chosen: Filter, line: str) -> str:
     return f"{line:34} # {chosen.parameter(key).line}" if line.startswith("  ") and key in chosen.names else line
 
 
-def write_json(path: Path, tuning: Tuning) -> None:
-    """Write the numbers, whole or not at all; infinite and missing values are null.
-
-    Raises
-    ------
-    UsageError
-        If the path cannot be written.
-    """
-    content = {
-        "pi_train": finite(tuning.run.pi.train),
-        "pi_test": finite(tuning.run.pi.test),
-        "euler_pi_train": finite(tuning.euler.train),
-        "euler_pi_test": finite(tuning.euler.test),
-        "reduced_pi_train": finite(tuning.reduced.train),
-        "reduced_pi_test": finite(tuning.reduced.test),
+def content(tuning: Tuning) -> dict[str, Any]:
+    """Content of `tune.json`."""
+    return {
+        "pi_train": tuning.run.pi.train,
+        "pi_test": tuning.run.pi.test,
+        "euler_pi_train": tuning.euler.train,
+        "euler_pi_test": tuning.euler.test,
+        "reduced_pi_train": tuning.reduced.train,
+        "reduced_pi_test": tuning.reduced.test,
         "parameters": asdict(tuning.params),
         "parameters_from": "defaults" if tuning.is_default_written else "tuning",
         "filters": _filters(tuning),
@@ -103,12 +99,11 @@ def write_json(path: Path, tuning: Tuning) -> None:
         "sample_rate_hz": tuning.sample_rate_hz,
         "seconds": round(tuning.seconds, 3),
         "sessions": [_session(score) for score in tuning.scores],
-        "left_out": {name: finite(score.e_deg) for name, score in tuning.cross_validation.items()},
+        "left_out": {name: score.e_deg for name, score in tuning.cross_validation.items()},
         "seeds": [_seed(run) for run in (tuning.run, *tuning.other_runs)],
         "warnings": list(tuning.warnings),
-        "history": [finite(cost) for cost in tuning.run.history.tolist()],
+        "history": tuning.run.history.tolist(),
     }
-    write_whole(path, [json.dumps(content, indent=1, allow_nan=False, ensure_ascii=False), "\n"])
 
 
 def _filters(tuning: Tuning) -> dict[str, Any]:
@@ -116,10 +111,10 @@ def _filters(tuning: Tuning) -> dict[str, Any]:
     defaults = {way.key: way.pi for way in tuning.alternatives if not way.is_tuned}
     return {
         way.key: {
-            "pi_train": finite(way.pi.train),
-            "pi_test": finite(way.pi.test),
-            "pi_train_default": finite(defaults[way.key].train),
-            "pi_test_default": finite(defaults[way.key].test),
+            "pi_train": way.pi.train,
+            "pi_test": way.pi.test,
+            "pi_train_default": defaults[way.key].train,
+            "pi_test_default": defaults[way.key].test,
             "parameters": None if way.params is None else asdict(way.params),
         }
         for way in tuning.alternatives
@@ -132,10 +127,10 @@ def _alternative(way: Alternative) -> dict[str, Any]:
         "name": way.title,
         "filter": None if way.filter is None else way.filter.name,
         "tuned": way.is_tuned,
-        "pi_train": finite(way.pi.train),
-        "pi_test": finite(way.pi.test),
-        "e_train_deg": finite(way.e_deg.train),
-        "e_test_deg": finite(way.e_deg.test),
+        "pi_train": way.pi.train,
+        "pi_test": way.pi.test,
+        "e_train_deg": way.e_deg.train,
+        "e_test_deg": way.e_deg.test,
     }
 
 
@@ -144,11 +139,11 @@ def _session(score: SessionScore) -> dict[str, Any]:
         "name": score.session.name,
         "split": score.split.value,
         "minutes": score.session.minutes,
-        "e_euler_deg": finite(score.euler.e_deg),
-        "ne_euler": finite(score.euler.ne),
-        "e_hdr_deg": finite(score.tuned.e_deg),
-        "ne_hdr": finite(score.tuned.ne),
-        "e_reduced_deg": finite(score.reduced.e_deg),
+        "e_euler_deg": score.euler.e_deg,
+        "ne_euler": score.euler.ne,
+        "e_hdr_deg": score.tuned.e_deg,
+        "ne_hdr": score.tuned.ne,
+        "e_reduced_deg": score.reduced.e_deg,
         "sha256": score.session.digest,
     }
 
@@ -156,7 +151,7 @@ def _session(score: SessionScore) -> dict[str, Any]:
 def summary(tuning: Tuning) -> list[str]:
     """The result as lines for a terminal: every alternative, the best one, and its parameters."""
     lines = [f"mean yaw error E in deg, {_held_out_words(tuning)}"]
-    lines += _aligned([["", "training", "held out"], *(_summary_row(tuning, way) for way in tuning.alternatives)])
+    lines += aligned([["", "training", "held out"], *(_summary_row(tuning, way) for way in tuning.alternatives)])
     lines += [f"* {verdict_words(tuning)}", *_motion_words(tuning)]
     return lines + [f"{name} = {value:.6g}" for name, value in asdict(tuning.params).items()]
 
@@ -194,16 +189,6 @@ def verdict_words(tuning: Tuning) -> str:
     return f"in the config: {written.title}, the best filter on {where}"
 
 
-def _aligned(rows: list[list[str]]) -> list[str]:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(
-            [row[0].ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True))]
-        )
-        for row in rows
-    ]
-
-
 def _seed(run: Run) -> dict[str, Any]:
-    pi = {"pi_train": finite(run.pi.train), "pi_test": finite(run.pi.test)}
+    pi = {"pi_train": run.pi.train, "pi_test": run.pi.test}
     return {"seed": run.seed, **pi, "parameters": asdict(run.params)}

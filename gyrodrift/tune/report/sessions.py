@@ -1,68 +1,67 @@
-"""Sessions in the report of a tuning: figures of yaw error over time, tables of its means."""
+"""Sessions in a tuning's report: charts of yaw error over time, tables of its means."""
 
 from collections.abc import Sequence
 
+from markupsafe import Markup
+
 from gyrodrift.evaluation.dataset import Split
-from gyrodrift.html.html import figure, headings, panels, paragraph, section, span, switches, table, text
-from gyrodrift.html.numbers import Numbers, degrees, even, mean
-from gyrodrift.tune.report.figures import drift_svgs, error_scales
-from gyrodrift.tune.report.numbering import figure_name, table_name
+from gyrodrift.report.chart import Mark
+from gyrodrift.report.numbers import Numbers, degrees, even, mean
+from gyrodrift.report.page import Section, marked, titled
+from gyrodrift.tune.report.charts import drift_chart, error_scales
 from gyrodrift.tune.result import SessionScore, Tuning
 
 PANELS = 12
 """Most sessions in a figure: chosen, for a page of moderate length."""
 
-LEGEND = switches([("plain", "plain", "key", "plain integration"), ("tuned", "tuned", "key", "tuned filter")])
+MARKS = (Mark("plain", "plain", "key", "plain integration"), Mark("tuned", "tuned", "key", "tuned filter"))
 
 
-def over_time(tuning: Tuning) -> str:
-    """Section of the figures; empty without curves."""
+def over_time(tuning: Tuning) -> Section | None:
+    """Section of the charts; None without curves."""
     published = ((8, "training", Split.TRAIN), (9, "test", Split.TEST))
-    drawn = [row for row in published if any(score.curves is not None for score in tuning.scores_on(row[2]))]
-    parts = [
-        _drift_figure(f"{figure_name(number, known_as)} Yaw error over time, {kind} sessions.", tuning.scores_on(split))
-        for number, (known_as, kind, split) in enumerate(drawn, 3)
+    figures = [
+        {"published": number, "kind": kind, **_drawn(tuning.scores_on(split))}
+        for number, kind, split in published
+        if any(score.curves is not None for score in tuning.scores_on(split))
     ]
-    return section("Yaw error over time", *parts) if parts else ""
+    values = {"figures": figures, "marks": MARKS}
+    return Section("tune/report/templates/over_time.html", values, "Yaw error over time") if figures else None
 
 
-def _drift_figure(title: str, scores: Sequence[SessionScore]) -> str:
-    """Figure of the sessions of a split; of too many sessions the worst, the worst first."""
+def _drawn(scores: Sequence[SessionScore]) -> dict[str, object]:
+    """Charts of the sessions of a split; of too many sessions the worst, the worst first."""
     shown = [score for score in scores if score.curves is not None]
     if len(scores) > PANELS:
         shown = sorted(shown, key=lambda score: -score.tuned.e_deg)[:PANELS]
-    curves = [score.curves for score in shown if score.curves is not None]
-    scales = error_scales(curves)
-    sentences = [f"{title} {LEGEND}<br/>All panels have the same scales."]
-    if scales.zoom_deg:
-        sentences += ["Each session has a second panel with an enlarged scale."]
-    if len(scores) > len(shown):
-        sentences += [
-            f"The {len(shown)} of {len(scores)} sessions with the largest E of the tuned filter, the worst first."
-        ]
-    names = [_panel_name(score) for score in shown]
-    return figure(" ".join(sentences), panels(names, drift_svgs(curves, shown[0].split, scales)))
+    scales = error_scales([score.curves for score in shown if score.curves is not None])
+    panels = [(_panel_name(score), drift_chart(score.curves, scales)) for score in shown if score.curves is not None]
+    return {"panels": panels, "has_zoom": bool(scales.zoom_deg), "count": len(scores)}
 
 
-def _panel_name(score: SessionScore) -> str:
-    name = text(score.session.name)
-    plain, tuned = span(degrees(score.euler.e_deg), "plain"), span(degrees(score.tuned.e_deg), "tuned")
-    return f'<b title="{name}">{name}</b>' + span(f"E {plain} → {tuned}", "note")
+def _panel_name(score: SessionScore) -> Markup:
+    plain, tuned = marked("plain", degrees(score.euler.e_deg)), marked("tuned", degrees(score.tuned.e_deg))
+    errors = Markup("E {} → {}").format(plain, tuned)
+    return titled(score.session.name, errors)
 
 
-def by_session(tuning: Tuning) -> str:
+def by_session(tuning: Tuning) -> Section:
     """The section of the tables."""
     train, test = tuning.scores_on(Split.TRAIN), tuning.scores_on(Split.TEST)
-    given = [row for row in ((2, "Training", train), (3, "Test", test)) if row[2]]
-    parts = [
-        _scores_table(f"{table_name(number, known_as)} {kind} sessions.", scores, tuning.filter.reduced_model.title)
-        for number, (known_as, kind, scores) in enumerate(given, 3)
-    ]
-    words = "E is the mean absolute yaw error, deg. NE is E divided by the duration, deg/min."
-    return section("Session by session", paragraph(words), *parts, _cross_validation_table(tuning, 3 + len(parts)))
+    splits = [row for row in ((2, "Training", train), (3, "Test", test)) if row[2]]
+    scores = [score for score in tuning.scores if score.session.name in tuning.cross_validation]
+    values = {
+        "tables": [
+            {"published": number, "kind": kind, "has_worse": any(map(_is_no_better, split)), **_scores_table(split)}
+            for number, kind, split in splits
+        ],
+        "head": _scores_head(tuning.filter.reduced_model.title),
+        "cross": _cross_validation_table(tuning, scores) if scores else None,
+    }
+    return Section("tune/report/templates/by_session.html", values, "Session by session")
 
 
-def _scores_table(caption: str, scores: Sequence[SessionScore], reduced_title: str) -> str:
+def _scores_table(scores: Sequence[SessionScore]) -> dict[str, object]:
     columns = [
         [score.session.minutes for score in scores],
         [score.euler.e_deg for score in scores],
@@ -71,22 +70,18 @@ def _scores_table(caption: str, scores: Sequence[SessionScore], reduced_title: s
         [score.tuned.ne for score in scores],
         [score.reduced.e_deg for score in scores],
     ]
-    if any(map(_is_no_better, scores)):
-        caption += " A session on which the tuned filter is not better than plain integration is marked."
-    return _with_means(caption, _scores_head(reduced_title), [_session_name(score) for score in scores], columns)
+    return _with_means([_session_name(score) for score in scores], columns)
 
 
-def _scores_head(reduced_title: str) -> str:
-    plain, tuned, reduced = (
-        span(title, color)
-        for title, color in (("plain integration", "plain"), ("tuned filter", "tuned"), (reduced_title, "two"))
-    )
-    return headings(["session", "minutes", f"{plain} E", f"{plain} NE", f"{tuned} E", f"{tuned} NE", f"{reduced} E"])
+def _scores_head(reduced_title: str) -> list[str]:
+    plain, tuned = marked("plain", "plain integration"), marked("tuned", "tuned filter")
+    errors = [Markup("{} {}").format(title, kind) for title in (plain, tuned) for kind in ("E", "NE")]
+    return ["session", "minutes", *errors, Markup("{} E").format(marked("two", reduced_title))]
 
 
 def _session_name(score: SessionScore) -> str:
-    mark = f" {span('▲ worse', 'mark')}" if _is_no_better(score) else ""
-    return text(score.session.name) + mark
+    mark = marked("mark", "▲ worse")
+    return Markup("{} {}").format(score.session.name, mark) if _is_no_better(score) else score.session.name
 
 
 def _is_no_better(score: SessionScore) -> bool:
@@ -94,25 +89,17 @@ def _is_no_better(score: SessionScore) -> bool:
     return not score.tuned.e_deg < score.euler.e_deg
 
 
-def _with_means(caption: str, head: str, names: Sequence[str], columns: Sequence[Numbers]) -> str:
-    """Table of columns with a row of means; the digits suit each column."""
+def _with_means(names: Sequence[str], columns: Sequence[Numbers]) -> dict[str, object]:
+    """Rows of columns, and a row of means; the digits suit each column."""
     cells = [even([*column, mean(column)]) for column in columns]
     *rows, means = (list(row) for row in zip([*names, "mean"], *cells, strict=True))
-    return table(caption, head, rows, means)
+    return {"rows": rows, "means": means}
 
 
-def _cross_validation_table(tuning: Tuning, number: int) -> str:
-    scores = [score for score in tuning.scores if score.session.name in tuning.cross_validation]
-    if not scores:
-        return ""
+def _cross_validation_table(tuning: Tuning, scores: Sequence[SessionScore]) -> dict[str, object]:
     columns = [
         [score.euler.e_deg for score in scores],
         [score.tuned.e_deg for score in scores],
         [tuning.cross_validation[score.session.name].e_deg for score in scores],
     ]
-    head = headings(["session", "plain integration", "tuned on all", "tuned on the other sessions"])
-    caption = (
-        f"{table_name(number)} Leave-one-session-out cross-validation. E in degrees of each session with parameters "
-        "tuned on all other sessions: the error to expect on a new session."
-    )
-    return _with_means(caption, head, [text(score.session.name) for score in scores], columns)
+    return _with_means([score.session.name for score in scores], columns)

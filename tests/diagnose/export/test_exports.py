@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import yaml
 from diagnosis_support import SCALED, diagnosis
+from page_support import words
 
 from firmware_sim.effects.catalogue import CATALOGUE
 from gyrodrift.diagnose.export.exported import Exported, ExportedEffect, MeasuredValue, exported_of
@@ -18,9 +19,10 @@ from gyrodrift.diagnose.export.files import FORMATS, NAMES, export_line, exports
 from gyrodrift.diagnose.export.gazebo import dynamic_bias, gazebo
 from gyrodrift.diagnose.export.kalibr import kalibr
 from gyrodrift.diagnose.export.mujoco import mujoco
-from gyrodrift.diagnose.report.exports import exported as section
+from gyrodrift.diagnose.report.tables import exported as section
 from gyrodrift.diagnose.result import DiagnosedSession
 from gyrodrift.effects import EFFECTS, apply
+from gyrodrift.report.page import page
 
 RAD = pi / 180.0
 NONE = Exported(
@@ -143,7 +145,7 @@ def test_what_a_format_cannot_express_is_said_in_it_and_in_the_report(name: str)
     for missing, why in export.not_expressed.items():
         sentence = f"NOT in this file: {missing}: {why}."
         assert all(sentence in text for file, text in export.files.items() if not file.endswith(".json"))
-        assert f"{missing}: {why}" in section([export])
+        assert f"{missing}: {why}" in words(page("", [section([export])]))
         assert f"not {missing}: {why}" in export_line(export)
 
 

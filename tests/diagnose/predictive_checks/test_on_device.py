@@ -14,7 +14,7 @@ from firmware_sim.rig import Base, Rig, with_axes, with_own_yaw
 from gyrodrift.diagnose.predictive_checks.on_device import OnDeviceYaw, on_device_yaw
 from gyrodrift.diagnose.report.files import content, summary
 from gyrodrift.diagnose.report.head import verdict
-from gyrodrift.html.html import page
+from gyrodrift.report.page import page
 from gyrodrift.session.files import write_session
 from gyrodrift.simulation.sessions import Simulation
 

@@ -18,14 +18,12 @@ from gyrodrift.diagnose.recording.facts import Contradiction
 from gyrodrift.diagnose.report.effect_words import SENTENCES, deviation_words
 from gyrodrift.diagnose.report.files import cause_line, headline, summary
 from gyrodrift.diagnose.report.head import verdict
-from gyrodrift.diagnose.report.method import calibration
-from gyrodrift.diagnose.report.negligible import negligible
-from gyrodrift.diagnose.report.next_steps import next_steps
-from gyrodrift.diagnose.report.page import report_html
+from gyrodrift.diagnose.report.page import next_steps, report_html
+from gyrodrift.diagnose.report.tables import calibration, negligible
 from gyrodrift.diagnose.result import BaseValue, Diagnosis
 from gyrodrift.diagnose.simulate.response_table import Sized
-from gyrodrift.html.html import page
-from gyrodrift.html.provenance import Provenance
+from gyrodrift.report.page import Section, page
+from gyrodrift.report.provenance import Provenance
 
 COUNTS = Contradiction("encoder_cpr", 1000.0, 4096.0, "counts per turn", "the rig has 1000, the angles 4096")
 
@@ -36,7 +34,7 @@ def scaled() -> Diagnosis:
     return diagnosis(SCALED)
 
 
-def seen(*parts: str) -> str:
+def seen(*parts: Section | None) -> str:
     return words(page("", parts))
 
 
@@ -119,7 +117,7 @@ def test_what_costs_nothing_has_a_list_of_its_own(scaled: Diagnosis) -> None:
     assert listed[1:] == ["0.4 %", "0.38 to 0.42", f"{found.verdict.negligible[0].cause.probability:.2f}", "0.022°",
                           "not in it"]  # fmt: skip
     assert "there is nothing to switch on" in words(report_html(found, Path("out"), Provenance()))
-    assert negligible(scaled) == ""
+    assert negligible(scaled) is None
 
 
 def test_a_baseline_is_told_in_the_head_and_is_no_doubt(scaled: Diagnosis) -> None:

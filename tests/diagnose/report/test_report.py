@@ -10,22 +10,20 @@ from xml.etree import ElementTree as ET
 
 import pytest
 from diagnosis_support import SCALED, diagnosis
-from page_support import parsed, row, words
+from page_support import charts, parsed, row, series_of, words
 
 from firmware_sim.rig import load_rig
 from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.inference.gap import Deviation, SimToRealGap
 from gyrodrift.diagnose.inference.verdict import Kind
 from gyrodrift.diagnose.report.effect_words import SIGNED
-from gyrodrift.diagnose.report.files import content, summary, write_files
-from gyrodrift.diagnose.result import Diagnosis
-from gyrodrift.html.html import page
-from gyrodrift.html.provenance import Provenance
-
-pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
 from gyrodrift.diagnose.report.features import features
+from gyrodrift.diagnose.report.files import content, summary, write_files
 from gyrodrift.diagnose.report.head import verdict
 from gyrodrift.diagnose.report.page import report_html
+from gyrodrift.diagnose.result import Diagnosis
+from gyrodrift.report.page import page
+from gyrodrift.report.provenance import Provenance
 
 pytestmark = pytest.mark.xdist_group("diagnosis_report")
 
@@ -110,16 +108,16 @@ def test_it_ends_with_where_it_comes_from(html: str) -> None:
 
 
 def test_curves_are_switched_by_the_names_of_their_colours(html: str) -> None:
-    """Every name has curves, and every curve a name but for the line at 0."""
-    names, curves = set(re.findall(r'data-switch="(\w+)"', html)), set(re.findall(r'data-curve="(\w+)"', html))
+    """Every name has curves, and every curve a name."""
+    names = set(re.findall(r'data-switch="(\w+)"', html))
     assert names == {"ink", "plain", "tuned", "two"}
-    assert curves == names | {"zero"}
+    assert {series["key"] for chart in charts(html) for series in series_of(chart) if "key" in series} == names
 
 
 def panels(html: str) -> Iterator[ET.Element]:
     """Those in which something is drawn."""
     for one in parsed(html).iter("div"):
-        if one.get("class") == "panel" and any(path.get("d") for path in one.iter("{http://www.w3.org/2000/svg}path")):
+        if one.get("class") == "panel" and any(inner.get("data-chart") for inner in one.iter("div")):
             yield one
 
 
