@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from gyrogap.estimators import at_rest, fit, period_s
 from gyrogap.physics.bench import Columns
-from gyrogap.physics.device import Device
+from gyrogap.physics.device import DrawnDevice
 from gyrogap.physics.dice import Path, plan_dice
 from gyrogap.physics.kinds import InjectedEffect
 from gyrogap.physics.motion import Floats
@@ -23,7 +23,7 @@ def plain_batch(*effects: InjectedEffect, seed: int = 5) -> SessionBatch:
     path: Path = ("plain", seed)
     rng = plan_dice(path)
     plans = tuple(plan_sessions(rng, 5, (6.0, 8.0)))
-    device = Device(
+    device = DrawnDevice(
         sample_hz=SAMPLE_HZ,
         dps_per_lsb=COUNT_DPS,
         noise_dps_rthz=NOISE_DPS_RTHZ,

@@ -17,9 +17,10 @@ FOLDERS = ("tests", "benchmark")
 
 def marks_in(path: Path) -> Iterator[tuple[str, str, str]]:
     """Area, promise and test of each mark in a file."""
-    for node in ast.walk(ast.parse(path.read_text())):
-        for mark in getattr(node, "decorator_list", ()):
-            if ast.unparse(mark).startswith("pytest.mark.promise("):
+    functions = (node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.FunctionDef))
+    for node in functions:
+        for mark in node.decorator_list:
+            if isinstance(mark, ast.Call) and ast.unparse(mark).startswith("pytest.mark.promise("):
                 area, *text = [ast.literal_eval(argument) for argument in mark.args]
                 said = text or [(ast.get_docstring(node) or "").partition("\n")[0].rstrip(".")]
                 yield area, said[0], f"{path.relative_to(ROOT)}::{node.name}"
