@@ -3,6 +3,7 @@
 import json
 import os
 import pty
+import re
 import select
 import signal
 import socket
@@ -241,9 +242,10 @@ def never() -> bool:
 
 
 def python_in(page: str) -> list[str]:
-    """The Python that stands in a page of docs/, block by block."""
-    text = (Path(__file__).parent.parent / "docs" / page).read_text()
-    return [block.partition("```")[0] for block in text.split("```python\n")[1:]]
+    """Python of a page of docs/, in its order: blocks in the text, and files of docs/examples that it links to."""
+    docs = Path(__file__).parent.parent / "docs"
+    parts = re.findall(r"```python\n(.*?)```|\]\((examples/\w+\.py)\)", (docs / page).read_text(), re.DOTALL)
+    return [block or (docs / example).read_text() for block, example in parts]
 
 
 def are_recorded(samples: int, folder: Path, more_bytes: int = 0) -> bool:

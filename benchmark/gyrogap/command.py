@@ -4,7 +4,7 @@
   score DIR ANSWERS     open the seals, score one JSON file per case, print the table and write score.json.
 
 A case has three recordings of a device and the file of a simulator that does not agree with them. The method under test
-reads them and names the cause, or says that there is none, or that it is unknown. docs/gyrogap.md has the rules.
+reads them and names the cause, or says that there is none, or that it is unknown. benchmark/gyrogap.md has the rules.
 """
 
 import argparse

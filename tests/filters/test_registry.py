@@ -3,7 +3,6 @@
 import csv
 import importlib.util
 import json
-import re
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -29,7 +28,7 @@ from gyrodrift.values.sample import Corrected, Sample
 
 pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation takes seconds
 
-PAGE = Path(__file__).parents[2] / "docs" / "extending-filter.md"
+EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "constant.py"
 RATE_HZ = 50
 CONFIG = "filter: constant\nconstant: {{bias_dps: {bias_dps}}}\n"
 
@@ -37,9 +36,8 @@ CONFIG = "filter: constant\nconstant: {{bias_dps: {bias_dps}}}\n"
 @pytest.fixture(scope="module")
 def printed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Filter]:
     """The filter of the page."""
-    (code,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
     path = tmp_path_factory.mktemp("page") / "constant_bias.py"
-    path.write_text(code)
+    path.write_text(EXAMPLE.read_text())
     spec = importlib.util.spec_from_file_location(path.stem, path)
     assert spec is not None
     assert spec.loader is not None

@@ -102,8 +102,8 @@ def test_every_effect_of_an_answer_can_be_simulated(name: str) -> None:
 
 
 def test_the_page_has_the_vocabulary() -> None:
-    """Each effect with its group, and each parameter with its unit, in the table of docs/gyrogap.md."""
-    page = (Path(__file__).parents[2] / "docs" / "gyrogap.md").read_text()
+    """Each effect with its group, and each parameter with its unit, in the table of benchmark/gyrogap.md."""
+    page = (Path(__file__).parents[2] / "benchmark" / "gyrogap.md").read_text()
     rows = {line.split("`")[1]: line for line in page.splitlines() if line.startswith("| `") and line.count("|") == 4}
     for name, parameters in PARAMETERS.items():
         assert all(f"`{parameter.name}` {parameter.unit}: {parameter.about}" in rows[name] for parameter in parameters)

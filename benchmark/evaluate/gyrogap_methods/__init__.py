@@ -10,7 +10,7 @@
     npe.py          neural posterior estimation; needs sbi and the file of training.py
     training.py     cases of other seeds, for methods that learn
     cases.py, rate_error.py    what the methods share
-    table.py        the table of docs/gyrogap.md
+    table.py        the table of benchmark/gyrogap.md
 
 The packages of other methods are no dependencies of this project: install them into an environment of their own.
 """

@@ -1,4 +1,4 @@
-"""Table of several methods on the cases that all of them answered, as Markdown for docs/gyrogap.md.
+"""Table of several methods on the cases that all of them answered, as Markdown for benchmark/gyrogap.md.
 
 python -m benchmark evaluate.gyrogap_methods.table DATA NAME=ANSWERS ... [--no-gap-closed]
 """

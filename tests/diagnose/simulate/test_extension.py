@@ -14,14 +14,13 @@ from gyrodrift.diagnose.simulate import candidates as tried
 from gyrodrift.diagnose.simulate.responses import response_table
 from gyrodrift.simulation.sessions import rig_yaml
 
-PAGE = Path(__file__).parents[3] / "docs" / "extending-effect.md"
+EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "motor_bias.py"
 
 
 @pytest.fixture
 def motor_bias() -> Iterator[None]:
     """The effect and its record as the page has them, for one test."""
-    module = PAGE.read_text().split("```python\n")[1].split("```")[0]
-    exec(compile(module, PAGE, "exec"), {"__name__": "motor_bias"})
+    exec(compile(EXAMPLE.read_text(), EXAMPLE, "exec"), {"__name__": "motor_bias"})
     yield
     tried.unregister("motor_bias")
     catalogue.unregister("motor_bias")
