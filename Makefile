@@ -41,7 +41,7 @@ lock: $(VENV)/ready-to-test
 
 # Each test process uses one thread of linear algebra, like the commands. More threads would wait for each other.
 tests: $(VENV)/ready-to-test
-	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadgroup -m "not packaging"
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadgroup -m "not packaging and not evaluation"
 
 # Tests that build the wheel and install it. They run in a fresh clone, and again when these files have changed.
 packaging: $(VENV)/packaging-passed
@@ -56,9 +56,11 @@ release-check: $(VENV)/ready-to-test
 bench: $(VENV)/ready-to-test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest benchmark/bench -s -p no:randomly --timeout 600
 
-# Compares results over many random cases with the committed figures, and fails if one is worse. All rows of the blind
-# check take hours; EVALUATE="diagnose --count 50" selects some. An interrupted run continues.
+# Whole diagnoses of single cases first. Then compares results over many random cases with the committed figures, and fails
+# if one is worse. All rows of the blind check take hours; EVALUATE="diagnose --count 50" selects some. An interrupted run
+# continues.
 evaluate: $(VENV)/ready-to-test
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadgroup -m evaluation
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmark evaluate $(EVALUATE)
 
 # Robustness campaigns: every fault of the simulated device (FAULT_SEED); HOURS of device time at 1 kHz (PACE=1: in real

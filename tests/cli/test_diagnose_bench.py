@@ -17,7 +17,7 @@ from gyrodrift.diagnose.what_next import Next
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.simulation.sessions import rig_yaml, write_sessions
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(1800)]
+pytestmark = [pytest.mark.evaluation, pytest.mark.timeout(1800)]
 
 SECONDS = 50.0
 TRIED = ("scale_factor", "latency", "timestamp_jitter")

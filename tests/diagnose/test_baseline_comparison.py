@@ -150,7 +150,7 @@ def test_a_gain_is_new_where_it_varies_less_than_it_changed(
     assert verdict.kind == ("effect" if named else "none")
 
 
-@pytest.mark.long
+@pytest.mark.evaluation
 @pytest.mark.parametrize(
     ("before", "named"), [((0.0, 0.0, 0.0), ["g_sensitivity"]), ((0.1, 0.02, 0.06), [])], ids=["changed", "varies"]
 )

@@ -78,6 +78,7 @@ def test_arrivals_in_bunches(tmp_path: Path, recordings: Recordings) -> None:
     assert gap["where"][0]["stage"] == "link"
 
 
+@pytest.mark.evaluation
 def test_motion_in_three_axes_is_no_effect_of_one(tmp_path: Path, recordings: Recordings) -> None:
     """Whatever is named, most is left over."""
     paths = [beginning(recordings.path(f"broad_{number}"), 20_000, tmp_path) for number in ("01", "14")]

@@ -112,7 +112,7 @@ def diagnosed(real: Path, simulator: Path, out: Path) -> dict[str, Any]:
     return gap
 
 
-@pytest.mark.long
+@pytest.mark.evaluation
 @pytest.mark.timeout(1800)
 @pytest.mark.parametrize("name", ["late", "steps"])
 def test_an_exported_effect_closes_the_gap_in_mujoco(name: str, tmp_path: Path) -> None:
