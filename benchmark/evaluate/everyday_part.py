@@ -9,8 +9,7 @@ import numpy as np
 from evaluate.everyday_motions import MOTIONS, Dice, Session, session
 from evaluate.figures import Figure, mean_figure, share_figure
 from gyrodrift.compare.methods.registry import by_key
-from gyrodrift.evaluation.kernels.compiled import array_of
-from gyrodrift.evaluation.kernels.restlevel import _follow
+from gyrodrift.evaluation.kernels.restlevel import _follow, array_of
 from gyrodrift.filters.restlevel.memory import RestlevelMemory, begun, learned
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step

@@ -9,7 +9,7 @@ from random import Random
 
 from pymavlink.dialects.v20 import common
 
-from gyrodrift.link.sources.can_gyros import BOSCH_IDS, XSENS_IDS
+from gyrodrift.link.sources.can import BOSCH_IDS, XSENS_IDS
 
 HEAD, HEADER = b"\xa7\x1d", struct.Struct("<2sBH")
 CAN_HEADER = struct.Struct("<QI")

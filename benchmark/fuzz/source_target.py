@@ -4,12 +4,12 @@ from collections.abc import Iterator
 from math import isfinite, isinf, isnan, nan
 
 from fuzz.packets import CAN_HEADER, packets_of
+from gyrodrift.link.sources.can import BOSCH_IDS, XSENS_IDS, bosch, xsens
 from gyrodrift.link.sources.can_frames import CanReadings
-from gyrodrift.link.sources.can_gyros import BOSCH_IDS, XSENS_IDS, bosch, xsens
 from gyrodrift.link.sources.iio_buffer import layout_of
 from gyrodrift.link.sources.iio_readings import IDENTITY, IioChannel, IioDescription, IioReadings
 from gyrodrift.link.sources.mavlink_decoder import ImuChoice, MavlinkDecoder
-from gyrodrift.link.sources.ros_imu import ImuReadings, message_of
+from gyrodrift.link.sources.rosbridge import ImuReadings, message_of
 from gyrodrift.values.sample import Reading
 
 CHUNK = 61

@@ -16,14 +16,14 @@ from annotated_types import MaxLen, MinLen
 
 from gyrodrift import __version__
 from gyrodrift.io.files import UnreadableError, check_ordinary, read_ordinary
+from gyrodrift.io.paho_guard import PahoGuard
 from gyrodrift.outputs.fields import CHOICES
 from gyrodrift.outputs.health import health
 from gyrodrift.outputs.home_assistant import BIRTH, OFFLINE, ONLINE, Topics, discovery
 from gyrodrift.outputs.json_line import present_fields
-from gyrodrift.outputs.mqtt_guard import BrokerGuard
 from gyrodrift.outputs.net.addresses import shown
 from gyrodrift.outputs.net.backlog import Backlog
-from gyrodrift.outputs.net.limits import Limits
+from gyrodrift.outputs.net.limits import Allowance, Limits
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import Output, OutputError, OutputHost
 from gyrodrift.outputs.status import DeviceStatus, ServiceStatus
@@ -33,6 +33,28 @@ from gyrodrift.values.secret import NO_SECRET, SecretText
 
 if TYPE_CHECKING:
     import aiomqtt
+
+LONGEST_PACKET_BYTES = 16 << 10
+"""Longest packet. A broker answers with a few bytes, and the birth message of Home Assistant is a word."""
+
+READS_PER_S = 1000.0
+"""Most reads a second; a packet takes three or four."""
+
+
+class BrokerGuard(PahoGuard):
+    """Ends the connection to a broker that sends too much, or too often."""
+
+    def __init__(self, client: "aiomqtt.Client") -> None:
+        super().__init__(client._client, LONGEST_PACKET_BYTES)  # noqa: SLF001 - no public name
+        self._allowance = Allowance(READS_PER_S)
+
+    def receive(self, longest_bytes: int) -> bytes:
+        """Read, unless there were too many reads."""
+        content = super().receive(longest_bytes)
+        if not self._allowance.take():
+            self.refuse(f"more than {READS_PER_S / 4:g} packets a second")
+        return content
+
 
 PLAIN_PORT, TLS_PORT = 1883, 8883
 ANSWER_S = 10.0

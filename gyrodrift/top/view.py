@@ -1,7 +1,8 @@
 """The view of `gyrodrift top`: values, a chart of yaw, the horizon, the health of the service, and its clients."""
 
 from collections.abc import Sequence
-from math import isfinite
+from dataclasses import dataclass
+from math import cos, isfinite, radians, sin
 from typing import NamedTuple
 
 from rich.console import Group, RenderableType
@@ -9,11 +10,126 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
-from gyrodrift.io.text_chart import SMALLEST_ROWS, AxisRange, ChartLine, chart, legend, padded_range
+from gyrodrift.io.text_chart import DOTS, SMALLEST_ROWS, AxisRange, ChartLine, chart, legend, padded_range
+from gyrodrift.outputs.fields import Field, Use, fields_of
 from gyrodrift.outputs.health import HealthLevel, health
-from gyrodrift.outputs.status import FilterStatus, OutputStatus, ServiceStatus
-from gyrodrift.top.figures import figures
-from gyrodrift.top.horizon import horizon
+from gyrodrift.outputs.status import FilterStatus, LinkStatus, OutputStatus, ServiceStatus
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A labeled value; `says` is the value with its unit, or a dash if it is unknown."""
+
+    label: str
+    says: str
+
+
+UNKNOWN = "–"
+
+
+def figures(status: ServiceStatus) -> list[Figure]:
+    """Values in order of importance."""
+    return [*_filter_figures(status.filter), *_link_figures(status.link)]
+
+
+def _filter_figures(now: FilterStatus) -> list[Figure]:
+    rest = UNKNOWN if now.rest_probability is None else f"{now.rest_probability:.0%}"
+    heading = [Figure("Heading", f"{now.heading_deg:.1f}°")] if now.heading_deg is not None else []
+    scale = [Figure("Sigma of scale", f"{now.scale_sigma_deg:.2f} deg")] if now.scale_sigma_deg is not None else []
+    return [
+        Figure("Yaw", f"{now.yaw_deg:+z.2f}{_margin(now.yaw_sigma_deg, 2)} deg"),
+        *scale,
+        *heading,
+        *_device_figures(now),
+        *_tilt_figures(now),
+        Figure("Bias", f"{now.bias_dps:+z.4f}{_margin(now.bias_sigma_dps, 4)} deg/s"),
+        Figure("At rest", rest),
+        *(_figure(field, getattr(now, field.name)) for field in fields_of(Use.FIGURE)),
+    ]
+
+
+def _figure(field: Field, value: float | None) -> Figure:
+    """Line of a field by its record."""
+    return Figure(field.title, UNKNOWN if value is None else f"{value:.{field.shown}f} {field.unit}".rstrip())
+
+
+def _device_figures(now: FilterStatus) -> list[Figure]:
+    """Yaw of the device's own filter; no figures for a device without one."""
+    if now.device_yaw_deg is None or now.device_difference_deg is None:
+        return []
+    return [
+        Figure("Device yaw", f"{now.device_yaw_deg:+z.2f}{_margin(now.device_yaw_sigma_deg, 2)} deg"),
+        Figure("Difference", f"{now.device_difference_deg:+z.2f} deg"),
+    ]
+
+
+def _tilt_figures(now: FilterStatus) -> list[Figure]:
+    """Attitude of a device with three axes; no figures for one axis."""
+    if now.roll_deg is None or now.pitch_deg is None or now.tilt_deg is None:
+        return []
+    return [
+        Figure("Roll", f"{now.roll_deg:+z.1f} deg{_side(now.roll_deg, 'right side down', 'left side down')}"),
+        Figure("Pitch", f"{now.pitch_deg:+z.1f} deg{_side(now.pitch_deg, 'nose down', 'nose up')}"),
+        Figure("Tilt", f"{now.tilt_deg:z.1f}{_margin(now.tilt_sigma_deg, 2)} deg"),
+    ]
+
+
+def _side(angle_deg: float, positive: str, negative: str) -> str:
+    """Direction of an angle that is not shown as 0."""
+    return "" if round(angle_deg, 1) == 0.0 else f", {positive if angle_deg > 0.0 else negative}"
+
+
+def _link_figures(now: LinkStatus) -> list[Figure]:
+    return [
+        Figure("Sample rate", f"{now.rate_hz:.1f} Hz"),
+        Figure("Jitter", f"{now.jitter_ms:.1f} ms"),
+        Figure("Samples", f"{now.samples}"),
+        Figure("Gaps", f"{now.gaps} ({now.missing} samples)" if now.gaps else "0"),
+        Figure("Damaged frames", f"{now.damaged}"),
+    ]
+
+
+def _margin(sigma: float | None, digits: int) -> str:
+    """Standard deviation behind a value; empty if unknown."""
+    return "" if sigma is None else f" ± {sigma:.{digits}f}"
+
+
+SHOWN_PITCH_DEG = 45.0
+"""Pitch that moves the horizon to the edge, deg."""
+
+GROUND, MARK = "yellow", "bold"
+WING = 3
+"""Characters of the mark of the device on each side."""
+
+
+def horizon(roll_deg: float, pitch_deg: float, rows: int) -> list[Text]:
+    """Rows of text; two columns a row make it square.
+
+    Roll is positive with the right side down, pitch with the nose down.
+    """
+    columns = 2 * rows
+    return [_row(row, rows, columns, radians(roll_deg), pitch_deg) for row in range(rows)]
+
+
+def _row(row: int, rows: int, columns: int, roll_rad: float, pitch_deg: float) -> Text:
+    text = Text("".join(_cell(column, row, rows, columns, roll_rad, pitch_deg) for column in range(columns)), GROUND)
+    if row == rows // 2:
+        middle = columns // 2
+        text = Text.assemble(text[: middle - WING], ("─" * WING + "┼" + "─" * (WING - 1), MARK), text[middle + WING :])
+    return text
+
+
+def _cell(column: int, row: int, rows: int, columns: int, roll_rad: float, pitch_deg: float) -> str:
+    """Character with the dots that are ground."""
+    bits = 0
+    for dot_row, line in enumerate(DOTS):
+        for dot_column, bit in enumerate(line):
+            x = 2 * column + dot_column + 0.5 - columns
+            y = 2 * rows - (4 * row + dot_row + 0.5)
+            height = (y * cos(roll_rad) - x * sin(roll_rad)) / (2 * rows)
+            bits |= bit if height < pitch_deg / SHOWN_PITCH_DEG else 0
+    return chr(0x2800 + bits) if bits else " "
+
 
 BLOCKS = "▁▂▃▄▅▆▇█"
 FLAT_DEG = 0.1

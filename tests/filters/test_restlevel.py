@@ -12,8 +12,7 @@ from restlevel_reference import reference
 from scipy.signal import lfilter
 
 from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary
-from gyrodrift.evaluation.kernels.compiled import array_of
-from gyrodrift.evaluation.kernels.restlevel import _follow, walk
+from gyrodrift.evaluation.kernels.restlevel import _follow, array_of, walk
 from gyrodrift.evaluation.reference import accepted
 from gyrodrift.filters.restlevel.model import MAX_HYPOTHESES, RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step

@@ -24,7 +24,7 @@ from gyrodrift.outputs.json_line import json_line
 from gyrodrift.outputs.line_output import hello
 from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.web.points import LAYOUTS
-from gyrodrift.top.figures import figures
+from gyrodrift.top.view import figures
 
 sample, host = corrected(3), OutputHost(structlog.get_logger())
 assert json.loads(json_line(sample))["reference_deg"] == 10.0

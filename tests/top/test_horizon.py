@@ -2,7 +2,7 @@
 
 import pytest
 
-from gyrodrift.top.horizon import horizon
+from gyrodrift.top.view import horizon
 
 ROWS = 9
 FULL = chr(0x28FF)

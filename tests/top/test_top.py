@@ -12,8 +12,7 @@ from rich.console import Console
 from support import Command, Terminal, never, ours
 
 from gyrodrift.outputs.status import ClientStatus, FilterStatus, LinkStatus, OutputStatus, ServiceStatus
-from gyrodrift.top.figures import figures
-from gyrodrift.top.view import YawPoint, draw, sparkline
+from gyrodrift.top.view import YawPoint, draw, figures, sparkline
 
 
 def top_on(control: Path) -> Terminal:

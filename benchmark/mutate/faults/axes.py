@@ -124,7 +124,7 @@ FAULTS = (
     ),
     Fault(
         "axes/swapped-axes-agree",
-        f"{CHECKS}/gravity.py",
+        f"{CHECKS}/examine.py",
         "axes.residual > AGREES >= axes.best_residual",
         "axes.residual > 10.0 >= axes.best_residual",
         "Swapped axes of an accelerometer pass.",

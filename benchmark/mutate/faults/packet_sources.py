@@ -124,7 +124,7 @@ FAULTS = (
     ),
     Fault(
         "sources/ros-covariance-is-ignored",
-        f"{SOURCES}/ros_imu.py",
+        f"{SOURCES}/rosbridge.py",
         "covariance[:1] == [MISSING]",
         "covariance[:1] == []",
         "A rate that a driver does not measure is 0.",
@@ -132,7 +132,7 @@ FAULTS = (
     ),
     Fault(
         "sources/ros-stamp-in-nanoseconds",
-        f"{SOURCES}/ros_imu.py",
+        f"{SOURCES}/rosbridge.py",
         "nanoseconds // 1000)",
         "nanoseconds)",
         "Time runs in steps of seconds.",

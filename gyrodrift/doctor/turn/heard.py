@@ -2,15 +2,106 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from math import isfinite
 
 import numpy as np
 
+from gyrodrift.columns.ranges import TEMPERATURES_C
+from gyrodrift.columns.spec import CLOCK_US, IGNORED, columns_of, spec_text
 from gyrodrift.columns.units import Dimension, Unit
-from gyrodrift.doctor.turn.motion import TurnWindow
-from gyrodrift.doctor.turn.series import ColumnKey, Series, TextTable
-from gyrodrift.doctor.turn.spec import read_back, spec_of
-from gyrodrift.doctor.turn.verdict import TurnVerdict, judge
+from gyrodrift.doctor.turn.motion import TurnWindow, motion_of
+from gyrodrift.doctor.turn.scale import HAND, QUARTER_DEG
+from gyrodrift.doctor.turn.series import ColumnKey, Series, TextTable, TimedLine
+from gyrodrift.doctor.turn.verdict import RateColumn, TurnVerdict, judge
+from gyrodrift.link.text.decoder import TextDecoder
 from gyrodrift.values.sample import Sample
+
+PACE_WITHIN = 0.1
+"""Largest relative difference between a clock and the arrival of its lines; units differ by a factor of 1000."""
+
+GOES_ON, CHANGES = 0.98, 0.5
+"""Shares of steps in which a clock does not go back, and in which it advances: a clock in seconds is too coarse."""
+
+OFTEN = 0.9
+"""Smallest number of values of a further column, as a share of those of the turning column."""
+
+
+@dataclass(frozen=True, slots=True)
+class ReadBack:
+    """Turn and number of samples, if the lines are read with a SPEC."""
+
+    turn_deg: float
+    samples: int
+
+    @property
+    def is_quarter(self) -> bool:
+        """Whether it is a quarter turn to the left, within the accuracy of a hand."""
+        return 1.0 / (1.0 + HAND) ** 2 < self.turn_deg / QUARTER_DEG < (1.0 + HAND) ** 2
+
+
+@np.errstate(all="ignore")  # a text may hold numbers of any size
+def spec_of(verdict: TurnVerdict, series: Sequence[Series]) -> str:
+    """SPEC for `--columns`; empty if nothing turned, or a SPEC cannot name the column."""
+    yaw = verdict.column
+    if yaw is None or yaw.motion.series.key.repeat:
+        return ""
+    key = yaw.motion.series.key
+    sign = "" if yaw.turn_deg > 0.0 else ":-"
+    unit = yaw.scale.option if isinstance(yaw, RateColumn) else yaw.unit
+    entries = {key: f"{'rate' if isinstance(yaw, RateColumn) else 'yaw'}:{unit}{sign}"}
+    count_min = OFTEN * len(yaw.motion.series.values)  # a sample waits for the rarest of its columns
+    further = [column for column in series if _is_same_line(column.key, key) and len(column.values) >= count_min]
+    clocks = [(unit, column) for column in further if (unit := clock_of(column))]
+    if clocks:
+        order = list(CLOCK_US)
+        unit, clock = min(clocks, key=lambda pair: (pair[1].kind != "clock", order.index(pair[0])))
+        entries[clock.key] = unit
+    if temperature := next(filter(_is_temperature, further), None):
+        entries.setdefault(temperature.key, "temp")
+    if key.label:
+        keys = [column.key for column in series if column.key in entries]
+        return spec_text([entries[column_key] for column_key in keys], [column_key.label for column_key in keys])
+    return spec_text([entries.get(ColumnKey(index=index, width=key.width), IGNORED) for index in range(key.width)])
+
+
+def _is_temperature(column: Series) -> bool:
+    low_c, high_c = TEMPERATURES_C
+    return column.kind == "temp" and bool(np.all((column.values > low_c) & (column.values < high_c)))
+
+
+def _is_same_line(key: ColumnKey, yaw: ColumnKey) -> bool:
+    """Whether a SPEC can name a column beside the column of yaw."""
+    if yaw.label:
+        return bool(key.label) and not key.repeat and key != yaw
+    return not key.label and key.width == yaw.width and key != yaw
+
+
+def clock_of(series: Series) -> str:
+    """Unit of a clock column, from the arrival of its lines; empty if it is not a clock."""
+    steps, passed_s = np.diff(series.values), float(np.ptp(series.t_s)) if len(series.t_s) else 0.0
+    if passed_s <= 0.0 or (steps >= 0.0).mean() < GOES_ON or (steps > 0.0).mean() < CHANGES:
+        return ""
+    pace = float(steps[steps > 0.0].sum()) / passed_s
+    units = {unit: pace * us * 1e-6 for unit, us in CLOCK_US.items()}
+    return next((unit for unit, seconds in units.items() if abs(seconds - 1.0) < PACE_WITHIN), "")
+
+
+@np.errstate(all="ignore")  # as above
+def read_back(lines: Sequence[TimedLine], spec: str, window: TurnWindow) -> ReadBack:
+    """Turn of the lines, read with the decoder of `serve`."""
+    decoder = TextDecoder(columns_of(spec))
+    samples = [(line.t_s, sample) for line in lines for sample in decoder.push(f"{line.text}\n".encode())]
+    rates = [(t_s, sample.rate_dps) for t_s, sample in samples if isfinite(sample.rate_dps)]
+    angles = [(t_s, sample.yaw_deg) for t_s, sample in samples if isfinite(sample.yaw_deg)]
+    pairs = rates or angles
+    if not pairs:
+        return ReadBack(0.0, 0)
+    t_s, values = (np.array(column) for column in zip(*pairs, strict=True))
+    key = ColumnKey()
+    if rates:
+        return ReadBack(motion_of(Series(key, "", "", None, t_s, values, is_whole=False), window).integral, len(pairs))
+    smooth = np.unwrap(values, period=360.0)
+    return ReadBack(motion_of(Series(key, "", "", None, t_s, smooth, is_whole=False), window).change, len(pairs))
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,6 @@
 """State of restlevel that describes the rate: the block, noise, levels, segments and mean rates.
 
-Fields are plain numbers, flags, and records of them. `gyrodrift.evaluation.kernels.compiled` lays them out as a
+Fields are plain numbers, flags, and records of them. `gyrodrift.evaluation.kernels.restlevel` lays them out as a
 structured array, on which the same source runs compiled.
 """
 

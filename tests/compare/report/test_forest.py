@@ -5,7 +5,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from gyrodrift.compare.report.forest import DOTS, ForestAxis, forest_axis, scale, strip
+from gyrodrift.compare.report.tables import DOTS, ForestAxis, forest_axis, scale, strip
 
 AXIS = ForestAxis(0.1, 1000.0)
 

@@ -9,7 +9,7 @@ from typing import cast
 
 import pytest
 
-from gyrodrift.evaluation.kernels.compiled import array_of, compiled, layout
+from gyrodrift.evaluation.kernels.restlevel import array_of, compiled, layout
 from gyrodrift.io.compile import stamp_of
 
 

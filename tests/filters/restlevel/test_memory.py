@@ -8,8 +8,7 @@ import pytest
 from recordings_support import Recordings
 from restlevel_reference import reference
 
-from gyrodrift.evaluation.kernels.compiled import array_of
-from gyrodrift.evaluation.kernels.restlevel import _follow
+from gyrodrift.evaluation.kernels.restlevel import _follow, array_of
 from gyrodrift.filters.restlevel.memory import RestlevelMemory, begun, knowledge, learned
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.recall import remembered_weight

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrodrift.link.clocks.turning import TurningRate
+from gyrodrift.link.clocks.clock import TurningRate
 
 
 def test_the_rate_is_how_far_the_angle_went_since_the_time_before() -> None:

@@ -18,8 +18,7 @@ from sources_support import PATIENCE_S, Events, Host, read_until, serving
 
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
-from gyrodrift.link.sources.ros_imu import ImuReadings, message_of
-from gyrodrift.link.sources.rosbridge import RosbridgePort, open_rosbridge
+from gyrodrift.link.sources.rosbridge import ImuReadings, RosbridgePort, message_of, open_rosbridge
 from gyrodrift.link.sources.source import SourceAddress
 from gyrodrift.link.sources.stream_channel import StreamChannel
 from gyrodrift.values.errors import DeviceSilentError, LinkError, PortMissingError, UsageError
