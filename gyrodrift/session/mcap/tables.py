@@ -29,7 +29,7 @@ MOST_SHIFTS = 64
 """Offsets to try for moved records, one per gap before them."""
 
 
-class Part(NamedTuple):
+class TablePart(NamedTuple):
     """Consecutive whole records: bytes, samples (0 for other records), CRC-32."""
 
     length: int
@@ -42,7 +42,7 @@ class Region(NamedTuple):
 
     start: int
     first_sample: int
-    parts: tuple[Part, ...]
+    parts: tuple[TablePart, ...]
 
     @property
     def stop(self) -> int:
@@ -100,7 +100,7 @@ def table_proofs(file: IO[bytes], size: int) -> Proofs | None:
     return Proofs(pieces, samples, record_losses)
 
 
-def _searched(file: IO[bytes], region: Region, shifts: list[int]) -> Iterator[tuple[int, Part, Piece | None]]:
+def _searched(file: IO[bytes], region: Region, shifts: list[int]) -> Iterator[tuple[int, TablePart, Piece | None]]:
     """Parts of a region with the number of samples before them, and where they are now."""
     start, number = region.start, region.first_sample
     for part in region.parts:
@@ -110,7 +110,7 @@ def _searched(file: IO[bytes], region: Region, shifts: list[int]) -> Iterator[tu
         start, number = start + part.length, number + part.samples
 
 
-def _is_at(file: IO[bytes], part: Part, offset: int) -> bool:
+def _is_at(file: IO[bytes], part: TablePart, offset: int) -> bool:
     content = read_at(file.fileno(), part.length, offset) if offset >= 0 else b""
     return len(content) == part.length and zlib.crc32(content) == part.crc
 
@@ -140,6 +140,6 @@ def _table_at(file: IO[bytes], offset: int) -> Table | None:
     _, recording_id, start, first, count, start_before, first_before, count_before = TABLE.unpack_from(content)
     if len(content) != TABLE.size + PART.size * (count + count_before):
         return None
-    parts = tuple(Part(*numbers) for numbers in PART.iter_unpack(content[TABLE.size :]))
+    parts = tuple(TablePart(*numbers) for numbers in PART.iter_unpack(content[TABLE.size :]))
     region, before = Region(start, first, parts[:count]), Region(start_before, first_before, parts[count:])
     return Table(offset, HEAD.size + length, recording_id, region, before)
