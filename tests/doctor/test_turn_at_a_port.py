@@ -41,7 +41,7 @@ class TurnedDevice:
         """Whether the command has ended."""
         return self.command.process.poll() is not None
 
-    def print_line(self, now_s: float, at: int) -> None:
+    def print_line(self, now_s: float, row: int) -> None:
         """One line, in motion once the prompt was seen."""
         self.command.glance()
         if self.turn_s is None and self.awaited in self.command.log:
@@ -49,46 +49,46 @@ class TurnedDevice:
         phase = 0.0 if self.turn_s is None else min(max((now_s - self.turn_s) / LASTS_S, 0.0), 1.0)
         rate_dps = self.turned_deg / LASTS_S * (1.0 - math.cos(2.0 * math.pi * phase))
         angle_deg = self.turned_deg * (phase - math.sin(2.0 * math.pi * phase) / (2.0 * math.pi))
-        self.device.send(self.line(now_s, rate_dps, angle_deg, at).encode())
+        self.device.send(self.line(now_s, rate_dps, angle_deg, row).encode())
 
 
-def ripple(at: int) -> float:
+def ripple(row: int) -> float:
     """Noise that is the same in each run."""
-    return ((at * 7919) % 101 - 50) / 50.0
+    return ((row * 7919) % 101 - 50) / 50.0
 
 
 FORMS: dict[str, tuple[Line, str]] = {
     "csv of our own form, in rad/s": (
-        lambda t_s, dps, _, at: f"{int(1e6 * t_s)},{math.radians(dps + 0.4 + 0.05 * ripple(at)):.5f}\n",
+        lambda t_s, dps, _, row: f"{int(1e6 * t_s)},{math.radians(dps + 0.4 + 0.05 * ripple(row)):.5f}\n",
         "t_us, rate:rads",
     ),
     "raw numbers with the sensor upside down": (
-        lambda t_s, dps, _, at: (
-            f"{20 * ripple(at):.0f} {16384 + 30 * ripple(at + 5):.0f} {-1000 * dps + 40 + 70 * ripple(at + 13):.0f}\n"
+        lambda t_s, dps, _, k: (
+            f"{20 * ripple(k):.0f} {16384 + 30 * ripple(k + 5):.0f} {-1000 * dps + 40 + 70 * ripple(k + 13):.0f}\n"
         ),
         "_, _, rate:mdps:-",
     ),
     "labelled, in deg/s": (
-        lambda t_s, dps, _, at: f"ms: {int(1e3 * t_s)}\ta: 1.0{at % 7}\tb: {dps + 0.05 * ripple(at):.2f}\n",
+        lambda t_s, dps, _, row: f"ms: {int(1e3 * t_s)}\ta: 1.0{row % 7}\tb: {dps + 0.05 * ripple(row):.2f}\n",
         "ms=t_ms, b=rate:dps",
     ),
     "an angle alone, clockwise, over its jump": (
-        lambda t_s, _, deg, at: f"{(20.0 - deg + 0.02 * ripple(at)) % 360.0:.2f},{0.1 * ripple(at):.2f}\n",
+        lambda t_s, _, deg, row: f"{(20.0 - deg + 0.02 * ripple(row)) % 360.0:.2f},{0.1 * ripple(row):.2f}\n",
         "yaw:deg:-",
     ),
-    "a device that does not turn": (lambda t_s, dps, _, at: f"gz={0.1 * ripple(at):.2f}\n", ""),
+    "a device that does not turn": (lambda t_s, dps, _, row: f"gz={0.1 * ripple(row):.2f}\n", ""),
 }
 
 
 def play(boards: list[TurnedDevice], until_said: str = "\0") -> None:
     """Print lines in real time until all commands have ended, or have said something on stderr."""
     begun_s = time.monotonic()
-    for at in range(100_000):
+    for row in range(100_000):
         running = [board for board in boards if not board.is_over and until_said not in board.command.log]
         if not running:
             return
         for board in running:
-            board.print_line(time.monotonic() - begun_s, at)
+            board.print_line(time.monotonic() - begun_s, row)
         time.sleep(1.0 / RATE_HZ)
     pytest.fail("the commands did not end")
 
@@ -107,8 +107,8 @@ def test_a_turn_tells_the_columns(tmp_path: Path) -> None:
     """
     with ExitStack() as closing:
         boards = {
-            form: listening(closing, tmp_path / f"port{at}", line, "--json")
-            for at, (form, (line, _)) in enumerate(FORMS.items())
+            form: listening(closing, tmp_path / f"port{row}", line, "--json")
+            for row, (form, (line, _)) in enumerate(FORMS.items())
         }
         still = FORMS["a device that does not turn"][0]
         calibrating = listening(closing, tmp_path / "calibrated", still, "--yes", name="calibrate")
@@ -172,14 +172,14 @@ REFUSED = {
 def files(tmp_path: Path) -> dict[str, Path]:
     """What a terminal program kept of a board that turned to the left after 4 s, with a clock and without one."""
     lines = []
-    for at in range(900):
-        t_s = 0.01 * at
+    for row in range(900):
+        t_s = 0.01 * row
         phase = min(max((t_s - 4.0) / LASTS_S, 0.0), 1.0)
         rate_dps = 88.0 / LASTS_S * (1.0 - math.cos(2.0 * math.pi * phase))
-        lines.append((f"{int(1e3 * t_s)}", f"{math.radians(-rate_dps) + 0.001 * ripple(at):.4f}"))
+        lines.append((f"{int(1e3 * t_s)}", f"{math.radians(-rate_dps) + 0.001 * ripple(row):.4f}"))
     kept = {"file": tmp_path / "putty.log", "clockless": tmp_path / "bare.txt"}
     kept["file"].write_text("".join(f"{t_ms} {rate}\n" for t_ms, rate in lines))
-    kept["clockless"].write_text("".join(f"{rate} {0.01 * ripple(at):.3f}\n" for at, (_, rate) in enumerate(lines)))
+    kept["clockless"].write_text("".join(f"{rate} {0.01 * ripple(row):.3f}\n" for row, (_, rate) in enumerate(lines)))
     return kept
 
 
@@ -204,7 +204,7 @@ def test_a_recorded_rate_is_checked_by_its_turn(
     """Of a session without text the unit and the sign are told."""
     t_s: Floats = np.arange(900.0) * 0.01
     phase = np.clip((t_s - 4.0) / LASTS_S, 0.0, 1.0)
-    rate_dps = sign * 90.0 / LASTS_S * (1.0 - np.cos(2.0 * np.pi * phase)) + [0.05 * ripple(at) for at in range(900)]
+    rate_dps = sign * 90.0 / LASTS_S * (1.0 - np.cos(2.0 * np.pi * phase)) + [0.05 * ripple(row) for row in range(900)]
     path = tmp_path / "session.mcap"
     write_session(path, [Session("session", t_s, rate_dps)])
     assert main(["doctor", str(path), "--turn-at", "3.8"]) == status
