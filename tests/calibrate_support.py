@@ -20,7 +20,7 @@ RAMP_S = 1.0
 
 SCALED = ("scale_factor:error_percent=1.5", "scale_asymmetry:error_percent=0.4")
 GAIN_CCW, GAIN_CW = 1.015 + 0.004, 1.015 - 0.004
-"""What such a device measures of a true rate: scale first, then what depends on the direction."""
+"""Measured rate of a true rate: scale first, then the error that depends on the direction."""
 
 
 def rest(seconds: float) -> list[str]:

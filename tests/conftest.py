@@ -19,7 +19,7 @@ settings.register_profile("untimed", deadline=None)  # how long an example takes
 settings.load_profile("untimed")
 
 ENDS_WITHIN_S = 60.0
-"""What a thread or a child takes at most to end, once it has been told to, on a busy machine."""
+"""Longest time in which a thread or a child ends on request on a busy machine."""
 
 
 def _children() -> set[str]:

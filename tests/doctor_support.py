@@ -1,4 +1,4 @@
-"""What the tests of `doctor` share: a simulated device in the time of its reader, and the findings about it."""
+"""Helpers for tests of `doctor`: a simulated device in the time of its reader, and findings about it."""
 
 import argparse
 import json

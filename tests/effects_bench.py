@@ -1,4 +1,4 @@
-"""What the tests of effects share: a rig played and taken down as arrays, least squares, and the sizes of an effect.
+"""Helpers for tests of effects: a rig played into arrays, least squares, and sizes of an effect.
 
 Nothing here knows how an effect acts: the truth is the profile's, the rest is what the bench gave out.
 """

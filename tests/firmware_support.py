@@ -35,7 +35,7 @@ CORE = (
     f"-I{ARDUINO}/cores/arduino",
     f"-I{ARDUINO}/libraries/Wire/src",
 )
-"""As the Arduino IDE compiles."""
+"""Options of the Arduino IDE."""
 
 UNO = ("-mmcu=atmega328p", f"-I{ARDUINO}/variants/standard", *CORE)
 MEGA = ("-mmcu=atmega2560", f"-I{ARDUINO}/variants/mega", *CORE)
@@ -48,7 +48,7 @@ LTO = ("-flto", "-fuse-linker-plugin")
 
 
 class Truth(NamedTuple):
-    """What a simulated gyro measured: device clock in µs, counts of rates and accelerations, °C; shape (samples,).
+    """Measurements of a simulated gyro: device clock in µs, counts of rates and accelerations, °C; shape (samples,).
 
     rate_raw
         About z.

@@ -106,7 +106,7 @@ VECTORNAV_VNYMR = (
 VECTORNAV_VNIMU = (
     b"$VNIMU,-00.0350,+00.4222,-00.6643,-00.015,+00.019,+09.948,+00.002066,-00.008442,-00.044656,+20.7,+084.322*66\r\n"
 )
-"""As a VN-200 sent it: z -0.044656 rad/s, 20.7 °C."""
+"""Frame of a VN-200: z -0.044656 rad/s, 20.7 °C."""
 
 XSENS_MTI300 = bytes.fromhex(
     "faff3692"

@@ -1,4 +1,4 @@
-"""What tests of outputs share: a service with outputs, the loop that outputs run on without a service, samples."""
+"""Helpers for tests of outputs: a service with outputs, their loop without a service, samples."""
 
 import asyncio
 import json
@@ -57,7 +57,7 @@ def attitude_q(heading_deg: float, pitch_deg: float, roll_deg: float) -> Quatern
 
 
 AXES = Inertial(2.0, -3.0, 1.5, 3.0, 1.5, 9.2)
-"""What a sensor of three axes measures that turns and is tilted."""
+"""Measurement of a sensor of three axes that turns and is tilted."""
 
 
 def tilted(

@@ -1,4 +1,4 @@
-"""What every process of the tests starts with, however the suite was started.
+"""State in which every process of the tests starts, however the suite was started.
 
 Children inherit ignored signals (a background job of a shell ignores SIGINT, `nohup` SIGHUP), blocked signals, the
 environment, the umask and the working directory.
@@ -20,7 +20,7 @@ DEFINED = {
 }
 KEPT = ("CI", "GYRODRIFT_RECORDINGS", "LD_LIBRARY_PATH", "PATH", "TMPDIR", "VIRTUAL_ENV")
 KEPT_PREFIXES = ("COVERAGE_", "PYTEST_")
-"""Where programs lie, and what the test runner tells its own processes."""
+"""Paths of programs, and variables of the test runner."""
 
 DEFAULT_SIGNALS = (signal.SIGHUP, signal.SIGQUIT, signal.SIGTERM, signal.SIGUSR1, signal.SIGUSR2, signal.SIGWINCH)
 

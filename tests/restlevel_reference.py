@@ -146,7 +146,7 @@ def in_merge_gate(a: ReferenceHypothesis, b: ReferenceHypothesis) -> bool:
 
 @dataclass
 class ReferenceFilter:
-    """What is known after some blocks."""
+    """State after some blocks."""
 
     p: RestlevelParams
     hypotheses: list[ReferenceHypothesis]

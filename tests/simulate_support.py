@@ -1,4 +1,4 @@
-"""What the tests of simulated responses share: a short turntable session of a rig, as diagnose takes it."""
+"""Helpers for tests of simulated responses: a short turntable session of a rig."""
 
 from dataclasses import replace
 from functools import cache

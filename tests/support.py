@@ -1,4 +1,4 @@
-"""What tests share: commands run as processes of their own, and ptys to speak on."""
+"""Helpers for tests: commands as processes, and ptys."""
 
 import json
 import os
@@ -29,7 +29,7 @@ PATIENCE_S = 240.0
 
 
 TERMINAL_PATIENCE_S = 480.0
-"""The same where packages of the workstation are loaded first."""
+"""Patience with commands that load packages of the workstation first."""
 
 
 def beginning(path: Path, rows: int, folder: Path) -> Path:

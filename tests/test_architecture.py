@@ -1,4 +1,4 @@
-"""Who may know whom: the rooms, the arrows between them, and what each file owes its reader."""
+"""Imports between packages, circles of files, and the first line of each file."""
 
 import ast
 import subprocess
@@ -153,7 +153,7 @@ KNOWLEDGE = {
     f"gyrodrift.diagnose.simulate.{name}"
     for name in ("candidate", "candidate_kind", "candidates", "kinds", "response_table")
 }
-"""What is known of effects, and the tables of what was simulated; the other files of that room play the rig."""
+"""Knowledge of effects and tables of simulations; the other files of that package play the rig."""
 
 
 def simulation_in(path: Path) -> set[str]:

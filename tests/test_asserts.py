@@ -9,7 +9,7 @@ import pytest
 TESTS = Path(__file__).parent
 
 EXPECTATIONS = {"raises", "warns", "fail"}
-"""Of pytest."""
+"""Names of pytest."""
 
 
 def functions_of(path: Path) -> Iterator[ast.FunctionDef]:

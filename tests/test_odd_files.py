@@ -1,4 +1,4 @@
-"""What takes a file, given a pipe, a device or a socket: one clear line, at once."""
+"""Commands that are given a pipe, a device or a socket as a file: one clear line, at once."""
 
 import os
 import socket

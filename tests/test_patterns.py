@@ -23,12 +23,12 @@ OURS = ("gyrodrift.report.", "gyrodrift.demo.", "gyrodrift.simulation.", "gyrodr
 """Packages whose patterns see what this program wrote, or single lines of a device, whose length is bounded."""
 
 REPETITIONS = (8, 16, 32)
-"""Of a unit. The increase of linear steps doubles from one pair to the next, that of quadratic steps is fourfold."""
+"""Repetitions of a unit. The increase of linear steps doubles from one pair to the next, that of quadratic steps is fourfold."""
 
 MOST_RATIO = 2.25
 
 MOST_CHARACTERS = 3
-"""Of a pattern, that are taken in pairs."""
+"""Characters of a pattern that are taken in pairs."""
 
 CALLS = {f"re.{name}" for name in ("match", "fullmatch", "search", "sub", "split", "findall", "finditer")}
 parser: Any = importlib.import_module("re._parser")
@@ -99,7 +99,7 @@ def characters(node: Any) -> list[str]:
 
 
 class Texts:
-    """What the parts of a pattern match: `units` of its repeats, each with a beginning that leads to it."""
+    """Texts that parts of a pattern match: `units` of its repeats, each with a beginning that leads to it."""
 
     def __init__(self, pattern: re.Pattern[Any]) -> None:
         text = pattern.pattern if isinstance(pattern.pattern, str) else pattern.pattern.decode("latin-1")

@@ -16,7 +16,7 @@ from process_defaults import set_process_defaults
 set_process_defaults(Path(sys.argv[2]))
 subprocess.run([sys.executable, "-c", sys.argv[3]], check=True)
 """
-"""What a test process does; then the child says what it was given."""
+"""Program of a test process; its child prints the state that it was given."""
 
 CHILD = """
 import json, os, signal

@@ -1,4 +1,4 @@
-"""Which tests share a worker: those of files whose `pytestmark` names the same `xdist_group`.
+"""Tests share a worker if the `pytestmark` of their files names the same `xdist_group`.
 
 pytest-xdist 3.8 writes the group to an attribute of a test that pytest 9.2 no longer reads, and so spreads a group
 over all workers: a group's fixtures are made, and its kernels compiled, once in each of them.

@@ -13,10 +13,10 @@ from gyrodrift.config.model import load_config
 from gyrodrift.values.calibration import Calibration
 
 MARKS_DEG = [0.3, -0.2, 0.4, -0.4, 0.1, 0.2, -0.3]
-"""Where a person stops: so far from the mark."""
+"""Angles between the mark and the stops of a person, deg."""
 
 TURNS_DEG = [(-360.0 if number % 2 == 0 else 360.0) + MARKS_DEG[number + 1] - MARKS_DEG[number] for number in range(6)]
-"""Of a device that is mounted upside down: its positive turns are clockwise."""
+"""Device that is mounted upside down: its positive turns are clockwise."""
 
 KEPT = """\
 # My robot.
@@ -36,7 +36,7 @@ def spread(found: Calibration) -> tuple[float, float]:
 
 
 STEPS = {1: ("Go back to the mark. Press Enter when it stands there", 1), 2: ("Turn one whole turn clockwise", 2)}
-"""What is said, and how often it stands there then, behind the move that misses the mark and the way back to it."""
+"""Message, and its number on the screen, after the move that misses the mark and the way back to it."""
 
 
 def is_at_rest(terminal: Terminal) -> bool:

@@ -1,4 +1,4 @@
-"""What an analysis tells while it compiles the filters."""
+"""Progress of an analysis while it compiles the filters."""
 
 from collections.abc import Callable
 from functools import partial

@@ -1,4 +1,4 @@
-"""What a program with roslibpy sees: topics, their type, and three Imu messages. One JSON line."""
+"""Program with roslibpy: prints topics, their type, and three Imu messages as one JSON line."""
 
 import json
 import sys

@@ -8,7 +8,7 @@ from gyrodrift.config.model import load_config
 from gyrodrift.values.errors import ConfigError
 
 DIGITS = 500_000
-"""Where every digit is tried twice, as many would take days."""
+"""Digits that would take days if each were tried twice."""
 
 
 @pytest.mark.parametrize("value", ["{}L", "{}.{}L", ".{}L", "1e{}L", "-{}", "[{}L]"])

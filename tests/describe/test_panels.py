@@ -1,4 +1,4 @@
-"""What is drawn of a session: nothing empty, and no scale so narrow that noise looks like drift."""
+"""Panels of a session: none is empty, and no scale is so narrow that noise looks like drift."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Which features a baseline and recordings beside it can both speak of, and what is said of the others."""
+"""Features that baseline and recordings have in common, and remarks on the others."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What goes into the rig that is adopted, and what recordings say of the rig before anything is simulated."""
+"""Causes in the adopted rig, and remarks of recordings on the rig before a simulation."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What `gyrodrift doctor` finds at a simulated device: each fault and effect by its finding, over a real pty."""
+"""Findings of `gyrodrift doctor` at a simulated device: each fault and effect, over a real pty."""
 
 from collections.abc import Mapping
 from pathlib import Path

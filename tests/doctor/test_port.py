@@ -1,4 +1,4 @@
-"""What `gyrodrift doctor` finds at the port itself: rights, holder, name, adapter, latency timer, a line that is full.
+"""Findings of `gyrodrift doctor` at the port: rights, holder, name, adapter, latency timer, a full line.
 
 Adapters are played: their place in sysfs is a folder of the test, and their names are given to pyserial's list.
 """

@@ -1,4 +1,4 @@
-"""What one quarter turn says of the columns of a text: never a wrong column, unit or sign; else a question."""
+"""Columns of a text by one quarter turn: never a wrong column, unit or sign; else a question."""
 
 from collections.abc import Callable
 

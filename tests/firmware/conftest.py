@@ -1,4 +1,4 @@
-"""What is compiled once for all tests of the firmware."""
+"""Programs that are compiled once for all tests of the firmware."""
 
 from pathlib import Path
 

@@ -34,7 +34,7 @@ from gyrodrift.link.protocols.native import DPS_PER_LSB_MAX, DPS_PER_LSB_MIN, Na
 i16 = st.integers(-(2**15), 2**15 - 1)
 i32 = st.integers(-(2**31), 2**31 - 1)
 SCALES = (float(np.nextafter(np.float32(DPS_PER_LSB_MIN), np.float32(1.0))), DPS_PER_LSB_MAX)
-"""Of a count, that a decoder believes; a float of four bytes."""
+"""Limits of a count that a decoder believes; a float of four bytes."""
 
 f32 = st.floats(width=32)
 u16 = st.integers(0, 2**16 - 1)

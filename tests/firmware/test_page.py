@@ -1,4 +1,4 @@
-"""What docs/firmware/README.md shows: a record for another sensor, and the header in firmware of one's own."""
+"""Examples of docs/firmware/README.md: a record for another sensor, and the header in other firmware."""
 
 import json
 import re

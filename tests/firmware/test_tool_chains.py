@@ -27,7 +27,7 @@ from gyrodrift import __version__
 
 EXAMPLES = ("LSM6DS3", "MPU6050", "SerialYaw", "StreamWithYaw", "gyrodrift_gyro")
 FLASH = 32 * 1024 - 512
-"""Of an Uno without its boot loader, bytes."""
+"""Flash of an Uno without its boot loader, bytes."""
 
 UNO_RAM = 2048
 STACK = 800

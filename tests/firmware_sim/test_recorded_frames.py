@@ -1,4 +1,4 @@
-"""What encoders make of the samples of a recording, against frames worked out by hand."""
+"""Frames of encoders for samples of a recording, against frames worked out by hand."""
 
 import struct
 from math import inf, nan

@@ -1,4 +1,4 @@
-"""What the device says, against frames worked out apart from it and against codecs of other people."""
+"""Frames of the device, against independent frames and codecs of other people."""
 
 import binascii
 import struct

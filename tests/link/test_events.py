@@ -1,4 +1,4 @@
-"""What the log is told of a link: events that come often are told together, and none is lost at the end."""
+"""Log of a link: frequent events are reported together, and none is lost at the end."""
 
 from typing import Any
 

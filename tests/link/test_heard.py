@@ -1,4 +1,4 @@
-"""What came while nobody knows yet what it is: text, or not."""
+"""Bytes before the protocol is known: text, or not."""
 
 from random import Random
 

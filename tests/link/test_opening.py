@@ -1,4 +1,4 @@
-"""What a device that waits is sent: after each opening of its port, and again where it was lost."""
+"""Text that is sent to a waiting device: after each opening of its port, and again after a loss."""
 
 import os
 import pty

@@ -1,4 +1,4 @@
-"""What clients of gpsd are told: by hand, by its own tools, and by a client from PyPI."""
+"""Clients of gpsd: by hand, its own tools, and a client from PyPI."""
 
 import fcntl
 import json

@@ -99,7 +99,7 @@ def test_ned_is_the_heading_and_waits_for_it() -> None:
 
 
 TILT_RATES = [radians(rate) for rate in (2.0 - 0.1, 3.0 + 0.2, -(1.5 - 0.25))]
-"""Those of `tilted` about forward, right and down, without the drift."""
+"""Rates of `tilted` about forward, right and down, without the drift."""
 
 
 def test_a_tilted_device_sends_its_attitude() -> None:

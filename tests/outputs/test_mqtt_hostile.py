@@ -18,7 +18,7 @@ LONGEST = b"\xff\xff\xff\x7f"
 """268 435 455, the greatest length of a packet."""
 
 MOST_BYTES = 32 << 20
-"""That the kernel may hold on both sides, and more."""
+"""More bytes than the kernel holds on both sides."""
 
 
 def published(topic: bytes, payload: bytes, qos: int = 0, packet: int = 1) -> bytes:

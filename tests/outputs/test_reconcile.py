@@ -1,4 +1,4 @@
-"""Which outputs are open follows from what was wanted last, however quickly that has changed."""
+"""The open outputs are those of the last config, however quickly it has changed."""
 
 import asyncio
 import socket

@@ -45,7 +45,7 @@ def test_a_damaged_hello_and_a_rate_that_changes_amid_damage_cost_no_sample(faul
 
 
 DRAWN, PARTS = 60, 6
-"""Of all pairs of faults; `make faults` has all of them."""
+"""Pairs of faults that are tried; `make faults` tries all."""
 
 
 @pytest.mark.parametrize("part", range(PARTS))

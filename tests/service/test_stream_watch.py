@@ -1,4 +1,4 @@
-"""What is odd in a stream that arrives whole is told, once, and what is usual is not."""
+"""An odd stream that arrives whole is reported once, a usual one is not."""
 
 from random import Random
 from typing import Any

@@ -1,4 +1,4 @@
-"""Where a config says that its parameters come from, however much of it a person has rewritten."""
+"""Provenance of the parameters of a config, however much of it a person has rewritten."""
 
 from pathlib import Path
 

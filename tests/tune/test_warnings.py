@@ -1,4 +1,4 @@
-"""What is said before a tuning is believed, and what is not said where all is well."""
+"""Warnings of a tuning, and silence without a reason for one."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Which numbers a rate and an angle take."""
+"""Numbers that a rate and an angle take."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What counts as rest: nothing that turns, and nothing that shakes so fast that its mean rate is none."""
+"""Rest: neither a turn nor fast shaking without a mean rate counts as rest."""
 
 import numpy as np
 import pytest

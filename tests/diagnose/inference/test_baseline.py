@@ -1,4 +1,4 @@
-"""What is common to a baseline and to the recordings beside it is no gap; what differs within it is chance."""
+"""A difference common to baseline and recordings is no gap; a difference within the baseline is chance."""
 
 from types import SimpleNamespace
 from typing import cast

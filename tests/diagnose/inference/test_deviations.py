@@ -1,4 +1,4 @@
-"""Which features deviate: normal deviates of several sessions in one, and what each has of all."""
+"""Deviating features: normal deviates of several sessions in one, and the share of each session."""
 
 import numpy as np
 import pytest

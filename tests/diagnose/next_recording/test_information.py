@@ -1,4 +1,4 @@
-"""What features tell, where it can be worked out by hand."""
+"""Information of features in cases that are worked out by hand."""
 
 import numpy as np
 import pytest

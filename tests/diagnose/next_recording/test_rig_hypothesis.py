@@ -1,4 +1,4 @@
-"""What a next recording is asked to tell apart."""
+"""Hypotheses that a next recording separates."""
 
 import pytest
 

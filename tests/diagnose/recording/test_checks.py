@@ -1,4 +1,4 @@
-"""What has to be right before anything is compared."""
+"""Checks of recordings before a comparison."""
 
 import re
 from dataclasses import replace

@@ -11,13 +11,13 @@ from gyrodrift.values.arrays import Floats
 
 COUNT, PERIOD_S = 40, 0.05
 START_VARIANCES = np.array([1.0, 1e4, 1e6, 1.0])
-"""Of angle, rate, acceleration and bias before anything is measured; the angle is about that of the first sample."""
+"""Variances of angle, rate, acceleration and bias before the first sample."""
 
 DRAWS = 4000
 
 
 class Case(NamedTuple):
-    """What the filter is given."""
+    """Input of the filter."""
 
     angles: tuple[Floats, Floats]
     edges: tuple[Floats, Floats]

@@ -36,7 +36,7 @@ class Course(Protocol):
 
 
 class Piece(NamedTuple):
-    """Of a motion, from a moment on."""
+    """Samples of a motion from a moment on."""
 
     profile: Course
     first_s: float

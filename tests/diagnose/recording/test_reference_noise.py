@@ -1,4 +1,4 @@
-"""What a reference scatters by beyond the motion is there in a simulation, too."""
+"""A simulation has the scatter of a reference, too."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What lies between a reference and the gyro: found in recordings that share it, and taken from the reference."""
+"""Response from a reference to the gyro: learned from recordings that share it, and removed."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What recordings show of the second parameters of candidates."""
+"""Second parameters of candidates, read off recordings."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What the rig says that stands between motion and measurement: its phase in a session, and the angle without it."""
+"""Effects of the rig between motion and measurement: their phase in a session, and the angle without them."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Where a rig knows that its gyro is at its limit, nothing is made of how far the motion goes beyond."""
+"""A rig with a known limit of its gyro: motion beyond the limit is no evidence."""
 
 from random import Random
 
@@ -18,7 +18,7 @@ MINUTES = 2.0
 """So long that the turntable goes at 180 deg/s in both directions, twice."""
 
 MISSES_DPS = 10.0
-"""Of a regressor, root of the sum of squares over blocks: the 55 deg/s that a limit takes make more of one block."""
+"""Root of the sum of squares of a regressor over blocks; 55 deg/s beyond a limit make more in one block."""
 
 
 def rig_of(limit_dps: float, cpr: int = 1024) -> Rig:

@@ -1,4 +1,4 @@
-"""What restlevel remembers: a start in motion that is not blind, a spread that is honest, a state kept whole."""
+"""Memory of restlevel: a start in motion, an honest spread, a complete state."""
 
 import json
 from dataclasses import asdict, replace

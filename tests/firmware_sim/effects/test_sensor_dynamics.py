@@ -1,4 +1,4 @@
-"""What depends on frequency: delay, low-pass and tones, found by their gain and phase at tones of the table."""
+"""Effects that depend on frequency: delay, low-pass and tones, by gain and phase at tones of the table."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What holds for every decoder: any split, any damage, any noise."""
+"""Properties of every decoder: any split, any damage, any noise."""
 
 import tracemalloc
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Which protocol is it: decided from the bytes, with nothing lost on the way."""
+"""Detection of the protocol from the bytes, without a loss."""
 
 from random import Random
 

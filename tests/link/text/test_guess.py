@@ -1,4 +1,4 @@
-"""What an unknown text holds: sketches and examples of libraries, line by line as they print."""
+"""Columns of unknown text: sketches and examples of libraries, line by line."""
 
 from collections.abc import Callable
 from math import cos, sin

@@ -1,4 +1,4 @@
-"""What people's boards print: examples of libraries and habits of sketches, at random rates, paces and beginnings."""
+"""Text of people's boards: examples of libraries and habits of sketches, at random rates and paces."""
 
 from collections.abc import Callable
 from functools import reduce
@@ -17,7 +17,7 @@ LINES = 24
 COUNTS = 131
 Rates = tuple[float, float, float]
 Printed = Callable[[int, float, Rates], str]
-"""What is printed of a measurement: its number, its time in s, and the rates about three axes in deg/s."""
+"""Measurement: its number, its time in s, and the rates about three axes in deg/s."""
 
 LEVEL = "-0.02,0.01,0.99"
 

@@ -1,4 +1,4 @@
-"""What is kept of the bytes behind the last whole record, where they may hold a password."""
+"""Bytes behind the last whole record, which may hold a password."""
 
 from pathlib import Path
 

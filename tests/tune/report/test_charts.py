@@ -1,4 +1,4 @@
-"""What the charts of a tuning draw: costs, where the search looked, and scales that show errors."""
+"""Charts of a tuning: costs, places of the search, and scales that show errors."""
 
 from dataclasses import replace
 from math import inf
