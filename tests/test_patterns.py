@@ -23,7 +23,7 @@ OURS = ("gyrodrift.report.", "gyrodrift.demo.", "gyrodrift.simulation.", "gyrodr
 """Packages whose patterns see what this program wrote, or single lines of a device, whose length is bounded."""
 
 REPETITIONS = (8, 16, 32)
-"""Repetitions of a unit. The increase of linear steps doubles from one pair to the next, that of quadratic steps is fourfold."""
+"""Repetitions of a unit. Linear steps grow twice as much from one pair to the next, quadratic steps four times."""
 
 MOST_RATIO = 2.25
 
