@@ -40,7 +40,7 @@ ROOMS = {
     "top": f"{BASE} outputs service",
     "evaluation": f"{BASE} filters session",
     "simulation": f"{BASE} firmware_sim session",
-    "tune": f"{BASE} evaluation filters html",
+    "tune": f"{BASE} evaluation filters html session",
     "compare": f"{BASE} evaluation filters html session tune",
     "diagnose.recording": f"{BASE} evaluation session",
     "diagnose.features": f"{BASE} diagnose.recording",

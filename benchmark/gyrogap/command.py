@@ -54,7 +54,6 @@ def _rows(text: str) -> list[str]:
 
 def run(arguments: argparse.Namespace) -> int:
     """Make or score; 0 when everything is written."""
-    options.hold_product_threads()
     from gyrodrift.io.installation import need_packages
 
     need_packages("gyrogap", "scipy")

@@ -15,12 +15,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import configs, inputs, numbers, options
-from gyrodrift.io.files import check_inputs_kept, check_writable
+from gyrodrift.html.provenance import Provenance, date_now, set_name
+from gyrodrift.io.files import check_writable, write_whole
+from gyrodrift.io.installation import need_packages_of
 from gyrodrift.values.errors import visible
 
 if TYPE_CHECKING:
-    from gyrodrift.compare.comparison import Comparison, ComparisonRequest
-    from gyrodrift.io.progress import Progress
+    from gyrodrift.compare.comparison import Comparison
+    from gyrodrift.compare.options import CompareOptions
 
 EXAMPLES = """\
 gyrodrift compare sessions
@@ -62,44 +64,31 @@ def run(arguments: argparse.Namespace) -> int:
     """Compare; 0 if all files are written."""
     if arguments.out is not None:
         check_writable(arguments.out)
-    options.hold_product_threads()
     with options.progress_of(arguments, {} if arguments.train else None) as progress:
         progress.report(options.PACKAGES, 0, 0)
-        from gyrodrift.io.installation import need_packages
-
-        need_packages("compare", "cma", "matplotlib", "numba", "scipy")
+        need_packages_of("compare")
         from gyrodrift.compare.comparison import compare
 
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends the workers too
-        request = _request(arguments, progress)
-        if arguments.out is not None:
-            config = [arguments.config] if arguments.config else []
-            written = [arguments.out / name for name in ("compare.json", "report.html")]
-            check_inputs_kept(written, [*request.paths, *request.train, *config])
-        inputs.check_damage([*request.paths, *request.train], allow_damage=arguments.allow_damage)
-        comparison = compare(request)
+        comparison = compare(_options(arguments).request(progress.report))
     _write(arguments, comparison)
     return 0
 
 
-def _request(arguments: argparse.Namespace, progress: "Progress") -> "ComparisonRequest":
-    from gyrodrift.compare.comparison import ComparisonRequest, config_file
-    from gyrodrift.compare.methods.registry import methods
-    from gyrodrift.session.files import session_paths
+def _options(arguments: argparse.Namespace) -> "CompareOptions":
+    from gyrodrift.compare.options import CompareOptions
 
-    config = configs.loaded_config(arguments.config) if arguments.config else None
-    stills = session_paths(arguments.still)
-    return ComparisonRequest(
-        paths=list(dict.fromkeys([*session_paths(arguments.paths), *stills])),
-        methods=methods(config.blocks if config else {}),
-        train=session_paths(arguments.train),
-        stills=frozenset(stills),
+    outputs = [arguments.out / name for name in ("compare.json", "report.html")] if arguments.out else []
+    return CompareOptions(
+        arguments.paths,
+        train=arguments.train,
+        stills=arguments.still,
+        config=arguments.config,
+        blocks=configs.loaded_config(arguments.config).blocks if arguments.config else {},
         iterations=arguments.iterations,
         seed=arguments.seed,
-        config=config_file(arguments.config, config.blocks) if config else None,
         jobs=options.processes(arguments.jobs),
-        progress=progress.report,
-        reading=inputs.reading(arguments),
+        inputs=inputs.input_options(arguments, outputs),
     )
 
 
@@ -108,8 +97,6 @@ def _write(arguments: argparse.Namespace, comparison: "Comparison") -> None:
 
     if arguments.out is not None:
         from gyrodrift.compare.report.page import report_html
-        from gyrodrift.html.provenance import Provenance, date_now, set_name
-        from gyrodrift.io.files import write_whole
 
         command = shlex.join(arguments.command_line)
         made = Provenance(set_name([*arguments.paths, *arguments.still]), command, date_now())

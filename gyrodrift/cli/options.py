@@ -1,7 +1,6 @@
 """Options that several commands share, and checks of their values."""
 
 import argparse
-import os
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -12,10 +11,8 @@ from gyrodrift.cli.parser import unknown
 from gyrodrift.filters.registry import DEFAULT, FILTERS
 from gyrodrift.filters.run import AXES
 from gyrodrift.io.system import processor_count
-from gyrodrift.values.errors import UsageError
 
 if TYPE_CHECKING:
-    from firmware_sim.effects.effect import Effect
     from gyrodrift.io.progress import Progress
 
 AUTO_PORT = "auto"
@@ -234,40 +231,6 @@ def add_damage_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def withheld(text: str) -> str:
-    """Check an argument of `--withhold`, the name of an effect.
-
-    Raises
-    ------
-    UsageError
-        If there is no such effect.
-    """
-    hold_product_threads()
-    from firmware_sim.effects.catalogue import CATALOGUE
-
-    if text not in CATALOGUE:
-        raise unknown("effect", f"--withhold {text}", CATALOGUE)
-    return text
-
-
-def effect(text: str) -> "Effect":
-    """Effect of an argument of `--effect`; without parameters it has its typical size.
-
-    Raises
-    ------
-    UsageError
-        If the effect or a parameter does not exist, or a value is out of range.
-    """
-    hold_product_threads()
-    from firmware_sim.rig import parse_effect
-    from firmware_sim.yaml_file import FileError
-
-    try:
-        return parse_effect(text)
-    except FileError as error:
-        raise UsageError(str(error)) from error
-
-
 def profile(text: str) -> str:
     """Check an argument of `--profile`, the name of a shipped motion or a file.
 
@@ -276,7 +239,6 @@ def profile(text: str) -> str:
     UsageError
         If it looks like a name and there is no such profile.
     """
-    hold_product_threads()
     from firmware_sim.motion.profile import shipped_profiles
 
     is_path = Path(text).suffix or Path(text).name != text or Path(text).is_file()
@@ -312,11 +274,6 @@ def add_axes_option(parser: argparse.ArgumentParser) -> None:
         help="axes of the gyro that the filter uses: 1 takes z as the yaw rate, 3 accounts for the tilt, auto takes 3 "
         "where the device sends three rates and accelerations (default: auto, or axes: of the config)",
     )
-
-
-def hold_product_threads() -> None:
-    """Limit numpy to one thread, before its import: the matrices are small and threads slow their products down."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def processes(jobs: int | None) -> int:

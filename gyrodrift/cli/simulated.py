@@ -1,16 +1,12 @@
 """Simulated devices that run on this machine."""
 
 import os
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from gyrodrift.link.serial_port import SerialPort
+from firmware_sim import reservation
+from gyrodrift.link.serial_port import SerialPort
 
 
-def simulated_ports() -> "list[SerialPort]":
+def simulated_ports() -> list[SerialPort]:
     """Links of the simulated devices that run on this machine."""
-    from firmware_sim import reservation
-    from gyrodrift.link.serial_port import SerialPort
-
     links = [link for link in reservation.reserved_links() if link.is_symlink()]
     return [SerialPort(str(link), os.path.realpath(link), product="simulated device") for link in links]

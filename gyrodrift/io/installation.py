@@ -26,6 +26,13 @@ DEVELOPMENT = frozenset({"docs", "fuzz", "test"})
 """Extras that only a clone needs."""
 PACKAGE = Path(__file__).parent.parent
 
+PACKAGES_OF = {
+    "tune": ("cma", "numba"),
+    "diagnose": ("matplotlib", "numba", "scipy"),
+    "compare": ("cma", "matplotlib", "numba", "scipy"),
+}
+"""Packages of the extra `lab` that each analysis needs."""
+
 
 class Installer(Enum):
     """Tool that made the environment of this process."""
@@ -99,6 +106,17 @@ def need_packages(purpose: str, *names: str) -> None:
             import_module(name)
     except ImportError as error:
         raise UsageError(f"{purpose} needs the package {error.name}: {extra_command('lab')}") from error
+
+
+def need_packages_of(analysis: str) -> None:
+    """Check that the packages of an analysis are installed.
+
+    Raises
+    ------
+    UsageError
+        With the command that installs them.
+    """
+    need_packages(analysis, *PACKAGES_OF[analysis])
 
 
 def _installer() -> Installer:
