@@ -43,8 +43,8 @@ class Detail(Enum):
 
 def show(source: str, findings: Sequence[DeviceFinding], stream: TextIO, detail: Detail) -> None:
     """Print the findings of a port or recording, and their count by severity."""
-    from rich.console import Console  # noqa: PLC0415 - --json does without
-    from rich.text import Text  # noqa: PLC0415
+    from rich.console import Console
+    from rich.text import Text
 
     console = Console(file=stream, highlight=False, width=None if stream.isatty() else PIPE_WIDTH)
     shown = sorted(filter(detail.shows, findings), key=lambda finding: -finding.severity.rank)
@@ -60,15 +60,15 @@ def show(source: str, findings: Sequence[DeviceFinding], stream: TextIO, detail:
 
 def _body(finding: DeviceFinding) -> "Text":
     """A finding and its advice on one line."""
-    from rich.text import Text  # noqa: PLC0415
+    from rich.text import Text
 
     return Text.assemble((f"{finding.id}: ", "bold"), finding.says, f" → {finding.do}" if finding.do else "")
 
 
 def _narrow(findings: Sequence[DeviceFinding]) -> "Table":
     """One column of findings with their advice."""
-    from rich.table import Table  # noqa: PLC0415
-    from rich.text import Text  # noqa: PLC0415
+    from rich.table import Table
+    from rich.text import Text
 
     table = Table.grid(padding=(0, 1))
     for finding in findings:
@@ -79,8 +79,8 @@ def _narrow(findings: Sequence[DeviceFinding]) -> "Table":
 
 def _wide(findings: Sequence[DeviceFinding]) -> "Table":
     """Columns for the check, the finding and the advice, over the whole width."""
-    from rich.table import Table  # noqa: PLC0415
-    from rich.text import Text  # noqa: PLC0415
+    from rich.table import Table
+    from rich.text import Text
 
     table = Table.grid(padding=(0, 2, 0, 0), expand=True)
     table.add_column(no_wrap=True)

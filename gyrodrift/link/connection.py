@@ -34,7 +34,7 @@ def open_port(path: str, baud: int) -> OpenPort:
         return source
     if HAS_TERMIOS:
         return Port(path, baud)
-    from gyrodrift.link.thread_port import ThreadPort  # noqa: PLC0415 - Linux and macOS do without
+    from gyrodrift.link.thread_port import ThreadPort
 
     return ThreadPort(path, baud)
 

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import pytest
 from support import PATIENCE_S, never, speaking_on
 
+from firmware_sim.pty import PtyDevice
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.values.errors import DeviceSilentError
@@ -119,15 +120,19 @@ ASKED: dict[str, Printed] = {
 def said(port: Path, printed: Printed) -> str:
     """What the link says of a board that prints this, when it gives up; time goes by with the lines."""
     dice, now_s = Random(1), [100.0]
+
+    def print_for_ever(link: Link, device: PtyDevice) -> None:
+        device.wait_for_reader(never)
+        for number in count():
+            assert device.send_all(printed(motion(number, dice)).encode("latin-1"), never)
+            select.select([link.fileno()], [], [], PATIENCE_S)
+            assert link.read() == []
+            now_s[0] = 100.0 + motion(number, dice).t_s
+
     with speaking_on(port) as device:
         link = Link(LinkOptions(str(port), baud=115200, timeout_s=HEARD_S), lambda _, **__: None, lambda: now_s[0])
         with closing(link), pytest.raises(DeviceSilentError) as raised:
-            device.wait_for_reader(never)
-            for number in count():
-                assert device.send_all(printed(motion(number, dice)).encode("latin-1"), never)
-                select.select([link.fileno()], [], [], PATIENCE_S)
-                assert link.read() == []
-                now_s[0] = 100.0 + motion(number, dice).t_s
+            print_for_ever(link, device)
     return str(raised.value)
 
 

@@ -1,7 +1,7 @@
 """Simulations of all sessions, in processes of this machine or by workers of a cluster."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -16,7 +16,7 @@ from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedS
 from gyrodrift.diagnose.simulate.responses import change_in, null_runs_of, response_table, together
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.io.cluster import ClusterWorkers
-from gyrodrift.io.parallel import inheriting_workers
+from gyrodrift.io.parallel import workers
 from gyrodrift.io.progress import OnProgress
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 from gyrodrift.values.arrays import Floats
@@ -80,8 +80,13 @@ def response_tables(
     if cluster is not None:
         return _on_cluster(plan, cluster, progress)
     numbers = range(len(plan.subjects))
-    with inheriting_workers(min(jobs, len(numbers)), plan) as local:
-        return _counted(local.map(_table, numbers), len(numbers), progress)
+    with workers(min(jobs, len(numbers)), plan) as local:
+        tables = []
+        progress(REPLAYED, 0, len(numbers))
+        for number, table in enumerate(local.map(_table, numbers), 1):
+            progress(REPLAYED, number, len(numbers))
+            tables.append(table)
+    return tuple(tables)
 
 
 def _table(plan: SimulationPlan, number: int) -> ResponseTable:
@@ -94,13 +99,10 @@ def _on_cluster(plan: SimulationPlan, address: str, progress: OnProgress) -> tup
     tasks = [
         SessionTask(origin, plan.rig, plan.hints, names, null_runs, plan.least_noise_dps_rthz) for origin in origins
     ]
-    workers = ClusterWorkers(address, "a diagnosis")
-    try:
+    with closing(ClusterWorkers(address, "a diagnosis")) as shared:
         progress(REPLAYED, 0, len(tasks))
-        tables: list[ResponseTable] = workers.results(workers.submit(read_and_simulate, tasks))
+        tables: list[ResponseTable] = shared.results(shared.submit(read_and_simulate, tasks))
         progress(REPLAYED, len(tasks), len(tasks))
-    finally:
-        workers.close()
     return tuple(tables)
 
 
@@ -139,7 +141,7 @@ def set_simulator(
 ) -> Iterator[Callable[[Sequence[Sized]], SimulatedSet]]:
     """Simulate whole sets of candidates in all sessions at once, by up to `jobs` processes."""
     sessions = _Sessions(subjects, tables, {key(candidate): candidate for candidate in tried})
-    with inheriting_workers(min(jobs, len(subjects)), sessions) as local:
+    with workers(min(jobs, len(subjects)), sessions) as local:
 
         def simulate(effects: Sequence[Sized]) -> SimulatedSet:
             sent = [(key(effect.candidate), effect.size, effect.phases_deg) for effect in effects]
@@ -153,13 +155,3 @@ def _change_of_sent(sessions: _Sessions, sent: _Sent) -> SimulatedSet:
     keys_and_sizes, index = sent
     effects = [Sized(sessions.candidates[name], size, phases_deg) for name, size, phases_deg in keys_and_sizes]
     return change_in(effects, index, sessions.subjects[index], sessions.tables[index])
-
-
-def _counted(tables: Iterable[ResponseTable], total: int, progress: OnProgress) -> tuple[ResponseTable, ...]:
-    """Collect all tables, and report the progress."""
-    counted = []
-    progress(REPLAYED, 0, total)
-    for number, table in enumerate(tables, 1):
-        progress(REPLAYED, number, total)
-        counted.append(table)
-    return tuple(counted)

@@ -86,7 +86,7 @@ def open_can(address: SourceAddress) -> CanPort:
     LinkError
         The bus cannot be opened; the message says why.
     """
-    import can  # noqa: PLC0415 - a package of the extra
+    import can
 
     channel, options = split_query(address, OPTIONS)
     ids = gyro_of(address).ids

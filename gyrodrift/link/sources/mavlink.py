@@ -96,7 +96,7 @@ def _open_line(address: SourceAddress, rest: str) -> OpenPort:
     baud = int(line[2] or USUAL_BAUD)
     if HAS_TERMIOS:
         return Port(line[1], baud)
-    from gyrodrift.link.thread_port import ThreadPort  # noqa: PLC0415 - Linux and macOS do without
+    from gyrodrift.link.thread_port import ThreadPort
 
     return ThreadPort(line[1], baud)
 

@@ -101,7 +101,7 @@ def _own_survey(path: Path, file: IO[bytes]) -> Survey:
 
 def _rebuilt(path: Path, file: IO[bytes], file_survey: Survey, *, rebuilds: bool) -> Repaired:
     from gyrodrift.session.mcap.read import read_mcap  # noqa: PLC0415 - only for damaged files
-    from gyrodrift.session.mcap.rebuild import rebuild  # noqa: PLC0415
+    from gyrodrift.session.mcap.rebuild import rebuild
 
     damage = read_mcap(path, allow_damage=True).damage
     if damage is None:
