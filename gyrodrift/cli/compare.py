@@ -22,7 +22,6 @@ from gyrodrift.values.errors import visible
 
 if TYPE_CHECKING:
     from gyrodrift.compare.comparison import Comparison
-    from gyrodrift.compare.options import CompareOptions
 
 EXAMPLES = """\
 gyrodrift compare sessions
@@ -68,28 +67,20 @@ def run(arguments: argparse.Namespace) -> int:
         progress.report(options.PACKAGES, 0, 0)
         need_packages_of("compare")
         from gyrodrift.compare.comparison import compare
+        from gyrodrift.compare.options import CompareOptions
 
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends the workers too
-        comparison = compare(_options(arguments).request(progress.report))
+        outputs = [arguments.out / name for name in ("compare.json", "report.html")] if arguments.out else []
+        given = options.record_of(
+            CompareOptions,
+            arguments,
+            blocks=configs.loaded_config(arguments.config).blocks if arguments.config else {},
+            jobs=options.processes(arguments.jobs),
+            inputs=inputs.input_options(arguments, outputs),
+        )
+        comparison = compare(given.request(progress.report))
     _write(arguments, comparison)
     return 0
-
-
-def _options(arguments: argparse.Namespace) -> "CompareOptions":
-    from gyrodrift.compare.options import CompareOptions
-
-    outputs = [arguments.out / name for name in ("compare.json", "report.html")] if arguments.out else []
-    return CompareOptions(
-        arguments.paths,
-        train=arguments.train,
-        stills=arguments.still,
-        config=arguments.config,
-        blocks=configs.loaded_config(arguments.config).blocks if arguments.config else {},
-        iterations=arguments.iterations,
-        seed=arguments.seed,
-        jobs=options.processes(arguments.jobs),
-        inputs=inputs.input_options(arguments, outputs),
-    )
 
 
 def _write(arguments: argparse.Namespace, comparison: "Comparison") -> None:
@@ -99,7 +90,7 @@ def _write(arguments: argparse.Namespace, comparison: "Comparison") -> None:
         from gyrodrift.compare.report.page import report_html
 
         command = shlex.join(arguments.command_line)
-        made = Provenance(set_name([*arguments.paths, *arguments.still]), command, date_now())
+        made = Provenance(set_name([*arguments.paths, *arguments.stills]), command, date_now())
         write_json(arguments.out / "compare.json", comparison, command)
         write_whole(arguments.out / "report.html", [report_html(comparison, made)])
     for note in comparison.notes:

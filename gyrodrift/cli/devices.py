@@ -12,7 +12,7 @@ import sys
 from typing import Any
 
 from gyrodrift.cli import numbers, options
-from gyrodrift.cli.simulated import simulated_ports
+from gyrodrift.cli.configs import simulated_ports
 from gyrodrift.link.listening import HeardPort, listen_at, look_at
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.port import serial_ports

@@ -27,7 +27,6 @@ EXPORTS = ("gazebo", "kalibr", "mujoco", "json")
 """Formats of `gyrodrift.diagnose.export.files`, which is imported late."""
 
 if TYPE_CHECKING:
-    from gyrodrift.diagnose.options import DiagnoseOptions
     from gyrodrift.diagnose.stages import DiagnosisRequest
 
 
@@ -81,12 +80,23 @@ def run(arguments: argparse.Namespace) -> int:
         waiting.report(options.PACKAGES, 0, 0)
         need_packages_of("diagnose")
         from gyrodrift.diagnose.diagnosis import diagnose
-        from gyrodrift.diagnose.export.files import export_line, exports_of, write_exports
-        from gyrodrift.diagnose.report.files import summary, write_files
+        from gyrodrift.diagnose.export.files import FOLDER, export_line, exports_of, write_exports
+        from gyrodrift.diagnose.export.files import NAMES as EXPORT_NAMES
+        from gyrodrift.diagnose.options import DiagnoseOptions
+        from gyrodrift.diagnose.report.files import NAMES, summary, write_files
         from gyrodrift.diagnose.report.page import report_html
         from gyrodrift.diagnose.stages import REPORT, SHARES
     with options.progress_of(arguments, {} if arguments.baseline else SHARES) as progress:
-        request = _options(arguments).request(progress.report)
+        outputs = [*NAMES, *(f"{FOLDER}/{name}" for name in EXPORT_NAMES)]
+        given = options.record_of(
+            DiagnoseOptions,
+            arguments,
+            withhold=frozenset(arguments.withhold),
+            jobs=options.processes(arguments.jobs),
+            inputs=inputs.input_options(arguments, [arguments.out / name for name in outputs]),
+            baseline_reading=None if arguments.baseline_columns is None else reading_of(arguments.baseline_columns),
+        )
+        request = given.request(progress.report)
         diagnosis = diagnose(request)
         progress.report(REPORT, 0, 0)
         exports = exports_of(diagnosis, arguments.export)
@@ -101,26 +111,6 @@ def run(arguments: argparse.Namespace) -> int:
     for export in exports:
         print(visible(f"export: {export_line(export)}"))
     return 0
-
-
-def _options(arguments: argparse.Namespace) -> "DiagnoseOptions":
-    from gyrodrift.diagnose.export.files import FOLDER
-    from gyrodrift.diagnose.export.files import NAMES as EXPORT_NAMES
-    from gyrodrift.diagnose.options import DiagnoseOptions
-    from gyrodrift.diagnose.report.files import NAMES
-
-    outputs = [*NAMES, *(f"{FOLDER}/{name}" for name in EXPORT_NAMES)]
-    spec = arguments.baseline_columns
-    return DiagnoseOptions(
-        arguments.paths,
-        rig=arguments.rig,
-        baseline=arguments.baseline,
-        withhold=frozenset(arguments.withhold),
-        jobs=options.processes(arguments.jobs),
-        cluster=arguments.cluster,
-        inputs=inputs.input_options(arguments, [arguments.out / name for name in outputs]),
-        baseline_reading=None if spec is None else reading_of(spec),
-    )
 
 
 def _provenance(arguments: argparse.Namespace, request: "DiagnosisRequest") -> Provenance:

@@ -23,8 +23,8 @@ from pathlib import Path
 from threading import Thread
 
 from gyrodrift.cli import inputs, numbers, options, turning
+from gyrodrift.cli.configs import simulated_ports
 from gyrodrift.cli.parser import unknown
-from gyrodrift.cli.simulated import simulated_ports
 from gyrodrift.config.model import load_config
 from gyrodrift.config.sources import load_sources
 from gyrodrift.doctor.body import compare

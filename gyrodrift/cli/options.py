@@ -3,8 +3,9 @@
 import argparse
 import sys
 from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from gyrodrift.cli import numbers
 from gyrodrift.cli.parser import unknown
@@ -13,7 +14,11 @@ from gyrodrift.filters.run import AXES
 from gyrodrift.io.system import processor_count
 
 if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
     from gyrodrift.io.progress import Progress
+
+Record = TypeVar("Record", bound="DataclassInstance")
 
 AUTO_PORT = "auto"
 PACKAGES = "packages"
@@ -173,6 +178,7 @@ def add_still_option(parser: argparse.ArgumentParser) -> None:
     """Declare --still."""
     parser.add_argument(
         "--still",
+        dest="stills",
         type=Path,
         action="append",
         default=[],
@@ -274,6 +280,12 @@ def add_axes_option(parser: argparse.ArgumentParser) -> None:
         help="axes of the gyro that the filter uses: 1 takes z as the yaw rate, 3 accounts for the tilt, auto takes 3 "
         "where the device sends three rates and accelerations (default: auto, or axes: of the config)",
     )
+
+
+def record_of(record: type[Record], arguments: argparse.Namespace, **changes: Any) -> Record:
+    """Record of the options with the names of its fields, and of changes to them."""
+    names = {field.name for field in fields(record)} & vars(arguments).keys()
+    return record(**{name: getattr(arguments, name) for name in names} | changes)
 
 
 def processes(jobs: int | None) -> int:

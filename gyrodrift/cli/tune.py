@@ -25,7 +25,6 @@ from gyrodrift.io.installation import need_packages_of
 from gyrodrift.values.errors import UsageError, visible
 
 if TYPE_CHECKING:
-    from gyrodrift.tune.options import TuneOptions
     from gyrodrift.tune.result import Tuning
 
 MARK = b"Written by gyrodrift "
@@ -92,6 +91,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--test",
+        dest="tests",
         type=Path,
         action="append",
         default=[],
@@ -118,6 +118,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--range",
+        dest="ranges",
         action="append",
         default=[],
         metavar="NAME=LOW:HIGH",
@@ -139,13 +140,18 @@ def run(arguments: argparse.Namespace) -> int:
     with options.progress_of(arguments, {}) as progress:
         progress.report(options.PACKAGES, 0, 0)
         need_packages_of("tune")
-        from gyrodrift.tune.options import run_tuning
+        from gyrodrift.tune.options import TuneOptions, run_tuning
 
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends like Ctrl-C, with the best so far
         journal = arguments.out.with_suffix(".progress.npz")
-        tuning, was_interrupted = run_tuning(
-            _options(arguments, journal), journal, progress.report, is_resumed=arguments.resume
+        reports = [arguments.report / name for name in ("tune.json", "report.html")] if arguments.report else []
+        given = options.record_of(
+            TuneOptions,
+            arguments,
+            seeds=tuple(range(arguments.seed, arguments.seed + arguments.seeds)),
+            inputs=inputs.input_options(arguments, [arguments.out, journal, *reports]),
         )
+        tuning, was_interrupted = run_tuning(given, journal, progress.report, is_resumed=arguments.resume)
     _write(arguments, tuning)
     return INTERRUPTED if was_interrupted else 0
 
@@ -161,25 +167,6 @@ def _check_paths(out: Path, report: Path | None) -> None:
         check_writable(report)
 
 
-def _options(arguments: argparse.Namespace, journal: Path) -> "TuneOptions":
-    from gyrodrift.tune.options import TuneOptions
-
-    reports = [arguments.report / name for name in ("tune.json", "report.html")] if arguments.report else []
-    return TuneOptions(
-        arguments.paths,
-        tests=arguments.test,
-        stills=arguments.still,
-        filter=arguments.filter,
-        iterations=arguments.iterations,
-        seeds=tuple(range(arguments.seed, arguments.seed + arguments.seeds)),
-        method=arguments.method,
-        ranges=arguments.range,
-        jobs=arguments.jobs,
-        cluster=arguments.cluster,
-        inputs=inputs.input_options(arguments, [arguments.out, journal, *reports]),
-    )
-
-
 def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
     from gyrodrift.tune.report.files import summary, write_config, write_json
 
@@ -192,7 +179,7 @@ def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
         from gyrodrift.tune.report.page import report_html
 
         write_json(arguments.report / "tune.json", tuning)
-        given = [*arguments.paths, *arguments.still, *arguments.test]
+        given = [*arguments.paths, *arguments.stills, *arguments.tests]
         made = Provenance(set_name(given), command, date_now(), config=f"{arguments.out}, with these parameters:")
         write_whole(arguments.report / "report.html", [report_html(tuning, made)])
     if arguments.header is not None:

@@ -102,36 +102,18 @@ def reading_of(
 
 
 def check_name(option: str, name: str, names: Iterable[str], kind: str | None = None) -> None:
-    """Check that a name exists; `kind` is the kind of name, if it is not the name of the option.
-
-    Raises
-    ------
-    UsageError
-        With all names.
-    """
+    """Refuse a name that does not exist; `kind` is the kind of name, if it is not the name of the option."""
     if name not in names:
         raise UsageError(f"{option} {name!r}: there is no such {kind or option}; there are {', '.join(names)}")
 
 
 def check_count(option: str, value: int) -> None:
-    """Check a number that has to be 1 or more.
-
-    Raises
-    ------
-    UsageError
-        If it is less.
-    """
+    """Refuse a number below 1."""
     if value < 1:
         raise UsageError(f"{option} {value}: expected a whole number from 1")
 
 
 def check_seeds(seeds: tuple[int, ...]) -> None:
-    """Check seeds of searches.
-
-    Raises
-    ------
-    UsageError
-        If there is none, or one is negative.
-    """
+    """Refuse negative seeds, and a search without any."""
     if not seeds or min(seeds) < 0:
         raise UsageError(f"seeds {seeds}: expected whole numbers from 0, at least one")
