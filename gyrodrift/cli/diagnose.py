@@ -65,8 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="write the diagnosed effects for another simulator to DIR/export (repeatable; default: none)",
     )
     options.add_jobs_option(parser)
-    options.add_columns_option(parser)
-    options.add_unit_options(parser)
+    options.add_reading_options(parser)
     options.add_cluster_option(parser, "replay")
     options.add_damage_option(parser)
 

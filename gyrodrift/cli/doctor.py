@@ -96,7 +96,6 @@ def run(arguments: argparse.Namespace) -> int:
     """Check, and return 3 if a finding is as severe as --fail-on."""
     if arguments.turn or arguments.turn_at is not None:
         return turning.run(arguments)
-
     chosen_sensor = _sensor(arguments.sensor)
     severity = Severity.OK
     evidences = _evidence(arguments)
@@ -134,7 +133,6 @@ def _evidence(arguments: argparse.Namespace) -> list[DeviceEvidence]:
     if not arguments.sessions:
         with options.progress_of(arguments) as progress:
             return [_at_port(arguments, numbers.baud(arguments.baud), progress)]
-
     paths = session_paths(arguments.sessions)
     inputs.check_damage(paths, arguments)
     recordings = [recorded(path, inputs.reading(arguments)) for path in paths]

@@ -73,8 +73,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--config", type=Path, metavar="FILE", help="YAML with the filter that corrects yaw (default: restlevel)"
     )
     options.add_damage_option(parser)
-    options.add_columns_option(parser)
-    options.add_unit_options(parser)
+    options.add_reading_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -89,7 +88,6 @@ def run(arguments: argparse.Namespace) -> int:
     """
     with options.progress_of(arguments) as progress:
         progress.report(options.PACKAGES, 0, 0)
-
         paths = session_paths(arguments.sessions)
         inputs.check_damage(paths, arguments)
         is_table = len(paths) > 1 and not (arguments.verbose or arguments.json)
@@ -217,7 +215,6 @@ def _drawing(arguments: argparse.Namespace, sessions: Sequence[Path], *, is_tabl
         return None
     if arguments.picture is not None:
         _check_picture(arguments.picture, sessions)
-
     need_packages("--out" if arguments.picture is None else "--picture", "matplotlib")
     if arguments.out is not None:
         check_writable(arguments.out)

@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from gyrodrift.cli import numbers
 from gyrodrift.cli.parser import unknown
+from gyrodrift.columns.spec import ACCELERATION, ACCELERATION_MPS2, RATE, RATE_DPS, scale_of
 from gyrodrift.filters.registry import DEFAULT, FILTERS
 from gyrodrift.filters.run import AXES
+from gyrodrift.io.progress import Progress
 from gyrodrift.io.system import processor_count
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-    from gyrodrift.io.progress import Progress
 
 Record = TypeVar("Record", bound="DataclassInstance")
 
@@ -92,8 +93,8 @@ def bytes_to_send(text: str) -> bytes:
         raise argparse.ArgumentTypeError(str(error)) from error
 
 
-def add_columns_option(parser: argparse.ArgumentParser) -> None:
-    """Option of commands that read tables."""
+def add_reading_options(parser: argparse.ArgumentParser) -> None:
+    """Options of commands that read tables and other sessions."""
     parser.add_argument(
         "--columns",
         metavar="SPEC",
@@ -101,6 +102,7 @@ def add_columns_option(parser: argparse.ArgumentParser) -> None:
         "t_ns, rate[:dps|:mdps|:rads|:mrads|:lsb/N][:-], yaw[:deg|:rad][:-], encoder, temp, seq, such as "
         "'t_ms, _, _, rate:rads'; by label, LABEL=rate:rads (default: from the header)",
     )
+    add_unit_options(parser)
 
 
 def add_unit_options(parser: argparse.ArgumentParser) -> None:
@@ -137,19 +139,17 @@ def add_unit_options(parser: argparse.ArgumentParser) -> None:
 
 def accel_unit(text: str) -> str:
     """Check an argument of `--accel-unit`."""
-    from gyrodrift.columns.spec import ACCELERATION, ACCELERATION_MPS2, scale_of
-
-    if scale_of(ACCELERATION, text) is None:
-        raise argparse.ArgumentTypeError(f"expected {', '.join(ACCELERATION_MPS2)} or lsb/N, N counts for 1 g")
-    return text
+    return _unit(ACCELERATION, text, f"{', '.join(ACCELERATION_MPS2)} or lsb/N, N counts for 1 g")
 
 
 def rate_unit(text: str) -> str:
     """Check an argument of `--rate-unit`."""
-    from gyrodrift.columns.spec import RATE, RATE_DPS, scale_of
+    return _unit(RATE, text, f"{', '.join(RATE_DPS)} or lsb/N, N counts for one deg/s")
 
-    if scale_of(RATE, text) is None:
-        raise argparse.ArgumentTypeError(f"expected {', '.join(RATE_DPS)} or lsb/N, N counts for one deg/s")
+
+def _unit(quantity: str, text: str, expected: str) -> str:
+    if scale_of(quantity, text) is None:
+        raise argparse.ArgumentTypeError(f"expected {expected}")
     return text
 
 
@@ -253,10 +253,8 @@ def profile(text: str) -> str:
     return text
 
 
-def progress_of(arguments: argparse.Namespace, shares: "Mapping[str, float] | None" = None) -> "Progress":
+def progress_of(arguments: argparse.Namespace, shares: Mapping[str, float] | None = None) -> Progress:
     """Progress on stderr, shown on a terminal."""
-    from gyrodrift.io.progress import Progress
-
     return Progress(sys.stderr, shares, is_quiet=arguments.quiet)
 
 

@@ -125,8 +125,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="search range of a parameter (repeatable; default: a wide range)",
     )
     options.add_jobs_option(parser)
-    options.add_columns_option(parser)
-    options.add_unit_options(parser)
+    options.add_reading_options(parser)
     options.add_cluster_option(parser, "evaluate")
     options.add_damage_option(parser)
     parser.add_argument("--resume", action="store_true", help="continue an interrupted run with this --out")
