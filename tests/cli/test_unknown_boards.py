@@ -125,7 +125,9 @@ def said(port: Path, printed: Printed) -> str:
         device.wait_for_reader(never)
         for number in count():
             assert device.send_all(printed(motion(number, dice)).encode("latin-1"), never)
-            select.select([link.fileno()], [], [], PATIENCE_S)
+            fd = link.fileno()
+            assert fd is not None
+            select.select([fd], [], [], PATIENCE_S)
             assert link.read() == []
             now_s[0] = 100.0 + motion(number, dice).t_s
 
