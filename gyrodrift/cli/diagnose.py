@@ -15,7 +15,8 @@ from gyrodrift.cli.parser import unknown
 from gyrodrift.html.provenance import Provenance, UsedFile, date_now, set_name
 from gyrodrift.io.files import check_writable, write_whole
 from gyrodrift.io.installation import need_packages_of
-from gyrodrift.session.given import reading_of
+from gyrodrift.session.checks.stated import ReadingOptions
+from gyrodrift.session.given import columns_or_none
 from gyrodrift.values.errors import UsageError, visible
 
 EXAMPLES = """\
@@ -86,6 +87,7 @@ def run(arguments: argparse.Namespace) -> int:
         from gyrodrift.diagnose.report.page import report_html
         from gyrodrift.diagnose.stages import REPORT, SHARES
     with options.progress_of(arguments, {} if arguments.baseline else SHARES) as progress:
+        spec = columns_or_none(arguments.baseline_columns)
         outputs = [*NAMES, *(f"{FOLDER}/{name}" for name in EXPORT_NAMES)]
         given = options.record_of(
             DiagnoseOptions,
@@ -93,7 +95,7 @@ def run(arguments: argparse.Namespace) -> int:
             withhold=frozenset(arguments.withhold),
             jobs=options.processes(arguments.jobs),
             inputs=inputs.input_options(arguments, [arguments.out / name for name in outputs]),
-            baseline_reading=None if arguments.baseline_columns is None else reading_of(arguments.baseline_columns),
+            baseline_reading=None if spec is None else ReadingOptions(spec),
         )
         request = given.request(progress.report)
         diagnosis = diagnose(request)

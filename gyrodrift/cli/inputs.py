@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from gyrodrift.session import given
@@ -14,13 +14,13 @@ from gyrodrift.values.errors import visible
 
 def reading(arguments: argparse.Namespace) -> ReadingOptions:
     """Columns, units and sign that the options state for sessions."""
-    return given.reading_of(
-        arguments.columns,
-        arguments.rate_unit,
-        arguments.time_unit,
-        arguments.accel_unit,
-        arguments.reference,
+    return ReadingOptions(
+        given.columns_or_none(arguments.columns),
+        arguments.rate_unit or "",
+        arguments.time_unit or "",
         is_flipped=arguments.flip,
+        accel_unit=arguments.accel_unit or "",
+        reference=arguments.reference or "",
     )
 
 
@@ -73,7 +73,7 @@ def checked_session(path: Path, arguments: argparse.Namespace) -> Session:
     return examination.session
 
 
-def check_damage(paths: Iterable[Path], arguments: argparse.Namespace) -> None:
+def check_damage(paths: Sequence[Path], arguments: argparse.Namespace) -> None:
     """Check recordings for damage before long work, and print the damage that --allow-damage allows.
 
     Raises
@@ -81,4 +81,4 @@ def check_damage(paths: Iterable[Path], arguments: argparse.Namespace) -> None:
     DamagedError
         With all damaged recordings, without --allow-damage.
     """
-    given.check_damage(paths, print_warning, allow_damage=arguments.allow_damage)
+    given.InputOptions(allow_damage=arguments.allow_damage, warn=print_warning).check(paths)

@@ -2,10 +2,10 @@
 
 import argparse
 import sys
-from collections.abc import Mapping
-from dataclasses import fields
+from collections.abc import Callable, Mapping
+from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from gyrodrift.cli import numbers
 from gyrodrift.cli.parser import unknown
@@ -15,11 +15,7 @@ from gyrodrift.filters.run import AXES
 from gyrodrift.io.progress import Progress
 from gyrodrift.io.system import processor_count
 
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
-
-
-Record = TypeVar("Record", bound="DataclassInstance")
+Record = TypeVar("Record")
 
 AUTO_PORT = "auto"
 PACKAGES = "packages"
@@ -280,10 +276,10 @@ def add_axes_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def record_of(record: type[Record], arguments: argparse.Namespace, **changes: Any) -> Record:
-    """Record of the options with the names of its fields, and of changes to them."""
-    names = {field.name for field in fields(record)} & vars(arguments).keys()
-    return record(**{name: getattr(arguments, name) for name in names} | changes)
+def record_of(record: Callable[..., Record], arguments: argparse.Namespace, **changes: Any) -> Record:
+    """Record of the options that have the names of its fields, and of changes to them."""
+    given = vars(arguments)
+    return record(**{name: given[name] for name in signature(record).parameters if name in given} | changes)
 
 
 def processes(jobs: int | None) -> int:

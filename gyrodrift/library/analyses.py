@@ -12,6 +12,7 @@ from gyrodrift.io.progress import OnProgress, ignore_progress
 if TYPE_CHECKING:
     from gyrodrift.compare.comparison import Comparison
     from gyrodrift.diagnose.result import Diagnosis
+    from gyrodrift.session.checks.stated import ReadingOptions
     from gyrodrift.session.given import InputOptions
     from gyrodrift.tune.result import Tuning
 
@@ -131,7 +132,6 @@ def diagnose(
     need_packages_of("diagnose")
     from gyrodrift.diagnose import diagnosis
     from gyrodrift.diagnose.options import DiagnoseOptions
-    from gyrodrift.session.given import reading_of
 
     options = DiagnoseOptions(
         _paths(paths),
@@ -140,7 +140,7 @@ def diagnose(
         withhold=frozenset(withhold),
         jobs=jobs,
         inputs=_inputs(columns, reference, allow_damage=allow_damage),
-        baseline_reading=None if baseline_columns is None else reading_of(baseline_columns, reference=reference),
+        baseline_reading=None if baseline_columns is None else _reading(baseline_columns, reference),
     )
     return diagnosis.diagnose(options.request(on_progress))
 
@@ -209,6 +209,13 @@ def _paths(paths: Paths) -> list[Path]:
 
 
 def _inputs(columns: str | None, reference: str | None = None, *, allow_damage: bool) -> "InputOptions":
-    from gyrodrift.session.given import InputOptions, reading_of
+    from gyrodrift.session.given import InputOptions
 
-    return InputOptions(reading_of(columns, reference=reference), allow_damage=allow_damage)
+    return InputOptions(_reading(columns, reference), allow_damage=allow_damage)
+
+
+def _reading(columns: str | None, reference: str | None) -> "ReadingOptions":
+    from gyrodrift.session.checks.stated import ReadingOptions
+    from gyrodrift.session.given import columns_or_none
+
+    return ReadingOptions(columns_or_none(columns), reference=reference or "")

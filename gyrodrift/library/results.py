@@ -5,6 +5,9 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gyrodrift.html.provenance import Provenance, date_now
+from gyrodrift.io.files import check_writable, write_whole
+from gyrodrift.io.installation import need_packages
 from gyrodrift.values.errors import UsageError
 
 if TYPE_CHECKING:
@@ -120,8 +123,6 @@ def _save_tuning(tuning: "Tuning", path: Path) -> None:
 def _save_comparison(comparison: "Comparison", folder: Path) -> None:
     from gyrodrift.compare.report.files import write_json
     from gyrodrift.compare.report.page import report_html
-    from gyrodrift.html.provenance import Provenance, date_now
-    from gyrodrift.io.files import check_writable, write_whole
 
     check_writable(folder)
     write_json(folder / "compare.json", comparison)
@@ -131,8 +132,6 @@ def _save_comparison(comparison: "Comparison", folder: Path) -> None:
 def _save_diagnosis(diagnosis: "Diagnosis", folder: Path) -> None:
     from gyrodrift.diagnose.report.files import write_files
     from gyrodrift.diagnose.report.page import report_html
-    from gyrodrift.html.provenance import Provenance, date_now
-    from gyrodrift.io.files import check_writable, write_whole
 
     check_writable(folder)
     write_files(folder, diagnosis)
@@ -158,8 +157,6 @@ def plot(session: "Session", estimates: "Estimates | None" = None) -> Any:
     UsageError
         If matplotlib is missing, or the estimates belong to another session.
     """
-    from gyrodrift.io.installation import need_packages
-
     need_packages("plot", "matplotlib")
     import numpy as np
     from matplotlib.figure import Figure

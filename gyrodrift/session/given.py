@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from gyrodrift.columns.spec import columns_of
+from gyrodrift.columns.spec import Column, columns_of
 from gyrodrift.io.files import check_inputs_kept
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 from gyrodrift.session.damage import DamagedError
@@ -49,25 +49,14 @@ class InputOptions:
             With all damaged recordings, unless damage is allowed.
         """
         check_inputs_kept(self.outputs, [*sessions, *files])
-        check_damage(sessions, self.warn, allow_damage=self.allow_damage)
+        damages = damages_of(sessions)
+        if damages and not self.allow_damage:
+            raise DamagedError(damages)
+        for path, damage in damages:
+            self.warn(damage_warning(path, str(damage)))
 
 
 AS_GIVEN = InputOptions()
-
-
-def check_damage(paths: Iterable[Path], warn: OnWarning, *, allow_damage: bool) -> None:
-    """Check recordings for damage, and warn of the damage that is allowed.
-
-    Raises
-    ------
-    DamagedError
-        With all damaged recordings, if `allow_damage` is false.
-    """
-    damages = damages_of(paths)
-    if damages and not allow_damage:
-        raise DamagedError(damages)
-    for path, damage in damages:
-        warn(damage_warning(path, str(damage)))
 
 
 def damage_warning(path: Path, damage: str) -> str:
@@ -75,30 +64,9 @@ def damage_warning(path: Path, damage: str) -> str:
     return f"{path}: is damaged: {damage}"
 
 
-def reading_of(
-    columns: str | None,
-    rate_unit: str | None = None,
-    time_unit: str | None = None,
-    accel_unit: str | None = None,
-    reference: str | None = None,
-    *,
-    is_flipped: bool = False,
-) -> ReadingOptions:
-    """Reading options from the words of a person; None leaves it to the recording.
-
-    Raises
-    ------
-    UsageError
-        If an entry of the columns is wrong.
-    """
-    return ReadingOptions(
-        None if columns is None else columns_of(columns),
-        rate_unit or "",
-        time_unit or "",
-        is_flipped=is_flipped,
-        accel_unit=accel_unit or "",
-        reference=reference or "",
-    )
+def columns_or_none(spec: str | None) -> tuple[Column, ...] | None:
+    """Columns of the option `--columns SPEC`; None without one leaves them to the headers."""
+    return None if spec is None else columns_of(spec)
 
 
 def check_name(option: str, name: str, names: Iterable[str], kind: str | None = None) -> None:
