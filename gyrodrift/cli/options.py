@@ -263,11 +263,6 @@ def add_filter_options(parser: argparse.ArgumentParser, config_help: str) -> Non
         choices=tuple(FILTERS),
         help=f"run this filter at its defaults, without a file (default: {DEFAULT.name})",
     )
-    add_axes_option(parser)
-
-
-def add_axes_option(parser: argparse.ArgumentParser) -> None:
-    """Option `--axes` of commands that run a filter."""
     parser.add_argument(
         "--axes",
         choices=AXES,
