@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from gyrodrift.cli import numbers
 from gyrodrift.cli.parser import unknown
-from gyrodrift.columns.spec import ACCELERATION, ACCELERATION_MPS2, RATE, RATE_DPS, scale_of
+from gyrodrift.columns.spec import ACCELERATION, ACCELERATION_MPS2, RATE, RATE_DPS, Quantity, scale_of
 from gyrodrift.filters.registry import DEFAULT, FILTERS
 from gyrodrift.filters.run import AXES
 from gyrodrift.io.progress import Progress
@@ -143,7 +143,7 @@ def rate_unit(text: str) -> str:
     return _unit(RATE, text, f"{', '.join(RATE_DPS)} or lsb/N, N counts for one deg/s")
 
 
-def _unit(quantity: str, text: str, expected: str) -> str:
+def _unit(quantity: Quantity, text: str, expected: str) -> str:
     if scale_of(quantity, text) is None:
         raise argparse.ArgumentTypeError(f"expected {expected}")
     return text
