@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -54,17 +55,6 @@ class SimulationPlan:
     least_noise_dps_rthz: float
 
 
-class SessionTask(NamedTuple):
-    """Task of a cluster worker: one recording, which the worker reads itself, so it needs access to the same path."""
-
-    origin: Origin
-    rig: Rig
-    hints: Hints
-    names: frozenset[str]
-    null_runs: int
-    least_noise_dps_rthz: float
-
-
 def response_tables(
     plan: SimulationPlan, jobs: int, cluster: str | None, progress: OnProgress
 ) -> tuple[ResponseTable, ...]:
@@ -94,33 +84,39 @@ def _table(plan: SimulationPlan, number: int) -> ResponseTable:
 
 
 def _on_cluster(plan: SimulationPlan, address: str, progress: OnProgress) -> tuple[ResponseTable, ...]:
-    names, null_runs = frozenset(candidate.name for candidate in plan.tried), null_runs_of(len(plan.origins))
     origins = [origin._replace(path=origin.path.resolve()) for origin in plan.origins]
-    tasks = [
-        SessionTask(origin, plan.rig, plan.hints, names, null_runs, plan.least_noise_dps_rthz) for origin in origins
-    ]
+    simulate = partial(
+        read_and_simulate,
+        rig=plan.rig,
+        hints=plan.hints,
+        names=frozenset(candidate.name for candidate in plan.tried),
+        null_runs=null_runs_of(len(origins)),
+        least_noise_dps_rthz=plan.least_noise_dps_rthz,
+    )
     with closing(ClusterWorkers(address, "a diagnosis")) as shared:
-        progress(REPLAYED, 0, len(tasks))
-        tables: list[ResponseTable] = shared.results(shared.submit(read_and_simulate, tasks))
-        progress(REPLAYED, len(tasks), len(tasks))
+        progress(REPLAYED, 0, len(origins))
+        tables: list[ResponseTable] = shared.results(shared.submit(simulate, origins))
+        progress(REPLAYED, len(origins), len(origins))
     return tuple(tables)
 
 
-def read_and_simulate(task: SessionTask) -> ResponseTable:
-    """Read and simulate a session on a worker of a cluster.
+def read_and_simulate(
+    origin: Origin, rig: Rig, hints: Hints, names: frozenset[str], null_runs: int, least_noise_dps_rthz: float
+) -> ResponseTable:
+    """Read and simulate a session on a worker of a cluster, which needs access to the same path.
 
     Raises
     ------
     DataError
         The session cannot be read, or does not pass the checks any more.
     """
-    path, part, reading, response = task.origin
+    path, part, reading, response = origin
     recordings = checked_session(path, reading).recordings
     if part >= len(recordings):
         raise DataError(f"{path}: changed while it was being diagnosed")
-    tried = [candidate for candidate in candidates(task.hints, task.rig) if candidate.name in task.names]
+    tried = [candidate for candidate in candidates(hints, rig) if candidate.name in names]
     recording = recordings[part] if response is None else response.applied(recordings[part])
-    return response_table(subject_of(recording, task.rig, task.least_noise_dps_rthz), tried, task.null_runs)
+    return response_table(subject_of(recording, rig, least_noise_dps_rthz), tried, null_runs)
 
 
 class _Sessions(NamedTuple):
