@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from gyrodrift.cli import configs, inputs, numbers, options
 from gyrodrift.html.provenance import Provenance, date_now, set_name
 from gyrodrift.io.files import check_writable, write_whole
-from gyrodrift.io.installation import need_packages_of
+from gyrodrift.io.installation import need_packages
 from gyrodrift.values.errors import visible
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
         check_writable(arguments.out)
     with options.progress_of(arguments, {} if arguments.train else None) as progress:
         progress.report(options.PACKAGES, 0, 0)
-        need_packages_of("compare")
+        need_packages("compare")
         from gyrodrift.compare.comparison import compare
         from gyrodrift.compare.options import CompareOptions
 

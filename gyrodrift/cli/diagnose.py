@@ -14,7 +14,7 @@ from gyrodrift.cli import inputs, options
 from gyrodrift.cli.parser import unknown
 from gyrodrift.html.provenance import Provenance, UsedFile, date_now, set_name
 from gyrodrift.io.files import check_writable, write_whole
-from gyrodrift.io.installation import need_packages_of
+from gyrodrift.io.installation import need_packages
 from gyrodrift.session.checks.stated import ReadingOptions
 from gyrodrift.session.given import columns_or_none
 from gyrodrift.values.errors import UsageError, visible
@@ -78,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
     check_writable(arguments.out)
     with options.progress_of(arguments, {}) as waiting:
         waiting.report(options.PACKAGES, 0, 0)
-        need_packages_of("diagnose")
+        need_packages("diagnose")
         from gyrodrift.diagnose.diagnosis import diagnose
         from gyrodrift.diagnose.export.files import FOLDER, export_line, exports_of, write_exports
         from gyrodrift.diagnose.export.files import NAMES as EXPORT_NAMES

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import nan
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import Any, TextIO
 
 from gyrodrift.cli import configs, inputs, options
 from gyrodrift.cli.written import samples_text, tell_written
@@ -29,8 +29,8 @@ from gyrodrift.session.tables.write import Row, write_rows, written_ending
 from gyrodrift.values.errors import DataError, GyrodriftError, visible
 from gyrodrift.values.sample import Attitude, Inertial
 
-if TYPE_CHECKING:
-    FilterSample = tuple[float, float, Inertial | None, float, float]
+FilterSample = tuple[float, float, Inertial | None, float, float]
+"""Time in s, rate in deg/s, axes, still flag and temperature in °C."""
 
 COMMON_COLUMNS = ("bias_dps", "bias_sigma_dps", "rest_probability", "confidence", "yaw_deg", "yaw_sigma_deg")
 ATTITUDE_COLUMNS = Attitude._fields
@@ -126,7 +126,7 @@ def csv_lines(names: Sequence[str], rows: Iterator[Row]) -> Iterator[str]:
 
 
 def rows_of(
-    name: str, samples: "Iterable[FilterSample]", run: FilterRun, columns: Callable[[Any], Sequence[float]]
+    name: str, samples: Iterable[FilterSample], run: FilterRun, columns: Callable[[Any], Sequence[float]]
 ) -> Iterator[Row]:
     """A row per accepted sample.
 
@@ -155,7 +155,7 @@ def _columns(run: FilterRun) -> Callable[[Any], tuple[float, ...]]:
     return lambda state: (*common(state), *(missing if run.three_axes is None else attitude(run.attitude())))
 
 
-def _samples(session: Session) -> "Iterator[FilterSample]":
+def _samples(session: Session) -> Iterator[FilterSample]:
     """Times in s, rates in deg/s, axes, still flags and temperatures in °C; NaN for a missing column."""
     missing = [nan] * len(session.t_device_s)
     still, temp_c = (missing if column is None else column.tolist() for column in (session.still, session.temp_c))

@@ -21,7 +21,7 @@ from gyrodrift.filters.registry import FILTERS
 from gyrodrift.firmware.my_gyro import TunedGyro, my_gyro_h
 from gyrodrift.html.provenance import Provenance, date_now, set_name
 from gyrodrift.io.files import UnreadableError, check_writable, read_ordinary, write_whole
-from gyrodrift.io.installation import need_packages_of
+from gyrodrift.io.installation import need_packages
 from gyrodrift.values.errors import UsageError, visible
 
 if TYPE_CHECKING:
@@ -138,7 +138,7 @@ def run(arguments: argparse.Namespace) -> int:
         check_header(arguments.header)
     with options.progress_of(arguments, {}) as progress:
         progress.report(options.PACKAGES, 0, 0)
-        need_packages_of("tune")
+        need_packages("tune")
         from gyrodrift.tune.options import TuneOptions, run_tuning
 
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends like Ctrl-C, with the best so far

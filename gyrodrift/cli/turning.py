@@ -19,7 +19,7 @@ from gyrodrift.values.errors import LinkError, UsageError
 def run(arguments: argparse.Namespace) -> int:
     """Ask for a turn, or read it from files; 3 if a result is not clear."""
     _check(arguments)
-    results = _recorded(arguments) if arguments.sessions else [heard_turn(arguments)]
+    results = [recorded_turn(path, arguments.turn_at) for path in arguments.sessions] or [heard_turn(arguments)]
     for result in results:
         _print(arguments, result)
     return 0 if all(_is_good(result) for result in results) else LinkError.exit_status
@@ -74,10 +74,6 @@ def _target(arguments: argparse.Namespace) -> LinkOptions:
         there = ", ".join(port.name for port in ports) or "none"
         raise UsageError(f"--turn: name the port with --port; ports on this machine: {there}")
     return replace(target, port=ports[0].name)
-
-
-def _recorded(arguments: argparse.Namespace) -> list[TurnResult]:
-    return [recorded_turn(path, arguments.turn_at) for path in arguments.sessions]
 
 
 def _print(arguments: argparse.Namespace, result: TurnResult) -> None:

@@ -94,7 +94,7 @@ def package_command(*requirements: str) -> str:
 
 
 def need_packages(purpose: str, *names: str) -> None:
-    """Check that packages of the extra `lab` are installed before the work begins.
+    """Check before the work begins that packages of the extra `lab` are installed: these, or those of an analysis.
 
     Raises
     ------
@@ -102,21 +102,10 @@ def need_packages(purpose: str, *names: str) -> None:
         With the command that installs them.
     """
     try:
-        for name in names:
+        for name in names or PACKAGES_OF[purpose]:
             import_module(name)
     except ImportError as error:
         raise UsageError(f"{purpose} needs the package {error.name}: {extra_command('lab')}") from error
-
-
-def need_packages_of(analysis: str) -> None:
-    """Check that the packages of an analysis are installed.
-
-    Raises
-    ------
-    UsageError
-        With the command that installs them.
-    """
-    need_packages(analysis, *PACKAGES_OF[analysis])
 
 
 def _installer() -> Installer:

@@ -6,7 +6,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from gyrodrift.io.installation import need_packages_of
+from gyrodrift.io.installation import need_packages
 from gyrodrift.io.progress import OnProgress, ignore_progress
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def tune(
     DataError
         If a session cannot be used.
     """
-    need_packages_of("tune")
+    need_packages("tune")
     from gyrodrift.tune.options import TuneOptions, run_tuning
 
     options = TuneOptions(
@@ -129,7 +129,7 @@ def diagnose(
     DataError
         If no session can be used, with the reason for each.
     """
-    need_packages_of("diagnose")
+    need_packages("diagnose")
     from gyrodrift.diagnose import diagnosis
     from gyrodrift.diagnose.options import DiagnoseOptions
 
@@ -184,7 +184,7 @@ def compare(
     DataError
         If a session cannot be read or has no reference.
     """
-    need_packages_of("compare")
+    need_packages("compare")
     from gyrodrift.compare import comparison
     from gyrodrift.compare.options import CompareOptions
     from gyrodrift.config.model import load_config
