@@ -62,7 +62,7 @@ def device(port: Path, *words: str | Path) -> Iterator[None]:
     """A simulated gyro that a `doctor` in this process listens to, in the time of the device."""
     gyro = DeviceInStep(port, *words)
     with closing(gyro.pty), pytest.MonkeyPatch.context() as patch:
-        patch.setattr(listen, "listen", partial(listen.listen, monotonic=lambda: 100.0 + gyro.now_s))
+        patch.setattr("gyrodrift.cli.doctor.listen", partial(listen.listen, monotonic=lambda: 100.0 + gyro.now_s))
         patch.setattr(listen, "_wait", lambda _: gyro.send())
         yield
 

@@ -12,7 +12,7 @@ import sys
 import termios
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from itertools import islice
 from pathlib import Path
 from types import TracebackType
@@ -224,6 +224,10 @@ def free_port() -> int:
 def ours(*words: str | Path) -> list[str]:
     """A command line of ours, for whoever starts it."""
     return [sys.executable, "-m", "gyrodrift", *map(str, words)]
+
+
+Recording = Callable[..., AbstractContextManager[tuple[PtyDevice, Command]]]
+"""Fixture that starts `record` with options; it gives the device and the command."""
 
 
 @contextmanager

@@ -42,7 +42,7 @@ ROOMS = {
     "top": f"{BASE} outputs service",
     "evaluation": f"{BASE} facts filters session session.checks",
     "simulation": f"{BASE} firmware_sim session",
-    "tune": f"{BASE} evaluation filters report",
+    "tune": f"{BASE} evaluation filters report session session.checks",
     "compare": f"{BASE} evaluation filters report session session.checks tune",
     "diagnose.recording": f"{BASE} evaluation facts session session.checks",
     "diagnose.features": f"{BASE} diagnose.recording",

@@ -54,7 +54,6 @@ def _rows(text: str) -> list[str]:
 
 def run(arguments: argparse.Namespace) -> int:
     """Make or score; 0 when everything is written."""
-    options.hold_product_threads()
     return _make(arguments) if arguments.action == "make" else _score(arguments)
 
 

@@ -61,6 +61,7 @@ angles are degrees, rates deg/s, times s, temperatures °C; counter-clockwise is
 
 def main(argv: list[str] | None = None) -> int:
     """Run a command and return its exit status; a wrong input is one line on stderr, never a traceback."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # matrices are small here, and threads slow their products down
     open_standard_streams()
     accept_all_characters()
     if ASKED_BY_A_SHELL in os.environ:

@@ -15,31 +15,38 @@ of that file does not change.
 import argparse
 import json
 import sys
+from collections.abc import Callable
 from contextlib import ExitStack
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from gyrodrift.calibrate.guide import CalibrationPlan, Guide
+from gyrodrift.calibrate.scale import REPEATS_MIN
 from gyrodrift.cli import INTERRUPTED, configs, numbers, options
+from gyrodrift.config.calibration import block_text, checked, has_block, with_block
+from gyrodrift.config.model import load_config
+from gyrodrift.io.files import check_writable, write_whole
+from gyrodrift.io.log import open_log
+from gyrodrift.io.terminal import AboveLine
+from gyrodrift.link.events import LinkEvents
+from gyrodrift.link.link import Link
+from gyrodrift.values.calibration import Calibration, device_identity
 from gyrodrift.values.errors import CalibrationError, UsageError
 
 if TYPE_CHECKING:
-    from gyrodrift.calibrate.guide import Guide
-    from gyrodrift.calibrate.positions.guide import PositionGuide
-    from gyrodrift.values.calibration import Calibration
+    from gyrodrift.calibrate.positions.guide import PositionGuide, PositionPlan
+
+    AnyGuide = Guide | PositionGuide
 
 NEW_FILE = (
     "# Created by gyrodrift calibrate. serve --config applies changes of this file while it runs.\nfilter: restlevel\n"
 )
 
 
-def check_config(path: Path, *, force: bool) -> "Calibration | None":
+def check_config(path: Path, *, force: bool) -> Calibration | None:
     """Check before the calibration that its result can be written; the calibration that it replaces."""
-    from gyrodrift.config.calibration import has_block
-    from gyrodrift.config.model import load_config
-    from gyrodrift.io.files import check_writable
-
     if path.suffix not in (".yaml", ".yml"):
         raise UsageError(f"--config {path}: the name of a config ends in .yaml")
     if not path.parent.is_dir():
@@ -57,12 +64,8 @@ def check_config(path: Path, *, force: bool) -> "Calibration | None":
     return old
 
 
-def write_result(arguments: argparse.Namespace, calibration: "Calibration", guide: "Guide | PositionGuide") -> None:
+def write_result(arguments: argparse.Namespace, calibration: Calibration, guide: "AnyGuide") -> None:
     """Print the calibration, and write it into the config."""
-    from gyrodrift.config.calibration import block_text, checked, with_block
-    from gyrodrift.config.model import load_config
-    from gyrodrift.io.files import write_whole
-
     block = block_text(calibration)
     if arguments.json:
         content = {"calibration": calibration.values(), **guide.measured()}
@@ -89,16 +92,6 @@ def _new_file(arguments: argparse.Namespace) -> str:
     """Text of a new config, with the columns that --turn found."""
     return NEW_FILE + (f'columns: "{arguments.columns}"\n' if arguments.turn and arguments.columns else "")
 
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from gyrodrift.calibrate.guide import CalibrationPlan, Guide
-    from gyrodrift.calibrate.positions.guide import PositionGuide, PositionPlan
-    from gyrodrift.link.link import Link
-    from gyrodrift.values.calibration import Calibration
-
-    AnyGuide = Guide | PositionGuide
 
 REST_S, SIDE_REST_S = 10.0, 2.0
 REPEATS, SPREAD_PERCENT = 10, 0.1
@@ -170,17 +163,11 @@ def run(arguments: argparse.Namespace) -> int:
     baud = numbers.baud(arguments.baud)
     guide_of = _guide_of(arguments)
     old = None if arguments.config is None else check_config(arguments.config, force=arguments.force)
-
     if arguments.turn:
         from gyrodrift.cli.turning import columns_by_turn
 
         arguments.columns = columns_by_turn(arguments)
-
     from gyrodrift.calibrate.terminal import GuideScreen, Keys, guided, without_echo
-    from gyrodrift.io.log import open_log
-    from gyrodrift.io.terminal import AboveLine
-    from gyrodrift.link.events import LinkEvents
-    from gyrodrift.link.link import Link
     from gyrodrift.service.signals import StopSignal
 
     screen = GuideScreen(sys.stderr, sys.stderr.isatty() and not arguments.quiet)
@@ -217,8 +204,6 @@ def _guide_of(arguments: argparse.Namespace) -> "Callable[[Callable[[str], objec
         return partial(PositionGuide, _position_plan(arguments))
     if arguments.axis_turns:
         raise UsageError("--axis-turns: needs --positions, which measures the direction of gravity")
-    from gyrodrift.calibrate.guide import Guide
-
     return partial(Guide, _plan(arguments))
 
 
@@ -242,10 +227,7 @@ def _position_plan(arguments: argparse.Namespace) -> "PositionPlan":
     )
 
 
-def _plan(arguments: argparse.Namespace) -> "CalibrationPlan":
-    from gyrodrift.calibrate.guide import CalibrationPlan
-    from gyrodrift.calibrate.scale import REPEATS_MIN
-
+def _plan(arguments: argparse.Namespace) -> CalibrationPlan:
     if arguments.repeats < REPEATS_MIN:
         raise UsageError(f"--repeats {arguments.repeats}: at least {REPEATS_MIN} are needed for a standard error")
     return CalibrationPlan(
@@ -258,9 +240,7 @@ def _plan(arguments: argparse.Namespace) -> "CalibrationPlan":
     )
 
 
-def _result(guide: "AnyGuide", link: "Link") -> "Calibration":
-    from gyrodrift.values.calibration import device_identity
-
+def _result(guide: "AnyGuide", link: Link) -> Calibration:
     device_id = device_identity(link.device.device_id, link.name)
     try:
         return guide.result(datetime.now(UTC), device_id, link.device.dps_per_lsb)

@@ -15,12 +15,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import configs, inputs, numbers, options
-from gyrodrift.io.files import check_inputs_kept, check_writable
+from gyrodrift.io.files import check_writable, write_whole
+from gyrodrift.io.installation import need_packages
+from gyrodrift.report.files import write_json
+from gyrodrift.report.provenance import Provenance, date_now, set_name
 from gyrodrift.values.errors import visible
 
 if TYPE_CHECKING:
-    from gyrodrift.compare.comparison import Comparison, ComparisonRequest
-    from gyrodrift.io.progress import Progress
+    from gyrodrift.compare.comparison import Comparison
 
 EXAMPLES = """\
 gyrodrift compare sessions
@@ -54,53 +56,31 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_iterations_option(parser, "evaluations of each search, with --train")
     options.add_jobs_option(parser)
     options.add_damage_option(parser)
-    options.add_columns_option(parser)
-    options.add_unit_options(parser)
+    options.add_reading_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Compare; 0 if all files are written."""
     if arguments.out is not None:
         check_writable(arguments.out)
-    options.hold_product_threads()
     with options.progress_of(arguments, {} if arguments.train else None) as progress:
         progress.report(options.PACKAGES, 0, 0)
-        from gyrodrift.io.installation import need_packages
-
-        need_packages("compare", "cma", "numba", "scipy")
+        need_packages("compare")
         from gyrodrift.compare.comparison import compare
+        from gyrodrift.compare.options import CompareOptions
 
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends the workers too
-        request = _request(arguments, progress)
-        if arguments.out is not None:
-            config = [arguments.config] if arguments.config else []
-            written = [arguments.out / name for name in ("compare.json", "report.html")]
-            check_inputs_kept(written, [*request.paths, *request.train, *config])
-        inputs.check_damage([*request.paths, *request.train], allow_damage=arguments.allow_damage)
-        comparison = compare(request)
+        outputs = [arguments.out / name for name in ("compare.json", "report.html")] if arguments.out else []
+        given = options.record_of(
+            CompareOptions,
+            arguments,
+            blocks=configs.loaded_config(arguments.config).blocks if arguments.config else {},
+            jobs=options.processes(arguments.jobs),
+            inputs=inputs.input_options(arguments, outputs),
+        )
+        comparison = compare(given.request(progress.report))
     _write(arguments, comparison)
     return 0
-
-
-def _request(arguments: argparse.Namespace, progress: "Progress") -> "ComparisonRequest":
-    from gyrodrift.compare.comparison import ComparisonRequest, config_file
-    from gyrodrift.compare.methods.registry import methods
-    from gyrodrift.session.files import session_paths
-
-    config = configs.loaded_config(arguments.config) if arguments.config else None
-    stills = session_paths(arguments.still)
-    return ComparisonRequest(
-        paths=list(dict.fromkeys([*session_paths(arguments.paths), *stills])),
-        methods=methods(config.blocks if config else {}),
-        train=session_paths(arguments.train),
-        stills=frozenset(stills),
-        iterations=arguments.iterations,
-        seed=arguments.seed,
-        config=config_file(arguments.config, config.blocks) if config else None,
-        jobs=options.processes(arguments.jobs),
-        progress=progress.report,
-        reading=inputs.reading(arguments),
-    )
 
 
 def _write(arguments: argparse.Namespace, comparison: "Comparison") -> None:
@@ -108,12 +88,9 @@ def _write(arguments: argparse.Namespace, comparison: "Comparison") -> None:
 
     if arguments.out is not None:
         from gyrodrift.compare.report.page import report_html
-        from gyrodrift.io.files import write_whole
-        from gyrodrift.report.files import write_json
-        from gyrodrift.report.provenance import Provenance, date_now, set_name
 
         command = shlex.join(arguments.command_line)
-        made = Provenance(set_name([*arguments.paths, *arguments.still]), command, date_now())
+        made = Provenance(set_name([*arguments.paths, *arguments.stills]), command, date_now())
         write_json(arguments.out / "compare.json", content(comparison, command))
         write_whole(arguments.out / "report.html", [report_html(comparison, made)])
     for note in comparison.notes:

@@ -1,6 +1,7 @@
 """The config that a command uses, the link that it opens, and the tables that a recording keeps of both."""
 
 import argparse
+import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +12,7 @@ from gyrodrift.filters.registry import DEFAULT
 if TYPE_CHECKING:
     from gyrodrift.config.model import Config
     from gyrodrift.link.options import EventHandler, LinkOptions
+    from gyrodrift.link.serial_port import SerialPort
     from gyrodrift.link.sources.source import SourcePort
 
 
@@ -36,12 +38,20 @@ def link_target(
     stated = LinkOptions(arguments.port, baud, arguments.protocol, arguments.timeout, spec, arguments.send or send)
     if stated.port != AUTO_PORT:
         return stated, None
-    from gyrodrift.cli.simulated import simulated_ports
     from gyrodrift.link.port import serial_ports
     from gyrodrift.link.search import find_gyro
     from gyrodrift.link.sources.registry import source_devices
 
     return find_gyro(serial_ports(), stated, on_event, simulated_ports(), source_devices())
+
+
+def simulated_ports() -> "list[SerialPort]":
+    """Links of the simulated devices that run on this machine."""
+    from firmware_sim.reservation import reserved_links
+    from gyrodrift.link.serial_port import SerialPort
+
+    links = [link for link in reserved_links() if link.is_symlink()]
+    return [SerialPort(str(link), os.path.realpath(link), product="simulated device") for link in links]
 
 
 def chosen_config(arguments: argparse.Namespace) -> "Config":

@@ -10,16 +10,20 @@ import argparse
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from gyrodrift.cli import inputs, options
 from gyrodrift.cli.written import samples_text, tell_written
 from gyrodrift.io.files import check_kept
+from gyrodrift.io.progress import OnProgress, counted
+from gyrodrift.session.files import write_session
+from gyrodrift.session.foreign.export import write_imu, write_json
+from gyrodrift.session.foreign.read import read_foreign
+from gyrodrift.session.left_out import left_out, listed
+from gyrodrift.session.logs.bag import read_bag
+from gyrodrift.session.session import Session
+from gyrodrift.session.tables.write import session_table, write_rows, written_ending
+from gyrodrift.session.topics.reference import with_reference
 from gyrodrift.values.errors import UsageError, visible
-
-if TYPE_CHECKING:
-    from gyrodrift.io.progress import OnProgress
-    from gyrodrift.session.session import Session
 
 PIECE = 50_000
 """Samples per write."""
@@ -53,8 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     options.add_force_option(parser)
     options.add_damage_option(parser)
-    options.add_columns_option(parser)
-    options.add_unit_options(parser)
+    options.add_reading_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -64,7 +67,6 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError(f"--as {form}: needs an .mcap file as OUT, {target} is none")
     if topic is not None and source.suffix not in (".mcap", *BAGS) and not source.is_dir():
         raise UsageError(f"--topic {topic}: needs an .mcap file or a bag as IN, {source} is none")
-    from gyrodrift.session.tables.write import written_ending
 
     check_kept([target], [source], force=arguments.force)
     written_ending(target, "OUT")
@@ -77,41 +79,32 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def in_pieces(session: "Session", progress: "OnProgress") -> "Iterator[Session]":
+def in_pieces(session: Session, progress: OnProgress) -> Iterator[Session]:
     """The session in consecutive pieces, each counted in the progress."""
-    from gyrodrift.io.progress import counted
-
     samples = len(session.t_device_s)
     pieces = (session.part(first, first + PIECE) for first in range(0, samples, PIECE))
     return counted("samples written", pieces, samples, progress, lambda piece: len(piece.t_device_s))
 
 
-def _loaded(source: Path, topic: str | None, arguments: argparse.Namespace) -> "Session":
+def _loaded(source: Path, topic: str | None, arguments: argparse.Namespace) -> Session:
     if topic is None:
         return inputs.read_session(source, inputs.reading(arguments), allow_damage=arguments.allow_damage)
     reading = inputs.reading(arguments)
     session = _of_topic(source, topic)
     if reading.reference:
-        from gyrodrift.session.topics.reference import with_reference
-
         session = with_reference(session, source, reading.reference)
     return reading.applied(session)
 
 
-def _of_topic(source: Path, topic: str) -> "Session":
+def _of_topic(source: Path, topic: str) -> Session:
     if source.suffix in BAGS or source.is_dir():
-        from gyrodrift.session.logs.bag import read_bag
-
         return read_bag(source, topic)
-    from gyrodrift.session.foreign.read import read_foreign
 
     return read_foreign(source, topic)
 
 
-def _tell_left_out(arguments: argparse.Namespace, session: "Session") -> None:
+def _tell_left_out(arguments: argparse.Namespace, session: Session) -> None:
     """Name everything that OUT will not hold."""
-    from gyrodrift.session.left_out import left_out, listed
-
     form = arguments.form or "sample" if arguments.target.suffix.lower() == ".mcap" else "csv"
     without = left_out(arguments.source, session, arguments.topic, form)
     notes = ["rate in rad/s (sensor_msgs/msg/Imu)"] if form == "imu" else []
@@ -120,11 +113,7 @@ def _tell_left_out(arguments: argparse.Namespace, session: "Session") -> None:
         print(visible(f"gyrodrift: {arguments.target}: {'; '.join(notes)}"), file=sys.stderr)
 
 
-def _write(target: Path, form: str | None, session: "Session", pieces: "Iterator[Session]") -> None:
-    from gyrodrift.session.files import write_session
-    from gyrodrift.session.foreign.export import write_imu, write_json
-    from gyrodrift.session.tables.write import session_table, write_rows, written_ending
-
+def _write(target: Path, form: str | None, session: Session, pieces: Iterator[Session]) -> None:
     if form == "imu":
         write_imu(target, pieces)
     elif form == "json":

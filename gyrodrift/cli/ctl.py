@@ -20,6 +20,7 @@ import json
 import sys
 from pathlib import Path
 
+from gyrodrift.service.control_client import ControlClient
 from gyrodrift.values.errors import UsageError
 
 COMMANDS = ("zero", "heading", "rest", "rate", "record", "calibrate", "page", "status", "reload", "stop")
@@ -43,7 +44,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Send the command and print the answer; exit status 0 if the service carried it out."""
     words = [arguments.command, *([arguments.value] if arguments.value is not None else [])]
-    from gyrodrift.service.control_client import ControlClient
 
     patience_s = RELOAD_PATIENCE_S if arguments.command == "reload" else PATIENCE_S
     with ControlClient(arguments.socket, patience_s) as service:

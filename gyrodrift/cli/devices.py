@@ -9,13 +9,15 @@ import argparse
 import dataclasses
 import json
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from gyrodrift.cli import numbers, options
-from gyrodrift.cli.simulated import simulated_ports
-
-if TYPE_CHECKING:
-    from gyrodrift.link.listening import HeardPort
+from gyrodrift.cli.configs import simulated_ports
+from gyrodrift.link.listening import HeardPort, listen_at, look_at
+from gyrodrift.link.options import LinkOptions
+from gyrodrift.link.port import serial_ports
+from gyrodrift.link.search import speech_text
+from gyrodrift.link.sources.registry import source_devices
 
 EXAMPLES = """\
 gyrodrift devices
@@ -40,11 +42,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """List the ports; 0 even without any."""
-    from gyrodrift.link.listening import listen_at, look_at
-    from gyrodrift.link.options import LinkOptions
-    from gyrodrift.link.port import serial_ports
-    from gyrodrift.link.sources.registry import source_devices
-
     ports = [*serial_ports(), *source_devices(), *simulated_ports()]
     link_options = LinkOptions(port="", timeout_s=arguments.timeout, send=arguments.send or b"")
     heard = listen_at(ports, link_options) if arguments.listen else look_at(ports)
@@ -57,9 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _rows(heard: "HeardPort") -> str:
-    from gyrodrift.link.search import speech_text
-
+def _rows(heard: HeardPort) -> str:
     port = heard.port
     adapter = " ".join(filter(None, (port.maker, port.product, port.usb_id and f"({port.usb_id})")))
     rows = {
@@ -73,7 +68,7 @@ def _rows(heard: "HeardPort") -> str:
     return "\n".join([port.name, *(f"  {name:13}  {value}" for name, value in rows.items() if value)])
 
 
-def _as_json(heard: "HeardPort") -> dict[str, Any]:
+def _as_json(heard: HeardPort) -> dict[str, Any]:
     speech, holder = heard.speech, heard.holder
     return dataclasses.asdict(heard.port) | {
         "holder": dataclasses.asdict(holder) if holder else None,

@@ -11,7 +11,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import inputs, options
-from gyrodrift.io.files import check_inputs_kept, check_writable, write_whole
+from gyrodrift.cli.parser import unknown
+from gyrodrift.io.files import check_writable, write_whole
+from gyrodrift.io.installation import need_packages
+from gyrodrift.report.provenance import Provenance, UsedFile, date_now, set_name
+from gyrodrift.session.checks.stated import ReadingOptions
+from gyrodrift.session.given import columns_or_none
 from gyrodrift.values.errors import UsageError, visible
 
 EXAMPLES = """\
@@ -23,9 +28,7 @@ EXPORTS = ("gazebo", "kalibr", "mujoco", "json")
 """Formats of `gyrodrift.diagnose.export.files`, which is imported late."""
 
 if TYPE_CHECKING:
-    from firmware_sim.rig import Rig
-    from gyrodrift.report.provenance import Provenance
-    from gyrodrift.session.checks.stated import ReadingOptions
+    from gyrodrift.diagnose.stages import DiagnosisRequest
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
     parser.add_argument(
         "--withhold",
-        type=options.withheld,
+        type=_withheld,
         action="append",
         default=[],
         metavar="EFFECT",
@@ -63,8 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="write the diagnosed effects for another simulator to DIR/export (repeatable; default: none)",
     )
     options.add_jobs_option(parser)
-    options.add_columns_option(parser)
-    options.add_unit_options(parser)
+    options.add_reading_options(parser)
     options.add_cluster_option(parser, "replay")
     options.add_damage_option(parser)
 
@@ -74,54 +76,34 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.baseline_columns is not None and not arguments.baseline:
         raise UsageError("--baseline-columns: needs --baseline PATH, whose columns it states")
     check_writable(arguments.out)
-    options.hold_product_threads()
     with options.progress_of(arguments, {}) as waiting:
         waiting.report(options.PACKAGES, 0, 0)
-        from gyrodrift.io.installation import need_packages
-
-        need_packages("diagnose", "numba", "scipy")
+        need_packages("diagnose")
+        from gyrodrift.diagnose.diagnosis import diagnose
+        from gyrodrift.diagnose.export.files import FOLDER, export_line, exports_of, write_exports
+        from gyrodrift.diagnose.export.files import NAMES as EXPORT_NAMES
+        from gyrodrift.diagnose.options import DiagnoseOptions
+        from gyrodrift.diagnose.report.files import NAMES, summary, write_files
         from gyrodrift.diagnose.report.page import report_html
-        from gyrodrift.diagnose.stages import REPORT, SHARES, DiagnosisRequest
-    from firmware_sim.rig import load_rig
-    from firmware_sim.yaml_file import FileError
-    from gyrodrift.diagnose.diagnosis import diagnose
-    from gyrodrift.diagnose.export.files import FOLDER, export_line, exports_of, write_exports
-    from gyrodrift.diagnose.export.files import NAMES as EXPORT_NAMES
-    from gyrodrift.diagnose.report.files import NAMES, summary, write_files
-    from gyrodrift.session.files import session_paths
-
-    try:
-        rig = load_rig(arguments.rig)
-    except FileError as error:
-        raise UsageError(str(error)) from error
-    paths = session_paths(arguments.paths)
-    baseline = session_paths(arguments.baseline) if arguments.baseline else []
-    rigs = [arguments.rig] if arguments.rig else []
-    outputs = [*NAMES, *(f"{FOLDER}/{name}" for name in EXPORT_NAMES)]
-    check_inputs_kept([arguments.out / name for name in outputs], [*paths, *baseline, *rigs])
-    inputs.check_damage([*paths, *baseline], allow_damage=arguments.allow_damage)
-    jobs = options.processes(arguments.jobs)
+        from gyrodrift.diagnose.stages import REPORT, SHARES
     with options.progress_of(arguments, {} if arguments.baseline else SHARES) as progress:
-        withheld = frozenset(arguments.withhold)
-        diagnosis = diagnose(
-            DiagnosisRequest(
-                paths,
-                rig,
-                withheld,
-                jobs,
-                arguments.cluster,
-                progress.report,
-                baseline,
-                reading=inputs.reading(arguments),
-                baseline_reading=_baseline_reading(arguments),
-                is_rig_stated=arguments.rig is not None,
-            )
+        spec = columns_or_none(arguments.baseline_columns)
+        outputs = [*NAMES, *(f"{FOLDER}/{name}" for name in EXPORT_NAMES)]
+        given = options.record_of(
+            DiagnoseOptions,
+            arguments,
+            withhold=frozenset(arguments.withhold),
+            jobs=options.processes(arguments.jobs),
+            inputs=inputs.input_options(arguments, [arguments.out / name for name in outputs]),
+            baseline_reading=None if spec is None else ReadingOptions(spec),
         )
+        request = given.request(progress.report)
+        diagnosis = diagnose(request)
         progress.report(REPORT, 0, 0)
         exports = exports_of(diagnosis, arguments.export)
         write_files(arguments.out, diagnosis)
         write_exports(arguments.out, exports)
-        page = report_html(diagnosis, arguments.out, _provenance(arguments, rig), exports)
+        page = report_html(diagnosis, arguments.out, _provenance(arguments, request), exports)
     write_whole(arguments.out / "report.html", [page])
     for remark in diagnosis.remarks:
         print(f"gyrodrift: note: {remark}", file=sys.stderr)
@@ -132,28 +114,16 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _baseline_reading(arguments: argparse.Namespace) -> "ReadingOptions":
-    """Statements on the baseline: the spec of its own alone, or else those on the sessions."""
-    from gyrodrift.columns.spec import columns_of
-    from gyrodrift.session.checks.stated import ReadingOptions
-
-    if arguments.baseline_columns is None:
-        return inputs.reading(arguments)
-    return ReadingOptions(columns_of(arguments.baseline_columns))
-
-
-def _provenance(arguments: argparse.Namespace, rig: "Rig") -> "Provenance":
+def _provenance(arguments: argparse.Namespace, request: "DiagnosisRequest") -> Provenance:
     """Provenance of the page; its config is the rig."""
     from gyrodrift.evaluation.dataset import digest_of
-    from gyrodrift.report.provenance import Provenance, UsedFile, date_now, set_name
-    from gyrodrift.session.files import session_paths
     from gyrodrift.simulation.sessions import rig_yaml
 
-    uses = {"diagnosed": arguments.paths, "baseline": arguments.baseline}
+    uses = {"diagnosed": request.paths, "baseline": request.baseline}
     used = [
         UsedFile(str(path), digest_of(path), use if arguments.baseline else "")
         for use, paths in uses.items()
-        for path in (session_paths(paths) if paths else [])
+        for path in paths
     ]
     return Provenance(
         set_name=set_name(arguments.paths),
@@ -161,5 +131,20 @@ def _provenance(arguments: argparse.Namespace, rig: "Rig") -> "Provenance":
         date=date_now(),
         sessions=used,
         config=f"the rig {arguments.rig}" if arguments.rig else "the shipped rig, config/rig.yaml",
-        config_text=rig_yaml(rig),
+        config_text=rig_yaml(request.rig),
     )
+
+
+def _withheld(text: str) -> str:
+    """Check an argument of `--withhold`, the name of an effect.
+
+    Raises
+    ------
+    UsageError
+        If there is no such effect.
+    """
+    from firmware_sim.effects.catalogue import CATALOGUE
+
+    if text not in CATALOGUE:
+        raise unknown("effect", f"--withhold {text}", CATALOGUE)
+    return text

@@ -20,16 +20,29 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
-from typing import TYPE_CHECKING
+from threading import Thread
 
-from gyrodrift.cli import inputs, numbers, options
+from gyrodrift.cli import inputs, numbers, options, turning
+from gyrodrift.cli.configs import simulated_ports
+from gyrodrift.cli.parser import unknown
+from gyrodrift.config.model import load_config
+from gyrodrift.config.sources import load_sources
+from gyrodrift.doctor.body import compare
+from gyrodrift.doctor.checks.registry import examine
+from gyrodrift.doctor.evidence import DeviceEvidence
+from gyrodrift.doctor.finding import DeviceFinding, Severity, as_json, worst
+from gyrodrift.doctor.listen import listen
+from gyrodrift.doctor.recorded import recorded
+from gyrodrift.doctor.sensors import SENSORS, Sensor, sensor_named
+from gyrodrift.doctor.show import Detail, show
+from gyrodrift.io.progress import OnProgress, Progress
+from gyrodrift.link.holder import is_console
+from gyrodrift.link.options import LinkOptions
+from gyrodrift.link.port import serial_ports
+from gyrodrift.link.search import find_gyro
+from gyrodrift.link.sources.registry import source_devices
+from gyrodrift.session.files import session_paths
 from gyrodrift.values.errors import LinkError, PortMissingError, UsageError
-
-if TYPE_CHECKING:
-    from gyrodrift.doctor.evidence import DeviceEvidence
-    from gyrodrift.doctor.finding import DeviceFinding
-    from gyrodrift.doctor.sensors import Sensor
-    from gyrodrift.io.progress import OnProgress, Progress
 
 SEVERITIES = ("note", "warning", "error")
 
@@ -82,14 +95,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Check, and return 3 if a finding is as severe as --fail-on."""
     if arguments.turn or arguments.turn_at is not None:
-        from gyrodrift.cli import turning
-
         return turning.run(arguments)
-    options.hold_product_threads()
-    from gyrodrift.doctor.checks.registry import examine
-    from gyrodrift.doctor.finding import Severity, worst
-    from gyrodrift.doctor.sensors import sensor_named
-
     chosen_sensor = _sensor(arguments.sensor)
     severity = Severity.OK
     evidences = _evidence(arguments)
@@ -106,38 +112,30 @@ def run(arguments: argparse.Namespace) -> int:
     return LinkError.exit_status if severity.rank >= Severity(arguments.fail_on).rank else 0
 
 
-def _comparisons(evidences: "list[DeviceEvidence]") -> "Iterator[tuple[str, list[DeviceFinding]]]":
+def _comparisons(evidences: list[DeviceEvidence]) -> Iterator[tuple[str, list[DeviceFinding]]]:
     """Findings about each two of the gyros."""
-    from gyrodrift.doctor.body import compare
-
     for first, second in combinations(evidences, 2):
         yield f"{first.source} and {second.source}", compare(first, second)
 
 
-def _print(arguments: argparse.Namespace, source: str, findings: "list[DeviceFinding]") -> None:
-    from gyrodrift.doctor.finding import as_json
-
+def _print(arguments: argparse.Namespace, source: str, findings: list[DeviceFinding]) -> None:
     if arguments.json:
         print(as_json(source, findings))
         return
-    from gyrodrift.doctor.show import Detail, show
 
     detail = Detail.PROBLEMS if arguments.quiet else Detail.ALL if arguments.verbose else Detail.SUMMARY
     show(source, findings, sys.stdout, detail)
 
 
-def _evidence(arguments: argparse.Namespace) -> "list[DeviceEvidence]":
+def _evidence(arguments: argparse.Namespace) -> list[DeviceEvidence]:
     """Evidence from the recordings, or from the port."""
     if arguments.config is not None:
         return _all_sources(arguments)
     if not arguments.sessions:
         with options.progress_of(arguments) as progress:
             return [_at_port(arguments, numbers.baud(arguments.baud), progress)]
-    from gyrodrift.doctor.recorded import recorded
-    from gyrodrift.session.files import session_paths
-
     paths = session_paths(arguments.sessions)
-    inputs.check_damage(paths, allow_damage=arguments.allow_damage)
+    inputs.check_damage(paths, arguments)
     recordings = [recorded(path, inputs.reading(arguments)) for path in paths]
     for path, evidence in zip(paths, recordings, strict=True):
         if evidence.facts is not None:
@@ -145,22 +143,14 @@ def _evidence(arguments: argparse.Namespace) -> "list[DeviceEvidence]":
     return recordings
 
 
-def _all_sources(arguments: argparse.Namespace) -> "list[DeviceEvidence]":
+def _all_sources(arguments: argparse.Namespace) -> list[DeviceEvidence]:
     """Evidence from all gyros of the config, heard at once."""
-    from threading import Thread
-
-    from gyrodrift.config.model import load_config
-    from gyrodrift.config.sources import load_sources
-    from gyrodrift.doctor.evidence import DeviceEvidence
-    from gyrodrift.doctor.listen import listen
-    from gyrodrift.link.options import LinkOptions
-
     settings = load_sources(arguments.config)
     if not settings or arguments.sessions:
         raise UsageError("--config: needs a config with sources:, and no recording beside it")
     evidences = [DeviceEvidence(source.name) for source in settings]
 
-    def hear(index: int, progress: "OnProgress") -> None:
+    def hear(index: int, progress: OnProgress) -> None:
         source, config = settings[index], load_config(arguments.config, settings[index].name)
         timeout_s = source.timeout_s or arguments.timeout
         target = LinkOptions(source.port, source.baud, source.protocol, timeout_s, config.columns, config.send)
@@ -179,17 +169,8 @@ def _all_sources(arguments: argparse.Namespace) -> "list[DeviceEvidence]":
     return evidences
 
 
-def _at_port(arguments: argparse.Namespace, baud: int | None, progress: "Progress") -> "DeviceEvidence":
+def _at_port(arguments: argparse.Namespace, baud: int | None, progress: Progress) -> DeviceEvidence:
     """Evidence from the named port, or from the port of the gyro that is plugged in."""
-    from gyrodrift.cli.simulated import simulated_ports
-    from gyrodrift.doctor.evidence import DeviceEvidence
-    from gyrodrift.doctor.listen import listen
-    from gyrodrift.link.holder import is_console
-    from gyrodrift.link.options import LinkOptions
-    from gyrodrift.link.port import serial_ports
-    from gyrodrift.link.search import find_gyro
-    from gyrodrift.link.sources.registry import source_devices
-
     link_options = LinkOptions(
         arguments.port, baud, arguments.protocol, arguments.timeout, arguments.columns, arguments.send or b""
     )
@@ -207,10 +188,7 @@ def _at_port(arguments: argparse.Namespace, baud: int | None, progress: "Progres
     return listen(target, arguments.seconds, progress.report, port)
 
 
-def _sensor(name: str | None) -> "Sensor | None":
-    from gyrodrift.cli.parser import unknown
-    from gyrodrift.doctor.sensors import SENSORS, sensor_named
-
+def _sensor(name: str | None) -> Sensor | None:
     if name is None:
         return None
     sensor = sensor_named(name)

@@ -13,22 +13,24 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import nan
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import Any, TextIO
 
 from gyrodrift.cli import configs, inputs, options
 from gyrodrift.cli.written import samples_text, tell_written
+from gyrodrift.config.model import Config
+from gyrodrift.filters.beginning import beginning_of
 from gyrodrift.filters.registry import FILTERS
+from gyrodrift.filters.run import FilterRun
+from gyrodrift.io.files import check_kept, write_whole
+from gyrodrift.io.progress import OnProgress, counted
+from gyrodrift.session.calibrated import applied_scale_sigmas, device_of, with_config
+from gyrodrift.session.session import Session
+from gyrodrift.session.tables.write import Row, write_rows, written_ending
 from gyrodrift.values.errors import DataError, GyrodriftError, visible
-from gyrodrift.values.sample import Attitude
+from gyrodrift.values.sample import Attitude, Inertial
 
-if TYPE_CHECKING:
-    from gyrodrift.filters.run import FilterRun
-    from gyrodrift.io.progress import OnProgress
-    from gyrodrift.session.session import Session
-    from gyrodrift.session.tables.write import Row
-    from gyrodrift.values.sample import Inertial
-
-    FilterSample = tuple[float, float, Inertial | None, float, float]
+FilterSample = tuple[float, float, Inertial | None, float, float]
+"""Time in s, rate in deg/s, axes, still flag and temperature in °C."""
 
 COMMON_COLUMNS = ("bias_dps", "bias_sigma_dps", "rest_probability", "confidence", "yaw_deg", "yaw_sigma_deg")
 ATTITUDE_COLUMNS = Attitude._fields
@@ -56,8 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     options.add_force_option(parser)
     options.add_damage_option(parser)
-    options.add_columns_option(parser)
-    options.add_unit_options(parser)
+    options.add_reading_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -65,11 +66,6 @@ def run(arguments: argparse.Namespace) -> int:
     arguments.quiet |= arguments.out is None and not _is_file(sys.stdout)  # a progress bar would disturb a pager
     with options.progress_of(arguments) as progress:
         progress.report(options.PACKAGES, 0, 0)
-        from gyrodrift.filters.beginning import beginning_of
-        from gyrodrift.filters.run import FilterRun
-        from gyrodrift.io.files import check_kept
-        from gyrodrift.session.calibrated import applied_scale_sigmas
-        from gyrodrift.session.tables.write import written_ending
 
         if arguments.out is not None:
             read_files = [arguments.session, *([arguments.config] if arguments.config else [])]
@@ -77,7 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
             written_ending(arguments.out, "--out")
         config = configs.chosen_config(arguments)
         progress.report(f"{arguments.session.name} read", 0, 0)
-        session = inputs.calibrated_session(arguments, config)
+        session = _calibrated_session(arguments, config)
         chosen = config.chosen
         begun = beginning_of(chosen, session.metadata, session.name)
         run = FilterRun(chosen, config.params, arguments.axes or config.axes, config.mount)
@@ -99,11 +95,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _write(out: Path | None, session: "Session", run: "FilterRun", progress: "OnProgress") -> None:
-    from gyrodrift.io.files import write_whole
-    from gyrodrift.io.progress import counted
-    from gyrodrift.session.tables.write import write_rows, written_ending
-
+def _write(out: Path | None, session: Session, run: FilterRun, progress: OnProgress) -> None:
     samples = list(_samples(session))
     has_axes = any(run.has_axes(sample[2]) for sample in samples)
     columns = THREE_AXIS_COLUMNS if has_axes else run.filter.columns
@@ -126,7 +118,7 @@ def _is_file(stream: TextIO) -> bool:
         return False
 
 
-def csv_lines(names: "Sequence[str]", rows: "Iterator[Row]") -> Iterator[str]:
+def csv_lines(names: Sequence[str], rows: Iterator[Row]) -> Iterator[str]:
     """The header and a line per row; floats have all their digits."""
     yield f"{','.join(names)}\n"
     for row in rows:
@@ -134,8 +126,8 @@ def csv_lines(names: "Sequence[str]", rows: "Iterator[Row]") -> Iterator[str]:
 
 
 def rows_of(
-    name: str, samples: "Iterable[FilterSample]", run: "FilterRun", columns: "Callable[[Any], Sequence[float]]"
-) -> "Iterator[Row]":
+    name: str, samples: Iterable[FilterSample], run: FilterRun, columns: Callable[[Any], Sequence[float]]
+) -> Iterator[Row]:
     """A row per accepted sample.
 
     Raises
@@ -156,15 +148,31 @@ def rows_of(
         )
 
 
-def _columns(run: "FilterRun") -> "Callable[[Any], tuple[float, ...]]":
+def _columns(run: FilterRun) -> Callable[[Any], tuple[float, ...]]:
     """Function from the state to `THREE_AXIS_COLUMNS`; without attitude before the first acceleration."""
     common, attitude = attrgetter(*COMMON_COLUMNS), attrgetter(*ATTITUDE_COLUMNS)
     missing = [nan] * len(ATTITUDE_COLUMNS)
     return lambda state: (*common(state), *(missing if run.three_axes is None else attitude(run.attitude())))
 
 
-def _samples(session: "Session") -> "Iterator[FilterSample]":
+def _samples(session: Session) -> Iterator[FilterSample]:
     """Times in s, rates in deg/s, axes, still flags and temperatures in °C; NaN for a missing column."""
     missing = [nan] * len(session.t_device_s)
     still, temp_c = (missing if column is None else column.tolist() for column in (session.still, session.temp_c))
     return zip(session.t_device_s.tolist(), session.rate_dps.tolist(), session.inertials(), still, temp_c, strict=True)
+
+
+def _calibrated_session(arguments: argparse.Namespace, config: Config) -> Session:
+    """Load and check a session, and apply the calibration of the config, or else its own, to its rates.
+
+    Raises
+    ------
+    DataError
+        If its numbers contradict their column or unit.
+    """
+    path, calibration = arguments.session, config.calibration
+    session = inputs.checked_session(path, arguments)
+    if calibration is not None and not calibration.is_for(device_of(session)):
+        reason = f"the calibration is for {calibration.device_id} and is not applied"
+        inputs.print_warning(f"{path}: is from device {device_of(session)}; {reason}")
+    return with_config(session, calibration)

@@ -8,12 +8,14 @@ import argparse
 import re
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from gyrodrift.cli.configs import loaded_config
+from gyrodrift.cli.written import size_text
+from gyrodrift.firmware.library_folder import check_replaceable, write_library
+from gyrodrift.firmware.my_gyro import TunedGyro
+from gyrodrift.firmware.targets import TARGETS, files_of
+from gyrodrift.io.files import check_writable
 from gyrodrift.values.errors import UsageError, visible
-
-if TYPE_CHECKING:
-    from gyrodrift.firmware.my_gyro import TunedGyro
 
 EXAMPLES = """\
 gyrodrift firmware --out gyrodrift-c
@@ -21,7 +23,6 @@ gyrodrift firmware --out ~/Arduino/libraries/gyrodrift --target arduino
 gyrodrift firmware --out lib/gyrodrift --target platformio --config my.yaml
 """
 
-TARGETS = ("c", "arduino", "platformio", "zephyr", "esphome", "micropython")
 FOLDER_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 """Names of libraries that the Arduino IDE loads (Arduino library specification, rev. 2.2)."""
 
@@ -29,7 +30,7 @@ FOLDER_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder of the library, made if needed")
-    parser.add_argument("--target", choices=TARGETS, default=TARGETS[0], help="tool chain")
+    parser.add_argument("--target", choices=tuple(TARGETS), default=next(iter(TARGETS)), help="tool chain")
     parser.add_argument(
         "--config",
         type=Path,
@@ -43,17 +44,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the library; exit status 0."""
-    from gyrodrift.firmware.library_folder import check_replaceable, write_library
-    from gyrodrift.firmware.targets import TARGETS as LAYOUTS
-    from gyrodrift.firmware.targets import files_of
-    from gyrodrift.io.files import check_writable
-
     out: Path = arguments.out.expanduser()
     if arguments.target == "arduino" and not FOLDER_NAME.fullmatch(out.resolve().name):
         raise UsageError(
             f"--out {out}: Arduino loads libraries from folders named with letters, digits, '_', '.' and '-'"
         )
-    texts = files_of(LAYOUTS[arguments.target], _gyro(arguments.config))
+    texts = files_of(TARGETS[arguments.target], _gyro(arguments.config))
     check_writable(out)
     check_replaceable(out, texts, force=arguments.force)
     write_library(out, texts)
@@ -62,22 +58,17 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _gyro(path: Path | None) -> "TunedGyro | None":
+def _gyro(path: Path | None) -> TunedGyro | None:
     """Parameters and calibration of a config; None without one."""
     if path is None:
         return None
-    from gyrodrift.cli.configs import loaded_config
-    from gyrodrift.firmware.my_gyro import TunedGyro
 
     return TunedGyro.of_config(loaded_config(path), path.name)
 
 
 def _report(arguments: argparse.Namespace, out: Path, texts: dict[str, str]) -> None:
     """Say which files were written, and the next step."""
-    from gyrodrift.cli.written import size_text
-    from gyrodrift.firmware.targets import TARGETS as LAYOUTS
-
-    target = LAYOUTS[arguments.target]
+    target = TARGETS[arguments.target]
     size = size_text(sum(len(text.encode()) for text in texts.values()))
     print(visible(f"wrote {out}: {target.about}, {len(texts)} files, {size}"))
     for path in texts:

@@ -2,6 +2,8 @@
 
 import argparse
 
+from gyrodrift.cli import parser_of, program_parser
+
 EXAMPLES = """\
 gyrodrift help
 gyrodrift help serve
@@ -15,7 +17,5 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the help; returns 0."""
-    from gyrodrift.cli import parser_of, program_parser
-
     (parser_of(arguments.topic) if arguments.topic else program_parser()).print_help()
     return 0

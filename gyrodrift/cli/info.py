@@ -14,24 +14,32 @@ import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from gyrodrift.cli import inputs, options
 from gyrodrift.cli.written import samples_text, tell_written
-from gyrodrift.io.files import check_writable, whole_file, write_whole
+from gyrodrift.config.model import Config, load_config
+from gyrodrift.describe.listing import listing
+from gyrodrift.describe.overview import row_of
+from gyrodrift.describe.possible import impossible_values, possible_part
+from gyrodrift.describe.text import Group, groups_of, lines_of
+from gyrodrift.describe.yaw import YawHistory, yaw_history_of
+from gyrodrift.evaluation.dataset import digest_of
+from gyrodrift.facts.session_facts import SessionFacts
+from gyrodrift.filters.run import FilterRun
+from gyrodrift.io.files import check_inputs_kept, check_writable, whole_file, write_whole
+from gyrodrift.io.installation import need_packages
 from gyrodrift.io.json_numbers import finite
+from gyrodrift.io.progress import Progress
+from gyrodrift.report.provenance import Provenance, UsedFile, date_now, set_name
+from gyrodrift.session.calibrated import with_config
+from gyrodrift.session.checks.examine import examined
+from gyrodrift.session.checks.finding import SessionFinding
+from gyrodrift.session.checks.stated import session_as_stated
+from gyrodrift.session.files import session_paths
+from gyrodrift.session.mcap.raw import RawSize, raw_size
+from gyrodrift.session.session import Session
 from gyrodrift.values.errors import DataError, UsageError, visible
-
-if TYPE_CHECKING:
-    from gyrodrift.config.model import Config
-    from gyrodrift.describe.text import Group
-    from gyrodrift.describe.yaw import YawHistory
-    from gyrodrift.facts.session_facts import SessionFacts
-    from gyrodrift.io.progress import Progress
-    from gyrodrift.report.provenance import Provenance
-    from gyrodrift.session.checks.finding import SessionFinding
-    from gyrodrift.session.mcap.raw import RawSize
-    from gyrodrift.session.session import Session
 
 PICTURES = (".png", ".svg", ".pdf")
 
@@ -63,8 +71,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--config", type=Path, metavar="FILE", help="YAML with the filter that corrects yaw (default: restlevel)"
     )
     options.add_damage_option(parser)
-    options.add_columns_option(parser)
-    options.add_unit_options(parser)
+    options.add_reading_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -79,10 +86,8 @@ def run(arguments: argparse.Namespace) -> int:
     """
     with options.progress_of(arguments) as progress:
         progress.report(options.PACKAGES, 0, 0)
-        from gyrodrift.session.files import session_paths
-
         paths = session_paths(arguments.sessions)
-        inputs.check_damage(paths, allow_damage=arguments.allow_damage)
+        inputs.check_damage(paths, arguments)
         is_table = len(paths) > 1 and not (arguments.verbose or arguments.json)
         drawing = _drawing(arguments, paths, is_table=is_table)
         errors: list[str] = []
@@ -107,28 +112,24 @@ class _Description(NamedTuple):
     """A session with everything that is said of it; `possible` is without values that no sensor gives."""
 
     path: Path
-    session: "Session"
-    possible: "Session"
-    facts: "SessionFacts"
-    groups: "Sequence[Group]"
-    raw: "RawSize | None"
-    findings: "Sequence[SessionFinding]"
+    session: Session
+    possible: Session
+    facts: SessionFacts
+    groups: Sequence[Group]
+    raw: RawSize | None
+    findings: Sequence[SessionFinding]
 
-    def yaw(self, config: "Config") -> "YawHistory | None":
+    def yaw(self, config: Config) -> YawHistory | None:
         """Yaw by the filter of a config."""
-        from gyrodrift.describe.yaw import yaw_history_of
-        from gyrodrift.filters.run import FilterRun
-        from gyrodrift.session.calibrated import with_config
-
         session = with_config(self.possible, config.calibration)
         return yaw_history_of(session, FilterRun(config.chosen, config.params, config.axes, config.mount))
 
 
 def _descriptions(
     arguments: argparse.Namespace,
-    paths: "Sequence[Path]",
+    paths: Sequence[Path],
     drawing: "_Drawing | None",
-    progress: "Progress",
+    progress: Progress,
     errors: list[str],
 ) -> Descriptions:
     """The readable sessions, with yaw if they are drawn or have an encoder; `errors` gets the other ones."""
@@ -152,13 +153,6 @@ def _descriptions(
 
 
 def _described(arguments: argparse.Namespace, path: Path) -> _Description:
-    from gyrodrift.describe.possible import possible_part
-    from gyrodrift.describe.text import groups_of
-    from gyrodrift.facts.session_facts import SessionFacts
-    from gyrodrift.session.checks.examine import examined
-    from gyrodrift.session.checks.stated import session_as_stated
-    from gyrodrift.session.mcap.raw import raw_size
-
     reading = inputs.reading(arguments)
     loaded = session_as_stated(path, reading, allow_damage=arguments.allow_damage)
     checked = examined(loaded, reading)
@@ -170,10 +164,8 @@ def _described(arguments: argparse.Namespace, path: Path) -> _Description:
     return _Description(path, session, possible, facts, groups, raw, checked.findings)
 
 
-def _texts(arguments: argparse.Namespace, descriptions: "Descriptions") -> Iterator[str]:
+def _texts(arguments: argparse.Namespace, descriptions: Descriptions) -> Iterator[str]:
     """The full text of each session, or its JSON line."""
-    from gyrodrift.describe.text import lines_of
-
     for index, (described, _) in enumerate(descriptions):
         if arguments.json:
             yield json.dumps(_json(described), allow_nan=False, ensure_ascii=False)
@@ -182,8 +174,6 @@ def _texts(arguments: argparse.Namespace, descriptions: "Descriptions") -> Itera
 
 
 def _json(described: _Description) -> dict[str, object]:
-    from gyrodrift.describe.possible import impossible_values
-
     session, raw, axes = described.session, described.raw, described.facts.axes
     return {
         "session": str(described.path),
@@ -196,30 +186,25 @@ def _json(described: _Description) -> dict[str, object]:
     }
 
 
-def _table(paths: "Sequence[Path]", descriptions: "Descriptions") -> Iterator[str]:
+def _table(paths: Sequence[Path], descriptions: Descriptions) -> Iterator[str]:
     """A line per session, and a summary."""
-    from gyrodrift.describe.listing import listing
-    from gyrodrift.describe.overview import row_of
-
     names = _names(paths)
     rows = [row_of(names[described.path], described.facts, yaw, described.groups) for described, yaw in descriptions]
     if rows:
         yield from listing(rows)
 
 
-def _names(paths: "Sequence[Path]") -> dict[Path, str]:
+def _names(paths: Sequence[Path]) -> dict[Path, str]:
     """Paths without the folder that all of them share."""
     shared = os.path.commonpath([path.absolute().parent for path in paths])
     return {path: os.path.relpath(path.absolute(), shared).replace("\n", "\\n") for path in paths}
 
 
-def _config(arguments: argparse.Namespace) -> "Config":
-    from gyrodrift.config.model import Config, load_config
-
+def _config(arguments: argparse.Namespace) -> Config:
     return load_config(arguments.config) if arguments.config else Config()
 
 
-def _drawing(arguments: argparse.Namespace, sessions: "Sequence[Path]", *, is_table: bool) -> "_Drawing | None":
+def _drawing(arguments: argparse.Namespace, sessions: Sequence[Path], *, is_table: bool) -> "_Drawing | None":
     """The files to be drawn, None for none; mistakes in the options show before any work."""
     if arguments.picture is None and arguments.out is None:
         if arguments.config is not None and not is_table:
@@ -232,10 +217,7 @@ def _drawing(arguments: argparse.Namespace, sessions: "Sequence[Path]", *, is_ta
     return _Drawing(arguments)
 
 
-def _check_picture(path: Path, sessions: "Sequence[Path]") -> None:
-    from gyrodrift.io.files import check_inputs_kept
-    from gyrodrift.io.installation import need_packages
-
+def _check_picture(path: Path, sessions: Sequence[Path]) -> None:
     if path.suffix not in PICTURES:
         raise UsageError(f"--picture {path}: expected a name that ends in {', '.join(PICTURES)}")
     if len(sessions) > 1:
@@ -256,7 +238,7 @@ class _Drawing:
         self._samples = 0
         self._count = 0
 
-    def add(self, described: _Description, yaw: "YawHistory | None") -> None:
+    def add(self, described: _Description, yaw: YawHistory | None) -> None:
         """Draw the next session."""
         from gyrodrift.describe.drawing import DescribedSession
 
@@ -272,7 +254,7 @@ class _Drawing:
             with whole_file(picture) as file:
                 draw(drawn, file, picture.suffix.removeprefix("."))
 
-    def write(self, paths: "Sequence[Path]") -> None:
+    def write(self, paths: Sequence[Path]) -> None:
         """Write the page, and say which files are there now."""
         written = []
         if self._arguments.picture is not None and self._count:
@@ -286,10 +268,7 @@ class _Drawing:
             tell_written(path, contents, is_quiet=self._arguments.quiet)
 
 
-def _provenance(arguments: argparse.Namespace, config: "Config", paths: "Sequence[Path]") -> "Provenance":
-    from gyrodrift.evaluation.dataset import digest_of
-    from gyrodrift.report.provenance import Provenance, UsedFile, date_now, set_name
-
+def _provenance(arguments: argparse.Namespace, config: Config, paths: Sequence[Path]) -> Provenance:
     given = arguments.config
     return Provenance(
         set_name=set_name(arguments.sessions),

@@ -8,13 +8,13 @@ import argparse
 import os
 import subprocess
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from gyrodrift.cli.options import AUTO_PORT
+from gyrodrift.config.model import load_config
+from gyrodrift.config.outputs import output_of
+from gyrodrift.io.files import write_whole
+from gyrodrift.outputs.options import OutputSpec, secrets
 from gyrodrift.values.errors import UsageError
-
-if TYPE_CHECKING:
-    from gyrodrift.outputs.options import OutputSpec
 
 EXAMPLES = """\
 gyrodrift install-service --port /dev/ttyUSB0 --dry-run
@@ -40,7 +40,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the files and start the service; exit status 0."""
-    from gyrodrift.config.outputs import output_of
     from gyrodrift.service.install import COMMANDS, files, usb_identity
 
     if arguments.port == AUTO_PORT:
@@ -48,8 +47,6 @@ def run(arguments: argparse.Namespace) -> int:
     for output in arguments.output:
         _check_is_public(output_of(output))
     if arguments.config is not None:
-        from gyrodrift.config.model import load_config
-
         load_config(arguments.config)
     written = files(arguments.port, arguments.config, arguments.output, usb_identity(arguments.port))
     if arguments.dry_run:
@@ -60,7 +57,6 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     if os.geteuid() != 0:
         raise UsageError("install-service writes to /etc: run it as root, or use --dry-run")
-    from gyrodrift.io.files import write_whole
 
     for path, text in written.items():
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -72,10 +68,8 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _check_is_public(spec: "OutputSpec") -> None:
+def _check_is_public(spec: OutputSpec) -> None:
     """Refuse a secret in the unit, which every user of the machine can read."""
-    from gyrodrift.outputs.options import secrets
-
     for name in sorted(secrets(type(spec.options))):
         if getattr(spec.options, name):
             raise UsageError(f"--output {spec}: every user may read the unit: give {name} in a file, as {name}_file")

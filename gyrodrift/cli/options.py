@@ -1,22 +1,21 @@
 """Options that several commands share, and checks of their values."""
 
 import argparse
-import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any, TypeVar
 
 from gyrodrift.cli import numbers
 from gyrodrift.cli.parser import unknown
+from gyrodrift.columns.spec import ACCELERATION, ACCELERATION_MPS2, RATE, RATE_DPS, Quantity, scale_of
 from gyrodrift.filters.registry import DEFAULT, FILTERS
 from gyrodrift.filters.run import AXES
+from gyrodrift.io.progress import Progress
 from gyrodrift.io.system import processor_count
-from gyrodrift.values.errors import UsageError
 
-if TYPE_CHECKING:
-    from firmware_sim.effects.effect import Effect
-    from gyrodrift.io.progress import Progress
+Record = TypeVar("Record")
 
 AUTO_PORT = "auto"
 PACKAGES = "packages"
@@ -90,8 +89,8 @@ def bytes_to_send(text: str) -> bytes:
         raise argparse.ArgumentTypeError(str(error)) from error
 
 
-def add_columns_option(parser: argparse.ArgumentParser) -> None:
-    """Option of commands that read tables."""
+def add_reading_options(parser: argparse.ArgumentParser) -> None:
+    """Options of commands that read tables and other sessions."""
     parser.add_argument(
         "--columns",
         metavar="SPEC",
@@ -99,6 +98,7 @@ def add_columns_option(parser: argparse.ArgumentParser) -> None:
         "t_ns, rate[:dps|:mdps|:rads|:mrads|:lsb/N][:-], yaw[:deg|:rad][:-], encoder, temp, seq, such as "
         "'t_ms, _, _, rate:rads'; by label, LABEL=rate:rads (default: from the header)",
     )
+    add_unit_options(parser)
 
 
 def add_unit_options(parser: argparse.ArgumentParser) -> None:
@@ -135,19 +135,17 @@ def add_unit_options(parser: argparse.ArgumentParser) -> None:
 
 def accel_unit(text: str) -> str:
     """Check an argument of `--accel-unit`."""
-    from gyrodrift.columns.spec import ACCELERATION, ACCELERATION_MPS2, scale_of
-
-    if scale_of(ACCELERATION, text) is None:
-        raise argparse.ArgumentTypeError(f"expected {', '.join(ACCELERATION_MPS2)} or lsb/N, N counts for 1 g")
-    return text
+    return _unit(ACCELERATION, text, f"{', '.join(ACCELERATION_MPS2)} or lsb/N, N counts for 1 g")
 
 
 def rate_unit(text: str) -> str:
     """Check an argument of `--rate-unit`."""
-    from gyrodrift.columns.spec import RATE, RATE_DPS, scale_of
+    return _unit(RATE, text, f"{', '.join(RATE_DPS)} or lsb/N, N counts for one deg/s")
 
-    if scale_of(RATE, text) is None:
-        raise argparse.ArgumentTypeError(f"expected {', '.join(RATE_DPS)} or lsb/N, N counts for one deg/s")
+
+def _unit(quantity: Quantity, text: str, expected: str) -> str:
+    if scale_of(quantity, text) is None:
+        raise argparse.ArgumentTypeError(f"expected {expected}")
     return text
 
 
@@ -176,6 +174,7 @@ def add_still_option(parser: argparse.ArgumentParser) -> None:
     """Declare --still."""
     parser.add_argument(
         "--still",
+        dest="stills",
         type=Path,
         action="append",
         default=[],
@@ -234,40 +233,6 @@ def add_damage_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def withheld(text: str) -> str:
-    """Check an argument of `--withhold`, the name of an effect.
-
-    Raises
-    ------
-    UsageError
-        If there is no such effect.
-    """
-    hold_product_threads()
-    from firmware_sim.effects.catalogue import CATALOGUE
-
-    if text not in CATALOGUE:
-        raise unknown("effect", f"--withhold {text}", CATALOGUE)
-    return text
-
-
-def effect(text: str) -> "Effect":
-    """Effect of an argument of `--effect`; without parameters it has its typical size.
-
-    Raises
-    ------
-    UsageError
-        If the effect or a parameter does not exist, or a value is out of range.
-    """
-    hold_product_threads()
-    from firmware_sim.rig import parse_effect
-    from firmware_sim.yaml_file import FileError
-
-    try:
-        return parse_effect(text)
-    except FileError as error:
-        raise UsageError(str(error)) from error
-
-
 def profile(text: str) -> str:
     """Check an argument of `--profile`, the name of a shipped motion or a file.
 
@@ -276,7 +241,6 @@ def profile(text: str) -> str:
     UsageError
         If it looks like a name and there is no such profile.
     """
-    hold_product_threads()
     from firmware_sim.motion.profile import shipped_profiles
 
     is_path = Path(text).suffix or Path(text).name != text or Path(text).is_file()
@@ -285,10 +249,8 @@ def profile(text: str) -> str:
     return text
 
 
-def progress_of(arguments: argparse.Namespace, shares: "Mapping[str, float] | None" = None) -> "Progress":
+def progress_of(arguments: argparse.Namespace, shares: Mapping[str, float] | None = None) -> Progress:
     """Progress on stderr, shown on a terminal."""
-    from gyrodrift.io.progress import Progress
-
     return Progress(sys.stderr, shares, is_quiet=arguments.quiet)
 
 
@@ -301,11 +263,6 @@ def add_filter_options(parser: argparse.ArgumentParser, config_help: str) -> Non
         choices=tuple(FILTERS),
         help=f"run this filter at its defaults, without a file (default: {DEFAULT.name})",
     )
-    add_axes_option(parser)
-
-
-def add_axes_option(parser: argparse.ArgumentParser) -> None:
-    """Option `--axes` of commands that run a filter."""
     parser.add_argument(
         "--axes",
         choices=AXES,
@@ -314,9 +271,10 @@ def add_axes_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def hold_product_threads() -> None:
-    """Limit numpy to one thread, before its import: the matrices are small and threads slow their products down."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+def record_of(record: Callable[..., Record], arguments: argparse.Namespace, **changes: Any) -> Record:
+    """Record of the options that have the names of its fields, and of changes to them."""
+    given = vars(arguments)
+    return record(**{name: given[name] for name in signature(record).parameters if name in given} | changes)
 
 
 def processes(jobs: int | None) -> int:

@@ -10,13 +10,10 @@ import argparse
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from gyrodrift.cli.written import samples_text, size_text
+from gyrodrift.session.mcap.repair import Repaired, repair
 from gyrodrift.values.errors import DataError, visible
-
-if TYPE_CHECKING:
-    from gyrodrift.session.mcap.repair import Repaired
 
 EXAMPLES = """\
 gyrodrift repair sessions
@@ -31,8 +28,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Repair; 0 if every file is whole at the end."""
-    from gyrodrift.session.mcap.repair import repair
-
     status = 0
     for path in _files(arguments.paths):
         try:
@@ -48,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     return status
 
 
-def _repaired_words(repaired: "Repaired") -> str:
+def _repaired_words(repaired: Repaired) -> str:
     size = f"{samples_text(repaired.samples)}, {size_text(repaired.path.stat().st_size)}"
     if repaired.damage is not None:
         return f"repaired, {size}; {repaired.damage}; the damaged file is {repaired.kept}"

@@ -11,14 +11,15 @@ speeds samples are lost while nobody reads, as from a real device.
 import argparse
 import sys
 from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from firmware_sim.wire.encoder import Frame
+from firmware_sim.wire.registry import ENCODERS
 from gyrodrift.cli import INTERRUPTED, inputs, numbers, options
+from gyrodrift.session.mcap.raw import read_raw
+from gyrodrift.simulation.replay import PlayedSession, base_of, raw_frames
 from gyrodrift.values.errors import LinkError, UsageError
-
-if TYPE_CHECKING:
-    from firmware_sim.wire.encoder import Frame
 
 EXAMPLES = """\
 gyrodrift replay session.mcap --link /tmp/gyro
@@ -29,8 +30,6 @@ gyrodrift replay session.mcap --link /tmp/gyro --loop
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    from firmware_sim.wire.registry import ENCODERS
-
     parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.mcap or .csv)")
     parser.add_argument("--link", type=Path, required=True, metavar="PATH", help="path of the link to the pty")
     parser.add_argument("--protocol", default="csv", choices=sorted(ENCODERS), help="protocol of the device")
@@ -73,26 +72,18 @@ def run(arguments: argparse.Namespace) -> int:
     return INTERRUPTED if was_stopped else 0
 
 
-def _raw(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
+def _raw(arguments: argparse.Namespace) -> tuple[Iterator[Frame], bytes]:
     """The original bytes; mistakes in the file show before a reader is waited for."""
-    from itertools import chain
-
-    from gyrodrift.session.mcap.raw import read_raw
-    from gyrodrift.simulation.replay import raw_frames
-
     if arguments.loop:
         raise UsageError("--raw --loop: raw bytes can be played only once, because their clock cannot go on")
-    inputs.check_damage([arguments.session], allow_damage=arguments.allow_damage)
+    inputs.check_damage([arguments.session], arguments)
     reads = read_raw(arguments.session, allow_damage=arguments.allow_damage)
     first = next(reads, None)
     return raw_frames(reads if first is None else chain([first], reads)), b""
 
 
-def _encoded(arguments: argparse.Namespace) -> "tuple[Iterator[Frame], bytes]":
+def _encoded(arguments: argparse.Namespace) -> tuple[Iterator[Frame], bytes]:
     """Frames of the session in the chosen protocol, and the frame that greets a reader."""
-    from firmware_sim.wire.registry import ENCODERS
-    from gyrodrift.simulation.replay import PlayedSession, base_of
-
     session = inputs.read_session(arguments.session, allow_damage=arguments.allow_damage)
     if session.device_yaw_deg is not None and not arguments.quiet:
         note = "left out: the device's own yaw; --raw plays it, if it was recorded with --raw"

@@ -9,12 +9,10 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
-from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gyrodrift.cli import configs, numbers, options
-from gyrodrift.cli.serving import ServiceParts, check_system, log_of, service_of
+from gyrodrift.cli import numbers, options
 
 if TYPE_CHECKING:
     from gyrodrift.config.watch import ConfigWatch
@@ -99,28 +97,9 @@ def run(arguments: argparse.Namespace) -> int:
     baud = numbers.baud(arguments.baud)
     specs = _outputs(arguments.output)
     watch = _watch(arguments.config)
-    check_system(arguments, has_outputs=bool(specs or (watch is not None and watch.config.outputs)))
+    from gyrodrift.cli.serving import serve
 
-    from gyrodrift.link.events import LinkEvents
-    from gyrodrift.link.link import Link
-    from gyrodrift.service.live_line import ServiceLine
-    from gyrodrift.service.notify import SystemdNotify
-    from gyrodrift.service.signals import StopSignal
-    from gyrodrift.service.stdout import STDOUT, JsonLines
-
-    has_person = _has_person(arguments)
-    log = log_of(arguments, has_person=has_person)
-    events = LinkEvents(log)
-    from_config = (watch.config.columns, watch.config.send) if watch else ()
-    target, port = configs.link_target(arguments, baud, events, *from_config)
-    with StopSignal() as stop, ExitStack() as closing:
-        link = Link(target, events, port=port)
-        stdout = None if has_person else JsonLines(STDOUT, arguments.rate)
-        sinks = (stdout or ServiceLine(link, STDOUT), stdout)
-        service = service_of(arguments, ServiceParts(link, events, log, watch, sinks, stop, closing), specs)
-        service.notify, service.is_watched = SystemdNotify(), has_person
-        closing.callback(service.notify.stopping)
-        service.run()
+    serve(arguments, baud, watch, specs, has_person=_has_person(arguments))
     return 0
 
 

@@ -4,18 +4,22 @@ import argparse
 from contextlib import ExitStack
 from copy import copy
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from gyrodrift.cli import serving
 from gyrodrift.cli.options import AUTO_PORT
+from gyrodrift.config.sources import SourceSettings, load_sources
+from gyrodrift.config.watch import ConfigWatch
+from gyrodrift.io.logger import FilteringBoundLogger
+from gyrodrift.link.events import LinkEvents
+from gyrodrift.link.link import Link
+from gyrodrift.link.options import LinkOptions
+from gyrodrift.service.loop import Service
+from gyrodrift.service.notify import SystemdNotify
+from gyrodrift.service.several import SeveralServices
+from gyrodrift.service.signals import StopSignal
+from gyrodrift.service.source_lines import SharedLines, SourceLines
+from gyrodrift.service.stdout import STDOUT
 from gyrodrift.values.errors import UsageError
-
-if TYPE_CHECKING:
-    from gyrodrift.config.sources import SourceSettings
-    from gyrodrift.io.logger import FilteringBoundLogger
-    from gyrodrift.service.loop import Service
-    from gyrodrift.service.signals import StopSignal
-    from gyrodrift.service.source_lines import SharedLines
 
 PER_SOURCE = ("baud", "protocol", "columns", "send", "filter", "axes")
 """Options that stand in the block of a source instead."""
@@ -25,13 +29,6 @@ def run(arguments: argparse.Namespace) -> int:
     """Run until a signal comes or all sources are over; 3 if a source has failed."""
     settings = _settings(arguments)
     serving.check_system(arguments, has_outputs=False)
-
-    from gyrodrift.service.notify import SystemdNotify
-    from gyrodrift.service.several import SeveralServices
-    from gyrodrift.service.signals import StopSignal
-    from gyrodrift.service.source_lines import SharedLines
-    from gyrodrift.service.stdout import STDOUT
-
     log, lines = serving.log_of(arguments, has_person=False), SharedLines(STDOUT)
     with StopSignal() as stop, ExitStack() as closing:
         closing.callback(lines.close)
@@ -41,13 +38,9 @@ def run(arguments: argparse.Namespace) -> int:
         return SeveralServices(services, log, stop, notify).run()
 
 
-def _settings(arguments: argparse.Namespace) -> "tuple[SourceSettings, ...]":
+def _settings(arguments: argparse.Namespace) -> tuple[SourceSettings, ...]:
     """Sources of the config; without any, --port is missing."""
-    settings: tuple[SourceSettings, ...] = ()
-    if arguments.config is not None:
-        from gyrodrift.config.sources import load_sources
-
-        settings = load_sources(arguments.config)
+    settings = () if arguments.config is None else load_sources(arguments.config)
     if not settings:
         raise UsageError("serve: the following arguments are required: --port, or --config with sources:")
     given = [f"--{name}" for name in PER_SOURCE if getattr(arguments, name) not in (None, "auto")]
@@ -61,18 +54,12 @@ def _settings(arguments: argparse.Namespace) -> "tuple[SourceSettings, ...]":
 
 def _service(
     arguments: argparse.Namespace,
-    source: "SourceSettings",
-    lines: "SharedLines",
-    log: "FilteringBoundLogger",
-    stop: "StopSignal",
+    source: SourceSettings,
+    lines: SharedLines,
+    log: FilteringBoundLogger,
+    stop: StopSignal,
     closing: ExitStack,
-) -> "Service":
-    from gyrodrift.config.watch import ConfigWatch
-    from gyrodrift.link.events import LinkEvents
-    from gyrodrift.link.link import Link
-    from gyrodrift.link.options import LinkOptions
-    from gyrodrift.service.source_lines import SourceLines
-
+) -> Service:
     own = _arguments_of(arguments, source)
     watch = ConfigWatch(arguments.config, source=source.name)
     own_log = log.bind(source=source.name)
@@ -96,7 +83,7 @@ def _service(
     return serving.service_of(own, parts, [])
 
 
-def _arguments_of(arguments: argparse.Namespace, source: "SourceSettings") -> argparse.Namespace:
+def _arguments_of(arguments: argparse.Namespace, source: SourceSettings) -> argparse.Namespace:
     """Options for one source: its own folder of recordings, memory file and control socket."""
     own = copy(arguments)
     own.port, own.protocol = source.port, source.protocol

@@ -10,27 +10,32 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TextIO, cast
 
 from gyrodrift.cli import configs, numbers, options
+from gyrodrift.filters.filter import Filter, FilterState
+from gyrodrift.filters.registry import DEFAULT, FILTERS
+from gyrodrift.io.log import open_log, unwaiting_stderr
+from gyrodrift.io.logger import FilteringBoundLogger
+from gyrodrift.io.terminal import AboveLine
+from gyrodrift.link.events import LinkEvents
+from gyrodrift.link.link import Link
+from gyrodrift.service.config_follower import ConfigFollower
+from gyrodrift.service.listener import SampleListener, Sink
+from gyrodrift.service.live_line import ServiceLine
+from gyrodrift.service.loop import RestWord, Service
+from gyrodrift.service.notify import SystemdNotify
+from gyrodrift.service.pipeline import Pipeline
+from gyrodrift.service.recording_switch import RecordingSwitch
+from gyrodrift.service.signals import StopSignal
+from gyrodrift.service.source_lines import SourceLines
+from gyrodrift.service.stdout import STDOUT, JsonLines
 from gyrodrift.values.errors import UsageError
 
 if TYPE_CHECKING:
     from gyrodrift.config.watch import ConfigWatch
-    from gyrodrift.filters.filter import Filter, FilterState
-    from gyrodrift.io.logger import FilteringBoundLogger
-    from gyrodrift.link.events import LinkEvents
-    from gyrodrift.link.link import Link
     from gyrodrift.outputs.options import OutputSpec
     from gyrodrift.recording.resilient import ResilientRecorder
-    from gyrodrift.service.config_follower import ConfigFollower
     from gyrodrift.service.control import Control
-    from gyrodrift.service.listener import SampleListener, Sink
-    from gyrodrift.service.loop import RestWord, Service
     from gyrodrift.service.memory_keeper import MemoryKeeper
-    from gyrodrift.service.pipeline import Pipeline
-    from gyrodrift.service.recording_switch import RecordingSwitch
     from gyrodrift.service.reporting import Reporting
-    from gyrodrift.service.signals import StopSignal
-    from gyrodrift.service.source_lines import SourceLines
-    from gyrodrift.service.stdout import JsonLines
 
 DEFAULT_FOLDER = Path("sessions")
 """Folder of `ctl record start` without --record, in the working directory of the service."""
@@ -46,23 +51,42 @@ class ServiceParts:
         Name of the source; empty if there is one gyro.
     """
 
-    link: "Link"
-    events: "LinkEvents"
-    log: "FilteringBoundLogger"
+    link: Link
+    events: LinkEvents
+    log: FilteringBoundLogger
     watch: "ConfigWatch | None"
-    sinks: "tuple[Sink, JsonLines | SourceLines | None]"
-    stop: "StopSignal"
+    sinks: tuple[Sink, JsonLines | SourceLines | None]
+    stop: StopSignal
     closing: ExitStack
     source: str = ""
 
 
-def service_of(arguments: argparse.Namespace, parts: ServiceParts, specs: "list[OutputSpec]") -> "Service":
-    """The service of a gyro: recording, filter, memory, outputs and control, as the options and its config say."""
-    from gyrodrift.filters.registry import DEFAULT, FILTERS
-    from gyrodrift.service.config_follower import ConfigFollower
-    from gyrodrift.service.loop import RestWord, Service
-    from gyrodrift.service.pipeline import Pipeline
+def serve(
+    arguments: argparse.Namespace,
+    baud: int | None,
+    watch: "ConfigWatch | None",
+    specs: "list[OutputSpec]",
+    *,
+    has_person: bool,
+) -> None:
+    """Serve the one gyro of `--port` until a signal comes."""
+    check_system(arguments, has_outputs=bool(specs or (watch is not None and watch.config.outputs)))
+    log = log_of(arguments, has_person=has_person)
+    events = LinkEvents(log)
+    from_config = (watch.config.columns, watch.config.send) if watch else ()
+    target, port = configs.link_target(arguments, baud, events, *from_config)
+    with StopSignal() as stop, ExitStack() as closing:
+        link = Link(target, events, port=port)
+        stdout = None if has_person else JsonLines(STDOUT, arguments.rate)
+        sinks = (stdout or ServiceLine(link, STDOUT), stdout)
+        service = service_of(arguments, ServiceParts(link, events, log, watch, sinks, stop, closing), specs)
+        service.notify, service.is_watched = SystemdNotify(), has_person
+        closing.callback(service.notify.stopping)
+        service.run()
 
+
+def service_of(arguments: argparse.Namespace, parts: ServiceParts, specs: "list[OutputSpec]") -> Service:
+    """The service of a gyro: recording, filter, memory, outputs and control, as the options and its config say."""
     link, events, log, watch = parts.link, parts.events, parts.log, parts.watch
     sink, stdout = parts.sinks
     chosen = FILTERS[arguments.filter or DEFAULT.name]
@@ -93,18 +117,15 @@ def check_system(arguments: argparse.Namespace, *, has_outputs: bool) -> None:
         raise UsageError("--control needs Linux or macOS: this system has no unix sockets")
 
 
-def log_of(arguments: argparse.Namespace, *, has_person: bool) -> "FilteringBoundLogger":
+def log_of(arguments: argparse.Namespace, *, has_person: bool) -> FilteringBoundLogger:
     """Logger on stderr; its lines stand above the line on stdout if both are the terminal."""
-    from gyrodrift.io.log import open_log, unwaiting_stderr
-    from gyrodrift.io.terminal import AboveLine
-
     above = None
     if has_person and sys.stderr.isatty():
         above = AboveLine(cast("TextIO", unwaiting_stderr(arguments.log_format)))
     return open_log(options.log_level(arguments), arguments.log_format, above)
 
 
-def _follow_config(arguments: argparse.Namespace, follower: "ConfigFollower") -> None:
+def _follow_config(arguments: argparse.Namespace, follower: ConfigFollower) -> None:
     """Let a new config change the link, unless an option fixes it."""
     link = follower.pipeline.link
     if configs.reads_columns_of_config(arguments):
@@ -115,11 +136,11 @@ def _follow_config(arguments: argparse.Namespace, follower: "ConfigFollower") ->
 
 def _control(
     path: Path,
-    listeners: "list[SampleListener]",
+    listeners: list[SampleListener],
     reporting: "Reporting",
-    stdout: "JsonLines | SourceLines | None",
-    stop: "StopSignal",
-    word: "RestWord",
+    stdout: JsonLines | SourceLines | None,
+    stop: StopSignal,
+    word: RestWord,
 ) -> "Control":
     """The socket of `--control`; the live page reaches it with a token."""
     from gyrodrift.outputs.output import ControlAccess
@@ -139,9 +160,9 @@ def _control(
 def _reporting(
     arguments: argparse.Namespace,
     specs: "list[OutputSpec]",
-    follower: "ConfigFollower",
-    listeners: "list[SampleListener]",
-    events: "LinkEvents",
+    follower: ConfigFollower,
+    listeners: list[SampleListener],
+    events: LinkEvents,
     source: str,
 ) -> "Reporting":
     """State of the service and the feed of the outputs; both hear samples and events."""
@@ -162,11 +183,9 @@ def _reporting(
 
 
 def _recording(
-    arguments: argparse.Namespace, follower: "ConfigFollower", events: "LinkEvents", log: "FilteringBoundLogger"
-) -> "RecordingSwitch":
+    arguments: argparse.Namespace, follower: ConfigFollower, events: LinkEvents, log: FilteringBoundLogger
+) -> RecordingSwitch:
     """The recorder of `--record`, on from the start; without that option `ctl record start` begins one."""
-    from gyrodrift.service.recording_switch import RecordingSwitch
-
     rotate_bytes, rotate_s = numbers.rotation(arguments.rotate)
     pipeline, watch = follower.pipeline, follower.watch
     folder = DEFAULT_FOLDER if arguments.record is None else arguments.record
@@ -195,7 +214,7 @@ def _recording(
     return recording
 
 
-def _memory(path: Path | None, pipeline: "Pipeline", listeners: "list[SampleListener]") -> "MemoryKeeper | None":
+def _memory(path: Path | None, pipeline: Pipeline, listeners: list[SampleListener]) -> "MemoryKeeper | None":
     """The keeper of `--memory`. It acts before the first sample reaches filter and recording."""
     if path is None:
         return None
@@ -209,7 +228,7 @@ def _memory(path: Path | None, pipeline: "Pipeline", listeners: "list[SampleList
     return keeper
 
 
-def _recorded_beginning(path: Path, kind: "Filter") -> "FilterState":
+def _recorded_beginning(path: Path, kind: Filter) -> FilterState:
     """Initial state of this filter in a recording."""
     from gyrodrift.filters.beginning import beginning_of
     from gyrodrift.session.files import load_session

@@ -12,18 +12,23 @@ import argparse
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from firmware_sim.effects.effect import Effect
+from firmware_sim.measure import Motion
+from firmware_sim.motion.profile import load_motion
+from firmware_sim.rig import Rig, load_rig, parse_effect, with_axes, with_effects, with_own_yaw
+from firmware_sim.yaml_file import FileError
 from gyrodrift.cli import numbers, options
 from gyrodrift.cli.written import samples_text, written_words
+from gyrodrift.io.files import check_inputs_kept, check_kept
+from gyrodrift.io.progress import OnProgress
+from gyrodrift.simulation.hard_cases import SESSIONS, hard_case_count, hard_case_paths, write_hard_cases
+from gyrodrift.simulation.published_set import read_rows, twin_paths, write_twins
+from gyrodrift.simulation.sessions import RIG, rig_yaml, sample_count, simulated_paths, write_sessions
+from gyrodrift.simulation.truth import truth_path
 from gyrodrift.values.errors import UsageError, visible
 
-if TYPE_CHECKING:
-    from firmware_sim.measure import Motion
-    from firmware_sim.rig import Rig
-    from gyrodrift.io.progress import OnProgress
-
-SESSIONS = "sessions"
+STAGE = "sessions"
 
 EXAMPLES = """\
 gyrodrift simulate --out sessions --sessions 6 --minutes 8 --seed 1
@@ -51,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=numbers.seed, default=0, metavar="S", help="seed of all randomness (default 0)")
     parser.add_argument(
         "--effect",
-        type=options.effect,
+        type=_effect,
         action="append",
         default=[],
         metavar="NAME[:param=value,...]",
@@ -86,7 +91,6 @@ def run(arguments: argparse.Namespace) -> int:
         )
     if arguments.twin is not None and arguments.axes == "3":
         raise UsageError("--twin imitates sessions of one axis: leave out --axes 3")
-    options.hold_product_threads()
     with options.progress_of(arguments) as progress:
         progress.report(options.PACKAGES, 0, 0)
         rig, profile = _rig_and_profile(arguments)
@@ -105,11 +109,7 @@ def _axes(arguments: argparse.Namespace) -> int | None:
     return None if arguments.axes is None else int(arguments.axes)
 
 
-def _rig_and_profile(arguments: argparse.Namespace) -> "tuple[Rig, Motion]":
-    from firmware_sim.motion.profile import load_motion
-    from firmware_sim.rig import load_rig, with_axes, with_effects, with_own_yaw
-    from firmware_sim.yaml_file import FileError
-
+def _rig_and_profile(arguments: argparse.Namespace) -> tuple[Rig, Motion]:
     try:
         rig = with_effects(with_axes(load_rig(arguments.rig), _axes(arguments)), arguments.effect)
         return with_own_yaw(rig, arguments.own_yaw), load_motion(arguments.profile or "turntable")
@@ -117,12 +117,8 @@ def _rig_and_profile(arguments: argparse.Namespace) -> "tuple[Rig, Motion]":
         raise UsageError(str(error)) from error
 
 
-def _check_kept(arguments: argparse.Namespace, rig: "Rig") -> None:
+def _check_kept(arguments: argparse.Namespace, rig: Rig) -> None:
     """Protect the files that are read, and the sessions and the rig of another simulation."""
-    from gyrodrift.io.files import check_inputs_kept, check_kept
-    from gyrodrift.simulation.sessions import RIG, rig_yaml
-    from gyrodrift.simulation.truth import truth_path
-
     paths = _paths(arguments)
     is_set = arguments.hard_cases or arguments.twin is not None
     rigs = [path.with_suffix(".rig.yaml") for path in paths] if is_set else [arguments.out / RIG]
@@ -138,10 +134,6 @@ def _check_kept(arguments: argparse.Namespace, rig: "Rig") -> None:
 
 def _paths(arguments: argparse.Namespace) -> list[Path]:
     """Files that will be written, without the rigs."""
-    from gyrodrift.simulation.hard_cases import SESSIONS, hard_case_paths
-    from gyrodrift.simulation.published_set import read_rows, twin_paths
-    from gyrodrift.simulation.sessions import simulated_paths
-
     if arguments.twin is not None:
         return twin_paths(read_rows(arguments.twin), arguments.out, arguments.format)
     if arguments.hard_cases:
@@ -149,13 +141,12 @@ def _paths(arguments: argparse.Namespace) -> list[Path]:
     return simulated_paths(arguments.out, arguments.sessions or 1, arguments.format)
 
 
-def _written(arguments: argparse.Namespace, rig: "Rig", profile: "Motion", progress: "OnProgress") -> Iterator[str]:
+def _written(arguments: argparse.Namespace, rig: Rig, profile: Motion, progress: OnProgress) -> Iterator[str]:
     """A line per session, as soon as it is written."""
     if arguments.twin is not None:
         return _twins(arguments, rig, progress)
     if arguments.hard_cases:
         return _hard_cases(arguments, progress)
-    from gyrodrift.simulation.sessions import sample_count, write_sessions
 
     numbers = (arguments.seed, arguments.sessions or 1, arguments.minutes)
     contents = samples_text(sample_count(rig, arguments.minutes))
@@ -163,30 +154,37 @@ def _written(arguments: argparse.Namespace, rig: "Rig", profile: "Motion", progr
     return (written_words(path, contents) for path in paths)
 
 
-def _twins(arguments: argparse.Namespace, rig: "Rig", progress: "OnProgress") -> Iterator[str]:
-    from gyrodrift.simulation.published_set import read_rows, write_twins
-    from gyrodrift.simulation.sessions import sample_count
-
+def _twins(arguments: argparse.Namespace, rig: Rig, progress: OnProgress) -> Iterator[str]:
     rows = read_rows(arguments.twin)
-    progress(SESSIONS, 0, len(rows))
+    progress(STAGE, 0, len(rows))
     for done, twin in enumerate(write_twins(rows, rig, arguments.out, arguments.seed, arguments.format), 1):
-        progress(SESSIONS, done, len(rows))
+        progress(STAGE, done, len(rows))
         error = f"E {twin.e_euler_deg:.4f} deg, published {twin.row.e_euler_deg:.4f} deg"
         yield f"{written_words(twin.path, samples_text(sample_count(rig, twin.row.minutes)))}; {error}"
 
 
-def _hard_cases(arguments: argparse.Namespace, progress: "OnProgress") -> Iterator[str]:
-    from firmware_sim.rig import Rig
-    from gyrodrift.simulation import hard_cases
-    from gyrodrift.simulation.sessions import sample_count
-
-    sessions = arguments.sessions or hard_cases.SESSIONS
+def _hard_cases(arguments: argparse.Namespace, progress: OnProgress) -> Iterator[str]:
+    sessions = arguments.sessions or SESSIONS
     axes = _axes(arguments) or 1
-    total = hard_cases.hard_case_count(sessions, axes)
+    total = hard_case_count(sessions, axes)
     contents = samples_text(sample_count(Rig(), arguments.minutes))
-    progress(SESSIONS, 0, total)
+    progress(STAGE, 0, total)
     numbers = (arguments.seed, sessions, arguments.minutes)
-    written = hard_cases.write_hard_cases(arguments.out, *numbers, arguments.format, axes)
+    written = write_hard_cases(arguments.out, *numbers, arguments.format, axes)
     for done, path in enumerate(written, 1):
-        progress(SESSIONS, done, total)
+        progress(STAGE, done, total)
         yield written_words(path, contents)
+
+
+def _effect(text: str) -> Effect:
+    """Effect of an argument of `--effect`; without parameters it has its typical size.
+
+    Raises
+    ------
+    UsageError
+        If the effect or a parameter does not exist, or a value is out of range.
+    """
+    try:
+        return parse_effect(text)
+    except FileError as error:
+        raise UsageError(str(error)) from error

@@ -8,7 +8,6 @@ as gyrodrift simulate.
 import argparse
 import sys
 
-from gyrodrift.cli import options
 from gyrodrift.values.errors import LinkError, UsageError
 
 EXAMPLES = """\
@@ -20,7 +19,6 @@ gyrodrift simulated-device --link /tmp/gyro --effect warmup --fault unplug
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    options.hold_product_threads()
     from firmware_sim import command
 
     command.add_arguments(parser)

@@ -11,18 +11,21 @@ the same command with --resume continues.
 import argparse
 import shlex
 import signal
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import INTERRUPTED, inputs, numbers, options
+from gyrodrift.config.calibration import CALIBRATION, block_in, with_block
+from gyrodrift.config.model import load_config
 from gyrodrift.filters.registry import FILTERS
-from gyrodrift.io.files import UnreadableError, check_inputs_kept, check_writable, read_ordinary, write_whole
+from gyrodrift.firmware.my_gyro import TunedGyro, my_gyro_h
+from gyrodrift.io.files import UnreadableError, check_writable, read_ordinary, write_whole
+from gyrodrift.io.installation import need_packages
+from gyrodrift.report.files import write_json
+from gyrodrift.report.provenance import Provenance, date_now, set_name
 from gyrodrift.values.errors import UsageError, visible
 
 if TYPE_CHECKING:
-    from gyrodrift.evaluation.dataset import Source
-    from gyrodrift.io.progress import Progress
     from gyrodrift.tune.result import Tuning
 
 MARK = b"Written by gyrodrift "
@@ -61,9 +64,6 @@ def check_header(path: Path) -> None:
 
 def write_header(path: Path, config: Path) -> None:
     """Write parameters and calibration of a config."""
-    from gyrodrift.config.model import load_config
-    from gyrodrift.firmware.my_gyro import TunedGyro, my_gyro_h
-
     write_whole(path, [my_gyro_h(TunedGyro.of_config(load_config(config), config.name), path.name)])
 
 
@@ -92,6 +92,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--test",
+        dest="tests",
         type=Path,
         action="append",
         default=[],
@@ -118,14 +119,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--range",
+        dest="ranges",
         action="append",
         default=[],
         metavar="NAME=LOW:HIGH",
         help="search range of a parameter (repeatable; default: a wide range)",
     )
     options.add_jobs_option(parser)
-    options.add_columns_option(parser)
-    options.add_unit_options(parser)
+    options.add_reading_options(parser)
     options.add_cluster_option(parser, "evaluate")
     options.add_damage_option(parser)
     parser.add_argument("--resume", action="store_true", help="continue an interrupted run with this --out")
@@ -138,11 +139,19 @@ def run(arguments: argparse.Namespace) -> int:
         check_header(arguments.header)
     with options.progress_of(arguments, {}) as progress:
         progress.report(options.PACKAGES, 0, 0)
-        from gyrodrift.io.installation import need_packages
+        need_packages("tune")
+        from gyrodrift.tune.options import TuneOptions, run_tuning
 
-        need_packages("tune", "cma", "numba")
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends like Ctrl-C, with the best so far
-        tuning, was_interrupted = _tuned(arguments, progress)
+        journal = arguments.out.with_suffix(".progress.npz")
+        reports = [arguments.report / name for name in ("tune.json", "report.html")] if arguments.report else []
+        given = options.record_of(
+            TuneOptions,
+            arguments,
+            seeds=tuple(range(arguments.seed, arguments.seed + arguments.seeds)),
+            inputs=inputs.input_options(arguments, [arguments.out, journal, *reports]),
+        )
+        tuning, was_interrupted = run_tuning(given, journal, progress.report, is_resumed=arguments.resume)
     _write(arguments, tuning)
     return INTERRUPTED if was_interrupted else 0
 
@@ -158,62 +167,25 @@ def _check_paths(out: Path, report: Path | None) -> None:
         check_writable(report)
 
 
-def _tuned(arguments: argparse.Namespace, progress: "Progress") -> "tuple[Tuning, bool]":
-    sources, path = _sources(arguments), arguments.out.with_suffix(".progress.npz")
-    reports = [arguments.report / name for name in ("tune.json", "report.html")] if arguments.report else []
-    check_inputs_kept([arguments.out, path, *reports], [source.path for source in sources])
-    inputs.check_damage([source.path for source in sources], allow_damage=arguments.allow_damage)
-
-    from gyrodrift.tune.choice import tune_filters
-    from gyrodrift.tune.plans import plans_of
-    from gyrodrift.tune.search.journal import Journal
-    from gyrodrift.tune.tuning_set import TuningSet, identity
-
-    seeds = tuple(range(arguments.seed, arguments.seed + arguments.seeds))
-    plans = plans_of(arguments.filter, arguments.iterations, seeds, arguments.method, arguments.range)
-    with TuningSet(sources, arguments.seed, arguments.jobs, arguments.cluster, progress.report) as sessions:
-        journal = Journal(path, identity(plans, sessions), is_resumed=arguments.resume)
-        tuning, was_interrupted = tune_filters(plans, sessions, journal, progress.report)
-    if was_interrupted:
-        journal.save()
-    else:
-        journal.discard()
-    return tuning, was_interrupted
-
-
-def _sources(arguments: argparse.Namespace) -> "list[Source]":
-    from gyrodrift.evaluation.dataset import Source, Split
-    from gyrodrift.session.files import session_paths
-
-    tests, stills = set(session_paths(arguments.test)), set(session_paths(arguments.still))
-    paths = dict.fromkeys([*session_paths([*arguments.paths, *arguments.still]), *sorted(tests)])
-    reading = inputs.reading(arguments)
-    return [Source(path, path in stills, Split.TEST if path in tests else None, reading) for path in paths]
-
-
 def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
     from gyrodrift.tune.report.files import content, summary, write_config
 
-    words = [word for word in arguments.command_line if word != "--resume"]
-    command = shlex.join(words)
+    command = shlex.join(word for word in arguments.command_line if word != "--resume")
     kept = _kept_in(arguments.out)
     write_config(arguments.out, tuning, command)
     if kept:
         _keep(arguments.out, kept)
     if arguments.report is not None:
-        from gyrodrift.io.files import write_whole
-        from gyrodrift.report.files import write_json
-        from gyrodrift.report.provenance import Provenance, date_now, set_name
         from gyrodrift.tune.report.page import report_html
 
         write_json(arguments.report / "tune.json", content(tuning))
-        given = [*arguments.paths, *arguments.still, *arguments.test]
+        given = [*arguments.paths, *arguments.stills, *arguments.tests]
         made = Provenance(set_name(given), command, date_now(), config=f"{arguments.out}, with these parameters:")
         write_whole(arguments.report / "report.html", [report_html(tuning, made)])
     if arguments.header is not None:
         write_header(arguments.header, arguments.out)
     for warning in tuning.warnings:
-        print(f"gyrodrift: warning: {warning}", file=sys.stderr)
+        inputs.print_warning(warning)
     written = [f"wrote {path}" for path in (arguments.out, arguments.header) if path is not None]
     for line in [*summary(tuning), *written]:
         print(visible(line))
@@ -221,9 +193,6 @@ def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
 
 def _kept_in(out: Path) -> str:
     """Lines of an existing config that tuning keeps: axes, mount and calibration; empty without them."""
-    from gyrodrift.config.calibration import CALIBRATION, block_in
-    from gyrodrift.config.model import load_config
-
     try:
         load_config(out)
         text = out.read_text(encoding="utf-8-sig")
@@ -233,7 +202,4 @@ def _kept_in(out: Path) -> str:
 
 
 def _keep(out: Path, block: str) -> None:
-    from gyrodrift.config.calibration import with_block
-    from gyrodrift.io.files import write_whole
-
     write_whole(out, [with_block(out.read_text(encoding="utf-8"), block)])

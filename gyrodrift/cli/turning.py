@@ -3,30 +3,30 @@
 import argparse
 import sys
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from gyrodrift.cli import numbers, options
+from gyrodrift.doctor.finding import Severity, as_json, worst
+from gyrodrift.doctor.show import Detail, show
+from gyrodrift.doctor.turn.heard import TurnResult
+from gyrodrift.doctor.turn.listen import TurnListener
+from gyrodrift.doctor.turn.recorded import recorded_turn
+from gyrodrift.doctor.turn.tell import config_lines, findings_of, paste, turn_json
+from gyrodrift.link.options import LinkOptions
+from gyrodrift.link.port import serial_ports
 from gyrodrift.values.errors import LinkError, UsageError
-
-if TYPE_CHECKING:
-    from gyrodrift.doctor.turn.heard import TurnResult
-    from gyrodrift.link.options import LinkOptions
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Ask for a turn, or read it from files; 3 if a result is not clear."""
     _check(arguments)
-    options.hold_product_threads()
-    results = _recorded(arguments) if arguments.sessions else [heard_turn(arguments)]
+    results = [recorded_turn(path, arguments.turn_at) for path in arguments.sessions] or [heard_turn(arguments)]
     for result in results:
         _print(arguments, result)
     return 0 if all(_is_good(result) for result in results) else LinkError.exit_status
 
 
-def heard_turn(arguments: argparse.Namespace) -> "TurnResult":
+def heard_turn(arguments: argparse.Namespace) -> TurnResult:
     """Ask for the turn at the port of a command, on stderr."""
-    from gyrodrift.doctor.turn.listen import TurnListener
-
     return TurnListener(_target(arguments), _say).listen()
 
 
@@ -38,8 +38,6 @@ def columns_by_turn(arguments: argparse.Namespace) -> str | None:
     LinkError
         The turn is not clear.
     """
-    from gyrodrift.doctor.turn.tell import findings_of
-
     if arguments.columns is not None:
         raise UsageError("--columns and --turn: use one of them; --turn finds the columns")
     result = heard_turn(arguments)
@@ -63,11 +61,8 @@ def _check(arguments: argparse.Namespace) -> None:
         raise UsageError("--turn-at is for a file; at a port use gyrodrift doctor --port PORT --turn")
 
 
-def _target(arguments: argparse.Namespace) -> "LinkOptions":
+def _target(arguments: argparse.Namespace) -> LinkOptions:
     """Named port, or the only port of this machine."""
-    from gyrodrift.link.options import LinkOptions
-    from gyrodrift.link.port import serial_ports
-
     protocol = "auto" if arguments.protocol == "text" else arguments.protocol
     target = LinkOptions(
         arguments.port, numbers.baud(arguments.baud), protocol, arguments.timeout, None, arguments.send or b""
@@ -81,29 +76,16 @@ def _target(arguments: argparse.Namespace) -> "LinkOptions":
     return replace(target, port=ports[0].name)
 
 
-def _recorded(arguments: argparse.Namespace) -> "list[TurnResult]":
-    from gyrodrift.doctor.turn.recorded import recorded_turn
-
-    return [recorded_turn(path, arguments.turn_at) for path in arguments.sessions]
-
-
-def _print(arguments: argparse.Namespace, result: "TurnResult") -> None:
-    from gyrodrift.doctor.finding import as_json
-    from gyrodrift.doctor.turn.tell import config_lines, findings_of, paste, turn_json
-
+def _print(arguments: argparse.Namespace, result: TurnResult) -> None:
     findings, source = findings_of(result), result.heard.source
     if arguments.json:
         print(as_json(source, findings, turn_json(result)))
         return
-    from gyrodrift.doctor.show import Detail, show
 
     show(source, findings, sys.stdout, Detail.ALL)
     if result.spec:
         print(f"\nOn the command line:\n  {paste(result)}\nor in the config:\n  {config_lines(result)}", end="")
 
 
-def _is_good(result: "TurnResult") -> bool:
-    from gyrodrift.doctor.finding import Severity, worst
-    from gyrodrift.doctor.turn.tell import findings_of
-
+def _is_good(result: TurnResult) -> bool:
     return worst(findings_of(result)) is not Severity.ERROR

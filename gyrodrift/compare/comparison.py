@@ -313,12 +313,13 @@ def _run(request: ComparisonRequest, entries: Sequence[Entry]) -> list[ComparedS
     firsts = {folders.index(name) for name in folders}
     is_plotted = [len(folders) <= PLOTTED or index in firsts for index in range(len(folders))]
     works = [
-        _Work(_source(path, request), folder, [(entry.method.key, entry.params) for entry in entries], plotted)
+        _Work(_source(path, request), folder, plotted)
         for path, folder, plotted in zip(request.paths, folders, is_plotted, strict=True)
     ]
     compared = []
     request.progress("sessions", 0, len(works))
-    with workers(min(request.jobs, len(works))) as pool:
+    runs = [(entry.method.key, entry.params) for entry in entries]
+    with workers(min(request.jobs, len(works)), runs) as pool:
         for done, session in enumerate(pool.map(_compared, works), 1):
             request.progress("sessions", done, len(works))
             compared.append(session)
@@ -327,28 +328,27 @@ def _run(request: ComparisonRequest, entries: Sequence[Entry]) -> list[ComparedS
 
 @dataclass(frozen=True, slots=True)
 class _Work:
-    """Task for a worker process: a session and the methods to run on it."""
+    """Task for a worker process: a session on which the methods run."""
 
     source: Source
     folder: str
-    runs: list[tuple[str, Params]]
     is_plotted: bool
 
 
-def _compared(work: _Work) -> ComparedSession:
+def _compared(runs: Sequence[tuple[str, Params]], work: _Work) -> ComparedSession:
     loaded = load_with_reference(work.source)
     reference = loaded.reference
     by_name = {
         key: method.on(reference.axes, reference.auxiliary, reference.device_yaw) for key, method in by_key().items()
     }
-    yaws_deg = [by_name[key].run(loaded.t_s, reference.rate_dps, params) for key, params in work.runs]
+    yaws_deg = [by_name[key].run(loaded.t_s, reference.rate_dps, params) for key, params in runs]
     return ComparedSession(
         session=loaded.description,
         folder=work.folder,
         scores=tuple(score_of(reference, yaw_deg) for yaw_deg in yaws_deg),
         uncertainties=tuple(
             _uncertainty(by_name[key], params, loaded, yaw_deg)
-            for (key, params), yaw_deg in zip(work.runs, yaws_deg, strict=True)
+            for (key, params), yaw_deg in zip(runs, yaws_deg, strict=True)
         ),
         curves=yaw_curves(loaded, yaws_deg, CURVE_POINTS) if work.is_plotted else None,
     )

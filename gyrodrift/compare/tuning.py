@@ -1,7 +1,6 @@
 """Tune every method on the same sessions, with the same search and budget."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from gyrodrift.compare.methods.registry import by_key
 from gyrodrift.evaluation.dataset import LoadedSession
 from gyrodrift.evaluation.score import score_of
 from gyrodrift.evaluation.space import values_of
-from gyrodrift.io.parallel import LocalWorkers, workers
+from gyrodrift.io.parallel import Workers, workers
 from gyrodrift.io.progress import OnProgress
 from gyrodrift.tune.search.methods import METHODS as SEARCHES
 from gyrodrift.tune.search.methods import run_to_budget
@@ -20,8 +19,8 @@ from gyrodrift.values.arrays import Floats
 SEARCH = "race"
 """Search method: the default of `tune`."""
 
-_training: list[LoadedSession] = []
-"""Training sessions, inherited by forked processes."""
+Pool = Workers[Sequence[LoadedSession]]
+"""Processes that inherit the training sessions."""
 
 
 def tuned(
@@ -37,20 +36,11 @@ def tuned(
     A search with many parameters and few evaluations may find nothing better than the defaults. It then returns the
     defaults, so tuning makes no method worse on the training sessions.
     """
-    with _shared(train), workers(jobs) as pool:
+    with workers(jobs, train) as pool:
         return {method.key: _tuned(method, pool, iterations, seed, progress) for method in chosen if method.axes}
 
 
-@contextmanager
-def _shared(train: Sequence[LoadedSession]) -> Iterator[None]:
-    _training[:] = train
-    try:
-        yield
-    finally:
-        _training.clear()
-
-
-def _tuned(method: Method, pool: LocalWorkers, iterations: int, seed: int, progress: OnProgress) -> Params:
+def _tuned(method: Method, pool: Pool, iterations: int, seed: int, progress: OnProgress) -> Params:
     names = [axis.name for axis in method.axes]
 
     def pi(params: Floats) -> Floats:
@@ -71,29 +61,29 @@ def _tuned(method: Method, pool: LocalWorkers, iterations: int, seed: int, progr
     return best if _is_better_on_all_axes(method, best, pool) else method.defaults
 
 
-def _is_better_on_all_axes(method: Method, best: Params, pool: LocalWorkers) -> bool:
+def _is_better_on_all_axes(method: Method, best: Params, pool: Pool) -> bool:
     """Whether parameters found on the rate of the heading are better where the method takes three axes, too."""
-    if method.with_axes is None or all(session.reference.axes is None for session in _training):
+    if method.with_axes is None or all(session.reference.axes is None for session in pool.inherited):
         return True
     found_pi, default_pi = pool.map(_pi_on_all_axes, [(method.key, best), (method.key, method.defaults)])
     return found_pi < default_pi
 
 
-def _pi(row: tuple[str, Mapping[str, float]]) -> float:
+def _pi(training: Sequence[LoadedSession], row: tuple[str, Mapping[str, float]]) -> float:
     """PI on the rate of the heading over the training sessions, deg²."""
     key, params = row
     method = by_key()[key]
-    return _mean_pi([method.on(None, session.reference.auxiliary) for session in _training], params)
+    return _mean_pi(training, [method.on(None, session.reference.auxiliary) for session in training], params)
 
 
-def _pi_on_all_axes(row: tuple[str, Mapping[str, float]]) -> float:
+def _pi_on_all_axes(training: Sequence[LoadedSession], row: tuple[str, Mapping[str, float]]) -> float:
     """PI over the training sessions as they are scored, deg²."""
     key, params = row
     method = by_key()[key]
-    return _mean_pi([method.on(s.reference.axes, s.reference.auxiliary) for s in _training], params)
+    return _mean_pi(training, [method.on(s.reference.axes, s.reference.auxiliary) for s in training], params)
 
 
-def _mean_pi(methods: Sequence[Method], params: Params) -> float:
-    pairs = zip(methods, _training, strict=True)
+def _mean_pi(training: Sequence[LoadedSession], methods: Sequence[Method], params: Params) -> float:
+    pairs = zip(methods, training, strict=True)
     scores = [score_of(s.reference, method.run(s.t_s, s.reference.rate_dps, params)) for method, s in pairs]
     return float(np.mean([score.pi_deg2 for score in scores]))

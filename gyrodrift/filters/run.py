@@ -114,7 +114,7 @@ class FilterRun:
         return self.axes == "3"
 
     def _go_over(self) -> None:
-        from gyrodrift.filters.three_axes import three_axis_version  # noqa: PLC0415 - numpy, for three axes only
+        from gyrodrift.filters.three_axes import three_axis_version
 
         self.three_axes = three_axis_version(self.filter)
         self.state = self.three_axes.state(self.state)

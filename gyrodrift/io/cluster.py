@@ -91,31 +91,23 @@ class ClusterWorkers:
             The error of the first failed task, or the loss of the cluster.
         """
         self._last_worker_s = time.monotonic()
-        while True:
-            try:
-                with self._client.as_current():
-                    self._dask.wait(tasks, timeout=POLL_S)
-            except TimeoutError:
-                self._raise_first(tasks)
-                self._check_workers()
-            except CANCELLATIONS:
-                raise self._lost() from None
-            else:
-                self._raise_first(tasks)
-                return self._gathered(tasks)
-
-    def _gathered(self, tasks: Sequence[Any]) -> list[Any]:
-        """Fetch the results; if a worker dies meanwhile, wait until Dask has repeated its tasks."""
         gathering = asyncio.run_coroutine_threadsafe(
-            self._client.gather(list(tasks), asynchronous=True), self._client.loop.asyncio_loop
+            self._client.gather(list(tasks), errors="skip", asynchronous=True), self._client.loop.asyncio_loop
         )
-        while True:
-            try:
-                return list(gathering.result(POLL_S))
-            except TimeoutError:
-                self._check_workers()
-            except (OSError, *CANCELLATIONS):
-                raise self._lost() from None
+        try:
+            while True:
+                try:
+                    values = list(gathering.result(POLL_S))
+                except TimeoutError:
+                    self._raise_first(tasks)
+                    self._check_workers()
+                else:
+                    self._raise_first(tasks)
+                    return values
+        except (OSError, *CANCELLATIONS):
+            raise self._lost() from None
+        finally:
+            gathering.cancel()
 
     def _raise_first(self, tasks: Sequence[Any]) -> None:
         """Raise the error of the first failed task, once all tasks before it are done."""

@@ -28,6 +28,13 @@ DEVELOPMENT = frozenset({"docs", "fuzz", "test"})
 """Extras that only a clone needs."""
 PACKAGE = Path(__file__).parent.parent
 
+PACKAGES_OF = {
+    "tune": ("cma", "numba"),
+    "diagnose": ("numba", "scipy"),
+    "compare": ("cma", "numba", "scipy"),
+}
+"""Packages of the extra `lab` that each analysis needs."""
+
 
 class Installer(Enum):
     """Tool that made the environment of this process."""
@@ -89,7 +96,7 @@ def package_command(*requirements: str) -> str:
 
 
 def need_packages(purpose: str, *names: str) -> None:
-    """Check that packages of the extra `lab` are installed before the work begins.
+    """Check before the work begins that packages of the extra `lab` are installed: these, or those of an analysis.
 
     Raises
     ------
@@ -97,7 +104,7 @@ def need_packages(purpose: str, *names: str) -> None:
         With the command that installs them.
     """
     try:
-        for name in names:
+        for name in names or PACKAGES_OF[purpose]:
             import_module(name)
     except ImportError as error:
         raise UsageError(f"{purpose} needs the package {error.name}: {extra_command('lab')}") from error

@@ -16,48 +16,38 @@ Result = TypeVar("Result")
 Inherited = TypeVar("Inherited")
 
 
-class LocalWorkers:
-    """Maps a function in this process, or in forked processes, which inherit its memory."""
-
-    def __init__(self, pool: ProcessPoolExecutor | None) -> None:
-        self._pool = pool
-
-    def map(self, work: Callable[[Item], Result], items: Sequence[Item]) -> Iterable[Result]:
-        """Results in the order of the items."""
-        return map(work, items) if self._pool is None else self._pool.map(work, items)
-
-
-@contextmanager
-def workers(jobs: int) -> Iterator[LocalWorkers]:
-    """Up to `jobs` worker processes; for one job, this process does the work."""
-    if usable_jobs(jobs) == 1:
-        yield LocalWorkers(None)
-        return
-    with _fork_pool(jobs, None) as pool:
-        yield LocalWorkers(pool)
-
-
-class InheritingWorkers(Generic[Inherited]):
-    """Maps functions of a value that forked processes inherit, and of an item that is sent."""
+class Workers(Generic[Inherited]):
+    """Maps functions of a value that forked processes inherit, and of an item that is sent; or in this process."""
 
     def __init__(self, inherited: Inherited, pool: ProcessPoolExecutor | None) -> None:
-        self._inherited, self._pool = inherited, pool
+        self.inherited, self._pool = inherited, pool
 
     def map(self, work: Callable[[Inherited, Item], Result], items: Sequence[Item]) -> Iterable[Result]:
         """Results in the order of the items."""
         if self._pool is None:
-            return (work(self._inherited, item) for item in items)
+            return (work(self.inherited, item) for item in items)
         return self._pool.map(partial(_with_inherited, work), items)
 
 
 @contextmanager
-def inheriting_workers(jobs: int, inherited: Inherited) -> Iterator[InheritingWorkers[Inherited]]:
-    """Up to `jobs` processes with a value that need not be picklable; for one job, this process does the work."""
+def workers(jobs: int, inherited: Inherited) -> Iterator[Workers[Inherited]]:
+    """Up to `jobs` processes with a value that need not be picklable; for one job, this process does the work.
+
+    The processes end with this process; work that has not begun is given up at the end.
+    """
     if usable_jobs(jobs) == 1:
-        yield InheritingWorkers(inherited, None)
+        yield Workers(inherited, None)
         return
-    with _fork_pool(jobs, inherited) as pool:
-        yield InheritingWorkers(inherited, pool)
+    pool = ProcessPoolExecutor(jobs, get_context("fork"), _begin, (os.getpid(), inherited))
+    try:
+        yield Workers(inherited, pool)
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def usable_jobs(jobs: int) -> int:
+    """Number of processes: `jobs`, or 1 on a system without fork, such as Windows."""
+    return jobs if CAN_FORK else 1
 
 
 _inherited: list[Any] = []
@@ -66,21 +56,6 @@ _inherited: list[Any] = []
 
 def _with_inherited(work: Callable[[Any, Item], Result], item: Item) -> Result:
     return work(_inherited[-1], item)
-
-
-def usable_jobs(jobs: int) -> int:
-    """Number of processes: `jobs`, or 1 on a system without fork, such as Windows."""
-    return jobs if CAN_FORK else 1
-
-
-@contextmanager
-def _fork_pool(jobs: int, inherited: Any) -> Iterator[ProcessPoolExecutor]:
-    """Forked processes, which end with this process; work that has not begun is given up at the end."""
-    pool = ProcessPoolExecutor(jobs, get_context("fork"), _begin, (os.getpid(), inherited))
-    try:
-        yield pool
-    finally:
-        pool.shutdown(cancel_futures=True)
 
 
 def _begin(parent: int, inherited: Any) -> None:

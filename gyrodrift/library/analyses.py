@@ -6,16 +6,15 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
+from gyrodrift.io.installation import need_packages
 from gyrodrift.io.progress import OnProgress, ignore_progress
-from gyrodrift.values.errors import UsageError
 
 if TYPE_CHECKING:
     from gyrodrift.compare.comparison import Comparison
     from gyrodrift.diagnose.result import Diagnosis
-    from gyrodrift.evaluation.dataset import Source
     from gyrodrift.session.checks.stated import ReadingOptions
+    from gyrodrift.session.given import InputOptions
     from gyrodrift.tune.result import Tuning
-    from gyrodrift.tune.tuning import Plan
 
 Paths = str | PathLike[str] | Iterable[str | PathLike[str]]
 """A session, a folder of sessions, or several of them."""
@@ -66,22 +65,26 @@ def tune(
     DataError
         If a session cannot be used.
     """
-    _check_filter(filter)
-    _need("tune", "cma", "numba")
-    from gyrodrift.evaluation.dataset import Source, Split
-    from gyrodrift.tune.plans import plans_of
-    from gyrodrift.tune.search.methods import METHODS
+    need_packages("tune")
+    from gyrodrift.tune.options import TuneOptions, run_tuning
 
-    if method is not None and method not in METHODS:
-        raise UsageError(f"method {method!r}: there is no such method; there are {', '.join(METHODS)}")
-    texts = [f"{name}={low!r}:{high!r}" for name, (low, high) in (ranges or {}).items()]
-    plans = plans_of(filter, _positive("iterations", iterations), _seeds(seeds), method, texts)
-    test_paths, still = set(_sessions(tests)), set(_sessions(stills))
-    every = dict.fromkeys([*_sessions(paths), *sorted(still), *sorted(test_paths)])
-    _check_damage(every, allow_damage=allow_damage)
-    named = _reading(columns)
-    sources = [Source(path, path in still, Split.TEST if path in test_paths else None, named) for path in every]
-    return _tuned(plans, sources, jobs, on_progress)
+    options = TuneOptions(
+        _paths(paths),
+        tests=_paths(tests),
+        stills=_paths(stills),
+        filter=filter,
+        iterations=iterations,
+        seeds=tuple(seeds),
+        method=method,
+        ranges=[f"{name}={low!r}:{high!r}" for name, (low, high) in (ranges or {}).items()],
+        jobs=jobs,
+        inputs=_inputs(columns, allow_damage=allow_damage),
+    )
+    with TemporaryDirectory(prefix="gyrodrift-") as folder:
+        tuning, was_interrupted = run_tuning(options, Path(folder) / "progress.npz", on_progress)
+    if was_interrupted:  # the command writes the best so far; a program wants the whole tuning or none
+        raise KeyboardInterrupt
+    return tuning
 
 
 def diagnose(
@@ -126,36 +129,20 @@ def diagnose(
     DataError
         If no session can be used, with the reason for each.
     """
-    _need("diagnose", "numba", "scipy")
-    from firmware_sim.effects.catalogue import CATALOGUE
-    from firmware_sim.rig import load_rig
-    from firmware_sim.yaml_file import FileError
+    need_packages("diagnose")
     from gyrodrift.diagnose import diagnosis
-    from gyrodrift.diagnose.stages import DiagnosisRequest
+    from gyrodrift.diagnose.options import DiagnoseOptions
 
-    withheld = frozenset(withhold)
-    for name in sorted(withheld - CATALOGUE.keys()):
-        raise UsageError(f"withhold {name!r}: there is no such effect; there are {', '.join(CATALOGUE)}")
-    try:
-        simulator = load_rig(None if rig is None else Path(rig))
-    except FileError as error:
-        raise UsageError(str(error)) from error
-    of_baseline = _sessions(baseline)
-    jobs = _positive("jobs", jobs)
-    request = DiagnosisRequest(
-        _sessions(paths),
-        simulator,
-        withheld,
-        jobs,
-        None,
-        on_progress,
-        of_baseline,
-        reading=_reading(columns, reference),
-        baseline_reading=_reading(columns if baseline_columns is None else baseline_columns, reference),
-        is_rig_stated=rig is not None,
+    options = DiagnoseOptions(
+        _paths(paths),
+        rig=None if rig is None else Path(rig),
+        baseline=_paths(baseline),
+        withhold=frozenset(withhold),
+        jobs=jobs,
+        inputs=_inputs(columns, reference, allow_damage=allow_damage),
+        baseline_reading=None if baseline_columns is None else _reading(baseline_columns, reference),
     )
-    _check_damage([*request.paths, *of_baseline], allow_damage=allow_damage)
-    return diagnosis.diagnose(request)
+    return diagnosis.diagnose(options.request(on_progress))
 
 
 def compare(
@@ -197,89 +184,38 @@ def compare(
     DataError
         If a session cannot be read or has no reference.
     """
-    _need("compare", "cma", "numba", "scipy")
+    need_packages("compare")
     from gyrodrift.compare import comparison
-    from gyrodrift.compare.methods.registry import methods
+    from gyrodrift.compare.options import CompareOptions
     from gyrodrift.config.model import load_config
 
-    given = None if config is None else load_config(Path(config))
-    still = _sessions(stills)
-    request = comparison.ComparisonRequest(
-        paths=list(dict.fromkeys([*_sessions(paths), *still])),
-        methods=methods(given.blocks if given else {}),
-        train=_sessions(train),
-        stills=frozenset(still),
-        iterations=_positive("iterations", iterations),
-        seed=_seeds([seed])[0],
-        config=None if config is None or given is None else comparison.config_file(Path(config), given.blocks),
-        jobs=_positive("jobs", jobs),
-        progress=on_progress,
-        reading=_reading(columns),
+    config_path = None if config is None else Path(config)
+    options = CompareOptions(
+        _paths(paths),
+        train=_paths(train),
+        stills=_paths(stills),
+        config=config_path,
+        blocks={} if config_path is None else load_config(config_path).blocks,
+        iterations=iterations,
+        seed=seed,
+        jobs=jobs,
+        inputs=_inputs(columns, allow_damage=allow_damage),
     )
-    _check_damage([*request.paths, *request.train], allow_damage=allow_damage)
-    return comparison.compare(request)
+    return comparison.compare(options.request(on_progress))
 
 
-def _tuned(plans: "tuple[Plan, ...]", sources: "list[Source]", jobs: int | None, on_progress: OnProgress) -> "Tuning":
-    from gyrodrift.tune.choice import tune_filters
-    from gyrodrift.tune.search.journal import Journal
-    from gyrodrift.tune.tuning_set import TuningSet, identity
-
-    with (
-        TemporaryDirectory(prefix="gyrodrift-") as folder,
-        TuningSet(sources, plans[0].seeds[0], jobs, None, on_progress) as sessions,
-    ):
-        journal = Journal(Path(folder) / "progress.npz", identity(plans, sessions), is_resumed=False)
-        tuning, was_interrupted = tune_filters(plans, sessions, journal, on_progress)
-    if was_interrupted:  # the command writes the best so far; a program wants the whole tuning or none
-        raise KeyboardInterrupt
-    return tuning
+def _paths(paths: Paths) -> list[Path]:
+    return [Path(path) for path in ([paths] if isinstance(paths, str | PathLike) else paths)]
 
 
-def _sessions(paths: Paths) -> list[Path]:
-    from gyrodrift.session.files import session_paths
+def _inputs(columns: str | None, reference: str | None = None, *, allow_damage: bool) -> "InputOptions":
+    from gyrodrift.session.given import InputOptions
 
-    given = [paths] if isinstance(paths, str | PathLike) else paths
-    return session_paths([Path(path) for path in given])
-
-
-def _check_damage(paths: Iterable[Path], *, allow_damage: bool) -> None:
-    from gyrodrift.session.damage import DamagedError
-    from gyrodrift.session.files import damages_of
-
-    damages = [] if allow_damage else damages_of(paths)
-    if damages:
-        raise DamagedError(damages)
+    return InputOptions(_reading(columns, reference), allow_damage=allow_damage)
 
 
-def _reading(spec: str | None, reference: str | None = None) -> "ReadingOptions":
-    from gyrodrift.columns.spec import columns_of
+def _reading(columns: str | None, reference: str | None) -> "ReadingOptions":
     from gyrodrift.session.checks.stated import ReadingOptions
+    from gyrodrift.session.given import columns_or_none
 
-    return ReadingOptions(None if spec is None else columns_of(spec), reference=reference or "")
-
-
-def _need(function: str, *packages: str) -> None:
-    from gyrodrift.io.installation import need_packages
-
-    need_packages(function, *packages)
-
-
-def _check_filter(name: str | None) -> None:
-    from gyrodrift.filters.registry import FILTERS
-
-    if name is not None and name not in FILTERS:
-        raise UsageError(f"filter {name!r}: there is no such filter; there are {', '.join(FILTERS)}")
-
-
-def _seeds(seeds: Iterable[int]) -> tuple[int, ...]:
-    numbers = tuple(seeds)
-    if not numbers or min(numbers) < 0:
-        raise UsageError(f"seeds {numbers}: expected whole numbers from 0, at least one")
-    return numbers
-
-
-def _positive(name: str, value: int) -> int:
-    if value < 1:
-        raise UsageError(f"{name} {value}: expected a whole number from 1")
-    return value
+    return ReadingOptions(columns_or_none(columns), reference=reference or "")

@@ -5,6 +5,8 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gyrodrift.io.files import check_writable, write_whole
+from gyrodrift.io.installation import need_packages
 from gyrodrift.values.errors import UsageError
 
 if TYPE_CHECKING:
@@ -120,7 +122,6 @@ def _save_tuning(tuning: "Tuning", path: Path) -> None:
 def _save_comparison(comparison: "Comparison", folder: Path) -> None:
     from gyrodrift.compare.report.files import content
     from gyrodrift.compare.report.page import report_html
-    from gyrodrift.io.files import check_writable, write_whole
     from gyrodrift.report.files import write_json
     from gyrodrift.report.provenance import Provenance, date_now
 
@@ -132,7 +133,6 @@ def _save_comparison(comparison: "Comparison", folder: Path) -> None:
 def _save_diagnosis(diagnosis: "Diagnosis", folder: Path) -> None:
     from gyrodrift.diagnose.report.files import write_files
     from gyrodrift.diagnose.report.page import report_html
-    from gyrodrift.io.files import check_writable, write_whole
     from gyrodrift.report.provenance import Provenance, date_now
 
     check_writable(folder)
@@ -159,8 +159,6 @@ def plot(session: "Session", estimates: "Estimates | None" = None) -> Any:
     UsageError
         If matplotlib is missing, or the estimates belong to another session.
     """
-    from gyrodrift.io.installation import need_packages
-
     need_packages("plot", "matplotlib")
     import numpy as np
     from matplotlib.figure import Figure

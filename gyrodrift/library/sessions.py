@@ -35,8 +35,8 @@ def load_session(
     DataError
         If it is missing, of an unknown kind, or no session.
     """
-    from gyrodrift.columns.spec import columns_of
     from gyrodrift.session import files
+    from gyrodrift.session.given import columns_or_none
 
-    named = None if columns is None else columns_of(columns)
+    named = columns_or_none(columns)
     return files.load_session(Path(path), named, reference=reference or "", allow_damage=allow_damage)

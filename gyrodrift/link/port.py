@@ -189,7 +189,7 @@ def _looked_into(path: str, error: Exception) -> LinkError:
     if not Path(path).exists():
         return PortMissingError(f"{path} points to {os.path.realpath(path)}, which is not there; is the device on?")
     if number in (errno.EACCES, errno.EPERM):
-        from gyrodrift.link.permission import how_to_get_permission  # noqa: PLC0415 - only who is refused needs it
+        from gyrodrift.link.permission import how_to_get_permission
 
         return PortDeniedError(f"{path}: no permission to open it; {how_to_get_permission(path)}")
     if number in (errno.EBUSY, errno.EAGAIN):

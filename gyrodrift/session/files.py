@@ -65,13 +65,13 @@ def _loaded(path: Path, columns: Sequence[Column] | None, *, allow_damage: bool)
     if ending in LOGS and columns is None and (log := _log(path, ending)) is not None:
         return log
     if ending in TABLES:
-        from gyrodrift.session.tables.read import read_table  # noqa: PLC0415 - a format is imported only when it is read
+        from gyrodrift.session.tables.read import read_table
 
         return read_table(path, columns)
     if columns is not None:
         raise UsageError(f"--columns: {path} is no table; tables end in {', '.join(TABLES)}")
     if ending == ".mcap":
-        from gyrodrift.session.mcap.read import read_mcap  # noqa: PLC0415
+        from gyrodrift.session.mcap.read import read_mcap  # noqa: PLC0415 - a format is imported only when it is read
 
         return read_mcap(path, allow_damage=allow_damage)
     read = ", ".join(dict.fromkeys((".mcap", *TABLES, *LOGS)))
@@ -102,7 +102,7 @@ def _log(path: Path, ending: str) -> Session | None:
         from gyrodrift.session.logs.bag import read_bag  # noqa: PLC0415 - as above
 
         return read_bag(path)
-    from gyrodrift.session.logs.autopilot import is_ardupilot_text, read_ardupilot, read_px4  # noqa: PLC0415
+    from gyrodrift.session.logs.autopilot import is_ardupilot_text, read_ardupilot, read_px4
 
     if ending == ".ulg":
         return read_px4(path)

@@ -50,7 +50,7 @@ class TuningSet:
             local = Cost(self._references(progress), threads)
             self.costs, self._close = local, local.close
         else:
-            from gyrodrift.evaluation.cluster_cost import ClusterCost  # noqa: PLC0415 - an extra that few have
+            from gyrodrift.evaluation.cluster_cost import ClusterCost
 
             progress("sessions read by the cluster", 0, 1)
             paths = [(source.path.resolve(), source.is_still) for source in self._sources]

@@ -10,10 +10,8 @@ from typing import Any
 import pytest
 from support import Command, speaking_on
 
-from gyrodrift.cli import main
-from gyrodrift.cli import simulated as simulated_devices
+from gyrodrift.cli import doctor, main
 from gyrodrift.link import holder
-from gyrodrift.link import port as link_port
 from gyrodrift.link.serial_port import SerialPort
 from gyrodrift.session.mcap.read import read_mcap
 
@@ -177,8 +175,8 @@ def test_doctor_takes_the_console_of_the_kernel_for_no_gyro(
     """On a machine whose only port is its console, no program needs to be stopped."""
     (tmp_path / "active").write_text("ttyS9\n")
     monkeypatch.setattr(holder, "CONSOLES", tmp_path / "active")
-    monkeypatch.setattr(link_port, "serial_ports", lambda: [SerialPort("/dev/ttyS9", "/dev/ttyS9")])
-    monkeypatch.setattr(simulated_devices, "simulated_ports", list)
+    monkeypatch.setattr(doctor, "serial_ports", lambda: [SerialPort("/dev/ttyS9", "/dev/ttyS9")])
+    monkeypatch.setattr(doctor, "simulated_ports", list)
     assert main(["doctor", "--port", "auto", "--timeout", "1"]) == 3
     told = capsys.readouterr().out
     assert "No gyro found" in told

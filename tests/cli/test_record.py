@@ -2,7 +2,6 @@
 
 import os
 import pty
-import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -13,7 +12,7 @@ from random import Random
 import numpy as np
 import pytest
 from mcap.reader import make_reader
-from support import PATIENCE_S, Command, are_recorded, near, never, speaking_on
+from support import PATIENCE_S, Command, Recording, are_recorded, near, never, speaking_on
 
 from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
@@ -34,11 +33,6 @@ def recorded(folder: Path) -> list[Session]:
     return [read_mcap(path) for path in sorted(folder.glob("*.mcap"))]
 
 
-@pytest.fixture
-def out(tmp_path: Path) -> Path:
-    return tmp_path / "sessions"
-
-
 def frames(protocol: str, count: int) -> Iterator[bytes]:
     rig = load_rig(None)
     for frame in ENCODERS[protocol].frames(measure(rig, load_profile("turntable"), 1), rig.base):
@@ -49,10 +43,9 @@ def frames(protocol: str, count: int) -> Iterator[bytes]:
 
 
 @pytest.mark.parametrize("protocol", ["native", "csv"])
-def test_every_sample_of_a_device_is_recorded(port: Path, out: Path, protocol: str) -> None:
+def test_every_sample_of_a_device_is_recorded(out: Path, protocol: str, recording: Recording) -> None:
     """With its values, its counter and its clock; paths go to stdout."""
-    with speaking_on(port) as device, Command("record", "--port", port, "--out", out) as record:
-        device.wait_for_reader(never)
+    with recording() as (device, record):
         device.send_all(b"".join(frames(protocol, 500)), never)
         device.drain(never)
         record.until(lambda _: are_recorded(495, out), "samples on disk")
@@ -83,11 +76,10 @@ def test_a_device_without_a_clock_is_recorded(port: Path, out: Path) -> None:
     assert session.metadata["recording"]["protocol"] == "witmotion"
 
 
-def test_what_is_known_stands_in_the_name_and_in_the_file(port: Path, out: Path) -> None:
+def test_what_is_known_stands_in_the_name_and_in_the_file(port: Path, out: Path, recording: Recording) -> None:
     """Device, profile, note, program and port."""
     options = ("--profile", "slow turns", "--note", "new bearing", "--duration", "1")
-    with speaking_on(port) as device, Command("record", "--port", port, "--out", out, *options) as record:
-        device.wait_for_reader(never)
+    with recording(*options) as (device, record):
         device.send_all(b"".join(frames("native", 300)), never)
         assert record.end() == 0
     (path,) = out.glob("*.mcap")
@@ -101,20 +93,18 @@ def test_what_is_known_stands_in_the_name_and_in_the_file(port: Path, out: Path)
     assert int(session.metadata["link"]["samples"]) >= len(session.rate_dps)
 
 
-def test_duration_is_device_time(port: Path, out: Path) -> None:
+def test_duration_is_device_time(out: Path, recording: Recording) -> None:
     """However fast the samples come."""
-    with speaking_on(port) as device, Command("record", "--port", port, "--out", out, "--duration", "7") as record:
-        device.wait_for_reader(never)
+    with recording("--duration", "7") as (device, record):
         device.send_all(lines(1000), never)
         assert record.end() == 0
     (session,) = recorded(out)
     assert session.rate_dps.tolist() == [i / 4.0 for i in range(700)]
 
 
-def test_duration_ends_for_a_device_that_fell_silent(port: Path, out: Path) -> None:
+def test_duration_ends_for_a_device_that_fell_silent(out: Path, recording: Recording) -> None:
     """By the clock of the host."""
-    with speaking_on(port) as device, Command("record", "--port", port, "--out", out, "--duration", "1.5") as record:
-        device.wait_for_reader(never)
+    with recording("--duration", "1.5") as (device, record):
         device.send_all(lines(100), never)
         assert record.end() == 0
     (session,) = recorded(out)
@@ -142,12 +132,11 @@ def test_between_two_files_nothing_is_lost(port: Path, out: Path, rotate: str) -
     assert all("continues" in session.metadata["recording"] for session in sessions[1:])
 
 
-def test_raw_bytes_are_kept_as_they_came(port: Path, out: Path) -> None:
+def test_raw_bytes_are_kept_as_they_came(out: Path, recording: Recording) -> None:
     """Damage included, each read with its time."""
     random = Random(5)
     sent = lines(200) + random.randbytes(700) + b"\n" + lines(200, 200)
-    with speaking_on(port) as device, Command("record", "--port", port, "--out", out, "--raw") as record:
-        device.wait_for_reader(never)
+    with recording("--raw") as (device, record):
         device.send_all(sent, never)
         device.drain(never)
         record.until(lambda _: are_recorded(390, out, len(sent)), "all on disk")
@@ -159,30 +148,6 @@ def test_raw_bytes_are_kept_as_they_came(port: Path, out: Path) -> None:
     with path.open("rb") as file:
         topics = {channel.topic for _, channel, _ in make_reader(file, validate_crcs=True).iter_messages()}
     assert topics == {"/gyro", "/raw", "/link"}
-
-
-def test_raw_bytes_are_kept_where_nothing_could_be_decoded(port: Path, out: Path) -> None:
-    """That is when they are worth most; the status is that of the link."""
-    sent = Random(6).randbytes(3000).replace(b"\n", b"x")
-    options = ("--raw", "--baud", "9600", "--timeout", "1")
-    with speaking_on(port) as device, Command("record", "--port", port, "--out", out, *options) as record:
-        device.wait_for_reader(never)
-        device.send_all(sent, never)
-        assert record.end() == 3
-    (path,) = out.glob("*.mcap")
-    assert b"".join(read.content for read in read_raw(path)) == sent
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_ends_it_with_a_closed_file(port: Path, out: Path, number: signal.Signals) -> None:
-    """Status 0: that is how it is meant to end."""
-    with speaking_on(port) as device, Command("record", "--port", port, "--out", out) as record:
-        device.wait_for_reader(never)
-        device.send_all(lines(100), never)
-        record.until(lambda _: are_recorded(90, out), "samples on disk")
-        assert record.stop(number) == 0
-    with next(out.glob("*.mcap")).open("rb") as file:
-        assert sum(1 for _ in make_reader(file, validate_crcs=True).iter_messages(["/gyro"])) >= 99
 
 
 def test_two_recordings_into_one_folder_do_not_meet(tmp_path: Path, out: Path) -> None:
@@ -220,25 +185,9 @@ def test_a_full_disk_is_told_and_what_was_written_stays(port: Path, out: Path) -
     assert len(session.rate_dps) > 450
 
 
-def test_a_folder_that_vanishes_is_told_and_the_file_is_put_back(port: Path, out: Path) -> None:
-    """From the descriptor that is still open."""
-    with speaking_on(port) as device, Command("record", "--port", port, "--out", out) as record:
-        device.wait_for_reader(never)
-        device.send_all(lines(300), never)
-        record.until(lambda _: are_recorded(290, out), "samples on disk")
-        for path in out.iterdir():
-            path.unlink()
-        out.rmdir()
-        assert record.end() == 4
-    assert "was removed while it was being written; it was restored with everything that was recorded" in record.log
-    (session,) = recorded(out)
-    assert len(session.rate_dps) >= 299
-
-
-def test_a_recording_that_another_program_truncates_ends_with_an_error(port: Path, out: Path) -> None:
+def test_a_recording_that_another_program_truncates_ends_with_an_error(out: Path, recording: Recording) -> None:
     """Not as if all were well; what is left of the file is told of by info."""
-    with speaking_on(port) as device, Command("record", "--port", port, "--out", out) as record:
-        device.wait_for_reader(never)
+    with recording() as (device, record):
         device.send_all(lines(300), never)
         record.until(lambda _: are_recorded(290, out), "samples on disk")
         (path,) = out.iterdir()

@@ -16,7 +16,7 @@ import pytest
 from disk_support import fill, read_only_disk, small_disk
 from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader
-from support import PATIENCE_S, Command, are_recorded, never, speaking_on
+from support import PATIENCE_S, Command, Recording, are_recorded, never, speaking_on
 
 from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
@@ -28,11 +28,6 @@ from gyrodrift.session.mcap.raw import read_raw
 from gyrodrift.session.mcap.read import read_mcap
 
 RIG = Rig(base=Base(bias_dps=0.3))
-
-
-@pytest.fixture
-def out(tmp_path: Path) -> Path:
-    return tmp_path / "sessions"
 
 
 def spoken(protocol: str, count: int) -> list[bytes]:
@@ -67,14 +62,15 @@ def events_in(path: Path) -> list[dict[str, Any]]:
 
 @pytest.mark.parametrize("given", ["auto", "named"])
 @pytest.mark.parametrize("protocol", ["native", "csv", "witmotion"])
-def test_every_sample_that_was_sent_is_recorded_to_the_last(port: Path, out: Path, protocol: str, given: str) -> None:
+def test_every_sample_that_was_sent_is_recorded_to_the_last(
+    out: Path, protocol: str, given: str, recording: Recording
+) -> None:
     """In number and in every bit of their values, whether the protocol is found or given."""
     content = b"".join(spoken(protocol, 700))
     expected = PROTOCOLS[protocol].decoder().push(content)
     assert len(expected) > 690
     options = ("--protocol", protocol, "--baud", "115200") if given == "named" else ()
-    with speaking_on(port) as device, Command("record", "--port", port, "--out", out, *options) as record:
-        device.wait_for_reader(never)
+    with recording(*options) as (device, record):
         for at in range(0, len(content), len(content) // 10):  # arrivals are the clock of a device that has none
             device.send_all(content[at : at + len(content) // 10], never)
             device.drain(never)
@@ -114,12 +110,13 @@ def test_the_simulator_is_recorded_in_real_time(port: Path, out: Path) -> None:
 
 
 @pytest.mark.parametrize("rotate", ["3kB", "1s"])
-def test_with_rotation_every_sample_and_byte_is_in_one_of_the_files(port: Path, out: Path, rotate: str) -> None:
+def test_with_rotation_every_sample_and_byte_is_in_one_of_the_files(
+    out: Path, rotate: str, recording: Recording
+) -> None:
     """The last one too; each file is closed, and its name is on stdout."""
     options = ("--rotate", rotate, "--raw")
     sent = b""
-    with speaking_on(port) as device, Command("record", "--port", port, "--out", out, *options) as record:
-        device.wait_for_reader(never)
+    with recording(*options) as (device, record):
         while len(list(out.glob("*.mcap"))) < 4:
             piece = lines(sent.count(b"\n"), 20)
             device.send_all(piece, never)
@@ -140,10 +137,9 @@ def test_with_rotation_every_sample_and_byte_is_in_one_of_the_files(port: Path, 
     assert before == [None, *(path.name for path in paths[:-1])]
 
 
-def test_what_happened_on_the_link_is_in_the_file(port: Path, out: Path) -> None:
+def test_what_happened_on_the_link_is_in_the_file(out: Path, recording: Recording) -> None:
     """With its time and its figures: what was found, a hole, a device that began anew."""
-    with speaking_on(port) as device, Command("record", "--port", port, "--out", out) as record:
-        device.wait_for_reader(never)
+    with recording() as (device, record):
         device.send_all(lines(0, 100) + lines(150, 100), never)
         record.until_log("event=gap")
         device.send_all(lines(0, 100), never)
@@ -161,12 +157,13 @@ def test_what_happened_on_the_link_is_in_the_file(port: Path, out: Path) -> None
     assert read_mcap(path).metadata["link"]["gaps"] == "1"
 
 
-def test_bytes_of_a_device_that_nobody_understands_are_in_a_closed_file(port: Path, out: Path) -> None:
+def test_bytes_of_a_device_that_nobody_understands_are_in_a_closed_file(
+    port: Path, out: Path, recording: Recording
+) -> None:
     """The status is that of the link, the file is whole all the same, and its name is on stdout."""
     sent = Random(8).randbytes(5000).replace(b"\n", b"x")
     options = ("--raw", "--baud", "9600", "--timeout", "1")
-    with speaking_on(port) as device, Command("record", "--port", port, "--out", out, *options) as record:
-        device.wait_for_reader(never)
+    with recording(*options) as (device, record):
         device.send_all(sent, never)
         assert record.end() == 3
     (path,) = out.glob("*.mcap")
@@ -179,11 +176,10 @@ def test_bytes_of_a_device_that_nobody_understands_are_in_a_closed_file(port: Pa
 @pytest.mark.parametrize("options", [(), ("--duration", "1000"), ("--raw", "--rotate", "1h")])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_in_the_middle_of_a_stream_closes_the_file(
-    port: Path, out: Path, number: signal.Signals, options: tuple[str, ...]
+    out: Path, number: signal.Signals, options: tuple[str, ...], recording: Recording
 ) -> None:
     """While samples come in: what was read is there, without a hole."""
-    with speaking_on(port) as device, Command("record", "--port", port, "--out", out, *options) as record:
-        device.wait_for_reader(never)
+    with recording(*options) as (device, record):
         for first in range(0, 4000, 20):
             if first == 2000:
                 record.until(lambda _: are_recorded(500, out), "samples")
@@ -198,10 +194,9 @@ def test_a_signal_in_the_middle_of_a_stream_closes_the_file(
         check_closed(path)
 
 
-def test_a_pipe_gets_no_live_line(port: Path, out: Path) -> None:
+def test_a_pipe_gets_no_live_line(out: Path, recording: Recording) -> None:
     """Log lines on stderr, paths on stdout, and nothing else on either."""
-    with speaking_on(port) as device, Command("record", "--port", port, "--out", out, "--duration", "0.5") as record:
-        device.wait_for_reader(never)
+    with recording("--duration", "0.5") as (device, record):
         device.send_all(lines(0, 100), never)
         assert record.end() == 0
     assert all(line.startswith("timestamp=") for line in record.log.splitlines())
@@ -274,10 +269,9 @@ def test_a_disk_that_takes_nothing_is_told_before_anything_is_recorded(port: Pat
     assert record.log.endswith(": Read-only file system\n")
 
 
-def test_a_folder_removed_under_a_silent_device_is_noticed_at_once(port: Path, out: Path) -> None:
+def test_a_folder_removed_under_a_silent_device_is_noticed_at_once(out: Path, recording: Recording) -> None:
     """Not when the next sample comes, which may be tomorrow."""
-    with speaking_on(port) as device, Command("record", "--port", port, "--out", out) as record:
-        device.wait_for_reader(never)
+    with recording() as (device, record):
         device.send_all(lines(0, 100), never)
         device.drain(never)
         record.until(lambda _: are_recorded(100, out), "samples on disk")
@@ -286,18 +280,18 @@ def test_a_folder_removed_under_a_silent_device_is_noticed_at_once(port: Path, o
         out.rmdir()
         assert record.end() == 4
     assert "event=link_silent" not in record.log
+    assert "was removed while it was being written; it was restored with everything that was recorded" in record.log
     assert len(rates_in(out)) == 100
 
 
-def test_a_damaged_file_in_the_folder_does_not_keep_it_from_recording(port: Path, out: Path) -> None:
+def test_a_damaged_file_in_the_folder_does_not_keep_it_from_recording(out: Path, recording: Recording) -> None:
     """It is told, and left alone."""
     out.mkdir()
     (out / "a.mcap").write_bytes(b"\x89MCAP0\r\n" + b"\x01" + bytes(8) + b"\x05" + (3).to_bytes(8, "little") + b"abc")
     (out / "b.mcap").symlink_to("nowhere")
     (out / "c.mcap").mkdir()
     (out / "d.mcap").touch()
-    with speaking_on(port) as device, Command("record", "--port", port, "--out", out, "--duration", "0.5") as record:
-        device.wait_for_reader(never)
+    with recording("--duration", "0.5") as (device, record):
         device.send_all(lines(0, 100), never)
         assert record.end() == 0
     assert record.log.count("event=not_repaired") == 1  # in d nothing has begun

@@ -133,14 +133,16 @@ def test_a_worker_that_is_killed_while_results_are_brought_changes_nothing(
     """Its results are computed again."""
     params = candidates(64)
     with ClusterCost(shared.address, sessions) as cost:
-        gathered = cost._workers._gathered
+        results = cost._workers.results
 
-        def kill_and_gather(tasks: Sequence[Any]) -> list[Any]:
-            cost._workers._gathered = gathered  # type: ignore[method-assign]  # a test may
+        def kill_and_bring(tasks: Sequence[Any]) -> list[Any]:
+            cost._workers.results = results  # type: ignore[method-assign]  # a test may
+            with cost._workers._client.as_current():
+                cost._workers._dask.wait(tasks)
             os.kill(next(iter(pids(cost).values())), signal.SIGKILL)
-            return gathered(tasks)
+            return results(tasks)
 
-        cost._workers._gathered = kill_and_gather  # type: ignore[method-assign]  # likewise
+        cost._workers.results = kill_and_bring  # type: ignore[method-assign]  # likewise
         assert_same(cost.cost(params), local.cost(params))
         await_both(cost)
 

@@ -12,7 +12,6 @@ from firmware_support import FILES, run
 
 from gyrodrift import __version__
 from gyrodrift.cli import main
-from gyrodrift.cli.firmware import TARGETS as NAMES
 from gyrodrift.firmware.targets import TARGETS, VERSION_MARK, files_of
 
 
@@ -36,11 +35,6 @@ def test_each_target_is_written_as_its_tool_chain_takes_it(
     assert following.startswith("next: ")
     assert str(out) in following
     assert not any(VERSION_MARK in (out / path).read_text() for path in texts)
-
-
-def test_the_targets_of_the_command_are_those_of_the_layouts() -> None:
-    """The command lists them itself, because it starts fast."""
-    assert tuple(TARGETS) == NAMES
 
 
 def test_the_next_step_can_be_pasted(

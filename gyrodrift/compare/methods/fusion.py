@@ -10,7 +10,7 @@ from gyrodrift.values.arrays import Floats
 
 def run_fusion(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
     """Yaw of the rates that `imufusion.Bias` returns for (0, 0, rate), deg, shape (n,)."""
-    from imufusion import Bias, BiasSettings  # noqa: PLC0415 - an optional package
+    from imufusion import Bias, BiasSettings
 
     settings = BiasSettings(1.0 / mean_step_s(t_s), params["stationary_threshold"], params["stationary_period"])
     bias = Bias().set_settings(settings)

@@ -25,7 +25,7 @@ UNEVEN = 1.5
 
 def vqf_heading(t_s: Floats, axes: InertialColumns, params: Params) -> Floats:
     """Heading of VQF, deg, shape (n,), 0 at the first sample."""
-    from vqf import VQF  # noqa: PLC0415 - an optional package
+    from vqf import VQF
 
     even_s, gyro_rps, accel_mps2 = _even(t_s, axes)
     estimate = VQF(mean_step_s(even_s), **params).updateBatch(gyro_rps, accel_mps2)
@@ -34,7 +34,7 @@ def vqf_heading(t_s: Floats, axes: InertialColumns, params: Params) -> Floats:
 
 def vqf_offline_heading(t_s: Floats, axes: InertialColumns, params: Params) -> Floats:
     """Heading of OfflineVQF, deg, shape (n,), 0 at the first sample."""
-    from vqf import offlineVQF  # noqa: PLC0415
+    from vqf import offlineVQF
 
     even_s, gyro_rps, accel_mps2 = _even(t_s, axes)
     estimate = offlineVQF(gyro_rps, accel_mps2, None, mean_step_s(even_s), dict(params))
@@ -43,7 +43,7 @@ def vqf_offline_heading(t_s: Floats, axes: InertialColumns, params: Params) -> F
 
 def fusion_heading(t_s: Floats, axes: InertialColumns, params: Params) -> Floats:
     """Heading of x-io Fusion with its bias estimation, deg, shape (n,), 0 at the first sample."""
-    import imufusion  # noqa: PLC0415
+    import imufusion
 
     step_s = mean_step_s(t_s)
     bias = imufusion.Bias().set_settings(
@@ -65,21 +65,21 @@ def fusion_heading(t_s: Floats, axes: InertialColumns, params: Params) -> Floats
 
 def madgwick_heading(t_s: Floats, axes: InertialColumns, params: Params) -> Floats:
     """Heading of Madgwick's filter, deg, shape (n,), 0 at the first sample."""
-    from ahrs.filters import Madgwick  # noqa: PLC0415 - an optional package
+    from ahrs.filters import Madgwick
 
     return _stepped(t_s, axes, Madgwick(gain=params["gain"]).updateIMU)
 
 
 def mahony_heading(t_s: Floats, axes: InertialColumns, params: Params) -> Floats:
     """Heading of Mahony's filter, deg, shape (n,), 0 at the first sample."""
-    from ahrs.filters import Mahony  # noqa: PLC0415
+    from ahrs.filters import Mahony
 
     return _stepped(t_s, axes, Mahony(k_P=params["k_p"], k_I=params["k_i"]).updateIMU)
 
 
 def _stepped(t_s: Floats, axes: InertialColumns, update: Callable[..., Floats]) -> Floats:
     """Heading of a filter of the package `ahrs` that is called sample by sample with the step that passed."""
-    from ahrs.common.orientation import acc2q  # noqa: PLC0415
+    from ahrs.common.orientation import acc2q
 
     accel_mps2 = _without_gaps(axes.accel_mps2)
     quaternions = np.empty((len(t_s), 4))

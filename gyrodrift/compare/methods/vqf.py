@@ -20,7 +20,7 @@ def run_vqf(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
 
     The package assumes equal steps, so it would make an error at lost samples. The integral here uses the real steps.
     """
-    from vqf import VQF  # noqa: PLC0415 - an optional package
+    from vqf import VQF
 
     estimate = VQF(mean_step_s(t_s), **params).updateBatch(*_as_imu(rate_dps))
     return _without(t_s, rate_dps, estimate["bias"])
@@ -28,7 +28,7 @@ def run_vqf(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
 
 def run_vqf_offline(t_s: Floats, rate_dps: Floats, params: Params) -> Floats:
     """Integral of the rate minus a bias estimated forward and backward in time, deg, shape (n,)."""
-    from vqf import offlineVQF  # noqa: PLC0415
+    from vqf import offlineVQF
 
     estimate = offlineVQF(*_as_imu(rate_dps), None, mean_step_s(t_s), dict(params))
     return _without(t_s, rate_dps, estimate["bias"])

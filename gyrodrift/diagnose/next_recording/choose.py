@@ -33,7 +33,7 @@ from gyrodrift.diagnose.next_recording.simulated_features import (
     simulated_features,
     weights_of,
 )
-from gyrodrift.io.parallel import LocalWorkers, workers
+from gyrodrift.io.parallel import Workers, workers
 from gyrodrift.values.arrays import Floats
 
 SCREENED, FINAL, PREDICTED, COMPARED = 2, 3, 5, 3
@@ -129,12 +129,16 @@ _FIRST, _SECOND, _PAIRS, _PREDICTED = range(4)
 class _Simulator:
     """Simulates trials of a question in parallel."""
 
-    question: _Question
-    local: LocalWorkers
+    local: Workers[_Question]
+
+    @property
+    def question(self) -> _Question:
+        """The question, which the processes inherit."""
+        return self.local.inherited
 
     def log_likelihoods(self, trials: Sequence[_Trial]) -> list[Floats]:
         """(R, H, H) held-out log-likelihoods of each trial."""
-        return list(self.local.map(self.question.log_likelihoods, trials))
+        return list(self.local.map(_Question.log_likelihoods, trials))
 
     def discriminations(self, trials: Sequence[_Trial]) -> list[Discrimination]:
         """Discrimination by each trial."""
@@ -166,8 +170,8 @@ def next_recording_of(
     question = _Question(tuple(hypothesis.rig for hypothesis in hypotheses), base, weights_of(hypotheses), seed)
     # A longer recording gives at least as much information, so at most 4 min are simulated.
     limits, simulated_minutes = limits_of(base.base), min(minutes, 4.0)
-    with workers(jobs) as local:
-        simulator = _Simulator(question, local)
+    with workers(jobs, question) as local:
+        simulator = _Simulator(local)
         chosen = _chosen(simulator, simulated_minutes, limits)
         proposed = PlannedMotion(profile_of(chosen, simulated_minutes, limits), simulated_minutes)
         compared = [] if recorded is None else [_Trial(recorded, _PREDICTED, COMPARED)]

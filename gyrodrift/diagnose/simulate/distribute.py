@@ -1,8 +1,9 @@
 """Simulations of all sessions, in processes of this machine or by workers of a cluster."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,7 +17,7 @@ from gyrodrift.diagnose.simulate.response_table import ResponseTable, SimulatedS
 from gyrodrift.diagnose.simulate.responses import change_in, null_runs_of, response_table, together
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.io.cluster import ClusterWorkers
-from gyrodrift.io.parallel import inheriting_workers
+from gyrodrift.io.parallel import workers
 from gyrodrift.io.progress import OnProgress
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
 from gyrodrift.values.arrays import Floats
@@ -54,17 +55,6 @@ class SimulationPlan:
     least_noise_dps_rthz: float
 
 
-class SessionTask(NamedTuple):
-    """Task of a cluster worker: one recording, which the worker reads itself, so it needs access to the same path."""
-
-    origin: Origin
-    rig: Rig
-    hints: Hints
-    names: frozenset[str]
-    null_runs: int
-    least_noise_dps_rthz: float
-
-
 def response_tables(
     plan: SimulationPlan, jobs: int, cluster: str | None, progress: OnProgress
 ) -> tuple[ResponseTable, ...]:
@@ -80,8 +70,13 @@ def response_tables(
     if cluster is not None:
         return _on_cluster(plan, cluster, progress)
     numbers = range(len(plan.subjects))
-    with inheriting_workers(min(jobs, len(numbers)), plan) as local:
-        return _counted(local.map(_table, numbers), len(numbers), progress)
+    with workers(min(jobs, len(numbers)), plan) as local:
+        tables = []
+        progress(REPLAYED, 0, len(numbers))
+        for number, table in enumerate(local.map(_table, numbers), 1):
+            progress(REPLAYED, number, len(numbers))
+            tables.append(table)
+    return tuple(tables)
 
 
 def _table(plan: SimulationPlan, number: int) -> ResponseTable:
@@ -89,36 +84,39 @@ def _table(plan: SimulationPlan, number: int) -> ResponseTable:
 
 
 def _on_cluster(plan: SimulationPlan, address: str, progress: OnProgress) -> tuple[ResponseTable, ...]:
-    names, null_runs = frozenset(candidate.name for candidate in plan.tried), null_runs_of(len(plan.origins))
     origins = [origin._replace(path=origin.path.resolve()) for origin in plan.origins]
-    tasks = [
-        SessionTask(origin, plan.rig, plan.hints, names, null_runs, plan.least_noise_dps_rthz) for origin in origins
-    ]
-    workers = ClusterWorkers(address, "a diagnosis")
-    try:
-        progress(REPLAYED, 0, len(tasks))
-        tables: list[ResponseTable] = workers.results(workers.submit(read_and_simulate, tasks))
-        progress(REPLAYED, len(tasks), len(tasks))
-    finally:
-        workers.close()
+    simulate = partial(
+        read_and_simulate,
+        rig=plan.rig,
+        hints=plan.hints,
+        names=frozenset(candidate.name for candidate in plan.tried),
+        null_runs=null_runs_of(len(origins)),
+        least_noise_dps_rthz=plan.least_noise_dps_rthz,
+    )
+    with closing(ClusterWorkers(address, "a diagnosis")) as shared:
+        progress(REPLAYED, 0, len(origins))
+        tables: list[ResponseTable] = shared.results(shared.submit(simulate, origins))
+        progress(REPLAYED, len(origins), len(origins))
     return tuple(tables)
 
 
-def read_and_simulate(task: SessionTask) -> ResponseTable:
-    """Read and simulate a session on a worker of a cluster.
+def read_and_simulate(
+    origin: Origin, rig: Rig, hints: Hints, names: frozenset[str], null_runs: int, least_noise_dps_rthz: float
+) -> ResponseTable:
+    """Read and simulate a session on a worker of a cluster, which needs access to the same path.
 
     Raises
     ------
     DataError
         The session cannot be read, or does not pass the checks any more.
     """
-    path, part, reading, response = task.origin
+    path, part, reading, response = origin
     recordings = checked_session(path, reading).recordings
     if part >= len(recordings):
         raise DataError(f"{path}: changed while it was being diagnosed")
-    tried = [candidate for candidate in candidates(task.hints, task.rig) if candidate.name in task.names]
+    tried = [candidate for candidate in candidates(hints, rig) if candidate.name in names]
     recording = recordings[part] if response is None else response.applied(recordings[part])
-    return response_table(subject_of(recording, task.rig, task.least_noise_dps_rthz), tried, task.null_runs)
+    return response_table(subject_of(recording, rig, least_noise_dps_rthz), tried, null_runs)
 
 
 class _Sessions(NamedTuple):
@@ -139,7 +137,7 @@ def set_simulator(
 ) -> Iterator[Callable[[Sequence[Sized]], SimulatedSet]]:
     """Simulate whole sets of candidates in all sessions at once, by up to `jobs` processes."""
     sessions = _Sessions(subjects, tables, {key(candidate): candidate for candidate in tried})
-    with inheriting_workers(min(jobs, len(subjects)), sessions) as local:
+    with workers(min(jobs, len(subjects)), sessions) as local:
 
         def simulate(effects: Sequence[Sized]) -> SimulatedSet:
             sent = [(key(effect.candidate), effect.size, effect.phases_deg) for effect in effects]
@@ -153,13 +151,3 @@ def _change_of_sent(sessions: _Sessions, sent: _Sent) -> SimulatedSet:
     keys_and_sizes, index = sent
     effects = [Sized(sessions.candidates[name], size, phases_deg) for name, size, phases_deg in keys_and_sizes]
     return change_in(effects, index, sessions.subjects[index], sessions.tables[index])
-
-
-def _counted(tables: Iterable[ResponseTable], total: int, progress: OnProgress) -> tuple[ResponseTable, ...]:
-    """Collect all tables, and report the progress."""
-    counted = []
-    progress(REPLAYED, 0, total)
-    for number, table in enumerate(tables, 1):
-        progress(REPLAYED, number, total)
-        counted.append(table)
-    return tuple(counted)

@@ -112,7 +112,7 @@ class BlePort(SourcePort):
         return asyncio.run_coroutine_threadsafe(work, self._loop)
 
     async def _connect(self, name: str, notify: str | None, write: str | None) -> None:
-        from bleak import BleakClient, BleakScanner  # noqa: PLC0415 - a package of the extra
+        from bleak import BleakClient, BleakScanner
 
         device: Any = name
         if not HARDWARE_ADDRESS.fullmatch(name):

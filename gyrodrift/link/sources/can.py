@@ -159,7 +159,7 @@ def open_can(address: SourceAddress) -> CanPort:
     LinkError
         The bus cannot be opened; the message says why.
     """
-    import can  # noqa: PLC0415 - a package of the extra
+    import can
 
     channel, options = address.split_query(OPTIONS)
     gyro = gyro_of(address)

@@ -60,7 +60,7 @@ def dbc_gyro(text: str, options: Mapping[str, str], *, is_upside_down: bool) -> 
 
 
 def _loaded(text: str, path: Path) -> Any:
-    import cantools.database  # noqa: PLC0415 - only for an address with a DBC file
+    import cantools.database
 
     try:
         database = cantools.database.load_file(path, strict=False)

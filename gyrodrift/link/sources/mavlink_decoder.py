@@ -68,7 +68,7 @@ class MavlinkDecoder(CountingDecoder):
     name = "mavlink"
 
     def __init__(self, choice: ImuChoice) -> None:
-        from pymavlink.dialects.v20 import ardupilotmega  # noqa: PLC0415 - a package of the extra
+        from pymavlink.dialects.v20 import ardupilotmega
 
         super().__init__()
         self._parser = ardupilotmega.MAVLink(None)

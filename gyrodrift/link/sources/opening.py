@@ -44,7 +44,7 @@ def open_line(path: str, baud: int) -> SourcePort:
     """
     if HAS_TERMIOS:
         return Port(path, baud)
-    from gyrodrift.link.thread_port import ThreadPort  # noqa: PLC0415 - Linux and macOS do without
+    from gyrodrift.link.thread_port import ThreadPort
 
     return ThreadPort(path, baud)
 

@@ -124,7 +124,7 @@ class RosbridgePort(SourcePort):
     """Subscription to a topic."""
 
     def __init__(self, channel: StreamChannel, uri: "WebSocketURI") -> None:
-        from websockets.client import ClientProtocol  # noqa: PLC0415 - a package of the extra
+        from websockets.client import ClientProtocol
 
         super().__init__(channel.path, channel.fd)
         self._channel = channel
@@ -181,7 +181,7 @@ class RosbridgePort(SourcePort):
 
     def _messages(self) -> list[bytes]:
         """Complete messages; a message may come in several frames."""
-        from websockets.frames import DATA_OPCODES, Frame  # noqa: PLC0415 - a package of the extra
+        from websockets.frames import DATA_OPCODES, Frame
 
         messages: list[bytes] = []
         for event in self._protocol.events_received():
@@ -227,7 +227,7 @@ def open_rosbridge(address: SourceAddress) -> RosbridgePort:
     LinkError
         The server is absent, or is none.
     """
-    from websockets.uri import parse_uri  # noqa: PLC0415 - a package of the extra
+    from websockets.uri import parse_uri
 
     rest, options = address.split_query(TLS_OPTIONS)
     host, port, topic = host_and_path(address, rest, USUAL_PORT)

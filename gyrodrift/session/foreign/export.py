@@ -117,7 +117,7 @@ def write_imu(path: Path, chunks: Iterable[Session]) -> None:
     UsageError
         The file cannot be written; nothing is left behind in either case.
     """
-    from mcap_ros2.writer import Writer  # noqa: PLC0415 - only for CDR
+    from mcap_ros2.writer import Writer
 
     with whole_file(path) as file:
         writer = Writer(file)
@@ -138,7 +138,7 @@ def write_json(path: Path, chunks: Iterable[Session]) -> None:
     UsageError
         The file cannot be written; nothing is left behind.
     """
-    from mcap.writer import Writer  # noqa: PLC0415 - as above
+    from mcap.writer import Writer
 
     stream = iter(chunks)
     first = next(stream)

@@ -107,7 +107,7 @@ def parsed(source: str, schema: Schema) -> Callable[[bytes], Any]:
         size = f"{lines} lines and {len(schema.data)} bytes"
         limits = f"at most {MOST_LINES} and {MOST_SCHEMA_BYTES} are read"
         raise DataError(f"{source}: the schema {schema.name} has {size}; {limits}")
-    from mcap_ros2.decoder import DecoderFactory  # noqa: PLC0415 - only for CDR
+    from mcap_ros2.decoder import DecoderFactory
 
     try:
         with redirect_stderr(StringIO()):

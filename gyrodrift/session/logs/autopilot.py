@@ -76,7 +76,7 @@ def read_ardupilot(path: Path) -> Session:
     if not is_binary and not is_ardupilot_text(path):
         raise DataError(f"{path}: is no log of ArduPilot")
     with packages_of(path, "logs"):
-        from pymavlink import DFReader  # noqa: PLC0415 - an extra that few have
+        from pymavlink import DFReader
     if is_binary:
         _check_formats(path)
     try:
@@ -138,7 +138,7 @@ def read_px4(path: Path) -> Session:
         if file.read(len(PX4_MAGIC)) != PX4_MAGIC:
             raise DataError(f"{path}: is no log of PX4: it does not begin as ULog")
     with packages_of(path, "logs"):
-        from pyulog import ULog  # noqa: PLC0415 - an extra that few have
+        from pyulog import ULog
     _check_holes(path)
     try:
         with _silence():

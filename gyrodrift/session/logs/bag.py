@@ -70,7 +70,7 @@ def deserializer(*, is_ros1: bool) -> Callable[[bytes, str], Any]:
 
     The layout of messages is the same in every release of ROS 2.
     """
-    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415 - an extra that few have
+    from rosbags.typesys import Stores, get_typestore
 
     if is_ros1:
         ros1: Callable[[bytes, str], Any] = get_typestore(Stores.ROS1_NOETIC).deserialize_ros1
@@ -100,7 +100,7 @@ def _reader_of(path: Path) -> Any:
     if path.suffix.lower() == ".db3" and not (folder / "metadata.yaml").is_file():
         raise DataError(f"{path}: there is no metadata.yaml beside it; give the folder of the bag as ros2 bag wrote it")
     with packages_of(path, "ros"):
-        from rosbags import rosbag1, rosbag2  # noqa: PLC0415 - an extra that few have
+        from rosbags import rosbag1, rosbag2
     _check_beginning(path)
     return rosbag1.Reader(folder) if is_ros1(path) else rosbag2.Reader(folder)
 

@@ -33,7 +33,7 @@ def parquet_head(path: Path) -> Head:
 
 def parquet_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
     """Rows with their numbers, from 1."""
-    import pyarrow as pa  # noqa: PLC0415 - an extra that few have
+    import pyarrow as pa
 
     number = 0
     try:
@@ -47,8 +47,8 @@ def parquet_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
 
 def _opened(path: Path) -> Any:
     with packages_of(path, "parquet"):
-        import pyarrow as pa  # noqa: PLC0415
-        import pyarrow.parquet as pq  # noqa: PLC0415
+        import pyarrow as pa
+        import pyarrow.parquet as pq
     try:
         return pq.ParquetFile(path)
     except (pa.ArrowException, OSError) as error:
@@ -56,13 +56,13 @@ def _opened(path: Path) -> Any:
 
 
 def _label(field: Any) -> str:
-    import pyarrow as pa  # noqa: PLC0415
+    import pyarrow as pa
 
     return f"{field.name} ({field.type.unit})" if pa.types.is_timestamp(field.type) else str(field.name)
 
 
 def _texts(column: Any) -> list[str]:
-    import pyarrow as pa  # noqa: PLC0415
+    import pyarrow as pa
 
     whole = column.cast(pa.int64()) if pa.types.is_timestamp(column.type) else column
     return ["" if value is None else str(value) for value in whole.to_pylist()]

@@ -42,7 +42,7 @@ def written_ending(path: Path, option: str) -> str:
 
 def _need_parquet(what: str) -> None:
     try:
-        import pyarrow.parquet  # noqa: F401, PLC0415 - an extra that few have
+        import pyarrow.parquet  # noqa: F401 - an extra that few have
     except ImportError as error:
         raise UsageError(f"{what}: needs the package {error.name}: {extra_command('parquet')}") from error
 
@@ -101,8 +101,8 @@ def _array(names: Sequence[str], rows: Iterable[Row]) -> Iterator[str]:
 
 
 def _write_parquet(file: BinaryIO, names: Sequence[str], rows: Iterator[Row]) -> None:
-    import pyarrow as pa  # noqa: PLC0415 - an extra that few have
-    import pyarrow.parquet as pq  # noqa: PLC0415
+    import pyarrow as pa
+    import pyarrow.parquet as pq
 
     schema = pa.schema([(name, pa.int64() if name == "seq" else pa.float64()) for name in names])
     with pq.ParquetWriter(file, schema) as writer:
@@ -113,7 +113,7 @@ def _write_parquet(file: BinaryIO, names: Sequence[str], rows: Iterator[Row]) ->
 
 
 def _write_mcap(file: BinaryIO, names: Sequence[str], rows: Iterable[Row]) -> None:
-    from mcap.writer import Writer  # noqa: PLC0415 - only who writes it
+    from mcap.writer import Writer
 
     writer = Writer(file)
     writer.start(library="gyrodrift")

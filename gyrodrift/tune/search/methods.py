@@ -100,7 +100,7 @@ class CmaEs(_AsMeant):
 
     def search(self, objective: Objective, rng: np.random.Generator) -> None:
         """Search until the budget is spent."""
-        import cma  # noqa: PLC0415 - half a second to import, for who asks for it
+        import cma
 
         size = 4 + int(3 * np.log(objective.dimensions))
         start: Floats = np.full(objective.dimensions, 0.5)

@@ -81,7 +81,7 @@ class Racer:
     """A local search from a point, with a stopping rule."""
 
     def __init__(self, start: Floats, sigma: float, patience: int, rng: np.random.Generator) -> None:
-        import cma  # noqa: PLC0415 - half a second to import, for who searches
+        import cma
 
         options = {"bounds": [0.0, 1.0], "popsize": POPULATION, "seed": int(rng.integers(1, 2**31)), "verbose": -9}
         options |= {"tolfun": 0.0, "tolfunhist": 0.0, "tolx": 1e-5}  # this class decides when to stop

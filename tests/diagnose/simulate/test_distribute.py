@@ -9,9 +9,9 @@ from simulate_support import BASE, HINTS, candidate_of, plain, session_of
 
 from firmware_sim.rig import Rig
 from gyrodrift.diagnose.recording.checked import checked_session
-from gyrodrift.diagnose.simulate import distribute, responses
+from gyrodrift.diagnose.simulate import responses
 from gyrodrift.diagnose.simulate.candidates import candidates
-from gyrodrift.diagnose.simulate.distribute import Origin, SessionTask, SimulationPlan, response_tables
+from gyrodrift.diagnose.simulate.distribute import Origin, SimulationPlan, read_and_simulate, response_tables
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.diagnose.simulate.responses import response_table
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
@@ -66,16 +66,10 @@ def test_a_worker_elsewhere_reads_the_session_and_gives_the_same(tmp_path: Path)
     write_session(path, [session_of()])
     (recording,) = checked_session(path).recordings
     subject = subject_of(recording, Rig(base=BASE))
-    task = SessionTask(
-        Origin(path, 0),
-        Rig(base=BASE),
-        HINTS,
-        frozenset(["scale_factor", "popcorn"]),
-        null_runs=1,
-        least_noise_dps_rthz=0.0,
-    )
-    popcorns = [one for one in candidates(HINTS) if one.name in task.names]
-    assert same(distribute.read_and_simulate(task), response_table(subject, popcorns, null_runs=1))
+    names = frozenset(["scale_factor", "popcorn"])
+    popcorns = [one for one in candidates(HINTS) if one.name in names]
+    read = read_and_simulate(Origin(path, 0), Rig(base=BASE), HINTS, names, 1, 0.0)
+    assert same(read, response_table(subject, popcorns, null_runs=1))
 
 
 def test_a_part_of_a_session_with_an_outage_is_read_as_that(tmp_path: Path) -> None:
@@ -83,8 +77,8 @@ def test_a_part_of_a_session_with_an_outage_is_read_as_that(tmp_path: Path) -> N
     session, path = session_of(minutes=1.5), tmp_path / "torn.csv"
     write_session(path, [session.part(0, 3500), session.part(4000, 9000)])
     _, recording = checked_session(path).recordings
-    task = SessionTask(Origin(path, 1), Rig(base=BASE), HINTS, frozenset(), null_runs=1, least_noise_dps_rthz=0.0)
-    assert same(distribute.read_and_simulate(task), response_table(subject_of(recording, Rig(base=BASE)), [], 1))
+    read = read_and_simulate(Origin(path, 1), Rig(base=BASE), HINTS, frozenset(), 1, 0.0)
+    assert same(read, response_table(subject_of(recording, Rig(base=BASE)), [], 1))
 
 
 def test_a_session_that_was_changed_meanwhile_is_told(tmp_path: Path) -> None:
@@ -92,6 +86,4 @@ def test_a_session_that_was_changed_meanwhile_is_told(tmp_path: Path) -> None:
     path = tmp_path / "cut.csv"
     write_session(path, [session_of(minutes=0.25)])
     with pytest.raises(DataError, match=r"cut\.csv: changed while"):
-        distribute.read_and_simulate(
-            SessionTask(Origin(path, 0), Rig(base=BASE), HINTS, frozenset(), null_runs=1, least_noise_dps_rthz=0.0)
-        )
+        read_and_simulate(Origin(path, 0), Rig(base=BASE), HINTS, frozenset(), 1, 0.0)
