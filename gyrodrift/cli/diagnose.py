@@ -15,8 +15,8 @@ from gyrodrift.cli.parser import unknown
 from gyrodrift.io.files import check_writable, write_whole
 from gyrodrift.io.installation import need_packages
 from gyrodrift.report.provenance import Provenance, UsedFile, date_now, set_name
+from gyrodrift.session.checks.given import columns_or_none
 from gyrodrift.session.checks.stated import ReadingOptions
-from gyrodrift.session.given import columns_or_none
 from gyrodrift.values.errors import UsageError, visible
 
 EXAMPLES = """\

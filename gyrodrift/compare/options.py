@@ -8,8 +8,8 @@ from gyrodrift.compare.comparison import ComparisonRequest, config_file
 from gyrodrift.compare.methods.registry import methods
 from gyrodrift.filters.filter import FilterParams
 from gyrodrift.io.progress import OnProgress
+from gyrodrift.session.checks.given import AS_GIVEN, InputOptions, check_count, check_seeds
 from gyrodrift.session.files import session_paths
-from gyrodrift.session.given import AS_GIVEN, InputOptions, check_count, check_seeds
 
 
 @dataclass(frozen=True, slots=True)

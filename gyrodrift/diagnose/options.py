@@ -9,9 +9,9 @@ from firmware_sim.rig import load_rig
 from firmware_sim.yaml_file import FileError
 from gyrodrift.diagnose.stages import DiagnosisRequest
 from gyrodrift.io.progress import OnProgress
+from gyrodrift.session.checks.given import AS_GIVEN, InputOptions, check_count, check_name
 from gyrodrift.session.checks.stated import ReadingOptions
 from gyrodrift.session.files import session_paths
-from gyrodrift.session.given import AS_GIVEN, InputOptions, check_count, check_name
 from gyrodrift.values.errors import UsageError
 
 

@@ -12,8 +12,8 @@ from gyrodrift.io.progress import OnProgress, ignore_progress
 if TYPE_CHECKING:
     from gyrodrift.compare.comparison import Comparison
     from gyrodrift.diagnose.result import Diagnosis
+    from gyrodrift.session.checks.given import InputOptions
     from gyrodrift.session.checks.stated import ReadingOptions
-    from gyrodrift.session.given import InputOptions
     from gyrodrift.tune.result import Tuning
 
 Paths = str | PathLike[str] | Iterable[str | PathLike[str]]
@@ -209,13 +209,13 @@ def _paths(paths: Paths) -> list[Path]:
 
 
 def _inputs(columns: str | None, reference: str | None = None, *, allow_damage: bool) -> "InputOptions":
-    from gyrodrift.session.given import InputOptions
+    from gyrodrift.session.checks.given import InputOptions
 
     return InputOptions(_reading(columns, reference), allow_damage=allow_damage)
 
 
 def _reading(columns: str | None, reference: str | None) -> "ReadingOptions":
+    from gyrodrift.session.checks.given import columns_or_none
     from gyrodrift.session.checks.stated import ReadingOptions
-    from gyrodrift.session.given import columns_or_none
 
     return ReadingOptions(columns_or_none(columns), reference=reference or "")

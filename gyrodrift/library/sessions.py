@@ -36,7 +36,7 @@ def load_session(
         If it is missing, of an unknown kind, or no session.
     """
     from gyrodrift.session import files
-    from gyrodrift.session.given import columns_or_none
+    from gyrodrift.session.checks.given import columns_or_none
 
     named = columns_or_none(columns)
     return files.load_session(Path(path), named, reference=reference or "", allow_damage=allow_damage)

@@ -7,8 +7,8 @@ from pathlib import Path
 from gyrodrift.evaluation.dataset import Source, Split
 from gyrodrift.filters.registry import FILTERS
 from gyrodrift.io.progress import OnProgress
+from gyrodrift.session.checks.given import AS_GIVEN, InputOptions, check_count, check_name, check_seeds
 from gyrodrift.session.files import session_paths
-from gyrodrift.session.given import AS_GIVEN, InputOptions, check_count, check_name, check_seeds
 from gyrodrift.tune.choice import tune_filters
 from gyrodrift.tune.plans import plans_of
 from gyrodrift.tune.result import Tuning
