@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from gyrodrift.session import given
+from gyrodrift.session.checks import given
 from gyrodrift.session.checks.examine import examined
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions, session_as_stated
 from gyrodrift.session.session import Session
