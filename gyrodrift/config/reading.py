@@ -68,7 +68,7 @@ class ConfigReading:
         ConfigError
             With all mistakes, if it takes too long, or if its process died.
         """
-        if self._has_ended():
+        if self._read_to_end():
             self._stream.close()
             return self._config()
         if self._monotonic() < self._until_s:
@@ -84,7 +84,7 @@ class ConfigReading:
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(KILLED_S)
 
-    def _has_ended(self) -> bool:
+    def _read_to_end(self) -> bool:
         """Read the output of the process; whether it is complete and the process has ended."""
         if self._file is not None:
             return self.is_gone and self._take_file(self._file)

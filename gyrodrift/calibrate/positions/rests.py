@@ -99,7 +99,7 @@ class RestFinder:
         return float(self._still[-1].t_s[-1] - self._still[0].t_s[0]) if self._still else 0.0
 
     def _take(self, block: AxesBlock) -> Laid | None:
-        if self._is_quiet(block):
+        if self._judge_quiet(block):
             if not self._is_level(block):
                 self._end_rest()
             self._still.append(block)
@@ -140,7 +140,7 @@ class RestFinder:
         elif self._between and self._between[-1].t_s[-1] - self._between[0].t_s[0] > LONGEST_MOVE_S:
             self._previous, self._between = [], []
 
-    def _is_quiet(self, block: AxesBlock) -> bool:
+    def _judge_quiet(self, block: AxesBlock) -> bool:
         steps_mps2 = (smallest_step(axis) or inf for axis in block.accel_mps2.T)
         self._gyro_noise_dps = min(self._gyro_noise_dps, white_noise(block.gyro_dps))
         self._accel_noise_mps2 = min(self._accel_noise_mps2, white_noise(block.accel_mps2))

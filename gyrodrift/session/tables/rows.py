@@ -84,7 +84,7 @@ class RowReader:
 
     def _take(self, piece: list[tuple[int, list[str]]]) -> None:
         width, where = self._head.width, self._columns.where
-        good = [(line, row) for line, row in piece if len(row) == width or self._is_row(line, row)]
+        good = [(line, row) for line, row in piece if len(row) == width or self._accept_row(line, row)]
         if where is not None:
             good = [(line, row) for line, row in good if row[where[0]] == where[1]]
         if not good:
@@ -106,7 +106,7 @@ class RowReader:
         else:
             self._keep(values)
 
-    def _is_row(self, line: int, row: list[str]) -> bool:
+    def _accept_row(self, line: int, row: list[str]) -> bool:
         """Accept a row with one delimiter too many at its end; count every other row of a wrong width."""
         if len(row) == self._head.width + 1 and not row[-1].strip():
             row.pop()
