@@ -160,7 +160,13 @@ PACKAGE = re.compile(r".{14}(\w+)/ +(.+)")
 @cache
 def tree() -> frozenset[str]:
     """Files of the project and their folders, with a slash before and, for a folder, behind the path."""
-    done = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     if done.returncode:
         pytest.skip("the tree is no clone")
     files = [Path(line) for line in done.stdout.splitlines()]
