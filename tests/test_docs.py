@@ -1,5 +1,6 @@
 """The pages for people: their links lead somewhere, and the commands they name are those that there are."""
 
+import pkgutil
 import re
 import shlex
 import subprocess
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import promises
 import pytest
+from test_architecture import ROOMS
 
 from gyrodrift.cli import COMMANDS, parser_of
 from gyrodrift.values.errors import UsageError
@@ -155,6 +157,70 @@ def test_promises_are_those_of_the_tests() -> None:
     """docs/promises.csv is what the tests promise; `python tests/promises.py` writes it."""
     assert promises.LIST.read_text() == promises.listed()
     assert promises.listed().count("\n") > 200
+
+
+PATH = re.compile(r"(?:[\w.-]+/)*[\w.-]+(?:\.(?:py|md|toml|json|yaml|png)|/)")
+PACKAGE = re.compile(r".{14}(\w+)/ +(.+)")
+"""A line of the drawing: the stage, or blanks, then the package and its content."""
+
+
+@cache
+def tree() -> frozenset[str]:
+    """Files of the project and their folders, with a slash before and, for a folder, behind the path."""
+    done = subprocess.run(
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode:
+        pytest.skip("the tree is no clone")
+    files = [Path(line) for line in done.stdout.splitlines()]
+    return frozenset([*(f"/{file}" for file in files), *(f"/{folder}/" for file in files for folder in file.parents)])
+
+
+def drawing() -> dict[str, str]:
+    """Content of each package in the drawing of docs/extending.md, from top to bottom."""
+    (block,) = [text for _, text in FENCE.findall((DOCS / "extending.md").read_text()) if " cli/ " in text]
+    packages: dict[str, str] = {}
+    for line in filter(None, block.splitlines()):
+        if match := PACKAGE.fullmatch(line):
+            packages[match[1]] = match[2]
+        else:
+            packages[next(reversed(packages))] += f" {line.strip()}"
+    return packages
+
+
+@pytest.mark.parametrize("page", sorted(DOCS.glob("extending*.md")), ids=name_of)
+def test_files_modules_and_classes_of_the_recipes_exist(page: Path) -> None:
+    """A path may be shortened from the left; a name with NAME in it is a toy of the reader."""
+    text = "".join(path.read_text() for path in (*SOURCES, *DOCS.glob("examples/*.py")))
+    for code in CODE.findall(prose(page)):
+        if "NAME" in code or code == "gyrodrift.commands":
+            continue
+        if PATH.fullmatch(code):
+            assert any(path.endswith(f"/{code}") for path in tree()), f"{code}: there is no such file"
+        elif re.fullmatch(r"gyrodrift(?:\.\w+)+", code):
+            assert pkgutil.resolve_name(code) is not None
+        elif re.fullmatch(r"(?:\w+\.)?[A-Z]\w*[a-z]\w*", code):
+            assert re.search(rf"\b{code.rpartition('.')[2]}\b", text), f"{code}: no source has it"
+
+
+def test_the_drawing_has_the_packages_of_today() -> None:
+    """All of them, with the files and folders that it names, and none above a package that imports it."""
+    packages = drawing()
+    folders = {path.parent.name for path in (ROOT / "gyrodrift").glob("*/__init__.py")}
+    assert packages.keys() == folders | {"firmware_sim"}
+    for package, content in packages.items():
+        folder = ROOT / package if package == "firmware_sim" else ROOT / "gyrodrift" / package
+        named = re.findall(r"\w+/|\w+\.py", content)
+        assert [name for name in named if not (folder / name).exists()] == [], package
+    order = list(packages)
+    for package, below in ((name.split(".")[0], rooms.split()) for name, rooms in ROOMS.items()):
+        if package in order and package != "session":  # its checks use facts, as the drawing says
+            imported = {room.split(".")[0] for room in below} & packages.keys() - {package}
+            assert [room for room in imported if order.index(room) < order.index(package)] == [], package
 
 
 def test_equations_that_the_code_cites_stand_in_the_docs() -> None:

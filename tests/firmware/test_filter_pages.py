@@ -56,15 +56,6 @@ def test_the_lines_of_the_page_are_those_of_the_sketch(tmp_path: Path) -> None:
     assert '"no gyro at this address: check VCC, GND, SCL and SDA"' in sketch
 
 
-def test_the_wires_are_those_of_the_other_page() -> None:
-    """Row by row, for the boards of both."""
-    row = r"^\| (\w+) \| ([^|]+) \| ([^|]+) \| ([^|]+) \|"
-    wires = {name: pins for name, *pins in re.findall(row, TEN_MINUTES.read_text(), re.MULTILINE)}
-    others = {name: pins for name, *pins in re.findall(row, FIRMWARE.read_text(), re.MULTILINE)}
-    for name in ("VCC", "GND", "SCL", "SDA"):
-        assert wires[name] == others[name]
-
-
 def test_the_sketch_of_the_page_compiles(tmp_path: Path) -> None:
     """In an empty sketch, for an Uno."""
     need("avr-g++", "gcc-avr")
