@@ -29,7 +29,6 @@ def cause(effect: str, probability: float = 0.9, *tied_with: str, **parameters: 
 
 
 def outcome(said: Any, seconds: float = 30.0, status: int = 0, *, is_late: bool = False) -> Outcome:
-    """Of a run that said this."""
     return read_outcome({"seconds": seconds, "timed_out": is_late, "exit_status": status, "gap": said})
 
 

@@ -74,11 +74,9 @@ class Tab:
             time.sleep(0.05)
 
     def text(self, selector: str) -> str:
-        """What a person reads there."""
         return str(self.run(f"document.querySelector({json.dumps(selector)}).innerText"))
 
     def size(self, width: int, height: int, scale: float = 1.0, *, is_phone: bool = False) -> None:
-        """As on a screen of this many pixels of CSS."""
         self._ask(
             "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale, mobile=is_phone
         )
@@ -114,17 +112,17 @@ class Tab:
         self._ask("Tracing.end")
         while self._is_tracing:
             self.run("0")
-        return sum(each["name"] == "DrawFrame" for each in self._traced)
+        return sum(item["name"] == "DrawFrame" for item in self._traced)
 
     def _ask(self, method: str, **parameters: Any) -> dict[str, Any]:
         self._last += 1
         self._devtools.send(json.dumps({"id": self._last, "method": method, "params": parameters}))
         while True:
-            said = json.loads(self._devtools.recv(PATIENCE_S))
-            if said.get("id") == self._last:
-                assert "error" not in said, said
-                return dict(said["result"])
-            self._hear(said.get("method"), said.get("params", {}))
+            statement = json.loads(self._devtools.recv(PATIENCE_S))
+            if statement.get("id") == self._last:
+                assert "error" not in statement, statement
+                return dict(statement["result"])
+            self._hear(statement.get("method"), statement.get("params", {}))
 
     def _hear(self, method: str | None, about: dict[str, Any]) -> None:
         match method:
@@ -166,7 +164,6 @@ def browsing(folder: Path) -> Iterator[Tab]:
 
 
 def _page_of(folder: Path, process: subprocess.Popen[bytes]) -> str:
-    """Where the DevTools of the first tab listen."""
     until_s = time.monotonic() + 3 * PATIENCE_S
     while True:
         assert process.poll() is None, "the browser ended"

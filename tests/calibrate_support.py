@@ -43,13 +43,15 @@ def turn_s(angle_deg: float) -> float:
 
 def profile_of(segments: list[str], folder: Path) -> Path:
     path = folder / "turns.yaml"
-    path.write_text("\n".join(["about: turns against a mark", "segments:", *(f"  - {each}" for each in segments)]))
+    path.write_text(
+        "\n".join(["about: turns against a mark", "segments:", *(f"  - {segment}" for segment in segments)])
+    )
     return path
 
 
 def to_and_fro(angles_deg: list[float], first_s: float = 14.0) -> list[str]:
     """A rest, then moves with a stop of 4 s behind each."""
-    return [*rest(first_s), *(each for angle_deg in angles_deg for each in (*turn(angle_deg), *rest(4.0)))]
+    return [*rest(first_s), *(item for angle_deg in angles_deg for item in (*turn(angle_deg), *rest(4.0)))]
 
 
 def effects(texts: tuple[str, ...]) -> list[Effect]:

@@ -38,7 +38,6 @@ def need_node(folder: Path, package: str) -> str:
 
 
 def fed(client: "subprocess.Popen[str]", serve: Command, device: Any) -> dict[str, Any]:
-    """What a client prints at its end, a line of JSON, while the device turns at 10 deg/s and the service serves it."""
     sent = 0
 
     def has_ended(_: Command) -> bool:
@@ -55,9 +54,9 @@ def fed(client: "subprocess.Popen[str]", serve: Command, device: Any) -> dict[st
         serve.until(has_ended, "end of the client")
     finally:
         client.kill()
-        said, complaint = client.communicate(timeout=PATIENCE_S)
-    assert client.returncode == 0, (said, complaint)
-    return dict(json.loads(said.splitlines()[-1]))
+        statement, complaint = client.communicate(timeout=PATIENCE_S)
+    assert client.returncode == 0, (statement, complaint)
+    return dict(json.loads(statement.splitlines()[-1]))
 
 
 def _started(program: str, script: str, *args: str) -> "subprocess.Popen[str]":

@@ -28,21 +28,20 @@ def _children() -> set[str]:
 
 def _descriptors() -> set[tuple[str, str]]:
     """Number and target of each that a test may not leave open."""
-    found = set()
+    result = set()
     for link in Path("/proc/self/fd").iterdir():
         try:
-            found.add((link.name, str(link.readlink())))
+            result.add((link.name, str(link.readlink())))
         except OSError:
             continue  # the descriptor of the listing itself
-    return {(number, target) for number, target in found if not _may_stay(target)}
+    return {(number, target) for number, target in result if not _may_stay(target)}
 
 
 def _left(now: Callable[[], Iterable[Any]], before: set[Any]) -> set[Any]:
-    """What is there beside what was there before, when all had time to end what it was told to."""
     until_s = time.monotonic() + ENDS_WITHIN_S
-    while (left := set(now()) - before) and time.monotonic() < until_s:
+    while (remaining := set(now()) - before) and time.monotonic() < until_s:
         time.sleep(0.01)
-    return left
+    return remaining
 
 
 def _may_stay(target: str) -> bool:
@@ -61,7 +60,6 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Those that take a minute begin first, so that no process is left alone with one in the end."""
     items.sort(key=lambda item: item.get_closest_marker("long") is None)
 
 
@@ -78,13 +76,12 @@ def nothing_left_behind() -> Iterator[None]:
     yield
     assert not _left(threading.enumerate, threads), "threads left behind"
     assert not _left(_children, children), "child processes left behind"
-    left = _left(_descriptors, descriptors)
-    assert not left, f"descriptors left behind: {left}"
+    remaining = _left(_descriptors, descriptors)
+    assert not remaining, f"descriptors left behind: {remaining}"
 
 
 @pytest.fixture(autouse=True)
 def log_as_it_is_at_first() -> None:
-    """What a command that ran in this process made of the log, its level above all, is not for the next test."""
     structlog.reset_defaults()
 
 

@@ -34,7 +34,6 @@ TRIED = (
 
 
 def diagnosis(away: Amounts) -> Diagnosis:
-    """Of two sessions whose features deviate by so many sigmas; popcorn was withheld, two effects are untestable."""
     verdict, explanation = concluded(rows(away, SESSIONS), *TRIED)
     rig = load_rig(None)
     effects = tuple(cause.effect for cause in verdict.causes)
@@ -67,12 +66,11 @@ def diagnosis(away: Amounts) -> Diagnosis:
 
 
 def design() -> DesignMatrix:
-    """As far as a comparison of features asks for it: how long its bases are."""
-    one = SimpleNamespace(
+    item = SimpleNamespace(
         static=SimpleNamespace(vectors=np.zeros((SECONDS, len(COLUMNS)))),
         lag=SimpleNamespace(vectors=np.zeros((100 * SECONDS, len(LAG_FEATURES)))),
     )
-    return cast("DesignMatrix", one)
+    return cast("DesignMatrix", item)
 
 
 def _session(number: int) -> DiagnosedSession:
@@ -89,7 +87,6 @@ def _session(number: int) -> DiagnosedSession:
 
 
 def _residuals() -> ResidualChecks:
-    """Of rates that go up and down, with an error in proportion to them, and a change point in the first session."""
     rng = np.random.default_rng(1)
     rate_dps = np.repeat(rng.uniform(-90.0, 90.0, SECONDS // 10), 10)
     noise_dps = rng.normal(0.0, 0.01, (SESSIONS, 4, SECONDS))
@@ -119,7 +116,7 @@ def _residuals() -> ResidualChecks:
 def _dependence(name: str, x: Floats, sessions: tuple[ResidualSeries, ...]) -> Dependence:
     order = np.argsort(x)
     real, before, after, unexplained = (
-        np.concatenate([getattr(one, f"{column}_dps") for one in sessions])[order]
+        np.concatenate([getattr(session, f"{column}_dps") for session in sessions])[order]
         for column in ("real", "before", "after", "unexplained")
     )
     x = x[order]

@@ -78,16 +78,18 @@ def running_device(port: Path, *words: str | Path) -> Iterator[None]:
 def doctor(capsys: pytest.CaptureFixture[str], *words: str | Path) -> tuple[int, Findings]:
     """Exit status and findings by id of the command, run in this process."""
     status = main(["doctor", "--json", *map(str, words)])
-    said = capsys.readouterr()
-    assert said.out, said.err
-    (line,) = said.out.splitlines()
+    statement = capsys.readouterr()
+    assert statement.out, statement.err
+    (line,) = statement.out.splitlines()
     about = json.loads(line)
-    return status, {each["id"]: each for each in about["findings"]}
+    return status, {finding["id"]: finding for finding in about["findings"]}
 
 
 def assert_findings(found: Findings, expected: Sequence[tuple[str, str, str]]) -> None:
     """Each of (id, severity, words that it says or advises)."""
     for name, severity, words in expected:
         assert name in found, f"{name} is not among {', '.join(found)}"
-        told = f"{found[name]['says']} → {found[name]['do']}"
-        assert (found[name]["severity"], words in told) == (severity, True), f"{name} {found[name]['severity']}: {told}"
+        report = f"{found[name]['says']} → {found[name]['do']}"
+        assert (found[name]["severity"], words in report) == (severity, True), (
+            f"{name} {found[name]['severity']}: {report}"
+        )

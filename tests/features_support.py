@@ -41,8 +41,8 @@ class Observed(NamedTuple):
 
     def values(self) -> dict[str, float]:
         """All features by name."""
-        found = measure(self.cleaned, self.design, FACTS).values
-        return {name: float(found[number]) for name, number in NUMBER.items()}
+        result = measure(self.cleaned, self.design, FACTS).values
+        return {name: float(result[number]) for name, number in NUMBER.items()}
 
 
 def white(sigma: float, seed: int = 1, count: int = len(T_S)) -> Floats:
@@ -51,7 +51,6 @@ def white(sigma: float, seed: int = 1, count: int = len(T_S)) -> Floats:
 
 
 def recorded(rate_dps: Floats, angle_deg: Floats = TRUE_DEG, cpr: int = COUNTS_PER_TURN) -> Recording:
-    """By a perfect clock and link."""
     counts_deg = np.round(angle_deg * cpr / 360.0) * 360.0 / cpr
     t_s = T_S[: len(rate_dps)]
     return recording_of(Session("turns", t_s, rate_dps, 1.7e9 + t_s, np.arange(len(t_s)), counts_deg))
@@ -59,13 +58,11 @@ def recorded(rate_dps: Floats, angle_deg: Floats = TRUE_DEG, cpr: int = COUNTS_P
 
 @cache
 def true_design() -> DesignMatrix:
-    """Of the worked-out motion itself, at room temperature."""
     motion = ReplayedMotion(PERIOD_S, TRUE_DEG, TRUE_DPS, np.full(len(T_S), 25.0), 0.0)
     return design_matrix_of(clean(recorded(TRUE_DPS)), motion)
 
 
 def design_of(seen: Cleaned) -> DesignMatrix:
-    """Of the motion that encoder and gyro of a recording say."""
     return design_matrix_of(seen, motion_posterior_of(seen, GyroModel(FACTS.dps_per_lsb)).mean)
 
 
@@ -76,5 +73,5 @@ def observed(rate_dps: Floats) -> Observed:
 
 def observed_beside(rate_dps: Floats, angle_deg: Floats, cpr: int = COUNTS_PER_TURN) -> Observed:
     """A rate beside another angle."""
-    seen = clean(recorded(rate_dps, angle_deg, cpr))
-    return Observed(seen, design_of(seen))
+    events = clean(recorded(rate_dps, angle_deg, cpr))
+    return Observed(events, design_of(events))

@@ -73,7 +73,6 @@ class Truth(NamedTuple):
 
 
 def run(*words: str | Path, folder: Path | None = None) -> str:
-    """What a program prints, run in a folder; its complaints are the test's."""
     done = subprocess.run([str(word) for word in words], cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout
@@ -175,23 +174,21 @@ class Board:
         return self._process.poll() is not None
 
     def result(self, patience_s: float = PATIENCE_S) -> tuple[dict[str, Any], Truth]:
-        """What it says at its end, and what its gyro measured."""
-        said, complaint = self._process.communicate(timeout=patience_s)
+        statement, complaint = self._process.communicate(timeout=patience_s)
         assert self._process.returncode == 0, complaint
         rows = np.loadtxt(self._truth, delimiter=",", ndmin=2)
-        return json.loads(said), Truth(*rows.T)
+        return json.loads(statement), Truth(*rows.T)
 
 
 def in_micropython(program: str, asked: object, folder: Path, *more: Path) -> bytes:
-    """What a program of tests/firmware/micropython writes in MicroPython, beside the firmware and `asked.json`."""
     question = folder / "asked.json"
     question.write_text(json.dumps(asked))
     files = [*sorted(MICROPYTHON.glob("*.py")), question, *more]
     package = "@micropython/micropython-webassembly-pyscript"
     node = node_client(package, "micropython.mjs", str(HERE / "micropython" / program), *map(str, files))
-    said, complaint = node.communicate(timeout=3 * PATIENCE_S)
+    statement, complaint = node.communicate(timeout=3 * PATIENCE_S)
     assert node.returncode == 0, complaint
-    return bytes.fromhex(said)
+    return bytes.fromhex(statement)
 
 
 def same_sensor(record: dict[str, Any], sensor: Any) -> bool:

@@ -153,7 +153,6 @@ def written(folder: Path, content: bytes) -> Path:
 
 
 def refused(folder: Path, content: bytes, topic: str | None = None) -> str:
-    """What is said of a file that cannot be read: one line that begins with its path."""
     path = written(folder, content)
     with pytest.raises(DataError) as caught:
         read_foreign(path, topic)

@@ -112,7 +112,7 @@ def tables(difference: Floats | Amounts, *tried: Simulated, nulls: Floats | None
             none,
             own[session],
             own[session],
-            {key(one.candidate): one.nodes[:, session] for one in tried},
+            {key(entry.candidate): entry.nodes[:, session] for entry in tried},
         )
         for session in range(len(away))
     ]
@@ -128,10 +128,10 @@ def unit_nulls(sessions: int) -> Floats:
 
 def simulator(*tried: Simulated) -> Callable[[Sequence[Sized]], SimulatedSet]:
     """A simulator of sets whose effects add up, each on straight lines between its grid points."""
-    known = {key(one.candidate): one for one in tried}
+    expected = {key(entry.candidate): entry for entry in tried}
 
     def simulate(effects: Sequence[Sized]) -> SimulatedSet:
-        return exactly(np.sum([_between(known[key(one.candidate)], one.size) for one in effects], axis=0))
+        return exactly(np.sum([_between(expected[key(effect.candidate)], effect.size) for effect in effects], axis=0))
 
     return simulate
 
@@ -139,15 +139,15 @@ def simulator(*tried: Simulated) -> Callable[[Sequence[Sized]], SimulatedSet]:
 def _between(one: Simulated, size: float) -> Floats:
     """(S, F) change at a size, mean over realisations."""
     points, means = one.candidate.grid_points, one.nodes.mean(axis=2)
-    place = float(np.interp(size, points, np.arange(len(points))))
-    lower = min(int(place), len(points) - 2)
-    change: Floats = means[lower] + (place - lower) * (means[lower + 1] - means[lower])
+    position = float(np.interp(size, points, np.arange(len(points))))
+    lower = min(int(position), len(points) - 2)
+    change: Floats = means[lower] + (position - lower) * (means[lower + 1] - means[lower])
     return change
 
 
 def concluded(difference: Floats | Amounts, *tried: Simulated) -> Conclusion:
     """Verdict and explanation of such sessions."""
-    return conclude(tables(difference, *tried), [one.candidate for one in tried], simulator(*tried))
+    return conclude(tables(difference, *tried), [entry.candidate for entry in tried], simulator(*tried))
 
 
 def observed(difference: Floats | Amounts, *, nulls: Floats | None = None) -> Observation:
@@ -159,7 +159,7 @@ def observed(difference: Floats | Amounts, *, nulls: Floats | None = None) -> Ob
 def scorer_of(difference: Floats | Amounts, *tried: Simulated, nulls: Floats | None = None) -> Scorer:
     """A scorer of such sessions with a template of each candidate."""
     made = tables(difference, *tried, nulls=nulls)
-    evidence = evidence_of(made, [one.candidate for one in tried])
+    evidence = evidence_of(made, [entry.candidate for entry in tried])
     observation = observation_of(made, evidence.is_compared)
     stages = np.array([GROUPS.index((feature.stage, feature.regime)) for feature in FEATURES])
     groups = Groups(stages, len(GROUPS), np.logical_or.reduce(evidence.is_compared))
@@ -174,7 +174,6 @@ def template_of(*tried: Simulated) -> Template:
 
 
 def response(name: str, per_size: Amounts, sizes: Floats = SIZES, sessions: int = SESSIONS) -> Response:
-    """Of a candidate that moves features in proportion to its size."""
     return Response(candidate(name, sizes), sizes[:, None, None] * rows(per_size, sessions))
 
 
@@ -187,12 +186,10 @@ def evidence(difference: Floats | Amounts, *responses: Response) -> Evidence:
 
 
 def exactly(change: Floats) -> SimulatedSet:
-    """What a simulator says of a set that does the same in each run."""
     return SimulatedSet(change, np.zeros_like(change), 3)
 
 
 def with_difference(scorer: Scorer, difference: Floats) -> Scorer:
-    """The same for recordings that differ from the rig by something else, in units of its observation."""
     observation = scorer.observation
     compared = np.where(observation.is_compared, difference, 0.0)
     return Scorer(replace(observation, difference=compared), scorer.groups, scorer.templates)

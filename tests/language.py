@@ -186,8 +186,8 @@ def files(places: Iterable[Path]) -> list[Path]:
     """Pages and Python files at and below some places."""
     return sorted(
         path
-        for place in places
-        for path in ([place] if place.is_file() else place.rglob("*"))
+        for position in places
+        for path in ([position] if position.is_file() else position.rglob("*"))
         if path.suffix in {".md", ".py"}
     )
 

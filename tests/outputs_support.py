@@ -29,8 +29,8 @@ def corrected(seq: int, **values: Any) -> Corrected:
     """A sample of a device at 100 Hz with everything known; `values` are fields of `Corrected`."""
     t_s = seq / 100.0
     sample = Sample(seq, t_s, 1.7e9 + t_s, 1.5, 10.0, 25.0)
-    known = Corrected(sample, 1.25, 0.0125 * seq, 0.25, 0.5, 0.9, 0.01, 0.8, 0.015 * seq, 90.0, 10.0)
-    return known._replace(**values)
+    expected = Corrected(sample, 1.25, 0.0125 * seq, 0.25, 0.5, 0.9, 0.01, 0.8, 0.015 * seq, 90.0, 10.0)
+    return expected._replace(**values)
 
 
 Quaternion = tuple[float, float, float, float]
@@ -49,7 +49,6 @@ def product(p: Quaternion, q: Quaternion) -> Quaternion:
 
 
 def attitude_q(heading_deg: float, pitch_deg: float, roll_deg: float) -> Quaternion:
-    """Of a device with this tilt whose twist about the vertical is the heading."""
     pitch, roll = radians(pitch_deg) / 2.0, radians(roll_deg) / 2.0
     level = product((cos(pitch), 0.0, sin(pitch), 0.0), (cos(roll), sin(roll), 0.0, 0.0))
     turn = radians(heading_deg) / 2.0 - atan2(level[3], level[0])
@@ -80,7 +79,6 @@ def with_own_yaw(plain: Corrected, own: DeviceYaw = OWN_YAW) -> Corrected:
 
 
 def csv_at_100_hz(count: int, rate_dps: float = 10.0, first: int = 0) -> bytes:
-    """What a device of the protocol csv says that turns steadily."""
     return b"".join(b"%d,%.3f,1.5,25.0\n" % (i * 10_000, rate_dps) for i in range(first, first + count))
 
 
@@ -94,8 +92,8 @@ def serving(port: Path, *options: str | Path) -> Iterator[tuple[Command, Any]]:
 
 def events(serve: Command, name: str, output: str | None = None) -> list[dict[str, Any]]:
     """Lines of the log so far that are this event, of this output where one is named."""
-    found = [json.loads(line) for line in serve.log.split("\n")[:-1] if f'"{name}"' in line]
-    return [each for each in found if each["event"] == name and (output is None or each.get("output") == output)]
+    result = [json.loads(line) for line in serve.log.split("\n")[:-1] if f'"{name}"' in line]
+    return [item for item in result if item["event"] == name and (output is None or item.get("output") == output)]
 
 
 def address_of(serve: Command, output: str) -> tuple[str, int]:
@@ -105,7 +103,6 @@ def address_of(serve: Command, output: str) -> tuple[str, int]:
 
 
 def path_of(serve: Command, output: str) -> str:
-    """What an output says that its address is, once it is open."""
     serve.until(lambda it: bool(events(it, "output_open", output)), f"open {output}")
     return str(events(serve, "output_open", output)[-1]["address"])
 
@@ -135,9 +132,9 @@ class Reader:
     def until(self, kind: str) -> dict[str, Any]:
         """The next object of a class."""
         while True:
-            found = self.json()
-            if found["class"] == kind:
-                return found
+            result = self.json()
+            if result["class"] == kind:
+                return result
 
 
 @contextmanager
@@ -157,8 +154,8 @@ class HubThread:
 
     def want(self, *specs: OutputSpec | str) -> None:
         """These outputs from now on."""
-        wanted = [output_of(each) if isinstance(each, str) else each for each in specs]
-        named = [{"name": each.name, "options": revealed(each.options)} for each in wanted]
+        expected = [output_of(spec) if isinstance(spec, str) else spec for spec in specs]
+        named = [{"name": item.name, "options": revealed(item.options)} for item in expected]
         self._service.send(wire.pack_json(wire.OUTPUTS, named))
 
     def endpoint(self) -> tuple[str, int]:
@@ -185,14 +182,14 @@ class HubThread:
 
     def statuses(self) -> list[OutputStatus]:
         """The next that is heard of the outputs."""
-        return [output_status(each) for each in json.loads(self._service.recv(wire.LONGEST_BYTES))]
+        return [output_status(load) for load in json.loads(self._service.recv(wire.LONGEST_BYTES))]
 
     def opened(self, count: int = 1) -> list[OutputStatus]:
         """Once so many outputs are open."""
         until_s = time.monotonic() + PATIENCE_S
         while True:
             statuses = self.statuses()
-            if sum(bool(each.address) for each in statuses) == count == len(statuses):
+            if sum(bool(statuse.address) for statuse in statuses) == count == len(statuses):
                 return statuses
             assert time.monotonic() < until_s, statuses
 
@@ -217,7 +214,6 @@ def hub(*specs: OutputSpec | str) -> Iterator[HubThread]:
 
 @contextmanager
 def hub_process() -> Iterator[HubThread]:
-    """As `hub`, but in the process that outputs have beside a service."""
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     command = [sys.executable, "-m", "gyrodrift.outputs", str(theirs.fileno()), "info", "json"]
     with ours, subprocess.Popen(command, pass_fds=[theirs.fileno()], stderr=subprocess.DEVNULL) as process:
@@ -234,7 +230,7 @@ def await_problem(outputs: HubThread, text: str) -> str:
     """The problem of the first output, once it contains the text."""
     until_s = time.monotonic() + PATIENCE_S
     while True:
-        problem = next((each.problem for each in outputs.statuses()), "")
+        problem = next((statuse.problem for statuse in outputs.statuses()), "")
         if text in problem:
             return problem
         assert time.monotonic() < until_s, problem

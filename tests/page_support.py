@@ -28,7 +28,7 @@ def shown(template: str, heading: str = "", **values: object) -> Written:
 
 def charts(html: str) -> list[dict[str, Any]]:
     """The charts of a page as data: series have their coordinates, not numbers of arrays."""
-    return [drawn(str(one.get("data-chart"))) for one in parsed(html).iter("div") if one.get("class") == "chart"]
+    return [drawn(str(item.get("data-chart"))) for item in parsed(html).iter("div") if item.get("class") == "chart"]
 
 
 def drawn(content: Chart | str) -> dict[str, Any]:
@@ -53,7 +53,6 @@ def parsed(html: str) -> ET.Element:
 
 
 def words(html: str) -> str:
-    """What a reader reads, the figures' words too."""
     body = parsed(html).find("body")
     assert body is not None
     return re.sub(r"\s+", " ", " ".join(body.itertext()))
@@ -61,5 +60,5 @@ def words(html: str) -> str:
 
 def row(html: str, name: str) -> list[str]:
     """The cells of the first row with this name."""
-    rows = [["".join(cell.itertext()).strip() for cell in one] for one in parsed(html).iter("tr")]
+    rows = [["".join(cell.itertext()).strip() for cell in item] for item in parsed(html).iter("tr")]
     return next(cells for cells in rows if cells and cells[0] == name)

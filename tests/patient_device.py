@@ -15,7 +15,6 @@ from firmware_sim.wire.encoder import Frame
 def play(
     frames: Iterator[Frame], device: PtyDevice, speed: float | None, is_over: Callable[[], bool]
 ) -> tuple[int, int]:
-    """As `player.play`, without loss at any speed."""
     return player.play(frames if speed is None else _paced(frames, device, speed, is_over), device, None, is_over)
 
 

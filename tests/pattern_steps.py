@@ -65,18 +65,18 @@ class Backtracking:
         if not is_searched:
             self.fullmatch(text)
             return self._steps
-        self._steps = at = 0
-        while at <= len(text):
-            end = self._end(self._program, text, at, (-1,) * self._marks)
-            at = at + 1 if end is None else max(end, at + 1)
+        self._steps = position = 0
+        while position <= len(text):
+            end = self._end(self._program, text, position, (-1,) * self._marks)
+            position = position + 1 if end is None else max(end, position + 1)
         return self._steps
 
     def _end(self, program: list[Step], text: str, at: int, marks: Marks, *, is_full: bool = False) -> int | None:
         """End of the first match at a place; None without a match."""
         choices: list[tuple[int, int | None, Marks]] = [(0, at, marks)]
         while choices:
-            index, place, marks = choices.pop()
-            while place is not None:
+            index, position, marks = choices.pop()
+            while position is not None:
                 self._steps += 1
                 if self._steps > BUDGET:
                     raise TooManyStepsError
@@ -84,18 +84,18 @@ class Backtracking:
                 index += 1
                 match step.kind:
                     case "end":
-                        if not is_full or place == len(text):
-                            return place
+                        if not is_full or position == len(text):
+                            return position
                         break
                     case "part":
-                        place = step.value(text, place, marks)
+                        position = step.value(text, position, marks)
                     case "choice":
-                        choices.append((step.second, place, marks))
+                        choices.append((step.second, position, marks))
                         index = step.first
                     case "go":
                         index = step.first
                     case "mark":
-                        marks = (*marks[: step.value], place, *marks[step.value + 1 :])
+                        marks = (*marks[: step.value], position, *marks[step.value + 1 :])
         return None
 
     def _program_of(self, nodes: Any, flags: int) -> list[Step]:
@@ -129,8 +129,10 @@ class Backtracking:
             case "ATOMIC_GROUP":
                 return self._atomic(value, flags)
             case "ASSERT" | "ASSERT_NOT" if value[0] > 0:
-                ahead, wanted = self._atomic(value[1], flags), kind == "ASSERT"
-                return lambda text, at, marks: at if (ahead(text, at, marks) is not None) == wanted else None
+                ahead, expected = self._atomic(value[1], flags), kind == "ASSERT"
+                return lambda text, position, marks: (
+                    position if (ahead(text, position, marks) is not None) == expected else None
+                )
             case "GROUPREF":
                 return partial(_again, value)
             case _:  # looking back takes one step: its length is fixed
@@ -191,14 +193,14 @@ def _order(choice: Step, *, is_greedy: bool) -> None:
 
 def _one_step(pattern: re.Pattern[str], text: str, at: int, _marks: Marks) -> int | None:
     """End of what `re` itself matches."""
-    found = pattern.match(text, at)
-    return found and found.end()
+    result = pattern.match(text, at)
+    return result and result.end()
 
 
 def _again(group: int, text: str, at: int, marks: Marks) -> int | None:
     """End of the text that a group has matched, if it comes again."""
-    found = text[marks[2 * group] : marks[2 * group + 1]]
-    return at + len(found) if text.startswith(found, at) else None
+    result = text[marks[2 * group] : marks[2 * group + 1]]
+    return at + len(result) if text.startswith(result, at) else None
 
 
 def _has_moved(mark: int, _text: str, at: int, marks: Marks) -> int | None:

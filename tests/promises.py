@@ -22,8 +22,8 @@ def marks_in(path: Path) -> Iterator[tuple[str, str, str]]:
         for mark in node.decorator_list:
             if isinstance(mark, ast.Call) and ast.unparse(mark).startswith("pytest.mark.promise("):
                 area, *text = [ast.literal_eval(argument) for argument in mark.args]
-                said = text or [(ast.get_docstring(node) or "").partition("\n")[0].rstrip(".")]
-                yield area, said[0], f"{path.relative_to(ROOT)}::{node.name}"
+                statement = text or [(ast.get_docstring(node) or "").partition("\n")[0].rstrip(".")]
+                yield area, statement[0], f"{path.relative_to(ROOT)}::{node.name}"
 
 
 def listed() -> str:

@@ -35,12 +35,12 @@ def blocks_of(t_s: Floats, rate_dps: Floats, window_s: float, still: Floats | No
     steps_deg = steps_s * (rate_dps + np.r_[rate_dps[0], rate_dps[:-1]]) / 2.0
     apart = np.abs(np.diff(rate_dps, prepend=rate_dps[0]))
     finest = np.minimum.accumulate(np.where(apart > 0.0, apart, np.inf))
-    found, first, seconds = [], 0, 0.0
+    result, first, seconds = [], 0, 0.0
     for n in range(len(t_s)):
         seconds += float(steps_s[n])  # one after the other: where a block ends hangs on the last bit
         if seconds >= window_s and n + 1 - first >= 6:
             inside = rate_dps[first : n + 1]
-            found.append(
+            result.append(
                 ReferenceBlock(
                     n,
                     seconds,
@@ -53,11 +53,10 @@ def blocks_of(t_s: Floats, rate_dps: Floats, window_s: float, still: Floats | No
                 )
             )
             first, seconds = n + 1, 0.0
-    return found
+    return result
 
 
 def said_of(words: Floats) -> str:
-    """What a witness says of a block: all of it is rest, or some of it moves."""
     if (words == 1.0).all():
         return "still"
     return "moves" if (words == 0.0).any() else ""
@@ -111,23 +110,22 @@ def kalman_update(
 
 def moment_matched(shares: Floats, means: list[Floats], covs: list[Floats]) -> tuple[Floats, Floats]:
     """Mean and covariance of a mixture."""
-    mean = sum(share * each for share, each in zip(shares, means, strict=True))
-    cov = sum(share * (each + np.outer(m - mean, m - mean)) for share, m, each in zip(shares, means, covs, strict=True))
+    mean = sum(share * item for share, item in zip(shares, means, strict=True))
+    cov = sum(share * (item + np.outer(m - mean, m - mean)) for share, m, item in zip(shares, means, covs, strict=True))
     return np.asarray(mean), np.asarray(cov)
 
 
 def first_kalman_update(
     h: ReferenceHypothesis, mean_dps: float, var: float, p: RestlevelParams
 ) -> tuple[ReferenceHypothesis, float]:
-    """The same for the first blocks of a segment."""
     if h.knows_bias:
         return kalman_update(h, mean_dps, var, (p.drift_dps_s * min(h.moving_s, 20.0)) ** 2)
     typical = norm.logpdf(mean_dps, scale=np.sqrt(h.cov[1, 1] + var)) + np.log(0.97)
     wide = norm.logpdf(mean_dps, scale=np.sqrt(16.0 * h.cov[1, 1] + var)) + np.log(0.03)
     far = max(1.0, mean_dps**2 / (9.0 * h.cov[1, 1]))
     cov = h.cov + (far - 1.0) * np.outer(h.cov[:, 1], h.cov[:, 1]) / h.cov[1, 1]
-    found, _ = kalman_update(replace(h, cov=cov), mean_dps, var, 0.0)
-    return replace(found, knows_bias=True), float(np.logaddexp(typical, wide))
+    result, _ = kalman_update(replace(h, cov=cov), mean_dps, var, 0.0)
+    return replace(result, knows_bias=True), float(np.logaddexp(typical, wide))
 
 
 def in_merge_gate(a: ReferenceHypothesis, b: ReferenceHypothesis) -> bool:
@@ -466,12 +464,10 @@ class ReferenceFilter:
         self.line, self.line_cov = mean + gain * off, cov - np.outer(gain, cov[0])
 
     def loud_var(self, b: ReferenceBlock) -> float:
-        """Of the mean of a block that may be louder than the sensor."""
         louder = self.before / self.noise_var
         return self.walk / b.seconds * (max(1.0, louder) if self.is_walk_measured else louder)
 
     def less_certain(self, var: float) -> None:
-        """Of the bias, in all hypotheses."""
         self.hypotheses = [replace(h, cov=h.cov + np.diag([0.0, var])) for h in self.hypotheses]
 
     def stand_still(self, b: ReferenceBlock, mean_dps: float) -> None:
@@ -481,7 +477,7 @@ class ReferenceFilter:
             self.noise_var, self.walk = self.before, var * b.seconds
         at_rest = [h for h in self.hypotheses if h.is_at_rest]
         beyond = sum(h.weight * ((mean_dps - h.mean[1]) ** 2 - h.cov[1, 1] - var - self.flicker) for h in at_rest)
-        found, logs = [], []
+        result, logs = [], []
         for h in self.hypotheses:
             drifted = self.p.drift_dps_s * (b.seconds if h.is_at_rest else min(h.moving_s, 20.0))
             spread = np.sqrt(h.cov[1, 1] + drifted**2 + var + self.flicker)
@@ -491,9 +487,9 @@ class ReferenceFilter:
             else:
                 new = first_kalman_update(h, mean_dps, var, self.p)[0]
             rest = replace(new, is_at_rest=True, moving_s=0.0, prior=1.0, chance=0.0, noisy=0.0, odds=1.0)
-            found.append(settled(rest))
-        found = [replace(h, weight=np.exp(log - max(logs))) for h, log in zip(found, logs, strict=True)]
-        self.hypotheses = found
+            result.append(settled(rest))
+        result = [replace(h, weight=np.exp(log - max(logs))) for h, log in zip(result, logs, strict=True)]
+        self.hypotheses = result
         if self.was_certain:
             self.learn_noise(b, mean_dps, 1.0, min(beyond, 4.0 * (var + self.flicker)))
         self.hypotheses = merged_and_pruned(self.hypotheses)
@@ -502,8 +498,8 @@ class ReferenceFilter:
         """Flicker and angle random walk, by a block at rest."""
         self.flicker = max(0.0, self.flicker + 0.002 * beyond)
         self.is_walk_measured = self.is_walk_measured or resting > 0.5
-        found = min(0.5 * (mean_dps - self.last) ** 2 * b.seconds, 9.0 * self.walk)
-        self.walk += 0.05 * resting * (found - self.walk)
+        result = min(0.5 * (mean_dps - self.last) ** 2 * b.seconds, 9.0 * self.walk)
+        self.walk += 0.05 * resting * (result - self.walk)
         self.walk = max(self.walk, self.rounding(b) / b.samples * b.seconds)
 
     def confirm(self, b: ReferenceBlock) -> bool:
@@ -548,12 +544,12 @@ class ReferenceFilter:
             if h.is_at_rest:
                 continue
             back = replace(gone_back(h), was_at_rest=False)
-            found, log_likelihood = first_kalman_update(back, mean_dps, var, self.p)
+            result, log_likelihood = first_kalman_update(back, mean_dps, var, self.p)
             away_dps, bias_var = mean_dps - h.mean[1], h.cov[1, 1]
             rest = replace(
-                found,
+                result,
                 is_at_rest=True,
-                place=min(set(range(12)) - {other.place for other in everyone if other.weight > 0.0}),
+                place=min(set(range(12)) - {second.place for second in everyone if second.weight > 0.0}),
                 weight=h.weight * np.exp(log_likelihood),
                 prior=prior,
                 chance=float(4.0 * wanders * cauchy.pdf(away_dps, scale=np.sqrt(self.wander_dps**2 + bias_var))),
@@ -574,11 +570,10 @@ def sensor_odds_of(variance: float) -> float:
 def begun(
     p: RestlevelParams, remembered: Sequence[tuple[float, float, float]], yaw_deg: float
 ) -> list[ReferenceHypothesis]:
-    """What is known before the first block."""
     kinds = ((0.25, 1e-4), (0.25, 1e-2), (0.5, 1.0)) if p.turn_on_dps else ((1.0, 1.0),)
-    known = len(remembered)
+    expected = len(remembered)
     unknown = 1.0 - sum(weight for weight, _, _ in remembered)
-    found = [
+    result = [
         ReferenceHypothesis(
             k, weight, np.array([yaw_deg, bias]), np.diag([0.0, var + p.walk_dps_rts**2]), knows_bias=True
         )
@@ -586,16 +581,16 @@ def begun(
     ]
     for k, (weight, share) in enumerate(kinds):
         mean, cov = np.array([yaw_deg, 0.0]), np.diag([0.0, share * p.turn_on_dps**2])
-        found.append(ReferenceHypothesis(known + k, unknown * weight, mean, cov, p.turn_on_dps == 0.0))
-    return found
+        result.append(ReferenceHypothesis(expected + k, unknown * weight, mean, cov, p.turn_on_dps == 0.0))
+    return result
 
 
 def first_measured(blocks: list[ReferenceBlock], rate_dps: Floats) -> int:
     """Number of the block, one of the first two with steps, whose fine steps say that zeros were no rates; else −1."""
-    mute = [b for b in blocks if b.resolution_dps == 0.0]
-    if not mute or rate_dps[mute[-1].end] != 0.0:
+    silent = [b for b in blocks if b.resolution_dps == 0.0]
+    if not silent or rate_dps[silent[-1].end] != 0.0:
         return -1
-    with_steps = range(len(mute), min(len(mute) + 2, len(blocks)))
+    with_steps = range(len(silent), min(len(silent) + 2, len(blocks)))
     return next((number for number in with_steps if blocks[number].resolution_dps <= 0.03), -1)
 
 
@@ -616,35 +611,35 @@ def reference(
     temp_c: Floats | None = None,
 ) -> dict[str, Floats]:
     """Yaw, bias and their standard deviations at the end of each block; `end` has the samples."""
-    one = ReferenceFilter(p, begun(p, remembered, 0.0))
+    item = ReferenceFilter(p, begun(p, remembered, 0.0))
     rows = []
     blocks = blocks_of(t_s, rate_dps, p.window_s, still)
     first = first_measured(blocks, rate_dps)
     for number, b in enumerate(blocks):
         if number == first:
-            one = measuring_at_last(one, begun(p, remembered, one.yaw_deg))
+            item = measuring_at_last(item, begun(p, remembered, item.yaw_deg))
         mean_dps = b.turned_deg / b.seconds
-        one.follow(b, mean_dps)
-        if len(one.segment) == 1:
-            one.enter()
-        one.warm(b, temp_c)
-        is_certain = one.believes(b, mean_dps)
+        item.follow(b, mean_dps)
+        if len(item.segment) == 1:
+            item.enter()
+        item.warm(b, temp_c)
+        is_certain = item.believes(b, mean_dps)
         if is_certain:
-            one.stand_still(b, mean_dps)
-        elif one.was_certain and len(one.segment) < 5:
-            one.hypotheses = [replace(h, is_at_rest=False) for h in one.hypotheses]
-        one.predict(b)
-        if len(one.segment) > 5 and not is_certain:
-            one.zero_velocity_update(b, mean_dps)
-        if len(one.segment) > 1:
-            one.mean += (mean_dps - one.mean) / min(len(one.segment), 10)
-        is_new = len(one.segment) == 5 and not is_certain and one.confirm(b)
-        one.turn(b, mean_dps, is_new=is_new)
-        one.give_output()
-        one.was_certain = is_certain
-        one.last = mean_dps
-        one.learn_temperature(b, float(t_s[b.end]), is_certain=is_certain)
-        rows.append((b.end, one.yaw_deg, one.bias_dps, one.yaw_var, one.sigma_dps))
+            item.stand_still(b, mean_dps)
+        elif item.was_certain and len(item.segment) < 5:
+            item.hypotheses = [replace(h, is_at_rest=False) for h in item.hypotheses]
+        item.predict(b)
+        if len(item.segment) > 5 and not is_certain:
+            item.zero_velocity_update(b, mean_dps)
+        if len(item.segment) > 1:
+            item.mean += (mean_dps - item.mean) / min(len(item.segment), 10)
+        is_new = len(item.segment) == 5 and not is_certain and item.confirm(b)
+        item.turn(b, mean_dps, is_new=is_new)
+        item.give_output()
+        item.was_certain = is_certain
+        item.last = mean_dps
+        item.learn_temperature(b, float(t_s[b.end]), is_certain=is_certain)
+        rows.append((b.end, item.yaw_deg, item.bias_dps, item.yaw_var, item.sigma_dps))
     columns = zip(*rows, strict=True)
     return {
         name: np.array(column) for name, column in zip(("end", "yaw", "bias", "yaw_var", "sigma"), columns, strict=True)
@@ -652,7 +647,6 @@ def reference(
 
 
 def settled(h: ReferenceHypothesis) -> ReferenceHypothesis:
-    """What it says now is what it has settled at."""
     now = (float(h.mean[1]), float(h.cov[1, 1]), 0.0)
     return replace(h, recent=now, settled=now, slid_dps=None)
 
@@ -683,16 +677,15 @@ def exchanged(h: ReferenceHypothesis) -> ReferenceHypothesis:
 def taken_back(h: ReferenceHypothesis) -> ReferenceHypothesis:
     """A rest that has ended gradually: it ended with the bias it had settled at, which is as old as that."""
     own, (yaw, cov, moving_s) = exchanged(h), h.checkpoint
-    turned = np.array([(h.mean[1] - own.mean[1]) * h.moving_s, 0.0])
+    rotated = np.array([(h.mean[1] - own.mean[1]) * h.moving_s, 0.0])
     older = (yaw, cov, moving_s + h.settled[2])
-    return replace(own, mean=own.mean + turned, moving_s=h.moving_s + h.settled[2], checkpoint=older)
+    return replace(own, mean=own.mean + rotated, moving_s=h.moving_s + h.settled[2], checkpoint=older)
 
 
 def given_back(h: ReferenceHypothesis) -> ReferenceHypothesis:
-    """As if the rest had not ended gradually, and yaw had turned with its own bias since."""
     own, passed_s = exchanged(h), h.moving_s - h.settled[2]
-    turned = np.array([(h.mean[1] - own.mean[1]) * passed_s, 0.0])
-    return replace(own, mean=own.mean + turned, moving_s=passed_s)
+    rotated = np.array([(h.mean[1] - own.mean[1]) * passed_s, 0.0])
+    return replace(own, mean=own.mean + rotated, moving_s=passed_s)
 
 
 def gone_back(h: ReferenceHypothesis) -> ReferenceHypothesis:
@@ -705,17 +698,17 @@ def gone_back(h: ReferenceHypothesis) -> ReferenceHypothesis:
 def merged_and_pruned(hypotheses: list[ReferenceHypothesis]) -> list[ReferenceHypothesis]:
     """Merge what is in the gate, keep the six that are most probable, of equal weights the last."""
     total = sum(h.weight for h in hypotheses)
-    left = [replace(h, weight=h.weight / total) for h in hypotheses if h.weight > 0.0]
+    remaining = [replace(h, weight=h.weight / total) for h in hypotheses if h.weight > 0.0]
     k = 0
-    while k < len(left):
+    while k < len(remaining):
         j = k + 1
-        while j < len(left):
-            if in_merge_gate(left[k], left[j]):
-                a, b = left[k], left.pop(j)
+        while j < len(remaining):
+            if in_merge_gate(remaining[k], remaining[j]):
+                a, b = remaining[k], remaining.pop(j)
                 weight = a.weight + b.weight
                 shares = np.array([a.weight, b.weight]) / weight
                 mean, cov = moment_matched(shares, [a.mean, b.mean], [a.cov, b.cov])
-                left[k] = replace(
+                remaining[k] = replace(
                     a,
                     weight=weight,
                     mean=mean,
@@ -730,11 +723,11 @@ def merged_and_pruned(hypotheses: list[ReferenceHypothesis]) -> list[ReferenceHy
             else:
                 j += 1
         k += 1
-    left = [h for h in left if h.weight >= 1e-9]
-    keep = sorted(left, key=lambda h: h.weight)[-6:]
-    left = [h for h in left if any(h is one for one in keep)]
-    total = sum(h.weight for h in left)
-    return [replace(h, weight=h.weight / total) for h in left]
+    remaining = [h for h in remaining if h.weight >= 1e-9]
+    keep = sorted(remaining, key=lambda h: h.weight)[-6:]
+    remaining = [h for h in remaining if any(h is item for item in keep)]
+    total = sum(h.weight for h in remaining)
+    return [replace(h, weight=h.weight / total) for h in remaining]
 
 
 def widened(h: ReferenceHypothesis) -> Floats:

@@ -26,7 +26,6 @@ class SignalkServer:
     port: int
 
     def navigation(self, name: str, feed: Callable[[int], object]) -> dict[str, Any]:
-        """What it knows of the vessel's motion, as soon as it knows this; `feed` is called with rising numbers."""
         until_s = time.monotonic() + 6 * PATIENCE_S
         for number in count():
             feed(number)

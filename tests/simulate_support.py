@@ -56,7 +56,6 @@ def session_of(*effects: Effect, minutes: float = MOTION.seconds / 60.0) -> Sess
 
 
 def subject_from(session: Session) -> Subject:
-    """As a diagnosis with the shipped rig takes it."""
     return subject_of(recording_of(session), Rig(base=BASE))
 
 
@@ -73,7 +72,7 @@ def base_run(seed: int) -> BaseRun:
 
 def candidate_of(name: str) -> Candidate:
     """The first candidate of an effect or out-of-catalogue model."""
-    return next(one for one in candidates(HINTS) if one.name == name)
+    return next(item for item in candidates(HINTS) if item.name == name)
 
 
 def response_at(candidate: Candidate, *sizes: float) -> Floats:
@@ -84,5 +83,5 @@ def response_at(candidate: Candidate, *sizes: float) -> Floats:
 
 def feature(values: Floats, name: str) -> Floats:
     """One of the features of an array (…, F)."""
-    found: Floats = values[..., NUMBER[name]]
-    return found
+    result: Floats = values[..., NUMBER[name]]
+    return result

@@ -146,8 +146,8 @@ class Terminal:
         self._stream = pyte.ByteStream(self.screen)
         self._master, slave = pty.openpty()
         termios.tcsetwinsize(self._master, (rows, columns))
-        others = dict.fromkeys(("stdout", "stderr"), subprocess.DEVNULL)
-        given: dict[str, Any] = others | dict.fromkeys(streams, slave)
+        rest = dict.fromkeys(("stdout", "stderr"), subprocess.DEVNULL)
+        given: dict[str, Any] = rest | dict.fromkeys(streams, slave)
         self.process = subprocess.Popen(
             [str(word) for word in words],
             stdin=slave,
@@ -170,7 +170,6 @@ class Terminal:
 
     @property
     def text(self) -> str:
-        """What stands on the screen."""
         return "\n".join(self.screen.display)
 
     def keys(self, text: str) -> None:

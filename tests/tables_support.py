@@ -45,9 +45,8 @@ def filtered_yaw_deg(path: Path, *options: str) -> float:
 
 
 def angles_deg(step_s: float = 0.05) -> list[float]:
-    """What a board's own filter makes of the turn: its yaw, within 180°, from 170° on."""
-    turned, before = 170.0, [170.0]
+    turn, before = 170.0, [170.0]
     for (_, earlier_s, _), (_, t_s, _) in pairwise(samples(step_s)):
-        turned += (REST_S <= earlier_s < REST_S + TURN_S) * TURN_DEG / TURN_S * (t_s - earlier_s)
-        before.append((turned + 180.0) % 360.0 - 180.0)
+        turn += (REST_S <= earlier_s < REST_S + TURN_S) * TURN_DEG / TURN_S * (t_s - earlier_s)
+        before.append((turn + 180.0) % 360.0 - 180.0)
     return before

@@ -79,15 +79,15 @@ NAMES = {name_of(path): path for path in MODULES}
 @cache
 def imports_of(path: Path) -> frozenset[str]:
     """Modules that a file imports, ours by their own names; names taken out of a module stand for the module."""
-    found = set()
+    result = set()
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
+            result |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}: imports are absolute"
             inside = {f"{node.module}.{alias.name}" for alias in node.names}
-            found |= (inside & NAMES.keys()) or {node.module or ""}
-    return frozenset(found)
+            result |= (inside & NAMES.keys()) or {node.module or ""}
+    return frozenset(result)
 
 
 def of(package: str, names: frozenset[str] | set[str]) -> set[str]:
@@ -108,13 +108,13 @@ def room_of(name: str) -> str:
 
 def forbidden_rooms(path: Path) -> set[str]:
     """Rooms that a file imports from, and that ROOMS does not allow its room."""
-    room = room_of(name_of(path))
-    if room in {"cli", "__main__", "gyrodrift"}:
+    space = room_of(name_of(path))
+    if space in {"cli", "__main__", "gyrodrift"}:
         return set()
     imports = imports_of(path)
-    known = {room_of(name) for package in PACKAGES for name in of(package, imports)}
-    allowed = set((BASE if room in BASE.split() else ROOMS[room]).split())
-    return known - allowed - {room, "gyrodrift"}
+    expected = {room_of(name) for package in PACKAGES for name in of(package, imports)}
+    allowed = set((BASE if space in BASE.split() else ROOMS[space]).split())
+    return expected - allowed - {space, "gyrodrift"}
 
 
 def test_arrows_are_as_drawn() -> None:
@@ -123,15 +123,14 @@ def test_arrows_are_as_drawn() -> None:
 
 
 def test_no_circle_of_files() -> None:
-    """From no file an arrow leads back to it, however long the way."""
-    arrows = {name: {other for other in imports_of(path) if other in NAMES} for name, path in NAMES.items()}
+    arrows = {name: {second for second in imports_of(path) if second in NAMES} for name, path in NAMES.items()}
     done: set[str] = set()
 
     def visit(name: str, way: tuple[str, ...]) -> None:
         assert name not in way, " → ".join((*way[way.index(name) :], name))
         if name not in done:
-            for other in sorted(arrows[name]):
-                visit(other, (*way, name))
+            for second in sorted(arrows[name]):
+                visit(second, (*way, name))
             done.add(name)
 
     for name in arrows:
@@ -139,7 +138,6 @@ def test_no_circle_of_files() -> None:
 
 
 def test_a_class_name_has_one_meaning() -> None:
-    """No two classes of the project share a name, unless both are private to their files."""
     places = defaultdict(list)
     for path in MODULES:
         for node in ast.walk(ast.parse(path.read_text())):
@@ -157,7 +155,6 @@ KNOWLEDGE = {
 
 
 def simulation_in(path: Path) -> set[str]:
-    """What a file imports to play the rig or to load sessions."""
     imports = imports_of(path)
     return set().union(*(of(module, imports) for module in PLAYS)) | (
         of("gyrodrift.diagnose.simulate", imports) - KNOWLEDGE
@@ -188,7 +185,6 @@ SERVE = (
 
 @pytest.mark.parametrize("statement", ["import gyrodrift.cli", SERVE])
 def test_the_service_stays_light(statement: str) -> None:
-    """Neither the command line nor the service with all it may load brings numerical or plotting packages."""
     code = f"import sys; {statement}; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     heavy = {"numpy", "scipy", "matplotlib", "jinja2", "pandas", "numba", "rich", "twisted"}

@@ -33,7 +33,10 @@ def _is_expectation(node: ast.AST) -> bool:
 def test_every_test_shows_what_it_asserts() -> None:
     paths = sorted(TESTS.rglob("test_*.py"))
     silent = [
-        f"{path.relative_to(TESTS)}::{one.name}" for path in paths for one in functions_of(path) if not has_assert(one)
+        f"{path.relative_to(TESTS)}::{item.name}"
+        for path in paths
+        for item in functions_of(path)
+        if not has_assert(item)
     ]
     assert silent == []
 
@@ -49,5 +52,4 @@ def test_every_test_shows_what_it_asserts() -> None:
     ],
 )
 def test_a_silent_test_is_found(body: str, *, expected: bool) -> None:
-    """Only a name or a statement counts that says so."""
     assert has_assert(ast.parse(body)) == expected

@@ -31,7 +31,6 @@ def test_the_newest_release_is_this_version() -> None:
 
 
 def test_releases_are_dated_and_in_order() -> None:
-    """The newest first."""
     dates = [date for _, date in releases()]
     assert dates
     assert all(later >= earlier for later, earlier in pairwise(dates))

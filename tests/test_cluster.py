@@ -86,7 +86,6 @@ def test_a_missing_scheduler_is_reported_within_seconds(
 
 
 def test_the_address_of_a_worker_is_refused(shared: Cluster) -> None:
-    """It is easily confused with the address of the scheduler."""
     with closing(ClusterWorkers(shared.address, "a test")) as workers:
         address = next(iter(workers._client.run(os.getpid)))
     with pytest.raises(UsageError, match=r"no Dask scheduler answers there \(it is a Worker\)"):
@@ -106,7 +105,6 @@ def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_loss_of_the_scheduler_ends_the_wait(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], number: signal.Signals
 ) -> None:
-    """It is killed or frozen while a task runs; later calls fail too."""
     monkeypatch.setattr(cluster_module, "ANSWER_S", 1.0)
     monkeypatch.setattr(cluster_module, "CONNECT_S", 2.0)
     with cluster(tmp_path, 1) as alone:
@@ -121,7 +119,6 @@ def test_the_loss_of_the_scheduler_ends_the_wait(
 
 
 def test_the_loss_of_all_workers_ends_the_wait(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Their nannies are gone too; a later client finds a scheduler without workers."""
     monkeypatch.setattr(cluster_module, "NO_WORKER_S", 2.0)
     monkeypatch.setattr(cluster_module, "FIRST_WORKER_S", 0.5)
     with cluster(tmp_path, 1) as alone:

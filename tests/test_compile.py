@@ -17,7 +17,6 @@ print(len(_corrected(np.ones(3), 0.1, 1.0)))
 
 
 def test_without_a_home_and_in_a_package_that_is_read_only_everything_still_runs() -> None:
-    """In such a container, every run compiles again."""
     done = subprocess.run([sys.executable, "-c", NOWHERE], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout == "3\n"

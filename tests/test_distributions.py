@@ -58,7 +58,6 @@ def test_the_sdist_has_what_a_packager_needs() -> None:
 
 @pytest.mark.packaging
 def test_the_wheel_of_gyrogap_adds_its_command(tmp_path: Path) -> None:
-    """It holds the package alone, no program of its folder."""
     pytest.importorskip("hatchling", reason="building a wheel needs the test extra")
     build("wheel", ROOT / "benchmark", tmp_path)
     (wheel,) = tmp_path.glob("gyrogap-*.whl")
@@ -69,9 +68,10 @@ def test_the_wheel_of_gyrogap_adds_its_command(tmp_path: Path) -> None:
     assert tops == {"gyrogap"}
 
 
+@pytest.mark.promise("Installation and systems")
 @pytest.mark.packaging
 def test_uvx_runs_the_demo_from_the_clone(tmp_path: Path) -> None:
-    """`uvx --from . gyrodrift demo`, and a missing extra is told as uvx installs it."""
+    """`uvx --from . gyrodrift demo` runs from the clone."""
     uvx, fresh = tool("uvx"), ("--python", sys.executable, "--refresh-package", "gyrodrift")
     demo = run_online(uvx, *fresh, "--from", ".", *DEMO)
     assert demo.returncode == 0, demo.stderr
@@ -83,9 +83,10 @@ def test_uvx_runs_the_demo_from_the_clone(tmp_path: Path) -> None:
     assert tune.stderr.endswith(f": uvx --from '{ROOT}[lab]' gyrodrift\n")
 
 
+@pytest.mark.promise("Installation and systems")
 @pytest.mark.packaging
 def test_pipx_installs_the_wheel(tmp_path: Path) -> None:
-    """`pipx install WHEEL` brings the command, and a missing extra is told as pipx installs it."""
+    """`pipx install` of the wheel brings the command."""
     pytest.importorskip("pipx", reason="the extra test brings it")
     pipx = (sys.executable, "-m", "pipx")
     wheel = built_distributions().wheel
@@ -110,13 +111,13 @@ def project() -> dict[str, Any]:
 
 
 def test_the_lock_file_names_public_hosts_alone() -> None:
-    """Everybody can install from it, whatever mirror wrote it."""
     hosts = {urlsplit(url).hostname for url in re.findall(r'"(\w+://[^"]+)"', (ROOT / "uv.lock").read_text())}
     assert hosts == PUBLIC_HOSTS
 
 
+@pytest.mark.promise("Installation and systems")
 def test_the_lock_file_fits_the_project() -> None:
-    """Each requirement has a locked version that satisfies it; `make lock` renews them."""
+    """The lock file fits the project."""
     requirements = pytest.importorskip("packaging.requirements", reason="the extra test brings it")
     versions: dict[str, set[str]] = {}
     for package in locked()["package"]:

@@ -48,14 +48,13 @@ def links(page: Path) -> list[str]:
 
 @cache
 def anchors(page: Path) -> frozenset[str]:
-    """What `#...` can name on a page: its headings, as GitHub spells them, and the ids it sets itself."""
-    text, found = prose(page), set[str]()
+    text, result = prose(page), set[str]()
     for heading in re.findall(r"^#+ (.+)$", text, re.MULTILINE):
         shown = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading)
         slug = re.sub(r"[^\w\- ]", "", shown.lower()).strip().replace(" ", "-")
-        copies = sum(re.fullmatch(rf"{re.escape(slug)}(-\d+)?", known) is not None for known in found)
-        found.add(f"{slug}-{copies}" if slug in found else slug)
-    return frozenset(found | set(re.findall(r'<a id="([^"]+)">', text)))
+        copies = sum(re.fullmatch(rf"{re.escape(slug)}(-\d+)?", expected) is not None for expected in result)
+        result.add(f"{slug}-{copies}" if slug in result else slug)
+    return frozenset(result | set(re.findall(r'<a id="([^"]+)">', text)))
 
 
 def shell_lines(page: Path) -> Iterator[list[str]]:
@@ -76,7 +75,6 @@ def options_of(command: str) -> set[str]:
 
 @cache
 def options_of_module(module: str) -> frozenset[str]:
-    """What `python -m MODULE --help` lists."""
     done = subprocess.run(
         [sys.executable, "-m", module, "--help"], cwd=ROOT, capture_output=True, text=True, check=True
     )
@@ -101,7 +99,6 @@ def test_every_page_is_in_the_index() -> None:
 
 
 def test_every_picture_is_shown() -> None:
-    """No picture lies in docs that no page shows."""
     shown = {(page.parent / target).resolve() for page in PAGES for target in links(page)}
     pictures = [*DOCS.rglob("*.png"), *DOCS.rglob("*.svg")]
     assert pictures
@@ -129,8 +126,8 @@ def test_commands_in_code_blocks_are_understood(page: Path) -> None:
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_commands_and_options_in_the_text_exist(page: Path) -> None:
     """`gyrodrift COMMAND --option` names a command and its options; an option alone is one of some command."""
-    known = set(OPTION.findall("--help --version")) | options_of_module("firmware_sim")
-    known |= {option for command in NAMES for option in options_of(command)}
+    expected = set(OPTION.findall("--help --version")) | options_of_module("firmware_sim")
+    expected |= {option for command in NAMES for option in options_of(command)}
     for code in CODE.findall(prose(page)):
         words = code.split()
         named = set(OPTION.findall(code))
@@ -138,7 +135,7 @@ def test_commands_and_options_in_the_text_exist(page: Path) -> None:
             assert words[1] in NAMES, f"{code}: there is no such command"
             assert named <= options_of(words[1]), code
         elif words[0].startswith("--"):
-            assert named <= known, f"{code}: no command has it"
+            assert named <= expected, f"{code}: no command has it"
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
@@ -208,7 +205,6 @@ def test_files_modules_and_classes_of_the_recipes_exist(page: Path) -> None:
 
 
 def test_the_drawing_has_the_packages_of_today() -> None:
-    """All of them, with the files and folders that it names, and none above a package that imports it."""
     packages = drawing()
     folders = {path.parent.name for path in (ROOT / "gyrodrift").glob("*/__init__.py")}
     assert packages.keys() == folders | {"firmware_sim"}
@@ -217,10 +213,10 @@ def test_the_drawing_has_the_packages_of_today() -> None:
         named = re.findall(r"\w+/|\w+\.py", content)
         assert [name for name in named if not (folder / name).exists()] == [], package
     order = list(packages)
-    for package, below in ((name.split(".")[0], rooms.split()) for name, rooms in ROOMS.items()):
+    for package, below in ((name.split(".")[0], spaces.split()) for name, spaces in ROOMS.items()):
         if package in order and package != "session":  # its checks use facts, as the drawing says
-            imported = {room.split(".")[0] for room in below} & packages.keys() - {package}
-            assert [room for room in imported if order.index(room) < order.index(package)] == [], package
+            imported = {space.split(".")[0] for space in below} & packages.keys() - {package}
+            assert [space for space in imported if order.index(space) < order.index(package)] == [], package
 
 
 def test_equations_that_the_code_cites_stand_in_the_docs() -> None:

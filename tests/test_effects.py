@@ -57,7 +57,6 @@ def by_wrapper(*texts: str, seed: int = 1) -> Floats:
 
 @pytest.mark.parametrize("text", EXACT)
 def test_an_effect_without_chance_is_the_same_as_in_the_simulator(text: str) -> None:
-    """Both have it from the same equation, and neither imports the other."""
     assert by_wrapper(text) == pytest.approx(by_simulator(text), abs=1e-6)
 
 
@@ -100,12 +99,10 @@ def test_noise_and_bias_have_their_size() -> None:
 
 
 def test_nothing_is_nothing() -> None:
-    """Without effects the rate comes out as it went in."""
     assert apply(TRUE_DPS, T_S, []).tolist() == TRUE_DPS.tolist()
 
 
 def test_a_seed_gives_the_same_rates_again() -> None:
-    """And no seed gives others."""
     assert by_wrapper("popcorn", seed=5).tolist() == by_wrapper("popcorn", seed=5).tolist()
     texts = [entry("rate_random_walk")]
     assert apply(TRUE_DPS, T_S, texts).tolist() != apply(TRUE_DPS, T_S, texts).tolist()
@@ -140,7 +137,6 @@ def test_an_effect_that_is_none_of_the_rate_is_refused() -> None:
 
 
 def test_it_is_short_enough_to_be_copied() -> None:
-    """At most 60 statements beside docstrings and signatures, numpy and the standard library alone."""
     tree = ast.parse(Path(gyrodrift.effects.__file__).read_text())
     code = [node for node in tree.body if isinstance(node, ast.ClassDef | ast.FunctionDef)]
     statements = [
@@ -155,6 +151,5 @@ def test_it_is_short_enough_to_be_copied() -> None:
 
 
 def test_entries_come_through_json() -> None:
-    """Numbers are numbers there too."""
     effects = json.loads(json.dumps([entry("bandwidth:cutoff_hz=5,order=2")]))
     assert np.isfinite(apply(TRUE_DPS, T_S, effects)).all()

@@ -22,18 +22,17 @@ def test_who_may_read_a_file_stays(tmp_path: Path, mode: int) -> None:
 
 
 def test_nobody_else_can_open_what_is_about_to_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Who has a file open reads on, whatever becomes of its mode."""
-    path, seen, fchmod = tmp_path / "c.yaml", [], os.fchmod
+    path, observed, fchmod = tmp_path / "c.yaml", [], os.fchmod
     path.touch()
     path.chmod(0o640)
 
     def looked_at(fd: int, mode: int) -> None:
-        seen.append(os.fstat(fd).st_mode & 0o777)
+        observed.append(os.fstat(fd).st_mode & 0o777)
         fchmod(fd, mode)
 
     monkeypatch.setattr(os, "fchmod", looked_at)
     write_whole(path, ["x"])
-    assert seen == [0o600]
+    assert observed == [0o600]
     assert path.stat().st_mode & 0o777 == 0o640
 
 
@@ -42,31 +41,29 @@ def test_a_group_is_kept_or_has_no_rights(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refused: tuple[type[Exception], ...], mode: int
 ) -> None:
     """A config that a group may read is not handed to the group of whoever writes it anew."""
-    path, asked = tmp_path / "c.yaml", []
+    path, request = tmp_path / "c.yaml", []
     path.touch()
     path.chmod(0o640)
 
     def fchown(_fd: int, uid: int, gid: int) -> None:
-        asked.append((uid, gid))
+        request.append((uid, gid))
         for error in refused:
             raise error(errno.EPERM, "not permitted")
 
     monkeypatch.setattr(os, "fchown", fchown)
     before = path.stat()
     write_whole(path, ["x"])
-    assert asked == [(before.st_uid, -1), (-1, before.st_gid)]
+    assert request == [(before.st_uid, -1), (-1, before.st_gid)]
     assert path.stat().st_mode & 0o777 == mode
 
 
 def test_a_new_file_is_as_any_other(tmp_path: Path) -> None:
-    """By the umask."""
     write_whole(tmp_path / "ours", ["x"])
     (tmp_path / "others").touch()
     assert (tmp_path / "ours").stat().st_mode == (tmp_path / "others").stat().st_mode
 
 
 def test_no_name_can_be_taken_before(tmp_path: Path) -> None:
-    """Somebody who may write to the folder too cannot lay a link where the file will be written."""
     names = set()
     for _ in range(2):
         with whole_file(tmp_path / "c.yaml") as file:
@@ -78,7 +75,6 @@ def test_no_name_can_be_taken_before(tmp_path: Path) -> None:
 
 
 def test_a_long_name_is_written_too(tmp_path: Path) -> None:
-    """As long as the disk takes."""
     write_whole(tmp_path / ("x" * 255), ["y"])
     assert (tmp_path / ("x" * 255)).read_text() == "y"
 

@@ -82,8 +82,9 @@ def test_a_wheel_is_named_by_its_path(install: Any, wheel: Path) -> None:
     assert extra_command("lab") == f"/venv/bin/python -m pip install '{wheel}[lab]'"
 
 
+@pytest.mark.promise("Installation and systems")
 def test_without_the_wheel_its_packages_are_named(install: Any, wheel: Path) -> None:
-    """The name gyrodrift may belong to another project in an index."""
+    """A message about a missing package names the package source of this copy, not a name in an index."""
     install(Metadata({"url": wheel.as_uri(), **WHEEL}))
     wheel.unlink()
     assert extra_command("lab") == "/venv/bin/python -m pip install 'cma<5,>=4.0' 'scipy<2,>=1.11'"
@@ -106,7 +107,6 @@ def test_an_environment_of_uv_has_no_pip(install: Any, wheel: Path) -> None:
 
 
 def test_pipx_installs_again_with_the_extra(install: Any, wheel: Path) -> None:
-    """And with the extras that are there: pipx creates a new environment."""
     install(Metadata({"url": wheel.as_uri(), **WHEEL}), "venvs/gyrodrift", mark="pipx_metadata.json", has_pip=False)
     assert extra_command("lab") == f"pipx install --force '{wheel}[lab,websocket]'"
     assert package_command("vqf") == "pipx inject gyrodrift vqf"
@@ -118,7 +118,6 @@ def test_a_tool_of_uv_is_installed_again_with_the_extra(install: Any, wheel: Pat
 
 
 def test_uvx_runs_again_with_the_extra(install: Any, wheel: Path) -> None:
-    """Its environment is a cache, so nothing is installed into it."""
     install(Metadata({"url": wheel.as_uri(), **WHEEL}), "archive-v0/x", has_pip=False)
     assert extra_command("lab") == f"uvx --from '{wheel}[lab,websocket]' gyrodrift"
     assert package_command("vqf") == f"uvx --from {wheel} --with vqf gyrodrift"

@@ -18,13 +18,11 @@ from language import (
 
 
 def test_names_and_sentences_are_plain() -> None:
-    """No pronoun for a name, no word that only this project knows, no sentence of two ideas."""
     checked = files([*ROOT.glob("*.md"), *(ROOT / name for name in PACKAGES)])
     assert [line for path in checked for line in violations(path)] == []
 
 
 def test_spelling_is_american() -> None:
-    """One spelling for all text, that of the libraries used here."""
     done = subprocess.run(
         [sys.executable, "-m", "codespell_lib", *PACKAGES, "README.md", "config"],
         cwd=ROOT,

@@ -32,15 +32,15 @@ def pipe() -> Iterator[tuple[int, int]]:
 
 def all_of(fd: int) -> bytes:
     os.set_blocking(fd, False)
-    found = b""
+    result = b""
     while True:
         try:
             piece = os.read(fd, 1 << 16)
         except BlockingIOError:
-            return found
+            return result
         if not piece:
-            return found
-        found += piece
+            return result
+        result += piece
 
 
 def fill(fd: int) -> None:
@@ -52,7 +52,6 @@ def fill(fd: int) -> None:
 
 
 def test_what_is_read_arrives_at_once(pipe: tuple[int, int]) -> None:
-    """In the order it was written."""
     with os.fdopen(pipe[1], "w") as end:
         stream = UnwaitingStream(end, str)
         for number in range(3):
@@ -67,20 +66,19 @@ def test_a_pipe_that_nobody_empties_stops_nothing(pipe: tuple[int, int]) -> None
         written = 20_000
         for _ in range(written):
             stream.write(LINE)
-        found = all_of(pipe[0])
-        while found[-1:] != b"\n" or b"dropped" not in found:
+        result = all_of(pipe[0])
+        while result[-1:] != b"\n" or b"dropped" not in result:
             stream.flush()
-            found += all_of(pipe[0])
-    lines = found.decode().splitlines(keepends=True)
-    told = [int(line.split()[1]) for line in lines if line.startswith("dropped")]
-    assert len(told) == 1
-    assert lines.count(LINE) + told[0] == written
-    assert set(lines) == {LINE, f"dropped {told[0]}\n"}
+            result += all_of(pipe[0])
+    lines = result.decode().splitlines(keepends=True)
+    report = [int(line.split()[1]) for line in lines if line.startswith("dropped")]
+    assert len(report) == 1
+    assert lines.count(LINE) + report[0] == written
+    assert set(lines) == {LINE, f"dropped {report[0]}\n"}
     assert len(lines.count(LINE) * LINE) >= LONGEST_KEPT - len(LINE)
 
 
 def test_a_reader_that_is_gone_is_no_error(pipe: tuple[int, int]) -> None:
-    """Of a pipe, and of a socket."""
     os.close(pipe[0])
     with os.fdopen(pipe[1], "w") as end:
         assert UnwaitingStream(end, str).write(LINE) == len(LINE)
@@ -112,14 +110,13 @@ for number in range(5000):
 
 
 def test_lines_of_two_processes_stay_whole(pipe: tuple[int, int]) -> None:
-    """As of a service and of its outputs, which share standard error."""
     logs = [subprocess.Popen([sys.executable, "-c", TWO_LOGS, name], stderr=pipe[1]) for name in ("a", "b")]
     os.close(pipe[1])
     with os.fdopen(pipe[0]) as end:
         read = [json.loads(line) for line in end]
-    assert [each.wait() for each in logs] == [0, 0]
+    assert [log.wait() for log in logs] == [0, 0]
     for name in ("a", "b"):
-        numbers = [each["number"] for each in read if each.get("of") == name]
+        numbers = [item["number"] for item in read if item.get("of") == name]
         assert numbers == sorted(set(numbers))
         assert numbers
 
@@ -140,16 +137,16 @@ except PermissionError:
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can become somebody who may not")
 def test_a_log_that_may_not_be_opened_anew_is_written_all_the_same() -> None:
-    """Whole lines, in their order."""
     done = subprocess.run([sys.executable, "-c", REFUSED], capture_output=True, text=True, check=True)
     lines = done.stderr.splitlines()
     assert done.stdout == "done\n"
     assert lines[:100] == [f"line {i:4} with the usual length of something that is logged" for i in range(100)]
 
 
+@pytest.mark.promise("Samples")
 @pytest.mark.parametrize("command", ["record", "serve"])
 def test_a_log_that_nobody_reads_costs_no_sample(command: str, tmp_path: Path, pipe: tuple[int, int]) -> None:
-    """The pipe is full before it begins; a signal still ends it, and all samples are there."""
+    """An unread log, or a stopped terminal, costs no sample."""
     fill(pipe[1])
     port, out = tmp_path / "gyro", tmp_path / "out"
     words = ["--port", str(port), *(["--out", str(out)] if command == "record" else ["--record", str(out)])]

@@ -41,10 +41,10 @@ def test_the_nose_down_is_a_positive_pitch_and_the_right_side_down_a_positive_ro
 def test_a_turn_about_the_vertical_changes_neither_tilt_nor_roll_nor_pitch() -> None:
     q = quaternion(Rotation.from_euler("ZYX", [5.0, 30.0, -120.0], degrees=True))
 
-    turned = with_heading(q, 123.0)
+    turn = with_heading(q, 123.0)
 
-    assert Mount().roll_pitch_deg(turned) == pytest.approx(Mount().roll_pitch_deg(q))
-    assert turned == pytest.approx(quaternion(Rotation.from_euler("ZYX", [128.0, 30.0, -120.0], degrees=True)))
+    assert Mount().roll_pitch_deg(turn) == pytest.approx(Mount().roll_pitch_deg(q))
+    assert turn == pytest.approx(quaternion(Rotation.from_euler("ZYX", [128.0, 30.0, -120.0], degrees=True)))
 
 
 def test_up_and_forward_along_the_same_axis_are_refused() -> None:

@@ -29,17 +29,19 @@ def odd(tmp_path: Path, request: pytest.FixtureRequest) -> Path:
     return path
 
 
+@pytest.mark.promise("Configs and commands")
 def test_what_is_no_ordinary_file_is_refused_at_once(odd: Path) -> None:
-    """Nothing waits for a writer, and nothing is read without an end."""
+    """A pipe, device or socket instead of a session, config or memory is refused at once."""
     with pytest.raises(DataError, match="is no ordinary file"):
         load_session(odd)
     with pytest.raises(UsageError, match=r"--memory .*: is no ordinary file"):
         read_memory(odd)
 
 
+@pytest.mark.promise("Configs and commands")
 @pytest.mark.parametrize("command", ["info", "repair", "convert", "filter", "doctor"])
 def test_no_command_waits_for_a_pipe(tmp_path: Path, command: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """Also not before the session is read, where damage is looked for."""
+    """No command waits for a pipe."""
     path = tmp_path / "odd.mcap"
     os.mkfifo(path)
     outs = {"convert": [str(tmp_path / "out.csv")], "filter": ["--out", str(tmp_path / "out.csv")]}
@@ -47,8 +49,9 @@ def test_no_command_waits_for_a_pipe(tmp_path: Path, command: str, capsys: pytes
     assert "is no ordinary file" in capsys.readouterr().err
 
 
+@pytest.mark.promise("Configs and commands")
 def test_a_folder_and_a_huge_file_are_no_memory(tmp_path: Path) -> None:
-    """No more than its bound is read of a file."""
+    """A folder or a huge file instead of a memory is refused."""
     with pytest.raises(UsageError, match="Is a directory"):
         read_memory(tmp_path)
     huge = tmp_path / "huge"

@@ -35,8 +35,9 @@ def is_alive(pid: int) -> bool:
         return False
 
 
+@pytest.mark.promise("Crashes")
 def test_workers_end_when_the_process_that_forked_them_is_killed(tmp_path: Path) -> None:
-    """SIGKILL leaves the parent no time to end them."""
+    """Workers of `diagnose`, `tune` and `compare` end when the command is killed."""
     until_s = time.monotonic() + PATIENCE_S
     with subprocess.Popen([sys.executable, "-c", PROGRAM, str(tmp_path)]) as parent:
         while len(os.listdir(tmp_path)) < 2 and time.monotonic() < until_s:  # noqa: PTH208

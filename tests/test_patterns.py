@@ -36,9 +36,9 @@ parser: Any = importlib.import_module("re._parser")
 
 def modules() -> Iterator[str]:
     """All of the package that can be imported without running."""
-    for each in pkgutil.walk_packages(gyrodrift.__path__, "gyrodrift."):
-        if not each.name.endswith("__main__") and not each.name.startswith(OURS):
-            yield each.name
+    for package in pkgutil.walk_packages(gyrodrift.__path__, "gyrodrift."):
+        if not package.name.endswith("__main__") and not package.name.startswith(OURS):
+            yield package.name
 
 
 def within(value: Any) -> Iterator[re.Pattern[Any]]:
@@ -64,7 +64,7 @@ def written_in(path: Path) -> Iterator[re.Pattern[Any]]:
 
 def patterns() -> dict[str, tuple[re.Pattern[Any], bool]]:
     """Each once, by a name and itself, and whether texts are searched for it."""
-    found: dict[Any, tuple[str, re.Pattern[Any], bool]] = {}
+    result: dict[Any, tuple[str, re.Pattern[Any], bool]] = {}
     for name in modules():
         try:
             module = importlib.import_module(name)
@@ -72,12 +72,12 @@ def patterns() -> dict[str, tuple[re.Pattern[Any], bool]]:
             continue
         assert module.__file__ is not None
         for attribute, value in vars(module).items():
-            for each in within(value):
-                searched = is_looked_for(attribute if each is value else "")
-                found.setdefault((each.pattern, each.flags), (name, each, searched))
-        for each in written_in(Path(module.__file__)):
-            found.setdefault((each.pattern, each.flags), (name, each, True))
-    return {f"{name}:{each.pattern!r}": (each, searched) for name, each, searched in found.values()}
+            for item in within(value):
+                searched = is_looked_for(attribute if item is value else "")
+                result.setdefault((item.pattern, item.flags), (name, item, searched))
+        for item in written_in(Path(module.__file__)):
+            result.setdefault((item.pattern, item.flags), (name, item, True))
+    return {f"{name}:{item.pattern!r}": (item, searched) for name, item, searched in result.values()}
 
 
 def characters(node: Any) -> list[str]:
@@ -88,7 +88,7 @@ def characters(node: Any) -> list[str]:
         match str(op):
             case "NEGATE":
                 excluded = {chr(value) for op, value in node if str(op) == "LITERAL"}
-                return [each for each in "a7 -:,\\x'\"<[" if each not in excluded][:4]
+                return [item for item in "a7 -:,\\x'\"<[" if item not in excluded][:4]
             case "LITERAL":
                 some.append(chr(value))
             case "RANGE":
@@ -182,11 +182,16 @@ def slow_text(pattern: re.Pattern[Any], *, is_searched: bool = True) -> str:
     return ""
 
 
+@pytest.mark.promise(
+    "Configs and commands",
+    "the time of a regular expression grows with the length of the text only (except those for single "
+    "lines of a device)",
+)
 def test_every_pattern_takes_time_that_grows_with_the_length_alone() -> None:
     """A text of a device, a client, a file or a config cannot hold up anybody."""
-    found = patterns()
-    assert len(found) > 50
-    slow = {name: text for name, (each, looked) in found.items() if (text := slow_text(each, is_searched=looked))}
+    result = patterns()
+    assert len(result) > 50
+    slow = {name: text for name, (item, looked) in result.items() if (text := slow_text(item, is_searched=looked))}
     assert slow == {}
 
 

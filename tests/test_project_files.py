@@ -39,7 +39,6 @@ def is_there(name: str) -> bool:
 
 
 def test_the_tour_names_files_that_exist() -> None:
-    """In the text of CONTRIBUTING.md, and in its picture."""
     named = [code for code in re.findall(r"`([^`\n]+)`", read("CONTRIBUTING.md")) if FILE.fullmatch(code)]
     in_picture = re.findall(r'class="path"[^>]*>([^<]+)<', read("docs/data-flow.svg"))
     assert len(named) > 25
@@ -62,7 +61,6 @@ def hooks() -> Iterator[dict[str, Any]]:
 
 
 def test_a_commit_is_checked_by_programs_of_the_tests() -> None:
-    """Each hook starts a program of .venv, on paths that exist."""
     entries = [shlex.split(hook["entry"]) for hook in hooks()]
     programs = {Path(words[0]).name for words in entries}
     assert {words[0] for words in entries} == {f".venv/bin/{name}" for name in programs}
@@ -79,7 +77,6 @@ def instructions() -> list[list[str]]:
 
 
 def test_the_container_copies_files_that_exist() -> None:
-    """And .dockerignore, which leaves out everything else, lets them through."""
     copies = [words[1:-1] for words in instructions() if words[0] == "COPY" and not words[1].startswith("--from")]
     sources = {source for words in copies for source in words}
     let_through = {line[1:] for line in read(".dockerignore").splitlines() if line.startswith("!")}
@@ -88,7 +85,6 @@ def test_the_container_copies_files_that_exist() -> None:
 
 
 def test_the_container_is_built_from_stated_versions_and_runs_as_a_user() -> None:
-    """No `latest`, no root, no cache, and no shell around the program, as linters of Dockerfiles demand."""
     lines = instructions()
     allowed = {"FROM", "RUN", "WORKDIR", "COPY", "ENV", "USER", "EXPOSE", "ENTRYPOINT", "CMD"}
     assert {words[0] for words in lines} <= allowed
@@ -103,13 +99,11 @@ def test_the_container_is_built_from_stated_versions_and_runs_as_a_user() -> Non
 
 
 def test_hadolint_finds_nothing_in_the_dockerfile() -> None:
-    """Not even a remark."""
     done = run(tool("hadolint"), "--no-color", "Dockerfile")
     assert (done.returncode, done.stdout) == (0, "")
 
 
 def test_the_commands_of_the_container_install_a_program_that_runs(tmp_path: Path) -> None:
-    """They run here as in the container, in a folder that has only the copied files."""
     for source in (line[1:] for line in read(".dockerignore").splitlines() if line.startswith("!")):
         copy = shutil.copytree if (ROOT / source).is_dir() else shutil.copyfile
         copy(ROOT / source, tmp_path / source)
@@ -128,7 +122,6 @@ def test_the_commands_of_the_container_install_a_program_that_runs(tmp_path: Pat
 
 
 def test_the_devcontainer_sets_up_what_the_tests_need() -> None:
-    """With a target of the Makefile, and a port that the live page uses."""
     container = json.loads(read(".devcontainer/devcontainer.json"))
     program, target = container["postCreateCommand"].split()
     assert program == "make"
@@ -150,7 +143,6 @@ def test_hosted_checks_run_the_two_commands_of_the_readme() -> None:
 
 
 def test_hosted_checks_give_commands_that_are_understood() -> None:
-    """Their options exist."""
     commands = [shlex.split(command)[1:] for command in steps() if command.startswith("gyrodrift ")]
     assert {words[0] for words in commands} >= {"info", "filter", "compare", "tune", "diagnose"}
     for name, *arguments in commands:
@@ -158,7 +150,6 @@ def test_hosted_checks_give_commands_that_are_understood() -> None:
 
 
 def test_hosted_checks_run_on_pythons_of_the_project() -> None:
-    """The classifiers name them."""
     workflow = yaml.safe_load(read(".github/workflows/ci.yml"))
     versions = workflow["jobs"]["linux"]["strategy"]["matrix"]["python"]
     classifiers = tomllib.loads(read("pyproject.toml"))["project"]["classifiers"]

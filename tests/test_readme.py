@@ -42,5 +42,4 @@ def test_the_python_of_the_readme_prints_yaw_of_a_device(port: Path, monkeypatch
 
 
 def test_the_readme_is_read_in_a_minute() -> None:
-    """Details stand in docs."""
     assert len(README.read_text().splitlines()) <= MOST_LINES

@@ -42,13 +42,11 @@ def test_a_secret_shows_itself_to_nobody_but_who_asks() -> None:
     ],
 )
 def test_a_message_names_no_secret(text: str, shown: str) -> None:
-    """What stands around it stays, up to the next space."""
     assert without_secrets(text) == shown
     assert str(GyrodriftError(text)) == shown
 
 
 def test_a_command_line_is_shown_without_secrets() -> None:
-    """To the end of the word: a password may have spaces and commas."""
     words = ["serve", "--output", f"mqtt:user=ann,password=a, b {MARKER}", "--port", f"mqtt://a:{MARKER}@b/c"]
     assert shown_words(words) == ["serve", "--output", "mqtt:user=ann,password=***", "--port", "mqtt://a:***@b/c"]
 
@@ -72,6 +70,7 @@ hdr: {{tau_s: 1e-3}}
 """
 
 
+@pytest.mark.promise("Secrets")
 @pytest.mark.parametrize(
     "password",
     [
@@ -87,7 +86,7 @@ hdr: {{tau_s: 1e-3}}
     ],
 )
 def test_a_config_is_kept_without_its_secrets_and_comments(password: str) -> None:
-    """The key stays, the value is a mark, and everything else means the same."""
+    """A recording keeps the config without secrets and comments."""
     kept = public_yaml(CONFIG.format(marker=MARKER, password=password))
     assert MARKER not in kept
     if kept != NOT_KEPT:
@@ -105,13 +104,11 @@ def test_a_password_of_several_lines_goes_whole(style: str) -> None:
 
 
 def test_a_config_without_secrets_is_kept_to_the_letter() -> None:
-    """With its comments; a file of a password is no secret."""
     text = "# my bench\noutputs: [{name: mqtt, password_file: /etc/p}]  # why\n"
     assert public_yaml(text) == text
 
 
 @given(st.text(st.sampled_from("ab:=-[]{},&*!|>'\"# \n\t%@`?"), max_size=40))
 def test_no_spelling_of_a_config_keeps_a_password(noise: str) -> None:
-    """Whatever stands around it."""
     kept = public_yaml(f"{noise}\npassword: {MARKER}\n{noise}")
     assert MARKER not in kept

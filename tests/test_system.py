@@ -15,7 +15,6 @@ from gyrodrift.io.waiting import POLLIN, POLLOUT, Poller, SelectPoller, new_poll
 
 @pytest.mark.parametrize("has_pread", [True, False])
 def test_a_file_is_read_at_a_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, has_pread: bool) -> None:
-    """Its position stays."""
     (tmp_path / "file").write_bytes(b"0123456789")
     if not has_pread:
         monkeypatch.delattr(os, "pread")
@@ -54,7 +53,6 @@ def test_pollers_agree(kind: Callable[[], Poller]) -> None:
 
 
 def test_waiting_for_nothing_only_takes_the_time() -> None:
-    """Windows refuses it."""
     assert SelectPoller().poll(1) == []
 
 
@@ -69,7 +67,6 @@ def test_without_fork_the_work_is_done_in_this_process(monkeypatch: pytest.Monke
 
 
 def test_the_machine_has_processors_and_memory(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Also where the system does not say how many of them this process may use."""
     assert 1 <= system.processor_count() <= (os.cpu_count() or 1)
     assert system.memory_bytes_of_machine() > 1 << 28
     monkeypatch.delattr(os, "sched_getaffinity")

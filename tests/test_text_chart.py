@@ -14,7 +14,6 @@ def test_steps_are_1_2_or_5_times_a_power_of_ten(span: float, most: int, step: f
 
 
 def test_a_range_holds_all_values_and_ends_at_ticks() -> None:
-    """No values, and equal values, get a range too."""
     assert padded_range([-3.3, 41.0], 1.0) == (-10.0, 50.0)
     assert padded_range([], 2.0) == (-1.0, 1.0)
     low, high = padded_range([5.0, 5.0], 1.0)

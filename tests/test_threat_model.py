@@ -26,7 +26,6 @@ ESCAPE = "\x1b]0;mine\x07"
 
 @pytest.mark.parametrize("line", LINES, ids=lambda line: line[0].strip("| ")[:60])
 def test_each_line_has_a_test(line: list[str]) -> None:
-    """In the file that is named, or a command of the Makefile."""
     named = re.findall(r"`([^`]+)`", line[-1])
     assert named
     for name in named:
@@ -39,20 +38,17 @@ def test_each_line_has_a_test(line: list[str]) -> None:
 
 @pytest.mark.parametrize("kind", OUTPUTS.values(), ids=list(OUTPUTS))
 def test_outputs_are_for_this_machine_unless_asked(kind: object) -> None:
-    """Each that has an address has that of this machine."""
     output = getattr(kind, "output")  # noqa: B009 - the registry's own type brings every output along
-    hosts = [each.default for each in fields(output.options_type) if each.name == "host"]
+    hosts = [field.default for field in fields(output.options_type) if field.name == "host"]
     assert hosts in ([], [LOOPBACK])
 
 
 def test_sockets_are_for_their_user(tmp_path: Path) -> None:
-    """That of control, and that of the output unix."""
     with bind_unix(tmp_path / "control"):
         assert (tmp_path / "control").stat().st_mode & 0o777 == 0o600
 
 
 def test_a_cluster_is_used_only_when_asked_for() -> None:
-    """And what it asks for is written down."""
     for command in ("tune", "diagnose"):
         assert parser_of(command).get_default("cluster") is None
     assert "## Trust" in (ROOT / "docs" / "fleet.md").read_text()
@@ -76,19 +72,18 @@ def run(*words: str | Path) -> str:
 
 
 def test_a_terminal_gets_no_orders(tmp_path: Path) -> None:
-    """Of the names of files, of what a recording says of its device, and of errors about them."""
     hostile(tmp_path)
     with (tmp_path / "note.mcap").open("wb") as file:
         writer = McapWriter(file, {"device": {"id": ESCAPE}, "recording": {"note": ESCAPE}})
         writer.add_rows(b"", 0, 0)
         writer.finish()
     (tmp_path / f"bad{ESCAPE}.csv").write_text(f"t_device_s,{ESCAPE}\n")
-    said = [run("info", path) for path in sorted(tmp_path.iterdir())]
-    said.append(run("repair", tmp_path / "note.mcap"))
-    for each in said:
-        assert each
-        assert "\x1b" not in each
-        assert "\x07" not in each
+    statement = [run("info", path) for path in sorted(tmp_path.iterdir())]
+    statement.append(run("repair", tmp_path / "note.mcap"))
+    for item in statement:
+        assert item
+        assert "\x1b" not in item
+        assert "\x07" not in item
 
 
 def test_a_report_shows_names_and_runs_nothing(tmp_path: Path) -> None:

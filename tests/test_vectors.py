@@ -47,7 +47,6 @@ def test_numbers_of_a_shape_are_read() -> None:
     ids=lambda text: text[:10],
 )
 def test_other_content_is_refused(text: str) -> None:
-    """Too large and too deep too."""
     with pytest.raises(ValueError, match=r"v: expected 2 numbers in brackets|Expecting"):
         numbers_in(text, (2,), "v")
 

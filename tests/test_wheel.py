@@ -82,13 +82,12 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Installed:
     subprocess.run(install, capture_output=True, check=True)
     (site,) = (folder / "venv" / "lib").glob("python*/site-packages")
     (site / "of-the-tests.pth").write_text("".join(f"{p}\n" for p in sys.path if p.endswith("site-packages")))
-    place = folder / "elsewhere"
-    place.mkdir()
-    return Installed(python.parent, place)
+    position = folder / "elsewhere"
+    position.mkdir()
+    return Installed(python.parent, position)
 
 
 def test_it_says_where_it_runs_from(installed: Installed) -> None:
-    """In its own environment, and not in the clone that it was built from."""
     done = installed.run("gyrodrift", "--version")
     assert done.returncode == 0
     assert done.stdout.startswith(f"gyrodrift {gyrodrift.__version__} from {installed.bin.parent}/lib/")
@@ -96,7 +95,6 @@ def test_it_says_where_it_runs_from(installed: Installed) -> None:
 
 
 def test_its_types_are_for_others_too(installed: Installed) -> None:
-    """Both packages are marked as typed."""
     (site,) = (installed.bin.parent / "lib").glob("python*/site-packages")
     assert (site / "gyrodrift" / "py.typed").is_file()
     assert (site / "firmware_sim" / "py.typed").is_file()
@@ -127,12 +125,11 @@ def test_the_firmware_is_inside(installed: Installed, target: str) -> None:
 
 @pytest.mark.parametrize("where", ["wheel", "clone"])
 def test_the_command_that_a_message_gives_installs_the_extra(where: str, installed: Installed) -> None:
-    """It names the wheel or the clone, never a name of an index; here all packages are installed already."""
-    one = installed if where == "wheel" else Installed(Path(sys.executable).parent, installed.folder)
-    done = one.run("python", "-c", WITHOUT_CMA, "tune", "s", "--out", "found.yaml")
+    item = installed if where == "wheel" else Installed(Path(sys.executable).parent, installed.folder)
+    done = item.run("python", "-c", WITHOUT_CMA, "tune", "s", "--out", "found.yaml")
     assert done.returncode == 2
-    said, _, command = done.stderr.rstrip("\n").partition(": ")[2].partition(": ")
-    assert said == "tune needs the package cma"
+    statement, _, command = done.stderr.rstrip("\n").partition(": ")[2].partition(": ")
+    assert statement == "tune needs the package cma"
     words = [word for word in shlex.split(command) if word != "--editable"]  # which needs a package to build with
     offline = ["--no-index", "--no-build-isolation", "--dry-run"]
     tried = subprocess.run([*words, *offline], capture_output=True, text=True, check=False)
@@ -140,9 +137,10 @@ def test_the_command_that_a_message_gives_installs_the_extra(where: str, install
     assert re.search(r"/\S+\[lab\]'?$", command)
 
 
+@pytest.mark.promise("Installation and systems")
 @pytest.mark.long
 def test_the_page_from_parts_to_yaw_works_without_parts(installed: Installed, tmp_path: Path) -> None:
-    """Its commands, one after the other: the link is listed, doctor has no error, a whole turn of 364.3 reads 360."""
+    """With an installed wheel, the commands of From parts to yaw work without hardware."""
     link = tmp_path / "gyro"
     device, devices, doctor, calibrate, serve = commands_without_parts(link)
     assert (device[:2], device.pop()) == (["gyrodrift", "simulated-device"], "&")
@@ -156,13 +154,13 @@ def test_the_page_from_parts_to_yaw_works_without_parts(installed: Installed, tm
         assert looked.returncode == 0, looked.stdout + looked.stderr
         calibrated = installed.run(*calibrate)
         assert calibrated.returncode == 0, calibrated.stderr
-        found = yaml.safe_load((installed.folder / "my.yaml").read_text())["calibration"]
-        assert (found["scale_ccw"], found["scale_cw"]) == pytest.approx((1 / 1.012, 1 / 1.012), abs=2e-4)
+        result = yaml.safe_load((installed.folder / "my.yaml").read_text())["calibration"]
+        assert (result["scale_ccw"], result["scale_cw"]) == pytest.approx((1 / 1.012, 1 / 1.012), abs=2e-4)
         with installed.running(*serve) as service:
             assert service.stdout is not None
             samples = map(json.loads, service.stdout)
-            turned = next(sample for sample in samples if sample["encoder_deg"] == 360.0)
-    assert turned["yaw_deg"] == pytest.approx(360.0, abs=0.5)
+            turn = next(sample for sample in samples if sample["encoder_deg"] == 360.0)
+    assert turn["yaw_deg"] == pytest.approx(360.0, abs=0.5)
 
 
 def only_below(folder: Path) -> str:

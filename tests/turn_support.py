@@ -151,20 +151,20 @@ def random_board(seed: int) -> TurnedBoard:
         getattr(maker, group)()
     form = str(rng.choice([*MARKS, "colon", "equals", "json"]))
     named = rng.random() < 0.7
-    labels = maker.labels if named else [f"v{chr(97 + at)}" for at in range(len(maker.labels))]
+    labels = maker.labels if named else [f"v{chr(97 + index)}" for index in range(len(maker.labels))]
     t_s = maker.t_s
-    lines = [_line(form, labels, [column[at] for column in maker.texts]) for at in range(len(t_s))]
+    lines = [_line(form, labels, [column[index] for column in maker.texts]) for index in range(len(t_s))]
     about = f"{maker.about}, {groups}, {form}: {lines[-1]}"
     if form in MARKS and rng.random() < 0.3:
         lines.insert(0, MARKS[form].join(labels))
         t_s = np.concatenate([[0.0], t_s])
     late_s = np.maximum.accumulate(t_s + rng.exponential(float(rng.choice([0.0, 0.002, 0.01])), len(t_s)))
-    place = {key: at if form in MARKS else labels[at] for key, at in maker.places.items()}
+    position = {key: index if form in MARKS else labels[index] for key, index in maker.places.items()}
     return TurnedBoard(
         [TimedLine(100.0 + float(when), text) for when, text in zip(late_s, lines, strict=True)],
         TurnWindow(100.0, 100.0 + REST_S, 100.0 + float(late_s[-1])),
-        (place["rate"], maker.sign / PER_DPS[maker.unit]) if "rate" in place else None,
-        (place["angle"], maker.angle_factor) if "angle" in place else None,
+        (position["rate"], maker.sign / PER_DPS[maker.unit]) if "rate" in position else None,
+        (position["angle"], maker.angle_factor) if "angle" in position else None,
         about,
     )
 

@@ -31,7 +31,9 @@ EARLY_SAMPLES, LATE_SAMPLES = 1_000_000, 10_000_000
 MOST_GROWTH_BYTES = 5 << 20
 
 
+@pytest.mark.promise("Memory and the end")
 def test_memory_does_not_grow_from_one_to_ten_million_samples() -> None:
+    """Memory does not grow from one to ten million samples."""
     chunks = in_chunks(b"".join([hello(), *native_frames(ROUND_SAMPLES, ROUND_PERIOD_US)]))
     with nowhere() as fd:
         chain = Chain(fd)

@@ -166,9 +166,18 @@ def row(name: str, latencies_s: Sequence[float]) -> tuple[str, str]:
     return name, f"{median(latencies_s) * 1e3:.2f} / {p99_s * 1e3:.2f} / {max(latencies_s) * 1e3:.2f} ms"
 
 
+@pytest.mark.promise("Samples")
+@pytest.mark.promise(
+    "Latency",
+    "a TCP client, with five others that do not read: median 0.46 ms, 99th percentile 1.9 ms",
+)
+@pytest.mark.promise(
+    "Latency",
+    "the same with page, rosbridge, foxglove and MQTT (worse of two rounds): median 0.5 ms, 99th percentile 5.4 ms",
+)
 @pytest.mark.parametrize("outputs", [Outputs.TCP, Outputs.MANY])
 def test_slow_clients_cost_nobody_a_sample(tmp_path: Path, outputs: Outputs) -> None:
-    """The sleepers' oldest lines are dropped, and nothing else is."""
+    """A slow client costs no other client a sample."""
     for number in range(ROUNDS):
         (alone, *_), share_alone, _ = run(tmp_path / f"alone{number}", Outputs.NONE)
         (stdout, *readers), share, end = run(tmp_path / f"clients{number}", outputs)

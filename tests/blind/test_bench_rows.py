@@ -35,15 +35,14 @@ def in_rig(effect: str, stated: float, **parameters: float) -> dict[str, Any]:
 
 
 def test_no_gap_is_scored_by_who_made_it() -> None:
-    """Anything but "none" is a miss, listed with the seed and number that draw it again."""
     tried = [
         case("none", gap("none"), row="none_own"),
         case("none", gap("unknown"), row="none_own"),
         case("none", gap("none"), row="none_generator"),
         case("none", None, row="none_generator"),
     ]
-    own, other = (share(tried, f"no gap, {who}") for who in ("own simulator: ", "generator"))
-    assert (counts(own), counts(other)) == ((1, 2), (1, 2))
+    own, second = (share(tried, f"no gap, {who}") for who in ("own simulator: ", "generator"))
+    assert (counts(own), counts(second)) == ((1, 2), (1, 2))
     assert "c0ffee (seed 9, none_own/2): typical no gap, of a test → unknown" in own.misses[0]
 
 
@@ -57,7 +56,6 @@ def test_no_gap_is_scored_by_who_made_it() -> None:
     ],
 )
 def test_what_could_not_be_seen_is_told_apart(least: dict[str, Any], *, is_seen: bool) -> None:
-    """By what the device without the effect said beforehand; where it said nothing at all, nothing is excused."""
     tried = [case("single", gap("none"), LAG, row="single", without=shows(**least))]
     assert share(tried, "effect named first or tied first, typical").total == is_seen
     apart = share(tried, "said to be too small to be seen, typical and large: none")
@@ -65,24 +63,21 @@ def test_what_could_not_be_seen_is_told_apart(least: dict[str, Any], *, is_seen:
 
 
 def test_what_is_read_off_the_recordings_is_not_excused_for_being_read_off() -> None:
-    """Without a limit there is none to read; the device without it says nothing of limits."""
     tried = [case("single", gap("none"), LIMIT, row="single", without=shows(latency={"delay_ms": 7.9}))]
     assert counts(share(tried, "group named first, typical")) == (0, 1)
 
 
 @pytest.mark.parametrize(("least", "is_seen"), [(126.0, True), (124.0, False)])
 def test_a_limit_is_larger_the_lower_it_is(least: float, *, is_seen: bool) -> None:
-    """So are counts per turn and cut-off frequencies."""
     tried = [case("single", gap("none"), LIMIT, row="single", without=shows(saturation={"limit_dps": least}))]
     assert share(tried, "group named first, typical").total == is_seen
 
 
 @pytest.mark.parametrize(("least_dps", "is_seen"), [(124.0, False), (126.0, True)])
 def test_a_pair_is_told_apart_where_either_could_not_be_seen(least_dps: float, *, is_seen: bool) -> None:
-    """It counts among all pairs in any case, and among the others only where each would show by itself."""
-    said = gap("effect", cause("latency"), cause("saturation"))
+    statement = gap("effect", cause("latency"), cause("saturation"))
     without = shows(latency={"delay_ms": 7.9}, saturation={"limit_dps": least_dps})
-    tried = [case("pair", said, LAG | LIMIT, row="pair", without=without)]
+    tried = [case("pair", statement, LAG | LIMIT, row="pair", without=without)]
     assert counts(share(tried, "pairs: both named, nothing else")) == (1, 1)
     assert counts(share(tried, "pairs, neither")) == (is_seen, is_seen)
 
@@ -98,21 +93,20 @@ def test_a_pair_is_told_apart_where_either_could_not_be_seen(least_dps: float, *
     ],
 )
 def test_what_costs_nothing_may_be_none(
-    cost_deg: float | None, said: str, costly: tuple[int, int], told: tuple[int, int], told_or_none: tuple[int, int]
+    cost_deg: float | None, answer: str, costly: tuple[int, int], report: tuple[int, int], told_or_none: tuple[int, int]
 ) -> None:
     """Outside the catalogue. In the row of all of them it is missed; and what nobody worked out is no small cost."""
-    tried = [replace(case("outside", gap(said), row="outside"), yaw_cost_deg=cost_deg)]
+    tried = [replace(case("outside", gap(answer), row="outside"), yaw_cost_deg=cost_deg)]
     rows = {
         "costs 0.3": costly,
-        "costs less: at the right stage": told,
+        "costs less: at the right stage": report,
         "costs less: at the right stage, or": told_or_none,
     }
     assert {what: counts(share(tried, f"outside the catalogue, {what}")) for what in rows} == rows
-    assert counts(share(tried, "outside the catalogue: unknown or partly, at the right")) == (said == "unknown", 1)
+    assert counts(share(tried, "outside the catalogue: unknown or partly, at the right")) == (answer == "unknown", 1)
 
 
 def test_a_failed_look_beforehand_excuses_nothing() -> None:
-    """The miss counts."""
     tried = [case("single", gap("none"), LAG, row="small", size="small")]
     assert counts(share(tried, "group named first, small")) == (0, 1)
 
@@ -127,9 +121,9 @@ def test_a_failed_look_beforehand_excuses_nothing() -> None:
         (None, True),
     ],
 )
-def test_a_confident_cause_has_to_be_there(said: Any, *, is_invented: bool) -> None:
+def test_a_confident_cause_has_to_be_there(answer: Any, *, is_invented: bool) -> None:
     """A failure counts as one that is not; a list beside "unknown" names nothing."""
-    assert judge.invents(outcome(said), {"latency"}) == is_invented
+    assert judge.invents(outcome(answer), {"latency"}) == is_invented
 
 
 def test_a_loop_counts_where_there_was_something_to_adopt() -> None:
@@ -157,9 +151,9 @@ def test_a_loop_counts_where_there_was_something_to_adopt() -> None:
         (gap("none"), False, False),
     ],
 )
-def test_a_wrong_size_is_named_as_that(said: Any, *, is_right: bool, is_named: bool) -> None:
+def test_a_wrong_size_is_named_as_that(answer: Any, *, is_right: bool, is_named: bool) -> None:
     """The cause says what the rig has, and its new size is within 20 %; a second one of the kind does not count."""
-    tried = [case("wrong_size", said, LAG, row="wrong_size")]
+    tried = [case("wrong_size", answer, LAG, row="wrong_size")]
     assert counts(share(tried, "in the rig at a wrong size: named as that, new")) == (is_right, 1)
     assert share(tried, "in the rig at a wrong size: named as that").what
     assert judge.names_wrong_size(tried[0].blind, "latency") == is_named
@@ -181,27 +175,25 @@ def test_real_recordings_have_rows_of_their_own() -> None:
 
 
 def test_what_the_rig_has_is_read() -> None:
-    """From a cause, and the sizes that would have been seen without their units."""
-    said = read_gap(
+    statement = read_gap(
         gap("effect", in_rig("latency", 25.0, delay_ms=8.0))
         | {"detectable": {"spikes": {"height_dps": 2, "unit": "deg/s"}}}
     )
-    assert said.causes[0].in_rig == {"delay_ms": 25.0}
-    assert said.detectable == {"spikes": {"height_dps": 2.0}}
+    assert statement.causes[0].in_rig == {"delay_ms": 25.0}
+    assert statement.detectable == {"spikes": {"height_dps": 2.0}}
 
 
 @pytest.mark.parametrize(("step_deg", "is_seen"), [(0.6, True), (0.5, True), (0.3, False)])
 def test_of_jumps_less_high_than_those_it_speaks_of_nothing_is_said(step_deg: float, *, is_seen: bool) -> None:
-    """However often they come."""
     without = shows(encoder_slip={"per_hour": 20.0, "unit": "1/h", "at": {"step_deg": 0.5}})
-    one = case(
+    item = case(
         "single",
         gap("none"),
         {"encoder_slip": {"per_hour": 40.0, "step_deg": step_deg}},
         row="single",
         without=without,
     )
-    shown = counts(share([one], "group named first, typical"))
+    shown = counts(share([item], "group named first, typical"))
     assert shown == ((0, 1) if is_seen else (0, 0))
 
 

@@ -13,7 +13,6 @@ from firmware_sim.rig import parse_effect
 
 
 def test_cases_are_at_least_forty_and_their_effects_exist() -> None:
-    """No two share a name or a seed."""
     every = cases(1)
     assert len({case.name for case in every}) == len({case.seed for case in every}) == len(every) >= 40
     assert all(parse_effect(case.effect).name == case.cause for case in every)
@@ -21,7 +20,6 @@ def test_cases_are_at_least_forty_and_their_effects_exist() -> None:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_a_motion_at_random_is_a_profile_of_its_length(seed: int, tmp_path: Path) -> None:
-    """The simulator takes it."""
     path = tmp_path / "random.yaml"
     path.write_text(random_profile(2.0, seed))
     assert load_profile(str(path)).seconds == pytest.approx(120.0, abs=1e-6)
@@ -37,21 +35,19 @@ def test_a_motion_at_random_is_a_profile_of_its_length(seed: int, tmp_path: Path
         (gap("none"), False),
     ],
 )
-def test_a_cause_is_named_when_it_comes_first_and_alone(said: object, *, is_named: bool) -> None:
-    """A tie is no name."""
-    assert names(read_gap(said), "latency") is is_named
+def test_a_cause_is_named_when_it_comes_first_and_alone(answer: object, *, is_named: bool) -> None:
+    assert names(read_gap(answer), "latency") is is_named
 
 
 def test_what_is_not_proposed_is_missed() -> None:
-    """Only cases that were open at first count, and of them all do."""
     words = "play it: it tells a from b with probability 0.80; more of the same"
     results: list[dict[str, Any]] = [
         {"at_first": True},
         {"at_first": False, "next": words, "proposed": True, "random": False},
         {"at_first": False, "next": "Record more.", "random": True},
     ]
-    said = summary(results)
-    assert said[0] == "3 cases, 2 tied or undetected at first"
-    assert said[1].startswith("named with the proposed motion: 1 of 2")
-    assert said[2].startswith("named with the random motion: 1 of 2")
-    assert said[3] == "predicted in the mean 0.80, came true 1 of 1"
+    statement = summary(results)
+    assert statement[0] == "3 cases, 2 tied or undetected at first"
+    assert statement[1].startswith("named with the proposed motion: 1 of 2")
+    assert statement[2].startswith("named with the random motion: 1 of 2")
+    assert statement[3] == "predicted in the mean 0.80, came true 1 of 1"

@@ -81,7 +81,6 @@ def test_what_is_put_in_is_found(check: Check) -> None:
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.effect)
 def test_without_it_nothing_is_found(check: Check, nothing: Columns) -> None:
-    """No scale error above 0.02 %, no lag above 0.3 ms, and so on for every estimator."""
     assert check.estimate(nothing) == pytest.approx(check.without, abs=check.off_without)
 
 
@@ -93,30 +92,29 @@ def test_noise_is_the_angle_random_walk_that_is_stated(nothing: Columns) -> None
 
 
 def test_slips_come_as_often_as_they_should() -> None:
-    """Each of the step's size, some in every few minutes."""
-    found = further.slips_deg(columns(InjectedEffect("encoder_slip", {"step_deg": 2.0, "per_hour": 120.0})))
-    assert 4 <= len(found) <= 24
-    assert np.abs(found) == pytest.approx(2.0, abs=0.15)
+    result = further.slips_deg(columns(InjectedEffect("encoder_slip", {"step_deg": 2.0, "per_hour": 120.0})))
+    assert 4 <= len(result) <= 24
+    assert np.abs(result) == pytest.approx(2.0, abs=0.15)
 
 
 def test_flicker_has_the_floor_of_its_name() -> None:
     """The Allan deviation of 1/f noise lies at 0.664 B whatever the averaging time."""
     batch = plain_batch()
     scene = scene_of(batch.plans[0], batch.device.sample_hz, batch.path)
-    found = []
+    result = []
     for seed in range(12):
         noise = KINDS["bias_instability"][1](
             np.zeros(len(scene.t_s)), scene, np.random.default_rng(seed), floor_dph=36.0
         )
-        found.append([by.allan_dps(noise, points) ** 2 for points in (100, 400, 1600)])
-    assert np.sqrt(np.mean(found, axis=0)) == pytest.approx(0.664 * 0.01, rel=0.15)
+        result.append([by.allan_dps(noise, points) ** 2 for points in (100, 400, 1600)])
+    assert np.sqrt(np.mean(result, axis=0)) == pytest.approx(0.664 * 0.01, rel=0.15)
 
 
 def test_a_low_pass_takes_noise_and_delays_motion() -> None:
     """A second-order filter of 5 Hz leaves a fraction of the noise, and lags by √2/(2π f)."""
-    found = columns(InjectedEffect("bandwidth", {"cutoff_hz": 5.0}))
-    assert np.std(by.at_rest(found)) < 0.5 * 0.0035 * np.sqrt(99.7)
-    rate_dps, encoder_dps, _ = by.smooth_rates(found)
+    result = columns(InjectedEffect("bandwidth", {"cutoff_hz": 5.0}))
+    assert np.std(by.at_rest(result)) < 0.5 * 0.0035 * np.sqrt(99.7)
+    rate_dps, encoder_dps, _ = by.smooth_rates(result)
     shifts = np.arange(30)
     slow = slice(60 * 100, -100)
     errors = [np.sum(np.square(rate_dps[slow] - np.roll(encoder_dps, shift)[slow])) for shift in shifts]
@@ -124,7 +122,6 @@ def test_a_low_pass_takes_noise_and_delays_motion() -> None:
 
 
 def test_sessions_differ_in_start_and_heat() -> None:
-    """One starts warm, another one is heated by 8 to 15 °C, the others start cold; the clock says since when."""
     for seed in range(20):
         batch = plain_batch(seed=seed)
         warm = [plan.powered_s >= 900.0 for plan in batch.plans]
@@ -137,7 +134,6 @@ def test_sessions_differ_in_start_and_heat() -> None:
 
 
 def test_motion_is_rich() -> None:
-    """Both signs up to some 190 deg/s, stills, full turns, acceleration beyond a thousand deg/s²; it starts at rest."""
     batch = plain_batch()
     for number, plan in enumerate(batch.plans):
         scene = scene_of(plan, 100.0, (*batch.path, number))
@@ -151,7 +147,6 @@ def test_motion_is_rich() -> None:
 
 
 def test_angle_is_the_integral_of_rate() -> None:
-    """Between samples ten seconds apart, by another rule of integration."""
     scene = scene_of(plain_batch().plans[0], 100.0, ("integral",))
     for start in range(0, len(scene.t_s) - 1000, 1000):
         part = slice(start * scene.fine, (start + 1000) * scene.fine + 1)
@@ -160,7 +155,6 @@ def test_angle_is_the_integral_of_rate() -> None:
 
 
 def test_every_effect_has_three_sizes_and_a_parameter() -> None:
-    """Nothing of the catalogue is left out, and what a fit is judged by is what the size states."""
     assert set(STRENGTHS) == set(EFFECTS) <= set(KINDS)
     assert all(len(sized.sizes) == len(SIZES) for sized in STRENGTHS.values())
     assert all(STRENGTHS[effect].parameter == parameter for effect, parameter in JUDGED.items())

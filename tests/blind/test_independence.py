@@ -11,19 +11,18 @@ MODULES = sorted(FOLDER.rglob("*.py"))
 
 
 def modules_of(path: Path) -> set[str]:
-    found = set()
+    result = set()
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
+            result |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}: imports are absolute"
-            found.add(node.module or "")
-    return found
+            result.add(node.module or "")
+    return result
 
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(FOLDER)))
 def test_nothing_of_the_program_is_imported(path: Path) -> None:
-    """Neither the simulator that explains nor the program that is judged: the open benchmark is neither."""
     modules = {module for module in modules_of(path) if not module.startswith("gyrogap")}
     assert not {module.split(".")[0] for module in modules} & {"gyrodrift", "firmware_sim", "importlib", "runpy"}
     assert "__import__" not in path.read_text()
@@ -31,7 +30,6 @@ def test_nothing_of_the_program_is_imported(path: Path) -> None:
 
 @pytest.mark.parametrize("path", sorted(PHYSICS.glob("*.py")), ids=lambda path: path.stem)
 def test_the_generator_needs_numpy_and_scipy_alone(path: Path) -> None:
-    """And the standard library, and nothing of what runs and scores but the names of the effects."""
     standard = {"collections", "dataclasses", "enum", "hashlib", "math", "pathlib", "typing"}
     own = {module for module in modules_of(path) if module.startswith("gyrogap")}
     assert {module.split(".")[0] for module in modules_of(path) - own} <= standard | {"numpy", "scipy"}

@@ -25,10 +25,9 @@ def rate(name: str, **parameters: float) -> np.ndarray:
 
 
 def test_gains() -> None:
-    """One for all, and one for each direction."""
     assert rate("scale_factor", error_percent=-4.0) == pytest.approx(0.96 * RATE_DPS)
-    both = rate("scale_asymmetry", error_percent=3.0)
-    assert both == pytest.approx(np.where(RATE_DPS > 0.0, 1.03, 0.97) * RATE_DPS)
+    pair = rate("scale_asymmetry", error_percent=3.0)
+    assert pair == pytest.approx(np.where(RATE_DPS > 0.0, 1.03, 0.97) * RATE_DPS)
 
 
 def test_what_takes_time() -> None:
@@ -44,7 +43,6 @@ def test_what_takes_time() -> None:
 
 
 def test_a_bias_settles() -> None:
-    """To 1/e of it after the time that is stated."""
     added = rate("warmup", amplitude_dps=2.0, settle_s=10.0) - RATE_DPS
     assert added[[0, 500]] == pytest.approx([2.0, 2.0 * np.exp(-1.0)])
 
@@ -60,17 +58,15 @@ def test_steps_and_ends() -> None:
 
 
 def test_how_often() -> None:
-    """Within five standard deviations of the share that is stated."""
     spread = 5.0 * np.sqrt(0.1 * 0.9 / len(T_S))
     assert np.mean(np.diff(rate("stale_hold", share_percent=10.0)) == 0.0) == pytest.approx(0.1, abs=spread)
     assert len(put("sample_drop", share_percent=10.0).t_s) / len(T_S) == pytest.approx(0.9, abs=spread)
-    wild = rate("spikes", height_dps=40.0, share_percent=10.0) - RATE_DPS
-    assert np.mean(np.abs(wild) > 1.0) == pytest.approx(0.1, abs=spread)
-    assert set(np.round(wild, 6)) == {-40.0, 0.0, 40.0}
+    outlying = rate("spikes", height_dps=40.0, share_percent=10.0) - RATE_DPS
+    assert np.mean(np.abs(outlying) > 1.0) == pytest.approx(0.1, abs=spread)
+    assert set(np.round(outlying, 6)) == {-40.0, 0.0, 40.0}
 
 
 def test_a_tone_has_its_power() -> None:
-    """Half of the square of the amplitude."""
     tone = rate("vibration", amplitude_dps=3.0, frequency_hz=15.0) - RATE_DPS
     assert np.mean(np.square(tone)) == pytest.approx(4.5, rel=0.02)
 
@@ -105,7 +101,6 @@ def test_what_is_drawn_can_be_put_in(name: str) -> None:
 
 
 def test_two_sets_of_a_device_share_no_recording() -> None:
-    """Each is a minute in all, of recordings of 20 s and more; what is put into one leaves the other alone."""
     if not devices():
         pytest.skip("the folder of recordings is not there")
     assert set(devices()) == set(OWNED)
@@ -115,13 +110,12 @@ def test_two_sets_of_a_device_share_no_recording() -> None:
         assert isinstance(last, Recorded)
         assert isinstance(today, Recorded)
         assert not set(map(id, last.recordings)) & set(map(id, today.recordings))
-        for one in (last, today):
-            assert sum(rows.seconds for rows in one.recordings) > LEAST_SET_S
-            assert min(rows.seconds for rows in one.recordings) >= LEAST_S
+        for item in (last, today):
+            assert sum(rows.seconds for rows in item.recordings) > LEAST_SET_S
+            assert min(rows.seconds for rows in item.recordings) >= LEAST_S
 
 
 def test_every_effect_is_put_into_something() -> None:
-    """Over the cases of a row each device has several, and only rest sees none that needs motion."""
     if not devices():
         pytest.skip("the folder of recordings is not there")
     cases = [draw_case(9, "baseline", number) for number in range(ROWS["baseline"].count)]

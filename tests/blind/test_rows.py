@@ -40,13 +40,13 @@ def files_of(case: RowCase, folder: Path) -> dict[str, bytes]:
 def test_devices_are_spread() -> None:
     """Every encoder, step and rate occurs, and noise over a decade; half of the encoders are absolute."""
     facts = [draw_facts(plan_dice(("spread", number))) for number in range(200)]
-    assert {each.encoder_cpr for each in facts} == set(COUNTS)
-    assert {each.dps_per_lsb for each in facts} == set(STEPS_DPS)
-    assert {each.sample_hz for each in facts} == set(RATES_HZ)
-    noises = [each.noise_dps_rthz for each in facts]
+    assert {fact.encoder_cpr for fact in facts} == set(COUNTS)
+    assert {fact.dps_per_lsb for fact in facts} == set(STEPS_DPS)
+    assert {fact.sample_hz for fact in facts} == set(RATES_HZ)
+    noises = [fact.noise_dps_rthz for fact in facts]
     assert 0.0015 <= min(noises) < 0.002
     assert 0.015 < max(noises) <= 0.02
-    assert 70 <= sum(each.encoder_absolute for each in facts) <= 130
+    assert 70 <= sum(fact.encoder_absolute for fact in facts) <= 130
 
 
 @pytest.mark.parametrize("name", ["quantization", "encoder_quantization"])
@@ -61,7 +61,6 @@ def test_coarser_is_coarser_than_the_device(name: str) -> None:
 
 
 def test_rows_have_the_effects_that_they_should() -> None:
-    """Each effect typical and large, each small, each withheld; a case without a gap has none."""
     assert Counter((case.draft.faults[0].name, case.draft.size) for case in drawn("single", ROWS["single"].count)) == {
         (effect, size): 1 for effect in EFFECTS for size in ("typical", "large")
     }
@@ -75,7 +74,6 @@ def test_rows_have_the_effects_that_they_should() -> None:
 
 
 def test_own_rigs_have_up_to_two_effects_and_enough_data() -> None:
-    """None, one and two; three to six sessions that are a minute and more in all, and not endless ones."""
     cases = drawn("none_own", 80)
     assert {case.draft.rig.count("name:") for case in cases} == {0, 1, 2}
     for case in cases:
@@ -89,15 +87,14 @@ def test_own_rigs_have_up_to_two_effects_and_enough_data() -> None:
 
 @pytest.mark.parametrize("row", GENERATED)
 def test_a_case_is_found_by_its_name(row: str, tmp_path: Path) -> None:
-    """With the same label, and the same bytes; none has a file that says what is in it."""
     case = draw_case(9, row, 3)
-    found = find_case(9, case.name)
+    result = find_case(9, case.name)
     by_number = find_case(9, f"{row}/3")
-    assert found is not None
+    assert result is not None
     assert by_number is not None
-    assert found.label() == by_number.label() == case.label()
+    assert result.label() == by_number.label() == case.label()
     files = files_of(case, tmp_path / "once")
-    assert files == files_of(found, tmp_path / "again")
+    assert files == files_of(result, tmp_path / "again")
     folders = {"sessions"} | ({case.draft.then} if case.draft.then else set())
     numbers = range(1, 4)
     assert set(files) == {"rig.yaml", *(f"{folder}/session-{number}.csv" for folder in folders for number in numbers)}
@@ -106,13 +103,12 @@ def test_a_case_is_found_by_its_name(row: str, tmp_path: Path) -> None:
 def test_no_row_moves_another() -> None:
     """A case is the same whatever is drawn beside it."""
     alone = [case.title for case in draw_rows(9, ["small"], 3)]
-    beside = [case.title for case in draw_rows(9, ["loop", "small"], 5) if case.row == "small"]
-    assert beside[:3] == alone
-    assert len(beside) == 5
+    next_to = [case.title for case in draw_rows(9, ["loop", "small"], 5) if case.row == "small"]
+    assert next_to[:3] == alone
+    assert len(next_to) == 5
 
 
 def test_a_folder_can_be_extended(tmp_path: Path) -> None:
-    """More cases of a row are sealed beside those that are; no seal is made anew."""
     folder = SetFolder(tmp_path / "set")
     prepare(folder, 9, ["small"], 2)
     before = folder.hashes()
@@ -135,7 +131,6 @@ def test_the_rig_of_a_loop_is_for_new_sessions_of_the_same_device(tmp_path: Path
 
 
 def test_sizes_in_the_rig_are_wrong_and_of_the_same_sign() -> None:
-    """By half and more; everything else of the effect is as it is in the sessions."""
     for case in drawn("wrong_size", 46):
         (fault,) = case.draft.faults
         strength = fault.parameters[STRENGTHS[fault.name].parameter]
@@ -176,7 +171,6 @@ def session_of(*faults: InjectedEffect, absolute: bool, low_pass_hz: float = 0.0
 
 
 def test_an_incremental_encoder_begins_at_zero_and_an_absolute_one_where_it_stands() -> None:
-    """They differ by the whole counts that the table stood at."""
     zeroed, start_deg = session_of(absolute=False)
     true, _ = session_of(absolute=True)
     assert zeroed.encoder_deg[0] == 0.0
@@ -185,17 +179,15 @@ def test_an_incremental_encoder_begins_at_zero_and_an_absolute_one_where_it_stan
 
 
 def test_an_incremental_encoder_has_a_phase_of_its_own() -> None:
-    """What happens once per turn begins at the true angle, which the encoder does not tell."""
     turn = InjectedEffect("g_sensitivity", {"amplitude_dps": 0.5, "phase_deg": 20.0})
     columns, start_deg = session_of(turn, absolute=False)
-    found = by.fit(columns)
-    phase_deg = np.degrees(np.arctan2(found["cosine"], found["sine"]))
+    result = by.fit(columns)
+    phase_deg = np.degrees(np.arctan2(result["cosine"], result["sine"]))
     off_deg = (phase_deg - start_deg - 20.0 + 180.0) % 360.0 - 180.0
     assert abs(off_deg) < 5.0
 
 
 def test_the_low_pass_of_a_device_has_one_pole() -> None:
-    """Of white noise it leaves π f_c σ², and a sample is correlated with the next one by e^(−2π f_c / rate)."""
     passed, _ = session_of(absolute=True, low_pass_hz=20.0)
     rate_dps = by.at_rest(passed)
     assert np.var(rate_dps) == pytest.approx(np.pi * 20.0 * 0.004**2, rel=0.12)
@@ -220,7 +212,6 @@ def test_what_a_fault_costs_is_what_the_integrated_rate_is_off_for_it() -> None:
     ("mover", "least_dps", "most_dps"), [("robot", 1.0, 90.0), ("hand", 10.0, 60.0), ("drone", 3.0, 90.0)]
 )
 def test_what_no_table_turns_never_stands_once_it_moves(mover: Mover, least_dps: float, most_dps: float) -> None:
-    """It trembles in pauses, too, and its rate stays within a range; half of the sessions begin at rest."""
     begin_at_rest = 0
     for number in range(12):
         motion = driven_motion(plan_dice(("driven", mover, number)), 1.0 / 800.0, 60.0, mover)
@@ -233,6 +224,5 @@ def test_what_no_table_turns_never_stands_once_it_moves(mover: Mover, least_dps:
 
 
 def test_what_is_outside_the_catalogue_says_what_it_costs() -> None:
-    """In its label, and no other case does."""
     assert draw_case(9, "outside", 0).label()["yaw_cost_deg"] > 0.0
     assert "yaw_cost_deg" not in draw_case(9, "single", 0).label()

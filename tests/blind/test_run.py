@@ -64,88 +64,83 @@ class Set:
 
 def test_it_hands_over_sessions_and_a_rig_alone(tmp_path: Path) -> None:
     """The words of the command line, and nothing else beside the sessions; no seal is opened."""
-    one = Set(tmp_path, "triple")
-    one.run()
-    (call,) = one.calls()
+    item = Set(tmp_path, "triple")
+    item.run()
+    (call,) = item.calls()
     words = call["words"]
     assert [words[0], words[2], words[4], *words[6:]] == ["diagnose", "--rig", "--out", "--jobs", "1"]
     assert call["files"] == ["rig.yaml", "sessions", *(f"sessions/session-{number}.csv" for number in range(1, 4))]
     assert not [effect for effect in EFFECTS if effect in " ".join(words)]
     assert not Path(words[1]).exists()
-    assert not (one.folder.root / OPENINGS).exists()
-    assert one.result()["gap"]["verdict"] == "none"
+    assert not (item.folder.root / OPENINGS).exists()
+    assert item.result()["gap"]["verdict"] == "none"
 
 
 def test_what_the_plan_withholds_is_withheld_in_a_second_run(tmp_path: Path) -> None:
-    """On the same data."""
-    one = Set(tmp_path, "left_out")
-    one.run()
-    assert [call["words"][8:] for call in one.calls()] == [[], ["--withhold", "scale_factor"]]
-    assert one.result()["data_sha256"] == one.result("withheld")["data_sha256"]
+    item = Set(tmp_path, "left_out")
+    item.run()
+    assert [call["words"][8:] for call in item.calls()] == [[], ["--withhold", "scale_factor"]]
+    assert item.result()["data_sha256"] == item.result("withheld")["data_sha256"]
 
 
 def test_what_has_a_result_is_not_run_again(tmp_path: Path) -> None:
     """A run that was interrupted goes on; the sessions are kept where that is asked for."""
-    one = Set(tmp_path, "triple")
-    one.run(keep=True)
-    one.run()
-    assert len(one.calls()) == 1
-    assert (one.folder.kept(one.folder.plan().cases[0].name) / "rig.yaml").is_file()
+    item = Set(tmp_path, "triple")
+    item.run(keep=True)
+    item.run()
+    assert len(item.calls()) == 1
+    assert (item.folder.kept(item.folder.plan().cases[0].name) / "rig.yaml").is_file()
 
 
 def test_the_oracle_may_name_the_true_effect_only(tmp_path: Path) -> None:
-    """It runs after the blind ones, and its openings are logged."""
-    one = Set(tmp_path, "single")
-    one.run(oracle=True)
-    withheld = set(one.calls()[-1]["words"][8:]) - {"--withhold"}
+    item = Set(tmp_path, "single")
+    item.run(oracle=True)
+    withheld = set(item.calls()[-1]["words"][8:]) - {"--withhold"}
     assert withheld == set(EFFECTS) - {"scale_factor"}
-    assert (one.folder.root / OPENINGS).read_text().endswith("oracle\n")
+    assert (item.folder.root / OPENINGS).read_text().endswith("oracle\n")
 
 
 def test_new_sessions_are_looked_at_with_the_rig_that_was_adopted(tmp_path: Path) -> None:
-    """And that rig is kept with the blind result, so that an interrupted run goes on with it."""
-    one = Set(tmp_path, "loop")
-    one.run(NAMES_A_CAUSE)
-    first, again = one.calls()
+    item = Set(tmp_path, "loop")
+    item.run(NAMES_A_CAUSE)
+    first, again = item.calls()
     assert again["rig"] == first["rig"] + "# adopted"
     assert [Path(call["words"][1]).name for call in (first, again)] == ["sessions", "again"]
-    again_path = one.folder.result(one.folder.plan().cases[0].name, "again")
+    again_path = item.folder.result(item.folder.plan().cases[0].name, "again")
     again_path.unlink()
-    one.run(NAMES_A_CAUSE)
-    assert len(one.calls()) == 3
-    assert one.calls()[2]["rig"] == again["rig"]
+    item.run(NAMES_A_CAUSE)
+    assert len(item.calls()) == 3
+    assert item.calls()[2]["rig"] == again["rig"]
 
 
 def test_where_nothing_is_named_nothing_is_adopted(tmp_path: Path) -> None:
     """The second run is not made, and not tried again."""
-    one = Set(tmp_path, "loop")
-    one.run()
-    one.run()
-    assert len(one.calls()) == 1
-    (tried,) = open_all(one.folder)
+    item = Set(tmp_path, "loop")
+    item.run()
+    item.run()
+    assert len(item.calls()) == 1
+    (tried,) = open_all(item.folder)
     assert tried.blind.said is not None
     assert tried.outcomes["again"].said is None
 
 
 def test_the_device_without_the_effect_is_looked_at_with_the_same_rig(tmp_path: Path) -> None:
-    """As it would be before anything happened to it."""
-    one = Set(tmp_path, "small")
-    one.run()
-    first, without = one.calls()
+    item = Set(tmp_path, "small")
+    item.run()
+    first, without = item.calls()
     assert first["rig"] == without["rig"]
     assert Path(without["words"][1]).name == "without"
 
 
 def test_a_baseline_is_handed_over(tmp_path: Path) -> None:
-    """Beside the recordings of today, as the command line takes it."""
     if not devices():
         pytest.skip("the folder of recordings is not there")
-    one = Set(tmp_path, "baseline")
-    one.run()
-    (call,) = one.calls()
+    item = Set(tmp_path, "baseline")
+    item.run()
+    (call,) = item.calls()
     words = call["words"]
     assert words[8] == "--baseline"
-    assert [Path(words[at]).name for at in (1, 9)] == ["sessions", "baseline"]
+    assert [Path(words[index]).name for index in (1, 9)] == ["sessions", "baseline"]
     assert {name.split("/")[0] for name in call["files"]} == {"rig.yaml", "sessions", "baseline"}
 
 
@@ -160,13 +155,12 @@ def test_a_baseline_is_handed_over(tmp_path: Path) -> None:
     ids=["breaks", "writes nonsense", "writes nothing", "hangs"],
 )
 def test_a_failure_is_a_result(tmp_path: Path, act: str, failure: str) -> None:
-    """It is kept with its last words, counted, and not tried again."""
-    one = Set(tmp_path, "triple")
-    one.run(act, timeout_s=2.0 if failure == "too late" else 60.0)
-    one.run()
-    assert len(one.calls()) <= 1  # a machine that is busy may not have started it before it is late
-    (tried,) = open_all(one.folder)
+    item = Set(tmp_path, "triple")
+    item.run(act, timeout_s=2.0 if failure == "too late" else 60.0)
+    item.run()
+    assert len(item.calls()) <= 1  # a machine that is busy may not have started it before it is late
+    (tried,) = open_all(item.folder)
     assert tried.blind.said is None
     assert failure in tried.blind.failure
     if "it broke" in act:
-        assert one.result()["stderr"].strip() == "it broke"
+        assert item.result()["stderr"].strip() == "it broke"

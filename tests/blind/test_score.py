@@ -42,19 +42,17 @@ def share(tried: list[Tried], what: str) -> Share:
         (None, False, False),
     ],
 )
-def test_a_single_effect(said: Any, *, group: bool, tied: bool) -> None:
-    """Its group, itself or a tie; a cause beside "unknown" names nothing."""
-    told = outcome(said)
-    assert judge.names_group_first(told, "latency") == group
-    assert judge.names_first_or_tied(told, "latency") == tied
+def test_a_single_effect(statement: Any, *, group: bool, tied: bool) -> None:
+    report = outcome(statement)
+    assert judge.names_group_first(report, "latency") == group
+    assert judge.names_first_or_tied(report, "latency") == tied
 
 
 @pytest.mark.parametrize(
     ("said", "is_alarm"), [(gap("none"), False), (gap("effect", cause("spikes")), True), (gap("unknown"), True)]
 )
-def test_no_gap(said: Any, *, is_alarm: bool) -> None:
-    """Anything but "none" is an alarm."""
-    assert judge.raises_alarm(outcome(said)) == is_alarm
+def test_no_gap(statement: Any, *, is_alarm: bool) -> None:
+    assert judge.raises_alarm(outcome(statement)) == is_alarm
 
 
 @pytest.mark.parametrize(
@@ -69,9 +67,9 @@ def test_no_gap(said: Any, *, is_alarm: bool) -> None:
         (None, False),
     ],
 )
-def test_outside_the_catalogue(said: Any, *, is_fine: bool) -> None:
+def test_outside_the_catalogue(statement: Any, *, is_fine: bool) -> None:
     """The verdict "unknown" is judged by where the gap is, "partly" by where the leftover is."""
-    assert judge.abstains_at(outcome(said), ("link", "clock")) == is_fine
+    assert judge.abstains_at(outcome(statement), ("link", "clock")) == is_fine
 
 
 @pytest.mark.parametrize(
@@ -87,10 +85,10 @@ def test_outside_the_catalogue(said: Any, *, is_fine: bool) -> None:
         (None, False, False),
     ],
 )
-def test_with_the_true_effect_withheld(said: Any, *, is_not_fooled: bool, admits: bool) -> None:
+def test_with_the_true_effect_withheld(statement: Any, *, is_not_fooled: bool, admits: bool) -> None:
     """A confident cause needs a leftover; strictly, it has to be of the right group too."""
-    assert judge.is_not_fooled(outcome(said)) == is_not_fooled
-    assert judge.admits_what_is_missing(outcome(said), "latency") == admits
+    assert judge.is_not_fooled(outcome(statement)) == is_not_fooled
+    assert judge.admits_what_is_missing(outcome(statement), "latency") == admits
 
 
 @pytest.mark.parametrize(
@@ -105,14 +103,12 @@ def test_with_the_true_effect_withheld(said: Any, *, is_not_fooled: bool, admits
         (None, False, False),
     ],
 )
-def test_a_pair(said: Any, *, alone: bool, both: bool) -> None:
-    """Each has a cause of its own, and no third one is confident."""
-    assert judge.names_both(outcome(said), ("latency", "scale_factor"), alone=True) == alone
-    assert judge.names_both(outcome(said), ("latency", "scale_factor"), alone=False) == both
+def test_a_pair(statement: Any, *, alone: bool, pair: bool) -> None:
+    assert judge.names_both(outcome(statement), ("latency", "scale_factor"), alone=True) == alone
+    assert judge.names_both(outcome(statement), ("latency", "scale_factor"), alone=False) == pair
 
 
 def test_a_failure_is_a_miss_everywhere() -> None:
-    """It counts in every row, as a false alarm too, and is listed with its reason."""
     kinds: list[tuple[str, dict[str, dict[str, float]]]] = [
         ("single", LAG),
         ("none", {}),
@@ -121,9 +117,9 @@ def test_a_failure_is_a_miss_everywhere() -> None:
         ("left_out", LAG),
     ]
     tried = [case(kind, None, effects) for kind, effects in kinds]
-    found = score(tried)
-    assert found.failures == len(kinds)
-    for row in found.shares:
+    actual = score(tried)
+    assert actual.failures == len(kinds)
+    for row in actual.shares:
         assert row.hits == (row.total if row.is_most else 0)
     assert "gap.json" in share(tried, "group named first, typical").misses[0]
 
@@ -142,10 +138,10 @@ def test_a_failure_is_a_miss_everywhere() -> None:
 )
 def test_what_cannot_be_read_is_a_failure(result: Any) -> None:
     """A missing result, a late one, a bad status, and every malformed `gap.json`."""
-    told = read_outcome(result)
-    assert told.said is None
-    assert told.failure
-    assert told.text.startswith("failed")
+    report = read_outcome(result)
+    assert report.said is None
+    assert report.failure
+    assert report.text.startswith("failed")
 
 
 def test_sizes_have_rows_of_their_own() -> None:
@@ -164,7 +160,6 @@ def test_sizes_have_rows_of_their_own() -> None:
 
 @pytest.mark.parametrize(("value", "hits"), [(1.19, 1), (0.81, 1), (1.21, 0), (-1.0, 0)])
 def test_fitted_parameters(value: float, hits: int) -> None:
-    """Within 20 %, the sign included; only where the effect is named and its form is the simulator's."""
     named = case("single", gap("effect", cause("scale_factor", 0.9, error_percent=value)), SCALE)
     other_form = case(
         "single", gap("effect", cause("warmup", 0.9, amplitude_dps=1.0)), {"warmup": {"amplitude_dps": 9}}
@@ -184,13 +179,12 @@ def test_shrink_is_measured_against_the_oracle() -> None:
         case("single", right, SCALE, oracle=gap("none", shrink=0.0)),
         case("single", right, SCALE),
     ]
-    found = score(tried)
-    assert found.shrink_ratio == pytest.approx(0.8 / 0.9)
-    assert found.shrink_ratio_cases == 3
+    actual = score(tried)
+    assert actual.shrink_ratio == pytest.approx(0.8 / 0.9)
+    assert actual.shrink_ratio_cases == 3
 
 
 def test_the_effect_back_has_to_help() -> None:
-    """Less is left of the gap with the effect among the candidates than without."""
     worse, better = gap("partly", cause("bandwidth"), leftover="sensor", after=2.0), gap("effect", cause("latency"))
     what = "left out: with the effect back less"
     assert share([case("left_out", better, LAG, withheld=worse)], what).hits == 1
@@ -199,7 +193,6 @@ def test_the_effect_back_has_to_help() -> None:
 
 @pytest.mark.parametrize(("hits", "total"), [(0, 40), (1, 40), (20, 41), (54, 54)])
 def test_wilson_agrees_with_scipy(hits: int, total: int) -> None:
-    """To four decimals."""
     interval = binomtest(hits, total).proportion_ci(method="wilson")
     assert wilson(hits, total) == pytest.approx((interval.low, interval.high), abs=1e-4)
 
@@ -210,7 +203,7 @@ def test_probabilities_are_judged() -> None:
     assert brier(stated) == pytest.approx((0.01 + 0.0025 + 1.0 + 0.09) / 4.0)
     assert brier([]) is None
     bins = reliability(stated)
-    assert [(each.low, each.hits, each.total) for each in bins] == [(0.2, 0, 1), (0.9, 2, 3)]
+    assert [(item.low, item.hits, item.total) for item in bins] == [(0.2, 0, 1), (0.9, 2, 3)]
 
 
 def test_every_cause_that_is_stated_counts() -> None:
@@ -223,15 +216,14 @@ def test_every_cause_that_is_stated_counts() -> None:
 
 
 def test_the_table_shows_goals_intervals_and_misses() -> None:
-    """In the terminal, in Markdown and as JSON; an empty row says so."""
-    found = score([case("none", gap("none")), case("none", gap("effect", cause("spikes", 0.4)))])
-    for text in (terminal_text(found), markdown(found)):
+    actual = score([case("none", gap("none")), case("none", gap("effect", cause("spikes", 0.4)))])
+    for text in (terminal_text(actual), markdown(actual)):
         assert "≤ 5 %" in text
         assert "1 of 2" in text
         assert "9 to 91 %" in text
         assert "no gap, of a test → effect, spikes 0.40" in text
         assert "not tried" in text
-    row = next(row for row in as_json(found)["shares"] if "false alarms" in row["what"])
+    row = next(row for row in as_json(actual)["shares"] if "false alarms" in row["what"])
     assert row["share"] == 0.5
 
 

@@ -30,13 +30,11 @@ def test_every_label_is_sealed_before_the_run(folder: SetFolder) -> None:
 
 
 def test_salts_differ(folder: SetFolder) -> None:
-    """So that nobody finds a label by hashing all labels there may be."""
     salts = {json.loads((folder.seals / f"{case.name}.json").read_text())["salt"] for case in folder.plan().cases}
     assert len(salts) == len(folder.plan().cases)
 
 
 def test_the_plan_says_nothing_but_what_is_withheld(folder: SetFolder) -> None:
-    """And whether a second run follows; no kind, no size, no effect."""
     read = json.loads((folder.root / "plan.json").read_text())
     assert set(read) == {"seed", "cases"}
     assert all(set(case) == {"case", "withhold", "then"} for case in read["cases"])
@@ -55,7 +53,6 @@ def test_openings_are_logged(folder: SetFolder) -> None:
 
 
 def test_a_changed_label_is_found_out(folder: SetFolder) -> None:
-    """Whoever rewrites a label after the run breaks its seal; the opening is logged all the same."""
     name = folder.plan().cases[0].name
     path = folder.seals / f"{name}.json"
     sealed = json.loads(path.read_text())

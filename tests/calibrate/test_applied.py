@@ -44,14 +44,13 @@ MOTION = [*rest(10.0), *turn(360.0), *rest(3.0)]
 MOTION_S = 10.0 + turn_s(360.0) + 3.0
 
 
-def config_of(folder: Path, found: Calibration | None, *, name: str = "my.yaml") -> Path:
+def config_of(folder: Path, result: Calibration | None, *, name: str = "my.yaml") -> Path:
     path = folder / name
-    path.write_text("filter: restlevel\n" + ("" if found is None else block_text(found)))
+    path.write_text("filter: restlevel\n" + ("" if result is None else block_text(result)))
     return path
 
 
 def test_a_block_is_read_as_it_was_written(tmp_path: Path) -> None:
-    """Seven digits of each number."""
     config = load_config(config_of(tmp_path, RIGHT))
     assert config.calibration is not None
     assert config.calibration == replace(
@@ -60,7 +59,6 @@ def test_a_block_is_read_as_it_was_written(tmp_path: Path) -> None:
 
 
 def test_a_new_block_takes_the_place_of_the_old_one() -> None:
-    """All other lines stay: a comment at the margin belongs to what follows, one inside goes with the block."""
     head, tail = "# head\nfilter: hdr  # mine\n", "# of the outputs\noutputs: []\n\n# end"
     old = "calibration:\n  date: 2020-01-01\n  # a note\n\n  sign: -1\n\n"
     assert with_block(head + old + tail, "NEW\n") == f"{head}NEW\n\n{tail}"
@@ -87,7 +85,6 @@ def test_a_new_block_takes_the_place_of_the_old_one() -> None:
     ],
 )
 def test_a_mistake_in_the_block_is_named_with_its_place(block: str, problem: str, tmp_path: Path) -> None:
-    """And the config is refused whole."""
     path = tmp_path / "c.yaml"
     path.write_text(f"{block}\n")
     with pytest.raises(ConfigError) as caught:
@@ -126,7 +123,6 @@ def test_serve_records_the_rate_of_the_device_and_the_calibration_beside_it(tmp_
 
 
 def test_a_calibration_of_another_device_is_warned_of_and_not_applied(tmp_path: Path) -> None:
-    """By serve, and by filter over what it recorded."""
     config, sessions = config_of(tmp_path, replace(RIGHT, device_id="gyro-17")), tmp_path / "sessions"
     words = ("--config", config, "--record", sessions)
     with speaking_on(tmp_path / "gyro") as device, Command("serve", "--port", tmp_path / "gyro", *words) as serve:
@@ -144,7 +140,6 @@ def test_a_calibration_of_another_device_is_warned_of_and_not_applied(tmp_path: 
 
 
 def test_a_changed_calibration_is_followed_and_yaw_goes_on(tmp_path: Path) -> None:
-    """From uncalibrated to calibrated between two turns; the bias that was learnt is kept, and the session knows."""
     config, sessions = config_of(tmp_path, None), tmp_path / "sessions"
     words = ("--config", config, "--record", sessions)
     with speaking_on(tmp_path / "gyro") as device, Command("serve", "--port", tmp_path / "gyro", *words) as serve:
@@ -183,7 +178,7 @@ def test_a_temperature_that_leaves_the_run_does_not_move_the_bias_any_further() 
     temps_c, measured_dps = np.array([np.nan, 10.0, 20.0, 25.0, 32.0]), np.array([5.0, -5.0, 5.0, -5.0, 5.0])
     biases_dps = [0.35, -0.15, -0.15, 0.35, 0.85]
     np.testing.assert_allclose([warm.bias_at_dps(temp_c) for temp_c in temps_c.tolist()], biases_dps)
-    single = [warm.rate_dps(*each) for each in zip(measured_dps.tolist(), temps_c.tolist(), strict=True)]
+    single = [warm.rate_dps(*item) for item in zip(measured_dps.tolist(), temps_c.tolist(), strict=True)]
     assert true_rates_dps(measured_dps, temps_c, warm).tolist() == single
 
 
@@ -202,7 +197,6 @@ def scaled(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def gain_of(rate_dps: Floats, session: Session) -> float:
-    """Of the rate over that of the encoder, in turns counter-clockwise."""
     assert session.encoder_deg is not None
     true_dps = np.gradient(session.encoder_deg, session.t_device_s)
     is_turning = true_dps > 25.0
@@ -218,7 +212,6 @@ def test_a_diagnosis_sees_the_calibrated_rate_and_says_so(scaled: Path) -> None:
 
 
 def test_tuning_and_comparing_run_on_the_calibrated_rate(scaled: Path) -> None:
-    """What serve will filter."""
     session = load_session(scaled)
     reference = load_with_reference(Source(scaled)).reference
     np.testing.assert_array_equal(reference.rate_dps, with_calibration(session, RIGHT).rate_dps)
@@ -276,7 +269,6 @@ def test_a_calibration_of_three_axes_gives_true_rates_and_accelerations() -> Non
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_three_axes_of_a_session_are_calibrated_as_sample_by_sample(sign: Literal[1, -1]) -> None:
-    """To the bit, at every temperature; a sample without its axes keeps the calibrated rate."""
     calibration = replace(THREE_AXES, sign=sign)
     rng = np.random.default_rng(3)
     samples = [

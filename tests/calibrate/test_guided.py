@@ -29,10 +29,10 @@ outputs:
 """
 
 
-def spread(found: Calibration) -> tuple[float, float]:
-    assert found.scale_ccw_se is not None
-    assert found.scale_cw_se is not None
-    return found.scale_ccw_se, found.scale_cw_se
+def spread(actual: Calibration) -> tuple[float, float]:
+    assert actual.scale_ccw_se is not None
+    assert actual.scale_cw_se is not None
+    return actual.scale_ccw_se, actual.scale_cw_se
 
 
 STEPS = {1: ("Go back to the mark. Press Enter when it stands there", 1), 2: ("Turn one whole turn clockwise", 2)}
@@ -78,22 +78,20 @@ def guided(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
 
 
 def test_the_scale_sign_and_bias_of_the_table_are_found(guided: tuple[str, Path]) -> None:
-    """Both directions apart, within their spread, of which the stops at the mark are part."""
-    found = load_config(guided[1]).calibration
-    assert found is not None
-    ccw_se, cw_se = spread(found)
-    assert found.sign == -1
-    assert found.scale_ccw == near(1.0 / GAIN_CW, 4.0 * ccw_se)
-    assert found.scale_cw == near(1.0 / GAIN_CCW, 4.0 * cw_se)
+    result = load_config(guided[1]).calibration
+    assert result is not None
+    ccw_se, cw_se = spread(result)
+    assert result.sign == -1
+    assert result.scale_ccw == near(1.0 / GAIN_CW, 4.0 * ccw_se)
+    assert result.scale_cw == near(1.0 / GAIN_CCW, 4.0 * cw_se)
     assert 1e-4 < ccw_se < 2e-3
-    assert found.mark_deg == near(0.3, 0.2)
-    assert found.bias_dps == near(0.35, 0.005)
-    assert found.noise_dps_rthz == near(0.0035, 0.0004)
-    assert (found.device_id, found.dps_per_lsb, found.repeats) == ("firmware_sim", near(0.00763, 1e-6), 3)
+    assert result.mark_deg == near(0.3, 0.2)
+    assert result.bias_dps == near(0.35, 0.005)
+    assert result.noise_dps_rthz == near(0.0035, 0.0004)
+    assert (result.device_id, result.dps_per_lsb, result.repeats) == ("firmware_sim", near(0.00763, 1e-6), 3)
 
 
 def test_a_turn_that_missed_the_mark_is_not_taken_and_done_again(guided: tuple[str, Path]) -> None:
-    """With what was wrong with it."""
     assert "Not accepted: one turn read +305.7 deg, not a whole turn" in guided[0]
     assert guided[0].count("deg for 360") == 6
 
@@ -106,9 +104,8 @@ def test_the_config_keeps_all_else_that_it_had(guided: tuple[str, Path]) -> None
 
 
 def test_serve_reads_a_whole_turn_as_one(guided: tuple[str, Path], tmp_path: Path) -> None:
-    """In both directions within four times the stated spread, where the device itself is off by degrees."""
-    found = load_config(guided[1]).calibration
-    assert found is not None
+    result = load_config(guided[1]).calibration
+    assert result is not None
     config = tmp_path / "serve.yaml"
     config.write_text(guided[1].read_text().replace("filter: hdr", "filter: restlevel").replace("5151", "0"))
     motion = [*rest(10.0), *turn(-720.0), *rest(4.0), *turn(360.0), *rest(4.0)]
@@ -121,7 +118,7 @@ def test_serve_reads_a_whole_turn_as_one(guided: tuple[str, Path], tmp_path: Pat
         assert serve.stop() == 0
         yaw_deg = {round(line["t_s"], 2): line["yaw_deg"] for line in serve.all_lines()}
         assert serve.log.count("event=calibration_applied") == 1
-    ccw_se, cw_se = spread(found)
+    ccw_se, cw_se = spread(result)
     there_deg, back_deg = yaw_deg[round(10.0 + turn_s(720.0) + 3.0, 2)], list(yaw_deg.values())[-1]
     assert there_deg == near(720.0, 4.0 * 720.0 * ccw_se + 0.1)
     assert there_deg - back_deg == near(360.0, 4.0 * 360.0 * cw_se + 0.1)
@@ -139,7 +136,6 @@ def played(segments: list[str], folder: Path) -> Iterator[None]:
 
 
 def test_without_a_terminal_stops_are_told_by_rest(tmp_path: Path) -> None:
-    """And the result is JSON where that is asked for; a config that is not there yet is made."""
     with played(to_and_fro([360.4, -360.2, 359.8, -360.1, 360.0, -359.6]), tmp_path):
         config = tmp_path / "new.yaml"
         with Command("calibrate", "--port", tmp_path / "gyro", "--config", config, "--json", "--quiet") as calibrate:

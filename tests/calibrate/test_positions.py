@@ -56,7 +56,6 @@ def read_by_sensor(legs: tuple[str | float, ...] = SIX_SIDES, **options: float) 
 
 @pytest.mark.parametrize("piece", [1, 50, 100000])
 def test_six_sides_in_any_order_give_offset_and_scale_and_the_biases(piece: int) -> None:
-    """Within their standard errors, however the samples are cut, though no side lies flat."""
     guide = guided(read_by_sensor(("-x", "+y", "+z", "+x", "-z", "-y"), askew_deg=6.0), piece=piece)
     assert guide.step is GuideStep.DONE
     result = guide.result(NOW, "bench", None)
@@ -105,8 +104,9 @@ def test_the_standard_errors_of_the_matrix_are_the_scatter_of_many_calibrations(
     assert np.abs(np.mean(matrices, axis=0)).max() < 4.0 * scatter.max() / 20.0
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_turns_about_one_axis_alone_tell_no_matrix() -> None:
-    """The reason says which turns are missing; the sides are kept."""
+    """Turns about one axis alone tell no matrix of the gyro; the reason names the missing turns."""
     samples = read_by_sensor(("+z", 360.0, -360.0, *SIX_SIDES[1:]))
     guide = guided(samples, WITH_AXIS_TURNS)
     assert guide.line.endswith("left: turns about x and y, there and back")
@@ -158,7 +158,6 @@ def test_a_side_laid_down_again_is_no_turn() -> None:
 
 
 def test_a_key_removes_the_last_turn_or_side() -> None:
-    """Then it is left again."""
     guide = guided(read_by_sensor(("+z", "+x", 360.0)), WITH_AXIS_TURNS)
     guide.press(Key.UNDO)
     guide.press(Key.UNDO)
@@ -174,7 +173,6 @@ def test_a_key_removes_the_last_turn_or_side() -> None:
 
 
 def test_a_board_at_45_degrees_lies_on_no_side() -> None:
-    """It is told so, and the next rest counts."""
     guide = guided(read_by_sensor(("+z", "+x"), askew_deg=45.0, seed=3))
     assert any("deg off the vertical, and 30 deg are allowed. Lay it on a side." in it for it in sentences_of(guide))
 
@@ -184,8 +182,9 @@ def swapped(record: BoardRecord) -> BoardRecord:
     return replace(record, accel_mps2=record.accel_mps2[:, [1, 0, 2]])
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_axes_that_contradict_gravity_are_refused() -> None:
-    """The command that finds the axes is named."""
+    """A board whose gyro and accelerometer have different axes is not calibrated."""
     with pytest.raises(CalibrationError, match=r"gravity does not turn as the gyro says: .*gyrodrift doctor tells"):
         guided(swapped(laid_board().through_sensor()).samples())
 
@@ -223,15 +222,15 @@ def test_an_accelerometer_slower_than_the_gyro_is_enough() -> None:
 
 
 def test_a_turn_with_lost_samples_is_refused() -> None:
-    """The angle is unknown."""
     samples = read_by_sensor(("+z", 360.0))
     start = round((REST_S + 2.0) * RATE_HZ)
     guide = guided([*samples[:start], *samples[start + 20 :]], WITH_AXIS_TURNS)
     assert sentences_of(guide)[-1].startswith("Not accepted: samples were lost, or out of the range of the device")
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_a_turn_out_of_the_range_of_the_device_is_refused() -> None:
-    """The device marks such samples; the next turn counts again."""
+    """A turn that is not whole, lost samples or left the range of the device is not used."""
     samples = read_by_sensor(("+z", 360.0, -360.0))
     guide = guided(samples[:400], WITH_AXIS_TURNS)
     guide.take(samples[400:500], clipped=3)
@@ -242,15 +241,15 @@ def test_a_turn_out_of_the_range_of_the_device_is_refused() -> None:
 
 
 def test_without_a_user_the_calibration_ends_when_nothing_new_comes() -> None:
-    """With the sides that are left."""
     record = laid_board(("+z",)).through_sensor()
     resting = [sample for i in range(32) for sample in replace(record, t_s=record.t_s + i * REST_S).samples()]
     with pytest.raises(CalibrationError, match=r"nothing new was measured within 120 s; left: \+x, -x"):
         guided(resting, PositionPlan(is_by_hand=False))
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_six_positions_keep_the_values_of_one_axis_of_the_same_device() -> None:
-    """Scales and temperature stay; a matrix replaces sign and scales."""
+    """Six positions keep the scale and the temperature run of one axis."""
     old = Calibration("2026-01-01", device_id="bench", sign=-1, scale_ccw=0.98, bias_dps_per_c=0.01, bias_dps=3.0)
     new = Calibration("2026-05-01", device_id="bench", bias_dps=0.5, accel_scale=(1.0, 1.01, 1.02), temp_c=22.0)
     kept = over(new, old)
@@ -263,7 +262,6 @@ def test_six_positions_keep_the_values_of_one_axis_of_the_same_device() -> None:
 
 
 def test_a_coarse_accelerometer_has_larger_standard_errors() -> None:
-    """Without noise a mean keeps the rounding of its samples."""
     record = laid_board().through_sensor(noise_mps2=0.002)
     coarse = replace(record, accel_mps2=np.round(record.accel_mps2 / 0.2) * 0.2)
     result = guided(coarse.samples()).result(NOW, "", None)

@@ -49,7 +49,6 @@ def check(result: Calibration) -> None:
 def test_turns_and_sides_without_a_terminal_give_json_and_a_config(
     words: tuple[str, ...], device_id: str, tmp_path: Path
 ) -> None:
-    """All measurements are listed; no key is pressed."""
     config = tmp_path / "new.yaml"
     with (
         replayed(laid_board(WITH_TURNS, mark_deg=0.2), tmp_path, *words) as port,
@@ -68,7 +67,6 @@ def test_turns_and_sides_without_a_terminal_give_json_and_a_config(
 
 
 def test_on_a_terminal_each_side_is_told_and_values_of_one_axis_stay(tmp_path: Path) -> None:
-    """No key is needed; the comment and the scale of the config stay."""
     config = tmp_path / "my.yaml"
     config.write_text(ONE_AXIS)
     with replayed(laid_board(SIX_SIDES), tmp_path, *NATIVE) as port:
@@ -88,7 +86,6 @@ def test_on_a_terminal_each_side_is_told_and_values_of_one_axis_stay(tmp_path: P
 
 
 def test_serve_gives_true_rates_and_accelerations(tmp_path: Path) -> None:
-    """Beside another reading of the same sensor, in motion and at rest, and the recording keeps what was sent."""
     config, sessions = tmp_path / "my.yaml", tmp_path / "sessions"
     with replayed(laid_board(WITH_TURNS), tmp_path, *NATIVE) as port:
         words = ("calibrate", "--port", port, "--config", config, "--positions", "--axis-turns", "--quiet")
@@ -127,7 +124,6 @@ SIMULATED = (
 
 
 def test_the_simulated_device_on_six_sides_is_calibrated(tmp_path: Path) -> None:
-    """Its effects on all axes come out, though gravity acts on its gyro."""
     link, config = tmp_path / "gyro", tmp_path / "my.yaml"
     faulty = [word for effect in SIMULATED for word in ("--effect", effect)]
     words = ("--link", link, "--axes", "3", "--profile", "six-sides", "--speed", "max", "--wait")

@@ -33,7 +33,6 @@ def at_rest(seconds: float, bias_dps: float = 0.3) -> Floats:
 
 
 def test_a_rest_tells_bias_and_noise() -> None:
-    """As a density too, at the root of the rate."""
     rest = rest_of(samples_of(at_rest(20.0)))
     assert rest.bias_dps == near(0.3, 4.0 * rest.bias_se_dps)
     assert rest.bias_se_dps == near(0.035 / 2000**0.5, 0.0005)
@@ -59,7 +58,6 @@ def test_a_rest_tells_bias_and_noise() -> None:
     ids=["a push", "a slow turn", "a knock", "a steady turn", "too short"],
 )
 def test_motion_at_rest_is_refused(rates_dps: Floats, reason: str) -> None:
-    """With the time at which it was."""
     with pytest.raises(CalibrationError, match=reason):
         rest_of(samples_of(rates_dps))
 
@@ -84,14 +82,13 @@ def test_a_turn_that_cannot_be_is_refused(angle_deg: float, turns: int, reason: 
 
 
 def test_the_spread_is_that_of_the_stops_at_the_mark() -> None:
-    """Of many calibrations by a person who stops half a degree off, the scatter is what each of them states."""
     scales, stated = [], []
     for _ in range(300):
         stops = 0.5 * RNG.standard_normal(9)
         moves = 1.01 * np.diff(stops) + np.tile([363.6, -363.6], 4)
-        found = checked_scales([Turns(angle > 0.0, 1, angle) for angle in moves.tolist()])
-        scales.append(found.scale_ccw)
-        stated.append(found.scale_ccw_se)
+        result = checked_scales([Turns(angle > 0.0, 1, angle) for angle in moves.tolist()])
+        scales.append(result.scale_ccw)
+        stated.append(result.scale_ccw_se)
     assert np.mean(scales) == near(1.0 / 1.01, 4.0 * float(np.std(scales)) / 300**0.5)
     assert np.sqrt(np.mean(np.square(stated))) == near(float(np.std(scales)), 0.15 * float(np.std(scales)))
 
@@ -104,13 +101,11 @@ def test_the_spread_is_that_of_the_stops_at_the_mark() -> None:
     ],
 )
 def test_a_calibration_that_says_nothing_is_refused(angles_deg: list[float], reason: str) -> None:
-    """Nothing is better than a scale that is not known."""
     with pytest.raises(CalibrationError, match=reason):
         checked_scales([Turns(angle > 0.0, 1, angle) for angle in angles_deg])
 
 
 def test_a_line_of_bias_over_temperature_is_not_moved_by_odd_blocks() -> None:
-    """One block in six is far off."""
     temps_c = np.linspace(22.0, 34.0, 60)
     biases_dps = 0.3 + 0.02 * (temps_c - 25.0) + 0.002 * RNG.standard_normal(60)
     biases_dps[::6] += 0.15
@@ -129,47 +124,44 @@ def test_a_line_of_bias_over_temperature_is_not_moved_by_odd_blocks() -> None:
     ],
 )
 def test_a_temperature_run_that_shows_no_line_is_refused(span_c: float, slope: float, count: int, reason: str) -> None:
-    """Too little warming, no slope, too short."""
     temps_c = np.linspace(22.0, 22.0 + span_c, count)
     with pytest.raises(CalibrationError, match=reason):
         line_of(temps_c, 0.3 + slope * temps_c + 0.01 * RNG.standard_normal(count))
 
 
 def by_hand(plan: CalibrationPlan) -> tuple[Guide, list[str]]:
-    said: list[str] = []
-    guide = Guide(plan, said.append)
+    statement: list[str] = []
+    guide = Guide(plan, statement.append)
     guide.begin()
     guide.press(Key.ENTER)
-    return guide, said
+    return guide, statement
 
 
 def test_a_temperature_run_gives_the_slope_of_the_bias() -> None:
-    """While it warms by 8 °C in five minutes; then come the turns."""
-    guide, said = by_hand(CalibrationPlan(rest_s=5.0, warming_s=300.0))
+    guide, statement = by_hand(CalibrationPlan(rest_s=5.0, warming_s=300.0))
     temps_c = np.concatenate([np.full(600, 20.0), np.linspace(20.0, 28.0, 30600)])
     noise_dps = at_rest(len(temps_c) / RATE_HZ)
     guide.take(samples_of(noise_dps + 0.01 * (temps_c - 20.0), temps_c))
     assert guide.step is GuideStep.TURNING
     assert guide.line_of_bias is not None
     assert guide.line_of_bias.slope_dps_per_c == near(0.01, 4.0 * guide.line_of_bias.slope_se_dps_per_c)
-    assert any("deg/s per °C" in each for each in said)
+    assert any("deg/s per °C" in item for item in statement)
 
 
 def test_by_hand_a_rest_in_which_it_moved_is_done_again() -> None:
-    """And a run without a temperature is told and left out."""
-    guide, said = by_hand(CalibrationPlan(rest_s=5.0, warming_s=300.0))
+    guide, statement = by_hand(CalibrationPlan(rest_s=5.0, warming_s=300.0))
     guide.take(samples_of(np.concatenate([at_rest(3.0), at_rest(3.0, 9.0)])))
     assert guide.line == ""
-    assert "the device moved after" in said[-2]
+    assert "the device moved after" in statement[-2]
     guide.press(Key.ENTER)
     guide.take([sample._replace(temp_c=nan) for sample in samples_of(at_rest(6.0))])
     assert guide.step is GuideStep.TURNING
-    assert any("sends no temperature" in each for each in said)
+    assert any("sends no temperature" in item for item in statement)
 
 
 def test_a_turn_is_taken_back_by_a_key() -> None:
     """The same direction comes next, from the mark."""
-    guide, said = by_hand(CalibrationPlan(rest_s=5.0))
+    guide, statement = by_hand(CalibrationPlan(rest_s=5.0))
     ramp = np.concatenate([at_rest(7.0), 90.3 + at_rest(4.0, 0.0), at_rest(4.0)])
     guide.take(samples_of(ramp))
     guide.press(Key.ENTER)
@@ -177,11 +169,10 @@ def test_a_turn_is_taken_back_by_a_key() -> None:
     guide.press(Key.UNDO)
     assert guide.turns == []
     assert guide.step is GuideStep.AT_MARK
-    assert "counter-clockwise" in said[-1]
+    assert "counter-clockwise" in statement[-1]
 
 
 def test_a_filter_that_runs_keeps_its_bias_under_a_new_calibration() -> None:
-    """What it has learnt of the bias means the same measured rate before and after."""
     old = Calibration("2026-01-01", scale_ccw=0.98, scale_cw=0.99, bias_dps=0.2)
     new = Calibration(
         "2026-02-01", sign=-1, scale_ccw=1.03, scale_cw=1.01, bias_dps=5.0, bias_dps_per_c=0.1, temp_c=20.0
@@ -194,11 +185,12 @@ def test_a_filter_that_runs_keeps_its_bias_under_a_new_calibration() -> None:
         assert replace(following, bias_dps=5.0) == new
 
 
+@pytest.mark.promise("Clients of outputs")
 @pytest.mark.parametrize("still_s", [0.0, 1.0, 2.0, 3.0, 8.0])
 @pytest.mark.parametrize("rate_hz", [100.0, 200.0])
 def test_a_mark_without_a_turn_is_refused(still_s: float, rate_hz: float) -> None:
-    """A key pressed twice, at any time after the stop; the next turn is asked for again."""
-    guide, said = by_hand(CalibrationPlan(rest_s=5.0))
+    """A mark without a turn is refused, whenever the key is pressed."""
+    guide, statement = by_hand(CalibrationPlan(rest_s=5.0))
     rates_dps = 0.3 + 0.035 * RNG.standard_normal(round((9.0 + still_s) * rate_hz))
     samples = [Sample(i, i / rate_hz, i / rate_hz, float(dps)) for i, dps in enumerate(rates_dps)]
     taken = 0
@@ -211,11 +203,10 @@ def test_a_mark_without_a_turn_is_refused(still_s: float, rate_hz: float) -> Non
     guide.take(samples[pressed:])
     assert guide.turns == []
     assert guide.step.value == "at the mark"
-    assert said[-2] == "Not accepted: the device was not turned since the last stop."
+    assert statement[-2] == "Not accepted: the device was not turned since the last stop."
 
 
 def test_a_rest_whose_time_stands_still_is_refused() -> None:
-    """Without a period there is no noise density."""
     samples = [sample._replace(t_device_s=1.0) for sample in samples_of(at_rest(1.0))]
     with pytest.raises(CalibrationError, match="stands still or goes back"):
         rest_of(samples)

@@ -15,6 +15,7 @@ pytest.importorskip("numba", reason="comparing needs the workstation extra")
 pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation takes seconds
 
 
+@pytest.mark.promise("Analyses and reports")
 @pytest.mark.parametrize(
     ("analysis", "first"),
     [(compare, "sessions"), (partial(tune, filter="hdr", iterations=8), "seed 0")],
@@ -23,7 +24,7 @@ pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation take
 def test_compiling_is_said_before_the_first_evaluation(
     analysis: Callable[..., object], first: str, tmp_path: Path
 ) -> None:
-    """Once."""
+    """A first run says that it compiles, before its first evaluation."""
     stages: list[str] = []
     write_turntables(tmp_path, 2, minutes=0.4)
     analysis(tmp_path, on_progress=lambda stage, _done, _total: stages.append(stage))

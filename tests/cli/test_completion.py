@@ -59,12 +59,11 @@ def shows(line: str, terminal: Terminal) -> bool:
 
 
 def test_fish_goes_on_with_a_line() -> None:
-    """By the command with which fish asks for completions."""
     fish = shutil.which("fish")
     if fish is None:
         pytest.skip("there is no fish here")
-    asked = "; ".join(f"complete -C '{typed}'" for typed, _ in LINES[:-1])
-    script = f"gyrodrift completion fish | source; {asked}"
+    request = "; ".join(f"complete -C '{typed}'" for typed, _ in LINES[:-1])
+    script = f"gyrodrift completion fish | source; {request}"
     done = subprocess.run(
         [fish, "--no-config", "-c", script], env=environment(), capture_output=True, text=True, check=True
     )
@@ -74,7 +73,6 @@ def test_fish_goes_on_with_a_line() -> None:
 
 
 def test_an_unknown_shell_is_told_which_there_are() -> None:
-    """With 2."""
     with Command("completion", "bsh") as run:
         assert run.end() == 2
     assert run.log == "gyrodrift: shell bsh: did you mean bash or zsh?\n"

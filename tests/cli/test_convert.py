@@ -31,7 +31,7 @@ def session(folder: Path) -> Path:
     return path
 
 
-def others(folder: Path, *topics: str) -> Path:
+def rest(folder: Path, *topics: str) -> Path:
     """A chunked file with JSON samples on each topic, a different rate on each."""
     stream = io.BytesIO()
     writer = Writer(stream, compression=CompressionType.LZ4)
@@ -60,12 +60,11 @@ def test_json_and_back_keeps_every_digit(tmp_path: Path, capsys: pytest.CaptureF
 
 
 def test_imu_is_written_for_ros_and_says_what_it_lacks(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """On stderr; the rate is in rad/s."""
     out = tmp_path / "i.mcap"
     assert main(["convert", str(session(tmp_path)), str(out), "--as", "imu"]) == 0
-    told = capsys.readouterr()
-    assert told.out == ""
-    assert told.err.startswith(
+    report = capsys.readouterr()
+    assert report.out == ""
+    assert report.err.startswith(
         f"gyrodrift: {out}: rate in rad/s (sensor_msgs/msg/Imu); left out: encoder angle, temperature and counter\n"
     )
     reader = make_reader(io.BytesIO(out.read_bytes()), validate_crcs=True, decoder_factories=[DecoderFactory()])
@@ -107,7 +106,6 @@ def recorded(folder: Path) -> Path:
 def test_what_a_target_has_no_room_for_is_named(
     tmp_path: Path, target: str, options: list[str], said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """All of it, in a file that was closed and in one that was cut off."""
     path, out = recorded(tmp_path), str(tmp_path / target)
     for content in (path.read_bytes(), path.read_bytes()[:-200]):
         path.write_bytes(content)
@@ -116,11 +114,10 @@ def test_what_a_target_has_no_room_for_is_named(
 
 
 def test_channels_of_others_and_comments_are_named_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Whatever is not among the samples that were read."""
     out = str(tmp_path / "o.csv")
-    assert main(["convert", str(others(tmp_path, "/a", "/b", "/c")), out, "--topic", "/b"]) == 0
-    told = capsys.readouterr().err
-    assert told.startswith(f"gyrodrift: {out}: left out: 20 messages on /a, 20 messages on /c and metadata (robot)\n")
+    assert main(["convert", str(rest(tmp_path, "/a", "/b", "/c")), out, "--topic", "/b"]) == 0
+    report = capsys.readouterr().err
+    assert report.startswith(f"gyrodrift: {out}: left out: 20 messages on /a, 20 messages on /c and metadata (robot)\n")
     commented = tmp_path / "c.csv"
     commented.write_text(f"# bench\n{CSV}# the end\n")
     imu = str(tmp_path / "i.mcap")
@@ -132,15 +129,13 @@ def test_channels_of_others_and_comments_are_named_too(tmp_path: Path, capsys: p
 
 @pytest.mark.parametrize("options", [[], ["--as", "sample"]])
 def test_own_samples_are_what_an_mcap_file_gets(tmp_path: Path, options: list[str]) -> None:
-    """Whether they are asked for or not."""
     assert main(["convert", str(session(tmp_path)), str(tmp_path / "o.mcap"), *options]) == 0
     reader = make_reader(io.BytesIO((tmp_path / "o.mcap").read_bytes()), validate_crcs=True)
     assert {schema.name for schema, _, _ in reader.iter_messages() if schema} == {"gyrodrift/Sample"}
 
 
 def test_a_topic_of_another_file_becomes_a_session_of_ours(tmp_path: Path) -> None:
-    """With what stands beside the samples."""
-    path = others(tmp_path, "/a", "/b")
+    path = rest(tmp_path, "/a", "/b")
     assert main(["convert", str(path), str(tmp_path / "o.mcap"), "--topic", "/b"]) == 0
     got = load_session(tmp_path / "o.mcap")
     assert got.rate_dps.tolist() == [1.0] * 20
@@ -148,7 +143,6 @@ def test_a_topic_of_another_file_becomes_a_session_of_ours(tmp_path: Path) -> No
 
 
 def test_a_topic_of_our_own_file_may_be_named(tmp_path: Path) -> None:
-    """It is read like anybody's."""
     assert main(["convert", str(session(tmp_path)), str(tmp_path / "o.mcap")]) == 0
     assert main(["convert", str(tmp_path / "o.mcap"), str(tmp_path / "b.csv"), "--topic", "/gyro"]) == 0
     assert (tmp_path / "b.csv").read_text() == CSV
@@ -182,12 +176,11 @@ def test_a_topic_of_our_own_file_may_be_named(tmp_path: Path) -> None:
 def test_mistakes_are_one_line_and_leave_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], status: int, message: str
 ) -> None:
-    """And a status."""
     monkeypatch.chdir(tmp_path)
     session(tmp_path)
-    content = bytearray(others(tmp_path, "/a", "/b").read_bytes())
-    at = content.index(b"\x04\x22\x4d\x18")  # how a frame of lz4 begins
-    content[at : at + 4] = b"\0\0\0\0"
+    content = bytearray(rest(tmp_path, "/a", "/b").read_bytes())
+    index = content.index(b"\x04\x22\x4d\x18")  # how a frame of lz4 begins
+    content[index : index + 4] = b"\0\0\0\0"
     (tmp_path / "torn.mcap").write_bytes(content)
     (tmp_path / "late.csv").write_text("t_device_s,rate_dps\n1e10,0\n")
     before = sorted(tmp_path.iterdir())

@@ -35,8 +35,8 @@ def damaged(tmp_path: Path) -> Path:
     path = tmp_path / "s.mcap"
     write_session(path, [session], {"device": {"device_id": "bench"}})
     content = path.read_bytes()
-    place = len(content) // 2 // BLOCK * BLOCK
-    path.write_bytes(content[:place] + bytes(BLOCK) + content[place + BLOCK :])
+    position = len(content) // 2 // BLOCK * BLOCK
+    path.write_bytes(content[:position] + bytes(BLOCK) + content[position + BLOCK :])
     return path
 
 
@@ -52,16 +52,19 @@ COMMANDS = {
 }
 
 
+@pytest.mark.promise(
+    "Crashes",
+    "without `--allow-damage`, every command ends with status 4 on a damaged session, and says which samples are lost",
+)
 @pytest.mark.parametrize("command", COMMANDS)
 def test_each_command_that_reads_sessions_ends_with_status_4_and_says_what_is_lost(
     damaged: Path, command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Before it has written anything."""
     rest = [word.format(damaged.parent) for word in COMMANDS[command]]
     assert main([command, str(damaged), *rest]) == 4
-    said = capsys.readouterr().err
-    assert "s.mcap: is damaged: lost are samples " in said
-    assert "--allow-damage" in said
+    statement = capsys.readouterr().err
+    assert "s.mcap: is damaged: lost are samples " in statement
+    assert "--allow-damage" in statement
     assert [path.name for path in damaged.parent.iterdir() if path.is_file()] == ["s.mcap"]
 
 
@@ -69,26 +72,26 @@ def test_each_command_that_reads_sessions_ends_with_status_4_and_says_what_is_lo
 def test_with_allow_damage_it_goes_on_and_says_so_in_one_line(
     damaged: Path, command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """On stderr."""
     rest = [word.format(damaged.parent) for word in COMMANDS[command]]
     assert main([command, str(damaged), *rest, "--allow-damage"]) == 0
-    said = [line for line in capsys.readouterr().err.splitlines() if "damaged" in line]
-    assert "lost are samples " in said[0]
+    statement = [line for line in capsys.readouterr().err.splitlines() if "damaged" in line]
+    assert "lost are samples " in statement[0]
     if command == "convert":
         assert (damaged.parent / "c.csv").read_text().count("\n") > COUNT - 100
 
 
+@pytest.mark.promise("Crashes")
 def test_a_repair_writes_a_whole_file_and_says_what_could_not_be_recovered(
     damaged: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The damaged file is kept; public readers take the new one; a second repair has nothing to do."""
-    before, left = damaged.read_bytes(), load_session(damaged, allow_damage=True)
+    """`repair` writes an intact file of all recoverable samples, and keeps the damaged file."""
+    before, remaining = damaged.read_bytes(), load_session(damaged, allow_damage=True)
     assert main(["repair", str(damaged)]) == 0
     assert re.search(r"repaired, [\d,]+ samples, \d+(\.\d+)? (bytes|kB|MB); lost are samples ", capsys.readouterr().out)
     assert damaged.with_name("s.mcap.damaged").read_bytes() == before
     session = load_session(damaged)
     assert session.damage is None
-    assert np.array_equal(session.rate_dps, left.rate_dps)
+    assert np.array_equal(session.rate_dps, remaining.rate_dps)
     assert session.metadata["device"] == {"device_id": "bench"}
     assert int(session.metadata["repair"]["samples_lost"]) == COUNT - len(session.rate_dps)
     with damaged.open("rb") as file:
@@ -98,10 +101,9 @@ def test_a_repair_writes_a_whole_file_and_says_what_could_not_be_recovered(
 
 
 def test_the_library_raises_an_error_with_the_same_facts(damaged: Path) -> None:
-    """And has a keyword that goes on."""
-    with pytest.raises(DamagedError) as told:
+    with pytest.raises(DamagedError) as report:
         load_session(damaged)
-    ((path, damage),) = told.value.damages
+    ((path, damage),) = report.value.damages
     session = load_session(damaged, allow_damage=True)
     assert (path, damage) == (damaged, session.damage)
     assert damage.kept == len(session.rate_dps) == COUNT - damage.lost_count
@@ -113,10 +115,9 @@ def test_the_library_raises_an_error_with_the_same_facts(damaged: Path) -> None:
 
 
 def test_info_as_json_has_no_damage_where_there_is_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """And a whole file says nothing on stderr."""
     path = tmp_path / "whole.mcap"
     write_session(path, [Session("s", np.arange(100) / 100.0, np.ones(100))])
     assert main(["info", "--json", str(path)]) == 0
-    told = capsys.readouterr()
-    assert json.loads(told.out)["samples"] == 100
-    assert "damaged" not in told.err
+    report = capsys.readouterr()
+    assert json.loads(report.out)["samples"] == 100
+    assert "damaged" not in report.err

@@ -36,7 +36,6 @@ def test_without_a_terminal_it_prints_the_summary(tmp_path: Path) -> None:
 
 
 def test_the_picture_is_the_same_whatever_the_terminal_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its width and its colours are its own."""
     pictures = []
     for number, environment in enumerate([{}, {"TERM": "dumb"}, {"NO_COLOR": "1", "COLUMNS": "30"}, {"TERM": "xterm"}]):
         for name, value in environment.items():
@@ -50,10 +49,9 @@ def test_the_picture_is_the_same_whatever_the_terminal_is(tmp_path: Path, monkey
 
 
 def test_the_integrated_rate_of_a_constant_acceleration_has_no_error() -> None:
-    """By the trapezoidal rule, as `compare` integrates."""
     error = YawError()
-    for at in range(100):
-        t_s = at / 100.0
+    for index in range(100):
+        t_s = index / 100.0
         line = {"t_s": t_s, "rate_dps": 200.0 * t_s, "bias_dps": 0.0, "yaw_deg": 0.0, "encoder_deg": 100.0 * t_s**2}
         error.add(line)
     assert abs(error.raw_error_deg) < 1e-9
@@ -61,10 +59,11 @@ def test_the_integrated_rate_of_a_constant_acceleration_has_no_error() -> None:
 
 @pytest.mark.parametrize(("columns", "rows"), SIZES)
 def test_the_view_fills_a_terminal_of_any_size(columns: int, rows: int) -> None:
-    """No line is longer, none is missing, and nothing is cut off."""
     error = YawError()
-    for at in range(500):
-        error.add({"t_s": at / 10, "rate_dps": 90.0, "bias_dps": 0.35, "yaw_deg": at * 9.0, "encoder_deg": at * 8.9})
+    for index in range(500):
+        error.add(
+            {"t_s": index / 10, "rate_dps": 90.0, "bias_dps": 0.35, "yaw_deg": index * 9.0, "encoder_deg": index * 8.9}
+        )
     console = Console(width=columns, height=rows, file=io.StringIO(), force_terminal=True, color_system=None)
     with console.capture() as shown:
         console.print(draw(error, 60.0, "gyro", Size(columns, rows)))
@@ -83,7 +82,6 @@ def test_the_view_fills_a_terminal_of_any_size(columns: int, rows: int) -> None:
 
 
 def test_on_a_terminal_it_is_live_fits_and_follows_its_size() -> None:
-    """From the smallest to a large one while it runs; the last view and the summary stay."""
     with Terminal(*ours("demo", "--duration", "30", "--speed", "5"), columns=60, rows=15) as terminal:
         terminal.until(lambda shown: frame_of(shown) == (60, 15), "view of 60×15")
         terminal.until(lambda shown: re.search(r"[1-9]\d* samples", shown.text) is not None, "sample")
@@ -116,9 +114,8 @@ def test_an_interrupt_gives_the_terminal_back() -> None:
         assert b"\x1b[?25h" in terminal.sent
 
 
-@pytest.mark.parametrize("ending", [signal.SIGTERM, signal.SIGHUP], ids=lambda one: one.name)
+@pytest.mark.parametrize("ending", [signal.SIGTERM, signal.SIGHUP], ids=lambda item: item.name)
 def test_a_terminal_that_is_closed_leaves_no_process_behind(ending: signal.Signals) -> None:
-    """Neither the simulated device nor the service."""
     with Terminal(*ours("demo")) as terminal:
         terminal.until(lambda shown: frame_of(shown) == (80, 24), "view")
         terminal.until(lambda _: len(children_of(terminal.process.pid)) == 2, "device and service")
@@ -130,7 +127,6 @@ def test_a_terminal_that_is_closed_leaves_no_process_behind(ending: signal.Signa
 
 @pytest.mark.parametrize("nth", [0, 1], ids=["device", "service"])
 def test_an_end_while_a_process_begins_leaves_none_behind(nth: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """At the moment when it runs and nobody has noted it yet."""
     begun: list[subprocess.Popen[bytes]] = []
     popen = subprocess.Popen
 
@@ -163,7 +159,6 @@ def test_without_colours_it_is_plain() -> None:
 
 
 def test_a_bad_profile_is_told_before_anything_begins() -> None:
-    """With those that there are."""
     with Command("demo", "--profile", "nowhere") as demo:
         assert demo.end() == 2
     assert "--profile nowhere: there is no such profile or file; there are " in demo.log
@@ -171,7 +166,6 @@ def test_a_bad_profile_is_told_before_anything_begins() -> None:
 
 
 def test_a_bad_rig_is_told_on_a_terminal_too(tmp_path: Path) -> None:
-    """What the simulator said stands below the view that is gone."""
     (tmp_path / "rig.yaml").write_text("base: {bias: 1}\n")
     with Terminal(*ours("demo", "--rig", tmp_path / "rig.yaml"), columns=200) as terminal:
         assert terminal.end() == 3

@@ -41,8 +41,8 @@ def on(ports: list[Path], *words: str | Path) -> Command:
 def listed(ports: list[Path], *words: str) -> list[dict[str, Any]]:
     with on(ports, "devices", "--json", *words) as run:
         assert run.end() == 0, run.log
-        found: list[dict[str, Any]] = json.loads(run.out)
-    return found
+        result: list[dict[str, Any]] = json.loads(run.out)
+    return result
 
 
 def test_each_port_is_listed_with_what_speaks_there(simulated: Simulated, tmp_path: Path) -> None:
@@ -63,20 +63,19 @@ def test_each_port_is_listed_with_what_speaks_there(simulated: Simulated, tmp_pa
 def test_without_listen_no_port_is_opened(tmp_path: Path) -> None:
     """The device never sees a reader."""
     with speaking_on(tmp_path / "gyro") as device:
-        (found,) = listed([tmp_path / "gyro"])
+        (result,) = listed([tmp_path / "gyro"])
         assert not device._flushed
-    assert found["name"] == str(tmp_path / "gyro")
-    assert (found["holder"], found["speech"], found["reason"]) == (None, None, None)
+    assert result["name"] == str(tmp_path / "gyro")
+    assert (result["holder"], result["speech"], result["reason"]) == (None, None, None)
 
 
 def test_a_port_that_is_held_is_left_alone(simulated: Simulated) -> None:
-    """It is told by whom, and that program loses nothing."""
     port = simulated("gyro", "csv")
     with Command("serve", "--port", port) as first:
         first.take_lines(5)
-        (found,) = listed([port], "--listen")
-        assert found["holder"]["pid"] == first.process.pid
-        assert found["reason"] == f"in use by {found['holder']['name']} (pid {first.process.pid})"
+        (result,) = listed([port], "--listen")
+        assert result["holder"]["pid"] == first.process.pid
+        assert result["reason"] == f"in use by {result['holder']['name']} (pid {first.process.pid})"
         with on([port], "serve", "--port", "auto") as second:
             assert second.end() == 3
         assert f"gyrodrift: {port}: in use by" in second.log
@@ -86,7 +85,6 @@ def test_a_port_that_is_held_is_left_alone(simulated: Simulated) -> None:
 
 
 def test_serve_finds_the_one_gyro_among_other_ports(simulated: Simulated, tmp_path: Path) -> None:
-    """One port is silent, one speaks rubbish; both are free again."""
     gyro, silent, rubbish = simulated("gyro"), tmp_path / "silent", tmp_path / "rubbish"
     words = ("serve", "--port", "auto", "--timeout", "4")
     with speaking_on(silent) as quiet, speaking_on(rubbish) as noisy, on([silent, rubbish, gyro], *words) as run:
@@ -99,13 +97,12 @@ def test_serve_finds_the_one_gyro_among_other_ports(simulated: Simulated, tmp_pa
         assert not quiet.has_reader()
         assert not noisy.has_reader()
         assert run.stop() == 0
-    (found,) = [line for line in run.log.splitlines() if "port_found" in line]
-    assert f"port={gyro}" in found
-    assert "protocol=native" in found
+    (result,) = [line for line in run.log.splitlines() if "port_found" in line]
+    assert f"port={gyro}" in result
+    assert "protocol=native" in result
 
 
 def test_record_takes_the_one_gyro_too(simulated: Simulated, tmp_path: Path) -> None:
-    """With columns, which stay those of the link."""
     words = ("--columns", "t_us, rate", "--duration", "0.3", "--out", tmp_path / "sessions")
     with on([simulated("gyro", "csv")], "record", "--port", "auto", *words) as run:
         assert run.end() == 0, run.log
@@ -153,8 +150,9 @@ def test_a_simulated_device_is_listed_with_its_link(simulated: Simulated, monkey
     assert device["speech"]["protocol"] == "native"
 
 
+@pytest.mark.promise("Configs and commands")
 def test_port_auto_ignores_a_simulated_device(simulated: Simulated, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A robot never takes a simulation for its gyro. The message names the device, so that nobody searches for long."""
+    """`--port auto` ignores simulated devices."""
     port = simulated("gyro")
     monkeypatch.setenv("SIMULATED_BELOW", str(port.parent))
     with on([], "serve", "--port", "auto") as run:
@@ -164,7 +162,6 @@ def test_port_auto_ignores_a_simulated_device(simulated: Simulated, monkeypatch:
 
 
 def test_a_service_wants_one_port_for_good(capsys: pytest.CaptureFixture[str]) -> None:
-    """Where several are plugged in later, auto would end it."""
     assert main(["install-service", "--port", "auto", "--dry-run"]) == 2
     assert "gyrodrift devices --listen shows it" in capsys.readouterr().err
 
@@ -172,13 +169,12 @@ def test_a_service_wants_one_port_for_good(capsys: pytest.CaptureFixture[str]) -
 def test_doctor_takes_the_console_of_the_kernel_for_no_gyro(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """On a machine whose only port is its console, no program needs to be stopped."""
     (tmp_path / "active").write_text("ttyS9\n")
     monkeypatch.setattr(holder, "CONSOLES", tmp_path / "active")
     monkeypatch.setattr(doctor, "serial_ports", lambda: [SerialPort("/dev/ttyS9", "/dev/ttyS9")])
     monkeypatch.setattr(doctor, "simulated_ports", list)
     assert main(["doctor", "--port", "auto", "--timeout", "1"]) == 3
-    told = capsys.readouterr().out
-    assert "No gyro found" in told
-    assert "/dev/ttyS9: in use by the kernel's console" in told
-    assert "Stop that program" not in told
+    report = capsys.readouterr().out
+    assert "No gyro found" in report
+    assert "/dev/ttyS9: in use by the kernel's console" in report
+    assert "Stop that program" not in report

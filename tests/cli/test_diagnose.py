@@ -29,9 +29,9 @@ def only(*kept: str) -> tuple[str, ...]:
 
 
 FEW = only("scale_factor", "scale_asymmetry", "warmup", "popcorn", "timestamp_jitter")
-OTHERS = only("scale_asymmetry", "warmup", "popcorn", "timestamp_jitter")
+REST = only("scale_asymmetry", "warmup", "popcorn", "timestamp_jitter")
 TWO = only("scale_factor", "popcorn")
-ONE = only("scale_factor")
+ITEM = only("scale_factor")
 
 
 def record(folder: Path, *effects: str, sessions: int = 3) -> Path:
@@ -55,22 +55,20 @@ def scaled(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def diagnosed(sessions: Path, out: Path, *options: str) -> dict[str, Any]:
     assert main(["diagnose", str(sessions), "--out", str(out), "--jobs", "1", *options]) == 0
-    found: dict[str, Any] = json.loads((out / "gap.json").read_text())
-    return found
+    result: dict[str, Any] = json.loads((out / "gap.json").read_text())
+    return result
 
 
 def charts(out: Path) -> list[str]:
-    """What stands beside each figure of a report."""
     html = (out / "report.html").read_text()
-    return ["".join(one.itertext()) for one in parsed(html).iter("div") if one.get("class") == "panel"]
+    return ["".join(item.itertext()) for item in parsed(html).iter("div") if item.get("class") == "panel"]
 
 
 def test_a_missing_effect_is_named_sized_and_closes_the_gap(
     scaled: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """And the rig that is written has it, and simulates sessions that no longer differ."""
     gap = diagnosed(scaled, tmp_path / "out")
-    said = capsys.readouterr().out.splitlines()
+    statement = capsys.readouterr().out.splitlines()
     assert gap["verdict"] == "effect"
     (cause,) = gap["causes"]
     assert (cause["effect"], cause["group"]) == ("scale_factor", "scale")
@@ -85,8 +83,8 @@ def test_a_missing_effect_is_named_sized_and_closes_the_gap(
     assert gap["linear_model"]["value"] == pytest.approx(1.2, rel=0.02)
     assert gap["linear_model"]["agrees"]
     assert gap["yaw"]["e_sim_after_deg"] == pytest.approx(gap["yaw"]["e_real_deg"], rel=0.3)
-    assert re.fullmatch(r"effect: the rate reads [\d.]+ % too (high|low) \(scale_factor\)", said[0])
-    assert len(said) <= 10
+    assert re.fullmatch(r"effect: the rate reads [\d.]+ % too (high|low) \(scale_factor\)", statement[0])
+    assert len(statement) <= 10
     again = with_effects(load_rig(tmp_path / "out" / "rig.yaml"), [])
     assert [effect.name for effect in again.effects] == ["scale_factor"]
     drawn = charts(tmp_path / "out")
@@ -99,22 +97,21 @@ def test_effects_are_exported_for_other_simulators(
 ) -> None:
     """Files, page and output say the same of them."""
     formats = [word for name in ("gazebo", "kalibr", "mujoco", "json") for word in ("--export", name)]
-    gap = diagnosed(scaled, tmp_path, *formats, *ONE)
+    gap = diagnosed(scaled, tmp_path, *formats, *ITEM)
     content = json.loads((tmp_path / "export" / "effects.json").read_text())
     (entry,) = content["effects"]
     size = gap["causes"][0]["parameters"]["error_percent"]
     assert entry["parameters"]["error_percent"] == size["value"]
     assert entry["intervals"]["error_percent"] == [size["low"], size["high"]]
     assert "NOT in this file: scale_factor" in (tmp_path / "export" / "gazebo.sdf").read_text()
-    said = capsys.readouterr().out
-    assert "export: export/imu.yaml: no effect, with the measured noise; not scale_factor: Kalibr knows" in said
+    statement = capsys.readouterr().out
+    assert "export: export/imu.yaml: no effect, with the measured noise; not scale_factor: Kalibr knows" in statement
     assert "effects that it cannot express" in words((tmp_path / "report.html").read_text())
 
 
 def test_sessions_of_another_simulator_are_a_baseline(
     scaled: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Neither its exact numbers nor the columns that it lacks are a gap, and the shipped rig states nothing of them."""
     simulator = record(tmp_path / "simulator")
     for path in simulator.iterdir():
         session = load_session(path)
@@ -134,13 +131,12 @@ def test_sessions_of_another_simulator_are_a_baseline(
     assert gap["causes"][0]["parameters"]["error_percent"]["value"] == pytest.approx(1.2, rel=0.15)
     assert {"counter", "host times", "temperature"} <= set(gap["lacking"]["baseline"])
     assert {"clock_drift", "temp_bias", "sample_drop"} <= gap["untestable"].keys()
-    said = capsys.readouterr().err
-    assert "only one of both sets has counter and host times and temperature: this is no gap" in said
+    statement = capsys.readouterr().err
+    assert "only one of both sets has counter and host times and temperature: this is no gap" in statement
     assert "only one of both sets has counter" in words((tmp_path / "out" / "report.html").read_text())
 
 
 def test_a_baseline_has_columns_of_its_own(scaled: Path, tmp_path: Path) -> None:
-    """In other units, with the other sign, and without labels: one spec states them, and the sessions keep theirs."""
     simulator = record(tmp_path / "simulator")
     tables = tmp_path / "tables"
     tables.mkdir()
@@ -157,7 +153,6 @@ def test_a_baseline_has_columns_of_its_own(scaled: Path, tmp_path: Path) -> None
 
 
 def test_a_reference_that_is_read_at_its_own_times_is_no_gap(scaled: Path, tmp_path: Path) -> None:
-    """15 times a second, and held in the rows between: held as it is, it would be late, and each motion have a lag."""
     simulator = record(tmp_path / "simulator")
     for seed, folder in enumerate((scaled, simulator)):
         (tmp_path / f"slow-{seed}").mkdir()
@@ -179,7 +174,6 @@ def test_a_reference_that_is_read_at_its_own_times_is_no_gap(scaled: Path, tmp_p
 
 
 def test_no_gap_is_an_answer_with_what_would_have_been_seen(plain: Path, tmp_path: Path) -> None:
-    """No cause, nothing left over, and the smallest effect of each kind."""
     gap = diagnosed(plain, tmp_path)
     assert gap["verdict"] == "none"
     assert gap["causes"] == gap["where"] == gap["leftover"] == []
@@ -189,18 +183,13 @@ def test_no_gap_is_an_answer_with_what_would_have_been_seen(plain: Path, tmp_pat
 
 
 def test_an_effect_that_is_withheld_is_not_named(scaled: Path, tmp_path: Path) -> None:
-    """And what it did is not passed over."""
-    gap = diagnosed(scaled, tmp_path, *OTHERS)
+    gap = diagnosed(scaled, tmp_path, *REST)
     assert "scale_factor" not in [cause["effect"] for cause in gap["causes"]]
     assert gap["verdict"] in {"unknown", "partly"}
     assert gap["where"][0]["signature"] == "rate"
 
 
 def test_one_bare_session_gives_what_it_can(scaled: Path, tmp_path: Path) -> None:
-    """Without host times, temperature and counter these effects are untestable, and nothing is drawn of them.
-
-    Nor is anything claimed of held-out sessions.
-    """
     bare = tmp_path / "bare.csv"
     write_session(bare, [replace(load_session(min(scaled.iterdir())), t_host_s=None, temp_c=None, seq=None)])
     gap = diagnosed(bare, tmp_path / "out", *FEW)
@@ -209,39 +198,39 @@ def test_one_bare_session_gives_what_it_can(scaled: Path, tmp_path: Path) -> Non
     assert gap["causes"][0]["effect"] == "scale_factor"
     assert "one session only" in gap["remarks"][-1]
     html = (tmp_path / "out" / "report.html").read_text()
-    said = words(html)
-    assert "one session only" in said
-    assert "clock_drift: no host times" in said
+    statement = words(html)
+    assert "one session only" in statement
+    assert "clock_drift: no host times" in statement
     assert row(html, "1. bare")[-1] == "nothing"
     assert len(charts(tmp_path / "out")) > 3
     assert not any("°C" in chart for chart in charts(tmp_path / "out"))
-    assert f"gyrodrift diagnose {bare}" in said
+    assert f"gyrodrift diagnose {bare}" in statement
 
 
 def test_sign_and_unit_are_told_before_anything_else(scaled: Path, tmp_path: Path) -> None:
-    """And put right, so that the effect is found as it is."""
-    turned = tmp_path / "turned"
-    turned.mkdir()
+    turn = tmp_path / "turned"
+    turn.mkdir()
     for path in sorted(scaled.iterdir()):
         session = load_session(path)
-        write_session(turned / path.name, [replace(session, rate_dps=-np.deg2rad(session.rate_dps))])
-    gap = diagnosed(turned, tmp_path / "out", *ONE)
+        write_session(turn / path.name, [replace(session, rate_dps=-np.deg2rad(session.rate_dps))])
+    gap = diagnosed(turn, tmp_path / "out", *ITEM)
     assert sum("the sign opposite" in remark for remark in gap["remarks"]) == 3
     assert sum("in radians per second" in remark for remark in gap["remarks"]) == 3
     assert gap["causes"][0]["effect"] == "scale_factor"
 
 
 def test_a_cluster_says_the_same(scaled: Path, tmp_path: Path) -> None:
-    """But for the last digits of what libraries add up in parts."""
     pytest.importorskip("distributed", reason="a cluster is an extra: pip install 'gyrodrift[cluster]'")
     with cluster(tmp_path, 2) as running:
         shared = diagnosed(scaled, tmp_path / "shared", "--cluster", running.address, *TWO)
     here = diagnosed(scaled, tmp_path / "here", *TWO)
     assert shared["verdict"] == here["verdict"]
     assert [cause["effect"] for cause in shared["causes"]] == [cause["effect"] for cause in here["causes"]]
-    one, other = (gap["causes"][0]["parameters"]["error_percent"] for gap in (shared, here))
-    assert one["value"] == pytest.approx(other["value"], rel=1e-4)  # between sizes of the grid, which differ by a fifth
-    assert one["high"] == pytest.approx(other["high"], rel=1e-9)
+    item, second = (gap["causes"][0]["parameters"]["error_percent"] for gap in (shared, here))
+    assert item["value"] == pytest.approx(
+        second["value"], rel=1e-4
+    )  # between sizes of the grid, which differ by a fifth
+    assert item["high"] == pytest.approx(second["high"], rel=1e-9)
     assert shared["gap"]["before"] == pytest.approx(here["gap"]["before"], rel=0.01)
 
 
@@ -258,13 +247,12 @@ def test_a_cluster_says_the_same(scaled: Path, tmp_path: Path) -> None:
 def test_mistakes_are_one_line(
     plain: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], status: int, message: str
 ) -> None:
-    """And a status, and nothing is written."""
     session = load_session(next(plain.iterdir()))
     write_session(tmp_path / "blind.csv", [replace(session, encoder_deg=None)])
     write_session(tmp_path / "dead.csv", [replace(session, encoder_deg=np.zeros(len(session.rate_dps)))])
     words = [word.format(plain=plain, tmp=tmp_path) for word in arguments]
     assert main(["diagnose", *words, "--out", str(tmp_path / "out")]) == status
-    said = capsys.readouterr().err
-    assert message in said
-    assert len(said.splitlines()) == 1
+    statement = capsys.readouterr().err
+    assert message in statement
+    assert len(statement.splitlines()) == 1
     assert not (tmp_path / "out" / "gap.json").exists()

@@ -39,7 +39,6 @@ MOTION = Profile.model_validate(
 
 @pytest.fixture(autouse=True)
 def without_next_recording(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What to record next takes a quarter of a diagnosis that finds nothing, and is not what is asked here."""
     monkeypatch.setattr(diagnosis, "what_next", lambda *_: Next("", None))
 
 
@@ -62,8 +61,8 @@ def diagnosed(sessions: Path, rig: Rig, out: Path, *options: str) -> dict[str, A
     path.write_text(rig_yaml(rig))
     arguments = ["--rig", str(path), "--out", str(out), "--jobs", "1", *FEW, *options]
     assert main(["diagnose", str(sessions), *arguments]) == 0
-    found: dict[str, Any] = json.loads((out / "gap.json").read_text())
-    return found
+    result: dict[str, Any] = json.loads((out / "gap.json").read_text())
+    return result
 
 
 def test_a_wrong_size_in_the_rig_is_replaced_and_then_there_is_no_gap(
@@ -94,12 +93,15 @@ def test_a_wrong_fact_comes_first_and_hides_nothing(tmp_path: Path, capsys: pyte
     sessions = recorded(tmp_path / "in", bench("scale_factor:error_percent=3"))
     gap = diagnosed(sessions, bench(encoder_cpr=36_000, dps_per_lsb=0.0305), tmp_path / "out")
     assert next(iter(gap)) == "contradictions"
-    facts = {one["fact"]: (one["rig"], one["sessions"]) for one in gap["contradictions"]}
+    facts = {
+        contradiction["fact"]: (contradiction["rig"], contradiction["sessions"])
+        for contradiction in gap["contradictions"]
+    }
     assert facts["encoder_cpr"] == (36_000, 4096)
     assert facts["dps_per_lsb"] == (0.0305, pytest.approx(0.00763, rel=0.01))
-    said = capsys.readouterr().out.splitlines()
-    assert said[0].startswith("contradiction of facts")
-    assert all(number in said[0] for number in ("36000", "4096"))
+    statement = capsys.readouterr().out.splitlines()
+    assert statement[0].startswith("contradiction of facts")
+    assert all(number in statement[0] for number in ("36000", "4096"))
     assert [cause["effect"] for cause in gap["causes"]] == ["scale_factor"]
     assert load_rig(tmp_path / "out" / "rig.yaml").base.encoder_cpr == 4096
 

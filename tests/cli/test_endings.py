@@ -18,9 +18,10 @@ def recorded(folder: Path) -> Path:
     return written(folder / "in.csv", "\n".join(["t_device_s,rate_dps,seq,temp_c", *lines]) + "\n")
 
 
+@pytest.mark.promise("Files of other programs")
 @pytest.mark.parametrize("ending", WRITABLE)
 def test_a_session_goes_through_every_format_with_all_its_digits(tmp_path: Path, ending: str) -> None:
-    """And back."""
+    """A session passes through every format with all its digits."""
     if ending == ".parquet":
         pytest.importorskip("pyarrow")
     source, out, back = recorded(tmp_path), tmp_path / f"out{ending}", tmp_path / "back.csv"
@@ -58,6 +59,7 @@ def test_json_is_json(tmp_path: Path) -> None:
     assert rows[1]["temp_c"] is None
 
 
+@pytest.mark.promise("Files of other programs")
 @pytest.mark.parametrize("command", [["filter", "in.csv", "--out"], ["convert", "in.csv"]])
 @pytest.mark.parametrize("name", ["out.xlsx", "out.txt", "out", "out.csv.gz"])
 def test_an_ending_that_is_none_is_refused_with_the_list(
@@ -67,7 +69,7 @@ def test_an_ending_that_is_none_is_refused_with_the_list(
     name: str,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """Nothing is written."""
+    """An unknown ending of an output is refused, with the list of endings."""
     monkeypatch.chdir(tmp_path)
     recorded(tmp_path)
     assert main([*command, name]) == 2
@@ -77,7 +79,6 @@ def test_an_ending_that_is_none_is_refused_with_the_list(
 
 @pytest.mark.parametrize("name", ["kept.json", "kept.jsonl", "kept.parquet"])
 def test_a_table_that_is_there_is_replaced_with_force_only(tmp_path: Path, name: str) -> None:
-    """As recordings are."""
     if name.endswith("parquet"):
         pytest.importorskip("pyarrow")
     kept = written(tmp_path / name, '[{"t_device_s": 1}]')

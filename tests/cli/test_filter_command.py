@@ -57,7 +57,6 @@ def test_the_filter_of_the_config_brings_its_own_columns(tmp_path: Path) -> None
 
 
 def test_what_it_writes_is_a_session_too(tmp_path: Path) -> None:
-    """Which can be filtered again, and written over, since it is no recording."""
     (tmp_path / "s.csv").write_text(SESSION)
     once, twice = tmp_path / "once.csv", tmp_path / "twice.csv"
     assert main(["filter", str(tmp_path / "s.csv"), "--out", str(once)]) == 0
@@ -108,7 +107,6 @@ def test_bad_samples_are_left_out_and_counted(tmp_path: Path, capsys: pytest.Cap
 def test_what_a_recording_began_with_may_be_made_up(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], began_with: str, reason: str
 ) -> None:
-    """It comes with the file, from wherever that came."""
     path, stream = tmp_path / "s.mcap", io.BytesIO()
     writer = McapWriter(stream, {"filter": {"name": "restlevel", "began_with": began_with}})
     for n in range(1000):
@@ -121,7 +119,6 @@ def test_what_a_recording_began_with_may_be_made_up(
 
 
 def test_mistakes_end_with_their_status_and_leave_nothing_half_written(tmp_path: Path) -> None:
-    """4 for the data, 2 for config and place."""
     (tmp_path / "s.csv").write_text(SESSION)
     (tmp_path / "c.yaml").write_text("hdr: 1\n")
     out = tmp_path / "out.csv"
@@ -133,7 +130,6 @@ def test_mistakes_end_with_their_status_and_leave_nothing_half_written(tmp_path:
 
 @pytest.mark.parametrize("options", ["--out /dev/full", "> /dev/full"])
 def test_a_full_disk_is_told_in_one_line(tmp_path: Path, options: str) -> None:
-    """Where the session goes to a file, and where it goes to stdout."""
     (tmp_path / "s.csv").write_text(SESSION)
     command = f"{sys.executable} -m gyrodrift filter {tmp_path}/s.csv {options}"
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
@@ -143,7 +139,6 @@ def test_a_full_disk_is_told_in_one_line(tmp_path: Path, options: str) -> None:
 
 
 def test_output_may_go_to_a_device(tmp_path: Path) -> None:
-    """Which is written to, not replaced."""
     (tmp_path / "s.csv").write_text(SESSION)
     with Command("filter", tmp_path / "s.csv", "--out", "/dev/stdout") as run:
         assert run.end() == 0

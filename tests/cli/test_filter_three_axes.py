@@ -17,7 +17,6 @@ def last_row(path: Path) -> dict[str, float]:
 
 
 def test_the_mount_of_the_config_holds_for_recordings(tmp_path: Path) -> None:
-    """With −x of the sensor forward, roll and pitch are those of the board with the other sign."""
     session, config = hand_motion(20.0, tilt_deg=20.0).write(tmp_path / "hand.csv"), tmp_path / "mount.yaml"
     config.write_text("filter: restlevel\nmount: {up: +z, forward: -x}\n")
     plain, mounted = tmp_path / "plain.csv", tmp_path / "mounted.csv"

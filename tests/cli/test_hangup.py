@@ -71,7 +71,6 @@ def test_without_its_terminal_it_ends_with_a_closed_file(command: str, tmp_path:
 
 
 def test_under_nohup_it_goes_on(tmp_path: Path) -> None:
-    """Which is what nohup is for."""
     out = tmp_path / "out"
     with (
         speaking_on(tmp_path / "gyro") as device,

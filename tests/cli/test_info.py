@@ -60,7 +60,6 @@ def line_of(lines: list[str], name: str) -> str:
 
 
 def test_the_table_tells_what_the_session_holds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """With a mark at what is worth a look."""
     lines = described(capsys, path := written(tmp_path))
     assert lines[0] == str(path)
     assert line_of(lines, "samples").split() == ["samples", "3988"]
@@ -78,7 +77,6 @@ def test_the_table_tells_what_the_session_holds(tmp_path: Path, capsys: pytest.C
 
 
 def test_values_stand_in_one_column(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Under their headings."""
     lines = described(capsys, written(tmp_path))
     column = line_of(lines, "samples").index("3988")
     assert all(
@@ -100,7 +98,6 @@ def test_what_was_kept_beside_the_samples_is_shown_in_brief(tmp_path: Path, caps
 
 
 def test_the_bytes_of_the_link_are_mentioned(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """How many were kept; and how to keep them, where none were."""
     with (tmp_path / "raw.mcap").open("wb") as file:
         writer = McapWriter(file)
         writer.add(Sample(0, 1.0, 5.0, 2.0))
@@ -116,7 +113,6 @@ def test_the_bytes_of_the_link_are_mentioned(tmp_path: Path, capsys: pytest.Capt
 
 
 def test_json_has_finite_numbers_only(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """None for the others, and all of the metadata."""
     (line,) = described(capsys, "--json", path := written(tmp_path))
     about: dict[str, Any] = json.loads(line, parse_constant=pytest.fail)
     assert about["session"] == str(path)
@@ -167,7 +163,6 @@ def test_a_strange_name_takes_one_line_and_stays_json(tmp_path: Path, capsys: py
 
 
 def test_the_table_corrects_by_the_filter_of_a_config(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Its end errors are those of that filter."""
     config = tmp_path / "my.yaml"
     config.write_text("filter: hdr\n")
     paths = [written(tmp_path, "a.mcap"), written(tmp_path, "b.mcap")]
@@ -175,7 +170,6 @@ def test_the_table_corrects_by_the_filter_of_a_config(tmp_path: Path, capsys: py
 
 
 def test_verbose_gives_the_full_text_of_each_session(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """With an empty line between sessions; --json gives a line for each."""
     paths = [written(tmp_path, "a.mcap"), written(tmp_path, "b.csv")]
     lines = described(capsys, "--verbose", *paths)
     assert lines[lines.index(str(paths[1])) - 1] == ""
@@ -185,8 +179,9 @@ def test_verbose_gives_the_full_text_of_each_session(tmp_path: Path, capsys: pyt
     ]
 
 
+@pytest.mark.promise("Analyses and reports")
 def test_an_unreadable_session_does_not_hide_the_others(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The table has the readable sessions; the status and a line on stderr tell of the other one."""
+    """An unreadable session does not hide the others from `info`."""
     written(tmp_path, "a.mcap")
     (tmp_path / "b.csv").write_text("t_device_s,rate_dps\n0,x\n")
     assert main(["info", str(tmp_path)]) == 4
@@ -196,8 +191,9 @@ def test_an_unreadable_session_does_not_hide_the_others(tmp_path: Path, capsys: 
     assert "b.csv" in shown.err
 
 
+@pytest.mark.promise("Analyses and reports")
 def test_files_are_written_before_anything_is_printed(tmp_path: Path) -> None:
-    """A reader that ends early, as `head` does, loses no page and no picture."""
+    """`info` writes its files before it prints, so `info sessions --out page | head` loses none."""
     paths = [written(tmp_path, "a.mcap"), written(tmp_path, "b.mcap")]
     command = [
         sys.executable,
@@ -239,7 +235,6 @@ def test_what_is_odd_is_marked(rows: str, odd: str, tmp_path: Path, capsys: pyte
 
 
 def test_of_many_rests_the_longest_are_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """In order of time, and the range of all."""
     lengths_s = [4, 9, 5, 8, 6, 7, 10, 3]
     rest_and_turn = ([np.repeat(50.0 * i, 100 * s), 50.0 * i + np.arange(100) / 2.0] for i, s in enumerate(lengths_s))
     angle_deg = np.concatenate(list(chain.from_iterable(rest_and_turn)))
@@ -262,7 +257,6 @@ def small(tmp_path: Path) -> Path:
 def test_a_picture_is_drawn_beside_the_table(
     ending: str, magic: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """In three formats."""
     picture = tmp_path / f"s.{ending}"
     assert len(described(capsys, written(tmp_path), "--picture", picture)) > 20
     assert picture.read_bytes().startswith(magic)
@@ -277,17 +271,17 @@ def test_the_page_shows_all_sessions_and_where_it_comes_from(
     config.write_text("filter: hdr\nhdr: {i_c_dps: 0.0045, tau_s: 0.001, theta_w_dps: 0.7, c1: 0, c2: 1}\n")
     described(capsys, *paths, "--out", tmp_path / "page")
     html = (tmp_path / "page" / "report.html").read_text()
-    said = words(html)
-    assert said.strip().startswith("gyrodrift info · 2 sessions, 1.33 minutes a and b: mean yaw error ")
-    assert "corrected by restlevel" in said
+    statement = words(html)
+    assert statement.strip().startswith("gyrodrift info · 2 sessions, 1.33 minutes a and b: mean yaw error ")
+    assert "corrected by restlevel" in statement
     assert row(html, "1. a")[1:4] == ["0.666", "100", "12"]
-    assert "Worth a second look gaps: 3: 12 samples missing, the longest gap 0.11 s" in said
-    assert f"Command gyrodrift info {paths[0]} {paths[1]} --out {tmp_path / 'page'}" in said
+    assert "Worth a second look gaps: 3: 12 samples missing, the longest gap 0.11 s" in statement
+    assert f"Command gyrodrift info {paths[0]} {paths[1]} --out {tmp_path / 'page'}" in statement
     described(capsys, paths[0], "--out", tmp_path / "page", "--config", config)
-    said = words((tmp_path / "page" / "report.html").read_text())
-    assert "corrected by hdr" in said
-    assert f"Config hdr of {config}" in said
-    assert "theta_w_dps: 0.7" in said
+    statement = words((tmp_path / "page" / "report.html").read_text())
+    assert "corrected by hdr" in statement
+    assert f"Config hdr of {config}" in statement
+    assert "theta_w_dps: 0.7" in statement
 
 
 @pytest.mark.parametrize(
@@ -301,7 +295,6 @@ def test_the_page_shows_all_sessions_and_where_it_comes_from(
     ],
 )
 def test_a_picture_of_next_to_nothing_is_drawn(table: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """One sample, no numbers, a rate that never changes, columns that are empty; on the page too."""
     (tmp_path / "s.csv").write_text(table)
     described(capsys, tmp_path / "s.csv", "--picture", tmp_path / "s.png", "--out", tmp_path)
     assert (tmp_path / "s.png").stat().st_size > 5_000
@@ -309,7 +302,6 @@ def test_a_picture_of_next_to_nothing_is_drawn(table: str, tmp_path: Path, capsy
 
 
 def test_thinning_keeps_spikes() -> None:
-    """Of a hundred thousand points one is high, and one low."""
     drawing = pytest.importorskip("gyrodrift.describe.drawing", reason="pictures need the workstation extra")
     y = np.zeros(100_001)
     y[[12_345, 100_000]] = 7.0, -5.0
@@ -324,7 +316,6 @@ def test_thinning_keeps_spikes() -> None:
 def test_without_matplotlib_the_extra_is_named(
     small: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """And nothing is read or written."""
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     assert main(["info", str(small), "--picture", str(tmp_path / "s.png")]) == 2
     shown = capsys.readouterr()
@@ -333,13 +324,12 @@ def test_without_matplotlib_the_extra_is_named(
 
 
 def test_mistakes_end_with_their_status(small: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """4 for the session, 2 for the picture, each in one line."""
-    other = tmp_path / "other.csv"
-    other.write_bytes(small.read_bytes())
+    second = tmp_path / "other.csv"
+    second.write_bytes(small.read_bytes())
     for arguments, status in (
         ((tmp_path / "none.csv",), 4),
         ((small, "--picture", tmp_path / "s.gif"), 2),
-        ((small, other, "--picture", tmp_path / "s.png"), 2),
+        ((small, second, "--picture", tmp_path / "s.png"), 2),
         ((small, "--picture", tmp_path / "no" / "s.png"), 2),
         ((small, "--config", tmp_path / "none.yaml"), 2),
         ((small, "--config", tmp_path / "none.yaml", "--out", tmp_path), 2),
@@ -354,7 +344,6 @@ def test_mistakes_end_with_their_status(small: Path, tmp_path: Path, capsys: pyt
 def test_real_recordings_are_told_and_drawn(
     name: str, recordings: Recordings, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """All three have half a minute of rest, and noise."""
     lines = described(capsys, recordings.path(name), "--picture", tmp_path / "s.png")
     assert line_of(lines, "angle random walk").endswith(" deg/√s)")
     assert (tmp_path / "s.png").stat().st_size > 10_000

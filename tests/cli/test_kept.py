@@ -30,26 +30,24 @@ def spellings(path: Path) -> list[Path]:
 def test_no_command_writes_over_its_input(
     session: Path, which: int, force: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """However the name is written, and whatever is forced."""
     target = str(spellings(session)[which])
     for words in (["filter", str(session), "--out", target], ["convert", str(session), target]):
         assert main([*words, *force]) == 2
-        said = capsys.readouterr().err
-        assert target in said
-        assert "never written over" in said
+        statement = capsys.readouterr().err
+        assert target in statement
+        assert "never written over" in statement
     assert session.read_text() == CSV
 
 
 def test_another_session_is_replaced_with_force_only(session: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """And named."""
-    other = session.with_name("other.csv")
-    for words in (["filter", str(session), "--out", str(other)], ["convert", str(session), str(other)]):
-        other.write_text(CSV.replace("0.25", "0.75"))
+    second = session.with_name("other.csv")
+    for words in (["filter", str(session), "--out", str(second)], ["convert", str(session), str(second)]):
+        second.write_text(CSV.replace("0.25", "0.75"))
         assert main(words) == 2
-        assert f"{other}: already recorded; --force" in capsys.readouterr().err
-        assert "0.75" in other.read_text()
+        assert f"{second}: already recorded; --force" in capsys.readouterr().err
+        assert "0.75" in second.read_text()
         assert main([*words, "--force"]) == 0
-        assert "0.75" not in other.read_text()
+        assert "0.75" not in second.read_text()
 
 
 def test_what_is_no_session_is_written_anew(session: Path) -> None:
@@ -65,21 +63,19 @@ def test_what_is_no_session_is_written_anew(session: Path) -> None:
 def test_simulated_sessions_lie_beside_recorded_ones(
     ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Where a name is taken nothing at all is written."""
     words = ["simulate", "--out", str(tmp_path), "--minutes", "0.05", "--format", ending]
     assert main([*words, "--sessions", "2"]) == 0
     before = {path: path.read_bytes() for path in tmp_path.iterdir()}
     capsys.readouterr()
     assert main([*words, "--sessions", "5", "--seed", "1"]) == 2
-    said = capsys.readouterr().err
-    assert f"session-02.{ending}: already recorded; --force" in said
+    statement = capsys.readouterr().err
+    assert f"session-02.{ending}: already recorded; --force" in statement
     assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
     assert main([*words, "--sessions", "5", "--seed", "1", "--force"]) == 0
     assert len(list(tmp_path.glob(f"session-*.{ending}"))) == 5
 
 
 def test_a_rig_is_not_written_over_by_sessions_of_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """With an effect more it would be another one."""
     rig = tmp_path / "rig.yaml"
     rig.write_text("base: {encoder_cpr: 4096}\n")
     words = ["simulate", "--rig", str(rig), "--out", str(tmp_path), "--minutes", "0.05", "--effect", "scale_factor"]
@@ -89,7 +85,6 @@ def test_a_rig_is_not_written_over_by_sessions_of_it(tmp_path: Path, capsys: pyt
 
 
 def test_hard_cases_do_not_replace_those_of_another_seed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Each has a folder of its own."""
     words = ["simulate", "--hard-cases", "--out", str(tmp_path), "--sessions", "1", "--minutes", "0.5"]
     assert main(words) == 0
     capsys.readouterr()
@@ -131,22 +126,20 @@ def places(tmp_path: Path, session: Path) -> dict[str, Path]:
 def test_whatever_a_command_reads_stays(
     places: dict[str, Path], words: str, lost: str, name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Under every name that it would write to, by a link of either kind."""
     before = places[lost].read_bytes()
     out = places["out"]
     for link in ("symlink_to", "hardlink_to"):
         out.mkdir(exist_ok=True)
         getattr(out / name, link)(places[lost])
         assert main(words.format(**places).split()) == 2
-        said = capsys.readouterr().err
-        assert f"{out / name}: is the input {places[lost]} itself, which is never written over" in said
+        statement = capsys.readouterr().err
+        assert f"{out / name}: is the input {places[lost]} itself, which is never written over" in statement
         assert places[lost].read_bytes() == before
         assert (out / name).samefile(places[lost])
         (out / name).unlink()
 
 
 def test_a_session_is_no_name_for_a_device(session: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Whether it is the one that is played or another."""
     for path in spellings(session):
         assert main(["replay", str(session), "--link", str(path)]) == 3
         assert f"{path} exists and is not a link to a pty" in capsys.readouterr().err
@@ -154,13 +147,12 @@ def test_a_session_is_no_name_for_a_device(session: Path, capsys: pytest.Capture
 
 
 def test_a_table_of_other_people_is_kept_like_a_session(session: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Whatever its columns and the comments before them; so is a recording under another ending."""
-    other = session.with_name("other.csv")
-    other.write_text("# bench 7\n\ntime;gz\n0;1\n")
+    second = session.with_name("other.csv")
+    second.write_text("# bench 7\n\ntime;gz\n0;1\n")
     hidden = session.with_name("recording.bak")
     assert main(["convert", str(session), str(session.with_suffix(".mcap"))]) == 0
     session.with_suffix(".mcap").rename(hidden)
-    for target in (other, hidden):
+    for target in (second, hidden):
         before = target.read_bytes()
         assert main(["filter", str(session), "--out", str(target)]) == 2
         assert f"{target}: already recorded; --force" in capsys.readouterr().err
@@ -168,7 +160,6 @@ def test_a_table_of_other_people_is_kept_like_a_session(session: Path, capsys: p
 
 
 def test_a_link_that_leads_in_a_circle_is_no_input(session: Path) -> None:
-    """It is replaced by what was asked for."""
     loop = session.with_name("loop.csv")
     loop.symlink_to(loop)
     assert main(["filter", str(session), "--out", str(loop)]) == 0
@@ -176,7 +167,6 @@ def test_a_link_that_leads_in_a_circle_is_no_input(session: Path) -> None:
 
 
 def test_a_rig_of_other_sessions_is_not_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """One that a person wrote, say, and forgot to name; the same one may be written again."""
     words = ["simulate", "--out", str(tmp_path), "--minutes", "0.05"]
     rig = tmp_path / "rig.yaml"
     rig.write_text("base: {encoder_cpr: 4096}\n")
@@ -188,7 +178,6 @@ def test_a_rig_of_other_sessions_is_not_replaced(tmp_path: Path, capsys: pytest.
 
 
 def test_a_picture_of_the_demo_is_no_other_file(session: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """It has to be called one."""
     assert main(["demo", "--svg", str(session)]) == 2
     assert "a picture ends in .svg" in capsys.readouterr().err
     assert session.read_text() == CSV

@@ -18,7 +18,6 @@ NAMES = [*COMMANDS, "gyrogap"]
 
 @pytest.mark.parametrize("command", NAMES)
 def test_every_command_has_help_with_units_and_exit_statuses(command: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """On stdout, the same by `help COMMAND`, and it begins with what the command is for."""
     with pytest.raises(SystemExit) as ended:
         main([command, "--help"])
     assert ended.value.code == 0
@@ -46,7 +45,6 @@ def test_the_examples_of_every_command_are_understood(command: str) -> None:
 
 @pytest.mark.parametrize("command", NAMES)
 def test_every_option_tells_its_default(command: str) -> None:
-    """But for those that have to be given, and those that take no value."""
     text = " ".join(parser_of(command).format_help().partition("\noptions:\n")[2].split())
     for option in re.split(r" (?=--[a-z-]+ [A-Z{])", text):
         if re.match(r"--[a-z-]+ [A-Z{]", option) and not option.startswith(("--port", "--link", "--out")):
@@ -54,7 +52,6 @@ def test_every_option_tells_its_default(command: str) -> None:
 
 
 def test_help_lists_the_commands() -> None:
-    """Each with a line, and examples."""
     with Command("help") as run:
         assert run.end() == 0
     assert all(f"  {command}" in run.out for command in NAMES)
@@ -62,7 +59,6 @@ def test_help_lists_the_commands() -> None:
 
 
 def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    """And which copy of the program that is, run by which Python."""
     with pytest.raises(SystemExit) as ended:
         main(["--version"])
     assert ended.value.code == 0
@@ -91,6 +87,7 @@ def test_what_is_no_command_ends_with_2_and_a_hint(
     assert capsys.readouterr().err.startswith(message)
 
 
+@pytest.mark.promise("Configs and commands")
 @pytest.mark.parametrize(
     ("line", "expected"),
     [
@@ -122,7 +119,7 @@ def test_what_is_no_command_ends_with_2_and_a_hint(
 def test_what_is_unknown_gets_the_nearest_before_anything_else_is_said(
     line: str, expected: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Each of these lacks what the command requires, too."""
+    """An abbreviated option is refused, and its full name is suggested."""
     assert main(line.split()) == 2
     assert capsys.readouterr().err.startswith(f"gyrodrift: {expected}")
 
@@ -138,7 +135,6 @@ def test_what_is_unknown_gets_the_nearest_before_anything_else_is_said(
 def test_a_line_feed_in_an_argument_keeps_the_message_on_one_line(
     words: list[str], shown: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """It is shown as an escape, like other control characters."""
     assert main(words) in (2, 3, 4)
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith(f"gyrodrift: {shown}")

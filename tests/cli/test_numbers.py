@@ -31,18 +31,16 @@ NUMERIC = (
 
 
 def numeric_options() -> list[tuple[str, str]]:
-    """Of all commands, those whose values become numbers."""
-    found = []
+    result = []
     for command in (*COMMANDS, "gyrogap"):
         for action in parser_of(command)._actions:
             name = next((name for name in action.option_strings if name in NUMERIC), None)
             if name is not None:
-                found.append((command, name))
-    return found
+                result.append((command, name))
+    return result
 
 
 def test_the_options_that_are_numbers_are_known() -> None:
-    """One with a reader of numbers that is not listed here would go untested, and so would `int` and `float`."""
     for command in (*COMMANDS, "gyrogap"):
         for action in parser_of(command)._actions:
             if not isinstance(action.type, argparse.FileType) and action.type is not None:
@@ -51,14 +49,15 @@ def test_the_options_that_are_numbers_are_known() -> None:
                 assert not is_number or set(action.option_strings) & set(NUMERIC), (command, action.option_strings)
 
 
+@pytest.mark.promise("Configs and commands")
 @pytest.mark.parametrize(("command", "option"), numeric_options())
 def test_what_is_no_number_is_one_line(command: str, option: str) -> None:
-    """It names the option and quotes no more than the beginning of what was given."""
+    """An invalid number on the command line gives one line."""
     parser = parser_of(command)
     for value in NO_NUMBERS:
-        with pytest.raises(UsageError) as told:
+        with pytest.raises(UsageError) as report:
             parser.read([f"{option}={value}"])
-        message = str(told.value)
+        message = str(report.value)
         assert message.startswith(f"{option} ")
         assert "expected" in message
         assert "\n" not in message
@@ -67,12 +66,12 @@ def test_what_is_no_number_is_one_line(command: str, option: str) -> None:
 
 @pytest.mark.parametrize("value", [*NO_NUMBERS, "0", "1.5", "-9600"], ids=lambda value: repr(value[:12]))
 def test_what_is_no_line_rate_is_one_line(value: str) -> None:
-    """Likewise."""
-    with pytest.raises(UsageError, match=r"--baud .*: expected a rate in baud") as told:
+    with pytest.raises(UsageError, match=r"--baud .*: expected a rate in baud") as report:
         numbers.baud(value)
-    assert len(str(told.value)) < 200
+    assert len(str(report.value)) < 200
 
 
+@pytest.mark.promise("Configs and commands")
 @pytest.mark.parametrize(
     "words",
     [
@@ -88,21 +87,20 @@ def test_what_is_no_line_rate_is_one_line(value: str) -> None:
     ids=lambda words: f"{words[0]} {words[-2]}",
 )
 def test_commands_end_with_2_and_one_line(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    """Before a port is opened or a folder is made."""
+    """A number outside the range of its option gives status 2 and one line."""
     assert main(words) == 2
-    told = capsys.readouterr().err
-    assert told.startswith(f"gyrodrift: {words[-2]} ")
-    assert told.count("\n") == 1
-    assert len(told) < 200
+    report = capsys.readouterr().err
+    assert report.startswith(f"gyrodrift: {words[-2]} ")
+    assert report.count("\n") == 1
+    assert len(report) < 200
 
 
 @pytest.mark.parametrize("unit", ["", "h", "GB", " min", "kB", "parsecs"])
 @pytest.mark.parametrize("value", [*NO_NUMBERS, "0", "0.0"], ids=lambda value: repr(value[:12]))
 def test_what_is_no_rotation_is_refused(value: str, unit: str) -> None:
-    """Whatever unit stands behind it."""
-    with pytest.raises(UsageError, match=r"--rotate .*: expected a size such as") as told:
+    with pytest.raises(UsageError, match=r"--rotate .*: expected a size such as") as report:
         numbers.rotation(value + unit)
-    assert len(str(told.value)) < 200
+    assert len(str(report.value)) < 200
 
 
 @pytest.mark.parametrize(
@@ -110,11 +108,9 @@ def test_what_is_no_rotation_is_refused(value: str, unit: str) -> None:
     [("100MB", (100_000_000, None)), ("0.5kB", (500, None)), ("1.5h", (None, 5400.0)), ("90 s", (None, 90.0))],
 )
 def test_sizes_and_times_are_read(text: str, expected: tuple[int | None, float | None]) -> None:
-    """In any case of letters, with or without a blank."""
     assert numbers.rotation(text) == expected
 
 
 def test_a_number_beyond_what_an_option_can_mean_is_told_with_the_most(capsys: pytest.CaptureFixture[str]) -> None:
-    """Not carried out, for years."""
     assert main(["simulate", "--out", "x", "--minutes", "1e9"]) == 2
     assert capsys.readouterr().err == "gyrodrift: --minutes 1e9: expected a number above 0, 1000000 at most\n"

@@ -41,7 +41,6 @@ def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Install
 
 
 def test_a_command_of_another_package_runs(install: Install, capsys: pytest.CaptureFixture[str]) -> None:
-    """With options, help and the options of every command."""
     install("greeting", "hello")
     assert main(["hello", "--name", "gyro", "--quiet"]) == 0
     assert capsys.readouterr().out == "hello gyro\n"
@@ -79,12 +78,11 @@ def test_a_broken_package_is_one_line(
 
 
 def test_two_packages_with_one_name_are_an_error(install: Install, capsys: pytest.CaptureFixture[str]) -> None:
-    """The line names both."""
     install("greeting", "hello")
     install("salute", "hello")
     assert main(["hello"]) == 2
-    said = capsys.readouterr().err
-    assert said == "gyrodrift: hello: is a command of greeting and of salute; uninstall all but one\n"
+    statement = capsys.readouterr().err
+    assert statement == "gyrodrift: hello: is a command of greeting and of salute; uninstall all but one\n"
 
 
 def test_a_name_of_ours_stays_ours(install: Install, capsys: pytest.CaptureFixture[str]) -> None:
@@ -97,7 +95,6 @@ def test_a_name_of_ours_stays_ours(install: Install, capsys: pytest.CaptureFixtu
 
 
 def test_our_commands_look_for_no_package(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Neither their start nor their help depends on what else is installed."""
     monkeypatch.setattr(plug_ins, "entry_points", None)
     with pytest.raises(SystemExit, match=r"^0$"):
         main(["serve", "--help"])

@@ -32,7 +32,7 @@ def sessions(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-LEFT = rb"left\D+\d:\d\d:\d\d"
+REMAINING = rb"left\D+\d:\d\d:\d\d"
 """Hours, minutes and seconds, in colours."""
 
 QUICK = {
@@ -44,18 +44,17 @@ QUICK = {
 
 
 def words(name: str, arguments: Sequence[str], sessions: Path, out: Path) -> list[str]:
-    one = sessions / "session-01.mcap"
-    paths = {"one": one, "all": sessions, "many": out / "many", "out": out}
+    item = sessions / "session-01.mcap"
+    paths = {"one": item, "all": sessions, "many": out / "many", "out": out}
     if "{many}" in arguments:
         paths["many"].mkdir()
         for index in range(COPIES):
-            shutil.copy(one, paths["many"] / f"copy-{index:03}.mcap")
+            shutil.copy(item, paths["many"] / f"copy-{index:03}.mcap")
     return [name, *(word.format(**paths) for word in arguments)]
 
 
 @pytest.mark.parametrize("name", QUICK)
 def test_quick_ones_show_a_bar_that_is_gone_in_the_end(name: str, sessions: Path, tmp_path: Path) -> None:
-    """With what is being done; what the command tells is all that stays."""
     arguments, what = QUICK[name]
     with Terminal(*ours(*words(name, arguments, sessions, tmp_path)), columns=120, streams=["stderr"]) as terminal:
         assert terminal.end() == 0
@@ -67,7 +66,6 @@ def test_quick_ones_show_a_bar_that_is_gone_in_the_end(name: str, sessions: Path
 
 @pytest.mark.parametrize("name", QUICK)
 def test_a_pipe_and_a_quiet_terminal_see_nothing_of_it(name: str, sessions: Path, tmp_path: Path) -> None:
-    """Also where colours are forced."""
     arguments, _ = QUICK[name]
     line = words(name, arguments, sessions, tmp_path)
     with Terminal(*ours(*line, "--quiet"), streams=["stderr"], environment={"FORCE_COLOR": "1"}) as terminal:
@@ -104,7 +102,6 @@ NEXT = {"tune": "sessions read", "compare": "sessions", "diagnose": "sessions ch
 
 @pytest.mark.parametrize("name", LONG)
 def test_long_ones_show_something_before_they_load_their_packages(name: str, sessions: Path, tmp_path: Path) -> None:
-    """Then what they do, with the time that is left; Ctrl-C leaves the terminal as it was."""
     line = words(name, LONG[name], sessions, tmp_path)
     with Terminal(*ours(*line), columns=120, streams=["stderr"]) as terminal:
         terminal.until(lambda shown: "packages" in shown.text, "packages")
@@ -136,7 +133,6 @@ LOGGING = "from gyrodrift.io.log import open_log; open_log().info('gap', missing
 def test_the_log_on_a_terminal_has_the_colours_that_are_wanted(
     environment: dict[str, str], *, is_coloured: bool
 ) -> None:
-    """None where NO_COLOR says something, unless FORCE_COLOR does too."""
     with Terminal(sys.executable, "-c", LOGGING, environment=environment) as terminal:
         assert terminal.end() == 0
         assert "missing=3" in terminal.text
@@ -169,7 +165,6 @@ def two_bars(stream: TextIO) -> None:
 
 
 def test_an_interrupt_in_the_moment_of_drawing_leaves_no_row_behind() -> None:
-    """What was drawn is what is taken away, whichever thread the signal meets."""
     stream = InterruptedAfter("the second")
     screen = pyte.Screen(120, 24)
     with pytest.raises(KeyboardInterrupt):
@@ -190,7 +185,6 @@ def reported(plans: tuple[Plan, ...], sessions: int) -> list[tuple[str, int, int
 
 
 def test_the_total_of_a_tuning_has_all_its_searches() -> None:
-    """Those of both filters, of the reduced models and without each session; restlevel counts three times."""
     plans = plans_of(None, 10, (0,), None, [])
     totals = [(done, of) for stage, done, of in reported(plans, sessions=3) if stage == "total"]
     assert totals[0] == (10, (1 + 3) * 5 * 10)

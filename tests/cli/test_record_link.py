@@ -50,7 +50,6 @@ def in_order(folder: Path) -> list[Path]:
 
 
 def check_closed(path: Path) -> None:
-    """By the public reader, every checksum checked."""
     with path.open("rb") as file:
         assert type(list(StreamReader(file, validate_crcs=True).records)[-1]).__name__ == "Footer"
 
@@ -65,14 +64,13 @@ def events_in(path: Path) -> list[dict[str, Any]]:
 def test_every_sample_that_was_sent_is_recorded_to_the_last(
     out: Path, protocol: str, given: str, recording: Recording
 ) -> None:
-    """In number and in every bit of their values, whether the protocol is found or given."""
     content = b"".join(spoken(protocol, 700))
     expected = PROTOCOLS[protocol].decoder().push(content)
     assert len(expected) > 690
     options = ("--protocol", protocol, "--baud", "115200") if given == "named" else ()
     with recording(*options) as (device, record):
-        for at in range(0, len(content), len(content) // 10):  # arrivals are the clock of a device that has none
-            device.send_all(content[at : at + len(content) // 10], never)
+        for index in range(0, len(content), len(content) // 10):  # arrivals are the clock of a device that has none
+            device.send_all(content[index : index + len(content) // 10], never)
             device.drain(never)
         assert record.stop() == 0
     (path,) = out.glob("*.mcap")
@@ -138,7 +136,6 @@ def test_with_rotation_every_sample_and_byte_is_in_one_of_the_files(
 
 
 def test_what_happened_on_the_link_is_in_the_file(out: Path, recording: Recording) -> None:
-    """With its time and its figures: what was found, a hole, a device that began anew."""
     with recording() as (device, record):
         device.send_all(lines(0, 100) + lines(150, 100), never)
         record.until_log("event=gap")
@@ -178,7 +175,6 @@ def test_bytes_of_a_device_that_nobody_understands_are_in_a_closed_file(
 def test_a_signal_in_the_middle_of_a_stream_closes_the_file(
     out: Path, number: signal.Signals, options: tuple[str, ...], recording: Recording
 ) -> None:
-    """While samples come in: what was read is there, without a hole."""
     with recording(*options) as (device, record):
         for first in range(0, 4000, 20):
             if first == 2000:
@@ -206,7 +202,6 @@ def test_a_pipe_gets_no_live_line(out: Path, recording: Recording) -> None:
 
 
 def test_a_terminal_that_is_hung_up_does_not_end_a_recording(port: Path, out: Path) -> None:
-    """With SIGHUP ignored, as nohup and systemd do."""
     master, slave = pty.openpty()
     command = [sys.executable, "-m", "gyrodrift", "record", "--port", str(port), "--out", str(out)]
     with speaking_on(port) as device:
@@ -234,9 +229,9 @@ def test_a_full_disk_ends_it_with_one_line(port: Path, out: Path) -> None:
                 if not device.send_all(lines(first, 20), lambda: record.process.poll() is not None):
                     break
             assert record.end() == 4
-        told = [line for line in record.log.splitlines() if line.startswith("gyrodrift: ")]
-        assert len(told) == 1
-        assert "recording stopped: No space left on device; 65536 bytes are written and stay readable" in told[0]
+        report = [line for line in record.log.splitlines() if line.startswith("gyrodrift: ")]
+        assert len(report) == 1
+        assert "recording stopped: No space left on device; 65536 bytes are written and stay readable" in report[0]
         assert "Traceback" not in record.log
         assert record.out.splitlines() == [str(path) for path in out.glob("*.mcap")]
         rates = rates_in(out)
@@ -245,7 +240,6 @@ def test_a_full_disk_ends_it_with_one_line(port: Path, out: Path) -> None:
 
 
 def test_a_disk_that_is_full_from_the_start_is_told_and_no_file_is_left(port: Path, out: Path) -> None:
-    """And no path on stdout."""
     with small_disk(out, "64k"), speaking_on(port) as device:
         fill(out)
         with Command("record", "--port", port, "--out", out) as record:
@@ -257,7 +251,6 @@ def test_a_disk_that_is_full_from_the_start_is_told_and_no_file_is_left(port: Pa
 
 
 def test_a_disk_that_takes_nothing_is_told_before_anything_is_recorded(port: Path, out: Path) -> None:
-    """Wrong usage, in one line."""
     with (
         read_only_disk(out),
         speaking_on(port),
@@ -270,7 +263,6 @@ def test_a_disk_that_takes_nothing_is_told_before_anything_is_recorded(port: Pat
 
 
 def test_a_folder_removed_under_a_silent_device_is_noticed_at_once(out: Path, recording: Recording) -> None:
-    """Not when the next sample comes, which may be tomorrow."""
     with recording() as (device, record):
         device.send_all(lines(0, 100), never)
         device.drain(never)
@@ -285,7 +277,6 @@ def test_a_folder_removed_under_a_silent_device_is_noticed_at_once(out: Path, re
 
 
 def test_a_damaged_file_in_the_folder_does_not_keep_it_from_recording(out: Path, recording: Recording) -> None:
-    """It is told, and left alone."""
     out.mkdir()
     (out / "a.mcap").write_bytes(b"\x89MCAP0\r\n" + b"\x01" + bytes(8) + b"\x05" + (3).to_bytes(8, "little") + b"abc")
     (out / "b.mcap").symlink_to("nowhere")

@@ -91,21 +91,22 @@ WRONG = {
 }
 
 
+@pytest.mark.promise("Files of other programs")
 @pytest.mark.parametrize("name", WRONG)
 def test_a_recording_that_is_not_what_it_says_is_refused(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """By filter and info with status 4, by doctor as an error; the option in the message mends it."""
+    """A recording whose clock or rate contradicts its stated unit is refused, with the option that corrects it."""
     wrong = WRONG[name]
     path, out = in_file(tmp_path, wrong.session), tmp_path / "yaw.csv"
     assert filtered(path, out)[0] == 4
-    said = capsys.readouterr().err
-    assert wrong.option in said
+    statement = capsys.readouterr().err
+    assert wrong.option in statement
     assert main(["info", str(path)]) == 4
     assert f"! {wrong.id} " in capsys.readouterr().out
     assert main(["doctor", str(path), "--json"]) == 3
-    found = {each["id"]: each["severity"] for each in json.loads(capsys.readouterr().out)["findings"]}
-    assert found[wrong.id] == "error"
+    result = {item["id"]: item["severity"] for item in json.loads(capsys.readouterr().out)["findings"]}
+    assert result[wrong.id] == "error"
     if wrong.option:
         status, yaw_deg = filtered(path, out, *wrong.option.split())
         assert status == 0
@@ -113,7 +114,6 @@ def test_a_recording_that_is_not_what_it_says_is_refused(
 
 
 def test_a_recording_that_is_what_it_says_is_left_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Nothing is told."""
     for session in (turned(), swung(), turned(20.0), turned(1000.0)):
         assert filtered(in_file(tmp_path, session), tmp_path / "yaw.csv")[0] == 0
         assert [" written: " in line for line in capsys.readouterr().err.splitlines()] == [True]
@@ -130,19 +130,20 @@ AGAINST_ENCODER: Mapping[str, tuple[Callable[[Floats], Floats], str]] = {
 }
 
 
+@pytest.mark.promise("Files of other programs")
 @pytest.mark.parametrize("name", AGAINST_ENCODER)
 @pytest.mark.parametrize("command", ["filter", "compare"])
 def test_an_encoder_tells_unit_sign_and_axis(
     command: str, name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """With both paths, and the option that mends it."""
+    """An encoder reveals a wrong unit, sign or axis."""
     as_said, option = AGAINST_ENCODER[name]
     session = swung()
     path = in_file(tmp_path, replace(session, rate_dps=as_said(session.rate_dps)))
     assert main([command, str(path)]) == 4
-    said = capsys.readouterr().err
-    assert option in said
-    assert "the encoder turned by" in said
+    statement = capsys.readouterr().err
+    assert option in statement
+    assert "the encoder turned by" in statement
 
 
 @pytest.mark.parametrize("command", ["filter", "compare", "tune"])
@@ -163,8 +164,9 @@ def test_a_stated_unit_is_taken_by_every_command(
     assert "the rate" not in capsys.readouterr().err
 
 
+@pytest.mark.promise("Files of other programs")
 def test_a_logger_that_restarts_goes_on_as_a_port_does(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """One period after the last sample, which is told with the seconds concerned; the turn after it counts."""
+    """A recording whose clock restarts continues one period later, and the time is reported."""
     session = turned()
     t_s = np.where(np.arange(len(session.t_device_s)) < 700, session.t_device_s, session.t_device_s - 13.9)
     path = in_file(tmp_path, replace(session, t_device_s=t_s))
@@ -173,12 +175,11 @@ def test_a_logger_that_restarts_goes_on_as_a_port_does(tmp_path: Path, capsys: p
     assert yaw_deg == pytest.approx(TURN_DEG, abs=3.0)
     assert "its clock restarts at sample 701" in capsys.readouterr().err
     assert main(["doctor", str(path), "--json"]) == 0
-    found = {each["id"]: each for each in json.loads(capsys.readouterr().out)["findings"]}
-    assert (found["restarts"]["severity"], "the 20.98 s after it" in found["restarts"]["says"]) == ("warning", True)
+    result = {item["id"]: item for item in json.loads(capsys.readouterr().out)["findings"]}
+    assert (result["restarts"]["severity"], "the 20.98 s after it" in result["restarts"]["says"]) == ("warning", True)
 
 
 def test_one_damaged_stamp_does_not_end_a_recording(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Whether it lies ahead or behind; the sample is left out."""
     for stamp_s in (4e5, 1e-3):
         t_s = turned().t_device_s.copy()
         t_s[300] = stamp_s
@@ -197,17 +198,17 @@ def test_samples_that_come_again_are_no_restart() -> None:
 
 
 def test_a_clock_that_stands_gives_way_to_the_times_of_the_log(tmp_path: Path) -> None:
-    """Where there are some, which is told."""
     session = replace(turned(), t_device_s=np.full(len(turned().t_device_s), 7.0), t_host_s=turned().t_device_s + 1e9)
     status, yaw_deg = filtered(in_file(tmp_path, session), tmp_path / "yaw.csv")
     assert status == 0
     assert yaw_deg == pytest.approx(TURN_DEG, abs=3.0)
 
 
+@pytest.mark.promise("Files of other programs")
 def test_a_filter_that_takes_hardly_a_sample_does_not_end_well(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Status 4, and nothing is written."""
+    """If a filter accepts fewer than half of the samples, the status is not 0."""
     (tmp_path / "s.csv").write_text("t_device_s,rate_dps\n1,2\n" + "".join(f"{1 - i},2\n" for i in range(10)))
     assert filtered(tmp_path / "s.csv", tmp_path / "yaw.csv")[0] == 4
     assert "the rest is too little for a yaw" in capsys.readouterr().err
@@ -220,6 +221,7 @@ def as_counts(rate_dps: Floats) -> Floats:
 CHANGES: Sequence[str] = ("57.3", "rad", "ms", "counts")
 
 
+@pytest.mark.promise("Files of other programs")
 @settings(max_examples=60, deadline=None)
 @given(
     change=st.sampled_from(CHANGES),
@@ -232,7 +234,7 @@ CHANGES: Sequence[str] = ("57.3", "rad", "ms", "counts")
 def test_a_wrong_unit_is_found_or_asked_for(
     change: str, hz: float, noise_dps: float, bias_dps: float, seed: int, *, has_encoder: bool
 ) -> None:
-    """On any usual rig, with a reference or without: an error or a warning, never nothing."""
+    """A wrong unit is detected, or leads to a question."""
     session = turned(hz, noise_dps, bias_dps, seed)
     angle_deg = np.interp(session.t_device_s, [15.0, 18.0], [0.0, TURN_DEG])
     session = replace(session, encoder_deg=angle_deg if has_encoder else None)

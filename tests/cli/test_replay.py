@@ -57,7 +57,6 @@ def test_csv_carries_every_digit_that_serve_writes(session: Path) -> None:
 
 
 def test_native_rounds_to_its_counts(session: Path) -> None:
-    """Half a count of rate, of angle and of temperature."""
     got = np.array(
         [[x["t_s"], x["rate_dps"], x["encoder_deg"], x["temp_c"]] for x in played(session, "--protocol", "native")]
     )
@@ -67,7 +66,6 @@ def test_native_rounds_to_its_counts(session: Path) -> None:
 
 
 def test_witmotion_carries_rates_in_its_own_steps(session: Path) -> None:
-    """And no clock; the rest of the held samples come when there is a line through their arrivals."""
     link = session.with_name("gyro")
     with Command("replay", session, "--link", link, "--protocol", "witmotion", "--speed", "2") as replay:
         replay.until_log("waiting for a reader")
@@ -99,7 +97,6 @@ def test_a_loop_goes_on_in_time(session: Path) -> None:
 
 
 def test_the_end_of_a_recording_ends_it_when_everything_is_read(session: Path) -> None:
-    """With 0, and the link is gone."""
     link = session.with_name("gyro")
     with Command("replay", session, "--link", link, "--speed", "max") as replay:
         replay.until_log("waiting for a reader")
@@ -112,7 +109,6 @@ def test_the_end_of_a_recording_ends_it_when_everything_is_read(session: Path) -
 
 
 def test_a_signal_interrupts_it(session: Path) -> None:
-    """While it waits for a reader."""
     with Command("replay", session, "--link", session.with_name("gyro")) as replay:
         replay.until_log("waiting for a reader")
         assert replay.stop(signal.SIGINT) == 130
@@ -131,8 +127,8 @@ def test_raw_bytes_are_played_as_they_came(tmp_path: Path) -> None:
     session, link = tmp_path / "raw.mcap", tmp_path / "gyro"
     session.write_bytes(stream.getvalue())
     broken = session.with_name("broken.mcap")
-    at = stream.getvalue().index(b"/raw") - 4
-    broken.write_bytes(stream.getvalue()[:at] + b"\xff\xff\0\0" + stream.getvalue()[at + 4 :])
+    index = stream.getvalue().index(b"/raw") - 4
+    broken.write_bytes(stream.getvalue()[:index] + b"\xff\xff\0\0" + stream.getvalue()[index + 4 :])
     with Command("replay", broken, "--raw", "--link", link) as replay:
         assert replay.end() == 4
     assert (
@@ -161,7 +157,6 @@ def test_raw_bytes_are_played_as_they_came(tmp_path: Path) -> None:
     ],
 )
 def test_mistakes_are_one_line(session: Path, options: list[str], status: int, message: str) -> None:
-    """And a status."""
     arguments = [word.format(session=session) for word in options]
     with Command("replay", session, "--link", session.with_name("gyro"), *arguments) as replay:
         assert replay.end() == status
@@ -170,7 +165,6 @@ def test_mistakes_are_one_line(session: Path, options: list[str], status: int, m
 
 
 def test_three_axes_pass_the_serial_path_and_are_recorded(tmp_path: Path) -> None:
-    """Half a count of the rates and of the accelerations is lost."""
     t_s = np.linspace(0.0, 4.0, SAMPLES)
     gyro_dps = np.column_stack([5.0 * np.sin(t_s), np.cos(t_s), 30.0 * np.sin(t_s)])
     accel_mps2 = np.column_stack([np.sin(t_s), 0.1 * t_s, np.full(SAMPLES, 9.81)])

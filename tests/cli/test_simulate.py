@@ -19,13 +19,12 @@ def simulated(folder: Path, *options: str) -> Path:
 
 
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_others(tmp_path: Path) -> None:
-    """And sessions of one seed differ from each other."""
-    one, two, other = (
+    item, two, peer = (
         simulated(tmp_path / str(n), "--seed", seed, "--sessions", "2") for n, seed in enumerate(["7", "7", "8"])
     )
-    first = [(folder / "session-01.csv").read_bytes() for folder in (one, two, other)]
+    first = [(folder / "session-01.csv").read_bytes() for folder in (item, two, peer)]
     assert first[0] == first[1] != first[2]
-    assert (one / "session-02.csv").read_bytes() == (two / "session-02.csv").read_bytes() != first[0]
+    assert (item / "session-02.csv").read_bytes() == (two / "session-02.csv").read_bytes() != first[0]
 
 
 def test_a_session_is_what_the_played_device_says_through_the_whole_serial_path(tmp_path: Path) -> None:
@@ -57,7 +56,6 @@ def test_a_session_is_what_the_played_device_says_through_the_whole_serial_path(
 
 
 def test_the_rig_beside_the_sessions_gives_them_again(tmp_path: Path) -> None:
-    """With the effects of the command line in it."""
     first = simulated(tmp_path / "a", "--effect", "popcorn:step_dps=0.5,dwell_s=3", "--effect", "temp_bias")
     second = simulated(tmp_path / "b", "--rig", str(first / "rig.yaml"))
     assert (first / "session-01.csv").read_bytes() == (second / "session-01.csv").read_bytes()
@@ -73,7 +71,6 @@ def test_both_formats_hold_the_same_samples(tmp_path: Path) -> None:
 
 
 def test_the_length_is_the_one_asked_for(tmp_path: Path) -> None:
-    """To the sample."""
     session = load_session(simulated(tmp_path) / "session-01.csv")
     assert len(session.rate_dps) == 1200
     assert session.t_device_s[-1] == 11.99
@@ -118,7 +115,6 @@ def test_a_twin_drifts_as_far_as_its_row_says(tmp_path: Path) -> None:
 def test_mistakes_are_told(
     tmp_path: Path, options: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """One line, and the status of its kind."""
     assert main(["simulate", "--out", str(tmp_path / "s"), *BRIEF, *options]) in (2, 4)
     assert message in capsys.readouterr().err
 
@@ -131,16 +127,15 @@ def test_a_rig_with_mistakes_is_told_line_by_line(tmp_path: Path, capsys: pytest
         "  - {name: latency, delay_ms: -3}\n"
     )
     assert main(["simulate", "--out", str(tmp_path / "s"), "--rig", str(rig)]) == 2
-    told = capsys.readouterr().err
-    assert f"{rig}:3:5 effects.0: 'wobble' is not known; there are " in told
-    assert f"{rig}:4:21 effects.1.delay: is not known here" in told
-    assert f"{rig}:4:5 effects.1.delay_ms: is missing" in told
-    assert f"{rig}:5:21 effects.2.delay_ms: is -3; " in told
+    report = capsys.readouterr().err
+    assert f"{rig}:3:5 effects.0: 'wobble' is not known; there are " in report
+    assert f"{rig}:4:21 effects.1.delay: is not known here" in report
+    assert f"{rig}:4:5 effects.1.delay_ms: is missing" in report
+    assert f"{rig}:5:21 effects.2.delay_ms: is -3; " in report
     assert not (tmp_path / "s").exists()
 
 
 def test_a_table_of_twins_leads_nowhere_else(tmp_path: Path) -> None:
-    """Whatever stands in it: words become names inside the folder."""
     table = tmp_path / "table.csv"
     table.write_text("split,session,minutes,e_euler_deg\n../../away,../x,0.5,1.0\n")
     out = tmp_path / "a" / "b" / "twin"
@@ -151,7 +146,6 @@ def test_a_table_of_twins_leads_nowhere_else(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("e_deg", ["1e300", "1e-300"])
 def test_a_twin_that_no_rig_can_be_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str], e_deg: str) -> None:
-    """Neither a bias beyond all rigs, nor one that leaves nothing to divide by; the words may have any order."""
     table = tmp_path / "table.csv"
     table.write_text(f"minutes,e_euler_deg,session,split\n0.05,{e_deg}\n")
     assert main(["simulate", "--twin", str(table), "--out", str(tmp_path / "t"), "--quiet"]) == 4
@@ -164,10 +158,9 @@ def test_a_twin_that_no_rig_can_be_is_told(tmp_path: Path, capsys: pytest.Captur
 def test_a_table_of_twins_that_makes_no_sense_is_told(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], values: str
 ) -> None:
-    """Before anything is simulated."""
     table = tmp_path / "table.csv"
     table.write_text(f"split,session,minutes,e_euler_deg\ntest,s,{values}\n")
     assert main(["simulate", "--twin", str(table), "--out", str(tmp_path / "t")]) == 4
-    told = capsys.readouterr().err
-    assert told.startswith(f"gyrodrift: {table}: ")
-    assert len(told) < 1200
+    report = capsys.readouterr().err
+    assert report.startswith(f"gyrodrift: {table}: ")
+    assert len(report) < 1200

@@ -53,7 +53,6 @@ def test_both_formats_have_all_axes(tmp_path: Path) -> None:
 
 
 def test_the_truth_is_written_with_the_session(tmp_path: Path) -> None:
-    """Its heading is the encoder, and gravity is where an ideal accelerometer at rest finds it."""
     path = simulated(tmp_path, "--axes", "3", "--profile", "arm")
     session, truth = load_session(path), np.load(path.with_suffix(".truth.npz"))
     assert session.encoder_deg is not None
@@ -69,7 +68,6 @@ def test_the_truth_is_written_with_the_session(tmp_path: Path) -> None:
 
 
 def test_one_axis_on_a_tilted_motion_has_neither_axes_nor_truth(tmp_path: Path) -> None:
-    """It measures about its own axis: 180 degrees of the table read 169."""
     path = simulated(tmp_path, "--profile", "tilted-turntable", "--minutes", "0.35")
     session = load_session(path)
     assert session.gyro_dps is None
@@ -81,7 +79,6 @@ def test_one_axis_on_a_tilted_motion_has_neither_axes_nor_truth(tmp_path: Path) 
 
 
 def test_the_written_rig_gives_the_sessions_again(tmp_path: Path) -> None:
-    """With its axes and the effects of the command line in it."""
     first = simulated(tmp_path / "a", "--axes", "3", "--profile", "drone", "--effect", "gyro_misalignment")
     second = simulated(tmp_path / "b", "--rig", str(first.parent / "rig.yaml"), "--profile", "drone")
     for ending in (".mcap", ".truth.npz"):
@@ -100,6 +97,5 @@ def test_the_written_rig_gives_the_sessions_again(tmp_path: Path) -> None:
 def test_wrong_requests_are_told(
     options: tuple[str, ...], problem: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """With what to do."""
     assert main(["simulate", "--out", str(tmp_path / "s"), *options]) == 2
     assert problem in capsys.readouterr().err

@@ -31,7 +31,7 @@ BLACKBOX = (
 )
 """0x3d000000 is 1/32."""
 
-KNOWN: dict[str, tuple[str, str, Row]] = {
+EXPECTED: dict[str, tuple[str, str, Row]] = {
     "phyphox": (
         "Raw Data.csv",
         '"Time (s)","Gyroscope x (rad/s)","Gyroscope y (rad/s)","Gyroscope z (rad/s)","Absolute (rad/s)"\n',
@@ -128,10 +128,11 @@ KNOWN: dict[str, tuple[str, str, Row]] = {
 }
 
 
-@pytest.mark.parametrize("form", KNOWN)
+@pytest.mark.promise("Files of other programs")
+@pytest.mark.parametrize("form", EXPECTED)
 def test_a_known_head_is_read_without_options(tmp_path: Path, form: str) -> None:
-    """Unit, clock and axis are those that its program documents."""
-    name, head, row = KNOWN[form]
+    """Tables of known programs are read without options."""
+    name, head, row = EXPECTED[form]
     path = written(tmp_path / name, table(row, head))
     assert filtered_yaw_deg(path) == pytest.approx(TURN_DEG, abs=1.0)
 
@@ -178,7 +179,6 @@ LABELLED: dict[str, tuple[str, Row]] = {
 @pytest.mark.parametrize("form", LABELLED)
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "cp1252"])
 def test_labels_that_say_rate_and_unit_are_enough(tmp_path: Path, form: str, encoding: str) -> None:
-    """Whatever the delimiter, the decimals and the encoding."""
     head, row = LABELLED[form]
     path = written(tmp_path / "log.txt", table(row, head, 0.1).replace("\n", "\r\n").encode(encoding))
     assert filtered_yaw_deg(path) == pytest.approx(TURN_DEG, abs=1.5)
@@ -209,21 +209,22 @@ UNCLEAR: dict[str, tuple[str, Row]] = {
 }
 
 
+@pytest.mark.promise("Files of other programs")
 @pytest.mark.parametrize("form", UNCLEAR)
 @pytest.mark.parametrize("command", ["info", "filter", "doctor"])
 def test_what_no_label_says_is_asked_for(
     tmp_path: Path, form: str, command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Status 4, each column with what it looks like, how to say it, and nothing to paste that is a guess."""
+    """A table without a label for rate and unit ends with status 4, and shows its columns."""
     head, row = UNCLEAR[form]
     path = written(tmp_path / "Accelerometer.csv", table(row, head, 0.1))
     assert main([command, str(path)]) == 4
-    told = capsys.readouterr()
-    assert "column 2" in told.err
-    assert "which column is the rate and in which unit" in told.err
-    assert "--columns" in told.err
-    assert "--columns '" not in told.err
-    assert "yaw_deg" not in told.out
+    report = capsys.readouterr()
+    assert "column 2" in report.err
+    assert "which column is the rate and in which unit" in report.err
+    assert "--columns" in report.err
+    assert "--columns '" not in report.err
+    assert "yaw_deg" not in report.out
 
 
 SPECS: dict[str, Row] = {
@@ -236,7 +237,6 @@ SPECS: dict[str, Row] = {
 
 @pytest.mark.parametrize("spec", SPECS)
 def test_columns_say_what_a_table_does_not(tmp_path: Path, spec: str) -> None:
-    """By place, or by label, in JSON too."""
     path = written(tmp_path / "odd.log", table(SPECS[spec]))
     assert filtered_yaw_deg(path, "--columns", spec) == pytest.approx(TURN_DEG, abs=1.0)
 
@@ -271,7 +271,6 @@ def test_columns_that_the_table_does_not_have_are_named(
 def test_an_angle_alone_becomes_a_rate_and_that_is_said(
     tmp_path: Path, label: str, spec: str | None, sign: float, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Over the seam at 180°; a heading goes clockwise."""
     scale = radians(1.0) if "rad" in label else 1.0
     rows = [f"{number / 20:.2f},{sign * scale * yaw:.6f}" for number, yaw in enumerate(angles_deg())]
     path = written(tmp_path / "yaw.csv", "\n".join([f"t_s,{label}", *rows]) + "\n")
@@ -282,7 +281,6 @@ def test_an_angle_alone_becomes_a_rate_and_that_is_said(
 
 @pytest.mark.parametrize("labels", ["qw,qx,qy,qz", "Quat_x,Quat_y,Quat_z,Quat_w", "imu.q.w,imu.q.x,imu.q.y,imu.q.z"])
 def test_a_quaternion_alone_becomes_a_rate(tmp_path: Path, labels: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """In any order of its parts."""
     rows = []
     for number, yaw in enumerate(angles_deg()):
         parts = {"w": cos(radians(yaw) / 2), "x": 0.0, "y": 0.0, "z": sin(radians(yaw) / 2)}
@@ -304,12 +302,13 @@ DAMAGED: dict[str, tuple[Change, str]] = {
 }
 
 
+@pytest.mark.promise("Files of other programs")
 @pytest.mark.parametrize("damage", DAMAGED)
 @pytest.mark.parametrize("head", ["t_device_s,rate_dps", "t_s,gz (deg/s)"])
 def test_good_rows_are_kept_and_bad_ones_counted_and_named(
     tmp_path: Path, damage: str, head: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """On stderr, and in what info shows."""
+    """Good rows of a damaged table are kept; bad rows are counted, and the first is named."""
     change, message = DAMAGED[damage]
     lines = [head, *(f"{t:.3f},{rate:.4f}" for _, t, rate in samples())]
     path = written(tmp_path / "s.csv", "\n".join(change(lines)))
@@ -317,13 +316,14 @@ def test_good_rows_are_kept_and_bad_ones_counted_and_named(
     assert filtered_yaw_deg(path) == pytest.approx(TURN_DEG, abs=1.0)
     assert message in capsys.readouterr().err
     assert main(["info", str(path)]) == 0
-    told = capsys.readouterr()
-    assert message in told.err
-    assert message[:30] in told.out
+    report = capsys.readouterr()
+    assert message in report.err
+    assert message[:30] in report.out
 
 
+@pytest.mark.promise("Files of other programs")
 def test_nanoseconds_since_1970_lose_nothing(tmp_path: Path) -> None:
-    """The first stamp is subtracted as a whole number, or digit by digit."""
+    """Nanoseconds since 1970 keep all digits."""
     stamps = [EPOCH_NS + step for step in (0, 1, 4_999_999, 5_000_001)]
     whole = "".join(f"{stamp},0.5\n" for stamp in stamps)
     decimal = "".join(f"{stamp // 10**9}.{stamp % 10**9:09d},0.5\n" for stamp in stamps)
@@ -334,8 +334,7 @@ def test_nanoseconds_since_1970_lose_nothing(tmp_path: Path) -> None:
 
 
 def test_a_session_says_how_it_was_read(tmp_path: Path) -> None:
-    """Also after it was converted."""
-    name, head, row = KNOWN["EuRoC"]
+    name, head, row = EXPECTED["EuRoC"]
     path, out = written(tmp_path / name, table(row, head)), tmp_path / "out.mcap"
     assert main(["convert", str(path), str(out)]) == 0
     kept = load_session(out).metadata["table"]
@@ -359,6 +358,6 @@ def test_what_is_no_table_is_said_in_a_line(
 ) -> None:
     path = written(tmp_path / "s.txt", content)
     assert main(["info", str(path)]) == 4
-    told = capsys.readouterr().err
-    assert "Traceback" not in told
-    assert message in told
+    report = capsys.readouterr().err
+    assert "Traceback" not in report
+    assert message in report

@@ -28,11 +28,10 @@ def _encoder() -> list[float]:
 
 
 def test_compare_and_the_library_take_columns(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """With an encoder among them."""
     path = with_encoder(tmp_path)
     assert main(["compare", str(path), "--columns", SPEC, "--jobs", "1", "--out", str(tmp_path / "out")]) == 0
-    told = json.loads((tmp_path / "out" / "compare.json").read_text())
-    assert len(told["sessions"]) == 1
+    report = json.loads((tmp_path / "out" / "compare.json").read_text())
+    assert len(report["sessions"]) == 1
     assert main(["compare", str(path)]) == 4
     assert "which column is the rate" in capsys.readouterr().err
     assert compare(path, columns=SPEC).sessions[0].session.minutes == pytest.approx(0.5, abs=0.01)
@@ -48,7 +47,6 @@ def test_tune_takes_columns(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
 
 
 def test_diagnose_and_doctor_take_columns(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """What they say of a turn of half a minute is not the question."""
     path = str(with_encoder(tmp_path))
     main(["diagnose", path, "--out", str(tmp_path / "out"), "--columns", SPEC, "--jobs", "1"])
     assert "which column is the rate" not in capsys.readouterr().err

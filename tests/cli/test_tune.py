@@ -56,15 +56,15 @@ def numbers(folder: Path) -> dict[str, Any]:
 
 def errors_deg(session: Session, params: HdrParams) -> tuple[float, float]:
     """Mean absolute and mean squared yaw error by the filter itself, sample by sample."""
-    state, known = HdrState(), coefficients(params)
+    state, expected = HdrState(), coefficients(params)
     assert session.encoder_deg is not None
-    found = []
+    result = []
     for t_s, rate_dps, angle_deg in zip(
         session.t_device_s.tolist(), session.rate_dps.tolist(), session.encoder_deg.tolist(), strict=True
     ):
-        step(known, state, t_s, rate_dps)
-        found.append(state.yaw_deg - (angle_deg - session.encoder_deg[0]))
-    return float(np.mean(np.abs(found))), float(np.mean(np.square(found)))
+        step(expected, state, t_s, rate_dps)
+        result.append(state.yaw_deg - (angle_deg - session.encoder_deg[0]))
+    return float(np.mean(np.abs(result))), float(np.mean(np.square(result)))
 
 
 def test_the_config_is_one_that_serve_takes_and_says_where_it_is_from(eight: Path, tuned: Path) -> None:
@@ -75,45 +75,43 @@ def test_the_config_is_one_that_serve_takes_and_says_where_it_is_from(eight: Pat
     assert about["command"] == f"gyrodrift tune {eight} --out {tuned}/c.yaml --report {tuned} {' '.join(QUICK)}"
     assert (about["seed"], about["iterations"], about["method"]) == (3, 300, "race")
     digests = {path.stem: sha256(path.read_bytes()).hexdigest() for path in eight.iterdir()}
-    assert {one["name"]: one["sha256"] for one in about["sessions"]} == digests
-    assert sorted(one["split"] for one in about["sessions"]) == ["test"] * 2 + ["train"] * 6
+    assert {item["name"]: item["sha256"] for item in about["sessions"]} == digests
+    assert sorted(item["split"] for item in about["sessions"]) == ["test"] * 2 + ["train"] * 6
     assert about["pi_deg2"]["test_after"] < 0.05 * about["pi_deg2"]["test_before"]
 
 
 def test_the_numbers_are_those_of_the_filter_itself(eight: Path, tuned: Path) -> None:
     """Every E, and PI as the mean over sessions of the mean squared error; Euler beside."""
-    told = numbers(tuned)
-    params = HdrParams(**told["parameters"])
+    report = numbers(tuned)
+    params = HdrParams(**report["parameters"])
     squares: dict[str, list[float]] = {"train": [], "test": []}
-    for one in told["sessions"]:
-        session = load_session(eight / f"{one['name']}.csv")
+    for item in report["sessions"]:
+        session = load_session(eight / f"{item['name']}.csv")
         e_deg, square = errors_deg(session, params)
-        assert one["e_hdr_deg"] == pytest.approx(e_deg, rel=1e-9)
-        assert one["ne_hdr"] == pytest.approx(e_deg / one["minutes"], rel=1e-9)
-        assert one["minutes"] == pytest.approx(session.t_device_s[-1] / 60.0)
+        assert item["e_hdr_deg"] == pytest.approx(e_deg, rel=1e-9)
+        assert item["ne_hdr"] == pytest.approx(e_deg / item["minutes"], rel=1e-9)
+        assert item["minutes"] == pytest.approx(session.t_device_s[-1] / 60.0)
         assert session.encoder_deg is not None
         euler_deg = np.cumsum(session.rate_dps / RATE_HZ) - session.rate_dps[0] / RATE_HZ
         e_euler_deg = np.mean(np.abs(euler_deg - (session.encoder_deg - session.encoder_deg[0])))
-        assert one["e_euler_deg"] == pytest.approx(e_euler_deg, rel=1e-9)
-        squares[one["split"]].append(square)
-    assert told["pi_train"] == pytest.approx(np.mean(squares["train"]), rel=1e-9)
-    assert told["pi_test"] == pytest.approx(np.mean(squares["test"]), rel=1e-9)
-    assert len(told["history"]) == 300
-    assert min(told["history"]) == pytest.approx(told["pi_train"], rel=1e-12)
-    assert told["pi_train"] < 0.01 * told["euler_pi_train"]
+        assert item["e_euler_deg"] == pytest.approx(e_euler_deg, rel=1e-9)
+        squares[item["split"]].append(square)
+    assert report["pi_train"] == pytest.approx(np.mean(squares["train"]), rel=1e-9)
+    assert report["pi_test"] == pytest.approx(np.mean(squares["test"]), rel=1e-9)
+    assert len(report["history"]) == 300
+    assert min(report["history"]) == pytest.approx(report["pi_train"], rel=1e-12)
+    assert report["pi_train"] < 0.01 * report["euler_pi_train"]
 
 
 def test_the_report_is_one_file(eight: Path, tuned: Path) -> None:
-    """With every session and its hash in it."""
     page = (tuned / "report.html").read_text()
-    assert all(one["name"] in page for one in numbers(tuned)["sessions"])
+    assert all(item["name"] in page for item in numbers(tuned)["sessions"])
     assert f"HDR tuned on {eight.resolve().name}" in page
     assert all(sha256(path.read_bytes()).hexdigest() in page for path in eight.iterdir())
     assert "http://" not in page.replace("http://www.w3.org", "")
 
 
 def test_the_same_seed_gives_the_same_file(eight: Path, tmp_path: Path) -> None:
-    """However many threads work on it."""
     out, first = tmp_path / "c.yaml", b""
     for jobs in ("1", "2"):
         assert main(["tune", str(eight), "--out", str(out), *QUICK, "--jobs", jobs]) == 0
@@ -134,7 +132,6 @@ def test_the_calibration_of_a_config_that_is_replaced_stays(eight: Path, tmp_pat
 
 
 def test_the_header_has_the_parameters_and_the_calibration_of_the_config(eight: Path, tmp_path: Path) -> None:
-    """As `gyrodrift firmware --config` writes it; a header of an earlier tuning is replaced."""
     out, header = tmp_path / "my.yaml", tmp_path / "left_gyro.h"
     out.write_text("filter: restlevel\ncalibration:\n  date: 2026-05-01\n  scale_ccw: 0.98\n")
     for _ in range(2):
@@ -172,7 +169,6 @@ def test_a_header_that_cannot_be_written_is_told_before_the_search(
 
 
 def test_axes_and_mount_of_a_config_that_is_replaced_stay(eight: Path, tmp_path: Path) -> None:
-    """Without its mount a board on its side has another heading."""
     out = tmp_path / "c.yaml"
     out.write_text("filter: restlevel\nmount:\n  up: +x\n  forward: +y\naxes: 3")
     assert main(["tune", str(eight), "--out", str(out), *FEW]) == 0
@@ -183,27 +179,25 @@ def test_axes_and_mount_of_a_config_that_is_replaced_stay(eight: Path, tmp_path:
 def test_of_a_few_sessions_each_is_tested_with_parameters_of_the_others(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """And that is what is told."""
     write_turntables(tmp_path / "three", 3, ending="mcap")
     (tmp_path / "three" / "rig.yaml").write_text("not a session")
     arguments = ["--out", str(tmp_path / "c.yaml"), "--report", str(tmp_path), *FEW]
     assert main(["tune", str(tmp_path / "three"), *arguments]) == 0
-    told = numbers(tmp_path)
-    assert set(told["left_out"]) == {"table-0", "table-1", "table-2"}
-    assert told["pi_test"] is not None
+    report = numbers(tmp_path)
+    assert set(report["left_out"]) == {"table-0", "table-1", "table-2"}
+    assert report["pi_test"] is not None
     assert "3 sessions, each held out in turn" in capsys.readouterr().out
 
 
 def test_sessions_are_kept_apart_by_hand(eight: Path, tmp_path: Path) -> None:
-    """Also one that lies in the folder."""
     test = eight / "table-7.csv"
     arguments = ["--test", str(test), "--out", str(tmp_path / "c.yaml"), "--report", str(tmp_path), *FEW]
     assert main(["tune", str(eight), *arguments]) == 0
-    assert [one["name"] for one in numbers(tmp_path)["sessions"] if one["split"] == "test"] == ["table-7"]
+    assert [item["name"] for item in numbers(tmp_path)["sessions"] if item["split"] == "test"] == ["table-7"]
 
 
 @pytest.fixture(scope="module")
-def both(eight: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def pair(eight: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the files of a tuning without --filter."""
     folder = tmp_path_factory.mktemp("both")
     arguments = ["--out", str(folder / "c.yaml"), "--report", str(folder), "--iterations", "100"]
@@ -211,33 +205,35 @@ def both(eight: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_without_a_filter_both_are_tuned_and_the_better_one_on_held_out_sessions_is_written(both: Path) -> None:
-    """HDR by CARLA; each with its result beside that of its defaults."""
-    told = numbers(both)
-    assert list(told["filters"]) == ["hdr", "restlevel"]
+@pytest.mark.promise("Analyses and reports")
+def test_without_a_filter_both_are_tuned_and_the_better_one_on_held_out_sessions_is_written(pair: Path) -> None:
+    """`tune` without `--filter` tunes both filters, and writes the filter that is best on held-out sessions."""
+    report = numbers(pair)
+    assert list(report["filters"]) == ["hdr", "restlevel"]
     assert all(
-        {"pi_train", "pi_test", "pi_test_default", "parameters"} <= one.keys() for one in told["filters"].values()
+        {"pi_train", "pi_test", "pi_test_default", "parameters"} <= item.keys() for item in report["filters"].values()
     )
     reached = {
-        (name, kind): one[kind] for name, one in told["filters"].items() for kind in ("pi_test", "pi_test_default")
+        (name, kind): item[kind] for name, item in report["filters"].items() for kind in ("pi_test", "pi_test_default")
     }
     name, kind = min(reached, key=lambda way: reached[way])
-    config = load_config(both / "c.yaml")
-    assert (told["filter"], config.filter) == (name, name)
-    assert told["parameters_from"] == ("tuning" if kind == "pi_test" else "defaults")
-    assert asdict(config.params) == pytest.approx(told["parameters"])
-    page = (both / "report.html").read_text()
+    config = load_config(pair / "c.yaml")
+    assert (report["filter"], config.filter) == (name, name)
+    assert report["parameters_from"] == ("tuning" if kind == "pi_test" else "defaults")
+    assert asdict(config.params) == pytest.approx(report["parameters"])
+    page = (pair / "report.html").read_text()
     assert all(row in page for row in ("start calibration", "HDR, defaults", "HDR, tuned", "restlevel, defaults"))
 
 
-def test_the_config_of_a_tuning_is_not_worse_than_the_default_filter(eight: Path, both: Path, tmp_path: Path) -> None:
-    """On the same sessions, by compare."""
+@pytest.mark.promise("Analyses and reports")
+def test_the_config_of_a_tuning_is_not_worse_than_the_default_filter(eight: Path, pair: Path, tmp_path: Path) -> None:
+    """The config of `tune` is not worse than the default filter on held-out sessions."""
     quiet = ["--jobs", "1", "--out", str(tmp_path)]
     assert main(["compare", str(eight), *quiet]) == 0
-    default = {one["method"]: one["e_deg"] for one in json.loads((tmp_path / "compare.json").read_text())["methods"]}
-    assert main(["compare", str(eight), "--config", str(both / "c.yaml"), *quiet]) == 0
-    tuned = {one["method"]: one["e_deg"] for one in json.loads((tmp_path / "compare.json").read_text())["methods"]}
-    written = load_config(both / "c.yaml").filter
+    default = {item["method"]: item["e_deg"] for item in json.loads((tmp_path / "compare.json").read_text())["methods"]}
+    assert main(["compare", str(eight), "--config", str(pair / "c.yaml"), *quiet]) == 0
+    tuned = {item["method"]: item["e_deg"] for item in json.loads((tmp_path / "compare.json").read_text())["methods"]}
+    written = load_config(pair / "c.yaml").filter
     assert tuned[written] <= 1.02 * default["restlevel"]
 
 
@@ -280,15 +276,14 @@ def test_stills_have_zero_as_their_truth(tmp_path: Path) -> None:
     write_session(tmp_path / "still.csv", [still])
     rest = [str(tmp_path / "s"), "--out", str(tmp_path / "c.yaml"), "--report", str(tmp_path), *FEW]
     assert main(["tune", *rest, "--still", str(tmp_path / "still.csv")]) == 0
-    one = next(one for one in numbers(tmp_path)["sessions"] if one["name"] == "still")
-    assert one["e_euler_deg"] == near(0.2 * 60.0, 0.5)
+    item = next(item for item in numbers(tmp_path)["sessions"] if item["name"] == "still")
+    assert item["e_euler_deg"] == near(0.2 * 60.0, 0.5)
     (tmp_path / "c.yaml").unlink()
     assert main(["tune", str(tmp_path / "still.csv"), *rest]) == 4
     assert not (tmp_path / "c.yaml").exists()
 
 
 def test_the_best_of_several_seeds_is_kept_and_all_are_told(eight: Path, tmp_path: Path) -> None:
-    """With their spread."""
     arguments = [
         "--filter",
         "hdr",
@@ -302,14 +297,13 @@ def test_the_best_of_several_seeds_is_kept_and_all_are_told(eight: Path, tmp_pat
         str(tmp_path),
     ]
     assert main(["tune", str(eight), *arguments]) == 0
-    told = numbers(tmp_path)
-    assert {one["seed"] for one in told["seeds"]} == {0, 1, 2}
-    assert told["pi_train"] == min(one["pi_train"] for one in told["seeds"])
+    report = numbers(tmp_path)
+    assert {item["seed"] for item in report["seeds"]} == {0, 1, 2}
+    assert report["pi_train"] == min(item["pi_train"] for item in report["seeds"])
 
 
 @pytest.mark.parametrize("method", ["carla", "cma", "de", "random"])
 def test_other_methods_are_there_to_compare_with(eight: Path, tmp_path: Path, method: str) -> None:
-    """Each writes the same files."""
     arguments = [
         "--filter",
         "hdr",
@@ -362,11 +356,12 @@ def test_an_interrupt_writes_the_best_so_far_and_resume_ends_as_if_nothing_had_b
     assert out.read_bytes() == resumed
 
 
+@pytest.mark.promise("Analyses and reports")
 @pytest.mark.parametrize("saves", [2, 6])
 def test_a_tuning_of_both_filters_that_was_interrupted_resumes_to_the_same_bytes(
     eight: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, saves: int
 ) -> None:
-    """In the search of the first filter, and in that of the second."""
+    """An interrupted tuning of both filters resumes to the same bytes."""
     out = tmp_path / "c.yaml"
     arguments = ["tune", str(eight), "--out", str(out), "--iterations", "64", "--jobs", "1", "--method", "random"]
     with monkeypatch.context() as patched:
@@ -421,7 +416,7 @@ def spoilt(folder: Path, what: str) -> list[str]:
         case "dead encoder":
             bad = replace(bad, encoder_deg=np.zeros(len(angles)))
         case "huge":
-            good, bad = (replace(one, rate_dps=one.rate_dps * 1e300) for one in (good, bad))
+            good, bad = (replace(item, rate_dps=item.rate_dps * 1e300) for item in (good, bad))
     write_session(folder / "good.csv", [good])
     if what != "only one":
         write_session(folder / "bad.csv", [bad])
@@ -442,13 +437,12 @@ def spoilt(folder: Path, what: str) -> list[str]:
 def test_sessions_that_cannot_be_used_are_told_by_name(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], what: str, message: str
 ) -> None:
-    """Status 4, and nothing half-written."""
     (tmp_path / "in").mkdir()
     arguments = ["tune", *spoilt(tmp_path / "in", what), "--out", str(tmp_path / "c.yaml"), "--iterations", "50"]
     assert main(arguments) == 4
-    said = capsys.readouterr().err
-    assert message in said
-    assert len(said.splitlines()) == 1
+    statement = capsys.readouterr().err
+    assert message in statement
+    assert len(statement.splitlines()) == 1
     assert [path.name for path in tmp_path.iterdir()] == ["in"]
 
 
@@ -473,19 +467,17 @@ def test_mistakes_are_one_line(
     status: int,
     message: str,
 ) -> None:
-    """And a status."""
     (tmp_path / "empty").mkdir()
     places = {"empty": tmp_path / "empty", "out": tmp_path / "c.yaml", "eight": eight}
     assert main(["tune", *(word.format(**places) for word in arguments)]) == status
-    said = capsys.readouterr().err
-    assert message in said
-    assert len(said.splitlines()) == 1
+    statement = capsys.readouterr().err
+    assert message in statement
+    assert len(statement.splitlines()) == 1
 
 
 def test_rates_that_differ_do_not_matter_to_parameters_that_count_no_samples(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Nothing is said of them where restlevel is tuned."""
     write_turntables(tmp_path / "s", 1)
     write_session(tmp_path / "s" / "odd.csv", [turntable(5, rate_hz=2.0 * RATE_HZ)])
     arguments = ["--filter", "restlevel", "--iterations", "20", "--out", str(tmp_path / "c.yaml")]
@@ -513,11 +505,11 @@ def test_what_should_be_known_before_believing_it_is_told(tmp_path: Path, capsys
         str(tmp_path / "c.yaml"),
     ]
     assert main(["tune", str(folder), *arguments]) == 0
-    said = capsys.readouterr().err
-    assert "odd: 2% of its encoder values are not numbers and are ignored" in said
-    assert "sample rates differ, from 50 Hz (table-0) to 100 Hz (odd)" in said
-    assert "i_c_dps is at the upper end of its range, 1e-06; widen it with --range" in said
+    statement = capsys.readouterr().err
+    assert "odd: 2% of its encoder values are not numbers and are ignored" in statement
+    assert "sample rates differ, from 50 Hz (table-0) to 100 Hz (odd)" in statement
+    assert "i_c_dps is at the upper end of its range, 1e-06; widen it with --range" in statement
     params = load_config(tmp_path / "c.yaml").params
     assert isinstance(params, HdrParams)
     assert params.i_c_dps <= 1e-6
-    assert "is not determined by these sessions" in said
+    assert "is not determined by these sessions" in statement

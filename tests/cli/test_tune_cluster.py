@@ -22,7 +22,6 @@ def without_command(path: Path) -> list[str]:
 
 
 def test_a_cluster_that_loses_a_worker_half_way_tunes_as_this_machine_does(tmp_path: Path) -> None:
-    """To the digit; the sessions of the dead worker are read again elsewhere."""
     sessions = tmp_path / "sessions"
     write_turntables(sessions, 8)
     arguments = ["tune", str(sessions), "--filter", "hdr", "--iterations", "600", "--seed", "1"]
@@ -40,10 +39,9 @@ def test_a_cluster_that_loses_a_worker_half_way_tunes_as_this_machine_does(tmp_p
 
 
 def test_a_cluster_that_is_not_there_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """With its address, and nothing written."""
     sessions = tmp_path / "sessions"
     write_turntables(sessions, 2)
-    asked = ["tune", str(sessions), "--out", str(tmp_path / "c.yaml"), "--cluster", "tcp://127.0.0.1:9"]
-    assert main(asked) == 2
+    request = ["tune", str(sessions), "--out", str(tmp_path / "c.yaml"), "--cluster", "tcp://127.0.0.1:9"]
+    assert main(request) == 2
     assert "tcp://127.0.0.1:9: no Dask scheduler answers there" in capsys.readouterr().err
     assert not (tmp_path / "c.yaml").exists()

@@ -99,7 +99,7 @@ UNIT_ASKED: dict[str, tuple[Printed, str]] = {
     "counts": (lambda m: f"gx:{131 * m.x:.0f} gy:{131 * m.y:.0f} gz:{131 * m.z:.0f}\r\n", "gz=rate:UNIT"),
 }
 
-ASKED: dict[str, Printed] = {
+REQUEST: dict[str, Printed] = {
     "marks around three numbers": lambda m: f"<{m.x:.2f},{m.y:.2f},{m.z:.2f}>\r\n",
     "three axes behind a clock": lambda m: f"{2_000_000 + 20_000 * m.i},{m.x:.3f},{m.y:.3f},{m.z:.3f}\r\n",
     "raw counts": lambda m: f"{430 + int(131 * m.x)},{int(131 * m.y)},{int(131 * m.z)}\r\n",
@@ -116,8 +116,7 @@ ASKED: dict[str, Printed] = {
 }
 
 
-def said(port: Path, printed: Printed) -> str:
-    """What the link says of a board that prints this, when it gives up; time goes by with the lines."""
+def statement(port: Path, printed: Printed) -> str:
     dice, now_s = Random(1), [100.0]
 
     def hear(link: Link) -> None:
@@ -140,21 +139,22 @@ def said(port: Path, printed: Printed) -> str:
 @pytest.mark.parametrize("name", PROPOSED)
 def test_what_something_says_is_proposed_with_its_unit(port: Path, name: str) -> None:
     printed, columns = PROPOSED[name]
-    assert f"--columns '{columns}'" in said(port, printed)
+    assert f"--columns '{columns}'" in statement(port, printed)
 
 
 @pytest.mark.parametrize("name", UNIT_ASKED)
 def test_a_unit_that_nothing_says_is_asked_for(port: Path, name: str) -> None:
     printed, columns = UNIT_ASKED[name]
-    told = said(port, printed)
-    assert f"{columns}'" in told
-    assert f"gyrodrift doctor --port {port} --turn" in told
+    report = statement(port, printed)
+    assert f"{columns}'" in report
+    assert f"gyrodrift doctor --port {port} --turn" in report
 
 
-@pytest.mark.parametrize("name", ASKED)
+@pytest.mark.promise("Text and units")
+@pytest.mark.parametrize("name", REQUEST)
 def test_what_no_number_is_said_to_be_is_asked_for(port: Path, name: str) -> None:
-    """Without a proposal that somebody could paste."""
-    told = said(port, ASKED[name])
-    assert "none of them is known to be the yaw rate" in told
-    assert f"gyrodrift doctor --port {port} --turn" in told
-    assert "--columns '" not in told
+    """A number without a name leads to a question."""
+    report = statement(port, REQUEST[name])
+    assert "none of them is known to be the yaw rate" in report
+    assert f"gyrodrift doctor --port {port} --turn" in report
+    assert "--columns '" not in report

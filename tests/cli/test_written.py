@@ -26,7 +26,6 @@ def session(tmp_path: Path) -> Path:
 def test_a_written_file_is_named(
     session: Path, words: str, name: str, contents: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Path, samples and size."""
     folder = session.parent
     arguments = words.format(session=session, folder=folder).split()
     assert main(arguments) == 0
@@ -37,7 +36,6 @@ def test_a_written_file_is_named(
 
 
 def test_sizes_have_three_digits() -> None:
-    """From bytes to gigabytes."""
     assert [size_text(size) for size in (12, 1234, 5_678_900, 2_500_000_000)] == [
         "12 bytes",
         "1.23 kB",

@@ -21,27 +21,26 @@ SCHEMAS = {"sensor": sensor.DISCOVERY_SCHEMA, "binary_sensor": binary_sensor.DIS
 
 
 def unknown_keys(document: str) -> dict[str, list[str]]:
-    """What Home Assistant would pass by, of each entity; as its `mqtt.discovery` takes a message of MQTT."""
     device = discovery._parse_device_payload(None, document, "bench", None)
-    found = {}
+    result = {}
     for name, component in dict(device.get("components", {})).items():
         given = discovery.MQTTDiscoveryPayload(component)
         discovery._replace_all_abbreviations(given)
         schema = SCHEMAS[given.pop("platform")]
         discovery._merge_common_device_options(given, device)
         given |= {"device": device["device"], "origin": device["origin"]}
-        found[name] = sorted(given.keys() - schema(dict(given)).keys())
-    return found
+        result[name] = sorted(given.keys() - schema(dict(given)).keys())
+    return result
 
 
 async def main(document: str) -> None:
     """Within a core that has not been started, which templates ask for."""
-    told: SimpleQueue[logging.LogRecord] = SimpleQueue()
-    logging.getLogger("homeassistant").addHandler(QueueHandler(told))
+    report: SimpleQueue[logging.LogRecord] = SimpleQueue()
+    logging.getLogger("homeassistant").addHandler(QueueHandler(report))
     with TemporaryDirectory() as folder:
         frame.async_setup(HomeAssistant(folder))
         unknown = unknown_keys(document)
-    complaints = [told.get().getMessage() for _ in range(told.qsize())]
+    complaints = [report.get().getMessage() for _ in range(report.qsize())]
     sys.stdout.write(json.dumps({"version": __version__, "complaints": complaints, "unknown": unknown}) + "\n")
 
 

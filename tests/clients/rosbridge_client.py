@@ -21,7 +21,7 @@ def take(message: dict[str, object]) -> None:
         enough.set()
 
 
-topics = {each: ros.get_topic_type(each) for each in ros.get_topics()}
+topics = {topic: ros.get_topic_type(topic) for topic in ros.get_topics()}
 imu = roslibpy.Topic(ros, "/imu/data", "sensor_msgs/Imu", throttle_rate=throttle_ms)
 imu.subscribe(take)
 assert enough.wait(PATIENCE_S), messages

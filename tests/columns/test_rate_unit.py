@@ -20,12 +20,11 @@ SHORT = 2000
 
 
 def best(samples: list[Sample], start: int = 0) -> RateUnit | None:
-    """What had the highest odds at any time."""
-    odds, found = RateUnitOdds(), []
-    for at in range(start, len(samples) - WINDOW + 1, WINDOW):
-        odds.take(samples[at : at + WINDOW])
-        found.append(odds.best())
-    return max((unit for unit in found if unit), key=lambda unit: unit.odds, default=None)
+    odds, result = RateUnitOdds(), []
+    for index in range(start, len(samples) - WINDOW + 1, WINDOW):
+        odds.take(samples[index : index + WINDOW])
+        result.append(odds.best())
+    return max((unit for unit in result if unit), key=lambda unit: unit.odds, default=None)
 
 
 def gyro(as_said: Callable[[float], float], bias_dps: float = 0.8, turn_dps: float = 70.0) -> list[Sample]:
@@ -37,43 +36,38 @@ def gyro(as_said: Callable[[float], float], bias_dps: float = 0.8, turn_dps: flo
 
 
 def test_a_gyro_in_deg_per_s_is_left_alone() -> None:
-    """Turned or not."""
     for turn_dps in (0.0, 5.0, 70.0, 400.0):
-        found = best(gyro(lambda rate: rate, turn_dps=turn_dps))
-        assert found is None or found.odds < 0.1 * SURE_ODDS
+        result = best(gyro(lambda rate: rate, turn_dps=turn_dps))
+        assert result is None or result.odds < 0.1 * SURE_ODDS
 
 
 def test_rad_per_s_are_named() -> None:
-    """By noise that no such sensor has, and turns that nobody would call one."""
-    found = best(gyro(radians))
-    assert found is not None
-    assert (found.unit, found.odds > SURE_ODDS) == ("rad/s", True)
+    result = best(gyro(radians))
+    assert result is not None
+    assert (result.unit, result.odds > SURE_ODDS) == ("rad/s", True)
 
 
 @pytest.mark.parametrize("per_dps", [131.0, 65.5, 32.8, 16.4])
 def test_counts_are_named(per_dps: float) -> None:
-    """Whole numbers, far too loud."""
-    found = best(gyro(lambda rate: float(round(rate * per_dps))))
-    assert found is not None
-    assert (found.unit, found.odds > SURE_ODDS) == ("counts", True)
+    result = best(gyro(lambda rate: float(round(rate * per_dps))))
+    assert result is not None
+    assert (result.unit, result.odds > SURE_ODDS) == ("counts", True)
 
 
 def test_an_encoder_tells_the_sensitivity() -> None:
-    """Since it knows how far it went."""
     angle_deg, turning = 0.0, gyro(lambda rate: float(round(rate * 32.8)), bias_dps=0.0)
     with_encoder = []
     for sample in turning:
         angle_deg += sample.rate_dps / 32.8 / RATE_HZ
         with_encoder.append(sample._replace(encoder_deg=angle_deg))
-    found = best(with_encoder)
-    assert found is not None
-    assert (found.unit, found.per_dps) == ("counts", 32.8)
+    result = best(with_encoder)
+    assert result is not None
+    assert (result.unit, result.per_dps) == ("counts", 32.8)
 
 
 def test_whole_deg_per_s_of_a_robot_kit_are_no_counts() -> None:
-    """At rest they are 0 or 1, and nothing is known of the noise below."""
-    found = best(gyro(lambda rate: float(round(rate)), bias_dps=0.4, turn_dps=150.0))
-    assert found is None or found.odds < SURE_ODDS
+    result = best(gyro(lambda rate: float(round(rate)), bias_dps=0.4, turn_dps=150.0))
+    assert result is None or result.odds < SURE_ODDS
 
 
 def test_nothing_is_said_of_zeros_and_of_what_is_no_number() -> None:
@@ -98,7 +92,7 @@ def test_no_real_recording_in_deg_per_s_is_suspected(kept: str, least: int, reco
     for path in paths:
         samples = list(islice(recorded(path), SHORT))
         for heard in (samples, [sample._replace(encoder_deg=nan) for sample in samples]):
-            found = best(heard)
-            highest = max(highest, found.odds if found else 0.0)
+            result = best(heard)
+            highest = max(highest, result.odds if result else 0.0)
     print(f"\nhighest odds of another unit in {len(paths)} recordings: {highest:.1f} to 1")
     assert highest < 0.3 * SURE_ODDS

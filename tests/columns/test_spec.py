@@ -19,7 +19,6 @@ def read(spec: str, *lines: str) -> list[Reading]:
 
 
 def test_a_spec_says_what_each_column_is() -> None:
-    """With unit, sign and label; `gz` is another name of the rate."""
     assert columns_of("t_ms, _, gz:lsb/131:-") == (
         Column("t_ms", 1e3),
         Column("_"),
@@ -56,13 +55,11 @@ def test_a_spec_says_what_each_column_is() -> None:
     ],
 )
 def test_a_wrong_spec_is_told_with_what_is_expected(spec: str, message: str) -> None:
-    """Before any port is opened."""
     with pytest.raises(UsageError, match=message):
         columns_of(spec)
 
 
 def test_columns_belong_to_the_text_protocol() -> None:
-    """And it to them."""
     with pytest.raises(UsageError, match="--columns is for --protocol text, not for native"):
         candidates("native", "rate")
     with pytest.raises(UsageError, match="needs --columns"):
@@ -82,15 +79,14 @@ def test_columns_belong_to_the_text_protocol() -> None:
     ],
 )
 def test_lines_are_read_by_their_columns(spec: str, line: str, reading: Reading) -> None:
-    """In µs and deg/s; a counter of milliseconds that wraps at 32 bits goes on wrapping at 32 bits of µs."""
-    assert [repr(one) for one in read(spec, line, line, line)] == [repr(reading)] * 3
+    assert [repr(item) for item in read(spec, line, line, line)] == [repr(reading)] * 3
 
 
 def test_lines_without_the_labels_are_passed_over() -> None:
     """A sketch may print accelerations in between."""
     rotation = "Rotation X: 0.1, Y: 0.2, Z: 1 rad/s"
     readings = read("Rotation Z=rate:rads", *["Acceleration X: 1, Y: 2, Z: 9.8 m/s^2", rotation] * 4)
-    assert [one.rate_dps for one in readings] == pytest.approx([degrees(1.0)] * 4)
+    assert [item.rate_dps for item in readings] == pytest.approx([degrees(1.0)] * 4)
 
 
 @pytest.mark.parametrize("line", ["40,1", "40,1,2,3", "40,0,x", "1e99,0,1", "40,0,1e9", "40,,"])

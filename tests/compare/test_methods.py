@@ -43,7 +43,6 @@ def yaw(key: str, t_s: Floats, rate_dps: Floats, **changed: float) -> Floats:
 
 @pytest.mark.parametrize("key", BY_KEY)
 def test_yaw_has_a_value_for_every_sample_and_begins_at_zero(key: str) -> None:
-    """Also with lost samples."""
     t_s, rate_dps = still(10.0)
     kept = np.random.default_rng(4).random(len(t_s)) > 0.1
     yaw_deg = yaw(key, t_s[kept] + 1234.5, rate_dps[kept])
@@ -52,9 +51,10 @@ def test_yaw_has_a_value_for_every_sample_and_begins_at_zero(key: str) -> None:
     assert np.isfinite(yaw_deg).all()
 
 
+@pytest.mark.promise("Analyses and reports")
 @pytest.mark.parametrize("key", [key for key in BY_KEY if key != "hdr"])
 def test_every_method_integrates_by_the_trapezoidal_rule(key: str) -> None:
-    """The error is below 0.05 deg; rate times step has an error of 0.5 deg at this rate of 100 deg/s.
+    """`compare` integrates the rate by the same rule for all methods except HDR.
 
     HDR integrates as published: its equation 8 is rate times step.
     """
@@ -79,9 +79,10 @@ def triangle() -> tuple[Floats, Floats, Floats]:
     return t_s, rate_dps, angle_deg
 
 
+@pytest.mark.promise("Analyses and reports")
 @pytest.mark.parametrize("key", [key for key in BY_KEY if key != "hdr"])
 def test_every_method_gives_the_exact_angle_of_a_turn_with_constant_acceleration(key: str) -> None:
-    """Up to rounding. VQF estimates a bias during the turn too, so its bias is clipped to zero here."""
+    """A turn with constant acceleration has its exact angle with every method but HDR, up to rounding."""
     t_s, rate_dps, angle_deg = triangle()
     clip = {"biasClip": 0.0} if key.startswith("vqf") else {}
     assert yaw(key, t_s, rate_dps, **clip) == pytest.approx(angle_deg, abs=1e-9)
@@ -94,7 +95,6 @@ def test_vqf_is_within_a_twentieth_of_a_degree_of_that_angle_at_its_defaults() -
 
 
 def test_hdr_leads_that_angle_by_half_a_step_of_the_rate() -> None:
-    """Its definition, equation 8, is rate times step: off by rate × step / 2 in the turn, and by nothing after it."""
     t_s, rate_dps, angle_deg = triangle()
     ahead_deg = yaw("hdr", t_s, rate_dps, i_c_dps=0.0) - angle_deg
     assert ahead_deg == pytest.approx(0.5 * rate_dps / RATE_HZ, abs=1e-9)
@@ -119,7 +119,6 @@ def test_a_real_time_method_does_not_use_later_samples(key: str) -> None:
 
 
 def test_the_offline_method_uses_later_samples() -> None:
-    """Reports mark it as offline."""
     t_s, rate_dps = still(40.0)
     assert method("vqf_offline").is_offline
     whole, part = yaw("vqf_offline", t_s, rate_dps), yaw("vqf_offline", t_s[:500], rate_dps[:500])
@@ -127,7 +126,6 @@ def test_the_offline_method_uses_later_samples() -> None:
 
 
 def test_the_start_calibration_subtracts_the_mean_of_the_first_seconds() -> None:
-    """Later rates do not change the bias."""
     t_s = np.arange(1000) / RATE_HZ
     rate_dps = np.where(t_s < 3.0, 0.5, 10.5)
     assert yaw("start", t_s, rate_dps)[-1] == pytest.approx(69.95)  # half a step of the rise
@@ -135,7 +133,6 @@ def test_the_start_calibration_subtracts_the_mean_of_the_first_seconds() -> None
 
 
 def test_the_sign_integrator_adds_a_step_per_sample_below_its_threshold() -> None:
-    """At 1 deg/s the bias is n steps after n samples; at 3 deg/s it stays 0."""
     t_s = np.arange(101) / RATE_HZ
     yaw_deg = yaw("sign", t_s, np.ones(101), step_dps=0.001, theta_dps=2.0)
     assert yaw_deg[-1] == pytest.approx(sum(1.0 - 0.001 * (n - 0.5) for n in range(1, 101)) / RATE_HZ)
@@ -143,7 +140,6 @@ def test_the_sign_integrator_adds_a_step_per_sample_below_its_threshold() -> Non
 
 
 def test_the_kalman_filter_updates_after_rest_s_and_below_the_largest_bias() -> None:
-    """With almost no noise, the first sample at rest sets the bias."""
     t_s = np.arange(1001) / RATE_HZ
     yaw_deg = yaw("kalman", t_s, np.full(1001, 0.5), rest_s=2.0, noise_dps=1e-6)
     assert yaw_deg[-1] == pytest.approx(0.5 * 2.0, abs=0.01)
@@ -176,7 +172,6 @@ def test_vqf_turns_as_its_own_quaternion_does() -> None:
 
 
 def test_defaults_of_other_packages_are_current() -> None:
-    """If a package changes its defaults, the registry must follow."""
     imufusion = pytest.importorskip("imufusion", reason="x-io Fusion is not installed")
     settings = imufusion.BiasSettings()
     for name, value in BY_KEY["xio"].defaults.items():

@@ -78,6 +78,5 @@ def test_gaps_are_held_and_the_zero_is_that_of_the_first_sample(tmp_path: Path) 
 
 
 def test_a_missing_value_is_the_last_one_before_it() -> None:
-    """Or the first one after it, at the beginning."""
     assert_array_equal(hold_last(np.array([nan, 1.0, nan, nan, 2.0, nan])), [1.0, 1.0, 1.0, 1.0, 2.0, 2.0])
     assert_array_equal(hold_last(np.array([nan, nan])), [nan, nan])

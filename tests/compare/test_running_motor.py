@@ -55,7 +55,6 @@ METHODS = [key for key in ("euler", "start", "vqf", "restlevel") if BY_KEY[key].
 
 @pytest.mark.parametrize(("quiet_s", "rest_s"), [(0.0, 5.0), (0.0, 20.0), (5.0, 10.0)])
 def test_five_quiet_seconds_or_a_witness_give_the_bias_although_a_motor_runs(quiet_s: float, rest_s: float) -> None:
-    """Up to a noise of 0.3 deg/s neither is needed; above, restlevel learns too little without them, as printed."""
     by_hum = {hum_dps: mean_errors_deg(hum_dps, quiet_s, rest_s) for hum_dps in HUMS_DPS}
     print(f"\nmotor runs from {quiet_s:g} s on, motion from {rest_s:g} s on; mean |yaw error| in deg by noise in deg/s")
     for hum_dps, errors_deg in by_hum.items():

@@ -37,7 +37,6 @@ RESTLEVEL_DEFAULTS = tuple(f"restlevel.{name}: {value:g}" for name, value in asd
 
 
 def problems(tmp_path: Path, text: str | bytes) -> list[str]:
-    """What is said of a file, without its folder."""
     path = tmp_path / "c.yaml"
     path.write_bytes(text.encode() if isinstance(text, str) else text)
     with pytest.raises(ConfigError) as caught:
@@ -53,7 +52,6 @@ def test_a_good_file_is_taken_with_exponents_and_integers(tmp_path: Path) -> Non
 
 
 def test_another_filter_is_taken_by_its_name(tmp_path: Path) -> None:
-    """With its own block; the other's may stand beside it."""
     path = tmp_path / "c.yaml"
     path.write_text(f"filter: restlevel\nrestlevel: {json.dumps(asdict(RestlevelParams(window_s=0.5)))}\n{GOOD}")
     config = load_config(path)
@@ -123,7 +121,6 @@ def test_units_are_those_of_the_parameters(tmp_path: Path) -> None:
     ("named", "meant"), [("HDR", "hdr"), ("hrd", "hdr"), ("restlvl", "restlevel"), ("Rest_Level", "restlevel")]
 )
 def test_a_filter_written_wrongly_is_one_mistake(tmp_path: Path, named: str, meant: str) -> None:
-    """Whatever blocks there are."""
     for rest in ("", GOOD, "restlevel: {quiet: 4}\n"):
         assert problems(tmp_path, f"filter: {named}\n{rest}") == [
             f"c.yaml:1:1 filter: is {named!r} (text); did you mean {meant}?"
@@ -131,7 +128,6 @@ def test_a_filter_written_wrongly_is_one_mistake(tmp_path: Path, named: str, mea
 
 
 def test_the_shipped_config_is_valid() -> None:
-    """What the demo runs with."""
     assert load_config(shipped_config("gyrodrift.yaml")).sample_rate_hz == 100.0
 
 
@@ -173,7 +169,6 @@ def test_the_shipped_config_is_valid() -> None:
 def test_a_mistake_is_named_with_its_place_and_what_is_expected(
     tmp_path: Path, text: str | bytes, expected: str
 ) -> None:
-    """One mistake, one line."""
     assert problems(tmp_path, text) == [expected]
 
 
@@ -212,12 +207,12 @@ def test_an_alias_is_refused_since_it_may_never_end(tmp_path: Path) -> None:
         ("a" * 200_000, "is larger than 128 KiB"),
     ],
 )
-def test_a_file_that_was_made_to_hurt_is_refused_in_few_words(tmp_path: Path, text: str, said: str) -> None:
+def test_a_file_that_was_made_to_hurt_is_refused_in_few_words(tmp_path: Path, text: str, statement: str) -> None:
     """A service that runs looks at whatever is saved under the name of its config."""
-    told = problems(tmp_path, text)
-    assert any(said in problem for problem in told)
-    assert len(told) <= 21
-    assert max(map(len, told)) < 450
+    report = problems(tmp_path, text)
+    assert any(statement in problem for problem in report)
+    assert len(report) <= 21
+    assert max(map(len, report)) < 450
 
 
 def test_what_is_no_ordinary_file_is_not_opened(tmp_path: Path) -> None:
@@ -230,14 +225,12 @@ def test_what_is_no_ordinary_file_is_not_opened(tmp_path: Path) -> None:
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
-    """With the system's reason."""
     with pytest.raises(ConfigError, match=r"nowhere\.yaml:1:1 cannot be read: No such file or directory"):
         load_config(tmp_path / "nowhere.yaml")
 
 
 @given(st.binary(max_size=200))
 def test_any_bytes_are_a_config_or_a_config_error(tmp_path_factory: pytest.TempPathFactory, content: bytes) -> None:
-    """Never another exception."""
     path = tmp_path_factory.mktemp("any") / "c.yaml"
     path.write_bytes(content)
     with suppress(ConfigError):
@@ -245,7 +238,6 @@ def test_any_bytes_are_a_config_or_a_config_error(tmp_path_factory: pytest.TempP
 
 
 def test_changes_are_told_key_by_key() -> None:
-    """Old and new."""
     old = Config("hdr", {"hdr": HdrParams(tau_s=1.0)}, 100.0)
     new = Config("hdr", {"hdr": HdrParams(tau_s=2.0)}, None)
     assert new.changes_from(old) == ["sample_rate_hz: 100.0 → None", "hdr.tau_s: 1.0 → 2.0"]
@@ -261,7 +253,6 @@ def test_changes_are_told_key_by_key() -> None:
     ],
 )
 def test_columns_of_text_stand_in_a_line_or_a_list(tmp_path: Path, text: str, columns: str) -> None:
-    """As the option takes them."""
     path = tmp_path / "c.yaml"
     path.write_text(text)
     config = load_config(path)
@@ -278,15 +269,13 @@ def test_columns_of_text_stand_in_a_line_or_a_list(tmp_path: Path, text: str, co
     ],
 )
 def test_columns_that_are_wrong_are_told_with_their_place(tmp_path: Path, value: str, what: str) -> None:
-    """Like any other mistake."""
     (problem,) = problems(tmp_path, f"filter: hdr\ncolumns: {value}\n")
     assert problem.startswith(f"c.yaml:2:1 columns: {what}")
 
 
 def test_more_outputs_than_anybody_has_are_one_mistake(tmp_path: Path) -> None:
-    """Each would be checked, and opened."""
-    (told,) = problems(tmp_path, "outputs:\n" + "- {name: tcp, prt: 1}\n" * 5000)
-    assert told == "c.yaml:1:1 outputs: are 5000; expected no more than 100"
+    (report,) = problems(tmp_path, "outputs:\n" + "- {name: tcp, prt: 1}\n" * 5000)
+    assert report == "c.yaml:1:1 outputs: are 5000; expected no more than 100"
 
 
 @pytest.mark.parametrize(
@@ -298,13 +287,11 @@ def test_more_outputs_than_anybody_has_are_one_mistake(tmp_path: Path) -> None:
     ],
 )
 def test_what_cannot_be_sent_to_a_device_is_told_with_its_place(tmp_path: Path, value: str, what: str) -> None:
-    """Like any other mistake."""
     (problem,) = problems(tmp_path, f"filter: hdr\nsend: {value}\n")
     assert problem.startswith(f"c.yaml:2:1 send: {what}")
 
 
 def test_what_a_device_is_sent_stands_in_the_config(tmp_path: Path) -> None:
-    """With escapes as the option takes them, or as YAML has them."""
     path = tmp_path / "c.yaml"
     for value in (r"'\r\n'", r'"\r\n"'):
         path.write_text(f"send: {value}\n")

@@ -16,7 +16,6 @@ HDR = "hdr: {i_c_dps: 1e-3, tau_s: .5, theta_w_dps: 1, c1: 0, c2: 1}\n"
 
 
 def problems(path: Path, outputs: str) -> list[str]:
-    """What is said of a file with these outputs, without its folder and line."""
     path.write_text(HDR + outputs)
     with pytest.raises(ConfigError) as caught:
         load_config(path)
@@ -63,9 +62,8 @@ def test_outputs_are_a_list_of_blocks_with_a_name(tmp_path: Path) -> None:
     ],
 )
 def test_a_mistake_is_named_with_its_place_and_what_is_expected(tmp_path: Path, outputs: str, expected: str) -> None:
-    """One line."""
-    (said,) = problems(tmp_path / "c.yaml", outputs)
-    assert said.startswith(expected)
+    (statement,) = problems(tmp_path / "c.yaml", outputs)
+    assert statement.startswith(expected)
 
 
 def test_the_command_line_takes_the_same() -> None:
@@ -85,7 +83,6 @@ def test_the_command_line_takes_the_same() -> None:
     ],
 )
 def test_a_mistake_on_the_command_line_is_one_line(argument: str, expected: str) -> None:
-    """With what was meant."""
     with pytest.raises(UsageError) as caught:
         output_of(argument)
     assert str(caught.value).startswith(expected)
@@ -94,12 +91,10 @@ def test_a_mistake_on_the_command_line_is_one_line(argument: str, expected: str)
 
 @pytest.mark.parametrize("words", ['"x":1,' * 5000, "tcp:" + ",".join(f"k{i}=1" for i in range(5000))])
 def test_an_argument_of_thousands_of_options_is_refused_at_once(words: str) -> None:
-    """Without a look at each of them."""
     with pytest.raises(UsageError, match=r"--output .*: has 5000 options, more than any output has"):
         output_of(words)
 
 
 @pytest.mark.parametrize("name", OUTPUTS)
 def test_every_option_is_explained(name: str) -> None:
-    """For --list-outputs."""
     assert all(meaning.partition(" (")[0] for _, _, meaning in options_help(name))

@@ -39,17 +39,17 @@ def begun() -> Iterator[list[ConfigReading]]:
     """Readings that are ended behind the test."""
     readings: list[ConfigReading] = []
     yield readings
-    for each in readings:
-        each.close()
+    for item in readings:
+        item.close()
 
 
 def outcome(of: ConfigReading) -> Config:
     """The one of a reading that comes to an end."""
     until_s = time.monotonic() + PATIENCE_S
-    while (found := of.outcome()) is None:
+    while (result := of.outcome()) is None:
         assert time.monotonic() < until_s
         time.sleep(0.01)
-    return found
+    return result
 
 
 def busy(_path: Path) -> Config:
@@ -59,31 +59,30 @@ def busy(_path: Path) -> Config:
 
 
 def test_what_a_process_read_is_what_would_have_been_read_here(path: Path, begun: list[ConfigReading]) -> None:
-    """Secrets, text and mode included."""
     path.write_text(WITH_ALL)
     path.chmod(0o600)
     begun.append(ConfigReading(path))
-    found, here = outcome(begun[0]), load_config(path)
-    assert found == here
-    assert (found.text, found.mode) == (here.text, here.mode)
-    assert found.outputs[0].options.password.reveal() == "hidden"
+    result, here = outcome(begun[0]), load_config(path)
+    assert result == here
+    assert (result.text, result.mode) == (here.text, here.mode)
+    assert result.outputs[0].options.password.reveal() == "hidden"
 
 
 def test_mistakes_are_told_as_they_would_have_been_here(path: Path, begun: list[ConfigReading]) -> None:
-    """Each with its line."""
     path.write_text("hdr: 5\nfilter: hdrr\n")
     begun.append(ConfigReading(path))
-    with pytest.raises(ConfigError) as told:
+    with pytest.raises(ConfigError) as report:
         outcome(begun[0])
     with pytest.raises(ConfigError) as here:
         load_config(path)
-    assert told.value.problems == here.value.problems
+    assert report.value.problems == here.value.problems
 
 
+@pytest.mark.promise("Configs and commands")
 def test_a_config_that_takes_more_than_a_second_of_processor_time_is_refused(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Also before the first sample; what the signal did before is as it was."""
+    """A config that takes more than 1 s of processor time to read is refused."""
     before = signal.getsignal(signal.SIGPROF)
     monkeypatch.setattr(in_time, "load_config", busy)
     monkeypatch.setattr(in_time, "MOST_CPU_S", 0.05)
@@ -93,8 +92,9 @@ def test_a_config_that_takes_more_than_a_second_of_processor_time_is_refused(
     assert signal.getitimer(signal.ITIMER_PROF) == (0.0, 0.0)
 
 
+@pytest.mark.promise("Configs and commands")
 def test_a_process_that_takes_too_long_is_killed_and_told(path: Path, begun: list[ConfigReading]) -> None:
-    """On the clock; nobody waits for its end."""
+    """A config that takes more than 20 s to read is refused."""
     now_s = 100.0
     begun.append(ConfigReading(path, lambda: now_s))
     os.kill(begun[0]._process.pid, signal.SIGSTOP)
@@ -107,7 +107,6 @@ def test_a_process_that_takes_too_long_is_killed_and_told(path: Path, begun: lis
 
 
 def test_a_process_that_dies_is_told(path: Path, begun: list[ConfigReading]) -> None:
-    """By which signal."""
     begun.append(ConfigReading(path))
     os.kill(begun[0]._process.pid, signal.SIGKILL)
     with pytest.raises(ConfigError, match=r"c\.yaml: the process that reads it ended by signal 9; save it again"):
@@ -115,8 +114,6 @@ def test_a_process_that_dies_is_told(path: Path, begun: list[ConfigReading]) -> 
 
 
 def test_a_process_that_cannot_be_started_is_told(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """No memory, no descriptors: the service goes on."""
-
     def refuse(*_: object, **__: object) -> None:
         raise OSError(11, "Resource temporarily unavailable")
 

@@ -34,7 +34,6 @@ def test_nothing_new_while_nothing_changes(path: Path) -> None:
 
 
 def test_a_file_written_in_place_is_seen_once(path: Path) -> None:
-    """As an editor with no safety saves."""
     watch = ConfigWatch(path, ReadHere)
     path.write_text(BLOCK.format(tau_s=2.25))
     new = watch.poll()
@@ -44,7 +43,6 @@ def test_a_file_written_in_place_is_seen_once(path: Path) -> None:
 
 
 def test_a_file_renamed_over_it_is_seen(path: Path) -> None:
-    """As most editors and `tune` save."""
     watch = ConfigWatch(path, ReadHere)
     fresh = path.with_name("fresh")
     fresh.write_text(BLOCK.format(tau_s=3))
@@ -54,7 +52,6 @@ def test_a_file_renamed_over_it_is_seen(path: Path) -> None:
 
 
 def test_a_file_of_the_same_size_and_time_is_another_one(path: Path) -> None:
-    """As `cp -p` and a rename make it."""
     watch = ConfigWatch(path, ReadHere)
     before, fresh = path.stat(), path.with_name("fresh")
     fresh.write_text(path.read_text().replace("1", "2", 1))
@@ -65,7 +62,6 @@ def test_a_file_of_the_same_size_and_time_is_another_one(path: Path) -> None:
 
 
 def test_a_file_that_is_away_for_a_moment_changes_nothing(path: Path) -> None:
-    """Between the two halves of a careless save."""
     watch = ConfigWatch(path, ReadHere)
     path.unlink()
     assert watch.poll() is None
@@ -75,7 +71,6 @@ def test_a_file_that_is_away_for_a_moment_changes_nothing(path: Path) -> None:
 
 
 def test_a_file_that_stays_away_is_gone_until_it_is_back(path: Path) -> None:
-    """As it was, or as another one; the last config stays."""
     watch = ConfigWatch(path, ReadHere)
     path.rename(path.with_name("away"))
     assert [(watch.poll(), watch.is_gone) for _ in range(3)] == [(None, False), (None, True), (None, True)]
@@ -84,8 +79,9 @@ def test_a_file_that_stays_away_is_gone_until_it_is_back(path: Path) -> None:
     assert (watch.poll(), watch.is_gone) == (None, False)
 
 
+@pytest.mark.promise("Configs and commands")
 def test_a_file_with_mistakes_is_told_once_and_the_old_config_stays(path: Path) -> None:
-    """Until it is mended."""
+    """A config with mistakes changes nothing, and is reported once."""
     watch = ConfigWatch(path, ReadHere)
     path.write_text("hdr: {tau_s: no}\n")
     with pytest.raises(ConfigError):
@@ -94,8 +90,9 @@ def test_a_file_with_mistakes_is_told_once_and_the_old_config_stays(path: Path) 
     assert _tau_s(watch.config) == 1.0
 
 
+@pytest.mark.promise("Samples")
 def test_nothing_is_waited_for_while_a_file_is_read(path: Path) -> None:
-    """What is saved meanwhile is read behind it."""
+    """The service never waits while a config is read."""
     watch = ConfigWatch(path, lambda path: ReadHere(path, looks=2))
     path.write_text(BLOCK.format(tau_s=2.25))
     assert (watch.poll(), watch.poll()) == (None, None)
@@ -110,7 +107,6 @@ def test_nothing_is_waited_for_while_a_file_is_read(path: Path) -> None:
 
 
 def test_a_file_that_is_asked_for_is_read_once_more_behind_the_reading_under_way(path: Path) -> None:
-    """What that one reads may be older than the question."""
     watch = ConfigWatch(path, lambda path: ReadHere(path, looks=1))
     path.write_text(BLOCK.format(tau_s=2.25))
     assert watch.poll() is None
@@ -123,7 +119,6 @@ def test_a_file_that_is_asked_for_is_read_once_more_behind_the_reading_under_way
 
 
 def test_the_next_reading_begins_when_the_process_of_the_one_before_is_gone(path: Path) -> None:
-    """Of readings that hang there is one at a time."""
     readings: list[ReadHere] = []
 
     def begun(path: Path) -> ReadHere:

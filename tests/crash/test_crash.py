@@ -31,13 +31,11 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_config_is_old_or_new_whenever_its_writer_is_killed(tmp_path: Path) -> None:
-    """Ten times."""
     random = Random(1)
     assert {killed_writer(tmp_path, random.uniform(0.0, 0.1)) for _ in range(10)} <= {0.25, 1.25}
 
 
 def test_a_service_that_is_killed_leaves_what_it_had_recorded(tmp_path: Path) -> None:
-    """But for the last second."""
     assert killed_serve(tmp_path, 2.0) > 0
 
 
@@ -50,7 +48,6 @@ WRITERS: dict[str, tuple[str, ...]] = {
 
 
 def run(words: tuple[str, ...], session: Path, out: Path, before: Callable[[], object] | None = None) -> str:
-    """What a command says that fails; status 2, and not a word of Python."""
     command = ours(*(word.format(session=session, out=out) for word in words))
     done = subprocess.run(command, capture_output=True, text=True, check=False, preexec_fn=before)
     assert done.returncode == 2, done.stderr
@@ -67,8 +64,7 @@ def limited() -> None:
 
 @pytest.mark.parametrize("name", WRITERS)
 def test_who_may_write_no_more_leaves_what_was_there(tmp_path: Path, session: Path, name: str) -> None:
-    """And no half of what was to be."""
-    old = [tmp_path / each for each in ("y.csv", "s.mcap", "report.html")]
+    old = [tmp_path / item for item in ("y.csv", "s.mcap", "report.html")]
     for path in old:
         path.write_text("old")
     assert "cannot be written: File too large" in run(WRITERS[name], session, tmp_path, limited)
@@ -79,7 +75,6 @@ def test_who_may_write_no_more_leaves_what_was_there(tmp_path: Path, session: Pa
 
 @pytest.mark.parametrize("name", WRITERS)
 def test_a_full_disk_is_told(tmp_path: Path, session: Path, name: str) -> None:
-    """And holds nothing of it."""
     with small_disk(tmp_path / "disk", "64k") as out:
         fill(out)
         assert "No space left on device" in run(WRITERS[name], session, out)
@@ -88,6 +83,5 @@ def test_a_full_disk_is_told(tmp_path: Path, session: Path, name: str) -> None:
 
 @pytest.mark.parametrize("name", ["convert", "info"])
 def test_a_disk_that_takes_nothing_is_told(tmp_path: Path, session: Path, name: str) -> None:
-    """Before or after the work."""
     with read_only_disk(tmp_path / "disk") as out:
         assert "Read-only file system" in run(WRITERS[name], session, out)

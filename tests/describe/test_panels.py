@@ -28,7 +28,6 @@ def panels_of(session: Session) -> dict[str, Panel]:
 
 
 def spans(panel: Panel) -> float:
-    """Of its vertical scale."""
     (part,) = panel.chart.parts
     return part.y.high - part.y.low
 
@@ -55,7 +54,6 @@ def test_times_that_never_change_have_no_panel() -> None:
 
 
 def test_everything_recorded_has_a_panel() -> None:
-    """With an encoder the error too."""
     names = ["Yaw error", "Histogram of errors", "Yaw", "Bias", "Rate", "Temperature", "Drift against temperature"]
     assert list(panels_of(full_session())) == [
         *names,
@@ -66,7 +64,6 @@ def test_everything_recorded_has_a_panel() -> None:
 
 
 def test_drift_against_temperature_shows_its_slope() -> None:
-    """0.05 deg/s per °C, by the rests and, without any, by the encoder."""
     t_s = np.arange(12_000) / 100.0
     temp_c = 20.0 + t_s / 10.0
     motion_dps = np.where(t_s % 20.0 < 10.0, 0.0, 90.0)
@@ -81,13 +78,11 @@ def test_drift_against_temperature_shows_its_slope() -> None:
 
 
 def test_a_temperature_that_hardly_changes_shows_no_drift() -> None:
-    """Less than a degree says nothing about the dependence."""
     temp_c = np.full(len(T_S), 20.0)
     assert "Drift against temperature" not in panels_of(Session("s", T_S, NOISE_DPS, None, None, None, temp_c))
 
 
 def test_the_histogram_has_all_samples() -> None:
-    """Its bars add up to 100 %."""
     (part,) = panels_of(full_session())["Histogram of errors"].chart.parts
     (bars,) = (series for series in part.series if series.shape is Shape.BOXES)
     assert bars.y_end is not None

@@ -21,7 +21,7 @@ def test_an_impossible_value_is_told_and_drawn_around(
         row[names.index(column)] = value
     path.write_text("\n".join(map(",".join, [names, *rows])) + "\n")
     assert main(["info", str(path), "--picture", str(tmp_path / "p.png")]) == 0
-    said = capsys.readouterr().out
-    assert f"! {column}" in said
-    assert "300 values outside of" in said
+    statement = capsys.readouterr().out
+    assert f"! {column}" in statement
+    assert "300 values outside of" in statement
     assert (tmp_path / "p.png").stat().st_size > 1000

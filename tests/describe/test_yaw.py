@@ -22,7 +22,6 @@ def turned(encoder_deg: np.ndarray | None = None) -> Session:
 
 
 def encoder_of(turn_deg: float) -> np.ndarray:
-    """Of that motion, as counted from some angle on."""
     return np.concatenate([np.full(6000, turn_deg), turn_deg + np.arange(6000) / 10.0])
 
 
@@ -39,7 +38,6 @@ def test_both_errors_are_those_against_the_encoder() -> None:
 
 
 def test_raw_yaw_of_a_constant_acceleration_is_exact() -> None:
-    """By the trapezoidal rule."""
     t_s = np.arange(100) / 100.0
     yaw = yaw_history_of(Session("s", t_s, 200.0 * t_s), FilterRun(RESTLEVEL, RESTLEVEL.params()))
     assert yaw is not None
@@ -47,7 +45,6 @@ def test_raw_yaw_of_a_constant_acceleration_is_exact() -> None:
 
 
 def test_errors_begin_where_the_encoder_does() -> None:
-    """Both are 0 there, whatever was before."""
     encoder_deg = encoder_of(0.0)
     encoder_deg[:3000] = np.nan
     yaw = yaw_history_of(turned(encoder_deg), FilterRun(RESTLEVEL, RESTLEVEL.params()))
@@ -58,9 +55,8 @@ def test_errors_begin_where_the_encoder_does() -> None:
 
 
 def test_without_an_encoder_there_is_no_error() -> None:
-    """And nothing to run a filter on without two usable samples."""
     yaw = yaw_history_of(turned(), FilterRun(RESTLEVEL, RESTLEVEL.params()))
     assert yaw is not None
     assert not yaw.has_reference
-    one = Session("s", np.array([1.0, 1.0, np.nan]), np.zeros(3))
-    assert yaw_history_of(one, FilterRun(RESTLEVEL, RESTLEVEL.params())) is None
+    item = Session("s", np.array([1.0, 1.0, np.nan]), np.zeros(3))
+    assert yaw_history_of(item, FilterRun(RESTLEVEL, RESTLEVEL.params())) is None

@@ -40,7 +40,6 @@ def axes_of(rig: Rig) -> ThreeAxes | None:
 
 
 def test_recordings_with_three_axes_give_the_rig_three() -> None:
-    """With an accelerometer if all have one; the rest of the rig stays."""
     assert with_recorded_axes(SINGLE, [SIX, SIX]) == THREE
     axes = axes_of(with_recorded_axes(SINGLE, [SIX, GYRO]))
     assert axes is not None
@@ -60,7 +59,6 @@ def test_an_accelerometer_that_is_silent_for_most_of_a_recording_is_none() -> No
 
 @pytest.mark.parametrize("recordings", [[YAW], [SIX, YAW]])
 def test_a_recording_of_the_yaw_rate_alone_leaves_one_axis(recordings: list[Recording]) -> None:
-    """Also beside others; the rig that is written keeps the axes that it states."""
     assert axes_of(with_recorded_axes(SINGLE, recordings)) is None
     single = with_recorded_axes(THREE, recordings)
     assert axes_of(single) is None
@@ -69,7 +67,6 @@ def test_a_recording_of_the_yaw_rate_alone_leaves_one_axis(recordings: list[Reco
 
 
 def test_a_difference_of_axes_is_remarked_on() -> None:
-    """None without a difference."""
     assert axes_remarks(SINGLE, [YAW, YAW]) == axes_remarks(THREE, [SIX, GYRO]) == []
     (lacks,), (exceeds,) = axes_remarks(SINGLE, [SIX]), axes_remarks(THREE, [YAW])
     assert "the recordings have three axes, and the rig has one" in lacks
@@ -79,7 +76,6 @@ def test_a_difference_of_axes_is_remarked_on() -> None:
 
 
 def test_a_tilt_is_tried_only_with_three_axes_in_all_recordings() -> None:
-    """With one axis it is listed as untestable."""
     every = candidates(HINTS)
     tried, _ = stages.testable_among(every, [SIX, GYRO], frozenset(), has_axes=True)
     assert "misalignment" in {candidate.name for candidate in tried}

@@ -20,67 +20,62 @@ from gyrodrift.simulation.sessions import Simulation, write_simulation
 
 
 @cache
-def seen(rate_hz: float = 100.0, lsb_dps: float = 0.00763, cpr: int = 4096) -> Recording:
+def observed(rate_hz: float = 100.0, lsb_dps: float = 0.00763, cpr: int = 4096) -> Recording:
     base = BASE.model_copy(update={"sample_rate_hz": rate_hz, "dps_per_lsb": lsb_dps, "encoder_cpr": cpr})
     return recording_of(Simulation(Rig(base=base), MOTION, seed=1, minutes=1.5).whole())
 
 
 def test_the_same_device_is_compared_in_everything() -> None:
     """A PLL that is off by one percent is the same sample rate."""
-    compared, said = compared_of([seen(), seen()], [seen(101.0)])
+    compared, statement = compared_of([observed(), observed()], [observed(101.0)])
     assert compared.all()
-    assert said == []
+    assert statement == []
 
 
 @pytest.mark.parametrize(
     ("other", "words"),
     [
-        (seen(200.0), ["100", "200", "samples a second"]),
-        (seen(lsb_dps=0.0305), ["0.00763", "0.0305", "steps"]),
+        (observed(200.0), ["100", "200", "samples a second"]),
+        (observed(lsb_dps=0.0305), ["0.00763", "0.0305", "steps"]),
     ],
     ids=["rate", "step"],
 )
-def test_of_another_rate_or_step_what_is_slow_is_compared(other: Recording, words: list[str]) -> None:
-    """It is said with both numbers, and what is left out."""
-    compared, said = compared_of([seen()], [other])
+def test_of_another_rate_or_step_what_is_slow_is_compared(peer: Recording, words: list[str]) -> None:
+    compared, statement = compared_of([observed()], [peer])
     assert np.array_equal(compared, SLOW)
-    (sentence,) = said
+    (sentence,) = statement
     assert all(word in sentence for word in (*words, "not compared"))
 
 
-def fine(one: Recording) -> Recording:
-    """The same, filtered: neither rate nor angle come in steps."""
-    rate_noise_dps, angle_noise_deg = np.random.default_rng(1).normal(0.0, 0.01, (2, len(one.rate_dps)))
-    return replace(one, rate_dps=one.rate_dps + rate_noise_dps, encoder_deg=one.encoder_deg + angle_noise_deg)
+def fine(item: Recording) -> Recording:
+    rate_noise_dps, angle_noise_deg = np.random.default_rng(1).normal(0.0, 0.01, (2, len(item.rate_dps)))
+    return replace(item, rate_dps=item.rate_dps + rate_noise_dps, encoder_deg=item.encoder_deg + angle_noise_deg)
 
 
 @pytest.mark.parametrize("order", [1, -1])
 def test_where_one_of_both_has_no_steps_all_else_is_compared(order: int) -> None:
     """A rate that was filtered or converted on its way is still that of the same device."""
-    first, second = [[fine(seen())], [seen()]][::order]
+    first, second = [[fine(observed())], [observed()]][::order]
     compared, (sentence,) = compared_of(first, second)
     assert np.array_equal(compared, NOT_OF_STEPS)
     assert "0.00763" in sentence
 
 
 def test_steps_that_hide_the_noise_are_compared_with_a_baseline_without_steps() -> None:
-    """Most neighbors are equal; the other way round the steps are those of the baseline, which is no effect."""
-    coarse = replace(seen(), rate_dps=np.rint(seen().rate_dps / 0.5) * 0.5)
-    assert compared_of([fine(seen())], [coarse])[0].all()
-    assert not compared_of([coarse], [fine(seen())])[0].all()
+    coarse = replace(observed(), rate_dps=np.rint(observed().rate_dps / 0.5) * 0.5)
+    assert compared_of([fine(observed())], [coarse])[0].all()
+    assert not compared_of([coarse], [fine(observed())])[0].all()
 
 
 def test_coarser_steps_may_be_an_effect() -> None:
-    """But for a power of two, which is another range; finer ones are one too, and a device of one level tells none."""
-    assert compared_of([seen()], [seen(lsb_dps=0.0231)])[0].all()
-    assert not compared_of([seen(lsb_dps=0.0231)], [seen()])[0].all()
-    rests = replace(seen(), rate_dps=0.0 * seen().rate_dps)
-    assert compared_of([seen()], [rests])[0].all()
+    assert compared_of([observed()], [observed(lsb_dps=0.0231)])[0].all()
+    assert not compared_of([observed(lsb_dps=0.0231)], [observed()])[0].all()
+    rests = replace(observed(), rate_dps=0.0 * observed().rate_dps)
+    assert compared_of([observed()], [rests])[0].all()
 
 
 @pytest.mark.long
 def test_beside_a_baseline_of_another_sample_rate_a_scale_error_is_found(tmp_path: Path) -> None:
-    """3 % at 200 Hz, of a device whose baseline came at 100 Hz, and what single samples say is left out."""
     rigs = {
         "before": Rig(base=BASE),
         "today": Rig(
@@ -93,16 +88,16 @@ def test_beside_a_baseline_of_another_sample_rate_a_scale_error_is_found(tmp_pat
         for number, path in enumerate(paths[name]):
             write_simulation(path, Simulation(rig, MOTION, 5, number, minutes=1.0))
     withheld = frozenset(CATALOGUE) - {"scale_factor", "latency", "timestamp_jitter"}
-    asked = DiagnosisRequest(
+    request = DiagnosisRequest(
         paths["today"], Rig(base=BASE), withheld, 1, None, lambda *_: None, baseline=paths["before"]
     )
-    kept, recordings, _ = recordings_of(asked.paths)
-    explained = explained_baseline(asked, recordings)
+    kept, recordings, _ = recordings_of(request.paths)
+    explained = explained_baseline(request, recordings)
     assert any("100 samples a second" in remark and "200" in remark for remark in explained.remarks)
     compared = explained.baseline.compared
     assert SLOW[compared].all()
     assert compared[NUMBER["rate"]]
-    simulated = simulated_of(asked, kept, recordings)
+    simulated = simulated_of(request, kept, recordings)
     tables = without_baseline(simulated.tables, simulated.subjects, explained.baseline)
     verdict = inferred_of(simulated._replace(tables=tables), 1).verdict
     assert [cause.effect.name for cause in verdict.causes] == ["scale_factor"]
@@ -110,7 +105,6 @@ def test_beside_a_baseline_of_another_sample_rate_a_scale_error_is_found(tmp_pat
 
 
 def told_beside(tmp_path: Path, name: str, before: Sequence[str], today: Sequence[str]) -> Verdict:
-    """Of recordings of a device with an effect, as a command line says it of each; empty where there is none."""
     paths: dict[str, list[Path]] = {}
     for stem, texts in (("before", before), ("today", today)):
         paths[stem] = [tmp_path / f"{stem}-{number}.csv" for number in range(len(texts))]
@@ -120,12 +114,12 @@ def told_beside(tmp_path: Path, name: str, before: Sequence[str], today: Sequenc
                 path, Simulation(Rig(base=BASE, effects=effects), MOTION, 8, len(stem) + number, minutes=1.0)
             )
     withheld = frozenset(CATALOGUE) - {name}
-    asked = DiagnosisRequest(
+    request = DiagnosisRequest(
         paths["today"], Rig(base=BASE), withheld, 1, None, lambda *_: None, baseline=paths["before"]
     )
-    kept, recordings, _ = recordings_of(asked.paths)
-    explained = explained_baseline(asked, recordings)
-    simulated = simulated_of(asked._replace(rig=explained.rig), kept, recordings)
+    kept, recordings, _ = recordings_of(request.paths)
+    explained = explained_baseline(request, recordings)
+    simulated = simulated_of(request._replace(rig=explained.rig), kept, recordings)
     tables = without_baseline(simulated.tables, simulated.subjects, explained.baseline)
     verdict, _ = changes_since(explained, simulated, inferred_of(simulated._replace(tables=tables), 1))
     return verdict
@@ -143,7 +137,6 @@ def told_beside(tmp_path: Path, name: str, before: Sequence[str], today: Sequenc
 def test_a_gain_is_new_where_it_varies_less_than_it_changed(
     tmp_path: Path, before: tuple[float, ...], today: tuple[float, ...], named: list[str]
 ) -> None:
-    """One percent on average: of a device whose gain is another in every recording, and of one that is steady."""
     texts = [[f"error_percent={percent}" if percent else "" for percent in percents] for percents in (before, today)]
     verdict = told_beside(tmp_path, "scale_factor", *texts)
     assert [cause.effect.name for cause in verdict.causes] == named
@@ -157,7 +150,6 @@ def test_a_gain_is_new_where_it_varies_less_than_it_changed(
 def test_what_has_a_phase_of_its_own_in_each_recording_is_new_where_there_is_more_of_it(
     tmp_path: Path, before: tuple[float, ...], named: list[str]
 ) -> None:
-    """Phases alone fit any recording."""
     phases_deg = np.random.default_rng(2).uniform(0.0, 360.0, 6)
     amplitudes = [*before, 0.08, 0.09, 0.07]
     texts = [

@@ -24,8 +24,10 @@ def test_the_page_lists_the_constants_of_the_density() -> None:
     assert {name for name in vars(module_of("density")) if name.isupper()} == names
 
 
+@pytest.mark.promise("Analyses and reports")
 @pytest.mark.parametrize(("module", "name", "values", "source"), ROWS, ids=[".".join(row[:2]) for row in ROWS])
 def test_a_constant_has_its_value_and_a_source(module: str, name: str, values: str, source: str) -> None:
+    """Each constant in the equations of diagnosis has the value of the code."""
     value = getattr(module_of(module), name)
     value = tuple(value.values()) if isinstance(value, dict) else value
     stated = [float(number) for number in values.split(", ")]

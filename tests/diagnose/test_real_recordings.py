@@ -24,7 +24,6 @@ pytestmark = [pytest.mark.long, pytest.mark.timeout(1800)]
 
 @pytest.fixture(autouse=True)
 def without_next_recording(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What to record next takes a quarter of a diagnosis that leaves something open, and is not what is asked here."""
     monkeypatch.setattr(diagnosis, "what_next", lambda *_: Next("", None))
 
 
@@ -35,8 +34,8 @@ def diagnosed(paths: list[Path], base: dict[str, float], folder: Path, *options:
     rig.write_text(yaml.safe_dump({"base": usual | base, "effects": []}))
     words = ["diagnose", *map(str, paths), "--rig", str(rig), "--out", str(folder / "out"), "--jobs", "1", *options]
     assert main(words) == 0
-    found: dict[str, Any] = json.loads((folder / "out" / "gap.json").read_text())
-    return found
+    result: dict[str, Any] = json.loads((folder / "out" / "gap.json").read_text())
+    return result
 
 
 def only(*kept: str) -> tuple[str, ...]:
@@ -45,7 +44,6 @@ def only(*kept: str) -> tuple[str, ...]:
 
 
 def test_a_bias_that_follows_the_temperature_with_hysteresis(tmp_path: Path, recordings: Recordings) -> None:
-    """One sweep: the bias is no effect of the catalog, and the linear model says what is nearest to it."""
     tried = ("temp_bias", "warmup", "popcorn", "scale_factor", "clock_drift")
     base = {"sample_rate_hz": 2.0, "dps_per_lsb": 250.0 / 32768.0}
     gap = diagnosed([recordings.path("temperature_sweep")], base, tmp_path, *only(*tried))
@@ -63,7 +61,6 @@ def bunch_distance_s(arrived_s: Floats) -> float:
 
 
 def test_arrivals_in_bunches(tmp_path: Path, recordings: Recordings) -> None:
-    """Of a sensor that lay still; with spread and handover of the cause, bunches are as far apart as recorded."""
     still = recordings.path("mpu6050_still")
     gap = diagnosed([still], {"sample_rate_hz": 100.0, "dps_per_lsb": 250.0 / 32768.0}, tmp_path)
     (batching,) = (cause for cause in gap["causes"] if cause["effect"] == "usb_batching")
@@ -80,7 +77,6 @@ def test_arrivals_in_bunches(tmp_path: Path, recordings: Recordings) -> None:
 
 @pytest.mark.evaluation
 def test_motion_in_three_axes_is_no_effect_of_one(tmp_path: Path, recordings: Recordings) -> None:
-    """Whatever is named, most is left over."""
     paths = [beginning(recordings.path(f"broad_{number}"), 20_000, tmp_path) for number in ("01", "14")]
     gap = diagnosed(paths, {"sample_rate_hz": 285.7, "dps_per_lsb": 0.061, "encoder_cpr": 3600000}, tmp_path)
     assert gap["verdict"] in {"partly", "unknown"}
@@ -92,7 +88,6 @@ def test_motion_in_three_axes_is_no_effect_of_one(tmp_path: Path, recordings: Re
 def test_a_rig_that_cannot_hold_the_rates_is_told_of(
     tmp_path: Path, recordings: Recordings, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Its own output would be clipped; which effect it is does not matter."""
     base = {"sample_rate_hz": 2.0, "dps_per_lsb": 1e-5}
     diagnosed([recordings.path("temperature_sweep")], base, tmp_path, *only())
     assert "is the rig's dps_per_lsb right?" in capsys.readouterr().out

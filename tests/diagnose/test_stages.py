@@ -32,16 +32,14 @@ def rig(*texts: str) -> Rig:
 
 
 def test_what_is_new_comes_behind_what_the_rig_has() -> None:
-    """And nothing else changes."""
     assert adopted(rig("temp_bias"), [named("latency:delay_ms=9")]) == rig("temp_bias", "latency:delay_ms=9")
     assert adopted(rig("temp_bias"), []) == rig("temp_bias")
 
 
 def test_a_wrong_size_is_replaced_and_not_stacked() -> None:
-    """One effect of the name is left."""
     wrong = named("scale_factor:error_percent=0.4", in_rig="scale_factor:error_percent=1.2")
-    found = adopted(rig("scale_factor:error_percent=1.2", "latency"), [wrong])
-    assert found == rig("latency", "scale_factor:error_percent=0.4")
+    result = adopted(rig("scale_factor:error_percent=1.2", "latency"), [wrong])
+    assert result == rig("latency", "scale_factor:error_percent=0.4")
 
 
 @pytest.mark.parametrize(
@@ -58,13 +56,11 @@ def test_a_wrong_size_is_replaced_and_not_stacked() -> None:
         ("encoder_quantization:cpr=720", "encoder_quantization:cpr=36000", False),
     ],
 )
-def test_of_what_has_gone_nothing_stays(left: str, stood: str, is_gone: bool) -> None:  # noqa: FBT001 - parametrized
-    """Less than a tenth of what the rig had is nothing."""
-    assert adopted(rig(stood), [named(left, in_rig=stood)]) == (rig() if is_gone else rig(left))
+def test_of_what_has_gone_nothing_stays(remaining: str, stood: str, is_gone: bool) -> None:  # noqa: FBT001 - parametrized
+    assert adopted(rig(stood), [named(remaining, in_rig=stood)]) == (rig() if is_gone else rig(remaining))
 
 
 def test_what_is_small_and_new_is_no_remainder() -> None:
-    """Only an effect that the rig had can be gone."""
     assert adopted(rig(), [named("latency:delay_ms=0.3")]) == rig("latency:delay_ms=0.3")
 
 
@@ -74,10 +70,10 @@ def contradiction(fact: str, sessions: float | None) -> Contradiction:
 
 def test_facts_of_the_sessions_take_the_place_of_the_rigs() -> None:
     """Counts as a whole number; what has no number, or is no entry of the rig, changes nothing."""
-    found = with_facts(rig("latency"), [contradiction("encoder_cpr", 4096.2), contradiction("dps_per_lsb", 0.0305)])
-    assert (found.base.encoder_cpr, found.base.dps_per_lsb) == (4096, 0.0305)
-    assert found.effects == rig("latency").effects
+    result = with_facts(rig("latency"), [contradiction("encoder_cpr", 4096.2), contradiction("dps_per_lsb", 0.0305)])
+    assert (result.base.encoder_cpr, result.base.dps_per_lsb) == (4096, 0.0305)
+    assert result.effects == rig("latency").effects
     same = [contradiction("encoder_cpr", None), contradiction("range_dps", 900.0), contradiction("turn_ratio", 9000.0)]
     assert with_facts(rig(), same) == rig()
-    assert isinstance(found.base, Base)
-    assert np.isfinite(found.base.dps_per_lsb)
+    assert isinstance(result.base, Base)
+    assert np.isfinite(result.base.dps_per_lsb)

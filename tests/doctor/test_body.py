@@ -41,7 +41,6 @@ def findings(first: DeviceEvidence, second: DeviceEvidence) -> dict[str, DeviceF
 
 
 def test_the_gyro_whose_bias_moves_is_named() -> None:
-    """Whichever of the two it is."""
     drift = findings(gyro("left", 0.5, walk_dps=0.2), gyro("right", -0.3))["body_drift"]
     assert drift.says.startswith("left drifts: at rest left moved by +0.13")
     assert drift.severity == "warning"
@@ -51,7 +50,6 @@ def test_the_gyro_whose_bias_moves_is_named() -> None:
 
 
 def test_two_good_gyros_agree() -> None:
-    """Also when the body turns, and when one of them comes late."""
     by_id = findings(gyro("left", 0.5, turn_dps=40.0), gyro("right", -0.3, turn_dps=40.0, late_s=0.02))
     assert {finding.severity for finding in by_id.values()} == {"ok"}
     assert "They turn together" in by_id["body_turns"].says
@@ -129,7 +127,6 @@ def sending(number: int, walk_dps_s: float) -> Iterator[None]:
 
 
 def test_two_gyros_are_compared_live(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """All sources of a config, heard at the same time."""
     first, second = free_port(), free_port()
     config = tmp_path / "gyros.yaml"
     config.write_text(f"sources:\n  left: {{port: 'udp://:{first}'}}\n  right: {{port: 'udp://:{second}'}}\n")

@@ -186,42 +186,41 @@ CASES = {
 }
 
 
+@pytest.mark.promise("Text and units")
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 def test_a_fault_has_its_finding(port: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], case: Case) -> None:
-    """With what to do about it; the status is 3 where one of them is an error."""
+    """`doctor` does not report a hanging sensor for a family that sends exact zeros at rest."""
     for name, text in case.files.items():
         (tmp_path / name).write_text(text)
     with device(port, *FAST, *(tmp_path / word if isinstance(word, Path) else word for word in case.words)):
-        status, found = doctor(capsys, "--port", port, *case.options)
-    assert_findings(found, case.expected)
-    assert not case.absent & found.keys()
-    severities = {each["severity"] for each in found.values()}
+        status, result = doctor(capsys, "--port", port, *case.options)
+    assert_findings(result, case.expected)
+    assert not case.absent & result.keys()
+    severities = {item["severity"] for item in result.values()}
     assert status == (3 if "error" in severities else 0)
 
 
 def test_a_healthy_device_has_no_finding_that_matters(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """In real time; bias and drift are those that the rig has."""
     with device(port, *REST):
-        status, found = doctor(capsys, "--port", port, "--seconds", "3", "--sensor", "mpu6050")
+        status, result = doctor(capsys, "--port", port, "--seconds", "3", "--sensor", "mpu6050")
     assert status == 0
-    assert {each["severity"] for each in found.values()} <= {"ok", "note"}
+    assert {item["severity"] for item in result.values()} <= {"ok", "note"}
     fine = "port protocol baud line_budget damage restarts gaps sample_rate stamps stuck repeats clipped noise"
-    assert_findings(found, [(name, "ok", "") for name in fine.split()])
+    assert_findings(result, [(name, "ok", "") for name in fine.split()])
     assert_findings(
-        found, [("sensor", "ok", "MPU-6050, set to ±250 deg/s"), ("bias", "ok", "the MPU-6050 may have ±20")]
+        result, [("sensor", "ok", "MPU-6050, set to ±250 deg/s"), ("bias", "ok", "the MPU-6050 may have ±20")]
     )
-    assert_findings(found, [("drift_start_calibration", "ok", "by white noise alone. Later changes of the bias")])
-    assert found["bias"]["value"] == pytest.approx(0.35, abs=0.01)
-    assert found["drift_plain"]["value"] == pytest.approx(3600 * 0.35, rel=0.03)
-    assert found["drift_plain"]["says"].startswith("Plain integration drifts 21 deg in a minute")
-    assert found["line_budget"]["value"] == pytest.approx(10 * 20.3 * 100 / 115200, rel=0.02)
+    assert_findings(result, [("drift_start_calibration", "ok", "by white noise alone. Later changes of the bias")])
+    assert result["bias"]["value"] == pytest.approx(0.35, abs=0.01)
+    assert result["drift_plain"]["value"] == pytest.approx(3600 * 0.35, rel=0.03)
+    assert result["drift_plain"]["says"].startswith("Plain integration drifts 21 deg in a minute")
+    assert result["line_budget"]["value"] == pytest.approx(10 * 20.3 * 100 / 115200, rel=0.02)
 
 
 @pytest.mark.parametrize(
     ("seconds", "words"), [(2.9, "2.9 s are too short to find a rest"), (30.0, "did not stand still")]
 )
 def test_a_short_look_is_not_taken_for_motion(seconds: float, words: str) -> None:
-    """Without a rest, the finding says whether there was time for one."""
     facts = SimpleNamespace(duration_s=seconds, rest=None)
     finding = still(DeviceEvidence("gyro"), cast("SessionFacts", facts))
     assert finding is not None
@@ -231,9 +230,9 @@ def test_a_short_look_is_not_taken_for_motion(seconds: float, words: str) -> Non
 def test_what_half_a_minute_of_rest_shows(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Noise, temperature, bias that moves, and what each filter leaves; what cannot be known is said."""
     with device(port, *FAST, *REST, "--effect", "warmup:amplitude_dps=0.5,time_constant_s=200"):
-        _, found = doctor(capsys, "--port", port, "--seconds", SECONDS)
+        _, result = doctor(capsys, "--port", port, "--seconds", SECONDS)
     assert_findings(
-        found,
+        result,
         [
             ("noise", "ok", "deg/s/√Hz"),
             ("temperature", "note", " °C within "),
@@ -245,25 +244,24 @@ def test_what_half_a_minute_of_rest_shows(port: Path, capsys: pytest.CaptureFixt
             ("drift_restlevel", "ok", "does not drift at rest"),
         ],
     )
-    assert found["noise"]["value"] == pytest.approx(2**0.5 * 0.0035, rel=0.15)
-    assert found["drift_restlevel"]["value"] < found["drift_plain"]["value"] / 10
+    assert result["noise"]["value"] == pytest.approx(2**0.5 * 0.0035, rel=0.15)
+    assert result["drift_restlevel"]["value"] < result["drift_plain"]["value"] / 10
 
 
 def test_samples_in_bunches(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """As a slow USB host or Bluetooth delivers them."""
     with device(port, *REST, "--effect", "usb_batching:interval_ms=100"):
-        _, found = doctor(capsys, "--port", port, "--seconds", "2")
+        _, result = doctor(capsys, "--port", port, "--seconds", "2")
     assert_findings(
-        found, [("bursts", "note", "Samples arrive in bursts of"), ("jitter", "note", "Samples arrive unevenly")]
+        result, [("bursts", "note", "Samples arrive in bursts of"), ("jitter", "note", "Samples arrive unevenly")]
     )
-    assert found["bursts"]["value"] > 5
+    assert result["bursts"]["value"] > 5
 
 
 def test_a_device_that_says_nothing(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """An error, with what to look at."""
     with speaking_on(port):
-        status, found = doctor(capsys, "--port", port, "--timeout", "0.5")
+        status, result = doctor(capsys, "--port", port, "--timeout", "0.5")
     assert status == 3
     assert_findings(
-        found, [("protocol", "error", "whether TX and RX are swapped"), ("port", "ok", "The port is /dev/pts/")]
+        result, [("protocol", "error", "whether TX and RX are swapped"), ("port", "ok", "The port is /dev/pts/")]
     )

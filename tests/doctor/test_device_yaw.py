@@ -71,7 +71,6 @@ def test_a_device_without_a_filter_has_no_finding(tmp_path: Path, capsys: pytest
 
 
 def test_it_is_found_at_a_port(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Each sample comes with its yaw."""
     with device(port, "--own-yaw", "restlevel", "--speed", "5", "--profile", "turntable"):
         _, findings = doctor(capsys, "--port", port, "--seconds", SECONDS)
     assert_findings(findings, [("device_yaw", "ok", "(restlevel) agrees")])

@@ -23,14 +23,12 @@ def test_expected_drift_is_the_scatter_of_yaw_that_is_drawn() -> None:
 
 
 def test_a_bias_adds_up() -> None:
-    """Whatever its sign."""
     assert (of_bias(-0.5).minute_deg, of_bias(-0.5).hour_deg) == (30.0, 1800.0)
     assert str(of_bias(0.35)) == "21 deg in a minute, 1260 deg in an hour"
 
 
 def test_sensors_are_known_by_name_and_step() -> None:
-    """However a device writes them; one whose name is part of another's is not taken for it."""
-    assert [sensor_named(each.name.lower().replace("-", "_")) for each in SENSORS] == list(SENSORS)
+    assert [sensor_named(sensor.name.lower().replace("-", "_")) for sensor in SENSORS] == list(SENSORS)
     assert sensor_named("my robot's LSM6DSOX") is sensor_named("LSM6DSO")
     assert sensor_named("firmware_sim") is None
-    assert [(each.name, scale) for each, scale in with_step(0.00875)] == [("LSM6DS3", 250), ("LSM6DSO", 250)]
+    assert [(item.name, scale) for item, scale in with_step(0.00875)] == [("LSM6DS3", 250), ("LSM6DSO", 250)]

@@ -59,13 +59,12 @@ def plugged_in(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
 
 
 def test_an_adapter_that_holds_bytes_back(port: Path, adapter: Adapter, capsys: pytest.CaptureFixture[str]) -> None:
-    """Its driver, its timer with the command that sets it, and a name that may change."""
     with device(port, *FAST, "--profile", "rest"):
         adapter(port, "ftdi_sio", latency_ms=16, usb_id=(0x0403, 0x6001))
-        _, found = doctor(capsys, "--port", port, "--seconds", "0.2")
-    terminal = found["port"]["says"].rpartition("/")[2].rstrip(".")
+        _, result = doctor(capsys, "--port", port, "--seconds", "0.2")
+    terminal = result["port"]["says"].rpartition("/")[2].rstrip(".")
     assert_findings(
-        found,
+        result,
         [
             ("adapter", "ok", "FTDI FT232R USB UART (0403:6001), with the driver ftdi_sio"),
             ("latency_timer", "warning", "delays bytes by up to 16 ms"),
@@ -77,12 +76,11 @@ def test_an_adapter_that_holds_bytes_back(port: Path, adapter: Adapter, capsys: 
 
 
 def test_an_adapter_as_it_should_be(port: Path, adapter: Adapter, capsys: pytest.CaptureFixture[str]) -> None:
-    """One whose timer is short, and one that has no line at all."""
     with device(port, *FAST, "--profile", "rest"):
         adapter(port, "cdc_acm", latency_ms=1)
-        _, found = doctor(capsys, "--port", port, "--seconds", "0.2")
+        _, result = doctor(capsys, "--port", port, "--seconds", "0.2")
     assert_findings(
-        found,
+        result,
         [
             ("latency_timer", "ok", "1 ms"),
             ("name", "ok", "is built in"),
@@ -108,24 +106,22 @@ def test_how_full_the_line_is(
     severity: str,
     says: str,
 ) -> None:
-    """With the rate that would carry it."""
     (tmp_path / "rig.yaml").write_text(RIG % rate_hz)
     with device(port, "--speed", "4", "--profile", "rest", "--rig", tmp_path / "rig.yaml"):
         adapter(port, "ch341-uart")
-        status, found = doctor(capsys, "--port", port, "--seconds", "0.5")
-    assert_findings(found, [("line_budget", severity, says)])
-    assert_findings(found, [("line_budget", severity, "Set "), ("line_budget", severity, "or send at most 48")])
+        status, result = doctor(capsys, "--port", port, "--seconds", "0.5")
+    assert_findings(result, [("line_budget", severity, says)])
+    assert_findings(result, [("line_budget", severity, "Set "), ("line_budget", severity, "or send at most 48")])
     assert status == (3 if severity == "error" else 0)
 
 
 def test_a_port_that_another_program_holds(port: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """It is named, and loses nothing."""
     with running_device(port, "--profile", "rest"), Command("serve", "--port", port) as serve:
         serve.take_lines(3)
-        status, found = doctor(capsys, "--port", port)
+        status, result = doctor(capsys, "--port", port)
         assert status == 3
         assert_findings(
-            found, [("holder", "error", f"(pid {serve.process.pid})"), ("holder", "error", "Stop that program first.")]
+            result, [("holder", "error", f"(pid {serve.process.pid})"), ("holder", "error", "Stop that program first.")]
         )
         serve.take_lines(3)
 
@@ -146,46 +142,43 @@ def test_a_port_that_this_user_may_not_open(
     with speaking_on(tmp_path / "gyro") as speaker:
         os.chown(speaker.slave_name, -1, 4321)
         Path(speaker.slave_name).chmod(0o660)
-        status, found = doctor(capsys, "--port", tmp_path / "gyro")
+        status, result = doctor(capsys, "--port", tmp_path / "gyro")
     assert status == 3
     assert_findings(
-        found, [("permission", "error", "No permission to open it."), ("permission", "error", "--group-add 4321")]
+        result, [("permission", "error", "No permission to open it."), ("permission", "error", "--group-add 4321")]
     )
-    assert set(found) <= {"port", "permission", "adapter"}
+    assert set(result) <= {"port", "permission", "adapter"}
 
 
 def test_a_port_that_is_not_there(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """And what there is instead."""
-    status, found = doctor(capsys, "--port", tmp_path / "gyro")
+    status, result = doctor(capsys, "--port", tmp_path / "gyro")
     assert status == 3
-    assert_findings(found, [("port", "error", "There is no such port.")])
-    assert list(found) == ["port"]
+    assert_findings(result, [("port", "error", "There is no such port.")])
+    assert list(result) == ["port"]
 
 
 @pytest.mark.parametrize("count", [0, 2])
 def test_without_a_port_it_is_looked_for(
     tmp_path: Path, plugged_in: Callable[..., None], capsys: pytest.CaptureFixture[str], count: int
 ) -> None:
-    """None is there, or none of several speaks: one finding says so, with each port."""
     ports = [tmp_path / f"silent-{number}" for number in range(2)]
     plugged_in(*ports[:count])
     with speaking_on(ports[0]), speaking_on(ports[1]):
-        status, found = doctor(capsys, "--timeout", "0.5")
+        status, result = doctor(capsys, "--timeout", "0.5")
     assert status == 3
     says = "No gyro found." if count else "No serial port is plugged in."
-    assert_findings(found, [("port", "error", says)])
-    assert all(str(name) in found["port"]["do"] for name in ports[:count])
+    assert_findings(result, [("port", "error", says)])
+    assert all(str(name) in result["port"]["do"] for name in ports[:count])
 
 
 def test_of_several_ports_that_of_the_gyro_is_taken(
     port: Path, tmp_path: Path, plugged_in: Callable[..., None], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """It is opened once: what was heard while it was looked for is not lost to a second boot."""
     plugged_in(port, tmp_path / "gone")
     with running_device(port, "--profile", "rest"):
-        status, found = doctor(capsys, "--seconds", "0.2")
+        status, result = doctor(capsys, "--seconds", "0.2")
     assert status == 0
-    assert_findings(found, [("protocol", "ok", "It sends native"), ("restarts", "ok", "")])
+    assert_findings(result, [("protocol", "ok", "It sends native"), ("restarts", "ok", "")])
 
 
 def test_the_one_port_there_is_is_taken(
@@ -194,14 +187,13 @@ def test_the_one_port_there_is_is_taken(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """And its gyro is listened to."""
     plugged_in(port)
     monkeypatch.setattr(port_holder, "LOCKS", Path("/nowhere"))
     with device(port, *FAST, "--profile", "rest"):
-        status, found = doctor(capsys, "--seconds", SECONDS)
+        status, result = doctor(capsys, "--seconds", SECONDS)
     assert status == 0
     assert_findings(
-        found, [("protocol", "ok", "It sends native, device firmware_sim."), ("bias", "ok", "The bias is +0.3")]
+        result, [("protocol", "ok", "It sends native, device firmware_sim."), ("bias", "ok", "The bias is +0.3")]
     )
 
 
@@ -214,7 +206,7 @@ def test_a_recording_that_is_followed_is_no_port(tmp_path: Path, capsys: pytest.
             writer.add(Sample(number, 0.01 * number, 1e9 + 0.01 * number, 0.5 + 0.1 * (number % 2)))
         writer.flush()
         writer.finish()
-    status, found = doctor(capsys, "--port", path)
+    status, result = doctor(capsys, "--port", path)
     assert status == 0
-    assert_findings(found, [("sample_rate", "ok", "100 samples per second"), ("damage", "ok", "No frame")])
-    assert "driver" not in found
+    assert_findings(result, [("sample_rate", "ok", "100 samples per second"), ("damage", "ok", "No frame")])
+    assert "driver" not in result

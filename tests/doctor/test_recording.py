@@ -28,10 +28,10 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_recording_is_looked_at_too(session: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Clock, gaps, noise and drift; nothing is said of a port."""
-    status, found = doctor(capsys, session, "--sensor", "mpu-6050")
+    status, result = doctor(capsys, session, "--sensor", "mpu-6050")
     assert status == 0
     assert_findings(
-        found,
+        result,
         [
             ("clock_drift", "warning", "ppm against this computer."),
             ("clock_drift", "warning", "Every turn reads +0.5 % wrong"),
@@ -40,8 +40,8 @@ def test_a_recording_is_looked_at_too(session: Path, capsys: pytest.CaptureFixtu
             ("drift_plain", "ok", "21 deg in a minute"),
         ],
     )
-    assert found["clock_drift"]["value"] == pytest.approx(5000, abs=100)
-    assert not {"port", "permission", "holder", "adapter", "baud"} & set(found)
+    assert result["clock_drift"]["value"] == pytest.approx(5000, abs=100)
+    assert not {"port", "permission", "holder", "adapter", "baud"} & set(result)
 
 
 def test_what_a_recording_kept_of_its_link_is_told(
@@ -53,24 +53,23 @@ def test_what_a_recording_kept_of_its_link_is_told(
     words = ("--speed", "max", "--profile", "rest", "--fault", "bit_flips:per_kilobyte=5")
     with running_device(port, *words), Command(*record) as run:
         assert run.end() == 0, run.log
-    status, found = doctor(capsys, *out.glob("*.mcap"))
+    status, result = doctor(capsys, *out.glob("*.mcap"))
     assert status == 3
-    assert_findings(found, [("damage", "error", "frames are damaged"), ("protocol", "ok", "It sends native")])
-    assert found["line_budget"]["value"] == pytest.approx(0.2, abs=0.06)
+    assert_findings(result, [("damage", "error", "frames are damaged"), ("protocol", "ok", "It sends native")])
+    assert result["line_budget"]["value"] == pytest.approx(0.2, abs=0.06)
     (tmp_path / "table.csv").write_text("t_device_s,rate_dps\n" + "".join(f"{i / 10},{i % 3}\n" for i in range(300)))
-    _, found = doctor(capsys, tmp_path / "table.csv")
-    assert not {"damage", "restarts", "line_budget", "protocol", "jitter", "clock_drift"} & set(found)
+    _, result = doctor(capsys, tmp_path / "table.csv")
+    assert not {"damage", "restarts", "line_budget", "protocol", "jitter", "clock_drift"} & set(result)
 
 
 def test_each_finding_has_the_keys_that_programs_read(session: Path) -> None:
-    """One object a recording on one line; severity is that of the worst."""
     with Command("doctor", session, "--json") as run:
         assert run.end() == 0, run.log
     (line,) = run.out.splitlines()
-    told = json.loads(line)
-    assert (told["source"], told["severity"]) == (str(session), "warning")
-    assert all(list(each) == KEYS for each in told["findings"])
-    ids = [each["id"] for each in told["findings"]]
+    report = json.loads(line)
+    assert (report["source"], report["severity"]) == (str(session), "warning")
+    assert all(list(finding) == KEYS for finding in report["findings"])
+    ids = [finding["id"] for finding in report["findings"]]
     assert ids == [check.id for check in CHECKS if check.id in ids]
 
 
@@ -89,8 +88,9 @@ def test_a_recording_that_is_none(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert "MPU-6050" in capsys.readouterr().err
 
 
+@pytest.mark.promise("Text and units")
 def test_a_recording_that_warms_is_not_called_steady(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Neither slowly, over an hour, nor up and down again: the note names the temperatures."""
+    """`doctor` does not call a warming recording steady."""
     for name, temperatures in {"slow": (25.0, 29.0, 33.0), "back": (25.0, 33.0, 25.5)}.items():
         temp_c = np.interp(np.arange(12000), [0, 6000, 12000], temperatures)
         rows = (f"{0.25 * index},{0.01 * (index % 5)},{value:.3f}\n" for index, value in enumerate(temp_c))
@@ -102,10 +102,9 @@ def test_a_recording_that_warms_is_not_called_steady(tmp_path: Path, capsys: pyt
 
 
 def test_noise_is_quoted_as_engineers_do(still_session: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """In °/√h and °/h beside deg/s, and with the factor between the Allan minimum and the bias instability."""
-    _, found = doctor(capsys, still_session, "--sensor", "adis16470")
+    _, result = doctor(capsys, still_session, "--sensor", "adis16470")
     assert_findings(
-        found,
+        result,
         [
             ("noise", "ok", "°/√h (0.00"),
             ("noise", "ok", " deg/√s) angle random walk"),
@@ -138,7 +137,6 @@ def test_problems_and_drift_fit_on_the_screen(session: Path, columns: int, rows:
 
 
 def test_verbose_shows_every_finding(session: Path) -> None:
-    """Without it, findings that are ok are counted alone, but for the expected drift."""
     with Command("doctor", session) as brief, Command("doctor", session, "--verbose") as verbose:
         assert (brief.end(), verbose.end()) == (0, 0)
     assert "✓ sample_rate: " in verbose.out
@@ -166,7 +164,7 @@ def test_it_can_be_read_in_a_narrow_terminal(session: Path, no_color: str) -> No
     with Terminal(*words, columns=40, rows=60, environment={"NO_COLOR": no_color} if no_color else {}) as terminal:
         assert terminal.end() == 0
     lines = [line.rstrip() for line in terminal.screen.display if line.strip()]
-    start = next(at for at, line in enumerate(lines) if line.startswith("! clock_drift:"))
+    start = next(position for position, line in enumerate(lines) if line.startswith("! clock_drift:"))
     assert lines[start] == "! clock_drift: The device clock runs"
     assert lines[start + 1].startswith("  ")
     assert (b"\x1b[33m" in terminal.sent) == (not no_color)
@@ -175,5 +173,5 @@ def test_it_can_be_read_in_a_narrow_terminal(session: Path, no_color: str) -> No
 def test_the_page_names_every_check() -> None:
     """docs/doctor.md has a row for each, in its words."""
     page = (Path(__file__).parent.parent.parent / "docs" / "doctor.md").read_text()
-    for each in CHECKS:
-        assert f"| `{each.id}` | {each.about} |" in page, each.id
+    for item in CHECKS:
+        assert f"| `{item.id}` | {item.about} |" in page, item.id

@@ -32,14 +32,17 @@ def turned(lines_of: Lines, turned_deg: float = 90.0, rate_hz: float = 50.0, las
 
 def used(spec: str) -> tuple[str | int, Column]:
     """The column that a SPEC reads yaw by: its label or place, and what it says of it."""
-    at, column = next((at, each) for at, each in enumerate(columns_of(spec)) if each.meaning in {"rate", "yaw"})
-    return column.label or at, column
+    index, column = next(
+        (index, item) for index, item in enumerate(columns_of(spec)) if item.meaning in {"rate", "yaw"}
+    )
+    return column.label or index, column
 
 
+@pytest.mark.promise("Text and units")
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_no_form_gives_a_wrong_column_unit_or_sign(seed: int) -> None:
-    """Any columns in any order, form, unit and noise, turned by 80 to 100 deg: the truth, or a question."""
+    """`doctor --turn` never prints a wrong column, unit or sign."""
     board = random_board(seed)
     result = result_of(HeardTurn("board", board.window, table_of(board.lines)))
     if not result.is_found:
@@ -58,10 +61,10 @@ def test_no_form_gives_a_wrong_column_unit_or_sign(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(6))
 def test_a_clean_turn_of_usual_boards_is_told(seed: int) -> None:
     """Questions are for what is not clear: of made-up boards with a rate or an angle most are told."""
-    boards = [random_board(1000 * seed + at) for at in range(4)]
+    boards = [random_board(1000 * seed + index) for index in range(4)]
     turning = [board for board in boards if board.rate or board.angle]
-    found = [result_of(HeardTurn("board", board.window, table_of(board.lines))).is_found for board in turning]
-    assert sum(found) >= len(found) - 1
+    actual = [result_of(HeardTurn("board", board.window, table_of(board.lines))).is_found for board in turning]
+    assert sum(actual) >= len(actual) - 1
 
 
 NUMBERS = st.one_of(st.floats(-1e19, 1e19), st.sampled_from([0.0, 1.0, 90.0, -1e17, 1e-300]), st.integers(-999, 999))
@@ -72,7 +75,7 @@ ROWS = st.lists(st.one_of(st.lists(NUMBERS, max_size=4).map(lambda row: ",".join
 @given(ROWS, st.sampled_from([0.0, 0.01, 0.5]), st.floats(0.0, 5.0))
 def test_any_text_is_told_or_asked_about(rows: list[str], step_s: float, turn_s: float) -> None:
     """Lines of anything, also all at once, never fail, and what is to be pasted is a SPEC."""
-    lines = [TimedLine(at * step_s, row.strip()) for at, row in enumerate(rows * 3)]
+    lines = [TimedLine(index * step_s, row.strip()) for index, row in enumerate(rows * 3)]
     result = result_of(HeardTurn("text", TurnWindow(0.0, turn_s, len(lines) * step_s), table_of(lines)))
     assert findings_of(result)
     if result.is_found:
@@ -83,7 +86,7 @@ def rads(dps: float) -> float:
     return float(np.radians(dps))
 
 
-TOLD: dict[str, tuple[Lines, str]] = {
+REPORT: dict[str, tuple[Lines, str]] = {
     "values under headings of their own": (
         lambda _t, dps, _a, n: (
             f"Accelerometer:\nX = {n(0.01):.2f}\nY = {n(0.01):.2f}\nZ = {1 + n(0.01):.2f}\n"
@@ -147,15 +150,15 @@ TOLD: dict[str, tuple[Lines, str]] = {
 }
 
 
-@pytest.mark.parametrize("form", TOLD)
+@pytest.mark.parametrize("form", REPORT)
 def test_a_form_is_told(form: str) -> None:
     """Column, unit and sign, in the line to paste."""
-    lines_of, expected = TOLD[form]
+    lines_of, expected = REPORT[form]
     result = turned(lines_of)
     assert (result.spec, result.question) == (expected, "")
 
 
-ASKED: dict[str, tuple[Lines, str]] = {
+REQUEST: dict[str, tuple[Lines, str]] = {
     "one label for two values of a line": (
         lambda _t, dps, _a, n: f"X: {n(0.01):.2f} Z: {1 + n(0.01):.2f} X: {n(0.1):.2f} Z: {dps + n(0.1):.2f}",
         "more than once",
@@ -189,15 +192,16 @@ ASKED: dict[str, tuple[Lines, str]] = {
 }
 
 
-@pytest.mark.parametrize("form", ASKED)
+@pytest.mark.promise("Text and units")
+@pytest.mark.parametrize("form", REQUEST)
 def test_a_form_leaves_a_question(form: str) -> None:
-    """It says what is wrong and what to do, and has nothing to paste."""
-    lines_of, expected = ASKED[form]
+    """`doctor --turn` asks a question if a turn of 80 to 100° is not clear."""
+    lines_of, expected = REQUEST[form]
     result = turned(lines_of)
     assert not result.spec, result.spec
     assert expected in result.question
-    told = findings_of(result)[0]
-    assert (told.severity, told.do != "") == ("error", True)
+    report = findings_of(result)[0]
+    assert (report.severity, report.do != "") == ("error", True)
 
 
 @pytest.mark.parametrize("turned_deg", [45.0, 180.0, 360.0])
@@ -210,28 +214,28 @@ def test_a_label_that_contradicts_the_turn_is_told() -> None:
     """The turn is a measurement, the label is text."""
     result = turned(lambda _t, dps, _a, n: f"gz: {rads(dps) + n(0.002):.3f} deg/s")
     assert result.spec == "gz=rate:rads"
-    assert any("its label says dps" in each.says.lower() for each in findings_of(result))
+    assert any("its label says dps" in item.says.lower() for item in findings_of(result))
 
 
 def test_counts_between_two_sensitivities_are_told_as_measured() -> None:
     """A hand's quarter turn does not tell 131 from 114.28: both are named, and the figure is the measured one."""
     result = turned(lambda _t, dps, _a, n: f"{131 * dps + n(5):.0f}", turned_deg=86.0)
     assert result.spec == "rate:lsb/125"
-    told = [each for each in findings_of(result) if each.severity == "warning"]
-    assert [("lsb/131" in each.do, "lsb/114.28" in each.do) for each in told] == [(True, True)]
+    report = [item for item in findings_of(result) if item.severity == "warning"]
+    assert [("lsb/131" in item.do, "lsb/114.28" in item.do) for item in report] == [(True, True)]
 
 
 def test_an_upright_axis_is_named() -> None:
     """A board that is mounted on its edge turns about another axis than z."""
     result = turned(lambda _t, dps, _a, n: f"gx:{-dps + n(0.1):.2f} gy:{n(0.1):.2f} gz:{n(0.1):.2f}")
     assert result.spec == "gx=rate:dps:-"
-    assert any("x axis of the sensor is vertical" in each.says for each in findings_of(result))
+    assert any("x axis of the sensor is vertical" in item.says for item in findings_of(result))
 
 
 def test_damaged_lines_do_not_move_the_scale() -> None:
     """Numbers that stand out alone by far are passed over."""
-    at = iter(range(10_000))
-    result = turned(lambda _t, dps, _a, n: "99999" if next(at) % 37 == 5 else f"{rads(dps) + n(0.002):.3f}")
+    index = iter(range(10_000))
+    result = turned(lambda _t, dps, _a, n: "99999" if next(index) % 37 == 5 else f"{rads(dps) + n(0.002):.3f}")
     assert result.spec == "rate:rads"
 
 

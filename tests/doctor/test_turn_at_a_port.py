@@ -100,8 +100,9 @@ def listening(closing: ExitStack, port: Path, line: Line, *words: str, name: str
     return TurnedDevice(device, command, line)
 
 
+@pytest.mark.promise("Text and units")
 def test_a_turn_tells_the_columns(tmp_path: Path) -> None:
-    """Unit and sign stand in what is to be pasted, whatever a device calls its values; or a question, with status 3.
+    """`doctor --turn` tests its columns on the received lines before it prints them.
 
     A turn that comes too early, before it was asked for, is taken as well.
     """
@@ -123,8 +124,8 @@ def test_a_turn_tells_the_columns(tmp_path: Path) -> None:
             status, expected = board.command.end(), FORMS[form][1]
             about = json.loads(board.command.out)
             assert (about["columns"] or "", status) == (expected, 0 if expected else 3), about
-            told = [board.command.log.index(sentence) for sentence in (STILL, TURN, DONE)]
-            assert told == sorted(told)
+            report = [board.command.log.index(sentence) for sentence in (STILL, TURN, DONE)]
+            assert report == sorted(report)
             if expected:
                 assert about["turn"]["read_back_deg"] == pytest.approx(90.0, abs=9.0)
             else:
@@ -132,7 +133,6 @@ def test_a_turn_tells_the_columns(tmp_path: Path) -> None:
 
 
 def test_a_person_gets_a_line_to_paste_and_one_for_the_config(tmp_path: Path) -> None:
-    """Both say the same."""
     with ExitStack() as closing:
         board = listening(closing, tmp_path / "port", FORMS["labelled, in deg/s"][0])
         play([board])
@@ -142,7 +142,6 @@ def test_a_person_gets_a_line_to_paste_and_one_for_the_config(tmp_path: Path) ->
 
 
 def test_a_calibration_goes_on_with_the_columns_that_the_turn_told(tmp_path: Path) -> None:
-    """Nothing has to be known of the text before."""
     with ExitStack() as closing:
         line = FORMS["labelled, in deg/s"][0]
         board = listening(closing, tmp_path / "port", line, "--yes", name="calibrate")
@@ -151,7 +150,6 @@ def test_a_calibration_goes_on_with_the_columns_that_the_turn_told(tmp_path: Pat
 
 
 def test_a_device_that_falls_silent_is_told(tmp_path: Path) -> None:
-    """Nobody waits for a board that has hung."""
     with ExitStack() as closing:
         board = listening(closing, tmp_path / "port", FORMS["labelled, in deg/s"][0])
         play([board], until_said=TURN)
@@ -170,7 +168,6 @@ REFUSED = {
 
 @pytest.fixture
 def files(tmp_path: Path) -> dict[str, Path]:
-    """What a terminal program kept of a board that turned to the left after 4 s, with a clock and without one."""
     lines = []
     for row in range(900):
         t_s = 0.01 * row
@@ -185,7 +182,6 @@ def files(tmp_path: Path) -> dict[str, Path]:
 
 @pytest.mark.parametrize("case", REFUSED)
 def test_what_cannot_be_done_is_refused(case: str, files: dict[str, Path], capsys: pytest.CaptureFixture[str]) -> None:
-    """One line says what to do."""
     words, expected = REFUSED[case]
     assert main(["doctor", *(word.format(**files) for word in words)]) in {2, 4}
     assert expected in capsys.readouterr().err
@@ -201,7 +197,6 @@ def test_a_turn_in_a_file_tells_the_columns(files: dict[str, Path], capsys: pyte
 def test_a_recorded_rate_is_checked_by_its_turn(
     sign: int, status: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Of a session without text the unit and the sign are told."""
     t_s: Floats = np.arange(900.0) * 0.01
     phase = np.clip((t_s - 4.0) / LASTS_S, 0.0, 1.0)
     rate_dps = sign * 90.0 / LASTS_S * (1.0 - np.cos(2.0 * np.pi * phase)) + [0.05 * ripple(row) for row in range(900)]

@@ -16,7 +16,7 @@ from evaluate.round_trip_part import effect_text, names_first_or_tied
 
 pytestmark = pytest.mark.xdist_group("restlevel_kernel")
 
-FOUND = share_figure("effect named first", 18, 20)
+RESULT = share_figure("effect named first", 18, 20)
 ALARMS = share_figure("false alarms", 2, 20, is_less_better=True)
 ERROR = mean_figure("E in deg", [1.0, 2.0, 3.0])
 
@@ -24,9 +24,9 @@ ERROR = mean_figure("E in deg", [1.0, 2.0, 3.0])
 @pytest.mark.parametrize(
     ("before", "value", "verdict"),
     [
-        (FOUND, 0.85, False),
-        (FOUND, 0.84, True),
-        (FOUND, 1.0, False),
+        (RESULT, 0.85, False),
+        (RESULT, 0.84, True),
+        (RESULT, 1.0, False),
         (ALARMS, 0.15, False),
         (ALARMS, 0.16, True),
         (ALARMS, 0.0, False),
@@ -38,19 +38,17 @@ ERROR = mean_figure("E in deg", [1.0, 2.0, 3.0])
 def test_a_figure_is_worse_beyond_its_margin_in_its_bad_direction(
     before: Figure, value: float, *, verdict: bool
 ) -> None:
-    """5 points or a case of a share, a tenth of a mean."""
     assert is_worse(before, replace(before, value=value)) is verdict
 
 
 def test_a_figure_that_is_gone_is_worse_and_other_cases_are_not_compared() -> None:
-    last = Measured("2026-01-01", 1, 20, (FOUND, ALARMS))
-    assert worse_than(last, replace(last, figures=(FOUND,))) == ["false alarms"]
-    assert worse_than(last, replace(last, seed=2, figures=(FOUND,))) == []
+    last = Measured("2026-01-01", 1, 20, (RESULT, ALARMS))
+    assert worse_than(last, replace(last, figures=(RESULT,))) == ["false alarms"]
+    assert worse_than(last, replace(last, seed=2, figures=(RESULT,))) == []
 
 
 def test_intervals_are_of_wilson_and_of_a_bootstrap() -> None:
-    """18 of 20 in Wilson's table; a mean of one value has no width."""
-    assert (FOUND.low, FOUND.high) == pytest.approx((0.699, 0.972), abs=1e-3)
+    assert (RESULT.low, RESULT.high) == pytest.approx((0.699, 0.972), abs=1e-3)
     assert ERROR.low < ERROR.value < ERROR.high
     assert mean_figure("E in deg", [2.0]).low == mean_figure("E in deg", [2.0]).high == 2.0
 
@@ -58,7 +56,6 @@ def test_intervals_are_of_wilson_and_of_a_bootstrap() -> None:
 def test_the_command_compares_keeps_and_fails_where_something_became_worse(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Without figures it keeps them; afterwards a worse one is told and gives status 1."""
     hits = iter([18, 18, 10, 1])
     part = Part("of a test", 1, 20, lambda seed, count, folder, say: [share_figure("right", next(hits), count)])
     monkeypatch.setattr(command, "PARTS", {"toy": part})
@@ -81,7 +78,6 @@ def test_a_part_that_there_is_not_is_refused(capsys: pytest.CaptureFixture[str])
 
 
 def test_the_committed_figures_are_of_parts_that_there_are(tmp_path: Path) -> None:
-    """And written again they are the same file."""
     last = read_last()
     assert last.keys() <= PARTS.keys()
     write_last(last, tmp_path / "again.json")
@@ -90,9 +86,8 @@ def test_the_committed_figures_are_of_parts_that_there_are(tmp_path: Path) -> No
 
 @pytest.mark.parametrize("motion", ["car", "robot arm", "turntable"])
 def test_after_a_rest_an_everyday_motion_keeps_its_yaw(motion: str) -> None:
-    """One session of each: restlevel stays ahead of plain integration."""
-    one = session(motion, 1, is_still=True, seed=3)
-    assert error_of("restlevel", one) < max(0.5, 0.5 * error_of("euler", one))
+    item = session(motion, 1, is_still=True, seed=3)
+    assert error_of("restlevel", item) < max(0.5, 0.5 * error_of("euler", item))
 
 
 def test_a_round_trip_counts_an_effect_that_comes_first_or_is_tied_with_the_first() -> None:

@@ -64,7 +64,6 @@ def test_regressors_are_the_rate_error_of_an_effect_of_size_1() -> None:
 
 
 def test_the_table_compares_methods_on_the_cases_that_all_answered() -> None:
-    """A column for each method."""
     cases = [JudgedCase(name, "none", 1, "", "", {}, BenchmarkAnswer(none=1.0)) for name in ("a", "b")]
     lines = table({"ours": cases, "theirs": [cases[0], JudgedCase("b", "none", 1, "", "", {}, None)]})
     assert lines[0] == "1 cases"

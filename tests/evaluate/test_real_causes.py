@@ -79,7 +79,6 @@ def test_the_bench_is_sampled_at_irregular_times_with_right_stamps(recordings: R
 
 
 def test_stamps_of_arrival_scatter_by_themselves_in_every_set(recordings: Recordings) -> None:
-    """In a few recordings pauses of the radio hide it; the set has others."""
     recordings.further()
     for case in (case for case in CASES if case.source == ARRIVAL):
         lags = [_lag_one(_intervals_s(recordings, name)) for name in case.files]
@@ -173,7 +172,6 @@ def test_what_is_outside_the_catalog_has_to_stay_open() -> None:
 
 
 def test_a_confident_cause_that_nobody_knows_of_is_counted() -> None:
-    """Not those that are documented beside the label, nor those below 0.8."""
     causes = (("temp_bias", 0.9), ("bias_instability", 0.9), ("spikes", 0.7), ("latency", 0.81))
     assert unlabeled_sure(HEATED, gap("partly", *causes)) == ["latency"]
 

@@ -65,7 +65,6 @@ def diagnosed(folder: Path, rig: Path, *effects: str, axes: int = 1) -> dict[str
 def test_a_simulated_effect_is_named_with_its_size(
     tmp_path: Path, rig: Path, effect: str, parameter: str, size: float
 ) -> None:
-    """It comes first or tied, and its interval holds the simulated size, or nearly so."""
     gap = diagnosed(tmp_path, rig, effect)
     assert gap["verdict"] in {"effect", "partly"}
     assert names_first_or_tied(gap, effect.partition(":")[0])

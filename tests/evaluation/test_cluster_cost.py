@@ -104,7 +104,6 @@ def test_descriptions_equal_descriptions_of_this_process(shared: Cluster, sessio
 
 
 def test_batches_are_of_about_the_same_size(sessions: Sessions) -> None:
-    """There are at most as many batches as sessions; files that are missing here count as equal."""
     paths = [path for path, _ in sessions]
     edges = cluster_cost._edges(paths, 2)
     sizes = [sum(path.stat().st_size for path in paths[first:last]) for first, last in pairwise(edges)]
@@ -115,7 +114,6 @@ def test_batches_are_of_about_the_same_size(sessions: Sessions) -> None:
 
 
 def test_a_worker_that_is_killed_changes_nothing(shared: Cluster, sessions: Sessions, local: Cost) -> None:
-    """Its sessions are loaded again and its tasks repeated, twice in a row."""
     params = candidates(BLOCK)
     with ClusterCost(shared.address, sessions) as cost:
         for _ in range(2):
@@ -130,7 +128,6 @@ def test_a_worker_that_is_killed_changes_nothing(shared: Cluster, sessions: Sess
 def test_a_worker_that_is_killed_while_results_are_brought_changes_nothing(
     shared: Cluster, sessions: Sessions, local: Cost
 ) -> None:
-    """Its results are computed again."""
     params = candidates(64)
     with ClusterCost(shared.address, sessions) as cost:
         results = cost._workers.results
@@ -165,13 +162,11 @@ def test_a_session_that_cannot_be_read_raises_the_same_error(
 
 
 def test_another_version_on_a_worker_is_refused() -> None:
-    """It might compute different bits."""
     with pytest.raises(UsageError, match=r"has gyrodrift .*, this machine 0\.0\.0; install the same"):
         load_batch([], "0.0.0")
 
 
 def test_another_error_of_a_task_names_the_scheduler(shared: Cluster, sessions: Sessions) -> None:
-    """Here the candidates lack a column."""
     with (
         ClusterCost(shared.address, sessions[:1]) as cost,
         pytest.raises(GyrodriftError, match=r"^tcp://.*: a task failed: ValueError: .* five columns"),

@@ -39,7 +39,6 @@ def references() -> list[Reference]:
 
 
 def test_scores_are_kernel_sums_over_the_number_of_samples(references: list[Reference]) -> None:
-    """Sessions stay in their order."""
     params = candidates(11)
     with Cost(references) as cost:
         scores = cost.cost(params)
@@ -80,7 +79,6 @@ def test_a_candidate_alone_has_the_same_cost_as_in_a_group() -> None:
 
 
 def test_references_beyond_the_memory_limit_are_read_from_a_file(references: list[Reference]) -> None:
-    """They have the same bits and are read-only."""
     params = candidates(9)
     with Cost(references) as in_memory, Cost(references, memory_bytes=1000) as in_file:
         for ours, given in zip(in_file.references, references, strict=True):
@@ -127,19 +125,16 @@ def test_a_mean_that_overflows_is_inf() -> None:
 
 
 def test_there_are_as_many_threads_as_processors(references: list[Reference]) -> None:
-    """Only usable processors count."""
     with Cost(references) as cost:
         assert cost.threads == len(os.sched_getaffinity(0))
 
 
 def test_an_error_in_a_thread_is_raised_by_the_call(references: list[Reference]) -> None:
-    """Here the arrays of a reference have different lengths."""
     with Cost([replace(references[0], dt_s=np.zeros(2))]) as cost, pytest.raises(ValueError, match="one length"):
         cost.cost(candidates(3))
 
 
 def test_a_score_is_read_from_the_table() -> None:
-    """Its indices are session and candidate; NE is E over the minutes."""
     squares, absolutes, worst = np.array([[1.0, 4.0], [9.0, 16.0]]), np.array([[1.0, 2.0], [3.0, 4.0]]), np.ones((2, 2))
     scores = Scores(squares, absolutes, worst)
     assert scores.score(1, 0, 12.0) == Score(e_deg=3.0, ne=0.25, pi_deg2=9.0, worst_deg=1.0)

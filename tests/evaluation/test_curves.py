@@ -27,6 +27,5 @@ def test_curves_have_the_samples_with_a_reference() -> None:
 
 
 def test_thinned_curves_keep_the_first_and_the_last_sample() -> None:
-    """The samples are evenly spread."""
     curves = yaw_curves(loaded(), [np.zeros(5)], 2)
     assert curves.minutes.tolist() == [0.0, 4.0]

@@ -13,7 +13,6 @@ def sources(count: int, tests: int = 0) -> list[Source]:
 
 
 def test_the_seed_chooses_the_held_out_share() -> None:
-    """30 % are held out, the same sessions for the same seed."""
     chosen = {seed: [s.split for s in split_sources(sources(20), seed)] for seed in (1, 2)}
     assert chosen[1].count(Split.TEST) == 6
     assert chosen[1] == [s.split for s in split_sources(sources(20), 1)] != chosen[2]
@@ -26,7 +25,6 @@ def test_of_at_most_five_sessions_none_is_held_out(count: int) -> None:
 
 
 def test_sessions_that_are_not_tests_are_for_training() -> None:
-    """Nothing else is held out."""
     assert [s.split for s in split_sources(sources(3, tests=2), 1)] == [Split.TEST, Split.TEST, Split.TRAIN]
 
 

@@ -24,6 +24,5 @@ def test_samples_without_a_reference_do_not_end_a_motion() -> None:
 
 
 def test_a_jump_of_the_clock_by_years_costs_no_memory() -> None:
-    """Only seconds with samples are looked at."""
     t_s = np.concatenate((np.arange(0.0, 5.0, 0.01), 1e12 + np.arange(0.0, 5.0, 0.01)))
     assert longest_motion_s(t_s, np.zeros_like(t_s)) == 0.0

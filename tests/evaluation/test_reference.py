@@ -54,7 +54,6 @@ def test_steps_of_time_have_the_bits_of_the_filter(stream: list[tuple[float, flo
 
 
 def test_a_reference_begins_at_the_first_sample_with_an_angle() -> None:
-    """Both angles are 0 there; earlier samples are left out, and later missing angles are NaN."""
     reference = reference_of(session([0.0, 1.0, 2.0, 4.0, 5.0], [nan, 10.0, 11.0, nan, 13.5]))
     assert reference.dt_s.tolist() == [0.0, 1.0, 2.0, 1.0]
     np.testing.assert_array_equal(reference.reference_deg, [0.0, 1.0, nan, 3.5])
@@ -62,14 +61,12 @@ def test_a_reference_begins_at_the_first_sample_with_an_angle() -> None:
 
 
 def test_a_rejected_sample_loses_its_reference_too() -> None:
-    """Here a time goes back, and a rate is NaN."""
     reference = reference_of(session([0.0, 1.0, 0.5, 2.0, 3.0], [0.0, 1.0, 9.0, 9.0, 3.0], [1.0, 1.0, 1.0, nan, 1.0]))
     assert reference.dt_s.tolist() == [0.0, 1.0, 2.0]
     assert reference.reference_deg.tolist() == [0.0, 1.0, 3.0]
 
 
 def test_the_reference_of_a_still_is_zero() -> None:
-    """Its encoder is ignored."""
     assert reference_of(session([0.0, 1.0, 2.0], None), is_still=True).reference_deg.tolist() == [0.0] * 3
     assert reference_of(session([0.0, 1.0], [5.0, 8.0]), is_still=True).reference_deg.tolist() == [0.0] * 2
 
@@ -98,6 +95,5 @@ def test_a_wrapped_angle_is_unwrapped(turns_deg: list[float], low_deg: float, ha
 
 
 def test_an_unwrapped_angle_is_unchanged() -> None:
-    """Here a counter without wrap turns fast."""
     angle_deg = np.array([0.0, 200.0, 500.0, 300.0, nan, -100.0])
     assert unwrapped(angle_deg) is angle_deg

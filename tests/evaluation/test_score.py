@@ -40,7 +40,6 @@ def test_scores_equal_the_sums_of_the_kernel() -> None:
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, 1e200])
 def test_a_yaw_that_overflows_has_infinite_errors(value: float) -> None:
-    """All scores are inf."""
     walk = reference()
     assert score_of(walk, np.full(400, value)) == Score(np.inf, np.inf, np.inf, np.inf)
 

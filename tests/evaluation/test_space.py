@@ -37,7 +37,6 @@ def test_a_corner_of_the_cube_gives_parameters() -> None:
 
 
 def test_a_range_is_replaced_by_name() -> None:
-    """Other ranges stay."""
     axes = with_ranges(["tau_s=0.5:2", "c1=0:1"], HDR)
     assert [(axis.low, axis.high) for axis in axes[1::2]] == [(0.5, 2.0), (0.0, 1.0)]
     assert axes[0] == AXES[0]
@@ -57,7 +56,6 @@ def test_a_range_is_replaced_by_name() -> None:
     ],
 )
 def test_an_invalid_range_is_refused(text: str, message: str) -> None:
-    """The message quotes the option."""
     with pytest.raises(UsageError, match=message) as caught:
         with_ranges([text], HDR)
     assert text in str(caught.value)

@@ -26,7 +26,6 @@ def test_crps_is_the_area_between_two_distributions(error: float, sigma: float) 
 
 
 def test_crps_without_uncertainty_is_the_absolute_error() -> None:
-    """It is the limit of a small standard deviation."""
     errors = np.array([-2.0, 0.0, 0.5])
     np.testing.assert_allclose(normal_crps(errors, np.zeros(3)), np.abs(errors))
     np.testing.assert_allclose(normal_crps(errors, np.full(3, 1e-9)), np.abs(errors), atol=1e-8)
@@ -48,7 +47,6 @@ def test_a_sigma_that_is_not_finite_is_no_uncertainty(sigma: float) -> None:
 
 
 def test_a_correct_uncertainty_covers_95_percent() -> None:
-    """Its CRPS is σ/√π, the expectation for a normal forecast with the correct σ."""
     dice = np.random.default_rng(5)
     sigma_deg = dice.uniform(0.5, 2.0, 100_000)
     result = uncertainty_of(reference([0.0] * 100_000), dice.normal(0.0, sigma_deg), sigma_deg)
@@ -58,7 +56,6 @@ def test_a_correct_uncertainty_covers_95_percent() -> None:
 
 
 def test_a_mean_needs_every_session() -> None:
-    """Otherwise two methods would be compared on different sessions."""
     first, second = Uncertainty(0.9, 1.0), Uncertainty(1.0, 3.0)
     assert mean_uncertainty([first, second]) == Uncertainty(0.95, 2.0)
     assert mean_uncertainty([first, None]) is None

@@ -29,10 +29,12 @@ BIAS_DPS = 0.4
 NOISE_DPS = 0.03
 
 
-def session_of(t_s: Sequence[float] | Floats, rate_dps: Sequence[float] | Floats | None = None, **more: Any) -> Session:
+def session_of(
+    t_s: Sequence[float] | Floats, rate_dps: Sequence[float] | Floats | None = None, **extra: Any
+) -> Session:
     times = np.array(t_s, dtype=np.float64)
     rates = np.zeros(len(times)) if rate_dps is None else np.array(rate_dps, dtype=np.float64)
-    return Session("s", times, rates, **more)
+    return Session("s", times, rates, **extra)
 
 
 def turned(*motion: tuple[float, float], seed: int = 1, step_deg: float = 0.01) -> Session:
@@ -50,11 +52,10 @@ def simulated(profile: str, *effects: str, minutes: float = 5.0) -> Session:
 
 
 def times_of(facts: SessionFacts) -> Floats:
-    return np.array([(one.start_s, one.end_s) for one in facts.stretches])
+    return np.array([(item.start_s, item.end_s) for item in facts.stretches])
 
 
 def test_a_clean_session_has_its_rate_and_nothing_missing() -> None:
-    """With time that begins anywhere."""
     facts = SessionFacts(session_of(1e5 + np.arange(501) / 50.0, np.linspace(-1.0, 2.0, 501)))
     assert (facts.samples, facts.duration_s, facts.rate_hz) == (501, near(10.0), near(50.0))
     assert facts.jitter_s == near(0.0, 1e-9)
@@ -82,7 +83,6 @@ def test_the_counter_knows_better_than_time() -> None:
 
 
 def test_jitter_is_the_scatter_of_steps_whatever_the_gaps() -> None:
-    """To a few percent, of 10 000 steps."""
     steps_s = 0.01 + 2e-4 * np.random.default_rng(1).standard_normal(10_000)
     steps_s[::100] = 0.5
     facts = SessionFacts(session_of(np.cumsum(steps_s)))
@@ -107,7 +107,6 @@ def arrived(ppm: float, delays_s: Floats) -> Session:
 @pytest.mark.parametrize("ppm", [-5000.0, -40.0, 0.0, 12.5, 300.0])
 @pytest.mark.parametrize("is_bunched", [False, True])
 def test_clock_drift_is_found_within_its_stated_error(ppm: float, *, is_bunched: bool) -> None:
-    """Under one-sided delays, bunches of 16 ms too: of 30 seeds most within one error, and all within four."""
     errors = []
     for seed in range(30):
         rng = np.random.default_rng(seed)
@@ -134,13 +133,11 @@ def test_host_delay_is_its_scatter_above_the_soonest() -> None:
 
 
 def test_a_short_session_says_nothing_of_its_clock() -> None:
-    """But how late samples were."""
     host = SessionFacts(arrived(100.0, np.tile([0.0, 0.01], 200))).host
     assert host == HostClock(None, None, near(0.01, 1e-3))
 
 
 def test_temperature_and_encoder_are_told() -> None:
-    """What is NaN in them is passed over."""
     temp_c = np.concatenate(([np.nan, 20.0], np.linspace(20.0, 31.0, 97), [30.0, np.nan]))
     facts = SessionFacts(replace(turned((1.01, 36.0), step_deg=0.09), temp_c=temp_c))
     assert facts.temperature == Temperatures(20.0, 31.0, 20.0, 30.0)
@@ -153,16 +150,15 @@ RESTS_S = [(0.0, 6.0), (11.0, 15.0), (21.0, 29.0)]
 
 @pytest.mark.parametrize("step_deg", [0.001, 0.01, 0.36])
 def test_rests_are_found_by_the_encoder_and_end_before_motion_begins(step_deg: float) -> None:
-    """Within a second of their times and never outside, with the bias to 4 errors of the mean; not the short one."""
     facts = SessionFacts(turned(*MOTION, step_deg=step_deg))
-    found = times_of(facts)
+    result = times_of(facts)
     assert facts.still_by is RestSource.ENCODER
-    assert found == pytest.approx(np.array(RESTS_S), abs=1.0)
-    assert (found[:, 0] >= [start for start, _ in RESTS_S]).all()
-    assert (found[:, 1] <= [end for _, end in RESTS_S]).all()
-    for one in facts.stretches:
-        assert one.mean_dps == near(BIAS_DPS, 4.0 * NOISE_DPS / np.sqrt((one.end_s - one.start_s) * RATE_HZ))
-        assert one.std_dps == pytest.approx(NOISE_DPS, rel=0.15)
+    assert result == pytest.approx(np.array(RESTS_S), abs=1.0)
+    assert (result[:, 0] >= [start for start, _ in RESTS_S]).all()
+    assert (result[:, 1] <= [end for _, end in RESTS_S]).all()
+    for item in facts.stretches:
+        assert item.mean_dps == near(BIAS_DPS, 4.0 * NOISE_DPS / np.sqrt((item.end_s - item.start_s) * RATE_HZ))
+        assert item.std_dps == pytest.approx(NOISE_DPS, rel=0.15)
 
 
 def test_a_reference_that_is_never_quite_still_shows_rest_all_the_same() -> None:
@@ -170,8 +166,8 @@ def test_a_reference_that_is_never_quite_still_shows_rest_all_the_same() -> None
     session = turned(*MOTION)
     assert session.encoder_deg is not None
     wander_deg = 0.025 * np.sin(session.t_device_s) + 0.005 * np.random.default_rng(1).standard_normal(2900)
-    found = times_of(SessionFacts(replace(session, encoder_deg=session.encoder_deg + wander_deg)))
-    assert found == pytest.approx(np.array(RESTS_S), abs=1.0)
+    result = times_of(SessionFacts(replace(session, encoder_deg=session.encoder_deg + wander_deg)))
+    assert result == pytest.approx(np.array(RESTS_S), abs=1.0)
 
 
 def test_without_an_encoder_steady_stretches_are_a_guess() -> None:
@@ -180,18 +176,17 @@ def test_without_an_encoder_steady_stretches_are_a_guess() -> None:
     assert facts.still_by is RestSource.RATE
     expected = sorted([*RESTS_S, (6.0, 11.0), (15.0, 18.0)])
     assert times_of(facts) == pytest.approx(np.array(expected), abs=1.001)
-    assert [one.mean_dps for one in facts.stretches] == pytest.approx([0.4, 30.4, 0.4, -89.6, 0.4], abs=0.01)
+    assert [item.mean_dps for item in facts.stretches] == pytest.approx([0.4, 30.4, 0.4, -89.6, 0.4], abs=0.01)
 
 
 @pytest.mark.parametrize("dps", [0.05, 0.2, 20.0])
 @pytest.mark.parametrize("step_deg", [0.01, 0.36])
 def test_a_constant_spin_is_rest_to_the_rate_and_none_to_the_encoder(dps: float, step_deg: float) -> None:
-    """However slow, and though a coarse encoder stands for seconds."""
     session = turned((120.0, dps), step_deg=step_deg)
     assert SessionFacts(session).stretches == ()
-    (one,) = SessionFacts(replace(session, encoder_deg=None)).stretches
-    assert one.mean_dps == near(dps + BIAS_DPS, 0.002)
-    assert one.end_s - one.start_s > 118.0
+    (item,) = SessionFacts(replace(session, encoder_deg=None)).stretches
+    assert item.mean_dps == near(dps + BIAS_DPS, 0.002)
+    assert item.end_s - item.start_s > 118.0
 
 
 def test_motion_without_rest_is_no_stretch_for_either() -> None:
@@ -204,17 +199,15 @@ def test_motion_without_rest_is_no_stretch_for_either() -> None:
 
 
 def test_a_long_hole_ends_a_stretch_and_a_lost_sample_does_not() -> None:
-    """Nobody knows what was in the hole."""
     kept = np.setdiff1d(np.arange(6000), [*range(0, 6000, 77), *range(3000, 3500)])
     rate_dps = NOISE_DPS * np.random.default_rng(1).standard_normal(len(kept))
     for encoder_deg in (None, np.zeros(len(kept))):
-        found = times_of(SessionFacts(session_of(kept / RATE_HZ, rate_dps, encoder_deg=encoder_deg)))
-        assert found == pytest.approx(np.array([(0.0, 30.0), (35.0, 60.0)]), abs=1.5)
+        result = times_of(SessionFacts(session_of(kept / RATE_HZ, rate_dps, encoder_deg=encoder_deg)))
+        assert result == pytest.approx(np.array([(0.0, 30.0), (35.0, 60.0)]), abs=1.5)
 
 
 @pytest.mark.parametrize("count", [100, 3001, 40_000])
 def test_the_allan_deviation_is_that_of_allantools(count: int) -> None:
-    """To a billionth, for noise, a bias and a walk."""
     rng = np.random.default_rng(count)
     rate_dps = 1.0 + rng.standard_normal(count) + 0.01 * np.cumsum(rng.standard_normal(count))
     taus_s, deviations_dps = allan_deviation(rate_dps, 0.004)
@@ -247,7 +240,6 @@ def test_a_low_pass_hides_neither_noise_nor_makes_a_minimum() -> None:
 
 
 def test_bias_instability_is_read_off_the_flat_part() -> None:
-    """0.01 deg/s of it in the simulated rig, to a third: one hour has few independent minutes."""
     allan = SessionFacts(simulated("rest", "bias_instability:floor_dph=36", minutes=60.0)).allan
     assert allan is not None
     assert allan.bias_instability_dps == pytest.approx(0.01, rel=0.34)
@@ -266,7 +258,6 @@ def test_a_walking_bias_has_a_minimum() -> None:
 
 
 def test_allan_needs_half_a_minute() -> None:
-    """Of one stretch."""
     rate_dps = np.random.default_rng(1).standard_normal(2900)
     assert SessionFacts(session_of(np.arange(2900) / 100.0, rate_dps, encoder_deg=np.zeros(2900))).allan is None
 
@@ -274,7 +265,6 @@ def test_allan_needs_half_a_minute() -> None:
 @pytest.mark.parametrize("count", [1, 2, 3])
 @pytest.mark.parametrize("columns", [(), ("t_host_s", "encoder_deg", "temp_c")])
 def test_a_few_samples_are_described(count: int, columns: tuple[str, ...]) -> None:
-    """One has no rate of its own."""
     facts = SessionFacts(session_of(np.arange(count) / 10.0, **{name: np.arange(float(count)) for name in columns}))
     assert facts.samples == count
     assert (facts.rate_hz is None) == (count == 1)
@@ -282,7 +272,6 @@ def test_a_few_samples_are_described(count: int, columns: tuple[str, ...]) -> No
 
 
 def test_time_that_stands_still_and_rates_that_are_no_numbers_are_described() -> None:
-    """Nothing is left to say but how many."""
     still = SessionFacts(session_of(np.ones(100), t_host_s=np.arange(100.0), encoder_deg=np.zeros(100)))
     assert (still.rate_hz, still.duration_s, still.steps_not_forward, still.stretches) == (None, 0.0, 99, ())
     nothing = SessionFacts(session_of(np.full(100, np.nan), np.full(100, np.nan), t_host_s=np.full(100, np.nan)))
@@ -313,7 +302,6 @@ def test_any_numbers_are_described(
 
 
 def test_the_simulated_rig_is_described_as_it_is() -> None:
-    """Its clock drift, its bias at every rest, its encoder, and every sample it lost."""
     session = simulated("turntable", "clock_drift:ppm=300", "usb_batching", "sample_drop")
     facts = SessionFacts(session)
     assert session.seq is not None
@@ -323,7 +311,7 @@ def test_the_simulated_rig_is_described_as_it_is() -> None:
     assert facts.encoder is not None
     assert facts.encoder.smallest_step_deg == near(0.01)
     assert len(facts.stretches) > 20
-    assert [one.mean_dps for one in facts.stretches] == pytest.approx([0.35] * len(facts.stretches), abs=0.01)
+    assert [item.mean_dps for item in facts.stretches] == pytest.approx([0.35] * len(facts.stretches), abs=0.01)
 
 
 @pytest.mark.parametrize(
@@ -338,10 +326,9 @@ def test_the_simulated_rig_is_described_as_it_is() -> None:
 def test_real_recordings_have_the_rest_that_their_makers_tell(
     name: str, bias_dps: float, least_s: float, recordings: Recordings
 ) -> None:
-    """With the reference and without it, and a bias to 0.02 deg/s."""
     session = load_session(recordings.path(name))
-    for one in (session, replace(session, encoder_deg=None)):
-        stretches = SessionFacts(one).stretches
+    for item in (session, replace(session, encoder_deg=None)):
+        stretches = SessionFacts(item).stretches
         lengths_s = [stretch.end_s - stretch.start_s for stretch in stretches]
         assert sum(lengths_s) > least_s
         means_dps = [stretch.mean_dps for stretch in stretches]

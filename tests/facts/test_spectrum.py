@@ -11,29 +11,30 @@ from gyrodrift.values.arrays import Floats
 
 
 def test_a_tone_is_found_with_its_frequency_and_amplitude() -> None:
-    """In noise that hides it from the eye; noise alone has none."""
     rng = np.random.default_rng(1)
     noise = 0.035 * rng.standard_normal(3000)
     tone = 0.02 * np.sin(2.0 * np.pi * 27.0 * np.arange(3000) / 100.0)
-    seen = spectrum_of(noise + tone, 100.0)
-    assert seen is not None
-    assert seen.tone_hz == pytest.approx(27.0, abs=0.1)
-    assert seen.tone_dps == pytest.approx(0.02, rel=0.2)
-    assert seen.upper_share == pytest.approx(1.0, abs=0.3)
-    assert all(one is not None and one.tone_hz is None for one in (spectrum_of(_white(rng), 100.0) for _ in range(200)))
+    observed = spectrum_of(noise + tone, 100.0)
+    assert observed is not None
+    assert observed.tone_hz == pytest.approx(27.0, abs=0.1)
+    assert observed.tone_dps == pytest.approx(0.02, rel=0.2)
+    assert observed.upper_share == pytest.approx(1.0, abs=0.3)
+    assert all(
+        item is not None and item.tone_hz is None for item in (spectrum_of(_white(rng), 100.0) for _ in range(200))
+    )
     assert spectrum_of(noise[:500], 100.0) is None
 
 
+@pytest.mark.promise("Text and units")
 @pytest.mark.parametrize("effect", ["bias_instability", "bias_instability:floor_dph=72", "popcorn", "rate_random_walk"])
 def test_noise_that_rises_to_low_frequencies_is_no_tone(effect: str) -> None:
-    """A tone is a narrow line above the local floor; flicker noise has none, for five seeds and two lengths."""
+    """`doctor` does not report flicker noise as a tone."""
     rates = [(simulated_rest(effect, seed, samples)) for seed in range(5) for samples in (3000, 12000)]
     spectra = [spectrum_of(rate_dps, 100.0) for rate_dps in rates]
     assert [spectrum.tone_hz for spectrum in spectra if spectrum is not None] == [None] * 10
 
 
 def test_a_tone_in_flicker_noise_is_found() -> None:
-    """Also where the flicker noise is stronger than the tone at low frequencies."""
     tone = 0.03 * np.sin(2.0 * np.pi * 11.0 * np.arange(3000) / 100.0)
     spectrum = spectrum_of(simulated_rest("bias_instability:floor_dph=72", 1, 3000) + tone, 100.0)
     assert spectrum is not None
@@ -59,6 +60,6 @@ def _white(rng: np.random.Generator) -> np.ndarray[tuple[int], np.dtype[np.float
 def test_a_low_pass_shows_at_half_the_sample_rate() -> None:
     """A mean of four samples, as some firmware sends it."""
     means = np.convolve(np.random.default_rng(2).standard_normal(3003), np.full(4, 0.25), "valid")
-    seen = spectrum_of(means, 100.0)
-    assert seen is not None
-    assert seen.upper_share < 0.5
+    observed = spectrum_of(means, 100.0)
+    assert observed is not None
+    assert observed.upper_share < 0.5

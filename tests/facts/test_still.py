@@ -48,6 +48,5 @@ def test_noise_scatter_and_slope_ignore_what_is_not_theirs() -> None:
 
 
 def test_runs_are_half_open() -> None:
-    """Also at both ends."""
     assert true_runs(np.array([True, True, False, True])) == ((0, 2), (3, 4))
     assert true_runs(np.zeros(3, bool)) == ()

@@ -13,7 +13,7 @@ from gyrodrift.filters.filter import Filter, FilterState
 from gyrodrift.filters.registry import FILTERS
 
 SMALLEST = 5e-324
-any_filter = pytest.mark.parametrize("known", FILTERS.values(), ids=list(FILTERS))
+any_filter = pytest.mark.parametrize("expected", FILTERS.values(), ids=list(FILTERS))
 
 
 def bounds_of(annotation: Any) -> tuple[float, float]:
@@ -31,14 +31,14 @@ def spread(low: float, high: float) -> st.SearchStrategy[float]:
     return st.floats(0.0, 308.0).map(lambda power: min(high, max(low, high * 10.0**-power)))
 
 
-def settings_of(known: Filter) -> st.SearchStrategy[Any]:
+def settings_of(expected: Filter) -> st.SearchStrategy[Any]:
     """Any that a config may hold: at the bounds, next to them, and of any size between."""
-    hints = get_type_hints(known.params, include_extras=True)
+    hints = get_type_hints(expected.params, include_extras=True)
     values = {}
-    for name in known.names:
+    for name in expected.names:
         bounds = bounds_of(hints[name])
-        values[name] = st.one_of(st.just(getattr(known.params(), name)), st.sampled_from(bounds), spread(*bounds))
-    return st.builds(known.params, **values)
+        values[name] = st.one_of(st.just(getattr(expected.params(), name)), st.sampled_from(bounds), spread(*bounds))
+    return st.builds(expected.params, **values)
 
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -47,66 +47,63 @@ rates_dps = st.one_of(st.floats(-300.0, 300.0), st.sampled_from([0.0, 0.061, 1e6
 runs = st.lists(st.tuples(steps_s, rates_dps, st.integers(1, 120)), min_size=1, max_size=12)
 
 
-def assert_in_bounds(known: Filter, state: FilterState) -> None:
-    """What holds after every sample; a filter that does not know how certain it is says NaN, always."""
+def assert_in_bounds(expected: Filter, state: FilterState) -> None:
     assert isfinite(state.yaw_deg)
     assert isfinite(state.bias_dps)
-    if isnan(known.state().yaw_sigma_deg):
+    if isnan(expected.state().yaw_sigma_deg):
         return
     assert 0.0 <= state.yaw_sigma_deg < inf
     assert 0.0 <= state.bias_sigma_dps < inf
     assert -1e-9 <= state.rest_probability <= 1.0 + 1e-9
     assert -1e-9 <= state.confidence <= 1.0 + 1e-9
-    weights = [each.weight for each in getattr(state, "hypotheses", ()) if each.weight > 0.0]
+    weights = [item.weight for item in getattr(state, "hypotheses", ()) if item.weight > 0.0]
     assert not weights or sum(weights) == pytest.approx(1.0, abs=1e-6)
 
 
 @any_filter
 @given(data=st.data(), moves=runs, start_s=st.one_of(st.just(0.0), finite))
 def test_what_a_filter_says_stays_in_bounds(
-    known: Filter, data: st.DataObject, moves: list[tuple[float, float, int]], start_s: float
+    expected: Filter, data: st.DataObject, moves: list[tuple[float, float, int]], start_s: float
 ) -> None:
-    """Any finite times and rates, held for a while as a sensor would, at any setting that a config may hold."""
-    params = data.draw(settings_of(known))
-    c, s, t_s = known.coefficients(params), known.state(), start_s
+    params = data.draw(settings_of(expected))
+    c, s, t_s = expected.coefficients(params), expected.state(), start_s
     for step_s, rate_dps, count in moves:
         for _ in range(count):
             t_s += step_s
-            known.step(c, s, t_s, rate_dps)
-            assert_in_bounds(known, s)
+            expected.step(c, s, t_s, rate_dps)
+            assert_in_bounds(expected, s)
 
 
 @any_filter
 @given(data=st.data())
 @example(data=None)
-def test_the_smallest_settings_are_settings(known: Filter, data: st.DataObject | None) -> None:
+def test_the_smallest_settings_are_settings(expected: Filter, data: st.DataObject | None) -> None:
     """A rest, a turn and a rest, at values next to nothing."""
-    hints = get_type_hints(known.params, include_extras=True)
-    low = {name: max(SMALLEST, bounds_of(hints[name])[0]) for name in known.names}
+    hints = get_type_hints(expected.params, include_extras=True)
+    low = {name: max(SMALLEST, bounds_of(hints[name])[0]) for name in expected.names}
     if data is not None:
-        low |= {name: getattr(known.params(), name) for name in data.draw(st.sets(st.sampled_from(known.names)))}
-    c, s, random = known.coefficients(known.params(**low)), known.state(), Random(1)
+        low |= {name: getattr(expected.params(), name) for name in data.draw(st.sets(st.sampled_from(expected.names)))}
+    c, s, random = expected.coefficients(expected.params(**low)), expected.state(), Random(1)
     for i in range(600):
-        known.step(c, s, i * 0.01, random.gauss(0.3, 0.05) + (50.0 if 200 < i < 300 else 0.0))
-        assert_in_bounds(known, s)
+        expected.step(c, s, i * 0.01, random.gauss(0.3, 0.05) + (50.0 if 200 < i < 300 else 0.0))
+        assert_in_bounds(expected, s)
 
 
-def yaw_after(known: Filter, rates: Iterable[float]) -> float:
+def yaw_after(expected: Filter, rates: Iterable[float]) -> float:
     """At 100 Hz and defaults, deg."""
-    c, s = known.coefficients(known.params()), known.state()
+    c, s = expected.coefficients(expected.params()), expected.state()
     for i, rate_dps in enumerate(rates):
-        known.step(c, s, i * 0.01, rate_dps)
-        assert_in_bounds(known, s)
+        expected.step(c, s, i * 0.01, rate_dps)
+        assert_in_bounds(expected, s)
     return float(s.yaw_deg)
 
 
 @any_filter
-def test_steps_next_to_nothing_are_none(known: Filter) -> None:
-    """Their quotients would leave the floats."""
-    c, s = known.coefficients(known.params()), known.state()
+def test_steps_next_to_nothing_are_none(expected: Filter) -> None:
+    c, s = expected.coefficients(expected.params()), expected.state()
     for i, rate_dps in enumerate((1e9, -1e9, 1e9, -1e9)):
-        known.step(c, s, i * 1e-300, rate_dps)
-        assert_in_bounds(known, s)
+        expected.step(c, s, i * 1e-300, rate_dps)
+        assert_in_bounds(expected, s)
     assert (s.samples, s.rejected) == (1, 3)
 
 

@@ -42,7 +42,6 @@ def timed(stream: list[tuple[float, float]]) -> list[tuple[float, float]]:
 
 @pytest.mark.parametrize("case", CASES)
 def test_every_column_of_a_worked_case_is_met_to_a_billionth(case: str) -> None:
-    """By an independent reading of the equations."""
     p, stream = CASES[case]
     c, state = coefficients(p), HdrState()
     for (t_s, rate_dps), row in zip(stream, as_printed(p, stream), strict=True):
@@ -74,7 +73,6 @@ def test_saving_and_restoring_half_way_gives_the_same_bits(
 
 @given(params, streams)
 def test_a_bad_sample_is_counted_and_leaves_no_other_trace(p: HdrParams, stream: list[tuple[float, float]]) -> None:
-    """Of T ≤ 0 and of what is not finite nothing reaches the recursion."""
     samples = timed(stream)
     c, state, good = coefficients(p), HdrState(), []
     for t_s, rate_dps in samples:
@@ -88,7 +86,6 @@ def test_a_bad_sample_is_counted_and_leaves_no_other_trace(p: HdrParams, stream:
     ("t_s", "rate_dps"), [(0.0, 1.0), (-1.0, 1.0), (0.01, nan), (0.01, inf), (nan, 1.0), (inf, 1.0)]
 )
 def test_these_samples_are_passed_by(t_s: float, rate_dps: float) -> None:
-    """After one good sample at 0 s."""
     c, state = coefficients(HdrParams()), HdrState()
     assert step(c, state, 0.0, 0.5)
     before = replace(state, rejected=1)
@@ -105,7 +102,6 @@ def test_a_bad_first_sample_does_not_start_the_filter() -> None:
 
 
 def test_a_hole_is_integrated_with_its_true_length() -> None:
-    """At a constant rate above the turn switch, yaw is rate times time."""
     state = run(HdrParams(), [(0.0, 90.0), (0.01, 90.0), (2.01, 90.0), (2.02, 90.0)])
     assert state.yaw_deg == pytest.approx(90.0 * 2.02)
 

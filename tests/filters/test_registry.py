@@ -71,7 +71,6 @@ def config_of(tmp_path: Path, text: str) -> Path:
 
 
 def test_a_config_takes_its_block_and_says_what_changes(constant: Filter, tmp_path: Path) -> None:
-    """By its own name."""
     config = load_config(config_of(tmp_path, CONFIG.format(bias_dps=0.5)))
     assert config.chosen is constant
     assert config.params == constant.params(0.5)
@@ -98,22 +97,19 @@ def test_a_config_takes_its_block_and_says_what_changes(constant: Filter, tmp_pa
         ),
     ],
 )
-def test_every_mistake_in_its_block_is_told(text: str, said: list[str], tmp_path: Path) -> None:
-    """With line, key, bounds and unit, as of the other filters."""
+def test_every_mistake_in_its_block_is_told(text: str, statement: list[str], tmp_path: Path) -> None:
     with pytest.raises(ConfigError) as caught:
         load_config(config_of(tmp_path, text))
-    assert [problem.removeprefix(f"{tmp_path}/") for problem in caught.value.problems] == said
+    assert [problem.removeprefix(f"{tmp_path}/") for problem in caught.value.problems] == statement
 
 
 def test_a_name_that_is_not_registered_is_refused(tmp_path: Path) -> None:
-    """As before it was there, and as after."""
     with pytest.raises(ConfigError, match="expected hdr or restlevel"):
         load_config(config_of(tmp_path, CONFIG.format(bias_dps=0)))
 
 
 @pytest.mark.usefixtures("constant")
 def test_the_command_filter_writes_its_columns(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """At 0.5 deg/s, with 0.25 taken off, yaw is 1 deg after 4 s."""
     session = write_still(tmp_path / "s.csv", 0.5, 4)
     config = config_of(tmp_path, CONFIG.format(bias_dps=0.25))
     assert main(["filter", str(session), "--config", str(config)]) == 0
@@ -182,15 +178,15 @@ def test_tune_finds_its_parameter_without_a_kernel(tmp_path: Path) -> None:
     paths = [str(tmp_path / f"s{number}.csv") for number in range(2)]
     arguments = ["--filter", "constant", "--iterations", "40", "--jobs", "1", "--report", str(tmp_path / "report")]
     assert main(["tune", *paths, "--out", str(tmp_path / "found.yaml"), *arguments]) == 0
-    told = json.loads((tmp_path / "report" / "tune.json").read_text())
+    report = json.loads((tmp_path / "report" / "tune.json").read_text())
     squares = [[(0.5 * n / RATE_HZ) ** 2 for n in range(seconds * RATE_HZ + 1)] for seconds in (4, 6)]
-    assert told["euler_pi_train"] == pytest.approx(sum(sum(one) / len(one) for one in squares) / 2)
-    found = load_config(tmp_path / "found.yaml").params
-    assert told["parameters"] == {"bias_dps": found.bias_dps}  # type: ignore[attr-defined]  # the page's own record
-    left = abs(found.bias_dps - 0.5)  # type: ignore[attr-defined]
-    assert left < 0.2
-    assert told["pi_train"] == pytest.approx((left / 0.5) ** 2 * told["euler_pi_train"])
-    assert told["reduced_parameters"] == told["parameters"]  # one parameter is the whole model
+    assert report["euler_pi_train"] == pytest.approx(sum(sum(square) / len(square) for square in squares) / 2)
+    result = load_config(tmp_path / "found.yaml").params
+    assert report["parameters"] == {"bias_dps": result.bias_dps}  # type: ignore[attr-defined]  # the page's own record
+    remaining = abs(result.bias_dps - 0.5)  # type: ignore[attr-defined]
+    assert remaining < 0.2
+    assert report["pi_train"] == pytest.approx((remaining / 0.5) ** 2 * report["euler_pi_train"])
+    assert report["reduced_parameters"] == report["parameters"]  # one parameter is the whole model
     assert "The bias of the sensor, if it never changed." in (tmp_path / "report" / "report.html").read_text()
 
 

@@ -117,23 +117,22 @@ def test_a_calibrated_scale_of_one_axis_is_not_that_of_three() -> None:
 
 
 def test_a_board_on_its_side_has_the_heading_of_its_device() -> None:
-    """Its x axis points up, and the device pitches: the twist of the board itself would follow the pitch."""
     motion = hand_motion(40.0, tilt_deg=15.0, yaw_deg=15.0, bias_dps=BIAS_DPS)
     mount = Mount("+x", "+y")
-    turned = HandMotion(
+    turn = HandMotion(
         motion.t_s, rows_to_sensor(mount, motion.gyro_dps), rows_to_sensor(mount, motion.accel_mps2), motion.heading_deg
     )
     flat = FilterRun(RESTLEVEL, RESTLEVEL.params())
     sideways = FilterRun(RESTLEVEL, RESTLEVEL.params(), mount=mount)
     yaw_deg = all_axes(flat, motion)
-    assert all_axes(sideways, turned) == pytest.approx(yaw_deg, abs=1e-6)
+    assert all_axes(sideways, turn) == pytest.approx(yaw_deg, abs=1e-6)
     ours, theirs = flat.attitude(), sideways.attitude()
     assert (theirs.roll_deg, theirs.pitch_deg, theirs.tilt_deg) == pytest.approx(
         (ours.roll_deg, ours.pitch_deg, ours.tilt_deg), abs=1e-6
     )
     biases_dps = (theirs.bias_x_dps, theirs.bias_y_dps, theirs.bias_z_dps)
     assert mount.to_device(biases_dps) == pytest.approx((ours.bias_x_dps, ours.bias_y_dps, ours.bias_z_dps), abs=1e-6)
-    up = np.array(turned.accel_mps2[-1]) / np.linalg.norm(turned.accel_mps2[-1])
+    up = np.array(turn.accel_mps2[-1]) / np.linalg.norm(turn.accel_mps2[-1])
     assert rotated(theirs[:4], up)[2] == pytest.approx(1.0, abs=0.01)
 
 
@@ -150,7 +149,6 @@ def test_three_axes_begin_with_the_sigma_of_one() -> None:
 
 @pytest.mark.parametrize("chosen", [RESTLEVEL, HDR])
 def test_a_device_that_sends_one_rate_from_now_on_has_one_axis(chosen: Filter) -> None:
-    """Another device may be plugged in: it is not turned by the tilt that the first one had."""
     motion, run = hand_motion(20.0, tilt_deg=40.0), FilterRun(chosen, chosen.params(), mount=Mount("+y", "+x"))
     yaw_deg = all_axes(run, motion)[-1]
     for index in range(1, 1001):

@@ -125,7 +125,6 @@ def test_each_c_constant_is_one_of_python() -> None:
 
 
 def test_the_kinds_of_rest_are_those_of_python(library: ctypes.CDLL) -> None:
-    """In the order of the search, and the window of a rest sensor."""
     for index, kind in enumerate((*KINDS, STILL)):
         numbers = (ctypes.c_double * 4)()
         library.kind(index, numbers)
@@ -133,7 +132,6 @@ def test_the_kinds_of_rest_are_those_of_python(library: ctypes.CDLL) -> None:
 
 
 def test_the_spreads_of_parts_are_those_of_python() -> None:
-    """Two tables of three numbers."""
     text = (FILTERS_FOLDER / "attitude_evidence.h").read_text()
     for name, values in (("spreads", SPREADS), ("shares", SHARES)):
         table = re.search(rf"{name}\[3\] = {{(.*?)}}", text, re.DOTALL)

@@ -189,7 +189,6 @@ def assert_near(single: FilterOutput, double: FilterOutput) -> None:
 
 @pytest.mark.parametrize("name", MOTIONS)
 def test_motions_give_the_same_estimates(c_filters: CFilters, name: str) -> None:
-    """Every output after every sample."""
     assert_the_same(c_filters, of_motion(name))
 
 
@@ -201,7 +200,6 @@ def test_odd_recordings_give_the_same_estimates(c_filters: CFilters, name: str) 
 
 @pytest.mark.parametrize("name", EVEN)
 def test_even_turns_give_the_same_estimates(c_filters: CFilters, name: str) -> None:
-    """Rest or turn: several hypotheses."""
     assert_the_same(c_filters, EVEN[name]())
 
 
@@ -244,7 +242,6 @@ def test_any_samples_are_accepted_as_in_python_and_stay_finite(c_filters: CFilte
 
 @pytest.mark.parametrize("real", ["float", "double"])
 def test_a_copy_of_the_state_saves_the_filter(c_filters: CFilters, real: str) -> None:
-    """It goes on from the copy as if nothing had happened."""
     t_s, inputs = of_motion("arm", 20.0)
     library = program(c_filters, real)
     saved = library.run(t_s, inputs, saved_after=777)
@@ -253,7 +250,6 @@ def test_a_copy_of_the_state_saves_the_filter(c_filters: CFilters, real: str) ->
 
 @pytest.mark.parametrize("real", ["float", "double"])
 def test_the_clock_of_microseconds_wraps(c_filters: CFilters, real: str) -> None:
-    """It gives what seconds give, over the wrap; time that stands still or goes back is refused."""
     t_s, inputs = of_motion("stick", 20.0)
     t_us = 2**32 - 5_000_000 + np.rint(t_s * 1e6)
     t_us[1000], t_us[1800] = t_us[999], t_us[1798]
@@ -285,13 +281,11 @@ def test_fewer_hypotheses_save_memory_and_still_know_rests(c_filters: CFilters) 
 
 
 def test_the_state_has_the_size_that_the_docs_tell(c_filters: CFilters) -> None:
-    """In float on this machine."""
     assert 13_500 < program(c_filters, "float").state_bytes < 14_400
 
 
 @pytest.mark.parametrize("real", ["float", "double"])
 def test_any_samples_and_parameters_leave_a_sound_state(tmp_path: Path, real: str) -> None:
-    """Under the sanitizers of addresses and undefined behavior."""
     write_header(tmp_path)
     sanitizers = "-fsanitize=address,undefined,float-divide-by-zero"
     if shutil.which("cc") is None or not can_sanitize(tmp_path, sanitizers):

@@ -46,7 +46,6 @@ def test_a_cortex_m_gives_the_attitude_of_this_machine(tmp_path: Path, c_filters
 
 
 def test_hdr_fits_an_atmega328p(tmp_path: Path, c_filters: CFilters) -> None:
-    """Its yaw, and at most a quarter of the time at 100 Hz, also for the slowest update."""
     t_us, rate_dps = board_samples(100.0, 60.0)
     board = on_avr(tmp_path, "hdr", t_us, rate_dps)
     assert np.abs(board.yaw_deg - here(c_filters, "hdr", t_us, rate_dps)).max() < 0.01

@@ -26,7 +26,6 @@ CHECKS = ",".join(
 
 @pytest.mark.parametrize(("compiler", "real"), [("gcc", "float"), ("gcc", "double"), ("clang", "float")])
 def test_random_samples_pass_the_sanitizers(tmp_path: Path, compiler: str, real: str) -> None:
-    """No access out of bounds, no undefined operation, and every output finite."""
     assert fuzzed(tmp_path, compiler, real) == f"{RUNS} runs\n"
 
 
@@ -52,7 +51,6 @@ def fuzzed(folder: Path, compiler: str, real: str, *flags: str) -> str:
 
 @pytest.mark.parametrize("language", [("-std=c11",), ("-x", "c++", "-std=c++11")], ids=["C", "C++"])
 def test_clang_tidy_finds_nothing(tmp_path: Path, language: tuple[str, ...]) -> None:
-    """Its checks for bugs, safety and speed."""
     if shutil.which("clang-tidy") is None:
         pytest.skip("there is no clang-tidy: apt-get install clang-tidy")
     write_header(tmp_path)

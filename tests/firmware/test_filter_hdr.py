@@ -46,7 +46,6 @@ def values_of(params: HdrParams) -> list[float]:
 
 @pytest.mark.parametrize("name", packed_names())
 def test_recordings_give_the_same_bits_in_double(c_filters: CFilters, recordings: Recordings, name: str) -> None:
-    """Every output after every sample."""
     session = load_session(recordings.path(name))
     taken, rows = in_python(session.t_device_s, session.rate_dps)
     output = c_filters.get("filter_hdr.c", "double").run(session.t_device_s, session.rate_dps)
@@ -56,7 +55,6 @@ def test_recordings_give_the_same_bits_in_double(c_filters: CFilters, recordings
 
 @pytest.mark.parametrize("name", packed_names())
 def test_recordings_give_the_same_yaw_in_float(c_filters: CFilters, recordings: Recordings, name: str) -> None:
-    """Within 0.01 degrees an hour."""
     session = load_session(recordings.path(name))
     taken, rows = in_python(session.t_device_s, session.rate_dps)
     output = c_filters.get("filter_hdr.c", "float").run(session.t_device_s, session.rate_dps)
@@ -92,7 +90,6 @@ def test_any_samples_give_the_same_bits(
 
 @pytest.mark.parametrize("real", ["float", "double"])
 def test_a_copy_of_the_state_saves_the_filter(c_filters: CFilters, real: str) -> None:
-    """It goes on from the copy as if nothing had happened."""
     rng = np.random.default_rng(1)
     t_s, rate_dps = np.arange(2000) * 0.01, rng.normal(0.1, 0.2, 2000)
     library = c_filters.get("filter_hdr.c", real)
@@ -115,7 +112,6 @@ def test_an_hour_at_200_hz_in_float_keeps_yaw(c_filters: CFilters, rate_dps: flo
 
 @pytest.mark.parametrize("real", ["float", "double"])
 def test_the_clock_of_microseconds_wraps(c_filters: CFilters, real: str) -> None:
-    """It gives what seconds give, over the wrap; time that stands still or goes back is refused."""
     rng = np.random.default_rng(3)
     t_us = 2**32 - 5_000_000 + np.cumsum(rng.integers(4000, 6000, 3000)).astype(float)
     t_us[1000], t_us[2000] = t_us[999], t_us[1998]

@@ -43,7 +43,6 @@ def test_no_compiler_warns_of_the_header(tmp_path: Path, name: str, real: str) -
 @pytest.mark.parametrize("compiler", ["gcc", "clang", "avr-gcc"])
 @pytest.mark.parametrize("flag", ["-ffast-math", "-Ofast", "-ffinite-math-only"])
 def test_fast_mathematics_is_refused(tmp_path: Path, compiler: str, flag: str) -> None:
-    """It lets NaN pass as a sample."""
     if shutil.which(compiler) is None:
         pytest.skip(f"there is no {compiler}")
     write_header(tmp_path)
@@ -65,7 +64,6 @@ def test_a_number_type_that_is_no_float_or_double_is_refused(tmp_path: Path, nam
 
 
 def test_the_header_holds_each_part_once() -> None:
-    """No include of a part stays, and no part is missing or double."""
     text = gyrodrift_h()
     assert re.findall(r'^#include "', text, re.MULTILINE) == []
     for part in FILTERS_FOLDER.glob("*.h"):
@@ -75,14 +73,12 @@ def test_the_header_holds_each_part_once() -> None:
 
 
 def test_the_head_comment_shows_use_in_thirty_lines() -> None:
-    """Users read it first."""
     head = gyrodrift_h().split("*/", 1)[0]
     assert head.count("\n") <= 30
     assert "gd_hdr_init(&h, NULL)" in head
 
 
 def test_a_part_can_be_joined_alone() -> None:
-    """HDR needs no restlevel."""
     text = joined("hdr.h")
     assert "gd_hdr_update" in text
     assert text.index("typedef GD_REAL gd_real") < text.index("} gd_hdr_params;") < text.index("} gd_hdr;")
@@ -120,7 +116,6 @@ def test_the_defaults_of_the_header_are_those_of_the_registry(name: str) -> None
 
 
 def test_parameters_out_of_bounds_are_refused(c_filters: CFilters) -> None:
-    """Each bound, and NaN; the filter then runs with the defaults."""
     library = c_filters.get("filter_hdr.c", "double")
     t_s, rates = [0.0, 0.01, 0.02, 0.03], [0.1, 0.2, 0.1, 0.2]
     usual = library.run(t_s, rates)
@@ -135,5 +130,4 @@ def test_parameters_out_of_bounds_are_refused(c_filters: CFilters) -> None:
 
 
 def test_warnings_are_errors() -> None:
-    """Or a warning would pass unseen."""
     assert "-Werror" in WARNINGS

@@ -48,7 +48,6 @@ def test_the_ten_minutes_lead_to_a_sketch_for_an_uno(tmp_path: Path) -> None:
 
 
 def test_the_lines_of_the_page_are_those_of_the_sketch(tmp_path: Path) -> None:
-    """Their form: test_stream_with_yaw.py reads such lines in simavr. Messages are those of the sketch."""
     shown = next(block for block in blocks(TEN_MINUTES, "") if "yaw" in block).splitlines()
     assert all(PRINTED.fullmatch(line) for line in shown)
     sketch = (library(tmp_path, "arduino") / "examples" / "SerialYaw" / "SerialYaw.ino").read_text()
@@ -57,7 +56,6 @@ def test_the_lines_of_the_page_are_those_of_the_sketch(tmp_path: Path) -> None:
 
 
 def test_the_sketch_of_the_page_compiles(tmp_path: Path) -> None:
-    """In an empty sketch, for an Uno."""
     need("avr-g++", "gcc-avr")
     (code,) = blocks(TEN_MINUTES, "cpp")
     sketch = tmp_path / "own.ino"
@@ -68,7 +66,6 @@ def test_the_sketch_of_the_page_compiles(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("compiler", "language"), [("cc", "c"), ("c++", "cpp")])
 def test_the_code_of_the_filter_page_compiles(compiler: str, language: str, tmp_path: Path) -> None:
-    """As it stands, but for the function that uses the result."""
     need(compiler, "gcc")
     out = library(tmp_path, "c", "--config", calibrated_config(tmp_path))
     code = blocks(FILTER, language)
@@ -79,7 +76,6 @@ def test_the_code_of_the_filter_page_compiles(compiler: str, language: str, tmp_
 
 
 def test_the_code_with_the_values_of_a_gyro_compiles(tmp_path: Path) -> None:
-    """In a function that has the values."""
     need("cc", "gcc")
     out = library(tmp_path, "c", "--config", calibrated_config(tmp_path))
     include, _, body = blocks(FILTER, "c")[1].partition("\n")
@@ -90,7 +86,6 @@ def test_the_code_with_the_values_of_a_gyro_compiles(tmp_path: Path) -> None:
 
 
 def test_the_code_for_micropython_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the modules that the command writes; this Python has the clock of MicroPython for it."""
     monkeypatch.setattr(time, "ticks_us", lambda: 0, raising=False)
     monkeypatch.setattr(time, "ticks_diff", lambda end, start: end - start, raising=False)
     out = library(tmp_path, "micropython", "--config", calibrated_config(tmp_path))
@@ -105,7 +100,6 @@ def test_the_code_for_micropython_runs(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def test_the_sizes_of_the_page_are_those_of_the_files(tmp_path: Path) -> None:
-    """In KB, as the table of MicroPython says them."""
     row = re.search(r"\| file, and compiled by mpy-cross \| (\d+) KB \| (\d+) KB, 20 KB \|\n", FILTER.read_text())
     assert row is not None
     hdr = (library(tmp_path, "micropython") / "gyrodrift_hdr.py").stat().st_size
@@ -115,7 +109,6 @@ def test_the_sizes_of_the_page_are_those_of_the_files(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("page", [TEN_MINUTES, FILTER, FIRMWARE], ids=lambda page: page.name)
 def test_the_targets_of_the_pages_exist(page: Path, tmp_path: Path) -> None:
-    """Each `gyrodrift firmware` of a page runs, in a folder of its own."""
     for words in commands(page, "gyrodrift"):
         if words[1] != "firmware":
             continue

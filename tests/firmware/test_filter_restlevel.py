@@ -87,7 +87,6 @@ def test_an_hour_in_float_keeps_yaw(double: CFilter, single: CFilter, turn_dps: 
 
 @pytest.mark.parametrize("damaged_dps", [1e12, -1e9])
 def test_a_float_goes_on_after_damaged_rates(single: CFilter, damaged_dps: float) -> None:
-    """It learns the bias again at the next rests."""
     t_s, inputs = plain(100.0, 120.0)
     inputs[3000:3060, 0] = damaged_dps
     inputs[-1500:, 0] = inputs[:1500, 0]
@@ -145,7 +144,6 @@ def test_any_samples_give_the_same_bits(
 @pytest.mark.parametrize("real", ["float", "double"])
 @pytest.mark.parametrize("saved_after", [0, 1234, 6000])
 def test_a_copy_of_the_state_saves_the_filter(c_filters: CFilters, real: str, saved_after: int) -> None:
-    """It goes on from the copy as if nothing had happened."""
     t_s, inputs = with_temperature_and_rest_sensor()
     library = c_filters.get("filter_restlevel.c", real)
     usual, restored = library.run(t_s, inputs), library.run(t_s, inputs, saved_after=saved_after)
@@ -169,8 +167,8 @@ def test_a_remembered_bias_agrees_with_python(
 ) -> None:
     """A board keeps the last bias over a reset; the noise it sees again."""
     t_s, inputs = plain(50.0, 120.0)
-    known = RestlevelMemory(bias_dps, sigma_dps, None, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0)
-    state = begun(RestlevelParams(), known, age_s, None)
+    expected = RestlevelMemory(bias_dps, sigma_dps, None, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0)
+    state = begun(RestlevelParams(), expected, age_s, None)
     state.recalled = RecalledNoise()
     python = in_python(t_s[500:], inputs[500:], state=state)
     for real, limit_deg in (("double", 1e-9), ("float", FLOAT_DEG_H)):
@@ -192,7 +190,6 @@ def test_a_bias_that_is_none_is_not_remembered(c_filters: CFilters, single: CFil
 
 
 def test_the_clock_of_microseconds_gives_the_same_yaw(double: CFilter, single: CFilter) -> None:
-    """It wraps on the way; time that stands still is refused."""
     t_s, inputs = plain(200.0, 120.0)
     late_us = np.random.default_rng(7).uniform(0.0, 400.0, len(t_s))  # else the last digit decides where a block ends
     t_us = 2.0**32 - 30e6 + np.rint(t_s * 1e6 + late_us)

@@ -95,7 +95,6 @@ class Header:
 
     @staticmethod
     def _framed(write: Callable[..., int], *fields: object) -> bytes:
-        """What is written beyond the length that it tells would show as well."""
         buffer = ctypes.create_string_buffer(b"\xaa" * 64, 64)
         length = write(buffer, *fields)
         assert set(buffer.raw[length:]) == {0xAA}
@@ -108,36 +107,30 @@ def header(tmp_path_factory: pytest.TempPathFactory) -> Header:
 
 
 def test_hello_is_the_golden_one(header: Header) -> None:
-    """Byte for byte."""
     assert header.hello(100, 0.00763, 36000, b"firmware_sim") == HELLO
 
 
 @pytest.mark.parametrize("sample", SAMPLES)
 def test_samples_are_the_golden_ones(header: Header, sample: NativeSample) -> None:
-    """Each of the table becomes its bytes."""
     assert header.sample(*sample) == SAMPLES[sample]
 
 
 def test_frames_of_three_axes_are_the_golden_ones(header: Header) -> None:
-    """HELLO of the second version."""
     assert header.hello3(100, 0.00763, 36000, b"firmware_sim", AXES_HELLO_MPS2) == AXES_HELLO
 
 
 @pytest.mark.parametrize("sample", AXES_SAMPLES)
 def test_samples_of_three_axes_are_the_golden_ones(header: Header, sample: NativeSample3) -> None:
-    """Each of the table becomes its bytes."""
     assert header.sample3(*sample) == AXES_SAMPLES[sample]
 
 
 def test_hello_of_a_device_that_runs_a_filter_is_the_golden_one(header: Header) -> None:
-    """With one axis, which has no accelerometer, and with three."""
     assert header.hello_filter(100, 0.00763, 36000, b"firmware_sim", 1, 0.0, 2) == FILTER_HELLO
     assert header.hello_filter(100, 0.00763, 36000, b"firmware_sim", 3, AXES_HELLO_MPS2, 3) == AXES_FILTER_HELLO
 
 
 @pytest.mark.parametrize("yaw", YAWS)
 def test_yaws_are_the_golden_ones(header: Header, yaw: NativeYaw) -> None:
-    """Each of the table becomes its bytes, with a sigma and without one."""
     assert header.yaw(*yaw) == YAWS[yaw]
 
 
@@ -168,18 +161,16 @@ def test_any_sample_has_the_bytes_of_the_simulated_device(
 
 @given(u16, st.floats(width=32, min_value=SCALES[0], max_value=SCALES[1]), u32, st.binary(max_size=24))
 def test_any_hello_is_read_back(header: Header, rate_hz: int, scale: float, cpr: int, name: bytes) -> None:
-    """What of a name is longer than 16 is cut off, it ends at its first zero, and what is not to be seen is marked."""
     decoder = NativeDecoder()
     assert decoder.push(header.hello(rate_hz, scale, cpr, name)) == []
     assert decoder.counters.damaged == 0
     heard = decoder.device
     assert (heard.sample_rate_hz, heard.dps_per_lsb, heard.encoder_cpr) == (rate_hz or None, scale, cpr or None)
-    said = name.partition(b"\0")[0][:16].decode("ascii", "replace")
-    assert heard.device_id == "".join(each if each.isprintable() else "\ufffd" for each in said)
+    statement = name.partition(b"\0")[0][:16].decode("ascii", "replace")
+    assert heard.device_id == "".join(item if item.isprintable() else "\ufffd" for item in statement)
 
 
 def test_the_stream_that_decoders_are_damaged_with_is_the_same(header: Header) -> None:
-    """So that what holds for the simulated device under any split and any damage holds for this one."""
     base = load_rig(None).base
     sent = [header.hello(round(base.sample_rate_hz), base.dps_per_lsb, base.encoder_cpr, b"firmware_sim")]
     for block in islice(measure(RIG, load_profile("turntable"), seed=3), 1):
@@ -196,11 +187,10 @@ def test_the_stream_that_decoders_are_damaged_with_is_the_same(header: Header) -
 def test_damage_costs_the_frames_that_it_hits(
     header: Header, measured: list[tuple[int, int, int]], damage: list[tuple[int, bytes]]
 ) -> None:
-    """No other sample is lost, none is invented, and none has a wrong number."""
     frames = [header.sample(2, seq, 5000 * i, rate, temp, 0) for i, (seq, rate, temp) in enumerate(measured)]
     stream = bytearray(b"".join(frames))
-    for place, junk in damage:
-        start = place % len(stream)
+    for position, junk in damage:
+        start = position % len(stream)
         stream[start : start + len(junk)] = junk[: len(stream) - start]
     whole = [stream[20 * i : 20 * i + 20] == frame for i, frame in enumerate(frames)]
     decoder = NativeDecoder()
@@ -217,7 +207,6 @@ def test_damage_costs_the_frames_that_it_hits(
 
 @pytest.mark.parametrize("standard", ["c99", "c11", "c17"])
 def test_it_is_clean_c(standard: str) -> None:
-    """Under all warnings, conversions too."""
     if shutil.which("cc") is None:
         pytest.skip("there is no C compiler: apt-get install gcc")
     assert run("cc", f"-std={standard}", "-x", "c", *PEDANTIC, HEADERS / "gyrodrift_native.h") == ""
@@ -225,7 +214,6 @@ def test_it_is_clean_c(standard: str) -> None:
 
 @pytest.mark.parametrize("standard", ["c++98", "c++11", "c++17"])
 def test_it_is_clean_cpp(standard: str) -> None:
-    """Likewise."""
     if shutil.which("c++") is None:
         pytest.skip("there is no C++ compiler: apt-get install g++")
     assert run("c++", f"-std={standard}", "-x", "c++", *PEDANTIC, HEADERS / "gyrodrift_native.h") == ""
@@ -235,7 +223,6 @@ PEDANTIC = (*STRICT, "-pedantic", "-Wconversion", "-Wsign-conversion", "-Wshadow
 
 
 def test_it_needs_nothing_of_a_system(tmp_path: Path) -> None:
-    """On an AVR it calls no function but that of the compiler, and keeps no variable."""
     if shutil.which("avr-gcc") is None:
         pytest.skip("there is no compiler for AVR: apt-get install gcc-avr avr-libc")
     built = tmp_path / "header.o"

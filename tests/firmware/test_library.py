@@ -48,7 +48,6 @@ def test_the_next_step_can_be_pasted(
 
 
 def test_quiet_prints_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """As for other commands."""
     library(tmp_path, "c")
     assert capsys.readouterr() == ("", "")
 
@@ -73,14 +72,13 @@ def test_a_second_run_replaces_what_the_first_has_written(tmp_path: Path) -> Non
 
 
 def test_a_changed_file_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """With --force it is replaced; the files of other names stay in any case."""
     out = library(tmp_path, "c")
     (out / "main.c").write_text("mine\n")
     (out / "notes.txt").write_text("mine too\n")
     assert main(["firmware", "--out", str(out)]) == 2
-    said = capsys.readouterr().err
+    statement = capsys.readouterr().err
     reason = "not as gyrodrift firmware wrote it; choose another --out, or --force replaces it"
-    assert said == f"gyrodrift: {out / 'main.c'}: {reason}\n"
+    assert statement == f"gyrodrift: {out / 'main.c'}: {reason}\n"
     assert (out / "main.c").read_text() == "mine\n"
     assert library(tmp_path, "c", "--force") == out
     assert (out / "main.c").read_text() != "mine\n"
@@ -88,7 +86,6 @@ def test_a_changed_file_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture[st
 
 
 def test_a_file_of_another_origin_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Nothing at all is written beside it."""
     (tmp_path / "CMakeLists.txt").write_text("project(robot)\n")
     assert main(["firmware", "--out", str(tmp_path)]) == 2
     assert "CMakeLists.txt: not as gyrodrift firmware wrote it" in capsys.readouterr().err
@@ -114,14 +111,12 @@ def test_a_folder_that_cannot_be_written_is_told(tmp_path: Path, capsys: pytest.
 
 
 def test_a_name_that_arduino_does_not_load_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Its IDE would leave the library out, or stop with an error."""
     assert main(["firmware", "--out", str(tmp_path / "my gyro"), "--target", "arduino"]) == 2
     assert "Arduino loads libraries from folders named with letters" in capsys.readouterr().err
     assert not (tmp_path / "my gyro").exists()
 
 
 def filtered(table: Path, *words: str) -> "np.ndarray[tuple[int], np.dtype[np.void]]":
-    """What `gyrodrift filter` makes of a table."""
     out = table.with_name("filtered.csv")
     assert main(["filter", str(table), "--out", str(out), "--force", "--quiet", *words]) == 0
     return np.genfromtxt(out, delimiter=",", names=True)
@@ -142,7 +137,6 @@ def test_the_c_library_is_built_with_cmake_and_filters_as_python_does(
     is_calibrated: bool,  # noqa: FBT001 - a parameter
     tmp_path: Path,
 ) -> None:
-    """Its example reads the table of a session, and gives the yaw of `gyrodrift filter` to 1e-9 deg."""
     words = ["--config", str(calibrated_config(tmp_path, name, device_id=""))] if is_calibrated else []
     out = library(tmp_path, "c", *words)
     cmake_built(out, out / "build")
@@ -156,7 +150,6 @@ def test_the_c_library_is_built_with_cmake_and_filters_as_python_does(
 
 
 def test_a_table_without_columns_is_told(tmp_path: Path) -> None:
-    """By the example, which names those that it needs."""
     out = library(tmp_path, "c")
     cmake_built(out, out / "build")
     done = subprocess.run([out / "build" / "gyrodrift_example"], input=b"a,b\n1,2\n", capture_output=True, check=False)
@@ -165,7 +158,6 @@ def test_a_table_without_columns_is_told(tmp_path: Path) -> None:
 
 
 def test_a_project_takes_the_folder_as_an_interface_library(tmp_path: Path) -> None:
-    """With add_subdirectory; the example is then left out."""
     out = library(tmp_path, "c")
     (tmp_path / "CMakeLists.txt").write_text(
         "cmake_minimum_required(VERSION 3.13)\nproject(robot C)\n"
@@ -180,6 +172,5 @@ def test_a_project_takes_the_folder_as_an_interface_library(tmp_path: Path) -> N
 
 
 def test_the_version_is_that_of_gyrodrift(tmp_path: Path) -> None:
-    """Of the Arduino library and of the CMake project."""
     assert f"\nversion={__version__}\n" in (library(tmp_path, "arduino") / "library.properties").read_text()
     assert f"VERSION {__version__} " in (library(tmp_path, "c") / "CMakeLists.txt").read_text()

@@ -24,7 +24,6 @@ BOARD = {"seconds": SECONDS, "absent": 0.0, "pin": True, "up": [2, False], "filt
 
 
 def played(folder: Path, **board: Any) -> tuple[bytes, list[list[int]]]:
-    """What `main.py` sends, and what its gyro measured: t_us, then counts: yaw rate, temperature, accelerations."""
     (folder / "gyrodrift_restlevel.py").write_text(restlevel_py())
     modules = [folder / "gyrodrift_restlevel.py"]
     stream, _, truth = in_micropython("play_board.py", BOARD | board, folder, *modules).rpartition(b"\n")
@@ -66,14 +65,13 @@ def test_frames_of_a_filter_are_the_golden_ones(tmp_path: Path) -> None:
 
 
 def test_any_sample_has_the_bytes_of_the_simulated_device(tmp_path: Path) -> None:
-    """So that what holds for that one under any split and any damage holds for this one; the ends of each field too."""
     random = Random(7)
     ends = [(0, 255), (0, 65535), (0, 2**32 - 1), (-32768, 32767), (-32768, 32767), (-(2**31), 2**31 - 1)]
-    asked = [[random.choice([*end, random.randint(*end)]) for end in ends] for _ in range(400)]
-    sent = in_micropython("write_frames.py", [["sample", fields] for fields in asked], tmp_path)
-    assert sent == b"".join(sample_frame(*fields) for fields in asked)
-    axes = [[random.choice([-32768, 32767, random.randint(-32768, 32767)]) for _ in range(6)] for _ in asked]
-    rows = list(zip(asked, axes, strict=True))
+    request = [[random.choice([*end, random.randint(*end)]) for end in ends] for _ in range(400)]
+    sent = in_micropython("write_frames.py", [["sample", fields] for fields in request], tmp_path)
+    assert sent == b"".join(sample_frame(*fields) for fields in request)
+    axes = [[random.choice([-32768, 32767, random.randint(-32768, 32767)]) for _ in range(6)] for _ in request]
+    rows = list(zip(request, axes, strict=True))
     asked3 = [["sample3", [flags, seq, t_us, values, temp, n]] for (flags, seq, t_us, _, temp, n), values in rows]
     expected = [
         axes_sample_frame(flags, seq, t_us, values[:3], values[3:], temp, n)
@@ -83,13 +81,11 @@ def test_any_sample_has_the_bytes_of_the_simulated_device(tmp_path: Path) -> Non
 
 
 def test_a_long_name_is_cut(tmp_path: Path) -> None:
-    """At 16 letters."""
     decoder, _ = read_back(in_micropython("write_frames.py", [["hello", [1, 1.0, 0, "x" * 40]]], tmp_path))
     assert decoder.device.device_id == "x" * 16
 
 
 def test_serve_reads_every_sample(tmp_path: Path, port: Path) -> None:
-    """Each rate, temperature and time that the gyro had, over the end of the board's clock."""
     stream, truth = played(tmp_path)
     with speaking_on(port) as device, Command("serve", "--port", port) as serve:
         device.wait_for_reader(never)
@@ -121,7 +117,6 @@ def test_every_axis_is_sent(tmp_path: Path) -> None:
 def test_the_board_may_send_its_own_yaw(
     name: str, file: str, kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Beside each sample: that of its filter in this Python, on the same counts and ticks; HDR has no sigma."""
     stream, _ = played(tmp_path, seconds=3.0, filter=name)
     decoder, readings = read_back(stream)
     assert decoder.device.device_filter == name
@@ -145,7 +140,6 @@ def test_the_board_may_send_its_own_yaw(
 def test_another_axis_may_point_up_or_down(
     up: list[object], slots: list[int], signs: list[int], tmp_path: Path
 ) -> None:
-    """It is sent as z, and the axes stay right-handed."""
     stream, truth = played(tmp_path, seconds=1.0, up=up)
     _, readings = read_back(stream)
     assert len(readings) > 100
@@ -157,19 +151,16 @@ def test_another_axis_may_point_up_or_down(
 
 
 def test_samples_take_no_memory(tmp_path: Path) -> None:
-    """Nothing has to be collected between two of them."""
     assert in_micropython("count_memory.py", None, tmp_path) == b"1001 0"
 
 
 @pytest.mark.parametrize(("board", "name"), [({"absent": 9.0}, "no gyro on I2C"), ({"pin": False}, "INT pin is quiet")])
 def test_what_is_not_wired_is_told(tmp_path: Path, board: dict[str, Any], name: str) -> None:
-    """By HELLO, while there are no samples."""
     decoder, readings = read_back(played(tmp_path, seconds=2.5, **board)[0])
     assert (decoder.device.device_id, readings, decoder.counters.before_hello) == (name, [], 0)
 
 
 def test_a_gyro_that_is_plugged_in_late_is_found(tmp_path: Path) -> None:
-    """With its scale before the first sample."""
     stream, truth = played(tmp_path, seconds=3.0, absent=1.5)
     decoder, readings = read_back(stream)
     assert decoder.device.device_id == "MPU-6050 250/42"
@@ -178,7 +169,6 @@ def test_a_gyro_that_is_plugged_in_late_is_found(tmp_path: Path) -> None:
 
 
 def test_the_records_of_sensors_are_those_of_the_sketch(tmp_path: Path) -> None:
-    """Which drives each of them in a simulated board."""
     records = [json.loads(line) for line in run(compiled("sensor_records.c", tmp_path)).splitlines()]
     sensors = _sensors().SENSORS
     assert len(records) == len(sensors)

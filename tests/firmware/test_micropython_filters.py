@@ -46,8 +46,8 @@ def run_there(
 ) -> Any:
     """Rows and memory of a filter in MicroPython."""
     (folder / "gyrodrift_restlevel.py").write_text(restlevel_py())
-    asked = {"filter": name, "params": params or {}, "clock": "us" if is_us else "s", "samples": samples}
-    return json.loads(in_micropython("run_filter.py", asked, folder, folder / "gyrodrift_restlevel.py"))
+    request = {"filter": name, "params": params or {}, "clock": "us" if is_us else "s", "samples": samples}
+    return json.loads(in_micropython("run_filter.py", request, folder, folder / "gyrodrift_restlevel.py"))
 
 
 def run_here(name: str, samples: Samples, **params: float) -> list[list[float]]:
@@ -64,7 +64,6 @@ def run_here(name: str, samples: Samples, **params: float) -> list[list[float]]:
 
 @pytest.mark.parametrize("params", [{}, {"i_c_dps": 0.01, "tau_s": 0.0, "theta_w_dps": 5.0, "c1": 0.0}])
 def test_hdr_has_the_yaw_of_python(tmp_path: Path, params: dict[str, float]) -> None:
-    """To 1e-9 deg after each sample, with samples that are refused."""
     t_s, rates, _ = rates_dps(DRIVE_S)
     samples: Samples = [[t, rate] for t, rate in zip(t_s, rates, strict=True)]
     samples[50:50] = [[0.3, 1.0], [0.5, None], [1e16, 0.0], [0.495, 2e12]]
@@ -117,7 +116,6 @@ def test_a_tick_that_repeats_is_refused(tmp_path: Path) -> None:
 
 
 def test_memory_of_both_filters(tmp_path: Path) -> None:
-    """As docs/firmware/filter.md states it: bytes of the heap of a 32-bit port whose floats are objects."""
     samples: Samples = [[0.01 * index, 0.5] for index in range(200)]
     hdr, restlevel = (run_there(tmp_path, name, samples) for name in ("hdr", "restlevel"))
     print({name: hdr[name] for name in ("module", "state", "sample")})
@@ -175,7 +173,6 @@ def module_in_float32(source: str) -> types.ModuleType:
 @pytest.mark.long
 @pytest.mark.parametrize(("name", "most_deg"), [("hdr", 0.01), ("restlevel", 0.01)])
 def test_floats_of_32_bits_keep_the_yaw(name: str, most_deg: float) -> None:
-    """Of ten minutes, against the doubles of Python; each operation is rounded as such a port does."""
     source = (MICROPYTHON / "gyrodrift_hdr.py").read_text() if name == "hdr" else restlevel_py()
     module = module_in_float32(source)
     given = {key: Float32(value) for key, value in PARAMS[name].items()}
@@ -194,7 +191,6 @@ def test_floats_of_32_bits_keep_the_yaw(name: str, most_deg: float) -> None:
 
 
 def test_hdr_has_the_parameters_and_limits_of_python(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Their defaults, in the same order."""
     monkeypatch.setattr("time.ticks_diff", lambda end, start: end - start, raising=False)
     spec = importlib.util.spec_from_file_location("gyrodrift_hdr", MICROPYTHON / "gyrodrift_hdr.py")
     assert spec is not None
@@ -208,7 +204,6 @@ def test_hdr_has_the_parameters_and_limits_of_python(monkeypatch: pytest.MonkeyP
 
 
 def test_restlevel_is_the_source_of_python() -> None:
-    """Each file of the filter but those that keep its knowledge on a disk."""
     package = Path(sys.modules["gyrodrift.filters.restlevel.model"].__file__ or "").parent
     files = {f"restlevel.{path.stem}" for path in package.glob("*.py")}
     assert files - set(FILES) == {"restlevel.__init__", "restlevel.memory"}

@@ -110,7 +110,6 @@ def test_parameters_are_those_of_the_config(in_double: Compiled, config: Config)
 
 
 def test_a_config_without_calibration_changes_nothing(tmp_path: Path) -> None:
-    """Rates, accelerations, and the frame."""
     (tmp_path / "plain.yaml").write_text("filter: hdr\n")
     compiled = Compiled(library(tmp_path, "c", "--config", tmp_path / "plain.yaml"))
     assert [compiled.rate_dps(rate_dps, 20.0) for rate_dps in (-1.5, 0.0, 7.25)] == [-1.5, 0.0, 7.25]
@@ -120,7 +119,6 @@ def test_a_config_without_calibration_changes_nothing(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 def test_compilers_take_the_header_without_a_warning(compiler: str, written: Path) -> None:
-    """In C and C++, whatever the id of the device has in it."""
     need(compiler, compiler)
     program = f'#include "{written}/my_gyro.h"\nint main(void) {{ return 0; }}\n'
     for name, flags in (("use.c", ["-std=c11"]), ("use.cpp", ["-std=c++11", "-x", "c++"])):
@@ -132,7 +130,6 @@ def test_compilers_take_the_header_without_a_warning(compiler: str, written: Pat
 
 @pytest.mark.parametrize("compiler", ["g++", "clang++"])
 def test_the_classes_of_cpp_are_the_functions_of_c(compiler: str, written: Path, tmp_path: Path) -> None:
-    """With defaults and with parameters, without a warning."""
     need(compiler, compiler)
     program = tmp_path / "wrappers"
     run(compiler, "-std=c++11", *EXACT, *WARNINGS, f"-I{written}", HERE / "use_wrappers.cpp", "-o", program)
@@ -190,7 +187,6 @@ def test_two_files_of_a_program_may_have_another_number_type_or_size(
 def test_the_module_for_micropython_calibrates_as_python_does(
     config: Config, rate_dps: float, temp_c: float | None
 ) -> None:
-    """It is plain Python, so this Python runs it."""
     module: dict[str, Any] = {}
     exec(my_gyro_py(TunedGyro.of_config(config, "my.yaml")), module)
     assert config.calibration is not None
@@ -204,14 +200,12 @@ def test_the_module_for_micropython_calibrates_as_python_does(
     ("name", "prefix"), [("my_gyro.h", "MY_GYRO"), ("left-2.h", "LEFT_2"), ("2nd.h", "GYRO_2ND"), ("ß.h", "GYRO")]
 )
 def test_names_begin_with_the_name_of_the_file(name: str, prefix: str) -> None:
-    """So that a program can include the headers of two gyros."""
     assert prefix_of(name) == prefix
     gyro = TunedGyro("a.yaml", "hdr", HdrParams(), RestlevelParams(), RestlevelParams(), None, NO_CALIBRATION, Mount())
     assert f"static const gd_hdr_params {prefix}_HDR =\n" in my_gyro_h(gyro, name)
 
 
 def test_a_config_with_mistakes_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """With line and key, and nothing is written."""
     (tmp_path / "bad.yaml").write_text("filter: hdr\nhdr: {tau_s: -1}\n")
     assert main(["firmware", "--out", str(tmp_path / "out"), "--config", str(tmp_path / "bad.yaml")]) == 2
     assert "bad.yaml:2:" in capsys.readouterr().err

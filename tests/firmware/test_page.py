@@ -21,14 +21,13 @@ def blocks(language: str) -> list[str]:
 
 @pytest.fixture
 def cc() -> str:
-    found = shutil.which("cc")
-    if found is None:
+    result = shutil.which("cc")
+    if result is None:
         pytest.skip("there is no C compiler: apt-get install gcc")
-    return found
+    return result
 
 
 def test_the_record_of_another_sensor_fits(cc: str, tmp_path: Path) -> None:
-    """Behind the others in C and in Python, with one meaning."""
     in_c, in_python = blocks("c")[0], blocks("python")[0]
     header = (SKETCH / "gyro_sensors.h").read_text()
     last = '    {"ICM-20948'
@@ -42,7 +41,6 @@ def test_the_record_of_another_sensor_fits(cc: str, tmp_path: Path) -> None:
 
 
 def test_the_header_is_used_as_shown(cc: str, tmp_path: Path) -> None:
-    """In a function that has the values."""
     include, _, body = blocks("c")[1].partition("\n")
     body += blocks("c")[2] + blocks("c")[3]
     source = f"""{include}
@@ -58,7 +56,6 @@ void send(uint16_t seq, uint32_t t_us, int16_t rate_raw, const int16_t *g, const
 
 
 def test_the_table_of_baud_rates_is_right() -> None:
-    """By the bytes of the golden frames."""
     rows = re.findall(r"^\| (\d+) \| (\d+) \| (\d+) % \|$", README.read_text(), re.MULTILINE)
     assert len(rows) == 4
     for baud, most, share in ((int(a), int(b), int(c)) for a, b, c in rows):

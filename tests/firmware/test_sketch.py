@@ -31,9 +31,9 @@ MICROSECONDS_APART = 60.0
 """Between the pin and the reading of the clock: other interrupts of the board; reading I2C alone takes 300."""
 
 
-def heard(board: Board, *more: str | Path) -> tuple[list[dict[str, Any]], str, dict[str, Any], Truth]:
+def heard(board: Board, *extra: str | Path) -> tuple[list[dict[str, Any]], str, dict[str, Any], Truth]:
     """Lines and log of `serve` at a board until its end, and what the board and its gyro say."""
-    with board, Command("serve", "--port", board.link, *more) as serve:
+    with board, Command("serve", "--port", board.link, *extra) as serve:
         serve.until(lambda _: board.is_over(), "end of the board")
         result, truth = board.result()
         serve.until(lambda command: "event=link_lost" in command.log, "end of the stream")
@@ -65,7 +65,6 @@ def link(tmp_path: Path) -> Path:
 def test_no_sample_is_lost_on_the_way_to_serve_and_record(
     board_program: Path, sketch: Path, link: Path, tmp_path: Path
 ) -> None:
-    """At 200 Hz and 115200 baud: every rate and temperature that the gyro measured, and when it did."""
     sessions = tmp_path / "sessions"
     board = Board(board_program, sketch, link, seconds=10)
     lines, log, result, truth = heard(board, "--record", str(sessions))
@@ -115,7 +114,6 @@ def test_hello_states_what_the_gyro_is_set_to(
 
 
 def test_another_axis_may_point_up_or_down(board_program: Path, tmp_path: Path) -> None:
-    """With x down, x is sent as z, and the axes stay right-handed: (y, −z, −x)."""
     folder = changed_sketch(tmp_path, AXIS="0", IS_UPSIDE_DOWN="true")
     sketch = built_sketch(tmp_path, folder)
     sessions = tmp_path / "sessions"
@@ -131,7 +129,6 @@ def test_another_axis_may_point_up_or_down(board_program: Path, tmp_path: Path) 
 
 
 def test_a_slow_line_takes_the_yaw_rate_alone(board_program: Path, tmp_path: Path) -> None:
-    """At 57600 baud no sample is lost, and the frames are those of a device with one axis."""
     folder = changed_sketch(tmp_path, HAS_ALL_AXES="false", BAUD="57600")
     sketch = built_sketch(tmp_path, folder)
     sessions = tmp_path / "sessions"
@@ -144,7 +141,6 @@ def test_a_slow_line_takes_the_yaw_rate_alone(board_program: Path, tmp_path: Pat
 
 
 def test_a_clipped_acceleration_is_marked(board_program: Path, sketch: Path, link: Path, tmp_path: Path) -> None:
-    """Its direction is wrong, so the host takes it for missing; the rates are sound."""
     sessions = tmp_path / "sessions"
     board = Board(board_program, sketch, link, seconds=2, clip=1)
     _, _, _, truth = heard(board, "--record", str(sessions))
@@ -164,7 +160,6 @@ def test_a_gyro_that_is_plugged_in_late_is_found(board_program: Path, sketch: Pa
 
 
 def test_a_gyro_that_lost_its_settings_is_set_again(board_program: Path, sketch: Path, link: Path) -> None:
-    """As after a dip of its supply, which puts it to sleep."""
     lines, _, _, truth = heard(Board(board_program, sketch, link, seconds=3, reset=1))
     assert len(lines) > 200
     assert [round(line["rate_dps"] * 131) for line in lines] == truth.rate_raw.tolist()
@@ -172,23 +167,20 @@ def test_a_gyro_that_lost_its_settings_is_set_again(board_program: Path, sketch:
 
 
 def test_a_gyro_that_holds_the_bus_is_clocked_free(board_program: Path, sketch: Path, link: Path) -> None:
-    """As it does where the board was reset, by opening its port, while the gyro spoke."""
     lines, _, _, truth = heard(Board(board_program, sketch, link, seconds=2, held=7))
     assert [round(line["rate_dps"] * 131) for line in lines] == truth.rate_raw.tolist()
 
 
 def test_what_is_too_fast_for_the_line_is_lost_and_counted(board_program: Path, sketch: Path, link: Path) -> None:
-    """Of a gyro with 800 Hz half gets through, less to a busy reader; each sample has its number, time and rate."""
     lines, log, result, truth = heard(Board(board_program, sketch, link, seconds=3, ppm=3e6))
-    place = np.array([line["seq"] - 1 for line in lines])
+    position = np.array([line["seq"] - 1 for line in lines])
     assert 0.1 < len(lines) / result["measured"] < 0.6
-    assert [round(line["rate_dps"] * 131) for line in lines] == truth.rate_raw[place].tolist()
-    assert is_in_time([line["t_s"] for line in lines], Truth(*(values[place] for values in truth)))
-    assert f"missing={place[-1] + 1 - len(lines)} " in log.splitlines()[-1]
+    assert [round(line["rate_dps"] * 131) for line in lines] == truth.rate_raw[position].tolist()
+    assert is_in_time([line["t_s"] for line in lines], Truth(*(values[position] for values in truth)))
+    assert f"missing={position[-1] + 1 - len(lines)} " in log.splitlines()[-1]
 
 
 def test_a_data_ready_pin_that_is_not_wired_is_told(board_program: Path, sketch: Path, link: Path) -> None:
-    """Nothing else looks wrong: the gyro answers, and no sample comes."""
     with Board(board_program, sketch, link, seconds=3, pin=0), Command("serve", "--port", link) as serve:
         serve.until_log('device_id="INT pin is quiet"')
         assert serve.out == ""
@@ -196,7 +188,6 @@ def test_a_data_ready_pin_that_is_not_wired_is_told(board_program: Path, sketch:
 
 @pytest.mark.parametrize("kind", [MEGA, LEONARDO], ids=["mega", "leonardo"])
 def test_it_is_compiled_for_other_boards(tmp_path: Path, kind: tuple[str, ...]) -> None:
-    """Without a warning; a Leonardo has USB for its serial line, and other pins."""
     assert "setup" in run("avr-nm", sketch_object(tmp_path, *kind))
 
 
@@ -220,7 +211,6 @@ def test_it_is_compiled_where_numbers_have_32_bits(core: str) -> None:
 
 
 def test_record_reads_it(board_program: Path, sketch: Path, link: Path, tmp_path: Path) -> None:
-    """To the end of its time, the first sample first."""
     sessions = tmp_path / "sessions"
     with (
         Board(board_program, sketch, link, seconds=3) as board,

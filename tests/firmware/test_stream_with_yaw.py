@@ -43,7 +43,6 @@ def python_yaw_deg(name: str, t_s: list[float], rates_dps: list[float]) -> list[
 def test_serve_reads_the_yaw_of_the_service_and_of_the_board(
     board_program: Path, arduino: Path, tmp_path: Path
 ) -> None:
-    """Both over half a minute with turns; that of the board equals Python's HDR on the same counts, and is recorded."""
     sketch, sessions = example(arduino, "StreamWithYaw", tmp_path), tmp_path / "sessions"
     with (
         Board(board_program, sketch, tmp_path / "uno", seconds=30) as board,
@@ -86,7 +85,6 @@ def printed(board: Board) -> Iterator[list[str]]:
 def test_the_first_sketch_prints_yaw_with_its_standard_deviation(
     name: str, board_program: Path, arduino: Path, tmp_path: Path
 ) -> None:
-    """After a turn there and back it is at 0 again, and the bias is that of the gyro, 0.35 deg/s."""
     board = Board(board_program, example(arduino, name, tmp_path), tmp_path / "uno", seconds=14)
     with printed(board) as lines:
         values = [tuple(map(float, match.groups())) for line in lines if (match := LINE.fullmatch(line))]
@@ -98,9 +96,8 @@ def test_the_first_sketch_prints_yaw_with_its_standard_deviation(
 
 
 def test_a_missing_gyro_is_told_and_found_later(board_program: Path, arduino: Path, tmp_path: Path) -> None:
-    """By the first sketch, in words."""
     board = Board(board_program, example(arduino, "SerialYaw", tmp_path), tmp_path / "uno", seconds=4, absent=2)
     with printed(board) as lines:
-        told = [line == "no gyro at this address: check VCC, GND, SCL and SDA" for line in lines]
-    assert told[0]
-    assert not told[-1]
+        report = [line == "no gyro at this address: check VCC, GND, SCL and SDA" for line in lines]
+    assert report[0]
+    assert not report[-1]

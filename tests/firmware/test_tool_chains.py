@@ -62,17 +62,17 @@ def properties(folder: Path) -> dict[str, str]:
 
 def test_library_properties_fulfill_the_specification(arduino: Path) -> None:
     """Rules LP001 to LP046 of arduino-lint that need no network."""
-    found = properties(arduino)
-    assert found.keys() == FIELDS | {"includes"}
-    assert re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9 _.-]{0,15}", found["name"])
-    assert "arduino" not in found["name"].lower()
-    assert re.fullmatch(r"\d+\.\d+\.\d+(-[0-9A-Za-z.-]+)?", found["version"])
-    assert found["version"] == __version__
-    assert found["category"] in CATEGORIES
-    assert found["url"].startswith("https://")
-    assert all(found.values())
-    assert not found["paragraph"].startswith(found["sentence"])
-    assert (arduino / "src" / found["includes"]).is_file()
+    result = properties(arduino)
+    assert result.keys() == FIELDS | {"includes"}
+    assert re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9 _.-]{0,15}", result["name"])
+    assert "arduino" not in result["name"].lower()
+    assert re.fullmatch(r"\d+\.\d+\.\d+(-[0-9A-Za-z.-]+)?", result["version"])
+    assert result["version"] == __version__
+    assert result["category"] in CATEGORIES
+    assert result["url"].startswith("https://")
+    assert all(result.values())
+    assert not result["paragraph"].startswith(result["sentence"])
+    assert (arduino / "src" / result["includes"]).is_file()
 
 
 def test_the_folder_is_laid_out_as_the_specification_says(arduino: Path) -> None:
@@ -94,7 +94,6 @@ def test_the_folder_is_laid_out_as_the_specification_says(arduino: Path) -> None
 
 
 def test_each_example_is_one_sketch_with_the_name_of_its_folder(arduino: Path) -> None:
-    """Else the Arduino IDE does not open it; the README has a line on each."""
     folders = sorted(path.name for path in (arduino / "examples").iterdir())
     assert tuple(folders) == EXAMPLES
     readme = (arduino / "README.md").read_text()
@@ -116,7 +115,6 @@ def test_keywords_are_separated_by_tabs_and_exist(arduino: Path) -> None:
 
 @pytest.mark.parametrize("target", ["arduino", "platformio"])
 def test_library_json_has_the_documented_fields(target: str, tmp_path: Path) -> None:
-    """Of docs.platformio.org; `pio pkg pack` accepts them."""
     out = library(tmp_path, target)
     manifest = json.loads((out / "library.json").read_text())
     assert manifest.keys() == {
@@ -146,7 +144,6 @@ def test_each_example_fits_an_uno(name: str, arduino: Path, tmp_path: Path) -> N
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_the_builder_of_the_ide_takes_each_example(name: str, arduino: Path, tmp_path: Path) -> None:
-    """It finds the library by its properties, writes prototypes, and warns of nothing; sizes are those of users."""
     builder, ctags = shutil.which("arduino-builder"), shutil.which("arduino-ctags")
     if builder is None or ctags is None or not ARDUINO.is_dir():
         pytest.skip("there is no arduino-builder: apt-get install arduino-builder arduino-core-avr")
@@ -189,7 +186,6 @@ def test_each_example_is_compiled_where_numbers_have_32_bits(name: str, core: st
 
 @pytest.mark.parametrize("name", ["MPU6050", "LSM6DS3"])
 def test_an_example_with_a_calibration_fits_an_uno(name: str, tmp_path: Path) -> None:
-    """All values of a calibrated gyro."""
     out = library(tmp_path, "arduino", "--config", calibrated_config(tmp_path))
     elf = linked(library_object(out, name, tmp_path, *UNO, *LTO), tmp_path)
     _, sizes = run("avr-size", elf).splitlines()
@@ -200,7 +196,6 @@ def test_an_example_with_a_calibration_fits_an_uno(name: str, tmp_path: Path) ->
 
 
 def test_examples_take_the_calibration_of_the_library(tmp_path: Path) -> None:
-    """With --config the header is beside gyrodrift.h, where the sketches look for it."""
     (tmp_path / "my.yaml").write_text("filter: hdr\nhdr: {i_c_dps: 0.001}\n")
     out = library(tmp_path, "arduino", "--config", tmp_path / "my.yaml")
     assert (out / "src" / "my_gyro.h").is_file()
@@ -227,7 +222,6 @@ def test_the_zephyr_module_names_files_that_exist(tmp_path: Path) -> None:
 
 
 def test_the_zephyr_sample_compiles_against_its_declarations(tmp_path: Path) -> None:
-    """With stubs of the three headers that it includes; a kernel is not built here."""
     need("cc", "gcc")
     out = library(tmp_path, "zephyr")
     include = [f"-I{HERE / 'zephyr_stubs'}", f"-I{out / 'include'}"]
@@ -237,11 +231,10 @@ def test_the_zephyr_sample_compiles_against_its_declarations(tmp_path: Path) -> 
 
 @pytest.mark.parametrize("has_config", ["defaults", "my_gyro.h"])
 def test_the_esphome_component_compiles_against_its_declarations(has_config: str, tmp_path: Path) -> None:
-    """With stubs of the headers that it includes, with and without a calibration."""
     need("c++", "g++")
     (tmp_path / "my.yaml").write_text("filter: hdr\n")
-    more: list[str | Path] = [] if has_config == "defaults" else ["--config", tmp_path / "my.yaml"]
-    component = library(tmp_path, "esphome", *more) / "components" / "gyrodrift"
+    extra: list[str | Path] = [] if has_config == "defaults" else ["--config", tmp_path / "my.yaml"]
+    component = library(tmp_path, "esphome", *extra) / "components" / "gyrodrift"
     include = [f"-I{HERE / 'esphome_stubs'}", f"-I{component}"]
     assert run("c++", "-std=gnu++20", *STRICT, *include, "-fsyntax-only", component / "gyro_yaw.cpp") == ""
 
@@ -262,7 +255,6 @@ def test_esphome_accepts_the_example(tmp_path: Path) -> None:
 
 
 def test_the_core_of_debian_is_that_of_the_ide() -> None:
-    """So that sizes are those of users: its boards.txt compiles with -Os."""
     platform = ARDUINO / "platform.txt"
     if not platform.is_file():
         pytest.skip("there is no core: apt-get install arduino-core-avr")

@@ -72,7 +72,6 @@ def integrated(profile: AttitudeProfile, start_s: float, seconds: float) -> Rota
 @pytest.mark.parametrize("mount", [{}, {"roll_deg": 20.0, "pitch_deg": -30.0, "yaw_deg": 50.0}], ids=["flat", "tilted"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_integrated_rates_give_the_attitude(kind: str, mount: dict[str, float]) -> None:
-    """To a millionth of a radian, at any time, however the sensor is mounted."""
     profile = profile_of(kind, mount)
     for seconds in (1.0, SECONDS, 30.0):
         truth = rotations_of(profile.kinematics_at(np.array([START_S + seconds])))[0]
@@ -98,7 +97,6 @@ def test_the_position_differentiated_twice_gives_the_specific_force(kind: str) -
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_the_heading_is_the_unwrapped_twist_about_the_vertical(name: str) -> None:
-    """It never jumps, and differs from the twist by whole turns."""
     profile = load_motion(name)
     assert isinstance(profile, AttitudeProfile)
     motion = profile.kinematics_at(np.arange(0.0, 200.0, 0.01))
@@ -155,7 +153,6 @@ def test_a_tilted_sensor_on_a_level_table_reads_the_cosine(tilt_deg: float) -> N
 
 
 def test_a_turning_table_pulls_outward_and_gravity_moves_once_per_turn() -> None:
-    """ω²·r towards the axis, and g·sin of the lean through x and y."""
     flat = profile_of("table", lean_deg=0.0).kinematics_at(np.arange(7.0, 9.0, 0.1))
     pull = np.array([-(np.radians(90.0) ** 2) * 0.3, 0.0, GRAVITY])
     assert np.abs(flat.specific_force_mps2(GRAVITY) - pull).max() < 1e-9
@@ -166,7 +163,6 @@ def test_a_turning_table_pulls_outward_and_gravity_moves_once_per_turn() -> None
 
 
 def test_thrust_of_a_drone_is_along_its_z_axis() -> None:
-    """So what an accelerometer measures across it is the drag alone."""
     profile = profile_of("drone", drag_per_s=0.4)
     motion = profile.kinematics_at(np.arange(10.0, 60.0, 0.05))
     drag = -0.4 * rotations_of(motion).inv().apply(motion.velocity_mps)
@@ -197,7 +193,6 @@ def test_a_robot_drives_along_its_x_axis() -> None:
 
 @given(st.integers(0, 2**32), st.lists(st.floats(-100.0, 100.0), min_size=1, max_size=5))
 def test_the_derivatives_of_a_track_are_those_of_its_value(seed: int, values: list[float]) -> None:
-    """Each is the slope of the one before it; steps and windowed tones."""
     steps, window = StepTrack(), StepTrack()
     for number, value in enumerate(values):
         steps.move_to(value, 1.0 + 3.0 * number, 2.0)
@@ -214,7 +209,6 @@ def test_the_derivatives_of_a_track_are_those_of_its_value(seed: int, values: li
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_a_device_with_one_axis_plays_a_shipped_attitude(name: str) -> None:
-    """It measures the rate about its z axis."""
     profile = load_motion(name)
     heading_deg, rate_dps = profile.motion_at(np.arange(0.0, 100.0, 0.1))
     assert name in shipped_profiles()
@@ -224,7 +218,6 @@ def test_a_device_with_one_axis_plays_a_shipped_attitude(name: str) -> None:
 
 
 def test_a_file_without_a_motion_is_a_turntable() -> None:
-    """Loaded as by `load_profile`."""
     assert isinstance(load_motion("turntable"), Profile)
     assert load_motion("turntable") == load_profile("turntable")
 
@@ -245,7 +238,6 @@ def test_a_file_without_a_motion_is_a_turntable() -> None:
     ],
 )
 def test_mistakes_of_a_file_are_told_with_their_place(text: str, problem: str, tmp_path: Path) -> None:
-    """And what is possible instead."""
     path = tmp_path / "profile.yaml"
     path.write_text(f"about: test\n{text}\n")
     with pytest.raises(FileError) as caught:

@@ -68,7 +68,6 @@ def spoken_without(protocol: str, seconds: float) -> list[Frame]:
 
 @pytest.mark.parametrize("protocol", ENCODERS)
 def test_before_a_fault_begins_all_is_as_it_was(protocol: str) -> None:
-    """To the bit."""
     without = content_of(spoken_without(protocol, 3.0))
     assert [name for name in FAULTS if content_of(spoken(protocol, 3.0, f"{name}:from_s=3")) != without] == []
 
@@ -76,7 +75,6 @@ def test_before_a_fault_begins_all_is_as_it_was(protocol: str) -> None:
 @pytest.mark.parametrize("protocol", ENCODERS)
 @pytest.mark.parametrize("name", LASTING)
 def test_after_it_has_ended_all_is_as_it_was(name: str, protocol: str) -> None:
-    """But for a counter, where there were more measurements, and for an angle that is summed up of false rates."""
     without, faulty = spoken_without(protocol, 9.0), spoken(protocol, 9.0, f"{name}:from_s=2,to_s=5")
     is_counted = name == "double_rate" and protocol in COUNTED
     if is_counted or (name in FALSE_RATES and protocol in SUMMED):
@@ -87,13 +85,11 @@ def test_after_it_has_ended_all_is_as_it_was(name: str, protocol: str) -> None:
 
 @pytest.mark.parametrize("protocol", ENCODERS)
 def test_the_same_seed_is_the_same_stream(protocol: str) -> None:
-    """Twice, of any fault."""
     assert [name for name in FAULTS if spoken(protocol, 8.0, name) != spoken(protocol, 8.0, name)] == []
 
 
 @pytest.mark.parametrize("name", ["bit_flips", "dropped_bytes", "duplicated_bytes", "merged_frames", "zeros"])
 def test_another_seed_is_other_damage(name: str) -> None:
-    """Where it is random."""
     assert content_of(spoken("csv", 20.0, name)) != content_of(spoken("csv", 20.0, name, seed=2))
 
 
@@ -101,8 +97,8 @@ def test_a_second_fault_leaves_the_realisation_of_the_first_alone_and_twins_have
     """The same bits turn, whether there is a banner in the stream or not."""
     flips = "bit_flips:per_kilobyte=20"
     alone, banner, twins = (
-        [frame for frame in spoken("native", 20.0, flips, *more) if frame.content != BANNER]
-        for more in ([], ["boot_banner"], [flips])
+        [frame for frame in spoken("native", 20.0, flips, *extra) if frame.content != BANNER]
+        for extra in ([], ["boot_banner"], [flips])
     )
     assert alone == banner
     assert content_of(twins) != content_of(spoken("native", 20.0))
@@ -133,17 +129,15 @@ def test_measurements_do_not_depend_on_how_they_are_cut_into_blocks(block_sample
 
 
 def test_bits_turn_as_often_as_asked_for() -> None:
-    """Within four standard deviations of the count, and bytes keep their number."""
     good, bad = (content_of(spoken("native", LONG_S, *f), 2.0) for f in ([], ["bit_flips:per_kilobyte=5"]))
     assert len(good) == len(bad)
-    turned = sum((a ^ b).bit_count() for a, b in zip(good, bad, strict=True))
+    turn = sum((a ^ b).bit_count() for a, b in zip(good, bad, strict=True))
     expected = len(good) * 0.005
-    assert abs(turned - expected) < 4.0 * expected**0.5
+    assert abs(turn - expected) < 4.0 * expected**0.5
 
 
 @pytest.mark.parametrize(("name", "sign"), [("dropped_bytes", -1), ("duplicated_bytes", 1)])
 def test_bytes_are_lost_or_doubled_as_often_as_asked_for(name: str, sign: int) -> None:
-    """Each frame is what it was without some bytes, or with some twice."""
     good, bad = (spoken("csv", LONG_S, *f) for f in ([], [f"{name}:per_kilobyte=5"]))
     for a, b in zip(good, bad, strict=True):
         shorter, longer = (b.content, a.content) if sign < 0 else (a.content, b.content)
@@ -156,7 +150,6 @@ def test_bytes_are_lost_or_doubled_as_often_as_asked_for(name: str, sign: int) -
 @pytest.mark.parametrize(("protocol", "end"), [("native", b"\0"), ("csv", b"\r\n"), ("witmotion", b"")])
 @pytest.mark.parametrize("name", ["merged_frames", "truncated_frames"])
 def test_frames_lose_their_end_or_their_tail(name: str, protocol: str, end: bytes) -> None:
-    """As many as asked for; a merged one misses the mark alone, a truncated one everything but the mark."""
     good, bad = (spoken(protocol, LONG_S, *f) for f in ([], [f"{name}:share_percent=20"]))
     hurt = [(a.content, b.content) for a, b in zip(good, bad, strict=True) if a != b]
     count = sum(frame.t_s >= 2.0 for frame in good)
@@ -181,7 +174,6 @@ def test_zeros_cut_one_frame_in_each_interval(protocol: str) -> None:
 
 @pytest.mark.parametrize("protocol", ENCODERS)
 def test_the_banner_is_printed_once(protocol: str) -> None:
-    """At its time, and everything else is as it was."""
     frames = spoken(protocol, 6.0, "boot_banner:from_s=3")
     assert [frame.t_s for frame in frames if frame.content == BANNER] == [3.0]
     assert [frame for frame in frames if frame.content != BANNER] == spoken(protocol, 6.0)
@@ -189,16 +181,14 @@ def test_the_banner_is_printed_once(protocol: str) -> None:
 
 @pytest.mark.parametrize("protocol", ENCODERS)
 def test_a_stall_holds_and_then_lets_all_go_at_once(protocol: str) -> None:
-    """Nothing is lost, nothing changes but the time; every so often where that is asked for."""
     good, bad = (spoken(protocol, 12.0, *f) for f in ([], ["stall:seconds=0.5,every_s=2,to_s=7"]))
     assert content_of(good) == content_of(bad)
     for a, b in zip(good, bad, strict=True):
-        held = next((s for s in (2.0, 4.0, 6.0) if s <= a.t_s < s + 0.5), None)
-        assert b.t_s == (a.t_s if held is None else held + 0.5)
+        kept = next((s for s in (2.0, 4.0, 6.0) if s <= a.t_s < s + 0.5), None)
+        assert b.t_s == (a.t_s if kept is None else kept + 0.5)
 
 
 def test_a_stall_without_a_period_happens_once() -> None:
-    """From its time on for its seconds."""
     bad = spoken("csv", 12.0, "stall:seconds=1.5")
     assert {b.t_s - a.t_s > 1.4 for a, b in pairwise(bad)} == {True, False}
     assert sum(b.t_s - a.t_s > 1.4 for a, b in pairwise(bad)) == 1
@@ -219,7 +209,6 @@ def test_a_reset_begins_again_from_zero_after_a_silence() -> None:
 
 
 def test_hello_comes_first_after_a_reset_and_once_a_second_from_then_on() -> None:
-    """By the device's own clock, which has begun anew."""
     frames = spoken("native", 6.0, "reset:from_s=2.35,silent_s=0.5")
     after = [frame for frame in frames if frame.t_s > 2.5]
     assert after[0].content == HELLO
@@ -229,7 +218,6 @@ def test_hello_comes_first_after_a_reset_and_once_a_second_from_then_on() -> Non
 
 @pytest.mark.parametrize("step_s", [30.0, -30.0])
 def test_the_clock_steps_and_hello_does_not_wait_for_it(step_s: float) -> None:
-    """Only time stamps move."""
     good, bad = measured(5.0), measured(5.0, f"clock_step:step_s={step_s}")
     moved = [(b[1] - a[1], a[2] >= 2_000_000, a[0] == b[0], a[2:] == b[2:]) for a, b in zip(good, bad, strict=True)]
     assert set(moved) == {(0, False, True, True), (round(step_s * 1e6), True, True, True)}
@@ -238,13 +226,11 @@ def test_the_clock_steps_and_hello_does_not_wait_for_it(step_s: float) -> None:
 
 
 def test_a_clock_of_milliseconds_counts_whole_ones() -> None:
-    """From power-on, and nothing else changes."""
     good, bad = measured(3.0), measured(3.0, "millisecond_clock")
     assert [(row[0], row[1] // 1000, *row[2:]) for row in good] == bad
 
 
 def test_a_stuck_value_is_the_last_one_before() -> None:
-    """All else goes on."""
     good, bad = measured(15.0), measured(15.0, "stuck_value:from_s=8,to_s=11")
     assert {b[3] for b in bad[800:1100]} == {good[799][3]}
     assert [(*a[:3], *a[5:]) for a in good] == [(*b[:3], *b[5:]) for b in bad]
@@ -252,14 +238,12 @@ def test_a_stuck_value_is_the_last_one_before() -> None:
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_full_scale_is_at_the_rail_and_says_so(sign: int) -> None:
-    """In native frames as in blocks."""
     bad = measured(5.0, f"full_scale:to_s=3,sign={sign}")
     assert {(row[3], row[4]) for row in bad[200:300]} == {(sign * COUNTS_MAX, True)}
     assert not any(row[4] for row in bad[:200] + bad[300:])
 
 
 def test_a_rate_change_takes_fewer_measurements_and_counts_them() -> None:
-    """Every fifth, without holes."""
     good, bad = measured(9.0), measured(9.0, "rate_change:divide=5")
     assert [row[0] for row in bad] == list(range(len(bad)))
     assert [row[1:] for row in bad] == [row[1:] for row in good[:200] + good[200::5]]
@@ -298,7 +282,6 @@ def link(tmp_path: Path) -> Path:
 
 
 def test_the_line_rate_of_the_reader_decides_what_it_gets(link: Path) -> None:
-    """Also at a rate outside the list of POSIX, and for the greeting."""
     cable = FaultyCable([parse_fault("wrong_baud:baud=250000")])
     with closing(PtyDevice(link, HELLO, cable)) as device, serial.Serial(str(link), 115200, timeout=PATIENCE_S) as port:
         device.wait_for_reader(never)
@@ -327,10 +310,10 @@ def names_over_time(link: Path, *faults: str) -> Callable[[float], list[str]]:
 @pytest.mark.parametrize(("name", "after"), [("same", ["gyro", "gyro"]), ("other", ["gyro-1", "gyro-2"])])
 def test_a_plug_that_is_pulled_takes_the_name_away_and_brings_one_back(link: Path, name: str, after: list[str]) -> None:
     """The same one or the next one, and at the end there is none."""
-    names_at = names_over_time(link, *(f"unplug:from_s={at},seconds=1,name={name}" for at in (2, 5)))
+    names_at = names_over_time(link, *(f"unplug:from_s={index},seconds=1,name={name}" for index in (2, 5)))
     times_s = (0.0, 1.99, 2.0, 2.99, 3.0, 4.99, 5.0, 6.0, float("inf"))
-    seen = [names_at(t_s) for t_s in times_s]
-    assert seen == [["gyro"], ["gyro"], [], [], [after[0]], [after[0]], [], [after[1]], []]
+    observed = [names_at(t_s) for t_s in times_s]
+    assert observed == [["gyro"], ["gyro"], [], [], [after[0]], [after[0]], [], [after[1]], []]
 
 
 def test_a_pulled_plug_hangs_up_and_what_is_sent_meanwhile_is_lost(link: Path) -> None:
@@ -347,7 +330,6 @@ def test_a_pulled_plug_hangs_up_and_what_is_sent_meanwhile_is_lost(link: Path) -
 
 @pytest.mark.parametrize(("power_lost", "first_us"), [(1, 0), (0, 3_000_000)])
 def test_a_device_without_power_begins_anew(power_lost: int, first_us: int) -> None:
-    """One with a battery goes on measuring, unheard."""
     rows = measured(6.0, f"unplug:from_s=2,seconds=1,power_lost={power_lost}")
     assert next(row[1] for row in rows if row[2] >= 3_000_000) == first_us
     assert any(2_000_000 < row[2] < 3_000_000 for row in rows) is not bool(power_lost)
@@ -370,7 +352,6 @@ def test_a_device_without_power_begins_anew(power_lost: int, first_us: int) -> N
     ],
 )
 def test_a_mistake_is_one_line_that_names_what_is_known(text: str, words: str) -> None:
-    """And the parameters, where it was one of them."""
     with pytest.raises(FileError) as caught:
         parse_fault(text)
     assert str(caught.value).startswith(f"--fault {text}: ")
@@ -380,7 +361,6 @@ def test_a_mistake_is_one_line_that_names_what_is_known(text: str, words: str) -
 
 @pytest.mark.parametrize("name", FAULTS)
 def test_every_fault_runs_with_nothing_said(name: str) -> None:
-    """Each parameter has a default, and each class says what the fault is."""
     fault: Any = parse_fault(name)
     assert fault.fault == name
     assert fault.from_s == (0.0 if name in {"wrong_baud", "millisecond_clock"} else 2.0)
@@ -388,7 +368,6 @@ def test_every_fault_runs_with_nothing_said(name: str) -> None:
 
 
 def test_a_wrong_fault_is_wrong_usage_and_help_names_the_right_ones(link: Path) -> None:
-    """As a process."""
     with Command("--link", link, "--fault", "gremlins", module="firmware_sim") as command:
         assert command.end() == 2
         assert command.log.startswith("firmware_sim: --fault gremlins: ")
@@ -400,7 +379,6 @@ def test_a_wrong_fault_is_wrong_usage_and_help_names_the_right_ones(link: Path) 
 
 @pytest.mark.parametrize("speed", ["10", "max"])
 def test_the_device_ends_well_however_fast_it_is_and_whatever_its_faults(link: Path, speed: str) -> None:
-    """Nobody reads, the plug is out at the end, and the link is gone."""
     faults = [
         word for text in ("unplug:from_s=0.5,seconds=9", "reset:from_s=0.1,silent_s=0.1") for word in ("--fault", text)
     ]

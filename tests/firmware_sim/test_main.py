@@ -73,14 +73,12 @@ def test_help_names_every_option_with_its_unit() -> None:
 
 
 def test_a_link_is_required() -> None:
-    """Without a name for the pty there is nothing to do."""
     status, log = ended()
     assert status == 2
     assert "--link" in log[-1]
 
 
 def test_an_unknown_profile_is_one_clear_line(link: Path) -> None:
-    """It is wrong usage, and the line names what was asked for."""
     status, log = ended("--link", link, "--profile", "loop-the-loop")
     assert (status, len(log)) == (2, 1)
     assert log[0].startswith("firmware_sim: ")
@@ -89,7 +87,6 @@ def test_an_unknown_profile_is_one_clear_line(link: Path) -> None:
 
 
 def test_an_unknown_profile_is_answered_with_the_shipped_ones(link: Path) -> None:
-    """Whoever misspells a profile reads which ones there are."""
     _, log = ended("--link", link, "--profile", "turntabel")
     assert "turntable" in log[0]
 
@@ -142,7 +139,6 @@ def test_a_name_too_long_is_a_failure_of_the_link(link: Path) -> None:
 
 
 def test_it_ends_by_itself_after_its_duration(link: Path) -> None:
-    """Without a reader it plays to the end, counts what was lost, and takes its link away."""
     status, log = ended("--link", link, "--duration", "0.095")
     assert status == 0
     assert log[-1] == "firmware_sim: 0 samples sent, 10 without a reader"
@@ -152,7 +148,6 @@ def test_it_ends_by_itself_after_its_duration(link: Path) -> None:
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_ends_it_well(link: Path, number: int) -> None:
-    """While it speaks, a signal makes it stop, take its link away and end with 0."""
     with simulator("--link", link) as command:
         with port_on(command, link) as port:
             assert port.read(1)
@@ -162,14 +157,12 @@ def test_a_signal_ends_it_well(link: Path, number: int) -> None:
 
 
 def test_a_signal_right_after_the_link_ends_it_well(link: Path) -> None:
-    """There is no moment in which the link stands and a signal leaves it behind."""
     ending = subprocess.run([sys.executable, "-c", SIGNAL_AT_THE_LINK, "--link", str(link)], check=False)
     assert ending.returncode == 0
     assert not link.is_symlink()
 
 
 def test_a_reader_hears_hello_first(link: Path) -> None:
-    """Whoever opens the port of a board that DTR resets can tell the scale before the first sample."""
     with simulator("--link", link, "--wait") as command, port_on(command, link) as port:
         assert port.read_until(b"\0") == HELLO
 
@@ -202,12 +195,10 @@ def test_at_full_speed_nothing_is_missing_at_the_start(link: Path) -> None:
 
 
 def test_quiet_says_nothing_but_errors(link: Path) -> None:
-    """With --quiet a run that goes well leaves the log empty."""
     assert ended("--link", link, "--duration", "0", "--quiet") == (0, [])
 
 
 def test_two_readers_one_after_the_other_are_both_served(link: Path) -> None:
-    """Each hears HELLO, where the device runs already: at once, but for a frame that was being sent as it opened."""
     with simulator("--link", link) as command:
         for _ in range(2):
             with port_on(command, link) as port:
@@ -215,8 +206,9 @@ def test_two_readers_one_after_the_other_are_both_served(link: Path) -> None:
         assert command.stop() == 0
 
 
+@pytest.mark.promise("Configs and commands")
 def test_a_second_device_on_a_link_is_refused_and_the_first_goes_on(link: Path) -> None:
-    """The link stays with its device; the second ends with the status of the link and one clear line."""
+    """A second simulated device on a link is refused, and the first continues."""
     with simulator("--link", link, "--protocol", "csv") as first:
         wait_for(link, first)
         slave = link.readlink()

@@ -41,23 +41,23 @@ def spinning(to_dps: float) -> Profile:
 
 def test_the_same_seed_gives_the_same_bytes(turntable: Profile) -> None:
     """Two runs of one rig, profile and seed agree in every bit of every array."""
-    one, other = (list(islice(measure(NOISY, turntable, 7), 2)) for _ in range(2))
-    for left, right in zip(one, other, strict=True):
-        for name in left.__slots__:
-            assert getattr(left, name).tobytes() == getattr(right, name).tobytes()
+    item, second = (list(islice(measure(NOISY, turntable, 7), 2)) for _ in range(2))
+    for remaining, right in zip(item, second, strict=True):
+        for name in remaining.__slots__:
+            assert getattr(remaining, name).tobytes() == getattr(right, name).tobytes()
 
 
 @given(st.integers(0, 2**63), st.integers(0, 2**63))
-def test_a_different_seed_gives_different_rates(turntable: Profile, seed: int, other: int) -> None:
+def test_a_different_seed_gives_different_rates(turntable: Profile, seed: int, peer: int) -> None:
     """Runs with unequal seeds differ, and runs with equal seeds do not."""
-    left, right = (first_rows(50, NOISY, turntable, number, 50) for number in (seed, other))
-    assert (left == right) == (seed == other)
+    remaining, right = (first_rows(50, NOISY, turntable, number, 50) for number in (seed, peer))
+    assert (remaining == right) == (seed == peer)
 
 
 def test_every_session_of_a_seed_has_its_own_noise(turntable: Profile) -> None:
     """The number of the session is part of the seed."""
-    one, other = (next(measure(NOISY, turntable, 0, session)).rate_raw for session in (0, 1))
-    assert one.tolist() != other.tolist()
+    item, second = (next(measure(NOISY, turntable, 0, session)).rate_raw for session in (0, 1))
+    assert item.tolist() != second.tolist()
 
 
 @given(st.integers(1, 300))
@@ -68,8 +68,8 @@ def test_the_size_of_the_blocks_makes_no_difference(turntable: Profile, block_sa
 
 def test_only_the_rate_is_random(turntable: Profile) -> None:
     """Counter, clock, arrival, temperature and encoder do not depend on the seed."""
-    left, right = (first_rows(1000, NOISY, turntable, seed) for seed in (1, 2))
-    assert [row[:3] + row[4:] for row in left] == [row[:3] + row[4:] for row in right]
+    remaining, right = (first_rows(1000, NOISY, turntable, seed) for seed in (1, 2))
+    assert [row[:3] + row[4:] for row in remaining] == [row[:3] + row[4:] for row in right]
 
 
 @pytest.mark.parametrize("rate_hz", [1.0, 33.3, 100.0, 1000.0, 65535.0])
@@ -89,7 +89,6 @@ def test_the_clock_does_not_wrap_here(turntable: Profile) -> None:
 
 
 def test_an_ideal_rig_measures_the_motion(turntable: Profile) -> None:
-    """Without bias and noise, rate and encoder are the profile's to half a count."""
     ideal = record(IDEAL, turntable, 80.0)
     assert np.abs(ideal.error_dps).max() <= 0.00763 / 2.0 + 1e-9
     assert np.abs(ideal.encoder_error_deg).max() <= 0.005 + 1e-9
@@ -134,7 +133,6 @@ def test_a_slowly_rising_rate_climbs_in_steps_of_one_count() -> None:
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_rate_out_of_range_is_clipped_and_says_so(sign: int) -> None:
-    """Both ends of the range are a true value; beyond them the end is given with a flag."""
     base = Base(sample_rate_hz=1.0, dps_per_lsb=1e-3, noise_dps_rthz=0.0)
     steps = [COUNTS_MAX - 1, COUNTS_MAX, COUNTS_MAX + 1, 10 * COUNTS_MAX]
     motion = {"kind": "steps", "rates_dps": [sign * count * 1e-3 for count in steps]}
@@ -152,7 +150,6 @@ def test_a_count_of_the_encoder_is_never_more_than_half_a_count_off(to_dps: floa
 
 
 def test_every_count_of_the_encoder_is_as_wide_as_the_others() -> None:
-    """There is no wider step at zero, as rounding towards zero would make one."""
     there_and_back = {"kind": "steps", "rates_dps": [-10.0, 10.0, 10.0], "ramp_seconds": 0.1, "hold_seconds": 60.0}
     turn = record(rig_of(base=Base(encoder_cpr=360)), profile_of(there_and_back), 180.0)
     forward = turn.encoder_deg[(turn.t_s > 60.2) & (turn.t_s < 180.0)]
@@ -161,13 +158,11 @@ def test_every_count_of_the_encoder_is_as_wide_as_the_others() -> None:
 
 
 def test_a_rig_without_encoder_measures_no_angle(turntable: Profile) -> None:
-    """Its counts are zeros all the way."""
     assert {row[6] for row in first_rows(2000, Rig(base=Base(encoder_cpr=0)), turntable)} == {0}
 
 
 @pytest.mark.parametrize("powered_s", [0.0, 240.0, 1e5])
 def test_the_sensor_warms_itself_after_power_on(powered_s: float) -> None:
-    """It ends 8 °C above the air, and has 1/e of that left to go after four minutes."""
     ambient = [{"at_s": 0.0, "temp_c": 20.0}]
     temp_c = record(IDEAL, profile_of(*REST, powered_s=powered_s, ambient=ambient), 1.0).temp_c
     assert temp_c[0] == pytest.approx(28.0 - 8.0 * np.exp(-powered_s / 240.0), abs=0.005)
@@ -192,7 +187,6 @@ def test_a_scheduler_delays_each_sample_by_itself() -> None:
 
 
 def test_no_sample_overtakes_the_one_before_it(turntable: Profile) -> None:
-    """Not at the border of two blocks either, where the delay is ten samples long."""
     rig = Rig(base=Base(host_jitter_s=0.1))
     rows = first_rows(2000, rig, turntable, 3, 37)
     arrivals_s = np.array([row[2] for row in rows])
@@ -202,12 +196,11 @@ def test_no_sample_overtakes_the_one_before_it(turntable: Profile) -> None:
 
 
 def test_jitter_touches_arrivals_alone(turntable: Profile) -> None:
-    """Its random stream is its own: every other number is the one without it; sessions differ."""
     jittery = NOISY.model_copy(update={"base": NOISY.base.model_copy(update={"host_jitter_s": 0.001})})
     usual, delayed = (first_rows(500, rig, turntable, 1) for rig in (NOISY, jittery))
     assert [row[:2] + row[3:] for row in usual] == [row[:2] + row[3:] for row in delayed]
-    one, other = (next(measure(jittery, turntable, 1, session)).t_host_s for session in (0, 1))
-    assert not np.allclose(one, other, rtol=0.0, atol=1e-4)
+    item, second = (next(measure(jittery, turntable, 1, session)).t_host_s for session in (0, 1))
+    assert not np.allclose(item, second, rtol=0.0, atol=1e-4)
 
 
 @pytest.mark.parametrize(("phase_deg", "first"), [(0.0, 0), (90.0, 1024), (-123.4, -1404), (0.05, 1)])
@@ -227,19 +220,17 @@ def test_what_happens_once_per_turn_sees_the_phase(phase_deg: float) -> None:
     spin = record(rig_of(*effects, base=base), spinning(30.0), 120.0)
     gravity = once_per_turn(spin.error_dps, spin.angle_deg)
     disc = once_per_turn(spin.encoder_error_deg, spin.angle_deg)
-    for found, amplitude, effect in zip((gravity, disc), (0.5, 0.7), effects, strict=True):
+    for result, amplitude, effect in zip((gravity, disc), (0.5, 0.7), effects, strict=True):
         own_deg = put_in(effect, "phase_deg")
-        assert abs(found - amplitude * np.exp(1j * np.deg2rad(phase_deg + own_deg))) < 0.01
+        assert abs(result - amplitude * np.exp(1j * np.deg2rad(phase_deg + own_deg))) < 0.01
 
 
 def test_whether_the_encoder_is_absolute_changes_no_measurement(turntable: Profile) -> None:
-    """It says how sessions are to be compared."""
     rig = Rig(base=Base(encoder_absolute=True, encoder_phase_deg=12.0))
-    other = Rig(base=Base(encoder_phase_deg=12.0))
-    assert first_rows(300, rig, turntable) == first_rows(300, other, turntable)
+    second = Rig(base=Base(encoder_phase_deg=12.0))
+    assert first_rows(300, rig, turntable) == first_rows(300, second, turntable)
 
 
 def test_rows_are_plain_numbers(turntable: Profile) -> None:
-    """What goes to struct and to text is Python's own, in the order of the arrays."""
     row = first_rows(1, IDEAL, turntable)[0]
     assert [type(value) for value in row] == [int, int, float, int, bool, int, int, int]

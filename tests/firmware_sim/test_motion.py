@@ -63,7 +63,6 @@ profiles = st.lists(segments, min_size=1, max_size=6).map(lambda parts: profile_
 
 
 def integral_error_deg(profile: Profile, seconds: float) -> Floats:
-    """What the angle differs by from the rate summed up with the midpoint rule."""
     edges_s: Floats = np.arange(round(seconds / STEP_S) + 1, dtype=np.float64) * STEP_S
     angle_deg, _ = profile.motion_at(edges_s)
     _, rate_dps = profile.motion_at(edges_s[:-1] + STEP_S / 2.0)
@@ -106,7 +105,6 @@ def test_the_angle_of_any_profile_is_the_integral_of_its_rate(profile: Profile) 
 
 @given(profiles)
 def test_the_angle_never_jumps(profile: Profile) -> None:
-    """At the seams of segments and of two passes, the angle on both sides is the same."""
     ends_s = np.cumsum([segment.seconds for segment in profile.segments])
     seams_s = np.concatenate((ends_s, ends_s + profile.seconds))
     before_deg, _ = profile.motion_at(seams_s - 1e-9)
@@ -141,14 +139,12 @@ def test_a_pass_starts_from_standing_still() -> None:
 
 
 def test_a_rest_stops_at_once_and_a_hold_goes_on() -> None:
-    """After a ramp to 30 deg/s, a hold has 30 and a rest 0."""
     parts = (KINDS["ramp"][0] | {"to_dps": 30.0}, KINDS["hold"][1], KINDS["rest"][0])
     _, rate_dps = profile_of(*parts).motion_at(np.array([2.5, 3.5, 4.5]))
     assert rate_dps.tolist() == [30.0, 30.0, 0.0]
 
 
 def test_steps_hold_each_rate_and_come_back() -> None:
-    """Half a second to each rate, two seconds there, and standing still at the end."""
     profile = profile_of(*KINDS["steps"])
     angle_deg, rate_dps = profile.motion_at(np.array([0.25, 0.5, 2.5, 3.0, 5.0, 5.5, 7.5, 7.75, 8.0 - 1e-9]))
     np.testing.assert_allclose(rate_dps, [15.0, 30.0, 30.0, -90.0, -90.0, 10.0, 10.0, 5.0, 0.0], atol=1e-6)
@@ -156,7 +152,6 @@ def test_steps_hold_each_rate_and_come_back() -> None:
 
 
 def test_a_chirp_passes_every_frequency_in_its_time() -> None:
-    """Half way through, the sine has half of the frequencies behind it, and its full amplitude."""
     chirp = {"kind": "chirp", "seconds": 100.0, "amplitude_dps": 30.0, "from_hz": 1.0, "to_hz": 3.0}
     for middle_s, frequency_hz in ((10.0, 1.2), (50.0, 2.0), (90.0, 2.8)):
         t_s = np.arange(middle_s - 2.0, middle_s + 2.0, 1e-4)
@@ -167,7 +162,6 @@ def test_a_chirp_passes_every_frequency_in_its_time() -> None:
 
 
 def test_a_multisine_has_its_tones_and_its_size() -> None:
-    """Its spectrum stands at the tones, all of one height, which together have the rms that was asked for."""
     segment = {"kind": "multisine", "seconds": 102.0, "rms_dps": 30.0, "from_hz": 0.5, "to_hz": 8.0, "tones": 5}
     _, rate_dps = profile_of(segment).motion_at(np.arange(1.0, 101.0, 0.01))
     heights = 2.0 * np.abs(np.fft.rfft(rate_dps)) / rate_dps.size
@@ -178,7 +172,6 @@ def test_a_multisine_has_its_tones_and_its_size() -> None:
 
 @pytest.mark.parametrize("kind", ["chirp", "multisine"])
 def test_a_wave_fades_in_and_out(kind: str) -> None:
-    """It starts and ends at the rate before it without a jump, and a ramp before it carries on underneath."""
     profile = profile_of({"kind": "ramp", "seconds": 1.0, "to_dps": 50.0}, KINDS[kind][0])
     _, rate_dps = profile.motion_at(np.array([1.0, 1.001, 8.999, 9.0 - 1e-9]))
     np.testing.assert_allclose(rate_dps, 50.0, atol=1e-3)
@@ -188,14 +181,13 @@ def test_a_drive_is_the_same_for_the_same_seed_and_has_stops_and_curves() -> Non
     """An hour of curves has the asked-for scatter, and its share of rests stands still."""
     drive = {"kind": "drive", "minutes": 600.0, "rms_dps": 6.0, "curve_seconds": 12.0, "rest_share": 0.2}
     t_s = np.arange(0.0, 36000.0, 0.5)
-    (one, again, other) = (profile_of(drive | {"seed": seed}).motion_at(t_s)[1] for seed in (4, 4, 5))
-    assert one.tolist() == again.tolist() != other.tolist()
-    assert np.mean(one == 0.0) == pytest.approx(0.2 * 0.75, abs=0.03)
-    assert one[24::24][one[24::24] != 0.0].std() == pytest.approx(6.0, rel=0.1)
+    (item, again, second) = (profile_of(drive | {"seed": seed}).motion_at(t_s)[1] for seed in (4, 4, 5))
+    assert item.tolist() == again.tolist() != second.tolist()
+    assert np.mean(item == 0.0) == pytest.approx(0.2 * 0.75, abs=0.03)
+    assert item[24::24][item[24::24] != 0.0].std() == pytest.approx(6.0, rel=0.1)
 
 
 def test_the_air_changes_on_straight_lines_and_starts_again_with_the_profile() -> None:
-    """Before the first point it is that of the first, after the last that of the last."""
     fields = {"ambient": [{"at_s": 10.0, "temp_c": 20.0}, {"at_s": 30.0, "temp_c": 40.0}]}
     profile = Profile.model_validate({"about": "a", "segments": [{"kind": "rest", "seconds": 50.0}], **fields})
     temps_c = profile.ambient_at(np.array([-1.0, 0.0, 10.0, 20.0, 30.0, 49.0, 50.0, 70.0]))
@@ -210,7 +202,6 @@ def test_air_and_power_have_defaults() -> None:
 
 
 def test_before_its_start_the_table_stands_still() -> None:
-    """What sees the motion late sees a table at rest first."""
     angle_deg, rate_dps = profile_of(*KINDS["sine"]).motion_at(np.array([-5.0, -1e-9]))
     assert (angle_deg.tolist(), rate_dps.tolist()) == ([0.0, 0.0], [0.0, 0.0])
 
@@ -230,7 +221,6 @@ def test_the_shipped_turntable_turns_both_ways_and_ends_standing_still() -> None
 
 
 def test_the_shipped_rest_never_moves() -> None:
-    """At rest there is no rate and no angle, in any pass."""
     angle_deg, rate_dps = load_profile("rest").motion_at(np.linspace(0.0, 1000.0, 777))
     assert not angle_deg.any()
     assert not rate_dps.any()
@@ -245,7 +235,6 @@ def test_a_file_of_ones_own_is_loaded_by_its_path(tmp_path: Path) -> None:
 def test_a_file_at_the_name_given_comes_before_a_shipped_profile(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Whoever has a file called `rest` where they are means that file."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "rest").write_text("{about: Mine., segments: [{kind: rest, seconds: 7}]}")
     assert load_profile("rest").about == "Mine."
@@ -287,7 +276,6 @@ def test_the_times_of_the_air_have_to_rise(tmp_path: Path, times_s: tuple[int, i
 
 
 def test_an_unknown_kind_is_answered_with_the_known_ones(tmp_path: Path) -> None:
-    """Whoever misspells a kind reads which ones there are."""
     (line,) = mistakes(tmp_path, "about: a\nsegments: [{kind: wobble}, {kind: rest, seconds: 1}]\n")
     assert all(kind in line for kind in KINDS)
 
@@ -297,7 +285,7 @@ def test_all_mistakes_are_told_at_once_in_the_order_of_the_file(tmp_path: Path) 
     text = "about: 3\nsegments:\n  - {kind: rest, seconds: -1}\n  - {kind: spin}\n  - {kind: hold, sec: 1}\n"
     lines = mistakes(tmp_path, f"{text}  - {{kind: rest, seconds: 1}}\nspeed: 2\n")
     places = [tuple(map(int, line.split(" ")[0].split(":")[1:])) for line in lines]
-    assert {place[0] for place in places} == {1, 3, 4, 5, 7}
+    assert {position[0] for position in places} == {1, 3, 4, 5, 7}
     assert all(earlier <= later for earlier, later in pairwise(places))
 
 

@@ -30,7 +30,6 @@ def readings_of(rig: Rig, count: int) -> tuple[NativeDecoder, list[Reading]]:
 
 @pytest.mark.parametrize("own_yaw", OWN_YAWS)
 def test_each_sample_has_the_result_of_the_filter_on_its_own_counts(own_yaw: str) -> None:
-    """To the rounding of a 32-bit float, as the host computes it from the decoded rates."""
     decoder, readings = readings_of(rig_of(own_yaw), 3000)
     assert decoder.device.device_filter == own_yaw
     assert (decoder.counters.damaged, decoder.counters.lone_yaws) == (0, 0)
@@ -57,7 +56,6 @@ def test_hello_is_the_golden_one() -> None:
 
 @pytest.mark.parametrize("axes", [1, 3])
 def test_a_device_without_a_filter_sends_what_it_always_sent(axes: int) -> None:
-    """And its rig is written without the option."""
     plain = with_axes(Rig(), axes)
     own = with_own_yaw(plain, "restlevel")
     rows = [
@@ -77,7 +75,6 @@ def test_a_rig_file_may_have_the_option(tmp_path: Path) -> None:
 
 
 def test_attitude_on_one_axis_is_told(tmp_path: Path) -> None:
-    """On the command line and in a file."""
     with pytest.raises(FileError, match="--own-yaw attitude: needs a rig with three axes; add --axes 3"):
         with_own_yaw(Rig(), "attitude")
     path = tmp_path / "rig.yaml"

@@ -115,7 +115,6 @@ def frames_at(*times_s: float) -> list[Frame]:
 
 
 def test_the_name_leads_to_the_pty_and_is_gone_at_the_end(link: Path) -> None:
-    """While the device lives, its name is a link to the slave; afterwards the folder is empty."""
     with speaking_on(link) as device:
         assert str(link.readlink()) == device.slave_name
         assert names_in(link.parent) == [link.name]
@@ -169,8 +168,6 @@ def test_a_name_that_cannot_be_made_is_told_with_its_cause(link: Path) -> None:
 
 
 def test_a_name_that_cannot_be_replaced_leaves_nothing(link: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where the last step fails, the old link stands alone."""
-
     def refuse(_fresh: Path, _name: Path) -> Path:
         raise PermissionError(1, "Operation not permitted")
 
@@ -190,7 +187,6 @@ def test_the_name_of_another_device_is_left_to_it(link: Path) -> None:
 
 
 def test_a_name_that_is_gone_already_is_no_trouble_at_the_end(device: PtyDevice) -> None:
-    """Somebody may have cleaned up before the device ends."""
     device.link.unlink()
     device.close()
     assert not device.link.is_symlink()
@@ -210,7 +206,6 @@ def test_every_byte_arrives_unchanged(device: PtyDevice) -> None:
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=30)
 @given(st.lists(st.binary(min_size=1, max_size=300), min_size=1, max_size=10))
 def test_any_bytes_arrive_unchanged(tmp_path_factory: pytest.TempPathFactory, contents: list[bytes]) -> None:
-    """What is sent in pieces arrives in their order, nothing added and nothing changed."""
     with speaking_on(tmp_path_factory.mktemp("any") / "gyro") as device, pyserial_on(device) as port:
         assert all(device.send(content) for content in contents)
         assert port.read(sum(map(len, contents))) == b"".join(contents)
@@ -245,7 +240,6 @@ def test_without_a_reader_nothing_is_sent(device: PtyDevice) -> None:
 
 
 def test_readers_come_and_go(device: PtyDevice) -> None:
-    """Each of three readers is noticed, gets what is sent while it is there, and is noticed to leave."""
     for content in (b"one", b"two", b"six"):
         with pyserial_on(device) as port:
             assert device.has_reader()
@@ -267,7 +261,6 @@ def test_every_fresh_reader_is_greeted_first(link: Path) -> None:
 def test_a_reader_that_only_opens_the_port_is_waited_for_no_longer_than_it_takes(
     device: PtyDevice, clock: Clock
 ) -> None:
-    """Without the flush that ends the opening of pyserial, the device sends after half a second."""
     with raw_on(device):
         device.wait_for_reader(never)
     assert OPENING_S < clock.now_s - 1000.0 < OPENING_S + 0.02
@@ -280,7 +273,6 @@ def test_the_wait_for_a_reader_ends_when_all_is_over(device: PtyDevice, clock: C
 
 
 def test_a_reader_too_slow_misses_whole_sends_and_gets_no_halves(device: PtyDevice) -> None:
-    """What `send` took arrives to the last byte, in order, and what it refused is missing as a whole."""
     with pyserial_on(device) as port:
         taken, got = bytearray(), bytearray()
         for number in count():
@@ -305,7 +297,6 @@ def test_a_megabyte_reaches_a_slow_reader_in_another_process(device: PtyDevice) 
 
 
 def test_send_all_goes_on_as_the_reader_makes_room(device: PtyDevice) -> None:
-    """More than a pty holds gets through while one hand sends and the other reads."""
     content, got = MEGABYTE[:40_000], bytearray()
     with pyserial_on(device) as port:
 
@@ -343,7 +334,6 @@ def test_what_is_sent_after_a_flush_is_not_lost(link: Path) -> None:
 
 
 def test_drain_waits_until_all_is_read(device: PtyDevice, clock: Clock) -> None:
-    """When it returns, a reader that takes ten bytes at a time has taken the last of them."""
     with pyserial_on(device) as port:
         got = bytearray()
         clock.while_asleep = lambda: got.extend(port.read(min(10, 256 - len(got))))
@@ -363,7 +353,6 @@ def test_drain_does_not_wait_for_a_reader_for_ever(device: PtyDevice, clock: Clo
 
 
 def test_drain_waits_for_a_late_reader_until_it_is_over(device: PtyDevice, clock: Clock) -> None:
-    """At full speed nothing is lost, however busy the machine of the reader is."""
     with pyserial_on(device) as port:
         assert device.send(b"never read")
         wait_for_bytes(port.fileno())
@@ -373,7 +362,6 @@ def test_drain_waits_for_a_late_reader_until_it_is_over(device: PtyDevice, clock
 
 
 def test_drain_without_a_reader_ends_at_once(device: PtyDevice, clock: Clock) -> None:
-    """Nobody is waited for where nobody is."""
     device.drain()
     assert not clock.naps_s
 
@@ -399,7 +387,6 @@ def test_frames_leave_at_their_times(
 
 
 def test_a_device_without_reader_counts_what_is_lost(device: PtyDevice, clock: Clock) -> None:
-    """It goes on at its pace, and only measurements count, not HELLO."""
     frames = [Frame(0.0, b"hello", 0), *frames_at(0.0, 1.0, 2.0)]
     assert play(iter(frames), device, 1.0) == (0, 3)
     assert clock.now_s == pytest.approx(1002.0)
@@ -453,12 +440,12 @@ def test_at_full_speed_nothing_is_lost_while_nobody_reads(device: PtyDevice, mon
 
 def test_at_full_speed_nothing_is_lost_to_a_reader_who_is_just_opening(device: PtyDevice) -> None:
     """A port that is open and not yet flushed is not spoken to, since pyserial would throw that away."""
-    asked = count()
+    request = count()
     frames = [*frames_at(0.0, 1.0), Frame(2.0, b"end\n", 0)]
     with raw_on(device) as fd:
 
         def flush_later() -> bool:
-            if next(asked) == 4:
+            if next(request) == 4:
                 termios.tcflush(fd, termios.TCIFLUSH)
             return False
 
@@ -468,7 +455,6 @@ def test_at_full_speed_nothing_is_lost_to_a_reader_who_is_just_opening(device: P
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_it_and_the_old_handlers_come_back(number: int) -> None:
-    """Within the block a signal is only noted; after it, it means what it meant before."""
     before = signal.getsignal(number)
     with stopped_by_signals() as is_over:
         assert not is_over()

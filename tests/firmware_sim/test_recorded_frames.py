@@ -32,7 +32,6 @@ def test_native_says_hello_once_a_second() -> None:
 
 
 def test_native_rounds_to_counts() -> None:
-    """4.5 deg/s are 9 counts of 0.5, 30 degrees are 60 of 720 counts a turn, 25 °C are 2500."""
     assert native_sample(encoded("native", *RISING)[5]) == (0b011, 3, 1_500_000, 9, 2500, 60)
 
 
@@ -46,7 +45,6 @@ def test_native_marks_a_rate_beyond_its_counts(rate_dps: float, counts: int) -> 
 @pytest.mark.parametrize("protocol", ["native", "witmotion"])
 @pytest.mark.parametrize("rate_dps", [nan, inf])
 def test_counts_have_no_word_for_what_is_no_number(protocol: str, rate_dps: float) -> None:
-    """Such a sample is left out."""
     frames = encoded(protocol, Measurement(0.0, 7, 1, rate_dps, 1.0, 20.0))
     assert sum(frame.rows for frame in frames) == 0
 
@@ -59,7 +57,6 @@ def test_csv_keeps_every_digit_and_what_is_no_number() -> None:
 
 
 def test_witmotion_takes_the_nearest_count_of_its_own() -> None:
-    """10 deg/s are 163.84 counts of 2000/32768; a temperature that is absent is 0."""
     (frame,) = encoded("witmotion", Measurement(0.25, 3, 1, 10.0, 5.0, None))
     assert struct.unpack("<hh", frame.content[17:21]) == (164, 0)
     assert (frame.t_s, frame.rows, frame.end_mark) == (0.25, 1, b"")
@@ -77,20 +74,20 @@ def test_text_is_what_a_sketch_prints_for_a_serial_plotter() -> None:
 
 
 @pytest.mark.parametrize("protocol", ["native", "witmotion"])
-@pytest.mark.parametrize(("temp_c", "said"), [(400.0, 32767), (-1e300, -32767), (1e308, 32767), (inf, 0), (-inf, 0)])
+@pytest.mark.parametrize(
+    ("temp_c", "statement"), [(400.0, 32767), (-1e300, -32767), (1e308, 32767), (inf, 0), (-inf, 0)]
+)
 def test_a_temperature_beyond_its_register_is_the_nearest_that_can_be_said(
-    protocol: str, temp_c: float, said: int
+    protocol: str, temp_c: float, statement: int
 ) -> None:
-    """One without end is none."""
     frame = encoded(protocol, Measurement(0.0, 7, 1, 1.0, None, temp_c))[-1]
-    found = native_sample(frame)[4] if protocol == "native" else struct.unpack_from("<h", frame.content, 19)[0]
-    assert found == said
+    result = native_sample(frame)[4] if protocol == "native" else struct.unpack_from("<h", frame.content, 19)[0]
+    assert result == statement
 
 
 @pytest.mark.parametrize("protocol", ["native", "witmotion"])
 @pytest.mark.parametrize("rate_dps", [1e308, -1e308])
 def test_a_rate_beyond_everything_is_clipped(protocol: str, rate_dps: float) -> None:
-    """As any other that is too large."""
     frame = encoded(protocol, Measurement(0.0, 7, 1, rate_dps, inf, 25.0))[-1]
     raw = native_sample(frame)[3] if protocol == "native" else struct.unpack_from("<h", frame.content, 17)[0]
     assert raw == (32767 if rate_dps > 0 else -32767)

@@ -16,7 +16,6 @@ def written(folder: Path, text: str) -> Path:
 
 
 def test_the_shipped_rig_is_the_default() -> None:
-    """Without a file it is config/rig.yaml, which has no effects."""
     rig = load_rig(None)
     assert rig == load_rig(config_folder() / "rig.yaml")
     assert not rig.effects
@@ -28,7 +27,6 @@ def test_the_shipped_rig_states_every_base_value() -> None:
 
 
 def test_an_empty_file_is_a_rig_of_defaults(tmp_path: Path) -> None:
-    """What a file leaves out has its default."""
     assert load_rig(written(tmp_path, "# nothing\n")) == Rig()
 
 
@@ -60,7 +58,6 @@ def test_a_file_sets_what_it_names(tmp_path: Path) -> None:
     ],
 )
 def test_a_value_that_no_rig_can_have_is_told_with_its_place(tmp_path: Path, key: str, value: str) -> None:
-    """Each is refused by line, column and key."""
     with pytest.raises(FileError, match=rf"rig\.yaml:3:3 base\.{key}: is "):
         load_rig(written(tmp_path, f"# of a test\nbase:\n  {key}: {value}\n"))
 
@@ -71,7 +68,7 @@ def test_all_mistakes_of_a_rig_are_told_at_once(tmp_path: Path) -> None:
     with pytest.raises(FileError) as caught:
         load_rig(path)
     places = [line.split(" ")[0] for line in str(caught.value).splitlines()]
-    assert places == [f"{path}:{at}" for at in ("1:8", "1:27", "2:1")]
+    assert places == [f"{path}:{index}" for index in ("1:8", "1:27", "2:1")]
 
 
 def test_an_unknown_effect_is_refused(tmp_path: Path) -> None:
@@ -117,12 +114,10 @@ def test_a_mistake_in_an_effect_of_the_command_line_is_told(text: str, words: st
 
 @pytest.mark.parametrize("text", ["x" * 100_000, f"scale_factor:{'y' * 100_000}=1", "scale_factor:,a" * 10_000])
 def test_what_is_said_of_an_effect_is_short(text: str) -> None:
-    """However long what the command line gives."""
     with pytest.raises(FileError) as caught:
         parse_effect(text)
     assert len(str(caught.value)) < 2000
 
 
 def test_the_finest_encoder_has_room_for_180_turns_either_way() -> None:
-    """Its counts over that many turns fit the 32 bits of the wire."""
     assert 180 * ENCODER_CPR_MAX < 2**31

@@ -61,7 +61,6 @@ def measured(*effects: str, **axes: Any) -> tuple[Floats, Floats, Floats, Floats
 
 
 def test_a_device_without_errors_reads_the_motion() -> None:
-    """To half a count, on all axes, at the gravity of its place."""
     rates, accel, true_rates, true_force = measured(gravity_mps2=9.78)
     assert np.abs(rates - true_rates).max() < ROUNDING_DPS
     assert np.abs(accel - true_force).max() < ROUNDING_MPS2
@@ -79,7 +78,6 @@ def test_on_a_level_table_the_z_axis_is_the_device_with_one_axis(name: str | Non
 
 
 def test_axes_have_noise_and_bias_of_their_own() -> None:
-    """With the same density; none follows another."""
     axes = ThreeAxes(gyro_bias_x_dps=0.5, gyro_bias_y_dps=-0.7, mps2_per_lsb=1e-3, accel_noise_mps2_rthz=0.003)
     rig = Rig(base=Base(noise_dps_rthz=0.005, dps_per_lsb=1e-3, bias_dps=0.2, three_axes=axes))
     rates, accel = values_of(played(rig, "rest", 40000), rig)
@@ -93,7 +91,6 @@ def test_axes_have_noise_and_bias_of_their_own() -> None:
 
 @pytest.mark.parametrize("name", TRIAXIAL)
 def test_an_effect_on_vectors_is_0_unless_it_is_set(name: str) -> None:
-    """Its typical size changes what is read; its parameters are within their limits."""
     kind = TRIAXIAL[name]
     assert kind.model_validate(kind.typical).name == name
     text = "accel_range:limit_mps2=5" if name == "accel_range" else name
@@ -137,7 +134,6 @@ def test_a_gyro_feels_acceleration() -> None:
 
 
 def test_an_accelerometer_has_a_bias_a_range_and_steps() -> None:
-    """In this order."""
     bias = "accel_bias:x_mps2=1,z_mps2=-2"
     _, accel, _, force = measured(bias, "accel_range:limit_mps2=9", "accel_steps:step_mps2=0.5")
     expected = np.rint(np.clip(force + np.array([1.0, 0.0, -2.0]), -9.0, 9.0) / 0.5) * 0.5
@@ -145,7 +141,6 @@ def test_an_accelerometer_has_a_bias_a_range_and_steps() -> None:
 
 
 def test_an_accelerometer_walks() -> None:
-    """Each axis by itself, with the density of the effect."""
     rig = rig_of("accel_walk:density_mps2_rts=0.05")
     ends = [values_of(played(rig, "rest", 10001, seed), rig)[1] for seed in range(12)]
     steps = np.concatenate([np.diff(accel[::1000], axis=0).ravel() for accel in ends])
@@ -153,7 +148,6 @@ def test_an_accelerometer_walks() -> None:
 
 
 def test_a_silent_accelerometer_has_no_counts() -> None:
-    """From and to its times; rates go on."""
     block = played(rig_of("accel_dropout:from_s=10,to_s=20"))
     is_missing = np.all(block.accel_raw == ACCEL_MISSING, axis=1)
     assert np.flatnonzero(is_missing).tolist() == list(range(1000, 2000))
@@ -162,14 +156,12 @@ def test_a_silent_accelerometer_has_no_counts() -> None:
 
 
 def test_a_device_may_have_no_accelerometer() -> None:
-    """Its block then has no columns for it."""
     block = played(rig_of(mps2_per_lsb=0.0))
     assert block.accel_raw.shape == (6000, 0)
     assert block.gyro_xy_raw.shape == (6000, 2)
 
 
 def test_motors_shake_gyro_and_accelerometer() -> None:
-    """With the root mean square of the effect; at rest the share that is asked for."""
     text = "motor_vibration:gyro_dps=3,accel_mps2=2,frequency_hz=83,rest_share=0.25"
     rates, accel, true_rates, force = measured(text)
     shaken = [rates - true_rates, accel - force]
@@ -190,7 +182,6 @@ def test_a_low_pass_of_the_chip_quiets_vibration_on_all_axes() -> None:
 
 
 def test_each_gyro_axis_marks_the_end_of_its_range() -> None:
-    """And the counts stop there."""
     axes = QUIET.model_copy(update={"gyro_bias_x_dps": 50.0})
     rig = Rig(base=Base(noise_dps_rthz=0.0, dps_per_lsb=1e-3, three_axes=axes))
     block = played(rig, "rest", 100)
@@ -210,7 +201,6 @@ def test_an_accelerometer_marks_the_end_of_its_range() -> None:
 
 @pytest.mark.parametrize("size", [1, 7, 97, 300])
 def test_the_size_of_the_blocks_makes_no_difference(size: int) -> None:
-    """All channels, with effects that keep a state."""
     rig = with_effects(load_rig(config_folder() / "rig-three-axes.yaml"), [parse_effect("accel_walk")])
     rig = with_effects(rig, [parse_effect("motor_vibration"), parse_effect("stale_hold:share_percent=20")])
     small, large = played(rig, samples=300, size=size), played(rig, samples=300)
@@ -219,7 +209,6 @@ def test_the_size_of_the_blocks_makes_no_difference(size: int) -> None:
 
 
 def test_a_sample_that_is_read_twice_repeats_all_axes() -> None:
-    """Gyro and accelerometer alike."""
     axes = ThreeAxes(mps2_per_lsb=1e-3)
     rig = with_effects(Rig(base=Base(dps_per_lsb=1e-4, three_axes=axes)), [parse_effect("stale_hold:share_percent=30")])
     block = played(rig, "rest", 2000)
@@ -262,7 +251,6 @@ def test_faults_keep_the_axes_together(fault: str) -> None:
 
 
 def test_the_shipped_rig_with_three_axes_plays() -> None:
-    """Its file survives being written and read."""
     rig = load_rig(config_folder() / "rig-three-axes.yaml")
     assert rig.base.three_axes is not None
     assert rig.base.three_axes.model_fields_set == set(ThreeAxes.model_fields)
@@ -270,7 +258,6 @@ def test_the_shipped_rig_with_three_axes_plays() -> None:
 
 
 def test_a_rig_file_keeps_three_axes_and_says_nothing_of_them_for_one(tmp_path: Path) -> None:
-    """So the files of a device with one axis stay as they were."""
     path = tmp_path / "rig.yaml"
     rig = with_effects(with_axes(load_rig(None), 3), [parse_effect("accel_bias"), parse_effect("warmup")])
     path.write_text(rig_yaml(rig))
@@ -296,7 +283,6 @@ def test_an_effect_on_vectors_needs_three_axes() -> None:
     ],
 )
 def test_mistakes_of_a_rig_are_told_with_their_place(text: str, problem: str, tmp_path: Path) -> None:
-    """In the block of three axes too."""
     path = tmp_path / "rig.yaml"
     path.write_text(f"base:\n  {text}\n")
     with pytest.raises(FileError) as caught:

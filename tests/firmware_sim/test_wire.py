@@ -78,7 +78,6 @@ def test_hello_is_the_golden_one() -> None:
 
 @pytest.mark.parametrize("sample", SAMPLES)
 def test_samples_are_the_golden_ones(sample: NativeSample) -> None:
-    """Each sample of the table becomes its bytes."""
     assert native.sample_frame(*sample) == SAMPLES[sample]
 
 
@@ -102,7 +101,6 @@ def test_flags_of_three_axes_have_another_bit_for_rest(flags: int, axes_flags: i
 
 @pytest.mark.parametrize("rate_and_temperature", WT901_RATES)
 def test_witmotion_rates_are_the_golden_ones(rate_and_temperature: tuple[int, int]) -> None:
-    """Each rate frame of the table becomes its bytes."""
     assert witmotion.wt901_frame(0x52, 0, 0, *rate_and_temperature) == WT901_RATES[rate_and_temperature]
 
 
@@ -112,7 +110,6 @@ def test_witmotion_acceleration_is_the_golden_one() -> None:
 
 
 def test_the_example_of_the_vectornav_manual_is_met() -> None:
-    """Angles alone, with their CRC."""
     assert vectornav.vectornav_frame(0x0008, VECTORNAV_ANGLES[4:-2]) == VECTORNAV_ANGLES
 
 
@@ -128,22 +125,19 @@ def test_a_message_of_the_xsens_protocol_is_met() -> None:
 
 
 def test_a_rate_of_turn_is_read_by_a_library() -> None:
-    """In deg/min, negative to port, which is counter-clockwise; nothing is said with a minus that is none."""
-    found = NMEAReader.parse(nmea.rate_of_turn(2.5))
-    assert (found.identity, found.rot, found.valid) == ("HEROT", -150.0, "A")
+    result = NMEAReader.parse(nmea.rate_of_turn(2.5))
+    assert (result.identity, result.rot, result.valid) == ("HEROT", -150.0, "A")
     assert nmea.rate_of_turn(0.0).startswith(b"$HEROT,0.00,A*")
 
 
 @given(st.binary(max_size=254))
 def test_stuffing_is_that_of_the_cobs_package(packet: bytes) -> None:
-    """Any packet under 255 bytes is stuffed as others stuff it, and holds no zero."""
     assert native.cobs_encode(packet) == cobs.encode(packet)
     assert 0 not in native.cobs_encode(packet)
 
 
 @given(st.binary())
 def test_the_crc_is_that_of_binascii(payload: bytes) -> None:
-    """Any payload has the CRC-16/CCITT-FALSE that the standard library works out."""
     assert native.crc16_ccitt_false(payload) == binascii.crc_hqx(payload, 0xFFFF)
 
 
@@ -205,7 +199,6 @@ def test_the_time_of_a_frame_is_exact(protocol: str) -> None:
 
 
 def test_the_flags_say_what_is_valid() -> None:
-    """Without an encoder its bit is off; beyond the range the bit for clipping is on."""
     base = Base(encoder_cpr=0, bias_dps=50.0, dps_per_lsb=0.001, noise_dps_rthz=0.0)
     _, frame = islice(native.frames(blocks_of(base), base), 2)
     assert (sample_of(frame.content).flags, sample_of(frame.content).rate_raw) == (0b110, 32767)
@@ -216,8 +209,8 @@ def test_a_csv_line_reads_back_to_the_same_numbers(t_us: int, rate: float, angle
     """The digits are as many as it takes to tell a number from every other one."""
     line = csv.csv_line(t_us, rate, angle, temp)
     assert line.endswith(b"\r\n")
-    first, *others = line.decode().split(",")
-    assert (int(first), *map(float, others)) == (t_us, rate, angle, temp)
+    first, *rest = line.decode().split(",")
+    assert (int(first), *map(float, rest)) == (t_us, rate, angle, temp)
 
 
 @pytest.mark.parametrize(
@@ -230,7 +223,6 @@ def test_a_csv_line_reads_back_to_the_same_numbers(t_us: int, rate: float, angle
     ],
 )
 def test_a_csv_line_leaves_out_what_is_absent(angle_deg: float | None, temp_c: float | None, line: bytes) -> None:
-    """What is missing at the end is left out; what is missing before a value is nan."""
     assert csv.csv_line(7, -0.25, angle_deg, temp_c) == line
 
 
@@ -276,7 +268,6 @@ def test_a_witmotion_frame_ends_with_its_sum(kind: int, values: tuple[int, int, 
 
 @given(st.floats(-1999.9, 1999.9), i16)
 def test_a_witmotion_sample_holds_the_nearest_count(rate_dps: float, temp_centi_c: int) -> None:
-    """Its middle frame has the rate to half a count of 2000/32768 deg/s, and the temperature."""
     frame = witmotion.wt901_sample(rate_dps, temp_centi_c)[11:22]
     head, kind, _, _, raw, temp = struct.unpack("<BB4h", frame[:10])
     assert (head, kind, temp) == (0x55, 0x52, temp_centi_c)
@@ -285,7 +276,6 @@ def test_a_witmotion_sample_holds_the_nearest_count(rate_dps: float, temp_centi_
 
 @pytest.mark.parametrize(("rate_dps", "raw"), [(2000.0, 32767), (1e9, 32767), (-2000.0, -32767), (-1e9, -32767)])
 def test_a_witmotion_rate_saturates(rate_dps: float, raw: int) -> None:
-    """Beyond ±2000 deg/s it stays at the end of its range and does not wrap."""
     assert struct.unpack("<h", witmotion.wt901_sample(rate_dps, 2500)[17:19]) == (raw,)
 
 
@@ -304,7 +294,6 @@ def test_witmotion_says_three_frames_for_each_measurement() -> None:
 
 @pytest.mark.parametrize("word", StillWord)
 def test_a_device_that_is_told_to_says_whether_it_stands_still(word: StillWord) -> None:
-    """By the flags of native frames, and in the fifth column of lines: what is so, or always the same."""
     profile, base = load_profile("turntable"), Base(sample_rate_hz=20.0)
 
     def blocks() -> Iterator[Block]:
@@ -335,7 +324,6 @@ def axes_readings(
 
 
 def test_native_frames_carry_all_axes() -> None:
-    """With their scales in HELLO."""
     block, readings, device = axes_readings("accel_bias")
     assert (device.sample_rate_hz, device.encoder_cpr) == (100.0, 36000)
     for reading, (gyro_raw, accel_raw, _) in zip(readings, block.axes_rows(), strict=True):
@@ -346,7 +334,6 @@ def test_native_frames_carry_all_axes() -> None:
 
 
 def test_native_frames_say_where_acceleration_is_missing() -> None:
-    """And at rest and in motion, what the device says of it."""
     block, readings, _ = axes_readings("accel_dropout:from_s=1,to_s=2", StillWord.TRUE)
     has_none = [reading.inertial is not None and np.isnan(reading.inertial.accel_x_mps2) for reading in readings]
     assert np.flatnonzero(has_none).tolist() == list(range(100, 200))

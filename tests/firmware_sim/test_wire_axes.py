@@ -45,7 +45,6 @@ def read(protocol: str, block: TriaxialBlock) -> list[Reading]:
 
 @pytest.mark.parametrize("protocol", STEPS)
 def test_a_protocol_carries_all_axes_of_the_device(protocol: str) -> None:
-    """To half a step of the protocol."""
     block = block_of(RIG, "ramps")
     readings = read(protocol, block)
     sent = np.column_stack([block.gyro_xy_raw, block.rate_raw, block.accel_raw]).astype(np.float64)
@@ -61,7 +60,6 @@ def test_a_protocol_carries_all_axes_of_the_device(protocol: str) -> None:
 
 @pytest.mark.parametrize("protocol", ["native", "csv"])
 def test_a_missing_acceleration_is_missing_at_the_host(protocol: str) -> None:
-    """From one sample to another; the rates go on."""
     block = block_of(with_effects(RIG, [parse_effect("accel_dropout:from_s=5,to_s=8")]), "ramps")
     received = np.array([list(reading.inertial or [np.nan] * 6) for reading in read(protocol, block)])
     assert np.flatnonzero(np.isnan(received[:, 3])).tolist() == list(range(500, 800))
@@ -70,7 +68,6 @@ def test_a_missing_acceleration_is_missing_at_the_host(protocol: str) -> None:
 
 @pytest.mark.parametrize("profile", ATTITUDES)
 def test_csv_is_detected_on_any_motion(profile: str) -> None:
-    """Though the heading of a sensor that tilts is not the integral of its rate about z."""
     whole = next(measure(RIG, load_motion(profile), 0, block_samples=3000))
     for first in (0, 1000, 2000):
         detector = Detector([protocol for protocol in PROTOCOLS.values() if protocol.is_detected])

@@ -100,9 +100,8 @@ def test_a_whole_number_stays_whole(tmp_path: Path, number: int) -> None:
     ],
 )
 def test_a_text_means_one_thing(tmp_path: Path, text: str, value: object) -> None:
-    """There are decimal numbers, two truth values and nothing; all else is text."""
-    found = read(tmp_path, text)
-    assert (type(found), found) == (type(value), value)
+    result = read(tmp_path, text)
+    assert (type(result), result) == (type(value), value)
 
 
 @pytest.mark.parametrize(
@@ -129,14 +128,16 @@ def test_a_text_means_one_thing(tmp_path: Path, text: str, value: object) -> Non
 )
 def test_a_mistake_is_told_with_its_place(tmp_path: Path, text: str | bytes, line: str) -> None:
     """File, line, column and key come first, then what is wrong there."""
-    (found,) = mistakes(tmp_path, text)
-    assert found.startswith(line)
+    (result,) = mistakes(tmp_path, text)
+    assert result.startswith(line)
 
 
 def test_all_mistakes_are_told_in_the_order_of_the_file(tmp_path: Path) -> None:
     """Mistakes of YAML's and of the model's stand together, sorted by their place."""
     lines = mistakes(tmp_path, "width_mm: on\ndepth: 1\ndrawers: [{depth_mm: 1, depth_mm: 2}, 3]\ndepth: 2\n")
-    assert [line.split(" ")[0] for line in lines] == [f"file.yaml:{at}" for at in ("1:1", "2:1", "3:25", "3:39", "4:1")]
+    assert [line.split(" ")[0] for line in lines] == [
+        f"file.yaml:{index}" for index in ("1:1", "2:1", "3:25", "3:39", "4:1")
+    ]
 
 
 @pytest.mark.parametrize("number", ["1e400", "-1e400", ".inf", "-.INF", ".nan"])
@@ -155,7 +156,6 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
 
 
 def test_a_model_with_defaults_takes_an_empty_file(tmp_path: Path) -> None:
-    """Nothing but a comment is a file in which everything is left as it is."""
     (tmp_path / "file.yaml").write_text("# as shipped\n")
     assert load(tmp_path / "file.yaml", Anything) == Anything()
 
@@ -171,7 +171,6 @@ def test_what_was_read_cannot_be_changed(tmp_path: Path) -> None:
 @onto_one_file
 @given(st.text(alphabet="ab:-[]{}&*#'\"|>!%@` \n,?~01.e+", max_size=40))
 def test_any_text_is_read_or_told_about(tmp_path: Path, text: str) -> None:
-    """Whatever is in the file, there is a value or a FileError, whose every line names the file."""
     path = tmp_path / "file.yaml"
     path.write_text(text)
     assert all(line.startswith(f"{path}:") for line in complaints(path))
@@ -192,6 +191,7 @@ def test_a_key_that_is_no_text_is_told_in_words(tmp_path: Path) -> None:
     assert "ScalarNode" not in "".join(mistakes(tmp_path, "width_mm: 1\n? [a]\n: 1\n"))
 
 
+@pytest.mark.promise("Configs and commands")
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -201,10 +201,10 @@ def test_a_key_that_is_no_text_is_told_in_words(tmp_path: Path) -> None:
         ("a" * 5_000_000, "is longer than"),
     ],
 )
-def test_a_file_that_was_made_to_hurt_is_refused(tmp_path: Path, text: str, said: str) -> None:
-    """In a line, like any other mistake."""
-    (told,) = mistakes(tmp_path, text)
-    assert said in told
+def test_a_file_that_was_made_to_hurt_is_refused(tmp_path: Path, text: str, statement: str) -> None:
+    """A nested rig or profile without end is refused at once, in one line."""
+    (report,) = mistakes(tmp_path, text)
+    assert statement in report
 
 
 def test_what_is_no_ordinary_file_is_not_opened(tmp_path: Path) -> None:
@@ -215,7 +215,6 @@ def test_what_is_no_ordinary_file_is_not_opened(tmp_path: Path) -> None:
 
 
 def test_what_is_said_of_a_file_is_short(tmp_path: Path) -> None:
-    """However many mistakes it has, and however long what they quote."""
     path = tmp_path / "rig.yaml"
     for text in ("".join(f"k{i}: 1\n" for i in range(9000)), "x" * 100_000, "x" * 200_000):
         path.write_text(text)

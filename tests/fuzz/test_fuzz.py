@@ -23,21 +23,18 @@ def assert_target_holds(name: str, content: bytes) -> None:
 
 @pytest.fixture(scope="module", autouse=True)
 def files() -> Iterator[None]:
-    """Those that targets write are taken away behind them."""
     FOLDER.mkdir(exist_ok=True)
     yield
     forget()
 
 
 def test_every_target_is_run_and_has_what_to_begin_with() -> None:
-    """By the command as by these tests."""
     assert set(NAMES) == set(TARGETS) == set(SEEDS)
     assert all(SEEDS.values())
 
 
 @pytest.mark.parametrize("path", KEPT, ids=lambda path: f"{path.parent.name}/{path.name}")
 def test_what_is_kept_breaks_nothing(path: Path) -> None:
-    """Each once broke something, or reaches what others do not."""
     assert_target_holds(path.parent.name, path.read_bytes())
 
 
@@ -45,7 +42,6 @@ def test_what_is_kept_breaks_nothing(path: Path) -> None:
 @settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow])
 @given(seed=st.integers(0, 1 << 32), content=st.one_of(st.none(), st.binary(max_size=400)))
 def test_what_chance_makes_breaks_nothing(name: str, seed: int, content: bytes | None) -> None:
-    """Any bytes, and what is kept with some changes."""
     assert_target_holds(name, mutated(name, SEEDS[name], Random(seed)) if content is None else content)
 
 

@@ -21,7 +21,6 @@ def answer(*causes: tuple[str, float], none: float = 0.0, unknown: float = 0.0) 
 
 
 def test_the_largest_probability_is_the_verdict() -> None:
-    """None before unknown before a cause, if they are equal."""
     assert answer(("latency", 0.6), none=0.3).verdict == "cause"
     assert answer(("latency", 0.3), none=0.3, unknown=0.3).verdict == "none"
     assert answer(("latency", 0.3), unknown=0.3).verdict == "unknown"
@@ -39,7 +38,6 @@ def test_causes_are_sorted_and_named_from_one_half() -> None:
 
 
 def test_a_cause_can_be_named_beside_an_unknown_part() -> None:
-    """From 0.5; a weaker cause gives way to unknown, and every cause to none."""
     partly = answer(("latency", 0.9), unknown=1.0)
     assert partly.verdict == "unknown"
     assert partly.top is not None
@@ -75,7 +73,6 @@ def test_a_cause_can_be_named_beside_an_unknown_part() -> None:
     ],
 )
 def test_a_malformed_answer_is_an_error_that_names_the_file(stated: Any, message: str) -> None:
-    """And what is wrong in it."""
     with pytest.raises(DataError, match=r"answers/c0ffee\.json: ") as error:
         answer_of(stated, PATH)
     assert message in str(error.value)
@@ -91,7 +88,6 @@ def test_a_file_that_is_not_there_is_no_answer(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", PARAMETERS)
 def test_every_effect_of_an_answer_can_be_simulated(name: str) -> None:
-    """At its defaults, and at values far outside of its ranges."""
     case = draw_case(1, "none", 3)
     plan, device = case.stand.plans[0], case.stand.device
     for value in (None, -1e9, 1e9):
@@ -102,7 +98,6 @@ def test_every_effect_of_an_answer_can_be_simulated(name: str) -> None:
 
 
 def test_the_page_has_the_vocabulary() -> None:
-    """Each effect with its group, and each parameter with its unit, in the table of benchmark/gyrogap.md."""
     page = (Path(__file__).parents[2] / "benchmark" / "gyrogap.md").read_text()
     rows = {line.split("`")[1]: line for line in page.splitlines() if line.startswith("| `") and line.count("|") == 4}
     for name, parameters in PARAMETERS.items():

@@ -20,7 +20,6 @@ def data_set(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_rows_of_the_help_are_those_of_the_benchmark() -> None:
-    """In their order."""
     assert tuple(ROWS) == ROW_NAMES
 
 
@@ -32,8 +31,8 @@ def test_make_and_score(data_set: Path, capsys: pytest.CaptureFixture[str], tmp_
     assert len(cases) == 6
     for case in cases[1:]:
         (tmp_path / f"{case}.json").write_text('{"causes": [], "none": 0.9, "unknown": 0.05}')
-    for other in ("case-1.json", "score.json"):
-        (tmp_path / other).write_text("{}")
+    for second in ("case-1.json", "score.json"):
+        (tmp_path / second).write_text("{}")
     words = ["gyrogap", "score", str(folder), str(tmp_path), "--seals", str(data_set / "sealed")]
     assert main([*words, "--out", str(tmp_path / "out" / "score.json")]) == 0
     printed = capsys.readouterr()
@@ -63,7 +62,6 @@ def test_make_and_score(data_set: Path, capsys: pytest.CaptureFixture[str], tmp_
 def test_wrong_usage_is_one_line(
     words: list[str], message: str, data_set: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """With exit status 2, and what to do."""
     given = [word.format(tmp=tmp_path, set=data_set / "set") for word in words]
     assert main(["gyrogap", *given]) == 2
     assert message in capsys.readouterr().err
@@ -72,6 +70,5 @@ def test_wrong_usage_is_one_line(
 def test_a_folder_without_answers_is_reported(
     data_set: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Before a seal is opened."""
     assert main(["gyrogap", "score", str(data_set / "set"), str(tmp_path)]) == 4
     assert "an answer is CASE.json" in capsys.readouterr().err

@@ -45,7 +45,6 @@ def test_another_seed_gives_other_cases() -> None:
 
 
 def test_there_are_300_cases_in_six_rows_and_a_quarter_has_three_axes() -> None:
-    """All effects and all pairs come in their rows."""
     cases = list(chosen_cases(3, [], None))
     assert Counter(case.row for case in cases) == {name: row.count for name, row in ROWS.items()}
     assert len(cases) == 300
@@ -108,7 +107,6 @@ def test_a_data_set_is_not_replaced(tmp_path: Path) -> None:
 
 
 def test_a_folder_without_a_data_set_is_reported(tmp_path: Path) -> None:
-    """With the command that makes one."""
     (tmp_path / "manifest.json").write_text("[]")
     with pytest.raises(DataError, match="make a set: gyrodrift gyrogap make DIR --seed N"):
         read_manifest(tmp_path)

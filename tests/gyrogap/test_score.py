@@ -52,7 +52,6 @@ def test_right_answers_are_right_everywhere() -> None:
 
 @pytest.mark.parametrize("answer", [None, BenchmarkAnswer(none=1.0), BenchmarkAnswer(unknown=1.0)])
 def test_who_says_nothing_names_nothing(answer: BenchmarkAnswer | None) -> None:
-    """No answer, none and unknown are right in at most one row, and never sure and wrong."""
     cases = [judged(row, answer) for row in TRUTHS]
     assert sum(case.is_right for case in cases) == (0 if answer is None else 1)
     figure = by_key(cases)
@@ -75,14 +74,13 @@ def test_a_cause_of_the_right_group_is_half_right() -> None:
 
 def test_a_pair_needs_both_and_no_third() -> None:
     """A third cause counts if it is above 0.8."""
-    both = right_answer("pair").causes
-    assert not judged("pair", BenchmarkAnswer(both[:1])).is_right
-    assert judged("pair", BenchmarkAnswer((*both, cause("spikes", 0.7)))).is_right
-    assert not judged("pair", BenchmarkAnswer((*both, cause("spikes", 0.9)))).is_right
+    pair = right_answer("pair").causes
+    assert not judged("pair", BenchmarkAnswer(pair[:1])).is_right
+    assert judged("pair", BenchmarkAnswer((*pair, cause("spikes", 0.7)))).is_right
+    assert not judged("pair", BenchmarkAnswer((*pair, cause("spikes", 0.9)))).is_right
 
 
 def test_a_wrong_size_needs_the_new_size() -> None:
-    """Within 20 %; a parameter that is left out is 0."""
     for slope, is_right in ((0.023, True), (0.025, False), (-0.02, False)):
         answer = BenchmarkAnswer((cause("temp_scale", 1.0, slope_percent_per_c=slope),))
         assert judged("wrong_size", answer).is_right == is_right
@@ -114,7 +112,6 @@ def scaled(error_percent: float) -> InjectedEffect:
 
 
 def test_the_truth_closes_the_gap_and_a_wrong_cause_does_not() -> None:
-    """On held-out sessions: half of the size leaves about half, an effect that is not there makes it worse."""
     case = replace(draw_case(2, "none", 0), row="single", effects=(scaled(2.0),))
 
     def share(*answered: InjectedEffect) -> Any:
@@ -127,7 +124,6 @@ def test_the_truth_closes_the_gap_and_a_wrong_cause_does_not() -> None:
 
 
 def test_an_answer_replaces_the_effect_that_the_simulator_has() -> None:
-    """At the right size there is nothing left; what the simulator states without an answer stays."""
     case = replace(draw_case(2, "none", 0), effects=(scaled(2.0),), stated=(scaled(4.0),))
     closed = gap_closed(case, (scaled(2.0),))
     assert closed.share == pytest.approx(1.0, abs=0.1)
@@ -135,7 +131,6 @@ def test_an_answer_replaces_the_effect_that_the_simulator_has() -> None:
 
 
 def test_an_effect_too_small_to_see_is_not_counted() -> None:
-    """There is no gap to close."""
     case = replace(draw_case(2, "none", 0), effects=(scaled(0.0005),))
     assert gap_closed(case, (scaled(0.0005),)).share is None
     assert not Path("openings.log").exists()

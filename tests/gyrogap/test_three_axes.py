@@ -35,13 +35,11 @@ def of(*effects: InjectedEffect) -> dict[str, Any]:
 
 
 def test_a_healthy_device_turns_and_weighs_about_z() -> None:
-    """Nothing of the turn on x and y; gravity upward."""
     expected = {"turn_x": 0.0, "turn_y": 0.0, "force_x": 0.0, "force_y": 0.0, "force": GRAVITY_MPS2, "scale": 0.0}
     assert of() == pytest.approx(expected, abs=2e-3)
 
 
 def test_a_tilt_leans_turn_and_gravity() -> None:
-    """By sin 10° along y for an axis along x; the rate about z reads cos 10° of the turn."""
     sine = np.sin(np.radians(10.0))
     tilted = of(InjectedEffect("misalignment", {"tilt_deg": 10.0, "about_deg": 0.0}))
     assert abs(tilted["turn_y"]) == pytest.approx(sine, abs=2e-3)

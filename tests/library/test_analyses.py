@@ -29,16 +29,16 @@ def sessions(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_tune_finds_what_the_command_finds(sessions: Path, tmp_path: Path) -> None:
     test = min(sessions.iterdir())
-    told: list[str] = []
-    found = tune(
+    report: list[str] = []
+    result = tune(
         sessions,
         filter="hdr",
         tests=test,
         iterations=40,
         ranges={"tau_s": (0.01, 2.0)},
-        on_progress=lambda what, _done, _total: told.append(what),
+        on_progress=lambda what, _done, _total: report.append(what),
     )
-    assert {"sessions read", "seed 0"} <= set(told)
+    assert {"sessions read", "seed 0"} <= set(report)
     options = [
         "--filter",
         "hdr",
@@ -52,33 +52,31 @@ def test_tune_finds_what_the_command_finds(sessions: Path, tmp_path: Path) -> No
         str(tmp_path),
     ]
     assert main(["tune", str(sessions), "--out", str(tmp_path / "c.yaml"), *options]) == 0
-    params = found.run.params
+    params = result.run.params
     assert isinstance(params, HdrParams)
     assert json.loads((tmp_path / "tune.json").read_text())["parameters"]["tau_s"] == params.tau_s
 
 
 def test_tune_without_a_filter_gives_the_better_one(sessions: Path) -> None:
-    """With its parameters, and every alternative."""
-    found = tune(sessions, tests=min(sessions.iterdir()), iterations=32)
-    best = min((way for way in found.alternatives if way.filter), key=lambda way: way.judged_pi)
-    assert (found.filter, found.params) == (best.filter, best.params)
+    result = tune(sessions, tests=min(sessions.iterdir()), iterations=32)
+    best = min((way for way in result.alternatives if way.filter), key=lambda way: way.judged_pi)
+    assert (result.filter, result.params) == (best.filter, best.params)
 
 
 def test_compare_finds_what_the_command_finds(sessions: Path, tmp_path: Path) -> None:
     config = tmp_path / "c.yaml"
     config.write_text("filter: hdr\nhdr: {i_c_dps: 0.01}\n")
-    found = compare([sessions], config=config)
+    result = compare([sessions], config=config)
     assert main(["compare", str(sessions), "--config", str(config), "--out", str(tmp_path)]) == 0
-    told = json.loads((tmp_path / "compare.json").read_text())
-    assert [entry["e_deg"] for entry in told["methods"]] == [mean.e_deg for mean in found.means]
+    report = json.loads((tmp_path / "compare.json").read_text())
+    assert [entry["e_deg"] for entry in report["methods"]] == [mean.e_deg for mean in result.means]
 
 
 def test_diagnose_asks_what_the_command_asks(sessions: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of the one diagnosis that both run, which takes the better part of a minute and has tests of its own."""
-    asked: list[DiagnosisRequest] = []
+    requested: list[DiagnosisRequest] = []
 
     def stop(request: DiagnosisRequest) -> None:
-        asked.append(request._replace(progress=ignore_progress))
+        requested.append(request._replace(progress=ignore_progress))
         raise DataError("asked")
 
     monkeypatch.setattr("gyrodrift.diagnose.diagnosis.diagnose", stop)
@@ -87,27 +85,29 @@ def test_diagnose_asks_what_the_command_asks(sessions: Path, tmp_path: Path, mon
         diagnose([sessions], baseline=first, withhold=["scale_factor"], jobs=2)
     options = ["--baseline", str(first), "--withhold", "scale_factor", "--jobs", "2", "--out", str(tmp_path)]
     assert main(["diagnose", str(sessions), *options]) == DataError.exit_status
-    assert asked[0] == asked[1]
+    assert requested[0] == requested[1]
 
 
 @pytest.mark.parametrize(
     ("call", "kind", "said"),
     [
         (
-            lambda at: tune(at, filter="kalman"),
+            lambda index: tune(index, filter="kalman"),
             UsageError,
             "'kalman': there is no such filter; there are hdr",
         ),
-        (lambda at: tune(at, method="luck"), UsageError, "'luck': there is no such method"),
-        (lambda at: tune(at, seeds=()), UsageError, "at least one"),
-        (lambda at: tune(at, iterations=0), UsageError, "iterations 0: expected a whole number from 1"),
-        (lambda at: tune(at / "none"), DataError, "there is no such session or folder"),
-        (lambda at: compare(at, seed=-1), UsageError, "expected whole numbers from 0"),
-        (lambda at: diagnose(at, rig=at / "rig.yaml"), UsageError, "rig.yaml"),
-        (lambda at: diagnose(at, withhold=["gremlins"]), UsageError, "'gremlins': there is no such effect"),
-        (lambda at: diagnose(at / "none"), DataError, "there is no such session or folder"),
+        (lambda index: tune(index, method="luck"), UsageError, "'luck': there is no such method"),
+        (lambda index: tune(index, seeds=()), UsageError, "at least one"),
+        (lambda index: tune(index, iterations=0), UsageError, "iterations 0: expected a whole number from 1"),
+        (lambda index: tune(index / "none"), DataError, "there is no such session or folder"),
+        (lambda index: compare(index, seed=-1), UsageError, "expected whole numbers from 0"),
+        (lambda index: diagnose(index, rig=index / "rig.yaml"), UsageError, "rig.yaml"),
+        (lambda index: diagnose(index, withhold=["gremlins"]), UsageError, "'gremlins': there is no such effect"),
+        (lambda index: diagnose(index / "none"), DataError, "there is no such session or folder"),
     ],
 )
-def test_what_is_wrong_is_said(sessions: Path, call: Callable[[Path], Any], kind: type[Exception], said: str) -> None:
-    with pytest.raises(kind, match=said):
+def test_what_is_wrong_is_said(
+    sessions: Path, call: Callable[[Path], Any], kind: type[Exception], statement: str
+) -> None:
+    with pytest.raises(kind, match=statement):
         call(sessions)

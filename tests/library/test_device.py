@@ -13,10 +13,10 @@ from gyrodrift.values.errors import DeviceSilentError, PortMissingError, UsageEr
 
 def test_samples_come_until_it_is_closed(port: Path) -> None:
     """Iterated or read, in one order and with none lost between."""
-    told: list[str] = []
+    report: list[str] = []
 
     def tell(event: str, **fields: Any) -> None:
-        told.append(event)
+        report.append(event)
 
     with Command("--link", port, module="firmware_sim") as device:
         device.until(lambda _: port.exists(), "port")
@@ -30,7 +30,7 @@ def test_samples_come_until_it_is_closed(port: Path) -> None:
     numbers = [sample.seq for sample in samples]
     assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
     assert len(numbers) > 21
-    assert told[:2] == ["link_open", "protocol_found"]
+    assert report[:2] == ["link_open", "protocol_found"]
 
 
 def test_what_is_wrong_is_said(port: Path, tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from gyrodrift.filters.registry import FILTERS
 from gyrodrift.library.filters import DriftFilter
 from gyrodrift.values.errors import UsageError
 
-BOTH: list[type[DriftFilter]] = [gyrodrift.Hdr, gyrodrift.Restlevel]
+PAIR: list[type[DriftFilter]] = [gyrodrift.Hdr, gyrodrift.Restlevel]
 
 
 def samples(count: int = 3000) -> tuple[Any, Any]:
@@ -25,19 +25,18 @@ def samples(count: int = 3000) -> tuple[Any, Any]:
     return rate_dps, t_s
 
 
-@pytest.mark.parametrize("kind", BOTH)
+@pytest.mark.parametrize("kind", PAIR)
 def test_a_batch_has_the_bits_of_the_service(kind: type[DriftFilter]) -> None:
-    """Also in parts, and sample by sample."""
     rate_dps, t_s = samples()
-    known = FILTERS[kind.filter.name]
-    state, c = known.state(), known.coefficients(known.params())
+    reference = FILTERS[kind.filter.name]
+    state, c = reference.state(), reference.coefficients(reference.params())
     expected = []
     for t, rate in zip(t_s.tolist(), rate_dps.tolist(), strict=True):
-        accepted = known.step(c, state, t, rate)
+        accepted = reference.step(c, state, t, rate)
         expected.append((state.yaw_deg, state.bias_dps, state.yaw_sigma_deg, accepted))
 
     whole, parts, single = kind().update_batch(rate_dps, t_s), kind(), kind()
-    found = [parts.update_batch(rate_dps[a:b], t_s[a:b]) for a, b in ((0, 901), (901, 901), (901, 3000))]
+    result = [parts.update_batch(rate_dps[a:b], t_s[a:b]) for a, b in ((0, 901), (901, 901), (901, 3000))]
     ones = [single.update_at(rate, t) for t, rate in zip(t_s, rate_dps, strict=True)]
 
     yaw_deg, bias_dps, sigma_deg, is_accepted = map(np.array, zip(*expected, strict=True))
@@ -47,18 +46,18 @@ def test_a_batch_has_the_bits_of_the_service(kind: type[DriftFilter]) -> None:
     np.testing.assert_array_equal(whole.is_accepted, is_accepted)
     assert not whole.is_accepted[700]
     assert not whole.is_accepted[800]
-    np.testing.assert_array_equal(np.concatenate([one.yaw_deg for one in found]), yaw_deg)
-    np.testing.assert_array_equal([one.yaw_deg for one in ones], yaw_deg)
+    np.testing.assert_array_equal(np.concatenate([item.yaw_deg for item in result]), yaw_deg)
+    np.testing.assert_array_equal([item.yaw_deg for item in ones], yaw_deg)
 
 
-@pytest.mark.parametrize("kind", BOTH)
+@pytest.mark.parametrize("kind", PAIR)
 def test_steps_of_time_add_up_to_times(kind: type[DriftFilter]) -> None:
     rates = [0.5, 0.6, math.nan, 12.0, 0.5]
     steps, by_steps, by_times = [0.25, 0.25, 0.5, 0.25, -1.0], kind(), kind()
-    found = [by_steps.update(rate, dt_s) for rate, dt_s in zip(rates, steps, strict=True)]
+    result = [by_steps.update(rate, dt_s) for rate, dt_s in zip(rates, steps, strict=True)]
     expected = by_times.update_batch(rates, [0.25, 0.5, 1.0, 1.25, 0.25])
-    assert [one.yaw_deg for one in found] == expected.yaw_deg.tolist()
-    assert [one.is_accepted for one in found] == [True, True, False, True, False]
+    assert [item.yaw_deg for item in result] == expected.yaw_deg.tolist()
+    assert [item.is_accepted for item in result] == [True, True, False, True, False]
     by_steps.reset()
     assert by_steps.update(3.0, 0.01).yaw_deg == 0.0
 
@@ -80,7 +79,7 @@ def test_parameters_come_singly_or_as_a_record(tmp_path: Any) -> None:
         (lambda: gyrodrift.Hdr().update_batch([[1.0]], [0.0]), "the shape"),
     ],
 )
-def test_what_is_wrong_is_said(given: Any, said: str) -> None:
+def test_what_is_wrong_is_said(given: Any, statement: str) -> None:
     with pytest.raises(UsageError) as caught:
         given()
-    assert said in str(caught.value)
+    assert statement in str(caught.value)

@@ -24,14 +24,12 @@ def test_the_package_alone_loads_nothing_of_itself() -> None:
 
 
 def test_names_load_only_what_is_called() -> None:
-    """Nothing heavy before the first call."""
     names = "Hdr, Restlevel, load_session, open_link, tune, diagnose, compare"
     assert not loaded_by(f"from gyrodrift import {names}") & HEAVY
 
 
 @pytest.mark.parametrize("before", ["pass", "import gyrodrift.tune.result, gyrodrift.compare.comparison"])
 def test_analyses_stay_callable(before: str) -> None:
-    """Their rooms have the same names; an import of one of them takes nothing away."""
     code = (
         f"{before}\nfrom gyrodrift import tune, compare\nfrom gyrodrift.values.errors import DataError\n"
         "import gyrodrift\n"

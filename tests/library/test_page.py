@@ -54,9 +54,9 @@ def test_analyses(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
     max((tmp_path / "sessions").iterdir()).rename(tmp_path / "sessions" / "last.csv")
     monkeypatch.chdir(tmp_path)
     run(ANALYSES)
-    told = capsys.readouterr().out
-    assert told.startswith(("hdr HdrParams(i_c_dps=", "restlevel RestlevelParams(window_s="))
-    assert "restlevel: " in told
+    report = capsys.readouterr().out
+    assert report.startswith(("hdr HdrParams(i_c_dps=", "restlevel RestlevelParams(window_s="))
+    assert "restlevel: " in report
     assert sorted(path.name for path in tmp_path.iterdir()) == ["sessions"]
 
 

@@ -30,9 +30,10 @@ def tuning(sessions: Path) -> Tuning:
     return gyrodrift.tune(sessions, filter="hdr", tests=min(sessions.iterdir()), iterations=16)
 
 
+@pytest.mark.promise("Installation and systems")
 @pytest.mark.parametrize("kind", [gyrodrift.Hdr, gyrodrift.Restlevel])
 def test_help_shows_every_parameter_with_type_and_default(kind: type[DriftFilter]) -> None:
-    """The documented defaults are those of the filter."""
+    """`help` of a filter shows every parameter with type and default."""
     signature, text = inspect.signature(kind), inspect.getdoc(kind) or ""
     for name, default in asdict(kind.filter.params()).items():
         assert signature.parameters[name].annotation == float | None
@@ -51,7 +52,6 @@ def test_representations_are_short(sessions: Path, tuning: Tuning) -> None:
 
 
 def test_a_result_is_a_table_in_a_notebook(tuning: Tuning) -> None:
-    """With its short representation as the caption, and a row for each alternative."""
     html = tuning._repr_html_()
     assert html.startswith("<table><caption>Tuning(HDR, tuned")
     assert html.count("<tr>") == 1 + len(tuning.alternatives)
@@ -60,7 +60,6 @@ def test_a_result_is_a_table_in_a_notebook(tuning: Tuning) -> None:
 
 
 def test_a_result_is_an_arrow_table(sessions: Path, tuning: Tuning) -> None:
-    """By the names of its columns."""
     pytest.importorskip("pyarrow", reason="pyarrow is not installed")
     assert tuning.to_arrow().column("name").to_pylist() == [way.title for way in tuning.alternatives]
     session = gyrodrift.load_session(min(sessions.iterdir()))
@@ -69,7 +68,6 @@ def test_a_result_is_an_arrow_table(sessions: Path, tuning: Tuning) -> None:
 
 @pytest.mark.parametrize(("method", "package"), [("to_pandas", "pandas"), ("to_arrow", "pyarrow")])
 def test_a_missing_package_is_told_with_its_command(method: str, package: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """And no traceback of an import."""
     monkeypatch.setitem(__import__("sys").modules, package, None)
     table: ResultTable = gyrodrift.Hdr().update_batch([0.2], [0.0])
     with pytest.raises(UsageError, match=f"{method} needs the package {package}: .*install"):
@@ -77,7 +75,6 @@ def test_a_missing_package_is_told_with_its_command(method: str, package: str, m
 
 
 def test_a_session_of_three_axes_is_simulated() -> None:
-    """With the profile of a motion that tilts."""
     session = gyrodrift.simulate(minutes=0.2, profile="hand", axes=3, effects=["gyro_misalignment"])
     assert session.gyro_dps is not None
     assert session.accel_mps2 is not None
@@ -99,7 +96,6 @@ def test_a_session_is_simulated_filtered_saved_and_plotted(tmp_path: Path) -> No
 
 
 def test_a_tuning_is_saved_as_the_config_of_serve(tuning: Tuning, tmp_path: Path) -> None:
-    """With the parameters found."""
     gyrodrift.save(tuning, tmp_path / "my.yaml")
     assert asdict(gyrodrift.Hdr.from_config(tmp_path / "my.yaml").params) == pytest.approx(asdict(tuning.params))
 
@@ -107,22 +103,22 @@ def test_a_tuning_is_saved_as_the_config_of_serve(tuning: Tuning, tmp_path: Path
 @pytest.mark.parametrize(
     ("call", "said"),
     [
-        (lambda at, _: gyrodrift.simulate(effects=["gremlins"]), "gremlins"),
-        (lambda at, _: gyrodrift.simulate(minutes=0.0), "expected a number above 0"),
-        (lambda at, _: gyrodrift.simulate(axes=2), "axes 2: expected 1 or 3"),
-        (lambda at, _: gyrodrift.simulate(effects=["accel_bias"]), "needs a rig with three axes"),
-        (lambda at, _: gyrodrift.simulate(rig=at / "none.yaml"), "none.yaml"),
-        (lambda at, _: gyrodrift.save("text", at), "expected a session or a result"),  # type: ignore[arg-type]
-        (lambda at, tuning: gyrodrift.save(tuning, at / "my.txt"), "a config ends in .yaml"),
+        (lambda index, _: gyrodrift.simulate(effects=["gremlins"]), "gremlins"),
+        (lambda index, _: gyrodrift.simulate(minutes=0.0), "expected a number above 0"),
+        (lambda index, _: gyrodrift.simulate(axes=2), "axes 2: expected 1 or 3"),
+        (lambda index, _: gyrodrift.simulate(effects=["accel_bias"]), "needs a rig with three axes"),
+        (lambda index, _: gyrodrift.simulate(rig=index / "none.yaml"), "none.yaml"),
+        (lambda index, _: gyrodrift.save("text", index), "expected a session or a result"),  # type: ignore[arg-type]
+        (lambda index, tuning: gyrodrift.save(tuning, index / "my.txt"), "a config ends in .yaml"),
     ],
 )
-def test_a_wrong_call_is_told(call: Any, said: str, tuning: Tuning, tmp_path: Path) -> None:
-    """As a ValueError too."""
-    with pytest.raises(ValueError, match=said) as caught:
+def test_a_wrong_call_is_told(call: Any, statement: str, tuning: Tuning, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=statement) as caught:
         call(tmp_path, tuning)
     assert isinstance(caught.value, UsageError)
 
 
+@pytest.mark.promise("Installation and systems")
 @pytest.mark.parametrize(
     ("kind", "built_in"),
     [
@@ -135,7 +131,7 @@ def test_a_wrong_call_is_told(call: Any, said: str, tuning: Tuning, tmp_path: Pa
     ],
 )
 def test_errors_are_the_built_in_ones_too(kind: type[errors.GyrodriftError], built_in: type[Exception]) -> None:
-    """Programs may catch either."""
+    """Errors are also the built-in errors that programs catch."""
     message: Any = ["a: what happened"] if kind is errors.ConfigError else "a: what happened"
     error = kind(message)
     assert isinstance(error, built_in)

@@ -68,7 +68,6 @@ def test_a_device_with_three_axes_has_an_attitude_and_accelerations(node: Any) -
 
 
 def test_a_device_with_one_axis_is_level(node: Any) -> None:
-    """Also one that sends three rates without accelerations; a sample from the past is rejected."""
     corrector = node.Corrector()
     fields = corrector.take(Sample(0, 0.0, 0.0, 0.3, inertial=Inertial(1.0, 1.0, 0.3)))
     assert fields.orientation == (0.0, 0.0, 0.0, 1.0)

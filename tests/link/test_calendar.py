@@ -14,20 +14,21 @@ from gyrodrift.session.mcap.read import read_mcap
 from gyrodrift.values.sample import Sample
 
 
+@pytest.mark.promise("Recovery")
 @pytest.mark.parametrize("set_by_s", [3600.0, -3600.0])
 def test_a_recording_has_one_calendar_and_the_next_file_the_new_one(
     tmp_path: Path, port: Path, monkeypatch: pytest.MonkeyPatch, set_by_s: float
 ) -> None:
-    """No sample is lost, and the event tells by how much."""
-    told: list[tuple[str, dict[str, Any]]] = []
+    """If the host clock is set, the recording starts a new file with the new time."""
+    report: list[tuple[str, dict[str, Any]]] = []
     real = time.time
     with speaking_on(port) as device:
         recorders: list[Recorder] = []
 
         def hear(event: str, **fields: Any) -> None:
-            told.append((event, fields))
-            for each in recorders:
-                each.on_event(event, fields)
+            report.append((event, fields))
+            for item in recorders:
+                item.on_event(event, fields)
 
         link = Link(LinkOptions(str(port), 115200, "csv"), hear)
         recorder = Recorder(RecordOptions(tmp_path / "out"), link)
@@ -47,7 +48,7 @@ def test_a_recording_has_one_calendar_and_the_next_file_the_new_one(
         link.follow_host_clock()
         recorder.close()
         link.close()
-    assert told[-1] == ("host_clock_set", {"seconds": near(set_by_s, 0.1)})
+    assert report[-1] == ("host_clock_set", {"seconds": near(set_by_s, 0.1)})
     assert [sample.rate_dps for sample in heard] == [float(i) for i in range(30)]
     before, after = (read_mcap(path) for path in recorder.paths)
     assert before.t_host_s is not None
@@ -60,11 +61,11 @@ def test_a_recording_has_one_calendar_and_the_next_file_the_new_one(
 
 def test_a_clock_that_is_slewed_is_not_set(port: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Parts of a second are not worth another file."""
-    told: list[str] = []
+    report: list[str] = []
     with speaking_on(port):
-        link = Link(LinkOptions(str(port)), lambda event, **_: told.append(event))
+        link = Link(LinkOptions(str(port)), lambda event, **_: report.append(event))
         real = time.time
         monkeypatch.setattr(time, "time", lambda: real() + 0.2)
         link.follow_host_clock()
         link.close()
-    assert told == ["link_open"]
+    assert report == ["link_open"]

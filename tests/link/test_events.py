@@ -8,19 +8,19 @@ from gyrodrift.link.events import LinkEvents
 
 
 def test_what_comes_often_is_told_at_once_then_together_and_the_last_at_the_end() -> None:
-    now_s, told = [0.0], list[tuple[str, dict[str, Any]]]()
+    now_s, report = [0.0], list[tuple[str, dict[str, Any]]]()
     events = LinkEvents(structlog.get_logger(), monotonic=lambda: now_s[0])
-    events.listeners.append(lambda event, fields: told.append((event, fields)))
+    events.listeners.append(lambda event, fields: report.append((event, fields)))
     for name in ("a", "b", "c"):
         events("device", device_id=name)
-    assert told == [("device", {"device_id": "a"})]
+    assert report == [("device", {"device_id": "a"})]
     events.report_pending()
-    assert len(told) == 1
+    assert len(report) == 1
     now_s[0] = 2.0
     events.report_pending()
-    assert told[1:] == [("device", {"device_id": "c", "times": 2})]
+    assert report[1:] == [("device", {"device_id": "c", "times": 2})]
     events("device", device_id="d")
     events.report_pending(is_end=True)
-    assert told[2:] == [("device", {"device_id": "d"})]
+    assert report[2:] == [("device", {"device_id": "d"})]
     events.report_pending(is_end=True)
-    assert len(told) == 3
+    assert len(report) == 3

@@ -8,10 +8,10 @@ from gyrodrift.link.heard import Heard, plain_text
 
 
 def heard(content: bytes, seconds: float = 1.0) -> Heard:
-    found = Heard()
-    found.add(content[:1], 0.0)
-    found.add(content[1:], seconds)
-    return found
+    result = Heard()
+    result.add(content[:1], 0.0)
+    result.add(content[1:], seconds)
+    return result
 
 
 @pytest.mark.parametrize(
@@ -43,10 +43,10 @@ def test_a_few_bytes_say_nothing() -> None:
 
 @pytest.mark.parametrize("line", [b"a=1\r", b"a=1\r\n", b"a=1\n"])
 def test_the_pace_counts_lines_of_any_end(line: bytes) -> None:
-    found = Heard()
+    result = Heard()
     for number in range(41):
-        found.add(line, number / 20.0)
-    assert found.lines_per_s == pytest.approx(20.0, rel=0.05)
+        result.add(line, number / 20.0)
+    assert result.lines_per_s == pytest.approx(20.0, rel=0.05)
 
 
 def test_the_last_words_are_those_that_have_no_end() -> None:

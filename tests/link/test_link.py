@@ -38,7 +38,6 @@ def spoken(protocol: str) -> Iterator[bytes]:
 
 @pytest.mark.parametrize("protocol", DETECTED)
 def test_protocol_and_baud_are_found_and_told(port: Path, protocol: str) -> None:
-    """With nothing lost but the samples before HELLO."""
     with speaking_on(port) as device, Host(port) as host:
         samples = host.hear(device, islice(spoken(protocol), 150))
         assert ("protocol_found", {"protocol": protocol, "baud": 115200}) in host.told
@@ -48,7 +47,6 @@ def test_protocol_and_baud_are_found_and_told(port: Path, protocol: str) -> None
 
 
 def test_a_device_tells_who_it_is(port: Path) -> None:
-    """Once, not with every HELLO."""
     with speaking_on(port) as device, Host(port) as host:
         host.hear(device, islice(spoken("native"), 350))
         assert host.names() == ["link_open", "protocol_found", "device"]
@@ -56,7 +54,6 @@ def test_a_device_tells_who_it_is(port: Path) -> None:
 
 
 def garbled(device: PtyDevice, frame: bytes, baud: int) -> bytes:
-    """What a reader at another line rate sees: the pty's master knows the rate that the reader set."""
     speed = termios.tcgetattr(device.fd)[5]
     return frame if speed == getattr(termios, f"B{baud}") else bytes(byte ^ 0xA5 for byte in frame[::2])
 
@@ -74,9 +71,10 @@ def test_auto_baud_tries_the_usual_rates_until_one_makes_sense(port: Path, proto
         assert host.link.counters.samples > 100
 
 
+@pytest.mark.promise("Text and units")
 @pytest.mark.parametrize(("line", "every_s"), [(b"0.5\r\n", 0.5), (b"12\r\n", 0.9), (b"gz: 0.25\r\n", 1.0)])
 def test_a_board_that_prints_slowly_is_not_left_for_another_rate(port: Path, line: bytes, every_s: float) -> None:
-    """A few printable bytes do not tell yet; more of them do."""
+    """A board that prints a few bytes a second is not left for another baud rate."""
     with speaking_on(port) as device, Host(port, timeout_s=9.0) as host:
 
         def print_slowly() -> None:
@@ -104,7 +102,6 @@ def test_a_given_baud_is_never_second_guessed(port: Path) -> None:
 
 
 def test_a_device_that_says_nothing_is_given_up(port: Path) -> None:
-    """With the questions a person should ask."""
     with speaking_on(port), Host(port, timeout_s=3.0) as host:
         host.now_s += 2.9
         assert host.link.read() == []
@@ -114,7 +111,6 @@ def test_a_device_that_says_nothing_is_given_up(port: Path) -> None:
 
 
 def test_who_waits_for_ever_is_told_once_what_is_not_understood(port: Path) -> None:
-    """And where text can be read, no other rate is tried."""
     lines = (f"gx:{i % 3},gy:{i % 5},gz:{i % 7}\n".encode() for i in range(1200))
     with speaking_on(port) as device, Host(port, timeout_s=0.0) as host:
         assert host.hear(device, islice(lines, 1200)) == []
@@ -124,7 +120,6 @@ def test_who_waits_for_ever_is_told_once_what_is_not_understood(port: Path) -> N
 
 
 def test_samples_that_never_say_their_scale_are_explained(port: Path) -> None:
-    """A native device without HELLO."""
     with speaking_on(port) as device, Host(port, baud=115200, protocol="native", timeout_s=3.0) as host:
         frames = [frame for frame in islice(spoken("native"), 400) if len(frame) == 20]
         with pytest.raises(DeviceSilentError, match="but no HELLO frame"):
@@ -161,9 +156,10 @@ def test_unplugging_keeps_time_and_tells_how_long_it_was_gone(port: Path) -> Non
     host.link.close()
 
 
+@pytest.mark.promise("Samples")
 @pytest.mark.parametrize("is_detected", [True, False])
 def test_samples_that_waited_for_a_hello_have_their_own_times(port: Path, is_detected: bool) -> None:  # noqa: FBT001 - a case
-    """As if it had come first: sequence, clock of the device and of the host, and rate."""
+    """Samples that waited for a HELLO keep their own times."""
     frames = list(islice(spoken("native"), 250))
     samples = [frame for frame in frames if len(frame) == 20]
     hello = next(frame for frame in frames if len(frame) != 20)
@@ -185,7 +181,6 @@ def test_samples_that_waited_for_a_hello_have_their_own_times(port: Path, is_det
 
 
 def test_after_a_reconnect_samples_wait_for_the_hello_of_their_device(port: Path) -> None:
-    """Its HELLO was lost with the first bytes: nothing is missing when the next one comes."""
     frames = list(islice(spoken("native"), 500))
     with speaking_on(port) as device:
         host = Host(port)
@@ -203,8 +198,9 @@ def test_after_a_reconnect_samples_wait_for_the_hello_of_their_device(port: Path
     host.link.close()
 
 
+@pytest.mark.promise("Recovery")
 def test_reopening_is_tried_less_and_less_often(port: Path) -> None:
-    """Up to every two seconds."""
+    """An unplugged port is searched for within 2 s, again and again."""
     with speaking_on(port):
         host = Host(port)
     host.link.read()
@@ -218,7 +214,6 @@ def test_reopening_is_tried_less_and_less_often(port: Path) -> None:
 
 
 def test_gaps_are_counted_and_told(port: Path) -> None:
-    """Missing frames on the way."""
     with speaking_on(port) as device, Host(port) as host:
         frames = list(islice(spoken("native"), 200))
         host.hear(device, frames[:150] + frames[157:])
@@ -240,15 +235,13 @@ def test_an_unknown_protocol_is_refused_before_the_port_is_opened() -> None:
     ],
 )
 def test_a_device_that_sends_no_rate_is_told_what_to_send(port: Path, frame: bytes, protocol: str, advice: str) -> None:
-    """Its frames are good, and there is nothing in them for a filter."""
     with speaking_on(port) as device, Host(port, timeout_s=1.0) as host:
-        said = rf"good {protocol} frames arrived within 1 s, but none with a yaw rate; {advice}"
-        with pytest.raises(DeviceSilentError, match=said):
+        statement = rf"good {protocol} frames arrived within 1 s, but none with a yaw rate; {advice}"
+        with pytest.raises(DeviceSilentError, match=statement):
             host.hear(device, islice(repeat(frame), 200))
 
 
 def test_a_device_whose_frames_have_no_time_is_timed_by_their_arrival(port: Path) -> None:
-    """Though its protocol has a word for it."""
     rate = b"\x01\x20\x00" + struct.pack("<3f", 0.0, 0.0, -radians(2.0))
     with speaking_on(port) as device, Host(port) as host:
         frame = b"\xfa" + rate + struct.pack(">H", crc_hqx(rate, 0))

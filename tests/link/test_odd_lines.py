@@ -44,7 +44,6 @@ def test_between_samples_they_are_damage(port: Path) -> None:
 
 
 def test_who_waits_for_ever_is_told_what_they_look_like(port: Path) -> None:
-    """`--timeout 0`: nothing ends."""
     lines = [line for pair in zip(BOOT, ODD, strict=True) for line in pair]
     host, samples = heard(port, islice(cycle(lines), 700), 0.02, timeout_s=0.0)
     assert samples == []
@@ -53,19 +52,19 @@ def test_who_waits_for_ever_is_told_what_they_look_like(port: Path) -> None:
 
 @pytest.mark.parametrize("options", [{}, {"columns": "gyro=rate"}, {"columns": "t_ms, rate"}])
 def test_who_waits_gives_up_as_with_any_other_text(port: Path, options: dict[str, str]) -> None:
-    """With status 3 and a line that says what came."""
     lines = [line for pair in zip(BOOT, ODD, strict=True) for line in pair]
     with pytest.raises(DeviceSilentError, match=r"within 10 s|prints text"):
         heard(port, islice(cycle(lines), 700), 0.02, **options)
 
 
+@pytest.mark.promise("Recovery")
 def test_the_service_goes_on(port: Path) -> None:
-    """And counts them at its end."""
+    """The service continues on any text, including text that only a language parser accepts."""
     good = b"".join(b"%d, 0.5\n" % (10 * i) for i in range(50))
-    more = b"".join(b"%d, 0.5\n" % (10 * i) for i in range(50, 100))
+    extra = b"".join(b"%d, 0.5\n" % (10 * i) for i in range(50, 100))
     with speaking_on(port) as device, Command("serve", "--port", port, "--columns", "t_ms, rate") as serve:
         device.wait_for_reader(never)
-        device.send_all(good + b"".join(ODD) + more, never)
+        device.send_all(good + b"".join(ODD) + extra, never)
         assert len(serve.take_lines(100)) == 100
         assert serve.stop() == 0
     assert f"damaged={len(ODD)}" in serve.log

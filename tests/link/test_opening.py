@@ -40,7 +40,6 @@ class Board:
         os.close(self.fd)
 
     def sent(self, wait_s: float = 10.0) -> bytes:
-        """What has come; of a pty that is after a moment."""
         with suppress(OSError):
             if select.select([self.fd], [], [], wait_s)[0]:
                 return os.read(self.fd, 8192)
@@ -58,14 +57,14 @@ def board(port: Path) -> Iterator[Board]:
 
 
 def test_a_board_that_waits_for_a_key_is_sent_one(board: Board) -> None:
-    """After opening; and the log tells what."""
     with Host(board.link, send=b"\r\n") as host:
         assert board.sent() == b"\r\n"
         assert host.told[-1] == ("sent", {"bytes": 2, "content": r"\r\n"})
 
 
+@pytest.mark.promise("Samples")
 def test_a_key_that_was_lost_in_the_reset_is_sent_again_after_a_silence(board: Board) -> None:
-    """Opening the port resets many a board: what came meanwhile went to its bootloader."""
+    """`--send` is sent after each opening, and again if the reset lost it."""
     with Host(board.link, send=b"x", baud=115200) as host:
         host.read(1.9)
         board.say(PROMPT)
@@ -79,7 +78,6 @@ def test_a_key_that_was_lost_in_the_reset_is_sent_again_after_a_silence(board: B
 
 
 def test_a_board_that_is_busy_with_what_it_was_told_is_left_alone_longer_each_time(board: Board) -> None:
-    """2, 4, 8 and then each 16 s."""
     with Host(board.link, send=b"x", timeout_s=0.0) as host:
         sent_s = []
         for half in range(140):
@@ -91,7 +89,6 @@ def test_a_board_that_is_busy_with_what_it_was_told_is_left_alone_longer_each_ti
 
 
 def test_a_board_that_speaks_is_sent_nothing_more(board: Board) -> None:
-    """However long it is silent later."""
     with Host(board.link, send=b"x") as host:
         samples = []
         for i in range(20):
@@ -104,7 +101,6 @@ def test_a_board_that_speaks_is_sent_nothing_more(board: Board) -> None:
 
 
 def test_a_board_that_comes_back_is_sent_it_again(board: Board) -> None:
-    """It has begun anew, and waits anew; and a changed text holds from then on."""
     with Host(board.link, send=b"x") as host:
         host.link.send_at_opening(b"y")
         assert board.sent() == b"x"
@@ -120,8 +116,9 @@ def test_a_board_that_comes_back_is_sent_it_again(board: Board) -> None:
         ]
 
 
+@pytest.mark.promise("Samples")
 def test_where_nothing_is_to_be_sent_nothing_is(board: Board) -> None:
-    """A board that hears a byte may take it for an order."""
+    """Without `--send` no byte is sent to a device."""
     with Host(board.link, send=b"", timeout_s=20.0) as host:
         for _ in range(19):
             host.read(1.0)
@@ -141,7 +138,6 @@ def test_the_command_starts_a_board_that_waits(board: Board) -> None:
 
 
 def test_the_config_says_it_as_well(board: Board, tmp_path: Path) -> None:
-    """The option counts before it."""
     config = tmp_path / "c.yaml"
     config.write_text("send: 'a\\x0a'\n")
     with Command("serve", "--port", board.link, "--config", config) as serve:
@@ -165,13 +161,11 @@ def test_the_config_says_it_as_well(board: Board, tmp_path: Path) -> None:
     ],
 )
 def test_escapes_are_those_of_python(text: str, content: bytes) -> None:
-    """Whatever is none is sent in UTF-8, and bytes of a command line as they are."""
     assert bytes_to_send(text) == content
 
 
 @given(st.binary(min_size=1, max_size=200))
 def test_any_bytes_can_be_said_with_escapes(content: bytes) -> None:
-    """As a bytes literal of Python has them."""
     assert bytes_to_send(repr(content)[2:-1]) == content
 
 
@@ -188,6 +182,5 @@ def test_any_bytes_can_be_said_with_escapes(content: bytes) -> None:
     ],
 )
 def test_what_stands_for_no_bytes_is_refused(text: str, what: str) -> None:
-    """With what is wrong."""
     with pytest.raises(ValueError, match=what):
         bytes_to_send(text)

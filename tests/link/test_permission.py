@@ -26,8 +26,6 @@ Refused = Callable[..., str]
 
 @pytest.fixture
 def refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Refused:
-    """What a user hears of a port that has this group and mode."""
-
     def refuse(*_: object, **__: object) -> None:
         raise PermissionError(13, "Permission denied")
 
@@ -61,7 +59,6 @@ def _user(number: int) -> SimpleNamespace:
 
 @pytest.mark.parametrize("group", ["dialout", "uucp", "rig"])
 def test_a_group_of_users_is_joined(refused: Refused, group: str) -> None:
-    """Whatever a distribution calls it."""
     advice = f"it belongs to group {group}: run 'sudo usermod -aG {group} $USER' and log in again"
     assert refused(GROUPS[group]) == advice
 
@@ -69,12 +66,12 @@ def test_a_group_of_users_is_joined(refused: Refused, group: str) -> None:
 @pytest.mark.parametrize(("group", "mode"), [("root", 0o600), ("root", 0o660), ("dialout", 0o600), ("dialout", 0o640)])
 def test_nobody_is_told_to_join_root_or_a_group_that_may_not_open_it(refused: Refused, group: str, mode: int) -> None:
     """A rule of udev is what helps, and an access list until then."""
-    said = refused(GROUPS[group], mode)
-    assert f"usermod -aG {group} " not in said or group == "dialout"
-    assert said.startswith(f"it belongs to root:{group} with mode {mode:04o}, which users cannot join")
-    assert "sudo setfacl -m u:$USER:rw /dev/pts/" in said
-    assert 'GROUP="dialout", MODE="0660" into /etc/udev/rules.d/99-gyro.rules' in said
-    assert said.endswith("join it with 'sudo usermod -aG dialout $USER'")
+    statement = refused(GROUPS[group], mode)
+    assert f"usermod -aG {group} " not in statement or group == "dialout"
+    assert statement.startswith(f"it belongs to root:{group} with mode {mode:04o}, which users cannot join")
+    assert "sudo setfacl -m u:$USER:rw /dev/pts/" in statement
+    assert 'GROUP="dialout", MODE="0660" into /etc/udev/rules.d/99-gyro.rules' in statement
+    assert statement.endswith("join it with 'sudo usermod -aG dialout $USER'")
 
 
 def test_a_user_of_the_group_of_the_rule_need_not_join_it_again(refused: Refused) -> None:
@@ -84,20 +81,20 @@ def test_a_user_of_the_group_of_the_rule_need_not_join_it_again(refused: Refused
 
 def test_a_group_that_was_joined_since_this_login_counts_from_the_next(refused: Refused) -> None:
     """The most common stumble of all."""
-    said = refused(GROUPS["dialout"], joined=("dialout",))
-    assert said == "you are in its group dialout, but not since this login: log in again, or run 'newgrp dialout' first"
+    statement = refused(GROUPS["dialout"], joined=("dialout",))
+    assert (
+        statement
+        == "you are in its group dialout, but not since this login: log in again, or run 'newgrp dialout' first"
+    )
 
 
 def test_who_may_open_it_and_is_refused_is_held_back_by_something_else(refused: Refused) -> None:
-    """No group helps there."""
     assert "so a container" in refused(GROUPS["dialout"], here=(GROUPS["dialout"],))
 
 
 def test_a_terminal_is_no_serial_port(refused: Refused) -> None:
-    """Its group opens nobody else's."""
     assert refused(GROUPS["tty"], 0o620) == "it is a terminal of root, not a serial port"
 
 
 def test_a_group_of_the_host_without_a_name_in_a_container_is_added_to_it(refused: Refused) -> None:
-    """By its number."""
     assert refused(UNKNOWN).endswith(f"start the container with --group-add {UNKNOWN}")

@@ -19,7 +19,6 @@ from gyrodrift.values.errors import LinkError, PortBusyError, PortMissingError, 
 
 
 def test_bytes_come_as_they_were_sent(tmp_path: Path) -> None:
-    """No byte means anything to the line discipline, and an empty port is just empty."""
     with speaking_on(tmp_path / "gyro") as device:
         port = Port(str(tmp_path / "gyro"), 115200)
         assert port.read() == b""
@@ -30,7 +29,6 @@ def test_bytes_come_as_they_were_sent(tmp_path: Path) -> None:
 
 
 def test_a_port_that_hung_up_gives_its_last_bytes_or_says_that_it_is_gone(tmp_path: Path) -> None:
-    """And says so again each time it is asked."""
     with speaking_on(tmp_path / "gyro"):
         port = Port(str(tmp_path / "gyro"), 115200)
     for _ in range(2):
@@ -42,7 +40,6 @@ def test_a_port_that_hung_up_gives_its_last_bytes_or_says_that_it_is_gone(tmp_pa
 
 
 def test_a_missing_port_is_named() -> None:
-    """With what there is instead."""
     with pytest.raises(PortMissingError, match=r"/dev/ttyNONE: there is no such port; (ports on|no serial port)"):
         Port("/dev/ttyNONE", 115200)
 
@@ -55,14 +52,12 @@ def test_a_link_whose_device_is_off_is_told_from_a_wrong_name(tmp_path: Path) ->
 
 
 def test_a_file_is_no_port(tmp_path: Path) -> None:
-    """Whatever it holds."""
     (tmp_path / "file").write_text("0,1\n")
     with pytest.raises(LinkError, match="this is not a serial port"):
         Port(str(tmp_path / "file"), 115200)
 
 
 def test_a_baud_rate_that_the_system_cannot_do_is_a_usage_error(tmp_path: Path) -> None:
-    """It is never rounded to another one."""
     with speaking_on(tmp_path / "gyro"), pytest.raises(UsageError, match="cannot use -5 baud"):
         Port(str(tmp_path / "gyro"), -5)
 
@@ -88,19 +83,19 @@ time.sleep(60)
 
 
 def test_who_holds_a_port_may_have_any_name(tmp_path: Path) -> None:
-    """It is told as far as it can be read, and ends nothing."""
-    held = tmp_path / "gyro"
-    held.write_text("")
-    with subprocess.Popen([sys.executable, "-c", NAMELESS, held], stdout=subprocess.PIPE) as process:
+    kept = tmp_path / "gyro"
+    kept.write_text("")
+    with subprocess.Popen([sys.executable, "-c", NAMELESS, kept], stdout=subprocess.PIPE) as process:
         assert process.stdout is not None
         process.stdout.readline()
-        found = holder_of(str(held))
+        result = holder_of(str(kept))
         process.kill()
-    assert found == PortHolder("\ufffd\ufffd", process.pid)
+    assert result == PortHolder("\ufffd\ufffd", process.pid)
 
 
+@pytest.mark.promise("Recovery")
 def test_an_adapter_that_is_pulled_while_ports_are_listed_ends_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Pyserial makes a number of what sysfs says of it, and that is None then."""
+    """An adapter that is unplugged while ports are listed ends nothing."""
     looks: list[int] = []
 
     def comports() -> list[ListPortInfo]:
@@ -119,7 +114,6 @@ def test_an_adapter_that_is_pulled_while_ports_are_listed_ends_nothing(monkeypat
 
 
 def test_an_adapter_is_remembered_by_its_stable_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It often comes back under another ttyUSB number; a name that is a link already is kept."""
     monkeypatch.setattr(port_module, "BY_ID", tmp_path / "by-id")
     assert stable_name("/dev/null") == "/dev/null"
     (tmp_path / "by-id").mkdir()
@@ -140,19 +134,20 @@ def test_only_ptys_count_as_ptys() -> None:
     os.close(slave)
 
 
+@pytest.mark.promise("Recovery")
 def test_a_name_that_flickers_is_explained_all_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As when udev makes it anew: whatever moment it goes in, that is the link's trouble and not the caller's."""
+    """A port name that flickers ends nothing."""
     name = tmp_path / "gyro"
     refusal = PermissionError(errno.EACCES, "refused")
     for looks in range(8):
         name.write_text("")
-        left = [looks]
+        remaining = [looks]
         real = os.stat
 
-        def look(path: Any, left: list[int] = left, real: Any = real, **how: Any) -> os.stat_result:
+        def look(path: Any, leftover: list[int] = remaining, real: Any = real, **how: Any) -> os.stat_result:
             if str(path) == str(name):
-                left[0] -= 1
-                if left[0] < 0:
+                leftover[0] -= 1
+                if leftover[0] < 0:
                     name.unlink(missing_ok=True)
             return cast("os.stat_result", real(path, **how))
 
@@ -164,8 +159,9 @@ def test_a_name_that_flickers_is_explained_all_the_same(tmp_path: Path, monkeypa
     assert stable_name("/dev/ttyNONE") == "/dev/ttyNONE"
 
 
+@pytest.mark.promise("Recovery")
 def test_a_port_that_fails_in_a_way_of_its_own_is_gone_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Drivers have many errors for an adapter that was pulled; none of them ends whoever reads."""
+    """A port that fails in an unknown way counts as unplugged."""
 
     def fail(*_: object) -> bytes:
         raise OSError(errno.EPROTO, "protocol error")

@@ -29,21 +29,22 @@ def test_the_link_goes_on_with_the_port_that_was_found(port: Path, monkeypatch: 
     name = str(port)
     with Command("--link", port, "--quiet", module="firmware_sim") as device:
         device.until(lambda _: port.exists(), "port")
-        found, open_port = find_gyro(
+        result, open_port = find_gyro(
             [SerialPort(name, name)], LinkOptions("auto"), lambda event, **fields: events.append((event, fields))
         )
-        link = Link(found, lambda *_, **__: None, port=open_port)
+        link = Link(result, lambda *_, **__: None, port=open_port)
         while not link.read():
             assert link.silent_s() < 20.0
         link.close()
     assert opened == [name]
-    assert (found.port, found.protocol) == (name, "native")
+    assert (result.port, result.protocol) == (name, "native")
     assert [event for event, _ in events] == ["port_search", "port_found"]
     assert events[1][1]["port"] == name
 
 
+@pytest.mark.promise("Samples")
 def test_nothing_is_sent_to_ports_that_nobody_named() -> None:
-    """A printer or a modem may take it for an order; none of them is opened."""
+    """`--port auto` does not send to ports that you did not name."""
     ports = [SerialPort(name, name) for name in ("/dev/ttyUSB7", "/dev/ttyUSB8")]
     with pytest.raises(UsageError, match="--send would reach /dev/ttyUSB7, /dev/ttyUSB8; name one of them"):
         find_gyro(ports, LinkOptions("auto", send=b"x"), lambda *_, **__: None)

@@ -24,7 +24,6 @@ def adapter(device: str) -> ListPortInfo:
 
 
 def test_names_without_a_uart_are_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """And one on a chip is there although pyserial leaves it out; an adapter has its stable name."""
     for name, kind in (("ttyS0", "4"), ("ttyS1", "0"), ("ttyS2", "0")):
         (tmp_path / name).mkdir()
         (tmp_path / name / "type").write_text(f"{kind}\n")
@@ -44,15 +43,13 @@ def test_names_without_a_uart_are_left_out(tmp_path: Path, monkeypatch: pytest.M
 def test_a_lock_file_tells_who_holds_a_port(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, content: str, pid: int | None
 ) -> None:
-    """Unless its process is gone, or it says nothing."""
     monkeypatch.setattr(holder_module, "LOCKS", tmp_path)
     (tmp_path / "LCK..ttyUSB7").write_text(f"{content:>10}\n")
-    found = holder_of("/dev/ttyUSB7")
-    assert (found and found.pid) == pid
+    result = holder_of("/dev/ttyUSB7")
+    assert (result and result.pid) == pid
 
 
 def test_the_console_of_the_kernel_counts_as_held(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """And our own process does not."""
     (tmp_path / "active").write_text("tty0 ttyS9\n")
     (tmp_path / "LCK..ttyS8").write_text(f"{os.getpid()}\n")
     monkeypatch.setattr(holder_module, "CONSOLES", tmp_path / "active")

@@ -28,7 +28,6 @@ def read_within(port: ThreadPort, count: int) -> bytes:
 
 
 def test_bytes_come_as_they_were_sent(tmp_path: Path) -> None:
-    """In both directions, and an empty port gives nothing without waiting."""
     with speaking_on(tmp_path / "gyro") as device:
         port = ThreadPort(str(tmp_path / "gyro"), 115200)
         assert port.read() == b""

@@ -135,7 +135,6 @@ def navx_damaged(i: int) -> bytes:
 
 
 def position(i: int) -> bytes:
-    """Of a receiver that knows where it is and not how it turns."""
     content: bytes = NMEAMessage("GP", "GLL", GET, lat=43.2, NS="N", lon=i / 90, EW="W", status="A").serialize()
     return content
 
@@ -162,14 +161,13 @@ SPOKEN: dict[str, Callable[[int], bytes]] = {
 
 
 def test_each_that_is_known_has_a_stream_here() -> None:
-    """And no stream is taken for another one, wherever listening begins."""
     assert len(SPOKEN) == len(UNREAD)
     for name, frame in SPOKEN.items():
         stream = b"".join(frame(i) for i in range(250, 300))
         for cut in (0, 1, 5):
-            found = spoken(stream[cut:])
-            assert found is not None, name
-            assert name in found.name
+            result = spoken(stream[cut:])
+            assert result is not None, name
+            assert name in result.name
 
 
 @pytest.mark.parametrize("name", SPOKEN)
@@ -177,44 +175,44 @@ def test_a_damaged_frame_hides_no_protocol(name: str) -> None:
     """Nor a byte that was lost."""
     frames = [SPOKEN[name](i) for i in range(30)]
     frames[5], frames[11] = frames[5][:3] + frames[5][4:], frames[11][:-1]
-    found = spoken(b"".join(frames))
-    assert found is not None
-    assert name in found.name
+    result = spoken(b"".join(frames))
+    assert result is not None
+    assert name in result.name
 
 
 @pytest.mark.parametrize("noise", [b"\xd3\x03\xff", b"ue", b"snp\xff", b"!a", b"\xb5\x62\x00\x00\xff\x7f", b"\xfe"])
 def test_heads_without_end_are_given_up(noise: bytes) -> None:
-    """Their checks would take seconds, in which no sample is read; frames before them count."""
     checks = []
 
     def is_whole(frame: bytes) -> bool:
         checks.append(frame)
         return False
 
-    for each in UNREAD:
+    for item in UNREAD:
         checks.clear()
-        assert not replace(each, is_whole=is_whole).is_spoken(noise * 10_000)
+        assert not replace(item, is_whole=is_whole).is_spoken(noise * 10_000)
         assert len(checks) <= FAILED_MAX
 
 
 @pytest.mark.parametrize("name", SPOKEN)
 def test_two_frames_are_too_few(name: str) -> None:
-    """What came is of any kind then."""
     assert spoken(SPOKEN[name](1) + SPOKEN[name](2)) is None
 
 
+@pytest.mark.promise("Text and units")
 @given(st.binary(max_size=3000))
 @settings(max_examples=200)
 def test_random_bytes_are_none_of_them(noise: bytes) -> None:
-    """Nor with their heads strewn among them."""
+    """Random bytes are not taken for a known protocol."""
     assert spoken(noise) is None
     for head in (b"\x75\x65", b"\xfe\x09", b"\xb5\x62", b"\xfa\xff\x32", b"\xff\xfe"):
         assert spoken(head.join(noise[i : i + 11] for i in range(0, len(noise), 11))) is None
 
 
+@pytest.mark.promise("Text and units")
 @pytest.mark.parametrize("name", SPOKEN)
 def test_the_link_names_it_and_suspects_no_line_rate(port: Path, name: str) -> None:
-    """And keeps to the rate at which it was heard."""
+    """A known protocol that gyrodrift does not read is named, and no baud rate is suspected."""
     frames = map(SPOKEN[name], range(500))
     with speaking_on(port) as device, Host(port, timeout_s=4.0) as host:
         with pytest.raises(DeviceSilentError, match="the device sends") as refused:
@@ -224,6 +222,7 @@ def test_the_link_names_it_and_suspects_no_line_rate(port: Path, name: str) -> N
         assert host.link.baud == 115200
 
 
+@pytest.mark.promise("Text and units")
 @pytest.mark.parametrize(
     ("asked", "what"),
     [
@@ -232,15 +231,15 @@ def test_the_link_names_it_and_suspects_no_line_rate(port: Path, name: str) -> N
     ],
 )
 def test_a_device_that_speaks_another_protocol_than_was_asked_for_is_named(
-    port: Path, asked: dict[str, Any], what: str
+    port: Path, request: dict[str, Any], what: str
 ) -> None:
-    """And its line rate is right."""
+    """A device with another protocol than requested is named."""
 
     def frame(i: int) -> bytes:
         body = struct.pack("<B6h3B", i & 0xFF, 0, 0, 0, 0, 0, 1000, 0, 0, 0)
         return b"\xaa\xaa" + body + bytes((sum(body) & 0xFF,))
 
-    with speaking_on(port) as device, Host(port, timeout_s=4.0, **asked) as host:
+    with speaking_on(port) as device, Host(port, timeout_s=4.0, **request) as host:
         with pytest.raises(DeviceSilentError, match=what):
             host.hear(device, map(frame, range(500)), 0.02)
         assert host.link.baud == 115200

@@ -26,7 +26,6 @@ AREAS = {
 
 
 def test_faults_have_names_of_their_own_and_cover_all_areas() -> None:
-    """At least sixty, in all parts that the campaign is about."""
     assert len(FAULTS) >= 60
     assert len({fault.name for fault in FAULTS}) == len(FAULTS)
     assert {fault.area for fault in FAULTS} == AREAS
@@ -34,7 +33,6 @@ def test_faults_have_names_of_their_own_and_cover_all_areas() -> None:
 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
 def test_a_fault_applies_and_its_tests_exist(fault: Fault) -> None:
-    """Its old text occurs once in its file, its new text is another one and can be compiled."""
     fault.check(ROOT)
     changed = fault.applied_to((ROOT / fault.file).read_text())
     assert fault.old != fault.new
@@ -42,7 +40,6 @@ def test_a_fault_applies_and_its_tests_exist(fault: Fault) -> None:
 
 
 def test_a_text_that_is_gone_or_occurs_twice_is_told() -> None:
-    """With the name of the fault and of its file."""
     fault = Fault("link/gone", "a.py", "x = 1", "x = 2", "Nothing.", ())
     for source in ("y = 1\n", "x = 1\nx = 1\n"):
         with pytest.raises(FaultError, match=r"fault link/gone does not apply any more: .* in a\.py"):
@@ -58,7 +55,6 @@ def test_a_text_that_is_gone_or_occurs_twice_is_told() -> None:
     ],
 )
 def test_a_fault_is_caught_where_a_test_fails(tmp_path: Path, test: str, outcome: Outcome) -> None:
-    """In a project of two files; the file is as it was afterwards."""
     source, tests = tmp_path / "double.py", tmp_path / "test_double.py"
     source.write_text("def double(x):\n    return 2 * x\n")
     tests.write_text(f"from double import double\ndef test_double():\n    {test}\n")

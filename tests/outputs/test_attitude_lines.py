@@ -18,7 +18,6 @@ NEW = {field.name for field in OF_THREE_AXES}
 
 
 def test_a_line_has_the_attitude_behind_the_values_of_one_axis() -> None:
-    """With six digits of the quaternion, four of angles and five of rates."""
     level, tilt = corrected(3, yaw_deg=30.0), tilted(3)
     assert json_line(tilt) == json_line(level)[:-2] + (
         ',"q":[0.947744,0.125430,-0.146830,0.253947],"tilt_deg":22.2687,"roll_deg":10.0000,"pitch_deg":-20.0000,'
@@ -26,8 +25,9 @@ def test_a_line_has_the_attitude_behind_the_values_of_one_axis() -> None:
     )
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_one_axis_has_no_attitude() -> None:
-    """In no line."""
+    """Lines of a device with one axis have no attitude."""
     assert not NEW & set(json.loads(json_line(corrected(0))))
     assert not NEW & set(json.loads(chosen_line(corrected(0), CHOICES)))
     assert not NEW & set(json.loads(state(corrected(0))))
@@ -41,7 +41,6 @@ def test_one_axis_has_no_attitude() -> None:
     ],
 )
 def test_unknown_values_are_left_out(unknown: dict[str, float], missing: set[str]) -> None:
-    """Of a list as a whole."""
     sample = tilted(0)
     assert sample.attitude is not None
     sample = sample._replace(attitude=sample.attitude._replace(**unknown))
@@ -60,7 +59,6 @@ def test_fields_are_chosen_by_name() -> None:
 
 
 def test_plotjuggler_gets_lists() -> None:
-    """It shows them as q[0] to q[3]; all digits are there."""
     output = UdpOutput(UdpOptions(LOOPBACK), OutputHost(structlog.get_logger()))
     datagram = json.loads(output.datagram(tilted(0)))
     assert datagram["q"] == list(tilted(0).attitude or ())[:4]

@@ -39,37 +39,36 @@ def frame_of(mount: tuple[str, str]) -> tuple[DeviceFrame, Rotation]:
 
 @pytest.mark.parametrize("mount", MOUNTS)
 def test_axes_of_a_mount_are_right_handed(mount: tuple[str, str]) -> None:
-    """And its quaternion is the same rotation."""
     frame, turn = frame_of(mount)
     assert np.linalg.det(turn.as_matrix()) == pytest.approx(1.0)
     assert np.allclose(rotation(frame.mount.quaternion).as_matrix(), turn.as_matrix())
     assert np.allclose(frame.mount.to_device((1.0, 2.0, 3.0)), turn.inv().apply([1.0, 2.0, 3.0]))
 
 
+@pytest.mark.promise("Clients of outputs")
 @given(st.sampled_from(MOUNTS), angle, st.floats(-80.0, 80.0), st.floats(-60.0, 60.0), angle)
 def test_a_device_has_its_tilt_and_the_heading(
     mount: tuple[str, str], yaw_deg: float, pitch_deg: float, roll_deg: float, heading_deg: float
 ) -> None:
-    """However its sensor is mounted, and whatever the heading is counted from."""
+    """A device has its tilt and heading however its sensor is mounted."""
     frame, turn = frame_of(mount)
     level = Rotation.from_euler("ZYX", [0.0, pitch_deg, roll_deg], degrees=True)
     device = Rotation.from_euler("z", yaw_deg - twist_deg(level), degrees=True) * level
     x, y, z, w = (device * turn.inv()).as_quat()
     attitude = Attitude(w, x, y, z, 0.0, roll_deg, pitch_deg, 0.0, 0.0, 0.0, 0.0)
     north = Rotation.from_euler("z", heading_deg - yaw_deg, degrees=True)
-    found = rotation(frame.attitude(attitude, yaw_deg, heading_deg))
-    assert (found * (north * device).inv()).magnitude() < 1e-7
+    result = rotation(frame.attitude(attitude, yaw_deg, heading_deg))
+    assert (result * (north * device).inv()).magnitude() < 1e-7
 
 
 @pytest.mark.parametrize("mount", MOUNTS)
 def test_upside_down_the_attitude_is_that_of_the_sensor(mount: tuple[str, str]) -> None:
-    """There a heading by the twist means nothing."""
     frame, _ = frame_of(mount)
     device = Rotation.from_euler("ZYX", [40.0, 5.0, 175.0], degrees=True)
     w, x, y, z = device.as_quat(scalar_first=True).tolist()
     attitude = Attitude(*frame.mount.sensor_attitude((w, x, y, z)), 0.0, 175.0, 5.0, 0.0, 0.0, 0.0, 0.0)
-    found = rotation(frame.attitude(attitude, 10.0, 10.0))
-    assert (found * device.inv()).magnitude() < 1e-7
+    result = rotation(frame.attitude(attitude, 10.0, 10.0))
+    assert (result * device.inv()).magnitude() < 1e-7
 
 
 @given(angle, st.floats(-89.0, 89.0), angle)

@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 
-MORE = """
+EXTRA = """
 from gyrodrift.outputs import fields
 
 more = fields.Field("reference_deg", "reference_deg", "Angle of the encoder, unwrapped.", "Reference", 2)
@@ -47,7 +47,6 @@ assert ("Reference", "10.00 deg") in [(figure.label, figure.says) for figure in 
 
 
 def test_a_further_record_is_in_all_outputs() -> None:
-    """In lines, choices, metrics, sensors, schemas, topics, the live page and on the terminal."""
     env = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    done = subprocess.run([sys.executable, "-c", MORE], capture_output=True, text=True, check=False, env=env)
+    done = subprocess.run([sys.executable, "-c", EXTRA], capture_output=True, text=True, check=False, env=env)
     assert done.stderr == ""

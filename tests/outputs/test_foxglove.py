@@ -30,20 +30,20 @@ def test_ws_protocol_is_a_client(port: Path) -> None:
     """Channels with schemas, their messages, and parameters that stay what they are."""
     with serving(port, "--output", "foxglove:port=0") as (serve, device):
         host, number = address_of(serve, "foxglove")
-        said = fed(node_client("@foxglove/ws-protocol", "foxglove.mjs", f"ws://{host}:{number}"), serve, device)
-    assert said["channels"].keys() == {"/gyro/sample", "/gyro/state", "/gyro/link_stats"}
-    for topic, messages in said["messages"].items():
-        channel = said["channels"][topic]
+        statement = fed(node_client("@foxglove/ws-protocol", "foxglove.mjs", f"ws://{host}:{number}"), serve, device)
+    assert statement["channels"].keys() == {"/gyro/sample", "/gyro/state", "/gyro/link_stats"}
+    for topic, messages in statement["messages"].items():
+        channel = statement["channels"][topic]
         assert (channel["encoding"], channel["schemaEncoding"]) == ("json", "jsonschema")
         assert messages[0].keys() - {"timestamp"} <= channel["schema"]["properties"].keys()
-    sample = said["messages"]["/gyro/sample"][-1]
+    sample = statement["messages"]["/gyro/sample"][-1]
     assert sample["rate_dps"] == 10.0
     assert int(sample["timestamp"]) / 1e9 == pytest.approx(sample["t_host_s"], abs=1e-3)
-    assert said["messages"]["/gyro/link_stats"][0]["protocol"] in {"csv", "unknown"}
-    assert "parameters" in said["capabilities"]
-    before, after = said["parameters"]
+    assert statement["messages"]["/gyro/link_stats"][0]["protocol"] in {"csv", "unknown"}
+    assert "parameters" in statement["capabilities"]
+    before, after = statement["parameters"]
     assert after == before
-    assert {"filter", "config"} < {each["name"] for each in before}
+    assert {"filter", "config"} < {item["name"] for item in before}
 
 
 def listening() -> int:
@@ -52,13 +52,14 @@ def listening() -> int:
     for link in list(Path("/proc/self/fd").iterdir()):
         with suppress(FileNotFoundError):  # that of the listing itself
             if str(link.readlink()).startswith("socket:"):
-                with socket.socket(fileno=os.dup(int(link.name))) as each:
-                    count += each.getsockopt(socket.SOL_SOCKET, socket.SO_ACCEPTCONN)
+                with socket.socket(fileno=os.dup(int(link.name))) as item:
+                    count += item.getsockopt(socket.SOL_SOCKET, socket.SO_ACCEPTCONN)
     return count
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_there_is_one_port_and_it_takes_so_many_clients() -> None:
-    """Those beyond the limit are cut off, and who was there goes on."""
+    """Foxglove has one port and at most 64 clients."""
     before = listening()
     with hub("foxglove:port=0") as outputs, ExitStack() as many:
         address = outputs.address
@@ -91,7 +92,6 @@ def wait_for_answer(client: ClientConnection) -> None:
 
 
 def test_a_tilted_device_has_a_pose() -> None:
-    """It is advertised with the first attitude, also to clients that come later; one axis has none."""
     with hub("foxglove:port=0") as outputs:
         address = f"ws://{outputs.address}"
         with connect(address, subprotocols=[PROTOCOL]) as early:
@@ -107,7 +107,7 @@ def test_a_tilted_device_has_a_pose() -> None:
             message = early.recv(PATIENCE_S)
         with connect(address, subprotocols=[PROTOCOL]) as late:
             late.recv(PATIENCE_S)
-            topics = {each["topic"] for each in json.loads(late.recv(PATIENCE_S))["channels"]}
+            topics = {item["topic"] for item in json.loads(late.recv(PATIENCE_S))["channels"]}
     assert isinstance(message, bytes)
     pose = json.loads(message[13:])
     assert (channel["schemaName"], channel["topic"]) == ("foxglove.PoseInFrame", "/gyro/pose")
@@ -154,9 +154,9 @@ def test_a_mistake_is_told_and_the_connection_stays(sent: str | bytes) -> None:
         client.recv(PATIENCE_S)
         client.recv(PATIENCE_S)
         client.send(sent)
-        told = json.loads(client.recv(PATIENCE_S))
-        assert told["op"] == "status"
-        assert told["level"] in {1, 2}
+        report = json.loads(client.recv(PATIENCE_S))
+        assert report["op"] == "status"
+        assert report["level"] in {1, 2}
         wait_for_answer(client)
 
 
@@ -172,12 +172,11 @@ def test_parameters_are_told_when_they_change_to_who_follows_them() -> None:
         client.send('{"op":"subscribeParameterUpdates","parameterNames":["hdr.tau_s"]}')
         wait_for_answer(client)
         outputs.status(ServiceStatus(config=ConfigStatus(file="c", filter="hdr", params={"tau_s": 0.7})))
-        told = json.loads(client.recv(PATIENCE_S))
-        assert told["parameters"] == [{"name": "hdr.tau_s", "value": 0.7, "type": "float64"}]
+        report = json.loads(client.recv(PATIENCE_S))
+        assert report["parameters"] == [{"name": "hdr.tau_s", "value": 0.7, "type": "float64"}]
 
 
 def test_a_port_that_is_taken_is_told(port: Path) -> None:
-    """With who has it."""
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
@@ -193,7 +192,6 @@ def test_all_losses_so_far_are_told() -> None:
 
 
 def test_who_does_not_read_is_told_how_many_it_lost(port: Path, tmp_path: Path) -> None:
-    """What comes is in order, `status` and the client agree; closing this output and serving others go on meanwhile."""
     config, count = tmp_path / "c.yaml", 8_000
     config.write_text(HDR + "outputs: [{name: foxglove, port: 0}]\n")
     with (
@@ -204,9 +202,9 @@ def test_who_does_not_read_is_told_how_many_it_lost(port: Path, tmp_path: Path) 
         host, number = address_of(serve, "foxglove")
         connection.connect((host, number))
         with connect(f"ws://{host}:{number}", sock=connection, subprotocols=[PROTOCOL], max_queue=1) as client:
-            while (told := json.loads(client.recv(PATIENCE_S)))["op"] != "advertise":
+            while (report := json.loads(client.recv(PATIENCE_S)))["op"] != "advertise":
                 pass
-            topics = {each["topic"]: each["id"] for each in told["channels"]}
+            topics = {item["topic"]: item["id"] for item in report["channels"]}
             ask = {"id": 1, "channelId": topics["/gyro/sample"]}
             client.send(json.dumps({"op": "subscribe", "subscriptions": [ask]}))
             device.send_all(csv_at_100_hz(100), never)
@@ -233,8 +231,8 @@ def read_to(client: ClientConnection, last: int) -> tuple[list[int], int]:
         message = client.recv(PATIENCE_S)
         if isinstance(message, bytes):
             got.append(json.loads(message[13:])["seq"])
-        elif (told := json.loads(message))["op"] == "status":
-            missed = int(told["message"].split()[0])
+        elif (report := json.loads(message))["op"] == "status":
+            missed = int(report["message"].split()[0])
     return got, missed
 
 

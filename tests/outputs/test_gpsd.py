@@ -39,8 +39,8 @@ def gpsd(outputs: HubThread) -> Address:
 @pytest.fixture
 def client(gpsd: Address) -> Iterator[Reader]:
     """One that was greeted."""
-    with connected(gpsd) as found:
-        greeting = found.json()
+    with connected(gpsd) as result:
+        greeting = result.json()
         assert greeting == {
             "class": "VERSION",
             "release": f"gyrodrift {__version__}",
@@ -48,7 +48,7 @@ def client(gpsd: Address) -> Iterator[Reader]:
             "proto_major": 3,
             "proto_minor": 14,
         }
-        yield found
+        yield result
 
 
 def ask(client: Reader, request: bytes) -> None:
@@ -100,7 +100,6 @@ def test_a_tilted_device_has_pitch_and_roll(outputs: HubThread, client: Reader) 
 
 
 def test_reports_are_thinned_to_ten_a_second(outputs: HubThread, client: Reader) -> None:
-    """Where nothing else is asked for."""
     watching(client)
     outputs.samples([corrected(seq) for seq in range(100)])
     times = [client.until("GYRO")["t_s"] for _ in range(10)]
@@ -123,7 +122,6 @@ def test_poll_gives_the_last_sample_of_a_device_that_is_watched(outputs: HubThre
 
 
 def test_who_stops_to_watch_gets_no_more(outputs: HubThread, client: Reader) -> None:
-    """And several requests may stand in a line."""
     watching(client)
     ask(client, b'?WATCH={"enable":false,"json":true};?VERSION;\n')
     client.until("VERSION")
@@ -181,19 +179,17 @@ def test_a_mistake_is_told_and_the_connection_stays(client: Reader, request_line
 
 
 def test_gpsdclient_reads_it(outputs: HubThread, gpsd: Address) -> None:
-    """As its own documentation has it."""
     module = pytest.importorskip("gpsdclient", reason="gpsdclient is not installed: pip install gpsdclient")
     with module.GPSDClient(*gpsd, timeout=PATIENCE_S) as client:
-        found = client.dict_stream()
-        assert [next(found)["class"] for _ in range(3)] == ["VERSION", "DEVICES", "WATCH"]
+        result = client.dict_stream()
+        assert [next(result)["class"] for _ in range(3)] == ["VERSION", "DEVICES", "WATCH"]
         outputs.samples([corrected(100)])
-        attitude = next(found)
+        attitude = next(result)
     assert attitude["rot"] == -75.0
     assert attitude["time"].timestamp() == 1.7e9 + 1.0
 
 
 def test_cgps_shows_it(outputs: HubThread, gpsd: Address) -> None:
-    """In a terminal, where it prints each object that it took."""
     cgps = shutil.which("cgps")
     if cgps is None:
         pytest.skip("cgps is not installed: apt-get install gpsd-clients")
@@ -217,11 +213,10 @@ def test_cgps_shows_it(outputs: HubThread, gpsd: Address) -> None:
 
 
 def test_xgps_takes_it(outputs: HubThread, gpsd: Address) -> None:
-    """On a screen in memory; its window is there and it goes on watching while reports come."""
-    found = [shutil.which(name) for name in ("xgps", "xvfb-run", "xwininfo")]
-    if None in found:
+    result = [shutil.which(name) for name in ("xgps", "xvfb-run", "xwininfo")]
+    if None in result:
         pytest.skip("xgps, xvfb-run or xwininfo is not installed: apt-get install gpsd-clients xvfb x11-utils")
-    xgps, screen, windows = map(str, found)
+    xgps, screen, windows = map(str, result)
     shell = f"{xgps} {gpsd[0]}:{gpsd[1]} & while sleep 0.5; do {windows} -root -tree; done"
     command = [screen, "-a", "sh", "-c", shell]
     with subprocess.Popen(
@@ -236,7 +231,7 @@ def test_xgps_takes_it(outputs: HubThread, gpsd: Address) -> None:
                 outputs.samples([corrected(seq)])
                 (status,) = outputs.statuses()
                 shown += running.stdout.read() or b""
-                sent = max((each.sent for each in status.clients), default=0)
+                sent = max((item.sent for item in status.clients), default=0)
                 if b'"xgps' in shown and sent > 20:
                     break
                 assert time.monotonic() < until_s, (shown, sent)
@@ -247,11 +242,11 @@ def test_xgps_takes_it(outputs: HubThread, gpsd: Address) -> None:
 def test_gpspipe_reads_a_running_service(tmp_path: Path) -> None:
     """Rate of turn of a device that turns counter-clockwise is minus."""
     reports = _of_gpspipe(tmp_path / "port")
-    assert [each["class"] for each in reports[:3]] == ["VERSION", "DEVICES", "WATCH"]
-    attitudes = [each for each in reports if each["class"] == "ATT"]
+    assert [report["class"] for report in reports[:3]] == ["VERSION", "DEVICES", "WATCH"]
+    attitudes = [report for report in reports if report["class"] == "ATT"]
     assert len(attitudes) >= 2
-    assert all(each["rot"] < -500.0 for each in attitudes)
-    assert all("heading" not in each for each in attitudes)
+    assert all(item["rot"] < -500.0 for item in attitudes)
+    assert all("heading" not in item for item in attitudes)
     assert attitudes[-1]["temp"] == 25.0
 
 
@@ -261,11 +256,11 @@ def _of_gpspipe(port: Path) -> list[dict[str, Any]]:
     if gpspipe is None:
         pytest.skip("gpspipe is not installed: apt-get install gpsd-clients")
     with serving(port, "--output", "gpsd:port=0") as (serve, device):
-        host, at = address_of(serve, "gpsd")
-        command = [gpspipe, "-w", "-n", "8", f"{host}:{at}"]
+        host, index = address_of(serve, "gpsd")
+        command = [gpspipe, "-w", "-n", "8", f"{host}:{index}"]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as pipe:
             assert pipe.stdout is not None
-            found = [json.loads(pipe.stdout.readline()) for _ in range(3)]
+            result = [json.loads(pipe.stdout.readline()) for _ in range(3)]
             device.send(csv_at_100_hz(200))
-            found += [json.loads(line) for line in pipe.stdout]
-    return found
+            result += [json.loads(line) for line in pipe.stdout]
+    return result

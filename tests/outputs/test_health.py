@@ -9,7 +9,6 @@ GOOD = ServiceStatus(link=LinkStatus(port="/dev/ttyUSB0", is_open=True, samples=
 
 
 def test_all_is_well() -> None:
-    """One sentence, rather than none."""
     assert health(GOOD) == [Health(HealthLevel.GOOD, "Link OK: no samples lost or damaged.")]
 
 
@@ -17,8 +16,8 @@ def test_the_worst_is_told_first_and_everything_is_told() -> None:
     """Counted in words a person uses."""
     link = replace(GOOD.link, damaged=1, gaps=1, missing=3, reconnects=1, gone_s=2.5, jitter_ms=31.0)
     outputs = (OutputStatus("tcp", problem="port 127.0.0.1:7117 is used by nc (process 7)"),)
-    said = health(replace(GOOD, link=link, outputs=outputs, device=DeviceStatus(sample_rate_hz=50.0)))
-    assert [each.says for each in said] == [
+    statement = health(replace(GOOD, link=link, outputs=outputs, device=DeviceStatus(sample_rate_hz=50.0)))
+    assert [item.says for item in statement] == [
         "The output tcp is not open: port 127.0.0.1:7117 is used by nc (process 7).",
         "Damaged: 1 frame.",
         "Lost: 3 samples in 1 gap.",
@@ -26,7 +25,7 @@ def test_the_worst_is_told_first_and_everything_is_told() -> None:
         "Samples arrive unevenly, by up to 31 ms.",
         "The rate is 100.0 Hz; the device states 50 Hz.",
     ]
-    assert said[0].level is HealthLevel.BAD
+    assert statement[0].level is HealthLevel.BAD
 
 
 def test_a_link_that_says_nothing_is_bad() -> None:

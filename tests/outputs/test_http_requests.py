@@ -51,16 +51,17 @@ def ports() -> Iterator[tuple[HubThread, list[int], list[structlog.typing.EventD
         pytest.importorskip(package)
     with structlog.testing.capture_logs() as logged, hub() as outputs:
         outputs.want(*(f"{name}:port=0" for name in SERVERS))
-        addresses = [each.address for each in outputs.opened(len(SERVERS))]
+        addresses = [item.address for item in outputs.opened(len(SERVERS))]
         yield outputs, [int(address.rpartition(":")[2].rstrip("/")) for address in addresses], logged
 
 
 Ports = tuple[HubThread, list[int], list[structlog.typing.EventDict]]
 
 
+@pytest.mark.promise("Clients of outputs")
 @pytest.mark.parametrize("request_bytes", REQUESTS, ids=range(len(REQUESTS)))
 def test_no_request_is_an_error_of_the_server(ports: Ports, request_bytes: bytes) -> None:
-    """It gets an answer of 101 to 4xx, or none; the log has no mistake of ours, and every output stays open."""
+    """No HTTP request causes a server error."""
     outputs, numbers, logged = ports
     for number in numbers:
         with socket.create_connection(("127.0.0.1", number), PATIENCE_S) as client:
@@ -68,8 +69,8 @@ def test_no_request_is_an_error_of_the_server(ports: Ports, request_bytes: bytes
             client.shutdown(socket.SHUT_WR)
             answer = _answered(client)
         assert not answer or answer.startswith((b"HTTP/1.1 1", b"HTTP/1.1 2", b"HTTP/1.1 4")), answer[:200]
-    assert not [each for each in logged if each["log_level"] == "error" or "please report" in str(each.get("reason"))]
-    assert all(each.address for each in outputs.statuses())
+    assert not [item for item in logged if item["log_level"] == "error" or "please report" in str(item.get("reason"))]
+    assert all(statuse.address for statuse in outputs.statuses())
 
 
 def _answered(client: socket.socket) -> bytes:

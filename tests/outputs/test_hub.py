@@ -36,27 +36,25 @@ def tcp(outputs: HubThread) -> Address:
 
 
 def test_a_client_gets_hello_and_then_samples(outputs: HubThread, tcp: Address) -> None:
-    """With every field that is known."""
     with connected(tcp) as client:
         hello = client.json()
         assert hello == {"class": "HELLO", "program": "gyrodrift", "version": __version__, "fields": list(CHOICES)}
         outputs.samples([corrected(seq) for seq in range(300)])
         samples = [client.json() for _ in range(300)]
-    assert [each["seq"] for each in samples] == list(range(300))
+    assert [sample["seq"] for sample in samples] == list(range(300))
     assert set(samples[0]) == {"class", *(field.name for field in OF_EVERY_DEVICE)} - {"t_host_s", "raw_yaw_deg"}
 
 
 def test_a_client_asks_for_a_rate_and_for_fields(outputs: HubThread, tcp: Address) -> None:
-    """And the others still get everything."""
-    with connected(tcp) as client, connected(tcp) as other:
+    with connected(tcp) as client, connected(tcp) as second:
         client.until("HELLO")
-        other.until("HELLO")
+        second.until("HELLO")
         client.connection.sendall(b'{"class":"WATCH","rate_hz":10,"fields":["t_host_s","yaw_deg"]}\n')
         assert client.json() == {"class": "WATCH", "rate_hz": 10, "fields": ["t_host_s", "yaw_deg"]}
         outputs.samples([corrected(seq) for seq in range(101)])
         got = [client.json() for _ in range(11)]
-        assert [other.until("SAMPLE")["seq"] for _ in range(101)] == list(range(101))
-    assert [each["t_host_s"] for each in got] == pytest.approx([1.7e9 + n / 10 for n in range(11)])
+        assert [second.until("SAMPLE")["seq"] for _ in range(101)] == list(range(101))
+    assert [item["t_host_s"] for item in got] == pytest.approx([1.7e9 + n / 10 for n in range(11)])
     assert set(got[0]) == {"class", "t_host_s", "yaw_deg"}
 
 
@@ -78,20 +76,18 @@ def test_a_client_asks_for_a_rate_and_for_fields(outputs: HubThread, tcp: Addres
     ],
 )
 def test_nonsense_is_answered_with_what_was_expected(
-    outputs: HubThread, tcp: Address, said: bytes, answer: str
+    outputs: HubThread, tcp: Address, output_text: bytes, answer: str
 ) -> None:
-    """And the stream goes on."""
     with connected(tcp) as client:
         client.until("HELLO")
-        client.connection.sendall(said + b"\n")
+        client.connection.sendall(output_text + b"\n")
         assert answer in client.until("ERROR")["message"]
         outputs.samples([corrected(0)])
         assert client.until("SAMPLE")["seq"] == 0
 
 
 def test_a_line_of_10_mb_closes_its_connection_alone(outputs: HubThread, tcp: Address) -> None:
-    """It is told why."""
-    with connected(tcp) as client, connected(tcp) as other:
+    with connected(tcp) as client, connected(tcp) as second:
         client.until("HELLO")
         try:
             for _ in range(160):
@@ -101,11 +97,10 @@ def test_a_line_of_10_mb_closes_its_connection_alone(outputs: HubThread, tcp: Ad
         else:
             pytest.fail("10 MB were taken")
         outputs.samples([corrected(7)])
-        assert other.until("SAMPLE")["seq"] == 7
+        assert second.until("SAMPLE")["seq"] == 7
 
 
 def test_who_sends_too_much_is_told_to_go(outputs: HubThread, tcp: Address) -> None:
-    """More lines a second than a person or a program has to ask."""
     with connected(tcp) as client:
         client.until("HELLO")
         client.connection.sendall(b"\n" * 1000)
@@ -113,10 +108,11 @@ def test_who_sends_too_much_is_told_to_go(outputs: HubThread, tcp: Address) -> N
         assert client.line() == b""
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_a_mistake_of_ours_ends_the_connection_that_found_it_alone(
     outputs: HubThread, tcp: Address, logged: list[Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The log says so, once a second however often it happens."""
+    """An error with one client ends only its connection, and writes at most two log lines a second."""
     taken = JsonSession.line
 
     def line(session: JsonSession, text: bytes) -> None:
@@ -125,8 +121,8 @@ def test_a_mistake_of_ours_ends_the_connection_that_found_it_alone(
         taken(session, text)
 
     monkeypatch.setattr(JsonSession, "line", line)
-    with connected(tcp) as other:
-        other.until("HELLO")
+    with connected(tcp) as second:
+        second.until("HELLO")
         for _ in range(50):
             with connected(tcp) as client:
                 client.until("HELLO")
@@ -134,14 +130,13 @@ def test_a_mistake_of_ours_ends_the_connection_that_found_it_alone(
                 assert "RecursionError: trapped" in client.until("ERROR")["message"]
                 assert client.line() == b""
         outputs.samples([corrected(1)])
-        assert other.until("SAMPLE")["seq"] == 1
-    told = [each for each in logged if each["event"].startswith(("client", "output_broke"))]
-    assert "RecursionError" in told[0]["reason"]
-    assert len(told) < 50
+        assert second.until("SAMPLE")["seq"] == 1
+    report = [item for item in logged if item["event"].startswith(("client", "output_broke"))]
+    assert "RecursionError" in report[0]["reason"]
+    assert len(report) < 50
 
 
 def test_a_crowd_leaves_room_for_who_was_there(outputs: HubThread, tcp: Address, logged: list[Any]) -> None:
-    """Those beyond the limit are closed with the reason, and the log has a line a second of them."""
     with ExitStack() as many, connected(tcp) as first:
         first.until("HELLO")
         clients = [many.enter_context(connected(tcp)) for _ in range(300)]
@@ -153,7 +148,7 @@ def test_a_crowd_leaves_room_for_who_was_there(outputs: HubThread, tcp: Address,
         while (status := outputs.statuses()[0]).client_count != 64:
             assert time.monotonic() < until_s, status
         assert len(status.clients) == MOST_CLIENTS
-    closed = [each for each in logged if each["event"].startswith("client")]
+    closed = [item for item in logged if item["event"].startswith("client")]
     assert closed[0]["reason"] == "there are 64 clients already"
     assert len(closed) < 50
 
@@ -170,19 +165,18 @@ def test_a_client_that_does_not_read_loses_the_oldest_and_is_told(outputs: HubTh
         got: list[int] = []
         dropped = 0
         while not got or got[-1] < count - 1:
-            said = sleeper.json()
-            if said["class"] == "DROPPED":
-                dropped += said["lines"]
+            statement = sleeper.json()
+            if statement["class"] == "DROPPED":
+                dropped += statement["lines"]
             else:
-                got.append(said["seq"])
+                got.append(statement["seq"])
         assert dropped > 0
         assert got == sorted(got)
         assert len(got) + dropped == count
-        assert next(each for each in iter(outputs.statuses, None) if each[0].dropped == dropped)
+        assert next(statuse for statuse in iter(outputs.statuses, None) if statuse[0].dropped == dropped)
 
 
 def test_outputs_come_and_go_and_the_others_notice_nothing(outputs: HubThread, tcp: Address, tmp_path: Path) -> None:
-    """As a changed config has it."""
     with connected(tcp) as client:
         client.until("HELLO")
         outputs.samples([corrected(0)])
@@ -208,13 +202,14 @@ LISTENING = "import socket; s = socket.create_server(('127.0.0.1', 0)); print(s.
 
 def problem(outputs: HubThread) -> str:
     """Why the last of the outputs is not open."""
-    return next(each[-1].problem for each in iter(outputs.statuses, None) if each and "is used" in each[-1].problem)
+    return next(
+        statuse[-1].problem for statuse in iter(outputs.statuses, None) if statuse and "is used" in statuse[-1].problem
+    )
 
 
 def test_a_port_that_is_taken_is_told_with_by_whom_and_tried_again(
     outputs: HubThread, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """And had when it is free."""
     monkeypatch.setattr("gyrodrift.outputs.running.RETRY_FIRST_S", 0.05)
     with subprocess.Popen([sys.executable, "-c", LISTENING], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as holder:
         assert holder.stdout is not None
@@ -230,29 +225,33 @@ def test_a_port_that_is_taken_is_told_with_by_whom_and_tried_again(
     assert "is used by another output of this service" in problem(outputs)
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_a_path_that_is_no_socket_is_left_alone(outputs: HubThread, tmp_path: Path) -> None:
-    """One that a dead process left behind is taken over."""
+    """A file at the path of a socket is kept."""
     file = tmp_path / "notes.txt"
     file.write_text("mine")
     outputs.want(f"unix:path={file}")
-    (status,) = next(each for each in iter(outputs.statuses, None) if each and "no socket" in each[0].problem)
+    (status,) = next(
+        statuse for statuse in iter(outputs.statuses, None) if statuse and "no socket" in statuse[0].problem
+    )
     assert status.problem == f"{file} exists and is no socket; choose another with path="
     assert file.read_text() == "mine"
-    left = tmp_path / "left"
+    remaining = tmp_path / "left"
     with socket.socket(socket.AF_UNIX) as dead:
-        dead.bind(str(left))
-    outputs.want(f"unix:path={left}")
-    assert outputs.opened()[0].address == str(left)
+        dead.bind(str(remaining))
+    outputs.want(f"unix:path={remaining}")
+    assert outputs.opened()[0].address == str(remaining)
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_a_socket_of_others_that_has_the_place_of_ours_is_left_alone(outputs: HubThread, tmp_path: Path) -> None:
-    """Ours goes at its end; what somebody put there since stays."""
+    """A socket of another program at the path of ours is kept."""
     path = tmp_path / "gyro"
     outputs.want(f"unix:path={path}")
     outputs.opened()
     path.rename(tmp_path / "ours")
-    with socket.socket(socket.AF_UNIX) as other:
-        other.bind(str(path))
+    with socket.socket(socket.AF_UNIX) as second:
+        second.bind(str(path))
         outputs.want()
         while outputs.statuses():
             pass
@@ -260,17 +259,17 @@ def test_a_socket_of_others_that_has_the_place_of_ours_is_left_alone(outputs: Hu
 
 
 def test_events_reach_clients(outputs: HubThread, tcp: Address) -> None:
-    """As in the log."""
     with connected(tcp) as client:
         client.until("HELLO")
         outputs.event("gap", missing=3)
         assert client.json() == {"class": "EVENT", "event": "gap", "missing": 3}
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_a_status_that_fails_is_a_problem_of_its_output_alone(
     outputs: HubThread, tcp: Address, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The others are told of as before."""
+    """An output whose status fails is reported; others are reported as before."""
     outputs.want("tcp:port=0", "udp:port=9")
     outputs.opened(2)
 
@@ -306,8 +305,8 @@ def plotjuggler(datagrams: list[bytes]) -> dict[str, list[tuple[float, float]]]:
     """Curves by name: numbers of each object, at the time of its field `timestamp`; anything else fails."""
     curves: dict[str, list[tuple[float, float]]] = {}
     for datagram in datagrams:
-        said = json.loads(datagram)
-        t_s = said.pop("timestamp")
-        for name, value in said.items():
+        statement = json.loads(datagram)
+        t_s = statement.pop("timestamp")
+        for name, value in statement.items():
             curves.setdefault(name, []).append((t_s, float(value)))
     return curves

@@ -42,7 +42,9 @@ def test_as_deep_as_the_limit_is_taken() -> None:
     assert parse_json_at(f"?={deepest};", 2)[1] == 2 + len(deepest)
 
 
+@pytest.mark.promise("Clients of outputs")
 @given(st.binary(max_size=200) | st.text(max_size=200) | st.text('[]{}",:0 \\u', max_size=80))
 def test_any_bytes_are_a_value_or_one_kind_of_error(text: str | bytes) -> None:
+    """Any bytes of a client are a JSON value or one kind of error."""
     with suppress(NotJsonError):
         assert isinstance(parse_json(text), dict | list | str | int | float | None)

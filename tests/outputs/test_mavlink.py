@@ -39,16 +39,16 @@ class Station:
         """The next message of a kind."""
         until_s = time.monotonic() + PATIENCE_S
         while time.monotonic() < until_s:
-            found = self._link.parse_buffer(self._receiver.recv(4096)) or []
-            for each in found:
-                if each.get_type() == kind:
-                    return each
+            result = self._link.parse_buffer(self._receiver.recv(4096)) or []
+            for item in result:
+                if item.get_type() == kind:
+                    return item
         raise AssertionError(kind)
 
     def next_of_any(self) -> str:
         """Kind of the next message; a datagram has one."""
-        (found,) = self._link.parse_buffer(self._receiver.recv(4096))
-        return str(found.get_type())
+        (result,) = self._link.parse_buffer(self._receiver.recv(4096))
+        return str(result.get_type())
 
 
 @contextmanager
@@ -72,7 +72,7 @@ def test_odometry_is_clockwise_with_covariance() -> None:
     assert got.yawspeed == pytest.approx(radians(-2.0))
     assert (got.frame_id, got.child_frame_id) == (common.MAV_FRAME_LOCAL_FRD, common.MAV_FRAME_BODY_FRD)
     assert got.pose_covariance[YAW] == pytest.approx(radians(0.5) ** 2)
-    assert [got.pose_covariance[each] for each in POSITION] == [UNKNOWN_VARIANCE] * 3
+    assert [got.pose_covariance[item] for item in POSITION] == [UNKNOWN_VARIANCE] * 3
     assert got.time_usec == 1_700_000_001_000_000
     assert (got.get_srcSystem(), got.get_srcComponent(), got.quality) == (1, 200, 90)
 
@@ -88,7 +88,6 @@ def test_without_sigma_the_covariance_is_unknown() -> None:
 
 
 def test_ned_is_the_heading_and_waits_for_it() -> None:
-    """Nothing is sent before there is a reference."""
     with listening() as station, hub(f"mavlink:port={station.port},frame=ned,message=attitude") as outputs:
         outputs.samples([corrected(0, heading_deg=nan), corrected(100, heading_deg=270.0)])
         attitude, covariance = station.next("ATTITUDE"), station.next("ATTITUDE_QUATERNION_COV")
@@ -102,8 +101,9 @@ TILT_RATES = [radians(rate) for rate in (2.0 - 0.1, 3.0 + 0.2, -(1.5 - 0.25))]
 """Rates of `tilted` about forward, right and down, without the drift."""
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_a_tilted_device_sends_its_attitude() -> None:
-    """Nose up is positive in axes forward, right, down; all rates are measured."""
+    """Pymavlink reads roll, pitch and yaw from a quaternion and from angles, and they agree."""
     with listening() as station, hub(f"mavlink:port={station.port},message=attitude") as outputs:
         outputs.samples([tilted(100)])
         attitude = station.next("ATTITUDE")
@@ -133,7 +133,6 @@ def test_odometry_of_a_tilted_device_has_three_rates() -> None:
 
 
 def test_rates_are_about_the_axes_of_the_device() -> None:
-    """Its sensor stands on its side: x points up and y forward, so z points to the left."""
     with listening() as station, hub(f"mavlink:port={station.port}") as outputs:
         outputs.status(ServiceStatus(config=ConfigStatus(mount={"up": "+x", "forward": "+y"})))
         outputs.samples([tilted(100)])
@@ -196,7 +195,6 @@ def test_the_heartbeat_says_whether_samples_come(link: LinkStatus, state: int) -
 
 
 def test_a_serial_line_gets_the_same() -> None:
-    """And one that nobody reads drops whole messages, which the counter of those that come tells."""
     numbers = [*range(1000), 2000]
     time_us = [round(corrected(seq).sample.t_host_s * 1e6) for seq in numbers]
     master, slave = pty.openpty()
@@ -216,15 +214,14 @@ def test_a_serial_line_gets_the_same() -> None:
     finally:
         os.close(master)
         os.close(slave)
-    assert {each.get_type() for each in got} == {"ODOMETRY"}
+    assert {item.get_type() for item in got} == {"ODOMETRY"}
     assert len(got) == status.sent + 1
-    came = [time_us.index(each.time_usec) for each in got]
+    came = [time_us.index(item.time_usec) for item in got]
     assert came == sorted(set(came))
-    assert [each.get_seq() for each in got] == [number % 256 for number in came]
+    assert [item.get_seq() for item in got] == [number % 256 for number in came]
 
 
 def test_a_line_that_goes_is_tried_again() -> None:
-    """And the reason is told."""
     master, slave = pty.openpty()
     name = os.ttyname(slave)
     os.close(slave)
@@ -247,13 +244,12 @@ def test_a_line_that_goes_is_tried_again() -> None:
 def test_a_line_that_cannot_be_had_is_explained(options: str, says: str) -> None:
     with hub() as outputs:
         outputs.want(f"mavlink:{options}")
-        while not (found := outputs.statuses()) or "being opened" in found[0].problem:
+        while not (result := outputs.statuses()) or "being opened" in result[0].problem:
             pass
-    assert says in found[0].problem
+    assert says in result[0].problem
 
 
 def test_the_command_sends_to_a_ground_station(tmp_path: Path) -> None:
-    """Through `mavutil`, as programs of others listen: heartbeats, and yaw that falls as the device turns left."""
     with closing(mavutil.mavlink_connection("udpin:127.0.0.1:0", dialect="common")) as station:
         tty, output = tmp_path / "tty", f"mavlink:port={station.port.getsockname()[1]}"
         control = tmp_path / "control"
@@ -261,7 +257,7 @@ def test_the_command_sends_to_a_ground_station(tmp_path: Path) -> None:
         with serving(tty, *options) as (serve, device):
             serve.until(lambda it: "output_open" in it.log, "an open output")
             device.send_all(csv_at_100_hz(300), never)
-            turned = station.recv_match(
+            turn = station.recv_match(
                 type="ODOMETRY", condition="ODOMETRY.q[3] < -0.1", blocking=True, timeout=PATIENCE_S
             )
             assert station.recv_match(type="HEARTBEAT", blocking=True, timeout=PATIENCE_S) is not None
@@ -271,10 +267,10 @@ def test_the_command_sends_to_a_ground_station(tmp_path: Path) -> None:
             zeroed = station.recv_match(
                 type="ODOMETRY", condition="abs(ODOMETRY.q[3]) < 0.05", blocking=True, timeout=PATIENCE_S
             )
-    assert turned is not None
-    assert turned.yawspeed < 0.0
+    assert turn is not None
+    assert turn.yawspeed < 0.0
     assert zeroed is not None
-    assert zeroed.reset_counter == (turned.reset_counter + 1) % 256
+    assert zeroed.reset_counter == (turn.reset_counter + 1) % 256
 
 
 MAVPROXY = Path(sys.executable).with_name("mavproxy.py")
@@ -282,7 +278,6 @@ MAVPROXY = Path(sys.executable).with_name("mavproxy.py")
 
 @pytest.mark.skipif(not MAVPROXY.exists(), reason="MAVProxy is not installed: pip install MAVProxy")
 def test_mavproxy_shows_it(tmp_path: Path) -> None:
-    """It finds system 1, component 200, and shows ODOMETRY."""
     with listening() as free:
         port = free.port
     options = (f"--master=udpin:127.0.0.1:{port}", "--nowait", f"--state-basedir={tmp_path}", "--default-modules=")
@@ -308,7 +303,6 @@ def test_mavproxy_shows_it(tmp_path: Path) -> None:
 
 
 def said_by(mavproxy: "subprocess.Popen[bytes]", outputs: HubThread) -> str:
-    """What MAVProxy has printed once an ODOMETRY is in it, with samples and heartbeats sent until then."""
     assert mavproxy.stdout is not None
     os.set_blocking(mavproxy.stdout.fileno(), False)
     text, until_s, seq = "", time.monotonic() + PATIENCE_S, 0

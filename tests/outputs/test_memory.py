@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+import pytest
 from outputs_support import address_of, csv_at_100_hz, serving
 from support import PATIENCE_S, never
 from websockets.sync.client import connect
@@ -19,8 +20,9 @@ OUTPUTS: dict[str, Any] = {"web": None, "rosbridge": None, "foxglove": ["foxglov
 PATHS = {"web": "/stream"}
 
 
+@pytest.mark.promise("Memory and the end")
 def test_memory_is_flat_over_hundreds_of_websocket_clients(port: Path) -> None:
-    """Each connects, hears something or says something, and leaves."""
+    """Hundreds of WebSocket clients leave no memory in use."""
     options = [word for name in OUTPUTS for word in ("--output", f"{name}:port=0")]
     with serving(port, *options) as (serve, device):
         addresses = {name: address_of(serve, name) for name in OUTPUTS}

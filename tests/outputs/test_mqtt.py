@@ -34,7 +34,6 @@ def number() -> int:
 
 
 def heard(number: int, topic: str, count: int, *options: str) -> list[str]:
-    """What mosquitto_sub prints of a topic, in the form `retained payload`."""
     command = [
         "mosquitto_sub",
         "-h",
@@ -51,9 +50,9 @@ def heard(number: int, topic: str, count: int, *options: str) -> list[str]:
         "%r %p",
         *options,
     ]
-    found = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert found.returncode == 0, found
-    return found.stdout.splitlines()
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result
+    return result.stdout.splitlines()
 
 
 @contextmanager
@@ -83,7 +82,7 @@ def subscribed(number: int, topic: str, count: int) -> Iterator[Iterator[str]]:
             client.kill()
 
 
-def one(number: int, topic: str, *options: str) -> Any:
+def entry(number: int, topic: str, *options: str) -> Any:
     """The next JSON of a topic."""
     return json.loads(heard(number, topic, 1, *options)[0].partition(" ")[2])
 
@@ -99,21 +98,20 @@ def test_home_assistant_finds_the_service_and_every_topic_it_names(number: int, 
         assert retained == "1"
         with subscribed(number, "gyrodrift/bench/state", 5) as heard_states:
             device.send_all(csv_at_100_hz(60), never)
-            states = [json.loads(each) for each in heard_states]
+            states = [json.loads(item) for item in heard_states]
         lines = {line["seq"]: line for line in serve.take_lines(59)}
         assert len(states) == 5
-        for each in states:
-            assert each.items() >= lines[each["seq"]].items()
-        said = {"gyrodrift/bench/state": states[0], "gyrodrift/bench/link": one(number, "gyrodrift/bench/link")}
+        for item in states:
+            assert item.items() >= lines[item["seq"]].items()
+        statement = {"gyrodrift/bench/state": states[0], "gyrodrift/bench/link": entry(number, "gyrodrift/bench/link")}
         for component in document["cmps"].values():
             key = component["val_tpl"].partition("value_json.")[2].split()[0]
-            assert key in said[component["stat_t"]]
+            assert key in statement[component["stat_t"]]
         assert serve.stop() == 0
         assert heard(number, "gyrodrift/bench/availability", 1) == ["1 offline"]
 
 
 def test_the_last_will_speaks_for_a_process_that_was_killed(number: int, port: Path, tmp_path: Path) -> None:
-    """And the outputs that are started again say that they are back."""
     with broker(number, tmp_path), serving(port, "--output", f"mqtt:port={number},id=bench") as (serve, _):
         path_of(serve, "mqtt")
         with subscribed(number, "nothing/else", 2) as lines:
@@ -125,10 +123,11 @@ def test_the_last_will_speaks_for_a_process_that_was_killed(number: int, port: P
             assert next(lines) == "online"
 
 
+@pytest.mark.promise("Memory and the end")
 def test_who_subscribes_after_the_kill_learns_it_from_the_retained_last_will(
     number: int, port: Path, tmp_path: Path
 ) -> None:
-    """Home Assistant that starts later; the service is stopped, so that no other outputs come back."""
+    """After a kill, an MQTT broker says `offline`."""
     with broker(number, tmp_path), serving(port, "--output", f"mqtt:port={number},id=bench") as (serve, _):
         path_of(serve, "mqtt")
         assert heard(number, AVAILABILITY, 1) == ["1 online"]
@@ -136,12 +135,11 @@ def test_who_subscribes_after_the_kill_learns_it_from_the_retained_last_will(
         serve.process.send_signal(signal.SIGSTOP)
         os.kill(int(child), signal.SIGKILL)
         until_s = time.monotonic() + PATIENCE_S
-        while (found := heard(number, AVAILABILITY, 1)) != ["1 offline"]:
-            assert time.monotonic() < until_s, found
+        while (result := heard(number, AVAILABILITY, 1)) != ["1 offline"]:
+            assert time.monotonic() < until_s, result
 
 
 def test_a_broker_that_is_away_is_told_and_tried_again(number: int, tmp_path: Path) -> None:
-    """At the start, and when it goes while it is in use."""
     with hub() as outputs:
         outputs.want(f"mqtt:port={number},id=bench")
         assert f"the broker at 127.0.0.1:{number}" in await_problem(outputs, "refused")
@@ -155,7 +153,6 @@ def test_a_broker_that_is_away_is_told_and_tried_again(number: int, tmp_path: Pa
 
 
 def test_a_broker_that_does_not_read_loses_the_oldest_states_and_gets_the_newest(number: int, tmp_path: Path) -> None:
-    """What it costs is bounded, and counted."""
     with broker(number, tmp_path) as process, hub() as outputs:
         outputs.want(f"mqtt:port={number},id=bench,rate_hz=1000,discovery=")
         outputs.opened()
@@ -163,7 +160,7 @@ def test_a_broker_that_does_not_read_loses_the_oldest_states_and_gets_the_newest
             process.send_signal(signal.SIGSTOP)
             seq = 0
             while not outputs.statuses()[0].dropped:
-                outputs.samples([corrected(seq + each) for each in range(5000)])
+                outputs.samples([corrected(seq + item) for item in range(5000)])
                 seq += 5000
             process.send_signal(signal.SIGCONT)
             outputs.samples([corrected(seq)])
@@ -171,11 +168,10 @@ def test_a_broker_that_does_not_read_loses_the_oldest_states_and_gets_the_newest
 
 
 def test_home_assistant_that_starts_is_told_again_and_of_a_device_that_came_later(number: int, tmp_path: Path) -> None:
-    """Its birth message asks for it."""
     with broker(number, tmp_path), hub() as outputs:
         outputs.want(f"mqtt:port={number},id=bench,discovery=ha")
         outputs.opened()
-        assert "serial_number" not in one(number, "ha/device/bench/config")["dev"]
+        assert "serial_number" not in entry(number, "ha/device/bench/config")["dev"]
         with subscribed(number, "ha/device/bench/config", 3) as lines:
             next(lines)
             outputs.status(ServiceStatus(device=DeviceStatus("G-17"), link=LinkStatus(is_open=True)))
@@ -231,15 +227,15 @@ def test_user_password_and_certificate_are_checked(number: int, tmp_path: Path) 
     ],
 )
 def test_options_that_cannot_be_are_told(option: str, problem: str) -> None:
-    """Before any broker is asked."""
     with hub() as outputs:
         outputs.want(f"mqtt:{option}")
         assert await_problem(outputs, problem)
 
 
+@pytest.mark.promise("Clients of outputs")
 @pytest.mark.parametrize("option", ["ca", "certificate", "key"])
 def test_a_pipe_in_the_place_of_a_certificate_stops_no_other_output(tmp_path: Path, option: str) -> None:
-    """All outputs share a loop, which would wait for who writes to it."""
+    """A pipe instead of an MQTT certificate stops no other output."""
     pipe, trusted = tmp_path / "pipe", tmp_path / "trusted"
     os.mkfifo(pipe)
     trusted.touch()
@@ -250,7 +246,6 @@ def test_a_pipe_in_the_place_of_a_certificate_stops_no_other_output(tmp_path: Pa
 
 
 def test_a_password_that_mqtt_cannot_send_is_told(tmp_path: Path) -> None:
-    """Its length has 16 bits."""
     secret = tmp_path / "secret"
     secret.write_text("x" * 65536)
     with hub() as outputs:
@@ -259,7 +254,6 @@ def test_a_password_that_mqtt_cannot_send_is_told(tmp_path: Path) -> None:
 
 
 def test_what_is_not_known_is_null(number: int, tmp_path: Path) -> None:
-    """So that templates find the key; Home Assistant shows unknown."""
     with broker(number, tmp_path), hub() as outputs:
         outputs.want(f"mqtt:port={number},id=bench,discovery=")
         outputs.opened()
@@ -277,20 +271,21 @@ def test_the_discovery_document_has_what_home_assistant_asks_for() -> None:
     assert document["dev"].keys() <= {"ids", "cns", "name", "mf", "mdl", "sw", "hw", "serial_number"}
     assert document["o"].keys() <= {"name", "sw", "url"}
     components = document["cmps"].values()
-    assert len({each["uniq_id"] for each in components}) == len(components)
-    assert all(each["p"] in ("sensor", "binary_sensor") and each["stat_t"] for each in components)
+    assert len({item["uniq_id"] for item in components}) == len(components)
+    assert all(item["p"] in ("sensor", "binary_sensor") and item["stat_t"] for item in components)
 
 
 def test_home_assistant_itself_takes_the_discovery_document(tmp_path: Path) -> None:
-    """Its schemas of device and entities refuse nothing, warn of nothing and know every key."""
     document = tmp_path / "document.json"
     topics = Topics.of("gyrodrift", "bench")
     document.write_text(discovery("bench", topics, DeviceStatus("G-17"), "1.0", has_axes=True))
-    said, complaint = python_client("homeassistant", "home_assistant.py", str(document)).communicate(timeout=PATIENCE_S)
+    statement, complaint = python_client("homeassistant", "home_assistant.py", str(document)).communicate(
+        timeout=PATIENCE_S
+    )
     assert complaint == ""
-    found = json.loads(said)
-    assert found["complaints"] == []
-    assert found["unknown"] == {key: [] for key in json.loads(document.read_text())["cmps"]}
+    result = json.loads(statement)
+    assert result["complaints"] == []
+    assert result["unknown"] == {key: [] for key in json.loads(document.read_text())["cmps"]}
 
 
 def test_a_password_is_no_part_of_what_is_shown() -> None:

@@ -107,26 +107,31 @@ FLOODS = [
 
 
 def problem_of(outputs: HubThread) -> str:
-    """Of the output, once it is told of."""
-    return next((each.problem for each in outputs.statuses()), "")
+    return next((statuse.problem for statuse in outputs.statuses()), "")
 
 
+@pytest.mark.promise(
+    "Clients of outputs",
+    "an MQTT broker that sends packets above 16 KiB, or about 250 packets a second, is disconnected and "
+    "tried again later",
+)
 @pytest.mark.parametrize(("flood", "problem"), FLOODS, ids=range(len(FLOODS)))
 def test_a_broker_that_sends_too_much_is_left(flood: bytes, problem: str) -> None:
-    """After no more than the kernel holds, with the reason; the next try is after a pause."""
     with broker(flood) as hostile, hub() as outputs:
         outputs.want(f"mqtt:port={hostile.port},id=bench,rate_hz=100")
         until_s = time.monotonic() + PATIENCE_S
-        while problem not in (found := problem_of(outputs)):
+        while problem not in (result := problem_of(outputs)):
             outputs.samples([corrected(1)])
-            assert time.monotonic() < until_s, found
+            assert time.monotonic() < until_s, result
         assert hostile.sent_bytes < MOST_BYTES
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_a_broker_that_is_hostile_from_the_first_byte_is_left() -> None:
+    """A broker that is hostile from the first byte is disconnected and tried again later."""
     with broker(b"\x20" + LONGEST + b"x" * 65536, is_polite=False) as hostile, hub() as outputs:
         outputs.want(f"mqtt:port={hostile.port},id=bench")
         until_s = time.monotonic() + PATIENCE_S
-        while "a packet of 2" not in (found := problem_of(outputs)):
-            assert time.monotonic() < until_s, found
+        while "a packet of 2" not in (result := problem_of(outputs)):
+            assert time.monotonic() < until_s, result
         assert hostile.sent_bytes < MOST_BYTES

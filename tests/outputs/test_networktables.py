@@ -67,7 +67,6 @@ while True:
 
 @contextmanager
 def other_end(role: str, number: int, folder: Path, code: str = CLIENT) -> Iterator[Iterator[dict[str, Any]]]:
-    """What the other end sees, again and again."""
     command = [sys.executable, "-c", code, role, str(number)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, cwd=folder) as process:
         assert process.stdout is not None
@@ -77,13 +76,13 @@ def other_end(role: str, number: int, folder: Path, code: str = CLIENT) -> Itera
             process.kill()
 
 
-def until(seen: Iterator[dict[str, Any]], **values: Any) -> dict[str, Any]:
+def until(observation: Iterator[dict[str, Any]], **values: Any) -> dict[str, Any]:
     """The first that is seen with these values."""
     until_s = time.monotonic() + PATIENCE_S
-    for each in seen:
-        if each.items() >= values.items():
-            return each
-        assert time.monotonic() < until_s, each
+    for item in observation:
+        if item.items() >= values.items():
+            return item
+        assert time.monotonic() < until_s, item
     raise AssertionError("the other end ended")
 
 
@@ -91,27 +90,26 @@ def test_a_client_sees_yaw_and_when_it_was_measured(port: Path, tmp_path: Path) 
     """The stamp of a value and `time_s` are the same, on the clock of the server, and not in the future."""
     with serving(port, "--output", "networktables:port=0") as (serve, device):
         _, number = address_of(serve, "networktables")
-        with other_end("client", number, tmp_path) as seen:
-            assert not until(seen, joined=True)["connected"]
+        with other_end("client", number, tmp_path) as observed:
+            assert not until(observed, joined=True)["connected"]
             device.send_all(csv_at_100_hz(100), never)
             last = serve.take_lines(100)[-1]
-            until(seen, yaw_deg=last["yaw_deg"])
-            found = next(seen)  # the client takes the values of a sample one by one
-    assert found["corrected_dps"] == last["corrected_dps"]
-    assert found["time_s"] == near(found["stamp_s"], 1e-5)
-    assert 0.0 < time.time() - found["time_s"] < 3600.0
+            until(observed, yaw_deg=last["yaw_deg"])
+            result = next(observed)  # the client takes the values of a sample one by one
+    assert result["corrected_dps"] == last["corrected_dps"]
+    assert result["time_s"] == near(result["stamp_s"], 1e-5)
+    assert 0.0 < time.time() - result["time_s"] < 3600.0
 
 
 def test_a_gyro_that_speaks_is_connected_and_one_that_is_silent_is_not(port: Path, tmp_path: Path) -> None:
-    """With its first samples, not with the next status."""
     with serving(port, "--output", "networktables:port=0") as (serve, device):
         _, number = address_of(serve, "networktables")
-        with other_end("client", number, tmp_path) as seen:
-            assert not until(seen, joined=True)["connected"]
+        with other_end("client", number, tmp_path) as observed:
+            assert not until(observed, joined=True)["connected"]
             lines = iter(csv_at_100_hz(10_000).splitlines(keepends=True))
-            speaking = (each for each in seen if device.send_all(next(lines), never))
+            speaking = (item for item in observed if device.send_all(next(lines), never))
             until(speaking, connected=True)
-            until(seen, connected=False)
+            until(observed, connected=False)
 
 
 def test_the_robot_is_published_to_as_soon_as_it_is_there(port: Path, tmp_path: Path) -> None:
@@ -124,16 +122,17 @@ def test_the_robot_is_published_to_as_soon_as_it_is_there(port: Path, tmp_path: 
         device.send_all(csv_at_100_hz(100), never)
         last = serve.take_lines(100)[-1]
         for _ in range(2):
-            with other_end("robot", number, tmp_path) as seen:
-                until(seen, yaw_deg=last["yaw_deg"], joined=True)
+            with other_end("robot", number, tmp_path) as observed:
+                until(observed, yaw_deg=last["yaw_deg"], joined=True)
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_no_client_can_forge_a_value(port: Path, tmp_path: Path) -> None:
-    """A reader that takes every value sees those of the gyro alone, and the log names who tried."""
+    """On its own server, only the service publishes to its topics."""
     with serving(port, "--output", "networktables:port=0") as (serve, device):
         _, number = address_of(serve, "networktables")
-        with other_end("client", number, tmp_path) as seen, other_end("forger", number, tmp_path) as forging:
-            until(seen, joined=True)
+        with other_end("client", number, tmp_path) as observed, other_end("forger", number, tmp_path) as forging:
+            until(observed, joined=True)
             until(forging, joined=True)
             serve.until(lambda it: bool(events(it, "forgery_refused")), "refusal")
             assert events(serve, "forgery_refused")[0]["topic"] == "/gyrodrift/yaw_deg"
@@ -142,11 +141,12 @@ def test_no_client_can_forge_a_value(port: Path, tmp_path: Path) -> None:
                 next(forging)
             device.send_all(csv_at_100_hz(100), never)
             last = serve.take_lines(100)[-1]
-            assert until(seen, yaw_deg=last["yaw_deg"])["highest"] <= last["yaw_deg"] < 1e6
+            assert until(observed, yaw_deg=last["yaw_deg"])["highest"] <= last["yaw_deg"] < 1e6
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_who_forges_values_on_the_robots_server_is_told(port: Path, tmp_path: Path) -> None:
-    """The server of ntcore lets it happen, which the log says at the start."""
+    """On a robot's server, another publisher is reported."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         number = free.getsockname()[1]
@@ -163,10 +163,10 @@ def test_who_forges_values_on_the_robots_server_is_told(port: Path, tmp_path: Pa
             serve.until(lambda it: bool(events(it, "topic_forged")), "who it is")
             assert events(serve, "topic_forged")[0]["clients"][0].partition("@")[0] == "forger"
             until_s = time.monotonic() + PATIENCE_S
-            while not (told := service.ask("status")["outputs"][0]["warning"]):
+            while not (report := service.ask("status")["outputs"][0]["warning"]):
                 assert time.monotonic() < until_s
                 time.sleep(0.05)
-            assert told.startswith("values are forged on the robot's server, by forger")
+            assert report.startswith("values are forged on the robot's server, by forger")
         serve.until(lambda it: bool(events(it, "topic_ours_again")), "that it is over")
 
 
@@ -207,52 +207,52 @@ while True:
 """Code of a robot that reads a Rotation3d, which holds a quaternion alone."""
 
 
+@pytest.mark.promise("Clients of outputs")
 @pytest.mark.parametrize("role", ["client", "robot"])
 def test_robot_code_reads_a_rotation(role: str, tmp_path: Path) -> None:
-    """As a struct of WPILib with its layout, from our server and on the robot's."""
+    """Robot code reads a Rotation3d of WPILib."""
     pytest.importorskip("wpiutil.wpistruct", reason="robotpy-wpiutil is not installed")
     number = free_port()
     with hub_process() as outputs:
         outputs.want(f"networktables:port={number}" + (",robot=127.0.0.1" if role == "robot" else ""))
         outputs.opened()
-        with other_end(role, number, tmp_path, ROBOT_CODE) as seen:
-            until(seen, joined=True)
+        with other_end(role, number, tmp_path, ROBOT_CODE) as observed:
+            until(observed, joined=True)
             outputs.samples([tilted(0)])
-            found = until(seen, roll_deg=10.0, pitch_deg=-20.0, layout="Quaternion q")
-            while found["q"][0] == 0.0:
-                found = next(seen)
+            result = until(observed, roll_deg=10.0, pitch_deg=-20.0, layout="Quaternion q")
+            while result["q"][0] == 0.0:
+                result = next(observed)
     attitude = tilted(0).attitude
     assert attitude is not None
-    assert found["q"] == pytest.approx(attitude[:4])
-    assert found["tilt_deg"] == 22.2687
+    assert result["q"] == pytest.approx(attitude[:4])
+    assert result["tilt_deg"] == 22.2687
 
 
 def test_a_device_with_one_axis_has_no_rotation(tmp_path: Path) -> None:
-    """Its topics stay those that they were, also for a client that was there before."""
     with (
         hub("networktables:port=0") as outputs,
-        other_end("client", outputs.endpoint()[1], tmp_path, ROBOT_CODE) as seen,
+        other_end("client", outputs.endpoint()[1], tmp_path, ROBOT_CODE) as observed,
     ):
-        until(seen, joined=True)
+        until(observed, joined=True)
         outputs.samples([corrected(0)])
-        before = next(each for each in seen if len(each["topics"]) >= 8)["topics"]
+        before = next(item for item in observed if len(item["topics"]) >= 8)["topics"]
         outputs.samples([tilted(10)])
-        after = next(each for each in seen if len(each["topics"]) > 8)["topics"]
+        after = next(item for item in observed if len(item["topics"]) > 8)["topics"]
     assert set(after) - set(before) == {
         f"/gyrodrift/{name}" for name in ("roll_deg", "pitch_deg", "tilt_deg", "tilt_sigma_deg", "rotation")
     }
 
 
 def names_in_use(outputs: HubThread, count: int) -> list[str]:
-    """What clients are called in the status, once there are so many."""
     until_s = time.monotonic() + PATIENCE_S
     while len(clients := outputs.statuses()[0].clients) != count:
         assert time.monotonic() < until_s, clients
-    return [each.peer.rpartition(" ")[0] for each in clients]
+    return [item.peer.rpartition(" ")[0] for item in clients]
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_any_name_of_a_client_is_shown_as_text() -> None:
-    """Bytes that are no text, control characters and long names; the status of all outputs goes on."""
+    """Any name of a client is shown as text."""
     with hub("networktables:port=0") as outputs:
         address = outputs.address
         with (
@@ -283,7 +283,6 @@ def connected_as(address: str, name: str) -> ClientConnection:
     ],
 )
 def test_what_no_client_sends_closes_its_connection(sent: str | bytes) -> None:
-    """And the reason is told."""
     with hub("networktables:port=0") as outputs, connected_as(outputs.address, "x") as client:
         client.send(sent)
         with pytest.raises(ConnectionClosed):
@@ -305,7 +304,6 @@ def test_what_no_client_sends_closes_its_connection(sent: str | bytes) -> None:
     ],
 )
 def test_what_is_not_understood_is_ignored(sent: object) -> None:
-    """As the specification has it; the clock is answered as before."""
     with hub("networktables:port=0") as outputs, connected_as(outputs.address, "x") as client:
         client.send(json.dumps(sent))
         client.send(b"\x94\xff\x00\x02\x07")
@@ -315,8 +313,9 @@ def test_what_is_not_understood_is_ignored(sent: object) -> None:
         assert answer[-1:] == b"\x07"
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_a_crowd_is_turned_away() -> None:
-    """As by every other output."""
+    """Networktables has at most 64 clients."""
     with hub("networktables:port=0") as outputs, ExitStack() as many:
         address = outputs.address
         for index in range(64):
@@ -326,7 +325,6 @@ def test_a_crowd_is_turned_away() -> None:
 
 
 def test_a_port_that_is_taken_is_told() -> None:
-    """With who has it."""
     with socket.create_server(("127.0.0.1", 0)) as taken, hub() as outputs:
         outputs.want(f"networktables:port={taken.getsockname()[1]}")
         assert f":{taken.getsockname()[1]}" in await_problem(outputs, "is used by")

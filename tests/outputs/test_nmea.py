@@ -25,14 +25,12 @@ nan = float("nan")
 
 
 def fields(sentence: bytes) -> dict[str, object]:
-    """Of a sentence whose checksum is right; its name is `id`."""
-    found = pynmeagps.NMEAReader.parse(sentence, validate=pynmeagps.VALCKSUM)
-    return {"id": found.identity} | {key: value for key, value in vars(found).items() if not key.startswith("_")}
+    result = pynmeagps.NMEAReader.parse(sentence, validate=pynmeagps.VALCKSUM)
+    return {"id": result.identity} | {key: value for key, value in vars(result).items() if not key.startswith("_")}
 
 
-def are_of_the_sample(said: list[bytes]) -> bool:
-    """Of one that turns counter-clockwise with 1.25 deg/s."""
-    heading, rate, temperature = map(fields, said)
+def are_of_the_sample(answer: list[bytes]) -> bool:
+    heading, rate, temperature = map(fields, answer)
     return (
         heading == {"id": "IIHDT", "headingT": 90.0, "headingTu": "T"}
         and rate == {"id": "IIROT", "rot": -75.0, "valid": "A"}
@@ -41,37 +39,34 @@ def are_of_the_sample(said: list[bytes]) -> bool:
 
 
 def test_sentences_have_what_is_known() -> None:
-    """No heading without a reference, no temperature of a device without a thermometer, no 360 degrees."""
     assert are_of_the_sample(sentences(corrected(0)))
     sample = corrected(0, heading_deg=nan)
-    assert [each[3:6] for each in sentences(sample._replace(sample=sample.sample._replace(temp_c=nan)))] == [b"ROT"]
+    assert [item[3:6] for item in sentences(sample._replace(sample=sample.sample._replace(temp_c=nan)))] == [b"ROT"]
     assert fields(sentences(corrected(0, heading_deg=359.999))[0])["headingT"] == 0.0
 
 
 def test_a_tilted_device_has_pitch_and_roll() -> None:
     """Bow up and starboard down are positive, under the names that plotters know."""
-    said = [sentence.decode() for sentence in sentences(tilted(0))]
-    assert said[2][:-5] == "$IIXDR,A,20.00,D,PTCH,A,10.00,D,ROLL"
-    assert list(fields(said[2].encode()).values()) == ["IIXDR", "A", 20.0, "D", "PTCH", "A", 10.0, "D", "ROLL"]
-    assert are_of_the_sample([sentence.encode() for sentence in (said[0], said[1], said[3])])
+    statement = [sentence.decode() for sentence in sentences(tilted(0))]
+    assert statement[2][:-5] == "$IIXDR,A,20.00,D,PTCH,A,10.00,D,ROLL"
+    assert list(fields(statement[2].encode()).values()) == ["IIXDR", "A", 20.0, "D", "PTCH", "A", 10.0, "D", "ROLL"]
+    assert are_of_the_sample([sentence.encode() for sentence in (statement[0], statement[1], statement[3])])
     assert "A,0.00,D,ROLL" in sentences(tilted(0, roll_deg=-0.001))[2].decode()
 
 
 def test_over_tcp(outputs: HubThread) -> None:
-    """What a plotter sends is passed by."""
     outputs.want("nmea:port=0")
     with connected(outputs.endpoint()) as client:
         client.connection.sendall(b"$ECRMB,A*00\r\n")
         while outputs.statuses()[0].client_count == 0:
             pass
         outputs.samples([corrected(seq) for seq in range(11)])
-        said = [client.line() + b"\n" for _ in range(6)]
-    assert are_of_the_sample(said[:3])
-    assert are_of_the_sample(said[3:])
+        statement = [client.line() + b"\n" for _ in range(6)]
+    assert are_of_the_sample(statement[:3])
+    assert are_of_the_sample(statement[3:])
 
 
 def test_over_udp(outputs: HubThread) -> None:
-    """A datagram a sentence."""
     with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as receiver:
         receiver.bind(("127.0.0.1", 0))
         receiver.settimeout(PATIENCE_S)
@@ -82,7 +77,6 @@ def test_over_udp(outputs: HubThread) -> None:
 
 
 def test_over_a_pty(outputs: HubThread, tmp_path: Path) -> None:
-    """One that nobody reads costs sentences and no more; what comes then is whole."""
     link = tmp_path / "gyro"
     outputs.want(f"nmea:to=pty,path={link}")
     outputs.opened()
@@ -102,31 +96,30 @@ def test_over_a_pty(outputs: HubThread, tmp_path: Path) -> None:
 
 
 def test_a_file_at_the_path_is_left_alone(outputs: HubThread, tmp_path: Path) -> None:
-    """And told."""
     there = tmp_path / "gyro"
     there.write_text("mine")
     outputs.want(f"nmea:to=pty,path={there}")
-    while not (problem := next((each.problem for each in outputs.statuses()), "")):
+    while not (problem := next((statuse.problem for statuse in outputs.statuses()), "")):
         pass
     assert problem == f"{there} exists and is no link to a pty; choose another with path="
     assert there.read_text() == "mine"
 
 
+@pytest.mark.promise("Clients of outputs")
 @pytest.mark.parametrize("target", ["notes.txt", "/dev/null", "gone"])
 def test_a_link_that_leads_elsewhere_is_left_alone(outputs: HubThread, tmp_path: Path, target: str) -> None:
-    """As udev makes one for a device, also while the device is away."""
+    """A link to another file at the path of a pty is kept."""
     (tmp_path / "notes.txt").write_text("mine")
     link = tmp_path / "gyro"
     link.symlink_to(target)
     outputs.want(f"nmea:to=pty,path={link}")
-    while not (problem := next((each.problem for each in outputs.statuses()), "")):
+    while not (problem := next((statuse.problem for statuse in outputs.statuses()), "")):
         pass
     assert problem == f"{link} exists and is no link to a pty; choose another with path="
     assert str(link.readlink()) == target
 
 
 def test_a_link_that_was_left_behind_is_replaced(outputs: HubThread, tmp_path: Path) -> None:
-    """By a service that was killed."""
     link = tmp_path / "gyro"
     link.symlink_to("/dev/pts/999999")
     outputs.want(f"nmea:to=pty,path={link}")
@@ -135,26 +128,25 @@ def test_a_link_that_was_left_behind_is_replaced(outputs: HubThread, tmp_path: P
 
 
 def test_gpsd_reads_the_pty(outputs: HubThread, tmp_path: Path) -> None:
-    """As it reads any compass: HDT becomes an ATT, ROT and XDR are passed on."""
     outputs.want(f"nmea:to=pty,path={tmp_path / 'gyro'}")
     outputs.opened()
     with gpsd_of(tmp_path / "gyro") as client:
         client.connection.sendall(b'?WATCH={"enable":true,"json":true,"raw":1};\n')
         client.connection.settimeout(0.1)
-        said: list[bytes] = []
+        statement: list[bytes] = []
         until_s = time.monotonic() + PATIENCE_S
         for seq in count(0, 10):
             outputs.samples([tilted(seq)])
             try:
-                said.append(client.line().rstrip())
+                statement.append(client.line().rstrip())
             except TimeoutError:
-                assert time.monotonic() < until_s, said
+                assert time.monotonic() < until_s, statement
                 continue
-            if any(b'"ATT"' in each for each in said) and any(b"PTCH" in each for each in said):
+            if any(b'"ATT"' in item for item in statement) and any(b"PTCH" in item for item in statement):
                 break
-    attitude = next(json.loads(each) for each in said if b'"ATT"' in each)
+    attitude = next(json.loads(item) for item in statement if b'"ATT"' in item)
     assert attitude["heading"] == 90.0
-    assert {sentence.rstrip() for sentence in sentences(tilted(0))[1:3]} <= set(said)
+    assert {sentence.rstrip() for sentence in sentences(tilted(0))[1:3]} <= set(statement)
 
 
 @contextmanager
@@ -189,7 +181,6 @@ def connected_soon(port: int) -> Iterator[Reader]:
 
 
 def test_signalk_server_shows_heading_and_rate_of_turn(outputs: HubThread, tmp_path: Path) -> None:
-    """In its own units: radians, to starboard."""
     nmea = free_port()
     outputs.want(f"nmea:port={nmea}")
     outputs.opened()

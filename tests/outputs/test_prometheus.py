@@ -65,9 +65,10 @@ def fetched(url: str, accept: str = "text/plain") -> str:
 
 
 def test_it_tells_of_link_filter_and_outputs(page: str) -> None:
-    """In base units, and without what is not known."""
     families = text_string_to_metric_families(fetched(page))
-    values = {(each.name, each.labels.get("output")): each.value for family in families for each in family.samples}
+    values = {
+        (sample.name, sample.labels.get("output")): sample.value for family in families for sample in family.samples
+    }
     assert values["gyrodrift_link_jitter_seconds", None] == 0.0025
     assert values["gyrodrift_yaw_degrees", None] == 12.5
     assert values["gyrodrift_output_clients", "tcp"] == 2
@@ -77,7 +78,6 @@ def test_it_tells_of_link_filter_and_outputs(page: str) -> None:
 
 
 def test_a_tilt_is_shown_where_there_is_one(page: str) -> None:
-    """One axis has no gauges of it."""
     assert "gyrodrift_tilt_degrees" not in fetched(page)
     tilt = FilterStatus("restlevel", tilt_deg=22.0, roll_deg=10.0, pitch_deg=-20.0, tilt_sigma_deg=0.4)
     with hub("prometheus:port=0") as outputs:
@@ -90,8 +90,9 @@ def test_a_tilt_is_shown_where_there_is_one(page: str) -> None:
         assert line in text
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_names_that_are_no_text_are_told_with_escapes() -> None:
-    """A path may have any bytes: that of the port, or that of another output."""
+    """A path that is not valid text appears with escapes in metrics and `status`."""
     odd = replace(
         STATUS,
         link=replace(STATUS.link, port="/dev/gy\udcff"),
@@ -108,7 +109,6 @@ def test_names_that_are_no_text_are_told_with_escapes() -> None:
 
 
 def test_open_metrics_are_given_to_who_asks_for_them(page: str) -> None:
-    """And another path says where the metrics are."""
     assert fetched(page, "application/openmetrics-text; version=1.0.0").endswith("# EOF\n")
     with pytest.raises(urllib.error.HTTPError) as answer, urllib.request.urlopen(page + "x", timeout=PATIENCE_S):
         pass
@@ -122,10 +122,10 @@ def test_promtool_finds_no_fault(page: str) -> None:
     promtool = shutil.which("promtool")
     if promtool is None:
         pytest.skip("promtool, of Debian's package prometheus, is not installed")
-    found = subprocess.run(
+    result = subprocess.run(
         [promtool, "check", "metrics"], input=fetched(page), capture_output=True, text=True, check=False
     )
-    assert (found.returncode, found.stdout, found.stderr) == (0, "", "")
+    assert (result.returncode, result.stdout, result.stderr) == (0, "", "")
 
 
 def test_prometheus_scrapes_a_service(port: Path, tmp_path: Path) -> None:
@@ -146,13 +146,13 @@ def test_prometheus_scrapes_a_service(port: Path, tmp_path: Path) -> None:
         command = [prometheus, f"--config.file={config}", f"--storage.tsdb.path={tmp_path / 'tsdb'}"]
         with subprocess.Popen([*command, f"--web.listen-address={web}"], stderr=subprocess.DEVNULL) as server:
             try:
-                assert asked(web, "gyrodrift_link_samples_total >= 59")["metric"]["job"] == "gyro"
-                assert asked(web, "up == 1")["metric"]["instance"] == f"{host}:{number}"
+                assert requested(web, "gyrodrift_link_samples_total >= 59")["metric"]["job"] == "gyro"
+                assert requested(web, "up == 1")["metric"]["instance"] == f"{host}:{number}"
             finally:
                 server.kill()
 
 
-def asked(web: str, query: str) -> Any:
+def requested(web: str, query: str) -> Any:
     """The first series of a query, once there is one."""
     until_s = time.monotonic() + PATIENCE_S
     url = f"http://{web}/api/v1/query?query={urllib.parse.quote(query)}"
@@ -160,14 +160,15 @@ def asked(web: str, query: str) -> Any:
         assert time.monotonic() < until_s, f"Prometheus has nothing for {query}"
         try:
             with urllib.request.urlopen(url, timeout=PATIENCE_S) as answer:
-                found = json.loads(answer.read())["data"]["result"]
+                result = json.loads(answer.read())["data"]["result"]
         except OSError:
-            found = []  # it is starting
-        if found:
-            return found[0]
+            result = []  # it is starting
+        if result:
+            return result[0]
         time.sleep(0.1)
 
 
+@pytest.mark.promise("Clients of outputs")
 @pytest.mark.parametrize(
     "accept",
     [
@@ -181,7 +182,7 @@ def asked(web: str, query: str) -> Any:
     ],
 )
 def test_no_accept_header_is_an_error(page: str, accept: str) -> None:
-    """What cannot be read of it is answered with plain text."""
+    """No Accept header causes an error."""
     request = urllib.request.Request(page, headers={"Accept": accept})
     with urllib.request.urlopen(request, timeout=PATIENCE_S) as answer:
         assert answer.status == 200

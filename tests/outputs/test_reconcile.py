@@ -45,18 +45,17 @@ def listened_on() -> set[int]:
 
 
 def _descriptors() -> Iterator[str]:
-    """What each is of."""
     for link in Path("/proc/self/fd").iterdir():
         with suppress(OSError):  # closed meanwhile
             yield str(link.readlink())
 
 
-def settled(outputs: HubThread, wanted: list[OutputSpec]) -> list[OutputStatus]:
+def settled(outputs: HubThread, desired: list[OutputSpec]) -> list[OutputStatus]:
     """The statuses once every wanted output is open and no other is told of."""
-    names, until_s = [str(spec) for spec in wanted], time.monotonic() + PATIENCE_S
+    names, until_s = [str(spec) for spec in desired], time.monotonic() + PATIENCE_S
     while True:
         statuses = outputs.statuses()
-        if [each.output for each in statuses] == names and all(each.address for each in statuses):
+        if [statuse.output for statuse in statuses] == names and all(statuse.address for statuse in statuses):
             return statuses
         assert time.monotonic() < until_s, statuses
 
@@ -66,15 +65,16 @@ def random_config(random: Random, ports: list[int], folder: Path) -> list[Output
     chosen = [f"{random.choice(KINDS)}:port={port}" for port in ports if random.random() < 0.5]
     if random.random() < 0.3:
         chosen.append(f"unix:path={folder / random.choice('ab')}")
-    return [output_of(each) for each in chosen]
+    return [output_of(item) for item in chosen]
 
 
+@pytest.mark.promise("Recovery")
 def test_after_a_thousand_random_reloads_exactly_the_last_config_is_open(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Ports and descriptors: with outputs that have opened in between, and silent clients on what is to go."""
+    """After a thousand random reloads, exactly the outputs of the last config are open."""
     monkeypatch.setattr("gyrodrift.outputs.hub.REPORT_S", 0.02)
-    random, ports, others = Random(SEED), [free_port() for _ in range(6)], listened_on()
+    random, ports, rest = Random(SEED), [free_port() for _ in range(6)], listened_on()
     with hub() as outputs, ExitStack() as clients:
         first = [output_of(f"{kind}:port={port}") for kind, port in zip(KINDS, ports, strict=False)]
         outputs.want(*first)
@@ -83,38 +83,37 @@ def test_after_a_thousand_random_reloads_exactly_the_last_config_is_open(
         settled(outputs, [])
         before = until_steady(descriptors)
         for number in range(RELOADS):
-            wanted = random_config(random, ports, tmp_path)
-            outputs.want(*wanted)
+            target = random_config(random, ports, tmp_path)
+            outputs.want(*target)
             if random.random() < 0.2:
                 outputs.statuses()  # time passes
             if number % 50 == 49:
-                settled(outputs, wanted)
-                connect_to_one(random, wanted, clients)
+                settled(outputs, target)
+                connect_to_one(random, target, clients)
         outputs.want(*(last := random_config(random, ports, tmp_path)))
         settled(outputs, last)
         clients.close()
-        assert until_equal(listened_on, others | {spec.options.port for spec in last if spec.name != "unix"})
+        assert until_equal(listened_on, rest | {spec.options.port for spec in last if spec.name != "unix"})
         assert {path.name for path in tmp_path.iterdir()} == {
             Path(spec.options.path).name for spec in last if spec.name == "unix"
         }
         outputs.want()
         settled(outputs, [])
         assert until_equal(descriptors, before)
-        assert listened_on() == others
+        assert listened_on() == rest
 
 
-def connect_to_one(random: Random, wanted: list[OutputSpec], clients: ExitStack) -> None:
+def connect_to_one(random: Random, desired: list[OutputSpec], clients: ExitStack) -> None:
     """A client that never says or reads anything."""
-    ports = [spec.options.port for spec in wanted if spec.name != "unix"]
+    ports = [spec.options.port for spec in desired if spec.name != "unix"]
     if ports:
         clients.enter_context(socket.create_connection(("127.0.0.1", random.choice(ports)), PATIENCE_S))
 
 
 def until_equal(measure: Any, expected: Any) -> bool:
-    """What is closed goes within moments; whether it did."""
     until_s = time.monotonic() + PATIENCE_S
-    while (found := measure()) != expected:
-        assert time.monotonic() < until_s, (found, expected)
+    while (result := measure()) != expected:
+        assert time.monotonic() < until_s, (result, expected)
         time.sleep(0.05)
     return True
 
@@ -127,8 +126,9 @@ def until_steady(measure: Any) -> Any:
     return now
 
 
+@pytest.mark.promise("Recovery")
 def test_the_port_of_an_output_that_is_slow_to_go_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without a failure in the log: a silent client may take two seconds."""
+    """An output waits for its port until the previous output has closed it."""
     closing = TcpOutput.close
 
     async def slow(self: TcpOutput) -> None:
@@ -142,13 +142,12 @@ def test_the_port_of_an_output_that_is_slow_to_go_is_waited_for(monkeypatch: pyt
         settled(outputs, [first])
         outputs.want(second := output_of(f"gpsd:port={port}"))
         settled(outputs, [second])
-    assert [each for each in events if each["event"] == "output_failed"] == []
+    assert [event for event in events if event["event"] == "output_failed"] == []
 
 
 def test_an_output_that_is_wanted_again_while_it_goes_comes_back(
     monkeypatch: pytest.MonkeyPatch, logged: list[Any]
 ) -> None:
-    """On the same port, also where another one was to take it over in between."""
     opening = TcpOutput.open
 
     async def slow(self: TcpOutput) -> None:
@@ -156,24 +155,22 @@ def test_an_output_that_is_wanted_again_while_it_goes_comes_back(
         await opening(self)
 
     monkeypatch.setattr(TcpOutput, "open", slow)
-    port, others = free_port(), listened_on()
+    port, rest = free_port(), listened_on()
     with hub() as outputs:
-        spec, other = output_of(f"tcp:port={port}"), output_of(f"web:port={port}")
+        spec, peer = output_of(f"tcp:port={port}"), output_of(f"web:port={port}")
         for _ in range(20):
             outputs.want(spec)
-            outputs.want(other)
+            outputs.want(peer)
             outputs.want()
         outputs.want(spec)
         settled(outputs, [spec])
-        assert until_equal(listened_on, others | {port})
-    assert [each for each in logged if each["event"] == "output_failed"] == []
+        assert until_equal(listened_on, rest | {port})
+    assert [item for item in logged if item["event"] == "output_failed"] == []
 
 
 def test_an_output_that_cannot_even_be_made_is_told_and_tried_again(
     monkeypatch: pytest.MonkeyPatch, logged: list[Any]
 ) -> None:
-    """As one whose library does not load; the others are open."""
-
     def broken(*_: object) -> None:
         raise ImportError("no such library")
 
@@ -182,11 +179,11 @@ def test_an_output_that_cannot_even_be_made_is_told_and_tried_again(
     with hub() as outputs:
         outputs.want("gpsd:port=0", "tcp:port=0")
         until_s = time.monotonic() + PATIENCE_S
-        while not any(each.address for each in outputs.statuses()):
+        while not any(statuse.address for statuse in outputs.statuses()):
             assert time.monotonic() < until_s
         monkeypatch.undo()
         outputs.opened(2)
-    assert [each["reason"] for each in logged if each["log_level"] == "error"] == ["ImportError: no such library"]
+    assert [item["reason"] for item in logged if item["log_level"] == "error"] == ["ImportError: no such library"]
 
 
 def test_what_an_output_claims_is_its_port_or_its_path() -> None:

@@ -29,7 +29,6 @@ def plain_yaw(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 def test_the_output_of_the_how_to_passes_its_own_test(plain_yaw: None) -> None:
-    """As it stands on the page."""
     names = {"hub": hub, "connected": connected, "corrected": corrected}
     assert "    assert " in TEST
     exec(TEST, names)
@@ -38,7 +37,6 @@ def test_the_output_of_the_how_to_passes_its_own_test(plain_yaw: None) -> None:
 
 @pytest.mark.parametrize("name", OUTPUTS)
 def test_a_shipped_output_says_what_it_does(name: str) -> None:
-    """And every option what it means, with a default for each."""
     kind = OUTPUTS[name]
     assert kind.name == name
     assert kind.help
@@ -48,7 +46,6 @@ def test_a_shipped_output_says_what_it_does(name: str) -> None:
 
 
 def test_a_missing_package_is_told_with_what_installs_it() -> None:
-    """Before anything is opened."""
     kind = OutputKind("toy", "", "nowhere:Toy", packages=("no_such_package",), extra="toy")
     with pytest.raises(UsageError, match=r"output toy needs the package no_such_package: .*\[toy\]'"):
         kind.check_packages()

@@ -27,11 +27,11 @@ def bridged(options: str = "") -> Iterator[Rosbridge]:
 
 @pytest.fixture(scope="module")
 def bridge() -> Iterator[Rosbridge]:
-    with bridged() as found:
-        yield found
+    with bridged() as result:
+        yield result
 
 
-def asked(client: ClientConnection, op: str, **fields: Any) -> None:
+def request(client: ClientConnection, op: str, **fields: Any) -> None:
     client.send(json.dumps({"op": op, **fields}))
 
 
@@ -40,7 +40,7 @@ def heard(client: ClientConnection) -> dict[str, Any]:
 
 
 def service(client: ClientConnection, name: str, **args: Any) -> dict[str, Any]:
-    asked(client, "call_service", service=name, args=args, id="s1")
+    request(client, "call_service", service=name, args=args, id="s1")
     return heard(client)
 
 
@@ -50,17 +50,17 @@ def settled(client: ClientConnection) -> None:
 
 
 def imu_of(client: ClientConnection) -> dict[str, Any]:
-    found = heard(client)
-    assert found["op"] == "publish", found
-    return dict(found["msg"])
+    result = heard(client)
+    assert result["op"] == "publish", result
+    return dict(result["msg"])
 
 
 @contextmanager
 def subscribed(client: ClientConnection, topic: str = "/imu/data", **options: Any) -> Iterator[None]:
-    asked(client, "subscribe", topic=topic, **options)
+    request(client, "subscribe", topic=topic, **options)
     settled(client)
     yield
-    asked(client, "unsubscribe", topic=topic)
+    request(client, "unsubscribe", topic=topic)
     settled(client)
 
 
@@ -90,7 +90,6 @@ def test_a_sigma_that_is_not_known_is_minus_one(bridge: Rosbridge) -> None:
 
 
 def test_a_device_with_three_axes_sends_all_of_them(bridge: Rosbridge) -> None:
-    """In the frame of the sensor, as REP 145 says: accelerations with gravity, rates without drift."""
     outputs, client = bridge
     sample = tilted(seq=210)
     assert sample.attitude is not None
@@ -132,28 +131,27 @@ def test_noise_of_three_axes_is_an_option() -> None:
 
 
 def test_throttle_rate_is_the_least_time_between_messages(bridge: Rosbridge) -> None:
-    """At 100 Hz and 25 ms every third is sent; of two subscriptions the faster one counts until it ends."""
     outputs, client = bridge
     with subscribed(client, throttle_rate=25, id="slow"):
-        outputs.samples([corrected(seq=each) for each in range(300, 310)])
+        outputs.samples([corrected(seq=item) for item in range(300, 310)])
         stamps = [imu_of(client)["header"]["stamp"]["nanosec"] for _ in range(4)]
-        assert [round(each / 1e7) for each in stamps] == [0, 3, 6, 9]
-        asked(client, "subscribe", topic="/imu/data", id="fast")
+        assert [round(stamp / 1e7) for stamp in stamps] == [0, 3, 6, 9]
+        request(client, "subscribe", topic="/imu/data", id="fast")
         settled(client)
-        outputs.samples([corrected(seq=each) for each in (311, 312)])
+        outputs.samples([corrected(seq=item) for item in (311, 312)])
         assert [round(imu_of(client)["header"]["stamp"]["nanosec"] / 1e7) for _ in range(2)] == [11, 12]
-        asked(client, "unsubscribe", topic="/imu/data", id="fast")
+        request(client, "unsubscribe", topic="/imu/data", id="fast")
         settled(client)
-        outputs.samples([corrected(seq=each) for each in (313, 315)])
+        outputs.samples([corrected(seq=item) for item in (313, 315)])
         assert round(imu_of(client)["header"]["stamp"]["nanosec"] / 1e7) == 15
 
 
 def test_a_clock_that_begins_again_is_not_waited_for(bridge: Rosbridge) -> None:
     outputs, client = bridge
     with subscribed(client, throttle_rate=25):
-        outputs.samples([corrected(seq=each) for each in (350, 10, 11, 13)])
+        outputs.samples([corrected(seq=item) for item in (350, 10, 11, 13)])
         stamps = [imu_of(client)["header"]["stamp"]["nanosec"] for _ in range(3)]
-    assert [round(each / 1e7) for each in stamps] == [50, 10, 13]
+    assert [round(stamp / 1e7) for stamp in stamps] == [50, 10, 13]
 
 
 def test_a_topic_is_called_as_the_client_calls_it(bridge: Rosbridge) -> None:
@@ -179,8 +177,8 @@ def test_services_tell_what_there_is(bridge: Rosbridge) -> None:
     assert topics["values"] == {"topics": ["/imu/data"], "types": ["sensor_msgs/msg/Imu"]}
     assert service(client, "rosapi/topic_type", topic="/imu/data")["values"] == {"type": "sensor_msgs/msg/Imu"}
     assert service(client, "/rosapi/topics_for_type", type="sensor_msgs/Imu")["values"] == {"topics": ["/imu/data"]}
-    for each in service(client, "/rosapi/services")["values"]["services"]:
-        assert service(client, each)["result"] is True, each
+    for item in service(client, "/rosapi/services")["values"]["services"]:
+        assert service(client, item)["result"] is True, item
 
 
 def test_a_service_that_is_not_there_is_refused(bridge: Rosbridge) -> None:
@@ -210,26 +208,25 @@ def test_a_service_that_is_not_there_is_refused(bridge: Rosbridge) -> None:
         ('{"op":"set_level","level":"loud"}', "level: expected one of none, error, warning, info"),
     ],
 )
-def test_a_mistake_is_told_and_the_connection_stays(bridge: Rosbridge, sent: str | bytes, said: str) -> None:
+def test_a_mistake_is_told_and_the_connection_stays(bridge: Rosbridge, sent: str | bytes, answer: str) -> None:
     _, client = bridge
     client.send(sent)
     status = heard(client)
     assert (status["op"], status["level"]) == ("status", "error")
-    assert said in status["msg"]
+    assert answer in status["msg"]
     settled(client)
 
 
 def test_a_status_is_sent_to_who_asked_for_its_level(bridge: Rosbridge) -> None:
-    """To advertise is no mistake, but nobody listens; who set the level warning is told so."""
     _, client = bridge
-    asked(client, "advertise", topic="/cmd_vel", type="geometry_msgs/Twist")
+    request(client, "advertise", topic="/cmd_vel", type="geometry_msgs/Twist")
     settled(client)
-    asked(client, "set_level", level="warning")
-    asked(client, "advertise", topic="/cmd_vel", type="geometry_msgs/Twist", id="a1")
+    request(client, "set_level", level="warning")
+    request(client, "advertise", topic="/cmd_vel", type="geometry_msgs/Twist", id="a1")
     status = heard(client)
     assert (status["level"], status["id"]) == ("warning", "a1")
-    asked(client, "unadvertise", topic="/cmd_vel")
-    asked(client, "set_level", level="error")
+    request(client, "unadvertise", topic="/cmd_vel")
+    request(client, "set_level", level="error")
     settled(client)
 
 
@@ -245,10 +242,10 @@ def test_names_noise_and_ros_are_options() -> None:
 
 def test_who_does_not_read_is_told_how_much_it_missed() -> None:
     with bridged() as (outputs, client):
-        asked(client, "subscribe", topic="/imu/data")
+        request(client, "subscribe", topic="/imu/data")
         settled(client)
         for first in range(0, 20_000, 100):
-            outputs.samples([corrected(seq=each) for each in range(first, first + 100)])
+            outputs.samples([corrected(seq=item) for item in range(first, first + 100)])
         while not outputs.statuses()[0].dropped:
             pass
         outputs.samples([corrected(seq=20_000)])
@@ -259,28 +256,28 @@ def test_who_does_not_read_is_told_how_much_it_missed() -> None:
 
 
 def test_roslibpy_is_a_client(port: Path) -> None:
-    """As a program on a robot with ROS 1 uses it, of the real service."""
     with serving(port, "--output", "rosbridge:port=0,ros=ros1") as (serve, device):
         host, number = address_of(serve, "rosbridge")
-        said = fed(python_client("roslibpy", "rosbridge_client.py", host, str(number), "25"), serve, device)
-    assert said["topics"] == {"/imu/data": "sensor_msgs/Imu"}
-    assert "no service /rosapi/get_param" in said["refused"]
-    stamps_s = [each["header"]["stamp"]["secs"] + each["header"]["stamp"]["nsecs"] / 1e9 for each in said["messages"]]
+        statement = fed(python_client("roslibpy", "rosbridge_client.py", host, str(number), "25"), serve, device)
+    assert statement["topics"] == {"/imu/data": "sensor_msgs/Imu"}
+    assert "no service /rosapi/get_param" in statement["refused"]
+    stamps_s = [
+        item["header"]["stamp"]["secs"] + item["header"]["stamp"]["nsecs"] / 1e9 for item in statement["messages"]
+    ]
     assert stamps_s == sorted(stamps_s)
-    assert abs(said["time_s"] - stamps_s[-1]) < 60.0
-    seqs = [each["header"]["seq"] for each in said["messages"]]
+    assert abs(statement["time_s"] - stamps_s[-1]) < 60.0
+    seqs = [item["header"]["seq"] for item in statement["messages"]]
     assert min(b - a for a, b in pairwise(seqs)) >= 3
-    assert said["messages"][-1]["angular_velocity"]["z"] == pytest.approx(radians(10.0), rel=0.05)
+    assert statement["messages"][-1]["angular_velocity"]["z"] == pytest.approx(radians(10.0), rel=0.05)
 
 
 def test_roslib_is_a_client(port: Path) -> None:
-    """As a page uses it, under node."""
     with serving(port, "--output", "rosbridge:port=0") as (serve, device):
         host, number = address_of(serve, "rosbridge")
-        said = fed(node_client("roslib", "rosbridge.mjs", f"ws://{host}:{number}"), serve, device)
-    assert said["topics"] == {"values": {"topics": ["/imu/data"], "types": ["sensor_msgs/msg/Imu"]}}
-    assert said["nodes"] == {"values": ["/gyrodrift"]}
-    assert "no service /gyro/zero" in said["refused"]["error"]
-    assert said["warned"]["level"] == "error"
-    assert len(said["messages"]) == 3
-    assert said["messages"][-1]["angular_velocity"]["z"] == pytest.approx(radians(10.0), rel=0.05)
+        statement = fed(node_client("roslib", "rosbridge.mjs", f"ws://{host}:{number}"), serve, device)
+    assert statement["topics"] == {"values": {"topics": ["/imu/data"], "types": ["sensor_msgs/msg/Imu"]}}
+    assert statement["nodes"] == {"values": ["/gyrodrift"]}
+    assert "no service /gyro/zero" in statement["refused"]["error"]
+    assert statement["warned"]["level"] == "error"
+    assert len(statement["messages"]) == 3
+    assert statement["messages"][-1]["angular_velocity"]["z"] == pytest.approx(radians(10.0), rel=0.05)

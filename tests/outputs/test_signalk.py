@@ -18,7 +18,6 @@ def values(sample: Corrected) -> dict[str, Any]:
 
 
 def test_a_delta_has_what_is_known() -> None:
-    """In radians, to starboard; one axis has no attitude."""
     level = values(corrected(0, heading_deg=270.0))
     assert level == {"navigation.rateOfTurn": near(-1.25), "navigation.headingTrue": near(270.0)}
     assert values(corrected(0, heading_deg=nan)).keys() == {"navigation.rateOfTurn"}
@@ -38,7 +37,6 @@ def test_an_attitude_is_positive_to_starboard_and_with_the_bow_up() -> None:
 
 
 def test_a_client_gets_deltas_ten_times_a_second(outputs: HubThread) -> None:
-    """What it sends itself is passed by."""
     outputs.want("signalk:port=0")
     with connected(outputs.endpoint()) as client:
         client.connection.sendall(b'{"context":"*","subscribe":[]}\n')
@@ -49,8 +47,9 @@ def test_a_client_gets_deltas_ten_times_a_second(outputs: HubThread) -> None:
     assert times == [f"2023-11-14T22:13:20.{tenths}00Z" for tenths in range(3)]
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_signalk_server_shows_the_attitude(outputs: HubThread, tmp_path: Path) -> None:
-    """With heading and rate of turn, from our source."""
+    """A Signal K server shows the attitude."""
     outputs.want("signalk:port=0")
     source = {"type": "tcp", "host": "127.0.0.1", "port": str(outputs.endpoint()[1])}
     with signalk_server("SignalK", source, tmp_path) as server:

@@ -15,7 +15,6 @@ def host(source: str = "") -> OutputHost:
 
 
 def test_two_gyros_do_not_share_a_topic_of_mqtt() -> None:
-    """Without an id of their own."""
     topics = {MqttOutput(MqttOptions(), host(source))._topics.state for source in ("", "left", "right")}
     assert len(topics) == 3
     assert MqttOutput(MqttOptions(id="robot"), host("left"))._topics.state.endswith("robot/state")

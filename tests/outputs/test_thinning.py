@@ -8,7 +8,7 @@ from gyrodrift.outputs.thinning import Thinning
 
 
 def kept(thinning: Thinning, seqs: Sequence[int]) -> list[int]:
-    return [each.sample.seq for each in thinning.due([corrected(seq=seq) for seq in seqs])]
+    return [item.sample.seq for item in thinning.due([corrected(seq=seq) for seq in seqs])]
 
 
 def test_every_fourth_of_100_hz_is_25_hz_over_batches() -> None:
@@ -17,7 +17,6 @@ def test_every_fourth_of_100_hz_is_25_hz_over_batches() -> None:
 
 
 def test_a_rate_that_divides_no_other_is_kept_over_time() -> None:
-    """30 Hz of 100 Hz is every third or fourth sample."""
     assert len(kept(Thinning(30.0), range(1000))) == 300
 
 

@@ -53,7 +53,7 @@ def looking(address: str, **options: Any) -> ClientConnection:
     return client
 
 
-def told(client: ClientConnection, kind: str) -> dict[str, Any]:
+def report(client: ClientConnection, kind: str) -> dict[str, Any]:
     """The next message of a kind."""
     while True:
         message = client.recv(PATIENCE_S)
@@ -63,12 +63,12 @@ def told(client: ClientConnection, kind: str) -> dict[str, Any]:
 
 def points(client: ClientConnection, count: int) -> list[dict[str, float]]:
     """The next points, by column."""
-    found: list[dict[str, float]] = []
-    while len(found) < count:
+    result: list[dict[str, float]] = []
+    while len(result) < count:
         message = client.recv(PATIENCE_S)
         if isinstance(message, bytes):
-            found += [dict(zip(ONE_AXIS.columns, row, strict=True)) for row in ONE_AXIS.record.iter_unpack(message)]
-    return found
+            result += [dict(zip(ONE_AXIS.columns, row, strict=True)) for row in ONE_AXIS.record.iter_unpack(message)]
+    return result
 
 
 def test_the_page_may_load_nothing_from_elsewhere(web: Web) -> None:
@@ -83,8 +83,9 @@ def test_the_page_may_load_nothing_from_elsewhere(web: Web) -> None:
     assert [got(address, path)[0] for path in ("/nothing", "/../output.py", "/%2e%2e/output.py")] == [404] * 3
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_a_name_that_is_not_of_this_machine_is_refused(web: Web) -> None:
-    """With what to do about it."""
+    """A Host header with anything but a name and a port is refused."""
     _, address = web
     assert got(address, Host="gyro.example:80")[0] == got(address, Host="localhost")[0] == 200
     status, text, _ = got(address, Host="evil.example")
@@ -104,7 +105,6 @@ def test_a_name_that_is_not_of_this_machine_is_refused(web: Web) -> None:
 
 
 def test_the_stream_is_for_its_own_page(web: Web) -> None:
-    """Another site in the same browser reads nothing; a program without an origin may."""
     _, address = web
     for origin in ("http://evil.example", "null"):
         with pytest.raises(InvalidStatus) as refused:
@@ -112,34 +112,32 @@ def test_the_stream_is_for_its_own_page(web: Web) -> None:
         assert refused.value.response.status_code == 403
     for options in ({"origin": address}, {}):
         with looking(address, **options) as client:
-            assert told(client, "hello")["columns"] == list(ONE_AXIS.columns)
+            assert report(client, "hello")["columns"] == list(ONE_AXIS.columns)
 
 
 def test_what_a_page_says_closes_it(web: Web) -> None:
-    """It may look, and no more."""
     _, address = web
     with looking(address) as client:
         client.send('{"zero":true}')
         with pytest.raises(ConnectionClosed, match="takes no messages"):
-            told(client, "nothing")
+            report(client, "nothing")
 
 
 def test_a_spike_of_one_sample_is_in_a_point(web: Web) -> None:
-    """However many samples make it up; the last values are those of the last sample."""
     outputs, address = web
     with looking(address) as client:
-        told(client, "hello")
+        report(client, "hello")
         samples = [corrected(seq, yaw_deg=1.0, rest_probability=nan) for seq in range(200)]
         samples[77] = corrected(77, yaw_deg=99.0)
         outputs.samples(samples)
-        seen = points(client, 1)
-        while seen[-1]["t_s"] < samples[-1].sample.t_host_s:
-            seen += points(client, 1)
-        assert len(seen) < 20
-        assert max(each["yaw_deg_hi"] for each in seen) == 99.0
-        assert seen[-1]["yaw_deg"] == seen[-1]["yaw_deg_lo"] == 1.0
-        assert isnan(seen[-1]["rest_probability"])
-        assert seen[-1]["error_deg_lo"] == -9.0
+        observed = points(client, 1)
+        while observed[-1]["t_s"] < samples[-1].sample.t_host_s:
+            observed += points(client, 1)
+        assert len(observed) < 20
+        assert max(item["yaw_deg_hi"] for item in observed) == 99.0
+        assert observed[-1]["yaw_deg"] == observed[-1]["yaw_deg_lo"] == 1.0
+        assert isnan(observed[-1]["rest_probability"])
+        assert observed[-1]["error_deg_lo"] == -9.0
 
 
 def test_a_page_that_comes_later_is_given_what_was(web: Web) -> None:
@@ -150,12 +148,12 @@ def test_a_page_that_comes_later_is_given_what_was(web: Web) -> None:
         points(first, 1)
         outputs.event("config_applied", file="my.yaml", changes=["tau_s 1 → 2"])
         outputs.status(ServiceStatus(pid=1, link=LinkStatus(port="/dev/gyro", is_open=False)))
-        told(first, "event")
-        told(first, "state")
+        report(first, "event")
+        report(first, "state")
         with looking(address) as second:
             assert points(second, 1)[-1]["t_s"] == corrected(2).sample.t_host_s
-            assert told(second, "event")["fields"]["changes"] == ["tau_s 1 → 2"]
-            health = told(second, "state")["health"]
+            assert report(second, "event")["fields"]["changes"] == ["tau_s 1 → 2"]
+            health = report(second, "state")["health"]
             assert health[0] == {"level": "bad", "says": "The port /dev/gyro is gone; the service waits for it."}
 
 
@@ -163,11 +161,11 @@ def test_points_of_three_axes_have_further_columns(web: Web) -> None:
     """A new hello says so with the first attitude, and pages that come later know it; one axis stays what it is."""
     outputs, address = web
     with looking(address) as client:
-        assert told(client, "hello")["columns"] == list(ONE_AXIS.columns)
+        assert report(client, "hello")["columns"] == list(ONE_AXIS.columns)
         outputs.samples([corrected(0)])
         assert len(client.recv(PATIENCE_S)) == ONE_AXIS.record.size
         outputs.samples([tilted(1)])
-        assert told(client, "hello")["columns"] == list(THREE_AXES.columns)
+        assert report(client, "hello")["columns"] == list(THREE_AXES.columns)
         assert len(client.recv(PATIENCE_S)) == THREE_AXES.record.size
         outputs.samples([tilted(2, roll_deg=-5.0), tilted(3)])
         message = client.recv(PATIENCE_S)
@@ -176,7 +174,7 @@ def test_points_of_three_axes_have_further_columns(web: Web) -> None:
     assert (point["roll_deg"], point["pitch_deg"]) == (10.0, -20.0)
     assert (point["roll_deg_lo"], point["roll_deg_hi"]) == (-5.0, 10.0)
     with looking(address) as late:
-        assert told(late, "hello")["columns"] == list(THREE_AXES.columns)
+        assert report(late, "hello")["columns"] == list(THREE_AXES.columns)
         assert len(late.recv(PATIENCE_S)) == 2 * THREE_AXES.record.size
 
 
@@ -188,9 +186,9 @@ def test_points_of_a_device_with_a_filter_have_its_yaw(
     outputs, address = web
     layout = LAYOUTS[has_axes, True]
     with looking(address) as client:
-        told(client, "hello")
+        report(client, "hello")
         outputs.samples([with_own_yaw(make(1))])
-        assert told(client, "hello")["columns"] == list(layout.columns)
+        assert report(client, "hello")["columns"] == list(layout.columns)
         client.recv(PATIENCE_S)
         outputs.samples([make(2)._replace(device_difference_deg=0.5)])
         message = client.recv(PATIENCE_S)
@@ -201,18 +199,17 @@ def test_points_of_a_device_with_a_filter_have_its_yaw(
 
 
 def test_an_hour_is_kept_in_few_points_and_no_spike_is_lost() -> None:
-    """In order of time, the last two minutes in full."""
     history = PointHistory()
     flat = ONE_AXIS.point_of([corrected(0)])
     count, spike = 3700 * 30, 700 * 30
-    for at in range(count):
-        point = flat._replace(t_s=at / 30.0)
-        history.add(point._replace(hi=(500.0, *point.hi[1:])) if at == spike else point)
+    for index in range(count):
+        point = flat._replace(t_s=index / 30.0)
+        history.add(point._replace(hi=(500.0, *point.hi[1:])) if index == spike else point)
     rows = [dict(zip(ONE_AXIS.columns, ONE_AXIS.record.unpack(row), strict=True)) for row in history.rows()]
     times = [row["t_s"] for row in rows]
     assert times == sorted(set(times))
     assert 3590.0 < times[-1] - times[0] < 3610.0
-    assert times[-3500:] == [at / 30.0 for at in range(count - 3500, count)]
+    assert times[-3500:] == [index / 30.0 for index in range(count - 3500, count)]
     assert max(late - early for early, late in pairwise(times)) < 2.1
     first = next(name for name in ONE_AXIS.columns if name.endswith("_hi"))
     spikes = [row["t_s"] for row in rows if row[first] == 500.0]
@@ -262,15 +259,15 @@ TOKEN = "0123456789abcdef"
 
 
 def test_a_local_page_with_the_token_gives_commands(controlled: tuple[str, FakeService]) -> None:
-    """They reach the control socket, and the answer comes back."""
     address, service = controlled
     with looking(address, origin=address) as client:
-        assert told(client, "hello")["has_buttons"] is True
+        assert report(client, "hello")["has_buttons"] is True
         client.send(json.dumps({"token": TOKEN, "command": "zero"}))
-        assert told(client, "answer") == {"kind": "answer", "command": "zero", "answer": {"ok": True, "yaw_deg": 0.0}}
+        assert report(client, "answer") == {"kind": "answer", "command": "zero", "answer": {"ok": True, "yaw_deg": 0.0}}
     assert service.commands == ["zero"]
 
 
+@pytest.mark.promise("Clients of outputs")
 @pytest.mark.parametrize(
     ("token", "command", "reason"),
     [
@@ -286,32 +283,34 @@ def test_a_local_page_with_the_token_gives_commands(controlled: tuple[str, FakeS
 def test_a_wrong_token_or_button_closes_the_page(
     controlled: tuple[str, FakeService], token: str | None, command: Any, reason: str
 ) -> None:
-    """Nothing reaches the service."""
+    """A wrong token or button closes the page."""
     address, service = controlled
     with looking(address, origin=address) as client:
         client.send(json.dumps({"token": token, "command": command}))
         with pytest.raises(ConnectionClosed, match=reason):
-            told(client, "nothing")
+            report(client, "nothing")
     assert service.commands == []
 
 
+@pytest.mark.promise("Clients of outputs")
 @pytest.mark.parametrize(
     "content", ["[" * 60_000, '{"token":' * 5000, "NaN", b"\xff", "", '"\\ud800"', "9" * 5000, "[]"]
 )
 def test_a_message_that_is_no_command_closes_the_page(
     controlled: tuple[str, FakeService], content: str | bytes
 ) -> None:
-    """Without a mistake of the server, which would be in its log."""
+    """A message that is no command closes the page, and is no error of the server."""
     address, service = controlled
     with looking(address, origin=address) as client:
         client.send(content)
         with pytest.raises(ConnectionClosed, match=r"1008 .*(this is no JSON|nested more|expected a token)"):
-            told(client, "nothing")
+            report(client, "nothing")
     assert service.commands == []
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_a_page_that_is_clicked_faster_than_the_service_answers_stays_open(tmp_path: Path) -> None:
-    """Each click has its answer; the ones that are too many say that the service is busy."""
+    """A page keeps its buttons if it is clicked faster than the service answers."""
     clicks = 10
     with socket.socket(socket.AF_UNIX) as listening, hub() as outputs:
         path = str(tmp_path / "control")
@@ -323,14 +322,15 @@ def test_a_page_that_is_clicked_faster_than_the_service_answers_stays_open(tmp_p
         with looking(address, origin=address) as client:
             for _ in range(clicks):
                 client.send(json.dumps({"token": TOKEN, "command": "zero"}))
-            busy = [told(client, "answer")["answer"] for _ in range(clicks - MOST_PENDING)]
+            busy = [report(client, "answer")["answer"] for _ in range(clicks - MOST_PENDING)]
             assert busy == [{"ok": False, "error": "the service is busy; try again"}] * (clicks - MOST_PENDING)
             for _ in range(MOST_PENDING):
                 listening.accept()[0].close()
-            late = [told(client, "answer")["answer"] for _ in range(MOST_PENDING)]
+            late = [report(client, "answer")["answer"] for _ in range(MOST_PENDING)]
             assert {answer["ok"] for answer in late} == {False}
 
 
+@pytest.mark.promise("Clients of outputs")
 @pytest.mark.parametrize(
     ("host", "origin"),
     [("gyro.example", "http://gyro.example"), ("192.0.2.1", "http://192.0.2.1"), ("127.0.0.1:80", None)],
@@ -338,20 +338,19 @@ def test_a_page_that_is_clicked_faster_than_the_service_answers_stays_open(tmp_p
 def test_a_page_that_was_not_opened_through_loopback_has_no_buttons(
     controlled: tuple[str, FakeService], host: str, origin: Any
 ) -> None:
-    """By another name of this machine, or by a program without an origin, even with the token."""
+    """The buttons of the live page work for the local user only."""
     address, service = controlled
     here = urlsplit(address)
     connection = socket.create_connection((here.hostname or "", here.port or 0))
     with connect(f"ws://{host}/stream", sock=connection, compression=None, origin=origin) as client:
-        assert told(client, "hello")["has_buttons"] is False
+        assert report(client, "hello")["has_buttons"] is False
         client.send(json.dumps({"token": TOKEN, "command": "zero"}))
         with pytest.raises(ConnectionClosed, match="takes no messages"):
-            told(client, "nothing")
+            report(client, "nothing")
     assert service.commands == []
 
 
 def test_only_loopback_addresses_count_as_this_machine() -> None:
-    """As a peer address, and as the host of the address that is printed."""
     assert [is_loopback(host) for host in ("127.0.0.1", "::1", "::ffff:127.0.0.1", "localhost")] == [True] * 4
     assert [is_loopback(host) for host in ("192.0.2.1", "::ffff:192.0.2.1", "gyro", "0.0.0.0", "")] == [False] * 5
     opened = [OutputStatus("tcp", "127.0.0.1:1"), OutputStatus("web:host=0.0.0.0", "http://0.0.0.0:8117")]

@@ -78,8 +78,8 @@ LOOK_BACK = """(() => {
 @pytest.fixture(scope="module")
 def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tab]:
     """A browser for all tests here, which takes seconds to come up."""
-    with browsing(tmp_path_factory.mktemp("browser")) as found:
-        yield found
+    with browsing(tmp_path_factory.mktemp("browser")) as result:
+        yield result
 
 
 @pytest.fixture
@@ -127,12 +127,11 @@ def test_it_shows_the_stream_and_moves_with_it(page: Tab) -> None:
         outputs.samples([corrected(400, heading_deg=90.0)])
         page.until("document.querySelector('#main-name').innerText === 'Heading'")
         assert page.run("document.querySelector('#dial .yaw').getAttribute('transform')") == "rotate(90.00)"
-        assert all(each.split("://")[1].startswith(outputs.address.split("://")[1]) for each in page.requests)
+        assert all(request.split("://")[1].startswith(outputs.address.split("://")[1]) for request in page.requests)
         page.open("about:blank")
 
 
 def test_it_fits_a_telephone_and_is_dark_where_that_is_wanted(page: Tab) -> None:
-    """Nothing stands out to the right, and the charts are drawn in other colours."""
     with hub("web:port=0") as outputs:
         page.size(*PHONE, is_phone=True)
         page.open(outputs.address)
@@ -150,8 +149,9 @@ def test_it_fits_a_telephone_and_is_dark_where_that_is_wanted(page: Tab) -> None
         page.open("about:blank")
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_a_tilted_device_has_a_horizon(page: Tab) -> None:
-    """It rises on the side that is down and sinks if the nose goes up; text and a label say the same."""
+    """The horizon of the page has a label and words."""
     with live(page) as outputs:
         outputs.samples([corrected(seq, yaw_deg=10.0, heading_deg=nan) for seq in range(100)])
         page.until("document.querySelector('#main-value').innerText === '10.00°'")
@@ -173,7 +173,6 @@ def test_a_tilted_device_has_a_horizon(page: Tab) -> None:
 
 
 def test_a_device_with_a_filter_shows_both_yaws_and_a_chart_of_their_difference(page: Tab) -> None:
-    """Also while a sample comes without a result of the device."""
     with live(page) as outputs:
         outputs.samples([corrected(seq, yaw_deg=10.0, heading_deg=nan) for seq in range(100)])
         page.until("document.querySelector('#main-value').innerText === '10.00°'")
@@ -190,7 +189,6 @@ def test_a_device_with_a_filter_shows_both_yaws_and_a_chart_of_their_difference(
 
 
 def test_a_horizon_fits_a_telephone(page: Tab) -> None:
-    """Beside the dial and yaw; sky and ground have other colors in the dark."""
     page.size(*PHONE, is_phone=True)
     with live(page) as outputs:
         outputs.samples([tilted(0, yaw_deg=-12345.0, heading_deg=nan)])
@@ -207,7 +205,6 @@ def test_a_horizon_fits_a_telephone(page: Tab) -> None:
 
 
 def test_a_local_person_zeroes_sets_a_heading_and_records(page: Tab, port: Path, tmp_path: Path) -> None:
-    """With the address that `ctl page` prints; the same page without its token only shows."""
     control, folder = tmp_path / "control", tmp_path / "kept"
     words = ("--control", control, "--output", "web:port=0", "--record", folder, "--filter", "hdr")
     with serving(port, *words) as (serve, device):
@@ -265,7 +262,6 @@ def test_the_guide_names_the_buttons_of_the_page(page: Tab) -> None:
 
 
 def test_a_device_with_three_axes_has_a_calibration_of_its_own(page: Tab) -> None:
-    """Its button appears with the first tilt."""
     with live(page) as outputs:
         outputs.samples([corrected(seq) for seq in range(50)])
         page.until("document.querySelector('#values dd')")
@@ -284,7 +280,6 @@ SAVED = """new Promise((resolve) => {
 
 
 def test_a_chart_is_saved_as_a_picture(page: Tab) -> None:
-    """With its title for a name."""
     with live(page) as outputs:
         outputs.samples([corrected(seq) for seq in range(100)])
         page.until(f"{INK % 0} > 3")
@@ -292,7 +287,6 @@ def test_a_chart_is_saved_as_a_picture(page: Tab) -> None:
 
 
 def test_yaw_stays_in_view_on_a_telephone(page: Tab) -> None:
-    """At 400 px, wherever the page is scrolled to."""
     with hub("web:port=0") as outputs:
         address = outputs.address
         page.size(400, 800, is_phone=True)
@@ -309,7 +303,6 @@ def test_yaw_stays_in_view_on_a_telephone(page: Tab) -> None:
 
 
 def test_it_outlives_the_service(page: Tab, port: Path) -> None:
-    """It says that the service is gone, tries again, and goes on with what it knows when the service is back."""
     with socket.create_server(("127.0.0.1", 0)) as free:
         number = free.getsockname()[1]
     option = f"web:port={number}"
@@ -321,7 +314,7 @@ def test_it_outlives_the_service(page: Tab, port: Path) -> None:
         assert serve.stop() == 0
     page.until("document.querySelector('#connection').innerText.startsWith('No connection since')")
     first = page.text("#main-value")
-    page.errors[:] = [each for each in page.errors if "ERR_CONNECTION_REFUSED" not in each]
+    page.errors[:] = [error for error in page.errors if "ERR_CONNECTION_REFUSED" not in error]
     with serving(port, "--output", option) as (serve, device):
         page.until("document.querySelector('#connection').innerText === 'Live'")
         device.send_all(csv_at_100_hz(1000, rate_dps=20.0), never)
@@ -329,17 +322,17 @@ def test_it_outlives_the_service(page: Tab, port: Path) -> None:
         assert page.run("window.isTheSamePage")
         page.open("about:blank")
         assert serve.stop() == 0
-    page.errors[:] = [each for each in page.errors if "ERR_CONNECTION_REFUSED" not in each]
+    page.errors[:] = [error for error in page.errors if "ERR_CONNECTION_REFUSED" not in error]
 
 
 def test_an_hour_is_looked_back_through_without_losing_a_spike(page: Tab) -> None:
     """The hour is drawn from no more rows than there are pixels; seconds are drawn as they came."""
     with live(page) as outputs:
-        found = page.run(HISTORY)
-        assert found["rows"] <= 800
-        assert (found["greatest"], found["fine"], found["last"], found["holes"]) == (99, 302, 2, 1)
-        assert 3600 < found["kept"] < 4500
-        assert found["room"] == 1 << 17
+        result = page.run(HISTORY)
+        assert result["rows"] <= 800
+        assert (result["greatest"], result["fine"], result["last"], result["holes"]) == (99, 302, 2, 1)
+        assert 3600 < result["kept"] < 4500
+        assert result["room"] == 1 << 17
         outputs.samples([corrected(seq) for seq in range(100)])
         page.until("document.querySelector('#values dd')")
         outputs.samples([corrected(seq) for seq in range(60_000, 60_100)])

@@ -66,8 +66,8 @@ class EchoOutput(Output[EchoOptions]):
 
     def take(self, samples: Sequence[Corrected]) -> None:
         for client in self._server.clients:
-            for each in samples:
-                client.send(f"{each.sample.seq} {self.padding}")
+            for sample in samples:
+                client.send(f"{sample.sample.seq} {self.padding}")
 
     def counts(self) -> tuple[int, int]:
         return self._server.counts()
@@ -110,7 +110,6 @@ def is_closed(connection: socket.socket) -> bool:
 
 
 def test_text_and_bytes_go_both_ways(echo: Echo) -> None:
-    """As the client sent them."""
     _, address = echo
     with joined(address) as client:
         client.send("text")
@@ -123,15 +122,14 @@ def test_text_and_bytes_go_both_ways(echo: Echo) -> None:
     [(["bad"], "bad is refused"), (["x"] * 20, "more than 10 messages a second"), (["x" * 2000], "")],
 )
 def test_what_is_refused_closes_the_connection_with_the_reason(echo: Echo, messages: list[str], why: str) -> None:
-    """And nobody else's."""
     outputs, address = echo
-    with joined(address) as other, joined(address) as client:
+    with joined(address) as second, joined(address) as client:
         with pytest.raises(ConnectionClosed) as closed:
             say(client, messages)
         assert closed.value.rcvd is not None
         assert why in closed.value.rcvd.reason
         outputs.samples([corrected(1)])
-        assert str(other.recv(PATIENCE_S)).startswith("1 ")
+        assert str(second.recv(PATIENCE_S)).startswith("1 ")
 
 
 def test_half_a_handshake_is_cut_off_and_garbage_is_answered(echo: Echo) -> None:
@@ -148,7 +146,6 @@ def test_half_a_handshake_is_cut_off_and_garbage_is_answered(echo: Echo) -> None
 
 
 def test_too_many_connections_are_cut_off_before_their_handshake(echo: Echo) -> None:
-    """Who is there stays; when there is room again, others come in."""
     _, address = echo
     with ExitStack() as many, joined(address) as client:
         crowd = [many.enter_context(socket.create_connection(address, PATIENCE_S)) for _ in range(100)]
@@ -158,7 +155,6 @@ def test_too_many_connections_are_cut_off_before_their_handshake(echo: Echo) -> 
 
 
 def test_as_many_clients_as_the_limit_come_in_and_no_more(echo: Echo) -> None:
-    """One more is cut off, whoever it is."""
     _, address = echo
     with ExitStack() as there:
         for _ in range(LIMITS.clients):
@@ -170,7 +166,6 @@ def test_as_many_clients_as_the_limit_come_in_and_no_more(echo: Echo) -> None:
 
 
 def test_clients_that_are_gone_leave_nothing_behind(echo: Echo) -> None:
-    """One after the other, and more of them than may be there at a time; what they were sent stays counted."""
     outputs, address = echo
     for number in range(3 * LIMITS.clients):
         with joined(address) as client:
@@ -186,7 +181,6 @@ def test_clients_that_are_gone_leave_nothing_behind(echo: Echo) -> None:
 
 
 def test_who_was_silent_for_an_hour_may_not_send_an_hours_messages() -> None:
-    """The allowance holds one second's."""
     now_s = 0.0
     allowance = Allowance(10.0, lambda: now_s)
     now_s = 3600.0
@@ -196,7 +190,6 @@ def test_who_was_silent_for_an_hour_may_not_send_an_hours_messages() -> None:
 
 
 def test_a_client_that_does_not_read_loses_the_oldest_and_is_told(echo: Echo) -> None:
-    """What it gets is in order, and the newest is there."""
     outputs, address = echo
     count = 20_000
     with joined(address) as client:

@@ -23,7 +23,6 @@ batch = st.lists(st.builds(Corrected, sample, *[number] * 10, attitude, number),
 
 @given(batch)
 def test_samples_come_out_as_they_went_in(samples: list[Corrected]) -> None:
-    """With and without axes and attitude, in any mixture."""
     message = wire.pack_samples(samples)
     assert wire.unpack_samples(message) == samples
     assert wire.count_samples(message) == len(samples)
@@ -36,8 +35,9 @@ def test_axes_of_a_later_sample_are_not_lost() -> None:
     assert (later.sample.inertial, later.attitude) == (tilted(1).sample.inertial, tilted(1).attitude)
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_one_axis_has_the_short_record() -> None:
-    """A number of 64 bits and 16 doubles."""
+    """Samples of one axis keep their short record on the way to the outputs."""
     level = corrected(7)
     message = wire.pack_samples([level])
     assert message == b"S" + Struct("<q16d").pack(*level.sample[:7], *level[1:11])
@@ -58,7 +58,6 @@ def test_the_longest_batch_fits_into_a_datagram() -> None:
 
 
 def test_the_yaw_of_the_device_and_the_difference_come_out_as_they_went_in() -> None:
-    """In one batch with samples without them, on one axis and on three."""
     samples = [corrected(0), with_own_yaw(corrected(1)), with_own_yaw(tilted(2)), tilted(3)._replace(heading_deg=1.0)]
     message = wire.pack_samples(samples)
     back = wire.unpack_samples(message)
@@ -74,7 +73,6 @@ def test_other_messages_have_no_samples(kind: bytes) -> None:
 
 
 def test_unknown_values_stay_unknown() -> None:
-    """NaN is no missing field."""
     (back,) = wire.unpack_samples(wire.pack_samples([tilted(0)._replace(heading_deg=nan)]))
     assert back.heading_deg != back.heading_deg
     assert back.attitude == tilted(0).attitude

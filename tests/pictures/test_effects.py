@@ -12,12 +12,10 @@ gallery = pytest.importorskip("pictures.effects", reason="the pictures need matp
 
 
 def test_a_scene_is_that_of_an_effect() -> None:
-    """One that has none is drawn over the ten minutes of `identify`."""
     assert set(gallery.SCENES) <= set(CATALOGUE)
 
 
 def test_a_picture_is_drawn_and_the_shipped_ones_are_complete(tmp_path: Path) -> None:
-    """One of them here; docs/rig-and-faults.md shows them all."""
     with Command("pictures.effects", "--out", tmp_path, "vibration", module="benchmark") as run:
         assert run.end() == 0, run.log
     assert (tmp_path / "vibration.png").read_bytes().startswith(b"\x89PNG")
@@ -26,7 +24,6 @@ def test_a_picture_is_drawn_and_the_shipped_ones_are_complete(tmp_path: Path) ->
 
 
 def test_effects_on_all_axes_have_pictures_too(tmp_path: Path) -> None:
-    """In a folder of their own."""
     with Command("pictures.effects", "--out", tmp_path, "accel_bias", module="benchmark") as run:
         assert run.end() == 0, run.log
     assert (tmp_path / "triaxial" / "accel_bias.png").read_bytes().startswith(b"\x89PNG")

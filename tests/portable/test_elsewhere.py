@@ -55,8 +55,9 @@ def sessions(slow_rig: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.promise("Installation and systems")
 def test_the_library_loads_and_filters_a_session(sessions: Path) -> None:
-    """Every public name, `load_session` and both filters."""
+    """Without the modules that Windows lacks, the library loads and filters a session."""
     session = sessions / "session-01.mcap"
     done = run_elsewhere("-c", LIBRARY, session)
     assert (done.returncode, done.stderr) == (0, "")
@@ -64,9 +65,10 @@ def test_the_library_loads_and_filters_a_session(sessions: Path) -> None:
     assert samples == [480, 480]
 
 
+@pytest.mark.promise("Installation and systems")
 @pytest.mark.long
 def test_analyses_run(sessions: Path, slow_rig: Path, tmp_path: Path) -> None:
-    """Eight commands end with status 0 and write their files."""
+    """Without these modules, `info`, `filter`, `convert`, `doctor`, `compare`, `tune` and `diagnose` run."""
     session, results = sessions / "session-01.mcap", tmp_path
     commands = [
         ["info", session],
@@ -85,8 +87,9 @@ def test_analyses_run(sessions: Path, slow_rig: Path, tmp_path: Path) -> None:
     assert {"yaw.csv", "session.csv", "tuned.yaml", "gap"} <= written
 
 
+@pytest.mark.promise("Installation and systems")
 def test_serve_reads_a_port_through_pyserial_alone(tmp_path: Path) -> None:
-    """It writes a line for every sample, records, and ends with status 0 after a signal."""
+    """Without these modules, `serve` reads the port through pyserial."""
     link = tmp_path / "gyro"
     with Command("--link", link, module="firmware_sim") as device:
         device.until(lambda _: link.exists(), "link")
@@ -115,7 +118,6 @@ def test_serve_survives_an_unplugged_port(tmp_path: Path) -> None:
 
 
 def test_doctor_listens_to_a_port(tmp_path: Path) -> None:
-    """It has no error to tell of the simulated device."""
     link = tmp_path / "gyro"
     with Command("--link", link, module="firmware_sim") as device:
         device.until(lambda _: link.exists(), "link")
@@ -125,8 +127,9 @@ def test_doctor_listens_to_a_port(tmp_path: Path) -> None:
     assert "error" not in {finding["severity"] for finding in json.loads(done.stdout)["findings"]}
 
 
+@pytest.mark.promise("Installation and systems")
 def test_what_needs_posix_says_so(tmp_path: Path) -> None:
-    """One sentence and status 2, no traceback."""
+    """Commands that need Linux or macOS say so there, with status 2."""
     commands = [
         ["demo"],
         ["simulated-device", "--link", str(tmp_path / "gyro")],

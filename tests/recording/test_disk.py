@@ -37,7 +37,6 @@ def disk_file(path: Path) -> DiskFile:
 
 
 def test_what_is_handed_over_is_in_the_file_before_it_is_closed(tmp_path: Path) -> None:
-    """So that a kill loses none of it."""
     file = disk_file(tmp_path / "f")
     file.write(b"abc")
     file.write(b"def")
@@ -47,8 +46,9 @@ def test_what_is_handed_over_is_in_the_file_before_it_is_closed(tmp_path: Path) 
     assert file.is_finished
 
 
+@pytest.mark.promise("Crashes")
 def test_it_is_synced_every_few_seconds_and_at_the_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Never later than five seconds after it was handed over, also where nothing more comes."""
+    """A power cut loses at most the last five seconds: files are synced every three."""
     assert disk.SYNC_S + disk.LOOK_S < 5.0
     synced: list[int] = []
     monkeypatch.setattr(os, "fsync", lambda fd: synced.append(os.fstat(fd).st_size))
@@ -75,10 +75,11 @@ def test_a_file_that_is_there_is_never_written_over(tmp_path: Path) -> None:
     assert [(tmp_path / name).read_bytes() for name in "fg"] == [b"precious", b"abc"]
 
 
+@pytest.mark.promise("Memory and the end")
 def test_who_makes_a_file_does_not_wait_for_the_disk_to_make_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A frozen disk makes none: what is written waits, and at the end no longer than a disk may hang."""
+    """The end waits at most 5 s for a disk, and reports the unwritten bytes."""
     monkeypatch.setattr(disk, "HANGS_S", 0.05)
     go_on = threading.Event()
 
@@ -99,10 +100,9 @@ def test_who_makes_a_file_does_not_wait_for_the_disk_to_make_it(
 
 
 def test_nobody_else_takes_it_for_an_interrupted_one(tmp_path: Path) -> None:
-    """It is locked while it is written."""
     file = disk_file(tmp_path / "f")
-    with (tmp_path / "f").open("rb") as other, pytest.raises(Exception, match="is being written"):
-        lock(tmp_path / "f", other)
+    with (tmp_path / "f").open("rb") as second, pytest.raises(Exception, match="is being written"):
+        lock(tmp_path / "f", second)
     file.finish()
     file.join()
 
@@ -122,7 +122,6 @@ class SlowFile:
 
 
 def test_a_disk_that_hangs_keeps_nobody_waiting_up_to_a_bound(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Then it is told; what was taken is written when the disk goes on, in pieces of whatever size it takes."""
     monkeypatch.setattr(disk, "MOST_WAITING_BYTES", 100)
     go_on = threading.Event()
     file = disk_file(tmp_path / "f")
@@ -139,26 +138,25 @@ def test_a_disk_that_hangs_keeps_nobody_waiting_up_to_a_bound(tmp_path: Path, mo
 
 def test_who_asks_what_a_disk_has_left_does_not_wait_for_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The thread looks, and what it saw last is told."""
-    go_on, asked = threading.Event(), []
+    go_on, request = threading.Event(), []
 
     def hang(folder: Path) -> int | None:
-        asked.append(threading.current_thread().name)
-        assert len(asked) == 1 or go_on.wait(PATIENCE_S)
-        return 1000 * len(asked)
+        request.append(threading.current_thread().name)
+        assert len(request) == 1 or go_on.wait(PATIENCE_S)
+        return 1000 * len(request)
 
     monkeypatch.setattr(disk, "disk_left_bytes", hang)
     monkeypatch.setattr(disk, "LOOK_S", 0.01)
     file = disk_file(tmp_path / "f")
-    until(lambda: len(asked) == 2)
+    until(lambda: len(request) == 2)
     assert file.left_bytes == 1000
     go_on.set()
     file.finish()
     file.join()
-    assert set(asked[1:]) == {"disk"}
+    assert set(request[1:]) == {"disk"}
 
 
 def test_what_the_disk_refuses_is_told_to_the_next_who_writes(tmp_path: Path) -> None:
-    """With the reason of the system."""
     file = disk_file(tmp_path / "f")
     file.write(b"good")
     until(lambda: (tmp_path / "f").stat().st_size == 4)
@@ -175,7 +173,6 @@ def test_what_the_disk_refuses_is_told_to_the_next_who_writes(tmp_path: Path) ->
 
 @pytest.mark.parametrize("is_folder_gone", [False, True])
 def test_a_removed_file_is_put_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, is_folder_gone: bool) -> None:
-    """Its folder too."""
     monkeypatch.setattr(disk, "LOOK_S", 0.01)
     path = tmp_path / "out" / "f"
     path.parent.mkdir()
@@ -196,7 +193,6 @@ def test_a_removed_file_is_put_back(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 def test_who_makes_a_file_does_not_wait_for_the_folder_to_be_synced(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """That can take seconds on a card, and samples keep coming."""
     go_on, synced = threading.Event(), threading.Event()
 
     def slow(fd: int) -> None:
@@ -229,9 +225,9 @@ def test_who_looks_at_a_new_file_does_not_spoil_it(tmp_path: Path, monkeypatch: 
     real, looks = fcntl.flock, []
 
     def looked_at(file: Any, how: int) -> None:
-        other = (tmp_path / "f").open("rb")
-        real(other, fcntl.LOCK_EX)
-        looks.append(threading.Timer(0.05, other.close))
+        second = (tmp_path / "f").open("rb")
+        real(second, fcntl.LOCK_EX)
+        looks.append(threading.Timer(0.05, second.close))
         looks[0].start()
         real(file, how)
 
@@ -245,7 +241,6 @@ def test_who_looks_at_a_new_file_does_not_spoil_it(tmp_path: Path, monkeypatch: 
 
 
 def test_a_failure_is_told_to_who_asks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With nothing to write; before it, asking is silent."""
     monkeypatch.setattr(disk, "LOOK_S", 0.01)
     file = disk_file(tmp_path / "f")
     file.check()
@@ -258,7 +253,6 @@ def test_a_failure_is_told_to_who_asks(tmp_path: Path, monkeypatch: pytest.Monke
 def test_a_removed_file_is_put_back_with_what_was_still_waiting(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """All that was handed over until then."""
     monkeypatch.setattr(disk, "LOOK_S", 0.01)
     go_on = threading.Event()
     file = disk_file(tmp_path / "f")
@@ -273,18 +267,21 @@ def test_a_removed_file_is_put_back_with_what_was_still_waiting(
     assert (tmp_path / "f").read_bytes() == b"0123456789" * 5
 
 
-@pytest.mark.parametrize(("size", "said"), [(4, "has truncated it .* 6 bytes are lost"), (99, "has written to it")])
+@pytest.mark.promise("Crashes")
+@pytest.mark.parametrize(
+    ("size", "statement"), [(4, "has truncated it .* 6 bytes are lost"), (99, "has written to it")]
+)
 def test_a_file_that_another_program_changes_is_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, size: int, said: str
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, size: int, statement: str
 ) -> None:
-    """Truncated or longer, also where nothing more is written; what was written stays as it is."""
+    """A change of the file by another program is detected."""
     monkeypatch.setattr(disk, "LOOK_S", 0.01)
     file = disk_file(tmp_path / "f")
     file.write(b"0123456789")
     until(lambda: (tmp_path / "f").stat().st_size == 10)
     os.truncate(tmp_path / "f", size)
     until(lambda: file.is_finished)
-    with pytest.raises(ChangedFileError, match=said):
+    with pytest.raises(ChangedFileError, match=statement):
         file.join()
     assert (tmp_path / "f").read_bytes() == b"0123456789".ljust(size, b"\0")[:size]
 
@@ -292,7 +289,6 @@ def test_a_file_that_another_program_changes_is_told(
 def test_a_truncated_file_is_told_also_where_it_is_written_to_at_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What is written goes to its end, and leaves no hole that would hide it."""
     monkeypatch.setattr(disk, "LOOK_S", PATIENCE_S)
     file = disk_file(tmp_path / "f")
     file.write(b"0123456789")
@@ -308,7 +304,6 @@ def test_a_truncated_file_is_told_also_where_it_is_written_to_at_once(
 def test_a_file_whose_name_was_taken_meanwhile_is_put_back_under_another(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Somebody else's file stands there now, and stays."""
     monkeypatch.setattr(disk, "LOOK_S", 0.01)
     file = DiskFile(tmp_path / "f", lambda: tmp_path / "f_2")
     file.write(b"ours")

@@ -68,7 +68,7 @@ def duration(recorded: Recorded, stop: Stop, clock: Clock) -> Duration:
     return Duration(cast("Recorder", recorded), 2.0, stop, clock)
 
 
-def at(*times_s: float) -> list[Sample]:
+def index(*times_s: float) -> list[Sample]:
     return [Sample(0, t_s, 1.7e9, 0.0) for t_s in times_s]
 
 
@@ -76,18 +76,18 @@ def test_samples_before_the_end_are_recorded_and_the_first_behind_it_ends_it(
     duration: Duration, recorded: Recorded, stop: Stop
 ) -> None:
     """Counted from the first sample, whatever the device clock said then."""
-    duration.take(at(500.0, 501.0))
-    duration.take(at(501.75))
+    duration.take(index(500.0, 501.0))
+    duration.take(index(501.75))
     assert not stop.is_set
-    duration.take(at(501.99, 502.0, 502.25))
+    duration.take(index(501.99, 502.0, 502.25))
     assert recorded.times_s == [500.0, 501.0, 501.75, 501.99]
     assert stop.is_set
 
 
 def test_nothing_is_recorded_behind_the_end(duration: Duration, recorded: Recorded) -> None:
     """A last read may still come in."""
-    duration.take(at(0.0, 5.0))
-    duration.take(at(1.0))
+    duration.take(index(0.0, 5.0))
+    duration.take(index(1.0))
     assert recorded.times_s == [0.0]
 
 
@@ -95,10 +95,9 @@ def test_nothing_is_recorded_behind_the_end(duration: Duration, recorded: Record
 def test_a_silent_device_ends_it_when_its_time_is_over(
     duration: Duration, stop: Stop, clock: Clock, last_s: float
 ) -> None:
-    """By the clock of the host, and no earlier."""
-    duration.take(at(0.0))
+    duration.take(index(0.0))
     clock.now_s += last_s
-    duration.take(at(last_s))
+    duration.take(index(last_s))
     duration.tick(1001.99)
     assert not stop.is_set
     duration.tick(1000.0 + max(2.0, last_s + GRACE_S))
@@ -106,10 +105,9 @@ def test_a_silent_device_ends_it_when_its_time_is_over(
 
 
 def test_a_slow_device_clock_has_its_time(duration: Duration, stop: Stop, clock: Clock) -> None:
-    """As long as samples come, the clock of the host does not count."""
     for second in range(20):
         clock.now_s = 1000.0 + 0.9 * second
-        duration.take(at(0.05 * second))
+        duration.take(index(0.05 * second))
         duration.tick(clock.now_s + 0.5)
         assert not stop.is_set
 
@@ -127,21 +125,19 @@ def test_a_signal_that_comes_while_samples_are_taken_is_kept(
 ) -> None:
     """The end of the time only ever sets what a signal sets."""
     recorded.signal_comes = True
-    duration.take(at(0.0))
+    duration.take(index(0.0))
     assert stop.is_set
 
 
 def test_samples_that_were_read_with_a_signal_are_recorded(duration: Duration, recorded: Recorded, stop: Stop) -> None:
-    """It is the signal that woke the loop, and the last read may be a large one."""
-    duration.take(at(0.0))
+    duration.take(index(0.0))
     stop.is_set = True
-    duration.take(at(0.5, 1.0, 2.0))
+    duration.take(index(0.5, 1.0, 2.0))
     assert recorded.times_s == [0.0, 0.5, 1.0]
 
 
 def test_a_signal_that_comes_during_a_tick_is_kept(duration: Duration, recorded: Recorded, stop: Stop) -> None:
-    """Likewise."""
-    duration.take(at(0.0))
+    duration.take(index(0.0))
     recorded.signal_comes = True
     duration.tick(1001.5)
     assert stop.is_set

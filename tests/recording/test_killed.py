@@ -53,7 +53,7 @@ def killed(folder: Path, moments_s: list[float], *options: str) -> list[tuple[Pa
     """Several recordings side by side, each killed at its moment: folder, lines said, and those read in good time."""
     from contextlib import ExitStack  # noqa: PLC0415 - of this one test
 
-    found = []
+    result = []
     with ExitStack() as stack:
         ports = [folder / f"gyro{number}" for number in range(len(moments_s))]
         speakers = [Speaker(stack.enter_context(speaking_on(port))) for port in ports]
@@ -63,37 +63,38 @@ def killed(folder: Path, moments_s: list[float], *options: str) -> list[tuple[Pa
         ]
         for speaker in speakers:
             speaker.device.wait_for_reader(never)
-        left = dict(enumerate(moments_s))
+        remaining = dict(enumerate(moments_s))
         begun_s = last_s = time.monotonic()
-        while left:
+        while remaining:
             now_s = time.monotonic()
-            for number in left:
+            for number in remaining:
                 speakers[number].speak(now_s - last_s)
             last_s = now_s
-            for number in [number for number, moment_s in left.items() if now_s - begun_s >= moment_s]:
+            for number in [number for number, moment_s in remaining.items() if now_s - begun_s >= moment_s]:
                 running[number].process.send_signal(signal.SIGKILL)
                 running[number].process.wait()
-                del left[number]
+                del remaining[number]
                 in_time = speakers[number].read_in_time()
-                found.append((folder / f"gyro{number}-out", speakers[number].said, in_time))
+                result.append((folder / f"gyro{number}-out", speakers[number].said, in_time))
             time.sleep(0.002)  # a device has its own pace
-    return found
+    return result
 
 
+@pytest.mark.promise("Crashes")
 @pytest.mark.long
 @pytest.mark.parametrize("options", [(), ("--raw",)], ids=["samples", "with raw bytes"])
 def test_what_is_older_than_a_second_survives_a_kill(
     tmp_path: Path, options: tuple[str, ...], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """At many random moments; what is there is gap-free, and closed files are accepted by the public reader."""
+    """A kill loses at most the last second of a recording."""
     random = Random(len(options))
     kept_in_all = in_time_in_all = 0
-    for out, said, in_time in killed(tmp_path, [random.uniform(0.8, 3.0) for _ in range(KILLS)], *options):
+    for out, statement, in_time in killed(tmp_path, [random.uniform(0.8, 3.0) for _ in range(KILLS)], *options):
         paths = list(out.glob("*.mcap")) if out.is_dir() else []
         assert paths or not in_time
         for path in paths:
             kept = samples_in(path) if path.stat().st_size else 0
-            assert in_time <= kept <= said
+            assert in_time <= kept <= statement
             kept_in_all += kept
             in_time_in_all += in_time
             if kept:
@@ -121,7 +122,6 @@ def check_mended(path: Path, count: int) -> None:
 
 
 def check_closed(path: Path, count: int) -> None:
-    """What the public readers find is what was kept, statistics and metadata included."""
     with path.open("rb") as file:
         assert type(list(StreamReader(file, validate_crcs=True).records)[-1]).__name__ == "Footer"
     with path.open("rb") as file:
@@ -141,8 +141,9 @@ def check_closed(path: Path, count: int) -> None:
     assert tables["recording"]["protocol"] == "csv"
 
 
+@pytest.mark.promise("Crashes")
 def test_the_next_recording_into_the_folder_closes_what_was_killed(tmp_path: Path) -> None:
-    """And says so."""
+    """The next recording into the folder closes an interrupted recording."""
     ((out, _, _),) = killed(tmp_path, [2.0])
     (first,) = out.glob("*.mcap")
     count = samples_in(first)

@@ -65,10 +65,10 @@ class Terminal:
 
     def shown(self) -> str:
         """All that has come; a pty hands on what is written in its own time."""
-        found = os.read(self.master, 1 << 16)
+        result = os.read(self.master, 1 << 16)
         while select.select([self.master], [], [], QUIET_S)[0]:
-            found += os.read(self.master, 1 << 16)
-        return found.decode()
+            result += os.read(self.master, 1 << 16)
+        return result.decode()
 
     def close(self) -> None:
         with suppress(OSError):  # what a dead terminal did not take
@@ -85,7 +85,6 @@ def terminal() -> Iterator[Terminal]:
 
 
 def test_it_waits_until_samples_come() -> None:
-    """And says on which port."""
     assert Going(io.StringIO()).go_on(5.0, 0, 400) == "waiting for samples on /dev/gyro"
 
 
@@ -95,20 +94,20 @@ def test_it_tells_time_yaw_rate_gaps_damage_size_and_how_long_the_disk_will_do()
     going.go_on(10.0, 100, 1_000_000)
     going.link.counters.gaps = 2
     going.link.decoder = SimpleNamespace(counters=SimpleNamespace(damaged=7))
-    said = going.go_on(12.0, 300, 3_000_000)
+    statement = going.go_on(12.0, 300, 3_000_000)
     assert (
-        said == "0:00:02   yaw +0.0 deg   100.0 Hz   300 samples   2 gaps   7 damaged   3.0 MB   36.0 GB left for 10 h"
+        statement
+        == "0:00:02   yaw +0.0 deg   100.0 Hz   300 samples   2 gaps   7 damaged   3.0 MB   36.0 GB left for 10 h"
     )
 
 
 def test_the_rate_is_that_of_the_last_moments() -> None:
-    """Not of all the time: a device that slows down shows at once."""
     going = Going(io.StringIO())
     for tick in range(40):
         going.go_on(tick * 0.25, tick * 250, tick * 20_000)
     for tick in range(9):
-        said = going.go_on(10.0 + tick * 0.25, 10_000 + tick * 25, 800_000 + tick * 2000)
-    assert " 100.0 Hz " in said
+        statement = going.go_on(10.0 + tick * 0.25, 10_000 + tick * 25, 800_000 + tick * 2000)
+    assert " 100.0 Hz " in statement
 
 
 @pytest.mark.parametrize(
@@ -120,34 +119,32 @@ def test_the_rate_is_that_of_the_last_moments() -> None:
         (0, 100_000, "0.0 GB left for 0 h"),
     ],
 )
-def test_the_disk_is_told_in_words_for_a_person(left: int | None, size_bytes: int, said: str) -> None:
+def test_the_disk_is_told_in_words_for_a_person(remaining: int | None, size_bytes: int, said: str) -> None:
     """Hours up to three days; nothing where nothing is written."""
     going = Going(io.StringIO())
-    going.recorder.left_bytes = left
+    going.recorder.left_bytes = remaining
     going.go_on(0.0, 1, 0)
     assert going.go_on(1.0, 101, size_bytes).endswith(f"   {said}")
 
 
 def test_it_is_written_over_and_over_and_gone_at_the_end() -> None:
-    """Never a line end."""
     stream = io.StringIO()
     going = Going(stream)
-    said = [going.go_on(float(second), second, second) for second in range(3)]
+    statement = [going.go_on(float(second), second, second) for second in range(3)]
     going.line.close()
-    assert stream.getvalue() == "".join(CLEAR + text for text in [*said, ""])
+    assert stream.getvalue() == "".join(CLEAR + text for text in [*statement, ""])
 
 
 def test_it_never_wraps(terminal: Terminal) -> None:
     """A line that wraps would not be cleared, and fill the terminal four times a second."""
     going = Going(terminal.stream)
     going.go_on(0.0, 1_000_000, 83_000_000)
-    said = going.go_on(0.25, 1_000_250, 83_020_750)
-    assert len(said) > 80
-    assert terminal.shown().split(CLEAR)[-1] == said[:79]
+    statement = going.go_on(0.25, 1_000_250, 83_020_750)
+    assert len(statement) > 80
+    assert terminal.shown().split(CLEAR)[-1] == statement[:79]
 
 
 def test_a_terminal_that_is_gone_does_not_end_a_recording(terminal: Terminal) -> None:
-    """Neither by the line nor by the log above it."""
     going = Going(terminal.stream)
     going.go_on(0.0, 1, 1)
     terminal.hang_up()
@@ -160,7 +157,6 @@ def test_a_terminal_that_is_gone_does_not_end_a_recording(terminal: Terminal) ->
 
 
 def test_the_log_clears_the_line_and_ends_its_own() -> None:
-    """So that neither stands in the other."""
     stream = io.StringIO()
     open_log("info", "json", AboveLine(stream)).info("gap")
     line = stream.getvalue()

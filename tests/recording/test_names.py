@@ -24,12 +24,10 @@ BEGUN = datetime(2026, 5, 1, 12, 30, tzinfo=UTC)
 def test_a_name_says_what_is_known_in_words_that_any_disk_takes(
     tmp_path: Path, device: str, profile: str, name: str
 ) -> None:
-    """Whatever a device calls itself."""
     assert recording_path(tmp_path, BEGUN, device, profile) == tmp_path / name
 
 
 def test_a_name_that_is_taken_gets_a_number(tmp_path: Path) -> None:
-    """The first that is free."""
     for number in ("", "_2", "_3"):
         path = recording_path(tmp_path, BEGUN, "a", "")
         assert path.name == f"2026-05-01T12-30-00Z_a{number}.mcap"

@@ -44,7 +44,6 @@ def samples(first: int, count: int) -> list[Sample]:
 
 
 def missing_in(path: Path) -> list[int]:
-    """Of each gap that a file tells of."""
     with path.open("rb") as file:
         messages = [message.data for _, _, message in make_reader(file).iter_messages(["/link"])]
     return [json.loads(text)["missing"] for text in messages]
@@ -73,30 +72,28 @@ def until(is_done: Callable[[], bool]) -> None:
 def test_a_name_that_another_recording_takes_first_costs_nothing(
     out: Path, link: Link, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Between finding a free name and taking it there is a moment."""
-    found: list[Path] = []
+    result: list[Path] = []
 
     def raced(folder: Path, begun: datetime, device: str, profile: str, taken: set[Path]) -> Path:
         path = recording_path(folder, begun, device, profile, taken)
-        if not found:
+        if not result:
             out.mkdir(exist_ok=True)
             path.write_bytes(b"another's")
-        found.append(path)
+        result.append(path)
         return path
 
     monkeypatch.setattr(recorder, "recording_path", raced)
     recording = Recorder(RecordOptions(out), link)
     recording.take(samples(0, 10))
     recording.close()
-    assert found[0].read_bytes() == b"another's"
-    assert recording.paths == found[1:]
-    assert len(read_mcap(found[1]).rate_dps) == 10
+    assert result[0].read_bytes() == b"another's"
+    assert recording.paths == result[1:]
+    assert len(read_mcap(result[1]).rate_dps) == 10
 
 
 def test_a_failure_is_noticed_while_the_device_is_silent(
     out: Path, link: Link, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """With nothing to write there is nothing that would fail."""
     monkeypatch.setattr(disk, "LOOK_S", 0.01)
     recording = Recorder(RecordOptions(out), link)
     recording.take(samples(0, 10))
@@ -137,7 +134,6 @@ def test_closing_waits_for_every_file_whatever_became_of_the_others(
 
 
 def test_between_two_files_reads_and_events_wait_for_the_next(out: Path, link: Link) -> None:
-    """In their order, none lost and none twice."""
     recording = Recorder(RecordOptions(out, rotate_bytes=1, keeps_raw=True), link)
     for first in range(0, 50, 10):
         recording.take_raw(b"before %d\n" % first, 1.7e9)
@@ -167,7 +163,6 @@ def test_a_disk_that_stays_full_is_not_littered(out: Path, link: Link) -> None:
 
 
 def test_what_a_disk_took_before_it_was_full_stays(out: Path, link: Link) -> None:
-    """With every whole sample, and it says how many bytes."""
     with small_disk(out, "64k"):
         recording = Recorder(RecordOptions(out), link)
         with pytest.raises(RecordingError, match="No space left on device; 65536 bytes are written"):
@@ -181,7 +176,6 @@ def test_what_a_disk_took_before_it_was_full_stays(out: Path, link: Link) -> Non
 
 
 def test_a_folder_that_takes_no_files_is_told(out: Path, link: Link) -> None:
-    """When the thread has found out, as every failure of a recording is."""
     recording = Recorder(RecordOptions(out), link)
     with small_disk(out, "64k"):
         subprocess.run(["mount", "-o", "remount,ro", out], check=True)
@@ -197,10 +191,11 @@ def take_turns(recording: Recorder) -> None:
         recording.tick(0.0)
 
 
+@pytest.mark.promise("Recovery")
 def test_a_frozen_disk_holds_up_nobody_while_files_take_turns(
     out: Path, link: Link, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Samples are taken up to the bound of all files together; then it is told, and the end waits no longer."""
+    """A disk that hangs delays no sample, even when a new file is due."""
     go_on = threading.Event()
 
     def frozen(path: Path, mode: str, opener: Callable[[str, int], int]) -> FileIO:
@@ -226,10 +221,11 @@ def test_a_frozen_disk_holds_up_nobody_while_files_take_turns(
     assert len(recording.paths) == len(set(recording.paths)) > 2
 
 
+@pytest.mark.promise("Memory and the end")
 def test_raw_bytes_that_nobody_understands_go_to_the_disk_whatever_the_calendar_says(
     out: Path, link: Link, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A clock that is set back must not keep them in memory."""
+    """Raw bytes that cannot be decoded reach the disk within 2 s."""
     now = [100.0]
     recording = Recorder(RecordOptions(out, keeps_raw=True), link, lambda: now[0])
     monkeypatch.setattr(time, "time", lambda: 1.6e9)
@@ -243,7 +239,6 @@ def test_raw_bytes_that_nobody_understands_go_to_the_disk_whatever_the_calendar_
 
 
 def test_the_config_of_a_file_is_the_one_in_force(out: Path, link: Link) -> None:
-    """Of the file in which it changed, and of those that follow."""
     recording = Recorder(RecordOptions(out, rotate_bytes=1, about={"config": {"text": "old"}}), link)
     for number in range(4):
         recording.take(samples(10 * number, 10))

@@ -35,7 +35,7 @@ def test_equal_coordinates_are_stated_once() -> None:
         chart_of(ChartSeries(X, X, "plain"), ChartSeries(X, 2.0 * X, "tuned"), ChartSeries(X, 3.0 * X, "two")).json()
     )
     assert len(chart["arrays"]) == 4
-    assert [one["x"] for one in chart["parts"][0]["series"]] == [0, 0, 0]
+    assert [sery["x"] for sery in chart["parts"][0]["series"]] == [0, 0, 0]
 
 
 def test_numbers_have_the_digits_that_a_scale_can_show() -> None:
@@ -48,7 +48,6 @@ def test_numbers_have_the_digits_that_a_scale_can_show() -> None:
 
 
 def test_a_line_across_the_chart_ends_at_its_edges() -> None:
-    """Infinite corners are null."""
     level, upright = series_of(drawn(chart_of(line(y=1.0, color="quiet"), line(x=5.0, color="ink", dash="dotted"))))
     assert (level["x"], level["xEnd"], level["y"], level["yEnd"]) == ([None], [None], [1], [1])
     assert (upright["x"], upright["xEnd"], upright["y"], upright["yEnd"]) == ([5], [5], [None], [None])
@@ -56,7 +55,6 @@ def test_a_line_across_the_chart_ends_at_its_edges() -> None:
 
 
 def test_a_scale_holds_all_finite_values() -> None:
-    """With a margin, and at least as wide as is asked for; without a value it has a width too."""
     assert scale_of("", [np.array([0.0, nan, 10.0]), np.array([inf])]) == AxisScale("", -0.5, 10.5)
     wide = scale_of("", [np.array([1.0, 1.1])], 2.0)
     assert (wide.low, wide.high) == pytest.approx((0.05, 2.05))
@@ -67,20 +65,17 @@ def test_a_scale_holds_all_finite_values() -> None:
 
 
 def test_a_scale_of_factors_is_at_least_so_long() -> None:
-    """From the middle; values that are not positive are left out."""
     scale = log_scale("", [np.array([0.0, -1.0, 1.0, nan])], 100.0)
     assert (scale.low, scale.high) == pytest.approx((0.1, 10.0))
     assert log_scale("", [np.zeros(3)], 10.0).low > 0.0
 
 
 def test_a_scale_of_errors_has_its_linear_part() -> None:
-    """Also of errors below a degree, or of none."""
     assert error_scale("", [np.array([0.1, nan])]) == AxisScale("", -1.3, 1.3, ScaleKind.SYMLOG)
     assert error_scale("", [np.array([-100.0])]).low == -130.0
 
 
 def test_thinning_a_curve_keeps_its_peaks_and_ends() -> None:
-    """Of a hundred thousand points one is high, and one low; a hole stays a hole."""
     x, y = np.arange(100_000.0), np.zeros(100_000)
     y[[12_345, 99_999]] = 7.0, -5.0
     y[50_000:60_000] = nan

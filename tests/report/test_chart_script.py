@@ -142,11 +142,11 @@ def written() -> str:
     x = AxisScale("minutes", 0.0, 10.0)
     chart = Chart("Two curves", x, [Part(AxisScale("error, deg", 0.0, 100.0), curves)], 210)
     shapes = [ChartSeries(MINUTES, MINUTES, "plain", shape, MINUTES + 0.05, 2.0 * MINUTES) for shape in Shape]
-    other = Chart("Every shape", x, [Part(AxisScale("deg", -300.0, 0.5, ScaleKind.SYMLOG), shapes)])
+    second = Chart("Every shape", x, [Part(AxisScale("deg", -300.0, 0.5, ScaleKind.SYMLOG), shapes)])
     source = """{% call blocks.figure(blocks.panels([(name, chart)])) %}Two. {{ blocks.legend(marks) }}{% endcall %}
         {% call blocks.figure(blocks.chart(other), "compact") %}<b>Alone.</b> {{ blocks.legend(dots) }}{% endcall %}"""
     dots = [Mark("", "plain", "dot", "some dots")]
-    section = shown(source, name=bold("Yaw error"), chart=chart, other=other, marks=MARKS, dots=dots)
+    section = shown(source, name=bold("Yaw error"), chart=chart, other=second, marks=MARKS, dots=dots)
     return page("A session", [shown("<h1>h</h1>"), section])
 
 
@@ -164,8 +164,7 @@ def run(folder: Path, script: str) -> dict[str, Any]:
 
 
 @pytest.fixture(scope="module")
-def said(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """What a browser shows after each step, all in one run."""
+def statement(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     return run(tmp_path_factory.mktemp("page"), STEPS)
 
 
@@ -184,49 +183,48 @@ def test_without_the_script_the_page_reads_the_same() -> None:
     assert [len(chart["parts"][0]["series"]) for chart in charts(html)] == [3, 5]
 
 
-def test_a_name_switches_its_curve_and_the_scale_follows(said: dict[str, Any]) -> None:
-    """Without the large one the small one fills the panel; with both it is as it was drawn."""
-    assert said["drawn"] == said["again"]
-    assert said["pressed"] == ["true", "true"]
-    assert (said["drawn"]["curves"], said["drawn"]["y"]) == (["small", "large"], ["0", "20", "40", "60", "80", "100"])
-    assert (said["without"]["curves"], said["off"]) == (["small"], "false")
-    assert {"0", "0.2", "0.4", "0.6", "0.8", "1"} <= set(said["without"]["y"])
-    assert said["without"]["small"] > 50.0 * said["drawn"]["small"]
+def test_a_name_switches_its_curve_and_the_scale_follows(statement: dict[str, Any]) -> None:
+    assert statement["drawn"] == statement["again"]
+    assert statement["pressed"] == ["true", "true"]
+    assert (statement["drawn"]["curves"], statement["drawn"]["y"]) == (
+        ["small", "large"],
+        ["0", "20", "40", "60", "80", "100"],
+    )
+    assert (statement["without"]["curves"], statement["off"]) == (["small"], "false")
+    assert {"0", "0.2", "0.4", "0.6", "0.8", "1"} <= set(statement["without"]["y"])
+    assert statement["without"]["small"] > 50.0 * statement["drawn"]["small"]
 
 
-def test_one_curve_alone_none_and_all(said: dict[str, Any]) -> None:
-    """By Shift, and by the buttons."""
-    assert [said[step] for step in ("alone", "none", "all")] == [["small"], [], ["small", "large"]]
+def test_one_curve_alone_none_and_all(statement: dict[str, Any]) -> None:
+    assert [statement[step] for step in ("alone", "none", "all")] == [["small"], [], ["small", "large"]]
 
 
-def test_dragging_zooms_into_a_time_and_a_double_click_leaves_it(said: dict[str, Any]) -> None:
+def test_dragging_zooms_into_a_time_and_a_double_click_leaves_it(statement: dict[str, Any]) -> None:
     """Marks are those of the stretch, on both scales; the curve is drawn anew, and then again as it was."""
-    zoomed = said["zoomed"]
+    zoomed = statement["zoomed"]
     assert {"4.5", "5", "5.5"} <= set(zoomed["x"])
     assert all(3.9 <= float(tick) <= 6.1 for tick in zoomed["x"])
     assert {"0", "20", "40", "60"} <= set(zoomed["y"])
     assert "80" not in zoomed["y"]
-    assert zoomed["line"] != said["drawn"]["line"]
-    assert zoomed["level"] < said["drawn"]["level"] - 20.0, "the line at 50 rises, since the panel ends at 60 now"
-    assert said["out"] == said["drawn"]
+    assert zoomed["line"] != statement["drawn"]["line"]
+    assert zoomed["level"] < statement["drawn"]["level"] - 20.0, "the line at 50 rises, since the panel ends at 60 now"
+    assert statement["out"] == statement["drawn"]
 
 
-def test_keys_zoom_too(said: dict[str, Any]) -> None:
+def test_keys_zoom_too(statement: dict[str, Any]) -> None:
     """Plus into the middle, an arrow along, Escape out."""
-    ends = [(said[step][0], said[step][-1]) for step in ("nearer", "along", "escaped")]
+    ends = [(statement[step][0], statement[step][-1]) for step in ("nearer", "along", "escaped")]
     assert ends == [("3", "7"), ("4", "8"), ("0", "10")]
 
 
-def test_values_are_shown_under_the_pointer(said: dict[str, Any]) -> None:
-    """Of each curve that has a name, at the time that is pointed at."""
-    time, small, large = said["values"]
+def test_values_are_shown_under_the_pointer(statement: dict[str, Any]) -> None:
+    time, small, large = statement["values"]
     assert time.startswith("minutes: 5")
     assert (small, large) == ("small 0.5", "large 50")
 
 
-def test_a_panel_grows_to_the_width_of_the_figure(said: dict[str, Any]) -> None:
-    """By its button."""
-    assert said["wider"] > 2.0
+def test_a_panel_grows_to_the_width_of_the_figure(statement: dict[str, Any]) -> None:
+    assert statement["wider"] > 2.0
 
 
 def test_every_chart_has_a_menu_that_a_click_elsewhere_closes(result: dict[str, Any]) -> None:
@@ -235,9 +233,8 @@ def test_every_chart_has_a_menu_that_a_click_elsewhere_closes(result: dict[str, 
 
 
 def test_a_saved_chart_has_its_name_its_legend_and_colors_of_paper(result: dict[str, Any]) -> None:
-    """Also while the screen is dark; no color refers to the page."""
     assert result["name"] == "a-session-yaw-error.svg"
-    texts = ["".join(one.itertext()) for one in ET.fromstring(result["svg"]).iter("{http://www.w3.org/2000/svg}text")]
+    texts = ["".join(item.itertext()) for item in ET.fromstring(result["svg"]).iter("{http://www.w3.org/2000/svg}text")]
     assert (texts[0], texts[-2:]) == ("Yaw error", ["small one", "large one"])
     assert {"error, deg", "minutes"} <= set(texts)
     assert "var(--" not in result["svg"]
@@ -245,19 +242,18 @@ def test_a_saved_chart_has_its_name_its_legend_and_colors_of_paper(result: dict[
 
 
 def test_a_curve_that_is_switched_off_is_not_copied(result: dict[str, Any]) -> None:
-    """Neither its line nor its entry of the legend."""
     root = ET.fromstring(result["without"])
-    assert [one.get("data-curve") for one in root.iter() if one.get("data-curve")] == ["small"]
+    assert [item.get("data-curve") for item in root.iter() if item.get("data-curve")] == ["small"]
     assert "large one" not in result["without"]
 
 
+@pytest.mark.promise("Analyses and reports")
 def test_a_chart_is_a_picture_too(result: dict[str, Any]) -> None:
-    """White paper, wide enough for print."""
+    """Every chart of a page can be copied or saved as SVG or PNG, also from a local file."""
     assert result["png"] == ["image/png", 1600, "a-session-alone.png"]
     assert result["corner"] == [255, 255, 255, 255]
     assert result["copied"] == "image/png"
 
 
 def test_paper_gets_lines_and_not_pixels(result: dict[str, Any]) -> None:
-    """Each chart is an SVG while the page is printed."""
     assert (result["printed"], result["left"]) == (2, 0)

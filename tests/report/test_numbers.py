@@ -20,7 +20,6 @@ from gyrodrift.report.numbers import degrees, even, factor_label, mean, signific
     ],
 )
 def test_numbers_of_a_column_have_equally_many_decimals(values: list[float], expected: list[str]) -> None:
-    """Three digits at its middle."""
     assert even(values) == expected
 
 
@@ -38,17 +37,14 @@ def test_numbers_of_a_column_have_equally_many_decimals(values: list[float], exp
     ],
 )
 def test_a_number_has_the_digits_that_are_asked_for(value: float, digits: int, expected: str) -> None:
-    """Without an exponent, unless it is very far from 1."""
     assert significant(value, digits) == expected
 
 
 def test_an_angle_has_three_digits() -> None:
-    """And its sign."""
     assert [degrees(value) for value in (56.4321, 0.5, -0.01234, inf)] == ["56.4°", "0.500°", "-0.0123°", "∞°"]
 
 
 def test_the_mean_of_nothing_is_no_number() -> None:
-    """And no warning."""
     assert mean([1.0, 2.0]) == 1.5
     assert isnan(mean([]))
 
@@ -58,5 +54,4 @@ def test_the_mean_of_nothing_is_no_number() -> None:
     [(100.0, "100"), (0.01, "0.01"), (1e6, "10⁶"), (1e-6, "10⁻⁶"), (2e4, "2·10⁴"), (0.0, "0")],
 )
 def test_labels_of_factors_can_be_read(value: float, label: str) -> None:
-    """No noughts to be counted."""
     assert factor_label(value) == label

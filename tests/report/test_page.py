@@ -19,7 +19,6 @@ CHART = Chart(
 
 
 def test_text_is_escaped() -> None:
-    """In a text, in an attribute, and in marked text; quotes too."""
     name = "<a href='x'>&\"\n"
     html = page(
         name, [shown('<p title="{{ name }}">{{ name }}{{ marked }}</p>', name=name, marked=bold(name) + code(name))]
@@ -52,7 +51,7 @@ def test_all_parts_together_are_a_page() -> None:
             numbers, "Numbers", panels=[("left", CHART), ("right", CHART)], marks=[Mark("", "plain", "key", "plain")]
         ),
     ]
-    said = words(page("A & B", body))
+    statement = words(page("A & B", body))
     order = [
         "a & b",
         "It <works>",
@@ -68,16 +67,14 @@ def test_all_parts_together_are_a_page() -> None:
         "left",
     ]
     order += ["right", "Seed", "1", "gyrodrift tune <here>"]
-    assert re.search(".*".join(map(re.escape, order)), said, re.DOTALL)
+    assert re.search(".*".join(map(re.escape, order)), statement, re.DOTALL)
 
 
 def test_what_is_empty_leaves_no_mark() -> None:
-    """No box without warnings, and no command without one."""
     assert str(shown('{{ blocks.warnings("First", []) }}{{ blocks.command("") }}').__html__()).strip() == ""
 
 
 def test_numbers_of_a_table_stand_to_the_right() -> None:
-    """Between the name of a row and the columns of words."""
     table = '{{ blocks.table("Caption", head, [["a", "1", "2", "long"]], ["mean", "1", "2", ""], words=1) }}'
     html = page("T", [shown(table, head=["name", "E", "NE", "meaning"])])
     assert row(html, "a") == ["a", "1", "2", "long"]
@@ -87,13 +84,12 @@ def test_numbers_of_a_table_stand_to_the_right() -> None:
 
 
 def test_chapters_are_listed_from_three_on() -> None:
-    """Each with a link to it; fewer are seen at once."""
     chapters = [shown("x", "The <first>"), shown("y", "Second"), shown("z", "Third")]
     assert "Contents" not in page("T", [HEAD, *chapters[:2]])
     root = parsed(page("T", [HEAD, *chapters]))
     links = {str(link.get("href")).removeprefix("#"): link.text for link in root.iter("a")}
     assert links == {"the-first": "The <first>", "second": "Second", "third": "Third"}
-    assert [one.get("id") for one in root.iter("section")] == list(links)
+    assert [item.get("id") for item in root.iter("section")] == list(links)
 
 
 def test_values_of_a_wide_table_know_their_headings() -> None:
@@ -101,15 +97,15 @@ def test_values_of_a_wide_table_know_their_headings() -> None:
     head = ["name", marked("plain", "E,"), "NE", "PI", "largest"]
     root = parsed(page("T", [shown('{{ blocks.table("", head, [["a", "1", "2", "3", "4"]]) }}', head=head)]))
     assert [cell.get("data-label") for cell in root.iter("td")] == ["E,", "NE", "PI", "largest"]
-    assert [one.get("class") for one in root.iter("div")] == ["table lists"]
+    assert [item.get("class") for item in root.iter("div")] == ["table lists"]
 
 
 def test_a_page_fetches_nothing_and_has_a_script_only_for_charts() -> None:
     """A browser is told so too; uPlot comes with its license."""
     plain = parsed(page("T", [HEAD]))
-    assert [one.get("content") for one in plain.iter("meta") if one.get("http-equiv") == "Content-Security-Policy"] == [
-        "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
-    ]
+    assert [
+        item.get("content") for item in plain.iter("meta") if item.get("http-equiv") == "Content-Security-Policy"
+    ] == ["default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"]
     assert not list(plain.iter("script"))
     uplot, ours = parsed(page("T", [HEAD, shown("{{ blocks.chart(chart) }}", chart=CHART)])).iter("script")
     assert "MIT License" in (uplot.text or "")
@@ -117,19 +113,16 @@ def test_a_page_fetches_nothing_and_has_a_script_only_for_charts() -> None:
 
 
 def test_a_main_value_of_a_tile_is_large() -> None:
-    """The others are not."""
     tile = '{% call blocks.tile("E") %}{{ blocks.row("now", "1°", "main") }}{{ blocks.row("then", "2°") }}{% endcall %}'
-    found = parsed(page("T", [shown(tile)])).iter("dd")
-    assert [value.get("class") for value in found] == ["main", None]
+    result = parsed(page("T", [shown(tile)])).iter("dd")
+    assert [value.get("class") for value in result] == ["main", None]
 
 
 def test_a_section_is_known_by_its_heading() -> None:
-    """Its name in links has letters and digits only."""
     assert Section("x.html", {}, "Yaw & its error: over time").anchor == "yaw-its-error-over-time"
 
 
 def test_folded_details_are_printed_in_full(tmp_path: Path) -> None:
-    """On a screen a click unfolds them; paper has no clicks."""
     tall = '<svg width="99" height="2500"><rect width="99" height="2500"/></svg>'
     folded = shown(f'{{% call blocks.folded("Details") %}}{tall}{{% endcall %}}')
     (tmp_path / "page.html").write_text(page("T", [HEAD, folded]))

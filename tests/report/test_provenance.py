@@ -16,16 +16,15 @@ def test_it_tells_everything_that_is_known() -> None:
     files = (UsedFile("walk & talk", "ab" * 32, "training"), UsedFile("check", "cd" * 32, "test"))
     made = Provenance("sim", "gyrodrift tune <sim>", "2026-01-02 03:04:05 UTC", files, "found here", "hdr:\n  c1: 1")
     html = page("T", [shown("<h1>h</h1>"), provenance(made)])
-    told = words(html)
+    report = words(html)
     for part in ("2026-01-02 03:04:05 UTC", f"gyrodrift {__version__}", "sim (2 sessions)", "gyrodrift tune <sim>"):
-        assert part in told
-    assert "found here" in told
-    assert "hdr: c1: 1" in told
+        assert part in report
+    assert "found here" in report
+    assert "hdr: c1: 1" in report
     assert row(html, "walk & talk") == ["walk & talk", "training", "ab" * 32]
 
 
 def test_what_is_not_known_is_not_told() -> None:
-    """No empty names, no empty columns."""
     html = page("T", [shown("<h1>h</h1>"), provenance(Provenance(sessions=(UsedFile("one"),)))])
     assert row(html, "one") == ["one"]
     for name in ("Date", "Config", "Command", "SHA-256", "used for"):
@@ -47,7 +46,6 @@ def test_what_is_not_known_is_not_told() -> None:
 def test_a_set_has_the_name_of_its_folders(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, paths: list[str], name: str
 ) -> None:
-    """Or of its files, where they are few."""
     home = tmp_path / "home"
     for folder in ("real", "sim", *"12345"):
         (home / folder).mkdir(parents=True)
@@ -56,5 +54,4 @@ def test_a_set_has_the_name_of_its_folders(
 
 
 def test_the_date_is_one() -> None:
-    """With its zone."""
     assert re.fullmatch(r"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d UTC", date_now())

@@ -14,15 +14,20 @@ CASES: dict[str, Callable[[], OverloadResult]] = {
 }
 
 
+@pytest.mark.promise("Samples")
 @pytest.mark.parametrize("case", CASES)
 def test_what_is_lost_is_counted_and_the_service_goes_on(case: str) -> None:
-    """To the sample, from the device's side and from the service's."""
+    """Every lost native sample is counted, at twice the possible rate and while the service is stopped."""
     result = CASES[case]()
     assert result.broken == [], result.text()
 
 
+@pytest.mark.promise(
+    "Memory and the end",
+    "memory, descriptors and threads stay constant through reloads, unplugged cables and changing "
+    "clients; yaw equals that of the filter alone",
+)
 def test_a_short_soak_leaves_no_sample_out_and_nothing_behind(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With reloads, a pulled cable and clients; yaw is that of the filter alone."""
     often = {"RELOAD_EVERY_S": 4, "UNPLUG_EVERY_S": 9, "CLIENT_EVERY_S": 2, "LOOK_EVERY_S": 3, "WARM_S": 9}
     for name, seconds in often.items():
         monkeypatch.setattr(soak_module, name, seconds)

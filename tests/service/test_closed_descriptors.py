@@ -32,12 +32,13 @@ def recorded(folder: Path) -> bytes:
     return b"".join(path.read_bytes() for path in folder.glob("*.mcap"))
 
 
+@pytest.mark.promise("Configs and commands")
 @pytest.mark.parametrize("closed", CLOSED, ids=str)
 @pytest.mark.parametrize("command", [["serve", "--record"], ["record", "--out"]], ids=lambda words: words[0])
 def test_it_runs_as_if_they_were_the_null_device(
     port: Path, tmp_path: Path, command: list[str], closed: list[int]
 ) -> None:
-    """The recording holds what the device said and nothing else; not a byte is sent to the device."""
+    """With stdin, stdout or stderr closed, a command runs as with the null device."""
     folder = tmp_path / "sessions"
     with speaking_on(port) as device:
         process = started([*command, str(folder), "--port", str(port), "--protocol", "csv"], closed)

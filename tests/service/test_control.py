@@ -33,7 +33,6 @@ class Controlled:
         return lines
 
     def asked(self, line: str | bytes) -> dict[str, Any]:
-        """What the socket answers."""
         with socket.socket(socket.AF_UNIX) as connection:
             connection.connect(str(self.path))
             connection.sendall(line.encode() + b"\n" if isinstance(line, str) else line)
@@ -68,7 +67,6 @@ def test_zero_and_heading_are_about_what_is_sent(service: Controlled) -> None:
 
 
 def test_rate_thins_the_lines_on_stdout(service: Controlled) -> None:
-    """And 0 brings every sample back."""
     service.feed(50)
     assert service.asked("rate 10") == {"ok": True, "rate_hz": 10.0}
     service.device.send_all(csv_at_100_hz(100, first=50), never)
@@ -77,7 +75,6 @@ def test_rate_thins_the_lines_on_stdout(service: Controlled) -> None:
 
 
 def test_status_tells_everything(service: Controlled) -> None:
-    """As the outputs are told it."""
     service.feed(200)
     with connected(address_of(service.serve, "tcp")) as client:
         client.until("HELLO")
@@ -98,7 +95,6 @@ def clients(service: Controlled) -> int:
 
 
 def test_reload_reads_the_config_again(service: Controlled) -> None:
-    """And says what changed, or what is wrong with it."""
     service.feed(50)  # without a sample the service ends after 10 s, and reading a config may take longer
     assert service.asked("reload") == {"ok": True, "changes": []}
     service.config.write_text("hdr: 5\n")
@@ -108,14 +104,13 @@ def test_reload_reads_the_config_again(service: Controlled) -> None:
 
 
 def test_stop_ends_the_service(service: Controlled) -> None:
-    """As a signal does; the socket is gone then."""
     assert service.path.stat().st_mode & 0o777 == 0o600
     assert ctl(service.path, "stop") == (0, {"ok": True}, "")
     assert service.serve.end() == 0
     assert not service.path.exists()
-    status, _, said = ctl(service.path, "status")
+    status, _, statement = ctl(service.path, "status")
     assert status == 2
-    assert said == f"gyrodrift: {service.path}: there is no such socket; is serve running with --control?\n"
+    assert statement == f"gyrodrift: {service.path}: there is no such socket; is serve running with --control?\n"
 
 
 MISTAKES = {
@@ -133,9 +128,8 @@ MISTAKES = {
 
 
 def test_a_mistake_is_answered_and_the_stream_goes_on(service: Controlled) -> None:
-    """With what was expected."""
-    for said, error in MISTAKES.items():
-        answer = service.asked(said)
+    for statement, error in MISTAKES.items():
+        answer = service.asked(statement)
         assert answer["ok"] is False
         assert error in answer["error"]
     status, answer, said_to_person = ctl(service.path, "rest", "1")
@@ -145,21 +139,21 @@ def test_a_mistake_is_answered_and_the_stream_goes_on(service: Controlled) -> No
 
 
 def test_a_crowd_at_the_socket_is_turned_away(service: Controlled, port: Path) -> None:
-    """And those who wait inside cost nothing."""
     with ExitStack() as stack:
         crowd = [stack.enter_context(socket.socket(socket.AF_UNIX)) for _ in range(50)]
-        for each in crowd:
-            each.connect(str(service.path))
-        for each in crowd[8:]:
-            assert Reader(each).json() == {"ok": False, "error": "there are 8 clients already"}
+        for item in crowd:
+            item.connect(str(service.path))
+        for item in crowd[8:]:
+            assert Reader(item).json() == {"ok": False, "error": "there are 8 clients already"}
         assert len(service.feed(100)) == 100
     with Command("serve", "--port", port.resolve(), "--control", service.path) as second:
         assert second.end() != 0
     assert service.path.exists()
 
 
+@pytest.mark.promise("Samples")
 def test_zero_restarts_sigma_and_aligns_the_encoder(service: Controlled) -> None:
-    """What is sent after a zero counts from it: yaw, its sigma, the scale share, and the encoder on the page."""
+    """`ctl zero` restarts the sigma of yaw, and aligns the encoder."""
     service.config.write_text("filter: restlevel\n")
     assert service.asked("reload")["ok"]
     before = service.feed(300)[-1]
@@ -172,11 +166,12 @@ def test_zero_restarts_sigma_and_aligns_the_encoder(service: Controlled) -> None
     assert after["yaw_deg"] < 0.2
 
 
-@pytest.mark.parametrize(("word", "said"), [("1\nstop", "has a line break"), ("\udcff", "expected heading DEG")])
-def test_an_argument_is_no_second_command(service: Controlled, word: str, said: str) -> None:
-    """A script may pass what somebody typed; the service goes on."""
+@pytest.mark.promise("Memory and the end")
+@pytest.mark.parametrize(("word", "output_text"), [("1\nstop", "has a line break"), ("\udcff", "expected heading DEG")])
+def test_an_argument_is_no_second_command(service: Controlled, word: str, output_text: str) -> None:
+    """An argument of `ctl` with a line break is refused, and is no second command."""
     status, _, log = ctl(service.path, "heading", word)
     assert status == 2
-    assert said in log
+    assert output_text in log
     assert "Traceback" not in log
     assert service.feed(50)[-1]["seq"] == 49

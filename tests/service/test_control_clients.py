@@ -73,15 +73,16 @@ def served(tmp_path: Path) -> Iterator[Served]:
 
 
 def answers(client: socket.socket) -> list[dict[str, Any]]:
-    said = b""
+    statement = b""
     with suppress(BlockingIOError, ConnectionResetError):
         while chunk := client.recv(1 << 20):
-            said += chunk
-    return [json.loads(line) for line in said.splitlines()]
+            statement += chunk
+    return [json.loads(line) for line in statement.splitlines()]
 
 
+@pytest.mark.promise("Memory and the end")
 def test_a_ninth_client_that_leaves_at_once_is_no_matter(served: Served) -> None:
-    """Nor is one that leaves before it was taken in, whatever it has sent."""
+    """A ninth control client that leaves at once has no effect."""
     for _ in range(8):
         served.client()
     served.turns(8)
@@ -89,10 +90,10 @@ def test_a_ninth_client_that_leaves_at_once_is_no_matter(served: Served) -> None
     first = served.client()
     served.turns()
     assert answers(first) == refused
-    for said in (b"", b"status\n", b"status\n" * 2000):
+    for statement in (b"", b"status\n", b"status\n" * 2000):
         for _ in range(5):
             with served.client() as gone, suppress(BlockingIOError):
-                gone.sendall(said)
+                gone.sendall(statement)
             served.turns()
     ninth = served.client()
     served.turns()
@@ -109,28 +110,25 @@ def test_a_client_that_leaves_in_the_middle_of_an_answer_is_forgotten(served: Se
 
 
 def test_a_client_that_has_ended_its_side_gets_every_answer(served: Served) -> None:
-    """As `nc -N` does it; then the connection is closed."""
     client = served.client()
     client.sendall(b"status\n" * 3)
     client.shutdown(socket.SHUT_WR)
     served.turns(10)
-    assert [each["samples"] for each in answers(client)] == [1, 2, 3]
+    assert [answer["samples"] for answer in answers(client)] == [1, 2, 3]
     assert client.recv(1) == b""
 
 
 def test_a_client_that_never_reads_is_asked_nothing_more(served: Served) -> None:
-    """It has one answer at most that waits; who reads is served meanwhile."""
-    deaf, other = served.client(), served.client()
+    deaf, second = served.client(), served.client()
     deaf.sendall(b"long\nstatus\nstatus\n")
     served.turns(5)
-    other.sendall(b"status\n")
+    second.sendall(b"status\n")
     served.turns(3)
-    assert [each["samples"] for each in answers(other)] == [1]
+    assert [answer["samples"] for answer in answers(second)] == [1]
     assert len(served.run) == 1
 
 
 def test_megabytes_without_an_end_of_line_are_refused(served: Served) -> None:
-    """After the first few."""
     client = served.client()
     with suppress(BlockingIOError):
         while True:
@@ -150,13 +148,14 @@ def test_a_client_that_says_nothing_gives_way_when_all_places_are_taken(served: 
     newcomer = served.client()
     newcomer.sendall(b"status\n")
     served.turns(3)
-    assert [each["ok"] for each in answers(newcomer)] == [True]
+    assert [answer["ok"] for answer in answers(newcomer)] == [True]
     assert silent[1].recv(1) == b""
-    assert [each["ok"] for each in answers(silent[0])] == [True]
+    assert [answer["ok"] for answer in answers(silent[0])] == [True]
 
 
+@pytest.mark.promise("Memory and the end")
 def test_a_command_that_fails_in_a_way_nobody_foresaw_is_answered(served: Served) -> None:
-    """And told in the log; the service goes on."""
+    """A command that fails unexpectedly is answered."""
     client = served.client()
     client.sendall(b"fail\nstatus\n")
     with structlog.testing.capture_logs() as logged:
@@ -164,12 +163,13 @@ def test_a_command_that_fails_in_a_way_nobody_foresaw_is_answered(served: Served
     failed, status = answers(client)
     assert failed == {"ok": False, "error": "fail failed: OSError: [Errno 5] Input/output error"}
     assert status == {"ok": True, "samples": 1}
-    assert [each["event"] for each in logged] == ["control_failed"]
+    assert [item["event"] for item in logged] == ["control_failed"]
 
 
+@pytest.mark.promise("Samples")
 @pytest.mark.parametrize("took_s", [0.0, 0.001, 0.02])
 def test_a_flood_of_commands_gets_a_tenth_of_the_time(served: Served, took_s: float) -> None:
-    """Of eight clients that ask as fast as they can; each has its turn."""
+    """A flood of control commands gets at most a tenth of the loop's time."""
     served.took_s = took_s
     clients = [served.client() for _ in range(8)]
     served.turns(8)
@@ -224,8 +224,9 @@ os.kill(os.getpid(), signal.SIGSTOP)
 """
 
 
+@pytest.mark.promise("Memory and the end")
 def test_the_service_goes_on_beside_every_kind_of_client(port: Path, tmp_path: Path) -> None:
-    """Eight that are stopped in the middle of their answers, and a storm of others that come and leave."""
+    """No control client ends the service: it leaves, does not read, sends too much, or is stopped."""
     path = tmp_path / "control"
     with serving(port, "--control", path) as (serve, device):
         serve.until(lambda _: path.exists(), "socket")
@@ -252,8 +253,9 @@ def _come_and_leave(path: Path, number: int) -> None:
                 client.shutdown(socket.SHUT_WR)
 
 
+@pytest.mark.promise("Memory and the end")
 def test_a_broken_pipe_of_the_service_itself_is_a_failure(tmp_path: Path) -> None:
-    """Only that of stdout is a reader who has enough."""
+    """An unexpected end has a status other than 0; only a broken pipe of stdout is normal."""
     broken = "import sys\nfrom gyrodrift.cli import main, serve\n"
     broken += "def run(_):\n    raise BrokenPipeError(32, 'Broken pipe')\n"
     broken += "serve.run = run\nsys.exit(main(['serve', '--port', 'nowhere']))\n"
@@ -261,8 +263,9 @@ def test_a_broken_pipe_of_the_service_itself_is_a_failure(tmp_path: Path) -> Non
     assert (ended.returncode, ended.stderr) == (2, "gyrodrift: output: Broken pipe\n")
 
 
+@pytest.mark.promise("Memory and the end")
 def test_a_recording_that_fails_says_so_though_nobody_reads_its_paths(port: Path, tmp_path: Path) -> None:
-    """The exit status is that of the recording."""
+    """A failed recording has a status other than 0, even if nobody reads its paths."""
     with Command("record", "--port", port, "--out", tmp_path, "--timeout", "0.2") as record:
         record.close_stdout()
         assert record.end() != 0

@@ -26,7 +26,6 @@ OWN_FIELDS = {"device_yaw_deg", "device_yaw_sigma_deg", "device_bias_dps"}
 
 @pytest.mark.parametrize(("own_yaw", "axes"), [("restlevel", "1"), ("hdr", "1"), ("attitude", "3")])
 def test_lines_and_recording_have_the_yaw_of_the_device(tmp_path: Path, own_yaw: str, axes: str) -> None:
-    """It is that of the same filter on the host; HDR has no sigma."""
     link, folder = tmp_path / "gyro", tmp_path / "sessions"
     words = ("--own-yaw", own_yaw, "--axes", axes, "--duration", "12", "--speed", "max", "--wait")
     options = ("--filter", "hdr" if own_yaw == "hdr" else "restlevel", "--record", folder)
@@ -92,7 +91,6 @@ def test_lines_without_a_result_have_no_fields_of_the_device(port: Path) -> None
 
 
 def test_yaws_that_belong_to_no_sample_are_counted_in_the_log(port: Path) -> None:
-    """They cost no sample."""
     lone = yaw_frame(9, 9, 1.0, 0.1, 0.0)
     with serving(port) as (serve, device):
         device.send_all(lone + frames(60) + lone + hello_frame(Base()), never)
@@ -114,7 +112,6 @@ def test_a_terminal_shows_both_yaws_and_their_difference(port: Path) -> None:
 
 
 def test_a_line_has_the_fields_of_the_device_at_its_end() -> None:
-    """Without a sigma where there is none; other lines stay what they were."""
     sample = corrected(1).sample
     own = corrected(1)._replace(sample=sample._replace(device_yaw=OWN_YAW))
     assert json_line(own) == json_line(corrected(1)).replace(
@@ -126,7 +123,6 @@ def test_a_line_has_the_fields_of_the_device_at_its_end() -> None:
 
 
 def test_the_difference_is_0_where_the_two_were_aligned() -> None:
-    """It stays between results, counts no whole turns, and begins again at a zero."""
     reference = DeviceReference()
     assert isnan(reference.take(None, 1.0))
     assert reference.take(DeviceYaw(100.0, nan, 0.0), 3.0) == 0.0
@@ -145,7 +141,6 @@ def test_a_board_upside_down_has_its_yaw_inverted() -> None:
 
 
 def test_ctl_status_and_top_have_both_yaws(port: Path, tmp_path: Path) -> None:
-    """And the name of the filter; `top` prints its values once without a terminal."""
     control = tmp_path / "control"
     with serving(port, "--control", control) as (serve, device):
         device.send_all(frames(21), never)
@@ -174,7 +169,6 @@ def test_mqtt_has_the_fields_where_the_device_sends_them() -> None:
 
 @pytest.mark.parametrize("fault", ["bit_flips", "dropped_bytes", "duplicated_bytes", "merged_frames"])
 def test_a_bad_link_mixes_no_yaws_and_costs_no_other_sample(tmp_path: Path, fault: str) -> None:
-    """Each yaw that arrives is that of its own sample, as the device computed it."""
     link, rig = tmp_path / "gyro", rig_with_own_yaw(load_rig(None), "restlevel")
     sound = Simulation(rig, load_motion("turntable"), 0, minutes=0.4).whole()
     words = ("--own-yaw", "restlevel", "--duration", "20", "--speed", "max", "--wait", "--fault", fault)

@@ -47,7 +47,6 @@ def served(
 
 
 def story_of(serve: Command) -> Account:
-    """What the service has said when it was stopped."""
     assert serve.stop() == 0
     assert "Traceback" not in serve.log
     events = [json.loads(line) for line in serve.log.splitlines()]
@@ -73,34 +72,33 @@ def assert_smooth(lines: list[dict[str, Any]], step_s: float = 0.2) -> None:
 @pytest.mark.parametrize("fault", ["bit_flips", "dropped_bytes", "duplicated_bytes"])
 def test_damaged_bytes_are_counted_and_yaw_does_not_jump(link: Path, fault: str) -> None:
     """The samples around the damage are used, and no other value is."""
-    told = story(link, f"{fault}:per_kilobyte=3", seconds=15)
-    assert told.stats["damaged"] > 10
-    assert told.stats["missing"] > 10
-    assert told.stats["rejected"] == 0
-    assert told.stats["samples"] + told.stats["missing"] == near(1500, 1)
-    assert_smooth(told.lines)
+    report = story(link, f"{fault}:per_kilobyte=3", seconds=15)
+    assert report.stats["damaged"] > 10
+    assert report.stats["missing"] > 10
+    assert report.stats["rejected"] == 0
+    assert report.stats["samples"] + report.stats["missing"] == near(1500, 1)
+    assert_smooth(report.lines)
 
 
 @pytest.mark.parametrize("protocol", ["native", "csv", "witmotion"])
 def test_broken_frames_end_nothing(link: Path, protocol: str) -> None:
     """Merged and truncated frames and runs of zeros are counted."""
-    told = story(
+    report = story(
         link, "merged_frames", "truncated_frames", "zeros", seconds=15, speed=PACE[protocol], protocol=protocol
     )
-    assert told.stats["damaged"] > 10
-    assert 1000 < told.stats["samples"] < 1500
-    assert all(b["t_s"] > a["t_s"] for a, b in pairwise(told.lines))
+    assert report.stats["damaged"] > 10
+    assert 1000 < report.stats["samples"] < 1500
+    assert all(b["t_s"] > a["t_s"] for a, b in pairwise(report.lines))
 
 
 @pytest.mark.parametrize("speed", ["5", "max"])
 @pytest.mark.parametrize("protocol", ["native", "csv"])
 def test_a_reset_is_told_and_yaw_and_time_go_on(link: Path, protocol: str, speed: str) -> None:
-    """One step of one period, and the drift estimate stays."""
-    told = story(link, "reset:from_s=5,silent_s=1", seconds=9, speed=speed, protocol=protocol)
-    assert (told.stats["device_resets"], told.stats["gaps"], told.stats["samples"]) == (1, 0, 800)
-    (reset,) = told.named("device_reset")
+    report = story(link, "reset:from_s=5,silent_s=1", seconds=9, speed=speed, protocol=protocol)
+    assert (report.stats["device_resets"], report.stats["gaps"], report.stats["samples"]) == (1, 0, 800)
+    (reset,) = report.named("device_reset")
     assert reset["clock_step_s"] == near(-4.99, 0.02)
-    assert_smooth(told.lines, 1.5 * PERIOD_S)
+    assert_smooth(report.lines, 1.5 * PERIOD_S)
 
 
 @pytest.mark.parametrize("speed", ["5", "max"])
@@ -108,18 +106,17 @@ def test_a_reset_is_told_and_yaw_and_time_go_on(link: Path, protocol: str, speed
 def test_a_device_that_was_pulled_comes_back_with_yaw_and_drift_estimate(
     link: Path, power_lost: int, speed: str
 ) -> None:
-    """Under the same name, whether it has booted meanwhile or went on measuring."""
-    told = story(link, f"unplug:from_s=4,seconds=1.5,power_lost={power_lost}", seconds=9, speed=speed)
-    assert told.stats["reconnects"] == 1
-    assert told.stats["device_resets"] == power_lost, told.events
-    assert [entry["event"] for entry in told.events if entry["event"].startswith("link_")][:3] == [
+    report = story(link, f"unplug:from_s=4,seconds=1.5,power_lost={power_lost}", seconds=9, speed=speed)
+    assert report.stats["reconnects"] == 1
+    assert report.stats["device_resets"] == power_lost, report.events
+    assert [entry["event"] for entry in report.events if entry["event"].startswith("link_")][:3] == [
         "link_open",
         "link_lost",
         "link_restored",
     ]
-    assert_smooth(told.lines, PATIENCE_S)
-    assert all(b["bias_dps"] == near(a["bias_dps"], 0.01) for a, b in pairwise(told.lines))
-    longest_s = max(b["t_s"] - a["t_s"] for a, b in pairwise(told.lines))
+    assert_smooth(report.lines, PATIENCE_S)
+    assert all(b["bias_dps"] == near(a["bias_dps"], 0.01) for a, b in pairwise(report.lines))
+    longest_s = max(b["t_s"] - a["t_s"] for a, b in pairwise(report.lines))
     assert (longest_s < 1.5 * PERIOD_S) if power_lost else (longest_s > 1.5)
 
 
@@ -130,78 +127,74 @@ def test_under_another_name_it_is_waited_for(link: Path) -> None:
         serve.until_log('"link_lost"')
         serve.until(lambda _: link.with_name("gyro-1").is_symlink(), "second name")
         assert not link.is_symlink()
-        told = story_of(serve)
-    assert told.stats["reconnects"] == 0
+        report = story_of(serve)
+    assert report.stats["reconnects"] == 0
 
 
 @pytest.mark.parametrize("protocol", ["native", "csv"])
 def test_a_stall_is_no_gap(link: Path, protocol: str) -> None:
     """Late is not lost: every sample is there with its own time."""
-    told = story(link, "stall:seconds=2,every_s=4,to_s=8", seconds=9, speed="5", protocol=protocol)
-    assert (told.stats["gaps"], told.stats["device_resets"], told.stats["damaged"]) == (0, 0, 0)
-    assert [line["seq"] for line in told.lines] == list(range(900))
-    assert_smooth(told.lines, 1.5 * PERIOD_S)
+    report = story(link, "stall:seconds=2,every_s=4,to_s=8", seconds=9, speed="5", protocol=protocol)
+    assert (report.stats["gaps"], report.stats["device_resets"], report.stats["damaged"]) == (0, 0, 0)
+    assert [line["seq"] for line in report.lines] == list(range(900))
+    assert_smooth(report.lines, 1.5 * PERIOD_S)
 
 
 @pytest.mark.parametrize("step_s", [30, -30])
 def test_a_clock_that_steps_begins_anew(link: Path, step_s: int) -> None:
-    """In real time the host clock is a cross-check: time goes on by one period, and yaw with it."""
-    told = story(link, f"clock_step:from_s=1.5,step_s={step_s}", seconds=2, speed="1")
-    (reset,) = told.named("device_reset")
+    report = story(link, f"clock_step:from_s=1.5,step_s={step_s}", seconds=2, speed="1")
+    (reset,) = report.named("device_reset")
     assert reset["clock_step_s"] == near(step_s, 0.05)
-    assert told.stats["samples"] == near(200, 1)
-    assert_smooth(told.lines, 1.5 * PERIOD_S)
+    assert report.stats["samples"] == near(200, 1)
+    assert_smooth(report.lines, 1.5 * PERIOD_S)
 
 
 def test_twice_the_rate_that_hello_tells_is_integrated_with_its_true_time(link: Path) -> None:
     """The clock counts, not what a device says of itself."""
-    told = story(link, "double_rate:from_s=3", seconds=12)
-    assert (told.stats["gaps"], told.stats["device_resets"], told.stats["rejected"]) == (0, 0, 0)
-    assert {round(b["t_s"] - a["t_s"], 6) for a, b in pairwise(told.lines)} == {0.01, 0.005}
-    assert told.lines[-1]["yaw_deg"] == near(told.lines[-1]["encoder_deg"], 6.0)
-    assert_smooth(told.lines, 1.5 * PERIOD_S)
+    report = story(link, "double_rate:from_s=3", seconds=12)
+    assert (report.stats["gaps"], report.stats["device_resets"], report.stats["rejected"]) == (0, 0, 0)
+    assert {round(b["t_s"] - a["t_s"], 6) for a, b in pairwise(report.lines)} == {0.01, 0.005}
+    assert report.lines[-1]["yaw_deg"] == near(report.lines[-1]["encoder_deg"], 6.0)
+    assert_smooth(report.lines, 1.5 * PERIOD_S)
 
 
 def test_a_rate_that_changes_is_integrated_with_its_true_time(link: Path) -> None:
     """Slower, with a counter that tells no hole."""
-    told = story(link, "rate_change:from_s=3,divide=4", seconds=9)
-    assert (told.stats["gaps"], told.stats["device_resets"], told.stats["rejected"]) == (0, 0, 0)
-    assert {round(b["t_s"] - a["t_s"], 6) for a, b in pairwise(told.lines)} == {0.01, 0.04}
+    report = story(link, "rate_change:from_s=3,divide=4", seconds=9)
+    assert (report.stats["gaps"], report.stats["device_resets"], report.stats["rejected"]) == (0, 0, 0)
+    assert {round(b["t_s"] - a["t_s"], 6) for a, b in pairwise(report.lines)} == {0.01, 0.04}
 
 
 @pytest.mark.parametrize("protocol", ["native", "csv", "witmotion"])
 def test_a_boot_banner_in_the_stream_costs_a_sample_at_most(link: Path, protocol: str) -> None:
-    """Text is damage, not measurements."""
-    told = story(link, "boot_banner:from_s=3", seconds=6, speed=PACE[protocol], protocol=protocol)
-    assert told.stats["damaged"] > 0
-    assert told.stats["samples"] >= 599
-    assert all(b["t_s"] > a["t_s"] for a, b in pairwise(told.lines))
+    report = story(link, "boot_banner:from_s=3", seconds=6, speed=PACE[protocol], protocol=protocol)
+    assert report.stats["damaged"] > 0
+    assert report.stats["samples"] >= 599
+    assert all(b["t_s"] > a["t_s"] for a, b in pairwise(report.lines))
 
 
 def test_full_scale_and_stuck_values_are_passed_on_and_counted(link: Path) -> None:
     """The service does not know better than the device, but says that the range was left."""
-    told = story(link, "full_scale:from_s=3,to_s=4", "stuck_value:from_s=5,to_s=6", seconds=7)
-    assert told.stats["clipped"] == 100
-    assert all(line["rate_dps"] == near(250.0, 0.1) for line in told.lines[300:400])
-    assert len({line["rate_dps"] for line in told.lines[499:600]}) == 1
+    report = story(link, "full_scale:from_s=3,to_s=4", "stuck_value:from_s=5,to_s=6", seconds=7)
+    assert report.stats["clipped"] == 100
+    assert all(line["rate_dps"] == near(250.0, 0.1) for line in report.lines[300:400])
+    assert len({line["rate_dps"] for line in report.lines[499:600]}) == 1
 
 
 @pytest.mark.parametrize("protocol", ["native", "csv", "witmotion"])
 def test_the_baud_rate_of_the_device_is_found(link: Path, protocol: str) -> None:
-    """At the second of the usual rates; until then there is garbage."""
     options = ("--speed", "5", "--protocol", protocol)
     with served(link, "wrong_baud:baud=9600", options=options, baud="auto") as (serve, _):
         serve.until_log('"protocol_found"')
         serve.take_lines(100)
-        told = story_of(serve)
-    (found,) = told.named("protocol_found")
-    assert (found["protocol"], found["baud"]) == (protocol, 9600)
+        report = story_of(serve)
+    (result,) = report.named("protocol_found")
+    assert (result["protocol"], result["baud"]) == (protocol, 9600)
 
 
 def test_many_faults_at_once_are_survived(link: Path) -> None:
-    """One after the other and one on top of the other."""
     faults = ("bit_flips:per_kilobyte=2", "zeros", "boot_banner", "stall:every_s=3", "reset:from_s=6")
-    told = story(link, *faults, seconds=9, speed="5")
-    assert told.stats["damaged"] > 5
-    assert told.stats["device_resets"] == 1
-    assert_smooth(told.lines)
+    report = story(link, *faults, seconds=9, speed="5")
+    assert report.stats["damaged"] > 5
+    assert report.stats["device_resets"] == 1
+    assert_smooth(report.lines)

@@ -37,8 +37,9 @@ def asked_until(client: ControlClient, serve: Command, step: str) -> dict[str, A
     return state
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_it_measures_the_scale_writes_the_config_and_applies_it(tmp_path: Path) -> None:
-    """Rest, three turns each way, a mark at each stop; comments of the config stay."""
+    """A calibration of the running service is written to its config and applied."""
     config, control = tmp_path / "my.yaml", tmp_path / "control"
     config.write_text("# mine\nfilter: restlevel\n")
     words = ("--port", tmp_path / "gyro", "--config", config, "--control", control)
@@ -60,10 +61,10 @@ def test_it_measures_the_scale_writes_the_config_and_applies_it(tmp_path: Path) 
         serve.until_log("event=config_applied")
         assert "calibrate mark" in serve.log
         assert "calibrate state" not in serve.log
-    found = load_config(config).calibration
-    assert found is not None
-    assert found.scale_ccw == near(1.0 / GAIN_CCW, 0.002)
-    assert found.scale_cw == near(1.0 / GAIN_CW, 0.002)
+    result = load_config(config).calibration
+    assert result is not None
+    assert result.scale_ccw == near(1.0 / GAIN_CCW, 0.002)
+    assert result.scale_cw == near(1.0 / GAIN_CW, 0.002)
     assert config.read_text().startswith("# mine\nfilter: restlevel\n")
 
 
@@ -106,8 +107,9 @@ def waited_for(answer: Callable[[], Mapping[str, Any] | None]) -> None:
         time.sleep(0.01)
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_a_mistake_in_a_calibration_does_not_end_the_service(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The calibration ends, and says why."""
+    """A calibration that fails unexpectedly ends without the service."""
 
     def fail(*_: Any) -> None:
         raise ValueError("zero-size array")
@@ -119,8 +121,9 @@ def test_a_mistake_in_a_calibration_does_not_end_the_service(monkeypatch: pytest
     assert calibration.state()["says"][-1] == "Nothing is written: ValueError: zero-size array"
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_another_device_ends_a_calibration() -> None:
-    """The rest of one device and the turns of another give no scale; a name that comes late is no other device."""
+    """A calibration ends if another device is connected meanwhile."""
     calibration = begun()
     link: Any = calibration.pipeline.link
     for device_id in (None, "first", None, "first"):
@@ -133,8 +136,9 @@ def test_another_device_ends_a_calibration() -> None:
     assert calibration.state()["says"][-1] == "Another device is connected; nothing is written."
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_a_second_calibration_is_refused_while_one_runs() -> None:
-    """Another client does not discard the turns of the first."""
+    """A calibration is not restarted by another client."""
     calibration = begun()
     calibration.press("mark")
     again = calibration.start()
@@ -143,8 +147,9 @@ def test_a_second_calibration_is_refused_while_one_runs() -> None:
     assert calibration.state()["step"] == "rest"
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_a_calibration_that_its_user_left_ends() -> None:
-    """Its samples would fill the memory; each key gives it time again."""
+    """A calibration without a key for 5 minutes ends; its memory is bounded."""
     calibration = begun()
     calibration.tick(0.0)
     calibration.tick(guided.UNATTENDED_S)
@@ -160,13 +165,14 @@ NO_FOLDER = b""
 """Content of a config whose folder is gone."""
 
 
+@pytest.mark.promise("Clients of outputs")
 @pytest.mark.parametrize(
     "content", [b"filter: [", b"filter: \xff", None, NO_FOLDER], ids=["no YAML", "no text", "a pipe", "no folder"]
 )
 def test_a_config_that_cannot_be_written_costs_no_calibration(
     content: bytes | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The calibration is applied, and the reason is told; nothing waits for a pipe."""
+    """A calibration whose config cannot be read or written is applied, and the config stays as it is."""
     config = tmp_path / ("my.yaml" if content != NO_FOLDER else "gone/my.yaml")
     if content == NO_FOLDER:
         pass
@@ -175,14 +181,14 @@ def test_a_config_that_cannot_be_written_costs_no_calibration(
     else:
         config.write_bytes(content)
     calibration = begun(config)
-    found = Calibration("2026-05-01T12:00:00+00:00")
-    monkeypatch.setattr(Guide, "result", lambda *_: found)
+    result = Calibration("2026-05-01T12:00:00+00:00")
+    monkeypatch.setattr(Guide, "result", lambda *_: result)
     calibration.press("finish")
     state = calibration.state()
     assert state["step"] == "idle"
     assert state["says"][-1].startswith("Applied until the service ends; it is not written: ")
     assert str(config) in state["says"][-1]
-    assert calibration.pipeline.calibrating.given == found
+    assert calibration.pipeline.calibrating.given == result
     assert not content or config.read_bytes() == content
 
 
@@ -200,7 +206,6 @@ def test_a_calibration_of_the_service_keeps_the_accelerometer_of_its_device(monk
 def test_six_sides_are_measured_while_the_service_runs(
     kind: str, legs: tuple[str | float, ...], tmp_path: Path
 ) -> None:
-    """No mark is needed, values of one axis stay, and each measurement gives the user time again."""
     config = tmp_path / "my.yaml"
     config.write_text("filter: restlevel\n")
     calibration = begun(config, kind)
@@ -219,7 +224,6 @@ def test_six_sides_are_measured_while_the_service_runs(
 
 
 def test_a_service_on_one_axis_has_no_six_sides() -> None:
-    """The reason ends the calibration."""
     calibration = begun(kind="positions")
     calibration.take([Sample(i, i / 100, i / 100, 0.0) for i in range(100)])
     says = calibration.state()["says"]

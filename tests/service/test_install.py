@@ -32,7 +32,6 @@ def unit(tmp_path: Path) -> Path:
 
 
 def test_the_unit_says_what_is_run(unit: Path) -> None:
-    """And the commands that would follow; nothing is changed."""
     text = unit.read_text()
     assert text.startswith("# /etc/systemd/system/gyrodrift.service\n")
     assert (
@@ -46,7 +45,6 @@ def test_the_unit_says_what_is_run(unit: Path) -> None:
 
 @pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is not installed")
 def test_systemd_takes_the_unit_and_finds_it_little_exposed(unit: Path) -> None:
-    """As `systemd-analyze` sees it."""
     verified = subprocess.run(["systemd-analyze", "verify", unit], capture_output=True, text=True, check=False)
     assert (verified.returncode, verified.stderr) == (0, "")
     command = ["systemd-analyze", "security", "--offline=yes", "--no-pager", str(unit)]
@@ -66,7 +64,6 @@ def test_systemd_takes_the_unit_and_finds_it_little_exposed(unit: Path) -> None:
     ],
 )
 def test_a_source_gets_what_it_needs(port: str, line: str, tmp_path: Path) -> None:
-    """And systemd takes the unit."""
     status, out, log = dry_run("--port", port)
     assert (status, log) == (0, "")
     assert line in out.splitlines()
@@ -86,7 +83,6 @@ def test_a_source_on_an_adapter_keeps_its_address(tmp_path: Path) -> None:
 
 
 def test_an_adapter_gets_a_name_and_starts_the_service(tmp_path: Path) -> None:
-    """By its numbers, found beside its port in /sys."""
     adapter = tmp_path / "usb1" / "1-2"
     tty = adapter / "1-2:1.0" / "ttyUSB7"
     tty.mkdir(parents=True)
@@ -103,7 +99,6 @@ def test_an_adapter_gets_a_name_and_starts_the_service(tmp_path: Path) -> None:
 
 
 def test_mistakes_are_found_before_anything_is_written(tmp_path: Path) -> None:
-    """In outputs and config."""
     status, _, log = dry_run("--port", "/dev/ttyUSB0", "--output", "tpc")
     assert (status, log) == (2, "gyrodrift: --output tpc: 'tpc' (text) is not an output; did you mean tcp?\n")
     status, _, log = dry_run("--port", "/dev/ttyUSB0", "--config", tmp_path / "none.yaml")
@@ -112,7 +107,6 @@ def test_mistakes_are_found_before_anything_is_written(tmp_path: Path) -> None:
 
 
 def test_systemd_is_told_that_it_is_ready_and_alive_and_ends(port: Path, tmp_path: Path) -> None:
-    """By the loop that reads the port; a loop that stands still feeds no watchdog."""
     path = tmp_path / "notify"
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager, speaking_on(port) as device:
         manager.bind(str(path))
@@ -129,17 +123,17 @@ def test_systemd_is_told_that_it_is_ready_and_alive_and_ends(port: Path, tmp_pat
             assert {manager.recv(1000) for _ in range(3)} == {b"WATCHDOG=1"}
             assert serve.stop() == 0
         manager.setblocking(False)
-        said = [b""]
-        while said[-1] != b"STOPPING=1":
-            said.append(manager.recv(1000))
+        statement = [b""]
+        while statement[-1] != b"STOPPING=1":
+            statement.append(manager.recv(1000))
 
 
 def test_without_systemd_nothing_is_said() -> None:
     """Nor with the variables of another process."""
-    told = SystemdNotify({})
-    told.ready("")
-    told.alive(0.0)
-    told.stopping()
+    report = SystemdNotify({})
+    report.ready("")
+    report.alive(0.0)
+    report.stopping()
     environ = {"WATCHDOG_PID": "1", "WATCHDOG_USEC": "1000"}
     assert SystemdNotify(environ)._every_s == float("inf")
     assert environ == {}

@@ -31,8 +31,9 @@ def on_terminal(port: Path, *options: str | Path, columns: int = 120) -> Iterato
         yield terminal, device
 
 
+@pytest.mark.promise("Samples")
 def test_a_terminal_shows_one_line_below_the_log_and_ends_with_a_sentence(port: Path) -> None:
-    """Yaw with its sigma, bias, rest, rate and link; no JSON."""
+    """On a terminal, `serve` shows one line below the log, and ends with a sentence."""
     with on_terminal(port) as (terminal, device):
         device.send_all(csv_at_100_hz(300), never)
         terminal.until(lambda it: "yaw +" in it.text, "yaw")
@@ -68,18 +69,20 @@ def test_the_line_never_wraps(port: Path, columns: int) -> None:
         assert terminal.text.count("\n") == terminal.text.rstrip().count("\n") + 23
 
 
+@pytest.mark.promise("Samples")
 def test_json_lines_come_on_a_terminal_when_they_are_asked_for(port: Path) -> None:
-    """As in a pipe."""
+    """With `--json`, `serve` prints JSON lines on a terminal, too."""
     with on_terminal(port, "--json", "--quiet") as (terminal, device):
         device.send_all(csv_at_100_hz(100), never)
         terminal.until(lambda it: '"yaw_deg":' in it.text, "JSON")
         assert "link ok" not in terminal.text
 
 
+@pytest.mark.promise("Memory and the end")
 @pytest.mark.parametrize("name", ["gyro\udcff", "陀螺" * 20, "a\u202eb\x1b[31m", "x" * 99], ids=ascii)
 @pytest.mark.parametrize("columns", [2, 20, 60])
 def test_any_name_of_a_port_fits_on_the_line(name: str, columns: int) -> None:
-    """A path that is no text, wide characters, and marks of direction; the line stays one line."""
+    """No name of a port ends the service or breaks its line on a terminal."""
     screen = pyte.Screen(columns, 2)
     master, slave = pty.openpty()
     try:
@@ -114,8 +117,9 @@ def test_a_tilted_device_has_roll_and_pitch_on_the_line() -> None:
         os.close(slave)
 
 
+@pytest.mark.promise("Memory and the end")
 def test_a_terminal_of_another_user_shows_the_whole_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    """After `su` it cannot be opened again, and takes one byte at a time."""
+    """After `su`, the terminal shows the whole line."""
     really_open = os.open
 
     def refuse(path: str, *rest: Any, **options: Any) -> int:

@@ -87,7 +87,6 @@ def test_link_stats_say_all_that_helps_from_afar(
 def test_a_device_that_falls_silent_is_told_once_and_once_more_when_it_speaks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, logged: list[Any]
 ) -> None:
-    """Not with each turn of the loop."""
     log = structlog.get_logger()
     with speaking_on(tmp_path / "gyro"), StopSignal() as stop:
         link = Link(LinkOptions(str(tmp_path / "gyro")), LinkEvents(log))
@@ -97,8 +96,8 @@ def test_a_device_that_falls_silent_is_told_once_and_once_more_when_it_speaks(
             monkeypatch.setattr(link, "silent_s", lambda silent_s=silent_s: silent_s)
             service._notice_silence()
         link.close()
-    told = [event["event"] for event in logged if event["event"] in {"link_silent", "link_speaks"}]
-    assert told == ["link_silent", "link_speaks", "link_silent"]
+    report = [event["event"] for event in logged if event["event"] in {"link_silent", "link_speaks"}]
+    assert report == ["link_silent", "link_speaks", "link_silent"]
 
 
 def test_gaps_that_follow_closely_are_one_line(logged: list[Any]) -> None:
@@ -116,8 +115,9 @@ def test_gaps_that_follow_closely_are_one_line(logged: list[Any]) -> None:
     assert len(logged) == 2
 
 
+@pytest.mark.promise("Memory and the end")
 def test_a_device_that_boots_over_and_over_fills_no_log(logged: list[Any]) -> None:
-    """The first reset is told as it is, those that follow once a second with their number, and none is left out."""
+    """A device that reboots again and again writes one log line a second."""
     now = [0.0]
     events = LinkEvents(structlog.get_logger(), lambda: now[0])
     heard: list[str] = []
@@ -128,8 +128,8 @@ def test_a_device_that_boots_over_and_over_fills_no_log(logged: list[Any]) -> No
     now[0] += 1.0
     events.report_pending()
     events.report_pending()
-    told = [entry for entry in logged if entry["event"] == "device_reset"]
-    assert told[0] == {"event": "device_reset", "log_level": "warning", "clock_step_s": 0.0, "gone_s": 0.0}
-    assert sum(entry.get("times", 1) for entry in told) == 300
-    assert len(told) == len(heard) == 4
-    assert told[-1]["clock_step_s"] == -299.0
+    report = [entry for entry in logged if entry["event"] == "device_reset"]
+    assert report[0] == {"event": "device_reset", "log_level": "warning", "clock_step_s": 0.0, "gone_s": 0.0}
+    assert sum(entry.get("times", 1) for entry in report) == 300
+    assert len(report) == len(heard) == 4
+    assert report[-1]["clock_step_s"] == -299.0

@@ -26,8 +26,8 @@ def lines(first: int, true_dps: np.ndarray[tuple[int], np.dtype[np.float64]]) ->
 def rested(port: Path, memory: Path, *options: str | Path) -> None:
     """A run that rests for 20 s."""
     with serving(port, "--memory", memory, *options) as (serve, device):
-        for at in range(0, RESTING, 500):
-            device.send_all(lines(at, np.zeros(500)), never)
+        for index in range(0, RESTING, 500):
+            device.send_all(lines(index, np.zeros(500)), never)
             serve.take_lines(500)
         assert serve.stop() == 0
 
@@ -36,9 +36,9 @@ def moved(port: Path, *options: str | Path) -> tuple[list[dict[str, Any]], str]:
     """The lines of a run that begins moving, and its log."""
     with serving(port, *options) as (serve, device):
         device.send_all(lines(0, 40.0 * np.sin(np.arange(MOVING) / 50.0)), never)
-        found = serve.take_lines(MOVING)
+        result = serve.take_lines(MOVING)
         assert serve.stop() == 0
-        return found, serve.log
+        return result, serve.log
 
 
 def test_a_restart_in_motion_knows_the_bias_and_its_recording_gives_the_same_bits(port: Path, tmp_path: Path) -> None:
@@ -48,27 +48,26 @@ def test_a_restart_in_motion_knows_the_bias_and_its_recording_gives_the_same_bit
     content = json.loads(memory.read_text())
     assert (content["gyrodrift_memory"], content["device"], content["filter"]) == (1, str(port), "restlevel")
     assert content["knowledge"]["bias_dps"] == pytest.approx(0.4, abs=0.01)
-    found, log = moved(port, "--memory", memory, "--record", folder)
+    result, log = moved(port, "--memory", memory, "--record", folder)
     assert '"event": "memory_used"' in log
-    assert found[0]["bias_dps"] == pytest.approx(0.4, abs=0.01)
-    assert found[0]["bias_sigma_dps"] < 0.1
+    assert result[0]["bias_dps"] == pytest.approx(0.4, abs=0.01)
+    assert result[0]["bias_sigma_dps"] < 0.1
     (recording,) = folder.glob("*.mcap")
     with Command("filter", recording) as filtered:
         assert filtered.end() == 0
     header, *rows = (row.split(",") for row in filtered.out.splitlines())
     yaws_deg = [float(row[header.index("yaw_deg")]) for row in rows]
-    assert [round(yaw_deg, 4) for yaw_deg in yaws_deg] == [line["yaw_deg"] for line in found]
+    assert [round(yaw_deg, 4) for yaw_deg in yaws_deg] == [line["yaw_deg"] for line in result]
     link = tmp_path / "again"
     with Command("replay", recording, "--link", link, "--speed", "max") as replay:
         replay.until_log("waiting for a reader")
         with Command("serve", "--port", link, "--memory", recording) as serve:
             again = serve.take_lines(MOVING)
             serve.stop()
-    assert [line["yaw_deg"] for line in again] == [line["yaw_deg"] for line in found]
+    assert [line["yaw_deg"] for line in again] == [line["yaw_deg"] for line in result]
 
 
 def test_a_memory_goes_on_where_a_run_learns_nothing(port: Path, tmp_path: Path) -> None:
-    """It stays as it is."""
     memory = tmp_path / "m.json"
     rested(port, memory)
     before = memory.read_bytes()
@@ -84,40 +83,37 @@ def test_a_memory_goes_on_where_a_run_learns_nothing(port: Path, tmp_path: Path)
     ],
 )
 def test_a_memory_of_something_else_is_refused_and_left_alone(
-    port: Path, tmp_path: Path, key: str, other: str, said: str
+    port: Path, tmp_path: Path, key: str, second: str, statement: str
 ) -> None:
-    """The service runs on without."""
     memory = tmp_path / "m.json"
     rested(port, memory)
-    memory.write_text(json.dumps(json.loads(memory.read_text()) | {key: other}))
+    memory.write_text(json.dumps(json.loads(memory.read_text()) | {key: second}))
     before = memory.read_bytes()
     rested(port, memory)
-    found, log = moved(port, "--memory", memory)
+    result, log = moved(port, "--memory", memory)
     assert '"event": "memory_refused"' in log
-    assert said in log
-    assert found[0]["bias_dps"] == 0.0
+    assert statement in log
+    assert result[0]["bias_dps"] == 0.0
     assert memory.read_bytes() == before
 
 
 def test_a_memory_under_another_calibration_is_begun_anew(port: Path, tmp_path: Path) -> None:
-    """What was the bias then is not the bias now."""
     memory, config = tmp_path / "m.json", tmp_path / "c.yaml"
     rested(port, memory)
     config.write_text("filter: restlevel\ncalibration: {date: '2026-11-01T12:00:00Z', bias_dps: 0.4}\n")
-    found, log = moved(port, "--memory", memory, "--config", config)
+    result, log = moved(port, "--memory", memory, "--config", config)
     assert '"reason": "the calibration has changed, and with it the bias"' in log
-    assert found[0]["bias_dps"] == 0.0
+    assert result[0]["bias_dps"] == 0.0
     rested(port, memory, "--config", config)
     content = json.loads(memory.read_text())
     assert content["calibration"] == "2026-11-01T12:00:00Z"
     assert content["knowledge"]["bias_dps"] == pytest.approx(0.0, abs=0.01)
-    found, log = moved(port, "--memory", memory, "--config", config)
+    result, log = moved(port, "--memory", memory, "--config", config)
     assert '"event": "memory_used"' in log
 
 
 @pytest.mark.parametrize("damage", [b"", b"\xff\xfe", b'{"gyrodrift_memory": 1}', b"[1, 2", None])
 def test_a_damaged_memory_is_told_set_aside_and_begun_anew(port: Path, tmp_path: Path, damage: bytes | None) -> None:
-    """Nothing of it is lost; None is one value that cannot be."""
     memory = tmp_path / "m.json"
     rested(port, memory)
     if damage is None:
@@ -153,7 +149,6 @@ def test_a_memory_was_made_at_a_time(tmp_path: Path, written: str) -> None:
 
 
 def test_where_nothing_can_be_written_it_is_said_at_once(port: Path, tmp_path: Path) -> None:
-    """Before the port is opened for good."""
     (tmp_path / "file").write_text("")
     with Command("serve", "--port", "/dev/null", "--memory", tmp_path / "file" / "m.json") as serve:
         assert serve.end() != 0
@@ -170,8 +165,9 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
+@pytest.mark.promise("Memory and the end")
 def test_a_disk_that_hangs_does_not_hold_up_the_end(port: Path, tmp_path: Path) -> None:
-    """The memory stays as it was, and that is told."""
+    """A disk that hangs under the memory file does not delay the end."""
     memory = tmp_path / "m.json"
     rested(port, memory)
     before = memory.read_bytes()
@@ -180,8 +176,8 @@ def test_a_disk_that_hangs_does_not_hold_up_the_end(port: Path, tmp_path: Path) 
         serve = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         device.wait_for_reader(never)
         assert serve.stdout is not None
-        for at in range(0, RESTING, 500):
-            device.send_all(lines(at, np.zeros(500)), never)
+        for index in range(0, RESTING, 500):
+            device.send_all(lines(index, np.zeros(500)), never)
             for _ in range(500):
                 serve.stdout.readline()
         serve.terminate()
@@ -192,13 +188,12 @@ def test_a_disk_that_hangs_does_not_hold_up_the_end(port: Path, tmp_path: Path) 
 
 
 def test_the_status_tells_of_the_memory(port: Path, tmp_path: Path) -> None:
-    """Its file, whose it is, and whether it is used."""
     memory, control = tmp_path / "m.json", tmp_path / "control"
     with serving(port, "--memory", memory, "--control", control) as (serve, device):
         device.send_all(lines(0, np.zeros(100)), never)
         serve.take_lines(100)
-        with Command("ctl", control, "status") as asked:
-            asked.end()
+        with Command("ctl", control, "status") as request:
+            request.end()
         serve.stop()
-    told = json.loads(asked.out)["memory"]
-    assert told == {"file": str(memory), "state": "new", "reason": "", "device": str(port)}
+    report = json.loads(request.out)["memory"]
+    assert report == {"file": str(memory), "state": "new", "reason": "", "device": str(port)}

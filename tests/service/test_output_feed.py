@@ -49,7 +49,7 @@ class Fed:
 
     def opened(self) -> None:
         """Once the outputs are open."""
-        self.until(lambda: all(each.address for each in self.feed.statuses()))
+        self.until(lambda: all(statuse.address for statuse in self.feed.statuses()))
 
     def stopped(self) -> int:
         """The process, which does nothing any more."""
@@ -69,7 +69,6 @@ def fed() -> Iterator[Fed]:
 
 
 def test_a_stopped_process_that_has_to_go_is_left_alone_and_killed_when_its_time_is_over(fed: Fed) -> None:
-    """And the next one begins when it is gone, with what is wanted then."""
     fed.feed.want([TCP])
     fed.opened()
     pid = fed.stopped()
@@ -84,16 +83,16 @@ def test_a_stopped_process_that_has_to_go_is_left_alone_and_killed_when_its_time
 
 
 def test_a_process_that_is_not_wanted_any_more_ends_by_itself(fed: Fed, logged: list[Any]) -> None:
-    """That is no death."""
     fed.feed.want([TCP])
     fed.opened()
     fed.feed.want([])
     fed.until(lambda: fed.feed.pid is None)
-    assert [each["event"] for each in logged] == []
+    assert [item["event"] for item in logged] == []
 
 
+@pytest.mark.promise("Samples")
 def test_what_waits_for_a_stopped_process_is_bounded(fed: Fed, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Samples, events, states and lists of what is wanted; the last list arrives."""
+    """Data that waits for a stopped output process is bounded, and costs no sample."""
     monkeypatch.setattr(output_feed, "LONGEST_QUEUE_BYTES", 100_000)
     fed.feed.want([TCP])
     fed.opened()
@@ -113,7 +112,6 @@ def test_what_waits_for_a_stopped_process_is_bounded(fed: Fed, monkeypatch: pyte
 
 
 def test_what_is_dropped_is_counted_in_samples(fed: Fed, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Not in messages, which hold several."""
     monkeypatch.setattr(output_feed, "LONGEST_QUEUE_BYTES", 100_000)
     fed.feed.want([TCP])
     fed.opened()
@@ -123,13 +121,14 @@ def test_what_is_dropped_is_counted_in_samples(fed: Fed, monkeypatch: pytest.Mon
             fed.feed.take([corrected(number) for number in range(first, first + 50)])
         waiting = [message for message in fed.feed._queue if message[:1] == wire.SAMPLES]
         assert fed.feed.dropped > 0
-        assert fed.feed.dropped + sum((len(each) - 1) // wire.RECORD.size for each in waiting) == 20_000
+        assert fed.feed.dropped + sum((len(item) - 1) // wire.RECORD.size for item in waiting) == 20_000
 
 
+@pytest.mark.promise("Samples")
 def test_a_process_that_cannot_be_started_is_told_and_tried_again(
     fed: Fed, monkeypatch: pytest.MonkeyPatch, logged: list[Any]
 ) -> None:
-    """No memory, no descriptors: the service goes on."""
+    """An output process that cannot be started is logged and tried again, and costs no sample."""
 
     def refuse(*_: object, **__: object) -> None:
         raise OSError(11, "Resource temporarily unavailable")
@@ -137,7 +136,7 @@ def test_a_process_that_cannot_be_started_is_told_and_tried_again(
     with monkeypatch.context() as patched:
         patched.setattr(subprocess, "Popen", refuse)
         fed.feed.want([TCP])
-    assert [(each["event"], each["reason"]) for each in logged] == [
+    assert [(item["event"], item["reason"]) for item in logged] == [
         ("outputs_not_started", "Resource temporarily unavailable")
     ]
     fed.until(lambda: fed.feed.pid is not None, step_s=0.25)
@@ -145,15 +144,16 @@ def test_a_process_that_cannot_be_started_is_told_and_tried_again(
 
 
 def children(serve: Command) -> list[int]:
-    return [int(each) for each in _children_of(serve.process.pid).read_text().split()]
+    return [int(item) for item in _children_of(serve.process.pid).read_text().split()]
 
 
 def _children_of(pid: int) -> Path:
     return Path(f"/proc/{pid}/task/{pid}/children")
 
 
+@pytest.mark.promise("Samples")
 def test_a_reload_that_removes_the_last_output_waits_for_nobody(port: Path, tmp_path: Path) -> None:
-    """Samples go on while the process of the outputs is stopped; later the outputs can be had again."""
+    """A reload that removes the last output costs no sample."""
     config = tmp_path / "c.yaml"
     with_output = f"{HDR}outputs: [{{name: tcp, port: 0}}]\n"
     config.write_text(with_output)
@@ -172,8 +172,9 @@ def test_a_reload_that_removes_the_last_output_waits_for_nobody(port: Path, tmp_
         assert serve.stop() == 0
 
 
+@pytest.mark.promise("Memory and the end")
 def test_a_stopped_process_of_outputs_does_not_hold_up_the_end(port: Path) -> None:
-    """It is killed: stopped as it is, it would never end."""
+    """A stopped output process does not delay the end."""
     with serving(port, "--output", "tcp:port=0") as (serve, device):
         address_of(serve, "tcp")
         device.send_all(csv_at_100_hz(101), never)
@@ -195,10 +196,10 @@ def test_quick_reloads_leave_the_outputs_of_the_last_config(port: Path, tmp_path
                 config.write_text(HDR + "outputs: [" + ", ".join(_some_outputs(number, ports)) + "]\n")
                 assert client.ask("reload")["ok"]
                 device.send_all(csv_at_100_hz(10, first=10 * number), never)
-            wanted = [f"foxglove:port={ports[1]}"]
+            expected = [f"foxglove:port={ports[1]}"]
             config.write_text(f"{HDR}outputs: [{{name: foxglove, port: {ports[1]}}}]\n")
             client.ask("reload")
-            serve.until(lambda _: opened(client) == wanted, "the last outputs")
+            serve.until(lambda _: opened(client) == expected, "the last outputs")
             device.send_all(csv_at_100_hz(10, first=10 * RELOADS), never)
             assert [line["seq"] for line in serve.take_lines(10 * RELOADS)] == list(range(10 * RELOADS))
         assert is_listened_on(ports[1])
@@ -220,4 +221,4 @@ def _some_outputs(number: int, ports: tuple[int, int]) -> list[str]:
 def opened(client: ControlClient) -> list[str]:
     """Outputs that the status has an address of, where it has no others."""
     outputs = client.ask("status")["outputs"]
-    return [each["output"] for each in outputs] if all(each["address"] for each in outputs) else []
+    return [output["output"] for output in outputs] if all(output["address"] for output in outputs) else []

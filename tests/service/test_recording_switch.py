@@ -37,13 +37,13 @@ def link(port: Path) -> Iterator[Link]:
 
 @pytest.fixture
 def switch(link: Link, tmp_path: Path) -> RecordingSwitch:
-    """Of a service that records raw bytes, too."""
     options = RecordOptions(tmp_path / "sessions", keeps_raw=True)
     return RecordingSwitch(lambda: ResilientRecorder(options, link, structlog.get_logger()))
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_a_stop_does_not_wait_for_a_slow_disk(switch: RecordingSwitch, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Another recording waits until the disk is free; then both files are whole."""
+    """`ctl record stop` does not wait for a slow disk; no sample waits."""
     go_on, sync = threading.Event(), os.fsync
 
     def slow(fd: int) -> None:
@@ -115,8 +115,9 @@ def refusal_of_start(control: Path) -> str:
             return ctl.log
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_a_recording_is_started_twice_and_stopped_twice(port: Path, tmp_path: Path) -> None:
-    """The second start gives the same file, the second stop none; a folder that cannot be made is told."""
+    """`ctl record start` and `stop` twice give the same file, and none."""
     control, out = tmp_path / "control", tmp_path / "sessions"
     with (
         speaking_on(port) as device,

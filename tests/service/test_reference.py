@@ -8,7 +8,6 @@ from gyrodrift.service.reference import EncoderReference
 
 
 def test_an_encoder_is_aligned_at_its_first_sample_and_at_each_zero() -> None:
-    """It begins anywhere, and may begin late."""
     encoder = EncoderReference()
     assert isnan(encoder.angle_deg(nan, 1.0))
     assert encoder.angle_deg(202.0, 3.0) == 3.0

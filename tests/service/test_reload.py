@@ -79,18 +79,19 @@ def followed(port: Path, tmp_path: Path) -> Iterator[Followed]:
         yield followed
 
 
+@pytest.mark.promise("Samples")
 def test_samples_and_commands_go_on_while_a_config_is_read(followed: Followed) -> None:
-    """It is applied when it has been read; who asked for it is answered then, and nobody else waits."""
+    """Samples and commands continue while a config is read."""
     followed.config.write_text(HDR.format(tau_s=2.0))
-    with asking(followed.control) as patient, ControlClient(followed.control, PATIENCE_S) as other:
+    with asking(followed.control) as patient, ControlClient(followed.control, PATIENCE_S) as second:
         reading = followed.stopped_reading()
         followed.feed(2000)
-        assert other.ask("zero")["ok"]
-        assert other.ask("status")["config"]["applied"] == 0
+        assert second.ask("zero")["ok"]
+        assert second.ask("status")["config"]["applied"] == 0
         followed.feed(2000)
         os.kill(reading, signal.SIGCONT)
         assert Reader(patient).json()["ok"]
-        assert other.ask("status")["config"]["params"]["tau_s"] == 2.0
+        assert second.ask("status")["config"]["params"]["tau_s"] == 2.0
         followed.feed(100)
     assert followed.serve.stop() == 0
 
@@ -111,8 +112,9 @@ def test_who_leaves_before_the_answer_costs_nobody_anything(followed: Followed) 
     assert followed.serve.stop() == 0
 
 
+@pytest.mark.promise("Configs and commands")
 def test_a_reading_that_dies_is_told_and_the_old_config_stays(followed: Followed) -> None:
-    """And the next one is read as ever."""
+    """If the process that reads a config dies, this is reported and the old config stays."""
     with asking(followed.control) as patient:
         os.kill(followed.stopped_reading(), signal.SIGKILL)
         answer = Reader(patient).json()
@@ -125,9 +127,10 @@ def test_a_reading_that_dies_is_told_and_the_old_config_stays(followed: Followed
     assert followed.serve.stop() == 0
 
 
+@pytest.mark.promise("Configs and commands")
 @pytest.mark.parametrize("stop", [signal.SIGTERM, signal.SIGKILL])
 def test_no_reading_outlives_the_service(followed: Followed, stop: signal.Signals) -> None:
-    """However the service ends."""
+    """No process that reads a config outlives the service."""
     with asking(followed.control):
         reading = followed.stopped_reading()
         assert followed.serve.stop(stop) == (0 if stop == signal.SIGTERM else -stop)

@@ -15,14 +15,14 @@ RATE_HZ = 100
 
 def lines(first: int, rates_dps: list[float], still: int | None = None) -> bytes:
     """The csv protocol at 100 Hz."""
-    said = "" if still is None else f",nan,25.0,{still}"
-    rows = (f"{(first + n) * 10_000},{rate:.4f}{said}\n" for n, rate in enumerate(rates_dps))
+    statement = "" if still is None else f",nan,25.0,{still}"
+    rows = (f"{(first + n) * 10_000},{rate:.4f}{statement}\n" for n, rate in enumerate(rates_dps))
     return "".join(rows).encode()
 
 
 def noisy(true_dps: np.ndarray[tuple[int], np.dtype[np.float64]], seed: int = 1) -> list[float]:
-    found: list[float] = (true_dps + 0.4 + np.random.default_rng(seed).normal(0.0, 0.05, len(true_dps))).tolist()
-    return found
+    result: list[float] = (true_dps + 0.4 + np.random.default_rng(seed).normal(0.0, 0.05, len(true_dps))).tolist()
+    return result
 
 
 def ctl(path: Path, *words: str) -> dict[str, object]:
@@ -41,14 +41,14 @@ def test_what_ctl_says_of_rest_beats_statistics_and_is_recorded(port: Path, tmp_
         serve.take_lines(400)
         assert ctl(control, "rest", "1") == {"ok": True, "still": 1.0, "is_believed": True}
         device.send_all(lines(400, noisy(np.zeros(90))), never)
-        found = serve.take_lines(90)[-1]
+        result = serve.take_lines(90)[-1]
         status = ctl(control, "status")["filter"]
         assert ctl(control, "rest", "auto") == {"ok": True, "still": None, "is_believed": True}
         device.send_all(lines(490, moving[:60]), never)
         last = serve.take_lines(60)[-1]
         assert serve.stop() == 0
-    assert found["bias_dps"] == pytest.approx(0.4, abs=0.05)
-    assert found["rest_probability"] == 1.0
+    assert result["bias_dps"] == pytest.approx(0.4, abs=0.05)
+    assert result["rest_probability"] == 1.0
     assert isinstance(status, dict)
     assert (status["still"], status["is_witness_believed"]) == (1.0, True)
     (recorded,) = folder.glob("*.mcap")
@@ -62,7 +62,6 @@ def test_what_ctl_says_of_rest_beats_statistics_and_is_recorded(port: Path, tmp_
 
 
 def test_a_device_whose_word_is_stuck_is_told_of(port: Path, tmp_path: Path) -> None:
-    """In the log and in the status; yaw goes on turning."""
     control = tmp_path / "control"
     with serving(port, "--control", control) as (serve, device):
         device.send_all(lines(0, noisy(np.zeros(500)), still=1), never)

@@ -44,7 +44,7 @@ MISTAKES = (
 )
 
 
-def asked(path: Path, line: str) -> bytes:
+def requested(path: Path, line: str) -> bytes:
     """The answer of a control socket as it comes."""
     with socket.socket(socket.AF_UNIX) as connection:
         connection.connect(str(path))
@@ -53,9 +53,8 @@ def asked(path: Path, line: str) -> bytes:
 
 
 def command_lines(pid: int) -> bytes:
-    """Those of a process and its children."""
     children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    return b"".join(command_line(each) for each in (pid, *map(int, children)))
+    return b"".join(command_line(item) for item in (pid, *map(int, children)))
 
 
 def command_line(pid: int) -> bytes:
@@ -80,33 +79,38 @@ def run_with_a_secret(port: Path, tmp_path: Path) -> tuple[Path, bytes]:
     config.chmod(0o600)
     output = f"mqtt:port=1,user=bob,password={MARKER},x"
     options = ("--config", config, "--control", control, "--record", out, "--log-level", "debug")
-    said = b""
+    statement = b""
     with serving(port, *options, "--output", output.removesuffix(",x"), "--output", "web:port=0") as (serve, device):
         fed(serve, device, 0)
-        said += command_lines(serve.process.pid)
-        said += urllib.request.urlopen(path_of(serve, "web")).read()
+        statement += command_lines(serve.process.pid)
+        statement += urllib.request.urlopen(path_of(serve, "web")).read()
         with socket.create_connection(address_of(serve, "tcp")) as client:
             reader = Reader(client)
-            said += reader.line()
+            statement += reader.line()
             for number, mistake in enumerate(MISTAKES):
                 config.write_text(config_text(mistake))
-                answer = asked(control, "reload")
+                answer = requested(control, "reload")
                 assert b'"ok": false' in answer, mistake
-                said += answer + asked(control, "status")
+                statement += answer + requested(control, "status")
                 fed(serve, device, 50 * number + 50)
             config.write_text(config_text(f"password: {MARKER}2"))
-            said += asked(control, "reload") + asked(control, "status") + reader.line()
+            statement += requested(control, "reload") + requested(control, "status") + reader.line()
         serve.until_log("output_failed")
         assert serve.stop() == 0
-        said += serve.log.encode() + serve.out.encode()
-    return out, said
+        statement += serve.log.encode() + serve.out.encode()
+    return out, statement
 
 
+@pytest.mark.promise(
+    "Secrets",
+    "a password of the config or of `--output` appears in no recording, log, message, status, page or process list",
+)
+@pytest.mark.promise("Secrets")
 def test_a_password_is_nowhere(run_with_a_secret: tuple[Path, bytes], tmp_path: Path) -> None:
-    """Neither in what the service said, nor in its recording and what is made of it; others may not read that."""
-    out, said = run_with_a_secret
-    assert b"password=***" in said
-    assert (MARKER.encode() in said, b"77777" in said) == (False, False)
+    """Only users who may read the config may read a recording of it."""
+    out, statement = run_with_a_secret
+    assert b"password=***" in statement
+    assert (MARKER.encode() in statement, b"77777" in statement) == (False, False)
     (recording,) = out.glob("*.mcap")
     assert recording.stat().st_mode & 0o777 == 0o600
     assert MARKER.encode() not in recording.read_bytes()
@@ -127,9 +131,11 @@ MISTAKEN_WORDS = (
 )
 
 
+@pytest.mark.promise("Secrets")
+@pytest.mark.promise("Secrets", "a host with a password in it (`user:password@host`) is refused, and not quoted")
 @pytest.mark.parametrize("argument", MISTAKEN_WORDS)
 def test_a_mistake_on_the_command_line_does_not_quote_the_password(argument: str) -> None:
-    """Whichever slip it is."""
+    """A mistake on the command line is reported without the password."""
     for option in ("--output", "--outptu"):
         with Command("serve", "--port", "/dev/null", option, argument) as serve:
             assert (serve.end(), MARKER in serve.log) == (2, False), serve.log
@@ -150,8 +156,9 @@ def old_recording(path: Path) -> None:
         writer.flush()
 
 
+@pytest.mark.promise("Secrets")
 def test_what_a_repair_cuts_off_is_kept_without_passwords(tmp_path: Path) -> None:
-    """Of a recording that held one; who may read what was cut off is as it was, and its samples are kept."""
+    """The file that `repair` cuts off has no passwords, and the mode of the recording."""
     path = tmp_path / "old.mcap"
     with path.open("wb") as file:
         writer = McapWriter(file, {})
@@ -169,13 +176,14 @@ def test_what_a_repair_cuts_off_is_kept_without_passwords(tmp_path: Path) -> Non
     assert tail.read_bytes().count(samples) == 2
 
 
+@pytest.mark.promise("Secrets")
 def test_an_old_recording_that_holds_a_password_gives_it_to_nobody(tmp_path: Path) -> None:
-    """Neither when it is told of, drawn, converted, repaired or filtered."""
+    """A password in an older recording is neither shown nor copied."""
     old, repaired = tmp_path / "old.mcap", tmp_path / "repaired.mcap"
     old_recording(old)
     old_recording(repaired)
     assert MARKER.encode() in old.read_bytes()
-    said = b""
+    statement = b""
     for words in (
         ("info", old),
         ("info", "--json", old),
@@ -188,9 +196,9 @@ def test_an_old_recording_that_holds_a_password_gives_it_to_nobody(tmp_path: Pat
         ("doctor", old),
     ):
         run = subprocess.run([sys.executable, "-m", "gyrodrift", *words], capture_output=True, check=False)
-        said += run.stdout + run.stderr
-    made = [Path(place, name) for place, _, names in os.walk(tmp_path) for name in names]
-    assert MARKER.encode() not in said
-    assert b"password" in said
+        statement += run.stdout + run.stderr
+    made = [Path(position, name) for position, _, names in os.walk(tmp_path) for name in names]
+    assert MARKER.encode() not in statement
+    assert b"password" in statement
     assert {path for path in made if MARKER.encode() in path.read_bytes()} <= {old, repaired}
     assert {"new.mcap", "imu.mcap", "new.csv", "report.html", "yaw.csv"} <= {path.name for path in made}

@@ -44,7 +44,6 @@ def spoken(protocol: str, count: int) -> list[bytes]:
 def test_every_sample_becomes_a_line_with_the_yaw_of_the_filter(
     port: Path, options: list[str], name: str, certain: set[str]
 ) -> None:
-    """What stepping through the same samples gives, to the last digit that is written, at the filter's defaults."""
     frames, chosen = spoken("native", 606), FILTERS[name]
     c, state, expected = chosen.coefficients(chosen.params()), chosen.state(), []
     for reading in NativeDecoder().push(b"".join(frames)):
@@ -66,7 +65,6 @@ def test_every_sample_becomes_a_line_with_the_yaw_of_the_filter(
 
 
 def test_what_runs_without_a_word_keeps_yaw_on_the_shipped_rig(port: Path) -> None:
-    """20 s with a bias of 0.35 deg/s, which plain integration makes seven degrees of."""
     with Command("--link", port, "--speed", "max", "--duration", "20", module="firmware_sim") as device:
         device.until_log("native on")
         with Command("serve", "--port", port) as serve:
@@ -92,7 +90,6 @@ def test_a_signal_ends_it_cleanly(port: Path, number: int) -> None:
 
 
 def test_lines_are_thinned_on_request(port: Path) -> None:
-    """100 Hz of samples, ten lines a second, yaw still of every sample."""
     with speaking_on(port) as device, Command("serve", "--port", port, "--rate", "10") as serve:
         device.wait_for_reader(never)
         device.send_all(b"".join(spoken("csv", 502)), never)
@@ -152,9 +149,8 @@ def test_columns_of_the_config_are_followed_with_no_line_lost(port: Path, tmp_pa
 
 
 def test_another_filter_is_taken_while_it_runs_and_yaw_goes_on(port: Path, tmp_path: Path) -> None:
-    """It says how certain it is, which the one before does not."""
-    other = f"filter: restlevel\nrestlevel: {json.dumps(asdict(RestlevelParams()))}\n"
-    with config_changed_half_way(port, tmp_path / "c.yaml", other) as (serve, before):
+    peer = f"filter: restlevel\nrestlevel: {json.dumps(asdict(RestlevelParams()))}\n"
+    with config_changed_half_way(port, tmp_path / "c.yaml", peer) as (serve, before):
         after = serve.take_lines(200)
         assert serve.stop() == 0
     assert "yaw_sigma_deg" not in before
@@ -163,7 +159,6 @@ def test_another_filter_is_taken_while_it_runs_and_yaw_goes_on(port: Path, tmp_p
 
 
 def test_an_invalid_change_is_refused_whole_and_the_old_config_stays(port: Path, tmp_path: Path) -> None:
-    """With file, line, key and reason."""
     config = tmp_path / "c.yaml"
     config.write_text(BLOCK.format(i_c=0.001))
     frames = spoken("csv", 300)
@@ -180,14 +175,13 @@ def test_an_invalid_change_is_refused_whole_and_the_old_config_stays(port: Path,
 
 
 def test_defaults_are_told_and_so_is_a_file_that_is_gone_for_a_while(port: Path, tmp_path: Path) -> None:
-    """Each once; what was learnt stays, and the file that comes back is followed again."""
     config = tmp_path / "c.yaml"
     config.write_text("filter: hdr\nhdr: {tau_s: 0.5}\n")
     frames = spoken("csv", 300)
     with speaking_on(port) as device, Command("serve", "--port", port, "--config", config) as serve:
         serve.until_log("config_completed")
-        told = "defaults=\"['hdr.i_c_dps: 0.0006', 'hdr.theta_w_dps: 0.5608', 'hdr.c1: 0.7839', 'hdr.c2: 1.2161']\""
-        assert told in serve.log
+        report = "defaults=\"['hdr.i_c_dps: 0.0006', 'hdr.theta_w_dps: 0.5608', 'hdr.c1: 0.7839', 'hdr.c2: 1.2161']\""
+        assert report in serve.log
         device.wait_for_reader(never)
         device.send_all(b"".join(frames[:100]), never)
         before = serve.take_lines(99)[-1]
@@ -204,7 +198,6 @@ def test_defaults_are_told_and_so_is_a_file_that_is_gone_for_a_while(port: Path,
 
 
 def test_a_stream_of_another_rate_than_the_config_is_warned_of(port: Path, tmp_path: Path) -> None:
-    """Its numbers count samples."""
     config = tmp_path / "c.yaml"
     config.write_text("sample_rate_hz: 50\n" + BLOCK.format(i_c=0.001))
     with speaking_on(port) as device, Command("serve", "--port", port, "--config", config) as serve:
@@ -216,7 +209,6 @@ def test_a_stream_of_another_rate_than_the_config_is_warned_of(port: Path, tmp_p
 
 
 def test_a_device_that_comes_back_goes_on_with_yaw_and_drift_estimate(port: Path) -> None:
-    """As another pty under the same name, as an adapter does that was pulled and put back."""
     frames = b"".join(spoken("native", 300))
     with ExitStack() as stack:
         first = stack.enter_context(ExitStack())
@@ -272,7 +264,6 @@ def test_bad_samples_are_counted_and_leave_no_line(port: Path) -> None:
 
 
 def test_a_hole_is_reported_and_integrated_with_its_true_time(port: Path) -> None:
-    """In the log, not among the samples."""
     frames = spoken("native", 303)
     with speaking_on(port) as device, Command("serve", "--port", port) as serve:
         device.wait_for_reader(never)
@@ -302,7 +293,6 @@ def test_a_reader_that_has_enough_ends_it_without_noise(port: Path) -> None:
 
 
 def test_a_reader_that_sleeps_does_not_stop_the_service(port: Path) -> None:
-    """Its lines are dropped, the samples are not."""
     with speaking_on(port) as device, Command("serve", "--port", port, "--log-format", "json") as serve:
         device.wait_for_reader(never)
         device.send_all(b"".join(b"%d,0.25\n" % (i * 1000) for i in range(100_000)), never)
@@ -345,7 +335,6 @@ def test_a_reader_that_sleeps_does_not_stop_the_service(port: Path) -> None:
 def test_a_persons_mistake_is_one_line_and_an_exit_status(
     port: Path, arguments: list[str], status: int, message: str
 ) -> None:
-    """Never a traceback."""
     with speaking_on(port), Command("serve", *(word.format(port=port) for word in arguments)) as serve:
         assert serve.end() == status
         last = serve.log.splitlines()[-1]
@@ -354,7 +343,6 @@ def test_a_persons_mistake_is_one_line_and_an_exit_status(
 
 
 def test_random_bytes_end_with_the_advice_to_check_the_baud_rate(port: Path) -> None:
-    """What a wrong rate looks like."""
     with speaking_on(port) as device, Command("serve", "--port", port, "--baud", "9600", "--timeout", "1") as serve:
         device.wait_for_reader(never)
         random = Random(3)
@@ -365,7 +353,6 @@ def test_random_bytes_end_with_the_advice_to_check_the_baud_rate(port: Path) -> 
 
 
 def test_the_log_goes_to_stderr_and_only_samples_to_stdout(port: Path) -> None:
-    """Whatever happens on the link."""
     with speaking_on(port) as device, Command("serve", "--port", port) as serve:
         device.wait_for_reader(never)
         device.send_all(b"".join(spoken("csv", 50)) + os.urandom(100), never)

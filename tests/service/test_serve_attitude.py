@@ -10,7 +10,6 @@ from gyrodrift.service.control_client import ControlClient
 
 
 def test_state_outputs_and_top_tell_of_a_table_that_leans(tmp_path: Path) -> None:
-    """By 15 degrees; each with its own signs, and the mount in force is part of the state."""
     link, control = tmp_path / "tty", tmp_path / "control"
     motion = ("--axes", "3", "--profile", "leaning-turntable", "--wait", "--quiet")
     options = ("--control", control, "--log-format", "json", "--output", "tcp:port=0", "--output", "gpsd:port=0")

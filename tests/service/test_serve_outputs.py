@@ -36,7 +36,6 @@ def test_samples_go_to_stdout_and_to_every_client(port: Path, tmp_path: Path) ->
 
 
 def test_nc_is_a_client(port: Path) -> None:
-    """Whatever is at hand."""
     nc = shutil.which("nc")
     if nc is None:
         pytest.skip("nc is not installed")
@@ -52,7 +51,6 @@ def test_nc_is_a_client(port: Path) -> None:
 
 
 def test_outputs_of_the_config_come_and_go_without_a_sample_lost_to_others(port: Path, tmp_path: Path) -> None:
-    """What was asked for on the command line stays."""
     config = tmp_path / "c.yaml"
     config.write_text(HDR)
     with serving(port, "--config", config, "--output", "tcp:port=0,rate_hz=1000") as (serve, device):
@@ -75,8 +73,9 @@ def test_outputs_of_the_config_come_and_go_without_a_sample_lost_to_others(port:
         assert serve.stop() == 0
 
 
+@pytest.mark.promise("Clients of outputs")
 def test_a_process_of_outputs_that_dies_takes_no_sample_with_it(port: Path) -> None:
-    """It is started again, and clients come back."""
+    """If the output process dies, no sample is lost."""
     with serving(port, "--output", "tcp:port=0") as (serve, device):
         address_of(serve, "tcp")
         device.send_all(csv_at_100_hz(101), never)
@@ -94,7 +93,6 @@ def test_a_process_of_outputs_that_dies_takes_no_sample_with_it(port: Path) -> N
 
 
 def test_the_service_goes_on_for_its_outputs_when_nobody_reads_stdout(port: Path) -> None:
-    """Without outputs it would end."""
     with serving(port, "--output", "tcp:port=0") as (serve, device):
         with connected(address_of(serve, "tcp")) as client:
             client.until("HELLO")
@@ -113,14 +111,12 @@ def test_the_service_goes_on_for_its_outputs_when_nobody_reads_stdout(port: Path
     ],
 )
 def test_a_persons_mistake_is_one_line_and_an_exit_status(port: Path, output: str, message: str) -> None:
-    """Before the port is opened."""
     with Command("serve", "--port", port, "--output", output) as serve:
         assert serve.end() == 2
     assert serve.log.splitlines() == [message]
 
 
 def test_outputs_and_their_options_are_listed() -> None:
-    """With what each means."""
     with Command("serve", "--list-outputs") as command:
         assert command.end() == 0
     assert "tcp: JSON lines on a TCP port\n  host=127.0.0.1: address to listen on" in command.out

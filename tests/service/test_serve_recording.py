@@ -127,24 +127,25 @@ def test_a_full_disk_is_told_and_every_sample_is_still_a_line(port: Path, out: P
         assert rates == [i / 4.0 for i in range(len(rates))]
 
 
+@pytest.mark.promise("Recovery")
 def test_recording_goes_on_when_a_full_disk_has_room_again(out: Path, link: Link, logged: list[Any]) -> None:
-    """In a new file; as long as it is full nothing is left on it by trying."""
+    """A full disk ends the recording of `serve`, not the service; recording is tried again after 10 s."""
     with small_disk(out, "64k"):
         filler = fill(out)
-        beside = ResilientRecorder(RecordOptions(out), link, structlog.get_logger())
+        next_to = ResilientRecorder(RecordOptions(out), link, structlog.get_logger())
         now_s = 0.0
         for _ in range(3):
-            beside.take(samples(0, 100))
-            while beside.recorder is not None:
-                now_s = max(now_s, beside._failed_s) + 0.25
-                beside.tick(now_s)
+            next_to.take(samples(0, 100))
+            while next_to.recorder is not None:
+                now_s = max(now_s, next_to._failed_s) + 0.25
+                next_to.tick(now_s)
             assert "No space left on device" in logged[-1]["reason"]
-            now_s = max(now_s, beside._failed_s) + recording.RETRY_S + 0.25
-            beside.tick(now_s)
+            now_s = max(now_s, next_to._failed_s) + recording.RETRY_S + 0.25
+            next_to.tick(now_s)
         assert list(out.iterdir()) == [filler]
         filler.unlink()
-        beside.take(samples(100, 100))
-        beside.close()
+        next_to.take(samples(100, 100))
+        next_to.close()
         (path,) = out.iterdir()
         assert rates_in(path) == [i / 4.0 for i in range(100, 200)]
     assert [event["event"] for event in logged].count("recording_failed") == 3
@@ -154,17 +155,18 @@ def test_a_name_taken_by_another_recording_is_no_failure(
     out: Path, link: Link, logged: list[Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Two services may write into one folder."""
-    one, other = (ResilientRecorder(RecordOptions(out), link, structlog.get_logger()) for _ in range(2))
-    one.take(samples(0, 10))
-    other.take(samples(10, 10))
-    one.close()
-    other.close()
+    item, second = (ResilientRecorder(RecordOptions(out), link, structlog.get_logger()) for _ in range(2))
+    item.take(samples(0, 10))
+    second.take(samples(10, 10))
+    item.close()
+    second.close()
     assert sorted(rates_in(path)[0] for path in out.iterdir()) == [0.0, 2.5]
     assert not [event for event in logged if event["event"] == "recording_failed"]
 
 
+@pytest.mark.promise("Crashes")
 def test_a_config_that_changes_while_it_is_recorded_is_in_the_recording(port: Path, out: Path, tmp_path: Path) -> None:
-    """As an event with what changed, and whole in the file that is begun after it."""
+    """A recording holds the config that was in force."""
     config = tmp_path / "c.yaml"
     config.write_text("filter: hdr\nhdr: {theta_w_dps: 0.5}\n")
     words = ("--port", port, "--config", config, "--record", out, "--rotate", "2kB")

@@ -22,12 +22,11 @@ def motion() -> HandMotion:
     return hand_motion(40.0, tilt_deg=20.0, yaw_deg=20.0, bias_dps=BIAS_DPS)
 
 
-Told = tuple[list[dict[str, Any]], list[dict[str, Any]]]
+report = tuple[list[dict[str, Any]], list[dict[str, Any]]]
 """JSON lines and log events."""
 
 
-def served(folder: Path, motion: HandMotion, *words: str | Path) -> Told:
-    """Of a service that reads the whole motion."""
+def served(folder: Path, motion: HandMotion, *words: str | Path) -> report:
     link, session = folder / "gyro", motion.write(folder / "motion.csv")
     with Command("replay", session, "--protocol", "native", "--link", link, "--speed", "max") as replay:
         replay.until(lambda _: link.is_symlink(), "port")
@@ -38,13 +37,12 @@ def served(folder: Path, motion: HandMotion, *words: str | Path) -> Told:
 
 
 @pytest.fixture(scope="module")
-def plain(tmp_path_factory: pytest.TempPathFactory, motion: HandMotion) -> Told:
-    """Of a service without options."""
+def plain(tmp_path_factory: pytest.TempPathFactory, motion: HandMotion) -> report:
     return served(tmp_path_factory.mktemp("plain"), motion)
 
 
 def test_json_lines_have_the_attitude_and_a_heading_that_follows_the_tilted_turn(
-    plain: Told, motion: HandMotion
+    plain: report, motion: HandMotion
 ) -> None:
     lines, events = plain
     yaw_deg = np.array([line["yaw_deg"] for line in lines])
@@ -66,9 +64,8 @@ def test_axes_1_keeps_the_rate_about_z(tmp_path: Path, motion: HandMotion) -> No
 
 
 def test_a_mount_turns_the_attitude_into_roll_and_pitch_of_the_device(
-    tmp_path: Path, motion: HandMotion, plain: Told
+    tmp_path: Path, motion: HandMotion, plain: report
 ) -> None:
-    """With y of the sensor forward the roll of the sensor is minus the pitch of the device."""
     config = tmp_path / "mount.yaml"
     config.write_text("filter: restlevel\nmount: {up: +z, forward: +y}\n")
     mounted, _ = served(tmp_path, motion, "--config", config)
@@ -83,7 +80,7 @@ def test_a_mount_turns_the_attitude_into_roll_and_pitch_of_the_device(
 
 
 def test_a_board_on_its_side_is_told_with_the_axis_that_points_up(
-    tmp_path: Path, motion: HandMotion, plain: Told
+    tmp_path: Path, motion: HandMotion, plain: report
 ) -> None:
     """Turned by 90° about x, it feels gravity along y."""
     columns = motion.gyro_dps[:, [0, 2, 1]] * (1.0, 1.0, -1.0), motion.accel_mps2[:, [0, 2, 1]] * (1.0, 1.0, -1.0)

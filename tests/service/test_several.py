@@ -82,8 +82,8 @@ def test_each_source_has_its_filter_its_recording_and_its_name(tmp_path: Path) -
         assert set(load_session(recording).rate_dps) == {rate_dps}
 
 
+@pytest.mark.promise("Samples", "a source of several that fails, or is absent, leaves the others alone")
 def test_a_source_that_is_not_there_keeps_no_other_one_waiting(tmp_path: Path) -> None:
-    """It comes later, and is read then."""
     left_port, right_port = free_port(), free_port()
     path = config(tmp_path, left=udp(left_port), right=f"{{port: 'tcp://127.0.0.1:{right_port}'}}")
     with sending(left_port), Command("serve", "--config", path) as serve:
@@ -97,8 +97,9 @@ def test_a_source_that_is_not_there_keeps_no_other_one_waiting(tmp_path: Path) -
         assert serve.stop() == 0
 
 
+@pytest.mark.promise("Samples")
 def test_a_source_that_fails_ends_alone(tmp_path: Path) -> None:
-    """The status at the end says it."""
+    """A source of several that fails, or is absent, leaves the others alone."""
     left_port, right_port = free_port(), free_port()
     path = config(tmp_path, left=udp(left_port), right=udp(right_port, "timeout: 1"))
     with sending(left_port), Command("serve", "--config", path) as serve:
@@ -109,7 +110,6 @@ def test_a_source_that_fails_ends_alone(tmp_path: Path) -> None:
 
 
 def test_a_source_that_never_came_says_why(tmp_path: Path) -> None:
-    """Its last reason, with the time that it was waited for."""
     path = config(tmp_path, left=f"{{port: 'unix:{tmp_path}/none.sock', timeout: 0.5}}")
     with Command("serve", "--config", path) as serve:
         serve.until_log("none.sock: there is no such socket; start the server first; it was not there for 0.5 s")

@@ -44,7 +44,6 @@ def numbers_of(received: list[dict[str, object]], name: str) -> list[object]:
 
 
 def test_the_end_of_one_source_leaves_the_lines_of_the_others(pipe: Pipe) -> None:
-    """They share the descriptor; the queues are written when all are over."""
     lines = SharedLines(pipe[1])
     first, second = SourceLines(lines, "left"), SourceLines(lines, "right")
     first.take(samples(2000))

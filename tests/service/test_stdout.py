@@ -48,16 +48,16 @@ def test_a_line_is_json_rounded_to_what_it_means_and_without_what_is_absent(
     """Reading it back gives each number to half a unit of its last digit."""
     if absent & {5, 6}:
         absent = absent | {5, 6}  # a filter says both or none
-    given = [nan if at in absent else value for at, value in enumerate(values)]
+    given = [nan if index in absent else value for index, value in enumerate(values)]
     t_s, rate, fixed, yaw, bias, sigma, confidence, angle, temp = given
     line = json_line(Corrected(Sample(seq, t_s, 0.0, rate, angle, temp), fixed, yaw, bias, sigma, confidence))
     read = json.loads(line)
     assert line.endswith("}\n")
     assert read.pop("seq") == seq
-    assert list(read) == [name for at, name in enumerate(DIGITS) if at not in absent]
-    for at, (name, digits) in enumerate(DIGITS.items()):
-        if at not in absent:
-            assert read[name] == pytest.approx(values[at], rel=1e-15, abs=0.51 * 10.0**-digits)
+    assert list(read) == [name for index, name in enumerate(DIGITS) if index not in absent]
+    for index, (name, digits) in enumerate(DIGITS.items()):
+        if index not in absent:
+            assert read[name] == pytest.approx(values[index], rel=1e-15, abs=0.51 * 10.0**-digits)
 
 
 def test_a_line_of_a_long_run_is_short() -> None:
@@ -85,7 +85,6 @@ def test_thinning_keeps_to_the_rate_in_device_time(pipe: Pipe, rate_hz: float | 
 
 
 def test_thinning_goes_on_after_a_hole(pipe: Pipe) -> None:
-    """It does not make up for lines that were not due."""
     output = JsonLines(pipe[1], 10.0)
     for t_s in (0.0, 0.1, 60.0, 60.01, 60.05, 60.1):
         output.take([corrected(0, t_s)])
@@ -93,11 +92,12 @@ def test_thinning_goes_on_after_a_hole(pipe: Pipe) -> None:
     assert [json.loads(line)["t_s"] for line in lines] == [0.0, 0.1, 60.0, 60.1]
 
 
+@pytest.mark.promise("Samples")
 @pytest.mark.parametrize("batch", [1, 50])
 def test_a_reader_who_sleeps_loses_the_oldest_whole_lines_and_is_told_how_many(
     batch: int, pipe: Pipe, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The output never waits, and what arrives is whole."""
+    """8 MiB of lines wait for a slow reader of stdout; then the oldest whole lines are dropped and counted."""
     monkeypatch.setattr(stdout, "LONGEST_QUEUE_BYTES", 50_000)
     output = JsonLines(pipe[1])
     for first in range(0, 10_000, batch):
@@ -115,7 +115,6 @@ def test_a_reader_who_sleeps_loses_the_oldest_whole_lines_and_is_told_how_many(
 
 
 def test_a_reader_who_left_is_noticed(pipe: Pipe) -> None:
-    """As `head` does when it has enough."""
     output = JsonLines(pipe[1])
     os.close(pipe[0])
     with pytest.raises(ReaderGoneError):
@@ -123,7 +122,6 @@ def test_a_reader_who_left_is_noticed(pipe: Pipe) -> None:
 
 
 def test_a_file_takes_everything(tmp_path: Path) -> None:
-    """Files are always ready."""
     with (tmp_path / "out.jsonl").open("wb") as file:
         output = JsonLines(file.fileno())
         output.take([corrected(i) for i in range(20_000)])
@@ -132,10 +130,11 @@ def test_a_file_takes_everything(tmp_path: Path) -> None:
     assert [json.loads(line)["seq"] for line in lines] == list(range(20_000))
 
 
+@pytest.mark.promise("Memory and the end")
 def test_the_end_waits_a_second_for_a_reader_and_counts_what_is_left(
     pipe: Pipe, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Whether it takes nothing or a little every now and then; no line is counted twice."""
+    """At the end a reader of stdout has 1 s; remaining lines are counted in `lines_dropped`."""
     monkeypatch.setattr(stdout, "LAST_S", 0.3)
     output = JsonLines(pipe[1])
     output.take([corrected(i) for i in range(10_000)])
@@ -144,14 +143,13 @@ def test_the_end_waits_a_second_for_a_reader_and_counts_what_is_left(
     output.close()  # it would never end, if it waited for the reader
     reader.join()
     os.close(pipe[1])
-    with os.fdopen(os.dup(pipe[0]), "rb") as left:
-        read = left.read().count(b"\n")
+    with os.fdopen(os.dup(pipe[0]), "rb") as remaining:
+        read = remaining.read().count(b"\n")
     assert output.dropped > 0
     assert 10_000 - output.dropped - read == pytest.approx(4096 / 70, abs=30)
 
 
 def test_a_reader_who_leaves_at_the_end_is_no_failure_of_what_came_before(pipe: Pipe) -> None:
-    """What is left is counted."""
     output = JsonLines(pipe[1])
     output.take([corrected(i) for i in range(10_000)])
     waiting = output.dropped
@@ -161,8 +159,9 @@ def test_a_reader_who_leaves_at_the_end_is_no_failure_of_what_came_before(pipe: 
     assert not output.wakes()
 
 
+@pytest.mark.promise("Samples")
 def test_a_terminal_that_nobody_reads_takes_what_it_has_room_for_and_no_more() -> None:
-    """A terminal emulator that is stopped, as `kill -STOP` does it: nothing waits, and later the rest comes."""
+    """A stopped or unread terminal as stdout costs no sample."""
     controller, terminal = os.openpty()
     try:
         output = JsonLines(terminal)
@@ -180,7 +179,6 @@ def test_a_terminal_that_nobody_reads_takes_what_it_has_room_for_and_no_more() -
 
 
 def test_a_terminal_that_took_half_a_line_gets_the_other_half(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Also where lines behind it are dropped meanwhile."""
     monkeypatch.setattr(stdout, "LONGEST_QUEUE_BYTES", 2000)
     controller, terminal = os.openpty()
     try:
@@ -200,7 +198,6 @@ def test_a_terminal_that_took_half_a_line_gets_the_other_half(monkeypatch: pytes
 
 
 def test_a_reader_who_goes_on_at_the_end_gets_every_line(pipe: Pipe) -> None:
-    """It has fallen behind by more than the pipe holds."""
     output, read = JsonLines(pipe[1]), bytearray()
 
     def drain() -> None:

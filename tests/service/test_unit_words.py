@@ -33,9 +33,9 @@ def words_of(line: str) -> list[str]:
     """The words of a command line by systemd.service(5) and systemd.syntax(7): quotes, escapes, `%%` and `$$`."""
     words = re.findall(r'"((?:[^"\\]|\\.)*)"|([^\s"\']+)', line)
     assert re.sub(r'"(?:[^"\\]|\\.)*"|[^\s"\']+', "", line).strip(" ") == ""
-    found = [re.sub(r"\\(.)", r"\1", quoted) if quoted else plain for quoted, plain in words]
-    assert all(set(re.findall(r"%.?|\$.?", word)) <= {"%%", "$$"} for word in found)
-    return [word.replace("%%", "%").replace("$$", "$") for word in found]
+    result = [re.sub(r"\\(.)", r"\1", quoted) if quoted else plain for quoted, plain in words]
+    assert all(set(re.findall(r"%.?|\$.?", word)) <= {"%%", "$$"} for word in result)
+    return [word.replace("%%", "%").replace("$$", "$") for word in result]
 
 
 def exec_start(unit: str) -> list[str]:
@@ -46,7 +46,6 @@ def exec_start(unit: str) -> list[str]:
 
 @given(st.lists(HARD.filter(bool), min_size=1))
 def test_a_command_line_gives_its_words_back_or_is_refused(words: list[str]) -> None:
-    """Each as it was, on one line."""
     try:
         line = command_line(["/usr/bin/python3", *words])
     except UsageError:
@@ -58,7 +57,6 @@ def test_a_command_line_gives_its_words_back_or_is_refused(words: list[str]) -> 
 
 @given(HARD)
 def test_a_description_and_an_address_hold_no_character_that_means_anything(text: str) -> None:
-    """Neither a specifier, nor a line end, nor the backslash that joins two lines."""
     assert re.fullmatch(r"[A-Za-z0-9/_.:,+=@~-]*", plain_text(text))
     if text.isprintable():
         assert re.fullmatch(r"file:///(?:[A-Za-z0-9/_.~-]|%%[0-9A-F]{2})*", file_url(f"/{text}"))
@@ -66,7 +64,6 @@ def test_a_description_and_an_address_hold_no_character_that_means_anything(text
 
 @given(HARD)
 def test_a_unit_has_the_same_settings_whatever_the_port_and_the_config_are_called(text: str) -> None:
-    """Its lines are those of any other unit but for what is run and the description."""
     usual = files("/dev/ttyUSB0", None, [], None)[UNIT].split("\n")
     try:
         lines = files(f"/dev/{text}", Path(f"/etc/x{text.replace(chr(0), '')}.yaml"), [], None)[UNIT].split("\n")
@@ -101,7 +98,6 @@ def test_a_serial_number_cannot_add_to_a_rule(serial: str) -> None:
 
 
 def test_a_serial_number_is_read_as_bytes_and_matched_as_far_as_it_is_plain(tmp_path: Path) -> None:
-    """With an order for udev in it, and bytes that are no text."""
     adapter = tmp_path / "usb1" / "1-2"
     (adapter / "tty").mkdir(parents=True)
     (tmp_path / "class" / "ttyUSB7").mkdir(parents=True)
@@ -115,7 +111,6 @@ def test_a_serial_number_is_read_as_bytes_and_matched_as_far_as_it_is_plain(tmp_
 
 @pytest.mark.parametrize("number", ["", "10c", '10c4", RUN+="/bin/true', "10c4\n", "*"])
 def test_a_number_of_an_adapter_is_four_digits_or_no_rule_is_written(number: str) -> None:
-    """Maker or product."""
     for usb in (UsbIdentity(number, "ea60"), UsbIdentity("10c4", number)):
         with pytest.raises(UsageError, match="four hexadecimal digits"):
             files("/dev/ttyUSB0", None, [], usb)
@@ -123,7 +118,6 @@ def test_a_number_of_an_adapter_is_four_digits_or_no_rule_is_written(number: str
 
 @pytest.mark.parametrize("program", ['/opt/a"b/python', "/opt/a'b/python", "/opt/a$b/python", "/opt/a\\b/python"])
 def test_a_program_that_systemd_does_not_take_is_refused(program: str) -> None:
-    """Its path may have no quote, no dollar and no backslash."""
     with pytest.raises(UsageError, match="systemd runs no program"):
         command_line([program])
 

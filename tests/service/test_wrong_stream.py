@@ -14,7 +14,7 @@ OPTIONS = ("--timeout", "1", "--log-level", "error")
 NOISE = Random(7)
 
 
-def said(port: Path, line: Callable[[int], str], *options: str, command: str = "serve") -> str:
+def statement(port: Path, line: Callable[[int], str], *options: str, command: str = "serve") -> str:
     """The last line of the log of a command that gives up with the status of the link."""
     with speaking_on(port) as device, Command(command, "--port", port, *OPTIONS, *options) as host:
         device.wait_for_reader(never)
@@ -33,13 +33,13 @@ def counts(number: int) -> str:
 @pytest.mark.parametrize("options", [(), ("--baud", "115200"), ("--baud", "9600", "--protocol", "csv")])
 def test_text_that_does_not_parse_is_quoted_and_its_columns_are_named(port: Path, options: tuple[str, ...]) -> None:
     """The rate is right where the text can be read, given or not; what is proposed reads it once the unit is said."""
-    told = said(port, counts, *options)
-    assert told.startswith(f"gyrodrift: {port}: the device prints text, so the baud rate is right, but no line is a")
-    assert '"t:1' in told
-    assert "looks like t_ms, gx, gy, gz (label:value pairs)" in told
-    assert "its unit is unknown" in told
-    assert f"gyrodrift doctor --port {port} --turn" in told
-    proposed = shlex.split(told[told.index("--columns") :])[1].rstrip(",")
+    report = statement(port, counts, *options)
+    assert report.startswith(f"gyrodrift: {port}: the device prints text, so the baud rate is right, but no line is a")
+    assert '"t:1' in report
+    assert "looks like t_ms, gx, gy, gz (label:value pairs)" in report
+    assert "its unit is unknown" in report
+    assert f"gyrodrift doctor --port {port} --turn" in report
+    proposed = shlex.split(report[report.index("--columns") :])[1].rstrip(",")
     assert proposed == "t=t_ms, gz=rate:UNIT"
     proposed = proposed.replace("UNIT", "lsb/131")
     with speaking_on(port) as device, Command("serve", "--port", port, "--columns", proposed) as serve:
@@ -62,15 +62,13 @@ def test_text_that_does_not_parse_is_quoted_and_its_columns_are_named(port: Path
     ],
 )
 def test_whatever_is_quoted_is_one_printable_line_of_bounded_length(port: Path, line: str, looks: str) -> None:
-    """It may come from anything that has a serial port."""
-    told = said(port, lambda number: line.format(10 * number))
-    assert looks in told
-    assert told.isprintable()
-    assert len(told) < 1000
+    report = statement(port, lambda number: line.format(10 * number))
+    assert looks in report
+    assert report.isprintable()
+    assert len(report) < 1000
 
 
 def test_bytes_that_are_no_text_at_a_given_baud_rate_are_told_to_be_tried_at_others(port: Path) -> None:
-    """Which is what leaving the option out does."""
     random = Random(5)
     with speaking_on(port) as device, Command("serve", "--port", port, *OPTIONS, "--baud", "9600") as serve:
         device.wait_for_reader(never)
@@ -85,7 +83,6 @@ def test_bytes_that_are_no_text_at_a_given_baud_rate_are_told_to_be_tried_at_oth
 def test_a_clock_of_milliseconds_is_refused_and_what_came_is_kept(
     port: Path, tmp_path: Path, command: tuple[str, ...], protocol: str
 ) -> None:
-    """With the columns that scale it, where a setting can."""
     fault = ("--wait", "--quiet", "--protocol", protocol, "--fault", "millisecond_clock")
     with Command("--link", port, *fault, module="firmware_sim") as device:
         device.until(lambda _: port.is_symlink(), "link")
@@ -101,7 +98,6 @@ def test_a_clock_of_milliseconds_is_refused_and_what_came_is_kept(
 
 
 def test_rates_in_rad_per_s_are_warned_of_with_the_odds_and_the_setting(port: Path, tmp_path: Path) -> None:
-    """After a rest and a turn by hand; they go on, since it is a guess."""
     session = tmp_path / "radians.csv"
     with session.open("w", newline="") as file:
         rows = csv.writer(file)
@@ -120,15 +116,15 @@ def test_rates_in_rad_per_s_are_warned_of_with_the_odds_and_the_setting(port: Pa
 
 
 def test_numbers_that_nothing_names_are_asked_for(port: Path) -> None:
-    """Without a proposal that somebody could paste."""
-    told = said(port, lambda number: f"{NOISE.gauss(0.3, 0.1):.2f},{NOISE.gauss(-0.8, 0.1):.2f},0.5{number % 10}")
-    assert "none of them is known to be the yaw rate" in told
-    assert f"gyrodrift doctor --port {port} --turn" in told
-    assert "--columns '" not in told
+    report = statement(
+        port, lambda number: f"{NOISE.gauss(0.3, 0.1):.2f},{NOISE.gauss(-0.8, 0.1):.2f},0.5{number % 10}"
+    )
+    assert "none of them is known to be the yaw rate" in report
+    assert f"gyrodrift doctor --port {port} --turn" in report
+    assert "--columns '" not in report
 
 
 def test_a_rate_without_a_unit_that_is_hardly_in_deg_per_s_ends_the_service(port: Path) -> None:
-    """Where somebody says deg/s, it is an event and goes on."""
     rates = [radians((90.0 if 1200 <= i < 1500 else 0.0) + 0.5 + NOISE.gauss(0.0, 0.07)) for i in range(2000)]
     text = "".join(f"{10 * i} {rate:.5f}\n" for i, rate in enumerate(rates)).encode()
     for columns, status in (("t_ms, rate", 3), ("t_ms, rate:dps", 0)):
@@ -144,7 +140,6 @@ def test_a_rate_without_a_unit_that_is_hardly_in_deg_per_s_ends_the_service(port
 
 
 def test_a_device_that_sends_an_angle_is_differentiated(port: Path) -> None:
-    """Over the wrap, and the log says whose filter has been at work."""
     angles = [(170.0 + 0.6 * max(0, min(i - 100, 275))) for i in range(500)]
     text = "".join(f"{20 * i};{(angle + 180.0) % 360.0 - 180.0:.2f}\n" for i, angle in enumerate(angles)).encode()
     with (
@@ -161,7 +156,6 @@ def test_a_device_that_sends_an_angle_is_differentiated(port: Path) -> None:
 
 
 def test_accelerations_in_g_are_warned_of_once_with_the_setting(port: Path) -> None:
-    """Yaw goes on."""
     lines = [f"{10 * i},0.1,0.2,{0.3 + 0.1 * (i % 3):.1f},0.01,0.02,{0.99 + 0.01 * (i % 2):.2f}\n" for i in range(400)]
     columns = "t_ms, gx:dps, gy:dps, gz:dps, ax, ay, az"
     with speaking_on(port) as device, Command("serve", "--port", port, "--columns", columns) as serve:

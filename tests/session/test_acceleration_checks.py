@@ -50,7 +50,6 @@ def test_right_axes_are_no_finding(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("index", range(48))
 def test_swapped_and_inverted_axes_are_named_with_the_order_that_mends_them(seed: int, index: int) -> None:
-    """All of them inverted explain the tilt as well: only the direction of z tells that."""
     session, (order, signs) = waved(seed=seed), ALL_AXES[index]
     assert session.accel_mps2 is not None
     wrong_forces = session.accel_mps2[:, order] * np.array(signs)
@@ -76,14 +75,12 @@ def read_as(spec: str, columns: Floats) -> Floats:
 
 
 def test_a_level_turn_says_nothing_of_the_axes() -> None:
-    """Gravity stays in place."""
     session = waved(tilt_deg=0.0)
     assert session.accel_mps2 is not None
     assert not list(axis_findings(SessionFacts(with_forces(session, session.accel_mps2[:, [1, 0, 2]]))))
 
 
 def test_accelerations_of_a_car_say_nothing_of_the_axes() -> None:
-    """No order explains them."""
     session, rng = waved(), np.random.default_rng(5)
     jolts = np.repeat(rng.normal(0.0, 8.0, (200, 3)), 20, axis=0)
     assert session.accel_mps2 is not None

@@ -29,7 +29,6 @@ def test_columns_come_in_any_order_and_may_be_absent(tmp_path: Path) -> None:
 
 
 def test_empty_cells_and_nan_are_values_that_are_not_there(tmp_path: Path) -> None:
-    """With Windows line ends and a byte order mark, as spreadsheets save."""
     text = "\ufefft_device_s,rate_dps,temp_c\r\n0,1,\r\n1,nan,25\r\n2,inf,nan\r\n"
     session = load_session(written(tmp_path, text))
     assert session.temp_c is not None
@@ -48,6 +47,7 @@ def test_every_digit_is_read(tmp_path_factory: pytest.TempPathFactory, rows: lis
     assert list(zip(*columns, strict=True)) == rows
 
 
+@pytest.mark.promise("Files of other programs")
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -73,7 +73,7 @@ def test_every_digit_is_read(tmp_path_factory: pytest.TempPathFactory, rows: lis
     ],
 )
 def test_what_is_wrong_is_said_with_its_place(tmp_path: Path, text: str | bytes, message: str) -> None:
-    """File, line, and what is expected."""
+    """A table with thousands of columns is refused at once, in one line."""
     with pytest.raises(DataError) as caught:
         load_session(written(tmp_path, text))
     assert message in str(caught.value)
@@ -96,14 +96,12 @@ def test_what_is_no_session_is_named(tmp_path: Path, name: str, message: str) ->
 
 @given(st.binary(max_size=300))
 def test_any_bytes_are_a_session_or_a_data_error(tmp_path_factory: pytest.TempPathFactory, content: bytes) -> None:
-    """Never another exception."""
     with pytest.raises(DataError):
         load_session(written(tmp_path_factory.mktemp("any"), b"t_device_s,rate_dps\nx" + content))
 
 
 @pytest.mark.parametrize("seq", ["1e300", "-1e300", "1e19", "inf", "nan"])
 def test_a_counter_beyond_all_that_is_counted_is_none(tmp_path: Path, seq: str) -> None:
-    """As one that is missing."""
     session = load_session(written(tmp_path, f"t_device_s,rate_dps,seq\n0,1,{seq}\n1,1,5\n"))
     assert session.seq is not None
     assert session.seq.tolist() == [-1, 5]
@@ -119,9 +117,8 @@ def test_what_is_quoted_of_a_file_is_short_and_no_order_to_a_terminal(tmp_path: 
 
 
 def test_what_was_said_of_rest_goes_through_both_formats(tmp_path: Path) -> None:
-    """Where it changes, comes and goes, piece by piece; an empty cell is not said."""
-    said = [np.nan, 1.0, 1.0, np.nan, 0.0, 0.0, 1.0, np.nan, np.nan, 1.0]
-    rows = [f"{n / 100},0.5,{'' if np.isnan(word) else word}" for n, word in enumerate(said)]
+    statement = [np.nan, 1.0, 1.0, np.nan, 0.0, 0.0, 1.0, np.nan, np.nan, 1.0]
+    rows = [f"{n / 100},0.5,{'' if np.isnan(word) else word}" for n, word in enumerate(statement)]
     source, between, back = tmp_path / "a.csv", tmp_path / "b.mcap", tmp_path / "c.csv"
     source.write_text("\n".join(["t_device_s,rate_dps,still", *rows]) + "\n")
     session = load_session(source)
@@ -130,4 +127,4 @@ def test_what_was_said_of_rest_goes_through_both_formats(tmp_path: Path) -> None
     for path in (source, between, back):
         still = load_session(path).still
         assert still is not None
-        np.testing.assert_array_equal(still, said)
+        np.testing.assert_array_equal(still, statement)

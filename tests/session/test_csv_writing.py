@@ -17,8 +17,8 @@ times = st.one_of(st.floats(0, 1e7), st.integers(0, 10**13).map(lambda micros: m
 rows = st.lists(st.tuples(times, any_float, any_float, st.integers(-1, 10**12)), min_size=1, max_size=60)
 
 
-def column(values: list[tuple[float, float, float, int]], at: int) -> Floats:
-    return np.array([row[at] for row in values], dtype=np.float64)
+def column(values: list[tuple[float, float, float, int]], index: int) -> Floats:
+    return np.array([row[index] for row in values], dtype=np.float64)
 
 
 def session_of(values: list[tuple[float, float, float, int]]) -> Session:
@@ -46,6 +46,5 @@ def test_what_is_written_is_read_again_with_the_same_bits(
 
 @pytest.mark.parametrize("t_s", [9.2e12, 1e13, 1e19, 1e300])
 def test_times_beyond_all_clocks_stay_what_they_are(t_s: float) -> None:
-    """More microseconds than a whole number of 64 bits holds."""
     chunk = Session("s", np.array([t_s, 2.0 * t_s]), np.array([0.1, 0.2]))
     assert list(csv_pieces([chunk])) == ["t_device_s,rate_dps\n", f"{t_s!r},0.1\n{2.0 * t_s!r},0.2\n"]

@@ -57,7 +57,6 @@ def own_columns(session: Session) -> dict[str, list[float]]:
 
 @pytest.mark.parametrize("has_axes", [False, True])
 def test_what_is_recorded_is_read_back(tmp_path: Path, *, has_axes: bool) -> None:
-    """All digits, and NaN where a sample had none."""
     session = read_mcap(recorded(tmp_path / "a.mcap", 250, has_axes=has_axes))
     expected = session_of("a", samples(250, has_axes=has_axes))
     for name in (*DEVICE_COLUMNS, "t_device_s", "rate_dps"):
@@ -118,7 +117,6 @@ def test_json_messages_keep_the_columns(tmp_path: Path) -> None:
 
 
 def test_a_session_without_any_yaw_has_no_columns(tmp_path: Path) -> None:
-    """Also where a table has the columns, and all are empty."""
     plain = session_of("a", [sample._replace(device_yaw=None) for sample in samples(5)])
     assert not set(DEVICE_COLUMNS) & plain.columns().keys()
     path = tmp_path / "a.csv"

@@ -17,17 +17,14 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_a_folder_is_the_sessions_in_it_by_name(folder: Path) -> None:
-    """And nothing else that lies there."""
     assert [path.name for path in session_paths([folder])] == ["a.csv", "b.mcap"]
 
 
 def test_files_and_folders_mix_and_nothing_comes_twice(folder: Path) -> None:
-    """In the order given."""
     assert session_paths([folder / "b.mcap", folder]) == [folder / "b.mcap", folder / "a.csv"]
 
 
 def test_tables_of_other_formats_count_where_nothing_else_is(folder: Path) -> None:
-    """Beside recordings a `.jsonl` may be anything."""
     for name in ("b.parquet", "a.jsonl", "notes.txt"):
         (folder / "empty" / name).write_bytes(b"x")
     assert [path.name for path in session_paths([folder / "empty"])] == ["a.jsonl", "b.parquet"]
@@ -39,13 +36,11 @@ def test_tables_of_other_formats_count_where_nothing_else_is(folder: Path) -> No
     ("name", "message"), [("empty", "no file in this folder ends in .mcap, .csv, "), ("x", "is no such")]
 )
 def test_nothing_there_is_told(folder: Path, name: str, message: str) -> None:
-    """By its path."""
     with pytest.raises(DataError, match=message):
         session_paths([folder / name])
 
 
 def test_a_folder_of_folders_is_the_sessions_in_those(folder: Path) -> None:
-    """Where it holds none of its own: a set of cases, a folder each."""
     deeper = folder / "empty" / "case"
     deeper.mkdir()
     (deeper / "a.mcap").write_bytes(b"x")

@@ -53,8 +53,8 @@ def make(store: Any, kind: str, t_s: float, frame: str = "odom") -> Any:
     vector, quaternion, point = (types[f"geometry_msgs/msg/{name}"] for name in ("Vector3", "Quaternion", "Point"))
     sec, nanosec = divmod(BEGAN_S * NS + round(t_s * NS), NS)
     stamp = types["builtin_interfaces/msg/Time"](sec=sec, nanosec=nanosec)
-    more = {"seq": 0} if store is ROS1 else {}
-    header = types["std_msgs/msg/Header"](stamp=stamp, frame_id=frame, **more)
+    extra = {"seq": 0} if store is ROS1 else {}
+    header = types["std_msgs/msg/Header"](stamp=stamp, frame_id=frame, **extra)
     half = radians(angle_deg(t_s)) / 2.0
     heading = quaternion(0.0, 0.0, sin(half), cos(half))
     pose = types["geometry_msgs/msg/Pose"](point(0.0, 0.0, 0.0), heading)
@@ -81,13 +81,13 @@ def make(store: Any, kind: str, t_s: float, frame: str = "odom") -> Any:
 
 def messages(store: Any, *references: tuple[str, str, float]) -> list[Message]:
     """Messages of an Imu, and of references by topic, type and rate, which begin a little later."""
-    topics = [("/imu", "sensor_msgs/msg/Imu", IMU_HZ, 0.0), *((*each, 0.0037) for each in references)]
-    found = [
+    topics = [("/imu", "sensor_msgs/msg/Imu", IMU_HZ, 0.0), *((*reference, 0.0037) for reference in references)]
+    result = [
         Message(topic, kind, t_s, make(store, kind, t_s))
         for topic, kind, hz, first_s in topics
         for t_s in np.arange(first_s, SECONDS, 1.0 / hz).tolist()
     ]
-    return sorted(found, key=lambda message: message.t_s)
+    return sorted(result, key=lambda message: message.t_s)
 
 
 def bag1(folder: Path, *references: tuple[str, str, float]) -> Path:
@@ -140,14 +140,13 @@ def _mcap(path: Path, store: Any, serialize: Any, forms: tuple[str, str], refere
 
 @pytest.mark.parametrize("record", [bag1, bag2, mcap1, mcap2])
 def test_the_heading_of_odometry_is_the_reference(tmp_path: Path, record: Callable[..., Path]) -> None:
-    """In the samples nearest to its messages, moved to their times, and counted over full turns."""
     path = record(tmp_path, ("/odom", ODOMETRY, 30.0))
     session = load_session(path, reference="/odom")
     assert session.encoder_deg is not None
     is_known = np.isfinite(session.encoder_deg)
     assert np.count_nonzero(is_known) == pytest.approx(30.0 * SECONDS, abs=1)
     t_s = session.t_device_s - BEGAN_S
-    truth_deg = [angle_deg(each) for each in t_s[is_known]]
+    truth_deg = [angle_deg(item) for item in t_s[is_known]]
     np.testing.assert_allclose(session.encoder_deg[is_known], truth_deg, atol=0.02)
     assert np.nanmax(session.encoder_deg) > 1079.0
     assert session.remarks[-1] == f"its reference angle is that of /odom ({ODOMETRY})"
@@ -161,7 +160,7 @@ def test_each_message_with_an_orientation_is_read_at_any_rate(tmp_path: Path, ki
     assert session.encoder_deg is not None
     is_known = np.isfinite(session.encoder_deg)
     assert np.mean(is_known) == pytest.approx(min(1.0, hz / IMU_HZ), abs=0.01)
-    truth_deg = [angle_deg(each) for each in (session.t_device_s - BEGAN_S)[is_known]]
+    truth_deg = [angle_deg(item) for item in (session.t_device_s - BEGAN_S)[is_known]]
     np.testing.assert_allclose(session.encoder_deg[is_known], truth_deg, atol=0.05)
 
 
@@ -194,7 +193,6 @@ def test_a_table_has_no_topics(tmp_path: Path) -> None:
 
 
 def test_a_table_keeps_its_angle_beside_a_bag(tmp_path: Path) -> None:
-    """So that a robot may write tables, and its simulator bags."""
     (tmp_path / "a.csv").write_text("t_device_s,rate_dps,encoder_deg\n0.0,1.5,3\n0.01,1.5,4\n")
     session = load_session(tmp_path / "a.csv", reference="/odom")
     assert session.encoder_deg is not None
@@ -206,14 +204,12 @@ def test_a_table_keeps_its_angle_beside_a_bag(tmp_path: Path) -> None:
 def test_diagnose_asks_for_the_topic(
     tmp_path: Path, record: Callable[..., Path], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """It does not take odometry by itself: it may contain the gyro."""
     path = record(tmp_path, ("/odom", ODOMETRY, 30.0))
     assert main(["diagnose", str(path), "--out", str(tmp_path / "out")]) == 4
     assert f"choose its reference with --reference TOPIC: /odom ({ODOMETRY})" in capsys.readouterr().err
 
 
 def test_convert_writes_the_angle_beside_the_samples(tmp_path: Path) -> None:
-    """Also of a recording with several gyros, and the library reads it, too."""
     path = mcap2(tmp_path, ("/odom", ODOMETRY, 30.0), ("/other", "sensor_msgs/msg/Imu", 10.0))
     words = ["--topic", "/imu", "--reference", "/odom"]
     assert main(["convert", str(path), str(tmp_path / "out.csv"), *words]) == 0
@@ -228,7 +224,6 @@ def test_convert_writes_the_angle_beside_the_samples(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("away_s", [0.004, 0.0051])
 def test_a_reading_counts_half_a_sample_around(away_s: float) -> None:
-    """And at the rate between the readings before and after."""
     t_s = np.arange(0.0, 1.0, 0.01)
     read_s = np.arange(0.1, 0.9, 0.1) + away_s
     found_deg = at_samples(t_s, read_s, 90.0 * read_s)

@@ -55,7 +55,6 @@ def test_a_case_comes_at_rest_and_moving(case: AttitudeCase) -> None:
     ],
 )
 def test_motions_tilt_as_far_as_their_names_say(name: str, least_deg: float, most_deg: float) -> None:
-    """At most."""
     assert least_deg < tilt_deg(BY_NAME[name]).max() < most_deg
 
 
@@ -68,7 +67,6 @@ def test_an_even_turn_is_even(rate_dps: float) -> None:
 
 
 def test_parts_differ() -> None:
-    """In bias, noise and the errors of their axes."""
     bases = [attitude_simulation(case, 1, n, 1.0, is_still=True).rig.base for case in ATTITUDE_CASES for n in range(2)]
     assert len({base.noise_dps_rthz for base in bases}) == len(bases)
     assert len({base.three_axes.effects for base in bases if base.three_axes is not None}) == len(bases)
@@ -77,7 +75,6 @@ def test_parts_differ() -> None:
 
 
 def test_an_accelerometer_goes_silent() -> None:
-    """After two minutes, and the rates go on."""
     session = attitude_simulation(BY_NAME["accel-loss"], 1, 0, 2.5, is_still=True).whole()
     assert session.accel_mps2 is not None
     assert session.gyro_dps is not None

@@ -22,11 +22,10 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def true_rate_dps(path: Path, seconds: float) -> float:
-    """By the encoder, over the first seconds."""
     session = load_session(path)
     assert session.encoder_deg is not None
-    at = int(np.searchsorted(session.t_device_s, seconds))
-    return float(session.encoder_deg[at] - session.encoder_deg[0]) / float(session.t_device_s[at])
+    index = int(np.searchsorted(session.t_device_s, seconds))
+    return float(session.encoder_deg[index] - session.encoder_deg[0]) / float(session.t_device_s[index])
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
@@ -42,7 +41,6 @@ def test_a_case_comes_at_rest_and_moving(case: Case, written: Path) -> None:
 
 @pytest.mark.parametrize("rate_dps", [0.5, 1.5, 20.0])
 def test_a_constant_spin_is_constant(rate_dps: float, written: Path) -> None:
-    """Either way, from the first sample on or after the ten seconds and a second to get there."""
     for number in (1, 2):
         session = load_session(written / f"spin-{rate_dps:g}-moving" / f"session-{number:02d}.mcap")
         assert session.encoder_deg is not None
@@ -51,7 +49,6 @@ def test_a_constant_spin_is_constant(rate_dps: float, written: Path) -> None:
 
 
 def test_parts_differ_and_both_versions_have_the_same(written: Path) -> None:
-    """In bias, noise and motion; three degrees a second are three, of either sign."""
     rigs = [load_rig(path) for path in sorted(written.glob("*-still/*.rig.yaml"))]
     twins = [load_rig(path) for path in sorted(written.glob("*-moving/*.rig.yaml"))]
     assert rigs == twins
@@ -62,7 +59,6 @@ def test_parts_differ_and_both_versions_have_the_same(written: Path) -> None:
 
 
 def test_biases_are_spread_like_those_of_real_parts() -> None:
-    """Half a degree a second is their standard deviation."""
     biases = [
         simulation(case, seed, 0, 1.0, is_still=True).rig.base.bias_dps
         for case in CASES
@@ -74,7 +70,6 @@ def test_biases_are_spread_like_those_of_real_parts() -> None:
 
 
 def test_a_temperature_cycle_warms_and_cools() -> None:
-    """By twenty degrees and ten."""
     temp_c = simulation(BY_NAME["temperature"], 1, 0, is_still=True).whole().temp_c
     assert temp_c is not None
     assert temp_c.max() - temp_c[0] > 20.0
@@ -82,13 +77,11 @@ def test_a_temperature_cycle_warms_and_cools() -> None:
 
 
 def test_lost_samples_are_lost() -> None:
-    """One in a hundred."""
     session = simulation(BY_NAME["drops"], 1, 0, 5.0, is_still=False).whole()
     assert len(session.rate_dps) == pytest.approx(0.99 * 30000, rel=0.003)
 
 
 def test_the_same_seed_gives_the_same_bytes(written: Path, tmp_path: Path) -> None:
-    """And another one others."""
     options = ["--sessions", "1", "--minutes", "0.5"]
     for seed in ("4", "5"):
         assert main(["simulate", "--hard-cases", "--out", str(tmp_path / seed), "--seed", seed, *options]) == 0
@@ -104,6 +97,5 @@ def test_the_same_seed_gives_the_same_bytes(written: Path, tmp_path: Path) -> No
 def test_they_have_rigs_and_motions_of_their_own(
     option: str, value: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """So none may be given."""
     assert main(["simulate", "--hard-cases", "--out", str(tmp_path), option, value]) == 2
     assert "--hard-cases has its own rigs and motions" in capsys.readouterr().err

@@ -19,7 +19,6 @@ any_floats = st.lists(st.floats(width=64), min_size=6, max_size=6)
 def test_any_numbers_are_played_as_far_as_a_device_can_say_them(
     times: list[float], rates: list[float], angles: list[float], temps: list[float]
 ) -> None:
-    """In every protocol; what is no time is left out."""
     t_s, rate_dps, encoder_deg, temp_c = map(np.array, (times, rates, angles, temps))
     session = Session("s", t_s, rate_dps, encoder_deg=encoder_deg, temp_c=temp_c)
     if not any(abs(t_s) < 1e12 for t_s in times):
@@ -33,7 +32,6 @@ def test_any_numbers_are_played_as_far_as_a_device_can_say_them(
 
 
 def test_samples_without_a_time_are_holes() -> None:
-    """Before the first and after the last time, and between; the counter goes on across them."""
     session = Session("s", np.array([nan, 1.0, 1e300, 1.2, 1.3, inf]), np.arange(6.0))
     played = list(PlayedSession(session, is_looping=False))
     assert [(m.t_us, m.rate_dps) for m in played] == [(1_000_000, 1.0), (1_200_000, 3.0), (1_300_000, 4.0)]

@@ -36,7 +36,6 @@ def test_flaws_know_nothing_of_gyrodrift() -> None:
 
 
 def test_there_are_enough_cases() -> None:
-    """At least 24 flaws, cases without one, and eight that are put back."""
     assert sum(bool(case.effect) for case in CASES.values()) >= 24
     assert sum(not case.effect for case in CASES.values()) >= 6
     assert len(LOOPED) >= 8
@@ -45,7 +44,6 @@ def test_there_are_enough_cases() -> None:
 
 @pytest.mark.parametrize("bench", ["turntable", "rover"])
 def test_a_bench_turns_as_its_gyro_says(bench: str) -> None:
-    """Both signals are of one motion: the wheels of the robot slip by a few degrees."""
     rate_dps, angle_deg = benches.BENCHES[bench](30.0, 3)
     integral_deg = np.cumsum(rate_dps) / benches.RATE_HZ
     assert np.ptp(integral_deg) > 200.0

@@ -13,7 +13,6 @@ def ground_of(roll_deg: float, pitch_deg: float) -> list[str]:
 
 
 def share(rows: list[str]) -> float:
-    """Of the characters that have some ground."""
     text = "".join(rows)
     return sum(character not in " ─┼" for character in text) / len(text)
 
@@ -27,14 +26,12 @@ def test_a_level_device_has_sky_above_and_ground_below() -> None:
 
 
 def test_the_horizon_rises_on_the_right_when_the_right_side_is_down() -> None:
-    """As the world turns against the device; and on the left when the left side is down."""
     for roll_deg, raised, sunk in ((30.0, slice(-4, None), slice(0, 4)), (-30.0, slice(0, 4), slice(-4, None))):
         rows = ground_of(roll_deg, 0.0)
         assert share([row[raised] for row in rows]) > share([row[sunk] for row in rows]) + 0.2
 
 
 def test_the_nose_goes_up_into_the_sky() -> None:
-    """And down into the ground."""
     up, level, down = (share(ground_of(0.0, pitch_deg)) for pitch_deg in (-20.0, 0.0, 20.0))
     assert up < level - 0.1 < level + 0.1 < down
 

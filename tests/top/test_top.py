@@ -25,7 +25,6 @@ def shows(terminal: Terminal, pattern: str) -> None:
 
 
 def test_a_service_is_watched_zeroed_and_waited_for(port: Path, tmp_path: Path) -> None:
-    """All that a person looks for, and each key."""
     path = tmp_path / "control"
     with ExitStack() as stack:
         serve, device = stack.enter_context(
@@ -52,7 +51,6 @@ def test_a_service_is_watched_zeroed_and_waited_for(port: Path, tmp_path: Path) 
 
 
 def test_it_ends_with_its_terminal(port: Path, tmp_path: Path) -> None:
-    """Where nobody tells it by a signal, it notices; and leaves the service alone."""
     path = tmp_path / "control"
     with ExitStack() as stack:
         serve, _ = stack.enter_context(serving(port, "--control", path))
@@ -64,7 +62,6 @@ def test_it_ends_with_its_terminal(port: Path, tmp_path: Path) -> None:
 
 
 def test_without_a_terminal_the_state_is_printed_once(port: Path, tmp_path: Path) -> None:
-    """For a script."""
     path = tmp_path / "control"
     with serving(port, "--filter", "hdr", "--control", path) as (serve, device):
         device.send_all(csv_at_100_hz(101), never)
@@ -79,7 +76,6 @@ def test_without_a_terminal_the_state_is_printed_once(port: Path, tmp_path: Path
 
 
 def test_clients_and_what_is_wrong_are_shown() -> None:
-    """In the words of the page."""
     clients = tuple(ClientStatus(f"127.0.0.1:{50_000 + n}", 100, n) for n in range(10))
     status = ServiceStatus(
         link=LinkStatus(port="/dev/gyro", is_open=True, samples=10, damaged=3, gaps=1, missing=7),
@@ -97,7 +93,7 @@ def test_clients_and_what_is_wrong_are_shown() -> None:
     console.print(draw(status, [YawPoint(0.0, 0.0, 0.5), YawPoint(0.25, 1.0, 0.5)]))
     console.file.close()
     shown = console.export_text()
-    for said in (
+    for statement in (
         "+1.00 ± 0.50 deg",
         "0.25 deg",
         "-0.2500 ± 0.0100 deg/s",
@@ -106,7 +102,7 @@ def test_clients_and_what_is_wrong_are_shown() -> None:
         "127.0.0.1:50007",
         "and 2 more",
     ):
-        assert said in shown
+        assert statement in shown
     assert "3 frames are damaged (23.1%); check cable, ground and baud." in shown
 
 
@@ -139,7 +135,6 @@ def tilted_status(roll_deg: float, pitch_deg: float) -> ServiceStatus:
 
 @pytest.mark.parametrize(("columns", "rows"), [(80, 24), (200, 50)])
 def test_a_tilted_device_has_a_horizon_beside_the_chart(columns: int, rows: int) -> None:
-    """And its angles in words; the view still fills the terminal."""
     points = [YawPoint(n / 4.0, n / 10.0, 1.0) for n in range(480)]
     console = Console(width=columns, height=rows, file=io.StringIO(), force_terminal=True, color_system=None)
     with console.capture() as shown:
@@ -162,5 +157,4 @@ def test_without_a_terminal_the_angles_are_words() -> None:
     [([], ""), ([1.0], "▁"), ([0.0, 7.0], "▁█"), ([0.0, 0.01], "▁▁"), (list(range(8)), "▁▂▃▄▅▆▇█")],
 )
 def test_a_sparkline_goes_from_the_least_to_the_most(values: list[float], expected: str) -> None:
-    """And noise is flat."""
     assert sparkline(values) == expected

@@ -19,10 +19,10 @@ def read(folder: Path, content: str) -> TuningProvenance | None:
 
 def test_sessions_come_with_what_they_were_used_for(tmp_path: Path) -> None:
     """The filter is the one that the block names, or else the config."""
-    found = read(tmp_path, f"filter: hdr\nprovenance: {{seed: 3, iterations: 90, command: x, {SESSIONS}}}\n")
+    result = read(tmp_path, f"filter: hdr\nprovenance: {{seed: 3, iterations: 90, command: x, {SESSIONS}}}\n")
     a, b = TunedSession("a", Split.TRAIN, "ab"), TunedSession("b", Split.TEST, "cd")
-    assert found == TuningProvenance("hdr", (a, b), "x", 3, 90)
-    assert found.training == (a,)
+    assert result == TuningProvenance("hdr", (a, b), "x", 3, 90)
+    assert result.training == (a,)
     named = read(tmp_path, f"filter: hdr\nprovenance: {{filter: restlevel, {SESSIONS}}}\n")
     assert named == TuningProvenance("restlevel", (a, b))
 
@@ -40,13 +40,11 @@ def test_sessions_come_with_what_they_were_used_for(tmp_path: Path) -> None:
     ],
 )
 def test_what_tells_of_no_tuning_is_none(tmp_path: Path, content: str) -> None:
-    """Whatever stands there."""
     assert read(tmp_path, content) is None
 
 
 def test_the_shipped_config_says_which_filter_was_tuned() -> None:
-    """It has blocks of both, and serve runs the other one."""
-    found = read_provenance(ROOT / "config" / "gyrodrift.yaml")
-    assert found is not None
-    assert found.filter == "hdr"
-    assert len(found.training) == 7
+    result = read_provenance(ROOT / "config" / "gyrodrift.yaml")
+    assert result is not None
+    assert result.filter == "hdr"
+    assert len(result.training) == 7

@@ -18,7 +18,6 @@ WITHOUT_BIAS = RestlevelParams(turn_on_dps=0.001, walk_dps_rts=1e-6)
 def test_parameters_that_are_worse_on_three_axes_than_the_defaults_are_told(
     tmp_path: Path, columns: tuple[str, ...], end: str
 ) -> None:
-    """On one axis there is nothing to tell: the search has run the filter itself."""
     path = hand_motion(30.0, tilt_deg=25.0, bias_dps=BIAS_DPS).write(tmp_path / "hand.csv", columns)
     warning = worse_on_three_axes(WITHOUT_BIAS, [load_with_reference(Source(path))])
     assert bool(warning) == bool(end)

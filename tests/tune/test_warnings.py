@@ -37,7 +37,6 @@ def bowl(*decided: int) -> Callable[[Floats], Floats]:
 
 
 def test_a_value_at_an_end_of_its_range_is_told() -> None:
-    """By factors where the axis counts factors."""
     assert [bound_of(AXES[3], value) for value in (0.0, 0.02, 1.0, 2.99, 9.0)] == [
         "lower",
         "lower",
@@ -50,8 +49,8 @@ def test_a_value_at_an_end_of_its_range_is_told() -> None:
 
 def test_a_parameter_at_a_bound_is_told_with_what_to_do() -> None:
     """Wider by --range, unless the filter itself ends there."""
-    said = list(bound_warnings(HDR, AXES, replace(INSIDE, i_c_dps=0.1, c2=0.0)))
-    assert said == [
+    statement = list(bound_warnings(HDR, AXES, replace(INSIDE, i_c_dps=0.1, c2=0.0)))
+    assert statement == [
         "i_c_dps is at the upper end of its range, 0.1; widen it with --range",
         "c2 is at the lower end of its range, 0, which is a bound of the filter",
     ]
@@ -59,13 +58,12 @@ def test_a_parameter_at_a_bound_is_told_with_what_to_do() -> None:
 
 
 def test_a_parameter_that_changes_nothing_is_told() -> None:
-    """With the range in which it does not, and what would decide it."""
     rows = slice_candidates(HDR, AXES, INSIDE)
     assert not list(identifiability_warnings(HDR, AXES, bowl(0, 1, 2, 3, 4)(rows).reshape(len(AXES), -1)))
-    (said,) = identifiability_warnings(HDR, AXES, bowl(0, 1, 3, 4)(rows).reshape(len(AXES), -1))
+    (statement,) = identifiability_warnings(HDR, AXES, bowl(0, 1, 3, 4)(rows).reshape(len(AXES), -1))
     expected = "theta_w_dps is not determined by these sessions: from 0.02 to 20 the cost is within 2% of its minimum"
-    assert said.startswith(expected)
-    assert said.endswith("it needs motion at all rates, slow turns too")
+    assert statement.startswith(expected)
+    assert statement.endswith("it needs motion at all rates, slow turns too")
 
 
 @pytest.mark.parametrize(
@@ -84,7 +82,6 @@ def test_a_parameter_that_changes_nothing_is_told() -> None:
     ],
 )
 def test_a_test_that_goes_badly_is_told(tuned: Pi, plain: Pi, words: str) -> None:
-    """Unless its sessions simply drift more."""
-    said = list(held_out_warnings(tuned, plain))
-    assert len(said) == bool(words)
-    assert words in "".join(said)
+    statement = list(held_out_warnings(tuned, plain))
+    assert len(statement) == bool(words)
+    assert words in "".join(statement)

@@ -64,7 +64,6 @@ def test_gazebo_has_noise_and_bias_of_a_sample_in_radians() -> None:
 
 
 def test_a_walk_drives_the_dynamic_bias_of_gazebo() -> None:
-    """Its recursion, as Gazebo has it, walks by the density times the root of the time."""
     values = noise_of(with_effects("rate_random_walk"))
     stddev, time_s = values["dynamic_bias_stddev"], values["dynamic_bias_correlation_time"]
     steps, step_s = 6000, 0.01
@@ -74,7 +73,6 @@ def test_a_walk_drives_the_dynamic_bias_of_gazebo() -> None:
 
 
 def test_two_levels_have_the_variance_of_the_dynamic_bias() -> None:
-    """Half a step, squared; its correlation time is half of the dwell time."""
     drive, time_s = dynamic_bias(effect("popcorn"))
     assert drive * sqrt(time_s / 2.0) == pytest.approx(0.1 * RAD)
     assert time_s == 10.0
@@ -100,7 +98,6 @@ def test_the_file_for_gazebo_has_the_elements_of_its_format_in_their_places() ->
 
 
 def test_kalibr_has_densities_in_radians() -> None:
-    """`gyroscope_random_walk` in rad/s²/√Hz is rad/s/√s."""
     (text,) = kalibr(with_effects("rate_random_walk")).files.values()
     values = yaml.safe_load(text)
     assert values == {
@@ -125,7 +122,6 @@ def test_small_numbers_are_numbers_in_yaml() -> None:
 
 
 def test_json_is_what_the_wrapper_takes(tmp_path: Path) -> None:
-    """With all effects on the rate; those of encoder, clock and link are named with the reason."""
     export = FORMATS["json"](with_effects(*CATALOGUE))
     content = json.loads(export.files["effects.json"])
     assert {entry["effect"] for entry in content["effects"]} == EFFECTS.keys() - {"white_noise", "constant_bias"}
@@ -138,7 +134,6 @@ def test_json_is_what_the_wrapper_takes(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", FORMATS)
 def test_what_a_format_cannot_express_is_said_in_it_and_in_the_report(name: str) -> None:
-    """Each effect is in the file, or the file says why it is not."""
     export = FORMATS[name](with_effects(*CATALOGUE))
     assert {*export.expressed, *export.not_expressed} == CATALOGUE.keys()
     assert not {*export.expressed} & {*export.not_expressed}
@@ -161,7 +156,6 @@ def test_without_effects_an_export_says_so(name: str) -> None:
 
 @pytest.mark.parametrize("name", FORMATS)
 def test_an_export_states_probability_and_interval(name: str) -> None:
-    """So that nobody takes a guess for a fact."""
     for text in FORMATS[name](with_effects("scale_factor")).files.values():
         assert re.search(r"error_percent 1.5 % \(1.35 to 1.65\), probability 0.97|\"probability\": 0.97", text)
 
@@ -205,7 +199,6 @@ def test_an_export_has_the_difference_to_the_baseline() -> None:
 
 
 def test_files_of_formats_that_are_no_longer_asked_for_go(tmp_path: Path) -> None:
-    """Else they would be taken for results of the last run; files of others stay."""
     made = diagnosis({})
     write_exports(tmp_path, exports_of(made, ["kalibr", "json", "kalibr"]))
     (tmp_path / "export" / "mine.txt").write_text("mine")

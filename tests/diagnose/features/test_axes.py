@@ -32,18 +32,15 @@ def values(recording: Recording, facts: Facts = THREE) -> dict[str, float]:
 
 @pytest.mark.parametrize("tilt_deg", [3.0, 12.0])
 def test_both_features_are_sines_of_the_tilt(tilt_deg: float) -> None:
-    """To a thousandth, with biases of 1.5 deg/s that drift by 0.3 deg/s."""
     sine = np.sin(np.deg2rad(tilt_deg))
     assert values(tilted(tilt_deg)) == pytest.approx({"turn_across": sine, "gravity_across": sine}, abs=0.002)
 
 
 def test_a_level_sensor_shows_neither() -> None:
-    """But for noise far below the relevance thresholds."""
     assert max(values(tilted(0.0)).values()) < 0.002
 
 
 def test_a_scale_error_shows_in_neither() -> None:
-    """10 % of the yaw rate leave x and y of the gyro as they are."""
     level = tilted(0.0)
     assert values(replace(level, rate_dps=1.1 * level.rate_dps)) == values(level)
 
@@ -56,13 +53,11 @@ def test_gravity_and_turn_are_measured_apart() -> None:
 
 
 def test_the_direction_of_the_lean_is_known() -> None:
-    """The turn shows along y."""
     lean = turn_lean(tilted(12.0), true_design())
     assert np.degrees(np.arctan2(lean.y, lean.x)) == pytest.approx(90.0, abs=0.5)
 
 
 def test_devices_without_axes_have_zeros() -> None:
-    """Nothing is measured that recording or rig lacks."""
     single = observed(TRUE_DPS)
     assert not measure(single.cleaned, single.design, THREE).values[OF_AXES].any()
     assert values(tilted(12.0), FACTS) == {"turn_across": 0.0, "gravity_across": 0.0}

@@ -27,7 +27,6 @@ def of_parts(values: Floats) -> dict[str, Floats]:
 
 
 def test_coarse_counts_are_believed_where_their_rounding_averages_out() -> None:
-    """At rest wholly, in quick motion nearly; hardly where a count stands for seconds, or comes with every sample."""
     roots = of_parts(root_weights_of(motion(), COARSE_DEG, BLOCK, 0.05))
     assert (roots["rest"] == 1.0).all()
     assert roots["turn"].min() > 0.4
@@ -36,13 +35,11 @@ def test_coarse_counts_are_believed_where_their_rounding_averages_out() -> None:
 
 
 def test_fine_counts_are_believed_everywhere() -> None:
-    """And those of a reference without counts."""
     assert root_weights_of(motion(), FINE_DEG, BLOCK, 0.0).min() > 0.9
     assert (root_weights_of(motion(), 0.0, BLOCK, 0.0) == 1.0).all()
 
 
 def test_a_noisy_gyro_makes_all_blocks_alike() -> None:
-    """Nothing is known better than its noise."""
     quiet, noisy = (root_weights_of(motion(), COARSE_DEG, BLOCK, sigma_dps) for sigma_dps in (0.0, 5.0))
     assert (noisy > quiet - 1e-9).all()
     assert noisy.min() > 0.7

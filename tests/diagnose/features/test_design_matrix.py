@@ -24,7 +24,6 @@ def terms() -> MotionTerms:
 
 
 def test_columns_are_taken_out_in_their_order() -> None:
-    """What b shares with a counts for a, and each has its own direction."""
     basis = orthonormal(np.column_stack([np.ones(16), A, A + B]), np.array([0.1, 0.2]), 1)
     assert basis.vectors == pytest.approx(np.column_stack([A, B]) / 4.0)
 
@@ -36,7 +35,6 @@ def test_thresholds_go_with_the_columns() -> None:
 
 
 def test_a_column_that_says_nothing_new_is_left_out() -> None:
-    """One that is made of others, and one of zeros."""
     columns = np.column_stack([np.ones(16), A, 3.0 * A - 2.0, np.zeros(16)])
     assert np.all(orthonormal(columns, np.ones(3), 1).vectors[:, 1:] == 0.0)
     assert np.linalg.norm(orthonormal_vectors(columns), axis=0) == pytest.approx([1.0, 1.0, 0.0, 0.0])
@@ -44,21 +42,19 @@ def test_a_column_that_says_nothing_new_is_left_out() -> None:
 
 @pytest.mark.parametrize("rows", [16, 4000])
 def test_a_column_that_says_nothing_new_turns_none_behind_it(rows: int) -> None:
-    """What is left of it is noise, and another one in a recording and in its simulation: both have the same vectors."""
     rng = np.random.default_rng(7)
     first, last = np.tile(A, rows // 16), rng.standard_normal(rows)
     noise = 1e-3 * rng.standard_normal((2, rows))
-    one, other = (
+    item, second = (
         orthonormal(np.column_stack([np.ones(rows), first, 3.0 * first + away, last]), np.ones(3), 1).vectors
         for away in noise
     )
-    assert not one[:, 1].any()
-    assert one[:, 2] @ other[:, 2] == pytest.approx(1.0, abs=1e-12)
-    assert one[:, 2] @ last / np.linalg.norm(last - last.mean()) > (0.7 if rows < 100 else 0.99)
+    assert not item[:, 1].any()
+    assert item[:, 2] @ second[:, 2] == pytest.approx(1.0, abs=1e-12)
+    assert item[:, 2] @ last / np.linalg.norm(last - last.mean()) > (0.7 if rows < 100 else 0.99)
 
 
 def test_a_column_takes_two_rows() -> None:
-    """Of five columns six rows tell three; the others are there, and say nothing."""
     columns = np.random.default_rng(1).standard_normal((6, 5))
     basis = orthonormal(columns, np.ones(5), 0)
     assert np.linalg.norm(basis.vectors, axis=0) == pytest.approx([1.0, 1.0, 1.0, 0.0, 0.0])
@@ -78,7 +74,6 @@ def test_regimes_are_those_of_the_motion() -> None:
 
 
 def test_block_rates_are_those_of_the_motion() -> None:
-    """Second by second, on a ramp as well as between."""
     block_rate_dps = observed(TRUE_DPS).design.regimes.block_rate_dps
     true_dps = TRUE_DPS.reshape(SECONDS, 100).mean(axis=1)
     assert np.abs(block_rate_dps - true_dps).max() < 0.05
@@ -113,13 +108,11 @@ def test_block_rates_are_those_of_the_motion() -> None:
     ],
 )
 def test_a_regressor_is_what_its_name_says(name: str, at_15_s: float, at_35_s: float) -> None:
-    """5 s after each change of the motion."""
     column = next(column for column in COLUMNS if column.name == name)
     assert column.compute(terms())[[15, 35]] == pytest.approx([at_15_s, at_35_s], abs=1e-9)
 
 
 def test_reversals_and_accelerations_are_at_the_change() -> None:
-    """From 90 to −30 deg/s, with a derivative over two samples."""
     columns = {column.name: column.compute(terms()) for column in COLUMNS}
     assert columns["acceleration"][[20, 29, 30, 35]] == pytest.approx([0.0, -60.0, -60.0, 0.0])
     assert columns["reversal"][[20, 29, 30, 35]] == pytest.approx([0.0, -1.0, -1.0, 0.0])
@@ -133,7 +126,6 @@ def test_turns_of_three_to_eight_parts_have_their_vectors() -> None:
 
 
 def test_the_grid_is_that_of_the_recording() -> None:
-    """A block is a second."""
     design = observed(TRUE_DPS).design
     assert design.period_s == pytest.approx(PERIOD_S, rel=1e-6)
     assert (design.samples, design.block) == (SECONDS * 100, 100)
@@ -141,7 +133,6 @@ def test_the_grid_is_that_of_the_recording() -> None:
 
 @pytest.mark.parametrize("points", [1, 4, 7, 100, 900])
 def test_what_lasts_is_so_all_about(points: int) -> None:
-    """As the least of a running window that ends with the samples."""
     is_such = np.random.default_rng(points).random(600) < 0.995
     assert np.array_equal(lasting(is_such, points), minimum_filter1d(is_such.astype(int), points) == 1)
 
@@ -167,19 +158,17 @@ def test_many_rows_tell_what_is_next_to_nothing_new() -> None:
 
 
 def test_bases_of_turns_are_sines_of_multiples_of_the_angle() -> None:
-    """They span what means of these sines over blocks span, by themselves and times the rate."""
     design = observed(TRUE_DPS).design
     turn, rate_dps = np.deg2rad(design.motion.angle_deg), design.motion.rate_dps
     for order in range(TURN_ORDERS[0], TURN_ORDERS[1] + 1):
         for sine in (np.sin(order * turn), np.cos(order * turn)):
             alone = block_means(sine, design.block)
             assert design.turn_basis @ (design.turn_basis.T @ alone) == pytest.approx(alone, abs=1e-10)
-            beside = block_means(sine * rate_dps, design.block)
-            assert design.turn_rate_basis @ (design.turn_rate_basis.T @ beside) == pytest.approx(beside, abs=1e-8)
+            next_to = block_means(sine * rate_dps, design.block)
+            assert design.turn_rate_basis @ (design.turn_rate_basis.T @ next_to) == pytest.approx(next_to, abs=1e-8)
 
 
 def test_a_regressor_is_had_by_its_name() -> None:
-    """At each sample of the motion, as the blocks have its means."""
     design = observed(TRUE_DPS).design
     assert design.regressor("rate") == pytest.approx(design.motion.rate_dps)
     assert design.regressor("total_angle") == pytest.approx(design.motion.angle_deg / 360.0)

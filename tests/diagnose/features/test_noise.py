@@ -16,19 +16,18 @@ SIGMA = 0.05
 
 def noisy(noise_dps: Floats) -> Observed:
     """Past the search for outliers: what is measured is what is given."""
-    one = observed(TRUE_DPS)
-    return Observed(replace(one.cleaned, rate_dps=TRUE_DPS + noise_dps), one.design)
+    item = observed(TRUE_DPS)
+    return Observed(replace(item.cleaned, rate_dps=TRUE_DPS + noise_dps), item.design)
 
 
 def test_white_noise_is_white_at_rest_and_in_motion() -> None:
-    """Its variance comes out the same of means of any length; the longest are few."""
-    one = noisy(white(SIGMA))
-    spreads = spreads_of(one.cleaned.rate_dps, one.design.difference_indices)
+    item = noisy(white(SIGMA))
+    spreads = spreads_of(item.cleaned.rate_dps, item.design.difference_indices)
     assert np.sqrt(spreads.rest[:4]) == pytest.approx([SIGMA] * 4, rel=0.06)
     assert np.sqrt(spreads.slow + spreads.fast) == pytest.approx([SIGMA] * 6, rel=0.1)
-    found = one.values()
-    assert max(abs(found[f"noise_rest_{points}"]) for points in REST_LENGTHS) < 0.35
-    assert max(abs(found[f"noise_slow_{points}"]) for points in MOVING_LENGTHS) < 0.25
+    result = item.values()
+    assert max(abs(result[f"noise_rest_{points}"]) for points in REST_LENGTHS) < 0.35
+    assert max(abs(result[f"noise_slow_{points}"]) for points in MOVING_LENGTHS) < 0.25
 
 
 def test_a_scatter_of_which_most_is_nothing_grows_evenly_with_what_there_is() -> None:
@@ -36,11 +35,11 @@ def test_a_scatter_of_which_most_is_nothing_grows_evenly_with_what_there_is() ->
     rng = np.random.default_rng(3)
     leaves = rng.permutation(len(T_S))
     shares = np.linspace(0.08, 0.36, 15)
-    found = []
+    result = []
     for share in shares:
-        one = noisy(np.where(leaves < share * len(T_S), 0.5, 0.0))
-        found.append(spreads_of(one.cleaned.rate_dps, one.design.difference_indices).rest[0])
-    assert found == pytest.approx((shares * (1.0 - shares) * 0.25).tolist(), rel=0.3)
+        item = noisy(np.where(leaves < share * len(T_S), 0.5, 0.0))
+        result.append(spreads_of(item.cleaned.rate_dps, item.design.difference_indices).rest[0])
+    assert result == pytest.approx((shares * (1.0 - shares) * 0.25).tolist(), rel=0.3)
 
 
 def test_outliers_in_a_short_rest_are_held_back() -> None:
@@ -58,39 +57,35 @@ def test_correlated_noise_has_the_spread_of_its_kernel(number: int) -> None:
     """Means of two neighbours: the squares of the weights that a second difference gives to each draw, in all."""
     points = REST_LENGTHS[number]
     draws = white(SIGMA, 4, len(T_S) + 1)
-    one = noisy(0.5 * (draws[1:] + draws[:-1]))
+    item = noisy(0.5 * (draws[1:] + draws[:-1]))
     mean = np.ones(points) / points
     second = np.zeros(2 * points + 1)
     second[[0, points, 2 * points]] = 1.0, -2.0, 1.0
     weights = np.convolve(np.convolve(mean, second), [0.5, 0.5])
     expected = SIGMA**2 * float(weights @ weights) * points / 6.0
-    assert spreads_of(one.cleaned.rate_dps, one.design.difference_indices).rest[number] == pytest.approx(
+    assert spreads_of(item.cleaned.rate_dps, item.design.difference_indices).rest[number] == pytest.approx(
         expected, rel=0.2
     )
 
 
 def test_a_ramp_is_no_noise() -> None:
-    """Not at rest, where a second difference takes it away, nor in motion."""
-    one = noisy(0.3 * T_S)
-    spreads = spreads_of(one.cleaned.rate_dps, one.design.difference_indices)
+    item = noisy(0.3 * T_S)
+    spreads = spreads_of(item.cleaned.rate_dps, item.design.difference_indices)
     assert max(*spreads.rest, *spreads.slow, *spreads.fast) < 1e-12
 
 
 @pytest.mark.parametrize("sigma", [0.01, 0.05, 0.3])
 def test_the_level_of_white_noise_is_known(sigma: float) -> None:
-    """From spectra at rest, with a strong line beside it."""
     line_dps = 10.0 * sigma * np.sin(2.0 * np.pi * 21.0 * T_S)
     assert white_dps(*noisy(white(sigma, 2) + line_dps), 1e-3) == pytest.approx(sigma, rel=0.06)
 
 
 def test_noise_below_a_count_is_known_from_motion() -> None:
-    """At rest it does not show: all counts are equal."""
     noise = np.where(AT_REST, 0.0, white(SIGMA))
     assert white_dps(*noisy(noise), 0.2) == pytest.approx(SIGMA, rel=0.1)
 
 
 def test_a_line_is_found_with_frequency_and_amplitude() -> None:
-    """At the middle of a frequency of the window: 51 periods in 256 samples."""
     frequency_hz = 51.0 / (WINDOW * PERIOD_S)
     line = spectral_line(*noisy(white(SIGMA) + 0.2 * np.sin(2.0 * np.pi * frequency_hz * T_S)))
     assert line.frequency_hz == pytest.approx(frequency_hz, rel=1e-6)
@@ -102,12 +97,10 @@ def test_a_line_is_found_with_frequency_and_amplitude() -> None:
 
 
 def test_without_noise_there_is_no_line() -> None:
-    """A constant at rest."""
     assert spectral_line(*noisy(np.zeros(len(T_S)))).log_height == pytest.approx(np.log(2.0), abs=0.8)
 
 
 def test_bursts_raise_the_noisiest_tenth() -> None:
-    """One second in five scatters by three times as much: nine times the variance."""
     bursts = np.where((T_S % 5.0) < 1.0, 3.0, 1.0)
     assert noisy(bursts * white(SIGMA)).values()["noise_uneven"] == pytest.approx(np.log(9.0), abs=0.25)
     assert noisy(white(SIGMA)).values()["noise_uneven"] < 0.5
@@ -124,27 +117,25 @@ def test_tails_are_the_share_of_far_values() -> None:
 
 
 def test_a_little_more_noise_moves_tails_a_little() -> None:
-    """Of rates in coarse steps, with louder seconds: the median of a few counts is one whole number or the next."""
     louder = np.where((T_S % 15.0) < 1.0, 6.0, 1.0) * white(FACTS.step_dps, 9)
-    found = []
+    result = []
     for counts in np.arange(0.8, 1.6, 0.05):
         stepped_dps = FACTS.step_dps * np.rint((TRUE_DPS + counts * louder) / FACTS.step_dps)
-        found.append(noisy(stepped_dps - TRUE_DPS).values()["tails_rest"])
-    assert np.abs(np.diff(found)).max() < 0.02
+        result.append(noisy(stepped_dps - TRUE_DPS).values()["tails_rest"])
+    assert np.abs(np.diff(result)).max() < 0.02
 
 
 def test_large_outliers_have_more_power_than_small_ones() -> None:
     """Eight of 30 deg/s in 20,000 are 0.6 deg/s RMS; as many of 1 deg/s do not matter."""
-    found = []
+    result = []
     for height_dps in (30.0, 1.0):
         rate_dps = TRUE_DPS + white(SIGMA)
         rate_dps[1000:9000:1000] += height_dps
-        found.append(observed(rate_dps).values()["spike_power"])
-    assert np.exp(0.5 * found[0]) == pytest.approx(30.0 * np.sqrt(8.0 / 20_000.0), rel=0.01)
-    assert found[1] - 2.0 * np.log(0.05) < 0.2
+        result.append(observed(rate_dps).values()["spike_power"])
+    assert np.exp(0.5 * result[0]) == pytest.approx(30.0 * np.sqrt(8.0 / 20_000.0), rel=0.01)
+    assert result[1] - 2.0 * np.log(0.05) < 0.2
 
 
 @pytest.mark.parametrize(("count", "of", "root"), [(0, 100, 0.0), (4, 100, 0.2), (0, 0, 0.0)])
 def test_a_share_of_nothing_is_none(count: int, of: int, root: float) -> None:
-    """Not NaN."""
     assert root_share(count, of) == root

@@ -17,12 +17,10 @@ def test_a_sine_of_the_angle_is_found_in_its_order() -> None:
 
 
 def test_chance_gives_each_vector_its_share() -> None:
-    """Of white noise each takes as much as each other dimension: ln(1 + 1)."""
     vectors = observed(TRUE_DPS).design.turn_basis
-    found = [angle_periodic_component(white(0.3, seed, SECONDS), vectors) for seed in range(100)]
-    assert np.mean(found) == pytest.approx(np.log(2.0), abs=0.08)
+    result = [angle_periodic_component(white(0.3, seed, SECONDS), vectors) for seed in range(100)]
+    assert np.mean(result) == pytest.approx(np.log(2.0), abs=0.08)
 
 
 def test_no_error_has_no_component_of_the_angle() -> None:
-    """Zeros give a zero."""
     assert angle_periodic_component(np.zeros(SECONDS), observed(TRUE_DPS).design.turn_basis) == 0.0

@@ -17,7 +17,6 @@ def shaken(frequency_hz: float, amplitude_dps: float, rate_hz: float) -> Replaye
 
 @pytest.mark.parametrize("seed", range(8))
 def test_what_shakes_does_not_rest_nor_turn_steadily(seed: int) -> None:
-    """Of any frequency and rate; about it the device rests."""
     rng = np.random.default_rng(seed)
     rate_hz = float(rng.choice([50.0, 100.0, 200.0, 400.0]))
     motion = shaken(rng.uniform(0.5, 12.0), rng.uniform(10.0, 60.0), rate_hz)

@@ -29,13 +29,12 @@ def arrived(host_s: Floats) -> dict[str, float]:
 
 
 def test_a_perfect_clock_has_only_the_least() -> None:
-    """0.03 ms of scatter and 0.5 ms of wander are added to none."""
-    found = found_of(CLEAN)
-    assert found["clock_ratio"] == pytest.approx(0.0, abs=1e-9)
-    assert found["stamp_scatter"] == pytest.approx(np.log(3e-5), abs=0.02)
-    assert found["stamp_step"] == pytest.approx(np.log(5e-4), abs=0.02)
-    assert [found[f"arrival_gap_{percent}"] for percent in (1, 50, 99)] == pytest.approx([1.0] * 3, abs=1e-3)
-    assert (found["drop_share"], found["drop_runs"], found["repeat_share"], found["disorder_share"]) == (0, 0, 0, 0)
+    result = found_of(CLEAN)
+    assert result["clock_ratio"] == pytest.approx(0.0, abs=1e-9)
+    assert result["stamp_scatter"] == pytest.approx(np.log(3e-5), abs=0.02)
+    assert result["stamp_step"] == pytest.approx(np.log(5e-4), abs=0.02)
+    assert [result[f"arrival_gap_{percent}"] for percent in (1, 50, 99)] == pytest.approx([1.0] * 3, abs=1e-3)
+    assert (result["drop_share"], result["drop_runs"], result["repeat_share"], result["disorder_share"]) == (0, 0, 0, 0)
 
 
 @pytest.mark.parametrize("ppm", [-300.0, 50.0, 20_000.0])
@@ -47,10 +46,9 @@ def test_a_fast_clock_is_seen_in_ppm(ppm: float) -> None:
 
 
 def test_stamps_scatter_by_what_they_do() -> None:
-    """0.5 ms of normal numbers, which have no tails."""
-    found = stamped(T_S + white(5e-4))
-    assert found["stamp_scatter"] == pytest.approx(np.log(5e-4 + 3e-5), abs=0.03)
-    assert found["stamp_tails"] == 0.0
+    result = stamped(T_S + white(5e-4))
+    assert result["stamp_scatter"] == pytest.approx(np.log(5e-4 + 3e-5), abs=0.03)
+    assert result["stamp_tails"] == 0.0
 
 
 def test_single_stamps_that_are_far_off_are_tails() -> None:
@@ -61,31 +59,29 @@ def test_single_stamps_that_are_far_off_are_tails() -> None:
 
 
 def test_a_clock_that_jumps_has_its_step() -> None:
-    """30 ms in the middle tilt the line by 1.5 times that over the session, 2.25 ms in ten of 200 s."""
-    found = stamped(T_S + 0.03 * (T_S >= 100.0))
-    assert found["stamp_step"] == pytest.approx(np.log(0.03 - 0.00225 + 5e-4), abs=0.01)
+    result = stamped(T_S + 0.03 * (T_S >= 100.0))
+    assert result["stamp_step"] == pytest.approx(np.log(0.03 - 0.00225 + 5e-4), abs=0.01)
 
 
 def test_a_clock_that_wanders_has_its_sigma() -> None:
     """A sine of 8 ms and 50 s; medians of ten seconds see sin(x) / x of it, x = π / 5."""
-    found = stamped(T_S + 0.008 * np.sin(2.0 * np.pi * T_S / 50.0))
+    result = stamped(T_S + 0.008 * np.sin(2.0 * np.pi * T_S / 50.0))
     seen_s = 0.008 / np.sqrt(2.0) * np.sin(np.pi / 5.0) / (np.pi / 5.0)
-    assert found["stamp_wander"] == pytest.approx(np.log(seen_s + 5e-4), abs=0.08)
+    assert result["stamp_wander"] == pytest.approx(np.log(seen_s + 5e-4), abs=0.08)
 
 
 def test_arrivals_in_bunches_have_long_gaps_and_none() -> None:
     """Five at a time: four gaps in five are nothing, one is five periods."""
-    found = arrived((np.arange(COUNT) // 5 * 5 + 4).astype(np.float64) * PERIOD_S)
-    gaps = [found[f"arrival_gap_{percent}"] for percent in (1, 5, 25, 50, 75, 95, 99)]
+    result = arrived((np.arange(COUNT) // 5 * 5 + 4).astype(np.float64) * PERIOD_S)
+    gaps = [result[f"arrival_gap_{percent}"] for percent in (1, 5, 25, 50, 75, 95, 99)]
     assert gaps == pytest.approx([0.0, 0.0, 0.0, 0.0, 0.0, 5.0, 5.0], abs=1e-6)
     # Off the line by 0 to 4 periods alike: a standard deviation of √2 of them.
-    assert found["arrival_scatter"] == pytest.approx(np.log(np.sqrt(2.0) * PERIOD_S + 5e-4), abs=0.01)
+    assert result["arrival_scatter"] == pytest.approx(np.log(np.sqrt(2.0) * PERIOD_S + 5e-4), abs=0.01)
 
 
 def test_without_a_host_there_are_no_arrivals() -> None:
-    """All zero."""
-    found = found_of(replace(CLEAN, host_s=None))
-    assert all(value == 0.0 for name, value in found.items() if name.startswith("arrival"))
+    result = found_of(replace(CLEAN, host_s=None))
+    assert all(value == 0.0 for name, value in result.items() if name.startswith("arrival"))
 
 
 def test_missing_samples_are_a_share_and_runs() -> None:
@@ -93,21 +89,19 @@ def test_missing_samples_are_a_share_and_runs() -> None:
     lost = [50, 1000, 3000, 7000, 19_000, *range(9000, 9007)]
     device_s, host_s = T_S.copy(), T_S.copy()
     device_s[lost] = host_s[lost] = np.nan
-    found = found_of(replace(CLEAN, device_s=device_s, host_s=host_s))
-    assert found["drop_share"] == pytest.approx(np.sqrt(12.0 / COUNT))
-    assert found["drop_runs"] == pytest.approx(np.log(2.0))
-    assert found["stamp_scatter"] == pytest.approx(np.log(3e-5), abs=0.02)
+    result = found_of(replace(CLEAN, device_s=device_s, host_s=host_s))
+    assert result["drop_share"] == pytest.approx(np.sqrt(12.0 / COUNT))
+    assert result["drop_runs"] == pytest.approx(np.log(2.0))
+    assert result["stamp_scatter"] == pytest.approx(np.log(3e-5), abs=0.02)
 
 
 def test_repeats_and_disorder_are_shares() -> None:
-    """Of all samples."""
-    found = found_of(replace(CLEAN, repeated=8, disordered=2))
-    assert found["repeat_share"] == pytest.approx(np.sqrt(8.0 / COUNT))
-    assert found["disorder_share"] == pytest.approx(np.sqrt(2.0 / COUNT))
+    result = found_of(replace(CLEAN, repeated=8, disordered=2))
+    assert result["repeat_share"] == pytest.approx(np.sqrt(8.0 / COUNT))
+    assert result["disorder_share"] == pytest.approx(np.sqrt(2.0 / COUNT))
 
 
 @pytest.mark.parametrize("count", [2, 3, 50])
 def test_a_few_samples_give_numbers(count: int) -> None:
-    """Not NaN."""
     few = {name: getattr(CLEAN, name)[:count] for name in ("rate_dps", "encoder_deg", "device_s", "host_s")}
     assert set(found_of(replace(CLEAN, **few))) == {feature.name for feature in timing.FEATURES}

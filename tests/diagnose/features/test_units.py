@@ -10,7 +10,6 @@ from gyrodrift.values.arrays import Floats
 
 @pytest.mark.parametrize("feature", FEATURES, ids=lambda feature: feature.name)
 def test_every_feature_has_a_unit_and_keeps_its_order(feature: Feature) -> None:
-    """However large or small it is, a larger value never reads as a smaller one."""
     assert feature.reading.unit
     read = feature.reading.of(np.array([-1e3, -2.0, -0.1, 0.0, 0.1, 2.0, 1e3]))
     assert np.isfinite(read).all()
@@ -31,6 +30,5 @@ def test_every_feature_has_a_unit_and_keeps_its_order(feature: Feature) -> None:
     ],
 )
 def test_a_reading_is_what_a_person_would_count(name: str, value: float, read: float) -> None:
-    """Percent, deg/s, ms, counts, ppm."""
     values: Floats = np.array([value])
     assert FEATURES[NUMBER[name]].reading.of(values)[0] == pytest.approx(read)

@@ -45,9 +45,8 @@ def test_masks_go_by_the_records() -> None:
 
 
 def test_values_and_thresholds_have_a_place_each() -> None:
-    """As many as there are features, all of them numbers."""
-    one = observed(TRUE_DPS + white(0.05))
-    values, thresholds = measure(one.cleaned, one.design, FACTS)
+    item = observed(TRUE_DPS + white(0.05))
+    values, thresholds = measure(item.cleaned, item.design, FACTS)
     assert values.shape == thresholds.shape == (len(FEATURES),)
     assert np.isfinite(values).all()
     assert (thresholds >= 0.0).all()
@@ -64,21 +63,18 @@ def test_coefficients_are_read_as_rms() -> None:
 @pytest.mark.parametrize("rate_dps", [np.zeros(len(T_S)), np.full(len(T_S), 3.0)], ids=["zero", "constant"])
 @pytest.mark.parametrize("angle_deg", [np.zeros(len(T_S)), 20.0 * T_S], ids=["still", "steady"])
 def test_a_constant_recording_gives_numbers(rate_dps: Floats, angle_deg: Floats) -> None:
-    """Of a rig that rests or turns steadily, beside a gyro that never changes."""
     assert np.isfinite(list(observed_beside(rate_dps, angle_deg).values().values())).all()
 
 
 @pytest.mark.parametrize("seconds", [3, 12])
 def test_a_short_recording_gives_numbers(seconds: int) -> None:
-    """Less than any window, block of blocks or quantile needs."""
     count = 100 * seconds
     rate_dps = np.linspace(0.0, 30.0, count) + white(0.05, count=count)
     angle_deg = np.cumsum(np.linspace(0.0, 30.0, count)) * 0.01
-    seen = clean(recorded(rate_dps, angle_deg))
-    assert np.isfinite(measure(seen, design_of(seen), FACTS).values).all()
+    events = clean(recorded(rate_dps, angle_deg))
+    assert np.isfinite(measure(events, design_of(events), FACTS).values).all()
 
 
 def test_a_feature_saturates_where_nothing_is_said() -> None:
-    """It is the most cautious response."""
     feature = Feature("toy", "sensor", "rest", "a toy", 1.0, "one", reading=RMS_DPS)
     assert feature.response is ResponseLaw.SATURATING

@@ -11,12 +11,10 @@ NOTHING = np.log(LEAST_DPS**2)
 
 
 def test_a_variance_is_that_of_white_noise() -> None:
-    """0.1 deg/s, of whose squares one in 5,000 is held back."""
     assert np.exp(0.5 * log_variance(white(0.1))) == pytest.approx(0.1, rel=0.02)
 
 
 def test_one_outlier_adds_a_bounded_part() -> None:
-    """Of 100 values it counts as 30 times the usual square."""
     values = np.ones(100)
     values[7] = 1e6
     assert np.exp(log_variance(values)) == pytest.approx(0.99 + 0.30, rel=1e-3)
@@ -36,25 +34,21 @@ def test_means_of_white_noise_scatter_less(count: int) -> None:
 
 
 def test_means_are_of_whole_blocks() -> None:
-    """What is over at the end is left out."""
     assert block_means(np.array([1.0, 3.0, 5.0, 9.0, 100.0]), 2).tolist() == [2.0, 7.0]
     assert len(block_means(np.ones(3), 4)) == 0
 
 
 def test_a_step_in_the_middle_has_the_largest_sum() -> None:
-    """Of n blocks ±a, half of them each: n a / 2 over a √n."""
     series = np.repeat([-1.0, 1.0], 200)
     assert largest_sum(series) == pytest.approx(200.0 / np.sqrt(400.0), rel=0.003)
 
 
 def test_sums_of_white_noise_follow_kolmogorov() -> None:
-    """On average √(π/2) ln 2 = 0.87, less a little because blocks are discrete; 27 % go beyond 1."""
-    found = np.array([largest_sum(white(1.0, seed, 1000)) for seed in range(300)])
-    assert found.mean() == pytest.approx(0.87 - 0.58 / np.sqrt(1000.0), abs=0.05)
-    assert np.mean(found > 1.0) == pytest.approx(0.27, abs=0.08)
+    result = np.array([largest_sum(white(1.0, seed, 1000)) for seed in range(300)])
+    assert result.mean() == pytest.approx(0.87 - 0.58 / np.sqrt(1000.0), abs=0.05)
+    assert np.mean(result > 1.0) == pytest.approx(0.27, abs=0.08)
 
 
 @pytest.mark.parametrize("values", [np.zeros(0), np.ones(1), np.ones(300)])
 def test_too_little_to_see_gives_numbers(values: np.ndarray) -> None:
-    """Empty, one block, and constant."""
     assert largest_sum(values) == 0.0

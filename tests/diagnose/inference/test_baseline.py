@@ -17,21 +17,19 @@ from gyrodrift.diagnose.simulate.response_table import ResponseTable
 
 ALL = np.ones(len(FEATURES), bool)
 NONE = np.zeros((2, len(FEATURES)))
-ONE = NONE[:1]
+ITEM = NONE[:1]
 RATE, WANDER = NUMBER["rate"], NUMBER["wander_20s"]
 
 
 def design(seconds: int) -> DesignMatrix:
-    """As far as RMS asks for it: how many seconds and samples there are."""
-    one = SimpleNamespace(
+    item = SimpleNamespace(
         static=SimpleNamespace(vectors=np.zeros((seconds, len(COLUMNS)))),
         lag=SimpleNamespace(vectors=np.zeros((100 * seconds, len(LAG_FEATURES)))),
     )
-    return cast("DesignMatrix", one)
+    return cast("DesignMatrix", item)
 
 
 def table(difference: Amounts) -> ResponseTable:
-    """Of a session; 0.1 of a feature matters, and chance does nothing."""
     return ResponseTable("one", row(difference), np.full(len(FEATURES), 0.1), NONE[:1], NONE, {})
 
 
@@ -58,43 +56,42 @@ def test_another_length_of_recording_does_not_matter() -> None:
 def test_what_the_simulator_differs_from_itself_by_is_not_the_device() -> None:
     """The mean of the null is taken off first: of 3, one is what replaying leaves."""
     nulls = np.tile(row({"rate": 1.0}), (2, 1))
-    one = ResponseTable("one", row({"rate": 3.0}), np.zeros(len(FEATURES)), NONE[:1], nulls, {})
-    assert baseline_of([one] * 3, [SHORT] * 3, ALL).common[RATE] == pytest.approx(0.2)
+    item = ResponseTable("one", row({"rate": 3.0}), np.zeros(len(FEATURES)), NONE[:1], nulls, {})
+    assert baseline_of([item] * 3, [SHORT] * 3, ALL).common[RATE] == pytest.approx(0.2)
 
 
 def test_a_device_that_scatters_has_to_differ_by_more() -> None:
     """Recordings of 1 to 5 widen what one has to differ by, and nothing is compared that never moves."""
     scattered = [table({"rate": value}) for value in (1.0, 2.0, 4.0, 5.0)]
     steady = [table({"rate": 3.0})] * 4
-    wide, narrow = (baseline_of(each, [SHORT] * 4, ALL) for each in (scattered, steady))
+    wide, narrow = (baseline_of(item, [SHORT] * 4, ALL) for item in (scattered, steady))
     assert wide.common[RATE] == pytest.approx(narrow.common[RATE])
-    assert wide.scatter(ONE)[RATE] > 1.3 * narrow.scatter(ONE)[RATE]
-    assert narrow.scatter(ONE)[WANDER] == NOT_COMPARED
+    assert wide.scatter(ITEM)[RATE] > 1.3 * narrow.scatter(ITEM)[RATE]
+    assert narrow.scatter(ITEM)[WANDER] == NOT_COMPARED
     (today,) = against([table({"rate": 8.0})], [SHORT], wide)
-    assert today.thresholds[RATE] == pytest.approx(np.hypot(0.1, 10.0 * wide.scatter(ONE)[RATE]))
+    assert today.thresholds[RATE] == pytest.approx(np.hypot(0.1, 10.0 * wide.scatter(ITEM)[RATE]))
     assert today.thresholds[WANDER] == pytest.approx(NOT_COMPARED)
 
 
 def test_a_scatter_of_many_recordings_is_that_of_the_next_one() -> None:
-    """Of 40 recordings around nothing, 0.1 RMS, it is about that: little is not known any more."""
     values = np.random.default_rng(7).normal(0.0, 1.0, 40)
     baseline = baseline_of([table({"rate": float(value)}) for value in values], [SHORT] * 40, ALL)
     own = 0.1 * float(np.std(values, ddof=1))
-    assert 0.95 * own < baseline.scatter(ONE)[RATE] < 1.5 * own
+    assert 0.95 * own < baseline.scatter(ITEM)[RATE] < 1.5 * own
 
 
 def test_recordings_that_differ_among_themselves_differ_from_the_baseline_by_chance() -> None:
     """A scatter that only the later ones have widens it too; that of coefficients is that of their motions."""
     steady = baseline_of([table({"rate": 3.0, "wander_20s": 3.0})] * 3, [SHORT] * 3, ALL)
-    alike, unlike = (np.array([row({"rate": v, "wander_20s": v}) for v in each]) for each in ((3, 3, 3), (1, 3, 5)))
-    assert steady.scatter(unlike)[WANDER] > 1.2 * steady.scatter(alike)[WANDER]
-    assert steady.scatter(unlike)[RATE] == pytest.approx(steady.scatter(alike)[RATE])
+    equal, unlike = (np.array([row({"rate": v, "wander_20s": v}) for v in item]) for item in ((3, 3, 3), (1, 3, 5)))
+    assert steady.scatter(unlike)[WANDER] > 1.2 * steady.scatter(equal)[WANDER]
+    assert steady.scatter(unlike)[RATE] == pytest.approx(steady.scatter(equal)[RATE])
 
 
 def test_a_rare_event_of_some_recordings_widens_nothing() -> None:
     """A slip of the encoder in one of three is no scatter of the device."""
     steady = baseline_of([table({"slip_power": 1.0})] * 3, [SHORT] * 3, ALL)
-    slipped, none = (np.array([row({"slip_power": v}) for v in each]) for each in ((0, 6, 0), (0, 0, 0)))
+    slipped, none = (np.array([row({"slip_power": v}) for v in item]) for item in ((0, 6, 0), (0, 0, 0)))
     slip = NUMBER["slip_power"]
     assert steady.scatter(slipped)[slip] == pytest.approx(steady.scatter(none)[slip])
 
@@ -103,39 +100,37 @@ def test_what_the_baseline_is_off_by_does_not_average_out() -> None:
     """A mean of nine recordings scatters by as much as that of the three that it is compared with, and more."""
     values = np.random.default_rng(7).normal(0.0, 1.0, 3)
     baseline = baseline_of([table({"rate": float(value)}) for value in values], [SHORT] * 3, ALL)
-    of_mean = [baseline.scatter(np.repeat(ONE, count, axis=0))[RATE] / np.sqrt(count) for count in (1, 9)]
+    of_mean = [baseline.scatter(np.repeat(ITEM, count, axis=0))[RATE] / np.sqrt(count) for count in (1, 9)]
     assert of_mean[1] == pytest.approx(of_mean[0] * np.sqrt((1 / 9 + 1 / 3) / (1 + 1 / 3)))
 
 
 def test_what_stands_out_by_itself_has_to_be_further_off_the_fewer_recordings_there_are() -> None:
     """The scatter of three recordings is not known well, that of forty is; what is explained as a whole need not."""
     values = np.random.default_rng(7).normal(0.0, 1.0, 40)
-    asked = [
+    request = [
         baseline_of([table({"wander_20s": float(value)}) for value in values[:count]], [SHORT] * count, ALL)
         for count in (3, 40)
     ]
-    few, many = (float(each.extra_sigma(ONE)[WANDER] / each.scatter(ONE)[WANDER]) for each in asked)
+    few, many = (float(item.extra_sigma(ITEM)[WANDER] / item.scatter(ITEM)[WANDER]) for item in request)
     assert few > 2.0 * many
-    (today,) = against([table({"wander_20s": 30.0})], [SHORT], asked[0])
+    (today,) = against([table({"wander_20s": 30.0})], [SHORT], request[0])
     evidence = evidence_of([today], [])
     assert np.broadcast_to(evidence.sigma_factor, len(FEATURES))[WANDER] > 1.5
     assert evidence.z[0, WANDER] > 3.0
 
 
 def test_one_recording_is_a_baseline_too() -> None:
-    """Its scatter is a share of what it shows, widened since that is all that is known of it."""
     baseline = baseline_of([table({"rate": 4.0})], [SHORT], ALL)
     assert baseline.common[RATE] == pytest.approx(0.4)
-    assert 0.28 < baseline.scatter(ONE)[RATE] < 15.0 * 0.28
+    assert 0.28 < baseline.scatter(ITEM)[RATE] < 15.0 * 0.28
 
 
 def test_what_cannot_be_compared_never_deviates() -> None:
-    """However far it is off, and without anything being taken from it."""
     baseline = baseline_of([table({"rate": 3.0})] * 3, [SHORT] * 3, ~ALL)
     tables = against([table({"rate": 1e4, "wander_20s": 1e4})], [SHORT], baseline)
     assert tables[0].difference[RATE] == 1e4
     assert np.abs(evidence_of(tables, []).z).max() < 0.1
-    assert baseline.scatter(ONE)[RATE] == NOT_COMPARED
+    assert baseline.scatter(ITEM)[RATE] == NOT_COMPARED
 
 
 def test_a_baseline_without_damage_says_that_there_was_none() -> None:
@@ -155,7 +150,6 @@ def test_slow_features_say_nothing_of_single_samples() -> None:
 
 
 def test_a_late_reference_makes_no_scale_error_uncertain() -> None:
-    """No motion takes a delay for an error over the rate; an error over the rate may show in other terms of it."""
     for cause, is_chance in (("acceleration", False), ("rate_cubed", True)):
         before = baseline_of([table({cause: 5.0, "rate": 1e-3})] * 3, [SHORT] * 3, ALL)
         scatter = before.scatter(np.zeros((3, len(FEATURES))))[RATE]
@@ -177,6 +171,6 @@ def test_noise_in_motion_varies_as_that_over_other_lengths_does() -> None:
     baseline = baseline_of(
         [table(dict(zip(names, (0.01, way * 2.5, 0.01), strict=True))) for way in (-1, 1)], [SHORT] * 2, ALL
     )
-    fast, other, rest = (baseline.scatter(ONE)[NUMBER[name]] for name in names)
-    assert 1.0 < fast < other
+    fast, second, rest = (baseline.scatter(ITEM)[NUMBER[name]] for name in names)
+    assert 1.0 < fast < second
     assert rest < 0.02

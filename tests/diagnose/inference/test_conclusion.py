@@ -92,7 +92,6 @@ def test_the_kind_is_that_of_the_most_probable_hypotheses(
     has_causes: bool,  # noqa: FBT001 - parametrized
     kind: Kind,
 ) -> None:
-    """Nothing, effects of the catalog alone, something unknown with or without them."""
     none = scorer_of({}).nothing()
     names = frozenset({"scale_factor"})
     posterior = Posterior(
@@ -106,7 +105,6 @@ def test_the_kind_is_that_of_the_most_probable_hypotheses(
 
 
 def test_probable_sets_are_simulated_the_best_part_of_each_first() -> None:
-    """One effect, then both; nothing is simulated where nothing deviates."""
     calls: list[tuple[str, ...]] = []
 
     def simulate(effects: Sequence[Sized]) -> SimulatedSet:
@@ -135,7 +133,6 @@ def test_a_simulation_that_contradicts_the_templates_takes_the_name_away() -> No
 
 
 def test_effects_that_fit_as_well_are_tied() -> None:
-    """One of them is the cause with half of the probability; the probability of both is that of a cause."""
     same = simulated("latency", SCALE)
     verdict = concluded_of(rows(times(6.0, SCALE)), *TRIED, same).verdict
     (cause,) = verdict.causes
@@ -146,7 +143,6 @@ def test_effects_that_fit_as_well_are_tied() -> None:
 
 
 def test_a_form_that_no_effect_has_is_listed_first() -> None:
-    """Its own feature comes before a feature that deviates more."""
     form = simulated("?moving", {"moving": 2.0, "rate": 2.5, "lag": 1.0})
     verdict = concluded_of(rows({"moving": 10.0, "rate": 12.5, "lag": 5.0}), *TRIED, form).verdict
     assert (verdict.kind, verdict.causes) == (Kind.UNKNOWN, ())
@@ -154,7 +150,6 @@ def test_a_form_that_no_effect_has_is_listed_first() -> None:
 
 
 def test_an_effect_that_the_rig_has_at_this_size_is_no_cause() -> None:
-    """Its interval holds the size of the rig, so that nothing is left to explain; at another size it is a cause."""
     (scale, _) = TRIED
     for percent, kind in ((6.0, Kind.NONE), (2.0, Kind.EFFECT)):
         in_rig = replace(scale.candidate, in_rig=scale.candidate.make(percent))

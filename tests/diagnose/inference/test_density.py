@@ -43,14 +43,12 @@ def one_group(features: int) -> Groups:
 
 
 def test_a_feature_has_a_multivariate_student_density() -> None:
-    """Over all sessions, in agreement with scipy."""
     residual = np.array([[0.5], [-2.0], [3.0]])
     result = densities(residual, one_group(1)).without_unknown
     assert result == pytest.approx([student(residual[:, 0], COVARIANCE)])
 
 
 def test_form_and_scatter_join_the_covariance() -> None:
-    """Half of the variance of the form is common to the sessions, with the signs of the mean; scatter is not."""
     residual = np.array([[0.5], [-2.0], [3.0]])
     form, scatter = np.array([[[0.7], [-0.2], [0.4]]]), np.array([[[0.1], [0.2], [0.3]]])
     result = densities(residual, one_group(1), mean=np.sign(form), scatter=scatter, form=form).without_unknown
@@ -60,7 +58,6 @@ def test_form_and_scatter_join_the_covariance() -> None:
 
 
 def test_a_feature_that_no_session_compares_does_not_count() -> None:
-    """However far it is off."""
     residual = np.array([[0.5, 90.0], [-2.0, 90.0], [3.0, 90.0]])
     groups = Groups(np.zeros(2, dtype=np.int64), 1, np.array([True, False]))
     alone = densities(residual[:, :1], one_group(1))
@@ -111,7 +108,6 @@ def test_the_sum_over_unknown_effects_is_that_of_all_its_states(scale: float) ->
 
 
 def test_nothing_unknown_is_one_of_the_states() -> None:
-    """With the prior of its own, which falls with the number of groups."""
     residual = np.zeros((S, 2))
     result = densities(residual, one_group(2))
     assert result.either > result.without_unknown + log_no_unknown(1)

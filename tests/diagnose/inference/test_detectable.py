@@ -38,15 +38,14 @@ def explained(*tried: Simulated) -> Explanation:
 
 
 def of(*tried: Simulated) -> tuple[Detectable, ...]:
-    found = explained(*tried)
-    return detectable(found.scorer, found.evidence.effects())
+    result = explained(*tried)
+    return detectable(result.scorer, result.evidence.effects())
 
 
 def value_of(*tried: Simulated) -> float:
-    """Of the only effect."""
-    (found,) = of(*tried)
-    assert found.value is not None
-    return found.value
+    (result,) = of(*tried)
+    assert result.value is not None
+    return result.value
 
 
 def named_share(explanation: Explanation, changes: Floats) -> float:
@@ -64,7 +63,6 @@ def named_share(explanation: Explanation, changes: Floats) -> float:
     "per_size", [{"rate": 1.0}, {"rate": 1.0, "reach": 0.7, "lag": 0.5}, dict.fromkeys(("rate", "lag", "moving"), 0.3)]
 )
 def test_a_detectable_size_is_named_in_nine_of_ten_tables(per_size: Amounts) -> None:
-    """Or nearly so, and half of it in few."""
     tried = simulated("scale_factor", per_size, FINE)
     explanation, value = explained(tried), value_of(tried)
     whole = np.tile(value * rows(per_size), (CASES, 1, 1))
@@ -79,11 +77,6 @@ def test_a_detectable_size_of_a_random_effect_is_named_in_most_tables(
     features: tuple[str, ...],
     is_common: bool,  # noqa: FBT001 - parametrized
 ) -> None:
-    """Otherwise in each session, whether it moves its features together or each by itself.
-
-    Fewer than nine of ten: the Student density without the effect takes in scatter, too.
-    """
-
     def drawn(count: int, seed: int) -> Floats:
         shape = (SESSIONS, count, 1 if is_common else len(FEATURES))
         changes: Floats = row(dict.fromkeys(features, 1.0)) * np.random.default_rng(seed).standard_normal(shape)
@@ -98,15 +91,14 @@ def test_a_detectable_size_of_a_random_effect_is_named_in_most_tables(
 
 
 def test_odds_are_those_that_nine_of_ten_recordings_reach() -> None:
-    """Of a shift with no chance in its form: half its squares less 1.28 times their root, and the priors."""
-    found = explained(simulated("scale_factor", {"rate": 2.0}))
-    template = found.scorer.templates["scale_factor"]
+    result = explained(simulated("scale_factor", {"rate": 2.0}))
+    template = result.scorer.templates["scale_factor"]
     gain = 0.5 * SESSIONS * np.square(2.0 * SIZES)
     expected = 0.8 * (gain - 1.2816 * np.sqrt(2.0 * gain) - np.log(len(SIZES)) + 1.0) + np.log(0.7 * 0.03 / 0.97)
-    assert odds(found.scorer, template) == pytest.approx(expected)
-    (one,) = detectable(found.scorer, found.evidence.effects())
-    assert (one.effect, one.parameter, one.unit, one.stage) == ("scale_factor", "error_percent", "%", "sensor")
-    assert one.value == SIZES[expected > 0.0].min()
+    assert odds(result.scorer, template) == pytest.approx(expected)
+    (item,) = detectable(result.scorer, result.evidence.effects())
+    assert (item.effect, item.parameter, item.unit, item.stage) == ("scale_factor", "error_percent", "%", "sensor")
+    assert item.value == SIZES[expected > 0.0].min()
 
 
 def variant(number: int, per_size: float, phase_deg: float | None = None) -> Simulated:
@@ -117,8 +109,7 @@ def variant(number: int, per_size: float, phase_deg: float | None = None) -> Sim
 
 @pytest.mark.parametrize("per_size", [(0.5, 1.0), (1.0, 0.5), (0.01, 1.0)])
 def test_of_variants_the_one_that_shows_first_counts(per_size: tuple[float, ...]) -> None:
-    """Wherever it stands."""
-    assert value_of(*(variant(number, each) for number, each in enumerate(per_size))) == 3.0
+    assert value_of(*(variant(number, item) for number, item in enumerate(per_size))) == 3.0
 
 
 def jumps_of(step_deg: float) -> Candidate:
@@ -131,19 +122,18 @@ def jumps_of(step_deg: float) -> Candidate:
 
 
 def test_what_else_is_fixed_is_said() -> None:
-    """How often an angle has to jump depends on how far it does."""
     low, high = (
-        simulated("encoder_slip", {"rate": each})._replace(candidate=jumps_of(height))
-        for each, height in ((0.5, 0.1), (1.0, 0.4))
+        simulated("encoder_slip", {"rate": item})._replace(candidate=jumps_of(height))
+        for item, height in ((0.5, 0.1), (1.0, 0.4))
     )
-    (found,) = of(low, high)
-    assert (found.value, found.other_parameters) == (3.0, {"step_deg": 0.4})
+    (result,) = of(low, high)
+    assert (result.value, result.other_parameters) == (3.0, {"step_deg": 0.4})
 
 
 def test_an_effect_that_no_size_of_would_be_named_has_no_value() -> None:
     """A form that no effect has is not listed."""
-    found = of(simulated("scale_factor", {"rate": 0.01}), simulated("?moving", {"moving": 2.0}))
-    assert [(one.effect, one.value) for one in found] == [("scale_factor", None)]
+    result = of(simulated("scale_factor", {"rate": 0.01}), simulated("?moving", {"moving": 2.0}))
+    assert [(item.effect, item.value) for item in result] == [("scale_factor", None)]
 
 
 def test_a_size_below_zero_counts_by_its_amount() -> None:

@@ -34,14 +34,12 @@ def test_a_session_is_predicted_by_the_others() -> None:
 
 
 def test_a_single_session_is_predicted_by_its_own_size() -> None:
-    """There is no other one."""
     explanation = explained([12.0])
     assert explanation.named == ("scale_factor",)
     assert explanation.held_out[0][0, RATE] == pytest.approx(12.0, abs=0.2)
 
 
 def test_without_named_effects_all_is_unexplained() -> None:
-    """The residual is the difference."""
     explanation = concluded({"temperature": 12.0}, SCALE).explanation
     assert explanation.named == ()
     assert np.array_equal(explanation.held_out_z, explanation.evidence.z)
@@ -49,7 +47,6 @@ def test_without_named_effects_all_is_unexplained() -> None:
 
 
 def test_the_change_of_some_effects_is_that_of_these_alone() -> None:
-    """In the units of the features."""
     explanation = concluded({"rate": 10.0, "clock_ratio": 8.0}, SCALE, DRIFT).explanation
     assert set(explanation.named) == {"scale_factor", "clock_drift"}
     change = explanation.change(["clock_drift"])
@@ -59,7 +56,6 @@ def test_the_change_of_some_effects_is_that_of_these_alone() -> None:
 
 
 def test_effects_that_may_act_are_listed_where_they_fit_best() -> None:
-    """Not the named ones, and none that hardly may."""
     similar = simulated("latency", {"rate": 1.8})
     explanation = concluded({"rate": 10.0}, SCALE, similar, DRIFT).explanation
     (cause,) = explanation.named

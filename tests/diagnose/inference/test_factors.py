@@ -38,7 +38,6 @@ def test_explained_residual_and_its_cost_are_the_dense_gaussian_density() -> Non
 
 
 def test_features_that_no_factor_moves_keep_their_residual() -> None:
-    """And cost nothing."""
     residual = np.ones((1, 1, F))
     own = np.zeros((1, 1, 1, F))
     remaining, cost = explained(residual, own, np.zeros((1, 0, F)), np.ones((1, 1, F)), GAUSSIAN)
@@ -96,7 +95,6 @@ def test_a_common_factor_is_found_with_its_signs() -> None:
 
 
 def test_two_realisations_have_no_factors() -> None:
-    """They would be perfectly correlated."""
     result = covariance_of(np.array([[1.0, 1.0], [-1.0, -1.0]]))
     assert result.factors.shape == (0, 2)
     assert result.scatter.tolist() == [1.0, 1.0]

@@ -19,13 +19,12 @@ def standardized(nulls: Floats) -> tuple[Floats, Floats, Floats]:
 
 @pytest.mark.parametrize(("sessions", "runs"), [(1, 10), (2, 10), (4, 6), (12, 4)])
 def test_chance_makes_one_of_all_features_deviate_as_seldom_as_it_says(sessions: int, runs: int) -> None:
-    """Over many studies, each with null runs of its own: within three standard errors, of 2000 sets of sessions."""
     dice, passed = np.random.default_rng(sessions), 0
     for _ in range(STUDIES):
         nulls, center, spread = standardized(dice.standard_normal((sessions, runs, FEATURES)))
         threshold = family_wise_threshold(nulls)
         sets = (dice.standard_normal((SETS_OF_A_STUDY, sessions, FEATURES)) - center) / spread
-        passed += sum(bool(np.abs(pooled_z(one)).max() > threshold) for one in sets)
+        passed += sum(bool(np.abs(pooled_z(item)).max() > threshold) for item in sets)
     count = STUDIES * SETS_OF_A_STUDY
     standard_error = np.sqrt(FAMILY_WISE_ERROR * (1.0 - FAMILY_WISE_ERROR) / count)
     # Sets of one study share its null runs: their number counts for half of what it is.
@@ -51,7 +50,6 @@ def test_more_runs_and_fewer_features_lower_it() -> None:
 
 
 def test_features_that_never_move_are_no_features() -> None:
-    """Hundred of them change nothing."""
     nulls, *_ = standardized(np.random.default_rng(4).standard_normal((4, 6, 10)))
     wide = np.concatenate([nulls, np.zeros((4, 6, 100))], axis=2)
     assert family_wise_threshold(wide) == pytest.approx(family_wise_threshold(nulls))
@@ -59,5 +57,4 @@ def test_features_that_never_move_are_no_features() -> None:
 
 @pytest.mark.parametrize("shape", [(1, 1, 5), (3, 4, 5)])
 def test_without_a_null_nothing_deviates(shape: tuple[int, int, int]) -> None:
-    """One run says nothing of a spread; nor do features that stay."""
     assert family_wise_threshold(np.zeros(shape)) == np.inf

@@ -15,7 +15,6 @@ TRIED = replace(candidate("rate_random_walk"), grid_points=POINTS, sizes=BETWEEN
 
 
 def test_a_change_in_proportion_to_the_size_is_exact_between_simulated_sizes() -> None:
-    """Beyond the largest one, too."""
     nodes = np.array([row({"rate": 3.0 * point}) for point in POINTS])
     assert between_scaled(TRIED, nodes)[:, NUMBER["rate"]] == pytest.approx(3.0 * BETWEEN)
 
@@ -27,7 +26,6 @@ def test_an_added_variance_is_exact_between_simulated_sizes() -> None:
 
 
 def test_realisations_are_scaled_one_by_one() -> None:
-    """Any axes may lie between sizes and features."""
     draws = np.random.default_rng(1).standard_normal((2, 5, 1)) * row({"rate": 1.0})
     nodes = POINTS[:, None, None, None] * draws
     assert between_scaled(TRIED, nodes) == pytest.approx(BETWEEN[:, None, None, None] * draws)

@@ -13,7 +13,6 @@ RATE = NUMBER["rate"]
 
 
 def test_a_difference_is_in_units_of_the_scatter_of_its_nulls() -> None:
-    """Twice the scatter is half the difference."""
     nulls = unit_nulls(SESSIONS)
     nulls[:, :, RATE] *= 2.0
     result = observed({"rate": 6.0, "lag": 6.0}, nulls=nulls)
@@ -30,7 +29,6 @@ def test_the_mean_of_the_nulls_is_no_difference() -> None:
 
 
 def test_what_is_not_compared_is_no_difference_and_no_correlation() -> None:
-    """Its variance is 1."""
     made = tables({"rate": 6.0})
     compared = np.ones((SESSIONS, len(FEATURES)), dtype=np.bool_)
     compared[1, RATE] = False
@@ -58,7 +56,6 @@ def test_nulls_that_all_sessions_have_in_common_are_correlated() -> None:
 
 
 def test_some_of_the_sessions_are_an_observation() -> None:
-    """With the rows and columns of the covariance that are theirs."""
     difference = rows({"rate": 1.0}) * np.arange(1.0, SESSIONS + 1.0)[:, None]
     whole = observed(difference)
     part = whole.of_sessions([2, 0])

@@ -22,7 +22,6 @@ NONE = np.zeros(len(FEATURES))
 
 
 def table(name: str, nulls: Floats, answers: dict[str, Floats] | None = None) -> ResponseTable:
-    """Of a session whose rate deviates by 7, where 2 matter."""
     return ResponseTable(
         name, row({"rate": 7.0}), row({"rate": 2.0}), np.zeros((1, len(FEATURES))), nulls, answers or {}
     )
@@ -36,31 +35,29 @@ def test_nulls_of_all_sessions_are_one_sample() -> None:
     """
     nulls = [np.array([row({"rate": 1e-12}), row({"rate": 2.0})]), np.array([row({"rate": 1.0}), row({"rate": 5.0})])]
     evidence = evidence_of([table("one", nulls[0]), table("two", nulls[1])], [])
-    at = NUMBER["rate"]
+    index = NUMBER["rate"]
     pooled = np.var([0.0, 2.0, 1.0, 5.0], ddof=1)
     own = np.array([[pooled], [0.5 * (pooled + 5.0)]])  # the second scatters by more, 1 and 9
     variance = own * (2.0 + 2.0 * 4.5 / 3.5) / 3.0
     variance += 2.0 * (2.0**2 - np.var([0.0, 2.0, 1.0, 5.0], ddof=1) / 4.0)  # of rebuilding, shared by both
     assert evidence.names == ("one", "two")
-    assert evidence.difference[:, at] == pytest.approx([5.0, 5.0])
-    assert evidence.sigma[:, at, None] == pytest.approx(np.sqrt(variance + 4.0))
-    assert evidence.nulls[:, :, at] == pytest.approx(np.array([[-2.0, 0.0], [-1.0, 3.0]]) / np.sqrt(variance + 4.0))
-    assert evidence.z[0, at] == pytest.approx(5.0 / np.sqrt(variance[0, 0] + 4.0))
+    assert evidence.difference[:, index] == pytest.approx([5.0, 5.0])
+    assert evidence.sigma[:, index, None] == pytest.approx(np.sqrt(variance + 4.0))
+    assert evidence.nulls[:, :, index] == pytest.approx(np.array([[-2.0, 0.0], [-1.0, 3.0]]) / np.sqrt(variance + 4.0))
+    assert evidence.z[0, index] == pytest.approx(5.0 / np.sqrt(variance[0, 0] + 4.0))
 
 
 def test_sessions_that_have_no_such_motion_make_no_spread_smaller() -> None:
-    """Of three the first alone has the regressor: its spread is its own, and nothing is taken off the others."""
     own = np.array([row({"rate_cubed": value}) for value in (-3.0, 1.0, 2.0, 4.0)])
     absent = np.zeros_like(own)
     evidence = evidence_of([table("fast", own), table("slow", absent), table("slower", absent)], [])
-    at = NUMBER["rate_cubed"]
-    share = common_share(np.array([own - row({"rate_cubed": 1.0}), absent, absent]))[at]
-    assert evidence.sigma[0, at] == pytest.approx(np.sqrt(np.var([-3.0, 1.0, 2.0, 4.0], ddof=1) * share))
-    assert evidence.difference[:, at] == pytest.approx([-1.0, 0.0, 0.0])
+    index = NUMBER["rate_cubed"]
+    share = common_share(np.array([own - row({"rate_cubed": 1.0}), absent, absent]))[index]
+    assert evidence.sigma[0, index] == pytest.approx(np.sqrt(np.var([-3.0, 1.0, 2.0, 4.0], ddof=1) * share))
+    assert evidence.difference[:, index] == pytest.approx([-1.0, 0.0, 0.0])
 
 
 def test_a_session_that_scatters_more_than_others_is_believed_less() -> None:
-    """Half of its own variance and half of that of all; one that scatters less is not believed more."""
     wide, narrow = (np.array([row({"rate_cubed": size * way}) for way in (-1.0, 1.0)] * 8) for size in (3.0, 1.0))
     evidence = evidence_of([table("fast", wide), table("slow", narrow)], [])
     pooled = (9.0 + 1.0) * 16.0 / 31.0
@@ -83,7 +80,6 @@ def test_what_sessions_have_in_common_widens_their_mean() -> None:
 
 
 def test_a_feature_that_these_motions_do_not_have_never_deviates() -> None:
-    """Without spread and threshold it is divided by 1, not by 0."""
     evidence = evidence_of([table("one", np.zeros((2, len(FEATURES))))], [])
     assert np.isfinite(evidence.z).all()
     assert evidence.z[0, NUMBER["abs_rate"]] == 0.0
@@ -91,29 +87,26 @@ def test_a_feature_that_these_motions_do_not_have_never_deviates() -> None:
 
 def test_sizes_between_two_that_were_simulated_are_interpolated() -> None:
     """Along the logarithm of the size: 2 lies half way between 1 and 4."""
-    one = replace(candidate("latency"), grid_points=np.array([1.0, 4.0, 16.0]), sizes=np.array([1.0, 2.0, 4.0, 16.0]))
+    item = replace(candidate("latency"), grid_points=np.array([1.0, 4.0, 16.0]), sizes=np.array([1.0, 2.0, 4.0, 16.0]))
     nodes = np.array([row({"lag": 10.0}), row({"lag": 30.0}), row({"lag": 50.0})])[:, None]
-    assert interpolated(one, nodes)[:, 0, NUMBER["lag"]] == pytest.approx([10.0, 20.0, 30.0, 50.0])
+    assert interpolated(item, nodes)[:, 0, NUMBER["lag"]] == pytest.approx([10.0, 20.0, 30.0, 50.0])
 
 
 def test_a_linear_effect_is_scaled_to_both_sides_of_zero() -> None:
-    """Each by the simulation of its own sign."""
-    one = replace(candidate("scale_factor"), grid_points=np.array([-1.0, 1.0]), sizes=np.array([-2.0, -0.5, 0.5, 2.0]))
+    item = replace(candidate("scale_factor"), grid_points=np.array([-1.0, 1.0]), sizes=np.array([-2.0, -0.5, 0.5, 2.0]))
     nodes = np.array([row({"rate": -10.0}), row({"rate": 12.0})])[:, None]
-    assert interpolated(one, nodes)[:, 0, NUMBER["rate"]] == pytest.approx([-20.0, -5.0, 6.0, 24.0])
+    assert interpolated(item, nodes)[:, 0, NUMBER["rate"]] == pytest.approx([-20.0, -5.0, 6.0, 24.0])
 
 
 def test_what_a_linear_effect_does_to_variances_grows_with_its_square() -> None:
-    """One that doubles a variance makes it five times as large at twice the size; shares of samples grow no further."""
-    found = scaled(row({LOG: np.log(2.0), SHARE: 0.5, "rate": 1.0}), np.array([0.5, 2.0]))
-    assert found[:, NUMBER[LOG]] == pytest.approx(np.log([1.25, 5.0]))
-    assert found[:, NUMBER[SHARE]] == pytest.approx([0.25, 0.5])
-    assert found[:, NUMBER["rate"]] == pytest.approx([0.5, 2.0])
+    result = scaled(row({LOG: np.log(2.0), SHARE: 0.5, "rate": 1.0}), np.array([0.5, 2.0]))
+    assert result[:, NUMBER[LOG]] == pytest.approx(np.log([1.25, 5.0]))
+    assert result[:, NUMBER[SHARE]] == pytest.approx([0.25, 0.5])
+    assert result[:, NUMBER["rate"]] == pytest.approx([0.5, 2.0])
 
 
 def test_a_phase_is_turned_out_of_its_sine_and_cosine() -> None:
-    """At 30 degrees cos 30° of the one and sin 30° of the other."""
-    one = replace(
+    item = replace(
         candidate("scale_factor"),
         name="g_sensitivity",
         phase_deg=30.0,
@@ -121,20 +114,19 @@ def test_a_phase_is_turned_out_of_its_sine_and_cosine() -> None:
         sizes=np.array([2.0]),
     )
     answers = {
-        simulated_key(one, 0.0): row({"turn_sine": 4.0})[None, None],
-        simulated_key(one, 90.0): row({"turn_cosine": 4.0})[None, None],
+        simulated_key(item, 0.0): row({"turn_sine": 4.0})[None, None],
+        simulated_key(item, 90.0): row({"turn_cosine": 4.0})[None, None],
     }
-    (response,) = evidence_of([table("one", np.zeros((2, len(FEATURES))), answers)], [one]).responses
+    (response,) = evidence_of([table("one", np.zeros((2, len(FEATURES))), answers)], [item]).responses
     assert response.mean[0, 0, NUMBER["turn_sine"]] == pytest.approx(8.0 * np.cos(np.pi / 6.0))
     assert response.mean[0, 0, NUMBER["turn_cosine"]] == pytest.approx(8.0 * np.sin(np.pi / 6.0))
 
 
 def test_realisations_are_kept_for_each_session() -> None:
-    """By simulated size, and their mean."""
-    one = replace(candidate("rate_random_walk"), realisations=2, grid_points=np.array([1.0]), sizes=np.array([1.0]))
+    item = replace(candidate("rate_random_walk"), realisations=2, grid_points=np.array([1.0]), sizes=np.array([1.0]))
     draws = np.array([[row({"time": 3.0}), row({"time": 1.0})], [row({"time": -3.0}), row({})]])
-    tables = [table(str(number), NONE + np.zeros((2, 1)), {key(one): draw[None]}) for number, draw in enumerate(draws)]
-    (response,) = evidence_of(tables, [one]).responses
+    tables = [table(str(number), NONE + np.zeros((2, 1)), {key(item): draw[None]}) for number, draw in enumerate(draws)]
+    (response,) = evidence_of(tables, [item]).responses
     assert response.realized is not None
     assert np.array_equal(response.realized[0], draws)
     assert response.mean[0, :, NUMBER["time"]] == pytest.approx([2.0, -1.5])
@@ -159,7 +151,6 @@ def at_phase(deg: float, amplitude: float) -> Floats:
 
 
 def test_a_free_phase_is_found_in_each_session_at_one_amplitude() -> None:
-    """At 30 and at 200 degrees an amplitude of 4 explains all of both, and one response stands for all phases."""
     shown = (30.0, 200.0)
     tried = [turning(deg) for deg in (0.0, 30.0, 60.0)]
     answers = {simulated_key(tried[0], deg): at_phase(deg, 1.0)[None, None] for deg in (0.0, 90.0)}
@@ -177,18 +168,17 @@ def test_a_free_phase_is_found_in_each_session_at_one_amplitude() -> None:
 def test_a_phase_is_found_where_sine_and_cosine_share_what_they_change() -> None:
     """A turn and a half shows less of one than of the other, and what is like both: no two are at right angles."""
     at_0, at_90 = row({"turn_sine": 3.0, "turn_sine_rate": 2.0}), row({"turn_cosine": 1.0, "turn_sine_rate": 2.0})
-    one = turning(0.0)
-    answers = {simulated_key(one, deg): at[None, None] for deg, at in ((0.0, at_0), (90.0, at_90))}
+    item = turning(0.0)
+    answers = {simulated_key(item, deg): index[None, None] for deg, index in ((0.0, at_0), (90.0, at_90))}
     for shown_deg in (-150.0, -40.0, 20.0, 70.0):
         phase = np.deg2rad(shown_deg)
         difference = 2.0 * (np.cos(phase) * at_0 + np.sin(phase) * at_90)
         shown = replace(table("one", np.zeros((2, len(FEATURES))), answers), difference=difference)
-        (response,) = evidence_of([shown], [one]).responses
+        (response,) = evidence_of([shown], [item]).responses
         assert response.phases_deg == pytest.approx([shown_deg])
 
 
 def test_another_cause_does_not_turn_a_phase() -> None:
-    """What has no phase of its own is left out, however large it is and however much a turn has of it."""
     answers = {
         simulated_key(turning(0.0), deg): (at_phase(deg, 1.0) + row({"abs_rate": 0.5}))[None, None]
         for deg in (0.0, 90.0)
@@ -209,29 +199,31 @@ def test_the_phase_of_the_weaker_of_two_is_found_beside_the_stronger() -> None:
         90.0: row({"turn_cosine_rate": 6.0, "turn_sine": 2.0}),
     }
     answers = {
-        simulated_key(one, deg): at[deg][None, None] for one, at in ((tilt, bias), (encoder, angle)) for deg in at
+        simulated_key(item, deg): index[deg][None, None]
+        for item, index in ((tilt, bias), (encoder, angle))
+        for deg in index
     }
     tilt_deg, encoder_deg = 30.0, -140.0
     phase = np.deg2rad(encoder_deg)
     difference = at_phase(tilt_deg, 2.0) + 8.0 * (np.cos(phase) * angle[0.0] + np.sin(phase) * angle[90.0])
     shown = replace(table("one", np.zeros((2, len(FEATURES))), answers), difference=difference)
     evidence = evidence_of([shown], [tilt, encoder])
-    found = {
-        name: [one.phases_deg for one in evidence.responses if one.candidate.name == name]
+    result = {
+        name: [item.phases_deg for item in evidence.responses if item.candidate.name == name]
         for name in (tilt.name, encoder.name)
     }
-    assert found[encoder.name][0] == pytest.approx([encoder_deg], abs=20.0)
-    assert found[tilt.name][0] != pytest.approx([tilt_deg], abs=30.0)
-    assert found[tilt.name][1] == pytest.approx([tilt_deg], abs=20.0)
+    assert result[encoder.name][0] == pytest.approx([encoder_deg], abs=20.0)
+    assert result[tilt.name][0] != pytest.approx([tilt_deg], abs=30.0)
+    assert result[tilt.name][1] == pytest.approx([tilt_deg], abs=20.0)
 
 
 def test_a_phase_is_weighed_by_what_is_known() -> None:
     """A sine that chance makes as large says nothing of the phase: it is that of the cosine."""
-    one = replace(turning(0.0), sizes=np.array([1.0, 5.0 / 3.0, 4.0]))
-    answers = {simulated_key(one, deg): at_phase(deg, 1.0)[None, None] for deg in (0.0, 90.0)}
-    loud = np.array([row({"turn_sine": sine, "turn_cosine": 1e-9}) for sine in (100.0, -100.0)])
-    shown = replace(table("one", loud, answers), difference=row({"turn_sine": 5.0, "turn_cosine": 5.0}))
-    (response,) = evidence_of([shown], [one]).responses
+    item = replace(turning(0.0), sizes=np.array([1.0, 5.0 / 3.0, 4.0]))
+    answers = {simulated_key(item, deg): at_phase(deg, 1.0)[None, None] for deg in (0.0, 90.0)}
+    noisy = np.array([row({"turn_sine": sine, "turn_cosine": 1e-9}) for sine in (100.0, -100.0)])
+    shown = replace(table("one", noisy, answers), difference=row({"turn_sine": 5.0, "turn_cosine": 5.0}))
+    (response,) = evidence_of([shown], [item]).responses
     assert response.phases_deg is not None
     assert response.phases_deg[0] == pytest.approx(90.0, abs=1.0)
 
@@ -251,15 +243,13 @@ def test_what_rebuilding_changes_it_may_have_changed_before() -> None:
 
 
 def test_a_null_that_is_off_by_chance_widens_nothing() -> None:
-    """Its mean is as far from zero as the mean of so few runs is."""
     nulls = np.random.default_rng(2).normal(0.0, 1.0, (12, len(FEATURES)))
-    found = beyond_chance(nulls.mean(axis=0), nulls.var(axis=0, ddof=1) / len(nulls))
-    assert np.median(found) < 0.01
-    assert found.mean() < 0.15
+    result = beyond_chance(nulls.mean(axis=0), nulls.var(axis=0, ddof=1) / len(nulls))
+    assert np.median(result) < 0.01
+    assert result.mean() < 0.15
 
 
 def test_a_regressor_that_some_replays_lack_is_not_compared() -> None:
-    """It is on the edge of being one, and the recording on the other side of it."""
     number = NUMBER["direction"]
     for present in (0, 3, 8):
         nulls = np.random.default_rng(1).normal(0.0, 1.0, (8, len(FEATURES)))

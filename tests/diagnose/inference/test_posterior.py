@@ -19,7 +19,6 @@ def posterior(difference: Amounts, *tried: Simulated, power: float = POWER) -> P
 
 
 def test_probabilities_of_all_hypotheses_add_up_to_1() -> None:
-    """Each set is there with and without an unknown effect, and with one that resembles each of its effects."""
     result = posterior({"rate": 10.0, "lag": 5.0}, SCALE, DRIFT)
     assert result.weights.sum() == pytest.approx(1.0)
     assert len(result.hypotheses) == sum(2 * (1 + effects) for effects in (0, 1, 1, 2))
@@ -27,7 +26,6 @@ def test_probabilities_of_all_hypotheses_add_up_to_1() -> None:
 
 
 def test_two_effects_that_do_the_same_are_tied() -> None:
-    """Each has half of the probability, and a third effect is a slot of its own."""
     result = posterior({"rate": 10.0, "lag": 5.0, "clock_ratio": 10.0, "stamp_wander": 5.0}, SCALE, SAME, DRIFT)
     slots = {frozenset({slot.name, *slot.tied_with}): slot for slot in result.slots()}
     assert set(slots) == {frozenset({"scale_factor", "latency"}), frozenset({"clock_drift"})}
@@ -38,13 +36,11 @@ def test_two_effects_that_do_the_same_are_tied() -> None:
 
 
 def test_two_effects_that_act_together_are_not_tied() -> None:
-    """The difference needs both."""
     result = posterior({"rate": 10.0, "lag": 5.0, "clock_ratio": 10.0, "stamp_wander": 5.0}, SCALE, DRIFT)
     assert [(slot.tied_with, slot.total > 0.8) for slot in result.slots()] == [((), True), ((), True)]
 
 
 def test_a_form_that_no_effect_has_is_something_unknown() -> None:
-    """It is in no slot."""
     result = posterior({"moving": 10.0, "direction": 5.0}, FORM, SCALE)
     assert result.inclusion["?moving"] > 0.8
     assert result.unknown > 0.95
@@ -52,7 +48,6 @@ def test_a_form_that_no_effect_has_is_something_unknown() -> None:
 
 
 def test_a_difference_in_other_proportions_is_something_that_resembles_the_effect() -> None:
-    """Twice as much of one feature: an unknown effect like it; in its proportions it is the effect."""
     shares = [posterior({"rate": 14.0, "lag": lag}, SCALE).inclusion["scale_factor"] for lag in (7.0, 14.0)]
     assert shares[0] > 0.8
     assert shares[1] < 0.2
@@ -66,7 +61,6 @@ def test_a_lower_power_is_less_certain() -> None:
 
 
 def test_sets_are_listed_by_their_probability() -> None:
-    """All that a set has, with something unknown and without; none below the least that is asked for."""
     result = posterior({"rate": 10.0, "lag": 5.0}, SCALE, DRIFT)
     listed = result.by_mass(0.01)
     assert listed[0].names == ("scale_factor",)

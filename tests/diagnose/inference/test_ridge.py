@@ -31,7 +31,6 @@ def test_a_tilt_and_what_acts_like_it_are_a_pair() -> None:
 
 
 def test_a_pair_is_placed_where_both_fit() -> None:
-    """From the far ends of both grids; a search along one size at a time would stay near them."""
     scorer = scorer_of(TILT_AND_SCALE, SCALE, TILT)
     scale, tilt = placed_together(scorer, at_the_ends(scorer))
     assert (scale.size, tilt.size) == pytest.approx((3.0, 5.0), abs=0.15)

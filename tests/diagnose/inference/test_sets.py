@@ -55,7 +55,6 @@ def placed_at(scorer: Scorer, name: str, size: float) -> Placed:
 
 
 def test_two_effects_are_more_probable_together_than_alone() -> None:
-    """With the sizes that both have."""
     scorer = scorer_of({"rate": 10.0, "lag": 5.0, "clock_ratio": 9.0}, SCALE, DRIFT)
     sets = by_names(scorer)
     pair = sets["clock_drift", "scale_factor"]
@@ -68,7 +67,6 @@ def test_two_effects_are_more_probable_together_than_alone() -> None:
 
 
 def test_an_effect_that_is_not_there_costs_its_prior_and_its_sizes() -> None:
-    """Without any difference nothing is the most probable set, and a longer set is less probable than a shorter."""
     scorer = scorer_of({}, SCALE, DRIFT)
     sets = by_names(scorer)
     log_posteriors = [
@@ -99,7 +97,6 @@ def test_a_correction_removes_the_error_of_interpolation_and_changes_the_evidenc
 
 
 def test_a_correction_that_is_wrong_lowers_the_evidence() -> None:
-    """Its sign is that of the simulation less the templates."""
     truth = rows({"rate": 10.0, "lag": 5.0})
     scorer = scorer_of(truth, SCALE)
     at_size = fitted(scorer, EffectSet((placed_at(scorer, "scale_factor", 5.0),), 0.0, 0.0))
@@ -109,7 +106,6 @@ def test_a_correction_that_is_wrong_lowers_the_evidence() -> None:
 
 
 def test_the_largest_part_of_a_set_that_was_simulated_corrects_it() -> None:
-    """Until the set itself is simulated; others are not touched."""
     scorer = scorer_of({"rate": 10.0, "lag": 5.0, "clock_ratio": 9.0}, SCALE, DRIFT)
     scale, drift = placed_at(scorer, "scale_factor", 5.0), placed_at(scorer, "clock_drift", 3.0)
     alone = EffectSet((scale,), 0.0, 0.0)
@@ -140,7 +136,6 @@ def test_the_scatter_of_simulations_joins_the_variance() -> None:
 
 
 def test_a_form_that_no_effect_has_is_less_probable_beforehand() -> None:
-    """It has one form error, and nothing resembles it."""
     form = simulated("?moving", {"moving": 2.0})
     exact = SCALE._replace(candidate=replace(SCALE.candidate, is_exact=True))
     templates = scorer_of({}, form, SCALE, DRIFT).templates
@@ -172,7 +167,6 @@ def test_an_effect_that_only_resembles_fits_what_the_effect_does_not() -> None:
 
 
 def test_logarithms_of_variances_add_as_variances() -> None:
-    """One effect of a set makes a variance e² times as large, the other one e³ times."""
     noise = (simulated(name, {LOG: 1.0, "rate": 1.0}) for name in ("timestamp_jitter", "latency"))
     scorer = scorer_of({}, *noise)
     change = scorer.change([placed_at(scorer, "timestamp_jitter", 2.0), placed_at(scorer, "latency", 3.0)])
@@ -187,7 +181,6 @@ def random_rate() -> Simulated:
 
 
 def test_a_random_effect_is_paid_for_where_nothing_deviates() -> None:
-    """Its evidence falls with its size."""
     scorer = scorer_of({}, random_rate())
     template = scorer.templates["bias_instability"]
     densities = scorer.along(template, []).without_unknown - scorer.nothing().without_unknown

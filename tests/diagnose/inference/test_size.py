@@ -46,7 +46,6 @@ def test_an_interval_holds_the_true_size_in_19_of_20_cases() -> None:
 
 
 def test_an_interval_is_narrower_the_more_a_size_changes() -> None:
-    """Down to the error of the form."""
     widths = []
     for per_size in (0.5, 5.0):
         tried = simulated("scale_factor", {"rate": per_size}, SIZES)
@@ -71,7 +70,6 @@ def test_an_interval_that_ends_with_the_tried_sizes_is_open() -> None:
 def test_an_end_within_half_a_step_of_the_last_size_is_open(
     low: float, high: float, is_open: tuple[bool, bool]
 ) -> None:
-    """On either side; a single size has no ends."""
     assert open_ends(np.arange(1.0, 9.0), low, high) == is_open
     assert open_ends(np.array([3.0]), 3.0, 3.0) == (False, False)
 
@@ -89,5 +87,4 @@ def test_quantiles_are_those_of_the_weights() -> None:
 
 
 def test_a_single_size_is_all_quantiles() -> None:
-    """Whatever its weight."""
     assert quantiles(np.array([3.0, 3.0]), np.array([-900.0, -901.0]), CREDIBLE) == [3.0, 3.0, 3.0]

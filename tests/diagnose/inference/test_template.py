@@ -42,7 +42,6 @@ def two_variants() -> Template:
 
 
 def test_the_error_of_a_straight_line_is_exact_for_a_parabola() -> None:
-    """Between any two simulated sizes, and 0 at these."""
     template = template_of(curve(2.0))
     true = np.square(template.size)
     assert template.interpolation_sigma[:, 0, RATE] == pytest.approx(template.mean[:, 0, RATE] - true, abs=1e-9)
@@ -53,7 +52,6 @@ def test_the_error_of_a_straight_line_is_exact_for_a_parabola() -> None:
 
 
 def test_a_change_in_proportion_to_the_size_has_no_error() -> None:
-    """It is on the straight lines."""
     template = template_of(curve(1.0))
     assert template.mean[:, 0, RATE] == pytest.approx(template.size)
     assert template.interpolation_sigma == pytest.approx(0.0, abs=1e-12)
@@ -69,14 +67,12 @@ def test_sizes_that_nobody_would_notice_are_no_points() -> None:
 
 
 def test_points_of_all_variants_are_equally_probable() -> None:
-    """All of them together have a probability of 1."""
     template = two_variants()
     assert template.log_prior == pytest.approx(np.full(16, -np.log(16.0)))
     assert template.response.tolist() == [0] * 8 + [1] * 8
 
 
 def test_neighbors_are_of_one_variant() -> None:
-    """Up to the end of it."""
     template = two_variants()
     assert template.near(3, 2) == [1, 2, 3, 4, 5]
     assert template.near(7, 2) == [5, 6, 7]
@@ -84,7 +80,6 @@ def test_neighbors_are_of_one_variant() -> None:
 
 
 def test_finer_points_are_on_straight_lines_and_as_probable_together() -> None:
-    """From the first to the last of the points that are divided."""
     template = two_variants()
     finer = template.finer([9, 10, 11])
     assert len(finer.size) == 3 * FINER
@@ -103,7 +98,6 @@ def test_the_nearest_point_is_found_on_a_finer_grid() -> None:
 
 
 def test_some_points_and_some_sessions_are_a_template() -> None:
-    """In their order."""
     template = two_variants()
     part = template.subset([12, 2]).of_sessions([3])
     assert part.size.tolist() == [5.0, 3.0]
@@ -113,14 +107,12 @@ def test_some_points_and_some_sessions_are_a_template() -> None:
 
 
 def test_coarse_points_are_of_all_variants() -> None:
-    """Every fourth size of each."""
     template = two_variants()
     assert template.size[template.coarse].tolist() == [1.0, 5.0, 1.0, 5.0]
     assert template.response[template.coarse].tolist() == [0, 0, 1, 1]
 
 
 def test_a_phase_of_each_session_costs_its_occam_factor() -> None:
-    """Half the logarithm of 1 + 2 pi times the curvature, for each session."""
     per_size = rows({"turn_sine": 3.0}) * SIZES[:, None, None]
     free = Response(candidate("g_sensitivity"), per_size, phases_deg=np.zeros(SESSIONS))
     bound = replace(free, phases_deg=None)
@@ -142,7 +134,6 @@ def _variance(template: Template) -> Floats:
 
 
 def test_a_linear_feature_of_a_random_effect_has_no_mean() -> None:
-    """It may go either way; a logarithm of a variance has a mean."""
     tried = simulated_at_random("bias_instability", realized(32))
     template = template_of(tried._replace(candidate=replace(tried.candidate, touches=Touches.SLOW_RATE)))
     variance = _variance(template)

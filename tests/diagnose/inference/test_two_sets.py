@@ -30,22 +30,19 @@ def test_an_effect_of_chance_is_new_however_it_scatters_where_it_acts() -> None:
 
 
 def test_an_effect_of_chance_that_the_device_had_is_not_new() -> None:
-    """It scattered as much before, and two sets of it differ no more often than is said."""
     rng, sets = np.random.default_rng(13), 4000
-    found = [chance_of(rng.normal(5, 2, 3), rng.normal(5, 2, 5), 1e-4, is_random=True) for _ in range(sets)]
-    assert np.mean(np.array(found) < CHANCE) < 2.0 * CHANCE
+    result = [chance_of(rng.normal(5, 2, 3), rng.normal(5, 2, 5), 1e-4, is_random=True) for _ in range(sets)]
+    assert np.mean(np.array(result) < CHANCE) < 2.0 * CHANCE
 
 
 def test_noise_scatters_amounts_by_the_variance_that_is_stated() -> None:
-    """Of four thousand recordings of nothing but noise."""
     rng = np.random.default_rng(5)
     changes = np.tile(rng.normal(size=FEATURES), (4000, 1))
-    found = amounts_of(SIGMA * rng.normal(size=changes.shape), changes, SIGMA)
-    assert float(found.var()) == pytest.approx(noise_variance_of(changes, SIGMA), rel=0.1)
+    result = amounts_of(SIGMA * rng.normal(size=changes.shape), changes, SIGMA)
+    assert float(result.var()) == pytest.approx(noise_variance_of(changes, SIGMA), rel=0.1)
 
 
 def test_an_amplitude_does_not_depend_on_phases() -> None:
-    """Each recording has its own, and two that differ in nothing else show as much."""
     rng = np.random.default_rng(9)
     at_0, at_90 = rng.normal(size=(2, 6, FEATURES))
     phase = rng.uniform(0.0, 2.0 * np.pi, 6)[:, None]
@@ -59,17 +56,17 @@ def test_what_is_fitted_to_noise_is_fitted_in_both_sets() -> None:
     at_0, at_90 = rng.normal(size=(2, 3, FEATURES))
     variance = noise_variance_of(at_0, SIGMA)
     shown = [amplitudes_of(SIGMA * rng.normal(size=at_0.shape), (at_0, at_90), SIGMA) for _ in range(2 * sets)]
-    found = [chance_of(today, before, variance) for today, before in zip(shown[::2], shown[1::2], strict=True)]
-    assert np.mean(np.array(found) < 0.02) < 0.04
+    result = [chance_of(today, before, variance) for today, before in zip(shown[::2], shown[1::2], strict=True)]
+    assert np.mean(np.array(result) < 0.02) < 0.04
 
 
 @pytest.mark.parametrize(("today", "before"), [(3, 3), (2, 3), (6, 4), (3, 1)])
 def test_a_device_that_varies_is_held_to_have_changed_no_more_often_than_is_said(today: int, before: int) -> None:
     """Gains that scatter by 2 % from one recording to the next, far more than noise explains."""
     rng, sets = np.random.default_rng(7), 4000
-    found = [chance_of(rng.normal(5, 2, today), rng.normal(5, 2, before), 1e-4) for _ in range(sets)]
+    result = [chance_of(rng.normal(5, 2, today), rng.normal(5, 2, before), 1e-4) for _ in range(sets)]
     for chance in (0.02, 0.1):
-        assert np.mean(np.array(found) < chance) == pytest.approx(chance, rel=0.3)
+        assert np.mean(np.array(result) < chance) == pytest.approx(chance, rel=0.3)
 
 
 def test_what_all_of_one_set_show_and_none_of_the_other_is_no_chance() -> None:
@@ -83,5 +80,5 @@ def test_what_all_of_one_set_show_and_none_of_the_other_is_no_chance() -> None:
 def test_a_change_that_scatters_by_a_quarter_of_itself_is_told() -> None:
     """Three recordings beside two that show nothing of it: nine times in ten."""
     rng = np.random.default_rng(13)
-    found = np.array([chance_of(rng.normal(1.0, 0.25, 3), rng.normal(0.0, 0.05, 2), 1e-3) for _ in range(1000)])
-    assert np.mean(found < CHANCE) > 0.8
+    result = np.array([chance_of(rng.normal(1.0, 0.25, 3), rng.normal(0.0, 0.05, 2), 1e-3) for _ in range(1000)])
+    assert np.mean(result < CHANCE) > 0.8

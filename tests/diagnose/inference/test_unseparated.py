@@ -39,7 +39,6 @@ def test_a_rate_that_is_too_high_is_no_tilt() -> None:
 
 
 def test_another_cause_has_no_tie_with_a_tilt() -> None:
-    """Beside a scale error that ties, too."""
     causes = concluded({**LOW, **DRIFT}, "misalignment").verdict.causes
     assert {cause.effect.name: cause.tied_with for cause in causes} == {
         "scale_factor": ("misalignment",),
@@ -48,7 +47,6 @@ def test_another_cause_has_no_tie_with_a_tilt() -> None:
 
 
 def test_the_probability_is_divided_and_none_is_lost() -> None:
-    """All hypotheses still add up to 1."""
     posterior = concluded(LOW).explanation.posterior
     divided = with_unseparated(posterior, ["misalignment"])
     assert divided.weights.sum() == pytest.approx(1.0)
@@ -58,7 +56,6 @@ def test_the_probability_is_divided_and_none_is_lost() -> None:
 
 
 def test_a_tilt_that_was_not_simulated_has_no_place_in_a_set() -> None:
-    """So that nothing proposes a motion for it."""
     explanation = concluded(LOW, "misalignment").explanation
     assert explanation.posterior.inclusion["misalignment"] > 0.1
     assert explanation.where_best("misalignment") is None

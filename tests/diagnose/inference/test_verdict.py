@@ -24,7 +24,7 @@ TRIED = (
     simulated("clock_drift", {"clock_ratio": 3.0}),
     simulated("?moving", {"moving": 2.0, "direction": 1.0}),
 )
-BOTH: Amounts = {"rate": 10.0, "clock_ratio": 9.0}
+PAIR: Amounts = {"rate": 10.0, "clock_ratio": 9.0}
 
 
 def named(text: str, in_rig: str | None = None) -> NamedCause:
@@ -68,12 +68,11 @@ def test_an_effect_of_the_rig_within_the_interval_is_no_cause(
 
 
 def test_what_costs_nothing_is_no_cause() -> None:
-    """It is listed with its cost; a cause that costs the bound stays, and so does one whose cost nobody asked for."""
-    verdict = concluded(BOTH, *TRIED).verdict
+    verdict = concluded(PAIR, *TRIED).verdict
     assert {cause.effect.name for cause in verdict.causes} == {"scale_factor", "clock_drift"}
     aside = with_negligible(verdict, {"clock_drift": 0.01})
     assert [cause.effect.name for cause in aside.causes] == ["scale_factor"]
-    assert [(one.cause.effect.name, one.yaw_deg) for one in aside.negligible] == [("clock_drift", 0.01)]
+    assert [(item.cause.effect.name, item.yaw_deg) for item in aside.negligible] == [("clock_drift", 0.01)]
     assert aside.kind is Kind.EFFECT
     assert {cause.effect.name for cause in aside.acting} == {"scale_factor", "clock_drift"}
     assert with_negligible(verdict, {"clock_drift": NEGLIGIBLE_DEG}) == verdict
@@ -84,7 +83,7 @@ def test_causes_are_told_to_people_by_their_expected_share_of_the_gap() -> None:
     """A cause of most of the gap comes before a certain cause of a fiftieth; the probability is that with its ties."""
     certain = replace(named("vibration:amplitude_dps=0.07,frequency_hz=31"), group_probability=0.96, gap_share=0.02)
     large = replace(named("usb_batching:interval_ms=50"), probability=0.4, group_probability=0.6, gap_share=0.75)
-    verdict = replace(concluded(BOTH, *TRIED).verdict, causes=(certain, large))
+    verdict = replace(concluded(PAIR, *TRIED).verdict, causes=(certain, large))
     assert verdict.causes_by_share == (large, certain)
     assert large.expected_share == pytest.approx(0.45)
     equal = replace(verdict, causes=tuple(replace(cause, gap_share=0.0) for cause in (large, certain)))
@@ -92,7 +91,6 @@ def test_causes_are_told_to_people_by_their_expected_share_of_the_gap() -> None:
 
 
 def test_where_all_that_acts_costs_nothing_there_is_no_gap() -> None:
-    """Unless part of the difference is unexplained."""
     whole = concluded({"rate": 10.0}, *TRIED).verdict
     part = concluded({"rate": 10.0, "temperature_rate": 12.0}, *TRIED).verdict
     assert (whole.kind, part.kind) == (Kind.EFFECT, Kind.PARTLY)
@@ -105,13 +103,13 @@ def without(conclusion: Conclusion, *causes: str, forms: tuple[str, ...] = ()) -
     """Kind of the verdict without some causes and forms, and the features that deviate in it."""
     verdict = without_causes(conclusion.verdict, causes, forms, conclusion.explanation.evidence)
     assert verdict.unexplained == verdict.where or verdict.causes
-    return verdict.kind, {one.feature for one in verdict.where}
+    return verdict.kind, {item.feature for item in verdict.where}
 
 
 def test_without_its_only_cause_a_gap_is_unknown_where_features_deviate() -> None:
     """The rate alone does; with another cause the verdict stays an effect."""
     assert without(concluded({"rate": 10.0}, *TRIED), "scale_factor") == (Kind.UNKNOWN, {"rate"})
-    assert without(concluded(BOTH, *TRIED), "clock_drift")[0] is Kind.EFFECT
+    assert without(concluded(PAIR, *TRIED), "clock_drift")[0] is Kind.EFFECT
 
 
 def test_a_form_of_chance_that_deviates_in_no_feature_is_no_gap() -> None:
@@ -144,13 +142,12 @@ def test_beside_a_cause_a_form_of_chance_leaves_nothing_unexplained() -> None:
 
 
 def test_a_cause_has_the_phase_of_each_session() -> None:
-    """Where phases are free; where the rig has it, the phase that it has in the session; else its own everywhere."""
     tilt = "g_sensitivity:amplitude_dps=0.1,phase_deg=30"
-    one = named(tilt)
-    assert one.in_session(1, ()) == one.effect
-    free = replace(one, cause=one.cause._replace(phases_deg=np.array([10.0, 200.0])))
+    item = named(tilt)
+    assert item.in_session(1, ()) == item.effect
+    free = replace(item, cause=item.cause._replace(phases_deg=np.array([10.0, 200.0])))
     assert free.in_session(1, ()).model_dump()["phase_deg"] == 200.0
-    shown = one.effect.model_copy(update={"phase_deg": 120.0})
+    shown = item.effect.model_copy(update={"phase_deg": 120.0})
     in_rig = named("g_sensitivity:amplitude_dps=0.2,phase_deg=30", tilt)
     assert in_rig.in_session(0, (shown,)).model_dump() == {
         "name": "g_sensitivity",

@@ -27,9 +27,8 @@ def hypotheses(*texts: str) -> list[RigHypothesis]:
     return [RigHypothesis(name, RIG.model_copy(update={"effects": effects}), 0.5) for name, effects in made]
 
 
-def share_right(found: NextRecording, asked: list[RigHypothesis]) -> float:
-    """Of eight new sessions of each hypothesis, how many are most like those of their own."""
-    planned, rigs = PlannedMotion(found.profile, found.minutes), [one.rig for one in asked]
+def share_right(actual: NextRecording, requested: list[RigHypothesis]) -> float:
+    planned, rigs = PlannedMotion(actual.profile, actual.minutes), [item.rig for item in requested]
     learned = simulated_features(rigs, RIG, planned, 4001, 4)
     model = feature_model(learned, learned.values.mean(axis=1))
     fresh = simulated_features(rigs, RIG, planned, 4002, 8).values
@@ -38,41 +37,39 @@ def share_right(found: NextRecording, asked: list[RigHypothesis]) -> float:
 
 
 def test_temperature_and_warming_up_are_told_apart_by_warming_the_air() -> None:
-    """At power-on both follow the sensor's own heat, with the same time constant; only other air parts them."""
     # 8 °C of self-heating with 240 s times 0.01 deg/s/°C is a bias that settles by 0.08 deg/s with 240 s.
-    asked = hypotheses("temp_bias:slope_dps_per_c=0.01", "warmup:amplitude_dps=-0.08,time_constant_s=240")
+    request = hypotheses("temp_bias:slope_dps_per_c=0.01", "warmup:amplitude_dps=-0.08,time_constant_s=240")
     rest = PlannedMotion(load_profile("rest"), MINUTES)
-    found = next_recording_of(asked, MINUTES, seed=1, recorded=rest)
-    assert any(one.warms_air for one in found.maneuvers)
-    assert found.predicted.probability > 0.95
-    assert found.repeated is not None
-    assert found.repeated.probability < 0.6
-    assert share_right(found, asked) > 0.9
+    result = next_recording_of(request, MINUTES, seed=1, recorded=rest)
+    assert any(maneuver.warms_air for maneuver in result.maneuvers)
+    assert result.predicted.probability > 0.95
+    assert result.repeated is not None
+    assert result.repeated.probability < 0.6
+    assert share_right(result, request) > 0.9
 
 
 def test_a_dead_band_is_looked_for_near_zero() -> None:
-    """No fast motion and no rest beside a bias of 0.35 deg/s shows a band of 0.05."""
     rig = Rig(base=RIG.base.model_copy(update={"bias_dps": 0.35}))
     band = rig.model_copy(update={"effects": (parse_effect("deadband:width_dps=0.05"),)})
-    found = next_recording_of([RigHypothesis(NOTHING, rig, 0.5), RigHypothesis("deadband", band, 0.5)], MINUTES, seed=2)
-    assert "through_zero" in {one.name for one in found.maneuvers}
-    assert found.predicted.probability > 0.9
-    assert sentence(found, "next.yaml").startswith("Switch the device on and play next.yaml (2 min: ")
-    assert "it tells whether there is deadband with probability" in sentence(found, "next.yaml")
+    result = next_recording_of(
+        [RigHypothesis(NOTHING, rig, 0.5), RigHypothesis("deadband", band, 0.5)], MINUTES, seed=2
+    )
+    assert "through_zero" in {maneuver.name for maneuver in result.maneuvers}
+    assert result.predicted.probability > 0.9
+    assert sentence(result, "next.yaml").startswith("Switch the device on and play next.yaml (2 min: ")
+    assert "it tells whether there is deadband with probability" in sentence(result, "next.yaml")
 
 
 @pytest.fixture(scope="module")
 def indistinct() -> NextRecording:
-    """Of two causes that do the same by definition."""
-    asked = hypotheses("scale_factor:error_percent=0.5", "scale_factor:error_percent=0.51")
-    return next_recording_of(asked, 1.0, seed=4, recorded=PlannedMotion(load_profile("rest"), 1.0))
+    request = hypotheses("scale_factor:error_percent=0.5", "scale_factor:error_percent=0.51")
+    return next_recording_of(request, 1.0, seed=4, recorded=PlannedMotion(load_profile("rest"), 1.0))
 
 
 def test_what_the_same_motion_tells_better_is_said_to_be_recorded_again(indistinct: NextRecording) -> None:
-    """Of a choice whose own motion tells less."""
-    found = indistinct
-    assert found.repeated is not None
-    better = replace(found, repeated=replace(found.repeated, information=found.predicted.information + 0.1))
+    result = indistinct
+    assert result.repeated is not None
+    better = replace(result, repeated=replace(result.repeated, information=result.predicted.information + 0.1))
     assert sentence(better, "next.yaml").startswith("Record 1 min more of the same: it tells scale_factor from")
 
 
@@ -84,8 +81,7 @@ def test_what_nothing_shows_is_said_to_be_so(indistinct: NextRecording) -> None:
 
 
 def test_the_same_question_has_the_same_answer() -> None:
-    """To the last digit, for one seed, however many processes simulate."""
-    asked = hypotheses("", "saturation:limit_dps=150")
-    first, second = (next_recording_of(asked, 1.0, seed=4, jobs=jobs) for jobs in (1, 2))
+    request = hypotheses("", "saturation:limit_dps=150")
+    first, second = (next_recording_of(request, 1.0, seed=4, jobs=jobs) for jobs in (1, 2))
     assert first == second
     assert first.predicted.probability > 0.95

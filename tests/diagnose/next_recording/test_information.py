@@ -29,7 +29,7 @@ def simulated(*changes: dict[str, float], noise: float = 0.1, realisations: int 
     return SimulatedFeatures(values, np.ones(count), common[0])
 
 
-def told(*changes: dict[str, float], weights: Floats = EVEN) -> float:
+def report(*changes: dict[str, float], weights: Floats = EVEN) -> float:
     return discrimination_of(held_out_log_likelihoods(simulated(*changes)), weights).probability
 
 
@@ -48,40 +48,36 @@ def test_information_is_bounded_by_divergences() -> None:
 
 
 def test_entropy_is_what_can_be_told() -> None:
-    """One bit for two even hypotheses, less where one is likely from the start."""
     assert entropy(EVEN) == 1.0
     assert entropy(np.array([0.25, 0.25, 0.5])) == 1.5
     assert entropy(np.array([0.9, 0.1])) == pytest.approx(0.469, abs=1e-3)
 
 
 def test_what_changes_the_same_is_not_told_apart() -> None:
-    """Nothing is learned, and the right one keeps the probability it had: 0.7² + 0.3² in the mean."""
     same = {"rate": 20.0}
-    assert told(same, same) == pytest.approx(0.5)
-    assert told(same, same, weights=np.array([0.7, 0.3])) == pytest.approx(0.58)
+    assert report(same, same) == pytest.approx(0.5)
+    assert report(same, same, weights=np.array([0.7, 0.3])) == pytest.approx(0.58)
 
 
 def test_different_features_tell_apart() -> None:
-    """Each hypothesis moves what the other leaves alone, far beyond what matters."""
     names = ("rate", "abs_rate", "temperature", "noise_rest_32")
-    first, second = (dict.fromkeys(names[at::2], 20.0) for at in range(2))
-    assert told(first, second) > 0.99
+    first, second = (dict.fromkeys(names[index::2], 20.0) for index in range(2))
+    assert report(first, second) > 0.99
 
 
 def test_a_little_more_of_the_same_is_no_other_cause() -> None:
     """Sizes are fitted, and may be off by a fifth; by twice they are not."""
-    one = {"rate": 10.0, "abs_rate": 10.0, "temperature": 10.0, "rate_cubed": 10.0}
-    assert told(one, {name: 1.19 * change for name, change in one.items()}) < 0.65
-    assert told(one, {name: 3.0 * change for name, change in one.items()}) > 0.95
+    item = {"rate": 10.0, "abs_rate": 10.0, "temperature": 10.0, "rate_cubed": 10.0}
+    assert report(item, {name: 1.19 * change for name, change in item.items()}) < 0.65
+    assert report(item, {name: 3.0 * change for name, change in item.items()}) > 0.95
 
 
 def test_fewer_than_the_threshold_matter_little() -> None:
     """A change of a fifth of what matters is told by nothing, however little it scatters."""
-    assert told({}, {"rate": 0.2}) < 0.55
+    assert report({}, {"rate": 0.2}) < 0.55
 
 
 def test_new_features_are_judged_by_the_model() -> None:
-    """Those that one hypothesis predicts are likelier under it, in the order of the hypotheses."""
     features = simulated({}, {"rate": 15.0, "temperature": -15.0})
     model = feature_model(features, features.values.mean(axis=1))
     logs = model.log_likelihoods(model.means[2])

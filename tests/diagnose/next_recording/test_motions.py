@@ -12,9 +12,9 @@ from gyrodrift.diagnose.next_recording.maneuvers import FAMILY, Maneuver, Motion
 from gyrodrift.diagnose.next_recording.profiles import profile_of, profile_yaml, warmer_c
 
 LIMITS = limits_of(Base())
-NAMED = {one.name: one for one in FAMILY}
+NAMED = {item.name: item for item in FAMILY}
 
-families = pytest.mark.parametrize("maneuver", FAMILY, ids=[one.name for one in FAMILY])
+families = pytest.mark.parametrize("maneuver", FAMILY, ids=[item.name for item in FAMILY])
 
 
 def test_limits_are_those_of_gyro_encoder_and_table() -> None:
@@ -30,7 +30,6 @@ def test_limits_are_those_of_gyro_encoder_and_table() -> None:
 @families
 @pytest.mark.parametrize("minutes", [1.0, 3.0, 10.0])
 def test_a_maneuver_fills_its_time_from_rest_to_rest(maneuver: Maneuver, minutes: float) -> None:
-    """So that any two can follow each other; and none leaves its limits."""
     profile = profile_of((maneuver,), minutes, LIMITS)
     assert profile.seconds == pytest.approx(60.0 * minutes, abs=1e-6)
     t_s = np.arange(0.0, profile.seconds, 0.01)
@@ -53,7 +52,6 @@ def test_turns_are_whole(name: str) -> None:
 
 
 def test_air_warms_in_its_own_part_alone() -> None:
-    """At ten degrees a minute: half of 87.5 s give 7.3, and before and after the air is at 25."""
     profile = profile_of((NAMED["reversals"], NAMED["warm_rest"]), 3.0, LIMITS)
     assert warmer_c(87.5) == pytest.approx(43.75 / 6.0)
     air_c = profile.ambient_at(np.array([0.0, 92.0, 92.5 + 43.75, 179.9]))
@@ -74,7 +72,6 @@ def test_what_is_too_short_is_refused() -> None:
 
 @families
 def test_the_file_is_the_profile(maneuver: Maneuver, tmp_path: Path) -> None:
-    """What is loaded from it plays the same, to the last digit."""
     profile = profile_of((maneuver, NAMED["warm_rest"]), 3.0, MotionLimits(rate_dps=137.0 / 3.0, wave_hz=7.3))
     path = tmp_path / "next-profile.yaml"
     path.write_text(profile_yaml(profile))

@@ -17,8 +17,8 @@ def hypothesis(*effects: Effect, weight: float = 1.0) -> RigHypothesis:
 
 def test_weights_are_shares_of_their_sum() -> None:
     """Three to one is three quarters and one."""
-    found = weights_of([hypothesis(LATENCY, weight=0.6), hypothesis(BANDWIDTH, weight=0.2)])
-    assert found == pytest.approx([0.75, 0.25])
+    result = weights_of([hypothesis(LATENCY, weight=0.6), hypothesis(BANDWIDTH, weight=0.2)])
+    assert result == pytest.approx([0.75, 0.25])
 
 
 @pytest.mark.parametrize("weights", [(1.0,), (1.0, 0.0), (1.0, -0.1), (1.0, float("nan"))])

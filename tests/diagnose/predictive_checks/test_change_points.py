@@ -15,16 +15,14 @@ def noise(seed: int = 1) -> Floats:
 
 
 def test_change_points_are_found_with_their_height() -> None:
-    """There and back."""
     level_dps = noise()
     level_dps[120:260] += 0.1
-    found = change_points_of(level_dps, EVEN)
-    assert [one.second for one in found] == pytest.approx([120, 260], abs=1)
-    assert [one.step_dps for one in found] == pytest.approx([0.1, -0.1], abs=0.01)
+    result = change_points_of(level_dps, EVEN)
+    assert [item.second for item in result] == pytest.approx([120, 260], abs=1)
+    assert [item.step_dps for item in result] == pytest.approx([0.1, -0.1], abs=0.01)
 
 
 def test_many_change_points_are_found() -> None:
-    """A bias on two levels."""
     level_dps = noise() + 0.2 * (np.arange(SECONDS) // 20 % 2)
     assert len(change_points_of(level_dps, EVEN)) == SECONDS // 20 - 1
 
@@ -32,9 +30,9 @@ def test_many_change_points_are_found() -> None:
 @pytest.mark.parametrize("seed", range(20))
 def test_noise_has_no_change_points(seed: int) -> None:
     """Nor does what drifts, or an outlier."""
-    place = np.arange(SECONDS)
+    position = np.arange(SECONDS)
     assert change_points_of(noise(seed), EVEN) == ()
-    assert change_points_of(noise(seed) + 0.3 * np.exp(-place / 60.0), EVEN) == ()
+    assert change_points_of(noise(seed) + 0.3 * np.exp(-position / 60.0), EVEN) == ()
     outlier = noise(seed)
     outlier[200] += 3.0
     assert change_points_of(outlier, EVEN) == ()
@@ -49,6 +47,5 @@ def test_a_drift_across_a_gap_is_no_change_point() -> None:
 
 @pytest.mark.parametrize("level_dps", [np.zeros(0), np.zeros(3), np.zeros(50), np.full(50, 1e9)])
 def test_too_little_or_nothing_has_no_change_points(level_dps: Floats) -> None:
-    """And no warning."""
     assert change_points_of(level_dps, np.ones(len(level_dps), bool)) == ()
     assert change_points_of(level_dps, np.zeros(len(level_dps), bool)) == ()

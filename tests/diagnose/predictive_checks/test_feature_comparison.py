@@ -18,7 +18,6 @@ ROOT = np.sqrt(SECONDS)
 
 @cache
 def explained() -> Explanation:
-    """Of sessions whose rate differs by 6 standard deviations, and by 9 in the last; a scale error is named."""
     difference = rows({"rate": 6.0})
     difference[3, NUMBER["rate"]] = 9.0
     return concluded(difference, simulated("scale_factor", {"rate": 2.0})).explanation
@@ -30,30 +29,28 @@ def compared(name: str) -> FeatureComparison:
 
 
 def test_the_recordings_stand_beside_the_simulator() -> None:
-    """What was simulated and the difference, and a band of two standard deviations."""
-    found = compared("rate")
-    assert found.unit == "deg/s RMS"
-    assert found.real == pytest.approx(np.array([7.0, 7.0, 7.0, 10.0]) / ROOT)
-    assert found.before.middle == pytest.approx(np.full(SESSIONS, 1.0) / ROOT)
-    assert found.before.low == pytest.approx(np.full(SESSIONS, -1.0) / ROOT)
-    assert found.before.high == pytest.approx(np.full(SESSIONS, 3.0) / ROOT)
-    assert found.z_before == pytest.approx(13.5)  # the mean of 6.75, times the root of four sessions
+    result = compared("rate")
+    assert result.unit == "deg/s RMS"
+    assert result.real == pytest.approx(np.array([7.0, 7.0, 7.0, 10.0]) / ROOT)
+    assert result.before.middle == pytest.approx(np.full(SESSIONS, 1.0) / ROOT)
+    assert result.before.low == pytest.approx(np.full(SESSIONS, -1.0) / ROOT)
+    assert result.before.high == pytest.approx(np.full(SESSIONS, 3.0) / ROOT)
+    assert result.z_before == pytest.approx(13.5)  # the mean of 6.75, times the root of four sessions
 
 
 def test_after_is_under_sizes_of_the_other_sessions() -> None:
     """Three say 6, which the last is held against; the band is wider by the error of the form."""
-    found = compared("rate")
-    assert found.after.middle[3] * ROOT == pytest.approx(7.0, abs=0.1)
-    assert np.all(found.after.middle[:3] > found.after.middle[3])
-    change = found.after.middle * ROOT - 1.0
+    result = compared("rate")
+    assert result.after.middle[3] * ROOT == pytest.approx(7.0, abs=0.1)
+    assert np.all(result.after.middle[:3] > result.after.middle[3])
+    change = result.after.middle * ROOT - 1.0
     wide = np.sqrt(1.0 + np.square(CLOSE_TO_IT * change))
-    assert found.after.high * ROOT == pytest.approx(1.0 + change + 2.0 * wide)
-    assert found.real[3] > found.after.high[3]
-    assert abs(found.z_after) < abs(found.z_before)
+    assert result.after.high * ROOT == pytest.approx(1.0 + change + 2.0 * wide)
+    assert result.real[3] > result.after.high[3]
+    assert abs(result.z_after) < abs(result.z_before)
 
 
 def test_a_feature_that_no_cause_moves_stays_where_it_is() -> None:
-    """Before and after."""
-    found = compared("temperature")
-    assert (found.z_before, found.z_after) == (0.0, 0.0)
-    assert found.after.middle == pytest.approx(found.before.middle)
+    result = compared("temperature")
+    assert (result.z_before, result.z_after) == (0.0, 0.0)
+    assert result.after.middle == pytest.approx(result.before.middle)

@@ -33,7 +33,6 @@ def recorded(folder: Path, *own_yaws: str | None, axes: int = 1) -> list[Path]:
 def test_the_filter_of_the_device_has_the_error_of_the_same_filter_here(
     tmp_path: Path, own_yaw: str, axes: int
 ) -> None:
-    """On one axis and on three."""
     errors = on_device_yaw(recorded(tmp_path, own_yaw, own_yaw, axes=axes))
     assert errors is not None
     assert errors.e_device_deg == pytest.approx(errors.e_restlevel_deg, abs=0.01)
@@ -54,7 +53,6 @@ def test_a_session_without_a_yaw_of_the_device_gives_none(tmp_path: Path) -> Non
 
 
 def test_the_report_has_it_only_where_it_is_known() -> None:
-    """In the summary, in gap.json, and in a tile; without it all three are what they were."""
     plain = diagnosis({})
     own = replace(plain, on_device=OnDeviceYaw(1.25, 0.5, 0.97))
     added = set(summary(own)) - set(summary(plain))

@@ -31,46 +31,41 @@ def series(*, is_named: bool) -> ResidualSeries:
 
 
 def slope(error_dps: Floats) -> float:
-    """Of an error over the rate of the table."""
     rate_dps = subject().design.regimes.block_rate_dps
     return float(np.polyfit(rate_dps, error_dps, 1)[0])
 
 
 def test_the_error_of_the_recording_grows_with_the_rate_and_that_of_the_rig_does_not() -> None:
-    """2 % of it, within what 0.01 deg/s of noise leave at rates up to 90 deg/s."""
-    one = series(is_named=False)
-    assert slope(one.real_dps) == pytest.approx(0.02, abs=5e-4)
-    assert slope(one.before_dps) == pytest.approx(0.0, abs=5e-4)
-    assert slope(one.unexplained_dps) == pytest.approx(0.02, abs=5e-4)
+    item = series(is_named=False)
+    assert slope(item.real_dps) == pytest.approx(0.02, abs=5e-4)
+    assert slope(item.before_dps) == pytest.approx(0.0, abs=5e-4)
+    assert slope(item.unexplained_dps) == pytest.approx(0.02, abs=5e-4)
 
 
 def test_with_the_cause_the_rig_errs_as_the_recording_does() -> None:
-    """And nothing that follows the rate is left."""
-    one = series(is_named=True)
-    assert slope(one.before_dps) == pytest.approx(0.0, abs=5e-4)
-    assert slope(one.after_dps) == pytest.approx(0.02, abs=5e-4)
-    assert slope(one.unexplained_dps) == pytest.approx(0.0, abs=5e-4)
+    item = series(is_named=True)
+    assert slope(item.before_dps) == pytest.approx(0.0, abs=5e-4)
+    assert slope(item.after_dps) == pytest.approx(0.02, abs=5e-4)
+    assert slope(item.unexplained_dps) == pytest.approx(0.0, abs=5e-4)
 
 
 def test_without_causes_there_is_one_simulation() -> None:
-    """Before and after are the same to the last bit."""
-    one = series(is_named=False)
-    assert one.after_dps.tolist() == one.before_dps.tolist()
+    item = series(is_named=False)
+    assert item.after_dps.tolist() == item.before_dps.tolist()
 
 
 def test_every_second_has_its_middle_and_errors_have_no_level() -> None:
     """The first middle is half a second after the beginning; the bias is taken away as the median."""
-    one = series(is_named=False)
-    assert one.minutes[:2] * 60.0 == pytest.approx([0.5, 1.5], rel=1e-3)
-    assert len(one.minutes) == len(one.real_dps) == len(one.unexplained_dps)
-    assert np.median(one.real_dps) == pytest.approx(0.0, abs=1e-12)
+    item = series(is_named=False)
+    assert item.minutes[:2] * 60.0 == pytest.approx([0.5, 1.5], rel=1e-3)
+    assert len(item.minutes) == len(item.real_dps) == len(item.unexplained_dps)
+    assert np.median(item.real_dps) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_the_error_is_found_to_follow_the_rate() -> None:
-    """By most of 2 % of its RMS, since the fastest seconds are held back, and by nothing once the cause is named."""
     rate_dps = subject().design.regimes.block_rate_dps
     without, with_it = (
-        {one.name: one for one in dependences_of([series(is_named=is_named)], [subject()])}["rate"]
+        {item.name: item for item in dependences_of([series(is_named=is_named)], [subject()])}["rate"]
         for is_named in (False, True)
     )
     expected_dps = 0.02 * float(np.std(rate_dps))
@@ -87,6 +82,6 @@ def test_what_never_changes_is_no_dependence() -> None:
     cold = subject_from(
         type(plain)(plain.name, plain.t_device_s, plain.rate_dps, plain.t_host_s, plain.seq, plain.encoder_deg)
     )
-    names = {one.name for one in dependences_of([residual_series_of(cold, (), 1)], [cold])}
+    names = {item.name for item in dependences_of([residual_series_of(cold, (), 1)], [cold])}
     assert "temperature" not in names
     assert {"rate", "angle within the turn", "time since the session began"} <= names

@@ -23,7 +23,6 @@ def recording(rate_dps: Floats = TRUE_DPS, angle_deg: Floats = ANGLE_DEG) -> Rec
 
 
 def test_a_good_recording_passes_as_it_is() -> None:
-    """Without a word."""
     whole = recording()
     passed = check_recording(whole)
     assert passed.recording is whole
@@ -38,17 +37,15 @@ def test_a_good_recording_passes_as_it_is() -> None:
         (-np.pi / 180.0, "the sign opposite"),
     ],
 )
-def test_sign_and_unit_are_told_and_put_right(factor: float, said: str) -> None:
-    """So that the rest can still be said."""
+def test_sign_and_unit_are_told_and_put_right(factor: float, statement: str) -> None:
     whole = recording()
     passed = check_recording(replace(whole, rate_dps=whole.rate_dps * factor))
     assert passed.recording is not None
-    assert said in " ".join(passed.remarks)
+    assert statement in " ".join(passed.remarks)
     assert np.allclose(passed.recording.rate_dps, whole.rate_dps)
 
 
 def test_an_angle_in_radians_is_asked_about() -> None:
-    """Nothing tells it from a rate that was converted twice, and the wrong one of both would scale all results."""
     whole = recording()
     passed = check_recording(replace(whole, rate_dps=np.rad2deg(whole.rate_dps)))
     assert passed.recording is None
@@ -69,19 +66,17 @@ def test_an_even_spin_is_alike_at_any_lag_and_has_a_sign_and_a_unit(speed_dps: f
 
 @pytest.mark.parametrize("lag", [-80, 150])
 def test_an_encoder_of_another_time_is_shifted(lag: int) -> None:
-    """And by how much is told."""
     late_deg = ANGLE_DEG[np.clip(np.arange(len(T_S)) - lag, 0, len(T_S) - 1)]
     passed = check_recording(recording(angle_deg=late_deg))
     assert passed.recording is not None
-    told = re.search(r"are ([0-9.]+) s apart; the encoder was shifted", passed.remarks[0])
-    assert told is not None
-    assert float(told[1]) == pytest.approx(abs(lag) / 100.0, abs=0.03)
+    report = re.search(r"are ([0-9.]+) s apart; the encoder was shifted", passed.remarks[0])
+    assert report is not None
+    assert float(report[1]) == pytest.approx(abs(lag) / 100.0, abs=0.03)
     shifted = np.gradient(passed.recording.encoder_deg, 0.01)[500:-500]
     assert np.corrcoef(shifted, TRUE_DPS[500:-500])[0, 1] > 0.99
 
 
 def test_another_axis_is_refused() -> None:
-    """There is nothing to put right."""
     passed = check_recording(recording(rate_dps=30.0 * np.cos(2.0 * np.pi * T_S / 5.3)))
     assert passed.recording is None
     assert "another axis" in passed.remarks[0]
@@ -96,7 +91,6 @@ def test_a_dead_encoder_is_refused_and_a_still_is_not() -> None:
 
 
 def test_a_recording_that_only_rests_is_told_of() -> None:
-    """It is of use for all that shows at rest."""
     still = recording(np.zeros(len(T_S)), np.zeros(len(T_S)))
     passed = check_recording(still)
     assert passed.recording is still
@@ -117,9 +111,8 @@ def test_all_findings_are_told_in_their_order() -> None:
 
 
 def test_a_refusal_keeps_what_was_told_before() -> None:
-    """And nothing after it is looked at."""
-    other = recording(rate_dps=30.0 * np.cos(2.0 * np.pi * T_S / 5.3))
-    passed = check_recording(other)
+    second = recording(rate_dps=30.0 * np.cos(2.0 * np.pi * T_S / 5.3))
+    passed = check_recording(second)
     assert passed.recording is None
     assert ["another axis" in remark for remark in passed.remarks] == [True]
 
@@ -128,7 +121,6 @@ def test_a_refusal_keeps_what_was_told_before() -> None:
     ("gain", "is_unit"), [(1.0 / 1.3, False), (1.3, False), (57.3 / 1.3, True), (57.3 / 1.5, False)]
 )
 def test_a_scale_error_is_no_unit(*, gain: float, is_unit: bool) -> None:
-    """Only what is within a third of 57.3 is."""
     whole = recording()
     passed = check_recording(replace(whole, rate_dps=whole.rate_dps * gain))
     assert ("57.3 times as far" in " ".join(passed.remarks)) is is_unit
@@ -137,7 +129,6 @@ def test_a_scale_error_is_no_unit(*, gain: float, is_unit: bool) -> None:
 
 @pytest.mark.parametrize(("apart_s", "is_shifted"), [(0.2, False), (0.3, True)])
 def test_a_delay_of_a_sensor_is_left_as_it_is(*, apart_s: float, is_shifted: bool) -> None:
-    """It is a gap to be diagnosed; a quarter of a second is not."""
     lag = round(apart_s / 0.01)
     passed = check_recording(recording(angle_deg=ANGLE_DEG[np.clip(np.arange(len(T_S)) - lag, 0, len(T_S) - 1)]))
     assert any("apart" in remark for remark in passed.remarks) is is_shifted
@@ -169,6 +160,5 @@ def test_short_recordings_count_together() -> None:
     ],
 )
 def test_less_than_a_minute_in_all_is_refused(count: int, words: str) -> None:
-    """With how much there is, and how much is needed."""
     with pytest.raises(DataError, match=words):
         together_s([of_length(2500)] * count)

@@ -12,15 +12,14 @@ T_S: Floats = np.arange(6000, dtype=np.float64) * PERIOD_S
 
 def angle_deg(t_s: Floats) -> Floats:
     """A motion without a period."""
-    found: Floats = 40.0 * np.sin(1.3 * t_s) + 25.0 * np.sin(2.1 * t_s + 1.0) + 5.0 * np.sin(7.7 * t_s)
-    return found
+    result: Floats = 40.0 * np.sin(1.3 * t_s) + 25.0 * np.sin(2.1 * t_s + 1.0) + 5.0 * np.sin(7.7 * t_s)
+    return result
 
 
 @pytest.mark.parametrize("delay_s", [-0.3, -0.004, 0.0, 0.013, 0.065, 1.2])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("count_deg", [1e-3, 0.1, 0.7])
 def test_the_delay_is_found_to_a_fraction_of_a_sample(delay_s: float, sign: float, count_deg: float) -> None:
-    """With noise, of either sign, beside a fine and a coarse encoder."""
     rng = np.random.default_rng(5)
     rate_dps = sign * np.gradient(angle_deg(T_S - delay_s), PERIOD_S) + rng.normal(0.0, 0.2, len(T_S))
     counted_deg = np.rint(angle_deg(T_S) / count_deg) * count_deg
@@ -31,6 +30,5 @@ def test_the_delay_is_found_to_a_fraction_of_a_sample(delay_s: float, sign: floa
 
 
 def test_what_never_moves_has_no_delay() -> None:
-    """Neither gyro nor encoder."""
     still = np.zeros(1000)
     assert best_lag(smoothed_rates(still, still, 0.1, PERIOD_S), PERIOD_S) == (0, 0.0, 0.0)

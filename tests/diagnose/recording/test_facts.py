@@ -44,10 +44,10 @@ def beside(base: Base, *recordings: Recording) -> tuple[Contradiction, ...]:
     return contradictions(recordings, base.dps_per_lsb, base.encoder_cpr)
 
 
-def only(found: Sequence[Contradiction], fact: str) -> Contradiction:
+def only(actual: Sequence[Contradiction], fact: str) -> Contradiction:
     """The one that there is."""
-    assert [each.fact for each in found] == [fact]
-    return found[0]
+    assert [item.fact for item in actual] == [fact]
+    return actual[0]
 
 
 OWN = Base(dps_per_lsb=LSB, encoder_cpr=4096)
@@ -62,31 +62,28 @@ def test_a_rig_with_the_recordings_own_facts_is_not_contradicted(text: tuple[int
 @pytest.mark.parametrize("cpr", [512, 1024, 3000, 3900])
 @pytest.mark.parametrize("decimals", [12, 4, 3])
 def test_a_finer_encoder_contradicts_the_rig(cpr: int, decimals: int) -> None:
-    """Its counts per turn are found to the last one."""
-    found = only(beside(Base(dps_per_lsb=LSB, encoder_cpr=cpr), recorded(text=(12, decimals))), "encoder_cpr")
-    assert (found.rig, found.sessions, found.unit) == (cpr, 4096.0, "counts per turn")
-    assert f"has {cpr} counts" in found.says
-    assert "finer than that: state encoder_cpr: 4096" in found.says
+    result = only(beside(Base(dps_per_lsb=LSB, encoder_cpr=cpr), recorded(text=(12, decimals))), "encoder_cpr")
+    assert (result.rig, result.sessions, result.unit) == (cpr, 4096.0, "counts per turn")
+    assert f"has {cpr} counts" in result.says
+    assert "finer than that: state encoder_cpr: 4096" in result.says
 
 
 @pytest.mark.parametrize("cpr", [4200, 6144, 10_000, 36_000])
 def test_steps_that_are_no_whole_number_of_counts_contradict_the_rig(cpr: int) -> None:
     """An encoder of 4096 counts has no angle that one of 36000 has, but every 128th."""
-    found = only(beside(Base(dps_per_lsb=LSB, encoder_cpr=cpr), recorded(text=(12, 4))), "encoder_cpr")
-    assert found.sessions == 4096.0
-    assert "no whole number of these" in found.says
+    result = only(beside(Base(dps_per_lsb=LSB, encoder_cpr=cpr), recorded(text=(12, 4))), "encoder_cpr")
+    assert result.sessions == 4096.0
+    assert "no whole number of these" in result.says
 
 
 def test_an_encoder_too_fine_for_neighbouring_angles_is_known_by_its_grid() -> None:
-    """65536 counts, of which it passes dozens from sample to sample."""
-    found = only(beside(Base(dps_per_lsb=LSB, encoder_cpr=8192), recorded(cpr=65_536, size=5.0)), "encoder_cpr")
-    assert found.sessions == 65_536.0
-    assert "finer than that" in found.says
+    result = only(beside(Base(dps_per_lsb=LSB, encoder_cpr=8192), recorded(cpr=65_536, size=5.0)), "encoder_cpr")
+    assert result.sessions == 65_536.0
+    assert "finer than that" in result.says
 
 
 @pytest.mark.parametrize("cpr", [8192, 40_960])
 def test_coarser_steps_of_whole_counts_are_an_effect(cpr: int) -> None:
-    """Not a contradiction."""
     assert beside(Base(dps_per_lsb=LSB, encoder_cpr=cpr), recorded()) == ()
 
 
@@ -94,32 +91,31 @@ def test_an_angle_without_steps_contradicts_a_coarser_encoder_alone() -> None:
     """An optical reference to four decimals; beside 3 600 000 counts of 0.0001 degrees it is as good as they."""
     dice = np.random.default_rng(3)
     optical = replace(recorded(), encoder_deg=np.round(ANGLE_DEG + dice.normal(0.0, 0.01, len(T_S)), 4))
-    found = only(beside(OWN, optical), "encoder_cpr")
-    assert found.sessions is None
-    assert "no steps" in found.says
+    result = only(beside(OWN, optical), "encoder_cpr")
+    assert result.sessions is None
+    assert "no steps" in result.says
     assert beside(Base(dps_per_lsb=LSB, encoder_cpr=3_600_000), optical) == ()
 
 
 def test_a_rig_without_encoder_is_told() -> None:
-    """With the counts of the one that there is."""
-    found = only(beside(Base(dps_per_lsb=LSB, encoder_cpr=0), recorded()), "encoder_cpr")
-    assert (found.rig, found.sessions) == (0.0, 4096.0)
+    result = only(beside(Base(dps_per_lsb=LSB, encoder_cpr=0), recorded()), "encoder_cpr")
+    assert (result.rig, result.sessions) == (0.0, 4096.0)
 
 
 @pytest.mark.parametrize(("lsb", "kind"), [(0.0306, "finer"), (0.061, "finer"), (0.0133, "no whole number")])
 @pytest.mark.parametrize("decimals", [12, 4])
 def test_another_lsb_contradicts_the_rig(lsb: float, kind: str, decimals: int) -> None:
     """A half, a quarter and eight sevenths of the rig's; spikes and lost samples make no difference."""
-    one = recorded(text=(decimals, 12))
-    rate_dps = one.rate_dps.copy()
+    item = recorded(text=(decimals, 12))
+    rate_dps = item.rate_dps.copy()
     rate_dps[100:5900:100] += 3000.0 * LSB
     rate_dps[50:5900:97] = np.nan
-    found = only(beside(Base(dps_per_lsb=lsb, encoder_cpr=4096), replace(one, rate_dps=rate_dps)), "dps_per_lsb")
-    assert found.rig == lsb
-    assert found.sessions == pytest.approx(LSB, rel=0.01)
-    assert kind in found.says
-    assert f"{lsb:.4g} deg/s" in found.says
-    assert "state dps_per_lsb: 0.0153" in found.says
+    result = only(beside(Base(dps_per_lsb=lsb, encoder_cpr=4096), replace(item, rate_dps=rate_dps)), "dps_per_lsb")
+    assert result.rig == lsb
+    assert result.sessions == pytest.approx(LSB, rel=0.01)
+    assert kind in result.says
+    assert f"{lsb:.4g} deg/s" in result.says
+    assert "state dps_per_lsb: 0.0153" in result.says
 
 
 @pytest.mark.parametrize("lsb", [LSB / 2.0, LSB / 5.0, LSB * 1.01])
@@ -129,21 +125,19 @@ def test_a_coarser_readout_and_a_rounded_lsb_are_no_contradiction(lsb: float) ->
 
 
 def test_rates_without_steps_contradict_any_lsb() -> None:
-    """Whoever scaled or filtered them."""
     smooth = replace(recorded(), rate_dps=TRUE_DPS + NOISE_DPS)
-    found = only(beside(OWN, smooth), "dps_per_lsb")
-    assert found.sessions is None
-    assert "record what the gyro reads out" in found.says
+    result = only(beside(OWN, smooth), "dps_per_lsb")
+    assert result.sessions is None
+    assert "record what the gyro reads out" in result.says
 
 
 @pytest.mark.parametrize("digits", [7, 8, 9])
 def test_digits_of_a_simulator_are_no_steps(digits: int) -> None:
-    """Neither of the rate nor of the angle: no encoder has a billion counts, and no gyro reads nanodegrees."""
     t_s = np.arange(6000) / 100.0
     rate_dps = 90.0 * np.sin(0.7 * t_s) + 20.0 * np.sin(3.1 * t_s)
     angle_deg = np.cumsum(rate_dps) / 100.0
     levels = [levels_of(np.round(values, digits)) for values in (rate_dps, angle_deg)]
-    assert [each.step for each in levels] == [None, None]
+    assert [level.step for level in levels] == [None, None]
 
 
 def test_text_that_is_coarser_than_the_lsb_says_nothing() -> None:
@@ -154,33 +148,32 @@ def test_text_that_is_coarser_than_the_lsb_says_nothing() -> None:
 
 def test_text_in_radians_is_seen_through() -> None:
     """Rates of four decimals in rad/s come in steps of 0.0057 deg/s, which are the text's."""
-    one = recorded()
-    text = replace(one, rate_dps=np.rad2deg(np.round(np.deg2rad(one.rate_dps), 4)))
+    item = recorded()
+    text = replace(item, rate_dps=np.rad2deg(np.round(np.deg2rad(item.rate_dps), 4)))
     assert levels_of(text.rate_dps).text == pytest.approx(180.0 / np.pi * 1e-4)
     assert beside(OWN, text) == ()
 
 
 def test_rates_beyond_the_range_are_told() -> None:
-    """16 bits of 1/64 deg/s hold 512 deg/s; five samples make a range, four do not."""
-    one = recorded(lsb=0.015625)
+    item = recorded(lsb=0.015625)
     base = Base(dps_per_lsb=0.015625, encoder_cpr=4096)
     for count in (4, 5):
-        rate_dps = one.rate_dps.copy()
+        rate_dps = item.rate_dps.copy()
         rate_dps[1000 : 1000 + count] = 600.0
-        beyond = beside(base, replace(one, rate_dps=rate_dps))
+        beyond = beside(base, replace(item, rate_dps=rate_dps))
         assert len(beyond) == (count == 5)
-    found = only(beyond, "range_dps")
-    assert (found.rig, found.sessions, found.unit) == (512.0, 600.0, "deg/s")
-    assert "600 deg/s" in found.says
-    assert "512 deg/s" in found.says
+    result = only(beyond, "range_dps")
+    assert (result.rig, result.sessions, result.unit) == (512.0, 600.0, "deg/s")
+    assert "600 deg/s" in result.says
+    assert "512 deg/s" in result.says
 
 
 @pytest.mark.parametrize(("gain", "agree"), [(0.25, 16_384), (0.5, 8192), (2.0, 2048), (4.0, 1024)])
 def test_a_quadrature_mistake_is_told_with_the_counts_that_agree(gain: float, agree: int) -> None:
     """A gyro that turns so much farther than the encoder, to 3 %, with bias."""
-    found = only(beside(OWN, recorded(gain=gain * 1.03)), "turn_ratio")
-    assert (found.rig, found.sessions) == (4096.0, agree)
-    assert f"with {agree} counts per turn instead of 4096" in found.says
+    result = only(beside(OWN, recorded(gain=gain * 1.03)), "turn_ratio")
+    assert (result.rig, result.sessions) == (4096.0, agree)
+    assert f"with {agree} counts per turn instead of 4096" in result.says
 
 
 @pytest.mark.parametrize("gain", [0.8, 1.0, 1.2, 1.5, 3.0])
@@ -191,12 +184,11 @@ def test_a_scale_error_is_no_quadrature_mistake(gain: float) -> None:
 
 def test_a_gyro_that_ends_at_half_the_rates_is_no_quadrature_mistake() -> None:
     """Slow turns are right: it is saturated."""
-    one = recorded(size=3.0)
-    assert beside(OWN, replace(one, rate_dps=np.clip(one.rate_dps, -62 * LSB, 62 * LSB))) == ()
+    item = recorded(size=3.0)
+    assert beside(OWN, replace(item, rate_dps=np.clip(item.rate_dps, -62 * LSB, 62 * LSB))) == ()
 
 
 def test_a_recording_at_rest_contradicts_no_encoder() -> None:
-    """It has one angle."""
     still = replace(recorded(), rate_dps=stepped(NOISE_DPS, LSB), encoder_deg=np.zeros(len(T_S)))
     assert beside(Base(dps_per_lsb=LSB, encoder_cpr=77), still) == ()
 
@@ -230,7 +222,6 @@ ENCODERS = ("encoder_quantization", "encoder_quantization:cpr=4096", "encoder_sl
 def test_no_rig_contradicts_its_own_sessions(
     tmp_path: Path, base: Base, named: set[str], motion: str, ending: str, decimals: int
 ) -> None:
-    """Of any facts and with any steps, jumps and play in it, written in full and cut to a few decimals."""
     rig = with_effects(Rig(base=base), [parse_effect(name) for name in sorted(named)])
     path = tmp_path / f"one.{ending}"
     write_simulation(path, Simulation(rig, load_profile(motion), 1, minutes=0.6))
@@ -251,6 +242,5 @@ def test_no_rig_contradicts_its_own_sessions(
     ],
 )
 def test_real_sensors_do_not_contradict_their_own_lsb(recordings: Recordings, name: str, lsb: float) -> None:
-    """Beside a rig as fine as their reference; the sweep holds means of fifty samples."""
     real = recording_of(load_session(recordings.path(name)))
     assert beside(Base(dps_per_lsb=lsb, encoder_cpr=3_600_000), real) == ()

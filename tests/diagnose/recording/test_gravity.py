@@ -40,19 +40,16 @@ def known_gravity(force: Floats) -> Gravity:
 
 @pytest.mark.parametrize(("sensor_deg", "table_deg"), [(0.0, 0.0), (8.0, 0.0), (0.0, 5.0), (8.0, 5.0)])
 def test_the_tilts_of_sensor_and_table_come_apart(sensor_deg: float, table_deg: float) -> None:
-    """To a tenth of a degree, with both at once."""
     gravity = known_gravity(force_of(sensor_deg, table_deg))
     assert np.degrees(np.arcsin(gravity.fixed.sine)) == pytest.approx(sensor_deg, abs=0.1)
     assert np.degrees(np.arctan(gravity.turning)) == pytest.approx(table_deg, abs=0.1)
 
 
 def test_a_sensor_off_the_axis_is_not_tilted() -> None:
-    """At 90 deg/s and 0.2 m the centripetal acceleration is 0.5 m/s², as of a tilt of 2.9 deg."""
     assert known_gravity(force_of(off_axis_m=0.2)).fixed.sine < np.sin(np.deg2rad(0.1))
 
 
 def test_the_tilt_points_where_gravity_leans() -> None:
-    """Toward y here."""
     lean = known_gravity(force_of(8.0)).fixed
     assert (lean.x, lean.y) == pytest.approx((0.0, np.sin(np.deg2rad(8.0))), abs=0.002)
 
@@ -83,7 +80,6 @@ def test_samples_without_acceleration_are_left_out() -> None:
 
 
 def test_a_tilted_table_is_remarked_on() -> None:
-    """With its tilt; a level table and a tilted sensor are not."""
     (remark,) = check_recording(with_force(force_of(0.0, 4.0))).remarks
     assert "the table is tilted by 4.0 deg" in remark
     assert check_recording(with_force(force_of(8.0, 0.0))).remarks == ()

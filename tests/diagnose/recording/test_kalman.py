@@ -71,16 +71,16 @@ def dense() -> tuple[Floats, Floats]:
         whitened = np.linalg.inv(np.linalg.cholesky(noise))
         row = np.zeros((STATES, COUNT, STATES))
         row[:, sample], row[:, sample - 1] = whitened, -whitened @ step
-        for one in row.reshape(STATES, -1):
-            say(one, 0.0, 1.0)
+        for item in row.reshape(STATES, -1):
+            say(item, 0.0, 1.0)
     for (measured, variance), weights in (
         (angles, [1.0, 0.0, 0.0, 0.0]),
         (edges, [1.0, -0.5 * t, 0.0, 0.0]),
         (rates, [0.0, 1.0, 0.0, 1.0]),
         ((np.zeros(COUNT), rest_variance), [0.0, 1.0, 0.0, 0.0]),
     ):
-        for at in np.flatnonzero(variance > 0.0).tolist():
-            say(of(at, weights), float(measured[at]), float(np.sqrt(variance[at])))
+        for index in np.flatnonzero(variance > 0.0).tolist():
+            say(of(index, weights), float(measured[index]), float(np.sqrt(variance[index])))
     q, r = np.linalg.qr(np.array(rows))
     mean = np.linalg.solve(r, q.T @ np.array(values)).reshape(COUNT, STATES)[:, :2]
     inverse = np.linalg.inv(r)
@@ -95,7 +95,6 @@ def test_the_mean_is_that_of_all_measurements_at_once() -> None:
 
 
 def test_draws_scatter_as_the_posterior_does() -> None:
-    """Each by its standard deviation, and with the others as it should: between samples, and angle with rate."""
     states, dice = filter_forward(PERIOD_S, *case()), np.random.default_rng(6)
     mean, covariance = dense()
     drawn = np.array(

@@ -42,14 +42,12 @@ def test_columns_of_one_set_are_left_out_with_a_remark() -> None:
 
 
 def test_what_both_sets_lack_needs_no_remark() -> None:
-    """Nothing is left out: there is nothing."""
     lacking = lacking_values([exact()], [exact()])
     assert lacking.of_one_set == frozenset()
     assert lacking.remarks == []
 
 
 def test_a_reader_leaves_columns_out() -> None:
-    """All others stay."""
     session = ReadingOptions(without=frozenset({HOST_TIMES})).applied(WHOLE)
     assert session.t_host_s is None
     assert session.seq is not None

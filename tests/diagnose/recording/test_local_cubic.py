@@ -16,30 +16,26 @@ def noise() -> Floats:
 
 @pytest.mark.parametrize("hz", [0.1, 0.5, 1.0])
 def test_a_smooth_motion_loses_its_noise(hz: float) -> None:
-    """Of a sine as quick as a hand turns, a third of the standard deviation and more."""
     sine_dps = 60.0 * np.sin(2.0 * np.pi * hz * T_S)
-    left = local_cubic(sine_dps + noise(), SIGMA, 30) - sine_dps
-    assert left[100:-100].std() < SIGMA * 2.0 / 3.0
+    remaining = local_cubic(sine_dps + noise(), SIGMA, 30) - sine_dps
+    assert remaining[100:-100].std() < SIGMA * 2.0 / 3.0
 
 
 def test_a_corner_stays_where_and_what_it_is() -> None:
-    """Of a ramp that begins at once and is seen many times over, nothing of its corner is rounded."""
     dice = np.random.default_rng(7)
     ramp_dps = np.maximum(0.0, 90.0 * (T_S - 15.0))
     near = slice(1490, 1511)
-    found = [local_cubic(ramp_dps + dice.normal(0.0, SIGMA, len(T_S)), SIGMA, 30)[near] for _ in range(100)]
-    off = np.mean(found, axis=0) - ramp_dps[near]
+    result = [local_cubic(ramp_dps + dice.normal(0.0, SIGMA, len(T_S)), SIGMA, 30)[near] for _ in range(100)]
+    off = np.mean(result, axis=0) - ramp_dps[near]
     assert np.abs(off).max() < 4.0 * SIGMA / np.sqrt(100.0)
 
 
 def test_what_is_shorter_than_a_window_stays() -> None:
-    """As a recording of three samples."""
     values = np.array([1.0, 2.0, 4.0])
     assert np.array_equal(local_cubic(values, SIGMA, 30), values)
 
 
 def test_no_window_is_wider_than_asked_for() -> None:
-    """With one sample a side there is no cubic to be had."""
     values = noise()
     assert np.array_equal(local_cubic(values, SIGMA, 1), values)
     assert local_cubic(values, SIGMA, 2).std() > 1.3 * local_cubic(values, SIGMA, 30).std()

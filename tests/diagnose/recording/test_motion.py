@@ -28,13 +28,11 @@ def true_angle_deg(t_s: Floats) -> Floats:
 
 
 def true_rate_dps(t_s: Floats) -> Floats:
-    """By small differences of the angle."""
     return (true_angle_deg(t_s + 5e-5) - true_angle_deg(t_s - 5e-5)) / 1e-4
 
 
 @cache
 def rebuilt(noise_dps: float = 0.05, cpr: int = 36_000, *, is_warm: bool = False) -> ReplayedMotion:
-    """By the encoder and a gyro without steps; `is_warm` is a ramp of 1 °C in 50 s, read to a tenth of a degree."""
     rate_dps = true_rate_dps(T_S) + np.random.default_rng(3).normal(0.0, noise_dps, len(T_S))
     angle_deg = np.round(true_angle_deg(T_S) * cpr / 360.0) * 360.0 / cpr
     temp_c = np.round(20.0 + T_S / 50.0, 1) if is_warm else None
@@ -43,7 +41,6 @@ def rebuilt(noise_dps: float = 0.05, cpr: int = 36_000, *, is_warm: bool = False
 
 
 def test_the_motion_is_that_of_the_device() -> None:
-    """At rest, steady and quick, well below the noise of the gyro."""
     motion = rebuilt()
     inside = slice(100, -100)
     error_dps = (motion.rate_dps - true_rate_dps(T_S))[inside]
@@ -55,14 +52,12 @@ def test_the_motion_is_that_of_the_device() -> None:
 
 
 def test_a_coarse_encoder_does_not_shake_the_motion() -> None:
-    """Half a degree a step, and the rebuilt rate scatters by less than the noise of a sample."""
     motion = rebuilt(cpr=720)
     steady = (T_S > 40.0) & (T_S < 110.0)
     assert np.std((motion.rate_dps - true_rate_dps(T_S))[steady]) < 0.05
 
 
 def test_rate_and_angle_are_of_one_curve() -> None:
-    """Between the points too: the rate is the slope of the angle."""
     motion = rebuilt()
     t_s = np.linspace(5.0, 195.0, 5001)
     later, earlier = motion.motion_at(t_s + 1e-5)[0], motion.motion_at(t_s - 1e-5)[0]
@@ -77,12 +72,10 @@ def test_the_temperature_is_smoothed_and_known_between_samples() -> None:
 
 
 def test_without_a_temperature_it_is_that_of_the_room() -> None:
-    """25 °C, where the simulator's effects of temperature are zero."""
     assert np.all(rebuilt().sensor_c == 25.0)
 
 
 def test_before_the_first_sample_it_rests() -> None:
-    """At the angle of the first sample; after the last it stays there."""
     motion = rebuilt()
     angle_deg, rate_dps = motion.motion_at(np.array([-1.0, 1e6]))
     assert rate_dps[0] == 0.0

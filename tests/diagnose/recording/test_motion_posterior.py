@@ -75,12 +75,10 @@ class Seen(NamedTuple):
     rate_dps: Floats
 
     def posterior(self, delay_s: float = 0.0) -> MotionPosterior:
-        """Of the recording, whose gyro is known to be that late."""
         return motion_posterior_of(self.cleaned, GyroModel(Base().dps_per_lsb, delay_s))
 
     @property
     def cleaned(self) -> Cleaned:
-        """As every recording is."""
         return clean(self.recording)
 
     def off_deg(self, motion: ReplayedMotion) -> float:
@@ -88,8 +86,7 @@ class Seen(NamedTuple):
         return float(np.sqrt(np.square(motion.angle_deg - self.angle_deg).mean()))
 
 
-def seen(motion: Piece, cpr: int, rate_hz: float, *effects: str, seconds: float = SECONDS, **gyro: float) -> Seen:
-    """By the shipped gyro, or one with another bias and noise."""
+def observed(motion: Piece, cpr: int, rate_hz: float, *effects: str, seconds: float = SECONDS, **gyro: float) -> Seen:
     base = Base(sample_rate_hz=rate_hz, encoder_cpr=cpr).model_copy(update=gyro)
     rig = Rig(base=base, effects=tuple(map(parse_effect, effects)))
     recording = recording_of(Simulation(rig, motion, 3, 0, seconds / 60.0).whole(), round(seconds * rate_hz))
@@ -115,26 +112,25 @@ def test_the_angle_is_known_to_a_quarter_of_a_count(name: str, first_s: float, c
 
     A sixth where counts fall anywhere; a table that turns by half counts from sample to sample hides a quarter.
     """
-    one = seen(piece(name, first_s), cpr, rate_hz)
-    posterior = one.posterior()
+    item = observed(piece(name, first_s), cpr, rate_hz)
+    posterior = item.posterior()
     count_deg = 360.0 / cpr
-    assert one.off_deg(posterior.mean) < 0.26 * count_deg
-    assert np.abs(posterior.mean.angle_deg - one.angle_deg).max() < 0.5 * count_deg
+    assert item.off_deg(posterior.mean) < 0.26 * count_deg
+    assert np.abs(posterior.mean.angle_deg - item.angle_deg).max() < 0.5 * count_deg
     drawn = posterior.draw(np.random.default_rng(1), ANYWHERE)
     away_deg = float(np.sqrt(np.square(drawn.angle_deg - posterior.mean.angle_deg).mean()))
-    assert 0.1 * one.off_deg(posterior.mean) < away_deg < 6.0 * one.off_deg(posterior.mean)
+    assert 0.1 * item.off_deg(posterior.mean) < away_deg < 6.0 * item.off_deg(posterior.mean)
 
 
 @pytest.mark.parametrize(("cpr", "rate_hz"), ENCODERS)
 def test_at_rest_nothing_moves(cpr: int, rate_hz: float) -> None:
-    """All but a second about each end of a rest is exactly still, in the mean and in draws, and nothing else is."""
-    one = seen(piece("turntable", 100.0), cpr, rate_hz)
-    posterior = one.posterior()
+    item = observed(piece("turntable", 100.0), cpr, rate_hz)
+    posterior = item.posterior()
     drawn = posterior.draw(np.random.default_rng(2), ANYWHERE)
-    rest_s = np.count_nonzero(one.rate_dps == 0.0) / rate_hz
+    rest_s = np.count_nonzero(item.rate_dps == 0.0) / rate_hz
     for motion in (posterior.mean, drawn):
         still = motion.rate_dps == 0.0
-        assert not one.rate_dps[still].any()
+        assert not item.rate_dps[still].any()
         assert np.count_nonzero(still) / rate_hz > rest_s - 2.0 * len(posterior.rests)
         assert not np.diff(motion.angle_deg)[still[1:] & still[:-1]].any()
     assert posterior.rests
@@ -143,11 +139,10 @@ def test_at_rest_nothing_moves(cpr: int, rate_hz: float) -> None:
 @pytest.mark.parametrize("dps", [0.1, -0.2, 0.3])
 @pytest.mark.parametrize(("cpr", "rate_hz"), ENCODERS)
 def test_creeping_is_no_rest(cpr: int, rate_hz: float, dps: float) -> None:
-    """However long a count of it stands; and it makes no rest before and after into creeping."""
-    one = seen(creeping(dps), cpr, rate_hz, seconds=41.0)
-    still = one.posterior().mean.rate_dps == 0.0
-    assert not still[np.abs(one.rate_dps) > 0.5 * abs(dps)].any()
-    assert still[one.rate_dps == 0.0].mean() > 0.85
+    item = observed(creeping(dps), cpr, rate_hz, seconds=41.0)
+    still = item.posterior().mean.rate_dps == 0.0
+    assert not still[np.abs(item.rate_dps) > 0.5 * abs(dps)].any()
+    assert still[item.rate_dps == 0.0].mean() > 0.85
 
 
 @pytest.mark.parametrize("bias_dps", [-0.055, 0.0, 0.05])
@@ -155,67 +150,62 @@ def test_creeping_is_no_rest(cpr: int, rate_hz: float, dps: float) -> None:
 def test_rests_are_found_through_coarse_steps(cpr: int, rate_hz: float, bias_dps: float) -> None:
     """The level between two steps is none of these."""
     step = "quantization:step_dps=0.1525"
-    one = seen(creeping(2.0), cpr, rate_hz, step, seconds=41.0, bias_dps=bias_dps, noise_dps_rthz=0.008)
-    still = motion_posterior_of(one.cleaned, GyroModel(0.1525)).mean.rate_dps == 0.0
-    assert not still[np.abs(one.rate_dps) > 0.2].any()
-    assert still[one.rate_dps == 0.0].mean() > 0.85
+    item = observed(creeping(2.0), cpr, rate_hz, step, seconds=41.0, bias_dps=bias_dps, noise_dps_rthz=0.008)
+    still = motion_posterior_of(item.cleaned, GyroModel(0.1525)).mean.rate_dps == 0.0
+    assert not still[np.abs(item.rate_dps) > 0.2].any()
+    assert still[item.rate_dps == 0.0].mean() > 0.85
 
 
 @pytest.mark.parametrize(("cpr", "rate_hz"), [(512, 50.0), (1024, 100.0)])
 def test_a_wild_sample_ends_no_rest(cpr: int, rate_hz: float) -> None:
     """Counts too coarse for it do not show it; it is one among its neighbours."""
-    one = seen(creeping(2.0), cpr, rate_hz, "spikes:height_dps=10,share_percent=1", seconds=41.0)
-    assert len(one.cleaned.spikes_dps) > 0.004 * len(one.rate_dps)
-    still = one.posterior().mean.rate_dps == 0.0
-    assert not still[np.abs(one.rate_dps) > 0.2].any()
-    assert still[one.rate_dps == 0.0].mean() > 0.85
+    item = observed(creeping(2.0), cpr, rate_hz, "spikes:height_dps=10,share_percent=1", seconds=41.0)
+    assert len(item.cleaned.spikes_dps) > 0.004 * len(item.rate_dps)
+    still = item.posterior().mean.rate_dps == 0.0
+    assert not still[np.abs(item.rate_dps) > 0.2].any()
+    assert still[item.rate_dps == 0.0].mean() > 0.85
 
 
 @pytest.mark.parametrize("seconds", [60.0, 60.2, 75.0])
 def test_a_long_rest_ends_where_it_ends(seconds: float) -> None:
-    """What is left of it behind whole half minutes is too short to show a level."""
     segments = [{"kind": "rest", "seconds": seconds}, {"kind": "ramp", "seconds": 5.0, "to_dps": 30.0}]
     motion = Piece(Profile.model_validate({"about": "Of a test.", "segments": segments}), 0.0)
-    one = seen(motion, 512, 50.0, seconds=seconds + 4.5)
-    ((first, end),) = one.posterior().rests
+    item = observed(motion, 512, 50.0, seconds=seconds + 4.5)
+    ((first, end),) = item.posterior().rests
     assert first == 0
     assert seconds - 2.0 < end / 50.0 < seconds
 
 
 @pytest.mark.parametrize("cpr", [512, 1024, 2048])
 def test_a_motion_that_begins_gently_is_not_held_back(cpr: int) -> None:
-    """0.1 deg/s/s: the angle before is known to a quarter of a count, wherever within its count it stood."""
     segments = [{"kind": "rest", "seconds": 10.0}, {"kind": "ramp", "seconds": 20.0, "to_dps": 2.0}]
-    gentle = Piece(Profile.model_validate({"about": "Of a test.", "segments": segments}), 0.0)
+    slow = Piece(Profile.model_validate({"about": "Of a test.", "segments": segments}), 0.0)
     for first_deg in STARTS_DEG:
-        one = seen(Piece(Begun(gentle, first_deg), 0.0), cpr, 100.0, seconds=30.0, noise_dps_rthz=0.012)
-        away_deg = (one.posterior().mean.angle_deg - one.angle_deg)[:900]
+        item = observed(Piece(Begun(slow, first_deg), 0.0), cpr, 100.0, seconds=30.0, noise_dps_rthz=0.012)
+        away_deg = (item.posterior().mean.angle_deg - item.angle_deg)[:900]
         assert np.abs(away_deg).max() < 0.25 * 360.0 / cpr
 
 
 @pytest.mark.parametrize(("cpr", "rate_hz"), ENCODERS)
 @pytest.mark.parametrize(("name", "first_s"), PIECES)
 def test_a_gain_error_does_not_bend_the_motion(name: str, first_s: float, cpr: int, rate_hz: float) -> None:
-    """2 %: it is known as well as without."""
-    one = seen(piece(name, first_s), cpr, rate_hz, "scale_factor:error_percent=2")
-    assert one.off_deg(one.posterior().mean) < 0.26 * 360.0 / cpr
+    item = observed(piece(name, first_s), cpr, rate_hz, "scale_factor:error_percent=2")
+    assert item.off_deg(item.posterior().mean) < 0.26 * 360.0 / cpr
 
 
 @pytest.mark.parametrize(("cpr", "rate_hz"), ENCODERS)
 def test_a_delay_that_is_not_known_bends_it_by_little(cpr: int, rate_hz: float) -> None:
-    """20 ms of a table of 90 deg/s are 1.8 degrees: a twentieth of a degree and a fifth of a count are left."""
-    one = seen(piece("turntable", 100.0), cpr, rate_hz, "latency:delay_ms=20")
-    assert one.off_deg(one.posterior().mean) < 0.05 + 0.2 * 360.0 / cpr
+    item = observed(piece("turntable", 100.0), cpr, rate_hz, "latency:delay_ms=20")
+    assert item.off_deg(item.posterior().mean) < 0.05 + 0.2 * 360.0 / cpr
     # One that the rig says is taken out.
-    assert one.off_deg(one.posterior(0.02).mean) < 0.16 * 360.0 / cpr
+    assert item.off_deg(item.posterior(0.02).mean) < 0.16 * 360.0 / cpr
 
 
 @pytest.mark.parametrize(("cpr", "rate_hz"), ENCODERS)
 def test_a_gyro_at_its_limit_does_not_bend_the_motion(cpr: int, rate_hz: float) -> None:
-    """60 deg/s where the table does 90: there the encoder alone says how it moves, to a quarter of a count."""
-    one = seen(piece("turntable", 100.0), cpr, rate_hz, "saturation:limit_dps=60")
-    assert np.abs(one.rate_dps).max() > 80.0
-    assert one.off_deg(one.posterior().mean) < 0.25 * 360.0 / cpr
+    item = observed(piece("turntable", 100.0), cpr, rate_hz, "saturation:limit_dps=60")
+    assert np.abs(item.rate_dps).max() > 80.0
+    assert item.off_deg(item.posterior().mean) < 0.25 * 360.0 / cpr
 
 
 class Shaken(NamedTuple):
@@ -240,9 +230,9 @@ class Shaken(NamedTuple):
 
 def test_a_motion_that_never_ends_is_no_noise_of_the_gyro() -> None:
     """The rate is followed to a two hundredth of what it does."""
-    one = seen(Piece(Shaken(), 0.0), 2048, 50.0)
-    off_dps = one.posterior().mean.rate_dps - one.rate_dps
-    assert np.sqrt(np.square(off_dps).mean()) < 0.005 * one.rate_dps.std()
+    item = observed(Piece(Shaken(), 0.0), 2048, 50.0)
+    off_dps = item.posterior().mean.rate_dps - item.rate_dps
+    assert np.sqrt(np.square(off_dps).mean()) < 0.005 * item.rate_dps.std()
 
 
 @pytest.mark.parametrize("rate_hz", [50.0, 100.0, 200.0])
@@ -251,19 +241,18 @@ def test_between_quick_steps_the_noise_of_the_gyro_is_no_motion(rate_hz: float) 
     steps = {"kind": "steps", "rates_dps": [110.0, -24.0, 48.0, -193.0, 5.5], "ramp_seconds": 0.3, "hold_seconds": 2.6}
     segments = [{"kind": "rest", "seconds": 10.0}, *[steps] * 3]
     profile = Profile.model_validate({"about": "Of a test.", "segments": segments})
-    one = seen(Piece(profile, 0.0), 36_000, rate_hz)
-    posterior = one.posterior()
-    held = (np.diff(one.rate_dps) == 0.0) & (np.abs(one.rate_dps[1:]) > 1.0)
-    inner = minimum_filter1d(held, round(0.6 * rate_hz) | 1)
+    item = observed(Piece(profile, 0.0), 36_000, rate_hz)
+    posterior = item.posterior()
+    kept = (np.diff(item.rate_dps) == 0.0) & (np.abs(item.rate_dps[1:]) > 1.0)
+    inner = minimum_filter1d(kept, round(0.6 * rate_hz) | 1)
     assert np.count_nonzero(inner) > 10.0 * rate_hz
-    gyro_dps = np.diff(one.recording.rate_dps)[inner].std()
+    gyro_dps = np.diff(item.recording.rate_dps)[inner].std()
     for motion in (posterior.mean, posterior.draw(np.random.default_rng(3), ANYWHERE)):
         assert np.diff(motion.rate_dps)[inner].std() < 0.5 * gyro_dps
 
 
 def test_samples_that_never_came_are_passed_over() -> None:
-    """One in ten, and half a second at once: the angle is known to a quarter of a count there too."""
-    whole = seen(piece("turntable", 100.0), 4096, 100.0)
+    whole = observed(piece("turntable", 100.0), 4096, 100.0)
     dice = np.random.default_rng(4)
     lost = dice.random(len(whole.rate_dps)) < 0.1
     lost[3000:3050] = True
@@ -271,37 +260,35 @@ def test_samples_that_never_came_are_passed_over() -> None:
     rate_dps, encoder_deg = (
         np.where(lost, np.nan, values) for values in (whole.recording.rate_dps, whole.recording.encoder_deg)
     )
-    one = whole._replace(recording=replace(whole.recording, rate_dps=rate_dps, encoder_deg=encoder_deg))
-    motion = one.posterior().mean
+    item = whole._replace(recording=replace(whole.recording, rate_dps=rate_dps, encoder_deg=encoder_deg))
+    motion = item.posterior().mean
     assert np.isfinite(motion.angle_deg).all()
-    assert one.off_deg(motion) < 0.16 * 360.0 / 4096
-    assert np.abs(motion.angle_deg - one.angle_deg)[lost].max() < 0.5 * 360.0 / 4096
+    assert item.off_deg(motion) < 0.16 * 360.0 / 4096
+    assert np.abs(motion.angle_deg - item.angle_deg)[lost].max() < 0.5 * 360.0 / 4096
 
 
 @pytest.mark.parametrize(("name", "first_s"), PIECES)
 def test_a_reference_without_steps_is_averaged(name: str, first_s: float) -> None:
     """Angles that scatter by 0.05 degrees, as an optical reference has them: a third of that is left."""
-    whole = seen(piece(name, first_s), 36_000, 100.0)
+    whole = observed(piece(name, first_s), 36_000, 100.0)
     noisy_deg = whole.angle_deg + np.random.default_rng(5).normal(0.0, 0.05, len(whole.angle_deg))
-    one = whole._replace(recording=replace(whole.recording, encoder_deg=noisy_deg))
-    posterior = one.posterior()
-    assert one.off_deg(posterior.mean) < 0.05 / 3.0
-    assert float(np.std(posterior.mean.rate_dps - one.rate_dps)) < 0.1
+    item = whole._replace(recording=replace(whole.recording, encoder_deg=noisy_deg))
+    posterior = item.posterior()
+    assert item.off_deg(posterior.mean) < 0.05 / 3.0
+    assert float(np.std(posterior.mean.rate_dps - item.rate_dps)) < 0.1
 
 
 def test_a_draw_is_another_path_each_time_and_the_same_again() -> None:
-    """By its random numbers alone."""
-    posterior = seen(piece("drive", 100.0), 1024, 100.0).posterior()
-    first, again, other = (posterior.draw(np.random.default_rng(seed), ANYWHERE).angle_deg for seed in (1, 1, 2))
+    posterior = observed(piece("drive", 100.0), 1024, 100.0).posterior()
+    first, again, second = (posterior.draw(np.random.default_rng(seed), ANYWHERE).angle_deg for seed in (1, 1, 2))
     assert np.array_equal(first, again)
-    assert np.std(first - other) > 0.0
+    assert np.std(first - second) > 0.0
 
 
 def test_many_draws_are_about_the_mean() -> None:
-    """Of forty, the average is off by a sixth of what one is; coarser encoders leave more."""
     spreads = []
     for cpr in (512, 4096):
-        posterior = seen(piece("drive", 100.0), cpr, 50.0).posterior()
+        posterior = observed(piece("drive", 100.0), cpr, 50.0).posterior()
         away = np.array([posterior.draw(np.random.default_rng(n), ANYWHERE).angle_deg for n in range(40)])
         away -= posterior.mean.angle_deg
         spreads.append(float(np.std(away)))

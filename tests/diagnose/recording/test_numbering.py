@@ -35,7 +35,6 @@ def in_bunches(taken_s: Floats, rng: np.random.Generator, longest_s: float) -> F
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("share", [0.0, 0.01, 0.1])
 def test_what_is_lost_leaves_holes_where_it_was(share: float, seed: int) -> None:
-    """By stamps of the device, rounded to milliseconds or not, of a clock that is fast."""
     number = kept(share, np.random.default_rng(seed))
     for step_s in (1e-6, 1e-3):
         stamps_s = np.rint(number * 1.0003 * 0.00973 / step_s) * step_s
@@ -47,14 +46,13 @@ def test_what_waits_is_not_lost(seed: int) -> None:
     """A stop of the link up to half a second long is no hole, and what is lost besides is seen."""
     rng = np.random.default_rng(seed)
     number = kept(0.002, rng)
-    found = numbers_by_clock(in_bunches(number.astype(np.float64) * PERIOD_S, rng, 0.5))
-    assert abs(found[-1] - number[-1]) <= 2
-    assert np.abs(found - number).max() <= 5
+    result = numbers_by_clock(in_bunches(number.astype(np.float64) * PERIOD_S, rng, 0.5))
+    assert abs(result[-1] - number[-1]) <= 2
+    assert np.abs(result - number).max() <= 5
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_stamps_that_scatter_are_no_holes(seed: int) -> None:
-    """By up to half a period, one by one."""
     rng = np.random.default_rng(seed)
     stamps_s = PERIOD_S * (np.arange(COUNT) + rng.normal(0.0, 0.4, COUNT))
     assert np.abs(numbers_by_clock(stamps_s) - np.arange(COUNT)).max() <= 2
@@ -62,7 +60,6 @@ def test_stamps_that_scatter_are_no_holes(seed: int) -> None:
 
 @pytest.mark.parametrize("waiting", [60, 500])
 def test_what_had_waited_at_the_start_is_told(waiting: int) -> None:
-    """Without it the rest is even."""
     arrival_s: Floats = PERIOD_S * np.arange(COUNT, dtype=np.float64)
     arrival_s[:waiting] = arrival_s[waiting] - 0.0025 * np.arange(waiting, 0, -1)
     session = Session("radio", arrival_s, np.zeros(COUNT), encoder_deg=np.zeros(COUNT))
@@ -72,7 +69,6 @@ def test_what_had_waited_at_the_start_is_told(waiting: int) -> None:
 
 
 def test_what_is_left_out_is_told(tmp_path: Path) -> None:
-    """By name and number, in what is said of a recording."""
     taken_s: Floats = 0.02 * np.arange(1600, dtype=np.float64)
     angle_deg = 90.0 * np.sin(taken_s)
     arrival_s = np.concatenate([taken_s[200] - 0.001 * np.arange(200, 0, -1), taken_s[200:]])
@@ -80,13 +76,14 @@ def test_what_is_left_out_is_told(tmp_path: Path) -> None:
     np.savetxt(tmp_path / "radio.csv", rows, "%.6f", ",", header="t_device_s,rate_dps,encoder_deg", comments="")
     checked = checked_session(tmp_path / "radio.csv")
     assert checked.recordings[0].period_s == pytest.approx(0.02, rel=1e-3)
-    told = [re.search(r"radio: its first (\d+) samples had waited and came at once", one) for one in checked.remarks]
-    assert [int(one[1]) for one in told if one] == [pytest.approx(200, abs=5)]
+    report = [
+        re.search(r"radio: its first (\d+) samples had waited and came at once", remark) for remark in checked.remarks
+    ]
+    assert [int(item[1]) for item in report if item] == [pytest.approx(200, abs=5)]
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_nothing_has_waited_where_stamps_are_even_or_scatter(seed: int) -> None:
-    """Or where many samples are lost at first, or later on."""
     rng = np.random.default_rng(seed)
     scattered_s = PERIOD_S * (np.arange(COUNT) + rng.normal(0.0, 0.4, COUNT))
     number = kept(0.3, rng)
@@ -98,13 +95,11 @@ def test_nothing_has_waited_where_stamps_are_even_or_scatter(seed: int) -> None:
 
 @pytest.mark.parametrize("t_s", [np.zeros(100), -np.arange(100.0), np.array([0.0, 1.0]), np.full(300, 5.0)])
 def test_a_clock_that_says_nothing_numbers_one_after_the_other(t_s: Floats) -> None:
-    """As they came."""
     assert (numbers_by_clock(t_s) == np.arange(len(t_s))).all()
 
 
 @pytest.mark.parametrize(("kept", "least"), [("packed", 6), ("further", 34)])
 def test_recordings_over_radio_are_even_behind_what_had_waited(kept: str, least: int, recordings: Recordings) -> None:
-    """They were stamped on arrival, 2 to 19 ms apart; sensors sample evenly."""
     paths = getattr(recordings, kept)("rasteiro_*")
     assert len(paths) >= least
     off, period_s = [], []
@@ -122,7 +117,6 @@ def test_recordings_over_radio_are_even_behind_what_had_waited(kept: str, least:
 
 @pytest.mark.parametrize("counter", [True, False])
 def test_a_row_that_comes_twice_is_one_sample(*, counter: bool) -> None:
-    """By its counter, or by its stamp and values; otherwise all times after it would be late by a sample."""
     row = np.sort(np.concatenate([np.arange(COUNT), np.arange(0, COUNT, 50)]))
     rate_dps = np.random.default_rng(2).normal(0.0, 1.0, COUNT)
     session = Session("twice", PERIOD_S * row, rate_dps[row], seq=row if counter else None, encoder_deg=1.0 * row)

@@ -11,7 +11,6 @@ RNG = np.random.default_rng(5)
 @pytest.mark.parametrize("step", [0.0, 0.0305, 360.0 / 512])
 @pytest.mark.parametrize("count", [0, 1, 2, 8, 5000])
 def test_distinct_values_rise_and_come_once(count: int, step: float) -> None:
-    """On a grid and off it, both zeros, what is no number left out."""
     values = RNG.normal(0.0, 100.0, count)
     values = np.rint(values / step) * step if step else values
     values[:: max(2, count // 4)] = np.resize([np.nan, 0.0, np.inf, -0.0], len(values[:: max(2, count // 4)]))

@@ -41,7 +41,6 @@ def without(begin_s: float, end_s: float) -> Integers:
 def test_what_lies_between_outages_is_kept_to_the_sample(
     begin_s: float, lasts_s: float, what: str, *, counter: bool
 ) -> None:
-    """Whether rows do not come, or come without a rate or without an angle; what is shorter than 20 s is left out."""
     there = without(begin_s, begin_s + lasts_s)
     session = session_of(there if what == "row" else whole(), counter=counter)
     is_missing = ~np.isin(whole(), there)
@@ -49,16 +48,16 @@ def test_what_lies_between_outages_is_kept_to_the_sample(
         session = replace(session, rate_dps=np.where(is_missing, np.nan, session.rate_dps))
     elif what == "angle":
         session = with_angles_at(session, ~is_missing)
-    found = between_outages(session)
+    result = between_outages(session)
     break_at = int(np.searchsorted(there, begin_s * HZ))
     expected = [part for part in (there[:break_at], there[break_at:]) if len(part) >= 20.0 * HZ]
-    assert [len(part.t_device_s) for part in found.sessions] == [len(part) for part in expected]
-    for part, numbers in zip(found.sessions, expected, strict=True):
+    assert [len(part.t_device_s) for part in result.sessions] == [len(part) for part in expected]
+    for part, numbers in zip(result.sessions, expected, strict=True):
         np.testing.assert_allclose(part.t_device_s, 7.0 + numbers / HZ)
         assert part.encoder_deg is not None
         assert np.isfinite(part.rate_dps).all()
         assert np.isfinite(part.encoder_deg).all()
-    (remark,) = found.remarks
+    (remark,) = result.remarks
     assert f"are missing for {len(whole()) / HZ - len(there) / HZ:.1f} s" in remark
     left_out = len(there) - sum(map(len, expected))
     assert (f"without {left_out / HZ:.1f} s in parts of less than 20 s" in remark) == (left_out > 0)
@@ -68,9 +67,9 @@ def test_parts_have_names_of_their_own_and_the_rest_alone_keeps_its_own() -> Non
     """A part that stands alone is the session."""
     two = between_outages(session_of(without(50.0, 52.0)))
     assert [part.name for part in two.sessions] == ["bench, part 1", "bench, part 2"]
-    one = between_outages(session_of(without(5.0, 7.0)))
-    assert [part.name for part in one.sessions] == ["bench"]
-    (remark,) = one.remarks
+    item = between_outages(session_of(without(5.0, 7.0)))
+    assert [part.name for part in item.sessions] == ["bench"]
+    (remark,) = item.remarks
     assert remark.startswith("bench: rates or angles are missing for 2.0 s; the rest is one session, without 5.0 s")
 
 
@@ -78,16 +77,15 @@ def test_an_encoder_that_comes_late_or_goes_early_cuts_the_ends() -> None:
     """Held at its first value it would rest while the gyro turns."""
     session = session_of(whole())
     at_s = whole() / HZ
-    found = between_outages(with_angles_at(session, (at_s >= 30.0) & (at_s < 100.0)))
-    (part,) = found.sessions
+    result = between_outages(with_angles_at(session, (at_s >= 30.0) & (at_s < 100.0)))
+    (part,) = result.sessions
     assert (part.t_device_s[0], part.t_device_s[-1]) == pytest.approx((37.0, 106.98))
-    assert "missing for 50.0 s in 2 pieces" in found.remarks[0]
+    assert "missing for 50.0 s in 2 pieces" in result.remarks[0]
 
 
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("share", [0.0, 0.01, 0.2])
 def test_samples_that_a_link_loses_one_by_one_are_no_outage(share: float, seed: int) -> None:
-    """That is an effect, and there to be seen."""
     session = session_of(whole()[np.random.default_rng(seed).random(len(whole())) >= share])
     assert between_outages(session).sessions == (session,)
 
@@ -101,15 +99,14 @@ def test_a_reference_that_is_slower_than_the_gyro_is_no_outage() -> None:
 def test_a_link_that_fails_all_the_time_leaves_the_session_as_it_is() -> None:
     """A second of every ten: no part is long enough, and what the link does is what there is to be seen."""
     session = session_of(whole()[whole() % 500 >= 50])
-    found = between_outages(session)
-    assert found.sessions == (session,)
-    assert not found.remarks
+    result = between_outages(session)
+    assert result.sessions == (session,)
+    assert not result.remarks
 
 
 @pytest.mark.parametrize("has_host", [True, False])
 @pytest.mark.parametrize("counter", [True, False])
 def test_a_device_that_began_anew_begins_another_session(*, counter: bool, has_host: bool) -> None:
-    """Its clock and its counter are at their first values again; the host's goes on."""
     number, again = whole(), 2500
     session = session_of(number)
     session = replace(
@@ -118,10 +115,10 @@ def test_a_device_that_began_anew_begins_another_session(*, counter: bool, has_h
         seq=np.where(number < again, number, number - again) if counter else None,
         t_host_s=session.t_host_s if has_host else None,
     )
-    found = between_outages(session)
-    assert [len(part.t_device_s) for part in found.sessions] == [again, len(number) - again]
-    assert [part.t_device_s[0] for part in found.sessions] == [0.0, 0.0]
-    assert found.remarks == (
+    result = between_outages(session)
+    assert [len(part.t_device_s) for part in result.sessions] == [again, len(number) - again]
+    assert [part.t_device_s[0] for part in result.sessions] == [0.0, 0.0]
+    assert result.remarks == (
         "bench: the device restarted, or a clock was set; the 2 parts of the rest are taken as sessions",
     )
 
@@ -132,12 +129,11 @@ def test_a_device_that_was_gone_or_a_host_clock_that_was_set_parts_a_session(lat
     session = session_of(whole())
     assert session.t_host_s is not None
     later = np.where(whole() < 3000, 0.0, later_s)
-    found = between_outages(replace(session, t_host_s=session.t_host_s + later))
-    assert [len(part.t_device_s) for part in found.sessions] == [3000, len(whole()) - 3000]
+    result = between_outages(replace(session, t_host_s=session.t_host_s + later))
+    assert [len(part.t_device_s) for part in result.sessions] == [3000, len(whole()) - 3000]
 
 
 def test_a_host_that_was_busy_for_three_seconds_parts_nothing() -> None:
-    """What waited came at once, and what comes after it is as early as ever."""
     session = session_of(whole())
     assert session.t_host_s is not None
     waits = (whole() >= 3000) & (whole() < 3150)
@@ -146,23 +142,21 @@ def test_a_host_that_was_busy_for_three_seconds_parts_nothing() -> None:
 
 
 def test_an_outage_and_a_new_beginning_are_told_together() -> None:
-    """Of three pieces one is too short."""
     number = without(30.0, 32.0)
     session = session_of(number)
-    found = between_outages(replace(session, t_device_s=session.t_device_s - np.where(number < 5500, 0.0, 60.0)))
-    assert len(found.sessions) == 2
-    remark = found.remarks[0]
+    result = between_outages(replace(session, t_device_s=session.t_device_s - np.where(number < 5500, 0.0, 60.0)))
+    assert len(result.sessions) == 2
+    remark = result.remarks[0]
     assert "missing for 2.0 s, and the device restarted, or a clock was set; the 2 parts" in remark
     assert remark.endswith("without 10.0 s in parts of less than 20 s")
 
 
 def test_what_has_no_encoder_or_no_rest_to_speak_of_stays_as_it_is() -> None:
-    """What is wrong with it is told by those who look at it next."""
     session = session_of(whole())
     torn = replace(session, t_device_s=np.where(whole() < 3000, session.t_device_s, session.t_device_s - 60.0))
-    for one in (
+    for item in (
         replace(torn, encoder_deg=None),
         replace(torn, encoder_deg=np.full(len(whole()), np.nan)),
         torn.part(2500, 3500),
     ):
-        assert between_outages(one).sessions == (one,)
+        assert between_outages(item).sessions == (item,)

@@ -15,7 +15,7 @@ from gyrodrift.values.arrays import Floats
 SIGMA = 0.05
 
 
-def seen(
+def observed(
     spikes: dict[int, float] | None = None,
     jumps: dict[int, float] | None = None,
     sigma: float = SIGMA,
@@ -23,50 +23,48 @@ def seen(
 ) -> Cleaned:
     """The worked-out motion with so much added to a sample of the rate, or to the angle from a sample on."""
     rate_dps, angle_deg = TRUE_DPS + white(sigma), TRUE_DEG.copy()
-    for at, height in (spikes or {}).items():
-        rate_dps[at] += height
-    for at, height in (jumps or {}).items():
-        angle_deg[at:] += height
+    for index, height in (spikes or {}).items():
+        rate_dps[index] += height
+    for index, height in (jumps or {}).items():
+        angle_deg[index:] += height
     return clean(recorded(rate_dps, angle_deg, cpr))
 
 
 def test_nothing_is_found_in_noise() -> None:
     """Nor on ramps between rest and motion."""
-    found = seen()
-    assert len(found.spikes_dps) == len(found.slips_deg) == 0
-    assert np.array_equal(found.rate_dps, TRUE_DPS + white(SIGMA))
+    result = observed()
+    assert len(result.spikes_dps) == len(result.slips_deg) == 0
+    assert np.array_equal(result.rate_dps, TRUE_DPS + white(SIGMA))
 
 
 def test_outliers_are_found_with_their_size() -> None:
-    """Of either sign, at rest and turning fast, to a few standard deviations of the noise."""
-    found = seen(spikes={1000: 5.0, 9000: -12.0, 15_000: 30.0})
-    assert found.spikes_dps == pytest.approx([5.0, -12.0, 30.0], abs=4.0 * SIGMA)
-    assert np.abs(found.rate_dps - TRUE_DPS).max() < 6.0 * SIGMA
+    result = observed(spikes={1000: 5.0, 9000: -12.0, 15_000: 30.0})
+    assert result.spikes_dps == pytest.approx([5.0, -12.0, 30.0], abs=4.0 * SIGMA)
+    assert np.abs(result.rate_dps - TRUE_DPS).max() < 6.0 * SIGMA
 
 
 @pytest.mark.parametrize("seed", range(12))
 def test_coarse_counts_hide_no_outlier(seed: int) -> None:
-    """Of any table and any rate: nearly all are found, with their size, and nothing else is."""
     rng = np.random.default_rng([seed, 20])
     rate_hz, cpr = float(rng.choice([50.0, 100.0, 200.0, 400.0])), int(2.0 ** rng.uniform(9.0, 16.0))
     motion, minutes, height_dps = load_profile("identify"), 2.0, 20.0
     base = Base(sample_rate_hz=rate_hz, encoder_cpr=cpr, noise_dps_rthz=float(rng.uniform(0.0015, 0.02)))
     rig = Rig(base=base, effects=(parse_effect(f"spikes:height_dps={height_dps},share_percent=0.3"),))
-    whole = [Simulation(each, motion, seed, 0, minutes).whole() for each in (rig, Rig(base=base))]
+    whole = [Simulation(item, motion, seed, 0, minutes).whole() for item in (rig, Rig(base=base))]
     put_in = np.count_nonzero(np.abs(whole[0].rate_dps - whole[1].rate_dps) > 0.5 * height_dps)
-    found, without = (clean(recording_of(session, round(60.0 * minutes * rate_hz))).spikes_dps for session in whole)
+    result, without = (clean(recording_of(session, round(60.0 * minutes * rate_hz))).spikes_dps for session in whole)
     assert put_in
     assert not len(without)
-    assert put_in - len(found) <= max(1, 0.1 * put_in)
-    assert np.median(np.abs(found)) == pytest.approx(height_dps, rel=0.05)
+    assert put_in - len(result) <= max(1, 0.1 * put_in)
+    assert np.median(np.abs(result)) == pytest.approx(height_dps, rel=0.05)
 
 
 @pytest.mark.parametrize("cpr", [720, COUNTS_PER_TURN])
 def test_of_two_outliers_in_a_row_none_is_left(cpr: int) -> None:
     """The one would be taken for the other's neighbour."""
-    found = seen(spikes={1000: 22.0, 1001: 24.0, 9000: 20.0, 9002: -20.0}, cpr=cpr)
-    assert len(found.spikes_dps) == 4
-    assert np.abs(found.rate_dps - TRUE_DPS).max() < 6.0 * SIGMA
+    result = observed(spikes={1000: 22.0, 1001: 24.0, 9000: 20.0, 9002: -20.0}, cpr=cpr)
+    assert len(result.spikes_dps) == 4
+    assert np.abs(result.rate_dps - TRUE_DPS).max() < 6.0 * SIGMA
 
 
 def test_an_edge_of_the_rate_is_no_outlier() -> None:
@@ -78,60 +76,55 @@ def test_an_edge_of_the_rate_is_no_outlier() -> None:
 
 
 def test_an_outlier_is_filled_by_its_neighbours() -> None:
-    """A straight line across it."""
-    found = seen(spikes={1000: 5.0})
-    assert found.rate_dps[1000] == pytest.approx(0.5 * (found.rate_dps[999] + found.rate_dps[1001]))
+    result = observed(spikes={1000: 5.0})
+    assert result.rate_dps[1000] == pytest.approx(0.5 * (result.rate_dps[999] + result.rate_dps[1001]))
 
 
 def test_jumps_are_found_with_their_size() -> None:
-    """Of either sign, and taken back; they are no outliers of the rate."""
-    found = seen(jumps={2000: 0.2, 9000: -0.3, 15_000: 0.05})
-    assert found.slips_deg == pytest.approx([0.2, -0.3, 0.05], abs=0.005)
-    assert np.abs(found.encoder_deg - TRUE_DEG).max() < 0.01
-    assert len(found.spikes_dps) == 0
+    result = observed(jumps={2000: 0.2, 9000: -0.3, 15_000: 0.05})
+    assert result.slips_deg == pytest.approx([0.2, -0.3, 0.05], abs=0.005)
+    assert np.abs(result.encoder_deg - TRUE_DEG).max() < 0.01
+    assert len(result.spikes_dps) == 0
 
 
 def test_steps_of_a_coarse_encoder_are_no_jumps() -> None:
-    """Half a degree a step, at 20 and at 90 deg/s."""
-    found = seen(cpr=720)
-    assert len(found.slips_deg) == 0
-    assert found.step_deg == pytest.approx(0.5)
+    result = observed(cpr=720)
+    assert len(result.slips_deg) == 0
+    assert result.step_deg == pytest.approx(0.5)
 
 
 def test_jumps_of_a_few_coarse_steps_are_found() -> None:
     """Rounding makes none of more than a step, so that three are no chance, at rest and turning."""
-    found = seen(jumps={2000: 1.7, 9000: -1.7, 15_000: 2.3}, cpr=720)
-    assert found.slips_deg == pytest.approx([1.7, -1.7, 2.3], abs=0.55)
+    result = observed(jumps={2000: 1.7, 9000: -1.7, 15_000: 2.3}, cpr=720)
+    assert result.slips_deg == pytest.approx([1.7, -1.7, 2.3], abs=0.55)
 
 
 @pytest.mark.parametrize("steps", [0.1, 0.2, 0.3, 0.35, 0.4, 0.5, 1.0])
 def test_noise_of_a_coarse_encoder_makes_no_jumps(steps: float) -> None:
     """A magnet that is read with noise of so many steps."""
     noise_deg = np.random.default_rng(4).normal(0.0, 0.5 * steps, len(T_S))
-    found = clean(recorded(TRUE_DPS + white(SIGMA), TRUE_DEG + noise_deg, 720))
-    assert len(found.slips_deg) == 0
+    result = clean(recorded(TRUE_DPS + white(SIGMA), TRUE_DEG + noise_deg, 720))
+    assert len(result.slips_deg) == 0
 
 
 def test_holes_are_filled_before_anything_is_looked_for() -> None:
-    """And none of them is an outlier."""
     rate_dps = TRUE_DPS + white(SIGMA)
     rate_dps[5000:5003] = np.nan
-    found = clean(recorded(rate_dps))
-    assert np.isfinite(found.rate_dps).all()
-    assert len(found.spikes_dps) == 0
+    result = clean(recorded(rate_dps))
+    assert np.isfinite(result.rate_dps).all()
+    assert len(result.spikes_dps) == 0
 
 
 @pytest.mark.parametrize("count", [10, 100, 20_000])
 def test_a_constant_has_no_outliers(count: int) -> None:
     """Nor has a recording of ten samples."""
-    found = clean(recorded(np.zeros(count), np.zeros(count)))
-    assert len(found.spikes_dps) == len(found.slips_deg) == 0
-    assert found.step_deg == 0.0
+    result = clean(recorded(np.zeros(count), np.zeros(count)))
+    assert len(result.spikes_dps) == len(result.slips_deg) == 0
+    assert result.step_deg == 0.0
 
 
 @pytest.mark.parametrize("step", [0.25, 0.07, 2.0])
 def test_steps_are_read_off_the_values(step: float) -> None:
-    """Of those that lie densely."""
     values = np.round(white(20.0 * step, 3, 4000) / step) * step
     assert granularity(values) == pytest.approx(step)
     assert step_of(values) == pytest.approx(step)
@@ -145,13 +138,11 @@ def test_a_step_between_two_levels_is_their_mean() -> None:
 
 
 def test_the_step_of_few_levels_is_that_of_the_closest() -> None:
-    """Of a rest in three steps, and a ramp through zero that visits every seventh."""
     levels = np.concatenate([[0.0, 1.0, 2.0, 3.0], np.arange(-5, 6) * 7.0 + 40.0])
     assert granularity(0.05 * levels) == pytest.approx(0.05)
 
 
 def test_the_step_of_a_motion_that_comes_by_the_same_values_is_the_smallest() -> None:
-    """Whose multiples the others are; pairs that are closer by chance are parts of none."""
     seldom = 0.05 * np.cumsum([0, 1, 36, 2, 37, 3, 36, 5, 37, 7, *(36, 37) * 10])
     assert granularity(seldom) == pytest.approx(0.05)
     chance = np.cumsum([0.13, 1.0, 0.47, 1.0, 0.77, *(1.0,) * 40])
@@ -160,13 +151,11 @@ def test_the_step_of_a_motion_that_comes_by_the_same_values_is_the_smallest() ->
 
 @pytest.mark.parametrize("values", [np.zeros(0), np.ones(1), np.ones(5), np.full(3, np.nan)])
 def test_one_value_has_no_step(values: Floats) -> None:
-    """Nor has none."""
     assert granularity(values) == step_of(values) == 0.0
 
 
 def test_times_are_those_of_the_recording() -> None:
-    """Cleaning changes no length."""
-    assert len(seen().rate_dps) == len(seen().encoder_deg) == len(T_S)
+    assert len(observed().rate_dps) == len(observed().encoder_deg) == len(T_S)
 
 
 def quick(seed: int, late: int = 0, jump_deg: float = 0.0) -> Cleaned:
@@ -199,7 +188,6 @@ def test_corners_of_a_quick_motion_are_no_jumps(seed: int, late: int) -> None:
 
 @pytest.mark.parametrize("late", [0, 7])
 def test_a_jump_beside_a_late_gyro_is_found(late: int) -> None:
-    """With its size."""
     assert quick(1, late, jump_deg=3.0).slips_deg == pytest.approx([3.0], abs=0.3)
 
 
@@ -213,23 +201,20 @@ def plateau(limit_dps: float, sigma_dps: float, step_dps: float = 0.061) -> tupl
 
 @pytest.mark.parametrize("sigma_dps", [0.0, 0.01, 0.03, 0.1])
 def test_a_steady_motion_is_at_no_limit(sigma_dps: float) -> None:
-    """Whether its noise hides within a step or not."""
     assert not is_at_limit(*plateau(1000.0, sigma_dps), 0.01).any()
 
 
 @pytest.mark.parametrize("sigma_dps", [0.0, 0.01, 0.03, 0.1])
 @pytest.mark.parametrize("limit_dps", [40.0, 55.0])
 def test_what_the_encoder_goes_beyond_is_a_limit(limit_dps: float, sigma_dps: float) -> None:
-    """All of the steady motion, and nothing of a slow one; the same the other way round."""
     rate_dps, angle_deg = plateau(limit_dps, sigma_dps)
-    found = is_at_limit(rate_dps, angle_deg, 0.01)
-    assert found[1010:1990].all()
-    assert not found[:800].any()
-    assert np.array_equal(is_at_limit(-rate_dps, -angle_deg, 0.01), found)
+    result = is_at_limit(rate_dps, angle_deg, 0.01)
+    assert result[1010:1990].all()
+    assert not result[:800].any()
+    assert np.array_equal(is_at_limit(-rate_dps, -angle_deg, 0.01), result)
 
 
 def test_counts_that_were_rounded_to_others_are_uneven() -> None:
-    """410 counts told in those of 1024: every third of a count off, which is uniform within one."""
     fine, coarse = 360.0 / 1024.0, 360.0 / 410.0
     rounded_deg: Floats = np.rint(np.arange(0.0, 360.0, coarse) / fine) * fine
     assert steps_of(rounded_deg).mean == pytest.approx(coarse, rel=0.01)

@@ -77,7 +77,6 @@ def test_a_tone_at_rest_and_in_motion_is_no_motion() -> None:
 
 @pytest.mark.parametrize("size_dps", [0.0, 0.5, 1.0])
 def test_noise_is_known_without_a_rest(size_dps: float) -> None:
-    """To a tenth, under motion that never ends."""
     rng = np.random.default_rng(4)
     rate_dps = falling(rng, size_dps, 2.0) + NOISE_DPS * rng.standard_normal(SAMPLES)
     nowhere = np.zeros(SAMPLES, bool)
@@ -141,7 +140,6 @@ def trembling_subject(rng: np.random.Generator, cpr: int) -> Subject:
 
 @pytest.mark.parametrize("cpr", [4096, 65_536])
 def test_a_replay_of_a_trembling_robot_scatters_as_its_recording_does(cpr: int) -> None:
-    """From sample to sample, over means of one, two and four; and the noise of the rig comes back."""
     subject = trembling_subject(np.random.default_rng(7), cpr)
     replayed = subject.replayed((), 0)
     for points in (1, 2, 4):

@@ -29,43 +29,38 @@ def session() -> Session:
 
 
 def test_true_time_is_the_hosts() -> None:
-    """And the device's where there is no host."""
     assert recording_of(session()).period_s == pytest.approx(0.01, rel=1e-9)
     assert recording_of(replace(session(), t_host_s=None)).period_s == pytest.approx(0.0101, rel=1e-9)
 
 
 def test_samples_that_are_missing_leave_holes() -> None:
-    """Wherever the counter jumps."""
     whole = session()
     kept = np.delete(np.arange(COUNT), [10, 11, 500])
     columns = {
         name: getattr(whole, name)[kept] for name in ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg")
     }
-    found = recording_of(Session("holes", **columns))
-    assert len(found.rate_dps) == COUNT
-    assert np.flatnonzero(np.isnan(found.rate_dps)).tolist() == [10, 11, 500]
-    assert np.allclose(filled(found.encoder_deg), 5.0 * T_S)
+    result = recording_of(Session("holes", **columns))
+    assert len(result.rate_dps) == COUNT
+    assert np.flatnonzero(np.isnan(result.rate_dps)).tolist() == [10, 11, 500]
+    assert np.allclose(filled(result.encoder_deg), 5.0 * T_S)
 
 
 def test_without_a_counter_holes_are_seen_by_the_clock() -> None:
-    """As far as it is even."""
     whole = session()
     kept = np.delete(np.arange(COUNT), [10, 11, 500])
     columns = {name: getattr(whole, name)[kept] for name in ("t_device_s", "rate_dps", "encoder_deg")}
-    found = recording_of(Session("holes", **columns))
-    assert np.flatnonzero(np.isnan(found.rate_dps)).tolist() == [10, 11, 500]
-    assert not found.has_counter
+    result = recording_of(Session("holes", **columns))
+    assert np.flatnonzero(np.isnan(result.rate_dps)).tolist() == [10, 11, 500]
+    assert not result.has_counter
 
 
 def test_a_counter_of_sixteen_bits_goes_round() -> None:
-    """Without a hole."""
-    found = recording_of(replace(session(), seq=(np.arange(COUNT) + 65_000) % 65_536))
-    assert len(found.rate_dps) == COUNT
-    assert np.isfinite(found.rate_dps).all()
+    result = recording_of(replace(session(), seq=(np.arange(COUNT) + 65_000) % 65_536))
+    assert len(result.rate_dps) == COUNT
+    assert np.isfinite(result.rate_dps).all()
 
 
 def test_samples_that_come_twice_or_late_are_counted() -> None:
-    """Each is taken once, in its place."""
     order = np.arange(COUNT)
     order[[20, 21]] = order[[21, 20]]
     order = np.insert(order, 300, 299)
@@ -73,9 +68,9 @@ def test_samples_that_come_twice_or_late_are_counted() -> None:
     columns = {
         name: getattr(whole, name)[order] for name in ("t_device_s", "rate_dps", "t_host_s", "seq", "encoder_deg")
     }
-    found = recording_of(Session("mixed", **columns))
-    assert (found.repeated, found.disordered) == (1, 1)
-    assert len(found.rate_dps) == COUNT
+    result = recording_of(Session("mixed", **columns))
+    assert (result.repeated, result.disordered) == (1, 1)
+    assert len(result.rate_dps) == COUNT
 
 
 @pytest.mark.parametrize(
@@ -87,13 +82,11 @@ def test_samples_that_come_twice_or_late_are_counted() -> None:
     ],
 )
 def test_what_cannot_be_compared_is_refused(change: dict[str, object], message: str) -> None:
-    """By name."""
     with pytest.raises(DataError, match=message):
         recording_of(replace(session(), **change))  # type: ignore[arg-type]  # any column
 
 
 def test_a_line_is_found_through_holes() -> None:
-    """Slope and offset."""
     values = 3.0 + 0.25 * np.arange(100.0)
     values[[5, 50]] = np.nan
     assert fit_line(values) == pytest.approx((0.25, 3.0))
@@ -113,8 +106,7 @@ def test_a_line_is_found_through_holes() -> None:
     ],
 )
 def test_times_and_values_that_make_no_sense_are_told(column: str, values: Floats, message: str) -> None:
-    """Before anything is worked out of them."""
     changed: dict[str, Any] = {"seq": None, column: values}
-    told = replace(session(), **changed)
+    report = replace(session(), **changed)
     with pytest.raises(DataError, match=message):
-        recording_of(told)
+        recording_of(report)

@@ -34,10 +34,9 @@ def recorded(*effects: str, noise_seed: int | None = None) -> Recording:
 
 
 def off_dps(subject: Subject) -> float:
-    """What gyro and reference disagree by, from a tenth of a second on."""
-    seen = subject.cleaned
-    away_deg = seen.encoder_deg - np.cumsum(seen.rate_dps) * seen.recording.period_s
-    return float(np.std(away_deg[20:] - away_deg[:-20]) / (20 * seen.recording.period_s))
+    observed = subject.cleaned
+    away_deg = observed.encoder_deg - np.cumsum(observed.rate_dps) * observed.recording.period_s
+    return float(np.std(away_deg[20:] - away_deg[:-20]) / (20 * observed.recording.period_s))
 
 
 @pytest.mark.parametrize(
@@ -62,18 +61,16 @@ def test_counts_of_an_encoder_are_no_noise(effects: tuple[str, ...]) -> None:
 
 @pytest.mark.parametrize("effect", ["encoder_eccentricity:amplitude_deg=0.3", "backlash:play_deg=0.3"])
 def test_what_the_rig_says_that_the_encoder_errs_by_is_no_noise(effect: str) -> None:
-    """Once per turn, and at each reversal."""
     rig = RIG.model_copy(update={"effects": (parse_effect(effect),)})
     assert subject_of(recorded(effect), rig).reference is None
 
 
 def test_a_simulation_is_as_noisy_as_the_reference() -> None:
-    """And another one each time, but for the same seed."""
     subject = subject_of(recorded(noise_seed=1), RIG)
     assert subject.reference is not None
     first, second = (subject_of(subject.played((), seed), RIG) for seed in (1, 2))
-    for one in (first, second):
-        assert off_dps(one) == pytest.approx(off_dps(subject), rel=0.3)
+    for item in (first, second):
+        assert off_dps(item) == pytest.approx(off_dps(subject), rel=0.3)
     apart = first.cleaned.encoder_deg - second.cleaned.encoder_deg
     assert np.std(np.diff(apart)) > 0.5 * np.std(np.diff(subject.reference.deviation_deg))
     again = subject.played((), 1)
@@ -81,7 +78,6 @@ def test_a_simulation_is_as_noisy_as_the_reference() -> None:
 
 
 def test_noise_that_is_drawn_is_as_large_at_every_moment_and_has_forgotten_its_sign() -> None:
-    """Over many draws."""
     seen_deg = np.linspace(0.0, 1.0, 2000)
     noise = ReferenceNoise(seen_deg, 1.0 / RATE_HZ)
     drawn = np.array([noise.drawn(np.random.default_rng(seed)) for seed in range(400)])

@@ -33,7 +33,7 @@ def smooth() -> Session:
     return Simulation(SMOOTH, load_profile("turntable"), 3, 0, 1.0).whole()
 
 
-def held(session: Session, every: int) -> Session:
+def frozen(session: Session, every: int) -> Session:
     assert session.encoder_deg is not None
     rows = np.arange(len(session.encoder_deg))
     return replace(session, encoder_deg=session.encoder_deg[rows - rows % every])
@@ -52,17 +52,16 @@ def errors_ms(read: Session, session: Session) -> Floats:
     """Times by which the angles of a session are late where it moves, ms."""
     assert read.encoder_deg is not None
     assert session.encoder_deg is not None
-    at = np.searchsorted(session.t_device_s, read.t_device_s)
-    rate_dps = RATE_HZ * np.gradient(session.encoder_deg)[at]
+    index = np.searchsorted(session.t_device_s, read.t_device_s)
+    rate_dps = RATE_HZ * np.gradient(session.encoder_deg)[index]
     counts = np.isfinite(read.encoder_deg) & (np.abs(rate_dps) > 20.0)
     assert np.count_nonzero(counts) > 100
-    late_ms: Floats = 1e3 * (session.encoder_deg[at] - read.encoder_deg)[counts] / rate_dps[counts]
+    late_ms: Floats = 1e3 * (session.encoder_deg[index] - read.encoder_deg)[counts] / rate_dps[counts]
     return late_ms
 
 
 def test_a_held_angle_counts_where_it_was_read(table: Session) -> None:
-    """In motion and at rest alike, and the remark names the rate of the readings."""
-    read, remark = without_held_angles(held(table, EVERY))
+    read, remark = without_held_angles(frozen(table, EVERY))
     assert read.encoder_deg is not None
     is_read = np.isfinite(read.encoder_deg)
     assert np.count_nonzero(is_read) == pytest.approx(len(is_read) / EVERY, rel=0.02)
@@ -77,7 +76,6 @@ def test_a_held_angle_counts_where_it_was_read(table: Session) -> None:
 
 @pytest.mark.parametrize("every", [1.97, 3.31, 6.62, 14.9])
 def test_even_readings_between_the_samples_are_moved_to_the_samples(smooth: Session, every: float) -> None:
-    """Their ages follow from the samples in which they appear: held, they would be half a sample late."""
     whole = read_at(smooth, np.arange(-0.4, len(smooth.rate_dps), every))
     read, remark = without_held_angles(whole)
     assert np.abs(errors_ms(read, smooth)).max() < 1.0
@@ -85,7 +83,6 @@ def test_even_readings_between_the_samples_are_moved_to_the_samples(smooth: Sess
 
 
 def test_even_readings_are_found_through_rests_and_lost_readings(smooth: Session) -> None:
-    """One of twenty readings is lost."""
     times = np.arange(-0.4, len(smooth.rate_dps), 6.62)
     kept = np.random.default_rng(1).random(len(times)) > 0.05
     read, _ = without_held_angles(read_at(smooth, times[kept]))
@@ -108,7 +105,6 @@ def test_missing_cells_and_repeated_rows_are_no_readings(smooth: Session) -> Non
 
 
 def test_readings_at_any_time_are_right_on_average(smooth: Session) -> None:
-    """Each may be half a sample off, 5 ms."""
     rng = np.random.default_rng(2)
     times = np.cumsum(rng.uniform(3.0, 7.0, len(smooth.rate_dps) // 5))
     late_ms = errors_ms(without_held_angles(read_at(smooth, times))[0], smooth)
@@ -135,7 +131,6 @@ def test_a_slow_reference_has_no_response() -> None:
 
 @pytest.mark.parametrize("share", [0.0, 0.3])
 def test_an_angle_of_each_sample_stays(table: Session, share: float) -> None:
-    """Also if some of its samples repeat the last."""
     assert table.encoder_deg is not None
     rows = np.arange(len(table.encoder_deg))
     rows -= np.random.default_rng(1).random(len(rows)) < share
@@ -144,8 +139,7 @@ def test_an_angle_of_each_sample_stays(table: Session, share: float) -> None:
 
 
 def test_a_simulation_lacks_the_angles_that_the_recording_lacks(table: Session) -> None:
-    """What is interpolated between the readings then has the same errors on both sides."""
-    recording = recording_of(without_held_angles(held(table, EVERY))[0])
+    recording = recording_of(without_held_angles(frozen(table, EVERY))[0])
     played = subject_of(recording, RIG).played((), 1)
     np.testing.assert_array_equal(np.isfinite(played.encoder_deg), np.isfinite(recording.encoder_deg))
     assert np.isfinite(played.rate_dps).all()

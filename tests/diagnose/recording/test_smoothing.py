@@ -7,12 +7,10 @@ from gyrodrift.diagnose.recording.smoothing import gaussian
 
 
 def test_a_constant_stays_one() -> None:
-    """Up to the ends."""
     assert gaussian(np.full(100, 7.0), 3.0) == pytest.approx(np.full(100, 7.0), rel=1e-14)
 
 
 def test_it_spreads_what_stands_alone() -> None:
-    """To a Gaussian of that standard deviation, and of the same sum."""
     alone = np.zeros(201)
     alone[100] = 1.0
     smooth = gaussian(alone, 10.0)

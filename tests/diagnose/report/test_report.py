@@ -33,7 +33,6 @@ MADE = Provenance("bench day 2", "gyrodrift diagnose <here>", "2026-11-22", (), 
 
 @pytest.fixture(scope="module")
 def scaled() -> Diagnosis:
-    """Of two sessions of a gyro that reads too much, against a rig that does not; one effect withheld."""
     return diagnosis(SCALED)
 
 
@@ -43,7 +42,6 @@ def html(scaled: Diagnosis) -> str:
 
 
 def test_it_is_one_file_that_asks_the_network_for_nothing(html: str) -> None:
-    """No link, no script but the page's own, and every element closed."""
     assert parsed(html) is not None
     assert html.count("<script>") == 2
     assert not re.search(r"<(link|script |img|iframe|object)\b|@import|url\(\s*['\"]?http|\bsrc=", html)
@@ -53,7 +51,6 @@ def test_it_is_one_file_that_asks_the_network_for_nothing(html: str) -> None:
 
 
 def test_the_verdict_comes_first(html: str, scaled: Diagnosis) -> None:
-    """As one sentence, then its cause with size and probability, how far the gap shrank, and what to record next."""
     (head,) = list(parsed(html).iter("h1"))
     assert "".join(head.itertext()).startswith("bench day 2: the rate reads 5 % too high (scale_factor)")
     cause = next(cause for cause in scaled.verdict.causes if cause.effect.name == "scale_factor")
@@ -75,26 +72,26 @@ def test_the_verdict_comes_first(html: str, scaled: Diagnosis) -> None:
     chapters = ["Where recordings and simulator differ", "What the difference looks like", "Which effect explains it"]
     chapters += ["What to do next", "Words used here", "The sessions", "Provenance"]
     order += [*chapters, *chapters]  # listed at first
-    said, at = words(html), -1
+    statement, index = words(html), -1
     for part in order:
-        at = said.index(part, at + 1)
+        index = statement.index(part, index + 1)
 
 
 def test_every_deviation_has_a_row_and_a_chart(scaled: Diagnosis) -> None:
-    """Whichever it is, before and after the cause was added."""
-    everywhere = tuple(Deviation(one.stage, one.name, one.regime, one.says, 9.0, 0.01) for one in FEATURES)
+    everywhere = tuple(
+        Deviation(feature.stage, feature.name, feature.regime, feature.says, 9.0, 0.01) for feature in FEATURES
+    )
     drawn = page("", [features(replace(scaled, verdict=replace(scaled.verdict, where=everywhere)))])
     charts = ["".join(panel.itertext()) for panel in panels(drawn)]
-    first_cells = {"".join(one[0].itertext()).strip() for one in parsed(drawn).iter("tr") if len(one)}
-    for one in FEATURES:
-        says = SIGNED.get(one.name, (one.says,))
+    first_cells = {"".join(item[0].itertext()).strip() for item in parsed(drawn).iter("tr") if len(item)}
+    for feature in FEATURES:
+        says = SIGNED.get(feature.name, (feature.says,))
         assert first_cells.intersection(says)
-        told = [chart for chart in charts if f"{one.name}:" in chart and "; corrected" in chart]
-        assert sum(any(words in chart for words in says) for chart in told) == 1
+        report = [chart for chart in charts if f"{feature.name}:" in chart and "; corrected" in chart]
+        assert sum(any(words in chart for words in says) for chart in report) == 1
 
 
 def test_rate_errors_have_a_chart_each(html: str) -> None:
-    """Of each dependence, and of each session over time."""
     charts = ["".join(panel.itertext()) for panel in panels(html)]
     assert all(any(shown in chart for chart in charts) for shown in ("temperature", "angle within the turn"))
     assert sum("session-0" in chart for chart in charts) == 2
@@ -115,35 +112,33 @@ def test_curves_are_switched_by_the_names_of_their_colours(html: str) -> None:
 
 
 def panels(html: str) -> Iterator[ET.Element]:
-    """Those in which something is drawn."""
-    for one in parsed(html).iter("div"):
-        if one.get("class") == "panel" and any(inner.get("data-chart") for inner in one.iter("div")):
-            yield one
+    for item in parsed(html).iter("div"):
+        if item.get("class") == "panel" and any(inner.get("data-chart") for inner in item.iter("div")):
+            yield item
 
 
 def test_candidates_are_ranked(html: str, scaled: Diagnosis) -> None:
     """The cause above all others; what was not tried is told."""
-    table = next(one for one in parsed(html).iter("table") if "best size" in "".join(one.itertext()))
+    table = next(item for item in parsed(html).iter("table") if "best size" in "".join(item.itertext()))
     names = ["".join(line[0].itertext()) for line in table.iter("tr")][1:]
     assert names[0] == "scale_factor named"
     assert "latency" in names
     assert "popcorn" not in names
     assert "Left out by --withhold popcorn" in re.sub(r"\s+", " ", " ".join(parsed(html).itertext()))
-    smallest = next(one.value for one in scaled.detectable if one.effect == "scale_factor")
+    smallest = next(item.value for item in scaled.detectable if item.effect == "scale_factor")
     assert smallest == 2.0  # 16 of the log-likelihood ratio in two sessions, less 1.28 times their root of 32
     assert row(html, "scale_factor")[:3] == ["scale_factor", "2 %", "error_percent"]
 
 
 def test_it_says_how_to_go_on(html: str) -> None:
     """Commands to be copied, with the rig that was written, quoted where they must be."""
-    said = words(html)
-    assert "gyrodrift simulate --rig 'out of the way/rig.yaml' --out 'out of the way/simulated'" in said
-    assert "gyrodrift tune 'out of the way/simulated'" in said
-    assert "gyrodrift diagnose <here>" in said
+    statement = words(html)
+    assert "gyrodrift simulate --rig 'out of the way/rig.yaml' --out 'out of the way/simulated'" in statement
+    assert "gyrodrift tune 'out of the way/simulated'" in statement
+    assert "gyrodrift diagnose <here>" in statement
 
 
 def test_the_same_diagnosis_gives_the_same_page(html: str, scaled: Diagnosis) -> None:
-    """To the byte."""
     assert report_html(scaled, OUT, MADE) == html
 
 
@@ -158,36 +153,32 @@ def test_what_could_be_said_of_a_diagnosis_is_only_text(scaled: Diagnosis) -> No
 
 
 def test_numbers_that_there_are_not_are_dashes(scaled: Diagnosis) -> None:
-    """Never nan or None."""
     gap = SimToRealGap(nan, nan, nan, None, None, None)
     lost = replace(scaled, verdict=replace(scaled.verdict, gap=gap, kind=Kind.PARTLY), detectable=())
-    said = words(report_html(lost, OUT, MADE))
-    assert not re.search(r"\b(nan|None|inf)\b", said)
-    assert "Part of the gap stays open" in said
+    statement = words(report_html(lost, OUT, MADE))
+    assert not re.search(r"\b(nan|None|inf)\b", statement)
+    assert "Part of the gap stays open" in statement
 
 
 def test_where_there_is_no_gap_nothing_is_switched_on() -> None:
-    """One kind of simulation is drawn, the feature that deviates most is told, and what would have been seen."""
     html = report_html(diagnosis({"rate": 1.0}), OUT, MADE)
-    said = words(html)
-    assert "Nowhere. The simulator was driven" in said
-    assert f"The largest deviation is {2.0**0.5:.1f} σ" in said
-    assert "corrected simulator" not in said.replace("Corrected simulator The rig with", "")
-    assert "Effects would show here from this size on" in said
-    assert "there is nothing to switch on" in said
+    statement = words(html)
+    assert "Nowhere. The simulator was driven" in statement
+    assert f"The largest deviation is {2.0**0.5:.1f} σ" in statement
+    assert "corrected simulator" not in statement.replace("Corrected simulator The rig with", "")
+    assert "Effects would show here from this size on" in statement
+    assert "there is nothing to switch on" in statement
     assert len(list(panels(html))) == 6
 
 
 def test_what_nothing_explains_is_placed_by_stage() -> None:
-    """No effect is named."""
-    said = words(page("", [verdict(diagnosis({"temperature": 10.0}))]))
-    assert "verdict: unknown" in said
-    assert "Stage of the rig where it shows, share of the deviations environment 100 %" in said
-    assert "none is named, and rig.yaml has no new effect" in said
+    statement = words(page("", [verdict(diagnosis({"temperature": 10.0}))]))
+    assert "verdict: unknown" in statement
+    assert "Stage of the rig where it shows, share of the deviations environment 100 %" in statement
+    assert "none is named, and rig.yaml has no new effect" in statement
 
 
 def test_change_points_are_told_with_their_place_and_height(html: str) -> None:
-    """In the session that has them."""
     names = ["".join(panel.itertext()) for panel in panels(html) if "change point" in "".join(panel.itertext())]
     assert len(names) == 2
     assert "1. session-011 change point: 1.5 min (0.25)" in names[0]
@@ -195,36 +186,33 @@ def test_change_points_are_told_with_their_place_and_height(html: str) -> None:
 
 
 def test_a_linear_model_that_disagrees_is_a_warning(scaled: Diagnosis) -> None:
-    """Before anything is believed."""
     linear = replace(scaled.linear_model, agrees=False, says="disagrees: it would name temp_bias")
-    said = words(page("", [verdict(replace(scaled, linear_model=linear))]))
-    assert "a linear model of the rate error disagrees: it would name temp_bias" in said
+    statement = words(page("", [verdict(replace(scaled, linear_model=linear))]))
+    assert "a linear model of the rate error disagrees: it would name temp_bias" in statement
 
 
 def test_files_hold_what_was_found(scaled: Diagnosis, tmp_path: Path) -> None:
-    """As JSON without what is no number, and as a rig with the effect at its size."""
     gap = replace(scaled.verdict.gap, before=nan)
     write_files(tmp_path, replace(scaled, verdict=replace(scaled.verdict, gap=gap)))
-    found = json.loads((tmp_path / "gap.json").read_text())
-    assert found["gap"]["before"] is None
-    assert found["verdict"] == "partly"
-    assert found["causes"][0]["effect"] == "scale_factor"
-    assert found["detectable"]["scale_factor"] == {"error_percent": 2.0, "unit": "%"}
-    assert found["untestable"] == {"clock_drift": "no host times", "temp_bias": "no temperature"}
-    assert found["calibration"]["bias_dps"] == {"rig": 0.5, "data": 0.35, "low": 0.34, "high": 0.36}
-    assert found["sessions"] == ["session-01", "session-02"]
+    result = json.loads((tmp_path / "gap.json").read_text())
+    assert result["gap"]["before"] is None
+    assert result["verdict"] == "partly"
+    assert result["causes"][0]["effect"] == "scale_factor"
+    assert result["detectable"]["scale_factor"] == {"error_percent": 2.0, "unit": "%"}
+    assert result["untestable"] == {"clock_drift": "no host times", "temp_bias": "no temperature"}
+    assert result["calibration"]["bias_dps"] == {"rig": 0.5, "data": 0.35, "low": 0.34, "high": 0.36}
+    assert result["sessions"] == ["session-01", "session-02"]
     (effect,) = load_rig(tmp_path / "rig.yaml").effects
     assert effect.name == "scale_factor"
 
 
 def test_the_keys_of_the_file_are_those_that_others_read(scaled: Diagnosis) -> None:
-    """Of the whole, of a cause, of a deviation and of the gap."""
-    found = content(scaled)
+    result = content(scaled)
     assert {
         *("verdict", "causes", "where", "leftover", "gap", "yaw", "transfer", "detectable", "calibration", "next"),
         "seconds",
-    } <= set(found)
-    assert set(found["causes"][0]) == {
+    } <= set(result)
+    assert set(result["causes"][0]) == {
         "effect",
         "group",
         "probability",
@@ -233,8 +221,8 @@ def test_the_keys_of_the_file_are_those_that_others_read(scaled: Diagnosis) -> N
         "parameters",
         "tied_with",
     }
-    assert {"stage", "signature", "regime", "z", "share"} <= set(found["where"][0])
-    assert set(found["gap"]) == {"before", "after", "floor", "shrink", "shrink_low", "shrink_high"}
+    assert {"stage", "signature", "regime", "z", "share"} <= set(result["where"][0])
+    assert set(result["gap"]) == {"before", "after", "floor", "shrink", "shrink_low", "shrink_high"}
 
 
 def test_the_summary_is_short(scaled: Diagnosis) -> None:

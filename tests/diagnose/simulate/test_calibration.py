@@ -18,7 +18,6 @@ NOISE_DPS_RTHZ, BIAS_DPS = 0.008, -0.4
 
 
 def calibrated(*effects: str, rate_hz: float = 100.0, noise: float = NOISE_DPS_RTHZ) -> Base:
-    """Of a session whose rig was stated with another noise, bias and rate."""
     stands = tuple(map(parse_effect, effects))
     own = {"sample_rate_hz": rate_hz, "noise_dps_rthz": noise, "bias_dps": BIAS_DPS}
     truth = Rig(base=BASE.model_copy(update=own), effects=stands)
@@ -53,7 +52,6 @@ def test_noise_and_bias_are_found_through_the_effects_of_the_rig(effects: tuple[
 @pytest.mark.parametrize("effect", ["temp_bias:slope_dps_per_c=0.05", "g_sensitivity:amplitude_dps=0.1", "warmup"])
 @pytest.mark.parametrize("noise", [NOISE_DPS_RTHZ, 0.001], ids=["noisy", "stepped"])
 def test_beside_what_is_held_to_act_the_bias_is_what_is_left(effect: str, noise: float) -> None:
-    """All that the gyro showed was taken for bias, at rest, or in motion where steps of 0.061 deg/s hide it."""
     own = {"noise_dps_rthz": noise, "bias_dps": BIAS_DPS, "dps_per_lsb": 0.061}
     truth = Rig(base=BASE.model_copy(update=own), effects=(parse_effect(effect),))
     session = Simulation(truth, MOTION, seed=1, minutes=MOTION.seconds / 60.0).whole()
@@ -64,16 +62,14 @@ def test_beside_what_is_held_to_act_the_bias_is_what_is_left(effect: str, noise:
 
 @pytest.mark.parametrize(("rate_hz", "noise"), [(50.0, 0.02), (200.0, 0.002), (400.0, 0.0035)])
 def test_noise_is_a_density_whatever_the_rate(rate_hz: float, noise: float) -> None:
-    """From the best gyros to the worst."""
     base = calibrated(rate_hz=rate_hz, noise=noise)
     assert base.noise_dps_rthz == pytest.approx(noise, rel=0.08)
     assert base.sample_rate_hz == pytest.approx(rate_hz, rel=1e-4)
 
 
 def test_a_low_pass_that_the_rig_does_not_know_folds_noise_down() -> None:
-    """Of first order at 40 Hz: noise about 100, 200 and 300 Hz comes down as 0.28, 0.08 and 0.03 of the power."""
-    found = subject_of(recording_of(session_of(parse_effect("bandwidth:cutoff_hz=40"))), Rig(base=BASE)).rig.base
-    assert found.noise_dps_rthz == pytest.approx(BASE.noise_dps_rthz * np.sqrt(1.39), rel=0.08)
+    result = subject_of(recording_of(session_of(parse_effect("bandwidth:cutoff_hz=40"))), Rig(base=BASE)).rig.base
+    assert result.noise_dps_rthz == pytest.approx(BASE.noise_dps_rthz * np.sqrt(1.39), rel=0.08)
 
 
 def test_a_session_begins_where_its_encoder_says() -> None:
@@ -96,7 +92,6 @@ def test_a_gyro_that_has_lost_its_noise_keeps_what_it_is_known_to_have() -> None
 
 @pytest.mark.parametrize(("noise", "bias_dps"), [(0.01, 0.05), (0.008, 0.15), (0.01, 0.25), (0.005, -0.15)])
 def test_beside_a_dead_band_noise_and_bias_are_found_anew(noise: float, bias_dps: float) -> None:
-    """It hides both at rest; and a rig that has it is calibrated so."""
     band = parse_effect("deadband:width_dps=0.2")
     own = {"noise_dps_rthz": noise, "bias_dps": bias_dps}
     truth = Rig(base=BASE.model_copy(update=own), effects=(band,))
@@ -113,15 +108,14 @@ def test_beside_a_dead_band_noise_and_bias_are_found_anew(noise: float, bias_dps
 
 @pytest.mark.parametrize("seed", range(4))
 def test_noise_that_a_wide_dead_band_hides_at_rest_is_found_in_motion(seed: int) -> None:
-    """All of the rest is zero: neither the calibration nor the motion that is rebuilt may take that for no noise."""
     rng = np.random.default_rng(seed)
     noise, cpr = float(np.exp(rng.uniform(np.log(0.002), np.log(0.01)))), int(rng.choice([512, 2048, 36_000]))
     band = parse_effect(f"deadband:width_dps={rng.uniform(0.4, 0.7):.3f}")
     base = BASE.model_copy(update={"noise_dps_rthz": noise, "bias_dps": 0.0, "encoder_cpr": cpr})
     session = Simulation(Rig(base=base, effects=(band,)), MOTION, seed, minutes=MOTION.seconds / 60.0).whole()
-    found = subject_of(recording_of(session), Rig(base=base, effects=(band,)))
-    assert found.posterior.sigma_dps == pytest.approx(noise * BASE.sample_rate_hz**0.5, rel=0.2)
-    assert found.rig.base.noise_dps_rthz == pytest.approx(noise, rel=0.2)
+    result = subject_of(recording_of(session), Rig(base=base, effects=(band,)))
+    assert result.posterior.sigma_dps == pytest.approx(noise * BASE.sample_rate_hz**0.5, rel=0.2)
+    assert result.rig.base.noise_dps_rthz == pytest.approx(noise, rel=0.2)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -138,28 +132,26 @@ def test_noise_behind_coarse_steps_is_found_in_motion(seed: int) -> None:
     session = Simulation(Rig(base=base, effects=(steps,)), MOTION, seed, minutes=MOTION.seconds / 60.0).whole()
     recording = recording_of(session)
     tried = recalibrated_with(subject_of(recording, Rig(base=base)), (steps,)).rig.base
-    for found in (tried, subject_of(recording, Rig(base=base, effects=(steps,))).rig.base):
-        off = (found.noise_dps_rthz**2 - noise**2) * found.sample_rate_hz
+    for result in (tried, subject_of(recording, Rig(base=base, effects=(steps,))).rig.base):
+        off = (result.noise_dps_rthz**2 - noise**2) * result.sample_rate_hz
         assert abs(off) < 0.5 * step_dps**2 / 12.0
-        assert found.bias_dps == pytest.approx(bias_dps, abs=0.01)
+        assert result.bias_dps == pytest.approx(bias_dps, abs=0.01)
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_noise_that_steps_of_the_rig_hide_at_rest_is_found_in_motion(seed: int) -> None:
-    """Most of the rest is one value, wherever the bias is; to half of the variance that rounding adds."""
     rng = np.random.default_rng(seed)
     noise, bias_dps = float(rng.uniform(0.0015, 0.003)), float(rng.uniform(-0.5, 0.5))
     own = {"noise_dps_rthz": noise, "bias_dps": bias_dps, "dps_per_lsb": 0.061, "sample_rate_hz": 50.0}
     rig = Rig(base=BASE.model_copy(update=own))
     session = Simulation(rig, MOTION, seed, minutes=MOTION.seconds / 60.0).whole()
-    found = subject_of(recording_of(session), rig).rig.base
-    assert abs(found.noise_dps_rthz**2 - noise**2) * found.sample_rate_hz < 0.5 * 0.061**2 / 12.0
-    assert found.bias_dps == pytest.approx(bias_dps, abs=0.01)
+    result = subject_of(recording_of(session), rig).rig.base
+    assert abs(result.noise_dps_rthz**2 - noise**2) * result.sample_rate_hz < 0.5 * 0.061**2 / 12.0
+    assert result.bias_dps == pytest.approx(bias_dps, abs=0.01)
 
 
 @pytest.mark.parametrize("share", [0.5, 0.9])
 def test_a_dead_band_within_a_count_changes_no_calibration(share: float) -> None:
-    """It hides no more than rounding does; noise that was found in motion for its sake would be a cause by itself."""
     base = BASE.model_copy(update={"noise_dps_rthz": 0.002, "bias_dps": 0.02, "dps_per_lsb": 0.0305})
     session = Simulation(Rig(base=base), MOTION, 3, minutes=MOTION.seconds / 60.0).whole()
     subject = subject_of(recording_of(session), Rig(base=base))
@@ -180,14 +172,13 @@ def test_a_short_rest_shows_that_there_is_no_more_noise_than_its_steps_hide() ->
 
 @pytest.mark.parametrize(("order", "cutoff_hz"), [(1, 35.0), (1, 12.0), (1, 5.0), (2, 35.0), (2, 12.0)])
 def test_noise_that_a_low_pass_took_was_there_before(order: int, cutoff_hz: float) -> None:
-    """What is seen behind it is calibrated, and a low-pass that is held to act does not take from it once more."""
     act = (parse_effect(f"bandwidth:cutoff_hz={cutoff_hz},order={order}"),)
     truth = Rig(base=BASE.model_copy(update={"noise_dps_rthz": NOISE_DPS_RTHZ}), effects=act)
     session = Simulation(truth, MOTION, seed=1, minutes=MOTION.seconds / 60.0).whole()
-    alone, known = (subject_of(recording_of(session), Rig(base=BASE, effects=stands)) for stands in ((), act))
-    for subject in (alone, known):
-        found = recalibrated_with(subject, act).rig.base.noise_dps_rthz
-        assert found == pytest.approx(NOISE_DPS_RTHZ, rel=0.12)
+    alone, expected = (subject_of(recording_of(session), Rig(base=BASE, effects=stands)) for stands in ((), act))
+    for subject in (alone, expected):
+        result = recalibrated_with(subject, act).rig.base.noise_dps_rthz
+        assert result == pytest.approx(NOISE_DPS_RTHZ, rel=0.12)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -195,7 +186,6 @@ def test_noise_that_a_low_pass_took_was_there_before(order: int, cutoff_hz: floa
 def test_noise_that_a_low_pass_took_and_steps_hide_at_rest_was_there_before(
     order: int, cutoff_hz: float, seed: int
 ) -> None:
-    """In motion it shows by what scatters from sample to sample: a low-pass takes more of that than of slow noise."""
     dice = np.random.default_rng(seed)
     behind = (parse_effect(f"bandwidth:cutoff_hz={cutoff_hz},order={order}"),)
     noise = float(0.4 * 0.061 / np.sqrt(2.0 * 1.2 * cutoff_hz))

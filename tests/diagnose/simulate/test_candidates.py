@@ -17,11 +17,10 @@ from gyrodrift.diagnose.simulate.response_table import key
 
 
 def of(name: str, hints: Hints = HINTS) -> list[Candidate]:
-    return [one for one in candidates(hints) if one.name == name]
+    return [item for item in candidates(hints) if item.name == name]
 
 
 def test_every_effect_has_a_record() -> None:
-    """With a sentence on what it means, in the middle of another one."""
     assert set(KINDS) == set(CATALOGUE)
     for kind in KINDS.values():
         assert kind.meaning[0].islower()
@@ -30,7 +29,6 @@ def test_every_effect_has_a_record() -> None:
 
 @pytest.mark.parametrize("name", KINDS)
 def test_every_size_is_one_that_the_simulator_takes(name: str) -> None:
-    """From the first to the last, simulated or not, the effect carries that size and the fixed parameters."""
     for candidate in of(name):
         for size in (*candidate.grid_points, candidate.sizes[0], candidate.sizes[-1]):
             effect = candidate.make(float(size))
@@ -39,15 +37,14 @@ def test_every_size_is_one_that_the_simulator_takes(name: str) -> None:
 
 
 def test_variants_of_an_effect_are_told_apart() -> None:
-    """No two candidates have both name and variant in common."""
-    keys = [(one.name, one.variant) for one in candidates(HINTS)]
+    keys = [(item.name, item.variant) for item in candidates(HINTS)]
     assert len(set(keys)) == len(keys)
 
 
 def test_groups_hold_effects_that_look_alike() -> None:
     """Latency and bandwidth both lag; a scale factor is alone but for its name."""
     assert KINDS["latency"].group == KINDS["bandwidth"].group == "lag"
-    assert {one.group for one in candidates(HINTS) if one.name == "saturation"} == {"saturation"}
+    assert {item.group for item in candidates(HINTS) if item.name == "saturation"} == {"saturation"}
 
 
 def test_hints_become_second_parameters_and_sizes() -> None:
@@ -55,33 +52,29 @@ def test_hints_become_second_parameters_and_sizes() -> None:
     hints = replace(HINTS, line_hz=33.0, spike_dps=7.0, rate_step_dps=0.125, angle_step_deg=1.0)
     assert of("vibration", hints)[0].make(1.0).model_dump()["frequency_hz"] == 33.0
     assert of("spikes", hints)[0].make(1.0).model_dump()["height_dps"] == 7.0
-    assert [one.sizes.tolist() for one in of("quantization", hints)] == [[0.125]]
+    assert [item.sizes.tolist() for item in of("quantization", hints)] == [[0.125]]
     assert of("encoder_quantization", hints)[0].make(1.0).model_dump()["cpr"] == 360
 
 
 def test_steps_no_coarser_than_those_of_the_rig_are_the_rigs() -> None:
-    """Of rates that come in no steps, the step seen is a rounding of the file."""
     for step_dps in (1e-6, 0.0076, 0.009):
         (fine,) = of("quantization", replace(HINTS, rate_step_dps=step_dps))
         assert fine.sizes.tolist() == [max(step_dps, HINTS.dps_per_lsb)]
 
 
 def test_a_low_pass_has_its_time_constant_as_its_size() -> None:
-    """1 / (2π·10 Hz) is a cut-off of 10 Hz, so that size 0 is none."""
     effect = candidate_of("bandwidth").make(1.0 / (20.0 * np.pi))
     assert effect.model_dump()["cutoff_hz"] == pytest.approx(10.0)
 
 
 def test_a_low_pass_is_tried_in_either_order() -> None:
-    """Each with a key of its own, by which its table goes."""
     tried = of("bandwidth")
-    assert [one.make(one.sizes[0]).model_dump()["order"] for one in tried] == [1, 2]
-    assert len({key(one) for one in tried}) == 2
+    assert [item.make(item.sizes[0]).model_dump()["order"] for item in tried] == [1, 2]
+    assert len({key(item) for item in tried}) == 2
 
 
 def test_what_comes_once_per_turn_is_tried_in_twelve_phases() -> None:
-    """All the way round."""
-    assert [one.phase_deg for one in of("g_sensitivity")] == [30.0 * step for step in range(12)]
+    assert [item.phase_deg for item in of("g_sensitivity")] == [30.0 * step for step in range(12)]
 
 
 def test_sizes_stand_in_even_ratios() -> None:
@@ -101,33 +94,30 @@ def test_a_linear_grid_has_both_signs_and_two_points_within() -> None:
 
 
 def test_a_simulated_grid_decides_between_its_first_and_last_point() -> None:
-    """And a size that was read off is the only one."""
     grid = simulated_grid(0.3, 2.0, 8.0)
     assert grid.points.tolist() == [0.3, 2.0, 8.0]
     assert (grid.sizes[0], grid.sizes[-1]) == pytest.approx((0.3, 8.0))
 
 
 def test_a_record_that_cannot_be_is_refused() -> None:
-    """Of no effect, of no parameter, or a second one."""
-    known = KINDS["latency"]
+    expected = KINDS["latency"]
     with pytest.raises(ValueError, match="no such effect"):
-        register(replace(known, name="gremlins"))
+        register(replace(expected, name="gremlins"))
     with pytest.raises(ValueError, match="candidate already"):
-        register(known)
+        register(expected)
 
 
 def beside(text: str, *, absolute: bool = False) -> tuple[Effect, list[Candidate]]:
     """An effect in a rig, and what is tried of it there."""
     effect = parse_effect(text)
     rig = Rig(base=BASE.model_copy(update={"encoder_absolute": absolute}), effects=(effect,))
-    return effect, [one for one in candidates(HINTS, rig) if one.name == effect.name]
+    return effect, [item for item in candidates(HINTS, rig) if item.name == effect.name]
 
 
 @pytest.mark.parametrize(
     "text", ["scale_factor:error_percent=1.2", "temp_bias", "clock_drift", "warmup", "warmup:amplitude_dps=0.2"]
 )
 def test_of_a_linear_effect_in_the_rig_sizes_are_what_comes_on_top(text: str) -> None:
-    """Of either sign; the effect that is made has both, and the other parameters of the rig."""
     effect, (candidate,) = beside(text)
     name = candidate.parameter
     has = effect.model_dump()[name]
@@ -142,7 +132,6 @@ def test_of_a_linear_effect_in_the_rig_sizes_are_what_comes_on_top(text: str) ->
 
 @pytest.mark.parametrize("text", ["g_sensitivity:amplitude_dps=0.1", "encoder_eccentricity:amplitude_deg=0.3"])
 def test_an_amplitude_in_the_rig_goes_down_to_nothing(text: str) -> None:
-    """And not below; it keeps the phase that the session has, and turns it round where less is there."""
     effect, (candidate,) = beside(f"{text},phase_deg=30")
     name = candidate.parameter
     assert candidate.make(candidate.sizes[0]).model_dump()[name] == pytest.approx(0.0, abs=1e-12)
@@ -163,33 +152,31 @@ def test_of_any_other_effect_in_the_rig_sizes_are_instead(text: str, variants: i
 
     Simulated in full, since the one in the rig is taken away.
     """
-    effect, found = beside(text)
+    effect, result = beside(text)
     fresh = of(effect.name)
-    assert len(found) == len(fresh) == variants
-    for candidate, other in zip(found, fresh, strict=True):
+    assert len(result) == len(fresh) == variants
+    for candidate, second in zip(result, fresh, strict=True):
         assert candidate.in_rig == effect
-        has = getattr(effect, other.parameter)
-        near = [size for size in other.sizes.tolist() if size not in candidate.sizes]
-        assert all(abs(getattr(other.make(size), other.parameter) / has - 1.0) < SAME_SIZE for size in near)
-        assert candidate.make(candidate.sizes[0]) == other.make(other.sizes[0])
+        has = getattr(effect, second.parameter)
+        near = [size for size in second.sizes.tolist() if size not in candidate.sizes]
+        assert all(abs(getattr(second.make(size), second.parameter) / has - 1.0) < SAME_SIZE for size in near)
+        assert candidate.make(candidate.sizes[0]) == second.make(second.sizes[0])
         assert candidate.touches is not Touches.SLOW_RATE
 
 
 @pytest.mark.parametrize("cutoff_hz", np.geomspace(3.0, 60.0, 23).tolist())
 def test_the_size_in_the_rig_is_no_other_size(cutoff_hz: float) -> None:
-    """However it lies to the grid; of the other order it is another effect."""
-    same, other = beside(f"bandwidth:cutoff_hz={cutoff_hz:.6g},order=1")[1]
+    same, second = beside(f"bandwidth:cutoff_hz={cutoff_hz:.6g},order=1")[1]
     assert (
         np.abs([same.make(size).model_dump()["cutoff_hz"] / cutoff_hz - 1.0 for size in same.sizes]).min() >= SAME_SIZE
     )
-    assert len(same.sizes) >= len(other.sizes) - 2
+    assert len(same.sizes) >= len(second.sizes) - 2
 
 
 @pytest.mark.parametrize("text", ["latency:delay_ms=6.6", "bandwidth:cutoff_hz=11.3,order=1", "backlash:play_deg=0.31"])
 def test_the_size_in_the_rig_is_simulated_and_changes_nothing(text: str) -> None:
-    """So a size next to it changes little; a simulated size that is the same but for SAME_SIZE gives way."""
-    effect, found = beside(text)
-    candidate = found[0]
+    effect, result = beside(text)
+    candidate = result[0]
     made = [candidate.make(float(size)).model_dump()[candidate.parameter] for size in candidate.grid_points]
     has = effect.model_dump()[candidate.parameter]
     (own,) = [
@@ -197,33 +184,30 @@ def test_the_size_in_the_rig_is_simulated_and_changes_nothing(text: str) -> None
     ]
     assert candidate.make(own).model_dump()[candidate.parameter] == pytest.approx(has, rel=1e-6)
     assert (np.diff(candidate.grid_points) > 0.0).all()
-    assert len(candidate.grid_points) in {len(of(effect.name)[0].grid_points) + more for more in (0, 1)}
+    assert len(candidate.grid_points) in {len(of(effect.name)[0].grid_points) + extra for extra in (0, 1)}
 
 
 def test_what_is_read_off_as_the_rig_has_it_is_no_candidate() -> None:
-    """There is no other size to try."""
     width_dps = HINTS.least_dps
-    effect, found = beside(f"deadband:width_dps={width_dps:.9g}")
-    assert [one for one in found if one.name == effect.name] == []
+    effect, result = beside(f"deadband:width_dps={width_dps:.9g}")
+    assert [item for item in result if item.name == effect.name] == []
     assert beside(f"deadband:width_dps={2.0 * width_dps:.9g}")[1]
 
 
 def test_others_are_as_they_were_beside_an_effect_in_the_rig() -> None:
-    """No variant of theirs more or less."""
-    _, found = beside("latency")
-    assert len(found) == len(of("latency"))
+    _, result = beside("latency")
+    assert len(result) == len(of("latency"))
     rig = Rig(base=BASE, effects=(parse_effect("latency"),))
-    names = [one.name for one in candidates(HINTS)]
-    assert [one.name for one in candidates(HINTS, rig)] == names
-    assert [one.name for one in candidates(HINTS, rig) if one.in_rig is not None] == ["latency"]
+    names = [item.name for item in candidates(HINTS)]
+    assert [item.name for item in candidates(HINTS, rig)] == names
+    assert [item.name for item in candidates(HINTS, rig) if item.in_rig is not None] == ["latency"]
 
 
 def test_a_phase_is_free_unless_the_encoder_is_absolute() -> None:
-    """Of what comes once per turn, and of nothing else."""
-    free = {one.name for one in candidates(HINTS) if one.is_phase_free}
+    free = {item.name for item in candidates(HINTS) if item.is_phase_free}
     assert free == {"g_sensitivity", "encoder_eccentricity"}
     fixed = Rig(base=BASE.model_copy(update={"encoder_absolute": True}))
-    assert not any(one.is_phase_free for one in candidates(HINTS, fixed))
+    assert not any(item.is_phase_free for item in candidates(HINTS, fixed))
 
 
 @pytest.mark.parametrize("factor", [1e-9, 1e9])

@@ -31,14 +31,14 @@ TRIED = (candidate_of("scale_factor"), candidate_of("popcorn"))
 
 def named(name: str) -> Subject:
     """The plain session by another name: its realisations are its own."""
-    seen = plain().cleaned
-    return replace(plain(), cleaned=replace(seen, recording=replace(seen.recording, name=name)))
+    observed = plain().cleaned
+    return replace(plain(), cleaned=replace(observed, recording=replace(observed.recording, name=name)))
 
 
 def same(first: ResponseTable, second: ResponseTable) -> bool:
     return first.responses.keys() == second.responses.keys() and all(
-        np.array_equal(one, other)
-        for one, other in (
+        np.array_equal(item, peer)
+        for item, peer in (
             (first.difference, second.difference),
             (first.nulls, second.nulls),
             *((first.responses[key], second.responses[key]) for key in first.responses),
@@ -47,27 +47,25 @@ def same(first: ResponseTable, second: ResponseTable) -> bool:
 
 
 def test_processes_are_handed_loaded_sessions_and_give_what_one_would() -> None:
-    """No file is read: there is none where they come from. Tables come in the order of the sessions and are counted."""
     subjects = (named("a"), named("b"))
-    origins = tuple(Origin(Path(f"/nowhere/{one.cleaned.recording.name}.mcap"), 0) for one in subjects)
+    origins = tuple(Origin(Path(f"/nowhere/{item.cleaned.recording.name}.mcap"), 0) for item in subjects)
     plan = SimulationPlan(origins, subjects, Rig(base=BASE), HINTS, TRIED, 0.0)
-    told: list[tuple[str, int, int]] = []
-    here = response_tables(plan, 1, None, lambda *step: told.append(step))
+    report: list[tuple[str, int, int]] = []
+    here = response_tables(plan, 1, None, lambda *step: report.append(step))
     there = response_tables(plan, 2, None, lambda *_: None)
     assert [table.name for table in there] == ["a", "b"]
-    assert all(same(one, other) for one, other in zip(here, there, strict=True))
+    assert all(same(item, peer) for item, peer in zip(here, there, strict=True))
     assert not same(here[0], here[1])
-    assert told == [("sessions replayed", number, 2) for number in (0, 1, 2)]
+    assert report == [("sessions replayed", number, 2) for number in (0, 1, 2)]
 
 
 def test_a_worker_elsewhere_reads_the_session_and_gives_the_same(tmp_path: Path) -> None:
-    """By its path, with the names of what is to be tried."""
     path = tmp_path / "plain.csv"
     write_session(path, [session_of()])
     (recording,) = checked_session(path).recordings
     subject = subject_of(recording, Rig(base=BASE))
     names = frozenset(["scale_factor", "popcorn"])
-    popcorns = [one for one in candidates(HINTS) if one.name in names]
+    popcorns = [candidate for candidate in candidates(HINTS) if candidate.name in names]
     read = read_and_simulate(Origin(path, 0), Rig(base=BASE), HINTS, names, 1, 0.0)
     assert same(read, response_table(subject, popcorns, null_runs=1))
 
@@ -82,7 +80,6 @@ def test_a_part_of_a_session_with_an_outage_is_read_as_that(tmp_path: Path) -> N
 
 
 def test_a_session_that_was_changed_meanwhile_is_told(tmp_path: Path) -> None:
-    """One that is cut to a quarter of a minute is no session to a worker any more."""
     path = tmp_path / "cut.csv"
     write_session(path, [session_of(minutes=0.25)])
     with pytest.raises(DataError, match=r"cut\.csv: changed while"):

@@ -28,7 +28,6 @@ def motor_bias() -> Iterator[None]:
 
 @pytest.mark.usefixtures("motor_bias")
 def test_a_rig_file_with_it_loads_and_is_written_again(tmp_path: Path) -> None:
-    """With its bounds checked, and the same when read back."""
     path = tmp_path / "rig.yaml"
     path.write_text("effects: [{name: motor_bias, bias_dps: 0.3}]\n")
     rig = load_rig(path)
@@ -57,10 +56,9 @@ def test_a_rig_with_it_simulates() -> None:
 
 @pytest.mark.usefixtures("motor_bias")
 def test_it_is_tried_and_its_response_is_simulated() -> None:
-    """Behind the other effects and before what is none; it moves the bias in motion, either way."""
-    found = tried.candidates(HINTS)
-    names = [one.name for one in found]
-    candidate = found[names.index("motor_bias")]
+    result = tried.candidates(HINTS)
+    names = [item.name for item in result]
+    candidate = result[names.index("motor_bias")]
     assert names[names.index("motor_bias") + 1].startswith("?")
     assert (candidate.stage, candidate.group, candidate.needs) == ("platform", "motor_bias", ("motion",))
     table = response_table(plain(), [candidate], null_runs=1)
@@ -72,12 +70,11 @@ def test_it_is_tried_and_its_response_is_simulated() -> None:
 
 
 def test_without_registration_nobody_knows_it(tmp_path: Path) -> None:
-    """Neither the simulator nor diagnose."""
     path = tmp_path / "rig.yaml"
     path.write_text("effects: [{name: motor_bias, bias_dps: 0.3}]\n")
     with pytest.raises(FileError, match="'motor_bias' is not known"):
         load_rig(path)
-    assert "motor_bias" not in {one.name for one in tried.candidates(HINTS)}
+    assert "motor_bias" not in {item.name for item in tried.candidates(HINTS)}
 
 
 @pytest.mark.usefixtures("motor_bias")

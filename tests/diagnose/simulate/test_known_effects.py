@@ -18,7 +18,7 @@ STATED_DEG = 40.0
 ONCE = ["g_sensitivity:amplitude_dps=0.05", "encoder_eccentricity:amplitude_deg=0.3"]
 
 
-OTHERS = [
+REST = [
     "scale_asymmetry:error_percent=0.5",
     "nonlinearity:error_percent_fs=0.5",
     "latency:delay_ms=12",
@@ -28,31 +28,30 @@ OTHERS = [
 """Each errs by far more than what comes once per turn."""
 
 
-def seen(
+def observed(
     effect: Effect,
     zeroed_deg: float = 0.0,
-    *others: Effect,
+    *rest: Effect,
     absolute: bool = False,
-    known: bool = True,
+    reference: bool = True,
     cpr: int = BASE.encoder_cpr,
 ) -> Subject:
     """A session of a rig with an effect and perhaps others, whose encoder was zeroed at an angle of the table."""
     base = BASE.model_copy(update={"encoder_phase_deg": zeroed_deg, "encoder_cpr": cpr})
-    rig = Rig(base=base, effects=(effect, *others))
+    rig = Rig(base=base, effects=(effect, *rest))
     session = Simulation(rig, MOTION, seed=1, minutes=MOTION.seconds / 60.0).whole()
     assert session.encoder_deg is not None
     session = replace(session, encoder_deg=session.encoder_deg - zeroed_deg)
     stated = BASE.model_copy(update={"encoder_absolute": absolute, "encoder_cpr": cpr})
-    return subject_of(recording_of(session), Rig(base=stated, effects=(effect, *others) if known else ()))
+    return subject_of(recording_of(session), Rig(base=stated, effects=(effect, *rest) if reference else ()))
 
 
 def once(text: str) -> Effect:
     return parse_effect(text).model_copy(update={"phase_deg": STATED_DEG})
 
 
-def apart_deg(one: float, other: float) -> float:
-    """Of two phases, the shorter way round."""
-    return abs((one - other + 180.0) % 360.0 - 180.0)
+def apart_deg(entry: float, second: float) -> float:
+    return abs((entry - second + 180.0) % 360.0 - 180.0)
 
 
 def off_deg(subject: Subject) -> float:
@@ -65,15 +64,14 @@ def off_deg(subject: Subject) -> float:
 @pytest.mark.parametrize("text", ONCE)
 def test_a_phase_is_that_of_the_session(text: str, zeroed_deg: float) -> None:
     """sin(θ + φ) of a table that stood at θ₀ when the encoder was zeroed is sin(θ' + θ₀ + φ) by the encoder."""
-    (effect,) = seen(once(text), zeroed_deg).rig.effects
+    (effect,) = observed(once(text), zeroed_deg).rig.effects
     assert apart_deg(effect.model_dump()["phase_deg"], zeroed_deg + STATED_DEG) < 10.0
 
 
-@pytest.mark.parametrize("other", OTHERS)
+@pytest.mark.parametrize("second", REST)
 @pytest.mark.parametrize("text", ONCE)
-def test_a_phase_is_found_beside_what_else_the_rig_has(text: str, other: str) -> None:
-    """What errs by direction, speed or temperature may look as if it came once per turn."""
-    (effect, _) = seen(once(text), 130.0, parse_effect(other)).rig.effects
+def test_a_phase_is_found_beside_what_else_the_rig_has(text: str, second: str) -> None:
+    (effect, _) = observed(once(text), 130.0, parse_effect(second)).rig.effects
     assert apart_deg(effect.model_dump()["phase_deg"], 130.0 + STATED_DEG) < 12.0
 
 
@@ -89,16 +87,16 @@ def test_a_phase_is_found_beside_what_else_the_rig_has(text: str, other: str) ->
 def test_the_motion_is_the_one_behind_what_is_held_to_act(text: str) -> None:
     """Nearer to the table than one that takes encoder and gyro for as good as the rig says."""
     effect = parse_effect(text)
-    unknown = seen(effect, absolute=True, known=False, cpr=1024)
-    held = unknown.with_motion_under((effect,))
-    assert off_deg(held) < 0.75 * off_deg(unknown)
-    assert unknown.with_motion_under((effect,)) is held  # realisations of one size follow one another
+    unknown = observed(effect, absolute=True, reference=False, cpr=1024)
+    kept = unknown.with_motion_under((effect,))
+    assert off_deg(kept) < 0.75 * off_deg(unknown)
+    assert unknown.with_motion_under((effect,)) is kept  # realisations of one size follow one another
 
 
 def test_a_simulation_shows_the_angles_of_the_recording_whatever_bent_them() -> None:
     """A disc off its centre is in them already, and does not show twice."""
     effect = parse_effect("encoder_eccentricity:amplitude_deg=0.5,phase_deg=40")
-    subject = seen(effect, absolute=True, known=False)
+    subject = observed(effect, absolute=True, reference=False)
     real_deg = subject.cleaned.recording.encoder_deg
     with_it_deg = subject.played((effect,), 0).encoder_deg
     assert np.std(with_it_deg - real_deg) < 0.5 * np.std(subject.played((), 0).encoder_deg - real_deg) + 0.02
@@ -107,34 +105,30 @@ def test_a_simulation_shows_the_angles_of_the_recording_whatever_bent_them() -> 
 @pytest.mark.parametrize("text", ["scale_factor:error_percent=1", "encoder_slip:step_deg=1", "clock_drift:ppm=100"])
 def test_what_bends_no_motion_leaves_it(text: str) -> None:
     """A gain of the gyro goes with the motion as its bias does, and jumps are taken out as what they are."""
-    subject = seen(parse_effect(text), known=False)
+    subject = observed(parse_effect(text), reference=False)
     assert subject.with_motion_under((parse_effect(text),)) is subject
 
 
 def test_an_effect_that_is_no_candidate_may_stand_in_the_rig(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One that is registered with the simulator alone: nobody knows whether chance plays a part in it."""
     monkeypatch.setattr(known_effects, "KINDS", {})
-    (effect, _) = seen(once(ONCE[0]), 130.0, parse_effect("scale_factor:error_percent=0.5")).rig.effects
+    (effect, _) = observed(once(ONCE[0]), 130.0, parse_effect("scale_factor:error_percent=0.5")).rig.effects
     assert apart_deg(effect.model_dump()["phase_deg"], 130.0 + STATED_DEG) < 10.0
 
 
 @pytest.mark.parametrize("text", ONCE)
 def test_an_absolute_encoder_keeps_the_phase_of_the_rig(text: str) -> None:
-    """Whatever the session shows."""
-    (effect,) = seen(once(text), 130.0, absolute=True).rig.effects
+    (effect,) = observed(once(text), 130.0, absolute=True).rig.effects
     assert effect == once(text)
 
 
 def test_the_angle_is_rebuilt_without_the_eccentricity_of_the_rig() -> None:
-    """Of 0.3·sin, some 0.2 RMS over these turns, hardly anything is left; all of it where the rig does not know."""
-    assert off_deg(seen(once(ONCE[1]), 130.0)) < 0.01
-    assert off_deg(seen(once(ONCE[1]), 130.0, known=False)) > 0.15
+    assert off_deg(observed(once(ONCE[1]), 130.0)) < 0.01
+    assert off_deg(observed(once(ONCE[1]), 130.0, reference=False)) > 0.15
 
 
 def test_the_angle_is_rebuilt_without_the_backlash_of_the_rig() -> None:
-    """±0.25 degrees, but while the table turns through the play, of which the encoder says nothing."""
     play = parse_effect("backlash:play_deg=0.5")
-    assert off_deg(seen(play)) < 0.3 * off_deg(seen(play, known=False))
+    assert off_deg(observed(play)) < 0.3 * off_deg(observed(play, reference=False))
 
 
 @pytest.mark.parametrize(("order", "cutoff_hz"), [(1, 3.0), (1, 8.0), (2, 4.0), (2, 10.0)])
@@ -143,27 +137,26 @@ def test_behind_a_low_pass_of_the_rig_noise_is_no_motion_and_motion_is_whole(ord
     effect = parse_effect(f"bandwidth:cutoff_hz={cutoff_hz},order={order}")
     base = BASE.model_copy(update={"encoder_cpr": 512, "noise_dps_rthz": 0.01})
     session = Simulation(Rig(base=base, effects=(effect,)), MOTION, seed=2, minutes=MOTION.seconds / 60.0).whole()
-    known, unknown = (subject_of(recording_of(session), Rig(base=base, effects=has)) for has in ((effect,), ()))
-    true_dps = MOTION.motion_at(np.arange(known.design.samples) / RATE_HZ)[1]
+    expected, unknown = (subject_of(recording_of(session), Rig(base=base, effects=has)) for has in ((effect,), ()))
+    true_dps = MOTION.motion_at(np.arange(expected.design.samples) / RATE_HZ)[1]
     at_rest = true_dps == 0.0
-    off_dps = [one.posterior.mean.rate_dps - true_dps for one in (known, unknown)]
+    off_dps = [item.posterior.mean.rate_dps - true_dps for item in (expected, unknown)]
     for regime, share in ((at_rest, 0.5), (~at_rest, 0.95)):
         assert np.std(off_dps[0][regime]) < share * np.std(off_dps[1][regime])
-    assert 0.06 < known.posterior.sigma_dps < 0.2  # 0.1, of noise that would be as dense, and some of the motion
+    assert 0.06 < expected.posterior.sigma_dps < 0.2  # 0.1, of noise that would be as dense, and some of the motion
 
 
 @pytest.mark.parametrize(("rate_hz", "cutoff_hz", "order"), [(50.0, 45.0, 1), (100.0, 45.0, 2), (400.0, 45.0, 1)])
 def test_noise_that_folds_down_behind_a_low_pass_is_as_large_as_it_is(
     rate_hz: float, cutoff_hz: float, order: int
 ) -> None:
-    """Of one pole its density at the samples is π·fc/fs·coth(π·fc/fs) times that before, 2.85 at 50 Hz, 1 at 400 Hz."""
     effect = parse_effect(f"bandwidth:cutoff_hz={cutoff_hz},order={order}")
     base = BASE.model_copy(update={"sample_rate_hz": rate_hz, "noise_dps_rthz": 0.01})
     rig = Rig(base=base, effects=(effect,))
-    found = subject_of(recording_of(Simulation(rig, MOTION, seed=3, minutes=MOTION.seconds / 60.0).whole()), rig)
+    result = subject_of(recording_of(Simulation(rig, MOTION, seed=3, minutes=MOTION.seconds / 60.0).whole()), rig)
     folded = np.arange(-40, 41) * rate_hz / cutoff_hz
     density = np.sum(1.0 / (1.0 + folded ** (2 * order)))
-    assert found.posterior.sigma_dps == pytest.approx(0.01 * np.sqrt(density * rate_hz), rel=0.2)
+    assert result.posterior.sigma_dps == pytest.approx(0.01 * np.sqrt(density * rate_hz), rel=0.2)
 
 
 def test_a_gyro_is_as_late_as_its_rig_says() -> None:
@@ -178,7 +171,6 @@ def test_a_gyro_is_as_late_as_its_rig_says() -> None:
 
 
 def test_jumps_are_no_known_error_of_the_encoder() -> None:
-    """They come by chance, and are taken out where they are seen."""
     assert not sensor_model_of(
         Rig(effects=(parse_effect("encoder_slip"), parse_effect("scale_factor")))
     ).distorts_motion

@@ -27,70 +27,65 @@ def rig_of(limit_dps: float, cpr: int = 1024) -> Rig:
     return Rig(base=Base(sample_rate_hz=100.0, noise_dps_rthz=0.005, encoder_cpr=cpr), effects=(effect,))
 
 
-def seen_of(rig: Rig, seed: int, known: Rig) -> Subject:
+def seen_of(rig: Rig, seed: int, expected: Rig) -> Subject:
     """A session of a rig, by what is known of it."""
-    return subject_of(recording_of(Simulation(rig, load_profile("turntable"), seed, 0, MINUTES).whole()), known)
+    return subject_of(recording_of(Simulation(rig, load_profile("turntable"), seed, 0, MINUTES).whole()), expected)
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_blocks_at_a_limit_that_the_rig_knows_say_nothing(seed: int) -> None:
-    """Whatever counts and limit are: there no residual is left, and elsewhere none that the limit makes."""
     dice = Random(seed)
     limit_dps = dice.uniform(90.0, 150.0)
     rig = rig_of(limit_dps, dice.choice([512, 1024, 4096]))
-    one = seen_of(rig, seed, rig)
-    left, silent = block_residuals_of(one.cleaned, one.design), one.design.is_silent
+    item = seen_of(rig, seed, rig)
+    remaining, silent = block_residuals_of(item.cleaned, item.design), item.design.is_silent
     true_dps = load_profile("turntable").motion_at(
-        np.arange(one.design.samples, dtype=np.float64) * one.design.period_s
+        np.arange(item.design.samples, dtype=np.float64) * item.design.period_s
     )[1]
     beyond = np.abs(true_dps) > limit_dps + 1.0
-    whole = len(silent) * one.design.block
-    assert silent[np.flatnonzero(beyond[:whole]) // one.design.block].all()
+    whole = len(silent) * item.design.block
+    assert silent[np.flatnonzero(beyond[:whole]) // item.design.block].all()
     assert 0.05 < silent.mean() < 0.2
-    assert (left.unexplained_dps[silent] == 0.0).all()
-    assert np.abs(left.static).max() < MISSES_DPS / 100.0
+    assert (remaining.unexplained_dps[silent] == 0.0).all()
+    assert np.abs(remaining.static).max() < MISSES_DPS / 100.0
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_rig_that_has_a_limit_is_as_its_simulation(seed: int) -> None:
-    """What depends on the rate differs by less than matters: it was off by what counts know of the motion beyond."""
     rig = rig_of(125.0)
-    one = seen_of(rig, seed, rig)
-    found, runs = one.measured(), np.array([one.base_run(run).values for run in range(4)])
+    item = seen_of(rig, seed, rig)
+    result, runs = item.measured(), np.array([item.base_run(run).values for run in range(4)])
     for name in ("rate", "abs_rate", "rate_cubed", "rate_squared"):
         motion_at = NUMBER[name]
-        assert abs(found.values[motion_at] - runs[:, motion_at].mean()) < found.thresholds[motion_at]
+        assert abs(result.values[motion_at] - runs[:, motion_at].mean()) < result.thresholds[motion_at]
 
 
 def test_a_limit_that_the_rig_does_not_know_shows() -> None:
-    """There the blocks say how much is missing."""
-    one = seen_of(rig_of(125.0), 1, Rig(base=rig_of(125.0).base))
-    assert not one.design.is_silent.any()
-    assert known_at_limit(one.rig, one.cleaned) is None
-    assert np.abs(block_residuals_of(one.cleaned, one.design).static).max() > MISSES_DPS
+    item = seen_of(rig_of(125.0), 1, Rig(base=rig_of(125.0).base))
+    assert not item.design.is_silent.any()
+    assert known_at_limit(item.rig, item.cleaned) is None
+    assert np.abs(block_residuals_of(item.cleaned, item.design).static).max() > MISSES_DPS
 
 
 def test_a_limit_at_another_rate_than_the_rig_says_is_one_too() -> None:
-    """How far the motion goes beyond is not known any better; where the limit is, the largest rate tells."""
-    one = seen_of(rig_of(100.0), 1, rig_of(150.0))
-    found = known_at_limit(one.rig, one.cleaned)
-    assert found is not None
-    assert found.mean() == pytest.approx(np.mean(np.abs(one.cleaned.rate_dps) > 99.9), rel=0.05)
+    item = seen_of(rig_of(100.0), 1, rig_of(150.0))
+    result = known_at_limit(item.rig, item.cleaned)
+    assert result is not None
+    assert result.mean() == pytest.approx(np.mean(np.abs(item.cleaned.rate_dps) > 99.9), rel=0.05)
 
 
 def test_where_another_limit_is_tried_other_blocks_say_nothing() -> None:
-    """Those of the recording, where it is the true one; not those of the rig as it stands."""
-    one = seen_of(rig_of(100.0), 1, rig_of(150.0))
-    base = one.base_run(1)
-    design = one.design_for(one.replayed(rig_of(100.0).effects, 1), base)
-    assert design.is_silent.tolist() == one.design.is_silent.tolist()
+    item = seen_of(rig_of(100.0), 1, rig_of(150.0))
+    base = item.base_run(1)
+    design = item.design_for(item.replayed(rig_of(100.0).effects, 1), base)
+    assert design.is_silent.tolist() == item.design.is_silent.tolist()
     assert base.design.is_silent.sum() < design.is_silent.sum()
 
 
 def test_what_is_added_to_the_rate_leaves_the_limit_where_it_was() -> None:
     """A gain makes rates at the limit unequal in a simulation that is not played again: blocks stay silent."""
     rig = rig_of(125.0)
-    one = seen_of(rig, 1, rig)
-    base = one.base_run(1)
-    with_gain = one.with_rate((parse_effect("scale_factor:error_percent=1"),), base, 1)
-    assert one.design_for(with_gain, base) is base.design
+    item = seen_of(rig, 1, rig)
+    base = item.base_run(1)
+    with_gain = item.with_rate((parse_effect("scale_factor:error_percent=1"),), base, 1)
+    assert item.design_for(with_gain, base) is base.design

@@ -23,15 +23,15 @@ def test_the_motion_is_the_same_however_late_the_gyro_is(counts: int, delay_ms: 
     rig = Rig(base=Base(sample_rate_hz=100.0, encoder_cpr=counts))
     profile = load_profile("turntable")
     late = rig.model_copy(update={"effects": (parse_effect(f"latency:delay_ms={delay_ms:g}"),)})
-    seen = clean(recording_of(Simulation(late, profile, 3, 0, MINUTES).whole()))
-    t_s: Floats = np.arange(len(seen.rate_dps), dtype=np.float64) * seen.recording.period_s
+    observed = clean(recording_of(Simulation(late, profile, 3, 0, MINUTES).whole()))
+    t_s: Floats = np.arange(len(observed.rate_dps), dtype=np.float64) * observed.recording.period_s
     true_dps = profile.motion_at(t_s)[1]
 
     def off_dps(rate_dps: Floats) -> float:
         return float(np.sqrt(np.mean(np.square(rate_dps - true_dps)[50:-50])))
 
-    found = off_dps(rebuilt(seen, rig).posterior.mean.rate_dps)
-    known = off_dps(rebuilt(seen, late).posterior.mean.rate_dps)
-    believed = off_dps(motion_posterior_of(seen, gyro_model_of(rig)).mean.rate_dps)
-    assert found < 1.5 * known + 0.1
-    assert found < 0.5 * believed
+    result = off_dps(rebuilt(observed, rig).posterior.mean.rate_dps)
+    expected = off_dps(rebuilt(observed, late).posterior.mean.rate_dps)
+    believed = off_dps(motion_posterior_of(observed, gyro_model_of(rig)).mean.rate_dps)
+    assert result < 1.5 * expected + 0.1
+    assert result < 0.5 * believed

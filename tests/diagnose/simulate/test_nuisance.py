@@ -26,19 +26,17 @@ from gyrodrift.diagnose.simulate.nuisance import (
 
 
 def test_they_are_told_from_effects_by_name_and_make_none() -> None:
-    """Each begins with a question mark, comes behind all effects, and is a group of its own, or stands against one."""
-    found = candidates(HINTS)
-    outside = [one for one in found if one.is_out_of_catalogue]
-    assert found[-len(outside) :] == outside
-    assert {one.name for one in outside}.isdisjoint(KINDS)
-    assert all(one.name.startswith("?") and not one.needs for one in outside)
-    assert all(one.group in {one.name, LAG} for one in outside)
+    result = candidates(HINTS)
+    outside = [item for item in result if item.is_out_of_catalogue]
+    assert result[-len(outside) :] == outside
+    assert {item.name for item in outside}.isdisjoint(KINDS)
+    assert all(item.name.startswith("?") and not item.needs for item in outside)
+    assert all(item.group in {item.name, LAG} for item in outside)
     with pytest.raises(LookupError, match="no effect"):
         outside[0].make(1.0)
 
 
 def test_a_rate_that_leads_is_what_it_is_a_little_later() -> None:
-    """To first order: 10 ms, where it takes some tenths of a second to change."""
     design = plain().design
     rate_dps = design.motion.rate_dps
     t_s = np.arange(len(rate_dps)) / RATE_HZ
@@ -48,7 +46,6 @@ def test_a_rate_that_leads_is_what_it_is_a_little_later() -> None:
 
 
 def test_a_bias_follows_the_temperature_with_play() -> None:
-    """It lags by half of the play when it warms, by as much the other way when it cools, and begins without."""
     design = plain().design
     t_s = np.arange(design.samples) / RATE_HZ
     warms = np.minimum(t_s, t_s[-1] - t_s) / 10.0  # up and down again, 0.1 °C each second
@@ -62,12 +59,11 @@ def test_a_bias_follows_the_temperature_with_play() -> None:
 
 def test_every_form_is_named_after_a_feature() -> None:
     """A verdict lists this feature first."""
-    names = {one.name.removeprefix("?") for one in candidates(HINTS) if one.is_out_of_catalogue}
-    assert names <= {one.name for one in FEATURES}
+    names = {item.name.removeprefix("?") for item in candidates(HINTS) if item.is_out_of_catalogue}
+    assert names <= {item.name for item in FEATURES}
 
 
 def test_a_random_function_has_a_variance_of_1_and_is_smooth_over_its_length() -> None:
-    """Another one for each stream; values at a tenth of its length apart are nearly the same."""
     x = np.linspace(0.0, 100.0, 2001)
     drawn = np.array([random_function(np.random.default_rng(seed), x, 5.0, 5.0) for seed in range(40)])
     assert drawn.mean(axis=1) == pytest.approx(np.zeros(40), abs=1e-9)
@@ -78,7 +74,6 @@ def test_a_random_function_has_a_variance_of_1_and_is_smooth_over_its_length() -
 
 
 def test_a_function_of_time_or_rate_is_another_one_in_each_stream() -> None:
-    """Of the rate it is 0 where nothing moves, and equal where rates are equal."""
     design = plain().design
     first, second = (in_time(design, np.random.default_rng(seed)) for seed in (0, 1))
     assert np.ptp(first - second) > 0.5
@@ -89,7 +84,6 @@ def test_a_function_of_time_or_rate_is_another_one_in_each_stream() -> None:
 
 
 def test_a_function_of_the_angle_has_parts_of_a_turn() -> None:
-    """All of it is sines and cosines of multiples of the angle, none of once per turn."""
     design = plain().design
     shape = in_angle(design, np.random.default_rng(0))
     turns = np.deg2rad(np.outer(design.motion.angle_deg, ORDERS))
@@ -99,7 +93,6 @@ def test_a_function_of_the_angle_has_parts_of_a_turn() -> None:
 
 
 def test_the_rate_of_an_angle_error_sums_up_to_that_error() -> None:
-    """Its integral is minus the function of the angle, but for where it begins."""
     design = plain().design
     error_deg = in_angle(design, np.random.default_rng(0))
     summed_deg = -np.cumsum(of_angle_error(design, np.random.default_rng(0))) / RATE_HZ
@@ -107,7 +100,6 @@ def test_the_rate_of_an_angle_error_sums_up_to_that_error() -> None:
 
 
 def test_a_regressor_moves_the_coefficient_of_its_own() -> None:
-    """Beside everything else that it could be taken for, half at half the size."""
     candidate = candidate_of("?moving")
     size = float(candidate.grid_points[-1])
     whole, half = response_at(candidate, size, size / 2.0)[:, 0]
@@ -124,7 +116,6 @@ def test_noise_with_a_memory_forgets() -> None:
 
 
 def test_noise_of_motion_is_silent_at_rest() -> None:
-    """And is the same elsewhere; what grows with the rate is as large as it."""
     design = plain().design
     whole, moving = (shape(design, np.random.default_rng(0)) for shape in (with_memory, with_memory_in_motion))
     assert not moving[design.regimes.at_rest].any()
@@ -138,7 +129,7 @@ def test_noise_of_motion_is_silent_at_rest() -> None:
 def test_noise_shows_in_what_single_samples_say_and_a_regressor_does_not() -> None:
     """Features of samples are simulated with the one, and taken over with the other."""
     noise, step = candidate_of("?scatter_moving"), candidate_of("?moving")
-    changes = [response_at(one, float(one.grid_points[-1]))[0, 0] for one in (noise, step)]
+    changes = [response_at(item, float(item.grid_points[-1]))[0, 0] for item in (noise, step)]
     assert feature(changes[0], "scatter_moving") > 1.0
     assert feature(changes[0], "noise_fast_4") > 0.0
     assert feature(changes[1], "noise_fast_4") == 0.0

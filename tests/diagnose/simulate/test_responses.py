@@ -26,7 +26,7 @@ from gyrodrift.diagnose.simulate.responses import response_table
 from gyrodrift.values.arrays import Floats
 
 OF_TIMES = np.array(
-    [one.name.startswith(("clock_", "stamp_", "arrival_", "drop_", "repeat_", "disorder_")) for one in FEATURES]
+    [item.name.startswith(("clock_", "stamp_", "arrival_", "drop_", "repeat_", "disorder_")) for item in FEATURES]
 )
 LINEAR_FEATURES = ("rate", "abs_rate", "rate_cubed", "turn_sine", "turn_cosine", "lag")
 
@@ -38,20 +38,18 @@ def true_dps() -> Floats:
 
 
 def test_a_gain_moves_the_rate_coefficient_by_its_share_of_the_rate() -> None:
-    """1 % too much is 1 % of the norm of the mean rates of all seconds about their mean."""
     seconds = true_dps()[: plain().design.samples // 100 * 100].reshape(-1, 100).mean(axis=1)
     moved = feature(response_at(candidate_of("scale_factor"), 1.0), "rate")
     assert moved == pytest.approx(0.01 * np.linalg.norm(seconds - seconds.mean()), rel=5e-3)
 
 
 def test_a_delay_moves_the_lag_by_delay_times_acceleration() -> None:
-    """8 ms are 8 ms of what acceleration there is beside constant, rate and magnitude of the rate."""
     rate_dps = gaussian_filter1d(true_dps(), 0.02 * RATE_HZ)
-    known = np.column_stack([np.ones(len(rate_dps)), rate_dps, np.abs(rate_dps)])
+    expected = np.column_stack([np.ones(len(rate_dps)), rate_dps, np.abs(rate_dps)])
     accelerations = np.gradient(rate_dps, 1.0 / RATE_HZ)
-    beside = accelerations - known @ np.linalg.lstsq(known, accelerations, rcond=None)[0]
+    next_to = accelerations - expected @ np.linalg.lstsq(expected, accelerations, rcond=None)[0]
     short, long = feature(response_at(candidate_of("latency"), 2.0, 8.0), "lag")[:, 0]
-    assert long == pytest.approx(-0.008 * np.linalg.norm(beside), rel=0.02)
+    assert long == pytest.approx(-0.008 * np.linalg.norm(next_to), rel=0.02)
     assert long / short == pytest.approx(4.0, rel=0.05)
 
 
@@ -59,13 +57,12 @@ def test_a_delay_moves_the_lag_by_delay_times_acceleration() -> None:
     "name", [name for name, kind in KINDS.items() if len(kind.candidates(HINTS)[0].grid_points) == 2]
 )
 def test_a_linear_effect_responds_half_at_half_the_size_and_turns_with_its_sign(name: str) -> None:
-    """On the coefficients of the regressors."""
     candidate = candidate_of(name)
     most = float(candidate.grid_points[-1])
     whole, half, opposite = response_at(candidate, most, most / 2.0, -most)[:, 0]
-    for one in LINEAR_FEATURES:
-        assert feature(half, one) == pytest.approx(0.5 * feature(whole, one), abs=1e-6 + 1e-9 * most)
-        assert feature(opposite, one) == pytest.approx(-feature(whole, one), abs=1e-6 + 1e-9 * most)
+    for item in LINEAR_FEATURES:
+        assert feature(half, item) == pytest.approx(0.5 * feature(whole, item), abs=1e-6 + 1e-9 * most)
+        assert feature(opposite, item) == pytest.approx(-feature(whole, item), abs=1e-6 + 1e-9 * most)
 
 
 @pytest.mark.parametrize(
@@ -78,16 +75,15 @@ def test_a_linear_effect_responds_half_at_half_the_size_and_turns_with_its_sign(
     ],
 )
 def test_a_slow_bias_is_known_by_its_form(text: str, form: str) -> None:
-    """Of all variants the nearest leaves the least, at about the size that was put in."""
     effect = parse_effect(text)
     moved = (plain().simulated((effect,), 0).values - base_run(0).values)[:STATIC]
-    found: list[tuple[float, float, str]] = []
-    for one in KINDS[effect.name].candidates(HINTS):
-        most = float(one.grid_points[-1])
-        step = response_at(one, most)[0, 0, :STATIC] / most
+    result: list[tuple[float, float, str]] = []
+    for item in KINDS[effect.name].candidates(HINTS):
+        most = float(item.grid_points[-1])
+        step = response_at(item, most)[0, 0, :STATIC] / most
         size = float(step @ moved / (step @ step))
-        found.append((float(np.linalg.norm(moved - size * step)), size, one.variant))
-    _, size, variant = min(found)
+        result.append((float(np.linalg.norm(moved - size * step)), size, item.variant))
+    _, size, variant = min(result)
     assert form in variant
     assert size == pytest.approx(getattr(effect, KINDS[effect.name].parameter), rel=0.15)
 
@@ -103,7 +99,6 @@ def test_an_effect_on_times_leaves_rate_and_angle_alone(name: str) -> None:
 
 
 def test_a_clock_that_drifts_moves_the_ratio_of_the_clocks_by_that() -> None:
-    """5000 ppm are 0.005."""
     moved = response_at(candidate_of("clock_drift"), 5000.0)
     assert feature(moved, "clock_ratio") == pytest.approx(0.005, abs=1e-9)
 
@@ -139,12 +134,11 @@ def test_an_effect_on_the_slow_rate_is_added_as_the_rig_would(name: str) -> None
     size = float(candidate.grid_points[len(candidate.grid_points) // 2])
     full = plain().simulated((candidate.make(size),), 0).values - base_run(0).values
     added = response_at(candidate, size)[0, 0]
-    for one in LINEAR_FEATURES:
-        assert feature(added, one) == pytest.approx(feature(full, one), abs=0.02, rel=0.02)
+    for item in LINEAR_FEATURES:
+        assert feature(added, item) == pytest.approx(feature(full, item), abs=0.02, rel=0.02)
 
 
 def test_a_response_of_the_slow_rate_has_no_part_in_times() -> None:
-    """Of an effect as of an out-of-catalogue model."""
     for name in ("scale_factor", "?wander_20s"):
         assert not response_at(candidate_of(name), 0.1)[0, 0][OF_TIMES].any()
 

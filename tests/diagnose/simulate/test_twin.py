@@ -33,15 +33,16 @@ def table(seed: int) -> Subject:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_every_motion_rests_in_the_counts_that_were_read(seed: int) -> None:
-    """In the middle of each rest: where one ends, the encoder counts a little sooner or later."""
-    one = table(seed)
-    rests = [(first, end) for first, end in one.posterior.rests if (end - first) * one.cleaned.recording.period_s > 1.0]
+    item = table(seed)
+    rests = [
+        (first, end) for first, end in item.posterior.rests if (end - first) * item.cleaned.recording.period_s > 1.0
+    ]
     assert rests
     for run in range(SEEDS):
-        read_deg = one.replayed((), run).encoder_deg
+        read_deg = item.replayed((), run).encoder_deg
         for first, end in rests:
             middle = (first + end) // 2
-            np.testing.assert_allclose(read_deg[middle], one.cleaned.encoder_deg[middle], atol=1e-6)
+            np.testing.assert_allclose(read_deg[middle], item.cleaned.encoder_deg[middle], atol=1e-6)
 
 
 def test_stamps_that_scatter_by_many_periods_need_no_counter() -> None:

@@ -43,19 +43,17 @@ def fresh(name: str) -> Candidate:
 
 
 def test_a_set_is_played_as_one_rig() -> None:
-    """Its change is that of a simulation with all of them, less the same realisation without any: the mean of three."""
     two = Sized(fresh("scale_factor"), 1.0), Sized(fresh("latency"), 20.0)
     effects: tuple[Effect, ...] = (parse_effect("scale_factor:error_percent=1"), parse_effect("latency:delay_ms=20"))
     with_both = plain().with_remaining_bias(effects)
     by_hand = [with_both.simulated(effects, seed).values - plain().base_run(seed).values for seed in range(3)]
     assert change(*two) == pytest.approx(np.mean(by_hand, axis=0), abs=1e-9)
-    found = change_of(two, [plain()], [table()])
-    assert found.variance[0] == pytest.approx(np.var(by_hand, axis=0, ddof=1))
-    assert found.runs == 3
+    result = change_of(two, [plain()], [table()])
+    assert result.variance[0] == pytest.approx(np.var(by_hand, axis=0, ddof=1))
+    assert result.runs == 3
 
 
 def test_a_random_one_is_the_mean_of_four() -> None:
-    """Of realisations whose base is the same."""
     by_hand = [
         plain().simulated((parse_effect("stale_hold:share_percent=2"),), seed).values - plain().base_run(seed).values
         for seed in range(4)
@@ -65,15 +63,14 @@ def test_a_random_one_is_the_mean_of_four() -> None:
 
 def test_what_no_effect_does_is_added_to_the_set() -> None:
     """A slow bias beside a scale error moves the wander, and the rate by what the scale error does."""
-    both = change(Sized(fresh("scale_factor"), 1.0), Sized(fresh("?wander_20s"), 0.2))
+    pair = change(Sized(fresh("scale_factor"), 1.0), Sized(fresh("?wander_20s"), 0.2))
     alone = change(Sized(fresh("scale_factor"), 1.0))
-    assert feature(both, "wander_20s") > feature(alone, "wander_20s") + 1.0
-    assert feature(both, "rate") == pytest.approx(feature(alone, "rate"), rel=0.1)
+    assert feature(pair, "wander_20s") > feature(alone, "wander_20s") + 1.0
+    assert feature(pair, "rate") == pytest.approx(feature(alone, "rate"), rel=0.1)
 
 
 def test_a_free_phase_is_that_of_each_session() -> None:
-    """By the number of the session."""
-    free = next(one for one in candidates(HINTS) if one.name == "g_sensitivity")
+    free = next(candidate for candidate in candidates(HINTS) if candidate.name == "g_sensitivity")
     sized = Sized(free, 0.1, np.array([30.0, 200.0]))
     assert free.is_phase_free
     assert [in_session(sized, number, plain()).model_dump()["phase_deg"] for number in (0, 1)] == [30.0, 200.0]
@@ -88,7 +85,7 @@ def replaced(sized: Sized, phase_deg: float) -> Sized:
 def test_an_effect_in_the_rig_keeps_the_phase_of_the_session() -> None:
     """The file says 30 degrees, and the session 120."""
     rig = Rig(base=BASE, effects=(TILT,))
-    on_top = next(one for one in candidates(HINTS, rig) if one.name == "g_sensitivity")
+    on_top = next(candidate for candidate in candidates(HINTS, rig) if candidate.name == "g_sensitivity")
     effect = in_session(Sized(on_top, 0.05), 0, tilted())
     assert effect.model_dump()["amplitude_dps"] == pytest.approx(0.15)
     assert effect.model_dump()["phase_deg"] == pytest.approx(120.0, abs=5.0)
@@ -97,6 +94,6 @@ def test_an_effect_in_the_rig_keeps_the_phase_of_the_session() -> None:
 def test_an_effect_in_the_rig_is_replaced() -> None:
     """A session played with another size of it has that size once, not both."""
     none = TILT.model_copy(update={"amplitude_dps": 0.0})
-    found = tilted().session((none,), 0)
+    result = tilted().session((none,), 0)
     without = replace(tilted(), rig=Rig(base=tilted().rig.base)).session((), 0)
-    assert np.array_equal(found.rate_dps, without.rate_dps)
+    assert np.array_equal(result.rate_dps, without.rate_dps)

@@ -59,7 +59,6 @@ def test_a_layout_has_the_fields_of_the_record() -> None:
 
 
 def test_a_compiled_function_changes_nested_records_as_the_plain_one_does() -> None:
-    """It returns the same value too."""
     plain = Outer()
     made = array_of(plain)
     assert compiled(cast(FunctionType, changed))(made[0], 0.1) == changed(plain, 0.1)
@@ -68,7 +67,6 @@ def test_a_compiled_function_changes_nested_records_as_the_plain_one_does() -> N
 
 
 def test_compiled_code_is_kept_for_the_next_run() -> None:
-    """Another process loads it. Two processes that compile at once may overwrite each other's code."""
     run = (
         "import numpy as np\n"
         "from gyrodrift.evaluation.kernels import restlevel\n"
@@ -80,7 +78,6 @@ def test_compiled_code_is_kept_for_the_next_run() -> None:
 
 
 def test_the_stamp_of_a_package_depends_on_all_its_sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nested packages count too."""
     inner = tmp_path / "stamped" / "inner"
     inner.mkdir(parents=True)
     (tmp_path / "stamped" / "__init__.py").touch()

@@ -86,7 +86,6 @@ def walk(dice: np.random.Generator, samples: int = 2500) -> Walk:
 
 @pytest.mark.parametrize("seed", range(12))
 def test_any_candidate_on_any_session_gives_the_bits_of_the_filter(seed: int) -> None:
-    """19 candidates are two full groups and a short group."""
     dice = np.random.default_rng(seed)
     assert_twins(walk(dice), candidates(dice, 19))
 
@@ -119,13 +118,11 @@ def test_runs_longer_than_the_tables_have_exact_steps() -> None:
 
 @given(vectors, st.integers(1, 10**12))
 def test_a_step_equals_the_step_of_the_filter(params: tuple[float, ...], run: int) -> None:
-    """For short and for long runs."""
     p = HdrParams(*params)
     assert kernel.attenuated_step(p.i_c_dps, p.c1, p.c2, float(run)) == attenuated_step(p, run)
 
 
 def test_a_step_is_0_if_the_power_overflows() -> None:
-    """Also with c1 = 0, as in the filter."""
     assert (
         kernel.attenuated_step(1.0, 0.0, 10.0, 1e40) == attenuated_step(HdrParams(1.0, c1=0.0, c2=10.0), 10**40) == 0.0
     )
@@ -145,7 +142,6 @@ def test_grouping_and_a_used_table_change_no_bit() -> None:
 
 
 def test_a_candidate_that_overflows_costs_inf() -> None:
-    """Its rate is inf after the low-pass multiplies a long step; no warning is raised."""
     dt_s, rate_dps, reference_deg = np.array([0.0, 0.01, 1e10, 0.01]), np.array([0.0, 0.1, 1e300, 0.1]), np.zeros(4)
     overflowing = kernel.sums(dt_s, rate_dps, reference_deg, np.array([[0.0006, 0.9, 0.5, 0.8, 1.2]] * 2))
     assert [list(column) for column in overflowing[:3]] == [[inf, inf]] * 3
@@ -153,7 +149,6 @@ def test_a_candidate_that_overflows_costs_inf() -> None:
 
 
 def test_a_squared_error_that_overflows_is_inf() -> None:
-    """The absolute error stays finite."""
     dt_s, rate_dps = np.array([0.0, 1.0]), np.array([0.0, 1e200])
     squares, absolutes, worst, _ = kernel.sums(dt_s, rate_dps, np.zeros(2), np.array([[0.0, 0.0, 1.0, 0.0, 0.0]]))
     assert (squares[0], absolutes[0], worst[0]) == (inf, 1e200, 1e200)

@@ -49,8 +49,6 @@ def test_stepping_gives_the_results_of_the_kernel(chosen: Filter) -> None:
 
 
 def test_a_yaw_that_overflows_costs_inf() -> None:
-    """No warning is given."""
-
     def endless(_c: HdrCoefficients, state: HdrState, _t_s: float, _rate_dps: float) -> bool:
         state.yaw_deg = inf
         return True
@@ -62,6 +60,5 @@ def test_a_yaw_that_overflows_costs_inf() -> None:
 
 
 def test_candidates_are_cut_into_groups_of_eight() -> None:
-    """The last group is shorter."""
     assert groups(19) == [slice(0, 8), slice(8, 16), slice(16, 19)]
     assert groups(0) == []

@@ -134,7 +134,6 @@ def test_a_device_in_any_attitude_has_the_same_heading(mount: Rotation) -> None:
 
 
 def test_a_gap_widens_the_heading() -> None:
-    """In 20 s without samples the device may have turned."""
     stream = Stream()
     stream.rows[5 * HZ :, 0] += 20.0
     s = stream.filtered()

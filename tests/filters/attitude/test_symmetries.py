@@ -67,6 +67,5 @@ def test_yaw_is_the_twist_of_the_attitude(estimate: Filtered) -> None:
 
 
 def test_units_of_time_do_not_matter(recorded: Recorded, estimate: Filtered) -> None:
-    """Clocks begin anywhere."""
     later = filtered(recorded._replace(t_s=recorded.t_s + 4096.0))
     assert later.yaw_deg == pytest.approx(estimate.yaw_deg, abs=1e-6)

@@ -39,7 +39,6 @@ def test_noisy_motions_are_as_frequent_as_rests() -> None:
 
 
 def test_a_quiet_rest_is_weighed_against_spins() -> None:
-    """At first by the density of spins; in 12 s rests outlast them by the fourth root of two."""
     h = begun()
     weigh_rest(h, 0.0, 1.0)
     assert h.weight == pytest.approx(0.25 / SPINS_PER_DPS)
@@ -48,7 +47,6 @@ def test_a_quiet_rest_is_weighed_against_spins() -> None:
 
 
 def test_weighing_again_replaces_the_weighing_before() -> None:
-    """However often a block says the same, it counts once."""
     h = begun(WANDERING)
     for _ in range(5):
         weigh_rest(h, 3.0, 0.5)
@@ -65,7 +63,6 @@ def test_a_scatter_that_no_sensor_has_speaks_for_a_motion() -> None:
 
 
 def test_a_gradual_end_is_one_of_a_curve() -> None:
-    """One rest in a hundred ends so, one spin in ten, and most levels by chance; a rest that resumes is as before."""
     h = begun(WANDERING)
     weigh_rest(h, 3.0, 1.0)
     before = h.weight

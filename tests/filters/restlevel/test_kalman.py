@@ -12,12 +12,11 @@ from gyrodrift.filters.restlevel.step import coefficients
 
 def test_a_step_shares_the_innovation_by_the_variances() -> None:
     """Bias and block mean are equally uncertain, so half of the innovation goes to the bias, and to yaw 2/8 of it."""
-    found = kalman_step(1.0, bias_var=4.0, covariance=2.0, yaw_var=3.0, mean_var=4.0)
-    assert found == (0.5, 0.25, 2.0, 1.0, 2.5)
+    result = kalman_step(1.0, bias_var=4.0, covariance=2.0, yaw_var=3.0, mean_var=4.0)
+    assert result == (0.5, 0.25, 2.0, 1.0, 2.5)
 
 
 def test_the_density_is_that_of_a_normal_distribution() -> None:
-    """At its middle, and one sigma off."""
     assert gaussian_logpdf(0.0, 1.0) == pytest.approx(-0.5 * log(2.0 * pi))
     assert gaussian_logpdf(3.0, 9.0) == pytest.approx(-0.5 - log(3.0) - 0.5 * log(2.0 * pi))
 
@@ -41,7 +40,6 @@ def test_an_even_ramp_has_turned_yaw_by_half_of_it_and_that_is_taken_back() -> N
 
 
 def test_both_models_are_merged_by_their_likelihoods() -> None:
-    """Where the innovation is 0, they go with the roots of its variances."""
     h = Hypothesis(weight=1.0, bias_var=1.0)
     log_likelihood = kalman_update(h, 0.0, 1.0, 6.0)  # variances of the innovation: 2 and 8
     walk, ramp = 0.7 / 2.0**0.5, 0.3 / 8.0**0.5
@@ -50,7 +48,6 @@ def test_both_models_are_merged_by_their_likelihoods() -> None:
 
 
 def test_the_first_bias_may_be_that_of_a_part_far_out() -> None:
-    """Its likelihood has a wide Gaussian beside the typical one; the variance grows so that it is believed."""
     c = coefficients(RestlevelParams(turn_on_dps=0.5))
     h = Hypothesis(weight=1.0, bias_var=c.turn_on_var)
     log_likelihood = first_kalman_update(c, h, 6.0, 1e-9)  # 12 sigmas of the typical, 3 of the wide

@@ -40,9 +40,9 @@ def memory_of(bias_dps: float, before: RestlevelMemory | None = None, age_s: flo
     """After 20 s at rest."""
     state = RestlevelState() if before is None else begun(RestlevelParams(), before, age_s, None)
     run(bias_dps + noise(2000, 1), state)
-    known = learned(state, before, age_s)
-    assert known is not None
-    return known
+    expected = learned(state, before, age_s)
+    assert expected is not None
+    return expected
 
 
 def weaving(count: int) -> tuple[Floats, Floats]:
@@ -62,7 +62,6 @@ def test_a_start_in_motion_is_not_blind(bias_dps: float) -> None:
 
 
 def test_nothing_is_remembered_of_a_run_without_a_sure_rest() -> None:
-    """And what was known stays in its file."""
     state = RestlevelState()
     run(weaving(6000)[0] + noise(6000, 3), state)
     assert learned(state, None, 0.0) is None
@@ -70,12 +69,11 @@ def test_nothing_is_remembered_of_a_run_without_a_sure_rest() -> None:
 
 @pytest.mark.parametrize("age_s", [5.0, 3600.0, DAY_S, 30.0 * DAY_S])
 def test_age_widens_what_is_remembered(age_s: float) -> None:
-    """As far as the bias walks, and as a new start changes it; no further than a turn-on bias is."""
     state = begun(RestlevelParams(), memory_of(0.4), age_s, None)
-    found = state.remembered[0]
+    result = state.remembered[0]
     walked_var = min(0.0005**2 * age_s, 0.25) + 0.05**2 * min(1.0, age_s / 600.0)
-    assert found.bias_dps == pytest.approx(0.4, abs=0.005)
-    assert found.bias_var == pytest.approx(walked_var, rel=0.1, abs=3e-5)
+    assert result.bias_dps == pytest.approx(0.4, abs=0.005)
+    assert result.bias_var == pytest.approx(walked_var, rel=0.1, abs=3e-5)
 
 
 def test_a_sensor_that_removes_its_own_bias_does_so_anew_at_each_start() -> None:
@@ -91,14 +89,13 @@ def test_a_sensor_that_removes_its_own_bias_does_so_anew_at_each_start() -> None
 
 
 def test_a_device_that_starts_elsewhere_each_time_is_known_to_do_so() -> None:
-    """Its spread grows, start by start; that of one that starts alike shrinks."""
-    restless = alike = memory_of(0.4)
+    restless = equal = memory_of(0.4)
     for number in range(8):
         restless = memory_of(0.4 + 0.3 * (-1) ** number, restless, 3600.0)
-        alike = memory_of(0.4, alike, 3600.0)
-    assert restless.starts == alike.starts == 8
+        equal = memory_of(0.4, equal, 3600.0)
+    assert restless.starts == equal.starts == 8
     assert restless.drift_factor > 10.0
-    assert alike.drift_factor < 0.7
+    assert equal.drift_factor < 0.7
     state = begun(RestlevelParams(), restless, 3600.0, None)
     assert state.remembered[0].bias_var > 0.2**2
 
@@ -111,7 +108,6 @@ def test_starts_that_are_remembered_grow_older() -> None:
 
 
 def test_a_bias_is_remembered_with_its_standard_deviation() -> None:
-    """After 20 s at rest with 0.05 deg/s of noise at 100 Hz it is known to a few thousandths of deg/s."""
     state = RestlevelState()
     run(0.4 + noise(2000, 1), state)
     memory = learned(state, None, 0.0)
@@ -128,18 +124,16 @@ def test_a_memory_that_is_wrong_is_given_up_at_the_first_rest() -> None:
 
 
 def test_remembered_noise_is_of_the_rate_at_which_samples_come() -> None:
-    """At another rate it has to be seen anew."""
     memory = memory_of(0.4)
-    same, other = (begun(RestlevelParams(), each, 0.0, None) for each in (memory, replace(memory, period_s=0.002)))
+    same, peer = (begun(RestlevelParams(), item, 0.0, None) for item in (memory, replace(memory, period_s=0.002)))
     moving = weaving(100)[0]
     run(moving, same)
-    run(moving, other)
+    run(moving, peer)
     assert same.noise.is_walk_measured
-    assert same.noise.sample_var < 0.1**2 < other.noise.sample_var
+    assert same.noise.sample_var < 0.1**2 < peer.noise.sample_var
 
 
 def test_a_second_pass_of_the_thermal_chamber_begins_where_the_first_did(recordings: Recordings) -> None:
-    """Within 0.02 deg/s from the first sample on, though the first pass ended 15 °C lower and 0.6 deg/s away."""
     session = load_session(recordings.path("temperature_sweep"))
     assert session.temp_c is not None
     c, first = coefficients(RestlevelParams()), RestlevelState()
@@ -150,12 +144,12 @@ def test_a_second_pass_of_the_thermal_chamber_begins_where_the_first_did(recordi
     assert memory is not None
     assert memory.bias_dps == pytest.approx(session.rate_dps[-20:].mean(), abs=0.02)
     second = begun(RestlevelParams(), memory, 5.0, rows[0][2])
-    found = []
+    result = []
     for t_s, rate_dps, temp_c in rows[:60]:
         step(c, second, t_s, rate_dps, np.nan, temp_c)
-        found.append(second.bias_dps)
+        result.append(second.bias_dps)
     truth = session.rate_dps[:20].mean()
-    assert abs(np.array(found)[:30] - truth).max() < 0.02
+    assert abs(np.array(result)[:30] - truth).max() < 0.02
 
 
 def test_a_memory_survives_its_file() -> None:
@@ -174,18 +168,17 @@ def test_the_compiled_filter_begins_with_it_too_and_so_does_an_independent_readi
     memory = replace(memory_of(0.4), period_s=0.0)  # the reading knows no noise before it sees some
     plain = run(rate_dps, begun(RestlevelParams(), memory, 60.0, None))
     dt_s = np.diff(np.arange(len(rate_dps)) / RATE_HZ, prepend=0.0)
-    found, state = np.zeros((3, len(rate_dps))), begun(RestlevelParams(), memory, 60.0, None)
+    result, state = np.zeros((3, len(rate_dps))), begun(RestlevelParams(), memory, 60.0, None)
     nothing = np.empty(0)
-    _follow(array_of(coefficients(RestlevelParams())), array_of(state), dt_s, rate_dps, nothing, nothing, found)
-    np.testing.assert_array_equal(found[[0, 2]], plain)
-    remembered = [(each.weight, each.bias_dps, each.bias_var) for each in state.remembered if each.weight]
+    _follow(array_of(coefficients(RestlevelParams())), array_of(state), dt_s, rate_dps, nothing, nothing, result)
+    np.testing.assert_array_equal(result[[0, 2]], plain)
+    remembered = [(item.weight, item.bias_dps, item.bias_var) for item in state.remembered if item.weight]
     t_s = np.arange(len(rate_dps)) / RATE_HZ
     read = reference(t_s, rate_dps, RestlevelParams(), remembered=remembered)
     np.testing.assert_allclose(plain[0][read["end"]], read["yaw"], rtol=0.0, atol=1e-6)
 
 
 def test_a_state_is_kept_by_what_differs_from_a_new_one() -> None:
-    """Half way through a run too: it goes on with the same bits."""
     rate_dps = np.r_[np.zeros(800), weaving(2000)[0], np.zeros(800)] + 0.4 + noise(3600, 6)
     state = RestlevelState()
     assert saved(state, RestlevelState()) == {}
@@ -205,7 +198,6 @@ def test_a_state_is_kept_by_what_differs_from_a_new_one() -> None:
 
 
 def test_zeros_and_falses_that_are_no_defaults_are_kept() -> None:
-    """Where a new state has something else."""
     state = RestlevelState()
     state.noise.resolution_dps, state.noise.zero_blocks = 0.0, 3
     state.witness.is_believed = False
@@ -233,7 +225,6 @@ def test_a_saved_state_has_the_keys_of_its_file_format() -> None:
 
 
 def test_a_first_temperature_may_be_anything() -> None:
-    """It is what a device says, before the filter has looked at it."""
-    said = replace(memory_of(0.4), temp_c=25.0)
-    nothing = begun(RestlevelParams(), said, DAY_S, None)
-    assert all(begun(RestlevelParams(), said, DAY_S, temp_c) == nothing for temp_c in (1e300, -1e300, 400.0))
+    statement = replace(memory_of(0.4), temp_c=25.0)
+    nothing = begun(RestlevelParams(), statement, DAY_S, None)
+    assert all(begun(RestlevelParams(), statement, DAY_S, temp_c) == nothing for temp_c in (1e300, -1e300, 400.0))

@@ -12,34 +12,32 @@ from gyrodrift.filters.restlevel.model import RestlevelState
 def test_a_merge_keeps_the_mean_and_the_covariance_of_both() -> None:
     """A quarter at (0, 0) and three quarters at (4, −4), each with variances 1: what lies between adds 3/16 of 16."""
     h = Hypothesis(weight=0.25, bias_var=1.0, yaw_var=1.0, moving_s=5.0)
-    other = Hypothesis(weight=0.75, bias_dps=4.0, yaw_deg=-4.0, bias_var=1.0, yaw_var=1.0, moving_s=2.0)
-    moment_matched_merge(h, other)
+    second = Hypothesis(weight=0.75, bias_dps=4.0, yaw_deg=-4.0, bias_var=1.0, yaw_var=1.0, moving_s=2.0)
+    moment_matched_merge(h, second)
     assert (h.weight, h.bias_dps, h.yaw_deg, h.moving_s) == (1.0, 3.0, -3.0, 2.0)
     assert (h.bias_var, h.covariance, h.yaw_var) == (4.0, -3.0, 4.0)
-    assert other.weight == 0.0
+    assert second.weight == 0.0
 
 
 def test_a_merge_averages_what_a_rest_is_weighed_by() -> None:
-    """Weights of 0.25 and 0.75."""
     h = Hypothesis(weight=0.25, rest_odds=1.0, chance_density=8.0, noisy_density=4.0, odds=2.0)
     moment_matched_merge(h, Hypothesis(weight=0.75, rest_odds=1.0, chance_density=0.0, noisy_density=0.0, odds=6.0))
     assert (h.rest_odds, h.chance_density, h.noisy_density, h.odds) == (1.0, 2.0, 1.0, 5.0)
 
 
 def test_the_merge_gate_is_the_smaller_sigma() -> None:
-    """Of bias and of yaw; and both hypotheses say the same of rest."""
     h = Hypothesis(weight=0.5, bias_var=1.0, yaw_var=4.0, knows_bias=True)
     wider = replace(h, bias_var=9.0, yaw_var=9.0)
     assert is_in_merge_gate(h, replace(wider, bias_dps=0.9, yaw_deg=1.9))
-    for other in (
+    for second in (
         replace(wider, bias_dps=1.1),
         replace(wider, yaw_deg=2.1),
         replace(h, is_at_rest=True),
         replace(h, knows_bias=False),
         replace(h, weight=0.0),
     ):
-        assert not is_in_merge_gate(h, other)
-        assert not is_in_merge_gate(other, h)
+        assert not is_in_merge_gate(h, second)
+        assert not is_in_merge_gate(second, h)
 
 
 def test_kinds_of_parts_stay_apart_until_a_bias_is_known() -> None:
@@ -60,7 +58,6 @@ def test_variances_leave_out_what_is_improbable() -> None:
 
 
 def test_the_least_probable_are_pruned() -> None:
-    """Of twelve that are far apart six are left, and their probabilities add up to 1."""
     s = RestlevelState()
     for number, h in enumerate(s.hypotheses):
         h.weight, h.bias_dps, h.bias_var, h.yaw_var = number + 1.0, 10.0 * number, 1.0, 1.0
@@ -69,7 +66,6 @@ def test_the_least_probable_are_pruned() -> None:
 
 
 def test_those_that_agree_are_merged_before_any_is_pruned() -> None:
-    """Into the first place."""
     s = RestlevelState()
     for h in s.hypotheses:
         h.weight, h.bias_var, h.yaw_var = 0.5, 1.0, 1.0
@@ -78,7 +74,6 @@ def test_those_that_agree_are_merged_before_any_is_pruned() -> None:
 
 
 def test_collapsed_means_are_by_cubed_probability() -> None:
-    """0.8 at a bias of 1 and 0.2 at 0: the mean is 0.512/0.52, the variance is by probability less a tail."""
     s = RestlevelState()
     s.hypotheses[2] = Hypothesis(knows_bias=True, weight=0.8, bias_dps=1.0, yaw_deg=-2.0, bias_var=0.5, is_at_rest=True)
     s.hypotheses[5] = Hypothesis(knows_bias=True, weight=0.2, bias_var=0.5)

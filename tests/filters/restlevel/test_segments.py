@@ -32,7 +32,6 @@ def track(s: RestlevelState, *means_dps: float, variance: float = 0.01, seconds:
 
 
 def test_the_first_block_is_the_noise() -> None:
-    """And white noise of that variance makes 2·0.01/10·0.3 of angle random walk."""
     noise = NoiseModel()
     assert is_stationary(C, block(0.01), noise)
     assert noise.sample_var == pytest.approx(0.01)
@@ -41,7 +40,6 @@ def test_the_first_block_is_the_noise() -> None:
 
 
 def test_a_noisy_block_is_not_stationary_and_raises_the_noise_slowly() -> None:
-    """By a thousandth a second."""
     noise = NoiseModel()
     is_stationary(C, block(0.01), noise)
     assert not is_stationary(C, block(0.1), noise)
@@ -59,14 +57,12 @@ def test_two_blocks_far_below_the_noise_are_the_noise() -> None:
 
 
 def test_a_sensor_that_repeats_itself_has_the_noise_of_its_resolution() -> None:
-    """Half a step, squared."""
     noise = NoiseModel(resolution_dps=0.2)
     is_stationary(C, block(0.0), noise)
     assert noise.sample_var == pytest.approx(0.01)
 
 
 def test_a_sensor_that_said_one_thing_so_far_has_its_noise_to_come() -> None:
-    """While it repeats itself it is at rest; with its first step all that was learned of its noise is forgotten."""
     noise = NoiseModel()
     for _ in range(30):
         assert is_stationary(C, block(0.0), noise)
@@ -77,7 +73,6 @@ def test_a_sensor_that_said_one_thing_so_far_has_its_noise_to_come() -> None:
 
 
 def test_a_sensor_of_coarse_steps_that_sets_out_is_not_taken_for_noise() -> None:
-    """Its first steps are those of a motion."""
     noise = NoiseModel()
     for _ in range(30):
         assert is_stationary(C, block(0.0), noise)
@@ -87,7 +82,6 @@ def test_a_sensor_of_coarse_steps_that_sets_out_is_not_taken_for_noise() -> None
 
 
 def test_means_of_coarse_steps_are_no_better_known_than_steps_allow() -> None:
-    """However often one is like the other."""
     noise, full = NoiseModel(angle_walk_var=0.01, resolution_dps=0.2, has_steps=True), block(0.0)
     for _ in range(1000):
         learn_at_rest(noise, 1.0, 0.0, 0.0, full, 0.3)
@@ -101,7 +95,6 @@ def test_what_is_louder_than_sensors_are_is_a_motion(sigma_dps: float, odds: flo
 
 
 def test_a_rest_is_from_the_start_where_nothing_has_moved_before() -> None:
-    """But for the first block, which switching on may disturb."""
     for means, expected in (([1.0] * 5, True), ([9.0, *[1.0] * 5], True), ([1.0, 9.0, *[1.0] * 5], False)):
         s = RestlevelState()
         track(s, *means)
@@ -111,7 +104,6 @@ def test_a_rest_is_from_the_start_where_nothing_has_moved_before() -> None:
 
 
 def test_angle_random_walk_is_measured_at_rests() -> None:
-    """Half the squared step, clipped at nine times what is expected, with a weight of 0.05."""
     noise = NoiseModel(angle_walk_var=0.01)
     learn_at_rest(noise, 0.4, 0.0, 0.2, block(0.0), 1.0)
     assert noise.angle_walk_var == pytest.approx(0.01 + 0.02 * (0.02 - 0.01))
@@ -124,7 +116,6 @@ def test_angle_random_walk_is_measured_at_rests() -> None:
 
 
 def test_five_blocks_of_one_mean_are_a_segment_that_ends_with_another_mean() -> None:
-    """Left at once, it has not ended gradually."""
     s = RestlevelState()
     track(s, *[1.0] * 5)
     assert (s.segment.blocks, s.segment.mean_dps) == (5, 1.0)
@@ -135,7 +126,6 @@ def test_five_blocks_of_one_mean_are_a_segment_that_ends_with_another_mean() -> 
 
 
 def test_a_slope_is_no_segment() -> None:
-    """Each block is within the gate, the ends of the five are not: 0.15 deg/s against two sigmas of 0.045."""
     s = RestlevelState()
     track(s, 0.0, 0.05, 0.1, 0.15)
     assert s.segment.blocks == 4
@@ -179,7 +169,6 @@ def test_a_vibration_averages_out_within_blocks_and_a_motion_does_not() -> None:
 
 
 def test_a_segment_ends_gradually_where_the_rate_slides_away() -> None:
-    """0.1 deg/s in a block of 0.3 s is less than 0.4 deg/s²; the sensor is quiet enough to tell it."""
     s = RestlevelState()
     track(s, *[1.0] * 5, 1.1, variance=1e-4)
     assert s.segment.blocks == 1

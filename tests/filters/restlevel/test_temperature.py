@@ -71,11 +71,11 @@ def test_sigma_holds_a_bias_that_warms_up_before_any_line_is_known() -> None:
 def test_the_status_says_what_is_known() -> None:
     """Measurements, slope and its standard deviation."""
     true_dps, bias_dps, temp_c = warming(8, 0.0)
-    told = stepped(measured(true_dps, bias_dps), temp_c).temp_curve
-    assert told is not None
-    assert told["slope_dps_c"] == pytest.approx(SLOPE_DPS_C, abs=2.5 * told["slope_sigma_dps_c"])
-    assert told["slope_sigma_dps_c"] < 0.004
-    assert told["points"] >= 8
+    report = stepped(measured(true_dps, bias_dps), temp_c).temp_curve
+    assert report is not None
+    assert report["slope_dps_c"] == pytest.approx(SLOPE_DPS_C, abs=2.5 * report["slope_sigma_dps_c"])
+    assert report["slope_sigma_dps_c"] < 0.004
+    assert report["points"] >= 8
     assert RestlevelState().temp_curve is None
 
 
@@ -111,7 +111,7 @@ def test_a_remembered_line_says_where_the_bias_is_at_another_temperature() -> No
     memory = learned(stepped(measured(true_dps, bias_dps), temp_c), None, 0.0)
     assert memory is not None
     state = begun(RestlevelParams(), memory, 60.0, 26.0)
-    likeliest = max(state.remembered, key=lambda one: one.weight)
+    likeliest = max(state.remembered, key=lambda item: item.weight)
     assert likeliest.bias_dps == pytest.approx(0.3 + SLOPE_DPS_C * 6.0, abs=0.03)
     assert likeliest.bias_var < 0.15**2
     assert state.line.slope_dps_c == memory.slope_dps_c

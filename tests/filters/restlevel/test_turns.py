@@ -11,7 +11,7 @@ from gyrodrift.filters.restlevel.turns import add_mean_rate, follow_turns, forge
 from gyrodrift.values.arrays import Floats
 
 
-def seen(rates_dps: list[float]) -> MeanTurns:
+def observed(rates_dps: list[float]) -> MeanTurns:
     """After these mean rates."""
     turns = MeanTurns()
     for dps in rates_dps:
@@ -21,19 +21,17 @@ def seen(rates_dps: list[float]) -> MeanTurns:
 
 @pytest.mark.parametrize("count", [5, 8, TURN_SLOTS, 3 * TURN_SLOTS + 7])
 def test_the_median_is_that_of_the_latest(count: int) -> None:
-    """Some of them alike, in no order."""
     rates_dps = np.round(np.random.default_rng(count).normal(0.3, 2.0, count), 1).tolist()
     latest = rates_dps[-TURN_SLOTS:]
-    turns = seen(rates_dps)
+    turns = observed(rates_dps)
     assert turns.median_dps == pytest.approx(np.median(latest))
     assert [turn.dps for turn in turns.ordered[: len(latest)]] == sorted(latest)
 
 
 def test_the_spread_is_that_of_a_median() -> None:
-    """Of normal rates it is 1.25 sigma/√n, doubled for bends that last longer than one rate."""
     dice = np.random.default_rng(3)
-    found = [seen(dice.normal(0.0, 4.0, TURN_SLOTS).tolist()).median_var for _ in range(300)]
-    assert np.sqrt(np.median(found)) == pytest.approx(2.0 * 1.2533 * 4.0 / np.sqrt(TURN_SLOTS), rel=0.1)
+    result = [observed(dice.normal(0.0, 4.0, TURN_SLOTS).tolist()).median_var for _ in range(300)]
+    assert np.sqrt(np.median(result)) == pytest.approx(2.0 * 1.2533 * 4.0 / np.sqrt(TURN_SLOTS), rel=0.1)
 
 
 def test_a_rate_is_the_mean_of_ten_seconds() -> None:
@@ -49,7 +47,7 @@ def test_a_rate_is_the_mean_of_ten_seconds() -> None:
 def test_what_turns_to_and_fro_about_a_bias_speaks_for_it() -> None:
     """A true bias gains on one that makes everything a turn to one side, and no more than even odds of that allow."""
     s = RestlevelState()
-    s.turns = seen([0.1, -0.1] * 16)
+    s.turns = observed([0.1, -0.1] * 16)
     s.hypotheses[0] = Hypothesis(weight=0.1, bias_var=1e-6)
     s.hypotheses[1] = Hypothesis(weight=0.9, bias_dps=3.0, bias_var=1e-6)
     weigh_turns(s)
@@ -83,9 +81,8 @@ def test_a_gentle_curve_is_one_turn_however_many_segments_it_falls_into() -> Non
 
 
 def test_too_few_say_nothing() -> None:
-    """Four rates."""
     s = RestlevelState()
-    s.turns = seen([5.0] * 4)
+    s.turns = observed([5.0] * 4)
     s.hypotheses[0], s.hypotheses[1] = Hypothesis(weight=0.25), Hypothesis(weight=0.75, bias_dps=5.0)
     weigh_turns(s)
     assert [h.weight for h in s.hypotheses[:2]] == [0.25, 0.75]

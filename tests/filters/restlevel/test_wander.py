@@ -23,19 +23,16 @@ def followed(blocks: int, breaks_every: int, step_dps: float = 0.5) -> RateWande
 
 
 def test_a_sensor_breaks_seldom_and_a_motion_often() -> None:
-    """One block in fifty is flicker, one in five is a motion."""
     assert wander_probability(RateWander()) == pytest.approx(0.1)
     assert wander_probability(followed(100, 50)) < 0.001
     assert wander_probability(followed(100, 5)) > 0.99
 
 
 def test_a_noise_that_turns_out_smaller_begins_anew() -> None:
-    """What passed for stationary was motion."""
     wander = followed(100, 5)
     forget_levels(wander)
     assert wander == RateWander()
 
 
 def test_the_typical_step_is_found() -> None:
-    """From ten deg/s down to what is seen."""
     assert followed(500, 2).step_dps == pytest.approx(0.5, rel=0.15)

@@ -38,8 +38,8 @@ def estimated(rate_dps: Floats, still: Floats, p: RestlevelParams | None = None)
 def stepped(rate_dps: Floats, still: Floats, state: RestlevelState | None = None) -> RestlevelState:
     """The state after plain stepping."""
     c, s = coefficients(RestlevelParams()), state or RestlevelState()
-    for n, (dps, said) in enumerate(zip(rate_dps.tolist(), still.tolist(), strict=True)):
-        step(c, s, n / RATE_HZ, dps, said)
+    for n, (dps, statement) in enumerate(zip(rate_dps.tolist(), still.tolist(), strict=True)):
+        step(c, s, n / RATE_HZ, dps, statement)
     return s
 
 
@@ -66,9 +66,9 @@ def test_a_word_that_is_stuck_in_turns_is_found_out_and_costs_little() -> None:
     rate_dps = np.r_[np.full(200, 0.3), rate_dps]
     stuck = np.ones(len(rate_dps))
     silent, *_ = estimated(rate_dps, np.full(len(rate_dps), np.nan))
-    told, *_ = estimated(rate_dps, stuck)
+    report, *_ = estimated(rate_dps, stuck)
     truth = yaw_of(true_dps)
-    assert np.abs(told - truth).max() < np.abs(silent - truth).max() + 2.0
+    assert np.abs(report - truth).max() < np.abs(silent - truth).max() + 2.0
     state = stepped(rate_dps[:1400], stuck[:1400])
     assert (state.witness.refuted, state.witness.is_believed) == (1, False)
 
@@ -84,7 +84,6 @@ def test_a_word_that_is_stuck_from_the_first_sample_of_a_turn_teaches_nothing_th
 
 
 def test_it_is_believed_again_once_it_has_said_something_else() -> None:
-    """Its next word is new."""
     turning, resting = np.full(300, 30.0) * np.sin(np.arange(300) / 30.0), np.full(400, 0.1)
     noise = np.random.default_rng(5).normal(0.0, 0.05, 1400)
     rate_dps = np.r_[resting, turning, turning, resting] + noise
@@ -97,7 +96,6 @@ def test_it_is_believed_again_once_it_has_said_something_else() -> None:
 
 
 def test_a_word_that_comes_late_at_both_ends_of_a_rest_does_no_harm() -> None:
-    """Half a second: a wheel that has to turn a bit before it counts."""
     true_dps, rate_dps, still = stop_and_go(0.4, 6, stop_s=3.0)
     late = np.r_[np.zeros(50), still[:-50]]
     yaw_deg, _, found_dps = estimated(rate_dps, late)
@@ -107,7 +105,6 @@ def test_a_word_that_comes_late_at_both_ends_of_a_rest_does_no_harm() -> None:
 
 
 def test_a_bias_that_jumps_while_it_says_rest_is_followed() -> None:
-    """By a quarter of a degree a second, and once: popcorn noise."""
     rate_dps = np.r_[np.full(2000, 0.1), np.full(2000, 0.35)] + np.random.default_rng(7).normal(0.0, 0.05, 4000)
     s = stepped(rate_dps, np.ones(4000))
     assert s.witness.refuted == 0
@@ -117,19 +114,18 @@ def test_a_bias_that_jumps_while_it_says_rest_is_followed() -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_an_independent_reading_agrees(seed: int) -> None:
-    """With words that come and go, late or not at all, and rates that contradict them."""
     dice = np.random.default_rng(seed)
     _, rate_dps, still = stop_and_go(float(dice.normal(0.0, 1.0)), seed, stop_s=float(dice.uniform(1.0, 6.0)))
     for _ in range(12):
-        at, length = dice.integers(0, len(still)), dice.integers(20, 900)
-        still[at : at + length] = dice.choice([0.0, 1.0, np.nan])
+        index, length = dice.integers(0, len(still)), dice.integers(20, 900)
+        still[index : index + length] = dice.choice([0.0, 1.0, np.nan])
     p = RestlevelParams(turn_on_dps=float(dice.choice([0.0, 0.5, 1.0])), window_s=float(dice.uniform(0.1, 0.5)))
     t_s = np.arange(len(rate_dps)) / RATE_HZ
-    found = reference(t_s, rate_dps, p, still)
+    result = reference(t_s, rate_dps, p, still)
     dt_s = np.diff(t_s, prepend=t_s[:1])
     yaw_deg, _, bias_dps = walk(dt_s, rate_dps, p, Auxiliary(still, NOBODY))
-    np.testing.assert_allclose(yaw_deg[found["end"]], found["yaw"], rtol=0.0, atol=1e-6)
-    np.testing.assert_allclose(bias_dps[found["end"]], found["bias"], rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(yaw_deg[result["end"]], result["yaw"], rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(bias_dps[result["end"]], result["bias"], rtol=0.0, atol=1e-6)
 
 
 def test_a_sensor_that_takes_its_own_bias_out_begins_with_none() -> None:

@@ -31,7 +31,6 @@ def moving(seconds: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
 
 @pytest.mark.parametrize("gone_s", [0.0, 0.11, 0.25])
 def test_sigma_restarts_at_a_zero_and_yaw_goes_on(gone_s: float) -> None:
-    """In motion with an unknown bias, wherever in a block the zero comes."""
     state = RestlevelState()
     run(state, moving(60.0 + gone_s), 1)
     before_deg, before_sigma_deg = state.yaw_deg, state.yaw_sigma_deg
@@ -71,7 +70,6 @@ def test_a_zero_at_rest_stays_at_zero() -> None:
 
 
 def test_a_zero_before_the_first_sample_changes_nothing() -> None:
-    """A new state stays new."""
     state = RestlevelState()
     zero_yaw(state)
     assert state == RestlevelState()

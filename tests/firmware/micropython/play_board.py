@@ -50,8 +50,8 @@ class Chip:
         temp = len(self.truth) % 20000 - 12000
         self._put(0x41, temp)
         accels = [(len(self.truth) * step) % 8192 - 4096 for step in (11, 13, 17)]
-        for at, value in ((0x43, 111), (0x45, -222), (0x47, rate)):
-            self._put(at, value)
+        for position, value in ((0x43, 111), (0x45, -222), (0x47, rate)):
+            self._put(position, value)
         for index, value in enumerate(accels):
             self._put(0x3B + 2 * index, value)
         self.truth.append([self.next_us, rate, temp] + accels)  # noqa: RUF005 - MicroPython has no stars in a list

@@ -85,7 +85,6 @@ def test_every_effect_runs_at_both_ends_of_its_bounds(kind: type[Effect], end: i
 @few
 @given(rigs)
 def test_every_number_is_one_and_within_its_range(rig: Rig) -> None:
-    """There is no NaN and no infinity, and no rate beyond the counts."""
     run = played(rig)
     assert all(np.isfinite(array).all() for array in arrays(run))
     assert (np.abs(run.rate_dps) <= COUNTS_MAX * rig.base.dps_per_lsb * (1.0 + 1e-12)).all()
@@ -94,7 +93,6 @@ def test_every_number_is_one_and_within_its_range(rig: Rig) -> None:
 @few
 @given(rigs)
 def test_counter_and_device_clock_rise(rig: Rig) -> None:
-    """Strictly both, whatever scatters, drifts and is lost; neither is below zero."""
     run = played(rig)
     for array in (run.seq, run.t_device_us):
         assert (np.diff(array, prepend=-1) > 0).all()
@@ -113,20 +111,20 @@ def test_nothing_arrives_before_it_was_measured_or_out_of_order(rig: Rig) -> Non
 @given(rigs, st.integers(0, 2**40))
 def test_the_same_seed_gives_the_same_bytes_for_any_rig(rig: Rig, seed: int) -> None:
     """Two runs agree in every bit."""
-    one, other = played(rig, seed), played(rig, seed)
-    assert [array.tobytes() for array in arrays(one)] == [array.tobytes() for array in arrays(other)]
+    item, second = played(rig, seed), played(rig, seed)
+    assert [array.tobytes() for array in arrays(item)] == [array.tobytes() for array in arrays(second)]
 
 
 @few
 @given(rigs, st.integers(1, 2 * SAMPLES))
 def test_the_size_of_the_blocks_makes_no_difference_to_any_rig(rig: Rig, block_samples: int) -> None:
     """A float may round otherwise, and so a clock may differ by a microsecond; the rest of clock and link may not."""
-    one, other = played(rig), played(rig, block_samples=block_samples)
-    assert one.seq.tolist() == other.seq.tolist()
-    assert one.t_host_s.tolist() == other.t_host_s.tolist()
-    np.testing.assert_allclose(one.encoder_deg, other.encoder_deg, atol=1e-9)
-    np.testing.assert_allclose(one.t_device_us, other.t_device_us, atol=1.01)
-    assert np.mean(np.abs(one.rate_dps - other.rate_dps) > 1.01 * rig.base.dps_per_lsb) < 0.01
+    item, second = played(rig), played(rig, block_samples=block_samples)
+    assert item.seq.tolist() == second.seq.tolist()
+    assert item.t_host_s.tolist() == second.t_host_s.tolist()
+    np.testing.assert_allclose(item.encoder_deg, second.encoder_deg, atol=1e-9)
+    np.testing.assert_allclose(item.t_device_us, second.t_device_us, atol=1.01)
+    assert np.mean(np.abs(item.rate_dps - second.rate_dps) > 1.01 * rig.base.dps_per_lsb) < 0.01
 
 
 @few
@@ -134,64 +132,62 @@ def test_the_size_of_the_blocks_makes_no_difference_to_any_rig(rig: Rig, block_s
 def test_the_order_of_a_rig_file_makes_no_difference(listed: list[Effect], random: Any) -> None:
     """Effects act in the order of the catalogue, however they are listed."""
     shuffled = random.sample(listed, len(listed))
-    one, other = (played(rig_of(*effects)) for effects in (listed, shuffled))
-    assert [array.tobytes() for array in arrays(one)] == [array.tobytes() for array in arrays(other)]
+    item, second = (played(rig_of(*effects)) for effects in (listed, shuffled))
+    assert [array.tobytes() for array in arrays(item)] == [array.tobytes() for array in arrays(second)]
 
 
-OTHERS = [effect_of(name) for name in CATALOGUE]
+REST = [effect_of(name) for name in CATALOGUE]
 
 
 def ids_of(effect: Effect) -> str:
     return effect.name
 
 
-def spike_places(other: Effect | None) -> set[int]:
+def spike_places(peer: Effect | None) -> set[int]:
     """Numbers of the samples at which spikes make a difference to a rig with another effect."""
     spikes = CATALOGUE["spikes"].model_validate({"height_dps": 50.0, "share_percent": 5.0})
-    with_them, without = (record(rig_of(other, extra), MOTION, 10.0) for extra in (spikes, None))
+    with_them, without = (record(rig_of(peer, extra), MOTION, 10.0) for extra in (spikes, None))
     return set(with_them.seq[np.abs(with_them.rate_dps - without.rate_dps) > 25.0].tolist())
 
 
-@pytest.mark.parametrize("other", [e for e in OTHERS if e.name not in {"spikes", "stale_hold"}], ids=ids_of)
-def test_spikes_come_at_the_same_samples_beside_any_other_effect(other: Effect) -> None:
+@pytest.mark.parametrize("peer", [e for e in REST if e.name not in {"spikes", "stale_hold"}], ids=ids_of)
+def test_spikes_come_at_the_same_samples_beside_any_other_effect(peer: Effect) -> None:
     """Switching one effect on leaves the realisation of another as it was; only what got lost is missing."""
-    arrived = set(record(rig_of(other), MOTION, 10.0).seq.tolist())
+    arrived = set(record(rig_of(peer), MOTION, 10.0).seq.tolist())
     alone = spike_places(None)
     assert len(alone) > 20
-    assert spike_places(other) == alone & arrived
+    assert spike_places(peer) == alone & arrived
 
 
-@pytest.mark.parametrize("other", [e for e in OTHERS if e.name != "sample_drop"], ids=ids_of)
-def test_the_same_samples_are_lost_beside_any_other_effect(other: Effect) -> None:
-    """What the link loses does not depend on what the sensor does."""
-    alone, beside = (record(rig_of(effect_of("sample_drop"), extra), MOTION, 10.0) for extra in (None, other))
+@pytest.mark.parametrize("peer", [e for e in REST if e.name != "sample_drop"], ids=ids_of)
+def test_the_same_samples_are_lost_beside_any_other_effect(peer: Effect) -> None:
+    alone, next_to = (record(rig_of(effect_of("sample_drop"), extra), MOTION, 10.0) for extra in (None, peer))
     assert alone.seq.size < 1000
-    assert alone.seq.tolist() == beside.seq.tolist()
+    assert alone.seq.tolist() == next_to.seq.tolist()
 
 
-@pytest.mark.parametrize("other", [e for e in OTHERS if e.name not in {"timestamp_jitter", "clock_drift"}], ids=ids_of)
-def test_stamps_scatter_the_same_beside_any_other_effect(other: Effect) -> None:
+@pytest.mark.parametrize("peer", [e for e in REST if e.name not in {"timestamp_jitter", "clock_drift"}], ids=ids_of)
+def test_stamps_scatter_the_same_beside_any_other_effect(peer: Effect) -> None:
     """Every sample that arrives has the stamp that it has without the other effect."""
-    alone, beside = (record(rig_of(effect_of("timestamp_jitter"), extra), MOTION, 10.0) for extra in (None, other))
-    assert beside.t_device_us.tolist() == alone.t_device_us[beside.seq].tolist()
+    alone, next_to = (record(rig_of(effect_of("timestamp_jitter"), extra), MOTION, 10.0) for extra in (None, peer))
+    assert next_to.t_device_us.tolist() == alone.t_device_us[next_to.seq].tolist()
 
 
 @pytest.mark.parametrize("name", ["popcorn", "rate_random_walk", "bias_instability"])
-@pytest.mark.parametrize("other", ["spikes", "sample_drop", "popcorn", "rate_random_walk", "bias_instability"])
-def test_a_bias_goes_its_way_beside_any_other_effect(name: str, other: str) -> None:
-    """What it adds to a rig is the same with and without another random effect, to the rounding of both."""
-    if name == other:
+@pytest.mark.parametrize("peer", ["spikes", "sample_drop", "popcorn", "rate_random_walk", "bias_instability"])
+def test_a_bias_goes_its_way_beside_any_other_effect(name: str, peer: str) -> None:
+    if name == peer:
         return
-    bare, one, two, both = (
-        record(rig_of(*map(effect_of, names)), MOTION, 100.0) for names in ([], [name], [other], [name, other])
+    bare, item, two, pair = (
+        record(rig_of(*map(effect_of, names)), MOTION, 100.0) for names in ([], [name], [peer], [name, peer])
     )
-    at = both.seq
-    beside = both.rate_dps - two.rate_dps
-    assert np.abs(beside - (one.rate_dps - bare.rate_dps)[at]).max() <= 2.01 * 0.00763
+    index = pair.seq
+    next_to = pair.rate_dps - two.rate_dps
+    assert np.abs(next_to - (item.rate_dps - bare.rate_dps)[index]).max() <= 2.01 * 0.00763
 
 
 @pytest.mark.parametrize("name", ["popcorn", "rate_random_walk", "bias_instability", "spikes", "vibration"])
 def test_the_same_effect_twice_is_another_realisation_each_time(name: str) -> None:
     """Two of a kind are not one of double size."""
-    bare, one, two = (record(rig_of(*[effect_of(name)] * times), MOTION, 100.0).rate_dps for times in (0, 1, 2))
-    assert np.abs((two - bare) - 2.0 * (one - bare)).max() > 0.01
+    bare, item, two = (record(rig_of(*[effect_of(name)] * times), MOTION, 100.0).rate_dps for times in (0, 1, 2))
+    assert np.abs((two - bare) - 2.0 * (item - bare)).max() > 0.01

@@ -59,7 +59,6 @@ def played(rig: Rig, profile: str, size: int) -> TriaxialBlock:
 @settings(max_examples=40, deadline=None)
 @given(rigs, profiles, st.sampled_from([32, 64, 96]))
 def test_blocks_of_any_size_hold_the_same_measurements(rig: Rig, profile: str, size: int) -> None:
-    """Within 16 bits; a missing acceleration alone is beyond them."""
     small, large = played(rig, profile, size), played(rig, profile, SAMPLES)
     for column in ("rate_raw", "gyro_xy_raw", "accel_raw", "is_clipped", "accel_clipped", "t_device_us"):
         assert np.array_equal(getattr(small, column), getattr(large, column)), column

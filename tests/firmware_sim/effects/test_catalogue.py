@@ -18,7 +18,6 @@ STAGES = {
 
 
 def test_the_promised_effects_are_there() -> None:
-    """None is missing, none is called otherwise, and each belongs to its stage; others may stand beside them."""
     promised = {name: stage for stage, names in STAGES.items() for name in names.split()}
     assert len(promised) == 28
     assert {name: CATALOGUE[name].stage for name in promised} == promised
@@ -27,7 +26,6 @@ def test_the_promised_effects_are_there() -> None:
 
 @pytest.mark.parametrize("kind", CATALOGUE.values(), ids=list(CATALOGUE))
 def test_every_effect_says_what_is_typical(kind: type[Effect]) -> None:
-    """Its docstring has a sentence on usual sizes, and it knows where it acts."""
     assert kind.__doc__ is not None
     assert "Typical" in kind.__doc__
     assert isinstance(kind.slot, EffectSlot)
@@ -44,5 +42,4 @@ def test_every_size_is_within_bounds_and_states_every_parameter(kind: type[Effec
 
 @pytest.mark.parametrize("kind", CATALOGUE.values(), ids=list(CATALOGUE))
 def test_typical_is_not_small(kind: type[Effect]) -> None:
-    """The two sizes differ."""
     assert kind.small != kind.typical

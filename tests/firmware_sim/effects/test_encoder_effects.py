@@ -22,13 +22,12 @@ def spin(to_dps: float) -> list[dict[str, object]]:
 def test_an_eccentric_disc_errs_once_per_turn_whatever_the_speed(effect: Effect | None, to_dps: float) -> None:
     """Amplitude and phase against the true angle, to a millidegree."""
     run = record(rig_of(effect), profile_of(*spin(to_dps)), 100.0)
-    found = once_per_turn(run.encoder_error_deg, run.angle_deg)
-    assert found == pytest.approx(phasor(effect, "amplitude_deg"), abs=0.001)
+    result = once_per_turn(run.encoder_error_deg, run.angle_deg)
+    assert result == pytest.approx(phasor(effect, "amplitude_deg"), abs=0.001)
 
 
 @sized("encoder_slip")
 def test_a_slipping_encoder_jumps_and_stays(effect: Effect | None) -> None:
-    """In ten hours: jumps of the step both ways, as many as are due within five times their root; or none."""
     rig = rig_of(effect, base=Base(sample_rate_hz=1.0))
     jumps_deg = np.diff(record(rig, profile_of(*REST), 36000.0).encoder_error_deg)
     jumps_deg = jumps_deg[np.abs(jumps_deg) > 0.02]
@@ -59,7 +58,6 @@ def test_a_turn_has_as_many_angles_as_the_encoder_counts(effect: Effect | None) 
 
 @sized("backlash")
 def test_the_encoder_lags_by_half_the_play_on_either_side(effect: Effect | None) -> None:
-    """Behind the motion one way and the other way, the play apart; to 2 millidegrees."""
     run = record(rig_of(effect), profile_of(TO_AND_FRO), 40.0)
     steady = np.abs(run.true_dps) == 60.0
     steady[1:] &= steady[:-1]

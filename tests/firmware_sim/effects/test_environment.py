@@ -17,7 +17,6 @@ def identified(effect: Effect | None) -> Record:
 
 @sized("temp_bias")
 def test_the_bias_goes_with_the_temperature(effect: Effect | None) -> None:
-    """Its slope to 0.2 mdps/°C, and at 25 °C the bias of the rig."""
     run = identified(effect)
     bias_dps, slope, _ = fitted(run.error_dps, 1.0, run.temp_c - 25.0, run.true_dps)
     assert slope == pytest.approx(put_in(effect, "slope_dps_per_c"), abs=2e-4)
@@ -25,7 +24,6 @@ def test_the_bias_goes_with_the_temperature(effect: Effect | None) -> None:
 
 
 def test_the_bias_may_bend_with_the_temperature() -> None:
-    """10 °C from 25 °C by a tenth of the line, which is the same at 25 °C."""
     run = identified(parse_effect("temp_bias:slope_dps_per_c=0.03,curve_per_c=0.01"))
     over_c = run.temp_c - 25.0
     _, slope, bend = fitted(run.error_dps, 1.0, over_c, over_c**2)
@@ -35,7 +33,6 @@ def test_the_bias_may_bend_with_the_temperature() -> None:
 
 @sized("temp_scale")
 def test_the_gain_goes_with_the_temperature(effect: Effect | None) -> None:
-    """Its slope to 0.0005 %/°C, and none of it at 25 °C."""
     run = identified(effect)
     _, gain, slope = fitted(run.error_dps, 1.0, run.true_dps, run.true_dps * (run.temp_c - 25.0))
     assert 100.0 * slope == pytest.approx(put_in(effect, "slope_percent_per_c"), abs=5e-4)
@@ -49,8 +46,8 @@ def decay(run: Record) -> tuple[float, float]:
     for tau_s in TAUS_S:
         curve = np.exp(-t_s / tau_s)
         offset, amplitude = fitted(rate_dps, 1.0, curve)
-        left = float(np.sum((rate_dps - offset - amplitude * curve) ** 2))
-        best = min(best, (left, float(amplitude), float(tau_s)))
+        remaining = float(np.sum((rate_dps - offset - amplitude * curve) ** 2))
+        best = min(best, (remaining, float(amplitude), float(tau_s)))
     return best[1], best[2]
 
 
@@ -64,7 +61,6 @@ def test_the_bias_decays_after_power_on(effect: Effect | None) -> None:
 
 
 def test_a_device_that_is_on_for_long_has_less_left_to_decay() -> None:
-    """After four minutes, e⁻² of the amplitude, and the same time constant."""
     amplitude_dps, tau_s = decay(record(rig_of(effect_of("warmup")), profile_of(*REST, powered_s=240.0), 600.0))
     assert amplitude_dps == pytest.approx(0.3 * np.exp(-2.0), abs=0.004)
     assert tau_s == pytest.approx(120.0, rel=0.15)

@@ -17,7 +17,6 @@ def identified(effect: Effect | None) -> Record:
 
 @sized("clock_drift")
 def test_the_drift_is_the_slope_of_the_device_clock_over_the_hosts(effect: Effect | None) -> None:
-    """To a hundredth of a part in a million."""
     run = identified(effect)
     _, slope = fitted(run.t_device_us - 1e6 * run.t_host_s, 1.0, run.t_host_s)
     assert slope == pytest.approx(put_in(effect, "ppm"), abs=0.01)
@@ -52,7 +51,6 @@ def test_samples_arrive_in_bunches_at_the_ticks(effect: Effect | None) -> None:
 
 @sized("usb_batching")
 def test_a_sample_waits_for_less_than_an_interval(effect: Effect | None) -> None:
-    """Anything from nothing to the whole interval, half of it on average; off, there is no wait."""
     run = identified(effect)
     waits_s = run.t_host_s - run.t_s - DELAY_S
     interval_s = put_in(effect, "interval_ms") * 1e-3
@@ -93,7 +91,6 @@ def test_samples_of_a_bunch_are_handed_over_one_after_the_other() -> None:
 
 
 def test_bunches_do_not_depend_on_the_blocks_of_the_measurement() -> None:
-    """Neither on their number nor on their length; without spread and handover bunches are those of an even poll."""
     uneven = UsbBatching(interval_ms=45.0, spread_percent=40.0, handover_ms=2.0)
     assert np.array_equal(arrivals_s(uneven, 3000), arrivals_s(uneven, 1, 99, 900, 2000))
     even = UsbBatching(interval_ms=45.0, spread_percent=0.0, handover_ms=0.0)
@@ -111,7 +108,6 @@ def test_a_sample_that_the_scheduler_delays_still_waits_for_the_tick() -> None:
 
 @sized("sample_drop")
 def test_lost_samples_are_holes_in_the_counter(effect: Effect | None) -> None:
-    """Their share within five standard errors, lone ones as independence has them; none without the effect."""
     seq = identified(effect).seq
     holes = np.diff(seq, prepend=-1) - 1
     share = put_in(effect, "share_percent") / 100.0

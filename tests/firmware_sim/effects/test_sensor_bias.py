@@ -41,8 +41,8 @@ def allan_dps(*effects: Effect | None, base: Base) -> Floats:
         taus_s, deviations, _, _ = allantools.oadev(rate_dps, base.sample_rate_hz, "freq", TAUS_S)
         np.testing.assert_allclose(taus_s, TAUS_S)
         squares += deviations**2 / HOURS
-    found: Floats = np.sqrt(squares)
-    return found
+    result: Floats = np.sqrt(squares)
+    return result
 
 
 def slow(noise_dps_rthz: float) -> Base:
@@ -60,15 +60,13 @@ def test_white_noise_has_its_allan_deviation(noise_dps_rthz: float) -> None:
 
 @sized("bias_instability")
 def test_one_over_f_noise_has_a_flat_allan_deviation(effect: Effect | None) -> None:
-    """0.664·B (IEEE 952)."""
-    found = allan_dps(effect, base=slow(0.0))
+    result = allan_dps(effect, base=slow(0.0))
     floor = 0.664 * put_in(effect, "floor_dph") / 3600.0
-    assert (np.abs(found - floor) <= BOUNDS * floor).all()
+    assert (np.abs(result - floor) <= BOUNDS * floor).all()
 
 
 @pytest.mark.parametrize("sample_rate_hz", [50.0, 400.0])
 def test_one_over_f_noise_goes_on_to_half_the_sample_rate(sample_rate_hz: float) -> None:
-    """Its two-sided density is B²/(2πf) in each octave, to a quarter."""
     base = Base(sample_rate_hz=sample_rate_hz, dps_per_lsb=1e-5, noise_dps_rthz=0.0)
     rate_dps = record(rig_of(effect_of("bias_instability"), base=base), profile_of(*REST), 600.0).rate_dps
     frequencies_hz, density = welch(rate_dps, sample_rate_hz, nperseg=round(16.0 * sample_rate_hz))
@@ -84,13 +82,12 @@ def test_one_over_f_noise_goes_on_to_half_the_sample_rate(sample_rate_hz: float)
 @sized("rate_random_walk")
 def test_a_walking_bias_has_its_allan_deviation(effect: Effect | None) -> None:
     """K·√(τ/3), beside the shipped noise; variances add."""
-    found = allan_dps(effect, base=slow(NOISE).model_copy(update={"dps_per_lsb": 1e-4}))
+    result = allan_dps(effect, base=slow(NOISE).model_copy(update={"dps_per_lsb": 1e-4}))
     variance = NOISE**2 / TAUS_S + put_in(effect, "density_dps_rts") ** 2 * TAUS_S / 3.0
-    assert (np.abs(found / np.sqrt(variance) - 1.0) <= BOUNDS).all()
+    assert (np.abs(result / np.sqrt(variance) - 1.0) <= BOUNDS).all()
 
 
 def test_a_walking_bias_has_no_floor_to_its_steps() -> None:
-    """After an hour it is K·√3600 from its start, over 40 sessions to 40 %."""
     rig = rig_of(effect_of("rate_random_walk"), base=Base(sample_rate_hz=1.0))
     ends_dps = [record(rig, profile_of(*REST), 3600.0, seed).rate_dps[-60:].mean() for seed in range(40)]
     assert np.std(ends_dps) == pytest.approx(0.005 * 60.0, rel=0.4)
@@ -98,10 +95,6 @@ def test_a_walking_bias_has_no_floor_to_its_steps() -> None:
 
 @sized("popcorn")
 def test_popcorn_has_two_levels_and_its_dwell_time(effect: Effect | None) -> None:
-    """In means of 1.5 s over an hour with noise: levels to a millidegree, dwell times to a quarter.
-
-    The halves of the noise alone are 0.0055 deg/s apart.
-    """
     means_dps = means(record(rig_of(effect), profile_of(*REST), HOUR_S, 1).rate_dps, 150)
     middle = 0.5 * (np.quantile(means_dps, 0.02) + np.quantile(means_dps, 0.98))
     is_high = means_dps > middle
@@ -115,7 +108,6 @@ def test_popcorn_has_two_levels_and_its_dwell_time(effect: Effect | None) -> Non
 
 @sized("vibration_rectification")
 def test_rectification_is_the_part_that_goes_with_the_square_of_the_rate(effect: Effect | None) -> None:
-    """To a millidegree a second at 100 deg/s, and nothing of it is taken for gain."""
     run = record(rig_of(effect), load_profile("identify"), 594.0)
     _, gain, square = fitted(run.error_dps, 1.0, run.true_dps, (run.true_dps / 100.0) ** 2)
     assert square == pytest.approx(put_in(effect, "bias_dps_at_100_dps"), abs=0.001)
@@ -128,5 +120,5 @@ def test_a_tilted_table_shows_once_per_turn_whatever_the_speed(effect: Effect | 
     """Amplitude and phase against the true angle, to 2.5 mdps; the noise leaves 0.7."""
     spin = {"kind": "ramp", "seconds": 1.0, "to_dps": to_dps}
     run = record(rig_of(effect), profile_of(spin, {"kind": "hold", "seconds": 99.0}), 100.0)
-    found = once_per_turn(run.error_dps, run.angle_deg)
-    assert found == pytest.approx(phasor(effect, "amplitude_dps"), abs=0.0025)
+    result = once_per_turn(run.error_dps, run.angle_deg)
+    assert result == pytest.approx(phasor(effect, "amplitude_dps"), abs=0.0025)

@@ -20,7 +20,6 @@ def identified(effect: Effect | None) -> Record:
 
 @sized("scale_factor")
 def test_the_gain_error_is_the_slope_of_the_error_over_the_rate(effect: Effect | None) -> None:
-    """To a thousandth of a percent; the noise leaves 0.0003 %."""
     run = identified(effect)
     _, slope = fitted(run.error_dps, 1.0, run.true_dps)
     assert 100.0 * slope == pytest.approx(put_in(effect, "error_percent"), abs=0.001)
@@ -28,7 +27,6 @@ def test_the_gain_error_is_the_slope_of_the_error_over_the_rate(effect: Effect |
 
 @sized("scale_asymmetry")
 def test_the_asymmetry_is_the_part_that_goes_with_the_size_of_the_rate(effect: Effect | None) -> None:
-    """To two thousandths of a percent, and nothing of it is taken for gain."""
     run = identified(effect)
     _, gain, even = fitted(run.error_dps, 1.0, run.true_dps, np.abs(run.true_dps))
     assert 100.0 * even == pytest.approx(put_in(effect, "error_percent"), abs=0.002)
@@ -37,7 +35,6 @@ def test_the_asymmetry_is_the_part_that_goes_with_the_size_of_the_rate(effect: E
 
 @sized("nonlinearity")
 def test_the_cubic_is_the_third_power_beside_the_gain(effect: Effect | None) -> None:
-    """In percent of 250 deg/s, to a twentieth of the small size; the noise leaves a fifth of that."""
     run = identified(effect)
     *_, cubic = fitted(run.error_dps, 1.0, run.true_dps, (run.true_dps / 250.0) ** 3)
     assert 100.0 * cubic / 250.0 == pytest.approx(put_in(effect, "error_percent_fs"), abs=0.0025)
@@ -45,7 +42,6 @@ def test_the_cubic_is_the_third_power_beside_the_gain(effect: Effect | None) -> 
 
 @sized("deadband")
 def test_the_dead_band_ends_at_the_smallest_output_that_is_not_zero(effect: Effect | None) -> None:
-    """Through a slow ramp with noise, to two counts; without a dead band the smallest is one count."""
     size_dps = np.abs(record(rig_of(effect), SLOW_RAMP, 101.0).rate_dps)
     smallest_dps = size_dps[size_dps > 0.0].min() - COUNT_DPS
     assert smallest_dps == pytest.approx(put_in(effect, "width_dps"), abs=2.0 * COUNT_DPS)
@@ -62,7 +58,6 @@ def test_outside_of_the_dead_band_the_rate_is_untouched() -> None:
 
 @sized("saturation")
 def test_the_range_ends_at_the_output_that_comes_again_and_again(effect: Effect | None) -> None:
-    """To half a count, both ways; with the whole range the extremes are noise and come once or twice."""
     rate_dps = identified(effect).rate_dps
     for extreme_dps in (rate_dps.max(), rate_dps.min()):
         ends = int(np.sum(rate_dps == extreme_dps))
@@ -76,7 +71,6 @@ def test_the_range_ends_at_the_output_that_comes_again_and_again(effect: Effect 
 
 @sized("quantization")
 def test_the_step_is_the_distance_of_the_levels(effect: Effect | None) -> None:
-    """Over many levels, to a tenth of a count; without it the levels are the counts of the rig."""
     levels_dps = np.unique(record(rig_of(effect), SLOW_RAMP, 101.0).rate_dps)
     step_dps = np.diff(levels_dps).mean()
     assert step_dps == pytest.approx(put_in(effect, "step_dps") or COUNT_DPS, abs=COUNT_DPS / 10.0)

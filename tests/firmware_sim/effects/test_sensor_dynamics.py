@@ -37,14 +37,13 @@ def density(rate_dps: Floats, sample_rate_hz: float, low_hz: float, high_hz: flo
 def strongest_line(rate_dps: Floats) -> tuple[float, float]:
     """Frequency in Hz and amplitude of the strongest tone in 100 s at 100 Hz."""
     heights = 2.0 * np.abs(np.fft.rfft(rate_dps - rate_dps.mean())) / rate_dps.size
-    place = int(heights.argmax())
-    return place / 100.0, float(heights[place])
+    position = int(heights.argmax())
+    return position / 100.0, float(heights[position])
 
 
 @sized("bandwidth")
 @pytest.mark.parametrize("part", [0.25, 1.0])
 def test_gain_and_phase_are_those_of_one_pole(effect: Effect | None, part: float) -> None:
-    """1/H = 1 + jf/fc at a quarter of the cut-off and at the cut-off, to half a percent; without it H is 1."""
     frequency_hz = part * (put_in(effect, "cutoff_hz") or 40.0)
     inverse = 1.0 / response(effect, frequency_hz)
     assert inverse.real == pytest.approx(1.0, abs=0.005)
@@ -54,7 +53,6 @@ def test_gain_and_phase_are_those_of_one_pole(effect: Effect | None, part: float
 @pytest.mark.parametrize("cutoff_hz", [10.0, 40.0])
 @pytest.mark.parametrize("part", [0.25, 1.0])
 def test_gain_and_phase_of_the_second_order_are_those_of_butterworth(cutoff_hz: float, part: float) -> None:
-    """1/H = 1 + j√2·f/fc − (f/fc)² at a quarter of the cut-off and at the cut-off, to half a percent."""
     inverse = 1.0 / response(Bandwidth(cutoff_hz=cutoff_hz, order=2), part * cutoff_hz)
     assert inverse.real == pytest.approx(1.0 - part**2, abs=0.005)
     assert inverse.imag == pytest.approx(np.sqrt(2.0) * part, abs=0.007)
@@ -69,11 +67,10 @@ def test_slow_changes_come_late_by_what_a_low_pass_says(order: int) -> None:
 
 
 def test_the_second_order_takes_more_of_the_noise() -> None:
-    """At three times the cut-off 1/82 in power is left, and so says the effect."""
     effect, base = Bandwidth(cutoff_hz=40.0, order=2), Base(sample_rate_hz=1000.0, dps_per_lsb=1e-4)
     rate_dps = record(rig_of(effect, base=base), profile_of(*REST), 120.0).rate_dps
-    left = density(rate_dps, 1000.0, 112.0, 128.0) / base.noise_dps_rthz
-    assert left == pytest.approx(np.sqrt(1.0 / 82.0), rel=0.08)
+    remaining = density(rate_dps, 1000.0, 112.0, 128.0) / base.noise_dps_rthz
+    assert remaining == pytest.approx(np.sqrt(1.0 / 82.0), rel=0.08)
     assert effect.power_passed(np.array([120.0]))[0] == pytest.approx(1.0 / 82.0)
 
 
@@ -91,7 +88,6 @@ def test_the_noise_falls_with_the_gain(effect: Effect | None) -> None:
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_a_low_pass_starts_where_the_table_is(order: int) -> None:
-    """There is no transient from zero: a table that turns already is seen to do so from the first sample."""
     turning, t_s = np.full(50, 30.0), np.arange(50, dtype=np.float64) * 1e-3
     passed = Bandwidth(cutoff_hz=10.0, order=order).begin(np.random.default_rng(0), 100.0)
     moments = Moments(t_s, t_s, 30.0 * t_s, turning, turning, 1e-3)
@@ -116,7 +112,6 @@ def test_the_phase_falls_with_frequency_and_the_gain_stays(effect: Effect | None
 
 
 def test_a_delay_may_be_any_part_of_a_sample() -> None:
-    """2.5 ms at 100 Hz are not rounded to samples."""
     answer = response(Latency(delay_ms=2.5), 4.0)
     assert -np.angle(answer) / (2.0 * np.pi * 4.0) == pytest.approx(2.5e-3, abs=1e-5)
 
@@ -153,7 +148,6 @@ def test_a_low_pass_weakens_a_tone_before_it_is_sampled(frequency_hz: float, see
 
 
 def test_each_session_starts_with_another_phase_of_the_vibration() -> None:
-    """Nobody started the fan with the table."""
     rig = rig_of(effect_of("vibration"))
     phases = {
         round(np.angle(tone((run := record(rig, profile_of(*REST), 10.0, seed)).rate_dps, run.t_s, 27.0)), 1)

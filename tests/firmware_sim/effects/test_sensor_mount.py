@@ -17,7 +17,6 @@ GRAVITY = 9.80665
 
 @pytest.mark.parametrize("tilt_deg", [0.0, 4.0, 10.0, 60.0])
 def test_a_single_axis_reads_the_cosine_of_the_tilt(tilt_deg: float) -> None:
-    """10 degrees cost 1.5 % of the rate; the noise leaves 0.0003 %."""
     run = record(rig_of(Misalignment(tilt_deg=tilt_deg)), load_profile("identify"), 594.0)
     _, slope = fitted(run.error_dps, 1.0, run.true_dps)
     assert 1.0 + slope == pytest.approx(np.cos(np.deg2rad(tilt_deg)), abs=1e-5)
@@ -37,7 +36,6 @@ def read(*effects: Misalignment) -> tuple[Floats, Floats, Floats]:
 
 @pytest.mark.parametrize("about_deg", [0.0, 90.0, -30.0])
 def test_three_axes_share_turn_and_gravity_in_the_same_way(about_deg: float) -> None:
-    """Both point in one direction of the sensor: off z by the tilt, at right angles to the axis of the tilt."""
     rates, force, true_dps = read(Misalignment(tilt_deg=12.0, about_deg=about_deg))
     tilt, toward = np.deg2rad(12.0), np.deg2rad(about_deg + 90.0)
     up = np.array([np.sin(tilt) * np.cos(toward), np.sin(tilt) * np.sin(toward), np.cos(tilt)])

@@ -18,7 +18,6 @@ def swung(effect: Effect | None) -> Record:
 
 @sized("spikes")
 def test_spikes_have_their_height_and_their_share(effect: Effect | None) -> None:
-    """Whatever is 2 deg/s beyond the truth is one: both signs, heights to 0.02 deg/s, none where there are none."""
     error_dps = swung(effect).error_dps
     off_dps = (error_dps - np.median(error_dps))[np.abs(error_dps) > 2.0]
     share = put_in(effect, "share_percent") / 100.0
@@ -39,12 +38,11 @@ def stale(run: Record) -> NDArray[np.bool_]:
 @sized("stale_hold")
 def test_a_share_of_the_samples_repeats_the_one_before(effect: Effect | None) -> None:
     """Equal while the table moves on; none without the effect."""
-    found = stale(swung(effect))
+    result = stale(swung(effect))
     share = put_in(effect, "share_percent") / 100.0
-    assert abs(found.mean() - share) <= share_bound(share, found.size)
+    assert abs(result.mean() - share) <= share_bound(share, result.size)
 
 
 def test_stale_samples_come_in_rows_by_chance() -> None:
-    """With half of them stale, half of the stale ones have a stale one before them."""
-    found = stale(swung(StaleHold(share_percent=50.0)))
-    assert found[1:][found[:-1]].mean() == pytest.approx(0.5, abs=0.02)
+    result = stale(swung(StaleHold(share_percent=50.0)))
+    assert result[1:][result[:-1]].mean() == pytest.approx(0.5, abs=0.02)

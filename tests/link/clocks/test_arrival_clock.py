@@ -29,7 +29,6 @@ def stamped(clock: ArrivalClock, arrivals: list[tuple[float, int]]) -> list[Samp
 
 @pytest.mark.parametrize(("batch_s", "jitter_s"), [(0.005, 0.0), (0.005, 0.003), (0.016, 0.004), (0.1, 0.01)])
 def test_bunched_and_jittering_arrivals_give_evenly_spaced_times(batch_s: float, jitter_s: float) -> None:
-    """After half a minute each step is the true period to 2 %, and their mean to 0.1 %."""
     samples = stamped(ArrivalClock(0.0), batches(0.005, 60.0, batch_s, jitter_s))
     steps = [b.t_device_s - a.t_device_s for a, b in pairwise(samples)]
     late = steps[len(steps) // 2 :]
@@ -48,7 +47,6 @@ def test_nothing_is_lost_while_the_line_is_being_found() -> None:
 
 
 def test_a_slow_device_is_not_held_for_long() -> None:
-    """One sample a second: two seconds are three samples."""
     clock = ArrivalClock(0.0)
     samples = stamped(clock, [(100.0 + i, 1) for i in range(6)])
     assert len(samples) == 6
@@ -74,7 +72,6 @@ def test_a_stall_that_is_made_up_for_in_several_reads_is_no_gap() -> None:
 
 
 def test_late_arrivals_now_and_then_do_not_end_the_line() -> None:
-    """Only late ones in a row say that the line itself has moved."""
     fit = ArrivalFit()
     for index in range(2000):
         is_late = index > 200 and index % 10 == 0
@@ -97,7 +94,6 @@ def test_silence_without_a_burst_is_a_gap_of_its_true_length() -> None:
 
 
 def test_time_never_goes_back_whatever_arrives() -> None:
-    """Random batches with random lateness."""
     random, clock, now_s = Random(4), ArrivalClock(0.0), 100.0
     samples = []
     for _ in range(5000):

@@ -37,8 +37,8 @@ class Bench:
         self.now_s += samples * PERIOD_US * 1e-6 if host_s is None else host_s
 
     def events(self) -> list[object]:
-        found, self.clock.events = list(self.clock.events), []
-        return list(found)
+        result, self.clock.events = list(self.clock.events), []
+        return list(result)
 
 
 def test_time_and_counter_are_unwrapped() -> None:
@@ -54,7 +54,6 @@ def test_time_and_counter_are_unwrapped() -> None:
 @pytest.mark.parametrize("has_counter", [True, False])
 @given(st.integers(1, 5000), st.integers(10, 60))
 def test_a_hole_is_measured_and_time_stays_true(has_counter: bool, missing: int, before: int) -> None:  # noqa: FBT001
-    """With the counter, or by time where there is none."""
     bench = Bench(has_counter=has_counter)
     bench.read(before)
     bench.skip(missing)
@@ -73,15 +72,16 @@ def test_a_hole_longer_than_the_counter_is_counted_by_the_clock() -> None:
     assert bench.events() == [SampleGap(120_000, near(1200.01))]
 
 
+@pytest.mark.promise("Samples")
 @pytest.mark.parametrize("host_s", [None, 1e-5], ids=["in real time", "in a fast replay"])
 @pytest.mark.parametrize("off_us", [-3_000_000, 0, 3_000_000])
 @pytest.mark.parametrize("wraps", [1, 2, 3])
 def test_one_wild_time_near_a_wrap_of_the_counter_is_a_glitch(wraps: int, off_us: int, host_s: float | None) -> None:
-    """The counter cannot bear out what is as long as its wrap: the reading after it does, or does not."""
+    """One wrong device time is a glitch; a gap has the length on which device clock and host clock agree."""
     bench = Bench()
     bench.read(300, host_s=host_s)
-    wild = Reading((bench.ticks_us + wraps * 65536 * PERIOD_US + off_us) % WRAP, 300, 5.0)
-    assert bench.clock.stamp([wild], bench.now_s) == []
+    outlying = Reading((bench.ticks_us + wraps * 65536 * PERIOD_US + off_us) % WRAP, 300, 5.0)
+    assert bench.clock.stamp([outlying], bench.now_s) == []
     bench.skip(1, host_s=host_s)
     assert [s.t_device_s for s in bench.read(3, host_s=host_s)] == pytest.approx([3.01, 3.02, 3.03])
     assert bench.clock.glitches == 1
@@ -98,7 +98,6 @@ def test_a_clock_that_steps_by_a_wrap_of_the_counter_is_a_restart_where_the_host
 
 
 def test_a_fast_replay_with_a_hole_keeps_the_true_time() -> None:
-    """There the host clock is no cross-check."""
     bench = Bench(has_counter=False)
     for _ in range(300):
         bench.read(host_s=1e-5)
@@ -111,7 +110,6 @@ def test_a_fast_replay_with_a_hole_keeps_the_true_time() -> None:
 @pytest.mark.parametrize("old_us", [50_000_000, WRAP - 60_000_000])
 @pytest.mark.parametrize("has_counter", [True, False])
 def test_a_reset_goes_on_one_period_after_the_last_sample(old_us: int, has_counter: bool) -> None:  # noqa: FBT001
-    """Whether the old clock was lower than the new one by less or by more than half a wrap; nothing is lost."""
     bench = Bench(start_us=old_us, has_counter=has_counter)
     last = bench.read(300)[-1]
     bench.ticks_us, bench.count = 0, 0
@@ -151,8 +149,8 @@ def test_a_single_wild_time_is_a_glitch() -> None:
     """Dropped, and time goes on as if it had not been."""
     bench = Bench()
     bench.read(300)
-    wild = Reading(3_000_000_000, 300, 0.0)
-    assert bench.clock.stamp([wild], bench.now_s) == []
+    outlying = Reading(3_000_000_000, 300, 0.0)
+    assert bench.clock.stamp([outlying], bench.now_s) == []
     bench.skip(1)
     samples = bench.read(5)
     assert [s.t_device_s for s in samples] == pytest.approx([3.01 + 0.01 * i for i in range(5)])
@@ -160,7 +158,6 @@ def test_a_single_wild_time_is_a_glitch() -> None:
 
 
 def test_times_that_repeat_or_go_back_a_little_are_left_to_the_filter() -> None:
-    """They do not move the clock."""
     bench = Bench()
     bench.read(100)
     repeated = Reading(bench.ticks_us - PERIOD_US, 99, 0.0)
@@ -195,7 +192,6 @@ def test_a_step_of_less_than_a_second_is_told_from_time_that_passed(has_counter:
 
 
 def test_a_fast_replay_believes_the_counter_and_not_a_clock_that_jumped() -> None:
-    """Where the host clock is no cross-check."""
     bench = Bench()
     for _ in range(300):
         bench.read(host_s=1e-5)
@@ -207,7 +203,6 @@ def test_a_fast_replay_believes_the_counter_and_not_a_clock_that_jumped() -> Non
 
 @pytest.mark.parametrize("wild_us", [-500_000, 400_000, 40_000_000])
 def test_one_damaged_time_without_a_counter_is_a_glitch(wild_us: int) -> None:
-    """As when a digit of a csv line is lost."""
     bench = Bench(has_counter=False)
     bench.read(300)
     assert bench.clock.stamp([Reading(bench.ticks_us + wild_us, None, 0.0)], bench.now_s) == []
@@ -218,7 +213,6 @@ def test_one_damaged_time_without_a_counter_is_a_glitch(wild_us: int) -> None:
 
 @given(st.lists(st.integers(2_000, 60_000), min_size=5, max_size=200))
 def test_irregular_times_lose_nothing_but_perhaps_the_last(steps_us: list[int]) -> None:
-    """Without a counter, and in a fast replay: every step is as it was."""
     bench = Bench(has_counter=False)
     samples = [sample for step_us in steps_us for sample in bench.read(step_us=step_us, host_s=1e-5)]
     times_us = [sum(steps_us[:i]) for i in range(len(steps_us))]
@@ -228,7 +222,6 @@ def test_irregular_times_lose_nothing_but_perhaps_the_last(steps_us: list[int]) 
 
 
 def test_after_an_outage_a_clock_that_began_anew_is_not_taken_for_a_hole() -> None:
-    """Even where it reads more than before: it disagrees with how long the host waited."""
     bench = Bench()
     last = bench.read(500)[-1]
     bench.clock.reconnected()
@@ -240,7 +233,6 @@ def test_after_an_outage_a_clock_that_began_anew_is_not_taken_for_a_hole() -> No
 
 
 def test_a_stall_that_ends_in_a_burst_moves_nothing() -> None:
-    """Late is not lost."""
     bench = Bench()
     bench.read(300)
     bench.now_s += 4.0
@@ -252,7 +244,6 @@ def test_a_stall_that_ends_in_a_burst_moves_nothing() -> None:
 
 @pytest.mark.parametrize("ppm", [-8000.0, -50.0, 0.0, 50.0, 8000.0])
 def test_the_drift_of_the_device_clock_is_measured(ppm: float) -> None:
-    """To a part per million where arrival is exact."""
     bench = Bench()
     for _ in range(3000):
         bench.read(host_s=0.01 / (1.0 + ppm * 1e-6))
@@ -260,8 +251,9 @@ def test_the_drift_of_the_device_clock_is_measured(ppm: float) -> None:
     assert bench.clock.period_s == pytest.approx(0.01)
 
 
+@pytest.mark.promise("Samples")
 def test_a_device_that_is_set_to_another_rate_loses_nothing_though_frames_do() -> None:
-    """Fifty times slower: the counter and the clock of each step tell what a step is, long before a period is known."""
+    """A device that changes its sample rate loses no sample, even with damaged frames."""
     bench = Bench()
     bench.read(100)
     heard = [bench.read(step_us=500_000)]
@@ -277,7 +269,6 @@ def test_a_device_that_is_set_to_another_rate_loses_nothing_though_frames_do() -
 
 
 def test_a_step_at_the_pace_of_the_one_before_needs_no_second_reading() -> None:
-    """After the first of them, samples of the new rate are handed on at once."""
     bench = Bench()
     bench.read(100)
     assert [len(bench.read(step_us=500_000)) for _ in range(5)] == [1, 0, 2, 1, 1]
@@ -309,7 +300,6 @@ def test_a_step_of_which_a_part_is_at_the_old_rate_costs_no_sample() -> None:
 
 
 def test_a_device_that_loses_samples_from_its_first_one_on_has_a_period() -> None:
-    """By its counter: of a sensor that is too fast for the line, hardly two samples in a row arrive."""
     bench = Bench()
     for _ in range(20):
         bench.read()

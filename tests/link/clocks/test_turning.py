@@ -42,10 +42,9 @@ def test_an_angle_that_is_set_anew_and_a_clock_that_begins_anew_are_no_turn() ->
 
 @given(st.lists(st.floats(-170.0, 170.0), min_size=2, max_size=50), st.sampled_from([-180.0, 0.0]))
 def test_the_rates_add_up_to_the_angle(turns: list[float], least: float) -> None:
-    """Whatever range it is printed in."""
     turning, angle_deg, total_deg = TurningRate(), 0.0, 0.0
     turning.rate_dps(0.0, angle_deg)
-    for second, turned in enumerate(turns, 1):
-        angle_deg += turned
+    for second, turn in enumerate(turns, 1):
+        angle_deg += turn
         total_deg += turning.rate_dps(float(second), (angle_deg - least) % 360.0 + least)
     assert total_deg == pytest.approx(angle_deg, abs=1e-6)

@@ -97,9 +97,10 @@ def played(port: Path, frame: Callable[[float], bytes]) -> tuple[list[Sample], H
         return host.hear(device, (frame(110.0 + turn) for turn in turns), 1.0 / HZ), host
 
 
+@pytest.mark.promise("Text and units")
 @pytest.mark.parametrize("form", FORMS)
 def test_the_turn_of_a_device_that_sends_an_angle_is_the_true_one(port: Path, form: str) -> None:
-    """With its sign and through the wrap; and it is said that its own filter has been at work."""
+    """A device that sends only an angle turns by the true angle, with the right sign."""
     protocol, frame = FORMS[form]
     samples, host = played(port, frame)
     turned_deg = sum(now.rate_dps * (now.t_device_s - before.t_device_s) for before, now in pairwise(samples))
@@ -125,12 +126,13 @@ WITH_RATE: dict[str, tuple[type, Callable[[float], bytes], Callable[[float], byt
 }
 
 
+@pytest.mark.promise("Text and units")
 @pytest.mark.parametrize("protocol", WITH_RATE)
 @pytest.mark.parametrize("joined_at", [0, 1])
 def test_a_device_that_sends_both_is_read_by_its_rate(protocol: str, joined_at: int) -> None:
-    """Whichever of them comes first; none of its angles makes a sample."""
+    """A device that sends angle and rate is read by its rate."""
     decoder, angle, rate = WITH_RATE[protocol]
-    stream = [each for i in range(30) for each in (angle(i), rate(5.0))][joined_at:]
+    stream = [item for i in range(30) for item in (angle(i), rate(5.0))][joined_at:]
     readings: list[Reading] = decoder().push(b"".join(stream))
     assert len(readings) >= 29
     assert [reading.rate_dps for reading in readings] == pytest.approx([5.0] * len(readings), abs=0.05)
@@ -140,14 +142,13 @@ def test_a_device_that_sends_both_is_read_by_its_rate(protocol: str, joined_at: 
 def test_an_angle_waits_for_a_rate_and_then_stays(protocol: str) -> None:
     """A rate that comes later would count the same turn twice."""
     decoder, angle, rate = WITH_RATE[protocol]
-    stream = [angle(i) for i in range(ANGLES_BEFORE + 3)] + [each for i in range(9) for each in (rate(5.0), angle(i))]
+    stream = [angle(i) for i in range(ANGLES_BEFORE + 3)] + [item for i in range(9) for item in (rate(5.0), angle(i))]
     readings = decoder().push(b"".join(stream))
     assert all(reading.rate_dps != reading.rate_dps for reading in readings)
     assert len(readings) == 3 + 9
 
 
 def test_of_two_compasses_the_first_is_listened_to() -> None:
-    """And the other is named."""
     decoder = NmeaDecoder()
     stream = (sentence("HEHDT,10.0,T") + sentence("HCHDM,190.0,M")) * 9
     assert {reading.yaw_deg for reading in decoder.push(stream)} in ({-10.0}, {-190.0})
@@ -160,8 +161,9 @@ def test_a_heading_that_is_none_is_passed_over(body: str) -> None:
     assert NmeaDecoder().push(sentence(body) * 20) == []
 
 
+@pytest.mark.promise("Text and units")
 def test_sentences_without_a_checksum_are_read_by_who_asks_for_them() -> None:
-    """Where none has a checksum; deg/min and starboard as ever."""
+    """NMEA sentences without a checksum are read only with `--protocol nmea`."""
     line = b"$TIROT,-300.0,A\r\n"
     assert NmeaDecoder().push(line * 9) == []
     assert [reading.rate_dps for reading in AskedNmeaDecoder().push(line * 9)] == [5.0] * 9
@@ -170,6 +172,7 @@ def test_sentences_without_a_checksum_are_read_by_who_asks_for_them() -> None:
     assert decoder.counters.damaged == 9
 
 
+@pytest.mark.promise("Text and units")
 @pytest.mark.parametrize(
     "line",
     [
@@ -185,19 +188,17 @@ def test_sentences_without_a_checksum_are_read_by_who_asks_for_them() -> None:
     ],
 )
 def test_a_sentence_without_a_checksum_has_to_be_whole(line: bytes) -> None:
-    """Nothing else tells that it is."""
+    """A sentence without a checksum must be complete."""
     assert AskedNmeaDecoder().push((line + b"\r\n") * 20) == []
 
 
 def test_who_asks_for_nmea_by_name_reads_it_without_checksums(port: Path) -> None:
-    """`--protocol nmea`; detection does not take it."""
     with speaking_on(port) as device, Host(port, protocol="nmea") as host:
         samples = host.hear(device, [b"$TIROT,-300.0,A\r\n"] * 40, 0.1)
     assert {sample.rate_dps for sample in samples} == {5.0}
 
 
 def test_a_navx_message_worked_out_by_hand_is_read() -> None:
-    """12.34 deg clockwise; its characters add up to 1503."""
     (reading,) = NavxDecoder().push(b"!y+012.34-001.20+000.53+123.40DF\r\n")
     assert reading.yaw_deg == -12.34
 
@@ -211,16 +212,14 @@ def test_random_bytes_never_make_a_navx_sample(noise: bytes) -> None:
 
 
 @given(st.integers(2, 29), st.integers(1, 255))
-def test_one_damaged_byte_of_a_navx_message_is_never_believed(place: int, flip: int) -> None:
-    """Its sum tells."""
+def test_one_damaged_byte_of_a_navx_message_is_never_believed(position: int, flip: int) -> None:
     broken = bytearray(navx(33.3))
-    broken[place] ^= flip
+    broken[position] ^= flip
     assert NavxDecoder().push(bytes(broken)) == []
 
 
 @given(st.floats(-179.9, 179.9), st.floats(-80, 80), st.floats(-179, 179))
 def test_the_yaw_of_a_quaternion_is_that_of_its_euler_angles(yaw: float, pitch: float, roll: float) -> None:
-    """First about z, then y, then x."""
     (cy, sy), (cp, sp), (cr, sr) = half(yaw), half(pitch), half(roll)
     w, x = cr * cp * cy + sr * sp * sy, sr * cp * cy - cr * sp * sy
     y, z = cr * sp * cy + sr * cp * sy, cr * cp * sy - sr * sp * cy

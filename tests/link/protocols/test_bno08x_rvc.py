@@ -16,14 +16,13 @@ def turning(*indexed_yaw: tuple[int, int]) -> list[Reading]:
 
 def test_the_frame_of_the_data_sheet_is_whole() -> None:
     """A second frame one hundredth of a degree on is 1 deg/s, and the index is its clock."""
-    index, yaw, *others = (222, 1, -110, 2085, -371, -20, 977)
-    assert rvc_frame(index, yaw, *others) == golden.RVC_FRAME
-    (reading,) = RvcDecoder().push(golden.RVC_FRAME + rvc_frame(223, 2, *others))
+    index, yaw, *rest = (222, 1, -110, 2085, -371, -20, 977)
+    assert rvc_frame(index, yaw, *rest) == golden.RVC_FRAME
+    (reading,) = RvcDecoder().push(golden.RVC_FRAME + rvc_frame(223, 2, *rest))
     assert (reading.rate_dps, reading.t_us, reading.seq) == (1.0, 223 * 10_000, 223)
 
 
 def test_yaw_goes_on_over_half_a_turn_and_the_index_over_its_end() -> None:
-    """Both wrap."""
     readings = turning((254, 17990), (255, -17990), (256, -17970), (257, -17990))
     assert [reading.rate_dps for reading in readings] == [20.0, 20.0, -20.0]
     assert [reading.t_us for reading in readings] == [2_550_000, 2_560_000, 2_570_000]
@@ -51,7 +50,6 @@ def test_a_byte_too_many_that_looks_like_a_head_costs_no_frame() -> None:
 
 
 def test_a_frame_that_stands_alone_is_not_believed() -> None:
-    """One byte of checksum lets every 256th piece of noise through."""
     decoder = RvcDecoder()
     decoder.push(b"\xaa" * 5 + golden.RVC_FRAME + pack("<30x") + b"\xaa")
     assert decoder.counters.frames == 0

@@ -62,7 +62,6 @@ def test_rates_that_are_not_finite_are_passed_on_for_the_filter_to_count() -> No
     ],
 )
 def test_the_shortened_line_at_which_a_reader_joins_is_no_sample(partial: bytes, rest: bytes) -> None:
-    """Even where it parses."""
     decoder = CsvDecoder()
     readings = decoder.push(partial + rest)
     assert readings[0].t_us == 12355678
@@ -86,7 +85,6 @@ def test_a_line_cut_short_or_merged_does_not_pass_for_a_sample() -> None:
 
 
 def test_a_device_that_changes_its_columns_for_good_is_followed() -> None:
-    """After three lines, and without losing them."""
     decoder = CsvDecoder()
     decoder.push(THREE)
     assert decoder.push(b"30100,1,5\n40100,1,5\n") == []
@@ -95,16 +93,14 @@ def test_a_device_that_changes_its_columns_for_good_is_followed() -> None:
 
 
 def test_an_angle_without_end_is_none() -> None:
-    """What follows speaks JSON, which has no word for it."""
     lines = b"".join(b"%d,0.5,%b,%b\n" % (i * 10_000, *words) for i, words in enumerate([(b"inf", b"1e999")] * 4))
     readings = CsvDecoder().push(lines)
     assert len(readings) == 4
-    assert all(isnan(one.encoder_deg) and isnan(one.temp_c) for one in readings)
+    assert all(isnan(item.encoder_deg) and isnan(item.temp_c) for item in readings)
 
 
 @pytest.mark.parametrize("tail", [b"x", b",", b"e", b"..", b" 1"])
 def test_digits_without_end_are_damage(tail: bytes) -> None:
-    """As long as a line may be."""
     decoder = CsvDecoder()
     assert decoder.push(b"1,0.5,%b%b\n" % (b"1" * 240, tail)) == []
     assert decoder.counters.damaged == 1
@@ -112,10 +108,9 @@ def test_digits_without_end_are_damage(tail: bytes) -> None:
 
 @given(st.floats(-1e4, 1e4), st.floats(allow_nan=False, allow_infinity=False))
 def test_whatever_a_float_is_printed_as_is_read(rate_dps: float, encoder_deg: float) -> None:
-    """In all its digits."""
     lines = b"".join(f"{i}, {rate_dps!r} ,{encoder_deg:e}\n".encode() for i in range(3))
     readings = CsvDecoder().push(lines)
-    assert [(one.rate_dps, one.encoder_deg) for one in readings] == [(rate_dps, float(f"{encoder_deg:e}"))] * 3
+    assert [(item.rate_dps, item.encoder_deg) for item in readings] == [(rate_dps, float(f"{encoder_deg:e}"))] * 3
 
 
 def plausible(line: Callable[[int, Random], str], lines: int = 12, seed: int = 4) -> bool:
@@ -136,7 +131,7 @@ OWN: dict[str, Callable[[int, Random], str]] = {
     "a line said twice": lambda i, dice: f"{20_000 * (i - (i == 5))},1.0",
     "a clock that wraps": lambda i, dice: f"{(2**32 - 100_000 + 20_000 * i) % 2**32},1.0",
 }
-OTHERS: dict[str, Callable[[int, Random], str]] = {
+REST: dict[str, Callable[[int, Random], str]] = {
     "three axes behind a clock": lambda i, dice: (
         f"{20_000 * i},{dice.gauss(0.3, 0.05):.3f},{dice.gauss(-0.8, 0.05):.3f},{dice.gauss(0.5, 0.05):.3f}"
     ),
@@ -153,10 +148,9 @@ def test_what_csv_says_is_plausible(name: str) -> None:
     assert plausible(OWN[name])
 
 
-@pytest.mark.parametrize("name", OTHERS)
+@pytest.mark.parametrize("name", REST)
 def test_lines_that_only_look_like_csv_are_not(name: str) -> None:
-    """They are asked for."""
-    assert not plausible(OTHERS[name])
+    assert not plausible(REST[name])
 
 
 def test_slow_lines_are_judged_by_their_time() -> None:

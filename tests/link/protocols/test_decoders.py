@@ -22,7 +22,6 @@ RIG = Rig(base=Base(bias_dps=0.3))
 
 
 def frames(protocol: str, count: int) -> list[Frame]:
-    """What the simulated device says, one frame, line or triple a measurement."""
     spoken = ENCODERS[protocol].frames(measure(RIG, load_profile("turntable"), seed=3), RIG.base)
     return list(islice(spoken, count))
 
@@ -48,25 +47,21 @@ cuts = st.lists(st.integers(0, 1 << 20), max_size=40)
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_everything_the_device_says_is_read(protocol: str) -> None:
-    """None missing, none invented."""
     assert len(ONE_PUSH[protocol]) == sum(frame.rows for frame in FRAMES[protocol])
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_a_protocol_says_whether_it_has_a_clock(protocol: str) -> None:
-    """And its readings bear it out: the link chooses its clock by it."""
     assert {reading.t_us is not None for reading in ONE_PUSH[protocol]} == {PROTOCOLS[protocol].has_clock}
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_a_decoder_has_the_name_of_its_protocol(protocol: str) -> None:
-    """By which the log and a recording call it."""
     assert PROTOCOLS[protocol].decoder().name == protocol
 
 
 @given(protocols, cuts)
 def test_any_split_of_the_stream_gives_the_same_readings(protocol: str, cuts: list[int]) -> None:
-    """Down to single bytes."""
     split = pushed(PROTOCOLS[protocol].decoder(), pieces(b"".join(STREAMS[protocol]), cuts))
     assert split == [repr(reading) for reading in ONE_PUSH[protocol]]
 
@@ -77,8 +72,8 @@ def test_any_split_of_a_damaged_stream_gives_the_same_readings_and_counts(
 ) -> None:
     """Damage is bytes written over others, at any place."""
     stream = bytearray(b"".join(STREAMS[protocol]))
-    for place, junk in damage:
-        start = place % len(stream)
+    for position, junk in damage:
+        start = position % len(stream)
         stream[start : start + len(junk)] = junk
     whole, split = PROTOCOLS[protocol].decoder(), PROTOCOLS[protocol].decoder()
     assert pushed(whole, iter([bytes(stream)])) == pushed(split, pieces(bytes(stream), cuts))
@@ -87,12 +82,11 @@ def test_any_split_of_a_damaged_stream_gives_the_same_readings_and_counts(
 
 @given(protocols, st.integers(20, 120), st.integers(0, 200), st.integers(1, 255))
 def test_a_flipped_byte_costs_its_own_frame_and_at_most_one_more(
-    protocol: str, index: int, place: int, flip: int
+    protocol: str, index: int, location: int, flip: int
 ) -> None:
-    """And the stream is read on behind it."""
     stream = list(STREAMS[protocol])
     broken = bytearray(stream[index])
-    broken[place % len(broken)] ^= flip
+    broken[location % len(broken)] ^= flip
     readings = PROTOCOLS[protocol].decoder().push(b"".join([*stream[:index], bytes(broken), *stream[index + 1 :]]))
     assert len(readings) >= len(ONE_PUSH[protocol]) - 2
     assert readings[-20:] == ONE_PUSH[protocol][-20:] or protocol == "witmotion"
@@ -102,15 +96,15 @@ def test_a_flipped_byte_costs_its_own_frame_and_at_most_one_more(
 @given(protocols, st.binary(max_size=2000))
 @settings(max_examples=300)
 def test_noise_is_never_more_than_counted(protocol: str, noise: bytes) -> None:
-    """No exception, whatever comes."""
     decoder = PROTOCOLS[protocol].decoder()
     decoder.push(noise)
     assert decoder.counters.damaged >= 0
 
 
+@pytest.mark.promise("Memory and the end")
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_after_megabytes_of_noise_the_next_good_frame_counts(protocol: str) -> None:
-    """In bounded memory; half the noise has no line end and no zero."""
+    """Noise of any length needs bounded memory."""
     random = Random(5)
     decoder = PROTOCOLS[protocol].decoder()
     decoder.push(b"".join(STREAMS[protocol][:5]))
@@ -131,7 +125,6 @@ def test_after_megabytes_of_noise_the_next_good_frame_counts(protocol: str) -> N
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_half_a_frame_at_the_end_waits_for_its_other_half(protocol: str) -> None:
-    """And is no damage."""
     decoder = PROTOCOLS[protocol].decoder()
     *whole, last = STREAMS[decoder.name]
     before = len(decoder.push(b"".join(whole) + last[: len(last) // 2]))

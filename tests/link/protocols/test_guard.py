@@ -51,9 +51,10 @@ class Heard:
         self.told.append((event, fields))
 
 
+@pytest.mark.promise("Recovery")
 @pytest.mark.parametrize("error", [KeyError("x"), RecursionError(), MemoryError(), TypeError("unhashable")])
 def test_whatever_a_decoder_raises_costs_the_frame_it_is_in(error: Exception) -> None:
-    """Those before and behind it are read, in order; it is told once with its bytes, and counted each time."""
+    """An error inside a decoder costs one frame and is counted as `damaged`."""
     protocol, heard = brittle(error), Heard()
     guard, decoder = Guard(heard), protocol.decoder()
     rates = []
@@ -79,20 +80,18 @@ def test_an_error_that_took_two_reads_to_make_is_counted_too() -> None:
 
 
 def test_a_decoder_that_fails_does_not_keep_others_from_being_found() -> None:
-    """Each listens for itself."""
     heard = Heard()
     detector = Detector([brittle(), PROTOCOLS["csv"]], Guard(heard))
     lines = b"".join(b"%d,0.5\n" % t_us for t_us in range(0, 100_000, 10_000))
-    found = detector.push(POISON + lines)
-    assert found is not None
-    assert found[0].name == "csv"
+    result = detector.push(POISON + lines)
+    assert result is not None
+    assert result[0].name == "csv"
     assert [event for event, _ in heard.told] == ["decoder_failed"]
 
 
 @settings(max_examples=50)
 @given(st.lists(st.binary(max_size=200), max_size=8))
 def test_no_shipped_decoder_needs_it(chunks: list[bytes]) -> None:
-    """Whatever comes, in whatever pieces: the guard has nothing to tell."""
     heard = Heard()
     guard = Guard(heard)
     for protocol in PROTOCOLS.values():

@@ -21,7 +21,6 @@ LSB = 0.007629999890923500
 
 
 def test_hello_describes_the_device() -> None:
-    """Of the device and its scale."""
     decoder = NativeDecoder()
     assert decoder.push(golden.HELLO) == []
     assert decoder.device == DeviceDescription("firmware_sim", 100.0, near(LSB), 36000)
@@ -48,11 +47,10 @@ ALL_FRAMES = [golden.HELLO, golden.AXES_HELLO, *golden.SAMPLES.values(), *golden
 
 @pytest.mark.parametrize("frame", ALL_FRAMES, ids=range(len(ALL_FRAMES)))
 def test_no_flipped_bit_passes_the_crc(frame: bytes) -> None:
-    """Of the payload or of the CRC itself, and no two bits of the CRC."""
     body = cobs.decode(frame[:-1])
     flips = [1 << bit for bit in range(8 * len(body))]
     in_crc = flips[-16:]
-    for flip in [*flips, *(one ^ other for one in in_crc for other in in_crc if one < other)]:
+    for flip in [*flips, *(item ^ second for item in in_crc for second in in_crc if item < second)]:
         damaged = (int.from_bytes(body, "little") ^ flip).to_bytes(len(body), "little")
         decoder = NativeDecoder()
         decoder.push(cobs.encode(damaged) + b"\0")
@@ -70,8 +68,9 @@ def seqs(readings: list[Reading]) -> list[int | None]:
     return [reading.seq for reading in readings]
 
 
+@pytest.mark.promise("Samples")
 def test_samples_before_hello_wait_for_their_scale() -> None:
-    """They come in order with the first sample behind it, and are counted until then."""
+    """Samples before a HELLO wait for it, and are then scaled."""
     decoder = NativeDecoder()
     assert decoder.push(run(50)) == []
     assert (decoder.counters.before_hello, decoder.counters.late) == (50, 0)
@@ -82,19 +81,19 @@ def test_samples_before_hello_wait_for_their_scale() -> None:
 
 
 def test_samples_without_hello_are_counted_and_never_guessed() -> None:
-    """Their scale would be a guess."""
     decoder = NativeDecoder()
     assert decoder.push(run(500)) == []
     assert decoder.counters.before_hello == 500
 
 
+@pytest.mark.promise("Samples")
 @pytest.mark.parametrize(
     ("seq", "t_us"),
     [(0, 0), (51, 500_000_000), (50, 2**32 - 1), (9000, 500_000), (4000, 700_000)],
     ids=["booted", "clock far ahead", "clock behind", "counter far ahead", "another clock and counter"],
 )
 def test_samples_of_another_device_are_not_scaled_with_this_one(seq: int, t_us: int) -> None:
-    """Who was exchanged while nobody knew him: counter or clock do not go on. What he sent stays counted as dropped."""
+    """No sample is scaled with the HELLO of another device."""
     decoder = NativeDecoder()
     decoder.push(run(50))
     readings = decoder.push(golden.HELLO + run(3, seq=seq, t_us=t_us))
@@ -111,26 +110,25 @@ def test_of_samples_that_wait_only_those_behind_the_last_break_are_scaled() -> N
 
 
 def test_a_hole_is_no_break_where_counter_and_clock_tell_the_same_of_it() -> None:
-    """Also over a wrap of both."""
     decoder = NativeDecoder()
-    held = run(10, seq=65_500, t_us=2**32 - 600_000)
-    readings = decoder.push(held + golden.HELLO + run(1, seq=464, t_us=4_400_000))
+    kept = run(10, seq=65_500, t_us=2**32 - 600_000)
+    readings = decoder.push(kept + golden.HELLO + run(1, seq=464, t_us=4_400_000))
     assert len(readings) == 11
 
 
 def test_a_device_that_is_known_gets_all_its_samples_scaled_though_it_booted_meanwhile() -> None:
-    """After a reconnect the same name, rate, scale and counts: nobody exchanges it twice between two frames."""
     old = NativeDecoder()
     old.push(golden.HELLO)
-    known, other = renewed(PROTOCOLS["native"], old), renewed(PROTOCOLS["native"], old)
-    held = run(30, seq=700, t_us=9_000_000) + run(20)
-    assert known.push(held) == other.push(held) == []
-    assert len(known.push(golden.HELLO + run(1, seq=5000, t_us=123))) == 51
-    assert len(other.push(hello(LSB, b"stranger") + run(1, seq=5000, t_us=123))) == 1
+    expected, second = renewed(PROTOCOLS["native"], old), renewed(PROTOCOLS["native"], old)
+    kept = run(30, seq=700, t_us=9_000_000) + run(20)
+    assert expected.push(kept) == second.push(kept) == []
+    assert len(expected.push(golden.HELLO + run(1, seq=5000, t_us=123))) == 51
+    assert len(second.push(hello(LSB, b"stranger") + run(1, seq=5000, t_us=123))) == 1
 
 
+@pytest.mark.promise("Samples")
 def test_samples_that_wait_are_bounded_and_the_oldest_go_first() -> None:
-    """Those that went stay counted."""
+    """At most 65 536 samples wait for a HELLO; then the oldest is dropped. `before_hello` counts them."""
     decoder = NativeDecoder()
     for start in range(0, WAITING_MAX + 1000, 1000):
         decoder.push(run(1000, seq=start, t_us=start * 10_000))
@@ -155,11 +153,10 @@ def test_samples_that_wait_are_bounded_and_the_oldest_go_first() -> None:
     ],
     ids=["no payload", "sample too short", "unknown type", "bad stuffing", "too long", "only zeros", "truncated"],
 )
-def test_what_is_not_a_frame_we_know_is_counted(frame: bytes, damaged: int, other: int) -> None:
-    """As damaged, or as good but of no use."""
+def test_what_is_not_a_frame_we_know_is_counted(frame: bytes, damaged: int, peer: int) -> None:
     decoder = NativeDecoder()
     assert decoder.push(frame) == []
-    assert (decoder.counters.damaged, decoder.counters.other_frames) == (damaged, other)
+    assert (decoder.counters.damaged, decoder.counters.other_frames) == (damaged, peer)
 
 
 def test_a_hello_of_another_version_or_without_a_scale_is_not_believed() -> None:
@@ -186,7 +183,6 @@ def test_a_scale_that_no_gyro_has_is_damage(scale: float) -> None:
 
 
 def test_a_name_that_would_command_a_terminal_is_only_shown() -> None:
-    """Whatever is no printable ASCII is told from what is."""
     decoder = NativeDecoder()
     decoder.push(hello(0.01, b"a\x1b[2J\x07\n\xff b"))
     assert decoder.device.device_id == "a\ufffd[2J\ufffd\ufffd\ufffd b"
@@ -194,7 +190,6 @@ def test_a_name_that_would_command_a_terminal_is_only_shown() -> None:
 
 @pytest.mark.parametrize(("flags", "still"), [(0x00, None), (0x10, None), (0x08, 0.0), (0x18, 1.0)])
 def test_two_flags_say_whether_the_device_stands_still(flags: int, still: float | None) -> None:
-    """One that it is known, one what it is."""
     decoder = NativeDecoder()
     (reading,) = decoder.push(golden.HELLO + sample_frame(flags, 1, 10_000, 5, 0, 0))
     assert reading.still == still if still is not None else isnan(reading.still)
@@ -232,7 +227,6 @@ def test_a_golden_sample_of_three_axes_is_read_field_by_field(sample: NativeSamp
 
 
 def test_samples_of_three_axes_wait_for_their_scales() -> None:
-    """All axes are scaled when HELLO arrives."""
     decoder = NativeDecoder()
     assert decoder.push(b"".join(map(axes_sample, range(20)))) == []
     assert decoder.counters.before_hello == 20
@@ -263,7 +257,6 @@ def test_a_single_axis_after_hello_version_2_stays_one() -> None:
 
 @pytest.mark.parametrize(("mps2_per_lsb", "axes"), [(-0.01, 3), (11.0, 3), (float("nan"), 3), (0.01, 2), (0.01, 0)])
 def test_an_accelerometer_or_axes_that_no_device_has_are_damage(mps2_per_lsb: float, axes: int) -> None:
-    """The scales before it stay."""
     frame = native_frame(struct.pack("<BBHfI16sfB", 1, 2, 100, LSB, 36000, b"bench", mps2_per_lsb, axes))
     decoder = NativeDecoder()
     decoder.push(golden.AXES_HELLO + frame)

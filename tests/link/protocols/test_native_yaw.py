@@ -42,13 +42,11 @@ def yaws(readings: list[Reading]) -> dict[int | None, DeviceYaw | None]:
 
 @pytest.mark.parametrize("yaw", golden.YAWS)
 def test_a_golden_yaw_is_read_field_by_field(yaw: NativeYaw) -> None:
-    """With a sigma or without one."""
     _, (reading,) = read(golden.FILTER_HELLO, sample_frame(0, yaw.seq, yaw.t_us, 5, 0, 0), golden.YAWS[yaw])
     assert reading.device_yaw == pytest.approx(yaw[2:], nan_ok=True)
 
 
 def test_hello_version_3_names_the_filter() -> None:
-    """Beside the fields of version 2."""
     decoder, _ = read(golden.FILTER_HELLO)
     assert decoder.device == DeviceDescription("firmware_sim", 100.0, near(0.00763), 36000, 1, None, "restlevel")
     decoder.push(golden.AXES_FILTER_HELLO)
@@ -61,7 +59,6 @@ def hello(number: int, axes: int = 1) -> bytes:
 
 @pytest.mark.parametrize(("number", "name"), [(0, None), (1, "hdr"), (3, "attitude"), (200, "filter 200")])
 def test_a_filter_of_a_newer_device_has_a_name_too(number: int, name: str | None) -> None:
-    """And its yaw is taken."""
     decoder, readings = read(hello(number), sample(0), own_yaw(0))
     assert decoder.device.device_filter == name
     assert readings[0].device_yaw == (OWN if name else None)
@@ -79,7 +76,6 @@ def own(seq: int, t_us: int) -> bytes:
 
 @pytest.mark.parametrize("hello_frame", [golden.HELLO, golden.AXES_HELLO, hello(0)])
 def test_a_device_without_a_filter_has_no_sample_that_waits(hello_frame: bytes) -> None:
-    """Its samples come with their own bytes, and a YAW that it sends all the same is counted."""
     decoder, readings = read(hello_frame, sample(0))
     assert len(readings) == 1
     assert decoder.push(own_yaw(0)) == []
@@ -95,7 +91,6 @@ def test_yaws_before_hello_are_counted_and_cost_no_sample() -> None:
 
 
 def test_a_yaw_of_another_sample_is_counted_and_joined_with_none() -> None:
-    """It has another counter or another time, comes twice, or its sample was lost."""
     frames = [sample(1), own_yaw(2), sample(2), own(2, 5), sample(3), own_yaw(3), own_yaw(3), own_yaw(4), sample(5)]
     decoder, readings = read(golden.FILTER_HELLO, *frames, own_yaw(5))
     assert yaws(readings) == {1: None, 2: None, 3: OWN, 5: OWN}
@@ -121,7 +116,6 @@ def test_a_yaw_before_its_sample_is_counted() -> None:
     ],
 )
 def test_values_that_no_filter_gives_cost_the_frame(values: tuple[float, float, float]) -> None:
-    """It counts as damaged, and its sample comes without it."""
     decoder, readings = read(golden.FILTER_HELLO, sample(0), own_yaw(0, DeviceYaw(*values)), sample(1), own_yaw(1))
     assert yaws(readings) == {0: None, 1: OWN}
     assert (decoder.counters.damaged, decoder.counters.lone_yaws) == (1, 0)
@@ -134,7 +128,6 @@ def test_a_filter_without_a_sigma_sends_nan() -> None:
 
 
 def test_samples_without_a_yaw_do_not_wait_where_only_every_fifth_has_one() -> None:
-    """Once two YAWs have shown the distance; each of them is joined, over the end of the counter too."""
     decoder = NativeDecoder()
     decoder.push(golden.FILTER_HELLO)
     waited, joined = [], []
@@ -166,7 +159,6 @@ def test_another_device_without_a_filter_is_taken_as_such() -> None:
 
 
 def test_after_a_reconnect_the_yaws_are_taken_again_from_hello_on() -> None:
-    """Until then nobody knows that it is the same device."""
     old = NativeDecoder()
     old.push(golden.FILTER_HELLO + sample(0) + own_yaw(0))
     fresh = renewed(PROTOCOLS["native"], old)

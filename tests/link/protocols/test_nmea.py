@@ -8,7 +8,6 @@ from gyrodrift.link.protocols.nmea import NmeaDecoder
 
 
 def test_the_golden_sentence_is_read() -> None:
-    """35.6 deg/min to starboard, which is clockwise."""
     (reading,) = NmeaDecoder().push(golden.NMEA_ROT)
     assert (reading.t_us, reading.seq) == (None, None)
     assert reading.rate_dps == pytest.approx(-35.6 / 60.0)
@@ -16,7 +15,6 @@ def test_the_golden_sentence_is_read() -> None:
 
 @pytest.mark.parametrize(("talker", "per_minute", "rate_dps"), [("HE", -720.0, 12.0), ("TI", 0.5, -1 / 120)])
 def test_sentences_of_a_library_are_read(talker: str, per_minute: float, rate_dps: float) -> None:
-    """Of any talker."""
     sent = NMEAMessage(talker, "ROT", GET, rot=per_minute, valid="A").serialize()
     (reading,) = NmeaDecoder().push(sent)
     assert reading.rate_dps == pytest.approx(rate_dps)
@@ -42,7 +40,6 @@ def test_a_receiver_without_rate_of_turn_is_not_of_this_protocol() -> None:
 
 @pytest.mark.parametrize("line", [b"$GPROT,35.6,A*02", b"$GPROT,35.6,A", b"GPROT,35.6,A*01", b"$GPROT,35.6,A*1"])
 def test_a_sentence_needs_its_checksum(line: bytes) -> None:
-    """Wrong, missing, or cut off."""
     decoder = NmeaDecoder()
     assert decoder.push(line + b"\r\n") == []
     assert decoder.counters.damaged == 1

@@ -31,7 +31,6 @@ DECODER, ENCODER = python_in("extending-protocol.md")
 
 
 def made(source: str, name: str) -> Any:
-    """What a module of that source calls `name`."""
     module: dict[str, Any] = {}
     exec(source, module)
     return module[name]
@@ -49,7 +48,6 @@ def toy() -> Iterator[str]:
 
 @pytest.mark.parametrize("asked_for", ["auto", "milli"])
 def test_a_protocol_that_is_added_is_read_from_a_port(toy: str, tmp_path: Path, asked_for: str) -> None:
-    """Found by itself or asked for; every sample of two seconds, on a clock of arrivals, for it has none."""
     port, now_s, events, samples = tmp_path / "gyro", 1000.0, [], []
     blocks = measure(RIG, load_profile("turntable"), 1)
     with speaking_on(port) as device:
@@ -66,7 +64,6 @@ def test_a_protocol_that_is_added_is_read_from_a_port(toy: str, tmp_path: Path, 
 
 
 def test_commands_know_a_protocol_that_is_added(toy: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """By its name, and the host's with its help."""
     host, player = argparse.ArgumentParser(), argparse.ArgumentParser()
     options.add_link_options(host)
     replay.add_arguments(player)
@@ -78,7 +75,6 @@ def test_commands_know_a_protocol_that_is_added(toy: str, capsys: pytest.Capture
 
 
 def test_a_protocol_that_is_taken_away_is_unknown(toy: str) -> None:
-    """And its name is free again, while a name that is in use is refused at both ends."""
     protocol, encoder = read.PROTOCOLS[toy], spoken.ENCODERS[toy]
     names = ", ".join(name for name in read.PROTOCOLS if name != toy)
     with pytest.raises(ValueError, match="there is a protocol 'milli' already"):
@@ -110,7 +106,6 @@ print("milli" in PROTOCOLS, "milli" in ENCODERS)
 
 
 def test_both_ends_know_the_same_protocols() -> None:
-    """What the host reads, the simulated device speaks."""
     assert set(read.PROTOCOLS) == set(spoken.ENCODERS)
 
 

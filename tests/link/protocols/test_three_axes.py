@@ -53,7 +53,6 @@ def measurements(forces_mps2: Vector | None) -> list[Measurement]:
 
 @pytest.mark.parametrize("protocol", ALL_AXES)
 def test_a_protocol_carries_all_axes_in_their_order_and_sign(protocol: str) -> None:
-    """Up to half a step of the protocol."""
     sent = measurements((1.5, -3.25, 9.0))
     readings = decoded(protocol, sent)
     step_dps, step_mps2 = ALL_AXES[protocol]
@@ -75,7 +74,6 @@ def test_rates_go_on_where_acceleration_is_missing(protocol: str) -> None:
 
 @pytest.mark.parametrize("protocol", ["native", "csv", "bno08x-rvc", "navx", "nmea"])
 def test_a_single_axis_stays_one(protocol: str) -> None:
-    """These devices send no rates about x and y."""
     sent = [Measurement(0.01 * i, 10_000 * i, i, 0.5 * i, None, None) for i in range(40)]
     readings = decoded(protocol, sent)
     assert readings
@@ -105,7 +103,6 @@ def test_the_z_axis_of_a_vectornav_points_down() -> None:
 
 
 def test_a_recorded_message_of_an_mti_300_has_all_axes() -> None:
-    """It lay on its side: gravity acts along y."""
     message = golden.XSENS_MTI300 + bytes((-sum(golden.XSENS_MTI300[1:]) & 0xFF,))
     (reading,) = XsensDecoder().push(message)
     assert reading.inertial is not None

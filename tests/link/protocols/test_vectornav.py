@@ -25,7 +25,6 @@ def test_the_frame_of_the_manual_is_whole_and_has_no_rate() -> None:
 
 
 def test_time_rate_and_temperature_are_read() -> None:
-    """Its z axis points down, so that a rate of -0.5 rad/s about it is counter-clockwise from above."""
     (reading,) = VectornavDecoder().push(golden.VECTORNAV_RATE)
     assert (reading.t_us, reading.seq, reading.temp_c) == (1000, None, 25.25)
     assert reading.rate_dps == pytest.approx(-0.5 * DPS)
@@ -43,7 +42,6 @@ def test_time_rate_and_temperature_are_read() -> None:
     ids=["angular rate", "not corrected in Imu", "not corrected in the IMU group", "temperature", "four groups"],
 )
 def test_fields_are_found_wherever_they_stand(groups: int, fields: list[int], payload: bytes) -> None:
-    """Of two rates the one from which the device has taken no bias."""
     (reading,) = VectornavDecoder().push(frame(groups, fields, payload))
     assert reading.t_us == 7
     assert reading.rate_dps == pytest.approx(-2 * DPS)
@@ -56,7 +54,6 @@ def test_the_clock_wraps_as_that_of_every_device() -> None:
 
 
 def test_a_device_without_a_clock_stays_one() -> None:
-    """Whatever its first frame with a rate has, the others are read with."""
     timed, untimed = frame(1, [0x21], pack("<Q3f", 7_000, 0, 0, 1)), frame(1, [0x20], pack("<3f", 0, 0, 1))
     first, second = VectornavDecoder(), VectornavDecoder()
     assert [reading.t_us for reading in first.push(untimed + timed)] == [None, None]
@@ -81,7 +78,6 @@ def test_ascii_messages_of_the_maker_are_read() -> None:
 
 
 def test_of_two_messages_in_turns_one_is_listened_to() -> None:
-    """Twice the rate would be twice the turn."""
     decoder = VectornavAsciiDecoder()
     assert len(decoder.push((golden.VECTORNAV_VNYMR + golden.VECTORNAV_VNIMU) * 4)) == 4
     assert (decoder.counters.other_frames, decoder.counters.damaged) == (4, 0)

@@ -16,14 +16,12 @@ def test_golden_frames_are_read() -> None:
 
 
 def test_frames_of_other_kinds_are_counted_and_skipped() -> None:
-    """Acceleration is no yaw rate."""
     decoder = WitmotionDecoder()
     assert decoder.push(golden.WT901_ACCELERATION * 5) == []
     assert (decoder.counters.frames, decoder.counters.other_frames, decoder.counters.damaged) == (5, 5, 0)
 
 
 def test_a_frame_that_stands_alone_in_noise_is_not_believed() -> None:
-    """One byte of checksum lets every 256th piece of noise through."""
     (frame, *_) = golden.WT901_RATES.values()
     assert WitmotionDecoder().push(b"\x55\x52" + b"noise" * 5 + frame + b"\x00" * 30) == []
 

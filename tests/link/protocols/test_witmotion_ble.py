@@ -10,8 +10,7 @@ from gyrodrift.link.protocols.witmotion_ble import WitmotionBleDecoder
 
 
 def frame(rate_dps: float, yaw_deg: float = 0.0, g: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> bytes:
-    """As the description has it: ±16 g, ±2000 deg/s, ±180 deg over 16 bits."""
-    accelerations = (round(32768 * each / 16) for each in g)
+    accelerations = (round(32768 * item / 16) for item in g)
     rates = (0, 0, round(32768 * rate_dps / 2000))
     return pack("<BB9h", 0x55, 0x61, *accelerations, *rates, 0, 0, round(32768 * yaw_deg / 180) % 65536 - 32768)
 
@@ -36,15 +35,15 @@ def test_bytes_worked_out_by_hand_are_read() -> None:
 
 
 def test_answers_for_registers_between_them_are_passed_over() -> None:
-    """They are of the same length, and begin with 55 71."""
     answer = b"\x55\x71\x3a" + bytes(17)
     decoder = WitmotionBleDecoder()
     assert len(decoder.push((frame(1.0) * 2 + answer) * 4)) == 8
     assert (decoder.counters.frames, decoder.counters.other_frames, decoder.counters.damaged) == (12, 4, 0)
 
 
+@pytest.mark.promise("Text and units")
 def test_a_lost_byte_costs_its_frame_and_gives_no_rate() -> None:
-    """What stands behind it has moved: angles that jump are taken only where the next head follows."""
+    """A lost byte costs its frame and gives no wrong rate."""
     whole = [frame(5.0, yaw_deg=30.0) for _ in range(30)]
     whole[10] = whole[10][:7] + whole[10][8:]
     decoder = WitmotionBleDecoder()
@@ -64,12 +63,13 @@ def test_what_no_device_feels_is_no_frame(g: tuple[float, float, float]) -> None
     assert rates(frame(1.0, g=g) * 20) == []
 
 
+@pytest.mark.promise("Text and units")
 @given(st.binary(max_size=4000), st.integers(1, 200))
 @settings(max_examples=300)
 def test_random_bytes_never_make_a_sample(noise: bytes, piece: int) -> None:
-    """Nor do heads strewn among them."""
+    """Random bytes give no sample in frames without a checksum."""
     decoder = WitmotionBleDecoder()
     strewn = b"\x55\x61".join(noise[i : i + 7] for i in range(0, len(noise), 7))
     for content in (noise, strewn):
-        for at in range(0, len(content), piece):
-            assert decoder.push(content[at : at + piece]) == []
+        for index in range(0, len(content), piece):
+            assert decoder.push(content[index : index + piece]) == []

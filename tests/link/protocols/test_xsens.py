@@ -45,21 +45,18 @@ def test_every_precision_is_read(kind: int, content: bytes) -> None:
 
 
 def test_a_message_of_extended_length_is_read() -> None:
-    """Where a device sends more than 254 bytes."""
-    more = [(0xA010, bytes(100)) for _ in range(3)]
-    (reading,) = XsensDecoder().push(message(*more, (0x8020, pack(">3f", 0, 0, 1)), extended=True))
+    extra = [(0xA010, bytes(100)) for _ in range(3)]
+    (reading,) = XsensDecoder().push(message(*extra, (0x8020, pack(">3f", 0, 0, 1)), extended=True))
     assert reading.rate_dps == pytest.approx(DPS)
 
 
 def test_a_temperature_holds_until_the_next_one() -> None:
-    """It comes once a second at most."""
     rate, warm = (0x8020, pack(">3f", 0, 0, 1)), (0x0810, pack(">f", 30.5))
     readings = XsensDecoder().push(message(rate, warm) + message(rate) + message(rate))
     assert [reading.temp_c for reading in readings] == [30.5] * 3
 
 
 def test_without_a_sample_time_there_is_no_clock() -> None:
-    """And messages without a rate are counted and passed over."""
     decoder = XsensDecoder()
     (reading,) = decoder.push(message((0x8020, pack(">3f", 0, 0, 1))) + message((0x1020, b"\0\1")))
     assert reading.t_us is None
@@ -68,8 +65,8 @@ def test_without_a_sample_time_there_is_no_clock() -> None:
 
 def test_no_damaged_byte_is_believed() -> None:
     """Wherever it stands; the messages around it are read."""
-    for place in range(len(FULL)):
+    for position in range(len(FULL)):
         broken = bytearray(FULL)
-        broken[place] ^= 0x5A
+        broken[position] ^= 0x5A
         decoder = XsensDecoder()
-        assert (len(decoder.push(FULL + bytes(broken) + FULL * 6)), decoder.counters.damaged) == (7, 1), place
+        assert (len(decoder.push(FULL + bytes(broken) + FULL * 6)), decoder.counters.damaged) == (7, 1), position

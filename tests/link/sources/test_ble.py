@@ -134,7 +134,6 @@ def feed(link: Link, count: int, rate_dps: float = 10.0) -> list[Any]:
 
 
 def test_notifications_are_read_like_a_cable() -> None:
-    """With the protocol detected, and times from their arrivals."""
     events = Events()
     with closing(Link(LinkOptions(f"ble:{ADDRESS}"), events)) as link:
         samples = feed(link, 100)

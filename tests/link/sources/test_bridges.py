@@ -36,7 +36,6 @@ def are_whole(samples: list[Sample]) -> bool:
 
 
 def test_the_baud_rate_behind_ser2net_is_found(port: Path, tmp_path: Path) -> None:
-    """Through RFC 2217, as on a cable."""
     number, events = free_port(), Events()
     bridge = ser2net(port, "telnet(rfc2217),tcp", tmp_path, number)
     with device(port, "--fault", "wrong_baud:baud=57600,from_s=0"), bridge:
@@ -81,7 +80,6 @@ def take(gyro: PtyDevice, taken: bytearray) -> bytearray:
 
 
 def test_pyserials_server_changes_its_baud_rate(port: Path) -> None:
-    """And hands on every byte, also 255."""
     with speaking_on(port) as gyro, pyserial_server(port) as server:
         link = Link(LinkOptions(f"rfc2217://127.0.0.1:{server.number}", baud=9600, send=b"a\xffb"), Events())
         heard: list[bytes] = []
@@ -114,10 +112,12 @@ def test_a_server_without_rfc2217_is_an_error_that_names_tcp(monkeypatch: pytest
     ],
     ids=["tcp", "udp", "unix"],
 )
-def test_socat_brings_a_device(port: Path, tmp_path: Path, place: str, address: str) -> None:
-    """As a stream, or as datagrams of its reads, cut anywhere in a frame; a server that starts late is waited for."""
+def test_socat_brings_a_device(port: Path, tmp_path: Path, position: str, address: str) -> None:
     names = {"number": free_port(), "folder": tmp_path}
-    bridge = [program("socat"), *((f"OPEN:{port},rawer", place.format(**names))[:: -1 if "LISTEN" in place else 1])]
+    bridge = [
+        program("socat"),
+        *((f"OPEN:{port},rawer", position.format(**names))[:: -1 if "LISTEN" in position else 1]),
+    ]
     link = Link(LinkOptions(address.format(**names), timeout_s=0.0), Events())
     with device(port), running(bridge):
         samples = read_until(link, lambda samples: len(samples) > 100)

@@ -99,14 +99,12 @@ def test_a_bosch_sensor_has_three_axes() -> None:
 
 
 def test_a_bosch_sensor_without_pitch_rate_has_one_axis() -> None:
-    """Its third frame has an acceleration alone."""
     readings = readings_of("can:x?gyro=bosch-mm5.10", [bosch(step, -3.0) for step in range(5)])
     assert [reading.rate_dps for reading in readings] == pytest.approx([-3.0] * 4)
     assert {reading.inertial for reading in readings} == {None}
 
 
 def test_the_ids_of_a_gyro_can_be_others() -> None:
-    """Customers of Bosch order theirs."""
     frames = [[(new, content) for new, (_, content) in zip((0x70, 0x80, 0x576), bosch(0, 4.0), strict=True)]] * 3
     readings = readings_of("can:x?gyro=bosch-mm5.10&ids=0x70,0x80,0x576", frames)
     assert [reading.rate_dps for reading in readings] == [pytest.approx(4.0)] * 2
@@ -129,7 +127,6 @@ def test_a_bus_that_is_joined_within_a_measurement_mixes_nothing() -> None:
 
 
 def test_a_lost_frame_costs_its_values_alone() -> None:
-    """Without its time a measurement is dropped; without accelerations its rates remain."""
     measurements = [xsens(step, 0.5) for step in range(12)]
     del measurements[5][3]
     del measurements[8][0]
@@ -140,7 +137,6 @@ def test_a_lost_frame_costs_its_values_alone() -> None:
 
 
 def test_an_upside_down_gyro_is_read_with_z_up() -> None:
-    """With z=down the rate and the axes y and z change their sign."""
     readings = readings_of("can:x?gyro=bosch-mm7.10&z=down", [bosch(step, 12.5) for step in range(3)])
     assert readings[0].rate_dps == pytest.approx(-12.5)
     assert readings[0].inertial is not None
@@ -148,7 +144,6 @@ def test_an_upside_down_gyro_is_read_with_z_up() -> None:
 
 
 def test_a_signal_of_a_dbc_file_is_read(dbc: Path) -> None:
-    """Its unit is that of the file."""
     address = f"can:x?dbc={dbc}&signal=YawRate"
     readings = readings_of(address, [[(176, struct.pack("<h6x", 1234))] for _ in range(4)])
     assert [reading.rate_dps for reading in readings] == [pytest.approx(12.34)] * 3
@@ -230,7 +225,6 @@ def send(to: Any, first: int, measurements: int, number: int = 0x174) -> None:
 
 
 def test_a_bus_is_read_and_read_again_after_it_was_lost() -> None:
-    """A gap stays visible."""
     events = Events()
     with bus(interface="virtual", channel="gap", preserve_timestamps=True) as sender:
         link = Link(LinkOptions("can:gap?gyro=bosch-mm7.10&interface=virtual"), events)
@@ -337,7 +331,6 @@ def test_the_can_of_the_kernel_is_read() -> None:
 
 
 def test_a_channel_that_is_not_there_is_an_error() -> None:
-    """Without CAN in the kernel the message says that."""
     with pytest.raises(LinkError, match=r"there is no CAN channel can77|this kernel has no CAN"):
         Link(LinkOptions("can:can77?gyro=xsens"), Events())
 

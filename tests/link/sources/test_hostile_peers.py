@@ -55,7 +55,6 @@ def flood(connection: socket.socket) -> None:
 
 
 def test_a_peer_that_closes_at_once_is_called_less_and_less() -> None:
-    """Each wait is twice the last one, and the time without samples is counted once."""
     with peer(lambda _: None) as server, Host(address(server), timeout_s=0.0) as host:
         until_s = host.now_s + 30.0
         while host.now_s < until_s:
@@ -119,7 +118,6 @@ def test_only_port_numbers_of_tcp_are_taken(port: str) -> None:
 
 
 def test_an_answer_that_comes_drop_by_drop_has_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
-    """All answers together have the time, else a stop would wait for a peer that never ends."""
     monkeypatch.setattr(stream_channel, "ANSWER_S", 0.3)
     near, far = socket.socketpair()
     over = threading.Event()

@@ -99,7 +99,6 @@ def test_a_sampling_frequency_is_set_by_the_address(chip: IioChip) -> None:
 
 
 def test_gyro_and_accelerometer_of_one_chip_are_joined_by_time(pair: tuple[IioChip, IioChip]) -> None:
-    """Each rate has the nearest acceleration; after a loss of them it has none."""
     gyro, accel = pair
     link = Link(LinkOptions("iio:lsm6ds3_gyro"), Events())
     for step in range(50):
@@ -161,7 +160,6 @@ def test_the_temperature_comes_from_sysfs(chip: IioChip) -> None:
 
 
 def test_a_temperature_in_the_scans_is_read(tree: IioTree) -> None:
-    """Its offset is in counts."""
     types = {"anglvel_z": "le:s16/16>>0", "temp": "be:s16/16>>0", "timestamp": "le:s64/64>>0"}
     reading = read_scan(types, pack("<h", 5) + pack(">h4x", -521) + bytes(8), temp=IioChannel(2.941176, 12421.0))
     assert reading is not None
@@ -169,7 +167,6 @@ def test_a_temperature_in_the_scans_is_read(tree: IioTree) -> None:
 
 
 def test_without_a_trigger_the_values_are_polled(chip: IioChip, tree: IioTree) -> None:
-    """With the reason in the log, and the time of reading."""
     (tree.devices / "trigger0" / "name").write_text("other\n")
     events = Events()
     link = Link(LinkOptions("iio:mpu6050"), events)
@@ -184,7 +181,6 @@ def test_without_a_trigger_the_values_are_polled(chip: IioChip, tree: IioTree) -
 
 
 def test_the_address_can_ask_for_polling(chip: IioChip) -> None:
-    """Nothing is written, so no permission is needed."""
     with closing(Link(LinkOptions("iio:mpu6050?poll=250"), Events())) as link:
         assert link.wake_s() <= 0.004
         assert len(read_until(link, lambda samples: len(samples) >= 3)) >= 3
@@ -230,7 +226,6 @@ def test_a_device_without_sampling_frequency_is_an_error(chip: IioChip) -> None:
 
 
 def test_a_device_without_a_buffer_is_polled(tree: IioTree, chip: IioChip) -> None:
-    """With rates about all axes and the accelerometer of the same chip."""
     chip.pipe.unlink()
     link = Link(LinkOptions("iio:mpu6050"), Events())
     assert read_until(link, lambda samples: len(samples) >= 3)[0].inertial is not None
@@ -276,7 +271,6 @@ def test_gyros_are_listed_by_name(pair: tuple[IioChip, IioChip]) -> None:
 
 
 def test_port_auto_takes_the_only_gyro(chip: IioChip) -> None:
-    """It is listened to, and its open port is handed over."""
     for step in range(200):
         chip.send(10 * MS_NS * step, 1, -2, 300, 0, 10, 981)
     events = Events()
@@ -339,7 +333,6 @@ def test_each_type_of_the_document_is_read(form: str, content: bytes, raw: int) 
 
 
 def test_elements_are_aligned_as_in_the_kernel() -> None:
-    """To their own size, and the scan to its largest element."""
     forms = ("le:s16/16>>0", "le:s32/32>>0", "le:s16/16>>0", "le:s64/64>>0", "le:s8/8>>0")
     layout = layout_of({str(i): form for i, form in enumerate(forms)})
     assert layout is not None

@@ -68,7 +68,6 @@ def decoded(content: bytes, choice: ImuChoice | None = None) -> tuple[list[Readi
 
 
 def test_highres_imu_is_read_with_z_up() -> None:
-    """Its axes are forward, right, down; at rest it measures -9.8 m/s² about z."""
     (reading,), decoder = decoded(Vehicle().highres(2**32 + 7_000, -0.5))
     assert (reading.t_us, reading.seq, reading.temp_c) == (7_000, None, 31.5)
     assert reading.rate_dps == pytest.approx(degrees(0.5))
@@ -126,7 +125,6 @@ def test_one_vehicle_is_read() -> None:
 
 
 def test_other_vehicles_are_reported() -> None:
-    """With the way to choose one; a few names are enough."""
     first, second = Vehicle(1), Vehicle(2)
     content = b"".join(first.highres(1000 * step, -1.0) + second.highres(1000 * step, -2.0) for step in range(9))
     content += b"".join(Vehicle(system).highres(9_000, -2.0) for system in range(3, 50))
@@ -146,7 +144,6 @@ def test_other_vehicles_are_reported() -> None:
 
 
 def test_raw_imu_is_read_with_the_unit_of_the_address_alone() -> None:
-    """Its counts have no unit, so no guess is made."""
     content = b"".join(Vehicle().raw(10_000 * step, -500) for step in range(120))
     assert decoded(content)[0] == []
     for raw, dps in (("mrads", degrees(0.5)), ("lsb/16.4", 500 / 16.4)):
@@ -171,14 +168,12 @@ def test_an_impossible_rate_is_no_reading(z_rads: float) -> None:
 
 
 def test_a_frame_with_unknown_flags_is_dropped() -> None:
-    """The serialization guide demands it."""
     content = bytearray(Vehicle().highres(1_000, -0.5))
     content[2] = 0x02
     assert decoded(bytes(content))[0] == []
 
 
 def test_any_split_and_any_damage_give_the_same_readings() -> None:
-    """And damage costs the damaged frames alone, or a frame behind a damaged length."""
     random = Random(5)
     stream = bytearray(highres_stream(300))
     for _ in range(20):
@@ -199,7 +194,6 @@ def test_any_split_and_any_damage_give_the_same_readings() -> None:
 
 
 def test_the_decoder_keeps_less_than_two_frames() -> None:
-    """Also if no piece ends with a frame, which the parser of pymavlink waits for."""
     decoder, stream = MavlinkDecoder(ImuChoice()), b"\xfd" + highres_stream(2000)
     for start in range(0, len(stream), 701):
         decoder.push(stream[start : start + 701])
@@ -208,7 +202,6 @@ def test_the_decoder_keeps_less_than_two_frames() -> None:
 
 @pytest.mark.parametrize("host", ["127.0.0.1", ""])
 def test_datagrams_of_a_vehicle_are_read(host: str) -> None:
-    """Without a host on loopback alone; a vehicle that goes away and restarts is a restart of the clock."""
     events, port = Events(), free_port()
     link = Link(LinkOptions(f"mavlink:udpin:{host}:{port}"), events)
     for first in (5_000, 0):

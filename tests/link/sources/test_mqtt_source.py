@@ -247,7 +247,6 @@ def test_a_silent_broker_is_asked_and_then_given_up(monkeypatch: pytest.MonkeyPa
 
 
 def test_a_packet_of_256_mb_ends_the_connection() -> None:
-    """Only its announcement is read."""
     with subscription() as (port, theirs):
         theirs.sendall(b"\x30\xff\xff\xff\x7f" + bytes(1000))
         with pytest.raises(PortGoneError):
@@ -256,7 +255,6 @@ def test_a_packet_of_256_mb_ends_the_connection() -> None:
 
 
 def test_a_flood_does_not_hold_the_loop() -> None:
-    """One read takes some messages, the next one more."""
     with subscription() as (port, theirs):
         message = b"\x30\x83\x40\x00\x01x" + bytes(8192)
         thread = threading.Thread(target=theirs.sendall, args=(message * 40,))

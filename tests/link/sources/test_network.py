@@ -32,7 +32,6 @@ def test_a_tcp_server_is_read_like_a_cable() -> None:
 
 
 def test_a_server_that_comes_back_is_read_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    """While it is away no read waits for the next attempt; the gap is in the counters."""
     events, away_s = Events(), [0.0]
     with serving() as server:
         link = Link(LinkOptions(address(server)), events, lambda: time.monotonic() + away_s[0])
@@ -72,7 +71,6 @@ def test_an_unknown_name_is_an_error() -> None:
 
 
 def test_without_a_timeout_the_link_waits_for_a_server() -> None:
-    """It says why it waits, and takes the server when it comes."""
     events = Events()
     with serving() as server:
         name, port = address(server), server.getsockname()[1]
@@ -131,7 +129,6 @@ def sender() -> Iterator[socket.socket]:
 
 
 def test_datagrams_are_heard_on_this_machine_alone(udp: tuple[UdpPort, tuple[str, int]]) -> None:
-    """Without a host in the address."""
     assert udp[0]._bound.getsockname()[0] == "127.0.0.1"
 
 
@@ -187,7 +184,6 @@ def test_what_is_sent_goes_to_the_device_that_was_heard(udp: tuple[UdpPort, tupl
 
 
 def test_a_flood_does_not_hold_the_loop(udp: tuple[UdpPort, tuple[str, int]], monkeypatch: pytest.MonkeyPatch) -> None:
-    """One read takes some datagrams, the next one more."""
     monkeypatch.setattr(udp_module, "DATAGRAMS_PER_TURN", 64)
     port, target = udp
     with sender() as device:
@@ -202,8 +198,9 @@ def test_a_flood_does_not_hold_the_loop(udp: tuple[UdpPort, tuple[str, int]], mo
     assert sizes == [2000, 2000, 0]
 
 
+@pytest.mark.promise("Samples")
 def test_a_stall_of_the_network_is_no_gap(udp: tuple[UdpPort, tuple[str, int]]) -> None:
-    """Samples without a clock that arrive at once after 1.2 s keep their distance in time."""
+    """A burst after a stall of the network makes no gap and no step in time."""
     port, target = udp
     now_s, events = 1000.0, Events()
     link = Link(LinkOptions(port.path, columns="rate:dps"), events, lambda: now_s, port)

@@ -56,8 +56,6 @@ def test_a_port_that_opens_too_late_is_closed() -> None:
 
 
 def test_any_error_of_an_opening_is_one_of_the_link() -> None:
-    """The link then tries again."""
-
     def fails() -> SourcePort:
         raise KeyError("library")
 
@@ -68,7 +66,6 @@ def test_any_error_of_an_opening_is_one_of_the_link() -> None:
 
 
 def test_a_host_that_does_not_answer_holds_no_start(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its refusal is reported once, when it comes."""
     monkeypatch.setattr(connection_module, "SOON_S", 0.01)
     may_fail = threading.Event()
 
@@ -137,7 +134,6 @@ def test_an_address_without_its_own_baud_rate_refuses_one() -> None:
 
 
 def test_devices_of_sources_are_listed_and_found(fifo: ByteSource, tmp_path: Path) -> None:
-    """`--port auto` looks at them if no serial port has a gyro."""
     pipe = SerialPort(f"fifo:{tmp_path}/none", str(tmp_path), product="pipe")
     registry.unregister("fifo")
     registry.register(replace(fifo, devices=lambda: [pipe]))

@@ -158,7 +158,6 @@ def test_a_server_that_comes_back_is_read_again() -> None:
 
 
 def test_a_problem_of_the_server_is_reported_once() -> None:
-    """Such as a topic of another type."""
     events = Events()
     with bridge() as server, closing(Link(LinkOptions(f"ws://127.0.0.1:{server.port}{TOPIC}"), events)) as link:
         for _ in range(3):
@@ -237,7 +236,6 @@ def test_stamps_of_both_versions_are_the_clock() -> None:
 
 
 def test_a_driver_without_stamps_has_no_clock() -> None:
-    """Its first message decides."""
     assert [reading.t_us for reading in decoded(imu(0, 0.5), imu(5 * 10**9, 0.5))] == [None, None]
     assert [reading.t_us for reading in decoded(imu(10**9, 0.5), imu(0, 0.5))] == [1_000_000]
 
@@ -328,7 +326,6 @@ def test_frames_without_content_are_not_kept() -> None:
 
 
 def test_a_server_that_breaks_the_rules_at_once_is_refused_with_its_reason() -> None:
-    """Its answer to the handshake and its first, too long frame arrive together."""
     near, far = socket.socketpair()
     with near, far:
         subscription = RosbridgePort(StreamChannel("ws://peer", near), parse_uri("ws://peer/"))

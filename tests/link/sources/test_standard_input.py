@@ -31,8 +31,9 @@ def test_serve_ends_with_its_input_after_all_is_written() -> None:
     assert b"event=source_end" in done.stderr
 
 
+@pytest.mark.promise("Samples")
 def test_a_slow_reader_loses_no_line_of_a_file(tmp_path: Path) -> None:
-    """The service waits for it, because bytes that are not read wait in the file."""
+    """A file or pipe on standard input loses no line, however slow the reader is; all is written before the end."""
     path = tmp_path / "table.csv"
     path.write_bytes(lines(0, 60_000))
     with (
@@ -84,7 +85,6 @@ def test_doctor_reads_a_pipe_to_its_end() -> None:
 
 
 def test_binary_input_gets_no_line_end() -> None:
-    """And a closed pipe is the end, not a lost port."""
     reading, writing = os.pipe()
     port = StdinPort("-", reading)
     assert port.read() == b""

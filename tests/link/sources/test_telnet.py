@@ -53,7 +53,6 @@ def test_escaped_bytes_come_back(content: bytes) -> None:
 
 @given(st.lists(st.binary(max_size=600), max_size=8))
 def test_hostile_bytes_cost_bytes_only(chunks: list[bytes]) -> None:
-    """Nothing raises, and little is kept."""
     stream = TelnetStream()
     for chunk in chunks:
         stream.push(bytes((IAC, SB)) + chunk)

@@ -41,9 +41,9 @@ def test_a_row_is_split_at_what_stands_between_its_values(line: str, values: tup
 )
 def test_labels_name_values(line: str, labels: tuple[str, ...], values: tuple[str, ...]) -> None:
     """A letter alone takes over the words before the first one; Teleplot says the time between name and value."""
-    found = fields_of(line)
-    assert found is not None
-    assert (found.form, found.labels, found.values) == (Form.LABELED, labels, values)
+    result = fields_of(line)
+    assert result is not None
+    assert (result.form, result.labels, result.values) == (Form.LABELED, labels, values)
 
 
 @pytest.mark.parametrize(
@@ -60,9 +60,9 @@ def test_labels_name_values(line: str, labels: tuple[str, ...], values: tuple[st
     ],
 )
 def test_a_unit_behind_a_value_is_kept(line: str, units: tuple[str, ...]) -> None:
-    found = fields_of(line)
-    assert found is not None
-    assert found.units == units
+    result = fields_of(line)
+    assert result is not None
+    assert result.units == units
 
 
 @pytest.mark.parametrize(
@@ -76,7 +76,6 @@ def test_a_unit_behind_a_value_is_kept(line: str, units: tuple[str, ...]) -> Non
 def test_a_row_behind_a_word_is_read_by_place_and_by_the_word(
     line: str, labels: tuple[str, ...], values: tuple[str, ...]
 ) -> None:
-    """So that of lines that come in turns one kind can be chosen."""
     assert fields_of(line) == Fields(Form.ROW, labels, values)
 
 
@@ -95,23 +94,21 @@ def test_json_is_read_by_the_way_to_each_number() -> None:
 
 
 def test_a_name_in_json_cannot_say_anything_to_a_terminal_or_a_shell() -> None:
-    """It ends up in messages that are pasted."""
-    found = fields_of('{"\\u001b[31mgz$(reboot)`x`,=": 1}')
-    assert found is not None
-    assert found.labels == ("[31mgz(reboot)x",)
+    result = fields_of('{"\\u001b[31mgz$(reboot)`x`,=": 1}')
+    assert result is not None
+    assert result.labels == ("[31mgz(reboot)x",)
 
 
 def test_a_sentence_has_to_pass_its_checksum() -> None:
     """Exclusive or of all between $ and *: an example that many manuals of receivers have."""
     sentence = "$GPGLL,5057.970,N,00146.110,E,142451,A*27"
-    found = fields_of(sentence)
-    assert found is not None
-    assert (found.form, found.values[:2]) == (Form.NMEA, ("GPGLL", "5057.970"))
+    result = fields_of(sentence)
+    assert result is not None
+    assert (result.form, result.values[:2]) == (Form.NMEA, ("GPGLL", "5057.970"))
     assert fields_of(sentence.replace("5057", "5058")) is None
 
 
 @given(st.text(max_size=300))
 def test_no_text_is_too_odd(line: str) -> None:
-    """Whatever it is, a line has as many labels as values, or is damaged."""
-    found = fields_of(line)
-    assert found is None or len(found.labels) == len(found.values)
+    result = fields_of(line)
+    assert result is None or len(result.labels) == len(result.values)

@@ -23,7 +23,7 @@ def accelerations(i: int) -> str:
     return f"{int(n(50))},{int(n(50))},{16384 + int(n(50))}"
 
 
-SAID: dict[str, tuple[Callable[[int], str], str, str]] = {
+STATEMENT: dict[str, tuple[Callable[[int], str], str, str]] = {
     "Adafruit, MPU6050 basic readings": (
         lambda i: (
             f"Acceleration X: {n(0.1):.2f}, Y: 0.10, Z: 9.81 m/s^2\n"
@@ -73,15 +73,14 @@ SAID: dict[str, tuple[Callable[[int], str], str, str]] = {
 }
 
 
-@pytest.mark.parametrize("name", SAID)
+@pytest.mark.parametrize("name", STATEMENT)
 def test_columns_that_something_names_can_be_pasted(name: str) -> None:
-    """From lines that came at 100 Hz; read by what was found, every sample is read."""
-    line, looks, spec = SAID[name]
+    line, looks, spec = STATEMENT[name]
     text = "\n".join(line(i) for i in range(LINES)) + "\n"
-    found = guess(text.splitlines(), 100.0 * text.count("\n") / LINES)
-    assert found is not None
-    assert (", ".join(column.looks_like for column in found.columns), found.spec) == (looks, spec)
-    assert all(column.why for column in found.columns if column.entry != "_")
+    result = guess(text.splitlines(), 100.0 * text.count("\n") / LINES)
+    assert result is not None
+    assert (", ".join(column.looks_like for column in result.columns), result.spec) == (looks, spec)
+    assert all(column.why for column in result.columns if column.entry != "_")
     (protocol,) = candidates("auto", spec)
     assert len(protocol.decoder().push(text.encode())) == LINES
 
@@ -105,9 +104,9 @@ UNIT_ASKED: dict[str, tuple[Callable[[int], str], str]] = {
 @pytest.mark.parametrize("name", UNIT_ASKED)
 def test_a_unit_that_nothing_says_is_asked_for(name: str) -> None:
     line, template = UNIT_ASKED[name]
-    found = guess([line(i) for i in range(LINES)], 100.0)
-    assert found is not None
-    assert (found.spec, found.template) == (None, template)
+    result = guess([line(i) for i in range(LINES)], 100.0)
+    assert result is not None
+    assert (result.spec, result.template) == (None, template)
 
 
 UNNAMED: dict[str, Callable[[int], str]] = {
@@ -127,18 +126,18 @@ UNNAMED: dict[str, Callable[[int], str]] = {
 
 @pytest.mark.parametrize("name", UNNAMED)
 def test_numbers_that_nothing_names_are_no_rate(name: str) -> None:
-    """However they behave."""
     line = UNNAMED[name]
-    found = guess([line(i) for i in range(LINES)], 100.0)
-    assert found is not None
-    assert (found.spec, found.template) == (None, None)
+    result = guess([line(i) for i in range(LINES)], 100.0)
+    assert result is not None
+    assert (result.spec, result.template) == (None, None)
 
 
+@pytest.mark.promise("Text and units")
 @given(
     st.lists(st.sampled_from(["noise", "level", "grows", "turns", "whole"]), min_size=1, max_size=9), st.integers(0, 99)
 )
 def test_no_mix_of_columns_without_labels_gives_a_rate(kinds: list[str], seed: int) -> None:
-    """Nor does any separator."""
+    """Without labels, no mix of columns gives a rate."""
     dice = Random(seed)
     values: dict[str, Callable[[int], str]] = {
         "noise": lambda i: f"{dice.gauss(0.5, 0.1):.3f}",
@@ -148,13 +147,14 @@ def test_no_mix_of_columns_without_labels_gives_a_rate(kinds: list[str], seed: i
         "whole": lambda i: f"{dice.randrange(-500, 500)}",
     }
     mark = dice.choice([",", ";", "\t", " ", "|"])
-    found = guess([mark.join(values[kind](i) for kind in kinds) for i in range(LINES)], 100.0)
-    assert found is None or found.template is None
+    result = guess([mark.join(values[kind](i) for kind in kinds) for i in range(LINES)], 100.0)
+    assert result is None or result.template is None
 
 
 RATE_UNITS = {"dps": "deg/s", "rads": "rad/s", "mdps": "mdps", "mrads": "mrad/s", "lsb/60": "deg/min"}
 
 
+@pytest.mark.promise("Text and units")
 @given(
     st.sampled_from(["gz", "Gyro Z", "gyro_z", "yaw_rate", "wz", "GyroZ"]),
     st.sampled_from([None, *RATE_UNITS]),
@@ -162,21 +162,21 @@ RATE_UNITS = {"dps": "deg/s", "rads": "rad/s", "mdps": "mdps", "mrads": "mrad/s"
     st.integers(0, 99),
 )
 def test_a_unit_never_passes_as_another(label: str, option: str | None, size: float, seed: int) -> None:
-    """What is written is taken; what is not is asked for, or is rad/s where it cannot be deg/s."""
+    """No unit is taken for another unit."""
     dice = Random(seed)
     written = RATE_UNITS[option] if option else ""
-    found = guess([f"{label}: {dice.gauss(0.0, size):.3f} {written}".strip() for _ in range(LINES)], 100.0)
-    assert found is not None
-    assert found.turn is not None
-    assert found.turn.entry in ({f"rate:{option}"} if option else {"rate:UNIT", "rate:rads"})
+    result = guess([f"{label}: {dice.gauss(0.0, size):.3f} {written}".strip() for _ in range(LINES)], 100.0)
+    assert result is not None
+    assert result.turn is not None
+    assert result.turn.entry in ({f"rate:{option}"} if option else {"rate:UNIT", "rate:rads"})
 
 
 def test_names_above_the_columns_are_heeded() -> None:
     """Wherever the rate stands, and in what unit."""
     lines = ["time_ms,yaw_rate_rad_s,temperature", *(f"{10 * i},{n(0.01):.4f},{20 + i % 3}" for i in range(9))]
-    found = guess(lines)
-    assert found is not None
-    assert found.spec == "t_ms, rate:rads, temp"
+    result = guess(lines)
+    assert result is not None
+    assert result.spec == "t_ms, rate:rads, temp"
 
 
 @pytest.mark.parametrize(
@@ -192,10 +192,9 @@ def test_names_above_the_columns_are_heeded() -> None:
     ],
 )
 def test_the_unit_of_a_clock_is_told_from_its_pace(step: int, lines_per_s: float | None, unit: str) -> None:
-    """Or, where that is unknown, from the size of its steps."""
-    found = guess([f"{step * i},{n(1):.2f}" for i in range(LINES)], lines_per_s)
-    assert found is not None
-    assert found.meaning(0) == unit
+    result = guess([f"{step * i},{n(1):.2f}" for i in range(LINES)], lines_per_s)
+    assert result is not None
+    assert result.meaning(0) == unit
 
 
 @pytest.mark.parametrize(
@@ -212,32 +211,28 @@ def test_the_unit_of_a_clock_is_told_from_its_pace(step: int, lines_per_s: float
     ids=["nothing", "messages", "boot loader"],
 )
 def test_messages_for_people_have_no_columns(lines: list[str]) -> None:
-    """However often they come."""
     assert guess(lines) is None
 
 
 def test_a_temperature_in_counts_is_left_out() -> None:
-    """It would be taken for °C."""
-    found = guess([f"gz_dps={n(1):.2f} temp={-3600 - i}" for i in range(9)])
-    assert found is not None
-    assert found.spec == "gz_dps=rate:dps"
+    result = guess([f"gz_dps={n(1):.2f} temp={-3600 - i}" for i in range(9)])
+    assert result is not None
+    assert result.spec == "gz_dps=rate:dps"
 
 
 def test_a_turn_of_one_radian_per_second_is_no_gravity() -> None:
-    """Whose length is one, too, for most of what was heard."""
     lines = [
         f"AccelX:0.10,AccelY:-0.20,AccelZ:{9.77 + n(0.02):.2f},"
         f"GyroX:0.01,GyroY:-0.01,GyroZ:{1.05 if i > 120 else 0.01:.2f}"
         for i in range(400)
     ]
-    found = guess(lines, 80.0)
-    assert found is not None
+    result = guess(lines, 80.0)
+    assert result is not None
     forces = "AccelX=ax:mps2, AccelY=ay:mps2, AccelZ=az:mps2"
-    assert found.spec == f"{forces}, GyroX=gx:rads, GyroY=gy:rads, GyroZ=rate:rads"
+    assert result.spec == f"{forces}, GyroX=gx:rads, GyroY=gy:rads, GyroZ=rate:rads"
 
 
 def test_an_imu_message_of_ros_as_json_gives_all_axes() -> None:
-    """As rosbridge publishes it: rates are in rad/s, and gravity shows m/s²."""
     force, rate = '"linear_acceleration":{"x":0.1,"y":-0.2,"z":%.3f}', '"angular_velocity":{"x":0.01,"y":0.02,"z":%.4f}'
     covariance = '"angular_velocity_covariance":[0,0,0,0,0,0,0,0,0]'
     head = '{"op":"publish","topic":"/imu","msg":{"orientation":{"x":0,"y":0,"z":0,"w":1}'

@@ -11,7 +11,6 @@ LINES_PER_S = 100.0
 
 
 def guessed(form: str, head: str = "") -> TextGuess:
-    """What a text of 40 lines holds; x, y, z and a change, t grows, w is warm."""
     noise = Random(5)
     lines = [
         form.format(
@@ -19,12 +18,13 @@ def guessed(form: str, head: str = "") -> TextGuess:
         )
         for i in range(40)
     ]
-    each = len(lines[0].split("\n"))
-    found = guess([head, *"\n".join(lines).split("\n")], LINES_PER_S * each)
-    assert found is not None
-    return found
+    item = len(lines[0].split("\n"))
+    result = guess([head, *"\n".join(lines).split("\n")], LINES_PER_S * item)
+    assert result is not None
+    return result
 
 
+@pytest.mark.promise("Text and units")
 @pytest.mark.parametrize(
     "form",
     [
@@ -55,10 +55,12 @@ def guessed(form: str, head: str = "") -> TextGuess:
     ],
 )
 def test_a_unit_of_rates_does_not_stand_against_what_a_label_says(form: str) -> None:
-    found = guessed(form)
-    assert found.template is None, found.template
+    """A unit of rate does not make a yaw rate if the label names another quantity (`gz_bias`, set points, motors)."""
+    result = guessed(form)
+    assert result.template is None, result.template
 
 
+@pytest.mark.promise("Text and units")
 @pytest.mark.parametrize(
     ("head", "form", "spec"),
     [
@@ -79,9 +81,11 @@ def test_a_unit_of_rates_does_not_stand_against_what_a_label_says(form: str) -> 
     ],
 )
 def test_the_axis_is_that_of_the_label_in_any_order_and_language(head: str, form: str, spec: str) -> None:
+    """The axis is that of the label, in any order and language."""
     assert guessed(form, head).spec == spec
 
 
+@pytest.mark.promise("Text and units")
 @pytest.mark.parametrize(
     ("head", "form"),
     [
@@ -94,6 +98,7 @@ def test_the_axis_is_that_of_the_label_in_any_order_and_language(head: str, form
     ],
 )
 def test_a_number_in_parts_of_a_unit_is_not_in_that_unit(head: str, form: str) -> None:
+    """A scaled number (`gz*100`) is not taken for its unit."""
     assert guessed(form, head).spec is None
 
 
@@ -106,9 +111,9 @@ def test_the_yaw_of_a_setpoint_is_told_from_that_of_the_gyro() -> None:
 def test_three_numbers_with_the_length_of_gravity_are_not_taken_for_radians() -> None:
     noise = Random(5)
     lines = [f"Gx: {noise.gauss(0, 0.004):.3f} Gy: 0.010 Gz: {noise.gauss(1, 0.004):.3f}" for _ in range(40)]
-    found = guess(lines, LINES_PER_S)
-    assert found is not None
-    assert found.spec is None
+    result = guess(lines, LINES_PER_S)
+    assert result is not None
+    assert result.spec is None
 
 
 @pytest.mark.parametrize(
@@ -120,6 +125,6 @@ def test_a_clock_that_does_not_go_on_is_none(form: str) -> None:
 
 def test_a_clock_of_whole_seconds_is_still_known_by_its_pace() -> None:
     lines = [f"t: {i // 50} gz: {i % 7}.1 dps" for i in range(200)]
-    found = guess(lines, 50.0)
-    assert found is not None
-    assert found.spec == "t=t_s, gz=rate:dps"
+    result = guess(lines, 50.0)
+    assert result is not None
+    assert result.spec == "t=t_s, gz=rate:dps"

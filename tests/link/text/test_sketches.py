@@ -112,7 +112,7 @@ SKETCHES: dict[str, Printed] = {
 }
 
 
-ASKED = {
+REQUEST = {
     "Arduino playground, MPU-6050 short sketch": f"lsb/{COUNTS}",
     "i2cdevlib, MPU6050_raw": f"lsb/{COUNTS}",
     "SparkFun ICM-20948, raw": f"lsb/{COUNTS}",
@@ -140,7 +140,6 @@ UNSAID = {
 
 
 def found_in(name: str, seed: int) -> tuple[TextGuess, bytes, list[Rates], float]:
-    """What is seen in LINES of a sketch, with its text, true rates and the step of its time in s."""
     random = Random(seed * 1000 + len(name))
     step_s, begin_s, turn_dps = (
         random.choice((0.005, 0.01, 0.02)),
@@ -151,28 +150,28 @@ def found_in(name: str, seed: int) -> tuple[TextGuess, bytes, list[Rates], float
         (random.gauss(0.0, 1.0), random.gauss(0.0, 1.0), random.gauss(0.0, 1.0) + turn_dps * sin(i / 5))
         for i in range(LINES)
     ]
-    text = "".join(SKETCHES[name](i, begin_s + i * step_s, each) for i, each in enumerate(rates)).encode()
+    text = "".join(SKETCHES[name](i, begin_s + i * step_s, item) for i, item in enumerate(rates)).encode()
     heard = Heard()
     heard.add(b"the line at which listening began\n" + text, 0.0)
     assert heard.is_text
-    found = guess(heard.lines(), text.count(b"\n") / (LINES * step_s))
-    assert found is not None
-    return found, text, rates, step_s
+    result = guess(heard.lines(), text.count(b"\n") / (LINES * step_s))
+    assert result is not None
+    return result, text, rates, step_s
 
 
 @pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize("name", sorted(SKETCHES.keys() - UNSAID))
 def test_what_a_board_prints_is_understood(name: str, seed: int) -> None:
     """The columns read the rate about the third axis, and the time where there is one; its unit may be asked for."""
-    found, text, rates, step_s = found_in(name, seed)
-    assert found.template is not None, [column.looks_like for column in found.columns]
-    assert all(column.why for column in found.columns if column.entry != "_")
-    assert found.is_unit_known == (name not in ASKED)
-    spec = found.template.replace("UNIT", ASKED.get(name, "UNIT"))
+    result, text, rates, step_s = found_in(name, seed)
+    assert result.template is not None, [column.looks_like for column in result.columns]
+    assert all(column.why for column in result.columns if column.entry != "_")
+    assert result.is_unit_known == (name not in REQUEST)
+    spec = result.template.replace("UNIT", REQUEST.get(name, "UNIT"))
     (protocol,) = candidates("auto", spec)
     readings = protocol.decoder().push(text)
     assert len(readings) == LINES
-    assert [reading.rate_dps for reading in readings] == pytest.approx([each[2] for each in rates], abs=0.06)
+    assert [reading.rate_dps for reading in readings] == pytest.approx([item[2] for item in rates], abs=0.06)
     times_us = [reading.t_us for reading in readings if reading.t_us is not None]
     assert bool(times_us) == protocol.has_clock == any(name in spec for name in ("t_us", "t_ms", "t_s", "t_ns"))
     steps_us = [after - before for before, after in pairwise(times_us)]
@@ -182,9 +181,9 @@ def test_what_a_board_prints_is_understood(name: str, seed: int) -> None:
 @pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize("name", sorted(UNSAID))
 def test_numbers_without_a_name_and_a_unit_are_asked_for(name: str, seed: int) -> None:
-    found, *_ = found_in(name, seed)
-    assert found.template is None
-    assert found.spec is None
+    result, *_ = found_in(name, seed)
+    assert result.template is None
+    assert result.spec is None
 
 
 TIMED = {
@@ -199,11 +198,10 @@ TIMED = {
 
 @pytest.mark.parametrize("name", TIMED)
 def test_the_clock_is_found(name: str) -> None:
-    """With its unit, from the pace of the lines."""
     lines = "".join(SKETCHES[name](i, 3.0 + i / 100, (0.1, 0.2, sin(i))) for i in range(LINES)).splitlines()
-    found = guess(lines, 100.0)
-    assert found is not None
-    assert TIMED[name] in [column.entry for column in found.columns]
+    result = guess(lines, 100.0)
+    assert result is not None
+    assert TIMED[name] in [column.entry for column in result.columns]
 
 
 @pytest.mark.parametrize("line", ["a" * 700 + ":", "[a:" * 230 + "]", "a b " * 170 + "=", "a=[" * 230, "1 " * 380])

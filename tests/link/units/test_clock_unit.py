@@ -43,7 +43,6 @@ def heard(port: Path, line: Callable[[int], str], count: int = 400, **options: A
 def test_a_csv_clock_of_another_unit_is_refused_with_the_columns_to_give(
     port: Path, line: Callable[[int], str], message: str
 ) -> None:
-    """Before anybody believes a yaw that is a thousand times too small."""
     with pytest.raises(UnitError, match=rf"{port}: .*{message}"):
         heard(port, line)
 
@@ -52,14 +51,12 @@ def test_a_csv_clock_of_another_unit_is_refused_with_the_columns_to_give(
     ("columns", "step"), [("t_ms,rate", 10), ("t_s,rate", 0.01), ("t_us,rate", 10_000), ("seq,rate", 1)]
 )
 def test_the_columns_scale_it(port: Path, columns: str, step: float) -> None:
-    """Then time goes by as it does."""
     samples = heard(port, lambda i: f"{step * i:g},{i % 7}", columns=columns)
     assert len(samples) == 400
     assert samples[-1].t_device_s - samples[0].t_device_s == pytest.approx(3.99, abs=0.02)
 
 
 def test_columns_that_name_the_wrong_unit_are_told(port: Path) -> None:
-    """Since a person has written them down."""
     with pytest.raises(
         UnitError, match="the clock of --columns counts milliseconds, not microseconds: write t_ms instead of t_us"
     ):

@@ -62,7 +62,6 @@ def test_an_imu_file_is_what_ros_expects(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("write", [write_imu, write_json])
 def test_the_file_is_chunked_and_tells_what_is_in_it(tmp_path: Path, write: Any) -> None:
-    """With statistics, compression and what the session keeps beside its samples."""
     write(tmp_path / "s.mcap", [steady(100), steady(100, first=100)])
     reader = opened(tmp_path / "s.mcap")
     summary = reader.get_summary()
@@ -98,7 +97,6 @@ def test_times_before_zero_and_rates_that_are_no_numbers_have_a_place_in_an_imu(
 
 @pytest.mark.parametrize("t_device_s", [math.nan, math.inf, -math.inf, 2.0**31, -(2.0**31) - 1, 1e300])
 def test_a_time_that_no_stamp_can_say_is_told_and_leaves_nothing(tmp_path: Path, t_device_s: float) -> None:
-    """With the number of its sample."""
     with pytest.raises(DataError, match=r"s.mcap: sample 2 has .* as t_device_s, which does not fit header.stamp"):
         write_imu(tmp_path / "s.mcap", [brief([0.0], [0.0]), brief([t_device_s], [0.0])])
     assert not list(tmp_path.iterdir())
@@ -146,7 +144,7 @@ whole_rows = st.lists(
 
 
 def session_of(rows: list[tuple[Any, ...]]) -> Session:
-    floats = [np.array([row[at] for row in rows], dtype=np.float64) for at in (0, 1, 2, 4, 5)]
+    floats = [np.array([row[index] for row in rows], dtype=np.float64) for index in (0, 1, 2, 4, 5)]
     t_device_s, rate_dps, t_host_s, encoder_deg, temp_c = floats
     return Session("s", t_device_s, rate_dps, t_host_s, np.array([row[3] for row in rows]), encoder_deg, temp_c)
 
@@ -164,7 +162,6 @@ def bits(session: Session) -> Iterator[list[int] | None]:
 
 @given(whole_rows, st.integers(1, 40))
 def test_json_keeps_every_bit(tmp_path_factory: pytest.TempPathFactory, rows: list[tuple[Any, ...]], cut: int) -> None:
-    """Of any finite value, in any number of chunks; NaN comes back as NaN."""
     path = tmp_path_factory.mktemp("s") / "s.mcap"
     write_json(path, [session_of(part) for part in (rows[:cut], rows[cut:]) if part])
     assert list(bits(read_foreign(path))) == list(bits(session_of(rows)))
@@ -185,6 +182,5 @@ def test_an_imu_keeps_every_microsecond(
 
 @pytest.mark.parametrize("write", [write_imu, write_json])
 def test_a_place_that_cannot_be_written_to_is_told(tmp_path: Path, write: Any) -> None:
-    """As wrong usage."""
     with pytest.raises(UsageError, match="cannot be written: No such file or directory"):
         write(tmp_path / "none" / "s.mcap", [steady(3)])

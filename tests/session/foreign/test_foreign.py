@@ -35,7 +35,6 @@ def test_samples_come_out_of_every_form_of_file(tmp_path: Path, form: str) -> No
 
 @pytest.mark.parametrize("form", FORMS)
 def test_json_is_understood_in_every_form_of_file(tmp_path: Path, form: str) -> None:
-    """With integers where a number is meant."""
     payloads = [as_json({"t_device_s": i, "rate_dps": -i, "seq": i, "note": "passed over"}) for i in range(50)]
     session = read_foreign(written(tmp_path, in_json(payloads, topic="/x", **FORMS[form])))
     assert session.t_device_s.tolist() == list(range(50))
@@ -55,7 +54,6 @@ def test_the_topic_is_the_one_given_or_gyro_or_the_only_one(tmp_path: Path) -> N
 
 
 def test_several_channels_want_a_choice(tmp_path: Path) -> None:
-    """Unless one of them is `/gyro`."""
     recorder = Recorder()
     for topic, count in (("/b", 2), ("/a", 3)):
         recorder.add(recorder.channel(topic, "json"), [b'{"t_device_s": 1, "rate_dps": 1}'] * count)
@@ -73,7 +71,6 @@ def test_several_channels_want_a_choice(tmp_path: Path) -> None:
 
 
 def test_two_writers_on_one_topic_are_one_session(tmp_path: Path) -> None:
-    """In the order of the file."""
     recorder = Recorder()
     recorder.add(recorder.channel("/a", "json"), [as_json({"t_device_s": 0, "rate_dps": 1})])
     recorder.add(recorder.channel("/a", "cdr", ("gyrodrift/msg/Sample", "ros2msg", SAMPLE_TEXT)), map(cdr, rows(2)))
@@ -82,7 +79,6 @@ def test_two_writers_on_one_topic_are_one_session(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("topic", [None, "/camera"])
 def test_what_is_not_understood_is_listed(tmp_path: Path, topic: str | None) -> None:
-    """With schema and encodings, and what would be understood."""
     recorder = Recorder()
     recorder.add(recorder.channel("/camera", "cdr", ("sensor_msgs/msg/Image", "ros2msg", "uint8[] x")), [b""])
     recorder.add(recorder.channel("/p", "protobuf"), [b""])
@@ -98,7 +94,6 @@ def test_what_is_not_understood_is_listed(tmp_path: Path, topic: str | None) -> 
 
 
 def test_what_cannot_be_opened_is_told(tmp_path: Path) -> None:
-    """Missing, or a folder."""
     with pytest.raises(DataError, match="cannot be read: No such file or directory"):
         read_foreign(tmp_path / "none.mcap")
     with pytest.raises(DataError, match="cannot be read: Is a directory"):

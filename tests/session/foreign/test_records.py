@@ -30,27 +30,25 @@ from gyrodrift.values.errors import DataError
 
 @pytest.mark.parametrize("form", FORMS)
 def test_a_file_cut_off_anywhere_keeps_its_beginning(tmp_path: Path, form: str) -> None:
-    """Never a value that was not written, never fewer for a later cut, and all once the last one is there."""
     values = rows(60)
     content = own(values, **FORMS[form])
-    seen = 0
+    observed = 0
     for length in range(len(MAGIC), len(content), 37 if form != "unchunked" else 5):
         path = written(tmp_path, content[:length])
         try:
             session = read_foreign(path)
         except DataError as error:
             assert str(error) == f"{path}: has no samples"  # noqa: PT017 - the beginning has none, and that is fine
-            assert seen == 0
+            assert observed == 0
             continue
         count = len(session.rate_dps)
-        assert count >= seen
+        assert count >= observed
         assert session.rate_dps.tolist() == [row["rate_dps"] for row in values[:count]]
-        seen = count
-    assert seen == 60
+        observed = count
+    assert observed == 60
 
 
 def test_a_cut_in_a_chunk_costs_the_messages_behind_it(tmp_path: Path) -> None:
-    """Where it is stored, to the message; where it is compressed, to the block."""
     values = rows(20_000)
     for compression, least in ((CompressionType.NONE, 9_000), (CompressionType.LZ4, 6_000)):
         content = own(values, chunk_size=1 << 30, compression=compression)
@@ -68,16 +66,15 @@ def test_zeros_behind_a_cut_are_passed_over(tmp_path: Path) -> None:
     assert 10 < len(session.rate_dps) < 60
 
 
-def place_of(content: bytes, wanted: int) -> int:
-    """Where the first record of a kind begins."""
-    at = len(MAGIC)
-    while content[at] != wanted:
-        at += 9 + int.from_bytes(content[at + 1 : at + 9], "little")
-    return at
+def place_of(content: bytes, expected: int) -> int:
+    index = len(MAGIC)
+    while content[index] != expected:
+        index += 9 + int.from_bytes(content[index + 1 : index + 9], "little")
+    return index
 
 
-def changed(content: bytes, at: int, fresh: bytes) -> bytes:
-    return content[:at] + fresh + content[at + len(fresh) :]
+def changed(content: bytes, position: int, fresh: bytes) -> bytes:
+    return content[:position] + fresh + content[position + len(fresh) :]
 
 
 CHUNKED = {form: own(rows(60), **FORMS[form]) for form in ("stored", "lz4", "zstd")}
@@ -128,7 +125,6 @@ LAST = b"\xff" * 8
     ],
 )
 def test_a_file_that_lies_is_told_in_one_line(tmp_path: Path, content: bytes, message: str) -> None:
-    """Magic, lengths, checksums, compression."""
     assert message in refused(tmp_path, content)
 
 
@@ -143,9 +139,8 @@ WHOLE = [*CHUNKED.values(), PLAIN, ros(map(imu, range(4))), in_json([as_json(row
 def test_any_damage_gives_a_session_or_a_data_error(
     tmp_path_factory: pytest.TempPathFactory, content: bytes, changes: list[tuple[int, bytes]], cut: int
 ) -> None:
-    """Never another exception."""
-    for at, fresh in changes:
-        content = changed(content, len(MAGIC) + at % (len(content) - 20), fresh)
+    for index, fresh in changes:
+        content = changed(content, len(MAGIC) + index % (len(content) - 20), fresh)
     path = written(tmp_path_factory.mktemp("any"), content[: max(len(MAGIC), len(content) - cut // 16)])
     try:
         session = read_foreign(path)
@@ -156,10 +151,9 @@ def test_any_damage_gives_a_session_or_a_data_error(
 
 
 def test_a_few_bytes_that_would_open_to_a_great_many_are_not_opened(tmp_path: Path) -> None:
-    """In one chunk or in many: what a recorder compresses does not shrink a thousandfold."""
     payload = json.dumps({"t_device_s": 1.0, "rate_dps": 0.0, "note": "x" * 250_000}).encode()
-    one = in_json([payload] * 80, chunk_size=1 << 30, compression=CompressionType.ZSTD)
+    item = in_json([payload] * 80, chunk_size=1 << 30, compression=CompressionType.ZSTD)
     many = in_json([payload] * 80, chunk_size=1 << 20, compression=CompressionType.ZSTD)
-    for content in (one, many):
+    for content in (item, many):
         assert len(content) < 50_000
         assert "too many for this file" in refused(tmp_path, content)

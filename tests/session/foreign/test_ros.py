@@ -26,7 +26,6 @@ def test_an_imu_gives_its_turn_about_z_in_degrees(tmp_path: Path, name: str) -> 
 
 
 def test_an_imu_without_a_rate_is_told(tmp_path: Path) -> None:
-    """By the −1 that the ROS documentation asks for."""
     lacking = imu(3, angular_velocity_covariance=[-1.0] + [0.0] * 8)
     text = refused(tmp_path, ros([imu(0), imu(1), lacking]))
     assert text == "/imu/data: message 3 has no rate: angular_velocity_covariance begins with -1"
@@ -52,7 +51,6 @@ def test_an_imu_without_a_rate_is_told(tmp_path: Path) -> None:
 def test_a_schema_that_lies_is_told(
     tmp_path: Path, name: str, schema: str, payload: bytes, message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Whatever the decoder makes of it, and nothing is printed on the way."""
     recorder = Recorder()
     recorder.add(recorder.channel("/a", "cdr", (name, "ros2msg", schema)), [payload])
     text = refused(tmp_path, recorder.content())
@@ -62,7 +60,6 @@ def test_a_schema_that_lies_is_told(
 
 
 def test_a_schema_of_very_many_fields_is_refused(tmp_path: Path) -> None:
-    """Before it is parsed: that would take minutes."""
     many = SAMPLE_TEXT + "".join(f"int32 a{number}\n" for number in range(40_000))
     recorder = Recorder()
     recorder.add(recorder.channel("/a", "cdr", ("gyrodrift/Sample", "ros2msg", many)), [b"\0\1\0\0"])
@@ -84,8 +81,9 @@ def in_ros1(payloads: Iterable[bytes]) -> bytes:
     return recorder.content()
 
 
+@pytest.mark.promise("Files of other programs")
 def test_an_imu_of_ros_1_is_read_as_one_of_ros_2(tmp_path: Path) -> None:
-    """As `mcap convert` keeps it of a bag."""
+    """An Imu of ROS 1 in MCAP is read like an Imu of ROS 2."""
     path = written(
         tmp_path, in_ros1(ros1_imu((1_600_000_000, 250_000_000 + 10**7 * i), math.radians(i)) for i in range(5))
     )
@@ -108,9 +106,10 @@ def test_an_imu_of_ros_1_that_is_none_is_named(tmp_path: Path, payload: bytes, m
         load_session(written(tmp_path, in_ros1([payload])))
 
 
+@pytest.mark.promise("Files of other programs")
 @pytest.mark.parametrize("stamp", [0, 1_600_000_000])
 def test_stamps_that_stand_still_give_way_to_the_time_of_the_log(tmp_path: Path, stamp: int) -> None:
-    """As drivers leave them that set none; it is told."""
+    """Stamps that stand still are replaced by the log time, with a message."""
     session = load_session(written(tmp_path, in_ros1(ros1_imu((stamp, 0), 0.1) for _ in range(4))))
     assert session.t_device_s == pytest.approx([0.0, 0.01, 0.02, 0.03], abs=1e-6)
     assert "the times of logging are used" in session.remarks[0]

@@ -27,7 +27,6 @@ def declared(number: int, length: int, name: str, kinds: str, columns: str) -> b
 
 
 def imu_values(gyros: int = 1) -> Iterator[tuple[float, ...]]:
-    """What an autopilot logs of the turn to the left: its z axis points down."""
     for _, t_s, rate_dps in samples():
         for gyro in range(gyros):
             yield 3_000_000 + round(1e6 * t_s), gyro, 0.1, 0.2, -radians(rate_dps), 0.0, 0.0, -9.8, 31.5
@@ -57,9 +56,10 @@ def ulog(columns: str = ULOG_COLUMNS, name: bytes = b"sensor_combined") -> bytes
     )
 
 
+@pytest.mark.promise("Files of other programs")
 @pytest.mark.parametrize("name", ["log.bin", "LOG.BIN", "00000001.log"])
 def test_a_log_of_ardupilot_is_read(tmp_path: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    """Its z axis points down, which is said."""
+    """ArduPilot logs are read."""
     pytest.importorskip("pymavlink")
     path = written(tmp_path / name, dataflash_text() if name.endswith(".log") else dataflash())
     assert filtered_yaw_deg(path) == pytest.approx(TURN_DEG, abs=1.0)
@@ -71,15 +71,15 @@ def test_a_log_of_ardupilot_is_read(tmp_path: Path, name: str, capsys: pytest.Ca
 
 
 def test_the_first_gyro_of_several_is_taken(tmp_path: Path) -> None:
-    """And told."""
     pytest.importorskip("pymavlink")
     session = load_session(written(tmp_path / "log.bin", dataflash(3)))
     assert len(session.rate_dps) == len(list(samples()))
     assert "it has 3 gyros, the first is used" in session.remarks
 
 
+@pytest.mark.promise("Files of other programs")
 def test_a_log_of_px4_is_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Likewise."""
+    """PX4 logs are read."""
     pytest.importorskip("pyulog")
     assert filtered_yaw_deg(written(tmp_path / "flight.ulg", ulog())) == pytest.approx(TURN_DEG, abs=1.0)
     assert "its z axis points down" in capsys.readouterr().err
@@ -107,10 +107,11 @@ def test_what_is_no_log_is_said(tmp_path: Path, name: str, content: bytes, packa
         load_session(written(tmp_path / name, content))
 
 
+@pytest.mark.promise("Files of other programs")
 def test_the_extra_is_named_where_its_package_is_missing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """With status 4."""
+    """If a package is missing, the message names the extra to install."""
     for package in ("pymavlink", "pyulog", "rosbags", "rosbags.highlevel"):
         monkeypatch.setitem(__import__("sys").modules, package, None)
     for name, content, extra in (
@@ -123,7 +124,6 @@ def test_the_extra_is_named_where_its_package_is_missing(
 
 
 def test_a_topic_of_px4_without_its_time_is_none(tmp_path: Path) -> None:
-    """Of a damaged log any name may be another."""
     pytest.importorskip("pyulog")
     columns = ULOG_COLUMNS.replace("timestamp", "timestbmp")
     with pytest.raises(DataError, match=r"none of the topics sensor_combined, .* with a time and a rate"):
@@ -138,11 +138,12 @@ def test_a_log_of_px4_with_signaling_nans_is_read_without_a_warning(tmp_path: Pa
     assert np.isnan(load_session(path).rate_dps).any()
 
 
-@pytest.mark.parametrize("place", ["definitions", "data"])
-def test_a_hole_in_a_log_of_px4_is_damage(tmp_path: Path, place: str) -> None:
-    """Zeros replace messages; pyulog alone takes a minute for 30 MB of them."""
+@pytest.mark.promise("Files of other programs")
+@pytest.mark.parametrize("position", ["definitions", "data"])
+def test_a_hole_in_a_log_of_px4_is_damage(tmp_path: Path, position: str) -> None:
+    """A PX4 log with a hole of zeros is refused at once."""
     path = tmp_path / "a.ulg"
-    path.write_bytes(ulog()[:16] if place == "definitions" else ulog())
+    path.write_bytes(ulog()[:16] if position == "definitions" else ulog())
     with path.open("r+b") as file:
         file.truncate(10_000_000_000)
     with pytest.raises(DataError, match=r"a\.ulg: is damaged: only zeros from byte \d+ to \d+"):
@@ -159,7 +160,6 @@ def test_a_log_of_ardupilot_gives_all_axes_with_z_up(tmp_path: Path) -> None:
 
 
 def test_a_log_of_px4_gives_all_axes_with_z_up(tmp_path: Path) -> None:
-    """Without accelerations in this log."""
     pytest.importorskip("pyulog")
     session = load_session(written(tmp_path / "flight.ulg", ulog()))
     assert session.gyro_dps is not None

@@ -55,15 +55,17 @@ def bag2(path: Path, *topics: str) -> Path:
     return path
 
 
+@pytest.mark.promise("Files of other programs")
 def test_a_bag_of_ros_1_is_read(tmp_path: Path) -> None:
-    """Time is that of its stamps."""
+    """ROS 1 bags are read."""
     path = bag1(tmp_path / "robot.bag", "/imu/data")
     assert filtered_yaw_deg(path) == pytest.approx(TURN_DEG, abs=1.0)
     assert load_session(path).t_device_s[0] == BEGAN_S
 
 
+@pytest.mark.promise("Files of other programs")
 def test_a_bag_of_ros_2_is_read_by_its_folder_and_by_its_file(tmp_path: Path) -> None:
-    """A folder of sessions may be one."""
+    """ROS 2 bags are read, as a folder and as a file."""
     folder = bag2(tmp_path / "run_1", "/imu")
     (file,) = folder.glob("*.db3")
     assert session_paths([folder]) == session_paths([tmp_path]) == [file]
@@ -88,18 +90,21 @@ def test_what_is_no_bag_is_said(tmp_path: Path, name: str) -> None:
         load_session(written(tmp_path / name, b"#ROSBAG V2.0\n" + bytes(99)))
 
 
+@pytest.mark.promise("Files of other programs")
 def test_message_definitions_of_a_bag_are_not_parsed(tmp_path: Path) -> None:
-    """They may be anything, of any length, and the layout of what is read is known without them."""
+    """Message definitions of a bag are not parsed."""
     path, store = tmp_path / "robot.bag", typesys.get_typestore(typesys.Stores.ROS1_NOETIC)
     with rosbag1.Writer(path) as writer:
         for topic, definition in (("/a", "]" * 99), ("/b", "int32 a\n" * 100_000)):
-            other = writer.add_connection(topic, "pkg/msg/Other", msgdef=definition, md5sum="0" * 32)
-            writer.write(other, BEGAN_S * NS, bytes(8))
+            second = writer.add_connection(topic, "pkg/msg/Other", msgdef=definition, md5sum="0" * 32)
+            writer.write(second, BEGAN_S * NS, bytes(8))
         write_messages(writer, store, ("/imu",), ros1_imu)
     assert len(load_session(path).rate_dps) == len(list(samples()))
 
 
+@pytest.mark.promise("Files of other programs")
 def test_a_huge_file_that_is_no_bag_is_refused_at_once(tmp_path: Path) -> None:
+    """A huge file that is not a bag is refused at once."""
     path = tmp_path / "robot.bag"
     with path.open("wb") as file:
         file.truncate(1 << 40)

@@ -68,39 +68,41 @@ def are_original(session: Session, whole: Session) -> bool:
     numbers = session.seq
     if len(numbers) and (np.diff(numbers) <= 0).any():
         return False
-    found = [getattr(session, name) for name in COLUMNS]
-    return all(np.array_equal(here, getattr(whole, name)[numbers]) for here, name in zip(found, COLUMNS, strict=True))
+    result = [getattr(session, name) for name in COLUMNS]
+    return all(np.array_equal(here, getattr(whole, name)[numbers]) for here, name in zip(result, COLUMNS, strict=True))
 
 
-def damaged_at(place: int, content: bytes, removed: int | None = None) -> bytes:
-    return WHOLE[:place] + content + WHOLE[place + (len(content) if removed is None else removed) :]
+def damaged_at(location: int, content: bytes, removed: int | None = None) -> bytes:
+    return WHOLE[:location] + content + WHOLE[location + (len(content) if removed is None else removed) :]
 
 
 BLOCKS = {"zeros": bytes(BLOCK), "ones": b"\xff" * BLOCK, "text": b"hello wo" * (BLOCK // 8), "missing": b""}
 
 
+@pytest.mark.promise("Crashes")
 @pytest.mark.parametrize("kind", BLOCKS)
 def test_a_damaged_block_costs_the_samples_in_it_and_no_others(tmp_path: Path, whole: Session, kind: str) -> None:
-    """The error says which, and how many seconds; everything behind the block is read."""
-    place = len(WHOLE) // 2 // BLOCK * BLOCK
-    content = damaged_at(place, BLOCKS[kind], BLOCK)
-    with pytest.raises(DamagedError, match=r"samples \d+ to \d+ \(\d.* s, at ") as told:
+    """A damaged block of 4 KiB costs at most 49 samples; everything after it is read."""
+    position = len(WHOLE) // 2 // BLOCK * BLOCK
+    content = damaged_at(position, BLOCKS[kind], BLOCK)
+    with pytest.raises(DamagedError, match=r"samples \d+ to \d+ \(\d.* s, at ") as report:
         loaded(tmp_path, content)
     session = loaded(tmp_path, content, allow_damage=True)
-    ((_, damage),) = told.value.damages
+    ((_, damage),) = report.value.damages
     assert damage == session.damage
     assert are_original(session, whole)
     assert session.seq is not None
     assert session.seq[-1] == COUNT - 1
     missing = np.setdiff1d(np.arange(COUNT), session.seq)
-    assert sum(each.count or 0 for each in damage.lost) == len(missing) <= BLOCK // MESSAGE.size + 2
+    assert sum(item.count or 0 for item in damage.lost) == len(missing) <= BLOCK // MESSAGE.size + 2
     assert damage.lost_seconds == pytest.approx(len(missing) / 100)
     assert damage.kept == COUNT - len(missing)
     assert damage.lost[0].first == missing[0]
 
 
+@pytest.mark.promise("Crashes")
 def test_one_flipped_bit_of_a_rate_costs_that_sample(tmp_path: Path, whole: Session) -> None:
-    """Nothing but its checksum shows it: the record is laid out as ever."""
+    """A flipped bit costs at most one sample."""
     content = flipped(WHOLE.index(whole.rate_dps[500].tobytes()), 3)
     with pytest.raises(DamagedError, match=r"lost is sample 500 \(0.01 s, at 5.00 s\); 999 samples are whole"):
         loaded(tmp_path, content)
@@ -111,7 +113,6 @@ def test_one_flipped_bit_of_a_rate_costs_that_sample(tmp_path: Path, whole: Sess
 
 
 def test_a_lost_sample_is_told_by_its_number_in_the_file(tmp_path: Path) -> None:
-    """Whatever the device counts; and a lost event is told with nothing else."""
     stream = io.BytesIO()
     writer = McapWriter(stream)
     writer.add_all(Sample(-1 if number < 5 else 70_000, number / 100, 1.7e9, 0.5 + number) for number in range(10))
@@ -124,9 +125,10 @@ def test_a_lost_sample_is_told_by_its_number_in_the_file(tmp_path: Path) -> None
         loaded(tmp_path, flipped(content.index(b"missing"), 1, content))
 
 
+@pytest.mark.promise("Crashes")
 @pytest.mark.parametrize("kind", ["twice", "moved"])
 def test_records_in_another_place_are_read_in_their_order(tmp_path: Path, whole: Session, kind: str) -> None:
-    """No checksum depends on its place."""
+    """Records in another place are read in their order, and a sample of another recording is not read."""
     content = damaged(WHOLE, WHOLE.index(whole.rate_dps[500].tobytes()) - RATE_OFFSET, 2 * MESSAGE.size, kind)
     with pytest.raises(DamagedError, match="no sample is lost"):
         loaded(tmp_path, content)
@@ -135,8 +137,11 @@ def test_records_in_another_place_are_read_in_their_order(tmp_path: Path, whole:
     assert len(session.rate_dps) == COUNT
 
 
+@pytest.mark.promise(
+    "Crashes",
+    "records in another place are read in their order, and a sample of another recording is not read",
+)
 def test_samples_of_another_recording_are_none_of_this_one(tmp_path: Path, whole: Session) -> None:
-    """As a disk may give them; their checksums are right, and their numbers would fit."""
     stranger = recording(device_id="shelf")
     start = WHOLE.index(whole.rate_dps[400].tobytes()) // BLOCK * BLOCK
     session = loaded(tmp_path, damaged_at(start, stranger[start : start + BLOCK]), allow_damage=True)
@@ -145,16 +150,17 @@ def test_samples_of_another_recording_are_none_of_this_one(tmp_path: Path, whole
     assert are_original(session, whole)
 
 
-def flipped(place: int, bit: int, content: bytes = WHOLE) -> bytes:
-    return content[:place] + bytes([content[place] ^ (1 << bit)]) + content[place + 1 :]
+def flipped(location: int, bit: int, content: bytes = WHOLE) -> bytes:
+    return content[:location] + bytes([content[location] ^ (1 << bit)]) + content[location + 1 :]
 
 
+@pytest.mark.promise("Crashes")
 def test_every_byte_of_a_recording_is_watched_over(tmp_path: Path, whole: Session) -> None:
-    """A flipped bit in the header, a sample, a length, metadata, a table, the summary or the footer."""
-    for place in range(0, len(WHOLE), 307):
-        assert_told_or_whole(tmp_path, flipped(place, place % 8), whole)
-    for place in range(len(WHOLE) - 800, len(WHOLE), 7):
-        assert_told_or_whole(tmp_path, flipped(place, place % 8), whole)
+    """Checksums cover every byte of a recording."""
+    for position in range(0, len(WHOLE), 307):
+        assert_told_or_whole(tmp_path, flipped(position, position % 8), whole)
+    for position in range(len(WHOLE) - 800, len(WHOLE), 7):
+        assert_told_or_whole(tmp_path, flipped(position, position % 8), whole)
 
 
 def assert_told_or_whole(folder: Path, content: bytes, whole: Session) -> None:
@@ -184,11 +190,11 @@ damages = st.one_of(
 )
 
 
-def damaged(content: bytes, place: int, size: int, kind: str) -> bytes:
-    head, rest = content[:place], content[place:]
+def damaged(content: bytes, location: int, size: int, kind: str) -> bytes:
+    head, rest = content[:location], content[location:]
     match kind:
         case "flip":
-            return flipped(min(place, len(content) - 1), size, content) if content else content
+            return flipped(min(location, len(content) - 1), size, content) if content else content
         case "cut":
             return head
         case "missing" | "twice" | "moved":
@@ -199,22 +205,26 @@ def damaged(content: bytes, place: int, size: int, kind: str) -> bytes:
         "zeros": b"\0",
         "ones": b"\xff",
         "text": b"hello wo",
-        "noise": np.random.default_rng(place).bytes(BLOCK),
+        "noise": np.random.default_rng(location).bytes(BLOCK),
     }
     return head + (patterns[kind] * size)[: min(size, len(rest))] + rest[size:]
 
 
+@pytest.mark.promise(
+    "Crashes",
+    "for any change to a closed recording (except two damages near a cut), either all samples are read, "
+    "or the damage is reported",
+)
 @patient
 @given(st.lists(damages, min_size=1, max_size=2))
 def test_whatever_is_done_to_a_recording_is_told_or_harmless(
     tmp_path_factory: pytest.TempPathFactory, done: list[tuple[int, int, str]]
 ) -> None:
-    """No sample is read that was never written, and none is missing without a word."""
     folder = tmp_path_factory.getbasetemp()
     whole = loaded(folder, WHOLE)
     content = WHOLE
-    for place, size, kind in done:
-        content = damaged(content, place, size, kind)
+    for position, size, kind in done:
+        content = damaged(content, position, size, kind)
     if not content.startswith(WHOLE[:8]) and SEAL_START not in content:
         return  # nothing shows that it was a recording
     if len(done) > 1 and content[-CLOSED_TAIL_BYTES:][: len(CLOSED_TAIL)] != CLOSED_TAIL:
@@ -222,8 +232,9 @@ def test_whatever_is_done_to_a_recording_is_told_or_harmless(
     assert_told_or_whole(folder, content, whole)
 
 
+@pytest.mark.promise("Crashes")
 def test_bytes_of_a_device_that_look_like_samples_are_none(tmp_path: Path) -> None:
-    """Though they are more than the samples, and have right checksums of another recording; also after a kill."""
+    """Bytes of a device that look like samples are not read as samples, also after a kill."""
     stream, forged = io.BytesIO(), recording(device_id="forger", is_finished=False)
     writer = McapWriter(stream, {"device": {"device_id": "bench"}})
     for number in range(10):
@@ -250,26 +261,25 @@ def test_what_was_said_of_rest_stays_with_its_samples(tmp_path: Path, whole: Ses
 
 
 def test_a_flipped_bit_in_an_interrupted_recording_is_told_too(tmp_path: Path, whole: Session) -> None:
-    """Up to its last sample; without damage it loads as ever."""
     content = recording(is_finished=False)
     assert len(loaded(tmp_path, content).rate_dps) == COUNT
     assert len(loaded(tmp_path, content[:-30]).rate_dps) == COUNT
     for number in (500, COUNT - 1):
-        place = content.index(whole.rate_dps[number].tobytes())
+        position = content.index(whole.rate_dps[number].tobytes())
         with pytest.raises(DamagedError, match=f"lost is sample {number} "):
-            loaded(tmp_path, flipped(place, 2, content))
+            loaded(tmp_path, flipped(position, 2, content))
 
 
 def test_public_readers_take_the_seals_as_they_are() -> None:
-    """They pass over records of applications, with all checksums on."""
     records = list(StreamReader(io.BytesIO(WHOLE), validate_crcs=True).records)
     assert type(records[-1]).__name__ == "Footer"
     messages = list(make_reader(io.BytesIO(WHOLE), validate_crcs=True).iter_messages(["/gyro"]))
     assert len(messages) == COUNT
 
 
+@pytest.mark.promise("Crashes")
 def test_a_repair_without_checksums_is_told_each_time_the_file_is_read(tmp_path: Path) -> None:
-    """A second repair does not take the remark away."""
+    """A file that was repaired without checksums says so each time it is read."""
     path = tmp_path / "d.mcap"
     path.write_bytes((EARLIER / "one_axis.mcap").read_bytes().replace(b"gdcrc", b"xxxxx"))
     assert repair(path) is not None
@@ -282,7 +292,6 @@ def test_a_repair_without_checksums_is_told_each_time_the_file_is_read(tmp_path:
 
 
 def test_samples_before_bytes_that_are_no_record_are_not_called_whole(tmp_path: Path) -> None:
-    """Nothing says what these bytes were."""
     damage = loaded(tmp_path, WHOLE[: len(WHOLE) // 2] + b"\x07" * 3000, allow_damage=True).damage
     assert damage is not None
     assert not damage.is_sure
@@ -290,10 +299,11 @@ def test_samples_before_bytes_that_are_no_record_are_not_called_whole(tmp_path: 
     assert str(damage).endswith("samples are there")
 
 
+@pytest.mark.promise("Crashes")
 @pytest.mark.parametrize("name", ["one_axis", "three_axes_and_yaw"])
 @pytest.mark.parametrize("kind", ["flip", "zeros", "missing", "twice"])
 def test_damage_in_a_recording_of_an_earlier_version_is_told_by_sample(tmp_path: Path, name: str, kind: str) -> None:
-    """Its tables have a checksum for 24 samples; a repair gives a file of this version."""
+    """Damage in a recording of an earlier version is reported by sample."""
     path, content = tmp_path / "s.mcap", (EARLIER / f"{name}.mcap").read_bytes()
     whole = loaded(tmp_path, content)
     assert len(whole.rate_dps) == 100
@@ -314,7 +324,6 @@ def test_damage_in_a_recording_of_an_earlier_version_is_told_by_sample(tmp_path:
 
 @pytest.mark.parametrize("name", ["one_axis", "three_axes_and_yaw"])
 def test_an_interrupted_recording_of_an_earlier_version_is_closed(tmp_path: Path, name: str) -> None:
-    """At any byte of its last records."""
     path, content = tmp_path / "s.mcap", (EARLIER / f"{name}.mcap").read_bytes()
     for length in range(len(content) - 2500, content.rindex(DATA_END), 61):
         path.write_bytes(content[:length])

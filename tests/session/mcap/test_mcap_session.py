@@ -66,17 +66,15 @@ def test_a_message_has_one_size_for_writer_and_reader(kind: tuple[bool, bool, bo
 
 @given(st.binary(min_size=1, max_size=4000))
 def test_checksums_of_rows_are_those_of_their_bytes(content: bytes) -> None:
-    """Of any bytes, whole rows of them."""
     for row in ROWS.values():
         rows = np.frombuffer(content.ljust(row.itemsize, b"x"), row, max(1, len(content) // row.itemsize))
-        assert checksums(rows).tolist() == [zlib.crc32(each.tobytes()[:-4]) for each in rows]
+        assert checksums(rows).tolist() == [zlib.crc32(item.tobytes()[:-4]) for item in rows]
 
 
 @given(samples)
 def test_what_is_written_is_read_with_the_same_bits(
     tmp_path_factory: pytest.TempPathFactory, values: list[Sample]
 ) -> None:
-    """NaN and infinities included."""
     session = read_mcap(written(tmp_path_factory.mktemp("s"), recorded(values)))
     assert np.array_equal(session.t_device_s, [s.t_device_s for s in values], equal_nan=True)
     assert np.array_equal(session.rate_dps, [s.rate_dps for s in values], equal_nan=True)
@@ -88,7 +86,6 @@ def test_what_is_written_is_read_with_the_same_bits(
 
 
 def test_chunks_of_arrays_and_single_samples_make_the_same_file() -> None:
-    """Byte for byte."""
     values = steady(500)
     columns = [np.array(column, dtype=np.float64) for column in zip(*(sample[:6] for sample in values), strict=True)]
     stream = io.BytesIO()
@@ -118,7 +115,6 @@ def test_public_readers_open_it_with_checks_on_and_decode_it() -> None:
 
 
 def test_the_footer_says_where_the_summary_begins() -> None:
-    """Its first record, a schema, stands right behind the end of the data."""
     content = recorded(steady(3))
     (start,) = struct.unpack_from("<Q", content, len(content) - CLOSED_TAIL_BYTES + HEAD.size)
     assert content[start] == Opcode.SCHEMA
@@ -126,7 +122,6 @@ def test_the_footer_says_where_the_summary_begins() -> None:
 
 
 def test_what_is_said_of_rest_is_written_where_it_changes() -> None:
-    """Once, not with each sample."""
     values = [sample._replace(still=float(i >= 10)) for i, sample in enumerate(steady(20))]
     stills = make_reader(io.BytesIO(recorded(values))).iter_messages(topics=[STILLS.name])
     assert [json.loads(message.data) for _, _, message in stills] == [
@@ -168,7 +163,6 @@ def foreign(topic: str, schema: str) -> bytes:
     ],
 )
 def test_what_is_no_session_of_ours_is_told(tmp_path: Path, content: bytes, message: str) -> None:
-    """Also where a length in it is absurd."""
     with pytest.raises(DataError, match=message):
         read_mcap(written(tmp_path, content))
 
@@ -188,14 +182,12 @@ def test_converting_there_and_back_changes_nothing(tmp_path: Path) -> None:
 
 
 def test_an_unknown_ending_is_wrong_usage(tmp_path: Path) -> None:
-    """And writes nothing."""
     first = written(tmp_path, recorded(steady(3)))
     assert main(["convert", str(first), str(tmp_path / "b.bag")]) == 2
     assert [path.name for path in tmp_path.iterdir()] == ["s.mcap"]
 
 
 def test_samples_that_take_turns_with_reads_are_looked_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """However they alternate: what is looked at for a run of samples grows with the run."""
     stream = io.BytesIO()
     writer = McapWriter(stream)
     for sample in steady(3000):
@@ -217,14 +209,12 @@ def test_samples_that_take_turns_with_reads_are_looked_at_once(tmp_path: Path, m
 
 
 def test_a_file_that_ends_in_a_hole_is_read_up_to_it(tmp_path: Path) -> None:
-    """It costs nobody anything to make, and is neither read nor room made for it."""
     path = written(tmp_path, recorded(steady(100), is_finished=False))
     os.truncate(path, 1 << 40)
     assert len(read_mcap(path).t_device_s) == 100
 
 
 def test_a_record_of_a_hole_is_not_read(tmp_path: Path) -> None:
-    """Its length is that of the file, and its last byte is there."""
     path = written(tmp_path, recorded(steady(100), is_finished=False))
     begun = path.stat().st_size
     with path.open("ab") as file:
@@ -262,17 +252,15 @@ def test_what_is_said_of_rest_may_be_anything(tmp_path: Path, word: bytes) -> No
 
 @given(st.lists(st.tuples(st.integers(-(2**80), 2**80) | st.integers(-3, 12), st.sampled_from([0.0, 1.0])), min_size=1))
 def test_what_is_said_of_rest_holds_until_the_next(
-    tmp_path_factory: pytest.TempPathFactory, said: list[tuple[int, float]]
+    tmp_path_factory: pytest.TempPathFactory, statement: list[tuple[int, float]]
 ) -> None:
-    """In whatever order: the last message that begins at a sample or before it counts."""
-    words = [json.dumps({"sample": first, "still": still}).encode() for first, still in said]
+    words = [json.dumps({"sample": first, "still": still}).encode() for first, still in statement]
     still = read_mcap(written(tmp_path_factory.mktemp("s"), saying(words))).still
-    expected = [next((each for first, each in reversed(said) if first <= n), np.nan) for n in range(10)]
+    expected = [next((item for first, item in reversed(statement) if first <= n), np.nan) for n in range(10)]
     np.testing.assert_array_equal(still, expected)
 
 
 def test_a_note_that_is_not_utf_8_is_kept_as_far_as_it_goes(tmp_path: Path) -> None:
-    """As arguments and names of files may be; a recording does not end for it."""
     stream = io.BytesIO()
     writer = McapWriter(stream, {"recording": {"note": os.fsdecode(b"good \xff\xfe bearing")}})
     writer.add(steady(1)[0])

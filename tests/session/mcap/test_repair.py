@@ -57,13 +57,13 @@ def written(*, is_finished: bool = False, samples: int = 20) -> bytes:
 
 def whole_samples(content: bytes) -> int:
     """How many sample records of `content` are whole, by walking its heads."""
-    at, count = 8, 0
-    while at + 9 <= len(content):
-        length = int.from_bytes(content[at + 1 : at + 9], "little")
-        if at + 9 + length > len(content):
+    position, count = 8, 0
+    while position + 9 <= len(content):
+        length = int.from_bytes(content[position + 1 : position + 9], "little")
+        if position + 9 + length > len(content):
             break
-        count += content[at] == 5 and content[at + 9 : at + 11] == b"\1\0"
-        at += 9 + length
+        count += content[position] == 5 and content[position + 9 : position + 11] == b"\1\0"
+        position += 9 + length
     return count
 
 
@@ -79,19 +79,18 @@ def public(path: Path) -> list[tuple[int, float]]:
         summary = reader.get_summary()
         assert summary is not None
         assert summary.statistics is not None
-        found = [(message.sequence, message.log_time * 1e-9) for _, _, message in reader.iter_messages(["/gyro"])]
+        result = [(message.sequence, message.log_time * 1e-9) for _, _, message in reader.iter_messages(["/gyro"])]
         every = sum(1 for _ in reader.iter_messages())
         names = [index.name for index in summary.metadata_indexes]
         assert [record.name for record in reader.iter_metadata()] == names
     assert summary.statistics.message_count == every
     assert sum(summary.statistics.channel_message_counts.values()) == every
-    assert streamed == [sequence for sequence, _ in found]
-    return found
+    assert streamed == [sequence for sequence, _ in result]
+    return result
 
 
 @pytest.mark.parametrize("is_finished", [True, False])
 def test_torn_at_any_byte_it_is_closed_with_every_whole_sample(tmp_path: Path, is_finished: bool) -> None:  # noqa: FBT001 - a parameter of a test
-    """Of the last records and of the whole end; a second repair has nothing to do."""
     content = written(is_finished=is_finished)
     path = tmp_path / "s.mcap"
     for length in range(len(content) - 900, len(content)):
@@ -106,7 +105,6 @@ def test_torn_at_any_byte_it_is_closed_with_every_whole_sample(tmp_path: Path, i
 
 
 def test_a_repair_that_is_cut_off_is_repaired(tmp_path: Path) -> None:
-    """At any byte of the end that it writes."""
     path = tmp_path / "s.mcap"
     path.write_bytes(written())
     repair(path)
@@ -118,7 +116,6 @@ def test_a_repair_that_is_cut_off_is_repaired(tmp_path: Path) -> None:
 
 
 def test_a_closed_file_stays_as_it_is(tmp_path: Path) -> None:
-    """To the byte, and its time."""
     path = tmp_path / "s.mcap"
     path.write_bytes(written(is_finished=True))
     before = path.stat().st_mtime_ns
@@ -126,11 +123,12 @@ def test_a_closed_file_stays_as_it_is(tmp_path: Path) -> None:
     assert (path.stat().st_mtime_ns, path.read_bytes()) == (before, written(is_finished=True))
 
 
+@pytest.mark.promise("Crashes")
 @pytest.mark.parametrize("content", [b"", b"\x89MC", b"\x89MCAP0\r\n", bytes(4096)], ids=["none", "3", "8", "zeros"])
 def test_a_recording_that_had_not_begun_is_in_nobodys_way(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], content: bytes
 ) -> None:
-    """As a kill leaves it in the first moment, and a power cut; it stays, since it may be another program's."""
+    """A recording that was killed before its first sample does not stop other commands."""
     bare, whole = tmp_path / "s.mcap", tmp_path / "t.mcap"
     bare.write_bytes(content)
     whole.write_bytes(written(is_finished=True))
@@ -154,7 +152,6 @@ def test_zeros_of_a_power_cut_are_cut_off(tmp_path: Path) -> None:
 
 
 def test_bytes_that_are_no_torn_record_are_kept_beside(tmp_path: Path) -> None:
-    """Nobody knows what they are worth."""
     garbage = np.random.default_rng(3).bytes(500)
     path = tmp_path / "s.mcap"
     path.write_bytes(written() + garbage)
@@ -171,7 +168,6 @@ def test_bytes_that_are_no_torn_record_are_kept_beside(tmp_path: Path) -> None:
 
 
 def test_a_hole_before_the_last_bytes_stays_one(tmp_path: Path) -> None:
-    """What is kept beside takes no more room on the disk than it did."""
     path = tmp_path / "s.mcap"
     path.write_bytes(written() + b"\xfegarbage" * 100)
     os.truncate(path, 1 << 36)
@@ -188,7 +184,6 @@ def test_a_hole_before_the_last_bytes_stays_one(tmp_path: Path) -> None:
 
 
 def test_raw_bytes_and_events_survive_too(tmp_path: Path) -> None:
-    """In a file that was cut off in its last table."""
     path = tmp_path / "s.mcap"
     path.write_bytes(written()[:-20])
     repair(path)
@@ -212,17 +207,17 @@ def test_whatever_was_recorded_and_wherever_it_was_cut(
     writer = McapWriter(stream, METADATA)
     start = len(stream.getvalue())
     number = 0
-    for at, kind in enumerate(kinds):
+    for position, kind in enumerate(kinds):
         match kind:
             case "sample":
                 writer.add(sample(number))
                 number += 1
             case "read":
-                writer.add_read(bytes(at), 1.7e9)
+                writer.add_read(bytes(position), 1.7e9)
             case "event":
                 writer.add_event("gap", 1.7e9, {})
             case "metadata":
-                writer.add_metadata(f"table {at}", {})
+                writer.add_metadata(f"table {position}", {})
             case _:
                 writer.flush()
     content = stream.getvalue()
@@ -253,7 +248,6 @@ def of_another_program() -> bytes:
     ],
 )
 def test_what_is_not_ours_is_left_alone(tmp_path: Path, content: bytes, message: str) -> None:
-    """To the byte."""
     path = tmp_path / "s.mcap"
     path.write_bytes(content)
     with pytest.raises(DataError, match=message):
@@ -272,7 +266,6 @@ def in_use(tmp_path: Path) -> Iterator[Path]:
 
 
 def test_a_file_that_is_being_written_is_left_alone(in_use: Path) -> None:
-    """It is no interrupted one."""
     with pytest.raises(DataError, match="is being written by another process"):
         repair(in_use)
     assert list(interrupted(in_use.parent)) == []
@@ -280,7 +273,6 @@ def test_a_file_that_is_being_written_is_left_alone(in_use: Path) -> None:
 
 
 def test_only_files_that_were_never_closed_are_interrupted(tmp_path: Path) -> None:
-    """By name."""
     for name, content in {"b": written(), "a": written()[:-3], "c": written(is_finished=True)}.items():
         (tmp_path / f"{name}.mcap").write_bytes(content)
     (tmp_path / "folder.mcap").mkdir()
@@ -289,39 +281,36 @@ def test_only_files_that_were_never_closed_are_interrupted(tmp_path: Path) -> No
 
 
 def test_the_command_closes_a_folder_and_tells_what_it_did(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """One file that cannot be mended does not keep it from the others; the status tells."""
     (tmp_path / "a.mcap").write_bytes(of_another_program())
     (tmp_path / "b.mcap").write_bytes(written()[: -MESSAGE.size])
     (tmp_path / "c.mcap").write_bytes(written(is_finished=True))
     assert main(["repair", str(tmp_path)]) == 4
-    said = capsys.readouterr()
-    assert "a.mcap: cannot be repaired: it was written by another program" in said.err
-    assert f"{tmp_path / 'b.mcap'}: closed, 20 samples, " in said.out
-    assert f"{tmp_path / 'c.mcap'}: is whole" in said.out
+    statement = capsys.readouterr()
+    assert "a.mcap: cannot be repaired: it was written by another program" in statement.err
+    assert f"{tmp_path / 'b.mcap'}: closed, 20 samples, " in statement.out
+    assert f"{tmp_path / 'c.mcap'}: is whole" in statement.out
     assert len(public(tmp_path / "b.mcap")) == 20
 
 
 def test_a_path_that_is_not_there_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """In one line."""
     assert main(["repair", str(tmp_path / "x.mcap")]) == 4
     assert capsys.readouterr().err == f"gyrodrift: {tmp_path / 'x.mcap'}: there is no such file or folder\n"
 
 
 def whole_messages(content: bytes) -> dict[str, int]:
     """How many messages of `content` are whole, by channel."""
-    at, counts = 8, {"/gyro": 0, "/raw": 0, "/link": 0}
-    while at + 9 <= len(content):
-        length = int.from_bytes(content[at + 1 : at + 9], "little")
-        if at + 9 + length > len(content):
+    position, counts = 8, {"/gyro": 0, "/raw": 0, "/link": 0}
+    while position + 9 <= len(content):
+        length = int.from_bytes(content[position + 1 : position + 9], "little")
+        if position + 9 + length > len(content):
             break
-        if content[at] == 5:
-            counts[list(counts)[content[at + 9] - 1]] += 1
-        at += 9 + length
+        if content[position] == 5:
+            counts[list(counts)[content[position + 9] - 1]] += 1
+        position += 9 + length
     return counts
 
 
 def test_torn_at_any_byte_it_keeps_every_whole_read_and_event(tmp_path: Path) -> None:
-    """Over the last two groups of samples, a read, an event, and a table."""
     content = written()
     path = tmp_path / "s.mcap"
     for length in range(len(content) - 2 * (5 * MESSAGE.size + 200), len(content)):
@@ -353,7 +342,6 @@ def test_torn_inside_its_first_records_it_is_closed_or_left_alone(tmp_path: Path
 
 @pytest.mark.parametrize("library", [b"gyrodrift", b"somebody's"])
 def test_a_file_that_ends_before_it_says_whose_it_is_stays_as_it_is(tmp_path: Path, library: bytes) -> None:
-    """Another program may be about to go on with it."""
     content = written() if library == b"gyrodrift" else of_another_program()
     path = tmp_path / "s.mcap"
     path.write_bytes(content[: content.index(library) + 3])
@@ -380,7 +368,6 @@ def test_a_sample_that_ends_in_zeros_of_a_power_cut_is_not_made_up(tmp_path: Pat
 
 
 def test_a_whole_sample_before_zeros_of_a_power_cut_is_kept(tmp_path: Path) -> None:
-    """Also if its own last bytes are zeros."""
     path, count = tmp_path / "s.mcap", 0
     for first in range(600):
         stream = io.BytesIO()
@@ -397,7 +384,6 @@ def test_a_whole_sample_before_zeros_of_a_power_cut_is_kept(tmp_path: Path) -> N
 
 
 def test_a_read_that_ends_in_zeros_of_a_power_cut_is_not_made_up(tmp_path: Path) -> None:
-    """Its whole bytes may be zeros, so the zeros behind it count as missing."""
     path = tmp_path / "s.mcap"
     path.write_bytes(written()[: written().rindex(b"x" * 19) + 5] + bytes(4096))
     assert [len(read.content) for read in read_raw(path)] == [4, 9, 14]
@@ -406,11 +392,12 @@ def test_a_read_that_ends_in_zeros_of_a_power_cut_is_not_made_up(tmp_path: Path)
 
 
 def record_end(content: bytes) -> int:
-    """Where the record ends that `content` is torn in, with zeros for the rest of its head."""
-    at = 8
-    while at + 9 <= len(content) and at + 9 + int.from_bytes(content[at + 1 : at + 9], "little") <= len(content):
-        at += 9 + int.from_bytes(content[at + 1 : at + 9], "little")
-    return at + 9 + int.from_bytes(content[at + 1 : at + 9], "little")
+    position = 8
+    while position + 9 <= len(content) and position + 9 + int.from_bytes(
+        content[position + 1 : position + 9], "little"
+    ) <= len(content):
+        position += 9 + int.from_bytes(content[position + 1 : position + 9], "little")
+    return position + 9 + int.from_bytes(content[position + 1 : position + 9], "little")
 
 
 @patient
@@ -418,7 +405,6 @@ def record_end(content: bytes) -> int:
 def test_zeros_behind_any_cut_make_nothing_up(
     tmp_path_factory: pytest.TempPathFactory, share: float, zeros: int
 ) -> None:
-    """Unless they end a record to the byte: then nothing tells them from values that are 0."""
     content, start = written(), len(written(samples=0)) // 2
     content = content[: start + round(share * (len(content) - start))]
     assume(record_end(content) != len(content) + zeros)
@@ -437,7 +423,6 @@ def read_rates(path: Path) -> list[float]:
 
 @pytest.mark.parametrize("cut", [0, 1, 100, 500])
 def test_bytes_behind_an_end_are_kept_beside(tmp_path: Path, cut: int) -> None:
-    """Behind a whole end and behind a torn one: what is no part of the end is nothing that may be lost."""
     garbage = np.random.default_rng(4).bytes(500)
     finished = written(is_finished=True)
     path = tmp_path / "s.mcap"
@@ -451,7 +436,6 @@ def test_bytes_behind_an_end_are_kept_beside(tmp_path: Path, cut: int) -> None:
 
 @pytest.mark.parametrize("cut", [0, 1, 100, 500])
 def test_zeros_behind_an_end_are_cut_off(tmp_path: Path, cut: int) -> None:
-    """Nothing is kept beside, since nothing is in them."""
     finished = written(is_finished=True)
     path = tmp_path / "s.mcap"
     path.write_bytes(finished[: len(finished) - cut] + bytes(3000))
@@ -462,7 +446,6 @@ def test_zeros_behind_an_end_are_cut_off(tmp_path: Path, cut: int) -> None:
 
 
 def test_a_repair_that_is_cut_off_after_it_saved_a_tail_keeps_it(tmp_path: Path) -> None:
-    """At any byte of the end that it writes in its place."""
     garbage = np.random.default_rng(5).bytes(50)
     path = tmp_path / "s.mcap"
     path.write_bytes(written() + garbage)
@@ -476,7 +459,6 @@ def test_a_repair_that_is_cut_off_after_it_saved_a_tail_keeps_it(tmp_path: Path)
 
 
 def test_a_message_too_short_to_be_one_is_told(tmp_path: Path) -> None:
-    """Where a file was damaged and not torn."""
     content = written() + b"\x05" + (3).to_bytes(8, "little") + b"abc"
     path = tmp_path / "s.mcap"
     path.write_bytes(content)
@@ -492,8 +474,8 @@ def test_whatever_is_damaged_in_a_file_it_is_mended_or_told(
 ) -> None:
     """A recording begins with a look at its folder, and must not end with it."""
     content = bytearray(written())
-    for at, byte in damage:
-        content[at] = byte
+    for position, byte in damage:
+        content[position] = byte
     path = tmp_path_factory.mktemp("s") / "s.mcap"
     path.write_bytes(content)
     try:
@@ -511,7 +493,6 @@ HOLD = (
 
 
 def test_a_file_that_another_process_writes_is_left_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Until that process ends, however it ends."""
     path = tmp_path / "s.mcap"
     path.write_bytes(written())
     command = [sys.executable, "-c", HOLD, str(path)]
@@ -530,7 +511,6 @@ def test_a_file_that_another_process_writes_is_left_alone(tmp_path: Path, capsys
 def test_a_file_that_cannot_be_looked_into_does_not_hide_the_others(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """It may be somebody else's, or gone by now."""
     for name in ("a", "b", "c"):
         (tmp_path / f"{name}.mcap").write_bytes(written())
     real = looking.is_closed
@@ -545,7 +525,6 @@ def test_a_file_that_cannot_be_looked_into_does_not_hide_the_others(
 
 
 def test_a_folder_with_the_name_of_a_session_is_no_session(tmp_path: Path) -> None:
-    """Nothing in it is touched, and nothing is wrong."""
     (tmp_path / "folder.mcap").mkdir()
     (tmp_path / "a.mcap").write_bytes(written())
     assert main(["repair", str(tmp_path)]) == 0

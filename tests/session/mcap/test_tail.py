@@ -16,9 +16,10 @@ TEXTS = (
 )
 
 
+@pytest.mark.promise("Secrets")
 @pytest.mark.parametrize("text", TEXTS)
 def test_a_text_that_mentions_a_secret_is_covered_whole(text: bytes) -> None:
-    """What stands around it stays."""
+    """A text of a cut-off file that mentions a secret is covered completely."""
     before, behind = b"\x00\x01rate\x02", b"\x00note: none\x03"
     assert covered(before + text + behind) == before + b"*" * len(text) + behind
 
@@ -35,7 +36,7 @@ def test_a_secret_across_blocks_is_covered(tmp_path: Path, block_bytes: int, mon
     content = b"\x00" * 40 + b"password: " + b"hunter2 " * 50 + b"\x00" * 40
     path = tmp_path / "s.mcap"
     path.write_bytes(content)
-    pieces = [(at, content[at : at + block_bytes]) for at in range(0, len(content), block_bytes)]
+    pieces = [(index, content[index : index + block_bytes]) for index in range(0, len(content), block_bytes)]
     monkeypatch.setattr(tail, "data_blocks", lambda *_: iter(pieces))
     with path.open("rb") as file:
         saved = keep_tail(path, file, 0, len(content))

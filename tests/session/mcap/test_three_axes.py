@@ -72,7 +72,6 @@ def test_a_sample_without_axes_in_a_file_with_axes_has_missing_values(tmp_path: 
 
 
 def test_chunks_of_arrays_and_single_samples_make_the_same_file() -> None:
-    """Byte for byte."""
     samples = turning(4000)
     stream, session = io.BytesIO(), session_of("s", samples)
     writer = McapWriter(stream, METADATA, has_axes=True)
@@ -129,7 +128,6 @@ def test_a_file_keeps_the_axes(tmp_path: Path, ending: str) -> None:
 
 
 def test_a_session_without_axes_makes_the_same_files_as_before(tmp_path: Path) -> None:
-    """No column and no byte more."""
     session = replace(session_of("s", turning(10)), gyro_dps=None, accel_mps2=None)
     write_session(tmp_path / "s.csv", [session])
     assert (tmp_path / "s.csv").read_text().splitlines()[0] == "t_device_s,t_host_s,seq,rate_dps,encoder_deg,temp_c"

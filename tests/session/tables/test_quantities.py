@@ -16,6 +16,7 @@ def table(folder: Path, head: str) -> Path:
     return path
 
 
+@pytest.mark.promise("Files of other programs")
 @pytest.mark.parametrize(
     "head",
     [
@@ -33,6 +34,7 @@ def table(folder: Path, head: str) -> Path:
     ],
 )
 def test_another_quantity_is_asked_for(tmp_path: Path, head: str) -> None:
+    """A label that names a set point, an error or a bias leads to a question."""
     with pytest.raises(DataError, match="does not say which column"):
         read_table(table(tmp_path, head))
 

@@ -26,14 +26,12 @@ def table(folder: Path, header: str, sep: str = ",") -> Path:
     ],
 )
 def test_a_reference_with_a_unit_is_read_beside_a_rate(tmp_path: Path, header: str, deg: float) -> None:
-    """By its label alone."""
     session = load_session(table(tmp_path, header, ";"))
     assert session.encoder_deg is not None
     assert session.encoder_deg[-1] == pytest.approx(deg)
 
 
 def test_a_yaw_may_be_the_reference_or_the_device_s_own(tmp_path: Path) -> None:
-    """It is not used, and the remark has the option that makes it the reference."""
     path = table(tmp_path, "time_s,gyro_z_rad_s,yaw_rad")
     session = load_session(path)
     assert session.encoder_deg is None
@@ -46,7 +44,6 @@ def test_a_yaw_may_be_the_reference_or_the_device_s_own(tmp_path: Path) -> None:
 
 
 def test_the_rate_about_z_of_three_is_the_yaw_rate(tmp_path: Path) -> None:
-    """In a session whose writer calls it as the other two."""
     path = tmp_path / "table.csv"
     path.write_text("t_device_s,gyro_x_dps,gyro_y_dps,gyro_z_dps,encoder_deg\n0,1,2,3,4\n0.01,1,2,3,4\n0.02,1,2,3,4\n")
     session = load_session(path)

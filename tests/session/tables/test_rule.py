@@ -32,7 +32,7 @@ NO_RATES = (
 )
 """Labels that do not say both."""
 
-others = st.lists(st.sampled_from(NO_RATES), max_size=5)
+rest = st.lists(st.sampled_from(NO_RATES), max_size=5)
 numbers = st.floats(-2000.0, 2000.0).map(lambda value: round(value, 3))
 delimiters = st.sampled_from([",", ";", "\t"])
 
@@ -45,12 +45,13 @@ def written(folder: Path, labels: list[str], columns: list[list[float]], delimit
     return path
 
 
+@pytest.mark.promise("Files of other programs")
 @given(st.data())
 def test_labels_without_a_rate_and_its_unit_give_no_session(
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
 ) -> None:
-    """Whatever stands beside them, and whatever the numbers are."""
-    clock, names = data.draw(st.sampled_from(list(CLOCKS))), data.draw(others)
+    """Labels without a rate and its unit give no session."""
+    clock, names = data.draw(st.sampled_from(list(CLOCKS))), data.draw(rest)
     columns = [[CLOCKS[clock] * number / 100 for number in range(ROWS)]]
     columns += [data.draw(st.lists(numbers, min_size=ROWS, max_size=ROWS)) for _ in names]
     path = written(tmp_path_factory.mktemp("s"), [clock, *names], columns, data.draw(delimiters))
@@ -58,9 +59,10 @@ def test_labels_without_a_rate_and_its_unit_give_no_session(
         load_session(path)
 
 
+@pytest.mark.promise("Files of other programs")
 @given(st.data())
 def test_numbers_without_labels_give_no_session(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
-    """But for those that are plausible as our own lines, which begin with whole microseconds."""
+    """Numbers without labels give no session."""
     clock = data.draw(st.sampled_from([0.01, 10.0, 0.0]))
     columns = [[round(clock * number, 3) for number in range(ROWS)]]
     columns += [data.draw(st.lists(numbers, min_size=ROWS, max_size=ROWS)) for _ in range(data.draw(st.integers(1, 6)))]
@@ -69,11 +71,12 @@ def test_numbers_without_labels_give_no_session(tmp_path_factory: pytest.TempPat
         load_session(path)
 
 
+@pytest.mark.promise("Files of other programs")
 @given(st.data())
 def test_a_unit_never_passes_as_another(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject) -> None:
-    """The one label that says rate and unit decides, wherever it stands."""
+    """No unit in a table is taken for another unit."""
     clock, rate = data.draw(st.sampled_from(list(CLOCKS))), data.draw(st.sampled_from(list(RATES)))
-    labels = data.draw(st.permutations([clock, rate, *data.draw(others)]))
+    labels = data.draw(st.permutations([clock, rate, *data.draw(rest)]))
     values = {clock: [round(CLOCKS[clock] * number / 100, 6) for number in range(ROWS)]}
     columns = [values.get(label) or data.draw(st.lists(numbers, min_size=ROWS, max_size=ROWS)) for label in labels]
     path = written(tmp_path_factory.mktemp("s"), labels, columns, data.draw(delimiters))
@@ -84,7 +87,6 @@ def test_a_unit_never_passes_as_another(tmp_path_factory: pytest.TempPathFactory
 
 @given(st.lists(numbers, min_size=ROWS, max_size=ROWS), st.sampled_from(["dps", "mdps", "rads", "lsb/131"]))
 def test_what_a_person_says_counts(tmp_path_factory: pytest.TempPathFactory, rates: list[float], unit: str) -> None:
-    """By `--columns`, of numbers without any label."""
     path = written(tmp_path_factory.mktemp("s"), [], [[0.01 * n for n in range(ROWS)], rates], ",")
     factor = {"dps": 1.0, "mdps": 1e-3, "rads": degrees(1.0), "lsb/131": 1.0 / 131.0}[unit]
     session = load_session(path, columns_of(f"t_s, rate:{unit}"))

@@ -38,7 +38,6 @@ def test_the_programs_know_nothing_of_gyrodrift() -> None:
 
 
 def test_cases_are_flaws_of_the_catalog_and_ten_without_one() -> None:
-    """Each has one flaw at most, a bench and styles that there are."""
     effects = [case.effect for case in CASES if case.effect]
     assert (len(CASES), len(effects)) == (34, 24)
     assert len(set(effects)) >= 22
@@ -89,7 +88,6 @@ def response(flaw: Flaw, hz: float) -> complex:
 
 
 def test_filters_have_their_cutoff_and_their_delay() -> None:
-    """3 dB at the cutoff; a delay that passes all tones."""
     for flaw in (flaws.one_pole(5.0), flaws.bessel_filter(5.0)):
         assert abs(response(flaw, 5.0)) == pytest.approx(0.5**0.5, rel=0.02)
     late = response(flaws.all_pass(0.015), 2.0)
@@ -119,7 +117,6 @@ def test_a_bias_follows_the_temperature_and_the_clock() -> None:
 
 
 def test_a_belt_skips_against_the_motion() -> None:
-    """Its teeth make the path of the encoder shorter in both directions."""
     signals = tone(0.02, 100.0)
     skipped = flawed(flaws.skipped_teeth(2.0, 2.0), signals)
     jumps_deg = np.diff(skipped.angle_deg - signals.angle_deg)
@@ -141,7 +138,6 @@ def test_a_session_of_a_case_has_its_flaw_on_the_real_side_alone() -> None:
 
 
 def test_cases_without_their_simulator_are_left_out(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """And a figure counts its cases."""
     messages: list[str] = []
     monkeypatch.setattr(benches, "find_spec", lambda name: None if name == "pydrake" else object())
     monkeypatch.setattr(unseen_cases, "diagnosed", lambda *_: {"verdict": "none", "causes": [], "negligible": []})

@@ -22,7 +22,6 @@ def test_the_best_so_far_falls_to_the_least() -> None:
 
 
 def test_where_the_search_looked_has_the_mean_one() -> None:
-    """No preference is 1, by automata and by a histogram."""
     at_random = replace(run(evaluations=30_000), densities=None)
     _, height = charts.preference(at_random, 3, AXES[3])
     assert height.mean() == pytest.approx(1.0)

@@ -39,13 +39,12 @@ def test_it_begins_with_the_verdict() -> None:
 
 def large(html: str) -> list[str]:
     """The figures that catch the eye."""
-    return ["".join(one.itertext()) for one in parsed(html).iter("dd") if one.get("class") == "main"]
+    return ["".join(item.itertext()) for item in parsed(html).iter("dd") if item.get("class") == "main"]
 
 
 def test_the_large_figure_is_the_held_out_error() -> None:
-    """And not the one of the sessions that it was tuned on, however much less that is."""
     usual = tuning()
-    scores = [replace(one, tuned=of_e(0.5 if one.split is Split.TRAIN else 1.25)) for one in usual.scores]
+    scores = [replace(item, tuned=of_e(0.5 if item.split is Split.TRAIN else 1.25)) for item in usual.scores]
     html = report_html(replace(usual, scores=tuple(scores)), MADE)
     assert large(html) == ["1.25°"]
     assert "Training: mean E of 2 sessions" in words(html)
@@ -53,17 +52,17 @@ def test_the_large_figure_is_the_held_out_error() -> None:
 
 def test_it_ends_with_where_it_comes_from() -> None:
     """Sessions with their hashes and uses, command, date, and the config that was found."""
-    first, *others = tuning().scores
-    known = replace(first, session=replace(first.session, digest="ab" * 32))
-    html = report_html(replace(tuning(), scores=(known, *others)), MADE)
+    first, *rest = tuning().scores
+    expected = replace(first, session=replace(first.session, digest="ab" * 32))
+    html = report_html(replace(tuning(), scores=(expected, *rest)), MADE)
     assert row(html, "walk-0")
-    rows = [["".join(cell.itertext()) for cell in one] for one in parsed(html).iter("tr")]
+    rows = [["".join(cell.itertext()) for cell in item] for item in parsed(html).iter("tr")]
     assert ["walk-0", "training", "ab" * 32] in rows
     assert ["check-1", "test", ""] in rows
-    told = words(html)
+    report = words(html)
     assert "HDR tuned on walks" in (parsed(html).findtext("head/title") or "")
     for part in ("2026-01-02 03:04:05 UTC", "walks (4 sessions)", "gyrodrift tune walks", "i_c_dps: 0.000457"):
-        assert part in told
+        assert part in report
 
 
 def test_tables_hold_the_numbers() -> None:
@@ -75,15 +74,14 @@ def test_tables_hold_the_numbers() -> None:
     assert row(html, "tuned filter") == ["tuned filter", "0.1775", "0.2838"]
     assert row(html, "i_c_dps deg/s per sample")[1:3] == ["0.000457", "0.000001 – 0.1"]
     assert row(html, "c2")[2] == "0 – 3 at the lower bound"
-    told = words(html)
-    figures = re.findall(r"Figure (\d)\. \(published: Figure (\d)\)", told)
+    report = words(html)
+    figures = re.findall(r"Figure (\d)\. \(published: Figure (\d)\)", report)
     assert figures == [("1", "6"), ("2", "7"), ("3", "8"), ("4", "9")]
-    assert re.findall(r"Table (\d)\. \(published: Table (\d)\)", told) == [("1", "1"), ("3", "2"), ("4", "3")]
-    assert "Table 2. The cost" in told
+    assert re.findall(r"Table (\d)\. \(published: Table (\d)\)", report) == [("1", "1"), ("3", "2"), ("4", "3")]
+    assert "Table 2. The cost" in report
 
 
 def test_without_test_sessions_it_says_so() -> None:
-    """And shows no columns, table or figure of them."""
     html = report_html(tuning(train=1, test=0), MADE)
     assert "on the sessions it was tuned on" in words(html)
     assert "No sessions were held out" in words(html)
@@ -94,20 +92,18 @@ def test_without_test_sessions_it_says_so() -> None:
 
 
 def test_sessions_held_out_in_turn_are_the_verdict_without_others() -> None:
-    """They were not seen by their own tuning."""
-    left = replace(tuning(test=0), cross_validation={"walk-0": of_e(1.5), "walk-1": of_e(2.5)})
-    assert judged(left) == (56.4, 2.0, "on sessions held out in turn")
-    html = report_html(left, MADE)
+    remaining = replace(tuning(test=0), cross_validation={"walk-0": of_e(1.5), "walk-1": of_e(2.5)})
+    assert judged(remaining) == (56.4, 2.0, "on sessions held out in turn")
+    html = report_html(remaining, MADE)
     assert "Yaw error falls from 56.4° to 2.00° on sessions held out in turn" in words(html)
     assert "Table 4. Leave-one-session-out cross-validation." in words(html)
     assert large(html) == ["2.00°"]
     assert ["walk-1", "56.4", "0.500", "2.50"] in [
-        ["".join(cell.itertext()) for cell in one] for one in parsed(html).iter("tr")
+        ["".join(cell.itertext()) for cell in item] for item in parsed(html).iter("tr")
     ]
 
 
 def test_a_filter_that_is_worse_is_not_praised() -> None:
-    """Neither in the headline, nor in what to do, nor in its table."""
     worse = replace(tuning(test=0), scores=(score("walk-0", e_tuned_deg=70.0),))
     html = report_html(worse, MADE)
     assert "No gain on the sessions it was tuned on: yaw error 70.0° tuned, 56.4° by plain integration" in words(html)
@@ -116,19 +112,19 @@ def test_a_filter_that_is_worse_is_not_praised() -> None:
 
 
 def test_other_seeds_show_how_far_the_numbers_spread() -> None:
-    """In the table of parameters, and in one of their own."""
-    other = replace(run(7, pi=Pi(0.21, 0.19)), params=HdrParams(0.0009, 0.02, 0.2, 1.0, 2.0))
-    html = report_html(replace(tuning(), other_runs=(other,)), MADE)
+    second = replace(run(7, pi=Pi(0.21, 0.19)), params=HdrParams(0.0009, 0.02, 0.2, 1.0, 2.0))
+    html = report_html(replace(tuning(), other_runs=(second,)), MADE)
     assert row(html, "i_c_dps deg/s per sample")[1:3] == ["0.000457", "0.000457 – 0.0009"]
     assert row(html, "7")[:3] == ["7", "0.21", "0.19"]
     assert "over 2 seeds" in words(html)
 
 
 def test_warnings_stand_before_the_numbers() -> None:
-    """Each as it was said."""
-    told = words(report_html(replace(tuning(), warnings=("Two sessions are <few>.", "The rates differ.")), MADE))
+    report = words(report_html(replace(tuning(), warnings=("Two sessions are <few>.", "The rates differ.")), MADE))
     assert (
-        told.index("Two sessions are <few>.") < told.index("The rates differ.") < told.index("Yaw error E is the mean")
+        report.index("Two sessions are <few>.")
+        < report.index("The rates differ.")
+        < report.index("Yaw error E is the mean")
     )
 
 
@@ -153,8 +149,8 @@ def test_any_name_is_only_text(name: str) -> None:
 
 def with_curves(usual: Tuning, curves: YawCurves | None) -> Tuning:
     """Plotted for the first session alone, or for none."""
-    first, *others = usual.scores
-    return replace(usual, scores=(replace(first, curves=curves), *(replace(one, curves=None) for one in others)))
+    first, *rest = usual.scores
+    return replace(usual, scores=(replace(first, curves=curves), *(replace(item, curves=None) for item in rest)))
 
 
 def odd_tunings() -> dict[str, Tuning]:
@@ -187,17 +183,17 @@ def odd_tunings() -> dict[str, Tuning]:
 
 @pytest.mark.parametrize("case", odd_tunings())
 def test_whatever_a_search_ends_as_there_is_a_whole_page(case: str) -> None:
-    """Without a warning, and with no number that is none."""
     html = report_html(odd_tunings()[case], MADE)
     assert "Figure 2." in words(html)
     assert not re.search(r"\b(nan|inf|None)\b", words(html), re.IGNORECASE)
     for chart in charts(html):
-        numbers = [value for one in series_of(chart) for name in ("x", "y") for value in one[name] if value is not None]
+        numbers = [
+            value for item in series_of(chart) for name in ("x", "y") for value in item[name] if value is not None
+        ]
         assert np.isfinite([*numbers, *(part["y"][end] for part in chart["parts"] for end in ("low", "high"))]).all()
 
 
 def test_it_asks_for_nothing_and_runs_its_own_script_alone() -> None:
-    """No address is in an attribute but those that name what SVG is, and every reference stays in the page."""
     html = report_html(tuning(), MADE)
     scripts = list(parsed(html).iter("script"))
     assert scripts
@@ -227,7 +223,6 @@ def test_every_filter_is_a_row_with_its_defaults_and_its_error_on_held_out_sessi
 
 
 def test_defaults_that_are_better_are_the_headline() -> None:
-    """And the page says that the config has them."""
     html = report_html(replace(tuning_of_both(), is_default_written=True), MADE)
     assert "No tuned filter is better than HDR, defaults: yaw error 56.0° on held-out sessions" in words(html)
     assert "The YAML file has the defaults of the filter instead" in words(html)
@@ -244,7 +239,6 @@ def test_every_parameter_has_an_importance_and_a_slice() -> None:
 
 
 def test_charts_take_their_colours_from_the_page() -> None:
-    """Not one is left that light or dark would hide."""
     html = report_html(tuning(), MADE)
     drawn = charts(html)
     assert len(drawn) == 1 + 5 + 4
@@ -253,21 +247,19 @@ def test_charts_take_their_colours_from_the_page() -> None:
 
 
 def test_the_same_tuning_gives_the_same_bytes() -> None:
-    """To the byte."""
     assert report_html(tuning(), MADE) == report_html(tuning(), MADE)
 
 
 def test_many_sessions_leave_the_worst_ones_in_the_figures_and_all_in_the_tables() -> None:
-    """And the file stays small, with curves that are all noise."""
     many = tuning(train=40, test=40)
     rng = np.random.default_rng(2)
     scores = tuple(
         replace(
-            one,
+            item,
             tuned=of_e(1.0 + number % 40),
             curves=YawCurves(np.arange(4000.0), np.zeros(4000), rng.normal(size=(2, 4000))),
         )
-        for number, one in enumerate(many.scores)
+        for number, item in enumerate(many.scores)
     )
     html = report_html(replace(many, run=run(evaluations=20_000), scores=scores), MADE)
     assert len(html.encode()) < 3_000_000

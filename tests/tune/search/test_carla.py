@@ -33,7 +33,6 @@ def test_a_full_reward_adds_one_and_a_half_percent_of_mass() -> None:
 
 @given(st.lists(st.tuples(st.floats(0, 1), st.floats(0, 1)), min_size=1, max_size=20))
 def test_whatever_is_rewarded_the_density_stays_one(rewards: list[tuple[float, float]]) -> None:
-    """Nowhere negative, integral 1, also where a bell hangs over an end of the range."""
     automaton = Automaton()
     for action, beta in rewards:
         automaton.reinforce(np.array([action]), np.array([beta]))
@@ -54,7 +53,6 @@ def test_actions_follow_the_density() -> None:
 
 
 def test_rewards_run_from_the_median_to_the_least_once_the_memory_is_full() -> None:
-    """β = (J_med − J)/(J_med − J_min), cut to 0 and 1."""
     memory = Memory(5)
     assert [memory.judge(cost) for cost in (1.0, 2.0, 3.0, 4.0, 5.0)] == [0.0] * 5
     assert memory.judge(2.0) == pytest.approx(0.5)  # of 1 2 3 4 5
@@ -63,7 +61,6 @@ def test_rewards_run_from_the_median_to_the_least_once_the_memory_is_full() -> N
 
 
 def test_a_cost_that_is_not_finite_is_bad_and_forgotten() -> None:
-    """It never enters the median."""
     memory = Memory(3)
     for cost in (1.0, np.inf, 2.0, np.nan, 3.0):
         assert memory.judge(cost) == 0.0
@@ -71,7 +68,6 @@ def test_a_cost_that_is_not_finite_is_bad_and_forgotten() -> None:
 
 
 def test_equal_costs_are_worth_nothing() -> None:
-    """Where J_med = J_min there is nothing to prefer."""
     memory = Memory(3)
     assert [memory.judge(1.0) for _ in range(6)] == [0.0] * 6
 
@@ -81,7 +77,6 @@ def bowl(point: Floats) -> Floats:
 
 
 def test_automata_that_share_a_cost_find_a_minimum_together() -> None:
-    """Each its own parameter, without knowing of the other."""
     carla = Carla(2, np.random.default_rng(3))
     for _ in range(10 * MEMORY):
         point = carla.ask()

@@ -44,29 +44,26 @@ def searched(method: str, pi: Pi, evaluations: int, seed: int = 0) -> Objective:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_it_spends_its_budget_and_no_more(method: str) -> None:
-    """To the evaluation, whatever its batches are."""
-    asked = []
+    request = []
 
     def pi(params: Floats) -> Floats:
-        asked.append(len(params))
+        request.append(len(params))
         return ridge(params)
 
     objective = searched(method, pi, 301)
-    assert sum(asked) == objective.count == len(objective.costs) == 301
+    assert sum(request) == objective.count == len(objective.costs) == 301
     assert objective.costs[objective.best] == objective.costs.min()
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_the_same_seed_asks_the_same_and_another_seed_something_else(method: str) -> None:
-    """Bit for bit."""
-    first, again, other = (searched(method, ridge, 200, seed).cube for seed in (1, 1, 2))
+    first, again, second = (searched(method, ridge, 200, seed).cube for seed in (1, 1, 2))
     assert np.array_equal(first, again)
-    assert not np.array_equal(first, other)
+    assert not np.array_equal(first, second)
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_it_goes_on_where_an_earlier_run_ended(method: str) -> None:
-    """What is known is not worked out again, and the result is that of a run that was never interrupted."""
     whole = searched(method, ridge, 400)
     fresh: list[int] = []
 
@@ -83,40 +80,35 @@ def test_it_goes_on_where_an_earlier_run_ended(method: str) -> None:
 
 def test_what_was_known_of_another_run_is_not_believed() -> None:
     """Points that differ are worked out."""
-    known = (np.full((50, 5), 0.5), np.zeros(50))
-    objective = Objective(ridge, UNIT, 100, cached=known)
+    expected = (np.full((50, 5), 0.5), np.zeros(50))
+    objective = Objective(ridge, UNIT, 100, cached=expected)
     run_to_budget(METHODS["random"](), objective, 0)
     assert objective.costs.min() >= 1.0
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_costs_that_are_not_finite_are_survived(method: str) -> None:
-    """Half of the cube."""
     objective = searched(method, half_infinite, 600)
     assert np.isfinite(objective.costs[objective.best])
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_where_every_cost_is_infinite_it_still_ends(method: str) -> None:
-    """With its budget spent."""
     assert searched(method, lambda params: np.full(len(params), np.inf), 150).count == 150
 
 
 def test_the_default_follows_a_ridge() -> None:
-    """Which random search and automata alone do not."""
     bests = {name: np.median([searched(name, ridge, 600, seed).costs.min() for seed in range(5)]) for name in METHODS}
     assert bests["race"] < 1.1
     assert bests["race"] < min(bests["random"], bests["carla"])
 
 
 def test_the_default_finds_the_narrow_valley() -> None:
-    """Its racers start apart from each other."""
     bests = [searched("race", two_valleys, 900, seed).costs.min() for seed in range(8)]
     assert np.median(bests) < 0.05
 
 
 def test_points_outside_the_cube_are_brought_inside() -> None:
-    """And a budget that ends within a batch is spent before it is told."""
     objective = Objective(ridge, UNIT, 3)
     with pytest.raises(BudgetSpentError):
         objective(np.full((5, 5), 1.5))
