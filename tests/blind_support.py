@@ -28,13 +28,13 @@ def cause(effect: str, probability: float = 0.9, *tied_with: str, **parameters: 
     return {"effect": effect, "group": "?", "probability": probability, "parameters": stated, "tied_with": tied_with}
 
 
-def outcome(said: Any, seconds: float = 30.0, status: int = 0, *, is_late: bool = False) -> Outcome:
-    return read_outcome({"seconds": seconds, "timed_out": is_late, "exit_status": status, "gap": said})
+def outcome(statement: Any, seconds: float = 30.0, status: int = 0, *, is_late: bool = False) -> Outcome:
+    return read_outcome({"seconds": seconds, "timed_out": is_late, "exit_status": status, "gap": statement})
 
 
 def case(
     kind: str,
-    said: Any = None,
+    statement: Any = None,
     effects: dict[str, dict[str, float]] | None = None,
     size: str = "typical",
     stages: tuple[str, ...] = ("sensor",),
@@ -42,7 +42,7 @@ def case(
     row: str = "",
     **other_runs: Any,
 ) -> Tried:
-    """A case and what was said of it; `other_runs` are those that are no blind ones."""
+    """A case and the statement on it; `other_runs` are those that are no blind ones."""
     label = {
         "case": "c0ffee",
         "kind": kind,
@@ -56,4 +56,4 @@ def case(
         "number": 2,
     }
     outcomes = {run: outcome(other_runs.get(run)) for run in RUNS[1:]}
-    return tried_of(label, {"blind": outcome(said), **outcomes})
+    return tried_of(label, {"blind": outcome(statement), **outcomes})

@@ -37,7 +37,7 @@ def _descriptors() -> set[tuple[str, str]]:
     return {(number, target) for number, target in result if not _may_stay(target)}
 
 
-def _left(now: Callable[[], Iterable[Any]], before: set[Any]) -> set[Any]:
+def _remaining(now: Callable[[], Iterable[Any]], before: set[Any]) -> set[Any]:
     until_s = time.monotonic() + ENDS_WITHIN_S
     while (remaining := set(now()) - before) and time.monotonic() < until_s:
         time.sleep(0.01)
@@ -74,9 +74,9 @@ def nothing_left_behind() -> Iterator[None]:
     """Fail a test that leaves a thread, a descriptor, a child or a pty behind."""
     threads, children, descriptors = set(threading.enumerate()), _children(), _descriptors()
     yield
-    assert not _left(threading.enumerate, threads), "threads left behind"
-    assert not _left(_children, children), "child processes left behind"
-    remaining = _left(_descriptors, descriptors)
+    assert not _remaining(threading.enumerate, threads), "threads left behind"
+    assert not _remaining(_children, children), "child processes left behind"
+    remaining = _remaining(_descriptors, descriptors)
     assert not remaining, f"descriptors left behind: {remaining}"
 
 

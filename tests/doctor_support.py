@@ -85,11 +85,11 @@ def doctor(capsys: pytest.CaptureFixture[str], *words: str | Path) -> tuple[int,
     return status, {finding["id"]: finding for finding in about["findings"]}
 
 
-def assert_findings(found: Findings, expected: Sequence[tuple[str, str, str]]) -> None:
+def assert_findings(findings: Findings, expected: Sequence[tuple[str, str, str]]) -> None:
     """Each of (id, severity, words that it says or advises)."""
     for name, severity, words in expected:
-        assert name in found, f"{name} is not among {', '.join(found)}"
-        report = f"{found[name]['says']} → {found[name]['do']}"
-        assert (found[name]["severity"], words in report) == (severity, True), (
-            f"{name} {found[name]['severity']}: {report}"
+        assert name in findings, f"{name} is not among {', '.join(findings)}"
+        report = f"{findings[name]['says']} → {findings[name]['do']}"
+        assert (findings[name]["severity"], words in report) == (severity, True), (
+            f"{name} {findings[name]['severity']}: {report}"
         )

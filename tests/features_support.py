@@ -62,8 +62,8 @@ def true_design() -> DesignMatrix:
     return design_matrix_of(clean(recorded(TRUE_DPS)), motion)
 
 
-def design_of(seen: Cleaned) -> DesignMatrix:
-    return design_matrix_of(seen, motion_posterior_of(seen, GyroModel(FACTS.dps_per_lsb)).mean)
+def design_of(cleaned: Cleaned) -> DesignMatrix:
+    return design_matrix_of(cleaned, motion_posterior_of(cleaned, GyroModel(FACTS.dps_per_lsb)).mean)
 
 
 def observed(rate_dps: Floats) -> Observed:

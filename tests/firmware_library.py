@@ -39,10 +39,10 @@ CALIBRATED: dict[str, Any] = {
 """A config with a value for everything that a header takes; the id of its device tries to end comments."""
 
 
-def library(folder: Path, target: str, *more: str | Path) -> Path:
+def library(folder: Path, target: str, *further: str | Path) -> Path:
     """Library of a target, written into a new folder."""
     out = folder / f"gyrodrift_{target}"
-    assert main(["firmware", "--out", str(out), "--target", target, "--quiet", *map(str, more)]) == 0
+    assert main(["firmware", "--out", str(out), "--target", target, "--quiet", *map(str, further)]) == 0
     return out
 
 

@@ -126,14 +126,14 @@ def in_json(payloads: Iterable[bytes], topic: str = "/gyro", **form: Any) -> byt
     return recorder.content()
 
 
-def imu(i: int, **other: Any) -> dict[str, Any]:
+def imu(i: int, **fields: Any) -> dict[str, Any]:
     return {
         "header": {"stamp": {"sec": 1_700_000_000 + i, "nanosec": 500_000_001}, "frame_id": "imu_link"},
         "orientation_covariance": [-1.0] + [0.0] * 8,
         "angular_velocity": {"x": 9.0, "y": 9.0, "z": 0.01 * i},
         "angular_velocity_covariance": [0.02] + [0.0] * 8,
         "linear_acceleration_covariance": [0.0] * 9,
-        **other,
+        **fields,
     }
 
 

@@ -136,9 +136,9 @@ def simulator(*tried: Simulated) -> Callable[[Sequence[Sized]], SimulatedSet]:
     return simulate
 
 
-def _between(one: Simulated, size: float) -> Floats:
+def _between(simulated: Simulated, size: float) -> Floats:
     """(S, F) change at a size, mean over realisations."""
-    points, means = one.candidate.grid_points, one.nodes.mean(axis=2)
+    points, means = simulated.candidate.grid_points, simulated.nodes.mean(axis=2)
     position = float(np.interp(size, points, np.arange(len(points))))
     lower = min(int(position), len(points) - 2)
     change: Floats = means[lower] + (position - lower) * (means[lower + 1] - means[lower])

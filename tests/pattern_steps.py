@@ -71,9 +71,9 @@ class Backtracking:
             position = position + 1 if end is None else max(end, position + 1)
         return self._steps
 
-    def _end(self, program: list[Step], text: str, at: int, marks: Marks, *, is_full: bool = False) -> int | None:
+    def _end(self, program: list[Step], text: str, index: int, marks: Marks, *, is_full: bool = False) -> int | None:
         """End of the first match at a place; None without a match."""
-        choices: list[tuple[int, int | None, Marks]] = [(0, at, marks)]
+        choices: list[tuple[int, int | None, Marks]] = [(0, index, marks)]
         while choices:
             index, position, marks = choices.pop()
             while position is not None:
@@ -191,18 +191,18 @@ def _order(choice: Step, *, is_greedy: bool) -> None:
         choice.first, choice.second = choice.second, choice.first
 
 
-def _one_step(pattern: re.Pattern[str], text: str, at: int, _marks: Marks) -> int | None:
+def _one_step(pattern: re.Pattern[str], text: str, index: int, _marks: Marks) -> int | None:
     """End of what `re` itself matches."""
-    result = pattern.match(text, at)
+    result = pattern.match(text, index)
     return result and result.end()
 
 
-def _again(group: int, text: str, at: int, marks: Marks) -> int | None:
+def _again(group: int, text: str, index: int, marks: Marks) -> int | None:
     """End of the text that a group has matched, if it comes again."""
     result = text[marks[2 * group] : marks[2 * group + 1]]
-    return at + len(result) if text.startswith(result, at) else None
+    return index + len(result) if text.startswith(result, index) else None
 
 
-def _has_moved(mark: int, _text: str, at: int, marks: Marks) -> int | None:
+def _has_moved(mark: int, _text: str, index: int, marks: Marks) -> int | None:
     """The place, if it lies behind a mark: a loop that does not move ends."""
-    return at if at > marks[mark] else None
+    return index if index > marks[mark] else None

@@ -1,7 +1,7 @@
 """Restlevel worked out in another way: a recording is cut into blocks first, hypotheses are Gaussians with matrices.
 
 Written from the equations of docs/restlevel.md, not from the filter's source: vectors (yaw, bias), covariances of two
-by two, and a list of hypotheses that is made anew at each constant-rate segment.
+by two, and a list of hypotheses that is made again at each constant-rate segment.
 """
 
 from collections.abc import Sequence

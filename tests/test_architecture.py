@@ -65,7 +65,7 @@ ROOMS = {
     "firmware_sim.strict_yaml": "",
     "gyrogap": "cli io values",
 }
-"""Each room with the rooms it may know: data goes from the first to the last, and no value travels back."""
+"""Each package with the packages it may import: data goes from the first to the last, and no value travels back."""
 
 
 def name_of(path: Path) -> str:
@@ -119,7 +119,7 @@ def forbidden_rooms(path: Path) -> set[str]:
 
 def test_arrows_are_as_drawn() -> None:
     """A room knows those that ROOMS allows it; the commands know all, and nothing knows the commands."""
-    assert {name_of(path): rooms for path in MODULES if (rooms := forbidden_rooms(path))} == {}
+    assert {name_of(path): packages for path in MODULES if (packages := forbidden_rooms(path))} == {}
 
 
 def test_no_circle_of_files() -> None:

@@ -12,7 +12,7 @@ from gyrodrift.values.errors import UsageError
 
 @pytest.mark.parametrize("mode", [0o600, 0o640, 0o664])
 def test_who_may_read_a_file_stays(tmp_path: Path, mode: int) -> None:
-    """A config that is private is private after it was tuned anew."""
+    """A config that is private is private after it was tuned again."""
     path = tmp_path / "c.yaml"
     path.touch()
     path.chmod(mode)
@@ -40,7 +40,7 @@ def test_nobody_else_can_open_what_is_about_to_be_written(tmp_path: Path, monkey
 def test_a_group_is_kept_or_has_no_rights(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refused: tuple[type[Exception], ...], mode: int
 ) -> None:
-    """A config that a group may read is not handed to the group of whoever writes it anew."""
+    """A config that a group may read is not handed to the group of whoever writes it again."""
     path, request = tmp_path / "c.yaml", []
     path.touch()
     path.chmod(0o640)

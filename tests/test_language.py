@@ -22,6 +22,18 @@ def test_names_and_sentences_are_plain() -> None:
     assert [line for path in checked for line in violations(path)] == []
 
 
+def test_tests_begin_their_docstrings_plainly() -> None:
+    """Docstrings and comments of tests follow the rules of prose; names of tests are sentences of their own."""
+    checked = [path for path in files([ROOT / "tests"]) if path.suffix == ".py" and path.name != "test_language.py"]
+    violating = [
+        f"{path.relative_to(ROOT)}:{line}: {text.splitlines()[0]}"
+        for path in checked
+        for line, text in docstrings(ast.parse(path.read_text()))
+        if FIRST_WORDS.match(text)
+    ]
+    assert violating == []
+
+
 def test_spelling_is_american() -> None:
     done = subprocess.run(
         [sys.executable, "-m", "codespell_lib", *PACKAGES, "README.md", "config"],

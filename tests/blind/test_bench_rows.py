@@ -83,7 +83,7 @@ def test_a_pair_is_told_apart_where_either_could_not_be_seen(least_dps: float, *
 
 
 @pytest.mark.parametrize(
-    ("cost_deg", "said", "costly", "told", "told_or_none"),
+    ("cost_deg", "answer", "costly", "report", "told_or_none"),
     [
         (0.29, "none", (0, 0), (0, 1), (1, 1)),
         (0.29, "unknown", (0, 0), (1, 1), (1, 1)),
@@ -112,7 +112,7 @@ def test_a_failed_look_beforehand_excuses_nothing() -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "is_invented"),
+    ("answer", "is_invented"),
     [
         (gap("effect", cause("latency", 0.95)), False),
         (gap("effect", cause("spikes", 0.85), cause("latency", 0.9)), True),
@@ -142,7 +142,7 @@ def test_a_loop_counts_where_there_was_something_to_adopt() -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "is_right", "is_named"),
+    ("answer", "is_right", "is_named"),
     [
         (gap("effect", in_rig("latency", 25.0, delay_ms=9.5)), True, True),
         (gap("effect", in_rig("latency", 25.0, delay_ms=9.7)), False, True),

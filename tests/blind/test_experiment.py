@@ -26,7 +26,7 @@ def test_a_motion_at_random_is_a_profile_of_its_length(seed: int, tmp_path: Path
 
 
 @pytest.mark.parametrize(
-    ("said", "is_named"),
+    ("answer", "is_named"),
     [
         (gap("effect", cause("latency", 0.9)), True),
         (gap("effect", cause("latency", 0.9, "bandwidth")), False),

@@ -29,7 +29,7 @@ def share(tried: list[Tried], what: str) -> Share:
 
 
 @pytest.mark.parametrize(
-    ("said", "group", "tied"),
+    ("statement", "group", "tied"),
     [
         (gap("effect", cause("latency")), True, True),
         (gap("partly", cause("latency"), leftover="sensor"), True, True),
@@ -49,14 +49,14 @@ def test_a_single_effect(statement: Any, *, group: bool, tied: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "is_alarm"), [(gap("none"), False), (gap("effect", cause("spikes")), True), (gap("unknown"), True)]
+    ("statement", "is_alarm"), [(gap("none"), False), (gap("effect", cause("spikes")), True), (gap("unknown"), True)]
 )
 def test_no_gap(statement: Any, *, is_alarm: bool) -> None:
     assert judge.raises_alarm(outcome(statement)) == is_alarm
 
 
 @pytest.mark.parametrize(
-    ("said", "is_fine"),
+    ("statement", "is_fine"),
     [
         (gap("unknown", where="link"), True),
         (gap("unknown", where="sensor"), False),
@@ -73,7 +73,7 @@ def test_outside_the_catalogue(statement: Any, *, is_fine: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "is_not_fooled", "admits"),
+    ("statement", "is_not_fooled", "admits"),
     [
         (gap("unknown"), True, True),
         (gap("partly", cause("bandwidth", 0.9), leftover="sensor"), True, True),
@@ -92,7 +92,7 @@ def test_with_the_true_effect_withheld(statement: Any, *, is_not_fooled: bool, a
 
 
 @pytest.mark.parametrize(
-    ("said", "alone", "both"),
+    ("statement", "alone", "pair"),
     [
         (gap("effect", cause("latency"), cause("scale_factor")), True, True),
         (gap("effect", cause("bandwidth", 0.5, "latency"), cause("scale_factor")), True, True),

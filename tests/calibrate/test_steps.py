@@ -160,7 +160,7 @@ def test_by_hand_a_rest_in_which_it_moved_is_done_again() -> None:
 
 
 def test_a_turn_is_taken_back_by_a_key() -> None:
-    """The same direction comes next, from the mark."""
+    """Next comes the same direction, from the mark."""
     guide, statement = by_hand(CalibrationPlan(rest_s=5.0))
     ramp = np.concatenate([at_rest(7.0), 90.3 + at_rest(4.0, 0.0), at_rest(4.0)])
     guide.take(samples_of(ramp))

@@ -91,7 +91,7 @@ def recorded(folder: Path) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("target", "options", "said"),
+    ("target", "options", "message_part"),
     [
         ("o.csv", [], "left out: 1 link event, 4 reads of raw bytes and metadata (recording, device)"),
         ("o.mcap", [], "left out: 1 link event and 4 reads of raw bytes"),
@@ -104,13 +104,13 @@ def recorded(folder: Path) -> Path:
     ],
 )
 def test_what_a_target_has_no_room_for_is_named(
-    tmp_path: Path, target: str, options: list[str], said: str, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, target: str, options: list[str], message_part: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path, out = recorded(tmp_path), str(tmp_path / target)
     for content in (path.read_bytes(), path.read_bytes()[:-200]):
         path.write_bytes(content)
         assert main(["convert", str(path), out, *options, "--force"]) == 0
-        assert capsys.readouterr().err.startswith(f"gyrodrift: {out}: {said}\n")
+        assert capsys.readouterr().err.startswith(f"gyrodrift: {out}: {message_part}\n")
 
 
 def test_channels_of_others_and_comments_are_named_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -145,7 +145,7 @@ def test_the_header_has_the_parameters_and_the_calibration_of_the_config(eight: 
 
 
 @pytest.mark.parametrize(
-    ("name", "told"),
+    ("name", "hint"),
     [
         ("my.txt", "a header ends in .h"),
         ("no/my.h", "there is no folder"),
@@ -157,14 +157,14 @@ def test_the_header_has_the_parameters_and_the_calibration_of_the_config(eight: 
     ],
 )
 def test_a_header_that_cannot_be_written_is_told_before_the_search(
-    name: str, told: str, eight: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    name: str, hint: str, eight: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A header of another origin is never replaced."""
     (tmp_path / "robot.h").write_text("#define WHEELS 2\n")
     (tmp_path / "renamed.h").write_text(gyrodrift_h())
     (tmp_path / "folder.h").mkdir()
     assert main(["tune", str(eight), "--out", str(tmp_path / "c.yaml"), "--header", str(tmp_path / name)]) == 2
-    assert f"--header {tmp_path / name}: {told}" in capsys.readouterr().err
+    assert f"--header {tmp_path / name}: {hint}" in capsys.readouterr().err
     assert (tmp_path / "robot.h").read_text() == "#define WHEELS 2\n"
 
 

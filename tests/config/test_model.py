@@ -193,7 +193,7 @@ def test_an_alias_is_refused_since_it_may_never_end(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "statement"),
     [
         ("[" * 100_000, "is nested more than 32 times"),
         ("{a: " * 30_000, "is nested more than 32 times"),

@@ -122,22 +122,22 @@ def test_a_process_that_cannot_be_started_is_told(path: Path, monkeypatch: pytes
         ConfigReading(path)
 
 
-OTHERS = {
+OTHER_FILES = {
     "was read by gyrodrift 9.9, this is": pickle.dumps(("9.9", None, ())),
     "was read by gyrodrift UnpicklingError, this is": b"no pickle",
     "was read by gyrodrift ModuleNotFoundError, this is": b"cnowhere\nConfig\n.",
 }
 
 
-@pytest.mark.parametrize("said", OTHERS)
+@pytest.mark.parametrize("message_part", OTHER_FILES)
 def test_what_another_version_read_is_not_taken(
-    path: Path, said: str, begun: list[ConfigReading], monkeypatch: pytest.MonkeyPatch
+    path: Path, message_part: str, begun: list[ConfigReading], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The program may be replaced while the service runs."""
     assert __version__ != "9.9"
     popen: Any = subprocess.Popen
-    words = [sys.executable, "-c", f"import sys; sys.stdout.buffer.write({OTHERS[said]!r})"]
+    words = [sys.executable, "-c", f"import sys; sys.stdout.buffer.write({OTHER_FILES[message_part]!r})"]
     monkeypatch.setattr(subprocess, "Popen", lambda _, **options: popen(words, **options))
     begun.append(ConfigReading(path))
-    with pytest.raises(ConfigError, match=said):
+    with pytest.raises(ConfigError, match=message_part):
         outcome(begun[0])

@@ -33,7 +33,7 @@ def test_the_same_device_is_compared_in_everything() -> None:
 
 
 @pytest.mark.parametrize(
-    ("other", "words"),
+    ("peer", "words"),
     [
         (observed(200.0), ["100", "200", "samples a second"]),
         (observed(lsb_dps=0.0305), ["0.00763", "0.0305", "steps"]),

@@ -43,7 +43,7 @@ def test_a_wrong_size_is_replaced_and_not_stacked() -> None:
 
 
 @pytest.mark.parametrize(
-    ("left", "stood", "is_gone"),
+    ("remaining", "stood", "is_gone"),
     [
         ("scale_factor:error_percent=0.05", "scale_factor:error_percent=1.2", True),
         ("scale_factor:error_percent=-0.05", "scale_factor:error_percent=1.2", True),

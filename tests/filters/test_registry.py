@@ -80,7 +80,7 @@ def test_a_config_takes_its_block_and_says_what_changes(constant: Filter, tmp_pa
 
 @pytest.mark.usefixtures("constant")
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "statement"),
     [
         (
             "filter: constant\nconstant: {bias_dp: 1}\n",

@@ -94,7 +94,7 @@ def test_another_seed_is_other_damage(name: str) -> None:
 
 
 def test_a_second_fault_leaves_the_realisation_of_the_first_alone_and_twins_have_their_own() -> None:
-    """The same bits turn, whether there is a banner in the stream or not."""
+    """A banner in the stream does not change which bits turn."""
     flips = "bit_flips:per_kilobyte=20"
     alone, banner, twins = (
         [frame for frame in spoken("native", 20.0, flips, *extra) if frame.content != BANNER]
@@ -309,7 +309,7 @@ def names_over_time(link: Path, *faults: str) -> Callable[[float], list[str]]:
 
 @pytest.mark.parametrize(("name", "after"), [("same", ["gyro", "gyro"]), ("other", ["gyro-1", "gyro-2"])])
 def test_a_plug_that_is_pulled_takes_the_name_away_and_brings_one_back(link: Path, name: str, after: list[str]) -> None:
-    """The same one or the next one, and at the end there is none."""
+    """It stays or moves on, and at the end there is none."""
     names_at = names_over_time(link, *(f"unplug:from_s={index},seconds=1,name={name}" for index in (2, 5)))
     times_s = (0.0, 1.99, 2.0, 2.99, 3.0, 4.99, 5.0, 6.0, float("inf"))
     observed = [names_at(t_s) for t_s in times_s]

@@ -241,7 +241,7 @@ def test_a_file_at_the_name_given_comes_before_a_shipped_profile(
 
 
 @pytest.mark.parametrize(
-    ("segment", "place", "words"),
+    ("segment", "position", "words"),
     [
         ("{kind: rest, seconds: -1}", "3:18 segments.0.seconds", "greater than 0"),
         ("{kind: rest, seconds: 0}", "3:18 segments.0.seconds", "greater than 0"),
@@ -259,11 +259,11 @@ def test_a_file_at_the_name_given_comes_before_a_shipped_profile(
         ("rest", "3:5 segments.0", "'rest'"),
     ],
 )
-def test_a_mistake_in_a_segment_is_told_with_its_place(tmp_path: Path, segment: str, place: str, words: str) -> None:
+def test_a_mistake_in_a_segment_is_told_with_its_place(tmp_path: Path, segment: str, position: str, words: str) -> None:
     """File, line, column and key come first, then what is wrong there."""
     good = "{kind: rest, seconds: 1}"
     (line,) = mistakes(tmp_path, f"about: Wrong.\nsegments:\n  - {segment}\n  - {good}\n")
-    assert line.startswith(f"profile.yaml:{place}: ")
+    assert line.startswith(f"profile.yaml:{position}: ")
     assert words in line
 
 

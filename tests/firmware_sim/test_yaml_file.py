@@ -193,7 +193,7 @@ def test_a_key_that_is_no_text_is_told_in_words(tmp_path: Path) -> None:
 
 @pytest.mark.promise("Configs and commands")
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "statement"),
     [
         ("[" * 50_000, "is nested more than 32 times"),
         ("{a: " * 40 + "}" * 40, "is nested more than 32 times"),

@@ -89,7 +89,7 @@ def test_diagnose_asks_what_the_command_asks(sessions: Path, tmp_path: Path, mon
 
 
 @pytest.mark.parametrize(
-    ("call", "kind", "said"),
+    ("call", "kind", "statement"),
     [
         (
             lambda index: tune(index, filter="kalman"),

@@ -69,7 +69,7 @@ def test_parameters_come_singly_or_as_a_record(tmp_path: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "statement"),
     [
         (lambda: gyrodrift.Hdr(tau=1.0), "tau is not a parameter of hdr; did you mean tau_s?"),
         (lambda: gyrodrift.Hdr(tau_s=-1.0), "tau_s: Input should be greater than or equal to 0"),

@@ -83,7 +83,7 @@ def test_a_session_of_three_axes_is_simulated() -> None:
 
 
 def test_a_session_is_simulated_filtered_saved_and_plotted(tmp_path: Path) -> None:
-    """The same seed gives the same session; what is saved is what is loaded."""
+    """A seed determines the session; a saved session loads as it was."""
     session, again = (gyrodrift.simulate(minutes=0.1, effects=["scale_factor:error_percent=5"], seed=3) for _ in "ab")
     assert session.rate_dps.tolist() == again.rate_dps.tolist()
     gyrodrift.save(session, tmp_path / "s.mcap")
@@ -101,7 +101,7 @@ def test_a_tuning_is_saved_as_the_config_of_serve(tuning: Tuning, tmp_path: Path
 
 
 @pytest.mark.parametrize(
-    ("call", "said"),
+    ("call", "statement"),
     [
         (lambda index, _: gyrodrift.simulate(effects=["gremlins"]), "gremlins"),
         (lambda index, _: gyrodrift.simulate(minutes=0.0), "expected a number above 0"),

@@ -1,4 +1,4 @@
-"""The host's clock is set while samples come in: time goes on, and what begins anew has the new calendar."""
+"""The host's clock is set while samples come in: time goes on, and what begins again has the new calendar."""
 
 import time
 from pathlib import Path

@@ -224,7 +224,7 @@ def test_the_link_names_it_and_suspects_no_line_rate(port: Path, name: str) -> N
 
 @pytest.mark.promise("Text and units")
 @pytest.mark.parametrize(
-    ("asked", "what"),
+    ("request", "what"),
     [
         ({"protocol": "csv"}, "the device sends bno08x-rvc, not csv; leave out --protocol csv"),
         ({"columns": "t_ms, rate:dps"}, "the device sends bno08x-rvc, not text; leave out --columns"),

@@ -59,7 +59,7 @@ def test_a_client_asks_for_a_rate_and_for_fields(outputs: HubThread, tcp: Addres
 
 
 @pytest.mark.parametrize(
-    ("said", "answer"),
+    ("output_text", "answer"),
     [
         (b"garbage", "'garbage': this is no JSON"),
         (b"\xff\xfe\x00", "no JSON"),

@@ -169,7 +169,7 @@ def test_a_device_with_one_axis_sends_no_attitude_quaternion() -> None:
     ],
 )
 def test_what_makes_yaw_jump_is_counted(frame: str, event: str, step: int) -> None:
-    """An autopilot begins its estimate anew where the counter changes, and nowhere else."""
+    """An autopilot begins its estimate again where the counter changes, and nowhere else."""
     with listening() as station, hub(f"mavlink:port={station.port},frame={frame}") as outputs:
         outputs.samples([corrected(0)])
         before = station.next("ODOMETRY").reset_counter

@@ -113,7 +113,7 @@ def test_a_gyro_that_speaks_is_connected_and_one_that_is_silent_is_not(port: Pat
 
 
 def test_the_robot_is_published_to_as_soon_as_it_is_there(port: Path, tmp_path: Path) -> None:
-    """Our side waits for the server, and goes on when it has been started anew."""
+    """Our side waits for the server, and goes on when it has been started again."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         number = free.getsockname()[1]

@@ -189,7 +189,7 @@ def test_a_service_that_is_not_there_is_refused(bridge: Rosbridge) -> None:
 
 
 @pytest.mark.parametrize(
-    ("sent", "said"),
+    ("sent", "answer"),
     [
         ("}", "no JSON"),
         ("[" * 10_000, "no JSON"),

@@ -111,7 +111,7 @@ def test_the_rate_is_that_of_the_last_moments() -> None:
 
 
 @pytest.mark.parametrize(
-    ("left", "size_bytes", "said"),
+    ("remaining", "size_bytes", "message_part"),
     [
         (None, 1_000_000, "disk gone"),
         (36_000_000_000, 0, "36.0 GB left"),
@@ -119,12 +119,12 @@ def test_the_rate_is_that_of_the_last_moments() -> None:
         (0, 100_000, "0.0 GB left for 0 h"),
     ],
 )
-def test_the_disk_is_told_in_words_for_a_person(remaining: int | None, size_bytes: int, said: str) -> None:
+def test_the_disk_is_told_in_words_for_a_person(remaining: int | None, size_bytes: int, message_part: str) -> None:
     """Hours up to three days; nothing where nothing is written."""
     going = Going(io.StringIO())
     going.recorder.left_bytes = remaining
     going.go_on(0.0, 1, 0)
-    assert going.go_on(1.0, 101, size_bytes).endswith(f"   {said}")
+    assert going.go_on(1.0, 101, size_bytes).endswith(f"   {message_part}")
 
 
 def test_it_is_written_over_and_over_and_gone_at_the_end() -> None:

@@ -200,7 +200,7 @@ def test_one_curve_alone_none_and_all(statement: dict[str, Any]) -> None:
 
 
 def test_dragging_zooms_into_a_time_and_a_double_click_leaves_it(statement: dict[str, Any]) -> None:
-    """Marks are those of the stretch, on both scales; the curve is drawn anew, and then again as it was."""
+    """Marks are those of the stretch, on both scales; the curve is drawn again, and then again as it was."""
     zoomed = statement["zoomed"]
     assert {"4.5", "5", "5.5"} <= set(zoomed["x"])
     assert all(3.9 <= float(tick) <= 6.1 for tick in zoomed["x"])

@@ -32,7 +32,7 @@ class Controlled:
         self.sent += count
         return lines
 
-    def asked(self, line: str | bytes) -> dict[str, Any]:
+    def ask(self, line: str | bytes) -> dict[str, Any]:
         with socket.socket(socket.AF_UNIX) as connection:
             connection.connect(str(self.path))
             connection.sendall(line.encode() + b"\n" if isinstance(line, str) else line)
@@ -68,10 +68,10 @@ def test_zero_and_heading_are_about_what_is_sent(service: Controlled) -> None:
 
 def test_rate_thins_the_lines_on_stdout(service: Controlled) -> None:
     service.feed(50)
-    assert service.asked("rate 10") == {"ok": True, "rate_hz": 10.0}
+    assert service.ask("rate 10") == {"ok": True, "rate_hz": 10.0}
     service.device.send_all(csv_at_100_hz(100, first=50), never)
     assert len(service.serve.take_lines(10)) == 10
-    assert service.asked("rate 0") == {"ok": True, "rate_hz": None}
+    assert service.ask("rate 0") == {"ok": True, "rate_hz": None}
 
 
 def test_status_tells_everything(service: Controlled) -> None:
@@ -79,7 +79,7 @@ def test_status_tells_everything(service: Controlled) -> None:
     with connected(address_of(service.serve, "tcp")) as client:
         client.until("HELLO")
         service.serve.until(lambda _: clients(service) == 1, "client in the status")
-        answer = service.asked("status")
+        answer = service.ask("status")
     assert answer.pop("ok") is True
     status = ServiceStatus.from_dict(answer)
     assert (status.link.protocol, status.link.samples, status.link.port) == ("csv", 200, str(service.device.link))
@@ -91,14 +91,14 @@ def test_status_tells_everything(service: Controlled) -> None:
 
 
 def clients(service: Controlled) -> int:
-    return int(service.asked("status")["outputs"][0]["client_count"])
+    return int(service.ask("status")["outputs"][0]["client_count"])
 
 
 def test_reload_reads_the_config_again(service: Controlled) -> None:
     service.feed(50)  # without a sample the service ends after 10 s, and reading a config may take longer
-    assert service.asked("reload") == {"ok": True, "changes": []}
+    assert service.ask("reload") == {"ok": True, "changes": []}
     service.config.write_text("hdr: 5\n")
-    answer = service.asked("reload")
+    answer = service.ask("reload")
     assert answer["ok"] is False
     assert f"{service.config}:1:1 hdr: is 5; expected a block with" in answer["error"]
 
@@ -129,7 +129,7 @@ MISTAKES = {
 
 def test_a_mistake_is_answered_and_the_stream_goes_on(service: Controlled) -> None:
     for statement, error in MISTAKES.items():
-        answer = service.asked(statement)
+        answer = service.ask(statement)
         assert answer["ok"] is False
         assert error in answer["error"]
     status, answer, said_to_person = ctl(service.path, "rest", "1")
@@ -155,11 +155,11 @@ def test_a_crowd_at_the_socket_is_turned_away(service: Controlled, port: Path) -
 def test_zero_restarts_sigma_and_aligns_the_encoder(service: Controlled) -> None:
     """`ctl zero` restarts the sigma of yaw, and aligns the encoder."""
     service.config.write_text("filter: restlevel\n")
-    assert service.asked("reload")["ok"]
+    assert service.ask("reload")["ok"]
     before = service.feed(300)[-1]
     assert before["yaw_sigma_deg"] > 1.0
-    assert service.asked("zero") == {"ok": True, "yaw_deg": 0.0}
-    status = service.asked("status")["filter"]
+    assert service.ask("zero") == {"ok": True, "yaw_deg": 0.0}
+    status = service.ask("status")["filter"]
     assert (status["yaw_deg"], status["yaw_sigma_deg"], status["scale_sigma_deg"]) == (0.0, 0.0, 0.0)
     after = service.feed(1)[-1]
     assert after["yaw_sigma_deg"] < 0.1

@@ -76,7 +76,7 @@ def test_a_memory_goes_on_where_a_run_learns_nothing(port: Path, tmp_path: Path)
 
 
 @pytest.mark.parametrize(
-    ("key", "other", "said"),
+    ("key", "second", "statement"),
     [
         ("device", "bench-8", "it is for device bench-8, and this is "),
         ("filter", "hdr", "it is for the filter hdr, and restlevel runs"),

@@ -16,7 +16,7 @@ HDR = "hdr: {i_c_dps: 1e-3, tau_s: .5, theta_w_dps: 1, c1: 0, c2: 1}\n"
 
 
 def test_samples_go_to_stdout_and_to_every_client(port: Path, tmp_path: Path) -> None:
-    """The same lines, over TCP and a unix socket."""
+    """Equal lines over TCP and a unix socket."""
     path = tmp_path / "socket"
     with serving(port, "--output", "tcp:port=0", "--output", f"unix:path={path}") as (serve, device):
         path_of(serve, "unix")

@@ -67,7 +67,7 @@ def test_a_session_that_scatters_more_than_others_is_believed_less() -> None:
 
 
 def test_what_sessions_have_in_common_widens_their_mean() -> None:
-    """Of four with the same eight nulls the variance of the mean is that of one, four times that of independent ones.
+    """Four sessions with the same eight nulls: the variance of the mean is that of a single session.
 
     Two runs' worth of 1 hold it back: (2 + 7·4·8/7 / 1) / 9 of ±1, and never less than 1.
     """

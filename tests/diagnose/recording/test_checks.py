@@ -30,7 +30,7 @@ def test_a_good_recording_passes_as_it_is() -> None:
 
 
 @pytest.mark.parametrize(
-    ("factor", "said"),
+    ("factor", "statement"),
     [
         (-1.0, "the sign opposite to the encoder's"),
         (np.pi / 180.0, "in radians per second"),

@@ -67,7 +67,7 @@ class Begun(NamedTuple):
         return self.course.sensor_c_at(t_s)
 
 
-class Seen(NamedTuple):
+class Observed(NamedTuple):
     """A recording of a known motion, (n,) angle and rate."""
 
     recording: Recording
@@ -86,11 +86,13 @@ class Seen(NamedTuple):
         return float(np.sqrt(np.square(motion.angle_deg - self.angle_deg).mean()))
 
 
-def observed(motion: Piece, cpr: int, rate_hz: float, *effects: str, seconds: float = SECONDS, **gyro: float) -> Seen:
+def observed(
+    motion: Piece, cpr: int, rate_hz: float, *effects: str, seconds: float = SECONDS, **gyro: float
+) -> Observed:
     base = Base(sample_rate_hz=rate_hz, encoder_cpr=cpr).model_copy(update=gyro)
     rig = Rig(base=base, effects=tuple(map(parse_effect, effects)))
     recording = recording_of(Simulation(rig, motion, 3, 0, seconds / 60.0).whole(), round(seconds * rate_hz))
-    return Seen(recording, *motion.motion_at(np.arange(len(recording.rate_dps)) / rate_hz))
+    return Observed(recording, *motion.motion_at(np.arange(len(recording.rate_dps)) / rate_hz))
 
 
 def piece(name: str, first_s: float) -> Piece:

@@ -162,7 +162,7 @@ def test_a_memory_survives_its_file() -> None:
 
 
 def test_the_compiled_filter_begins_with_it_too_and_so_does_an_independent_reading() -> None:
-    """The same bits, and the same to 1e-9."""
+    """Equal bits, and equal to 1e-9."""
     true_dps, _ = weaving(6000)
     rate_dps = np.r_[true_dps, np.zeros(600), true_dps] + 0.4 + noise(12_600, 5)
     memory = replace(memory_of(0.4), period_s=0.0)  # the reading knows no noise before it sees some

@@ -18,8 +18,8 @@ class Clock:
     def ticks_ms(self) -> int:
         return self.ms
 
-    def ticks_add(self, ticks: int, more: int) -> int:
-        return ticks + more
+    def ticks_add(self, ticks: int, further: int) -> int:
+        return ticks + further
 
     def ticks_diff(self, end: int, start: int) -> int:
         return end - start

@@ -8,8 +8,8 @@ measured is written to `truth.json` beside the frames: t_us, then counts: yaw ra
 import json
 import sys
 
-with open("/asked.json") as asked:  # noqa: PTH123 - it has no pathlib
-    ASKED = json.load(asked)
+with open("/asked.json") as request:  # noqa: PTH123 - it has no pathlib
+    REQUEST = json.load(request)
 
 TICKS = 1 << 30
 IDLE_US, I2C_BYTE_US = 100, 25
@@ -36,7 +36,7 @@ class Chip:
 
     def pass_time(self, us: int) -> None:
         self.now_us += us
-        if self.now_us > ASKED["seconds"] * 1_000_000:
+        if self.now_us > REQUEST["seconds"] * 1_000_000:
             raise OverError
         while self.next_us <= self.now_us:
             self._measure()
@@ -56,14 +56,14 @@ class Chip:
             self._put(0x3B + 2 * index, value)
         self.truth.append([self.next_us, rate, temp] + accels)  # noqa: RUF005 - MicroPython has no stars in a list
         now_us, self.now_us = self.now_us, self.next_us
-        if self.on_rise is not None and ASKED["pin"]:
+        if self.on_rise is not None and REQUEST["pin"]:
             self.on_rise(None)
         self.now_us = now_us
         self.next_us += 1000 * (1 + self.registers[0x19])
 
-    def _put(self, at: int, value: int) -> None:
-        self.registers[at] = value >> 8 & 0xFF
-        self.registers[at + 1] = value & 0xFF
+    def _put(self, index: int, value: int) -> None:
+        self.registers[index] = value >> 8 & 0xFF
+        self.registers[index + 1] = value & 0xFF
 
 
 CHIP = Chip()
@@ -103,7 +103,7 @@ class I2C:
 
     def _speak(self, address: int, count: int) -> None:
         CHIP.pass_time(count * I2C_BYTE_US)
-        if address != 0x68 or CHIP.now_us < ASKED["absent"] * 1_000_000:
+        if address != 0x68 or CHIP.now_us < REQUEST["absent"] * 1_000_000:
             raise OSError(5)
 
 
@@ -129,8 +129,8 @@ class Time:
         CHIP.pass_time(ms * 1000)
 
     @staticmethod
-    def ticks_add(ticks: int, more: int) -> int:
-        return (ticks + more) % TICKS
+    def ticks_add(ticks: int, further: int) -> int:
+        return (ticks + further) % TICKS
 
     @staticmethod
     def ticks_diff(end: int, start: int) -> int:
@@ -142,8 +142,8 @@ sys.modules["time"] = Time
 
 import main  # noqa: E402 - the board has to be there first
 
-main.AXIS, main.IS_UPSIDE_DOWN = ASKED["up"]
-main.FILTER = ASKED["filter"]
+main.AXIS, main.IS_UPSIDE_DOWN = REQUEST["up"]
+main.FILTER = REQUEST["filter"]
 try:
     main.main()
 except OverError:

@@ -8,30 +8,30 @@ import time
 if not hasattr(time, "ticks_diff"):
     raise RuntimeError("this port has no ticks_diff")
 
-with open("/asked.json") as asked:  # noqa: PTH123 - it has no pathlib
-    ASKED = json.load(asked)
+with open("/asked.json") as request:  # noqa: PTH123 - it has no pathlib
+    REQUEST = json.load(request)
 
 gc.collect()
 before = gc.mem_alloc()
-if ASKED["filter"] == "hdr":
+if REQUEST["filter"] == "hdr":
     from gyrodrift_hdr import Hdr as Filter
 else:
     from gyrodrift_restlevel import Restlevel as Filter
 gc.collect()
 loaded = gc.mem_alloc()
-chosen = Filter(**ASKED["params"])
+chosen = Filter(**REQUEST["params"])
 gc.collect()
 made = gc.mem_alloc()
 
-update = chosen.update_us if ASKED["clock"] == "us" else chosen.update
+update = chosen.update_us if REQUEST["clock"] == "us" else chosen.update
 rows = []
-for t, *values in ASKED["samples"]:
+for t, *values in REQUEST["samples"]:
     is_taken = update(t, *[float("nan") if value is None else value for value in values])
     rows.append([bool(is_taken), chosen.yaw_deg, getattr(chosen, "yaw_sigma_deg", None), chosen.bias_dps])
 
 gc.collect()
 gc.disable()
-dt = 10_000 if ASKED["clock"] == "us" else 0.01
+dt = 10_000 if REQUEST["clock"] == "us" else 0.01
 t += dt
 update(t, 0.25)
 start = gc.mem_alloc()

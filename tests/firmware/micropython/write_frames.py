@@ -9,8 +9,8 @@ import sys
 from gyrodrift_native import FrameWriter
 
 writer = FrameWriter()
-with open("/asked.json") as asked:  # noqa: PTH123 - it has no pathlib
-    for method, fields in json.load(asked):
+with open("/asked.json") as request:  # noqa: PTH123 - it has no pathlib
+    for method, fields in json.load(request):
         if method in ("sample", "sample3"):
             fields[2] = [fields[2] & 0xFFFF, fields[2] >> 16]
         elif method == "yaw":

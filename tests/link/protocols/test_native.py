@@ -141,7 +141,7 @@ def test_samples_that_wait_are_bounded_and_the_oldest_go_first() -> None:
 
 
 @pytest.mark.parametrize(
-    ("frame", "damaged", "other"),
+    ("frame", "damaged", "peer"),
     [
         (native_frame(b""), 1, 0),
         (native_frame(b"\x02\x00"), 0, 1),

@@ -104,7 +104,7 @@ def test_a_server_without_rfc2217_is_an_error_that_names_tcp(monkeypatch: pytest
 
 
 @pytest.mark.parametrize(
-    ("place", "address"),
+    ("position", "address"),
     [
         ("TCP-LISTEN:{number},bind=127.0.0.1,reuseaddr", "socket://127.0.0.1:{number}"),
         ("UDP4-SENDTO:127.0.0.1:{number}", "udp://:{number}"),
