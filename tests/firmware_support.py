@@ -180,10 +180,10 @@ class Board:
         return json.loads(statement), Truth(*rows.T)
 
 
-def in_micropython(program: str, request: object, folder: Path, *files: Path) -> bytes:
+def in_micropython(program: str, request: object, folder: Path, *further: Path) -> bytes:
     question = folder / "asked.json"
     question.write_text(json.dumps(request))
-    files = [*sorted(MICROPYTHON.glob("*.py")), question, *files]
+    files = [*sorted(MICROPYTHON.glob("*.py")), question, *further]
     package = "@micropython/micropython-webassembly-pyscript"
     node = node_client(package, "micropython.mjs", str(HERE / "micropython" / program), *map(str, files))
     statement, complaint = node.communicate(timeout=3 * PATIENCE_S)

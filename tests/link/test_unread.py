@@ -224,14 +224,14 @@ def test_the_link_names_it_and_suspects_no_line_rate(port: Path, name: str) -> N
 
 @pytest.mark.promise("Text and units")
 @pytest.mark.parametrize(
-    ("request", "what"),
+    ("options", "what"),
     [
         ({"protocol": "csv"}, "the device sends bno08x-rvc, not csv; leave out --protocol csv"),
         ({"columns": "t_ms, rate:dps"}, "the device sends bno08x-rvc, not text; leave out --columns"),
     ],
 )
 def test_a_device_that_speaks_another_protocol_than_was_asked_for_is_named(
-    port: Path, request: dict[str, Any], what: str
+    port: Path, options: dict[str, Any], what: str
 ) -> None:
     """A device with another protocol than requested is named."""
 
@@ -239,7 +239,7 @@ def test_a_device_that_speaks_another_protocol_than_was_asked_for_is_named(
         body = struct.pack("<B6h3B", i & 0xFF, 0, 0, 0, 0, 0, 1000, 0, 0, 0)
         return b"\xaa\xaa" + body + bytes((sum(body) & 0xFF,))
 
-    with speaking_on(port) as device, Host(port, timeout_s=4.0, **request) as host:
+    with speaking_on(port) as device, Host(port, timeout_s=4.0, **options) as host:
         with pytest.raises(DeviceSilentError, match=what):
             host.hear(device, map(frame, range(500)), 0.02)
         assert host.link.baud == 115200
