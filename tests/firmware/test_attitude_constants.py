@@ -63,10 +63,10 @@ def names_in_c() -> list[str]:
 
 
 def in_python() -> dict[str, object]:
-    """Constants of all modules of the filter, but for those in ABSENT."""
+    """Constants of all modules of the filter and of quaternions, but for those in ABSENT."""
     constants: dict[str, object] = {}
-    for info in pkgutil.iter_modules(attitude.__path__, f"{attitude.__name__}."):
-        module = importlib.import_module(info.name)
+    names = [info.name for info in pkgutil.iter_modules(attitude.__path__, f"{attitude.__name__}.")]
+    for module in map(importlib.import_module, [*names, "gyrodrift.values.quaternion"]):
         for name in assigned(Path(str(module.__file__))):
             if name not in ABSENT:
                 value = getattr(module, name)

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterator
-from contextlib import closing
+from contextlib import closing, suppress
 from functools import cache
 from itertools import pairwise, takewhile
 from pathlib import Path
@@ -385,9 +385,8 @@ def test_the_device_ends_well_however_fast_it_is_and_whatever_its_faults(link: P
     with Command("--link", link, "--speed", speed, "--duration", "1", *faults, module="firmware_sim") as command:
         if speed == "max":
             command.until(lambda _: link.is_symlink(), "link")
-            with serial.Serial(str(link), timeout=PATIENCE_S) as port:
-                assert port.read(1)
-                assert command.end() == 0
-        else:
-            assert command.end() == 0
+            with serial.Serial(str(link), timeout=PATIENCE_S) as port, suppress(serial.SerialException):
+                while port.read(256):  # until the cable is pulled: at this speed the device waits for its reader
+                    pass
+        assert command.end() == 0
         assert not link.is_symlink()

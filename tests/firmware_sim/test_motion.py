@@ -248,7 +248,7 @@ def test_a_file_at_the_name_given_comes_before_a_shipped_profile(
         ("{kind: rest, seconds: on}", "3:18 segments.0.seconds", "valid number"),
         ("{kind: rest, seconds: true}", "3:18 segments.0.seconds", "valid number"),
         ("{kind: rest, seconds: '1'}", "3:18 segments.0.seconds", "valid number"),
-        ("{kind: rest, seconds: .inf}", "3:18 segments.0.seconds", "valid number"),
+        ("{kind: rest, seconds: .inf}", "3:18 segments.0.seconds", "finite number"),
         ("{kind: rest, seconds: 1e400}", "3:18 segments.0.seconds", "finite"),
         ("{kind: rest, seconds: 1, seconds: 2}", "3:30 segments.0.seconds", "given twice"),
         ("{kind: rest, seconds: 1, speed: 2}", "3:30 segments.0.speed", "not known"),

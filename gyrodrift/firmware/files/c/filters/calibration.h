@@ -1,4 +1,5 @@
-/* Calibration of a gyro, as gyrodrift/values/calibration.py applies it: bias over temperature, scale, sign, axes and mount.
+/* Calibration of a gyro, as gyrodrift/values/calibration.py applies it: bias over temperature, scale, sign, axes,
+   mount.
 
    gyrodrift writes a gd_calibration into my_gyro.h. Correct each measurement with it before the filter.
 */
