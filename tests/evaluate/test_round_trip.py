@@ -89,12 +89,12 @@ CHIP = ("gyro_cross_axis", "accel_bias", "accel_misalignment")
 @pytest.mark.parametrize(
     ("effects", "sizes"),
     [
-        ((), {}),
         (CHIP, {}),
-        ((TILTED,), {"misalignment": 12.0}),
-        ((LOW,), {"scale_factor": -2.0}),
         ((TILTED, HIGH), {"misalignment": 12.0, "scale_factor": 3.0}),
-        ((TILTED, *CHIP), {"misalignment": 12.0}),
+        pytest.param((), {}, marks=pytest.mark.evaluation),
+        pytest.param((TILTED,), {"misalignment": 12.0}, marks=pytest.mark.evaluation),
+        pytest.param((LOW,), {"scale_factor": -2.0}, marks=pytest.mark.evaluation),
+        pytest.param((TILTED, *CHIP), {"misalignment": 12.0}, marks=pytest.mark.evaluation),
     ],
 )
 def test_three_axes_tell_a_tilted_sensor_from_a_scale_error(

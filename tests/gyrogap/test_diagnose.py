@@ -8,7 +8,7 @@ from gyrogap.data_set import SEALS, make_data_set
 from gyrogap.rows import ROWS, draw_case
 from gyrogap.score import judge_answers
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(3600)]
+pytestmark = [pytest.mark.evaluation, pytest.mark.timeout(3600)]
 
 
 def test_an_effect_of_another_generator_is_named(tmp_path: Path) -> None:
