@@ -19,8 +19,6 @@ from firmware_sim.wire.encoder import (
 
 DPS_PER_LSB = 2000.0 / 32768.0
 MPS2_PER_LSB = 16.0 * STANDARD_GRAVITY_MPS2 / 32768.0
-GRAVITY_RAW = 2048
-"""1 g at the ±16 g range over 16 bits: what a level device says on its z axis."""
 
 
 def wt901_frame(kind: int, *values: int) -> bytes:

@@ -19,6 +19,7 @@ from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import Output, OutputHost
 from gyrodrift.outputs.status import ClientStatus, ServiceStatus
 from gyrodrift.outputs.thinning import Thinning
+from gyrodrift.values.constants import US_PER_S
 from gyrodrift.values.sample import Attitude, Corrected
 
 T = TypeVar("T")
@@ -39,7 +40,6 @@ SCHEMAS = {"struct:Quaternion": "double w;double x;double y;double z", "struct:R
 
 SILENT_S = 1.0
 """Time without a sample after which the gyro counts as not connected, s."""
-US_PER_S = 1e6
 
 
 @dataclass(frozen=True, slots=True)

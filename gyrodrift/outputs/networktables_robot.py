@@ -11,13 +11,13 @@ from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.outputs.net.addresses import shown, shown_name
 from gyrodrift.outputs.networktables_session import TopicValue
 from gyrodrift.outputs.status import ClientStatus
+from gyrodrift.values.constants import US_PER_S
 
 if TYPE_CHECKING:
     import ntcore
 
 IDENTITY = "gyrodrift"
 PERIOD_S = 0.01
-US_PER_S = 1e6
 
 
 class RobotTables:

@@ -37,3 +37,6 @@ SECONDS_PER_MINUTE = 60.0
 
 STANDARD_GRAVITY_MPS2 = 9.80665
 """Standard acceleration of free fall, m/s² (CGPM 3, 1901; ISO 80000-3). On earth it is 9.76 to 9.84 m/s²."""
+
+US_PER_S = 1e6
+"""Microseconds in a second."""

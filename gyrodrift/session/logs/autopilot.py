@@ -16,9 +16,9 @@ from gyrodrift.io.installation import packages_of
 from gyrodrift.session.session import AXIS_COLUMNS, TABLE, Session
 from gyrodrift.session.tables.known import DOWN
 from gyrodrift.values.arrays import Floats
+from gyrodrift.values.constants import US_PER_S
 from gyrodrift.values.errors import DataError
 
-US_PER_S = 1e6
 Z_UP = np.array([degrees(1.0), -degrees(1.0), -degrees(1.0), 1.0, -1.0, -1.0])
 """Factors from rad/s and m/s² with z down to deg/s and m/s² with z up."""
 
