@@ -6,8 +6,8 @@ from math import radians
 
 import numpy as np
 
-from gyrodrift.doctor.turn.motion import TurnWindow
-from gyrodrift.doctor.turn.series import TimedLine
+from gyrodrift.columns.turn.motion import TurnWindow
+from gyrodrift.columns.turn.series import TimedLine
 from gyrodrift.values.arrays import Floats
 
 PER_DPS = {

@@ -15,6 +15,7 @@ from firmware_sim.yaml_file import FileError
 from fuzz.client_targets import clients, sockets
 from fuzz.damage_target import check_damage
 from fuzz.source_target import source_decoders
+from gyrodrift.columns.guess import guess
 from gyrodrift.columns.spec import columns_of
 from gyrodrift.config.model import load_config
 from gyrodrift.config.outputs import output_of
@@ -23,8 +24,7 @@ from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.registry import PROTOCOLS
-from gyrodrift.link.text.decoder import TextDecoder
-from gyrodrift.link.text.guess import guess
+from gyrodrift.link.protocols.text_decoder import TextDecoder
 from gyrodrift.service.memory_file import MemoryDamagedError, read_memory
 from gyrodrift.session.files import load_session
 from gyrodrift.session.mcap.raw import read_raw

@@ -14,7 +14,7 @@ from itertools import pairwise
 from math import degrees, isfinite, isnan, log, radians, sqrt
 from statistics import median
 
-from gyrodrift.columns.sensitivities import SENSITIVITIES
+from gyrodrift.columns.sizes import SENSITIVITIES
 from gyrodrift.values.sample import Sample
 
 PRIOR = 0.05

@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass
 
-from gyrodrift.columns.sensitivities import INVENSENSE
+from gyrodrift.columns.sizes import INVENSENSE
 from gyrodrift.values.constants import SECONDS_PER_HOUR
 
 

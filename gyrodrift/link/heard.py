@@ -2,6 +2,8 @@
 
 import re
 
+from gyrodrift.io.plain_text import decoded, plain_text
+
 BYTES_MAX = 32_768
 """Several of the longest lines, JSON of 4 KiB."""
 
@@ -10,9 +12,6 @@ TEXT_BYTES_MIN = 16
 
 TEXT_SHARE, ASCII_SHARE = 0.97, 0.8
 """Smallest shares of printable characters, and of ASCII characters, in a text."""
-
-CONTROL = re.compile(rb"\x1b\[[0-9;?]*+[A-Za-z]|\x1b[@-Z\\-_]|\x00")
-"""Terminal control sequences (ECMA-48), and the zero bytes that some programs send with text."""
 
 PRINTABLE = frozenset((*range(0x20, 0x7F), *b"\t\r\n"))
 
@@ -69,25 +68,6 @@ class Heard:
 
     def _all_lines(self) -> list[str]:
         return re.split(r"[\r\n]+", decoded(plain_text(self.content)))
-
-
-def plain_text(text: bytes) -> bytes:
-    """Text without terminal control sequences."""
-    return CONTROL.sub(b"", text) if b"\x1b" in text or b"\x00" in text else text
-
-
-def decoded(text: bytes) -> str:
-    """Decode as UTF-8, else as Latin-1, in which an editor may have written a degree sign.
-
-    A character that is cut at either end is ignored.
-    """
-    for begin in range(4):
-        for end in range(4):
-            try:
-                return text[begin : len(text) - end].decode()
-            except UnicodeDecodeError:
-                continue
-    return text.decode("latin-1")
 
 
 def quoted(line: str) -> str:

@@ -28,7 +28,7 @@ from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.registry import candidates
 from gyrodrift.link.silence import unread_protocol, why_silent
 from gyrodrift.link.sources.source import SourcePort
-from gyrodrift.link.units.check import UnitCheck
+from gyrodrift.link.unit_check import UnitCheck
 from gyrodrift.values.errors import DeviceSilentError, PortMissingError, UnitError
 from gyrodrift.values.sample import Reading, Sample
 

@@ -96,7 +96,7 @@ def unread_protocol(heard: Heard, protocol: str) -> str:
 
 def _why_text(protocol: str, heard: Heard, port: str, waited: str, source: ByteSource | None) -> str:
     """Message about a device that prints text: its columns, and how to read them, or the missing information."""
-    from gyrodrift.link.text.guess import guess  # noqa: PLC0415 - for unknown streams only
+    from gyrodrift.columns.guess import guess  # noqa: PLC0415 - for unknown streams only
 
     baud = "" if source is not None and not source.has_baud else ", so the baud rate is right"
     prints = f"the device prints text{baud}, but no line is a {_expected_sample(protocol)}"

@@ -11,7 +11,7 @@ from typing import Any
 
 from gyrodrift.filters.restlevel.noise import FINE_DPS
 from gyrodrift.filters.run import WITHOUT_AXES_S as LOST_S
-from gyrodrift.link.units.clock_unit import SLOWEST_PACE
+from gyrodrift.link.unit_check import SLOWEST_PACE
 from gyrodrift.values.sample import Sample
 
 Tell = Callable[..., Any]

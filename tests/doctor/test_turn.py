@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from turn_support import hand_turn, random_board
 
 from gyrodrift.columns.spec import Column, columns_of
+from gyrodrift.columns.turn.motion import TurnWindow
+from gyrodrift.columns.turn.series import LineTimes, TimedLine, table_of
 from gyrodrift.doctor.turn.heard import HeardTurn, TurnResult, result_of
-from gyrodrift.doctor.turn.motion import TurnWindow
-from gyrodrift.doctor.turn.series import LineTimes, TimedLine, table_of
 from gyrodrift.doctor.turn.tell import findings_of
 
 Noise = Callable[[float], float]

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hand_motion import BIAS_DPS, HandMotion, hand_motion
 
+from gyrodrift.columns.accel_axes import AccelerationAxesCheck
 from gyrodrift.facts.session_facts import SessionFacts
-from gyrodrift.link.units.accel_axes import AccelerationAxesCheck
 from gyrodrift.session.session import Session
 from gyrodrift.values.sample import Inertial, Sample
 

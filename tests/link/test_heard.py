@@ -4,7 +4,8 @@ from random import Random
 
 import pytest
 
-from gyrodrift.link.heard import Heard, plain_text
+from gyrodrift.io.plain_text import plain_text
+from gyrodrift.link.heard import Heard
 
 
 def heard(content: bytes, seconds: float = 1.0) -> Heard:

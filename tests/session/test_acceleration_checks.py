@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from gyrodrift.columns.gravity_check import LENGTHS, AccelerationCheck
 from gyrodrift.facts.reference import vertical_rates_dps
 from gyrodrift.facts.session_facts import SessionFacts
-from gyrodrift.link.units.acceleration import LENGTHS, AccelerationCheck
 from gyrodrift.session.checks.examine import acceleration_findings, axis_findings
 from gyrodrift.session.checks.rate_unit import rate_findings
 from gyrodrift.session.session import Session

@@ -116,7 +116,7 @@ FAULTS = (
     ),
     Fault(
         "axes/gravity-in-any-unit",
-        "gyrodrift/columns/gravity.py",
+        "gyrodrift/columns/sizes.py",
         "    return abs(length - gravity) <= error * gravity\n",
         "    return length <= 2.0 * gravity\n",
         "Accelerations in g count as m/s².",

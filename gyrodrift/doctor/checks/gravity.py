@@ -1,7 +1,7 @@
 """Checks of the accelerometer: unit, axis up, agreement with the gyro, vibration, range."""
 
 from gyrodrift.columns.accel_axes import AGREES, Agreement
-from gyrodrift.columns.gravity import gravity_unit
+from gyrodrift.columns.sizes import gravity_unit
 from gyrodrift.doctor.check import checks_of
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, error, note, ok, warning

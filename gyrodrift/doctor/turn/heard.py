@@ -6,14 +6,14 @@ from math import isfinite
 
 import numpy as np
 
-from gyrodrift.columns.ranges import TEMPERATURES_C
+from gyrodrift.columns.sizes import TEMPERATURES_C
 from gyrodrift.columns.spec import CLOCK_US, IGNORED, columns_of, spec_text
+from gyrodrift.columns.turn.motion import TurnWindow, motion_of
+from gyrodrift.columns.turn.scale import HAND, QUARTER_DEG
+from gyrodrift.columns.turn.series import ColumnKey, Series, TextTable, TimedLine
+from gyrodrift.columns.turn.verdict import RateColumn, TurnVerdict, judge
 from gyrodrift.columns.units import Dimension, Unit
-from gyrodrift.doctor.turn.motion import TurnWindow, motion_of
-from gyrodrift.doctor.turn.scale import HAND, QUARTER_DEG
-from gyrodrift.doctor.turn.series import ColumnKey, Series, TextTable, TimedLine
-from gyrodrift.doctor.turn.verdict import RateColumn, TurnVerdict, judge
-from gyrodrift.link.text.decoder import TextDecoder
+from gyrodrift.link.protocols.text_decoder import TextDecoder
 from gyrodrift.values.sample import Sample
 
 PACE_WITHIN = 0.1

@@ -9,11 +9,11 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from gyrodrift.columns.turn.motion import TurnWindow
+from gyrodrift.columns.turn.series import LineTimes, TextTable
+from gyrodrift.columns.turn.verdict import judge
 from gyrodrift.doctor.listen import LONGEST_WAIT_S
 from gyrodrift.doctor.turn.heard import HeardTurn, TurnResult, result_of, series_of
-from gyrodrift.doctor.turn.motion import TurnWindow
-from gyrodrift.doctor.turn.series import LineTimes, TextTable
-from gyrodrift.doctor.turn.verdict import judge
 from gyrodrift.io.waiting import wait_readable
 from gyrodrift.link.heard import Heard
 from gyrodrift.link.link import Link

@@ -4,14 +4,14 @@ from pathlib import Path
 
 import numpy as np
 
+from gyrodrift.columns.guess import guess
 from gyrodrift.columns.spec import CLOCK_US
+from gyrodrift.columns.turn.motion import TurnWindow
+from gyrodrift.columns.turn.series import ColumnKey, LineTimes, TextTable, TimedLine, table_of
 from gyrodrift.doctor.turn.heard import HeardTurn, TurnResult, result_of
 from gyrodrift.doctor.turn.listen import LIMIT_S, REST_S, TEXTS
-from gyrodrift.doctor.turn.motion import TurnWindow
-from gyrodrift.doctor.turn.series import ColumnKey, LineTimes, TextTable, TimedLine, table_of
 from gyrodrift.io.files import UnreadableError, check_ordinary
-from gyrodrift.link.heard import decoded, plain_text
-from gyrodrift.link.text.guess import guess
+from gyrodrift.io.plain_text import decoded, plain_text
 from gyrodrift.values.errors import DataError
 from gyrodrift.values.sample import Sample
 

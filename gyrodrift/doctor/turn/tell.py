@@ -3,11 +3,11 @@
 from dataclasses import replace
 from typing import Any
 
+from gyrodrift.columns.turn.motion import Behavior, ColumnMotion
+from gyrodrift.columns.turn.scale import HAND, QUARTER_DEG, Scale
+from gyrodrift.columns.turn.verdict import AngleColumn, RateColumn
 from gyrodrift.doctor.finding import DeviceFinding, error, note, ok, sentence, warning
 from gyrodrift.doctor.turn.heard import TurnResult
-from gyrodrift.doctor.turn.motion import Behavior, ColumnMotion
-from gyrodrift.doctor.turn.scale import HAND, QUARTER_DEG, Scale
-from gyrodrift.doctor.turn.verdict import AngleColumn, RateColumn
 
 NAMES_MAX = 8
 """Largest number of columns in the notes of an unclear turn, the clearest first."""

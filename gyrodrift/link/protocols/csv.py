@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from math import hypot, isfinite, isnan, nan
 
-from gyrodrift.columns.ranges import MEDIAN_ACCEL_MPS2, TEMPERATURES_C
+from gyrodrift.columns.sizes import MEDIAN_ACCEL_MPS2, TEMPERATURES_C
 from gyrodrift.link.protocols.lines import LineDecoder
 from gyrodrift.link.protocols.plausible import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol

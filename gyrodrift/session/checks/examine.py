@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.columns.accel_axes import AGREES
-from gyrodrift.columns.gravity import FREE_SHARE, gravity_unit, is_gravity
+from gyrodrift.columns.sizes import FREE_SHARE, gravity_unit, is_gravity
 from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.session.calibrated import calibrated
 from gyrodrift.session.checks.finding import SessionFinding

@@ -19,7 +19,7 @@ from gyrodrift.columns.rate_unit import (
     RateUnit,
     RateUnitOdds,
 )
-from gyrodrift.columns.sensitivities import SENSITIVITIES
+from gyrodrift.columns.sizes import SENSITIVITIES
 from gyrodrift.columns.spec import RATE_DPS
 from gyrodrift.facts.reference import MOST_READ, EncoderComparison
 from gyrodrift.facts.session_facts import SessionFacts

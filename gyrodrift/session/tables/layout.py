@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
+from gyrodrift.columns.times import is_time
 from gyrodrift.columns.units import unit_of
 from gyrodrift.session.csv import MOST_COLUMNS, REQUIRED
 from gyrodrift.session.tables.plan import Head
 from gyrodrift.session.tables.text import Lines, opened
-from gyrodrift.session.tables.times import is_time
 from gyrodrift.values.errors import DataError
 
 LOOKED_AT = 1000

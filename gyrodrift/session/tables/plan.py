@@ -9,11 +9,11 @@ from pathlib import Path
 
 from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.spec import ACCELERATION_MPS2, ANGLE_DEG, CLOCK_US, IGNORED, RATE_DPS, Column
+from gyrodrift.columns.times import epoch_unit, is_time
 from gyrodrift.columns.units import Dimension, Unit, unit_in, unit_of, without_unit
 from gyrodrift.session.csv import present_names
 from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS
 from gyrodrift.session.tables.known import KNOWN_TABLES, NOTHING, label_index
-from gyrodrift.session.tables.times import epoch_unit, is_time
 from gyrodrift.values.errors import DataError, UsageError
 
 OWN, BY_COLUMNS, BY_LABELS = "gyrodrift", "--columns", "labels with units"

@@ -5,11 +5,11 @@ from itertools import pairwise
 from math import isfinite
 
 from gyrodrift.columns.names import kind_of
+from gyrodrift.columns.times import is_time
 from gyrodrift.columns.units import unit_in, without_unit
 from gyrodrift.session.csv import OLD_NAMES, REQUIRED, slips_in
 from gyrodrift.session.session import COLUMNS
 from gyrodrift.session.tables.plan import Head, clock_unit
-from gyrodrift.session.tables.times import is_time
 from gyrodrift.values.errors import DataError, shortened
 from gyrodrift.values.nearest import suggestion
 

@@ -7,8 +7,8 @@ from math import nan
 
 import numpy as np
 
+from gyrodrift.columns.times import StampReader
 from gyrodrift.session.tables.plan import OWN, Head, TableColumns, UsedColumn
-from gyrodrift.session.tables.times import StampReader
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import shortened, visible
 

@@ -6,7 +6,7 @@ is read this way only if all columns are plausible.
 
 import numpy as np
 
-from gyrodrift.columns.ranges import MEDIAN_ACCEL_MPS2, TEMPERATURES_C
+from gyrodrift.columns.sizes import MEDIAN_ACCEL_MPS2, TEMPERATURES_C
 from gyrodrift.session.session import ACCEL_COLUMNS
 from gyrodrift.session.tables.plan import Head, TableColumns, UsedColumn
 from gyrodrift.values.arrays import Floats

@@ -11,6 +11,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from gyrodrift.columns.behavior import find_accelerometer, find_clock, find_temperature, unname_clocks
+from gyrodrift.columns.fields import Fields, Form, Headings, as_label, is_number
 from gyrodrift.columns.names import (
     SPOKEN,
     USED,
@@ -19,13 +21,10 @@ from gyrodrift.columns.names import (
     name_by_label,
     name_by_unit,
 )
-from gyrodrift.columns.ranges import TEMPERATURES_C
+from gyrodrift.columns.sizes import TEMPERATURES_C
 from gyrodrift.columns.spec import IGNORED, spec_text
+from gyrodrift.columns.stated_units import angle_unit, axis_units, clock_unit, rate_unit
 from gyrodrift.columns.units import unit_in, unit_of
-from gyrodrift.link.text.behavior import find_accelerometer, find_clock, find_temperature, unname_clocks
-from gyrodrift.link.text.fields import Fields, Form, as_label, is_number
-from gyrodrift.link.text.headings import Headings
-from gyrodrift.link.text.units import angle_unit, axis_units, clock_unit, rate_unit
 
 LINES_MIN = 3
 LINES_MAX = 400

@@ -4,8 +4,8 @@ from random import Random
 
 import pytest
 
-from gyrodrift.link.text.fields import fields_of
-from gyrodrift.link.text.guess import TextGuess, guess
+from gyrodrift.columns.fields import fields_of
+from gyrodrift.columns.guess import TextGuess, guess
 
 LINES_PER_S = 100.0
 

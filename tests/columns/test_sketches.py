@@ -9,9 +9,9 @@ from random import Random
 
 import pytest
 
+from gyrodrift.columns.guess import TextGuess, guess
 from gyrodrift.link.heard import Heard
 from gyrodrift.link.protocols.registry import candidates
-from gyrodrift.link.text.guess import TextGuess, guess
 
 LINES = 24
 COUNTS = 131

@@ -4,7 +4,7 @@ from math import hypot, isnan
 from statistics import median
 from typing import Any
 
-from gyrodrift.columns.gravity import FREE_SHARE, gravity_unit, is_gravity
+from gyrodrift.columns.sizes import FREE_SHARE, gravity_unit, is_gravity
 from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 from gyrodrift.values.sample import Sample
 

@@ -3,12 +3,11 @@
 from collections.abc import Sequence
 from math import isfinite, nan
 
+from gyrodrift.columns.fields import Fields, Headings, is_number, is_whole
 from gyrodrift.columns.spec import CLOCK_US, IGNORED, Column
-from gyrodrift.link.heard import decoded, plain_text
+from gyrodrift.io.plain_text import decoded, plain_text
 from gyrodrift.link.protocols.lines import WITHOUT_RATE, LineDecoder
 from gyrodrift.link.protocols.plausible import MAX_RATE_DPS
-from gyrodrift.link.text.fields import Fields, is_number, is_whole
-from gyrodrift.link.text.headings import Headings
 from gyrodrift.values.constants import CLOCK_MASK, COUNTER_MASK
 from gyrodrift.values.sample import Inertial, Reading
 

@@ -6,11 +6,11 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from gyrodrift.columns.fields import fields_of
+from gyrodrift.columns.guess import guess
+from gyrodrift.columns.objects import BRACKETS_MAX, LONGEST_CHARACTERS, leaves_of
 from gyrodrift.columns.spec import columns_of
-from gyrodrift.link.text.decoder import TextDecoder
-from gyrodrift.link.text.fields import fields_of
-from gyrodrift.link.text.guess import guess
-from gyrodrift.link.text.objects import BRACKETS_MAX, LONGEST_CHARACTERS, leaves_of
+from gyrodrift.link.protocols.text_decoder import TextDecoder
 
 ODD = (
     "{[]: 1}",

@@ -9,7 +9,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from gyrodrift.doctor.turn.series import Series
+from gyrodrift.columns.turn.series import Series
 from gyrodrift.values.arrays import Floats, Mask
 
 REACTION_S = 0.2

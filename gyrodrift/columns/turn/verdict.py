@@ -7,11 +7,19 @@ from math import degrees
 
 import numpy as np
 
+from gyrodrift.columns.behavior import GRAVITIES
+from gyrodrift.columns.turn.motion import Behavior, ColumnMotion, TurnWindow, motion_of, unwrapped
+from gyrodrift.columns.turn.scale import (
+    ANGLE_TOLERANCE,
+    HAND,
+    QUARTER_DEG,
+    STATED_WITHIN,
+    Scale,
+    scale_of,
+    stated_scale,
+)
+from gyrodrift.columns.turn.series import Series
 from gyrodrift.columns.units import Dimension
-from gyrodrift.doctor.turn.motion import Behavior, ColumnMotion, TurnWindow, motion_of, unwrapped
-from gyrodrift.doctor.turn.scale import ANGLE_TOLERANCE, HAND, QUARTER_DEG, STATED_WITHIN, Scale, scale_of, stated_scale
-from gyrodrift.doctor.turn.series import Series
-from gyrodrift.link.text.behavior import GRAVITIES
 from gyrodrift.values.arrays import Floats
 
 SIMILAR_SHARE = 0.35

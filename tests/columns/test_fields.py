@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrodrift.link.text.fields import Fields, Form, fields_of
+from gyrodrift.columns.fields import Fields, Form, fields_of
 
 
 @pytest.mark.parametrize(

@@ -5,10 +5,10 @@ from itertools import pairwise
 from math import hypot
 from statistics import fmean, median, pstdev
 
+from gyrodrift.columns.fields import is_whole
 from gyrodrift.columns.names import SeenColumn
 from gyrodrift.columns.spec import CLOCK_US
 from gyrodrift.columns.units import Dimension
-from gyrodrift.link.text.fields import is_whole
 
 GRAVITIES = (1.0, 9.81, 64.0, 128.0, 256.0, 512.0, 1000.0, 1024.0, 2048.0, 4096.0, 8192.0, 16384.0)
 """Gravity in g, m/s², mg, and in counts of ranges with 10 to 16 bits.

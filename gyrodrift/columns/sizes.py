@@ -1,7 +1,25 @@
-"""Unit of accelerations by gravity: at rest and in most motions their median length is 9.81 m/s²."""
+"""Usual sizes of quantities, by which columns are recognized and units checked: sensitivities, ranges, gravity."""
 
 from gyrodrift.columns.spec import ACCELERATION_MPS2
 from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
+
+INVENSENSE = {250: 131.0, 500: 65.5, 1000: 32.8, 2000: 16.4}
+"""Counts per deg/s by full scale, deg/s: MPU-6050 (PS-MPU-6000A), ICM-20948 (DS-000189). Bosch differs by 0.2 %."""
+
+ST = {8.75: 114.28, 17.5: 57.14, 35.0: 28.57, 70.0: 14.29}
+"""Counts per deg/s by step, mdeg/s, at ±250 to 2000 deg/s: LSM6DS3 (DocID026899), LSM6DSO (DS12140)."""
+
+ST_FINEST = (4.375, 228.57)
+"""Step, mdeg/s, and counts per deg/s at ±125 deg/s, which few sketches use."""
+
+SENSITIVITIES = (*INVENSENSE.values(), *ST.values())
+"""Counts per deg/s of common ranges."""
+
+TEMPERATURES_C = (-55.0, 150.0)
+"""Military temperature range up to the largest junction temperature; outside, a temperature is in counts."""
+
+MEDIAN_ACCEL_MPS2 = (7.0, 13.0)
+"""Range of the median length of accelerations in m/s²; counts, g and other quantities are outside."""
 
 NEAR = 0.25
 """Largest relative error of the length of gravity: biases, scale errors and the forces of a motion are smaller."""

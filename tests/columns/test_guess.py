@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gyrodrift.columns.guess import guess
 from gyrodrift.link.protocols.registry import candidates
-from gyrodrift.link.text.guess import guess
 
 LINES = 20
 NOISE = Random(3)

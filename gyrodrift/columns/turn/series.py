@@ -5,11 +5,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from gyrodrift.columns.fields import Fields, Form, Headings, as_label, is_number, is_whole
 from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.units import Dimension, Unit, unit_in, unit_of
-from gyrodrift.link.heard import decoded, plain_text
-from gyrodrift.link.text.fields import Fields, Form, as_label, is_number, is_whole
-from gyrodrift.link.text.headings import Headings
+from gyrodrift.io.plain_text import decoded, plain_text
 from gyrodrift.values.arrays import Floats
 
 LINES_MAX = 200_000

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import degrees
 
-from gyrodrift.columns.sensitivities import INVENSENSE, ST, ST_FINEST
+from gyrodrift.columns.sizes import INVENSENSE, ST, ST_FINEST
 from gyrodrift.columns.spec import PER, RATE_DPS
 from gyrodrift.columns.units import Dimension, Unit
 

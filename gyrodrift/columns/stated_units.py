@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from math import hypot, log, pi, sqrt
 from statistics import fmean
 
+from gyrodrift.columns.behavior import step_of
+from gyrodrift.columns.fields import is_whole
 from gyrodrift.columns.names import SeenColumn
 from gyrodrift.columns.rate_unit import DEGREES_OF_FREEDOM, NOISE_DPS, NOISE_SCALE, SURE_ODDS, student
 from gyrodrift.columns.spec import CLOCK_US, RATE_DPS
 from gyrodrift.columns.units import Dimension
-from gyrodrift.link.text.behavior import step_of
-from gyrodrift.link.text.fields import is_whole
 from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 
 UNIT_FACTOR = 6.0

@@ -6,11 +6,13 @@ other words after it are ignored.
 
 import re
 from enum import StrEnum
+from functools import reduce
+from operator import xor
 from typing import NamedTuple
 
+from gyrodrift.columns.names import kind_of
+from gyrodrift.columns.objects import leaves_of
 from gyrodrift.columns.units import unit_of
-from gyrodrift.link.protocols import sentences
-from gyrodrift.link.text.objects import leaves_of
 
 HEADED = re.compile(r"([A-Za-z][\w ()]{0,30}):\s++(?=[A-Za-z]\w{0,7}\s*+[:=])")
 WORD = (
@@ -210,7 +212,7 @@ def _headed_row(headed: re.Match[str]) -> Fields:
 
 def checksum(body: str) -> int:
     """Checksum of an NMEA sentence: exclusive or of all characters between `$` and `*` (NMEA 0183)."""
-    return sentences.checksum(body.encode(errors="replace"))
+    return reduce(xor, body.encode(errors="replace"), 0)
 
 
 def as_label(text: str) -> str:
@@ -295,3 +297,32 @@ def _row(line: str) -> Fields:
     if mark != ",":
         parts = [part.replace(",", ".") if DECIMAL_COMMA.fullmatch(part) else part for part in parts]
     return Fields(Form.ROW, ("",) * len(parts), tuple(parts), tuple(units) if any(units) else ())
+
+
+HEADING = re.compile(r"[^A-Za-z0-9]*+([A-Za-z][\w ()\[\]/²°.^-]{0,60}?)\s*+(:?)[^A-Za-z0-9)\]]*+")
+UNIT_NAMED = re.compile(r"\s{1,4}in\s{1,4}(\S{1,20})$")
+"""`Gyroscope in degrees/second` names its unit."""
+
+
+class Headings:
+    """Fields of consecutive lines; labels of a single letter get the heading above them."""
+
+    def __init__(self) -> None:
+        self.heading = ""
+
+    def fields_of(self, line: str) -> Fields | None:
+        """Fields of the next line, with complete labels."""
+        fields = fields_of(line)
+        if fields is None:
+            return None
+        if fields.form is Form.LABELED:
+            return fields._replace(labels=tuple(map(self.full, fields.labels)))
+        if match := HEADING.fullmatch(line):
+            name = as_label(UNIT_NAMED.sub(r" (\1)", match[1]))
+            if match[2] or kind_of(f"{name} z"):
+                self.heading = name
+        return fields
+
+    def full(self, label: str) -> str:
+        """Label with its heading, if it is a single axis."""
+        return f"{self.heading} {label}" if len(label) == 1 and self.heading else label

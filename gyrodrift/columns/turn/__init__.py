@@ -1,0 +1,1 @@
+"""Evidence of a quarter turn to the left: columns over time, their motions, scales, and the verdict."""
