@@ -18,12 +18,14 @@ from gyrodrift.columns.rate_unit import (
     RateUnitOdds,
     compared,
 )
+from gyrodrift.columns.shape import RateShape
 from gyrodrift.columns.sizes import SENSITIVITIES
 from gyrodrift.columns.spec import RATE_DPS
 from gyrodrift.facts.reference import MOST_READ, EncoderComparison
 from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.session.checks.finding import SessionFinding
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import TABLE, Session
+from gyrodrift.session.tables.wire import FORM
 from gyrodrift.values.sample import Sample
 
 WORDS = {
@@ -61,8 +63,8 @@ LAG_S = 0.5
 MOST_WINDOWS = 300
 """Windows to examine, spread over the recording."""
 
-LIKELY_ODDS = 5.0
-"""Odds at which another unit deserves a warning; 294 axes of recordings in deg/s have odds of 3.6 at most (measured)."""
+LIKELY_ODDS = 2.5
+"""Odds at which another unit deserves a warning; 107 recordings in deg/s have odds of 2.3 at most (measured)."""
 
 
 def wrong_unit(factor: float) -> tuple[float, str] | None:
@@ -81,6 +83,7 @@ def rate_findings(facts: SessionFacts, *, is_stated: bool, is_still: bool = Fals
     """
     session, comparison = facts.session, None if is_still else facts.reference
     findings = list(_by_size(session)) if comparison is None else list(_by_encoder(session, comparison))
+    findings += _by_shape(session)
     return [
         SessionFinding(finding.id, finding.says, finding.do, is_error=finding.is_error and not is_stated)
         for finding in findings
@@ -146,6 +149,19 @@ def _likely(session: Session) -> list[RateUnit]:
     for start in starts.tolist():
         odds.take(_samples(session, start))
     return odds.likely()
+
+
+def _by_shape(session: Session) -> Iterator[SessionFinding]:
+    """Finding about a column that is no rate, in lines that nothing but their shape says to hold a rate."""
+    if session.metadata.get(TABLE, {}).get("form") != FORM:
+        return
+    columns = (session.filled(name).tolist() for name in ("t_device_s", "rate_dps", "encoder_deg", "temp_c"))
+    axes = session.inertials()
+    rows = enumerate(zip(*columns, strict=True))
+    shape = RateShape()
+    shape.take([Sample(-1, t_s, nan, *values, nan, axes[row]) for row, (t_s, *values) in rows])
+    if shape.unreturned:
+        yield SessionFinding("rate_unit", shape.unreturned, "name the columns with --columns", is_error=True)
 
 
 def _samples(session: Session, start: int) -> list[Sample]:
