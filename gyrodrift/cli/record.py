@@ -9,6 +9,7 @@ measured.
 import argparse
 import os
 import sys
+from dataclasses import replace
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
@@ -79,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
     events = LinkEvents(log)
     target, port = configs.link_target(arguments, baud, events, send=config.send)
     with StopSignal() as stop:
-        link = Link(target, events, port=port)
+        link = Link(replace(target, keeps_on=True), events, port=port)
         fields = (arguments.out, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
         about = configs.config_tables(arguments.config, config) if arguments.config else {}
         check_writable(arguments.out)

@@ -38,10 +38,10 @@ DEGREES_OF_FREEDOM = 5.0
 NOISE_DPS, NOISE_SCALE = 0.08, log(2.5)
 TURN_DPS, TURN_SCALE = 80.0, log(3.0)
 BIAS_DPS, BIAS_DEGREES_OF_FREEDOM = 3.0, 2.0
-RANGE_DPS, BEYOND_SHARE = 4400.0, 0.02
-"""Range of cheap gyros, 4000 deg/s plus 10 % (data sheets of ICM-42686, ICM-45686 and LSM6DSV; most end at 2000).
+BEYOND = ((4400.0, 0.02), (2200.0, 0.15))
+"""Shares of devices that measure more than these rates, deg/s; guesses.
 
-The share of devices that measure more is a guess.
+Ranges of cheap gyros are 2000 deg/s, and 4000 of ICM-42686, ICM-45686 and LSM6DSV, plus 10 %.
 """
 
 ENCODER_SCALE = 0.1
@@ -101,7 +101,7 @@ class _Unit:
 
 UNITS = (
     _Unit(RADIANS, radians(1.0), "rads"),
-    _Unit(DEGREES, degrees(1.0), "lsb/57.3", weight=0.1),
+    _Unit(DEGREES, degrees(1.0), "lsb/57.3", weight=0.2),
     _Unit(MILLIDEGREES, 1000.0, "mdps", whole=0.5),
     _Unit(TENTHS, 10.0, "lsb/10", weight=0.1, whole=0.5),
     _Unit(REVOLUTIONS, 1.0 / 360.0, "lsb/0.00277778", weight=0.1),
@@ -342,7 +342,7 @@ def _likelihood(dps: float, features: _Features) -> float:
 def _turn(dps: float) -> float:
     """Density of the rate of a turn, without its constant."""
     density = student(log(dps / TURN_DPS) / TURN_SCALE, DEGREES_OF_FREEDOM)
-    return density * (BEYOND_SHARE if dps > RANGE_DPS else 1.0)
+    return density * next((share for range_dps, share in BEYOND if dps > range_dps), 1.0)
 
 
 def student(z: float, degrees_of_freedom: float) -> float:
