@@ -9,9 +9,9 @@ measured.
 import argparse
 import os
 import sys
-from dataclasses import replace
 from collections.abc import Iterable
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO, cast
 

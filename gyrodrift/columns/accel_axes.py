@@ -211,8 +211,11 @@ class TurningAxisCheck:
             self._samples.append(sample)
             if sample.t_device_s - self._samples[0].t_device_s >= WINDOW_S:
                 self._end_window()
-        if len(self._windows) < 2:
-            return None
+                if (fields := self._fields()) is not None or self.is_over:
+                    return fields
+        return None
+
+    def _fields(self) -> dict[str, Any] | None:
         turns = [self._turn_deg(axis) for axis in range(3)]
         if turns[2] > AXIS_TURN_DEG:
             self.is_over = True

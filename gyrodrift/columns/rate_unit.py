@@ -104,8 +104,8 @@ UNITS = (
     _Unit(DEGREES, degrees(1.0), "lsb/57.3", weight=0.2),
     _Unit(MILLIDEGREES, 1000.0, "mdps", whole=0.5),
     _Unit(TENTHS, 10.0, "lsb/10", weight=0.1, whole=0.5),
-    _Unit(REVOLUTIONS, 1.0 / 360.0, "lsb/0.00277778", weight=0.1),
-    _Unit(REVOLUTIONS_PER_MIN, 1.0 / 6.0, "lsb/0.166667", weight=0.1),
+    _Unit(REVOLUTIONS, 1.0 / 360.0, "lsb/0.00277778", weight=0.02),
+    _Unit(REVOLUTIONS_PER_MIN, 1.0 / 6.0, "lsb/0.166667", weight=0.02),
     *(_Unit(COUNTS, per, f"lsb/{per:g}", 1.0 / len(SENSITIVITIES), whole=1.0) for per in SENSITIVITIES),
 )
 """Units besides deg/s. Weights and shares of whole numbers are guesses; fractions are never counts."""

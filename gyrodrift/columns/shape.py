@@ -38,8 +38,11 @@ ENCODER_SHARE = 0.5
 WINDOW_S, WINDOW_SAMPLES = 0.5, 10
 """Least length of a window: a turn by hand fills several, and a scatter needs some samples."""
 
-WRAPS = (360.0, 2.0 * pi)
+WRAPS = (FULL_TURN_DEG, 2.0 * pi)
 """Ranges of an angle that wraps, deg and rad."""
+
+STEEP = 0.2
+"""Largest step of an angle around a jump, as a share of half a turn: larger ones are a sawtooth."""
 
 WRAP_STEPS = 4
 """Steps on each side of a jump that must go on in one direction; the noise of a rate does so once in 2^8 times."""
@@ -137,6 +140,7 @@ class _Values:
     """One column that is taken for a rate: jumps of an angle that wraps, and levels that do not return."""
 
     name: str
+    unit: str = ""
     _tail: list[float] = field(default_factory=list)
     _step: float = inf
     _level: float | None = None
@@ -159,6 +163,7 @@ class _Values:
                 ends = (joined[index], joined[index + 1])
                 period = next((period for period in WRAPS if _is_wrap(ends, period, largest)), 0.0)
                 if period:
+                    self.unit = "deg" if period == FULL_TURN_DEG else "rad"
                     return f"{self.name} wraps from {ends[0]:g} to {ends[1]:g} like an angle, which no rate does"
         return ""
 
@@ -205,7 +210,7 @@ def _is_wrap(ends: tuple[float, float], period: float, largest: float) -> bool:
     """Whether both ends are those of a circle, up to a step or two."""
     before, after = ends
     near = 2.0 * largest
-    is_whole = abs(abs(after - before) - period) <= near < 0.5 * period
+    is_whole = abs(abs(after - before) - period) <= near < STEEP * period
     limits = (0.5 * period, period, 0.0)
     return is_whole and all(min(abs(abs(end) - limit) for limit in limits) <= near for end in ends)
 
@@ -350,6 +355,12 @@ class RateShape:
         self.is_over = self.is_over or self._returns >= RETURNS
         if not self.doubt and t_s - self._near_s > AWAY_S:
             self.doubt = f"column 2 has been away from 0 for {AWAY_S:g} s, and is {level:.4g}"
+
+    @property
+    def spec(self) -> str:
+        """SPEC of the lines if an angle wraps, which may be yaw; empty otherwise."""
+        index, unit = next(((i, c.unit) for i, c in enumerate(self._columns) if c.unit), (0, ""))
+        return ", ".join(("t_us", *("_",) * index, f"yaw:{unit}")) if unit else ""
 
     @property
     def unreturned(self) -> str:

@@ -98,7 +98,8 @@ def angle_unit(column: SeenColumn) -> tuple[str, str]:
 def axis_units(rate_unit_option: str, columns: Sequence[SeenColumn]) -> dict[str, str]:
     """Units of the rates about x and y and of the accelerations by kind; empty unless all of them are known.
 
-    Without a label the unit of an acceleration is that in which its length is gravity.
+    Without a label the unit of an acceleration is that in which its length is gravity. Rates alone are named too: they
+    show which axis turns.
     """
     kinds = [column.kind for column in columns]
     rates = [column for column in columns if column.kind in OTHER_RATES]
@@ -108,11 +109,12 @@ def axis_units(rate_unit_option: str, columns: Sequence[SeenColumn]) -> dict[str
     )
     if rate_unit_option not in RATE_DPS and not rate_unit_option.startswith("lsb/"):
         return {}
-    force_unit = _force_unit(forces) if is_whole_set and "rate" in kinds else ""
-    if not force_unit:
-        return {}
     named = {column.kind: column.unit.option for column in rates if column.unit and column.unit.option}
-    return dict.fromkeys(OTHER_RATES, rate_unit_option) | named | dict.fromkeys(FORCES, force_unit)
+    of_rates = dict.fromkeys(OTHER_RATES, rate_unit_option) | named
+    if not forces and sorted(column.kind for column in rates if column.is_numeric) == sorted(OTHER_RATES):
+        return of_rates
+    force_unit = _force_unit(forces) if is_whole_set and "rate" in kinds else ""
+    return of_rates | dict.fromkeys(FORCES, force_unit) if force_unit else {}
 
 
 def _force_unit(forces: Sequence[SeenColumn]) -> str:

@@ -122,7 +122,8 @@ class UnitCheck:
         is_csv = self._protocol == "csv"
         hint = "name the columns with --columns, or find them by a quarter turn: " + self._turn
         if shape.contradiction and (shape.is_impossible or is_csv):
-            self._withdraw(shape.contradiction, hint, is_sure=shape.is_impossible)
+            yaw = f"if it is the yaw, read it with --columns '{shape.spec}'; else " if shape.spec else ""
+            self._withdraw(shape.contradiction, f"{yaw}{hint}", is_sure=shape.is_impossible)
         elif shape.doubt and not had_doubt and is_csv and not self._is_stated:
             self._on_event("rate_doubted", reason=shape.doubt, hint=f"unless the device turns all the time, {hint}")
 

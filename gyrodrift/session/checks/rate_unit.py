@@ -155,13 +155,20 @@ def _by_shape(session: Session) -> Iterator[SessionFinding]:
     """Finding about a column that is no rate, in lines that nothing but their shape says to hold a rate."""
     if session.metadata.get(TABLE, {}).get("form") != FORM:
         return
+    shape = RateShape()
+    shape.take(recorded_samples(session))
+    if shape.unreturned:
+        do = "name the columns with --columns" + (f", such as '{shape.spec}' if it is the yaw" if shape.spec else "")
+        yield SessionFinding("rate_unit", shape.unreturned, do, is_error=True)
+
+
+def recorded_samples(session: Session) -> list[Sample]:
+    """Samples of a session as a link gives them, without their counter and arrival."""
     columns = (session.filled(name).tolist() for name in ("t_device_s", "rate_dps", "encoder_deg", "temp_c"))
     axes = session.inertials()
-    rows = enumerate(zip(*columns, strict=True))
-    shape = RateShape()
-    shape.take([Sample(-1, t_s, nan, *values, nan, axes[row]) for row, (t_s, *values) in rows])
-    if shape.unreturned:
-        yield SessionFinding("rate_unit", shape.unreturned, "name the columns with --columns", is_error=True)
+    return [
+        Sample(-1, t_s, nan, *values, nan, axes[row]) for row, (t_s, *values) in enumerate(zip(*columns, strict=True))
+    ]
 
 
 def _samples(session: Session, start: int) -> list[Sample]:
