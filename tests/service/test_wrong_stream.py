@@ -128,7 +128,6 @@ def csv_lines(columns: Callable[[float, float, float], str]) -> bytes:
 NO_RATES = {
     "heading": (lambda _, yaw, __: f"{(yaw + 200.0) % 360.0 - 180.0:.2f}", "wraps from"),
     "angle": (lambda _, yaw, __: f"{yaw:.2f}", "after a motion"),
-    "rate about another axis": (lambda _, yaw, __: f"{NOISE.gauss(0.3, 0.05):.3f},{yaw:.2f}", "does not follow it"),
     "counts": (lambda _, __, rate: f"{131.0 * rate:.0f}", "whole numbers"),
     "rad/s": (lambda _, __, rate: f"{radians(rate):.5f}", "rate:rads"),
 }

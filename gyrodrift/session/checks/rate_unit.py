@@ -165,9 +165,10 @@ def _by_shape(session: Session) -> Iterator[SessionFinding]:
 def recorded_samples(session: Session) -> list[Sample]:
     """Samples of a session as a link gives them, without their counter and arrival."""
     columns = (session.filled(name).tolist() for name in ("t_device_s", "rate_dps", "encoder_deg", "temp_c"))
-    axes = session.inertials()
+    rows = zip(*columns, session.inertials(), strict=True)
     return [
-        Sample(-1, t_s, nan, *values, nan, axes[row]) for row, (t_s, *values) in enumerate(zip(*columns, strict=True))
+        Sample(-1, t_s, nan, rate_dps, encoder_deg, temp_c, inertial=inertial)
+        for t_s, rate_dps, encoder_deg, temp_c, inertial in rows
     ]
 
 

@@ -53,6 +53,10 @@ QUATERNION = re.compile(r"(?:.*[\s._])?q(?:uat(?:ernion)?)?[\s._]?([wxyz])", re.
 AIMS = re.compile(r"target|set_?point|desired|cmd|command|(?<![a-z])(sp|ref|goal)(?![a-z])", re.IGNORECASE)
 """Labels of setpoints: such a quaternion is the desired orientation, not the measured one."""
 
+QUATERNION_REMARK = (
+    "its rate is the difference of the yaw of a quaternion, counter-clockwise if z points up; if z points down (NED, as"
+    " of AirSim and PX4), state --flip"
+)
 CELSIUS = re.compile(r"(°|º|deg|degrees?)?\s*c(elsius)?", re.IGNORECASE)
 
 
@@ -379,6 +383,8 @@ def _quaternion(head: Head) -> list[UsedColumn]:
 def _yaw_remarks(targets: set[str], label: str) -> tuple[str, ...]:
     if not targets & {"yaw_deg", "qw"}:
         return ()
+    if "qw" in targets:
+        return (QUATERNION_REMARK,)
     reversed_text = ", and its sign is reversed (clockwise)" if label and CLOCKWISE.search(label) else ""
     return (f"its rate is the difference of an angle{reversed_text}: the filter of the device has already changed it",)
 
