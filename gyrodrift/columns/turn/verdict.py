@@ -7,7 +7,7 @@ from math import degrees
 
 import numpy as np
 
-from gyrodrift.columns.behavior import GRAVITIES
+from gyrodrift.columns.sizes import gravity_unit
 from gyrodrift.columns.turn.motion import Behavior, ColumnMotion, TurnWindow, motion_of, unwrapped
 from gyrodrift.columns.turn.scale import (
     ANGLE_TOLERANCE,
@@ -76,7 +76,7 @@ def of_gravity(motions: Sequence[ColumnMotion]) -> list[ColumnMotion]:
     """Three adjacent columns whose length at rest is gravity; empty without."""
     for three in zip(motions, motions[1:], motions[2:], strict=False):
         length = float(np.linalg.norm([motion.level for motion in three]))
-        if _are_adjacent(three) and any(abs(length - gravity) <= NORM * gravity for gravity in GRAVITIES):
+        if _are_adjacent(three) and gravity_unit(length, NORM):
             return list(three)
     return []
 
