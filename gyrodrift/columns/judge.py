@@ -8,6 +8,7 @@ an acceleration, but never a rate.
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import log, pi, sqrt
 from statistics import fmean
 
@@ -174,24 +175,37 @@ LARGEST = 1e19
 
 def judged(columns: list[SeenColumn], lines_per_s: float | None, labels: tuple[str, ...] = ()) -> Verdict:
     """Verdict on columns; `lines_per_s` is the rate of their lines, or None, and gives the unit of a clock."""
-    for rule, _ in RULES:
-        rule(columns)
-    for column in columns:
-        if column.kind == "seq" and not goes_on(column.numbers, None):
-            column.kind, column.why = "", ""
-    _name_clock(columns, lines_per_s)
-    find_accelerometer(columns)
-    find_temperature(columns)
+    for rule in rules(lines_per_s):
+        rule.name(columns)
     found = [_judged(column, lines_per_s, columns) for column in columns]
     return _with_axes(_beside_an_angle(_one_turn(found, columns), columns), columns, labels)
 
 
-RULES: tuple[tuple[Callable[[list[SeenColumn]], None], str], ...] = (
-    (name_by_known_row, "Firmware whose lines begin with a known word has fixed columns and units."),
-    (name_by_label, "A label names a quantity, if its unit is one of that quantity."),
-    (name_by_unit, "A value in a unit of rates, or three, are rates, if no label says another quantity."),
-)
-"""Rules that name a column from what is written, strongest first; each leaves named columns alone."""
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A rule that names columns, and why it may: it leaves columns alone that have a name already."""
+
+    name: Callable[[list[SeenColumn]], None]
+    why: str
+
+
+def rules(lines_per_s: float | None) -> tuple[Rule, ...]:
+    """All rules, strongest first: what is written comes before what the numbers do."""
+    return (
+        Rule(name_by_known_row, "Firmware whose lines begin with a known word has fixed columns and units."),
+        Rule(name_by_label, "A label names a quantity, unless its unit is one of another quantity."),
+        Rule(name_by_unit, "One value in a unit of rates, or three, are rates, unless a label says otherwise."),
+        Rule(_unname_counters, "A counter goes on; what alternates or stands is something else."),
+        Rule(partial(_name_clock, lines_per_s=lines_per_s), "A clock is labeled and goes on, or grows evenly."),
+        Rule(find_accelerometer, "Three columns whose length is gravity while they move are an accelerometer."),
+        Rule(find_temperature, "The last column without a label, steady at room temperature, is a temperature."),
+    )
+
+
+def _unname_counters(columns: list[SeenColumn]) -> None:
+    for column in columns:
+        if column.kind == "seq" and not goes_on(column.numbers, None):
+            column.kind, column.why = "", ""
 
 
 def _name_clock(columns: list[SeenColumn], lines_per_s: float | None) -> None:
@@ -417,7 +431,7 @@ def _axis_units(verdict: Verdict, columns: Sequence[SeenColumn]) -> dict[str, st
     Without a label the unit of an acceleration is that in which its length is gravity.
     """
     unit = verdict.turn.entry.removeprefix("rate:") if verdict.turn and verdict.is_unit_known else ""
-    if unit not in RATE_DPS and not unit.startswith("lsb/") or unit.endswith(":-"):
+    if (unit not in RATE_DPS and not unit.startswith("lsb/")) or unit.endswith(":-"):
         return {}  # a frame that is not counter-clockwise is one that nobody knows here
     rates, forces = ([c for c in columns if c.kind in kinds and c.is_numeric] for kinds in (RATES[:2], FORCES))
     if sorted(column.kind for column in rates) != sorted(RATES[:2]):
