@@ -1,7 +1,9 @@
 """Columns of unknown text: sketches and examples of libraries, line by line."""
 
+import re
 from collections.abc import Callable
 from math import cos, sin
+from pathlib import Path
 from random import Random
 
 import pytest
@@ -9,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gyrodrift.columns.guess import guess
+from gyrodrift.columns.judge import rules
 from gyrodrift.link.protocols.registry import candidates
 
 LINES = 20
@@ -264,3 +267,9 @@ def test_an_angle_beside_a_rate_tells_its_unit_and_its_sign(angle: str, unit: st
     result = guess(lines)
     assert result is not None
     assert result.template == f"t_ms, rate:{'dps' if per_dps == 1.0 else 'rads'}{sign}"
+
+
+def test_the_page_has_all_rules_with_their_reasons() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "protocols.md").read_text()
+    reasons = re.findall(r"^\| [a-z ]+ \| ([A-Z].*\.) \|$", page, re.MULTILINE)
+    assert reasons == [rule.why for rule in rules(None)]
