@@ -225,6 +225,13 @@ def is_number(text: str) -> bool:
     return VALUE.fullmatch(text) is not None
 
 
+def is_value(text: str, value: str) -> bool:
+    """Whether a text is the value of a row to use; numbers compare as numbers, and case does not matter."""
+    if is_number(text) and is_number(value):
+        return float(text) == float(value)
+    return text.casefold() == value.casefold()
+
+
 def is_whole(text: str) -> bool:
     """Whether a text is a whole number."""
     return WHOLE.fullmatch(text) is not None

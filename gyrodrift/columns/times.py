@@ -1,17 +1,17 @@
 """Clocks of tables and of text, read without rounding: numbers of any unit, dates, times of day, steps, and their sums."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from datetime import date
+from functools import reduce
 from itertools import accumulate, islice, pairwise
 from math import isfinite
-from operator import le
-
-import numpy as np
+from operator import add, gt, le
+from statistics import median
 
 from gyrodrift.columns.spec import CLOCK, COUNTED_US, scale_of
-from gyrodrift.values.arrays import Floats
-from gyrodrift.values.constants import COUNTER_WRAP, NS_PER_S
+from gyrodrift.values.constants import NS_PER_S
 
 PER_S = {"t_s": 1, "t_ms": 10**3, "t_us": 10**6, "t_ns": 10**9}
 DAY_S, HOUR_S = 86400, 3600
@@ -56,8 +56,8 @@ LONGEST = 64
 LEAST_BACKWARD = 3
 """Steps back that show a fraction without leading zeros."""
 
-LEAST_STEPS = 20
-"""Steps that show a counter."""
+LARGEST = 2**63
+"""Above, a clock does not fit 64 bits."""
 
 
 def is_time(text: str) -> bool:
@@ -78,12 +78,40 @@ def epoch_unit(texts: Sequence[str]) -> str:
         return ""
     if len(stamps) < 2 or not all(map(isfinite, stamps)):
         return ""
-    step = float(np.median(np.abs(np.diff(stamps))))
+    step = median(abs(after - before) for before, after in pairwise(stamps))
     for unit, per_s in PER_S.items():
         is_date = all(EPOCH_S[0] <= stamp / per_s <= EPOCH_S[1] for stamp in stamps)
         if is_date and STEP_S[0] <= step / per_s <= STEP_S[1]:
             return unit
     return ""
+
+
+@dataclass(frozen=True, slots=True)
+class StatedClock:
+    """What the user states about the clock of a recording; empty values leave it to the recording.
+
+    unit
+        One of CLOCK_UNITS_US, or lsb/N.
+    sample_rate_hz
+        Rate of the samples, in place of a clock.
+    """
+
+    unit: str = ""
+    sample_rate_hz: float = 0.0
+
+    def entry(self, entry: str) -> str:
+        """Entry of a clock in the stated unit; a part of a clock stays."""
+        if not self.unit or entry.startswith("+"):
+            return entry
+        return f"dt:{self.unit}" if entry.startswith("d") else f"t:{self.unit}"
+
+
+AS_READ = StatedClock()
+
+
+def unit_of_clock(entry: str) -> str:
+    """Unit of the entry of a clock: `us` of `t_us`, `days` of `t:days`."""
+    return re.split("[_:]", entry)[-1]
 
 
 class ClockReader:
@@ -109,8 +137,8 @@ class ClockReader:
         """Unit of COUNTED_US in which the clock goes forward, if its fraction has no leading zeros; empty otherwise."""
         return next((column.counted for column in self._columns if column.counted), "")
 
-    def read(self, cells: Sequence[Sequence[str]]) -> Floats:
-        """Seconds, shape (n,), from the texts of each column.
+    def read(self, cells: Sequence[Sequence[str]]) -> list[float]:
+        """Seconds from the texts of each column.
 
         Raises
         ------
@@ -125,7 +153,7 @@ class ClockReader:
             for column, state in zip(self._columns, before, strict=True):
                 column.restore(state)
             raise
-        return sum(parts[1:], parts[0])
+        return reduce(lambda sums, part: list(map(add, sums, part)), parts)
 
     def stamp_us(self, cells: Sequence[str]) -> int:
         """Microseconds, not wrapped, from a text of each column.
@@ -150,9 +178,7 @@ class _StampColumn:
 
     def __init__(self, entry: str) -> None:
         self.began, self.counted, self.counts_days = "", "", True
-        name, _, unit = entry.lstrip("+").partition(":")
-        self._is_step = name.startswith("d")
-        self._unit = unit or name.removeprefix("d").removeprefix("t_")
+        self._is_step, self._unit = entry.startswith("d"), unit_of_clock(entry)
         us = scale_of(CLOCK, self._unit) or 1.0
         self._per_s: float = PER_S.get(f"t_{self._unit}", 1e6 / us)
         self._us = round(us) if us >= 1.0 and us == round(us) else us
@@ -174,15 +200,16 @@ class _StampColumn:
         """Forget what was read since this state."""
         vars(self).update(state)
 
-    def read(self, texts: Sequence[str]) -> Floats:
-        """Seconds, shape (n,)."""
+    def read(self, texts: Sequence[str]) -> list[float]:
+        """Seconds of texts."""
         if self._is_step:
-            steps = np.array([self._sum, *map(_finite, texts)])
-            sums = np.cumsum(steps)
-            self._sum = float(sums[-1])
-            return sums[1:] / self._per_s
+            _, *sums = accumulate(map(_finite, texts), initial=self._sum)
+            self._sum = sums[-1]
+            return [value / self._per_s for value in sums]
         if self._unit in ("hms", *COUNTED_US) or is_stamp(texts[0].strip()):
-            return self._checked(self._since([self._time_ns(text.strip()) for text in texts], NS_PER_S, texts[0]), texts)
+            return self._checked(
+                self._since([self._time_ns(text.strip()) for text in texts], NS_PER_S, texts[0]), texts
+            )
         try:
             whole = self._unwrapped(list(map(int, texts)))
         except ValueError:
@@ -220,9 +247,9 @@ class _StampColumn:
         self._last = last
         return unwrapped
 
-    def _checked(self, t_s: Floats, texts: Sequence[str]) -> Floats:
+    def _checked(self, t_s: list[float], texts: Sequence[str]) -> list[float]:
         """The same times, after a look for a fraction that is a count without leading zeros."""
-        if self.counted or self._unit in COUNTED_US or np.count_nonzero(np.diff(t_s) < 0.0) < LEAST_BACKWARD:
+        if self.counted or self._unit in COUNTED_US or _backward(t_s) < LEAST_BACKWARD:
             return t_s
         digits = max((len(match[1]) for text in texts if (match := FRACTION.search(text))), default=0)
         unit = "ms" if digits <= 3 else "us" if digits <= 6 else "ns"
@@ -230,33 +257,31 @@ class _StampColumn:
             counted_s = _StampColumn(f"t:s.{unit}").read(texts)
         except ValueError:
             return t_s
-        self.counted = f"s.{unit}" if (np.diff(counted_s) >= 0.0).all() else ""
+        self.counted = "" if _backward(counted_s) else f"s.{unit}"
         return t_s
 
-    def _since(self, stamps: list[int], per_s: float, first: str) -> Floats:
+    def _since(self, stamps: list[int], per_s: float, first: str) -> list[float]:
         if self._base is None:
             far = abs(stamps[0]) >= OFFSET_S * per_s or is_stamp(first.strip())
             self._base, self.began = (stamps[0], first.strip()) if far else (0, "")
-        try:
-            since = np.array(stamps, dtype=np.int64) - self._base
-        except OverflowError as error:
-            raise ValueError("a clock has too many digits for 64 bits") from error
-        return since / float(per_s)
+        if max(map(abs, stamps)) > LARGEST:
+            raise ValueError("a clock has too many digits for 64 bits")
+        base, divisor = self._base, float(per_s)
+        return [(stamp - base) / divisor for stamp in stamps]
 
-    def _decimals(self, texts: Sequence[str]) -> Floats:
+    def _decimals(self, texts: Sequence[str]) -> list[float]:
         values = [float(text) for text in texts]
         if self._base is None:
             far = isfinite(values[0]) and abs(values[0]) >= OFFSET_S * self._per_s
             self._base, self.began = (int(values[0]), texts[0].strip()) if far else (0, "")
             self._base_part = _part_of(texts[0]) if far else 0.0
-        if not self._base:
-            return np.array(values) / float(self._per_s)
-        parts = (DECIMAL.fullmatch(text.strip()) for text in texts)
-        exact = [
-            int(part[1]) - self._base + (float(f"0.{part[2]}") - self._base_part) if part else value - self._base
-            for part, value in zip(parts, values, strict=True)
-        ]
-        return np.array(exact) / float(self._per_s)
+        if self._base:
+            parts = (DECIMAL.fullmatch(text.strip()) for text in texts)
+            values = [
+                int(part[1]) - self._base + (float(f"0.{part[2]}") - self._base_part) if part else value - self._base
+                for part, value in zip(parts, values, strict=True)
+            ]
+        return [value / float(self._per_s) for value in values]
 
     def _time_ns(self, text: str) -> int:
         """Nanoseconds of a date, of a time of day, or of a number in parts."""
@@ -370,41 +395,6 @@ def _finite(text: str) -> float:
     return value
 
 
-def unwrapped_count(counts: Iterable[int]) -> list[int]:
-    """Counter that goes on where 8, 16 or 32 bits wrap, by one after a restart, and starts at 0."""
-    steps = []
-    for before, after in pairwise(counts):
-        step = after - before
-        if step < 0:
-            step = next((step + wrap for wrap in (1 << 8, COUNTER_WRAP, 1 << 32) if 0 < step + wrap < wrap // 4), 1)
-        steps.append(max(step, 1))
-    return list(accumulate(steps, initial=0))
-
-
-def paced(samples: int, counts: Sequence[int] | None, sample_rate_hz: float) -> Floats:
-    """Times of samples at a rate, s, shape (n,); with a counter, lost samples take their time."""
-    if counts is None or samples < 2:
-        return np.arange(samples) / sample_rate_hz
-    counted = np.array(unwrapped_count(counts))
-    usual = max(float(np.median(np.diff(counted))), 1.0)
-    return counted / (usual * sample_rate_hz)
-
-
-def clock_doubt(t_s: Floats, unit: str) -> str:
-    """Why numbers are no clock in this unit, and what to state instead; empty if they may be.
-
-    unit
-        `s`, `ms`, `us` or `ns`; others are stated for a reason.
-    """
-    per_s = PER_S.get(f"t_{unit}")
-    steps = np.diff(t_s) * (per_s or 0)
-    if per_s is None or len(steps) < LEAST_STEPS:
-        return ""
-    if np.mean(np.abs(steps - 1.0) < 1e-3) > 0.99:
-        is_ms = f", or --time-unit {unit} if it counts {unit}" if unit != "s" else ""
-        return f"steps by 1 in each row: it is a counter and no clock; state --sample-rate HZ{is_ms}"
-    jumps = steps[steps > 40.0] if unit == "s" else steps[:0]
-    is_hms = bool((t_s % 100.0 < 60.0).all() and (t_s // 100.0 % 100.0 < 60.0).all() and t_s.max() < 240_000.0)
-    if is_hms and len(jumps) and (np.abs(jumps % 4000.0 - 40.0) < WRAP_STEPS * np.median(steps)).all():
-        return "jumps by 40 each minute: it is a time of day as HHMMSS; state --time-unit hms"
-    return ""
+def _backward(t_s: Sequence[float]) -> int:
+    """Number of steps back."""
+    return sum(map(gt, t_s, islice(t_s, 1, None)))
