@@ -1,4 +1,4 @@
-"""Clocks of tables and of text, read without rounding: numbers of any unit, dates, times of day, steps, and their sums."""
+"""Clocks of tables and of text, read without rounding: numbers, dates, times of day, steps, and sums of columns."""
 
 import re
 from collections.abc import Sequence
@@ -44,7 +44,7 @@ FORMS = (
 )
 """Forms of a clock that are read, for messages."""
 
-MONTHS = "jan feb mar apr may jun jul aug sep oct nov dec".split()
+MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 ORDERS = {"mdy": (0, 1), "dmy": (1, 0)}
 """Position of month and day in dates without the name of the month."""
 

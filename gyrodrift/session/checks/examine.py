@@ -56,16 +56,17 @@ def clock_unit_findings(session: Session, *, is_stated: bool) -> tuple[SessionFi
     pace, hz = _pace(session), rates_hz[0]
     if pace is not None and _is_near(pace):  # the host clock confirms it
         return ()
-    says = f"its times make {hz:.3g} Hz, if they are {NAMES.get(read_as, read_as)}; a gyro has {SLOWEST_HZ:g} to {FASTEST_HZ:g} Hz"
+    unit = NAMES.get(read_as, read_as)
+    says = f"its times make {hz:.3g} Hz, if they are {unit}; a gyro has {SLOWEST_HZ:g} to {FASTEST_HZ:g} Hz"
     units = _fitting(session, read_as, hz)
     options = " or ".join(f"--time-unit {unit} ({hz * _factor(read_as, unit):.4g} Hz)" for unit in units)
     do = f"if they are {' or '.join(NAMES[unit] for unit in units)}, use {options}" if units else OTHER_COLUMN
-    if read_as not in units and max(rates_hz) >= SLOWEST_HZ * (1.0 - WITHIN):
+    if read_as not in units and SLOWEST_HZ * (1.0 - WITHIN) <= max(rates_hz) < USUAL_HZ:
         do += f"; --time-unit {read_as}, if it is {hz:.3g} Hz"
     return (SessionFinding("clock_unit", says, do, is_error=not is_stated),)
 
 
-OTHER_COLUMN = "name the column of the time with --columns, or write it in seconds"
+OTHER_COLUMN = "name the column of the time with --columns, or state the rate of the samples with --sample-rate HZ"
 
 
 def _is_whole(t_s: Floats) -> bool:

@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.spec import Column
 from gyrodrift.columns.times import AS_READ, StatedClock, unit_of_clock
+from gyrodrift.columns.units import Dimension, unit_in
 from gyrodrift.session.csv import counter, read_exact
 from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS, TABLE, Session, session_of_columns
 from gyrodrift.session.tables.clocks import clock_doubt, paced, rates_of_deltas
@@ -22,11 +24,11 @@ from gyrodrift.session.tables.plan import (
     Head,
     TableColumns,
     UsedColumn,
-    clock_unit,
     columns_by_spec,
     known_columns,
     labelled_columns,
     own_columns,
+    verdict_on,
 )
 from gyrodrift.session.tables.question import check_header, unclear
 from gyrodrift.session.tables.rows import ColumnsRead, RowReader
@@ -185,16 +187,21 @@ def _columns(head: Head, columns: Sequence[Column] | None, clock: StatedClock) -
     if columns is not None:
         table_columns = columns_by_spec(head, columns, needs_clock=not clock.sample_rate_hz)
     else:
-        known = own_columns(head) or known_columns(head) or labelled_columns(head) or wire_columns(head)
-        if known is None:
-            raise unclear(head)
-        table_columns = known
+        table_columns = own_columns(head) or known_columns(head) or _judged_columns(head, clock)
     if table_columns.form == OWN or clock == AS_READ:
         return table_columns
     used = [replace(column, unit=clock.entry(column.unit)) if column.unit else column for column in table_columns.used]
     if clock.sample_rate_hz:
         used = [column for column in used if column.target != CLOCK]
     return replace(table_columns, used=tuple(used))
+
+
+def _judged_columns(head: Head, clock: StatedClock) -> TableColumns:
+    verdict = verdict_on(head)
+    table_columns = labelled_columns(head, verdict, needs_clock=not clock.sample_rate_hz) or wire_columns(head)
+    if table_columns is None:
+        raise unclear(head, verdict)
+    return table_columns
 
 
 def _rows(lines: Lines, layout: TableLayout) -> Iterator[tuple[int, list[str]]]:
@@ -259,7 +266,9 @@ def _check_clock(head: Head, table_columns: TableColumns, read: ColumnsRead, sta
     if read.counted:
         why = f"has no leading zeros in its fraction (%ld.%ld): state --time-unit {read.counted}"
         raise DataError(f"{head.path}: {_label(head, clock.index)} {why}")
-    is_said = clock.unit.startswith("d") or bool(clock_unit(label, head.texts(clock.index)))
+    unit = unit_in(label)
+    is_labeled = kind_of(label) == "clock" or (unit is not None and unit.dimension is Dimension.TIME)
+    is_said = clock.unit.startswith("d") or is_labeled
     doubt = "" if is_said or len(clocks) > 1 else clock_doubt(t_s, unit_of_clock(clock.unit))
     if doubt:
         raise DataError(f"{head.path}: {_label(head, clock.index)} {doubt}")
