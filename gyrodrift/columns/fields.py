@@ -241,8 +241,8 @@ def _object(line: str) -> Fields | None:
     leaves = leaves_of(line)
     if leaves is None:
         return None
-    numbers = [(".".join(map(as_label, path)), value) for path, value in leaves if is_number(value)]
-    return Fields(Form.JSON, tuple(label for label, _ in numbers), tuple(value for _, value in numbers))
+    labels = tuple(".".join(map(as_label, path)) for path, _ in leaves)
+    return Fields(Form.JSON, labels, tuple(value for _, value in leaves))
 
 
 def _sentence(line: str) -> Fields | None:
