@@ -225,6 +225,13 @@ def is_number(text: str) -> bool:
     return VALUE.fullmatch(text) is not None
 
 
+def is_value(text: str, value: str) -> bool:
+    """Whether a text is the value of a row to use; numbers compare as numbers, and case does not matter."""
+    if is_number(text) and is_number(value):
+        return float(text) == float(value)
+    return text.casefold() == value.casefold()
+
+
 def is_whole(text: str) -> bool:
     """Whether a text is a whole number."""
     return WHOLE.fullmatch(text) is not None
@@ -234,8 +241,8 @@ def _object(line: str) -> Fields | None:
     leaves = leaves_of(line)
     if leaves is None:
         return None
-    numbers = [(".".join(map(as_label, path)), value) for path, value in leaves if is_number(value)]
-    return Fields(Form.JSON, tuple(label for label, _ in numbers), tuple(value for _, value in numbers))
+    labels = tuple(".".join(map(as_label, path)) for path, _ in leaves)
+    return Fields(Form.JSON, labels, tuple(value for _, value in leaves))
 
 
 def _sentence(line: str) -> Fields | None:
