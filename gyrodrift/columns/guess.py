@@ -1,4 +1,4 @@
-"""Verdict on an unknown text from some of its lines: the usual layout of a line, and the columns in it."""
+"""ColumnVerdict on an unknown text from some of its lines: the usual layout of a line, and the columns in it."""
 
 import re
 from collections import Counter
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from gyrodrift.columns.fields import Fields, Form, Headings, as_label, is_number
-from gyrodrift.columns.judge import Verdict, judged, seen_columns
+from gyrodrift.columns.judge import ColumnVerdict, judged, seen_columns
 from gyrodrift.columns.names import SeenColumn, name_by_label
 from gyrodrift.columns.spec import IGNORED
 
@@ -18,8 +18,8 @@ TIMES = re.compile(r"\s?[*×]\s?")
 
 
 @dataclass(frozen=True, slots=True)
-class TextGuess(Verdict):
-    """Verdict on the lines of a text; `example` is one of them."""
+class TextGuess(ColumnVerdict):
+    """ColumnVerdict on the lines of a text; `example` is one of them."""
 
     form: Form = Form.ROW
     example: str = ""

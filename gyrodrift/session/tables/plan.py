@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from gyrodrift.columns.fields import DECIMAL_COMMA, is_number
-from gyrodrift.columns.judge import Verdict, judged, seen_columns
+from gyrodrift.columns.judge import ColumnVerdict, judged, seen_columns
 from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.spec import (
     ACCELERATION_MPS2,
@@ -257,8 +257,8 @@ def rate_factor(unit: Unit) -> float | None:
     return 1.0 / float(unit.option.removeprefix("lsb/")) if unit.option.startswith("lsb/") else RATE_DPS[unit.option]
 
 
-def verdict_on(head: Head) -> Verdict:
-    """Verdict of the judge on the columns of a table."""
+def verdict_on(head: Head) -> ColumnVerdict:
+    """ColumnVerdict of the judge on the columns of a table."""
     labels = head.labels or ("",) * head.width
     texts = [_values(head.texts(index)) for index in range(len(labels))]
     is_named = len(set(map(plain, labels))) == len(labels)
@@ -272,7 +272,7 @@ def _values(texts: Sequence[str]) -> list[str]:
     return numbers if len(numbers) >= NUMBERS_SHARE * len(pointed) else pointed
 
 
-def labelled_columns(head: Head, verdict: Verdict, *, needs_clock: bool = True) -> TableColumns | None:
+def labelled_columns(head: Head, verdict: ColumnVerdict, *, needs_clock: bool = True) -> TableColumns | None:
     """Columns whose labels state meaning and unit; None without a stated rate or yaw, and a stated clock if needed."""
     is_stated = verdict.is_stated if needs_clock else verdict.turn is not None and verdict.turn.is_stated
     if not head.labels or not is_stated:
@@ -289,7 +289,7 @@ def labelled_columns(head: Head, verdict: Verdict, *, needs_clock: bool = True) 
     return TableColumns(BY_LABELS, tuple(taken), remarks=remarks)
 
 
-def _unused_angle_remarks(head: Head, verdict: Verdict) -> tuple[str, ...]:
+def _unused_angle_remarks(head: Head, verdict: ColumnVerdict) -> tuple[str, ...]:
     """Remark on an angle with a rate, which may be a reference or the result of the device's own filter."""
     angles = [index for index, column in enumerate(verdict.columns) if column.looks_like in {"yaw", "heading"}]
     units = [unit_in(head.labels[index]) for index in angles]

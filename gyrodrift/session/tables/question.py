@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from math import isfinite
 
-from gyrodrift.columns.judge import Verdict
+from gyrodrift.columns.judge import ColumnVerdict
 from gyrodrift.columns.spec import CLOCK_US, IGNORED
 from gyrodrift.columns.times import is_time
 from gyrodrift.columns.units import unit_in
@@ -40,7 +40,7 @@ HOW = (
 )
 
 
-def unclear(head: Head, verdict: Verdict) -> DataError:
+def unclear(head: Head, verdict: ColumnVerdict) -> DataError:
     """Error that shows every column with its apparent meaning, and what is missing."""
     source = f"{head.path}:{head.line}" if head.line else f"{head.path}"
     lines = [_described(head, index, verdict) for index in range(min(head.width, SHOWN))]
@@ -48,7 +48,7 @@ def unclear(head: Head, verdict: Verdict) -> DataError:
     return DataError("\n".join([f"{source}: {_reason(head, verdict)}:", *lines, *rest, *_proposal(verdict), HOW]))
 
 
-def _reason(head: Head, verdict: Verdict) -> str:
+def _reason(head: Head, verdict: ColumnVerdict) -> str:
     says = "its header does not say" if head.labels else "it has no header, so nothing says"
     if verdict.turn is not None and verdict.clock is None:
         return f"{says} which column is the clock"
@@ -56,7 +56,7 @@ def _reason(head: Head, verdict: Verdict) -> str:
     return f"{says} which column is the rate and in which unit{question}"
 
 
-def _proposal(verdict: Verdict) -> list[str]:
+def _proposal(verdict: ColumnVerdict) -> list[str]:
     """Line with the SPEC as far as the judge could tell."""
     if verdict.template is None:
         return []
@@ -87,7 +87,7 @@ def check_header(head: Head) -> None:
             )
 
 
-def _described(head: Head, index: int, verdict: Verdict) -> str:
+def _described(head: Head, index: int, verdict: ColumnVerdict) -> str:
     label = head.labels[index].strip() if index < len(head.labels) else ""
     name = f" {shortened(label, LABEL_SHOWN)}" if label else ""
     looks = verdict.columns[index].looks_like if label else ""
