@@ -1,7 +1,7 @@
 """Readings that are no measurement: single impossible ones, a sensor that does not answer, and the end of its range.
 
-One judge for ports and files. It sees every sample once, in order, and never a later one: a sample that may be impossible
-waits for the next one alone.
+One judge for ports and files. It sees every sample once, in order, and never a later one: an impossible sample
+waits for the next one.
 """
 
 from collections.abc import Callable, Iterable
@@ -24,8 +24,8 @@ Values = tuple[float, ...]
 """All numbers of a sample: the rates about one or three axes, then accelerations and temperature."""
 
 FASTEST_DPS_S = 15_000.0
-"""Largest angular acceleration of a device that returns at once, deg/s². Chosen: the wrist of a hand that throws reaches
-it; position and rate tables of laboratories have 1000 to 15 000."""
+"""Largest angular acceleration of a device that returns at once, deg/s². Chosen: the wrist of a hand that throws
+reaches it, rate tables of laboratories and robots less. Shocks are faster, and last for more than a sample, or less."""
 
 LEAST_JUMP_DPS = 150.0
 """Smallest change of a rate that may be impossible, deg/s: taps on a case make smaller ones within a sample (BROAD,
@@ -42,8 +42,8 @@ CALM_STEPS, CALM_SHARE = 2, 0.5
 
 LEAST_CHANGES = 200
 FINE_DPS = 0.03
-"""A sensor has noise if its rate changed LEAST_CHANGES times, by steps as fine as FINE_DPS. A coarser one repeats values
-at rest."""
+"""A sensor has noise if its rate changed LEAST_CHANGES times, by steps as fine as FINE_DPS. A coarser one repeats
+values at rest."""
 
 HELD_SAMPLES, LONGER_HELD = 4, 2
 """A rate is no measurement after this many repetitions, and LONGER_HELD times as many as ever before."""
@@ -58,9 +58,10 @@ RAIL_MIN_DPS = 20.0
 """Smallest rate that may be the end of a range, deg/s."""
 
 KNOWN_RAIL_SAMPLES, RAIL_SAMPLES = 3, 5
-RAIL_APPROACH_DPS = 1.0
+RAIL_APPROACH_DPS, RAIL_APPROACH_SHARE = 1.0, 0.7
 """A range ends where the largest rate repeats: KNOWN_RAIL_SAMPLES times at ±2¹⁵ counts of a known sensitivity, else
-RAIL_SAMPLES times, and LONGER_HELD times as often as any other rate, after a step of RAIL_APPROACH_DPS."""
+RAIL_SAMPLES times, and LONGER_HELD times as often as any other rate, after a step
+from RAIL_APPROACH_DPS to RAIL_APPROACH_SHARE of it: a turn comes to the end on its way, a hang from anywhere."""
 
 ONE_COUNT = 1e-3
 """Largest distance from −1 count, in counts: a value is printed with some digits."""
@@ -217,7 +218,7 @@ class ReadingJudge:
         elif size_dps >= max(RAIL_MIN_DPS, self._largest_dps):
             is_plateau = (
                 samples >= max(RAIL_SAMPLES, LONGER_HELD * self._longest + 1)
-                and self._approach_dps >= RAIL_APPROACH_DPS
+                and RAIL_APPROACH_DPS <= self._approach_dps <= RAIL_APPROACH_SHARE * size_dps
                 and self._changes >= LEAST_CHANGES
             )
             if is_plateau or (samples >= KNOWN_RAIL_SAMPLES and is_rail(rate_dps)):
@@ -272,7 +273,11 @@ def values_of(sample: Sample) -> tuple[Values, Values]:
 
 @dataclass(slots=True)
 class StreamJudge:
-    """Judge of a stream: samples with their rates, or without them if they are no measurement, which `missing` counts."""
+    """Judge of a stream: samples with their rates, or without them if they are no measurement.
+
+    missing
+        Number of samples that were passed on without their rates.
+    """
 
     judge: ReadingJudge
     missing: int = 0

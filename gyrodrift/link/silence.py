@@ -2,13 +2,14 @@
 
 import shlex
 
+from gyrodrift.link.binary_frames import BinaryFrames, binary_frames
 from gyrodrift.link.heard import Heard, quoted
 from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.decoder import Decoder
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS, listed
 from gyrodrift.link.sources.source import ByteSource
-from gyrodrift.link.unread import spoken
+from gyrodrift.link.unread import CONVERT, spoken
 
 CSV_LINE = "t_us,rate_dps[,encoder_deg[,temp_c[,still]]]"
 NAMES_MAX = 12
@@ -30,11 +31,13 @@ def why_silent(
     heard: Heard,
     port: str,
     source: ByteSource | None = None,
+    found_baud: int = 0,
 ) -> str:
     """Message about a device that sent nothing decodable within `timeout_s`.
 
     `baud` is the given baud rate, or None if the link searched for it. `decoder` is the chosen decoder for the option
-    `protocol`. `heard` holds the last of the `heard_bytes` from `port`, which belongs to `source`, or is serial.
+    `protocol`. `heard` holds the last of the `heard_bytes` from `port`, which belongs to `source`, or is serial, at
+    `found_baud`.
     """
     waited = f"within {timeout_s:g} s"
     if not heard_bytes:
@@ -52,12 +55,29 @@ def why_silent(
             f"{decoder.counters.other_frames} good {decoder.name} frames arrived {waited}, but none with a yaw rate"
             f"{f'; {advice}' if advice else ''}"
         )
-    unread = unread_protocol(heard, protocol)
-    if unread:
-        return unread
-    if heard.is_text:
-        return _why_text(protocol, heard, port, waited, source)
+    unread = unread_protocol(heard, protocol, _line(port, found_baud, source))
+    if unread or heard.is_text:
+        return unread or _why_text(protocol, heard, port, waited, source)
+    frames = binary_frames(heard.content)
+    if frames is not None:
+        return _why_frames(frames, heard, found_baud, source)
     return _why_noise(heard_bytes, baud, decoder, protocol, waited, source)
+
+
+def _line(port: str, baud: int, source: ByteSource | None) -> str:
+    """Address of a port as a part of another address: `/dev/ttyUSB0,57600`, `tcp:HOST:PORT`."""
+    if source is None:
+        return f"{port},{baud}"
+    return port.replace("tcp://", "tcp:").replace("udp://", "udpin:")
+
+
+def _why_frames(frames: BinaryFrames, heard: Heard, baud: int, source: ByteSource | None) -> str:
+    """Message about the frames of an unknown binary protocol."""
+    described = frames.described(heard.bytes_per_s)
+    device = f", as {frames.resembles} sends them" if frames.resembles else ""
+    at_baud = f" at {baud} baud" if source is None or source.has_baud else ""
+    sends = f"the device sends {described}{device}{at_baud}: a binary protocol, which gyrodrift does not read"
+    return f"{sends}; can it send text, or one of {listed()}? {CONVERT[0].upper()}{CONVERT[1:]}"
 
 
 def _why_noise(
@@ -81,11 +101,11 @@ def _tried(baud: int | None) -> str:
     return f"{baud} baud; the baud rate may be wrong: without --baud all usual rates are tried"
 
 
-def unread_protocol(heard: Heard, protocol: str) -> str:
-    """Message about a stream of another protocol than `protocol`; empty if it is unknown."""
+def unread_protocol(heard: Heard, protocol: str, line: str = "") -> str:
+    """Message about a stream of another protocol than `protocol`, on a line; empty if it is unknown."""
     unread = spoken(heard.content)
     if unread is not None:
-        return unread.message
+        return unread.message(line)
     candidates = [entry for entry in PROTOCOLS.values() if entry.is_detected and protocol not in {AUTO, entry.name}]
     detected = Detector(candidates).push(heard.content)
     if detected is None:

@@ -99,8 +99,8 @@ def impossible(_evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding 
         return None
     first = readings.told("impossible_reading")[0]
     return warning(
-        f"{readings.impossible} readings cannot be, such as {first['rate_dps']:.4g} deg/s: the rate jumped and returned.",
-        "They are left out. Check the wires and the supply of the sensor, and the result of every read in the firmware.",
+        f"{readings.impossible} readings cannot be, such as {first['rate_dps']:.4g} deg/s: it jumped and returned.",
+        "They are left out. Check wires and supply of the sensor, and the result of every read in the firmware.",
         readings.impossible / facts.samples,
     )
 

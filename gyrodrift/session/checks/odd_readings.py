@@ -22,7 +22,8 @@ def reading_findings(readings: JudgedReadings) -> Iterator[SessionFinding]:
         )
     hangs = list(zip(readings.told("rate_hangs"), readings.told("rate_moves"), strict=True))
     for hang, end in hangs[:MOST_NAMED]:
-        says = f"the rate was exactly {hang['rate_dps']:.5g} deg/s for {end['seconds']:.3g} s from {end['since_s']:.6g} s on"
+        since = f"for {end['seconds']:.3g} s from {end['since_s']:.6g} s on"
+        says = f"the rate was exactly {hang['rate_dps']:.5g} deg/s {since}"
         yield SessionFinding("stuck", says, hang["hint"])
     if len(hangs) > MOST_NAMED:
         yield SessionFinding("stuck", f"the rate was constant {len(hangs)} times, for {readings.hung_s:.3g} s in total")
