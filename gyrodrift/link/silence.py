@@ -43,18 +43,9 @@ def why_silent(
     if not heard_bytes:
         advice = "check its power, the port, and whether TX and RX are swapped" if source is None else source.silence
         return f"the device sent nothing {waited}; {advice}"
-    if decoder is not None and decoder.counters.before_hello:
-        return (
-            f"{decoder.counters.before_hello} samples arrived {waited}, but no HELLO frame with their scale; "
-            "the device must send one every second"
-        )
-    if decoder is not None and decoder.counters.other_frames and not (decoder.name == text.NAME and heard.is_text):
-        own = source.protocol if source is not None else None
-        advice = (own or PROTOCOLS[decoder.name]).without_rate
-        return (
-            f"{decoder.counters.other_frames} good {decoder.name} frames arrived {waited}, but none with a yaw rate"
-            f"{f'; {advice}' if advice else ''}"
-        )
+    undecoded = "" if decoder is None else _why_undecoded(decoder, heard, waited, source)
+    if undecoded:
+        return undecoded
     unread = unread_protocol(heard, protocol, _line(port, found_baud, source))
     if unread or heard.is_text:
         return unread or _why_text(protocol, heard, port, waited, source)
@@ -62,6 +53,22 @@ def why_silent(
     if frames is not None:
         return _why_frames(frames, heard, found_baud, source)
     return _why_noise(heard_bytes, baud, decoder, protocol, waited, source)
+
+
+def _why_undecoded(decoder: Decoder, heard: Heard, waited: str, source: ByteSource | None) -> str:
+    """Message about good frames without a sample; empty without any."""
+    counters = decoder.counters
+    if counters.before_hello:
+        return (
+            f"{counters.before_hello} samples arrived {waited}, but no HELLO frame with their scale; "
+            "the device must send one every second"
+        )
+    if decoder.unread or not counters.other_frames or (decoder.name == text.NAME and heard.is_text):
+        return decoder.unread
+    own = source.protocol if source is not None else None
+    advice = (own or PROTOCOLS[decoder.name]).without_rate
+    frames = f"{counters.other_frames} good {decoder.name} frames arrived {waited}, but none with a yaw rate"
+    return f"{frames}; {advice}" if advice else frames
 
 
 def _line(port: str, baud: int, source: ByteSource | None) -> str:
