@@ -102,7 +102,7 @@ def _has_two_clocks(times: Sequence[float]) -> bool:
     chains: list[list[float]] = [[times[0]]]
     switches, lost, last = 0, 0, 0
     for time in times[1:]:
-        before = [index for index, chain in enumerate(chains) if chain[-1] < time]
+        before = [index for index, chain in enumerate(chains) if chain[-1] <= time]
         if not before and len(chains) == 2:
             lost += 1
             continue
