@@ -10,10 +10,7 @@ from enum import Enum
 from math import inf, isnan, nan
 from typing import Any
 
-import numpy as np
-
 from gyrodrift.columns.sizes import SENSITIVITIES, ST_FINEST
-from gyrodrift.values.arrays import Floats, Mask
 from gyrodrift.values.constants import INT16_COUNTS
 from gyrodrift.values.sample import Sample
 
@@ -54,6 +51,10 @@ HANGS_SAMPLES, HANGS_S, LONGER_HANGS = 20, 0.5, 10
 SILENT_SAMPLES, SILENT_S = 10, 0.9
 """Repetitions and time from the first sample on that show a sensor that never answered."""
 
+ABSURD = 4.0
+"""Jump over the largest possible one above which the end of a range is no measurement even if it repeats; another rate
+is none after any impossible jump, if a sensor with noise repeats it."""
+
 RAIL_MIN_DPS = 20.0
 """Smallest rate that may be the end of a range, deg/s."""
 
@@ -66,6 +67,9 @@ from RAIL_APPROACH_DPS to RAIL_APPROACH_SHARE of it: a turn comes to the end on 
 ONE_COUNT = 1e-3
 """Largest distance from −1 count, in counts: a value is printed with some digits."""
 
+RANGES_DPS = (125.0, 245.0, 250.0, 450.0, 500.0, 1000.0, 2000.0, 4000.0)
+"""Ranges of MEMS gyros (InvenSense, Bosch, ST, Analog Devices), deg/s."""
+
 RAIL_COUNTS = 1.5
 """Largest distance from ±2¹⁵ counts at the end of a range."""
 
@@ -75,7 +79,7 @@ IMPOSSIBLE = "the rate jumped and returned faster than a device can turn; such s
 CLIPPED = "the range of the sensor ends there: yaw loses the angle that is cut off; choose a wider range"
 
 
-class Verdict(Enum):
+class ReadingVerdict(Enum):
     """What a sample is: a measurement, none, or one that waits for the next sample."""
 
     GOOD = "good"
@@ -83,12 +87,14 @@ class Verdict(Enum):
     SUSPECT = "suspect"
 
 
+RAILS_DPS = (*(INT16_COUNTS / counts for counts in (*SENSITIVITIES, ST_FINEST[1])), *RANGES_DPS)
+"""Ends of ranges, deg/s: full scales of 16 bits at known sensitivities, and the names of ranges."""
+
+
 def is_rail(rate_dps: float) -> bool:
-    """Whether a rate is ±2¹⁵ counts of a known sensitivity."""
+    """Whether a rate is the end of a known range, ±2¹⁵ counts."""
     size_dps = abs(rate_dps)
-    return size_dps >= RAIL_MIN_DPS and any(
-        abs(size_dps * counts - INT16_COUNTS) <= RAIL_COUNTS for counts in (*SENSITIVITIES, ST_FINEST[1])
-    )
+    return any(abs(size_dps - rail_dps) * INT16_COUNTS <= RAIL_COUNTS * rail_dps for rail_dps in RAILS_DPS)
 
 
 def no_answer(rates: Values, others: Values) -> bool:
@@ -131,6 +137,7 @@ class ReadingJudge:
     _calm: int = 0
     _suspect: Values | None = None
     _suspect_s: float = 0.0
+    _may_stay: bool = False
     _stays: int = 0
     _rate_dps: float = nan
     _since_s: float = 0.0
@@ -144,20 +151,21 @@ class ReadingJudge:
     _hung: tuple[float, float] | None = None
     _is_clipping: bool = False
 
-    def take(self, t_s: float, rates: Values, others: Values = ()) -> Verdict:
+    def take(self, t_s: float, rates: Values, others: Values = ()) -> ReadingVerdict:
         """Judge a sample. `rates` are about one or three axes, the yaw rate last; `others` are all other numbers."""
         if isnan(sum(rates)):
-            return Verdict.GOOD
+            return ReadingVerdict.GOOD
         if len(rates) != len(self._rates):  # the first sample, or another device
             self._suspect, self._calm = None, 0
             return self._accept(t_s, rates, others)
         if self._suspect is not None and self._waits_on(self._suspect, t_s, rates):
-            return Verdict.MISSING
+            return ReadingVerdict.MISSING
         seconds, change_dps = t_s - self._t_s, _change(rates, self._rates)
         bound_dps = _bound_dps(seconds)
         if change_dps > bound_dps and 0.0 < seconds <= LONGEST_STEP_S and self._calm >= CALM_STEPS:
             self._suspect, self._suspect_s, self._calm = rates, t_s, 0
-            return Verdict.SUSPECT
+            self._may_stay = change_dps > ABSURD * bound_dps if is_rail(rates[-1]) else self._is_noisy
+            return ReadingVerdict.SUSPECT
         self._calm = self._calm + 1 if change_dps <= CALM_SHARE * bound_dps else 0
         return self._accept(t_s, rates, others)
 
@@ -168,7 +176,7 @@ class ReadingJudge:
     def _waits_on(self, suspect: Values, t_s: float, rates: Values) -> bool:
         """Decide on the sample that waits; whether it goes on, because a sensor with noise repeats it exactly."""
         jump_dps, bound_dps = _change(suspect, self._rates), _bound_dps(t_s - self._suspect_s)
-        if rates == suspect and (self._is_noisy or is_rail(suspect[-1])) and jump_dps > 0.5 * abs(suspect[-1]):
+        if rates == suspect and self._may_stay:
             self._stays += 1
             self.was_real, self._t_s = False, t_s
             if self._stays >= HANGS_SAMPLES and t_s - self._suspect_s >= HANGS_S:
@@ -186,15 +194,15 @@ class ReadingJudge:
         self._suspect, self._stays = None, 0
         return False
 
-    def _accept(self, t_s: float, rates: Values, others: Values) -> Verdict:
+    def _accept(self, t_s: float, rates: Values, others: Values) -> ReadingVerdict:
         rate_dps = rates[-1]
         self._all_repeats = self._all_repeats + 1 if rates == self._rates and others == self._others else 0
         self._rates, self._others, self._t_s = rates, others, t_s
         if rate_dps != self._rate_dps:
             self._change_rate(t_s, rate_dps)
-            return Verdict.GOOD
+            return ReadingVerdict.GOOD
         self._repeats += 1
-        return Verdict.GOOD if self._is_clipped(rate_dps) else self._held(t_s, rate_dps)
+        return ReadingVerdict.GOOD if self._is_clipped(rate_dps) else self._held(t_s, rate_dps)
 
     def _change_rate(self, t_s: float, rate_dps: float) -> None:
         if self._hung is None and not self._is_clipping:
@@ -221,27 +229,32 @@ class ReadingJudge:
                 and RAIL_APPROACH_DPS <= self._approach_dps <= RAIL_APPROACH_SHARE * size_dps
                 and self._changes >= LEAST_CHANGES
             )
-            if is_plateau or (samples >= KNOWN_RAIL_SAMPLES and is_rail(rate_dps)):
+            is_plain = rate_dps.is_integer() and self._changes < LEAST_CHANGES  # such as a simulated turn
+            if is_plateau or (samples >= KNOWN_RAIL_SAMPLES and is_rail(rate_dps) and not is_plain):
                 self._is_clipping = True
                 self.clipped += samples
                 self.tell("clipped", limit_dps=round(size_dps, 3), count=self.clipped, hint=CLIPPED)
         return self._is_clipping
 
-    def _held(self, t_s: float, rate_dps: float) -> Verdict:
-        """Verdict on a rate that repeats."""
+    def _held(self, t_s: float, rate_dps: float) -> ReadingVerdict:
+        """ReadingVerdict on a rate that repeats."""
         seconds = t_s - self._since_s
         if self._changes <= 1:  # it never moved
             is_brief = self._all_repeats < SILENT_SAMPLES or seconds < SILENT_S
             if is_brief or not no_answer(self._rates, self._others):
-                return Verdict.GOOD
+                return ReadingVerdict.GOOD
             self._report(rate_dps, self._since_s, t_s, DOES_NOT_ANSWER)
-            return Verdict.MISSING
+            return ReadingVerdict.MISSING
         is_all = len(self._rates) + len(self._others) > 1 and self._all_repeats >= self._repeats
         if not self._is_noisy or (rate_dps == 0.0 and not is_all):
-            return Verdict.GOOD
+            return ReadingVerdict.GOOD
         if self._repeats > LONGER_HANGS * self._longest and self._repeats >= HANGS_SAMPLES and seconds >= HANGS_S:
             self._report(rate_dps, self._since_s, t_s, f"{HANGS}; {DOES_NOT_ANSWER}" if is_all else HANGS)
-        return Verdict.MISSING if self._repeats > max(HELD_SAMPLES, LONGER_HELD * self._longest) else Verdict.GOOD
+        return (
+            ReadingVerdict.MISSING
+            if self._repeats > max(HELD_SAMPLES, LONGER_HELD * self._longest)
+            else ReadingVerdict.GOOD
+        )
 
     def _report(self, rate_dps: float, since_s: float, t_s: float, hint: str) -> None:
         if self._hung is None:
@@ -291,9 +304,9 @@ class StreamJudge:
             if self._waiting is not None:
                 judged.append(self._waiting if self.judge.was_real else self._without_rate(self._waiting))
                 self._waiting = None
-            if verdict is Verdict.GOOD:
+            if verdict is ReadingVerdict.GOOD:
                 judged.append(sample)
-            elif verdict is Verdict.MISSING:
+            elif verdict is ReadingVerdict.MISSING:
                 judged.append(self._without_rate(sample))
             else:
                 self._waiting = sample
@@ -303,52 +316,3 @@ class StreamJudge:
         """The sample without its rates, which a filter passes over."""
         self.missing += 1
         return sample._replace(rate_dps=nan, inertial=None)
-
-
-@dataclass(frozen=True, slots=True)
-class JudgedReadings:
-    """Verdicts on the samples of a recording.
-
-    is_missing
-        Samples that are no measurement, shape (n,).
-    impossible, clipped, hung_s
-        As in `ReadingJudge`.
-    events
-        Names and fields of what a stream would have told.
-    """
-
-    is_missing: Mask
-    impossible: int = 0
-    clipped: int = 0
-    hung_s: float = 0.0
-    events: tuple[tuple[str, dict[str, Any]], ...] = ()
-
-    def told(self, event: str) -> list[dict[str, Any]]:
-        """Fields of the events of a name."""
-        return [fields for name, fields in self.events if name == event]
-
-
-def judged_readings(t_s: Floats, rates_dps: Floats, others: Floats) -> JudgedReadings:
-    """Judge the samples of a recording as a stream; rates of shape (n, 1) or (n, 3), others (n, m)."""
-    is_missing = np.zeros(len(t_s), dtype=bool)
-    if not _may_be_odd(rates_dps):
-        return JudgedReadings(is_missing)
-    events: list[tuple[str, dict[str, Any]]] = []
-    judge = ReadingJudge(lambda event, **fields: events.append((event, fields)))
-    waiting: int | None = None
-    columns = (map(tuple, table.tolist()) for table in (rates_dps, others))
-    for i, (t, rates, numbers) in enumerate(zip(t_s.tolist(), *columns, strict=True)):
-        verdict = judge.take(t, rates, numbers)
-        if waiting is not None:
-            is_missing[waiting], waiting = not judge.was_real, None
-        is_missing[i] = verdict is Verdict.MISSING
-        waiting = i if verdict is Verdict.SUSPECT else None
-    judge.end()
-    return JudgedReadings(is_missing, judge.impossible, judge.clipped, judge.hung_s, tuple(events))
-
-
-def _may_be_odd(rates_dps: Floats) -> bool:
-    """Whether there is a jump, or two repetitions, that the judge could object to: most recordings have none."""
-    steps = np.abs(np.diff(rates_dps, axis=0))
-    is_same = steps[:, -1] == 0.0
-    return bool((steps > LEAST_JUMP_DPS).any() or (is_same[1:] & is_same[:-1]).any())

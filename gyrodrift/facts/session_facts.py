@@ -9,11 +9,11 @@ from typing import Any, TypeVar
 import numpy as np
 
 from gyrodrift.columns.accel_axes import Agreement
-from gyrodrift.columns.readings import JudgedReadings, judged_readings
 from gyrodrift.facts.allan import Allan, allan_of
 from gyrodrift.facts.arrays import only, robust_sigma, smallest_step
 from gyrodrift.facts.gravity import GravitySummary, SessionAxes, axes_agreement, axes_of, gravity_summary
 from gyrodrift.facts.host import HostClock, host_clock
+from gyrodrift.facts.readings import JudgedReadings, judged_readings
 from gyrodrift.facts.reference import EncoderComparison, compared_to_encoder
 from gyrodrift.facts.rests import RestRates, RestSource, Stretch, rests_of
 from gyrodrift.facts.spectrum import RestSpectrum, spectrum_of

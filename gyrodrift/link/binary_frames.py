@@ -1,6 +1,7 @@
 """Frames of an unknown binary protocol: a head that repeats at a fixed distance, or at distances that a byte states.
 
-Repeating frames show a clean stream. A checksum that is right in all of them proves the baud rate, too.
+A checksum that is right in all frames proves the baud rate. Without one the bytes may also be other frames at a wrong
+baud rate, which repeat, too.
 """
 
 import zlib
@@ -20,8 +21,8 @@ SHORTEST, LONGEST = 4, 256
 """Lengths of frames."""
 
 HEAD_MAX = 4
-LENGTH_PLACES = range(1, 8)
-"""Places of a length byte after the beginning of the head."""
+LENGTH_PLACE_MAX = 7
+"""Last place of a length byte after the beginning of the head."""
 
 COMMON_PAIRS = 4
 """Pairs of bytes, the most common ones, that may be a head."""
@@ -171,9 +172,9 @@ def _of_stated_length(content: bytes) -> BinaryFrames | None:
         distances = [after - before for before, after in pairwise(places)]
         if len(distances) < FRAMES or len(set(distances)) == 1 or not any(head):
             continue
-        for place in LENGTH_PLACES:
+        for place in range(2, min(LENGTH_PLACE_MAX, min(distances) - 1) + 1):
             extras = {distance - content[at + place] for at, distance in zip(places, distances, strict=False)}
-            if place > 1 and len(extras) == 1 and 0 < extras.pop() < LONGEST:
+            if len(extras) == 1 and 0 < extras.pop() < LONGEST:
                 frames = [content[before:after] for before, after in pairwise(places)]
                 mean = sum(distances) / len(distances)
                 return BinaryFrames(_head(frames), 0, mean, has_checksums(frames))

@@ -50,9 +50,12 @@ def why_silent(
     if unread or heard.is_text:
         return unread or _why_text(protocol, heard, port, waited, source)
     frames = binary_frames(heard.content)
-    if frames is not None:
+    if frames is not None and frames.is_checked:
         return _why_frames(frames, heard, found_baud, source)
-    return _why_noise(heard_bytes, baud, decoder, protocol, waited, source)
+    noise = _why_noise(heard_bytes, baud, decoder, protocol, waited, source)
+    if frames is None:
+        return noise
+    return f"{noise}; if the rate is right, the bytes are a binary protocol: {frames.described(heard.bytes_per_s)}"
 
 
 def _why_undecoded(decoder: Decoder, heard: Heard, waited: str, source: ByteSource | None) -> str:

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gyrodrift.columns.readings import ReadingJudge, StreamJudge, judged_readings
+from gyrodrift.columns.readings import ReadingJudge, StreamJudge
+from gyrodrift.facts.readings import judged_readings
 from gyrodrift.values.sample import Inertial, Sample
 
 HZ = 50.0

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from gyrodrift.columns.readings import JudgedReadings
+from gyrodrift.facts.readings import JudgedReadings
 from gyrodrift.session.checks.finding import SessionFinding
 
 MOST_NAMED = 3
