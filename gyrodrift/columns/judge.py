@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import pairwise
 from math import log, pi, sqrt
 from statistics import fmean
 
@@ -21,7 +22,8 @@ from gyrodrift.columns.behavior import (
     lengths_of,
     step_of,
 )
-from gyrodrift.columns.fields import is_number, is_whole
+from gyrodrift.columns.fields import DECIMAL_COMMA, is_number, is_whole
+from gyrodrift.columns.keys import has_two_senders, keys_of
 from gyrodrift.columns.names import (
     SPOKEN,
     USED,
@@ -44,6 +46,10 @@ UNKNOWN_UNIT = "UNIT"
 """Placeholder in a SPEC for a unit that the user must give."""
 
 UNKNOWN_CLOCK = f"t_{UNKNOWN_UNIT}"
+UNKNOWN_SENDER = "WHICH"
+"""Placeholder for the value of a column that names the sender of its row."""
+
+RATE_UNITS = "dps, rads, mdps or lsb/N"
 TURNING = ("rate", "delta", "yaw", "q.w")
 """Entries that say how the device turns."""
 
@@ -143,8 +149,23 @@ class ColumnVerdict:
 
     @property
     def is_unit_known(self) -> bool:
-        """Whether the units of the turning column and of the clock are known."""
-        return self.turn is not None and not any(UNKNOWN_UNIT in column.entry for column in self.columns)
+        """Whether the units of the turning column and of the clock, and the sender, are known."""
+        return self.turn is not None and not self.asked
+
+    @property
+    def asked(self) -> tuple[str, ...]:
+        """What to put in the place of each placeholder in the template."""
+        asked = []
+        for column in self.columns:
+            if column.entry == UNKNOWN_CLOCK:
+                asked.append(f"{UNKNOWN_CLOCK} by {', '.join(CLOCK_US)} or t:days")
+            elif column.entry == UNKNOWN_SENDER:
+                asked.append(
+                    f"{UNKNOWN_SENDER} by the sender that you mean ({column.why.rpartition(' is one of ')[2]})"
+                )
+            elif UNKNOWN_UNIT in column.entry:
+                asked.append(f"{UNKNOWN_UNIT} by {RATE_UNITS if column.entry.startswith('rate') else 'deg or rad'}")
+        return tuple(asked)
 
     @property
     def is_stated(self) -> bool:
@@ -168,22 +189,90 @@ def seen_columns(
     """Columns of a text; `units` stand after the values, and may be empty."""
     columns = []
     for label, unit, texts in zip(labels, units, texts_by_column, strict=True):
-        numbers = tuple(map(float, texts)) if texts and all(map(is_number, texts)) else ()
+        values = _values(texts)
+        numbers = tuple(map(float, values)) if values and all(map(is_number, values)) else ()
         is_usable = all(abs(number) < LARGEST for number in numbers)
-        columns.append(SeenColumn(label, tuple(texts), numbers if is_usable else (), unit_of(unit) or unit_in(label)))
+        columns.append(SeenColumn(label, tuple(values), numbers if is_usable else (), unit_of(unit) or unit_in(label)))
+    for column, after in reversed(list(pairwise(columns))):
+        if column.unit is None and _head(column.label) == _head(after.label) != "":
+            column.unit = after.unit  # `Rotation X: 0.1, Y: 0.2, Z: 0.3 rad/s`
     return columns
+
+
+def _values(texts: Sequence[str]) -> Sequence[str]:
+    """Values with a decimal point, without empty ones and the few that are no number."""
+    filled = [text for text in texts if text]
+    pointed = [text.replace(",", ".") if DECIMAL_COMMA.fullmatch(text) else text for text in filled]
+    numbers = [text for text in pointed if is_number(text) and text.lower().lstrip("+-") not in {"nan", "inf"}]
+    return numbers if len(numbers) >= NUMBERS_SHARE * len(pointed) else pointed
+
+
+def _head(label: str) -> str:
+    """Words before the axis of a label."""
+    return label.rpartition(" ")[0]
+
+
+def judged(
+    labels: Sequence[str],
+    units: Sequence[str],
+    texts_by_column: Sequence[Sequence[str]],
+    lines_per_s: float | None = None,
+    spec_labels: tuple[str, ...] = (),
+) -> ColumnVerdict:
+    """Verdict on the columns of a text.
+
+    Parameters
+    ----------
+    labels, units
+        Label of each column, and the unit that stands after its values; both may be empty.
+    texts_by_column
+        Texts of each column, one per row.
+    lines_per_s
+        Rate of the lines, which gives the unit of a clock; None if it is unknown.
+    spec_labels
+        Labels by which a SPEC can name the columns; empty if only their position does.
+    """
+    keyed = {index: keys for index, texts in enumerate(texts_by_column) if (keys := _keys(labels[index], texts))}
+    if not keyed:
+        return replace(_judged_rows(labels, units, texts_by_column, lines_per_s), labels=spec_labels)
+    key, senders = next(iter(keyed.items()))
+    gyro = next((sender for sender in senders if kind_of(sender) == "rates"), "")
+    kept = [row for row, text in enumerate(texts_by_column[key]) if text == (gyro or senders[0])]
+    named = [f"{gyro} {label}" if gyro and len(label) == 1 else label for label in labels]
+    pace = lines_per_s * len(kept) / len(texts_by_column[key]) if lines_per_s else None
+    verdict = _judged_rows(named, units, [[texts[row] for row in kept] for texts in texts_by_column], pace)
+    columns = [replace(column, is_stated=False) for column in verdict.columns]
+    why = f"names the rows of the gyro, {gyro}" if gyro else f"alternates, and is one of {', '.join(senders)}"
+    columns[key] = JudgedColumn("sender", gyro or UNKNOWN_SENDER, why)
+    name = labels[key] or f"column {key + 1}"
+    unselected = "" if spec_labels else f"{name} names several senders, {', '.join(senders)}; send or keep one of them"
+    return ColumnVerdict(tuple(columns), spec_labels, verdict.question or unselected)
+
+
+def _keys(label: str, texts: Sequence[str]) -> tuple[str, ...]:
+    """Values of a column that names the sender of its row; empty for another column."""
+    return keys_of(texts) if kind_of(label) in {"", "seq"} and unit_in(label) is None and all(texts) else ()
+
+
+def _judged_rows(
+    labels: Sequence[str], units: Sequence[str], texts_by_column: Sequence[Sequence[str]], lines_per_s: float | None
+) -> ColumnVerdict:
+    columns = seen_columns(labels, units, texts_by_column)
+    for rule in rules(lines_per_s):
+        rule.name(columns)
+    found = [_judged(column, lines_per_s, columns) for column in columns]
+    verdict = _with_axes(_beside_an_angle(_one_turn(found, columns), columns), columns)
+    clock, rate = ([column.numbers for column in columns if column.kind == kind] for kind in ("clock", "rate"))
+    if clock and rate and has_two_senders(clock[0], rate[0]):
+        return replace(verdict, question="the rows of two senders alternate, and no column says which is which")
+    return verdict
 
 
 LARGEST = 1e19
 """Largest number; nanoseconds since 1970 are smaller, and above it a line is damaged."""
 
-
-def judged(columns: list[SeenColumn], lines_per_s: float | None, labels: tuple[str, ...] = ()) -> ColumnVerdict:
-    """ColumnVerdict on columns; `lines_per_s` is the rate of their lines, or None, and gives the unit of a clock."""
-    for rule in rules(lines_per_s):
-        rule.name(columns)
-    found = [_judged(column, lines_per_s, columns) for column in columns]
-    return _with_axes(_beside_an_angle(_one_turn(found, columns), columns), columns, labels)
+NUMBERS_SHARE = 0.9
+"""Smallest share of numbers in the first rows of a column of numbers; the others are damaged."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -472,14 +561,14 @@ def _times_s(verdict: ColumnVerdict, columns: Sequence[SeenColumn]) -> Sequence[
     return ClockReader([entry for entry, _ in clocks]).read([texts for _, texts in clocks])
 
 
-def _with_axes(verdict: ColumnVerdict, columns: Sequence[SeenColumn], labels: tuple[str, ...]) -> ColumnVerdict:
+def _with_axes(verdict: ColumnVerdict, columns: Sequence[SeenColumn]) -> ColumnVerdict:
     """Use the rates about x and y too, if all units are known, and the accelerations with them."""
     units = _axis_units(verdict, columns)
     with_axes = [
         replace(column, entry=f"{source.kind}:{units[source.kind]}") if source.kind in units else column
         for column, source in zip(verdict.columns, columns, strict=True)
     ]
-    return ColumnVerdict(tuple(with_axes), labels, verdict.question)
+    return ColumnVerdict(tuple(with_axes), question=verdict.question)
 
 
 def _axis_units(verdict: ColumnVerdict, columns: Sequence[SeenColumn]) -> dict[str, str]:

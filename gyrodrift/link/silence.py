@@ -16,7 +16,6 @@ NAMES_MAX = 12
 DATA_SHARE = 0.4
 """Share of digits above which a line is data, and below which it is a message."""
 
-RATE_UNITS = "dps, rads, mdps or lsb/N"
 ANGLE_NOTE = (
     ". It is an angle, which a filter in the device has processed. If it falls during a turn to the left, append :-"
 )
@@ -146,9 +145,10 @@ def _why_text(protocol: str, heard: Heard, port: str, waited: str, source: ByteS
     is_angle = guessed.turn.entry.startswith("yaw")
     columns = f"'{guessed.template}'"  # no label holds a quotation mark
     reasons = "; ".join(f"{column.looks_like} {column.why}" for column in guessed.columns if column.entry != "_")
-    if not guessed.is_unit_known:
+    if guessed.asked:
+        unknown = "its unit" if "UNIT by" in guessed.asked[-1] else "the sender"
         return (
-            f"{looks} ({reasons}), but its unit is unknown: replace UNIT by {'deg or rad' if is_angle else RATE_UNITS}"
+            f"{looks} ({reasons}), but {unknown} is unknown: replace {', and '.join(guessed.asked)}"
             f" in --columns {columns}, or find it by a quarter turn: {turn_it}"
         )
     note = ANGLE_NOTE if is_angle else ""

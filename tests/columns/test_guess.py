@@ -274,6 +274,45 @@ def test_an_angle_beside_a_rate_tells_its_unit_and_its_sign(angle: str, unit: st
     assert result.template == f"t_ms, rate:{'dps' if per_dps == 1.0 else 'rads'}{sign}"
 
 
+SENDERS: dict[str, tuple[Callable[[int], str], str, str]] = {
+    "nodes as objects": (
+        lambda i: f'{{"id": {1 + i % 2}, "gz_dps": {n(1):.3f}}}',
+        "id=WHICH, gz_dps=rate:dps",
+        "WHICH by the sender that you mean (1, 2)",
+    ),
+    "rows of a gyro and an accelerometer": (
+        lambda i: f'{{"sensor": "{("ACC", "GYRO")[i % 2]}", "t_ms": {10 * i}, "z": {n(1):.3f}}}',
+        "sensor=GYRO, t_ms=t_ms, z=rate:UNIT",
+        "UNIT by dps, rads, mdps or lsb/N",
+    ),
+}
+
+
+@pytest.mark.promise("Text and units")
+@pytest.mark.parametrize("name", SENDERS)
+def test_of_several_senders_one_is_asked_for(name: str) -> None:
+    """Of several senders in one stream, which one is asked for; their rates are never mixed."""
+    line, template, asked = SENDERS[name]
+    result = guess([line(i) for i in range(60)], 100.0)
+    assert result is not None
+    assert (result.template, result.spec, result.asked) == (template, None, (asked,))
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        lambda i: f"imu1 gz: {n(1):.3f} dps imu2 gz: {n(1):.3f} dps",
+        lambda i: f"{'AB'[i % 2]} gz: {n(1):.3f} dps",
+        lambda i: f"t_ms: {1000 + 20 * (i // 2) + 7 * (i % 2)} gz: {n(0.1) + 5 * (i % 2):.3f} dps",
+    ],
+    ids=["in one line", "in lines of two labels", "without a name"],
+)
+def test_two_gyros_without_a_key_are_a_question(line: Callable[[int], str]) -> None:
+    result = guess([line(i) for i in range(60)], 100.0)
+    assert result is not None
+    assert (result.template, result.question != "") == (None, True)
+
+
 def test_the_page_has_all_rules_with_their_reasons() -> None:
     page = (Path(__file__).parents[2] / "docs" / "protocols.md").read_text()
     reasons = re.findall(r"^\| [a-z ]+ \| ([A-Z].*\.) \|$", page, re.MULTILINE)

@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from gyrodrift.columns.fields import DECIMAL_COMMA, is_number
-from gyrodrift.columns.judge import ColumnVerdict, judged, seen_columns
+from gyrodrift.columns.judge import ColumnVerdict, judged
 from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.spec import (
     ACCELERATION_MPS2,
@@ -47,9 +46,6 @@ RATE_TARGETS = frozenset({"rate_dps", "gyro_x_dps", "gyro_y_dps"})
 FORCE_TARGETS = frozenset(ACCEL_COLUMNS)
 ANGLE_TARGETS = frozenset({"yaw_deg", "delta_deg", "encoder_deg"})
 AXES = ("gx", "gy", "ax", "ay", "az")
-
-NUMBERS_SHARE = 0.9
-"""Smallest share of numbers in the first rows of a column of numbers; the others are damaged."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -258,18 +254,12 @@ def rate_factor(unit: Unit) -> float | None:
 
 
 def verdict_on(head: Head) -> ColumnVerdict:
-    """ColumnVerdict of the judge on the columns of a table."""
+    """Verdict of the judge on the columns of a table."""
     labels = head.labels or ("",) * head.width
-    texts = [_values(head.texts(index)) for index in range(len(labels))]
+    rows = [row for row in head.rows if len(row) >= len(labels)]
+    texts = [[row[index].strip() for row in rows] for index in range(len(labels))]
     is_named = len(set(map(plain, labels))) == len(labels)
-    return judged(seen_columns(labels, ("",) * len(labels), texts), None, labels if is_named else ())
-
-
-def _values(texts: Sequence[str]) -> list[str]:
-    """Values with a decimal point, without the few that are no number."""
-    pointed = [text.replace(",", ".") if DECIMAL_COMMA.fullmatch(text) else text for text in texts]
-    numbers = [text for text in pointed if is_number(text) and text.lower().lstrip("+-") not in {"nan", "inf"}]
-    return numbers if len(numbers) >= NUMBERS_SHARE * len(pointed) else pointed
+    return judged(labels, ("",) * len(labels), texts, spec_labels=labels if is_named else ())
 
 
 def labelled_columns(head: Head, verdict: ColumnVerdict, *, needs_clock: bool = True) -> TableColumns | None:

@@ -62,7 +62,7 @@ def _proposal(verdict: ColumnVerdict) -> list[str]:
         return []
     rate = "" if verdict.clock else " --sample-rate HZ"
     reasons = "; ".join(f"{column.looks_like} {column.why}" for column in verdict.columns if column.entry != IGNORED)
-    unit = "" if verdict.is_unit_known else ", with the unit in the place of UNIT"
+    unit = f"; replace {', and '.join(verdict.asked)}" if verdict.asked else ""
     return [f"probably --columns '{verdict.template}'{rate}{unit} ({reasons})"]
 
 
