@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from math import hypot, isfinite, nan
 
-from gyrodrift.columns.fields import Fields, Headings, as_label, is_number, is_value, is_whole
+from gyrodrift.columns.fields import Fields, Form, Headings, as_label, is_number, is_value, is_whole
 from gyrodrift.columns.spec import IGNORED, QUATERNION, SELECTED, Column
 from gyrodrift.columns.times import ClockReader
 from gyrodrift.io.plain_text import decoded, plain_text
@@ -75,8 +75,9 @@ class TextDecoder(LineDecoder):
         if fields is None:
             return None
         if self._has_labels:
+            count = sum(map(is_number, fields.values)) if fields.form is Form.JSON else len(fields.values)
             named = {i: value for label, i in self._labels if (value := _value(fields, label)) is not None}
-            return self._from_lines(len(fields.values), named)
+            return self._from_lines(count, named)
         if len(fields.values) < self._columns_min:
             return None
         return self._reading(len(fields.values), {index: fields.values[index] for index in self._spec})
