@@ -26,7 +26,7 @@ from gyrodrift.columns.names import (
 from gyrodrift.columns.rate_unit import DEGREES_OF_FREEDOM, NOISE_DPS, NOISE_SCALE, SURE_ODDS, student
 from gyrodrift.columns.sizes import TEMPERATURES_C, gravity_unit, is_gravity
 from gyrodrift.columns.spec import CLOCK_US, IGNORED, RATE_DPS, spec_text
-from gyrodrift.columns.times import epoch_unit, is_time
+from gyrodrift.columns.times import counted_unit, epoch_unit, is_time
 from gyrodrift.columns.units import Dimension, unit_in, unit_of, without_unit
 
 UNKNOWN_UNIT = "UNIT"
@@ -210,7 +210,9 @@ def _is_labeled_clock(column: SeenColumn) -> bool:
 
 
 def _goes_on(column: SeenColumn, lines_per_s: float | None) -> bool:
-    return goes_on(column.numbers, lines_per_s) if column.is_numeric else len(set(column.texts)) > 1
+    if not column.is_numeric:
+        return len(set(column.texts)) > 1
+    return goes_on(column.numbers, lines_per_s) or bool(counted_unit(column.texts))
 
 
 def _stated_clock_unit(column: SeenColumn) -> str:

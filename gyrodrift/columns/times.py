@@ -86,6 +86,17 @@ def epoch_unit(texts: Sequence[str]) -> str:
     return ""
 
 
+def counted_unit(texts: Sequence[str]) -> str:
+    """Unit of COUNTED_US of times whose fraction has no leading zeros, as `%ld.%ld` prints it; empty for others."""
+    digits = max((len(match[1]) for text in texts if (match := FRACTION.search(text))), default=0)
+    unit = "s.ms" if digits <= 3 else "s.us" if digits <= 6 else "s.ns"
+    try:
+        read_s, counted_s = (_StampColumn(f"t:{name}").times_s(texts) for name in ("s", unit))
+    except ValueError:
+        return ""
+    return unit if _backward(read_s) >= LEAST_BACKWARD and not _backward(counted_s) else ""
+
+
 @dataclass(frozen=True, slots=True)
 class StatedClock:
     """What the user states about the clock of a recording; empty values leave it to the recording.
@@ -201,19 +212,24 @@ class _StampColumn:
         vars(self).update(state)
 
     def read(self, texts: Sequence[str]) -> list[float]:
+        """Seconds of texts; notes a fraction without leading zeros."""
+        t_s = self.times_s(texts)
+        if not self.counted and self._unit not in COUNTED_US and _backward(t_s) >= LEAST_BACKWARD:
+            self.counted = counted_unit(texts)
+        return t_s
+
+    def times_s(self, texts: Sequence[str]) -> list[float]:
         """Seconds of texts."""
         if self._is_step:
             _, *sums = accumulate(map(_finite, texts), initial=self._sum)
             self._sum = sums[-1]
             return [value / self._per_s for value in sums]
         if self._unit in ("hms", *COUNTED_US) or is_stamp(texts[0].strip()):
-            return self._checked(
-                self._since([self._time_ns(text.strip()) for text in texts], NS_PER_S, texts[0]), texts
-            )
+            return self._since([self._time_ns(text.strip()) for text in texts], NS_PER_S, texts[0])
         try:
             whole = self._unwrapped(list(map(int, texts)))
         except ValueError:
-            return self._checked(self._decimals(texts), texts)
+            return self._decimals(texts)
         return self._since(whole, self._per_s, texts[0])
 
     def stamp_us(self, text: str) -> int:
@@ -246,19 +262,6 @@ class _StampColumn:
             unwrapped.append(stamp + self._wrapped)
         self._last = last
         return unwrapped
-
-    def _checked(self, t_s: list[float], texts: Sequence[str]) -> list[float]:
-        """The same times, after a look for a fraction that is a count without leading zeros."""
-        if self.counted or self._unit in COUNTED_US or _backward(t_s) < LEAST_BACKWARD:
-            return t_s
-        digits = max((len(match[1]) for text in texts if (match := FRACTION.search(text))), default=0)
-        unit = "ms" if digits <= 3 else "us" if digits <= 6 else "ns"
-        try:
-            counted_s = _StampColumn(f"t:s.{unit}").read(texts)
-        except ValueError:
-            return t_s
-        self.counted = "" if _backward(counted_s) else f"s.{unit}"
-        return t_s
 
     def _since(self, stamps: list[int], per_s: float, first: str) -> list[float]:
         if self._base is None:
