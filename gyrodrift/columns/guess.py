@@ -13,7 +13,7 @@ from gyrodrift.columns.spec import IGNORED
 
 LINES_MIN = 3
 LINES_MAX = 400
-TIMES = re.compile(r"\s*[*×]\s*")
+TIMES = re.compile(r"\s?[*×]\s?")
 """Factor in a name, such as `gz*100`, which the label keeps."""
 
 
