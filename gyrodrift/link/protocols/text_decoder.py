@@ -57,6 +57,11 @@ class TextDecoder(LineDecoder):
         self._labels = [(as_label(column.label), index) for index, column in used]
         self._selects = [index for index, column in used if column.meaning == SELECTED]
         self._clocks = [index for index, column in used if column.clock]
+        self._values = [
+            (index, column.meaning, column.scale)
+            for index, column in used
+            if index not in self._clocks and index not in self._selects
+        ]
         self._clock = ClockReader([self._spec[index].clock for index in self._clocks])
         self._collected: Named = {}
 
@@ -100,16 +105,14 @@ class TextDecoder(LineDecoder):
         return self._reading(SEVERAL_LINES, collected)
 
     def _reading(self, count: int, texts: Named) -> tuple[int, Reading] | None:
-        if not all(is_value(texts[index], self._spec[index].unit) for index in self._selects):
+        if self._selects and not all(is_value(texts[index], self._spec[index].unit) for index in self._selects):
             return WITHOUT_RATE
         numbers: dict[str, float] = {}
-        for index, text in texts.items():
-            column = self._spec[index]
-            if index in self._clocks or index in self._selects:
-                continue
-            if not (is_whole(text) if column.meaning == SEQ else is_number(text)):
+        for index, meaning, scale in self._values:
+            text = texts[index]
+            if not (is_whole(text) if meaning == SEQ else is_number(text)):
                 return None
-            numbers[column.meaning] = int(text) & COUNTER_MASK if column.meaning == SEQ else float(text) * column.scale
+            numbers[meaning] = int(text) & COUNTER_MASK if meaning == SEQ else float(text) * scale
         motion = _motion(numbers)
         if motion is None:
             return None
