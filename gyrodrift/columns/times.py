@@ -136,7 +136,6 @@ class ClockReader:
 
     def __init__(self, entries: Sequence[str]) -> None:
         self._columns = [_StampColumn(entry) for entry in entries]
-        self._since_us = 0
 
     @property
     def began(self) -> str:
@@ -174,6 +173,8 @@ class ClockReader:
         ValueError
             A text is no time.
         """
+        if len(cells) == 1:
+            return self._columns[0].stamp_us(cells[0])
         self._look_for_dates(cells)
         return sum(column.stamp_us(text) for column, text in zip(self._columns, cells, strict=True))
 
@@ -190,6 +191,7 @@ class _StampColumn:
     def __init__(self, entry: str) -> None:
         self.began, self.counted, self.counts_days = "", "", True
         self._is_step, self._unit = entry.startswith("d"), unit_of_clock(entry)
+        self._is_text = self._unit in ("hms", *COUNTED_US)
         us = scale_of(CLOCK, self._unit) or 1.0
         self._per_s: float = PER_S.get(f"t_{self._unit}", 1e6 / us)
         self._us = round(us) if us >= 1.0 and us == round(us) else us
@@ -224,7 +226,7 @@ class _StampColumn:
             _, *sums = accumulate(map(_finite, texts), initial=self._sum)
             self._sum = sums[-1]
             return [value / self._per_s for value in sums]
-        if self._unit in ("hms", *COUNTED_US) or is_stamp(texts[0].strip()):
+        if self._is_text or is_stamp(texts[0].strip()):
             return self._since([self._time_ns(text.strip()) for text in texts], NS_PER_S, texts[0])
         try:
             whole = self._unwrapped(list(map(int, texts)))
@@ -237,12 +239,12 @@ class _StampColumn:
         if self._is_step:
             self._sum += _finite(text)
             return round(self._sum * self._us)
-        if self._unit in ("hms", *COUNTED_US) or is_stamp(text):
+        if self._is_text:
             return self._time_ns(text) // 1000
         try:
             (whole,) = self._unwrapped([int(text)])
         except ValueError:
-            return round(_finite(text) * self._us)
+            return self._time_ns(text) // 1000 if is_stamp(text) else round(_finite(text) * self._us)
         return round(whole * self._us)
 
     def _unwrapped(self, stamps: list[int]) -> list[int]:

@@ -5,7 +5,7 @@ from math import hypot, isfinite, nan
 
 from gyrodrift.columns.fields import Fields, Form, Headings, as_label, is_number, is_value, is_whole
 from gyrodrift.columns.spec import IGNORED, QUATERNION, SELECTED, Column
-from gyrodrift.columns.times import ClockReader
+from gyrodrift.columns.times import ClockReader, is_stamp
 from gyrodrift.io.plain_text import decoded, plain_text
 from gyrodrift.link.protocols.lines import WITHOUT_RATE, LineDecoder
 from gyrodrift.link.protocols.plausible import MAX_RATE_DPS
@@ -134,8 +134,11 @@ class TextDecoder(LineDecoder):
 
     def _stamp_us(self, texts: Named) -> int | None:
         """Clock of 32 bits; None without one, or if it is no time."""
+        cells = [texts[index] for index in self._clocks]
+        if not cells or not all(is_number(cell) or is_stamp(cell) for cell in cells):
+            return None
         try:
-            t_us = self._clock.stamp_us([texts[index] for index in self._clocks]) if self._clocks else LONGEST_CLOCK_US
+            t_us = self._clock.stamp_us(cells)
         except (ValueError, OverflowError):
             return None
         return t_us & CLOCK_MASK if abs(t_us) < LONGEST_CLOCK_US else None
