@@ -22,6 +22,9 @@ BRACKETED = re.compile(r"\([^)]{0,256}+\)|\[[^\]]{0,256}+\]")
 NO_QUANTITY = re.compile(r"^(scaled|raw|got|calibrated|imu|mpu|icm|lsm|bmi|sensor|msg)+")
 """Words and chip names before a quantity."""
 
+CHANGE, TURNED = "delta|d|inc|incr|increment|incremental|change|diff", "theta|ang|angle|yaw|heading|psi|rot|rotation"
+"""Words of an angle since the last sample, in any order: `dtheta_z`, `delta angle z`, `yaw increment`."""
+
 SCALED = re.compile(r"[*×]|/\s*\d{2}|^\d{2,}\s")
 """Factors in a name, `gz*100`, `10 gz` or `gz/10`, which make it another quantity."""
 
@@ -62,6 +65,7 @@ KINDS = {
     "pitch": r"pitch(angle)?(deg|rads?)?|theta|eulerpitch",
     "roll": r"roll(angle)?(deg|rads?)?|phi|eulerroll",
     "angle": r"(acc)?(ypr|rpy|euler|angles?|orient(ation)?|attitude|ang|rot(ation)?vector)[xyzw]?|o[ypr]",
+    "delta": rf"({CHANGE})({TURNED})z?|({TURNED})({CHANGE})",
     "quaternion": r"q(uat(ernion)?)?[wxyz0123ijkr]|quat(ernion)?",
 }
 """Names that sketches give to columns, without case, spaces and punctuation; `rates` name no axis."""
