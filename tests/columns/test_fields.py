@@ -49,9 +49,9 @@ def test_labels_name_values(line: str, labels: tuple[str, ...], values: tuple[st
 @pytest.mark.parametrize(
     ("line", "units"),
     [
-        ("Rotation X: 0.1, Y: 0.2, Z: 0.3 rad/s", ("", "", "rad/s")),
+        ("Rotation X: 0.1, Y: 0.2, Z: 0.3 rad/s", ("rad/s",) * 3),
         ("gx: 1 deg/s gy: 2 deg/s gz: 3 deg/s", ("deg/s", "deg/s", "deg/s")),
-        ("g(x,y,z) 4 5 6 [dps] o(y,p,r) 1 2 3", ("", "", "dps", "", "", "")),
+        ("g(x,y,z) 4 5 6 [dps] o(y,p,r) 1 2 3", ("dps", "dps", "dps", "", "", "")),
         ("rate = 944.27 Hz", ("Hz",)),
         ("Gz: 0.58°/s", ("°/s",)),
         (">gz:0.5§rad/s", ("rad/s",)),
