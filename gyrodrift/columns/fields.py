@@ -15,7 +15,7 @@ from gyrodrift.columns.log_prefix import LABEL as PREFIX_LABEL
 from gyrodrift.columns.log_prefix import Prefixed, PrefixReader, split_prefix
 from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.objects import leaves_of
-from gyrodrift.columns.units import unit_in, unit_of
+from gyrodrift.columns.units import Dimension, unit_in, unit_of
 
 HEADED = re.compile(r"([A-Za-z][\w ()]{0,30}):\s++(?=[A-Za-z]\w{0,7}\s*+[:=])")
 WORD = (
@@ -61,7 +61,7 @@ NUMBER = r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+"
 
 WHOLE = re.compile(r"[-+]?[0-9]++")
 VALUE = re.compile(rf"(?:{NUMBER}|nan|inf|[-+]inf)", re.IGNORECASE)
-LABEL = r"(?<![A-Za-z_])([A-Za-z_][\w .()\[\]/°-]{0,40}?)\s*+"
+LABEL = r"(?<![A-Za-z_])(?<!\d(?=T\d\d:))([A-Za-z_][\w .()\[\]/°-]{0,40}?)\s*+"
 LABELED = re.compile(rf"{LABEL}(?:[:=]{{1,2}}\s*+\[?|\[)\s*+({NUMBER}|nan)(?![^\[\]]{{0,20}}\]\s*+[:=])", re.IGNORECASE)
 VECTOR = re.compile(
     rf"{LABEL}(?:[:=]\s*+[\[(]?|[\[(])\s*+"
@@ -110,7 +110,7 @@ POINT = re.compile(r"[0-9]\.[0-9]")
 
 PAIR = re.compile(
     rf"([A-Za-z_][\w.]{{0,30}})\s++({NUMBER})(?![\w.])"
-    r"(?:\s*+([A-Za-z°µ%][^\s,;|0-9]{0,15})(?=[\s,;|]*+(?:$|[A-Za-z_])))?[\s,;|]*+"
+    r"(?:\s*+([A-Za-z°µ%][^\s,;|0-9]{0,15})(?=[\s,;|]++[A-Za-z_]|[\s,;|]*+$))?[\s,;|]*+"
 )
 """`gx 0.1 gy 0.2 dps`: a label, a number, and maybe a unit."""
 
@@ -270,11 +270,16 @@ def _shared(labels: tuple[str, ...], units: tuple[str, ...]) -> tuple[str, ...]:
         "" if unit_in(label) else QUANTITY_OF.get(kind_of(label)) or _head_of_axis(label) for label in labels
     ]
     stated = {
-        quantity: {unit for unit, of_unit in zip(units, quantities, strict=True) if unit and of_unit == quantity}
+        quantity: {unit for unit, of_unit in zip(units, quantities, strict=True) if of_unit == quantity and _is_of_axis(unit)}
         for quantity in set(quantities) - {""}
     }
     only = {quantity: next(iter(found)) for quantity, found in stated.items() if len(found) == 1}
     return tuple(unit or only.get(quantity, "") for unit, quantity in zip(units, quantities, strict=True))
+
+
+def _is_of_axis(text: str) -> bool:
+    unit = unit_of(text)
+    return unit is not None and unit.dimension is not Dimension.FREQUENCY  # `rate = 50 Hz`
 
 
 def _head_of_axis(label: str) -> str:

@@ -1,20 +1,26 @@
 """Question to the user if a table does not say which column is the rate, or in which unit."""
 
+from collections import Counter
 from collections.abc import Sequence
 from itertools import pairwise
 from math import isfinite
 
+from gyrodrift.columns.fields import as_label
 from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.times import is_time
-from gyrodrift.columns.units import unit_in, without_unit
+from gyrodrift.columns.units import unit_in, unit_of, without_unit
 from gyrodrift.session.csv import OLD_NAMES, REQUIRED, slips_in
 from gyrodrift.session.session import COLUMNS
+from gyrodrift.session.tables.layout import is_value
 from gyrodrift.session.tables.plan import Head, clock_unit
 from gyrodrift.values.errors import DataError, shortened
 from gyrodrift.values.nearest import suggestion
 
 SHOWN = 20
 LABEL_SHOWN = 48
+KINDS_MAX = 12
+"""Most different words of a column that names the kinds of rows."""
+
 MEANINGS = {
     "clock": "a clock",
     "seq": "a counter",
@@ -48,10 +54,25 @@ HOW = (
 def unclear(head: Head) -> DataError:
     """Error that shows every column with its apparent meaning."""
     source = f"{head.path}:{head.line}" if head.line else f"{head.path}"
-    reason = "its header does not say" if head.labels else "it has no header, so nothing says"
+    names = "header does" if head.line else "labels do"
+    reason = f"its {names} not say" if head.labels else "it has no header, so nothing says"
     lines = [_described(head, index) for index in range(min(head.width, SHOWN))]
     rest = [f"  and {head.width - SHOWN} more"] if head.width > SHOWN else []
-    return DataError("\n".join([f"{source}: {reason} which column is the rate and in which unit:", *lines, *rest, HOW]))
+    which = f"{source}: {reason} which column is the rate and in which unit:"
+    return DataError("\n".join([which, *lines, *rest, *_kinds(head), HOW]))
+
+
+def _kinds(head: Head) -> list[str]:
+    """Advice for a table whose rows are of several kinds, as a column of words says."""
+    for index, label in enumerate(head.labels):
+        counts = Counter(head.texts(index))
+        are_words = not any(map(is_value, counts)) and not any(map(unit_of, counts))
+        are_kinds = 1 < len(counts) <= KINDS_MAX and min(counts.values()) > 1
+        if are_words and (are_kinds or any(map(kind_of, counts))):
+            kinds = ", ".join(shortened(word, LABEL_SHOWN) for word in counts)
+            entry = f"{as_label(label)}={next(iter(counts))}"
+            return [f"its rows are of several kinds by {label.strip()} ({kinds}): an entry such as {entry!r} keeps one"]
+    return []
 
 
 def check_header(head: Head) -> None:
