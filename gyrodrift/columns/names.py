@@ -1,6 +1,7 @@
 """Names that sketches give to quantities, and a column while its meaning is being determined."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import permutations
 
@@ -92,6 +93,12 @@ AXES_OF_RATES: dict[tuple[str, ...], tuple[str, ...]] = {
 """Kinds of columns in units of rates, by their labels; columns without labels have the order x, y, z."""
 
 USED = {"clock", "seq", "rate", "encoder", "temp", "yaw", "heading"}
+ONE_OF = {"encoder", "temp", "seq"}
+"""Kinds of which the first column counts; of several clocks, rates or angles the judge chooses or asks."""
+
+QUATERNION = re.compile(r"(?:.*[\s._])?q(?:uat(?:ernion)?)?[\s._]?([wxyz])", re.IGNORECASE)
+AIMS = re.compile(r"target|set_?point|desired|cmd|command|(?<![a-z])(sp|ref|goal)(?![a-z])", re.IGNORECASE)
+"""Labels of setpoints: such a quaternion is the desired orientation, not the measured one."""
 
 
 @dataclass(slots=True)
@@ -134,8 +141,8 @@ def kind_of(label: str) -> str:
         return ""
     words, mark, axis = name.rpartition(".")
     named = f"{words}{AXIS_OF_INDEX[axis]}" if mark and axis in AXIS_OF_INDEX else f"{words}{axis}"
-    without_unit = "".join(word for word in re.split(r"[\s_]+", named) if len(word) == 1 or unit_of(word) is None)
-    return _kind_of(named) or _kind_of(without_unit)
+    words_alone = "".join(word for word in re.split(r"[\s_]+", named) if len(word) == 1 or unit_of(word) is None)
+    return _kind_of(named) or _kind_of(words_alone) or _kind_of(without_unit(named))
 
 
 def _bracket_words(match: re.Match[str]) -> str:
@@ -151,14 +158,14 @@ def _kind_of(name: str) -> str:
 
 
 def name_by_label(columns: list[SeenColumn]) -> None:
-    """Name columns by their labels. Of two rates the first counts. Label and unit must agree: Hz is not a rate."""
+    """Name columns by their labels. Label and unit must agree: Hz is not a rate. Clocks are named by the judge."""
     taken = {column.kind for column in columns}
     is_one = sum(map(_is_rate, columns)) == 1
-    for column in sorted(columns, key=_is_rate, reverse=True):  # `gz` in deg/s comes before `gz_raw`
+    for column in columns:
         kind = kind_of(column.label) if column.is_numeric and not column.kind else ""
         if kind == "rates" and _is_rate(column) and is_one:
             kind = "rate"  # a single value of a gyro, in a unit of rates
-        if kind and not (kind in USED and kind in taken) and _agrees(kind, column):
+        if kind not in {"", "clock"} and not (kind in ONE_OF and kind in taken) and _agrees(kind, column):
             column.kind, column.why = kind, f"is labeled {column.label}"
             taken.add(kind)
 
@@ -185,7 +192,7 @@ def _measures(column: SeenColumn, *dimensions: Dimension) -> bool:
 
 def name_by_known_row(columns: list[SeenColumn]) -> None:
     """Name the columns of known firmware by the first word of its lines."""
-    word = columns[0].texts[0].rstrip(":=")
+    word = "".join(columns[0].texts[:1]).rstrip(":=")
     for column, entry in zip(columns[1:], KNOWN_ROWS.get(word, ()), strict=False):
         if column.is_numeric:
             kind, _, option = entry.partition(":")
@@ -208,9 +215,19 @@ def name_by_unit(columns: list[SeenColumn]) -> None:
         column.why = "is the only rate" if len(rates) == 1 else f"is the rate about {AXIS_OF[kind]} of three"
 
 
+def quaternion_of(columns: Sequence[SeenColumn]) -> dict[str, int]:
+    """Indices of the parts w, x, y and z of the only quaternion; empty without one."""
+    labels = ["" if AIMS.search(column.label) or not column.is_numeric else column.label.strip() for column in columns]
+    matches = [
+        (match[1].lower(), index) for index, label in enumerate(labels) if (match := QUATERNION.fullmatch(label))
+    ]
+    return dict(sorted(matches)) if sorted(part for part, _ in matches) == list("wxyz") else {}
+
+
 def _name(column: SeenColumn) -> str:
-    """Words of a label without its unit."""
-    return " ".join(word for word in without_unit(column.label).lower().split() if unit_of(word) is None)
+    """Words of a label without its unit, and without the word axis."""
+    words = re.split(r"[\s-]+", without_unit(column.label).lower())
+    return " ".join(word for word in words if unit_of(word) is None and word != "axis").strip()
 
 
 def _is_rate(column: SeenColumn) -> bool:

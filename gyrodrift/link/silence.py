@@ -108,8 +108,9 @@ def _why_text(protocol: str, heard: Heard, port: str, waited: str, source: ByteS
     looks = f"{prints}: {quoted(guessed.example)} looks like {shown} ({guessed.form})"
     turn_it = f"gyrodrift doctor --port {shlex.quote(port)} --turn"
     if guessed.turn is None or guessed.template is None:
+        reason = guessed.question or "none of them is known to be the yaw rate"
         return (
-            f"{looks}, but none of them is known to be the yaw rate; {_expected(protocol)}, or name the columns with"
+            f"{looks}, but {reason}; {_expected(protocol)}, or name the columns with"
             f" --columns, or find them by a quarter turn: {turn_it}"
         )
     is_angle = guessed.turn.entry.startswith("yaw")

@@ -71,8 +71,15 @@ def _loaded(path: Path, columns: Sequence[Column] | None, *, allow_damage: bool)
     if ending in (".mcap", *LOGS) and ending not in TABLES:
         raise UsageError(f"--columns: {path} is no table; tables end in {', '.join(TABLES)}")
     from gyrodrift.session.tables.read import read_table
+    from gyrodrift.session.tables.text import NoTableError
 
-    return read_table(path, columns)
+    try:
+        return read_table(path, columns)
+    except NoTableError as error:
+        if ending in TABLES:
+            raise
+        read = ", ".join(dict.fromkeys((".mcap", *TABLES, *LOGS)))
+        raise DataError(f"{error}; sessions end in {read}, not {path.suffix or 'nothing'}") from error
 
 
 def _bag(folder: Path) -> Session:

@@ -30,7 +30,7 @@ STATEMENT: dict[str, tuple[Callable[[int], str], str, str]] = {
             f"Rotation X: {n(0.1):.2f}, Y: 0.00, Z: {n(0.1):.2f} rad/s\nTemperature: 25.10 degC\n"
         ),
         "gx, gy, gz",
-        "Rotation Z=rate:rads",
+        "Rotation X=gx:rads, Rotation Y=gy:rads, Rotation Z=rate:rads",
     ),
     "accelerations and rates in one line": (
         lambda i: f"a(x,y,z) 1 2 999 [mg] g(x,y,z) 1 2 {n(1):.2f} [dps] o(y,p,r) 1 2 3 rate = {700 + n(9):.2f} Hz",
@@ -57,7 +57,7 @@ STATEMENT: dict[str, tuple[Callable[[int], str], str, str]] = {
     "lines that differ by their first word": (
         lambda i: f"accel 1 2 3\ngyro_dps 1 2 {n(1):.2f}\nmag 4 5 6",
         "_, gx, gy, gz",
-        "gyro_dps z=rate:dps",
+        "gyro_dps x=gx:dps, gyro_dps y=gy:dps, gyro_dps z=rate:dps",
     ),
     "Teleplot with times": (
         lambda i: f">gx:{20 * i}:1§dps\n>gz:{20 * i}:{n(1):.2f}§dps",

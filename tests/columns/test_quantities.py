@@ -64,19 +64,23 @@ def test_a_unit_of_rates_does_not_stand_against_what_a_label_says(form: str) -> 
 @pytest.mark.parametrize(
     ("head", "form", "spec"),
     [
-        ("", "Z: {z:.2f} dps Y: {y:.2f} dps X: {x:.2f} dps", "Z=rate:dps"),
-        ("", "yaw: {z:.2f} deg/s pitch: {y:.2f} deg/s roll: {x:.2f} deg/s", "yaw=rate:dps"),
-        ("", "gyro_yaw: {z:.2f} dps gyro_pitch: {y:.2f} dps gyro_roll: {x:.2f} dps", "gyro_yaw=rate:dps"),
-        ("t_ms,r (rad/s),q (rad/s),p (rad/s)", "{t},{z:.4f},{y:.4f},{x:.4f}", "t_ms, rate:rads"),
+        ("", "Z: {z:.2f} dps Y: {y:.2f} dps X: {x:.2f} dps", "Z=rate:dps, dps Y=gy:dps, dps X=gx:dps"),
+        ("", "yaw: {z:.2f} deg/s pitch: {y:.2f} deg/s roll: {x:.2f} deg/s", "yaw=rate:dps, pitch=gy:dps, roll=gx:dps"),
+        (
+            "",
+            "gyro_yaw: {z:.2f} dps gyro_pitch: {y:.2f} dps gyro_roll: {x:.2f} dps",
+            "gyro_yaw=rate:dps, gyro_pitch=gy:dps, gyro_roll=gx:dps",
+        ),
+        ("t_ms,r (rad/s),q (rad/s),p (rad/s)", "{t},{z:.4f},{y:.4f},{x:.4f}", "t_ms, rate:rads, gy:rads, gx:rads"),
         (
             "Tiempo (ms);Giro Z (°/s);Giro Y (°/s);Giro X (°/s)",
             "{t};{z:.2f};{y:.2f};{x:.2f}",
-            "t_ms, rate:dps",
+            "t_ms, rate:dps, gy:dps, gx:dps",
         ),
         ("Zeit [ms];Nickrate [°/s];Gierrate [°/s]", "{t};{y:.2f};{z:.2f}", "t_ms, _, rate:dps"),
         ("", "Vitesse de lacet: {z:.2f} °/s", "Vitesse de lacet=rate:dps"),
         ("", "gz_raw: {x:.0f} gz: {z:.2f} dps", "gz=rate:dps"),
-        ("", "{x:.2f}dps,{y:.2f}dps,{z:.2f}dps", "_, _, rate:dps"),
+        ("", "{x:.2f}dps,{y:.2f}dps,{z:.2f}dps", "gx:dps, gy:dps, rate:dps"),
         ("", "I ({t}) app: gx: {x:.2f} gz: {z:.2f} dps", "gz=rate:dps, time=t_ms"),
     ],
 )

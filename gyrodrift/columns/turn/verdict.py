@@ -7,7 +7,7 @@ from math import degrees
 
 import numpy as np
 
-from gyrodrift.columns.behavior import GRAVITIES
+from gyrodrift.columns.sizes import gravity_unit
 from gyrodrift.columns.turn.motion import Behavior, ColumnMotion, TurnWindow, motion_of, unwrapped
 from gyrodrift.columns.turn.scale import (
     ANGLE_TOLERANCE,
@@ -76,7 +76,7 @@ def of_gravity(motions: Sequence[ColumnMotion]) -> list[ColumnMotion]:
     """Three adjacent columns whose length at rest is gravity; empty without."""
     for three in zip(motions, motions[1:], motions[2:], strict=False):
         length = float(np.linalg.norm([motion.level for motion in three]))
-        if _are_adjacent(three) and any(abs(length - gravity) <= NORM * gravity for gravity in GRAVITIES):
+        if _are_adjacent(three) and gravity_unit(length, NORM):
             return list(three)
     return []
 
@@ -95,6 +95,9 @@ def of_unit_length(motions: Sequence[ColumnMotion]) -> list[ColumnMotion]:
 def _are_adjacent(motions: Sequence[ColumnMotion]) -> bool:
     return all(b.series.key.index == a.series.key.index + 1 or a.series.key.label for a, b in pairwise(motions))
 
+
+SLOW_HZ = 4.0
+"""Values a second below which a quarter turn by hand, 1 to 2 s, has too few to be told from damage."""
 
 REACHED = 0.03
 """Distance from its new level at which an angle has arrived, as a share of its change."""
@@ -210,7 +213,10 @@ def _rate(motions: Sequence[ColumnMotion], angle: AngleColumn | None) -> tuple[R
 def _scaled(motion: ColumnMotion, angle: AngleColumn | None) -> RateColumn | None:
     turn_deg, within = (abs(angle.turn_deg), ANGLE_TOLERANCE) if angle else (QUARTER_DEG, HAND)
     stated = stated_scale(motion.series.unit, motion.integral, turn_deg)
-    scale = stated or scale_of(motion.integral, turn_deg, within) or scale_of(motion.integral, QUARTER_DEG, HAND)
+    is_named = motion.series.kind == "rate"
+    scale = stated or scale_of(motion.integral, turn_deg, within) or scale_of(
+        motion.integral, QUARTER_DEG, HAND, is_named=is_named
+    )
     if scale is None:
         return None
     per_dps = scale.near[0].per_dps if scale.is_known else scale.per_dps
@@ -288,5 +294,8 @@ def _question(motions: Sequence[ColumnMotion]) -> str:
     if quaternion := of_unit_length(motions):
         names = ", ".join(motion.series.name for motion in quaternion)
         return f"{names} are a quaternion, which --columns cannot read; print the yaw rate or yaw, too"
+    pace_hz = max(len(motion.series.values) / max(float(np.ptp(motion.series.t_s)), 1.0) for motion in moved)
+    if pace_hz < SLOW_HZ:
+        return f"only {pace_hz:.2g} values arrive a second; turn it slowly, over 5 s or more, then hold it still"
     names = ", ".join(f"{motion.series.name} {motion.behavior}" for motion in moved[:6])
     return f"no column shows a quarter turn: {names}; turn it again by exactly a quarter turn, with the device level"

@@ -16,7 +16,7 @@ from gyrodrift.columns.units import unit_in, unit_of
 from gyrodrift.session.csv import MOST_COLUMNS, REQUIRED
 from gyrodrift.session.tables.labelled import TextLayout, text_layout
 from gyrodrift.session.tables.plan import Head
-from gyrodrift.session.tables.text import COMMENT, Lines, opened
+from gyrodrift.session.tables.text import COMMENT, Lines, NoTableError, opened
 from gyrodrift.values.errors import DataError, shortened
 
 LOOKED_AT = 1000
@@ -120,7 +120,7 @@ def layout_of(path: Path) -> TableLayout | TextLayout:
     has_names = table is not None and (table.head.labels or text is None or not text.head.labels)
     layout = table if has_names and (text is None or text.form is Form.ROW) else text
     if layout is None:
-        raise DataError(f"{path}: {_why_no_rows([line.strip() for _, line in sample])}")
+        raise NoTableError(f"{path}: {_why_no_rows([line.strip() for _, line in sample])}")
     return layout
 
 

@@ -1,19 +1,17 @@
 """Meaning of the columns of a table: stated by the user, of a known form, or by labels with units."""
 
-import re
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from pathlib import Path
 
+from gyrodrift.columns.fields import DECIMAL_COMMA, is_number
+from gyrodrift.columns.judge import Verdict, judged, seen_columns
 from gyrodrift.columns.names import kind_of
-from gyrodrift.columns.spec import ACCELERATION_MPS2, ANGLE_DEG, CLOCK_US, IGNORED, RATE_DPS, Column
-from gyrodrift.columns.times import epoch_unit, is_time
-from gyrodrift.columns.units import Dimension, Unit, unit_in, unit_of, without_unit
+from gyrodrift.columns.spec import ACCELERATION_MPS2, CLOCK_US, IGNORED, RATE_DPS, Column, column_of, spec_text
+from gyrodrift.columns.units import Dimension, Unit, unit_in, without_unit
 from gyrodrift.session.csv import present_names
 from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS
-from gyrodrift.session.tables.known import KNOWN_TABLES, NOTHING, label_index
+from gyrodrift.session.tables.known import KNOWN_TABLES, NOTHING, label_index, plain
 from gyrodrift.values.errors import DataError, UsageError
 
 OWN, BY_COLUMNS, BY_LABELS = "gyrodrift", "--columns", "labels with units"
@@ -36,24 +34,8 @@ RATE_TARGETS = frozenset({"rate_dps", "gyro_x_dps", "gyro_y_dps"})
 FORCE_TARGETS = frozenset(ACCEL_COLUMNS)
 AXES = ("gx", "gy", "ax", "ay", "az")
 
-CLOCK_WORDS = re.compile(r"time|elapsed|stamp|clock|zeit|uptime|\btemps\b|tiempo", re.IGNORECASE)
-STEP_WORDS = re.compile(
-    r"\bdt\b|delta|diff|interval|period|offset|exposure|latency|duration|delay|rtt|\brise\b|response|since last|flight",
-    re.IGNORECASE,
-)
-CLOCKWISE = re.compile(r"heading|azimuth|compass|bearing|course|\bhdg\b|\bcog\b", re.IGNORECASE)
-RATES = {"rate", "rates"}
-"""Kinds of labels for a rate about the vertical axis, or about no named axis."""
-
-BACKWARDS = 0.1
-"""Largest share of backward steps of a clock: restarts, and rows out of order."""
-
-NUMBER_BEGINS = re.compile(r"[-+]?[.,]?\d")
-QUATERNION = re.compile(r"(?:.*[\s._])?q(?:uat(?:ernion)?)?[\s._]?([wxyz])", re.IGNORECASE)
-AIMS = re.compile(r"target|set_?point|desired|cmd|command|(?<![a-z])(sp|ref|goal)(?![a-z])", re.IGNORECASE)
-"""Labels of setpoints: such a quaternion is the desired orientation, not the measured one."""
-
-CELSIUS = re.compile(r"(°|º|deg|degrees?)?\s*c(elsius)?", re.IGNORECASE)
+NUMBERS_SHARE = 0.9
+"""Smallest share of numbers in the first rows of a column of numbers; the others are damaged."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -258,136 +240,64 @@ def rate_factor(unit: Unit) -> float | None:
     return 1.0 / float(unit.option.removeprefix("lsb/")) if unit.option.startswith("lsb/") else RATE_DPS[unit.option]
 
 
-def labelled_columns(head: Head) -> TableColumns | None:
-    """Columns by labels that name meaning and unit; None without a clock or without exactly one rate or yaw."""
-    clocks = [UsedColumn(index, "t_device_s", unit=unit) for index, unit in _clocks(head)]
-    rates = [column for index in range(len(head.labels)) if (column := _rate(head, index))]
-    yaws = [column for index in range(len(head.labels)) if (column := _yaw(head, index))]
-    quaternion = _quaternion(head)
-    if not clocks or len(rates) > 1 or (not rates and len(yaws) != 1 and not (quaternion and not yaws)):
+def verdict_on(head: Head) -> Verdict:
+    """Verdict of the judge on the columns of a table."""
+    labels = head.labels or ("",) * head.width
+    texts = [_values(head.texts(index)) for index in range(len(labels))]
+    is_named = len(set(map(plain, labels))) == len(labels)
+    return judged(seen_columns(labels, ("",) * len(labels), texts), None, labels if is_named else ())
+
+
+def _values(texts: Sequence[str]) -> list[str]:
+    """Values with a decimal point, without the few that are no number."""
+    pointed = [text.replace(",", ".") if DECIMAL_COMMA.fullmatch(text) else text for text in texts]
+    numbers = [text for text in pointed if is_number(text) and text.lower().lstrip("+-") not in {"nan", "inf"}]
+    return numbers if len(numbers) >= NUMBERS_SHARE * len(pointed) else pointed
+
+
+def labelled_columns(head: Head, verdict: Verdict) -> TableColumns | None:
+    """Columns whose labels state meaning and unit; None without a stated clock and a stated rate or yaw."""
+    if not head.labels or not verdict.is_stated:
         return None
-    running = [clock for clock in clocks if _goes_on(head.texts(clock.index))] or clocks
-    motion = rates or yaws or quaternion
-    encoder = _encoder(head) if rates else []
-    taken = (running[0], *motion, *(_axes(head) if rates else ()), *encoder, *_temperature(head))
-    remarks = _yaw_remarks({column.target for column in motion}, head.labels[motion[0].index])
-    remarks += _unused_angle_remarks(head, running[0], rates[0], yaws) if rates and not encoder else ()
-    return TableColumns(BY_LABELS, taken, remarks=remarks)
+    taken = [
+        _by_entry(index, column.entry)
+        for index, column in enumerate(verdict.columns)
+        if column.entry not in {IGNORED, "seq"}
+    ]
+    targets = {column.target for column in taken}
+    turning = next(index for index, column in enumerate(verdict.columns) if column is verdict.turn)
+    remarks = _yaw_remarks(targets, head.labels[turning])
+    if "rate_dps" in targets and "encoder_deg" not in targets:
+        remarks += _unused_angle_remarks(head, verdict)
+    return TableColumns(BY_LABELS, tuple(taken), remarks=remarks)
 
 
-def _clocks(head: Head) -> list[tuple[int, str]]:
-    units = ((index, clock_unit(label, head.texts(index))) for index, label in enumerate(head.labels))
-    return [(index, unit) for index, unit in units if unit]
+def _by_entry(index: int, entry: str) -> UsedColumn:
+    if entry.startswith("q."):
+        return UsedColumn(index, f"q{entry[2:]}")
+    return _taken(index, column_of(entry))
 
 
-def _goes_on(texts: Sequence[str]) -> bool:
-    """Whether a column runs like a clock, hardly ever back; `response time (ms)` does not."""
-    if len(set(texts)) < 2 or not all(map(NUMBER_BEGINS.match, texts)) or any(map(is_time, texts)):
-        return len(set(texts)) > 1
-    try:
-        numbers = [float(text.replace(",", ".")) for text in texts]
-    except ValueError:
-        return True
-    return sum(after < before for before, after in pairwise(numbers)) <= BACKWARDS * len(numbers)
-
-
-def clock_unit(label: str, texts: Sequence[str]) -> str:
-    """Unit of a clock as in a SPEC; empty for another column, or without a unit."""
-    unit, name = unit_in(label) or unit_of(label), without_unit(label)
-    is_clock = kind_of(name) == "clock" or kind_of(label) == "clock" or CLOCK_WORDS.search(name)
-    if not is_clock or STEP_WORDS.search(name.replace("_", " ")) or not texts:
-        return ""
-    if all(map(is_time, texts)):
-        return "t_s"
-    if unit is not None:
-        return unit.option if unit.dimension is Dimension.TIME else ""
-    return epoch_unit(texts)
-
-
-def _kinds(label: str) -> tuple[str, str]:
-    """Kinds of a label without its unit, and with it."""
-    return kind_of(without_unit(label)), kind_of(label)
-
-
-def _rate(head: Head, index: int) -> UsedColumn | None:
-    label = head.labels[index]
-    unit = unit_in(label)
-    factor = rate_factor(unit) if unit else None
-    is_rate = not RATES.isdisjoint(_kinds(label))
-    has_numbers = any(map(NUMBER_BEGINS.match, head.texts(index)))
-    return UsedColumn(index, "rate_dps", factor) if factor is not None and is_rate and has_numbers else None
-
-
-def _axes(head: Head) -> list[UsedColumn]:
-    """Rates about x and y and accelerations with units, each of which only one column may be."""
-    axes = [column for index in range(len(head.labels)) if (column := _axis(head, index))]
-    counts = Counter(column.target for column in axes)
-    return [column for column in axes if counts[column.target] == 1]
-
-
-def _axis(head: Head, index: int) -> UsedColumn | None:
-    label = head.labels[index]
-    unit = unit_in(label)
-    kind = next((kind for kind in _kinds(label) if kind in AXES), "")
-    if unit is None or not kind or not all(map(NUMBER_BEGINS.match, head.texts(index))):
-        return None
-    factor = rate_factor(unit) if kind in ("gx", "gy") else ACCELERATION_MPS2.get(unit.option)
-    is_force = unit.dimension is Dimension.ACCELERATION
-    return UsedColumn(index, TARGETS[kind], factor) if factor and is_force == (kind not in ("gx", "gy")) else None
-
-
-def _yaw(head: Head, index: int) -> UsedColumn | None:
-    label = head.labels[index]
-    unit, name = unit_in(label), without_unit(label)
-    if unit is None or unit.dimension is not Dimension.ANGLE:
-        return None
-    kind = kind_of(name)
-    if kind not in {"yaw", "heading"}:
-        return None
-    return UsedColumn(index, "yaw_deg", ANGLE_DEG[unit.option] * (-1.0 if kind == "heading" else 1.0))
-
-
-def _encoder(head: Head) -> list[UsedColumn]:
-    """The reference angle with a unit; empty if there is none or more than one."""
-    units = ((index, unit_in(label)) for index, label in enumerate(head.labels) if "encoder" in _kinds(label))
-    angles = [(index, unit) for index, unit in units if unit is not None and unit.dimension is Dimension.ANGLE]
-    return [UsedColumn(index, "encoder_deg", ANGLE_DEG[unit.option]) for index, unit in angles[:1] if len(angles) == 1]
-
-
-def _unused_angle_remarks(
-    head: Head, clock: UsedColumn, rate: UsedColumn, yaws: Sequence[UsedColumn]
-) -> tuple[str, ...]:
+def _unused_angle_remarks(head: Head, verdict: Verdict) -> tuple[str, ...]:
     """Remark on an angle with a rate, which may be a reference or the result of the device's own filter."""
-    if len(yaws) != 1:
+    angles = [index for index, column in enumerate(verdict.columns) if column.looks_like in {"yaw", "heading"}]
+    units = [unit_in(head.labels[index]) for index in angles]
+    if len(angles) != 1 or units[0] is None or units[0].dimension is not Dimension.ANGLE:
         return ()
-    labels = [head.labels[column.index].strip() for column in (clock, rate, yaws[0])]
-    rate_unit, angle_unit = (unit.option if (unit := unit_in(label)) else "" for label in labels[1:])
-    meanings = [clock.unit, f"rate:{rate_unit}", f"encoder:{angle_unit}{':-' if yaws[0].scale < 0.0 else ''}"]
-    spec = ", ".join(f"{label}={meaning}" for label, meaning in zip(labels, meanings, strict=True))
-    return (f"its angle {labels[2]} is not used; if it is the reference, state --columns '{spec}'",)
-
-
-def _quaternion(head: Head) -> list[UsedColumn]:
-    """The four parts of the only quaternion; empty if there is none or more than one."""
-    labels = ["" if AIMS.search(label) else label.strip() for label in head.labels]
-    matches = [(QUATERNION.fullmatch(label), index) for index, label in enumerate(labels)]
-    parts = {part[1].lower(): index for part, index in matches if part}
-    is_one = len(parts) == 4 and sum(part is not None for part, _ in matches) == 4
-    return [UsedColumn(parts[axis], f"q{axis}") for axis in "wxyz"] if is_one else []
+    sign = ":-" if verdict.columns[angles[0]].looks_like == "heading" else ""
+    entries = {
+        index: column.entry for index, column in enumerate(verdict.columns) if column in (verdict.clock, verdict.turn)
+    }
+    entries[angles[0]] = f"encoder:{units[0].option}{sign}"
+    labels = [head.labels[index].strip() for index in entries]
+    spec = spec_text(list(entries.values()), labels)
+    return (f"its angle {labels[-1]} is not used; if it is the reference, state --columns '{spec}'",)
 
 
 def _yaw_remarks(targets: set[str], label: str) -> tuple[str, ...]:
     if not targets & {"yaw_deg", "qw"}:
         return ()
-    reversed_text = ", and its sign is reversed (clockwise)" if label and CLOCKWISE.search(label) else ""
+    reversed_text = (
+        ", and its sign is reversed (clockwise)" if label and kind_of(without_unit(label)) == "heading" else ""
+    )
     return (f"its rate is the difference of an angle{reversed_text}: the filter of the device has already changed it",)
-
-
-def _temperature(head: Head) -> list[UsedColumn]:
-    for index, label in enumerate(head.labels):
-        unit = unit_in(label)
-        if unit is not None and unit.dimension is Dimension.TEMPERATURE and kind_of(without_unit(label)) == "temp":
-            word = re.split(r"[\s_(\[]+", label.strip().rstrip(")]"))[-1]
-            if CELSIUS.fullmatch(word):
-                return [UsedColumn(index, "temp_c")]
-    return []

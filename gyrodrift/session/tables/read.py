@@ -22,6 +22,7 @@ from gyrodrift.session.tables.plan import (
     known_columns,
     labelled_columns,
     own_columns,
+    verdict_on,
 )
 from gyrodrift.session.tables.question import check_header, unclear
 from gyrodrift.session.tables.rows import ColumnsRead, RowReader
@@ -92,9 +93,12 @@ def _columns(head: Head, columns: Sequence[Column] | None) -> TableColumns:
         check_header(head)
     if columns is not None:
         return columns_by_spec(head, columns)
-    table_columns = own_columns(head) or known_columns(head) or labelled_columns(head) or wire_columns(head)
+    if (table_columns := own_columns(head) or known_columns(head)) is not None:
+        return table_columns
+    verdict = verdict_on(head)
+    table_columns = labelled_columns(head, verdict) or wire_columns(head)
     if table_columns is None:
-        raise unclear(head)
+        raise unclear(head, verdict)
     return table_columns
 
 

@@ -53,6 +53,10 @@ CONTROL_SHARE = 0.02
 """Bytes with a larger share of control characters are not text."""
 
 
+class NoTableError(DataError):
+    """A file has no table in it."""
+
+
 @contextmanager
 def opened(path: Path) -> Iterator[TextIO]:
     """Open a table as text, with any encoding and line ends.
@@ -79,7 +83,7 @@ def _encoding(path: Path, head: bytes) -> str:
     encoding = next((codec for mark, codec in MARKS.items() if head.startswith(mark)), "") or _without_mark(head)
     controls = len(head) - len(head.translate(None, CONTROL_BYTES))
     if controls > CONTROL_SHARE * len(head) and not encoding.startswith("utf-16"):
-        raise DataError(f"{path}: is not text: byte {_first_control(head)} is a control character")
+        raise NoTableError(f"{path}: is not text: byte {_first_control(head)} is a control character")
     return encoding
 
 

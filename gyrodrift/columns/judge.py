@@ -1,0 +1,396 @@
+"""The judge: meaning, unit and clock of columns, for the lines at a port and for the head of a file.
+
+A column is a yaw rate only if a label, a unit or known firmware says so. Its unit is given only if it is written, or if
+the numbers exclude all others. Anything else is a question to the user: the behavior of numbers may identify a clock or
+an acceleration, but never a rate.
+"""
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import hypot, log, pi, sqrt
+from statistics import fmean
+
+from gyrodrift.columns.behavior import find_accelerometer, find_temperature, goes_on, grows, step_of
+from gyrodrift.columns.fields import is_number, is_whole
+from gyrodrift.columns.names import (
+    SPOKEN,
+    USED,
+    SeenColumn,
+    kind_of,
+    name_by_known_row,
+    name_by_label,
+    name_by_unit,
+    quaternion_of,
+)
+from gyrodrift.columns.rate_unit import DEGREES_OF_FREEDOM, NOISE_DPS, NOISE_SCALE, SURE_ODDS, student
+from gyrodrift.columns.sizes import TEMPERATURES_C, gravity_unit, is_gravity
+from gyrodrift.columns.spec import CLOCK_US, IGNORED, RATE_DPS, spec_text
+from gyrodrift.columns.times import epoch_unit, is_time
+from gyrodrift.columns.units import Dimension, unit_in, unit_of, without_unit
+
+UNKNOWN_UNIT = "UNIT"
+"""Placeholder in a SPEC for a unit that the user must give."""
+
+UNKNOWN_CLOCK = f"t_{UNKNOWN_UNIT}"
+
+CLOCK_WORDS = re.compile(r"time|elapsed|stamp|clock|zeit|uptime|\btemps\b|tiempo", re.IGNORECASE)
+STEP_WORDS = re.compile(
+    r"\bdt\b|delta|diff|interval|period|offset|exposure|latency|duration|delay|rtt|\brise\b|response|since last|flight",
+    re.IGNORECASE,
+)
+"""Words of a label that names another time than that of the sample."""
+
+CLOCK_ENDINGS = {
+    "t_ms": ("ms", "millis"),
+    "t_us": ("us", "micros"),
+    "t_ns": ("ns", "nanos"),
+    "t_s": ("sec", "seconds"),
+}
+UNIT_FACTOR = 6.0
+"""Largest factor between a clock and the arrival of its lines; its units differ by a factor of 1000."""
+
+MICROSECONDS_FROM = 400.0
+"""Without arrival times, a step of at least this is in µs (2.5 kHz), a smaller one in ms (2.5 Hz)."""
+
+SI_ODDS = 10.0
+"""Odds of rad/s if accelerations are in m/s²; a conservative guess that is never decisive alone.
+
+Adafruit Unified Sensor and ROS use m/s² with rad/s, ESPHome and BNO055 with deg/s.
+"""
+
+RATES, FORCES = ("gx", "gy", "rate"), ("ax", "ay", "az")
+IMU_RATE, IMU_FORCE = re.compile(r"(?:^|\.)angular_velocity\.z$"), re.compile(r"(?:^|\.)linear_acceleration\.z$")
+"""Labels in a sensor_msgs/Imu as JSON; its rates are in rad/s (common_interfaces of ROS)."""
+
+SAMPLES_MIN = 20
+GRAVITY_WITHIN = 0.1
+ALWAYS = (0.1, 0.5, 0.9)
+"""Quantiles of the length: gravity is constant, and a turn of 1 rad/s is not."""
+
+CELSIUS = re.compile(r"(°|º|deg|degrees?)?\s*c(elsius)?", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class JudgedColumn:
+    """Verdict on a column.
+
+    looks_like
+        Name such as `t_ms` or `gx`; IGNORED if it is not a known quantity.
+    entry
+        Entry for `--columns`; IGNORED if it is not used.
+    why
+        Reason.
+    is_stated
+        Whether label, unit or firmware state meaning and unit, so that no number had to be interpreted.
+    """
+
+    looks_like: str
+    entry: str
+    why: str
+    is_stated: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """Verdict on the columns of a text.
+
+    labels
+        Label per column; empty if columns are identified by position.
+    question
+        What a person has to decide between columns; empty otherwise.
+    """
+
+    columns: tuple[JudgedColumn, ...]
+    labels: tuple[str, ...] = ()
+    question: str = ""
+
+    @property
+    def turn(self) -> JudgedColumn | None:
+        """Column of the rate or of yaw; None if unknown."""
+        turns = (column for column in self.columns if column.entry.startswith(("rate", "yaw", "q.w")))
+        return None if self.question else next(turns, None)
+
+    @property
+    def clock(self) -> JudgedColumn | None:
+        """Column of the clock; None if there is none."""
+        return next((column for column in self.columns if column.entry in {*CLOCK_US, UNKNOWN_CLOCK}), None)
+
+    @property
+    def is_unit_known(self) -> bool:
+        """Whether the units of the turning column and of the clock are known."""
+        return self.turn is not None and not any(UNKNOWN_UNIT in column.entry for column in self.columns)
+
+    @property
+    def is_stated(self) -> bool:
+        """Whether clock and turning column are stated, so that nobody needs to be asked."""
+        return all(column is not None and column.is_stated for column in (self.turn, self.clock))
+
+    @property
+    def spec(self) -> str | None:
+        """SPEC for `--columns`; None if information is missing."""
+        return self.template if self.is_unit_known else None
+
+    @property
+    def template(self) -> str | None:
+        """SPEC with UNKNOWN_UNIT for a missing unit; None if no column is a rate or yaw."""
+        return None if self.turn is None else spec_text([column.entry for column in self.columns], self.labels)
+
+
+def seen_columns(
+    labels: Sequence[str], units: Sequence[str], texts_by_column: Sequence[Sequence[str]]
+) -> list[SeenColumn]:
+    """Columns of a text; `units` stand after the values, and may be empty."""
+    columns = []
+    for label, unit, texts in zip(labels, units, texts_by_column, strict=True):
+        numbers = tuple(map(float, texts)) if texts and all(map(is_number, texts)) else ()
+        is_usable = all(abs(number) < LARGEST for number in numbers)
+        columns.append(SeenColumn(label, tuple(texts), numbers if is_usable else (), unit_of(unit) or unit_in(label)))
+    return columns
+
+
+LARGEST = 1e19
+"""Largest number; nanoseconds since 1970 are smaller, and above it a line is damaged."""
+
+
+def judged(columns: list[SeenColumn], lines_per_s: float | None, labels: tuple[str, ...] = ()) -> Verdict:
+    """Verdict on columns; `lines_per_s` is the rate of their lines, or None, and gives the unit of a clock."""
+    for rule, _ in RULES:
+        rule(columns)
+    for column in columns:
+        if column.kind == "seq" and not goes_on(column.numbers, None):
+            column.kind, column.why = "", ""
+    _name_clock(columns, lines_per_s)
+    find_accelerometer(columns)
+    find_temperature(columns)
+    found = [_judged(column, lines_per_s, columns) for column in columns]
+    return _with_axes(_one_turn(found, columns), columns, labels)
+
+
+RULES: tuple[tuple[Callable[[list[SeenColumn]], None], str], ...] = (
+    (name_by_known_row, "Firmware whose lines begin with a known word has fixed columns and units."),
+    (name_by_label, "A label names a quantity, if its unit is one of that quantity."),
+    (name_by_unit, "A value in a unit of rates, or three, are rates, if no label says another quantity."),
+)
+"""Rules that name a column from what is written, strongest first; each leaves named columns alone."""
+
+
+def _name_clock(columns: list[SeenColumn], lines_per_s: float | None) -> None:
+    """Name the clock: of labeled ones that go on, the first with a unit, else the leftmost column that grows evenly."""
+    labeled = [column for column in columns if _is_labeled_clock(column)]
+    running = [column for column in labeled if _goes_on(column, lines_per_s)]
+    clock = next((column for column in running if _stated_clock_unit(column)), next(iter(running), None))
+    if clock is not None:
+        clock.kind, clock.why = "clock", f"is labeled {clock.label}" if clock.label else "is a time"
+    for column in columns:
+        if column in labeled or not _may_be_clock(column) or not grows(column.numbers, lines_per_s):
+            continue
+        step = step_of(column.numbers)
+        if step == 1.0 and not (lines_per_s and 850.0 < lines_per_s < 1150.0):
+            if not any(other_column.kind == "seq" for other_column in columns):
+                column.kind, column.why = "seq", "counts one by one"
+        elif clock is None:
+            clock = column
+            column.kind, column.why = "clock", f"grows by {step:g} with each line"
+
+
+def _may_be_clock(column: SeenColumn) -> bool:
+    """Whether neither unit nor label say another quantity, or another time."""
+    if column.kind or STEP_WORDS.search(without_unit(column.label).replace("_", " ")):
+        return False
+    return column.unit is None or column.unit.dimension is Dimension.TIME
+
+
+def _is_labeled_clock(column: SeenColumn) -> bool:
+    if not _may_be_clock(column):
+        return False
+    name = without_unit(column.label)
+    is_named = "clock" in (kind_of(name), kind_of(column.label)) or CLOCK_WORDS.search(name) is not None
+    return (is_named and column.is_numeric) or (bool(column.texts) and all(map(is_time, column.texts)))
+
+
+def _goes_on(column: SeenColumn, lines_per_s: float | None) -> bool:
+    return goes_on(column.numbers, lines_per_s) if column.is_numeric else len(set(column.texts)) > 1
+
+
+def _stated_clock_unit(column: SeenColumn) -> str:
+    """Unit of a clock as written; empty without one."""
+    if all(map(is_time, column.texts)):
+        return "t_s"
+    unit = column.unit or unit_of(column.label)
+    if unit is not None:
+        return unit.option if unit.dimension is Dimension.TIME else ""
+    plain = re.sub(r"[^a-z]", "", column.label.lower())
+    named = (option for option, endings in CLOCK_ENDINGS.items() if plain.endswith(endings))
+    return next(named, "") or epoch_unit(column.texts)
+
+
+def _judged_clock(column: SeenColumn, lines_per_s: float | None) -> JudgedColumn:
+    """Unit of a clock from the arrival of its lines, or as written; otherwise it is asked for."""
+    step = step_of(column.numbers) if len(column.numbers) > 1 else 0.0
+    if lines_per_s and step > 0.0:
+        offsets = {unit: step * scale * 1e-6 * lines_per_s for unit, scale in CLOCK_US.items()}
+        unit = next((unit for unit, off in offsets.items() if 1.0 / UNIT_FACTOR < off < UNIT_FACTOR), "")
+        if unit:
+            why = f"grows by {step:g} per line, and {lines_per_s:.3g} lines arrive per second"
+            return JudgedColumn(unit, unit, why)
+    if unit := _stated_clock_unit(column):
+        return JudgedColumn(unit, unit, column.why, is_stated=True)
+    is_second = not all(map(is_whole, column.texts)) and step < 2.0
+    likely = "t_s" if is_second else "t_us" if step >= MICROSECONDS_FROM else "t_ms"
+    return JudgedColumn(likely, UNKNOWN_CLOCK, f"grows by {step:g} per line")
+
+
+def _judged(column: SeenColumn, lines_per_s: float | None, columns: Sequence[SeenColumn]) -> JudgedColumn:
+    kind, option = column.kind, column.option
+    match kind:
+        case "clock":
+            return _judged_clock(column, lines_per_s)
+        case "rate":
+            unit, why = (option, "") if option else _rate_unit(column, columns)
+            is_stated = bool(option) or (column.unit is not None and column.unit.dimension is Dimension.RATE)
+            return JudgedColumn(SPOKEN[kind], f"rate:{unit or UNKNOWN_UNIT}", f"{column.why}{why}", is_stated)
+        case "yaw" | "heading":
+            unit, why = (option, "") if option else _angle_unit(column)
+            sign = ":-" if kind == "heading" else ""  # a compass is positive clockwise
+            is_stated = bool(option) or column.unit is not None
+            return JudgedColumn(kind, f"yaw:{unit or UNKNOWN_UNIT}{sign}", f"{column.why}{why}", is_stated)
+        case "encoder":
+            unit, why = _angle_unit(column)
+            entry = f"encoder:{unit}" if unit else IGNORED
+            return JudgedColumn(kind, entry, f"{column.why}{why}", column.unit is not None)
+        case "temp":
+            return JudgedColumn(kind, kind if _is_celsius(column) else IGNORED, column.why)
+    return JudgedColumn(SPOKEN.get(kind, kind) or IGNORED, kind if kind in USED else IGNORED, column.why)
+
+
+def _is_celsius(column: SeenColumn) -> bool:
+    """Whether a temperature is in °C: in its range, and in no other unit."""
+    word = re.split(r"[\s_(\[]+", column.label.strip().rstrip(")]"))[-1]
+    is_other = column.unit is not None and unit_in(column.label) is not None and not CELSIUS.fullmatch(word)
+    return not is_other and all(TEMPERATURES_C[0] < number < TEMPERATURES_C[1] for number in column.numbers)
+
+
+def _rate_unit(column: SeenColumn, columns: Sequence[SeenColumn]) -> tuple[str, str]:
+    """Unit for `rate:`, and the reason; empty if unknown."""
+    unit = column.unit
+    if unit is not None and unit.dimension is Dimension.RATE:
+        return unit.option, f", in {unit.option} as labeled"
+    if unit is not None:
+        return "", ""
+    if IMU_RATE.search(column.label) and any(IMU_FORCE.search(other_column.label) for other_column in columns):
+        return "rads", ", in rad/s as a sensor_msgs/Imu of ROS"
+    rates = _lengths(columns, RATES)
+    units_of_length = {gravity_unit(_quantile(rates, share), GRAVITY_WITHIN) for share in ALWAYS} if rates else set()
+    if units_of_length in ({"g"}, {"mps2"}):
+        return "", ", but the three columns have the length of gravity"
+    forces = _lengths(columns, FORCES)
+    is_si = bool(forces) and is_gravity(_quantile(forces, 0.5), error=GRAVITY_WITHIN)
+    odds = _radian_odds(column) * (SI_ODDS if is_si else 1.0)
+    if odds < SURE_ODDS:
+        return "", ""
+    with_gravity = " next to accelerations in m/s²" if is_si else ""
+    return "rads", f", in rad/s: its noise is too small for deg/s{with_gravity}, odds {odds:.0f} to 1"
+
+
+def _angle_unit(column: SeenColumn) -> tuple[str, str]:
+    """Unit for `yaw:` or `encoder:`, and the reason; empty if unknown."""
+    if column.unit is not None and column.unit.dimension is Dimension.ANGLE:
+        return column.unit.option, f", in {column.unit.option} as labeled"
+    if column.unit is None and max(map(abs, column.numbers)) > 2.0 * pi + 0.01:
+        return "deg", ", in degrees, since it exceeds 2π"
+    return "", ""
+
+
+def _radian_odds(column: SeenColumn) -> float:
+    """Odds of rad/s against deg/s from the noise at rest; 1 if the noise is invisible."""
+    numbers = column.numbers
+    if len(numbers) < SAMPLES_MIN or all(map(is_whole, column.texts)):
+        return 1.0
+    bends = sorted(abs(a - 2.0 * b + c) for a, b, c in zip(numbers, numbers[1:], numbers[2:], strict=False))
+    quiet = bends[: max(3, len(bends) // 2)]  # the device moves at most half of the time
+    digits = max(len(text.partition(".")[2]) for text in column.texts)
+    hidden = 10.0**-digits / sqrt(12.0)  # uniform rounding error of a step
+    noise = max(sqrt(fmean(bend * bend for bend in quiet) / 6.0), hidden)
+    return _density(noise * RATE_DPS["rads"]) / _density(noise)
+
+
+def _density(noise_dps: float) -> float:
+    """Student's t of the logarithm of a noise, up to a constant."""
+    return student(log(noise_dps / NOISE_DPS) / NOISE_SCALE, DEGREES_OF_FREEDOM)
+
+
+def _one_turn(found: list[JudgedColumn], columns: Sequence[SeenColumn]) -> Verdict:
+    """Keep one column that turns: the stated rate, the only rate, or else an angle, which the device has filtered.
+
+    Of several angles the first is proposed, and nothing is stated. Two rates are a question.
+    """
+    rates = [index for index, column in enumerate(found) if column.entry.startswith("rate")]
+    stated = [index for index in rates if found[index].is_stated] or rates
+    angles = [index for index, column in enumerate(found) if column.entry.startswith("yaw")]
+    kept = stated if len(stated) == 1 else [] if stated else angles[:1]
+    question = ""
+    if len(stated) > 1:
+        names = " and ".join(columns[index].label or f"column {index + 1}" for index in stated)
+        question = f"{names} may each be the yaw rate"
+    elif not kept and (parts := quaternion_of(columns)):
+        for part, index in parts.items():
+            found[index] = JudgedColumn("quaternion", f"q.{part}", "is a part of a quaternion", is_stated=True)
+    one = [
+        replace(column, entry=IGNORED) if index in {*rates, *angles} and index not in kept else column
+        for index, column in enumerate(found)
+    ]
+    if len(angles) > 1 and kept == angles[:1]:
+        one[kept[0]] = replace(one[kept[0]], is_stated=False)
+    return Verdict(tuple(one), question=question)
+
+
+def _with_axes(verdict: Verdict, columns: Sequence[SeenColumn], labels: tuple[str, ...]) -> Verdict:
+    """Use the rates about x and y too, if all units are known, and the accelerations with them."""
+    units = _axis_units(verdict, columns)
+    with_axes = [
+        replace(column, entry=f"{source.kind}:{units[source.kind]}") if source.kind in units else column
+        for column, source in zip(verdict.columns, columns, strict=True)
+    ]
+    return Verdict(tuple(with_axes), labels, verdict.question)
+
+
+def _axis_units(verdict: Verdict, columns: Sequence[SeenColumn]) -> dict[str, str]:
+    """Units of the further axes by kind; empty without a rate in a known unit and one column per axis.
+
+    Without a label the unit of an acceleration is that in which its length is gravity.
+    """
+    unit = verdict.turn.entry.removeprefix("rate:") if verdict.turn and verdict.is_unit_known else ""
+    if unit not in RATE_DPS and not unit.startswith("lsb/"):
+        return {}
+    rates, forces = ([c for c in columns if c.kind in kinds and c.is_numeric] for kinds in (RATES[:2], FORCES))
+    if sorted(column.kind for column in rates) != sorted(RATES[:2]):
+        return {}
+    if any(column.unit is not None and column.unit.dimension is not Dimension.RATE for column in rates):
+        return {}
+    units = {column.kind: column.unit.option if column.unit else unit for column in rates}
+    force_unit = _force_unit(forces) if sorted(column.kind for column in forces) == sorted(FORCES) else ""
+    return units | (dict.fromkeys(FORCES, force_unit) if force_unit else {})
+
+
+def _force_unit(forces: Sequence[SeenColumn]) -> str:
+    """Unit of accelerations by their labels or by gravity; empty if unknown."""
+    stated = {
+        column.unit.option for column in forces if column.unit and column.unit.dimension is Dimension.ACCELERATION
+    }
+    if len(stated) == 1:
+        return stated.pop()
+    lengths = _lengths(forces, FORCES)
+    return gravity_unit(_quantile(lengths, 0.5), GRAVITY_WITHIN) if lengths else ""
+
+
+def _lengths(columns: Sequence[SeenColumn], kinds: Sequence[str]) -> list[float]:
+    """Lengths of the vectors of three columns, ascending; empty without one column per kind."""
+    three = [column.numbers for kind in kinds for column in columns if column.kind == kind]
+    if len(three) != len(kinds) or len(set(map(len, three))) != 1:
+        return []
+    return sorted(hypot(*vector) for vector in zip(*three, strict=True))
+
+
+def _quantile(ascending: Sequence[float], share: float) -> float:
+    return ascending[int(share * (len(ascending) - 1))]
