@@ -89,7 +89,8 @@ def find_accelerometer(columns: list[SeenColumn]) -> None:
     if any(column.kind == "ax" for column in columns):
         return
     for three in zip(columns, columns[1:], columns[2:], strict=False):
-        if any(column.kind or not column.is_numeric for column in three):
+        are_rows = len({len(column.numbers) for column in three}) == 1
+        if not are_rows or any(column.kind or not column.is_numeric for column in three):
             continue
         lengths = [hypot(*vector) for vector in zip(*(column.numbers for column in three), strict=True)]
         mean = fmean(lengths)

@@ -6,10 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from gyrodrift.columns.fields import as_label
 from gyrodrift.columns.spec import Column, column_of, parsed
+from gyrodrift.columns.units import unit_of
 from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 
 NOTHING: Mapping[str, str] = {}
+UNIT_AT_END = re.compile(r"\s*[(\[]([^()\[\]]+)[)\]]\s*$")
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,14 +93,26 @@ def plain(label: str) -> str:
 
 
 def label_index(labels: tuple[str, ...], label: str) -> int | None:
-    """Index of a label; None if it is missing or occurs twice."""
+    """Index of a label; None if it is missing or occurs twice.
+
+    A label may be given without its unit in brackets, and without the characters that a SPEC cannot hold.
+    """
     name = plain(label)
-    fits = [
-        index
-        for index, candidate in enumerate(labels)
-        if plain(candidate) == name or (name.startswith("*") and plain(candidate).endswith(name[1:]))
-    ]
-    return fits[0] if len(fits) == 1 else None
+    for shown in (plain, _bare):
+        fits = [
+            index
+            for index, candidate in enumerate(map(shown, labels))
+            if candidate == name or (name.startswith("*") and candidate.endswith(name[1:]))
+        ]
+        if fits:
+            return fits[0] if len(fits) == 1 else None
+    return next((index for index, candidate in enumerate(labels) if plain(as_label(candidate)) == name), None)
+
+
+def _bare(label: str) -> str:
+    """Label without the unit at its end."""
+    unit = UNIT_AT_END.search(label)
+    return plain(label[: unit.start()] if unit and unit_of(unit[1]) else label)
 
 
 DOWN = "its z axis points down, so the sign of the rate is reversed"

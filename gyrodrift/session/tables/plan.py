@@ -1,14 +1,16 @@
 """Meaning of the columns of a table: stated by the user, of a known form, or by labels with units."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from os.path import commonprefix
 from pathlib import Path
 
-from gyrodrift.columns.fields import DECIMAL_COMMA, is_number
-from gyrodrift.columns.judge import Verdict, judged, seen_columns
+from gyrodrift.columns.fields import DECIMAL_COMMA, as_label, is_number
+from gyrodrift.columns.judge import CLOCK_WORDS, Verdict, judged, seen_columns
 from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.spec import ACCELERATION_MPS2, CLOCK_US, IGNORED, RATE_DPS, Column, column_of, spec_text
-from gyrodrift.columns.units import Dimension, Unit, unit_in, without_unit
+from gyrodrift.columns.units import Dimension, Unit, unit_in, unit_of, without_unit
 from gyrodrift.session.csv import present_names
 from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS
 from gyrodrift.session.tables.known import KNOWN_TABLES, NOTHING, label_index, plain
@@ -33,6 +35,11 @@ TARGETS = {
 RATE_TARGETS = frozenset({"rate_dps", "gyro_x_dps", "gyro_y_dps"})
 FORCE_TARGETS = frozenset(ACCEL_COLUMNS)
 AXES = ("gx", "gy", "ax", "ay", "az")
+
+WORDS = re.compile(r"(?<=[_. ])")
+LAST_BRACKETS = re.compile(r"\s*[(\[][^()\[\]]*[)\]]$")
+LABELS_MIN = 3
+"""Least number of labels whose common words name the device."""
 
 NUMBERS_SHARE = 0.9
 """Smallest share of numbers in the first rows of a column of numbers; the others are damaged."""
@@ -244,8 +251,28 @@ def verdict_on(head: Head) -> Verdict:
     """Verdict of the judge on the columns of a table."""
     labels = head.labels or ("",) * head.width
     texts = [_values(head.texts(index)) for index in range(len(labels))]
-    is_named = len(set(map(plain, labels))) == len(labels)
-    return judged(seen_columns(labels, ("",) * len(labels), texts), None, labels if is_named else ())
+    names = tuple(map(as_label, labels))
+    is_named = len(set(map(plain, names))) == len(names)
+    columns = seen_columns(_without_common(labels), ("",) * len(labels), texts)
+    return judged(columns, None, names if is_named else ())
+
+
+def _without_common(labels: tuple[str, ...]) -> tuple[str, ...]:
+    """Labels without the words that all of them begin or end with, the clock too: `Shimmer_5E1A_Gyro_Z_CAL`."""
+    words = [WORDS.split(LAST_BRACKETS.sub("", label.strip())) for label in labels if label.strip()]
+    if len(words) < LABELS_MIN:
+        return labels
+    shared = [commonprefix(words), commonprefix([parts[::-1] for parts in words])[::-1]]
+    counts = [0 if any(map(unit_of, parts)) else len("".join(parts)) for parts in shared]
+    names = tuple(_cut(label, *counts) if label.strip() else label for label in labels)
+    is_common = any(counts) and all(len(parts) > len(shared[0]) + len(shared[1]) for parts in words)
+    return names if is_common and any(map(CLOCK_WORDS.search, names)) else labels
+
+
+def _cut(label: str, before: int, after: int) -> str:
+    """Label without a number of characters before and after its name; the unit in brackets stays."""
+    name = LAST_BRACKETS.sub("", label.strip())
+    return (name[before : len(name) - after] + label.strip()[len(name) :]).strip("_. ")
 
 
 def _values(texts: Sequence[str]) -> list[str]:
