@@ -4,10 +4,11 @@ import re
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import isclose
 from pathlib import Path
 
 from gyrodrift.columns.fields import as_label
-from gyrodrift.columns.spec import Column, column_of, parsed
+from gyrodrift.columns.spec import CLOCK_US, Column, column_of, parsed
 from gyrodrift.columns.units import unit_of
 from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 
@@ -28,7 +29,9 @@ class KnownTable:
     file
         Pattern of the file name, if other tables of the program have the same header; empty for any name.
     scale_key
-        Key of the preamble with deg/s per count, as the bits of a float; empty if the SPEC has the scale.
+        Key of the preamble with the unit of a count, as a number or as the bits of a float; empty without one.
+    clock_key
+        Key of the preamble with the seconds of a tick of the clock; empty if the SPEC has the unit.
     where
         Column and value of the rows to use, in tables that mix sensors.
     remark
@@ -44,6 +47,7 @@ class KnownTable:
     source: str
     file: str = ""
     scale_key: str = ""
+    clock_key: str = ""
     where: tuple[str, str] | None = None
     remark: str = ""
     axes: str = ""
@@ -79,12 +83,22 @@ class KnownTable:
         """Factor of the rates besides their unit; None if the preamble lacks it."""
         if not self.scale_key:
             return 1.0
+        text = preamble.get(self.scale_key, "")
         try:
-            bits = struct.pack(">I", int(preamble[self.scale_key], 16))
-        except (KeyError, ValueError, struct.error):
+            scale: float = struct.unpack(">f", bytes.fromhex(text[2:]))[0] if text.startswith("0x") else float(text)
+        except (ValueError, struct.error):
             return None
-        scale: float = struct.unpack(">f", bits)[0]
         return scale if 1e-6 < scale < 1e3 else None
+
+    def clock_unit(self, preamble: Mapping[str, str]) -> str | None:
+        """Unit of the clock by the preamble, such as `t_us`; empty if the SPEC has it, None for an unknown one."""
+        if not self.clock_key:
+            return ""
+        try:
+            tick_s = float(preamble.get(self.clock_key, ""))
+        except ValueError:
+            return None
+        return next((unit for unit, us in CLOCK_US.items() if isclose(tick_s, us * 1e-6)), None)
 
 
 def plain(label: str) -> str:
@@ -119,6 +133,13 @@ DOWN = "its z axis points down, so the sign of the rate is reversed"
 """Also the signs of y, which keeps the frame right-handed, and of accelerations."""
 
 KNOWN_TABLES = (
+    KnownTable(
+        "Gyroflow IMU log",
+        "t=t_s, gx=gx:rads, gy=gy:rads, gz=rate:rads",
+        "docs.gyroflow.xyz, GCSV format: tscale in seconds, gscale in rad/s",
+        scale_key="gscale",
+        clock_key="tscale",
+    ),
     KnownTable(
         "phyphox",
         "Time (s)=t_s, Gyroscope z (rad/s)=rate:rads",

@@ -202,11 +202,12 @@ def known_columns(head: Head) -> TableColumns | None:
     """Columns of a known form of table; None if it has no known form."""
     for form in KNOWN_TABLES:
         placed = form.indices(head.path, head.labels)
-        scale = form.scale(head.preamble) if placed is not None else None
-        if placed is None or scale is None:
+        scale, clock = form.scale(head.preamble), form.clock_unit(head.preamble)
+        if placed is None or scale is None or clock is None:
             continue
         taken = [_taken(index, spec_column) for index, spec_column in placed if _is_used(spec_column)]
         taken += [_taken(index, spec_column) for index, spec_column in form.axis_indices(head.labels)]
+        taken = [replace(column, unit=clock) if clock and column.unit else column for column in taken]
         scaled = _scaled(taken, scale, form.force_scale(head.preamble))
         index = label_index(head.labels, form.where[0]) if form.where else None
         where = (index, form.where[1]) if form.where and index is not None else None
