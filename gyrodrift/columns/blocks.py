@@ -22,6 +22,10 @@ class Blocks:
         self._names: list[str] = []
         self._items = 0
 
+    def __bool__(self) -> bool:
+        """Whether a block is open."""
+        return bool(self._names)
+
     def take(self, line: str) -> bool:
         """Whether a line only begins or ends a block."""
         if line[-1:] not in "{[(>}]),;":

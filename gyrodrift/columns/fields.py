@@ -406,6 +406,12 @@ UNIT_NAMED = re.compile(r"\s{1,4}in\s{1,4}(\S{1,20})$")
 """`Gyroscope in degrees/second` names its unit."""
 
 
+LABELED_NUMBER = re.compile(r"([:=]\s*+)([-+]?[0-9]++(?:\.[0-9]++)?+)(?![\w.:)\]}]|\s*+,\s*+[-+.0-9]|\s++[-+.0-9])")
+"""Number after a label, and not one of a list."""
+
+TEMPLATES_MAX = 64
+
+
 class Headings:
     """Fields of consecutive lines, as ports and files hold them.
 
@@ -418,6 +424,7 @@ class Headings:
         self._blocks = Blocks()
         self._prefix = PrefixReader()
         self._has_hex = False
+        self._templates: dict[tuple[str | bool, ...], Fields] = {}
 
     def fields_of(self, line: str) -> Fields | None:
         """Fields of the next line, with complete labels."""
@@ -426,16 +433,35 @@ class Headings:
             return Fields(Form.ROW, ("",), (prefixed.rest,))
         if item := self._blocks.item(prefixed.rest):
             return Fields(Form.LABELED, (self._blocks.label(item[0]),), (item[1],))
-        fields = _stamped(prefixed)
+        fields = self._by_template(prefixed) if not self._has_hex else _stamped(prefixed)
         if fields is None or self._may_be_hex(prefixed.rest):
             self._has_hex = self._has_hex or is_hex(prefixed.rest)
             return None
         if fields.form is Form.LABELED:
-            return fields._replace(labels=tuple(map(self.full, fields.labels)))
+            labels = tuple(map(self.full, fields.labels)) if self.heading or self._blocks else fields.labels
+            return fields._replace(labels=labels)
         if match := HEADING.fullmatch(prefixed.rest):
             name = as_label(UNIT_NAMED.sub(r" (\1)", match[1]))
             if match[2] or kind_of(f"{name} z"):
                 self.heading = name
+        return fields
+
+    def _by_template(self, line: Prefixed) -> Fields | None:
+        """Fields of a line; one that differs from an earlier one only in numbers after labels has its labels."""
+        parts = LABELED_NUMBER.split(line.rest)
+        values = tuple(parts[2::3])
+        if not values:
+            return _stamped(line)
+        key = (line.unit, bool(line.stamp), *parts[::3], *parts[1::3])
+        template = self._templates.get(key)
+        if template is not None:
+            return template._replace(values=(*values, line.stamp) if len(template.values) > len(values) else values)
+        fields = _stamped(line)
+        is_usual = fields is not None and fields.values in (values, (*values, line.stamp))
+        if fields is not None and is_usual and fields.form is Form.LABELED:
+            if len(self._templates) >= TEMPLATES_MAX:
+                self._templates.clear()
+            self._templates[key] = fields
         return fields
 
     def _may_be_hex(self, line: str) -> bool:

@@ -103,24 +103,23 @@ def _rows(parsed: Iterator[tuple[int, Fields]], labels: tuple[str, ...]) -> Iter
         yield from ((line, list(fields.values)) for line, fields in parsed if fields.labels == labels)
         return
     indices = {label: index for index, label in enumerate(_distinct(labels)) if label}
+    places: dict[tuple[str, ...], list[tuple[int, int]]] = {}
     word = labels.index("") if "" in labels else -1
     row: list[str] = []
     number = 0
     for line, fields in parsed:
-        if not indices.keys() & fields.labels:
+        if (pairs := places.get(fields.labels)) is None:
+            named = enumerate(_distinct(fields.labels))
+            pairs = places[fields.labels] = [(indices[label], at) for at, label in named if label in indices]
+        if not pairs:
             continue
-        named = [
-            (indices[label], value)
-            for label, value in zip(_distinct(fields.labels), fields.values, strict=True)
-            if label in indices
-        ]
-        if not row or any(row[index] for index, _ in named):
+        if not row or any(row[index] for index, _ in pairs):
             if row:
                 yield number, row
             row = [""] * len(labels)
         number = line
-        for index, value in named:
-            row[index] = value
+        for index, at in pairs:
+            row[index] = fields.values[at]
         if word >= 0:
             row[word] = fields.values[0]
     if row:
