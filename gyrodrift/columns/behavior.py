@@ -84,6 +84,12 @@ def step_of(numbers: Sequence[float]) -> float:
     return median(steps) if steps.count(0.0) < STANDING * len(steps) else fmean(forward)
 
 
+def lengths_of(three: Sequence[SeenColumn]) -> list[float]:
+    """Length of the vector in each line; empty if the columns have different numbers of values."""
+    is_whole_table = len({len(column.numbers) for column in three}) == 1
+    return [hypot(*vector) for vector in zip(*(c.numbers for c in three), strict=True)] if is_whole_table else []
+
+
 def find_accelerometer(columns: list[SeenColumn]) -> None:
     """Name three adjacent columns whose length is gravity during motion."""
     if any(column.kind == "ax" for column in columns):
@@ -92,8 +98,8 @@ def find_accelerometer(columns: list[SeenColumn]) -> None:
         are_rows = len({len(column.numbers) for column in three}) == 1
         if not are_rows or any(column.kind or not column.is_numeric for column in three):
             continue
-        lengths = [hypot(*vector) for vector in zip(*(column.numbers for column in three), strict=True)]
-        mean = fmean(lengths)
+        lengths = lengths_of(three)
+        mean = fmean(lengths or [0.0])
         is_gravity = gravity_unit(mean, STEADY_NORM)
         has_moved = (
             max(column.moves for column in three) > TILT_MIN * mean
@@ -105,8 +111,8 @@ def find_accelerometer(columns: list[SeenColumn]) -> None:
 
 
 def find_temperature(columns: list[SeenColumn]) -> None:
-    """Name the last of several columns if it is almost constant, at room temperature."""
-    unknown = [column for column in columns if not column.kind and column.is_numeric]
+    """Name the last of several columns without labels if it is almost constant, at room temperature."""
+    unknown = [column for column in columns if not column.kind and not column.label and column.is_numeric]
     if any(column.kind == "temp" for column in columns) or len(unknown) < 2:
         return
     last = unknown[-1]

@@ -8,10 +8,10 @@ an acceleration, but never a rate.
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from math import hypot, log, pi, sqrt
+from math import log, pi, sqrt
 from statistics import fmean
 
-from gyrodrift.columns.behavior import find_accelerometer, find_temperature, goes_on, grows, step_of
+from gyrodrift.columns.behavior import find_accelerometer, find_temperature, goes_on, grows, lengths_of, step_of
 from gyrodrift.columns.fields import is_number, is_whole
 from gyrodrift.columns.names import (
     SPOKEN,
@@ -52,6 +52,9 @@ UNIT_FACTOR = 6.0
 
 MICROSECONDS_FROM = 400.0
 """Without arrival times, a step of at least this is in µs (2.5 kHz), a smaller one in ms (2.5 Hz)."""
+
+USUAL_HZ = (1.0, 20_000.0)
+"""Sample rates of gyros, from a logger with a sample per second to more than the 8 kHz of an ICM-42688."""
 
 SI_ODDS = 10.0
 """Odds of rad/s if accelerations are in m/s²; a conservative guess that is never decisive alone.
@@ -238,6 +241,9 @@ def _judged_clock(column: SeenColumn, lines_per_s: float | None) -> JudgedColumn
         return JudgedColumn(unit, unit, column.why, is_stated=True)
     is_second = not all(map(is_whole, column.texts)) and step < 2.0
     likely = "t_s" if is_second else "t_us" if step >= MICROSECONDS_FROM else "t_ms"
+    usual = [unit for unit, us in CLOCK_US.items() if step and USUAL_HZ[0] <= 1e6 / (step * us) <= USUAL_HZ[1]]
+    if len(usual) == 1:
+        return JudgedColumn(usual[0], usual[0], f"grows by {step:g} per line, which is a sample rate in this unit only")
     return JudgedColumn(likely, UNKNOWN_CLOCK, f"grows by {step:g} per line")
 
 
@@ -283,7 +289,7 @@ def _rate_unit(column: SeenColumn, columns: Sequence[SeenColumn]) -> tuple[str, 
     rates = _lengths(columns, RATES)
     units_of_length = {gravity_unit(_quantile(rates, share), GRAVITY_WITHIN) for share in ALWAYS} if rates else set()
     if units_of_length in ({"g"}, {"mps2"}):
-        return "", ", but the three columns have the length of gravity"
+        return "", ", but the length of the three is that of gravity"
     forces = _lengths(columns, FORCES)
     is_si = bool(forces) and is_gravity(_quantile(forces, 0.5), error=GRAVITY_WITHIN)
     odds = _radian_odds(column) * (SI_ODDS if is_si else 1.0)
@@ -386,10 +392,8 @@ def _force_unit(forces: Sequence[SeenColumn]) -> str:
 
 def _lengths(columns: Sequence[SeenColumn], kinds: Sequence[str]) -> list[float]:
     """Lengths of the vectors of three columns, ascending; empty without one column per kind."""
-    three = [column.numbers for kind in kinds for column in columns if column.kind == kind]
-    if len(three) != len(kinds) or len(set(map(len, three))) != 1:
-        return []
-    return sorted(hypot(*vector) for vector in zip(*three, strict=True))
+    three = [column for kind in kinds for column in columns if column.kind == kind]
+    return sorted(lengths_of(three)) if len(three) == len(kinds) else []
 
 
 def _quantile(ascending: Sequence[float], share: float) -> float:

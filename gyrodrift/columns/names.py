@@ -25,8 +25,11 @@ NO_QUANTITY = re.compile(r"^(scaled|raw|got|calibrated|imu|mpu|icm|lsm|bmi|senso
 SCALED = re.compile(r"[*×]|/\s*\d{2}|^\d{2,}\s")
 """Factors in a name, `gz*100`, `10 gz` or `gz/10`, which make it another quantity."""
 
+PATH = re.compile(r"^(?:\w{0,16}:)?/(?:[^/]{0,64}/)*(?=[^/]{3})")
+"""Path of a topic or table before the name of its value: `NT:/SmartDashboard/Gyro Rate`."""
+
 INDEX = re.compile(r"\[([012])\]")
-EITHER = re.compile(r"rot(ation)?z")
+EITHER = re.compile(r"rot(ation)?z|gyro?yaw")
 """Names of a rate or an angle; only a unit decides."""
 
 AXIS_OF_INDEX = {"0": "x", "1": "y", "2": "z"}
@@ -35,11 +38,14 @@ KINDS = {
     "seq": r"seq|n|i|no|count(er)?|sample|id|index|frame",
     "rate": r"(yaw|z)rate(dps|deg|rads?|degs|rad)?|(gyro?|gyr|omega|w|rot)(z|dps|rads?)|gz|gyrz|gyroz(dps|rads?|degs)?"
     r"|(gyroscope|rotation|angvel|angularvelocity|angularrate)z|gyz|zgyro(rate)?|rotationratez"
-    rf"|({GYRO_WORDS})yaw|yaw({GYRO_WORDS})|yaw(speed|vel(ocity)?|dot)|psidot|({GYRO_ABROAD})z|{YAW_RATE_ABROAD}",
-    "rates": r"rate(dps|rads?)?|gyro?|gyr|omega|gyroscope|rotation|angvel|angularvelocity|angularrate|turnrate|rot"
-    rf"|{GYRO_ABROAD}",
-    "gx": rf"({GYRO}|{GYRO_ABROAD})x|({GYRO_WORDS})roll|rollrate|xgyro(rate)?|wankrate",
-    "gy": rf"({GYRO}|{GYRO_ABROAD})y|({GYRO_WORDS})pitch|pitchrate|ygyro(rate)?|nickrate",
+    rf"|({GYRO_WORDS})?yaw(speed|vel(ocity)?|dot)|({GYRO_WORDS})yaw(rate)?|yaw({GYRO_WORDS})|psidot"
+    rf"|({GYRO_ABROAD})z|{YAW_RATE_ABROAD}",
+    "rates": r"(gyro?)?rate(dps|rads?)?|gyro?|gyr|omega|gyroscope|rotation|angvel|angularvelocity|angularrate"
+    rf"|turnrate|rot|{GYRO_ABROAD}",
+    "gx": rf"({GYRO}|{GYRO_ABROAD})x|({GYRO_WORDS})?roll(speed|vel(ocity)?)"
+    rf"|({GYRO_WORDS})roll|rollrate|xgyro(rate)?|wankrate",
+    "gy": rf"({GYRO}|{GYRO_ABROAD})y|({GYRO_WORDS})?pitch(speed|vel(ocity)?)"
+    rf"|({GYRO_WORDS})pitch|pitchrate|ygyro(rate)?|nickrate",
     "temp": r"t(e)?mp(erature)?(c|degc)?|tempc",
     "encoder": r"enc(oder)?(deg)?|ref(erence)?(angle)?(deg)?",
     "ax": r"xacc(el|eleration)?|(a|ac|acc|accelero|accel|acceleration|accelerometer|linacc|linearacceleration)x",
@@ -48,7 +54,7 @@ KINDS = {
     "mx": r"(m|mag|magnetic|magnetometer)x",
     "my": r"(m|mag|magnetic|magnetometer)y",
     "mz": r"(m|mag|magnetic|magnetometer)z",
-    "yaw": r"(est|fused|current)?yaw(angle)?(deg|rads?)?|psi|euleryaw|ypryaw|rpyyaw",
+    "yaw": r"(est|fused|current|gyro?)?yaw(angle)?(deg|rads?)?|psi|euleryaw|ypryaw|rpyyaw",
     "heading": r"(true|mag(netic)?|compass|gps|gnss|nav|boat|ship|vehicle)?(heading|hdg|course|bearing|azimuth)(deg)?"
     r"|compass|cog|courseoverground",
     "pitch": r"pitch(angle)?(deg|rads?)?|theta|eulerpitch",
@@ -136,7 +142,7 @@ class SeenColumn:
 
 def kind_of(label: str) -> str:
     """Key of KINDS for a label; empty without one."""
-    name = BRACKETED.sub(_bracket_words, INDEX.sub(r".\1", label)).strip()
+    name = BRACKETED.sub(_bracket_words, INDEX.sub(r".\1", PATH.sub("", label))).strip()
     if SCALED.search(name):
         return ""
     words, mark, axis = name.rpartition(".")
