@@ -27,7 +27,7 @@ from gyrodrift.columns.rate_unit import DEGREES_OF_FREEDOM, NOISE_DPS, NOISE_SCA
 from gyrodrift.columns.sizes import TEMPERATURES_C, gravity_unit, is_gravity
 from gyrodrift.columns.spec import CLOCK_US, IGNORED, RATE_DPS, spec_text
 from gyrodrift.columns.times import epoch_unit, is_time
-from gyrodrift.columns.units import Dimension, unit_in, unit_of, without_unit
+from gyrodrift.columns.units import TURNS_OR_RADIANS, Dimension, unit_in, unit_of, without_unit
 
 UNKNOWN_UNIT = "UNIT"
 """Placeholder in a SPEC for a unit that the user must give."""
@@ -61,6 +61,9 @@ SI_ODDS = 10.0
 
 Adafruit Unified Sensor and ROS use m/s² with rad/s, ESPHome and BNO055 with deg/s.
 """
+
+IN_PARTS = re.compile(r"[*×]\s?\d|\bx\s?10|\d\s?[*×]", re.IGNORECASE)
+"""Factor of a value in its label: `deg/s x10`, `gz*100`."""
 
 RATES, FORCES = ("gx", "gy", "rate"), ("ax", "ay", "az")
 IMU_RATE, IMU_FORCE = re.compile(r"(?:^|\.)angular_velocity\.z$"), re.compile(r"(?:^|\.)linear_acceleration\.z$")
@@ -286,6 +289,12 @@ def _rate_unit(column: SeenColumn, columns: Sequence[SeenColumn]) -> tuple[str, 
         return "", ""
     if IMU_RATE.search(column.label) and any(IMU_FORCE.search(other_column.label) for other_column in columns):
         return "rads", ", in rad/s as a sensor_msgs/Imu of ROS"
+    why = _why_unknown(column.label)
+    return ("", why) if why else _rate_unit_by_numbers(column, columns)
+
+
+def _rate_unit_by_numbers(column: SeenColumn, columns: Sequence[SeenColumn]) -> tuple[str, str]:
+    """Unit of a rate that excludes all others, and the reason; empty without one."""
     rates = _lengths(columns, RATES)
     units_of_length = {gravity_unit(_quantile(rates, share), GRAVITY_WITHIN) for share in ALWAYS} if rates else set()
     if units_of_length in ({"g"}, {"mps2"}):
@@ -297,6 +306,13 @@ def _rate_unit(column: SeenColumn, columns: Sequence[SeenColumn]) -> tuple[str, 
         return "", ""
     with_gravity = " next to accelerations in m/s²" if is_si else ""
     return "rads", f", in rad/s: its noise is too small for deg/s{with_gravity}, odds {odds:.0f} to 1"
+
+
+def _why_unknown(label: str) -> str:
+    """What a label says about a unit that it does not name."""
+    if TURNS_OR_RADIANS.search(label):
+        return ", and rps is lsb/0.00277778 for turns or rads for radians per second"
+    return ", with a factor in its label, so UNIT is lsb/N with N numbers per deg/s" if IN_PARTS.search(label) else ""
 
 
 def _angle_unit(column: SeenColumn) -> tuple[str, str]:

@@ -93,8 +93,6 @@ def test_the_axis_is_that_of_the_label_in_any_order_and_language(head: str, form
 @pytest.mark.parametrize(
     ("head", "form"),
     [
-        ("", "gz [0.01 deg/s]: {x:.0f}"),
-        ("", "gz [1e-3 rad/s]: {x:.0f}"),
         ("t_ms,gz/10 (dps)", "{t},{x:.0f}"),
         ("t_ms,gz*100 (dps)", "{t},{x:.0f}"),
         ("t_ms,100*gz (dps)", "{t},{x:.0f}"),
@@ -104,6 +102,11 @@ def test_the_axis_is_that_of_the_label_in_any_order_and_language(head: str, form
 def test_a_number_in_parts_of_a_unit_is_not_in_that_unit(head: str, form: str) -> None:
     """A scaled number (`gz*100`) is not taken for its unit."""
     assert guessed(form, head).spec is None
+
+
+@pytest.mark.parametrize(("unit", "option"), [("0.01 deg/s", "lsb/100"), ("1e-3 rad/s", "lsb/17.45329252")])
+def test_parts_of_a_unit_are_counts_per_deg_per_s(unit: str, option: str) -> None:
+    assert guessed(f"gz [{unit}]: {{x:.0f}}").spec == f"gz [{unit}]=rate:{option}"
 
 
 def test_the_yaw_of_a_setpoint_is_told_from_that_of_the_gyro() -> None:

@@ -59,17 +59,20 @@ def unclear(head: Head, verdict: Verdict) -> DataError:
 def _reason(head: Head, verdict: Verdict) -> str:
     names = "header does" if head.line else "labels do"
     says = f"its {names} not say" if head.labels else "it has no header, so nothing says"
+    if verdict.turn is not None and verdict.clock is None:
+        return f"{says} which column is the clock"
     question = f" ({verdict.question})" if verdict.question else ""
     return f"{says} which column is the rate and in which unit{question}"
 
 
 def _proposal(verdict: Verdict) -> list[str]:
     """Line with the SPEC as far as the judge could tell."""
-    if verdict.template is None or verdict.clock is None:
+    if verdict.template is None:
         return []
+    rate = "" if verdict.clock else " --sample-rate HZ"
     reasons = "; ".join(f"{column.looks_like} {column.why}" for column in verdict.columns if column.entry != IGNORED)
     unit = "" if verdict.is_unit_known else ", with the unit in the place of UNIT"
-    return [f"probably --columns '{verdict.template}'{unit} ({reasons})"]
+    return [f"probably --columns '{verdict.template}'{rate}{unit} ({reasons})"]
 
 
 def _kinds(head: Head) -> list[str]:
