@@ -112,10 +112,10 @@ def label_index(labels: tuple[str, ...], label: str) -> int | None:
     A label may be given without its unit in brackets, and without the characters that a SPEC cannot hold.
     """
     name = plain(label)
-    for shown in (plain, _bare):
+    for names in (labels, tuple(map(bare, labels))):
         fits = [
             index
-            for index, candidate in enumerate(map(shown, labels))
+            for index, candidate in enumerate(map(plain, names))
             if candidate == name or (name.startswith("*") and candidate.endswith(name[1:]))
         ]
         if fits:
@@ -123,10 +123,10 @@ def label_index(labels: tuple[str, ...], label: str) -> int | None:
     return next((index for index, candidate in enumerate(labels) if plain(as_label(candidate)) == name), None)
 
 
-def _bare(label: str) -> str:
-    """Label without the unit at its end."""
+def bare(label: str) -> str:
+    """Label without the unit in brackets at its end."""
     unit = UNIT_AT_END.search(label)
-    return plain(label[: unit.start()] if unit and unit_of(unit[1]) else label)
+    return label[: unit.start()] if unit and unit_of(unit[1]) else label
 
 
 DOWN = "its z axis points down, so the sign of the rate is reversed"

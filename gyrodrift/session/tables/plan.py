@@ -13,7 +13,7 @@ from gyrodrift.columns.spec import ACCELERATION_MPS2, CLOCK_US, IGNORED, RATE_DP
 from gyrodrift.columns.units import Dimension, Unit, unit_in, unit_of, without_unit
 from gyrodrift.session.csv import present_names
 from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS
-from gyrodrift.session.tables.known import KNOWN_TABLES, NOTHING, label_index, plain
+from gyrodrift.session.tables.known import KNOWN_TABLES, NOTHING, bare, label_index, plain
 from gyrodrift.values.errors import DataError, UsageError
 
 OWN, BY_COLUMNS, BY_LABELS = "gyrodrift", "--columns", "labels with units"
@@ -252,10 +252,14 @@ def verdict_on(head: Head) -> Verdict:
     """Verdict of the judge on the columns of a table."""
     labels = head.labels or ("",) * head.width
     texts = [_values(head.texts(index)) for index in range(len(labels))]
-    names = tuple(map(as_label, labels))
-    is_named = len(set(map(plain, names))) == len(names)
     columns = seen_columns(_without_common(labels), ("",) * len(labels), texts)
-    return judged(columns, None, names if is_named else ())
+    return judged(columns, None, _names(labels) if head.line else _names(tuple(map(bare, labels))) or _names(labels))
+
+
+def _names(labels: tuple[str, ...]) -> tuple[str, ...]:
+    """Labels as a SPEC may hold them; empty if two are equal."""
+    names = tuple(map(as_label, labels))
+    return names if len(set(map(plain, names))) == len(names) else ()
 
 
 def _without_common(labels: tuple[str, ...]) -> tuple[str, ...]:
