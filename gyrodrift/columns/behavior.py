@@ -119,3 +119,33 @@ def find_temperature(columns: list[SeenColumn]) -> None:
     is_warm = all(SURROUNDINGS_C[0] < number < SURROUNDINGS_C[1] for number in last.numbers)
     if is_warm and last.moves <= WARMTH_RANGE_C and not all(map(is_whole, last.texts)):
         last.kind, last.why = "temp", "is almost constant, at room temperature"
+
+
+ANGLE_MIN_SHARE = 0.05
+"""Smallest turn of an angle, as a share of a full turn, that is compared with a rate: more than noise and drift."""
+
+SAME_TURN = 0.95
+"""Squared correlation from which an angle and the integral of a rate are of one axis."""
+
+WINDOWS = 24
+
+
+def angle_per_rate(rate: Sequence[float], angle: Sequence[float], t_s: Sequence[float], full_turn: float) -> float:
+    """Change of an angle per integral of a rate over the same time; 0 unless they are of one axis and turn.
+
+    Both are taken over WINDOWS parts, against their means, so that the bias of the rate does not count.
+    """
+    if not len(rate) == len(angle) == len(t_s) or len(rate) < 2 * WINDOWS:
+        return 0.0
+    edges = [index * (len(rate) - 1) // WINDOWS for index in range(WINDOWS + 1)]
+    steps = [(b - a + 0.5 * full_turn) % full_turn - 0.5 * full_turn for a, b in pairwise(angle)]
+    turns = [
+        0.5 * (a + b) * (after - before) for (a, b), (before, after) in zip(pairwise(rate), pairwise(t_s), strict=True)
+    ]
+    seen, summed = ([sum(values[a:b]) for a, b in pairwise(edges)] for values in (steps, turns))
+    if sum(map(abs, seen)) < ANGLE_MIN_SHARE * full_turn:
+        return 0.0
+    seen, summed = ([value - fmean(values) for value in values] for values in (seen, summed))
+    together = sum(a * b for a, b in zip(seen, summed, strict=True))
+    of_angle, of_rate = (sum(value * value for value in values) for values in (seen, summed))
+    return together / of_rate if together * together > SAME_TURN * of_angle * of_rate else 0.0

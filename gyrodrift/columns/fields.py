@@ -61,8 +61,8 @@ NUMBER = r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+"
 
 WHOLE = re.compile(r"[-+]?[0-9]++")
 VALUE = re.compile(rf"(?:{NUMBER}|nan|inf|[-+]inf)", re.IGNORECASE)
-LABEL = r"(?<![A-Za-z_])(?<!\d(?=T\d\d:))([A-Za-z_][\w .()\[\]/°-]{0,40}?)\s*+"
-LABELED = re.compile(rf"{LABEL}(?:[:=]{{1,2}}\s*+\[?|\[)\s*+({NUMBER}|nan)(?![^\[\]]{{0,20}}\]\s*+[:=])", re.IGNORECASE)
+LABEL = r"(?<![A-Za-z_])([A-Za-z_][\w .()\[\]/°-]{0,40}?)\s*+"
+LABELED = re.compile(rf"{LABEL}(?:[:=]{{1,2}}\s*+\[?|\[)\s*+({NUMBER}|nan)(?!:\d)(?![^\[\]]{{0,20}}\]\s*+[:=])", re.IGNORECASE)
 VECTOR = re.compile(
     rf"{LABEL}(?:[:=]\s*+[\[(]?|[\[(])\s*+"
     rf"({NUMBER})[\s,;]++({NUMBER})[\s,;]++({NUMBER})(?![\w.])(?!\s*+[,;]?\s*+[-+.0-9])\s*+[\])]?"
@@ -185,26 +185,25 @@ def _stamped(line: Prefixed) -> Fields | None:
 
 
 def _fields_of(line: str) -> Fields | None:
-    if line.startswith("{"):
-        return _object(line)
-    if line[:1] in {"$", "!"} and "*" in line:
-        return _sentence(line)
-    if line.startswith(">") and (point := TELEPLOT.fullmatch(line)):
+    if line.startswith("{") or (line[:1] in {"$", "!"} and "*" in line):
+        return _object(line) if line.startswith("{") else _sentence(line)
+    if point := TELEPLOT.fullmatch(line):
         return _teleplot(point)
-    if line.startswith("'") and (state := STATE.match(line)):
+    if state := STATE.match(line):
         return Fields(Form.LABELED, (as_label(state[1]),), (state[2],), _units(line, [state]))
     line = _unwrapped(flat_markup(line))
     if '"' in line or "'" in line:
         line = NUMBER_QUOTED.sub(r"\1\3", NAME_QUOTED.sub(r"\2", line))
-    if is_hex(line):
-        return None
-    if line[:1].isalpha():
-        if headed := HEADED_ROW.fullmatch(line):
-            return _headed_row(headed)
-        if fields := _pairs(line):
-            return fields
-    fields = _labeled(line) if MARK.search(line) else None
-    return fields or _row(line)
+    return None if is_hex(line) else _written(line)
+
+
+def _written(line: str) -> Fields:
+    """Fields of a line as sketches print it for people."""
+    headed = HEADED_ROW.fullmatch(line) if line[:1].isalpha() else None
+    if headed:
+        return _headed_row(headed)
+    pairs = _pairs(line) if line[:1].isalpha() else None
+    return pairs or (_labeled(line) if MARK.search(line) else None) or _row(line)
 
 
 def is_hex(line: str) -> bool:
@@ -266,11 +265,11 @@ def _shared(labels: tuple[str, ...], units: tuple[str, ...]) -> tuple[str, ...]:
     """Units, where one that stands once holds for all axes of its quantity: `gx: 1 gy: 2 gz: 3 dps`."""
     if not any(units) or all(units):
         return units if any(units) else ()
-    quantities = [
-        "" if unit_in(label) else QUANTITY_OF.get(kind_of(label)) or _head_of_axis(label) for label in labels
-    ]
+    quantities = ["" if unit_in(label) else QUANTITY_OF.get(kind_of(label)) or _head_of_axis(label) for label in labels]
     stated = {
-        quantity: {unit for unit, of_unit in zip(units, quantities, strict=True) if of_unit == quantity and _is_of_axis(unit)}
+        quantity: {
+            unit for unit, of_unit in zip(units, quantities, strict=True) if of_unit == quantity and _is_of_axis(unit)
+        }
         for quantity in set(quantities) - {""}
     }
     only = {quantity: next(iter(found)) for quantity, found in stated.items() if len(found) == 1}
@@ -327,6 +326,13 @@ def is_number(text: str) -> bool:
     return VALUE.fullmatch(text) is not None
 
 
+def is_value(text: str, value: str) -> bool:
+    """Whether a text is the value of a row to use; numbers compare as numbers, and case does not matter."""
+    if is_number(text) and is_number(value):
+        return float(text) == float(value)
+    return text.casefold() == value.casefold()
+
+
 def is_whole(text: str) -> bool:
     """Whether a text is a whole number."""
     return WHOLE.fullmatch(text) is not None
@@ -336,8 +342,8 @@ def _object(line: str) -> Fields | None:
     leaves = leaves_of(line)
     if leaves is None:
         return None
-    numbers = [(".".join(map(as_label, path)), value) for path, value in leaves if is_number(value)]
-    return Fields(Form.JSON, tuple(label for label, _ in numbers), tuple(value for _, value in numbers))
+    labels = tuple(".".join(map(as_label, path)) for path, _ in leaves)
+    return Fields(Form.JSON, labels, tuple(value for _, value in leaves))
 
 
 def _sentence(line: str) -> Fields | None:

@@ -8,10 +8,19 @@ an acceleration, but never a rate.
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import log, pi, sqrt
 from statistics import fmean
 
-from gyrodrift.columns.behavior import find_accelerometer, find_temperature, goes_on, grows, lengths_of, step_of
+from gyrodrift.columns.behavior import (
+    angle_per_rate,
+    find_accelerometer,
+    find_temperature,
+    goes_on,
+    grows,
+    lengths_of,
+    step_of,
+)
 from gyrodrift.columns.fields import is_number, is_whole
 from gyrodrift.columns.names import (
     SPOKEN,
@@ -25,9 +34,11 @@ from gyrodrift.columns.names import (
 )
 from gyrodrift.columns.rate_unit import DEGREES_OF_FREEDOM, NOISE_DPS, NOISE_SCALE, SURE_ODDS, student
 from gyrodrift.columns.sizes import TEMPERATURES_C, gravity_unit, is_gravity
-from gyrodrift.columns.spec import CLOCK_US, IGNORED, RATE_DPS, spec_text
-from gyrodrift.columns.times import epoch_unit, is_time
+from gyrodrift.columns.spec import ANGLE_DEG, CLOCK_US, IGNORED, RATE_DPS, spec_text
+from gyrodrift.columns.times import ClockReader, epoch_unit, is_time
+from gyrodrift.columns.turn.scale import scale_of
 from gyrodrift.columns.units import TURNS_OR_RADIANS, Dimension, unit_in, unit_of, without_unit
+from gyrodrift.values.constants import FULL_TURN_DEG
 
 UNKNOWN_UNIT = "UNIT"
 """Placeholder in a SPEC for a unit that the user must give."""
@@ -53,8 +64,8 @@ UNIT_FACTOR = 6.0
 MICROSECONDS_FROM = 400.0
 """Without arrival times, a step of at least this is in µs (2.5 kHz), a smaller one in ms (2.5 Hz)."""
 
-USUAL_HZ = (1.0, 20_000.0)
-"""Sample rates of gyros, from a logger with a sample per second to more than the 8 kHz of an ICM-42688."""
+USUAL_HZ = (1.0, 10_000.0)
+"""Sample rates that a logger writes, from a sample per second to more than the 8 kHz of a flight controller."""
 
 SI_ODDS = 10.0
 """Odds of rad/s if accelerations are in m/s²; a conservative guess that is never decisive alone.
@@ -68,6 +79,9 @@ IN_PARTS = re.compile(r"[*×]\s?\d|\bx\s?10|\d\s?[*×]", re.IGNORECASE)
 RATES, FORCES = ("gx", "gy", "rate"), ("ax", "ay", "az")
 IMU_RATE, IMU_FORCE = re.compile(r"(?:^|\.)angular_velocity\.z$"), re.compile(r"(?:^|\.)linear_acceleration\.z$")
 """Labels in a sensor_msgs/Imu as JSON; its rates are in rad/s (common_interfaces of ROS)."""
+
+SAME_SCALE = 0.1
+"""Largest relative difference of a rate and an angle of the same device that a filter and a bias may cause."""
 
 SAMPLES_MIN = 20
 GRAVITY_WITHIN = 0.1
@@ -161,24 +175,37 @@ LARGEST = 1e19
 
 def judged(columns: list[SeenColumn], lines_per_s: float | None, labels: tuple[str, ...] = ()) -> Verdict:
     """Verdict on columns; `lines_per_s` is the rate of their lines, or None, and gives the unit of a clock."""
-    for rule, _ in RULES:
-        rule(columns)
+    for rule in rules(lines_per_s):
+        rule.name(columns)
+    found = [_judged(column, lines_per_s, columns) for column in columns]
+    return _with_axes(_beside_an_angle(_one_turn(found, columns), columns), columns, labels)
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A rule that names columns, and why it may: it leaves columns alone that have a name already."""
+
+    name: Callable[[list[SeenColumn]], None]
+    why: str
+
+
+def rules(lines_per_s: float | None) -> tuple[Rule, ...]:
+    """All rules, strongest first: what is written comes before what the numbers do."""
+    return (
+        Rule(name_by_known_row, "Firmware whose lines begin with a known word has fixed columns and units."),
+        Rule(name_by_label, "A label names a quantity, unless its unit is one of another quantity."),
+        Rule(name_by_unit, "One value in a unit of rates, or three, are rates, unless a label says otherwise."),
+        Rule(_unname_counters, "A counter goes on; what alternates or stands is something else."),
+        Rule(partial(_name_clock, lines_per_s=lines_per_s), "A clock is labeled and goes on, or grows evenly."),
+        Rule(find_accelerometer, "Three columns whose length is gravity while they move are an accelerometer."),
+        Rule(find_temperature, "The last column without a label, steady at room temperature, is a temperature."),
+    )
+
+
+def _unname_counters(columns: list[SeenColumn]) -> None:
     for column in columns:
         if column.kind == "seq" and not goes_on(column.numbers, None):
             column.kind, column.why = "", ""
-    _name_clock(columns, lines_per_s)
-    find_accelerometer(columns)
-    find_temperature(columns)
-    found = [_judged(column, lines_per_s, columns) for column in columns]
-    return _with_axes(_one_turn(found, columns), columns, labels)
-
-
-RULES: tuple[tuple[Callable[[list[SeenColumn]], None], str], ...] = (
-    (name_by_known_row, "Firmware whose lines begin with a known word has fixed columns and units."),
-    (name_by_label, "A label names a quantity, if its unit is one of that quantity."),
-    (name_by_unit, "A value in a unit of rates, or three, are rates, if no label says another quantity."),
-)
-"""Rules that name a column from what is written, strongest first; each leaves named columns alone."""
 
 
 def _name_clock(columns: list[SeenColumn], lines_per_s: float | None) -> None:
@@ -367,6 +394,27 @@ def _one_turn(found: list[JudgedColumn], columns: Sequence[SeenColumn]) -> Verdi
     return Verdict(tuple(one), question=question)
 
 
+def _beside_an_angle(verdict: Verdict, columns: Sequence[SeenColumn]) -> Verdict:
+    """Take unit and sign of the rate from an angle that turns with it, if they are not stated."""
+    turn, clock = verdict.turn, verdict.clock
+    if turn is None or clock is None or turn.is_stated or not turn.entry.startswith("rate"):
+        return verdict
+    rate, times = (columns[verdict.columns.index(column)] for column in (turn, clock))
+    t_s = ClockReader([clock.entry]).read([times.texts]) if clock.entry in CLOCK_US else []
+    for angle in columns:
+        if angle.kind not in {"yaw", "heading"} or not angle.is_numeric:
+            continue
+        unit = _angle_unit(angle)[0] or "rad"  # larger angles than 2π are in degrees
+        per_rate = angle_per_rate(rate.numbers, angle.numbers, t_s, FULL_TURN_DEG / ANGLE_DEG[unit])
+        found = scale_of(1.0 / (per_rate * ANGLE_DEG[unit]), 1.0, SAME_SCALE) if per_rate else None
+        if found is not None and found.is_known:
+            sign = ":-" if (per_rate < 0.0) != (angle.kind == "heading") else ""
+            why = f"{turn.why.partition(',')[0]}, and unit and sign are those with which {angle.label} turns"
+            one = replace(turn, entry=f"rate:{found.option}{sign}", why=why)
+            return replace(verdict, columns=tuple(one if column is turn else column for column in verdict.columns))
+    return verdict
+
+
 def _with_axes(verdict: Verdict, columns: Sequence[SeenColumn], labels: tuple[str, ...]) -> Verdict:
     """Use the rates about x and y too, if all units are known, and the accelerations with them."""
     units = _axis_units(verdict, columns)
@@ -383,8 +431,8 @@ def _axis_units(verdict: Verdict, columns: Sequence[SeenColumn]) -> dict[str, st
     Without a label the unit of an acceleration is that in which its length is gravity.
     """
     unit = verdict.turn.entry.removeprefix("rate:") if verdict.turn and verdict.is_unit_known else ""
-    if unit not in RATE_DPS and not unit.startswith("lsb/"):
-        return {}
+    if (unit not in RATE_DPS and not unit.startswith("lsb/")) or unit.endswith(":-"):
+        return {}  # a frame that is not counter-clockwise is one that nobody knows here
     rates, forces = ([c for c in columns if c.kind in kinds and c.is_numeric] for kinds in (RATES[:2], FORCES))
     if sorted(column.kind for column in rates) != sorted(RATES[:2]):
         return {}

@@ -1,7 +1,7 @@
 """Prefix that a terminal or a log puts in front of a line: times, levels and modules.
 
-`12:34:56.789 -> 1,2,3` (Arduino IDE), `[00:00:01.234,000] <inf> imu: gz 1` (Zephyr), `I (1234) imu: gz=1` (ESP-IDF),
-`[123456] gz:1`, `2024-01-02 03:04:05.678 INFO gz=1` (Python). A time with a fraction, or a counter of ticks, is a clock.
+`12:34:56.789 -> 1,2,3` (Arduino), `[00:00:01.234,000] <inf> imu: gz 1` (Zephyr), `I (1234) imu: gz=1` (ESP-IDF),
+`2024-01-02 03:04:05.678 INFO gz=1` (Python), `[123456] gz:1`. A time with a fraction, or a counter of ticks, is a clock.
 """
 
 import re
@@ -38,6 +38,9 @@ DATA = re.compile(r"[A-Za-z_{<>$!#\"'\[(]")
 
 NOT_EMPTY = re.compile(r".")
 NO_DATA = re.compile(r"[\],;|:]|$")
+FIRST = frozenset("[(<TDIWEVNCF")
+"""First characters of boxes and levels."""
+
 NUMBERS_IN_BOX = re.compile(r"[\[(]\s*+[-+.\d]")
 
 
@@ -59,7 +62,8 @@ class Prefixed(NamedTuple):
 
 def split_prefix(line: str) -> Prefixed:
     """Split a line after its prefix."""
-    if not (line[:1] in "[(<TDIWEVNCF" or line[:1].isdigit() and ":" in line[:20]):
+    has_time = line[:1].isdigit() and ":" in line[:20]
+    if not has_time and line[:1] not in FIRST:
         return Prefixed(line)
     rest, stamp, unit, is_log = line, "", "", False
     while True:

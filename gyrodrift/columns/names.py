@@ -232,7 +232,7 @@ def quaternion_of(columns: Sequence[SeenColumn]) -> dict[str, int]:
 
 def _name(column: SeenColumn) -> str:
     """Words of a label without its unit, and without the word axis."""
-    words = re.split(r"[\s-]+", without_unit(column.label).lower())
+    words = re.split(r"[\s-]+", without_unit(PATH.sub("", column.label)).lower())
     return " ".join(word for word in words if unit_of(word) is None and word != "axis").strip()
 
 

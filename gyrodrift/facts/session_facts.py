@@ -17,7 +17,7 @@ from gyrodrift.facts.reference import EncoderComparison, compared_to_encoder
 from gyrodrift.facts.rests import RestRates, RestSource, Stretch, rests_of
 from gyrodrift.facts.spectrum import RestSpectrum, spectrum_of
 from gyrodrift.session.session import Session
-from gyrodrift.values.arrays import Floats
+from gyrodrift.values.arrays import Floats, Mask
 
 GAP_PERIODS = 1.5
 MOST_MISSING = 1e15
@@ -41,6 +41,22 @@ class Gaps:
     count: int
     missing: int
     longest_s: float
+
+
+NEAR_STEPS = 8
+"""Steps before and after a step that show the present sample rate."""
+
+
+def is_gap(steps_s: Floats, period_s: float) -> Mask:
+    """Mask of forward steps that have lost samples, shape (n,): longer than usual, and than those near them.
+
+    A device may change its sample rate.
+    """
+    mask: Mask = steps_s > GAP_PERIODS * period_s
+    indices = np.flatnonzero(mask)
+    near = np.clip(indices[:, None] + np.arange(-NEAR_STEPS, NEAR_STEPS + 1), 0, max(len(steps_s) - 1, 0))
+    mask[indices] = steps_s[indices] > GAP_PERIODS * np.median(steps_s[near], axis=1) if len(indices) else False
+    return mask
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,7 +170,7 @@ class SessionFacts:
         """Gaps in device time, and missing samples."""
         if self.period_s is None:
             return Gaps(0, 0, 0.0)
-        steps_s = self._forward_s[self._forward_s > GAP_PERIODS * self.period_s]
+        steps_s = self._forward_s[is_gap(self._forward_s, self.period_s)]
         if self.session.seq is None:
             missing = int((np.minimum(np.rint(steps_s / self.period_s), MOST_MISSING) - 1.0).sum())
         else:

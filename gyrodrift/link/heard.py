@@ -74,7 +74,7 @@ class Heard:
         lines = [line.strip() for line in (whole[1:] or whole) if line.strip()]
         *beginning, _ = LINE_END.split(decoded(plain_text(self._beginning)))
         header = next((line for line in beginning if line.strip()), "")
-        is_header = CELLS_MIN <= len(CELL_END.findall(header)) and not any(map(str.isdigit, CELL_END.split(header)))
+        is_header = len(CELL_END.findall(header)) >= CELLS_MIN and not any(map(str.isdigit, CELL_END.split(header)))
         return [CELL.sub("_", header.strip(), count=1), *lines] if is_header else lines
 
     def last_words(self) -> str:

@@ -5,6 +5,7 @@ from itertools import chain
 from pathlib import Path
 
 from gyrodrift.columns.spec import Column
+from gyrodrift.columns.times import AS_READ, StatedClock
 from gyrodrift.io.files import UnreadableError, check_ordinary, whole_file, write_whole
 from gyrodrift.session.damage import DamagedError, RecordingDamage
 from gyrodrift.session.session import Session
@@ -22,7 +23,12 @@ LOGS = (".bag", ".db3", ".bin", ".log", ".ulg")
 
 
 def load_session(
-    path: Path, columns: Sequence[Column] | None = None, *, reference: str = "", allow_damage: bool = False
+    path: Path,
+    columns: Sequence[Column] | None = None,
+    *,
+    reference: str = "",
+    allow_damage: bool = False,
+    clock: StatedClock = AS_READ,
 ) -> Session:
     """Load a session by its ending.
 
@@ -36,6 +42,8 @@ def load_session(
         Topic of a bag or .mcap file with the reference angle, as in `--reference`; empty for none.
     allow_damage
         Whether the whole samples of a damaged recording are returned.
+    clock
+        Unit of the clock of a table, or a sample rate in place of its clock.
 
     Raises
     ------
@@ -44,7 +52,7 @@ def load_session(
     DataError
         The file is missing, of an unknown kind, or no session.
     """
-    session = _loaded(path, columns, allow_damage=allow_damage)
+    session = _loaded(path, columns, clock, allow_damage=allow_damage)
     if not reference:
         return session
     from gyrodrift.session.topics.reference import with_reference  # noqa: PLC0415 - imported only for topics
@@ -52,7 +60,7 @@ def load_session(
     return with_reference(session, path, reference)
 
 
-def _loaded(path: Path, columns: Sequence[Column] | None, *, allow_damage: bool) -> Session:
+def _loaded(path: Path, columns: Sequence[Column] | None, clock: StatedClock, *, allow_damage: bool) -> Session:
     if not path.exists():
         raise DataError(f"{path}: there is no such session")
     if path.is_dir():
@@ -71,10 +79,10 @@ def _loaded(path: Path, columns: Sequence[Column] | None, *, allow_damage: bool)
     if ending in (".mcap", *LOGS) and ending not in TABLES:
         raise UsageError(f"--columns: {path} is no table; tables end in {', '.join(TABLES)}")
     from gyrodrift.session.tables.read import read_table
-    from gyrodrift.session.tables.text import NoTableError
+    from gyrodrift.session.tables.text import NoTableError  # noqa: PLC0415 - imported only for tables
 
     try:
-        return read_table(path, columns)
+        return read_table(path, columns, clock)
     except NoTableError as error:
         if ending in TABLES:
             raise

@@ -1,7 +1,9 @@
 """Columns of unknown text: sketches and examples of libraries, line by line."""
 
+import re
 from collections.abc import Callable
 from math import cos, sin
+from pathlib import Path
 from random import Random
 
 import pytest
@@ -9,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gyrodrift.columns.guess import guess
+from gyrodrift.columns.judge import rules
 from gyrodrift.link.protocols.registry import candidates
 
 LINES = 20
@@ -243,3 +246,30 @@ def test_an_imu_message_of_ros_as_json_gives_all_axes() -> None:
         [f"msg.angular_velocity.{axis}={kind}:rads" for axis, kind in zip("xyz", ("gx", "gy", "rate"), strict=True)]
         + [f"msg.linear_acceleration.{axis}=a{axis}:mps2" for axis in "xyz"]
     )
+
+
+@pytest.mark.parametrize(
+    ("angle", "unit", "per_dps", "sign"),
+    [
+        ("heading", "deg", 1.0, ":-"),
+        ("yaw", "deg", 1.0, ""),
+        ("heading", "rad", 57.29578, ":-"),
+        ("yaw", "deg", 57.29578, ""),
+    ],
+)
+def test_an_angle_beside_a_rate_tells_its_unit_and_its_sign(angle: str, unit: str, per_dps: float, sign: str) -> None:
+    rates = [40.0 * (60 <= i < 140) + n(0.2) for i in range(300)]
+    lines, turned = [f"t_ms,yawRate,{angle}"], 100.0
+    for i, rate in enumerate(rates):
+        turned += rate * 0.02
+        shown = turned % 360.0 / (57.29578 if unit == "rad" else 1.0)
+        lines.append(f"{20 * i},{rate / per_dps:.5f},{shown:.4f}")
+    result = guess(lines)
+    assert result is not None
+    assert result.template == f"t_ms, rate:{'dps' if per_dps == 1.0 else 'rads'}{sign}"
+
+
+def test_the_page_has_all_rules_with_their_reasons() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "protocols.md").read_text()
+    reasons = re.findall(r"^\| [a-z ]+ \| ([A-Z].*\.) \|$", page, re.MULTILINE)
+    assert reasons == [rule.why for rule in rules(None)]

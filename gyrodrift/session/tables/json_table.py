@@ -146,7 +146,7 @@ def _clock(content: Mapping[str, Any]) -> Callable[[int], dict[str, str]]:
             return lambda index: {f"time ({unit.option.removeprefix('t_')})": f"{index * float(value):.9g}"}
         if FREQUENCY.search(name):
             return lambda index: {"time (s)": f"{index / float(value):.9g}"}
-    return lambda index: {}
+    return lambda _: {}
 
 
 def _flat(values: Mapping[str, Any], before: str = "", depth: int = 0) -> dict[str, str]:

@@ -1,7 +1,7 @@
 """Text as a device prints it, captured in a file: labelled lines, sentences, objects behind the prefix of a log.
 
-Its lines are read as at a port, by `Headings`. Each label is a column. A sample may have several lines: it ends when one
-of its labels comes again.
+Its lines are read as at a port, by `Headings`. Each label is a column. A sample may have several lines: it ends when
+one of its labels comes again.
 """
 
 from collections import Counter

@@ -202,9 +202,9 @@ def _header(before: Sequence[list[str]], numbers: Sequence[int], width: int) -> 
     The row with most different words has the names. Rows of units are added to them. Words of other rows, such as
     `GYRO` above `X Y Z`, are added to names of axes, and to names that stand for several columns.
     """
-    likely = [
-        index for index, row in enumerate(before) if abs(len(row) - width) <= 1 < len(row) and not is_data(row)
-    ][-HEADER_ROWS:]
+    likely = [index for index, row in enumerate(before) if abs(len(row) - width) <= 1 < len(row) and not is_data(row)][
+        -HEADER_ROWS:
+    ]
     if not likely:
         return None
     block = [index for index in likely if len(before[index]) == len(before[likely[-1]])]

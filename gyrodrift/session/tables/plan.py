@@ -3,13 +3,24 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from os.path import commonprefix
+from itertools import takewhile
 from pathlib import Path
 
 from gyrodrift.columns.fields import DECIMAL_COMMA, as_label, is_number
 from gyrodrift.columns.judge import CLOCK_WORDS, Verdict, judged, seen_columns
 from gyrodrift.columns.names import kind_of
-from gyrodrift.columns.spec import ACCELERATION_MPS2, CLOCK_US, IGNORED, RATE_DPS, Column, column_of, spec_text
+from gyrodrift.columns.spec import (
+    ACCELERATION_MPS2,
+    ANGLE_DEG,
+    CLOCK_US,
+    IGNORED,
+    QUATERNION,
+    RATE_DPS,
+    SELECTED,
+    Column,
+    column_of,
+    spec_text,
+)
 from gyrodrift.columns.units import Dimension, Unit, unit_in, unit_of, without_unit
 from gyrodrift.session.csv import present_names
 from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS
@@ -20,6 +31,8 @@ OWN, BY_COLUMNS, BY_LABELS = "gyrodrift", "--columns", "labels with units"
 TARGETS = {
     "rate": "rate_dps",
     "yaw": "yaw_deg",
+    "delta": "delta_deg",
+    **{name: name.replace(".", "") for name in QUATERNION},
     "encoder": "encoder_deg",
     "temp": "temp_c",
     "seq": "seq",
@@ -34,6 +47,7 @@ TARGETS = {
 
 RATE_TARGETS = frozenset({"rate_dps", "gyro_x_dps", "gyro_y_dps"})
 FORCE_TARGETS = frozenset(ACCEL_COLUMNS)
+ANGLE_TARGETS = frozenset({"yaw_deg", "delta_deg", "encoder_deg"})
 AXES = ("gx", "gy", "ax", "ay", "az")
 
 WORDS = re.compile(r"(?<=[_. ])")
@@ -50,11 +64,11 @@ class UsedColumn:
     """A column that is used.
 
     target
-        Column of a session, or `yaw_deg`.
+        Column of a session, or what its rate is made of: `yaw_deg`, `delta_deg`, `qw`; a clock may have several.
     scale
         Factor to the unit of the session; 1 for a clock.
     unit
-        Unit of a clock, such as `t_us`.
+        Entry of a clock, such as `t_us`, `dt_ms` or `t:days`.
     """
 
     index: int
@@ -70,14 +84,14 @@ class TableColumns:
     form
         Known form, or how the columns were found.
     where
-        Index and value of the rows to use; None for all.
+        Indices and values of the rows to use; empty for all.
     remarks
         Notes for the user, a sentence each.
     """
 
     form: str
     used: tuple[UsedColumn, ...]
-    where: tuple[int, str] | None = None
+    where: tuple[tuple[int, str], ...] = ()
     remarks: tuple[str, ...] = ()
 
     @property
@@ -113,8 +127,8 @@ class Head:
         return [cell for cell in cells if cell]
 
 
-def columns_by_spec(head: Head, columns: Sequence[Column]) -> TableColumns:
-    """Columns as the user states them.
+def columns_by_spec(head: Head, columns: Sequence[Column], *, needs_clock: bool = True) -> TableColumns:
+    """Columns as the user states them; a clock is needed unless the user states the sample rate.
 
     Raises
     ------
@@ -124,14 +138,16 @@ def columns_by_spec(head: Head, columns: Sequence[Column]) -> TableColumns:
     placed = [(_index(head, position, column), column) for position, column in enumerate(columns)]
     taken = tuple(_taken(index, column) for index, column in placed if _is_used(column))
     targets = {column.target for column in taken}
-    if "t_device_s" not in targets:
-        raise UsageError(f"--columns: {head.path}: no column is the clock: one of {', '.join(CLOCK_US)}")
+    if needs_clock and "t_device_s" not in targets:
+        clocks = f"one of {', '.join(CLOCK_US)}; if there is none, state the sample rate with --sample-rate HZ"
+        raise UsageError(f"--columns: {head.path}: no column is the clock: {clocks}")
+    where = tuple((index, column.unit) for index, column in placed if column.meaning == SELECTED)
     remarks = (*_yaw_remarks(targets, ""), *_contradicted(head, columns, taken))
-    return _with_labelled_unit(head, TableColumns(BY_COLUMNS, taken, remarks=remarks), columns)
+    return _with_labelled_unit(head, TableColumns(BY_COLUMNS, taken, where, remarks), columns)
 
 
 def _with_labelled_unit(head: Head, table_columns: TableColumns, columns: Sequence[Column]) -> TableColumns:
-    """Give rates and accelerations without a unit in the SPEC the unit of their label, if the label names one."""
+    """Give columns without a unit in the SPEC the unit of their label, if the label names one."""
     unstated = {TARGETS[given.meaning] for given in columns if given.meaning in TARGETS and not given.unit}
     if not head.labels:
         return table_columns
@@ -150,26 +166,27 @@ def _contradicted(head: Head, columns: Sequence[Column], taken: Sequence[UsedCol
 
 
 def _in_unit(head: Head, used: UsedColumn) -> UsedColumn:
-    """Column in the unit of its label; the same column for other quantities than rates and accelerations."""
+    """Column in the unit of its label; the same column if that is no unit of rates, angles and accelerations."""
     unit = unit_in(head.labels[used.index]) if used.index < len(head.labels) else None
     factor = None
     if unit is not None and used.target in RATE_TARGETS:
         factor = rate_factor(unit)
     elif unit is not None and used.target in FORCE_TARGETS and unit.dimension is Dimension.ACCELERATION:
         factor = ACCELERATION_MPS2.get(unit.option)
+    elif unit is not None and used.target in ANGLE_TARGETS and unit.dimension is Dimension.ANGLE:
+        factor = ANGLE_DEG.get(unit.option)
     return used if factor is None else replace(used, scale=used.scale * factor)
 
 
 def _is_used(column: Column) -> bool:
-    return column.meaning in TARGETS or column.meaning in CLOCK_US
+    return column.meaning in TARGETS or bool(column.clock)
 
 
 def _index(head: Head, position: int, column: Column) -> int:
     if not column.label:
         if position >= head.width and column.meaning != IGNORED:
-            raise UsageError(
-                f"--columns: {head.path}: has {head.width} columns, and {column.meaning} is the {position + 1}th"
-            )
+            name = f"{column.meaning}{column.unit}" if column.meaning == SELECTED else column.meaning
+            raise UsageError(f"--columns: {head.path}: has {head.width} columns, and {name} is the {position + 1}th")
         return position
     index = label_index(head.labels, column.label)
     if index is None:
@@ -181,8 +198,8 @@ def _index(head: Head, position: int, column: Column) -> int:
 
 
 def _taken(index: int, column: Column) -> UsedColumn:
-    if column.meaning in CLOCK_US:
-        return UsedColumn(index, "t_device_s", unit=column.meaning)
+    if column.clock:
+        return UsedColumn(index, "t_device_s", unit=column.clock)
     return UsedColumn(index, TARGETS[column.meaning], column.scale)
 
 
@@ -210,7 +227,7 @@ def known_columns(head: Head) -> TableColumns | None:
         taken = [replace(column, unit=clock) if clock and column.unit else column for column in taken]
         scaled = _scaled(taken, scale, form.force_scale(head.preamble))
         index = label_index(head.labels, form.where[0]) if form.where else None
-        where = (index, form.where[1]) if form.where and index is not None else None
+        where = ((index, form.where[1]),) if form.where and index is not None else ()
         remarks = (form.remark,) if form.remark else ()
         return _stamped(head, TableColumns(form.name, scaled, where, remarks))
     return None
@@ -267,11 +284,16 @@ def _without_common(labels: tuple[str, ...]) -> tuple[str, ...]:
     words = [WORDS.split(LAST_BRACKETS.sub("", label.strip())) for label in labels if label.strip()]
     if len(words) < LABELS_MIN:
         return labels
-    shared = [commonprefix(words), commonprefix([parts[::-1] for parts in words])[::-1]]
+    shared = [_common(words), _common([parts[::-1] for parts in words])]
     counts = [0 if any(map(unit_of, parts)) else len("".join(parts)) for parts in shared]
     names = tuple(_cut(label, *counts) if label.strip() else label for label in labels)
     is_common = any(counts) and all(len(parts) > len(shared[0]) + len(shared[1]) for parts in words)
     return names if is_common and any(map(CLOCK_WORDS.search, names)) else labels
+
+
+def _common(words: Sequence[Sequence[str]]) -> list[str]:
+    """Words with which all begin."""
+    return [column[0] for column in takewhile(lambda column: len(set(column)) == 1, zip(*words, strict=False))]
 
 
 def _cut(label: str, before: int, after: int) -> str:
@@ -287,27 +309,21 @@ def _values(texts: Sequence[str]) -> list[str]:
     return numbers if len(numbers) >= NUMBERS_SHARE * len(pointed) else pointed
 
 
-def labelled_columns(head: Head, verdict: Verdict) -> TableColumns | None:
-    """Columns whose labels state meaning and unit; None without a stated clock and a stated rate or yaw."""
-    if not head.labels or not verdict.is_stated:
+def labelled_columns(head: Head, verdict: Verdict, *, needs_clock: bool = True) -> TableColumns | None:
+    """Columns whose labels state meaning and unit; None without a stated rate or yaw, and a stated clock if needed."""
+    is_stated = verdict.is_stated if needs_clock else verdict.turn is not None and verdict.turn.is_stated
+    if not head.labels or not is_stated:
         return None
-    taken = [
-        _by_entry(index, column.entry)
-        for index, column in enumerate(verdict.columns)
-        if column.entry not in {IGNORED, "seq"}
-    ]
+    clocks = () if verdict.clock is None or needs_clock else (verdict.clock.entry,)
+    unused = {IGNORED, "seq"} if needs_clock else {IGNORED, *clocks}
+    entries = [(index, column.entry) for index, column in enumerate(verdict.columns) if column.entry not in unused]
+    taken = [_taken(index, column_of(entry)) for index, entry in entries]
     targets = {column.target for column in taken}
     turning = next(index for index, column in enumerate(verdict.columns) if column is verdict.turn)
     remarks = _yaw_remarks(targets, head.labels[turning])
     if "rate_dps" in targets and "encoder_deg" not in targets:
         remarks += _unused_angle_remarks(head, verdict)
     return TableColumns(BY_LABELS, tuple(taken), remarks=remarks)
-
-
-def _by_entry(index: int, entry: str) -> UsedColumn:
-    if entry.startswith("q."):
-        return UsedColumn(index, f"q{entry[2:]}")
-    return _taken(index, column_of(entry))
 
 
 def _unused_angle_remarks(head: Head, verdict: Verdict) -> tuple[str, ...]:

@@ -31,7 +31,7 @@ def test_comments_banners_and_blank_lines_are_no_samples() -> None:
 
 @pytest.mark.parametrize(
     "line",
-    [b"30100", b"30100,", b"x,1", b"30100;1", b"1_0,2", b"3.5,1", b"-5,1", b"30100,1,2,3,4", b"30100,0x10",
+    [b"30100", b"30100,", b"x,1", b"30100;1", b"1_0,2", b"3.5,1", b"30100,1,2,3,4", b"30100,0x10",
      b"30100,1e9", b"30100,1.2.3", b"30100,--1", b"\xff\xfe,1", b"30100,1" + b" " * 300],
 )  # fmt: skip
 def test_a_line_that_does_not_parse_is_counted_and_skipped(line: bytes) -> None:
