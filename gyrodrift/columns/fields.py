@@ -62,7 +62,9 @@ NUMBER = r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+"
 WHOLE = re.compile(r"[-+]?[0-9]++")
 VALUE = re.compile(rf"(?:{NUMBER}|nan|inf|[-+]inf)", re.IGNORECASE)
 LABEL = r"(?<![A-Za-z_])([A-Za-z_][\w .()\[\]/°-]{0,40}?)\s*+"
-LABELED = re.compile(rf"{LABEL}(?:[:=]{{1,2}}\s*+\[?|\[)\s*+({NUMBER}|nan)(?!:\d)(?![^\[\]]{{0,20}}\]\s*+[:=])", re.IGNORECASE)
+LABELED = re.compile(
+    rf"{LABEL}(?:[:=]{{1,2}}\s*+\[?|\[)\s*+({NUMBER}|nan)(?!:\d)(?![^\[\]]{{0,20}}\]\s*+[:=])", re.IGNORECASE
+)
 VECTOR = re.compile(
     rf"{LABEL}(?:[:=]\s*+[\[(]?|[\[(])\s*+"
     rf"({NUMBER})[\s,;]++({NUMBER})[\s,;]++({NUMBER})(?![\w.])(?!\s*+[,;]?\s*+[-+.0-9])\s*+[\])]?"

@@ -208,7 +208,9 @@ def _header(before: Sequence[list[str]], numbers: Sequence[int], width: int) -> 
     if not likely:
         return None
     block = [index for index in likely if len(before[index]) == len(before[likely[-1]])]
-    named_at = max(block, key=lambda index: (_count_names(before[index]), index))
+    named_at = max(
+        block, key=lambda index: (_count_names(before[index]), len(list(filter(None, before[index]))), index)
+    )
     names = list(before[named_at])
     for index in block:
         if index != named_at and not _is_units(before[index]):
