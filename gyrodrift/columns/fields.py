@@ -86,7 +86,7 @@ NAMES_FIRST = re.compile(
 """`Yaw, Pitch, Roll: 1, 2, 3`: as many names as values."""
 
 HEADED_ROW = re.compile(
-    rf"([A-Za-z][\w/]{{0,15}})(?:\s*+[:=,]\s*+|\s++)({NUMBER}(?:[\s,;|]++{NUMBER}){{1,31}})\s*+[,;|]?+"
+    rf"([A-Za-z][\w/]{{0,15}})(?:\s*+[:=,;|]\s*+|\s++)({NUMBER}(?:[\s,;|]++{NUMBER}){{1,31}})\s*+[,;|]?+"
 )
 """A row after a word, `gyro 1 2 3` or `a/g: 1 2 3 4 5 6`: lines of several kinds may alternate."""
 
@@ -106,6 +106,9 @@ STATE = re.compile(rf"'([^']+)'(?:: Sending state|\s*+>>)\s*+({NUMBER}|nan)", re
 NAME_QUOTED = re.compile(r"([\"'])([A-Za-z_][\w .-]{0,40})\1(?=\s*+[:=])")
 NUMBER_QUOTED = re.compile(rf"([:=]\s*+)([\"'])({NUMBER})\2")
 """`"x": 0.5` in an object over several lines, `x="0.5"`."""
+
+EMBEDDED = re.compile(r"([A-Za-z/][\w/.-]{0,60})\s*+[:=]?\s*+(\{\s*+[\"'].*\})")
+"""Object after a word: `data: {"gz": 1}`, `imu/left {"gz": 1}` (mosquitto_sub -v)."""
 
 LABELED_COMMA = re.compile(r"([:=]\s*+[-+]?[0-9]++),([0-9]++)(?![0-9]*[.,][0-9])")
 POINT = re.compile(r"[0-9]\.[0-9]")
@@ -193,6 +196,9 @@ def _fields_of(line: str) -> Fields | None:
         return _teleplot(point)
     if state := STATE.match(line):
         return Fields(Form.LABELED, (as_label(state[1]),), (state[2],), _units(line, [state]))
+    if embedded := EMBEDDED.fullmatch(line):
+        fields = _object(embedded[2])
+        return fields and fields._replace(labels=with_head(as_label(embedded[1]), fields.labels))
     line = _unwrapped(flat_markup(line))
     if '"' in line or "'" in line:
         line = NUMBER_QUOTED.sub(r"\1\3", NAME_QUOTED.sub(r"\2", line))

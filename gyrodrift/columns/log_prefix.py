@@ -1,7 +1,7 @@
 """Prefix that a terminal or a log puts in front of a line: times, levels and modules.
 
 `12:34:56.789 -> 1,2,3` (Arduino), `[00:00:01.234,000] <inf> imu: gz 1` (Zephyr), `I (1234) imu: gz=1` (ESP-IDF),
-`2024-01-02 03:04:05.678 INFO gz=1` (Python), `[123456] gz:1`. A time with a fraction, or a counter of ticks, is a clock.
+`2024-01-02 03:04:05.678 INFO gz=1` (Python), `[123456] gz:1`. A time with a fraction is a clock.
 """
 
 import re

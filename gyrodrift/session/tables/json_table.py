@@ -83,12 +83,23 @@ def _whole(path: Path) -> Iterator[dict[str, str]]:
         if rows := list(_table_in(content)):
             yield from rows
             return
-        columns = {name: values for name, values in content.items() if isinstance(values, list)}
+        columns = dict(_columns_in(content))
         longest = max(map(len, columns.values()), default=0)
         for index in range(longest):
             yield _flat({name: values[index] for name, values in columns.items() if len(values) == longest})
     else:
         raise DataError(f"{path}: is neither JSON nor JSON lines: expected objects, or an array of objects")
+
+
+def _columns_in(
+    content: Mapping[str, Any], before: str = "", deepest: int = DEEPEST
+) -> Iterator[tuple[str, list[Any]]]:
+    """Lists in an object with their paths."""
+    for name, value in content.items():
+        if isinstance(value, list):
+            yield f"{before}{name}", value
+        elif isinstance(value, dict) and deepest:
+            yield from _columns_in(value, f"{before}{name}.", deepest - 1)
 
 
 def _values(text: str) -> Iterator[Any]:

@@ -101,8 +101,13 @@ class TableLayout:
                 yield lines.number, [*row, prefixed.stamp] if self.has_stamp else row
 
 
-def layout_of(path: Path) -> TableLayout | TextLayout:
+def layout_of(path: Path, *, is_by_position: bool = False) -> TableLayout | TextLayout:
     """Detect the layout of a table, or of a text as a device prints it, from its beginning.
+
+    Parameters
+    ----------
+    is_by_position
+        Whether columns count by position, so that a word before a row is a column too.
 
     Raises
     ------
@@ -117,7 +122,7 @@ def layout_of(path: Path) -> TableLayout | TextLayout:
         return table
     marked = [(number, line.lstrip(f"{COMMENT} ")) for number, line in lines.comments]
     text = text_layout(path, sample) if sample else text_layout(path, marked, has_comments=True)
-    has_names = table is not None and (table.head.labels or text is None or not text.head.labels)
+    has_names = table is not None and (table.head.labels or is_by_position or text is None or not text.head.labels)
     layout = table if has_names and (text is None or text.form is Form.ROW) else text
     if layout is None:
         raise NoTableError(f"{path}: {_why_no_rows([line.strip() for _, line in sample])}")
@@ -188,9 +193,9 @@ def _first_row(rows: Sequence[list[str]], width: int) -> int | None:
     )
 
 
-def _refitted(row: list[str], text: str, width: int) -> list[str]:
+def _refitted(row: list[str], text: str, width: int, within: int = 1) -> list[str]:
     """Row before the data, split at its own delimiter if only that gives the width of the data."""
-    if abs(len(row) - width) <= 1 or width < 3:
+    if abs(len(row) - width) <= within or width < 3:
         return row
     rows = (next(split([text.strip()], delimiter), []) for delimiter in DELIMITERS)
     return next(([cell.strip() for cell in cells] for cells in rows if len(cells) == width), row)
@@ -208,9 +213,7 @@ def _header(before: Sequence[list[str]], numbers: Sequence[int], width: int) -> 
     if not likely:
         return None
     block = [index for index in likely if len(before[index]) == len(before[likely[-1]])]
-    named_at = max(
-        block, key=lambda index: (_count_names(before[index]), len(list(filter(None, before[index]))), index)
-    )
+    named_at = max(block, key=lambda index: (_count_names(before[index]), -before[index].count(""), index))
     names = list(before[named_at])
     for index in block:
         if index != named_at and not _is_units(before[index]):
@@ -261,7 +264,8 @@ def _with_preamble_units(labels: tuple[str, ...], before: Sequence[list[str]]) -
 def _commented(comments: Sequence[tuple[int, str]], dialect: Dialect, width: int) -> tuple[tuple[str, ...], int]:
     """Header in a comment, as some programs write it; empty if no comment has as many cells."""
     for number, line in reversed(comments):
-        row = next(iter(split([line.lstrip(COMMENT_MARKS)], dialect.delimiter)), [])
+        text = line.lstrip(COMMENT_MARKS)
+        row = _refitted(next(iter(split([text], dialect.delimiter)), []), text, width, within=0)
         if len(row) == width and width > 1 and not is_data(row):
             return tuple(cell.strip() for cell in row), number
     return (), 0

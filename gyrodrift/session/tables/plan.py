@@ -288,7 +288,8 @@ def _without_common(labels: tuple[str, ...]) -> tuple[str, ...]:
     counts = [0 if any(map(unit_of, parts)) else len("".join(parts)) for parts in shared]
     names = tuple(_cut(label, *counts) if label.strip() else label for label in labels)
     is_common = any(counts) and all(len(parts) > len(shared[0]) + len(shared[1]) for parts in words)
-    return names if is_common and any(map(CLOCK_WORDS.search, names)) else labels
+    has_clock = any(kind_of(name) == "clock" or CLOCK_WORDS.search(name) for name in names)
+    return names if is_common and has_clock else labels
 
 
 def _common(words: Sequence[Sequence[str]]) -> list[str]:

@@ -76,7 +76,7 @@ def read_table(path: Path, columns: Sequence[Column] | None = None, clock: State
         head = json_head(path)
         rows = ((line, row) for line, values in json_objects(path) for row in json_rows([values], head.labels))
         return _read(head, columns, rows, "JSON", clock)
-    layout = layout_of(path)
+    layout = layout_of(path, is_by_position=columns is not None and not columns[0].label)
     with opened(path) as file:
         rows = layout.rows(Lines(file, has_comments=layout.has_comments))
         return _read(layout.head, columns, rows, str(layout), clock, has_decimal_comma=layout.has_decimal_comma)

@@ -100,6 +100,8 @@ def _advice(head: bytes) -> str:
         return f"is a spreadsheet: {SAVE_SHEET}"
     if head.startswith(b"PK") and ARRAYS in head[:200]:
         return "is an archive of NumPy arrays: write its table as .csv with numpy.savetxt"
+    if head[257:262] == b"ustar":
+        return "is a tar archive: tar -xf {quoted}, and give a file of it"
     if WEB_PAGE.match(head):
         return "is a web page, no data: download the file itself (on code hosts: Raw)"
     return next((advice for magic, advice in CONTAINERS.items() if head.startswith(magic)), "")
