@@ -7,7 +7,7 @@ OPENING = re.compile(rf"(?:[\"']?({NAME})[\"']?\s*+[:=]?\s*+)?([{{\[(])|<([A-Za-
 CLOSING = re.compile(r"(?:[}\])]{1,4}|</[\w.:-]{1,40}>)\s*+[,;]?+\s*+([{\[]?)")
 ITEM = re.compile(r"([-+]?[.0-9][^\s,]{0,30}),?")
 DEEPEST = 8
-CONTAINER = re.compile(r"imu\d?|data|raw|sensors?|sample|root|record|row|msg|message|packet", re.IGNORECASE)
+CONTAINER = re.compile(r"imu\d?|data|raw|sensors?|sample|root|record|row|log|entry|msg|message|packet", re.IGNORECASE)
 """Elements that name no quantity."""
 
 MARKUP = re.compile(r"<[A-Za-z_][^<>]*=\s*[\"']|<([A-Za-z_][\w.:-]*)[^<>]*>.*</\1>")

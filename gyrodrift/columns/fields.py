@@ -47,7 +47,7 @@ def head_of(line: str) -> tuple[str, str]:
 
 def with_head(head: str, labels: tuple[str, ...]) -> tuple[str, ...]:
     """Labels with the head, if it may change their meaning: the yaw of a setpoint is not the yaw."""
-    if not head or PLAIN.fullmatch(head):
+    if not head or PLAIN.fullmatch(head.replace("/", " ").strip()):
         return labels
     is_gyro = GYRO.match(head) is not None
     return tuple(

@@ -14,21 +14,24 @@ DAY_S = 86400
 LABEL = "time"
 """Label of the clock of a prefix."""
 
-DATE = r"(?P<date>\d{4}[-/.]\d\d[-/.]\d\d)[T _]"
+DATE = r"(?:(?P<date>\d{4}[-/.]\d\d[-/.]\d\d)|\d\d-\d\d)[T _]"
 STAMP = re.compile(
     rf"(?:{DATE})?(?P<h>\d{{1,2}}):(?P<m>\d\d):(?P<s>\d\d)(?:[.,](?P<part>\d{{1,9}}(?:,\d{{3}})?+))?+"
     r"(?:\s?(?P<half>[AaPp])[Mm])?+(?:\s?(?:Z\b|UTC\b|[-+]\d\d:?\d\d))?+"
 )
+EPOCH = re.compile(r"(\d{9,10}\.\d{1,9})\s++(?=[A-Za-z{$#\"'<>])")
+"""Seconds since 1970 in front of names, as `ts` of moreutils writes them."""
+
 ARROW = re.compile(r"\s*+(?:->|=>|[>|])\s*+|\s++-\s++|:\s++")
 BOX = re.compile(r"\[\s*+([^\[\]]{1,40})\]|\(([^()]{1,40})\)(?=\s)")
 TICKS = re.compile(r"\d{1,18}(?:\.\d{1,9})?\s*+")
 LEVEL = re.compile(
     r"(?:<(?:inf|dbg|wrn|err)>|\[?\b(?:TRACE|DEBUG|INFO|NOTICE|WARN(?:ING)?|ERROR|CRITICAL|FATAL)\b\]?:?|\[[TDIWEV]\]"
-    r"|[TDIWEV](?=\s\())\s*+(?:-\s++)?"
+    r"|[TDIWEV](?=\s\()|\d{1,6}\s++\d{1,6}\s++[VDIWEF]\s)\s*+(?:-\s++)?"
 )
 MODULE = re.compile(
     r"(?!target|set_?point|desired|cmd|command|goal|ref|control|pid)([A-Za-z_][\w./-]{0,40})"
-    r"(?:(?:\(\))?:\s*+(?![-+.\d\[({]|nan)|(\s-\s++))",
+    r"(?:(?:\(\))?\s{0,20}:\s*+(?![-+.\d\[({]|nan)|(\s-\s++))",
     re.IGNORECASE,
 )
 """Name of a module in a log; not of a setpoint, whose yaw is not the yaw, and not the label of a number."""
@@ -62,7 +65,7 @@ class Prefixed(NamedTuple):
 
 def split_prefix(line: str) -> Prefixed:
     """Split a line after its prefix."""
-    has_time = line[:1].isdigit() and ":" in line[:20]
+    has_time = line[:1].isdigit() and (":" in line[:20] or "." in line[9:11])
     if not has_time and line[:1] not in FIRST:
         return Prefixed(line)
     rest, stamp, unit, is_log = line, "", "", False
@@ -109,13 +112,16 @@ def _clock(rest: str, *, is_log: bool, is_first: bool) -> Prefixed | None:
     """Rest after the next time or box; None if something else begins."""
     box = BOX.match(rest)
     inner, end = (box[1] or box[2], box.end()) if box else (rest, 0)
+    if is_first and (epoch := EPOCH.match(rest)):
+        return _after(rest, epoch.end(), epoch[1], "s")
     stamp = STAMP.match(inner)
     if stamp and box and stamp.end() == len(inner.rstrip()):
         return _after(rest, end, *_seconds(stamp))
     if stamp and not box and is_first:
         arrow = ARROW.match(rest, stamp.end())
         end = arrow.end() if arrow else stamp.end()
-        is_prefix = arrow or (rest[end : end + 1] in " [" and DATA.match(rest[end:].lstrip()))
+        rest_line = rest[end:].lstrip()
+        is_prefix = arrow or (rest[end : end + 1] in " [" and (DATA.match(rest_line) or LEVEL.match(rest_line)))
         return _after(rest, end, *_seconds(stamp)) if is_prefix else None
     if not box:
         return None

@@ -116,12 +116,15 @@ def _values(text: str) -> Iterator[Any]:
 
 
 def _table_in(content: Mapping[str, Any], deepest: int = 3) -> Iterator[dict[str, str]]:
-    """Rows of an object that has lists of values beside the names of its columns, as of Edge Impulse or pandas.
+    """Rows of an object that has a list of objects, or lists of values beside the names of their columns.
 
-    An interval or a rate beside them gives the time.
+    Edge Impulse and pandas write such names. An interval or a rate beside them gives the time.
     """
     lists = {name: values for name, values in content.items() if isinstance(values, list) and values}
     for rows in lists.values():
+        if len(rows) > LONGEST_VECTOR and all(isinstance(row, dict) for row in rows):
+            yield from map(_flat, rows)
+            return
         width = len(rows[0]) if isinstance(rows[0], list) else 0
         names = next((labels for values in lists.values() if len(labels := _labels(values)) == width > 0), None)
         if names is not None and all(isinstance(row, list) and len(row) == width for row in rows):

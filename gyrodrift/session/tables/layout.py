@@ -19,8 +19,8 @@ from gyrodrift.session.tables.plan import Head
 from gyrodrift.session.tables.text import COMMENT, Lines, NoTableError, opened
 from gyrodrift.values.errors import DataError, shortened
 
-LOOKED_AT = 1000
-"""Lines of the beginning to detect the layout from; preambles of flight logs have about 150."""
+LOOKED_AT, MORE_OF_TEXT = 1000, 4000
+"""Lines of the beginning to detect the layout from: preambles of flight logs have about 150, samples of YAML 30."""
 
 COMMENT_MARKS = "#/ \t"
 
@@ -116,12 +116,17 @@ def layout_of(path: Path, *, is_by_position: bool = False) -> TableLayout | Text
     """
     with opened(path) as file:
         lines = Lines(file)
-        sample = [(lines.number, line) for line in islice(lines, LOOKED_AT) if line.strip("\0 \t\r\n")]
+        sample, more = (
+            [(lines.number, line) for line in islice(lines, most) if line.strip("\0 \t\r\n")]
+            for most in (LOOKED_AT, MORE_OF_TEXT)
+        )
     table = _table(path, sample, lines.comments) if sample else None
+    if 2 * sum(is_hex(line.strip()) for _, line in sample) > len(sample):
+        raise NoTableError(f"{path}: its numbers are hexadecimal; let the device print decimal numbers")
     if table is not None and _share(table.head.rows) >= MOSTLY:
         return table
     marked = [(number, line.lstrip(f"{COMMENT} ")) for number, line in lines.comments]
-    text = text_layout(path, sample) if sample else text_layout(path, marked, has_comments=True)
+    text = text_layout(path, [*sample, *more]) if sample else text_layout(path, marked, has_comments=True)
     has_names = table is not None and (table.head.labels or is_by_position or text is None or not text.head.labels)
     layout = table if has_names and (text is None or text.form is Form.ROW) else text
     if layout is None:
@@ -132,8 +137,6 @@ def layout_of(path: Path, *, is_by_position: bool = False) -> TableLayout | Text
 def _why_no_rows(lines: Sequence[str]) -> str:
     if not lines:
         return f"is empty; expected a header with {', '.join(REQUIRED)}"
-    if any(map(is_hex, lines)):
-        return "its numbers are hexadecimal; let the device print decimal numbers"
     if len(lines) == 1:
         return "has a header and no samples"
     last = shortened(lines[-1], LINE_SHOWN)

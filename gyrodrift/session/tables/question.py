@@ -77,14 +77,16 @@ def _proposal(verdict: Verdict) -> list[str]:
 
 def _kinds(head: Head) -> list[str]:
     """Advice for a table whose rows are of several kinds, as a column of words says."""
-    for index, label in enumerate(head.labels):
+    for index in range(min(head.width, SHOWN)):
+        label = head.labels[index].strip() if index < len(head.labels) else ""
         counts = Counter(head.texts(index))
         are_words = not any(map(is_value, counts)) and not any(map(unit_of, counts))
         are_kinds = 1 < len(counts) <= KINDS_MAX and min(counts.values()) > 1
         if are_words and (are_kinds or any(map(kind_of, counts))):
             kinds = ", ".join(shortened(word, LABEL_SHOWN) for word in counts)
             entry = f"{as_label(label)}={next(iter(counts))}"
-            return [f"its rows are of several kinds by {label.strip()} ({kinds}): an entry such as {entry!r} keeps one"]
+            name = label or f"column {index + 1}"
+            return [f"its rows are of several kinds by {name} ({kinds}): an entry such as {entry!r} keeps one"]
     return []
 
 

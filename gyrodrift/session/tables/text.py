@@ -14,6 +14,9 @@ LONGEST_LINE = 1 << 16
 """Characters of the longest line that can be a row."""
 
 COMMENT = "#"
+ESCAPE = re.compile(r"\x1b\[[0-9;?]*+[A-Za-z]|\x1b[@-Z\\-_]")
+"""Terminal control sequences (ECMA-48), as in `plain_text`."""
+
 PACKED = {".gz", ".bz2", ".xz", ".zst"}
 MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 """Byte order marks and the codecs that read them."""
@@ -142,6 +145,8 @@ class Lines:
     def __iter__(self) -> Iterator[str]:
         while line := self._file.readline(LONGEST_LINE):
             self.number += 1
+            if "\x1b" in line:
+                line = ESCAPE.sub("", line)
             if line.startswith(COMMENT) and self._has_comments:
                 yield line.lstrip(f"{COMMENT} ")
             elif line.startswith(COMMENT):
