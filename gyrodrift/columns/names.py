@@ -54,6 +54,8 @@ KINDS = {
     "mx": r"(m|mag|magnetic|magnetometer)x",
     "my": r"(m|mag|magnetic|magnetometer)y",
     "mz": r"(m|mag|magnetic|magnetometer)z",
+    "delta": r"(delta|incr(ement(al)?)?|d)(ang(le)?|theta|yaw|psi|heading|ypr)z?(deg|rads?)?"
+    r"|(ang(le)?|theta|yaw|heading)(delta|increment|incr)z?(deg|rads?)?",
     "yaw": r"(est|fused|current|gyro?)?yaw(angle)?(deg|rads?)?|psi|euleryaw|ypryaw|rpyyaw",
     "heading": r"(true|mag(netic)?|compass|gps|gnss|nav|boat|ship|vehicle)?(heading|hdg|course|bearing|azimuth)(deg)?"
     r"|compass|cog|courseoverground",
@@ -102,7 +104,10 @@ USED = {"clock", "seq", "rate", "encoder", "temp", "yaw", "heading"}
 ONE_OF = {"encoder", "temp", "seq"}
 """Kinds of which the first column counts; of several clocks, rates or angles the judge chooses or asks."""
 
-QUATERNION = re.compile(r"(?:.*[\s._])?q(?:uat(?:ernion)?)?[\s._]?([wxyz])", re.IGNORECASE)
+QUATERNION = re.compile(r"(?:.*[\s._])?q(?:uat(?:ernion)?)?[\s._]?([wxyz0-3])", re.IGNORECASE)
+SCALAR_FIRST = dict(zip("0123", "wxyz", strict=True))
+"""Parts of q0 to q3, as in the filters of Madgwick and i2cdevlib; some libraries have the scalar last."""
+
 AIMS = re.compile(r"target|set_?point|desired|cmd|command|(?<![a-z])(sp|ref|goal)(?![a-z])", re.IGNORECASE)
 """Labels of setpoints: such a quaternion is the desired orientation, not the measured one."""
 
@@ -174,13 +179,15 @@ def name_by_label(columns: list[SeenColumn]) -> None:
         if kind not in {"", "clock"} and not (kind in ONE_OF and kind in taken) and _agrees(kind, column):
             column.kind, column.why = kind, f"is labeled {column.label}"
             taken.add(kind)
+    for index in quaternion_of(columns).values():
+        columns[index].kind = columns[index].kind or "quaternion"
 
 
 DIMENSIONS = {
     "clock": (Dimension.TIME,),
     **dict.fromkeys(("rate", "gx", "gy"), (Dimension.RATE, Dimension.COUNTS, Dimension.ANGLE)),
     **dict.fromkeys(("ax", "ay", "az"), (Dimension.ACCELERATION, Dimension.COUNTS, Dimension.LENGTH)),
-    **dict.fromkeys(("yaw", "heading", "encoder", "pitch", "roll"), (Dimension.ANGLE, Dimension.COUNTS)),
+    **dict.fromkeys(("yaw", "heading", "encoder", "pitch", "roll", "delta"), (Dimension.ANGLE, Dimension.COUNTS)),
     "temp": (Dimension.TEMPERATURE, Dimension.COUNTS),
 }
 """Allowed dimensions of a kind; some sketches write deg for deg/s, which is asked."""
@@ -227,7 +234,8 @@ def quaternion_of(columns: Sequence[SeenColumn]) -> dict[str, int]:
     matches = [
         (match[1].lower(), index) for index, label in enumerate(labels) if (match := QUATERNION.fullmatch(label))
     ]
-    return dict(sorted(matches)) if sorted(part for part, _ in matches) == list("wxyz") else {}
+    parts = {SCALAR_FIRST.get(part, part): index for part, index in matches}
+    return parts if len(matches) == len(parts) == len(SCALAR_FIRST) else {}
 
 
 def _name(column: SeenColumn) -> str:

@@ -30,23 +30,32 @@ class Heard:
 
     def __init__(self) -> None:
         self.content = self._beginning = b""
-        self._lines = 0
+        self._lines = self._bytes = 0
         self._first_s = self._last_s = 0.0
 
     def add(self, chunk: bytes, arrival_s: float) -> None:
         """Add bytes with their arrival time, s, monotonic."""
-        if not self._lines:
+        if not self._bytes:
             self._first_s = arrival_s
         self._lines += max(chunk.count(b"\n"), chunk.count(b"\r"))
         self._last_s = arrival_s
+        self._bytes += len(chunk)
         self._beginning = (self._beginning + chunk)[:BEGINNING_BYTES]
         self.content = (self.content + chunk)[-BYTES_MAX:]
 
     @property
     def lines_per_s(self) -> float | None:
         """Lines per second; None before half a second of lines."""
+        return self._per_s(self._lines)
+
+    @property
+    def bytes_per_s(self) -> float | None:
+        """Bytes per second; None before half a second."""
+        return self._per_s(self._bytes)
+
+    def _per_s(self, count: int) -> float | None:
         elapsed_s = self._last_s - self._first_s
-        return self._lines / elapsed_s if elapsed_s >= 0.5 else None
+        return count / elapsed_s if elapsed_s >= 0.5 else None
 
     @property
     def is_text(self) -> bool:

@@ -48,7 +48,6 @@ def guessed(form: str, head: str = "") -> TextGuess:
         "roll: {z:.2f} deg/s",
         "500 dps | {x:.0f} | {y:.0f} | {z:.0f}",
         "{t}; {z:.0f}; 200 dps",
-        "dyaw: {z:.3f}",
         "rotationX: {x:.2f} rotationY: {y:.2f} rotationZ: {z:.2f}",
         "rotation z: {z:.2f} deg",
         "gyro[0]: {x:.2f} dps, gyro[1]: {y:.2f} dps",

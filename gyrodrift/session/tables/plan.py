@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 from itertools import takewhile
 from pathlib import Path
 
-from gyrodrift.columns.fields import DECIMAL_COMMA, as_label, is_number
-from gyrodrift.columns.judge import CLOCK_WORDS, Verdict, judged, seen_columns
+from gyrodrift.columns.fields import as_label
+from gyrodrift.columns.judge import CLOCK_WORDS, ColumnVerdict, judged
 from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.spec import (
     ACCELERATION_MPS2,
@@ -54,9 +54,6 @@ WORDS = re.compile(r"(?<=[_. ])")
 LAST_BRACKETS = re.compile(r"\s*[(\[][^()\[\]]*[)\]]$")
 LABELS_MIN = 3
 """Least number of labels whose common words name the device."""
-
-NUMBERS_SHARE = 0.9
-"""Smallest share of numbers in the first rows of a column of numbers; the others are damaged."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -265,12 +262,13 @@ def rate_factor(unit: Unit) -> float | None:
     return 1.0 / float(unit.option.removeprefix("lsb/")) if unit.option.startswith("lsb/") else RATE_DPS[unit.option]
 
 
-def verdict_on(head: Head) -> Verdict:
+def verdict_on(head: Head) -> ColumnVerdict:
     """Verdict of the judge on the columns of a table."""
     labels = head.labels or ("",) * head.width
-    texts = [_values(head.texts(index)) for index in range(len(labels))]
-    columns = seen_columns(_without_common(labels), ("",) * len(labels), texts)
-    return judged(columns, None, _names(labels) if head.line else _names(tuple(map(bare, labels))) or _names(labels))
+    rows = [row for row in head.rows if len(row) >= len(labels)]
+    texts = [[row[index].strip() for row in rows] for index in range(len(labels))]
+    spec_labels = _names(labels) if head.line else _names(tuple(map(bare, labels))) or _names(labels)
+    return judged(_without_common(labels), ("",) * len(labels), texts, spec_labels=spec_labels)
 
 
 def _names(labels: tuple[str, ...]) -> tuple[str, ...]:
@@ -303,14 +301,7 @@ def _cut(label: str, before: int, after: int) -> str:
     return (name[before : len(name) - after] + label.strip()[len(name) :]).strip("_. ")
 
 
-def _values(texts: Sequence[str]) -> list[str]:
-    """Values with a decimal point, without the few that are no number."""
-    pointed = [text.replace(",", ".") if DECIMAL_COMMA.fullmatch(text) else text for text in texts]
-    numbers = [text for text in pointed if is_number(text) and text.lower().lstrip("+-") not in {"nan", "inf"}]
-    return numbers if len(numbers) >= NUMBERS_SHARE * len(pointed) else pointed
-
-
-def labelled_columns(head: Head, verdict: Verdict, *, needs_clock: bool = True) -> TableColumns | None:
+def labelled_columns(head: Head, verdict: ColumnVerdict, *, needs_clock: bool = True) -> TableColumns | None:
     """Columns whose labels state meaning and unit; None without a stated rate or yaw, and a stated clock if needed."""
     is_stated = verdict.is_stated if needs_clock else verdict.turn is not None and verdict.turn.is_stated
     if not head.labels or not is_stated:
@@ -327,7 +318,7 @@ def labelled_columns(head: Head, verdict: Verdict, *, needs_clock: bool = True) 
     return TableColumns(BY_LABELS, tuple(taken), remarks=remarks)
 
 
-def _unused_angle_remarks(head: Head, verdict: Verdict) -> tuple[str, ...]:
+def _unused_angle_remarks(head: Head, verdict: ColumnVerdict) -> tuple[str, ...]:
     """Remark on an angle with a rate, which may be a reference or the result of the device's own filter."""
     angles = [index for index, column in enumerate(verdict.columns) if column.looks_like in {"yaw", "heading"}]
     units = [unit_in(head.labels[index]) for index in angles]

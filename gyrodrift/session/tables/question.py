@@ -6,7 +6,7 @@ from itertools import pairwise
 from math import isfinite
 
 from gyrodrift.columns.fields import as_label
-from gyrodrift.columns.judge import Verdict
+from gyrodrift.columns.judge import ColumnVerdict
 from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.spec import CLOCK_US, IGNORED
 from gyrodrift.columns.times import is_time
@@ -47,7 +47,7 @@ HOW = (
 )
 
 
-def unclear(head: Head, verdict: Verdict) -> DataError:
+def unclear(head: Head, verdict: ColumnVerdict) -> DataError:
     """Error that shows every column with its apparent meaning, and what is missing."""
     source = f"{head.path}:{head.line}" if head.line else f"{head.path}"
     lines = [_described(head, index, verdict) for index in range(min(head.width, SHOWN))]
@@ -56,7 +56,7 @@ def unclear(head: Head, verdict: Verdict) -> DataError:
     return DataError("\n".join([reason, *lines, *rest, *_kinds(head), *_proposal(verdict), HOW]))
 
 
-def _reason(head: Head, verdict: Verdict) -> str:
+def _reason(head: Head, verdict: ColumnVerdict) -> str:
     names = "header does" if head.line else "labels do"
     says = f"its {names} not say" if head.labels else "it has no header, so nothing says"
     if verdict.turn is not None and verdict.clock is None:
@@ -65,13 +65,13 @@ def _reason(head: Head, verdict: Verdict) -> str:
     return f"{says} which column is the rate and in which unit{question}"
 
 
-def _proposal(verdict: Verdict) -> list[str]:
+def _proposal(verdict: ColumnVerdict) -> list[str]:
     """Line with the SPEC as far as the judge could tell."""
     if verdict.template is None:
         return []
     rate = "" if verdict.clock else " --sample-rate HZ"
     reasons = "; ".join(f"{column.looks_like} {column.why}" for column in verdict.columns if column.entry != IGNORED)
-    unit = "" if verdict.is_unit_known else ", with the unit in the place of UNIT"
+    unit = f"; replace {', and '.join(verdict.asked)}" if verdict.asked else ""
     return [f"probably --columns '{verdict.template}'{rate}{unit} ({reasons})"]
 
 
@@ -111,7 +111,7 @@ def check_header(head: Head) -> None:
             )
 
 
-def _described(head: Head, index: int, verdict: Verdict) -> str:
+def _described(head: Head, index: int, verdict: ColumnVerdict) -> str:
     label = head.labels[index].strip() if index < len(head.labels) else ""
     name = f" {shortened(label, LABEL_SHOWN)}" if label else ""
     looks = verdict.columns[index].looks_like if label else ""
