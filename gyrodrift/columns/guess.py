@@ -12,6 +12,9 @@ from gyrodrift.columns.spec import IGNORED
 
 LINES_MIN = 3
 LINES_MAX = 400
+LINES_OF_HEAD = 40
+"""First lines, among which a header may be, and last lines that are judged."""
+
 TIMES = re.compile(r"\s?[*×]\s?")
 """Factor in a name, such as `gz*100`, which the label keeps."""
 
@@ -33,7 +36,8 @@ def guess(lines: Iterable[str], lines_per_s: float | None = None) -> TextGuess |
 
     `lines_per_s` is the rate of the lines, or None; it gives the unit of a clock.
     """
-    heard = [line for line in (line.strip() for line in lines) if line][-LINES_MAX:]
+    heard = [line for line in (line.strip() for line in lines) if line]
+    heard = heard[:LINES_OF_HEAD] + heard[LINES_OF_HEAD:][-LINES_MAX:]
     guessed = _guess([line for line in heard if not line.startswith("#")], lines_per_s)
     if guessed is None or guessed.turn is None:  # all data may have a comment mark
         guessed = _guess([line.lstrip("# ") for line in heard], lines_per_s) or guessed

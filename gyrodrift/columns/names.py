@@ -64,8 +64,7 @@ KINDS = {
     r"|compass|cog|courseoverground",
     "pitch": r"pitch(angle)?(deg|rads?)?|theta|eulerpitch",
     "roll": r"roll(angle)?(deg|rads?)?|phi|eulerroll",
-    "angle": r"(acc)?(ypr|rpy|euler|angles?|orient(ation)?|attitude|ang|rot(ation)?vector)[xyzw]?|o[ypr]",
-    "delta": rf"({CHANGE})({TURNED})z?|({TURNED})({CHANGE})",
+    "angle": r"(acc|gyro)?(ypr|rpy|euler|angles?|orient(ation)?|attitude|ang|rot(ation)?vector)[xyzw]?|o[ypr]",
     "quaternion": r"q(uat(ernion)?)?[wxyz0123ijkr]|quat(ernion)?",
 }
 """Names that sketches give to columns, without case, spaces and punctuation; `rates` name no axis."""

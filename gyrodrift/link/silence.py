@@ -157,7 +157,12 @@ def _why_text(protocol: str, heard: Heard, port: str, waited: str, source: ByteS
 
 def _without_columns(heard: Heard, waited: str) -> str:
     """Advice about data of an unknown form, a board that is still starting, or a board that waits."""
-    text = "".join(heard.lines())
+    from gyrodrift.columns.fields import is_hex  # noqa: PLC0415 - for unknown streams only
+
+    lines = heard.lines()
+    text = "".join(lines)
+    if 2 * sum(is_hex(line.strip()) for line in lines) > len(lines):
+        return "has hexadecimal numbers, which are not read; print decimal numbers"
     if sum(character.isdigit() for character in text) >= DATA_SHARE * max(1, len(text)):
         return "looks like data of an unknown form; can the device send another format?"
     return (
