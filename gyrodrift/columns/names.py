@@ -57,8 +57,7 @@ KINDS = {
     "mx": r"(m|mag|magnetic|magnetometer)x",
     "my": r"(m|mag|magnetic|magnetometer)y",
     "mz": r"(m|mag|magnetic|magnetometer)z",
-    "delta": r"(delta|incr(ement(al)?)?|d)(ang(le)?|theta|yaw|psi|heading|ypr)z?(deg|rads?)?"
-    r"|(ang(le)?|theta|yaw|heading)(delta|increment|incr)z?(deg|rads?)?",
+    "delta": rf"({CHANGE})({TURNED})z?|({TURNED})({CHANGE})z?",
     "yaw": r"(est|fused|current|gyro?)?yaw(angle)?(deg|rads?)?|psi|euleryaw|ypryaw|rpyyaw",
     "heading": r"(true|mag(netic)?|compass|gps|gnss|nav|boat|ship|vehicle)?(heading|hdg|course|bearing|azimuth)(deg)?"
     r"|compass|cog|courseoverground",
