@@ -1,10 +1,13 @@
 """The firmware of `gyrodrift/firmware`, compiled and run: on this machine, in simavr, and in MicroPython."""
 
+import fcntl
 import json
 import re
 import shutil
 import subprocess
+import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 from typing import Any, NamedTuple, Self
@@ -127,15 +130,34 @@ def built_sketch(into: Path, folder: Path = SKETCH) -> Path:
 
 def linked(sketch: Path, into: Path) -> Path:
     """A compiled sketch with the core, for an Uno."""
-    core, wire = ARDUINO / "cores" / "arduino", ARDUINO / "libraries" / "Wire" / "src"
-    objects = into / "core"
-    objects.mkdir()
-    for compiler, suffix, *flags in (("avr-gcc", "c", "-std=gnu11"), ("avr-g++", "cpp", *CPP)):
-        sources = [*core.glob(f"*.{suffix}"), *wire.rglob(f"*.{suffix}")]
-        run(compiler, *UNO, "-w", *flags, "-c", *sources, folder=objects)
     elf = into / "sketch.elf"
-    run("avr-gcc", "-mmcu=atmega328p", "-Os", *LTO, "-Wl,--gc-sections", sketch, *objects.glob("*.o"), "-o", elf, "-lm")
+    run("avr-gcc", "-mmcu=atmega328p", "-Os", *LTO, "-Wl,--gc-sections", sketch, *core_objects(), "-o", elf, "-lm")
     return elf
+
+
+def core_objects() -> list[Path]:
+    """The core for an Uno."""
+
+    def build(folder: Path) -> None:
+        core, wire = ARDUINO / "cores" / "arduino", ARDUINO / "libraries" / "Wire" / "src"
+        for compiler, suffix, *flags in (("avr-gcc", "c", "-std=gnu11"), ("avr-g++", "cpp", *CPP)):
+            sources = [*core.glob(f"*.{suffix}"), *wire.rglob(f"*.{suffix}")]
+            run(compiler, *UNO, "-w", *flags, "-c", *sources, folder=folder)
+
+    return sorted(built_once("core", build).glob("*.o"))
+
+
+def built_once(name: str, build: Callable[[Path], None]) -> Path:
+    """Folder that `build` fills once for all processes of a test run, which share a home folder."""
+    folder = Path.home() / "built" / name
+    folder.parent.mkdir(exist_ok=True)
+    with folder.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not folder.exists():
+            unfinished = Path(tempfile.mkdtemp(dir=folder.parent))
+            build(unfinished)
+            unfinished.rename(folder)
+    return folder
 
 
 def built_board(into: Path) -> Path:
