@@ -40,8 +40,14 @@ lock: $(VENV)/ready-to-test
 	$(BIN)/uv lock --upgrade --default-index https://pypi.org/simple
 
 # Each test process uses one thread of linear algebra, like the commands. More threads would wait for each other.
-tests: $(VENV)/ready-to-test
+tests: $(VENV)/collected
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadgroup -m "not packaging and not evaluation"
+
+# The bytecode of all tests, which the test processes share. Without it each of them would compile all tests.
+unexport PYTHONDONTWRITEBYTECODE
+$(VENV)/collected: | $(VENV)/ready-to-test
+	@$(BIN)/pytest --collect-only --quiet > $@.txt || { tail $@.txt; false; }
+	@touch $@
 
 # Tests that build the wheel and install it. They run in a fresh clone, and again when these files have changed.
 packaging: $(VENV)/packaging-passed

@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from firmware_support import HERE, built_once, run
+from built_once import built_once
+from firmware_support import HERE, run
 from numpy.typing import ArrayLike, NDArray
 
 from gyrodrift.firmware.targets import gyrodrift_h

@@ -5,11 +5,13 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import pytest
 import structlog
+from built_once import built_once
 from hypothesis import settings
 from process_defaults import set_process_defaults
 from recordings_support import Recordings
@@ -96,6 +98,12 @@ def logged() -> Iterator[list[Any]]:
 def port(tmp_path: Path) -> Path:
     """A name for the port of a device."""
     return tmp_path / "gyro"
+
+
+@pytest.fixture(scope="session")
+def diagnosis_kernels() -> None:
+    """Compile what a diagnosis needs in one process of a run; it takes 15 s, and the others load it."""
+    built_once("diagnosis_kernels", import_module("short_diagnosis").diagnose_in)
 
 
 @pytest.fixture(scope="session")

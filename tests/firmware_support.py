@@ -1,19 +1,17 @@
 """The firmware of `gyrodrift/firmware`, compiled and run: on this machine, in simavr, and in MicroPython."""
 
-import fcntl
 import json
 import re
 import shutil
 import subprocess
-import tempfile
 import time
-from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 from typing import Any, NamedTuple, Self
 
 import numpy as np
 import pytest
+from built_once import built_once
 from clients_support import node_client
 from numpy.typing import NDArray
 from support import PATIENCE_S
@@ -145,19 +143,6 @@ def core_objects() -> list[Path]:
             run(compiler, *UNO, "-w", *flags, "-c", *sources, folder=folder)
 
     return sorted(built_once("core", build).glob("*.o"))
-
-
-def built_once(name: str, build: Callable[[Path], None]) -> Path:
-    """Folder that `build` fills once for all processes of a test run, which share a home folder."""
-    folder = Path.home() / "built" / name
-    folder.parent.mkdir(exist_ok=True)
-    with folder.with_suffix(".lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not folder.exists():
-            unfinished = Path(tempfile.mkdtemp(dir=folder.parent))
-            build(unfinished)
-            unfinished.rename(folder)
-    return folder
 
 
 def built_board(into: Path) -> Path:

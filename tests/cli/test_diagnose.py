@@ -20,7 +20,7 @@ from gyrodrift.cli import main
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.simulation.sessions import write_sessions
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(1800)]
+pytestmark = [pytest.mark.usefixtures("diagnosis_kernels"), pytest.mark.long, pytest.mark.timeout(1800)]
 
 MINUTES = 2.0
 

@@ -15,6 +15,8 @@ from gyrodrift.simulation.sessions import rig_yaml
 
 pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
 
+pytestmark = pytest.mark.usefixtures("diagnosis_kernels")
+
 SAMPLE_RATE_HZ = 50.0
 SIZE = ("--sessions", "2", "--minutes", "0.8", "--seed", "3")
 SLOW = ("popcorn", "bias_instability", "rate_random_walk", "stale_hold", "sample_drop", "usb_batching", "encoder_slip")

@@ -66,6 +66,7 @@ def test_the_library_loads_and_filters_a_session(sessions: Path) -> None:
 
 
 @pytest.mark.promise("Installation and systems")
+@pytest.mark.usefixtures("diagnosis_kernels")
 @pytest.mark.long
 def test_analyses_run(sessions: Path, slow_rig: Path, tmp_path: Path) -> None:
     """Without these modules, `info`, `filter`, `convert`, `doctor`, `compare`, `tune` and `diagnose` run."""
