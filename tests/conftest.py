@@ -25,18 +25,21 @@ ENDS_WITHIN_S = 60.0
 
 
 def _children() -> set[str]:
-    return set(Path(f"/proc/self/task/{os.getpid()}/children").read_text().split())
+    with open(f"/proc/self/task/{os.getpid()}/children") as file:  # noqa: PTH123 - twice as quick, in every test
+        return set(file.read().split())
 
 
 def _descriptors() -> set[tuple[str, str]]:
     """Number and target of each that a test may not leave open."""
     result = set()
-    for link in Path("/proc/self/fd").iterdir():
+    for number in os.listdir("/proc/self/fd"):  # noqa: PTH208 - four times as quick as pathlib, in every test
         try:
-            result.add((link.name, str(link.readlink())))
+            target = os.readlink(f"/proc/self/fd/{number}")  # noqa: PTH115 - likewise
         except OSError:
             continue  # the descriptor of the listing itself
-    return {(number, target) for number, target in result if not _may_stay(target)}
+        if not _may_stay(target):
+            result.add((number, target))
+    return result
 
 
 def _remaining(now: Callable[[], Iterable[Any]], before: set[Any]) -> set[Any]:

@@ -75,7 +75,7 @@ def test_before_a_fault_begins_all_is_as_it_was(protocol: str) -> None:
 @pytest.mark.parametrize("protocol", ENCODERS)
 @pytest.mark.parametrize("name", LASTING)
 def test_after_it_has_ended_all_is_as_it_was(name: str, protocol: str) -> None:
-    without, faulty = spoken_without(protocol, 9.0), spoken(protocol, 9.0, f"{name}:from_s=2,to_s=5")
+    without, faulty = spoken_without(protocol, 7.0), spoken(protocol, 7.0, f"{name}:from_s=2,to_s=5")
     is_counted = name == "double_rate" and protocol in COUNTED
     if is_counted or (name in FALSE_RATES and protocol in SUMMED):
         assert [(f.t_s, f.rows) for f in faulty if f.t_s > 5.1] == [(f.t_s, f.rows) for f in without if f.t_s > 5.1]
