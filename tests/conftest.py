@@ -104,9 +104,10 @@ def port(tmp_path: Path) -> Path:
 
 
 @pytest.fixture(scope="session")
-def diagnosis_kernels() -> None:
-    """Compile what a diagnosis needs in one process of a run; it takes 15 s, and the others load it."""
-    built_once("diagnosis_kernels", import_module("short_diagnosis").diagnose_in)
+def diagnosis_kernels(request: pytest.FixtureRequest) -> None:
+    """Compile what a diagnosis needs in one of several test processes; it takes 15 s, and the others load it."""
+    if hasattr(request.config, "workerinput"):
+        built_once("diagnosis_kernels", import_module("short_diagnosis").diagnose_in)
 
 
 @pytest.fixture(scope="session")

@@ -212,6 +212,7 @@ def test_sign_and_unit_are_told_before_anything_else(scaled: Path, tmp_path: Pat
     assert gap["causes"][0]["effect"] == "scale_factor"
 
 
+@pytest.mark.evaluation
 def test_a_cluster_says_the_same(scaled: Path, tmp_path: Path, exported: tuple[Path, dict[str, Any], str]) -> None:
     pytest.importorskip("distributed", reason="a cluster is an extra: pip install 'gyrodrift[cluster]'")
     with cluster(tmp_path, 2) as running:

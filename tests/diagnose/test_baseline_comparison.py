@@ -74,7 +74,6 @@ def test_coarser_steps_may_be_an_effect() -> None:
     assert compared_of([observed()], [rests])[0].all()
 
 
-@pytest.mark.usefixtures("diagnosis_kernels")
 @pytest.mark.long
 def test_beside_a_baseline_of_another_sample_rate_a_scale_error_is_found(tmp_path: Path) -> None:
     rigs = {
@@ -126,7 +125,6 @@ def told_beside(tmp_path: Path, name: str, before: Sequence[str], today: Sequenc
     return verdict
 
 
-@pytest.mark.usefixtures("diagnosis_kernels")
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("before", "today", "named"),

@@ -19,7 +19,7 @@ from gyrodrift.diagnose.what_next import Next
 from gyrodrift.session.files import load_session
 from gyrodrift.values.arrays import Floats
 
-pytestmark = [pytest.mark.usefixtures("diagnosis_kernels"), pytest.mark.long, pytest.mark.timeout(1800)]
+pytestmark = [pytest.mark.long, pytest.mark.timeout(1800)]
 
 
 @pytest.fixture(autouse=True)

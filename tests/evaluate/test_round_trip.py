@@ -60,7 +60,7 @@ def diagnosed(folder: Path, rig: Path, *effects: str, axes: int = 1, withheld: I
     [
         ("clock_drift:ppm=2000", "ppm", 2000.0),
         ("spikes:height_dps=50,share_percent=0.1", "share_percent", 0.1),
-        ("latency:delay_ms=20", "delay_ms", 20.0),
+        pytest.param("latency:delay_ms=20", "delay_ms", 20.0, marks=pytest.mark.evaluation),
         pytest.param("scale_factor:error_percent=1.5", "error_percent", 1.5, marks=pytest.mark.evaluation),
         pytest.param("backlash:play_deg=0.5", "play_deg", 0.5, marks=pytest.mark.evaluation),
         pytest.param("timestamp_jitter:sigma_ms=1", "sigma_ms", 1.0, marks=pytest.mark.evaluation),
