@@ -62,9 +62,9 @@ release-check: $(VENV)/ready-to-test
 bench: $(VENV)/ready-to-test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest benchmark/bench -s -p no:randomly --timeout 600
 
-# Whole diagnoses of single cases first. Then compares results over many random cases with the committed figures, and fails
-# if one is worse. All rows of the blind check take hours; EVALUATE="diagnose --count 50" selects some. An interrupted run
-# continues.
+# Slow cases of tests that others resemble first. Then compares results over many random cases with the committed figures,
+# and fails if one is worse. All rows of the blind check take hours; EVALUATE="diagnose --count 50" selects some. An
+# interrupted run continues.
 evaluate: $(VENV)/ready-to-test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadgroup -m evaluation
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmark evaluate $(EVALUATE)

@@ -385,7 +385,7 @@ def test_the_device_ends_well_however_fast_it_is_and_whatever_its_faults(link: P
     with Command("--link", link, "--speed", speed, "--duration", "1", *faults, module="firmware_sim") as command:
         if speed == "max":
             command.until(lambda _: link.is_symlink(), "link")
-            with serial.Serial(str(link), timeout=PATIENCE_S) as port, suppress(serial.SerialException):
+            with serial.Serial(str(link), timeout=10.0) as port, suppress(serial.SerialException):
                 while port.read(256):  # until the cable is pulled: at this speed the device waits for its reader
                     pass
         assert command.end() == 0
