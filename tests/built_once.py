@@ -1,4 +1,4 @@
-"""What the processes of a test run share instead of making it in each of them."""
+"""Builds that the processes of a test run share."""
 
 import fcntl
 import tempfile
