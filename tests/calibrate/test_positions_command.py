@@ -45,7 +45,13 @@ def check(result: Calibration) -> None:
     assert [*(result.gyro_bias_xy_dps or ()), result.bias_dps] == near(BIAS_DPS.tolist(), 0.02)
 
 
-@pytest.mark.parametrize(("words", "device_id"), [(NATIVE, "firmware_sim"), (CSV, "")], ids=["native", "csv"])
+@pytest.mark.parametrize(
+    ("words", "device_id"),
+    [
+        pytest.param(NATIVE, "firmware_sim", id="native"),
+        pytest.param(CSV, "", id="csv", marks=pytest.mark.evaluation),
+    ],
+)
 def test_turns_and_sides_without_a_terminal_give_json_and_a_config(
     words: tuple[str, ...], device_id: str, tmp_path: Path
 ) -> None:

@@ -130,7 +130,7 @@ def test_compilers_take_the_header_without_a_warning(compiler: str, written: Pat
     assert (written / "my_gyro.h").read_text().count("*/") == (written / "my_gyro.h").read_text().count("/*")
 
 
-@pytest.mark.parametrize("compiler", ["g++", "clang++"])
+@pytest.mark.parametrize("compiler", ["g++", pytest.param("clang++", marks=pytest.mark.evaluation)])
 def test_the_classes_of_cpp_are_the_functions_of_c(compiler: str, written: Path, tmp_path: Path) -> None:
     need(compiler, compiler)
     program = tmp_path / "wrappers"
