@@ -13,11 +13,12 @@ from gyrodrift.facts.allan import Allan, allan_of
 from gyrodrift.facts.arrays import only, robust_sigma, smallest_step
 from gyrodrift.facts.gravity import GravitySummary, SessionAxes, axes_agreement, axes_of, gravity_summary
 from gyrodrift.facts.host import HostClock, host_clock
+from gyrodrift.facts.readings import JudgedReadings, judged_readings
 from gyrodrift.facts.reference import EncoderComparison, compared_to_encoder
 from gyrodrift.facts.rests import RestRates, RestSource, Stretch, rests_of
 from gyrodrift.facts.spectrum import RestSpectrum, spectrum_of
 from gyrodrift.session.session import Session
-from gyrodrift.values.arrays import Floats
+from gyrodrift.values.arrays import Floats, Mask
 
 GAP_PERIODS = 1.5
 MOST_MISSING = 1e15
@@ -27,6 +28,9 @@ PUBLISHED = (
     "still_by stretches allan"
 )
 """Facts in `info --json`, in this order."""
+
+OTHERS = ("accel_x_mps2", "accel_y_mps2", "accel_z_mps2", "temp_c")
+"""Numbers of the sensor that freeze with its rates."""
 
 Part = TypeVar("Part")
 
@@ -41,6 +45,28 @@ class Gaps:
     count: int
     missing: int
     longest_s: float
+
+
+NEAR_STEPS, NEAR_SHARE, SAME_PACE = 8, 0.75, 0.2
+"""Long steps before or after a step of which this share is as long, within SAME_PACE, are a lower sample rate."""
+
+
+def is_gap(steps_s: Floats, period_s: float) -> Mask:
+    """Mask of forward steps that have lost samples, shape (n,): longer than usual, and than those near them.
+
+    A device may change its sample rate.
+    """
+    mask: Mask = steps_s > GAP_PERIODS * period_s
+    indices = np.flatnonzero(mask)
+    shares = np.zeros((2, len(indices)))
+    padded_s = np.pad(steps_s, NEAR_STEPS, constant_values=np.nan)
+    for side, shifts in enumerate((np.arange(NEAR_STEPS), np.arange(NEAR_STEPS + 1, 2 * NEAR_STEPS + 1))):
+        near = padded_s[indices[:, None] + shifts]
+        shares[side] = np.mean(
+            np.abs(near - steps_s[indices][:, None]) <= SAME_PACE * steps_s[indices][:, None], axis=1
+        )
+    mask[indices] = shares.max(axis=0) < NEAR_SHARE
+    return mask
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +136,15 @@ class SessionFacts:
     def __init__(self, session: Session) -> None:
         self.session = session
 
+    def measurements(self) -> "SessionFacts":
+        """Facts without the rates of readings that are no measurement; their verdicts are kept."""
+        readings = self.readings
+        if not readings.is_missing.any():
+            return self
+        facts = SessionFacts(self.session.without_rates(readings.is_missing))
+        facts.readings = readings
+        return facts
+
     def published(self) -> Mapping[str, Any]:
         """Facts that programs read, by name."""
         return {name: getattr(self, name) for name in PUBLISHED.split()}
@@ -154,7 +189,7 @@ class SessionFacts:
         """Gaps in device time, and missing samples."""
         if self.period_s is None:
             return Gaps(0, 0, 0.0)
-        steps_s = self._forward_s[self._forward_s > GAP_PERIODS * self.period_s]
+        steps_s = self._forward_s[is_gap(self._forward_s, self.period_s)]
         if self.session.seq is None:
             missing = int((np.minimum(np.rint(steps_s / self.period_s), MOST_MISSING) - 1.0).sum())
         else:
@@ -174,6 +209,17 @@ class SessionFacts:
     def rates_not_finite(self) -> int:
         """Samples that the filter skips because their rate is not finite."""
         return self.samples - len(self._rates_dps)
+
+    @fact
+    def readings(self) -> JudgedReadings:
+        """Verdicts on the readings: impossible ones, a sensor that does not answer, the end of its range."""
+        session = self.session
+        rates = session.rate_dps[:, None]
+        if session.gyro_dps is not None:
+            rates = np.column_stack([session.gyro_dps[:, :2], rates])
+        columns = [column for name in OTHERS if (column := session.column(name)) is not None]
+        others = [column for column in columns if np.isfinite(column).all()]
+        return judged_readings(session.t_device_s, rates, np.column_stack(others) if others else rates[:, :0])
 
     @fact
     def host(self) -> HostClock | None:

@@ -11,6 +11,7 @@ from dataclasses import replace
 from math import isnan
 from typing import Any
 
+from gyrodrift.link.binary_frames import binary_frames
 from gyrodrift.link.calendar import CLOCK_SET, Calendar
 from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
@@ -148,7 +149,8 @@ class Link:
             "bytes": self.counters.bytes,
             "damaged": decoder.counters.damaged if decoder else 0,
             "before_hello": decoder.counters.before_hello if decoder else 0,
-            "clipped": decoder.counters.clipped if decoder else 0,
+            "clipped": max(decoder.counters.clipped if decoder else 0, self.counters.clipped),
+            "impossible": self.counters.impossible,
             **({"lone_yaws": decoder.counters.lone_yaws} if decoder and decoder.counters.lone_yaws else {}),
             "gaps": self.counters.gaps,
             "missing": self.counters.missing,
@@ -239,7 +241,7 @@ class Link:
 
     def _stamp(self, decoder: Decoder, arrived: list[Arrived]) -> list[Sample]:
         first = arrived[0][1][0]
-        is_angle = not isnan(first.yaw_deg)
+        is_angle, is_delta = not isnan(first.yaw_deg), not isnan(first.delta_deg)
         if self.clock is None:
             protocol = self._protocols[decoder.name]
             has_clock = protocol.has_clock and first.t_us is not None
@@ -265,7 +267,7 @@ class Link:
             samples += self.clock.stamp(readings, arrival_s)
         if self.clock.events:
             self._report_clock_events(self.clock)
-        if is_angle:  # the first angle gives no rate
+        if is_angle or is_delta:  # the first angle gives no rate
             samples = [sample for sample in samples if not isnan(sample.rate_dps)]
         return samples
 
@@ -328,7 +330,7 @@ class Link:
         trial_s = BAUD_TRIAL_WARM_S if is_slow else BAUD_TRIAL_S
         if self._trial_s is None or now_s - self._trial_s < trial_s:
             return
-        if self._heard.is_text or unread_protocol(self._heard, self._chosen_protocol):
+        if self._heard.is_text or self._is_another_protocol():
             self._trial_s = now_s  # the baud rate is right
             return
         self._trial_s = None
@@ -336,10 +338,18 @@ class Link:
         self._heard = Heard()
         self.connection.next_baud()
 
+    def _is_another_protocol(self) -> bool:
+        """Whether the bytes are a known protocol, or frames with checksums, that is not read here."""
+        if unread_protocol(self._heard, self._chosen_protocol):
+            return True
+        frames = binary_frames(self._heard.content)
+        return frames is not None and frames.is_checked
+
     def _why_silent(self, waited_s: float) -> str:
         baud, heard_bytes = self.options.baud, self.counters.bytes
         chosen = self._chosen_protocol
-        return why_silent(waited_s, baud, heard_bytes, self.decoder, chosen, self._heard, self.name, self.source)
+        found = chosen, self._heard, self.name, self.source, self.baud
+        return why_silent(waited_s, baud, heard_bytes, self.decoder, *found)
 
     @property
     def _chosen_protocol(self) -> str:
