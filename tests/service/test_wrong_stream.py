@@ -119,7 +119,7 @@ def csv_lines(columns: Callable[[float, float, float], str]) -> bytes:
     """Lines of a sketch: `columns` gets time, yaw and rate of a turn by 165 deg between two rests."""
     lines, yaw_deg = [], 0.0
     for i in range(700):
-        rate_dps = max(0.0, min(60.0, 4.0 * (i - 250), 4.0 * (400 - i)))
+        rate_dps = max(0.0, min(60.0, 0.5 * (i - 250), 0.5 * (520 - i)))
         yaw_deg += rate_dps * 0.02
         lines.append(f"{20_000 * i},{columns(0.02 * i, yaw_deg, rate_dps + NOISE.gauss(0.5, 0.05))}\n")
     return "".join(lines).encode()
