@@ -237,8 +237,8 @@ class RateUnitOdds:
         hides the noise, the rounding error replaces it.
         """
         noisy = [window for window in self._windows if window.noise > 0.0]
-        held = sum(window.noise == window.level == 0.0 for window in self._windows)
-        is_hidden = len(noisy) < WINDOWS_MIN <= len(self._windows) or held >= WINDOWS_MIN
+        zero_windows = sum(window.noise == window.level == 0.0 for window in self._windows)
+        is_hidden = len(noisy) < WINDOWS_MIN <= len(self._windows) or zero_windows >= WINDOWS_MIN
         windows = self._windows if is_hidden else noisy
         hidden = self._step() / sqrt(12.0)
         if len(windows) < WINDOWS_MIN or (is_hidden and not hidden):

@@ -65,7 +65,7 @@ HELD_WINDOWS = 4
 WHOLE_DISTINCT = 8
 """Distinct whole numbers from which on they are counts, degrees or another quantity."""
 
-TURNED_DEG, MOVED_DEG, MOVED_WINDOWS = 30.0, 3.0, 5
+PATH_DEG, MOVED_DEG, MOVED_WINDOWS = 30.0, 3.0, 5
 """Path of an angle that shows whether it belongs to a rate, and number of windows with at least MOVED_DEG of it."""
 
 FOLLOWS, UNLIKE = 0.9, 0.5
@@ -145,7 +145,7 @@ class _Values:
     _step: float = inf
     _level: float | None = None
     _moved_s: float = nan
-    _held: int = 0
+    _still_windows: int = 0
     _last: float = nan
 
     def wraps(self, values: Sequence[float]) -> str:
@@ -174,7 +174,7 @@ class _Values:
         level, before = median(values), self._last
         self._last = level
         if not self._is_frozen(values, steps):
-            self._held = 0
+            self._still_windows = 0
             self._moved_s = t_s
             return ""
         if self._level is None:
@@ -182,8 +182,8 @@ class _Values:
         if abs(level - before) > FROZEN * HELD_WINDOWS:
             self._moved_s = t_s
         is_new = abs(level - self._level) > MOVE_MIN and t_s - self._moved_s < MOVE_WITHIN_S
-        self._held = self._held + 1 if is_new else 0
-        if self._held < HELD_WINDOWS:
+        self._still_windows = self._still_windows + 1 if is_new else 0
+        if self._still_windows < HELD_WINDOWS:
             if not is_new:
                 self._level = level
             return ""
@@ -334,8 +334,8 @@ class RateShape:
         if likeness < UNLIKE:
             return "column 3 turns, and column 2 does not follow it: it is not the rate of this angle"
         sums = [abs(window.rate_sum) for window in self._windows]
-        has_turned = sum(sums) - len(sums) * median(sums) > TURNED_DEG
-        return None if has_turned else ""
+        is_turning = sum(sums) - len(sums) * median(sums) > PATH_DEG
+        return None if is_turning else ""
 
     def _notice_rest(self, t_s: float, rates: Sequence[float]) -> None:
         """Count returns to the level of the first rest, and note a level that is far from 0 for long."""
@@ -396,7 +396,7 @@ def _likeness(motions: Sequence[tuple[float, float]]) -> float:
     Its sign tells a rate from the angle of an oscillation, whose acceleration is opposite to it.
     """
     moving = sorted(abs(change) for _, change in motions if abs(change) >= MOVED_DEG)
-    if len(moving) < MOVED_WINDOWS or sum(moving) < TURNED_DEG:
+    if len(moving) < MOVED_WINDOWS or sum(moving) < PATH_DEG:
         return nan
     most = OUTLIER * moving[len(moving) // 2]
     turns, changes = zip(*((turn, change) for turn, change in motions if abs(change) <= most), strict=True)
