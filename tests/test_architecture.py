@@ -38,7 +38,7 @@ ROOMS = {
     "doctor": f"{BASE} columns describe evaluation facts filters link outputs session session.checks",
     "recording": f"{BASE} filters link session",
     "calibrate": f"{BASE} facts link",
-    "service": f"{BASE} calibrate config filters firmware_sim.strict_yaml link outputs recording",
+    "service": f"{BASE} calibrate columns config filters firmware_sim.strict_yaml link outputs recording",
     "top": f"{BASE} outputs service",
     "evaluation": f"{BASE} facts filters session session.checks",
     "simulation": f"{BASE} firmware_sim session",

@@ -13,8 +13,10 @@ from pathlib import Path
 
 from gyrodrift.cli import inputs, options
 from gyrodrift.cli.written import samples_text, tell_written
+from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.io.files import check_kept
 from gyrodrift.io.progress import OnProgress, counted
+from gyrodrift.session.checks.odd_readings import reading_findings
 from gyrodrift.session.files import write_session
 from gyrodrift.session.foreign.export import write_imu, write_json
 from gyrodrift.session.foreign.read import read_foreign
@@ -74,6 +76,8 @@ def run(arguments: argparse.Namespace) -> int:
         progress.report(f"{source.name} read", 0, 0)
         session = _loaded(source, topic, arguments)
         _tell_left_out(arguments, session)
+        for finding in reading_findings(SessionFacts(session).readings):
+            inputs.print_warning(f"{source}: {finding}; they are kept in {target}")
         _write(target, form, session, in_pieces(session, progress.report))
     tell_written(target, samples_text(len(session.t_device_s)), is_quiet=arguments.quiet)
     return 0

@@ -95,7 +95,8 @@ def find_accelerometer(columns: list[SeenColumn]) -> None:
     if any(column.kind == "ax" for column in columns):
         return
     for three in zip(columns, columns[1:], columns[2:], strict=False):
-        if any(column.kind or not column.is_numeric for column in three):
+        are_rows = len({len(column.numbers) for column in three}) == 1
+        if not are_rows or any(column.kind or not column.is_numeric for column in three):
             continue
         lengths = lengths_of(three)
         mean = fmean(lengths or [0.0])

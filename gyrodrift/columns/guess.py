@@ -1,25 +1,27 @@
-"""Verdict on an unknown text from some of its lines: the usual layout of a line, and the columns in it."""
+"""ColumnVerdict on an unknown text from some of its lines: the usual layout of a line, and the columns in it."""
 
 import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 from gyrodrift.columns.fields import Fields, Form, Headings, as_label, is_number
-from gyrodrift.columns.judge import Verdict, judged, seen_columns
-from gyrodrift.columns.names import SeenColumn, name_by_label
+from gyrodrift.columns.judge import ColumnVerdict, judged, seen_columns
+from gyrodrift.columns.names import name_by_label
 from gyrodrift.columns.spec import IGNORED
 
 LINES_MIN = 3
 LINES_MAX = 400
+LINES_OF_HEAD = 40
+"""First lines, among which a header may be, and last lines that are judged."""
+
 TIMES = re.compile(r"\s?[*×]\s?")
 """Factor in a name, such as `gz*100`, which the label keeps."""
 
 
 @dataclass(frozen=True, slots=True)
-class TextGuess(Verdict):
-    """Verdict on the lines of a text; `example` is one of them."""
+class TextGuess(ColumnVerdict):
+    """ColumnVerdict on the lines of a text; `example` is one of them."""
 
     form: Form = Form.ROW
     example: str = ""
@@ -34,7 +36,8 @@ def guess(lines: Iterable[str], lines_per_s: float | None = None) -> TextGuess |
 
     `lines_per_s` is the rate of the lines, or None; it gives the unit of a clock.
     """
-    heard = [line for line in (line.strip() for line in lines) if line][-LINES_MAX:]
+    heard = [line for line in (line.strip() for line in lines) if line]
+    heard = heard[:LINES_OF_HEAD] + heard[LINES_OF_HEAD:][-LINES_MAX:]
     guessed = _guess([line for line in heard if not line.startswith("#")], lines_per_s)
     if guessed is None or guessed.turn is None:  # all data may have a comment mark
         guessed = _guess([line.lstrip("# ") for line in heard], lines_per_s) or guessed
@@ -49,9 +52,11 @@ def _guess(heard: list[str], lines_per_s: float | None) -> TextGuess | None:
         return None
     layout = layouts[0]
     similar = [(line, fields) for line, fields in parsed if _layout(fields) == layout and _has_numbers(fields)]
-    columns = _columns([fields for _, fields in similar], _header(parsed, layout, headings))
+    labels = _header(parsed, layout, headings) or layout.labels
+    units = next((fields.units for _, fields in similar if fields.units), ("",) * len(labels))
+    texts = list(zip(*(fields.values for _, fields in similar), strict=True))
     pace = lines_per_s * len(similar) / len(heard) if lines_per_s else None
-    verdict = judged(columns, pace, layout.labels)
+    verdict = judged(labels, units, texts, pace, layout.labels)
     question = verdict.question
     if len(layouts) > 1:
         firsts = " and ".join(dict.fromkeys(next(filter(None, other.labels)) for other in layouts))
@@ -106,19 +111,3 @@ def _header(parsed: Sequence[tuple[str, Fields]], layout: _Layout, headings: Hea
                 return names
             names = tuple(headings.full(as_label(TIMES.sub(" x ", value))) for value in fields.values)
     return None
-
-
-def _columns(similar: Sequence[Fields], header: tuple[str, ...] | None) -> list[SeenColumn]:
-    labels = header or similar[0].labels
-    units = next((fields.units for fields in similar if fields.units), ("",) * len(labels))
-    rows = [fields.values for fields in similar]
-    columns = seen_columns(labels, units, list(zip(*rows, strict=True)))
-    for column, after in reversed(list(pairwise(columns))):
-        if column.unit is None and _head(column.label) == _head(after.label) != "":
-            column.unit = after.unit  # `Rotation X: 0.1, Y: 0.2, Z: 0.3 rad/s`
-    return columns
-
-
-def _head(label: str) -> str:
-    """Words before the axis of a label."""
-    return label.rpartition(" ")[0]

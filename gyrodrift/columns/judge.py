@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import pairwise
 from math import log, pi, sqrt
 from statistics import fmean
 
@@ -21,7 +22,8 @@ from gyrodrift.columns.behavior import (
     lengths_of,
     step_of,
 )
-from gyrodrift.columns.fields import is_number, is_whole
+from gyrodrift.columns.fields import DECIMAL_COMMA, is_number, is_whole
+from gyrodrift.columns.keys import has_two_senders, keys_of
 from gyrodrift.columns.names import (
     SPOKEN,
     USED,
@@ -34,8 +36,8 @@ from gyrodrift.columns.names import (
 )
 from gyrodrift.columns.rate_unit import DEGREES_OF_FREEDOM, NOISE_DPS, NOISE_SCALE, SURE_ODDS, student
 from gyrodrift.columns.sizes import TEMPERATURES_C, gravity_unit, is_gravity
-from gyrodrift.columns.spec import ANGLE_DEG, CLOCK_US, IGNORED, RATE_DPS, spec_text
-from gyrodrift.columns.times import ClockReader, counted_unit, epoch_unit, is_time
+from gyrodrift.columns.spec import ANGLE_DEG, CLOCK_UNITS_US, CLOCK_US, IGNORED, RATE_DPS, spec_text
+from gyrodrift.columns.times import PER_S, ClockReader, counted_unit, epoch_unit, is_date, is_stamp, is_time_of_day
 from gyrodrift.columns.turn.scale import scale_of
 from gyrodrift.columns.units import TURNS_OR_RADIANS, Dimension, unit_in, unit_of, without_unit
 from gyrodrift.values.constants import FULL_TURN_DEG
@@ -44,6 +46,12 @@ UNKNOWN_UNIT = "UNIT"
 """Placeholder in a SPEC for a unit that the user must give."""
 
 UNKNOWN_CLOCK = f"t_{UNKNOWN_UNIT}"
+UNKNOWN_SENDER = "WHICH"
+"""Placeholder for the value of a column that names the sender of its row."""
+
+RATE_UNITS = "dps, rads, mdps or lsb/N"
+TURNING = ("rate", "delta", "yaw", "q.w")
+"""Entries that say how the device turns."""
 
 CLOCK_WORDS = re.compile(r"time|elapsed|stamp|clock|zeit|uptime|\btemps\b|tiempo", re.IGNORECASE)
 STEP_WORDS = re.compile(
@@ -51,6 +59,9 @@ STEP_WORDS = re.compile(
     re.IGNORECASE,
 )
 """Words of a label that names another time than that of the sample."""
+
+STEP_NAMES = re.compile(r"^d ?t\b|^delta ?t|time (step|delta|diff)|since last|interval", re.IGNORECASE)
+"""Labels of the time since the last sample."""
 
 CLOCK_ENDINGS = {
     "t_ms": ("ms", "millis"),
@@ -93,7 +104,7 @@ CELSIUS = re.compile(r"(°|º|deg|degrees?)?\s*c(elsius)?", re.IGNORECASE)
 
 @dataclass(frozen=True, slots=True)
 class JudgedColumn:
-    """Verdict on a column.
+    """ColumnVerdict on a column.
 
     looks_like
         Name such as `t_ms` or `gx`; IGNORED if it is not a known quantity.
@@ -112,8 +123,8 @@ class JudgedColumn:
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
-    """Verdict on the columns of a text.
+class ColumnVerdict:
+    """ColumnVerdict on the columns of a text.
 
     labels
         Label per column; empty if columns are identified by position.
@@ -128,18 +139,33 @@ class Verdict:
     @property
     def turn(self) -> JudgedColumn | None:
         """Column of the rate or of yaw; None if unknown."""
-        turns = (column for column in self.columns if column.entry.startswith(("rate", "yaw", "q.w")))
+        turns = (column for column in self.columns if column.entry.startswith(TURNING))
         return None if self.question else next(turns, None)
 
     @property
     def clock(self) -> JudgedColumn | None:
         """Column of the clock; None if there is none."""
-        return next((column for column in self.columns if column.entry in {*CLOCK_US, UNKNOWN_CLOCK}), None)
+        return next((column for column in self.columns if column.entry.startswith(("t_", "t:", "dt_"))), None)
 
     @property
     def is_unit_known(self) -> bool:
-        """Whether the units of the turning column and of the clock are known."""
-        return self.turn is not None and not any(UNKNOWN_UNIT in column.entry for column in self.columns)
+        """Whether the units of the turning column and of the clock, and the sender, are known."""
+        return self.turn is not None and not self.asked
+
+    @property
+    def asked(self) -> tuple[str, ...]:
+        """What to put in the place of each placeholder in the template."""
+        asked = []
+        for column in self.columns:
+            if column.entry == UNKNOWN_CLOCK:
+                asked.append(f"{UNKNOWN_CLOCK} by {', '.join(CLOCK_US)} or t:days")
+            elif column.entry == UNKNOWN_SENDER:
+                asked.append(
+                    f"{UNKNOWN_SENDER} by the sender that you mean ({column.why.rpartition(' is one of ')[2]})"
+                )
+            elif UNKNOWN_UNIT in column.entry:
+                asked.append(f"{UNKNOWN_UNIT} by {RATE_UNITS if column.entry.startswith('rate') else 'deg or rad'}")
+        return tuple(asked)
 
     @property
     def is_stated(self) -> bool:
@@ -163,22 +189,90 @@ def seen_columns(
     """Columns of a text; `units` stand after the values, and may be empty."""
     columns = []
     for label, unit, texts in zip(labels, units, texts_by_column, strict=True):
-        numbers = tuple(map(float, texts)) if texts and all(map(is_number, texts)) else ()
+        values = _values(texts)
+        numbers = tuple(map(float, values)) if values and all(map(is_number, values)) else ()
         is_usable = all(abs(number) < LARGEST for number in numbers)
-        columns.append(SeenColumn(label, tuple(texts), numbers if is_usable else (), unit_of(unit) or unit_in(label)))
+        columns.append(SeenColumn(label, tuple(values), numbers if is_usable else (), unit_of(unit) or unit_in(label)))
+    for column, after in reversed(list(pairwise(columns))):
+        if column.unit is None and _head(column.label) == _head(after.label) != "":
+            column.unit = after.unit  # `Rotation X: 0.1, Y: 0.2, Z: 0.3 rad/s`
     return columns
+
+
+def _values(texts: Sequence[str]) -> Sequence[str]:
+    """Values with a decimal point, without empty ones and the few that are no number."""
+    filled = [text for text in texts if text]
+    pointed = [text.replace(",", ".") if DECIMAL_COMMA.fullmatch(text) else text for text in filled]
+    numbers = [text for text in pointed if is_number(text) and text.lower().lstrip("+-") not in {"nan", "inf"}]
+    return numbers if len(numbers) >= NUMBERS_SHARE * len(pointed) else pointed
+
+
+def _head(label: str) -> str:
+    """Words before the axis of a label."""
+    return label.rpartition(" ")[0]
+
+
+def judged(
+    labels: Sequence[str],
+    units: Sequence[str],
+    texts_by_column: Sequence[Sequence[str]],
+    lines_per_s: float | None = None,
+    spec_labels: tuple[str, ...] = (),
+) -> ColumnVerdict:
+    """Verdict on the columns of a text.
+
+    Parameters
+    ----------
+    labels, units
+        Label of each column, and the unit that stands after its values; both may be empty.
+    texts_by_column
+        Texts of each column, one per row.
+    lines_per_s
+        Rate of the lines, which gives the unit of a clock; None if it is unknown.
+    spec_labels
+        Labels by which a SPEC can name the columns; empty if only their position does.
+    """
+    keyed = {index: keys for index, texts in enumerate(texts_by_column) if (keys := _keys(labels[index], texts))}
+    if not keyed:
+        return replace(_judged_rows(labels, units, texts_by_column, lines_per_s), labels=spec_labels)
+    key, senders = next(iter(keyed.items()))
+    gyro = next((sender for sender in senders if kind_of(sender) == "rates"), "")
+    kept = [row for row, text in enumerate(texts_by_column[key]) if text == (gyro or senders[0])]
+    named = [f"{gyro} {label}" if gyro and len(label) == 1 else label for label in labels]
+    pace = lines_per_s * len(kept) / len(texts_by_column[key]) if lines_per_s else None
+    verdict = _judged_rows(named, units, [[texts[row] for row in kept] for texts in texts_by_column], pace)
+    columns = [replace(column, is_stated=False) for column in verdict.columns]
+    why = f"names the rows of the gyro, {gyro}" if gyro else f"alternates, and is one of {', '.join(senders)}"
+    columns[key] = JudgedColumn("sender", gyro or UNKNOWN_SENDER, why)
+    name = labels[key] or f"column {key + 1}"
+    unselected = "" if spec_labels else f"{name} names several senders, {', '.join(senders)}; send or keep one of them"
+    return ColumnVerdict(tuple(columns), spec_labels, verdict.question or unselected)
+
+
+def _keys(label: str, texts: Sequence[str]) -> tuple[str, ...]:
+    """Values of a column that names the sender of its row; empty for another column."""
+    return keys_of(texts) if kind_of(label) in {"", "seq"} and unit_in(label) is None and all(texts) else ()
+
+
+def _judged_rows(
+    labels: Sequence[str], units: Sequence[str], texts_by_column: Sequence[Sequence[str]], lines_per_s: float | None
+) -> ColumnVerdict:
+    columns = seen_columns(labels, units, texts_by_column)
+    for rule in rules(lines_per_s):
+        rule.name(columns)
+    found = [_judged(column, lines_per_s, columns) for column in columns]
+    verdict = _with_axes(_beside_an_angle(_one_turn(found, columns), columns), columns)
+    clock, rate = ([column.numbers for column in columns if column.kind == kind] for kind in ("clock", "rate"))
+    if clock and rate and has_two_senders(clock[0], rate[0]):
+        return replace(verdict, question="the rows of two senders alternate, and no column says which is which")
+    return verdict
 
 
 LARGEST = 1e19
 """Largest number; nanoseconds since 1970 are smaller, and above it a line is damaged."""
 
-
-def judged(columns: list[SeenColumn], lines_per_s: float | None, labels: tuple[str, ...] = ()) -> Verdict:
-    """Verdict on columns; `lines_per_s` is the rate of their lines, or None, and gives the unit of a clock."""
-    for rule in rules(lines_per_s):
-        rule.name(columns)
-    found = [_judged(column, lines_per_s, columns) for column in columns]
-    return _with_axes(_beside_an_angle(_one_turn(found, columns), columns), columns, labels)
+NUMBERS_SHARE = 0.9
+"""Smallest share of numbers in the first rows of a column of numbers; the others are damaged."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,6 +309,9 @@ def _name_clock(columns: list[SeenColumn], lines_per_s: float | None) -> None:
     clock = next((column for column in running if _stated_clock_unit(column)), next(iter(running), None))
     if clock is not None:
         clock.kind, clock.why = "clock", f"is labeled {clock.label}" if clock.label else "is a time"
+        for part in columns:
+            if part is not clock and _is_part_of(part, clock):
+                part.kind, part.why = "part", f"is the part of {clock.label or 'the clock'} below a second or a day"
     for column in columns:
         if column in labeled or not _may_be_clock(column) or not grows(column.numbers, lines_per_s):
             continue
@@ -225,6 +322,30 @@ def _name_clock(columns: list[SeenColumn], lines_per_s: float | None) -> None:
         elif clock is None:
             clock = column
             column.kind, column.why = "clock", f"grows by {step:g} with each line"
+    steps = [column for column in columns if not column.kind and _is_step(column)]
+    if clock is None and len(steps) == 1:
+        steps[0].kind, steps[0].why = "step", f"is labeled {steps[0].label}"
+
+
+def _is_step(column: SeenColumn) -> bool:
+    """Whether a column is the time since the last line, as its label and its unit say."""
+    name = without_unit(column.label).replace("_", " ")
+    is_unit = _time_unit(column) in CLOCK_US
+    return is_unit and STEP_NAMES.search(name) is not None and column.is_numeric and min(column.numbers) >= 0.0
+
+
+def _is_part_of(part: SeenColumn, clock: SeenColumn) -> bool:
+    """Whether a column is a time of day beside dates, or a fraction of a second beside whole seconds."""
+    if _is_of(is_date, clock):
+        return _is_of(is_time_of_day, part)
+    unit = "" if part.kind else _time_unit(part)
+    if unit not in PER_S or not part.is_numeric or min(part.numbers) < 0.0 or max(part.numbers) >= PER_S[unit]:
+        return False
+    return len(set(clock.texts)) < 0.5 * len(clock.texts) and not any("." in text for text in clock.texts)
+
+
+def _is_of(form: Callable[[str], bool], column: SeenColumn) -> bool:
+    return bool(column.texts) and all(map(form, column.texts))
 
 
 def _may_be_clock(column: SeenColumn) -> bool:
@@ -239,7 +360,7 @@ def _is_labeled_clock(column: SeenColumn) -> bool:
         return False
     name = without_unit(column.label)
     is_named = "clock" in (kind_of(name), kind_of(column.label)) or CLOCK_WORDS.search(name) is not None
-    return (is_named and column.is_numeric) or (bool(column.texts) and all(map(is_time, column.texts)))
+    return (is_named and column.is_numeric) or (bool(column.texts) and all(map(is_stamp, column.texts)))
 
 
 def _goes_on(column: SeenColumn, lines_per_s: float | None) -> bool:
@@ -248,13 +369,18 @@ def _goes_on(column: SeenColumn, lines_per_s: float | None) -> bool:
     return goes_on(column.numbers, lines_per_s) or bool(counted_unit(column.texts))
 
 
+def _time_unit(column: SeenColumn) -> str:
+    """Entry of a clock in the unit of a label; empty without a unit of time."""
+    unit = column.unit or unit_of(column.label)
+    return unit.option if unit is not None and unit.dimension is Dimension.TIME else ""
+
+
 def _stated_clock_unit(column: SeenColumn) -> str:
     """Unit of a clock as written; empty without one."""
-    if all(map(is_time, column.texts)):
+    if all(map(is_stamp, column.texts)):
         return "t_s"
-    unit = column.unit or unit_of(column.label)
-    if unit is not None:
-        return unit.option if unit.dimension is Dimension.TIME else ""
+    if column.unit is not None or unit_of(column.label) is not None:
+        return _time_unit(column)
     plain = re.sub(r"[^a-z]", "", column.label.lower())
     named = (option for option, endings in CLOCK_ENDINGS.items() if plain.endswith(endings))
     return next(named, "") or epoch_unit(column.texts)
@@ -273,7 +399,8 @@ def _judged_clock(column: SeenColumn, lines_per_s: float | None) -> JudgedColumn
         return JudgedColumn(unit, unit, column.why, is_stated=True)
     is_second = not all(map(is_whole, column.texts)) and step < 2.0
     likely = "t_s" if is_second else "t_us" if step >= MICROSECONDS_FROM else "t_ms"
-    usual = [unit for unit, us in CLOCK_US.items() if step and USUAL_HZ[0] <= 1e6 / (step * us) <= USUAL_HZ[1]]
+    units_us = CLOCK_US | {"t:days": CLOCK_UNITS_US["days"]}
+    usual = [unit for unit, us in units_us.items() if step and USUAL_HZ[0] <= 1e6 / (step * us) <= USUAL_HZ[1]]
     if len(usual) == 1:
         return JudgedColumn(usual[0], usual[0], f"grows by {step:g} per line, which is a sample rate in this unit only")
     return JudgedColumn(likely, UNKNOWN_CLOCK, f"grows by {step:g} per line")
@@ -288,18 +415,25 @@ def _judged(column: SeenColumn, lines_per_s: float | None, columns: Sequence[See
             unit, why = (option, "") if option else _rate_unit(column, columns)
             is_stated = bool(option) or (column.unit is not None and column.unit.dimension is Dimension.RATE)
             return JudgedColumn(SPOKEN[kind], f"rate:{unit or UNKNOWN_UNIT}", f"{column.why}{why}", is_stated)
-        case "yaw" | "heading":
-            unit, why = (option, "") if option else _angle_unit(column)
-            sign = ":-" if kind == "heading" else ""  # a compass is positive clockwise
-            is_stated = bool(option) or column.unit is not None
-            return JudgedColumn(kind, f"yaw:{unit or UNKNOWN_UNIT}{sign}", f"{column.why}{why}", is_stated)
-        case "encoder":
-            unit, why = _angle_unit(column)
-            entry = f"encoder:{unit}" if unit else IGNORED
-            return JudgedColumn(kind, entry, f"{column.why}{why}", column.unit is not None)
-        case "temp":
-            return JudgedColumn(kind, kind if _is_celsius(column) else IGNORED, column.why)
-    return JudgedColumn(SPOKEN.get(kind, kind) or IGNORED, kind if kind in USED else IGNORED, column.why)
+        case "part":
+            unit = (column.is_numeric and _time_unit(column)) or "t_s"
+            return JudgedColumn(unit, f"+{unit}", column.why, is_stated=True)
+        case "step":
+            unit = _time_unit(column)
+            return JudgedColumn(f"d{unit}", f"d{unit}", column.why)
+        case "yaw" | "heading" | "encoder" | "delta":
+            return _judged_angle(column)
+    entry = kind if kind in USED and (kind != "temp" or _is_celsius(column)) else IGNORED
+    return JudgedColumn(SPOKEN.get(kind, kind) or IGNORED, entry, column.why)
+
+
+def _judged_angle(column: SeenColumn) -> JudgedColumn:
+    """An angle; a compass is positive clockwise, and a reference needs a unit."""
+    kind = column.kind
+    unit, why = (column.option, "") if column.option else _angle_unit(column)
+    entry = f"{'yaw' if kind == 'heading' else kind}:{unit or UNKNOWN_UNIT}{':-' if kind == 'heading' else ''}"
+    is_stated = kind != "delta" and (bool(column.option) or column.unit is not None)
+    return JudgedColumn(kind, entry if unit or kind != "encoder" else IGNORED, f"{column.why}{why}", is_stated)
 
 
 def _is_celsius(column: SeenColumn) -> bool:
@@ -371,12 +505,12 @@ def _density(noise_dps: float) -> float:
     return student(log(noise_dps / NOISE_DPS) / NOISE_SCALE, DEGREES_OF_FREEDOM)
 
 
-def _one_turn(found: list[JudgedColumn], columns: Sequence[SeenColumn]) -> Verdict:
+def _one_turn(found: list[JudgedColumn], columns: Sequence[SeenColumn]) -> ColumnVerdict:
     """Keep one column that turns: the stated rate, the only rate, or else an angle, which the device has filtered.
 
     Of several angles the first is proposed, and nothing is stated. Two rates are a question.
     """
-    rates = [index for index, column in enumerate(found) if column.entry.startswith("rate")]
+    rates = [index for index, column in enumerate(found) if column.entry.startswith(("rate", "delta"))]
     stated = [index for index in rates if found[index].is_stated] or rates
     angles = [index for index, column in enumerate(found) if column.entry.startswith("yaw")]
     kept = stated if len(stated) == 1 else [] if stated else angles[:1]
@@ -386,23 +520,25 @@ def _one_turn(found: list[JudgedColumn], columns: Sequence[SeenColumn]) -> Verdi
         question = f"{names} may each be the yaw rate"
     elif not kept and (parts := quaternion_of(columns)):
         for part, index in parts.items():
-            found[index] = JudgedColumn("quaternion", f"q.{part}", "is a part of a quaternion", is_stated=True)
+            is_stated = columns[index].label[-1:].isalpha()
+            why = "is a part of a quaternion" if is_stated else "is a part of a quaternion, if q0 is its scalar"
+            found[index] = JudgedColumn("quaternion", f"q.{part}", why, is_stated)
     one = [
         replace(column, entry=IGNORED) if index in {*rates, *angles} and index not in kept else column
         for index, column in enumerate(found)
     ]
     if len(angles) > 1 and kept == angles[:1]:
         one[kept[0]] = replace(one[kept[0]], is_stated=False)
-    return Verdict(tuple(one), question=question)
+    return ColumnVerdict(tuple(one), question=question)
 
 
-def _beside_an_angle(verdict: Verdict, columns: Sequence[SeenColumn]) -> Verdict:
+def _beside_an_angle(verdict: ColumnVerdict, columns: Sequence[SeenColumn]) -> ColumnVerdict:
     """Take unit and sign of the rate from an angle that turns with it, if they are not stated."""
     turn, clock = verdict.turn, verdict.clock
     if turn is None or clock is None or turn.is_stated or not turn.entry.startswith("rate"):
         return verdict
-    rate, times = (columns[verdict.columns.index(column)] for column in (turn, clock))
-    t_s = ClockReader([clock.entry]).read([times.texts]) if clock.entry in CLOCK_US else []
+    rate = columns[verdict.columns.index(turn)]
+    t_s = _times_s(verdict, columns)
     for angle in columns:
         if angle.kind not in {"yaw", "heading"} or not angle.is_numeric:
             continue
@@ -417,17 +553,27 @@ def _beside_an_angle(verdict: Verdict, columns: Sequence[SeenColumn]) -> Verdict
     return verdict
 
 
-def _with_axes(verdict: Verdict, columns: Sequence[SeenColumn], labels: tuple[str, ...]) -> Verdict:
+def _times_s(verdict: ColumnVerdict, columns: Sequence[SeenColumn]) -> Sequence[float]:
+    """Times of the lines by their clock; empty if its unit is unknown."""
+    pairs = zip(verdict.columns, columns, strict=True)
+    is_clock = ("t_", "t:", "+t", "dt_")
+    clocks = [(column.entry, seen.texts) for column, seen in pairs if column.entry.startswith(is_clock)]
+    if not clocks or any(UNKNOWN_UNIT in entry for entry, _ in clocks) or len({len(texts) for _, texts in clocks}) > 1:
+        return []
+    return ClockReader([entry for entry, _ in clocks]).read([texts for _, texts in clocks])
+
+
+def _with_axes(verdict: ColumnVerdict, columns: Sequence[SeenColumn]) -> ColumnVerdict:
     """Use the rates about x and y too, if all units are known, and the accelerations with them."""
     units = _axis_units(verdict, columns)
     with_axes = [
         replace(column, entry=f"{source.kind}:{units[source.kind]}") if source.kind in units else column
         for column, source in zip(verdict.columns, columns, strict=True)
     ]
-    return Verdict(tuple(with_axes), labels, verdict.question)
+    return ColumnVerdict(tuple(with_axes), question=verdict.question)
 
 
-def _axis_units(verdict: Verdict, columns: Sequence[SeenColumn]) -> dict[str, str]:
+def _axis_units(verdict: ColumnVerdict, columns: Sequence[SeenColumn]) -> dict[str, str]:
     """Units of the further axes by kind; empty without a rate in a known unit and one column per axis.
 
     Without a label the unit of an acceleration is that in which its length is gravity.

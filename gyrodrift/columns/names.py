@@ -57,13 +57,13 @@ KINDS = {
     "mx": r"(m|mag|magnetic|magnetometer)x",
     "my": r"(m|mag|magnetic|magnetometer)y",
     "mz": r"(m|mag|magnetic|magnetometer)z",
+    "delta": rf"({CHANGE})({TURNED})z?|({TURNED})({CHANGE})z?",
     "yaw": r"(est|fused|current|gyro?)?yaw(angle)?(deg|rads?)?|psi|euleryaw|ypryaw|rpyyaw",
     "heading": r"(true|mag(netic)?|compass|gps|gnss|nav|boat|ship|vehicle)?(heading|hdg|course|bearing|azimuth)(deg)?"
     r"|compass|cog|courseoverground",
     "pitch": r"pitch(angle)?(deg|rads?)?|theta|eulerpitch",
     "roll": r"roll(angle)?(deg|rads?)?|phi|eulerroll",
-    "angle": r"(acc)?(ypr|rpy|euler|angles?|orient(ation)?|attitude|ang|rot(ation)?vector)[xyzw]?|o[ypr]",
-    "delta": rf"({CHANGE})({TURNED})z?|({TURNED})({CHANGE})",
+    "angle": r"(acc|gyro)?(ypr|rpy|euler|angles?|orient(ation)?|attitude|ang|rot(ation)?vector)[xyzw]?|o[ypr]",
     "quaternion": r"q(uat(ernion)?)?[wxyz0123ijkr]|quat(ernion)?",
 }
 """Names that sketches give to columns, without case, spaces and punctuation; `rates` name no axis."""
@@ -106,7 +106,10 @@ USED = {"clock", "seq", "rate", "encoder", "temp", "yaw", "heading"}
 ONE_OF = {"encoder", "temp", "seq"}
 """Kinds of which the first column counts; of several clocks, rates or angles the judge chooses or asks."""
 
-QUATERNION = re.compile(r"(?:.*[\s._])?q(?:uat(?:ernion)?)?[\s._]?([wxyz])", re.IGNORECASE)
+QUATERNION = re.compile(r"(?:.*[\s._])?q(?:uat(?:ernion)?)?[\s._]?([wxyz0-3])", re.IGNORECASE)
+SCALAR_FIRST = dict(zip("0123", "wxyz", strict=True))
+"""Parts of q0 to q3, as in the filters of Madgwick and i2cdevlib; some libraries have the scalar last."""
+
 AIMS = re.compile(r"target|set_?point|desired|cmd|command|(?<![a-z])(sp|ref|goal)(?![a-z])", re.IGNORECASE)
 """Labels of setpoints: such a quaternion is the desired orientation, not the measured one."""
 
@@ -178,13 +181,15 @@ def name_by_label(columns: list[SeenColumn]) -> None:
         if kind not in {"", "clock"} and not (kind in ONE_OF and kind in taken) and _agrees(kind, column):
             column.kind, column.why = kind, f"is labeled {column.label}"
             taken.add(kind)
+    for index in quaternion_of(columns).values():
+        columns[index].kind = columns[index].kind or "quaternion"
 
 
 DIMENSIONS = {
     "clock": (Dimension.TIME,),
     **dict.fromkeys(("rate", "gx", "gy"), (Dimension.RATE, Dimension.COUNTS, Dimension.ANGLE)),
     **dict.fromkeys(("ax", "ay", "az"), (Dimension.ACCELERATION, Dimension.COUNTS, Dimension.LENGTH)),
-    **dict.fromkeys(("yaw", "heading", "encoder", "pitch", "roll"), (Dimension.ANGLE, Dimension.COUNTS)),
+    **dict.fromkeys(("yaw", "heading", "encoder", "pitch", "roll", "delta"), (Dimension.ANGLE, Dimension.COUNTS)),
     "temp": (Dimension.TEMPERATURE, Dimension.COUNTS),
 }
 """Allowed dimensions of a kind; some sketches write deg for deg/s, which is asked."""
@@ -231,7 +236,8 @@ def quaternion_of(columns: Sequence[SeenColumn]) -> dict[str, int]:
     matches = [
         (match[1].lower(), index) for index, label in enumerate(labels) if (match := QUATERNION.fullmatch(label))
     ]
-    return dict(sorted(matches)) if sorted(part for part, _ in matches) == list("wxyz") else {}
+    parts = {SCALAR_FIRST.get(part, part): index for part, index in matches}
+    return parts if len(matches) == len(parts) == len(SCALAR_FIRST) else {}
 
 
 def _name(column: SeenColumn) -> str:

@@ -65,6 +65,16 @@ def is_time(text: str) -> bool:
     return ":" in text and is_stamp(text)
 
 
+def is_date(text: str) -> bool:
+    """Whether a text is a date without a time."""
+    return ":" not in text and len(text) <= LONGEST and bool(DATED.fullmatch(text))
+
+
+def is_time_of_day(text: str) -> bool:
+    """Whether a text is a time without a date."""
+    return len(text) <= LONGEST and bool(TIMED.fullmatch(text))
+
+
 def is_stamp(text: str) -> bool:
     """Whether a text is a date, with or without a time, or a time of day."""
     return len(text) <= LONGEST and bool(DATED.fullmatch(text) or TIMED.fullmatch(text))

@@ -50,10 +50,11 @@ def _units(dimension: Dimension, **spellings: str) -> dict[str, Unit]:
 TIMES = {
     word: Unit(Dimension.TIME, option)
     for option, words in {
-        "t_s": "s",
-        "t_ms": "ms msec millis millisecond milliseconds",
-        "t_us": "us usec micros microsecond microseconds",
-        "t_ns": "ns nsec nanos nanosecond nanoseconds nanosec",
+        "t:days": "day days",
+        "t_s": "s sec secs",
+        "t_ms": "ms msec msecs millis millisecond milliseconds",
+        "t_us": "us usec usecs micros microsecond microseconds",
+        "t_ns": "ns nsec nsecs nanos nanosecond nanoseconds nanosec",
     }.items()
     for word in words.split()
 }
@@ -142,12 +143,21 @@ def unit_in(label: str) -> Unit | None:
     for bracketed in BRACKETED.findall(label):
         if unit := unit_of(bracketed) or _scaled(bracketed):
             return unit
+    if unit := _time_in_path(label):
+        return unit
     words = [word for word in TAILS.split(BRACKETED.sub(" ", label)) if word and word.lower() != "per"]
     if len(words) > 1 and words[-1].lower() in AXES:
         words.pop()
     if len(words) > 2 and (unit := unit_of("/".join(words[-2:]))):  # rad_s, m_s2
         return unit
     return unit_of(words[-1]) if len(words) > 1 and len(words[-1]) > 1 else _short_tail(words)
+
+
+def _time_in_path(label: str) -> Unit | None:
+    """Unit of time at the end of a path: `header.stamp.nsecs`."""
+    path, _, name = label.rpartition(".")
+    unit = unit_of(name) if path else None
+    return unit if unit is not None and unit.dimension is Dimension.TIME else None
 
 
 def _scaled(text: str) -> Unit | None:
@@ -177,6 +187,8 @@ def without_unit(label: str) -> str:
     label = label.strip()[:LONGEST]
     named = BRACKETED.sub(lambda match: " " if unit_of(match[1]) or _scaled(match[1]) else match[0], label)
     name = " ".join(word for word in TAILS.split(named) if word)
+    if _time_in_path(label):
+        return label.rpartition(".")[0]
     if unit_in(label) is None or any(unit_of(text) or _scaled(text) for text in BRACKETED.findall(label)):
         return name
     words = [word for word in name.split() if word.lower() != "per"]

@@ -13,6 +13,7 @@ from gyrodrift.facts.allan import Allan, allan_of
 from gyrodrift.facts.arrays import only, robust_sigma, smallest_step
 from gyrodrift.facts.gravity import GravitySummary, SessionAxes, axes_agreement, axes_of, gravity_summary
 from gyrodrift.facts.host import HostClock, host_clock
+from gyrodrift.facts.readings import JudgedReadings, judged_readings
 from gyrodrift.facts.reference import EncoderComparison, compared_to_encoder
 from gyrodrift.facts.rests import RestRates, RestSource, Stretch, rests_of
 from gyrodrift.facts.spectrum import RestSpectrum, spectrum_of
@@ -27,6 +28,9 @@ PUBLISHED = (
     "still_by stretches allan"
 )
 """Facts in `info --json`, in this order."""
+
+OTHERS = ("accel_x_mps2", "accel_y_mps2", "accel_z_mps2", "temp_c")
+"""Numbers of the sensor that freeze with its rates."""
 
 Part = TypeVar("Part")
 
@@ -132,6 +136,15 @@ class SessionFacts:
     def __init__(self, session: Session) -> None:
         self.session = session
 
+    def measurements(self) -> "SessionFacts":
+        """Facts without the rates of readings that are no measurement; their verdicts are kept."""
+        readings = self.readings
+        if not readings.is_missing.any():
+            return self
+        facts = SessionFacts(self.session.without_rates(readings.is_missing))
+        facts.readings = readings
+        return facts
+
     def published(self) -> Mapping[str, Any]:
         """Facts that programs read, by name."""
         return {name: getattr(self, name) for name in PUBLISHED.split()}
@@ -196,6 +209,17 @@ class SessionFacts:
     def rates_not_finite(self) -> int:
         """Samples that the filter skips because their rate is not finite."""
         return self.samples - len(self._rates_dps)
+
+    @fact
+    def readings(self) -> JudgedReadings:
+        """Verdicts on the readings: impossible ones, a sensor that does not answer, the end of its range."""
+        session = self.session
+        rates = session.rate_dps[:, None]
+        if session.gyro_dps is not None:
+            rates = np.column_stack([session.gyro_dps[:, :2], rates])
+        columns = [column for name in OTHERS if (column := session.column(name)) is not None]
+        others = [column for column in columns if np.isfinite(column).all()]
+        return judged_readings(session.t_device_s, rates, np.column_stack(others) if others else rates[:, :0])
 
     @fact
     def host(self) -> HostClock | None:

@@ -25,6 +25,10 @@ WITHOUT_AXES_S = 2.0
 """Time in which a device of three axes sent one rate, after which it counts as one of one axis, s. Chosen: lost frames
 leave less."""
 
+HELD_S = 0.3
+"""Longest time without a rate over which it is interpolated, s; a turn may begin or end within some tenths of a
+second."""
+
 
 @dataclass(slots=True)
 class FilterRun:
@@ -57,6 +61,7 @@ class FilterRun:
     _coefficients: Any = field(init=False)
     _step: Any = field(init=False)
     _axes_t_s: float = -inf
+    _is_missing: bool = False
 
     def __post_init__(self) -> None:
         self.state, self._step = self.filter.state(), self.filter.step_auxiliary
@@ -65,7 +70,13 @@ class FilterRun:
     def step(
         self, t_s: float, rate_dps: float, inertial: Inertial | None = None, still: float = nan, temp_c: float = nan
     ) -> bool:
-        """Take a sample; False if it is rejected."""
+        """Take a sample; False if it is rejected. Over missing rates yaw is held."""
+        if rate_dps != rate_dps:  # noqa: PLR0124 - NaN
+            self._is_missing = True
+        elif self._is_missing:
+            self._is_missing = False
+            if self.three_axes is None and t_s - self.state.t_s > HELD_S:
+                self.filter.hold(self.state, t_s, rate_dps)
         if inertial is not None:
             self._axes_t_s = t_s
         elif self.three_axes is not None and t_s - self._axes_t_s > WITHOUT_AXES_S:

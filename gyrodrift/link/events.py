@@ -23,13 +23,15 @@ WARNINGS = frozenset(
         "accelerations_missing",
         "axes_missing",
         "rate_hangs",
+        "impossible_reading",
+        "clipped",
         "clock_unit_differs",
         "not_understood",
         "columns_kept",
         "decoder_failed",
     }
 )
-OFTEN = frozenset({"gap", "device", "device_reset"})
+OFTEN = frozenset({"gap", "device", "device_reset", "impossible_reading", "clipped"})
 """Events that may come with every sample, from a bad link or a device that keeps booting."""
 
 OFTEN_S = 1.0

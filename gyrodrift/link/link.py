@@ -11,6 +11,7 @@ from dataclasses import replace
 from math import isnan
 from typing import Any
 
+from gyrodrift.link.binary_frames import binary_frames
 from gyrodrift.link.calendar import CLOCK_SET, Calendar
 from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
@@ -148,7 +149,8 @@ class Link:
             "bytes": self.counters.bytes,
             "damaged": decoder.counters.damaged if decoder else 0,
             "before_hello": decoder.counters.before_hello if decoder else 0,
-            "clipped": decoder.counters.clipped if decoder else 0,
+            "clipped": max(decoder.counters.clipped if decoder else 0, self.counters.clipped),
+            "impossible": self.counters.impossible,
             **({"lone_yaws": decoder.counters.lone_yaws} if decoder and decoder.counters.lone_yaws else {}),
             "gaps": self.counters.gaps,
             "missing": self.counters.missing,
@@ -321,7 +323,7 @@ class Link:
         trial_s = BAUD_TRIAL_WARM_S if is_slow else BAUD_TRIAL_S
         if self._trial_s is None or now_s - self._trial_s < trial_s:
             return
-        if self._heard.is_text or unread_protocol(self._heard, self._chosen_protocol):
+        if self._heard.is_text or self._is_another_protocol():
             self._trial_s = now_s  # the baud rate is right
             return
         self._trial_s = None
@@ -329,10 +331,18 @@ class Link:
         self._heard = Heard()
         self.connection.next_baud()
 
+    def _is_another_protocol(self) -> bool:
+        """Whether the bytes are a known protocol, or frames with checksums, that is not read here."""
+        if unread_protocol(self._heard, self._chosen_protocol):
+            return True
+        frames = binary_frames(self._heard.content)
+        return frames is not None and frames.is_checked
+
     def _why_silent(self, waited_s: float) -> str:
         baud, heard_bytes = self.options.baud, self.counters.bytes
         chosen = self._chosen_protocol
-        return why_silent(waited_s, baud, heard_bytes, self.decoder, chosen, self._heard, self.name, self.source)
+        found = chosen, self._heard, self.name, self.source, self.baud
+        return why_silent(waited_s, baud, heard_bytes, self.decoder, *found)
 
     @property
     def _chosen_protocol(self) -> str:

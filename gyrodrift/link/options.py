@@ -12,7 +12,11 @@ EventHandler = Callable[..., Any]
 
 @dataclass(slots=True)
 class LinkCounters:
-    """Counters since the link was opened."""
+    """Counters since the link was opened.
+
+    impossible, clipped, unmeasured
+        Samples with a rate that cannot be, at the end of the range, and passed on without their rate.
+    """
 
     bytes: int = 0
     samples: int = 0
@@ -21,6 +25,9 @@ class LinkCounters:
     device_resets: int = 0
     reconnects: int = 0
     gone_s: float = 0.0
+    impossible: int = 0
+    clipped: int = 0
+    unmeasured: int = 0
 
 
 @dataclass(frozen=True, slots=True)

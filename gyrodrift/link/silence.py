@@ -2,20 +2,20 @@
 
 import shlex
 
+from gyrodrift.link.binary_frames import BinaryFrames, binary_frames
 from gyrodrift.link.heard import Heard, quoted
 from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.decoder import Decoder
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS, listed
 from gyrodrift.link.sources.source import ByteSource
-from gyrodrift.link.unread import spoken
+from gyrodrift.link.unread import CONVERT, spoken
 
 CSV_LINE = "t_us,rate_dps[,encoder_deg[,temp_c[,still]]]"
 NAMES_MAX = 12
 DATA_SHARE = 0.4
 """Share of digits above which a line is data, and below which it is a message."""
 
-RATE_UNITS = "dps, rads, mdps or lsb/N"
 ANGLE_NOTE = (
     ". It is an angle, which a filter in the device has processed. If it falls during a turn to the left, append :-"
 )
@@ -30,34 +30,63 @@ def why_silent(
     heard: Heard,
     port: str,
     source: ByteSource | None = None,
+    found_baud: int = 0,
 ) -> str:
     """Message about a device that sent nothing decodable within `timeout_s`.
 
     `baud` is the given baud rate, or None if the link searched for it. `decoder` is the chosen decoder for the option
-    `protocol`. `heard` holds the last of the `heard_bytes` from `port`, which belongs to `source`, or is serial.
+    `protocol`. `heard` holds the last of the `heard_bytes` from `port`, which belongs to `source`, or is serial, at
+    `found_baud`.
     """
     waited = f"within {timeout_s:g} s"
     if not heard_bytes:
         advice = "check its power, the port, and whether TX and RX are swapped" if source is None else source.silence
         return f"the device sent nothing {waited}; {advice}"
-    if decoder is not None and decoder.counters.before_hello:
+    undecoded = "" if decoder is None else _why_undecoded(decoder, heard, waited, source)
+    if undecoded:
+        return undecoded
+    unread = unread_protocol(heard, protocol, _line(port, found_baud, source))
+    if unread or heard.is_text:
+        return unread or _why_text(protocol, heard, port, waited, source)
+    frames = binary_frames(heard.content)
+    if frames is not None and frames.is_checked:
+        return _why_frames(frames, heard, found_baud, source)
+    noise = _why_noise(heard_bytes, baud, decoder, protocol, waited, source)
+    if frames is None:
+        return noise
+    return f"{noise}; if the rate is right, the bytes are a binary protocol: {frames.described(heard.bytes_per_s)}"
+
+
+def _why_undecoded(decoder: Decoder, heard: Heard, waited: str, source: ByteSource | None) -> str:
+    """Message about good frames without a sample; empty without any."""
+    counters = decoder.counters
+    if counters.before_hello:
         return (
-            f"{decoder.counters.before_hello} samples arrived {waited}, but no HELLO frame with their scale; "
+            f"{counters.before_hello} samples arrived {waited}, but no HELLO frame with their scale; "
             "the device must send one every second"
         )
-    if decoder is not None and decoder.counters.other_frames and not (decoder.name == text.NAME and heard.is_text):
-        own = source.protocol if source is not None else None
-        advice = (own or PROTOCOLS[decoder.name]).without_rate
-        return (
-            f"{decoder.counters.other_frames} good {decoder.name} frames arrived {waited}, but none with a yaw rate"
-            f"{f'; {advice}' if advice else ''}"
-        )
-    unread = unread_protocol(heard, protocol)
-    if unread:
-        return unread
-    if heard.is_text:
-        return _why_text(protocol, heard, port, waited, source)
-    return _why_noise(heard_bytes, baud, decoder, protocol, waited, source)
+    if decoder.unread or not counters.other_frames or (decoder.name == text.NAME and heard.is_text):
+        return decoder.unread
+    own = source.protocol if source is not None else None
+    advice = (own or PROTOCOLS[decoder.name]).without_rate
+    frames = f"{counters.other_frames} good {decoder.name} frames arrived {waited}, but none with a yaw rate"
+    return f"{frames}; {advice}" if advice else frames
+
+
+def _line(port: str, baud: int, source: ByteSource | None) -> str:
+    """Address of a port as a part of another address: `/dev/ttyUSB0,57600`, `tcp:HOST:PORT`."""
+    if source is None:
+        return f"{port},{baud}"
+    return port.replace("tcp://", "tcp:").replace("udp://", "udpin:")
+
+
+def _why_frames(frames: BinaryFrames, heard: Heard, baud: int, source: ByteSource | None) -> str:
+    """Message about the frames of an unknown binary protocol."""
+    described = frames.described(heard.bytes_per_s)
+    device = f", as {frames.resembles} sends them" if frames.resembles else ""
+    at_baud = f" at {baud} baud" if source is None or source.has_baud else ""
+    sends = f"the device sends {described}{device}{at_baud}: a binary protocol, which gyrodrift does not read"
+    return f"{sends}; can it send text, or one of {listed()}? {CONVERT[0].upper()}{CONVERT[1:]}"
 
 
 def _why_noise(
@@ -81,11 +110,11 @@ def _tried(baud: int | None) -> str:
     return f"{baud} baud; the baud rate may be wrong: without --baud all usual rates are tried"
 
 
-def unread_protocol(heard: Heard, protocol: str) -> str:
-    """Message about a stream of another protocol than `protocol`; empty if it is unknown."""
+def unread_protocol(heard: Heard, protocol: str, line: str = "") -> str:
+    """Message about a stream of another protocol than `protocol`, on a line; empty if it is unknown."""
     unread = spoken(heard.content)
     if unread is not None:
-        return unread.message
+        return unread.message(line)
     candidates = [entry for entry in PROTOCOLS.values() if entry.is_detected and protocol not in {AUTO, entry.name}]
     detected = Detector(candidates).push(heard.content)
     if detected is None:
@@ -116,9 +145,10 @@ def _why_text(protocol: str, heard: Heard, port: str, waited: str, source: ByteS
     is_angle = guessed.turn.entry.startswith("yaw")
     columns = f"'{guessed.template}'"  # no label holds a quotation mark
     reasons = "; ".join(f"{column.looks_like} {column.why}" for column in guessed.columns if column.entry != "_")
-    if not guessed.is_unit_known:
+    if guessed.asked:
+        unknown = "its unit" if "UNIT by" in guessed.asked[-1] else "the sender"
         return (
-            f"{looks} ({reasons}), but its unit is unknown: replace UNIT by {'deg or rad' if is_angle else RATE_UNITS}"
+            f"{looks} ({reasons}), but {unknown} is unknown: replace {', and '.join(guessed.asked)}"
             f" in --columns {columns}, or find it by a quarter turn: {turn_it}"
         )
     note = ANGLE_NOTE if is_angle else ""
@@ -127,7 +157,12 @@ def _why_text(protocol: str, heard: Heard, port: str, waited: str, source: ByteS
 
 def _without_columns(heard: Heard, waited: str) -> str:
     """Advice about data of an unknown form, a board that is still starting, or a board that waits."""
-    text = "".join(heard.lines())
+    from gyrodrift.columns.fields import is_hex  # noqa: PLC0415 - for unknown streams only
+
+    lines = heard.lines()
+    text = "".join(lines)
+    if 2 * sum(is_hex(line.strip()) for line in lines) > len(lines):
+        return "has hexadecimal numbers, which are not read; print decimal numbers"
     if sum(character.isdigit() for character in text) >= DATA_SHARE * max(1, len(text)):
         return "looks like data of an unknown form; can the device send another format?"
     return (

@@ -4,13 +4,20 @@ One record per protocol. A stream belongs to it if it has FRAMES_MIN frames with
 """
 
 import re
+import shlex
 import zlib
 from binascii import crc_hqx
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import reduce
 from itertools import accumulate
+from operator import xor
 
+from gyrodrift.link.binary_frames import crc16_reflected, crc32_mpeg2
 from gyrodrift.link.protocols.sentences import checksum
+
+LINE = "LINE"
+"""Stands in an advice for the port and its baud rate."""
 
 FRAMES_MIN = 3
 LONGEST_HEADER = 256
@@ -47,10 +54,9 @@ class UnreadProtocol:
     chained: Callable[[bytes], int] | None = None
     status: str = "which gyrodrift does not read"
 
-    @property
-    def message(self) -> str:
-        """Name and advice."""
-        return f"the device sends {self.name}, {self.status}; {self.advice}"
+    def message(self, line: str) -> str:
+        """Name and advice; `line` is the port and its baud rate, as in a command: `/dev/ttyUSB0,57600`."""
+        return f"the device sends {self.name}, {self.status}; {self.advice.replace(LINE, shlex.quote(line))}"
 
     def is_spoken(self, content: bytes) -> bool:
         """Whether the bytes belong to this protocol."""
@@ -148,6 +154,7 @@ def _anything(frame: bytes) -> bool:  # noqa: ARG001 - the frames have a counter
 
 
 ASK_FOR_NMEA = "read it with --protocol nmea; a damaged sentence may then look like a rate"
+FLIGHT_CONTROLLER = "let it send MAVLink and use --port mavlink:LINE, or convert its blackbox log"
 CONVERT = "a program of its maker can record it, and gyrodrift convert reads tables"
 
 
@@ -166,9 +173,46 @@ def _mavlink(
     version: int, head: bytes, length: Callable[[bytes], int], chained: Callable[[bytes], int]
 ) -> UnreadProtocol:
     """MAVLink on a cable; the checksum depends on the message."""
-    advice = "record its log (.bin, .ulg) or --out of mavlogdump.py, and give that to gyrodrift convert"
-    name = f"MAVLink {version} of a flight controller"
-    return UnreadProtocol(name, re.compile(head), length, _anything, advice, chained)
+    name, status = f"MAVLink {version} of a flight controller", "which gyrodrift reads as a source"
+    return UnreadProtocol(name, re.compile(head), length, _anything, f"use --port mavlink:{LINE}", chained, status)
+
+
+def _is_lpbus(frame: bytes) -> bool:
+    """Check the sum of all bytes between the head and itself."""
+    return frame[-2:] == b"\r\n" and sum(frame[1:-4]) & 0xFFFF == int.from_bytes(frame[-4:-2], "little")
+
+
+def _anpp_length(header: bytes) -> int:
+    """Length of a packet whose header has a right checksum (Advanced Navigation Packet Protocol)."""
+    if len(header) < 5 or header[0] != (sum(header[1:5]) ^ 0xFF) + 1 & 0xFF:
+        return 0
+    return 5 + header[2]
+
+
+def _is_anpp(frame: bytes) -> bool:
+    """Check the CRC of the data; without data nothing is checked."""
+    return len(frame) > 5 and crc_hqx(frame[5:], 0xFFFF) == int.from_bytes(frame[3:5], "little")
+
+
+def _msp2_crc(content: bytes) -> int:
+    """CRC-8 of DVB-S2."""
+    crc = 0
+    for byte in content:
+        crc ^= byte
+        for _ in range(8):
+            crc = (crc << 1 ^ (0xD5 if crc & 0x80 else 0)) & 0xFF
+    return crc
+
+
+def _shtp_length(header: bytes) -> int:
+    """Length up to the closing flag of a frame."""
+    return header.find(b"\x7e", 1) + 1
+
+
+def _is_shtp(frame: bytes) -> bool:
+    """Compare the length in the header of SHTP with that of the frame, without its escapes."""
+    cargo = re.sub(rb"\x7d(.)", lambda match: bytes((match[1][0] ^ 0x20,)), frame[2:-1], flags=re.DOTALL)
+    return len(cargo) >= 4 and int.from_bytes(cargo[:2], "little") & 0x7FFF == len(cargo)
 
 
 def _unchecked_nmea(about: str, sentence: bytes) -> UnreadProtocol:
@@ -247,6 +291,62 @@ UNREAD = (
         CONVERT,
     ),
     UnreadProtocol(
+        "the messages of a KVH 1725, 1750 or 1775",
+        re.compile(rb"\xfe\x81\xff[\x55-\x57]"),
+        lambda header: {0x55: 36, 0x56: 40, 0x57: 38}[header[3]] if len(header) > 3 else 0,
+        lambda frame: crc32_mpeg2(frame[:-4]) == int.from_bytes(frame[-4:], "big"),
+        CONVERT,
+    ),
+    UnreadProtocol(
+        "sbgECom of an SBG Ellipse, Ekinox or Quanta",
+        re.compile(rb"\xff\x5a"),
+        lambda header: _word(header, 4, 9),
+        lambda frame: crc16_reflected(frame[2:-3], 0, 0x8408) == int.from_bytes(frame[-3:-1], "little"),
+        CONVERT,
+    ),
+    UnreadProtocol(
+        "LpBus of an LPMS (LP-Research)",
+        re.compile(rb"\x3a"),
+        lambda header: _word(header, 5, 11),
+        _is_lpbus,
+        CONVERT,
+    ),
+    UnreadProtocol(
+        "the UU packets of an Aceinna OpenIMU or DMU",
+        re.compile(rb"UU[A-Za-z][A-Za-z0-9]"),
+        lambda header: _byte(header, 4, 7),
+        lambda frame: crc_hqx(frame[2:-2], 0x1D0F) == int.from_bytes(frame[-2:], "big"),
+        CONVERT,
+    ),
+    UnreadProtocol(
+        "MSP of Betaflight, Cleanflight or iNav",
+        re.compile(rb"\$M[<>!]"),
+        lambda header: _byte(header, 3, 6),
+        lambda frame: reduce(xor, frame[3:-1]) == frame[-1],
+        FLIGHT_CONTROLLER,
+    ),
+    UnreadProtocol(
+        "MSP 2 of Betaflight or iNav",
+        re.compile(rb"\$X[<>!]"),
+        lambda header: _word(header, 6, 9),
+        lambda frame: _msp2_crc(frame[3:-1]) == frame[-1],
+        FLIGHT_CONTROLLER,
+    ),
+    UnreadProtocol(
+        "RAWIMU of a NovAtel receiver, which has angles per sample in counts of its sensor, not rates",
+        re.compile(rb"[#%]RAWIMUS?X?A,(?=[ -~]{40,400}\*[0-9a-f]{8}\r?\n)"),
+        _line_length,
+        _anything,
+        "log INSPVAS for its azimuth, or let its program convert the counts, and give the table to gyrodrift convert",
+    ),
+    UnreadProtocol(
+        "SHTP of a BNO080, BNO085 or BNO086",
+        re.compile(rb"\x7e\x01"),
+        _shtp_length,
+        _is_shtp,
+        "set its pins PS1 low and PS0 high: then it sends bno08x-rvc, which gyrodrift reads",
+    ),
+    UnreadProtocol(
         "messages of a navX other than yaw, pitch and roll",
         re.compile(rb"![a-xz](?=[ -~]{6,200}\r\n)"),
         _line_length,
@@ -275,5 +375,12 @@ UNREAD = (
         _is_sentence,
         "turn on one of them, choose the port of the gyro, or name another sentence with --columns",
         status="which has no rate or heading",
+    ),
+    UnreadProtocol(
+        "ANPP of Advanced Navigation",
+        re.compile(rb"[\x00-\xff]"),
+        _anpp_length,
+        _is_anpp,
+        CONVERT,
     ),
 )

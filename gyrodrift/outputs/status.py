@@ -20,7 +20,7 @@ class LinkStatus:
         Samples per second over the last second.
     jitter_ms
         Peak-to-peak variation of the delay of samples over the last second, ms.
-    samples, bytes, damaged, before_hello, clipped, gaps, missing, device_resets, reconnects
+    samples, bytes, damaged, before_hello, clipped, impossible, gaps, missing, device_resets, reconnects
         Counters.
     gone_s
         Total time without the port, s.
@@ -42,6 +42,7 @@ class LinkStatus:
     damaged: int = 0
     before_hello: int = 0
     clipped: int = 0
+    impossible: int = 0
     gaps: int = 0
     missing: int = 0
     device_resets: int = 0

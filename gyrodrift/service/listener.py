@@ -57,6 +57,12 @@ class IdleListener:
         """Nothing is open."""
 
 
+class JudgedListener:
+    """Base of a listener of samples that gets readings that are no measurement without their rates."""
+
+    __slots__ = ()
+
+
 SampleListener = Listener[Sample]
 """A receiver of samples as measured: the pipeline, a recorder, a live line."""
 

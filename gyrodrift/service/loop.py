@@ -15,7 +15,7 @@ from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.io.waiting import POLLIN, Poller, new_poller
 from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
-from gyrodrift.service.listener import ReaderGoneError, SampleListener, Sink
+from gyrodrift.service.listener import JudgedListener, ReaderGoneError, SampleListener, Sink
 from gyrodrift.service.signals import StopSignal
 from gyrodrift.service.stream_watch import StreamWatch
 from gyrodrift.values.constants import LINE_BITS_PER_BYTE
@@ -123,7 +123,7 @@ class Service:
     _begun_s: float = 0.0
 
     def __post_init__(self) -> None:
-        self._watch = StreamWatch(self.events)
+        self._watch = StreamWatch(self.events, self.link.counters)
 
     def run(self) -> None:
         """Run until the signal to stop, or the end of the source.
@@ -192,12 +192,12 @@ class Service:
         if self.control is not None:
             self.control.serve(ready)
         samples = [] if self._is_held else self.link.read()
-        self._watch.take(samples)
+        judged = self._watch.take(samples)
         if self.word is not None:
-            samples = self.word.with_rest(samples)
-        if samples or self._is_waited_for:
+            samples, judged = self.word.with_rest(samples), self.word.with_rest(judged)
+        if samples or judged or self._is_waited_for:
             for listener in self.listeners:
-                listener.take(samples)
+                listener.take(judged if isinstance(listener, JudgedListener) else samples)
         now_s = time.monotonic()
         if now_s - self._marks.tick_s >= TICK_S:
             self._marks.tick_s = now_s

@@ -17,7 +17,7 @@ from gyrodrift.filters.run import Axes, FilterRun
 from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.link.link import Link
 from gyrodrift.service.calibrating import Calibrating, bias_of
-from gyrodrift.service.listener import ReaderGoneError, Sink
+from gyrodrift.service.listener import JudgedListener, ReaderGoneError, Sink
 from gyrodrift.service.reference import DeviceReference, EncoderReference, YawReference
 from gyrodrift.values.calibration import Calibration
 from gyrodrift.values.mount import Mount, nearest_axis
@@ -36,7 +36,7 @@ NO_SAMPLE = Sample(0, nan, nan, nan)
 
 
 @dataclass(slots=True)
-class Pipeline:
+class Pipeline(JudgedListener):
     """A filter with everything before and behind it.
 
     sinks
@@ -114,9 +114,10 @@ class Pipeline:
                 sink.tick(now_s)
             except ReaderGoneError:
                 self._forget(sink)
-        if self.state.rejected > self._rejected and now_s - self._rejected_s >= REJECTED_S:
-            self.warn("samples_rejected", count=self.state.rejected - self._rejected, total=self.state.rejected)
-            self._rejected, self._rejected_s = self.state.rejected, now_s
+        rejected = self.state.rejected - self.link.counters.unmeasured
+        if rejected > self._rejected and now_s - self._rejected_s >= REJECTED_S:
+            self.warn("samples_rejected", count=rejected - self._rejected, total=rejected)
+            self._rejected, self._rejected_s = rejected, now_s
         witness = self.witness
         if witness is not None and witness.refuted > self._refuted:
             self._refuted = witness.refuted

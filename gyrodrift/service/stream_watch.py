@@ -1,28 +1,22 @@
-"""Warnings about a stream without gaps: a rate that hangs, a device clock that changes its unit, and missing axes.
+"""Warnings about a stream without gaps: readings that are none, a device clock that changes its unit, and missing axes.
 
-The first two are guesses, so the samples are still processed; the warning says that yaw is not reliable. A device of
+The clock is a guess, so its samples are still processed; the warning says that yaw is not reliable. A device of
 three axes may stop sending its accelerations, or two of its rates. Yaw goes on by fewer measurements.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import hypot, inf, nan
+from math import hypot, nan
 from typing import Any
 
-from gyrodrift.filters.restlevel.noise import FINE_DPS
+from gyrodrift.columns.readings import ReadingJudge, StreamJudge
 from gyrodrift.filters.run import WITHOUT_AXES_S as LOST_S
+from gyrodrift.link.options import LinkCounters
 from gyrodrift.link.unit_check import SLOWEST_PACE
 from gyrodrift.values.sample import Sample
 
 Tell = Callable[..., Any]
 """Called with the name of an event and its fields."""
-
-LEAST_CHANGES = 200
-"""Changes of the rate before it counts as noisy."""
-
-HANGS_SAMPLES, HANGS_S = 50, 1.0
-LONGER = 10
-"""A rate hangs if it repeats for this many samples and seconds, and LONGER times as often as ever before."""
 
 PACE_S, PACE_SAMPLES = 2.0, 10
 PACE_WINDOWS = 2
@@ -31,58 +25,6 @@ clock of the host may have been set."""
 
 WITHOUT_ACCELERATIONS = "the device sends three rates without accelerations: the tilt is by the gyro, or unknown"
 WITHOUT_AXES = "the device sends one rate: yaw is right while this axis is vertical"
-
-
-@dataclass(slots=True)
-class RateWatch:
-    """Reports `rate_hangs` and `rate_moves`.
-
-    Zeros do not count: some devices send zero at rest. Sensors with steps coarser than FINE_DPS do not count: they
-    repeat values at rest.
-
-    hung_s
-        Total time of reported hangs, s.
-    """
-
-    tell: Tell
-    hung_s: float = 0.0
-    _rate_dps: float = nan
-    _since_s: float = 0.0
-    _repeats: int = 0
-    _longest: int = 0
-    _changes: int = 0
-    _finest_dps: float = inf
-    _is_reported: bool = False
-
-    def take(self, samples: list[Sample]) -> None:
-        """Examine new samples."""
-        for sample in samples:
-            if sample.rate_dps == self._rate_dps:
-                self._repeats += 1
-            else:
-                self._change(sample)
-        if samples and self._repeats >= HANGS_SAMPLES and not self._is_reported:
-            self._judge(samples[-1].t_device_s - self._since_s)
-
-    def _change(self, sample: Sample) -> None:
-        step_dps = abs(sample.rate_dps - self._rate_dps)
-        if self._is_reported:
-            self._is_reported = False
-            seconds = sample.t_device_s - self._since_s
-            self.hung_s += seconds
-            self.tell("rate_moves", rate_dps=self._rate_dps, seconds=round(seconds, 3))
-        else:
-            self._longest = max(self._longest, self._repeats)
-        self._finest_dps = min(self._finest_dps, step_dps)
-        self._changes += 1
-        self._rate_dps, self._since_s, self._repeats = sample.rate_dps, sample.t_device_s, 0
-
-    def _judge(self, seconds: float) -> None:
-        is_noisy = self._changes >= LEAST_CHANGES and self._finest_dps <= FINE_DPS
-        if is_noisy and self._rate_dps != 0.0 and seconds >= HANGS_S and self._repeats > LONGER * self._longest:
-            self._is_reported = True
-            hint = "the sensor repeats one value although it has noise; yaw is not reliable"
-            self.tell("rate_hangs", rate_dps=self._rate_dps, seconds=round(seconds, 3), hint=hint)
 
 
 @dataclass(slots=True)
@@ -154,22 +96,32 @@ class AxesWatch:
 
 @dataclass(slots=True)
 class StreamWatch:
-    """Watches the rate, the axes and the clock."""
+    """Watches the readings, the axes and the clock.
+
+    counters
+        Counters of the link, which get the impossible, the clipped and the unmeasured samples.
+    """
 
     tell: Tell
+    counters: LinkCounters
+    _judge: StreamJudge = field(init=False)
     _axes: AxesWatch = field(init=False)
-    _rate: RateWatch = field(init=False)
     _pace: PaceWatch = field(init=False)
 
     def __post_init__(self) -> None:
-        self._rate, self._pace, self._axes = RateWatch(self.tell), PaceWatch(self.tell), AxesWatch(self.tell)
+        self._judge = StreamJudge(ReadingJudge(self.tell))
+        self._pace, self._axes = PaceWatch(self.tell), AxesWatch(self.tell)
 
-    def take(self, samples: list[Sample]) -> None:
-        """Examine new samples."""
-        self._rate.take(samples)
+    def take(self, samples: list[Sample]) -> list[Sample]:
+        """Examine new samples; those that are decided, without the rates that are no measurement."""
         self._pace.take(samples)
         self._axes.take(samples)
+        judged, judge = self._judge.take(samples), self._judge.judge
+        self.counters.impossible, self.counters.clipped = judge.impossible, judge.clipped
+        self.counters.unmeasured = self._judge.missing
+        return judged
 
     def stats(self) -> dict[str, Any]:
         """Fields for the log; empty without a hang."""
-        return {"hung_s": round(self._rate.hung_s, 3)} if self._rate.hung_s else {}
+        hung_s = self._judge.judge.hung_s
+        return {"hung_s": round(hung_s, 3)} if hung_s else {}

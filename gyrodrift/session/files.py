@@ -13,7 +13,7 @@ from gyrodrift.values.errors import DataError, UsageError
 
 ENDINGS = (".mcap", ".csv")
 TABLES = (".csv", ".tsv", ".txt", ".log", ".json", ".jsonl", ".ndjson", ".parquet")
-"""Endings of tables in lower case."""
+"""Usual endings of tables in lower case; a file with another ending is read as a table if its content is one."""
 
 OTHERS_IN_FOLDER = (".parquet", ".jsonl", ".ndjson", ".tsv", ".ulg", ".bag")
 """Endings that count in a folder without `.mcap` and `.csv`; the rest may be notes, configs or logs of a program."""
@@ -72,18 +72,22 @@ def _loaded(path: Path, columns: Sequence[Column] | None, clock: StatedClock, *,
     ending = path.suffix.lower()
     if ending in LOGS and columns is None and (log := _log(path, ending)) is not None:
         return log
-    if ending in TABLES:
-        from gyrodrift.session.tables.read import read_table
-
-        return read_table(path, columns, clock)
-    if columns is not None:
-        raise UsageError(f"--columns: {path} is no table; tables end in {', '.join(TABLES)}")
-    if ending == ".mcap":
+    if ending == ".mcap" and columns is None:
         from gyrodrift.session.mcap.read import read_mcap  # noqa: PLC0415 - a format is imported only when it is read
 
         return read_mcap(path, allow_damage=allow_damage)
-    read = ", ".join(dict.fromkeys((".mcap", *TABLES, *LOGS)))
-    raise DataError(f"{path}: sessions end in {read}, not {path.suffix or 'nothing'}")
+    if ending in (".mcap", *LOGS) and ending not in TABLES:
+        raise UsageError(f"--columns: {path} is no table; tables end in {', '.join(TABLES)}")
+    from gyrodrift.session.tables.read import read_table
+    from gyrodrift.session.tables.text import NoTableError  # noqa: PLC0415 - imported only for tables
+
+    try:
+        return read_table(path, columns, clock)
+    except NoTableError as error:
+        if ending in TABLES:
+            raise
+        read = ", ".join(dict.fromkeys((".mcap", *TABLES, *LOGS)))
+        raise DataError(f"{error}; sessions end in {read}, not {path.suffix or 'nothing'}") from error
 
 
 def _bag(folder: Path) -> Session:

@@ -1,5 +1,6 @@
 """Samples of an MCAP file that is still being written, from its bytes as they come."""
 
+import json
 import math
 from collections import deque
 from io import BytesIO
@@ -7,7 +8,7 @@ from io import BytesIO
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 
-from gyrodrift.session.foreign.channels import Messages
+from gyrodrift.session.foreign.channels import UNDERSTOOD, Messages
 from gyrodrift.session.foreign.columns import Decode, WrongValueError
 from gyrodrift.session.foreign.read import decoder_of
 from gyrodrift.session.foreign.records import OPENED_BYTES, ForeignRecord, framed, message, opened
@@ -18,6 +19,9 @@ from gyrodrift.values.sample import Sample
 
 LONGEST_RECORD_BYTES = OPENED_BYTES
 """Longest record that is waited for: the limit of a chunk of a short file."""
+
+UNREAD_MAX, FIELDS_MAX = 8, 16
+"""Largest number of topics, and of fields of a message, that are named."""
 
 STILLS_MAX = 64
 """Largest number of rest flags for later samples; a recorder writes a flag right before its sample."""
@@ -34,6 +38,9 @@ class SampleStream:
         Table `device` of our own recordings.
     other_topics
         Topics that could be read too, and are ignored.
+    found
+        Contents of the file that cannot be read, and what is needed instead; empty after the first sample, and before
+        the first message.
     """
 
     def __init__(self, name: str) -> None:
@@ -50,6 +57,15 @@ class SampleStream:
         self._stills: deque[tuple[int, float]] = deque(maxlen=STILLS_MAX)
         self._still = math.nan
         self._count = 0
+        self._unread: dict[str, str] = {}
+
+    @property
+    def found(self) -> str:  # noqa: D102 - above
+        if self._count or not self._unread:
+            return ""
+        topics = "; ".join(self._unread.values())
+        more = "; …" if len(self._unread) == UNREAD_MAX else ""
+        return f"it has messages, but no samples: {topics}{more}; expected {UNDERSTOOD}"
 
     def push(self, chunk: bytes) -> list[Sample]:
         """Samples of the records that are complete now.
@@ -122,13 +138,21 @@ class SampleStream:
             return []
         decode = self._decoder(channel)
         if decode is None:
+            self._note(channel, "")
             return []
         try:
             sample = decode(payload, log_ns)
-        except WrongValueError:
+        except WrongValueError as error:
             self.damaged += 1
+            self._note(channel, f": a message {error}{_fields(payload)}")
             return []
         return [self._with_still(sample)]
+
+    def _note(self, channel: Channel, reason: str) -> None:
+        """Note a channel whose messages cannot be read."""
+        if not self._count and len(self._unread) < UNREAD_MAX:
+            messages = Messages(channel.topic, channel.message_encoding, self._schemas.get(channel.schema_id), 0)
+            self._unread.setdefault(channel.topic, f"{messages}{reason}")
 
     def _decoder(self, channel: Channel) -> Decode | None:
         """Decoder of a channel; None if it is ignored."""
@@ -155,3 +179,15 @@ class SampleStream:
             self._still = self._stills.popleft()[1]
         self._count += 1
         return sample if math.isnan(self._still) else sample._replace(still=self._still)
+
+
+def _fields(payload: bytes) -> str:
+    """Names of the fields of a JSON object, in words; empty for another message."""
+    try:
+        content = json.loads(payload)
+    except (ValueError, RecursionError):
+        return ""
+    if not isinstance(content, dict):
+        return ""
+    names = list(map(str, content))
+    return f", its fields are {', '.join(names[:FIELDS_MAX])}{', …' if len(names) > FIELDS_MAX else ''}"

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from gyrodrift.io.result_table import ResultTable
 from gyrodrift.session.damage import RecordingDamage
-from gyrodrift.values.arrays import Floats, Integers
+from gyrodrift.values.arrays import Floats, Integers, Mask
 from gyrodrift.values.sample import DeviceYaw, Inertial, Sample
 
 TABLE = "table"
@@ -162,6 +162,13 @@ class Session(ResultTable):
         if self.gyro_dps is None:
             return replace(self, rate_dps=rate_dps)
         return replace(self, rate_dps=rate_dps, gyro_dps=np.column_stack([self.gyro_dps[:, :2], rate_dps]))
+
+    def without_rates(self, is_missing: Mask) -> "Session":
+        """The session without the rates of some samples, shape (n,)."""
+        if not is_missing.any():
+            return self
+        gyro_dps = None if self.gyro_dps is None else np.where(is_missing[:, None], np.nan, self.gyro_dps)
+        return replace(self, rate_dps=np.where(is_missing, np.nan, self.rate_dps), gyro_dps=gyro_dps)
 
     def with_axes(self, columns: Mapping[str, Floats | None]) -> "Session":
         """The session with three axes from columns by name; without them unless rates about x and y are given.

@@ -48,7 +48,6 @@ def guessed(form: str, head: str = "") -> TextGuess:
         "roll: {z:.2f} deg/s",
         "500 dps | {x:.0f} | {y:.0f} | {z:.0f}",
         "{t}; {z:.0f}; 200 dps",
-        "dyaw: {z:.3f}",
         "rotationX: {x:.2f} rotationY: {y:.2f} rotationZ: {z:.2f}",
         "rotation z: {z:.2f} deg",
         "gyro[0]: {x:.2f} dps, gyro[1]: {y:.2f} dps",
@@ -81,7 +80,7 @@ def test_a_unit_of_rates_does_not_stand_against_what_a_label_says(form: str) -> 
         ("", "Vitesse de lacet: {z:.2f} °/s", "Vitesse de lacet=rate:dps"),
         ("", "gz_raw: {x:.0f} gz: {z:.2f} dps", "gz=rate:dps"),
         ("", "{x:.2f}dps,{y:.2f}dps,{z:.2f}dps", "gx:dps, gy:dps, rate:dps"),
-        ("", "I ({t}) app: gx: {x:.2f} gz: {z:.2f} dps", "gz=rate:dps"),
+        ("", "I ({t}) app: gx: {x:.2f} gz: {z:.2f} dps", "gz=rate:dps, time=t_ms"),
     ],
 )
 def test_the_axis_is_that_of_the_label_in_any_order_and_language(head: str, form: str, spec: str) -> None:

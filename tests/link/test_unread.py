@@ -4,7 +4,9 @@ import struct
 from binascii import crc_hqx
 from collections.abc import Callable
 from dataclasses import replace
+from functools import reduce
 from math import sin
+from operator import xor
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,7 @@ from pynmeagps import GET, NMEAMessage
 from sources_support import Host
 from support import speaking_on
 
+from gyrodrift.link.binary_frames import crc16_reflected, crc32_mpeg2
 from gyrodrift.link.unread import FAILED_MAX, UNREAD, spoken
 from gyrodrift.values.errors import DeviceSilentError
 
@@ -139,6 +142,65 @@ def position(i: int) -> bytes:
     return content
 
 
+def kvh(i: int) -> bytes:
+    """Format A of the 1750: rates, accelerations, status, counter, temperature."""
+    content = b"\xfe\x81\xff\x55" + struct.pack(">6fBBh", 0.0, 0.0, sin(i), 0.0, 0.0, 1.0, 0x77, i & 0x7F, 25)
+    return content + struct.pack(">I", crc32_mpeg2(content))
+
+
+def sbg(i: int) -> bytes:
+    """IMU data, class 0, message 3."""
+    content = bytes((3, 0)) + struct.pack("<HIH6f", 30, i, 0, 0.0, 0.0, 9.81, 0.0, 0.0, sin(i))
+    return b"\xff\x5a" + content + struct.pack("<H", crc16_reflected(content, 0, 0x8408)) + b"\x33"
+
+
+def lpbus(i: int) -> bytes:
+    """Stream of sensor 1."""
+    content = struct.pack("<HHH4f", 1, 9, 16, i / 400, 0.0, 0.0, sin(i))
+    return b":" + content + struct.pack("<H", sum(content)) + b"\r\n"
+
+
+def openimu(i: int) -> bytes:
+    """Packet z1 of an OpenIMU300."""
+    content = b"z1" + bytes((40,)) + struct.pack("<I9f", i, 0.0, 0.0, 9.8, 0.0, 0.0, sin(i), 0.0, 0.0, 0.0)
+    return b"UU" + content + struct.pack(">H", crc_hqx(content, 0x1D0F))
+
+
+def msp(i: int) -> bytes:
+    """MSP_RAW_IMU."""
+    content = bytes((18, 102)) + struct.pack("<9h", 0, 0, 512, 0, 0, i, 0, 0, 0)
+    return b"$M>" + content + bytes((reduce(xor, content),))
+
+
+def msp2(i: int) -> bytes:
+    """MSP_RAW_IMU in the second version."""
+    content = struct.pack("<BHH9h", 0, 102, 18, 0, 0, 512, 0, 0, i, 0, 0, 0)
+    return b"$X>" + content + bytes((crc8_dvb_s2(content),))
+
+
+def crc8_dvb_s2(content: bytes) -> int:
+    crc = 0
+    for byte in content:
+        crc ^= byte
+        for _ in range(8):
+            crc = (crc * 2 ^ 0xD5) & 0xFF if crc > 0x7F else crc * 2
+    return crc
+
+
+def shtp(i: int) -> bytes:
+    """A report on channel 3, with its escapes."""
+    cargo = struct.pack("<HBB", 14, 3, i & 0xFF) + struct.pack("<BB4h", 2, i & 0xFF, 0x7E, 0x7D, 0, i)
+    escaped = b"".join(bytes((0x7D, byte ^ 0x20)) if byte in {0x7D, 0x7E} else bytes((byte,)) for byte in cargo)
+    return b"\x7e\x01" + escaped + b"\x7e"
+
+
+def anpp(i: int) -> bytes:
+    """Raw sensors, packet 28."""
+    content = struct.pack("<12f", 0.0, 0.0, 9.8, 0.0, 0.0, sin(i), 0.0, 0.0, 0.0, 25.0, 1e5, 20.0)
+    head = bytes((28, len(content))) + struct.pack("<H", crc_hqx(content, 0xFFFF))
+    return bytes(((sum(head) ^ 0xFF) + 1 & 0xFF,)) + head + content
+
+
 SPOKEN: dict[str, Callable[[int], bytes]] = {
     "MicroStrain MIP": mip,
     "UM6 or UM7": um7,
@@ -152,6 +214,15 @@ SPOKEN: dict[str, Callable[[int], bytes]] = {
     "NovAtel binary": novatel,
     "NovAtel short": novatel_short,
     "HiPNUC": hipnuc,
+    "KVH": kvh,
+    "sbgECom": sbg,
+    "LpBus": lpbus,
+    "UU packets": openimu,
+    "MSP of Betaflight": msp,
+    "MSP 2": msp2,
+    "RAWIMU": lambda i: b"%%RAWIMUSA,1105,4253.%03d;1105,4253.%03d,00000077,1,2,3,%d,5,6*%08x\r\n" % (i, i, i, i),
+    "SHTP": shtp,
+    "ANPP": anpp,
     "messages of a navX other": navx,
     "yaw messages (!y) of a navX": navx_damaged,
     "rate of turn in deg/min, positive to starboard": lambda i: b"$TIROT,%d.5,A\r\n" % -i,

@@ -5,7 +5,8 @@ from typing import Any
 
 import pytest
 
-from gyrodrift.service.stream_watch import AxesWatch, PaceWatch, RateWatch
+from gyrodrift.columns.readings import ReadingJudge, StreamJudge
+from gyrodrift.service.stream_watch import AxesWatch, PaceWatch
 from gyrodrift.values.sample import Inertial, Sample
 
 HZ = 100.0
@@ -21,11 +22,13 @@ def noisy(count: int, level_dps: float = 0.4, lsb_dps: float = FINE_DPS, sigma_d
 def told_of(rates: list[float], turn: int = 4) -> list[tuple[str, dict[str, Any]]]:
     """Events of a stream whose samples come by a few."""
     result: list[tuple[str, dict[str, Any]]] = []
-    watch = RateWatch(lambda event, **fields: result.append((event, fields)))
+    watch = StreamJudge(ReadingJudge(lambda event, **fields: result.append((event, fields))))
     samples = [Sample(n, n / HZ, 0.0, rate) for n, rate in enumerate(rates)]
     for position in range(0, len(samples), turn):
         watch.take(samples[position : position + turn])
-    assert watch.hung_s == pytest.approx(sum(fields["seconds"] for event, fields in result if event == "rate_moves"))
+    assert watch.judge.hung_s == pytest.approx(
+        sum(fields["seconds"] for event, fields in result if event == "rate_moves")
+    )
     return result
 
 
@@ -35,8 +38,8 @@ def test_a_rate_that_hangs_is_told_once_and_once_more_when_it_moves() -> None:
     rates = [*noisy(1000), *[40.0] * 3000, *noisy(1000), *[0.41] * 300, *noisy(100)]
     result = told_of(rates)
     assert [event for event, _ in result] == ["rate_hangs", "rate_moves", "rate_hangs", "rate_moves"]
-    assert result[0][1] | {"hint": ""} == {"rate_dps": 40.0, "seconds": pytest.approx(1.0, abs=0.05), "hint": ""}
-    assert result[1][1] == {"rate_dps": 40.0, "seconds": 30.0}
+    assert result[0][1] | {"hint": ""} == {"rate_dps": 40.0, "seconds": pytest.approx(0.5, abs=0.05), "hint": ""}
+    assert result[1][1] == {"rate_dps": 40.0, "seconds": 30.0, "since_s": 10.0}
 
 
 @pytest.mark.parametrize(

@@ -12,12 +12,6 @@ from gyrodrift.facts.session_facts import SessionFacts, StillRate
 from gyrodrift.outputs import health
 from gyrodrift.values.arrays import Floats
 
-RAIL_MIN_DPS = 20.0
-"""Smallest rate that may be the end of a range, deg/s."""
-
-RAIL_SAMPLES = 5
-"""Samples at exactly the largest rate that show the end of a range."""
-
 CLIPPED_MAX = 0.2
 """Share of clipped samples above which the sensor is broken or set up wrongly."""
 
@@ -82,20 +76,33 @@ def still(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None
 
 def clipped(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
     """Rates at the end of the range."""
-    session = facts.session
-    rates = np.abs(session.rate_dps[np.isfinite(session.rate_dps)])
-    largest_dps = float(rates.max(initial=0.0))
-    at_largest = int((rates >= largest_dps * (1.0 - 1e-9)).sum())
+    readings, rate = facts.readings, facts.rate
+    largest_dps = 0.0 if rate is None else max(abs(rate.min_dps), abs(rate.max_dps))
     marked = health.clipped(evidence.link)
-    share = max(evidence.link.clipped, at_largest if marked is None else 0) / len(session.rate_dps)
+    share = max(evidence.link.clipped, readings.clipped) / facts.samples
     do = "Choose a wider range, or turn more slowly: yaw loses the angle that is cut off."
+    if marked is not None and share > CLIPPED_MAX:
+        return error(marked.says, "The sensor is stuck at its limit: it is broken, or set up wrongly.", share)
     if marked is not None:
-        if share > CLIPPED_MAX:
-            return error(marked.says, "The sensor is stuck at its limit: it is broken, or set up wrongly.", share)
         return of_health(marked, Severity.WARNING, do, share)
-    if at_largest >= RAIL_SAMPLES and largest_dps > RAIL_MIN_DPS:
-        return warning(f"{at_largest} samples read exactly {largest_dps:.5g} deg/s: the range ends there.", do, share)
+    if readings.clipped:
+        limit_dps = readings.told("clipped")[0]["limit_dps"]
+        says = f"{readings.clipped} samples read exactly {limit_dps:.5g} deg/s: the range ends there."
+        return warning(says, do, share)
     return ok(f"All rates are inside the range; the largest was {largest_dps:.4g} deg/s.", 0.0)
+
+
+def impossible(_evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
+    """Single readings that cannot be."""
+    readings = facts.readings
+    if not readings.impossible:
+        return None
+    first = readings.told("impossible_reading")[0]
+    return warning(
+        f"{readings.impossible} readings cannot be, such as {first['rate_dps']:.4g} deg/s: it jumped and returned.",
+        "They are left out. Check wires and supply of the sensor, and the result of every read in the firmware.",
+        readings.impossible / facts.samples,
+    )
 
 
 def temperature(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None:
@@ -169,4 +176,4 @@ def bias_moves(_evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFinding |
     )
 
 
-CHECKS = (*checks_of(facts_of, sensor, still, clipped, temperature), *checks_of(rest_of, bias, bias_moves))
+CHECKS = (*checks_of(facts_of, sensor, still, clipped, impossible, temperature), *checks_of(rest_of, bias, bias_moves))

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from gyrodrift.columns.readings import RAIL_MIN_DPS
 from gyrodrift.describe.text import JITTER_ODD
 from gyrodrift.doctor.check import checks_of, facts_of, rest_of
-from gyrodrift.doctor.checks.sensor import RAIL_MIN_DPS
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, Severity, error, note, of_health, ok, warning
 from gyrodrift.facts.session_facts import SessionFacts, StillRate
@@ -161,6 +161,9 @@ def stuck(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None
         return None
     longest, value_dps = _longest_run(facts.session.rate_dps)
     seconds = longest / facts.rate_hz
+    for hang, end in zip(facts.readings.told("rate_hangs"), facts.readings.told("rate_moves"), strict=True):
+        if end["seconds"] > seconds:
+            seconds, value_dps, longest = end["seconds"], hang["rate_dps"], STUCK_SAMPLES
     if seconds < STUCK_S or longest < STUCK_SAMPLES:
         return ok("The rate is never constant for long.", seconds, "s")
     if value_dps == 0.0 and evidence.holds_zero:

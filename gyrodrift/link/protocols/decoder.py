@@ -70,9 +70,10 @@ class DeviceDescription:
 
 
 class CountingDecoder:
-    """Base of all decoders: counters, and the description of the device."""
+    """Base of all decoders: counters, the description of the device, and why what came cannot be read."""
 
     name: str
+    unread: str = ""
 
     def __init__(self) -> None:
         self.counters = DecoderCounters()
@@ -93,6 +94,7 @@ class Decoder(Protocol):
     name: str
     counters: DecoderCounters
     device: DeviceDescription
+    unread: str
 
     def push(self, chunk: Any) -> list[Reading]:
         """Decode the next bytes of the stream, or the next batch of a source of readings; return the readings."""

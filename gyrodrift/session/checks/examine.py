@@ -10,6 +10,7 @@ from gyrodrift.columns.sizes import FREE_SHARE, gravity_unit, is_gravity
 from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.session.calibrated import calibrated
 from gyrodrift.session.checks.finding import SessionFinding
+from gyrodrift.session.checks.odd_readings import reading_findings
 from gyrodrift.session.checks.rate_unit import rate_findings
 from gyrodrift.session.checks.restarts import one_clock
 from gyrodrift.session.checks.stated import AS_WRITTEN, TIME_UNITS, ReadingOptions, time_factor
@@ -232,6 +233,9 @@ def examined(session: Session, stated: ReadingOptions = AS_WRITTEN, *, is_still:
         if not any(finding.is_error for finding in findings):
             corrected = SessionFacts(calibrated(clock.session))
             findings += rate_findings(corrected, is_stated=stated.states_rate, is_still=is_still)
+        if not any(finding.is_error for finding in findings):
+            findings += reading_findings(facts.readings)
+            facts = facts.measurements()
         findings += acceleration_findings(facts, is_stated=bool(stated.accel_unit))
         findings += axis_findings(facts)
     return ExaminedSession(facts, tuple(findings))

@@ -1,11 +1,13 @@
 """Meaning of the columns of a table: stated by the user, of a known form, or by labels with units."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import takewhile
 from pathlib import Path
 
-from gyrodrift.columns.fields import DECIMAL_COMMA, is_number
-from gyrodrift.columns.judge import Verdict, judged, seen_columns
+from gyrodrift.columns.fields import as_label
+from gyrodrift.columns.judge import CLOCK_WORDS, ColumnVerdict, judged
 from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.spec import (
     ACCELERATION_MPS2,
@@ -19,10 +21,10 @@ from gyrodrift.columns.spec import (
     column_of,
     spec_text,
 )
-from gyrodrift.columns.units import Dimension, Unit, unit_in, without_unit
+from gyrodrift.columns.units import Dimension, Unit, unit_in, unit_of, without_unit
 from gyrodrift.session.csv import present_names
 from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS
-from gyrodrift.session.tables.known import KNOWN_TABLES, NOTHING, label_index, plain
+from gyrodrift.session.tables.known import KNOWN_TABLES, NOTHING, bare, label_index, plain
 from gyrodrift.values.errors import DataError, UsageError
 
 OWN, BY_COLUMNS, BY_LABELS = "gyrodrift", "--columns", "labels with units"
@@ -48,8 +50,10 @@ FORCE_TARGETS = frozenset(ACCEL_COLUMNS)
 ANGLE_TARGETS = frozenset({"yaw_deg", "delta_deg", "encoder_deg"})
 AXES = ("gx", "gy", "ax", "ay", "az")
 
-NUMBERS_SHARE = 0.9
-"""Smallest share of numbers in the first rows of a column of numbers; the others are damaged."""
+WORDS = re.compile(r"(?<=[_. ])")
+LAST_BRACKETS = re.compile(r"\s*[(\[][^()\[\]]*[)\]]$")
+LABELS_MIN = 3
+"""Least number of labels whose common words name the device."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,11 +216,12 @@ def known_columns(head: Head) -> TableColumns | None:
     """Columns of a known form of table; None if it has no known form."""
     for form in KNOWN_TABLES:
         placed = form.indices(head.path, head.labels)
-        scale = form.scale(head.preamble) if placed is not None else None
-        if placed is None or scale is None:
+        scale, clock = form.scale(head.preamble), form.clock_unit(head.preamble)
+        if placed is None or scale is None or clock is None:
             continue
         taken = [_taken(index, spec_column) for index, spec_column in placed if _is_used(spec_column)]
         taken += [_taken(index, spec_column) for index, spec_column in form.axis_indices(head.labels)]
+        taken = [replace(column, unit=clock) if clock and column.unit else column for column in taken]
         scaled = _scaled(taken, scale, form.force_scale(head.preamble))
         index = label_index(head.labels, form.where[0]) if form.where else None
         where = ((index, form.where[1]),) if form.where and index is not None else ()
@@ -257,22 +262,46 @@ def rate_factor(unit: Unit) -> float | None:
     return 1.0 / float(unit.option.removeprefix("lsb/")) if unit.option.startswith("lsb/") else RATE_DPS[unit.option]
 
 
-def verdict_on(head: Head) -> Verdict:
+def verdict_on(head: Head) -> ColumnVerdict:
     """Verdict of the judge on the columns of a table."""
     labels = head.labels or ("",) * head.width
-    texts = [_values(head.texts(index)) for index in range(len(labels))]
-    is_named = len(set(map(plain, labels))) == len(labels)
-    return judged(seen_columns(labels, ("",) * len(labels), texts), None, labels if is_named else ())
+    rows = [row for row in head.rows if len(row) >= len(labels)]
+    texts = [[row[index].strip() for row in rows] for index in range(len(labels))]
+    spec_labels = _names(labels) if head.line else _names(tuple(map(bare, labels))) or _names(labels)
+    return judged(_without_common(labels), ("",) * len(labels), texts, spec_labels=spec_labels)
 
 
-def _values(texts: Sequence[str]) -> list[str]:
-    """Values with a decimal point, without the few that are no number."""
-    pointed = [text.replace(",", ".") if DECIMAL_COMMA.fullmatch(text) else text for text in texts]
-    numbers = [text for text in pointed if is_number(text) and text.lower().lstrip("+-") not in {"nan", "inf"}]
-    return numbers if len(numbers) >= NUMBERS_SHARE * len(pointed) else pointed
+def _names(labels: tuple[str, ...]) -> tuple[str, ...]:
+    """Labels as a SPEC may hold them; empty if two are equal."""
+    names = tuple(map(as_label, labels))
+    return names if len(set(map(plain, names))) == len(names) else ()
 
 
-def labelled_columns(head: Head, verdict: Verdict, *, needs_clock: bool = True) -> TableColumns | None:
+def _without_common(labels: tuple[str, ...]) -> tuple[str, ...]:
+    """Labels without the words that all of them begin or end with, the clock too: `Shimmer_5E1A_Gyro_Z_CAL`."""
+    words = [WORDS.split(LAST_BRACKETS.sub("", label.strip())) for label in labels if label.strip()]
+    if len(words) < LABELS_MIN:
+        return labels
+    shared = [_common(words), _common([parts[::-1] for parts in words])]
+    counts = [0 if any(map(unit_of, parts)) else len("".join(parts)) for parts in shared]
+    names = tuple(_cut(label, *counts) if label.strip() else label for label in labels)
+    is_common = any(counts) and all(len(parts) > len(shared[0]) + len(shared[1]) for parts in words)
+    has_clock = any(kind_of(name) == "clock" or CLOCK_WORDS.search(name) for name in names)
+    return names if is_common and has_clock else labels
+
+
+def _common(words: Sequence[Sequence[str]]) -> list[str]:
+    """Words with which all begin."""
+    return [column[0] for column in takewhile(lambda column: len(set(column)) == 1, zip(*words, strict=False))]
+
+
+def _cut(label: str, before: int, after: int) -> str:
+    """Label without a number of characters before and after its name; the unit in brackets stays."""
+    name = LAST_BRACKETS.sub("", label.strip())
+    return (name[before : len(name) - after] + label.strip()[len(name) :]).strip("_. ")
+
+
+def labelled_columns(head: Head, verdict: ColumnVerdict, *, needs_clock: bool = True) -> TableColumns | None:
     """Columns whose labels state meaning and unit; None without a stated rate or yaw, and a stated clock if needed."""
     is_stated = verdict.is_stated if needs_clock else verdict.turn is not None and verdict.turn.is_stated
     if not head.labels or not is_stated:
@@ -289,7 +318,7 @@ def labelled_columns(head: Head, verdict: Verdict, *, needs_clock: bool = True) 
     return TableColumns(BY_LABELS, tuple(taken), remarks=remarks)
 
 
-def _unused_angle_remarks(head: Head, verdict: Verdict) -> tuple[str, ...]:
+def _unused_angle_remarks(head: Head, verdict: ColumnVerdict) -> tuple[str, ...]:
     """Remark on an angle with a rate, which may be a reference or the result of the device's own filter."""
     angles = [index for index, column in enumerate(verdict.columns) if column.looks_like in {"yaw", "heading"}]
     units = [unit_in(head.labels[index]) for index in angles]

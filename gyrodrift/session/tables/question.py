@@ -1,21 +1,28 @@
 """Question to the user if a table does not say which column is the rate, or in which unit."""
 
+from collections import Counter
 from collections.abc import Sequence
 from itertools import pairwise
 from math import isfinite
 
-from gyrodrift.columns.judge import Verdict
+from gyrodrift.columns.fields import as_label
+from gyrodrift.columns.judge import ColumnVerdict
+from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.spec import CLOCK_US, IGNORED
 from gyrodrift.columns.times import is_time
-from gyrodrift.columns.units import unit_in
+from gyrodrift.columns.units import unit_in, unit_of
 from gyrodrift.session.csv import OLD_NAMES, REQUIRED, slips_in
 from gyrodrift.session.session import COLUMNS
+from gyrodrift.session.tables.layout import is_value
 from gyrodrift.session.tables.plan import Head
 from gyrodrift.values.errors import DataError, shortened
 from gyrodrift.values.nearest import suggestion
 
 SHOWN = 20
 LABEL_SHOWN = 48
+KINDS_MAX = 12
+"""Most different words of a column that names the kinds of rows."""
+
 MEANINGS = {
     "seq": "a counter",
     "gz": "a rate about the vertical axis",
@@ -41,30 +48,47 @@ HOW = (
 )
 
 
-def unclear(head: Head, verdict: Verdict) -> DataError:
+def unclear(head: Head, verdict: ColumnVerdict) -> DataError:
     """Error that shows every column with its apparent meaning, and what is missing."""
     source = f"{head.path}:{head.line}" if head.line else f"{head.path}"
     lines = [_described(head, index, verdict) for index in range(min(head.width, SHOWN))]
     rest = [f"  and {head.width - SHOWN} more"] if head.width > SHOWN else []
-    return DataError("\n".join([f"{source}: {_reason(head, verdict)}:", *lines, *rest, *_proposal(verdict), HOW]))
+    reason = f"{source}: {_reason(head, verdict)}:"
+    return DataError("\n".join([reason, *lines, *rest, *_kinds(head), *_proposal(verdict), HOW]))
 
 
-def _reason(head: Head, verdict: Verdict) -> str:
-    says = "its header does not say" if head.labels else "it has no header, so nothing says"
+def _reason(head: Head, verdict: ColumnVerdict) -> str:
+    names = "header does" if head.line else "labels do"
+    says = f"its {names} not say" if head.labels else "it has no header, so nothing says"
     if verdict.turn is not None and verdict.clock is None:
         return f"{says} which column is the clock"
     question = f" ({verdict.question})" if verdict.question else ""
     return f"{says} which column is the rate and in which unit{question}"
 
 
-def _proposal(verdict: Verdict) -> list[str]:
+def _proposal(verdict: ColumnVerdict) -> list[str]:
     """Line with the SPEC as far as the judge could tell."""
     if verdict.template is None:
         return []
     rate = "" if verdict.clock else " --sample-rate HZ"
     reasons = "; ".join(f"{column.looks_like} {column.why}" for column in verdict.columns if column.entry != IGNORED)
-    unit = "" if verdict.is_unit_known else ", with the unit in the place of UNIT"
+    unit = f"; replace {', and '.join(verdict.asked)}" if verdict.asked else ""
     return [f"probably --columns '{verdict.template}'{rate}{unit} ({reasons})"]
+
+
+def _kinds(head: Head) -> list[str]:
+    """Advice for a table whose rows are of several kinds, as a column of words says."""
+    for index in range(min(head.width, SHOWN)):
+        label = head.labels[index].strip() if index < len(head.labels) else ""
+        counts = Counter(head.texts(index))
+        are_words = not any(map(is_value, counts)) and not any(map(unit_of, counts))
+        are_kinds = 1 < len(counts) <= KINDS_MAX and min(counts.values()) > 1
+        if are_words and (are_kinds or any(map(kind_of, counts))):
+            kinds = ", ".join(shortened(word, LABEL_SHOWN) for word in counts)
+            entry = f"{as_label(label)}={next(iter(counts))}"
+            name = label or f"column {index + 1}"
+            return [f"its rows are of several kinds by {name} ({kinds}): an entry such as {entry!r} keeps one"]
+    return []
 
 
 def check_header(head: Head) -> None:
@@ -88,7 +112,7 @@ def check_header(head: Head) -> None:
             )
 
 
-def _described(head: Head, index: int, verdict: Verdict) -> str:
+def _described(head: Head, index: int, verdict: ColumnVerdict) -> str:
     label = head.labels[index].strip() if index < len(head.labels) else ""
     name = f" {shortened(label, LABEL_SHOWN)}" if label else ""
     looks = verdict.columns[index].looks_like if label else ""

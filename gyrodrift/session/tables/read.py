@@ -1,9 +1,7 @@
 """Sessions from tables of other programs, and from tables of this program that another one has saved."""
 
-import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +15,8 @@ from gyrodrift.columns.units import Dimension, unit_in
 from gyrodrift.session.csv import counter, read_exact
 from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS, TABLE, Session, session_of_columns
 from gyrodrift.session.tables.clocks import clock_doubt, paced, rates_of_deltas
-from gyrodrift.session.tables.layout import TableLayout, layout_of, split
+from gyrodrift.session.tables.json_table import is_json, json_head, json_objects, json_rows
+from gyrodrift.session.tables.layout import layout_of
 from gyrodrift.session.tables.parquet import parquet_head, parquet_rows
 from gyrodrift.session.tables.plan import (
     OWN,
@@ -38,94 +37,6 @@ from gyrodrift.values.arrays import Floats
 from gyrodrift.values.constants import FULL_TURN_DEG
 from gyrodrift.values.errors import DataError, visible
 from gyrodrift.values.quaternion import yaw_parts
-
-LOOKED_AT = 200
-DEEPEST = 8
-MOST_LABELS = 500
-LONGEST_VECTOR = 20
-"""A longer list is a column, not the axes of a sample."""
-
-
-def is_json(path: Path) -> bool:
-    """Whether a file begins like JSON."""
-    with opened(path) as file:
-        first = next(iter(Lines(file)), "").lstrip()
-    return first.startswith(("{", "[{", "[\n", "[\r")) or first.strip() == "["
-
-
-def json_head(path: Path) -> Head:
-    """Labels of the first objects of a JSON file, nested ones as `gyro.z`, and their rows."""
-    objects = list(islice((values for _, values in json_objects(path) if values), LOOKED_AT))
-    if not objects:
-        raise DataError(f"{path}: has no JSON object with values")
-    labels = tuple(islice(dict.fromkeys(label for values in objects for label in values), MOST_LABELS))
-    return Head(path, labels, len(labels), 0, tuple(json_rows(objects, labels)))
-
-
-def json_rows(objects: Sequence[Mapping[str, str]], labels: Sequence[str]) -> Iterator[list[str]]:
-    """Objects as rows."""
-    return ([values.get(label, "") for label in labels] for values in objects)
-
-
-def json_objects(path: Path) -> Iterator[tuple[int, dict[str, str]]]:
-    """Objects of a file with their line numbers; empty for a line without an object."""
-    with opened(path) as file:
-        lines = Lines(file)
-        first = next(iter(lines), "")
-        value = _parsed(first)
-        if isinstance(value, dict) and not any(map(_is_column, value.values())):
-            yield lines.number, _flat(value)
-            for line in lines:
-                value = _parsed(line)
-                yield lines.number, _flat(value) if isinstance(value, dict) else {}
-            return
-    yield from enumerate(_whole(path), 1)
-
-
-def _is_column(value: Any) -> bool:
-    return isinstance(value, list) and len(value) > LONGEST_VECTOR
-
-
-def _parsed(text: str) -> Any:
-    """Value of a JSON text, numbers as text; None if it is not JSON."""
-    try:
-        return json.loads(text, parse_float=str, parse_int=str)
-    except (ValueError, RecursionError):
-        return None
-
-
-def _whole(path: Path) -> Iterator[dict[str, str]]:
-    """Objects of a file that is a single JSON value."""
-    with opened(path) as file:
-        content = _parsed(file.read())
-    if isinstance(content, list):
-        yield from (_flat(item) if isinstance(item, dict) else {} for item in content)
-    elif isinstance(content, dict):
-        columns = {name: values for name, values in content.items() if isinstance(values, list)}
-        longest = max(map(len, columns.values()), default=0)
-        for index in range(longest):
-            yield _flat({name: values[index] for name, values in columns.items() if len(values) == longest})
-    else:
-        raise DataError(f"{path}: is neither JSON nor JSON lines: expected an object per line, or an array of objects")
-
-
-def _flat(values: Mapping[str, Any], before: str = "", depth: int = 0) -> dict[str, str]:
-    """Values of an object by their paths."""
-    flat: dict[str, str] = {}
-    for name, value in values.items():
-        match value:
-            case dict() if depth < DEEPEST:
-                flat |= _flat(value, f"{before}{name}.", depth + 1)
-            case list() if depth < DEEPEST:
-                flat |= _flat({str(index): item for index, item in enumerate(value)}, f"{before}{name}.", depth + 1)
-            case bool():
-                flat[f"{before}{name}"] = str(int(value))
-            case None:
-                flat[f"{before}{name}"] = ""
-            case _:
-                flat[f"{before}{name}"] = str(value)
-    return flat
-
 
 CLOCK, PARQUET = "t_device_s", ".parquet"
 BAD_SHARE = 0.1
@@ -158,27 +69,32 @@ def read_table(path: Path, columns: Sequence[Column] | None = None, clock: State
         It does not have the given columns.
     """
     if path.suffix.lower() == PARQUET:
-        head = parquet_head(path)
-        table_columns = _columns(head, columns, clock)
-        reader = RowReader(head, table_columns, has_decimal_comma=False, keeps_empty=table_columns.form == OWN)
-        return _session(head, table_columns, reader.read(parquet_rows(path)), PARQUET, clock)
+        return _read(parquet_head(path), columns, parquet_rows(path), PARQUET, clock)
     if columns is None and (session := read_exact(path)) is not None:
         return session
     if is_json(path):
         head = json_head(path)
-        table_columns = _columns(head, columns, clock)
-        reader = RowReader(head, table_columns, has_decimal_comma=False, keeps_empty=False)
-        read = reader.read(
-            (line, row) for line, values in json_objects(path) for row in json_rows([values], head.labels)
-        )
-        return _session(head, table_columns, read, "JSON", clock)
-    layout = layout_of(path)
-    table_columns = _columns(layout.head, columns, clock)
+        rows = ((line, row) for line, values in json_objects(path) for row in json_rows([values], head.labels))
+        return _read(head, columns, rows, "JSON", clock)
+    layout = layout_of(path, is_by_position=columns is not None and not columns[0].label)
     with opened(path) as file:
-        has_comma, is_own = layout.dialect.has_decimal_comma, table_columns.form == OWN
-        reader = RowReader(layout.head, table_columns, has_decimal_comma=has_comma, keeps_empty=is_own)
-        read = reader.read(_rows(Lines(file), layout))
-    return _session(layout.head, table_columns, read, str(layout.dialect), clock)
+        rows = layout.rows(Lines(file, has_comments=layout.has_comments))
+        return _read(layout.head, columns, rows, str(layout), clock, has_decimal_comma=layout.has_decimal_comma)
+
+
+def _read(
+    head: Head,
+    columns: Sequence[Column] | None,
+    rows: Iterable[tuple[int, list[str]]],
+    dialect: str,
+    clock: StatedClock,
+    *,
+    has_decimal_comma: bool = False,
+) -> Session:
+    table_columns = _columns(head, columns, clock)
+    keeps_empty = table_columns.form == OWN and dialect != "JSON"
+    reader = RowReader(head, table_columns, has_decimal_comma=has_decimal_comma, keeps_empty=keeps_empty)
+    return _session(head, table_columns, reader.read(rows), dialect, clock)
 
 
 def _columns(head: Head, columns: Sequence[Column] | None, clock: StatedClock) -> TableColumns:
@@ -202,12 +118,6 @@ def _judged_columns(head: Head, clock: StatedClock) -> TableColumns:
     if table_columns is None:
         raise unclear(head, verdict)
     return table_columns
-
-
-def _rows(lines: Lines, layout: TableLayout) -> Iterator[tuple[int, list[str]]]:
-    data_lines = (line for line in lines if lines.number >= layout.first_line)
-    for row in split(data_lines, layout.dialect.delimiter):
-        yield lines.number, row
 
 
 def _session(head: Head, table_columns: TableColumns, read: ColumnsRead, dialect: str, clock: StatedClock) -> Session:
