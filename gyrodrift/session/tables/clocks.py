@@ -38,17 +38,19 @@ def _counted(step: int) -> int:
     return max(step, 1)
 
 
-def clock_doubt(t_s: Floats, unit: str) -> str:
+def clock_doubt(t_s: Floats, unit: str, *, is_labeled: bool) -> str:
     """Why numbers are no clock in this unit, and what to state instead; empty if they may be.
 
     unit
         `s`, `ms`, `us` or `ns`; others are stated for a reason.
+    is_labeled
+        Whether the label names a clock, which a counter is not.
     """
     per_s = PER_S.get(f"t_{unit}")
     steps = np.diff(t_s) * (per_s or 0)
     if per_s is None or len(steps) < LEAST_STEPS:
         return ""
-    if np.mean(np.abs(steps - 1.0) < ROUNDING) > COUNTER_SHARE:
+    if not is_labeled and np.mean(np.abs(steps - 1.0) < ROUNDING) > COUNTER_SHARE:
         do = f"call it seq and state --sample-rate HZ, or --time-unit {unit} if it does count {unit}"
         return f"steps by 1 in each row, so it is a counter and no clock; {do}"
     jumps = steps[steps > MINUTE_JUMP] if unit == "s" else steps[:0]

@@ -178,8 +178,8 @@ def _check_clock(head: Head, table_columns: TableColumns, read: ColumnsRead, sta
         raise DataError(f"{head.path}: {_label(head, clock.index)} {why}")
     unit = unit_in(label)
     is_labeled = kind_of(label) == "clock" or (unit is not None and unit.dimension is Dimension.TIME)
-    is_said = clock.unit.startswith("d") or is_labeled
-    doubt = "" if is_said or len(clocks) > 1 else clock_doubt(t_s, unit_of_clock(clock.unit))
+    is_alone = len(clocks) == 1 and not clock.unit.startswith("d")
+    doubt = clock_doubt(t_s, unit_of_clock(clock.unit), is_labeled=is_labeled) if is_alone else ""
     if doubt:
         raise DataError(f"{head.path}: {_label(head, clock.index)} {doubt}")
 
