@@ -1,9 +1,8 @@
 """Shape of lines without a header, `t_us, rate[, encoder[, temp[, still]]]`: what contradicts it, as values come.
 
 Two to ten numbers may mean anything. The first lines show a clock; whether the second number is a rate shows when the
-device turns. A rate returns to its level and has noise, an angle stays at another level, and wraps. Rules that only a
-cheap gyro obeys (noise) are used together with another one, so that a fiber-optic gyro or a turntable that spins for
-minutes contradicts nothing.
+device turns. A rate returns to its level and has noise, an angle stays at another level, and wraps. Noise, in
+which gyros differ, never decides alone: a fiber-optic gyro, or a turntable that spins for minutes, contradicts nothing.
 """
 
 from collections.abc import Iterator, Sequence

@@ -116,7 +116,7 @@ class UnitCheck:
         from gyrodrift.columns.shape import RateShape  # noqa: PLC0415 - after the first sample is out
 
         shape = self._shape = self._shape or RateShape()
-        old_doubt = shape.doubt
+        is_doubted = bool(shape.doubt)
         shape.take(samples)
         self._is_shape_over = shape.is_over or bool(shape.contradiction)
         is_csv = self._protocol == "csv"
@@ -124,7 +124,7 @@ class UnitCheck:
         if shape.contradiction and (shape.is_impossible or is_csv):
             yaw = f"if it is the yaw, read it with --columns '{shape.spec}'; else " if shape.spec else ""
             self._withdraw(shape.contradiction, f"{yaw}{hint}", is_sure=shape.is_impossible)
-        elif shape.doubt and not old_doubt and is_csv and not self._is_stated:
+        elif shape.doubt and not is_doubted and is_csv and not self._is_stated:
             self._on_event("rate_doubted", reason=shape.doubt, hint=f"unless the device turns all the time, {hint}")
 
     @property

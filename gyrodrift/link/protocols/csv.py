@@ -48,9 +48,11 @@ class CsvDecoder(LineDecoder):
 
     def parse(self, text: bytes) -> tuple[int, Reading] | None:
         """Number of columns and reading of a line; None if a header above it names something else."""
-        if self._heeds_header and text[:1].isalpha() and (names := text.decode(errors="replace").split(","))[1:]:
-            self._other_columns = len(names) if _names_another(names) else 0
-            return None
+        if self._heeds_header and text[:1].isalpha():
+            names = text.decode(errors="replace").split(",")
+            if len(names) > 1 and all(name.strip()[:1].isalpha() for name in names):
+                self._other_columns = len(names) if _names_another(names) else 0
+                return None
         return None if text.count(b",") + 1 == self._other_columns else _parsed(text)
 
 
