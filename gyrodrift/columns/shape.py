@@ -70,6 +70,9 @@ PATH_DEG, MOVED_DEG, MOVED_WINDOWS = 30.0, 3.0, 5
 FOLLOWS, UNLIKE = 0.9, 0.5
 """Correlation of an angle with its rate over windows; of other quantities it is below the second."""
 
+DERIVES = 0.98
+"""Correlation of an angle with the integral of its own rate; a rate beside an angle reaches 0.95 in short motions."""
+
 SAME_SCALE = 2.0
 """Factor within which the integral of a rate in deg/s is the angle, although a steady spin has no correlation."""
 
@@ -328,7 +331,7 @@ class RateShape:
             self.is_over = True
             return ""
         is_unlike = not likeness >= UNLIKE  # or not known
-        if is_unlike and _likeness([(window.encoder_sum, window.rate_change) for window in self._windows]) > FOLLOWS:
+        if is_unlike and _likeness([(window.encoder_sum, window.rate_change) for window in self._windows]) > DERIVES:
             return "column 2 changes as the integral of column 3: an angle and its rate"
         if likeness < UNLIKE:
             return "column 3 turns, and column 2 does not follow it: it is not the rate of this angle"
