@@ -20,6 +20,7 @@ from gyrodrift.values.nearest import suggestion
 
 SHOWN = 20
 LABEL_SHOWN = 48
+AXES = {"rate", "gx", "gy"}
 KINDS_MAX = 12
 """Most different words of a column that names the kinds of rows."""
 
@@ -84,7 +85,7 @@ def _kinds(head: Head, verdict: ColumnVerdict) -> list[str]:
         counts = Counter(head.texts(index))
         are_words = not any(map(is_value, counts)) and not any(map(unit_of, counts))
         are_kinds = 1 < len(counts) <= KINDS_MAX and min(counts.values()) > 1
-        if are_words and (are_kinds or any(map(kind_of, counts))):
+        if are_words and (are_kinds or not AXES.isdisjoint(map(kind_of, counts))):
             kinds = ", ".join(shortened(word, LABEL_SHOWN) for word in counts)
             entry = selection(as_label(label), next(iter(counts)))
             name = label or f"column {index + 1}"
