@@ -37,7 +37,7 @@ from gyrodrift.columns.names import (
 from gyrodrift.columns.rate_unit import DEGREES_OF_FREEDOM, NOISE_DPS, NOISE_SCALE, SURE_ODDS, student
 from gyrodrift.columns.sizes import TEMPERATURES_C, gravity_unit, is_gravity
 from gyrodrift.columns.spec import ANGLE_DEG, CLOCK_UNITS_US, CLOCK_US, IGNORED, RATE_DPS, spec_text
-from gyrodrift.columns.times import PER_S, ClockReader, epoch_unit, is_date, is_stamp, is_time_of_day
+from gyrodrift.columns.times import PER_S, ClockReader, counted_unit, epoch_unit, is_date, is_stamp, is_time_of_day
 from gyrodrift.columns.turn.scale import scale_of
 from gyrodrift.columns.units import TURNS_OR_RADIANS, Dimension, unit_in, unit_of, without_unit
 from gyrodrift.values.constants import FULL_TURN_DEG
@@ -364,7 +364,9 @@ def _is_labeled_clock(column: SeenColumn) -> bool:
 
 
 def _goes_on(column: SeenColumn, lines_per_s: float | None) -> bool:
-    return goes_on(column.numbers, lines_per_s) if column.is_numeric else len(set(column.texts)) > 1
+    if not column.is_numeric:
+        return len(set(column.texts)) > 1
+    return goes_on(column.numbers, lines_per_s) or bool(counted_unit(column.texts))
 
 
 def _time_unit(column: SeenColumn) -> str:

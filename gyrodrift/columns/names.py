@@ -22,6 +22,9 @@ BRACKETED = re.compile(r"\([^)]{0,256}+\)|\[[^\]]{0,256}+\]")
 NO_QUANTITY = re.compile(r"^(scaled|raw|got|calibrated|imu|mpu|icm|lsm|bmi|sensor|msg)+")
 """Words and chip names before a quantity."""
 
+CHANGE, TURNED = "delta|d|inc|incr|increment|incremental|change|diff", "theta|ang|angle|yaw|heading|psi|rot|rotation"
+"""Words of an angle since the last sample, in any order: `dtheta_z`, `delta angle z`, `yaw increment`."""
+
 SCALED = re.compile(r"[*×]|/\s*\d{2}|^\d{2,}\s")
 """Factors in a name, `gz*100`, `10 gz` or `gz/10`, which make it another quantity."""
 
@@ -54,8 +57,7 @@ KINDS = {
     "mx": r"(m|mag|magnetic|magnetometer)x",
     "my": r"(m|mag|magnetic|magnetometer)y",
     "mz": r"(m|mag|magnetic|magnetometer)z",
-    "delta": r"(delta|incr(ement(al)?)?|d)(ang(le)?|theta|yaw|psi|heading|ypr)z?(deg|rads?)?"
-    r"|(ang(le)?|theta|yaw|heading)(delta|increment|incr)z?(deg|rads?)?",
+    "delta": rf"({CHANGE})({TURNED})z?|({TURNED})({CHANGE})z?",
     "yaw": r"(est|fused|current|gyro?)?yaw(angle)?(deg|rads?)?|psi|euleryaw|ypryaw|rpyyaw",
     "heading": r"(true|mag(netic)?|compass|gps|gnss|nav|boat|ship|vehicle)?(heading|hdg|course|bearing|azimuth)(deg)?"
     r"|compass|cog|courseoverground",

@@ -96,6 +96,17 @@ def epoch_unit(texts: Sequence[str]) -> str:
     return ""
 
 
+def counted_unit(texts: Sequence[str]) -> str:
+    """Unit of COUNTED_US of times whose fraction has no leading zeros, as `%ld.%ld` prints it; empty for others."""
+    digits = max((len(match[1]) for text in texts if (match := FRACTION.search(text))), default=0)
+    unit = "s.ms" if digits <= 3 else "s.us" if digits <= 6 else "s.ns"
+    try:
+        read_s, counted_s = (_StampColumn(f"t:{name}").times_s(texts) for name in ("s", unit))
+    except ValueError:
+        return ""
+    return unit if _backward(read_s) >= LEAST_BACKWARD and not _backward(counted_s) else ""
+
+
 @dataclass(frozen=True, slots=True)
 class StatedClock:
     """What the user states about the clock of a recording; empty values leave it to the recording.
@@ -135,7 +146,6 @@ class ClockReader:
 
     def __init__(self, entries: Sequence[str]) -> None:
         self._columns = [_StampColumn(entry) for entry in entries]
-        self._since_us = 0
 
     @property
     def began(self) -> str:
@@ -173,6 +183,8 @@ class ClockReader:
         ValueError
             A text is no time.
         """
+        if len(cells) == 1:
+            return self._columns[0].stamp_us(cells[0])
         self._look_for_dates(cells)
         return sum(column.stamp_us(text) for column, text in zip(self._columns, cells, strict=True))
 
@@ -189,6 +201,7 @@ class _StampColumn:
     def __init__(self, entry: str) -> None:
         self.began, self.counted, self.counts_days = "", "", True
         self._is_step, self._unit = entry.startswith("d"), unit_of_clock(entry)
+        self._is_text = self._unit in ("hms", *COUNTED_US)
         us = scale_of(CLOCK, self._unit) or 1.0
         self._per_s: float = PER_S.get(f"t_{self._unit}", 1e6 / us)
         self._us = round(us) if us >= 1.0 and us == round(us) else us
@@ -211,19 +224,24 @@ class _StampColumn:
         vars(self).update(state)
 
     def read(self, texts: Sequence[str]) -> list[float]:
+        """Seconds of texts; notes a fraction without leading zeros."""
+        t_s = self.times_s(texts)
+        if not self.counted and self._unit not in COUNTED_US and _backward(t_s) >= LEAST_BACKWARD:
+            self.counted = counted_unit(texts)
+        return t_s
+
+    def times_s(self, texts: Sequence[str]) -> list[float]:
         """Seconds of texts."""
         if self._is_step:
             _, *sums = accumulate(map(_finite, texts), initial=self._sum)
             self._sum = sums[-1]
             return [value / self._per_s for value in sums]
-        if self._unit in ("hms", *COUNTED_US) or is_stamp(texts[0].strip()):
-            return self._checked(
-                self._since([self._time_ns(text.strip()) for text in texts], NS_PER_S, texts[0]), texts
-            )
+        if self._is_text or is_stamp(texts[0].strip()):
+            return self._since([self._time_ns(text.strip()) for text in texts], NS_PER_S, texts[0])
         try:
             whole = self._unwrapped(list(map(int, texts)))
         except ValueError:
-            return self._checked(self._decimals(texts), texts)
+            return self._decimals(texts)
         return self._since(whole, self._per_s, texts[0])
 
     def stamp_us(self, text: str) -> int:
@@ -231,12 +249,12 @@ class _StampColumn:
         if self._is_step:
             self._sum += _finite(text)
             return round(self._sum * self._us)
-        if self._unit in ("hms", *COUNTED_US) or is_stamp(text):
+        if self._is_text:
             return self._time_ns(text) // 1000
         try:
             (whole,) = self._unwrapped([int(text)])
         except ValueError:
-            return round(_finite(text) * self._us)
+            return self._time_ns(text) // 1000 if is_stamp(text) else round(_finite(text) * self._us)
         return round(whole * self._us)
 
     def _unwrapped(self, stamps: list[int]) -> list[int]:
@@ -256,19 +274,6 @@ class _StampColumn:
             unwrapped.append(stamp + self._wrapped)
         self._last = last
         return unwrapped
-
-    def _checked(self, t_s: list[float], texts: Sequence[str]) -> list[float]:
-        """The same times, after a look for a fraction that is a count without leading zeros."""
-        if self.counted or self._unit in COUNTED_US or _backward(t_s) < LEAST_BACKWARD:
-            return t_s
-        digits = max((len(match[1]) for text in texts if (match := FRACTION.search(text))), default=0)
-        unit = "ms" if digits <= 3 else "us" if digits <= 6 else "ns"
-        try:
-            counted_s = _StampColumn(f"t:s.{unit}").read(texts)
-        except ValueError:
-            return t_s
-        self.counted = "" if _backward(counted_s) else f"s.{unit}"
-        return t_s
 
     def _since(self, stamps: list[int], per_s: float, first: str) -> list[float]:
         if self._base is None:

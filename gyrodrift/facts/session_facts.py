@@ -47,8 +47,8 @@ class Gaps:
     longest_s: float
 
 
-NEAR_STEPS = 8
-"""Steps before and after a step that show the present sample rate."""
+NEAR_STEPS, NEAR_SHARE, SAME_PACE = 8, 0.75, 0.2
+"""Long steps before or after a step of which this share is as long, within SAME_PACE, are a lower sample rate."""
 
 
 def is_gap(steps_s: Floats, period_s: float) -> Mask:
@@ -58,8 +58,14 @@ def is_gap(steps_s: Floats, period_s: float) -> Mask:
     """
     mask: Mask = steps_s > GAP_PERIODS * period_s
     indices = np.flatnonzero(mask)
-    near = np.clip(indices[:, None] + np.arange(-NEAR_STEPS, NEAR_STEPS + 1), 0, max(len(steps_s) - 1, 0))
-    mask[indices] = steps_s[indices] > GAP_PERIODS * np.median(steps_s[near], axis=1) if len(indices) else False
+    shares = np.zeros((2, len(indices)))
+    padded_s = np.pad(steps_s, NEAR_STEPS, constant_values=np.nan)
+    for side, shifts in enumerate((np.arange(NEAR_STEPS), np.arange(NEAR_STEPS + 1, 2 * NEAR_STEPS + 1))):
+        near = padded_s[indices[:, None] + shifts]
+        shares[side] = np.mean(
+            np.abs(near - steps_s[indices][:, None]) <= SAME_PACE * steps_s[indices][:, None], axis=1
+        )
+    mask[indices] = shares.max(axis=0) < NEAR_SHARE
     return mask
 
 

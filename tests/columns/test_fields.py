@@ -85,7 +85,7 @@ def test_marks_around_a_row_are_taken_off(line: str) -> None:
 
 
 def test_json_is_read_by_the_way_to_each_number() -> None:
-    """Numbers in quotes count, truth values do not; a name may be the key of a sender."""
+    """Numbers in quotes count, names select lines, and truth values do not count."""
     line = '{"t": 1.5, "gyro": {"x": 1, "z": "-2"}, "list": [7, 8], "name": "mpu", "ok": true}'
     assert fields_of(line) == Fields(
         Form.JSON, ("t", "gyro.x", "gyro.z", "list.0", "list.1", "name"), ("1.5", "1", "-2", "7", "8", "mpu")

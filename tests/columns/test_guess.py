@@ -302,10 +302,9 @@ def test_of_several_senders_one_is_asked_for(name: str) -> None:
     "line",
     [
         lambda i: f"imu1 gz: {n(1):.3f} dps imu2 gz: {n(1):.3f} dps",
-        lambda i: f"{'AB'[i % 2]} gz: {n(1):.3f} dps",
         lambda i: f"t_ms: {1000 + 20 * (i // 2) + 7 * (i % 2)} gz: {n(0.1) + 5 * (i % 2):.3f} dps",
     ],
-    ids=["in one line", "in lines of two labels", "without a name"],
+    ids=["in one line", "without a name"],
 )
 def test_two_gyros_without_a_key_are_a_question(line: Callable[[int], str]) -> None:
     result = guess([line(i) for i in range(60)], 100.0)

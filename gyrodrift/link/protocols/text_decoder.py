@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from math import hypot, isfinite, nan
 
-from gyrodrift.columns.fields import Fields, Headings, as_label, is_number, is_value, is_whole
+from gyrodrift.columns.fields import Fields, Form, Headings, as_label, is_number, is_value, is_whole
 from gyrodrift.columns.spec import IGNORED, QUATERNION, SELECTED, Column
-from gyrodrift.columns.times import ClockReader
+from gyrodrift.columns.times import ClockReader, is_stamp
 from gyrodrift.io.plain_text import decoded, plain_text
 from gyrodrift.link.protocols.lines import WITHOUT_RATE, LineDecoder
 from gyrodrift.link.protocols.plausible import MAX_RATE_DPS
@@ -57,6 +57,11 @@ class TextDecoder(LineDecoder):
         self._labels = [(as_label(column.label), index) for index, column in used]
         self._selects = [index for index, column in used if column.meaning == SELECTED]
         self._clocks = [index for index, column in used if column.clock]
+        self._values = [
+            (index, column.meaning, column.scale)
+            for index, column in used
+            if index not in self._clocks and index not in self._selects
+        ]
         self._clock = ClockReader([self._spec[index].clock for index in self._clocks])
         self._collected: Named = {}
 
@@ -75,8 +80,9 @@ class TextDecoder(LineDecoder):
         if fields is None:
             return None
         if self._has_labels:
+            count = sum(map(is_number, fields.values)) if fields.form is Form.JSON else len(fields.values)
             named = {i: value for label, i in self._labels if (value := _value(fields, label)) is not None}
-            return self._from_lines(len(fields.values), named)
+            return self._from_lines(count, named)
         if len(fields.values) < self._columns_min:
             return None
         return self._reading(len(fields.values), {index: fields.values[index] for index in self._spec})
@@ -99,16 +105,14 @@ class TextDecoder(LineDecoder):
         return self._reading(SEVERAL_LINES, collected)
 
     def _reading(self, count: int, texts: Named) -> tuple[int, Reading] | None:
-        if not all(is_value(texts[index], self._spec[index].unit) for index in self._selects):
+        if self._selects and not all(is_value(texts[index], self._spec[index].unit) for index in self._selects):
             return WITHOUT_RATE
         numbers: dict[str, float] = {}
-        for index, text in texts.items():
-            column = self._spec[index]
-            if index in self._clocks or index in self._selects:
-                continue
-            if not (is_whole(text) if column.meaning == SEQ else is_number(text)):
+        for index, meaning, scale in self._values:
+            text = texts[index]
+            if not (is_whole(text) if meaning == SEQ else is_number(text)):
                 return None
-            numbers[column.meaning] = int(text) & COUNTER_MASK if column.meaning == SEQ else float(text) * column.scale
+            numbers[meaning] = int(text) & COUNTER_MASK if meaning == SEQ else float(text) * scale
         motion = _motion(numbers)
         if motion is None:
             return None
@@ -130,8 +134,11 @@ class TextDecoder(LineDecoder):
 
     def _stamp_us(self, texts: Named) -> int | None:
         """Clock of 32 bits; None without one, or if it is no time."""
+        cells = [texts[index] for index in self._clocks]
+        if not cells or not all(is_number(cell) or is_stamp(cell) for cell in cells):
+            return None
         try:
-            t_us = self._clock.stamp_us([texts[index] for index in self._clocks]) if self._clocks else LONGEST_CLOCK_US
+            t_us = self._clock.stamp_us(cells)
         except (ValueError, OverflowError):
             return None
         return t_us & CLOCK_MASK if abs(t_us) < LONGEST_CLOCK_US else None

@@ -41,10 +41,11 @@ MEANINGS = {
     **dict.fromkeys(CLOCK_US, "a clock"),
 }
 HOW = (
-    "name them with --columns, one entry per column or LABEL=entry: the clock is t_s, t_ms, t_us or t_ns; the rate"
-    " about the vertical axis is rate with its unit, :dps, :rads, :mdps or :lsb/N for counts (N is in the sensor's data"
-    " sheet); a reference angle is encoder:deg or encoder:rad; an angle of the device itself is yaw:deg or yaw:rad; _"
-    " ignores a column"
+    "name them with --columns, one entry per column or LABEL=entry: the clock is t_s, t_ms, t_us or t_ns, and without"
+    " one --sample-rate HZ states the rate of the rows; the rate about the vertical axis is rate with its unit, :dps,"
+    " :rads, :mdps or :lsb/N for counts (N is in the sensor's data sheet); an angle since the last row is delta:deg or"
+    " delta:rad; a reference angle is encoder:deg or encoder:rad; an angle of the device itself is yaw:deg or yaw:rad;"
+    " LABEL=VALUE uses only the rows with this value; _ ignores a column"
 )
 
 

@@ -43,6 +43,12 @@ def test_a_line_that_does_not_parse_is_counted_and_skipped(line: bytes) -> None:
     assert len(decoder.push(b"40100,1.5\n")) == 1
 
 
+def test_a_clock_of_signed_32_bits_goes_on() -> None:
+    """`long t = micros()` is negative after 35.8 minutes."""
+    readings = CsvDecoder().push(b"2147473648,1\n2147483647,1\n-2147473648,1\n-2147463648,1\n")
+    assert [(reading.t_us or 0) - 2147473648 for reading in readings] == [0, 9999, 20000, 30000]
+
+
 def test_rates_that_are_not_finite_are_passed_on_for_the_filter_to_count() -> None:
     """A sketch prints nan when its sensor does not answer."""
     decoder = CsvDecoder()
