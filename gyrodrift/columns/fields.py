@@ -224,16 +224,16 @@ def is_hex(line: str) -> bool:
 
 def _pairs(line: str) -> Fields | None:
     """Labels and numbers in turn; None for other lines, and for a single pair whose label is no quantity."""
-    found, position = [], 0
+    pairs, position = [], 0
     while pair := PAIR.match(line, position):
-        found.append(pair)
+        pairs.append(pair)
         position = pair.end()
-    units = tuple(pair[3] or "" for pair in found)
+    units = tuple(pair[3] or "" for pair in pairs)
     are_units = all(unit_of(unit) for unit in units if unit)
-    if position < len(line) or not are_units or not found or (len(found) == 1 and not kind_of(found[0][1])):
+    if position < len(line) or not are_units or not pairs or (len(pairs) == 1 and not kind_of(pairs[0][1])):
         return None
-    labels = tuple(as_label(pair[1]) for pair in found)
-    return Fields(Form.LABELED, labels, tuple(pair[2] for pair in found), _shared(labels, units))
+    labels = tuple(as_label(pair[1]) for pair in pairs)
+    return Fields(Form.LABELED, labels, tuple(pair[2] for pair in pairs), _shared(labels, units))
 
 
 def _unwrapped(line: str) -> str:
@@ -280,7 +280,7 @@ def _shared(labels: tuple[str, ...], units: tuple[str, ...]) -> tuple[str, ...]:
         }
         for quantity in set(quantities) - {""}
     }
-    only = {quantity: next(iter(found)) for quantity, found in stated.items() if len(found) == 1}
+    only = {quantity: next(iter(texts)) for quantity, texts in stated.items() if len(texts) == 1}
     return tuple(unit or only.get(quantity, "") for unit, quantity in zip(units, quantities, strict=True))
 
 

@@ -128,7 +128,7 @@ def test_rows_after_the_times_of_a_monitor_keep_their_places(tmp_path: Path) -> 
 
 
 def test_a_long_table_says_how_one_of_its_kinds_is_taken(tmp_path: Path) -> None:
-    """As InfluxDB exports them, in blocks; a kind that could be a meaning stands in quotes."""
+    """InfluxDB exports them in blocks; a kind that could be a meaning stands in quotes."""
     rows = "".join(f"{50 * i},{axis},{i % 3}.3\n" for axis in ("gx", "gz") for i in range(40))
     path = written(tmp_path / "s.csv", f"t_ms,_field,_value\n{rows}")
     with pytest.raises(DataError, match=r'of several kinds by _field \(gx, gz\): the entry _field="gx" keeps one'):

@@ -1,4 +1,4 @@
-"""Text as a device prints it, captured in a file: labelled lines, sentences, objects behind the prefix of a log.
+"""Text as a device prints it, captured in a file: labeled lines, sentences, objects behind the prefix of a log.
 
 Its lines are read as at a port, by `Headings`. Each label is a column. A sample may have several lines: it ends when
 one of its labels comes again.
@@ -21,7 +21,7 @@ RARE = 0.02
 """Kinds of lines with a smaller share of the most frequent kind are messages."""
 
 OFTEN = 0.5
-"""Labelled lines with a smaller share of the most frequent kind are messages between rows."""
+"""Labeled lines with a smaller share of the most frequent kind are messages between rows."""
 
 Numbered = Iterable[tuple[int, str]]
 """Lines with their numbers."""
@@ -61,11 +61,11 @@ def text_layout(path: Path, lines: Sequence[tuple[int, str]], *, has_comments: b
     usual = [layout for layout, count in counts.most_common() if count >= LINES_MIN]
     if not usual:
         return None
-    labelled = [layout for layout in usual if any(layout[1])]
-    if not labelled or counts[labelled[0]] < OFTEN * counts[usual[0]]:
-        labelled = usual[:1]
-    frequent = [layout for layout in labelled if counts[layout] >= RARE * counts[labelled[0]]]
-    form, labels = labelled[0]
+    labeled = [layout for layout in usual if any(layout[1])]
+    if not labeled or counts[labeled[0]] < OFTEN * counts[usual[0]]:
+        labeled = usual[:1]
+    frequent = [layout for layout in labeled if counts[layout] >= RARE * counts[labeled[0]]]
+    form, labels = labeled[0]
     if len(frequent) > 1:
         labels = tuple(dict.fromkeys(label for _, names in frequent for label in _distinct(names) if label))
     units: dict[str, str] = {}
@@ -110,7 +110,9 @@ def _rows(parsed: Iterator[tuple[int, Fields]], labels: tuple[str, ...]) -> Iter
     for line, fields in parsed:
         if (pairs := places.get(fields.labels)) is None:
             named = enumerate(_distinct(fields.labels))
-            pairs = places[fields.labels] = [(indices[label], at) for at, label in named if label in indices]
+            pairs = places[fields.labels] = [
+                (indices[label], position) for position, label in named if label in indices
+            ]
         if not pairs:
             continue
         if not row or any(row[index] for index, _ in pairs):
@@ -118,8 +120,8 @@ def _rows(parsed: Iterator[tuple[int, Fields]], labels: tuple[str, ...]) -> Iter
                 yield number, row
             row = [""] * len(labels)
         number = line
-        for index, at in pairs:
-            row[index] = fields.values[at]
+        for index, position in pairs:
+            row[index] = fields.values[position]
         if word >= 0:
             row[word] = fields.values[0]
     if row:
