@@ -26,24 +26,54 @@ CLOCK = rb"\s*+(-?+\d{1,20}+)\s*+"
 
 OPTIONAL = rb"(?:,(%b))?+(?:,(%b)(?:,(%b))?+)?+" % (NUMBER, NUMBER, WORD)
 LINE = re.compile(rb"%b,(%b)%b" % (CLOCK, NUMBER, OPTIONAL))
+LEAST_AXES = 7
+"""Least number of columns with three axes."""
+
 AXES_LINE = re.compile(CLOCK + rb",(%b)" % NUMBER * 6 + OPTIONAL)
 
 
 class CsvDecoder(LineDecoder):
-    """Decoder of lines with two to five columns, or seven to ten with three axes."""
+    """Decoder of lines with two to five columns, or seven to ten with three axes.
+
+    heeds_header
+        Whether lines below a header that names other columns are no csv; it does not count if the user asks for csv.
+    """
 
     name = "csv"
 
+    def __init__(self, *, heeds_header: bool = True) -> None:
+        super().__init__()
+        self._heeds_header = heeds_header
+        self._other_columns = 0
+
     def parse(self, text: bytes) -> tuple[int, Reading] | None:
-        """Number of columns and reading of a line."""
-        match = LINE.fullmatch(text)
-        if match is None:
-            return _with_axes(text)
-        t_us, *values = (group for group in match.groups() if group is not None)
-        rate_dps, *optional = (float(value) for value in values)
-        if isfinite(rate_dps) and abs(rate_dps) > MAX_RATE_DPS:
+        """Number of columns and reading of a line; None if a header above it names something else."""
+        if self._heeds_header and text[:1].isalpha() and (names := text.decode(errors="replace").split(","))[1:]:
+            self._other_columns = len(names) if _names_another(names) else 0
             return None
-        return 2 + len(optional), _reading(t_us, rate_dps, optional)
+        return None if text.count(b",") + 1 == self._other_columns else _parsed(text)
+
+
+def _names_another(names: Sequence[str]) -> bool:
+    """Whether a header names other columns than those of csv."""
+    from gyrodrift.columns.names import kind_of  # noqa: PLC0415 - few streams have a header
+    from gyrodrift.columns.units import unit_in, unit_of  # noqa: PLC0415 - as above
+
+    rate, clock = names[3 if len(names) >= LEAST_AXES else 1], unit_in(names[0]) or unit_of(names[0])
+    unit = unit_in(rate)
+    is_rate = kind_of(rate) in {"rate", "rates"} and unit is not None and unit.option == "dps"
+    return not is_rate or (clock is not None and clock.option != "t_us")
+
+
+def _parsed(text: bytes) -> tuple[int, Reading] | None:
+    match = LINE.fullmatch(text)
+    if match is None:
+        return _with_axes(text)
+    t_us, *values = (group for group in match.groups() if group is not None)
+    rate_dps, *optional = (float(value) for value in values)
+    if isfinite(rate_dps) and abs(rate_dps) > MAX_RATE_DPS:
+        return None
+    return 2 + len(optional), _reading(t_us, rate_dps, optional)
 
 
 def _with_axes(text: bytes) -> tuple[int, Reading] | None:
@@ -70,6 +100,7 @@ PROTOCOL = WireProtocol(
     "csv",
     "lines t_us,rate_dps[,encoder_deg[,temp_c[,still]]], or t_us,gx,gy,gz,ax,ay,az[,...]",
     CsvDecoder,
+    asked_decoder=lambda: CsvDecoder(heeds_header=False),
     has_clock=True,
     rank=10,
     is_plausible=has_csv_shape,
