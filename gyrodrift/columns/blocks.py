@@ -7,10 +7,13 @@ OPENING = re.compile(rf"(?:[\"']?({NAME})[\"']?\s*+[:=]?\s*+)?([{{\[(])|<([A-Za-
 CLOSING = re.compile(r"(?:[}\])]{1,4}|</[\w.:-]{1,40}>)\s*+[,;]?+\s*+([{\[]?)")
 ITEM = re.compile(r"([-+]?[.0-9][^\s,]{0,30}),?")
 DEEPEST = 8
+LINES_MAX = 64
+"""Most lines in a block; after more, its end was lost."""
+
 CONTAINER = re.compile(r"imu\d?|data|raw|sensors?|sample|root|record|row|log|entry|msg|message|packet", re.IGNORECASE)
 """Elements that name no quantity."""
 
-MARKUP = re.compile(r"<[A-Za-z_][^<>]*=\s*[\"']|<([A-Za-z_][\w.:-]*)[^<>]*>.*</\1>")
+MARKUP = re.compile(r"<[A-Za-z_][^<>]*=\s*[\"']|<([A-Za-z_][\w.:-]{0,40}+)[^<>]*+>.*</\1>")
 ELEMENT = re.compile(r"<(/?)([A-Za-z_][\w.:-]{0,40})([^<>]*?)(/?)>|([^<>]+)")
 ATTRIBUTE = re.compile(r"([A-Za-z_][\w.-]{0,40})\s*=\s*([\"'])([^\"']*)\2")
 
@@ -20,7 +23,7 @@ class Blocks:
 
     def __init__(self) -> None:
         self._names: list[str] = []
-        self._items = 0
+        self._items = self._lines = 0
 
     def __bool__(self) -> bool:
         """Whether a block is open."""
@@ -28,12 +31,16 @@ class Blocks:
 
     def take(self, line: str) -> bool:
         """Whether a line only begins or ends a block."""
+        self._lines += 1
+        if self._lines > LINES_MAX:
+            self._names = []
         if line[-1:] not in "{[(>}]),;":
             return False
         if opening := OPENING.fullmatch(line):
             self._open(opening[1] or opening[3] or "")
             return True
         if closing := CLOSING.fullmatch(line):
+            self._lines = 0
             if self._names:
                 self._names.pop()
             if closing[1]:
@@ -44,6 +51,7 @@ class Blocks:
     def _open(self, name: str) -> None:
         if (not name and "" in self._names) or len(self._names) >= DEEPEST:
             self._names = []  # an end was lost
+        self._lines = 0
         self._names.append("" if CONTAINER.fullmatch(name) else name)
         self._items = 0
 

@@ -120,6 +120,9 @@ PAIR = re.compile(
 """`gx 0.1 gy 0.2 dps`: a label, a number, and maybe a unit."""
 
 HEX = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{4}(?:[0-9A-Fa-f]{4})?|0[xX][0-9A-Fa-f]{1,8}")
+HEX_LINES = 100
+"""Lines after a hexadecimal one in which digits alone may be such numbers; of small counts half are negative, FFxx."""
+
 HEX_VALUE = re.compile(r"[:=]\s*+([0-9A-Fa-fxX]++)(?=[\s,;|]|$)")
 
 TAIL = re.compile(r"\s*+[\])}]?\s*+\[?(?=[A-Za-z°ºµμ%/])([^\s,;|=:()\[\]{}]{1,20})\]?")
@@ -224,16 +227,16 @@ def is_hex(line: str) -> bool:
 
 def _pairs(line: str) -> Fields | None:
     """Labels and numbers in turn; None for other lines, and for a single pair whose label is no quantity."""
-    found, position = [], 0
+    pairs, position = [], 0
     while pair := PAIR.match(line, position):
-        found.append(pair)
+        pairs.append(pair)
         position = pair.end()
-    units = tuple(pair[3] or "" for pair in found)
+    units = tuple(pair[3] or "" for pair in pairs)
     are_units = all(unit_of(unit) for unit in units if unit)
-    if position < len(line) or not are_units or not found or (len(found) == 1 and not kind_of(found[0][1])):
+    if position < len(line) or not are_units or not pairs or (len(pairs) == 1 and not kind_of(pairs[0][1])):
         return None
-    labels = tuple(as_label(pair[1]) for pair in found)
-    return Fields(Form.LABELED, labels, tuple(pair[2] for pair in found), _shared(labels, units))
+    labels = tuple(as_label(pair[1]) for pair in pairs)
+    return Fields(Form.LABELED, labels, tuple(pair[2] for pair in pairs), _shared(labels, units))
 
 
 def _unwrapped(line: str) -> str:
@@ -280,7 +283,7 @@ def _shared(labels: tuple[str, ...], units: tuple[str, ...]) -> tuple[str, ...]:
         }
         for quantity in set(quantities) - {""}
     }
-    only = {quantity: next(iter(found)) for quantity, found in stated.items() if len(found) == 1}
+    only = {quantity: next(iter(texts)) for quantity, texts in stated.items() if len(texts) == 1}
     return tuple(unit or only.get(quantity, "") for unit, quantity in zip(units, quantities, strict=True))
 
 
@@ -437,7 +440,7 @@ class Headings:
         self.heading = ""
         self._blocks = Blocks()
         self._prefix = PrefixReader()
-        self._has_hex = False
+        self._hex_lines = 0
         self._templates: dict[tuple[str | bool, ...], Fields] = {}
 
     def fields_of(self, line: str) -> Fields | None:
@@ -447,9 +450,9 @@ class Headings:
             return Fields(Form.ROW, ("",), (prefixed.rest,))
         if item := self._blocks.item(prefixed.rest):
             return Fields(Form.LABELED, (self._blocks.label(item[0]),), (item[1],))
-        fields = self._by_template(prefixed) if not self._has_hex else _stamped(prefixed)
+        fields = self._by_template(prefixed)
+        self._hex_lines = HEX_LINES if fields is None and is_hex(prefixed.rest) else max(0, self._hex_lines - 1)
         if fields is None or self._may_be_hex(prefixed.rest):
-            self._has_hex = self._has_hex or is_hex(prefixed.rest)
             return None
         if fields.form is Form.LABELED:
             labels = tuple(map(self.full, fields.labels)) if self.heading or self._blocks else fields.labels
@@ -479,7 +482,7 @@ class Headings:
         return fields
 
     def _may_be_hex(self, line: str) -> bool:
-        values = HEX_VALUE.findall(line) if self._has_hex else ()
+        values = HEX_VALUE.findall(line) if self._hex_lines else ()
         return bool(values) and all(map(HEX.fullmatch, values))
 
     def full(self, label: str) -> str:

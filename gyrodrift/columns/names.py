@@ -90,6 +90,9 @@ KNOWN_ROWS: dict[str, tuple[str, ...]] = {
 Lower case: examples of i2cdevlib. Upper case: Razor AHRS, whose z axis points down.
 """
 
+SENTENCE_OF_TURN, RATE_OF_TURN = re.compile(r"[A-Z]{2}ROT"), "rate:lsb/60:-"
+"""Sentence ROT of any talker, and its first value: deg/min to starboard (NMEA 0183)."""
+
 AXIS_OF = {"gx": "x", "gy": "y", "rate": "z"}
 AXES_OF_RATES: dict[tuple[str, ...], tuple[str, ...]] = {
     **dict.fromkeys((("",), ("z",), ("yaw",)), ("rate",)),
@@ -207,11 +210,15 @@ def _measures(column: SeenColumn, *dimensions: Dimension) -> bool:
 
 def name_by_known_row(columns: list[SeenColumn]) -> None:
     """Name the columns of known firmware by the first word of its lines."""
-    word = "".join(columns[0].texts[:1]).rstrip(":=")
-    for column, entry in zip(columns[1:], KNOWN_ROWS.get(word, ()), strict=False):
+    word = "".join(columns[0].texts[:1]).rstrip(":=").lstrip("$")
+    entries = (RATE_OF_TURN,) if SENTENCE_OF_TURN.fullmatch(word) else KNOWN_ROWS.get(word, ())
+    followers = list(zip(columns[1:], entries, strict=False))
+    of_sentences = [(column, RATE_OF_TURN) for column in columns if SENTENCE_OF_TURN.fullmatch(column.label[:-2])]
+    for column, entry in followers or of_sentences:
         if column.is_numeric:
             kind, _, option = entry.partition(":")
-            column.kind, column.option, column.why = kind, option, f"follows the word {word}"
+            column.kind, column.option = kind, option
+            column.why = f"follows the word {word if followers else column.label[:-2]}"
 
 
 def name_by_unit(columns: list[SeenColumn]) -> None:

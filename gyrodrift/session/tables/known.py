@@ -134,6 +134,13 @@ DOWN = "its z axis points down, so the sign of the rate is reversed"
 
 KNOWN_TABLES = (
     KnownTable(
+        "Racelogic VBOX",
+        "time=t:hms, YawRate=rate:dps:-",
+        "racelogic.support, VBO file format: time as HHMMSS.SS; yaw rate in deg/s, clockwise as the heading",
+        file=r"\.vbo$",
+        remark="its yaw rate is clockwise, so the sign of the rate is reversed",
+    ),
+    KnownTable(
         "Gyroflow IMU log",
         "t=t_s, gx=gx:rads, gy=gy:rads, gz=rate:rads",
         "docs.gyroflow.xyz, GCSV format: tscale in seconds, gscale in rad/s",

@@ -14,7 +14,7 @@ from gyrodrift.columns.log_prefix import Prefixed, PrefixReader
 from gyrodrift.columns.times import is_time
 from gyrodrift.columns.units import unit_in, unit_of
 from gyrodrift.session.csv import MOST_COLUMNS, REQUIRED
-from gyrodrift.session.tables.labelled import TextLayout, text_layout
+from gyrodrift.session.tables.labeled_text import TextLayout, text_layout
 from gyrodrift.session.tables.plan import Head
 from gyrodrift.session.tables.text import COMMENT, Lines, NoTableError, opened
 from gyrodrift.values.errors import DataError, shortened
@@ -116,7 +116,7 @@ def layout_of(path: Path, *, is_by_position: bool = False) -> TableLayout | Text
     """
     with opened(path) as file:
         lines = Lines(file)
-        sample, more = (
+        sample, further = (
             [(lines.number, line) for line in islice(lines, most) if line.strip("\0 \t\r\n")]
             for most in (LOOKED_AT, MORE_OF_TEXT)
         )
@@ -126,7 +126,7 @@ def layout_of(path: Path, *, is_by_position: bool = False) -> TableLayout | Text
     if table is not None and _share(table.head.rows) >= MOSTLY:
         return table
     marked = [(number, line.lstrip(f"{COMMENT} ")) for number, line in lines.comments]
-    text = text_layout(path, [*sample, *more]) if sample else text_layout(path, marked, has_comments=True)
+    text = text_layout(path, [*sample, *further]) if sample else text_layout(path, marked, has_comments=True)
     has_names = table is not None and (table.head.labels or is_by_position or text is None or not text.head.labels)
     layout = table if has_names and (text is None or text.form is Form.ROW) else text
     if layout is None:

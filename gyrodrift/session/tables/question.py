@@ -8,7 +8,7 @@ from math import isfinite
 from gyrodrift.columns.fields import as_label
 from gyrodrift.columns.judge import ColumnVerdict
 from gyrodrift.columns.names import kind_of
-from gyrodrift.columns.spec import CLOCK_US, IGNORED
+from gyrodrift.columns.spec import CLOCK_US, IGNORED, selection
 from gyrodrift.columns.times import is_time
 from gyrodrift.columns.units import unit_in, unit_of
 from gyrodrift.session.csv import OLD_NAMES, REQUIRED, slips_in
@@ -20,6 +20,7 @@ from gyrodrift.values.nearest import suggestion
 
 SHOWN = 20
 LABEL_SHOWN = 48
+AXES = {"rate", "gx", "gy"}
 KINDS_MAX = 12
 """Most different words of a column that names the kinds of rows."""
 
@@ -54,7 +55,7 @@ def unclear(head: Head, verdict: ColumnVerdict) -> DataError:
     lines = [_described(head, index, verdict) for index in range(min(head.width, SHOWN))]
     rest = [f"  and {head.width - SHOWN} more"] if head.width > SHOWN else []
     reason = f"{source}: {_reason(head, verdict)}:"
-    return DataError("\n".join([reason, *lines, *rest, *_kinds(head), *_proposal(verdict), HOW]))
+    return DataError("\n".join([reason, *lines, *rest, *_kinds(head, verdict), *_proposal(verdict), HOW]))
 
 
 def _reason(head: Head, verdict: ColumnVerdict) -> str:
@@ -76,18 +77,20 @@ def _proposal(verdict: ColumnVerdict) -> list[str]:
     return [f"probably --columns '{verdict.template}'{rate}{unit} ({reasons})"]
 
 
-def _kinds(head: Head) -> list[str]:
-    """Advice for a table whose rows are of several kinds, as a column of words says."""
+def _kinds(head: Head, verdict: ColumnVerdict) -> list[str]:
+    """Advice for a table whose rows are of several kinds, as a column of words says; the proposal may name one."""
+    if any(column.looks_like == "sender" for column in verdict.columns) and verdict.template:
+        return []
     for index in range(min(head.width, SHOWN)):
         label = head.labels[index].strip() if index < len(head.labels) else ""
         counts = Counter(head.texts(index))
         are_words = not any(map(is_value, counts)) and not any(map(unit_of, counts))
         are_kinds = 1 < len(counts) <= KINDS_MAX and min(counts.values()) > 1
-        if are_words and (are_kinds or any(map(kind_of, counts))):
+        if are_words and (are_kinds or not AXES.isdisjoint(map(kind_of, counts))):
             kinds = ", ".join(shortened(word, LABEL_SHOWN) for word in counts)
-            entry = f"{as_label(label)}={next(iter(counts))}"
+            entry = selection(as_label(label), next(iter(counts)))
             name = label or f"column {index + 1}"
-            return [f"its rows are of several kinds by {name} ({kinds}): an entry such as {entry!r} keeps one"]
+            return [f"its rows are of several kinds by {name} ({kinds}): the entry {entry} keeps one"]
     return []
 
 

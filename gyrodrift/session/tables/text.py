@@ -98,7 +98,7 @@ def _unpacked(path: Path) -> str:
 
 
 def _advice(head: bytes) -> str:
-    """What a file without a table is, and what to do; empty for others."""
+    """Kind of a file without a table, and what to do; empty for other files."""
     if head.startswith(b"PK") and any(mark in head for mark in SHEETS):
         return f"is a spreadsheet: {SAVE_SHEET}"
     if head.startswith(b"PK") and ARRAYS in head[:200]:

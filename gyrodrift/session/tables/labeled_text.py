@@ -1,4 +1,4 @@
-"""Text as a device prints it, captured in a file: labelled lines, sentences, objects behind the prefix of a log.
+"""Text as a device prints it, captured in a file: labeled lines, sentences, objects behind the prefix of a log.
 
 Its lines are read as at a port, by `Headings`. Each label is a column. A sample may have several lines: it ends when
 one of its labels comes again.
@@ -21,7 +21,7 @@ RARE = 0.02
 """Kinds of lines with a smaller share of the most frequent kind are messages."""
 
 OFTEN = 0.5
-"""Labelled lines with a smaller share of the most frequent kind are messages between rows."""
+"""Labeled lines with a smaller share of the most frequent kind are messages between rows."""
 
 Numbered = Iterable[tuple[int, str]]
 """Lines with their numbers."""
@@ -33,6 +33,8 @@ class TextLayout:
 
     labels
         Label per column, as at a port; empty labels in a row after a word.
+    kinds
+        Labels of the lines that are used; a line with others is a message, or torn.
     form
         Form of most lines.
     has_comments
@@ -41,6 +43,7 @@ class TextLayout:
 
     head: Head
     labels: tuple[str, ...]
+    kinds: frozenset[tuple[str, ...]]
     form: Form
     has_comments: bool
 
@@ -51,7 +54,7 @@ class TextLayout:
 
     def rows(self, lines: Lines) -> Iterator[tuple[int, list[str]]]:
         """Rows with the number of their last line."""
-        return _rows(_parsed((lines.number, line) for line in lines), self.labels)
+        return _rows(_parsed((lines.number, line) for line in lines), self.labels, self.kinds)
 
 
 def text_layout(path: Path, lines: Sequence[tuple[int, str]], *, has_comments: bool = False) -> TextLayout | None:
@@ -61,19 +64,26 @@ def text_layout(path: Path, lines: Sequence[tuple[int, str]], *, has_comments: b
     usual = [layout for layout, count in counts.most_common() if count >= LINES_MIN]
     if not usual:
         return None
-    labelled = [layout for layout in usual if any(layout[1])]
-    if not labelled or counts[labelled[0]] < OFTEN * counts[usual[0]]:
-        labelled = usual[:1]
-    frequent = [layout for layout in labelled if counts[layout] >= RARE * counts[labelled[0]]]
-    form, labels = labelled[0]
+    labeled = [layout for layout in usual if any(layout[1])]
+    if not labeled or counts[labeled[0]] < OFTEN * counts[usual[0]]:
+        labeled = usual[:1]
+    frequent = [layout for layout in labeled if counts[layout] >= RARE * counts[labeled[0]]]
+    frequent = [layout for rank, layout in enumerate(frequent) if not _is_torn(layout[1], frequent[:rank])]
+    form, labels = labeled[0]
     if len(frequent) > 1:
         labels = tuple(dict.fromkeys(label for _, names in frequent for label in _distinct(names) if label))
     units: dict[str, str] = {}
     for _, fields in parsed:
         units = dict(zip(_distinct(fields.labels), fields.units, strict=True)) | units if fields.units else units
     shown = tuple(f"{name} ({units[name]})" if units.get(name) and not unit_in(name) else name for name in labels)
-    rows = tuple(row for _, row in _rows(iter(parsed), labels))
-    return TextLayout(Head(path, shown if any(labels) else (), len(labels), 0, rows), labels, form, has_comments)
+    kinds = frozenset(names for _, names in frequent)
+    rows = tuple(row for _, row in _rows(iter(parsed), labels, kinds))
+    return TextLayout(Head(path, shown if any(labels) else (), len(labels), 0, rows), labels, kinds, form, has_comments)
+
+
+def _is_torn(labels: tuple[str, ...], usual: Sequence[tuple[Form, tuple[str, ...]]]) -> bool:
+    """Whether a more frequent kind of lines has all these labels and others."""
+    return any(set(labels) < set(names) for _, names in usual)
 
 
 def _parsed(lines: Numbered) -> Iterator[tuple[int, Fields]]:
@@ -97,29 +107,32 @@ def _distinct(labels: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(distinct)
 
 
-def _rows(parsed: Iterator[tuple[int, Fields]], labels: tuple[str, ...]) -> Iterator[tuple[int, list[str]]]:
+def _rows(
+    parsed: Iterator[tuple[int, Fields]], labels: tuple[str, ...], kinds: Iterable[tuple[str, ...]]
+) -> Iterator[tuple[int, list[str]]]:
     """Rows of values by label; a row ends before a line with a label that it has."""
     if not any(labels):
         yield from ((line, list(fields.values)) for line, fields in parsed if fields.labels == labels)
         return
     indices = {label: index for index, label in enumerate(_distinct(labels)) if label}
-    places: dict[tuple[str, ...], list[tuple[int, int]]] = {}
+    places = {
+        names: [(indices[label], position) for position, label in enumerate(_distinct(names)) if label in indices]
+        for names in kinds
+    }
     word = labels.index("") if "" in labels else -1
     row: list[str] = []
     number = 0
     for line, fields in parsed:
-        if (pairs := places.get(fields.labels)) is None:
-            named = enumerate(_distinct(fields.labels))
-            pairs = places[fields.labels] = [(indices[label], at) for at, label in named if label in indices]
-        if not pairs:
+        if fields.labels not in places:
             continue
+        pairs = places[fields.labels]
         if not row or any(row[index] for index, _ in pairs):
             if row:
                 yield number, row
             row = [""] * len(labels)
         number = line
-        for index, at in pairs:
-            row[index] = fields.values[at]
+        for index, position in pairs:
+            row[index] = fields.values[position]
         if word >= 0:
             row[word] = fields.values[0]
     if row:
