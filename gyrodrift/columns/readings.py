@@ -4,8 +4,9 @@ One judge for ports and files. It sees every sample once, in order, and never a 
 waits for the next one.
 """
 
+from collections import deque
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from math import inf, isnan, nan
 from typing import Any
@@ -52,19 +53,18 @@ SILENT_SAMPLES, SILENT_S = 10, 0.9
 """Repetitions and time from the first sample on that show a sensor that never answered."""
 
 ABSURD = 4.0
-"""Jump over the largest possible one above which the end of a range is no measurement even if it repeats; another rate
-is none after any impossible jump, if a sensor with noise repeats it."""
+"""Jump over the largest possible one above which the end of a range is no measurement even if it repeats."""
 
 RAIL_MIN_DPS = 20.0
 """Smallest rate that may be the end of a range, deg/s."""
 
 KNOWN_RAIL_SAMPLES, RAIL_SAMPLES = 3, 5
-RAIL_APPROACH_DPS, RAIL_APPROACH_SHARE = 1.0, 0.7
+APPROACH_SAMPLES, RAIL_APPROACH_DPS, RAIL_APPROACH_SHARE = 5, 1.0, 0.7
 """A range ends where the largest rate repeats: KNOWN_RAIL_SAMPLES times at ±2¹⁵ counts of a known sensitivity, else
-RAIL_SAMPLES times, and LONGER_HELD times as often as any other rate, after a step
-from RAIL_APPROACH_DPS to RAIL_APPROACH_SHARE of it: a turn comes to the end on its way, a hang from anywhere."""
+RAIL_SAMPLES times, and LONGER_HELD times as often as any other rate. A turn comes there on its way, by
+RAIL_APPROACH_DPS within APPROACH_SAMPLES, and by at most RAIL_APPROACH_SHARE in one. A hang comes from anywhere."""
 
-ONE_COUNT = 1e-3
+ONE_COUNT = 0.05
 """Largest distance from −1 count, in counts: a value is printed with some digits."""
 
 RANGES_DPS = (125.0, 245.0, 250.0, 450.0, 500.0, 1000.0, 2000.0, 4000.0)
@@ -105,7 +105,8 @@ def no_answer(rates: Values, others: Values) -> bool:
     it measures gravity.
     """
     if len(rates) == 1:
-        return any(abs(rates[0] * counts + 1.0) < ONE_COUNT for counts in (1.0, *SENSITIVITIES, ST_FINEST[1]))
+        counts = (*SENSITIVITIES, ST_FINEST[1])
+        return rates[0] == -1.0 or any(abs(rates[0] * count + 1.0) < ONE_COUNT for count in counts)
     return len(set(rates)) == 1 and (rates[0] != 0.0 or (len(others) >= 3 and not any(others[:3])))
 
 
@@ -146,7 +147,7 @@ class ReadingJudge:
     _longest: int = 0
     _changes: int = 0
     _finest_dps: float = inf
-    _approach_dps: float = 0.0
+    _before_dps: deque[float] = field(default_factory=lambda: deque([nan], APPROACH_SAMPLES))
     _largest_dps: float = 0.0
     _hung: tuple[float, float] | None = None
     _is_clipping: bool = False
@@ -164,7 +165,8 @@ class ReadingJudge:
         bound_dps = _bound_dps(seconds)
         if change_dps > bound_dps and 0.0 < seconds <= LONGEST_STEP_S and self._calm >= CALM_STEPS:
             self._suspect, self._suspect_s, self._calm = rates, t_s, 0
-            self._may_stay = change_dps > ABSURD * bound_dps if is_rail(rates[-1]) else self._is_noisy
+            least_dps = ABSURD * bound_dps if is_rail(rates[-1]) else RAIL_APPROACH_SHARE * abs(rates[-1])
+            self._may_stay = self._is_noisy and change_dps > least_dps
             return ReadingVerdict.SUSPECT
         self._calm = self._calm + 1 if change_dps <= CALM_SHARE * bound_dps else 0
         return self._accept(t_s, rates, others)
@@ -209,7 +211,7 @@ class ReadingJudge:
             self._longest = max(self._longest, self._repeats)
         self._move(t_s)
         self._largest_dps = max(self._largest_dps, abs(self._rate_dps))
-        self._approach_dps = abs(rate_dps) - abs(self._rate_dps)
+        self._before_dps.append(self._rate_dps)
         self._finest_dps = min(self._finest_dps, abs(rate_dps - self._rate_dps))
         self._changes += 1
         self._rate_dps, self._since_s, self._repeats, self._is_clipping = rate_dps, t_s, 0, False
@@ -226,7 +228,8 @@ class ReadingJudge:
         elif size_dps >= max(RAIL_MIN_DPS, self._largest_dps):
             is_plateau = (
                 samples >= max(RAIL_SAMPLES, LONGER_HELD * self._longest + 1)
-                and RAIL_APPROACH_DPS <= self._approach_dps <= RAIL_APPROACH_SHARE * size_dps
+                and size_dps - abs(self._before_dps[0]) >= RAIL_APPROACH_DPS
+                and size_dps - abs(self._before_dps[-1]) <= RAIL_APPROACH_SHARE * size_dps
                 and self._changes >= LEAST_CHANGES
             )
             is_plain = rate_dps.is_integer() and self._changes < LEAST_CHANGES  # such as a simulated turn
