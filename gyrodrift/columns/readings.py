@@ -11,6 +11,7 @@ from enum import Enum
 from math import inf, isnan, nan
 from typing import Any
 
+from gyrodrift.columns.fields import is_number
 from gyrodrift.columns.sizes import SENSITIVITIES, ST_FINEST
 from gyrodrift.values.constants import INT16_COUNTS
 from gyrodrift.values.sample import Sample
@@ -76,8 +77,8 @@ RANGES_DPS = (125.0, 245.0, 250.0, 450.0, 500.0, 1000.0, 2000.0, 4000.0)
 RAIL_COUNTS = 1.5
 """Largest distance from ±2¹⁵ counts at the end of a range."""
 
-DOES_NOT_ANSWER = "the sensor does not answer: check its wires, address, supply, and pull-ups of I2C"
-HANGS = "the sensor repeats one value although it has noise; yaw is held meanwhile"
+DOES_NOT_ANSWER = "the sensor does not answer: check its wires, address and supply, and the pull-ups of I2C"
+HANGS = f"the sensor repeats one value although it has noise; yaw is held meanwhile; {DOES_NOT_ANSWER}"
 IMPOSSIBLE = "the rate jumped and returned faster than a device can turn; such samples are left out"
 CLIPPED = "the range of the sensor ends there: yaw loses the angle that is cut off; choose a wider range"
 
@@ -121,17 +122,9 @@ def repeated_number(rows: Sequence[Sequence[str]]) -> str:
     """
     if len(rows) < SILENT_SAMPLES:
         return ""
-    constant = [column[0] for column in zip(*rows, strict=True) if len(set(column)) == 1 and _is_number(column[0])]
+    constant = [column[0] for column in zip(*rows, strict=True) if len(set(column)) == 1 and is_number(column[0])]
     text, count = max(Counter(constant).items(), key=lambda item: item[1], default=("", 0))
     return text if count >= REPEATED_COLUMNS and 2 * count > len(rows[0]) else ""
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _change(a: Values, b: Values) -> float:
@@ -276,7 +269,7 @@ class ReadingJudge:
         if not self._is_noisy or (rate_dps == 0.0 and not is_all):
             return ReadingVerdict.GOOD
         if self._repeats > LONGER_HANGS * self._longest and self._repeats >= HANGS_SAMPLES and seconds >= HANGS_S:
-            self._report(rate_dps, self._since_s, t_s, f"{HANGS}; {DOES_NOT_ANSWER}" if is_all else HANGS)
+            self._report(rate_dps, self._since_s, t_s, HANGS)
         return (
             ReadingVerdict.MISSING
             if self._repeats > max(HELD_SAMPLES, LONGER_HELD * self._longest)

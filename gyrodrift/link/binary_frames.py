@@ -103,9 +103,9 @@ CHECKSUMS: tuple[tuple[int, Callable[[bytes], int]], ...] = (
     (4, zlib.crc32),
     (4, crc32_mpeg2),
     (4, lambda content: crc32_mpeg2(_padded(content))),
-    *((2, lambda content, first=first: crc_hqx(content, first)) for first in (0, 0xFFFF, 0x1D0F)),  # type: ignore[misc]
+    *((2, lambda content, first=first: crc_hqx(content, first)) for first in (0, 0xFFFF, 0x1D0F)),
     *(
-        (2, lambda content, first=first, polynomial=polynomial: crc16_reflected(content, first, polynomial))  # type: ignore[misc]
+        (2, lambda content, first=first, polynomial=polynomial: crc16_reflected(content, first, polynomial))
         for first, polynomial in ((0xFFFF, 0xA001), (0, 0xA001), (0, 0x8408), (0xFFFF, 0x8408))
     ),
     (2, sum),
