@@ -21,6 +21,7 @@ def reading(arguments: argparse.Namespace) -> ReadingOptions:
         is_flipped=arguments.flip,
         accel_unit=arguments.accel_unit or "",
         reference=arguments.reference or "",
+        sample_rate_hz=arguments.sample_rate_hz,
     )
 
 

@@ -9,7 +9,16 @@ from typing import Any, TypeVar
 
 from gyrodrift.cli import numbers
 from gyrodrift.cli.parser import unknown
-from gyrodrift.columns.spec import ACCELERATION, ACCELERATION_MPS2, RATE, RATE_DPS, Quantity, scale_of
+from gyrodrift.columns.spec import (
+    ACCELERATION,
+    ACCELERATION_MPS2,
+    CLOCK,
+    CLOCK_UNITS_US,
+    RATE,
+    RATE_DPS,
+    Quantity,
+    scale_of,
+)
 from gyrodrift.filters.registry import DEFAULT, FILTERS
 from gyrodrift.filters.run import AXES
 from gyrodrift.io.progress import Progress
@@ -20,6 +29,13 @@ Record = TypeVar("Record")
 AUTO_PORT = "auto"
 PACKAGES = "packages"
 """First phase of a progress line: the import of packages."""
+
+COLUMNS_HELP = (
+    "a comma list: _ (ignored), t_s, t_ms, t_us, t_ns, t:lsb/N, dt_ms (since the last line), +t_ns (added to a clock), "
+    "seq, rate[:dps|:mdps|:rads|:mrads|:lsb/N][:-], delta[:deg|:rad][:-] (since the last line), yaw[:deg|:rad][:-], "
+    "q.w, q.x, q.y, q.z, encoder[:deg|:rad|:counts/N], temp, such as 't_ms, _, _, rate:lsb/131'; by label, "
+    "LABEL=rate:rads, and LABEL=VALUE for the lines with this value only"
+)
 
 ITERATIONS = 3000
 """Default number of evaluations of a search, the same in all commands that tune."""
@@ -54,9 +70,7 @@ def add_link_options(
     parser.add_argument(
         "--columns",
         metavar="SPEC",
-        help="read lines of text with these columns, a comma list: _ (ignored), t_us, t_ms, t_s, seq, "
-        "rate[:dps|:mdps|:rads|:mrads|:lsb/N][:-], encoder[:deg|:rad|:counts/N], temp, such as "
-        "'t_ms, _, _, rate:lsb/131'; for labeled values and JSON, LABEL=rate (default: none)",
+        help=f"read lines of text with these columns, {COLUMNS_HELP} (default: none)",
     )
     parser.add_argument(
         "--timeout",
@@ -94,9 +108,7 @@ def add_reading_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--columns",
         metavar="SPEC",
-        help="columns of a table (.csv .tsv .txt .log .json .jsonl), a comma list: _ (ignored), t_s, t_ms, t_us, "
-        "t_ns, rate[:dps|:mdps|:rads|:mrads|:lsb/N][:-], yaw[:deg|:rad][:-], encoder, temp, seq, such as "
-        "'t_ms, _, _, rate:rads'; by label, LABEL=rate:rads (default: from the header)",
+        help=f"columns of a table (.csv .tsv .txt .log .json .jsonl), {COLUMNS_HELP} (default: from the header)",
     )
     add_unit_options(parser)
 
@@ -111,8 +123,19 @@ def add_unit_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--time-unit",
-        choices=("s", "ms", "us", "ns"),
-        help="unit of the device times, instead of the header (default: from the header)",
+        type=time_unit,
+        metavar="UNIT",
+        help="unit of the device times, instead of the header: s, ms, us, ns, min, days, lsb/N for N ticks per second, "
+        "hms for HHMMSS.ss, or s.ms, s.us, s.ns for a fraction without leading zeros (default: from the header)",
+    )
+    parser.add_argument(
+        "--sample-rate",
+        dest="sample_rate_hz",
+        type=numbers.number(1e6, "a rate in Hz above 0"),
+        default=0.0,
+        metavar="HZ",
+        help="time of the samples by their rate, in place of a clock; with the column seq, lost samples take their "
+        "time (default: by the clock)",
     )
     parser.add_argument(
         "--accel-unit",
@@ -141,6 +164,11 @@ def accel_unit(text: str) -> str:
 def rate_unit(text: str) -> str:
     """Check an argument of `--rate-unit`."""
     return _unit(RATE, text, f"{', '.join(RATE_DPS)} or lsb/N, N counts for one deg/s")
+
+
+def time_unit(text: str) -> str:
+    """Check an argument of `--time-unit`."""
+    return _unit(CLOCK, text, f"{', '.join(CLOCK_UNITS_US)} or lsb/N, N ticks for one second")
 
 
 def _unit(quantity: Quantity, text: str, expected: str) -> str:

@@ -6,13 +6,16 @@ other words after it are ignored.
 
 import re
 from enum import StrEnum
-from functools import reduce
+from functools import lru_cache, reduce
 from operator import xor
 from typing import NamedTuple
 
+from gyrodrift.columns.blocks import Blocks, flat_markup
+from gyrodrift.columns.log_prefix import LABEL as PREFIX_LABEL
+from gyrodrift.columns.log_prefix import Prefixed, PrefixReader, split_prefix
 from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.objects import leaves_of
-from gyrodrift.columns.units import unit_of
+from gyrodrift.columns.units import Dimension, unit_in, unit_of
 
 HEADED = re.compile(r"([A-Za-z][\w ()]{0,30}):\s++(?=[A-Za-z]\w{0,7}\s*+[:=])")
 WORD = (
@@ -22,23 +25,29 @@ WORD = (
 PLAIN = re.compile(rf"{WORD}(?: {WORD})*", re.IGNORECASE)
 """Words that do not change the meaning of labels."""
 
-ESP_LOG = re.compile(r"[EWIDV] \(\d{1,12}\) [\w.-]{1,40}:\s++")
-"""Head of an ESP-IDF log: level, time and module, which is not a quantity."""
-
 GYRO = re.compile(r"(gyr|rot|omega|ang\w* ?(vel|rate))\w*\b(?! ?(bias|off|std|var|rms|noise))", re.IGNORECASE)
 AXIS = re.compile(r"[xyz]|roll|pitch|yaw|[rpy]", re.IGNORECASE)
+SINGLE = re.compile(r"[A-Za-z]\d?")
+"""Label of an axis alone, `X` or `X1`, which needs the words before it."""
+
+QUANTITY_OF = {
+    **dict.fromkeys(("rate", "rates", "gx", "gy"), "rate"),
+    **dict.fromkeys(("ax", "ay", "az"), "acceleration"),
+    **dict.fromkeys(("mx", "my", "mz"), "field"),
+    **dict.fromkeys(("yaw", "pitch", "roll", "angle"), "angle"),
+}
+"""Quantities whose axes share a unit, by kind."""
 
 
 def head_of(line: str) -> tuple[str, str]:
     """Word before the first label, or empty, and the line without its colon."""
-    line = line[log.end() :] if (log := ESP_LOG.match(line)) else line
     match = HEADED.match(line)
     return (match[1].strip(), f"{match[1]} {line[match.end() :]}") if match else ("", line)
 
 
 def with_head(head: str, labels: tuple[str, ...]) -> tuple[str, ...]:
     """Labels with the head, if it may change their meaning: the yaw of a setpoint is not the yaw."""
-    if not head or PLAIN.fullmatch(head):
+    if not head or PLAIN.fullmatch(head.replace("/", " ").strip()):
         return labels
     is_gyro = GYRO.match(head) is not None
     return tuple(
@@ -53,15 +62,17 @@ NUMBER = r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+"
 WHOLE = re.compile(r"[-+]?[0-9]++")
 VALUE = re.compile(rf"(?:{NUMBER}|nan|inf|[-+]inf)", re.IGNORECASE)
 LABEL = r"(?<![A-Za-z_])([A-Za-z_][\w .()\[\]/°-]{0,40}?)\s*+"
-LABELED = re.compile(rf"{LABEL}(?:[:=]{{1,2}}\s*+\[?|\[)\s*+({NUMBER}|nan)(?![^\[\]]{{0,20}}\]\s*+[:=])", re.IGNORECASE)
+LABELED = re.compile(
+    rf"{LABEL}(?:[:=]{{1,2}}\s*+\[?|\[)\s*+({NUMBER}|nan)(?!:\d)(?![^\[\]]{{0,20}}\]\s*+[:=])", re.IGNORECASE
+)
 VECTOR = re.compile(
     rf"{LABEL}(?:[:=]\s*+[\[(]?|[\[(])\s*+"
     rf"({NUMBER})[\s,;]++({NUMBER})[\s,;]++({NUMBER})(?![\w.])(?!\s*+[,;]?\s*+[-+.0-9])\s*+[\])]?"
 )
 """`Gyr (DPS) [ 1, 2, 3 ]`, `Gyro: 1 2 3`, `gyro=(1, 2, 3)`: three numbers after one label are three axes."""
 
-BRACED = re.compile(r"(?<![A-Za-z_])([A-Za-z_][\w ]{0,40}?)\s*+[:=]\s*+[{(\[]\s*+(?=[A-Za-z_]\w*+\s*+[:=])")
-"""`gyro={x=1, y=2}`: the word before the braces belongs to all labels in them."""
+BRACED = re.compile(r"(?<![A-Za-z_])([A-Za-z_][\w ]{0,40}?)\s*+(?:[:=]\s*+[{(\[]|\{)\s*+(?=[A-Za-z_]\w*+\s*+[:=])")
+"""`gyro={x=1, y=2}` and `gyro { x: 1 }`: the word before the braces belongs to all labels in them."""
 
 AXES_NAMED = re.compile(
     rf"(?<![A-Za-z_])([A-Za-z_]\w{{0,15}})\((\w),(\w),(\w)\)\s*+[:=]?\s*+"
@@ -75,7 +86,7 @@ NAMES_FIRST = re.compile(
 """`Yaw, Pitch, Roll: 1, 2, 3`: as many names as values."""
 
 HEADED_ROW = re.compile(
-    rf"([A-Za-z][\w/]{{0,15}})(?:\s*+[:=,]\s*+|\s++)({NUMBER}(?:[\s,;|]++{NUMBER}){{1,31}})\s*+[,;|]?+"
+    rf"([A-Za-z][\w/]{{0,15}})(?:\s*+[:=,;|]\s*+|\s++)({NUMBER}(?:[\s,;|]++{NUMBER}){{1,31}})\s*+[,;|]?+"
 )
 """A row after a word, `gyro 1 2 3` or `a/g: 1 2 3 4 5 6`: lines of several kinds may alternate."""
 
@@ -92,8 +103,24 @@ WRAPPED = (("/*", "*/"), ("<", ">"), ("(", ")"), ("[", "]"))
 STATE = re.compile(rf"'([^']+)'(?:: Sending state|\s*+>>)\s*+({NUMBER}|nan)", re.IGNORECASE)
 """Sensor value in a log of ESPHome."""
 
-LOG_HEAD = re.compile(r"(?:\[[^\[\]\s]++\])++:?\s++(?=['A-Za-z])")
-"""`[12:34:56][D][sensor:094]: ` before a message."""
+NAME_QUOTED = re.compile(r"([\"'])([A-Za-z_][\w .-]{0,40})\1(?=\s*+[:=])")
+NUMBER_QUOTED = re.compile(rf"([:=]\s*+)([\"'])({NUMBER})\2")
+"""`"x": 0.5` in an object over several lines, `x="0.5"`."""
+
+EMBEDDED = re.compile(r"([A-Za-z/][\w/.-]{0,60})\s*+[:=]?\s*+(\{\s*+[\"'].*\})")
+"""Object after a word: `data: {"gz": 1}`, `imu/left {"gz": 1}` (mosquitto_sub -v)."""
+
+LABELED_COMMA = re.compile(r"([:=]\s*+[-+]?[0-9]++),([0-9]++)(?![0-9]*[.,][0-9])")
+POINT = re.compile(r"[0-9]\.[0-9]")
+
+PAIR = re.compile(
+    rf"([A-Za-z_][\w.]{{0,30}})\s++({NUMBER})(?![\w.])"
+    r"(?:\s*+([A-Za-z°µ%][^\s,;|0-9]{0,15})(?=[\s,;|]++[A-Za-z_]|[\s,;|]*+$))?[\s,;|]*+"
+)
+"""`gx 0.1 gy 0.2 dps`: a label, a number, and maybe a unit."""
+
+HEX = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{4}(?:[0-9A-Fa-f]{4})?|0[xX][0-9A-Fa-f]{1,8}")
+HEX_VALUE = re.compile(r"[:=]\s*+([0-9A-Fa-fxX]++)(?=[\s,;|]|$)")
 
 TAIL = re.compile(r"\s*+[\])}]?\s*+\[?(?=[A-Za-z°ºµμ%/])([^\s,;|=:()\[\]{}]{1,20})\]?")
 """Word after a value, with or without brackets."""
@@ -146,21 +173,67 @@ class Fields(NamedTuple):
 
 def fields_of(line: str) -> Fields | None:
     """Fields of a line; None if it is damaged: an incomplete object, or a wrong checksum."""
-    if line.startswith("{"):
-        return _object(line)
-    if line[:1] in {"$", "!"} and "*" in line:
-        return _sentence(line)
-    if line.startswith(">") and (point := TELEPLOT.fullmatch(line)):
+    return _stamped(split_prefix(line))
+
+
+def _stamped(line: Prefixed) -> Fields | None:
+    """Fields of a line, with the clock of its prefix as the last one."""
+    fields = _fields_of(line.rest)
+    if fields is None or not line.stamp or PREFIX_LABEL in fields.labels:
+        return fields
+    label = PREFIX_LABEL if any(fields.labels) else ""
+    is_head = fields.form is Form.ROW and not any(map(is_number, fields.values))
+    units = (*(fields.units or ("",) * len(fields.values)), line.unit) if line.unit or fields.units else ()
+    return Fields(
+        fields.form, (*fields.labels, label), (*fields.values, PREFIX_LABEL if is_head else line.stamp), units
+    )
+
+
+def _fields_of(line: str) -> Fields | None:
+    if line.startswith("{") or (line[:1] in {"$", "!"} and "*" in line):
+        return _object(line) if line.startswith("{") else _sentence(line)
+    if point := TELEPLOT.fullmatch(line):
         return _teleplot(point)
-    if line.startswith("["):
-        line = LOG_HEAD.sub("", line, count=1)
-        if state := STATE.match(line):
-            return Fields(Form.LABELED, (as_label(state[1]),), (state[2],), _units(line, [state]))
-    line = _unwrapped(line)
-    if line[:1].isalpha() and (headed := HEADED_ROW.fullmatch(line)):
+    if state := STATE.match(line):
+        return Fields(Form.LABELED, (as_label(state[1]),), (state[2],), _units(line, [state]))
+    if embedded := EMBEDDED.fullmatch(line):
+        fields = _object(embedded[2])
+        return fields and fields._replace(labels=with_head(as_label(embedded[1]), fields.labels))
+    line = _unwrapped(flat_markup(line))
+    if '"' in line or "'" in line:
+        line = NUMBER_QUOTED.sub(r"\1\3", NAME_QUOTED.sub(r"\2", line))
+    return None if is_hex(line) else _written(line)
+
+
+def _written(line: str) -> Fields:
+    """Fields of a line as sketches print it for people."""
+    headed = HEADED_ROW.fullmatch(line) if line[:1].isalpha() else None
+    if headed:
         return _headed_row(headed)
-    fields = _labeled(line) if MARK.search(line) else None
-    return fields or _row(line)
+    pairs = _pairs(line) if line[:1].isalpha() else None
+    return pairs or (_labeled(line) if MARK.search(line) else None) or _row(line)
+
+
+def is_hex(line: str) -> bool:
+    """Whether the values of a line are hexadecimal: all have four or eight such digits, or `0x`, and some a letter."""
+    values = HEX_VALUE.findall(line) or BETWEEN.split(line)
+    texts = [value for value in values if value]
+    are_hex = bool(texts) and len(set(map(len, texts))) == 1 and all(map(HEX.fullmatch, texts))
+    return are_hex and any(character.isdigit() for character in line) and not all(map(is_number, texts))
+
+
+def _pairs(line: str) -> Fields | None:
+    """Labels and numbers in turn; None for other lines, and for a single pair whose label is no quantity."""
+    found, position = [], 0
+    while pair := PAIR.match(line, position):
+        found.append(pair)
+        position = pair.end()
+    units = tuple(pair[3] or "" for pair in found)
+    are_units = all(unit_of(unit) for unit in units if unit)
+    if position < len(line) or not are_units or not found or (len(found) == 1 and not kind_of(found[0][1])):
+        return None
+    labels = tuple(as_label(pair[1]) for pair in found)
+    return Fields(Form.LABELED, labels, tuple(pair[2] for pair in found), _shared(labels, units))
 
 
 def _unwrapped(line: str) -> str:
@@ -174,7 +247,7 @@ def _labeled(line: str) -> Fields | None:
     """Values after labels; None without labels, or for a single word before a row."""
     if "," in LABEL_END.split(line, 1)[0]:
         line = NAMES_FIRST.sub(_names_first, line)
-    head, line = head_of(line)
+    head, line = head_of(_with_points(line))
     if BRACKET.search(line):
         line = AXES_NAMED.sub(_named_axes, BRACED.sub(r"\1 ", line))
     line = VECTOR.sub(_axes, line)
@@ -182,7 +255,43 @@ def _labeled(line: str) -> Fields | None:
     if not matches or (len(matches) == 1 and sum(map(is_number, _row(line).values)) > 1):
         return None
     labels = with_head(head, _headed(tuple(as_label(match[1]) for match in matches)))
-    return Fields(Form.LABELED, labels, tuple(match[2] for match in matches), _units(line, matches))
+    units = _shared(labels, _units(line, matches))
+    return Fields(Form.LABELED, labels, tuple(match[2] for match in matches), units)
+
+
+def _with_points(line: str) -> str:
+    """Line with decimal points, if all numbers after its labels have a decimal comma: `gx: 0,5; gz: 1,0`."""
+    commas = LABELED_COMMA.findall(line)
+    if not commas or POINT.search(line):
+        return line
+    is_list = len(commas) == 1 and ";" not in line and len(LABEL_END.findall(line)) == 1
+    return line if is_list else LABELED_COMMA.sub(r"\1.\2", line)
+
+
+@lru_cache(maxsize=64)
+def _shared(labels: tuple[str, ...], units: tuple[str, ...]) -> tuple[str, ...]:
+    """Units, where one that stands once holds for all axes of its quantity: `gx: 1 gy: 2 gz: 3 dps`."""
+    if not any(units) or all(units):
+        return units if any(units) else ()
+    quantities = ["" if unit_in(label) else QUANTITY_OF.get(kind_of(label)) or _head_of_axis(label) for label in labels]
+    stated = {
+        quantity: {
+            unit for unit, of_unit in zip(units, quantities, strict=True) if of_unit == quantity and _is_of_axis(unit)
+        }
+        for quantity in set(quantities) - {""}
+    }
+    only = {quantity: next(iter(found)) for quantity, found in stated.items() if len(found) == 1}
+    return tuple(unit or only.get(quantity, "") for unit, quantity in zip(units, quantities, strict=True))
+
+
+def _is_of_axis(text: str) -> bool:
+    unit = unit_of(text)
+    return unit is not None and unit.dimension is not Dimension.FREQUENCY  # `rate = 50 Hz`
+
+
+def _head_of_axis(label: str) -> str:
+    head, _, axis = label.rpartition(" ")
+    return head if AXIS.fullmatch(axis) else ""
 
 
 def _units(line: str, matches: list[re.Match[str]]) -> tuple[str, ...]:
@@ -225,6 +334,13 @@ def is_number(text: str) -> bool:
     return VALUE.fullmatch(text) is not None
 
 
+def is_value(text: str, value: str) -> bool:
+    """Whether a text is the value of a row to use; numbers compare as numbers, and case does not matter."""
+    if is_number(text) and is_number(value):
+        return float(text) == float(value)
+    return text.casefold() == value.casefold()
+
+
 def is_whole(text: str) -> bool:
     """Whether a text is a whole number."""
     return WHOLE.fullmatch(text) is not None
@@ -234,8 +350,8 @@ def _object(line: str) -> Fields | None:
     leaves = leaves_of(line)
     if leaves is None:
         return None
-    numbers = [(".".join(map(as_label, path)), value) for path, value in leaves if is_number(value)]
-    return Fields(Form.JSON, tuple(label for label, _ in numbers), tuple(value for _, value in numbers))
+    labels = tuple(".".join(map(as_label, path)) for path, _ in leaves)
+    return Fields(Form.JSON, labels, tuple(value for _, value in leaves))
 
 
 def _sentence(line: str) -> Fields | None:
@@ -253,9 +369,9 @@ def _headed(labels: tuple[str, ...]) -> tuple[str, ...]:
     full = []
     for label in map(_without_unit, labels):
         words, _, last = label.rpartition(" ")
-        if len(last) == 1 and words:
+        if SINGLE.fullmatch(last) and words:
             head = words
-        full.append(f"{head} {label}" if len(label) == 1 and head else label)
+        full.append(f"{head} {label}" if SINGLE.fullmatch(label) and head else label)
     return tuple(full)
 
 
@@ -304,25 +420,70 @@ UNIT_NAMED = re.compile(r"\s{1,4}in\s{1,4}(\S{1,20})$")
 """`Gyroscope in degrees/second` names its unit."""
 
 
+LABELED_NUMBER = re.compile(r"([:=]\s*+)([-+]?[0-9]++(?:\.[0-9]++)?+)(?![\w.:)\]}]|\s*+,\s*+[-+.0-9]|\s++[-+.0-9])")
+"""Number after a label, and not one of a list."""
+
+TEMPLATES_MAX = 64
+
+
 class Headings:
-    """Fields of consecutive lines; labels of a single letter get the heading above them."""
+    """Fields of consecutive lines, as ports and files hold them.
+
+    A label of a single letter gets the heading above it, a label in blocks their names. After the first line of
+    hexadecimal numbers, a line whose digits may be such a number is none.
+    """
 
     def __init__(self) -> None:
         self.heading = ""
+        self._blocks = Blocks()
+        self._prefix = PrefixReader()
+        self._has_hex = False
+        self._templates: dict[tuple[str | bool, ...], Fields] = {}
 
     def fields_of(self, line: str) -> Fields | None:
         """Fields of the next line, with complete labels."""
-        fields = fields_of(line)
-        if fields is None:
+        prefixed = self._prefix.split(line)
+        if self._blocks.take(prefixed.rest):
+            return Fields(Form.ROW, ("",), (prefixed.rest,))
+        if item := self._blocks.item(prefixed.rest):
+            return Fields(Form.LABELED, (self._blocks.label(item[0]),), (item[1],))
+        fields = self._by_template(prefixed) if not self._has_hex else _stamped(prefixed)
+        if fields is None or self._may_be_hex(prefixed.rest):
+            self._has_hex = self._has_hex or is_hex(prefixed.rest)
             return None
         if fields.form is Form.LABELED:
-            return fields._replace(labels=tuple(map(self.full, fields.labels)))
-        if match := HEADING.fullmatch(line):
+            labels = tuple(map(self.full, fields.labels)) if self.heading or self._blocks else fields.labels
+            return fields._replace(labels=labels)
+        if match := HEADING.fullmatch(prefixed.rest):
             name = as_label(UNIT_NAMED.sub(r" (\1)", match[1]))
             if match[2] or kind_of(f"{name} z"):
                 self.heading = name
         return fields
 
+    def _by_template(self, line: Prefixed) -> Fields | None:
+        """Fields of a line; one that differs from an earlier one only in numbers after labels has its labels."""
+        parts = LABELED_NUMBER.split(line.rest)
+        values = tuple(parts[2::3])
+        if not values:
+            return _stamped(line)
+        key = (line.unit, bool(line.stamp), *parts[::3], *parts[1::3])
+        template = self._templates.get(key)
+        if template is not None:
+            return template._replace(values=(*values, line.stamp) if len(template.values) > len(values) else values)
+        fields = _stamped(line)
+        is_usual = fields is not None and fields.values in (values, (*values, line.stamp))
+        if fields is not None and is_usual and fields.form is Form.LABELED:
+            if len(self._templates) >= TEMPLATES_MAX:
+                self._templates.clear()
+            self._templates[key] = fields
+        return fields
+
+    def _may_be_hex(self, line: str) -> bool:
+        values = HEX_VALUE.findall(line) if self._has_hex else ()
+        return bool(values) and all(map(HEX.fullmatch, values))
+
     def full(self, label: str) -> str:
-        """Label with its heading, if it is a single axis."""
-        return f"{self.heading} {label}" if len(label) == 1 and self.heading else label
+        """Label with its heading, if it is a single axis, or with its blocks."""
+        if (in_blocks := self._blocks.label(label)) != label:
+            return in_blocks
+        return f"{self.heading} {label}" if SINGLE.fullmatch(label) and self.heading else label

@@ -1,6 +1,7 @@
 """Names that sketches give to quantities, and a column while its meaning is being determined."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import permutations
 
@@ -21,11 +22,17 @@ BRACKETED = re.compile(r"\([^)]{0,256}+\)|\[[^\]]{0,256}+\]")
 NO_QUANTITY = re.compile(r"^(scaled|raw|got|calibrated|imu|mpu|icm|lsm|bmi|sensor|msg)+")
 """Words and chip names before a quantity."""
 
+CHANGE, TURNED = "delta|d|inc|incr|increment|incremental|change|diff", "theta|ang|angle|yaw|heading|psi|rot|rotation"
+"""Words of an angle since the last sample, in any order: `dtheta_z`, `delta angle z`, `yaw increment`."""
+
 SCALED = re.compile(r"[*×]|/\s*\d{2}|^\d{2,}\s")
 """Factors in a name, `gz*100`, `10 gz` or `gz/10`, which make it another quantity."""
 
+PATH = re.compile(r"^(?:\w{0,16}:)?/(?:[^/]{0,64}/)*(?=[^/]{3})")
+"""Path of a topic or table before the name of its value: `NT:/SmartDashboard/Gyro Rate`."""
+
 INDEX = re.compile(r"\[([012])\]")
-EITHER = re.compile(r"rot(ation)?z")
+EITHER = re.compile(r"rot(ation)?z|gyro?yaw")
 """Names of a rate or an angle; only a unit decides."""
 
 AXIS_OF_INDEX = {"0": "x", "1": "y", "2": "z"}
@@ -34,11 +41,14 @@ KINDS = {
     "seq": r"seq|n|i|no|count(er)?|sample|id|index|frame",
     "rate": r"(yaw|z)rate(dps|deg|rads?|degs|rad)?|(gyro?|gyr|omega|w|rot)(z|dps|rads?)|gz|gyrz|gyroz(dps|rads?|degs)?"
     r"|(gyroscope|rotation|angvel|angularvelocity|angularrate)z|gyz|zgyro(rate)?|rotationratez"
-    rf"|({GYRO_WORDS})yaw|yaw({GYRO_WORDS})|yaw(speed|vel(ocity)?|dot)|psidot|({GYRO_ABROAD})z|{YAW_RATE_ABROAD}",
-    "rates": r"rate(dps|rads?)?|gyro?|gyr|omega|gyroscope|rotation|angvel|angularvelocity|angularrate|turnrate|rot"
-    rf"|{GYRO_ABROAD}",
-    "gx": rf"({GYRO}|{GYRO_ABROAD})x|({GYRO_WORDS})roll|rollrate|xgyro(rate)?|wankrate",
-    "gy": rf"({GYRO}|{GYRO_ABROAD})y|({GYRO_WORDS})pitch|pitchrate|ygyro(rate)?|nickrate",
+    rf"|({GYRO_WORDS})?yaw(speed|vel(ocity)?|dot)|({GYRO_WORDS})yaw(rate)?|yaw({GYRO_WORDS})|psidot"
+    rf"|({GYRO_ABROAD})z|{YAW_RATE_ABROAD}",
+    "rates": r"(gyro?)?rate(dps|rads?)?|gyro?|gyr|omega|gyroscope|rotation|angvel|angularvelocity|angularrate"
+    rf"|turnrate|rot|{GYRO_ABROAD}",
+    "gx": rf"({GYRO}|{GYRO_ABROAD})x|({GYRO_WORDS})?roll(speed|vel(ocity)?)"
+    rf"|({GYRO_WORDS})roll|rollrate|xgyro(rate)?|wankrate",
+    "gy": rf"({GYRO}|{GYRO_ABROAD})y|({GYRO_WORDS})?pitch(speed|vel(ocity)?)"
+    rf"|({GYRO_WORDS})pitch|pitchrate|ygyro(rate)?|nickrate",
     "temp": r"t(e)?mp(erature)?(c|degc)?|tempc",
     "encoder": r"enc(oder)?(deg)?|ref(erence)?(angle)?(deg)?",
     "ax": r"xacc(el|eleration)?|(a|ac|acc|accelero|accel|acceleration|accelerometer|linacc|linearacceleration)x",
@@ -47,12 +57,14 @@ KINDS = {
     "mx": r"(m|mag|magnetic|magnetometer)x",
     "my": r"(m|mag|magnetic|magnetometer)y",
     "mz": r"(m|mag|magnetic|magnetometer)z",
-    "yaw": r"(est|fused|current)?yaw(angle)?(deg|rads?)?|psi|euleryaw|ypryaw|rpyyaw",
+    "delta": r"(delta|incr(ement(al)?)?|d)(ang(le)?|theta|yaw|psi|heading|ypr)z?(deg|rads?)?"
+    r"|(ang(le)?|theta|yaw|heading)(delta|increment|incr)z?(deg|rads?)?",
+    "yaw": r"(est|fused|current|gyro?)?yaw(angle)?(deg|rads?)?|psi|euleryaw|ypryaw|rpyyaw",
     "heading": r"(true|mag(netic)?|compass|gps|gnss|nav|boat|ship|vehicle)?(heading|hdg|course|bearing|azimuth)(deg)?"
     r"|compass|cog|courseoverground",
     "pitch": r"pitch(angle)?(deg|rads?)?|theta|eulerpitch",
     "roll": r"roll(angle)?(deg|rads?)?|phi|eulerroll",
-    "angle": r"(acc)?(ypr|rpy|euler|angles?|orient(ation)?|attitude|ang|rot(ation)?vector)[xyzw]?|o[ypr]",
+    "angle": r"(acc|gyro)?(ypr|rpy|euler|angles?|orient(ation)?|attitude|ang|rot(ation)?vector)[xyzw]?|o[ypr]",
     "quaternion": r"q(uat(ernion)?)?[wxyz0123ijkr]|quat(ernion)?",
 }
 """Names that sketches give to columns, without case, spaces and punctuation; `rates` name no axis."""
@@ -92,6 +104,15 @@ AXES_OF_RATES: dict[tuple[str, ...], tuple[str, ...]] = {
 """Kinds of columns in units of rates, by their labels; columns without labels have the order x, y, z."""
 
 USED = {"clock", "seq", "rate", "encoder", "temp", "yaw", "heading"}
+ONE_OF = {"encoder", "temp", "seq"}
+"""Kinds of which the first column counts; of several clocks, rates or angles the judge chooses or asks."""
+
+QUATERNION = re.compile(r"(?:.*[\s._])?q(?:uat(?:ernion)?)?[\s._]?([wxyz0-3])", re.IGNORECASE)
+SCALAR_FIRST = dict(zip("0123", "wxyz", strict=True))
+"""Parts of q0 to q3, as in the filters of Madgwick and i2cdevlib; some libraries have the scalar last."""
+
+AIMS = re.compile(r"target|set_?point|desired|cmd|command|(?<![a-z])(sp|ref|goal)(?![a-z])", re.IGNORECASE)
+"""Labels of setpoints: such a quaternion is the desired orientation, not the measured one."""
 
 
 @dataclass(slots=True)
@@ -129,13 +150,13 @@ class SeenColumn:
 
 def kind_of(label: str) -> str:
     """Key of KINDS for a label; empty without one."""
-    name = BRACKETED.sub(_bracket_words, INDEX.sub(r".\1", label)).strip()
+    name = BRACKETED.sub(_bracket_words, INDEX.sub(r".\1", PATH.sub("", label))).strip()
     if SCALED.search(name):
         return ""
     words, mark, axis = name.rpartition(".")
     named = f"{words}{AXIS_OF_INDEX[axis]}" if mark and axis in AXIS_OF_INDEX else f"{words}{axis}"
-    without_unit = "".join(word for word in re.split(r"[\s_]+", named) if len(word) == 1 or unit_of(word) is None)
-    return _kind_of(named) or _kind_of(without_unit)
+    words_alone = "".join(word for word in re.split(r"[\s_]+", named) if len(word) == 1 or unit_of(word) is None)
+    return _kind_of(named) or _kind_of(words_alone) or _kind_of(without_unit(named))
 
 
 def _bracket_words(match: re.Match[str]) -> str:
@@ -151,23 +172,25 @@ def _kind_of(name: str) -> str:
 
 
 def name_by_label(columns: list[SeenColumn]) -> None:
-    """Name columns by their labels. Of two rates the first counts. Label and unit must agree: Hz is not a rate."""
+    """Name columns by their labels. Label and unit must agree: Hz is not a rate. Clocks are named by the judge."""
     taken = {column.kind for column in columns}
     is_one = sum(map(_is_rate, columns)) == 1
-    for column in sorted(columns, key=_is_rate, reverse=True):  # `gz` in deg/s comes before `gz_raw`
+    for column in columns:
         kind = kind_of(column.label) if column.is_numeric and not column.kind else ""
         if kind == "rates" and _is_rate(column) and is_one:
             kind = "rate"  # a single value of a gyro, in a unit of rates
-        if kind and not (kind in USED and kind in taken) and _agrees(kind, column):
+        if kind not in {"", "clock"} and not (kind in ONE_OF and kind in taken) and _agrees(kind, column):
             column.kind, column.why = kind, f"is labeled {column.label}"
             taken.add(kind)
+    for index in quaternion_of(columns).values():
+        columns[index].kind = columns[index].kind or "quaternion"
 
 
 DIMENSIONS = {
     "clock": (Dimension.TIME,),
     **dict.fromkeys(("rate", "gx", "gy"), (Dimension.RATE, Dimension.COUNTS, Dimension.ANGLE)),
     **dict.fromkeys(("ax", "ay", "az"), (Dimension.ACCELERATION, Dimension.COUNTS, Dimension.LENGTH)),
-    **dict.fromkeys(("yaw", "heading", "encoder", "pitch", "roll"), (Dimension.ANGLE, Dimension.COUNTS)),
+    **dict.fromkeys(("yaw", "heading", "encoder", "pitch", "roll", "delta"), (Dimension.ANGLE, Dimension.COUNTS)),
     "temp": (Dimension.TEMPERATURE, Dimension.COUNTS),
 }
 """Allowed dimensions of a kind; some sketches write deg for deg/s, which is asked."""
@@ -185,7 +208,7 @@ def _measures(column: SeenColumn, *dimensions: Dimension) -> bool:
 
 def name_by_known_row(columns: list[SeenColumn]) -> None:
     """Name the columns of known firmware by the first word of its lines."""
-    word = columns[0].texts[0].rstrip(":=")
+    word = "".join(columns[0].texts[:1]).rstrip(":=")
     for column, entry in zip(columns[1:], KNOWN_ROWS.get(word, ()), strict=False):
         if column.is_numeric:
             kind, _, option = entry.partition(":")
@@ -208,9 +231,20 @@ def name_by_unit(columns: list[SeenColumn]) -> None:
         column.why = "is the only rate" if len(rates) == 1 else f"is the rate about {AXIS_OF[kind]} of three"
 
 
+def quaternion_of(columns: Sequence[SeenColumn]) -> dict[str, int]:
+    """Indices of the parts w, x, y and z of the only quaternion; empty without one."""
+    labels = ["" if AIMS.search(column.label) or not column.is_numeric else column.label.strip() for column in columns]
+    matches = [
+        (match[1].lower(), index) for index, label in enumerate(labels) if (match := QUATERNION.fullmatch(label))
+    ]
+    parts = {SCALAR_FIRST.get(part, part): index for part, index in matches}
+    return parts if len(matches) == len(parts) == len(SCALAR_FIRST) else {}
+
+
 def _name(column: SeenColumn) -> str:
-    """Words of a label without its unit."""
-    return " ".join(word for word in without_unit(column.label).lower().split() if unit_of(word) is None)
+    """Words of a label without its unit, and without the word axis."""
+    words = re.split(r"[\s-]+", without_unit(PATH.sub("", column.label)).lower())
+    return " ".join(word for word in words if unit_of(word) is None and word != "axis").strip()
 
 
 def _is_rate(column: SeenColumn) -> bool:

@@ -1,17 +1,31 @@
 """Columns of foreign text and tables, as the user writes them: `t_ms, _, _, rate:lsb/131:-`."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import degrees
 
-from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
+from gyrodrift.values.constants import SECONDS_PER_MINUTE, STANDARD_GRAVITY_MPS2
 from gyrodrift.values.errors import UsageError
-from gyrodrift.values.nearest import did_you_mean
+from gyrodrift.values.nearest import did_you_mean, nearest
 
-IGNORED = "_"
+IGNORED, SELECTED = "_", "="
+"""Meanings of columns that are no quantity: ignored, and with the value of the rows to use."""
+
 CLOCK_US = {"t_us": 1.0, "t_ms": 1e3, "t_s": 1e6, "t_ns": 1e-3}
 """Microseconds per unit of a clock."""
+
+COUNTED_US = {"s.ms": 1e3, "s.us": 1.0, "s.ns": 1e-3}
+"""Clocks whose fraction is a count without leading zeros, and the microseconds of it: `printf("%ld.%ld", s, us)`."""
+
+CLOCK_UNITS_US = {
+    **{name.removeprefix("t_"): us for name, us in CLOCK_US.items()},
+    "min": SECONDS_PER_MINUTE * 1e6,
+    "days": 86400e6,
+    "hms": 1e6,
+    **dict.fromkeys(COUNTED_US, 1e6),
+}
+"""Units of `t:UNIT`; days are those of Excel and of MATLAB's datenum, hms is HHMMSS.ss as in NMEA sentences."""
 
 RATE_DPS = {"dps": 1.0, "mdps": 1e-3, "rads": degrees(1.0), "mrads": degrees(1e-3)}
 ANGLE_DEG = {"deg": 1.0, "rad": degrees(1.0)}
@@ -40,28 +54,44 @@ class Quantity:
 
 RATE = Quantity(RATE_DPS, "lsb")
 ACCELERATION = Quantity(ACCELERATION_MPS2, "lsb", STANDARD_GRAVITY_MPS2)
+CLOCK = Quantity(CLOCK_UNITS_US, "lsb", 1e6, is_signed=False)
 PLAIN = Quantity(is_signed=False)
+QUATERNION = ("q.w", "q.x", "q.y", "q.z")
 QUANTITIES: Mapping[str, Quantity] = {
-    **dict.fromkeys((IGNORED, *CLOCK_US, "seq"), PLAIN),
+    **dict.fromkeys((IGNORED, *CLOCK_US), PLAIN),
+    "t": CLOCK,
+    **dict.fromkeys((*(f"d{name}" for name in CLOCK_US), "seq"), PLAIN),
     "rate": RATE,
+    "delta": Quantity(ANGLE_DEG, "lsb"),
     "encoder": Quantity(ANGLE_DEG, "counts", 360.0),
     "temp": PLAIN,
     "still": PLAIN,
     "yaw": Quantity(ANGLE_DEG),
+    **dict.fromkeys(QUATERNION, Quantity({}, "lsb")),
     **dict.fromkeys(("gx", "gy"), RATE),
     **dict.fromkeys(("ax", "ay", "az"), ACCELERATION),
 }
 """All meanings of a column; the rate is about the vertical axis, z."""
 
 MEANINGS = tuple(QUANTITIES)
+TURNS = {"rate": "a rate", "delta": "a delta", QUATERNION[0]: "a quaternion", "yaw": "yaw"}
+"""Meanings that say how the device turns; a SPEC has one of them."""
+
 OTHER_NAMES = {"gz": "rate", "temp_c": "temp", "rate_dps": "rate", "encoder_deg": "encoder", "yaw_deg": "yaw"}
 EXAMPLE = '--columns "t_ms, _, _, rate:lsb/131"'
 EXPECTED = (
     f"expected one entry per column: {', '.join(MEANINGS)}; rate, gx and gy may have :dps, :mdps, :rads, :mrads or"
-    f" :lsb/N, encoder :deg, :rad or :counts/N, yaw :deg or :rad, ax, ay and az :mps2, :g, :mg or :lsb/N, and all of"
-    f" them :- for the other sign, as in {EXAMPLE}"
+    f" :lsb/N, delta (the angle since the last sample), yaw and encoder :deg or :rad, encoder :counts/N, ax, ay and az"
+    f" :mps2, :g, :mg or :lsb/N, and all of them :- for the other sign; t is a clock in other units, :lsb/N (N ticks a"
+    f" second), :min, :days or :hms, dt_ms the time since the last sample, and +t_ms is added to a clock before it;"
+    f" LABEL=VALUE uses only the rows with this value. As in {EXAMPLE}"
 )
 PER = re.compile(r"(lsb|counts)/([0-9]{1,12}(?:\.[0-9]{0,12})?)")
+QUOTED = r'"(?:[^"]|"")*"'
+ENTRY = re.compile(rf"(?:{QUOTED}|[^,])+|(?<=,)|^(?=,)|^$")
+PARTS = re.compile(rf"(?:(.*?)\s*=)?\s*({QUOTED}|[^=]*)", re.DOTALL)
+TYPO_SIMILARITY, SHORTEST_TYPO = 0.7, 3
+"""A VALUE that resembles a meaning this much, from this length on, is a typing error: `raet`, but not `GYRO` or `B`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,19 +99,25 @@ class Column:
     """Column of a text or a table.
 
     meaning
-        One of MEANINGS.
+        One of MEANINGS, or SELECTED; that of a clock begins with `+` if it is added to another one.
     scale
         Factor to µs, deg/s, degrees or m/s², with its sign.
     label
         Label in a line; empty if the position identifies it.
     unit
-        Unit as written, `rads` or `lsb/131`; empty without one.
+        Unit as written, `rads` or `lsb/131`; empty without one. For SELECTED, the value of the rows to use.
     """
 
     meaning: str
     scale: float = 1.0
     label: str = ""
     unit: str = ""
+
+    @property
+    def clock(self) -> str:
+        """Entry of a clock, for `times.ClockReader`; empty for another column."""
+        is_clock = self.meaning.lstrip("+d") in ("t", *CLOCK_US)
+        return f"{self.meaning}:{self.unit}".rstrip(":") if is_clock else ""
 
 
 def columns_of(spec: str) -> tuple[Column, ...]:
@@ -106,30 +142,60 @@ def parsed(spec: str) -> tuple[Column, ...]:
     ValueError
         An entry is wrong; the message says what is expected.
     """
-    columns = tuple(column_of(entry.strip()) for entry in spec.split(","))
-    for meaning in MEANINGS[1:]:
-        named = [column for column in columns if column.meaning == meaning]
-        if len(named) > 1:
-            raise ValueError(f"{spec!r}: {meaning} is given twice; call the other one {IGNORED}")
-    meanings = {column.meaning for column in columns}
-    if len(meanings & CLOCK_US.keys()) > 1:
-        raise ValueError(f"{spec!r}: there are two clocks; call one of them {IGNORED}")
-    if not meanings & {"rate", "yaw"}:
-        raise ValueError(f"{spec!r}: no column is the rate or yaw; {EXPECTED}")
-    if {"rate", "yaw"} <= meanings:
-        raise ValueError(f"{spec!r}: there are a rate and yaw; call one of them {IGNORED}, or call yaw encoder")
-    if len({bool(column.label) for column in columns}) > 1:
-        raise ValueError(f"{spec!r}: either all columns need a label (LABEL=rate), or none")
+    entries = ENTRY.findall(spec) if spec.count('"') % 2 == 0 else spec.split(",")
+    columns = tuple(column_of(entry.strip()) for entry in entries)
+    problem = next(_problems(columns), "")
+    if problem:
+        raise ValueError(f"{spec!r}: {problem}")
     return columns
+
+
+def _problems(columns: Sequence[Column]) -> Iterator[str]:
+    """What is wrong with the columns together."""
+    meanings = [column.meaning for column in columns if column.meaning not in (IGNORED, SELECTED)]
+    for meaning in meanings:
+        if meanings.count(meaning) > 1:
+            yield f"{meaning} is given twice; call the other one {IGNORED}"
+    clocks = [column for column in columns if column.clock and not column.meaning.startswith("+")]
+    if len(clocks) > 1:
+        yield f"there are two clocks; call one of them {IGNORED}, or +{clocks[1].clock} if they are to be added"
+    if any(meaning.startswith("+") for meaning in meanings) and not any(c.meaning.startswith("t") for c in clocks):
+        yield "a column with + is added to a clock: name that one, as in 't_s, +t_ns, rate'"
+    parts = [meaning for meaning in meanings if meaning in QUATERNION]
+    if parts and len(parts) < len(QUATERNION):
+        yield f"a quaternion needs all of {', '.join(QUATERNION)}"
+    turns = [words for meaning, words in TURNS.items() if meaning in meanings]
+    if not turns:
+        selected = [f"{column.label}={column.unit}" for column in columns if column.meaning == SELECTED]
+        note = f" ({' and '.join(selected)} selects rows)" if selected else ""
+        yield f"no column is the rate or yaw{note}; {EXPECTED}"
+    if len(turns) > 1:
+        yield f"there are {' and '.join(turns)}; call one of them {IGNORED}, or call yaw encoder"
+    if len({bool(column.label) for column in columns}) > 1:
+        yield "either all columns need a label (LABEL=rate), or none"
 
 
 def spec_text(entries: Sequence[str], labels: Sequence[str] = ()) -> str:
     """SPEC of entries such as `rate:lsb/131`: with labels if there are any, else by position."""
     if any(labels):
         named = zip(labels, entries, strict=True)
-        return ", ".join(f"{label}={entry}" for label, entry in named if label and entry != IGNORED)
+        return ", ".join(f"{quoted(label)}={entry}" for label, entry in named if label and entry != IGNORED)
     used = [index for index, entry in enumerate(entries) if entry != IGNORED]
     return ", ".join(entries[: max(used, default=-1) + 1])
+
+
+def quoted(text: str) -> str:
+    """A label or a value for a SPEC, in quotes if it has a comma or other marks of a SPEC."""
+    return '"{}"'.format(text.replace('"', '""')) if re.search(r'[,="]', text) else text
+
+
+def selection(label: str, value: str) -> str:
+    """Entry of a SPEC that uses the rows with a value, in quotes if the value could be a meaning."""
+    try:
+        is_plain = column_of(f"{quoted(label)}={quoted(value)}").meaning == SELECTED
+    except ValueError:
+        is_plain = False
+    return f"{quoted(label)}={quoted(value)}" if is_plain else f'{quoted(label)}="{value}"'
 
 
 def column_of(entry: str) -> Column:
@@ -140,12 +206,18 @@ def column_of(entry: str) -> Column:
     ValueError
         The entry is wrong; the message says what is expected.
     """
-    label, mark, meaning_text = entry.rpartition("=")
-    name, *options = (part.strip() for part in meaning_text.strip().split(":"))
+    match = PARTS.fullmatch(entry)
+    label, meaning_text = match.groups() if match else (None, entry)
+    label = None if label is None else " ".join(_unquoted(label).split())
+    if label is not None and meaning_text.startswith('"'):
+        return Column(SELECTED, label=label, unit=_unquoted(meaning_text))
+    name, *options = (part.strip() for part in meaning_text.split(":"))
+    plus, name = ("+", name[1:]) if name.startswith("+t") else ("", name)
     meaning = OTHER_NAMES.get(name, name)
-    if meaning not in QUANTITIES or (mark and not label.strip()):
-        meant = f"{did_you_mean(name, [*MEANINGS, *OTHER_NAMES])} ".lstrip()
-        raise ValueError(f"{entry!r} is not a column; {meant}{EXPECTED}")
+    if meaning not in QUANTITIES or (plus and meaning not in ("t", *CLOCK_US)) or (label == "" and name):
+        if label is not None and name and meaning not in QUANTITIES and not _is_typo(name):
+            return Column(SELECTED, label=label, unit=meaning_text.strip())
+        raise ValueError(f"{entry!r} is not a column; {_meant(label, name)}{EXPECTED}")
     quantity, scale, unit = QUANTITIES[meaning], CLOCK_US.get(meaning, 1.0), ""
     for option in options:
         factor = -1.0 if option == "-" and quantity.is_signed else scale_of(quantity, option)
@@ -153,7 +225,28 @@ def column_of(entry: str) -> Column:
             raise ValueError(f"{entry!r}: {option!r} is not a unit of {meaning}; {EXPECTED}")
         scale *= factor
         unit = unit if option == "-" else option
-    return Column(meaning, scale, " ".join(label.split()), unit)
+    if meaning == "t" and f"t_{unit}" in CLOCK_US:
+        meaning, unit = f"t_{unit}", ""
+    elif meaning == "t" and not unit:
+        raise ValueError(f"{entry!r}: t needs a unit, such as t_ms, t:lsb/32768 or t:days; {EXPECTED}")
+    return Column(f"{plus}{meaning}", scale, label or "", unit)
+
+
+def _unquoted(text: str) -> str:
+    return text[1:-1].replace('""', '"') if re.fullmatch(QUOTED, text) else text
+
+
+def _is_typo(name: str) -> bool:
+    """Whether a text is a typing error of a meaning, or a unit without its meaning, and no value of a column."""
+    names = [*MEANINGS, *OTHER_NAMES, *RATE_DPS, *ANGLE_DEG]
+    return name in RATE_DPS or (len(name) >= SHORTEST_TYPO and bool(nearest(name, names, 1, TYPO_SIMILARITY)))
+
+
+def _meant(label: str | None, name: str) -> str:
+    """What a wrong entry may mean; empty if nothing is near."""
+    meant = f"did you mean rate:{name}?" if name in RATE_DPS else did_you_mean(name, [*MEANINGS, *OTHER_NAMES])
+    value = f'to use only the rows with this value, write {quoted(label)}="{name}";' if label else ""
+    return "".join(f"{part} " for part in (meant, value) if part)
 
 
 def scale_of(quantity: Quantity, option: str) -> float | None:

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import lru_cache
 
+from gyrodrift.columns.spec import RATE_DPS
+
 
 class Dimension(StrEnum):
     """Dimension of a unit."""
@@ -48,10 +50,11 @@ def _units(dimension: Dimension, **spellings: str) -> dict[str, Unit]:
 TIMES = {
     word: Unit(Dimension.TIME, option)
     for option, words in {
-        "t_s": "s",
-        "t_ms": "ms msec millis millisecond milliseconds",
-        "t_us": "us usec micros microsecond microseconds",
-        "t_ns": "ns nsec nanos nanosecond nanoseconds nanosec",
+        "t:days": "day days",
+        "t_s": "s sec secs",
+        "t_ms": "ms msec msecs millis millisecond milliseconds",
+        "t_us": "us usec usecs micros microsecond microseconds",
+        "t_ns": "ns nsec nsecs nanos nanosecond nanoseconds nanosec",
     }.items()
     for word in words.split()
 }
@@ -90,6 +93,12 @@ MIXED_CASE = {"mG": Unit(Dimension.FIELD), "MHz": Unit(Dimension.FREQUENCY), "mT
 
 AMBIGUOUS = {"G"}
 """Spellings with two meanings: gauss or gravity."""
+
+TURNS_OR_RADIANS = re.compile(r"\brps\b", re.IGNORECASE)
+"""Unit of a label that says revolutions or radians per second, which differ by 6.3."""
+
+FACTOR = re.compile(r"(\d{1,9}(?:\.\d{1,9})?(?:[eE]-?\d{1,2})?)\s?[*·×]?\s?(?=[^\d\s])")
+"""Number before a unit: `0.1 deg/s`."""
 
 REPLACED = tuple(
     (re.compile(pattern), text)
@@ -132,14 +141,32 @@ def unit_in(label: str) -> Unit | None:
     """Unit in a label, in brackets or as its last words: `Gyro Z (rad/s)`, `gyro_z_rad_s`, `time us`."""
     label = label.strip()[:LONGEST]
     for bracketed in BRACKETED.findall(label):
-        if unit := unit_of(bracketed):
+        if unit := unit_of(bracketed) or _scaled(bracketed):
             return unit
+    if unit := _time_in_path(label):
+        return unit
     words = [word for word in TAILS.split(BRACKETED.sub(" ", label)) if word and word.lower() != "per"]
     if len(words) > 1 and words[-1].lower() in AXES:
         words.pop()
     if len(words) > 2 and (unit := unit_of("/".join(words[-2:]))):  # rad_s, m_s2
         return unit
     return unit_of(words[-1]) if len(words) > 1 and len(words[-1]) > 1 else _short_tail(words)
+
+
+def _time_in_path(label: str) -> Unit | None:
+    """Unit of time at the end of a path: `header.stamp.nsecs`."""
+    path, _, name = label.rpartition(".")
+    unit = unit_of(name) if path else None
+    return unit if unit is not None and unit.dimension is Dimension.TIME else None
+
+
+def _scaled(text: str) -> Unit | None:
+    """Unit of a rate with a factor, such as `0.1 deg/s`, as counts per deg/s; None for other texts."""
+    factor = FACTOR.match(text)
+    unit = unit_of(text[factor.end() :]) if factor else None
+    if factor is None or unit is None or unit.option not in RATE_DPS or not float(factor[1]):
+        return None
+    return Unit(Dimension.RATE, f"lsb/{1.0 / (float(factor[1]) * RATE_DPS[unit.option]):.10g}")
 
 
 def _short_tail(words: list[str]) -> Unit | None:
@@ -158,9 +185,11 @@ def _plain(word: str) -> str:
 def without_unit(label: str) -> str:
     """Label without the unit of `unit_in`: `gyro_z_rad_s` is `gyro z`."""
     label = label.strip()[:LONGEST]
-    named = BRACKETED.sub(lambda match: " " if unit_of(match[1]) else match[0], label)
+    named = BRACKETED.sub(lambda match: " " if unit_of(match[1]) or _scaled(match[1]) else match[0], label)
     name = " ".join(word for word in TAILS.split(named) if word)
-    if unit_in(label) is None or any(unit_of(bracketed) for bracketed in BRACKETED.findall(label)):
+    if _time_in_path(label):
+        return label.rpartition(".")[0]
+    if unit_in(label) is None or any(unit_of(text) or _scaled(text) for text in BRACKETED.findall(label)):
         return name
     words = [word for word in name.split() if word.lower() != "per"]
     is_pair = len(words) > 2 and unit_of("/".join(words[-2:])) is not None

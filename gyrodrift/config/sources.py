@@ -17,6 +17,8 @@ MOST_SOURCES = 32
 """Largest number of sources; ten of 1 kHz use a processor. Chosen."""
 
 LONGEST_TIMEOUT_S = 86_400.0
+SHARED_PORTS = ("tcp://", "ws://", "wss://", "mqtt://", "mqtts://")
+"""Servers of several clients, which several sources may read: each takes the lines of another sender."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +58,7 @@ def _all_settings(read: YamlFile, value: Any) -> tuple[SourceSettings, ...]:
     settings = [_settings(read, name, block) for name, block in value.items()]
     ports = [entry.port for entry in settings if entry is not None]
     for entry in settings:
-        if entry is not None and ports.count(entry.port) > 1:
+        if entry is not None and ports.count(entry.port) > 1 and not entry.port.startswith(SHARED_PORTS):
             read.report((SOURCES, entry.name, "port"), "is used by two sources; each needs its own")
     return tuple(entry for entry in settings if entry is not None)
 

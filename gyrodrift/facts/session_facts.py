@@ -18,7 +18,7 @@ from gyrodrift.facts.reference import EncoderComparison, compared_to_encoder
 from gyrodrift.facts.rests import RestRates, RestSource, Stretch, rests_of
 from gyrodrift.facts.spectrum import RestSpectrum, spectrum_of
 from gyrodrift.session.session import Session
-from gyrodrift.values.arrays import Floats
+from gyrodrift.values.arrays import Floats, Mask
 
 GAP_PERIODS = 1.5
 MOST_MISSING = 1e15
@@ -45,6 +45,28 @@ class Gaps:
     count: int
     missing: int
     longest_s: float
+
+
+NEAR_STEPS, NEAR_SHARE, SAME_PACE = 8, 0.75, 0.2
+"""Long steps before or after a step of which this share is as long, within SAME_PACE, are a lower sample rate."""
+
+
+def is_gap(steps_s: Floats, period_s: float) -> Mask:
+    """Mask of forward steps that have lost samples, shape (n,): longer than usual, and than those near them.
+
+    A device may change its sample rate.
+    """
+    mask: Mask = steps_s > GAP_PERIODS * period_s
+    indices = np.flatnonzero(mask)
+    shares = np.zeros((2, len(indices)))
+    padded_s = np.pad(steps_s, NEAR_STEPS, constant_values=np.nan)
+    for side, shifts in enumerate((np.arange(NEAR_STEPS), np.arange(NEAR_STEPS + 1, 2 * NEAR_STEPS + 1))):
+        near = padded_s[indices[:, None] + shifts]
+        shares[side] = np.mean(
+            np.abs(near - steps_s[indices][:, None]) <= SAME_PACE * steps_s[indices][:, None], axis=1
+        )
+    mask[indices] = shares.max(axis=0) < NEAR_SHARE
+    return mask
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,7 +189,7 @@ class SessionFacts:
         """Gaps in device time, and missing samples."""
         if self.period_s is None:
             return Gaps(0, 0, 0.0)
-        steps_s = self._forward_s[self._forward_s > GAP_PERIODS * self.period_s]
+        steps_s = self._forward_s[is_gap(self._forward_s, self.period_s)]
         if self.session.seq is None:
             missing = int((np.minimum(np.rint(steps_s / self.period_s), MOST_MISSING) - 1.0).sum())
         else:

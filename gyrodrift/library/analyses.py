@@ -34,6 +34,7 @@ def tune(
     on_progress: OnProgress = ignore_progress,
     allow_damage: bool = False,
     columns: str | None = None,
+    sample_rate_hz: float = 0.0,
 ) -> "Tuning":
     """Tune filters on sessions with an encoder; `result.filter` is the best filter, `result.params` its parameters.
 
@@ -57,6 +58,8 @@ def tune(
         Use the undamaged part of a damaged recording.
     columns
         Columns of tables, as in the option `--columns`; None to read them from the header.
+    sample_rate_hz
+        Rate of the samples, in place of a clock; 0 for the clock of the sessions.
 
     Raises
     ------
@@ -78,7 +81,7 @@ def tune(
         method=method,
         ranges=[f"{name}={low!r}:{high!r}" for name, (low, high) in (ranges or {}).items()],
         jobs=jobs,
-        inputs=_inputs(columns, allow_damage=allow_damage),
+        inputs=_inputs(columns, sample_rate_hz, allow_damage=allow_damage),
     )
     with TemporaryDirectory(prefix="gyrodrift-") as folder:
         tuning, was_interrupted = run_tuning(options, Path(folder) / "progress.npz", on_progress)
@@ -99,6 +102,7 @@ def diagnose(
     columns: str | None = None,
     baseline_columns: str | None = None,
     reference: str | None = None,
+    sample_rate_hz: float = 0.0,
 ) -> "Diagnosis":
     """Explain the gap between a simulated rig and recordings; `result.verdict` names the missing effect.
 
@@ -121,6 +125,8 @@ def diagnose(
         `columns` unless `baseline_columns` states its own.
     reference
         Topic of bags and `.mcap` files with the reference angle, as in the option `--reference`; None for none.
+    sample_rate_hz
+        Rate of the samples, in place of a clock; 0 for the clock of the sessions.
 
     Raises
     ------
@@ -139,8 +145,8 @@ def diagnose(
         baseline=_paths(baseline),
         withhold=frozenset(withhold),
         jobs=jobs,
-        inputs=_inputs(columns, reference, allow_damage=allow_damage),
-        baseline_reading=None if baseline_columns is None else _reading(baseline_columns, reference),
+        inputs=_inputs(columns, sample_rate_hz, reference, allow_damage=allow_damage),
+        baseline_reading=None if baseline_columns is None else _reading(baseline_columns, sample_rate_hz, reference),
     )
     return diagnosis.diagnose(options.request(on_progress))
 
@@ -157,6 +163,7 @@ def compare(
     on_progress: OnProgress = ignore_progress,
     allow_damage: bool = False,
     columns: str | None = None,
+    sample_rate_hz: float = 0.0,
 ) -> "Comparison":
     """Run every installed method over sessions with an encoder; `result.entries` and `result.means` correspond.
 
@@ -176,6 +183,8 @@ def compare(
         Use the undamaged part of a damaged recording.
     columns
         Columns of tables, as in the option `--columns`; None to read them from the header.
+    sample_rate_hz
+        Rate of the samples, in place of a clock; 0 for the clock of the sessions.
 
     Raises
     ------
@@ -199,7 +208,7 @@ def compare(
         iterations=iterations,
         seed=seed,
         jobs=jobs,
-        inputs=_inputs(columns, allow_damage=allow_damage),
+        inputs=_inputs(columns, sample_rate_hz, allow_damage=allow_damage),
     )
     return comparison.compare(options.request(on_progress))
 
@@ -208,14 +217,16 @@ def _paths(paths: Paths) -> list[Path]:
     return [Path(path) for path in ([paths] if isinstance(paths, str | PathLike) else paths)]
 
 
-def _inputs(columns: str | None, reference: str | None = None, *, allow_damage: bool) -> "InputOptions":
+def _inputs(
+    columns: str | None, sample_rate_hz: float, reference: str | None = None, *, allow_damage: bool
+) -> "InputOptions":
     from gyrodrift.session.checks.given import InputOptions
 
-    return InputOptions(_reading(columns, reference), allow_damage=allow_damage)
+    return InputOptions(_reading(columns, sample_rate_hz, reference), allow_damage=allow_damage)
 
 
-def _reading(columns: str | None, reference: str | None) -> "ReadingOptions":
+def _reading(columns: str | None, sample_rate_hz: float, reference: str | None) -> "ReadingOptions":
     from gyrodrift.session.checks.given import columns_or_none
     from gyrodrift.session.checks.stated import ReadingOptions
 
-    return ReadingOptions(columns_or_none(columns), reference=reference or "")
+    return ReadingOptions(columns_or_none(columns), reference=reference or "", sample_rate_hz=sample_rate_hz)

@@ -14,6 +14,7 @@ def load_session(
     columns: str | None = None,
     reference: str | None = None,
     allow_damage: bool = False,
+    sample_rate_hz: float = 0.0,
 ) -> "Session":
     """Load a recorded session (`.mcap`) or a table (`.csv`, `.json` and others) as arrays.
 
@@ -27,6 +28,8 @@ def load_session(
         Topic of a bag or `.mcap` with the reference angle, as in the option `--reference`; None for none.
     allow_damage
         Return the undamaged part of a damaged recording; `session.damage` then has the losses.
+    sample_rate_hz
+        Rate of the samples, in place of a clock, as in the option `--sample-rate`; 0 for the clock of the session.
 
     Raises
     ------
@@ -35,8 +38,9 @@ def load_session(
     DataError
         If it is missing, of an unknown kind, or no session.
     """
-    from gyrodrift.session import files
     from gyrodrift.session.checks.given import columns_or_none
+    from gyrodrift.session.checks.stated import ReadingOptions, session_as_stated
 
     named = columns_or_none(columns)
-    return files.load_session(Path(path), named, reference=reference or "", allow_damage=allow_damage)
+    stated = ReadingOptions(named, reference=reference or "", sample_rate_hz=sample_rate_hz)
+    return session_as_stated(Path(path), stated, allow_damage=allow_damage)

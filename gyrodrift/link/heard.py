@@ -7,6 +7,13 @@ from gyrodrift.io.plain_text import decoded, plain_text
 BYTES_MAX = 32_768
 """Several of the longest lines, JSON of 4 KiB."""
 
+BEGINNING_BYTES = 1024
+"""Bytes of the beginning, which a board that prints its header once has there."""
+
+LINE_END, CELL_END, CELL = re.compile(r"[\r\n]+"), re.compile(r"[,;\t|]"), re.compile(r"^[^,;\t|]*")
+CELLS_MIN = 2
+"""Least number of separators in a header."""
+
 TEXT_BYTES_MIN = 16
 """At a wrong baud rate a third of the bytes are printable: 16 in a row happen by chance once in 10^7."""
 
@@ -22,7 +29,7 @@ class Heard:
     """Last kilobytes of a stream, and the rate of its lines."""
 
     def __init__(self) -> None:
-        self.content = b""
+        self.content = self._beginning = b""
         self._lines = self._bytes = 0
         self._first_s = self._last_s = 0.0
 
@@ -33,6 +40,7 @@ class Heard:
         self._lines += max(chunk.count(b"\n"), chunk.count(b"\r"))
         self._last_s = arrival_s
         self._bytes += len(chunk)
+        self._beginning = (self._beginning + chunk)[:BEGINNING_BYTES]
         self.content = (self.content + chunk)[-BYTES_MAX:]
 
     @property
@@ -67,16 +75,23 @@ class Heard:
         return 0 < len(text) < TEXT_BYTES_MIN and all(byte in PRINTABLE for byte in text)
 
     def lines(self) -> list[str]:
-        """Complete lines that are not empty, without the first one if there are others, since it may be cut."""
-        *whole, _ = re.split(r"[\r\n]+", decoded(plain_text(self.content)))
-        return [line.strip() for line in (whole[1:] or whole) if line.strip()]
+        """Complete lines that are not empty: the last ones, after the header from the beginning of the stream.
+
+        The first line may be cut, so it is left out, and a header there has no first name.
+        """
+        *whole, _ = self._all_lines()
+        lines = [line.strip() for line in (whole[1:] or whole) if line.strip()]
+        *beginning, _ = LINE_END.split(decoded(plain_text(self._beginning)))
+        header = next((line for line in beginning if line.strip()), "")
+        is_header = len(CELL_END.findall(header)) >= CELLS_MIN and not any(map(str.isdigit, CELL_END.split(header)))
+        return [CELL.sub("_", header.strip(), count=1), *lines] if is_header else lines
 
     def last_words(self) -> str:
         """Last text, also of an incomplete line."""
         return next((line.strip() for line in reversed(self._all_lines()) if line.strip()), "")
 
     def _all_lines(self) -> list[str]:
-        return re.split(r"[\r\n]+", decoded(plain_text(self.content)))
+        return LINE_END.split(decoded(plain_text(self.content)))
 
 
 def quoted(line: str) -> str:

@@ -241,7 +241,7 @@ class Link:
 
     def _stamp(self, decoder: Decoder, arrived: list[Arrived]) -> list[Sample]:
         first = arrived[0][1][0]
-        is_angle = not isnan(first.yaw_deg)
+        is_angle, is_delta = not isnan(first.yaw_deg), not isnan(first.delta_deg)
         if self.clock is None:
             protocol = self._protocols[decoder.name]
             has_clock = protocol.has_clock and first.t_us is not None
@@ -260,7 +260,7 @@ class Link:
             samples += self.clock.stamp(readings, arrival_s)
         if self.clock.events:
             self._report_clock_events(self.clock)
-        if is_angle:  # the first angle gives no rate
+        if is_angle or is_delta:  # the first angle gives no rate
             samples = [sample for sample in samples if not isnan(sample.rate_dps)]
         return samples
 

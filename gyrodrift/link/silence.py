@@ -16,7 +16,6 @@ NAMES_MAX = 12
 DATA_SHARE = 0.4
 """Share of digits above which a line is data, and below which it is a message."""
 
-RATE_UNITS = "dps, rads, mdps or lsb/N"
 ANGLE_NOTE = (
     ". It is an angle, which a filter in the device has processed. If it falls during a turn to the left, append :-"
 )
@@ -138,16 +137,18 @@ def _why_text(protocol: str, heard: Heard, port: str, waited: str, source: ByteS
     looks = f"{prints}: {quoted(guessed.example)} looks like {shown} ({guessed.form})"
     turn_it = f"gyrodrift doctor --port {shlex.quote(port)} --turn"
     if guessed.turn is None or guessed.template is None:
+        reason = guessed.question or "none of them is known to be the yaw rate"
         return (
-            f"{looks}, but none of them is known to be the yaw rate; {_expected(protocol)}, or name the columns with"
+            f"{looks}, but {reason}; {_expected(protocol)}, or name the columns with"
             f" --columns, or find them by a quarter turn: {turn_it}"
         )
     is_angle = guessed.turn.entry.startswith("yaw")
     columns = f"'{guessed.template}'"  # no label holds a quotation mark
     reasons = "; ".join(f"{column.looks_like} {column.why}" for column in guessed.columns if column.entry != "_")
-    if not guessed.is_unit_known:
+    if guessed.asked:
+        unknown = "its unit" if "UNIT by" in guessed.asked[-1] else "the sender"
         return (
-            f"{looks} ({reasons}), but its unit is unknown: replace UNIT by {'deg or rad' if is_angle else RATE_UNITS}"
+            f"{looks} ({reasons}), but {unknown} is unknown: replace {', and '.join(guessed.asked)}"
             f" in --columns {columns}, or find it by a quarter turn: {turn_it}"
         )
     note = ANGLE_NOTE if is_angle else ""
@@ -156,7 +157,12 @@ def _why_text(protocol: str, heard: Heard, port: str, waited: str, source: ByteS
 
 def _without_columns(heard: Heard, waited: str) -> str:
     """Advice about data of an unknown form, a board that is still starting, or a board that waits."""
-    text = "".join(heard.lines())
+    from gyrodrift.columns.fields import is_hex  # noqa: PLC0415 - for unknown streams only
+
+    lines = heard.lines()
+    text = "".join(lines)
+    if 2 * sum(is_hex(line.strip()) for line in lines) > len(lines):
+        return "has hexadecimal numbers, which are not read; print decimal numbers"
     if sum(character.isdigit() for character in text) >= DATA_SHARE * max(1, len(text)):
         return "looks like data of an unknown form; can the device send another format?"
     return (

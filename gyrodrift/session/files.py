@@ -5,6 +5,7 @@ from itertools import chain
 from pathlib import Path
 
 from gyrodrift.columns.spec import Column
+from gyrodrift.columns.times import AS_READ, StatedClock
 from gyrodrift.io.files import UnreadableError, check_ordinary, whole_file, write_whole
 from gyrodrift.session.damage import DamagedError, RecordingDamage
 from gyrodrift.session.session import Session
@@ -12,7 +13,7 @@ from gyrodrift.values.errors import DataError, UsageError
 
 ENDINGS = (".mcap", ".csv")
 TABLES = (".csv", ".tsv", ".txt", ".log", ".json", ".jsonl", ".ndjson", ".parquet")
-"""Endings of tables in lower case."""
+"""Usual endings of tables in lower case; a file with another ending is read as a table if its content is one."""
 
 OTHERS_IN_FOLDER = (".parquet", ".jsonl", ".ndjson", ".tsv", ".ulg", ".bag")
 """Endings that count in a folder without `.mcap` and `.csv`; the rest may be notes, configs or logs of a program."""
@@ -22,7 +23,12 @@ LOGS = (".bag", ".db3", ".bin", ".log", ".ulg")
 
 
 def load_session(
-    path: Path, columns: Sequence[Column] | None = None, *, reference: str = "", allow_damage: bool = False
+    path: Path,
+    columns: Sequence[Column] | None = None,
+    *,
+    reference: str = "",
+    allow_damage: bool = False,
+    clock: StatedClock = AS_READ,
 ) -> Session:
     """Load a session by its ending.
 
@@ -36,6 +42,8 @@ def load_session(
         Topic of a bag or .mcap file with the reference angle, as in `--reference`; empty for none.
     allow_damage
         Whether the whole samples of a damaged recording are returned.
+    clock
+        Unit of the clock of a table, or a sample rate in place of its clock.
 
     Raises
     ------
@@ -44,7 +52,7 @@ def load_session(
     DataError
         The file is missing, of an unknown kind, or no session.
     """
-    session = _loaded(path, columns, allow_damage=allow_damage)
+    session = _loaded(path, columns, clock, allow_damage=allow_damage)
     if not reference:
         return session
     from gyrodrift.session.topics.reference import with_reference  # noqa: PLC0415 - imported only for topics
@@ -52,7 +60,7 @@ def load_session(
     return with_reference(session, path, reference)
 
 
-def _loaded(path: Path, columns: Sequence[Column] | None, *, allow_damage: bool) -> Session:
+def _loaded(path: Path, columns: Sequence[Column] | None, clock: StatedClock, *, allow_damage: bool) -> Session:
     if not path.exists():
         raise DataError(f"{path}: there is no such session")
     if path.is_dir():
@@ -64,18 +72,22 @@ def _loaded(path: Path, columns: Sequence[Column] | None, *, allow_damage: bool)
     ending = path.suffix.lower()
     if ending in LOGS and columns is None and (log := _log(path, ending)) is not None:
         return log
-    if ending in TABLES:
-        from gyrodrift.session.tables.read import read_table
-
-        return read_table(path, columns)
-    if columns is not None:
-        raise UsageError(f"--columns: {path} is no table; tables end in {', '.join(TABLES)}")
-    if ending == ".mcap":
+    if ending == ".mcap" and columns is None:
         from gyrodrift.session.mcap.read import read_mcap  # noqa: PLC0415 - a format is imported only when it is read
 
         return read_mcap(path, allow_damage=allow_damage)
-    read = ", ".join(dict.fromkeys((".mcap", *TABLES, *LOGS)))
-    raise DataError(f"{path}: sessions end in {read}, not {path.suffix or 'nothing'}")
+    if ending in (".mcap", *LOGS) and ending not in TABLES:
+        raise UsageError(f"--columns: {path} is no table; tables end in {', '.join(TABLES)}")
+    from gyrodrift.session.tables.read import read_table
+    from gyrodrift.session.tables.text import NoTableError  # noqa: PLC0415 - imported only for tables
+
+    try:
+        return read_table(path, columns, clock)
+    except NoTableError as error:
+        if ending in TABLES:
+            raise
+        read = ", ".join(dict.fromkeys((".mcap", *TABLES, *LOGS)))
+        raise DataError(f"{error}; sessions end in {read}, not {path.suffix or 'nothing'}") from error
 
 
 def _bag(folder: Path) -> Session:

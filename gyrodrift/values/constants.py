@@ -17,6 +17,12 @@ COUNTER_MASK = COUNTER_WRAP - 1
 DEG_PER_RAD = degrees(1.0)
 """Degrees in a radian, 180/π."""
 
+DELTA_GAP_S, DELTA_GAP_PERIODS = 0.25, 4.0
+"""After a step longer than both, in s and usual periods, an angle since the last sample is that of one period.
+
+Shorter steps may be jitter of the clock, over which the sum of the angles must not change.
+"""
+
 FULL_TURN_DEG = 360.0
 """Degrees in a turn."""
 

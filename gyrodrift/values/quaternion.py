@@ -1,9 +1,14 @@
 """Rotations in plain floats. A quaternion (w, x, y, z) turns vectors of a sensor or device to the earth frame, z up."""
 
 from math import acos, asin, atan2, cos, degrees, radians, sin, sqrt
+from typing import TYPE_CHECKING, TypeVar
 
 from gyrodrift.values.vectors import Vector
 
+if TYPE_CHECKING:
+    from gyrodrift.values.arrays import Floats
+
+Number = TypeVar("Number", float, "Floats")
 Quaternion = tuple[float, float, float, float]
 
 IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
@@ -130,6 +135,11 @@ def positive(q: Quaternion) -> Quaternion:
     return q if w >= 0.0 else (-w, -x, -y, -z)
 
 
+def yaw_parts(w: Number, x: Number, y: Number, z: Number) -> tuple[Number, Number]:
+    """Sine and cosine of the yaw of R = Rz(yaw)·Ry(pitch)·Rx(roll), times a positive factor; of arrays, too."""
+    return 2.0 * (w * z + x * y), w * w + x * x - y * y - z * z
+
+
 def yaw_of(w: float, x: float, y: float, z: float) -> float:
     """Yaw of R = Rz(yaw)·Ry(pitch)·Rx(roll), deg, of a quaternion of any norm."""
-    return degrees(atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z))
+    return degrees(atan2(*yaw_parts(w, x, y, z)))

@@ -66,6 +66,9 @@ class Reading(NamedTuple):
         All axes; None if the device does not send three rates. `rate_dps` is its `gyro_z_dps`.
     device_yaw
         Result of the device's own filter; None if the device sends none for this measurement.
+    delta_deg
+        Angle since the previous measurement of a device that sends no rate, deg; else NaN. `rate_dps` is NaN, and the
+        clock makes it.
     """
 
     t_us: int | None
@@ -77,6 +80,7 @@ class Reading(NamedTuple):
     yaw_deg: float = nan
     inertial: Inertial | None = None
     device_yaw: DeviceYaw | None = None
+    delta_deg: float = nan
 
 
 class Sample(NamedTuple):

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gyrodrift.columns.fields import Fields, Form, fields_of
+from gyrodrift.columns.fields import Fields, Form, Headings, fields_of
 
 
 @pytest.mark.parametrize(
@@ -49,9 +49,9 @@ def test_labels_name_values(line: str, labels: tuple[str, ...], values: tuple[st
 @pytest.mark.parametrize(
     ("line", "units"),
     [
-        ("Rotation X: 0.1, Y: 0.2, Z: 0.3 rad/s", ("", "", "rad/s")),
+        ("Rotation X: 0.1, Y: 0.2, Z: 0.3 rad/s", ("rad/s",) * 3),
         ("gx: 1 deg/s gy: 2 deg/s gz: 3 deg/s", ("deg/s", "deg/s", "deg/s")),
-        ("g(x,y,z) 4 5 6 [dps] o(y,p,r) 1 2 3", ("", "", "dps", "", "", "")),
+        ("g(x,y,z) 4 5 6 [dps] o(y,p,r) 1 2 3", ("dps", "dps", "dps", "", "", "")),
         ("rate = 944.27 Hz", ("Hz",)),
         ("Gz: 0.58°/s", ("°/s",)),
         (">gz:0.5§rad/s", ("rad/s",)),
@@ -85,10 +85,10 @@ def test_marks_around_a_row_are_taken_off(line: str) -> None:
 
 
 def test_json_is_read_by_the_way_to_each_number() -> None:
-    """Numbers in quotes count, names and truth values do not."""
+    """Numbers in quotes count, names select lines, and truth values do not count."""
     line = '{"t": 1.5, "gyro": {"x": 1, "z": "-2"}, "list": [7, 8], "name": "mpu", "ok": true}'
     assert fields_of(line) == Fields(
-        Form.JSON, ("t", "gyro.x", "gyro.z", "list.0", "list.1"), ("1.5", "1", "-2", "7", "8")
+        Form.JSON, ("t", "gyro.x", "gyro.z", "list.0", "list.1", "name"), ("1.5", "1", "-2", "7", "8", "mpu")
     )
     assert fields_of('{"t": 1.5, "gy') is None
 
@@ -112,3 +112,57 @@ def test_a_sentence_has_to_pass_its_checksum() -> None:
 def test_no_text_is_too_odd(line: str) -> None:
     result = fields_of(line)
     assert result is None or len(result.labels) == len(result.values)
+
+
+@pytest.mark.parametrize(
+    ("line", "labels", "values"),
+    [
+        ('<imu gx="0.3" gz="-0.8"/>', ("gx", "gz"), ("0.3", "-0.8")),
+        ("<imu><gyro><x>1</x><z>0.5</z></gyro></imu>", ("gyro.x", "gyro.z"), ("1", "0.5")),
+        ('t="5" gz="0.5"', ("t", "gz"), ("5", "0.5")),
+        ("gx 0.1 gy 0.2", ("gx", "gy"), ("0.1", "0.2")),
+        ("gx: 0,52; gz: -1,25 dps", ("gx", "gz"), ("0.52", "-1.25")),
+        ("gyro { x: 1 y: 2 z: 3 }", ("gyro x", "gyro y", "gyro z"), ("1", "2", "3")),
+    ],
+)
+def test_labels_stand_in_elements_quotes_and_turns(line: str, labels: tuple[str, ...], values: tuple[str, ...]) -> None:
+    result = fields_of(line)
+    assert result is not None
+    assert (result.form, result.labels, result.values) == (Form.LABELED, labels, values)
+
+
+@pytest.mark.parametrize(
+    ("text", "labels"),
+    [
+        ('{\n"t_ms": 5,\n"gyro": {\n"x": 1,\n"z": 2\n}\n}\n{\n"t_ms": 6', ["t_ms", "gyro.x", "gyro.z", "t_ms"]),
+        ("header {\nstamp {\nsec: 1\n}\n}\nangular_velocity {\nz: 1\n}", ["header.stamp.sec", "angular_velocity.z"]),
+        ('"gyro": [\n0.1,\n0.2\n],\n"t": 1', ["gyro.0", "gyro.1", "t"]),
+        ("<gyro>\n<z>0.5</z>\n</gyro>\n<t>1</t>", ["gyro.z", "t"]),
+        ("Gyroscope:\nX1 = 0.1\nZ1 = 0.2", ["Gyroscope X1", "Gyroscope Z1"]),
+    ],
+)
+def test_a_label_has_the_names_of_its_blocks(text: str, labels: list[str]) -> None:
+    headings = Headings()
+    parsed = [fields for line in text.split("\n") if (fields := headings.fields_of(line)) is not None]
+    assert [label for fields in parsed if fields.form is Form.LABELED for label in fields.labels] == labels
+
+
+def test_hexadecimal_numbers_are_never_read_as_decimal_ones() -> None:
+    """After the first of them, nor is a line whose digits may be one."""
+    headings = Headings()
+    assert headings.fields_of("gx:FF83 gz:0041") is None
+    assert headings.fields_of("gx:0042 gz:0041") is None
+    assert headings.fields_of("gx:42 gz:41") is not None
+    assert [fields_of(line) for line in ("gz:0xFF", "FF83,0041", "0012,00AB")] == [None] * 3
+    assert fields_of("1E05,2E05") is not None
+
+
+numbers = st.from_regex(r"-?(0|[1-9][0-9]{0,3})(\.[0-9]{1,3})?", fullmatch=True)
+
+
+@given(st.lists(st.lists(numbers, min_size=3, max_size=3), min_size=2, max_size=4))
+def test_lines_that_differ_in_numbers_have_the_same_labels(rows: list[list[str]]) -> None:
+    for form in ("gx: {} gy: {} gz: {} dps", "x={}, y={}, z={}", "Gyro X:{} Y:{} Z:{}", "[5] gx:{} gy:{} gz:{}"):
+        headings = Headings()
+        lines = [form.format(*row) for row in rows]
+        assert [headings.fields_of(line) for line in lines] == [fields_of(line) for line in lines]

@@ -1,7 +1,9 @@
 """Columns of unknown text: sketches and examples of libraries, line by line."""
 
+import re
 from collections.abc import Callable
 from math import cos, sin
+from pathlib import Path
 from random import Random
 
 import pytest
@@ -9,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gyrodrift.columns.guess import guess
+from gyrodrift.columns.judge import rules
 from gyrodrift.link.protocols.registry import candidates
 
 LINES = 20
@@ -30,7 +33,7 @@ STATEMENT: dict[str, tuple[Callable[[int], str], str, str]] = {
             f"Rotation X: {n(0.1):.2f}, Y: 0.00, Z: {n(0.1):.2f} rad/s\nTemperature: 25.10 degC\n"
         ),
         "gx, gy, gz",
-        "Rotation Z=rate:rads",
+        "Rotation X=gx:rads, Rotation Y=gy:rads, Rotation Z=rate:rads",
     ),
     "accelerations and rates in one line": (
         lambda i: f"a(x,y,z) 1 2 999 [mg] g(x,y,z) 1 2 {n(1):.2f} [dps] o(y,p,r) 1 2 3 rate = {700 + n(9):.2f} Hz",
@@ -57,7 +60,7 @@ STATEMENT: dict[str, tuple[Callable[[int], str], str, str]] = {
     "lines that differ by their first word": (
         lambda i: f"accel 1 2 3\ngyro_dps 1 2 {n(1):.2f}\nmag 4 5 6",
         "_, gx, gy, gz",
-        "gyro_dps z=rate:dps",
+        "gyro_dps x=gx:dps, gyro_dps y=gy:dps, gyro_dps z=rate:dps",
     ),
     "Teleplot with times": (
         lambda i: f">gx:{20 * i}:1§dps\n>gz:{20 * i}:{n(1):.2f}§dps",
@@ -97,6 +100,11 @@ UNIT_ASKED: dict[str, tuple[Callable[[int], str], str]] = {
         lambda i: f"a/g:\t{16000 + int(n(50))}\t{int(n(50))}\t300\t{int(n(20))}\t{int(n(20))}\t{int(n(20))}",
         "a/g 6=rate:UNIT",
     ),
+    "an angle since the last line": (lambda i: f"dtheta_z: {n(0.1):.3f}", "dtheta_z=delta:UNIT"),
+    "a quaternion that may be in another order": (
+        lambda i: f"q0:1.0 q1:0.{i % 9} q2:0.0 q3:0.1",
+        "q0=q.w, q1=q.x, q2=q.y, q3=q.z",
+    ),
     "a small yaw": (lambda i: f"yaw: {n(0.1):.3f}", "yaw=yaw:UNIT"),
 }
 
@@ -106,7 +114,8 @@ def test_a_unit_that_nothing_says_is_asked_for(name: str) -> None:
     line, template = UNIT_ASKED[name]
     result = guess([line(i) for i in range(LINES)], 100.0)
     assert result is not None
-    assert (result.spec, result.template) == (None, template)
+    assert (result.spec if "UNIT" in template else None, result.template) == (None, template)
+    assert not result.is_stated
 
 
 UNNAMED: dict[str, Callable[[int], str]] = {
@@ -120,7 +129,6 @@ UNNAMED: dict[str, Callable[[int], str]] = {
     "a pace": lambda i: f"rate = {700 + n(9):.2f} Hz",
     "accelerations": lambda i: f"AcX: 1 AcY: {n(1):.2f} AcZ: 0.98",
     "a battery and a temperature": lambda i: f"battery: 3.7 V temp: 25.{i % 4}",
-    "a quaternion": lambda i: f"q0:1.0 q1:0.{i % 9} q2:0.0 q3:0.1",
 }
 
 
@@ -243,3 +251,68 @@ def test_an_imu_message_of_ros_as_json_gives_all_axes() -> None:
         [f"msg.angular_velocity.{axis}={kind}:rads" for axis, kind in zip("xyz", ("gx", "gy", "rate"), strict=True)]
         + [f"msg.linear_acceleration.{axis}=a{axis}:mps2" for axis in "xyz"]
     )
+
+
+@pytest.mark.parametrize(
+    ("angle", "unit", "per_dps", "sign"),
+    [
+        ("heading", "deg", 1.0, ":-"),
+        ("yaw", "deg", 1.0, ""),
+        ("heading", "rad", 57.29578, ":-"),
+        ("yaw", "deg", 57.29578, ""),
+    ],
+)
+def test_an_angle_beside_a_rate_tells_its_unit_and_its_sign(angle: str, unit: str, per_dps: float, sign: str) -> None:
+    rates = [40.0 * (60 <= i < 140) + n(0.2) for i in range(300)]
+    lines, turned = [f"t_ms,yawRate,{angle}"], 100.0
+    for i, rate in enumerate(rates):
+        turned += rate * 0.02
+        shown = turned % 360.0 / (57.29578 if unit == "rad" else 1.0)
+        lines.append(f"{20 * i},{rate / per_dps:.5f},{shown:.4f}")
+    result = guess(lines)
+    assert result is not None
+    assert result.template == f"t_ms, rate:{'dps' if per_dps == 1.0 else 'rads'}{sign}"
+
+
+SENDERS: dict[str, tuple[Callable[[int], str], str, str]] = {
+    "nodes as objects": (
+        lambda i: f'{{"id": {1 + i % 2}, "gz_dps": {n(1):.3f}}}',
+        "id=WHICH, gz_dps=rate:dps",
+        "WHICH by the sender that you mean (1, 2)",
+    ),
+    "rows of a gyro and an accelerometer": (
+        lambda i: f'{{"sensor": "{("ACC", "GYRO")[i % 2]}", "t_ms": {10 * i}, "z": {n(1):.3f}}}',
+        "sensor=GYRO, t_ms=t_ms, z=rate:UNIT",
+        "UNIT by dps, rads, mdps or lsb/N",
+    ),
+}
+
+
+@pytest.mark.promise("Text and units")
+@pytest.mark.parametrize("name", SENDERS)
+def test_of_several_senders_one_is_asked_for(name: str) -> None:
+    """Of several senders in one stream, which one is asked for; their rates are never mixed."""
+    line, template, asked = SENDERS[name]
+    result = guess([line(i) for i in range(60)], 100.0)
+    assert result is not None
+    assert (result.template, result.spec, result.asked) == (template, None, (asked,))
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        lambda i: f"imu1 gz: {n(1):.3f} dps imu2 gz: {n(1):.3f} dps",
+        lambda i: f"t_ms: {1000 + 20 * (i // 2) + 7 * (i % 2)} gz: {n(0.1) + 5 * (i % 2):.3f} dps",
+    ],
+    ids=["in one line", "without a name"],
+)
+def test_two_gyros_without_a_key_are_a_question(line: Callable[[int], str]) -> None:
+    result = guess([line(i) for i in range(60)], 100.0)
+    assert result is not None
+    assert (result.template, result.question != "") == (None, True)
+
+
+def test_the_page_has_all_rules_with_their_reasons() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "protocols.md").read_text()
+    reasons = re.findall(r"^\| [a-z ]+ \| ([A-Z].*\.) \|$", page, re.MULTILINE)
+    assert reasons == [rule.why for rule in rules(None)]

@@ -48,7 +48,6 @@ def guessed(form: str, head: str = "") -> TextGuess:
         "roll: {z:.2f} deg/s",
         "500 dps | {x:.0f} | {y:.0f} | {z:.0f}",
         "{t}; {z:.0f}; 200 dps",
-        "dyaw: {z:.3f}",
         "rotationX: {x:.2f} rotationY: {y:.2f} rotationZ: {z:.2f}",
         "rotation z: {z:.2f} deg",
         "gyro[0]: {x:.2f} dps, gyro[1]: {y:.2f} dps",
@@ -64,20 +63,24 @@ def test_a_unit_of_rates_does_not_stand_against_what_a_label_says(form: str) -> 
 @pytest.mark.parametrize(
     ("head", "form", "spec"),
     [
-        ("", "Z: {z:.2f} dps Y: {y:.2f} dps X: {x:.2f} dps", "Z=rate:dps"),
-        ("", "yaw: {z:.2f} deg/s pitch: {y:.2f} deg/s roll: {x:.2f} deg/s", "yaw=rate:dps"),
-        ("", "gyro_yaw: {z:.2f} dps gyro_pitch: {y:.2f} dps gyro_roll: {x:.2f} dps", "gyro_yaw=rate:dps"),
-        ("t_ms,r (rad/s),q (rad/s),p (rad/s)", "{t},{z:.4f},{y:.4f},{x:.4f}", "t_ms, rate:rads"),
+        ("", "Z: {z:.2f} dps Y: {y:.2f} dps X: {x:.2f} dps", "Z=rate:dps, dps Y=gy:dps, dps X=gx:dps"),
+        ("", "yaw: {z:.2f} deg/s pitch: {y:.2f} deg/s roll: {x:.2f} deg/s", "yaw=rate:dps, pitch=gy:dps, roll=gx:dps"),
+        (
+            "",
+            "gyro_yaw: {z:.2f} dps gyro_pitch: {y:.2f} dps gyro_roll: {x:.2f} dps",
+            "gyro_yaw=rate:dps, gyro_pitch=gy:dps, gyro_roll=gx:dps",
+        ),
+        ("t_ms,r (rad/s),q (rad/s),p (rad/s)", "{t},{z:.4f},{y:.4f},{x:.4f}", "t_ms, rate:rads, gy:rads, gx:rads"),
         (
             "Tiempo (ms);Giro Z (°/s);Giro Y (°/s);Giro X (°/s)",
             "{t};{z:.2f};{y:.2f};{x:.2f}",
-            "t_ms, rate:dps",
+            "t_ms, rate:dps, gy:dps, gx:dps",
         ),
         ("Zeit [ms];Nickrate [°/s];Gierrate [°/s]", "{t};{y:.2f};{z:.2f}", "t_ms, _, rate:dps"),
         ("", "Vitesse de lacet: {z:.2f} °/s", "Vitesse de lacet=rate:dps"),
         ("", "gz_raw: {x:.0f} gz: {z:.2f} dps", "gz=rate:dps"),
-        ("", "{x:.2f}dps,{y:.2f}dps,{z:.2f}dps", "_, _, rate:dps"),
-        ("", "I ({t}) app: gx: {x:.2f} gz: {z:.2f} dps", "gz=rate:dps"),
+        ("", "{x:.2f}dps,{y:.2f}dps,{z:.2f}dps", "gx:dps, gy:dps, rate:dps"),
+        ("", "I ({t}) app: gx: {x:.2f} gz: {z:.2f} dps", "gz=rate:dps, time=t_ms"),
     ],
 )
 def test_the_axis_is_that_of_the_label_in_any_order_and_language(head: str, form: str, spec: str) -> None:
@@ -89,8 +92,6 @@ def test_the_axis_is_that_of_the_label_in_any_order_and_language(head: str, form
 @pytest.mark.parametrize(
     ("head", "form"),
     [
-        ("", "gz [0.01 deg/s]: {x:.0f}"),
-        ("", "gz [1e-3 rad/s]: {x:.0f}"),
         ("t_ms,gz/10 (dps)", "{t},{x:.0f}"),
         ("t_ms,gz*100 (dps)", "{t},{x:.0f}"),
         ("t_ms,100*gz (dps)", "{t},{x:.0f}"),
@@ -100,6 +101,11 @@ def test_the_axis_is_that_of_the_label_in_any_order_and_language(head: str, form
 def test_a_number_in_parts_of_a_unit_is_not_in_that_unit(head: str, form: str) -> None:
     """A scaled number (`gz*100`) is not taken for its unit."""
     assert guessed(form, head).spec is None
+
+
+@pytest.mark.parametrize(("unit", "option"), [("0.01 deg/s", "lsb/100"), ("1e-3 rad/s", "lsb/17.45329252")])
+def test_parts_of_a_unit_are_counts_per_deg_per_s(unit: str, option: str) -> None:
+    assert guessed(f"gz [{unit}]: {{x:.0f}}").spec == f"gz [{unit}]=rate:{option}"
 
 
 def test_the_yaw_of_a_setpoint_is_told_from_that_of_the_gyro() -> None:

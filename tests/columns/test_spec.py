@@ -4,7 +4,7 @@ from math import degrees, isnan
 
 import pytest
 
-from gyrodrift.columns.spec import Column, columns_of
+from gyrodrift.columns.spec import SELECTED, Column, columns_of, selection, spec_text
 from gyrodrift.link.protocols.registry import candidates
 from gyrodrift.values.errors import UsageError
 from gyrodrift.values.sample import Reading
@@ -36,6 +36,19 @@ def test_a_spec_says_what_each_column_is() -> None:
     )
 
 
+def test_labels_with_commas_and_values_that_are_meanings_stand_in_quotes() -> None:
+    """What a proposal writes is read as it was meant."""
+    assert columns_of('"Angular Velocity, z"=rate:dps, "a ""b"""=t_s') == (
+        Column("rate", 1.0, "Angular Velocity, z", "dps"),
+        Column("t_s", 1e6, 'a "b"'),
+    )
+    text = spec_text(["rate:dps", "_", "t_ms"], ["Angular Velocity, z", "x", "a=b"])
+    assert [column.label for column in columns_of(text)] == ["Angular Velocity, z", "a=b"]
+    for value in ("B", "2", "rate", "24:6F:28", "a, b"):
+        (selected, _) = columns_of(f"{selection('node, id', value)}, gz=rate")
+        assert (selected.meaning, selected.label, selected.unit) == (SELECTED, "node, id", value)
+
+
 @pytest.mark.parametrize(
     ("spec", "message"),
     [
@@ -52,6 +65,15 @@ def test_a_spec_says_what_each_column_is() -> None:
         ("encoder:lsb/4, rate", "'lsb/4' is not a unit of encoder"),
         ("=rate", "'=rate' is not a column"),
         ("gz=rate, t_ms", "either all columns need a label"),
+        ("node=raet, gz=rate", 'did you mean rate. to use only the rows with this value, write node="raet"'),
+        ("gz=dps, t=t_ms", "did you mean rate:dps"),
+        ("node=B, t=t_ms", r"no column is the rate or yaw \(node=B selects rows\)"),
+        ("t, rate", "t needs a unit, such as t_ms, t:lsb/32768 or t:days"),
+        ("+t_ns, rate", "a column with . is added to a clock: name that one"),
+        ("dt_ms, +t_us, rate", "a column with . is added to a clock"),
+        ("q.w, q.x, q.z", "a quaternion needs all of q.w, q.x, q.y, q.z"),
+        ("delta, rate", "there are a rate and a delta"),
+        ("t_ms, t:days, rate", r"there are two clocks; call one of them _, or \+t:days if they are to be added"),
     ],
 )
 def test_a_wrong_spec_is_told_with_what_is_expected(spec: str, message: str) -> None:
@@ -97,6 +119,23 @@ def test_a_line_that_does_not_fit_is_damaged(line: str) -> None:
     decoder.push(b"10,0,1\n20,0,1\n30,0,1\n")
     assert decoder.push(f"{line}\n50,0,1\n".encode()) == [decoder.push(b"50,0,1\n")[0]]
     assert decoder.counters.damaged == 1
+
+
+def test_values_in_several_lines_begin_with_that_of_the_sender() -> None:
+    """A value of the other sender is never taken, wherever the stream begins."""
+    lines = ["gz: 5", "id: 2", "gz: 1", "id: 1", "gz: 9"]
+    (protocol,) = candidates("auto", "id=2, gz=rate")
+    readings = protocol.decoder().push("".join(f"{line}\n" for line in lines * 4).encode())
+    assert {reading.rate_dps for reading in readings} == {1.0}
+
+
+def test_quaternions_in_counts_are_scaled_and_others_are_damage() -> None:
+    spec = ", ".join(f"q.{part}:lsb/16384" for part in "wxyz")
+    assert read(spec, *["11585,0,0,11585"] * 3)[0].yaw_deg == pytest.approx(90.0)
+    (protocol,) = candidates("auto", "q.w, q.x, q.y, q.z")
+    decoder = protocol.decoder()
+    assert not decoder.push(b"11585,0,0,11585\n" * 4)
+    assert decoder.counters.damaged == 4
 
 
 def test_without_a_clock_and_without_an_angle_there_is_none() -> None:

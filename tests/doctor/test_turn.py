@@ -143,6 +143,19 @@ REPORT: dict[str, tuple[Lines, str]] = {
         ),
         "gz=rate:dps",
     ),
+    "a quaternion": (
+        lambda _t, _d, deg, _n: f"{np.cos(rads(deg + 200) / 2):.3f},0.01,0.00,{np.sin(rads(deg + 200) / 2):.3f}",
+        "q.w, q.x, q.y, q.z",
+    ),
+    "a quaternion with its scalar last, of a frame that points down": (
+        lambda _t, _d, deg, _n: f"0.01,0.00,{-np.sin(rads(deg + 200) / 2):.3f},{np.cos(rads(deg + 200) / 2):.3f}",
+        "q.x, q.y, q.z, q.w:-",
+    ),
+    "two senders, of which one turns": (
+        lambda _t, dps, _a, n: f'{{"node":"A","gz":{n(0.1):.2f}}}\n{{"node":"B","gz":{dps + n(0.1):.2f}}}',
+        "node=B, gz=rate:dps",
+    ),
+    "percent of a full scale": (lambda _t, dps, _a, n: f"gz: {0.4 * dps + n(0.04):.2f}", "gz=rate:lsb/0.4"),
     "an angle that drifts": (
         lambda t_s, _d, deg, n: f"{deg + 0.5 * t_s + n(0.01):.2f},{n(0.1):.2f}",
         "yaw:deg",
@@ -166,10 +179,6 @@ REQUEST: dict[str, tuple[Lines, str]] = {
     "a device that lies on its edge": (
         lambda _t, dps, _a, n: f"{n(10):.0f},{92 * dps + n(10):.0f},{92 * dps + n(10):.0f}",
         "all turned",
-    ),
-    "a quaternion": (
-        lambda _t, _d, deg, _n: f"{np.cos(rads(deg + 200) / 2):.3f},0.01,0.00,{np.sin(rads(deg + 200) / 2):.3f}",
-        "quaternion",
     ),
     "a magnetometer alone": (
         lambda _t, _d, deg, n: (

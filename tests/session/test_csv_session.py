@@ -69,7 +69,8 @@ def test_every_digit_is_read(tmp_path_factory: pytest.TempPathFactory, rows: lis
         ("t_device_s,rate_dps\n0,1\n\n1\n", "s.csv:4: has 1 values, the header has 2 columns"),
         ("t_device_s,rate_dps\n0,1,2\n", "rows have 3 values, the header has 2 columns"),
         ("1," * 30_000, "s.csv:1: has 30001 columns, more than 1000: it is no session"),
-        (b"\x89MCAP0\r\n\xff\x00\x01", "s.csv: is not text"),
+        (b"\x89MCAP0\r\n\xff\x00\x01", "s.csv: is an MCAP file: name it .mcap"),
+        (b"\x89PNG\r\n\x1a\x00\x01\x02", "s.csv: is not text"),
     ],
 )
 def test_what_is_wrong_is_said_with_its_place(tmp_path: Path, text: str | bytes, message: str) -> None:

@@ -77,13 +77,16 @@ class Scale:
         return self.error == 0.0
 
 
-def scale_of(integral: float, turn_deg: float, within: float) -> Scale | None:
-    """Scale from the integral of a column over `turn_deg`, relative error `within`; None if it is not a rate."""
+def scale_of(integral: float, turn_deg: float, within: float, *, is_named: bool = False) -> Scale | None:
+    """Scale from the integral of a column over `turn_deg`, relative error `within`; None if it is not a rate.
+
+    A column whose label names the yaw rate (`is_named`) may have any unit, such as percent of the full scale.
+    """
     per_dps = abs(integral / turn_deg)
     near = tuple(unit for unit in PRINTED_UNITS if 1.0 / (1.0 + within) < per_dps / unit.per_dps < 1.0 + within)
     if len(near) == 1:
         return Scale(near[0].option, per_dps, near, 0.0)
-    if per_dps < COUNTS_MIN:
+    if per_dps < COUNTS_MIN and not is_named:
         return None
     return Scale(f"lsb/{_three_digits(per_dps)}", per_dps, near, within)
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from gyrodrift.columns.fields import Fields, Form, Headings, as_label, is_number, is_whole
+from gyrodrift.columns.keys import keys_of
 from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.units import Dimension, Unit, unit_in, unit_of
 from gyrodrift.io.plain_text import decoded, plain_text
@@ -100,11 +101,26 @@ class TextTable:
         self._columns: dict[ColumnKey, _Growing] = {}
         self._headers: dict[int, tuple[str, ...]] = {}
         self._kept: list[TimedLine] = []
+        self._texts: dict[str, list[tuple[TimedLine, str]]] = {}
 
     @property
     def lines(self) -> Sequence[TimedLine]:
         """All lines, including headings."""
         return self._kept
+
+    def senders(self) -> tuple[str, tuple[str, ...]]:
+        """Label of the first column whose value names the sender of a line, and these values; empty without one."""
+        texts_of = {label: [text for _, text in texts] for label, texts in self._texts.items()}
+        found = ((label, keys_of(texts)) for label, texts in texts_of.items() if kind_of(label) in {"", "seq"})
+        return next(((label, keys) for label, keys in found if keys), ("", ()))
+
+    def of_sender(self, label: str, sender: str) -> "TextTable":
+        """Table of the lines of one sender."""
+        table = TextTable()
+        for line, text in self._texts[label]:
+            if text == sender:
+                table.take(line)
+        return table
 
     def take(self, line: TimedLine) -> None:
         """Add a line; lines beyond LINES_MAX are ignored."""
@@ -120,6 +136,9 @@ class TextTable:
             return
         self.numbered_lines += 1
         self.last_s = line.t_s
+        for label, text in zip(fields.labels, fields.values, strict=True):
+            if label:
+                self._texts.setdefault(label, []).append((line, text))
         units = fields.units or ("",) * len(fields.values)
         for key, text, unit in zip(_keys(fields), fields.values, units, strict=True):
             if is_number(text) and abs(number := float(text)) < LARGEST:

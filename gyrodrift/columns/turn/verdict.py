@@ -1,13 +1,13 @@
 """Column that shows a quarter turn to the left, with unit and sign, or the reason why none does."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import degrees
 
 import numpy as np
 
-from gyrodrift.columns.behavior import GRAVITIES
+from gyrodrift.columns.sizes import gravity_unit
 from gyrodrift.columns.turn.motion import Behavior, ColumnMotion, TurnWindow, motion_of, unwrapped
 from gyrodrift.columns.turn.scale import (
     ANGLE_TOLERANCE,
@@ -21,6 +21,7 @@ from gyrodrift.columns.turn.scale import (
 from gyrodrift.columns.turn.series import Series
 from gyrodrift.columns.units import Dimension
 from gyrodrift.values.arrays import Floats
+from gyrodrift.values.quaternion import yaw_parts
 
 SIMILAR_SHARE = 0.35
 """Share of the clearest motion from which another column is a further axis that turns, too."""
@@ -76,7 +77,7 @@ def of_gravity(motions: Sequence[ColumnMotion]) -> list[ColumnMotion]:
     """Three adjacent columns whose length at rest is gravity; empty without."""
     for three in zip(motions, motions[1:], motions[2:], strict=False):
         length = float(np.linalg.norm([motion.level for motion in three]))
-        if _are_adjacent(three) and any(abs(length - gravity) <= NORM * gravity for gravity in GRAVITIES):
+        if _are_adjacent(three) and gravity_unit(length, NORM):
             return list(three)
     return []
 
@@ -96,6 +97,9 @@ def _are_adjacent(motions: Sequence[ColumnMotion]) -> bool:
     return all(b.series.key.index == a.series.key.index + 1 or a.series.key.label for a, b in pairwise(motions))
 
 
+SLOW_HZ = 4.0
+"""Values a second below which a quarter turn by hand, 1 to 2 s, has too few to be told from damage."""
+
 REACHED = 0.03
 """Distance from its new level at which an angle has arrived, as a share of its change."""
 
@@ -106,11 +110,16 @@ FIRST_NAMED = ("yaw", "heading", "angle", "")
 
 @dataclass(frozen=True, slots=True)
 class AngleColumn:
-    """Column that holds the angle; `motion` is without jumps at the ends of the range, `turn_deg` as printed."""
+    """Column that holds the angle; `motion` is without jumps at the ends of the range, `turn_deg` as printed.
+
+    parts
+        Columns w, x, y and z of the quaternion that the angle was computed from; empty for an angle.
+    """
 
     motion: ColumnMotion
     unit: str
     turn_deg: float
+    parts: tuple[ColumnMotion, ...] = ()
 
     @property
     def reached_s(self) -> float:
@@ -164,6 +173,7 @@ def judge(series: Sequence[Series], window: TurnWindow) -> TurnVerdict:
     motions = tuple(motion_of(column, window) for column in series)
     angle, why_no_angle = _angle(motions, window)
     rate, why_no_rate = _rate(motions, angle)
+    angle = angle or (None if rate else _of_quaternion(motions, window))
     remarks = tuple(_remarks(rate))
     question = "" if rate or angle else why_no_rate or why_no_angle or _question(motions)
     return TurnVerdict(rate, angle, question, remarks, motions)
@@ -210,7 +220,12 @@ def _rate(motions: Sequence[ColumnMotion], angle: AngleColumn | None) -> tuple[R
 def _scaled(motion: ColumnMotion, angle: AngleColumn | None) -> RateColumn | None:
     turn_deg, within = (abs(angle.turn_deg), ANGLE_TOLERANCE) if angle else (QUARTER_DEG, HAND)
     stated = stated_scale(motion.series.unit, motion.integral, turn_deg)
-    scale = stated or scale_of(motion.integral, turn_deg, within) or scale_of(motion.integral, QUARTER_DEG, HAND)
+    is_named = motion.series.kind == "rate"
+    scale = (
+        stated
+        or scale_of(motion.integral, turn_deg, within)
+        or scale_of(motion.integral, QUARTER_DEG, HAND, is_named=is_named)
+    )
     if scale is None:
         return None
     per_dps = scale.near[0].per_dps if scale.is_known else scale.per_dps
@@ -265,6 +280,23 @@ def _as_angle(motion: ColumnMotion, window: TurnWindow) -> AngleColumn | None:
     return None
 
 
+SCALAR_FIRST, SCALAR_LAST = (0, 1, 2, 3), (3, 0, 1, 2)
+
+
+def _of_quaternion(motions: Sequence[ColumnMotion], window: TurnWindow) -> AngleColumn | None:
+    """Yaw of a quaternion that made the turn, with its scalar first or last; None without one."""
+    four = of_unit_length(motions)
+    if len({len(motion.series.values) for motion in four}) != 1:
+        return None
+    for order in (SCALAR_FIRST, SCALAR_LAST):
+        parts = tuple(four[index] for index in order)
+        yaw_deg = np.degrees(np.arctan2(*yaw_parts(*(part.series.values for part in parts))))
+        series = replace(parts[0].series, name="the quaternion", kind="yaw", unit=None, values=yaw_deg)
+        if (angle := _as_angle(motion_of(series, window), window)) is not None and angle.unit == "deg":
+            return replace(angle, parts=parts)
+    return None
+
+
 def _is_same_turn(first: AngleColumn, second: AngleColumn) -> bool:
     return abs(abs(first.turn_deg) - abs(second.turn_deg)) < ANGLE_TOLERANCE * QUARTER_DEG
 
@@ -281,12 +313,13 @@ def _remarks(rate: RateColumn | None) -> list[str]:
 
 def _question(motions: Sequence[ColumnMotion]) -> str:
     moved = [motion for motion in motions if motion.behavior not in {Behavior.QUIET, Behavior.GROWS}]
+    series = [motion.series for motion in motions if len(motion.series.values)]
+    pace_hz = max((len(column.values) / max(float(np.ptp(column.t_s)), 1.0) for column in series), default=0.0)
+    if 0.0 < pace_hz < SLOW_HZ:
+        return f"only {pace_hz:.2g} values arrive a second; turn it slowly, over 5 s or more, then hold it still"
     if not moved:
         return "no column moved; hold the device still, and turn all of it by a quarter turn after the prompt"
     if all(motion.behavior is Behavior.RESTLESS for motion in moved):
         return "the device did not come to rest; turn it by a quarter turn, then hold it still until the end"
-    if quaternion := of_unit_length(motions):
-        names = ", ".join(motion.series.name for motion in quaternion)
-        return f"{names} are a quaternion, which --columns cannot read; print the yaw rate or yaw, too"
     names = ", ".join(f"{motion.series.name} {motion.behavior}" for motion in moved[:6])
     return f"no column shows a quarter turn: {names}; turn it again by exactly a quarter turn, with the device level"

@@ -1,17 +1,17 @@
 """Received turn: lines or samples over time, the rests, the turn between them, and its result."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from math import isfinite
 
 import numpy as np
 
 from gyrodrift.columns.sizes import TEMPERATURES_C
-from gyrodrift.columns.spec import CLOCK_US, IGNORED, columns_of, spec_text
+from gyrodrift.columns.spec import CLOCK_US, IGNORED, QUATERNION, columns_of, selection, spec_text
 from gyrodrift.columns.turn.motion import TurnWindow, motion_of
 from gyrodrift.columns.turn.scale import HAND, QUARTER_DEG
 from gyrodrift.columns.turn.series import ColumnKey, Series, TextTable, TimedLine
-from gyrodrift.columns.turn.verdict import RateColumn, TurnVerdict, judge
+from gyrodrift.columns.turn.verdict import AngleColumn, RateColumn, TurnVerdict, judge
 from gyrodrift.columns.units import Dimension, Unit
 from gyrodrift.link.protocols.text_decoder import TextDecoder
 from gyrodrift.values.sample import Sample
@@ -49,6 +49,9 @@ def spec_of(verdict: TurnVerdict, series: Sequence[Series]) -> str:
     sign = "" if yaw.turn_deg > 0.0 else ":-"
     unit = yaw.scale.option if isinstance(yaw, RateColumn) else yaw.unit
     entries = {key: f"{'rate' if isinstance(yaw, RateColumn) else 'yaw'}:{unit}{sign}"}
+    if isinstance(yaw, AngleColumn) and yaw.parts:
+        names = (f"{QUATERNION[0]}{sign}", *QUATERNION[1:])  # the inverse rotation has the other sign of w
+        entries = {part.series.key: name for part, name in zip(yaw.parts, names, strict=True)}
     count_min = OFTEN * len(yaw.motion.series.values)  # a sample waits for the rarest of its columns
     further = [column for column in series if _is_same_line(column.key, key) and len(column.values) >= count_min]
     clocks = [(unit, column) for column in further if (unit := clock_of(column))]
@@ -138,7 +141,25 @@ class TurnResult:
 
 
 def result_of(heard: HeardTurn) -> TurnResult:
-    """Judge a turn, and test the SPEC on its lines."""
+    """Judge a turn, and test the SPEC on its lines; of several senders in the lines, the one that turned."""
+    label, senders = heard.table.senders()
+    if not senders:
+        return _result_of(heard)
+    results = {sender: _result_of(replace(heard, table=heard.table.of_sender(label, sender))) for sender in senders}
+    found = {sender: result for sender, result in results.items() if result.is_found}
+    if len(found) != 1:
+        names = ", ".join(found or results)
+        question = f"{label} names several senders, and {names} turned; turn one of them alone, or send only one"
+        return replace(next(iter(results.values())), spec="", question=question if found else _first_question(results))
+    ((sender, result),) = found.items()
+    return replace(result, spec=f"{selection(label, sender)}, {result.spec}")
+
+
+def _first_question(results: Mapping[str, TurnResult]) -> str:
+    return next(result.question for result in results.values())
+
+
+def _result_of(heard: HeardTurn) -> TurnResult:
     series = series_of(heard)
     verdict = judge(series, heard.window)
     if heard.samples or verdict.column is None:

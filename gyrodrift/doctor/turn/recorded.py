@@ -97,7 +97,7 @@ def _timed_lines(path: Path) -> list[TimedLine]:
         )
     clock, label = guessed.columns[clocks[0]], guessed.labels[clocks[0]]
     key = ColumnKey(label) if label else ColumnKey(index=clocks[0], width=len(guessed.columns))
-    return _by_clock(lines, key, CLOCK_US[clock.entry])
+    return _by_clock(lines, key, CLOCK_US[clock.looks_like])
 
 
 def _by_clock(lines: list[str], key: ColumnKey, tick_us: float) -> list[TimedLine]:

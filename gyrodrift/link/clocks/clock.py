@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from math import exp, nan
 
-from gyrodrift.values.constants import FULL_TURN_DEG
+from gyrodrift.values.constants import DELTA_GAP_PERIODS, DELTA_GAP_S, FULL_TURN_DEG
 from gyrodrift.values.sample import Reading, Sample
 
 FASTEST_DPS = 2000.0
@@ -37,6 +37,16 @@ class TurningRate:
         step_deg = (angle_deg - before[1] + 0.5 * FULL_TURN_DEG) % FULL_TURN_DEG - 0.5 * FULL_TURN_DEG
         rate_dps = step_deg / step_s
         return rate_dps if abs(rate_dps) <= FASTEST_DPS else nan
+
+
+def rate_of_delta(delta_deg: float, step_s: float, usual_s: float) -> float:
+    """Mean rate over a step, deg/s, of an angle since the last sample; NaN before the first step.
+
+    After a gap the angle is that of one sample.
+    """
+    is_gap = step_s <= 0.0 or (usual_s > 0.0 and step_s > max(DELTA_GAP_S, DELTA_GAP_PERIODS * usual_s))
+    over_s = usual_s if is_gap else step_s
+    return delta_deg / over_s if over_s > 0.0 else nan
 
 
 @dataclass(frozen=True, slots=True)

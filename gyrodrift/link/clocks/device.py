@@ -3,7 +3,7 @@
 from collections import deque
 from statistics import median
 
-from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
+from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap, rate_of_delta
 from gyrodrift.link.clocks.steps import agree, clock_step, counter_step, is_one_pace, step_between
 from gyrodrift.values.constants import COUNTER_WRAP
 from gyrodrift.values.sample import Reading, Sample
@@ -34,6 +34,9 @@ PERIOD_STEPS = 33
 HOLE_PERIODS = 1.5
 """Without a counter, a step of more than HOLE_PERIODS times the median of PERIOD_STEPS steps is a gap."""
 
+NEW_PACE_STEPS, NEW_PACE_WITHIN = 5, 0.1
+"""So many long steps in a row, equal to this share, are a new sample rate and no gaps."""
+
 FALLBACK_PERIOD_S = 0.01
 
 FIT_EVERY_S = 0.02
@@ -59,6 +62,7 @@ class DeviceClock(Clock):
         super().__init__(epoch_s)
         self.glitches = 0
         self._steps_s: deque[float] = deque(maxlen=PERIOD_STEPS)
+        self._long_s: deque[float] = deque(maxlen=NEW_PACE_STEPS)
         self._last: Reading | None = None
         self._time_us = 0
         self._seq = 0
@@ -183,17 +187,31 @@ class DeviceClock(Clock):
         step_s = step_us * 1e-6
         expected = step_s / self.period_s if self.period_s else 1.0
         if reading.seq is None or last.seq is None:
-            moved = round(expected) if expected > HOLE_PERIODS else 1
+            moved = round(expected) if expected > HOLE_PERIODS and not self._is_new_pace(step_s) else 1
         else:
             moved = counter_step(last.seq, reading.seq)
             moved += COUNTER_WRAP * round((expected - moved) / COUNTER_WRAP)
             if moved > 4.0 * expected + 8.0:  # only the counter jumped: nothing is missing
                 return moved
-        if moved > 1:
+        if moved <= 1:
+            self._long_s.clear()
+        else:
             self.events.append(SampleGap(moved - 1, step_s))
         if moved <= 1 or not self.period_s:  # a device may lose samples from its first one on
             self._learn_period(step_s / max(1, moved))
         return moved
+
+    def _is_new_pace(self, step_s: float) -> bool:
+        """Whether long steps have become usual; then they are the period."""
+        self._long_s.append(step_s)
+        usual_s = median(self._long_s)
+        if len(self._long_s) < NEW_PACE_STEPS or any(
+            abs(long_s - usual_s) > NEW_PACE_WITHIN * usual_s for long_s in self._long_s
+        ):
+            return False
+        self.period_s, self._usual_us = usual_s, HOLE_PERIODS * usual_s * 1e6
+        self._steps_s.clear()
+        return True
 
     def _learn_period(self, step_s: float) -> None:
         self._steps_s.append(step_s)
@@ -222,9 +240,14 @@ class DeviceClock(Clock):
 
     def _sample(self, reading: Reading, time_us: int, seq: int, arrival_s: float) -> Sample:
         # An integer divided by 10^6 is the double nearest to the decimal fraction in a csv.
-        _, _, rate_dps, encoder_deg, temp_c, still, yaw_deg, inertial, device_yaw = reading
+        _, _, rate_dps, encoder_deg, temp_c, still, yaw_deg, inertial, device_yaw, delta_deg = reading
         if yaw_deg == yaw_deg:  # noqa: PLR0124 - NaN alone differs from itself
             rate_dps = self._turning.rate_dps(time_us * 1e-6, yaw_deg)
+        elif delta_deg == delta_deg:  # noqa: PLR0124 - as above
+            step_us, counted = self._step
+            rate_dps = rate_of_delta(
+                delta_deg, step_us * 1e-6 / max(1, counted if reading.seq is not None else 1), self.period_s
+            )
         t_host_s = self.epoch_s + arrival_s
         return Sample(seq, time_us / 1e6, t_host_s, rate_dps, encoder_deg, temp_c, still, inertial, device_yaw)
 

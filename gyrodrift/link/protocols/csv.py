@@ -22,7 +22,9 @@ NUMBER = rb"\s*+[-+]?+(?:\d++(?:\.\d*+)?+(?:[eE][-+]?+\d++)?+|\.\d++(?:[eE][-+]?
 WORD = rb"\s*+(?:[01](?:\.0)?+|nan|NaN|NAN)\s*+"
 """Values of the last column: 1 at rest, 0 in motion, nan unknown."""
 
-CLOCK = rb"\s*+(\d{1,20}+)\s*+"
+CLOCK = rb"\s*+(-?+\d{1,20}+)\s*+"
+"""A clock with a sign is negative in the upper half of its 32 bits."""
+
 OPTIONAL = rb"(?:,(%b))?+(?:,(%b)(?:,(%b))?+)?+" % (NUMBER, NUMBER, WORD)
 LINE = re.compile(rb"%b,(%b)%b" % (CLOCK, NUMBER, OPTIONAL))
 AXES_LINE = re.compile(CLOCK + rb",(%b)" % NUMBER * 6 + OPTIONAL)

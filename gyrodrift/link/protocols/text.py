@@ -25,7 +25,7 @@ def text_protocol(columns: str) -> WireProtocol:
     UsageError
         The columns have a mistake.
     """
-    from gyrodrift.columns.spec import CLOCK_US, columns_of  # noqa: PLC0415 - loaded on demand
+    from gyrodrift.columns.spec import QUATERNION, columns_of  # noqa: PLC0415 - loaded on demand
 
     parsed = columns_of(columns)
 
@@ -34,9 +34,9 @@ def text_protocol(columns: str) -> WireProtocol:
 
         return TextDecoder(parsed)
 
-    has_clock = any(column.meaning in CLOCK_US for column in parsed)
-    sends_angle = any(column.meaning == "yaw" for column in parsed)
-    is_unit_said = any(column.unit for column in parsed if column.meaning == "rate")
+    has_clock = any(column.clock for column in parsed)
+    sends_angle = any(column.meaning in ("yaw", *QUATERNION) for column in parsed)
+    is_unit_said = any(column.unit for column in parsed if column.meaning in ("rate", "delta"))
     return replace(PROTOCOL, decoder=decoder, has_clock=has_clock, is_unit_said=is_unit_said, sends_angle=sends_angle)
 
 

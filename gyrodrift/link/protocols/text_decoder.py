@@ -1,31 +1,37 @@
 """Decoder of foreign text with the columns that the user names."""
 
 from collections.abc import Sequence
-from math import isfinite, nan
+from math import hypot, isfinite, nan
 
-from gyrodrift.columns.fields import Fields, Headings, is_number, is_whole
-from gyrodrift.columns.spec import CLOCK_US, IGNORED, Column
+from gyrodrift.columns.fields import Fields, Form, Headings, as_label, is_number, is_value, is_whole
+from gyrodrift.columns.spec import IGNORED, QUATERNION, SELECTED, Column
+from gyrodrift.columns.times import ClockReader, is_stamp
 from gyrodrift.io.plain_text import decoded, plain_text
 from gyrodrift.link.protocols.lines import WITHOUT_RATE, LineDecoder
 from gyrodrift.link.protocols.plausible import MAX_RATE_DPS
 from gyrodrift.values.constants import CLOCK_MASK, COUNTER_MASK
+from gyrodrift.values.quaternion import yaw_of
 from gyrodrift.values.sample import Inertial, Reading
 
 NO_CONTROLS = bytes((0x09, *range(0x20, 0x7F), *range(0x80, 0x100)))
 """All bytes but control characters: a line with a control character is noise."""
 
-LONGEST_CLOCK_US = 1e18
+LONGEST_CLOCK_US = 10**18
 """Largest time, 30,000 years; above, the line is damaged."""
 
 RATES = ("gx", "gy", "rate")
 AXES = (*RATES, "ax", "ay", "az")
 """Meanings of the axes, in the order of `Inertial`."""
 
+UNIT_NORMS = (0.9, 1.1)
+"""Norms of a unit quaternion after rounding; a line with another one is damaged."""
+
+SEQ = "seq"
 SEVERAL_LINES = -1
 """Number of columns of a sample from several lines."""
 
-Named = dict[str, tuple[Column, str]]
-"""Column and text by meaning."""
+Named = dict[int, str]
+"""Text by the index of its column in the SPEC."""
 
 
 class TextDecoder(LineDecoder):
@@ -45,15 +51,25 @@ class TextDecoder(LineDecoder):
     def read_by(self, columns: Sequence[Column]) -> None:
         """Use these columns from now on."""
         self._columns_min = len(columns)
-        self._used_columns = [(index, column) for index, column in enumerate(columns) if column.meaning != IGNORED]
-        self._has_labels = bool(self._used_columns[0][1].label)
+        used = [(index, column) for index, column in enumerate(columns) if column.meaning != IGNORED]
+        self._spec = dict(used)
+        self._has_labels = bool(used[0][1].label)
+        self._labels = [(as_label(column.label), index) for index, column in used]
+        self._selects = [index for index, column in used if column.meaning == SELECTED]
+        self._clocks = [index for index, column in used if column.clock]
+        self._values = [
+            (index, column.meaning, column.scale)
+            for index, column in used
+            if index not in self._clocks and index not in self._selects
+        ]
+        self._clock = ClockReader([self._spec[index].clock for index in self._clocks])
         self._collected: Named = {}
 
     def is_comment(self, text: bytes) -> bool:
         """Whether a line with `#` is a comment: it has no named label."""
         if not text.startswith(b"#"):
             return False
-        return not any(column.label and column.label.split()[0].encode() in text for _, column in self._used_columns)
+        return not any(label and label.split()[0].encode() in text for label, _ in self._labels)
 
     def parse(self, text: bytes) -> tuple[int, Reading] | None:
         """Number of columns and reading of a line."""
@@ -63,63 +79,87 @@ class TextDecoder(LineDecoder):
         fields = self._headings.fields_of(decoded(text))
         if fields is None:
             return None
-        named = self._named(fields)
         if self._has_labels:
-            return self._from_lines(len(fields.values), named)
+            count = sum(map(is_number, fields.values)) if fields.form is Form.JSON else len(fields.values)
+            named = {i: value for label, i in self._labels if (value := _value(fields, label)) is not None}
+            return self._from_lines(count, named)
         if len(fields.values) < self._columns_min:
             return None
-        return _reading(len(fields.values), named)
-
-    def _named(self, fields: Fields) -> Named:
-        named: Named = {}
-        for index, column in self._used_columns:
-            position = _label_index(fields.labels, column.label) if column.label else index
-            if 0 <= position < len(fields.values):
-                named[column.meaning] = column, fields.values[position]
-        return named
+        return self._reading(len(fields.values), {index: fields.values[index] for index in self._spec})
 
     def _from_lines(self, count: int, named: Named) -> tuple[int, Reading] | None:
+        """Sample of one line or several; it begins with the line of the value to select by."""
         if not named:
             return WITHOUT_RATE
-        if len(named) == len(self._used_columns):
+        if len(named) == len(self._spec):
             self._collected = {}
-            return _reading(count, named)
+            return self._reading(count, named)
+        if self._selects and self._selects[0] in named:
+            self._collected = {}
+        elif self._selects and not self._collected:
+            return WITHOUT_RATE
         self._collected |= named
-        if len(self._collected) < len(self._used_columns):
+        if len(self._collected) < len(self._spec):
             return WITHOUT_RATE
         collected, self._collected = self._collected, {}
-        return _reading(SEVERAL_LINES, collected)
+        return self._reading(SEVERAL_LINES, collected)
 
-
-def _label_index(labels: tuple[str, ...], label: str) -> int:
-    return labels.index(label) if label in labels else -1
-
-
-def _reading(count: int, named: Named) -> tuple[int, Reading] | None:
-    t_us = seq = None
-    numbers: dict[str, float] = {}
-    for meaning, (column, text) in named.items():
-        if not is_number(text):
+    def _reading(self, count: int, texts: Named) -> tuple[int, Reading] | None:
+        if self._selects and not all(is_value(texts[index], self._spec[index].unit) for index in self._selects):
+            return WITHOUT_RATE
+        numbers: dict[str, float] = {}
+        for index, meaning, scale in self._values:
+            text = texts[index]
+            if not (is_whole(text) if meaning == SEQ else is_number(text)):
+                return None
+            numbers[meaning] = int(text) & COUNTER_MASK if meaning == SEQ else float(text) * scale
+        motion = _motion(numbers)
+        if motion is None:
             return None
-        number = float(text) * column.scale
-        if meaning in CLOCK_US:
-            if not abs(number) < LONGEST_CLOCK_US:
-                return None
-            t_us = int(text) * round(column.scale) if column.scale >= 1.0 and is_whole(text) else round(number)
-        elif meaning == "seq":
-            if not is_whole(text):
-                return None
-            seq = int(text) & COUNTER_MASK
-        else:
-            numbers[meaning] = number
-    rate_dps, yaw_deg = numbers.get("rate", nan), numbers.get("yaw", nan)
-    rates_dps = [numbers[name] for name in RATES if name in numbers]
-    is_too_fast = any(isfinite(dps) and abs(dps) > MAX_RATE_DPS for dps in rates_dps)
-    if is_too_fast or ("yaw" in numbers and not isfinite(yaw_deg)):
+        t_us = self._stamp_us(texts)
+        if self._clocks and t_us is None:
+            return None
+        rate_dps, yaw_deg, delta_deg = motion
+        return count, Reading(
+            t_us,
+            int(numbers[SEQ]) if SEQ in numbers else None,
+            rate_dps,
+            _finite(numbers.get("encoder", nan)),
+            _finite(numbers.get("temp", nan)),
+            _finite(numbers.get("still", nan)),
+            yaw_deg,
+            _inertial(numbers),
+            delta_deg=delta_deg,
+        )
+
+    def _stamp_us(self, texts: Named) -> int | None:
+        """Clock of 32 bits; None without one, or if it is no time."""
+        cells = [texts[index] for index in self._clocks]
+        if not cells or not all(is_number(cell) or is_stamp(cell) for cell in cells):
+            return None
+        try:
+            t_us = self._clock.stamp_us(cells)
+        except (ValueError, OverflowError):
+            return None
+        return t_us & CLOCK_MASK if abs(t_us) < LONGEST_CLOCK_US else None
+
+
+def _value(fields: Fields, label: str) -> str | None:
+    return fields.values[fields.labels.index(label)] if label in fields.labels else None
+
+
+def _motion(numbers: dict[str, float]) -> tuple[float, float, float] | None:
+    """Rate, yaw, and angle since the last sample; None if they are no numbers of a gyro."""
+    if any(isfinite(dps) and abs(dps) > MAX_RATE_DPS for name in RATES for dps in [numbers.get(name, nan)]):
         return None
-    encoder_deg, temp_c = _finite(numbers.get("encoder", nan)), _finite(numbers.get("temp", nan))
-    clock_us, still = None if t_us is None else t_us & CLOCK_MASK, _finite(numbers.get("still", nan))
-    return count, Reading(clock_us, seq, rate_dps, encoder_deg, temp_c, still, yaw_deg, _inertial(numbers))
+    yaw_deg, delta_deg = numbers.get("yaw", nan), numbers.get("delta", nan)
+    parts = [numbers[name] for name in QUATERNION if name in numbers]
+    if parts:
+        if not UNIT_NORMS[0] <= hypot(*parts) <= UNIT_NORMS[1]:
+            return None
+        yaw_deg = yaw_of(*parts)
+    is_damaged = ("yaw" in numbers and not isfinite(yaw_deg)) or ("delta" in numbers and not isfinite(delta_deg))
+    return None if is_damaged else (numbers.get("rate", nan), yaw_deg, delta_deg)
 
 
 def _inertial(numbers: dict[str, float]) -> Inertial | None:

@@ -13,13 +13,13 @@ from gyrodrift.session.checks.finding import SessionFinding
 from gyrodrift.session.checks.odd_readings import reading_findings
 from gyrodrift.session.checks.rate_unit import rate_findings
 from gyrodrift.session.checks.restarts import one_clock
-from gyrodrift.session.checks.stated import AS_WRITTEN, TIME_UNITS, ReadingOptions
+from gyrodrift.session.checks.stated import AS_WRITTEN, TIME_UNITS, ReadingOptions, time_factor
 from gyrodrift.session.session import Session
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 from gyrodrift.values.errors import DataError
 
-NAMES = {"s": "seconds", "ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds"}
+NAMES = {"s": "seconds", "ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds", "days": "days"}
 
 SLOWEST_HZ, FASTEST_HZ = 1.0, 20_000.0
 """Sample rates of gyros, from a logger with a sample per second to more than the 8 kHz of an ICM-42688."""
@@ -57,16 +57,17 @@ def clock_unit_findings(session: Session, *, is_stated: bool) -> tuple[SessionFi
     pace, hz = _pace(session), rates_hz[0]
     if pace is not None and _is_near(pace):  # the host clock confirms it
         return ()
-    says = f"its times make {hz:.3g} Hz, if they are {NAMES[read_as]}; a gyro has {SLOWEST_HZ:g} to {FASTEST_HZ:g} Hz"
+    unit = NAMES.get(read_as, read_as)
+    says = f"its times make {hz:.3g} Hz, if they are {unit}; a gyro has {SLOWEST_HZ:g} to {FASTEST_HZ:g} Hz"
     units = _fitting(session, read_as, hz)
     options = " or ".join(f"--time-unit {unit} ({hz * _factor(read_as, unit):.4g} Hz)" for unit in units)
     do = f"if they are {' or '.join(NAMES[unit] for unit in units)}, use {options}" if units else OTHER_COLUMN
-    if read_as not in units and max(rates_hz) >= SLOWEST_HZ * (1.0 - WITHIN):
+    if read_as not in units and SLOWEST_HZ * (1.0 - WITHIN) <= max(rates_hz) < USUAL_HZ:
         do += f"; --time-unit {read_as}, if it is {hz:.3g} Hz"
     return (SessionFinding("clock_unit", says, do, is_error=not is_stated),)
 
 
-OTHER_COLUMN = "name the column of the time with --columns, or write it in seconds"
+OTHER_COLUMN = "name the column of the time with --columns, or state the rate of the samples with --sample-rate HZ"
 
 
 def _is_whole(t_s: Floats) -> bool:
@@ -76,7 +77,7 @@ def _is_whole(t_s: Floats) -> bool:
 
 def _factor(read_as: str, unit: str) -> float:
     """Factor of the sample rate if the times are in another unit."""
-    return 1e3 ** (TIME_UNITS.index(unit) - TIME_UNITS.index(read_as))
+    return 1.0 / time_factor(read_as, unit)
 
 
 def _fitting(session: Session, read_as: str, hz: float) -> list[str]:
@@ -209,7 +210,7 @@ class ExaminedSession:
 def clock_findings(session: Session, stated: ReadingOptions) -> tuple[SessionFinding, ...]:
     """Findings about the time unit of a session whose stated units are applied."""
     with np.errstate(all="ignore"):
-        return clock_unit_findings(session, is_stated=bool(stated.time_unit))
+        return clock_unit_findings(session, is_stated=bool(stated.time_unit or stated.sample_rate_hz))
 
 
 def examined(session: Session, stated: ReadingOptions = AS_WRITTEN, *, is_still: bool = False) -> ExaminedSession:

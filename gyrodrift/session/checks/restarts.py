@@ -30,6 +30,9 @@ SET_AGAINST_HOST_S, HOST_SHARE = 60.0, 0.1
 MOST_RESTARTS = 0.05
 """Largest share of samples with restarts; with more the column is no clock."""
 
+REGULAR_RESTARTS, REGULAR_WITHIN = 4, 0.1
+"""From this number of restarts on, parts of equal length to this share are no restarts of a device."""
+
 SAME_ROWS = 5
 """This many samples with equal times and rates are a repetition."""
 
@@ -59,7 +62,10 @@ class _Cuts:
     damaged: list[int]
 
 
-COLUMN = "name the column of the time with --columns, or write the right one under t_device_s"
+COLUMN = (
+    "name the column of the whole time with --columns, or all columns that add up to it (LABEL=t_s, LABEL2=+t_ns), or"
+    " state the rate of the samples with --sample-rate HZ"
+)
 DIGITS = "write the time of each sample with all its digits, or the time at which it was logged as t_host_s"
 
 
@@ -75,14 +81,20 @@ def one_clock(session: Session) -> OneClock:
         return _by_host(session, forward_s)
     period_s = float(np.median(forward_s))
     cuts = _cuts(session, period_s)
-    if len(cuts.restarts) > MOST_RESTARTS * samples:
-        says = f"its times restart {len(cuts.restarts)} times in {samples} samples: they are no clock"
+    if len(cuts.restarts) > MOST_RESTARTS * samples or _is_regular(cuts.restarts):
+        says = f"its times restart {len(cuts.restarts)} times in {samples} samples: they are no clock, or a part of one"
         return OneClock(session, (SessionFinding("clock_unit", says, COLUMN, is_error=True),))
     findings = [*_restart_findings(session, cuts)]
     if np.mean(is_same) > SOME_SHARE:
         says = f"{np.count_nonzero(is_same)} of its {samples} samples have the time of the previous sample"
         findings.append(SessionFinding("clock_stamps", f"{says}, and a filter skips them", DIGITS))
     return OneClock(_joined(session, cuts, period_s), tuple(findings))
+
+
+def _is_regular(restarts: list[int]) -> bool:
+    """Whether a clock restarts again and again after the same number of samples, as the part of a second does."""
+    lengths = np.diff(restarts)
+    return len(restarts) >= REGULAR_RESTARTS and bool(np.ptp(lengths) <= max(1.0, REGULAR_WITHIN * np.median(lengths)))
 
 
 def _by_host(session: Session, forward_s: Floats) -> OneClock:

@@ -3,15 +3,18 @@
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from gyrodrift.columns.spec import ACCELERATION, RATE, Column, scale_of
+from gyrodrift.columns.spec import ACCELERATION, CLOCK, COUNTED_US, RATE, Column, scale_of
+from gyrodrift.columns.times import StatedClock
 from gyrodrift.session.files import load_session
 from gyrodrift.session.session import Session
+from gyrodrift.session.tables.clocks import paced
+from gyrodrift.values.errors import UsageError
 
 COUNTER, HOST_TIMES, TEMPERATURE = "counter", "host times", "temperature"
 """Columns that a reader may leave out."""
 
-TIME_UNITS = ("s", "ms", "us", "ns")
-"""Time units, each a thousandth of the previous one."""
+TIME_UNITS = ("s", "ms", "us", "ns", "days")
+"""Units of device times that a recording may be in by mistake."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +26,9 @@ class ReadingOptions:
     rate_unit
         A unit of RATE_DPS, or lsb/N.
     time_unit
-        One of TIME_UNITS.
+        One of CLOCK_UNITS_US, or lsb/N for N ticks per second.
+    sample_rate_hz
+        Rate of the samples, in place of the clock; a counter shows lost ones. 0 leaves it to the clock.
     accel_unit
         A unit of ACCELERATION_MPS2, or lsb/N.
     is_flipped
@@ -41,6 +46,7 @@ class ReadingOptions:
     accel_unit: str = ""
     reference: str = ""
     without: frozenset[str] = frozenset()
+    sample_rate_hz: float = 0.0
 
     @property
     def states_rate(self) -> bool:
@@ -60,9 +66,10 @@ class ReadingOptions:
         if self.is_flipped:
             session = session.upside_down()
         t_s = session.t_device_s
-        if self.time_unit and self.time_unit != time_unit:
-            t_s = t_s * 1e-3 ** (TIME_UNITS.index(self.time_unit) - TIME_UNITS.index(time_unit))
-            time_unit = self.time_unit
+        if self.sample_rate_hz:
+            t_s = paced(len(t_s), session.seq, self.sample_rate_hz)
+        elif self.time_unit and self.time_unit != time_unit:
+            t_s, time_unit = t_s * time_factor(time_unit, self.time_unit), self.time_unit
         session = replace(session, t_device_s=t_s, rate_scale=rate_scale, time_unit=time_unit)
         return self._without(session) if self.without else session
 
@@ -75,6 +82,19 @@ class ReadingOptions:
         )
 
 
+def time_factor(read_as: str, unit: str) -> float:
+    """Factor of times that were read in one unit and are in another.
+
+    Raises
+    ------
+    UsageError
+        The unit is one of texts, and these times are numbers.
+    """
+    if unit == "hms" or unit in COUNTED_US:
+        raise UsageError(f"--time-unit {unit}: is for tables of other programs; these times are numbers")
+    return (scale_of(CLOCK, unit) or 1.0) / (scale_of(CLOCK, read_as) or 1.0)
+
+
 def session_as_stated(path: Path, reading: "ReadingOptions", *, allow_damage: bool = True) -> Session:
     """Load a session with the columns, units and reference that the user states.
 
@@ -83,7 +103,8 @@ def session_as_stated(path: Path, reading: "ReadingOptions", *, allow_damage: bo
     DamagedError, DataError
         As `load_session`.
     """
-    session = load_session(path, reading.columns, reference=reading.reference, allow_damage=allow_damage)
+    clock = StatedClock(reading.time_unit, reading.sample_rate_hz)
+    session = load_session(path, reading.columns, reference=reading.reference, allow_damage=allow_damage, clock=clock)
     return reading.applied(session)
 
 

@@ -4,12 +4,16 @@ import re
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import isclose
 from pathlib import Path
 
-from gyrodrift.columns.spec import Column, column_of, parsed
+from gyrodrift.columns.fields import as_label
+from gyrodrift.columns.spec import CLOCK_US, Column, column_of, parsed
+from gyrodrift.columns.units import unit_of
 from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 
 NOTHING: Mapping[str, str] = {}
+UNIT_AT_END = re.compile(r"\s*[(\[]([^()\[\]]+)[)\]]\s*$")
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +29,9 @@ class KnownTable:
     file
         Pattern of the file name, if other tables of the program have the same header; empty for any name.
     scale_key
-        Key of the preamble with deg/s per count, as the bits of a float; empty if the SPEC has the scale.
+        Key of the preamble with the unit of a count, as a number or as the bits of a float; empty without one.
+    clock_key
+        Key of the preamble with the seconds of a tick of the clock; empty if the SPEC has the unit.
     where
         Column and value of the rows to use, in tables that mix sensors.
     remark
@@ -41,6 +47,7 @@ class KnownTable:
     source: str
     file: str = ""
     scale_key: str = ""
+    clock_key: str = ""
     where: tuple[str, str] | None = None
     remark: str = ""
     axes: str = ""
@@ -76,12 +83,22 @@ class KnownTable:
         """Factor of the rates besides their unit; None if the preamble lacks it."""
         if not self.scale_key:
             return 1.0
+        text = preamble.get(self.scale_key, "")
         try:
-            bits = struct.pack(">I", int(preamble[self.scale_key], 16))
-        except (KeyError, ValueError, struct.error):
+            scale: float = struct.unpack(">f", bytes.fromhex(text[2:]))[0] if text.startswith("0x") else float(text)
+        except (ValueError, struct.error):
             return None
-        scale: float = struct.unpack(">f", bits)[0]
         return scale if 1e-6 < scale < 1e3 else None
+
+    def clock_unit(self, preamble: Mapping[str, str]) -> str | None:
+        """Unit of the clock by the preamble, such as `t_us`; empty if the SPEC has it, None for an unknown one."""
+        if not self.clock_key:
+            return ""
+        try:
+            tick_s = float(preamble.get(self.clock_key, ""))
+        except ValueError:
+            return None
+        return next((unit for unit, us in CLOCK_US.items() if isclose(tick_s, us * 1e-6)), None)
 
 
 def plain(label: str) -> str:
@@ -90,20 +107,39 @@ def plain(label: str) -> str:
 
 
 def label_index(labels: tuple[str, ...], label: str) -> int | None:
-    """Index of a label; None if it is missing or occurs twice."""
+    """Index of a label; None if it is missing or occurs twice.
+
+    A label may be given without its unit in brackets, and without the characters that a SPEC cannot hold.
+    """
     name = plain(label)
-    fits = [
-        index
-        for index, candidate in enumerate(labels)
-        if plain(candidate) == name or (name.startswith("*") and plain(candidate).endswith(name[1:]))
-    ]
-    return fits[0] if len(fits) == 1 else None
+    for names in (labels, tuple(map(bare, labels))):
+        fits = [
+            index
+            for index, candidate in enumerate(map(plain, names))
+            if candidate == name or (name.startswith("*") and candidate.endswith(name[1:]))
+        ]
+        if fits:
+            return fits[0] if len(fits) == 1 else None
+    return next((index for index, candidate in enumerate(labels) if plain(as_label(candidate)) == name), None)
+
+
+def bare(label: str) -> str:
+    """Label without the unit in brackets at its end."""
+    unit = UNIT_AT_END.search(label)
+    return label[: unit.start()] if unit and unit_of(unit[1]) else label
 
 
 DOWN = "its z axis points down, so the sign of the rate is reversed"
 """Also the signs of y, which keeps the frame right-handed, and of accelerations."""
 
 KNOWN_TABLES = (
+    KnownTable(
+        "Gyroflow IMU log",
+        "t=t_s, gx=gx:rads, gy=gy:rads, gz=rate:rads",
+        "docs.gyroflow.xyz, GCSV format: tscale in seconds, gscale in rad/s",
+        scale_key="gscale",
+        clock_key="tscale",
+    ),
     KnownTable(
         "phyphox",
         "Time (s)=t_s, Gyroscope z (rad/s)=rate:rads",

@@ -1,25 +1,38 @@
 """Meaning of the columns of a table: stated by the user, of a known form, or by labels with units."""
 
 import re
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import takewhile
 from pathlib import Path
 
+from gyrodrift.columns.fields import as_label
+from gyrodrift.columns.judge import CLOCK_WORDS, ColumnVerdict, judged
 from gyrodrift.columns.names import kind_of
-from gyrodrift.columns.spec import ACCELERATION_MPS2, ANGLE_DEG, CLOCK_US, IGNORED, RATE_DPS, Column
-from gyrodrift.columns.times import epoch_unit, is_time
+from gyrodrift.columns.spec import (
+    ACCELERATION_MPS2,
+    ANGLE_DEG,
+    CLOCK_US,
+    IGNORED,
+    QUATERNION,
+    RATE_DPS,
+    SELECTED,
+    Column,
+    column_of,
+    spec_text,
+)
 from gyrodrift.columns.units import Dimension, Unit, unit_in, unit_of, without_unit
 from gyrodrift.session.csv import present_names
 from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS
-from gyrodrift.session.tables.known import KNOWN_TABLES, NOTHING, label_index
+from gyrodrift.session.tables.known import KNOWN_TABLES, NOTHING, bare, label_index, plain
 from gyrodrift.values.errors import DataError, UsageError
 
 OWN, BY_COLUMNS, BY_LABELS = "gyrodrift", "--columns", "labels with units"
 TARGETS = {
     "rate": "rate_dps",
     "yaw": "yaw_deg",
+    "delta": "delta_deg",
+    **{name: name.replace(".", "") for name in QUATERNION},
     "encoder": "encoder_deg",
     "temp": "temp_c",
     "seq": "seq",
@@ -34,26 +47,13 @@ TARGETS = {
 
 RATE_TARGETS = frozenset({"rate_dps", "gyro_x_dps", "gyro_y_dps"})
 FORCE_TARGETS = frozenset(ACCEL_COLUMNS)
+ANGLE_TARGETS = frozenset({"yaw_deg", "delta_deg", "encoder_deg"})
 AXES = ("gx", "gy", "ax", "ay", "az")
 
-CLOCK_WORDS = re.compile(r"time|elapsed|stamp|clock|zeit|uptime|\btemps\b|tiempo", re.IGNORECASE)
-STEP_WORDS = re.compile(
-    r"\bdt\b|delta|diff|interval|period|offset|exposure|latency|duration|delay|rtt|\brise\b|response|since last|flight",
-    re.IGNORECASE,
-)
-CLOCKWISE = re.compile(r"heading|azimuth|compass|bearing|course|\bhdg\b|\bcog\b", re.IGNORECASE)
-RATES = {"rate", "rates"}
-"""Kinds of labels for a rate about the vertical axis, or about no named axis."""
-
-BACKWARDS = 0.1
-"""Largest share of backward steps of a clock: restarts, and rows out of order."""
-
-NUMBER_BEGINS = re.compile(r"[-+]?[.,]?\d")
-QUATERNION = re.compile(r"(?:.*[\s._])?q(?:uat(?:ernion)?)?[\s._]?([wxyz])", re.IGNORECASE)
-AIMS = re.compile(r"target|set_?point|desired|cmd|command|(?<![a-z])(sp|ref|goal)(?![a-z])", re.IGNORECASE)
-"""Labels of setpoints: such a quaternion is the desired orientation, not the measured one."""
-
-CELSIUS = re.compile(r"(°|º|deg|degrees?)?\s*c(elsius)?", re.IGNORECASE)
+WORDS = re.compile(r"(?<=[_. ])")
+LAST_BRACKETS = re.compile(r"\s*[(\[][^()\[\]]*[)\]]$")
+LABELS_MIN = 3
+"""Least number of labels whose common words name the device."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,11 +61,11 @@ class UsedColumn:
     """A column that is used.
 
     target
-        Column of a session, or `yaw_deg`.
+        Column of a session, or what its rate is made of: `yaw_deg`, `delta_deg`, `qw`; a clock may have several.
     scale
         Factor to the unit of the session; 1 for a clock.
     unit
-        Unit of a clock, such as `t_us`.
+        Entry of a clock, such as `t_us`, `dt_ms` or `t:days`.
     """
 
     index: int
@@ -81,14 +81,14 @@ class TableColumns:
     form
         Known form, or how the columns were found.
     where
-        Index and value of the rows to use; None for all.
+        Indices and values of the rows to use; empty for all.
     remarks
         Notes for the user, a sentence each.
     """
 
     form: str
     used: tuple[UsedColumn, ...]
-    where: tuple[int, str] | None = None
+    where: tuple[tuple[int, str], ...] = ()
     remarks: tuple[str, ...] = ()
 
     @property
@@ -124,8 +124,8 @@ class Head:
         return [cell for cell in cells if cell]
 
 
-def columns_by_spec(head: Head, columns: Sequence[Column]) -> TableColumns:
-    """Columns as the user states them.
+def columns_by_spec(head: Head, columns: Sequence[Column], *, needs_clock: bool = True) -> TableColumns:
+    """Columns as the user states them; a clock is needed unless the user states the sample rate.
 
     Raises
     ------
@@ -135,14 +135,16 @@ def columns_by_spec(head: Head, columns: Sequence[Column]) -> TableColumns:
     placed = [(_index(head, position, column), column) for position, column in enumerate(columns)]
     taken = tuple(_taken(index, column) for index, column in placed if _is_used(column))
     targets = {column.target for column in taken}
-    if "t_device_s" not in targets:
-        raise UsageError(f"--columns: {head.path}: no column is the clock: one of {', '.join(CLOCK_US)}")
+    if needs_clock and "t_device_s" not in targets:
+        clocks = f"one of {', '.join(CLOCK_US)}; if there is none, state the sample rate with --sample-rate HZ"
+        raise UsageError(f"--columns: {head.path}: no column is the clock: {clocks}")
+    where = tuple((index, column.unit) for index, column in placed if column.meaning == SELECTED)
     remarks = (*_yaw_remarks(targets, ""), *_contradicted(head, columns, taken))
-    return _with_labelled_unit(head, TableColumns(BY_COLUMNS, taken, remarks=remarks), columns)
+    return _with_labelled_unit(head, TableColumns(BY_COLUMNS, taken, where, remarks), columns)
 
 
 def _with_labelled_unit(head: Head, table_columns: TableColumns, columns: Sequence[Column]) -> TableColumns:
-    """Give rates and accelerations without a unit in the SPEC the unit of their label, if the label names one."""
+    """Give columns without a unit in the SPEC the unit of their label, if the label names one."""
     unstated = {TARGETS[given.meaning] for given in columns if given.meaning in TARGETS and not given.unit}
     if not head.labels:
         return table_columns
@@ -161,26 +163,27 @@ def _contradicted(head: Head, columns: Sequence[Column], taken: Sequence[UsedCol
 
 
 def _in_unit(head: Head, used: UsedColumn) -> UsedColumn:
-    """Column in the unit of its label; the same column for other quantities than rates and accelerations."""
+    """Column in the unit of its label; the same column if that is no unit of rates, angles and accelerations."""
     unit = unit_in(head.labels[used.index]) if used.index < len(head.labels) else None
     factor = None
     if unit is not None and used.target in RATE_TARGETS:
         factor = rate_factor(unit)
     elif unit is not None and used.target in FORCE_TARGETS and unit.dimension is Dimension.ACCELERATION:
         factor = ACCELERATION_MPS2.get(unit.option)
+    elif unit is not None and used.target in ANGLE_TARGETS and unit.dimension is Dimension.ANGLE:
+        factor = ANGLE_DEG.get(unit.option)
     return used if factor is None else replace(used, scale=used.scale * factor)
 
 
 def _is_used(column: Column) -> bool:
-    return column.meaning in TARGETS or column.meaning in CLOCK_US
+    return column.meaning in TARGETS or bool(column.clock)
 
 
 def _index(head: Head, position: int, column: Column) -> int:
     if not column.label:
         if position >= head.width and column.meaning != IGNORED:
-            raise UsageError(
-                f"--columns: {head.path}: has {head.width} columns, and {column.meaning} is the {position + 1}th"
-            )
+            name = f"{column.meaning}{column.unit}" if column.meaning == SELECTED else column.meaning
+            raise UsageError(f"--columns: {head.path}: has {head.width} columns, and {name} is the {position + 1}th")
         return position
     index = label_index(head.labels, column.label)
     if index is None:
@@ -192,8 +195,8 @@ def _index(head: Head, position: int, column: Column) -> int:
 
 
 def _taken(index: int, column: Column) -> UsedColumn:
-    if column.meaning in CLOCK_US:
-        return UsedColumn(index, "t_device_s", unit=column.meaning)
+    if column.clock:
+        return UsedColumn(index, "t_device_s", unit=column.clock)
     return UsedColumn(index, TARGETS[column.meaning], column.scale)
 
 
@@ -213,14 +216,15 @@ def known_columns(head: Head) -> TableColumns | None:
     """Columns of a known form of table; None if it has no known form."""
     for form in KNOWN_TABLES:
         placed = form.indices(head.path, head.labels)
-        scale = form.scale(head.preamble) if placed is not None else None
-        if placed is None or scale is None:
+        scale, clock = form.scale(head.preamble), form.clock_unit(head.preamble)
+        if placed is None or scale is None or clock is None:
             continue
         taken = [_taken(index, spec_column) for index, spec_column in placed if _is_used(spec_column)]
         taken += [_taken(index, spec_column) for index, spec_column in form.axis_indices(head.labels)]
+        taken = [replace(column, unit=clock) if clock and column.unit else column for column in taken]
         scaled = _scaled(taken, scale, form.force_scale(head.preamble))
         index = label_index(head.labels, form.where[0]) if form.where else None
-        where = (index, form.where[1]) if form.where and index is not None else None
+        where = ((index, form.where[1]),) if form.where and index is not None else ()
         remarks = (form.remark,) if form.remark else ()
         return _stamped(head, TableColumns(form.name, scaled, where, remarks))
     return None
@@ -258,136 +262,82 @@ def rate_factor(unit: Unit) -> float | None:
     return 1.0 / float(unit.option.removeprefix("lsb/")) if unit.option.startswith("lsb/") else RATE_DPS[unit.option]
 
 
-def labelled_columns(head: Head) -> TableColumns | None:
-    """Columns by labels that name meaning and unit; None without a clock or without exactly one rate or yaw."""
-    clocks = [UsedColumn(index, "t_device_s", unit=unit) for index, unit in _clocks(head)]
-    rates = [column for index in range(len(head.labels)) if (column := _rate(head, index))]
-    yaws = [column for index in range(len(head.labels)) if (column := _yaw(head, index))]
-    quaternion = _quaternion(head)
-    if not clocks or len(rates) > 1 or (not rates and len(yaws) != 1 and not (quaternion and not yaws)):
+def verdict_on(head: Head) -> ColumnVerdict:
+    """Verdict of the judge on the columns of a table."""
+    labels = head.labels or ("",) * head.width
+    rows = [row for row in head.rows if len(row) >= len(labels)]
+    texts = [[row[index].strip() for row in rows] for index in range(len(labels))]
+    spec_labels = _names(labels) if head.line else _names(tuple(map(bare, labels))) or _names(labels)
+    return judged(_without_common(labels), ("",) * len(labels), texts, spec_labels=spec_labels)
+
+
+def _names(labels: tuple[str, ...]) -> tuple[str, ...]:
+    """Labels as a SPEC may hold them; empty if two are equal."""
+    names = tuple(map(as_label, labels))
+    return names if len(set(map(plain, names))) == len(names) else ()
+
+
+def _without_common(labels: tuple[str, ...]) -> tuple[str, ...]:
+    """Labels without the words that all of them begin or end with, the clock too: `Shimmer_5E1A_Gyro_Z_CAL`."""
+    words = [WORDS.split(LAST_BRACKETS.sub("", label.strip())) for label in labels if label.strip()]
+    if len(words) < LABELS_MIN:
+        return labels
+    shared = [_common(words), _common([parts[::-1] for parts in words])]
+    counts = [0 if any(map(unit_of, parts)) else len("".join(parts)) for parts in shared]
+    names = tuple(_cut(label, *counts) if label.strip() else label for label in labels)
+    is_common = any(counts) and all(len(parts) > len(shared[0]) + len(shared[1]) for parts in words)
+    has_clock = any(kind_of(name) == "clock" or CLOCK_WORDS.search(name) for name in names)
+    return names if is_common and has_clock else labels
+
+
+def _common(words: Sequence[Sequence[str]]) -> list[str]:
+    """Words with which all begin."""
+    return [column[0] for column in takewhile(lambda column: len(set(column)) == 1, zip(*words, strict=False))]
+
+
+def _cut(label: str, before: int, after: int) -> str:
+    """Label without a number of characters before and after its name; the unit in brackets stays."""
+    name = LAST_BRACKETS.sub("", label.strip())
+    return (name[before : len(name) - after] + label.strip()[len(name) :]).strip("_. ")
+
+
+def labelled_columns(head: Head, verdict: ColumnVerdict, *, needs_clock: bool = True) -> TableColumns | None:
+    """Columns whose labels state meaning and unit; None without a stated rate or yaw, and a stated clock if needed."""
+    is_stated = verdict.is_stated if needs_clock else verdict.turn is not None and verdict.turn.is_stated
+    if not head.labels or not is_stated:
         return None
-    running = [clock for clock in clocks if _goes_on(head.texts(clock.index))] or clocks
-    motion = rates or yaws or quaternion
-    encoder = _encoder(head) if rates else []
-    taken = (running[0], *motion, *(_axes(head) if rates else ()), *encoder, *_temperature(head))
-    remarks = _yaw_remarks({column.target for column in motion}, head.labels[motion[0].index])
-    remarks += _unused_angle_remarks(head, running[0], rates[0], yaws) if rates and not encoder else ()
-    return TableColumns(BY_LABELS, taken, remarks=remarks)
+    clocks = () if verdict.clock is None or needs_clock else (verdict.clock.entry,)
+    unused = {IGNORED, "seq"} if needs_clock else {IGNORED, *clocks}
+    entries = [(index, column.entry) for index, column in enumerate(verdict.columns) if column.entry not in unused]
+    taken = [_taken(index, column_of(entry)) for index, entry in entries]
+    targets = {column.target for column in taken}
+    turning = next(index for index, column in enumerate(verdict.columns) if column is verdict.turn)
+    remarks = _yaw_remarks(targets, head.labels[turning])
+    if "rate_dps" in targets and "encoder_deg" not in targets:
+        remarks += _unused_angle_remarks(head, verdict)
+    return TableColumns(BY_LABELS, tuple(taken), remarks=remarks)
 
 
-def _clocks(head: Head) -> list[tuple[int, str]]:
-    units = ((index, clock_unit(label, head.texts(index))) for index, label in enumerate(head.labels))
-    return [(index, unit) for index, unit in units if unit]
-
-
-def _goes_on(texts: Sequence[str]) -> bool:
-    """Whether a column runs like a clock, hardly ever back; `response time (ms)` does not."""
-    if len(set(texts)) < 2 or not all(map(NUMBER_BEGINS.match, texts)) or any(map(is_time, texts)):
-        return len(set(texts)) > 1
-    try:
-        numbers = [float(text.replace(",", ".")) for text in texts]
-    except ValueError:
-        return True
-    return sum(after < before for before, after in pairwise(numbers)) <= BACKWARDS * len(numbers)
-
-
-def clock_unit(label: str, texts: Sequence[str]) -> str:
-    """Unit of a clock as in a SPEC; empty for another column, or without a unit."""
-    unit, name = unit_in(label) or unit_of(label), without_unit(label)
-    is_clock = kind_of(name) == "clock" or kind_of(label) == "clock" or CLOCK_WORDS.search(name)
-    if not is_clock or STEP_WORDS.search(name.replace("_", " ")) or not texts:
-        return ""
-    if all(map(is_time, texts)):
-        return "t_s"
-    if unit is not None:
-        return unit.option if unit.dimension is Dimension.TIME else ""
-    return epoch_unit(texts)
-
-
-def _kinds(label: str) -> tuple[str, str]:
-    """Kinds of a label without its unit, and with it."""
-    return kind_of(without_unit(label)), kind_of(label)
-
-
-def _rate(head: Head, index: int) -> UsedColumn | None:
-    label = head.labels[index]
-    unit = unit_in(label)
-    factor = rate_factor(unit) if unit else None
-    is_rate = not RATES.isdisjoint(_kinds(label))
-    has_numbers = any(map(NUMBER_BEGINS.match, head.texts(index)))
-    return UsedColumn(index, "rate_dps", factor) if factor is not None and is_rate and has_numbers else None
-
-
-def _axes(head: Head) -> list[UsedColumn]:
-    """Rates about x and y and accelerations with units, each of which only one column may be."""
-    axes = [column for index in range(len(head.labels)) if (column := _axis(head, index))]
-    counts = Counter(column.target for column in axes)
-    return [column for column in axes if counts[column.target] == 1]
-
-
-def _axis(head: Head, index: int) -> UsedColumn | None:
-    label = head.labels[index]
-    unit = unit_in(label)
-    kind = next((kind for kind in _kinds(label) if kind in AXES), "")
-    if unit is None or not kind or not all(map(NUMBER_BEGINS.match, head.texts(index))):
-        return None
-    factor = rate_factor(unit) if kind in ("gx", "gy") else ACCELERATION_MPS2.get(unit.option)
-    is_force = unit.dimension is Dimension.ACCELERATION
-    return UsedColumn(index, TARGETS[kind], factor) if factor and is_force == (kind not in ("gx", "gy")) else None
-
-
-def _yaw(head: Head, index: int) -> UsedColumn | None:
-    label = head.labels[index]
-    unit, name = unit_in(label), without_unit(label)
-    if unit is None or unit.dimension is not Dimension.ANGLE:
-        return None
-    kind = kind_of(name)
-    if kind not in {"yaw", "heading"}:
-        return None
-    return UsedColumn(index, "yaw_deg", ANGLE_DEG[unit.option] * (-1.0 if kind == "heading" else 1.0))
-
-
-def _encoder(head: Head) -> list[UsedColumn]:
-    """The reference angle with a unit; empty if there is none or more than one."""
-    units = ((index, unit_in(label)) for index, label in enumerate(head.labels) if "encoder" in _kinds(label))
-    angles = [(index, unit) for index, unit in units if unit is not None and unit.dimension is Dimension.ANGLE]
-    return [UsedColumn(index, "encoder_deg", ANGLE_DEG[unit.option]) for index, unit in angles[:1] if len(angles) == 1]
-
-
-def _unused_angle_remarks(
-    head: Head, clock: UsedColumn, rate: UsedColumn, yaws: Sequence[UsedColumn]
-) -> tuple[str, ...]:
+def _unused_angle_remarks(head: Head, verdict: ColumnVerdict) -> tuple[str, ...]:
     """Remark on an angle with a rate, which may be a reference or the result of the device's own filter."""
-    if len(yaws) != 1:
+    angles = [index for index, column in enumerate(verdict.columns) if column.looks_like in {"yaw", "heading"}]
+    units = [unit_in(head.labels[index]) for index in angles]
+    if len(angles) != 1 or units[0] is None or units[0].dimension is not Dimension.ANGLE:
         return ()
-    labels = [head.labels[column.index].strip() for column in (clock, rate, yaws[0])]
-    rate_unit, angle_unit = (unit.option if (unit := unit_in(label)) else "" for label in labels[1:])
-    meanings = [clock.unit, f"rate:{rate_unit}", f"encoder:{angle_unit}{':-' if yaws[0].scale < 0.0 else ''}"]
-    spec = ", ".join(f"{label}={meaning}" for label, meaning in zip(labels, meanings, strict=True))
-    return (f"its angle {labels[2]} is not used; if it is the reference, state --columns '{spec}'",)
-
-
-def _quaternion(head: Head) -> list[UsedColumn]:
-    """The four parts of the only quaternion; empty if there is none or more than one."""
-    labels = ["" if AIMS.search(label) else label.strip() for label in head.labels]
-    matches = [(QUATERNION.fullmatch(label), index) for index, label in enumerate(labels)]
-    parts = {part[1].lower(): index for part, index in matches if part}
-    is_one = len(parts) == 4 and sum(part is not None for part, _ in matches) == 4
-    return [UsedColumn(parts[axis], f"q{axis}") for axis in "wxyz"] if is_one else []
+    sign = ":-" if verdict.columns[angles[0]].looks_like == "heading" else ""
+    entries = {
+        index: column.entry for index, column in enumerate(verdict.columns) if column in (verdict.clock, verdict.turn)
+    }
+    entries[angles[0]] = f"encoder:{units[0].option}{sign}"
+    labels = [head.labels[index].strip() for index in entries]
+    spec = spec_text(list(entries.values()), labels)
+    return (f"its angle {labels[-1]} is not used; if it is the reference, state --columns '{spec}'",)
 
 
 def _yaw_remarks(targets: set[str], label: str) -> tuple[str, ...]:
     if not targets & {"yaw_deg", "qw"}:
         return ()
-    reversed_text = ", and its sign is reversed (clockwise)" if label and CLOCKWISE.search(label) else ""
+    reversed_text = (
+        ", and its sign is reversed (clockwise)" if label and kind_of(without_unit(label)) == "heading" else ""
+    )
     return (f"its rate is the difference of an angle{reversed_text}: the filter of the device has already changed it",)
-
-
-def _temperature(head: Head) -> list[UsedColumn]:
-    for index, label in enumerate(head.labels):
-        unit = unit_in(label)
-        if unit is not None and unit.dimension is Dimension.TEMPERATURE and kind_of(without_unit(label)) == "temp":
-            word = re.split(r"[\s_(\[]+", label.strip().rstrip(")]"))[-1]
-            if CELSIUS.fullmatch(word):
-                return [UsedColumn(index, "temp_c")]
-    return []

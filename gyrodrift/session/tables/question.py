@@ -1,57 +1,94 @@
 """Question to the user if a table does not say which column is the rate, or in which unit."""
 
+from collections import Counter
 from collections.abc import Sequence
 from itertools import pairwise
 from math import isfinite
 
+from gyrodrift.columns.fields import as_label
+from gyrodrift.columns.judge import ColumnVerdict
 from gyrodrift.columns.names import kind_of
+from gyrodrift.columns.spec import CLOCK_US, IGNORED
 from gyrodrift.columns.times import is_time
-from gyrodrift.columns.units import unit_in, without_unit
+from gyrodrift.columns.units import unit_in, unit_of
 from gyrodrift.session.csv import OLD_NAMES, REQUIRED, slips_in
 from gyrodrift.session.session import COLUMNS
-from gyrodrift.session.tables.plan import Head, clock_unit
+from gyrodrift.session.tables.layout import is_value
+from gyrodrift.session.tables.plan import Head
 from gyrodrift.values.errors import DataError, shortened
 from gyrodrift.values.nearest import suggestion
 
 SHOWN = 20
 LABEL_SHOWN = 48
+KINDS_MAX = 12
+"""Most different words of a column that names the kinds of rows."""
+
 MEANINGS = {
-    "clock": "a clock",
     "seq": "a counter",
-    "rate": "a rate about the vertical axis",
+    "gz": "a rate about the vertical axis",
     "rates": "a rate about an unknown axis",
     "gx": "a rate about x",
     "gy": "a rate about y",
     "temp": "a temperature",
     "encoder": "a reference angle",
-    "ax": "an acceleration",
-    "ay": "an acceleration",
-    "az": "an acceleration",
-    "mx": "a magnetic field",
-    "my": "a magnetic field",
-    "mz": "a magnetic field",
+    **dict.fromkeys(("ax", "ay", "az"), "an acceleration"),
+    **dict.fromkeys(("mx", "my", "mz"), "a magnetic field"),
     "yaw": "an angle about the vertical axis",
     "heading": "a heading, clockwise",
     "quaternion": "a part of a quaternion",
-    "pitch": "an angle",
-    "roll": "an angle",
-    "angle": "an angle",
+    **dict.fromkeys(("pitch", "roll", "angle"), "an angle"),
+    **dict.fromkeys(CLOCK_US, "a clock"),
 }
 HOW = (
-    "name them with --columns, one entry per column or LABEL=entry: the clock is t_s, t_ms, t_us or t_ns; the rate"
-    " about the vertical axis is rate with its unit, :dps, :rads, :mdps or :lsb/N for counts (N is in the sensor's data"
-    " sheet); a reference angle is encoder:deg or encoder:rad; an angle of the device itself is yaw:deg or yaw:rad; _"
-    " ignores a column"
+    "name them with --columns, one entry per column or LABEL=entry: the clock is t_s, t_ms, t_us or t_ns, and without"
+    " one --sample-rate HZ states the rate of the rows; the rate about the vertical axis is rate with its unit, :dps,"
+    " :rads, :mdps or :lsb/N for counts (N is in the sensor's data sheet); an angle since the last row is delta:deg or"
+    " delta:rad; a reference angle is encoder:deg or encoder:rad; an angle of the device itself is yaw:deg or yaw:rad;"
+    " LABEL=VALUE uses only the rows with this value; _ ignores a column"
 )
 
 
-def unclear(head: Head) -> DataError:
-    """Error that shows every column with its apparent meaning."""
+def unclear(head: Head, verdict: ColumnVerdict) -> DataError:
+    """Error that shows every column with its apparent meaning, and what is missing."""
     source = f"{head.path}:{head.line}" if head.line else f"{head.path}"
-    reason = "its header does not say" if head.labels else "it has no header, so nothing says"
-    lines = [_described(head, index) for index in range(min(head.width, SHOWN))]
+    lines = [_described(head, index, verdict) for index in range(min(head.width, SHOWN))]
     rest = [f"  and {head.width - SHOWN} more"] if head.width > SHOWN else []
-    return DataError("\n".join([f"{source}: {reason} which column is the rate and in which unit:", *lines, *rest, HOW]))
+    reason = f"{source}: {_reason(head, verdict)}:"
+    return DataError("\n".join([reason, *lines, *rest, *_kinds(head), *_proposal(verdict), HOW]))
+
+
+def _reason(head: Head, verdict: ColumnVerdict) -> str:
+    names = "header does" if head.line else "labels do"
+    says = f"its {names} not say" if head.labels else "it has no header, so nothing says"
+    if verdict.turn is not None and verdict.clock is None:
+        return f"{says} which column is the clock"
+    question = f" ({verdict.question})" if verdict.question else ""
+    return f"{says} which column is the rate and in which unit{question}"
+
+
+def _proposal(verdict: ColumnVerdict) -> list[str]:
+    """Line with the SPEC as far as the judge could tell."""
+    if verdict.template is None:
+        return []
+    rate = "" if verdict.clock else " --sample-rate HZ"
+    reasons = "; ".join(f"{column.looks_like} {column.why}" for column in verdict.columns if column.entry != IGNORED)
+    unit = f"; replace {', and '.join(verdict.asked)}" if verdict.asked else ""
+    return [f"probably --columns '{verdict.template}'{rate}{unit} ({reasons})"]
+
+
+def _kinds(head: Head) -> list[str]:
+    """Advice for a table whose rows are of several kinds, as a column of words says."""
+    for index in range(min(head.width, SHOWN)):
+        label = head.labels[index].strip() if index < len(head.labels) else ""
+        counts = Counter(head.texts(index))
+        are_words = not any(map(is_value, counts)) and not any(map(unit_of, counts))
+        are_kinds = 1 < len(counts) <= KINDS_MAX and min(counts.values()) > 1
+        if are_words and (are_kinds or any(map(kind_of, counts))):
+            kinds = ", ".join(shortened(word, LABEL_SHOWN) for word in counts)
+            entry = f"{as_label(label)}={next(iter(counts))}"
+            name = label or f"column {index + 1}"
+            return [f"its rows are of several kinds by {name} ({kinds}): an entry such as {entry!r} keeps one"]
+    return []
 
 
 def check_header(head: Head) -> None:
@@ -75,11 +112,14 @@ def check_header(head: Head) -> None:
             )
 
 
-def _described(head: Head, index: int) -> str:
+def _described(head: Head, index: int, verdict: ColumnVerdict) -> str:
     label = head.labels[index].strip() if index < len(head.labels) else ""
-    texts = head.texts(index)
     name = f" {shortened(label, LABEL_SHOWN)}" if label else ""
-    return f"  column {index + 1}{name}: {_values(texts)}; {_looks(label, texts)}"
+    looks = verdict.columns[index].looks_like if label else ""
+    meaning = MEANINGS.get(looks, "unknown") if label else "no label"
+    unit = unit_in(label)
+    in_unit = f", in a unit of {unit.dimension}" if unit else ", no unit" if label and looks not in CLOCK_US else ""
+    return f"  column {index + 1}{name}: {_values(head.texts(index))}; {meaning}{in_unit}"
 
 
 def _values(texts: Sequence[str]) -> str:
@@ -104,13 +144,3 @@ def _trend(numbers: Sequence[float]) -> str:
     if not any(steps):
         return ", never changes"
     return f", grows by {sorted(steps)[len(steps) // 2]:.4g} a row" if min(steps) > 0.0 else ""
-
-
-def _looks(label: str, texts: Sequence[str]) -> str:
-    if not label:
-        return "no label"
-    unit = unit_in(label)
-    kind = kind_of(without_unit(label)) or kind_of(label)
-    meaning = MEANINGS.get(kind, "unknown")
-    has_unit = unit is not None or bool(clock_unit(label, texts))
-    return f"{meaning}, {f'in a unit of {unit.dimension}' if unit else 'with a unit' if has_unit else 'no unit'}"

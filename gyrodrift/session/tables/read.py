@@ -1,28 +1,33 @@
 """Sessions from tables of other programs, and from tables of this program that another one has saved."""
 
-import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.spec import Column
+from gyrodrift.columns.times import AS_READ, StatedClock, unit_of_clock
+from gyrodrift.columns.units import Dimension, unit_in
 from gyrodrift.session.csv import counter, read_exact
 from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS, TABLE, Session, session_of_columns
-from gyrodrift.session.tables.layout import TableLayout, layout_of, split
+from gyrodrift.session.tables.clocks import clock_doubt, paced, rates_of_deltas
+from gyrodrift.session.tables.json_table import is_json, json_head, json_objects, json_rows
+from gyrodrift.session.tables.layout import layout_of
 from gyrodrift.session.tables.parquet import parquet_head, parquet_rows
 from gyrodrift.session.tables.plan import (
     OWN,
     Head,
     TableColumns,
+    UsedColumn,
     columns_by_spec,
     known_columns,
     labelled_columns,
     own_columns,
+    verdict_on,
 )
 from gyrodrift.session.tables.question import check_header, unclear
 from gyrodrift.session.tables.rows import ColumnsRead, RowReader
@@ -30,97 +35,10 @@ from gyrodrift.session.tables.text import Lines, opened
 from gyrodrift.session.tables.wire import wire_columns
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.constants import FULL_TURN_DEG
-from gyrodrift.values.errors import DataError
+from gyrodrift.values.errors import DataError, visible
+from gyrodrift.values.quaternion import yaw_parts
 
-LOOKED_AT = 200
-DEEPEST = 8
-MOST_LABELS = 500
-LONGEST_VECTOR = 20
-"""A longer list is a column, not the axes of a sample."""
-
-
-def is_json(path: Path) -> bool:
-    """Whether a file begins like JSON."""
-    with opened(path) as file:
-        first = next(iter(Lines(file)), "").lstrip()
-    return first.startswith(("{", "[{", "[\n", "[\r")) or first.strip() == "["
-
-
-def json_head(path: Path) -> Head:
-    """Labels of the first objects of a JSON file, nested ones as `gyro.z`, and their rows."""
-    objects = list(islice((values for _, values in json_objects(path) if values), LOOKED_AT))
-    if not objects:
-        raise DataError(f"{path}: has no JSON object with values")
-    labels = tuple(islice(dict.fromkeys(label for values in objects for label in values), MOST_LABELS))
-    return Head(path, labels, len(labels), 0, tuple(json_rows(objects, labels)))
-
-
-def json_rows(objects: Sequence[Mapping[str, str]], labels: Sequence[str]) -> Iterator[list[str]]:
-    """Objects as rows."""
-    return ([values.get(label, "") for label in labels] for values in objects)
-
-
-def json_objects(path: Path) -> Iterator[tuple[int, dict[str, str]]]:
-    """Objects of a file with their line numbers; empty for a line without an object."""
-    with opened(path) as file:
-        lines = Lines(file)
-        first = next(iter(lines), "")
-        value = _parsed(first)
-        if isinstance(value, dict) and not any(map(_is_column, value.values())):
-            yield lines.number, _flat(value)
-            for line in lines:
-                value = _parsed(line)
-                yield lines.number, _flat(value) if isinstance(value, dict) else {}
-            return
-    yield from enumerate(_whole(path), 1)
-
-
-def _is_column(value: Any) -> bool:
-    return isinstance(value, list) and len(value) > LONGEST_VECTOR
-
-
-def _parsed(text: str) -> Any:
-    """Value of a JSON text, numbers as text; None if it is not JSON."""
-    try:
-        return json.loads(text, parse_float=str, parse_int=str)
-    except (ValueError, RecursionError):
-        return None
-
-
-def _whole(path: Path) -> Iterator[dict[str, str]]:
-    """Objects of a file that is a single JSON value."""
-    with opened(path) as file:
-        content = _parsed(file.read())
-    if isinstance(content, list):
-        yield from (_flat(item) if isinstance(item, dict) else {} for item in content)
-    elif isinstance(content, dict):
-        columns = {name: values for name, values in content.items() if isinstance(values, list)}
-        longest = max(map(len, columns.values()), default=0)
-        for index in range(longest):
-            yield _flat({name: values[index] for name, values in columns.items() if len(values) == longest})
-    else:
-        raise DataError(f"{path}: is neither JSON nor JSON lines: expected an object per line, or an array of objects")
-
-
-def _flat(values: Mapping[str, Any], before: str = "", depth: int = 0) -> dict[str, str]:
-    """Values of an object by their paths."""
-    flat: dict[str, str] = {}
-    for name, value in values.items():
-        match value:
-            case dict() if depth < DEEPEST:
-                flat |= _flat(value, f"{before}{name}.", depth + 1)
-            case list() if depth < DEEPEST:
-                flat |= _flat({str(index): item for index, item in enumerate(value)}, f"{before}{name}.", depth + 1)
-            case bool():
-                flat[f"{before}{name}"] = str(int(value))
-            case None:
-                flat[f"{before}{name}"] = ""
-            case _:
-                flat[f"{before}{name}"] = str(value)
-    return flat
-
-
-PARQUET = ".parquet"
+CLOCK, PARQUET = "t_device_s", ".parquet"
 BAD_SHARE = 0.1
 """A larger share of bad rows means that the table is misread."""
 
@@ -131,7 +49,7 @@ MOST_DEG = 1e9
 """Largest angle counted over many turns; larger values are skipped."""
 
 
-def read_table(path: Path, columns: Sequence[Column] | None = None) -> Session:
+def read_table(path: Path, columns: Sequence[Column] | None = None, clock: StatedClock = AS_READ) -> Session:
     """Load a table.
 
     Parameters
@@ -140,6 +58,8 @@ def read_table(path: Path, columns: Sequence[Column] | None = None) -> Session:
         The file.
     columns
         Meaning of its columns; without them the header has to state it.
+    clock
+        Unit of its clock, or a sample rate in place of one.
 
     Raises
     ------
@@ -149,66 +69,119 @@ def read_table(path: Path, columns: Sequence[Column] | None = None) -> Session:
         It does not have the given columns.
     """
     if path.suffix.lower() == PARQUET:
-        head = parquet_head(path)
-        table_columns = _columns(head, columns)
-        reader = RowReader(head, table_columns, has_decimal_comma=False, keeps_empty=table_columns.form == OWN)
-        return _session(head, table_columns, reader.read(parquet_rows(path)), PARQUET)
+        return _read(parquet_head(path), columns, parquet_rows(path), PARQUET, clock)
     if columns is None and (session := read_exact(path)) is not None:
         return session
     if is_json(path):
         head = json_head(path)
-        table_columns = _columns(head, columns)
-        reader = RowReader(head, table_columns, has_decimal_comma=False, keeps_empty=False)
-        read = reader.read(
-            (line, row) for line, values in json_objects(path) for row in json_rows([values], head.labels)
-        )
-        return _session(head, table_columns, read, "JSON")
-    layout = layout_of(path)
-    table_columns = _columns(layout.head, columns)
+        rows = ((line, row) for line, values in json_objects(path) for row in json_rows([values], head.labels))
+        return _read(head, columns, rows, "JSON", clock)
+    layout = layout_of(path, is_by_position=columns is not None and not columns[0].label)
     with opened(path) as file:
-        has_comma, is_own = layout.dialect.has_decimal_comma, table_columns.form == OWN
-        reader = RowReader(layout.head, table_columns, has_decimal_comma=has_comma, keeps_empty=is_own)
-        read = reader.read(_rows(Lines(file), layout))
-    return _session(layout.head, table_columns, read, str(layout.dialect))
+        rows = layout.rows(Lines(file, has_comments=layout.has_comments))
+        return _read(layout.head, columns, rows, str(layout), clock, has_decimal_comma=layout.has_decimal_comma)
 
 
-def _columns(head: Head, columns: Sequence[Column] | None) -> TableColumns:
+def _read(
+    head: Head,
+    columns: Sequence[Column] | None,
+    rows: Iterable[tuple[int, list[str]]],
+    dialect: str,
+    clock: StatedClock,
+    *,
+    has_decimal_comma: bool = False,
+) -> Session:
+    table_columns = _columns(head, columns, clock)
+    keeps_empty = table_columns.form == OWN and dialect != "JSON"
+    reader = RowReader(head, table_columns, has_decimal_comma=has_decimal_comma, keeps_empty=keeps_empty)
+    return _session(head, table_columns, reader.read(rows), dialect, clock)
+
+
+def _columns(head: Head, columns: Sequence[Column] | None, clock: StatedClock) -> TableColumns:
     if columns is None or columns[0].label:
         check_header(head)
     if columns is not None:
-        return columns_by_spec(head, columns)
-    table_columns = own_columns(head) or known_columns(head) or labelled_columns(head) or wire_columns(head)
+        table_columns = columns_by_spec(head, columns, needs_clock=not clock.sample_rate_hz)
+    else:
+        table_columns = own_columns(head) or known_columns(head) or _judged_columns(head, clock)
+    if table_columns.form == OWN or clock == AS_READ:
+        return table_columns
+    used = [replace(column, unit=clock.entry(column.unit)) if column.unit else column for column in table_columns.used]
+    if clock.sample_rate_hz:
+        used = [column for column in used if column.target != CLOCK]
+    return replace(table_columns, used=tuple(used))
+
+
+def _judged_columns(head: Head, clock: StatedClock) -> TableColumns:
+    verdict = verdict_on(head)
+    table_columns = labelled_columns(head, verdict, needs_clock=not clock.sample_rate_hz) or wire_columns(head)
     if table_columns is None:
-        raise unclear(head)
+        raise unclear(head, verdict)
     return table_columns
 
 
-def _rows(lines: Lines, layout: TableLayout) -> Iterator[tuple[int, list[str]]]:
-    data_lines = (line for line in lines if lines.number >= layout.first_line)
-    for row in split(data_lines, layout.dialect.delimiter):
-        yield lines.number, row
-
-
-def _session(head: Head, table_columns: TableColumns, read: ColumnsRead, dialect: str) -> Session:
+def _session(head: Head, table_columns: TableColumns, read: ColumnsRead, dialect: str, clock: StatedClock) -> Session:
     refused = read.refused
     source = f"{head.path}:{refused.line}"
+    if not read.count and read.others:
+        selected = " and ".join(f"{_label(head, index)} = {value}" for index, value in table_columns.where)
+        raise DataError(f"{head.path}: no row has {selected}; there are {', '.join(map(visible, read.others))}")
     if not read.count and not refused.count:
         raise DataError(f"{head.path}: has a header and no samples")
     is_torn = refused.count == 1 and refused.is_last and read.count > 0 and _is_torn(head.path)
     if refused.count and not is_torn and refused.count > BAD_SHARE * (read.count + refused.count):
         total = f"; {refused.count} of {read.count + refused.count} rows are bad" if refused.count > 1 else ""
         raise DataError(f"{source}: {refused.why}{total}")
+    _check_clock(head, table_columns, read, clock)
     remarks = (*table_columns.remarks, *_remarks(read))
+    clocks = _clocks(table_columns)
     return replace(
-        _arrays(head.path.stem, read),
+        _arrays(head.path.stem, read, clock.sample_rate_hz),
         metadata=_kept(table_columns, read, dialect, remarks),
         remarks=remarks,
-        rate_scale=next((abs(column.scale) for column in table_columns.used if column.target == "rate_dps"), 1.0)
-        or 1.0,
-        accel_scale=next((abs(column.scale) for column in table_columns.used if column.target in ACCEL_COLUMNS), 1.0)
-        or 1.0,
-        time_unit=next((column.unit for column in table_columns.used if column.unit), "t_s").removeprefix("t_"),
+        rate_scale=_scale(table_columns, "rate_dps", "delta_deg"),
+        accel_scale=_scale(table_columns, *ACCEL_COLUMNS),
+        time_unit=unit_of_clock(clocks[0].unit) if clocks else "s",
     )
+
+
+def _scale(table_columns: TableColumns, *targets: str) -> float:
+    """Size of the scale of the first of some columns; 1 without them, or for a scale of 0."""
+    return next((abs(column.scale) for column in table_columns.used if column.target in targets), 1.0) or 1.0
+
+
+def _clocks(table_columns: TableColumns) -> list[UsedColumn]:
+    """Columns of the clock; the one to which the others are added comes first."""
+    clocks = [column for column in table_columns.used if column.unit]
+    return sorted(clocks, key=lambda column: column.unit.startswith("+"))
+
+
+def _label(head: Head, index: int) -> str:
+    return visible(head.labels[index].strip()) if index < len(head.labels) else f"column {index + 1}"
+
+
+def _check_clock(head: Head, table_columns: TableColumns, read: ColumnsRead, stated: StatedClock) -> None:
+    """Check that a column is a clock as it is read, unless its label or the user says so.
+
+    Raises
+    ------
+    DataError
+        It is a counter, or is written in another way.
+    """
+    t_s, clocks = read.column(CLOCK), _clocks(table_columns)
+    if table_columns.form == OWN or stated.unit or t_s is None or not clocks:
+        return
+    clock = clocks[0]
+    label = head.labels[clock.index] if clock.index < len(head.labels) else ""
+    if read.counted:
+        why = f"has no leading zeros in its fraction (%ld.%ld): state --time-unit {read.counted}"
+        raise DataError(f"{head.path}: {_label(head, clock.index)} {why}")
+    unit = unit_in(label)
+    is_labeled = kind_of(label) == "clock" or (unit is not None and unit.dimension is Dimension.TIME)
+    is_said = clock.unit.startswith("d") or is_labeled
+    doubt = "" if is_said or len(clocks) > 1 else clock_doubt(t_s, unit_of_clock(clock.unit))
+    if doubt:
+        raise DataError(f"{head.path}: {_label(head, clock.index)} {doubt}")
 
 
 def _is_torn(path: Path) -> bool:
@@ -245,21 +218,27 @@ def _kept(
     return {TABLE: {name: text for name, text in table.items() if text}}
 
 
-def _arrays(name: str, read: ColumnsRead) -> Session:
-    t_s, rate_dps, yaw_deg = (read.column(target) for target in ("t_device_s", "rate_dps", "yaw_deg"))
+def _arrays(name: str, read: ColumnsRead, sample_rate_hz: float) -> Session:
+    columns: dict[str, NDArray[Any] | None] = {column: read.column(column) for column in COLUMNS}
+    if columns["seq"] is not None:
+        columns["seq"] = counter(columns["seq"])
+    if sample_rate_hz:
+        columns[CLOCK] = paced(read.count, columns["seq"], sample_rate_hz)
+    t_s, yaw_deg, delta_deg = columns[CLOCK], read.column("yaw_deg"), read.column("delta_deg")
     if t_s is None:
         raise DataError(f"{name}: has no clock")
     parts = [column for part in "wxyz" if (column := read.column(f"q{part}")) is not None]
     if len(parts) == 4:
-        yaw_deg = yaw_of(*parts)
+        yaw_deg = _yaws(name, *parts)
     if yaw_deg is not None:
         t_s, rate_dps = rates_of(t_s, yaw_deg)
         return _with_samples(Session(name, t_s, rate_dps))
-    columns: dict[str, NDArray[Any] | None] = {column: read.column(column) for column in COLUMNS}
-    if columns["seq"] is not None:
-        columns["seq"] = counter(columns["seq"])
-    columns["rate_dps"] = np.empty(0) if rate_dps is None else rate_dps
-    return _with_samples(session_of_columns(name, columns))
+    columns["rate_dps"] = np.empty(0) if columns["rate_dps"] is None else columns["rate_dps"]
+    if delta_deg is None:
+        return _with_samples(session_of_columns(name, columns))
+    rows, rate_dps = rates_of_deltas(t_s, delta_deg)
+    whole = session_of_columns(name, columns | {"rate_dps": delta_deg})
+    return _with_samples(replace(whole.rows(rows), rate_dps=rate_dps))
 
 
 def _with_samples(session: Session) -> Session:
@@ -268,12 +247,23 @@ def _with_samples(session: Session) -> Session:
     return session
 
 
-def yaw_of(w: Floats, x: Floats, y: Floats, z: Floats) -> Floats:
-    """Yaw of unit quaternions, deg (z-y-x Euler angles), shape (n,); NaN for other norms."""
+def _yaws(name: str, w: Floats, x: Floats, y: Floats, z: Floats) -> Floats:
+    """Yaw of unit quaternions, deg, shape (n,); NaN for other norms.
+
+    Raises
+    ------
+    DataError
+        Most have another norm.
+    """
     with np.errstate(all="ignore"):  # values may be no quaternion
         norm = np.sqrt(w * w + x * x + y * y + z * z)
-        yaw_deg: Floats = np.degrees(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
-    return np.where((norm >= NORMS[0]) & (norm <= NORMS[1]), yaw_deg, np.nan)
+        yaw_deg: Floats = np.degrees(np.arctan2(*yaw_parts(w, x, y, z)))
+        is_unit = (norm >= NORMS[0]) & (norm <= NORMS[1])
+        length = float(np.median(norm))
+    if len(norm) and not NORMS[0] <= length <= NORMS[1]:
+        scale = f"; if its parts are counts, write :lsb/{length:.5g} after q.w, q.x, q.y and q.z in --columns"
+        raise DataError(f"{name}: its quaternions have the length {length:.4g}, not 1{scale if length > 1.0 else ''}")
+    return np.where(is_unit, yaw_deg, np.nan)
 
 
 def rates_of(t_s: Floats, angle_deg: Floats) -> tuple[Floats, Floats]:

@@ -1,5 +1,6 @@
 """Rows of text as columns of numbers; bad rows are counted and the first one is reported."""
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
@@ -7,7 +8,8 @@ from math import nan
 
 import numpy as np
 
-from gyrodrift.columns.times import StampReader
+from gyrodrift.columns.fields import is_value
+from gyrodrift.columns.times import FORMS, ClockReader, is_stamp
 from gyrodrift.session.tables.plan import OWN, Head, TableColumns, UsedColumn
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import shortened, visible
@@ -15,7 +17,14 @@ from gyrodrift.values.errors import shortened, visible
 PIECE = 20_000
 """Rows per conversion."""
 
-CELL_SHOWN = 40
+CELL_SHOWN, VALUES_SHOWN = 40, 5
+
+SPACES = " \u00a0\u202f'’"
+GROUPED = {
+    mark: re.compile(rf"\s*[-+]?(?:\d+|[1-9]\d{{0,2}}([{SPACES}{thousands}])\d{{3}}(?:\1\d{{3}})*)?(?:[{mark}]\d*)?\s*")
+    for mark, thousands in ((".", ","), (",", "."))
+}
+"""Numbers with a mark between thousands, by their decimal mark: `1,234.5`, `1 234,5`, `1'234`."""
 
 
 class WrongCellError(ValueError):
@@ -44,6 +53,10 @@ class ColumnsRead:
 
     began
         First stamp if the clock counts from it, else empty.
+    counted
+        Unit of the clock if its fraction has no leading zeros, else empty.
+    others
+        Values in rows that are not among those to use, the first ones.
     """
 
     pieces: dict[str, list[Floats]]
@@ -52,6 +65,8 @@ class ColumnsRead:
     without_rate: int = 0
     count: int = 0
     began: str = ""
+    counted: str = ""
+    others: dict[str, None] = field(default_factory=dict)
 
     def column(self, target: str) -> Floats | None:
         """Values of a column, shape (n,); None if it is not used."""
@@ -65,9 +80,10 @@ class RowReader:
         self.columns_read = ColumnsRead({column.target: [] for column in columns.used})
         self._head, self._columns, self._comma = head, columns, has_decimal_comma
         self._keeps_empty = keeps_empty
-        self._clock = next(column for column in columns.used if column.target == "t_device_s")
-        self._stamps = StampReader(self._clock.unit)
-        self._moved = next(name for name in ("rate_dps", "yaw_deg", "qw") if name in columns.targets)
+        self._values = [column for column in columns.used if column.target != "t_device_s" or columns.form == OWN]
+        self._clocks = [column for column in columns.used if column not in self._values]
+        self._clock = ClockReader([column.unit for column in self._clocks])
+        self._moved = next(name for name in ("rate_dps", "yaw_deg", "delta_deg", "qw") if name in columns.targets)
 
     def read(self, rows: Iterable[tuple[int, list[str]]]) -> ColumnsRead:
         """Read all rows, each with the number of its line."""
@@ -79,21 +95,40 @@ class RowReader:
         self.columns_read.refused.is_last = (
             self.columns_read.refused.count > 0 and self.columns_read.refused.line == last
         )
-        self.columns_read.began = self._stamps.began
+        self.columns_read.began, self.columns_read.counted = self._clock.began, self._clock.counted
         return self.columns_read
 
     def _take(self, piece: list[tuple[int, list[str]]]) -> None:
-        width, where = self._head.width, self._columns.where
+        width = self._head.width
         good = [(line, row) for line, row in piece if len(row) == width or self._accept_row(line, row)]
-        if where is not None:
-            good = [(line, row) for line, row in good if row[where[0]] == where[1]]
+        for index, value in self._columns.where:
+            good = self._selected(good, index, value)
         if not good:
             return
+        self._remove_groups([row for _, row in good])
         try:
             self._keep(self._converted([row for _, row in good]))
         except ValueError:
             for line, row in good:
                 self._take_alone(line, row)
+
+    def _selected(self, rows: list[tuple[int, list[str]]], index: int, value: str) -> list[tuple[int, list[str]]]:
+        """Rows with a value in a column; numbers compare as numbers."""
+        others = dict.fromkeys(row[index].strip() for _, row in rows)
+        values = {cell for cell in others if is_value(cell, value)}
+        for cell in list(others)[:VALUES_SHOWN] if not values else ():
+            self.columns_read.others[cell] = None
+        return [(line, row) for line, row in rows if row[index].strip() in values]
+
+    def _remove_groups(self, rows: Sequence[list[str]]) -> None:
+        """Remove the marks between thousands from a column that has only such numbers."""
+        mark, thousands = (",", ".") if self._comma else (".", ",")
+        for index in {column.index for column in self._columns.used}:
+            joined = "".join(row[index] for row in rows)
+            has_marks = thousands in joined or not joined.isascii() or " " in joined or "'" in joined
+            if has_marks and all(GROUPED[mark].fullmatch(row[index]) for row in rows):
+                for row in rows:
+                    row[index] = re.sub(f"[{SPACES}{thousands}]", "", row[index])
 
     def _take_alone(self, line: int, row: list[str]) -> None:
         try:
@@ -122,7 +157,10 @@ class RowReader:
 
     def _converted(self, rows: Sequence[Sequence[str]]) -> dict[str, Floats]:
         cells = list(zip(*rows, strict=True))
-        values = {column.target: self._numbers(column, cells[column.index]) for column in self._columns.used}
+        values = {column.target: self._numbers(column, cells[column.index]) for column in self._values}
+        if self._clocks:  # last, since it remembers what it has read
+            stamps = [self._stamps(cells[column.index]) for column in self._clocks]
+            values["t_device_s"] = np.array(self._clock.read(stamps))
         if self._keeps_empty:
             return values
         has_rate = ~np.isnan(values[self._moved])
@@ -130,11 +168,12 @@ class RowReader:
         return {target: numbers[has_rate] for target, numbers in values.items()}
 
     def _numbers(self, taken: UsedColumn, cells: Sequence[str]) -> Floats:
-        if taken.target == "t_device_s" and self._columns.form != OWN:
-            return self._stamps.read(cells if ":" in cells[0] else self._points(cells))
         numbers = _floats(self._points(cells))
         with np.errstate(over="ignore"):
             return numbers if taken.scale == 1.0 else numbers * taken.scale
+
+    def _stamps(self, cells: Sequence[str]) -> Sequence[str]:
+        return cells if is_stamp(cells[0].strip()) else self._points(cells)
 
     def _points(self, cells: Sequence[str]) -> Sequence[str]:
         """Cells with decimal points; refuses cells with both marks, and `_`, which only Python allows in numbers."""
@@ -154,11 +193,14 @@ class RowReader:
             return "has zero bytes"
         for column in self._columns.used:
             try:
-                self._numbers(column, [row[column.index]])
+                if column in self._values:
+                    self._numbers(column, [row[column.index]])
+                else:
+                    ClockReader([column.unit]).read([self._stamps([row[column.index]])])
             except ValueError:
                 labels = self._head.labels
                 label = labels[column.index].strip() if column.index < len(labels) else f"column {column.index + 1}"
-                expected = "a time" if column.target == "t_device_s" else "a number"
+                expected = "a number" if column in self._values else f"a time: {FORMS}"
                 shown = shortened(row[column.index], CELL_SHOWN)
                 return f"{visible(shortened(label, CELL_SHOWN))} is {shown!r}, expected {expected}"
         return str(error)

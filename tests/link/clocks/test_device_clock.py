@@ -1,5 +1,7 @@
 """The device clock: unwrapped, its holes measured, its restarts told from its glitches."""
 
+from math import isnan, nan
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -306,3 +308,25 @@ def test_a_device_that_loses_samples_from_its_first_one_on_has_a_period() -> Non
         bench.skip(2)
     assert bench.clock.period_s == pytest.approx(PERIOD_US * 1e-6)
     assert [event.missing for event in bench.events() if isinstance(event, SampleGap)] == [2] * 19
+
+
+def test_a_sample_rate_that_halves_is_no_run_of_gaps() -> None:
+    """Without a counter some steps show it; a real gap afterwards is told."""
+    bench = Bench(has_counter=False)
+    bench.read(100)
+    bench.read(200, step_us=2 * PERIOD_US)
+    assert len(bench.events()) < 5
+    bench.ticks_us += 5 * PERIOD_US
+    bench.now_s += 5 * PERIOD_US * 1e-6
+    bench.read(5, step_us=2 * PERIOD_US)
+    assert [type(event) for event in bench.events()] == [SampleGap]
+
+
+@pytest.mark.parametrize("has_counter", [True, False])
+def test_an_angle_since_the_last_sample_is_a_rate_and_lost_samples_do_not_lower_it(has_counter: bool) -> None:  # noqa: FBT001
+    clock, rates_dps = DeviceClock(epoch_s=0.0), []
+    for count in [*range(100), *range(200, 300)]:
+        reading = Reading(count * PERIOD_US, count if has_counter else None, nan, delta_deg=0.5)
+        rates_dps += [sample.rate_dps for sample in clock.stamp([reading], count * PERIOD_US * 1e-6)]
+    assert isnan(rates_dps[0])
+    assert rates_dps[1:] == pytest.approx([50.0] * 199)

@@ -31,7 +31,7 @@ def test_comments_banners_and_blank_lines_are_no_samples() -> None:
 
 @pytest.mark.parametrize(
     "line",
-    [b"30100", b"30100,", b"x,1", b"30100;1", b"1_0,2", b"3.5,1", b"-5,1", b"30100,1,2,3,4", b"30100,0x10",
+    [b"30100", b"30100,", b"x,1", b"30100;1", b"1_0,2", b"3.5,1", b"30100,1,2,3,4", b"30100,0x10",
      b"30100,1e9", b"30100,1.2.3", b"30100,--1", b"\xff\xfe,1", b"30100,1" + b" " * 300],
 )  # fmt: skip
 def test_a_line_that_does_not_parse_is_counted_and_skipped(line: bytes) -> None:
@@ -41,6 +41,12 @@ def test_a_line_that_does_not_parse_is_counted_and_skipped(line: bytes) -> None:
     assert decoder.push(line + b"\n") == []
     assert decoder.counters.damaged == 1
     assert len(decoder.push(b"40100,1.5\n")) == 1
+
+
+def test_a_clock_of_signed_32_bits_goes_on() -> None:
+    """`long t = micros()` is negative after 35.8 minutes."""
+    readings = CsvDecoder().push(b"2147473648,1\n2147483647,1\n-2147473648,1\n-2147463648,1\n")
+    assert [(reading.t_us or 0) - 2147473648 for reading in readings] == [0, 9999, 20000, 30000]
 
 
 def test_rates_that_are_not_finite_are_passed_on_for_the_filter_to_count() -> None:

@@ -1,0 +1,612 @@
+"""The judge: meaning, unit and clock of columns, for the lines at a port and for the head of a file.
+
+A column is a yaw rate only if a label, a unit or known firmware says so. Its unit is given only if it is written, or if
+the numbers exclude all others. Anything else is a question to the user: the behavior of numbers may identify a clock or
+an acceleration, but never a rate.
+"""
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
+from math import log, pi, sqrt
+from statistics import fmean
+
+from gyrodrift.columns.behavior import (
+    angle_per_rate,
+    find_accelerometer,
+    find_temperature,
+    goes_on,
+    grows,
+    lengths_of,
+    step_of,
+)
+from gyrodrift.columns.fields import DECIMAL_COMMA, is_number, is_whole
+from gyrodrift.columns.keys import has_two_senders, keys_of
+from gyrodrift.columns.names import (
+    SPOKEN,
+    USED,
+    SeenColumn,
+    kind_of,
+    name_by_known_row,
+    name_by_label,
+    name_by_unit,
+    quaternion_of,
+)
+from gyrodrift.columns.rate_unit import DEGREES_OF_FREEDOM, NOISE_DPS, NOISE_SCALE, SURE_ODDS, student
+from gyrodrift.columns.sizes import TEMPERATURES_C, gravity_unit, is_gravity
+from gyrodrift.columns.spec import ANGLE_DEG, CLOCK_UNITS_US, CLOCK_US, IGNORED, RATE_DPS, spec_text
+from gyrodrift.columns.times import PER_S, ClockReader, counted_unit, epoch_unit, is_date, is_stamp, is_time_of_day
+from gyrodrift.columns.turn.scale import scale_of
+from gyrodrift.columns.units import TURNS_OR_RADIANS, Dimension, unit_in, unit_of, without_unit
+from gyrodrift.values.constants import FULL_TURN_DEG
+
+UNKNOWN_UNIT = "UNIT"
+"""Placeholder in a SPEC for a unit that the user must give."""
+
+UNKNOWN_CLOCK = f"t_{UNKNOWN_UNIT}"
+UNKNOWN_SENDER = "WHICH"
+"""Placeholder for the value of a column that names the sender of its row."""
+
+RATE_UNITS = "dps, rads, mdps or lsb/N"
+TURNING = ("rate", "delta", "yaw", "q.w")
+"""Entries that say how the device turns."""
+
+CLOCK_WORDS = re.compile(r"time|elapsed|stamp|clock|zeit|uptime|\btemps\b|tiempo", re.IGNORECASE)
+STEP_WORDS = re.compile(
+    r"\bdt\b|delta|diff|interval|period|offset|exposure|latency|duration|delay|rtt|\brise\b|response|since last|flight",
+    re.IGNORECASE,
+)
+"""Words of a label that names another time than that of the sample."""
+
+STEP_NAMES = re.compile(r"^d ?t\b|^delta ?t|time (step|delta|diff)|since last|interval", re.IGNORECASE)
+"""Labels of the time since the last sample."""
+
+CLOCK_ENDINGS = {
+    "t_ms": ("ms", "millis"),
+    "t_us": ("us", "micros"),
+    "t_ns": ("ns", "nanos"),
+    "t_s": ("sec", "seconds"),
+}
+UNIT_FACTOR = 6.0
+"""Largest factor between a clock and the arrival of its lines; its units differ by a factor of 1000."""
+
+MICROSECONDS_FROM = 400.0
+"""Without arrival times, a step of at least this is in µs (2.5 kHz), a smaller one in ms (2.5 Hz)."""
+
+USUAL_HZ = (1.0, 10_000.0)
+"""Sample rates that a logger writes, from a sample per second to more than the 8 kHz of a flight controller."""
+
+SI_ODDS = 10.0
+"""Odds of rad/s if accelerations are in m/s²; a conservative guess that is never decisive alone.
+
+Adafruit Unified Sensor and ROS use m/s² with rad/s, ESPHome and BNO055 with deg/s.
+"""
+
+IN_PARTS = re.compile(r"[*×]\s?\d|\bx\s?10|\d\s?[*×]", re.IGNORECASE)
+"""Factor of a value in its label: `deg/s x10`, `gz*100`."""
+
+RATES, FORCES = ("gx", "gy", "rate"), ("ax", "ay", "az")
+IMU_RATE, IMU_FORCE = re.compile(r"(?:^|\.)angular_velocity\.z$"), re.compile(r"(?:^|\.)linear_acceleration\.z$")
+"""Labels in a sensor_msgs/Imu as JSON; its rates are in rad/s (common_interfaces of ROS)."""
+
+SAME_SCALE = 0.1
+"""Largest relative difference of a rate and an angle of the same device that a filter and a bias may cause."""
+
+SAMPLES_MIN = 20
+GRAVITY_WITHIN = 0.1
+ALWAYS = (0.1, 0.5, 0.9)
+"""Quantiles of the length: gravity is constant, and a turn of 1 rad/s is not."""
+
+CELSIUS = re.compile(r"(°|º|deg|degrees?)?\s*c(elsius)?", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class JudgedColumn:
+    """ColumnVerdict on a column.
+
+    looks_like
+        Name such as `t_ms` or `gx`; IGNORED if it is not a known quantity.
+    entry
+        Entry for `--columns`; IGNORED if it is not used.
+    why
+        Reason.
+    is_stated
+        Whether label, unit or firmware state meaning and unit, so that no number had to be interpreted.
+    """
+
+    looks_like: str
+    entry: str
+    why: str
+    is_stated: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class ColumnVerdict:
+    """ColumnVerdict on the columns of a text.
+
+    labels
+        Label per column; empty if columns are identified by position.
+    question
+        What a person has to decide between columns; empty otherwise.
+    """
+
+    columns: tuple[JudgedColumn, ...]
+    labels: tuple[str, ...] = ()
+    question: str = ""
+
+    @property
+    def turn(self) -> JudgedColumn | None:
+        """Column of the rate or of yaw; None if unknown."""
+        turns = (column for column in self.columns if column.entry.startswith(TURNING))
+        return None if self.question else next(turns, None)
+
+    @property
+    def clock(self) -> JudgedColumn | None:
+        """Column of the clock; None if there is none."""
+        return next((column for column in self.columns if column.entry.startswith(("t_", "t:", "dt_"))), None)
+
+    @property
+    def is_unit_known(self) -> bool:
+        """Whether the units of the turning column and of the clock, and the sender, are known."""
+        return self.turn is not None and not self.asked
+
+    @property
+    def asked(self) -> tuple[str, ...]:
+        """What to put in the place of each placeholder in the template."""
+        asked = []
+        for column in self.columns:
+            if column.entry == UNKNOWN_CLOCK:
+                asked.append(f"{UNKNOWN_CLOCK} by {', '.join(CLOCK_US)} or t:days")
+            elif column.entry == UNKNOWN_SENDER:
+                asked.append(
+                    f"{UNKNOWN_SENDER} by the sender that you mean ({column.why.rpartition(' is one of ')[2]})"
+                )
+            elif UNKNOWN_UNIT in column.entry:
+                asked.append(f"{UNKNOWN_UNIT} by {RATE_UNITS if column.entry.startswith('rate') else 'deg or rad'}")
+        return tuple(asked)
+
+    @property
+    def is_stated(self) -> bool:
+        """Whether clock and turning column are stated, so that nobody needs to be asked."""
+        return all(column is not None and column.is_stated for column in (self.turn, self.clock))
+
+    @property
+    def spec(self) -> str | None:
+        """SPEC for `--columns`; None if information is missing."""
+        return self.template if self.is_unit_known else None
+
+    @property
+    def template(self) -> str | None:
+        """SPEC with UNKNOWN_UNIT for a missing unit; None if no column is a rate or yaw."""
+        return None if self.turn is None else spec_text([column.entry for column in self.columns], self.labels)
+
+
+def seen_columns(
+    labels: Sequence[str], units: Sequence[str], texts_by_column: Sequence[Sequence[str]]
+) -> list[SeenColumn]:
+    """Columns of a text; `units` stand after the values, and may be empty."""
+    columns = []
+    for label, unit, texts in zip(labels, units, texts_by_column, strict=True):
+        values = _values(texts)
+        numbers = tuple(map(float, values)) if values and all(map(is_number, values)) else ()
+        is_usable = all(abs(number) < LARGEST for number in numbers)
+        columns.append(SeenColumn(label, tuple(values), numbers if is_usable else (), unit_of(unit) or unit_in(label)))
+    for column, after in reversed(list(pairwise(columns))):
+        if column.unit is None and _head(column.label) == _head(after.label) != "":
+            column.unit = after.unit  # `Rotation X: 0.1, Y: 0.2, Z: 0.3 rad/s`
+    return columns
+
+
+def _values(texts: Sequence[str]) -> Sequence[str]:
+    """Values with a decimal point, without empty ones and the few that are no number."""
+    filled = [text for text in texts if text]
+    pointed = [text.replace(",", ".") if DECIMAL_COMMA.fullmatch(text) else text for text in filled]
+    numbers = [text for text in pointed if is_number(text) and text.lower().lstrip("+-") not in {"nan", "inf"}]
+    return numbers if len(numbers) >= NUMBERS_SHARE * len(pointed) else pointed
+
+
+def _head(label: str) -> str:
+    """Words before the axis of a label."""
+    return label.rpartition(" ")[0]
+
+
+def judged(
+    labels: Sequence[str],
+    units: Sequence[str],
+    texts_by_column: Sequence[Sequence[str]],
+    lines_per_s: float | None = None,
+    spec_labels: tuple[str, ...] = (),
+) -> ColumnVerdict:
+    """Verdict on the columns of a text.
+
+    Parameters
+    ----------
+    labels, units
+        Label of each column, and the unit that stands after its values; both may be empty.
+    texts_by_column
+        Texts of each column, one per row.
+    lines_per_s
+        Rate of the lines, which gives the unit of a clock; None if it is unknown.
+    spec_labels
+        Labels by which a SPEC can name the columns; empty if only their position does.
+    """
+    keyed = {index: keys for index, texts in enumerate(texts_by_column) if (keys := _keys(labels[index], texts))}
+    if not keyed:
+        return replace(_judged_rows(labels, units, texts_by_column, lines_per_s), labels=spec_labels)
+    key, senders = next(iter(keyed.items()))
+    gyro = next((sender for sender in senders if kind_of(sender) == "rates"), "")
+    kept = [row for row, text in enumerate(texts_by_column[key]) if text == (gyro or senders[0])]
+    named = [f"{gyro} {label}" if gyro and len(label) == 1 else label for label in labels]
+    pace = lines_per_s * len(kept) / len(texts_by_column[key]) if lines_per_s else None
+    verdict = _judged_rows(named, units, [[texts[row] for row in kept] for texts in texts_by_column], pace)
+    columns = [replace(column, is_stated=False) for column in verdict.columns]
+    why = f"names the rows of the gyro, {gyro}" if gyro else f"alternates, and is one of {', '.join(senders)}"
+    columns[key] = JudgedColumn("sender", gyro or UNKNOWN_SENDER, why)
+    name = labels[key] or f"column {key + 1}"
+    unselected = "" if spec_labels else f"{name} names several senders, {', '.join(senders)}; send or keep one of them"
+    return ColumnVerdict(tuple(columns), spec_labels, verdict.question or unselected)
+
+
+def _keys(label: str, texts: Sequence[str]) -> tuple[str, ...]:
+    """Values of a column that names the sender of its row; empty for another column."""
+    return keys_of(texts) if kind_of(label) in {"", "seq"} and unit_in(label) is None and all(texts) else ()
+
+
+def _judged_rows(
+    labels: Sequence[str], units: Sequence[str], texts_by_column: Sequence[Sequence[str]], lines_per_s: float | None
+) -> ColumnVerdict:
+    columns = seen_columns(labels, units, texts_by_column)
+    for rule in rules(lines_per_s):
+        rule.name(columns)
+    found = [_judged(column, lines_per_s, columns) for column in columns]
+    verdict = _with_axes(_beside_an_angle(_one_turn(found, columns), columns), columns)
+    clock, rate = ([column.numbers for column in columns if column.kind == kind] for kind in ("clock", "rate"))
+    if clock and rate and has_two_senders(clock[0], rate[0]):
+        return replace(verdict, question="the rows of two senders alternate, and no column says which is which")
+    return verdict
+
+
+LARGEST = 1e19
+"""Largest number; nanoseconds since 1970 are smaller, and above it a line is damaged."""
+
+NUMBERS_SHARE = 0.9
+"""Smallest share of numbers in the first rows of a column of numbers; the others are damaged."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A rule that names columns, and why it may: it leaves columns alone that have a name already."""
+
+    name: Callable[[list[SeenColumn]], None]
+    why: str
+
+
+def rules(lines_per_s: float | None) -> tuple[Rule, ...]:
+    """All rules, strongest first: what is written comes before what the numbers do."""
+    return (
+        Rule(name_by_known_row, "Firmware whose lines begin with a known word has fixed columns and units."),
+        Rule(name_by_label, "A label names a quantity, unless its unit is one of another quantity."),
+        Rule(name_by_unit, "One value in a unit of rates, or three, are rates, unless a label says otherwise."),
+        Rule(_unname_counters, "A counter goes on; what alternates or stands is something else."),
+        Rule(partial(_name_clock, lines_per_s=lines_per_s), "A clock is labeled and goes on, or grows evenly."),
+        Rule(find_accelerometer, "Three columns whose length is gravity while they move are an accelerometer."),
+        Rule(find_temperature, "The last column without a label, steady at room temperature, is a temperature."),
+    )
+
+
+def _unname_counters(columns: list[SeenColumn]) -> None:
+    for column in columns:
+        if column.kind == "seq" and not goes_on(column.numbers, None):
+            column.kind, column.why = "", ""
+
+
+def _name_clock(columns: list[SeenColumn], lines_per_s: float | None) -> None:
+    """Name the clock: of labeled ones that go on, the first with a unit, else the leftmost column that grows evenly."""
+    labeled = [column for column in columns if _is_labeled_clock(column)]
+    running = [column for column in labeled if _goes_on(column, lines_per_s)]
+    clock = next((column for column in running if _stated_clock_unit(column)), next(iter(running), None))
+    if clock is not None:
+        clock.kind, clock.why = "clock", f"is labeled {clock.label}" if clock.label else "is a time"
+        for part in columns:
+            if part is not clock and _is_part_of(part, clock):
+                part.kind, part.why = "part", f"is the part of {clock.label or 'the clock'} below a second or a day"
+    for column in columns:
+        if column in labeled or not _may_be_clock(column) or not grows(column.numbers, lines_per_s):
+            continue
+        step = step_of(column.numbers)
+        if step == 1.0 and not (lines_per_s and 850.0 < lines_per_s < 1150.0):
+            if not any(other_column.kind == "seq" for other_column in columns):
+                column.kind, column.why = "seq", "counts one by one"
+        elif clock is None:
+            clock = column
+            column.kind, column.why = "clock", f"grows by {step:g} with each line"
+    steps = [column for column in columns if not column.kind and _is_step(column)]
+    if clock is None and len(steps) == 1:
+        steps[0].kind, steps[0].why = "step", f"is labeled {steps[0].label}"
+
+
+def _is_step(column: SeenColumn) -> bool:
+    """Whether a column is the time since the last line, as its label and its unit say."""
+    name = without_unit(column.label).replace("_", " ")
+    is_unit = _time_unit(column) in CLOCK_US
+    return is_unit and STEP_NAMES.search(name) is not None and column.is_numeric and min(column.numbers) >= 0.0
+
+
+def _is_part_of(part: SeenColumn, clock: SeenColumn) -> bool:
+    """Whether a column is a time of day beside dates, or a fraction of a second beside whole seconds."""
+    if _is_of(is_date, clock):
+        return _is_of(is_time_of_day, part)
+    unit = "" if part.kind else _time_unit(part)
+    if unit not in PER_S or not part.is_numeric or min(part.numbers) < 0.0 or max(part.numbers) >= PER_S[unit]:
+        return False
+    return len(set(clock.texts)) < 0.5 * len(clock.texts) and not any("." in text for text in clock.texts)
+
+
+def _is_of(form: Callable[[str], bool], column: SeenColumn) -> bool:
+    return bool(column.texts) and all(map(form, column.texts))
+
+
+def _may_be_clock(column: SeenColumn) -> bool:
+    """Whether neither unit nor label say another quantity, or another time."""
+    if column.kind or STEP_WORDS.search(without_unit(column.label).replace("_", " ")):
+        return False
+    return column.unit is None or column.unit.dimension is Dimension.TIME
+
+
+def _is_labeled_clock(column: SeenColumn) -> bool:
+    if not _may_be_clock(column):
+        return False
+    name = without_unit(column.label)
+    is_named = "clock" in (kind_of(name), kind_of(column.label)) or CLOCK_WORDS.search(name) is not None
+    return (is_named and column.is_numeric) or (bool(column.texts) and all(map(is_stamp, column.texts)))
+
+
+def _goes_on(column: SeenColumn, lines_per_s: float | None) -> bool:
+    if not column.is_numeric:
+        return len(set(column.texts)) > 1
+    return goes_on(column.numbers, lines_per_s) or bool(counted_unit(column.texts))
+
+
+def _time_unit(column: SeenColumn) -> str:
+    """Entry of a clock in the unit of a label; empty without a unit of time."""
+    unit = column.unit or unit_of(column.label)
+    return unit.option if unit is not None and unit.dimension is Dimension.TIME else ""
+
+
+def _stated_clock_unit(column: SeenColumn) -> str:
+    """Unit of a clock as written; empty without one."""
+    if all(map(is_stamp, column.texts)):
+        return "t_s"
+    if column.unit is not None or unit_of(column.label) is not None:
+        return _time_unit(column)
+    plain = re.sub(r"[^a-z]", "", column.label.lower())
+    named = (option for option, endings in CLOCK_ENDINGS.items() if plain.endswith(endings))
+    return next(named, "") or epoch_unit(column.texts)
+
+
+def _judged_clock(column: SeenColumn, lines_per_s: float | None) -> JudgedColumn:
+    """Unit of a clock from the arrival of its lines, or as written; otherwise it is asked for."""
+    step = step_of(column.numbers) if len(column.numbers) > 1 else 0.0
+    if lines_per_s and step > 0.0:
+        offsets = {unit: step * scale * 1e-6 * lines_per_s for unit, scale in CLOCK_US.items()}
+        unit = next((unit for unit, off in offsets.items() if 1.0 / UNIT_FACTOR < off < UNIT_FACTOR), "")
+        if unit:
+            why = f"grows by {step:g} per line, and {lines_per_s:.3g} lines arrive per second"
+            return JudgedColumn(unit, unit, why)
+    if unit := _stated_clock_unit(column):
+        return JudgedColumn(unit, unit, column.why, is_stated=True)
+    is_second = not all(map(is_whole, column.texts)) and step < 2.0
+    likely = "t_s" if is_second else "t_us" if step >= MICROSECONDS_FROM else "t_ms"
+    units_us = CLOCK_US | {"t:days": CLOCK_UNITS_US["days"]}
+    usual = [unit for unit, us in units_us.items() if step and USUAL_HZ[0] <= 1e6 / (step * us) <= USUAL_HZ[1]]
+    if len(usual) == 1:
+        return JudgedColumn(usual[0], usual[0], f"grows by {step:g} per line, which is a sample rate in this unit only")
+    return JudgedColumn(likely, UNKNOWN_CLOCK, f"grows by {step:g} per line")
+
+
+def _judged(column: SeenColumn, lines_per_s: float | None, columns: Sequence[SeenColumn]) -> JudgedColumn:
+    kind, option = column.kind, column.option
+    match kind:
+        case "clock":
+            return _judged_clock(column, lines_per_s)
+        case "rate":
+            unit, why = (option, "") if option else _rate_unit(column, columns)
+            is_stated = bool(option) or (column.unit is not None and column.unit.dimension is Dimension.RATE)
+            return JudgedColumn(SPOKEN[kind], f"rate:{unit or UNKNOWN_UNIT}", f"{column.why}{why}", is_stated)
+        case "part":
+            unit = (column.is_numeric and _time_unit(column)) or "t_s"
+            return JudgedColumn(unit, f"+{unit}", column.why, is_stated=True)
+        case "step":
+            unit = _time_unit(column)
+            return JudgedColumn(f"d{unit}", f"d{unit}", column.why)
+        case "yaw" | "heading" | "encoder" | "delta":
+            return _judged_angle(column)
+    entry = kind if kind in USED and (kind != "temp" or _is_celsius(column)) else IGNORED
+    return JudgedColumn(SPOKEN.get(kind, kind) or IGNORED, entry, column.why)
+
+
+def _judged_angle(column: SeenColumn) -> JudgedColumn:
+    """An angle; a compass is positive clockwise, and a reference needs a unit."""
+    kind = column.kind
+    unit, why = (column.option, "") if column.option else _angle_unit(column)
+    entry = f"{'yaw' if kind == 'heading' else kind}:{unit or UNKNOWN_UNIT}{':-' if kind == 'heading' else ''}"
+    is_stated = kind != "delta" and (bool(column.option) or column.unit is not None)
+    return JudgedColumn(kind, entry if unit or kind != "encoder" else IGNORED, f"{column.why}{why}", is_stated)
+
+
+def _is_celsius(column: SeenColumn) -> bool:
+    """Whether a temperature is in °C: in its range, and in no other unit."""
+    word = re.split(r"[\s_(\[]+", column.label.strip().rstrip(")]"))[-1]
+    is_other = column.unit is not None and unit_in(column.label) is not None and not CELSIUS.fullmatch(word)
+    return not is_other and all(TEMPERATURES_C[0] < number < TEMPERATURES_C[1] for number in column.numbers)
+
+
+def _rate_unit(column: SeenColumn, columns: Sequence[SeenColumn]) -> tuple[str, str]:
+    """Unit for `rate:`, and the reason; empty if unknown."""
+    unit = column.unit
+    if unit is not None and unit.dimension is Dimension.RATE:
+        return unit.option, f", in {unit.option} as labeled"
+    if unit is not None:
+        return "", ""
+    if IMU_RATE.search(column.label) and any(IMU_FORCE.search(other_column.label) for other_column in columns):
+        return "rads", ", in rad/s as a sensor_msgs/Imu of ROS"
+    why = _why_unknown(column.label)
+    return ("", why) if why else _rate_unit_by_numbers(column, columns)
+
+
+def _rate_unit_by_numbers(column: SeenColumn, columns: Sequence[SeenColumn]) -> tuple[str, str]:
+    """Unit of a rate that excludes all others, and the reason; empty without one."""
+    rates = _lengths(columns, RATES)
+    units_of_length = {gravity_unit(_quantile(rates, share), GRAVITY_WITHIN) for share in ALWAYS} if rates else set()
+    if units_of_length in ({"g"}, {"mps2"}):
+        return "", ", but the length of the three is that of gravity"
+    forces = _lengths(columns, FORCES)
+    is_si = bool(forces) and is_gravity(_quantile(forces, 0.5), error=GRAVITY_WITHIN)
+    odds = _radian_odds(column) * (SI_ODDS if is_si else 1.0)
+    if odds < SURE_ODDS:
+        return "", ""
+    with_gravity = " next to accelerations in m/s²" if is_si else ""
+    return "rads", f", in rad/s: its noise is too small for deg/s{with_gravity}, odds {odds:.0f} to 1"
+
+
+def _why_unknown(label: str) -> str:
+    """What a label says about a unit that it does not name."""
+    if TURNS_OR_RADIANS.search(label):
+        return ", and rps is lsb/0.00277778 for turns or rads for radians per second"
+    return ", with a factor in its label, so UNIT is lsb/N with N numbers per deg/s" if IN_PARTS.search(label) else ""
+
+
+def _angle_unit(column: SeenColumn) -> tuple[str, str]:
+    """Unit for `yaw:` or `encoder:`, and the reason; empty if unknown."""
+    if column.unit is not None and column.unit.dimension is Dimension.ANGLE:
+        return column.unit.option, f", in {column.unit.option} as labeled"
+    if column.unit is None and max(map(abs, column.numbers)) > 2.0 * pi + 0.01:
+        return "deg", ", in degrees, since it exceeds 2π"
+    return "", ""
+
+
+def _radian_odds(column: SeenColumn) -> float:
+    """Odds of rad/s against deg/s from the noise at rest; 1 if the noise is invisible."""
+    numbers = column.numbers
+    if len(numbers) < SAMPLES_MIN or all(map(is_whole, column.texts)):
+        return 1.0
+    bends = sorted(abs(a - 2.0 * b + c) for a, b, c in zip(numbers, numbers[1:], numbers[2:], strict=False))
+    quiet = bends[: max(3, len(bends) // 2)]  # the device moves at most half of the time
+    digits = max(len(text.partition(".")[2]) for text in column.texts)
+    hidden = 10.0**-digits / sqrt(12.0)  # uniform rounding error of a step
+    noise = max(sqrt(fmean(bend * bend for bend in quiet) / 6.0), hidden)
+    return _density(noise * RATE_DPS["rads"]) / _density(noise)
+
+
+def _density(noise_dps: float) -> float:
+    """Student's t of the logarithm of a noise, up to a constant."""
+    return student(log(noise_dps / NOISE_DPS) / NOISE_SCALE, DEGREES_OF_FREEDOM)
+
+
+def _one_turn(found: list[JudgedColumn], columns: Sequence[SeenColumn]) -> ColumnVerdict:
+    """Keep one column that turns: the stated rate, the only rate, or else an angle, which the device has filtered.
+
+    Of several angles the first is proposed, and nothing is stated. Two rates are a question.
+    """
+    rates = [index for index, column in enumerate(found) if column.entry.startswith(("rate", "delta"))]
+    stated = [index for index in rates if found[index].is_stated] or rates
+    angles = [index for index, column in enumerate(found) if column.entry.startswith("yaw")]
+    kept = stated if len(stated) == 1 else [] if stated else angles[:1]
+    question = ""
+    if len(stated) > 1:
+        names = " and ".join(columns[index].label or f"column {index + 1}" for index in stated)
+        question = f"{names} may each be the yaw rate"
+    elif not kept and (parts := quaternion_of(columns)):
+        for part, index in parts.items():
+            is_stated = columns[index].label[-1:].isalpha()
+            why = "is a part of a quaternion" if is_stated else "is a part of a quaternion, if q0 is its scalar"
+            found[index] = JudgedColumn("quaternion", f"q.{part}", why, is_stated)
+    one = [
+        replace(column, entry=IGNORED) if index in {*rates, *angles} and index not in kept else column
+        for index, column in enumerate(found)
+    ]
+    if len(angles) > 1 and kept == angles[:1]:
+        one[kept[0]] = replace(one[kept[0]], is_stated=False)
+    return ColumnVerdict(tuple(one), question=question)
+
+
+def _beside_an_angle(verdict: ColumnVerdict, columns: Sequence[SeenColumn]) -> ColumnVerdict:
+    """Take unit and sign of the rate from an angle that turns with it, if they are not stated."""
+    turn, clock = verdict.turn, verdict.clock
+    if turn is None or clock is None or turn.is_stated or not turn.entry.startswith("rate"):
+        return verdict
+    rate = columns[verdict.columns.index(turn)]
+    t_s = _times_s(verdict, columns)
+    for angle in columns:
+        if angle.kind not in {"yaw", "heading"} or not angle.is_numeric:
+            continue
+        unit = _angle_unit(angle)[0] or "rad"  # larger angles than 2π are in degrees
+        per_rate = angle_per_rate(rate.numbers, angle.numbers, t_s, FULL_TURN_DEG / ANGLE_DEG[unit])
+        found = scale_of(1.0 / (per_rate * ANGLE_DEG[unit]), 1.0, SAME_SCALE) if per_rate else None
+        if found is not None and found.is_known:
+            sign = ":-" if (per_rate < 0.0) != (angle.kind == "heading") else ""
+            why = f"{turn.why.partition(',')[0]}, and unit and sign are those with which {angle.label} turns"
+            one = replace(turn, entry=f"rate:{found.option}{sign}", why=why)
+            return replace(verdict, columns=tuple(one if column is turn else column for column in verdict.columns))
+    return verdict
+
+
+def _times_s(verdict: ColumnVerdict, columns: Sequence[SeenColumn]) -> Sequence[float]:
+    """Times of the lines by their clock; empty if its unit is unknown."""
+    pairs = zip(verdict.columns, columns, strict=True)
+    is_clock = ("t_", "t:", "+t", "dt_")
+    clocks = [(column.entry, seen.texts) for column, seen in pairs if column.entry.startswith(is_clock)]
+    if not clocks or any(UNKNOWN_UNIT in entry for entry, _ in clocks) or len({len(texts) for _, texts in clocks}) > 1:
+        return []
+    return ClockReader([entry for entry, _ in clocks]).read([texts for _, texts in clocks])
+
+
+def _with_axes(verdict: ColumnVerdict, columns: Sequence[SeenColumn]) -> ColumnVerdict:
+    """Use the rates about x and y too, if all units are known, and the accelerations with them."""
+    units = _axis_units(verdict, columns)
+    with_axes = [
+        replace(column, entry=f"{source.kind}:{units[source.kind]}") if source.kind in units else column
+        for column, source in zip(verdict.columns, columns, strict=True)
+    ]
+    return ColumnVerdict(tuple(with_axes), question=verdict.question)
+
+
+def _axis_units(verdict: ColumnVerdict, columns: Sequence[SeenColumn]) -> dict[str, str]:
+    """Units of the further axes by kind; empty without a rate in a known unit and one column per axis.
+
+    Without a label the unit of an acceleration is that in which its length is gravity.
+    """
+    unit = verdict.turn.entry.removeprefix("rate:") if verdict.turn and verdict.is_unit_known else ""
+    if (unit not in RATE_DPS and not unit.startswith("lsb/")) or unit.endswith(":-"):
+        return {}  # a frame that is not counter-clockwise is one that nobody knows here
+    rates, forces = ([c for c in columns if c.kind in kinds and c.is_numeric] for kinds in (RATES[:2], FORCES))
+    if sorted(column.kind for column in rates) != sorted(RATES[:2]):
+        return {}
+    if any(column.unit is not None and column.unit.dimension is not Dimension.RATE for column in rates):
+        return {}
+    units = {column.kind: column.unit.option if column.unit else unit for column in rates}
+    force_unit = _force_unit(forces) if sorted(column.kind for column in forces) == sorted(FORCES) else ""
+    return units | (dict.fromkeys(FORCES, force_unit) if force_unit else {})
+
+
+def _force_unit(forces: Sequence[SeenColumn]) -> str:
+    """Unit of accelerations by their labels or by gravity; empty if unknown."""
+    stated = {
+        column.unit.option for column in forces if column.unit and column.unit.dimension is Dimension.ACCELERATION
+    }
+    if len(stated) == 1:
+        return stated.pop()
+    lengths = _lengths(forces, FORCES)
+    return gravity_unit(_quantile(lengths, 0.5), GRAVITY_WITHIN) if lengths else ""
+
+
+def _lengths(columns: Sequence[SeenColumn], kinds: Sequence[str]) -> list[float]:
+    """Lengths of the vectors of three columns, ascending; empty without one column per kind."""
+    three = [column for kind in kinds for column in columns if column.kind == kind]
+    return sorted(lengths_of(three)) if len(three) == len(kinds) else []
+
+
+def _quantile(ascending: Sequence[float], share: float) -> float:
+    return ascending[int(share * (len(ascending) - 1))]
