@@ -171,13 +171,19 @@ class ReadingJudge:
 
     def take(self, t_s: float, rates: Values, others: Values = ()) -> ReadingVerdict:
         """Judge a sample. `rates` are about one or three axes, the yaw rate last; `others` are all other numbers."""
-        if isnan(sum(rates)):
-            return ReadingVerdict.GOOD
         if len(rates) != len(self._rates):  # the first sample, or another device
             self._suspect, self._calm = None, 0
-            return self._accept(t_s, rates, others)
-        if self._suspect is not None and self._waits_on(self._suspect, t_s, rates):
+            return ReadingVerdict.GOOD if isnan(rates[-1]) else self._accept(t_s, rates, others)
+        if self._suspect is not None and not isnan(rates[-1]) and self._waits_on(self._suspect, t_s, rates):
             return ReadingVerdict.MISSING
+        change_dps = abs(rates[-1] - self._rates[-1])
+        if change_dps <= CALM_SHARE * LEAST_JUMP_DPS:
+            self._calm += 1
+            return self._accept(t_s, rates, others)
+        return ReadingVerdict.GOOD if isnan(change_dps) else self._leap(t_s, rates, others)
+
+    def _leap(self, t_s: float, rates: Values, others: Values) -> ReadingVerdict:
+        """Judge a sample after a large change of the rate."""
         seconds, change_dps = t_s - self._t_s, _change(rates, self._rates)
         bound_dps = _bound_dps(seconds)
         if change_dps > bound_dps and 0.0 < seconds <= LONGEST_STEP_S and self._calm >= CALM_STEPS:
@@ -215,23 +221,27 @@ class ReadingJudge:
 
     def _accept(self, t_s: float, rates: Values, others: Values) -> ReadingVerdict:
         rate_dps = rates[-1]
-        self._all_repeats = self._all_repeats + 1 if rates == self._rates and others == self._others else 0
-        self._rates, self._others, self._t_s = rates, others, t_s
         if rate_dps != self._rate_dps:
             self._change_rate(t_s, rate_dps)
+            self._rates, self._others, self._t_s = rates, others, t_s
             return ReadingVerdict.GOOD
+        self._all_repeats = self._all_repeats + 1 if rates == self._rates and others == self._others else 0
+        self._rates, self._others, self._t_s = rates, others, t_s
         self._repeats += 1
         return ReadingVerdict.GOOD if self._is_clipped(rate_dps) else self._held(t_s, rate_dps)
 
     def _change_rate(self, t_s: float, rate_dps: float) -> None:
-        if self._hung is None and not self._is_clipping:
-            self._longest = max(self._longest, self._repeats)
-        self._move(t_s)
-        self._largest_dps = max(self._largest_dps, abs(self._rate_dps))
+        if self._repeats:
+            if self._hung is None and not self._is_clipping:
+                self._longest = max(self._longest, self._repeats)
+            self._move(t_s)
+            self._repeats, self._all_repeats, self._is_clipping = 0, 0, False
+        size_dps, step_dps = abs(self._rate_dps), abs(rate_dps - self._rate_dps)
+        self._largest_dps = max(self._largest_dps, size_dps)
+        self._finest_dps = min(self._finest_dps, step_dps)
         self._before_dps.append(self._rate_dps)
-        self._finest_dps = min(self._finest_dps, abs(rate_dps - self._rate_dps))
         self._changes += 1
-        self._rate_dps, self._since_s, self._repeats, self._is_clipping = rate_dps, t_s, 0, False
+        self._rate_dps, self._since_s = rate_dps, t_s
 
     @property
     def _is_noisy(self) -> bool:
@@ -296,12 +306,14 @@ def _bound_dps(seconds: float) -> float:
 
 def values_of(sample: Sample) -> tuple[Values, Values]:
     """Rates of a sample, that about z last, and its other numbers; missing ones are left out."""
-    inertial, rate_dps = sample.inertial, sample.rate_dps
-    temp = () if isnan(sample.temp_c) else (sample.temp_c,)
+    inertial, rate_dps, temp_c = sample.inertial, sample.rate_dps, sample.temp_c
+    temp = (temp_c,) if temp_c == temp_c else ()  # noqa: PLR0124 - not NaN
     if inertial is None:
         return (rate_dps,), temp
-    forces = inertial[3:] if inertial[3] == inertial[3] else ()
-    return (inertial[0], inertial[1], rate_dps), (*forces, *temp)
+    x_dps, y_dps, _, ax_mps2, ay_mps2, az_mps2 = inertial
+    if ax_mps2 != ax_mps2:  # noqa: PLR0124 - NaN
+        return (x_dps, y_dps, rate_dps), temp
+    return (x_dps, y_dps, rate_dps), (ax_mps2, ay_mps2, az_mps2, *temp)
 
 
 @dataclass(slots=True)
