@@ -40,8 +40,14 @@ lock: $(VENV)/ready-to-test
 	$(BIN)/uv lock --upgrade --default-index https://pypi.org/simple
 
 # Each test process uses one thread of linear algebra, like the commands. More threads would wait for each other.
-tests: $(VENV)/ready-to-test
+tests: $(VENV)/collected
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadgroup -m "not packaging and not evaluation"
+
+# The bytecode of all tests, which the test processes share. Without it each of them would compile all tests.
+unexport PYTHONDONTWRITEBYTECODE
+$(VENV)/collected: | $(VENV)/ready-to-test
+	@$(BIN)/pytest --collect-only --quiet > $@.txt || { tail $@.txt; false; }
+	@touch $@
 
 # Tests that build the wheel and install it. They run in a fresh clone, and again when these files have changed.
 packaging: $(VENV)/packaging-passed
@@ -56,9 +62,9 @@ release-check: $(VENV)/ready-to-test
 bench: $(VENV)/ready-to-test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest benchmark/bench -s -p no:randomly --timeout 600
 
-# Whole diagnoses of single cases first. Then compares results over many random cases with the committed figures, and fails
-# if one is worse. All rows of the blind check take hours; EVALUATE="diagnose --count 50" selects some. An interrupted run
-# continues.
+# Slow cases of tests that others resemble first. Then compares results over many random cases with the committed figures,
+# and fails if one is worse. All rows of the blind check take hours; EVALUATE="diagnose --count 50" selects some. An
+# interrupted run continues.
 evaluate: $(VENV)/ready-to-test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadgroup -m evaluation
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m benchmark evaluate $(EVALUATE)

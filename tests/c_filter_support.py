@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from built_once import built_once
 from firmware_support import HERE, run
 from numpy.typing import ArrayLike, NDArray
 
@@ -20,6 +21,8 @@ EXACT = ("-O2", "-ffp-contract=off")
 """No fused operations, so that doubles are those of Python."""
 
 NEVER_SAVED = 2**63
+
+LIBRARY = "filter.so"
 
 
 class FilterOutput(NamedTuple):
@@ -77,22 +80,26 @@ class CFilter:
 class CFilters:
     """Compiles each program once for float and for double."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self._compiled: dict[tuple[str, ...], CFilter] = {}
-        write_header(folder)
+    def __init__(self) -> None:
+        self._loaded: dict[tuple[str, ...], CFilter] = {}
 
     def get(self, source: str, real: str, *flags: str) -> CFilter:
         """Library of a C file of tests/firmware in a number type, with further flags of the compiler."""
         if shutil.which("cc") is None:
             pytest.skip("there is no C compiler: apt-get install gcc")
         key = (source, real, *flags)
-        if key not in self._compiled:
-            library = self.folder / f"{Path(source).stem}_{len(self._compiled)}.so"
-            run("cc", "-std=c11", *EXACT, "-shared", "-fPIC", *words(source, real), *flags, "-o", library, "-lm",
-                folder=self.folder)  # fmt: skip
-            self._compiled[key] = CFilter(library)
-        return self._compiled[key]
+        if key not in self._loaded:
+            self._loaded[key] = CFilter(
+                built_once("".join(key), lambda folder: compile_library(folder, *key)) / LIBRARY
+            )
+        return self._loaded[key]
+
+
+def compile_library(folder: Path, source: str, real: str, *flags: str) -> None:
+    """`gyrodrift.h` and the library of a C file in a folder."""
+    write_header(folder)
+    run("cc", "-std=c11", *EXACT, "-shared", "-fPIC", *words(source, real), *flags, "-o", LIBRARY, "-lm",
+        folder=folder)  # fmt: skip
 
 
 def words(source: str, real: str) -> list[str]:

@@ -5,11 +5,13 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import pytest
 import structlog
+from built_once import built_once
 from hypothesis import settings
 from process_defaults import set_process_defaults
 from recordings_support import Recordings
@@ -23,18 +25,21 @@ ENDS_WITHIN_S = 60.0
 
 
 def _children() -> set[str]:
-    return set(Path(f"/proc/self/task/{os.getpid()}/children").read_text().split())
+    with open(f"/proc/self/task/{os.getpid()}/children") as file:  # noqa: PTH123 - twice as quick, in every test
+        return set(file.read().split())
 
 
 def _descriptors() -> set[tuple[str, str]]:
     """Number and target of each that a test may not leave open."""
     result = set()
-    for link in Path("/proc/self/fd").iterdir():
+    for number in os.listdir("/proc/self/fd"):  # noqa: PTH208 - four times as quick as pathlib, in every test
         try:
-            result.add((link.name, str(link.readlink())))
+            target = os.readlink(f"/proc/self/fd/{number}")  # noqa: PTH115 - likewise
         except OSError:
             continue  # the descriptor of the listing itself
-    return {(number, target) for number, target in result if not _may_stay(target)}
+        if not _may_stay(target):
+            result.add((number, target))
+    return result
 
 
 def _remaining(now: Callable[[], Iterable[Any]], before: set[Any]) -> set[Any]:
@@ -96,6 +101,13 @@ def logged() -> Iterator[list[Any]]:
 def port(tmp_path: Path) -> Path:
     """A name for the port of a device."""
     return tmp_path / "gyro"
+
+
+@pytest.fixture(scope="session")
+def diagnosis_kernels(request: pytest.FixtureRequest) -> None:
+    """Compile what a diagnosis needs in one of several test processes; it takes 15 s, and the others load it."""
+    if hasattr(request.config, "workerinput"):
+        built_once("diagnosis_kernels", import_module("short_diagnosis").diagnose_in)
 
 
 @pytest.fixture(scope="session")

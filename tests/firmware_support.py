@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 import pytest
+from built_once import built_once
 from clients_support import node_client
 from numpy.typing import NDArray
 from support import PATIENCE_S
@@ -127,15 +128,21 @@ def built_sketch(into: Path, folder: Path = SKETCH) -> Path:
 
 def linked(sketch: Path, into: Path) -> Path:
     """A compiled sketch with the core, for an Uno."""
-    core, wire = ARDUINO / "cores" / "arduino", ARDUINO / "libraries" / "Wire" / "src"
-    objects = into / "core"
-    objects.mkdir()
-    for compiler, suffix, *flags in (("avr-gcc", "c", "-std=gnu11"), ("avr-g++", "cpp", *CPP)):
-        sources = [*core.glob(f"*.{suffix}"), *wire.rglob(f"*.{suffix}")]
-        run(compiler, *UNO, "-w", *flags, "-c", *sources, folder=objects)
     elf = into / "sketch.elf"
-    run("avr-gcc", "-mmcu=atmega328p", "-Os", *LTO, "-Wl,--gc-sections", sketch, *objects.glob("*.o"), "-o", elf, "-lm")
+    run("avr-gcc", "-mmcu=atmega328p", "-Os", *LTO, "-Wl,--gc-sections", sketch, *core_objects(), "-o", elf, "-lm")
     return elf
+
+
+def core_objects() -> list[Path]:
+    """The core for an Uno."""
+
+    def build(folder: Path) -> None:
+        core, wire = ARDUINO / "cores" / "arduino", ARDUINO / "libraries" / "Wire" / "src"
+        for compiler, suffix, *flags in (("avr-gcc", "c", "-std=gnu11"), ("avr-g++", "cpp", *CPP)):
+            sources = [*core.glob(f"*.{suffix}"), *wire.rglob(f"*.{suffix}")]
+            run(compiler, *UNO, "-w", *flags, "-c", *sources, folder=folder)
+
+    return sorted(built_once("core", build).glob("*.o"))
 
 
 def built_board(into: Path) -> Path:

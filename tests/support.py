@@ -12,16 +12,18 @@ import sys
 import termios
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, redirect_stderr, redirect_stdout
+from io import StringIO
 from itertools import islice
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import pyte
 import pytest
 
 from firmware_sim.pty import PtyDevice
+from gyrodrift.cli import main
 from gyrodrift.session.mcap.layout import MESSAGE
 
 PATIENCE_S = 240.0
@@ -38,6 +40,21 @@ def beginning(path: Path, rows: int, folder: Path) -> Path:
     with path.open() as whole:
         short.write_text("".join(islice(whole, 1 + rows)))
     return short
+
+
+class Ended(NamedTuple):
+    """Exit status, stdout and stderr of a command."""
+
+    status: int
+    out: str
+    log: str
+
+
+def ended_here(*arguments: str | Path) -> Ended:
+    """A command of ours that ends by itself, in this process."""
+    with redirect_stdout(StringIO()) as out, redirect_stderr(StringIO()) as log:
+        status = main([str(word) for word in arguments])
+    return Ended(status, out.getvalue(), log.getvalue())
 
 
 class Command:

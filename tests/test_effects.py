@@ -14,7 +14,7 @@ from firmware_sim.effects.effect import EffectSlot, Floats, Moments
 from firmware_sim.rig import Rig, parse_effect
 from gyrodrift.effects import EFFECTS, SimulatedGyro, apply
 
-RATE_HZ, COUNT = 100.0, 12_000
+RATE_HZ, COUNT = 100.0, 6_000
 T_S = np.arange(COUNT) / RATE_HZ
 TRUE_DPS = 120.0 * np.sin(2.0 * np.pi * 0.1 * T_S) * np.sin(2.0 * np.pi * 0.013 * T_S) * (T_S > 10.0)
 ANGLE_DEG = np.concatenate([[0.0], np.cumsum((TRUE_DPS[1:] + TRUE_DPS[:-1]) / 2.0 / RATE_HZ)])

@@ -16,7 +16,12 @@ from gyrodrift.cli import main
 from gyrodrift.evaluation.integration import trapezium
 from gyrodrift.session.files import load_session
 
-RECORDINGS = ("broad_01", "broad_06", "broad_14", "mpu6050_still", "temperature_sweep")
+RECORDINGS = (
+    "broad_01",
+    "mpu6050_still",
+    "temperature_sweep",
+    *(pytest.param(name, marks=pytest.mark.evaluation) for name in ("broad_06", "broad_14")),
+)
 
 
 def yaw_of_filter(session: Path, out: Path) -> list[float]:

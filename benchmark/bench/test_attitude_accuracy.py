@@ -1,7 +1,5 @@
 """Accuracy of the attitude filter on a board: what fewer hypotheses and floats cost on simulated parts and motions."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from c_attitude_support import SIGMA, YAW, Q, samples
@@ -27,9 +25,9 @@ def mean_error_deg(library: CFilter, recorded: Recorded) -> float:
     return max(LEAST_DEG, float(np.abs(heading_errors_deg(rows[:, Q], recorded.attitude)).mean()))
 
 
-def test_fewer_hypotheses_of_three_axes_cost_accuracy(tmp_path: Path) -> None:
+def test_fewer_hypotheses_of_three_axes_cost_accuracy() -> None:
     """Six are those of Python."""
-    filters, rows = CFilters(tmp_path), []
+    filters, rows = CFilters(), []
     recordings = [record(name, seed) for name in MOTIONS for seed in SEEDS]
     means: dict[int, float] = {}
     for number in NUMBERS:
@@ -42,9 +40,9 @@ def test_fewer_hypotheses_of_three_axes_cost_accuracy(tmp_path: Path) -> None:
     assert means[6] < 1.1 * means[2]
 
 
-def test_floats_of_three_axes_cost_little(tmp_path: Path) -> None:
+def test_floats_of_three_axes_cost_little() -> None:
     """Yaw in float against double, as degrees and as a share of its sigma."""
-    filters = CFilters(tmp_path)
+    filters = CFilters()
     single, double = (filters.get("filter_attitude.c", real) for real in ("float", "double"))
     rows, shares = [], []
     for name in MOTIONS:

@@ -1,7 +1,6 @@
 """Accuracy of restlevel on a board: what fewer hypotheses and floats cost on recordings and on the hard cases."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -44,9 +43,9 @@ def simulated(seed: int, sessions: int) -> Iterator[Reference]:
                 yield reference_of(simulation(case, seed, number, is_still=is_still).whole())
 
 
-def test_fewer_hypotheses_cost_accuracy(tmp_path: Path, recordings: Recordings) -> None:
+def test_fewer_hypotheses_cost_accuracy(recordings: Recordings) -> None:
     """The default costs nothing against more."""
-    filters = CFilters(tmp_path)
+    filters = CFilters()
     sessions = {"recordings": list(recorded(recordings)), "hard cases": list(simulated(SEED, 2))}
     means: dict[str, dict[int, float]] = {}
     for name, references in sessions.items():
@@ -62,9 +61,9 @@ def test_fewer_hypotheses_cost_accuracy(tmp_path: Path, recordings: Recordings) 
         assert numbers[6] < 1.05 * numbers[8]
 
 
-def test_floats_cost_little(tmp_path: Path) -> None:
+def test_floats_cost_little() -> None:
     """Yaw in float against double: a hundredth of a degree, or a small share of a large uncertainty."""
-    filters = CFilters(tmp_path)
+    filters = CFilters()
     single, double = (filters.get("filter_restlevel.c", real) for real in ("float", "double"))
     apart = [apart_deg(single, double, reference) for seed in FLOAT_SEEDS for reference in simulated(seed, 4)]
     worst_deg, worst_share = np.max(apart, axis=0)

@@ -37,7 +37,16 @@ from gyrodrift.columns.names import (
 from gyrodrift.columns.rate_unit import DEGREES_OF_FREEDOM, NOISE_DPS, NOISE_SCALE, SURE_ODDS, student
 from gyrodrift.columns.sizes import TEMPERATURES_C, gravity_unit, is_gravity
 from gyrodrift.columns.spec import ANGLE_DEG, CLOCK_UNITS_US, CLOCK_US, IGNORED, RATE_DPS, spec_text
-from gyrodrift.columns.times import PER_S, ClockReader, counted_unit, epoch_unit, is_date, is_stamp, is_time_of_day
+from gyrodrift.columns.times import (
+    PER_S,
+    ClockReader,
+    counted_unit,
+    epoch_unit,
+    is_date,
+    is_hms,
+    is_stamp,
+    is_time_of_day,
+)
 from gyrodrift.columns.turn.scale import scale_of
 from gyrodrift.columns.units import TURNS_OR_RADIANS, Dimension, unit_in, unit_of, without_unit
 from gyrodrift.values.constants import FULL_TURN_DEG
@@ -114,12 +123,15 @@ class JudgedColumn:
         Reason.
     is_stated
         Whether label, unit or firmware state meaning and unit, so that no number had to be interpreted.
+    asked
+        What the user has to put in the place of a placeholder in the entry; empty without one.
     """
 
     looks_like: str
     entry: str
     why: str
     is_stated: bool = False
+    asked: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,17 +167,9 @@ class ColumnVerdict:
     @property
     def asked(self) -> tuple[str, ...]:
         """What to put in the place of each placeholder in the template."""
-        asked = []
-        for column in self.columns:
-            if column.entry == UNKNOWN_CLOCK:
-                asked.append(f"{UNKNOWN_CLOCK} by {', '.join(CLOCK_US)} or t:days")
-            elif column.entry == UNKNOWN_SENDER:
-                asked.append(
-                    f"{UNKNOWN_SENDER} by the sender that you mean ({column.why.rpartition(' is one of ')[2]})"
-                )
-            elif UNKNOWN_UNIT in column.entry:
-                asked.append(f"{UNKNOWN_UNIT} by {RATE_UNITS if column.entry.startswith('rate') else 'deg or rad'}")
-        return tuple(asked)
+        words = (UNKNOWN_CLOCK, UNKNOWN_SENDER, UNKNOWN_UNIT)
+        found = ((next((word for word in words if word in column.entry), ""), column.asked) for column in self.columns)
+        return tuple(f"{word} by {asked}" for word, asked in found if word)
 
     @property
     def is_stated(self) -> bool:
@@ -242,8 +246,9 @@ def judged(
     pace = lines_per_s * len(kept) / len(texts_by_column[key]) if lines_per_s else None
     verdict = _judged_rows(named, units, [[texts[row] for row in kept] for texts in texts_by_column], pace)
     columns = [replace(column, is_stated=False) for column in verdict.columns]
-    why = f"names the rows of the gyro, {gyro}" if gyro else f"alternates, and is one of {', '.join(senders)}"
-    columns[key] = JudgedColumn("sender", gyro or UNKNOWN_SENDER, why)
+    why = f"names the rows of the gyro, {gyro}" if gyro else "alternates"
+    asked = "" if gyro else f"the sender that you mean ({', '.join(senders)})"
+    columns[key] = JudgedColumn("sender", gyro or UNKNOWN_SENDER, why, asked=asked)
     name = labels[key] or f"column {key + 1}"
     unselected = "" if spec_labels else f"{name} names several senders, {', '.join(senders)}; send or keep one of them"
     return ColumnVerdict(tuple(columns), spec_labels, verdict.question or unselected)
@@ -397,13 +402,15 @@ def _judged_clock(column: SeenColumn, lines_per_s: float | None) -> JudgedColumn
             return JudgedColumn(unit, unit, why)
     if unit := _stated_clock_unit(column):
         return JudgedColumn(unit, unit, column.why, is_stated=True)
+    if is_hms(column.numbers):
+        return JudgedColumn("t:hms", "t:hms", "jumps where a minute ends, so it is HHMMSS")
     is_second = not all(map(is_whole, column.texts)) and step < 2.0
     likely = "t_s" if is_second else "t_us" if step >= MICROSECONDS_FROM else "t_ms"
     units_us = CLOCK_US | {"t:days": CLOCK_UNITS_US["days"]}
     usual = [unit for unit, us in units_us.items() if step and USUAL_HZ[0] <= 1e6 / (step * us) <= USUAL_HZ[1]]
     if len(usual) == 1:
         return JudgedColumn(usual[0], usual[0], f"grows by {step:g} per line, which is a sample rate in this unit only")
-    return JudgedColumn(likely, UNKNOWN_CLOCK, f"grows by {step:g} per line")
+    return JudgedColumn(likely, UNKNOWN_CLOCK, f"grows by {step:g} per line", asked=f"{', '.join(CLOCK_US)} or t:days")
 
 
 def _judged(column: SeenColumn, lines_per_s: float | None, columns: Sequence[SeenColumn]) -> JudgedColumn:
@@ -414,7 +421,8 @@ def _judged(column: SeenColumn, lines_per_s: float | None, columns: Sequence[See
         case "rate":
             unit, why = (option, "") if option else _rate_unit(column, columns)
             is_stated = bool(option) or (column.unit is not None and column.unit.dimension is Dimension.RATE)
-            return JudgedColumn(SPOKEN[kind], f"rate:{unit or UNKNOWN_UNIT}", f"{column.why}{why}", is_stated)
+            asked = "" if unit else _asked_unit(column.label)
+            return JudgedColumn(SPOKEN[kind], f"rate:{unit or UNKNOWN_UNIT}", f"{column.why}{why}", is_stated, asked)
         case "part":
             unit = (column.is_numeric and _time_unit(column)) or "t_s"
             return JudgedColumn(unit, f"+{unit}", column.why, is_stated=True)
@@ -433,7 +441,9 @@ def _judged_angle(column: SeenColumn) -> JudgedColumn:
     unit, why = (column.option, "") if column.option else _angle_unit(column)
     entry = f"{'yaw' if kind == 'heading' else kind}:{unit or UNKNOWN_UNIT}{':-' if kind == 'heading' else ''}"
     is_stated = kind != "delta" and (bool(column.option) or column.unit is not None)
-    return JudgedColumn(kind, entry if unit or kind != "encoder" else IGNORED, f"{column.why}{why}", is_stated)
+    if kind == "encoder" and not unit:
+        return JudgedColumn(kind, IGNORED, column.why)
+    return JudgedColumn(kind, entry, f"{column.why}{why}", is_stated, "" if unit else "deg or rad")
 
 
 def _is_celsius(column: SeenColumn) -> bool:
@@ -452,8 +462,9 @@ def _rate_unit(column: SeenColumn, columns: Sequence[SeenColumn]) -> tuple[str, 
         return "", ""
     if IMU_RATE.search(column.label) and any(IMU_FORCE.search(other_column.label) for other_column in columns):
         return "rads", ", in rad/s as a sensor_msgs/Imu of ROS"
-    why = _why_unknown(column.label)
-    return ("", why) if why else _rate_unit_by_numbers(column, columns)
+    if _asked_unit(column.label) != RATE_UNITS:
+        return "", ""
+    return _rate_unit_by_numbers(column, columns)
 
 
 def _rate_unit_by_numbers(column: SeenColumn, columns: Sequence[SeenColumn]) -> tuple[str, str]:
@@ -471,11 +482,11 @@ def _rate_unit_by_numbers(column: SeenColumn, columns: Sequence[SeenColumn]) -> 
     return "rads", f", in rad/s: its noise is too small for deg/s{with_gravity}, odds {odds:.0f} to 1"
 
 
-def _why_unknown(label: str) -> str:
-    """What a label says about a unit that it does not name."""
+def _asked_unit(label: str) -> str:
+    """Units of a rate that a label leaves open."""
     if TURNS_OR_RADIANS.search(label):
-        return ", and rps is lsb/0.00277778 for turns or rads for radians per second"
-    return ", with a factor in its label, so UNIT is lsb/N with N numbers per deg/s" if IN_PARTS.search(label) else ""
+        return "lsb/0.00277778 for turns per second, or rads for radians per second"
+    return "lsb/N with N numbers per deg/s, by the factor in its label" if IN_PARTS.search(label) else RATE_UNITS
 
 
 def _angle_unit(column: SeenColumn) -> tuple[str, str]:
@@ -548,7 +559,7 @@ def _beside_an_angle(verdict: ColumnVerdict, columns: Sequence[SeenColumn]) -> C
         if found is not None and found.is_known:
             sign = ":-" if (per_rate < 0.0) != (angle.kind == "heading") else ""
             why = f"{turn.why.partition(',')[0]}, and unit and sign are those with which {angle.label} turns"
-            one = replace(turn, entry=f"rate:{found.option}{sign}", why=why)
+            one = replace(turn, entry=f"rate:{found.option}{sign}", why=why, asked="")
             return replace(verdict, columns=tuple(one if column is turn else column for column in verdict.columns))
     return verdict
 

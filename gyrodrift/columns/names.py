@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import permutations
 
-from gyrodrift.columns.units import Dimension, Unit, unit_of, without_unit
+from gyrodrift.columns.units import TURNS_OR_RADIANS, Dimension, Unit, unit_of, without_unit
 
 GYRO = "gyro?|gyr|gy|g|w|omega|rot|rate|gyroscope|rotation|rotationrate|angvel|angularvelocity|angularrate"
 GYRO_WORDS = "gyro?|gyr|gyroscope|omega|angvel|angularvelocity|angularrate|rotationrate"
@@ -57,8 +57,7 @@ KINDS = {
     "mx": r"(m|mag|magnetic|magnetometer)x",
     "my": r"(m|mag|magnetic|magnetometer)y",
     "mz": r"(m|mag|magnetic|magnetometer)z",
-    "delta": r"(delta|incr(ement(al)?)?|d)(ang(le)?|theta|yaw|psi|heading|ypr)z?(deg|rads?)?"
-    r"|(ang(le)?|theta|yaw|heading)(delta|increment|incr)z?(deg|rads?)?",
+    "delta": rf"({CHANGE})({TURNED})z?|({TURNED})({CHANGE})z?",
     "yaw": r"(est|fused|current|gyro?)?yaw(angle)?(deg|rads?)?|psi|euleryaw|ypryaw|rpyyaw",
     "heading": r"(true|mag(netic)?|compass|gps|gnss|nav|boat|ship|vehicle)?(heading|hdg|course|bearing|azimuth)(deg)?"
     r"|compass|cog|courseoverground",
@@ -161,7 +160,7 @@ def kind_of(label: str) -> str:
 
 def _bracket_words(match: re.Match[str]) -> str:
     """Words in brackets, which may name another quantity: `gz (bias)`; empty for units and numbers."""
-    inner = match[0][1:-1]
+    inner = TURNS_OR_RADIANS.sub("", match[0][1:-1])
     is_word = inner.replace(" ", "").isalpha() and len(inner) > 1 and unit_of(inner) is None
     return f" {inner} " if is_word else ""
 

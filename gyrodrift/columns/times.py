@@ -11,7 +11,7 @@ from operator import add, gt, le
 from statistics import median
 
 from gyrodrift.columns.spec import CLOCK, COUNTED_US, scale_of
-from gyrodrift.values.constants import NS_PER_S
+from gyrodrift.values.constants import DELTA_GAP_PERIODS, NS_PER_S
 
 PER_S = {"t_s": 1, "t_ms": 10**3, "t_us": 10**6, "t_ns": 10**9}
 DAY_S, HOUR_S = 86400, 3600
@@ -78,6 +78,21 @@ def is_time_of_day(text: str) -> bool:
 def is_stamp(text: str) -> bool:
     """Whether a text is a date, with or without a time, or a time of day."""
     return len(text) <= LONGEST and bool(DATED.fullmatch(text) or TIMED.fullmatch(text))
+
+
+MINUTE_JUMP, HOUR_JUMP, LARGEST_HMS, SLOWEST_HMS_S = 40.0, 4000.0, 240_000.0, 1.5
+"""HHMMSS jumps from 59 to 100, and from 5959 to 10000, and ends at midnight; samples come once a second."""
+
+
+def is_hms(numbers: Sequence[float]) -> bool:
+    """Whether numbers are times of day as HHMMSS: no part is above 59, and they jump where a minute ends."""
+    if not all(
+        0.0 <= number < LARGEST_HMS and number % 100.0 < 60.0 and number // 100.0 % 100.0 < 60.0 for number in numbers
+    ):
+        return False
+    steps = [after - before for before, after in pairwise(numbers)]
+    jumps = [step % HOUR_JUMP - MINUTE_JUMP for step in steps if step > MINUTE_JUMP]
+    return bool(jumps) and median(steps) < SLOWEST_HMS_S and max(jumps) < DELTA_GAP_PERIODS * median(steps)
 
 
 def epoch_unit(texts: Sequence[str]) -> str:

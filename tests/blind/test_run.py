@@ -14,6 +14,8 @@ from blind.tried import open_all
 from gyrogap.catalogue import EFFECTS
 from gyrogap.seals import OPENINGS
 
+EVALUATION = pytest.mark.evaluation
+
 STAND_IN = """
 import json, os, sys, time
 from pathlib import Path
@@ -76,6 +78,7 @@ def test_it_hands_over_sessions_and_a_rig_alone(tmp_path: Path) -> None:
     assert item.result()["gap"]["verdict"] == "none"
 
 
+@pytest.mark.evaluation
 def test_what_the_plan_withholds_is_withheld_in_a_second_run(tmp_path: Path) -> None:
     item = Set(tmp_path, "left_out")
     item.run()
@@ -83,6 +86,7 @@ def test_what_the_plan_withholds_is_withheld_in_a_second_run(tmp_path: Path) -> 
     assert item.result()["data_sha256"] == item.result("withheld")["data_sha256"]
 
 
+@pytest.mark.evaluation
 def test_what_has_a_result_is_not_run_again(tmp_path: Path) -> None:
     """A run that was interrupted goes on; the sessions are kept where that is asked for."""
     item = Set(tmp_path, "triple")
@@ -92,6 +96,7 @@ def test_what_has_a_result_is_not_run_again(tmp_path: Path) -> None:
     assert (item.folder.kept(item.folder.plan().cases[0].name) / "rig.yaml").is_file()
 
 
+@pytest.mark.evaluation
 def test_the_oracle_may_name_the_true_effect_only(tmp_path: Path) -> None:
     item = Set(tmp_path, "single")
     item.run(oracle=True)
@@ -100,6 +105,7 @@ def test_the_oracle_may_name_the_true_effect_only(tmp_path: Path) -> None:
     assert (item.folder.root / OPENINGS).read_text().endswith("oracle\n")
 
 
+@pytest.mark.evaluation
 def test_new_sessions_are_looked_at_with_the_rig_that_was_adopted(tmp_path: Path) -> None:
     item = Set(tmp_path, "loop")
     item.run(NAMES_A_CAUSE)
@@ -113,6 +119,7 @@ def test_new_sessions_are_looked_at_with_the_rig_that_was_adopted(tmp_path: Path
     assert item.calls()[2]["rig"] == again["rig"]
 
 
+@pytest.mark.evaluation
 def test_where_nothing_is_named_nothing_is_adopted(tmp_path: Path) -> None:
     """The second run is not made, and not tried again."""
     item = Set(tmp_path, "loop")
@@ -124,6 +131,7 @@ def test_where_nothing_is_named_nothing_is_adopted(tmp_path: Path) -> None:
     assert tried.outcomes["again"].said is None
 
 
+@pytest.mark.evaluation
 def test_the_device_without_the_effect_is_looked_at_with_the_same_rig(tmp_path: Path) -> None:
     item = Set(tmp_path, "small")
     item.run()
@@ -132,6 +140,7 @@ def test_the_device_without_the_effect_is_looked_at_with_the_same_rig(tmp_path: 
     assert Path(without["words"][1]).name == "without"
 
 
+@pytest.mark.evaluation
 def test_a_baseline_is_handed_over(tmp_path: Path) -> None:
     if not devices():
         pytest.skip("the folder of recordings is not there")
@@ -148,9 +157,9 @@ def test_a_baseline_is_handed_over(tmp_path: Path) -> None:
     ("act", "failure"),
     [
         ("sys.exit('it broke')", "exit status 1"),
-        ("out.mkdir(); (out / 'gap.json').write_text('{'); sys.exit(0)", "gap.json"),
-        ("sys.exit(0)", "gap.json"),
-        ("time.sleep(60)", "too late"),
+        pytest.param("out.mkdir(); (out / 'gap.json').write_text('{'); sys.exit(0)", "gap.json", marks=EVALUATION),
+        pytest.param("sys.exit(0)", "gap.json", marks=EVALUATION),
+        pytest.param("time.sleep(60)", "too late", marks=EVALUATION),
     ],
     ids=["breaks", "writes nonsense", "writes nothing", "hangs"],
 )

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from calibrate_support import GAIN_CCW, GAIN_CW, SCALED, Table, profile_of, rest, to_and_fro, turn, turn_s
-from support import Command, Terminal, near, ours, speaking_on
+from support import Command, Terminal, ended_here, near, ours, speaking_on
 
 from gyrodrift.config.model import load_config
 from gyrodrift.values.calibration import Calibration
@@ -160,9 +160,10 @@ def test_what_calibrates_nothing_is_an_error_without_hands(segments: list[str], 
     """Status 4, one line that says what was wrong, and the config stays as it is."""
     config = tmp_path / "my.yaml"
     config.write_text(KEPT)
-    with played(segments, tmp_path), Command("calibrate", "--port", tmp_path / "gyro", "--config", config) as calibrate:
-        assert calibrate.end() == 4
-        assert reason in calibrate.log.splitlines()[-1]
+    with played(segments, tmp_path):
+        calibrate = ended_here("calibrate", "--port", tmp_path / "gyro", "--config", config)
+    assert calibrate.status == 4
+    assert reason in calibrate.log.splitlines()[-1]
     assert config.read_text() == KEPT
 
 
@@ -182,6 +183,6 @@ def test_wrong_usage_is_told_before_anything_is_turned(
     """Status 2, and no port is opened for it."""
     (tmp_path / "my.yaml").write_text("filter: restlevel\ncalibration: {date: 2026-01-01}\n")
     monkeypatch.chdir(tmp_path)
-    with Command("calibrate", "--port", tmp_path / "gyro", *words) as calibrate:
-        assert calibrate.end() == 2
-        assert reason in calibrate.log
+    calibrate = ended_here("calibrate", "--port", tmp_path / "gyro", *words)
+    assert calibrate.status == 2
+    assert reason in calibrate.log

@@ -10,7 +10,7 @@ import pytest
 from hand_motion import hand_motion
 from laid_board import BIAS_DPS, GYRO_GAIN, OFFSET_MPS2, SCALE, SIX_SIDES, WITH_TURNS, BoardRecord, laid_board
 from scipy.spatial.transform import Rotation
-from support import Command, Terminal, near, ours
+from support import Command, Terminal, ended_here, near, ours
 
 from gyrodrift.config.model import load_config
 from gyrodrift.session.calibrated import calibrated
@@ -45,7 +45,13 @@ def check(result: Calibration) -> None:
     assert [*(result.gyro_bias_xy_dps or ()), result.bias_dps] == near(BIAS_DPS.tolist(), 0.02)
 
 
-@pytest.mark.parametrize(("words", "device_id"), [(NATIVE, "firmware_sim"), (CSV, "")], ids=["native", "csv"])
+@pytest.mark.parametrize(
+    ("words", "device_id"),
+    [
+        pytest.param(NATIVE, "firmware_sim", id="native"),
+        pytest.param(CSV, "", id="csv", marks=pytest.mark.evaluation),
+    ],
+)
 def test_turns_and_sides_without_a_terminal_give_json_and_a_config(
     words: tuple[str, ...], device_id: str, tmp_path: Path
 ) -> None:
@@ -152,9 +158,9 @@ def test_the_simulated_device_on_six_sides_is_calibrated(tmp_path: Path) -> None
 )
 def test_options_that_do_not_belong_together_are_told(words: tuple[str, ...], reason: str, tmp_path: Path) -> None:
     """Status 2, and no port is opened."""
-    with Command("calibrate", "--port", tmp_path / "gyro", *words) as calibrate:
-        assert calibrate.end() == 2
-        assert reason in calibrate.log
+    calibrate = ended_here("calibrate", "--port", tmp_path / "gyro", *words)
+    assert calibrate.status == 2
+    assert reason in calibrate.log
 
 
 def test_a_device_with_one_axis_is_told_what_it_lacks(tmp_path: Path) -> None:

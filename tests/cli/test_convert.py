@@ -10,7 +10,7 @@ import pytest
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 from mcap_ros2.decoder import DecoderFactory
-from support import Command
+from support import ended_here
 
 from gyrodrift.cli import main
 from gyrodrift.session.files import load_session
@@ -184,8 +184,8 @@ def test_mistakes_are_one_line_and_leave_nothing(
     (tmp_path / "torn.mcap").write_bytes(content)
     (tmp_path / "late.csv").write_text("t_device_s,rate_dps\n1e10,0\n")
     before = sorted(tmp_path.iterdir())
-    with Command("convert", *arguments) as run:
-        assert run.end() == status
+    run = ended_here("convert", *arguments)
+    assert run.status == status
     assert message in run.log
     assert run.log.startswith(("gyrodrift: ", "usage: "))
     assert "Traceback" not in run.log

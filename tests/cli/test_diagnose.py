@@ -2,7 +2,9 @@
 
 import json
 import re
+from contextlib import redirect_stdout
 from dataclasses import replace
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +20,7 @@ from gyrodrift.cli import main
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.simulation.sessions import write_sessions
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(1800)]
+pytestmark = [pytest.mark.usefixtures("diagnosis_kernels"), pytest.mark.long, pytest.mark.timeout(1800)]
 
 MINUTES = 2.0
 
@@ -59,6 +61,16 @@ def diagnosed(sessions: Path, out: Path, *options: str) -> dict[str, Any]:
     return result
 
 
+@pytest.fixture(scope="module")
+def exported(scaled: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any], str]:
+    """Files, `gap.json` and output of a diagnosis with exports."""
+    formats = [word for name in ("gazebo", "kalibr", "mujoco", "json") for word in ("--export", name)]
+    out = tmp_path_factory.mktemp("exported")
+    with redirect_stdout(StringIO()) as statement:
+        gap = diagnosed(scaled, out, *formats, *TWO)
+    return out, gap, statement.getvalue()
+
+
 def charts(out: Path) -> list[str]:
     html = (out / "report.html").read_text()
     return ["".join(item.itertext()) for item in parsed(html).iter("div") if item.get("class") == "panel"]
@@ -92,41 +104,34 @@ def test_a_missing_effect_is_named_sized_and_closes_the_gap(
     assert sum("session-0" in chart for chart in drawn) == 3
 
 
-def test_effects_are_exported_for_other_simulators(
-    scaled: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_effects_are_exported_for_other_simulators(exported: tuple[Path, dict[str, Any], str]) -> None:
     """Files, page and output say the same of them."""
-    formats = [word for name in ("gazebo", "kalibr", "mujoco", "json") for word in ("--export", name)]
-    gap = diagnosed(scaled, tmp_path, *formats, *ITEM)
-    content = json.loads((tmp_path / "export" / "effects.json").read_text())
+    out, gap, statement = exported
+    content = json.loads((out / "export" / "effects.json").read_text())
     (entry,) = content["effects"]
     size = gap["causes"][0]["parameters"]["error_percent"]
     assert entry["parameters"]["error_percent"] == size["value"]
     assert entry["intervals"]["error_percent"] == [size["low"], size["high"]]
-    assert "NOT in this file: scale_factor" in (tmp_path / "export" / "gazebo.sdf").read_text()
-    statement = capsys.readouterr().out
+    assert "NOT in this file: scale_factor" in (out / "export" / "gazebo.sdf").read_text()
     assert "export: export/imu.yaml: no effect, with the measured noise; not scale_factor: Kalibr knows" in statement
-    assert "effects that it cannot express" in words((tmp_path / "report.html").read_text())
+    assert "effects that it cannot express" in words((out / "report.html").read_text())
 
 
 def test_sessions_of_another_simulator_are_a_baseline(
-    scaled: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    scaled: Path, plain: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    simulator = record(tmp_path / "simulator")
-    for path in simulator.iterdir():
+    """With columns of their own, exact values, and neither counter, host times nor temperature."""
+    tables = tmp_path / "tables"
+    tables.mkdir()
+    for path in sorted(plain.iterdir())[:2]:
         session = load_session(path)
         assert session.encoder_deg is not None
-        digits = 1e-9 * np.random.default_rng(1).random((2, len(session.rate_dps)))
-        exact = replace(
-            session,
-            rate_dps=session.rate_dps + digits[0],
-            encoder_deg=session.encoder_deg + digits[1],
-            t_host_s=None,
-            seq=None,
-            temp_c=None,
-        )
-        write_session(path, [exact])
-    gap = diagnosed(scaled, tmp_path / "out", "--baseline", str(simulator), *TWO)
+        columns = np.column_stack([1000.0 * session.t_device_s, session.encoder_deg, -np.deg2rad(session.rate_dps)])
+        columns[:, 1:] += 1e-9 * np.random.default_rng(1).random((len(columns), 2))
+        np.savetxt((tables / path.name).with_suffix(".txt"), columns, fmt="%.12f", delimiter=",")
+    baseline = [word for path in sorted(tables.iterdir()) for word in ("--baseline", str(path))]
+    stated = ("--baseline-columns", "t_ms, encoder, rate:rads:-")
+    gap = diagnosed(scaled, tmp_path / "out", *baseline, *stated, *ITEM)
     assert (gap["verdict"], gap["contradictions"]) == ("effect", [])
     assert gap["causes"][0]["parameters"]["error_percent"]["value"] == pytest.approx(1.2, rel=0.15)
     assert {"counter", "host times", "temperature"} <= set(gap["lacking"]["baseline"])
@@ -134,27 +139,12 @@ def test_sessions_of_another_simulator_are_a_baseline(
     statement = capsys.readouterr().err
     assert "only one of both sets has counter and host times and temperature: this is no gap" in statement
     assert "only one of both sets has counter" in words((tmp_path / "out" / "report.html").read_text())
-
-
-def test_a_baseline_has_columns_of_its_own(scaled: Path, tmp_path: Path) -> None:
-    simulator = record(tmp_path / "simulator")
-    tables = tmp_path / "tables"
-    tables.mkdir()
-    for path in simulator.iterdir():
-        session = load_session(path)
-        assert session.encoder_deg is not None
-        columns = np.column_stack([1000.0 * session.t_device_s, session.encoder_deg, -np.deg2rad(session.rate_dps)])
-        np.savetxt((tables / path.name).with_suffix(".txt"), columns, fmt="%.9f", delimiter=",")
-    baseline = [word for path in sorted(tables.iterdir()) for word in ("--baseline", str(path))]
-    stated = ("--baseline-columns", "t_ms, encoder, rate:rads:-")
-    gap = diagnosed(scaled, tmp_path / "out", *baseline, *stated, *TWO)
-    assert gap["causes"][0]["parameters"]["error_percent"]["value"] == pytest.approx(1.2, rel=0.15)
     assert main(["diagnose", str(scaled), "--out", str(tmp_path / "none"), *stated]) == 2
 
 
-def test_a_reference_that_is_read_at_its_own_times_is_no_gap(scaled: Path, tmp_path: Path) -> None:
-    simulator = record(tmp_path / "simulator")
-    for seed, folder in enumerate((scaled, simulator)):
+@pytest.mark.evaluation
+def test_a_reference_that_is_read_at_its_own_times_is_no_gap(scaled: Path, plain: Path, tmp_path: Path) -> None:
+    for seed, folder in enumerate((scaled, plain)):
         (tmp_path / f"slow-{seed}").mkdir()
         for path in sorted(folder.iterdir()):
             session = load_session(path)
@@ -173,8 +163,11 @@ def test_a_reference_that_is_read_at_its_own_times_is_no_gap(scaled: Path, tmp_p
     assert cause["parameters"]["error_percent"]["value"] == pytest.approx(1.2, rel=0.15)
 
 
-def test_no_gap_is_an_answer_with_what_would_have_been_seen(plain: Path, tmp_path: Path) -> None:
-    gap = diagnosed(plain, tmp_path)
+@pytest.mark.parametrize("withheld", [FEW, pytest.param((), marks=pytest.mark.evaluation)], ids=["few", "all"])
+def test_no_gap_is_an_answer_with_what_would_have_been_seen(
+    plain: Path, tmp_path: Path, withheld: tuple[str, ...]
+) -> None:
+    gap = diagnosed(plain, tmp_path, *withheld)
     assert gap["verdict"] == "none"
     assert gap["causes"] == gap["where"] == gap["leftover"] == []
     assert 0.02 < gap["detectable"]["scale_factor"]["error_percent"] < 0.5
@@ -219,11 +212,12 @@ def test_sign_and_unit_are_told_before_anything_else(scaled: Path, tmp_path: Pat
     assert gap["causes"][0]["effect"] == "scale_factor"
 
 
-def test_a_cluster_says_the_same(scaled: Path, tmp_path: Path) -> None:
+@pytest.mark.evaluation
+def test_a_cluster_says_the_same(scaled: Path, tmp_path: Path, exported: tuple[Path, dict[str, Any], str]) -> None:
     pytest.importorskip("distributed", reason="a cluster is an extra: pip install 'gyrodrift[cluster]'")
     with cluster(tmp_path, 2) as running:
         shared = diagnosed(scaled, tmp_path / "shared", "--cluster", running.address, *TWO)
-    here = diagnosed(scaled, tmp_path / "here", *TWO)
+    _, here, _ = exported
     assert shared["verdict"] == here["verdict"]
     assert [cause["effect"] for cause in shared["causes"]] == [cause["effect"] for cause in here["causes"]]
     item, second = (gap["causes"][0]["parameters"]["error_percent"] for gap in (shared, here))

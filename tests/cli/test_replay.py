@@ -7,7 +7,7 @@ from random import Random
 
 import numpy as np
 import pytest
-from support import Command
+from support import Command, ended_here
 
 from gyrodrift.session.files import load_session, write_session
 from gyrodrift.session.mcap.write import McapWriter
@@ -158,8 +158,8 @@ def test_raw_bytes_are_played_as_they_came(tmp_path: Path) -> None:
 )
 def test_mistakes_are_one_line(session: Path, options: list[str], status: int, message: str) -> None:
     arguments = [word.format(session=session) for word in options]
-    with Command("replay", session, "--link", session.with_name("gyro"), *arguments) as replay:
-        assert replay.end() == status
+    replay = ended_here("replay", session, "--link", session.with_name("gyro"), *arguments)
+    assert replay.status == status
     assert message in replay.log
     assert "Traceback" not in replay.log
 

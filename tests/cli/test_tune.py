@@ -357,7 +357,7 @@ def test_an_interrupt_writes_the_best_so_far_and_resume_ends_as_if_nothing_had_b
 
 
 @pytest.mark.promise("Analyses and reports")
-@pytest.mark.parametrize("saves", [2, 6])
+@pytest.mark.parametrize("saves", [2, pytest.param(6, marks=pytest.mark.evaluation)])
 def test_a_tuning_of_both_filters_that_was_interrupted_resumes_to_the_same_bytes(
     eight: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, saves: int
 ) -> None:

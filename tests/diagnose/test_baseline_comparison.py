@@ -129,7 +129,7 @@ def told_beside(tmp_path: Path, name: str, before: Sequence[str], today: Sequenc
 @pytest.mark.parametrize(
     ("before", "today", "named"),
     [
-        ((-1.0, 0.0, 1.0), (0.4, 1.6, 1.0), []),
+        pytest.param((-1.0, 0.0, 1.0), (0.4, 1.6, 1.0), [], marks=pytest.mark.evaluation),
         ((-0.1, 0.0, 0.1), (1.1, 0.9, 1.0), ["scale_factor"]),
     ],
     ids=["varies", "changed"],

@@ -60,9 +60,13 @@ def bunch_distance_s(arrived_s: Floats) -> float:
     return float(np.diff(arrived_s[1:][np.diff(arrived_s) > 0.005]).mean())
 
 
-def test_arrivals_in_bunches(tmp_path: Path, recordings: Recordings) -> None:
-    still = recordings.path("mpu6050_still")
-    gap = diagnosed([still], {"sample_rate_hz": 100.0, "dps_per_lsb": 250.0 / 32768.0}, tmp_path)
+OF_TIMES = only("usb_batching", "timestamp_jitter", "clock_drift")
+
+
+@pytest.mark.parametrize("withheld", [OF_TIMES, pytest.param((), marks=pytest.mark.evaluation)], ids=["few", "all"])
+def test_arrivals_in_bunches(tmp_path: Path, recordings: Recordings, withheld: tuple[str, ...]) -> None:
+    still = beginning(recordings.path("mpu6050_still"), 40_000, tmp_path)
+    gap = diagnosed([still], {"sample_rate_hz": 100.0, "dps_per_lsb": 250.0 / 32768.0}, tmp_path, *withheld)
     (batching,) = (cause for cause in gap["causes"] if cause["effect"] == "usb_batching")
     assert batching["probability"] > 0.8
     fitted = UsbBatching(**{name: stated["value"] for name, stated in batching["parameters"].items()})

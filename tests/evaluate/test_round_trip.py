@@ -1,17 +1,21 @@
 """Effects through `gyrodrift simulate` and `gyrodrift diagnose`: short sessions at a low rate, one process."""
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import pytest
 from evaluate.round_trip_part import names_first_or_tied
 
+from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.rig import load_rig
 from gyrodrift.cli import main
 from gyrodrift.simulation.sessions import rig_yaml
 
 pytest.importorskip("matplotlib", reason="pictures need the workstation extra")
+
+pytestmark = pytest.mark.usefixtures("diagnosis_kernels")
 
 SAMPLE_RATE_HZ = 50.0
 SIZE = ("--sessions", "2", "--minutes", "0.8", "--seed", "3")
@@ -38,15 +42,15 @@ def rig(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def diagnosed(folder: Path, rig: Path, *effects: str, axes: int = 1) -> dict[str, Any]:
+def diagnosed(folder: Path, rig: Path, *effects: str, axes: int = 1, withheld: Iterable[str] = SLOW) -> dict[str, Any]:
     """`gap.json` of simulated sessions with some effects; the rig of the diagnosis has one axis."""
     motion, sessions, report = folder / "motion.yaml", folder / "sessions", folder / "report"
     motion.write_text(MOTION)
     common = ["--rig", str(rig), "--quiet"]
     made = ["--out", str(sessions), "--profile", str(motion), "--axes", str(axes), *SIZE, *common]
     assert main(["simulate", *made, *(word for effect in effects for word in ("--effect", effect))]) == 0
-    withheld = [word for name in SLOW for word in ("--withhold", name)]
-    assert main(["diagnose", str(sessions), "--out", str(report), "--jobs", "1", *withheld, *common]) == 0
+    tried = [word for name in withheld for word in ("--withhold", name)]
+    assert main(["diagnose", str(sessions), "--out", str(report), "--jobs", "1", *tried, *common]) == 0
     gap: dict[str, Any] = json.loads((report / "gap.json").read_text())
     return gap
 
@@ -56,10 +60,10 @@ def diagnosed(folder: Path, rig: Path, *effects: str, axes: int = 1) -> dict[str
     [
         ("clock_drift:ppm=2000", "ppm", 2000.0),
         ("spikes:height_dps=50,share_percent=0.1", "share_percent", 0.1),
-        ("scale_factor:error_percent=1.5", "error_percent", 1.5),
-        ("latency:delay_ms=20", "delay_ms", 20.0),
-        ("backlash:play_deg=0.5", "play_deg", 0.5),
-        ("timestamp_jitter:sigma_ms=1", "sigma_ms", 1.0),
+        pytest.param("latency:delay_ms=20", "delay_ms", 20.0, marks=pytest.mark.evaluation),
+        pytest.param("scale_factor:error_percent=1.5", "error_percent", 1.5, marks=pytest.mark.evaluation),
+        pytest.param("backlash:play_deg=0.5", "play_deg", 0.5, marks=pytest.mark.evaluation),
+        pytest.param("timestamp_jitter:sigma_ms=1", "sigma_ms", 1.0, marks=pytest.mark.evaluation),
     ],
 )
 def test_a_simulated_effect_is_named_with_its_size(
@@ -85,29 +89,38 @@ TILTED, LOW, HIGH = (
 CHIP = ("gyro_cross_axis", "accel_bias", "accel_misalignment")
 """Errors of a chip with three axes at their typical sizes."""
 
+OTHERS = CATALOGUE.keys() - {"misalignment", "scale_factor", "scale_asymmetry", "temp_scale", "latency", *CHIP}
+"""Effects that resemble none of these; they are tried as well in the cases of `make evaluate`."""
+
 
 @pytest.mark.parametrize(
-    ("effects", "sizes"),
+    ("effects", "sizes", "withheld"),
     [
-        (CHIP, {}),
-        ((TILTED, HIGH), {"misalignment": 12.0, "scale_factor": 3.0}),
-        pytest.param((), {}, marks=pytest.mark.evaluation),
-        pytest.param((TILTED,), {"misalignment": 12.0}, marks=pytest.mark.evaluation),
-        pytest.param((LOW,), {"scale_factor": -2.0}, marks=pytest.mark.evaluation),
-        pytest.param((TILTED, *CHIP), {"misalignment": 12.0}, marks=pytest.mark.evaluation),
+        ((TILTED, HIGH), {"misalignment": 12.0, "scale_factor": 3.0}, OTHERS),
+        *(
+            pytest.param(effects, sizes, SLOW, marks=pytest.mark.evaluation)
+            for effects, sizes in (
+                ((TILTED, HIGH), {"misalignment": 12.0, "scale_factor": 3.0}),
+                (CHIP, {}),
+                ((), {}),
+                ((TILTED,), {"misalignment": 12.0}),
+                ((LOW,), {"scale_factor": -2.0}),
+                ((TILTED, *CHIP), {"misalignment": 12.0}),
+            )
+        ),
     ],
 )
 def test_three_axes_tell_a_tilted_sensor_from_a_scale_error(
-    tmp_path: Path, rig: Path, effects: tuple[str, ...], sizes: dict[str, float]
+    tmp_path: Path, rig: Path, effects: tuple[str, ...], sizes: dict[str, float], withheld: Iterable[str]
 ) -> None:
     """Alone, both at once, and beside the errors of a chip; nothing is tied."""
-    gap = diagnosed(tmp_path, rig, *effects, axes=3)
+    gap = diagnosed(tmp_path, rig, *effects, axes=3, withheld=withheld)
     assert sizes_of(gap) == pytest.approx(sizes, rel=0.15)
     assert not any(cause["tied_with"] for cause in gap["causes"])
     assert gap["verdict"] == ("effect" if sizes else "none")
 
 
-@pytest.mark.parametrize("effect", [TILTED, LOW])
+@pytest.mark.parametrize("effect", [TILTED, pytest.param(LOW, marks=pytest.mark.evaluation)])
 def test_one_axis_leaves_a_tilted_sensor_tied_with_a_scale_error(tmp_path: Path, rig: Path, effect: str) -> None:
     """The scale error first by its prior; three axes are what to record next."""
     gap = diagnosed(tmp_path, rig, effect)

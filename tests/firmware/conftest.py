@@ -18,5 +18,5 @@ def board_program(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def c_filters(tmp_path_factory: pytest.TempPathFactory) -> CFilters:
-    return CFilters(tmp_path_factory.mktemp("filters"))
+def c_filters() -> CFilters:
+    return CFilters()

@@ -284,7 +284,7 @@ def test_the_state_has_the_size_that_the_docs_tell(c_filters: CFilters) -> None:
     assert 13_500 < program(c_filters, "float").state_bytes < 14_400
 
 
-@pytest.mark.parametrize("real", ["float", "double"])
+@pytest.mark.parametrize("real", ["float", pytest.param("double", marks=pytest.mark.evaluation)])
 def test_any_samples_and_parameters_leave_a_sound_state(tmp_path: Path, real: str) -> None:
     write_header(tmp_path)
     sanitizers = "-fsanitize=address,undefined,float-divide-by-zero"

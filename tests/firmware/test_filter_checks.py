@@ -24,12 +24,15 @@ CHECKS = ",".join(
 )
 
 
-@pytest.mark.parametrize(("compiler", "real"), [("gcc", "float"), ("gcc", "double"), ("clang", "float")])
+@pytest.mark.parametrize(
+    ("compiler", "real"),
+    [("gcc", "float"), ("clang", "float"), pytest.param("gcc", "double", marks=pytest.mark.evaluation)],
+)
 def test_random_samples_pass_the_sanitizers(tmp_path: Path, compiler: str, real: str) -> None:
     assert fuzzed(tmp_path, compiler, real) == f"{RUNS} runs\n"
 
 
-@pytest.mark.parametrize("hypotheses", [2, 4, 8])
+@pytest.mark.parametrize("hypotheses", [2, 8, pytest.param(4, marks=pytest.mark.evaluation)])
 def test_any_number_of_hypotheses_passes_the_sanitizers(tmp_path: Path, hypotheses: int) -> None:
     """The arrays of hypotheses have their sizes from it."""
     flag = f"-DGD_RESTLEVEL_HYPOTHESES={hypotheses}"

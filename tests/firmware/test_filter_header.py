@@ -16,10 +16,11 @@ from gyrodrift.firmware.targets import ROOT_PART, gyrodrift_h, joined
 
 M4F = ("-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard")
 
+# Clang finds its warnings before it optimizes.
 COMPILERS = {
     "gcc": ("gcc", "-std=c11", "-O2"),
-    "g++": ("g++", "-std=c++11", "-O2", "-x", "c++"),
-    "clang": ("clang", "-std=c11", "-O2"),
+    "g++": ("g++", "-std=c++11", "-O1", "-x", "c++"),
+    "clang": ("clang", "-std=c11", "-O0"),
     "clang++": ("clang++", "-std=c++11", "-O0", "-x", "c++"),
     "avr-gcc": ("avr-gcc", "-std=c11", "-Os", "-mmcu=atmega328p"),
     "avr-g++": ("avr-g++", "-std=c++11", "-Os", "-mmcu=atmega328p", "-x", "c++"),

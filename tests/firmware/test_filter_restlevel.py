@@ -214,7 +214,7 @@ def test_parameters_out_of_bounds_are_refused(double: CFilter) -> None:
     assert double.run(t_s, inputs, good).is_valid
 
 
-@pytest.mark.parametrize("hypotheses", [2, 3, 4, 5, 8])
+@pytest.mark.parametrize("hypotheses", [2, 8, *(pytest.param(n, marks=pytest.mark.evaluation) for n in (3, 4, 5))])
 def test_any_number_of_hypotheses_runs(c_filters: CFilters, hypotheses: int) -> None:
     """Two to eight; fewer may cost accuracy, and never more than memory."""
     t_s, inputs = plain(100.0, 300.0)

@@ -24,6 +24,8 @@ from gyrodrift.values.errors import UsageError
 from gyrodrift.values.mount import Mount
 from gyrodrift.values.sample import Inertial
 
+pytestmark = pytest.mark.xdist_group("my_gyro")  # they share what is compiled
+
 C11 = ("-std=c11", *EXACT, *WARNINGS)
 
 
@@ -128,7 +130,7 @@ def test_compilers_take_the_header_without_a_warning(compiler: str, written: Pat
     assert (written / "my_gyro.h").read_text().count("*/") == (written / "my_gyro.h").read_text().count("/*")
 
 
-@pytest.mark.parametrize("compiler", ["g++", "clang++"])
+@pytest.mark.parametrize("compiler", ["g++", pytest.param("clang++", marks=pytest.mark.evaluation)])
 def test_the_classes_of_cpp_are_the_functions_of_c(compiler: str, written: Path, tmp_path: Path) -> None:
     need(compiler, compiler)
     program = tmp_path / "wrappers"
@@ -160,24 +162,33 @@ int main() { std::printf("%.3f %.3f", yaw_of_plain(), yaw_of_other()); }
 """
 
 
+@pytest.fixture(scope="module")
+def compiled_plain(tmp_path_factory: pytest.TempPathFactory, written: Path) -> Path:
+    """Folder with the objects of the program and of the file without a setting."""
+    need("g++", "g++")
+    folder = tmp_path_factory.mktemp("plain")
+    plain = USE_IN_BOTH.replace("NAME", "plain")
+    (folder / "plain.cpp").write_text(plain.replace("#include", 'extern "C" {\n#include', 1).replace('.h"', '.h"\n}'))
+    (folder / "main.cpp").write_text(MAIN)
+    run("g++", "-std=c++11", "-O0", f"-I{written}", "-c", "plain.cpp", "main.cpp", folder=folder)
+    return folder
+
+
 @pytest.mark.parametrize(
     "setting", ["GD_REAL double", "GD_RESTLEVEL_HYPOTHESES 2", "GD_RESTLEVEL_AUXILIARY 0", "GD_ATTITUDE_HYPOTHESES 2"]
 )
 def test_two_files_of_a_program_may_have_another_number_type_or_size(
-    tmp_path: Path, written: Path, setting: str
+    tmp_path: Path, written: Path, compiled_plain: Path, setting: str
 ) -> None:
     """Without optimization the linker keeps one body of each function, and would call it with the struct of the other.
 
     The include is in extern "C", as many projects include headers of C.
     """
-    need("g++", "g++")
-    plain, set_before = (USE_IN_BOTH.replace("NAME", name) for name in ("plain", "other"))
-    (tmp_path / "plain.cpp").write_text(plain.replace("#include", 'extern "C" {\n#include', 1).replace('.h"', '.h"\n}'))
-    (tmp_path / "other.cpp").write_text(f"#define {setting}\n{set_before}")
-    (tmp_path / "main.cpp").write_text(MAIN)
-    for first, second in (("plain", "other"), ("other", "plain")):
-        run("g++", "-std=c++11", "-O0", f"-I{written}", f"{first}.cpp", f"{second}.cpp", "main.cpp", "-o", "program",
-            folder=tmp_path)  # fmt: skip
+    (tmp_path / "other.cpp").write_text(f"#define {setting}\n{USE_IN_BOTH.replace('NAME', 'other')}")
+    run("g++", "-std=c++11", "-O0", f"-I{written}", "-c", "other.cpp", folder=tmp_path)
+    objects = [compiled_plain / "plain.o", tmp_path / "other.o"]
+    for ordered in (objects, objects[::-1]):
+        run("g++", *ordered, compiled_plain / "main.o", "-o", "program", folder=tmp_path)
         plain_deg, other_deg = map(float, run(tmp_path / "program").split())
         assert plain_deg == pytest.approx(other_deg, abs=0.002)
         assert plain_deg > 2.0

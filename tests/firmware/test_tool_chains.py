@@ -153,6 +153,7 @@ def test_the_builder_of_the_ide_takes_each_example(name: str, arduino: Path, tmp
     prefs.append("compiler.cpp.extra_flags=-DDECIMAL_DIG=17")  # as in CORE
     words += [word for pref in prefs for word in ("-prefs", pref)]
     words += ["-libraries", arduino.parent, "-fqbn", "arduino:avr:uno", "-build-path", tmp_path, "-warnings", "all"]
+    words += ["-build-cache", arduino.parent]  # of the core
     sketch = arduino / "examples" / name / f"{name}.ino"
     done = subprocess.run(
         [builder, "-compile", *map(str, words), str(sketch)], capture_output=True, text=True, check=False

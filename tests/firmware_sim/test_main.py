@@ -11,6 +11,7 @@ import serial
 from golden_frames import HELLO
 from support import PATIENCE_S, Command
 
+from firmware_sim.__main__ import main
 from firmware_sim.motion.profile import load_profile
 from firmware_sim.reservation import reserve
 
@@ -117,11 +118,13 @@ def test_every_mistake_in_a_rig_is_a_line(link: Path, tmp_path: Path) -> None:
         pytest.param("--duration", "-1", "--duration"),
     ],
 )
-def test_a_value_that_makes_no_sense_is_wrong_usage(link: Path, option: str, value: str, words: str) -> None:
+def test_a_value_that_makes_no_sense_is_wrong_usage(
+    link: Path, option: str, value: str, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     """The last line says which option, and what it expects."""
-    status, log = ended("--link", link, "--speed", "max", "--duration", "0", option, value)
-    assert status == 2
-    assert words in log[-1]
+    with pytest.raises(SystemExit, match="2"):
+        main(["--link", str(link), "--speed", "max", "--duration", "0", option, value])
+    assert words in capsys.readouterr().err.splitlines()[-1]
 
 
 def test_a_file_at_the_link_is_left_alone(link: Path) -> None:

@@ -66,6 +66,7 @@ def test_the_library_loads_and_filters_a_session(sessions: Path) -> None:
 
 
 @pytest.mark.promise("Installation and systems")
+@pytest.mark.usefixtures("diagnosis_kernels")
 @pytest.mark.long
 def test_analyses_run(sessions: Path, slow_rig: Path, tmp_path: Path) -> None:
     """Without these modules, `info`, `filter`, `convert`, `doctor`, `compare`, `tune` and `diagnose` run."""
@@ -76,8 +77,8 @@ def test_analyses_run(sessions: Path, slow_rig: Path, tmp_path: Path) -> None:
         ["convert", session, results / "session.csv"],
         ["doctor", session],
         ["repair", session],
-        ["compare", sessions, "--jobs", "2"],
-        ["tune", sessions, "--iterations", "30", "--out", results / "tuned.yaml"],
+        ["compare", sessions, "--jobs", "1"],
+        ["tune", sessions, "--jobs", "1", "--iterations", "30", "--out", results / "tuned.yaml"],
         ["diagnose", sessions, "--rig", slow_rig, "--jobs", "2", "--out", results / "gap", *TWO_EFFECTS],
     ]
     done = run_elsewhere("-c", COMMANDS, stdin=json.dumps(commands, default=str))

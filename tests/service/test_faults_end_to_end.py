@@ -69,7 +69,14 @@ def assert_smooth(lines: list[dict[str, Any]], step_s: float = 0.2) -> None:
         assert abs(b["yaw_deg"] - a["yaw_deg"]) < fastest_dps * (b["t_s"] - a["t_s"])
 
 
-@pytest.mark.parametrize("fault", ["bit_flips", "dropped_bytes", "duplicated_bytes"])
+@pytest.mark.parametrize(
+    "fault",
+    [
+        "bit_flips",
+        pytest.param("dropped_bytes", marks=pytest.mark.evaluation),
+        pytest.param("duplicated_bytes", marks=pytest.mark.evaluation),
+    ],
+)
 def test_damaged_bytes_are_counted_and_yaw_does_not_jump(link: Path, fault: str) -> None:
     """The samples around the damage are used, and no other value is."""
     report = story(link, f"{fault}:per_kilobyte=3", seconds=15)
@@ -80,7 +87,7 @@ def test_damaged_bytes_are_counted_and_yaw_does_not_jump(link: Path, fault: str)
     assert_smooth(report.lines)
 
 
-@pytest.mark.parametrize("protocol", ["native", "csv", "witmotion"])
+@pytest.mark.parametrize("protocol", ["native", "csv", pytest.param("witmotion", marks=pytest.mark.evaluation)])
 def test_broken_frames_end_nothing(link: Path, protocol: str) -> None:
     """Merged and truncated frames and runs of zeros are counted."""
     report = story(
@@ -91,7 +98,7 @@ def test_broken_frames_end_nothing(link: Path, protocol: str) -> None:
     assert all(b["t_s"] > a["t_s"] for a, b in pairwise(report.lines))
 
 
-@pytest.mark.parametrize("speed", ["5", "max"])
+@pytest.mark.parametrize("speed", ["max", pytest.param("5", marks=pytest.mark.evaluation)])
 @pytest.mark.parametrize("protocol", ["native", "csv"])
 def test_a_reset_is_told_and_yaw_and_time_go_on(link: Path, protocol: str, speed: str) -> None:
     report = story(link, "reset:from_s=5,silent_s=1", seconds=9, speed=speed, protocol=protocol)
@@ -101,7 +108,7 @@ def test_a_reset_is_told_and_yaw_and_time_go_on(link: Path, protocol: str, speed
     assert_smooth(report.lines, 1.5 * PERIOD_S)
 
 
-@pytest.mark.parametrize("speed", ["5", "max"])
+@pytest.mark.parametrize("speed", ["max", pytest.param("5", marks=pytest.mark.evaluation)])
 @pytest.mark.parametrize("power_lost", [1, 0])
 def test_a_device_that_was_pulled_comes_back_with_yaw_and_drift_estimate(
     link: Path, power_lost: int, speed: str
@@ -131,7 +138,7 @@ def test_under_another_name_it_is_waited_for(link: Path) -> None:
     assert report.stats["reconnects"] == 0
 
 
-@pytest.mark.parametrize("protocol", ["native", "csv"])
+@pytest.mark.parametrize("protocol", ["native", pytest.param("csv", marks=pytest.mark.evaluation)])
 def test_a_stall_is_no_gap(link: Path, protocol: str) -> None:
     """Late is not lost: every sample is there with its own time."""
     report = story(link, "stall:seconds=2,every_s=4,to_s=8", seconds=9, speed="5", protocol=protocol)
@@ -165,7 +172,7 @@ def test_a_rate_that_changes_is_integrated_with_its_true_time(link: Path) -> Non
     assert {round(b["t_s"] - a["t_s"], 6) for a, b in pairwise(report.lines)} == {0.01, 0.04}
 
 
-@pytest.mark.parametrize("protocol", ["native", "csv", "witmotion"])
+@pytest.mark.parametrize("protocol", ["native", "witmotion", pytest.param("csv", marks=pytest.mark.evaluation)])
 def test_a_boot_banner_in_the_stream_costs_a_sample_at_most(link: Path, protocol: str) -> None:
     report = story(link, "boot_banner:from_s=3", seconds=6, speed=PACE[protocol], protocol=protocol)
     assert report.stats["damaged"] > 0
@@ -183,7 +190,7 @@ def test_full_scale_and_stuck_values_are_counted_and_yaw_is_held(link: Path) -> 
     assert all(abs(b["yaw_deg"] - a["yaw_deg"]) < 0.5 for a, b in pairwise(report.lines))
 
 
-@pytest.mark.parametrize("protocol", ["native", "csv", "witmotion"])
+@pytest.mark.parametrize("protocol", ["native", "witmotion", pytest.param("csv", marks=pytest.mark.evaluation)])
 def test_the_baud_rate_of_the_device_is_found(link: Path, protocol: str) -> None:
     options = ("--speed", "5", "--protocol", protocol)
     with served(link, "wrong_baud:baud=9600", options=options, baud="auto") as (serve, _):

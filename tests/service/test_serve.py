@@ -14,7 +14,7 @@ from random import Random
 from typing import Any
 
 import pytest
-from support import PATIENCE_S, Command, near, never, speaking_on
+from support import PATIENCE_S, Command, ended_here, near, never, speaking_on
 
 from firmware_sim.measure import measure
 from firmware_sim.motion.profile import load_profile
@@ -335,9 +335,10 @@ def test_a_reader_that_sleeps_does_not_stop_the_service(port: Path) -> None:
 def test_a_persons_mistake_is_one_line_and_an_exit_status(
     port: Path, arguments: list[str], status: int, message: str
 ) -> None:
-    with speaking_on(port), Command("serve", *(word.format(port=port) for word in arguments)) as serve:
-        assert serve.end() == status
-        last = serve.log.splitlines()[-1]
+    with speaking_on(port):
+        serve = ended_here("serve", *(word.format(port=port) for word in arguments))
+    assert serve.status == status
+    last = serve.log.splitlines()[-1]
     assert last.startswith(message.format(port=port))
     assert "Traceback" not in serve.log
 

@@ -125,7 +125,7 @@ def test_an_exported_effect_closes_the_gap_in_mujoco(name: str, tmp_path: Path) 
     assert diagnosed(tmp_path / "real", tmp_path / "again", tmp_path / "closed")["verdict"] == "none"
 
 
-@pytest.mark.long
+@pytest.mark.evaluation
 @pytest.mark.timeout(1800)
 def test_two_sets_of_one_simulator_show_no_gap(tmp_path: Path) -> None:
     """Other motions and other noise are none."""

@@ -5,7 +5,7 @@ from itertools import accumulate, pairwise
 
 import numpy as np
 
-from gyrodrift.columns.times import PER_S
+from gyrodrift.columns.times import PER_S, is_hms
 from gyrodrift.values.arrays import Floats, Integers
 from gyrodrift.values.constants import DELTA_GAP_PERIODS, DELTA_GAP_S
 
@@ -15,11 +15,6 @@ WRAP_PART = 4
 
 LEAST_STEPS, COUNTER_SHARE, ROUNDING = 20, 0.95, 1e-3
 """Least number of steps that show a counter, the share of them that are 1, and their rounding in seconds."""
-
-MINUTE_JUMP, HOUR_JUMP = 40.0, 4000.0
-"""HHMMSS jumps from 59 to 100, and from 5959 to 10000."""
-
-LARGEST_HMS = 240_000.0
 
 
 def paced(samples: int, counts: Sequence[int] | Integers | None, sample_rate_hz: float) -> Floats:
@@ -38,22 +33,22 @@ def _counted(step: int) -> int:
     return max(step, 1)
 
 
-def clock_doubt(t_s: Floats, unit: str) -> str:
+def clock_doubt(t_s: Floats, unit: str, *, is_labeled: bool) -> str:
     """Why numbers are no clock in this unit, and what to state instead; empty if they may be.
 
     unit
         `s`, `ms`, `us` or `ns`; others are stated for a reason.
+    is_labeled
+        Whether a label says that they are a clock, and no counter.
     """
     per_s = PER_S.get(f"t_{unit}")
     steps = np.diff(t_s) * (per_s or 0)
     if per_s is None or len(steps) < LEAST_STEPS:
         return ""
-    if np.mean(np.abs(steps - 1.0) < ROUNDING) > COUNTER_SHARE:
+    if not is_labeled and np.mean(np.abs(steps - 1.0) < ROUNDING) > COUNTER_SHARE:
         do = f"call it seq and state --sample-rate HZ, or --time-unit {unit} if it does count {unit}"
         return f"steps by 1 in each row, so it is a counter and no clock; {do}"
-    jumps = steps[steps > MINUTE_JUMP] if unit == "s" else steps[:0]
-    is_hms = bool((t_s % 100.0 < 60.0).all() and (t_s // 100.0 % 100.0 < 60.0).all() and t_s.max() < LARGEST_HMS)
-    if is_hms and len(jumps) and (jumps % HOUR_JUMP - MINUTE_JUMP < DELTA_GAP_PERIODS * np.median(steps)).all():
+    if unit == "s" and is_hms(t_s.tolist()):
         return "jumps by 40 at each minute, so it is a time of day as HHMMSS; state --time-unit hms"
     return ""
 

@@ -268,7 +268,10 @@ def verdict_on(head: Head) -> ColumnVerdict:
     rows = [row for row in head.rows if len(row) >= len(labels)]
     texts = [[row[index].strip() for row in rows] for index in range(len(labels))]
     spec_labels = _names(labels) if head.line else _names(tuple(map(bare, labels))) or _names(labels)
-    return judged(_without_common(labels), ("",) * len(labels), texts, spec_labels=spec_labels)
+    names, stem = _without_common(labels), head.path.stem
+    if kind_of(f"{stem} z") == "rate":  # `AngularVelocity.csv` names what its columns X, Y and Z are
+        names = tuple(f"{stem} {name}" if len(name) == 1 else name for name in names)
+    return judged(names, ("",) * len(labels), texts, spec_labels=spec_labels)
 
 
 def _names(labels: tuple[str, ...]) -> tuple[str, ...]:

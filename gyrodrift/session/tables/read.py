@@ -177,9 +177,9 @@ def _check_clock(head: Head, table_columns: TableColumns, read: ColumnsRead, sta
         why = f"has no leading zeros in its fraction (%ld.%ld): state --time-unit {read.counted}"
         raise DataError(f"{head.path}: {_label(head, clock.index)} {why}")
     unit = unit_in(label)
-    is_labeled = kind_of(label) == "clock" or (unit is not None and unit.dimension is Dimension.TIME)
-    is_said = clock.unit.startswith("d") or is_labeled
-    doubt = "" if is_said or len(clocks) > 1 else clock_doubt(t_s, unit_of_clock(clock.unit))
+    is_said = clock.unit.startswith("d") or (unit is not None and unit.dimension is Dimension.TIME) or len(clocks) > 1
+    is_labeled = kind_of(label) == "clock"
+    doubt = "" if is_said else clock_doubt(t_s, unit_of_clock(clock.unit), is_labeled=is_labeled)
     if doubt:
         raise DataError(f"{head.path}: {_label(head, clock.index)} {doubt}")
 

@@ -60,7 +60,12 @@ def named_share(explanation: Explanation, changes: Floats) -> float:
 
 
 @pytest.mark.parametrize(
-    "per_size", [{"rate": 1.0}, {"rate": 1.0, "reach": 0.7, "lag": 0.5}, dict.fromkeys(("rate", "lag", "moving"), 0.3)]
+    "per_size",
+    [
+        {"rate": 1.0, "reach": 0.7, "lag": 0.5},
+        pytest.param({"rate": 1.0}, marks=pytest.mark.evaluation),
+        pytest.param(dict.fromkeys(("rate", "lag", "moving"), 0.3), marks=pytest.mark.evaluation),
+    ],
 )
 def test_a_detectable_size_is_named_in_nine_of_ten_tables(per_size: Amounts) -> None:
     tried = simulated("scale_factor", per_size, FINE)
@@ -71,7 +76,9 @@ def test_a_detectable_size_is_named_in_nine_of_ten_tables(per_size: Amounts) -> 
     assert named_share(explanation, 0.0 * whole) < 0.01  # a false alarm in 200 tables is left to chance
 
 
-@pytest.mark.parametrize("features", [("rate",), ("rate", "lag", "moving", "temperature")])
+@pytest.mark.parametrize(
+    "features", [("rate", "lag", "moving", "temperature"), pytest.param(("rate",), marks=pytest.mark.evaluation)]
+)
 @pytest.mark.parametrize("is_common", [False, True])
 def test_a_detectable_size_of_a_random_effect_is_named_in_most_tables(
     features: tuple[str, ...],

@@ -60,24 +60,16 @@ def test_a_dead_band_is_looked_for_near_zero() -> None:
     assert "it tells whether there is deadband with probability" in sentence(result, "next.yaml")
 
 
-@pytest.fixture(scope="module")
-def indistinct() -> NextRecording:
+def test_what_nothing_shows_and_what_the_same_motion_tells_better_are_said_to_be_so() -> None:
+    """Two causes that do the same by definition stay as probable as they were, and the sentence says so."""
     request = hypotheses("scale_factor:error_percent=0.5", "scale_factor:error_percent=0.51")
-    return next_recording_of(request, 1.0, seed=4, recorded=PlannedMotion(load_profile("rest"), 1.0))
-
-
-def test_what_the_same_motion_tells_better_is_said_to_be_recorded_again(indistinct: NextRecording) -> None:
-    result = indistinct
+    result = next_recording_of(request, 1.0, seed=4, recorded=PlannedMotion(load_profile("rest"), 1.0))
+    assert result.predicted.probability == pytest.approx(0.5, abs=0.1)
+    assert not result.is_worth_it
+    assert sentence(result, "next.yaml").startswith("No motion of 1 min tells scale_factor from scale_factor")
     assert result.repeated is not None
     better = replace(result, repeated=replace(result.repeated, information=result.predicted.information + 0.1))
     assert sentence(better, "next.yaml").startswith("Record 1 min more of the same: it tells scale_factor from")
-
-
-def test_what_nothing_shows_is_said_to_be_so(indistinct: NextRecording) -> None:
-    """Two causes that do the same by definition stay as probable as they were, and the sentence says so."""
-    assert indistinct.predicted.probability == pytest.approx(0.5, abs=0.1)
-    assert not indistinct.is_worth_it
-    assert sentence(indistinct, "next.yaml").startswith("No motion of 1 min tells scale_factor from scale_factor")
 
 
 def test_the_same_question_has_the_same_answer() -> None:

@@ -18,14 +18,16 @@ from gyrodrift.report.page import page
 from gyrodrift.session.files import write_session
 from gyrodrift.simulation.sessions import Simulation
 
+pytestmark = pytest.mark.xdist_group("restlevel_kernel")  # its compilation takes seconds
+
 
 def recorded(folder: Path, *own_yaws: str | None, axes: int = 1) -> list[Path]:
-    """A session of two minutes for each filter."""
+    """A session of a minute for each filter."""
     paths = []
     for number, own_yaw in enumerate(own_yaws):
         rig = with_own_yaw(with_axes(Rig(base=Base(bias_dps=0.3)), axes), own_yaw)
         paths.append(folder / f"{number}.mcap")
-        write_session(paths[-1], [Simulation(rig, load_motion("turntable"), 1, number, minutes=2.0).whole()])
+        write_session(paths[-1], [Simulation(rig, load_motion("turntable"), 1, number, minutes=1.0).whole()])
     return paths
 
 
