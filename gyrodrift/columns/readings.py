@@ -84,7 +84,7 @@ CLIPPED = "the range of the sensor ends there: yaw loses the angle that is cut o
 
 
 class ReadingVerdict(Enum):
-    """What a sample is: a measurement, none, or one that waits for the next sample."""
+    """Kind of a sample: a measurement, none, or undecided until the next sample."""
 
     GOOD = "good"
     MISSING = "missing"
@@ -101,7 +101,7 @@ def is_rail(rate_dps: float) -> bool:
     return any(abs(size_dps - rail_dps) * INT16_COUNTS <= RAIL_COUNTS * rail_dps for rail_dps in RAILS_DPS)
 
 
-def no_answer(rates: Values, others: Values) -> bool:
+def no_answer(rates: Values, companions: Values) -> bool:
     """Whether constant numbers are those of a bus without a sensor.
 
     Three rates are the same number, or a single rate is one count below zero: a bus whose lines are high reads 0xFFFF,
@@ -111,7 +111,7 @@ def no_answer(rates: Values, others: Values) -> bool:
     if len(rates) == 1:
         counts = (*SENSITIVITIES, ST_FINEST[1])
         return rates[0] == -1.0 or any(abs(rates[0] * count + 1.0) < ONE_COUNT for count in counts)
-    return len(set(rates)) == 1 and (rates[0] != 0.0 or (len(others) >= 3 and not any(others[:3])))
+    return len(set(rates)) == 1 and (rates[0] != 0.0 or (len(companions) >= 3 and not any(companions[:3])))
 
 
 def repeated_number(rows: Sequence[Sequence[str]]) -> str:
@@ -151,7 +151,7 @@ class ReadingJudge:
     hung_s: float = 0.0
     _t_s: float = nan
     _rates: Values = ()
-    _others: Values = ()
+    _companions: Values = ()
     _calm: int = 0
     _suspect: Values | None = None
     _suspect_s: float = 0.0
@@ -169,20 +169,29 @@ class ReadingJudge:
     _hung: tuple[float, float] | None = None
     _is_clipping: bool = False
 
-    def take(self, t_s: float, rates: Values, others: Values = ()) -> ReadingVerdict:
-        """Judge a sample. `rates` are about one or three axes, the yaw rate last; `others` are all other numbers."""
+    def take(self, t_s: float, rates: Values, companions: Values = ()) -> ReadingVerdict:
+        """Judge a sample.
+
+        rates
+            Rates about one or three axes, the yaw rate last.
+        companions
+            Accelerations and temperature.
+        """
+        if isnan(rates[-1]):
+            self.was_real, self._suspect, self._stays = not self._stays, None, 0
+            return ReadingVerdict.GOOD
         if len(rates) != len(self._rates):  # the first sample, or another device
-            self._suspect, self._calm = None, 0
-            return ReadingVerdict.GOOD if isnan(rates[-1]) else self._accept(t_s, rates, others)
-        if self._suspect is not None and not isnan(rates[-1]) and self._waits_on(self._suspect, t_s, rates):
+            self.was_real, self._suspect, self._stays, self._calm = not self._stays, None, 0, 0
+            return self._accept(t_s, rates, companions)
+        if self._suspect is not None and self._waits_on(self._suspect, t_s, rates):
             return ReadingVerdict.MISSING
         change_dps = abs(rates[-1] - self._rates[-1])
         if change_dps <= CALM_SHARE * LEAST_JUMP_DPS:
             self._calm += 1
-            return self._accept(t_s, rates, others)
-        return ReadingVerdict.GOOD if isnan(change_dps) else self._leap(t_s, rates, others)
+            return self._accept(t_s, rates, companions)
+        return self._leap(t_s, rates, companions)
 
-    def _leap(self, t_s: float, rates: Values, others: Values) -> ReadingVerdict:
+    def _leap(self, t_s: float, rates: Values, companions: Values) -> ReadingVerdict:
         """Judge a sample after a large change of the rate."""
         seconds, change_dps = t_s - self._t_s, _change(rates, self._rates)
         bound_dps = _bound_dps(seconds)
@@ -192,7 +201,7 @@ class ReadingJudge:
             self._may_stay = self._is_noisy and change_dps > least_dps
             return ReadingVerdict.SUSPECT
         self._calm = self._calm + 1 if change_dps <= CALM_SHARE * bound_dps else 0
-        return self._accept(t_s, rates, others)
+        return self._accept(t_s, rates, companions)
 
     def end(self) -> None:
         """Report a hang that lasts to the end."""
@@ -219,16 +228,16 @@ class ReadingJudge:
         self._suspect, self._stays = None, 0
         return False
 
-    def _accept(self, t_s: float, rates: Values, others: Values) -> ReadingVerdict:
+    def _accept(self, t_s: float, rates: Values, companions: Values) -> ReadingVerdict:
         rate_dps = rates[-1]
         if rate_dps != self._rate_dps:
             self._change_rate(t_s, rate_dps)
-            self._rates, self._others, self._t_s = rates, others, t_s
+            self._rates, self._companions, self._t_s = rates, companions, t_s
             return ReadingVerdict.GOOD
-        self._all_repeats = self._all_repeats + 1 if rates == self._rates and others == self._others else 0
-        self._rates, self._others, self._t_s = rates, others, t_s
+        self._all_repeats = self._all_repeats + 1 if rates == self._rates and companions == self._companions else 0
+        self._rates, self._companions, self._t_s = rates, companions, t_s
         self._repeats += 1
-        return ReadingVerdict.GOOD if self._is_clipped(rate_dps) else self._held(t_s, rate_dps)
+        return ReadingVerdict.GOOD if self._is_clipped(rate_dps) else self._judge_repeated(t_s, rate_dps)
 
     def _change_rate(self, t_s: float, rate_dps: float) -> None:
         if self._repeats:
@@ -266,16 +275,16 @@ class ReadingJudge:
                 self.tell("clipped", limit_dps=round(size_dps, 3), count=self.clipped, hint=CLIPPED)
         return self._is_clipping
 
-    def _held(self, t_s: float, rate_dps: float) -> ReadingVerdict:
+    def _judge_repeated(self, t_s: float, rate_dps: float) -> ReadingVerdict:
         """ReadingVerdict on a rate that repeats."""
         seconds = t_s - self._since_s
         if self._changes <= 1:  # it never moved
             is_brief = self._all_repeats < SILENT_SAMPLES or seconds < SILENT_S
-            if is_brief or not no_answer(self._rates, self._others):
+            if is_brief or not no_answer(self._rates, self._companions):
                 return ReadingVerdict.GOOD
             self._report(rate_dps, self._since_s, t_s, DOES_NOT_ANSWER)
             return ReadingVerdict.MISSING
-        is_all = len(self._rates) + len(self._others) > 1 and self._all_repeats >= self._repeats
+        is_all = len(self._rates) + len(self._companions) > 1 and self._all_repeats >= self._repeats
         if not self._is_noisy or (rate_dps == 0.0 and not is_all):
             return ReadingVerdict.GOOD
         if self._repeats > LONGER_HANGS * self._longest and self._repeats >= HANGS_SAMPLES and seconds >= HANGS_S:
