@@ -79,7 +79,7 @@ RAIL_COUNTS = 1.5
 
 DOES_NOT_ANSWER = "the sensor does not answer: check its wires, address and supply, and the pull-ups of I2C"
 HANGS = f"the sensor repeats one value although it has noise; yaw is held meanwhile; {DOES_NOT_ANSWER}"
-IMPOSSIBLE = "the rate jumped and returned faster than a device can turn; such samples are left out"
+IMPOSSIBLE = "the rate jumped and returned faster than a device can turn; yaw leaves such samples out"
 CLIPPED = "the range of the sensor ends there: yaw loses the angle that is cut off; choose a wider range"
 
 
