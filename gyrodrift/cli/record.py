@@ -11,6 +11,7 @@ import os
 import sys
 from collections.abc import Iterable
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO, cast
 
@@ -79,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
     events = LinkEvents(log)
     target, port = configs.link_target(arguments, baud, events, send=config.send)
     with StopSignal() as stop:
-        link = Link(target, events, port=port)
+        link = Link(replace(target, keeps_on=True), events, port=port)
         fields = (arguments.out, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
         about = configs.config_tables(arguments.config, config) if arguments.config else {}
         check_writable(arguments.out)

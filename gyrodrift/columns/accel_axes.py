@@ -185,6 +185,74 @@ class AccelerationAxesCheck:
             self._motions.append(Tilting(change, _difference(turn, turn_before), (x, y, z)))
 
 
+AXIS_TURN_DEG = 45.0
+"""Turn about another axis that is told, deg: a hand tilts a device less."""
+
+AXIS_REST_SHARE = 0.1
+"""Largest share of this turn about z that is a tilt of the sensor."""
+
+
+class TurningAxisCheck:
+    """Finds an axis that turns while z does not, in three rates without accelerations."""
+
+    def __init__(self) -> None:
+        self.is_over = False
+        self._windows: list[tuple[float, Vector]] = []
+        self._samples: list[Sample] = []
+
+    def take(self, samples: list[Sample]) -> dict[str, Any] | None:
+        """Fields of the event about the axis that turns, once; None while there is nothing to tell."""
+        for sample in samples:
+            if sample.inertial is None:
+                continue
+            if hypot(*sample.inertial[3:]) > 0.0:  # gravity shows the vertical axis
+                self.is_over = True
+                return None
+            self._samples.append(sample)
+            if sample.t_device_s - self._samples[0].t_device_s >= WINDOW_S:
+                self._end_window()
+                if (fields := self._fields()) is not None or self.is_over:
+                    return fields
+        return None
+
+    def _fields(self) -> dict[str, Any] | None:
+        turns = [self._turn_deg(axis) for axis in range(3)]
+        if turns[2] > AXIS_TURN_DEG:
+            self.is_over = True
+        axis = max(range(3), key=lambda index: turns[index])
+        if self.is_over or turns[axis] < AXIS_TURN_DEG or turns[2] > AXIS_REST_SHARE * turns[axis]:
+            return None
+        self.is_over = True
+        name = "xyz"[axis]
+        reason = f"the sensor turned by {turns[axis]:.0f} deg about {name}, and by {turns[2]:.0f} deg about z"
+        return {"axis": name, "reason": reason, "hint": AXIS_HINT.format(axis=name)}
+
+    def _end_window(self) -> None:
+        size = len(self._samples)
+        rates = zip(*(sample.inertial[:3] for sample in self._samples if sample.inertial), strict=True)
+        x, y, z = (sum(axis) / size for axis in rates)
+        self._windows.append((self._samples[-1].t_device_s - self._samples[0].t_device_s, (x, y, z)))
+        del self._windows[:-WINDOWS_MAX], self._samples[:-1]
+
+    def _turn_deg(self, axis: int) -> float:
+        """Longest turn about an axis, without its bias."""
+        bias = median(rates[axis] for _, rates in self._windows)
+        total = highest = lowest = 0.0
+        for seconds, rates in self._windows:
+            total += seconds * (rates[axis] - bias)
+            highest, lowest = max(highest, total), min(lowest, total)
+        return highest - lowest
+
+
+WINDOWS_MAX = 60
+"""Windows in which a turn is looked for: half a minute, in which a bias hardly changes."""
+
+AXIS_HINT = (
+    "if the device turned about its vertical axis, the sensor stands on its side: name that column as the rate, g{axis}"
+    " instead of gz, with :- if yaw has the wrong sign"
+)
+
+
 def _difference(after: Vector, before: Vector) -> Vector:
     x, y, z = (a - b for a, b in zip(after, before, strict=True))
     return x, y, z

@@ -47,6 +47,7 @@ def guess(lines: Iterable[str], lines_per_s: float | None = None) -> TextGuess |
 def _guess(heard: list[str], lines_per_s: float | None) -> TextGuess | None:
     headings = Headings()
     parsed = [(line, fields) for line in heard if (fields := headings.fields_of(line)) is not None]
+    parsed = _below_header(parsed)
     layouts = _usual_layouts([fields for _, fields in parsed])
     if not layouts:
         return None
@@ -62,6 +63,18 @@ def _guess(heard: list[str], lines_per_s: float | None) -> TextGuess | None:
         firsts = " and ".join(dict.fromkeys(next(filter(None, other.labels)) for other in layouts))
         question = f"lines of several kinds have a yaw rate: {firsts} come first in them"
     return TextGuess(verdict.columns, layout.labels, question, layout.form, similar[-1][0])
+
+
+def _below_header(parsed: list[tuple[str, Fields]]) -> list[tuple[str, Fields]]:
+    """Lines in which a word at the beginning of a row is a value, if a row of as many names stands above them."""
+    rows = [fields for _, fields in parsed if fields.form is Form.ROW and len(fields.values) > 1]
+    if not rows or _has_numbers(rows[0]):
+        return parsed
+    named = len(rows[0].values)
+    return [
+        (line, fields._replace(labels=("",) * named) if fields in rows and len(fields.values) == named else fields)
+        for line, fields in parsed
+    ]
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,7 +36,7 @@ from gyrodrift.columns.names import (
 )
 from gyrodrift.columns.rate_unit import DEGREES_OF_FREEDOM, NOISE_DPS, NOISE_SCALE, SURE_ODDS, student
 from gyrodrift.columns.sizes import TEMPERATURES_C, gravity_unit, is_gravity
-from gyrodrift.columns.spec import ANGLE_DEG, CLOCK_UNITS_US, CLOCK_US, IGNORED, RATE_DPS, spec_text
+from gyrodrift.columns.spec import ANGLE_DEG, CLOCK_UNITS_US, CLOCK_US, IGNORED, RATE_DPS, SELECTED, spec_text
 from gyrodrift.columns.times import (
     PER_S,
     ClockReader,
@@ -248,10 +248,9 @@ def judged(
     columns = [replace(column, is_stated=False) for column in verdict.columns]
     why = f"names the rows of the gyro, {gyro}" if gyro else "alternates"
     asked = "" if gyro else f"the sender that you mean ({', '.join(senders)})"
-    columns[key] = JudgedColumn("sender", gyro or UNKNOWN_SENDER, why, asked=asked)
-    name = labels[key] or f"column {key + 1}"
-    unselected = "" if spec_labels else f"{name} names several senders, {', '.join(senders)}; send or keep one of them"
-    return ColumnVerdict(tuple(columns), spec_labels, verdict.question or unselected)
+    mark = "" if spec_labels else SELECTED
+    columns[key] = JudgedColumn("sender", f"{mark}{gyro or UNKNOWN_SENDER}", why, asked=asked)
+    return ColumnVerdict(tuple(columns), spec_labels, verdict.question)
 
 
 def _keys(label: str, texts: Sequence[str]) -> tuple[str, ...]:

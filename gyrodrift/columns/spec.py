@@ -87,9 +87,6 @@ EXPECTED = (
     f" LABEL=VALUE uses only the rows with this value. As in {EXAMPLE}"
 )
 PER = re.compile(r"(lsb|counts)/([0-9]{1,12}(?:\.[0-9]{0,12})?)")
-QUOTED = r'"(?:[^"]|"")*"'
-ENTRY = re.compile(rf"(?:{QUOTED}|[^,])+|(?<=,)|^(?=,)|^$")
-PARTS = re.compile(rf"(?:(.*?)\s*=)?\s*({QUOTED}|[^=]*)", re.DOTALL)
 TYPO_SIMILARITY, SHORTEST_TYPO = 0.7, 3
 """A VALUE that resembles a meaning this much, from this length on, is a typing error: `raet`, but not `GYRO` or `B`."""
 
@@ -142,12 +139,23 @@ def parsed(spec: str) -> tuple[Column, ...]:
     ValueError
         An entry is wrong; the message says what is expected.
     """
-    entries = ENTRY.findall(spec) if spec.count('"') % 2 == 0 else spec.split(",")
-    columns = tuple(column_of(entry.strip()) for entry in entries)
+    columns = tuple(column_of(entry.strip()) for entry in _entries(spec))
     problem = next(_problems(columns), "")
     if problem:
         raise ValueError(f"{spec!r}: {problem}")
     return columns
+
+
+def _entries(spec: str) -> list[str]:
+    """Entries between the commas that do not stand in quotes."""
+    entries, is_quoted = [""], False
+    for part in re.split('([,"])', spec):
+        is_quoted ^= part == '"'
+        if part == "," and not is_quoted:
+            entries.append("")
+        else:
+            entries[-1] += part
+    return spec.split(",") if is_quoted else entries
 
 
 def _problems(columns: Sequence[Column]) -> Iterator[str]:
@@ -206,11 +214,10 @@ def column_of(entry: str) -> Column:
     ValueError
         The entry is wrong; the message says what is expected.
     """
-    match = PARTS.fullmatch(entry)
-    label, meaning_text = match.groups() if match else (None, entry)
-    label = None if label is None else " ".join(_unquoted(label).split())
-    if label is not None and meaning_text.startswith('"'):
-        return Column(SELECTED, label=label, unit=_unquoted(meaning_text))
+    before, mark, meaning_text = entry.rpartition('="' if entry.endswith('"') else "=")
+    label = " ".join(_unquoted(before.strip()).split()) if mark else None
+    if mark == '="':
+        return Column(SELECTED, label=label or "", unit=_unquoted(f'"{meaning_text}'))
     name, *options = (part.strip() for part in meaning_text.split(":"))
     plus, name = ("+", name[1:]) if name.startswith("+t") else ("", name)
     meaning = OTHER_NAMES.get(name, name)
@@ -233,7 +240,7 @@ def column_of(entry: str) -> Column:
 
 
 def _unquoted(text: str) -> str:
-    return text[1:-1].replace('""', '"') if re.fullmatch(QUOTED, text) else text
+    return text[1:-1].replace('""', '"') if len(text) > 1 and text[0] == text[-1] == '"' else text
 
 
 def _is_typo(name: str) -> bool:

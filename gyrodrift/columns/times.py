@@ -34,9 +34,9 @@ DATE = (
 )
 TIME = (
     r"(?:(?P<days>\d{1,6}) days?,? )?(?P<time>\d{1,4}:\d\d?(?::\d\d?|(?=[.,])))(?:[.,:](?P<part>\d{1,18}))?"
-    r"\s*(?:(?P<half>[AaPp])\.?[Mm]\.?)?"
+    r"(?:[ \u00a0\u202f]?(?P<half>[AaPp])(?:\. ?)?[Mm]\.?)?"
 )
-DATED = re.compile(rf"{DATE}(?:[T ,]+{TIME}\s*(?P<zone>Z|UTC|GMT|[-+]\d\d:?\d\d)?)?")
+DATED = re.compile(rf"{DATE}(?:[T ,]{{1,3}}{TIME} ?(?P<zone>Z|UTC|GMT|[-+]\d\d(?::?\d\d)?)?)?")
 TIMED = re.compile(TIME)
 FORMS = (
     "a number, 14:15:00.250, 2:15:00.250 PM, 15:00.250 (minutes and seconds), 2024-05-01T14:15:00.250Z, 01.05.2024"
@@ -409,7 +409,7 @@ def _day(year: int, month: int, day: int) -> int:
 def _zone_s(zone: str | None) -> int:
     if not zone or zone[0] not in "+-":
         return 0
-    offset_s = int(zone[1:3]) * HOUR_S + int(zone[-2:]) * 60
+    offset_s = int(zone[1:3]) * HOUR_S + int(zone[3:].lstrip(":") or 0) * 60
     return offset_s if zone[0] == "+" else -offset_s
 
 

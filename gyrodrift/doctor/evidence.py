@@ -26,7 +26,7 @@ class DeviceEvidence:
     is_angle
         Whether the rate comes from an angle that the device sends.
     units
-        Fields of the event `rate_unit_differs`; empty without one.
+        Fields of the event `rate_unit_differs` or `rate_doubted`; empty without one.
     checked
         Findings about clock and rates of a recording.
     facts

@@ -35,7 +35,7 @@ class _Heard:
 
     def on_event(self, event: str, **fields: Any) -> None:
         self.is_angle |= event == "rate_from_angle"
-        if event == "rate_unit_differs":
+        if event == "rate_unit_differs" or (event == "rate_doubted" and not self.units):
             self.units = fields
 
 
@@ -50,7 +50,7 @@ def listen(
     outside = look_at_port(options.port)
     heard = _Heard()
     try:
-        link = Link(options, heard.on_event, monotonic, port)
+        link = Link(replace(options, keeps_on=True), heard.on_event, monotonic, port)
     except LinkError as error:
         return DeviceEvidence(options.port, port=outside, failure=error)
     try:

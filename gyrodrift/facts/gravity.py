@@ -1,14 +1,10 @@
-"""Accelerations of a session: gravity with its size, direction and noise, and whether it turns as the gyro says.
+"""Accelerations of a session: gravity with its size, direction and noise, and whether it turns as the gyro says."""
 
-In the frame of the sensor gravity changes by da/dt = −ω × a. Swapped axes or signs of the accelerometer break this.
-"""
-
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.columns.accel_axes import TURN_MIN_DEG, WINDOW_S, Agreement, frames
+from gyrodrift.columns.accel_axes import TURN_MIN_DEG, WINDOW_S, Agreement, Tilting, agreement_of
 from gyrodrift.session.session import Session
 from gyrodrift.values.arrays import Floats
 
@@ -100,12 +96,7 @@ def gravity_summary(session: Session) -> GravitySummary | None:
 
 
 def axes_agreement(session: Session) -> Agreement | None:
-    """Compare the turn of gravity with the gyro; None without enough tilt.
-
-    In the sensor a constant vector u changes by −∫ω×u. Of the 48 ways to exchange and reverse the axes of the
-    acceleration the true one leaves the least residual. A reversal of all three at once changes no residual and cannot
-    be found.
-    """
+    """Compare the turn of gravity with the gyro; None without enough tilt."""
     if session.gyro_dps is None or session.accel_mps2 is None:
         return None
     is_finite = np.isfinite(session.accel_mps2).all(axis=1) & np.isfinite(session.gyro_dps).all(axis=1)
@@ -120,26 +111,8 @@ def axes_agreement(session: Session) -> Agreement | None:
     tilted = np.linalg.norm(changes, axis=1) > np.deg2rad(TURN_MIN_DEG)
     if tilted.sum() < WINDOWS_MIN:
         return None
-    residuals = {
-        axes: _residual(matrix, changes[tilted], rotations[tilted], middles[tilted]) for axes, matrix in _frames()
-    }
-    best = min(residuals, key=lambda axes: residuals[axes])
-    return Agreement(residuals["+x", "+y", "+z"], best, residuals[best])
-
-
-def _residual(matrix: Floats, changes: Floats, rotations: Floats, middles: Floats) -> float:
-    """Median of |change + rotation × direction| / |change| with exchanged axes of the acceleration."""
-    expected = -np.cross(rotations, middles @ matrix.T)
-    difference = np.linalg.norm(changes @ matrix.T - expected, axis=1)
-    return float(np.median(difference / np.linalg.norm(changes, axis=1)))
-
-
-def _frames() -> Iterator[tuple[tuple[str, ...], Floats]]:
-    """Ways to exchange and reverse axes, with the matrix that applies each."""
-    for names, (order, signs) in frames().items():
-        matrix = np.zeros((3, 3))
-        matrix[range(3), order] = signs
-        yield names, matrix
+    rows = (table[tilted].tolist() for table in (changes, rotations, middles))
+    return agreement_of([Tilting(*map(tuple, motion)) for motion in zip(*rows, strict=True)])
 
 
 def _integrals(t_s: Floats, rates: Floats) -> Floats:

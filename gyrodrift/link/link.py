@@ -246,7 +246,14 @@ class Link:
             protocol = self._protocols[decoder.name]
             has_clock = protocol.has_clock and first.t_us is not None
             if not protocol.has_unit:
-                self._check = UnitCheck(replace(protocol, sends_angle=is_angle), has_clock, self._heard, self._on_event)
+                self._check = UnitCheck(
+                    replace(protocol, sends_angle=is_angle),
+                    self._heard,
+                    self._on_event,
+                    self.options.port,
+                    has_clock=has_clock,
+                    keeps_on=self.options.keeps_on,
+                )
             if has_clock:
                 self.clock = DeviceClock(self._calendar.epoch_s)
             else:

@@ -44,6 +44,8 @@ class LinkOptions:
         Whether a port that is not there at the start is waited for.
     send
         Bytes that are sent to the device after its port was opened.
+    keeps_on
+        Whether rates that contradict their guessed form only give an event, as for a recording.
     """
 
     port: str
@@ -53,3 +55,4 @@ class LinkOptions:
     columns: str | None = None
     send: bytes = b""
     waits: bool = False
+    keeps_on: bool = False

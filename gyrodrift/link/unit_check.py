@@ -1,7 +1,12 @@
-"""Check of the units of clock and rates in the first minutes of a stream."""
+"""Check of what a stream says it is, in its first minutes: the clock, the rate and its unit, the axis that turns.
+
+The form of text lines without labels is a guess until the device has turned. If the numbers contradict it, the link
+ends with a question, unless the user stated the form or the unit, or only records: then an event tells it.
+"""
 
 import shlex
 from collections.abc import Callable
+from math import isnan
 from typing import Any
 
 from gyrodrift.link.clocks.clock import Clock
@@ -25,20 +30,36 @@ PATIENT_WINDOWS = 10
 
 
 class UnitCheck:
-    """Check that takes all readings until it `is_over`, and reports a wrong unit of the rate as an event.
+    """Check that takes all readings until it `is_over`, and reports contradictions as events.
+
+    `port` is the name of the port for advice; with `keeps_on`, only a wrong clock is an error.
 
     Raises
     ------
     UnitError
-        From `take`: the clock does not count microseconds, or the rate is not in deg/s and its unit is not stated.
+        From `take`: the clock does not count microseconds, or the rate is none in deg/s, and the user did not state it.
     """
 
-    def __init__(self, protocol: WireProtocol, has_clock: bool, heard: Heard, on_event: Callable[..., Any]) -> None:  # noqa: FBT001 - as in WireProtocol
+    def __init__(
+        self,
+        protocol: WireProtocol,
+        heard: Heard,
+        on_event: Callable[..., Any],
+        port: str,
+        *,
+        has_clock: bool,
+        keeps_on: bool = False,
+    ) -> None:
         self.is_over = protocol.sends_angle and not has_clock
         self.is_hearing = has_clock
         self._protocol = protocol.name
-        self._is_unit_said = protocol.is_unit_said
+        self._port = shlex.quote(port)
+        self._keeps_on = keeps_on
+        self._is_stated = protocol.is_asked and protocol.is_unit_said
+        self._scale = protocol.rate_scale
         self._has_rate = not protocol.sends_angle
+        self._shape: Any = None
+        self._is_shape_over = protocol.name not in SHAPED or protocol.sends_angle
         self._heard = heard
         self._on_event = on_event
         self._readings = 0
@@ -62,6 +83,8 @@ class UnitCheck:
             return
         if samples and samples[-1].inertial is not None:
             self._judge_accelerations(samples)
+        if samples and not self._is_shape_over:
+            self._judge_shape(samples)
         self._window += samples
         if len(self._window) >= WINDOW:
             self._judge_windows()
@@ -73,17 +96,49 @@ class UnitCheck:
             raise UnitError(why)
 
     def _judge_accelerations(self, samples: list[Sample]) -> None:
-        from gyrodrift.columns.accel_axes import AccelerationAxesCheck  # noqa: PLC0415 - only for three axes
+        from gyrodrift.columns.accel_axes import (  # noqa: PLC0415 - only for three axes
+            AccelerationAxesCheck,
+            TurningAxisCheck,
+        )
         from gyrodrift.columns.gravity_check import AccelerationCheck  # noqa: PLC0415 - as above
 
         self._acceleration_checks = self._acceleration_checks or {
             "accel_unit_differs": AccelerationCheck(self._protocol),
             "accel_axes_differ": AccelerationAxesCheck(self._protocol),
+            "axis_differs": TurningAxisCheck(),
         }
         for event, check in self._acceleration_checks.items():
             fields = None if check.is_over else check.take(samples)
             if fields is not None:
                 self._on_event(event, **fields)
+
+    def _judge_shape(self, samples: list[Sample]) -> None:
+        from gyrodrift.columns.shape import RateShape  # noqa: PLC0415 - after the first sample is out
+
+        shape = self._shape = self._shape or RateShape()
+        had_doubt = shape.doubt
+        shape.take(samples)
+        self._is_shape_over = shape.is_over or bool(shape.contradiction)
+        is_csv = self._protocol == "csv"
+        hint = "name the columns with --columns, or find them by a quarter turn: " + self._turn
+        if shape.contradiction and (shape.is_impossible or is_csv):
+            yaw = f"if it is the yaw, read it with --columns '{shape.spec}'; else " if shape.spec else ""
+            self._withdraw(shape.contradiction, f"{yaw}{hint}", is_sure=shape.is_impossible)
+        elif shape.doubt and not had_doubt and is_csv and not self._is_stated:
+            self._on_event("rate_doubted", reason=shape.doubt, hint=f"unless the device turns all the time, {hint}")
+
+    @property
+    def _turn(self) -> str:
+        return f"gyrodrift doctor --port {self._port} --turn"
+
+    def _withdraw(self, reason: str, hint: str, *, is_sure: bool = False) -> None:
+        """Tell that the numbers are no rate in deg/s; end, if nobody stated it, or if no rate can be so."""
+        ends = (is_sure or not self._is_stated) and not self._keeps_on
+        event = "verdict_withdrawn" if ends else "rate_doubted"
+        self._on_event(event, protocol=self._protocol, reason=reason, hint=hint)
+        if ends:
+            why = "the unit of its rates is not stated: " if self._protocol == text.NAME and not is_sure else ""
+            raise UnitError(f"{why}{reason}; {hint}; yaw so far is wrong")
 
     def _judge_windows(self) -> None:
         whole = len(self._window) // WINDOW * WINDOW
@@ -93,21 +148,39 @@ class UnitCheck:
         del self._window[:whole]
 
     def _judge_rates(self, window: list[Sample]) -> None:
-        from gyrodrift.columns.rate_unit import RateUnitOdds, event_fields  # noqa: PLC0415 - after the first sample is out
+        from gyrodrift.columns.rate_unit import (  # noqa: PLC0415 - after the first sample is out
+            RateUnitOdds,
+            event_fields,
+        )
 
-        self._rates = self._rates or RateUnitOdds()
+        self._rates = self._rates or RateUnitOdds(self._scale)
         self._rates.take(window)
         self._windows += 1
         self._due_s = window[-1].t_device_s + RATE_EVERY_S
         if self._windows > EAGER_WINDOWS and self._windows % PATIENT_WINDOWS:
             return
-        unit = self._rates.verdict()
-        if unit is not None:
-            fields = event_fields(unit, self._protocol)
-            if not self._is_unit_said:
-                raise UnitError("the unit of its rates is not stated: {reason}; {hint}".format(**fields))
-            self._on_event("rate_unit_differs", **fields)
-        self.is_over = unit is not None or self._windows >= RATE_WINDOWS
+        likely = self._rates.sure()
+        if likely:
+            fields = event_fields(likely, self._protocol, _csv_spec(window[-1]), self._port)
+            if self._is_stated or self._keeps_on or self._protocol not in SHAPED:
+                self._on_event("rate_unit_differs", **fields)
+            else:
+                self._withdraw(str(fields["reason"]), str(fields["hint"]))
+        self.is_over = bool(likely) or (self._windows >= RATE_WINDOWS and self._is_shape_over)
+
+
+SHAPED = frozenset({"csv", text.NAME})
+"""Protocols of text, whose columns a person or a guess names."""
+
+
+def _csv_spec(sample: Sample) -> str:
+    """SPEC of csv lines like this sample, with `{}` for the unit of the rates."""
+    if sample.inertial is not None:
+        return "t_us, gx:{0}, gy:{0}, gz:{0}, ax, ay, az"
+    columns = ["t_us", "rate:{0}"]
+    if not isnan(sample.encoder_deg):
+        columns.append("encoder")
+    return ", ".join(columns)
 
 
 WINDOW = 50

@@ -32,6 +32,9 @@ SIDEWAYS_DEG = 60.0
 """Tilt from which on another axis of the sensor points up: it is nearer to the vertical from 45° to 54.7° on, with a
 margin. Derived: acos(1/√3)."""
 
+WITHDRAWN_DEG = 180.0
+"""Sigma of a yaw that is withdrawn, because its rates turned out to be another quantity: any heading is possible."""
+
 NO_SAMPLE = Sample(0, nan, nan, nan)
 
 
@@ -168,9 +171,13 @@ class Pipeline(JudgedListener):
         self.run.state = state
 
     def hear(self, event: str, _fields: Mapping[str, Any]) -> None:
-        """Align yaw with the device's own yaw again after the device has restarted, where that begins at 0."""
+        """Align yaw with the device's own yaw after a restart, where that begins at 0; mark yaw that is withdrawn."""
         if event == "device_reset":
             self.device.align()
+        elif event == "verdict_withdrawn" and self.last is not None:
+            withdrawn = self.now()._replace(yaw_sigma_deg=WITHDRAWN_DEG, confidence=0.0)
+            for sink in tuple(self.sinks):
+                sink.take([withdrawn])
 
     def zero(self) -> None:
         """Set yaw and its sigma to 0 at the last sample."""

@@ -1,11 +1,11 @@
 """Clocks and rates in the forms of loggers: the same lines give the same turn as a file and at a port."""
 
-from collections.abc import Sequence
 from math import cos, radians, sin
 from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 from sources_support import Host
 from support import speaking_on
 from tables_support import BIAS_DPS, END_S, TURN_DEG, samples, written
@@ -100,7 +100,7 @@ FORMS: dict[str, tuple[str, list[str]]] = {
 """SPEC and lines by what they show."""
 
 
-def turned_deg(t_s: Sequence[float], rate_dps: Sequence[float]) -> float:
+def turned_deg(t_s: ArrayLike, rate_dps: ArrayLike) -> float:
     return float(np.sum(np.asarray(rate_dps)[1:] * np.diff(t_s)))
 
 

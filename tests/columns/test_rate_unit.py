@@ -20,11 +20,11 @@ SHORT = 2000
 
 
 def best(samples: list[Sample], start: int = 0) -> RateUnit | None:
-    odds, result = RateUnitOdds(), []
+    odds, result = RateUnitOdds(), list[RateUnit]()
     for index in range(start, len(samples) - WINDOW + 1, WINDOW):
         odds.take(samples[index : index + WINDOW])
-        result.append(odds.best())
-    return max((unit for unit in result if unit), key=lambda unit: unit.odds, default=None)
+        result += odds.likely()[:1]
+    return max(result, key=lambda unit: unit.odds, default=None)
 
 
 def gyro(as_said: Callable[[float], float], bias_dps: float = 0.8, turn_dps: float = 70.0) -> list[Sample]:

@@ -41,6 +41,18 @@ def test_each_source_has_a_link_and_a_config_of_its_own(tmp_path: Path) -> None:
     assert (second.filter, second.outputs) == ("restlevel", ())
 
 
+def test_two_sources_read_the_senders_of_one_server(tmp_path: Path) -> None:
+    text = "sources:\n" + "".join(
+        f"  {node}:\n    port: tcp://hub:3333\n    columns: node={node}, gz=rate:dps\n" for node in ("left", "right")
+    )
+    path = written(tmp_path, text)
+    assert [entry.port for entry in load_sources(path)] == ["tcp://hub:3333"] * 2
+    assert [load_config(path, node).columns for node in ("left", "right")] == [
+        "node=left, gz=rate:dps",
+        "node=right, gz=rate:dps",
+    ]
+
+
 def test_a_config_of_one_gyro_has_no_sources(tmp_path: Path) -> None:
     assert load_sources(written(tmp_path, "filter: hdr\n")) == ()
 

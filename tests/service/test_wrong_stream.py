@@ -107,12 +107,50 @@ def test_rates_in_rad_per_s_are_warned_of_with_the_odds_and_the_setting(port: Pa
             rows.writerow([i / 100, radians(turn_dps + 0.5 + NOISE.gauss(0.0, 0.07))])
     with Command("replay", session, "--link", port, "--speed", "max") as replay:
         replay.until_log("waiting for a reader")
-        with Command("serve", "--port", port) as serve:
+        with Command("serve", "--port", port, "--protocol", "csv") as serve:
             assert len(serve.take_lines(2000)) == 2000
             assert serve.stop() == 0
     assert serve.log.count("event=rate_unit_differs unit=rad/s odds=") == 1
     assert "to 1" in serve.log
     assert "--columns 't_us, rate:rads'" in serve.log
+
+
+def csv_lines(columns: Callable[[float, float, float], str]) -> bytes:
+    """Lines of a sketch: `columns` gets time, yaw and rate of a turn by 165 deg between two rests."""
+    lines, yaw_deg = [], 0.0
+    for i in range(700):
+        rate_dps = max(0.0, min(60.0, 4.0 * (i - 250), 4.0 * (400 - i)))
+        yaw_deg += rate_dps * 0.02
+        lines.append(f"{20_000 * i},{columns(0.02 * i, yaw_deg, rate_dps + NOISE.gauss(0.5, 0.05))}\n")
+    return "".join(lines).encode()
+
+
+NO_RATES = {
+    "heading": (lambda _, yaw, __: f"{(yaw + 200.0) % 360.0 - 180.0:.2f}", "wraps from"),
+    "angle": (lambda _, yaw, __: f"{yaw:.2f}", "after a motion"),
+    "counts": (lambda _, __, rate: f"{131.0 * rate:.0f}", "whole numbers"),
+    "rad/s": (lambda _, __, rate: f"{radians(rate):.5f}", "rate:rads"),
+}
+
+
+@pytest.mark.parametrize("name", NO_RATES)
+def test_csv_lines_whose_second_column_is_no_rate_end_with_a_question(port: Path, name: str) -> None:
+    columns, reason = NO_RATES[name]
+    with speaking_on(port) as device, Command("serve", "--port", port) as serve:
+        device.wait_for_reader(never)
+        device.send_all(csv_lines(columns), never)
+        assert serve.end() == 3
+    assert "event=verdict_withdrawn" in serve.log
+    assert reason in serve.log
+    assert f"gyrodrift doctor --port {port} --turn" in serve.log
+
+
+def test_a_recording_keeps_what_is_no_rate(port: Path, tmp_path: Path) -> None:
+    with speaking_on(port) as device, Command("record", "--port", port, "--out", tmp_path / "s") as record:
+        device.wait_for_reader(never)
+        device.send_all(csv_lines(NO_RATES["heading"][0]), never)
+        record.until_log("event=rate_doubted")
+        assert record.stop() == 0
 
 
 def test_numbers_that_nothing_names_are_asked_for(port: Path) -> None:

@@ -153,10 +153,8 @@ def rate_unit(evidence: DeviceEvidence) -> DeviceFinding | None:
     units = evidence.units
     if not units:
         return of_recording("rate_unit", evidence)
-    return error(
-        f"The rates are {units['unit']} instead of deg/s, with odds of {units['odds']}: {units['reason']}.",
-        f"{units['hint'][0].upper()}{units['hint'][1:]}.",
-    )
+    says = f"The rates are {units['unit']} instead of deg/s, with odds of {units['odds']}: " if "unit" in units else ""
+    return error(sentence(f"{says}{units['reason']}"), sentence(units["hint"]))
 
 
 def of_recording(check: str, evidence: DeviceEvidence) -> DeviceFinding | None:

@@ -100,7 +100,7 @@ class TurnListener:
         self._options = options
         self._say = say
         self._monotonic = monotonic
-        self._link = Link(replace(options, timeout_s=0.0), _unheard, monotonic, port)
+        self._link = Link(replace(options, timeout_s=0.0, keeps_on=True), _unheard, monotonic, port)
         self._link.tap = self._take
         self._received = _Received(baud=self._link.baud)
         self._arrived_s = monotonic()

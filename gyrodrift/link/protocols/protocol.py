@@ -37,6 +37,10 @@ class WireProtocol:
         Whether the protocol defines the unit of its rates; otherwise the unit is checked.
     is_unit_said
         Whether the unit of its rates is stated; if not, a stream in another unit is an error.
+    is_asked
+        Whether the user named the protocol or its columns; a detected one is a guess until the device turns.
+    rate_scale
+        Deg/s per unit of its rates, if the user stated it; their readings are in deg/s.
     sends_angle
         Whether its readings have an angle instead of a rate, which a filter in the device has processed.
     is_plausible
@@ -60,6 +64,8 @@ class WireProtocol:
     is_detected: bool = True
     has_unit: bool = False
     is_unit_said: bool = True
+    is_asked: bool = False
+    rate_scale: float = 1.0
     sends_angle: bool = False
     is_plausible: Callable[[Sequence[Reading]], bool] = _any_reading
     asked_decoder: Callable[[], Decoder] | None = None

@@ -70,7 +70,7 @@ def candidates(name: str, columns: str | None = None) -> list[WireProtocol]:
     if name == AUTO:
         return [entry for entry in PROTOCOLS.values() if entry.is_detected]
     protocol = protocol_named(name)
-    return [replace(protocol, decoder=protocol.asked_decoder or protocol.decoder)]
+    return [replace(protocol, decoder=protocol.asked_decoder or protocol.decoder, is_asked=True)]
 
 
 def listed() -> str:

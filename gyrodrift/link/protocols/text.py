@@ -37,7 +37,16 @@ def text_protocol(columns: str) -> WireProtocol:
     has_clock = any(column.clock for column in parsed)
     sends_angle = any(column.meaning in ("yaw", *QUATERNION) for column in parsed)
     is_unit_said = any(column.unit for column in parsed if column.meaning in ("rate", "delta"))
-    return replace(PROTOCOL, decoder=decoder, has_clock=has_clock, is_unit_said=is_unit_said, sends_angle=sends_angle)
+    rate_scale = next((abs(column.scale) for column in parsed if column.meaning == "rate"), 1.0) or 1.0
+    return replace(
+        PROTOCOL,
+        decoder=decoder,
+        has_clock=has_clock,
+        is_unit_said=is_unit_said,
+        is_asked=True,
+        rate_scale=rate_scale,
+        sends_angle=sends_angle,
+    )
 
 
 def read_by(decoder: Decoder, columns: str) -> None:

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.columns.accel_axes import AGREES
+from gyrodrift.columns.accel_axes import AGREES, TurningAxisCheck
 from gyrodrift.columns.sizes import FREE_SHARE, gravity_unit, is_gravity
 from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.session.calibrated import calibrated
 from gyrodrift.session.checks.finding import SessionFinding
 from gyrodrift.session.checks.odd_readings import reading_findings
-from gyrodrift.session.checks.rate_unit import rate_findings
+from gyrodrift.session.checks.rate_unit import rate_findings, recorded_samples
 from gyrodrift.session.checks.restarts import one_clock
 from gyrodrift.session.checks.stated import AS_WRITTEN, TIME_UNITS, ReadingOptions, time_factor
 from gyrodrift.session.session import Session
@@ -170,7 +170,12 @@ def _direction(forces: Floats, length_mps2: float) -> Iterator[SessionFinding]:
 
 
 def axis_findings(facts: SessionFacts) -> Iterator[SessionFinding]:
-    """Finding about swapped or inverted axes of the accelerometer, if another order explains the tilt."""
+    """Finding about an axis that turns instead of z, or about swapped or inverted axes of the accelerometer."""
+    session = facts.session
+    if session.gyro_dps is not None and (session.accel_mps2 is None or np.isnan(session.accel_mps2).all()):
+        fields = TurningAxisCheck().take(recorded_samples(session))
+        if fields is not None:
+            yield SessionFinding("axis_differs", fields["reason"], fields["hint"])
     axes = facts.axes_agreement
     if axes is not None and axes.residual > AGREES >= axes.best_residual:
         says = f"gravity turns another way than the gyro says; it fits if {axes.named}"

@@ -9,25 +9,27 @@ from gyrodrift.columns.rate_unit import (
     COUNTS,
     DEGREES,
     MILLIDEGREES,
-    NOISE_DPS,
     ODDS_MAX,
     PER_DPS,
     RADIANS,
     SURE_ODDS,
-    TURN_DPS,
     WINDOW,
     RateUnit,
     RateUnitOdds,
+    compared,
 )
+from gyrodrift.columns.shape import RateShape
 from gyrodrift.columns.sizes import SENSITIVITIES
 from gyrodrift.columns.spec import RATE_DPS
 from gyrodrift.facts.reference import MOST_READ, EncoderComparison
 from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.session.checks.finding import SessionFinding
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import TABLE, Session
+from gyrodrift.session.tables.wire import FORM
 from gyrodrift.values.sample import Sample
 
 WORDS = {
+    **{unit: f"is in {unit}, not degrees per second" for unit in PER_DPS},
     RADIANS: "is in radians per second, not degrees",
     DEGREES: "is multiplied by 57.3 as if it had been radians",
     MILLIDEGREES: "is in millidegrees per second, not degrees",
@@ -61,8 +63,8 @@ LAG_S = 0.5
 MOST_WINDOWS = 300
 """Windows to examine, spread over the recording."""
 
-LIKELY_ODDS = 1.0
-"""Odds at which another unit deserves a warning; 95 recordings in deg/s have odds of 0.4 at most (measured)."""
+LIKELY_ODDS = 2.5
+"""Odds at which another unit deserves a warning; 107 recordings in deg/s have odds of 2.3 at most (measured)."""
 
 
 def wrong_unit(factor: float) -> tuple[float, str] | None:
@@ -81,6 +83,7 @@ def rate_findings(facts: SessionFacts, *, is_stated: bool, is_still: bool = Fals
     """
     session, comparison = facts.session, None if is_still else facts.reference
     findings = list(_by_size(session)) if comparison is None else list(_by_encoder(session, comparison))
+    findings += _by_shape(session)
     return [
         SessionFinding(finding.id, finding.says, finding.do, is_error=finding.is_error and not is_stated)
         for finding in findings
@@ -127,27 +130,46 @@ def _sensitivity(factor: float) -> float | None:
 
 def _by_size(session: Session) -> Iterator[SessionFinding]:
     """Finding by noise at rest, by turns and by integer values."""
-    best = _best(session)
-    if best is None or best.odds < LIKELY_ODDS:
+    likely = _likely(session)
+    if not likely or likely[0].odds < LIKELY_ODDS:
         return
-    evidence = f"at rest it scatters by {best.noise:.2g} deg/s, usual is {NOISE_DPS:g}"
-    if best.turn:
-        evidence += f", and turns reach {best.turn:.3g} deg/s, usual is {TURN_DPS:g}"
-    words = WORDS[best.unit]
-    says = f"the rate {words}, at odds of {min(best.odds, ODDS_MAX):.0f} to 1: {evidence}"
-    fitting = _option(session, 1.0 / best.per_dps)
-    option = f"use --rate-unit {fitting}, or --rate-unit {_name(session.rate_scale)} if it is right as it is"
-    yield SessionFinding("rate_unit", says, option, is_error=best.odds >= SURE_ODDS)
+    best = likely[0]
+    says = f"the rate {WORDS[best.unit]}, at odds of {min(best.odds, ODDS_MAX):.0f} to 1: {best.evidence}"
+    says += f"; likely are {compared(likely)}" if len(likely) > 1 else ""
+    options = " or ".join(f"--rate-unit {unit.entry}" for unit in likely)
+    do = f"use {options}, or --rate-unit {_name(session.rate_scale)} if it is right as it is"
+    yield SessionFinding("rate_unit", says, do, is_error=best.odds >= SURE_ODDS)
 
 
-def _best(session: Session) -> RateUnit | None:
-    odds, samples = RateUnitOdds(), len(session.rate_dps)
+def _likely(session: Session) -> list[RateUnit]:
+    odds, samples = RateUnitOdds(session.rate_scale), len(session.rate_dps)
     starts = np.arange(0, samples - WINDOW + 1, WINDOW)
     if len(starts) > MOST_WINDOWS:
         starts = starts[np.unique(np.linspace(0, len(starts) - 1, MOST_WINDOWS).astype(np.int64))]
     for start in starts.tolist():
         odds.take(_samples(session, start))
-    return odds.best()
+    return odds.likely()
+
+
+def _by_shape(session: Session) -> Iterator[SessionFinding]:
+    """Finding about a column that is no rate, in lines that nothing but their shape says to hold a rate."""
+    if session.metadata.get(TABLE, {}).get("form") != FORM:
+        return
+    shape = RateShape()
+    shape.take(recorded_samples(session))
+    if shape.unreturned:
+        do = "name the columns with --columns" + (f", such as '{shape.spec}' if it is the yaw" if shape.spec else "")
+        yield SessionFinding("rate_unit", shape.unreturned, do, is_error=True)
+
+
+def recorded_samples(session: Session) -> list[Sample]:
+    """Samples of a session as a link gives them, without their counter and arrival."""
+    columns = (session.filled(name).tolist() for name in ("t_device_s", "rate_dps", "encoder_deg", "temp_c"))
+    rows = zip(*columns, session.inertials(), strict=True)
+    return [
+        Sample(-1, t_s, nan, rate_dps, encoder_deg, temp_c, inertial=inertial)
+        for t_s, rate_dps, encoder_deg, temp_c, inertial in rows
+    ]
 
 
 def _samples(session: Session, start: int) -> list[Sample]:

@@ -66,7 +66,10 @@ COLUMN = (
     "name the column of the whole time with --columns, or all columns that add up to it (LABEL=t_s, LABEL2=+t_ns), or"
     " state the rate of the samples with --sample-rate HZ"
 )
-DIGITS = "write the time of each sample with all its digits, or the time at which it was logged as t_host_s"
+DIGITS = (
+    "if another column has the rest of the time, add it (--columns 'LABEL=t_s, LABEL2=+t_ms, ...'); if the samples are"
+    " evenly timed, state their rate with --sample-rate HZ; else write their times with all digits"
+)
 
 
 def one_clock(session: Session) -> OneClock:

@@ -18,10 +18,14 @@ LEAST_STEPS, COUNTER_SHARE, ROUNDING = 20, 0.95, 1e-3
 
 
 def paced(samples: int, counts: Sequence[int] | Integers | None, sample_rate_hz: float) -> Floats:
-    """Times of samples at a rate, s, shape (n,); with a counter, lost samples take their time."""
+    """Times of samples at a rate, s, shape (n,); with a counter, lost samples take their time.
+
+    A missing count is -1.
+    """
     if counts is None or samples < LEAST_STEPS:
         return np.arange(samples) / sample_rate_hz
-    steps = [_counted(int(after) - int(before)) for before, after in pairwise(counts)]
+    known = list(accumulate(map(int, counts), lambda before, after: after if after >= 0 else before + 1))
+    steps = [_counted(after - before) for before, after in pairwise(known)]
     usual = max(float(np.median(steps)), 1.0)
     return np.array(list(accumulate(steps, initial=0))) / (usual * sample_rate_hz)
 

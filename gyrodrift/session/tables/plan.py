@@ -50,6 +50,10 @@ FORCE_TARGETS = frozenset(ACCEL_COLUMNS)
 ANGLE_TARGETS = frozenset({"yaw_deg", "delta_deg", "encoder_deg"})
 AXES = ("gx", "gy", "ax", "ay", "az")
 
+QUATERNION_REMARK = (
+    "its rate is the difference of the yaw of a quaternion, counter-clockwise if z points up; if z points down (NED, as"
+    " of AirSim and PX4), state --flip"
+)
 WORDS = re.compile(r"(?<=[_. ])")
 LAST_BRACKETS = re.compile(r"\s*[(\[][^()\[\]]*[)\]]$")
 LABELS_MIN = 3
@@ -340,6 +344,8 @@ def _unused_angle_remarks(head: Head, verdict: ColumnVerdict) -> tuple[str, ...]
 def _yaw_remarks(targets: set[str], label: str) -> tuple[str, ...]:
     if not targets & {"yaw_deg", "qw"}:
         return ()
+    if "qw" in targets:
+        return (QUATERNION_REMARK,)
     reversed_text = (
         ", and its sign is reversed (clockwise)" if label and kind_of(without_unit(label)) == "heading" else ""
     )

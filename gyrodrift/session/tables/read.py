@@ -74,8 +74,8 @@ def read_table(path: Path, columns: Sequence[Column] | None = None, clock: State
         return session
     if is_json(path):
         head = json_head(path)
-        rows = ((line, row) for line, values in json_objects(path) for row in json_rows([values], head.labels))
-        return _read(head, columns, rows, "JSON", clock)
+        objects = ((line, row) for line, values in json_objects(path) for row in json_rows([values], head.labels))
+        return _read(head, columns, objects, "JSON", clock)
     layout = layout_of(path, is_by_position=columns is not None and not columns[0].label)
     with opened(path) as file:
         rows = layout.rows(Lines(file, has_comments=layout.has_comments))

@@ -21,7 +21,7 @@ CELL_SHOWN, VALUES_SHOWN = 40, 5
 
 SPACES = " \u00a0\u202f'’"
 GROUPED = {
-    mark: re.compile(rf"\s*[-+]?(?:\d+|[1-9]\d{{0,2}}([{SPACES}{thousands}])\d{{3}}(?:\1\d{{3}})*)?(?:[{mark}]\d*)?\s*")
+    mark: re.compile(rf"[-+]?(?:\d+|[1-9]\d{{0,2}}([{SPACES}{thousands}])\d{{3}}(?:\1\d{{3}})*)?(?:[{mark}]\d*)?")
     for mark, thousands in ((".", ","), (",", "."))
 }
 """Numbers with a mark between thousands, by their decimal mark: `1,234.5`, `1 234,5`, `1'234`."""
@@ -126,7 +126,7 @@ class RowReader:
         for index in {column.index for column in self._columns.used}:
             joined = "".join(row[index] for row in rows)
             has_marks = thousands in joined or not joined.isascii() or " " in joined or "'" in joined
-            if has_marks and all(GROUPED[mark].fullmatch(row[index]) for row in rows):
+            if has_marks and all(GROUPED[mark].fullmatch(row[index].strip()) for row in rows):
                 for row in rows:
                     row[index] = re.sub(f"[{SPACES}{thousands}]", "", row[index])
 

@@ -10,7 +10,8 @@ from firmware_sim.wire.csv import axes_csv_line
 from firmware_sim.wire.encoder import Measurement, Vector
 from firmware_sim.wire.registry import ENCODERS
 from firmware_sim.wire.witmotion import wt901_frame
-from gyrodrift.link.protocols.csv import CsvDecoder, is_plausible
+from gyrodrift.columns.shape import has_csv_shape
+from gyrodrift.link.protocols.csv import CsvDecoder
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.link.protocols.text import text_protocol
@@ -132,13 +133,13 @@ def test_csv_with_three_axes_is_detected_by_gravity() -> None:
 @pytest.mark.parametrize("force", [(0.0, 0.01, 1.0), (0.0, 10.0, 16384.0), (0.2, 0.1, 0.0), (0.0, 0.0, 0.0)])
 def test_other_lines_of_seven_numbers_are_not_taken_for_csv(force: Vector) -> None:
     """Acceleration in g or in counts, or rates last, also of a gyro at rest: their columns are asked."""
-    assert not is_plausible(CsvDecoder().push(lines(30, force)))
+    assert not has_csv_shape(CsvDecoder().push(lines(30, force)))
 
 
 @pytest.mark.parametrize("force", [(nan, nan, nan), (0.1, nan, 9.8)])
 def test_csv_is_detected_while_the_accelerometer_is_silent(force: Vector) -> None:
     """A stream begins with `nan` if its accelerometer starts late."""
-    assert is_plausible(CsvDecoder().push(lines(30, force)))
+    assert has_csv_shape(CsvDecoder().push(lines(30, force)))
 
 
 @pytest.mark.parametrize("columns", [6, 11])

@@ -41,11 +41,11 @@ WRONG: dict[str, tuple[str, Row, str, str, tuple[str, ...]]] = {
         ("--time-unit", "s.us"),
     ),
     "HHMMSS": (
-        "utc,gz (deg/s)\n",
+        "time,gz (deg/s)\n",
         lambda n, t, r: f"{hms(t)},{r:.3f}",
-        "utc=t_s, gz (deg/s)=rate",
-        "utc jumps by 40 at each minute, so it is a time of day as HHMMSS; state --time-unit hms",
-        ("--columns", "utc=t_s, gz (deg/s)=rate", "--time-unit", "hms"),
+        "time=t_s, gz (deg/s)=rate",
+        "time jumps by 40 at each minute, so it is a time of day as HHMMSS; state --time-unit hms",
+        ("--columns", "time=t_s, gz (deg/s)=rate", "--time-unit", "hms"),
     ),
     "days": (
         "when,gz (deg/s)\n",

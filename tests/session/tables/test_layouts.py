@@ -8,6 +8,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from tables_support import TURN_DEG, filtered_yaw_deg, table, written
 
 from gyrodrift.cli import main
 from gyrodrift.columns.guess import guess
@@ -15,7 +16,6 @@ from gyrodrift.session.files import load_session
 from gyrodrift.session.tables.layout import layout_of
 from gyrodrift.session.tables.plan import verdict_on
 from gyrodrift.values.errors import DataError
-from tests.tables_support import TURN_DEG, filtered_yaw_deg, table, written
 
 WITHIN_DEG = 1.0
 
