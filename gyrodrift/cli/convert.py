@@ -77,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
         session = _loaded(source, topic, arguments)
         _tell_left_out(arguments, session)
         for finding in reading_findings(SessionFacts(session).readings):
-            inputs.print_warning(f"{source}: {finding}; they are kept in {target}")
+            inputs.print_warning(f"{source}: {finding}; {target} keeps them")
         _write(target, form, session, in_pieces(session, progress.report))
     tell_written(target, samples_text(len(session.t_device_s)), is_quiet=arguments.quiet)
     return 0

@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 from statistics import median
 
+from gyrodrift.columns.fields import is_number
+
 MOST_KEYS = 16
 LEAST_ROWS, LEAST_TIMES = 8, 3
 """Rows, and times that each key occurs, that show a key."""
@@ -50,17 +52,9 @@ def keys_of(texts: Sequence[str]) -> tuple[str, ...]:
     changes = sum(before != after for before, after in pairwise(texts))
     if changes < CHANGES_SHARE * len(texts) or min(counts.values()) * len(counts) < LEAST_SHARE * len(texts):
         return ()
-    if all(map(_is_number, counts)) and (_counts_up(texts) or not _take_turns(texts)):
+    if all(map(is_number, counts)) and (_counts_up(texts) or not _take_turns(texts)):
         return ()
     return tuple(counts)
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _counts_up(texts: Sequence[str]) -> bool:

@@ -4,12 +4,14 @@ One judge for ports and files. It sees every sample once, in order, and never a 
 waits for the next one.
 """
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections import Counter, deque
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
 from enum import Enum
 from math import inf, isnan, nan
 from typing import Any
 
+from gyrodrift.columns.fields import is_number
 from gyrodrift.columns.sizes import SENSITIVITIES, ST_FINEST
 from gyrodrift.values.constants import INT16_COUNTS
 from gyrodrift.values.sample import Sample
@@ -52,19 +54,21 @@ SILENT_SAMPLES, SILENT_S = 10, 0.9
 """Repetitions and time from the first sample on that show a sensor that never answered."""
 
 ABSURD = 4.0
-"""Jump over the largest possible one above which the end of a range is no measurement even if it repeats; another rate
-is none after any impossible jump, if a sensor with noise repeats it."""
+"""Jump over the largest possible one above which the end of a range is no measurement even if it repeats."""
+
+REPEATED_COLUMNS = 3
+"""Least number of columns with one number that show a sensor that does not answer: the axes of a gyro."""
 
 RAIL_MIN_DPS = 20.0
 """Smallest rate that may be the end of a range, deg/s."""
 
 KNOWN_RAIL_SAMPLES, RAIL_SAMPLES = 3, 5
-RAIL_APPROACH_DPS, RAIL_APPROACH_SHARE = 1.0, 0.7
+APPROACH_SAMPLES, RAIL_APPROACH_DPS, RAIL_APPROACH_SHARE = 5, 1.0, 0.7
 """A range ends where the largest rate repeats: KNOWN_RAIL_SAMPLES times at ±2¹⁵ counts of a known sensitivity, else
-RAIL_SAMPLES times, and LONGER_HELD times as often as any other rate, after a step
-from RAIL_APPROACH_DPS to RAIL_APPROACH_SHARE of it: a turn comes to the end on its way, a hang from anywhere."""
+RAIL_SAMPLES times, and LONGER_HELD times as often as any other rate. A turn comes there on its way, by
+RAIL_APPROACH_DPS within APPROACH_SAMPLES, and by at most RAIL_APPROACH_SHARE in one. A hang comes from anywhere."""
 
-ONE_COUNT = 1e-3
+ONE_COUNT = 0.05
 """Largest distance from −1 count, in counts: a value is printed with some digits."""
 
 RANGES_DPS = (125.0, 245.0, 250.0, 450.0, 500.0, 1000.0, 2000.0, 4000.0)
@@ -73,14 +77,14 @@ RANGES_DPS = (125.0, 245.0, 250.0, 450.0, 500.0, 1000.0, 2000.0, 4000.0)
 RAIL_COUNTS = 1.5
 """Largest distance from ±2¹⁵ counts at the end of a range."""
 
-DOES_NOT_ANSWER = "the sensor does not answer: check its wires, address, supply, and pull-ups of I2C"
-HANGS = "the sensor repeats one value although it has noise; yaw is held meanwhile"
-IMPOSSIBLE = "the rate jumped and returned faster than a device can turn; such samples are left out"
+DOES_NOT_ANSWER = "the sensor does not answer: check its wires, address and supply, and the pull-ups of I2C"
+HANGS = f"the sensor repeats one value although it has noise; yaw is held meanwhile; {DOES_NOT_ANSWER}"
+IMPOSSIBLE = "the rate jumped and returned faster than a device can turn; yaw leaves such samples out"
 CLIPPED = "the range of the sensor ends there: yaw loses the angle that is cut off; choose a wider range"
 
 
 class ReadingVerdict(Enum):
-    """What a sample is: a measurement, none, or one that waits for the next sample."""
+    """Kind of a sample: a measurement, none, or undecided until the next sample."""
 
     GOOD = "good"
     MISSING = "missing"
@@ -97,7 +101,7 @@ def is_rail(rate_dps: float) -> bool:
     return any(abs(size_dps - rail_dps) * INT16_COUNTS <= RAIL_COUNTS * rail_dps for rail_dps in RAILS_DPS)
 
 
-def no_answer(rates: Values, others: Values) -> bool:
+def no_answer(rates: Values, companions: Values) -> bool:
     """Whether constant numbers are those of a bus without a sensor.
 
     Three rates are the same number, or a single rate is one count below zero: a bus whose lines are high reads 0xFFFF,
@@ -105,8 +109,22 @@ def no_answer(rates: Values, others: Values) -> bool:
     it measures gravity.
     """
     if len(rates) == 1:
-        return any(abs(rates[0] * counts + 1.0) < ONE_COUNT for counts in (1.0, *SENSITIVITIES, ST_FINEST[1]))
-    return len(set(rates)) == 1 and (rates[0] != 0.0 or (len(others) >= 3 and not any(others[:3])))
+        counts = (*SENSITIVITIES, ST_FINEST[1])
+        return rates[0] == -1.0 or any(abs(rates[0] * count + 1.0) < ONE_COUNT for count in counts)
+    return len(set(rates)) == 1 and (rates[0] != 0.0 or (len(companions) >= 3 and not any(companions[:3])))
+
+
+def repeated_number(rows: Sequence[Sequence[str]]) -> str:
+    """Number that most columns of all rows hold, as it is written: −1, 0 or any other; empty if there is none.
+
+    rows
+        Fields of lines of equal length, before any column has a meaning; a clock and a temperature may be among them.
+    """
+    if len(rows) < SILENT_SAMPLES:
+        return ""
+    constant = [column[0] for column in zip(*rows, strict=True) if len(set(column)) == 1 and is_number(column[0])]
+    text, count = max(Counter(constant).items(), key=lambda item: item[1], default=("", 0))
+    return text if count >= REPEATED_COLUMNS and 2 * count > len(rows[0]) else ""
 
 
 def _change(a: Values, b: Values) -> float:
@@ -133,7 +151,7 @@ class ReadingJudge:
     hung_s: float = 0.0
     _t_s: float = nan
     _rates: Values = ()
-    _others: Values = ()
+    _companions: Values = ()
     _calm: int = 0
     _suspect: Values | None = None
     _suspect_s: float = 0.0
@@ -146,28 +164,44 @@ class ReadingJudge:
     _longest: int = 0
     _changes: int = 0
     _finest_dps: float = inf
-    _approach_dps: float = 0.0
+    _before_dps: deque[float] = field(default_factory=lambda: deque([nan], APPROACH_SAMPLES))
     _largest_dps: float = 0.0
     _hung: tuple[float, float] | None = None
     _is_clipping: bool = False
 
-    def take(self, t_s: float, rates: Values, others: Values = ()) -> ReadingVerdict:
-        """Judge a sample. `rates` are about one or three axes, the yaw rate last; `others` are all other numbers."""
-        if isnan(sum(rates)):
+    def take(self, t_s: float, rates: Values, companions: Values = ()) -> ReadingVerdict:
+        """Judge a sample.
+
+        rates
+            Rates about one or three axes, the yaw rate last.
+        companions
+            Accelerations and temperature.
+        """
+        if isnan(rates[-1]):
+            self.was_real, self._suspect, self._stays = not self._stays, None, 0
             return ReadingVerdict.GOOD
         if len(rates) != len(self._rates):  # the first sample, or another device
-            self._suspect, self._calm = None, 0
-            return self._accept(t_s, rates, others)
+            self.was_real, self._suspect, self._stays, self._calm = not self._stays, None, 0, 0
+            return self._accept(t_s, rates, companions)
         if self._suspect is not None and self._waits_on(self._suspect, t_s, rates):
             return ReadingVerdict.MISSING
+        change_dps = abs(rates[-1] - self._rates[-1])
+        if change_dps <= CALM_SHARE * LEAST_JUMP_DPS:
+            self._calm += 1
+            return self._accept(t_s, rates, companions)
+        return self._leap(t_s, rates, companions)
+
+    def _leap(self, t_s: float, rates: Values, companions: Values) -> ReadingVerdict:
+        """Judge a sample after a large change of the rate."""
         seconds, change_dps = t_s - self._t_s, _change(rates, self._rates)
         bound_dps = _bound_dps(seconds)
         if change_dps > bound_dps and 0.0 < seconds <= LONGEST_STEP_S and self._calm >= CALM_STEPS:
             self._suspect, self._suspect_s, self._calm = rates, t_s, 0
-            self._may_stay = change_dps > ABSURD * bound_dps if is_rail(rates[-1]) else self._is_noisy
+            least_dps = ABSURD * bound_dps if is_rail(rates[-1]) else RAIL_APPROACH_SHARE * abs(rates[-1])
+            self._may_stay = self._is_noisy and change_dps > least_dps
             return ReadingVerdict.SUSPECT
         self._calm = self._calm + 1 if change_dps <= CALM_SHARE * bound_dps else 0
-        return self._accept(t_s, rates, others)
+        return self._accept(t_s, rates, companions)
 
     def end(self) -> None:
         """Report a hang that lasts to the end."""
@@ -194,25 +228,29 @@ class ReadingJudge:
         self._suspect, self._stays = None, 0
         return False
 
-    def _accept(self, t_s: float, rates: Values, others: Values) -> ReadingVerdict:
+    def _accept(self, t_s: float, rates: Values, companions: Values) -> ReadingVerdict:
         rate_dps = rates[-1]
-        self._all_repeats = self._all_repeats + 1 if rates == self._rates and others == self._others else 0
-        self._rates, self._others, self._t_s = rates, others, t_s
         if rate_dps != self._rate_dps:
             self._change_rate(t_s, rate_dps)
+            self._rates, self._companions, self._t_s = rates, companions, t_s
             return ReadingVerdict.GOOD
+        self._all_repeats = self._all_repeats + 1 if rates == self._rates and companions == self._companions else 0
+        self._rates, self._companions, self._t_s = rates, companions, t_s
         self._repeats += 1
-        return ReadingVerdict.GOOD if self._is_clipped(rate_dps) else self._held(t_s, rate_dps)
+        return ReadingVerdict.GOOD if self._is_clipped(rate_dps) else self._judge_repeated(t_s, rate_dps)
 
     def _change_rate(self, t_s: float, rate_dps: float) -> None:
-        if self._hung is None and not self._is_clipping:
-            self._longest = max(self._longest, self._repeats)
-        self._move(t_s)
-        self._largest_dps = max(self._largest_dps, abs(self._rate_dps))
-        self._approach_dps = abs(rate_dps) - abs(self._rate_dps)
-        self._finest_dps = min(self._finest_dps, abs(rate_dps - self._rate_dps))
+        if self._repeats:
+            if self._hung is None and not self._is_clipping:
+                self._longest = max(self._longest, self._repeats)
+            self._move(t_s)
+            self._repeats, self._all_repeats, self._is_clipping = 0, 0, False
+        size_dps, step_dps = abs(self._rate_dps), abs(rate_dps - self._rate_dps)
+        self._largest_dps = max(self._largest_dps, size_dps)
+        self._finest_dps = min(self._finest_dps, step_dps)
+        self._before_dps.append(self._rate_dps)
         self._changes += 1
-        self._rate_dps, self._since_s, self._repeats, self._is_clipping = rate_dps, t_s, 0, False
+        self._rate_dps, self._since_s = rate_dps, t_s
 
     @property
     def _is_noisy(self) -> bool:
@@ -226,7 +264,8 @@ class ReadingJudge:
         elif size_dps >= max(RAIL_MIN_DPS, self._largest_dps):
             is_plateau = (
                 samples >= max(RAIL_SAMPLES, LONGER_HELD * self._longest + 1)
-                and RAIL_APPROACH_DPS <= self._approach_dps <= RAIL_APPROACH_SHARE * size_dps
+                and size_dps - abs(self._before_dps[0]) >= RAIL_APPROACH_DPS
+                and size_dps - abs(self._before_dps[-1]) <= RAIL_APPROACH_SHARE * size_dps
                 and self._changes >= LEAST_CHANGES
             )
             is_plain = rate_dps.is_integer() and self._changes < LEAST_CHANGES  # such as a simulated turn
@@ -236,20 +275,20 @@ class ReadingJudge:
                 self.tell("clipped", limit_dps=round(size_dps, 3), count=self.clipped, hint=CLIPPED)
         return self._is_clipping
 
-    def _held(self, t_s: float, rate_dps: float) -> ReadingVerdict:
+    def _judge_repeated(self, t_s: float, rate_dps: float) -> ReadingVerdict:
         """ReadingVerdict on a rate that repeats."""
         seconds = t_s - self._since_s
         if self._changes <= 1:  # it never moved
             is_brief = self._all_repeats < SILENT_SAMPLES or seconds < SILENT_S
-            if is_brief or not no_answer(self._rates, self._others):
+            if is_brief or not no_answer(self._rates, self._companions):
                 return ReadingVerdict.GOOD
             self._report(rate_dps, self._since_s, t_s, DOES_NOT_ANSWER)
             return ReadingVerdict.MISSING
-        is_all = len(self._rates) + len(self._others) > 1 and self._all_repeats >= self._repeats
+        is_all = len(self._rates) + len(self._companions) > 1 and self._all_repeats >= self._repeats
         if not self._is_noisy or (rate_dps == 0.0 and not is_all):
             return ReadingVerdict.GOOD
         if self._repeats > LONGER_HANGS * self._longest and self._repeats >= HANGS_SAMPLES and seconds >= HANGS_S:
-            self._report(rate_dps, self._since_s, t_s, f"{HANGS}; {DOES_NOT_ANSWER}" if is_all else HANGS)
+            self._report(rate_dps, self._since_s, t_s, HANGS)
         return (
             ReadingVerdict.MISSING
             if self._repeats > max(HELD_SAMPLES, LONGER_HELD * self._longest)
@@ -276,12 +315,14 @@ def _bound_dps(seconds: float) -> float:
 
 def values_of(sample: Sample) -> tuple[Values, Values]:
     """Rates of a sample, that about z last, and its other numbers; missing ones are left out."""
-    inertial, rate_dps = sample.inertial, sample.rate_dps
-    temp = () if isnan(sample.temp_c) else (sample.temp_c,)
+    inertial, rate_dps, temp_c = sample.inertial, sample.rate_dps, sample.temp_c
+    temp = (temp_c,) if temp_c == temp_c else ()  # noqa: PLR0124 - not NaN
     if inertial is None:
         return (rate_dps,), temp
-    forces = inertial[3:] if inertial[3] == inertial[3] else ()
-    return (inertial[0], inertial[1], rate_dps), (*forces, *temp)
+    x_dps, y_dps, _, ax_mps2, ay_mps2, az_mps2 = inertial
+    if ax_mps2 != ax_mps2:  # noqa: PLR0124 - NaN
+        return (x_dps, y_dps, rate_dps), temp
+    return (x_dps, y_dps, rate_dps), (ax_mps2, ay_mps2, az_mps2, *temp)
 
 
 @dataclass(slots=True)

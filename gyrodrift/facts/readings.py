@@ -18,7 +18,7 @@ class JudgedReadings:
     impossible, clipped, hung_s
         As in `ReadingJudge`.
     events
-        Names and fields of what a stream would have told.
+        Names and fields of what a stream would have fields_of.
     """
 
     is_missing: Mask
@@ -27,20 +27,20 @@ class JudgedReadings:
     hung_s: float = 0.0
     events: tuple[tuple[str, dict[str, Any]], ...] = ()
 
-    def told(self, event: str) -> list[dict[str, Any]]:
+    def fields_of(self, event: str) -> list[dict[str, Any]]:
         """Fields of the events of a name."""
         return [fields for name, fields in self.events if name == event]
 
 
-def judged_readings(t_s: Floats, rates_dps: Floats, others: Floats) -> JudgedReadings:
-    """Judge the samples of a recording as a stream; rates of shape (n, 1) or (n, 3), others (n, m)."""
+def judged_readings(t_s: Floats, rates_dps: Floats, companions: Floats) -> JudgedReadings:
+    """Judge the samples of a recording as a stream; rates of shape (n, 1) or (n, 3), companions (n, m)."""
     is_missing = np.zeros(len(t_s), dtype=bool)
     if not _may_be_odd(rates_dps):
         return JudgedReadings(is_missing)
     events: list[tuple[str, dict[str, Any]]] = []
     judge = ReadingJudge(lambda event, **fields: events.append((event, fields)))
     waiting: int | None = None
-    columns = (map(tuple, table.tolist()) for table in (rates_dps, others))
+    columns = (map(tuple, table.tolist()) for table in (rates_dps, companions))
     for i, (t, rates, numbers) in enumerate(zip(t_s.tolist(), *columns, strict=True)):
         verdict = judge.take(t, rates, numbers)
         if waiting is not None:

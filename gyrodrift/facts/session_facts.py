@@ -29,7 +29,7 @@ PUBLISHED = (
 )
 """Facts in `info --json`, in this order."""
 
-OTHERS = ("accel_x_mps2", "accel_y_mps2", "accel_z_mps2", "temp_c")
+COMPANIONS = ("accel_x_mps2", "accel_y_mps2", "accel_z_mps2", "temp_c")
 """Numbers of the sensor that freeze with its rates."""
 
 Part = TypeVar("Part")
@@ -217,9 +217,9 @@ class SessionFacts:
         rates = session.rate_dps[:, None]
         if session.gyro_dps is not None:
             rates = np.column_stack([session.gyro_dps[:, :2], rates])
-        columns = [column for name in OTHERS if (column := session.column(name)) is not None]
-        others = [column for column in columns if np.isfinite(column).all()]
-        return judged_readings(session.t_device_s, rates, np.column_stack(others) if others else rates[:, :0])
+        columns = [column for name in COMPANIONS if (column := session.column(name)) is not None]
+        companions = [column for column in columns if np.isfinite(column).all()]
+        return judged_readings(session.t_device_s, rates, np.column_stack(companions) if companions else rates[:, :0])
 
     @fact
     def host(self) -> HostClock | None:

@@ -21,8 +21,8 @@ SHORTEST, LONGEST = 4, 256
 """Lengths of frames."""
 
 HEAD_MAX = 4
-LENGTH_PLACE_MAX = 7
-"""Last place of a length byte after the beginning of the head."""
+LENGTH_OFFSET_MAX = 7
+"""Last offset of a length byte after the beginning of the head."""
 
 COMMON_PAIRS = 4
 """Pairs of bytes, the most common ones, that may be a head."""
@@ -103,9 +103,9 @@ CHECKSUMS: tuple[tuple[int, Callable[[bytes], int]], ...] = (
     (4, zlib.crc32),
     (4, crc32_mpeg2),
     (4, lambda content: crc32_mpeg2(_padded(content))),
-    *((2, lambda content, first=first: crc_hqx(content, first)) for first in (0, 0xFFFF, 0x1D0F)),  # type: ignore[misc]
+    *((2, lambda content, first=first: crc_hqx(content, first)) for first in (0, 0xFFFF, 0x1D0F)),
     *(
-        (2, lambda content, first=first, polynomial=polynomial: crc16_reflected(content, first, polynomial))  # type: ignore[misc]
+        (2, lambda content, first=first, polynomial=polynomial: crc16_reflected(content, first, polynomial))
         for first, polynomial in ((0xFFFF, 0xA001), (0, 0xA001), (0, 0x8408), (0xFFFF, 0x8408))
     ),
     (2, sum),
@@ -135,8 +135,8 @@ def _of_fixed_length(content: bytes) -> BinaryFrames | None:
     for length in range(SHORTEST, min(LONGEST, len(content) // FRAMES) + 1):
         count = min(FRAMES_MAX, len(content) // length)
         last = content[-count * length :]
-        constant = [len(set(last[place::length])) == 1 for place in range(length)]
-        if all(constant) or not any(same and last[place] for place, same in enumerate(constant)):
+        constant = [len(set(last[offset::length])) == 1 for offset in range(length)]
+        if all(constant) or not any(same and last[offset] for offset, same in enumerate(constant)):
             continue
         starts = list(_starts(last, constant, length))
         for start in starts:
@@ -149,13 +149,13 @@ def _of_fixed_length(content: bytes) -> BinaryFrames | None:
 
 
 def _starts(last: bytes, constant: list[bool], length: int) -> Iterator[int]:
-    """Places where a head may begin: a constant byte after the longest run of others first; a checksum ends a frame."""
+    """Offsets where a head may begin: a constant byte after the longest run of others first, as after a checksum."""
 
-    def changing_before(place: int) -> int:
-        return next(n for n in range(length) if constant[place - 1 - n])
+    def changing_before(offset: int) -> int:
+        return next(n for n in range(length) if constant[offset - 1 - n])
 
-    places = [place for place in range(length) if constant[place] and last[place]]
-    return iter(sorted(places, key=changing_before, reverse=True))
+    offsets = [offset for offset in range(length) if constant[offset] and last[offset]]
+    return iter(sorted(offsets, key=changing_before, reverse=True))
 
 
 def _head(frames: list[bytes]) -> bytes:
@@ -168,22 +168,22 @@ def _of_stated_length(content: bytes) -> BinaryFrames | None:
     """Frames with a length byte, whose distance from the next head differs from it by a constant."""
     pairs = Counter(content[i : i + 2] for i in range(len(content) - 1))
     for head, _ in pairs.most_common(COMMON_PAIRS):
-        places = _places(content, head)[-FRAMES_MAX:]
-        distances = [after - before for before, after in pairwise(places)]
+        offsets = _offsets(content, head)[-FRAMES_MAX:]
+        distances = [after - before for before, after in pairwise(offsets)]
         if len(distances) < FRAMES or len(set(distances)) == 1 or not any(head):
             continue
-        for place in range(2, min(LENGTH_PLACE_MAX, min(distances) - 1) + 1):
-            extras = {distance - content[at + place] for at, distance in zip(places, distances, strict=False)}
+        for offset in range(2, min(LENGTH_OFFSET_MAX, min(distances) - 1) + 1):
+            extras = {distance - content[start + offset] for start, distance in zip(offsets, distances, strict=False)}
             if len(extras) == 1 and 0 < extras.pop() < LONGEST:
-                frames = [content[before:after] for before, after in pairwise(places)]
+                frames = [content[before:after] for before, after in pairwise(offsets)]
                 mean = sum(distances) / len(distances)
                 return BinaryFrames(_head(frames), 0, mean, has_checksums(frames))
     return None
 
 
-def _places(content: bytes, head: bytes) -> list[int]:
-    places, place = [], content.find(head)
-    while place >= 0:
-        places.append(place)
-        place = content.find(head, place + len(head))
-    return places
+def _offsets(content: bytes, head: bytes) -> list[int]:
+    offsets, offset = [], content.find(head)
+    while offset >= 0:
+        offsets.append(offset)
+        offset = content.find(head, offset + len(head))
+    return offsets

@@ -348,8 +348,8 @@ class Link:
     def _why_silent(self, waited_s: float) -> str:
         baud, heard_bytes = self.options.baud, self.counters.bytes
         chosen = self._chosen_protocol
-        found = chosen, self._heard, self.name, self.source, self.baud
-        return why_silent(waited_s, baud, heard_bytes, self.decoder, *found)
+        stream = chosen, self._heard, self.name, self.source, self.baud
+        return why_silent(waited_s, baud, heard_bytes, self.decoder, *stream)
 
     @property
     def _chosen_protocol(self) -> str:

@@ -49,6 +49,7 @@ def _of_link(status: ServiceStatus) -> Iterator[Health]:
         restarted(link),
         replugged(link),
         clipped(link),
+        impossible(link),
         _rejected(status),
         uneven(link),
         clock_off(link),
@@ -118,6 +119,13 @@ def clipped(link: LinkStatus) -> Health | None:
     if not link.clipped:
         return None
     return Health(HealthLevel.NOTE, f"Out of range: {_counted(link.clipped, 'sample')}.")
+
+
+def impossible(link: LinkStatus) -> Health | None:
+    """Finding about single readings that cannot be."""
+    if not link.impossible:
+        return None
+    return Health(HealthLevel.NOTE, f"Impossible rates left out: {_counted(link.impossible, 'sample')}.")
 
 
 def _rejected(status: ServiceStatus) -> Health | None:

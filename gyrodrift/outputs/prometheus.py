@@ -108,6 +108,7 @@ def _counters(status: ServiceStatus) -> Iterator[tuple[str, str, float]]:
     yield "link_damaged", "Damaged frames.", link.damaged
     yield "link_before_hello", "Frames before the first HELLO of the device.", link.before_hello
     yield "link_clipped", "Samples out of the range of the sensor.", link.clipped
+    yield "link_impossible", "Samples with a rate that cannot be.", link.impossible
     yield "link_gaps", "Gaps in the samples.", link.gaps
     yield "link_missing", "Lost samples.", link.missing
     yield "link_device_resets", "Restarts of the device.", link.device_resets

@@ -38,7 +38,7 @@ class SampleStream:
         Table `device` of our own recordings.
     other_topics
         Topics that could be read too, and are ignored.
-    found
+    unread_contents
         Contents of the file that cannot be read, and what is needed instead; empty after the first sample, and before
         the first message.
     """
@@ -60,12 +60,12 @@ class SampleStream:
         self._unread: dict[str, str] = {}
 
     @property
-    def found(self) -> str:  # noqa: D102 - above
+    def unread_contents(self) -> str:  # noqa: D102 - above
         if self._count or not self._unread:
             return ""
         topics = "; ".join(self._unread.values())
-        more = "; …" if len(self._unread) == UNREAD_MAX else ""
-        return f"it has messages, but no samples: {topics}{more}; expected {UNDERSTOOD}"
+        ellipsis = "; …" if len(self._unread) == UNREAD_MAX else ""
+        return f"it has messages, but no samples: {topics}{ellipsis}; expected {UNDERSTOOD}"
 
     def push(self, chunk: bytes) -> list[Sample]:
         """Samples of the records that are complete now.

@@ -165,3 +165,15 @@ def rows_to_sensor(mount: Mount, rows: Floats) -> Floats:
 
 def rotated(q: tuple[float, ...], vector: Floats) -> Floats:
     return np.asarray(Rotation.from_quat(q, scalar_first=True).apply(vector), dtype=np.float64)
+
+
+@pytest.mark.parametrize(("missing_s", "yaw_deg"), [(0.2, 90.0), (1.0, 60.0)])
+def test_yaw_is_held_over_missing_rates(missing_s: float, yaw_deg: float) -> None:
+    """A few tenths of a second are interpolated; after more, sigma covers the turn that is unknown."""
+    run, dice = FilterRun(RESTLEVEL, RESTLEVEL.params()), np.random.default_rng(1)
+    for i in range(1150):
+        t_s = i / 50.0
+        rate_dps = 30.0 * (10.0 <= t_s < 13.0) + dice.normal(0.0, 0.05)
+        run.step(t_s, nan if 11.0 <= t_s < 11.0 + missing_s else rate_dps)
+    assert run.state.yaw_deg == pytest.approx(yaw_deg, abs=1.5)
+    assert abs(run.state.yaw_deg - 90.0) < 2.0 * run.state.yaw_sigma_deg

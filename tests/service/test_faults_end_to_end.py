@@ -180,12 +180,14 @@ def test_a_boot_banner_in_the_stream_costs_a_sample_at_most(link: Path, protocol
     assert all(b["t_s"] > a["t_s"] for a, b in pairwise(report.lines))
 
 
-def test_full_scale_and_stuck_values_are_passed_on_and_counted(link: Path) -> None:
-    """The service does not know better than the device, but says that the range was left."""
+def test_full_scale_and_stuck_values_are_counted_and_yaw_is_held(link: Path) -> None:
+    """A sensor that does not answer is no measurement, whatever it sends for a second."""
     report = story(link, "full_scale:from_s=3,to_s=4", "stuck_value:from_s=5,to_s=6", seconds=7)
     assert report.stats["clipped"] == 100
-    assert all(line["rate_dps"] == near(250.0, 0.1) for line in report.lines[300:400])
-    assert len({line["rate_dps"] for line in report.lines[499:600]}) == 1
+    assert report.stats["hung_s"] == near(2.0, 0.03)
+    assert len(report.named("rate_hangs")) == len(report.named("rate_moves")) == 2
+    assert len(report.lines) == near(500, 10)
+    assert all(abs(b["yaw_deg"] - a["yaw_deg"]) < 0.5 for a, b in pairwise(report.lines))
 
 
 @pytest.mark.parametrize("protocol", ["native", "witmotion", pytest.param("csv", marks=pytest.mark.evaluation)])

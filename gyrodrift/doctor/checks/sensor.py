@@ -86,7 +86,7 @@ def clipped(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | No
     if marked is not None:
         return of_health(marked, Severity.WARNING, do, share)
     if readings.clipped:
-        limit_dps = readings.told("clipped")[0]["limit_dps"]
+        limit_dps = readings.fields_of("clipped")[0]["limit_dps"]
         says = f"{readings.clipped} samples read exactly {limit_dps:.5g} deg/s: the range ends there."
         return warning(says, do, share)
     return ok(f"All rates are inside the range; the largest was {largest_dps:.4g} deg/s.", 0.0)
@@ -97,7 +97,7 @@ def impossible(_evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding 
     readings = facts.readings
     if not readings.impossible:
         return None
-    first = readings.told("impossible_reading")[0]
+    first = readings.fields_of("impossible_reading")[0]
     return warning(
         f"{readings.impossible} readings cannot be, such as {first['rate_dps']:.4g} deg/s: it jumped and returned.",
         "They are left out. Check wires and supply of the sensor, and the result of every read in the firmware.",

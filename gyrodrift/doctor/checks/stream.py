@@ -161,7 +161,7 @@ def stuck(evidence: DeviceEvidence, facts: SessionFacts) -> DeviceFinding | None
         return None
     longest, value_dps = _longest_run(facts.session.rate_dps)
     seconds = longest / facts.rate_hz
-    for hang, end in zip(facts.readings.told("rate_hangs"), facts.readings.told("rate_moves"), strict=True):
+    for hang, end in zip(facts.readings.fields_of("rate_hangs"), facts.readings.fields_of("rate_moves"), strict=True):
         if end["seconds"] > seconds:
             seconds, value_dps, longest = end["seconds"], hang["rate_dps"], STUCK_SAMPLES
     if seconds < STUCK_S or longest < STUCK_SAMPLES:

@@ -97,7 +97,7 @@ class McapDecoder(CountingDecoder):
             self.counters.damaged += 1
             self._stream = None
             return []
-        self.unread = self._stream.found
+        self.unread = self._stream.unread_contents
         timed = [sample for sample in samples if abs(sample.t_device_s) <= LATEST_S]
         self.counters.frames += len(timed)
         self.counters.damaged += self._stream.damaged - damaged + len(samples) - len(timed)

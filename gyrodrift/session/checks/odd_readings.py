@@ -12,15 +12,15 @@ MOST_NAMED = 3
 def reading_findings(readings: JudgedReadings) -> Iterator[SessionFinding]:
     """Warnings about the judged readings of a session; none for usual ones."""
     if readings.impossible:
-        first = readings.told("impossible_reading")[0]
+        first = readings.fields_of("impossible_reading")[0]
         says = f"{_samples(readings.impossible)} such as {first['rate_dps']:.4g} deg/s cannot be: {first['hint']}"
         yield SessionFinding("impossible", says)
     if readings.clipped:
-        first = readings.told("clipped")[0]
+        first = readings.fields_of("clipped")[0]
         yield SessionFinding(
             "clipped", f"{_samples(readings.clipped)} read ±{first['limit_dps']:.5g} deg/s", first["hint"]
         )
-    hangs = list(zip(readings.told("rate_hangs"), readings.told("rate_moves"), strict=True))
+    hangs = list(zip(readings.fields_of("rate_hangs"), readings.fields_of("rate_moves"), strict=True))
     for hang, end in hangs[:MOST_NAMED]:
         since = f"for {end['seconds']:.3g} s from {end['since_s']:.6g} s on"
         says = f"the rate was exactly {hang['rate_dps']:.5g} deg/s {since}"

@@ -185,3 +185,21 @@ def test_serve_follows_a_running_record(port: Path, tmp_path: Path) -> None:
 def test_an_imu_of_ros_has_its_rate_in_deg_per_s() -> None:
     samples = SampleStream("file").push(ros([imu(number) for number in range(5)]))
     assert [item.rate_dps for item in samples] == pytest.approx([degrees(0.01 * number) for number in range(5)])
+
+
+def test_topics_and_fields_of_a_file_without_samples_are_named() -> None:
+    """And those that are needed."""
+    content = BytesIO()
+    writer = Writer(content)
+    writer.start()
+    channel = writer.register_channel("/imu", "json", writer.register_schema("my.Imu", "jsonschema", b"{}"))
+    camera = writer.register_channel("/cam", "protobuf", writer.register_schema("foxglove.Image", "protobuf", b""))
+    for number in range(10):
+        writer.add_message(channel, number, json.dumps({"stamp": number, "angular_velocity": {"z": 1.0}}).encode(), 0)
+        writer.add_message(camera, number, b"x", 0)
+    writer.finish()  # type: ignore[no-untyped-call]
+    decoder = McapDecoder()
+    assert decoder.push(content.getvalue()) == []
+    assert "/imu (my.Imu, jsonschema, json): a message has no t_device_s" in decoder.unread
+    assert "its fields are stamp, angular_velocity; /cam (foxglove.Image, protobuf, protobuf)" in decoder.unread
+    assert "json with t_device_s and rate_dps" in decoder.unread
