@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from statistics import median
 
-from gyrodrift.columns.fields import is_number
+from gyrodrift.columns.fields import is_number, is_whole
 
 MOST_KEYS = 16
 LEAST_ROWS, LEAST_TIMES = 8, 3
@@ -52,8 +52,9 @@ def keys_of(texts: Sequence[str]) -> tuple[str, ...]:
     changes = sum(before != after for before, after in pairwise(texts))
     if changes < CHANGES_SHARE * len(texts) or min(counts.values()) * len(counts) < LEAST_SHARE * len(texts):
         return ()
-    if all(map(is_number, counts)) and (_counts_up(texts) or not _take_turns(texts)):
-        return ()
+    if all(map(is_number, counts)):
+        is_key = all(map(is_whole, counts)) and _take_turns(texts) and not _counts_up(texts)
+        return tuple(counts) if is_key else ()
     return tuple(counts)
 
 
