@@ -142,10 +142,10 @@ def angle_per_rate(rate: Sequence[float], angle: Sequence[float], t_s: Sequence[
     turns = [
         0.5 * (a + b) * (after - before) for (a, b), (before, after) in zip(pairwise(rate), pairwise(t_s), strict=True)
     ]
-    seen, summed = ([sum(values[a:b]) for a, b in pairwise(edges)] for values in (steps, turns))
-    if sum(map(abs, seen)) < ANGLE_MIN_SHARE * full_turn:
+    moved, summed = ([sum(values[a:b]) for a, b in pairwise(edges)] for values in (steps, turns))
+    if sum(map(abs, moved)) < ANGLE_MIN_SHARE * full_turn:
         return 0.0
-    seen, summed = ([value - fmean(values) for value in values] for values in (seen, summed))
-    together = sum(a * b for a, b in zip(seen, summed, strict=True))
-    of_angle, of_rate = (sum(value * value for value in values) for values in (seen, summed))
+    moved, summed = ([value - fmean(values) for value in values] for values in (moved, summed))
+    together = sum(a * b for a, b in zip(moved, summed, strict=True))
+    of_angle, of_rate = (sum(value * value for value in values) for values in (moved, summed))
     return together / of_rate if together * together > SAME_TURN * of_angle * of_rate else 0.0

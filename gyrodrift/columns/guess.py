@@ -1,4 +1,4 @@
-"""ColumnVerdict on an unknown text from some of its lines: the usual layout of a line, and the columns in it."""
+"""Verdict on an unknown text from some of its lines: the usual layout of a line, and the columns in it."""
 
 import re
 from collections import Counter
@@ -21,7 +21,7 @@ TIMES = re.compile(r"\s?[*×]\s?")
 
 @dataclass(frozen=True, slots=True)
 class TextGuess(ColumnVerdict):
-    """ColumnVerdict on the lines of a text; `example` is one of them."""
+    """Verdict on the lines of a text; `example` is one of them."""
 
     form: Form = Form.ROW
     example: str = ""
@@ -60,7 +60,7 @@ def _guess(heard: list[str], lines_per_s: float | None) -> TextGuess | None:
     verdict = judged(labels, units, texts, pace, layout.labels)
     question = verdict.question
     if len(layouts) > 1:
-        firsts = " and ".join(dict.fromkeys(next(filter(None, other.labels)) for other in layouts))
+        firsts = " and ".join(dict.fromkeys(next(filter(None, similar_layout.labels)) for similar_layout in layouts))
         question = f"lines of several kinds have a yaw rate: {firsts} come first in them"
     return TextGuess(verdict.columns, layout.labels, question, layout.form, similar[-1][0])
 

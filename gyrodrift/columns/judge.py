@@ -123,20 +123,20 @@ class JudgedColumn:
         Reason.
     is_stated
         Whether label, unit or firmware state meaning and unit, so that no number had to be interpreted.
-    asked
-        What the user has to put in the place of a placeholder in the entry; empty without one.
+    missing
+        Text that the user has to write for a placeholder in the entry; empty without a placeholder.
     """
 
     looks_like: str
     entry: str
     why: str
     is_stated: bool = False
-    asked: str = ""
+    missing: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class ColumnVerdict:
-    """ColumnVerdict on the columns of a text.
+    """Verdict on the columns of a text.
 
     labels
         Label per column; empty if columns are identified by position.
@@ -162,14 +162,16 @@ class ColumnVerdict:
     @property
     def is_unit_known(self) -> bool:
         """Whether the units of the turning column and of the clock, and the sender, are known."""
-        return self.turn is not None and not self.asked
+        return self.turn is not None and not self.missing
 
     @property
-    def asked(self) -> tuple[str, ...]:
-        """What to put in the place of each placeholder in the template."""
+    def missing(self) -> tuple[str, ...]:
+        """Text for each placeholder in the template, such as `UNIT by deg or rad`."""
         words = (UNKNOWN_CLOCK, UNKNOWN_SENDER, UNKNOWN_UNIT)
-        found = ((next((word for word in words if word in column.entry), ""), column.asked) for column in self.columns)
-        return tuple(f"{word} by {asked}" for word, asked in found if word)
+        pairs = (
+            (next((word for word in words if word in column.entry), ""), column.missing) for column in self.columns
+        )
+        return tuple(f"{word} by {missing}" for word, missing in pairs if word)
 
     @property
     def is_stated(self) -> bool:
@@ -247,9 +249,9 @@ def judged(
     verdict = _judged_rows(named, units, [[texts[row] for row in kept] for texts in texts_by_column], pace)
     columns = [replace(column, is_stated=False) for column in verdict.columns]
     why = f"names the rows of the gyro, {gyro}" if gyro else "alternates"
-    asked = "" if gyro else f"the sender that you mean ({', '.join(senders)})"
+    missing = "" if gyro else f"the sender that you mean ({', '.join(senders)})"
     mark = "" if spec_labels else SELECTED
-    columns[key] = JudgedColumn("sender", f"{mark}{gyro or UNKNOWN_SENDER}", why, asked=asked)
+    columns[key] = JudgedColumn("sender", f"{mark}{gyro or UNKNOWN_SENDER}", why, missing=missing)
     return ColumnVerdict(tuple(columns), spec_labels, verdict.question)
 
 
@@ -264,8 +266,8 @@ def _judged_rows(
     columns = seen_columns(labels, units, texts_by_column)
     for rule in rules(lines_per_s):
         rule.name(columns)
-    found = [_judged(column, lines_per_s, columns) for column in columns]
-    verdict = _with_axes(_beside_an_angle(_one_turn(found, columns), columns), columns)
+    candidates = [_judged(column, lines_per_s, columns) for column in columns]
+    verdict = _with_axes(_scaled_by_angle(_one_turn(candidates, columns), columns), columns)
     clock, rate = ([column.numbers for column in columns if column.kind == kind] for kind in ("clock", "rate"))
     if clock and rate and has_two_senders(clock[0], rate[0]):
         return replace(verdict, question="the rows of two senders alternate, and no column says which is which")
@@ -409,7 +411,9 @@ def _judged_clock(column: SeenColumn, lines_per_s: float | None) -> JudgedColumn
     usual = [unit for unit, us in units_us.items() if step and USUAL_HZ[0] <= 1e6 / (step * us) <= USUAL_HZ[1]]
     if len(usual) == 1:
         return JudgedColumn(usual[0], usual[0], f"grows by {step:g} per line, which is a sample rate in this unit only")
-    return JudgedColumn(likely, UNKNOWN_CLOCK, f"grows by {step:g} per line", asked=f"{', '.join(CLOCK_US)} or t:days")
+    return JudgedColumn(
+        likely, UNKNOWN_CLOCK, f"grows by {step:g} per line", missing=f"{', '.join(CLOCK_US)} or t:days"
+    )
 
 
 def _judged(column: SeenColumn, lines_per_s: float | None, columns: Sequence[SeenColumn]) -> JudgedColumn:
@@ -420,8 +424,8 @@ def _judged(column: SeenColumn, lines_per_s: float | None, columns: Sequence[See
         case "rate":
             unit, why = (option, "") if option else _rate_unit(column, columns)
             is_stated = bool(option) or (column.unit is not None and column.unit.dimension is Dimension.RATE)
-            asked = "" if unit else _asked_unit(column.label)
-            return JudgedColumn(SPOKEN[kind], f"rate:{unit or UNKNOWN_UNIT}", f"{column.why}{why}", is_stated, asked)
+            missing = "" if unit else _asked_unit(column.label)
+            return JudgedColumn(SPOKEN[kind], f"rate:{unit or UNKNOWN_UNIT}", f"{column.why}{why}", is_stated, missing)
         case "part":
             unit = (column.is_numeric and _time_unit(column)) or "t_s"
             return JudgedColumn(unit, f"+{unit}", column.why, is_stated=True)
@@ -515,14 +519,14 @@ def _density(noise_dps: float) -> float:
     return student(log(noise_dps / NOISE_DPS) / NOISE_SCALE, DEGREES_OF_FREEDOM)
 
 
-def _one_turn(found: list[JudgedColumn], columns: Sequence[SeenColumn]) -> ColumnVerdict:
+def _one_turn(candidates: list[JudgedColumn], columns: Sequence[SeenColumn]) -> ColumnVerdict:
     """Keep one column that turns: the stated rate, the only rate, or else an angle, which the device has filtered.
 
     Of several angles the first is proposed, and nothing is stated. Two rates are a question.
     """
-    rates = [index for index, column in enumerate(found) if column.entry.startswith(("rate", "delta"))]
-    stated = [index for index in rates if found[index].is_stated] or rates
-    angles = [index for index, column in enumerate(found) if column.entry.startswith("yaw")]
+    rates = [index for index, column in enumerate(candidates) if column.entry.startswith(("rate", "delta"))]
+    stated = [index for index in rates if candidates[index].is_stated] or rates
+    angles = [index for index, column in enumerate(candidates) if column.entry.startswith("yaw")]
     kept = stated if len(stated) == 1 else [] if stated else angles[:1]
     question = ""
     if len(stated) > 1:
@@ -532,17 +536,17 @@ def _one_turn(found: list[JudgedColumn], columns: Sequence[SeenColumn]) -> Colum
         for part, index in parts.items():
             is_stated = columns[index].label[-1:].isalpha()
             why = "is a part of a quaternion" if is_stated else "is a part of a quaternion, if q0 is its scalar"
-            found[index] = JudgedColumn("quaternion", f"q.{part}", why, is_stated)
-    one = [
+            candidates[index] = JudgedColumn("quaternion", f"q.{part}", why, is_stated)
+    proposed = [
         replace(column, entry=IGNORED) if index in {*rates, *angles} and index not in kept else column
-        for index, column in enumerate(found)
+        for index, column in enumerate(candidates)
     ]
     if len(angles) > 1 and kept == angles[:1]:
-        one[kept[0]] = replace(one[kept[0]], is_stated=False)
-    return ColumnVerdict(tuple(one), question=question)
+        proposed[kept[0]] = replace(proposed[kept[0]], is_stated=False)
+    return ColumnVerdict(tuple(proposed), question=question)
 
 
-def _beside_an_angle(verdict: ColumnVerdict, columns: Sequence[SeenColumn]) -> ColumnVerdict:
+def _scaled_by_angle(verdict: ColumnVerdict, columns: Sequence[SeenColumn]) -> ColumnVerdict:
     """Take unit and sign of the rate from an angle that turns with it, if they are not stated."""
     turn, clock = verdict.turn, verdict.clock
     if turn is None or clock is None or turn.is_stated or not turn.entry.startswith("rate"):
@@ -554,12 +558,12 @@ def _beside_an_angle(verdict: ColumnVerdict, columns: Sequence[SeenColumn]) -> C
             continue
         unit = _angle_unit(angle)[0] or "rad"  # larger angles than 2π are in degrees
         per_rate = angle_per_rate(rate.numbers, angle.numbers, t_s, FULL_TURN_DEG / ANGLE_DEG[unit])
-        found = scale_of(1.0 / (per_rate * ANGLE_DEG[unit]), 1.0, SAME_SCALE) if per_rate else None
-        if found is not None and found.is_known:
+        scale = scale_of(1.0 / (per_rate * ANGLE_DEG[unit]), 1.0, SAME_SCALE) if per_rate else None
+        if scale is not None and scale.is_known:
             sign = ":-" if (per_rate < 0.0) != (angle.kind == "heading") else ""
             why = f"{turn.why.partition(',')[0]}, and unit and sign are those with which {angle.label} turns"
-            one = replace(turn, entry=f"rate:{found.option}{sign}", why=why, asked="")
-            return replace(verdict, columns=tuple(one if column is turn else column for column in verdict.columns))
+            scaled = replace(turn, entry=f"rate:{scale.option}{sign}", why=why, missing="")
+            return replace(verdict, columns=tuple(scaled if column is turn else column for column in verdict.columns))
     return verdict
 
 
@@ -567,7 +571,7 @@ def _times_s(verdict: ColumnVerdict, columns: Sequence[SeenColumn]) -> Sequence[
     """Times of the lines by their clock; empty if its unit is unknown."""
     pairs = zip(verdict.columns, columns, strict=True)
     is_clock = ("t_", "t:", "+t", "dt_")
-    clocks = [(column.entry, seen.texts) for column, seen in pairs if column.entry.startswith(is_clock)]
+    clocks = [(column.entry, source.texts) for column, source in pairs if column.entry.startswith(is_clock)]
     if not clocks or any(UNKNOWN_UNIT in entry for entry, _ in clocks) or len({len(texts) for _, texts in clocks}) > 1:
         return []
     return ClockReader([entry for entry, _ in clocks]).read([texts for _, texts in clocks])

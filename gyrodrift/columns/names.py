@@ -22,7 +22,7 @@ BRACKETED = re.compile(r"\([^)]{0,256}+\)|\[[^\]]{0,256}+\]")
 NO_QUANTITY = re.compile(r"^(scaled|raw|got|calibrated|imu|mpu|icm|lsm|bmi|sensor|msg)+")
 """Words and chip names before a quantity."""
 
-CHANGE, TURNED = "delta|d|inc|incr|increment|incremental|change|diff", "theta|ang|angle|yaw|heading|psi|rot|rotation"
+CHANGE, ANGLE = "delta|d|inc|incr|increment|incremental|change|diff", "theta|ang|angle|yaw|heading|psi|rot|rotation"
 """Words of an angle since the last sample, in any order: `dtheta_z`, `delta angle z`, `yaw increment`."""
 
 SCALED = re.compile(r"[*×]|/\s*\d{2}|^\d{2,}\s")
@@ -57,7 +57,7 @@ KINDS = {
     "mx": r"(m|mag|magnetic|magnetometer)x",
     "my": r"(m|mag|magnetic|magnetometer)y",
     "mz": r"(m|mag|magnetic|magnetometer)z",
-    "delta": rf"({CHANGE})({TURNED})z?|({TURNED})({CHANGE})z?",
+    "delta": rf"({CHANGE})({ANGLE})z?|({ANGLE})({CHANGE})z?",
     "yaw": r"(est|fused|current|gyro?)?yaw(angle)?(deg|rads?)?|psi|euleryaw|ypryaw|rpyyaw",
     "heading": r"(true|mag(netic)?|compass|gps|gnss|nav|boat|ship|vehicle)?(heading|hdg|course|bearing|azimuth)(deg)?"
     r"|compass|cog|courseoverground",

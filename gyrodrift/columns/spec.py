@@ -159,7 +159,7 @@ def _entries(spec: str) -> list[str]:
 
 
 def _problems(columns: Sequence[Column]) -> Iterator[str]:
-    """What is wrong with the columns together."""
+    """Contradictions between the columns."""
     meanings = [column.meaning for column in columns if column.meaning not in (IGNORED, SELECTED)]
     for meaning in meanings:
         if meanings.count(meaning) > 1:
@@ -250,7 +250,7 @@ def _is_typo(name: str) -> bool:
 
 
 def _meant(label: str | None, name: str) -> str:
-    """What a wrong entry may mean; empty if nothing is near."""
+    """Hint at the meaning of a wrong entry; empty if nothing is near."""
     meant = f"did you mean rate:{name}?" if name in RATE_DPS else did_you_mean(name, [*MEANINGS, *OTHER_NAMES])
     value = f'to use only the rows with this value, write {quoted(label)}="{name}";' if label else ""
     return "".join(f"{part} " for part in (meant, value) if part)

@@ -124,7 +124,7 @@ def counted_unit(texts: Sequence[str]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class StatedClock:
-    """What the user states about the clock of a recording; empty values leave it to the recording.
+    """Clock of a recording as the user states it; empty values leave it to the recording.
 
     unit
         One of CLOCK_UNITS_US, or lsb/N.
@@ -231,7 +231,7 @@ class _StampColumn:
         self._days_s, self._last_s = 0, 0
 
     def state(self) -> dict[str, object]:
-        """What `restore` takes."""
+        """Snapshot for `restore`."""
         return dict(vars(self))
 
     def restore(self, state: dict[str, object]) -> None:

@@ -145,10 +145,10 @@ def _why_text(protocol: str, heard: Heard, port: str, waited: str, source: ByteS
     is_angle = guessed.turn.entry.startswith("yaw")
     columns = f"'{guessed.template}'"  # no label holds a quotation mark
     reasons = "; ".join(f"{column.looks_like} {column.why}" for column in guessed.columns if column.entry != "_")
-    if guessed.asked:
-        unknown = "its unit" if "UNIT by" in guessed.asked[-1] else "the sender"
+    if guessed.missing:
+        unknown = "its unit" if "UNIT by" in guessed.missing[-1] else "the sender"
         return (
-            f"{looks} ({reasons}), but {unknown} is unknown: replace {', and '.join(guessed.asked)}"
+            f"{looks} ({reasons}), but {unknown} is unknown: replace {', and '.join(guessed.missing)}"
             f" in --columns {columns}, or find it by a quarter turn: {turn_it}"
         )
     note = ANGLE_NOTE if is_angle else ""

@@ -291,11 +291,11 @@ SENDERS: dict[str, tuple[Callable[[int], str], str, str]] = {
 @pytest.mark.promise("Text and units")
 @pytest.mark.parametrize("name", SENDERS)
 def test_of_several_senders_one_is_asked_for(name: str) -> None:
-    """Of several senders in one stream, which one is asked for; their rates are never mixed."""
+    """The proposal asks for one of several senders in a stream; their rates are never mixed."""
     line, template, asked = SENDERS[name]
     result = guess([line(i) for i in range(60)], 100.0)
     assert result is not None
-    assert (result.template, result.spec, result.asked) == (template, None, (asked,))
+    assert (result.template, result.spec, result.missing) == (template, None, (asked,))
 
 
 @pytest.mark.parametrize(

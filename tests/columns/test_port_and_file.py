@@ -1,4 +1,4 @@
-"""The same text at a port and in a file: one judge, one verdict."""
+"""A text at a port and in a file: one judge and one verdict."""
 
 import json
 import re
@@ -93,7 +93,7 @@ def entries(spec: str) -> set[str]:
 def test_a_port_proposes_what_a_file_proposes_or_reads(
     tmp_path: Path, port: Path, form: str, clock: str, names: list[str], seed: int
 ) -> None:
-    """The same text has the same verdict at a port and in a file: what a file reads by itself, a port proposes."""
+    """A text has the same verdict at a port and in a file: what a file reads by itself, a port proposes."""
     if form == "labels":
         names = [name for name in names if name != "node"]  # a word after a label is a part of the next label
     assume(len(names) + bool(clock) > 1)  # a single number per line makes no table

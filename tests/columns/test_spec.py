@@ -37,7 +37,7 @@ def test_a_spec_says_what_each_column_is() -> None:
 
 
 def test_labels_with_commas_and_values_that_are_meanings_stand_in_quotes() -> None:
-    """What a proposal writes is read as it was meant."""
+    """A proposal is read as it was meant."""
     assert columns_of('"Angular Velocity, z"=rate:dps, "a ""b"""=t_s') == (
         Column("rate", 1.0, "Angular Velocity, z", "dps"),
         Column("t_s", 1e6, 'a "b"'),

@@ -111,8 +111,8 @@ class TextTable:
     def senders(self) -> tuple[str, tuple[str, ...]]:
         """Label of the first column whose value names the sender of a line, and these values; empty without one."""
         texts_of = {label: [text for _, text in texts] for label, texts in self._texts.items()}
-        found = ((label, keys_of(texts)) for label, texts in texts_of.items() if kind_of(label) in {"", "seq"})
-        return next(((label, keys) for label, keys in found if keys), ("", ()))
+        named = ((label, keys_of(texts)) for label, texts in texts_of.items() if kind_of(label) in {"", "seq"})
+        return next(((label, keys) for label, keys in named if keys), ("", ()))
 
     def of_sender(self, label: str, sender: str) -> "TextTable":
         """Table of the lines of one sender."""

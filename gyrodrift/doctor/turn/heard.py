@@ -146,12 +146,12 @@ def result_of(heard: HeardTurn) -> TurnResult:
     if not senders:
         return _result_of(heard)
     results = {sender: _result_of(replace(heard, table=heard.table.of_sender(label, sender))) for sender in senders}
-    found = {sender: result for sender, result in results.items() if result.is_found}
-    if len(found) != 1:
-        names = ", ".join(found or results)
+    clear = {sender: result for sender, result in results.items() if result.is_found}
+    if len(clear) != 1:
+        names = ", ".join(clear or results)
         question = f"{label} names several senders, and {names} turned; turn one of them alone, or send only one"
-        return replace(next(iter(results.values())), spec="", question=question if found else _first_question(results))
-    ((sender, result),) = found.items()
+        return replace(next(iter(results.values())), spec="", question=question if clear else _first_question(results))
+    ((sender, result),) = clear.items()
     return replace(result, spec=f"{selection(label, sender)}, {result.spec}")
 
 

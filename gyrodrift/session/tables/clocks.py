@@ -24,8 +24,8 @@ def paced(samples: int, counts: Sequence[int] | Integers | None, sample_rate_hz:
     """
     if counts is None or samples < LEAST_STEPS:
         return np.arange(samples) / sample_rate_hz
-    known = list(accumulate(map(int, counts), lambda before, after: after if after >= 0 else before + 1))
-    steps = [_counted(after - before) for before, after in pairwise(known)]
+    filled = list(accumulate(map(int, counts), lambda before, after: after if after >= 0 else before + 1))
+    steps = [_counted(after - before) for before, after in pairwise(filled)]
     usual = max(float(np.median(steps)), 1.0)
     return np.array(list(accumulate(steps, initial=0))) / (usual * sample_rate_hz)
 
@@ -37,7 +37,7 @@ def _counted(step: int) -> int:
     return max(step, 1)
 
 
-def clock_doubt(t_s: Floats, unit: str, *, is_labeled: bool) -> str:
+def clock_problem(t_s: Floats, unit: str, *, is_labeled: bool) -> str:
     """Why numbers are no clock in this unit, and what to state instead; empty if they may be.
 
     unit
@@ -65,10 +65,10 @@ def rates_of_deltas(t_s: Floats, delta_deg: Floats) -> tuple[Integers, Floats]:
     """
     is_last = np.append(np.diff(t_s) != 0.0, [True])
     rows = np.flatnonzero(is_last & np.isfinite(t_s))
-    turned_deg = np.diff(np.cumsum(np.nan_to_num(delta_deg))[rows], prepend=0.0)
+    step_deg = np.diff(np.cumsum(np.nan_to_num(delta_deg))[rows], prepend=0.0)
     counts, step_s = np.diff(rows, prepend=-1), np.diff(t_s[rows], prepend=np.nan)
     is_forward = step_s > 0.0
     period_s = float(np.median(step_s[is_forward] / counts[is_forward])) if is_forward.any() else np.nan
     usual_s = counts * period_s
     is_gap = ~is_forward | (step_s > np.maximum(DELTA_GAP_S, DELTA_GAP_PERIODS * usual_s))
-    return rows, turned_deg / np.where(is_gap, usual_s, step_s)
+    return rows, step_deg / np.where(is_gap, usual_s, step_s)

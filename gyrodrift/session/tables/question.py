@@ -73,7 +73,7 @@ def _proposal(verdict: ColumnVerdict) -> list[str]:
         return []
     rate = "" if verdict.clock else " --sample-rate HZ"
     reasons = "; ".join(f"{column.looks_like} {column.why}" for column in verdict.columns if column.entry != IGNORED)
-    unit = f"; replace {', and '.join(verdict.asked)}" if verdict.asked else ""
+    unit = f"; replace {', and '.join(verdict.missing)}" if verdict.missing else ""
     return [f"probably --columns '{verdict.template}'{rate}{unit} ({reasons})"]
 
 

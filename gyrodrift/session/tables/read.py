@@ -14,7 +14,7 @@ from gyrodrift.columns.times import AS_READ, StatedClock, unit_of_clock
 from gyrodrift.columns.units import Dimension, unit_in
 from gyrodrift.session.csv import counter, read_exact
 from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS, TABLE, Session, session_of_columns
-from gyrodrift.session.tables.clocks import clock_doubt, paced, rates_of_deltas
+from gyrodrift.session.tables.clocks import clock_problem, paced, rates_of_deltas
 from gyrodrift.session.tables.json_table import is_json, json_head, json_objects, json_rows
 from gyrodrift.session.tables.layout import layout_of
 from gyrodrift.session.tables.parquet import parquet_head, parquet_rows
@@ -123,9 +123,9 @@ def _judged_columns(head: Head, clock: StatedClock) -> TableColumns:
 def _session(head: Head, table_columns: TableColumns, read: ColumnsRead, dialect: str, clock: StatedClock) -> Session:
     refused = read.refused
     source = f"{head.path}:{refused.line}"
-    if not read.count and read.others:
+    if not read.count and read.rejected:
         selected = " and ".join(f"{_label(head, index)} = {value}" for index, value in table_columns.where)
-        raise DataError(f"{head.path}: no row has {selected}; there are {', '.join(map(visible, read.others))}")
+        raise DataError(f"{head.path}: no row has {selected}; there are {', '.join(map(visible, read.rejected))}")
     if not read.count and not refused.count:
         raise DataError(f"{head.path}: has a header and no samples")
     is_torn = refused.count == 1 and refused.is_last and read.count > 0 and _is_torn(head.path)
@@ -179,9 +179,9 @@ def _check_clock(head: Head, table_columns: TableColumns, read: ColumnsRead, sta
     unit = unit_in(label)
     is_said = clock.unit.startswith("d") or (unit is not None and unit.dimension is Dimension.TIME) or len(clocks) > 1
     is_labeled = kind_of(label) == "clock"
-    doubt = "" if is_said else clock_doubt(t_s, unit_of_clock(clock.unit), is_labeled=is_labeled)
-    if doubt:
-        raise DataError(f"{head.path}: {_label(head, clock.index)} {doubt}")
+    problem = "" if is_said else clock_problem(t_s, unit_of_clock(clock.unit), is_labeled=is_labeled)
+    if problem:
+        raise DataError(f"{head.path}: {_label(head, clock.index)} {problem}")
 
 
 def _is_torn(path: Path) -> bool:

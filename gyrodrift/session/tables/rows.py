@@ -55,8 +55,8 @@ class ColumnsRead:
         First stamp if the clock counts from it, else empty.
     counted
         Unit of the clock if its fraction has no leading zeros, else empty.
-    others
-        Values in rows that are not among those to use, the first ones.
+    rejected
+        First values of the rows that are not to be used.
     """
 
     pieces: dict[str, list[Floats]]
@@ -66,7 +66,7 @@ class ColumnsRead:
     count: int = 0
     began: str = ""
     counted: str = ""
-    others: dict[str, None] = field(default_factory=dict)
+    rejected: dict[str, None] = field(default_factory=dict)
 
     def column(self, target: str) -> Floats | None:
         """Values of a column, shape (n,); None if it is not used."""
@@ -114,10 +114,10 @@ class RowReader:
 
     def _selected(self, rows: list[tuple[int, list[str]]], index: int, value: str) -> list[tuple[int, list[str]]]:
         """Rows with a value in a column; numbers compare as numbers."""
-        others = dict.fromkeys(row[index].strip() for _, row in rows)
-        values = {cell for cell in others if is_value(cell, value)}
-        for cell in list(others)[:VALUES_SHOWN] if not values else ():
-            self.columns_read.others[cell] = None
+        present = dict.fromkeys(row[index].strip() for _, row in rows)
+        values = {cell for cell in present if is_value(cell, value)}
+        for cell in list(present)[:VALUES_SHOWN] if not values else ():
+            self.columns_read.rejected[cell] = None
         return [(line, row) for line, row in rows if row[index].strip() in values]
 
     def _remove_groups(self, rows: Sequence[list[str]]) -> None:

@@ -20,6 +20,7 @@ class BrittleDecoder:
     """Lines of a rate; one of them breaks it."""
 
     name = "brittle"
+    unread = ""
 
     def __init__(self, error: Exception | None = None) -> None:
         self.counters = DecoderCounters()

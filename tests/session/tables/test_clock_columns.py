@@ -112,7 +112,7 @@ def test_marks_between_thousands_are_removed(row: Row, spec: str, tmp_path: Path
 
 
 def test_an_angle_between_rows_has_the_unit_of_its_label_and_lost_rows_keep_the_rate(tmp_path: Path) -> None:
-    """Of two rows with one stamp the angles add up."""
+    """The angles of two rows with one stamp add up."""
     rows = [f"{n // 2 / 10:.1f},{radians(r * STEP_S):.8f}" for n, t, r in samples(STEP_S) if not 13.0 <= t < 14.0]
     path = written(tmp_path / "s.csv", "t_s,dtheta_z (rad)\n" + "\n".join(rows))
     session = load_session(path, columns="t_s=t_s, dtheta_z (rad)=delta")
