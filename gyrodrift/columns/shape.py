@@ -94,6 +94,12 @@ DRIFT_DPS, LEVEL_NOISES = 5.0, 6.0
 RETURNS = 3
 """Returns to the level of rest that prove a rate: an angle that turns back does so once or twice."""
 
+SMOOTH_STEPS, SMOOTH_SHARE = 20, 0.1
+"""Steps that show whether a column is smooth, and the share of changes of direction below which it is.
+
+White noise changes it at two of three steps.
+"""
+
 WINDOWS_MAX = 600
 """Number of windows that are kept: five minutes."""
 
@@ -249,6 +255,7 @@ class RateShape:
         self._rest = self._last = nan
         self._was_near = self._away = False
         self._returns = 0
+        self._steps = self._bends = 0
 
     def take(self, samples: Sequence[Sample]) -> None:
         """Add samples in their order."""
@@ -262,6 +269,11 @@ class RateShape:
             window, self._pending = self._pending[:size], self._pending[size:]
             self._judge(window)
 
+    @property
+    def is_smooth(self) -> bool:
+        """Whether the column moves and goes on in its direction nearly always: a rate has noise, an angle has none."""
+        return not self.is_over and self._steps >= SMOOTH_STEPS and self._bends < SMOOTH_SHARE * self._steps
+
     def _window_size(self) -> int:
         pending = self._pending
         if len(pending) < WINDOW_SAMPLES or pending[-1].t_device_s - pending[0].t_device_s < WINDOW_S:
@@ -274,6 +286,9 @@ class RateShape:
 
     def _judge(self, window: Sequence[Sample]) -> None:
         rates = [sample.rate_dps for sample in window]
+        steps = [after - before for before, after in pairwise(rates) if after != before]
+        self._steps += len(steps)
+        self._bends += sum(before * after < 0.0 for before, after in pairwise(steps))
         axes = list(zip(*(sample.inertial[:3] for sample in window if sample.inertial), strict=True)) or [rates]
         if not self._columns:
             names = ("column 2",) if len(axes) == 1 else ("column 2", "column 3", "column 4")

@@ -188,10 +188,6 @@ UNCLEAR: dict[str, tuple[str, Row]] = {
     "no header": ("", lambda n, t, r: f"{t:.3f},{r:.4f},0.1"),
     "three axes without labels": ("", lambda n, t, r: f"{t * 1e6:.0f},0.02,-0.01,{r:.4f}"),
     "our own lines with an angle": ("", lambda n, t, r: f"{t * 1e6:.0f},{17.0 + 0.001 * n:.3f}"),
-    "our own lines with an angle that has noise": (
-        "",
-        lambda n, t, r: f"{t * 1e6:.0f},{np.clip(30 * (t - 12), 0, 90) + (r - round(r / 30) * 30):.3f}",
-    ),
     "our own lines with counts": ("", lambda n, t, r: f"{t * 1e6:.0f},{round(r * 131)}"),
     "no unit": ("time_ms,gyro_z\n", lambda n, t, r: f"{t * 1000:.0f},{r:.4f}"),
     "a clock without unit": ("time,gz_dps\n", lambda n, t, r: f"{t * 1000:.0f},{r:.4f}"),
@@ -225,6 +221,16 @@ def test_what_no_label_says_is_asked_for(
     assert "--columns" in report.err
     assert "--columns '" not in report.err or "UNIT" in report.err or form == "yaw without unit"
     assert "yaw_deg" not in report.out
+
+
+def test_a_level_that_does_not_return_is_asked_for(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def angle_with_noise(_n: int, t: float, rate: float) -> str:
+        return f"{t * 1e6:.0f},{np.clip(30 * (t - 12), 0, 90) + (rate - round(rate / 30) * 30):.3f}"
+
+    path = written(tmp_path / "log.csv", table(angle_with_noise, "", 0.1))
+    assert main(["filter", str(path)]) == 4
+    report = capsys.readouterr().err
+    assert "90.44 at the last: a rate returns to its level; name the columns with --columns" in report
 
 
 SPECS: dict[str, Row] = {
@@ -287,7 +293,7 @@ def test_a_quaternion_alone_becomes_a_rate(tmp_path: Path, labels: str, capsys: 
         rows.append(f"{number / 20:.2f},{','.join(f'{parts[label[-1]]:.7f}' for label in labels.split(','))}")
     path = written(tmp_path / "q.csv", "\n".join([f"t_s,{labels}", *rows]) + "\n")
     assert filtered_yaw_deg(path) == pytest.approx(TURN_DEG, abs=1.0)
-    assert "its rate is the difference of an angle" in capsys.readouterr().err
+    assert "its rate is the difference of the yaw" in capsys.readouterr().err
 
 
 Change = Callable[[list[str]], list[str]]

@@ -51,7 +51,7 @@ def wire_columns(head: Head) -> TableColumns | None:
     ]
     shape = RateShape()
     shape.take(samples)
-    if shape.contradiction:
+    if shape.contradiction or shape.is_smooth:
         return None
     used = [
         UsedColumn(index, target, unit="" if index else "t_us") for index, target in enumerate(targets[: head.width])
