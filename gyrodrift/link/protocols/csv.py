@@ -45,15 +45,21 @@ class CsvDecoder(LineDecoder):
         super().__init__()
         self._heeds_header = heeds_header
         self._other_columns = 0
+        self._has_begun = False
 
     def parse(self, text: bytes) -> tuple[int, Reading] | None:
-        """Number of columns and reading of a line; None if a header above it names something else."""
-        if self._heeds_header and text[:1].isalpha():
+        """Number of columns and reading of a line; None if a header before the first line names something else.
+
+        A later header, of a device that boots again, comes too late: the numbers are judged by their shape then.
+        """
+        if self._heeds_header and not self._has_begun and text[:1].isalpha():
             names = text.decode(errors="replace").split(",")
             if len(names) > 1 and all(name.strip()[:1].isalpha() for name in names):
                 self._other_columns = len(names) if _names_another(names) else 0
                 return None
-        return None if text.count(b",") + 1 == self._other_columns else _parsed(text)
+        parsed = None if text.count(b",") + 1 == self._other_columns else _parsed(text)
+        self._has_begun = self._has_begun or parsed is not None
+        return parsed
 
 
 def _names_another(names: Sequence[str]) -> bool:

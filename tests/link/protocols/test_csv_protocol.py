@@ -30,6 +30,14 @@ def test_comments_banners_and_blank_lines_are_no_samples() -> None:
     assert (decoder.counters.frames, decoder.counters.damaged) == (3, 1)
 
 
+@pytest.mark.parametrize("header", [b"t_us,heading", b"t_ms,gz_dps", b"t_us,gz", b"micros,gz [rad/s]"])
+def test_a_header_that_names_other_columns_counts(header: bytes) -> None:
+    """At the start of the stream, unless the user asks for csv; one of a device that boots again does not."""
+    assert CsvDecoder().push(header + b"\n" + THREE) == []
+    assert len(CsvDecoder(heeds_header=False).push(header + b"\n" + THREE)) == 3
+    assert len(CsvDecoder().push(THREE + header + b"\n" + THREE)) == 6
+
+
 @pytest.mark.parametrize(
     "line",
     [b"30100", b"30100,", b"x,1", b"30100;1", b"1_0,2", b"3.5,1", b"30100,1,2,3,4", b"30100,0x10",
