@@ -54,7 +54,7 @@ class CsvDecoder(LineDecoder):
         """
         if self._heeds_header and not self._has_begun and text[:1].isalpha():
             names = text.decode(errors="replace").split(",")
-            if len(names) > 1 and all(name.strip()[:1].isalpha() for name in names):
+            if len(names) > 1 and ":" not in names[0]:
                 self._other_columns = len(names) if _names_another(names) else 0
                 return None
         parsed = None if text.count(b",") + 1 == self._other_columns else _parsed(text)
@@ -63,14 +63,14 @@ class CsvDecoder(LineDecoder):
 
 
 def _names_another(names: Sequence[str]) -> bool:
-    """Whether a header names other columns than those of csv."""
+    """Whether a header names a clock, and other columns than those of csv; a message names no clock."""
     from gyrodrift.columns.names import kind_of  # noqa: PLC0415 - few streams have a header
     from gyrodrift.columns.units import unit_in, unit_of  # noqa: PLC0415 - as above
 
     rate, clock = names[3 if len(names) >= LEAST_AXES else 1], unit_in(names[0]) or unit_of(names[0])
     unit = unit_in(rate)
     is_rate = kind_of(rate) in {"rate", "rates"} and unit is not None and unit.option == "dps"
-    return not is_rate or (clock is not None and clock.option != "t_us")
+    return kind_of(names[0]) == "clock" and (not is_rate or (clock is not None and clock.option != "t_us"))
 
 
 def _parsed(text: bytes) -> tuple[int, Reading] | None:

@@ -39,6 +39,13 @@ def test_a_header_that_names_other_columns_counts(header: bytes) -> None:
 
 
 @pytest.mark.parametrize(
+    "message", [b"rst:0x1 (POWERON_RESET),boot:0x13", b"MPU6050 found, calibrating", b"t_us,gz (dps)"]
+)
+def test_a_message_at_boot_is_no_header(message: bytes) -> None:
+    assert len(CsvDecoder().push(message + b"\n" + THREE)) == 3
+
+
+@pytest.mark.parametrize(
     "line",
     [b"30100", b"30100,", b"x,1", b"30100;1", b"1_0,2", b"3.5,1", b"30100,1,2,3,4", b"30100,0x10",
      b"30100,1e9", b"30100,1.2.3", b"30100,--1", b"\xff\xfe,1", b"30100,1" + b" " * 300],
