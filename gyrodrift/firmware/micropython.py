@@ -12,6 +12,7 @@ import gyrodrift.filters
 ROOT = Path(gyrodrift.filters.__file__).parent
 FILES = (
     "limits",
+    "gaps",
     "restlevel.bias_state",
     "restlevel.rate_state",
     "restlevel.model",
@@ -26,6 +27,7 @@ FILES = (
     "restlevel.recall",
     "restlevel.temperature",
     "restlevel.hypotheses",
+    "restlevel.gap",
     "restlevel.frozen",
     "restlevel.witness",
     "restlevel.step",

@@ -214,8 +214,10 @@ def _scaled(motion: ColumnMotion, angle: AngleColumn | None) -> RateColumn | Non
     turn_deg, within = (abs(angle.turn_deg), ANGLE_TOLERANCE) if angle else (QUARTER_DEG, HAND)
     stated = stated_scale(motion.series.unit, motion.integral, turn_deg)
     is_named = motion.series.kind == "rate"
-    scale = stated or scale_of(motion.integral, turn_deg, within) or scale_of(
-        motion.integral, QUARTER_DEG, HAND, is_named=is_named
+    scale = (
+        stated
+        or scale_of(motion.integral, turn_deg, within)
+        or scale_of(motion.integral, QUARTER_DEG, HAND, is_named=is_named)
     )
     if scale is None:
         return None

@@ -2,6 +2,7 @@
 #ifndef GD_RESTLEVEL_MODEL_H
 #define GD_RESTLEVEL_MODEL_H
 
+#include "gaps.h"
 #include "parameters.h"
 #include "restlevel_bias_state.h"
 #include "restlevel_rate_state.h"
@@ -58,11 +59,14 @@ typedef struct {
   gd_real bias_dps, bias_sigma_dps;
   gd_real rest_probability, confidence;
   uint32_t samples, rejected;
+  gd_real correction_deg; /* step of yaw in the last sample that is no motion: a change of the estimate */
+  uint32_t corrections;   /* number of those over 1 deg */
 
   union { /* time of the last sample, by the clock in use */
     double t_s;
     uint32_t t_us;
   };
+  gd_gap_watch watch;
   gd_rl_block block;
   uint32_t blocks;
   gd_real rate_dps;
