@@ -44,7 +44,7 @@ def in_python(t_s: Floats, inputs: Floats, params: RestlevelParams | None = None
         taken.append(step(c, s, t, *values))
         if command == ZERO:
             zero_yaw(s)
-        elif command in {GAP, RESTARTED}:
+        elif command in {GAP, RESTARTED} and s.samples > 0:
             expect_gap(s.watch, UNKNOWN_S, has_restarted=command == RESTARTED)
         rows.append(outputs_of(s))
     return FilterOutput(True, np.array(taken), np.array(rows))

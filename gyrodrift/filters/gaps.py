@@ -18,6 +18,9 @@ LONGEST_STEP_S = 0.3
 GAP_PERIODS = 3.0
 """Periods of a slow device in a step that is no gap: up to two samples may be missing."""
 
+MOST_STEP_S = 3.0
+"""Longest step that is no gap of any device, s: three periods at 1 Hz, the slowest logger."""
+
 FIRST_STEP_S = 1.5
 """Longest step that is no gap before the period is known, s: three periods at 2 Hz."""
 
@@ -64,7 +67,7 @@ class GapWatch:
 
 def longest_step_s(period_s: float) -> float:
     """Longest step that is no gap of a device with this period, s."""
-    return max(LONGEST_STEP_S, GAP_PERIODS * period_s)
+    return min(max(LONGEST_STEP_S, GAP_PERIODS * period_s), MOST_STEP_S)
 
 
 def gap_length_s(watch: GapWatch, step_s: float) -> float:

@@ -59,7 +59,7 @@ class AttitudeEstimate(NamedTuple):
     rest_probability: float
     confidence: float
     is_accepted: bool
-    correction_deg: float
+    correction_deg: float = 0.0
 
 
 class AttitudeEstimates(ResultTable):

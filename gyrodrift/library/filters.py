@@ -42,7 +42,7 @@ class Estimate(NamedTuple):
     rest_probability: float
     confidence: float
     is_accepted: bool
-    correction_deg: float
+    correction_deg: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -6,6 +6,7 @@
 
 #define GD_LONGEST_STEP_S 0.3    /* longest step that is no gap at any sample rate */
 #define GD_GAP_PERIODS 3.0       /* periods of a slow device in a step that is no gap */
+#define GD_MOST_STEP_S 3.0       /* longest step that is no gap of any device */
 #define GD_FIRST_STEP_S 1.5      /* longest step that is no gap before the period is known */
 #define GD_RATE_DPS GD_R(60.0)   /* standard deviation of the unknown rate, and its correlation time */
 #define GD_CORRELATION_S GD_R(1.0)
@@ -23,7 +24,10 @@ typedef struct {
 
 static inline double gd_longest_step_s(double period_s) {
   const double longest_s = GD_GAP_PERIODS * period_s;
-  return longest_s > GD_LONGEST_STEP_S ? longest_s : GD_LONGEST_STEP_S;
+  if (longest_s < GD_LONGEST_STEP_S) {
+    return GD_LONGEST_STEP_S;
+  }
+  return longest_s < GD_MOST_STEP_S ? longest_s : GD_MOST_STEP_S;
 }
 
 /* Length of a gap: the step of the times, or what was told if that is a usual step. */
