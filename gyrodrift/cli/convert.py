@@ -15,6 +15,7 @@ from gyrodrift.cli import inputs, options
 from gyrodrift.cli.written import samples_text, tell_written
 from gyrodrift.io.files import check_kept
 from gyrodrift.io.progress import OnProgress, counted
+from gyrodrift.session.checks.restarts import one_clock
 from gyrodrift.session.files import write_session
 from gyrodrift.session.foreign.export import write_imu, write_json
 from gyrodrift.session.foreign.read import read_foreign
@@ -74,6 +75,7 @@ def run(arguments: argparse.Namespace) -> int:
         progress.report(f"{source.name} read", 0, 0)
         session = _loaded(source, topic, arguments)
         _tell_left_out(arguments, session)
+        inputs.print_gaps(source, one_clock(session).session)
         _write(target, form, session, in_pieces(session, progress.report))
     tell_written(target, samples_text(len(session.t_device_s)), is_quiet=arguments.quiet)
     return 0

@@ -155,7 +155,7 @@ class FilterRun:
         return watch
 
     def _holding_step(self, c: Any, s: Any, t_s: float, rate_dps: float, still: float, temp_c: float) -> bool:
-        """Step of a filter without a rule for gaps: yaw is held over a gap, and the filter begins again at a restart."""
+        """Step of a filter without a rule for gaps: it holds yaw over a gap, and begins again at a restart."""
         watch, yaw_deg, step_s = self.watch, s.yaw_deg, t_s - self._t_s
         if watch.has_restarted:
             rejected, s = s.rejected, self.filter.state()
