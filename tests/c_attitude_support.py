@@ -55,7 +55,7 @@ def outputs_of(s: AttitudeState) -> tuple[float, ...]:
     heading = (s.yaw_deg, s.yaw_sigma_deg, s.bias_dps, s.bias_sigma_dps)
     rest = (s.tilt_deg, s.tilt_sigma_deg, s.rest_probability, s.confidence, s.heading_rate_dps)
     counts = (len(s.hypotheses.weight), s.samples, s.rejected, s.witness.refuted)
-    changes = (s.correction_deg, s.corrections, s.watch.gaps, s.watch.restarts)
+    changes = (s.correction_deg, s.corrections, s.watch.restarts > 0)
     return (*heading, *rest, *s.bias_xyz_dps, *s.q, *counts, s.yaw_deg, *changes)
 
 

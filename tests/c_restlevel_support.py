@@ -50,8 +50,7 @@ def outputs_of(s: RestlevelState) -> tuple[float, ...]:
     """Outputs in the order of the C program."""
     moments = (s.yaw_deg, s.yaw_sigma_deg, s.bias_dps, s.bias_sigma_dps)
     counts = (s.samples, s.rejected, s.witness.refuted, s.line.slope_dps_c)
-    changes = (s.correction_deg, s.corrections, s.watch.gaps, s.watch.restarts)
-    return (*moments, s.rest_probability, s.confidence, *counts, *changes)
+    return (*moments, s.rest_probability, s.confidence, *counts, s.correction_deg, s.corrections)
 
 
 def values_of(params: RestlevelParams) -> list[float]:

@@ -4,7 +4,7 @@
 
 #define STATE gd_attitude
 #define INPUTS 8 /* rates, accelerations, rest, and a command after the sample: 1 zero, 2 gap, 3 restarted */
-#define OUTPUTS 25
+#define OUTPUTS 24
 
 static int begin(gd_attitude *a, const double *params) {
   gd_restlevel_params p;
@@ -66,8 +66,7 @@ static void tell(const gd_attitude *a, double *output) {
   output[20] = (double)a->yaw_deg;
   output[21] = (double)a->correction_deg;
   output[22] = (double)a->corrections;
-  output[23] = (double)a->watch.gaps;
-  output[24] = (double)a->watch.restarts;
+  output[23] = (double)a->has_restarted;
 }
 
 #include "filter_driver.h"

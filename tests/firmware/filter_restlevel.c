@@ -4,7 +4,7 @@
 
 #define STATE gd_restlevel
 #define INPUTS 4 /* rate, rest, temperature, and a command after the sample: 1 zero, 2 gap, 3 restarted */
-#define OUTPUTS 14
+#define OUTPUTS 12
 
 static int begin(gd_restlevel *r, const double *params) {
   gd_restlevel_params p;
@@ -48,8 +48,6 @@ static void tell(const gd_restlevel *r, double *output) {
   output[9] = (double)r->line.slope_dps_c;
   output[10] = (double)r->correction_deg;
   output[11] = (double)r->corrections;
-  output[12] = (double)r->watch.gaps;
-  output[13] = (double)r->watch.restarts;
 }
 
 #include "filter_driver.h"

@@ -30,7 +30,7 @@ static inline int gd_attitude_init(gd_attitude *a, const gd_restlevel_params *pa
   a->accel_t_s = -1e30;
   a->accel_mps2[0] = a->accel_mps2[1] = a->accel_mps2[2] = (gd_real)NAN;
   a->witness.is_believed = 1;
-  a->watch.longest_step_s = GD_FIRST_STEP_S;
+  a->longest_step_s = GD_FIRST_STEP_S;
   a->motion.mean_force[2] = GD_ATTITUDE_GRAVITY;
   return is_valid;
 }
@@ -79,8 +79,8 @@ static inline void gd_attitude_turn(gd_attitude *a, double dt_s, const gd_real g
 /* Stores a step of yaw that is no motion, and counts it if it is large. */
 static inline void gd_attitude_count_correction(gd_attitude *a, gd_real heading_deg, int32_t turns) {
   a->correction_deg = a->heading_deg - heading_deg + GD_R(360.0) * (gd_real)(a->turns - turns);
-  if (GD_ABS(a->correction_deg) > GD_CORRECTION_DEG) {
-    gd_count(&a->corrections);
+  if (GD_ABS(a->correction_deg) > GD_CORRECTION_DEG && a->corrections < UINT16_MAX) {
+    ++a->corrections;
   }
 }
 
@@ -95,7 +95,7 @@ static inline void gd_attitude_advance(gd_attitude *a, double t_s, double dt_s, 
   if (a->samples == 0) {
     memcpy(a->gyro_dps, gyro, sizeof a->gyro_dps);
     gd_attitude_begin(a, a->accel_mps2);
-  } else if (dt_s > a->watch.longest_step_s) {
+  } else if (dt_s > a->longest_step_s) {
     gd_attitude_pass_gap(a, dt_s, gyro);
     gd_attitude_count_correction(a, heading_deg, turns);
   } else {
@@ -108,7 +108,7 @@ static inline void gd_attitude_advance(gd_attitude *a, double t_s, double dt_s, 
   if (a->block.seconds >= a->c.block_s - 1e-9 && a->block.samples >= 2) {
     heading_deg = a->heading_deg;
     turns = a->turns;
-    a->watch.longest_step_s = gd_longest_step_s(a->block.seconds / a->block.samples);
+    a->longest_step_s = gd_longest_step_s(a->block.seconds / (double)a->block.samples);
     gd_attitude_end_block(a);
     gd_attitude_count_correction(a, heading_deg, turns);
   }
@@ -118,7 +118,7 @@ static inline void gd_attitude_advance(gd_attitude *a, double t_s, double dt_s, 
    may have restarted too. */
 static inline int gd_attitude_accepts(gd_attitude *a, double t_s, double *dt_s, const gd_real gyro[3]) {
   const int is_usable = t_s - t_s >= 0.0 && gd_are_below(gyro, GD_ATTITUDE_FASTEST_DPS);
-  if (is_usable && a->watch.has_restarted && !(*dt_s > 0.0)) {
+  if (is_usable && a->longest_step_s < GD_TOLD_GAP && !(*dt_s > 0.0)) {
     *dt_s = GD_LEAST_STEP_S;
     a->accel_t_s = t_s;
   }

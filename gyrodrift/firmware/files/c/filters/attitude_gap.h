@@ -40,7 +40,7 @@ static inline void gd_attitude_reopen(gd_attitude *a) {
 
 /* Goes over a gap to a sample that comes `step_s` later with these rates. The sample then begins a block. */
 static inline void gd_attitude_pass_gap(gd_attitude *a, double step_s, const gd_real gyro[3]) {
-  const gd_real seconds = gd_gap_length_s(&a->watch, step_s);
+  const gd_real seconds = gd_gap_length_s(step_s);
   const gd_real drift_var = gd_min(a->c.walk_var * seconds, a->c.bias_sigma * a->c.bias_sigma);
   gd_real turn_var[3];
   int i, k;
@@ -61,24 +61,28 @@ static inline void gd_attitude_pass_gap(gd_attitude *a, double step_s, const gd_
   memset(&a->segment, 0, sizeof a->segment);
   memcpy(a->gyro_dps, gyro, sizeof a->gyro_dps);
   a->suspect_s = 0;
-  if (gd_count_gap(&a->watch, step_s) && a->c.bias_sigma > 0) {
-    gd_attitude_reopen(a);
+  if (gd_may_have_restarted(a->longest_step_s, step_s)) {
+    a->has_restarted = 1;
+    if (a->c.bias_sigma > 0) {
+      gd_attitude_reopen(a);
+    }
   }
+  a->longest_step_s = gd_longest_after_gap_s(a->longest_step_s, step_s);
   gd_attitude_publish(a);
   gd_attitude_next_block(&a->block, gd_attitude_at(a, 0)->bias, gd_attitude_at(a, 0)->scale);
 }
 
 /* Takes the next step as a gap, whatever its length is: samples are missing. */
 static inline void gd_attitude_gap(gd_attitude *a) {
-  if (a->samples > 0) {
-    gd_expect_gap(&a->watch, GD_UNKNOWN_S, 0);
+  if (a->samples > 0 && a->longest_step_s > GD_TOLD_GAP) {
+    a->longest_step_s = GD_TOLD_GAP;
   }
 }
 
 /* Takes the next step as a restart of the gyro: its biases are others, and the next sample may have any time. */
 static inline void gd_attitude_restarted(gd_attitude *a) {
   if (a->samples > 0) {
-    gd_expect_gap(&a->watch, GD_UNKNOWN_S, 1);
+    a->longest_step_s = GD_TOLD_RESTART;
   }
 }
 

@@ -161,8 +161,9 @@ typedef struct {
   gd_real rest_probability, confidence;
   uint32_t samples, rejected; /* accepted and refused samples */
   gd_real correction_deg;     /* step of yaw in the last sample that is no motion: a change of the estimate */
-  uint32_t corrections;       /* number of those over 1 deg */
-  gd_gap_watch watch;
+  uint16_t corrections;       /* number of those over 1 deg */
+  double longest_step_s;      /* longest step that is no gap; see gaps.h */
+  uint8_t has_restarted;      /* the bias was reopened after a gap */
   int32_t turns;             /* whole turns in yaw_deg */
   gd_real heading_deg;       /* yaw_deg without them: exact in float after thousands of turns */
   double t_s;                /* time of the last accepted sample */

@@ -15,13 +15,10 @@
 #define GD_CORRECTION_DEG GD_R(1.0) /* step of yaw without motion above which it counts as a correction */
 #define GD_UNKNOWN_S GD_R(1e9)      /* length of a gap that nobody knows */
 
-typedef struct {
-  double longest_step_s;      /* longest step that is no gap; 0 if the next step is one whatever its length */
-  gd_real told_s;             /* length of the next gap if the times do not show it */
-  uint32_t gaps, restarts;    /* gaps, and those after which the bias is in doubt */
-  uint8_t has_restarted;      /* the device has restarted before the next sample */
-} gd_gap_watch;
+#define GD_TOLD_GAP 0.0 /* longest step before a gap that is told, and before a restart */
+#define GD_TOLD_RESTART -1.0
 
+/* Longest step that is no gap of a device with this period. */
 static inline double gd_longest_step_s(double period_s) {
   const double longest_s = GD_GAP_PERIODS * period_s;
   if (longest_s < GD_LONGEST_STEP_S) {
@@ -30,9 +27,9 @@ static inline double gd_longest_step_s(double period_s) {
   return longest_s < GD_MOST_STEP_S ? longest_s : GD_MOST_STEP_S;
 }
 
-/* Length of a gap: the step of the times, or what was told if that is a usual step. */
-static inline gd_real gd_gap_length_s(const gd_gap_watch *watch, double step_s) {
-  return step_s > GD_LONGEST_STEP_S ? (gd_real)step_s : gd_max((gd_real)step_s, watch->told_s);
+/* Length of a gap: the step of the times, or unknown if that is a usual step. */
+static inline gd_real gd_gap_length_s(double step_s) {
+  return step_s > GD_LONGEST_STEP_S ? (gd_real)step_s : GD_UNKNOWN_S;
 }
 
 /* Variance of yaw that is held over a gap, deg^2; `rates_dps` is the sum of the rates before and after it. */
@@ -44,25 +41,15 @@ static inline gd_real gd_turn_var(gd_real seconds, gd_real rates_dps) {
   return gd_min(GD_CIRCLE_VAR, drift_var + turn_deg * turn_deg);
 }
 
-/* Counts a gap; whether the device may have been switched off and on in it. */
-static inline int gd_count_gap(gd_gap_watch *watch, double step_s) {
-  const int may_have_restarted = watch->has_restarted || step_s >= GD_POWER_CYCLE_S;
-  const double limit_s = watch->longest_step_s > GD_LONGEST_STEP_S ? watch->longest_step_s : GD_LONGEST_STEP_S;
-  watch->longest_step_s = gd_longest_step_s(step_s < limit_s ? step_s : limit_s);
-  watch->told_s = GD_R(0.0);
-  watch->has_restarted = 0;
-  gd_count(&watch->gaps);
-  if (may_have_restarted) {
-    gd_count(&watch->restarts);
-  }
-  return may_have_restarted;
+/* Whether the device may have been switched off and on in a gap before which this was the longest step. */
+static inline int gd_may_have_restarted(double longest_s, double step_s) {
+  return longest_s < GD_TOLD_GAP || step_s >= GD_POWER_CYCLE_S;
 }
 
-/* Takes the next step as a gap of some seconds, whatever the times are; or as a restart, with any time. */
-static inline void gd_expect_gap(gd_gap_watch *watch, gd_real seconds, int has_restarted) {
-  watch->longest_step_s = 0.0;
-  watch->told_s = gd_max(watch->told_s, seconds);
-  watch->has_restarted = watch->has_restarted || has_restarted;
+/* Longest step after a gap: the device may send fewer samples from now on. */
+static inline double gd_longest_after_gap_s(double longest_s, double step_s) {
+  const double limit_s = longest_s > GD_LONGEST_STEP_S ? longest_s : GD_LONGEST_STEP_S;
+  return gd_longest_step_s(step_s < limit_s ? step_s : limit_s);
 }
 
 #endif

@@ -41,7 +41,7 @@ static inline int gd_restlevel_init(gd_restlevel *s, const gd_restlevel_params *
   s->noise.sample_var = s->noise.last_block_var = s->noise.resolution_dps = s->noise.angle_walk_var = GD_R(-1.0);
   s->segment.sensor_odds = s->ended.sensor_odds = GD_R(1.0);
   s->ended.blocks_ago = GD_NEVER;
-  s->watch.longest_step_s = GD_FIRST_STEP_S;
+  s->longest_step_s = GD_FIRST_STEP_S;
   s->wander.step_dps = GD_UNKNOWN_STEP_DPS;
 #if GD_RESTLEVEL_AUXILIARY
   s->temp_c = s->line.temp_c = s->line.rest_c = GD_UNKNOWN_C;
@@ -94,8 +94,8 @@ static inline gd_real gd_rl_expected_deg(const gd_restlevel *s) {
 /* Stores a step of yaw that is no motion, and counts it if it is large. */
 static inline void gd_rl_count_correction(gd_restlevel *s, gd_real base_deg, gd_real expected_deg) {
   s->correction_deg = s->moments.yaw_deg - expected_deg + (s->base_deg - base_deg);
-  if (GD_ABS(s->correction_deg) > GD_CORRECTION_DEG) {
-    gd_count(&s->corrections);
+  if (GD_ABS(s->correction_deg) > GD_CORRECTION_DEG && s->corrections < UINT16_MAX) {
+    ++s->corrections;
   }
 }
 
@@ -107,7 +107,7 @@ static inline void gd_rl_advance(gd_restlevel *s, double dt_s, gd_real rate_dps)
     s->start_yaw_deg = s->yaw_deg;
     s->rate_dps = rate_dps;
     gd_rl_begin(s, s->yaw_deg);
-  } else if (dt_s > s->watch.longest_step_s) {
+  } else if (dt_s > s->longest_step_s) {
     const gd_real expected_deg = gd_rl_expected_deg(s);
     gd_rl_pass_gap(s, dt_s, rate_dps);
     gd_rl_count_correction(s, base_deg, expected_deg);
@@ -125,7 +125,7 @@ static inline void gd_rl_advance(gd_restlevel *s, double dt_s, gd_real rate_dps)
 /* Whether a sample is taken; else it is counted. `dt_s` is the step from the sample before; after a restart the clock
    may have restarted too. */
 static inline int gd_rl_accepts(gd_restlevel *s, double t_s, double *dt_s, gd_real rate_dps) {
-  if (s->watch.has_restarted && !(*dt_s >= GD_LEAST_STEP_S)) {
+  if (s->longest_step_s < GD_TOLD_GAP && !(*dt_s >= GD_LEAST_STEP_S)) {
     *dt_s = GD_LEAST_STEP_S;
   }
   if (gd_is_within(t_s, rate_dps) && (s->samples == 0 || *dt_s >= GD_LEAST_STEP_S)) {

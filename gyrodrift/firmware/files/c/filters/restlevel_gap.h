@@ -26,7 +26,7 @@ static inline void gd_rl_forget_block(gd_restlevel *s, double step_s, gd_real se
 
 /* Goes over a gap to a sample that comes `step_s` later with this rate. The sample then begins a block. */
 static inline void gd_rl_pass_gap(gd_restlevel *s, double step_s, gd_real rate_dps) {
-  const gd_real seconds = gd_gap_length_s(&s->watch, step_s), block_s = (gd_real)s->block.seconds;
+  const gd_real seconds = gd_gap_length_s(step_s), block_s = (gd_real)s->block.seconds;
   const gd_real gap_var = gd_turn_var(seconds, s->rate_dps + rate_dps - GD_R(2.0) * s->bias_dps);
   const gd_real ramp_dps = s->c.rate_ramp_dps_s * gd_min(seconds, GD_MAX_RAMP_S);
   const gd_real drift_var =
@@ -44,23 +44,24 @@ static inline void gd_rl_pass_gap(gd_restlevel *s, double step_s, gd_real rate_d
   s->travelled_deg += GD_ABS(s->block.angle_deg - s->bias_dps * block_s);
   gd_rl_forget_block(s, step_s, seconds);
   gd_rl_collapse(s);
-  if (gd_count_gap(&s->watch, step_s) && s->c.turn_on_var > GD_R(0.0)) {
+  if (gd_may_have_restarted(s->longest_step_s, step_s) && s->c.turn_on_var > GD_R(0.0)) {
     gd_rl_reopen(s);
   }
+  s->longest_step_s = gd_longest_after_gap_s(s->longest_step_s, step_s);
   s->rate_dps = rate_dps;
 }
 
 /* Takes the next step as a gap, whatever its length is: samples are missing. */
 static inline void gd_restlevel_gap(gd_restlevel *s) {
-  if (s->samples > 0) {
-    gd_expect_gap(&s->watch, GD_UNKNOWN_S, 0);
+  if (s->samples > 0 && s->longest_step_s > GD_TOLD_GAP) {
+    s->longest_step_s = GD_TOLD_GAP;
   }
 }
 
 /* Takes the next step as a restart of the gyro: its bias is another one, and the next sample may have any time. */
 static inline void gd_restlevel_restarted(gd_restlevel *s) {
   if (s->samples > 0) {
-    gd_expect_gap(&s->watch, GD_UNKNOWN_S, 1);
+    s->longest_step_s = GD_TOLD_RESTART;
   }
 }
 

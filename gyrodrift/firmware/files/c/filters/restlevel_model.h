@@ -60,15 +60,14 @@ typedef struct {
   gd_real rest_probability, confidence;
   uint32_t samples, rejected;
   gd_real correction_deg; /* step of yaw in the last sample that is no motion: a change of the estimate */
-  uint32_t corrections;   /* number of those over 1 deg */
+  uint16_t corrections;   /* number of those over 1 deg */
 
   union { /* time of the last sample, by the clock in use */
     double t_s;
     uint32_t t_us;
   };
-  gd_gap_watch watch;
+  double longest_step_s; /* longest step that is no gap; see gaps.h */
   gd_rl_block block;
-  uint32_t blocks;
   gd_real rate_dps;
   gd_real base_deg; /* with floats, yaw is kept near 0; this is the angle subtracted so far */
   gd_real start_yaw_deg, travelled_deg;
@@ -90,7 +89,8 @@ typedef struct {
   gd_rl_witness witness;
 #endif
   gd_rl_hypothesis hypotheses[GD_RL_STORED]; /* `stored` of them, in the order of their slots */
-  uint8_t stored;
+  uint8_t stored : 4;
+  uint8_t blocks : 4; /* complete blocks, up to 15 */
 } gd_restlevel;
 
 #endif
