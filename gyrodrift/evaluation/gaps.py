@@ -12,7 +12,7 @@ NAMED = 3
 
 
 def gaps_text(session: Session) -> str:
-    """What a person must know about the gaps of a session on one clock; empty without any."""
+    """Sentence about the gaps of a session on one clock; empty without any."""
     steps_s = np.diff(session.t_device_s)
     forward_s = steps_s[(steps_s > 0.0) & np.isfinite(steps_s)]
     if not len(forward_s):
@@ -34,5 +34,5 @@ def _gaps(begins_s: list[float], lengths_s: list[float]) -> Iterator[str]:
 
 def _restarts(restarts_s: tuple[float, ...]) -> Iterator[str]:
     if restarts_s:
-        more = f" and {len(restarts_s) - 1} times more" if len(restarts_s) > 1 else ""
-        yield f"a gap of unknown length at the restart of its clock at {restarts_s[0]:.6g} s{more}"
+        later = f" and {len(restarts_s) - 1} times later" if len(restarts_s) > 1 else ""
+        yield f"a gap of unknown length at the restart of its clock at {restarts_s[0]:.6g} s{later}"

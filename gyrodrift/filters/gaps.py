@@ -46,7 +46,7 @@ UNKNOWN_S = 1e9
 
 @dataclass(slots=True)
 class GapWatch:
-    """What tells a gap from a step.
+    """Limit that tells a gap from a step, and counts.
 
     longest_step_s
         Longest step that is no gap, s; 0 if the next step is one whatever its length.

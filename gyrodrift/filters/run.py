@@ -47,7 +47,7 @@ class FilterRun:
     three_axes
         The three-axis version in use; None on one axis.
     watch
-        What tells a gap from a step for a filter that does not itself.
+        Limit that tells a gap from a step for a filter that does not itself.
     """
 
     filter: Filter

@@ -136,7 +136,7 @@ class HeadingState:
 
     @property
     def watch(self) -> GapWatch:
-        """What tells a gap from a step."""
+        """Limit that tells a gap from a step."""
         return self.attitude.watch
 
     @property

@@ -127,8 +127,8 @@ class DriftFilter:
     def gap(self) -> None:
         """Hold yaw over the next step: samples are missing before the next one, whatever its time is.
 
-        The uncertainty of yaw grows by what a device may turn in the step, or by a whole circle if the step is as short
-        as the others. A step that is much longer than the others is a gap in any case.
+        The uncertainty of yaw grows by what a device may turn in the step. If the step is as short as the others, it
+        grows to a whole circle. A step that is much longer than the others is a gap in any case.
         """
         self._run.gap()
 

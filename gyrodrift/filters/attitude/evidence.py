@@ -64,8 +64,8 @@ def weigh(
 ) -> RestEvidence:
     """Densities of a candidate's rates for hypothesis i.
 
-    up is the vertical (3) in the sensor, variance (3, 3) that of the mean rates as a measurement, (rad/s)², and
-    turn_on_bias (3) the mean of the prior of an unknown bias, rad/s.
+    up is the vertical (3) in the sensor, and variance (3, 3) that of the mean rates as a measurement, (rad/s)².
+    turn_on_bias (3) is the mean of the prior of an unknown bias, rad/s.
     """
     basis = level_basis(up)
     rate, off = basis @ m.gyro / RAD, basis @ (m.gyro - h.bias[i]) / RAD

@@ -102,7 +102,7 @@ class AttitudeState:
     correction_deg, corrections
         Step of yaw in the last sample that is no motion, deg: a change of the estimate. Number of those over 1 deg.
     watch
-        What tells a gap from a step.
+        Limit that tells a gap from a step.
     start_q, start_yaw_deg
         Output attitude and yaw at the beginning of the block.
     block, windows, segment, hypotheses, witness

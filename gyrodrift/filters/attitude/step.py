@@ -72,10 +72,10 @@ def step(
     if still == still:  # noqa: PLR0124 - not NaN
         hear(s, still)
     if s.block.seconds >= c.block_s - 1e-9 and s.block.samples >= 2:
-        turned_deg = s.yaw_deg
+        before_deg = s.yaw_deg
         s.watch.longest_step_s = longest_step_s(s.block.seconds / s.block.samples)
         end_block(c, s, integrals(s.block))
-        _count_correction(s, s.yaw_deg - turned_deg)
+        _count_correction(s, s.yaw_deg - before_deg)
     return True
 
 

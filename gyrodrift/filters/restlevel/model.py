@@ -146,7 +146,7 @@ class RestlevelState:
     blocks
         Number of complete blocks.
     watch
-        What tells a gap from a step.
+        Limit that tells a gap from a step.
     witness
         External rest sensor.
     remembered, recalled, sure, line
