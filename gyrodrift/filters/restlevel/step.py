@@ -113,7 +113,6 @@ def advance(
 ) -> None:
     """Advance the state by a valid sample, `dt_s` after the sample before; 0 for the first sample."""
     block, noise, moments = s.block, s.noise, s.moments
-    s.correction_deg = 0.0
     if s.samples == 0:
         s.start_yaw_deg = s.yaw_deg
         s.rate_dps = rate_dps
@@ -132,6 +131,8 @@ def advance(
         noise.resolution_dps = step_dps
     if block.samples == 0:
         block.origin_dps = rate_dps
+        if dt_s > 0.0:  # no gap: the correction was that of the sample before
+            s.correction_deg = 0.0
     above_dps = rate_dps - block.origin_dps
     seconds = block.seconds + dt_s
     block.seconds = seconds
