@@ -1,34 +1,29 @@
 """A gap in the samples of restlevel: yaw is held, and nothing of the present block or segment goes on after it."""
 
 from gyrodrift.filters.gaps import count_gap, gap_length_s, turn_var
-from gyrodrift.filters.restlevel.hypotheses import reopen, turn
+from gyrodrift.filters.restlevel.hypotheses import forget_segments, predict, reopen
 from gyrodrift.filters.restlevel.kalman import MAX_RAMP_S, RAMP_PROBABILITY
 from gyrodrift.filters.restlevel.mixture import collapse
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelState
-from gyrodrift.filters.restlevel.rate_state import NEVER
 
 
 def pass_gap(c: RestlevelCoefficients, s: RestlevelState, step_s: float, rate_dps: float) -> None:
     """Go over a gap to a sample that comes `step_s` later with this rate, deg/s. The sample then begins a block."""
-    block, noise = s.block, s.noise
+    block = s.block
     seconds = gap_length_s(s.watch, step_s)
     gap_var = turn_var(seconds, s.rate_dps + rate_dps - 2.0 * s.bias_dps)
     ramp_dps = c.rate_ramp_dps_s * min(seconds, MAX_RAMP_S)
     drift_var = min(c.rate_walk_var * seconds, c.turn_on_var) + RAMP_PROBABILITY * ramp_dps * ramp_dps
+    predict(c, s, block.angle_deg, block.seconds)
     for h in s.hypotheses:
-        if h.weight == 0.0:
-            continue
-        if not h.is_at_rest:
-            turn(h, block.angle_deg, block.seconds, max(0.0, noise.angle_walk_var))
         h.is_at_rest = h.was_at_rest = False
         h.yaw_var += gap_var
         h.bias_var += drift_var
     s.travelled_deg += abs(block.angle_deg - s.bias_dps * block.seconds)
     s.lived_s += block.seconds + step_s
-    s.segment.blocks = 0
-    s.ended.blocks_ago, s.ended.short_start_blocks, s.ended.ended_gradually = NEVER, 0, False
-    s.wander.was_stationary = noise.is_frozen = False
-    s.sure.seconds = noise.frozen_deg = 0.0
+    forget_segments(s)
+    s.noise.is_frozen = False
+    s.sure.seconds = s.noise.frozen_deg = 0.0
     s.witness.since_s += seconds
     s.witness.was_certain, s.witness.still, s.witness.moving, s.witness.agreeing_blocks = False, 0, 0, 0
     block.seconds = block.angle_deg = block.sum_dps = block.sum_squares = 0.0

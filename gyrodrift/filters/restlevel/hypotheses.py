@@ -44,12 +44,17 @@ def restart(c: RestlevelCoefficients, s: RestlevelState) -> None:
     begin(c, s)
     forget_noise(s.noise)
     forget_levels(s.wander)
-    _forget_segments(s)
+    forget_turns(s.turns)
+    forget_segments(s)
+    s.blocks = 0
     s.sure.seconds, s.sure.rests, s.sure.has_first = 0.0, 0, False
 
 
 def reopen(c: RestlevelCoefficients, s: RestlevelState) -> None:
-    """Give the bias its turn-on prior around the last estimate. Yaw, its variance and the noise of the sensor stay."""
+    """Give the bias its turn-on prior around the last estimate. Yaw, its variance and the noise of the sensor stay.
+
+    The next segment may be one from the start.
+    """
     bias_dps, yaw_var = s.bias_dps, s.moments.yaw_var
     s.yaw_deg = s.moments.yaw_deg
     for h in s.hypotheses:
@@ -59,14 +64,14 @@ def reopen(c: RestlevelCoefficients, s: RestlevelState) -> None:
         if h.weight > 0.0:
             h.bias_dps, h.yaw_var = bias_dps, yaw_var
     collapse(s)
-    _forget_segments(s)
-
-
-def _forget_segments(s: RestlevelState) -> None:
-    """Forget segments and mean rates: the next segment may be one from the start."""
     forget_turns(s.turns)
+    s.blocks = 0
+
+
+def forget_segments(s: RestlevelState) -> None:
+    """Forget the present and the last segment."""
     s.wander.was_stationary = False
-    s.segment.blocks = s.blocks = 0
+    s.segment.blocks = 0
     s.ended.blocks_ago, s.ended.short_start_blocks, s.ended.ended_gradually = NEVER, 0, False
 
 
@@ -135,20 +140,16 @@ def weigh_noisy_rests(s: RestlevelState) -> None:
 
 def predict(c: RestlevelCoefficients, s: RestlevelState, angle_deg: float, seconds: float) -> None:
     """Predict a block: yaw turns in hypotheses of motion, and the bias follows its random walk."""
+    angle_walk_var = max(0.0, s.noise.angle_walk_var)  # unknown in the first block
     for h in s.hypotheses:
         if h.weight == 0.0:
             continue
         if not h.is_at_rest:
-            turn(h, angle_deg, seconds, s.noise.angle_walk_var)
+            h.yaw_deg += angle_deg - h.bias_dps * seconds
+            h.yaw_var += seconds * (h.bias_var * seconds - 2.0 * h.covariance + angle_walk_var)
+            h.covariance -= h.bias_var * seconds
+            h.moving_s += seconds
         h.bias_var += c.rate_walk_var * seconds
-
-
-def turn(h: Hypothesis, angle_deg: float, seconds: float, angle_walk_var: float) -> None:
-    """Turn the yaw of a hypothesis by the measured angle of some seconds without its bias."""
-    h.yaw_deg += angle_deg - h.bias_dps * seconds
-    h.yaw_var += seconds * (h.bias_var * seconds - 2.0 * h.covariance + angle_walk_var)
-    h.covariance -= h.bias_var * seconds
-    h.moving_s += seconds
 
 
 def branch(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:

@@ -94,7 +94,7 @@ static inline gd_real gd_rl_expected_deg(const gd_restlevel *s) {
 /* Stores a step of yaw that is no motion, and counts it if it is large. */
 static inline void gd_rl_count_correction(gd_restlevel *s, gd_real base_deg, gd_real expected_deg) {
   s->correction_deg = s->moments.yaw_deg - expected_deg + (s->base_deg - base_deg);
-  if (GD_ABS(s->correction_deg) > GD_CORRECTION_DEG && s->corrections < UINT16_MAX) {
+  if (GD_ABS(s->correction_deg) > GD_CORRECTION_DEG && s->corrections < UINT8_MAX) {
     ++s->corrections;
   }
 }

@@ -6,11 +6,8 @@
 
 /* Ends the block and the segment; nothing of them goes on after the gap. */
 static inline void gd_rl_forget_block(gd_restlevel *s, double step_s, gd_real seconds) {
-  s->segment.blocks = 0;
-  s->ended.blocks_ago = GD_NEVER;
-  s->ended.short_start_blocks = 0;
-  s->ended.ended_gradually = 0;
-  s->wander.was_stationary = s->noise.is_frozen = 0;
+  gd_rl_forget_segments(s);
+  s->noise.is_frozen = 0;
   s->noise.frozen_deg = GD_R(0.0);
 #if GD_RESTLEVEL_AUXILIARY
   s->lived_s += s->block.seconds + step_s;
@@ -32,11 +29,9 @@ static inline void gd_rl_pass_gap(gd_restlevel *s, double step_s, gd_real rate_d
   const gd_real drift_var =
       gd_min(s->c.rate_walk_var * seconds, s->c.turn_on_var) + GD_RAMP_PROBABILITY * ramp_dps * ramp_dps;
   uint8_t k;
+  gd_rl_predict(s, s->block.angle_deg, block_s);
   for (k = 0; k < s->stored; ++k) {
     gd_rl_hypothesis *h = &s->hypotheses[k];
-    if (!h->is_at_rest) {
-      gd_rl_turn(h, s->block.angle_deg, block_s, gd_max(GD_R(0.0), s->noise.angle_walk_var));
-    }
     h->is_at_rest = h->was_at_rest = 0;
     h->yaw_var += gap_var;
     h->bias_var += drift_var;

@@ -58,11 +58,10 @@ static inline void gd_rl_begin(gd_restlevel *s, gd_real yaw_deg) {
   gd_rl_collapse(s);
 }
 
-/* Forgets segments and mean rates: the next segment may be one from the start. */
+/* Forgets the present and the last segment. */
 static inline void gd_rl_forget_segments(gd_restlevel *s) {
-  gd_rl_forget_turns(&s->turns);
   s->wander.was_stationary = 0;
-  s->segment.blocks = s->blocks = 0;
+  s->segment.blocks = 0;
   s->ended.blocks_ago = GD_NEVER;
   s->ended.short_start_blocks = 0;
   s->ended.ended_gradually = 0;
@@ -73,13 +72,16 @@ static inline void gd_rl_restart(gd_restlevel *s) {
   gd_rl_begin(s, s->moments.yaw_deg);
   gd_rl_forget_noise(&s->noise);
   gd_rl_forget_levels(&s->wander);
+  gd_rl_forget_turns(&s->turns);
   gd_rl_forget_segments(s);
+  s->blocks = 0;
 #if GD_RESTLEVEL_AUXILIARY
   s->sure_s = 0.0;
 #endif
 }
 
-/* Gives the bias its turn-on prior around the last estimate. Yaw, its variance and the noise of the sensor stay. */
+/* Gives the bias its turn-on prior around the last estimate. Yaw, its variance and the noise of the sensor stay. The
+   next segment may be one from the start. */
 static inline void gd_rl_reopen(gd_restlevel *s) {
   const gd_real bias_dps = s->bias_dps, yaw_var = s->moments.yaw_var;
   uint8_t k;
@@ -90,7 +92,8 @@ static inline void gd_rl_reopen(gd_restlevel *s) {
     s->hypotheses[k].yaw_var = yaw_var;
   }
   gd_rl_collapse(s);
-  gd_rl_forget_segments(s);
+  gd_rl_forget_turns(&s->turns);
+  s->blocks = 0;
 }
 
 /* Stores the yaw of each hypothesis where a segment may begin. */
@@ -140,21 +143,17 @@ static inline void gd_rl_weigh_noisy_rests(gd_restlevel *s) {
   gd_rl_normalise(s);
 }
 
-/* Turns the yaw of a hypothesis by the measured angle of some seconds without its bias. */
-static inline void gd_rl_turn(gd_rl_hypothesis *h, gd_real angle_deg, gd_real seconds, gd_real angle_walk_var) {
-  h->yaw_deg += angle_deg - h->bias_dps * seconds;
-  h->yaw_var += seconds * (h->bias_var * seconds - GD_R(2.0) * h->covariance + angle_walk_var);
-  h->covariance -= h->bias_var * seconds;
-  h->moving_s += seconds;
-}
-
 /* Predicts a block: yaw turns in hypotheses of motion, and the bias follows its random walk. */
 static inline void gd_rl_predict(gd_restlevel *s, gd_real angle_deg, gd_real seconds) {
+  const gd_real angle_walk_var = gd_max(GD_R(0.0), s->noise.angle_walk_var); /* unknown in the first block */
   uint8_t k;
   for (k = 0; k < s->stored; ++k) {
     gd_rl_hypothesis *h = &s->hypotheses[k];
     if (!h->is_at_rest) {
-      gd_rl_turn(h, angle_deg, seconds, s->noise.angle_walk_var);
+      h->yaw_deg += angle_deg - h->bias_dps * seconds;
+      h->yaw_var += seconds * (h->bias_var * seconds - GD_R(2.0) * h->covariance + angle_walk_var);
+      h->covariance -= h->bias_var * seconds;
+      h->moving_s += seconds;
     }
     h->bias_var += s->c.rate_walk_var * seconds;
   }

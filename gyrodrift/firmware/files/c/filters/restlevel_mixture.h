@@ -131,7 +131,7 @@ static inline void gd_rl_close_gaps(gd_restlevel *s) {
       ++kept;
     }
   }
-  s->stored = (uint8_t)(kept & 15);
+  s->stored = kept;
 }
 
 static inline void gd_rl_merge_and_prune(gd_restlevel *s) {

@@ -60,7 +60,7 @@ typedef struct {
   gd_real rest_probability, confidence;
   uint32_t samples, rejected;
   gd_real correction_deg; /* step of yaw in the last sample that is no motion: a change of the estimate */
-  uint16_t corrections;   /* number of those over 1 deg */
+  uint8_t corrections;    /* number of those over 1 deg, up to 255 */
 
   union { /* time of the last sample, by the clock in use */
     double t_s;
@@ -89,8 +89,8 @@ typedef struct {
   gd_rl_witness witness;
 #endif
   gd_rl_hypothesis hypotheses[GD_RL_STORED]; /* `stored` of them, in the order of their slots */
-  uint8_t stored : 4;
-  uint8_t blocks : 4; /* complete blocks, up to 15 */
+  uint8_t stored;
+  uint8_t blocks; /* complete blocks, up to 255 */
 } gd_restlevel;
 
 #endif

@@ -114,7 +114,7 @@ static inline gd_real gd_rl_scatter_var(const gd_restlevel *s) {
 /* Updates the range of block means, the agreement of levels and the segment by the present block. */
 static inline void gd_rl_take_mean(gd_restlevel *s, int is_stationary, gd_real mean_dps, gd_real seconds) {
   gd_rl_segment *segment = &s->segment;
-  if (s->blocks < 15) {
+  if (s->blocks < UINT8_MAX) {
     ++s->blocks;
   }
   if (s->blocks <= 2) { /* switching on may disturb the first block */
