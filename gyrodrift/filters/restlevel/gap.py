@@ -19,13 +19,9 @@ def pass_gap(c: RestlevelCoefficients, s: RestlevelState, step_s: float, rate_dp
         h.is_at_rest = h.was_at_rest = False
         h.yaw_var += gap_var
         h.bias_var += drift_var
-    s.travelled_deg += abs(block.angle_deg - s.bias_dps * block.seconds)
     s.lived_s += block.seconds + step_s
     forget_segments(s)
-    s.noise.is_frozen = False
-    s.sure.seconds = s.noise.frozen_deg = 0.0
-    s.witness.since_s += seconds
-    s.witness.was_certain, s.witness.still, s.witness.moving, s.witness.agreeing_blocks = False, 0, 0, 0
+    s.witness.was_certain, s.witness.still, s.witness.moving = False, 0, 0
     block.seconds = block.angle_deg = block.sum_dps = block.sum_squares = 0.0
     block.samples = 0
     collapse(s)

@@ -129,9 +129,10 @@ def advance(
     step_dps = abs(rate_dps - s.rate_dps)
     if step_dps > 0.0 and (step_dps < noise.resolution_dps or noise.resolution_dps < 0.0):
         noise.resolution_dps = step_dps
-    if block.samples == 0:
-        block.origin_dps = rate_dps
-        if dt_s > 0.0:  # no gap: the correction was that of the sample before
+    if block.samples < 2:
+        if block.samples == 0:
+            block.origin_dps = rate_dps
+        if dt_s > 0.0:  # no gap: the correction is that of the sample before
             s.correction_deg = 0.0
     above_dps = rate_dps - block.origin_dps
     seconds = block.seconds + dt_s

@@ -36,7 +36,7 @@ static inline gd_real gd_gap_length_s(double step_s) {
 static inline gd_real gd_turn_var(gd_real seconds, gd_real rates_dps) {
   const gd_real decay = GD_EXP(-seconds / GD_CORRELATION_S);
   const gd_real lag_s = GD_CORRELATION_S * (GD_R(1.0) - decay) / (GD_R(1.0) + decay);
-  const gd_real turn_deg = gd_max(GD_R(-1e15), gd_min(lag_s * rates_dps, GD_R(1e15))); /* its square is finite */
+  const gd_real turn_deg = lag_s * rates_dps;
   const gd_real drift_var = GD_R(2.0) * GD_RATE_DPS * GD_RATE_DPS * GD_CORRELATION_S * (seconds - GD_R(2.0) * lag_s);
   return gd_min(GD_CIRCLE_VAR, drift_var + turn_deg * turn_deg);
 }

@@ -51,11 +51,16 @@ static inline int gd_restlevel_init(gd_restlevel *s, const gd_restlevel_params *
   return is_valid;
 }
 
+/* Yaw at the last sample by the estimates of the beginning of the block, without `base_deg`. */
+static inline gd_real gd_rl_expected_deg(const gd_restlevel *s) {
+  return s->moments.yaw_deg + s->block.angle_deg - s->bias_dps * (gd_real)s->block.seconds;
+}
+
 /* Sets yaw and its sigma after a sample, part way through a block. */
 static inline void gd_rl_set_yaw(gd_restlevel *s) {
   const gd_rl_moments *m = &s->moments;
   const gd_real seconds = (gd_real)s->block.seconds;
-  const gd_real yaw_deg = m->yaw_deg + s->block.angle_deg - s->bias_dps * seconds;
+  const gd_real yaw_deg = gd_rl_expected_deg(s);
   const gd_real net_deg = yaw_deg - s->start_yaw_deg;
   const gd_real scale_var =
       s->c.scale_sigma * s->c.scale_sigma * (net_deg * net_deg + GD_TURN_DEG * s->travelled_deg);
@@ -86,11 +91,6 @@ static inline void gd_rl_add_sample(gd_restlevel *s, double dt_s, gd_real rate_d
   gd_count(&s->samples);
 }
 
-/* Yaw at the last sample by the estimates of the beginning of the block, without `base_deg`. */
-static inline gd_real gd_rl_expected_deg(const gd_restlevel *s) {
-  return s->moments.yaw_deg + s->block.angle_deg - s->bias_dps * (gd_real)s->block.seconds;
-}
-
 /* Stores a step of yaw that is no motion, and counts it if it is large. */
 static inline void gd_rl_count_correction(gd_restlevel *s, gd_real base_deg, gd_real expected_deg) {
   s->correction_deg = s->moments.yaw_deg - expected_deg + (s->base_deg - base_deg);
@@ -102,21 +102,26 @@ static inline void gd_rl_count_correction(gd_restlevel *s, gd_real base_deg, gd_
 /* Advances the state by a valid sample, `dt_s` after the sample before; 0 for the first. */
 static inline void gd_rl_advance(gd_restlevel *s, double dt_s, gd_real rate_dps) {
   const gd_real base_deg = s->base_deg;
+  gd_real expected_deg = GD_R(0.0);
+  int has_changed = 0;
   s->correction_deg = GD_R(0.0);
   if (s->samples == 0) {
     s->start_yaw_deg = s->yaw_deg;
     s->rate_dps = rate_dps;
     gd_rl_begin(s, s->yaw_deg);
   } else if (dt_s > s->longest_step_s) {
-    const gd_real expected_deg = gd_rl_expected_deg(s);
+    expected_deg = gd_rl_expected_deg(s);
     gd_rl_pass_gap(s, dt_s, rate_dps);
-    gd_rl_count_correction(s, base_deg, expected_deg);
+    has_changed = 1;
     dt_s = 0.0;
   }
   gd_rl_add_sample(s, dt_s, rate_dps);
   if (s->block.seconds >= s->c.window_s && s->block.samples >= GD_MIN_BLOCK_SAMPLES) {
-    const gd_real expected_deg = gd_rl_expected_deg(s);
+    expected_deg = gd_rl_expected_deg(s);
     gd_rl_end_block(s);
+    has_changed = 1;
+  }
+  if (has_changed) {
     gd_rl_count_correction(s, base_deg, expected_deg);
   }
   gd_rl_set_yaw(s);

@@ -5,39 +5,33 @@
 #include "restlevel_block.h"
 
 /* Ends the block and the segment; nothing of them goes on after the gap. */
-static inline void gd_rl_forget_block(gd_restlevel *s, double step_s, gd_real seconds) {
+static inline void gd_rl_forget_block(gd_restlevel *s, double step_s) {
   gd_rl_forget_segments(s);
-  s->noise.is_frozen = 0;
-  s->noise.frozen_deg = GD_R(0.0);
 #if GD_RESTLEVEL_AUXILIARY
   s->lived_s += s->block.seconds + step_s;
-  s->sure_s = 0.0;
-  s->witness.since_s += seconds;
   s->witness.was_certain = s->witness.has_moved = s->witness.has_silence = 0;
-  s->witness.agreeing_blocks = 0;
 #else
-  (void)step_s, (void)seconds;
+  (void)step_s;
 #endif
   memset(&s->block, 0, sizeof s->block);
 }
 
 /* Goes over a gap to a sample that comes `step_s` later with this rate. The sample then begins a block. */
 static inline void gd_rl_pass_gap(gd_restlevel *s, double step_s, gd_real rate_dps) {
-  const gd_real seconds = gd_gap_length_s(step_s), block_s = (gd_real)s->block.seconds;
+  const gd_real seconds = gd_gap_length_s(step_s);
   const gd_real gap_var = gd_turn_var(seconds, s->rate_dps + rate_dps - GD_R(2.0) * s->bias_dps);
   const gd_real ramp_dps = s->c.rate_ramp_dps_s * gd_min(seconds, GD_MAX_RAMP_S);
   const gd_real drift_var =
       gd_min(s->c.rate_walk_var * seconds, s->c.turn_on_var) + GD_RAMP_PROBABILITY * ramp_dps * ramp_dps;
   uint8_t k;
-  gd_rl_predict(s, s->block.angle_deg, block_s);
+  gd_rl_predict(s, s->block.angle_deg, (gd_real)s->block.seconds);
   for (k = 0; k < s->stored; ++k) {
     gd_rl_hypothesis *h = &s->hypotheses[k];
     h->is_at_rest = h->was_at_rest = 0;
     h->yaw_var += gap_var;
     h->bias_var += drift_var;
   }
-  s->travelled_deg += GD_ABS(s->block.angle_deg - s->bias_dps * block_s);
-  gd_rl_forget_block(s, step_s, seconds);
+  gd_rl_forget_block(s, step_s);
   gd_rl_collapse(s);
   if (gd_may_have_restarted(s->longest_step_s, step_s) && s->c.turn_on_var > GD_R(0.0)) {
     gd_rl_reopen(s);
