@@ -134,6 +134,11 @@ static inline int gd_rl_accepts(gd_restlevel *s, double t_s, double *dt_s, gd_re
     *dt_s = GD_LEAST_STEP_S;
   }
   if (gd_is_within(t_s, rate_dps) && (s->samples == 0 || *dt_s >= GD_LEAST_STEP_S)) {
+#if GD_RESTLEVEL_AUXILIARY
+    if (*dt_s > s->longest_step_s) { /* the sample begins a block, of which the rest sensor has said nothing yet */
+      s->witness.has_moved = s->witness.has_silence = 0;
+    }
+#endif
     return 1;
   }
   gd_count(&s->rejected);

@@ -9,7 +9,7 @@ static inline void gd_rl_forget_block(gd_restlevel *s, double step_s) {
   gd_rl_forget_segments(s);
 #if GD_RESTLEVEL_AUXILIARY
   s->lived_s += s->block.seconds + step_s;
-  s->witness.was_certain = s->witness.has_moved = s->witness.has_silence = 0;
+  s->witness.was_certain = 0;
 #else
   (void)step_s;
 #endif
