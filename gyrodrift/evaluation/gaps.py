@@ -13,7 +13,8 @@ NAMED = 3
 
 def gaps_text(session: Session) -> str:
     """Sentence about the gaps of a session on one clock; empty without any."""
-    steps_s = np.diff(session.t_device_s)
+    with np.errstate(over="ignore", invalid="ignore"):  # a file may have any times
+        steps_s = np.diff(session.t_device_s)
     forward_s = steps_s[(steps_s > 0.0) & np.isfinite(steps_s)]
     if not len(forward_s):
         return ""
