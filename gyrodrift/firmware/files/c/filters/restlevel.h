@@ -109,12 +109,15 @@ static inline void gd_rl_advance(gd_restlevel *s, double dt_s, gd_real rate_dps)
     s->start_yaw_deg = s->yaw_deg;
     s->rate_dps = rate_dps;
     gd_rl_begin(s, s->yaw_deg);
-  } else if (dt_s > s->longest_step_s) {
+  }
+#if GD_RESTLEVEL_GAPS
+  if (s->samples > 0 && dt_s > s->longest_step_s) {
     expected_deg = gd_rl_expected_deg(s);
     gd_rl_pass_gap(s, dt_s, rate_dps);
     has_changed = 1;
     dt_s = 0.0;
   }
+#endif
   gd_rl_add_sample(s, dt_s, rate_dps);
   if (s->block.seconds >= s->c.window_s && s->block.samples >= GD_MIN_BLOCK_SAMPLES) {
     expected_deg = gd_rl_expected_deg(s);
@@ -134,7 +137,7 @@ static inline int gd_rl_accepts(gd_restlevel *s, double t_s, double *dt_s, gd_re
     *dt_s = GD_LEAST_STEP_S;
   }
   if (gd_is_within(t_s, rate_dps) && (s->samples == 0 || *dt_s >= GD_LEAST_STEP_S)) {
-#if GD_RESTLEVEL_AUXILIARY
+#if GD_RESTLEVEL_AUXILIARY && GD_RESTLEVEL_GAPS
     if (*dt_s > s->longest_step_s) { /* the sample begins a block, of which the rest sensor has said nothing yet */
       s->witness.has_moved = s->witness.has_silence = 0;
     }

@@ -4,6 +4,8 @@
 
 #include "restlevel_block.h"
 
+#if GD_RESTLEVEL_GAPS
+
 /* Ends the block and the segment; nothing of them goes on after the gap. */
 static inline void gd_rl_forget_block(gd_restlevel *s, double step_s) {
   gd_rl_forget_segments(s);
@@ -53,5 +55,7 @@ static inline void gd_restlevel_restarted(gd_restlevel *s) {
     s->longest_step_s = GD_TOLD_RESTART;
   }
 }
+
+#endif
 
 #endif

@@ -20,8 +20,8 @@
 #error "GD_RESTLEVEL_HYPOTHESES must be 2 to 8"
 #endif
 
-/* 0 leaves out the external rest sensor and the temperature, or the bias of an earlier run: less code and memory, and
-   the same results otherwise. */
+/* 0 leaves out the external rest sensor and the temperature, the bias of an earlier run, or the rule for gaps and
+   restarts, without which the rate is integrated over a gap: less code and memory, and the same results otherwise. */
 #ifdef __AVR__
 #define GD_RL_DEFAULT_PARTS 0
 #else
@@ -32,6 +32,9 @@
 #endif
 #ifndef GD_RESTLEVEL_MEMORY
 #define GD_RESTLEVEL_MEMORY (GD_RL_DEFAULT_PARTS && GD_RESTLEVEL_HYPOTHESES >= 4) /* it begins with one more */
+#endif
+#ifndef GD_RESTLEVEL_GAPS
+#define GD_RESTLEVEL_GAPS GD_RL_DEFAULT_PARTS
 #endif
 
 #define GD_MAX_HYPOTHESES GD_RESTLEVEL_HYPOTHESES
