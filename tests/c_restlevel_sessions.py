@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from math import nan
 
 import numpy as np
-from c_restlevel_support import drive, measured, samples
+from c_restlevel_support import GAP, RESTARTED, drive, measured, samples
 
 from gyrodrift.simulation.hard_cases import CASES, simulation
 from gyrodrift.values.arrays import Floats
@@ -42,6 +42,16 @@ def with_gaps() -> Session:
     t_s[len(t_s) // 2 :] += 300.0
     kept = rng.random(len(t_s)) > 0.1
     return t_s[kept], inputs[kept]
+
+
+def with_restarts() -> Session:
+    """Gaps and restarts that are told, with clocks that go on and that begin again, and biases that change."""
+    t_s, inputs = plain(100.0, 300.0)
+    for index, row in enumerate(range(3000, len(t_s), 4000)):
+        inputs[row, 3] = RESTARTED if index % 2 else GAP
+        inputs[row + 1 :, 0] += 0.3 * index * (index % 2)
+    t_s[15001:] -= t_s[15001]
+    return t_s, inputs
 
 
 def clipped() -> Session:
@@ -147,6 +157,7 @@ SESSIONS: Mapping[str, Callable[[], Session]] = {
     "fine": lambda: plain(100.0, 300.0, step_dps=0.0),
     "temperature and rest sensor": with_temperature_and_rest_sensor,
     "gaps": with_gaps,
+    "restarts": with_restarts,
     "clipped": clipped,
     "stuck": stuck,
     "huge": huge,

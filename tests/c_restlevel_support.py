@@ -7,6 +7,7 @@ import numpy as np
 from c_filter_support import FilterOutput
 from numpy.typing import NDArray
 
+from gyrodrift.filters.gaps import UNKNOWN_S, expect_gap
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.filters.restlevel.zero import zero_yaw
@@ -15,9 +16,12 @@ from gyrodrift.values.arrays import Floats
 YAW, SIGMA, BIAS = 0, 1, 2
 """Columns of the outputs."""
 
+ZERO, GAP, RESTARTED = 1.0, 2.0, 3.0
+"""Commands after a sample."""
+
 
 def samples(rate_dps: Floats, still: Floats | None = None, temp_c: Floats | None = None) -> Floats:
-    """Inputs of the filter, shape (samples, 4): rate, rest, temperature, and whether the yaw sigma restarts."""
+    """Inputs of the filter, shape (samples, 4): rate, rest, temperature, and a command after it."""
     inputs = np.full((len(rate_dps), 4), nan)
     inputs[:, 0] = rate_dps
     for column, values in ((1, still), (2, temp_c)):
@@ -32,10 +36,12 @@ def in_python(
     """Outputs of the Python filter."""
     c, s = coefficients(params or RestlevelParams()), state or RestlevelState()
     taken, rows = [], []
-    for t, (rate_dps, still, temp_c, is_zero) in zip(t_s.tolist(), inputs.tolist(), strict=True):
+    for t, (rate_dps, still, temp_c, command) in zip(t_s.tolist(), inputs.tolist(), strict=True):
         taken.append(step(c, s, t, rate_dps, still, temp_c))
-        if is_zero == 1.0:
+        if command == ZERO:
             zero_yaw(s)
+        elif command in {GAP, RESTARTED} and s.samples > 0:
+            expect_gap(s.watch, UNKNOWN_S, has_restarted=command == RESTARTED)
         rows.append(outputs_of(s))
     return FilterOutput(True, np.array(taken), np.array(rows))
 
@@ -43,7 +49,8 @@ def in_python(
 def outputs_of(s: RestlevelState) -> tuple[float, ...]:
     """Outputs in the order of the C program."""
     moments = (s.yaw_deg, s.yaw_sigma_deg, s.bias_dps, s.bias_sigma_dps)
-    return (*moments, s.rest_probability, s.confidence, s.samples, s.rejected, s.witness.refuted, s.line.slope_dps_c)
+    counts = (s.samples, s.rejected, s.witness.refuted, s.line.slope_dps_c)
+    return (*moments, s.rest_probability, s.confidence, *counts, s.correction_deg, s.corrections)
 
 
 def values_of(params: RestlevelParams) -> list[float]:

@@ -30,7 +30,8 @@ def corrected(seq: int, **values: Any) -> Corrected:
     t_s = seq / 100.0
     sample = Sample(seq, t_s, 1.7e9 + t_s, 1.5, 10.0, 25.0)
     expected = Corrected(sample, 1.25, 0.0125 * seq, 0.25, 0.5, 0.9, 0.01, 0.8, 0.015 * seq, 90.0, 10.0)
-    return expected._replace(**values)
+    changes = {"correction_deg": 0.25, "corrections": 2.0, "smooth_yaw_deg": 0.0125 * seq - 1.0}
+    return expected._replace(**(changes | values))
 
 
 Quaternion = tuple[float, float, float, float]

@@ -17,6 +17,7 @@ from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.io.files import check_kept
 from gyrodrift.io.progress import OnProgress, counted
 from gyrodrift.session.checks.odd_readings import reading_findings
+from gyrodrift.session.checks.restarts import one_clock
 from gyrodrift.session.files import write_session
 from gyrodrift.session.foreign.export import write_imu, write_json
 from gyrodrift.session.foreign.read import read_foreign
@@ -78,6 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
         _tell_left_out(arguments, session)
         for finding in reading_findings(SessionFacts(session).readings):
             inputs.print_warning(f"{source}: {finding}; {target} keeps them")
+        inputs.print_gaps(source, one_clock(session).session)
         _write(target, form, session, in_pieces(session, progress.report))
     tell_written(target, samples_text(len(session.t_device_s)), is_quiet=arguments.quiet)
     return 0

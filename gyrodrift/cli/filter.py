@@ -32,6 +32,7 @@ from gyrodrift.values.sample import Attitude, Inertial
 FilterSample = tuple[float, float, Inertial | None, float, float]
 """Time in s, rate in deg/s, axes, still flag and temperature in °C."""
 
+CORRECTION = "correction_deg"
 COMMON_COLUMNS = ("bias_dps", "bias_sigma_dps", "rest_probability", "confidence", "yaw_deg", "yaw_sigma_deg")
 ATTITUDE_COLUMNS = Attitude._fields
 THREE_AXIS_COLUMNS = (*COMMON_COLUMNS, *ATTITUDE_COLUMNS)
@@ -45,8 +46,8 @@ gyrodrift info yaw.csv                                 the result is a session t
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    columns = [f"  with {name}: {', '.join(described.columns)}" for name, described in FILTERS.items()]
-    columns.append(f"  on three axes: {', '.join(THREE_AXIS_COLUMNS)}")
+    columns = [f"  with {name}: {', '.join((*described.columns, CORRECTION))}" for name, described in FILTERS.items()]
+    columns.append(f"  on three axes: {', '.join((*THREE_AXIS_COLUMNS, CORRECTION))}")
     parser.description = "\n".join([f"{parser.description}".rstrip(), *columns])
     parser.add_argument("session", type=Path, metavar="SESSION", help="recorded session (.mcap or .csv)")
     options.add_filter_options(parser, "YAML with a filter and its parameters")
@@ -99,8 +100,8 @@ def _write(out: Path | None, session: Session, run: FilterRun, progress: OnProgr
     samples = list(_samples(session))
     has_axes = any(run.has_axes(sample[2]) for sample in samples)
     columns = THREE_AXIS_COLUMNS if has_axes else run.filter.columns
-    names = ["t_device_s", "rate_dps", *columns]
-    rows = rows_of(session.name, samples, run, _columns(run) if has_axes else attrgetter(*columns))
+    names = ["t_device_s", "rate_dps", *columns, CORRECTION]
+    rows = rows_of(session, samples, run, _columns(run) if has_axes else attrgetter(*columns))
     counted_rows = counted("samples", rows, len(session.t_device_s), progress, lambda _: 1)
     if out is None:
         sys.stdout.writelines(csv_lines(names, counted_rows))
@@ -126,24 +127,26 @@ def csv_lines(names: Sequence[str], rows: Iterator[Row]) -> Iterator[str]:
 
 
 def rows_of(
-    name: str, samples: Iterable[FilterSample], run: FilterRun, columns: Callable[[Any], Sequence[float]]
+    session: Session, samples: Iterable[FilterSample], run: FilterRun, columns: Callable[[Any], Sequence[float]]
 ) -> Iterator[Row]:
-    """A row per accepted sample.
+    """A row per accepted sample; the filter is told of the restarts of the session.
 
     Raises
     ------
     DataError
         At the end, if more samples were skipped than accepted.
     """
-    accepted = 0
+    accepted, restarts_s = 0, frozenset(session.restarts_s)
     for sample in samples:
+        if sample[0] in restarts_s:
+            run.gap(has_restarted=True)
         if run.step(*sample):
             accepted += 1
-            yield (*sample[:2], *columns(run.state))
+            yield (*sample[:2], *columns(run.state), run.correction_deg)
     rejected = run.state.rejected
     if rejected > accepted:
         raise DataError(
-            f"{name}: {rejected} of {rejected + accepted} samples have no rate, or a time that is "
+            f"{session.name}: {rejected} of {rejected + accepted} samples have no rate, or a time that is "
             "not later than the previous time; the rest is too little for a yaw"
         )
 

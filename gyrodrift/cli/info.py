@@ -143,6 +143,7 @@ def _descriptions(
             continue
         with progress.paused():
             inputs.print_remarks(path, description.session)
+            inputs.print_gaps(path, description.possible)
         errors += [f"{path}: {finding}" for finding in description.findings if finding.is_error]
         yaw = None
         if drawing is not None or description.facts.encoder is not None:

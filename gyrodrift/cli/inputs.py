@@ -5,6 +5,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from gyrodrift.evaluation.gaps import gaps_text
 from gyrodrift.session.checks import given
 from gyrodrift.session.checks.examine import examined
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions, session_as_stated
@@ -41,6 +42,12 @@ def print_remarks(path: Path, session: Session) -> None:
         print(visible(f"gyrodrift: {path}: {'; '.join(session.remarks)}"), file=sys.stderr)
 
 
+def print_gaps(path: Path, session: Session) -> None:
+    """Print the gaps of a session on one clock, and what a filter makes of them."""
+    if text := gaps_text(session):
+        print(visible(f"gyrodrift: {path}: {text}"), file=sys.stderr)
+
+
 def read_session(path: Path, stated: ReadingOptions = AS_WRITTEN, *, allow_damage: bool) -> Session:
     """Load a session in the stated units, and print its remarks and its damage.
 
@@ -57,7 +64,7 @@ def read_session(path: Path, stated: ReadingOptions = AS_WRITTEN, *, allow_damag
 
 
 def checked_session(path: Path, arguments: argparse.Namespace) -> Session:
-    """Load a session in the stated units, on one clock, and print the warnings of its checks.
+    """Load a session in the stated units, on one clock, and print the warnings of its checks and its gaps.
 
     Raises
     ------
@@ -71,6 +78,7 @@ def checked_session(path: Path, arguments: argparse.Namespace) -> Session:
     for warning in examination.warnings:
         print_warning(f"{path}: {warning}")
     examination.refuse_errors(str(path))
+    print_gaps(path, examination.session)
     return examination.session
 
 

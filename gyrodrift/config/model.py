@@ -61,6 +61,7 @@ def mount_in(value: Any, report: Callable[[Key, str], None]) -> Mount:
 
 
 SAMPLE_RATE = "sample_rate_hz"
+SLEW = "slew_dps"
 
 SOURCES = "sources"
 LINK_KEYS = ("port", "baud", "protocol", "timeout")
@@ -90,6 +91,8 @@ class Config:
         Calibration of the rate before the filter; None without one.
     axes, mount
         Axes of the filter, and the mount of the sensor on its device.
+    slew_dps
+        Speed at which `smooth_yaw_deg` takes corrections in, deg/s; None for no such yaw.
     completed
         `key: value` of each default in use, of the filter and of the blocks in the file. A block without `filter:`
         chooses the filter.
@@ -109,6 +112,7 @@ class Config:
     calibration: Calibration | None = None
     axes: Axes = "auto"
     mount: Mount = LEVEL
+    slew_dps: float | None = None
     text: str = field(default="", compare=False, repr=False)
     mode: int = field(default=0o666, compare=False, repr=False)
 
@@ -133,6 +137,7 @@ class Config:
         pairs: list[tuple[str, object, object]] = [
             ("filter", old.filter, self.filter),
             (SAMPLE_RATE, old.sample_rate_hz, self.sample_rate_hz),
+            (SLEW, old.slew_dps, self.slew_dps),
             ("columns", old.columns, self.columns),
             ("send", old.send or None, self.send or None),
             ("axes", old.axes, self.axes),
@@ -168,6 +173,7 @@ def _file() -> type[Strict]:
     content |= {name: (_block_of(filter_kind) | None, None) for name, filter_kind in FILTERS.items()}
     content |= {
         SAMPLE_RATE: (Annotated[float, Gt(0.0), Le(1e6)] | None, None),
+        SLEW: (Annotated[float, Gt(0.0), Le(1e6)] | None, None),
         "provenance": (dict[str, Any] | None, None),
         "outputs": (Any, None),
         "columns": (Any, None),
@@ -290,7 +296,7 @@ def _config(file: Strict, given: Mapping[str, Any]) -> Config:
         if name in begun or name == chosen:
             missing = [key for key in filter_kind.names if key not in (given.get(name) or {})]
             completed += [f"{name}.{key}: {getattr(filter_kind.params(**values), key):g}" for key in missing]
-    return Config(chosen, blocks, content[SAMPLE_RATE], tuple(completed))
+    return Config(chosen, blocks, content[SAMPLE_RATE], tuple(completed), slew_dps=content[SLEW])
 
 
 def _within(read: YamlFile, block: str) -> Callable[[Key, str], None]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from gyrodrift.evaluation.gaps import gaps_text
 from gyrodrift.evaluation.integration import start_calibrated, trapezium
 from gyrodrift.evaluation.reference import Reference, timed_reference_of
 from gyrodrift.evaluation.score import Score, score_of
@@ -139,7 +140,8 @@ def load_with_reference(source: Source) -> LoadedSession:
         t_s, reference = timed_reference_of(session, is_still=source.is_still)
     except DataError as error:
         raise DataError(f"{source.path}: {str(error).removeprefix(f'{session.name}: ')}") from error
-    read = [f"{session.name}: {remark}" for remark in (*session.remarks, *checked.warnings)]
+    remarks = (*session.remarks, *checked.warnings, *filter(None, [gaps_text(session)]))
+    read = [f"{session.name}: {remark}" for remark in remarks]
     warnings = (*read, *([] if source.is_still else _warnings(source, reference)))
     digest = digest_of(source.path)
     described = SessionSummary(

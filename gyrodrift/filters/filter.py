@@ -114,10 +114,6 @@ def keep_state(_state: Any) -> None:
     """Leave the state of a filter without a yaw sigma as it is."""
 
 
-def interpolate(_state: Any, _t_s: float, _rate_dps: float) -> None:
-    """Let a filter without a yaw sigma interpolate over missing rates."""
-
-
 def keep_params(params: Any, _scale_sigma: float) -> Any:
     """Parameters of a filter that does not model the scale factor."""
     return params
@@ -162,8 +158,6 @@ class Filter:
         Functions that keep knowledge of the sensor; None for a filter without memory.
     zero
         From the present sample on `yaw_sigma_deg` is that of the yaw turned since; yaw itself does not jump.
-    hold
-        Hold yaw up to the time in s of the next sample, whose rate is in deg/s: meanwhile there was no rate.
     with_scale_sigma
         Parameters for a device whose scale factor has this standard deviation, as a share, from a calibration.
     scale_sigma_deg
@@ -208,7 +202,6 @@ class Filter:
     uses_auxiliary: bool = False
     memory: FilterMemory | None = None
     zero: Callable[[Any], None] = keep_state
-    hold: Callable[[Any, float, float], None] = interpolate
     with_scale_sigma: Callable[[Any, float], Any] = keep_params
     scale_sigma_deg: Callable[[Any, Any], float] = unknown_sigma
 

@@ -2,7 +2,6 @@
 
 from gyrodrift.filters.filter import Filter, FilterMemory, FilterParameter, ReducedModel, SearchRange
 from gyrodrift.filters.restlevel import memory
-from gyrodrift.filters.restlevel.frozen import hold_yaw
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import coefficients, step
 from gyrodrift.filters.restlevel.zero import scale_sigma_deg, with_scale_sigma, zero_yaw
@@ -90,7 +89,6 @@ RESTLEVEL = Filter(
     uses_auxiliary=True,
     memory=FilterMemory(memory.learned, memory.begun, memory.knowledge),
     zero=zero_yaw,
-    hold=hold_yaw,
     with_scale_sigma=with_scale_sigma,
     scale_sigma_deg=scale_sigma_deg,
 )

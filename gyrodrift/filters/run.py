@@ -9,6 +9,7 @@ from math import inf, isfinite, nan
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from gyrodrift.filters.filter import Filter
+from gyrodrift.filters.gaps import UNKNOWN_S, GapWatch, count_gap, expect_gap, longest_step_s
 from gyrodrift.values.mount import LEVEL, Mount
 from gyrodrift.values.quaternion import with_heading
 from gyrodrift.values.sample import Attitude, Inertial
@@ -24,10 +25,6 @@ AXES: tuple[Axes, ...] = get_args(Axes)
 WITHOUT_AXES_S = 2.0
 """Time in which a device of three axes sent one rate, after which it counts as one of one axis, s. Chosen: lost frames
 leave less."""
-
-HELD_S = 0.3
-"""Longest time without a rate over which it is interpolated, s; a turn may begin or end within some tenths of a
-second."""
 
 
 @dataclass(slots=True)
@@ -49,6 +46,8 @@ class FilterRun:
         State after the last sample; that of three axes has the attributes of `three_axes.ThreeAxisState` too.
     three_axes
         The three-axis version in use; None on one axis.
+    watch
+        Limit that tells a gap from a step for a filter that does not itself.
     """
 
     filter: Filter
@@ -60,23 +59,19 @@ class FilterRun:
     axes_params: Any = field(init=False)
     _coefficients: Any = field(init=False)
     _step: Any = field(init=False)
+    watch: GapWatch = field(init=False, default_factory=GapWatch)
     _axes_t_s: float = -inf
-    _is_missing: bool = False
+    _t_s: float = nan
 
     def __post_init__(self) -> None:
-        self.state, self._step = self.filter.state(), self.filter.step_auxiliary
+        self.state = self.filter.state()
+        self._step = self.filter.step_auxiliary if hasattr(self.state, "watch") else self._holding_step
         self.axes_params, self._coefficients = self.params, self.filter.coefficients(self.params)
 
     def step(
         self, t_s: float, rate_dps: float, inertial: Inertial | None = None, still: float = nan, temp_c: float = nan
     ) -> bool:
-        """Take a sample; False if it is rejected. Over missing rates yaw is held."""
-        if rate_dps != rate_dps:  # noqa: PLR0124 - NaN
-            self._is_missing = True
-        elif self._is_missing:
-            self._is_missing = False
-            if self.three_axes is None and t_s - self.state.t_s > HELD_S:
-                self.filter.hold(self.state, t_s, rate_dps)
+        """Take a sample; False if it is rejected. Time without samples that are taken is a gap."""
         if inertial is not None:
             self._axes_t_s = t_s
         elif self.three_axes is not None and t_s - self._axes_t_s > WITHOUT_AXES_S:
@@ -89,6 +84,36 @@ class FilterRun:
         if self.mount != LEVEL:
             given = Inertial(*self.mount.to_device(given[:3]), *self.mount.to_device(given[3:]))
         return self.three_axes.step(self._coefficients, self.state, t_s, given, still, temp_c)  # type: ignore[union-attr]
+
+    def gap(self, seconds: float | None = None, *, has_restarted: bool = False) -> None:
+        """Take the next step as a gap, whatever the times are; with a restart the bias is in doubt, too.
+
+        seconds
+            Length of the gap, s, if the times do not show it; None if it is unknown.
+        """
+        if self.state.samples > 0:
+            told_s = UNKNOWN_S if seconds is None else seconds
+            expect_gap(self._gap_watch, told_s, has_restarted=has_restarted)
+
+    @property
+    def gaps(self) -> int:
+        """Number of gaps so far."""
+        return self._gap_watch.gaps
+
+    @property
+    def restarts(self) -> int:
+        """Number of gaps so far after which the bias is in doubt."""
+        return self._gap_watch.restarts
+
+    @property
+    def correction_deg(self) -> float:
+        """Step of yaw in the last sample that is no motion, deg; 0 for a filter that does not change its mind."""
+        return float(getattr(self.state, "correction_deg", 0.0))
+
+    @property
+    def corrections(self) -> int:
+        """Number of corrections over 1 deg."""
+        return int(getattr(self.state, "corrections", 0))
 
     def use(self, params: Any, axes_params: Any = None) -> None:
         """Go on with other parameters; `axes_params` are those on three axes if they differ."""
@@ -123,6 +148,28 @@ class FilterRun:
         if self.axes == "auto":
             return isfinite(inertial.accel_x_mps2 + inertial.accel_y_mps2 + inertial.accel_z_mps2)
         return self.axes == "3"
+
+    @property
+    def _gap_watch(self) -> GapWatch:
+        watch: GapWatch = getattr(self.state, "watch", self.watch)
+        return watch
+
+    def _holding_step(self, c: Any, s: Any, t_s: float, rate_dps: float, still: float, temp_c: float) -> bool:
+        """Step of a filter without a rule for gaps: it holds yaw over a gap, and begins again at a restart."""
+        watch, yaw_deg, step_s = self.watch, s.yaw_deg, t_s - self._t_s
+        if watch.has_restarted:
+            rejected, s = s.rejected, self.filter.state()
+            self.state, s.yaw_deg, s.rejected = s, yaw_deg, rejected
+        is_gap = step_s > watch.longest_step_s or watch.has_restarted
+        if not self.filter.step_auxiliary(c, s, t_s, rate_dps, still, temp_c):
+            return False
+        if is_gap:
+            count_gap(watch, step_s)
+            s.yaw_deg = yaw_deg
+        elif s.samples > 1:
+            watch.longest_step_s = longest_step_s(step_s)
+        self._t_s = t_s
+        return True
 
     def _go_over(self) -> None:
         from gyrodrift.filters.three_axes import three_axis_version

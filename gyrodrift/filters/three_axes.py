@@ -13,6 +13,7 @@ from gyrodrift.filters.attitude.step import coefficients as attitude_coefficient
 from gyrodrift.filters.attitude.step import step as attitude_step
 from gyrodrift.filters.attitude.zero import zero_yaw
 from gyrodrift.filters.filter import Filter, FilterState
+from gyrodrift.filters.gaps import GapWatch
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.values.quaternion import Quaternion, with_heading
@@ -79,9 +80,13 @@ def three_axis_version(chosen: Filter) -> ThreeAxisFilter:
     def heading_step(c: Any, s: HeadingState, t_s: float, inertial: Inertial, still: float, temp_c: float) -> bool:
         """Take the rate of the heading, then filter it."""
         before, inner = c
-        is_accepted = attitude_step(before, s.attitude, t_s, *inertial, still, temp_c) and step(
-            inner, s.inner, t_s, s.attitude.heading_rate_dps, still, temp_c
-        )
+        gaps, restarts, yaw_deg = s.watch.gaps, s.watch.restarts, s.yaw_deg
+        is_accepted = attitude_step(before, s.attitude, t_s, *inertial, still, temp_c)
+        if s.watch.restarts > restarts:
+            s.inner = chosen.state()
+        is_accepted = is_accepted and step(inner, s.inner, t_s, s.attitude.heading_rate_dps, still, temp_c)
+        if s.watch.gaps > gaps:
+            s.yaw_deg = yaw_deg
         s.samples, s.rejected = s.samples + is_accepted, s.rejected + (not is_accepted)
         return is_accepted
 
@@ -128,6 +133,11 @@ class HeadingState:
     @yaw_deg.setter
     def yaw_deg(self, yaw_deg: float) -> None:
         self.inner.yaw_deg = yaw_deg
+
+    @property
+    def watch(self) -> GapWatch:
+        """Limit that tells a gap from a step."""
+        return self.attitude.watch
 
     @property
     def bias_dps(self) -> float:

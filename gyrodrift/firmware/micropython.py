@@ -12,6 +12,7 @@ import gyrodrift.filters
 ROOT = Path(gyrodrift.filters.__file__).parent
 FILES = (
     "limits",
+    "gaps",
     "restlevel.bias_state",
     "restlevel.rate_state",
     "restlevel.model",
@@ -26,6 +27,7 @@ FILES = (
     "restlevel.recall",
     "restlevel.temperature",
     "restlevel.hypotheses",
+    "restlevel.gap",
     "restlevel.frozen",
     "restlevel.witness",
     "restlevel.step",
@@ -62,6 +64,8 @@ class Restlevel:
         """Take a sample at a time of `time.ticks_us`, which wraps; False if it is rejected."""
         s = self.state
         dt_s = ticks_diff(ticks_us, self._ticks_us) / 1e6 if s.samples > 0 else 0.0
+        if s.watch.has_restarted:
+            dt_s = max(dt_s, LEAST_STEP_S)
         if not -MOST_DPS <= rate_dps <= MOST_DPS or (s.samples > 0 and dt_s < LEAST_STEP_S):
             s.rejected += 1
             return False
@@ -74,6 +78,16 @@ class Restlevel:
         """Restart the yaw sigma at the last sample."""
         zero_yaw(self.state)
 
+    def gap(self):
+        """Take the next step as a gap: yaw is held, and its sigma grows."""
+        if self.state.samples > 0:
+            expect_gap(self.state.watch, UNKNOWN_S, has_restarted=False)
+
+    def restarted(self):
+        """Take the next step as a restart of the gyro: its bias is another one, too."""
+        if self.state.samples > 0:
+            expect_gap(self.state.watch, UNKNOWN_S, has_restarted=True)
+
     yaw_deg = property(lambda self: self.state.yaw_deg)
     yaw_sigma_deg = property(lambda self: self.state.yaw_sigma_deg)
     bias_dps = property(lambda self: self.state.bias_dps)
@@ -82,6 +96,8 @@ class Restlevel:
     confidence = property(lambda self: self.state.confidence)
     samples = property(lambda self: self.state.samples)
     rejected = property(lambda self: self.state.rejected)
+    correction_deg = property(lambda self: self.state.correction_deg)
+    corrections = property(lambda self: self.state.corrections)
 '''
 
 

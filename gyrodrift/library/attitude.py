@@ -39,6 +39,8 @@ class AttitudeEstimate(NamedTuple):
         Probability that the device is at rest, and of the most probable hypothesis.
     is_accepted
         False if the sample was rejected: its time does not increase, or a rate is not finite.
+    correction_deg
+        Step of yaw in this sample that is no motion, deg: a change of the estimate. 0 else.
     """
 
     yaw_deg: float
@@ -57,6 +59,7 @@ class AttitudeEstimate(NamedTuple):
     rest_probability: float
     confidence: float
     is_accepted: bool
+    correction_deg: float = 0.0
 
 
 class AttitudeEstimates(ResultTable):
@@ -115,6 +118,19 @@ class AttitudeFilter:
         """Reset the state: yaw is 0 at the next sample, and the biases are unknown."""
         self._run = FilterRun(RESTLEVEL, self.params, "3", self.mount)
 
+    @property
+    def corrections(self) -> int:
+        """Number of corrections of yaw over 1 deg so far."""
+        return self._run.corrections
+
+    def gap(self) -> None:
+        """Hold the attitude over the next step, as `Restlevel.gap` holds yaw."""
+        self._run.gap()
+
+    def restarted(self) -> None:
+        """Hold the attitude and forget the biases, as `Restlevel.restarted` does."""
+        self._run.gap(has_restarted=True)
+
     def update_at(
         self, gyro_dps: "Sequence[float]", accel_mps2: "Sequence[float]" = MISSING, *, t_s: float
     ) -> AttitudeEstimate:
@@ -126,7 +142,8 @@ class AttitudeFilter:
         ax, ay, az = map(float, accel_mps2)
         is_accepted = self._run.step(float(t_s), gz, Inertial(gx, gy, gz, ax, ay, az))
         s, attitude = self._run.state, self._run.attitude()
-        certainty = (s.rest_probability, s.confidence, is_accepted)
+        correction_deg = self._run.correction_deg if is_accepted else 0.0
+        certainty = (s.rest_probability, s.confidence, is_accepted, correction_deg)
         return AttitudeEstimate._make((s.yaw_deg, s.yaw_sigma_deg, *attitude, *certainty))
 
     def update_batch(self, gyro_dps: "ArrayLike", accel_mps2: "ArrayLike", t_s: "ArrayLike") -> AttitudeEstimates:

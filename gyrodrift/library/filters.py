@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 from gyrodrift.filters.filter import Filter, FilterParams, FilterState
 from gyrodrift.filters.hdr_filter import HDR
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
+from gyrodrift.filters.run import FilterRun
 from gyrodrift.io.result_table import ResultTable
 from gyrodrift.values.errors import UsageError
 
@@ -30,6 +31,8 @@ class Estimate(NamedTuple):
         Probability that the device is at rest, and of the filter's most probable hypothesis.
     is_accepted
         False if the sample was rejected: its time does not increase, or a value is not finite.
+    correction_deg
+        Step of yaw in this sample that is no motion, deg: a change of the estimate. 0 else.
     """
 
     yaw_deg: float
@@ -39,6 +42,7 @@ class Estimate(NamedTuple):
     rest_probability: float
     confidence: float
     is_accepted: bool
+    correction_deg: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -52,6 +56,7 @@ class Estimates(ResultTable):
     rest_probability: "Floats"
     confidence: "Floats"
     is_accepted: "Mask"
+    correction_deg: "Floats"
 
     def __repr__(self) -> str:
         count, end = len(self.yaw_deg), f", yaw ends at {self.yaw_deg[-1]:.3f} deg" if len(self.yaw_deg) else ""
@@ -83,7 +88,6 @@ class DriftFilter:
     def __init__(self, params: FilterParams | None = None, **changes: float | None) -> None:
         given = {name: value for name, value in changes.items() if value is not None}
         self.params: FilterParams = checked_params(self.filter, params, given)
-        self._coefficients = self.filter.coefficients(self.params)
         self.reset()
 
     def __repr__(self) -> str:
@@ -106,8 +110,34 @@ class DriftFilter:
 
     def reset(self) -> None:
         """Reset the state: yaw is 0 at the next sample, and the bias is unknown."""
-        self.state: FilterState = self.filter.state()
+        self._run = FilterRun(self.filter, self.params, "1")
         self._t_s = 0.0
+
+    @property
+    def state(self) -> FilterState:
+        """State after the last sample; a deep copy saves it."""
+        state: FilterState = self._run.state
+        return state
+
+    @property
+    def corrections(self) -> int:
+        """Number of corrections of yaw over 1 deg so far."""
+        return self._run.corrections
+
+    def gap(self) -> None:
+        """Hold yaw over the next step: samples are missing before the next one, whatever its time is.
+
+        The uncertainty of yaw grows by what a device may turn in the step. If the step is as short as the others, it
+        grows to a whole circle. A step that is much longer than the others is a gap in any case.
+        """
+        self._run.gap()
+
+    def restarted(self) -> None:
+        """Hold yaw like `gap`, and forget the bias: the device was switched on again, or is another one.
+
+        The bias has its turn-on prior again, around the last estimate. The next sample may have any time.
+        """
+        self._run.gap(has_restarted=True)
 
     def update(self, rate_dps: float, dt_s: float) -> Estimate:
         """Take one sample.
@@ -146,13 +176,15 @@ class DriftFilter:
         columns = np.empty((len(Estimate._fields), len(rates)))
         for row, (rate, time) in enumerate(zip(rates.tolist(), times.tolist(), strict=True)):
             columns[:, row] = self._taken(rate, time)
-        yaw, yaw_sigma, bias, bias_sigma, rest, confidence, is_accepted = columns
-        return Estimates(yaw, yaw_sigma, bias, bias_sigma, rest, confidence, is_accepted == 1.0)
+        yaw, yaw_sigma, bias, bias_sigma, rest, confidence, is_accepted, correction = columns
+        return Estimates(yaw, yaw_sigma, bias, bias_sigma, rest, confidence, is_accepted == 1.0, correction)
 
-    def _taken(self, rate_dps: float, t_s: float) -> tuple[float, float, float, float, float, float, bool]:
-        s = self.state
-        is_accepted = self.filter.step(self._coefficients, s, t_s, rate_dps)
-        if (isfinite(t_s) and t_s > self._t_s) or (is_accepted and s.samples == 1):
+    def _taken(self, rate_dps: float, t_s: float) -> tuple[float, float, float, float, float, float, bool, float]:
+        run, restarts = self._run, self._run.restarts
+        is_accepted = run.step(t_s, rate_dps)
+        s = run.state
+        has_begun = is_accepted and (s.samples == 1 or run.restarts > restarts)
+        if (isfinite(t_s) and t_s > self._t_s) or has_begun:
             self._t_s = t_s
         return (
             s.yaw_deg,
@@ -162,6 +194,7 @@ class DriftFilter:
             s.rest_probability,
             s.confidence,
             is_accepted,
+            run.correction_deg if is_accepted else 0.0,
         )
 
 

@@ -82,7 +82,7 @@ class Field:
     @property
     def decimals(self) -> int:
         """Digits behind the point in JSON."""
-        return {"seq": 0, "q": 6}.get(self.name, DECIMALS[self.unit])
+        return {"seq": 0, "corrections": 0, "q": 6}.get(self.name, DECIMALS[self.unit])
 
     @property
     def count(self) -> int:
@@ -144,6 +144,9 @@ OF_EVERY_DEVICE = (
         "Probability of the most probable hypothesis of the filter.",
         uses=EACH_LINE | Use.STATUS,
     ),
+    Field("correction_deg", "correction_deg", "Step of yaw in this sample that is no motion, 0 else.", uses=EACH_LINE),
+    Field("corrections", "corrections", "Number of corrections over 1 deg.", uses=EACH_LINE | Use.STATUS),
+    Field("smooth_yaw_deg", "smooth_yaw_deg", "Yaw that takes corrections in slowly.", uses=EACH_LINE | Use.STATUS),
     Field("encoder_deg", "sample.encoder_deg", "Angle of the encoder.", uses=EACH_LINE),
     Field("temp_c", "sample.temp_c", "Temperature of the sensor.", "Temperature", 1),
 )

@@ -26,17 +26,18 @@ def _form(field: Field) -> str:
 
 
 PARTS = (
-    ("seq", "t_s", "rate_dps", "corrected_dps", "yaw_deg", "bias_dps"),
+    ("seq", "t_s", "rate_dps", "corrected_dps", "yaw_deg", "bias_dps", "correction_deg", "corrections"),
     ("yaw_sigma_deg", "confidence"),
     ("bias_sigma_dps", "rest_probability"),
     ("heading_deg",),
+    ("smooth_yaw_deg",),
     ("encoder_deg",),
     ("temp_c",),
 )
 """Fields that a line begins with. They are written in parts, because that is fast; fields of a part are known together.
 """
 
-FIRST, CERTAINTY, BIAS_CERTAINTY, HEADING, ENCODER, TEMPERATURE = (
+FIRST, CERTAINTY, BIAS_CERTAINTY, HEADING, SMOOTH, ENCODER, TEMPERATURE = (
     "".join(_form(CHOICES[name]) for name in names) for names in PARTS
 )
 MEASURED = FIRST.removeprefix(",")
@@ -69,14 +70,20 @@ def json_line(corrected: Corrected, opening: str = "{") -> str:
         heading_deg,
         _,
         attitude,
-    ) = corrected[:12]
-    line = opening + MEASURED % (seq, t_s, rate_dps, corrected_dps, yaw_deg, bias_dps)
+        _,
+        correction_deg,
+        corrections,
+        smooth_yaw_deg,
+    ) = corrected
+    line = opening + MEASURED % (seq, t_s, rate_dps, corrected_dps, yaw_deg, bias_dps, correction_deg, corrections)
     if yaw_sigma_deg == yaw_sigma_deg:  # noqa: PLR0124 - false only for NaN; the fastest test
         line += CERTAINTY % (yaw_sigma_deg, confidence)
     if bias_sigma_dps == bias_sigma_dps:  # noqa: PLR0124
         line += BIAS_CERTAINTY % (bias_sigma_dps, rest_probability)
     if heading_deg == heading_deg:  # noqa: PLR0124
         line += HEADING % heading_deg
+    if smooth_yaw_deg == smooth_yaw_deg:  # noqa: PLR0124
+        line += SMOOTH % smooth_yaw_deg
     if encoder_deg == encoder_deg:  # noqa: PLR0124
         line += ENCODER % encoder_deg
     if temp_c == temp_c:  # noqa: PLR0124

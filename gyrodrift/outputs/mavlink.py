@@ -39,8 +39,8 @@ POSITION = (0, 6, 11)
 """Indices of the variances of position, and of velocity."""
 
 JUMPS = {
-    "frd": frozenset({"yaw_zeroed", "device_reset", "link_restored"}),
-    "ned": frozenset({"heading_set", "device_reset", "link_restored"}),
+    "frd": frozenset({"yaw_zeroed", "yaw_corrected", "device_reset", "link_restored"}),
+    "ned": frozenset({"heading_set", "yaw_corrected", "device_reset", "link_restored"}),
 }
 """Events that make yaw of a frame jump."""
 

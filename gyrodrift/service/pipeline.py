@@ -7,18 +7,20 @@ filter on one axis or on three.
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from math import atan2, degrees, hypot, isfinite, nan
+from math import atan2, degrees, hypot, inf, isfinite, nan
 from typing import TYPE_CHECKING, Any
 
 from gyrodrift.filters.filter import Filter, FilterState, WitnessState
+from gyrodrift.filters.gaps import CORRECTION_DEG
 from gyrodrift.filters.registry import DEFAULT
 from gyrodrift.filters.restlevel_filter import RESTLEVEL
 from gyrodrift.filters.run import Axes, FilterRun
 from gyrodrift.io.logger import FilteringBoundLogger
+from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.link import Link
 from gyrodrift.service.calibrating import Calibrating, bias_of
 from gyrodrift.service.listener import JudgedListener, ReaderGoneError, Sink
-from gyrodrift.service.reference import DeviceReference, EncoderReference, YawReference
+from gyrodrift.service.reference import DeviceReference, EncoderReference, SmoothYaw, YawReference
 from gyrodrift.values.calibration import Calibration
 from gyrodrift.values.mount import Mount, nearest_axis
 from gyrodrift.values.sample import Corrected, Sample
@@ -26,7 +28,12 @@ from gyrodrift.values.sample import Corrected, Sample
 if TYPE_CHECKING:  # the config loads its checker, which a service without a config does not need
     from gyrodrift.config.model import Config
 
-REJECTED_S = 1.0
+REJECTED_S = CORRECTED_S = 1.0
+"""Shortest time between two warnings of the same kind, s."""
+
+REPLUG_S = 1.0
+"""Shortest loss of a link without a device clock in which the device may have been switched off, s. Chosen: a person
+needs more to replug it; a device clock shows a restart itself."""
 
 SIDEWAYS_DEG = 60.0
 """Tilt from which on another axis of the sensor points up: it is nearer to the vertical from 45° to 54.7° on, with a
@@ -54,6 +61,8 @@ class Pipeline(JudgedListener):
         Calibration before the filter, and the running filter.
     reference, encoder, device
         Zero and north of yaw, and the angles of encoder and device from the same zero.
+    smooth
+        Yaw that takes corrections in at the `slew_dps` of the config.
     last, raw_yaw_deg
         Last sample that the filter accepted, and the integral of the measured rate, deg.
     """
@@ -72,12 +81,18 @@ class Pipeline(JudgedListener):
     reference: YawReference = field(default_factory=YawReference)
     encoder: EncoderReference = field(default_factory=EncoderReference)
     device: DeviceReference = field(default_factory=DeviceReference)
+    smooth: SmoothYaw = field(default_factory=SmoothYaw)
     last: Sample | None = None
     raw_yaw_deg: float = 0.0
     _scaled_by: Calibration | None = None
     _rejected: int = 0
     _rejected_s: float = 0.0
     _refuted: int = 0
+    _slew_dps: float | None = None
+    _restarts: int = 0
+    _steps_deg: list[float] = field(default_factory=list)
+    _corrected_s: float = -inf
+    _device_id: str = ""
     _is_one_axis_told: bool = False
 
     def __post_init__(self) -> None:
@@ -88,6 +103,7 @@ class Pipeline(JudgedListener):
         self._set_coefficients()
         self.log.info("filter_chosen", name=chosen.name, parameters=self.source)
         if config is not None:
+            self._slew_dps = config.slew_dps
             self._use_axes(self.axes or config.axes, config.mount)
 
     def take(self, samples: list[Sample]) -> None:
@@ -99,7 +115,9 @@ class Pipeline(JudgedListener):
         for sample in calibrated:
             if step(sample.t_device_s, sample.rate_dps, sample.inertial, sample.still, sample.temp_c):
                 if (last := self.last) is not None:
-                    self.raw_yaw_deg += 0.5 * (sample.rate_dps + last.rate_dps) * (sample.t_device_s - last.t_device_s)
+                    step_s = sample.t_device_s - last.t_device_s
+                    self.raw_yaw_deg += 0.5 * (sample.rate_dps + last.rate_dps) * step_s
+                    self._follow_corrections(step_s)
                 self.last = sample
                 corrected.append(self._corrected(sample))
         if calibrated:
@@ -126,6 +144,7 @@ class Pipeline(JudgedListener):
             self._refuted = witness.refuted
             hint = "it reported rest during a turn; it is ignored until it reports motion"
             self.warn("witness_refuted", count=witness.refuted, hint=hint)
+        self._tell_corrections(now_s)
 
     def stats(self) -> dict[str, Any]:
         """Counters and values for the log."""
@@ -170,19 +189,31 @@ class Pipeline(JudgedListener):
         """Start the filter with this state; before its first sample."""
         self.run.state = state
 
-    def hear(self, event: str, _fields: Mapping[str, Any]) -> None:
-        """Align yaw with the device's own yaw after a restart, where that begins at 0; mark yaw that is withdrawn."""
-        if event == "device_reset":
-            self.device.align()
-        elif event == "verdict_withdrawn" and self.last is not None:
-            withdrawn = self.now()._replace(yaw_sigma_deg=WITHDRAWN_DEG, confidence=0.0)
-            for sink in tuple(self.sinks):
-                sink.take([withdrawn])
+    def hear(self, event: str, fields: Mapping[str, Any]) -> None:
+        """Tell the filter that the device has restarted, was replugged or is another one.
+
+        The device's own yaw begins at 0 after a restart, and is aligned with yaw again. Yaw that is withdrawn is marked.
+        """
+        match event:
+            case "device_reset":
+                self.device.align()
+                self.run.gap(fields["gone_s"], has_restarted=True)
+            case "link_restored" if isinstance(self.link.clock, ArrivalClock) and fields["gone_s"] >= REPLUG_S:
+                self.run.gap(fields["gone_s"], has_restarted=True)
+            case "device":
+                if self._device_id not in {"", fields["device_id"]}:
+                    self.run.gap(has_restarted=True)
+                self._device_id = fields["device_id"]
+            case "verdict_withdrawn" if self.last is not None:
+                withdrawn = self.now()._replace(yaw_sigma_deg=WITHDRAWN_DEG, confidence=0.0)
+                for sink in tuple(self.sinks):
+                    sink.take([withdrawn])
 
     def zero(self) -> None:
         """Set yaw and its sigma to 0 at the last sample."""
         self.run.zero()
         self.reference.zero(self.run.state.yaw_deg, self.raw_yaw_deg)
+        self.smooth.behind_deg = 0.0
         self.encoder.align()
         self.device.align()
 
@@ -195,7 +226,7 @@ class Pipeline(JudgedListener):
         if config.chosen is not self.filter:
             self._begin_again(config.chosen)
         self.calibrating.follow(config.calibration, bias_of(self.state))
-        self.params = config.params
+        self.params, self._slew_dps = config.params, config.slew_dps
         self._use_axes(self.axes or config.axes, config.mount)
         self._set_coefficients()
 
@@ -228,7 +259,29 @@ class Pipeline(JudgedListener):
             self.encoder.angle_deg(sample.encoder_deg, zeroed_deg),
             run.attitude(-reference.zero_deg) if has_axes else None,
             self.device.take(sample.device_yaw, zeroed_deg),
+            run.correction_deg,
+            run.corrections,
+            nan if self._slew_dps is None else zeroed_deg - self.smooth.behind_deg,
         )
+
+    def _follow_corrections(self, step_s: float) -> None:
+        """Note the correction of the last sample, `step_s` after the one before."""
+        correction_deg = self.run.correction_deg
+        if abs(correction_deg) > CORRECTION_DEG:
+            self._steps_deg.append(correction_deg)
+        if self._slew_dps is not None:
+            self.smooth.follow(correction_deg, step_s, self._slew_dps)
+
+    def _tell_corrections(self, now_s: float) -> None:
+        """Warn of large corrections, at most once a second, and of a bias that is unknown again."""
+        if self._steps_deg and now_s - self._corrected_s >= CORRECTED_S:
+            largest_deg, count = max(self._steps_deg, key=abs), len(self._steps_deg)
+            self.warn("yaw_corrected", step_deg=round(largest_deg, 3), count=count, total=self.run.corrections)
+            self._steps_deg, self._corrected_s = [], now_s
+        if self.run.restarts > self._restarts:
+            hint = "the device may have restarted: yaw drifts until it has been at rest for some seconds"
+            self.warn("bias_reopened", count=self.run.restarts, hint=hint)
+        self._restarts = self.run.restarts
 
     def _set_coefficients(self) -> None:
         """Work out the coefficients, with the scale error that the calibration in force leaves."""

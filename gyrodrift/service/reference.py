@@ -41,6 +41,22 @@ class YawReference:
 
 
 @dataclass(slots=True)
+class SmoothYaw:
+    """A yaw that takes corrections in slowly, for a control loop.
+
+    behind_deg
+        Corrections of yaw that it has not taken in.
+    """
+
+    behind_deg: float = 0.0
+
+    def follow(self, correction_deg: float, step_s: float, slew_dps: float) -> None:
+        """Note the correction of a sample, and take in what is due since the sample before."""
+        behind_deg = self.behind_deg + correction_deg
+        self.behind_deg = copysign(max(0.0, abs(behind_deg) - slew_dps * step_s), behind_deg)
+
+
+@dataclass(slots=True)
 class EncoderReference:
     """Unwraps the encoder angle and aligns it with yaw at the first sample and at each zero, as `info` does."""
 

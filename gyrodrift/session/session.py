@@ -74,6 +74,8 @@ class Session(ResultTable):
     rate_scale, accel_scale, time_unit
         Units in the file before conversion: deg/s per unit of the rates, m/s² per unit of the accelerations, and s, ms,
         us or ns for device times.
+    restarts_s
+        Device times of the samples at which the device or its clock had restarted, on the clock of the session.
     damage
         Lost samples, if the file is damaged and was read with `allow_damage`.
     """
@@ -97,6 +99,7 @@ class Session(ResultTable):
     device_yaw_deg: Floats | None = None
     device_yaw_sigma_deg: Floats | None = None
     device_bias_dps: Floats | None = None
+    restarts_s: tuple[float, ...] = ()
 
     def __repr__(self) -> str:
         seconds = float(self.t_device_s[-1] - self.t_device_s[0])

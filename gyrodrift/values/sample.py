@@ -157,6 +157,10 @@ class Corrected(NamedTuple):
     device_difference_deg
         `yaw_deg` minus the device's own yaw at its last result, −180 to 180 deg, 0 where the two were aligned; NaN
         before the first result.
+    correction_deg, corrections
+        Step of yaw in this sample that is no motion, deg: a change of the estimate, 0 else. Number of those over 1 deg.
+    smooth_yaw_deg
+        `yaw_deg` that takes corrections in slowly; NaN without `slew_dps` in the config.
     """
 
     sample: Sample
@@ -172,3 +176,6 @@ class Corrected(NamedTuple):
     reference_deg: float = nan
     attitude: Attitude | None = None
     device_difference_deg: float = nan
+    correction_deg: float = 0.0
+    corrections: float = 0.0
+    smooth_yaw_deg: float = nan

@@ -36,10 +36,10 @@ def test_a_worked_case_comes_out_of_the_command(tmp_path: Path) -> None:
     out = tmp_path / "out.csv"
     assert main(["filter", str(tmp_path / "s.csv"), "--config", str(tmp_path / "c.yaml"), "--out", str(out)]) == 0
     got, expected = rows_of(out), as_printed(p, stream)
-    assert list(got[0]) == ["t_device_s", "rate_dps", *COLUMNS]
+    assert list(got[0]) == ["t_device_s", "rate_dps", *COLUMNS, "correction_deg"]
     assert len(got) == len(expected) == 3000
     for row, sample, columns in zip(got, stream, expected, strict=True):
-        assert list(row.values()) == pytest.approx([*sample, *columns], abs=1e-9)
+        assert list(row.values()) == pytest.approx([*sample, *columns, 0.0], abs=1e-9)
 
 
 def test_the_filter_of_the_config_brings_its_own_columns(tmp_path: Path) -> None:
@@ -50,7 +50,7 @@ def test_the_filter_of_the_config_brings_its_own_columns(tmp_path: Path) -> None
     out = tmp_path / "out.csv"
     assert main(["filter", str(tmp_path / "s.csv"), "--config", str(tmp_path / "c.yaml"), "--out", str(out)]) == 0
     rows = rows_of(out)
-    assert list(rows[0]) == [*("t_device_s", "rate_dps"), *RESTLEVEL.columns]
+    assert list(rows[0]) == [*("t_device_s", "rate_dps"), *RESTLEVEL.columns, "correction_deg"]
     assert rows[-1]["bias_dps"] == pytest.approx(0.4, abs=0.02)
     assert rows[-1]["rest_probability"] > 0.9
     assert abs(rows[-1]["yaw_deg"]) < 0.1
@@ -73,7 +73,7 @@ def test_a_filter_is_chosen_without_a_file(
     (tmp_path / "s.csv").write_text("t_device_s,rate_dps\n0,0.5\n0.01,0.25\n")
     assert main(["filter", str(tmp_path / "s.csv"), *options]) == 0
     shown = capsys.readouterr()
-    assert shown.out.splitlines()[0].split(",")[2:] == list(columns)
+    assert shown.out.splitlines()[0].split(",")[2:] == [*columns, "correction_deg"]
     assert shown.err == ""
     name = options[1] if options else "restlevel"
     (tmp_path / "c.yaml").write_text(f"filter: {name}\n")

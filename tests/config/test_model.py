@@ -22,6 +22,7 @@ KEYS = (
     "hdr",
     "restlevel",
     "sample_rate_hz",
+    "slew_dps",
     "provenance",
     "outputs",
     "columns",

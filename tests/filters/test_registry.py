@@ -114,7 +114,7 @@ def test_the_command_filter_writes_its_columns(tmp_path: Path, capsys: pytest.Ca
     config = config_of(tmp_path, CONFIG.format(bias_dps=0.25))
     assert main(["filter", str(session), "--config", str(config)]) == 0
     rows = list(csv.DictReader(StringIO(capsys.readouterr().out)))
-    assert list(rows[0]) == ["t_device_s", "rate_dps", "bias_dps", "yaw_deg"]
+    assert list(rows[0]) == ["t_device_s", "rate_dps", "bias_dps", "yaw_deg", "correction_deg"]
     assert len(rows) == 4 * RATE_HZ + 1
     assert float(rows[-1]["yaw_deg"]) == pytest.approx(1.0)
 

@@ -3,8 +3,8 @@
 #include "restlevel_params.h"
 
 #define STATE gd_attitude
-#define INPUTS 8 /* rates, accelerations, rest, and 1 to restart the yaw sigma after the sample */
-#define OUTPUTS 21
+#define INPUTS 8 /* rates, accelerations, rest, and a command after the sample: 1 zero, 2 gap, 3 restarted */
+#define OUTPUTS 24
 
 static int begin(gd_attitude *a, const double *params) {
   gd_restlevel_params p;
@@ -17,9 +17,13 @@ static void copy(gd_real out[6], const double *input) {
   }
 }
 
-static void zero(gd_attitude *a, const double *input) {
+static void command(gd_attitude *a, const double *input) {
   if (input[7] == 1.0) {
     gd_attitude_zero(a);
+  } else if (input[7] == 2.0) {
+    gd_attitude_gap(a);
+  } else if (input[7] == 3.0) {
+    gd_attitude_restarted(a);
   }
 }
 
@@ -27,7 +31,7 @@ static int take(gd_attitude *a, double t_s, const double *input) {
   gd_real sample[6];
   copy(sample, input);
   const int taken = gd_attitude_update_with(a, t_s, sample, sample + 3, (gd_real)input[6], (gd_real)NAN);
-  zero(a, input);
+  command(a, input);
   return taken;
 }
 
@@ -35,7 +39,7 @@ static int take_us(gd_attitude *a, uint32_t t_us, const double *input) {
   gd_real sample[6];
   copy(sample, input);
   const int taken = gd_attitude_update_us_with(a, t_us, sample, sample + 3, (gd_real)input[6], (gd_real)NAN);
-  zero(a, input);
+  command(a, input);
   return taken;
 }
 
@@ -60,6 +64,9 @@ static void tell(const gd_attitude *a, double *output) {
   output[18] = (double)a->rejected;
   output[19] = (double)a->witness.refuted;
   output[20] = (double)a->yaw_deg;
+  output[21] = (double)a->correction_deg;
+  output[22] = (double)a->corrections;
+  output[23] = (double)a->has_restarted;
 }
 
 #include "filter_driver.h"

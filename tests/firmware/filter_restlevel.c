@@ -3,31 +3,35 @@
 #include "restlevel_params.h"
 
 #define STATE gd_restlevel
-#define INPUTS 4 /* rate, rest, temperature, and 1 to restart the yaw sigma after the sample */
-#define OUTPUTS 10
+#define INPUTS 4 /* rate, rest, temperature, and a command after the sample: 1 zero, 2 gap, 3 restarted */
+#define OUTPUTS 12
 
 static int begin(gd_restlevel *r, const double *params) {
   gd_restlevel_params p;
   return gd_restlevel_init(r, restlevel_params(&p, params));
 }
 
-static void zero(gd_restlevel *r, const double *input) {
+static void command(gd_restlevel *r, const double *input) {
   if (input[3] == 1.0) {
     gd_restlevel_zero(r);
+  } else if (input[3] == 2.0) {
+    gd_restlevel_gap(r);
+  } else if (input[3] == 3.0) {
+    gd_restlevel_restarted(r);
   }
 }
 
 static int take(gd_restlevel *r, double t_s, const double *input) {
   const int taken =
       gd_restlevel_update_with(r, t_s, (gd_real)input[0], (gd_real)input[1], (gd_real)input[2]);
-  zero(r, input);
+  command(r, input);
   return taken;
 }
 
 static int take_us(gd_restlevel *r, uint32_t t_us, const double *input) {
   const int taken =
       gd_restlevel_update_us_with(r, t_us, (gd_real)input[0], (gd_real)input[1], (gd_real)input[2]);
-  zero(r, input);
+  command(r, input);
   return taken;
 }
 
@@ -42,6 +46,8 @@ static void tell(const gd_restlevel *r, double *output) {
   output[7] = (double)r->rejected;
   output[8] = (double)r->witness.refuted;
   output[9] = (double)r->line.slope_dps_c;
+  output[10] = (double)r->correction_deg;
+  output[11] = (double)r->corrections;
 }
 
 #include "filter_driver.h"

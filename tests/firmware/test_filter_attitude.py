@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from c_attitude_support import COUNTS, SIGMA, TILT, YAW, in_python, samples, values_of
 from c_filter_support import CFilter, CFilters, FilterOutput, words, write_header
+from c_restlevel_support import GAP, RESTARTED
 from firmware_support import run
 from hand_motion import hand_motion
 from hypothesis import given, settings
@@ -91,6 +92,15 @@ def with_gaps_and_refused_samples() -> Session:
     return t_s, inputs
 
 
+def with_restarts() -> Session:
+    """Gaps and restarts that are told, with clocks that go on and that begin again, and biases that change."""
+    t_s, inputs = of_motion("hand_slow")
+    inputs[500, 7], inputs[900, 7], inputs[1400, 7] = GAP, RESTARTED, RESTARTED
+    inputs[901:, :3] += (0.3, -0.2, 0.5)
+    t_s[1401:] -= t_s[1401]
+    return t_s, inputs
+
+
 def with_spikes() -> Session:
     """Rates of single samples that jump and return."""
     t_s, inputs = of_motion("arm")
@@ -137,6 +147,7 @@ ODD = {
         without_accelerations,
         at_the_end_of_the_range,
         with_gaps_and_refused_samples,
+        with_restarts,
         with_spikes,
         with_a_rest_sensor,
         falling,

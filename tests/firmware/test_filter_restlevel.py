@@ -107,7 +107,7 @@ rates = st.one_of(st.floats(-2.0, 2.0), st.sampled_from([0.0, -0.0, nan, inf, -i
 steps_s = st.one_of(st.floats(1e-4, 0.1), st.sampled_from([0.01, 0.01, 0.01, 0.0, -0.05, 5.0, 1e6, 1e-13, nan, inf]))
 words = st.sampled_from([nan, 1.0, 1.0, 1.0, 0.0, 0.5, -1.0])
 temps_c = st.one_of(st.floats(15.0, 60.0), st.sampled_from([nan, inf, -1e9, 1e9]))
-commands = st.sampled_from([0.0] * 20 + [1.0])
+commands = st.sampled_from([0.0] * 20 + [1.0, 2.0, 3.0])
 settings = st.builds(
     RestlevelParams,
     window_s=st.floats(0.01, 0.5),

@@ -38,8 +38,6 @@ class InertialBlock:
         Finished steps.
     still, moving
         Samples that a rest sensor calls still and moving.
-    gap_s
-        Time without samples that no rate covers.
     is_clipped
         An acceleration was at the end of its range.
     """
@@ -55,7 +53,6 @@ class InertialBlock:
     steps: list[Step] = field(default_factory=list)
     still: int = 0
     moving: int = 0
-    gap_s: float = 0.0
     is_clipped: bool = False
 
 

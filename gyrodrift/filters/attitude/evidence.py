@@ -54,11 +54,18 @@ def level_basis(up: Floats) -> Floats:
 
 
 def weigh(
-    c: AttitudeCoefficients, h: Hypotheses, i: int, m: RestCandidate, up: Floats, variance: Floats
+    c: AttitudeCoefficients,
+    h: Hypotheses,
+    i: int,
+    m: RestCandidate,
+    up: Floats,
+    variance: Floats,
+    turn_on_bias: Floats,
 ) -> RestEvidence:
     """Densities of a candidate's rates for hypothesis i.
 
     up is the vertical (3) in the sensor, and variance (3, 3) that of the mean rates as a measurement, (rad/s)².
+    turn_on_bias (3) is the mean of the prior of an unknown bias, rad/s.
     """
     basis = level_basis(up)
     rate, off = basis @ m.gyro / RAD, basis @ (m.gyro - h.bias[i]) / RAD
@@ -72,7 +79,8 @@ def weigh(
         if float(rate @ rate) < float(h.bias[i] @ h.bias[i]) / RAD**2:
             rest += MISTAKE_SHARE * normal_density(rate, prior)
     else:
-        rest = level * _first_rest_density(c, rate, float(off[2]), float(spread[2, 2]))
+        turn_on = rate - basis @ turn_on_bias / RAD
+        rest = level * _first_rest_density(c, turn_on, float(off[2]), float(spread[2, 2]))
     share = MOTION_SHARE if m.kind.blocks <= QUIET.blocks else NOISY_MOTION_SHARE
     chance = normal_density(off, wide + MOTION_SPREAD**2 * np.eye(3))
     return RestEvidence(float(np.log(rest + 1e-300)), float(np.log(TURNS_PER_DPS * level + share * chance + 1e-300)))
@@ -81,7 +89,7 @@ def weigh(
 def _first_rest_density(c: AttitudeCoefficients, rate: Floats, off: float, variance: float) -> float:
     """Density of the vertical rate of a rest, 1/(deg/s), before any rest has shown the bias.
 
-    The level rates are biases in every case, and show the spread of the part.
+    The level rates, as distances from the mean of the prior, are biases in every case, and show the spread of the part.
     """
     prior_var = (c.bias_sigma / RAD) ** 2
     total = weights = 0.0

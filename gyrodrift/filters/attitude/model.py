@@ -3,11 +3,15 @@
 from dataclasses import dataclass, field
 from math import nan, sqrt
 
+import numpy as np
+
 from gyrodrift.filters.attitude.block import InertialBlock
 from gyrodrift.filters.attitude.hypotheses import Hypotheses, first_hypothesis
 from gyrodrift.filters.attitude.motion import MotionMemory
 from gyrodrift.filters.attitude.rests import AttitudeWitness, Segment, Windows
+from gyrodrift.filters.gaps import GapWatch
 from gyrodrift.filters.restlevel.model import RestlevelParams
+from gyrodrift.values.arrays import Floats
 from gyrodrift.values.quaternion import IDENTITY, Quaternion, heading_axis, tilt_deg
 from gyrodrift.values.vectors import Vector
 
@@ -95,12 +99,18 @@ class AttitudeState:
         Probability of rest, and of the most probable hypothesis.
     samples, rejected
         Numbers of accepted and of rejected samples.
+    correction_deg, corrections
+        Step of yaw in the last sample that is no motion, deg: a change of the estimate. Number of those over 1 deg.
+    watch
+        Limit that tells a gap from a step.
     start_q, start_yaw_deg
         Output attitude and yaw at the beginning of the block.
     block, windows, segment, hypotheses, witness
         Samples of the block; means of the last blocks; the present rest candidate; the Gaussian sum; the rest sensor.
     noise_var
         Angle random walk of the gyro, rad²/s.
+    turn_on_bias
+        Mean (3) of the prior of an unknown bias, rad/s: 0, or the last estimate before a restart.
     motion
         Properties of the motion in the last seconds.
     """
@@ -122,6 +132,9 @@ class AttitudeState:
     confidence: float = 1.0
     samples: int = 0
     rejected: int = 0
+    correction_deg: float = 0.0
+    corrections: int = 0
+    watch: GapWatch = field(default_factory=GapWatch)
     start_q: Quaternion = IDENTITY
     start_yaw_deg: float = 0.0
     block: InertialBlock = field(default_factory=InertialBlock)
@@ -130,6 +143,7 @@ class AttitudeState:
     hypotheses: Hypotheses = field(default_factory=first_hypothesis)
     witness: AttitudeWitness = field(default_factory=AttitudeWitness)
     noise_var: float = 0.0
+    turn_on_bias: Floats = field(default_factory=lambda: np.zeros(3))
     motion: MotionMemory = field(default_factory=MotionMemory)
 
     @property

@@ -47,15 +47,15 @@ def duration_odds(seconds: float) -> float:
     return float((1.0 + (seconds / LEVEL_S) ** 2) ** 0.25)
 
 
-def branch(c: AttitudeCoefficients, h: Hypotheses, m: RestCandidate, odds: float) -> Hypotheses:
+def branch(c: AttitudeCoefficients, h: Hypotheses, m: RestCandidate, odds: float, turn_on_bias: Floats) -> Hypotheses:
     """Hypotheses after a new candidate: of rest, which measure the bias, and of no rest.
 
-    `odds` are the prior odds of a rest.
+    `odds` are the prior odds of a rest, and `turn_on_bias` (3) is the mean of the prior of an unknown bias, rad/s.
     """
     variance = rest_variances(h, m, 1.0)
     log_rest, log_motion = np.empty(len(h.weight)), np.empty(len(h.weight))
     for i in range(len(h.weight)):
-        evidence = weigh(c, h, i, m, _vertical(h, i, m), variance[i])
+        evidence = weigh(c, h, i, m, _vertical(h, i, m), variance[i], turn_on_bias)
         log_rest[i] = evidence.rest + np.log(odds + 1e-300)
         log_motion[i] = evidence.motion
     most = max(log_rest.max(), log_motion.max())

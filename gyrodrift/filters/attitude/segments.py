@@ -32,7 +32,7 @@ RESUME_BLOCKS = 11
 
 QUIET_ODDS = 4.0
 """Odds of a rest by an accelerometer as quiet as the gyro: vehicles in a bend shake. Chosen: with `rest_share` 0.2
-rests and turns are equally frequent."""
+rests and turns are equally frequent. The first sample has `still_start` alone, whatever the accelerometer."""
 
 
 def follow_rest(c: AttitudeCoefficients, s: AttitudeState) -> None:
@@ -70,9 +70,10 @@ def learn_noise(c: AttitudeCoefficients, s: AttitudeState, candidate: RestCandid
 def begin_segment(c: AttitudeCoefficients, s: AttitudeState, candidate: RestCandidate, *, is_certain: bool) -> None:
     """Branch all hypotheses by a new candidate."""
     is_from_start = s.windows.total <= candidate.kind.blocks + START_BLOCKS
-    odds = c.start_odds if is_from_start else c.rest_odds * QUIET_ODDS
+    odds = c.start_odds if is_from_start else c.rest_odds
+    odds *= 1.0 if s.watch.restarts == 0 and is_from_start else QUIET_ODDS
     odds = CERTAIN_ODDS if is_certain else odds
-    s.hypotheses = merge_and_prune(branch(c, s.hypotheses, candidate, odds))
+    s.hypotheses = merge_and_prune(branch(c, s.hypotheses, candidate, odds, s.turn_on_bias))
     s.segment = Segment(candidate.kind.blocks, 0, 0, candidate.kind.blocks * c.block_s, candidate.gyro)
 
 

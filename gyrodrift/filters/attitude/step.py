@@ -3,10 +3,13 @@
 from math import isfinite, nan
 
 from gyrodrift.filters.attitude.block import add_sample, integrals
+from gyrodrift.filters.attitude.gap import pass_gap
 from gyrodrift.filters.attitude.model import AttitudeCoefficients, AttitudeState, coefficients
 from gyrodrift.filters.attitude.spikes import mean_rate
 from gyrodrift.filters.attitude.update import begin, end_block
 from gyrodrift.filters.attitude.yaw import unwrapped_deg
+from gyrodrift.filters.gaps import CORRECTION_DEG, longest_step_s
+from gyrodrift.filters.limits import LEAST_STEP_S
 from gyrodrift.values.quaternion import product
 from gyrodrift.values.vectors import Vector
 
@@ -24,9 +27,6 @@ CLIPPED_MPS2 = 18.0
 HOLD_S = 0.1
 """Time for which an acceleration holds, s: an accelerometer may be slower than the gyro."""
 
-LONGEST_STEP_S = 0.5
-"""Longest time that a rate is integrated over, s; the rest of a gap is unknown."""
-
 
 def step(
     c: AttitudeCoefficients,
@@ -43,29 +43,47 @@ def step(
 ) -> bool:
     """Take a sample: rates in deg/s, specific force in m/s² (NaN: missing); False if it is rejected.
 
-    A sample is rejected if time does not increase, or if time or a rate is not finite or out of range. `still` is 1 at
-    rest and 0 in motion by an external sensor. `temp_c` has no effect so far.
+    A sample is rejected if time does not increase, except after a restart, or if time or a rate is not finite or out of
+    range. `still` is 1 at rest and 0 in motion by an external sensor. `temp_c` has no effect so far.
     """
     del temp_c
     is_usable = isfinite(t_s) and -FASTEST_DPS < gx < FASTEST_DPS
     is_usable = is_usable and -FASTEST_DPS < gy < FASTEST_DPS and -FASTEST_DPS < gz < FASTEST_DPS
-    if not is_usable or (s.samples > 0 and t_s <= s.t_s):
-        s.rejected += 1
-        return False
+    dt = t_s - s.t_s
+    if not is_usable or (s.samples > 0 and dt <= 0.0):
+        if not is_usable or not s.watch.has_restarted:
+            s.rejected += 1
+            return False
+        dt, s.accel_t_s = LEAST_STEP_S, t_s  # the clock has restarted too
     before = s.accel_mps2
     accel = usable_accel(s, t_s, ax, ay, az)
+    s.correction_deg = 0.0
     if s.samples == 0:
         s.gyro_dps = (gx, gy, gz)
         begin(c, s, accel)
+    elif dt > s.watch.longest_step_s:
+        held_deg = s.yaw_deg
+        pass_gap(c, s, dt, (gx, gy, gz))
+        _count_correction(s, s.yaw_deg - held_deg)
     else:
-        _turn(s, t_s - s.t_s, (gx, gy, gz), accel, before)
+        _turn(s, dt, (gx, gy, gz), accel, before)
     s.samples += 1
     s.t_s = t_s
     if still == still:  # noqa: PLR0124 - not NaN
         hear(s, still)
     if s.block.seconds >= c.block_s - 1e-9 and s.block.samples >= 2:
+        before_deg = s.yaw_deg
+        s.watch.longest_step_s = longest_step_s(s.block.seconds / s.block.samples)
         end_block(c, s, integrals(s.block))
+        _count_correction(s, s.yaw_deg - before_deg)
     return True
+
+
+def _count_correction(s: AttitudeState, step_deg: float) -> None:
+    """Store a step of yaw that is no motion, and count it if it is large."""
+    s.correction_deg = step_deg
+    if abs(step_deg) > CORRECTION_DEG:
+        s.corrections += 1
 
 
 def usable_accel(s: AttitudeState, t_s: float, ax: float, ay: float, az: float) -> Vector:
@@ -96,9 +114,6 @@ def hear(s: AttitudeState, still: float) -> None:
 
 def _turn(s: AttitudeState, dt: float, gyro: Vector, accel: Vector, accel_before: Vector) -> None:
     """Turn the block and the output by the mean of this sample and the one before."""
-    if dt > LONGEST_STEP_S:
-        s.block.gap_s += dt - LONGEST_STEP_S
-        dt = LONGEST_STEP_S
     x, y, z = mean_rate(s, dt, gyro)
     bx, by, bz = accel_before
     if bx != bx:  # noqa: PLR0124 - NaN

@@ -37,9 +37,6 @@ G_SENSITIVITY = 0.05 * RAD
 """Standard deviation of the change of a bias by gravity, rad/s per g: half of the 0.1 deg/s that the data sheet of the
 MPU-6050 allows."""
 
-GAP_RATE = 10.0 * RAD
-"""Standard deviation of the unknown rate in a gap, rad/s. Chosen: half the rates of the recordings are below it."""
-
 
 def begin(c: AttitudeCoefficients, s: AttitudeState, accel: Vector) -> None:
     """First sample: level by its acceleration; heading and sigma are 0 unless an earlier filter left other ones."""
@@ -69,8 +66,6 @@ def end_block(c: AttitudeCoefficients, s: AttitudeState, block: Integrals) -> No
     usable = with_gravity(h, block) if is_blind else block
     predict(h, usable, c.walk_var, s.noise_var, is_held)
     widen_by_tilt(s)
-    if s.block.gap_s > 0.0:
-        forget_gap(s)
     if is_blind:
         forget_velocity(h)
     else:
@@ -110,14 +105,6 @@ def with_gravity(h: Hypotheses, block: Integrals) -> Integrals:
     """The block with gravity alone as its specific force."""
     up = rotation_matrices(h.q[:1])[0, 2]
     return block._replace(velocity=GRAVITY * block.seconds * up)
-
-
-def forget_gap(s: AttitudeState) -> None:
-    """Widen the attitude by the unknown turn in a gap, and forget windows and velocity."""
-    turn = min(GAP_RATE * s.block.gap_s, np.pi)
-    s.hypotheses.cov[:, :3, :3] += turn * turn * np.eye(3)
-    s.windows.blocks = 0
-    forget_velocity(s.hypotheses)
 
 
 def publish(s: AttitudeState) -> None:

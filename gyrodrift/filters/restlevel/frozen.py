@@ -43,24 +43,3 @@ def widen_yaw(s: RestlevelState, seconds: float) -> None:
     for h in s.hypotheses:
         if h.weight > 0.0:
             h.yaw_var += more_var
-
-
-RESUME_S = 1e-6
-"""Step of time that is left to the first sample after missing rates, s."""
-
-
-def hold_yaw(s: RestlevelState, t_s: float, rate_dps: float) -> None:
-    """Hold yaw up to `t_s`, where the rate is `rate_dps`: meanwhile there was no rate, and the device may have turned.
-
-    The sigma of yaw grows by the angle at the faster of the rates before and after, as a single error.
-    """
-    if s.samples == 0:
-        return
-    fastest_dps = max(abs(s.rate_dps - s.bias_dps), abs(rate_dps - s.bias_dps))
-    more_var = (fastest_dps * (t_s - s.t_s)) ** 2
-    for h in s.hypotheses:
-        if h.weight > 0.0:
-            h.yaw_var += more_var
-            h.checkpoint.yaw_var += more_var
-    s.moments.yaw_var += more_var
-    s.t_s, s.rate_dps = t_s - RESUME_S, rate_dps

@@ -32,17 +32,7 @@ share of the variance that is left at a tenth, and its square the share at a hun
 
 def begin(c: RestlevelCoefficients, s: RestlevelState) -> None:
     """Set the initial hypotheses: remembered biases, and a part that subtracts its bias well, partly or not at all."""
-    first = begin_remembered(c, s)
-    free = s.hypotheses[first]
-    unknown = 1.0 - remembered_weight(s)
-    if c.turn_on_var == 0.0:  # the sensor subtracts its own bias, so the bias is known
-        _begin_one(s, free, unknown, 0.0)
-        free.knows_bias = True
-    else:
-        _begin_one(s, free, unknown * WELL_CALIBRATED, c.turn_on_var * CALIBRATED * CALIBRATED)
-        _begin_one(s, s.hypotheses[first + 1], unknown * PARTLY_CALIBRATED, c.turn_on_var * CALIBRATED)
-        uncalibrated = unknown * (1.0 - WELL_CALIBRATED - PARTLY_CALIBRATED)
-        _begin_one(s, s.hypotheses[first + 2], uncalibrated, c.turn_on_var)
+    _begin_unknown(c, s, begin_remembered(c, s), 1.0 - remembered_weight(s))
     collapse(s)
 
 
@@ -50,17 +40,59 @@ def restart(c: RestlevelCoefficients, s: RestlevelState) -> None:
     """Restart the filter with the present block, because the values so far were no rates. Yaw stays."""
     s.yaw_deg = s.moments.yaw_deg
     for h in s.hypotheses:
-        h.weight = h.covariance = h.yaw_var = h.bias_dps = h.moving_s = 0.0
-        h.knows_bias = h.is_at_rest = h.was_at_rest = False
-        h.odds = h.turn_density = 1.0
+        _clear(h)
     begin(c, s)
     forget_noise(s.noise)
     forget_levels(s.wander)
     forget_turns(s.turns)
-    s.wander.was_stationary = False
-    s.segment.blocks = s.blocks = 0
-    s.ended.blocks_ago, s.ended.short_start_blocks, s.ended.ended_gradually = NEVER, 0, False
+    forget_segments(s)
+    s.blocks = 0
     s.sure.seconds, s.sure.rests, s.sure.has_first = 0.0, 0, False
+
+
+def reopen(c: RestlevelCoefficients, s: RestlevelState) -> None:
+    """Give the bias its turn-on prior around the last estimate. Yaw, its variance and the noise of the sensor stay.
+
+    The next segment may be one from the start.
+    """
+    bias_dps, yaw_var = s.bias_dps, s.moments.yaw_var
+    s.yaw_deg = s.moments.yaw_deg
+    for h in s.hypotheses:
+        _clear(h)
+    _begin_unknown(c, s, 0, 1.0)
+    for h in s.hypotheses:
+        if h.weight > 0.0:
+            h.bias_dps, h.yaw_var = bias_dps, yaw_var
+    collapse(s)
+    forget_turns(s.turns)
+    s.blocks = 0
+
+
+def forget_segments(s: RestlevelState) -> None:
+    """Forget the present and the last segment."""
+    s.wander.was_stationary = False
+    s.segment.blocks = 0
+    s.ended.blocks_ago, s.ended.short_start_blocks, s.ended.ended_gradually = NEVER, 0, False
+
+
+def _clear(h: Hypothesis) -> None:
+    """Free the slot of a hypothesis."""
+    h.weight = h.covariance = h.yaw_var = h.bias_dps = h.moving_s = 0.0
+    h.knows_bias = h.is_at_rest = h.was_at_rest = False
+    h.odds = h.turn_density = 1.0
+
+
+def _begin_unknown(c: RestlevelCoefficients, s: RestlevelState, first: int, weight: float) -> None:
+    """Set the hypotheses of an unknown part from a slot on, with this probability of all together."""
+    free = s.hypotheses[first]
+    if c.turn_on_var == 0.0:  # the sensor subtracts its own bias, so the bias is known
+        _begin_one(s, free, weight, 0.0)
+        free.knows_bias = True
+        return
+    _begin_one(s, free, weight * WELL_CALIBRATED, c.turn_on_var * CALIBRATED * CALIBRATED)
+    _begin_one(s, s.hypotheses[first + 1], weight * PARTLY_CALIBRATED, c.turn_on_var * CALIBRATED)
+    uncalibrated = weight * (1.0 - WELL_CALIBRATED - PARTLY_CALIBRATED)
+    _begin_one(s, s.hypotheses[first + 2], uncalibrated, c.turn_on_var)
 
 
 def _begin_one(s: RestlevelState, h: Hypothesis, weight: float, bias_var: float) -> None:
@@ -108,7 +140,7 @@ def weigh_noisy_rests(s: RestlevelState) -> None:
 
 def predict(c: RestlevelCoefficients, s: RestlevelState, angle_deg: float, seconds: float) -> None:
     """Predict a block: yaw turns in hypotheses of motion, and the bias follows its random walk."""
-    angle_walk_var = s.noise.angle_walk_var
+    angle_walk_var = max(0.0, s.noise.angle_walk_var)  # unknown in the first block
     for h in s.hypotheses:
         if h.weight == 0.0:
             continue

@@ -105,13 +105,15 @@ def first_kalman_update(c: RestlevelCoefficients, h: Hypothesis, mean_dps: float
     """Update a hypothesis at the beginning of a rest; return the logarithm of the likelihood of the mean.
 
     A hypothesis without a rest has the prior of the turn-on bias: a Gaussian of typical parts, and a wide Gaussian.
+    Both have its mean: 0, or the last bias before a restart.
     """
     if h.knows_bias:
         ramp_dps = c.rate_ramp_dps_s * min(h.moving_s, MAX_RAMP_S)
         log_likelihood = kalman_update(h, mean_dps, mean_var, ramp_dps * ramp_dps)
     else:
-        log_likelihood = _turn_on_logpdf(h.bias_var, mean_dps, mean_var)
-        widened = mean_dps * mean_dps / (UNEXPECTED_VAR * h.bias_var)
+        away_dps = mean_dps - h.bias_dps
+        log_likelihood = _turn_on_logpdf(h.bias_var, away_dps, mean_var)
+        widened = away_dps * away_dps / (UNEXPECTED_VAR * h.bias_var)
         if widened > 1.0:  # the yaw error that the bias has caused widens with the bias
             h.yaw_var += (widened - 1.0) * h.covariance * h.covariance / h.bias_var
             h.bias_var *= widened
@@ -122,9 +124,9 @@ def first_kalman_update(c: RestlevelCoefficients, h: Hypothesis, mean_dps: float
     return log_likelihood
 
 
-def _turn_on_logpdf(turn_on_var: float, mean_dps: float, mean_var: float) -> float:
-    typical = gaussian_logpdf(mean_dps, turn_on_var + mean_var)
-    wide = gaussian_logpdf(mean_dps, WIDE_FACTOR * turn_on_var + mean_var)
+def _turn_on_logpdf(turn_on_var: float, away_dps: float, mean_var: float) -> float:
+    typical = gaussian_logpdf(away_dps, turn_on_var + mean_var)
+    wide = gaussian_logpdf(away_dps, WIDE_FACTOR * turn_on_var + mean_var)
     odds = exp(min(typical - wide, MAX_LOG_ODDS))
     return wide + log(WIDE_PROBABILITY + (1.0 - WIDE_PROBABILITY) * odds)
 

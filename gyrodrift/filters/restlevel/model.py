@@ -5,6 +5,7 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Le, Lt
 
+from gyrodrift.filters.gaps import GapWatch
 from gyrodrift.filters.restlevel.bias_state import (
     UNSAID_C,
     Hypothesis,
@@ -133,6 +134,8 @@ class RestlevelState:
     samples, rejected
         Numbers of accepted and of rejected samples. A sample is rejected if T ≤ 0, or if its rate or time is not finite
         or exceeds a limit.
+    correction_deg, corrections
+        Step of yaw in the last sample that is no motion, deg: a change of the estimate. Number of those over 1 deg.
 
     start_yaw_deg
         Yaw at the first sample or the last zero.
@@ -142,6 +145,8 @@ class RestlevelState:
         Sum of the absolute angles of all blocks since the first sample or the last zero.
     blocks
         Number of complete blocks.
+    watch
+        Limit that tells a gap from a step.
     witness
         External rest sensor.
     remembered, recalled, sure, line
@@ -162,6 +167,9 @@ class RestlevelState:
     confidence: float = 1.0
     samples: int = 0
     rejected: int = 0
+    correction_deg: float = 0.0
+    corrections: int = 0
+    watch: GapWatch = field(default_factory=GapWatch)
     block: BlockStats = field(default_factory=BlockStats)
     start_yaw_deg: float = 0.0
     lived_s: float = 0.0

@@ -5,8 +5,10 @@ Batch versions compile this source, and a test compares their bits with it.
 
 from math import nan, sqrt
 
+from gyrodrift.filters.gaps import CORRECTION_DEG, longest_step_s
 from gyrodrift.filters.limits import LEAST_STEP_S, MOST_DPS, MOST_S
 from gyrodrift.filters.restlevel.frozen import detect_freeze, widen_yaw
+from gyrodrift.filters.restlevel.gap import pass_gap
 from gyrodrift.filters.restlevel.hypotheses import (
     begin,
     branch,
@@ -92,13 +94,15 @@ def step(
     -------
     bool
         False if the sample is rejected, because T ≤ 0, or because its time or rate is not finite or exceeds a limit. A
-        rejected sample changes only `s.rejected`.
+        rejected sample changes only `s.rejected`. After a restart any time is accepted.
     """
     dt_s = t_s - s.t_s if s.samples > 0 else 0.0
     is_within = -MOST_S <= t_s <= MOST_S and -MOST_DPS <= rate_dps <= MOST_DPS
     if not is_within or (s.samples > 0 and dt_s < LEAST_STEP_S):
-        s.rejected += 1
-        return False
+        if not is_within or not s.watch.has_restarted:
+            s.rejected += 1
+            return False
+        dt_s = LEAST_STEP_S  # the clock has restarted too
     s.t_s = t_s
     advance(c, s, dt_s, rate_dps, still, temp_c)
     return True
@@ -113,6 +117,11 @@ def advance(
         s.start_yaw_deg = s.yaw_deg
         s.rate_dps = rate_dps
         begin(c, s)
+    elif dt_s > s.watch.longest_step_s:
+        expected_deg = moments.yaw_deg + block.angle_deg - s.bias_dps * block.seconds
+        pass_gap(c, s, dt_s, rate_dps)
+        _count_correction(s, moments.yaw_deg - expected_deg)
+        dt_s = 0.0
     if still >= 0.0:  # false for NaN
         hear(s.witness, still)
     if COLDEST_C < temp_c < WARMEST_C:
@@ -120,8 +129,11 @@ def advance(
     step_dps = abs(rate_dps - s.rate_dps)
     if step_dps > 0.0 and (step_dps < noise.resolution_dps or noise.resolution_dps < 0.0):
         noise.resolution_dps = step_dps
-    if block.samples == 0:
-        block.origin_dps = rate_dps
+    if block.samples < 2:
+        if block.samples == 0:
+            block.origin_dps = rate_dps
+        if dt_s > 0.0:  # no gap: the correction is that of the sample before
+            s.correction_deg = 0.0
     above_dps = rate_dps - block.origin_dps
     seconds = block.seconds + dt_s
     block.seconds = seconds
@@ -132,7 +144,9 @@ def advance(
     s.rate_dps = rate_dps
     s.samples += 1
     if seconds >= c.window_s and block.samples >= MIN_BLOCK_SAMPLES:
+        expected_deg = moments.yaw_deg + block.angle_deg - s.bias_dps * seconds
         _end_block(c, s, seconds)
+        _count_correction(s, moments.yaw_deg - expected_deg)
         seconds = 0.0
     yaw_deg = moments.yaw_deg + block.angle_deg - s.bias_dps * seconds
     net_deg = yaw_deg - s.start_yaw_deg
@@ -143,10 +157,18 @@ def advance(
     s.yaw_sigma_deg = sqrt(max(0.0, moments.yaw_var + moving_var + scale_var))
 
 
+def _count_correction(s: RestlevelState, step_deg: float) -> None:
+    """Store a step of yaw that is no motion, and count it if it is large."""
+    s.correction_deg = step_deg
+    if abs(step_deg) > CORRECTION_DEG:
+        s.corrections += 1
+
+
 def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> None:
     """Pass a complete block to segments and hypotheses, and begin the next block."""
     block, segment = s.block, s.segment
     s.lived_s += seconds
+    s.watch.longest_step_s = longest_step_s(seconds / block.samples)
     mean_dps = block.angle_deg / seconds
     step_dps = mean_dps - segment.last_mean_dps
     if begins_to_measure(s.noise, s.rate_dps):

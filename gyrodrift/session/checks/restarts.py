@@ -175,7 +175,8 @@ def _joined(session: Session, cuts: _Cuts, period_s: float) -> Session:
         if encoder_deg is not None and abs(encoder_deg[row] - encoder_deg[last]) > ENCODER_JUMP_DEG:
             encoder_deg = unwrapped(encoder_deg)
             encoder_deg[row:] += encoder_deg[last] - encoder_deg[row]
-    joined = replace(session, t_device_s=t_s, encoder_deg=encoder_deg)
+    restarts_s = tuple(t_s[cuts.restarts].tolist())
+    joined = replace(session, t_device_s=t_s, encoder_deg=encoder_deg, restarts_s=restarts_s)
     return joined.rows(np.delete(np.arange(len(t_s)), cuts.damaged)) if cuts.damaged else joined
 
 

@@ -6,8 +6,8 @@
 #ifndef GD_ATTITUDE_H
 #define GD_ATTITUDE_H
 
+#include "attitude_gap.h"
 #include "attitude_spikes.h"
-#include "attitude_update.h"
 
 /* Accelerations above this are no measurements, m/s^2. */
 #define GD_ATTITUDE_LARGEST_MPS2 GD_R(4000.0)
@@ -15,8 +15,6 @@
 #define GD_ATTITUDE_CLIPPED_MPS2 GD_R(18.0)
 /* Time for which an acceleration holds, s: an accelerometer may be slower than the gyro. */
 #define GD_ATTITUDE_HOLD_S 0.1
-/* Longest time that a rate is integrated over, s; the rest of a gap is unknown. */
-#define GD_ATTITUDE_LONGEST_STEP_S 0.5
 /* Longest time between two samples as a number of the filter, s: its turn is unknown long before. */
 #define GD_ATTITUDE_LONGEST_GAP_S 1e6
 
@@ -32,6 +30,7 @@ static inline int gd_attitude_init(gd_attitude *a, const gd_restlevel_params *pa
   a->accel_t_s = -1e30;
   a->accel_mps2[0] = a->accel_mps2[1] = a->accel_mps2[2] = (gd_real)NAN;
   a->witness.is_believed = 1;
+  a->longest_step_s = GD_FIRST_STEP_S;
   a->motion.mean_force[2] = GD_ATTITUDE_GRAVITY;
   return is_valid;
 }
@@ -66,10 +65,6 @@ static inline void gd_attitude_take_accel(gd_attitude *a, double t_s, const gd_r
 static inline void gd_attitude_turn(gd_attitude *a, double dt_s, const gd_real gyro[3], const gd_real before[3]) {
   const int has_before = gd_are_finite(before);
   gd_real rate[3], accel[3], axis[3], dt;
-  if (dt_s > GD_ATTITUDE_LONGEST_STEP_S) {
-    a->block.gap_s += (gd_real)(dt_s - GD_ATTITUDE_LONGEST_STEP_S);
-    dt_s = GD_ATTITUDE_LONGEST_STEP_S;
-  }
   dt = (gd_real)dt_s;
   gd_attitude_mean_rate(rate, a, dt, gyro);
   gd_attitude_middle(accel, a->accel_mps2, has_before ? before : a->accel_mps2);
@@ -81,15 +76,28 @@ static inline void gd_attitude_turn(gd_attitude *a, double dt_s, const gd_real g
   gd_attitude_set_heading(a, gd_unwrapped_deg(a->heading_deg + (a->heading_rate_dps - a->bias_dps) * dt, a->q));
 }
 
+/* Stores a step of yaw that is no motion, and counts it if it is large. */
+static inline void gd_attitude_count_correction(gd_attitude *a, gd_real heading_deg, int32_t turns) {
+  a->correction_deg = a->heading_deg - heading_deg + GD_R(360.0) * (gd_real)(a->turns - turns);
+  if (GD_ABS(a->correction_deg) > GD_CORRECTION_DEG && a->corrections < UINT16_MAX) {
+    ++a->corrections;
+  }
+}
+
 /* Take an accepted sample that comes dt_s after the last one. */
 static inline void gd_attitude_advance(gd_attitude *a, double t_s, double dt_s, const gd_real gyro[3],
                                        const gd_real accel[3], gd_real still) {
-  gd_real before[3];
+  gd_real before[3], heading_deg = a->heading_deg;
+  int32_t turns = a->turns;
   memcpy(before, a->accel_mps2, sizeof before);
   gd_attitude_take_accel(a, t_s, accel);
+  a->correction_deg = 0;
   if (a->samples == 0) {
     memcpy(a->gyro_dps, gyro, sizeof a->gyro_dps);
     gd_attitude_begin(a, a->accel_mps2);
+  } else if (dt_s > a->longest_step_s) {
+    gd_attitude_pass_gap(a, dt_s, gyro);
+    gd_attitude_count_correction(a, heading_deg, turns);
   } else {
     gd_attitude_turn(a, dt_s, gyro, before);
   }
@@ -98,13 +106,23 @@ static inline void gd_attitude_advance(gd_attitude *a, double t_s, double dt_s, 
   a->block.still += still >= 1 && still <= 1;
   a->block.moving += still < 1 || still > 1;
   if (a->block.seconds >= a->c.block_s - 1e-9 && a->block.samples >= 2) {
+    heading_deg = a->heading_deg;
+    turns = a->turns;
+    a->longest_step_s = gd_longest_step_s(a->block.seconds / (double)a->block.samples);
     gd_attitude_end_block(a);
+    gd_attitude_count_correction(a, heading_deg, turns);
   }
 }
 
-/* Whether a sample is taken; else it is counted. `dt_s` is the step from the sample before. */
-static inline int gd_attitude_accepts(gd_attitude *a, double t_s, double dt_s, const gd_real gyro[3]) {
-  if (t_s - t_s >= 0.0 && (a->samples == 0 || dt_s > 0.0) && gd_are_below(gyro, GD_ATTITUDE_FASTEST_DPS)) {
+/* Whether a sample is taken; else it is counted. `dt_s` is the step from the sample before; after a restart the clock
+   may have restarted too. */
+static inline int gd_attitude_accepts(gd_attitude *a, double t_s, double *dt_s, const gd_real gyro[3]) {
+  const int is_usable = t_s - t_s >= 0.0 && gd_are_below(gyro, GD_ATTITUDE_FASTEST_DPS);
+  if (is_usable && a->longest_step_s < GD_TOLD_GAP && !(*dt_s > 0.0)) {
+    *dt_s = GD_LEAST_STEP_S;
+    a->accel_t_s = t_s;
+  }
+  if (is_usable && (a->samples == 0 || *dt_s > 0.0)) {
     return 1;
   }
   gd_count(&a->rejected);
@@ -118,9 +136,9 @@ static inline int gd_attitude_accepts(gd_attitude *a, double t_s, double dt_s, c
 */
 static inline int gd_attitude_update_with(gd_attitude *a, double t_s, const gd_real gyro_dps[3],
                                           const gd_real accel_mps2[3], gd_real still, gd_real temp_c) {
-  const double dt_s = t_s - a->t_s;
+  double dt_s = t_s - a->t_s;
   (void)temp_c;
-  if (!gd_attitude_accepts(a, t_s, dt_s, gyro_dps)) {
+  if (!gd_attitude_accepts(a, t_s, &dt_s, gyro_dps)) {
     return 0;
   }
   gd_attitude_advance(a, t_s, dt_s < GD_ATTITUDE_LONGEST_GAP_S ? dt_s : GD_ATTITUDE_LONGEST_GAP_S, gyro_dps, accel_mps2,
@@ -137,9 +155,9 @@ static inline int gd_attitude_update(gd_attitude *a, double t_s, const gd_real g
 /* The same by a clock of microseconds that wraps, as micros() of Arduino. Use one of the clocks. */
 static inline int gd_attitude_update_us_with(gd_attitude *a, uint32_t t_us, const gd_real gyro_dps[3],
                                              const gd_real accel_mps2[3], gd_real still, gd_real temp_c) {
-  const double dt_s = a->samples > 0 ? (double)gd_step_of_us(t_us, a->t_us) : 0.0;
+  double dt_s = a->samples > 0 ? (double)gd_step_of_us(t_us, a->t_us) : 0.0;
   (void)temp_c;
-  if (!gd_attitude_accepts(a, 0.0, dt_s, gyro_dps)) {
+  if (!gd_attitude_accepts(a, 0.0, &dt_s, gyro_dps)) {
     return 0;
   }
   a->t_us = t_us;

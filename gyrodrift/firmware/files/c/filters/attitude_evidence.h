@@ -72,7 +72,7 @@ static inline void gd_attitude_level_basis(gd_real basis[9], const gd_real up[3]
 }
 
 /* Logarithm of the density of the vertical rate of a rest, 1/(deg/s), before any rest has shown the bias. The level
-   rates are biases in every case, and show the spread of the part. */
+   rates, as distances from the mean of the prior, are biases in every case, and show the spread of the part. */
 static inline gd_real gd_attitude_log_first_rest(gd_real prior_var, const gd_real rate[3], gd_real off,
                                                  gd_real variance) {
   /* Spread of the biases of a part over its prior, and shares of such parts: biases removed by the part, usual parts,
@@ -94,13 +94,13 @@ static inline gd_real gd_attitude_log_first_rest(gd_real prior_var, const gd_rea
 /* A candidate's rates for a hypothesis: mean rates and distance from the bias, deg/s, with the covariance of the
    distance, (deg/s)^2, on two level axes and the vertical. `error_var` is the variance by errors of the model. */
 typedef struct {
-  gd_real rate[3], off[3], spread[9], error_var;
+  gd_real rate[3], turn_on[3], off[3], spread[9], error_var; /* turn_on: from the mean of the prior of the bias */
 } gd_attitude_offset;
 
-static inline void gd_attitude_offset_of(gd_attitude_offset *out, const gd_attitude_hypothesis *h,
-                                         const gd_attitude_candidate *m, const gd_real up[3],
-                                         const gd_real variance[3]) {
-  gd_real basis[9], off[3], rate[3], spread[9];
+static inline void gd_attitude_offset_of(gd_attitude_offset *out, const gd_attitude *a,
+                                         const gd_attitude_hypothesis *h, const gd_attitude_candidate *m,
+                                         const gd_real up[3], const gd_real variance[3]) {
+  gd_real basis[9], off[3], rate[3], turn_on[3], spread[9];
   int i;
   gd_attitude_level_basis(basis, up);
   gd_diagonal_block(spread, h->cov, GD_ATTITUDE_BIAS);
@@ -113,6 +113,10 @@ static inline void gd_attitude_offset_of(gd_attitude_offset *out, const gd_attit
     spread[i] /= GD_ATTITUDE_RAD * GD_ATTITUDE_RAD;
   }
   gd_times(out->rate, basis, rate);
+  gd_times(turn_on, basis, a->turn_on_bias);
+  for (i = 0; i < 3; i++) {
+    out->turn_on[i] = out->rate[i] - turn_on[i] / GD_ATTITUDE_RAD;
+  }
   gd_times(out->off, basis, off);
   gd_in_basis(out->spread, basis, spread);
   out->error_var = GD_ATTITUDE_MODEL_ERROR * GD_ATTITUDE_MODEL_ERROR +
@@ -134,20 +138,21 @@ static inline gd_real gd_attitude_log_known_rest(const gd_attitude_hypothesis *h
 
 /* Logarithms of the densities, 1/(deg/s)^3, of a candidate's rates for a hypothesis: rest, and no rest for each unit of
    odds. `up` is the vertical (3) in the sensor, `variance` (3) that of the mean rates as a measurement, (rad/s)^2. */
-static inline void gd_attitude_weigh(gd_real *log_rest, gd_real *log_motion, const gd_attitude_coefficients *c,
+static inline void gd_attitude_weigh(gd_real *log_rest, gd_real *log_motion, const gd_attitude *a,
                                      const gd_attitude_hypothesis *h, const gd_attitude_candidate *m,
                                      const gd_real up[3], const gd_real variance[3]) {
+  const gd_attitude_coefficients *c = &a->c;
   const gd_real sigma = c->bias_sigma / GD_ATTITUDE_RAD;
   const gd_real share =
       m->kind.blocks <= GD_ATTITUDE_QUIET_BLOCKS ? GD_ATTITUDE_MOTION_SHARE : GD_ATTITUDE_NOISY_MOTION_SHARE;
   gd_attitude_offset o;
   gd_real level, rest, chance;
-  gd_attitude_offset_of(&o, h, m, up, variance);
+  gd_attitude_offset_of(&o, a, h, m, up, variance);
   level = gd_log_density(o.off, o.spread, o.error_var, 2);
   chance = GD_LOG(share) + gd_log_density(o.off, o.spread,
                                           o.error_var + GD_ATTITUDE_MOTION_SPREAD * GD_ATTITUDE_MOTION_SPREAD, 3);
   rest = h->knows_bias ? gd_attitude_log_known_rest(h, &o, sigma * sigma)
-                       : level + gd_attitude_log_first_rest(sigma * sigma, o.rate, o.off[2], o.spread[8]);
+                       : level + gd_attitude_log_first_rest(sigma * sigma, o.turn_on, o.off[2], o.spread[8]);
   *log_rest = gd_log_add(rest, GD_ATTITUDE_LOG_LEAST);
   *log_motion = gd_log_add(gd_log_add(GD_LOG(GD_ATTITUDE_TURNS_PER_DPS) + level, chance), GD_ATTITUDE_LOG_LEAST);
 }

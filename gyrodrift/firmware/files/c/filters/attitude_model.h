@@ -2,6 +2,7 @@
 #ifndef GD_ATTITUDE_MODEL_H
 #define GD_ATTITUDE_MODEL_H
 
+#include "gaps.h"
 #include "parameters.h"
 #include "real.h"
 
@@ -84,7 +85,6 @@ typedef struct {
   gd_real force[3];                      /* integral of the specific force in the frame of the beginning, m/s */
   gd_real by_bias[9], by_scale[27];      /* derivatives of the rotation: minus that by the bias, and that by scale */
   gd_real squared_turn;                  /* integral of the squared rate, rad^2/s */
-  gd_real gap_s;                         /* time without samples that no rate covers */
   uint32_t samples, still, moving;
   uint8_t is_clipped; /* an acceleration was at the end of its range */
   uint8_t has_steps;
@@ -160,6 +160,10 @@ typedef struct {
   gd_real heading_rate_dps;         /* rate of the heading by the measured rates */
   gd_real rest_probability, confidence;
   uint32_t samples, rejected; /* accepted and refused samples */
+  gd_real correction_deg;     /* step of yaw in the last sample that is no motion: a change of the estimate */
+  uint16_t corrections;       /* number of those over 1 deg */
+  double longest_step_s;      /* longest step that is no gap; see gaps.h */
+  uint8_t has_restarted;      /* the bias was reopened after a gap */
   int32_t turns;             /* whole turns in yaw_deg */
   gd_real heading_deg;       /* yaw_deg without them: exact in float after thousands of turns */
   double t_s;                /* time of the last accepted sample */
@@ -169,6 +173,7 @@ typedef struct {
   gd_real accel_mps2[3];
   gd_real start_q[4], start_deg; /* output attitude and heading at the beginning of the block */
   gd_real noise_var;             /* angle random walk of the gyro, rad^2/s */
+  gd_real turn_on_bias[3];       /* mean of the prior of an unknown bias, rad/s: 0, or the bias before a restart */
   gd_attitude_coefficients c;
   gd_attitude_block block;
   gd_attitude_windows windows;

@@ -170,7 +170,7 @@ static inline gd_real gd_attitude_weigh_all(gd_real *log_rest, gd_real *log_moti
     const gd_attitude_hypothesis *h = gd_attitude_at(a, i);
     gd_attitude_rest_variances(variance, h, m, GD_R(1.0));
     gd_attitude_vertical(up, h, m);
-    gd_attitude_weigh(&log_rest[i], &log_motion[i], &a->c, h, m, up, variance);
+    gd_attitude_weigh(&log_rest[i], &log_motion[i], a, h, m, up, variance);
     log_rest[i] += log_odds;
     most = i == 0 ? log_rest[i] : most;
     most = gd_max(most, gd_max(log_rest[i], log_motion[i]));

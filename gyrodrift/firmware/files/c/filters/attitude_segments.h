@@ -30,7 +30,8 @@ static inline void gd_attitude_learn_noise(gd_attitude *a, const gd_attitude_can
 static inline void gd_attitude_begin_segment(gd_attitude *a, const gd_attitude_candidate *m, int is_certain) {
   gd_attitude_segment *segment = &a->segment;
   const int is_from_start = a->windows.total <= m->kind.blocks + GD_ATTITUDE_START_BLOCKS;
-  const gd_real odds = is_from_start ? a->c.start_odds : a->c.rest_odds * GD_ATTITUDE_QUIET_ODDS;
+  const int is_at_first = is_from_start && !a->has_restarted; /* with `still_start` alone */
+  const gd_real odds = (is_from_start ? a->c.start_odds : a->c.rest_odds) * (is_at_first ? 1 : GD_ATTITUDE_QUIET_ODDS);
   gd_attitude_branch(a, m, is_certain ? GD_ATTITUDE_CERTAIN_ODDS : odds);
   gd_attitude_merge_and_prune(&a->sum);
   segment->blocks = m->kind.blocks;

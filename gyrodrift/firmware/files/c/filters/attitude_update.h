@@ -12,8 +12,6 @@
 #define GD_ATTITUDE_FORCE_BIAS_SIGMA GD_R(0.3)
 /* Standard deviation of the change of a bias by gravity, rad/s per g. */
 #define GD_ATTITUDE_G_SENSITIVITY (GD_R(0.05) * GD_ATTITUDE_RAD)
-/* Standard deviation of the unknown rate in a gap, rad/s. */
-#define GD_ATTITUDE_GAP_RATE (GD_R(10.0) * GD_ATTITUDE_RAD)
 
 /* Yaw with its whole turns: the hypotheses keep theirs next to 0, where float has its digits. */
 static inline void gd_attitude_set_heading(gd_attitude *a, gd_real heading_deg) {
@@ -136,17 +134,6 @@ static inline void gd_attitude_widen_by_tilt(gd_attitude *a) {
   }
 }
 
-/* Widen the attitude by the unknown turn in a gap, and forget windows and velocity. */
-static inline void gd_attitude_forget_gap(gd_attitude *a) {
-  const gd_real turn = gd_min(GD_ATTITUDE_GAP_RATE * a->block.gap_s, GD_PI);
-  int i;
-  for (i = 0; i < a->sum.count; i++) {
-    gd_add_variance(gd_attitude_at(a, i)->cov, GD_ATTITUDE_ATTITUDE, turn * turn);
-  }
-  a->windows.blocks = 0;
-  gd_attitude_forget_velocity(a);
-}
-
 /* Carry all hypotheses over a block; without acceleration its specific force is gravity alone. The first hypothesis is
    the reference: the block has its bias and scale. */
 static inline void gd_attitude_predict_all(gd_attitude *a, const gd_attitude_integrals *block, int is_blind) {
@@ -205,9 +192,6 @@ static inline void gd_attitude_end_block(gd_attitude *a) {
   is_blind = a->block.is_clipped || !gd_are_finite(block.velocity);
   gd_attitude_predict_all(a, &block, is_blind);
   gd_attitude_widen_by_tilt(a);
-  if (a->block.gap_s > 0) {
-    gd_attitude_forget_gap(a);
-  }
   if (is_blind) {
     gd_attitude_forget_velocity(a);
   } else {

@@ -6,7 +6,7 @@
 #ifndef GD_RESTLEVEL_H
 #define GD_RESTLEVEL_H
 
-#include "restlevel_block.h"
+#include "restlevel_gap.h"
 
 #define GD_LEAST_VAR GD_R(1e-24) /* of the turn-on bias, (deg/s)^2 */
 #define GD_MIN_BLOCK_SAMPLES 6   /* the variance of fewer samples is too uncertain */
@@ -41,6 +41,7 @@ static inline int gd_restlevel_init(gd_restlevel *s, const gd_restlevel_params *
   s->noise.sample_var = s->noise.last_block_var = s->noise.resolution_dps = s->noise.angle_walk_var = GD_R(-1.0);
   s->segment.sensor_odds = s->ended.sensor_odds = GD_R(1.0);
   s->ended.blocks_ago = GD_NEVER;
+  s->longest_step_s = GD_FIRST_STEP_S;
   s->wander.step_dps = GD_UNKNOWN_STEP_DPS;
 #if GD_RESTLEVEL_AUXILIARY
   s->temp_c = s->line.temp_c = s->line.rest_c = GD_UNKNOWN_C;
@@ -50,11 +51,16 @@ static inline int gd_restlevel_init(gd_restlevel *s, const gd_restlevel_params *
   return is_valid;
 }
 
+/* Yaw at the last sample by the estimates of the beginning of the block, without `base_deg`. */
+static inline gd_real gd_rl_expected_deg(const gd_restlevel *s) {
+  return s->moments.yaw_deg + s->block.angle_deg - s->bias_dps * (gd_real)s->block.seconds;
+}
+
 /* Sets yaw and its sigma after a sample, part way through a block. */
 static inline void gd_rl_set_yaw(gd_restlevel *s) {
   const gd_rl_moments *m = &s->moments;
   const gd_real seconds = (gd_real)s->block.seconds;
-  const gd_real yaw_deg = m->yaw_deg + s->block.angle_deg - s->bias_dps * seconds;
+  const gd_real yaw_deg = gd_rl_expected_deg(s);
   const gd_real net_deg = yaw_deg - s->start_yaw_deg;
   const gd_real scale_var =
       s->c.scale_sigma * s->c.scale_sigma * (net_deg * net_deg + GD_TURN_DEG * s->travelled_deg);
@@ -85,23 +91,57 @@ static inline void gd_rl_add_sample(gd_restlevel *s, double dt_s, gd_real rate_d
   gd_count(&s->samples);
 }
 
+/* Stores a step of yaw that is no motion, and counts it if it is large. */
+static inline void gd_rl_count_correction(gd_restlevel *s, gd_real base_deg, gd_real expected_deg) {
+  s->correction_deg = s->moments.yaw_deg - expected_deg + (s->base_deg - base_deg);
+  if (GD_ABS(s->correction_deg) > GD_CORRECTION_DEG && s->corrections < UINT8_MAX) {
+    ++s->corrections;
+  }
+}
+
 /* Advances the state by a valid sample, `dt_s` after the sample before; 0 for the first. */
 static inline void gd_rl_advance(gd_restlevel *s, double dt_s, gd_real rate_dps) {
+  const gd_real base_deg = s->base_deg;
+  gd_real expected_deg = GD_R(0.0);
+  int has_changed = 0;
+  s->correction_deg = GD_R(0.0);
   if (s->samples == 0) {
     s->start_yaw_deg = s->yaw_deg;
     s->rate_dps = rate_dps;
     gd_rl_begin(s, s->yaw_deg);
   }
+#if GD_RESTLEVEL_GAPS
+  if (s->samples > 0 && dt_s > s->longest_step_s) {
+    expected_deg = gd_rl_expected_deg(s);
+    gd_rl_pass_gap(s, dt_s, rate_dps);
+    has_changed = 1;
+    dt_s = 0.0;
+  }
+#endif
   gd_rl_add_sample(s, dt_s, rate_dps);
   if (s->block.seconds >= s->c.window_s && s->block.samples >= GD_MIN_BLOCK_SAMPLES) {
+    expected_deg = gd_rl_expected_deg(s);
     gd_rl_end_block(s);
+    has_changed = 1;
+  }
+  if (has_changed) {
+    gd_rl_count_correction(s, base_deg, expected_deg);
   }
   gd_rl_set_yaw(s);
 }
 
-/* Whether a sample is taken; else it is counted. `dt_s` is the step from the sample before. */
-static inline int gd_rl_accepts(gd_restlevel *s, double t_s, double dt_s, gd_real rate_dps) {
-  if (gd_is_within(t_s, rate_dps) && (s->samples == 0 || dt_s >= GD_LEAST_STEP_S)) {
+/* Whether a sample is taken; else it is counted. `dt_s` is the step from the sample before; after a restart the clock
+   may have restarted too. */
+static inline int gd_rl_accepts(gd_restlevel *s, double t_s, double *dt_s, gd_real rate_dps) {
+  if (s->longest_step_s < GD_TOLD_GAP && !(*dt_s >= GD_LEAST_STEP_S)) {
+    *dt_s = GD_LEAST_STEP_S;
+  }
+  if (gd_is_within(t_s, rate_dps) && (s->samples == 0 || *dt_s >= GD_LEAST_STEP_S)) {
+#if GD_RESTLEVEL_AUXILIARY && GD_RESTLEVEL_GAPS
+    if (*dt_s > s->longest_step_s) { /* the sample begins a block, of which the rest sensor has said nothing yet */
+      s->witness.has_moved = s->witness.has_silence = 0;
+    }
+#endif
     return 1;
   }
   gd_count(&s->rejected);
@@ -121,8 +161,8 @@ static inline void gd_rl_advance_alone(gd_restlevel *s, double dt_s, gd_real rat
    Returns 0 if the sample is refused: time stands still or goes back, or a value is not finite or out of its limits.
 */
 static inline int gd_restlevel_update(gd_restlevel *s, double t_s, gd_real rate_dps) {
-  const double dt_s = t_s - s->t_s;
-  if (!gd_rl_accepts(s, t_s, dt_s, rate_dps)) {
+  double dt_s = t_s - s->t_s;
+  if (!gd_rl_accepts(s, t_s, &dt_s, rate_dps)) {
     return 0;
   }
   s->t_s = t_s;
@@ -132,8 +172,8 @@ static inline int gd_restlevel_update(gd_restlevel *s, double t_s, gd_real rate_
 
 /* The same by a clock of microseconds that wraps, as micros() of Arduino. Use one of the clocks. */
 static inline int gd_restlevel_update_us(gd_restlevel *s, uint32_t t_us, gd_real rate_dps) {
-  const double dt_s = gd_step_of_us(t_us, s->t_us);
-  if (!gd_rl_accepts(s, 0.0, dt_s, rate_dps)) {
+  double dt_s = gd_step_of_us(t_us, s->t_us);
+  if (!gd_rl_accepts(s, 0.0, &dt_s, rate_dps)) {
     return 0;
   }
   s->t_us = t_us;

@@ -135,6 +135,7 @@ static inline void gd_rl_end_block(gd_restlevel *s) {
   if (gd_rl_begins_to_measure(&s->noise, s->rate_dps)) {
     gd_rl_restart(s);
   }
+  s->longest_step_s = gd_longest_step_s(s->block.seconds / (double)s->block.samples);
   gd_rl_detect_freeze(s);
   gd_rl_track_segment(s, mean_dps, step_dps, seconds);
   gd_rl_weigh_noisy_rests(s);

@@ -38,21 +38,33 @@ static inline gd_real gd_rl_begin_remembered(gd_restlevel *s, gd_real yaw_deg) {
   return GD_R(1.0);
 }
 
-/* Sets the initial hypotheses: the remembered bias, and a part that subtracts its bias well, partly or not at all. */
-static inline void gd_rl_begin(gd_restlevel *s, gd_real yaw_deg) {
+/* Adds the hypotheses of an unknown part, with this probability of all together. */
+static inline void gd_rl_begin_unknown(gd_restlevel *s, gd_real yaw_deg, gd_real weight) {
   const gd_real turn_on_var = s->c.turn_on_var;
-  gd_real unknown;
-  s->stored = 0;
-  unknown = gd_rl_begin_remembered(s, yaw_deg);
   if (turn_on_var == GD_R(0.0)) { /* it subtracts its bias, so the bias is known */
-    gd_rl_begin_one(s, yaw_deg, unknown, GD_R(0.0))->knows_bias = 1;
+    gd_rl_begin_one(s, yaw_deg, weight, GD_R(0.0))->knows_bias = 1;
   } else {
-    const gd_real uncalibrated = unknown * (GD_R(1.0) - GD_WELL_CALIBRATED - GD_PARTLY_CALIBRATED);
-    gd_rl_begin_one(s, yaw_deg, unknown * GD_WELL_CALIBRATED, turn_on_var * GD_CALIBRATED * GD_CALIBRATED);
-    gd_rl_begin_one(s, yaw_deg, unknown * GD_PARTLY_CALIBRATED, turn_on_var * GD_CALIBRATED);
+    const gd_real uncalibrated = weight * (GD_R(1.0) - GD_WELL_CALIBRATED - GD_PARTLY_CALIBRATED);
+    gd_rl_begin_one(s, yaw_deg, weight * GD_WELL_CALIBRATED, turn_on_var * GD_CALIBRATED * GD_CALIBRATED);
+    gd_rl_begin_one(s, yaw_deg, weight * GD_PARTLY_CALIBRATED, turn_on_var * GD_CALIBRATED);
     gd_rl_begin_one(s, yaw_deg, uncalibrated, turn_on_var);
   }
+}
+
+/* Sets the initial hypotheses: the remembered bias, and a part that subtracts its bias well, partly or not at all. */
+static inline void gd_rl_begin(gd_restlevel *s, gd_real yaw_deg) {
+  s->stored = 0;
+  gd_rl_begin_unknown(s, yaw_deg, gd_rl_begin_remembered(s, yaw_deg));
   gd_rl_collapse(s);
+}
+
+/* Forgets the present and the last segment. */
+static inline void gd_rl_forget_segments(gd_restlevel *s) {
+  s->wander.was_stationary = 0;
+  s->segment.blocks = 0;
+  s->ended.blocks_ago = GD_NEVER;
+  s->ended.short_start_blocks = 0;
+  s->ended.ended_gradually = 0;
 }
 
 /* Restarts the filter with the present block, because the values so far were no rates. Yaw stays. */
@@ -61,14 +73,27 @@ static inline void gd_rl_restart(gd_restlevel *s) {
   gd_rl_forget_noise(&s->noise);
   gd_rl_forget_levels(&s->wander);
   gd_rl_forget_turns(&s->turns);
-  s->wander.was_stationary = 0;
-  s->segment.blocks = s->blocks = 0;
-  s->ended.blocks_ago = GD_NEVER;
-  s->ended.short_start_blocks = 0;
-  s->ended.ended_gradually = 0;
+  gd_rl_forget_segments(s);
+  s->blocks = 0;
 #if GD_RESTLEVEL_AUXILIARY
   s->sure_s = 0.0;
 #endif
+}
+
+/* Gives the bias its turn-on prior around the last estimate. Yaw, its variance and the noise of the sensor stay. The
+   next segment may be one from the start. */
+static inline void gd_rl_reopen(gd_restlevel *s) {
+  const gd_real bias_dps = s->bias_dps, yaw_var = s->moments.yaw_var;
+  uint8_t k;
+  s->stored = 0;
+  gd_rl_begin_unknown(s, s->moments.yaw_deg, GD_R(1.0));
+  for (k = 0; k < s->stored; ++k) {
+    s->hypotheses[k].bias_dps = bias_dps;
+    s->hypotheses[k].yaw_var = yaw_var;
+  }
+  gd_rl_collapse(s);
+  gd_rl_forget_turns(&s->turns);
+  s->blocks = 0;
 }
 
 /* Stores the yaw of each hypothesis where a segment may begin. */
@@ -120,12 +145,13 @@ static inline void gd_rl_weigh_noisy_rests(gd_restlevel *s) {
 
 /* Predicts a block: yaw turns in hypotheses of motion, and the bias follows its random walk. */
 static inline void gd_rl_predict(gd_restlevel *s, gd_real angle_deg, gd_real seconds) {
+  const gd_real angle_walk_var = gd_max(GD_R(0.0), s->noise.angle_walk_var); /* unknown in the first block */
   uint8_t k;
   for (k = 0; k < s->stored; ++k) {
     gd_rl_hypothesis *h = &s->hypotheses[k];
     if (!h->is_at_rest) {
       h->yaw_deg += angle_deg - h->bias_dps * seconds;
-      h->yaw_var += seconds * (h->bias_var * seconds - GD_R(2.0) * h->covariance + s->noise.angle_walk_var);
+      h->yaw_var += seconds * (h->bias_var * seconds - GD_R(2.0) * h->covariance + angle_walk_var);
       h->covariance -= h->bias_var * seconds;
       h->moving_s += seconds;
     }

@@ -82,8 +82,9 @@ static inline gd_real gd_rl_first_kalman_update(const gd_rl_coefficients *c, gd_
     const gd_real ramp_dps = c->rate_ramp_dps_s * gd_min(h->moving_s, GD_MAX_RAMP_S);
     log_likelihood = gd_rl_kalman_update(h, mean_dps, mean_var, ramp_dps * ramp_dps);
   } else {
-    const gd_real widened = mean_dps * mean_dps / (GD_UNEXPECTED_VAR * h->bias_var);
-    log_likelihood = gd_rl_turn_on_logpdf(h->bias_var, mean_dps, mean_var);
+    const gd_real away_dps = mean_dps - h->bias_dps;
+    const gd_real widened = away_dps * away_dps / (GD_UNEXPECTED_VAR * h->bias_var);
+    log_likelihood = gd_rl_turn_on_logpdf(h->bias_var, away_dps, mean_var);
     if (widened > GD_R(1.0)) { /* the yaw error by the bias widens with the bias */
       h->yaw_var += (widened - GD_R(1.0)) * h->covariance * h->covariance / h->bias_var;
       h->bias_var *= widened;

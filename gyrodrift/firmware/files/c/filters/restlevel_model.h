@@ -2,6 +2,7 @@
 #ifndef GD_RESTLEVEL_MODEL_H
 #define GD_RESTLEVEL_MODEL_H
 
+#include "gaps.h"
 #include "parameters.h"
 #include "restlevel_bias_state.h"
 #include "restlevel_rate_state.h"
@@ -19,8 +20,8 @@
 #error "GD_RESTLEVEL_HYPOTHESES must be 2 to 8"
 #endif
 
-/* 0 leaves out the external rest sensor and the temperature, or the bias of an earlier run: less code and memory, and
-   the same results otherwise. */
+/* 0 leaves out the external rest sensor and the temperature, the bias of an earlier run, or the rule for gaps and
+   restarts, without which the rate is integrated over a gap: less code and memory, and the same results otherwise. */
 #ifdef __AVR__
 #define GD_RL_DEFAULT_PARTS 0
 #else
@@ -31,6 +32,9 @@
 #endif
 #ifndef GD_RESTLEVEL_MEMORY
 #define GD_RESTLEVEL_MEMORY (GD_RL_DEFAULT_PARTS && GD_RESTLEVEL_HYPOTHESES >= 4) /* it begins with one more */
+#endif
+#ifndef GD_RESTLEVEL_GAPS
+#define GD_RESTLEVEL_GAPS GD_RL_DEFAULT_PARTS
 #endif
 
 #define GD_MAX_HYPOTHESES GD_RESTLEVEL_HYPOTHESES
@@ -58,13 +62,15 @@ typedef struct {
   gd_real bias_dps, bias_sigma_dps;
   gd_real rest_probability, confidence;
   uint32_t samples, rejected;
+  gd_real correction_deg; /* step of yaw in the last sample that is no motion: a change of the estimate */
+  uint8_t corrections;    /* number of those over 1 deg, up to 255 */
 
   union { /* time of the last sample, by the clock in use */
     double t_s;
     uint32_t t_us;
   };
+  double longest_step_s; /* longest step that is no gap; see gaps.h */
   gd_rl_block block;
-  uint32_t blocks;
   gd_real rate_dps;
   gd_real base_deg; /* with floats, yaw is kept near 0; this is the angle subtracted so far */
   gd_real start_yaw_deg, travelled_deg;
@@ -87,6 +93,7 @@ typedef struct {
 #endif
   gd_rl_hypothesis hypotheses[GD_RL_STORED]; /* `stored` of them, in the order of their slots */
   uint8_t stored;
+  uint8_t blocks; /* complete blocks, up to 255 */
 } gd_restlevel;
 
 #endif

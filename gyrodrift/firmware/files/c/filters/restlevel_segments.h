@@ -114,7 +114,9 @@ static inline gd_real gd_rl_scatter_var(const gd_restlevel *s) {
 /* Updates the range of block means, the agreement of levels and the segment by the present block. */
 static inline void gd_rl_take_mean(gd_restlevel *s, int is_stationary, gd_real mean_dps, gd_real seconds) {
   gd_rl_segment *segment = &s->segment;
-  gd_count(&s->blocks);
+  if (s->blocks < UINT8_MAX) {
+    ++s->blocks;
+  }
   if (s->blocks <= 2) { /* switching on may disturb the first block */
     segment->least_dps = segment->most_dps = mean_dps;
   }
@@ -156,7 +158,7 @@ static inline void gd_rl_track_segment(gd_restlevel *s, gd_real mean_dps, gd_rea
       !s->noise.is_frozen && gd_rl_is_stationary(s, seconds) && !gd_rl_has_moved(s);
   const int is_short_start = !is_stationary && gd_rl_is_short_start(s, seconds);
   gd_rl_take_mean(s, is_stationary, mean_dps, seconds);
-  ended->short_start_blocks = is_short_start ? (uint8_t)before.blocks : 0;
+  ended->short_start_blocks = (uint8_t)((is_short_start ? before.blocks : 0u) & 7u);
   if (is_short_start || (before.blocks >= GD_CONFIRMED_BLOCKS && s->segment.blocks < GD_CONFIRMED_BLOCKS)) {
     ended->mean_dps = before.mean_dps;
     ended->seconds = before.seconds;

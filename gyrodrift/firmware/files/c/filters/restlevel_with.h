@@ -18,8 +18,8 @@ static inline void gd_rl_advance_with(gd_restlevel *s, double dt_s, gd_real rate
    `temp_c` is the temperature of the gyro. NaN if unknown. */
 static inline int gd_restlevel_update_with(gd_restlevel *s, double t_s, gd_real rate_dps, gd_real still,
                                            gd_real temp_c) {
-  const double dt_s = t_s - s->t_s;
-  if (!gd_rl_accepts(s, t_s, dt_s, rate_dps)) {
+  double dt_s = t_s - s->t_s;
+  if (!gd_rl_accepts(s, t_s, &dt_s, rate_dps)) {
     return 0;
   }
   s->t_s = t_s;
@@ -30,8 +30,8 @@ static inline int gd_restlevel_update_with(gd_restlevel *s, double t_s, gd_real 
 /* The same by a clock of microseconds that wraps. */
 static inline int gd_restlevel_update_us_with(gd_restlevel *s, uint32_t t_us, gd_real rate_dps, gd_real still,
                                               gd_real temp_c) {
-  const double dt_s = gd_step_of_us(t_us, s->t_us);
-  if (!gd_rl_accepts(s, 0.0, dt_s, rate_dps)) {
+  double dt_s = gd_step_of_us(t_us, s->t_us);
+  if (!gd_rl_accepts(s, 0.0, &dt_s, rate_dps)) {
     return 0;
   }
   s->t_us = t_us;

@@ -1,0 +1,61 @@
+/* Restlevel: a gap in the samples. Twin of restlevel/gap.py. */
+#ifndef GD_RESTLEVEL_GAP_H
+#define GD_RESTLEVEL_GAP_H
+
+#include "restlevel_block.h"
+
+#if GD_RESTLEVEL_GAPS
+
+/* Ends the block and the segment; nothing of them goes on after the gap. */
+static inline void gd_rl_forget_block(gd_restlevel *s, double step_s) {
+  gd_rl_forget_segments(s);
+#if GD_RESTLEVEL_AUXILIARY
+  s->lived_s += s->block.seconds + step_s;
+  s->witness.was_certain = 0;
+#else
+  (void)step_s;
+#endif
+  memset(&s->block, 0, sizeof s->block);
+}
+
+/* Goes over a gap to a sample that comes `step_s` later with this rate. The sample then begins a block. */
+static inline void gd_rl_pass_gap(gd_restlevel *s, double step_s, gd_real rate_dps) {
+  const gd_real seconds = gd_gap_length_s(step_s);
+  const gd_real gap_var = gd_turn_var(seconds, s->rate_dps + rate_dps - GD_R(2.0) * s->bias_dps);
+  const gd_real ramp_dps = s->c.rate_ramp_dps_s * gd_min(seconds, GD_MAX_RAMP_S);
+  const gd_real drift_var =
+      gd_min(s->c.rate_walk_var * seconds, s->c.turn_on_var) + GD_RAMP_PROBABILITY * ramp_dps * ramp_dps;
+  uint8_t k;
+  gd_rl_predict(s, s->block.angle_deg, (gd_real)s->block.seconds);
+  for (k = 0; k < s->stored; ++k) {
+    gd_rl_hypothesis *h = &s->hypotheses[k];
+    h->is_at_rest = h->was_at_rest = 0;
+    h->yaw_var += gap_var;
+    h->bias_var += drift_var;
+  }
+  gd_rl_forget_block(s, step_s);
+  gd_rl_collapse(s);
+  if (gd_may_have_restarted(s->longest_step_s, step_s) && s->c.turn_on_var > GD_R(0.0)) {
+    gd_rl_reopen(s);
+  }
+  s->longest_step_s = gd_longest_after_gap_s(s->longest_step_s, step_s);
+  s->rate_dps = rate_dps;
+}
+
+/* Takes the next step as a gap, whatever its length is: samples are missing. */
+static inline void gd_restlevel_gap(gd_restlevel *s) {
+  if (s->samples > 0 && s->longest_step_s > GD_TOLD_GAP) {
+    s->longest_step_s = GD_TOLD_GAP;
+  }
+}
+
+/* Takes the next step as a restart of the gyro: its bias is another one, and the next sample may have any time. */
+static inline void gd_restlevel_restarted(gd_restlevel *s) {
+  if (s->samples > 0) {
+    s->longest_step_s = GD_TOLD_RESTART;
+  }
+}
+
+#endif
+
+#endif
