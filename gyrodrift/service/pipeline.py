@@ -192,7 +192,7 @@ class Pipeline(JudgedListener):
     def hear(self, event: str, fields: Mapping[str, Any]) -> None:
         """Tell the filter that the device has restarted, was replugged or is another one.
 
-        The device's own yaw begins at 0 after a restart, and is aligned with yaw again. Yaw that is withdrawn is marked.
+        The device's own yaw begins at 0 after a restart, and is aligned again. Withdrawn yaw is marked.
         """
         match event:
             case "device_reset":
