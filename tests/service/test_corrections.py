@@ -10,6 +10,7 @@ import structlog
 from gyrodrift.config.model import Config
 from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.clocks.device import DeviceClock
+from gyrodrift.link.options import LinkCounters
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.service.pipeline import Pipeline
 from gyrodrift.service.reference import SmoothYaw
@@ -37,7 +38,7 @@ class Played:
 
     def __init__(self, clock: Any = None, config: Config | None = None) -> None:
         self.sink, self.rng, self.count = Collected(), np.random.default_rng(1), 0
-        link = SimpleNamespace(device=DeviceDescription(), name="", clock=clock)
+        link = SimpleNamespace(device=DeviceDescription(), name="", clock=clock, counters=LinkCounters())
         self.pipeline = Pipeline(cast("Any", link), [cast("Any", self.sink)], structlog.get_logger(), config)
 
     def play(self, bias_dps: float, seconds: float) -> None:
