@@ -37,7 +37,8 @@ EITHER = re.compile(r"rot(ation)?z|gyro?yaw")
 
 AXIS_OF_INDEX = {"0": "x", "1": "y", "2": "z"}
 KINDS = {
-    "clock": r"t|ts|time|timestamp|clock|millis|micros|ms|us|t(ime(stamp)?)?(ms|us|s|sec)|sec(onds)?",
+    "clock": r"t|ts|time|timestamp|clock|millis|micros|ms|us|t(ime(stamp)?)?(ms|us|s|sec)"
+    r"|([mun]|milli|micro|nano)?sec(s|onds?)?|nanos",
     "seq": r"seq|n|i|no|count(er)?|sample|id|index|frame",
     "rate": r"(yaw|z)rate(dps|deg|rads?|degs|rad)?|(gyro?|gyr|omega|w|rot)(z|dps|rads?)|gz|gyrz|gyroz(dps|rads?|degs)?"
     r"|(gyroscope|rotation|angvel|angularvelocity|angularrate)z|gyz|zgyro(rate)?|rotationratez"
