@@ -26,7 +26,7 @@ NO_NUMBERS = (
 NUMERIC = (
     *("--timeout", "--jobs", "--iterations", "--seed", "--seeds", "--turns", "--repeats", "--spread", "--rest"),
     *("--temperature", "--duration", "--seconds", "--sessions", "--minutes", "--speed", "--lsb", "--rate", "--turn-at"),
-    "--count",
+    *("--count", "--sample-rate"),
 )
 
 

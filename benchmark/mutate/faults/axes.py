@@ -52,7 +52,7 @@ FAULTS = (
     ),
     Fault(
         "axes/csv-without-gravity",
-        f"{PROTOCOLS}/csv.py",
+        "gyrodrift/columns/shape.py",
         "_follows_rate(readings) and _feels_gravity(readings)",
         "_follows_rate(readings)",
         "Any seven numbers are rates and accelerations.",
