@@ -19,7 +19,13 @@ from pattern_steps import Backtracking, TooManyStepsError
 import gyrodrift
 
 SOURCE = "\n".join(path.read_text() for path in Path(gyrodrift.__file__).parent.rglob("*.py"))
-OURS = ("gyrodrift.report.", "gyrodrift.demo.", "gyrodrift.simulation.", "gyrodrift.columns.fields")
+OURS = (
+    "gyrodrift.report.",
+    "gyrodrift.demo.",
+    "gyrodrift.simulation.",
+    "gyrodrift.columns.fields",
+    "gyrodrift.columns.blocks",
+)
 """Packages whose patterns see what this program wrote, or single lines of a device, whose length is bounded."""
 
 REPETITIONS = (8, 16, 32)

@@ -14,7 +14,7 @@ from gyrodrift.columns.blocks import Blocks, flat_markup
 from gyrodrift.columns.log_prefix import LABEL as PREFIX_LABEL
 from gyrodrift.columns.log_prefix import Prefixed, PrefixReader, split_prefix
 from gyrodrift.columns.names import kind_of
-from gyrodrift.columns.objects import leaves_of
+from gyrodrift.columns.objects import LONGEST_CHARACTERS, leaves_of
 from gyrodrift.columns.units import Dimension, unit_in, unit_of
 
 HEADED = re.compile(r"([A-Za-z][\w ()]{0,30}):\s++(?=[A-Za-z]\w{0,7}\s*+[:=])")
@@ -444,7 +444,9 @@ class Headings:
         self._templates: dict[tuple[str | bool, ...], Fields] = {}
 
     def fields_of(self, line: str) -> Fields | None:
-        """Fields of the next line, with complete labels."""
+        """Fields of the next line, with complete labels; None for a line longer than a device sends."""
+        if len(line) > LONGEST_CHARACTERS:
+            return None
         prefixed = self._prefix.split(line)
         if self._blocks.take(prefixed.rest):
             return Fields(Form.ROW, ("",), (prefixed.rest,))

@@ -13,7 +13,7 @@ from gyrodrift.columns.units import unit_of
 from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 
 NOTHING: Mapping[str, str] = {}
-UNIT_AT_END = re.compile(r"\s*[(\[]([^()\[\]]+)[)\]]\s*$")
+UNIT_AT_END = re.compile(r"(?<!\s)\s*+[(\[]([^()\[\]]+)[)\]]\s*$")
 
 
 @dataclass(frozen=True, slots=True)

@@ -55,7 +55,7 @@ QUATERNION_REMARK = (
     " of AirSim and PX4), state --flip"
 )
 WORDS = re.compile(r"(?<=[_. ])")
-LAST_BRACKETS = re.compile(r"\s*[(\[][^()\[\]]*[)\]]$")
+LAST_BRACKETS = re.compile(r"(?<!\s)\s*+[(\[][^()\[\]]*[)\]]$")
 LABELS_MIN = 3
 """Least number of labels whose common words name the device."""
 
