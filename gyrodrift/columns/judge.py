@@ -56,6 +56,11 @@ UNKNOWN_UNIT = "UNIT"
 """Placeholder in a SPEC for a unit that the user must give."""
 
 UNKNOWN_CLOCK = f"t_{UNKNOWN_UNIT}"
+SENDERS = re.compile(
+    r"\b(node|device|dev|sensor|imu|mac|addr(ess)?|host|source|sender|client|station)\b", re.IGNORECASE
+)
+"""Words of a label that names who sent a row."""
+
 UNKNOWN_SENDER = "WHICH"
 """Placeholder for the value of a column that names the sender of its row."""
 
@@ -258,7 +263,9 @@ def judged(
 
 def _keys(label: str, texts: Sequence[str]) -> tuple[str, ...]:
     """Values of a column that names the sender of its row; empty for another column."""
-    return keys_of(texts) if kind_of(label) in {"", "seq"} and unit_in(label) is None and all(texts) else ()
+    if kind_of(label) not in {"", "seq"} or unit_in(label) is not None or not all(texts):
+        return ()
+    return keys_of(texts, is_named=SENDERS.search(label.replace("_", " ")) is not None)
 
 
 def _judged_rows(
