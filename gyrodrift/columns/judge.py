@@ -421,8 +421,8 @@ def _judged_clock(column: SeenColumn, lines_per_s: float | None) -> JudgedColumn
     usual = [unit for unit, us in units_us.items() if step and USUAL_HZ[0] <= 1e6 / (step * us) <= USUAL_HZ[1]]
     if len(usual) == 1 and not ticks and not BRACKETED.search(column.label):
         return JudgedColumn(usual[0], usual[0], f"grows by {step:g} per line, which is a sample rate in this unit only")
-    asked = f"{', '.join(CLOCK_US)}, t:days or t:lsb/N, N ticks a second{ticks}"
-    return JudgedColumn(likely, UNKNOWN_CLOCK, f"grows by {step:g} per line", missing=asked)
+    units = f"{', '.join(CLOCK_US)}, t:days or t:lsb/N, N ticks a second{ticks}"
+    return JudgedColumn(likely, UNKNOWN_CLOCK, f"grows by {step:g} per line", missing=units)
 
 
 def _judged(column: SeenColumn, lines_per_s: float | None, columns: Sequence[SeenColumn]) -> JudgedColumn:
