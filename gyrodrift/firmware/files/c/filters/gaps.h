@@ -16,7 +16,7 @@
 #define GD_UNKNOWN_S GD_R(1e9)      /* length of a gap that nobody knows */
 
 #define GD_TOLD_GAP 0.0 /* longest step before a gap that is told, and before a restart */
-#define GD_TOLD_RESTART -1.0
+#define GD_TOLD_RESTART (-1.0)
 
 /* Longest step that is no gap of a device with this period. */
 static inline double gd_longest_step_s(double period_s) {

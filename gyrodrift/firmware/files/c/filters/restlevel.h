@@ -41,8 +41,10 @@ static inline int gd_restlevel_init(gd_restlevel *s, const gd_restlevel_params *
   s->noise.sample_var = s->noise.last_block_var = s->noise.resolution_dps = s->noise.angle_walk_var = GD_R(-1.0);
   s->segment.sensor_odds = s->ended.sensor_odds = GD_R(1.0);
   s->ended.blocks_ago = GD_NEVER;
-  s->longest_step_s = GD_FIRST_STEP_S;
   s->wander.step_dps = GD_UNKNOWN_STEP_DPS;
+#if GD_RESTLEVEL_GAPS
+  s->longest_step_s = GD_FIRST_STEP_S;
+#endif
 #if GD_RESTLEVEL_AUXILIARY
   s->temp_c = s->line.temp_c = s->line.rest_c = GD_UNKNOWN_C;
   s->line.slope_var = GD_NEW_SLOPE_VAR;
@@ -101,9 +103,6 @@ static inline void gd_rl_count_correction(gd_restlevel *s, gd_real base_deg, gd_
 
 /* Advances the state by a valid sample, `dt_s` after the sample before; 0 for the first. */
 static inline void gd_rl_advance(gd_restlevel *s, double dt_s, gd_real rate_dps) {
-  const gd_real base_deg = s->base_deg;
-  gd_real expected_deg = GD_R(0.0);
-  int has_changed = 0;
   s->correction_deg = GD_R(0.0);
   if (s->samples == 0) {
     s->start_yaw_deg = s->yaw_deg;
@@ -112,19 +111,16 @@ static inline void gd_rl_advance(gd_restlevel *s, double dt_s, gd_real rate_dps)
   }
 #if GD_RESTLEVEL_GAPS
   if (s->samples > 0 && dt_s > s->longest_step_s) {
-    expected_deg = gd_rl_expected_deg(s);
+    const gd_real expected_deg = gd_rl_expected_deg(s);
     gd_rl_pass_gap(s, dt_s, rate_dps);
-    has_changed = 1;
+    gd_rl_count_correction(s, s->base_deg, expected_deg);
     dt_s = 0.0;
   }
 #endif
   gd_rl_add_sample(s, dt_s, rate_dps);
   if (s->block.seconds >= s->c.window_s && s->block.samples >= GD_MIN_BLOCK_SAMPLES) {
-    expected_deg = gd_rl_expected_deg(s);
+    const gd_real base_deg = s->base_deg, expected_deg = gd_rl_expected_deg(s);
     gd_rl_end_block(s);
-    has_changed = 1;
-  }
-  if (has_changed) {
     gd_rl_count_correction(s, base_deg, expected_deg);
   }
   gd_rl_set_yaw(s);
@@ -133,9 +129,11 @@ static inline void gd_rl_advance(gd_restlevel *s, double dt_s, gd_real rate_dps)
 /* Whether a sample is taken; else it is counted. `dt_s` is the step from the sample before; after a restart the clock
    may have restarted too. */
 static inline int gd_rl_accepts(gd_restlevel *s, double t_s, double *dt_s, gd_real rate_dps) {
+#if GD_RESTLEVEL_GAPS
   if (s->longest_step_s < GD_TOLD_GAP && !(*dt_s >= GD_LEAST_STEP_S)) {
     *dt_s = GD_LEAST_STEP_S;
   }
+#endif
   if (gd_is_within(t_s, rate_dps) && (s->samples == 0 || *dt_s >= GD_LEAST_STEP_S)) {
 #if GD_RESTLEVEL_AUXILIARY && GD_RESTLEVEL_GAPS
     if (*dt_s > s->longest_step_s) { /* the sample begins a block, of which the rest sensor has said nothing yet */

@@ -135,7 +135,9 @@ static inline void gd_rl_end_block(gd_restlevel *s) {
   if (gd_rl_begins_to_measure(&s->noise, s->rate_dps)) {
     gd_rl_restart(s);
   }
+#if GD_RESTLEVEL_GAPS
   s->longest_step_s = gd_longest_step_s(s->block.seconds / (double)s->block.samples);
+#endif
   gd_rl_detect_freeze(s);
   gd_rl_track_segment(s, mean_dps, step_dps, seconds);
   gd_rl_weigh_noisy_rests(s);
@@ -144,7 +146,7 @@ static inline void gd_rl_end_block(gd_restlevel *s) {
     gd_rl_enter_segment(s);
   }
   is_certain = gd_rl_take_auxiliary(s, mean_dps, step_dps, seconds);
-  gd_rl_predict(s, angle_deg, seconds);
+  gd_rl_predict(s, angle_deg, seconds, s->noise.angle_walk_var);
   gd_rl_widen_yaw(s, seconds);
   gd_rl_take_rest(s, mean_dps, step_dps, seconds, is_certain);
   gd_rl_recover(s);

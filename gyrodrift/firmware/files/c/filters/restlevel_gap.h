@@ -25,8 +25,9 @@ static inline void gd_rl_pass_gap(gd_restlevel *s, double step_s, gd_real rate_d
   const gd_real ramp_dps = s->c.rate_ramp_dps_s * gd_min(seconds, GD_MAX_RAMP_S);
   const gd_real drift_var =
       gd_min(s->c.rate_walk_var * seconds, s->c.turn_on_var) + GD_RAMP_PROBABILITY * ramp_dps * ramp_dps;
+  const gd_real angle_walk_var = gd_max(GD_R(0.0), s->noise.angle_walk_var); /* unknown in the first block */
   uint8_t k;
-  gd_rl_predict(s, s->block.angle_deg, (gd_real)s->block.seconds);
+  gd_rl_predict(s, s->block.angle_deg, (gd_real)s->block.seconds, angle_walk_var);
   for (k = 0; k < s->stored; ++k) {
     gd_rl_hypothesis *h = &s->hypotheses[k];
     h->is_at_rest = h->was_at_rest = 0;

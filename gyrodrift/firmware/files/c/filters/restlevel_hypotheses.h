@@ -44,10 +44,14 @@ static inline void gd_rl_begin_unknown(gd_restlevel *s, gd_real yaw_deg, gd_real
   if (turn_on_var == GD_R(0.0)) { /* it subtracts its bias, so the bias is known */
     gd_rl_begin_one(s, yaw_deg, weight, GD_R(0.0))->knows_bias = 1;
   } else {
-    const gd_real uncalibrated = weight * (GD_R(1.0) - GD_WELL_CALIBRATED - GD_PARTLY_CALIBRATED);
-    gd_rl_begin_one(s, yaw_deg, weight * GD_WELL_CALIBRATED, turn_on_var * GD_CALIBRATED * GD_CALIBRATED);
-    gd_rl_begin_one(s, yaw_deg, weight * GD_PARTLY_CALIBRATED, turn_on_var * GD_CALIBRATED);
-    gd_rl_begin_one(s, yaw_deg, uncalibrated, turn_on_var);
+    const gd_real shares[3] = {GD_WELL_CALIBRATED, GD_PARTLY_CALIBRATED,
+                               GD_R(1.0) - GD_WELL_CALIBRATED - GD_PARTLY_CALIBRATED};
+    const gd_real partly_var = turn_on_var * GD_CALIBRATED;
+    const gd_real bias_vars[3] = {partly_var * GD_CALIBRATED, partly_var, turn_on_var};
+    uint8_t k;
+    for (k = 0; k < 3; ++k) {
+      gd_rl_begin_one(s, yaw_deg, weight * shares[k], bias_vars[k]);
+    }
   }
 }
 
@@ -144,8 +148,7 @@ static inline void gd_rl_weigh_noisy_rests(gd_restlevel *s) {
 }
 
 /* Predicts a block: yaw turns in hypotheses of motion, and the bias follows its random walk. */
-static inline void gd_rl_predict(gd_restlevel *s, gd_real angle_deg, gd_real seconds) {
-  const gd_real angle_walk_var = gd_max(GD_R(0.0), s->noise.angle_walk_var); /* unknown in the first block */
+static inline void gd_rl_predict(gd_restlevel *s, gd_real angle_deg, gd_real seconds, gd_real angle_walk_var) {
   uint8_t k;
   for (k = 0; k < s->stored; ++k) {
     gd_rl_hypothesis *h = &s->hypotheses[k];

@@ -69,7 +69,9 @@ typedef struct {
     double t_s;
     uint32_t t_us;
   };
+#if GD_RESTLEVEL_GAPS
   double longest_step_s; /* longest step that is no gap; see gaps.h */
+#endif
   gd_rl_block block;
   gd_real rate_dps;
   gd_real base_deg; /* with floats, yaw is kept near 0; this is the angle subtracted so far */

@@ -24,7 +24,7 @@ typedef struct {
   gd_real flicker_var;    /* bias instability, (deg/s)^2 */
   gd_real frozen_deg;     /* angle since the sensor repeats a single value */
   uint8_t stationary_blocks; /* up to GD_NOISE_BLOCKS */
-  int8_t zero_blocks : 2;    /* 1 after a block of zeros alone; -1 after the first block with a step */
+  int8_t zero_blocks;        /* 1 after a block of zeros alone; -1 after the first block with a step */
   uint8_t has_steps : 1, is_walk_measured : 1, has_dropped : 1, is_frozen : 1;
 } gd_rl_noise;
 
@@ -32,8 +32,8 @@ typedef struct {
 typedef struct {
   gd_real log_odds; /* of wandering levels against the noise of a sensor */
   gd_real step_dps; /* median step between levels */
-  uint8_t steps : 7; /* up to 127 */
-  uint8_t was_stationary : 1;
+  uint8_t steps;
+  uint8_t was_stationary;
 } gd_rl_wander;
 
 /* Present constant-rate segment: a run of stationary blocks with the same mean. */
@@ -52,9 +52,9 @@ typedef struct {
 typedef struct {
   double seconds;
   gd_real mean_dps, sensor_odds;
+  uint8_t ended_gradually;
   uint8_t blocks_ago;
-  uint8_t ended_gradually : 1;
-  uint8_t short_start_blocks : 3; /* its blocks, if the present block has ended a short rest from the start */
+  uint8_t short_start_blocks; /* its blocks, if the present block has ended a short rest from the start */
 } gd_rl_ended;
 
 /* Mean rates of some seconds of motion or of a segment, the latest ones in a ring, and their median. */

@@ -158,7 +158,7 @@ static inline void gd_rl_track_segment(gd_restlevel *s, gd_real mean_dps, gd_rea
       !s->noise.is_frozen && gd_rl_is_stationary(s, seconds) && !gd_rl_has_moved(s);
   const int is_short_start = !is_stationary && gd_rl_is_short_start(s, seconds);
   gd_rl_take_mean(s, is_stationary, mean_dps, seconds);
-  ended->short_start_blocks = (uint8_t)((is_short_start ? before.blocks : 0u) & 7u);
+  ended->short_start_blocks = is_short_start ? (uint8_t)before.blocks : 0;
   if (is_short_start || (before.blocks >= GD_CONFIRMED_BLOCKS && s->segment.blocks < GD_CONFIRMED_BLOCKS)) {
     ended->mean_dps = before.mean_dps;
     ended->seconds = before.seconds;

@@ -23,7 +23,7 @@ static inline void gd_rl_count_agreement(gd_rl_wander *wander) {
 static inline void gd_rl_count_break(gd_rl_wander *wander, gd_real step_dps) {
   gd_real gain;
   wander->log_odds = GD_FORGETTING * wander->log_odds + GD_BREAK_LOG_ODDS;
-  if (wander->steps < 127) {
+  if (wander->steps < UINT8_MAX) {
     ++wander->steps;
   }
   gain = gd_max(GD_STEP_GAIN, GD_R(1.0) / (gd_real)wander->steps);
