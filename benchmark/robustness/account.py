@@ -39,7 +39,8 @@ class Tally:
         From the first frame after the trouble to the first sample of it, s; None where none came.
     yaw_deg
         By the moment of the measurement, s, less the turns that nobody could know: across more than `UNSEEN_S` without
-        a sample they are what the table did less a straight line between the rates at both ends.
+        a sample they are what the table did less a straight line between the rates at both ends, or, where the filter
+        held yaw over a gap, all of it.
     """
 
     sent: int
@@ -138,7 +139,7 @@ def _yaw(story: Story, known: list[int | None]) -> dict[float, float]:
     moments, found = {number: frame.t_s for number, frame in _rows(story)}, {}
     motion, unseen_deg = load_profile(MOTION), 0.0
     last: tuple[float, Sample] | None = None
-    newest = -1
+    newest, gaps = -1, 0
     for number, sample in zip(known, story.samples, strict=True):
         DEFAULT.step(coefficients, state, sample.t_device_s, sample.rate_dps)
         at_s = moments.get(number) if number is not None and number > newest else None
@@ -147,8 +148,9 @@ def _yaw(story: Story, known: list[int | None]) -> dict[float, float]:
         newest = number
         if last is not None and at_s - last[0] > UNSEEN_S:
             angles_deg, rates_dps = motion.motion_at(np.array([last[0], at_s]) - BASE.host_delay_s)
-            bridged_deg = rates_dps.mean() * (sample.t_device_s - last[1].t_device_s)
+            is_held = state.watch.gaps > gaps
+            bridged_deg = 0.0 if is_held else rates_dps.mean() * (sample.t_device_s - last[1].t_device_s)
             unseen_deg += float(angles_deg[1] - angles_deg[0] - bridged_deg)
-        last = at_s, sample
+        last, gaps = (at_s, sample), state.watch.gaps
         found[at_s] = float(state.yaw_deg) + unseen_deg
     return found

@@ -145,7 +145,7 @@ SENTENCE = re.compile(r"[$!]([^*]*+)\*([0-9A-Fa-f]{2})")
 SEPARATORS = (";", "\t", "|", ",")
 """Separators in the order of their search: with a semicolon or a tab, a comma may be a decimal comma."""
 
-DECIMAL_COMMA = re.compile(r"[-+]?[0-9]++,[0-9]++")
+DECIMAL_COMMA = re.compile(r"[-+]?[0-9]++,[0-9]++(?:[eE][-+]?[0-9]++)?+")
 
 
 class Form(StrEnum):

@@ -25,6 +25,7 @@ from gyrodrift.columns.behavior import (
 from gyrodrift.columns.fields import DECIMAL_COMMA, is_number, is_whole
 from gyrodrift.columns.keys import has_two_senders, keys_of
 from gyrodrift.columns.names import (
+    BRACKETED,
     SPOKEN,
     USED,
     SeenColumn,
@@ -55,6 +56,11 @@ UNKNOWN_UNIT = "UNIT"
 """Placeholder in a SPEC for a unit that the user must give."""
 
 UNKNOWN_CLOCK = f"t_{UNKNOWN_UNIT}"
+SENDERS = re.compile(
+    r"\b(node|device|dev|sensor|imu|mac|addr(ess)?|host|source|sender|client|station)\b", re.IGNORECASE
+)
+"""Words of a label that names who sent a row."""
+
 UNKNOWN_SENDER = "WHICH"
 """Placeholder for the value of a column that names the sender of its row."""
 
@@ -78,8 +84,8 @@ CLOCK_ENDINGS = {
     "t_ns": ("ns", "nanos"),
     "t_s": ("sec", "seconds"),
 }
-UNIT_FACTOR = 6.0
-"""Largest factor between a clock and the arrival of its lines; its units differ by a factor of 1000."""
+UNIT_FACTOR = 1.6
+"""Largest factor between a clock and the arrival of its lines: timers tick in halves and tenths of a unit, too."""
 
 MICROSECONDS_FROM = 400.0
 """Without arrival times, a step of at least this is in µs (2.5 kHz), a smaller one in ms (2.5 Hz)."""
@@ -257,7 +263,9 @@ def judged(
 
 def _keys(label: str, texts: Sequence[str]) -> tuple[str, ...]:
     """Values of a column that names the sender of its row; empty for another column."""
-    return keys_of(texts) if kind_of(label) in {"", "seq"} and unit_in(label) is None and all(texts) else ()
+    if kind_of(label) not in {"", "seq"} or unit_in(label) is not None or not all(texts):
+        return ()
+    return keys_of(texts, is_named=SENDERS.search(label.replace("_", " ")) is not None)
 
 
 def _judged_rows(
@@ -387,15 +395,17 @@ def _stated_clock_unit(column: SeenColumn) -> str:
         return "t_s"
     if column.unit is not None or unit_of(column.label) is not None:
         return _time_unit(column)
-    plain = re.sub(r"[^a-z]", "", column.label.lower())
-    named = (option for option, endings in CLOCK_ENDINGS.items() if plain.endswith(endings))
+    plain = re.sub(r"[\s_]", "", column.label.lower())
+    named = (option for option, endings in CLOCK_ENDINGS.items() if plain.isalpha() and plain.endswith(endings))
     return next(named, "") or epoch_unit(column.texts)
 
 
 def _judged_clock(column: SeenColumn, lines_per_s: float | None) -> JudgedColumn:
     """Unit of a clock from the arrival of its lines, or as written; otherwise it is asked for."""
     step = step_of(column.numbers) if len(column.numbers) > 1 else 0.0
+    ticks = ""
     if lines_per_s and step > 0.0:
+        ticks = f" (about {step * lines_per_s:.3g} by the arrival of the lines)"
         offsets = {unit: step * scale * 1e-6 * lines_per_s for unit, scale in CLOCK_US.items()}
         unit = next((unit for unit, off in offsets.items() if 1.0 / UNIT_FACTOR < off < UNIT_FACTOR), "")
         if unit:
@@ -409,11 +419,10 @@ def _judged_clock(column: SeenColumn, lines_per_s: float | None) -> JudgedColumn
     likely = "t_s" if is_second else "t_us" if step >= MICROSECONDS_FROM else "t_ms"
     units_us = CLOCK_US | {"t:days": CLOCK_UNITS_US["days"]}
     usual = [unit for unit, us in units_us.items() if step and USUAL_HZ[0] <= 1e6 / (step * us) <= USUAL_HZ[1]]
-    if len(usual) == 1:
+    if len(usual) == 1 and not ticks and not BRACKETED.search(column.label):
         return JudgedColumn(usual[0], usual[0], f"grows by {step:g} per line, which is a sample rate in this unit only")
-    return JudgedColumn(
-        likely, UNKNOWN_CLOCK, f"grows by {step:g} per line", missing=f"{', '.join(CLOCK_US)} or t:days"
-    )
+    units = f"{', '.join(CLOCK_US)}, t:days or t:lsb/N, N ticks a second{ticks}"
+    return JudgedColumn(likely, UNKNOWN_CLOCK, f"grows by {step:g} per line", missing=units)
 
 
 def _judged(column: SeenColumn, lines_per_s: float | None, columns: Sequence[SeenColumn]) -> JudgedColumn:
@@ -532,6 +541,12 @@ def _one_turn(candidates: list[JudgedColumn], columns: Sequence[SeenColumn]) -> 
     if len(stated) > 1:
         names = " and ".join(columns[index].label or f"column {index + 1}" for index in stated)
         question = f"{names} may each be the yaw rate"
+    elif (
+        not rates
+        and (unnamed := [c.label for c in columns if _is_unnamed_rate(c)])
+        and (kept or quaternion_of(columns))
+    ):
+        kept, question = [], f"{' and '.join(unnamed)} are rates, and nothing says about which axis"
     elif not kept and (parts := quaternion_of(columns)):
         for part, index in parts.items():
             is_stated = columns[index].label[-1:].isalpha()
@@ -546,10 +561,14 @@ def _one_turn(candidates: list[JudgedColumn], columns: Sequence[SeenColumn]) -> 
     return ColumnVerdict(tuple(proposed), question=question)
 
 
+def _is_unnamed_rate(column: SeenColumn) -> bool:
+    return column.is_numeric and not column.kind and column.unit is not None and column.unit.dimension is Dimension.RATE
+
+
 def _scaled_by_angle(verdict: ColumnVerdict, columns: Sequence[SeenColumn]) -> ColumnVerdict:
-    """Take unit and sign of the rate from an angle that turns with it, if they are not stated."""
+    """Take unit and sign of the rate from an angle that turns with it; of a stated rate, the sign from a compass."""
     turn, clock = verdict.turn, verdict.clock
-    if turn is None or clock is None or turn.is_stated or not turn.entry.startswith("rate"):
+    if turn is None or clock is None or not turn.entry.startswith("rate"):
         return verdict
     rate = columns[verdict.columns.index(turn)]
     t_s = _times_s(verdict, columns)
@@ -561,8 +580,10 @@ def _scaled_by_angle(verdict: ColumnVerdict, columns: Sequence[SeenColumn]) -> C
         scale = scale_of(1.0 / (per_rate * ANGLE_DEG[unit]), 1.0, SAME_SCALE) if per_rate else None
         if scale is not None and scale.is_known:
             sign = ":-" if (per_rate < 0.0) != (angle.kind == "heading") else ""
+            if turn.is_stated and (turn.entry == f"rate:{scale.option}{sign}" or angle.kind != "heading"):
+                continue
             why = f"{turn.why.partition(',')[0]}, and unit and sign are those with which {angle.label} turns"
-            scaled = replace(turn, entry=f"rate:{scale.option}{sign}", why=why, missing="")
+            scaled = replace(turn, entry=f"rate:{scale.option}{sign}", why=why, is_stated=False, missing="")
             return replace(verdict, columns=tuple(scaled if column is turn else column for column in verdict.columns))
     return verdict
 

@@ -11,7 +11,7 @@ from statistics import median
 
 from gyrodrift.columns.fields import is_number, is_whole
 
-MOST_KEYS = 16
+MOST_KEYS, MOST_NAMED = 16, 100
 LEAST_ROWS, LEAST_TIMES = 8, 3
 """Rows, and times that each key occurs, that show a key."""
 
@@ -40,13 +40,17 @@ APART = 5.0
 """Distance of the levels of two senders, in their scatter from sample to sample."""
 
 
-def keys_of(texts: Sequence[str]) -> tuple[str, ...]:
+def keys_of(texts: Sequence[str], *, is_named: bool = False) -> tuple[str, ...]:
     """Distinct keys of a column, in their order; empty if the column is none.
 
     texts
         The fields of the column as they are written, one per row.
+    is_named
+        Whether a label says that the column names a sender, which may then be rare.
     """
     counts = Counter(texts)
+    if is_named and 2 <= len(counts) <= MOST_NAMED and min(counts.values()) >= LEAST_TIMES:
+        return tuple(counts)
     if len(texts) < LEAST_ROWS or not 2 <= len(counts) <= MOST_KEYS or min(counts.values()) < LEAST_TIMES:
         return ()
     changes = sum(before != after for before, after in pairwise(texts))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import lru_cache
 
-from gyrodrift.columns.spec import RATE_DPS
+from gyrodrift.columns.spec import CLOCK_US, RATE_DPS
 
 
 class Dimension(StrEnum):
@@ -51,6 +51,8 @@ TIMES = {
     word: Unit(Dimension.TIME, option)
     for option, words in {
         "t:days": "day days",
+        "t:lsb/0.000277777778": "h hour hours",
+        "t:min": "min mins minute minutes",
         "t_s": "s sec secs",
         "t_ms": "ms msec msecs millis millisecond milliseconds",
         "t_us": "us usec usecs micros microsecond microseconds",
@@ -97,7 +99,7 @@ AMBIGUOUS = {"G"}
 TURNS_OR_RADIANS = re.compile(r"\brps\b", re.IGNORECASE)
 """Unit of a label that says revolutions or radians per second, which differ by 6.3."""
 
-FACTOR = re.compile(r"(\d{1,9}(?:\.\d{1,9})?(?:[eE]-?\d{1,2})?)\s?[*·×]?\s?(?=[^\d\s])")
+FACTOR = re.compile(r"[x×]?\s?(\d{1,9}(?:\.\d{1,9})?(?:[eE]-?\d{1,2})?)\s?[*·×]?\s?(?=[^\d\s])")
 """Number before a unit: `0.1 deg/s`."""
 
 REPLACED = tuple(
@@ -150,7 +152,9 @@ def unit_in(label: str) -> Unit | None:
         words.pop()
     if len(words) > 2 and (unit := unit_of("/".join(words[-2:]))):  # rad_s, m_s2
         return unit
-    return unit_of(words[-1]) if len(words) > 1 and len(words[-1]) > 1 else _short_tail(words)
+    if len(words) > 1 and len(words[-1]) > 1:
+        return unit_of(words[-1]) or _scaled(words[-1])
+    return _short_tail(words)
 
 
 def _time_in_path(label: str) -> Unit | None:
@@ -161,10 +165,14 @@ def _time_in_path(label: str) -> Unit | None:
 
 
 def _scaled(text: str) -> Unit | None:
-    """Unit of a rate with a factor, such as `0.1 deg/s`, as counts per deg/s; None for other texts."""
+    """Unit of a rate or a time with a factor, such as `0.1 deg/s` or `25us`, as counts; None for other texts."""
     factor = FACTOR.match(text)
     unit = unit_of(text[factor.end() :]) if factor else None
-    if factor is None or unit is None or unit.option not in RATE_DPS or not float(factor[1]):
+    if factor is None or unit is None or not float(factor[1]):
+        return None
+    if unit.option in CLOCK_US:
+        return Unit(Dimension.TIME, f"t:lsb/{1e6 / (float(factor[1]) * CLOCK_US[unit.option]):.10g}")
+    if unit.option not in RATE_DPS:
         return None
     return Unit(Dimension.RATE, f"lsb/{1.0 / (float(factor[1]) * RATE_DPS[unit.option]):.10g}")
 

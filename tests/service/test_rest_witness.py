@@ -1,5 +1,6 @@
 """A witness of rest at a running service: its word reaches filter and recording, and a lie is told."""
 
+import csv
 import json
 from pathlib import Path
 
@@ -57,8 +58,8 @@ def test_what_ctl_says_of_rest_beats_statistics_and_is_recorded(port: Path, tmp_
     assert np.flatnonzero(still == 1.0).tolist() == list(range(400, 490))
     with Command("filter", recorded) as filtered:
         assert filtered.end() == 0
-    *_, row = filtered.out.splitlines()
-    assert float(row.split(",")[-2]) == pytest.approx(last["yaw_deg"], abs=1e-4)
+    *_, row = csv.DictReader(filtered.out.splitlines())
+    assert float(row["yaw_deg"]) == pytest.approx(last["yaw_deg"], abs=1e-4)
 
 
 def test_a_device_whose_word_is_stuck_is_told_of(port: Path, tmp_path: Path) -> None:

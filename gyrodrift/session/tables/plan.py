@@ -346,7 +346,6 @@ def _yaw_remarks(targets: set[str], label: str) -> tuple[str, ...]:
         return ()
     if "qw" in targets:
         return (QUATERNION_REMARK,)
-    reversed_text = (
-        ", and its sign is reversed (clockwise)" if label and kind_of(without_unit(label)) == "heading" else ""
-    )
-    return (f"its rate is the difference of an angle{reversed_text}: the filter of the device has already changed it",)
+    is_compass = bool(label) and kind_of(without_unit(label)) == "heading"
+    sign = "its sign is reversed (clockwise)" if is_compass else "if z points down (NED), state --flip"
+    return (f"its rate is the difference of an angle, which the device has filtered already; {sign}",)
