@@ -22,7 +22,7 @@ from gyrodrift.columns.spec import (
     spec_text,
 )
 from gyrodrift.columns.units import Dimension, Unit, unit_in, unit_of, without_unit
-from gyrodrift.session.csv import present_names
+from gyrodrift.session.csv import MOST_COLUMNS, present_names
 from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS
 from gyrodrift.session.tables.known import KNOWN_TABLES, NOTHING, bare, label_index, plain
 from gyrodrift.values.errors import DataError, UsageError
@@ -136,7 +136,9 @@ def columns_by_spec(head: Head, columns: Sequence[Column], *, needs_clock: bool 
     UsageError
         The table does not have these columns, or none is a clock.
     """
-    placed = [(_index(head, position, column), column) for position, column in enumerate(columns)]
+    is_selected = any(column.meaning == SELECTED for column in columns)
+    width = MOST_COLUMNS if is_selected else head.width  # rows of a kind may be wider than most rows
+    placed = [(_index(head, position, column, width), column) for position, column in enumerate(columns)]
     taken = tuple(_taken(index, column) for index, column in placed if _is_used(column))
     targets = {column.target for column in taken}
     if needs_clock and "t_device_s" not in targets:
@@ -183,9 +185,9 @@ def _is_used(column: Column) -> bool:
     return column.meaning in TARGETS or bool(column.clock)
 
 
-def _index(head: Head, position: int, column: Column) -> int:
+def _index(head: Head, position: int, column: Column, width: int) -> int:
     if not column.label:
-        if position >= head.width and column.meaning != IGNORED:
+        if position >= width and column.meaning != IGNORED:
             name = f"{column.meaning}{column.unit}" if column.meaning == SELECTED else column.meaning
             raise UsageError(f"--columns: {head.path}: has {head.width} columns, and {name} is the {position + 1}th")
         return position

@@ -1,6 +1,7 @@
 """Rows of text as columns of numbers; bad rows are counted and the first one is reported."""
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
@@ -78,6 +79,8 @@ class RowReader:
 
     def __init__(self, head: Head, columns: TableColumns, *, has_decimal_comma: bool, keeps_empty: bool) -> None:
         self.columns_read = ColumnsRead({column.target: [] for column in columns.used})
+        self._width, self._is_selected = head.width, False
+        self._needed = 1 + max(column.index for column in columns.used)
         self._head, self._columns, self._comma = head, columns, has_decimal_comma
         self._keeps_empty = keeps_empty
         self._values = [column for column in columns.used if column.target != "t_device_s" or columns.form == OWN]
@@ -99,10 +102,13 @@ class RowReader:
         return self.columns_read
 
     def _take(self, piece: list[tuple[int, list[str]]]) -> None:
-        width = self._head.width
-        good = [(line, row) for line, row in piece if len(row) == width or self._accept_row(line, row)]
         for index, value in self._columns.where:
-            good = self._selected(good, index, value)
+            piece = self._selected([(line, row) for line, row in piece if len(row) > index], index, value)
+        if self._columns.where and piece and not self._is_selected:
+            self._is_selected = True  # rows of a kind may have another width than most rows
+            self._width = Counter(len(row) for _, row in piece).most_common(1)[0][0]
+        fits = self._width >= self._needed
+        good = [r for r in piece if (fits and len(r[1]) == self._width) or self._accept_row(*r)]
         if not good:
             return
         self._remove_groups([row for _, row in good])
@@ -143,15 +149,18 @@ class RowReader:
 
     def _accept_row(self, line: int, row: list[str]) -> bool:
         """Accept a row with one delimiter too many at its end; count every other row of a wrong width."""
-        if len(row) == self._head.width + 1 and not row[-1].strip():
+        if len(row) == self._width + 1 > self._needed and not row[-1].strip():
             row.pop()
             return True
-        labels = len(self._head.labels) or self._head.width
+        labels = len(self._head.labels) or self._width
         if [cell.strip() for cell in row] == list(self._head.labels):
             self.columns_read.headers += 1
         else:
             zeros = any("\0" in cell for cell in row)
-            reason = f"has {len(row)} values, the header has {labels} columns"
+            expected = (
+                f"the header has {labels} columns" if self._width >= self._needed else f"{self._needed} are named"
+            )
+            reason = f"has {len(row)} values, {expected}"
             self.columns_read.refused.add(line, "has zero bytes" if zeros else reason)
         return False
 

@@ -197,3 +197,14 @@ def test_the_advice_for_packed_files_works(tmp_path: Path) -> None:
         archive.writestr("mimetype", "application/vnd.oasis.opendocument.spreadsheet")
     with pytest.raises(DataError, match=r"is a spreadsheet: save the sheet as \.csv"):
         load_session(tmp_path / "s.ods")
+
+
+def test_rows_of_one_kind_may_have_another_width(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def kinds(number: int, t_s: float, rate_dps: float) -> str:
+        force, gyro = f"A,{1e3 * t_s:.0f},0.0,0.1,0.9", f"G,{1e3 * t_s:.0f},0.1,0.2,{rate_dps:.3f},1,2"
+        return f"{force}\n{gyro}" + (f"\nB,{1e3 * t_s:.0f},3.9" if number % 10 == 0 else "")
+
+    path = written(tmp_path / "log.csv", table(kinds))
+    assert filtered_yaw_deg(path, "--columns", "=G, t_ms, gx, gy, rate") == pytest.approx(TURN_DEG, abs=WITHIN_DEG)
+    assert main(["filter", str(path), "--columns", "=B, t_ms, gx, gy, rate"]) == 4
+    assert "has 3 values, 5 are named" in capsys.readouterr().err
