@@ -24,7 +24,7 @@ from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.registry import PROTOCOLS
-from gyrodrift.link.protocols.text_decoder import TextDecoder
+from gyrodrift.link.text_decoder import TextDecoder
 from gyrodrift.service.memory_file import MemoryDamagedError, read_memory
 from gyrodrift.session.files import load_session
 from gyrodrift.session.mcap.raw import read_raw

@@ -18,8 +18,8 @@ from gyrodrift.values.sample import Sample
 from robustness.identity import number_of
 from robustness.scaled import BASE, BEGUN_S, MOTION, Story
 
-WITMOTION_BYTES, RATES_AT = 11, 11
-"""Of a frame, and where that of the rates stands among the three of a measurement."""
+WITMOTION_BYTES = 11
+"""Length of a frame, bytes."""
 
 TIME_SLACK_S = 0.02
 UNSEEN_S = 0.03

@@ -119,7 +119,7 @@ CELSIUS = re.compile(r"(°|º|deg|degrees?)?\s*c(elsius)?", re.IGNORECASE)
 
 @dataclass(frozen=True, slots=True)
 class JudgedColumn:
-    """ColumnVerdict on a column.
+    """Verdict on a column.
 
     looks_like
         Name such as `t_ms` or `gx`; IGNORED if it is not a known quantity.
@@ -178,6 +178,11 @@ class ColumnVerdict:
             (next((word for word in words if word in column.entry), ""), column.missing) for column in self.columns
         )
         return tuple(f"{word} by {missing}" for word, missing in pairs if word)
+
+    @property
+    def reasons(self) -> str:
+        """Reason for each column that is used, for a message."""
+        return "; ".join(f"{column.looks_like} {column.why}" for column in self.columns if column.entry != IGNORED)
 
     @property
     def is_stated(self) -> bool:

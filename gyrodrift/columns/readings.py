@@ -4,14 +4,13 @@ One judge for ports and files. It sees every sample once, in order, and never a 
 waits for the next one.
 """
 
-from collections import Counter, deque
-from collections.abc import Callable, Iterable, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from enum import Enum
 from math import inf, isnan, nan
 from typing import Any
 
-from gyrodrift.columns.fields import is_number
 from gyrodrift.columns.sizes import SENSITIVITIES, ST_FINEST
 from gyrodrift.values.constants import INT16_COUNTS
 from gyrodrift.values.sample import Sample
@@ -55,9 +54,6 @@ SILENT_SAMPLES, SILENT_S = 10, 0.9
 
 ABSURD = 4.0
 """Jump over the largest possible one above which the end of a range is no measurement even if it repeats."""
-
-REPEATED_COLUMNS = 3
-"""Least number of columns with one number that show a sensor that does not answer: the axes of a gyro."""
 
 RAIL_MIN_DPS = 20.0
 """Smallest rate that may be the end of a range, deg/s."""
@@ -112,19 +108,6 @@ def no_answer(rates: Values, companions: Values) -> bool:
         counts = (*SENSITIVITIES, ST_FINEST[1])
         return rates[0] == -1.0 or any(abs(rates[0] * count + 1.0) < ONE_COUNT for count in counts)
     return len(set(rates)) == 1 and (rates[0] != 0.0 or (len(companions) >= 3 and not any(companions[:3])))
-
-
-def repeated_number(rows: Sequence[Sequence[str]]) -> str:
-    """Number that most columns of all rows hold, as it is written: −1, 0 or any other; empty if there is none.
-
-    rows
-        Fields of lines of equal length, before any column has a meaning; a clock and a temperature may be among them.
-    """
-    if len(rows) < SILENT_SAMPLES:
-        return ""
-    constant = [column[0] for column in zip(*rows, strict=True) if len(set(column)) == 1 and is_number(column[0])]
-    text, count = max(Counter(constant).items(), key=lambda item: item[1], default=("", 0))
-    return text if count >= REPEATED_COLUMNS and 2 * count > len(rows[0]) else ""
 
 
 def _change(a: Values, b: Values) -> float:

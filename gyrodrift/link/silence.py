@@ -144,15 +144,14 @@ def _why_text(protocol: str, heard: Heard, port: str, waited: str, source: ByteS
         )
     is_angle = guessed.turn.entry.startswith("yaw")
     columns = f"'{guessed.template}'"  # no label holds a quotation mark
-    reasons = "; ".join(f"{column.looks_like} {column.why}" for column in guessed.columns if column.entry != "_")
     if guessed.missing:
         unknown = "its unit" if "UNIT by" in guessed.missing[-1] else "the sender"
         return (
-            f"{looks} ({reasons}), but {unknown} is unknown: replace {', and '.join(guessed.missing)}"
+            f"{looks} ({guessed.reasons}), but {unknown} is unknown: replace {', and '.join(guessed.missing)}"
             f" in --columns {columns}, or find it by a quarter turn: {turn_it}"
         )
     note = ANGLE_NOTE if is_angle else ""
-    return f"{looks}; {_expected(protocol)}, or read these lines with --columns {columns} ({reasons}){note}"
+    return f"{looks}; {_expected(protocol)}, or read these lines with --columns {columns} ({guessed.reasons}){note}"
 
 
 def _without_columns(heard: Heard, waited: str) -> str:

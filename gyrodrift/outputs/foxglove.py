@@ -18,6 +18,7 @@ from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.status import ConfigStatus, FilterStatus, LinkStatus, ServiceStatus
 from gyrodrift.outputs.thinning import Thinning
+from gyrodrift.values.constants import NS_PER_S
 from gyrodrift.values.sample import Corrected
 
 SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
@@ -78,8 +79,6 @@ POSE = FoxgloveChannel(4, "/gyro/pose", POSE_SCHEMA)
 
 POSE_FRAME = "world"
 """Frame of the pose, with z up."""
-
-NS_PER_S = 1_000_000_000
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from gyrodrift.columns.fields import fields_of
 from gyrodrift.columns.guess import guess
 from gyrodrift.columns.objects import BRACKETS_MAX, LONGEST_CHARACTERS, leaves_of
 from gyrodrift.columns.spec import columns_of
-from gyrodrift.link.protocols.text_decoder import TextDecoder
+from gyrodrift.link.text_decoder import TextDecoder
 
 ODD = (
     "{[]: 1}",

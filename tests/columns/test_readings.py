@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gyrodrift.columns.readings import ReadingJudge, StreamJudge, repeated_number
+from gyrodrift.columns.readings import ReadingJudge, StreamJudge
 from gyrodrift.facts.readings import judged_readings
 from gyrodrift.values.sample import Inertial, Sample
 
@@ -121,19 +121,3 @@ def test_the_end_of_the_range_is_counted(limit_dps: float) -> None:
     assert names_of(events) == {"clipped"}
     assert events[0][1]["limit_dps"] == limit_dps
     assert not any(sample.rate_dps != sample.rate_dps for sample in passed)
-
-
-@pytest.mark.parametrize(
-    ("row", "number"),
-    [
-        (lambda i: ["-1", "-1", "-1", "36.53", "-1", "-1", "-1"], "-1"),
-        (lambda i: [str(20 * i), "0", "0", "0"], "0"),
-        (lambda i: [str(20 * i), "0.00", "0.00", str(i % 3)], ""),
-        (lambda i: [str(20 * i), str(i % 5), "-2", str(i % 7)], ""),
-    ],
-    ids=["all but the temperature", "a clock", "two zeros", "noise"],
-)
-def test_a_number_in_most_columns_is_found_before_they_have_a_meaning(
-    row: Callable[[int], list[str]], number: str
-) -> None:
-    assert repeated_number([row(i) for i in range(20)]) == number

@@ -13,7 +13,7 @@ from gyrodrift.columns.turn.scale import HAND, QUARTER_DEG
 from gyrodrift.columns.turn.series import ColumnKey, Series, TextTable, TimedLine
 from gyrodrift.columns.turn.verdict import AngleColumn, RateColumn, TurnVerdict, judge
 from gyrodrift.columns.units import Dimension, Unit
-from gyrodrift.link.protocols.text_decoder import TextDecoder
+from gyrodrift.link.text_decoder import TextDecoder
 from gyrodrift.values.sample import Sample
 
 PACE_WITHIN = 0.1

@@ -8,7 +8,6 @@ import re
 from collections.abc import Sequence
 from math import isfinite, nan
 
-from gyrodrift.columns.shape import has_csv_shape
 from gyrodrift.link.protocols.lines import LineDecoder
 from gyrodrift.link.protocols.plausible import MAX_RATE_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
@@ -104,6 +103,13 @@ def _reading(t_us: bytes, rate_dps: float, optional: Sequence[float], inertial: 
     return Reading(int(t_us) & CLOCK_MASK, None, rate_dps, encoder_deg, temp_c, still, nan, inertial)
 
 
+def is_plausible(readings: Sequence[Reading]) -> bool:
+    """Whether lines have the shape of csv; loaded on demand, because most devices use another protocol."""
+    from gyrodrift.columns.shape import has_csv_shape  # noqa: PLC0415 - loaded on demand
+
+    return has_csv_shape(readings)
+
+
 PROTOCOL = WireProtocol(
     "csv",
     "lines t_us,rate_dps[,encoder_deg[,temp_c[,still]]], or t_us,gx,gy,gz,ax,ay,az[,...]",
@@ -111,5 +117,5 @@ PROTOCOL = WireProtocol(
     asked_decoder=lambda: CsvDecoder(heeds_header=False),
     has_clock=True,
     rank=10,
-    is_plausible=has_csv_shape,
+    is_plausible=is_plausible,
 )

@@ -10,7 +10,7 @@ from gyrodrift.link.protocols.decoder import Decoder
 from gyrodrift.link.protocols.protocol import WireProtocol
 
 if TYPE_CHECKING:
-    from gyrodrift.link.protocols.text_decoder import TextDecoder
+    from gyrodrift.link.text_decoder import TextDecoder
 
 NAME = "text"
 SHIPPED_COLUMNS = "t_ms=t_ms, gz=rate:lsb/131"
@@ -30,7 +30,7 @@ def text_protocol(columns: str) -> WireProtocol:
     parsed = columns_of(columns)
 
     def decoder() -> "TextDecoder":
-        from gyrodrift.link.protocols.text_decoder import TextDecoder  # noqa: PLC0415 - loaded on demand
+        from gyrodrift.link.text_decoder import TextDecoder  # noqa: PLC0415 - loaded on demand
 
         return TextDecoder(parsed)
 
@@ -52,7 +52,7 @@ def text_protocol(columns: str) -> WireProtocol:
 def read_by(decoder: Decoder, columns: str) -> None:
     """Change the columns of a text decoder."""
     from gyrodrift.columns.spec import columns_of  # noqa: PLC0415 - loaded on demand
-    from gyrodrift.link.protocols.text_decoder import TextDecoder  # noqa: PLC0415 - loaded on demand
+    from gyrodrift.link.text_decoder import TextDecoder  # noqa: PLC0415 - loaded on demand
 
     if isinstance(decoder, TextDecoder):
         decoder.read_by(columns_of(columns))
@@ -60,7 +60,7 @@ def read_by(decoder: Decoder, columns: str) -> None:
 
 def _shipped() -> "TextDecoder":
     from gyrodrift.columns.spec import columns_of  # noqa: PLC0415 - loaded on demand
-    from gyrodrift.link.protocols.text_decoder import TextDecoder  # noqa: PLC0415 - loaded on demand
+    from gyrodrift.link.text_decoder import TextDecoder  # noqa: PLC0415 - loaded on demand
 
     return TextDecoder(columns_of(SHIPPED_COLUMNS))
 

@@ -18,8 +18,8 @@ from gyrodrift.values.arrays import Floats, Mask
 REPEATED_PERIODS = 8.0
 """A smaller step back repeats or swaps the last samples, as in `link.clocks.device`."""
 
-NEXT_PERIODS, NEXT_S = 4.0, 1.0
-"""A sample continues a previous one within these periods or this time, whichever is longer."""
+NEXT_PERIODS = 4.0
+"""A sample continues a previous one within these periods."""
 
 SET_S, SET_SHARE = 3600.0, 10.0
 """A clock was set if it steps forward by more than an hour and ten times the rest of the recording."""

@@ -48,7 +48,6 @@ TARGETS = {
 RATE_TARGETS = frozenset({"rate_dps", "gyro_x_dps", "gyro_y_dps"})
 FORCE_TARGETS = frozenset(ACCEL_COLUMNS)
 ANGLE_TARGETS = frozenset({"yaw_deg", "delta_deg", "encoder_deg"})
-AXES = ("gx", "gy", "ax", "ay", "az")
 
 QUATERNION_REMARK = (
     "its rate is the difference of the yaw of a quaternion, counter-clockwise if z points up; if z points down (NED, as"

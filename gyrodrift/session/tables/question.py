@@ -8,7 +8,7 @@ from math import isfinite
 from gyrodrift.columns.fields import as_label
 from gyrodrift.columns.judge import ColumnVerdict
 from gyrodrift.columns.names import kind_of
-from gyrodrift.columns.spec import CLOCK_US, IGNORED, selection
+from gyrodrift.columns.spec import CLOCK_US, selection
 from gyrodrift.columns.times import is_time
 from gyrodrift.columns.units import unit_in, unit_of
 from gyrodrift.session.csv import OLD_NAMES, REQUIRED, slips_in
@@ -72,9 +72,8 @@ def _proposal(verdict: ColumnVerdict) -> list[str]:
     if verdict.template is None:
         return []
     rate = "" if verdict.clock else " --sample-rate HZ"
-    reasons = "; ".join(f"{column.looks_like} {column.why}" for column in verdict.columns if column.entry != IGNORED)
     unit = f"; replace {', and '.join(verdict.missing)}" if verdict.missing else ""
-    return [f"probably --columns '{verdict.template}'{rate}{unit} ({reasons})"]
+    return [f"probably --columns '{verdict.template}'{rate}{unit} ({verdict.reasons})"]
 
 
 def _kinds(head: Head, verdict: ColumnVerdict) -> list[str]:
