@@ -190,4 +190,5 @@ def test_the_service_stays_light(statement: str) -> None:
     heavy = {"numpy", "scipy", "matplotlib", "jinja2", "pandas", "numba", "rich", "twisted"}
     loaded = set(done.stdout.split())
     assert not heavy & loaded
+    assert not {"gyrodrift.columns.fields", "gyrodrift.columns.shape", "gyrodrift.link.text_decoder"} & loaded
     assert of("firmware_sim", loaded) <= {"firmware_sim", "firmware_sim.strict_yaml"}
