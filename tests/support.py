@@ -12,7 +12,7 @@ import sys
 import termios
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, redirect_stderr, redirect_stdout
+from contextlib import AbstractContextManager, contextmanager, nullcontext, redirect_stderr, redirect_stdout
 from io import StringIO
 from itertools import islice
 from pathlib import Path
@@ -58,18 +58,19 @@ def ended_here(*arguments: str | Path) -> Ended:
 
 
 class Command:
-    """A command of ours as a process, its stdout and stderr read without threads and without waiting for ever."""
+    """A command of ours as a process, its stdout and stderr read without threads and without waiting for ever.
 
-    def __init__(self, *arguments: str | Path, module: str = "gyrodrift") -> None:
+    With `out_file` stdout goes to that file instead, which takes any number of lines however slow the test is.
+    """
+
+    def __init__(self, *arguments: str | Path, module: str = "gyrodrift", out_file: Path | None = None) -> None:
         command = [sys.executable, "-m", module, *map(str, arguments)]
-        self.process = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE
-        )
-        assert self.process.stdout is not None
-        assert self.process.stderr is not None
-        self._streams = {self.process.stdout.fileno(): bytearray(), self.process.stderr.fileno(): bytearray()}
+        with nullcontext(subprocess.PIPE) if out_file is None else out_file.open("wb") as out:
+            self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.PIPE)
+        streams = [stream.fileno() for stream in (self.process.stdout, self.process.stderr) if stream]
+        self._streams = {fd: bytearray() for fd in streams}
         self._open = set(self._streams)
-        self._out, self._err = self._streams
+        self._out, self._err = streams[0], streams[-1]
         self._taken = 0
 
     def __enter__(self) -> Self:
@@ -81,8 +82,8 @@ class Command:
         self.process.kill()
         self.process.wait()
         for stream in (self.process.stdout, self.process.stderr):
-            assert stream is not None
-            stream.close()
+            if stream is not None:
+                stream.close()
 
     @property
     def out(self) -> str:
@@ -110,7 +111,8 @@ class Command:
 
     def take_lines(self, count: int) -> list[dict[str, Any]]:
         """The next `count` JSON lines of stdout."""
-        self.until(lambda command: len(command.out.split("\n")) - 1 >= self._taken + count, f"{count} lines")
+        written = self._streams[self._out]
+        self.until(lambda _: written.count(b"\n") >= self._taken + count, f"{count} lines")
         lines = self.out.split("\n")[self._taken : self._taken + count]
         self._taken += count
         return [json.loads(line) for line in lines]

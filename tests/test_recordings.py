@@ -5,6 +5,7 @@ than its published parameters were found for.
 """
 
 import csv
+import json
 from pathlib import Path
 
 import numpy as np
@@ -35,13 +36,14 @@ def test_a_real_recording_comes_out_of_serve_as_it_comes_out_of_filter(
     name: str, tmp_path: Path, recordings: Recordings
 ) -> None:
     """Every sample arrives, with the same yaw to the last digit that serve writes."""
-    path, link = recordings.path(name), tmp_path / "gyro"
+    path, link, out = recordings.path(name), tmp_path / "gyro", tmp_path / "lines.json"
     session, expected = load_session(path), yaw_of_filter(path, tmp_path / "out.csv")
     with Command("replay", path, "--link", link, "--speed", "max") as replay:
         replay.until_log("waiting for a reader")
-        with Command("serve", "--port", link, "--filter", "hdr") as serve:
-            lines = serve.take_lines(len(expected))
+        with Command("serve", "--port", link, "--filter", "hdr", out_file=out) as serve:
+            serve.until_log("event=link_lost")
             assert serve.stop() == 0
+    lines = [json.loads(line) for line in out.read_text().splitlines()]
     assert len(expected) == len(session.t_device_s)
     assert [line["t_s"] for line in lines] == session.t_device_s.round(6).tolist()
     assert [line["yaw_deg"] for line in lines] == [round(yaw_deg, 4) for yaw_deg in expected]
