@@ -9,6 +9,7 @@ from evaluate import (
     everyday_part,
     gyrogap_part,
     hard_cases_part,
+    planted_part,
     real_causes_part,
     round_trip_part,
     simulators_part,
@@ -42,6 +43,12 @@ PARTS = {
     ),
     "real_causes": Part(
         "diagnose on real recordings whose cause is known, cases of each device", 0, 20, real_causes_part.measure
+    ),
+    "planted": Part(
+        "diagnose between halves of the recordings of a device, one with a planted flaw, cases",
+        0,
+        20,
+        planted_part.measure,
     ),
     "everyday": Part("filters on everyday motions, sessions of each", 3, 15, everyday_part.measure),
     "hard-cases": Part("restlevel on the hard cases, seeds of each", 101, 5, hard_cases_part.measure),

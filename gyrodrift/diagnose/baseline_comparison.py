@@ -156,6 +156,8 @@ class ExplainedBaseline(NamedTuple):
         Least noise that a recording of this device is calibrated to.
     remarks
         Sentences about the baseline for the report.
+    background
+        Random effects of its most probable set that are not in the rig: what the device does without a name.
     response
         Response from reference to gyro in both sets; None if the reference is not corrected.
     """
@@ -166,6 +168,7 @@ class ExplainedBaseline(NamedTuple):
     tables: tuple[ResponseTable, ...]
     least_noise_dps_rthz: float
     remarks: list[str]
+    background: tuple[Sized, ...] = ()
     response: ReferenceResponse | None = None
 
 
@@ -181,6 +184,9 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
         If no recording of the baseline can be used.
     """
     origins, of_baseline, remarks = recordings_of(request.baseline, request.progress, request.baseline_reading)
+    temp_c = _constant_temp_c(of_baseline, recordings)
+    origins = [origin._replace(temp_c=temp_c) for origin in origins]
+    of_baseline = [recording if temp_c is None else recording.at_temperature(temp_c) for recording in of_baseline]
     response = _response_of(of_baseline, recordings)
     origins, of_baseline = with_corrected_reference(response, origins, of_baseline)
     base = request.rig.base
@@ -188,8 +194,11 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
     rig = with_recorded_axes(rig, [*of_baseline, *recordings])
     own = request._replace(rig=rig)
     simulated = simulated_of(own, origins, of_baseline)
-    named = inferred_of(simulated, request.jobs, request.progress).verdict.causes
-    causes = [cause for cause in named if cause.probability >= _adopted_from(cause)]
+    inferred = inferred_of(simulated, request.jobs, request.progress)
+    causes = [cause for cause in inferred.verdict.causes if cause.probability >= _adopted_from(cause)]
+    in_rig = {cause.effect.name for cause in causes}
+    best = inferred.explanation.posterior.most_probable.placed
+    background = [item.sized for item in best if item.sized.is_random and item.template.name not in in_rig]
     rig = adopted(rig, causes)
     subjects, tables = simulated.subjects, simulated.tables
     if causes:
@@ -203,7 +212,9 @@ def explained_baseline(request: DiagnosisRequest, recordings: Sequence[Recording
     # If a device has less than half of the noise of its baseline, that is a gap, and it is not calibrated away.
     noise = min(subject.rig.base.noise_dps_rthz for subject in subjects) / 2.0
     least_noise = noise if is_same_rate(of_baseline, recordings) else 0.0
-    return ExplainedBaseline(rig, baseline, subjects, tables, least_noise, [*remarks, *differ], response)
+    return ExplainedBaseline(
+        rig, baseline, subjects, tables, least_noise, [*remarks, *differ], tuple(background), response
+    )
 
 
 def _remarks(causes: Sequence[NamedCause], recordings: int, response: ReferenceResponse | None) -> list[str]:
@@ -217,6 +228,14 @@ def _remarks(causes: Sequence[NamedCause], recordings: int, response: ReferenceR
         turns = f"the gyro turns {response.gain:.4g} times as far as its reference, and {when}"
         remarks.append(f"baseline: {turns}; the references of both sets are corrected for that")
     return remarks
+
+
+def _constant_temp_c(of_baseline: Sequence[Recording], recordings: Sequence[Recording]) -> float | None:
+    """Median temperature of the recordings, if they have one and the baseline, such as a simulator, has none."""
+    temps_c = [recording.temp_c for recording in recordings if recording.temp_c is not None]
+    if len(temps_c) < len(recordings) or all(recording.temp_c is not None for recording in of_baseline):
+        return None
+    return float(np.nanmedian(np.concatenate(temps_c)))
 
 
 def _response_of(of_baseline: Sequence[Recording], recordings: Sequence[Recording]) -> ReferenceResponse | None:

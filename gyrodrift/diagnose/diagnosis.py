@@ -17,7 +17,7 @@ from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.inference.detectable import detectable
 from gyrodrift.diagnose.inference.linear_model import linear_model_of
 from gyrodrift.diagnose.inference.ranking import ranking
-from gyrodrift.diagnose.inference.verdict import Verdict, is_small, with_negligible
+from gyrodrift.diagnose.inference.verdict import Verdict, is_small, with_negligible, withdrawn
 from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
 from gyrodrift.diagnose.predictive_checks.on_device import on_device_yaw
 from gyrodrift.diagnose.predictive_checks.residual_checks import residual_checks_of
@@ -33,6 +33,7 @@ from gyrodrift.diagnose.stages import (
     adopted,
     axes_remarks,
     inferred_of,
+    named_apart,
     recordings_of,
     simulated_of,
     with_facts,
@@ -77,7 +78,7 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         simulated = simulated_today._replace(
             tables=without_baseline(simulated_today.tables, simulated_today.subjects, explained.baseline)
         )
-        inferred = inferred_of(simulated, request.jobs, request.progress)
+        inferred = inferred_of(simulated, request.jobs, request.progress, explained.background)
         verdict, of_chance = changes_since(explained, simulated_today, inferred)
         remarks += [*explained.remarks, *of_chance]
         baseline = tuple(_session(subject) for subject in explained.subjects)
@@ -88,17 +89,21 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
     explanation, subjects = inferred.explanation, simulated.subjects
     verdict = _with_negligible(verdict, subjects)
     request.progress(WHAT_NEXT, 0, 0)
-    following = what_next(verdict, explanation, subjects, simulated.untestable, request.rig, request.jobs)
+    untestable = named_apart(simulated.untestable, lacking)
+    following = what_next(verdict, explanation, subjects, untestable, request.rig, request.jobs)
     designs = [subject.design for subject in subjects]
     without_causes = np.array([table.runs.mean(axis=0) for table in simulated.tables])
     request.progress(YAW_IMPACT, 0, 0)
+    yaw_impact = yaw_impact_of(subjects, verdict.causes)
+    if yaw_impact.is_worse_with_causes:
+        verdict = withdrawn(verdict)
     result = Diagnosis(
         verdict=verdict,
         linear_model=linear_model_of(_rate_errors_dps(subjects), designs, verdict.causes),
-        yaw_impact=yaw_impact_of(subjects, verdict.causes),
+        yaw_impact=yaw_impact,
         contradictions=against if request.is_rig_stated or not request.baseline else _of_any_rig(against),
         remarks=tuple(remarks),
-        untestable=simulated.untestable,
+        untestable=untestable,
         withheld=tuple(sorted(request.withheld)),
         detectable=detectable(explanation.scorer, explanation.evidence.effects()),
         calibration=_calibration(request.rig.base, subjects),

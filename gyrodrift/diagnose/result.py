@@ -43,10 +43,11 @@ class BaseValue:
 
 @dataclass(frozen=True, slots=True)
 class Untestable:
-    """An effect that the sessions cannot show, and what they lack."""
+    """An effect that the sessions cannot show, and what they, or only the baseline, lack."""
 
     effect: str
     why: str
+    is_of_baseline: bool = False
 
 
 @dataclass(frozen=True, slots=True, repr=False)

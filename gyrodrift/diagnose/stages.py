@@ -19,7 +19,7 @@ from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidates import KINDS, candidates
 from gyrodrift.diagnose.simulate.distribute import REPLAYED, Origin, SimulationPlan, response_tables, set_simulator
 from gyrodrift.diagnose.simulate.hints import hints_of
-from gyrodrift.diagnose.simulate.response_table import ResponseTable
+from gyrodrift.diagnose.simulate.response_table import ResponseTable, Sized
 from gyrodrift.diagnose.simulate.twin import Subject, subject_of
 from gyrodrift.io.progress import OnProgress, ignore_progress
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions
@@ -111,11 +111,13 @@ def tables_of(
     return response_tables(plan, request.jobs, request.cluster, request.progress)
 
 
-def inferred_of(simulated: Simulated, jobs: int, progress: OnProgress = ignore_progress) -> Conclusion:
-    """Find the posterior over sets of effects, and the verdict."""
+def inferred_of(
+    simulated: Simulated, jobs: int, progress: OnProgress = ignore_progress, background: Sequence[Sized] = ()
+) -> Conclusion:
+    """Find the posterior over sets of effects, and the verdict; `background` are random effects that act anyway."""
     progress(SEARCHED, 0, 0)
     with set_simulator(simulated.subjects, simulated.tables, simulated.tried, jobs) as simulate:
-        return conclude(simulated.tables, simulated.tried, simulate, simulated.unseparated)
+        return conclude(simulated.tables, simulated.tried, simulate, simulated.unseparated, background)
 
 
 def recordings_of(
@@ -169,11 +171,21 @@ def testable_among(
         "host": ("no host times", any(recording.host_s is None for recording in recordings)),
         "temperature": ("no temperature", any(recording.temp_c is None for recording in recordings)),
         "axes": ("no rates about x and y", not has_axes),
-        "counter": ("no counter", not all(recording.has_counter for recording in recordings)),
+        "counter": ("no counter", not all(recording.counts_samples for recording in recordings)),
     }
     why = {candidate.name: lacking[need][0] for candidate in every for need in candidate.needs if lacking[need][1]}
     tried = [c for c in every if c.name not in why and c.name not in withheld]
     return tried, tuple(Untestable(name, reason) for name, reason in why.items())
+
+
+def named_apart(untestable: Sequence[Untestable], lacking: LackingValues | None) -> tuple[Untestable, ...]:
+    """Untestable effects; where only the baseline lacks a column, its name says so."""
+    if lacking is None:
+        return tuple(untestable)
+    return tuple(
+        replace(item, is_of_baseline=True) if lacking.lacks_in_baseline(item.why.removeprefix("no ")) else item
+        for item in untestable
+    )
 
 
 def adopted(rig: Rig, causes: Sequence[NamedCause]) -> Rig:

@@ -189,6 +189,8 @@ def _without_experiment(verdict: Verdict, untestable: Sequence[Untestable], sess
         return "Record more sessions: from three on, each session can check a fit to the others."
     # An untested effect that acts like a tested effect is open only if they tie.
     lacking = next((item for item in untestable if KINDS[item.effect].acts_like is None), None)
+    if lacking is not None and lacking.is_of_baseline:
+        return f"Let the baseline state more: it has {lacking.why}, so {lacking.effect} was not tested."
     if lacking is not None:
         return f"Record with a device that sends more: {lacking.why} here, so {lacking.effect} was not tested."
     return _for_open_part(verdict) or "Nothing: no ambiguity remains. Record again after a change."

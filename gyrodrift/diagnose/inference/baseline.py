@@ -144,6 +144,8 @@ def against(
             difference=table.difference - baseline.common * rms_scale(design),
             thresholds=np.hypot(table.thresholds, scatter * rms_scale(design)),
             extra_sigma=extra_sigma * rms_scale(design),
+            device_sigma=scatter * rms_scale(design),
+            degrees=baseline.count - 1.0 + PRIOR_RUNS,
         )
         for table, design in zip(tables, designs, strict=True)
     ]

@@ -1,6 +1,6 @@
 """The verdict from the response tables of all sessions, by the posterior over sets of effects."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from gyrodrift.diagnose.features.vector import FEATURES, NUMBER
 from gyrodrift.diagnose.inference.density import Groups
-from gyrodrift.diagnose.inference.evidence import Response, pooled_z
+from gyrodrift.diagnose.inference.evidence import Evidence, Response, pooled_z
 from gyrodrift.diagnose.inference.explanation import Explanation
 from gyrodrift.diagnose.inference.gap import Deviation, deviations, gap_of, listed, no_gap, returning_share
 from gyrodrift.diagnose.inference.observation import observation_of
@@ -16,9 +16,9 @@ from gyrodrift.diagnose.inference.parameters import Parameter, unit_of
 from gyrodrift.diagnose.inference.pooling import evidence_of
 from gyrodrift.diagnose.inference.posterior import POWER, RARE, Posterior, Slot, WeightedSet, posterior_of
 from gyrodrift.diagnose.inference.ridge import pair_in, summed_along
-from gyrodrift.diagnose.inference.scorer import EffectSet, Scorer
+from gyrodrift.diagnose.inference.scorer import EffectSet, Placed, Scorer
 from gyrodrift.diagnose.inference.sets import find_sets, fitted, profile_of
-from gyrodrift.diagnose.inference.template import templates_of
+from gyrodrift.diagnose.inference.template import Template, templates_of
 from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Verdict
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidate_kind import CandidateKind
@@ -124,6 +124,11 @@ FORM = 0.2
 GROUPS = sorted({(feature.stage, feature.regime) for feature in FEATURES})
 """Groups of features that an unknown effect moves together: those of one stage in one regime of the motion."""
 
+SURELY_UNKNOWN, PREDICTS = 0.9, 0.2
+"""Probability of something unknown beside which a random cause must close a share of the gap to be named, and that
+share. A random effect takes in any disturbance of its spread, as an unknown effect does; what it predicts beyond that
+closes a part of the gap. Chosen."""
+
 Simulate = Callable[[Sequence[Sized]], SimulatedSet]
 """Simulator: from a set of effects with sizes to the change of the features."""
 
@@ -142,31 +147,60 @@ class Conclusion(NamedTuple):
 
 
 def conclude(
-    tables: Sequence[ResponseTable], tried: Sequence[Candidate], simulate: Simulate, unseparated: Sequence[str] = ()
+    tables: Sequence[ResponseTable],
+    tried: Sequence[Candidate],
+    simulate: Simulate,
+    unseparated: Sequence[str] = (),
+    background: Sequence[Sized] = (),
 ) -> Conclusion:
     """Find the posterior and derive the verdict from it.
 
     unseparated
         Untested effects that act like a tested effect in these recordings.
+    background
+        Random effects that act in any case.
     """
     evidence = evidence_of(tables, tried)
     observation = observation_of(tables, evidence.is_compared)
     stages = np.array([GROUPS.index((feature.stage, feature.regime)) for feature in FEATURES])
     templates = {item.name: item for item in templates_of(observation, evidence.responses)}
-    scorer = Scorer(observation, Groups(stages, len(GROUPS), np.logical_or.reduce(evidence.is_compared)), templates)
+    groups = Groups(stages, len(GROUPS), np.logical_or.reduce(evidence.is_compared))
+    placed = tuple(_placed(templates, background))
+    explained = sum((item.variance for item in placed), np.zeros_like(observation.unit))
+    scorer = Scorer(observation.without_device(explained), groups, templates, placed)
     posterior = with_unseparated(simulated_posterior(scorer, simulate), unseparated)
     posterior = posterior.without(_as_in_rig(scorer, posterior))
-    causes = _named(scorer, posterior)
+    explanation, causes = _explained(evidence, scorer, posterior, _named(scorer, posterior))
+    if posterior.unknown >= SURELY_UNKNOWN:
+        predicting = [cause for cause in causes if not cause.cause.is_random or cause.gap_share >= PREDICTS]
+        if len(predicting) < len(causes):
+            explanation, causes = _explained(evidence, scorer, posterior, predicting)
+    return Conclusion(_verdict(explanation, causes), explanation)
+
+
+def _placed(templates: Mapping[str, Template], effects: Sequence[Sized]) -> Iterator[Placed]:
+    """The effects at the nearest points of the templates; an effect that is not noticeable here is left out."""
+    for sized in effects:
+        template = templates.get(sized.candidate.name)
+        variants = [] if template is None else [item.candidate.variant for item in template.responses]
+        if template is not None and sized.candidate.variant in variants:
+            yield Placed(*template.nearest_point(variants.index(sized.candidate.variant), sized.size))
+
+
+def _explained(
+    evidence: Evidence, scorer: Scorer, posterior: Posterior, causes: Sequence[NamedCause]
+) -> tuple[Explanation, tuple[NamedCause, ...]]:
+    """The explanation by some causes, and the causes with their shares of the gap."""
     names = tuple(cause.effect.name for cause in causes)
     explanation = Explanation(evidence, scorer, posterior, posterior.best_with(names), names)
-    return Conclusion(_verdict(explanation, tuple(_with_share(explanation, cause) for cause in causes)), explanation)
+    return explanation, tuple(_with_share(explanation, cause) for cause in causes)
 
 
 def _with_share(explanation: Explanation, cause: NamedCause) -> NamedCause:
     """The cause with the share of the gap that returns if it is left out of the named set."""
     rest = tuple(name for name in explanation.named if name != cause.effect.name)
-    without_z = replace(explanation, named=rest).held_out_z
-    return replace(cause, gap_share=returning_share(explanation.evidence, without_z, explanation.held_out_z))
+    without = replace(explanation, named=rest).held_out_gap
+    return replace(cause, gap_share=returning_share(explanation.evidence, without, explanation.held_out_gap))
 
 
 def simulated_posterior(scorer: Scorer, simulate: Simulate) -> Posterior:
@@ -219,11 +253,10 @@ def _verdict(explanation: Explanation, causes: tuple[NamedCause, ...]) -> Verdic
     """The verdict from the posterior, the deviating features and the gap."""
     evidence, posterior = explanation.evidence, explanation.posterior
     kind = kind_of(posterior, has_causes=bool(causes))
-    before, after_z = pooled_z(evidence.z) / evidence.sigma_factor, explanation.held_out_z
-    after = pooled_z(after_z) / evidence.sigma_factor
+    before, after = (pooled_z(z) / evidence.sigma_factor for z in (evidence.z, explanation.held_out_z))
     where = _deviating(posterior, before, evidence.threshold_z, is_unknown=kind is Kind.UNKNOWN)
-    gap = no_gap(evidence) if kind is Kind.NONE else gap_of(evidence, after_z)
-    if kind is Kind.EFFECT and not gap.is_closed and np.abs(after).max() > evidence.threshold_z:
+    gap = no_gap(evidence) if kind is Kind.NONE else gap_of(evidence, explanation.held_out_gap)
+    if kind is Kind.EFFECT and not gap.is_closed:
         kind = Kind.PARTLY
     unexplained = _deviating(posterior, after, evidence.threshold_z, is_unknown=kind is Kind.PARTLY)
     return Verdict(

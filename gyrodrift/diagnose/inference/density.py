@@ -64,6 +64,7 @@ def log_densities(
     form: Floats,
     covariance: Floats,
     groups: "Groups",
+    degrees: float = DEGREES_OF_FREEDOM,
 ) -> LogDensities:
     """Densities at N points of a template; the other effects of the set are fixed.
 
@@ -75,10 +76,12 @@ def log_densities(
         (N, S, F) standard deviation of the mean, with its sign; half of the variance is common to the sessions.
     covariance
         (F, S, S) covariance of the difference without the template.
+    degrees
+        Degrees of freedom of the Student density.
     """
     by_width = _by_width(
         residual, mean, scatter, form, covariance, groups.is_used, np.array((0.0, *UNKNOWN_WIDTHS)),
-        DEGREES_OF_FREEDOM,
+        degrees,
     )  # fmt: skip
     return LogDensities(*_summed(by_width, groups.of_feature, groups.number, np.array(UNKNOWN_SHARES)))
 

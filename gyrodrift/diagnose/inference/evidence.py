@@ -112,6 +112,8 @@ class Evidence:
         (S, runs, F) differences without a gap, in units of sigma.
     sigma_factor
         (F,) factor that widens sigma if sigma comes from a few recordings; it applies to single features only.
+    device_variance
+        (S, F) variance of the device from recording to recording, in units of sigma; 0 without a baseline.
     threshold_z
         Pooled z beyond which a feature deviates. Any feature exceeds it by chance with FAMILY_WISE_ERROR.
     """
@@ -122,6 +124,7 @@ class Evidence:
     nulls: Floats
     responses: tuple[Response, ...]
     sigma_factor: Floats | float = 1.0
+    device_variance: Floats | float = 0.0
     threshold_z: float = field(init=False)
 
     def __post_init__(self) -> None:

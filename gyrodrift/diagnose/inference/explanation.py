@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from gyrodrift.diagnose.inference.evidence import Evidence
+from gyrodrift.diagnose.inference.gap import HeldOut, unchanged
 from gyrodrift.diagnose.inference.posterior import RARE, Posterior
 from gyrodrift.diagnose.inference.scorer import EffectSet, Placed, Scorer
 from gyrodrift.diagnose.inference.sets import fitted
@@ -46,8 +47,7 @@ class Explanation:
         """
         observation = self.scorer.observation
         change, variance = np.zeros_like(observation.difference), np.zeros_like(observation.difference)
-        for row in range(observation.sessions if self.named else 0):
-            placed = self._fitted_without(row)
+        for row, placed in enumerate(self._fitted_without_each):
             own, covariance = self.scorer.change(placed), self.scorer.prediction(placed)[1]
             change[row] = own[row]
             total = covariance[:, row, row] + sum(
@@ -57,8 +57,26 @@ class Explanation:
         return change, variance
 
     @cached_property
+    def held_out_gap(self) -> HeldOut:
+        """Each session against the corrected simulator, in units of chance without an allowance for the causes."""
+        if not self.named:
+            return unchanged(self.evidence)
+        observation = self.scorer.observation
+        by_chance = observation.is_compared * observation.unit / self.evidence.sigma
+        variance = np.zeros_like(observation.difference)
+        for row, placed in enumerate(self._fitted_without_each):
+            variance[row] = sum(item.variance[row] for item in placed)
+        z = (observation.difference - self.held_out[0]) * by_chance
+        return HeldOut(z, variance * np.square(by_chance))
+
+    @cached_property
+    def _fitted_without_each(self) -> list[list[Placed]]:
+        """For each session: the named effects with sizes fitted to the other sessions; empty without a named effect."""
+        return [self._fitted_without(row) for row in range(self.scorer.observation.sessions if self.named else 0)]
+
+    @cached_property
     def held_out_z(self) -> Floats:
-        """(S, F) unexplained residual of each session, in standard deviations."""
+        """(S, F) unexplained residual of each session, in standard deviations of its prediction, causes included."""
         observation = self.scorer.observation
         if not self.named:
             return self.evidence.z

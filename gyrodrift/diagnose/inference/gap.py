@@ -1,9 +1,22 @@
-"""Deviations of features, and the gap over all of them: its size and the share that is closed, on held-out sessions."""
+"""Deviations of features, and the gap over all of them: its size and the share that is closed, on held-out sessions.
+
+The gap is a distance between recordings and simulator in each feature, in standard deviations of chance. A named cause
+does not widen the unit, so a cause that predicts nothing closes nothing. A random cause predicts a spread between
+sessions and no values. Its features are compared as distributions, by the squared Wasserstein distance of two normal
+distributions (D. C. Dowson and B. V. Landau, The Frechet distance between multivariate normal distributions, 1982):
+
+    d = (mean_y - mean_x)^2 + (sigma_y - sigma_x)^2                                                  (6)
+
+y are the recordings and x the runs of the corrected simulator. The distance that S runs of the corrected simulator have
+to the corrected simulator is subtracted. An even shift of all sessions stays a shift, however wide a cause is.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
+from scipy.special import gammaln
 
 from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.inference.evidence import Evidence
@@ -87,9 +100,28 @@ class SimToRealGap:
         return self.shrink is None or self.shrink >= CLOSED
 
 
-def gap_of(evidence: Evidence, after_z: Floats) -> SimToRealGap:
-    """The gap before and after the causes; `after_z`, (sessions, F), are z of held-out sessions with the causes."""
-    before, after = (by_session(_present(evidence, z)) for z in (evidence.z, after_z))
+class HeldOut(NamedTuple):
+    """Recordings against the corrected simulator, fitted to the other sessions.
+
+    z
+        (S, F) difference to the mean of the simulator, in standard deviations of chance.
+    variance
+        (S, F) variance of the simulator by random causes, in units of the variance by chance.
+    """
+
+    z: Floats
+    variance: Floats
+
+
+def unchanged(evidence: Evidence) -> HeldOut:
+    """The simulator without any cause."""
+    return HeldOut(evidence.z, np.zeros_like(evidence.z))
+
+
+def gap_of(evidence: Evidence, held_out: HeldOut) -> SimToRealGap:
+    """The gap before and after the causes."""
+    before = by_session(_present(evidence, evidence.z))
+    after = np.sqrt(remaining_squares(evidence, held_out))
     floor = floor_of(evidence)
     rng = np.random.default_rng(SEED)
     drawn = rng.integers(len(before), size=(2000, len(before)))
@@ -102,6 +134,44 @@ def gap_of(evidence: Evidence, after_z: Floats) -> SimToRealGap:
     return SimToRealGap(total_of(before), total_of(after), floor, whole, float(low), float(high))
 
 
+def remaining_squares(evidence: Evidence, held_out: HeldOut) -> Floats:
+    """(sessions,) mean squared distance to the corrected simulator, in variances of chance.
+
+    A z beyond WORST_Z before the causes is scaled down to it, and the remaining z by the same factor. So the share that
+    is closed is that of the error itself.
+    """
+    scale = np.minimum(1.0, WORST_Z / np.maximum(np.abs(_present(evidence, evidence.z)), WORST_Z))
+    z = np.clip(_present(evidence, held_out.z) * scale, -WORST_Z, WORST_Z)
+    variance = np.minimum(_present(evidence, held_out.variance) * np.square(scale), WORST_Z**2)
+    squares = np.square(z)
+    as_distributions = distribution_squares(z, variance)
+    # The distance of a feature belongs to all sessions; the squares of a session show how they scatter.
+    squares = squares + np.where(variance.mean(axis=0) > SPREADS, as_distributions - squares.mean(axis=0), 0.0)
+    remaining: Floats = np.maximum(squares.mean(axis=1), 0.0)
+    return remaining
+
+
+SPREADS = 0.01
+"""Variance by random causes, in variances of chance, from which on a feature is compared as a distribution."""
+
+
+def distribution_squares(z: Floats, variance: Floats) -> Floats:
+    """(F,) equation (6), minus its expectation, plus 1 as the mean square by chance; a single session has no spread.
+
+    The expected distance of S values x to their own distribution is sigma_x^2 (1/S + 2 - 2 c), with c the expected
+    standard deviation of S values of unit variance.
+    """
+    sessions = len(z)
+    if sessions == 1:
+        single: Floats = np.square(z[0])
+        return single
+    c = np.sqrt(2.0 / (sessions - 1.0)) * np.exp(gammaln(0.5 * sessions) - gammaln(0.5 * (sessions - 1.0)))
+    sigma = np.sqrt(1.0 + variance.mean(axis=0))
+    distance = np.square(z.mean(axis=0)) + np.square(z.std(axis=0, ddof=1) - sigma)
+    beyond: Floats = 1.0 + distance - np.square(sigma) * (1.0 / sessions + 2.0 - 2.0 * c)
+    return beyond
+
+
 def no_gap(evidence: Evidence) -> SimToRealGap:
     """The gap of sessions that the simulator explains: chance leaves nothing to close."""
     before = total_of(by_session(_present(evidence, evidence.z)))
@@ -109,14 +179,17 @@ def no_gap(evidence: Evidence) -> SimToRealGap:
 
 
 def floor_of(evidence: Evidence) -> float:
-    """RMS of the simulator against itself."""
-    return total_of(by_session(_present(evidence, evidence.nulls.reshape(-1, evidence.nulls.shape[-1]))))
+    """RMS of the simulator against itself; with a baseline, of the device against itself on another day."""
+    by_chance = total_of(by_session(_present(evidence, evidence.nulls.reshape(-1, evidence.nulls.shape[-1]))))
+    by_device = np.broadcast_to(evidence.device_variance, evidence.z.shape) * evidence.is_compared
+    return float(np.sqrt(by_chance**2 + _present(evidence, by_device).mean()))
 
 
-def returning_share(evidence: Evidence, without_z: Floats, with_z: Floats) -> float:
-    """Share of the squared gap that returns without a cause; z of held-out sessions without and with it, (S, F)."""
-    before, without, after = (total_of(by_session(_present(evidence, z))) ** 2 for z in (evidence.z, without_z, with_z))
-    return max(without - after, 0.0) / before if before else 0.0
+def returning_share(evidence: Evidence, without: HeldOut, with_causes: HeldOut) -> float:
+    """Share of the squared gap that returns without a cause."""
+    before = float(np.square(by_session(_present(evidence, evidence.z))).mean())
+    lost = float((remaining_squares(evidence, without) - remaining_squares(evidence, with_causes)).mean())
+    return min(max(lost, 0.0) / before, 1.0) if before else 0.0
 
 
 def _present(evidence: Evidence, z: Floats) -> Floats:

@@ -1,10 +1,11 @@
 """Observed differences between recordings and simulation, with their covariance where there is no gap."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gyrodrift.diagnose.inference.density import DEGREES_OF_FREEDOM
 from gyrodrift.diagnose.inference.nulls import pooled_nulls
 from gyrodrift.diagnose.simulate.response_table import ResponseTable
 from gyrodrift.values.arrays import Floats, Mask
@@ -28,17 +29,43 @@ class Observation:
         (F, S, S) of `difference` without a gap.
     is_compared
         (S, F) whether the difference is compared.
+    relevance, device
+        (S, F) variances that `covariance` has by the relevance thresholds, and by the device from recording to
+        recording, in squares of `unit`; both are partly common to the sessions.
+    degrees
+        Degrees of freedom of the Student density.
     """
 
     difference: Floats
     unit: Floats
     covariance: Floats
     is_compared: Mask
+    relevance: Floats | float = 0.0
+    device: Floats | float = 0.0
+    degrees: float = DEGREES_OF_FREEDOM
 
     def of_sessions(self, rows: Sequence[int]) -> "Observation":
         """Some of the sessions."""
-        covariance = self.covariance[:, rows][:, :, rows]
-        return Observation(self.difference[rows], self.unit[rows], covariance, self.is_compared[rows])
+        relevance, device = (np.broadcast_to(part, self.unit.shape)[rows] for part in (self.relevance, self.device))
+        return replace(
+            self,
+            difference=self.difference[rows],
+            unit=self.unit[rows],
+            covariance=self.covariance[:, rows][:, :, rows],
+            is_compared=self.is_compared[rows],
+            relevance=relevance,
+            device=device,
+        )
+
+    def without_device(self, explained: Floats) -> "Observation":
+        """The observation with less variance by the device, because a model of the device explains (S, F) of it."""
+        both = self.relevance + self.device
+        remaining = self.relevance + np.maximum(self.device - explained, 0.0)
+        shared = np.full(self.unit.shape[1], SHARED_RELEVANCE)
+        covariance = (
+            self.covariance + _mixed(remaining, shared) - _mixed(np.broadcast_to(both, remaining.shape), shared)
+        )
+        return replace(self, covariance=covariance, device=remaining - self.relevance)
 
     @property
     def sessions(self) -> int:
@@ -61,7 +88,13 @@ def observation_of(tables: Sequence[ResponseTable], is_compared: Mask) -> Observ
         _mixed(pooled.variance, correlation) + _mixed(rebuilding, np.ones_like(correlation))
         + _mixed(np.square(thresholds), np.full_like(correlation, SHARED_RELEVANCE))
     )  # fmt: skip
-    return _in_units(pooled.difference, covariance, is_compared)
+    degrees = min(DEGREES_OF_FREEDOM, *(table.degrees for table in tables))
+    observation = _in_units(pooled.difference, covariance, is_compared)
+    device = is_compared * np.square(
+        [table.device_sigma / own for table, own in zip(tables, observation.unit, strict=True)]
+    )
+    relevance = is_compared * np.square(thresholds / observation.unit) - device
+    return replace(observation, relevance=np.maximum(relevance, 0.0), device=device, degrees=degrees)
 
 
 def _mixed(variance: Floats, correlation: Floats) -> Floats:

@@ -67,6 +67,7 @@ def evidence_of(tables: Sequence[ResponseTable], tried: Sequence[Candidate]) -> 
         difference=difference,
         sigma=sigma,
         nulls=pooled.away / sigma[:, None],
+        device_variance=np.square([table.device_sigma / own for table, own in zip(tables, sigma, strict=True)]),
         responses=(*responses, *_with_phases_of_residual(tables, responses, difference, sigma)),
         sigma_factor=np.mean(
             [np.hypot(1.0, table.extra_sigma / own) for table, own in zip(tables, sigma, strict=True)], axis=0

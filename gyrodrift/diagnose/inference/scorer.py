@@ -8,7 +8,6 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from gyrodrift.diagnose.inference.density import (
-    DEGREES_OF_FREEDOM,
     Groups,
     log_densities,
     log_no_unknown,
@@ -120,6 +119,8 @@ class Scorer:
 
     templates
         Template of each effect, with all its points.
+    background
+        Random effects that act in any case, such as those of a baseline. They add variance and no mean.
     corrections
         Corrections of sets that were simulated as a whole, by their names.
     """
@@ -127,6 +128,7 @@ class Scorer:
     observation: Observation
     groups: Groups
     templates: Mapping[str, Template]
+    background: tuple[Placed, ...] = ()
     corrections: dict[frozenset[str], Correction] = field(default_factory=dict)
 
     def of_sessions(self, rows: Sequence[int]) -> "Scorer":
@@ -135,6 +137,7 @@ class Scorer:
             self.observation.of_sessions(rows),
             self.groups,
             {name: template.of_sessions(rows) for name, template in self.templates.items()},
+            tuple(item._replace(template=item.template.of_sessions(rows)) for item in self.background),
             {
                 names: Correction(correction.change[rows], correction.variance[rows])
                 for names, correction in self.corrections.items()
@@ -164,8 +167,13 @@ class Scorer:
         """The empty set."""
         shape = self.observation.difference.shape
         none = np.zeros((1, *shape))
-        densities = self._of_residual(self.observation.difference - none, none, none, none, self.observation.covariance)
-        return EffectSet((), float(densities.without_unknown[0]), float(densities.unknown[0]))
+        _, covariance = self.prediction(())
+        residual = self.observation.difference - none
+        residual, cost = self._without_factors(
+            residual, np.zeros((1, shape[0], 0, shape[1])), (), none, none, covariance
+        )
+        without_unknown, unknown = self._of_residual(residual, none, none, none, covariance)
+        return EffectSet((), float((without_unknown + cost)[0]), float((unknown + cost)[0]))
 
     def along(self, template: Template, fixed: Sequence[Placed], form_error: float = USUAL) -> Densities:
         """Densities at all points of a template; the other effects of the set are fixed."""
@@ -193,7 +201,7 @@ class Scorer:
         placed = np.concatenate(
             [
                 np.zeros((residual.shape[1], 0, residual.shape[2])),
-                *(item.template.factors[item.point] for item in fixed),
+                *(item.template.factors[item.point] for item in (*fixed, *self.background)),
             ],
             axis=1,
         )
@@ -201,7 +209,7 @@ class Scorer:
             return residual, np.zeros(len(residual))
         diagonal = np.diagonal(covariance, axis1=1, axis2=2).T
         variance = diagonal + np.square(form) + scatter
-        return explained(residual, np.ascontiguousarray(own), placed, variance, DEGREES_OF_FREEDOM)
+        return explained(residual, np.ascontiguousarray(own), placed, variance, self.observation.degrees)
 
     def prediction(self, placed: Sequence[Placed], *joining: str) -> tuple[Floats, Floats]:
         """(S, F) change and (F, S, S) covariance by a set; `joining` are names of effects that will join it.
@@ -218,6 +226,8 @@ class Scorer:
             form = _form(template.mean[point], interpolation_sigma, item.form_error).T
             covariance += 0.5 * form[:, :, None] * form[:, None, :]
             covariance[:, sessions, sessions] += 0.5 * np.square(form) + template.scatter[point].T
+        for item in self.background:
+            covariance[:, sessions, sessions] += item.template.scatter[item.point].T
         if correction is not None:
             covariance[:, sessions, sessions] += correction[1].variance.T
         return self._summed(placed), covariance
@@ -261,7 +271,9 @@ class Scorer:
     def _of_residual(
         self, residual: Floats, mean: Floats, scatter: Floats, form: Floats, covariance: Floats
     ) -> Densities:
-        without_unknown, either = log_densities(residual, mean, scatter, form, covariance, self.groups)
+        without_unknown, either = log_densities(
+            residual, mean, scatter, form, covariance, self.groups, self.observation.degrees
+        )
         none = without_unknown + self.log_no_unknown
         unknown = either + np.log1p(-np.exp(np.minimum(none - either, -1e-12))) - self.log_some_unknown
         return Densities(without_unknown, unknown)

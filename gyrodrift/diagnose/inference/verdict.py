@@ -8,7 +8,7 @@ import numpy as np
 
 from firmware_sim.effects.effect import Effect
 from gyrodrift.diagnose.inference.evidence import Evidence
-from gyrodrift.diagnose.inference.gap import Deviation, SimToRealGap, gap_of, no_gap, shared
+from gyrodrift.diagnose.inference.gap import Deviation, SimToRealGap, gap_of, no_gap, shared, unchanged
 from gyrodrift.diagnose.inference.parameters import Parameter
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.simulate.response_table import Sized
@@ -17,7 +17,8 @@ NEGLIGIBLE_DEG = 0.3
 """Mean absolute yaw in a session below which a small effect is negligible."""
 
 ADOPTED_FROM = 0.5
-"""Probability from which on a cause goes into the rig that is written: it is more probable than not."""
+"""Probability from which on a cause goes into the rig that is written: it, or an effect that reads like it, is more
+probable than not. Ties change these recordings alike, so the first of them corrects the simulator for such motion."""
 
 OPEN_FROM = 0.15
 """Probability of something unknown from which on a question is open. Chosen: the share of the gap that may stay open,
@@ -43,6 +44,8 @@ class NamedCause:
         Probability that the effect acts, or an effect tied with it.
     gap_share
         Share of the gap that returns if only the other causes are added to the rig.
+    is_withdrawn
+        Whether the cause stays out of the rig that is written, because yaw is further from the recordings with it.
     """
 
     cause: Sized
@@ -54,6 +57,7 @@ class NamedCause:
     parameters: tuple[Parameter, ...]
     tied_with: tuple[str, ...]
     gap_share: float = 0.0
+    is_withdrawn: bool = False
 
     @property
     def expected_share(self) -> float:
@@ -68,7 +72,7 @@ class NamedCause:
     @property
     def is_adopted(self) -> bool:
         """Whether the cause goes into the rig that is written."""
-        return self.probability >= ADOPTED_FROM
+        return self.group_probability >= ADOPTED_FROM and not self.is_withdrawn
 
     @property
     def is_as_in_rig(self) -> bool:
@@ -156,6 +160,11 @@ def with_negligible(verdict: Verdict, costs_deg: Mapping[str, float]) -> Verdict
     return replace(verdict, kind=kind, causes=kept, negligible=aside)
 
 
+def withdrawn(verdict: Verdict) -> Verdict:
+    """The verdict with causes that stay out of the rig."""
+    return replace(verdict, causes=tuple(replace(cause, is_withdrawn=True) for cause in verdict.causes))
+
+
 def without_causes(verdict: Verdict, causes: Collection[str], forms: Collection[str], evidence: Evidence) -> Verdict:
     """The verdict without some causes, and without some out-of-catalog forms, given by their features.
 
@@ -174,5 +183,5 @@ def without_causes(verdict: Verdict, causes: Collection[str], forms: Collection[
         kind = Kind.EFFECT if verdict.kind is Kind.PARTLY and not unexplained else verdict.kind
         return replace(verdict, kind=kind, causes=kept, where=where, unexplained=unexplained)
     kind = Kind.UNKNOWN if where else Kind.NONE
-    gap = gap_of(evidence, evidence.z) if where else no_gap(evidence)
+    gap = gap_of(evidence, unchanged(evidence)) if where else no_gap(evidence)
     return replace(verdict, kind=kind, causes=(), where=where, unexplained=where, gap=gap)

@@ -26,6 +26,12 @@ HELD_OUT_EVERY = 3
 """Every third session is held out: it is used for scoring and not for tuning."""
 
 
+WORSE_DEG, WORSE = 0.3, 0.2
+"""Increase of the error of yaw from which on a correction is worse: the bound below which yaw is negligible, and a
+share of the recorded error, because a simulated walk of the bias is another one than the recorded. The share is chosen.
+"""
+
+
 @dataclass(frozen=True, slots=True)
 class YawImpact:
     """Yaw errors of a filter on recordings and in the simulator, without (before) and with the causes (after).
@@ -43,6 +49,12 @@ class YawImpact:
     pi_real_tuned_on_sim_before: float
     pi_real_tuned_on_sim_after: float
     pi_real_tuned_on_real: float
+
+    @property
+    def is_worse_with_causes(self) -> bool:
+        """Whether yaw is further from the recordings with the causes than without, by more than WORSE_DEG and WORSE."""
+        before, after = (abs(e_deg - self.e_real_deg) for e_deg in (self.e_sim_before_deg, self.e_sim_after_deg))
+        return after - before > max(WORSE_DEG, WORSE * self.e_real_deg)
 
 
 def yaw_impact_of(subjects: Sequence[Subject], causes: Sequence[NamedCause]) -> YawImpact:

@@ -38,16 +38,30 @@ class LackingValues:
 
     @property
     def of_one_set(self) -> frozenset[str]:
-        """Columns that are complete in exactly one of the two sets; they are not compared."""
-        return (frozenset(self.sessions) ^ frozenset(self.baseline)) & HAS.keys()
+        """Columns that are complete in exactly one of the two sets and are not compared."""
+        differ = (frozenset(self.sessions) ^ frozenset(self.baseline)) & HAS.keys()
+        return differ - {TEMPERATURE} if self.has_constant_temperature else differ
+
+    @property
+    def has_constant_temperature(self) -> bool:
+        """Whether the baseline lacks the temperature of the sessions, as that of any simulator: it is constant then."""
+        return TEMPERATURE in self.baseline and TEMPERATURE not in self.sessions
 
     @property
     def remarks(self) -> list[str]:
-        """Sentence on the columns that are not compared; empty without such a column."""
-        not_compared = [name for name in HAS if name in self.of_one_set]
-        if not not_compared:
-            return []
-        return [f"baseline: only one of both sets has {' and '.join(not_compared)}: this is no gap, and not compared"]
+        """Sentences on the columns that are not compared, and on a temperature that counts as constant."""
+        remarks = []
+        if self.has_constant_temperature:
+            remarks.append("baseline: it has no temperature, which counts as constant, as in a simulator")
+        for of_set, says in ((self.baseline, "the baseline lacks it"), (self.sessions, "the sessions lack it")):
+            names = " and ".join(name for name in HAS if name in self.of_one_set & frozenset(of_set))
+            if names:
+                remarks.append(f"baseline: only one of both sets has {names}: this is no gap, and not compared; {says}")
+        return remarks
+
+    def lacks_in_baseline(self, name: str) -> bool:
+        """Whether only the baseline lacks a column that is not compared."""
+        return name in self.of_one_set and name in self.baseline
 
 
 def lacking_values(sessions: Sequence[Recording], baseline: Sequence[Recording]) -> LackingValues:

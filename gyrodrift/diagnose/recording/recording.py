@@ -1,10 +1,11 @@
 """A recording on an even grid of samples, the input of a diagnosis. Real and simulated sessions have the same form."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gyrodrift.diagnose.recording.numbering import number_samples
+from gyrodrift.diagnose.recording.order_statistics import MEDIAN_TO_SIGMA
 from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.session import Session
 from gyrodrift.values.arrays import Floats
@@ -16,6 +17,11 @@ reference may have turned for years."""
 
 SHORTEST_S, LONGEST_S = 1e-5, 1.0
 """Limits of the sample period, a little wider than those of a rig."""
+
+
+EVEN_STAMPS = 0.1
+"""Largest standard deviation of a stamp, in sample periods, that still numbers the samples. A missing sample shows from
+a step of 1.6 periods on: at 0.1, with sqrt(2) of it in a step, that is more than four standard deviations away."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +67,20 @@ class Recording:
     def has_motion(self) -> bool:
         """Whether the encoder turned by more than 5 degrees, which is more than it creeps at rest."""
         return bool(np.nanmax(self.encoder_deg) - np.nanmin(self.encoder_deg) > 5.0)
+
+    @property
+    def counts_samples(self) -> bool:
+        """Whether missing samples are known: by a counter, or by stamps that scatter less than EVEN_STAMPS."""
+        if self.has_counter:
+            return True
+        bends_s = np.abs(np.diff(self.device_s, 2))
+        bends_s = bends_s[np.isfinite(bends_s)]
+        scatter_s = float(np.median(bends_s)) / MEDIAN_TO_SIGMA / np.sqrt(6.0) if len(bends_s) else np.inf
+        return bool(scatter_s < EVEN_STAMPS * self.period_s)
+
+    def at_temperature(self, temp_c: float) -> "Recording":
+        """The recording at a constant temperature, with NaN where a sample is missing."""
+        return replace(self, temp_c=np.where(np.isfinite(self.device_s), temp_c, np.nan))
 
     @property
     def seconds(self) -> float:

@@ -192,7 +192,7 @@ def _listed(deviations: Sequence[Deviation]) -> str:
 def headline(diagnosis: Diagnosis) -> str:
     """The verdict as a sentence: each cause in plain words with its sign and size, and the closed share of the gap."""
     gap = diagnosis.verdict.gap
-    causes = "; ".join(effect_sentence(cause) for cause in diagnosis.verdict.causes_by_share)
+    causes = _worse(diagnosis) + "; ".join(effect_sentence(cause) for cause in diagnosis.verdict.causes_by_share)
     small = " and ".join(item.cause.effect.name for item in diagnosis.verdict.negligible)
     closed = "" if gap.shrink is None else f"; {_closed(gap)} of the gap closed"
     match diagnosis.verdict.kind:
@@ -205,6 +205,18 @@ def headline(diagnosis: Diagnosis) -> str:
             return f"partly: {causes}{closed}; part of the difference is unexplained"
         case Kind.UNKNOWN:
             return "unknown: the sessions differ from the simulator, and no effect of the simulator explains it"
+
+
+def _worse(diagnosis: Diagnosis) -> str:
+    """Words before the causes if their correction is withdrawn; empty otherwise."""
+    if not any(cause.is_withdrawn for cause in diagnosis.verdict.causes):
+        return ""
+    yaw = diagnosis.yaw_impact
+    recorded, before, after = (
+        f"{significant(e_deg, 3)}°" for e_deg in (yaw.e_real_deg, yaw.e_sim_before_deg, yaw.e_sim_after_deg)
+    )
+    figures = f"recorded {recorded}, simulator {before}, corrected {after}"
+    return f"a correction makes yaw worse and is not adopted ({figures}); "
 
 
 def cause_line(cause: NamedCause) -> str:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from firmware_sim.rig import Rig
 from gyrodrift.diagnose.recording.checked import checked_session
+from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.recording.reference_response import ReferenceResponse
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidate_kind import Hints
@@ -27,12 +28,22 @@ REPLAYED = "sessions replayed"
 
 
 class Origin(NamedTuple):
-    """Source of a recording: file, part of its session from 0, reading options, and response of the reference."""
+    """Source of a recording: file, part of its session from 0, reading options, and response of the reference.
+
+    temp_c
+        Constant temperature of a recording without one; None leaves it as it is.
+    """
 
     path: Path
     part: int
     reading: ReadingOptions = AS_WRITTEN
     response: ReferenceResponse | None = None
+    temp_c: float | None = None
+
+    def applied(self, recording: Recording) -> Recording:
+        """The recording as read, with the corrected reference and the constant temperature."""
+        corrected = recording if self.response is None else self.response.applied(recording)
+        return corrected if self.temp_c is None else corrected.at_temperature(self.temp_c)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,13 +121,13 @@ def read_and_simulate(
     DataError
         The session cannot be read, or does not pass the checks any more.
     """
-    path, part, reading, response = origin
-    recordings = checked_session(path, reading).recordings
-    if part >= len(recordings):
-        raise DataError(f"{path}: changed while it was being diagnosed")
+    recordings = checked_session(origin.path, origin.reading).recordings
+    if origin.part >= len(recordings):
+        raise DataError(f"{origin.path}: changed while it was being diagnosed")
     tried = [candidate for candidate in candidates(hints, rig) if candidate.name in names]
-    recording = recordings[part] if response is None else response.applied(recordings[part])
-    return response_table(subject_of(recording, rig, least_noise_dps_rthz), tried, null_runs)
+    return response_table(
+        subject_of(origin.applied(recordings[origin.part]), rig, least_noise_dps_rthz), tried, null_runs
+    )
 
 
 class _Sessions(NamedTuple):

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.values.arrays import Floats
 
@@ -51,6 +53,9 @@ class ResponseTable:
     extra_sigma
         Standard deviation, shape (F,), that is added before a single feature counts as deviating. It covers the small
         number of baseline recordings; 0 without a baseline.
+    device_sigma, degrees
+        Standard deviation of the device from recording to recording, shape (F,), a part of the thresholds, and its
+        degrees of freedom; 0 and infinite without a baseline.
     """
 
     name: str
@@ -60,6 +65,8 @@ class ResponseTable:
     nulls: Floats
     responses: dict[str, Floats]
     extra_sigma: Floats | float = 0.0
+    device_sigma: Floats | float = 0.0
+    degrees: float = np.inf
 
 
 def key(candidate: Candidate) -> str:
