@@ -20,6 +20,7 @@ from gyrodrift.session.checks.stated import ReadingOptions
 from gyrodrift.values.errors import UsageError, visible
 
 EXAMPLES = """\
+gyrodrift diagnose sessions --check
 gyrodrift diagnose sessions --out report
 gyrodrift diagnose sessions --rig my-rig.yaml --out report
 gyrodrift diagnose real --baseline their-simulator --export gazebo --export json --out report
@@ -28,6 +29,7 @@ EXPORTS = ("gazebo", "kalibr", "mujoco", "json")
 """Formats of `gyrodrift.diagnose.export.files`, which is imported late."""
 
 if TYPE_CHECKING:
+    from gyrodrift.diagnose.options import DiagnoseOptions
     from gyrodrift.diagnose.stages import DiagnosisRequest
 
 
@@ -35,7 +37,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("paths", type=Path, nargs="+", metavar="PATH", help="session with an encoder, or a folder")
     parser.add_argument("--rig", type=Path, metavar="RIG.yaml", help="rig file of the simulator (default: shipped)")
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="folder for the results (needed unless --check)")
+    parser.add_argument(
+        "--check",
+        action="store_true",
+        help="say in seconds what these recordings can show, what differs from the baseline, and what to record "
+        "instead; simulate and write nothing",
+    )
     parser.add_argument(
         "--withhold",
         type=_withheld,
@@ -75,6 +83,10 @@ def run(arguments: argparse.Namespace) -> int:
     """Diagnose; 0 if all files are written, whatever the verdict."""
     if arguments.baseline_columns is not None and not arguments.baseline:
         raise UsageError("--baseline-columns: needs --baseline PATH, whose columns it states")
+    if arguments.check:
+        return _check(arguments)
+    if arguments.out is None:
+        raise UsageError("--out: needs a folder for the results; --check works without")
     check_writable(arguments.out)
     with options.progress_of(arguments, {}) as waiting:
         waiting.report(options.PACKAGES, 0, 0)
@@ -82,22 +94,12 @@ def run(arguments: argparse.Namespace) -> int:
         from gyrodrift.diagnose.diagnosis import diagnose
         from gyrodrift.diagnose.export.files import FOLDER, export_line, exports_of, write_exports
         from gyrodrift.diagnose.export.files import NAMES as EXPORT_NAMES
-        from gyrodrift.diagnose.options import DiagnoseOptions
         from gyrodrift.diagnose.report.files import NAMES, summary, write_files
         from gyrodrift.diagnose.report.page import report_html
         from gyrodrift.diagnose.stages import REPORT, SHARES
     with options.progress_of(arguments, {} if arguments.baseline else SHARES) as progress:
-        spec = columns_or_none(arguments.baseline_columns)
         outputs = [*NAMES, *(f"{FOLDER}/{name}" for name in EXPORT_NAMES)]
-        given = options.record_of(
-            DiagnoseOptions,
-            arguments,
-            withhold=frozenset(arguments.withhold),
-            jobs=options.processes(arguments.jobs),
-            inputs=inputs.input_options(arguments, [arguments.out / name for name in outputs]),
-            baseline_reading=None if spec is None else ReadingOptions(spec),
-        )
-        request = given.request(progress.report)
+        request = _given(arguments, [arguments.out / name for name in outputs]).request(progress.report)
         diagnosis = diagnose(request)
         progress.report(REPORT, 0, 0)
         exports = exports_of(diagnosis, arguments.export)
@@ -112,6 +114,32 @@ def run(arguments: argparse.Namespace) -> int:
     for export in exports:
         print(visible(f"export: {export_line(export)}"))
     return 0
+
+
+def _check(arguments: argparse.Namespace) -> int:
+    """Print what the recordings can show."""
+    need_packages("diagnose")
+    from gyrodrift.diagnose.before import check_before
+    from gyrodrift.io.progress import ignore_progress
+
+    for line in check_before(_given(arguments, []).request(ignore_progress)):
+        print(visible(line))
+    return 0
+
+
+def _given(arguments: argparse.Namespace, outputs: list[Path]) -> "DiagnoseOptions":
+    """Options of the diagnosis; `outputs` are files that no input may be."""
+    from gyrodrift.diagnose.options import DiagnoseOptions
+
+    spec = columns_or_none(arguments.baseline_columns)
+    return options.record_of(
+        DiagnoseOptions,
+        arguments,
+        withhold=frozenset(arguments.withhold),
+        jobs=options.processes(arguments.jobs),
+        inputs=inputs.input_options(arguments, outputs),
+        baseline_reading=None if spec is None else ReadingOptions(spec),
+    )
 
 
 def _provenance(arguments: argparse.Namespace, request: "DiagnosisRequest") -> Provenance:

@@ -26,6 +26,7 @@ from gyrodrift.diagnose.inference.conclusion import Conclusion
 from gyrodrift.diagnose.inference.scorer import Placed
 from gyrodrift.diagnose.inference.verdict import NamedCause, Verdict, without_causes
 from gyrodrift.diagnose.recording.facts import contradictions
+from gyrodrift.diagnose.recording.lacking import SAME_RATE, is_same_rate, rates_hz
 from gyrodrift.diagnose.recording.levels import LEAST_GAPS, has_steps, levels_of
 from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.recording.reference_response import ReferenceResponse, reference_response_of
@@ -47,10 +48,6 @@ from gyrodrift.diagnose.stages import (
 )
 from gyrodrift.values.arrays import Floats, Mask
 
-SAME_RATE = 0.1
-"""Largest relative difference of the sample rates, and of the measured steps, of a device from day to day. A PLL is
-good to 1 %, but a radio that loses some samples is not."""
-
 SLOW_ONLY = "single samples are not compared, only rate errors second by second"
 
 CALM = 0.75
@@ -71,19 +68,8 @@ def _of_rates(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[
     """(F,) features that both sample rates determine, and remarks."""
     if is_same_rate(first, second):
         return ALL, []
-    before, now = (f"{round(rate_hz, 1):g}" for rate_hz in _rates_hz(first, second))
+    before, now = (f"{round(rate_hz, 1):g}" for rate_hz in rates_hz(first, second))
     return SLOW, [f"the baseline has {before} samples a second, these recordings {now}: {SLOW_ONLY}"]
-
-
-def is_same_rate(first: Sequence[Recording], second: Sequence[Recording]) -> bool:
-    """Whether the median sample rates of two sets agree within SAME_RATE."""
-    before_hz, after_hz = _rates_hz(first, second)
-    return abs(before_hz / after_hz - 1.0) <= SAME_RATE
-
-
-def _rates_hz(*sets: Sequence[Recording]) -> list[float]:
-    """Median sample rate of each set, Hz."""
-    return [1.0 / float(np.median([recording.period_s for recording in recordings])) for recordings in sets]
 
 
 def _of_steps(first: Sequence[Recording], second: Sequence[Recording]) -> tuple[Mask, list[str]]:

@@ -15,7 +15,7 @@ from gyrodrift.diagnose.recording.gravity import shows_gravity
 from gyrodrift.diagnose.recording.lacking import LackingValues, lacking_values
 from gyrodrift.diagnose.recording.recording import Recording
 from gyrodrift.diagnose.result import Untestable
-from gyrodrift.diagnose.simulate.candidate import Candidate
+from gyrodrift.diagnose.simulate.candidate import Candidate, Need
 from gyrodrift.diagnose.simulate.candidates import KINDS, candidates
 from gyrodrift.diagnose.simulate.distribute import REPLAYED, Origin, SimulationPlan, response_tables, set_simulator
 from gyrodrift.diagnose.simulate.hints import hints_of
@@ -158,6 +158,20 @@ def without_columns_of_one_set(
     return request._replace(reading=reading, baseline_reading=baseline_reading), lacking
 
 
+WITHOUT_AXES = "no rates about x and y"
+
+
+def lacking_for(recordings: Sequence[Recording]) -> dict[Need, tuple[str, bool]]:
+    """Data that effects need: the words for their absence, and whether some recording lacks them."""
+    return {
+        Need.MOTION: ("no motion", not any(recording.has_motion for recording in recordings)),
+        Need.HOST: ("no host times", any(recording.host_s is None for recording in recordings)),
+        Need.TEMPERATURE: ("no temperature", any(recording.temp_c is None for recording in recordings)),
+        Need.AXES: (WITHOUT_AXES, any(recording.gyro_xy_dps is None for recording in recordings)),
+        Need.COUNTER: ("no counter", not all(recording.counts_samples for recording in recordings)),
+    }
+
+
 def testable_among(
     every: Sequence[Candidate], recordings: Sequence[Recording], withheld: frozenset[str], *, has_axes: bool
 ) -> tuple[list[Candidate], tuple[Untestable, ...]]:
@@ -166,13 +180,7 @@ def testable_among(
     has_axes
         Whether three axes are compared.
     """
-    lacking = {
-        "motion": ("no motion", not any(recording.has_motion for recording in recordings)),
-        "host": ("no host times", any(recording.host_s is None for recording in recordings)),
-        "temperature": ("no temperature", any(recording.temp_c is None for recording in recordings)),
-        "axes": ("no rates about x and y", not has_axes),
-        "counter": ("no counter", not all(recording.counts_samples for recording in recordings)),
-    }
+    lacking = {**lacking_for(recordings), Need.AXES: (WITHOUT_AXES, not has_axes)}
     why = {candidate.name: lacking[need][0] for candidate in every for need in candidate.needs if lacking[need][1]}
     tried = [c for c in every if c.name not in why and c.name not in withheld]
     return tried, tuple(Untestable(name, reason) for name, reason in why.items())

@@ -1,4 +1,4 @@
-"""Columns and steps that one of two sets of recordings lacks. A missing column is no gap, so it is not compared.
+"""What differs between two sets of recordings: sample rates, columns and steps. A missing column is no gap.
 
 Sessions of another simulator often lack arrival times, a counter and a temperature, and have exact angles.
 """
@@ -6,6 +6,8 @@ Sessions of another simulator often lack arrival times, a counter and a temperat
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
+
+import numpy as np
 
 from gyrodrift.diagnose.recording.levels import has_steps
 from gyrodrift.diagnose.recording.recording import Recording
@@ -27,6 +29,22 @@ STEPS: Mapping[str, Callable[[Recording], bool]] = MappingProxyType(
     }
 )
 """Steps of rate and angle, with a test whether a recording has them. Exact values of a simulator have none."""
+
+
+SAME_RATE = 0.1
+"""Largest relative difference of the sample rates, and of the measured steps, of a device from day to day. A PLL is
+good to 1 %, but a radio that loses some samples is not."""
+
+
+def is_same_rate(first: Sequence[Recording], second: Sequence[Recording]) -> bool:
+    """Whether the median sample rates of two sets agree within SAME_RATE."""
+    before_hz, after_hz = rates_hz(first, second)
+    return abs(before_hz / after_hz - 1.0) <= SAME_RATE
+
+
+def rates_hz(*sets: Sequence[Recording]) -> list[float]:
+    """Median sample rate of each set, Hz."""
+    return [1.0 / float(np.median([recording.period_s for recording in recordings])) for recordings in sets]
 
 
 @dataclass(frozen=True, slots=True)
