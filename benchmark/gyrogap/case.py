@@ -13,6 +13,12 @@ from gyrogap.physics.stand import Stand, draw_plans
 from gyrogap.physics.write import SessionBatch
 
 NAME = "gyrogap"
+VERSION = 2
+"""Version of the benchmark; another one has other data for the same seed."""
+
+DRAWN_AS = f"{NAME} {VERSION}"
+"""Beginning of the paths of random numbers: a seed of an earlier version makes other cases."""
+
 HELD_OUT_SESSIONS = 2
 HELD_OUT_MINUTES = (1.5, 1.6)
 
@@ -31,6 +37,8 @@ class BenchmarkCase:
         What moves the device; None for a table with a motor.
     stated
         Effects that the simulator has at a wrong size.
+    known
+        Effects of the device that the simulator has at the right size: no gap.
     """
 
     seed: int
@@ -42,11 +50,12 @@ class BenchmarkCase:
     about: str = ""
     mover: Mover | None = None
     stated: tuple[InjectedEffect, ...] = ()
+    known: tuple[InjectedEffect, ...] = ()
 
     @property
     def path(self) -> DicePath:
         """Path of the random numbers of the case."""
-        return (NAME, self.seed, self.row, self.number)
+        return (DRAWN_AS, self.seed, self.row, self.number)
 
     @property
     def name(self) -> str:
@@ -73,6 +82,7 @@ class BenchmarkCase:
             "axes": self.axes,
             "size": self.size,
             "effects": [asdict(effect) for effect in self.effects],
+            "known": [asdict(effect) for effect in self.known],
             "about": self.about,
             "moved_by": self.mover or "table",
             **self.stand.label,
@@ -82,13 +92,24 @@ class BenchmarkCase:
         """Write `simulator.yaml` and `sessions/`; the same case gives the same bytes."""
         folder.mkdir(parents=True)
         (folder / "simulator.yaml").write_text(self.stand.rig_text)
-        replace(self.stand.batch(self.effects, self.path), mover=self.mover).write(folder / "sessions")
+        self.recorded().write(folder / "sessions")
+
+    def recorded(self) -> SessionBatch:
+        """The sessions of the case."""
+        return replace(self.stand.batch((*self.effects, *self.known), self.path), mover=self.mover)
 
     def held_out(self, effects: tuple[InjectedEffect, ...], noise: str) -> SessionBatch:
-        """New sessions of the device with these effects; the motion is the same whatever effects and noise are."""
+        """New sessions of the device with these effects and the known ones; effects and noise change no motion."""
         path = (*self.path, "held out")
         plans = draw_plans(plan_dice((*path, "plan")), HELD_OUT_MINUTES, HELD_OUT_SESSIONS)
-        return replace(self.stand.batch(effects, path), plans=plans, mover=self.mover, noise=noise)
+        return replace(
+            self.stand.batch((*effects, *self._known_beside(effects)), path), plans=plans, mover=self.mover, noise=noise
+        )
+
+    def _known_beside(self, effects: tuple[InjectedEffect, ...]) -> tuple[InjectedEffect, ...]:
+        """Known effects that none of the effects replaces, as an answer with another size of one does."""
+        names = {effect.name for effect in effects}
+        return tuple(effect for effect in self.known if effect.name not in names)
 
     def _digest(self, purpose: str, size: int) -> str:
         return blake2b("/".join(map(str, (*self.path, purpose))).encode(), digest_size=size).hexdigest()

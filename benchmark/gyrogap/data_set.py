@@ -18,14 +18,11 @@ import numpy as np
 import scipy
 
 from gyrodrift.values.errors import DataError, UsageError
-from gyrogap.case import NAME, BenchmarkCase
+from gyrogap.case import NAME, VERSION, BenchmarkCase
 from gyrogap.json_files import read_json, write_json
 from gyrogap.rows import ROWS, draw_case
 from gyrogap.seals import HASHES, seal_label
 from gyrogap.vocabulary import table
-
-VERSION = 1
-"""Version of the benchmark; another one has other data for the same seed."""
 
 MANIFEST, EFFECTS_FILE, CASES, SEALS = "manifest.json", "effects.json", "cases", "seals"
 

@@ -3,14 +3,14 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from gyrogap.case import NAME, BenchmarkCase
-from gyrogap.catalogue import EFFECTS, JUDGED
+from gyrogap.case import DRAWN_AS, BenchmarkCase
+from gyrogap.catalogue import EFFECTS, GROUP, JUDGED
 from gyrogap.physics.dice import Rng, plan_dice, sign
 from gyrogap.physics.driven import MOVERS
 from gyrogap.physics.kinds import InjectedEffect
 from gyrogap.physics.outside_sizes import OUTSIDE, OUTSIDE_SIZES, draw_outside
 from gyrogap.physics.pairs import PAIRS, EffectPair
-from gyrogap.physics.sizes import STRENGTHS
+from gyrogap.physics.sizes import STRENGTHS, draw_strength
 from gyrogap.physics.spread import DeviceFacts, draw_fault_for
 from gyrogap.physics.stand import Stand
 from gyrogap.physics.three_axis_effects import THREE_AXIS_KINDS, draw_three_axis_effect
@@ -19,7 +19,13 @@ THREE_AXES_EVERY = 4
 """One case in so many has three axes."""
 
 MOVED_EVERY = 5
-"""One case without a gap in so many is moved by a robot, a hand or a drone."""
+"""One case of each row in so many is moved by a robot, a hand or a drone, unless its effect needs a table."""
+
+ON_A_TABLE = ("saturation", "nonlinearity", "temp_bias", "temp_scale", "encoder_slip")
+"""Effects that show at the speeds or in the heated sessions of a table only."""
+
+STATED = (0, 1, 2)
+"""Numbers of effects of a case that the simulator has, equally probable; at least one where one has a wrong size."""
 
 LEAST_RATIO = 1.5
 """Least ratio of the two sizes of an effect that the simulator has at a wrong size."""
@@ -88,18 +94,13 @@ class CaseSlot:
     def shuffled(self, count: int) -> tuple[int, int]:
         """Round, and an index below `count` in an order of its own for each seed and row: each comes once per round."""
         lap, place_in_lap = divmod(self.index, count)
-        order = plan_dice((NAME, self.seed, self.row, self.has_three_axes, "order")).permutation(count)
+        order = plan_dice((DRAWN_AS, self.seed, self.row, self.has_three_axes, "order")).permutation(count)
         return lap, int(order[place_in_lap])
 
 
 def _none(rng: Rng, slot: CaseSlot) -> BenchmarkCase:
     """Nothing but another bias, noise, sample rate and host delay than the simulator states."""
-    stand, turn = slot.stand(rng), slot.number // MOVED_EVERY
-    is_moved = slot.number % MOVED_EVERY == MOVED_EVERY - 1 and not slot.has_three_axes
-    mover = MOVERS[turn % len(MOVERS)] if is_moved else None
-    return BenchmarkCase(
-        slot.seed, slot.row, slot.number, stand, about=f"{mover or 'table'}, {stand.about}", mover=mover
-    )
+    return _case(rng, slot, slot.stand(rng), ())
 
 
 def _single(rng: Rng, slot: CaseSlot) -> BenchmarkCase:
@@ -121,7 +122,7 @@ def _names(slot: CaseSlot) -> Sequence[str]:
 
 def _of_effect(rng: Rng, slot: CaseSlot, name: str, size: str) -> BenchmarkCase:
     stand = slot.stand(rng)
-    return _case(slot, stand, (_draw(rng, stand.facts, name, size),), size)
+    return _case(rng, slot, stand, (_draw(rng, stand.facts, name, size),), size)
 
 
 def _pair(rng: Rng, slot: CaseSlot) -> BenchmarkCase:
@@ -129,7 +130,7 @@ def _pair(rng: Rng, slot: CaseSlot) -> BenchmarkCase:
     stand, pairs = slot.stand(rng), PAIRS_ON_THREE_AXES if slot.has_three_axes else PAIRS
     pair = pairs[slot.shuffled(len(pairs))[1]]
     drawn = zip((pair.first, pair.second), pair.sizes, pair.ways, strict=True)
-    return _case(slot, stand, tuple(_draw(rng, stand.facts, name, size, way) for name, size, way in drawn))
+    return _case(rng, slot, stand, tuple(_draw(rng, stand.facts, name, size, way) for name, size, way in drawn))
 
 
 def _outside(rng: Rng, slot: CaseSlot) -> BenchmarkCase:
@@ -137,7 +138,7 @@ def _outside(rng: Rng, slot: CaseSlot) -> BenchmarkCase:
     stand, names = slot.stand(rng), tuple(OUTSIDE)
     lap, index = slot.shuffled(len(names))
     size = OUTSIDE_SIZES[(lap + index) % len(OUTSIDE_SIZES)]
-    case = _case(slot, stand, (draw_outside(rng, names[index], size),), size)
+    case = _case(rng, slot, stand, (draw_outside(rng, names[index], size),), size)
     return replace(case, about=f"{OUTSIDE[names[index]].about}; {stand.about}")
 
 
@@ -149,19 +150,16 @@ def _wrong_size(rng: Rng, slot: CaseSlot) -> BenchmarkCase:
     while (drawn := _two_sizes(rng, stand.facts, name)) is None:
         stand = slot.stand(rng)
     effect, stated, size = drawn
-    stand.rig = replace(stand.rig, effects=(*stand.rig.effects, stated))
-    case = _case(slot, stand, (effect,), size)
+    case = _case(rng, slot, stand, (effect,), size, stated)
     parameter = STRENGTHS[name].parameter
-    return replace(
-        case, stated=(stated,), about=f"the simulator states {stated.parameters[parameter]:g}; {stand.about}"
-    )
+    return replace(case, about=f"the simulator states {stated.parameters[parameter]:g}; {stand.about}")
 
 
 def _two_sizes(rng: Rng, facts: DeviceFacts, name: str) -> tuple[InjectedEffect, InjectedEffect, str] | None:
-    """In the sessions and in the simulator, of one sign; None where the device makes them too similar."""
-    sizes = [str(size) for size in rng.permutation(CLEAR)]
+    """In the sessions and in the simulator, of one sign; None where they are too similar."""
+    sizes = [str(size) for size in rng.choice(CLEAR, 2)]
     way, parameter = sign(rng), STRENGTHS[name].parameter
-    effect, stated = (draw_fault_for(rng, facts, name, size, way) for size in sizes)
+    effect, stated = (_draw(rng, facts, name, size, way) for size in sizes)
     ratio = abs(effect.parameters[parameter] / stated.parameters[parameter])
     if max(ratio, 1.0 / ratio) < LEAST_RATIO:
         return None
@@ -171,11 +169,41 @@ def _two_sizes(rng: Rng, facts: DeviceFacts, name: str) -> tuple[InjectedEffect,
 def _draw(rng: Rng, facts: DeviceFacts, name: str, size: str, way: float | None = None) -> InjectedEffect:
     if name in THREE_AXIS_KINDS:
         return draw_three_axis_effect(rng, name, size)
-    return draw_fault_for(rng, facts, name, size, way)
+    return draw_fault_for(rng, facts, name, size, way, draw_strength(rng, name, size))
 
 
-def _case(slot: CaseSlot, stand: Stand, effects: tuple[InjectedEffect, ...], size: str = "") -> BenchmarkCase:
-    return BenchmarkCase(slot.seed, slot.row, slot.number, stand, effects, size, stand.about)
+def _case(
+    rng: Rng,
+    slot: CaseSlot,
+    stand: Stand,
+    effects: tuple[InjectedEffect, ...],
+    size: str = "",
+    stated: InjectedEffect | None = None,
+) -> BenchmarkCase:
+    """A case with effects that the simulator has: those of the device at the right size, and one at a wrong size."""
+    turn = slot.number // MOVED_EVERY
+    is_movable = not slot.has_three_axes and not any(effect.name in ON_A_TABLE for effect in effects)
+    is_moved = slot.number % MOVED_EVERY == MOVED_EVERY - 1 and is_movable
+    mover = MOVERS[turn % len(MOVERS)] if is_moved else None
+    wrong = () if stated is None else (stated,)
+    count = int(rng.choice([number for number in STATED if number >= len(wrong)])) - len(wrong)
+    known = _known(rng, stand.facts, effects, count)
+    listed = [*wrong, *known]
+    stand.rig = replace(stand.rig, effects=(*stand.rig.effects, *(listed[at] for at in rng.permutation(len(listed)))))
+    about = f"{mover or 'table'}, {stand.about}"
+    return BenchmarkCase(slot.seed, slot.row, slot.number, stand, effects, size, about, mover, wrong, known)
+
+
+def _known(rng: Rng, facts: DeviceFacts, effects: Sequence[InjectedEffect], count: int) -> tuple[InjectedEffect, ...]:
+    """Effects of a device that its simulator has, of other groups than the effects of the case and each other."""
+    taken = {GROUP.get(effect.name, effect.name) for effect in effects}
+    known: list[InjectedEffect] = []
+    for index in rng.permutation(len(JUDGED)):
+        name = tuple(JUDGED)[index]
+        if len(known) < count and GROUP[name] not in taken:
+            taken.add(GROUP[name])
+            known.append(_draw(rng, facts, name, str(rng.choice(CLEAR))))
+    return tuple(known)
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,4 +227,4 @@ ROWS: Mapping[str, BenchmarkRow] = {
 
 def draw_case(seed: int, row: str, number: int) -> BenchmarkCase:
     """A case by seed, row and number; the numbers drawn for a case change no other case."""
-    return ROWS[row].draw(plan_dice((NAME, seed, row, number, "plan")), CaseSlot(seed, row, number))
+    return ROWS[row].draw(plan_dice((DRAWN_AS, seed, row, number, "plan")), CaseSlot(seed, row, number))

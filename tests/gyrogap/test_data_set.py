@@ -5,8 +5,13 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+import yaml
+from evaluate.gyrogap_methods import reader
+from evaluate.gyrogap_methods.cases import PublicCase
+from gyrogap.answer import answer_of
 from gyrogap.case import BenchmarkCase
 from gyrogap.data_set import chosen_cases, digest_of_files, make_data_set, read_manifest
+from gyrogap.judge import judged_case
 from gyrogap.rows import ON_THREE_AXES, ROWS, draw_case
 from gyrogap.seals import hash_of, open_seal
 from gyrogap.vocabulary import GROUP_OF, PARAMETERS
@@ -24,11 +29,11 @@ def make(folder: Path, *cases: BenchmarkCase) -> Path:
 @pytest.mark.parametrize(
     ("row", "number", "digest"),
     [
-        ("none", 0, "18ca70ef7dac59e6"),
-        ("single", 1, "714dd3383f867281"),
-        ("pair", 3, "7a0ff0a86166d5c1"),
-        ("outside", 2, "27ce9f886968168c"),
-        ("wrong_size", 0, "28ccfa9e018734c7"),
+        ("none", 0, "193fffd964181692"),
+        ("single", 1, "bc9accd3cd7ee271"),
+        ("pair", 3, "1e91d534cd45e190"),
+        ("outside", 2, "135ce0cae2d6f54a"),
+        ("wrong_size", 0, "393cf53d7f2e8ec4"),
     ],
 )
 def test_a_seed_gives_the_same_bytes(row: str, number: int, digest: str, tmp_path: Path) -> None:
@@ -71,6 +76,28 @@ def test_a_wrong_size_is_stated_by_the_simulator() -> None:
     assert f"name: {effect.name}" in case.stand.rig_text
 
 
+@pytest.mark.parametrize("row", ROWS)
+def test_the_simulator_has_effects_in_every_row(row: str) -> None:
+    """So the file of the simulator tells no row; only a wrong size needs at least one effect."""
+    cases = [draw_case(7, row, number) for number in range(24)]
+    stated = [len(case.known) + len(case.stated) for case in cases]
+    assert set(stated) == ({1, 2} if row == "wrong_size" else {0, 1, 2})
+    assert any(case.mover for case in cases)
+    for case in cases:
+        assert all(f"name: {effect.name}" in case.stand.rig_text for effect in case.known)
+        assert not {effect.name for effect in case.known} & {effect.name for effect in case.effects}
+
+
+def test_the_file_of_the_simulator_alone_scores_no_more_than_chance() -> None:
+    """`none` for each case is right in every fifth."""
+    right = []
+    for case in chosen_cases(11, [], 25):
+        simulator = yaml.safe_load(case.stand.rig_text)
+        answer = answer_of(reader.answer(PublicCase(case.name, [], simulator)), Path("reader.json"))
+        right.append(judged_case(case.label(), answer, None).is_right)
+    assert sum(right) / len(right) < 0.2
+
+
 def test_the_public_files_tell_no_label(tmp_path: Path) -> None:
     """Names and hashes only; the label is in the seal, and its hash is the published one."""
     case = draw_case(SEED, "single", 0)
@@ -111,5 +138,5 @@ def test_a_folder_without_a_data_set_is_reported(tmp_path: Path) -> None:
     with pytest.raises(DataError, match="make a set: gyrodrift gyrogap make DIR --seed N"):
         read_manifest(tmp_path)
     (tmp_path / "manifest.json").write_text('{"benchmark": "gyrogap", "version": 99}')
-    with pytest.raises(DataError, match="has version 99; this program reads version 1"):
+    with pytest.raises(DataError, match="has version 99; this program reads version 2"):
         read_manifest(tmp_path)

@@ -1,6 +1,6 @@
 """Methods on the open benchmark gyrogap: each reads a data set and writes one answer per case.
 
-    python -m benchmark evaluate.gyrogap_methods METHOD DATA ANSWERS    METHOD: diagnose, lasso, boosting, sysid, npe
+    python -m benchmark evaluate.gyrogap_methods METHOD DATA ANSWERS
     python -m benchmark evaluate.gyrogap_methods.table DATA NAME=ANSWERS ...
 
     diagnose.py     `gyrodrift diagnose`, the command line alone
@@ -8,6 +8,7 @@
     boosting.py     gradient-boosted trees on features; needs scikit-learn and the file of training.py
     sysid.py        mujoco.sysid with all parameters free; needs mujoco-core[sysid]
     npe.py          neural posterior estimation; needs sbi and the file of training.py
+    reader.py       the file of the simulator alone: what it scores above chance is a leak
     training.py     cases of other seeds, for methods that learn
     cases.py, rate_error.py    what the methods share
     table.py        the table of benchmark/gyrogap.md

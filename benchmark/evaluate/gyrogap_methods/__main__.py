@@ -6,7 +6,7 @@ from pathlib import Path
 
 from evaluate.gyrogap_methods.cases import answer_all
 
-METHODS = ("diagnose", "lasso", "boosting", "sysid", "npe")
+METHODS = ("diagnose", "lasso", "boosting", "sysid", "npe", "reader")
 LEARNING = ("boosting", "npe")
 
 

@@ -25,6 +25,9 @@ from evaluate.gyrogap_methods.rate_error import block_samples
 LEAST_CHANGE = 0.8
 GRAVITY_MPS2 = 9.80665
 ITERATIONS = 25
+INSIDE = 0.1
+"""Distance of a start from the bounds, in typical sizes: at a bound a least squares step has no gradient inward."""
+
 PRIOR = 1.0
 """Spread of the prior of a parameter in typical sizes: without it, similar effects grow against each other."""
 
@@ -147,7 +150,7 @@ def changes(case: PublicCase) -> tuple[dict[str, float], dict[str, float]]:
     for name, (_, _, typical, bound) in free.items():
         nominal = stated.get(name, 0.0)
         low = 0.0 if name in {"low_pass", "range", "band", "delay"} else -bound
-        start = float(np.clip(nominal, low, bound))
+        start = float(np.clip(nominal, low + INSIDE * typical, bound - INSIDE * typical))
         parameters.add(sysid.Parameter(name, start, low - 1e-3 * typical, max(bound, start) + 1e-3 * typical))
     parameters.add(sysid.Parameter("warmup_s", stated.get("warmup_s", 80.0), 10.0, 400.0))
     for index, columns in enumerate(case.sessions):

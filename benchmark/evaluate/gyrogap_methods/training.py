@@ -35,7 +35,7 @@ def read_training(path: Path) -> list[TrainingCase]:
 def training_line(seed: int, row: str, number: int) -> dict[str, Any]:
     """Row, effects and features of a case; nothing is written to disk."""
     case = draw_case(seed, row, number)
-    batch = case.stand.batch(case.effects, case.path)
+    batch = case.recorded()
     sessions = [batch.columns(index) for index in range(len(batch.plans))]
     features = case_features(sessions, yaml.safe_load(case.stand.rig_text))
     effects = {effect.name: effect.parameters for effect in case.effects}

@@ -6,6 +6,8 @@ as uncertain: less does not matter for yaw.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
+from math import exp, log, sqrt
 
 from gyrogap.physics.dice import Rng, sign
 from gyrogap.physics.kinds import InjectedEffect
@@ -109,15 +111,41 @@ REST: dict[str, Callable[[Rng, float], dict[str, float]]] = {
 """Parameters of an effect apart from its strength."""
 
 
+def draw_strength(rng: Rng, name: str, size: str) -> float:
+    """Strength of an effect, every octave as likely, within the range of a size.
+
+    The ranges of neighboring sizes meet halfway between them on a logarithmic scale, so a strength tells no size.
+    """
+    sized, index = STRENGTHS[name], SIZES.index(size)
+    ends = [sqrt(low * high) for low, high in pairwise(sized.sizes)]
+    first, last = (
+        sized.sizes[0] * (ends[0] / sized.sizes[0]) ** -EDGE,
+        sized.sizes[-1] * (sized.sizes[-1] / ends[-1]) ** EDGE,
+    )
+    low, high = sorted((first, *ends, last)[index : index + 2])
+    return float(exp(rng.uniform(log(low), log(high))))
+
+
+EDGE = 0.2
+"""Share of half the distance to the next size by which the smallest and the largest strength lie beyond theirs."""
+
+
 def varied(rng: Rng, value: float, spread: float) -> float:
     """A value times a random factor."""
     return value * (1.0 + spread * (rng.uniform(*FACTORS) - 1.0))
 
 
-def draw_fault(rng: Rng, name: str, size: str, way: float | None = None) -> InjectedEffect:
-    """An effect of the catalogue at a size; `way` is its sign, where a sign makes sense."""
+def draw_fault(
+    rng: Rng, name: str, size: str, way: float | None = None, strength: float | None = None
+) -> InjectedEffect:
+    """An effect of the catalogue at a size; `way` is its sign, where a sign makes sense.
+
+    strength
+        Its strength without a sign; None draws one near the size.
+    """
     sized = STRENGTHS[name]
-    strength = varied(rng, sized.sizes[SIZES.index(size)], sized.spread)
+    if strength is None:
+        strength = varied(rng, sized.sizes[SIZES.index(size)], sized.spread)
     strength = round(strength) if sized.parameter == "cpr" else float(f"{strength:.4g}")
     drawn = sign(rng)
     signed = strength * (drawn if way is None else way) if sized.signed else strength

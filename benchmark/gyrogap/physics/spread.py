@@ -83,9 +83,11 @@ def draw_biases(rng: Rng, about_dps: float, sessions: int) -> tuple[float, ...]:
     return tuple(np.round(drawn, 4).tolist())
 
 
-def draw_fault_for(rng: Rng, facts: DeviceFacts, name: str, size: str, way: float | None = None) -> InjectedEffect:
+def draw_fault_for(
+    rng: Rng, facts: DeviceFacts, name: str, size: str, way: float | None = None, strength: float | None = None
+) -> InjectedEffect:
     """An effect of the catalogue on such a device: coarser steps are coarser than those that the device has."""
-    fault = draw_fault(rng, name, size, way)
+    fault = draw_fault(rng, name, size, way, strength)
     parameters = dict(fault.parameters)
     if name == "quantization":
         parameters["step_dps"] = max(parameters["step_dps"], 2.5 * facts.dps_per_lsb)
