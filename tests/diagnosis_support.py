@@ -11,7 +11,6 @@ from gyrodrift.diagnose.features.design_matrix import COLUMNS, DesignMatrix
 from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.features.within_second import LAG_FEATURES
 from gyrodrift.diagnose.inference.detectable import detectable
-from gyrodrift.diagnose.inference.linear_model import LinearModel
 from gyrodrift.diagnose.inference.ranking import ranking
 from gyrodrift.diagnose.predictive_checks.binned_medians import medians, trend_rms_dps
 from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
@@ -40,9 +39,6 @@ def diagnosis(away: Amounts) -> Diagnosis:
     none = np.zeros((SESSIONS, len(FEATURES)))
     return Diagnosis(
         verdict=verdict,
-        linear_model=LinearModel(
-            "scale_factor", "error_percent", 4.98, 4.9, 5.06, "%", 90.0, agrees=True, says="agrees on scale_factor"
-        ),
         yaw_impact=YawImpact(12.5, 0.5, 12.1, 160.0, 155.0, 150.0),
         contradictions=(),
         remarks=(),

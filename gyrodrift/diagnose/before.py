@@ -171,7 +171,7 @@ def check_before(request: DiagnosisRequest, progress: OnProgress = ignore_progre
     shown = ", ".join(
         f"{size.effect} from {significant(size.value, 2)} {size.unit}" for size in smallest_sizes(recordings)
     )
-    lines.append(f"shows at best: {shown or 'no effect of motion'}")
+    lines.append(f"a plain regression shows: {shown or 'no effect of motion'}")
     lines += [f"does not show: {effects} ({why})" for why, effects in _hidden(recordings, lacking).items()]
     lines += [f"record instead: {advice}" for advice in _advice(recordings)]
     return [*lines, *(f"note: {remark}" for remark in remarks)]

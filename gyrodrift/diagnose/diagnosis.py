@@ -13,9 +13,8 @@ from gyrodrift.diagnose.baseline_comparison import (
     with_corrected_reference,
     without_baseline,
 )
-from gyrodrift.diagnose.features.block_residuals import block_residual_dps
 from gyrodrift.diagnose.inference.detectable import detectable
-from gyrodrift.diagnose.inference.linear_model import linear_model_of
+from gyrodrift.diagnose.inference.halves import on_halves
 from gyrodrift.diagnose.inference.ranking import ranking
 from gyrodrift.diagnose.inference.verdict import Verdict, is_small, with_negligible, withdrawn
 from gyrodrift.diagnose.predictive_checks.feature_comparison import feature_comparisons_of
@@ -43,7 +42,6 @@ from gyrodrift.diagnose.stages import (
 )
 from gyrodrift.diagnose.what_next import what_next
 from gyrodrift.simulation.sessions import rig_yaml
-from gyrodrift.values.arrays import Floats
 
 
 def diagnose(request: DiagnosisRequest) -> Diagnosis:
@@ -99,7 +97,7 @@ def diagnose(request: DiagnosisRequest) -> Diagnosis:
         verdict = withdrawn(verdict)
     result = Diagnosis(
         verdict=verdict,
-        linear_model=linear_model_of(_rate_errors_dps(subjects), designs, verdict.causes),
+        halves=on_halves(explanation),
         yaw_impact=yaw_impact,
         contradictions=against if request.is_rig_stated or not request.baseline else _of_any_rig(against),
         remarks=tuple(remarks),
@@ -137,17 +135,6 @@ def _with_negligible(verdict: Verdict, subjects: Sequence[Subject]) -> Verdict:
     """Move small causes that hardly change yaw to `negligible`."""
     small = [cause for cause in verdict.causes if is_small(cause)]
     return with_negligible(verdict, {cause.effect.name: cost_deg(subjects, verdict.causes, cause) for cause in small})
-
-
-def _rate_errors_dps(subjects: Sequence[Subject]) -> list[Floats]:
-    """(blocks,) rate errors of each recording minus those by the effects of the rig, deg/s."""
-    errors_dps = []
-    for subject in subjects:
-        error_dps = block_residual_dps(subject.cleaned, subject.design)
-        if subject.rig.effects:
-            error_dps = error_dps - block_residual_dps(subject.replayed((), 0), subject.design)
-        errors_dps.append(error_dps)
-    return errors_dps
 
 
 def _session(subject: Subject) -> DiagnosedSession:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from gyrodrift.diagnose.inference.detectable import Detectable
-from gyrodrift.diagnose.inference.linear_model import LinearModel
+from gyrodrift.diagnose.inference.halves import Halves
 from gyrodrift.diagnose.inference.ranking import Ranked
 from gyrodrift.diagnose.inference.verdict import Verdict
 from gyrodrift.diagnose.predictive_checks.feature_comparison import FeatureComparison
@@ -84,10 +84,11 @@ class Diagnosis(ResultTable):
         Errors of the filter that the device runs itself; None unless all sessions have its yaw.
     lacking
         Values that the sessions or the baseline lack; None without a baseline.
+    halves
+        Whether both halves of the sessions give the same verdict; None with fewer than four sessions.
     """
 
     verdict: Verdict
-    linear_model: LinearModel
     yaw_impact: YawImpact
     contradictions: tuple[Contradiction, ...]
     remarks: tuple[str, ...]
@@ -107,6 +108,7 @@ class Diagnosis(ResultTable):
     baseline: tuple[DiagnosedSession, ...] = field(default=(), repr=False)
     on_device: OnDeviceYaw | None = None
     lacking: LackingValues | None = None
+    halves: Halves | None = None
 
     def __repr__(self) -> str:
         names = ", ".join(cause.effect.name for cause in self.verdict.causes)

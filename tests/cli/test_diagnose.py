@@ -91,9 +91,6 @@ def test_a_missing_effect_is_named_sized_and_closes_the_gap(
     assert cause["probability"] > 0.9
     assert gap["where"][0]["signature"] == "rate"
     assert gap["gap"]["shrink"] > 0.8
-    assert gap["linear_model"]["effect"] == "scale_factor"
-    assert gap["linear_model"]["value"] == pytest.approx(1.2, rel=0.02)
-    assert gap["linear_model"]["agrees"]
     assert gap["yaw"]["e_sim_after_deg"] == pytest.approx(gap["yaw"]["e_real_deg"], rel=0.3)
     assert re.fullmatch(r"effect: the rate reads [\d.]+ % too (high|low) \(scale_factor\)", statement[0])
     assert len(statement) <= 10

@@ -49,8 +49,6 @@ def test_a_bias_that_follows_the_temperature_with_hysteresis(tmp_path: Path, rec
     gap = diagnosed([recordings.path("temperature_sweep")], base, tmp_path, *only(*tried))
     assert gap["verdict"] in {"partly", "unknown"}
     assert gap["leftover"]
-    assert gap["linear_model"]["effect"] == "temp_bias"
-    assert gap["linear_model"]["value"] == pytest.approx(0.0062, rel=0.3)
     assert gap["untestable"]["scale_factor"] == "no motion"
     assert gap["untestable"]["clock_drift"] == "no host times"
 

@@ -5,7 +5,7 @@ does not widen the unit, so a cause that predicts nothing closes nothing. A rand
 sessions and no values. Its features are compared as distributions, by the squared Wasserstein distance of two normal
 distributions (D. C. Dowson and B. V. Landau, The Frechet distance between multivariate normal distributions, 1982):
 
-    d = (mean_y - mean_x)^2 + (sigma_y - sigma_x)^2                                                  (6)
+    d = (mean_y - mean_x)^2 + (sigma_y - sigma_x)^2                                                 (16)
 
 y are the recordings and x the runs of the corrected simulator. The distance that S runs of the corrected simulator have
 to the corrected simulator is subtracted. An even shift of all sessions stays a shift, however wide a cause is.
@@ -156,7 +156,7 @@ SPREADS = 0.01
 
 
 def distribution_squares(z: Floats, variance: Floats) -> Floats:
-    """(F,) equation (6), minus its expectation, plus 1 as the mean square by chance; a single session has no spread.
+    """(F,) equation (16), minus its expectation, plus 1 as the mean square by chance; a single session has no spread.
 
     The expected distance of S values x to their own distribution is sigma_x^2 (1/S + 2 - 2 c), with c the expected
     standard deviation of S values of unit variance.

@@ -60,7 +60,7 @@ def content(diagnosis: Diagnosis) -> dict[str, Any]:
         "yaw": {name: getattr(impact, name) for name in ("e_real_deg", "e_sim_before_deg", "e_sim_after_deg")},
         "transfer": {name: value for name, value in asdict(impact).items() if name.startswith("pi_")},
         **({} if diagnosis.on_device is None else {"on_device": asdict(diagnosis.on_device)}),
-        "linear_model": asdict(diagnosis.linear_model),
+        **({} if diagnosis.halves is None else {"halves": asdict(diagnosis.halves)}),
         "detectable": {
             item.effect: {item.parameter: item.value, "unit": item.unit}
             | ({"at": dict(item.other_parameters)} if item.other_parameters else {})
@@ -141,7 +141,7 @@ def summary(diagnosis: Diagnosis) -> list[str]:
         _gap_line(diagnosis),
         _yaw_line(diagnosis),
         *_on_device_lines(diagnosis),
-        f"check by a linear model: {diagnosis.linear_model.says}",
+        *([] if diagnosis.halves is None else [f"check on halves: {diagnosis.halves.says}"]),
         f"next: {diagnosis.next_step}",
     ]
 

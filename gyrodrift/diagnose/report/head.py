@@ -82,9 +82,9 @@ def _first(sentences: list[str]) -> list[str]:
 
 
 def _limits(diagnosis: Diagnosis) -> list[str]:
-    linear = diagnosis.linear_model
     remarks = [remark for remark in diagnosis.remarks if not remark.startswith(OF_BASELINE)]
-    return [*remarks, *[f"a linear model of the rate error {linear.says}"] * (linear.agrees is False)]
+    halves = diagnosis.halves
+    return [*remarks, *([f"the verdict is {halves.says}"] if halves is not None and not halves.is_same else [])]
 
 
 def _rate_panels(diagnosis: Diagnosis) -> list[tuple[object, object]]:

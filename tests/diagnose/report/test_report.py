@@ -15,6 +15,7 @@ from page_support import charts, parsed, row, series_of, words
 from firmware_sim.rig import load_rig
 from gyrodrift.diagnose.features.vector import FEATURES
 from gyrodrift.diagnose.inference.gap import Deviation, SimToRealGap
+from gyrodrift.diagnose.inference.halves import Halves
 from gyrodrift.diagnose.inference.verdict import Kind
 from gyrodrift.diagnose.report.effect_words import SIGNED
 from gyrodrift.diagnose.report.features import features
@@ -185,10 +186,10 @@ def test_change_points_are_told_with_their_place_and_height(html: str) -> None:
     assert "2. session-02no change points" in names[1]
 
 
-def test_a_linear_model_that_disagrees_is_a_warning(scaled: Diagnosis) -> None:
-    linear = replace(scaled.linear_model, agrees=False, says="disagrees: it would name temp_bias")
-    statement = words(page("", [verdict(replace(scaled, linear_model=linear))]))
-    assert "a linear model of the rate error disagrees: it would name temp_bias" in statement
+def test_halves_that_disagree_are_a_warning(scaled: Diagnosis) -> None:
+    halves = Halves(False, "not the same on both halves of the recordings: none on sessions 1, 3")
+    statement = words(page("", [verdict(replace(scaled, halves=halves))]))
+    assert "the verdict is not the same on both halves of the recordings: none on sessions 1, 3" in statement
 
 
 def test_files_hold_what_was_found(scaled: Diagnosis, tmp_path: Path) -> None:
