@@ -18,7 +18,6 @@ from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.stages import DiagnosisRequest, lacking_for, recordings_of
 from gyrodrift.io.progress import OnProgress, ignore_progress
-from gyrodrift.report.numbers import significant
 from gyrodrift.values.arrays import Floats
 
 SIGMAS = 3.0
@@ -168,12 +167,10 @@ def check_before(request: DiagnosisRequest, progress: OnProgress = ignore_progre
         lines += [f"baseline: {_contents(of_baseline)}", *_differences(recordings, of_baseline)]
         for name in lacking_values(recordings, of_baseline).of_one_set:
             lacking[name] = f"only one of both sets has {name}"
-    shown = ", ".join(
-        f"{size.effect} from {significant(size.value, 2)} {size.unit}" for size in smallest_sizes(recordings)
-    )
+    shown = ", ".join(f"{size.effect} from {_short(size.value, 2)} {size.unit}" for size in smallest_sizes(recordings))
     lines.append(f"a plain regression shows: {shown or 'no effect of motion'}")
     lines += [f"does not show: {effects} ({why})" for why, effects in _hidden(recordings, lacking).items()]
-    lines += [f"record instead: {advice}" for advice in _advice(recordings)]
+    lines += [f"record instead: {advice}" for advice in advice_for(recordings)]
     return [*lines, *(f"note: {remark}" for remark in remarks)]
 
 
@@ -184,9 +181,9 @@ def _contents(recordings: Sequence[Recording]) -> str:
     minutes = sum(recording.seconds for recording in recordings) / 60.0
     temps_c = [recording.temp_c for recording in recordings if recording.temp_c is not None]
     words = [
-        f"{len(recordings)} of {significant(minutes, 3)} min",
-        f"{significant(rates_hz(recordings)[0], 4)} Hz",
-        f"up to {significant(float(np.abs(rate_dps).max(initial=0.0)), 3)} deg/s",
+        f"{len(recordings)} of {_short(minutes, 3)} min",
+        f"{_short(rates_hz(recordings)[0], 4)} Hz",
+        f"up to {_short(float(np.abs(rate_dps).max(initial=0.0)), 3)} deg/s",
         f"{100.0 * float(np.mean(np.abs(rate_dps) < REST_DPS)):.0f} % at rest",
     ]
     if temps_c:
@@ -199,7 +196,7 @@ def _differences(recordings: Sequence[Recording], of_baseline: Sequence[Recordin
     """Sentences on what differs between both sets beside the motion."""
     lines = [remark.replace("baseline: ", "differs: ", 1) for remark in lacking_values(recordings, of_baseline).remarks]
     if not is_same_rate(of_baseline, recordings):
-        before_hz, now_hz = (significant(rate_hz, 4) for rate_hz in rates_hz(of_baseline, recordings))
+        before_hz, now_hz = (_short(rate_hz, 4) for rate_hz in rates_hz(of_baseline, recordings))
         lines.append(f"differs: the baseline has {before_hz} samples a second, the recordings {now_hz}")
     return lines
 
@@ -217,7 +214,7 @@ def _hidden(recordings: Sequence[Recording], lacking: Mapping[str, str]) -> dict
     return {why: ", ".join(names) for why, names in reasons.items()}
 
 
-def _advice(recordings: Sequence[Recording]) -> list[str]:
+def advice_for(recordings: Sequence[Recording]) -> list[str]:
     """What a better set of recordings has, the most important first."""
     rate_dps = np.concatenate([SecondBlocks(recording).rate_dps for recording in recordings])
     turned = [float(np.abs(rate_dps[rate_dps * way > REST_DPS]).sum()) for way in (1.0, -1.0)]
@@ -234,3 +231,7 @@ def _advice(recordings: Sequence[Recording]) -> list[str]:
         f"{LEAST_RECORDINGS} recordings or more, so that each checks the others": len(recordings) < LEAST_RECORDINGS,
     }
     return [words for words, is_needed in advice.items() if is_needed]
+
+
+def _short(value: float, digits: int) -> str:
+    return f"{float(f'{value:.{digits}g}'):g}"

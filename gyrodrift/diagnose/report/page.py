@@ -61,7 +61,10 @@ def next_steps(diagnosis: Diagnosis, folder: Path) -> Section:
         "diagnosis": diagnosis,
         "new": [cause.effect.name for cause in causes if not in_rig(cause)],
         "changed": [cause.effect.name for cause in causes if in_rig(cause)],
-        "undecided": [cause.effect.name for cause in diagnosis.verdict.causes if not cause.is_adopted],
+        "undecided": [
+            item.effect.name for item in diagnosis.verdict.causes if not (item.is_adopted or item.is_withdrawn)
+        ],
+        "withdrawn": [cause.effect.name for cause in diagnosis.verdict.causes if cause.is_withdrawn],
         "is_open": diagnosis.verdict.kind is Kind.PARTLY or not diagnosis.verdict.gap.is_closed,
     }
     return Section("diagnose/report/templates/next_steps.html", values, "What to do next")

@@ -13,7 +13,7 @@ from firmware_sim.effects.catalogue import CATALOGUE
 from firmware_sim.effects.effect import Effect
 from firmware_sim.effects.sensor_curve import ScaleFactor
 from gyrodrift.diagnose.inference.parameters import Parameter
-from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Negligible
+from gyrodrift.diagnose.inference.verdict import Kind, NamedCause, Negligible, withdrawn
 from gyrodrift.diagnose.recording.facts import Contradiction
 from gyrodrift.diagnose.report.effect_words import SENTENCES, deviation_words
 from gyrodrift.diagnose.report.files import cause_line, headline, summary
@@ -205,9 +205,21 @@ def test_a_feature_within_chance_is_no_difference(scaled: Diagnosis) -> None:
 
 @pytest.mark.promise("Analyses and reports")
 def test_a_cause_that_is_rather_absent_is_not_switched_on(scaled: Diagnosis) -> None:
-    """A cause with a probability below 0.5 is not put into `rig.yaml`."""
-    result = with_causes(scaled, replace(cause_of(scaled), probability=0.4))
+    """A cause with a probability below 0.5 is not put into `rig.yaml`, unless its ties make it probable."""
+    result = with_causes(scaled, replace(cause_of(scaled), probability=0.4, group_probability=0.4))
     assert "Without scale_factor : with a probability below 0.5" in observed(next_steps(result, Path("out")))
+
+
+def test_a_correction_that_makes_yaw_worse_is_said_first_and_not_adopted(scaled: Diagnosis) -> None:
+    impact = replace(scaled.yaw_impact, e_real_deg=1.79, e_sim_before_deg=0.25, e_sim_after_deg=4.3)
+    assert impact.is_worse_with_causes
+    assert not replace(impact, e_sim_after_deg=2.0).is_worse_with_causes
+    tied = replace(scaled.verdict.causes[0], probability=0.45, group_probability=0.9)
+    assert tied.is_adopted
+    result = replace(scaled, verdict=withdrawn(scaled.verdict), yaw_impact=impact)
+    assert not any(cause.is_adopted for cause in result.verdict.causes)
+    sentence = "a correction makes yaw worse and is not adopted (recorded 1.79°, simulator 0.25°, corrected 4.3°)"
+    assert headline(result).partition(": ")[2].startswith(sentence)
 
 
 def test_no_probability_is_certain(scaled: Diagnosis) -> None:
