@@ -37,7 +37,7 @@ class BenchmarkCase:
         What moves the device; None for a table with a motor.
     stated
         Effects that the simulator has at a wrong size.
-    known
+    modeled
         Effects of the device that the simulator has at the right size: no gap.
     """
 
@@ -50,7 +50,7 @@ class BenchmarkCase:
     about: str = ""
     mover: Mover | None = None
     stated: tuple[InjectedEffect, ...] = ()
-    known: tuple[InjectedEffect, ...] = ()
+    modeled: tuple[InjectedEffect, ...] = ()
 
     @property
     def path(self) -> DicePath:
@@ -82,7 +82,7 @@ class BenchmarkCase:
             "axes": self.axes,
             "size": self.size,
             "effects": [asdict(effect) for effect in self.effects],
-            "known": [asdict(effect) for effect in self.known],
+            "modeled": [asdict(effect) for effect in self.modeled],
             "about": self.about,
             "moved_by": self.mover or "table",
             **self.stand.label,
@@ -96,20 +96,20 @@ class BenchmarkCase:
 
     def recorded(self) -> SessionBatch:
         """The sessions of the case."""
-        return replace(self.stand.batch((*self.effects, *self.known), self.path), mover=self.mover)
+        return replace(self.stand.batch((*self.effects, *self.modeled), self.path), mover=self.mover)
 
     def held_out(self, effects: tuple[InjectedEffect, ...], noise: str) -> SessionBatch:
-        """New sessions of the device with these effects and the known ones; effects and noise change no motion."""
+        """New sessions of the device with these effects and the modeled ones; effects and noise change no motion."""
         path = (*self.path, "held out")
         plans = draw_plans(plan_dice((*path, "plan")), HELD_OUT_MINUTES, HELD_OUT_SESSIONS)
         return replace(
-            self.stand.batch((*effects, *self._known_beside(effects)), path), plans=plans, mover=self.mover, noise=noise
+            self.stand.batch((*effects, *self._modeled_with(effects)), path), plans=plans, mover=self.mover, noise=noise
         )
 
-    def _known_beside(self, effects: tuple[InjectedEffect, ...]) -> tuple[InjectedEffect, ...]:
-        """Known effects that none of the effects replaces, as an answer with another size of one does."""
+    def _modeled_with(self, effects: tuple[InjectedEffect, ...]) -> tuple[InjectedEffect, ...]:
+        """Modeled effects that none of the effects replaces, as an answer with another size of one does."""
         names = {effect.name for effect in effects}
-        return tuple(effect for effect in self.known if effect.name not in names)
+        return tuple(effect for effect in self.modeled if effect.name not in names)
 
     def _digest(self, purpose: str, size: int) -> str:
         return blake2b("/".join(map(str, (*self.path, purpose))).encode(), digest_size=size).hexdigest()

@@ -187,23 +187,25 @@ def _case(
     mover = MOVERS[turn % len(MOVERS)] if is_moved else None
     wrong = () if stated is None else (stated,)
     count = int(rng.choice([number for number in STATED if number >= len(wrong)])) - len(wrong)
-    known = _known(rng, stand.facts, effects, count)
-    listed = [*wrong, *known]
-    stand.rig = replace(stand.rig, effects=(*stand.rig.effects, *(listed[at] for at in rng.permutation(len(listed)))))
+    modeled = _modeled(rng, stand.facts, effects, count)
+    listed = [*wrong, *modeled]
+    stand.rig = replace(
+        stand.rig, effects=(*stand.rig.effects, *(listed[index] for index in rng.permutation(len(listed))))
+    )
     about = f"{mover or 'table'}, {stand.about}"
-    return BenchmarkCase(slot.seed, slot.row, slot.number, stand, effects, size, about, mover, wrong, known)
+    return BenchmarkCase(slot.seed, slot.row, slot.number, stand, effects, size, about, mover, wrong, modeled)
 
 
-def _known(rng: Rng, facts: DeviceFacts, effects: Sequence[InjectedEffect], count: int) -> tuple[InjectedEffect, ...]:
+def _modeled(rng: Rng, facts: DeviceFacts, effects: Sequence[InjectedEffect], count: int) -> tuple[InjectedEffect, ...]:
     """Effects of a device that its simulator has, of other groups than the effects of the case and each other."""
     taken = {GROUP.get(effect.name, effect.name) for effect in effects}
-    known: list[InjectedEffect] = []
+    modeled: list[InjectedEffect] = []
     for index in rng.permutation(len(JUDGED)):
         name = tuple(JUDGED)[index]
-        if len(known) < count and GROUP[name] not in taken:
+        if len(modeled) < count and GROUP[name] not in taken:
             taken.add(GROUP[name])
-            known.append(_draw(rng, facts, name, str(rng.choice(CLEAR))))
-    return tuple(known)
+            modeled.append(_draw(rng, facts, name, str(rng.choice(CLEAR))))
+    return tuple(modeled)
 
 
 @dataclass(frozen=True, slots=True)

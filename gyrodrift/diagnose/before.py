@@ -1,7 +1,7 @@
 """Check before a diagnosis, without a simulation: what recordings can show, and what to record instead.
 
-The rate error of each second is regressed on the term of an effect, such as the rate for a scale error, after the
-terms that every recording needs, such as the bias. The smallest size is that of SIGMAS standard errors. It is a lower
+The rate error of each second is regressed on the term of an effect, such as the rate for a scale error. The bias and
+other nuisance terms are fitted before. The smallest size is that of SIGMAS standard errors. It is a lower
 bound: a diagnosis must also tell the effect from all others.
 """
 
@@ -27,8 +27,8 @@ BLOCK_S = 1.0
 """Length over which rate errors are averaged: the counts of an encoder are small against a second of motion."""
 
 REST_DPS, LEAST_REST, LEAST_SPAN_C, LEAST_MINUTES, BOTH_WAYS, LEAST_RECORDINGS = 1.0, 0.1, 3.0, 1.0, 0.1, 3
-"""A second is a rest below this rate. Advice is given below these shares of rests and of turns in the rarer direction,
-below this span of the temperature and this length of all recordings, and for fewer recordings. Chosen."""
+"""A second is a rest below this rate. Advice is given below these shares of rests and of turns in the rarer direction.
+It is also given below this span of the temperature, this length of all recordings and this number of them. Chosen."""
 
 WARMUP_S = 100.0
 """Time constant of the warm-up whose smallest size is stated, the middle of those that a diagnosis tries."""
@@ -141,7 +141,7 @@ def _information(blocks: SecondBlocks, name: str, term: Term) -> float:
     column = term(blocks)
     if column is None or len(column) < 4:
         return 0.0
-    nuisances = [TERMS[other][0](blocks) for other in BEFORE.get(name, ("scale_factor",))]
+    nuisances = [TERMS[nuisance][0](blocks) for nuisance in BEFORE.get(name, ("scale_factor",))]
     design = np.column_stack([np.ones(len(column)), *(values for values in nuisances if values is not None)])
     unexplained, error = (values - design @ np.linalg.lstsq(design, values)[0] for values in (column, blocks.error_dps))
     if np.square(unexplained).sum() < 1e-6 * np.square(column).sum():
@@ -215,15 +215,15 @@ def _hidden(recordings: Sequence[Recording], lacking: Mapping[str, str]) -> dict
 
 
 def advice_for(recordings: Sequence[Recording]) -> list[str]:
-    """What a better set of recordings has, the most important first."""
+    """Properties of a better set of recordings, the most important first."""
     rate_dps = np.concatenate([SecondBlocks(recording).rate_dps for recording in recordings])
-    turned = [float(np.abs(rate_dps[rate_dps * way > REST_DPS]).sum()) for way in (1.0, -1.0)]
+    turn_deg = [float(np.abs(rate_dps[rate_dps * way > REST_DPS]).sum()) for way in (1.0, -1.0)]
     moving_dps = np.abs(rate_dps[np.abs(rate_dps) > REST_DPS])
     spans_c = [float(np.nanmax(r.temp_c) - np.nanmin(r.temp_c)) for r in recordings if r.temp_c is not None]
     advice = {
         "a minute or more in all": sum(recording.seconds for recording in recordings) < 60.0 * LEAST_MINUTES,
         "turns: without motion only bias, noise, clock and link show": not len(moving_dps),
-        "turns in both directions": bool(len(moving_dps)) and min(turned) < BOTH_WAYS * sum(turned),
+        "turns in both directions": bool(len(moving_dps)) and min(turn_deg) < BOTH_WAYS * sum(turn_deg),
         "several speeds": len(moving_dps) > 1
         and float(np.quantile(moving_dps, 0.9) / np.quantile(moving_dps, 0.1)) < 2,
         "rests of some seconds between the turns": float(np.mean(np.abs(rate_dps) < REST_DPS)) < LEAST_REST,

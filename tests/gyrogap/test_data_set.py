@@ -80,12 +80,12 @@ def test_a_wrong_size_is_stated_by_the_simulator() -> None:
 def test_the_simulator_has_effects_in_every_row(row: str) -> None:
     """So the file of the simulator tells no row; only a wrong size needs at least one effect."""
     cases = [draw_case(7, row, number) for number in range(24)]
-    stated = [len(case.known) + len(case.stated) for case in cases]
+    stated = [len(case.modeled) + len(case.stated) for case in cases]
     assert set(stated) == ({1, 2} if row == "wrong_size" else {0, 1, 2})
     assert any(case.mover for case in cases)
     for case in cases:
-        assert all(f"name: {effect.name}" in case.stand.rig_text for effect in case.known)
-        assert not {effect.name for effect in case.known} & {effect.name for effect in case.effects}
+        assert all(f"name: {effect.name}" in case.stand.rig_text for effect in case.modeled)
+        assert not {effect.name for effect in case.modeled} & {effect.name for effect in case.effects}
 
 
 def test_the_file_of_the_simulator_alone_scores_no_more_than_chance() -> None:

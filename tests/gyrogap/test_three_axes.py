@@ -21,7 +21,7 @@ def measured(*effects: InjectedEffect) -> Columns:
     assert axes is not None
     ideal = replace(axes, table_tilt_deg=0.0, offset_mps2=(0.0, 0.0, 0.0))
     case.stand.device = replace(case.stand.device, three_axes=ideal)
-    return replace(case, known=()).held_out(effects, "test").columns(0)
+    return replace(case, modeled=()).held_out(effects, "test").columns(0)
 
 
 def of(*effects: InjectedEffect) -> dict[str, Any]:

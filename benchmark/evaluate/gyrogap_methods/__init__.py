@@ -4,11 +4,11 @@
     python -m benchmark evaluate.gyrogap_methods.table DATA NAME=ANSWERS ...
 
     diagnose.py     `gyrodrift diagnose`, the command line alone
+    reader.py       no recording, only `simulator.yaml`
     lasso.py        linear regressors, stability selection; needs scikit-learn
     boosting.py     gradient-boosted trees on features; needs scikit-learn and the file of training.py
     sysid.py        mujoco.sysid with all parameters free; needs mujoco-core[sysid]
     npe.py          neural posterior estimation; needs sbi and the file of training.py
-    reader.py       the file of the simulator alone: what it scores above chance is a leak
     training.py     cases of other seeds, for methods that learn
     cases.py, rate_error.py    what the methods share
     table.py        the table of benchmark/gyrogap.md

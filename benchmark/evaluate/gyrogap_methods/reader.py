@@ -1,7 +1,7 @@
 """A method that opens no recording: it reads `simulator.yaml` alone. What it scores above chance is a leak.
 
-It answers that an effect of the simulator has the other size of a pair as far apart as those of the benchmark, and
-`none` for a simulator without an effect.
+An effect of the simulator gets another size, as far away as typical and large are apart. The answer is `none` for a
+simulator without an effect.
 """
 
 from gyrogap.catalogue import JUDGED
@@ -20,6 +20,6 @@ def answer(case: PublicCase) -> Answer:
     _, typical, large = STRENGTHS[first["name"]].sizes
     size, ratio = abs(first[parameter]), large / typical
     is_smaller = abs(size / typical - 1.0) < abs(size / large - 1.0)
-    other = first[parameter] * (ratio if is_smaller else 1.0 / ratio)
-    cause = {"effect": first["name"], "probability": 0.6, "parameters": {parameter: other}}
+    changed_size = first[parameter] * (ratio if is_smaller else 1.0 / ratio)
+    cause = {"effect": first["name"], "probability": 0.6, "parameters": {parameter: changed_size}}
     return {"causes": [cause], "none": 0.4, "unknown": 0.0}

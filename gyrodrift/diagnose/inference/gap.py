@@ -158,7 +158,7 @@ SPREADS = 0.01
 def distribution_squares(z: Floats, variance: Floats) -> Floats:
     """(F,) equation (16), minus its expectation, plus 1 as the mean square by chance; a single session has no spread.
 
-    The expected distance of S values x to their own distribution is sigma_x^2 (1/S + 2 - 2 c), with c the expected
+    The expected distance of S values x to their own distribution is sigma_x^2 (1/S + 2 - 2 c). Here c is the expected
     standard deviation of S values of unit variance.
     """
     sessions = len(z)

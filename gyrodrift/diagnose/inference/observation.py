@@ -59,11 +59,11 @@ class Observation:
 
     def without_device(self, explained: Floats) -> "Observation":
         """The observation with less variance by the device, because a model of the device explains (S, F) of it."""
-        both = self.relevance + self.device
+        total = self.relevance + self.device
         remaining = self.relevance + np.maximum(self.device - explained, 0.0)
         shared = np.full(self.unit.shape[1], SHARED_RELEVANCE)
         covariance = (
-            self.covariance + _mixed(remaining, shared) - _mixed(np.broadcast_to(both, remaining.shape), shared)
+            self.covariance + _mixed(remaining, shared) - _mixed(np.broadcast_to(total, remaining.shape), shared)
         )
         return replace(self, covariance=covariance, device=remaining - self.relevance)
 

@@ -139,7 +139,7 @@ class Posterior:
 
     def _similarity(self, first: str, name: str) -> float:
         """Cosine of the changes of the features by two effects at their best sizes; 1 for an effect not simulated."""
-        changes = [self._change(other) for other in (first, name)]
+        changes = [self._change(effect) for effect in (first, name)]
         if any(change is None for change in changes):
             return 1.0
         a, b = (change.ravel() for change in changes if change is not None)

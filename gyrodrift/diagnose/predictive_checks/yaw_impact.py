@@ -28,8 +28,7 @@ HELD_OUT_EVERY = 3
 
 WORSE_DEG, WORSE = 0.3, 0.2
 """Increase of the error of yaw from which on a correction is worse: the bound below which yaw is negligible, and a
-share of the recorded error, because a simulated walk of the bias is another one than the recorded. The share is chosen.
-"""
+share of the recorded error. A simulated walk of the bias is another one than the recorded. The share is chosen."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""What differs between two sets of recordings: sample rates, columns and steps. A missing column is no gap.
+"""Differences of two sets of recordings: sample rates, columns and steps. A missing column is no gap.
 
 Sessions of another simulator often lack arrival times, a counter and a temperature, and have exact angles.
 """
