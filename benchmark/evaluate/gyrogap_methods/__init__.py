@@ -9,7 +9,7 @@
     boosting.py     gradient-boosted trees on features; needs scikit-learn and the file of training.py
     sysid.py        mujoco.sysid with all parameters free; needs mujoco-core[sysid]
     npe.py          neural posterior estimation; needs sbi and the file of training.py
-    training.py     cases of other seeds, for methods that learn
+    training.py     cases of other seeds
     cases.py, rate_error.py    what the methods share
     table.py        the table of benchmark/gyrogap.md
 

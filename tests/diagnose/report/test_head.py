@@ -205,7 +205,7 @@ def test_a_feature_within_chance_is_no_difference(scaled: Diagnosis) -> None:
 
 @pytest.mark.promise("Analyses and reports")
 def test_a_cause_that_is_rather_absent_is_not_switched_on(scaled: Diagnosis) -> None:
-    """A cause with a probability below 0.5 is not put into `rig.yaml`, unless its ties make it probable."""
+    """A cause with a probability below 0.5 is not put into `rig.yaml`."""
     result = with_causes(scaled, replace(cause_of(scaled), probability=0.4, group_probability=0.4))
     assert "Without scale_factor : with a probability below 0.5" in observed(next_steps(result, Path("out")))
 
