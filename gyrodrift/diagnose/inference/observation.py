@@ -90,10 +90,9 @@ def observation_of(tables: Sequence[ResponseTable], is_compared: Mask) -> Observ
     )  # fmt: skip
     degrees = min(DEGREES_OF_FREEDOM, *(table.degrees for table in tables))
     observation = _in_units(pooled.difference, covariance, is_compared)
-    device = is_compared * np.square(
-        [table.device_sigma / own for table, own in zip(tables, observation.unit, strict=True)]
-    )
-    relevance = is_compared * np.square(thresholds / observation.unit) - device
+    sigmas = [table.device_sigma / own for table, own in zip(tables, observation.unit, strict=True)]
+    device: Floats = np.where(is_compared, np.square(np.array(sigmas)), 0.0)
+    relevance: Floats = np.where(is_compared, np.square(thresholds / observation.unit), 0.0) - device
     return replace(observation, relevance=np.maximum(relevance, 0.0), device=device, degrees=degrees)
 
 
