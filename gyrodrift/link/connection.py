@@ -119,7 +119,13 @@ class Connection:
         return min(usual_s, self.port.wake_s)
 
     def read(self) -> bytes | ReadingBatch:
-        """Bytes or readings that have arrived; opens a lost port again."""
+        """Bytes or readings that have arrived; opens a lost port again.
+
+        Raises
+        ------
+        LinkError
+            The port has an error that is no end of a connection.
+        """
         if self.port is None and not self.is_over:
             self._reopen()
         if self.port is None:
@@ -134,6 +140,8 @@ class Connection:
             self.is_over = True
             self._on_event("source_end", port=self.name)
             return b""
+        except OSError as error:
+            raise LinkError(f"{self.name}: cannot be read: {error.strerror or error}") from error
         self._report_notes(self.port)
         if chunk:
             self.opening.hear(self._monotonic())

@@ -11,6 +11,7 @@ from dataclasses import replace
 from math import isnan
 from typing import Any
 
+from gyrodrift.link.backlog import Backlog
 from gyrodrift.link.binary_frames import binary_frames
 from gyrodrift.link.calendar import CLOCK_SET, Calendar
 from gyrodrift.link.clocks.arrival import ArrivalClock
@@ -79,6 +80,7 @@ class Link:
         self._guard = Guard(on_event)
         self._passed_over: frozenset[str] = frozenset()
         self._late = LateArrivals()
+        self._backlog = Backlog()
         self._detector = Detector(list(self._protocols.values()), self._guard)
         if len(self._protocols) == 1 and (options.baud is not None or not self.connection.has_baud):
             self.decoder = next(iter(self._protocols.values())).decoder()
@@ -111,33 +113,29 @@ class Link:
 
     def wake_s(self) -> float:
         """Longest time to wait before the next `read`, s."""
-        return self.connection.wake_s(1.0 if self._spoke else 0.1)
+        return self.connection.wake_s(1.0 if self._spoke else 0.1) if self._is_idle else 0.0
+
+    def share_turn(self, sources: int) -> None:
+        """Share the budget of a turn with the other sources of a loop."""
+        self._backlog.share(sources)
 
     def read(self) -> list[Sample]:
-        """Samples that have arrived; empty without any."""
-        received = self.connection.read()
-        if not received:
-            self._give_up_waiting()
-            return []
-        chunk = received.content if isinstance(received, ReadingBatch) else received
-        arrival_s = self._monotonic()
-        self.counters.bytes += len(chunk)
-        if self.tap is not None:
-            self.tap(chunk, self._calendar.epoch_s + arrival_s)
-        self._trial_s = self._trial_s or arrival_s
-        if not self._spoke or (self._check is not None and self._check.is_hearing):
-            self._heard.add(chunk, arrival_s)
-        readings = self._decode(received)
+        """Samples that have arrived, within the budget of a turn; empty without any.
+
+        Raises
+        ------
+        LinkError
+            As in the class, or the source has an error that no other attempt repairs.
+        """
+        until_s = self._monotonic() + self._backlog.turn_s
         samples: list[Sample] = []
-        arrived = self._late.by_arrival(self.decoder.counters, readings, arrival_s) if self.decoder is not None else []
-        if arrived and self.decoder is not None:
-            samples = self._stamp(self.decoder, arrived)
-            self._spoke = True
-            self.connection.understood(arrival_s)
-            if self._check is not None:
-                self._check_units(self._check, len(readings), samples, arrival_s)
-        elif not self._spoke:
-            self._give_up_waiting()
+        if not self._backlog.has_samples:
+            if self._is_idle and not self._receive():
+                self._give_up_waiting()
+                return samples
+            if self._decode_until(until_s):
+                samples = self._stamped(self._backlog.take_readings(), self._backlog.arrival_s)
+        samples = self._backlog.within_budget(samples)
         self.counters.samples += len(samples)
         return samples
 
@@ -209,6 +207,59 @@ class Link:
         """The open port, for another link; this link is over."""
         port, self.connection.port = self.port, None
         return port
+
+    @property
+    def _is_idle(self) -> bool:
+        """Whether all that was read is decoded and handed over."""
+        return self._backlog.is_empty and not self._is_behind
+
+    @property
+    def _is_behind(self) -> bool:
+        """Whether the decoder has more of what it got; one of another package may not know the attribute."""
+        return getattr(self.decoder, "is_behind", False)
+
+    def _receive(self) -> bool:
+        """Read the connection; False if nothing has arrived."""
+        received = self.connection.read()
+        if not received:
+            return False
+        chunk = received.content if isinstance(received, ReadingBatch) else received
+        arrival_s = self._monotonic()
+        self.counters.bytes += len(chunk)
+        if self.tap is not None:
+            self.tap(chunk, self._calendar.epoch_s + arrival_s)
+        self._trial_s = self._trial_s or arrival_s
+        if not self._spoke or (self._check is not None and self._check.is_hearing):
+            self._heard.add(chunk, arrival_s)
+        self._backlog.add(received, arrival_s)
+        return True
+
+    def _decode_until(self, until_s: float) -> bool:
+        """Decode what was read, until a time; whether all of it, or as much as a turn may have, is decoded.
+
+        The readings of a read stay together, because a clock by arrival counts them.
+        """
+        backlog = self._backlog
+        while True:
+            backlog.readings += self._decode(backlog.next_piece())
+            if not backlog.has_pieces and (not self._is_behind or len(backlog.readings) >= backlog.turn_samples):
+                return True
+            if self._monotonic() >= until_s:
+                return not backlog.has_pieces
+
+    def _stamped(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
+        """Samples of the readings of a read."""
+        arrived = self._late.by_arrival(self.decoder.counters, readings, arrival_s) if self.decoder is not None else []
+        if not arrived or self.decoder is None:
+            if not self._spoke:
+                self._give_up_waiting()
+            return []
+        samples = self._stamp(self.decoder, arrived)
+        self._spoke = True
+        self.connection.understood(arrival_s)
+        if self._check is not None:
+            self._check_units(self._check, len(readings), samples, arrival_s)
+        return samples
 
     def _decode(self, chunk: Any) -> list[Reading]:
         if self.decoder is not None:

@@ -87,7 +87,7 @@ class McapDecoder(CountingDecoder):
         self._is_introduced = False
 
     def push(self, chunk: bytes) -> list[Reading]:
-        """Readings of the next bytes."""
+        """Readings of the next bytes, or of a part of them."""
         if self._stream is None:
             return []
         damaged = self._stream.damaged
@@ -95,8 +95,9 @@ class McapDecoder(CountingDecoder):
             samples = self._stream.push(chunk)
         except DataError:
             self.counters.damaged += 1
-            self._stream = None
+            self._stream, self.is_behind = None, False
             return []
+        self.is_behind = self._stream.is_behind
         self.unread = self._stream.unread_contents
         timed = [sample for sample in samples if abs(sample.t_device_s) <= LATEST_S]
         self.counters.frames += len(timed)
