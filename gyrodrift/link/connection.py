@@ -153,6 +153,8 @@ class Connection:
         """The device has sent samples."""
         self._heard_s = now_s
         self.opening.end()
+        if self.port is not None:
+            self.port.understood()
 
     def silent_s(self) -> float:
         """Time since the last sample, s."""
@@ -185,8 +187,8 @@ class Connection:
         """Open the port; None for a source that is tried again, because a link without timeout waits for it."""
         is_waited_for = self._options.waits or (self.source is not None and not self._options.timeout_s)
         try:
-            if is_waited_for and self.source is not None:
-                return self._open_soon()
+            if self.source is not None:
+                return self._open_soon(SOON_S if is_waited_for else None)
             return open_port(self.name, self.baud)
         except LinkError as error:
             if not is_waited_for:
@@ -195,10 +197,13 @@ class Connection:
             self._backoff.begin(self._monotonic())
             return None
 
-    def _open_soon(self) -> SourcePort | None:
-        """Open a source; None if it takes longer than SOON_S, so that other gyros do not wait for it."""
+    def _open_soon(self, most_s: float | None) -> SourcePort | None:
+        """Open a source; None if it takes longer, so that other gyros do not wait for it.
+
+        A thread of its own looks up names, so that a signal to stop ends the wait.
+        """
         self._reopening = opening = self._background_opening()
-        opening.wait(SOON_S)
+        opening.wait(most_s)
         try:
             port = opening.result()
         except LinkError:

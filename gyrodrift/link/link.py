@@ -38,6 +38,9 @@ BAUD_TRIAL_S = 0.8
 BAUD_TRIAL_WARM_S = 4.0
 """Time for which `--baud auto` listens at a baud rate with bytes, s; the longer one after the first good frame."""
 
+STREAMS_MAX = 256
+"""Largest number of senders that are heard before the first sample; the decoders of one take about 10 kB."""
+
 TELL_S = 10.0
 """Time after which a link without timeout reports why it understands nothing, s."""
 
@@ -81,9 +84,9 @@ class Link:
         self._passed_over: frozenset[str] = frozenset()
         self._late = LateArrivals()
         self._backlog = Backlog()
-        self._detector = Detector(list(self._protocols.values()), self._guard)
-        if len(self._protocols) == 1 and (options.baud is not None or not self.connection.has_baud):
-            self.decoder = next(iter(self._protocols.values())).decoder()
+        self._detector = self._begin_detection()
+        self._stream: object = None
+        self._streams: dict[object, tuple[Decoder | None, Detector, LateArrivals]] = {}
         self._spoke = False
         self._heard = Heard()
         self._check: UnitCheck | None = None
@@ -226,6 +229,8 @@ class Link:
         chunk = received.content if isinstance(received, ReadingBatch) else received
         arrival_s = self._monotonic()
         self.counters.bytes += len(chunk)
+        if not self._spoke and self.port is not None and self.port.stream != self._stream:
+            self._turn_to(self.port.stream)
         if self.tap is not None:
             self.tap(chunk, self._calendar.epoch_s + arrival_s)
         self._trial_s = self._trial_s or arrival_s
@@ -233,6 +238,24 @@ class Link:
             self._heard.add(chunk, arrival_s)
         self._backlog.add(received, arrival_s)
         return True
+
+    def _begin_detection(self) -> Detector:
+        """A fresh detector; the decoder itself if only one is possible."""
+        self.decoder = None
+        if len(self._protocols) == 1 and (self.options.baud is not None or not self.connection.has_baud):
+            self.decoder = next(iter(self._protocols.values())).decoder()
+        return Detector(list(self._protocols.values()), self._guard)
+
+    def _turn_to(self, stream: object) -> None:
+        """Until the first sample each sender has its own decoders, so that none spoils the frames of another."""
+        self._streams[self._stream] = self.decoder, self._detector, self._late
+        if len(self._streams) > STREAMS_MAX:
+            del self._streams[next(iter(self._streams))]
+        self._stream = stream
+        if stream in self._streams:
+            self.decoder, self._detector, self._late = self._streams.pop(stream)
+        else:
+            self._detector, self._late = self._begin_detection(), LateArrivals()
 
     def _decode_until(self, until_s: float) -> bool:
         """Decode what was read, until a time; whether all of it, or as much as a turn may have, is decoded.
@@ -256,6 +279,7 @@ class Link:
             return []
         samples = self._stamp(self.decoder, arrived)
         self._spoke = True
+        self._streams.clear()
         self.connection.understood(arrival_s)
         if self._check is not None:
             self._check_units(self._check, len(readings), samples, arrival_s)

@@ -9,10 +9,11 @@ from io import BytesIO
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 
+from gyrodrift.io.files import OPENED_BYTES
 from gyrodrift.session.foreign.channels import UNDERSTOOD, Messages
 from gyrodrift.session.foreign.columns import Decode, WrongValueError
 from gyrodrift.session.foreign.read import decoder_of
-from gyrodrift.session.foreign.records import OPENED_BYTES, ForeignRecord, framed, message, opened
+from gyrodrift.session.foreign.records import ForeignRecord, framed, message, opened
 from gyrodrift.session.mcap.layout import HEAD, MAGIC, SAMPLES, STILLS
 from gyrodrift.session.mcap.walk import BrokenRecordError, channel_of, metadata_of, schema_of, still_of
 from gyrodrift.values.errors import DataError

@@ -8,7 +8,7 @@ from contextlib import suppress
 from math import isnan, nan
 from pathlib import Path
 
-from gyrodrift.io.files import UnreadableError, check_ordinary
+from gyrodrift.io.files import UnreadableError, open_ordinary
 from gyrodrift.link.port import PortGoneError
 from gyrodrift.link.protocols.decoder import CountingDecoder, DeviceDescription
 from gyrodrift.link.protocols.protocol import WireProtocol
@@ -135,8 +135,7 @@ def open_mcap(address: SourceAddress) -> FollowedFile:
         It cannot be opened; the message says why.
     """
     try:
-        check_ordinary(Path(address.rest))
-        file = os.open(address.rest, os.O_RDONLY | getattr(os, "O_CLOEXEC", 0))
+        file = open_ordinary(Path(address.rest))
     except FileNotFoundError as error:
         raise PortMissingError(f"{address.text}: there is no such file; with --timeout 0 it is waited for") from error
     except UnreadableError as error:

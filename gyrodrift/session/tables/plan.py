@@ -99,6 +99,11 @@ class TableColumns:
         """Columns of a session that the table has."""
         return {column.target for column in self.used}
 
+    @property
+    def read_indices(self) -> set[int]:
+        """Indices of the columns whose cells are read."""
+        return {column.index for column in self.used} | {index for index, _ in self.where}
+
 
 @dataclass(frozen=True, slots=True)
 class Head:

@@ -69,7 +69,9 @@ def read_table(path: Path, columns: Sequence[Column] | None = None, clock: State
         It does not have the given columns.
     """
     if path.suffix.lower() == PARQUET:
-        return _read(parquet_head(path), columns, parquet_rows(path), PARQUET, clock)
+        head = parquet_head(path)
+        used = _columns(head, columns, clock).read_indices
+        return _read(head, columns, parquet_rows(path, used), PARQUET, clock)
     if columns is None and (session := read_exact(path)) is not None:
         return session
     if is_json(path):
