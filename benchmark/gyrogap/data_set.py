@@ -88,9 +88,10 @@ def read_manifest(folder: Path) -> list[ListedCase]:
         raise DataError(
             f"{folder / MANIFEST}: is no manifest of {NAME}; make a set: gyrodrift gyrogap make DIR --seed N"
         )
-    object_of(manifest, {"version": int, "cases": list}, path, "the manifest")
+    object_of(manifest, {"version": int}, path, "the manifest")
     if manifest["version"] != VERSION:
         raise DataError(f"{path}: has version {manifest['version']}; this program reads version {VERSION}")
+    object_of(manifest, {"cases": list}, path, "the manifest")
     listed = [object_of(case, {"case": str, "axes": int, "sha256": str}, path, "a case") for case in manifest["cases"]]
     for case in listed:
         if not CASE_NAME.fullmatch(case["case"]):  # it is a part of a path and of a line in the log of openings

@@ -26,7 +26,7 @@ FORCE_UNITS = {
 """Spellings of units in DBC files, in lower case."""
 
 LONGEST_BYTES, PARSE_S = 16 << 20, 20.0
-"""Largest file, and longest time to parse it, s. Chosen: a DBC file of a whole car has about 1 MB and takes some seconds."""
+"""Largest file, and longest time to parse it, s. Chosen: a DBC file of a whole car has 1 MB, and takes some seconds."""
 
 KINDS = ("arxml", "cdd", "dbc", "kcd", "sym")
 ENCODINGS = {"dbc": "cp1252", "sym": "cp1252"}

@@ -174,7 +174,8 @@ def test_the_first_sender_of_samples_is_followed_and_no_other(udp: tuple[UdpPort
         assert link.read() == []
         now_s += 0.11
         second.sendto(b"4900,7.5", target)
-        assert [sample.rate_dps for sample in link.read()] == [7.5]
+        second.sendto(b"5000,7.5", target)
+        assert [sample.rate_dps for sample in link.read()] == [7.5, 7.5]
 
 
 def test_what_is_sent_goes_to_the_device_that_was_heard(udp: tuple[UdpPort, tuple[str, int]]) -> None:
