@@ -59,13 +59,16 @@ def test_a_recording_has_one_calendar_and_the_next_file_the_new_one(
     assert after.t_device_s[0] - before.t_device_s[-1] == near(0.01)
 
 
-def test_a_clock_that_is_slewed_is_not_set(port: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Parts of a second are not worth another file."""
+@pytest.mark.parametrize(("step_s", "is_told"), [(0.2, False), (-0.4, False), (0.6, True), (-2.0, True), (40.0, True)])
+def test_a_step_of_half_a_second_counts(
+    port: Path, monkeypatch: pytest.MonkeyPatch, step_s: float, is_told: bool
+) -> None:
+    """Parts of a second, as of a clock that is slewed, are not worth another file."""
     report: list[str] = []
     with speaking_on(port):
         link = Link(LinkOptions(str(port)), lambda event, **_: report.append(event))
         real = time.time
-        monkeypatch.setattr(time, "time", lambda: real() + 0.2)
+        monkeypatch.setattr(time, "time", lambda: real() + step_s)
         link.follow_host_clock()
         link.close()
-    assert report == ["link_open"]
+    assert report == ["link_open", *["host_clock_set"] * is_told]
