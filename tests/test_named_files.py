@@ -47,7 +47,7 @@ def test_a_named_file_is_ordinary_and_of_limited_size(tmp_path: Path, kind: str,
 def test_a_file_system_that_does_not_answer_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     go_on = threading.Event()
     monkeypatch.setattr(files, "READ_S", 0.05)
-    monkeypatch.setattr(files, "_all_of", lambda *_: b"" if go_on.wait() else b"")
+    monkeypatch.setattr(files, "_all_of", lambda *_: b"x" * go_on.wait())
     (tmp_path / "f").touch()
     with pytest.raises(UnreadableError, match=r"cannot be read: it takes more than 0.05 s"):
         read_ordinary(tmp_path / "f", 100)

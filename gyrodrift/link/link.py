@@ -11,7 +11,6 @@ from dataclasses import replace
 from math import isnan
 from typing import Any
 
-from gyrodrift.link.backlog import Backlog
 from gyrodrift.link.binary_frames import binary_frames
 from gyrodrift.link.calendar import CLOCK_SET, Calendar
 from gyrodrift.link.clocks.arrival import ArrivalClock
@@ -30,6 +29,7 @@ from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.registry import candidates
 from gyrodrift.link.silence import unread_protocol, why_silent
 from gyrodrift.link.sources.source import SourcePort
+from gyrodrift.link.turn_queue import TurnQueue
 from gyrodrift.link.unit_check import UnitCheck
 from gyrodrift.values.errors import DeviceSilentError, PortMissingError, UnitError
 from gyrodrift.values.sample import Reading, Sample
@@ -83,7 +83,7 @@ class Link:
         self._guard = Guard(on_event)
         self._passed_over: frozenset[str] = frozenset()
         self._late = LateArrivals()
-        self._backlog = Backlog()
+        self._queue = TurnQueue()
         self._detector = self._begin_detection()
         self._stream: object = None
         self._streams: dict[object, tuple[Decoder | None, Detector, LateArrivals]] = {}
@@ -120,7 +120,7 @@ class Link:
 
     def share_turn(self, sources: int) -> None:
         """Share the budget of a turn with the other sources of a loop."""
-        self._backlog.share(sources)
+        self._queue.share(sources)
 
     def read(self) -> list[Sample]:
         """Samples that have arrived, within the budget of a turn; empty without any.
@@ -130,15 +130,15 @@ class Link:
         LinkError
             As in the class, or the source has an error that no other attempt repairs.
         """
-        until_s = self._monotonic() + self._backlog.turn_s
+        until_s = self._monotonic() + self._queue.turn_s
         samples: list[Sample] = []
-        if not self._backlog.has_samples:
+        if not self._queue.has_samples:
             if self._is_idle and not self._receive():
                 self._give_up_waiting()
                 return samples
             if self._decode_until(until_s):
-                samples = self._stamped(self._backlog.take_readings(), self._backlog.arrival_s)
-        samples = self._backlog.within_budget(samples)
+                samples = self._stamped(self._queue.take_readings(), self._queue.arrival_s)
+        samples = self._queue.within_budget(samples)
         self.counters.samples += len(samples)
         return samples
 
@@ -214,7 +214,7 @@ class Link:
     @property
     def _is_idle(self) -> bool:
         """Whether all that was read is decoded and handed over."""
-        return self._backlog.is_empty and not self._is_behind
+        return self._queue.is_empty and not self._is_behind
 
     @property
     def _is_behind(self) -> bool:
@@ -236,7 +236,7 @@ class Link:
         self._trial_s = self._trial_s or arrival_s
         if not self._spoke or (self._check is not None and self._check.is_hearing):
             self._heard.add(chunk, arrival_s)
-        self._backlog.add(received, arrival_s)
+        self._queue.add(received, arrival_s)
         return True
 
     def _begin_detection(self) -> Detector:
@@ -262,13 +262,13 @@ class Link:
 
         The readings of a read stay together, because a clock by arrival counts them.
         """
-        backlog = self._backlog
+        queue = self._queue
         while True:
-            backlog.readings += self._decode(backlog.next_piece())
-            if not backlog.has_pieces and (not self._is_behind or len(backlog.readings) >= backlog.turn_samples):
+            queue.readings += self._decode(queue.next_piece())
+            if not queue.has_pieces and (not self._is_behind or len(queue.readings) >= queue.turn_samples):
                 return True
             if self._monotonic() >= until_s:
-                return not backlog.has_pieces
+                return not queue.has_pieces
 
     def _stamped(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
         """Samples of the readings of a read."""

@@ -23,7 +23,7 @@ TURN_SAMPLES = 1024
 
 
 @dataclass(slots=True)
-class Backlog:
+class TurnQueue:
     """Queue of one link.
 
     turn_s, turn_samples
