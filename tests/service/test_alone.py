@@ -3,6 +3,7 @@
 import os
 import signal
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -13,7 +14,7 @@ import pytest
 import structlog
 
 from gyrodrift.service.listener import ReaderGoneError
-from gyrodrift.service.loop import Service
+from gyrodrift.service.loop import Service, Waiting
 from gyrodrift.service.several import SeveralServices
 from gyrodrift.service.signals import StopSignal
 
@@ -94,6 +95,25 @@ def test_a_reader_that_is_gone_is_no_failure() -> None:
         services = cast("list[Service]", [left, right])
         assert SeveralServices(services, structlog.get_logger(), stop).run() == 0
     assert right.turns == 10
+
+
+def test_the_loop_sleeps_until_a_source_is_due(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each source says after every turn when it wants the next one."""
+    waits: list[float] = []
+
+    def ready(_: Waiting, _events: dict[int, int], most_s: float) -> set[int]:
+        waits.append(most_s)
+        time.sleep(most_s)
+        return set()
+
+    monkeypatch.setattr(Waiting, "ready", ready)
+    monkeypatch.setattr(Gyro, "wake_s", lambda _: 0.02)
+    with StopSignal() as stop:
+        services = cast("list[Service]", [Gyro("left"), Gyro("right")])
+        assert SeveralServices(services, structlog.get_logger(), stop).run() == 0
+    assert waits[0] == 0.0
+    assert all(0.0 <= wait <= 0.02 for wait in waits)
+    assert sum(wait > 0.0 for wait in waits) >= 8
 
 
 @pytest.mark.promise("Memory and the end")

@@ -8,7 +8,7 @@ import lz4.frame
 import pytest
 import zstandard
 
-from gyrodrift.session.logs.bag_opening import LimitedOpening, TooLargeError
+from gyrodrift.session.logs.bag_opening import LimitedOpening, TooLargeError, limited_opening
 from gyrodrift.session.tables.parquet import parquet_rows
 from gyrodrift.values.errors import DataError
 
@@ -62,3 +62,20 @@ def test_a_damaged_parquet_file_is_an_error_with_its_name(tmp_path: Path) -> Non
     path.write_bytes(content)
     with pytest.raises(DataError, match=r"f\.parquet: is no Parquet file, or damaged: ."):
         list(parquet_rows(path, [0]))
+
+
+def test_rosbags_decompresses_within_the_limit_alone() -> None:
+    """Chunks of ROS 1, chunks of MCAP, and files and messages of ROS 2; afterwards its own functions are back."""
+    ros1 = pytest.importorskip("rosbags.rosbag1.reader")
+    ros2, mcap = pytest.importorskip("rosbags.rosbag2.reader"), pytest.importorskip("rosbags.rosbag2.storage_mcap")
+    calls = {
+        "bz2 of ROS 1": lambda: ros1.decompressors["bz2"](PACKED["bz2"]),
+        "lz4 of ROS 1": lambda: ros1.decompressors["lz4"](PACKED["lz4"]),
+        "lz4 of MCAP": lambda: mcap.DECOMPRESSORS["lz4"](PACKED["lz4"], 1 << 20),
+        "zstd of MCAP": lambda: mcap.DECOMPRESSORS["zstd"](PACKED["decompress"], 1 << 20),
+        "a message of ROS 2": lambda: ros2.zstd.decompress(PACKED["decompress"]),
+    }
+    for name, call in calls.items():
+        with limited_opening(1000), pytest.raises(TooLargeError):
+            call()
+        assert bytes(call()) == ZEROS, name
