@@ -1,4 +1,4 @@
-"""What a source has sent beyond the budget of a turn: pieces to decode, readings of the same read, and samples.
+"""Queue of a link: pieces to decode, readings of the same read, and samples beyond the budget of a turn.
 
 A turn of a link has a budget of time and samples, so that no source delays another. The rest keeps its arrival time
 and is worked off in the next turns; until then the source is not read, and its own buffer fills.
@@ -66,7 +66,7 @@ class TurnQueue:
         if isinstance(received, ReadingBatch) or len(received) <= PIECE_BYTES:
             self._pieces.append(received)
         else:
-            self._pieces += (received[at : at + PIECE_BYTES] for at in range(0, len(received), PIECE_BYTES))
+            self._pieces += (received[start : start + PIECE_BYTES] for start in range(0, len(received), PIECE_BYTES))
 
     def next_piece(self) -> bytes | ReadingBatch:
         """The next piece to decode; no bytes if the decoder itself has more."""

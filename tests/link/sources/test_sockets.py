@@ -37,7 +37,7 @@ class Reset:
 
 @pytest.mark.promise("Samples")
 def test_bytes_before_a_reset_are_read() -> None:
-    """What a TCP server sent before its connection was reset is read."""
+    """Bytes of a TCP server before a reset of its connection are read."""
     port = SocketPort("tcp://127.0.0.1:5", Reset(b"1000,0.5\n", b"2000,0.5\n"))  # type: ignore[arg-type]
     assert port.read() == b"1000,0.5\n2000,0.5\n"
     with pytest.raises(PortGoneError):
