@@ -11,7 +11,7 @@ import subprocess
 import sys
 import termios
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext, redirect_stderr, redirect_stdout
 from io import StringIO
 from itertools import islice
@@ -256,6 +256,11 @@ def speaking_on(link: Path) -> Iterator[PtyDevice]:
         yield device
     finally:
         device.close()
+
+
+def quick(cases: Iterable[Any], *kept: Any) -> list[Any]:
+    """Cases of a parametrized test: those kept always run, and the others, which resemble them, in `make evaluate`."""
+    return [case if case in kept else pytest.param(case, marks=pytest.mark.evaluation) for case in cases]
 
 
 def never() -> bool:
