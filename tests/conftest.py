@@ -19,7 +19,7 @@ from recordings_support import Recordings
 from warm_process import forks
 from worker_groups import GroupScheduling
 
-settings.register_profile("untimed", deadline=None)  # how long an example takes is the machine's business
+settings.register_profile("untimed", deadline=None, max_examples=40)  # the machine's business; make fuzz tries more
 settings.load_profile("untimed")
 
 ENDS_WITHIN_S = 60.0

@@ -58,6 +58,9 @@ def ended_here(*arguments: str | Path) -> Ended:
     return Ended(status, out.getvalue(), log.getvalue())
 
 
+Process = WarmProcess | subprocess.Popen[bytes]
+
+
 def _fresh_process(module: str, words: list[str], out: BinaryIO | None) -> "subprocess.Popen[bytes]":
     command = [sys.executable, "-m", module, *words]
     stdout = subprocess.PIPE if out is None else out
@@ -76,7 +79,8 @@ class Command:
     ) -> None:
         words = [str(word) for word in arguments]
         with nullcontext() if out_file is None else out_file.open("wb") as out:
-            self.process = _fresh_process(module, words, out) if is_fresh else WarmProcess(module, words, out)
+            start = _fresh_process if is_fresh else WarmProcess
+            self.process: Process = start(module, words, out)
         streams = [stream.fileno() for stream in (self.process.stdout, self.process.stderr) if stream]
         self._streams = {fd: bytearray() for fd in streams}
         self._open = set(self._streams)

@@ -110,11 +110,11 @@ def _request_of_a_fork(requests: socket.socket) -> tuple[str, list[str]]:
     signal.signal(signal.SIGCHLD, lambda *_: None)
     running: dict[int, int] = {}
     while True:
-        ready = select.select([requests, wake], [], [])[0]
+        ready = select.select([requests.fileno(), wake], [], [])[0]
         if wake in ready:
             os.read(wake, 4096)
             _tell_ends(running)
-        if requests not in ready:
+        if requests.fileno() not in ready:
             continue
         message, passed, _, _ = socket.recv_fds(requests, LONGEST_REQUEST, 3)
         if not message:
