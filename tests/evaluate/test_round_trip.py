@@ -100,7 +100,7 @@ TILTED, LOW, HIGH = (
 CHIP = ("gyro_cross_axis", "accel_bias", "accel_misalignment")
 """Errors of a chip with three axes at their typical sizes."""
 
-OTHERS = all_but("misalignment", "scale_factor", "scale_asymmetry", "latency")
+OTHERS = all_but("misalignment", "scale_factor")
 """Effects that resemble none of these; they are tried as well in the cases of `make evaluate`."""
 
 
