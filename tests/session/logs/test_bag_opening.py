@@ -1,8 +1,10 @@
 """Compressed bags: a few bytes that open to gigabytes cost nothing."""
 
 import bz2
+from collections.abc import Callable
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import lz4.frame
 import pytest
@@ -66,9 +68,10 @@ def test_a_damaged_parquet_file_is_an_error_with_its_name(tmp_path: Path) -> Non
 
 def test_rosbags_decompresses_within_the_limit_alone() -> None:
     """Chunks of ROS 1, chunks of MCAP, and files and messages of ROS 2; afterwards its own functions are back."""
-    ros1 = pytest.importorskip("rosbags.rosbag1.reader")
-    ros2, mcap = pytest.importorskip("rosbags.rosbag2.reader"), pytest.importorskip("rosbags.rosbag2.storage_mcap")
-    calls = {
+    ros1: Any = pytest.importorskip("rosbags.rosbag1.reader")
+    ros2: Any = pytest.importorskip("rosbags.rosbag2.reader")
+    mcap: Any = pytest.importorskip("rosbags.rosbag2.storage_mcap")
+    calls: dict[str, Callable[[], Any]] = {
         "bz2 of ROS 1": lambda: ros1.decompressors["bz2"](PACKED["bz2"]),
         "lz4 of ROS 1": lambda: ros1.decompressors["lz4"](PACKED["lz4"]),
         "lz4 of MCAP": lambda: mcap.DECOMPRESSORS["lz4"](PACKED["lz4"], 1 << 20),
