@@ -36,6 +36,7 @@ from gyrodrift.columns.names import (
     quaternion_of,
 )
 from gyrodrift.columns.rate_unit import DEGREES_OF_FREEDOM, NOISE_DPS, NOISE_SCALE, SURE_ODDS, student
+from gyrodrift.columns.shape import MOST_DPS
 from gyrodrift.columns.sizes import TEMPERATURES_C, gravity_unit, is_gravity
 from gyrodrift.columns.spec import ANGLE_DEG, CLOCK_UNITS_US, CLOCK_US, IGNORED, RATE_DPS, SELECTED, spec_text
 from gyrodrift.columns.times import (
@@ -84,6 +85,9 @@ CLOCK_ENDINGS = {
     "t_ns": ("ns", "nanos"),
     "t_s": ("sec", "seconds"),
 }
+PARTS_OF_TIME, PARTS_MOST = ("t:lsb/0.000277777778", "t:min", "t_s", "t_ms", "t_us", "t_ns"), (24, 60, 61, 1e3, 1e6, 1e9)
+"""Units of columns that add up to a time of day, and the numbers below which they are. A minute may have 61 seconds."""
+
 UNIT_FACTOR = 1.6
 """Largest factor between a clock and the arrival of its lines: timers tick in halves and tenths of a unit, too."""
 
@@ -309,6 +313,7 @@ def rules(lines_per_s: float | None) -> tuple[Rule, ...]:
         Rule(name_by_label, "A label names a quantity, unless its unit is one of another quantity."),
         Rule(name_by_unit, "One value in a unit of rates, or three, are rates, unless a label says otherwise."),
         Rule(_unname_counters, "A counter goes on; what alternates or stands is something else."),
+        Rule(_name_parts_of_time, "An hour, a minute and a second in columns of their own add up to a clock."),
         Rule(partial(_name_clock, lines_per_s=lines_per_s), "A clock is labeled and goes on, or grows evenly."),
         Rule(find_accelerometer, "Three columns whose length is gravity while they move are an accelerometer."),
         Rule(find_temperature, "The last column without a label, steady at room temperature, is a temperature."),
@@ -321,12 +326,35 @@ def _unname_counters(columns: list[SeenColumn]) -> None:
             column.kind, column.why = "", ""
 
 
+def _name_parts_of_time(columns: list[SeenColumn]) -> None:
+    """Name the parts of a time of day, the coarsest first; days count only with hours, months only with a date."""
+    parts = [(size, column) for column in columns for size in [_part_size(column)] if size >= 0]
+    sizes = [size for size, _ in parts]
+    if len(set(sizes)) < len(sizes) or not {PARTS_OF_TIME.index("t:min"), PARTS_OF_TIME.index("t_s")} <= set(sizes):
+        return
+    for size, column in sorted(parts, key=lambda part: part[0]):
+        column.kind = "clock" if size == min(sizes) else "part"
+        column.why = f"is labeled {column.label}"
+
+
+def _part_size(column: SeenColumn) -> int:
+    """Index of a part of a time in PARTS_OF_TIME; -1 for another column. A part is below a whole of the next unit."""
+    unit = _time_unit(column) if _may_be_clock(column) and column.is_numeric and unit_of(column.label) else ""
+    if unit not in PARTS_OF_TIME:
+        return -1
+    size = PARTS_OF_TIME.index(unit)
+    is_last = unit not in {"t:min", PARTS_OF_TIME[0]}
+    is_part = all(0.0 <= number < PARTS_MOST[size] and (is_last or number.is_integer()) for number in column.numbers)
+    return size if is_part else -1
+
+
 def _name_clock(columns: list[SeenColumn], lines_per_s: float | None) -> None:
     """Name the clock: of labeled ones that go on, the first with a unit, else the leftmost column that grows evenly."""
     labeled = [column for column in columns if _is_labeled_clock(column)]
     running = [column for column in labeled if _goes_on(column, lines_per_s)]
     clock = next((column for column in running if _stated_clock_unit(column)), next(iter(running), None))
-    if clock is not None:
+    clock = next((column for column in columns if column.kind == "clock"), clock)
+    if clock is not None and not clock.kind:
         clock.kind, clock.why = "clock", f"is labeled {clock.label}" if clock.label else "is a time"
         for part in columns:
             if part is not clock and _is_part_of(part, clock):
@@ -486,6 +514,8 @@ def _rate_unit(column: SeenColumn, columns: Sequence[SeenColumn]) -> tuple[str, 
 
 def _rate_unit_by_numbers(column: SeenColumn, columns: Sequence[SeenColumn]) -> tuple[str, str]:
     """Unit of a rate that excludes all others, and the reason; empty without one."""
+    if max(map(abs, column.numbers)) * RATE_DPS["rads"] > MOST_DPS:
+        return "", ""
     rates = _lengths(columns, RATES)
     units_of_length = {gravity_unit(_quantile(rates, share), GRAVITY_WITHIN) for share in ALWAYS} if rates else set()
     if units_of_length in ({"g"}, {"mps2"}):

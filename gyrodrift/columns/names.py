@@ -157,7 +157,7 @@ def kind_of(label: str) -> str:
     if SCALED.search(name):
         return ""
     words, mark, axis = name.rpartition(".")
-    if mark and axis in AXIS_OF_INDEX and (kind := _kind_of(words)) in {"rate", *AXIS_OF}:
+    if mark and axis in AXIS_OF_INDEX and (kind := kind_of(words)) in {"rate", *AXIS_OF}:
         return kind  # `gz.1` is a second gz
     named = f"{words}{AXIS_OF_INDEX[axis]}" if mark and axis in AXIS_OF_INDEX else f"{words}{axis}"
     words_alone = "".join(word for word in re.split(r"[\s_]+", named) if len(word) == 1 or unit_of(word) is None)

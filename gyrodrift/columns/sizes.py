@@ -15,6 +15,17 @@ ST_FINEST = (4.375, 228.57)
 SENSITIVITIES = (*INVENSENSE.values(), *ST.values())
 """Counts per deg/s of common ranges."""
 
+HALF_RANGE, FULL_RANGE = 1 << 15, 1 << 16
+
+
+def is_unsigned(counts: float, scale: float) -> bool:
+    """Whether counts of a known sensitivity, `1 / scale` per deg/s, are a negative number of 16 bits without its sign.
+
+    Such a sensor has no counts above ±2¹⁵.
+    """
+    return HALF_RANGE <= counts < FULL_RANGE and any(abs(abs(scale) * n - 1.0) < 0.01 for n in ALL_SENSITIVITIES)
+
+
 TEMPERATURES_C = (-55.0, 150.0)
 """Military temperature range up to the largest junction temperature; outside, a temperature is in counts."""
 

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import takewhile
+from itertools import pairwise, takewhile
 from pathlib import Path
 
 from gyrodrift.columns.fields import as_label
@@ -21,6 +21,7 @@ from gyrodrift.columns.spec import (
     column_of,
     spec_text,
 )
+from gyrodrift.columns.times import ClockReader
 from gyrodrift.columns.units import Dimension, Unit, unit_in, unit_of, without_unit
 from gyrodrift.session.csv import MOST_COLUMNS, present_names
 from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS
@@ -55,6 +56,9 @@ QUATERNION_REMARK = (
 )
 WORDS = re.compile(r"(?<=[_. ])")
 LAST_BRACKETS = re.compile(r"(?<!\s)\s*+[(\[][^()\[\]]*[)\]]$")
+ROWS_MIN, BACKWARD_SHARE = 10, 0.95
+"""Least number of rows, and share of the steps, that show the direction of a clock."""
+
 LABELS_MIN = 3
 """Least number of labels whose common words name the device."""
 
@@ -69,12 +73,15 @@ class UsedColumn:
         Factor to the unit of the session; 1 for a clock.
     unit
         Entry of a clock, such as `t_us`, `dt_ms` or `t:days`.
+    entry
+        Entry of a SPEC; empty for a known form.
     """
 
     index: int
     target: str
     scale: float = 1.0
     unit: str = ""
+    entry: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,8 +208,39 @@ def _index(head: Head, position: int, column: Column, width: int) -> int:
 
 def _taken(index: int, column: Column) -> UsedColumn:
     if column.clock:
-        return UsedColumn(index, "t_device_s", unit=column.clock)
-    return UsedColumn(index, TARGETS[column.meaning], column.scale)
+        return UsedColumn(index, "t_device_s", unit=column.clock, entry=column.entry)
+    return UsedColumn(index, TARGETS[column.meaning], column.scale, entry=column.entry)
+
+
+def spec_of(head: Head, table_columns: TableColumns, changes: Mapping[int, str]) -> str:
+    """SPEC of the columns that are used, with other entries for some; a value selects the rows that have it."""
+    labels = head.labels if len(set(head.labels)) == len(head.labels) else ()
+    entries = {column.index: column.entry for column in table_columns.used}
+    entries |= {index: value if labels else f"{SELECTED}{value}" for index, value in table_columns.where}
+    entries |= changes
+    return spec_text([entries.get(index, IGNORED) for index in range(head.width)], [as_label(text) for text in labels])
+
+
+def is_newest_first(head: Head, columns: Sequence[Column] | None) -> bool:
+    """Whether the only clocks, as stated or labeled, go back from row to row."""
+    if columns is not None:
+        clocks = [_index(head, position, column, MOST_COLUMNS) for position, column in enumerate(columns) if column.clock]
+    else:
+        clocks = [i for i, label in enumerate(head.labels) if kind_of(label) == "clock" or CLOCK_WORDS.search(label)]
+    directions = [direction for index in clocks if (direction := _direction(head.texts(index)))]
+    return bool(directions) and max(directions) < 0
+
+
+def _direction(texts: Sequence[str]) -> int:
+    """1 for times that go on, -1 for times that go back, 0 for others."""
+    try:
+        t_s = ClockReader(["t_s"]).read([texts]) if len(texts) >= ROWS_MIN else []
+    except ValueError:
+        return 0
+    steps = [after - before for before, after in pairwise(t_s)]
+    forward, backward = sum(step > 0.0 for step in steps), sum(step < 0.0 for step in steps)
+    moved = BACKWARD_SHARE * (forward + backward)
+    return 0 if not t_s else 1 if forward > moved else -1 if backward > moved else 0
 
 
 def own_columns(head: Head) -> TableColumns | None:

@@ -19,6 +19,8 @@ PIECE = 20_000
 """Rows per conversion."""
 
 CELL_SHOWN, VALUES_SHOWN = 40, 5
+BLOCKS_MAX = 100
+"""Most blocks of rows that may be those of senders, one after the other."""
 
 SPACES = " \u00a0\u202f'’"
 GROUPED = {
@@ -58,6 +60,8 @@ class ColumnsRead:
         Unit of the clock if its fraction has no leading zeros, else empty.
     rejected
         First values of the rows that are not to be used.
+    blocks
+        Blocks of rows, by the column of which they have the same value.
     """
 
     pieces: dict[str, list[Floats]]
@@ -68,10 +72,29 @@ class ColumnsRead:
     began: str = ""
     counted: str = ""
     rejected: dict[str, None] = field(default_factory=dict)
+    blocks: dict[int, "Blocks"] = field(default_factory=dict)
 
     def column(self, target: str) -> Floats | None:
         """Values of a column, shape (n,); None if it is not used."""
         return np.concatenate(self.pieces[target] or [np.empty(0)]) if target in self.pieces else None
+
+
+@dataclass(slots=True)
+class Blocks:
+    """Blocks of rows with the same value in a column: value and number of the first row of each."""
+
+    values: list[str] = field(default_factory=list)
+    starts: list[int] = field(default_factory=list)
+
+    def add(self, cells: Sequence[str], row: int) -> bool:
+        """Add the cells of consecutive rows, the first of which has this number; False if there are too many blocks."""
+        if set(cells) <= {*self.values[-1:]}:
+            return True
+        for index, cell in enumerate(cells):
+            if [cell] != self.values[-1:]:
+                self.values.append(cell)
+                self.starts.append(row + index)
+        return len(self.values) <= BLOCKS_MAX
 
 
 class RowReader:
@@ -86,6 +109,11 @@ class RowReader:
         self._values = [column for column in columns.used if column.target != "t_device_s" or columns.form == OWN]
         self._clocks = [column for column in columns.used if column not in self._values]
         self._clock = ClockReader([column.unit for column in self._clocks])
+        used = {column.index for column in columns.used} | {index for index, _ in columns.where}
+        unused = set(range(head.width)) - used if columns.form != OWN else set()
+        first = {index: head.texts(index) for index in unused}
+        named = {index for index, cells in first.items() if cells and len(set(cells)) <= BLOCKS_MAX}
+        self.columns_read.blocks = {index: Blocks() for index in named}
         self._moved = next(name for name in ("rate_dps", "yaw_deg", "delta_deg", "qw") if name in columns.targets)
 
     def read(self, rows: Iterable[tuple[int, list[str]]]) -> ColumnsRead:
@@ -113,7 +141,8 @@ class RowReader:
             return
         self._remove_groups([row for _, row in good])
         try:
-            self._keep(self._converted([row for _, row in good]))
+            rows = [row for _, row in good]
+            self._keep(*self._converted(rows))
         except ValueError:
             for line, row in good:
                 self._take_alone(line, row)
@@ -138,14 +167,14 @@ class RowReader:
 
     def _take_alone(self, line: int, row: list[str]) -> None:
         try:
-            values = self._converted([row])
+            values, kept = self._converted([row])
         except ValueError as error:
             if [cell.strip() for cell in row] == list(self._head.labels):
                 self.columns_read.headers += 1
             else:
                 self.columns_read.refused.add(line, self._why(row, error))
         else:
-            self._keep(values)
+            self._keep(values, kept)
 
     def _accept_row(self, line: int, row: list[str]) -> bool:
         """Accept a row with one delimiter too many at its end; count every other row of a wrong width."""
@@ -164,17 +193,21 @@ class RowReader:
             self.columns_read.refused.add(line, "has zero bytes" if zeros else reason)
         return False
 
-    def _converted(self, rows: Sequence[Sequence[str]]) -> dict[str, Floats]:
+    def _converted(self, rows: Sequence[Sequence[str]]) -> tuple[dict[str, Floats], Sequence[Sequence[str]]]:
+        """Values by their target, and the rows that have a rate."""
         cells = list(zip(*rows, strict=True))
         values = {column.target: self._numbers(column, cells[column.index]) for column in self._values}
         if self._clocks:  # last, since it remembers what it has read
             stamps = [self._stamps(cells[column.index]) for column in self._clocks]
             values["t_device_s"] = np.array(self._clock.read(stamps))
         if self._keeps_empty:
-            return values
+            return values, rows
         has_rate = ~np.isnan(values[self._moved])
+        if has_rate.all():
+            return values, rows
         self.columns_read.without_rate += int((~has_rate).sum())
-        return {target: numbers[has_rate] for target, numbers in values.items()}
+        kept = [row for row, has in zip(rows, has_rate.tolist(), strict=True) if has]
+        return {target: numbers[has_rate] for target, numbers in values.items()}, kept
 
     def _numbers(self, taken: UsedColumn, cells: Sequence[str]) -> Floats:
         numbers = _floats(self._points(cells))
@@ -191,7 +224,11 @@ class RowReader:
             raise WrongCellError
         return joined.replace(",", ".").split("\n") if self._comma and "," in joined else cells
 
-    def _keep(self, values: dict[str, Floats]) -> None:
+    def _keep(self, values: dict[str, Floats], rows: Sequence[Sequence[str]]) -> None:
+        for index, blocks in list(self.columns_read.blocks.items()):
+            cells = [row[index].strip() for row in rows if index < len(row)]
+            if not blocks.add(cells, self.columns_read.count):
+                del self.columns_read.blocks[index]
         for target, column in values.items():
             self.columns_read.pieces[target].append(column)
         self.columns_read.count += len(next(iter(values.values())))
