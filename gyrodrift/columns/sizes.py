@@ -15,15 +15,17 @@ ST_FINEST = (4.375, 228.57)
 SENSITIVITIES = (*INVENSENSE.values(), *ST.values())
 """Counts per deg/s of common ranges."""
 
-HALF_RANGE, FULL_RANGE = 1 << 15, 1 << 16
+SAME_SENSITIVITY = 0.01
+"""Largest relative difference of a sensitivity as users and data sheets round it."""
 
 
-def is_unsigned(counts: float, scale: float) -> bool:
-    """Whether counts of a known sensitivity, `1 / scale` per deg/s, are a negative number of 16 bits without its sign.
+def has_16_bits(scale: float) -> bool:
+    """Whether counts of `scale` deg/s are those of a sensor with 16 bits, which has none above 2¹⁵.
 
-    Such a sensor has no counts above ±2¹⁵.
+    Larger ones are negative, and were printed without their sign.
     """
-    return HALF_RANGE <= counts < FULL_RANGE and any(abs(abs(scale) * n - 1.0) < 0.01 for n in ALL_SENSITIVITIES)
+    counts = (*SENSITIVITIES, ST_FINEST[1])
+    return any(abs(abs(scale) * count - 1.0) < SAME_SENSITIVITY for count in counts)
 
 
 TEMPERATURES_C = (-55.0, 150.0)

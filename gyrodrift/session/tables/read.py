@@ -329,9 +329,9 @@ def _check_axis(head: Head, table_columns: TableColumns, parts: Sequence[Floats]
             changes = {indices[i]: f"q.{part}" for part, i in zip("wxyz", order, strict=True)}
             spec = spec_of(head, table_columns, changes)
             axis = "xyz"[own_deg.index(max(own_deg))]
+            sign = "" if order is SCALAR_LAST else ", and --flip if it is left-handed, as of Unity"
             raise DataError(
-                f"{head.path}: its quaternion turns about {axis}, not about z: {why}state --columns '{spec}', and --flip"
-                " where a turn to the left then gives a negative yaw (left-handed, as of Unity)"
+                f"{head.path}: its quaternion turns about {axis}, not about z: {why}state --columns '{spec}'{sign}"
             )
 
 

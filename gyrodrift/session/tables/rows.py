@@ -10,9 +10,11 @@ from math import nan
 import numpy as np
 
 from gyrodrift.columns.fields import is_value
+from gyrodrift.columns.sizes import has_16_bits
 from gyrodrift.columns.times import FORMS, ClockReader, is_stamp
-from gyrodrift.session.tables.plan import OWN, Head, TableColumns, UsedColumn
+from gyrodrift.session.tables.plan import OWN, RATE_TARGETS, Head, TableColumns, UsedColumn
 from gyrodrift.values.arrays import Floats
+from gyrodrift.values.constants import INT16_COUNTS
 from gyrodrift.values.errors import shortened, visible
 
 PIECE = 20_000
@@ -211,6 +213,8 @@ class RowReader:
 
     def _numbers(self, taken: UsedColumn, cells: Sequence[str]) -> Floats:
         numbers = _floats(self._points(cells))
+        if taken.target in RATE_TARGETS and has_16_bits(taken.scale):
+            numbers = np.where(numbers >= INT16_COUNTS, numbers - 2 * INT16_COUNTS, numbers)
         with np.errstate(over="ignore"):
             return numbers if taken.scale == 1.0 else numbers * taken.scale
 
