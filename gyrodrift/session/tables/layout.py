@@ -215,7 +215,9 @@ def _header(before: Sequence[list[str]], numbers: Sequence[int], width: int) -> 
     ]
     if not likely:
         return None
-    block = [index for index in likely if len(before[index]) == len(before[likely[-1]])]
+    exact = [index for index in likely if len(before[index]) == width and any(before[index])]
+    like = exact[-1] if exact and not _spans(before[exact[-1]]) else likely[-1]
+    block = [index for index in likely if len(before[index]) == len(before[like])]
     named_at = max(block, key=lambda index: (_count_names(before[index]), -before[index].count(""), index))
     names = list(before[named_at])
     for index in block:
@@ -225,6 +227,11 @@ def _header(before: Sequence[list[str]], numbers: Sequence[int], width: int) -> 
         if index != named_at and abs(index - named_at) <= HEADER_ROWS and _is_units(before[index]):
             names = [_with_unit(*pair) for pair in zip(names, before[index], strict=True)]
     return tuple(names), numbers[named_at]
+
+
+def _spans(row: Sequence[str]) -> bool:
+    """Whether words of a row stand for several columns: it has blanks."""
+    return any(not cell for cell in row)
 
 
 def _count_names(row: Sequence[str]) -> int:

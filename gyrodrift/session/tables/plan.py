@@ -358,10 +358,17 @@ def labelled_columns(head: Head, verdict: ColumnVerdict, *, needs_clock: bool = 
     taken = [_taken(index, column_of(entry)) for index, entry in entries]
     targets = {column.target for column in taken}
     turning = next(index for index, column in enumerate(verdict.columns) if column is verdict.turn)
+    where = _own_kind(head)
     remarks = _yaw_remarks(targets, head.labels[turning])
     if "rate_dps" in targets and "encoder_deg" not in targets:
         remarks += _unused_angle_remarks(head, verdict)
-    return TableColumns(BY_LABELS, tuple(taken), remarks=remarks)
+    return TableColumns(BY_LABELS, tuple(taken), where, remarks)
+
+
+def _own_kind(head: Head) -> tuple[tuple[int, str], ...]:
+    """Selection of the rows that begin with the first word of the header, which may not be those of other headers."""
+    word = head.labels[0].strip()
+    return ((0, word),) if word and set(head.texts(0)) == {word} else ()
 
 
 def _unused_angle_remarks(head: Head, verdict: ColumnVerdict) -> tuple[str, ...]:
