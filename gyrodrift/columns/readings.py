@@ -82,8 +82,8 @@ RANGES_DPS = (125.0, 245.0, 250.0, 450.0, 500.0, 1000.0, 2000.0, 4000.0)
 RAIL_COUNTS = 1.5
 """Largest distance from ±2¹⁵ counts at the end of a range."""
 
-NEVER_MOVED_S = 10.0
-"""Time from the first sample on without a change after which the user is told; a dead band hides a rest as long."""
+NEVER_MOVED_S = 20.0
+"""Time from the first sample on without a change after which the user is told: a start at rest seldom takes longer."""
 
 DOES_NOT_ANSWER = "the sensor does not answer: check its wires, address and supply, and the pull-ups of I2C"
 NEVER_MOVED = f"the rate has not changed since the start: it is at rest behind a dead band, or {DOES_NOT_ANSWER}"
@@ -153,6 +153,7 @@ class ReadingJudge:
     _suspect_s: float = 0.0
     _may_stay: bool = False
     _bound_dps: float = inf
+    _stays_max: float = inf
     _stays: int = 0
     _rate_dps: float = nan
     _since_s: float = 0.0
@@ -196,7 +197,8 @@ class ReadingJudge:
         bound_dps = LEAST_JUMP_DPS if is_rail(rates[-1]) else _bound_dps(seconds)
         if change_dps > bound_dps and 0.0 < seconds <= LONGEST_STEP_S and self._calm >= CALM_STEPS:
             self._may_stay = self._is_noisy and change_dps > RAIL_APPROACH_SHARE * abs(rates[-1])
-            return self._suspend(t_s, rates, bound_dps)
+            may_be_clipped = is_rail(rates[-1]) and change_dps <= ABSURD * _bound_dps(seconds)
+            return self._suspend(t_s, rates, bound_dps, RAIL_STAYS if may_be_clipped else inf)
         self._calm = self._calm + 1 if change_dps <= CALM_SHARE * bound_dps else 0
         return self._accept(t_s, rates, companions)
 
@@ -209,20 +211,22 @@ class ReadingJudge:
         is_alone = len(rates) == 1
         return largest_dps >= (ZERO_JUMP_ALONE_DPS if is_alone else ZERO_JUMP_DPS) and (self._calm > 0 or not is_alone)
 
-    def _suspend(self, t_s: float, rates: Values, bound_dps: float) -> ReadingVerdict:
-        """Let a sample wait for the next one."""
+    def _suspend(self, t_s: float, rates: Values, bound_dps: float, stays_max: float = inf) -> ReadingVerdict:
+        """Let a sample wait for the next one; its repetitions up to a number are no measurement either."""
         self._suspect, self._suspect_s, self._bound_dps, self._calm = rates, t_s, bound_dps, 0
+        self._stays_max = stays_max
         return ReadingVerdict.SUSPECT
 
     def end(self) -> None:
-        """Report a hang that lasts to the end."""
+        """Report a hang that lasts to the end, and a rate that never changed."""
+        if self._changes <= 1 and self._repeats >= SILENT_SAMPLES and self._t_s - self._since_s >= SILENT_S:
+            self._report(self._rate_dps, self._since_s, self._t_s, NEVER_MOVED)
         self._move(self._t_s)
 
     def _waits_on(self, suspect: Values, t_s: float, rates: Values) -> bool:
         """Decide on the sample that waits; whether it goes on, because a sensor with noise repeats it exactly."""
         jump_dps, bound_dps = _change(suspect, self._rates), min(self._bound_dps, _bound_dps(t_s - self._suspect_s))
-        may_be_clipped = is_rail(suspect[-1]) and jump_dps <= ABSURD * _bound_dps(t_s - self._suspect_s)
-        if rates == suspect and self._may_stay and not (may_be_clipped and self._stays >= RAIL_STAYS):
+        if rates == suspect and self._may_stay and self._stays < self._stays_max:
             self._stays += 1
             self.was_real, self._t_s = False, t_s
             if self._stays >= HANGS_SAMPLES and t_s - self._suspect_s >= HANGS_S:

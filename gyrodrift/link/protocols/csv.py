@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from math import isfinite, nan
 
 from gyrodrift.link.protocols.lines import LineDecoder
-from gyrodrift.link.protocols.plausible import MAX_RATE_DPS
+from gyrodrift.link.protocols.plausible import MAX_CSV_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.values.constants import CLOCK_MASK
 from gyrodrift.values.sample import Inertial, Reading
@@ -78,7 +78,7 @@ def _parsed(text: bytes) -> tuple[int, Reading] | None:
         return _with_axes(text)
     t_us, *values = (group for group in match.groups() if group is not None)
     rate_dps, *optional = (float(value) for value in values)
-    if isfinite(rate_dps) and abs(rate_dps) > MAX_RATE_DPS:
+    if isfinite(rate_dps) and abs(rate_dps) > MAX_CSV_DPS:
         return None
     return 2 + len(optional), _reading(t_us, rate_dps, optional)
 
@@ -90,7 +90,7 @@ def _with_axes(text: bytes) -> tuple[int, Reading] | None:
         return None
     t_us, *values = (group for group in match.groups() if group is not None)
     x_dps, y_dps, z_dps, *numbers = map(float, values)
-    if not all(abs(rate_dps) <= MAX_RATE_DPS for rate_dps in (x_dps, y_dps, z_dps)):
+    if not all(abs(rate_dps) <= MAX_CSV_DPS for rate_dps in (x_dps, y_dps, z_dps)):
         return None
     inertial = Inertial(x_dps, y_dps, z_dps, *(value if isfinite(value) else nan for value in numbers[:3]))
     return 1 + len(values), _reading(t_us, z_dps, numbers[3:], inertial)

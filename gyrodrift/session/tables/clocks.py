@@ -54,7 +54,7 @@ def clock_problem(t_s: Floats, unit: str, *, is_labeled: bool) -> str:
         return f"steps by 1 in each row, so it is a counter and no clock; {do}"
     if unit in {"s", "ms"} and is_hms(t_s.tolist()):
         form = "HHMMSS" if unit == "s" else "HHMMSSmmm"
-        return f"jumps by 40 s at each minute, so it is a time of day as {form}; state --time-unit hms"
+        return f"jumps by 40 at each minute, so it is a time of day as {form}; state --time-unit hms"
     return ""
 
 
