@@ -138,7 +138,9 @@ def _clock(rest: str, *, is_log: bool, is_first: bool) -> Prefixed | None:
         arrow = ARROW.match(rest, stamp.end())
         end = arrow.end() if arrow else stamp.end()
         rest_line = rest[end:].lstrip()
-        is_prefix = arrow or (rest[end : end + 1] in " [" and (DATA.match(rest_line) or LEVEL.match(rest_line) or SENDER.match(rest_line)))
+        is_prefix = arrow or (
+            rest[end : end + 1] in " [" and (DATA.match(rest_line) or LEVEL.match(rest_line) or SENDER.match(rest_line))
+        )
         return _after(rest, end, *_seconds(stamp)) if is_prefix else None
     if not box:
         return None

@@ -228,7 +228,9 @@ def name_by_known_row(columns: list[SeenColumn]) -> None:
 def _is_rate_of_turn(column: SeenColumn) -> bool:
     """Whether a label is that of a ship's rate of turn, in its unit."""
     is_per_min = column.unit is not None and column.unit.option == PER_MIN
-    return SENTENCE_OF_TURN.fullmatch(column.label[:-2]) is not None or (without_unit(column.label).upper() == "ROT" and is_per_min)
+    return SENTENCE_OF_TURN.fullmatch(column.label[:-2]) is not None or (
+        without_unit(column.label).upper() == "ROT" and is_per_min
+    )
 
 
 def name_by_unit(columns: list[SeenColumn]) -> None:

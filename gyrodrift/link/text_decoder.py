@@ -109,12 +109,12 @@ class TextDecoder(LineDecoder):
         if self._selects and not all(is_value(texts[index], self._spec[index].unit) for index in self._selects):
             return WITHOUT_RATE
         numbers: dict[str, float] = {}
-        for index, meaning, scale, has_16_bits in self._values:
+        for index, meaning, scale, is_short in self._values:
             text = texts[index]
             if not (is_whole(text) if meaning == SEQ else is_number(text)):
                 return None
             number = int(text) & COUNTER_MASK if meaning == SEQ else float(text)
-            numbers[meaning] = (number - 2 * INT16_COUNTS if has_16_bits and number >= INT16_COUNTS else number) * scale
+            numbers[meaning] = (number - 2 * INT16_COUNTS if is_short and number >= INT16_COUNTS else number) * scale
         motion = _motion(numbers)
         if motion is None:
             return None

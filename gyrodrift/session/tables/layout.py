@@ -100,10 +100,10 @@ class TableLayout:
         for line in contents:
             prefixed = prefix.split(line.strip())
             for row in split([prefixed.rest], self.dialect.delimiter):
-                yield lines.number, [*row, *_tail(prefixed, self.has_stamp, self.has_sender)]
+                yield lines.number, [*row, *_tail(prefixed, has_stamp=self.has_stamp, has_sender=self.has_sender)]
 
 
-def _tail(prefixed: Prefixed, has_stamp: bool, has_sender: bool) -> list[str]:
+def _tail(prefixed: Prefixed, *, has_stamp: bool, has_sender: bool) -> list[str]:
     """Cells of a prefix."""
     return [prefixed.stamp] * has_stamp + [prefixed.sender] * has_sender
 
@@ -181,7 +181,7 @@ def _table(path: Path, sample: Sequence[tuple[int, str]], comments: Sequence[tup
         labels = _with_stamps(labels, kept)
     if has_sender and labels:
         labels = (*labels, SENDER_LABEL)
-    shown = tuple([*row, *_tail(part, has_stamp, has_sender)] for row, part in kept)
+    shown = tuple([*row, *_tail(part, has_stamp=has_stamp, has_sender=has_sender)] for row, part in kept)
     width += has_stamp + has_sender
     preamble = {row[0]: row[1] for row in before if len(row) == 2}
     head = Head(path, labels, width, line, shown, preamble)

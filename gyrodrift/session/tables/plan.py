@@ -7,8 +7,9 @@ from itertools import pairwise, takewhile
 from pathlib import Path
 
 from gyrodrift.columns.fields import as_label
-from gyrodrift.columns.judge import CLOCK_WORDS, ColumnVerdict, judged
+from gyrodrift.columns.judge import ColumnVerdict, judged
 from gyrodrift.columns.names import kind_of
+from gyrodrift.columns.naming import CLOCK_WORDS
 from gyrodrift.columns.spec import (
     ACCELERATION_MPS2,
     ANGLE_DEG,
@@ -223,10 +224,11 @@ def spec_of(head: Head, table_columns: TableColumns, changes: Mapping[int, str])
 
 def is_newest_first(head: Head, columns: Sequence[Column] | None) -> bool:
     """Whether the only clocks, as stated or labeled, go back from row to row."""
-    if columns is not None:
-        clocks = [_index(head, position, column, MOST_COLUMNS) for position, column in enumerate(columns) if column.clock]
-    else:
+    if columns is None:
         clocks = [i for i, label in enumerate(head.labels) if kind_of(label) == "clock" or CLOCK_WORDS.search(label)]
+    else:
+        named = (label_index(head.labels, c.label) if c.label else i for i, c in enumerate(columns) if c.clock)
+        clocks = [index for index in named if index is not None]
     directions = [direction for index in clocks if (direction := _direction(head.texts(index)))]
     return bool(directions) and max(directions) < 0
 

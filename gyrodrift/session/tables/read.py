@@ -25,10 +25,10 @@ from gyrodrift.session.tables.plan import (
     UsedColumn,
     columns_by_spec,
     is_newest_first,
-    spec_of,
     known_columns,
     labelled_columns,
     own_columns,
+    spec_of,
     verdict_on,
 )
 from gyrodrift.session.tables.question import check_header, unclear

@@ -74,7 +74,7 @@ class ColumnsRead:
     began: str = ""
     counted: str = ""
     rejected: dict[str, None] = field(default_factory=dict)
-    blocks: dict[int, "Blocks"] = field(default_factory=dict)
+    blocks: dict[int, "RowBlocks"] = field(default_factory=dict)
 
     def column(self, target: str) -> Floats | None:
         """Values of a column, shape (n,); None if it is not used."""
@@ -82,7 +82,7 @@ class ColumnsRead:
 
 
 @dataclass(slots=True)
-class Blocks:
+class RowBlocks:
     """Blocks of rows with the same value in a column: value and number of the first row of each."""
 
     values: list[str] = field(default_factory=list)
@@ -115,7 +115,7 @@ class RowReader:
         unused = set(range(head.width)) - used if columns.form != OWN else set()
         first = {index: head.texts(index) for index in unused}
         named = {index for index, cells in first.items() if cells and len(set(cells)) <= BLOCKS_MAX}
-        self.columns_read.blocks = {index: Blocks() for index in named}
+        self.columns_read.blocks = {index: RowBlocks() for index in named}
         self._moved = next(name for name in ("rate_dps", "yaw_deg", "delta_deg", "qw") if name in columns.targets)
 
     def read(self, rows: Iterable[tuple[int, list[str]]]) -> ColumnsRead:

@@ -59,8 +59,6 @@ def pair(n: int, r: float) -> float:
     return r if n % 2 else 0.3
 
 
-
-
 ASKED: dict[str, tuple[str, Callable[[], list[str]], str, str]] = {
     "senders in blocks": (
         "t_ms,device,gz_dps",
@@ -126,7 +124,7 @@ def test_a_quaternion_that_turns_about_another_axis_is_asked(
         parts = {"w": cos(half), "s": sin(half), "0": 0.001}
         rows.append(",".join([f"{t:.3f}", *(f"{parts[part]:.6f}" for part in order)]))
     path = written(tmp_path / "s.csv", "\n".join(rows) + "\n")
-    with pytest.raises(DataError, match="its quaternion turns about [xy], not about z: ") as error:
+    with pytest.raises(DataError, match=r"its quaternion turns about [xy], not about z: ") as error:
         yaw_deg(path, "" if labels == "qw,qx,qy,qz" else "time_s=t_s, q0=q.w, q1=q.x, q2=q.y, q3=q.z")
     assert f"--columns 'time_s=t_s, {spec}'" in str(error.value)
     assert yaw_deg(path, f"time_s=t_s, {spec}") == pytest.approx(TURN_DEG, abs=2.0)
