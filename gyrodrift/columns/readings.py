@@ -30,7 +30,7 @@ LEAST_JUMP_DPS = 150.0
 trial 24, at 286 Hz)."""
 
 ZERO_JUMP_DPS, ZERO_JUMP_ALONE_DPS = 0.5, 5.0
-"""Smallest rate before a zero of all three axes, and of the only axis, that a failed read of the bus may have caused.
+"""Smallest rate before a zero, or −1, of all three axes, and of the only axis, that a failed read may have caused.
 
 A sensor with noise reads three exact zeros by chance once in some thousand samples at rest, and never amid a turn.
 """
@@ -118,9 +118,14 @@ def no_answer(rates: Values, companions: Values) -> bool:
     it measures gravity.
     """
     if len(rates) == 1:
-        counts = (*SENSITIVITIES, ST_FINEST[1])
-        return rates[0] == -1.0 or any(abs(rates[0] * count + 1.0) < ONE_COUNT for count in counts)
+        return _are_ones(rates[0])
     return len(set(rates)) == 1 and (rates[0] != 0.0 or (len(companions) >= 3 and not any(companions[:3])))
+
+
+def _are_ones(rate_dps: float) -> bool:
+    """Whether a rate is one count below zero, in counts or in deg/s."""
+    counts = (*SENSITIVITIES, ST_FINEST[1])
+    return rate_dps == -1.0 or any(abs(rate_dps * count + 1.0) < ONE_COUNT for count in counts)
 
 
 def _change(a: Values, b: Values) -> float:
@@ -183,7 +188,7 @@ class ReadingJudge:
             return self._accept(t_s, rates, companions)
         if self._suspect is not None and self._waits_on(self._suspect, t_s, rates):
             return ReadingVerdict.MISSING
-        if rates[-1] == 0.0 and self._is_failed_read(t_s, rates):
+        if -1.0 <= rates[-1] <= 0.0 and self._is_failed_read(t_s, rates):
             return self._suspend(t_s, rates, 0.0)
         change_dps = abs(rates[-1] - self._rates[-1])
         if change_dps <= CALM_SHARE * LEAST_JUMP_DPS:
@@ -203,13 +208,13 @@ class ReadingJudge:
         return self._accept(t_s, rates, companions)
 
     def _is_failed_read(self, t_s: float, rates: Values) -> bool:
-        """Whether zeros follow a rate that a sensor with noise and without a dead band cannot leave at once."""
-        if any(rates) or not self._is_noisy or self._longest >= HELD_SAMPLES or t_s - self._t_s > LONGEST_STEP_S:
+        """Whether zeros or ones of the bus follow a rate that a sensor with noise and no dead band cannot leave so."""
+        is_alone, largest_dps = len(rates) == 1, max(map(abs, self._rates))
+        if rates.count(rates[0]) < len(rates) or largest_dps < (ZERO_JUMP_ALONE_DPS if is_alone else ZERO_JUMP_DPS):
             return False
-        largest_dps = max(map(abs, self._rates))
         self._may_stay = largest_dps >= ZERO_JUMP_ALONE_DPS
-        is_alone = len(rates) == 1
-        return largest_dps >= (ZERO_JUMP_ALONE_DPS if is_alone else ZERO_JUMP_DPS) and (self._calm > 0 or not is_alone)
+        is_usual = not self._is_noisy or self._longest >= HELD_SAMPLES or t_s - self._t_s > LONGEST_STEP_S
+        return not is_usual and (self._calm > 0 or not is_alone) and (rates[0] == 0.0 or _are_ones(rates[0]))
 
     def _suspend(self, t_s: float, rates: Values, bound_dps: float, stays_max: float = inf) -> ReadingVerdict:
         """Let a sample wait for the next one; its repetitions up to a number are no measurement either."""

@@ -15,6 +15,9 @@ ST_FINEST = (4.375, 228.57)
 SENSITIVITIES = (*INVENSENSE.values(), *ST.values())
 """Counts per deg/s of common ranges."""
 
+SAMPLE_RATES_HZ = (1.0, 20_000.0)
+"""Sample rates of gyros, from a logger with a sample per second to more than the 8 kHz of an ICM-42688."""
+
 SAME_SENSITIVITY = 0.01
 """Largest relative difference of a sensitivity as users and data sheets round it."""
 

@@ -106,15 +106,16 @@ def test_a_rate_that_never_changes_is_said(value_dps: float) -> None:
     "odd",
     [
         lambda t, rate: 0.0 if round(t * HZ) % 5 == 2 else rate,
+        lambda t, rate: -1.0 if round(t * HZ) % 5 == 2 else rate,
         lambda t, rate: -250.0 if round(t * HZ) % 50 in {5, 6} else rate,
         lambda t, rate: -250.14 if round(t * HZ) % 37 == 5 else rate,
     ],
-    ids=["zeros", "ends of range in pairs", "ends of range"],
+    ids=["zeros", "ones", "ends of range in pairs", "ends of range"],
 )
 def test_failed_reads_are_left_out_once_the_noise_is_known(odd: Odd) -> None:
     events, passed = judged(stream(odd))
     assert names_of(events) == {"impossible_reading"}
-    turn = [sample for sample in passed if sample.t_device_s > 10.0]
+    turn = [sample for sample in passed if 14.9 < sample.t_device_s < 18.1]
     assert angle_deg(turn) == pytest.approx(165.0, abs=3.0)
 
 

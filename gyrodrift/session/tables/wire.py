@@ -10,6 +10,7 @@ from statistics import median
 
 from gyrodrift.columns.csv_line import LEAST_AXES, csv_reading
 from gyrodrift.columns.shape import RateShape, has_csv_shape
+from gyrodrift.columns.sizes import SAMPLE_RATES_HZ
 from gyrodrift.session.session import ACCEL_COLUMNS
 from gyrodrift.session.tables.plan import Head, TableColumns, UsedColumn
 from gyrodrift.values.sample import Sample
@@ -17,9 +18,6 @@ from gyrodrift.values.sample import Sample
 FORM = "csv protocol of gyrodrift"
 TARGETS = ("t_device_s", "rate_dps", "encoder_deg", "temp_c", "still")
 AXES_TARGETS = ("t_device_s", "gyro_x_dps", "gyro_y_dps", "rate_dps", *ACCEL_COLUMNS, *TARGETS[2:])
-
-STEP_US = (50.0, 1e6)
-"""Time between samples of a gyro that a sketch prints: 20 kHz to 1 Hz."""
 
 MOST_US = 2.0**63
 
@@ -38,7 +36,7 @@ def wire_columns(head: Head) -> TableColumns | None:
     if not all(0.0 <= t_us < MOST_US and t_us % 1.0 == 0.0 for t_us in times_us) or len(steps_us) < 1:
         return None
     readings = [csv_reading(int(t_us), values) for t_us, *values in rows]
-    is_steady = min(steps_us) > 0.0 and STEP_US[0] <= median(steps_us) <= STEP_US[1]
+    is_steady = min(steps_us) > 0.0 and SAMPLE_RATES_HZ[0] <= 1e6 / median(steps_us) <= SAMPLE_RATES_HZ[1]
     is_still = all(isnan(reading.still) or reading.still in (0.0, 1.0) for reading in readings)
     if not (is_steady and is_still and has_csv_shape(readings)):
         return None
