@@ -103,8 +103,8 @@ def _name_parts_of_time(columns: list[SeenColumn]) -> None:
     """Name the parts of a time of day, the coarsest first; days count only with hours, months only with a date."""
     parts = [(size, column) for column in columns for size in [_part_size(column)] if size >= 0]
     sizes = [size for size, _ in parts]
-    others = [column for column in columns if not any(column is part for _, part in parts)]
-    if any(_is_labeled_clock(column) and _goes_on(column, None) for column in others):
+    rest_columns = [column for column in columns if not any(column is part for _, part in parts)]
+    if any(_is_labeled_clock(column) and _goes_on(column, None) for column in rest_columns):
         return
     if len(set(sizes)) < len(sizes) or not {PARTS_OF_TIME.index("t:min"), PARTS_OF_TIME.index("t_s")} <= set(sizes):
         return
