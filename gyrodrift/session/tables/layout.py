@@ -68,7 +68,7 @@ class TableLayout:
     first_line
         Number of the first possible row.
     has_prefix, has_stamp, has_sender
-        Whether a terminal or a log has put a prefix in front of each line. Its clock and its sender are the last columns.
+        Whether a terminal or a log has put a prefix in front of each line. Clock and sender of it are the last columns.
     """
 
     dialect: Dialect

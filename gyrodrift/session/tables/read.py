@@ -189,7 +189,7 @@ def _check_clock(head: Head, table_columns: TableColumns, read: ColumnsRead, sta
     if table_columns.form == OWN or stated.unit or t_s is None or not clocks:
         return
     clock = clocks[0]
-    _check_blocks(head, table_columns, read, t_s)
+    _check_blocks(head, table_columns, read)
     label = head.labels[clock.index] if clock.index < len(head.labels) else ""
     if read.counted:
         why = f"has no leading zeros in its fraction (%ld.%ld): state --time-unit {read.counted}"
@@ -202,19 +202,22 @@ def _check_clock(head: Head, table_columns: TableColumns, read: ColumnsRead, sta
         raise DataError(f"{head.path}: {_label(head, clock.index)} {problem}")
 
 
-def _check_blocks(head: Head, table_columns: TableColumns, read: ColumnsRead, t_s: Floats) -> None:
+def _check_blocks(head: Head, table_columns: TableColumns, read: ColumnsRead) -> None:
     """Check that no column names senders, or runs, whose rows follow each other.
 
     Raises
     ------
     DataError
-        The clock goes back wherever the value of a column changes.
+        A column has another value wherever the clock goes back, and the same value up to there.
     """
-    backward = set((1 + np.flatnonzero(np.diff(t_s) < 0.0)).tolist())
-    for index, blocks in read.blocks.items():
-        names = tuple(dict.fromkeys(blocks.values))
-        is_sorted = len(names) == len(blocks.values) > 1 and all(start in backward for start in blocks.starts[1:])
-        if is_sorted and all(names):
+    starts, ends = read.edges[::2], read.edges[1::2]
+    used = {column.index for column in table_columns.used} | {index for index, _ in table_columns.where}
+    for index in set(range(min(map(len, read.edges)))) - used if len(starts) > 1 else ():
+        names = [row[index].strip() for row in starts]
+        is_one = names == [row[index].strip() for row in ends] and len(set(head.texts(index))) <= len(names)
+        label = head.labels[index] if head.labels else ""
+        is_quantity = kind_of(label) not in {"", "seq"} or unit_in(label) is not None or "." in "".join(names)
+        if is_one and not is_quantity and all(names) and len(set(names)) == len(names):
             shown = ", ".join(map(visible, names[:VALUES_SHOWN]))
             value = quoted(names[0]) if head.labels else f"{SELECTED}{names[0]}"
             spec = spec_of(head, table_columns, {index: value})

@@ -62,8 +62,8 @@ class ColumnsRead:
         Unit of the clock if its fraction has no leading zeros, else empty.
     rejected
         First values of the rows that are not to be used.
-    blocks
-        Blocks of rows, by the column of which they have the same value.
+    edges
+        First and last row, and between them those before and after each step back of the clock; at most 2 BLOCKS_MAX.
     """
 
     pieces: dict[str, list[Floats]]
@@ -74,29 +74,12 @@ class ColumnsRead:
     began: str = ""
     counted: str = ""
     rejected: dict[str, None] = field(default_factory=dict)
-    blocks: dict[int, "RowBlocks"] = field(default_factory=dict)
+    edges: list[Sequence[str]] = field(default_factory=list)
+    last_s: float = nan
 
     def column(self, target: str) -> Floats | None:
         """Values of a column, shape (n,); None if it is not used."""
         return np.concatenate(self.pieces[target] or [np.empty(0)]) if target in self.pieces else None
-
-
-@dataclass(slots=True)
-class RowBlocks:
-    """Blocks of rows with the same value in a column: value and number of the first row of each."""
-
-    values: list[str] = field(default_factory=list)
-    starts: list[int] = field(default_factory=list)
-
-    def add(self, cells: Sequence[str], row: int) -> bool:
-        """Add the cells of consecutive rows, the first of which has this number; False if there are too many blocks."""
-        if set(cells) <= {*self.values[-1:]}:
-            return True
-        for index, cell in enumerate(cells):
-            if [cell] != self.values[-1:]:
-                self.values.append(cell)
-                self.starts.append(row + index)
-        return len(self.values) <= BLOCKS_MAX
 
 
 class RowReader:
@@ -111,11 +94,6 @@ class RowReader:
         self._values = [column for column in columns.used if column.target != "t_device_s" or columns.form == OWN]
         self._clocks = [column for column in columns.used if column not in self._values]
         self._clock = ClockReader([column.unit for column in self._clocks])
-        used = {column.index for column in columns.used} | {index for index, _ in columns.where}
-        unused = set(range(head.width)) - used if columns.form != OWN else set()
-        first = {index: head.texts(index) for index in unused}
-        named = {index for index, cells in first.items() if cells and len(set(cells)) <= BLOCKS_MAX}
-        self.columns_read.blocks = {index: RowBlocks() for index in named}
         self._moved = next(name for name in ("rate_dps", "yaw_deg", "delta_deg", "qw") if name in columns.targets)
 
     def read(self, rows: Iterable[tuple[int, list[str]]]) -> ColumnsRead:
@@ -229,13 +207,20 @@ class RowReader:
         return joined.replace(",", ".").split("\n") if self._comma and "," in joined else cells
 
     def _keep(self, values: dict[str, Floats], rows: Sequence[Sequence[str]]) -> None:
-        for index, blocks in list(self.columns_read.blocks.items()):
-            cells = [row[index].strip() for row in rows if index < len(row)]
-            if not blocks.add(cells, self.columns_read.count):
-                del self.columns_read.blocks[index]
+        if rows and "t_device_s" in values:
+            self._note_edges(values["t_device_s"], rows)
         for target, column in values.items():
             self.columns_read.pieces[target].append(column)
         self.columns_read.count += len(next(iter(values.values())))
+
+    def _note_edges(self, t_s: Floats, rows: Sequence[Sequence[str]]) -> None:
+        """Keep the rows at which a block of rows may begin or end."""
+        read = self.columns_read
+        edges = read.edges or [rows[0], rows[0]]
+        *inner, last = edges
+        for index in np.flatnonzero(np.diff(t_s, prepend=read.last_s) < 0.0)[:BLOCKS_MAX].tolist():
+            inner += [rows[index - 1] if index else last, rows[index]]
+        read.edges, read.last_s = [*inner[: 2 * BLOCKS_MAX], rows[-1]], float(t_s[-1])
 
     def _why(self, row: Sequence[str], error: ValueError) -> str:
         """Reason why a row is refused: its first wrong cell."""
