@@ -171,15 +171,17 @@ def parser_of(name: str) -> Parser:
 
 def program_parser() -> Parser:
     """Parser of the options without a command."""
-    from gyrodrift.cli.plug_ins import summaries
+    from gyrodrift.cli.plug_ins import listing, summaries
     from gyrodrift.io.installation import version_line
 
     commands = [*COMMANDS.items(), *summaries(COMMANDS)]
     width = max(len(command) for command, _ in commands)
-    listing = "\n".join(f"  {command:{width}}  {what}" for command, what in commands)
+    names = "\n".join(f"  {command:{width}}  {what}" for command, what in commands)
+    lines = "".join(f"\n  {line}" for line in listing())
+    added = f"\n\nplug-ins of other packages:{lines}" if lines else ""
     parser = Parser(
         usage="gyrodrift COMMAND ... (gyrodrift help COMMAND for its options)",
-        description=f"Correct the yaw drift of a low-cost gyro in real time.\n\ncommands:\n{listing}",
+        description=f"Correct the yaw drift of a low-cost gyro in real time.\n\ncommands:\n{names}{added}",
         epilog=f"examples:\n{indent(EXAMPLES, '  ')}\n{EPILOG}",
     )
     parser.add_argument("--version", action="version", version=version_line())

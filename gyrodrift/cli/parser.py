@@ -2,9 +2,10 @@
 
 import argparse
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from typing import Any, NoReturn
 
+from gyrodrift.io.plug_ins import PlugIns
 from gyrodrift.values.errors import UsageError, shortened
 from gyrodrift.values.nearest import nearest, suggestion
 
@@ -40,11 +41,32 @@ def unknown(what: str, word: str, names: Iterable[str]) -> UsageError:
     return UsageError(f"{word}: there is no such {what}; {nearest_or_all(word.rpartition(' ')[2], names)}")
 
 
+class Choices(Container[str]):
+    """Names of a registry as the choices of an option; plug-ins are looked for if a name is none of ours."""
+
+    def __init__(self, registry: PlugIns[Any], *first: str) -> None:
+        self._registry, self._first = registry, first
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._first or (name in self._registry and bool(self._registry[str(name)]))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter([*self._first, *self._registry])
+
+    @property
+    def from_plug_ins(self) -> str:
+        """Words for the help: the names that other packages add; empty without any."""
+        added = [name for name in self if name not in self._first and name not in self._registry.own]
+        return f"; from plug-ins: {', '.join(added)}" if added else ""
+
+
 class HelpFormatter(argparse.RawDescriptionHelpFormatter):
     """Help that keeps the layout of descriptions and prints the default of each option."""
 
     def _get_help_string(self, action: argparse.Action) -> str | None:
         text = action.help or ""
+        if isinstance(action.choices, Choices):
+            text += action.choices.from_plug_ins
         if "default" in text or any(action.default is hidden or action.default == hidden for hidden in HIDDEN_DEFAULTS):
             return text
         return f"{text} (default %(default)s)"

@@ -26,7 +26,7 @@ from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.guard import Guard, renewed
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.link.protocols.registry import candidates
+from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS, added_candidates, candidates
 from gyrodrift.link.silence import unread_protocol, why_silent
 from gyrodrift.link.sources.source import SourcePort
 from gyrodrift.link.unit_check import UnitCheck
@@ -36,6 +36,10 @@ from gyrodrift.values.sample import Reading, Sample
 BAUD_TRIAL_S = 0.8
 BAUD_TRIAL_WARM_S = 4.0
 """Time for which `--baud auto` listens at a baud rate with bytes, s; the longer one after the first good frame."""
+
+PLUG_IN_BYTES = 256
+"""Bytes that no protocol of gyrodrift understands before those of plug-ins are tried; chosen, over three frames of most
+protocols. So the start with a usual device neither looks for plug-ins nor imports them."""
 
 TELL_S = 10.0
 """Time after which a link without timeout reports why it understands nothing, s."""
@@ -80,6 +84,7 @@ class Link:
         self._passed_over: frozenset[str] = frozenset()
         self._late = LateArrivals()
         self._detector = Detector(list(self._protocols.values()), self._guard)
+        self._detects_all = len(self._protocols) > 1 and options.protocol == AUTO
         if len(self._protocols) == 1 and (options.baud is not None or not self.connection.has_baud):
             self.decoder = next(iter(self._protocols.values())).decoder()
         self._spoke = False
@@ -214,7 +219,7 @@ class Link:
         if self.decoder is not None:
             self.decoder, readings = self._guard.push(self._protocols[self.decoder.name], self.decoder, chunk)
         else:
-            detected = self._detector.push(chunk)
+            detected = self._detector.push(chunk) or self._ask_plug_ins(chunk)
             if detected is None:
                 return []
             self.decoder, readings = detected
@@ -226,6 +231,17 @@ class Link:
             hint = self._protocols[self.decoder.name].choice_hint
             self._on_event("talkers_passed_over", names=", ".join(sorted(self._passed_over)), hint=hint)
         return readings
+
+    def _ask_plug_ins(self, chunk: bytes) -> tuple[Decoder, list[Reading]] | None:
+        """Let the protocols of plug-ins join the detection, if the bytes so far are not understood."""
+        if not self._detects_all or self.counters.bytes < PLUG_IN_BYTES:
+            return None
+        self._detects_all = False
+        for problem in PROTOCOLS.problems():
+            self._on_event("plug_in_left_out", reason=problem)
+        added = added_candidates()
+        self._protocols |= {protocol.name: protocol for protocol in added}
+        return self._detector.join(added, chunk)
 
     def _meet(self, device: DeviceDescription) -> None:
         if device != self.device and device.device_id is not None:
