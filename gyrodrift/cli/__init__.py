@@ -12,6 +12,7 @@ from types import ModuleType
 
 from gyrodrift.cli.parser import Parser
 from gyrodrift.cli.standard_streams import accept_all_characters, open_standard_streams
+from gyrodrift.io.deprecation import told_deprecations
 from gyrodrift.values.errors import GyrodriftError, UsageError, visible
 from gyrodrift.values.secret import mentions_secret, shown_words
 
@@ -117,7 +118,8 @@ def _run(name: str, arguments: list[str]) -> int:
 
         hide_secrets()
     try:
-        parsed = parser_of(name).read(arguments)
+        with told_deprecations():
+            parsed = parser_of(name).read(arguments)
         _check_system(name)
         parsed.command_line = shown_words(["gyrodrift", name, *arguments])
         status: int = command_of(name).run(parsed)

@@ -5,12 +5,10 @@ import re
 from collections.abc import Container, Iterable, Iterator, Sequence
 from typing import Any, NoReturn
 
+from gyrodrift.io.deprecation import DEPRECATED, successor_of
 from gyrodrift.io.plug_ins import PlugIns
 from gyrodrift.values.errors import UsageError, shortened
 from gyrodrift.values.nearest import nearest, suggestion
-
-RENAMED = {"--threads": "--jobs"}
-"""Options that had another name."""
 
 NEAREST = 2
 """Most suggestions for an unknown word."""
@@ -89,6 +87,7 @@ class Parser(argparse.ArgumentParser):
         UsageError
             With all unknown options, or else with the first mistake.
         """
+        words = [self._present(word) for word in words]
         mistakes = [self._mistake(word.partition("=")[0]) for word in _options_in(words)]
         if any(mistakes):
             raise UsageError("\n".join(filter(None, mistakes)))
@@ -102,12 +101,18 @@ class Parser(argparse.ArgumentParser):
     def _see(self) -> str:
         return f"gyrodrift help {self._name}".rstrip() + " shows them all"
 
+    def _present(self, word: str) -> str:
+        """A word with the present name of a deprecated option that this command has."""
+        name, equals, value = word.partition("=")
+        options = self._option_string_actions
+        if name in DEPRECATED and name not in options and DEPRECATED[name].successor in options:
+            return f"{successor_of(name)}{equals}{value}"
+        return word
+
     def _mistake(self, word: str) -> str:
         options = self._option_string_actions
         if word in options:
             return ""
-        if RENAMED.get(word) in options:
-            return f"{word}: is {RENAMED[word]} now"
         sought = f"-{word}" if re.fullmatch(r"-\w", word) else word
         meant = begun_or_near(sought, [option for option in options if option.startswith("--")])
         return f"{word}: {self._name or 'gyrodrift'} has no such option; {meant or self._see}"
