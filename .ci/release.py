@@ -123,10 +123,10 @@ def _reachable(packages: dict[str, dict], name: str, extras: set[str]) -> set[st
     needed = [*packages[name].get("dependencies", []), *(d for extra in extras for d in optional.get(extra, []))]
     reached = {name}
     while needed:
-        wanted = needed.pop()["name"]
-        if wanted not in reached:
-            reached.add(wanted)
-            needed += packages[wanted].get("dependencies", [])
+        package = needed.pop()["name"]
+        if package not in reached:
+            reached.add(package)
+            needed += packages[package].get("dependencies", [])
     return reached
 
 

@@ -112,14 +112,14 @@ def test_the_package_is_installed_upgraded_and_purged(package: Path) -> None:
     finally:
         done = run("dpkg", "--purge", "gyrodrift")
     assert done.returncode == 0, done.stderr
-    left = (
+    removed = (
         "/usr/bin/gyrodrift",
         "/usr/lib/gyrodrift",
         "/etc/gyrodrift",
         "/etc/default/gyrodrift",
         "/var/lib/gyrodrift",
     )
-    assert [path for path in left if Path(path).exists()] == []
+    assert [path for path in removed if Path(path).exists()] == []
 
 
 @pytest.mark.usefixtures("root_only")
@@ -137,7 +137,7 @@ def test_a_hand_made_install_is_one_line(package: Path) -> None:
 
 
 def test_each_plug_in_of_the_docs_is_installed_and_found(tmp_path: Path) -> None:
-    """By pip, into an environment of its own, with the wheel of this clone."""
+    """Pip installs them into an environment of its own, with the wheel of this clone."""
     venv.create(tmp_path / "venv", with_pip=False)
     python = tmp_path / "venv" / "bin" / "python"
     (site,) = (tmp_path / "venv" / "lib").glob("python*/site-packages")
