@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterator
 from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 from gyrodrift import __version__
 from gyrodrift.cli import COMMANDS, parser_of, program_parser
@@ -125,7 +126,7 @@ def _config() -> str:
     return "\n".join([*lines, ".SH SEE ALSO", r"\fBgyrodrift\-serve\fR(1)"]) + "\n"
 
 
-def _bounds(params: type) -> Iterator[str]:
+def _bounds(params: type[Any]) -> Iterator[str]:
     for check in bound_checks(params):
         yield re.sub(r"GD_R\(([^)]*)\)", r"\1", check).replace("p->", "").replace(" && ", ", ")
 

@@ -20,6 +20,7 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 from email.utils import format_datetime
 from pathlib import Path
+from typing import Any
 from uuid import NAMESPACE_URL, uuid5
 
 from man_pages import pages, release_date
@@ -118,7 +119,7 @@ def sbom(out: Path) -> None:
     (out / f"gyrodrift-{__version__}.cdx.json").write_text(json.dumps(content, indent=1) + "\n")
 
 
-def _reachable(packages: dict[str, dict], name: str, extras: set[str]) -> set[str]:
+def _reachable(packages: dict[str, Any], name: str, extras: set[str]) -> set[str]:
     optional = packages[name].get("optional-dependencies", {})
     needed = [*packages[name].get("dependencies", []), *(d for extra in extras for d in optional.get(extra, []))]
     reached = {name}
@@ -130,11 +131,11 @@ def _reachable(packages: dict[str, dict], name: str, extras: set[str]) -> set[st
     return reached
 
 
-def _component(package: dict) -> dict:
+def _component(package: dict[str, Any]) -> dict[str, Any]:
     files = [*package.get("wheels", []), *([package["sdist"]] if "sdist" in package else [])]
     hashes = [{"alg": "SHA-256", "content": file["hash"].removeprefix("sha256:")} for file in files]
     name, version = package["name"], package["version"]
-    component = {"type": "library", "name": name, "version": version, "bom-ref": name}
+    component: dict[str, Any] = {"type": "library", "name": name, "version": version, "bom-ref": name}
     return component | {"purl": f"pkg:pypi/{name}@{version}", "hashes": hashes}
 
 

@@ -1,6 +1,7 @@
 """Plug-ins of other packages: the examples of the docs work; a broken package is one line and harms nothing else."""
 
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -17,6 +18,7 @@ from gyrodrift.config.model import load_config
 from gyrodrift.io.plug_ins import API, PlugInError, PlugIns
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
+from gyrodrift.link.protocols.registry import PROTOCOLS
 from gyrodrift.link.sources.registry import source_named
 from gyrodrift.outputs.registry import OUTPUTS
 from gyrodrift.simulation.effects import load
@@ -206,6 +208,29 @@ def test_a_broken_filter_in_a_config_is_told_with_its_line(site: Site, tmp_path:
     path.write_text("axes: 1\ntoy: {}\n")
     with pytest.raises(ValueError, match=r"c.yaml:2:1 toy: toy: the filter of bad cannot be imported: Zero"):
         load_config(path)
+
+
+def test_a_filter_that_fails_while_it_works_is_one_line(
+    site: Site, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = (EXAMPLES / "filter" / "fixed_bias.py").read_text()
+    source = source.replace(
+        "    if not (isf", '    if s.samples > 5:\n        raise RuntimeError("boom")\n    if not (isf'
+    )
+    site.install("bad", "gyrodrift.filters", "fixed", "bad:FIXED", source)
+    session = tmp_path / "s.csv"
+    session.write_text("t_device_s,rate_dps\n" + "".join(f"{n / 50},1.0\n" for n in range(51)))
+    assert main(["filter", str(session), "--filter", "fixed"]) == 2
+    line = r"gyrodrift: fixed: the filter of bad failed: RuntimeError: boom \(bad.py:\d+\); tell its authors, or go on"
+    assert re.match(line, capsys.readouterr().err)
+
+
+def test_a_protocol_without_all_of_a_decoder_is_refused(site: Site) -> None:
+    source = (EXAMPLES / "protocol" / "milli_frames.py").read_text().replace('        self.unread = ""\n', "")
+    site.install("bad", "gyrodrift.protocols", "milli", "bad:MILLI", source)
+    assert PROTOCOLS.problems() == [
+        f"milli: the protocol of bad is no protocol: its decoder has no unread; {REMEDY}",
+    ]
 
 
 def test_what_a_package_prints_goes_to_stderr(site: Site, capsys: pytest.CaptureFixture[str]) -> None:

@@ -13,6 +13,7 @@ from types import ModuleType
 from gyrodrift.cli.parser import Parser
 from gyrodrift.cli.standard_streams import accept_all_characters, open_standard_streams
 from gyrodrift.io.deprecation import told_deprecations
+from gyrodrift.io.plug_ins import failure_in_plug_in
 from gyrodrift.values.errors import GyrodriftError, UsageError, visible
 from gyrodrift.values.secret import mentions_secret, shown_words
 
@@ -60,7 +61,7 @@ angles are degrees, rates deg/s, times s, temperatures °C; counter-clockwise is
 """
 
 
-def main(argv: list[str] | None = None) -> int:
+def main(argv: list[str] | None = None) -> int:  # noqa: PLR0911 - one for each kind of end
     """Run a command and return its exit status; a wrong input is one line on stderr, never a traceback."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # matrices are small here, and threads slow their products down
     open_standard_streams()
@@ -86,6 +87,12 @@ def main(argv: list[str] | None = None) -> int:
             return 0
         print(f"gyrodrift: {error.filename or 'output'}: {error.strerror}", file=sys.stderr)
         _forget_stdout()
+        return UsageError.exit_status
+    except Exception as error:
+        line = failure_in_plug_in(error)
+        if not line:
+            raise
+        print(f"gyrodrift: {line}", file=sys.stderr)
         return UsageError.exit_status
 
 

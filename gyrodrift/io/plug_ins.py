@@ -32,6 +32,9 @@ LONGEST_BYTES = 1 << 20
 LONGEST_REASON = 200
 """Characters of an exception that a message quotes."""
 
+MODULES: dict[str, str] = {}
+"""Modules of plug-ins that were loaded, with the words that name the plug-in in a message."""
+
 T = TypeVar("T")
 
 
@@ -181,11 +184,25 @@ class PlugIns(Mapping[str, T], Generic[T]):
             is_newer = isinstance(stated, int) and stated > API
             remedy = f"install an older version of {entry.package}, or a newer gyrodrift" if is_newer else remedy
             return PlugInError(f"{subject} is for version {stated!r} of plug-ins, gyrodrift has {API}; {remedy}")
+        MODULES[module.__name__] = f"{entry.name}: the {self.what} of {entry.package}"
         try:
             return self._accept(entry, value)
         except Exception as error:  # noqa: BLE001 - a value of another package may raise anything when it is examined
             reason = shortened(visible(str(error).partition("\n")[0]), LONGEST_REASON)
             return PlugInError(f"{subject} is no {self.what}: {reason}; {remedy}")
+
+
+def failure_in_plug_in(error: BaseException) -> str:
+    """Line about an exception that the code of a plug-in raised while it worked; empty for any other exception."""
+    frame = error.__traceback__
+    subject, place = "", ""
+    while frame is not None:
+        subject = MODULES.get(frame.tb_frame.f_globals.get("__name__", ""), subject)
+        place = f"{os.path.basename(frame.tb_frame.f_code.co_filename)}:{frame.tb_lineno}"  # noqa: PTH119 - a text
+        frame = frame.tb_next
+    reason = shortened(visible(str(error).partition("\n")[0]), LONGEST_REASON)
+    text = f"{subject} failed: {type(error).__name__}: {reason} ({place}); tell its authors, or go on without it"
+    return text if subject else ""
 
 
 def named_record(kind: type[T], attribute: str = "name") -> Callable[[EntryPoint, Any], T]:

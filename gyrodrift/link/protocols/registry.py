@@ -3,16 +3,30 @@
 from dataclasses import replace
 from importlib import import_module
 from pkgutil import iter_modules
+from typing import Any
 
 import gyrodrift.link.protocols
-from gyrodrift.io.plug_ins import PlugIns, named_record
+from gyrodrift.io.plug_ins import EntryPoint, PlugIns, named_record
 from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.values.errors import UsageError
 
 AUTO = "auto"
 
-PROTOCOLS: PlugIns[WireProtocol] = PlugIns("protocol", named_record(WireProtocol), (AUTO,))
+DECODER = ("name", "counters", "device", "unread", "push")
+"""Members of a decoder (`gyrodrift.link.protocols.decoder.Decoder`)."""
+
+
+def _accept(entry: EntryPoint, value: Any) -> WireProtocol:
+    protocol = named_record(WireProtocol)(entry, value)
+    decoder = protocol.decoder()
+    missing = [name for name in DECODER if not hasattr(decoder, name)]
+    if missing or decoder.name != protocol.name:
+        raise TypeError(f"its decoder has no {missing[0]}" if missing else f"its decoder is named {decoder.name!r}")
+    return protocol
+
+
+PROTOCOLS: PlugIns[WireProtocol] = PlugIns("protocol", _accept, (AUTO,))
 """Protocols in the order of detection, and then those of plug-ins."""
 
 
