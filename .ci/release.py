@@ -193,8 +193,9 @@ def _tree(tree: Path, wheel: Path) -> None:
     _without_tests(packages)
     program = tree / "usr" / "bin" / "gyrodrift"
     program.parent.mkdir(parents=True)
-    head = f'#!{PYTHON} -IB\nimport sys\n\nsys.path.insert(0, "/{VENDORED}")\n'
-    program.write_text(f"{head}from gyrodrift.cli import main\n\nsys.exit(main())\n")
+    # Processes that gyrodrift starts inherit the path; without PYTHONSAFEPATH a folder of the user would come first.
+    words = f'PYTHONPATH=/{VENDORED} PYTHONSAFEPATH=1 exec {PYTHON} -m gyrodrift "$@"'
+    program.write_text(f"#!/bin/sh\n{words}\n")
     program.chmod(0o755)
     config = tree / "etc" / "gyrodrift" / "gyrodrift.yaml"
     config.parent.mkdir(parents=True)

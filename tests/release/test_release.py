@@ -51,7 +51,7 @@ def root_only() -> None:
 
 def test_all_files_are_there_with_their_checksums(dist: Path) -> None:
     lines = (dist / "SHA256SUMS").read_text().splitlines()
-    sums = dict(reversed(line.split("  ")) for line in lines)
+    sums = {name: digest for digest, _, name in (line.partition("  ") for line in lines)}
     assert {f"gyrodrift-c-{__version__}.tar.gz", f"gyrodrift-{__version__}.cdx.json"} <= sums.keys()
     assert sums == {name: hashlib.sha256((dist / name).read_bytes()).hexdigest() for name in sums}
 
@@ -79,8 +79,8 @@ def test_the_c_archive_has_each_form(dist: Path, tmp_path: Path) -> None:
     with tarfile.open(dist / f"gyrodrift-c-{__version__}.tar.gz") as archive:
         archive.extractall(tmp_path, filter="data")
     top = tmp_path / f"gyrodrift-c-{__version__}"
-    forms = ("gyrodrift.h", "LICENSE", "arduino/gyrodrift/library.properties", "platformio/gyrodrift/library.json")
-    forms += ("esp-idf/gyrodrift/idf_component.yml", "zephyr/gyrodrift/zephyr/module.yml")
+    forms = ["gyrodrift.h", "LICENSE", "arduino/gyrodrift/library.properties", "platformio/gyrodrift/library.json"]
+    forms += ["esp-idf/gyrodrift/idf_component.yml", "zephyr/gyrodrift/zephyr/module.yml"]
     assert [form for form in forms if not (top / form).is_file()] == []
     platformio = shutil.which("pio", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
     if platformio is not None:
