@@ -195,13 +195,13 @@ class PlugIns(Mapping[str, T], Generic[T]):
 def failure_in_plug_in(error: BaseException) -> str:
     """Line about an exception that the code of a plug-in raised while it worked; empty for any other exception."""
     frame = error.__traceback__
-    subject, place = "", ""
+    subject, line = "", ""
     while frame is not None:
         subject = MODULES.get(frame.tb_frame.f_globals.get("__name__", ""), subject)
-        place = f"{os.path.basename(frame.tb_frame.f_code.co_filename)}:{frame.tb_lineno}"  # noqa: PTH119 - a text
+        line = f"{os.path.basename(frame.tb_frame.f_code.co_filename)}:{frame.tb_lineno}"  # noqa: PTH119 - a text
         frame = frame.tb_next
     reason = shortened(visible(str(error).partition("\n")[0]), LONGEST_REASON)
-    text = f"{subject} failed: {type(error).__name__}: {reason} ({place}); tell its authors, or go on without it"
+    text = f"{subject} failed: {type(error).__name__}: {reason} ({line}); tell its authors, or go on without it"
     return text if subject else ""
 
 
