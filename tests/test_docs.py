@@ -14,6 +14,7 @@ import pytest
 from test_architecture import ROOMS
 
 from gyrodrift.cli import COMMANDS, parser_of
+from gyrodrift.cli.plug_ins import REGISTRIES
 from gyrodrift.values.errors import UsageError
 
 ROOT = Path(__file__).parent.parent
@@ -195,7 +196,7 @@ def test_files_modules_and_classes_of_the_recipes_exist(page: Path) -> None:
     """A path may be shortened from the left; a name with NAME in it is a toy of the reader."""
     text = "".join(path.read_text() for path in (*SOURCES, *DOCS.glob("examples/*.py")))
     for code in CODE.findall(prose(page)):
-        if "NAME" in code or code == "gyrodrift.commands":
+        if "NAME" in code or code in (*REGISTRIES, "gyrodrift.commands"):
             continue
         if PATH.fullmatch(code):
             assert any(path.endswith(f"/{code}") for path in tree()), f"{code}: there is no such file"

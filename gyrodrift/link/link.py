@@ -26,7 +26,7 @@ from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.guard import Guard, renewed
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.link.protocols.registry import candidates
+from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS, added_candidates, candidates
 from gyrodrift.link.silence import unread_protocol, why_silent
 from gyrodrift.link.sources.source import SourcePort
 from gyrodrift.link.turn_queue import TurnQueue
@@ -40,6 +40,10 @@ BAUD_TRIAL_WARM_S = 4.0
 
 STREAMS_MAX = 256
 """Largest number of senders that are heard before the first sample; the decoders of one take about 10 kB."""
+
+PLUG_IN_BYTES = 256
+"""Bytes that no protocol of gyrodrift understands before those of plug-ins are tried; chosen, over three frames of most
+protocols. So the start with a usual device neither looks for plug-ins nor imports them."""
 
 TELL_S = 10.0
 """Time after which a link without timeout reports why it understands nothing, s."""
@@ -85,6 +89,7 @@ class Link:
         self._late = LateArrivals()
         self._queue = TurnQueue()
         self._detector = self._begin_detection()
+        self._detects_all = len(self._protocols) > 1 and options.protocol == AUTO
         self._stream: object = None
         self._streams: dict[object, tuple[Decoder | None, Detector, LateArrivals]] = {}
         self._spoke = False
@@ -289,7 +294,7 @@ class Link:
         if self.decoder is not None:
             self.decoder, readings = self._guard.push(self._protocols[self.decoder.name], self.decoder, chunk)
         else:
-            detected = self._detector.push(chunk)
+            detected = self._detector.push(chunk) or self._ask_plug_ins(chunk)
             if detected is None:
                 return []
             self.decoder, readings = detected
@@ -301,6 +306,17 @@ class Link:
             hint = self._protocols[self.decoder.name].choice_hint
             self._on_event("talkers_passed_over", names=", ".join(sorted(self._passed_over)), hint=hint)
         return readings
+
+    def _ask_plug_ins(self, chunk: bytes) -> tuple[Decoder, list[Reading]] | None:
+        """Let the protocols of plug-ins join the detection, if the bytes so far are not understood."""
+        if not self._detects_all or self.counters.bytes < PLUG_IN_BYTES:
+            return None
+        self._detects_all = False
+        for problem in PROTOCOLS.problems():
+            self._on_event("plug_in_left_out", reason=problem)
+        added = added_candidates()
+        self._protocols |= {protocol.name: protocol for protocol in added}
+        return self._detector.join(added, chunk)
 
     def _meet(self, device: DeviceDescription) -> None:
         if device != self.device and device.device_id is not None:

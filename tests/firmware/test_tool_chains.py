@@ -58,7 +58,7 @@ def arduino(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def properties(folder: Path) -> dict[str, str]:
     """Fields of library.properties."""
     lines = (folder / "library.properties").read_text().splitlines()
-    return dict(line.split("=", 1) for line in lines)
+    return dict(line.split("=", 1) for line in lines if not line.startswith("#"))
 
 
 def test_library_properties_fulfill_the_specification(arduino: Path) -> None:
