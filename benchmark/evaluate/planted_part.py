@@ -5,8 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from blind.rows.recordings import Recorded, rig_of
+from gyrogap.answer import SURE_ABOVE
 
-from evaluate.baseline import SURE_ABOVE, first_or_tied, gap_of, group_of, run_diagnose, words_of
+from evaluate.baseline import first_or_tied, gap_of, group_of, run_diagnose, words_of
 from evaluate.figures import Figure, share_figure
 from evaluate.planted import CASES, PlantedFlaw, halves
 

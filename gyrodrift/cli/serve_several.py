@@ -32,10 +32,12 @@ def run(arguments: argparse.Namespace) -> int:
     log, lines = serving.log_of(arguments, has_person=False), SharedLines(STDOUT)
     with StopSignal() as stop, ExitStack() as closing:
         closing.callback(lines.close)
-        services = [_service(arguments, source, lines, log, stop, closing) for source in settings]
+        with stop.at_once():
+            services = [_service(arguments, source, lines, log, stop, closing) for source in settings]
         notify = SystemdNotify()
         closing.callback(notify.stopping)
         return SeveralServices(services, log, stop, notify).run()
+    return 0
 
 
 def _settings(arguments: argparse.Namespace) -> tuple[SourceSettings, ...]:

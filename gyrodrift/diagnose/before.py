@@ -18,7 +18,7 @@ from gyrodrift.diagnose.recording.recording import Recording, filled
 from gyrodrift.diagnose.simulate.candidates import KINDS
 from gyrodrift.diagnose.stages import DiagnosisRequest, lacking_for, recordings_of
 from gyrodrift.io.progress import OnProgress, ignore_progress
-from gyrodrift.values.arrays import Floats
+from gyrodrift.values.arrays import Floats, Integers
 
 SIGMAS = 3.0
 """Standard errors of the smallest size that shows."""
@@ -41,7 +41,7 @@ class SecondBlocks:
     recording: Recording
 
     @cached_property
-    def _edges(self) -> Floats:
+    def _edges(self) -> Integers:
         step = max(1, round(BLOCK_S / self.recording.period_s))
         return np.arange(0, len(self.recording.rate_dps) - 1, step)
 
@@ -84,7 +84,8 @@ class SecondBlocks:
         if self.recording.temp_c is None:
             return None
         temp_c = self._means(self.recording.temp_c)
-        return temp_c - temp_c.mean()
+        warm_c: Floats = temp_c - temp_c.mean()
+        return warm_c
 
     @property
     def settling(self) -> Floats:
@@ -147,7 +148,8 @@ def _information(blocks: SecondBlocks, name: str, term: Term) -> float:
     if np.square(unexplained).sum() < 1e-6 * np.square(column).sum():
         return 0.0
     variance = float(np.square(error).sum()) / max(1, len(error) - design.shape[1])
-    return float(np.square(unexplained).sum()) / max(variance, 1e-18)
+    information = float(np.square(unexplained).sum()) / max(variance, 1e-18)
+    return information
 
 
 def check_before(request: DiagnosisRequest, progress: OnProgress = ignore_progress) -> list[str]:

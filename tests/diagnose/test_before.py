@@ -8,6 +8,7 @@ import pytest
 from gyrodrift.diagnose.before import advice_for, smallest_sizes
 from gyrodrift.diagnose.recording.lacking import lacking_values
 from gyrodrift.diagnose.recording.recording import Recording
+from gyrodrift.values.arrays import Floats
 
 PERIOD_S = 0.01
 
@@ -17,7 +18,8 @@ def recording(noise_dps: float = 0.05, *, turns: bool = True, seconds: int = 120
     rng = np.random.default_rng(0)
     steps = np.tile(np.repeat([0.0, 30.0, 0.0, -90.0, 0.0, 90.0, 0.0, -30.0], 3 * 100), 1 + seconds // 24)
     rate_dps = turns * steps[: seconds * 100]
-    device_s = np.arange(len(rate_dps)) * PERIOD_S
+    device_s: Floats = np.arange(len(rate_dps)) * PERIOD_S
+    temp_c: Floats = 25.0 + 0.01 * device_s
     return Recording(
         name="made",
         period_s=PERIOD_S,
@@ -25,7 +27,7 @@ def recording(noise_dps: float = 0.05, *, turns: bool = True, seconds: int = 120
         encoder_deg=np.concatenate([[0.0], np.cumsum(rate_dps[:-1]) * PERIOD_S]),
         device_s=device_s,
         host_s=device_s,
-        temp_c=25.0 + 0.01 * device_s,
+        temp_c=temp_c,
         powered_s=0.0,
         repeated=0,
         disordered=0,
