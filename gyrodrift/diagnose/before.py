@@ -148,7 +148,7 @@ def _information(blocks: SecondBlocks, name: str, term: Term) -> float:
     if np.square(unexplained).sum() < 1e-6 * np.square(column).sum():
         return 0.0
     variance = float(np.square(error).sum()) / max(1, len(error) - design.shape[1])
-    information = float(np.square(unexplained).sum()) / max(variance, 1e-18)
+    information: float = float(np.square(unexplained).sum()) / max(variance, 1e-18)
     return information
 
 
