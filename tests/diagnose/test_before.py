@@ -18,7 +18,7 @@ def recording(noise_dps: float = 0.05, *, turns: bool = True, seconds: int = 120
     rng = np.random.default_rng(0)
     steps = np.tile(np.repeat([0.0, 30.0, 0.0, -90.0, 0.0, 90.0, 0.0, -30.0], 3 * 100), 1 + seconds // 24)
     rate_dps = turns * steps[: seconds * 100]
-    device_s: Floats = np.arange(len(rate_dps)) * PERIOD_S
+    device_s: Floats = np.arange(len(rate_dps), dtype=np.float64) * PERIOD_S
     temp_c: Floats = 25.0 + 0.01 * device_s
     return Recording(
         name="made",
