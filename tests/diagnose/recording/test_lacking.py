@@ -36,9 +36,11 @@ def test_a_set_lacks_what_one_of_its_recordings_lacks() -> None:
 def test_columns_of_one_set_are_left_out_with_a_remark() -> None:
     """Steps are no columns; another part of the comparison decides on them."""
     lacking = lacking_values([whole()], [exact()])
-    assert lacking.of_one_set == {COUNTER, HOST_TIMES, TEMPERATURE}
-    (remark,) = lacking.remarks
-    assert "counter and host times and temperature: this is no gap" in remark
+    assert lacking.of_one_set == {COUNTER, HOST_TIMES}
+    constant, remark = lacking.remarks
+    assert "no temperature, which counts as constant" in constant
+    assert "counter and host times: this is no gap" in remark
+    assert lacking_values([exact()], [whole()]).of_one_set == {COUNTER, HOST_TIMES, TEMPERATURE}
 
 
 def test_what_both_sets_lack_needs_no_remark() -> None:
