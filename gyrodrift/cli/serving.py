@@ -19,6 +19,7 @@ from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
 from gyrodrift.service.config_follower import ConfigFollower
 from gyrodrift.service.listener import SampleListener, Sink
+from gyrodrift.service.history import History
 from gyrodrift.service.live_line import ServiceLine
 from gyrodrift.service.loop import RestWord, Service
 from gyrodrift.service.notify import SystemdNotify
@@ -92,6 +93,7 @@ def service_of(arguments: argparse.Namespace, parts: ServiceParts, specs: "list[
     chosen = FILTERS[arguments.filter or DEFAULT.name]
     config, source = (None, "defaults") if watch is None else (watch.config, str(watch.path))
     pipeline = Pipeline(link, [sink], log, config, source, chosen, arguments.axes)
+    pipeline.history = None if watch is None else History()
     follower = ConfigFollower(pipeline, watch)
     events.listeners.append(pipeline.hear)
     recording = _recording(arguments, follower, events, log)
