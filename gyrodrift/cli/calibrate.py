@@ -29,7 +29,6 @@ from gyrodrift.config.calibration import block_text, checked, has_block, with_bl
 from gyrodrift.config.model import load_config
 from gyrodrift.io.files import check_writable, write_whole
 from gyrodrift.io.log import open_log
-from gyrodrift.io.terminal import AboveLine
 from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
 from gyrodrift.values.calibration import Calibration, device_identity
@@ -171,8 +170,7 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.service.signals import StopSignal
 
     screen = GuideScreen(sys.stderr, sys.stderr.isatty() and not arguments.quiet)
-    log_to = AboveLine(sys.stderr) if screen.is_terminal else None
-    events = LinkEvents(open_log(arguments.log_level or "warning", arguments.log_format, log_to))
+    events = LinkEvents(open_log(arguments.log_level or "warning", arguments.log_format))
     target, port = configs.link_target(arguments, baud, events)
     is_by_hand = _is_by_hand(arguments)
     guide = guide_of((lambda _: None) if arguments.quiet and not is_by_hand else screen.say)

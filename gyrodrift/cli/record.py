@@ -60,7 +60,6 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.filters.run import FilterRun
     from gyrodrift.io.files import check_writable
     from gyrodrift.io.log import open_log, unwaiting_stderr
-    from gyrodrift.io.terminal import AboveLine
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
     from gyrodrift.recording.live_line import LiveYaw
@@ -75,8 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
     )
     stderr = cast("TextIO", unwaiting_stderr(arguments.log_format))
     is_shown = sys.stderr.isatty() and not arguments.quiet
-    log_to = AboveLine(stderr) if is_shown else None
-    log = open_log(options.log_level(arguments), arguments.log_format, log_to)
+    log = open_log(options.log_level(arguments), arguments.log_format)
     events = LinkEvents(log)
     target, port = configs.link_target(arguments, baud, events, send=config.send)
     with StopSignal() as stop:
