@@ -126,7 +126,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="end when the standard error of the scale is below this",
     )
     parser.add_argument(
-        "--rest", type=numbers.seconds, metavar="S", help=f"length of a rest (default 10; {SIDE_REST_S:g} on a side)"
+        "--rest",
+        type=numbers.duration,
+        metavar="TIME",
+        help=f"length of a rest, such as 10 (s) (default 10; {SIDE_REST_S:g} on a side)",
     )
     parser.add_argument(
         "--temperature",

@@ -42,7 +42,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_link_options(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the sessions")
     parser.add_argument(
-        "--duration", type=numbers.seconds, metavar="S", help="stop after S seconds of device time (default: at Ctrl-C)"
+        "--duration",
+        type=numbers.duration,
+        metavar="TIME",
+        help="stop after TIME of the device clock, such as 90 (s), 30min or 1h (default: at Ctrl-C)",
     )
     options.add_filter_options(
         parser,

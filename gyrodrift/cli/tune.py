@@ -74,6 +74,22 @@ gyrodrift tune sessions --out my.yaml --header my_gyro.h --seeds 3 --jobs 2 --ra
 """
 
 
+COMMON = (
+    "--out",
+    "--report",
+    "--filter",
+    "--test",
+    "--header",
+    "--iterations",
+    "--seed",
+    "--jobs",
+    "--columns",
+    "--reference",
+    "--resume",
+)
+"""Options in the short help."""
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("paths", type=Path, nargs="+", metavar="PATH", help="session with an encoder, or a folder")

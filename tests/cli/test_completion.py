@@ -24,6 +24,8 @@ LINES = [
     ("gyrodrift tune --filter re", "gyrodrift tune --filter restlevel "),
     ("gyrodrift simulate --effect scale_f", "gyrodrift simulate --effect scale_factor "),
     ("gyrodrift help conv", "gyrodrift help convert "),
+    ("gyrodrift serve --output rosb", "gyrodrift serve --output rosbridge"),
+    ("gyrodrift help col", "gyrodrift help columns "),
     ("gyrodrift serve --port au", "gyrodrift serve --port auto "),
     ("gyrodrift convert my-ses", "gyrodrift convert my-session.csv "),
 ]
