@@ -35,11 +35,14 @@ class Section:
         Path within the package `gyrodrift`.
     heading
         Heading of a chapter, unique within the page; empty for the head of a page.
+    is_folded
+        Whether only the heading is shown at first.
     """
 
     template: str
     values: Mapping[str, object] = field(default_factory=dict)
     heading: str = ""
+    is_folded: bool = False
 
     @property
     def anchor(self) -> str:
