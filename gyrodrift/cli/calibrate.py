@@ -84,7 +84,7 @@ def write_result(arguments: argparse.Namespace, calibration: Calibration, guide:
         path = arguments.config
         text = path.read_text(encoding="utf-8-sig") if path.exists() else _new_file(arguments)
         write_whole(path, [checked(with_block(text, block), path, load_config)])
-        print(f"gyrodrift: wrote the calibration into {path}", file=sys.stderr)
+        print(f"gyrodrift: {path} written: the calibration", file=sys.stderr)
 
 
 def _new_file(arguments: argparse.Namespace) -> str:
