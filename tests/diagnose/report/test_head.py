@@ -182,7 +182,7 @@ def test_a_size_at_the_end_of_the_tried_sizes_is_a_bound(scaled: Diagnosis) -> N
     result = with_causes(scaled, bound)
     assert headline(result) == "effect: the rate reads at least 2.8 % too high (scale_factor)"
     assert "error at least 2.8 % possible sizes (95 %) 2.8 or more" in observed(verdict(result))
-    assert "error at least 2.8 %, probability" in cause_line(bound)
+    assert "error_percent at least 2.8 %, probability" in cause_line(bound)
     low = replace(cause, parameters=(Parameter("error_percent", -2.9, -3.0, -2.8, "%", is_at_most=True),))
     assert headline(with_causes(scaled, low)) == "effect: the rate reads at least 2.8 % too low (scale_factor)"
 

@@ -17,7 +17,7 @@ function sector(fromDeg, toDeg, radius) {
 
 export class Dial {
   constructor(place) {
-    this.svg = drawn(place, "svg", { viewBox: "-128 -128 256 256", role: "img", "aria-label": "Heading dial" });
+    this.svg = drawn(place, "svg", { viewBox: "-140 -128 280 256", role: "img", "aria-label": "Heading dial" });
     drawn(this.svg, "circle", { r: 100, class: "face" });
     for (let deg = 0; deg < 360; deg += 10) {
       const [x1, y1] = at(deg, 100);

@@ -3,7 +3,7 @@
 const MISSING = "–";
 
 export const number = (value, digits) =>
-  Number.isFinite(value) ? value.toFixed(digits).replace("-", "−") : MISSING;
+  Number.isFinite(value) ? value.toFixed(digits).replace(/^-(?=[0.]*$)/, "").replace("-", "−") : MISSING;
 
 export const signed = (value, digits) =>
   Number.isFinite(value) ? (value < 0 ? "" : "+") + number(value, digits) : MISSING;
