@@ -117,7 +117,7 @@ SENTENCES: Mapping[str, Callable[[Fields], str]] = {
 
 
 def sentence(event: str, fields: Fields) -> str:
-    """What happened, in words."""
+    """Sentence about an event."""
     if "summary" in fields:
         return str(fields["summary"])
     words = SENTENCES.get(event)
@@ -169,7 +169,7 @@ class PersonRenderer:
         lines = textwrap.wrap(
             text, columns - 1, initial_indent=margin, subsequent_indent=margin, break_on_hyphens=False
         )
-        said = "\n".join(lines)[len(margin) :]
+        shown = "\n".join(lines)[len(margin) :]
         if not self._has_colors:
-            return f"{time}  {said}"
-        return f"{DIM}{time}{PLAIN}  {STYLES.get(level, '')}{said}{PLAIN if level in STYLES else ''}"
+            return f"{time}  {shown}"
+        return f"{DIM}{time}{PLAIN}  {STYLES.get(level, '')}{shown}{PLAIN if level in STYLES else ''}"

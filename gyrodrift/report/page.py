@@ -120,9 +120,9 @@ UNIT = re.compile(r"\S*\d[\d.,]* (?:deg/s²|deg/s|°/h|deg|ms|min|s|h|Hz|ppm|%|�
 def unbroken(words: str) -> Markup:
     """Text that breaks between no number and its unit."""
     text, end = Markup(), 0
-    for found in UNIT.finditer(words):
-        text += Markup("{}{}").format(words[end : found.start()], marked("word", found[0]))
-        end = found.end()
+    for match in UNIT.finditer(words):
+        text += Markup("{}{}").format(words[end : match.start()], marked("word", match[0]))
+        end = match.end()
     return text + words[end:]
 
 

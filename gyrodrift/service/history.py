@@ -1,8 +1,8 @@
 """The last samples of a filter, to filter them again after a change of its parameters.
 
 A filter that weighs several explanations of the past cannot use new parameters for a past that it has already judged.
-So the samples since the zero of yaw are kept, with the state before the first of them, and a second run of the filter
-follows in steps that delay no sample. Memory is bounded: two stretches are kept, each with the state at its beginning.
+So the samples since the zero of yaw are kept, with the state before the first of them. A second run of the filter takes
+them in steps that delay no sample. Memory is bounded: two parts are kept, each with the state at its beginning.
 """
 
 from array import array
@@ -15,8 +15,8 @@ from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.run import FilterRun
 from gyrodrift.values.sample import Inertial, Sample
 
-STRETCH_SAMPLES = 50_000
-"""Samples of a stretch. Chosen: 8 minutes at 100 Hz in 1.6 MB, or in 4 MB with three axes; one to two are kept."""
+PART_SAMPLES = 50_000
+"""Samples of a part. Chosen: 8 minutes at 100 Hz in 1.6 MB, or in 4 MB with three axes; one to two are kept."""
 
 STEPS_AT_ONCE = 2000
 """Samples that a second run takes at once. Chosen: about 10 ms, less than what any receive buffer holds."""
@@ -26,7 +26,7 @@ NO_AXES = (inf,) * 6
 
 
 @dataclass(slots=True)
-class Stretch:
+class HistoryPart:
     """Accepted samples from a known state of the filter on.
 
     beginning
@@ -36,14 +36,14 @@ class Stretch:
     inertials
         Three rates and three accelerations of each sample; empty if no sample has them.
     following
-        The stretch after this one; None for the newest.
+        The part after this one; None for the newest.
     """
 
     beginning: FilterRun
     has_axes: bool
     times: "array[float]" = field(default_factory=lambda: array("d"))
     inertials: "array[float]" = field(default_factory=lambda: array("d"))
-    following: "Stretch | None" = None
+    following: "HistoryPart | None" = None
 
     def __len__(self) -> int:
         return len(self.times) // 4
@@ -62,24 +62,24 @@ class Stretch:
 
 
 class History:
-    """The last one or two stretches of samples."""
+    """The last one or two parts of samples."""
 
     def __init__(self) -> None:
-        self.oldest: Stretch | None = None
-        self._newest: Stretch | None = None
+        self.oldest: HistoryPart | None = None
+        self._newest: HistoryPart | None = None
 
     def forget(self) -> None:
         """Begin again with the next sample: yaw was set, or the samples before differ from later ones."""
         self.oldest = self._newest = None
 
-    def expect(self, run: FilterRun, sample: Sample) -> Stretch:
-        """The stretch for the next sample; a new one begins with the present state of the run."""
+    def expect(self, run: FilterRun, sample: Sample) -> HistoryPart:
+        """The part for the next sample; a new one begins with the present state of the run."""
         newest = self._newest
         has_axes = sample.inertial is not None or (newest is not None and newest.has_axes)
-        if newest is None or len(newest) >= STRETCH_SAMPLES or has_axes > newest.has_axes:
+        if newest is None or len(newest) >= PART_SAMPLES or has_axes > newest.has_axes:
             before = copy(run)
             before.state, before.watch = deepcopy(run.state), deepcopy(run.watch)
-            self._newest = Stretch(before, has_axes)
+            self._newest = HistoryPart(before, has_axes)
             if newest is not None:
                 newest.following, self.oldest = self._newest, newest
             else:
@@ -99,8 +99,8 @@ class SecondRun:
         Device time of its first sample, s.
     """
 
-    def __init__(self, stretch: Stretch, chosen: Filter, params: Any, axes_params: Any) -> None:
-        before = stretch.beginning
+    def __init__(self, part: HistoryPart, chosen: Filter, params: Any, axes_params: Any) -> None:
+        before = part.beginning
         self.run = FilterRun(chosen, params, before.axes, before.mount)
         self.is_other = chosen is not before.filter
         if not self.is_other:
@@ -109,16 +109,16 @@ class SecondRun:
         else:
             self.run.state.yaw_deg = before.state.yaw_deg
         self.run.use(params, axes_params)
-        self._stretch, self._index = stretch, 0
-        self.begun_s = stretch.times[0] if stretch.times else inf
+        self._part, self._index = part, 0
+        self.begun_s = part.times[0] if part.times else inf
 
     def catch_up(self, steps: int) -> bool:
         """Take the next samples; whether the run has taken all of them."""
         for _ in range(steps):
-            while self._index == len(self._stretch):
-                if self._stretch.following is None:
+            while self._index == len(self._part):
+                if self._part.following is None:
                     return True
-                self._stretch, self._index = self._stretch.following, 0
-            self._stretch.step(self.run, self._index)
+                self._part, self._index = self._part.following, 0
+            self._part.step(self.run, self._index)
             self._index += 1
         return False

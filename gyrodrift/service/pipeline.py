@@ -122,14 +122,14 @@ class Pipeline(JudgedListener):
             self._use_second(second)
         had_axes, step, corrected = self.run.three_axes is not None, self.run.step, []
         for sample in calibrated:
-            stretch = None if self.history is None else self.history.expect(self.run, sample)
+            part = None if self.history is None else self.history.expect(self.run, sample)
             if step(sample.t_device_s, sample.rate_dps, sample.inertial, sample.still, sample.temp_c):
                 if (last := self.last) is not None:
                     step_s = sample.t_device_s - last.t_device_s
                     self.raw_yaw_deg += 0.5 * (sample.rate_dps + last.rate_dps) * step_s
                     self._follow_corrections(step_s)
-                if stretch is not None:
-                    stretch.keep(sample)
+                if part is not None:
+                    part.keep(sample)
                 self.last = sample
                 corrected.append(self._corrected(sample))
                 self._step_deg = 0.0
@@ -300,11 +300,11 @@ class Pipeline(JudgedListener):
 
     def _begin_second(self) -> None:
         """Filter the history again, unless the same filter keeps nothing but its present state."""
-        stretch, self._second = None if self.history is None else self.history.oldest, None
-        if stretch is None:
+        part, self._second = None if self.history is None else self.history.oldest, None
+        if part is None:
             return
-        if stretch.beginning.filter is not self.filter or hasattr(self.state, "correction_deg"):
-            self._second = SecondRun(stretch, self.filter, self.run.params, self.run.axes_params)
+        if part.beginning.filter is not self.filter or hasattr(self.state, "correction_deg"):
+            self._second = SecondRun(part, self.filter, self.run.params, self.run.axes_params)
 
     def _use_second(self, second: SecondRun) -> None:
         """Go on with the second run, which has caught up.

@@ -70,8 +70,8 @@ def yaws(first: Any, second: Any, samples: list[Sample]) -> tuple[list[Corrected
 
 
 @pytest.fixture(autouse=True)
-def _short_stretches(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    monkeypatch.setattr(history, "STRETCH_SAMPLES", 2000)
+def _short_parts(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.setattr(history, "PART_SAMPLES", 2000)
     return
 
 
@@ -101,7 +101,7 @@ def test_the_step_at_a_reload_is_a_correction() -> None:
 
 
 def test_a_zero_before_a_reload_stays_the_zero() -> None:
-    """What was filtered before a zero is not filtered again."""
+    """Samples before a zero are not filtered again."""
     pipeline, sink = pipeline_of(config(RESTLEVEL, DEFAULTS))
     samples = drive()
     pipeline.take(samples[: 8 * HZ])
@@ -112,8 +112,8 @@ def test_a_zero_before_a_reload_stays_the_zero() -> None:
 
 
 def test_memory_is_bounded_and_a_late_reload_uses_what_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    """At most two stretches are kept; a reload begins at the older one."""
-    monkeypatch.setattr(history, "STRETCH_SAMPLES", 300)  # the reload is in the second of them
+    """At most two parts are kept; a reload begins at the older one."""
+    monkeypatch.setattr(history, "PART_SAMPLES", 300)  # the reload is in the second of them
     samples, tuned = drive(), config(RESTLEVEL, TUNED)
     got, pipeline = yaws(config(RESTLEVEL, DEFAULTS), tuned, samples)
     oldest = pipeline.history.oldest if pipeline.history else None

@@ -49,7 +49,7 @@ READINGS = {
     "angle within the turn": "A wave of one period is an effect that comes once per turn.",
     "temperature": "A slope is a bias that follows the temperature.",
 }
-"""What to look for in a picture."""
+"""Sentences on the shapes in a picture."""
 
 EXAMPLES = ("scale_factor", "warmup", "rate_random_walk", "latency")
 """Well-known effects, whose detectable sizes are shown if the verdict is `none`."""
@@ -126,7 +126,7 @@ def _pictures(diagnosis: Diagnosis) -> list[tuple[object, object]]:
 
 
 def _reading(diagnosis: Diagnosis) -> str:
-    """What the pictures show."""
+    """Sentences on the shapes in the pictures."""
     names = dict.fromkeys(PICTURES.get(cause.effect.name, "") for cause in diagnosis.verdict.causes_by_share)
     return " ".join(READINGS[name] for name in names if name in READINGS)
 
