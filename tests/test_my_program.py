@@ -24,9 +24,9 @@ def gyro(port: Path) -> Iterator[Path]:
         yield port
 
 
-def first_line(code: str, **streams: int) -> str:
+def first_line(code: str, stdin: int = subprocess.DEVNULL) -> str:
     """The first line that a program prints."""
-    program = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, **streams)
+    program = subprocess.Popen([sys.executable, "-c", code], stdin=stdin, stdout=subprocess.PIPE, text=True)
     assert program.stdout is not None
     try:
         return program.stdout.readline()

@@ -1,6 +1,5 @@
 """A config that changes on the way: the samples before it are filtered again."""
 
-from collections.abc import Iterator
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -70,9 +69,8 @@ def yaws(first: Any, second: Any, samples: list[Sample]) -> tuple[list[Corrected
 
 
 @pytest.fixture(autouse=True)
-def _short_parts(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def _short_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(history, "PART_SAMPLES", 2000)
-    return
 
 
 @pytest.mark.parametrize("has_axes", [False, True], ids=["one axis", "three axes"])
