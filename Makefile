@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 # Many tests wait for a device in real time, so three processes are needed to keep two cores busy.
 WORKERS := $(shell echo $$(( ($$(nproc) * 3 + 1) / 2 )))
 
-.PHONY: demo test types tests packaging release-check docs links build lock bench evaluate faults soak overload crash fuzz mutate audit pictures clean
+.PHONY: demo test types tests packaging release release-check docs docs-versions links build lock bench evaluate faults soak overload crash fuzz mutate audit pictures clean
 
 demo: $(VENV)/ready
 	@$(BIN)/gyrodrift demo
@@ -25,6 +25,18 @@ SITE := -m sphinx --fail-on-warning --keep-going --nitpicky --quiet --conf-dir d
 docs: $(VENV)/ready-to-test
 	$(BIN)/python $(SITE) . build/docs
 
+# The site of each release and of this clone: build/site/VERSION, with a list of the versions beside each page.
+DOCS_VERSIONS = main $(shell git tag --list 'v*' --sort=-version:refname)
+docs-versions: $(VENV)/ready-to-test
+	rm -rf build/site build/tags
+	for tag in $(wordlist 2,99,$(DOCS_VERSIONS)); do \
+	  git worktree add --quiet build/tags/$$tag $$tag && \
+	  (cd build/tags/$$tag && DOCS_VERSIONS='$(DOCS_VERSIONS)' ../../../$(BIN)/python $(SITE) . ../../site/$$tag); \
+	  git worktree remove --force build/tags/$$tag; done
+	DOCS_VERSIONS='$(DOCS_VERSIONS)' $(BIN)/python $(SITE) . build/site/main
+	echo '<!doctype html><meta http-equiv="refresh" content="0; url=main/README.html">' > build/site/index.html
+	cp build/site/main/404.html build/site/404.html
+
 links: $(VENV)/ready-to-test
 	$(BIN)/python $(SITE) --builder linkcheck . build/links
 
@@ -34,6 +46,10 @@ build: $(VENV)/ready-to-test
 	$(BIN)/python -m hatchling build
 	$(BIN)/twine check --strict dist/*
 	$(BIN)/check-wheel-contents dist/*.whl
+
+# The files of a release in dist/: wheel, sdist, .deb, C library, SBOM and checksums. The .deb needs Debian's tools.
+release: $(VENV)/ready-to-test
+	PYTHONPATH=. $(BIN)/python .ci/release.py dist
 
 # uv.lock: the newest versions that pyproject.toml allows. Run it after each change of a dependency.
 lock: $(VENV)/ready-to-test
@@ -55,9 +71,16 @@ $(VENV)/packaging-passed: pyproject.toml benchmark/pyproject.toml uv.lock Makefi
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -m packaging tests/test_wheel.py tests/test_distributions.py
 	@touch $@
 
+# All checks of a release: files built twice, lintian, the .deb installed, upgraded and purged (as root), plug-ins.
+RELEASE_TOOLS := dpkg-dev debhelper lintian mandoc
 release-check: $(VENV)/ready-to-test
+	@if command -v apt-get > /dev/null && ! dpkg --status $(RELEASE_TOOLS) > /dev/null 2>&1; then \
+	  as_root=$$( [ "$$(id -u)" = 0 ] || echo sudo -n ); $$as_root apt-get update -qq > /dev/null 2>&1; \
+	  $$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends $(RELEASE_TOOLS) > /dev/null 2>&1 || \
+	  echo "no $(RELEASE_TOOLS): checks of the .deb are skipped; apt-get install them" >&2; fi
 	rm -f $(VENV)/packaging-passed
 	@$(MAKE) --no-print-directory packaging build
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -m packaging tests/release
 
 bench: $(VENV)/ready-to-test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest benchmark/bench -s -p no:randomly --timeout 600

@@ -1,5 +1,6 @@
 """Build of the documentation site: `make docs`. The pages are the Markdown files of the repository, as they are."""
 
+import os
 import re
 import sys
 from pathlib import Path
@@ -38,6 +39,15 @@ html_css_files = ["tables.css"]
 highlight_language = "text"  # of blocks that name no language
 html_title = f"gyrodrift {release}"
 html_copy_source = False
+templates_path = ["_templates"]
+html_additional_pages = {"404": "404.html"}
+SIDEBAR = ("brand", "search", "scroll-start", "navigation", "scroll-end")
+versions = os.environ.get("DOCS_VERSIONS", "").split()
+"""Names of the folders of a site with several versions, the newest first; `make docs-versions` sets them."""
+
+if versions:
+    html_context = {"versions": versions, "is_one_of_several": True}
+    html_sidebars = {"**": [*(f"sidebar/{part}.html" for part in SIDEBAR), "versions.html"]}
 linkcheck_ignore = [r"http://(127\.0\.0\.1|localhost)"]
 
 LINK = re.compile(r"\]\(([\w./-]+\.md)\)")

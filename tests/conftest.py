@@ -1,6 +1,7 @@
 """Fixtures for all tests, first of all the one that fails a test that leaves something behind."""
 
 import os
+import sys
 import tempfile
 import threading
 import time
@@ -15,9 +16,10 @@ from built_once import built_once
 from hypothesis import settings
 from process_defaults import set_process_defaults
 from recordings_support import Recordings
+from warm_process import forks
 from worker_groups import GroupScheduling
 
-settings.register_profile("untimed", deadline=None)  # how long an example takes is the machine's business
+settings.register_profile("untimed", deadline=None, max_examples=40)  # the machine's business; make fuzz tries more
 settings.load_profile("untimed")
 
 ENDS_WITHIN_S = 60.0
@@ -72,6 +74,13 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> GroupScheduling | None:
     """Keep a group together, with any pytest."""
     return GroupScheduling(config, log) if config.getoption("dist") == "loadgroup" else None
+
+
+@pytest.fixture(scope="session", autouse=True)
+def warm_processes() -> None:
+    """Load what commands need before a test starts one."""
+    if "support" in sys.modules:
+        forks()
 
 
 @pytest.fixture(autouse=True)

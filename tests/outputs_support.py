@@ -84,9 +84,10 @@ def csv_at_100_hz(count: int, rate_dps: float = 10.0, first: int = 0) -> bytes:
 
 
 @contextmanager
-def serving(port: Path, *options: str | Path) -> Iterator[tuple[Command, Any]]:
+def serving(port: Path, *options: str | Path, is_fresh: bool = False) -> Iterator[tuple[Command, Any]]:
     """`gyrodrift serve` on a pty, as a process; what the device says is for the test to send."""
-    with speaking_on(port) as device, Command("serve", "--port", port, "--log-format", "json", *options) as serve:
+    words = ("serve", "--port", port, "--timeout", "0", "--log-format", "json", *options)
+    with speaking_on(port) as device, Command(*words, is_fresh=is_fresh) as serve:
         device.wait_for_reader(never)
         yield serve, device
 

@@ -11,16 +11,17 @@ import subprocess
 import sys
 import termios
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext, redirect_stderr, redirect_stdout
 from io import StringIO
 from itertools import islice
 from pathlib import Path
 from types import TracebackType
-from typing import Any, NamedTuple, Self
+from typing import Any, BinaryIO, NamedTuple, Self
 
 import pyte
 import pytest
+from warm_process import WarmProcess
 
 from firmware_sim.pty import PtyDevice
 from gyrodrift.cli import main
@@ -57,16 +58,29 @@ def ended_here(*arguments: str | Path) -> Ended:
     return Ended(status, out.getvalue(), log.getvalue())
 
 
+Process = WarmProcess | subprocess.Popen[bytes]
+
+
+def _fresh_process(module: str, words: list[str], out: BinaryIO | None) -> "subprocess.Popen[bytes]":
+    command = [sys.executable, "-m", module, *words]
+    stdout = subprocess.PIPE if out is None else out
+    return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=stdout, stderr=subprocess.PIPE)
+
+
 class Command:
     """A command of ours as a process, its stdout and stderr read without threads and without waiting for ever.
 
-    With `out_file` stdout goes to that file instead, which takes any number of lines however slow the test is.
+    With `out_file` stdout goes to that file instead, which takes any number of lines however slow the test is. A fresh
+    one is a Python of its own, whose command line other users see.
     """
 
-    def __init__(self, *arguments: str | Path, module: str = "gyrodrift", out_file: Path | None = None) -> None:
-        command = [sys.executable, "-m", module, *map(str, arguments)]
-        with nullcontext(subprocess.PIPE) if out_file is None else out_file.open("wb") as out:
-            self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.PIPE)
+    def __init__(
+        self, *arguments: str | Path, module: str = "gyrodrift", out_file: Path | None = None, is_fresh: bool = False
+    ) -> None:
+        words = [str(word) for word in arguments]
+        with nullcontext() if out_file is None else out_file.open("wb") as out:
+            start = _fresh_process if is_fresh else WarmProcess
+            self.process: Process = start(module, words, out)
         streams = [stream.fileno() for stream in (self.process.stdout, self.process.stderr) if stream]
         self._streams = {fd: bytearray() for fd in streams}
         self._open = set(self._streams)
@@ -256,6 +270,18 @@ def speaking_on(link: Path) -> Iterator[PtyDevice]:
         yield device
     finally:
         device.close()
+
+
+def quick(cases: Iterable[Any], *kept: Any) -> list[Any]:
+    """Cases of a parametrized test: those kept always run, and the others, which resemble them, in `make evaluate`.
+
+    A tuple has the values of several arguments.
+    """
+    return [case if case in kept else pytest.param(*_row(case), marks=pytest.mark.evaluation) for case in cases]
+
+
+def _row(case: Any) -> tuple[Any, ...]:
+    return case if isinstance(case, tuple) else (case,)
 
 
 def never() -> bool:

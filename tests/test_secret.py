@@ -38,6 +38,8 @@ def test_a_secret_shows_itself_to_nobody_but_who_asks() -> None:
         (f"mqtt://:{MARKER}@[::1]:1", "mqtt://:***@[::1]:1"),
         ("password_file=/etc/p, http://host:80/path is fine", "password_file=/etc/p, http://host:80/path is fine"),
         ("a token of thanks", "a token of thanks"),
+        ("/dev/token: this is not a serial port", "/dev/token: this is not a serial port"),
+        ("secret: there is no such port", "secret: there is no such port"),
         ("outputs.0.password: is not shown; expected text", "outputs.0.password: is not shown; expected text"),
     ],
 )

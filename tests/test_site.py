@@ -1,14 +1,20 @@
 """The documentation site: it builds without a warning, and describes every public name."""
 
+import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from outputs_support import corrected
 
 import gyrodrift
+from gyrodrift.config.model import load_config
+from gyrodrift.outputs.fields import CHOICES
+from gyrodrift.outputs.json_line import json_line
 
 ROOT = Path(__file__).parent.parent
 
@@ -49,6 +55,33 @@ def test_every_page_is_built(site: Path) -> None:
     assert "README.html" in (site / "index.html").read_text()
 
 
+def test_a_reader_can_search_and_a_wrong_address_has_a_page(site: Path) -> None:
+    """The page for wrong addresses leads to the front page and to the search."""
+    assert (site / "searchindex.js").stat().st_size > 10_000
+    assert 'role="search"' in (site / "docs" / "service.html").read_text()
+    page = (site / "404.html").read_text()
+    assert "No such page" in page
+    assert 'href="README.html"' in page
+
+
+@pytest.mark.parametrize("page", ["service.md", "outputs.md", "library.md"])
+def test_samples_of_lines_have_the_keys_of_the_code(page: str) -> None:
+    """Each JSON line of a sample on a page has keys that the table of fields knows, in its order."""
+    lines = re.findall(r'^\{"seq".*\}$', (ROOT / "docs" / page).read_text(), re.MULTILINE)
+    known = list(json.loads(json_line(corrected(seq=1)))) + list(CHOICES)
+    assert [key for line in lines for key in json.loads(line) if key not in known] == []
+
+
+def test_samples_of_configs_are_read(tmp_path: Path) -> None:
+    """Each block of a whole config on the page of the service."""
+    blocks = re.findall(r"^```yaml\n(.*?)^```$", (ROOT / "docs" / "service.md").read_text(), re.MULTILINE | re.DOTALL)
+    assert len(blocks) >= 2
+    for number, block in enumerate(blocks):
+        path = tmp_path / f"{number}.yaml"
+        path.write_text(block)
+        load_config(path)
+
+
 def test_every_public_name_is_described(site: Path) -> None:
     """The page of the Python interface has an entry for each, with text from its docstring."""
     page = (site / "docs" / "api.html").read_text()
@@ -60,7 +93,7 @@ def test_every_public_name_is_described(site: Path) -> None:
 def test_a_link_that_leads_nowhere_fails_the_build(tmp_path: Path) -> None:
     """A page, a heading and a file that are missing."""
     pytest.importorskip("furo", reason="the site needs the extra docs")
-    (tmp_path / "docs").mkdir()
+    shutil.copytree(ROOT / "docs" / "_templates", tmp_path / "docs" / "_templates")
     for name in ("conf.py", "README.md"):
         text = (ROOT / "docs" / name).read_text()
         (tmp_path / "docs" / name).write_text(text.partition("\n## ")[0] if name == "README.md" else text)

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,9 @@ from gyrogap.vocabulary import PARAMETERS, effect_of_answer
 
 NAMED_FROM = 0.5
 """Probability from which a cause is named."""
+
+LARGEST = 1e300
+"""Largest size of a number; an integer of JSON can be larger than any float."""
 
 SURE_ABOVE = 0.8
 """Probability above which a cause is stated with confidence."""
@@ -93,7 +95,7 @@ def _cause(stated: Any, path: Path) -> AnsweredCause:
     if not isinstance(effect, str) or effect not in PARAMETERS:
         raise DataError(f"{path}: effect {effect!r} is not in effects.json")
     parameters, names = stated.get("parameters", {}), {parameter.name for parameter in PARAMETERS[effect]}
-    if not isinstance(parameters, dict) or not all(_is_number(value) for value in parameters.values()):
+    if not isinstance(parameters, dict) or not all(is_number(value) for value in parameters.values()):
         raise DataError(f"{path}: parameters of {effect} must be numbers by name")
     for name in parameters:
         if name not in names:
@@ -103,10 +105,11 @@ def _cause(stated: Any, path: Path) -> AnsweredCause:
 
 
 def _probability(stated: Any, name: str, path: Path) -> float:
-    if not _is_number(stated) or not 0.0 <= stated <= 1.0:
+    if not is_number(stated) or not 0.0 <= stated <= 1.0:
         raise DataError(f"{path}: the probability of {name} is {stated!r}, expected a number from 0 to 1")
     return float(stated)
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
+def is_number(value: Any) -> bool:
+    """Whether a value of JSON is a number that a float can be."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST

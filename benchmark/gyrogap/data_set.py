@@ -8,6 +8,7 @@
 - `openings.log`: a line for each seal that was opened.
 """
 
+import re
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -17,9 +18,9 @@ from pathlib import Path
 import numpy as np
 import scipy
 
-from gyrodrift.values.errors import DataError, UsageError
+from gyrodrift.values.errors import DataError, UsageError, shortened
 from gyrogap.case import NAME, BenchmarkCase
-from gyrogap.json_files import read_json, write_json
+from gyrogap.json_files import object_of, read_json, write_json
 from gyrogap.rows import ROWS, draw_case
 from gyrogap.seals import HASHES, seal_label
 from gyrogap.vocabulary import table
@@ -28,6 +29,8 @@ VERSION = 1
 """Version of the benchmark; another one has other data for the same seed."""
 
 MANIFEST, EFFECTS_FILE, CASES, SEALS = "manifest.json", "effects.json", "cases", "seals"
+
+CASE_NAME = re.compile(r"[0-9A-Za-z_-]{1,64}")
 
 OnCase = Callable[[int, int], None]
 """Called with the number of cases that are done, and their total."""
@@ -79,14 +82,21 @@ def read_manifest(folder: Path) -> list[ListedCase]:
     DataError
         There is none, or it is of another version.
     """
-    manifest = read_json(folder / MANIFEST)
+    path = folder / MANIFEST
+    manifest = read_json(path)
     if not isinstance(manifest, dict) or manifest.get("benchmark") != NAME:
         raise DataError(
             f"{folder / MANIFEST}: is no manifest of {NAME}; make a set: gyrodrift gyrogap make DIR --seed N"
         )
+    object_of(manifest, {"version": int}, path, "the manifest")
     if manifest["version"] != VERSION:
-        raise DataError(f"{folder / MANIFEST}: has version {manifest['version']}; this program reads version {VERSION}")
-    return [ListedCase(case["case"], case["axes"], case["sha256"]) for case in manifest["cases"]]
+        raise DataError(f"{path}: has version {manifest['version']}; this program reads version {VERSION}")
+    object_of(manifest, {"cases": list}, path, "the manifest")
+    listed = [object_of(case, {"case": str, "axes": int, "sha256": str}, path, "a case") for case in manifest["cases"]]
+    for case in listed:
+        if not CASE_NAME.fullmatch(case["case"]):  # it is a part of a path and of a line in the log of openings
+            raise DataError(f"{path}: {shortened(case['case'], 40)!r} is no name of a case: letters and digits are")
+    return [ListedCase(case["case"], case["axes"], case["sha256"]) for case in listed]
 
 
 def digest_of_files(folder: Path) -> str:

@@ -6,13 +6,17 @@ from pathlib import Path
 from typing import Any
 
 from gyrodrift.values.errors import DataError
-from gyrogap.answer import BenchmarkAnswer, read_answer
+from gyrogap.answer import BenchmarkAnswer, is_number, read_answer
 from gyrogap.data_set import OnCase, read_manifest
 from gyrogap.figures import EFFECT_ROWS, ScoreFigure, figures
 from gyrogap.gap_closed import GapClosed, HeldOutGap
 from gyrogap.judge import JudgedCase, judged_case
-from gyrogap.rows import draw_case
+from gyrogap.rows import ROWS, draw_case
 from gyrogap.seals import open_seal
+from gyrogap.vocabulary import JUDGED_BY, PARAMETERS
+
+MOST_CASES = 10_000
+"""Largest number of cases of a row, as of `--count`."""
 
 SCORE = "score.json"
 """The score of a folder of answers, written beside them."""
@@ -34,11 +38,33 @@ def judge_answers(folder: Path, seals: Path, answers: Path, on_case: OnCase, *, 
     for number, case in enumerate(listed):
         on_case(number, len(listed))
         label = open_seal(folder, seals, case.case, f"score {answers.name}")
+        _check_label(label, seals / f"{case.case}.json")
         answer = read[case.case]
         closed = _closed(label, answer) if has_gap and label["row"] in EFFECT_ROWS else None
         judged.append(judged_case(label, answer, closed))
     on_case(len(listed), len(listed))
     return judged
+
+
+def _check_label(label: dict[str, Any], path: Path) -> None:
+    """Check that a label, which a stranger may have sealed, can be judged.
+
+    Raises
+    ------
+    DataError
+        It is of no row, or its effects cannot be.
+    """
+    row, effects = label["row"], {effect["name"]: effect["parameters"] for effect in label["effects"]}
+    if row not in ROWS or not 0 <= label["number"] < MOST_CASES:
+        raise DataError(f"{path}: there is no case {label['number']} of a row {row!r}")
+    truths = {name: parameters for name, parameters in effects.items() if name in PARAMETERS}
+    if row in EFFECT_ROWS and not truths:
+        raise DataError(f"{path}: a case of the row {row} needs an effect of effects.json")
+    for name, parameters in truths.items():
+        if not all(is_number(value) for value in parameters.values()):
+            raise DataError(f"{path}: parameters of {name} must be numbers by name")
+        if name in JUDGED_BY and not parameters.get(JUDGED_BY[name]):
+            raise DataError(f"{path}: {name} needs the parameter {JUDGED_BY[name]}, and not 0")
 
 
 def unused_answers(folder: Path, answers: Path) -> list[str]:

@@ -7,10 +7,24 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from gyrodrift.values.errors import DataError
-from gyrogap.json_files import read_json, write_json
+from gyrodrift.io.files import UnreadableError, check_ordinary
+from gyrodrift.values.errors import DataError, UsageError, printable
+from gyrogap.json_files import object_of, read_json, write_json
 
 HASHES, OPENINGS = "hashes.json", "openings.log"
+
+LABEL: dict[str, type] = {
+    "case": str,
+    "seed": int,
+    "row": str,
+    "number": int,
+    "axes": int,
+    "size": str,
+    "effects": list,
+    "about": str,
+}
+EFFECT: dict[str, type] = {"name": str, "parameters": dict}
+"""Keys that are used of a label and of an effect in it, and the types of their values."""
 
 
 class BrokenSealError(DataError):
@@ -30,6 +44,16 @@ def seal_label(folder: Path, salt: str, label: Mapping[str, Any]) -> str:
     return hash_of(salt, plain)
 
 
+def _log_opening(path: Path, line: str) -> None:
+    try:
+        check_ordinary(path)
+        with path.open("a") as log:
+            log.write(f"{line}\n")
+    except (OSError, UnreadableError) as error:
+        why = getattr(error, "strerror", None) or str(error)
+        raise UsageError(f"{path}: cannot be written, and no seal is opened without it: {why}") from error
+
+
 def open_seal(folder: Path, seals: Path, case: str, why: str) -> dict[str, Any]:
     """Label of a case of the set in `folder`; the opening is logged first.
 
@@ -41,10 +65,12 @@ def open_seal(folder: Path, seals: Path, case: str, why: str) -> dict[str, Any]:
         There is no seal.
     """
     now = datetime.now(UTC).isoformat(timespec="seconds")
-    with (folder / OPENINGS).open("a") as log:
-        log.write(f"{now} {case} {why}\n")
+    _log_opening(folder / OPENINGS, printable(f"{now} {case} {why}"))
     path = seals / f"{case}.json"
-    seal, published = read_json(path), read_json(folder / HASHES).get(case)
+    seal = object_of(read_json(path), {"salt": str, "label": dict}, path, "a seal")
+    for effect in object_of(seal["label"], LABEL, path, "the label")["effects"]:
+        object_of(effect, EFFECT, path, "an effect")
+    published = object_of(read_json(folder / HASHES), {case: str}, folder / HASHES, "the list of hashes")[case]
     if published != hash_of(seal["salt"], seal["label"]) or seal["label"]["case"] != case:
         raise BrokenSealError(f"{path}: is not the label that was sealed; its hash differs from {folder / HASHES}")
     label: dict[str, Any] = seal["label"]

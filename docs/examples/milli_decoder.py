@@ -13,6 +13,7 @@ class MilliDecoder:
     def __init__(self) -> None:
         self.counters = DecoderCounters()
         self.device = DeviceDescription()
+        self.unread = ""
         self._pending = b""
 
     def push(self, chunk: bytes) -> list[Reading]:

@@ -7,7 +7,7 @@ Every effect has its own random generator, so adding one does not change the rea
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,7 +76,8 @@ class Effect(Checked):
     """Base of all effects.
 
     `typical` holds parameters of a usual size from data sheets and field reports, `small` the smallest that matter for
-    yaw. The gallery and the tests use both.
+    yaw. The gallery and the tests use both. `candidate` is for effects of other packages: the record by which a program
+    looks for the effect in recordings.
     """
 
     name: str
@@ -84,6 +85,7 @@ class Effect(Checked):
     slot: ClassVar[EffectSlot]
     typical: ClassVar[dict[str, float]]
     small: ClassVar[dict[str, float]]
+    candidate: ClassVar[Any] = None
 
     def begin(self, rng: Rng, sample_rate_hz: float) -> Act:
         """Act of this effect for a session with a sample rate."""

@@ -12,6 +12,8 @@ from types import ModuleType
 
 from gyrodrift.cli.parser import Parser
 from gyrodrift.cli.standard_streams import accept_all_characters, open_standard_streams
+from gyrodrift.io.deprecation import told_deprecations
+from gyrodrift.io.plug_ins import failure_in_plug_in
 from gyrodrift.values.errors import GyrodriftError, UsageError, visible
 from gyrodrift.values.secret import mentions_secret, shown_words
 
@@ -74,7 +76,7 @@ angles are degrees, rates deg/s, times s, temperatures °C; counter-clockwise is
 """
 
 
-def main(argv: list[str] | None = None) -> int:
+def main(argv: list[str] | None = None) -> int:  # noqa: PLR0911 - one for each kind of end
     """Run a command and return its exit status; a wrong input is one line on stderr, never a traceback."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # matrices are small here, and threads slow their products down
     open_standard_streams()
@@ -100,6 +102,12 @@ def main(argv: list[str] | None = None) -> int:
             return 0
         print(f"gyrodrift: {error.filename or 'output'}: {error.strerror}", file=sys.stderr)
         _forget_stdout()
+        return UsageError.exit_status
+    except Exception as error:
+        line = failure_in_plug_in(error)
+        if not line:
+            raise
+        print(f"gyrodrift: {line}", file=sys.stderr)
         return UsageError.exit_status
 
 
@@ -132,7 +140,8 @@ def _run(name: str, arguments: list[str]) -> int:
 
         hide_secrets()
     try:
-        parsed = parser_of(name).read(arguments)
+        with told_deprecations():
+            parsed = parser_of(name).read(arguments)
         _check_system(name)
         parsed.command_line = shown_words(["gyrodrift", name, *arguments])
         status: int = command_of(name).run(parsed)
@@ -187,19 +196,21 @@ def parser_of(name: str) -> Parser:
 
 def program_parser() -> Parser:
     """Parser of the options without a command."""
-    from gyrodrift.cli.plug_ins import summaries
+    from gyrodrift.cli.plug_ins import listing, summaries
     from gyrodrift.io.installation import version_line
 
     groups = GROUPS | {"of other packages": dict(summaries(COMMANDS))}
     width = max(len(command) for commands in groups.values() for command in commands)
-    listing = "\n\n".join(
+    names = "\n\n".join(
         "\n".join([f"{group}:", *(f"  {command:{width}}  {what}" for command, what in commands.items())])
         for group, commands in groups.items()
         if commands
     )
+    lines = "".join(f"\n  {line}" for line in listing())
+    added = f"\n\nplug-ins of other packages:{lines}" if lines else ""
     parser = Parser(
         usage="gyrodrift COMMAND ... (gyrodrift help COMMAND for its options)",
-        description=f"Correct the yaw drift of a low-cost gyro in real time.\n\n{listing}",
+        description=f"Correct the yaw drift of a low-cost gyro in real time.\n\n{names}{added}",
         epilog=f"examples:\n{indent(EXAMPLES, '  ')}\n{EPILOG}",
     )
     parser.add_argument("--version", action="version", version=version_line())

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import configs, inputs, numbers, options
+from gyrodrift.cli.plug_ins import tell_problems
 from gyrodrift.cli.written import tell_page
 from gyrodrift.io.files import check_writable, write_whole
 from gyrodrift.io.installation import need_packages
@@ -67,6 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
     with options.progress_of(arguments, {} if arguments.train else None) as progress:
         progress.report(options.PACKAGES, 0, 0)
         need_packages("compare")
+        tell_problems("gyrodrift.filters")
         from gyrodrift.compare.comparison import compare
         from gyrodrift.compare.options import CompareOptions
 

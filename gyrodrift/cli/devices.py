@@ -13,6 +13,7 @@ from typing import Any
 
 from gyrodrift.cli import numbers, options
 from gyrodrift.cli.configs import simulated_ports
+from gyrodrift.cli.plug_ins import tell_problems
 from gyrodrift.link.listening import HeardPort, listen_at, look_at
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.port import serial_ports
@@ -45,6 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     ports = [*serial_ports(), *source_devices(), *simulated_ports()]
     link_options = LinkOptions(port="", timeout_s=arguments.timeout, send=arguments.send or b"")
     heard = listen_at(ports, link_options) if arguments.listen else look_at(ports)
+    tell_problems("gyrodrift.sources", "gyrodrift.protocols")
     if arguments.json:
         print(json.dumps([_as_json(port) for port in heard]))
     elif heard:

@@ -80,6 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
     with options.progress_of(arguments, {}) as waiting:
         waiting.report(options.PACKAGES, 0, 0)
         need_packages("diagnose")
+        options.load_effects()
         from gyrodrift.diagnose.diagnosis import diagnose
         from gyrodrift.diagnose.export.files import FOLDER, export_line, exports_of, write_exports
         from gyrodrift.diagnose.export.files import NAMES as EXPORT_NAMES
@@ -147,6 +148,7 @@ def _withheld(text: str) -> str:
     """
     from firmware_sim.effects.catalogue import CATALOGUE
 
+    options.load_effects()
     if text not in CATALOGUE:
         raise unknown("effect", f"--withhold {text}", CATALOGUE)
     return text

@@ -10,6 +10,8 @@ the yaw rate, its unit and its sign, and prints the --columns to paste.
 With --config it listens to all gyros of the block sources: at once. With --one-body it compares gyros on one body, live
 or in recordings of the same time, and says which of them drifts.
 
+With --report FILE it also writes a file for the maintainers, with the same checks.
+
 exit status: 0 no error (or no finding of --fail-on), 3 at least one, or an unclear turn, 2 wrong usage, 4 a recording
 cannot be read.
 """
@@ -25,6 +27,7 @@ from threading import Thread
 from gyrodrift.cli import inputs, numbers, options, turning
 from gyrodrift.cli.configs import simulated_ports
 from gyrodrift.cli.parser import unknown
+from gyrodrift.cli.plug_ins import listing
 from gyrodrift.config.model import load_config
 from gyrodrift.config.sources import load_sources
 from gyrodrift.doctor.body import compare
@@ -33,8 +36,10 @@ from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, Severity, as_json, worst
 from gyrodrift.doctor.listen import listen
 from gyrodrift.doctor.recorded import recorded
+from gyrodrift.doctor.report import report
 from gyrodrift.doctor.sensors import SENSORS, Sensor, sensor_named
 from gyrodrift.doctor.show import Detail, show
+from gyrodrift.io.files import check_inputs_kept, check_writable, write_whole
 from gyrodrift.io.progress import OnProgress, Progress
 from gyrodrift.link.holder import is_console
 from gyrodrift.link.options import LinkOptions
@@ -42,7 +47,7 @@ from gyrodrift.link.port import serial_ports
 from gyrodrift.link.search import find_gyro
 from gyrodrift.link.sources.registry import source_devices
 from gyrodrift.session.files import session_paths
-from gyrodrift.values.errors import LinkError, PortMissingError, UsageError
+from gyrodrift.values.errors import LinkError, PortMissingError, UsageError, visible
 
 SEVERITIES = ("note", "warning", "error")
 
@@ -64,6 +69,7 @@ COMMON = (
     "--verbose",
     "--columns",
     "--fail-on",
+    "--report",
 )
 """Options in the short help."""
 
@@ -107,6 +113,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--one-body", action="store_true", help="the gyros are on one body: also say which of them drifts"
     )
+    parser.add_argument(
+        "--report",
+        type=Path,
+        metavar="FILE",
+        help="also write a report for other people: device, versions, ten seconds of data and all checks, without "
+        "secrets (default: none)",
+    )
     parser.add_argument("--json", action="store_true", help="one JSON object a line instead, for each port or session")
     parser.add_argument("--verbose", action="store_true", help="show all findings, not only problems and drift")
     options.add_damage_option(parser)
@@ -122,17 +135,25 @@ def run(arguments: argparse.Namespace) -> int:
         return turning.run(arguments)
     chosen_sensor = _sensor(arguments.sensor)
     severity = Severity.OK
+    if arguments.report is not None:
+        check_inputs_kept([arguments.report], arguments.sessions)
+        check_writable(arguments.report.parent)
     evidences = _evidence(arguments)
+    examined = []
     if arguments.one_body and len(evidences) < 2:
         raise UsageError("--one-body: needs two gyros: --config with sources:, or two recordings")
     for evidence in evidences:
         sensor = chosen_sensor or sensor_named(evidence.device.device_id or "")
         findings = examine(replace(evidence, sensor=sensor))
+        examined.append((replace(evidence, sensor=sensor), findings))
         severity = max(severity, worst(findings), key=lambda severity: severity.rank)
         _print(arguments, evidence.source, findings)
     for source, findings in _comparisons(evidences) if arguments.one_body else ():
         severity = max(severity, worst(findings), key=lambda severity: severity.rank)
         _print(arguments, source, findings)
+    if arguments.report is not None:
+        write_whole(arguments.report, [report(examined, list(listing()))])
+        print(visible(f"gyrodrift: wrote {arguments.report}; read it before you send it"), file=sys.stderr)
     return LinkError.exit_status if severity.rank >= Severity(arguments.fail_on).rank else 0
 
 

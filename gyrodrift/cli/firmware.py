@@ -1,4 +1,4 @@
-"""Write the filter as a library for a microcontroller: C header, Arduino, PlatformIO, Zephyr, ESPHome, MicroPython.
+"""Write the filter as a library for a microcontroller: C, Arduino, PlatformIO, ESP-IDF, Zephyr, ESPHome, MicroPython.
 
 The library has HDR, restlevel on one and on three axes, and the encoder of the native protocol. --config
 adds the tuned parameters and the calibration of a gyro as my_gyro.h, for MicroPython as my_gyro.py.

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from gyrodrift.cli import numbers
-from gyrodrift.cli.parser import Parser, unknown
+from gyrodrift.cli.parser import Choices, Parser, unknown
 from gyrodrift.columns.spec import (
     ACCELERATION,
     ACCELERATION_MPS2,
@@ -79,11 +79,11 @@ def add_link_options(
         default="auto",
         help="line rate in baud, or auto to find it (default); a given rate is not changed",
     )
-    protocols = ", ".join(f"{protocol.name} ({protocol.help})" for protocol in PROTOCOLS.values())
+    protocols = ", ".join(f"{protocol.name} ({protocol.help})" for protocol in PROTOCOLS.own.values())
     parser.add_argument(
         "--protocol",
         default=AUTO,
-        choices=(AUTO, *PROTOCOLS),
+        choices=Choices(PROTOCOLS, AUTO),
         metavar="NAME",
         help=f"auto to find it (default), {protocols}",
     )
@@ -122,6 +122,15 @@ def bytes_to_send(text: str) -> bytes:
         return bytes_to_send(text)
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from error
+
+
+def load_effects() -> None:
+    """Make the effects of plug-ins known to rig files and to the options of a command; name those that are broken."""
+    from gyrodrift.cli.plug_ins import tell_problems
+    from gyrodrift.simulation.effects import load
+
+    load()
+    tell_problems("gyrodrift.effects")
 
 
 def add_reading_options(parser: argparse.ArgumentParser) -> None:
@@ -322,7 +331,8 @@ def add_filter_options(parser: argparse.ArgumentParser, config_help: str) -> Non
     group.add_argument("--config", type=Path, metavar="FILE", help=f"{config_help} (default: none)")
     group.add_argument(
         "--filter",
-        choices=tuple(FILTERS),
+        choices=Choices(FILTERS),
+        metavar=f"{{{','.join(FILTERS.own)}}}",
         help=f"run this filter at its defaults, without a file (default: {DEFAULT.name})",
     )
     parser.add_argument(

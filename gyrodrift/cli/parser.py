@@ -2,14 +2,13 @@
 
 import argparse
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from typing import Any, NoReturn
 
+from gyrodrift.io.deprecation import DEPRECATED, successor_of
+from gyrodrift.io.plug_ins import PlugIns
 from gyrodrift.values.errors import UsageError, shortened
 from gyrodrift.values.nearest import nearest, suggestion
-
-RENAMED = {"--threads": "--jobs"}
-"""Options that had another name."""
 
 COLUMN_OPTIONS = frozenset({"--rate-unit", "--time-unit", "--sample-rate", "--accel-unit", "--flip", "--reference"})
 """Options besides --columns that `gyrodrift help columns` explains."""
@@ -43,11 +42,32 @@ def unknown(what: str, word: str, names: Iterable[str]) -> UsageError:
     return UsageError(f"{word}: there is no such {what}; {nearest_or_all(word.rpartition(' ')[2], names)}")
 
 
+class Choices(Container[str]):
+    """Names of a registry as the choices of an option; plug-ins are looked for if a name is none of ours."""
+
+    def __init__(self, registry: PlugIns[Any], *first: str) -> None:
+        self._registry, self._first = registry, first
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._first or (name in self._registry and bool(self._registry[str(name)]))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter([*self._first, *self._registry])
+
+    @property
+    def from_plug_ins(self) -> str:
+        """Words for the help: the names that other packages add; empty without any."""
+        added = [name for name in self if name not in self._first and name not in self._registry.own]
+        return f"; from plug-ins: {', '.join(added)}" if added else ""
+
+
 class HelpFormatter(argparse.RawDescriptionHelpFormatter):
     """Help that keeps the layout of descriptions and prints the default of each option."""
 
     def _get_help_string(self, action: argparse.Action) -> str | None:
         text = action.help or ""
+        if isinstance(action.choices, Choices):
+            text += action.choices.from_plug_ins
         if "default" in text or any(action.default is hidden or action.default == hidden for hidden in HIDDEN_DEFAULTS):
             return text
         return f"{text} (default %(default)s)"
@@ -108,6 +128,7 @@ class Parser(argparse.ArgumentParser):
         UsageError
             With all unknown options, or else with the first mistake.
         """
+        words = [self._present(word) for word in words]
         mistakes = [self._mistake(word.partition("=")[0]) for word in _options_in(words)]
         if any(mistakes):
             raise UsageError("\n".join(filter(None, mistakes)))
@@ -121,12 +142,18 @@ class Parser(argparse.ArgumentParser):
     def _see(self) -> str:
         return f"gyrodrift help {self._name}".rstrip() + " shows them all"
 
+    def _present(self, word: str) -> str:
+        """A word with the present name of a deprecated option that this command has."""
+        name, equals, value = word.partition("=")
+        options = self._option_string_actions
+        if name in DEPRECATED and name not in options and DEPRECATED[name].successor in options:
+            return f"{successor_of(name)}{equals}{value}"
+        return word
+
     def _mistake(self, word: str) -> str:
         options = self._option_string_actions
         if word in options:
             return ""
-        if RENAMED.get(word) in options:
-            return f"{word}: is {RENAMED[word]} now"
         sought = f"-{word}" if re.fullmatch(r"-\w", word) else word
         meant = begun_or_near(sought, [option for option in options if option.startswith("--")])
         return f"{word}: {self._name or 'gyrodrift'} has no such option; {meant or self._see}"

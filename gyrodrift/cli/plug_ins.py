@@ -1,17 +1,27 @@
-"""Commands that other packages add: entry points of the group `gyrodrift.commands`.
+"""Plug-ins of all groups as commands see them: commands that other packages add, and the list of everything added.
 
-An entry point names a module like those of this folder: a docstring whose first line is the summary, `EXAMPLES`,
-`add_arguments(parser)` and `run(arguments)`, which returns the exit status.
+An entry point of `gyrodrift.commands` names a module like those of this folder: a docstring whose first line is the
+summary, `EXAMPLES`, `add_arguments(parser)` and `run(arguments)`, which returns the exit status.
 """
 
-from collections.abc import Collection
-from importlib.metadata import EntryPoint, entry_points
+import sys
+from collections.abc import Collection, Iterator, Sequence
+from importlib import import_module
 from types import ModuleType
+from typing import Any
 
 from gyrodrift.cli.parser import unknown
-from gyrodrift.values.errors import UsageError
+from gyrodrift.io.plug_ins import EntryPoint, PlugInError, PlugIns, entry_points, summary
 
-GROUP = "gyrodrift.commands"
+REGISTRIES = {
+    "gyrodrift.outputs": "gyrodrift.outputs.registry:OUTPUTS",
+    "gyrodrift.sources": "gyrodrift.link.sources.registry:ADDED",
+    "gyrodrift.protocols": "gyrodrift.link.protocols.registry:PROTOCOLS",
+    "gyrodrift.filters": "gyrodrift.filters.registry:FILTERS",
+    "gyrodrift.effects": "gyrodrift.simulation.effects:EFFECTS",
+}
+"""Registry of each group of entry points besides commands, as `module:NAME`."""
+
 PARTS = ("EXAMPLES", "add_arguments", "run")
 """Names that the module of a command has."""
 
@@ -24,50 +34,55 @@ def command_named(name: str, own: Collection[str]) -> ModuleType:
     UsageError
         There is none, there are two, or it cannot be imported.
     """
-    added = _entries()
+    added = _commands(own)
     if name not in added:
-        raise unknown("command", name, [*own, *added])
-    return _loaded(name, added[name], own)
+        raise unknown("command", name, [*own, *added.added()])
+    return added[name]
 
 
 def summaries(own: Collection[str]) -> list[tuple[str, str]]:
     """Name and summary of each plug-in; for one that cannot run, the reason."""
-    return [(name, _summary(name, entries, own)) for name, entries in sorted(_entries().items())]
+    return [(name, _about(name, outcome)) for name, outcome in _commands(own).added().items()]
 
 
-def _entries() -> dict[str, list[EntryPoint]]:
-    added: dict[str, list[EntryPoint]] = {}
-    for entry in entry_points(group=GROUP):
-        added.setdefault(entry.name, []).append(entry)
-    return added
+def listing(*groups: str) -> Iterator[str]:
+    """A line for each plug-in that is no command: kind, name and description, or what is wrong with it."""
+    for registry in _registries(groups or tuple(REGISTRIES)):
+        for name, outcome in registry.added().items():
+            yield f"{registry.what} {_about_line(name, outcome)}"
 
 
-def _summary(name: str, entries: list[EntryPoint], own: Collection[str]) -> str:
-    try:
-        first_line = (_loaded(name, entries, own).__doc__ or "").partition("\n")[0].rstrip(".")
-    except UsageError as error:
-        return str(error).removeprefix(f"{name}: ")
-    return first_line[:1].lower() + first_line[1:]
+def tell_problems(*groups: str) -> None:
+    """Say on stderr which plug-ins of these groups cannot be used, a line for each."""
+    for registry in _registries(groups):
+        for problem in registry.problems():
+            print(f"gyrodrift: {problem}", file=sys.stderr)
 
 
-def _loaded(name: str, entries: list[EntryPoint], own: Collection[str]) -> ModuleType:
-    packages = sorted(_package(entry) for entry in entries)
-    if name in own:
-        raise UsageError(f"{name}: is a command of gyrodrift, and {', '.join(packages)} adds another; uninstall that")
-    if len(entries) > 1:
-        raise UsageError(f"{name}: is a command of {' and of '.join(packages)}; uninstall all but one")
-    try:
-        module: ModuleType = entries[0].load()
-        missing = [part for part in PARTS if not hasattr(module, part)]
-    except Exception as error:  # noqa: BLE001 - whatever the code of another package raises
-        first_line = str(error).partition("\n")[0]
-        reason = f"cannot be imported: {type(error).__name__}: {first_line}"
-    else:
-        if not missing:
-            return module
-        reason = f"is no command: {entries[0].value} has no {missing[0]}"
-    raise UsageError(f"{name}: the command of {packages[0]} {reason}; install another version of it, or uninstall it")
+def _registries(groups: Sequence[str]) -> Iterator[PlugIns[Any]]:
+    """Registries of the groups in which a package offers something; others are not imported."""
+    for group in groups:
+        if entry_points(group):
+            module, _, name = REGISTRIES[group].partition(":")
+            yield getattr(import_module(module), name)
 
 
-def _package(entry: EntryPoint) -> str:
-    return entry.dist.name if entry.dist else entry.value
+def _about_line(name: str, outcome: object) -> str:
+    about = str(getattr(outcome, "help", "") or getattr(outcome, "title", "") or getattr(outcome, "meaning", ""))
+    return str(outcome) if isinstance(outcome, PlugInError) else f"{name}: {about or summary(outcome)}"
+
+
+def _commands(own: Collection[str]) -> PlugIns[ModuleType]:
+    return PlugIns("command", _accept, own)
+
+
+def _accept(entry: EntryPoint, value: Any) -> ModuleType:
+    missing = [part for part in PARTS if not hasattr(value, part)]
+    if missing:
+        raise TypeError(f"{entry.value} has no {missing[0]}")
+    module: ModuleType = value
+    return module
+
+
+def _about(name: str, outcome: ModuleType | PlugInError) -> str:
+    return str(outcome).removeprefix(f"{name}: ") if isinstance(outcome, PlugInError) else summary(outcome)

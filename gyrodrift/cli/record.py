@@ -81,7 +81,8 @@ def run(arguments: argparse.Namespace) -> int:
     events = LinkEvents(log)
     target, port = configs.link_target(arguments, baud, events, send=config.send)
     with StopSignal() as stop:
-        link = Link(replace(target, keeps_on=True), events, port=port)
+        with stop.at_once():
+            link = Link(replace(target, keeps_on=True), events, port=port)
         fields = (arguments.out, arguments.profile, arguments.note, rotate_bytes, rotate_s, arguments.raw)
         about = configs.config_tables(arguments.config, config) if arguments.config else {}
         check_writable(arguments.out)

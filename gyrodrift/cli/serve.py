@@ -36,6 +36,8 @@ class ListOutputs(argparse.Action):
             print(f"{name}: {kind.help}{needs}")
             for option, default, meaning in options_help(name):
                 print(f"  {option}={default}: {meaning}")
+        for problem in OUTPUTS.problems():
+            print(f"gyrodrift: {problem}", file=sys.stderr)
         parser.exit()
 
 

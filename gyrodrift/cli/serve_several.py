@@ -33,10 +33,12 @@ def run(arguments: argparse.Namespace) -> int:
     log, lines = open_log(options.log_level(arguments), arguments.log_format), SharedLines(STDOUT)
     with StopSignal() as stop, ExitStack() as closing:
         closing.callback(lines.close)
-        services = [_service(arguments, source, lines, log, stop, closing) for source in settings]
+        with stop.at_once():
+            services = [_service(arguments, source, lines, log, stop, closing) for source in settings]
         notify = SystemdNotify()
         closing.callback(notify.stopping)
         return SeveralServices(services, log, stop, notify).run()
+    return 0
 
 
 def _settings(arguments: argparse.Namespace) -> tuple[SourceSettings, ...]:

@@ -76,7 +76,8 @@ def serve(
     from_config = (watch.config.columns, watch.config.send) if watch else ()
     target, port = configs.link_target(arguments, baud, events, *from_config)
     with StopSignal() as stop, ExitStack() as closing:
-        link = Link(target, events, port=port)
+        with stop.at_once():
+            link = Link(target, events, port=port)
         stdout = None if has_person else JsonLines(STDOUT, arguments.rate)
         sinks = (stdout or ServiceLine(link, STDOUT), stdout)
         service = service_of(arguments, ServiceParts(link, events, log, watch, sinks, stop, closing), specs)

@@ -39,6 +39,7 @@ gyrodrift simulate --hard-cases --out hard --seed 1
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
+    options.load_effects()
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the sessions")
     parser.add_argument("--rig", type=Path, metavar="FILE", help="rig (default: the shipped config/rig.yaml)")
     parser.add_argument(

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from gyrodrift.cli import INTERRUPTED, inputs, numbers, options
+from gyrodrift.cli.parser import Choices
 from gyrodrift.cli.written import tell_page, tell_written
 from gyrodrift.config.calibration import CALIBRATION, block_in, with_block
 from gyrodrift.config.model import load_config
@@ -102,7 +103,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="header to write for gyrodrift firmware, with the parameters and the calibration (default: none)",
     )
     parser.add_argument(
-        "--filter", choices=tuple(FILTERS), help="tune and write this filter (default: the better of hdr and restlevel)"
+        "--filter",
+        choices=Choices(FILTERS),
+        metavar=f"{{{','.join(FILTERS.own)}}}",
+        help="tune and write this filter (default: the better of hdr and restlevel)",
     )
     parser.add_argument(
         "--report", type=Path, metavar="DIR", help="folder for report.html and tune.json (default: none)"

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from gyrodrift.columns.blocks import Blocks, flat_markup
 from gyrodrift.columns.log_prefix import LABEL as PREFIX_LABEL
-from gyrodrift.columns.log_prefix import Prefixed, PrefixReader, split_prefix
+from gyrodrift.columns.log_prefix import SENDER_LABEL, Prefixed, PrefixReader, split_prefix
 from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.objects import LONGEST_CHARACTERS, leaves_of
 from gyrodrift.columns.units import Dimension, unit_in, unit_of
@@ -182,6 +182,10 @@ def fields_of(line: str) -> Fields | None:
 def _stamped(line: Prefixed) -> Fields | None:
     """Fields of a line, with the clock of its prefix as the last one."""
     fields = _fields_of(line.rest)
+    if fields is not None and line.sender:
+        label = SENDER_LABEL if any(fields.labels) or fields.form is not Form.ROW else ""
+        units = (*fields.units, "") if fields.units else ()
+        fields = Fields(fields.form, (*fields.labels, label), (*fields.values, line.sender), units)
     if fields is None or not line.stamp or PREFIX_LABEL in fields.labels:
         return fields
     label = PREFIX_LABEL if any(fields.labels) else ""
@@ -471,7 +475,7 @@ class Headings:
         values = tuple(parts[2::3])
         if not values:
             return _stamped(line)
-        key = (line.unit, bool(line.stamp), *parts[::3], *parts[1::3])
+        key = (line.unit, bool(line.stamp), bool(line.sender), *parts[::3], *parts[1::3])
         template = self._templates.get(key)
         if template is not None:
             return template._replace(values=(*values, line.stamp) if len(template.values) > len(values) else values)

@@ -6,8 +6,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from gyrodrift.columns.fields import Fields, Form, Headings, as_label, is_number
-from gyrodrift.columns.judge import ColumnVerdict, judged, seen_columns
+from gyrodrift.columns.judge import ColumnVerdict, judged
 from gyrodrift.columns.names import name_by_label
+from gyrodrift.columns.naming import seen_columns
 from gyrodrift.columns.spec import IGNORED
 
 LINES_MIN = 3

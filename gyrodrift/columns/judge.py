@@ -6,23 +6,17 @@ an acceleration, but never a rate.
 """
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from itertools import pairwise
 from math import log, pi, sqrt
 from statistics import fmean
 
 from gyrodrift.columns.behavior import (
     angle_per_rate,
-    find_accelerometer,
-    find_temperature,
-    goes_on,
-    grows,
     lengths_of,
     step_of,
 )
-from gyrodrift.columns.fields import DECIMAL_COMMA, is_number, is_whole
+from gyrodrift.columns.fields import is_whole
 from gyrodrift.columns.keys import has_two_senders, keys_of
 from gyrodrift.columns.names import (
     BRACKETED,
@@ -30,26 +24,19 @@ from gyrodrift.columns.names import (
     USED,
     SeenColumn,
     kind_of,
-    name_by_known_row,
-    name_by_label,
-    name_by_unit,
     quaternion_of,
 )
+from gyrodrift.columns.naming import rules, seen_columns, stated_clock_unit, time_unit
 from gyrodrift.columns.rate_unit import DEGREES_OF_FREEDOM, NOISE_DPS, NOISE_SCALE, SURE_ODDS, student
+from gyrodrift.columns.shape import MOST_DPS
 from gyrodrift.columns.sizes import TEMPERATURES_C, gravity_unit, is_gravity
 from gyrodrift.columns.spec import ANGLE_DEG, CLOCK_UNITS_US, CLOCK_US, IGNORED, RATE_DPS, SELECTED, spec_text
 from gyrodrift.columns.times import (
-    PER_S,
     ClockReader,
-    counted_unit,
-    epoch_unit,
-    is_date,
     is_hms,
-    is_stamp,
-    is_time_of_day,
 )
 from gyrodrift.columns.turn.scale import scale_of
-from gyrodrift.columns.units import TURNS_OR_RADIANS, Dimension, unit_in, unit_of, without_unit
+from gyrodrift.columns.units import TURNS_OR_RADIANS, Dimension, unit_in
 from gyrodrift.values.constants import FULL_TURN_DEG
 
 UNKNOWN_UNIT = "UNIT"
@@ -68,22 +55,6 @@ RATE_UNITS = "dps, rads, mdps or lsb/N"
 TURNING = ("rate", "delta", "yaw", "q.w")
 """Entries that say how the device turns."""
 
-CLOCK_WORDS = re.compile(r"time|elapsed|stamp|clock|zeit|uptime|\btemps\b|tiempo", re.IGNORECASE)
-STEP_WORDS = re.compile(
-    r"\bdt\b|delta|diff|interval|period|offset|exposure|latency|duration|delay|rtt|\brise\b|response|since last|flight",
-    re.IGNORECASE,
-)
-"""Words of a label that names another time than that of the sample."""
-
-STEP_NAMES = re.compile(r"^d ?t\b|^delta ?t|time (step|delta|diff)|since last|interval", re.IGNORECASE)
-"""Labels of the time since the last sample."""
-
-CLOCK_ENDINGS = {
-    "t_ms": ("ms", "millis"),
-    "t_us": ("us", "micros"),
-    "t_ns": ("ns", "nanos"),
-    "t_s": ("sec", "seconds"),
-}
 UNIT_FACTOR = 1.6
 """Largest factor between a clock and the arrival of its lines: timers tick in halves and tenths of a unit, too."""
 
@@ -200,35 +171,6 @@ class ColumnVerdict:
         return None if self.turn is None else spec_text([column.entry for column in self.columns], self.labels)
 
 
-def seen_columns(
-    labels: Sequence[str], units: Sequence[str], texts_by_column: Sequence[Sequence[str]]
-) -> list[SeenColumn]:
-    """Columns of a text; `units` stand after the values, and may be empty."""
-    columns = []
-    for label, unit, texts in zip(labels, units, texts_by_column, strict=True):
-        values = _values(texts)
-        numbers = tuple(map(float, values)) if values and all(map(is_number, values)) else ()
-        is_usable = all(abs(number) < LARGEST for number in numbers)
-        columns.append(SeenColumn(label, tuple(values), numbers if is_usable else (), unit_of(unit) or unit_in(label)))
-    for column, after in reversed(list(pairwise(columns))):
-        if column.unit is None and _head(column.label) == _head(after.label) != "":
-            column.unit = after.unit  # `Rotation X: 0.1, Y: 0.2, Z: 0.3 rad/s`
-    return columns
-
-
-def _values(texts: Sequence[str]) -> Sequence[str]:
-    """Values with a decimal point, without empty ones and the few that are no number."""
-    filled = [text for text in texts if text]
-    pointed = [text.replace(",", ".") if DECIMAL_COMMA.fullmatch(text) else text for text in filled]
-    numbers = [text for text in pointed if is_number(text) and text.lower().lstrip("+-") not in {"nan", "inf"}]
-    return numbers if len(numbers) >= NUMBERS_SHARE * len(pointed) else pointed
-
-
-def _head(label: str) -> str:
-    """Words before the axis of a label."""
-    return label.rpartition(" ")[0]
-
-
 def judged(
     labels: Sequence[str],
     units: Sequence[str],
@@ -287,124 +229,6 @@ def _judged_rows(
     return verdict
 
 
-LARGEST = 1e19
-"""Largest number; nanoseconds since 1970 are smaller, and above it a line is damaged."""
-
-NUMBERS_SHARE = 0.9
-"""Smallest share of numbers in the first rows of a column of numbers; the others are damaged."""
-
-
-@dataclass(frozen=True, slots=True)
-class Rule:
-    """A rule that names columns, and why it may: it leaves columns alone that have a name already."""
-
-    name: Callable[[list[SeenColumn]], None]
-    why: str
-
-
-def rules(lines_per_s: float | None) -> tuple[Rule, ...]:
-    """All rules, strongest first: what is written comes before what the numbers do."""
-    return (
-        Rule(name_by_known_row, "Firmware whose lines begin with a known word has fixed columns and units."),
-        Rule(name_by_label, "A label names a quantity, unless its unit is one of another quantity."),
-        Rule(name_by_unit, "One value in a unit of rates, or three, are rates, unless a label says otherwise."),
-        Rule(_unname_counters, "A counter goes on; what alternates or stands is something else."),
-        Rule(partial(_name_clock, lines_per_s=lines_per_s), "A clock is labeled and goes on, or grows evenly."),
-        Rule(find_accelerometer, "Three columns whose length is gravity while they move are an accelerometer."),
-        Rule(find_temperature, "The last column without a label, steady at room temperature, is a temperature."),
-    )
-
-
-def _unname_counters(columns: list[SeenColumn]) -> None:
-    for column in columns:
-        if column.kind == "seq" and not goes_on(column.numbers, None):
-            column.kind, column.why = "", ""
-
-
-def _name_clock(columns: list[SeenColumn], lines_per_s: float | None) -> None:
-    """Name the clock: of labeled ones that go on, the first with a unit, else the leftmost column that grows evenly."""
-    labeled = [column for column in columns if _is_labeled_clock(column)]
-    running = [column for column in labeled if _goes_on(column, lines_per_s)]
-    clock = next((column for column in running if _stated_clock_unit(column)), next(iter(running), None))
-    if clock is not None:
-        clock.kind, clock.why = "clock", f"is labeled {clock.label}" if clock.label else "is a time"
-        for part in columns:
-            if part is not clock and _is_part_of(part, clock):
-                part.kind, part.why = "part", f"is the part of {clock.label or 'the clock'} below a second or a day"
-    for column in columns:
-        if column in labeled or not _may_be_clock(column) or not grows(column.numbers, lines_per_s):
-            continue
-        step = step_of(column.numbers)
-        if step == 1.0 and not (lines_per_s and 850.0 < lines_per_s < 1150.0):
-            if not any(other_column.kind == "seq" for other_column in columns):
-                column.kind, column.why = "seq", "counts one by one"
-        elif clock is None:
-            clock = column
-            column.kind, column.why = "clock", f"grows by {step:g} with each line"
-    steps = [column for column in columns if not column.kind and _is_step(column)]
-    if clock is None and len(steps) == 1:
-        steps[0].kind, steps[0].why = "step", f"is labeled {steps[0].label}"
-
-
-def _is_step(column: SeenColumn) -> bool:
-    """Whether a column is the time since the last line, as its label and its unit say."""
-    name = without_unit(column.label).replace("_", " ")
-    is_unit = _time_unit(column) in CLOCK_US
-    return is_unit and STEP_NAMES.search(name) is not None and column.is_numeric and min(column.numbers) >= 0.0
-
-
-def _is_part_of(part: SeenColumn, clock: SeenColumn) -> bool:
-    """Whether a column is a time of day beside dates, or a fraction of a second beside whole seconds."""
-    if _is_of(is_date, clock):
-        return _is_of(is_time_of_day, part)
-    unit = "" if part.kind else _time_unit(part)
-    if unit not in PER_S or not part.is_numeric or min(part.numbers) < 0.0 or max(part.numbers) >= PER_S[unit]:
-        return False
-    return len(set(clock.texts)) < 0.5 * len(clock.texts) and not any("." in text for text in clock.texts)
-
-
-def _is_of(form: Callable[[str], bool], column: SeenColumn) -> bool:
-    return bool(column.texts) and all(map(form, column.texts))
-
-
-def _may_be_clock(column: SeenColumn) -> bool:
-    """Whether neither unit nor label say another quantity, or another time."""
-    if column.kind or STEP_WORDS.search(without_unit(column.label).replace("_", " ")):
-        return False
-    return column.unit is None or column.unit.dimension is Dimension.TIME
-
-
-def _is_labeled_clock(column: SeenColumn) -> bool:
-    if not _may_be_clock(column):
-        return False
-    name = without_unit(column.label)
-    is_named = "clock" in (kind_of(name), kind_of(column.label)) or CLOCK_WORDS.search(name) is not None
-    return (is_named and column.is_numeric) or (bool(column.texts) and all(map(is_stamp, column.texts)))
-
-
-def _goes_on(column: SeenColumn, lines_per_s: float | None) -> bool:
-    if not column.is_numeric:
-        return len(set(column.texts)) > 1
-    return goes_on(column.numbers, lines_per_s) or bool(counted_unit(column.texts))
-
-
-def _time_unit(column: SeenColumn) -> str:
-    """Entry of a clock in the unit of a label; empty without a unit of time."""
-    unit = column.unit or unit_of(column.label)
-    return unit.option if unit is not None and unit.dimension is Dimension.TIME else ""
-
-
-def _stated_clock_unit(column: SeenColumn) -> str:
-    """Unit of a clock as written; empty without one."""
-    if all(map(is_stamp, column.texts)):
-        return "t_s"
-    if column.unit is not None or unit_of(column.label) is not None:
-        return _time_unit(column)
-    plain = re.sub(r"[\s_]", "", column.label.lower())
-    named = (option for option, endings in CLOCK_ENDINGS.items() if plain.isalpha() and plain.endswith(endings))
-    return next(named, "") or epoch_unit(column.texts)
-
-
 def _judged_clock(column: SeenColumn, lines_per_s: float | None) -> JudgedColumn:
     """Unit of a clock from the arrival of its lines, or as written; otherwise it is asked for."""
     step = step_of(column.numbers) if len(column.numbers) > 1 else 0.0
@@ -416,7 +240,7 @@ def _judged_clock(column: SeenColumn, lines_per_s: float | None) -> JudgedColumn
         if unit:
             why = f"grows by {step:g} per line, and {lines_per_s:.3g} lines arrive per second"
             return JudgedColumn(unit, unit, why)
-    if unit := _stated_clock_unit(column):
+    if unit := stated_clock_unit(column):
         return JudgedColumn(unit, unit, column.why, is_stated=True)
     if is_hms(column.numbers):
         return JudgedColumn("t:hms", "t:hms", "jumps where a minute ends, so it is HHMMSS")
@@ -441,10 +265,10 @@ def _judged(column: SeenColumn, lines_per_s: float | None, columns: Sequence[See
             missing = "" if unit else _asked_unit(column.label)
             return JudgedColumn(SPOKEN[kind], f"rate:{unit or UNKNOWN_UNIT}", f"{column.why}{why}", is_stated, missing)
         case "part":
-            unit = (column.is_numeric and _time_unit(column)) or "t_s"
+            unit = (column.is_numeric and time_unit(column)) or "t_s"
             return JudgedColumn(unit, f"+{unit}", column.why, is_stated=True)
         case "step":
-            unit = _time_unit(column)
+            unit = time_unit(column)
             return JudgedColumn(f"d{unit}", f"d{unit}", column.why)
         case "yaw" | "heading" | "encoder" | "delta":
             return _judged_angle(column)
@@ -486,6 +310,8 @@ def _rate_unit(column: SeenColumn, columns: Sequence[SeenColumn]) -> tuple[str, 
 
 def _rate_unit_by_numbers(column: SeenColumn, columns: Sequence[SeenColumn]) -> tuple[str, str]:
     """Unit of a rate that excludes all others, and the reason; empty without one."""
+    if max(map(abs, column.numbers)) * RATE_DPS["rads"] > MOST_DPS:
+        return "", ""
     rates = _lengths(columns, RATES)
     units_of_length = {gravity_unit(_quantile(rates, share), GRAVITY_WITHIN) for share in ALWAYS} if rates else set()
     if units_of_length in ({"g"}, {"mps2"}):

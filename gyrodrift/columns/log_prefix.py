@@ -11,8 +11,15 @@ from typing import NamedTuple
 from gyrodrift.columns.names import kind_of
 
 DAY_S = 86400
-LABEL = "time"
-"""Label of the clock of a prefix."""
+SENDER_LONGEST = 20
+LABEL, SENDER_LABEL = "time", "sender"
+"""Labels of the clock and of the sender of a prefix."""
+
+SENDER = re.compile(
+    r"[\[(<]?((?:[0-9A-Fa-f]{2}[:-]){5}[0-9A-Fa-f]{2}|\d{1,3}(?:\.\d{1,3}){3}(?::\d{1,5})?+)[\])>]?"
+    r"(?:\s*+(?:->|=>|[:>|])\s*+|\s++(?:-\s++)?)(?=[^\s,;])"
+)
+"""Address of a device in front of a line, MAC or IP: ESP-NOW, BLE hubs and servers print those of several."""
 
 DATE = r"(?:(?P<date>\d{4}[-/.]\d\d[-/.]\d\d)|\d\d-\d\d)[T _]"
 STAMP = re.compile(
@@ -56,15 +63,25 @@ class Prefixed(NamedTuple):
         Clock of the prefix as a number; empty without one.
     unit
         Unit of the clock; empty for ticks.
+    sender
+        Address of the device that sent the line; empty without one.
     """
 
     rest: str
     stamp: str = ""
     unit: str = ""
+    sender: str = ""
 
 
 def split_prefix(line: str) -> Prefixed:
     """Split a line after its prefix."""
+    prefixed = _split_log(line)
+    is_address = prefixed.rest[2:3] in {":", "-"} or prefixed.rest.count(".", 0, SENDER_LONGEST) >= 3
+    sender = SENDER.match(prefixed.rest) if is_address or prefixed.rest[:1] in "[(<" else None
+    return prefixed._replace(rest=prefixed.rest[sender.end() :], sender=sender[1]) if sender else prefixed
+
+
+def _split_log(line: str) -> Prefixed:
     has_time = line[:1].isdigit() and (":" in line[:20] or "." in line[9:11])
     if not has_time and line[:1] not in FIRST:
         return Prefixed(line)
@@ -74,7 +91,7 @@ def split_prefix(line: str) -> Prefixed:
         if level and (DATA if not stamp else NOT_EMPTY).match(rest, level.end()):
             rest, is_log = rest[level.end() :], True
         elif (piece := _clock(rest, is_log=is_log, is_first=rest is line)) is not None:
-            rest, stamp, unit = piece if piece.stamp else piece._replace(stamp=stamp, unit=unit)
+            rest, stamp, unit, _ = piece if piece.stamp else piece._replace(stamp=stamp, unit=unit)
         elif (module := _module(rest, is_log=is_log)) and rest is not line:
             rest = rest[module:]
         else:
@@ -121,7 +138,9 @@ def _clock(rest: str, *, is_log: bool, is_first: bool) -> Prefixed | None:
         arrow = ARROW.match(rest, stamp.end())
         end = arrow.end() if arrow else stamp.end()
         rest_line = rest[end:].lstrip()
-        is_prefix = arrow or (rest[end : end + 1] in " [" and (DATA.match(rest_line) or LEVEL.match(rest_line)))
+        is_prefix = arrow or (
+            rest[end : end + 1] in " [" and (DATA.match(rest_line) or LEVEL.match(rest_line) or SENDER.match(rest_line))
+        )
         return _after(rest, end, *_seconds(stamp)) if is_prefix else None
     if not box:
         return None

@@ -91,7 +91,8 @@ KNOWN_ROWS: dict[str, tuple[str, ...]] = {
 Lower case: examples of i2cdevlib. Upper case: Razor AHRS, whose z axis points down.
 """
 
-SENTENCE_OF_TURN, RATE_OF_TURN = re.compile(r"[A-Z]{2}ROT"), "rate:lsb/60:-"
+SENTENCE_OF_TURN, PER_MIN = re.compile(r"[A-Z]{2}ROT"), "lsb/60"
+RATE_OF_TURN = f"rate:{PER_MIN}:-"
 """Sentence ROT of any talker, and its first value: deg/min to starboard (NMEA 0183)."""
 
 AXIS_OF = {"gx": "x", "gy": "y", "rate": "z"}
@@ -157,7 +158,7 @@ def kind_of(label: str) -> str:
     if SCALED.search(name):
         return ""
     words, mark, axis = name.rpartition(".")
-    if mark and axis in AXIS_OF_INDEX and (kind := _kind_of(words)) in {"rate", *AXIS_OF}:
+    if mark and axis in AXIS_OF_INDEX and (kind := kind_of(words)) in {"rate", *AXIS_OF}:
         return kind  # `gz.1` is a second gz
     named = f"{words}{AXIS_OF_INDEX[axis]}" if mark and axis in AXIS_OF_INDEX else f"{words}{axis}"
     words_alone = "".join(word for word in re.split(r"[\s_]+", named) if len(word) == 1 or unit_of(word) is None)
@@ -216,12 +217,20 @@ def name_by_known_row(columns: list[SeenColumn]) -> None:
     word = "".join(columns[0].texts[:1]).rstrip(":=").lstrip("$")
     entries = (RATE_OF_TURN,) if SENTENCE_OF_TURN.fullmatch(word) else KNOWN_ROWS.get(word, ())
     followers = list(zip(columns[1:], entries, strict=False))
-    of_sentences = [(column, RATE_OF_TURN) for column in columns if SENTENCE_OF_TURN.fullmatch(column.label[:-2])]
+    of_sentences = [(column, RATE_OF_TURN) for column in columns if _is_rate_of_turn(column)]
     for column, entry in followers or of_sentences:
         if column.is_numeric:
             kind, _, option = entry.partition(":")
             column.kind, column.option = kind, option
-            column.why = f"follows the word {word if followers else column.label[:-2]}"
+            column.why = f"follows the word {word}" if followers else f"is labeled {column.label}, to starboard"
+
+
+def _is_rate_of_turn(column: SeenColumn) -> bool:
+    """Whether a label is that of a ship's rate of turn, in its unit."""
+    is_per_min = column.unit is not None and column.unit.option == PER_MIN
+    return SENTENCE_OF_TURN.fullmatch(column.label[:-2]) is not None or (
+        without_unit(column.label).upper() == "ROT" and is_per_min
+    )
 
 
 def name_by_unit(columns: list[SeenColumn]) -> None:

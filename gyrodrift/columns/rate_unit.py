@@ -116,6 +116,9 @@ PER_DPS = {unit.name: unit.per_dps for unit in UNITS if unit.name != COUNTS}
 LIKELY_SHARE = 0.01
 """Units are named that are this likely, compared with the likeliest."""
 
+DELTA_FACTOR = 3.0
+"""Factor within which noise and turns do not tell a unit from the angle of each sample."""
+
 SAME_UNIT = 0.05
 """Relative difference of two scales that are one unit; sensitivities in data sheets differ by more."""
 
@@ -160,10 +163,13 @@ def compared(likely: Sequence[RateUnit]) -> str:
     return ", ".join(f"{unit.unit} (rate:{unit.entry}) {share:.2g} %" for unit, share in shares)
 
 
-def event_fields(likely: Sequence[RateUnit], protocol: str, columns: str, port: str) -> Mapping[str, object]:
+def event_fields(
+    likely: Sequence[RateUnit], protocol: str, columns: str, port: str, period_s: float
+) -> Mapping[str, object]:
     """Fields of the event that reports likely units, with advice.
 
-    `columns` is the SPEC of the lines, with `{}` for the unit.
+    `columns` is the SPEC of the lines, with `{}` for the unit. The angle since the last line is the rate times
+    `period_s`, which may be near the scale of a unit: 1/50 is near π/180.
     """
     best = likely[0]
     hint = {
@@ -172,6 +178,8 @@ def event_fields(likely: Sequence[RateUnit], protocol: str, columns: str, port: 
     }.get(protocol, "the scale of the device does not fit its rates")
     if protocol in {"csv", "text"}:
         hint += ", with N of lsb/N from the data sheet of your sensor" if best.unit == COUNTS else ""
+        if any(1.0 / DELTA_FACTOR < unit.per_dps / period_s < DELTA_FACTOR for unit in likely):
+            hint += "; if it is the angle since the last line, call it delta:deg or delta:rad, not rate"
         hint += f"; a quarter turn proves it: gyrodrift doctor --port {port} --turn"
     return {
         "unit": best.unit,

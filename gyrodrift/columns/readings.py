@@ -29,6 +29,15 @@ LEAST_JUMP_DPS = 150.0
 """Smallest change of a rate that may be impossible, deg/s: taps on a case make smaller ones within a sample (BROAD,
 trial 24, at 286 Hz)."""
 
+ZERO_JUMP_DPS, ZERO_JUMP_ALONE_DPS = 0.5, 5.0
+"""Smallest rate before a zero, or −1, of all three axes, and of the only axis, that a failed read may have caused.
+
+A sensor with noise reads three exact zeros by chance once in some thousand samples at rest, and never amid a turn.
+"""
+
+RAIL_STAYS = 2
+"""Further samples at the end of a range, reached in one impossible step, that a failed read may have caused."""
+
 LONGEST_STEP_S = 0.2
 """Longest time between two samples of which one may be impossible, s; slower streams turn by as much."""
 
@@ -73,7 +82,11 @@ RANGES_DPS = (125.0, 245.0, 250.0, 450.0, 500.0, 1000.0, 2000.0, 4000.0)
 RAIL_COUNTS = 1.5
 """Largest distance from ±2¹⁵ counts at the end of a range."""
 
+NEVER_MOVED_S = 20.0
+"""Time from the first sample on without a change after which the user is told: a start at rest seldom takes longer."""
+
 DOES_NOT_ANSWER = "the sensor does not answer: check its wires, address and supply, and the pull-ups of I2C"
+NEVER_MOVED = f"the rate has not changed since the start: it is at rest behind a dead band, or {DOES_NOT_ANSWER}"
 HANGS = f"the sensor repeats one value although it has noise; yaw is held meanwhile; {DOES_NOT_ANSWER}"
 IMPOSSIBLE = "the rate jumped and returned faster than a device can turn; yaw leaves such samples out"
 CLIPPED = "the range of the sensor ends there: yaw loses the angle that is cut off; choose a wider range"
@@ -105,9 +118,14 @@ def no_answer(rates: Values, companions: Values) -> bool:
     it measures gravity.
     """
     if len(rates) == 1:
-        counts = (*SENSITIVITIES, ST_FINEST[1])
-        return rates[0] == -1.0 or any(abs(rates[0] * count + 1.0) < ONE_COUNT for count in counts)
+        return _are_ones(rates[0])
     return len(set(rates)) == 1 and (rates[0] != 0.0 or (len(companions) >= 3 and not any(companions[:3])))
+
+
+def _are_ones(rate_dps: float) -> bool:
+    """Whether a rate is one count below zero, in counts or in deg/s."""
+    counts = (*SENSITIVITIES, ST_FINEST[1])
+    return rate_dps == -1.0 or any(abs(rate_dps * count + 1.0) < ONE_COUNT for count in counts)
 
 
 def _change(a: Values, b: Values) -> float:
@@ -139,6 +157,8 @@ class ReadingJudge:
     _suspect: Values | None = None
     _suspect_s: float = 0.0
     _may_stay: bool = False
+    _bound_dps: float = inf
+    _stays_max: float = inf
     _stays: int = 0
     _rate_dps: float = nan
     _since_s: float = 0.0
@@ -168,6 +188,8 @@ class ReadingJudge:
             return self._accept(t_s, rates, companions)
         if self._suspect is not None and self._waits_on(self._suspect, t_s, rates):
             return ReadingVerdict.MISSING
+        if -1.0 <= rates[-1] <= 0.0 and self._is_failed_read(t_s, rates):
+            return self._suspend(t_s, rates, 0.0)
         change_dps = abs(rates[-1] - self._rates[-1])
         if change_dps <= CALM_SHARE * LEAST_JUMP_DPS:
             self._calm += 1
@@ -177,23 +199,39 @@ class ReadingJudge:
     def _leap(self, t_s: float, rates: Values, companions: Values) -> ReadingVerdict:
         """Judge a sample after a large change of the rate."""
         seconds, change_dps = t_s - self._t_s, _change(rates, self._rates)
-        bound_dps = _bound_dps(seconds)
+        bound_dps = LEAST_JUMP_DPS if is_rail(rates[-1]) else _bound_dps(seconds)
         if change_dps > bound_dps and 0.0 < seconds <= LONGEST_STEP_S and self._calm >= CALM_STEPS:
-            self._suspect, self._suspect_s, self._calm = rates, t_s, 0
-            least_dps = ABSURD * bound_dps if is_rail(rates[-1]) else RAIL_APPROACH_SHARE * abs(rates[-1])
-            self._may_stay = self._is_noisy and change_dps > least_dps
-            return ReadingVerdict.SUSPECT
+            self._may_stay = self._is_noisy and change_dps > RAIL_APPROACH_SHARE * abs(rates[-1])
+            may_be_clipped = is_rail(rates[-1]) and change_dps <= ABSURD * _bound_dps(seconds)
+            return self._suspend(t_s, rates, bound_dps, RAIL_STAYS if may_be_clipped else inf)
         self._calm = self._calm + 1 if change_dps <= CALM_SHARE * bound_dps else 0
         return self._accept(t_s, rates, companions)
 
+    def _is_failed_read(self, t_s: float, rates: Values) -> bool:
+        """Whether zeros or ones of the bus follow a rate that a sensor with noise and no dead band cannot leave so."""
+        is_alone, largest_dps = len(rates) == 1, max(map(abs, self._rates))
+        if rates.count(rates[0]) < len(rates) or largest_dps < (ZERO_JUMP_ALONE_DPS if is_alone else ZERO_JUMP_DPS):
+            return False
+        self._may_stay = largest_dps >= ZERO_JUMP_ALONE_DPS
+        is_usual = not self._is_noisy or self._longest >= HELD_SAMPLES or t_s - self._t_s > LONGEST_STEP_S
+        return not is_usual and (self._calm > 0 or not is_alone) and (rates[0] == 0.0 or _are_ones(rates[0]))
+
+    def _suspend(self, t_s: float, rates: Values, bound_dps: float, stays_max: float = inf) -> ReadingVerdict:
+        """Let a sample wait for the next one; its repetitions up to a number are no measurement either."""
+        self._suspect, self._suspect_s, self._bound_dps, self._calm = rates, t_s, bound_dps, 0
+        self._stays_max = stays_max
+        return ReadingVerdict.SUSPECT
+
     def end(self) -> None:
-        """Report a hang that lasts to the end."""
+        """Report a hang that lasts to the end, and a rate that never changed."""
+        if self._changes <= 1 and self._repeats >= SILENT_SAMPLES and self._t_s - self._since_s >= SILENT_S:
+            self._report(self._rate_dps, self._since_s, self._t_s, NEVER_MOVED)
         self._move(self._t_s)
 
     def _waits_on(self, suspect: Values, t_s: float, rates: Values) -> bool:
         """Decide on the sample that waits; whether it goes on, because a sensor with noise repeats it exactly."""
-        jump_dps, bound_dps = _change(suspect, self._rates), _bound_dps(t_s - self._suspect_s)
-        if rates == suspect and self._may_stay:
+        jump_dps, bound_dps = _change(suspect, self._rates), min(self._bound_dps, _bound_dps(t_s - self._suspect_s))
+        if rates == suspect and self._may_stay and self._stays < self._stays_max:
             self._stays += 1
             self.was_real, self._t_s = False, t_s
             if self._stays >= HANGS_SAMPLES and t_s - self._suspect_s >= HANGS_S:
@@ -264,6 +302,8 @@ class ReadingJudge:
         if self._changes <= 1:  # it never moved
             is_brief = self._all_repeats < SILENT_SAMPLES or seconds < SILENT_S
             if is_brief or not no_answer(self._rates, self._companions):
+                if seconds >= NEVER_MOVED_S:
+                    self._report(rate_dps, self._since_s, t_s, NEVER_MOVED)
                 return ReadingVerdict.GOOD
             self._report(rate_dps, self._since_s, t_s, DOES_NOT_ANSWER)
             return ReadingVerdict.MISSING

@@ -15,6 +15,22 @@ ST_FINEST = (4.375, 228.57)
 SENSITIVITIES = (*INVENSENSE.values(), *ST.values())
 """Counts per deg/s of common ranges."""
 
+SAMPLE_RATES_HZ = (1.0, 20_000.0)
+"""Sample rates of gyros, from a logger with a sample per second to more than the 8 kHz of an ICM-42688."""
+
+SAME_SENSITIVITY = 0.01
+"""Largest relative difference of a sensitivity as users and data sheets round it."""
+
+
+def has_16_bits(scale: float) -> bool:
+    """Whether counts of `scale` deg/s are those of a sensor with 16 bits, which has none above 2¹⁵.
+
+    Larger ones are negative, and were printed without their sign.
+    """
+    counts = (*SENSITIVITIES, ST_FINEST[1])
+    return any(abs(abs(scale) * count - 1.0) < SAME_SENSITIVITY for count in counts)
+
+
 TEMPERATURES_C = (-55.0, 150.0)
 """Military temperature range up to the largest junction temperature; outside, a temperature is in counts."""
 

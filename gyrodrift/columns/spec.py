@@ -114,7 +114,12 @@ class Column:
     def clock(self) -> str:
         """Entry of a clock, for `times.ClockReader`; empty for another column."""
         is_clock = self.meaning.lstrip("+d") in ("t", *CLOCK_US)
-        return f"{self.meaning}:{self.unit}".rstrip(":") if is_clock else ""
+        return self.entry if is_clock else ""
+
+    @property
+    def entry(self) -> str:
+        """Entry without the label."""
+        return f"{self.meaning}:{self.unit}".rstrip(":") + (":-" if self.scale < 0.0 else "")
 
 
 def columns_of(spec: str) -> tuple[Column, ...]:

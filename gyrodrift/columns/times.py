@@ -49,7 +49,9 @@ ORDERS = {"mdy": (0, 1), "dmy": (1, 0)}
 """Position of month and day in dates without the name of the month."""
 
 DECIMAL = re.compile(r"(\d+)\.(\d*)")
-CLOCK_NUMBER = re.compile(r"(\d{1,6})(?:\.(\d*))?")
+CLOCK_NUMBER = re.compile(r"(\d{1,6}?)(?:\.(\d*)|(?<=\d{4})(\d{3}))?")
+"""HHMMSS with a fraction, or HHMMSSmmm."""
+
 COUNTED = re.compile(r"(\d+)[.,](\d{1,9})")
 FRACTION = re.compile(r"\d[.,:](\d{1,9})\D*")
 LONGEST = 64
@@ -81,11 +83,16 @@ def is_stamp(text: str) -> bool:
 
 
 MINUTE_JUMP, HOUR_JUMP, LARGEST_HMS, SLOWEST_HMS_S = 40.0, 4000.0, 240_000.0, 1.5
-"""HHMMSS jumps from 59 to 100, and from 5959 to 10000, and ends at midnight; samples come once a second."""
+"""HHMMSS jumps from 59 to 100, and from 5959 to 10000, and ends at midnight; samples come once a second.
+
+A larger number is HHMMSSmmm.
+"""
 
 
 def is_hms(numbers: Sequence[float]) -> bool:
     """Whether numbers are times of day as HHMMSS: no part is above 59, and they jump where a minute ends."""
+    if max(numbers, default=0.0) >= LARGEST_HMS:
+        numbers = [number / 1e3 for number in numbers]
     if not all(
         0.0 <= number < LARGEST_HMS and number % 100.0 < 60.0 and number // 100.0 % 100.0 < 60.0 for number in numbers
     ):
@@ -318,7 +325,9 @@ class _StampColumn:
         if self._unit == "hms" and (number := CLOCK_NUMBER.fullmatch(text)):
             whole = int(number[1])
             of_day_s = whole // 10_000 * HOUR_S + whole // 100 % 100 * 60 + whole % 100
-            return self._after_midnight(of_day_s, DAY_S) * NS_PER_S + self._part_ns(number[2])
+            if of_day_s >= DAY_S:
+                raise ValueError(f"{text!r} is no time of day")
+            return self._after_midnight(of_day_s, DAY_S) * NS_PER_S + self._part_ns(number[2] or number[3])
         if self._unit in COUNTED_US and (number := COUNTED.fullmatch(text)):
             return int(number[1]) * NS_PER_S + self._part_ns(number[2])
         match = DATED.fullmatch(text) or TIMED.fullmatch(text)

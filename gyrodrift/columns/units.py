@@ -68,6 +68,7 @@ SPELLINGS: dict[str, Unit] = {
         rads="rad/s rads rads-1 rad.s-1 radps",
         mrads="mrad/s mrads millirad/s",
         per_60="deg/min dpm",
+        per_1_11111111="gon/s",
         per_3600="deg/h deg/hr deg/hour dph",
         per_0_166667="rpm rev/min r/min",
     ),
@@ -125,6 +126,9 @@ REMEMBERED = 256
 LONGEST = 40
 """Largest number of characters of a unit or a label that are read."""
 
+REPEATED = re.compile(r"(?<=[A-Za-z)\]])\.[1-9]\d?$")
+"""Number that pandas appends to a label that comes again: `gz_dps.1`."""
+
 AXES = {"x", "y", "z"}
 BRACKETED = re.compile(r"[(\[{<]([^()\[\]{}<>]{1,40})[)\]}>]")
 TAILS = re.compile(r"[\s_,;|-]+")
@@ -141,7 +145,7 @@ def unit_of(text: str) -> Unit | None:
 
 def unit_in(label: str) -> Unit | None:
     """Unit in a label, in brackets or as its last words: `Gyro Z (rad/s)`, `gyro_z_rad_s`, `time us`."""
-    label = label.strip()[:LONGEST]
+    label = REPEATED.sub("", label.strip()[:LONGEST])
     for bracketed in BRACKETED.findall(label):
         if unit := unit_of(bracketed) or _scaled(bracketed):
             return unit

@@ -16,8 +16,9 @@ from gyrodrift.config.explain import Strict, describe_value, expectation, unknow
 from gyrodrift.config.outputs import outputs_in
 from gyrodrift.config.yaml import MOST_PROBLEMS, YamlFile, read_yaml
 from gyrodrift.filters.filter import Filter, FilterParams
-from gyrodrift.filters.registry import DEFAULT, FILTERS
+from gyrodrift.filters.registry import CONFIG_KEYS, DEFAULT, FILTERS
 from gyrodrift.filters.run import AXES, Axes
+from gyrodrift.io.plug_ins import PlugInError
 from gyrodrift.io.public_yaml import public_yaml
 from gyrodrift.outputs.options import OutputSpec
 from gyrodrift.values.calibration import Calibration
@@ -144,7 +145,7 @@ class Config:
             ("mount.up", old.mount.up, self.mount.up),
             ("mount.forward", old.mount.forward, self.mount.forward),
         ]
-        for name, filter_kind in FILTERS.items():
+        for name, filter_kind in FILTERS.loaded.items():
             before, after = old.params_of(filter_kind), self.params_of(filter_kind)
             pairs += [(f"{name}.{key}", getattr(before, key), getattr(after, key)) for key in filter_kind.names]
         changed = [f"{key}: {before} → {after}" for key, before, after in pairs if before != after]
@@ -169,8 +170,9 @@ def _block_of(filter_kind: Filter) -> type[Strict]:
 
 def _file() -> type[Strict]:
     """The model of a file: every key is optional, and a block may be empty."""
-    content: dict[str, Any] = {"filter": (Literal[tuple(FILTERS)], DEFAULT.name)}
-    content |= {name: (_block_of(filter_kind) | None, None) for name, filter_kind in FILTERS.items()}
+    filters = FILTERS.loaded
+    content: dict[str, Any] = {"filter": (Literal[tuple(filters)], DEFAULT.name)}
+    content |= {name: (_block_of(filter_kind) | None, None) for name, filter_kind in filters.items()}
     content |= {
         SAMPLE_RATE: (Annotated[float, Gt(0.0), Le(1e6)] | None, None),
         SLEW: (Annotated[float, Gt(0.0), Le(1e6)] | None, None),
@@ -196,14 +198,14 @@ def load_config(path: Path, source: str = "") -> Config:
         With all mistakes as lines `file:line:column key: problem; expected value`.
     """
     read = config_block(path, source)
-    named = " or ".join(f"filter: {name}" for name in FILTERS)
+    named = " or ".join(f"filter: {name}" for name in FILTERS.own)
     if read.value is None and not read.problems:
         read.report((), f"is empty; expected at least {named}")
     elif read.value is not None and not isinstance(read.value, dict):
         content = "text" if isinstance(read.value, str) else describe_value(read.value)  # the text may be a password
         read.report((), f"holds {content}; expected keys such as {named}")
-    file = _check(read) if isinstance(read.value, dict) else None
     given = read.value if isinstance(read.value, dict) else {}
+    file = _check(read) if isinstance(read.value, dict) and not _broken_plug_ins(read, given) else None
     outputs = outputs_in(given.get("outputs"), _within(read, "outputs"))
     columns = columns_in(given.get("columns"), lambda content: read.report(("columns",), content))
     send = send_in(given.get("send"), lambda content: read.report(("send",), content))
@@ -285,11 +287,11 @@ def send_in(value: Any, report: Callable[[str], None]) -> bytes:
 def _config(file: Strict, given: Mapping[str, Any]) -> Config:
     """Config from the keys that this module checks; the caller adds the blocks of other modules."""
     content = file.model_dump()
-    begun = [name for name in FILTERS if name in given]
+    begun = [name for name in FILTERS.loaded if name in given]
     chosen = content["filter"] if "filter" in given else (begun or [DEFAULT.name])[0]
     completed = [] if "filter" in given or begun else [f"filter: {chosen}"]
     blocks = {}
-    for name, filter_kind in FILTERS.items():
+    for name, filter_kind in FILTERS.loaded.items():
         values = content[name] or {}
         if name in begun:
             blocks[name] = filter_kind.params(**values)
@@ -297,6 +299,19 @@ def _config(file: Strict, given: Mapping[str, Any]) -> Config:
             missing = [key for key in filter_kind.names if key not in (given.get(name) or {})]
             completed += [f"{name}.{key}: {getattr(filter_kind.params(**values), key):g}" for key in missing]
     return Config(chosen, blocks, content[SAMPLE_RATE], tuple(completed), slew_dps=content[SLEW])
+
+
+def _broken_plug_ins(read: YamlFile, given: Mapping[str, Any]) -> bool:
+    """Load the filters of other packages that a file names; whether one is broken, which is reported."""
+    keys = {key: key for key in given if key not in CONFIG_KEYS} | {str(given.get("filter", DEFAULT.name)): "filter"}
+    is_broken = False
+    for name, key in keys.items():
+        try:
+            FILTERS.get(name)
+        except PlugInError as error:
+            read.report((key,), str(error))
+            is_broken = True
+    return is_broken
 
 
 def _within(read: YamlFile, block: str) -> Callable[[Key, str], None]:
@@ -316,7 +331,7 @@ def _check(read: YamlFile) -> Strict | None:
 
 
 def _explain(file: type[Strict], key: Key, kind: str, value: Any) -> str:
-    block, name = (FILTERS.get(str(key[0])) if len(key) > 1 else None), str(key[-1])
+    block, name = (FILTERS.loaded.get(str(key[0])) if len(key) > 1 else None), str(key[-1])
     model_fields = (_block_of(block) if block else file).model_fields
     if kind == "extra_forbidden":
         return unknown_key(name, list(model_fields), "a key of this file")
@@ -327,7 +342,7 @@ def _explain(file: type[Strict], key: Key, kind: str, value: Any) -> str:
 def _expectation(block: Filter | None, name: str, model_fields: Mapping[str, FieldInfo]) -> str:
     if name not in model_fields:
         return "another value"
-    if name in FILTERS:
+    if name in FILTERS.loaded:
         return f"a block with {', '.join(FILTERS[name].names)}"
     if name == "filter":
         return " or ".join(FILTERS)

@@ -75,7 +75,7 @@ def _settings(read: YamlFile, name: str, block: Any) -> SourceSettings | None:
         read.report((SOURCES, name, "baud"), f"is {describe_value(baud)}; expected a whole number above 0")
     elif timeout_s is not None and not (_is_number(timeout_s) and 0.0 <= timeout_s <= LONGEST_TIMEOUT_S):
         read.report((SOURCES, name, "timeout"), f"is {describe_value(timeout_s)}; expected s, 0 waits for ever")
-    elif protocol is not None and protocol not in _protocols():
+    elif protocol is not None and not _is_protocol(protocol):
         message = unknown_key(str(protocol), _protocols(), "a protocol")
         read.report((SOURCES, name, "protocol"), message)
     else:
@@ -85,6 +85,12 @@ def _settings(read: YamlFile, name: str, block: Any) -> SourceSettings | None:
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _is_protocol(name: Any) -> bool:
+    from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS  # noqa: PLC0415 - few configs name a protocol
+
+    return isinstance(name, str) and (name == AUTO or name in PROTOCOLS)
 
 
 def _protocols() -> list[str]:

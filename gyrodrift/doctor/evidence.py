@@ -31,6 +31,8 @@ class DeviceEvidence:
         Findings about clock and rates of a recording.
     facts
         Facts of the samples, if any arrived in time that can be used.
+    raw
+        First bytes from the port.
     """
 
     source: str
@@ -46,6 +48,7 @@ class DeviceEvidence:
     checked: tuple[SessionFinding, ...] = ()
     facts: SessionFacts | None = None
     sensor: Sensor | None = None
+    raw: bytes = b""
 
     @property
     def is_in_deg_s(self) -> bool:

@@ -22,6 +22,9 @@ from gyrodrift.values.errors import LinkError, UnitError
 from gyrodrift.values.sample import Sample
 
 LONGEST_WAIT_S = 0.1
+RAW_BYTES = 4096
+"""Bytes of a device that is not understood in a report. Chosen: some dozen lines or frames."""
+
 SURE_PPM = 100.0
 """Largest standard error of a reported clock drift, ppm."""
 
@@ -32,6 +35,11 @@ class _Heard:
     units: dict[str, Any] = field(default_factory=dict)
     failure: LinkError | None = None
     is_angle: bool = False
+    raw: bytearray = field(default_factory=bytearray)
+
+    def take(self, chunk: bytes, _arrival_s: float) -> None:
+        """Keep the first bytes of the device, for a report."""
+        self.raw += chunk[: RAW_BYTES - len(self.raw)]
 
     def on_event(self, event: str, **fields: Any) -> None:
         self.is_angle |= event == "rate_from_angle"
@@ -54,6 +62,7 @@ def listen(
     except LinkError as error:
         return DeviceEvidence(options.port, port=outside, failure=error)
     try:
+        link.tap = heard.take
         _hear(link, seconds, heard, progress, monotonic)
         if outside is not None:  # opening the port changes the timer
             outside = replace(outside, latency_ms=latency_ms(outside.port.device))
@@ -78,6 +87,7 @@ def _evidence(source: str, outside: PortEvidence | None, link: Link, heard: _Hea
         is_angle=heard.is_angle,
         units=heard.units,
         facts=facts,
+        raw=bytes(heard.raw),
     )
 
 

@@ -53,6 +53,8 @@ def judged_readings(t_s: Floats, rates_dps: Floats, companions: Floats) -> Judge
 
 def _may_be_odd(rates_dps: Floats) -> bool:
     """Whether there is a jump, or two repetitions, that the judge could object to: most recordings have none."""
+    if ((rates_dps == rates_dps[:, :1]).all(axis=1) & (rates_dps[:, 0] >= -1.0) & (rates_dps[:, 0] <= 0.0)).any():
+        return True  # maybe a failed read
     steps = np.abs(np.diff(rates_dps, axis=0))
     is_same = steps[:, -1] == 0.0
     return bool((steps > LEAST_JUMP_DPS).any() or (is_same[1:] & is_same[:-1]).any())

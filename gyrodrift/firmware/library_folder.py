@@ -10,7 +10,7 @@ from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
 
-from gyrodrift.io.files import NAMED, UnreadableError, check_writable, read_ordinary, write_whole
+from gyrodrift.io.files import NAMED, UnreadableError, check_writable, read_json, read_ordinary, write_whole
 from gyrodrift.values.errors import UsageError
 
 RECORD = ".gyrodrift-firmware.json"
@@ -54,8 +54,8 @@ def write_library(folder: Path, texts: Mapping[str, str]) -> None:
 
 def _record(folder: Path) -> dict[str, str]:
     """Hashes of the files that were written; empty without a record."""
-    with suppress(OSError, UnreadableError, ValueError):
-        hashes = json.loads(read_ordinary(folder / RECORD, LONGEST_BYTES).content)
+    with suppress(FileNotFoundError, UnreadableError):
+        hashes = read_json(folder / RECORD, LONGEST_BYTES)
         if isinstance(hashes, dict):
             return {str(path): str(value) for path, value in hashes.items()}
     return {}

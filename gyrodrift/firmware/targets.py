@@ -9,6 +9,7 @@ from gyrodrift import __version__
 from gyrodrift.firmware.micropython import restlevel_py
 from gyrodrift.firmware.my_gyro import TunedGyro, my_gyro_h, my_gyro_py
 from gyrodrift.firmware.parameters import FILTERS_FOLDER
+from gyrodrift.firmware.switched import SWITCH, contents, mark, switched
 
 ROOT_PART = "gyrodrift.h"
 """Part that includes all others, with the comment at the head of the result."""
@@ -19,8 +20,12 @@ INCLUDE = re.compile(r'^#include "(\w+\.h)"\n', re.MULTILINE)
 
 
 def gyrodrift_h() -> str:
-    """Text of `gyrodrift.h` for users."""
-    return joined(ROOT_PART)
+    """Text of `gyrodrift.h` for users, with its contents and switches at the head."""
+    guard = "#define GYRODRIFT_H\n"
+    head, _, body = joined(ROOT_PART).partition(guard)
+    listed = contents((part for part in _in_order(ROOT_PART, set()) if part != ROOT_PART), body)
+    version = f'#define GYRODRIFT_RELEASE "{__version__}"\n'
+    return f"{head}{guard}{version}\n{listed}\n\n{SWITCH}{switched(body)}"
 
 
 def joined(part: str) -> str:
@@ -28,7 +33,7 @@ def joined(part: str) -> str:
     head, body = _head_and_body(part)
     guard = part.upper().replace(".", "_")
     needed = [name for name in _in_order(part, set()) if name != part]
-    texts = [_text_alone(name) for name in needed] + [INCLUDE.sub("", body).strip()]
+    texts = [mark(name, _text_alone(name)) + _text_alone(name) for name in needed] + [INCLUDE.sub("", body).strip()]
     inner = "\n\n".join(text for text in texts if text)
     return f"{head}#ifndef {guard}\n#define {guard}\n\n{inner}\n\n#endif\n"
 
@@ -63,6 +68,17 @@ VERSION_MARK = "@VERSION@"
 """Text in a shipped file that becomes the version of gyrodrift."""
 
 GYRO_HEADER = "my_gyro.h"
+LICENSE = "LICENSE"
+
+C_LINE, HASH, TAGS = "// {}", "# {}", "<!-- {} -->"
+COMMENTS = {
+    **dict.fromkeys((".h", ".c", ".cpp", ".ino", ".overlay"), C_LINE),
+    **dict.fromkeys(
+        (".py", ".yaml", ".yml", ".conf", ".properties", "CMakeLists.txt", "keywords.txt", "Kconfig"), HASH
+    ),
+    ".md": TAGS,
+}
+"""Comment of a line, by the ending or the name of a file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +131,13 @@ TARGETS = {
             frozenset({"library.properties", "keywords.txt"}),
         ),
         Target(
+            "esp-idf",
+            "a component for ESP-IDF",
+            "espidf",
+            "move {out} into `components` of your project, and add REQUIRES gyrodrift to the component that uses it",
+            "include",
+        ),
+        Target(
             "zephyr",
             "a Zephyr module",
             "zephyr",
@@ -149,7 +172,15 @@ def files_of(target: Target, gyro: TunedGyro | None = None) -> dict[str, str]:
         if path.is_file() and path.name not in target.left_out and "__pycache__" not in path.parts
     }
     texts |= _modules(gyro) if target.headers is None else _headers(target.headers, gyro)
-    return {path: text.replace(VERSION_MARK, __version__) for path, text in sorted(texts.items())}
+    texts |= {LICENSE: (FILES / "arduino" / LICENSE).read_text(encoding="utf-8")}
+    return {path: _stamped(path, text.replace(VERSION_MARK, __version__)) for path, text in sorted(texts.items())}
+
+
+def _stamped(path: str, text: str) -> str:
+    """Text with the license and the version in a comment as its first line; JSON has fields for both."""
+    pure = PurePosixPath(path)
+    mark = COMMENTS.get(pure.suffix) or COMMENTS.get(pure.name)
+    return text if mark is None else mark.format(f"SPDX-License-Identifier: MIT; gyrodrift {__version__}") + "\n" + text
 
 
 def _headers(folder: str, gyro: TunedGyro | None) -> dict[str, str]:

@@ -1,15 +1,18 @@
-"""Safe reading of files of any kind, and atomic writing."""
+"""The door for files that a user or a config names: safe reading of any kind of file, and atomic writing."""
 
+import errno
+import json
 import os
 import stat
-from collections.abc import Iterable, Iterator
+import threading
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from io import RawIOBase
 from pathlib import Path
 from secrets import token_hex
 from tempfile import TemporaryFile
-from typing import BinaryIO
+from typing import Any, BinaryIO, TypeVar
 
 from gyrodrift.io.system import OPEN_AT_ONCE, set_mode, set_owner
 from gyrodrift.values.errors import UsageError
@@ -26,6 +29,14 @@ LONGEST_PREFIX = 60
 """Characters of the target name in the name of the temporary file."""
 
 NOT_ORDINARY = "is no ordinary file"
+
+OPENED_BYTES, OPENED_TIMES = 1 << 24, 100
+"""Limit of decompressed content: bytes, or times the file size; noisy samples shrink about tenfold."""
+
+READ_S = 5.0
+"""Longest time to read a file of limited size, s; a network or a FUSE file system may never answer. Chosen."""
+
+T = TypeVar("T")
 
 NAMED = 3
 """Files that a message names, of many."""
@@ -44,15 +55,66 @@ class FileContent:
 
 
 def read_ordinary(path: Path, longest_bytes: int) -> FileContent:
-    """Read a whole file of limited size; never wait for or read a pipe, a device or a socket.
+    """Read a whole file of limited size within READ_S; never wait for or read a pipe, a device or a socket.
 
     Raises
     ------
     FileNotFoundError
         There is no such file.
     UnreadableError
-        It cannot be read, is no ordinary file, or is larger.
+        It cannot be read, is no ordinary file, is larger, or takes longer.
     """
+    return in_time(lambda: _read(path, longest_bytes), READ_S)
+
+
+def read_json(path: Path, longest_bytes: int) -> Any:
+    """Value of a JSON file of limited size.
+
+    Raises
+    ------
+    FileNotFoundError
+        There is no such file.
+    UnreadableError
+        It cannot be read, or is no JSON.
+    """
+    content = read_ordinary(path, longest_bytes).content
+    try:
+        return json.loads(content)
+    except RecursionError as error:
+        raise UnreadableError("is no JSON: it is nested too deeply") from error
+    except ValueError as error:
+        raise UnreadableError(f"is no JSON: {error}") from error
+
+
+def in_time(work: Callable[[], T], seconds: float) -> T:
+    """Result of work on a file in a thread of its own, so that it cannot hold up the program.
+
+    Raises
+    ------
+    UnreadableError
+        It takes longer; the thread is left alone.
+    """
+    results: list[T] = []
+    errors: list[BaseException] = []
+
+    def run() -> None:
+        """Do the work, and keep its result or its error."""
+        try:
+            results.append(work())
+        except BaseException as error:  # noqa: BLE001 - raised below, in the thread that waits
+            errors.append(error)
+
+    thread = threading.Thread(target=run, name="read file", daemon=True)
+    thread.start()
+    thread.join(seconds)
+    if errors:
+        raise errors[0]
+    if not results:
+        raise UnreadableError(f"cannot be read: it takes more than {seconds:g} s")
+    return results[0]
+
+
+def _read(path: Path, longest_bytes: int) -> FileContent:
     try:
         with open(path, "rb", buffering=0, opener=_without_waiting) as file:
             status = os.fstat(file.fileno())
@@ -64,6 +126,31 @@ def read_ordinary(path: Path, longest_bytes: int) -> FileContent:
     if len(content) > longest_bytes:
         raise UnreadableError(f"is larger than {longest_bytes >> 10} KiB")
     return FileContent(content, stat.S_IMODE(status.st_mode))
+
+
+def opened_limit(size_bytes: int) -> int:
+    """Largest size of the content of a compressed file; a few bytes can expand to any size."""
+    return max(OPENED_BYTES, OPENED_TIMES * size_bytes)
+
+
+def open_ordinary(path: Path) -> int:
+    """Descriptor of a file, for reading; never of a folder, a pipe, a device or a socket.
+
+    Raises
+    ------
+    OSError
+        It cannot be opened.
+    UnreadableError
+        It is no ordinary file.
+    """
+    try:
+        fd = _without_waiting(os.fspath(path), os.O_RDONLY | getattr(os, "O_CLOEXEC", 0))
+    except ValueError as error:
+        raise UnreadableError(NOT_ORDINARY) from error
+    if stat.S_ISDIR(os.fstat(fd).st_mode):
+        os.close(fd)
+        raise UnreadableError(NOT_ORDINARY)
+    return fd
 
 
 def check_ordinary(path: Path) -> None:
@@ -125,7 +212,7 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
     """
     before = _status_of(path)
     if before is not None and not stat.S_ISREG(before.st_mode):  # write to a device or a pipe, do not replace it
-        with path.open("wb") as file:
+        with _device_of(path) as file:
             yield file
         return
     fresh = path.with_name(f".{path.name[:LONGEST_PREFIX]}.{token_hex(8)}")  # an unpredictable name
@@ -142,6 +229,29 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
     finally:
         with suppress(OSError):
             fresh.unlink()
+
+
+@contextmanager
+def _device_of(path: Path) -> Iterator[BinaryIO]:
+    """A device, or a pipe that another program reads; never wait for a reader of a pipe.
+
+    Raises
+    ------
+    UsageError
+        It cannot be written.
+    """
+    try:
+        with open(path, "wb", opener=_open_device) as file:
+            yield file
+    except OSError as error:
+        reason = "no program reads this pipe" if error.errno == errno.ENXIO else error.strerror
+        raise UsageError(f"{path}: cannot be written: {reason}") from error
+
+
+def _open_device(name: str, flags: int) -> int:
+    fd = os.open(name, flags | OPEN_AT_ONCE)
+    os.set_blocking(fd, True)
+    return fd
 
 
 def _status_of(path: Path) -> os.stat_result | None:

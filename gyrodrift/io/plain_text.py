@@ -6,6 +6,10 @@ CONTROL = re.compile(rb"\x1b\[[0-9;?]*+[A-Za-z]|\x1b[@-Z\\-_]|\x00")
 """Terminal control sequences (ECMA-48), and the zero bytes that some programs send with text."""
 
 
+SIGNS = str.maketrans("\u2212\ufe63\uff0d", "---")
+"""Minus signs of typography, which spreadsheets of some languages and documents write."""
+
+
 def plain_text(text: bytes) -> bytes:
     """Text without terminal control sequences."""
     return CONTROL.sub(b"", text) if b"\x1b" in text or b"\x00" in text else text
@@ -19,7 +23,7 @@ def decoded(text: bytes) -> str:
     for begin in range(4):
         for end in range(4):
             try:
-                return text[begin : len(text) - end].decode()
+                return text[begin : len(text) - end].decode().translate(SIGNS)
             except UnicodeDecodeError:
                 continue
     return text.decode("latin-1")

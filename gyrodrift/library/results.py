@@ -52,12 +52,14 @@ def simulate(
     from firmware_sim.motion.profile import load_motion
     from firmware_sim.rig import load_rig, parse_effect, with_axes, with_effects
     from firmware_sim.yaml_file import FileError
+    from gyrodrift.simulation.effects import load
     from gyrodrift.simulation.sessions import Simulation
 
     if not minutes > 0.0:
         raise UsageError(f"minutes {minutes}: expected a number above 0")
     if axes not in {None, 1, 3}:
         raise UsageError(f"axes {axes}: expected 1 or 3")
+    load()
     try:
         plain = with_axes(load_rig(None if rig is None else Path(rig)), axes)
         whole = with_effects(plain, [parse_effect(text) for text in effects])

@@ -119,7 +119,13 @@ class Connection:
         return min(usual_s, self.port.wake_s)
 
     def read(self) -> bytes | ReadingBatch:
-        """Bytes or readings that have arrived; opens a lost port again."""
+        """Bytes or readings that have arrived; opens a lost port again.
+
+        Raises
+        ------
+        LinkError
+            The port has an error that is no end of a connection.
+        """
         if self.port is None and not self.is_over:
             self._reopen()
         if self.port is None:
@@ -134,6 +140,8 @@ class Connection:
             self.is_over = True
             self._on_event("source_end", port=self.name)
             return b""
+        except OSError as error:
+            raise LinkError(f"{self.name}: cannot be read: {error.strerror or error}") from error
         self._report_notes(self.port)
         if chunk:
             self.opening.hear(self._monotonic())
@@ -145,6 +153,8 @@ class Connection:
         """The device has sent samples."""
         self._heard_s = now_s
         self.opening.end()
+        if self.port is not None:
+            self.port.understood()
 
     def silent_s(self) -> float:
         """Time since the last sample, s."""
@@ -177,8 +187,8 @@ class Connection:
         """Open the port; None for a source that is tried again, because a link without timeout waits for it."""
         is_waited_for = self._options.waits or (self.source is not None and not self._options.timeout_s)
         try:
-            if is_waited_for and self.source is not None:
-                return self._open_soon()
+            if self.source is not None:
+                return self._open_soon(SOON_S if is_waited_for else None)
             return open_port(self.name, self.baud)
         except LinkError as error:
             if not is_waited_for:
@@ -187,10 +197,13 @@ class Connection:
             self._backoff.begin(self._monotonic())
             return None
 
-    def _open_soon(self) -> SourcePort | None:
-        """Open a source; None if it takes longer than SOON_S, so that other gyros do not wait for it."""
+    def _open_soon(self, most_s: float | None) -> SourcePort | None:
+        """Open a source; None if it takes longer, so that other gyros do not wait for it.
+
+        A thread of its own looks up names, so that a signal to stop ends the wait.
+        """
         self._reopening = opening = self._background_opening()
-        opening.wait(SOON_S)
+        opening.wait(most_s)
         try:
             port = opening.result()
         except LinkError:

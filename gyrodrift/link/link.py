@@ -26,9 +26,10 @@ from gyrodrift.link.protocols.decoder import Decoder, DeviceDescription
 from gyrodrift.link.protocols.detect import Detector
 from gyrodrift.link.protocols.guard import Guard, renewed
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.link.protocols.registry import candidates
+from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS, added_candidates, candidates
 from gyrodrift.link.silence import unread_protocol, why_silent
 from gyrodrift.link.sources.source import SourcePort
+from gyrodrift.link.turn_queue import TurnQueue
 from gyrodrift.link.unit_check import UnitCheck
 from gyrodrift.values.errors import DeviceSilentError, PortMissingError, UnitError
 from gyrodrift.values.sample import Reading, Sample
@@ -36,6 +37,13 @@ from gyrodrift.values.sample import Reading, Sample
 BAUD_TRIAL_S = 0.8
 BAUD_TRIAL_WARM_S = 4.0
 """Time for which `--baud auto` listens at a baud rate with bytes, s; the longer one after the first good frame."""
+
+STREAMS_MAX = 256
+"""Largest number of senders that are heard before the first sample; the decoders of one take about 10 kB."""
+
+PLUG_IN_BYTES = 256
+"""Bytes that no protocol of gyrodrift understands before those of plug-ins are tried; chosen, over three frames of most
+protocols. So the start with a usual device neither looks for plug-ins nor imports them."""
 
 TELL_S = 10.0
 """Time after which a link without timeout reports why it understands nothing, s."""
@@ -79,9 +87,11 @@ class Link:
         self._guard = Guard(on_event)
         self._passed_over: frozenset[str] = frozenset()
         self._late = LateArrivals()
-        self._detector = Detector(list(self._protocols.values()), self._guard)
-        if len(self._protocols) == 1 and (options.baud is not None or not self.connection.has_baud):
-            self.decoder = next(iter(self._protocols.values())).decoder()
+        self._queue = TurnQueue()
+        self._detector = self._begin_detection()
+        self._detects_all = len(self._protocols) > 1 and options.protocol == AUTO
+        self._stream: object = None
+        self._streams: dict[object, tuple[Decoder | None, Detector, LateArrivals]] = {}
         self._spoke = False
         self._heard = Heard()
         self._check: UnitCheck | None = None
@@ -111,33 +121,29 @@ class Link:
 
     def wake_s(self) -> float:
         """Longest time to wait before the next `read`, s."""
-        return self.connection.wake_s(1.0 if self._spoke else 0.1)
+        return self.connection.wake_s(1.0 if self._spoke else 0.1) if self._is_idle else 0.0
+
+    def share_turn(self, sources: int) -> None:
+        """Share the budget of a turn with the other sources of a loop."""
+        self._queue.share(sources)
 
     def read(self) -> list[Sample]:
-        """Samples that have arrived; empty without any."""
-        received = self.connection.read()
-        if not received:
-            self._give_up_waiting()
-            return []
-        chunk = received.content if isinstance(received, ReadingBatch) else received
-        arrival_s = self._monotonic()
-        self.counters.bytes += len(chunk)
-        if self.tap is not None:
-            self.tap(chunk, self._calendar.epoch_s + arrival_s)
-        self._trial_s = self._trial_s or arrival_s
-        if not self._spoke or (self._check is not None and self._check.is_hearing):
-            self._heard.add(chunk, arrival_s)
-        readings = self._decode(received)
+        """Samples that have arrived, within the budget of a turn; empty without any.
+
+        Raises
+        ------
+        LinkError
+            As in the class, or the source has an error that no other attempt repairs.
+        """
+        until_s = self._monotonic() + self._queue.turn_s
         samples: list[Sample] = []
-        arrived = self._late.by_arrival(self.decoder.counters, readings, arrival_s) if self.decoder is not None else []
-        if arrived and self.decoder is not None:
-            samples = self._stamp(self.decoder, arrived)
-            self._spoke = True
-            self.connection.understood(arrival_s)
-            if self._check is not None:
-                self._check_units(self._check, len(readings), samples, arrival_s)
-        elif not self._spoke:
-            self._give_up_waiting()
+        if not self._queue.has_samples:
+            if self._is_idle and not self._receive():
+                self._give_up_waiting()
+                return samples
+            if self._decode_until(until_s):
+                samples = self._stamped(self._queue.take_readings(), self._queue.arrival_s)
+        samples = self._queue.within_budget(samples)
         self.counters.samples += len(samples)
         return samples
 
@@ -210,11 +216,85 @@ class Link:
         port, self.connection.port = self.port, None
         return port
 
+    @property
+    def _is_idle(self) -> bool:
+        """Whether all that was read is decoded and handed over."""
+        return self._queue.is_empty and not self._is_behind
+
+    @property
+    def _is_behind(self) -> bool:
+        """Whether the decoder has more of what it got; one of another package may not know the attribute."""
+        return getattr(self.decoder, "is_behind", False)
+
+    def _receive(self) -> bool:
+        """Read the connection; False if nothing has arrived."""
+        received = self.connection.read()
+        if not received:
+            return False
+        chunk = received.content if isinstance(received, ReadingBatch) else received
+        arrival_s = self._monotonic()
+        self.counters.bytes += len(chunk)
+        if not self._spoke and self.port is not None and self.port.stream != self._stream:
+            self._turn_to(self.port.stream)
+        if self.tap is not None:
+            self.tap(chunk, self._calendar.epoch_s + arrival_s)
+        self._trial_s = self._trial_s or arrival_s
+        if not self._spoke or (self._check is not None and self._check.is_hearing):
+            self._heard.add(chunk, arrival_s)
+        self._queue.add(received, arrival_s)
+        return True
+
+    def _begin_detection(self) -> Detector:
+        """A fresh detector; the decoder itself if only one is possible."""
+        self.decoder = None
+        if len(self._protocols) == 1 and (self.options.baud is not None or not self.connection.has_baud):
+            self.decoder = next(iter(self._protocols.values())).decoder()
+        return Detector(list(self._protocols.values()), self._guard)
+
+    def _turn_to(self, stream: object) -> None:
+        """Until the first sample each sender has its own decoders, so that none spoils the frames of another."""
+        self._streams[self._stream] = self.decoder, self._detector, self._late
+        if len(self._streams) > STREAMS_MAX:
+            del self._streams[next(iter(self._streams))]
+        self._stream = stream
+        if stream in self._streams:
+            self.decoder, self._detector, self._late = self._streams.pop(stream)
+        else:
+            self._detector, self._late = self._begin_detection(), LateArrivals()
+
+    def _decode_until(self, until_s: float) -> bool:
+        """Decode what was read, until a time; whether all of it, or as much as a turn may have, is decoded.
+
+        The readings of a read stay together, because a clock by arrival counts them.
+        """
+        queue = self._queue
+        while True:
+            queue.readings += self._decode(queue.next_piece())
+            if not queue.has_pieces and (not self._is_behind or len(queue.readings) >= queue.turn_samples):
+                return True
+            if self._monotonic() >= until_s:
+                return not queue.has_pieces
+
+    def _stamped(self, readings: list[Reading], arrival_s: float) -> list[Sample]:
+        """Samples of the readings of a read."""
+        arrived = self._late.by_arrival(self.decoder.counters, readings, arrival_s) if self.decoder is not None else []
+        if not arrived or self.decoder is None:
+            if not self._spoke:
+                self._give_up_waiting()
+            return []
+        samples = self._stamp(self.decoder, arrived)
+        self._spoke = True
+        self._streams.clear()
+        self.connection.understood(arrival_s)
+        if self._check is not None:
+            self._check_units(self._check, len(readings), samples, arrival_s)
+        return samples
+
     def _decode(self, chunk: Any) -> list[Reading]:
         if self.decoder is not None:
             self.decoder, readings = self._guard.push(self._protocols[self.decoder.name], self.decoder, chunk)
         else:
-            detected = self._detector.push(chunk)
+            detected = self._detector.push(chunk) or self._ask_plug_ins(chunk)
             if detected is None:
                 return []
             self.decoder, readings = detected
@@ -226,6 +306,17 @@ class Link:
             hint = self._protocols[self.decoder.name].choice_hint
             self._on_event("talkers_passed_over", names=", ".join(sorted(self._passed_over)), hint=hint)
         return readings
+
+    def _ask_plug_ins(self, chunk: bytes) -> tuple[Decoder, list[Reading]] | None:
+        """Let the protocols of plug-ins join the detection, if the bytes so far are not understood."""
+        if not self._detects_all or self.counters.bytes < PLUG_IN_BYTES:
+            return None
+        self._detects_all = False
+        for problem in PROTOCOLS.problems():
+            self._on_event("plug_in_left_out", reason=problem)
+        added = added_candidates()
+        self._protocols |= {protocol.name: protocol for protocol in added}
+        return self._detector.join(added, chunk)
 
     def _meet(self, device: DeviceDescription) -> None:
         if device != self.device and device.device_id is not None:

@@ -4,12 +4,13 @@ from collections.abc import Sequence
 from math import hypot, isfinite, nan
 
 from gyrodrift.columns.fields import Fields, Form, Headings, as_label, is_number, is_value, is_whole
+from gyrodrift.columns.sizes import has_16_bits
 from gyrodrift.columns.spec import IGNORED, QUATERNION, SELECTED, Column
 from gyrodrift.columns.times import ClockReader, is_stamp
 from gyrodrift.io.plain_text import decoded, plain_text
 from gyrodrift.link.protocols.lines import WITHOUT_RATE, LineDecoder
 from gyrodrift.link.protocols.plausible import MAX_RATE_DPS
-from gyrodrift.values.constants import CLOCK_MASK, COUNTER_MASK
+from gyrodrift.values.constants import CLOCK_MASK, COUNTER_MASK, INT16_COUNTS
 from gyrodrift.values.quaternion import yaw_of
 from gyrodrift.values.sample import Inertial, Reading
 
@@ -58,7 +59,7 @@ class TextDecoder(LineDecoder):
         self._selects = [index for index, column in used if column.meaning == SELECTED]
         self._clocks = [index for index, column in used if column.clock]
         self._values = [
-            (index, column.meaning, column.scale)
+            (index, column.meaning, column.scale, column.meaning in RATES and has_16_bits(column.scale))
             for index, column in used
             if index not in self._clocks and index not in self._selects
         ]
@@ -108,11 +109,12 @@ class TextDecoder(LineDecoder):
         if self._selects and not all(is_value(texts[index], self._spec[index].unit) for index in self._selects):
             return WITHOUT_RATE
         numbers: dict[str, float] = {}
-        for index, meaning, scale in self._values:
+        for index, meaning, scale, is_short in self._values:
             text = texts[index]
             if not (is_whole(text) if meaning == SEQ else is_number(text)):
                 return None
-            numbers[meaning] = int(text) & COUNTER_MASK if meaning == SEQ else float(text) * scale
+            number = int(text) & COUNTER_MASK if meaning == SEQ else float(text)
+            numbers[meaning] = (number - 2 * INT16_COUNTS if is_short and number >= INT16_COUNTS else number) * scale
         motion = _motion(numbers)
         if motion is None:
             return None

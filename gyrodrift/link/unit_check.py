@@ -68,6 +68,9 @@ class UnitCheck:
         self._due_s = float("-inf")
         self._rates: Any = None
         self._windows = 0
+        self._measures_pace = has_clock and protocol.name == "csv"
+        self._pace_from: tuple[float, float] | None = None
+        self._counted = 0.0
         self._acceleration_checks: dict[str, Any] = {}
 
     def take(self, readings: int, samples: list[Sample], arrival_s: float, clock: Clock) -> None:
@@ -78,6 +81,8 @@ class UnitCheck:
             if arrival_s - self._first_s >= CLOCK_S and self._readings >= CLOCK_READINGS:
                 self.is_hearing = False
                 self._judge_clock(clock)
+        if samples and self._measures_pace:
+            self._judge_pace(samples[-1], arrival_s)
         if not self._has_rate:
             self.is_over = not self.is_hearing
             return
@@ -94,6 +99,28 @@ class UnitCheck:
         self._heard = Heard()
         if why is not None:
             raise UnitError(why)
+
+    def _judge_pace(self, sample: Sample, arrival_s: float) -> None:
+        """Compare the clock of text with the arrival of its lines, twice; a burst or a busy computer is no pace."""
+        if not self._pace_from:
+            self._pace_from = arrival_s, sample.t_device_s
+        if arrival_s - self._pace_from[0] < PACE_S:
+            return
+        counted_s, took_s = sample.t_device_s - self._pace_from[1], arrival_s - self._pace_from[0]
+        self._pace_from = arrival_s, sample.t_device_s
+        before, self._counted = self._counted, counted_s / took_s
+        is_wrong = 1.0 / SLOWEST_PACE < self._counted < 1.0 / LEAST_PACE or LEAST_PACE < self._counted < FASTEST_REPLAY
+        if not is_wrong or abs(self._counted - before) > SAME_PACE * self._counted:
+            return
+        self._measures_pace = False
+        ticks = float(f"{1e6 * self._counted:.2g}")
+        reason = f"the clock counts {self._counted:.3g} s in each second of the lines' arrival"
+        spec = _csv_spec(sample).replace("t_us", f"t:lsb/{ticks:.0f}", 1).format("dps")
+        hint = f"if its ticks are not µs, read it with --columns '{spec}', N ticks a second"
+        if self._counted > 1.0:
+            self._on_event("rate_doubted", protocol=self._protocol, reason=f"{reason}, as a replay may", hint=hint)
+        else:
+            self._withdraw(reason, f"{hint}; if it is a slow replay, state --protocol csv")
 
     def _judge_accelerations(self, samples: list[Sample]) -> None:
         from gyrodrift.columns.accel_axes import (  # noqa: PLC0415 - only for three axes
@@ -161,7 +188,8 @@ class UnitCheck:
             return
         likely = self._rates.sure()
         if likely:
-            fields = event_fields(likely, self._protocol, _csv_spec(window[-1]), self._port)
+            period_s = (window[-1].t_device_s - window[0].t_device_s) / (len(window) - 1)
+            fields = event_fields(likely, self._protocol, _csv_spec(window[-1]), self._port, period_s)
             if self._is_stated or self._keeps_on or self._protocol not in SHAPED:
                 self._on_event("rate_unit_differs", **fields)
             else:
@@ -186,6 +214,12 @@ def _csv_spec(sample: Sample) -> str:
 WINDOW = 50
 """Samples per window, as in `rate_unit`."""
 
+
+PACE_S, LEAST_PACE, SAME_PACE = 3.0, 1.6, 0.05
+"""Time over which a pace is measured, s, least factor by which it is wrong, and largest difference of two of them."""
+
+FASTEST_REPLAY = 10.0
+"""A clock that is faster than this is that of a replay as fast as it can."""
 
 SLOWEST_PACE = 100.0
 """Host seconds per second of a device clock: no real clock is that slow, and a replay is faster."""

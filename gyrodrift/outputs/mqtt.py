@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated
 from annotated_types import MaxLen, MinLen
 
 from gyrodrift import __version__
-from gyrodrift.io.files import UnreadableError, check_ordinary, read_ordinary
+from gyrodrift.io.files import UnreadableError, read_ordinary
 from gyrodrift.io.paho_guard import PahoGuard
 from gyrodrift.outputs.fields import CHOICES
 from gyrodrift.outputs.health import health
@@ -62,6 +62,9 @@ ANSWER_S = 10.0
 FAREWELL_S = 1.0
 LINK_EVERY_S = 10.0
 AT_LEAST_ONCE = 1
+LONGEST_PEM_BYTES = 1 << 20
+"""Largest file of certificates; those of all authorities of a system have 200 kB."""
+
 LONGEST_PASSWORD_BYTES = (64 << 10) - 1
 """Longest password in bytes: its length field has 16 bits (MQTT 3.1.1, 3.1.3.5)."""
 
@@ -258,7 +261,7 @@ class MqttOutput(Output[MqttOptions]):
             return None
         try:
             for path in filter(None, (self.options.ca, self.options.certificate, self.options.key)):
-                check_ordinary(Path(path))  # a pipe would block the loop of all outputs
+                read_ordinary(Path(path), LONGEST_PEM_BYTES)  # a pipe would block the loop of all outputs
             context = ssl.create_default_context(cafile=self.options.ca or None)
             if self.options.certificate:
                 context.load_cert_chain(self.options.certificate, self.options.key or None)

@@ -1,10 +1,11 @@
-"""Registry of the outputs by name. A new output needs its own file and a line here."""
+"""Registry of the outputs by name. A new output needs its own file and a line here, or an entry point."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
 from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
+from gyrodrift.io.plug_ins import EntryPoint, PlugIns, subclass_of, summary
 from gyrodrift.values.errors import UsageError
 
 if TYPE_CHECKING:
@@ -61,7 +62,17 @@ def _is_installed(package: str) -> bool:
         return False
 
 
-OUTPUTS: dict[str, OutputKind] = {}
+def _accept(entry: EntryPoint, value: Any) -> OutputKind:
+    """Record of the class of another package; the first line of its docstring describes it."""
+    from gyrodrift.outputs.output import Output
+
+    output = subclass_of(Output, entry, value)
+    if not is_dataclass(getattr(output, "options_type", None)):
+        raise TypeError(f"{entry.value} has no options_type, the dataclass of its options")
+    return OutputKind(entry.name, summary(output), entry.value)
+
+
+OUTPUTS: PlugIns[OutputKind] = PlugIns("output", _accept)
 
 
 def register(kind: OutputKind) -> None:
@@ -72,14 +83,14 @@ def register(kind: OutputKind) -> None:
     ValueError
         If the name is taken.
     """
-    if kind.name in OUTPUTS:
+    if kind.name in OUTPUTS.own:
         raise ValueError(f"there is an output {kind.name!r} already")
-    OUTPUTS[kind.name] = kind
+    OUTPUTS.own[kind.name] = kind
 
 
 def unregister(name: str) -> None:
     """Remove an output."""
-    del OUTPUTS[name]
+    del OUTPUTS.own[name]
 
 
 def _own(name: str, about: str, target: str, packages: tuple[str, ...] = (), extra: str = "") -> OutputKind:

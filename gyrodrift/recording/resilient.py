@@ -37,6 +37,8 @@ class ResilientRecorder:
     recorder: Recorder | None = field(init=False)
     unrecorded: int = 0
     _failed_s: float = -inf
+    failure: str = ""
+    _failed_paths: list[Path] = field(default_factory=list)
     _abandoned: Recorder | None = None
     _is_tried: bool = False
 
@@ -83,7 +85,7 @@ class ResilientRecorder:
             self._fail(self.recorder, error)
             return
         if self._is_tried and self.recorder.is_writing:
-            self._is_tried = False
+            self._is_tried, self.failure = False, ""
             self.log.info("recording_resumed", folder=str(self.options.folder), unrecorded=self.unrecorded)
 
     def stats(self) -> dict[str, Any]:
@@ -98,8 +100,8 @@ class ResilientRecorder:
 
     @property
     def paths(self) -> list[Path]:
-        """Files so far, in order of time; empty after a failure."""
-        return [] if self.recorder is None else self.recorder.paths
+        """Files so far, in order of time."""
+        return [*self._failed_paths, *([] if self.recorder is None else self.recorder.paths)]
 
     def finish(self) -> None:
         """Finish the file without waiting for the disk; `close` follows when `is_over`."""
@@ -128,6 +130,8 @@ class ResilientRecorder:
         self.log.error("recording_failed", reason=str(error), next_try_s=0.0 if is_disk_working else RETRY_S)
         self._failed_s = now_s
         self.unrecorded += recorder.unflushed
+        self.failure = str(error)
+        self._failed_paths += filter(Path.exists, recorder.paths)
         recorder.abandon()
         self._abandoned, self.recorder = recorder, None
         if is_disk_working:

@@ -120,6 +120,9 @@ class ServiceCommands:
                 return None
             files = [] if ended is None else [str(path) for path in ended.paths]
             self.reporting.feed.hear("recording_stopped", {"files": files})
+            if ended is not None and ended.failure:
+                lost = f"{ended.unrecorded} samples are not recorded"
+                raise CommandError(f"it is stopped, but it had failed: {ended.failure}; {lost}")
             return {"files": files}
 
         return answer

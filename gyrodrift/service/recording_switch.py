@@ -23,6 +23,7 @@ class RecordingSwitch:
 
     make: "Callable[[], ResilientRecorder]"
     recorder: "ResilientRecorder | None" = None
+    _unrecorded: int = 0
     _ending: "list[ResilientRecorder]" = field(default_factory=list)
 
     def start(self) -> None:
@@ -73,18 +74,24 @@ class RecordingSwitch:
     def tick(self, now_s: float) -> None:
         """Let the recorder write and retry, and let ended ones report a failure."""
         for ended in [recorder for recorder in self._ending if recorder.is_over]:
-            ended.close()
+            self._close(ended)
             self._ending.remove(ended)
         if self.recorder is not None:
             self.recorder.tick(now_s)
 
     def stats(self) -> dict[str, Any]:
-        """Counters of the recorder, for the log."""
-        return {} if self.recorder is None else self.recorder.stats()
+        """Counters of the recorder, and the samples that no recording has, for the log."""
+        stats = {} if self.recorder is None else self.recorder.stats()
+        unrecorded = self._unrecorded + sum(ended.unrecorded for ended in self._ending) + stats.get("unrecorded", 0)
+        return stats | ({"unrecorded": unrecorded} if unrecorded else {})
 
     def close(self) -> None:
         """Finish the file, and wait for the disk."""
         self.stop()
         for ended in self._ending:
-            ended.close()
+            self._close(ended)
         self._ending.clear()
+
+    def _close(self, ended: "ResilientRecorder") -> None:
+        ended.close()
+        self._unrecorded += ended.unrecorded

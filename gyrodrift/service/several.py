@@ -1,21 +1,22 @@
 """Several gyros in one loop: each has its own link, filter and outputs, and none waits for another."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.io.waiting import POLLIN
 from gyrodrift.service.listener import ReaderGoneError
-from gyrodrift.service.loop import Service, Waiting, freeze_collector
+from gyrodrift.service.loop import TICK_S, Service, Waiting, freeze_collector
 from gyrodrift.service.signals import StopSignal
-from gyrodrift.values.errors import LinkError
+from gyrodrift.values.errors import GyrodriftError, LinkError
 from gyrodrift.values.secret import without_secrets
 
 if TYPE_CHECKING:  # as in the loop of one gyro
     from gyrodrift.service.notify import SystemdNotify
 
+T = TypeVar("T")
 
 MANY, PAUSE_S = 4, 0.001
 """Pause between two turns, s, from that number of sources on: ten sources of 1 kHz would wake the loop 10,000 times a
@@ -25,7 +26,7 @@ second. Arrival times are later by up to this time."""
 class SeveralServices:
     """Services of one process, run until a signal or until all of them are over.
 
-    A source that fails ends alone.
+    A source that fails ends alone, whatever its error is.
     """
 
     def __init__(
@@ -49,38 +50,40 @@ class SeveralServices:
             self._notify.ready(f"reading {names}")
         with ExitStack() as closing:
             for running in self._running:
-                closing.callback(running.end)
-                running.begin()
+                running.service.link.share_turn(len(self._running))
+                closing.callback(self._alone, running, running.end)
+                self._alone(running, running.begin)
             self._loop()
         return LinkError.exit_status if self._failed else 0
 
     def _loop(self) -> None:
         waiting = Waiting()
         while not self._stop.is_set and (running := [entry for entry in self._running if not entry.is_over]):
-            events_by_fd = {self._stop.fd: POLLIN}
+            events_by_fd, wake_s = {self._stop.fd: POLLIN}, TICK_S
             for entry in running:
-                events_by_fd |= entry.descriptors()
-            ready = waiting.ready(events_by_fd, min(entry.wake_s(time.monotonic()) for entry in running))
+                events_by_fd |= self._alone(entry, entry.descriptors) or {}
+                wake_s = min(wake_s, entry.wake_s(time.monotonic()))
+            ready = waiting.ready(events_by_fd, wake_s)
             for entry in running:
-                self._turn(entry, ready)
+                self._alone(entry, lambda: entry.turn(ready))  # noqa: B023 - called before the next entry
             if self._notify is not None:
                 self._notify.alive(time.monotonic())
             if len(running) >= MANY:
                 time.sleep(PAUSE_S)
 
-    def _turn(self, entry: "_Running", ready: set[int]) -> None:
+    def _alone(self, entry: "_Running", work: Callable[[], T]) -> T | None:
+        """Result of the work of one source; None if it fails, which ends this source and no other."""
         try:
-            if entry.take_turn(ready, time.monotonic()):
-                entry.service.turn(ready)
-            if entry.service.is_over:
-                entry.end()
-        except LinkError as error:
-            self._failed += 1
-            entry.service.log.error("source_failed", reason=str(error))  # noqa: TRY400 - a message for people
-            entry.end()
+            return work()
         except ReaderGoneError:
             entry.service.log.info("reader_gone")
-            entry.end()
+        except Exception as error:  # noqa: BLE001 - of a device, a file, a disk or a plug-in
+            self._failed += 1
+            reason = str(error) if isinstance(error, GyrodriftError) else f"{type(error).__name__}: {error}"
+            entry.service.log.error("source_failed", reason=reason)  # noqa: TRY400 - a message for people
+        if not entry.is_over:
+            self._alone(entry, entry.end)
+        return None
 
 
 class _Running:
@@ -104,11 +107,20 @@ class _Running:
         self._closing.callback(self.service.end)
         self._closing.enter_context(self.service.open_listeners())
 
+    def turn(self, ready: set[int]) -> None:
+        """One turn of the service, if it is due; the end, if its source is over."""
+        if self.is_over:
+            return
+        if self._take_turn(ready, time.monotonic()):
+            self.service.turn(ready)
+        if self.service.is_over:
+            self.end()
+
     def wake_s(self, now_s: float) -> float:
         """Time until it must have its turn, s."""
         return max(0.0, self._due_s - now_s)
 
-    def take_turn(self, ready: set[int], now_s: float) -> bool:
+    def _take_turn(self, ready: set[int], now_s: float) -> bool:
         """Set its next time if one of its descriptors is ready, or its time has come; False if it is not its turn."""
         if now_s < self._due_s and ready.isdisjoint(self._events_by_fd):
             return False

@@ -3,6 +3,8 @@
 import os
 import signal
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Self
 
@@ -16,17 +18,34 @@ REPEAT_S = 1.0
 """Terminals, shells and `timeout` may send a signal twice within this time, s."""
 
 
+class StoppedError(BaseException):
+    """A signal has come within `StopSignal.at_once`; no handler of errors takes it."""
+
+
 class StopSignal:
     """Inside the context the signals only set `is_set` and make `fd` readable.
 
     A second signal after REPEAT_S ends the process at once, for a disk that hangs or a reader that takes nothing. After
     SIGHUP the terminal is closed, and output to it is discarded. An ignored SIGHUP, as under nohup, stays ignored.
+    Within `at_once` a signal ends the context itself, because nothing there looks at `is_set`.
     """
 
     def __init__(self) -> None:
         self.is_set = False
         self.fd = -1
         self._first_s: float | None = None
+        self._is_at_once = False
+
+    @contextmanager
+    def at_once(self) -> Iterator[None]:
+        """Let a signal interrupt the block, such as the first connection to a host that does not answer."""
+        self._is_at_once = True
+        try:
+            if self.is_set:
+                raise StoppedError
+            yield
+        finally:
+            self._is_at_once = False
 
     def __enter__(self) -> Self:
         self._wake = WakePipe()
@@ -41,11 +60,12 @@ class StopSignal:
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    ) -> bool:
         for number, handler in self._old_handlers.items():
             signal.signal(number, handler)
         signal.set_wakeup_fd(self._old_fd)
         self._wake.close()
+        return isinstance(error, StoppedError)
 
     def _set(self, number: int, _frame: object) -> None:
         if number == SIGHUP:
@@ -59,3 +79,6 @@ class StopSignal:
         if now_s - self._first_s >= REPEAT_S:
             signal.signal(number, signal.SIG_DFL)
             os.kill(os.getpid(), number)
+        if self._is_at_once:
+            self._is_at_once = False
+            raise StoppedError

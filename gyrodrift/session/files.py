@@ -52,7 +52,10 @@ def load_session(
     DataError
         The file is missing, of an unknown kind, or no session.
     """
-    session = _loaded(path, columns, clock, allow_damage=allow_damage)
+    try:
+        session = _loaded(path, columns, clock, allow_damage=allow_damage)
+    except OSError as error:  # of the disk, or of a package that reads a format
+        raise DataError(f"{path}: cannot be read: {error.strerror or error}") from error
     if not reference:
         return session
     from gyrodrift.session.topics.reference import with_reference  # noqa: PLC0415 - imported only for topics

@@ -3,15 +3,17 @@
 import json
 import math
 from collections import deque
+from collections.abc import Iterator
 from io import BytesIO
 
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 
+from gyrodrift.io.files import OPENED_BYTES
 from gyrodrift.session.foreign.channels import UNDERSTOOD, Messages
 from gyrodrift.session.foreign.columns import Decode, WrongValueError
 from gyrodrift.session.foreign.read import decoder_of
-from gyrodrift.session.foreign.records import OPENED_BYTES, ForeignRecord, framed, message, opened
+from gyrodrift.session.foreign.records import ForeignRecord, framed, message, opened
 from gyrodrift.session.mcap.layout import HEAD, MAGIC, SAMPLES, STILLS
 from gyrodrift.session.mcap.walk import BrokenRecordError, channel_of, metadata_of, schema_of, still_of
 from gyrodrift.values.errors import DataError
@@ -23,12 +25,15 @@ LONGEST_RECORD_BYTES = OPENED_BYTES
 UNREAD_MAX, FIELDS_MAX = 8, 16
 """Largest number of topics, and of fields of a message, that are named."""
 
+RECORDS_MAX, PUSH_BYTES = 1024, 1 << 20
+"""Largest number of records of a push, about 8 ms, and largest size of chunks that are opened in it, about 2 ms."""
+
 STILLS_MAX = 64
 """Largest number of rest flags for later samples; a recorder writes a flag right before its sample."""
 
 
 class SampleStream:
-    """Splits the bytes of a file into samples, in any pieces.
+    """Splits the bytes of a file into samples, in any pieces, a limited number of records at a time.
 
     The channel `/gyro` is read, or else the first one that can be read.
 
@@ -45,11 +50,13 @@ class SampleStream:
 
     def __init__(self, name: str) -> None:
         self.damaged = 0
+        self.is_behind = False
         self.device: dict[str, str] = {}
         self.other_topics: frozenset[str] = frozenset()
         self._name = name
         self._pending = bytearray()
         self._has_magic = False
+        self._opened: Iterator[ForeignRecord] = iter(())
         self._schemas: dict[int, Schema] = {}
         self._channels: dict[int, Channel] = {}
         self._topic: str | None = None
@@ -68,7 +75,7 @@ class SampleStream:
         return f"it has messages, but no samples: {topics}{ellipsis}; expected {UNDERSTOOD}"
 
     def push(self, chunk: bytes) -> list[Sample]:
-        """Samples of the records that are complete now.
+        """Samples of the next records that are complete now.
 
         Raises
         ------
@@ -82,34 +89,51 @@ class SampleStream:
             del self._pending[: len(MAGIC)]
             self._has_magic = True
         try:
-            return [sample for record in self._records() for sample in self._samples_of(record)]
+            return self._next_samples()
         except BrokenRecordError as error:
             raise DataError(f"{self._name}: is damaged: {error}") from error
 
-    def _records(self) -> list[ForeignRecord]:
-        records: list[ForeignRecord] = []
-        position = 0
-        while self._has_magic and len(self._pending) - position >= HEAD.size:
-            opcode, length = HEAD.unpack_from(self._pending, position)
-            if length > LONGEST_RECORD_BYTES:
-                raise BrokenRecordError(f"a record claims {length} bytes, at most {LONGEST_RECORD_BYTES} are read")
-            end = position + HEAD.size + length
-            if end > len(self._pending):
-                break
-            records.append(ForeignRecord(opcode, bytes(self._pending[position + HEAD.size : end]), is_whole=True))
-            position = end
-        del self._pending[:position]
-        return records
+    def _next_samples(self) -> list[Sample]:
+        samples: list[Sample] = []
+        opened_bytes = records = 0
+        while opened_bytes < PUSH_BYTES and records < RECORDS_MAX:
+            record = next(self._opened, None) or self._cut()
+            if record is None:
+                self.is_behind = False
+                return samples
+            if record.opcode == Opcode.CHUNK:
+                opened_bytes += self._open(record)
+            else:
+                samples += self._samples_of(record)
+            records += 1
+        self.is_behind = True
+        return samples
+
+    def _cut(self) -> ForeignRecord | None:
+        """The next whole record of the file; None until more of it is there."""
+        if not self._has_magic or len(self._pending) < HEAD.size:
+            return None
+        opcode, length = HEAD.unpack_from(self._pending)
+        if length > LONGEST_RECORD_BYTES:
+            raise BrokenRecordError(f"a record claims {length} bytes, at most {LONGEST_RECORD_BYTES} are read")
+        end = HEAD.size + length
+        if end > len(self._pending):
+            return None
+        body = bytes(self._pending[HEAD.size : end])
+        del self._pending[:end]
+        return ForeignRecord(opcode, body, is_whole=True)
+
+    def _open(self, chunk: ForeignRecord) -> int:
+        """Read on in a chunk; its size."""
+        content = opened(chunk, LONGEST_RECORD_BYTES)
+        inner = framed(BytesIO(content), len(content), is_torn=False)
+        self._opened = (record for record in inner if record.opcode != Opcode.CHUNK)  # no chunk holds chunks
+        return len(content)
 
     def _samples_of(self, record: ForeignRecord) -> list[Sample]:
         match record.opcode:
             case Opcode.MESSAGE:
                 return self._sample(record.body)
-            case Opcode.CHUNK:
-                content = opened(record, LONGEST_RECORD_BYTES)
-                inner = framed(BytesIO(content), len(content), is_torn=False)
-                records = (record for record in inner if record.opcode != Opcode.CHUNK)  # no chunk holds chunks
-                return [sample for record in records for sample in self._samples_of(record)]
             case Opcode.SCHEMA:
                 schema = schema_of(record.body)
                 self._schemas[schema.id] = schema

@@ -20,8 +20,11 @@ NAME = re.compile(rf"(?!.*(?:_file|_path)$)(?:.*{WORD}.*|pass|pwd)", re.IGNORECA
 LONGEST_NAME = 128
 """Characters of a name that are examined."""
 
+MESSAGE = "is|this|there|the|it|cannot|no|has|points"
+"""First words of messages about a port or a file, whose name may end in such a word: `token: there is no such port`."""
+
 ASSIGNED = re.compile(
-    rf"({WORD}s?(?!_)[\"']?\s{{0,4}}[:=]\s{{0,4}}+)(?!is )(?:\"[^\"]*+\"|'[^']*+'|\S++)", re.IGNORECASE
+    rf"({WORD}s?(?!_)[\"']?\s{{0,4}}[:=]\s{{0,4}}+)(?!(?:{MESSAGE}) )(?:\"[^\"]*+\"|'[^']*+'|\S++)", re.IGNORECASE
 )
 """`password=…`, `"token": "…"` in a line of text, up to the next space."""
 

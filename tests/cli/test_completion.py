@@ -3,7 +3,7 @@
 import shutil
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -30,18 +30,20 @@ LINES = [
     ("gyrodrift serve --port au", "gyrodrift serve --port auto "),
     ("gyrodrift convert my-ses", "gyrodrift convert my-session.csv "),
 ]
+SOME = (LINES[0], LINES[2], LINES[-1])
+"""A command, a value and a file: every shell asks the same program."""
 
 
 @pytest.mark.parametrize(
-    ("shell", "start"),
+    ("shell", "start", "lines"),
     [
-        (["bash", "--norc", "--noprofile", "-i"], 'eval "$(gyrodrift completion bash)"'),
-        (["zsh", "-f", "-i"], 'autoload -U compinit; compinit -D -u; eval "$(gyrodrift completion zsh)"'),
+        (["bash", "--norc", "--noprofile", "-i"], 'eval "$(gyrodrift completion bash)"', LINES),
+        (["zsh", "-f", "-i"], 'autoload -U compinit; compinit -D -u; eval "$(gyrodrift completion zsh)"', SOME),
     ],
     ids=["bash", "zsh"],
 )
 def test_the_tabulator_key_goes_on_with_a_line(
-    shell: list[str], start: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    shell: list[str], start: str, lines: Sequence[tuple[str, str]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Commands, options, their values, names that the program knows, and files."""
     if shutil.which(shell[0]) is None:
@@ -51,7 +53,7 @@ def test_the_tabulator_key_goes_on_with_a_line(
     with Terminal(*shell, environment=environment(), rows=50) as terminal:
         terminal.keys(f"{start}; echo re''ady\n")
         terminal.until(lambda shown: "\nready" in shown.text, "shell that is ready")
-        for typed, expected in LINES:
+        for typed, expected in lines:
             terminal.keys(f"{typed}\t#\n")  # the mark shows where the line went on
             terminal.until(partial(shows, f"{expected}#"), expected)
         assert terminal.process.poll() is None, "the shell goes on"
@@ -65,13 +67,13 @@ def test_fish_goes_on_with_a_line() -> None:
     fish = shutil.which("fish")
     if fish is None:
         pytest.skip("there is no fish here")
-    request = "; ".join(f"complete -C '{typed}'" for typed, _ in LINES[:-1])
+    request = "; ".join(f"complete -C '{typed}'" for typed, _ in SOME[:-1])
     script = f"gyrodrift completion fish | source; {request}"
     done = subprocess.run(
         [fish, "--no-config", "-c", script], env=environment(), capture_output=True, text=True, check=True
     )
     words = [line.partition("\t")[0].strip() for line in done.stdout.splitlines()]
-    for _, expected in LINES[:-1]:
+    for _, expected in SOME[:-1]:
         assert expected.split()[-1] in words
 
 

@@ -11,8 +11,9 @@ from typing import Any
 
 import pytest
 from rich.console import Console
-from support import Command, Terminal, ours
+from support import Command, Terminal, ended_here, ours
 
+from gyrodrift.demo import show
 from gyrodrift.demo.show import run_demo, save_svg
 from gyrodrift.demo.view import Size, draw
 from gyrodrift.demo.yaw_error import YawError
@@ -20,10 +21,16 @@ from gyrodrift.demo.yaw_error import YawError
 SIZES = [(60, 15), (61, 16), (80, 24), (100, 30), (133, 41), (250, 80)]
 
 
-def test_without_a_terminal_it_prints_the_summary(tmp_path: Path) -> None:
+def test_without_a_terminal_it_prints_the_summary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Corrected yaw is nearer to the encoder than the integrated rate, on the shipped rig and config."""
-    with Command("demo", "--duration", "20", "--speed", "10", "--svg", tmp_path / "demo.svg") as demo:
-        assert demo.end() == 0
+    start = show._process
+
+    def patient(words: list[str], *streams: Any) -> Any:
+        return start(["tests.patient_device" if word == "firmware_sim" else word for word in words], *streams)
+
+    monkeypatch.setattr(show, "_process", patient)  # a device that waits for its reader
+    demo = ended_here("demo", "--duration", "20", "--speed", "10", "--svg", tmp_path / "demo.svg")
+    assert demo.status == 0, demo.log
     errors = [float(text) for text in re.findall(r"mean \|error\| +([0-9.]+) deg", demo.out)]
     assert len(errors) == 2
     raw_deg, corrected_deg = errors

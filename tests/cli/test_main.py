@@ -97,7 +97,6 @@ def test_what_is_no_command_ends_with_2_and_a_hint(
         ("serve --log-level warn", "--log-level warn: did you mean warning?"),
         ("record -o sessions", "-o: record has no such option; did you mean --out?"),
         ("tune --filter=restlevl", "--filter restlevl: did you mean restlevel?"),
-        ("tune --threads 2", "--threads: is --jobs now"),
         ("compare --sed 3 x", "--sed: compare has no such option; did you mean --seed?"),
         ("serve --port x --prot native", "--prot: serve has no such option; did you mean --protocol?"),
         ("compare --iteration=5 x", "--iteration: compare has no such option; did you mean --iterations?"),

@@ -5,8 +5,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from plug_in_support import Site
 
-from gyrodrift.cli import COMMANDS, command_of, main, parser_of, plug_ins
+from gyrodrift.cli import COMMANDS, command_of, main, parser_of
 
 SOURCE = '''"""Print a greeting."""
 
@@ -25,15 +26,11 @@ Install = Callable[..., None]
 
 @pytest.fixture
 def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Install]:
-    """Install a package with a command, as pip does: a module, and metadata beside it."""
+    """Install a package with a command."""
     monkeypatch.syspath_prepend(tmp_path)
 
     def installed(package: str, command: str, source: str = SOURCE) -> None:
-        (tmp_path / f"{package}.py").write_text(source)
-        metadata = tmp_path / f"{package}-1.0.dist-info"
-        metadata.mkdir()
-        (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 1.0\n")
-        (metadata / "entry_points.txt").write_text(f"[{plug_ins.GROUP}]\n{command} = {package}\n")
+        Site(tmp_path).install(package, "gyrodrift.commands", command, package, source)
 
     yield installed
     for path in tmp_path.glob("*.py"):
@@ -92,9 +89,3 @@ def test_a_name_of_ours_stays_ours(install: Install, capsys: pytest.CaptureFixtu
     assert main(["help"]) == 0
     line = "  info              is a command of gyrodrift, and greeting adds another; uninstall that\n"
     assert line in capsys.readouterr().out
-
-
-def test_our_commands_look_for_no_package(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(plug_ins, "entry_points", None)
-    with pytest.raises(SystemExit, match=r"^0$"):
-        main(["serve", "--help"])

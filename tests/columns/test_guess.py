@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gyrodrift.columns.guess import guess
-from gyrodrift.columns.judge import rules
+from gyrodrift.columns.naming import rules
 from gyrodrift.link.protocols.registry import candidates
 
 LINES = 20

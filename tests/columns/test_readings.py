@@ -83,15 +83,40 @@ def test_a_reading_that_is_confirmed_is_integrated() -> None:
         lambda t, rate: 0.0 if abs(rate) < 1.0 else rate,
         lambda t, rate: float(round(rate)),
         lambda t, rate: 0.5 + turn_dps(t),
-        lambda t, rate: 0.0,
         lambda t, rate: 60.0 * (t > 10.0),
     ],
-    ids=["shaken", "vibration", "a flick", "dead band", "coarse", "without noise", "zero", "a step without noise"],
+    ids=["shaken", "vibration", "a flick", "dead band", "coarse", "without noise", "a step without noise"],
 )
 def test_usual_devices_are_left_alone(odd: Odd) -> None:
     events, passed = judged(stream(odd))
     assert events == []
     assert not any(sample.rate_dps != sample.rate_dps for sample in passed)
+
+
+@pytest.mark.parametrize("value_dps", [0.0, 0.53])
+def test_a_rate_that_never_changes_is_said(value_dps: float) -> None:
+    """Nothing else shows whether the device rests behind a dead band or its sensor is dead."""
+    events, passed = judged(stream(lambda _t, _rate: value_dps))
+    assert names_of(events) == {"rate_hangs"}
+    assert "has not changed since the start" in events[0][1]["hint"]
+    assert not any(sample.rate_dps != sample.rate_dps for sample in passed)
+
+
+@pytest.mark.parametrize(
+    "odd",
+    [
+        lambda t, rate: 0.0 if round(t * HZ) % 5 == 2 else rate,
+        lambda t, rate: -1.0 if round(t * HZ) % 5 == 2 else rate,
+        lambda t, rate: -250.0 if round(t * HZ) % 50 in {5, 6} else rate,
+        lambda t, rate: -250.14 if round(t * HZ) % 37 == 5 else rate,
+    ],
+    ids=["zeros", "ones", "ends of range in pairs", "ends of range"],
+)
+def test_failed_reads_are_left_out_once_the_noise_is_known(odd: Odd) -> None:
+    events, passed = judged(stream(odd))
+    assert names_of(events) == {"impossible_reading"}
+    turn = [sample for sample in passed if 14.9 < sample.t_device_s < 18.1]
+    assert angle_deg(turn) == pytest.approx(165.0, abs=3.0)
 
 
 @pytest.mark.parametrize("value_dps", [60.512, -0.0076, 1998.0])

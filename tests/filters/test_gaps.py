@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from support import quick
 
 from gyrodrift import AttitudeFilter, Hdr, Restlevel
 from gyrodrift.filters.gaps import CIRCLE_VAR, longest_step_s, turn_var
@@ -96,7 +97,7 @@ def test_a_device_that_becomes_slow_has_a_few_gaps_and_then_none(axes: int) -> N
 
 
 @both
-@pytest.mark.parametrize("step_dps", [0.2, 0.3, 1.0, 2.0])
+@pytest.mark.parametrize("step_dps", quick((0.2, 0.3, 1.0, 2.0), 0.2, 2.0))
 @pytest.mark.parametrize("is_told", [True, False])
 def test_after_a_restart_the_new_bias_is_learned(axes: int, step_dps: float, is_told: bool) -> None:  # noqa: FBT001 - parametrized
     """A told restart, with a clock that begins again, or a pause of 15 s."""

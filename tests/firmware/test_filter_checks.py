@@ -7,11 +7,12 @@ from pathlib import Path
 import pytest
 from c_filter_support import WARNINGS, words, write_header
 from firmware_support import HERE, run
+from support import quick
 
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-O1", "-g")
 
-RUNS = 300
-"""Runs of the fuzz program in a test, some seconds."""
+RUNS = 100
+"""Runs of the fuzz program in a test, a second."""
 
 CHECKS = ",".join(
     [
@@ -25,14 +26,13 @@ CHECKS = ",".join(
 
 
 @pytest.mark.parametrize(
-    ("compiler", "real"),
-    [("gcc", "float"), ("clang", "float"), pytest.param("gcc", "double", marks=pytest.mark.evaluation)],
+    ("compiler", "real"), quick([("gcc", "float"), ("clang", "float"), ("gcc", "double")], ("clang", "float"))
 )
 def test_random_samples_pass_the_sanitizers(tmp_path: Path, compiler: str, real: str) -> None:
     assert fuzzed(tmp_path, compiler, real) == f"{RUNS} runs\n"
 
 
-@pytest.mark.parametrize("hypotheses", [2, 8, pytest.param(4, marks=pytest.mark.evaluation)])
+@pytest.mark.parametrize("hypotheses", quick((2, 4, 8), 2))
 def test_any_number_of_hypotheses_passes_the_sanitizers(tmp_path: Path, hypotheses: int) -> None:
     """The arrays of hypotheses have their sizes from it."""
     flag = f"-DGD_RESTLEVEL_HYPOTHESES={hypotheses}"

@@ -130,3 +130,16 @@ def test_the_bounds_of_the_clock_are_half_its_range(c_filters: CFilters) -> None
     taken = [library.run([5.0, 5.0 + step_us], [0.0, 0.0], is_us=True).taken.tolist() for step_us in steps]
     assert taken == [[True, True], [True, False]]
     assert [later - earlier for earlier, later in pairwise(steps)] == [1]
+
+
+def test_a_slow_turn_keeps_its_digits_in_float_after_many_turns(c_filters: CFilters) -> None:
+    """1000 s at 7.2 deg/s, then 200 s at 0.02 deg/s, at 200 Hz: a plain sum of floats loses a degree of the slow part.
+
+    Above 4096 deg a float has steps of 0.0005 deg, and a sample of the slow turn has 0.0001 deg.
+    """
+    t_s = np.arange(240_000) / 200.0
+    rate_dps = np.where(t_s < 1000.0, 7.2, 0.02)
+    params = [0.0, 0.0, 1.0, 0.0, 1.0]
+    yaw_deg = c_filters.get("filter_hdr.c", "float").run(t_s, rate_dps, params).rows[:, 0]
+    assert yaw_deg[199_999] == pytest.approx(7200.0, abs=0.05)
+    assert yaw_deg[-1] - yaw_deg[199_999] == pytest.approx(4.0, abs=0.01)

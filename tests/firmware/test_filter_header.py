@@ -3,12 +3,14 @@
 import re
 import shutil
 from dataclasses import fields
+from itertools import product
 from math import nan
 from pathlib import Path
 
 import pytest
 from c_filter_support import WARNINGS, CFilters, words, write_header
 from firmware_support import run
+from support import quick
 
 from gyrodrift.filters.registry import FILTERS
 from gyrodrift.firmware.parameters import FILTERS_FOLDER, initializer, parameters_h
@@ -29,8 +31,9 @@ COMPILERS = {
 }
 
 
-@pytest.mark.parametrize("real", ["float", "double"])
-@pytest.mark.parametrize("name", COMPILERS)
+@pytest.mark.parametrize(
+    ("name", "real"), quick(product(COMPILERS, ("float", "double")), *product(COMPILERS, ("float",)), ("gcc", "double"))
+)
 def test_no_compiler_warns_of_the_header(tmp_path: Path, name: str, real: str) -> None:
     """C11 and C++11, on this machine, on AVR and on ARM."""
     program, *flags = COMPILERS[name]
@@ -132,3 +135,40 @@ def test_parameters_out_of_bounds_are_refused(c_filters: CFilters) -> None:
 
 def test_warnings_are_errors() -> None:
     assert "-Werror" in WARNINGS
+
+
+def test_three_users_carry_one_copy(tmp_path: Path) -> None:
+    """With the switches three files hold no function of the filter, and the implementation holds it once."""
+    if shutil.which("gcc") is None:
+        pytest.skip("there is no gcc")
+    write_header(tmp_path)
+    users = ("one", "two", "three")
+    for name in users:
+        use = f"int {name}(gd_hdr *h);\nint {name}(gd_hdr *h) {{ return gd_hdr_update(h, 1.0, 1); }}\n"
+        (tmp_path / f"{name}.c").write_text(f'#define GYRODRIFT_SHARED\n#include "gyrodrift.h"\n{use}')
+    (tmp_path / "copy.c").write_text('#define GYRODRIFT_IMPLEMENTATION\n#include "gyrodrift.h"\n')
+    main = "int one(gd_hdr *h);\nint main(void) { gd_hdr h; return gd_hdr_init(&h, NULL) && one(&h) ? 0 : 1; }\n"
+    (tmp_path / "main.c").write_text(f'#define GYRODRIFT_SHARED\n#include "gyrodrift.h"\n{main}')
+    for name in (*users, "copy", "main"):
+        run("gcc", "-std=c11", "-O0", *WARNINGS, "-c", f"{name}.c", "-o", f"{name}.o", folder=tmp_path)
+    run("gcc", *(f"{name}.o" for name in (*users, "copy", "main")), "-lm", "-o", "program", folder=tmp_path)
+    run("./program", folder=tmp_path)
+    defined = {name: run("nm", "--defined-only", f"{name}.o", folder=tmp_path).split() for name in (*users, "copy")}
+    assert [name for name in defined if "gd_hdr_update" in defined[name]] == ["copy"]
+
+
+def test_both_switches_in_one_file_are_refused(tmp_path: Path) -> None:
+    if shutil.which("gcc") is None:
+        pytest.skip("there is no gcc")
+    write_header(tmp_path)
+    switches = "#define GYRODRIFT_SHARED\n#define GYRODRIFT_IMPLEMENTATION\n"
+    (tmp_path / "use.c").write_text(f'{switches}#include "gyrodrift.h"\n')
+    with pytest.raises(AssertionError, match="GYRODRIFT_IMPLEMENTATION in one file"):
+        run("gcc", "use.c", "-c", "-o", "use.o", folder=tmp_path)
+
+
+def test_the_head_lists_what_users_call_and_marks_the_rest() -> None:
+    contents = gyrodrift_h().partition("/* Contents")[2].partition("*/")[0]
+    assert {"gd_hdr_init", "gd_restlevel_update_us", "gd_attitude_zero", "gd_calibrate_axes"} <= set(contents.split())
+    assert "/* ---- restlevel_kalman.h: internal ---- */" in gyrodrift_h()
+    assert "/* ---- restlevel.h ---- */" in gyrodrift_h()

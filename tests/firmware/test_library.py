@@ -58,7 +58,18 @@ def test_the_headers_are_one_file_for_all_chips(name: str, tmp_path: Path) -> No
     out = library(tmp_path, name)
     folder = out / (TARGETS[name].headers or ".")
     assert re.findall(r'^#include "', (folder / "gyrodrift.h").read_text(), re.MULTILINE) == []
-    assert (folder / "gyrodrift_native.h").read_text() == (FILES / "c" / "gyrodrift_native.h").read_text()
+    stamp, _, text = (folder / "gyrodrift_native.h").read_text().partition("\n")
+    assert stamp == f"// SPDX-License-Identifier: MIT; gyrodrift {__version__}"
+    assert text == (FILES / "c" / "gyrodrift_native.h").read_text()
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_each_file_has_its_license_and_version(name: str, tmp_path: Path) -> None:
+    out = library(tmp_path, name)
+    bare = {"LICENSE", "library.json", ".gyrodrift-firmware.json"}
+    files = [path for path in out.rglob("*") if path.is_file() and path.name not in bare]
+    assert [path.name for path in files if f"MIT; gyrodrift {__version__}" not in path.read_text()] == []
+    assert (out / "LICENSE").is_file()
 
 
 def test_a_second_run_replaces_what_the_first_has_written(tmp_path: Path) -> None:

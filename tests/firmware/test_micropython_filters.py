@@ -23,7 +23,7 @@ from gyrodrift.firmware.micropython import FILES, restlevel_py
 from gyrodrift.firmware.my_gyro import TunedGyro
 
 Samples = list[list[float | None]]
-DRIVE_S = 120.0
+DRIVE_S = 60.0
 NO_TIE = {"window_s": 0.295}
 """Blocks that end between two samples of 100 Hz: at 0.3 s a rounded clock decides whether a sample more belongs."""
 
@@ -179,7 +179,7 @@ def test_floats_of_32_bits_keep_the_yaw(name: str, most_deg: float) -> None:
     narrow = module.Hdr(**given) if name == "hdr" else module.Restlevel(**given)
     kind = FILTERS[name]
     coefficients, state = kind.coefficients(kind.params(**PARAMS[name])), kind.state()
-    t_s, rates, _ = rates_dps(600.0)
+    t_s, rates, _ = rates_dps(300.0)
     apart = 0.0
     for t, rate in zip(t_s, rates, strict=True):
         narrow.update_us(round(t * 1e6), Float32(rate))

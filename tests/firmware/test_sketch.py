@@ -66,9 +66,9 @@ def test_no_sample_is_lost_on_the_way_to_serve_and_record(
     board_program: Path, sketch: Path, link: Path, tmp_path: Path
 ) -> None:
     sessions = tmp_path / "sessions"
-    board = Board(board_program, sketch, link, seconds=10)
+    board = Board(board_program, sketch, link, seconds=4)
     lines, log, result, truth = heard(board, "--record", str(sessions))
-    assert result["measured"] == len(truth.rate_raw) == len(lines) > 1900
+    assert result["measured"] == len(truth.rate_raw) == len(lines) > 700
     assert [line["seq"] for line in lines] == list(range(1, len(lines) + 1))
     assert [round(line["rate_dps"] * 131) for line in lines] == truth.rate_raw.tolist()
     assert np.abs([line["temp_c"] for line in lines] - truth.temp_c).max() <= 0.01
@@ -132,9 +132,9 @@ def test_a_slow_line_takes_the_yaw_rate_alone(board_program: Path, tmp_path: Pat
     folder = changed_sketch(tmp_path, HAS_ALL_AXES="false", BAUD="57600")
     sketch = built_sketch(tmp_path, folder)
     sessions = tmp_path / "sessions"
-    board = Board(board_program, sketch, tmp_path / "uno", seconds=5)
+    board = Board(board_program, sketch, tmp_path / "uno", seconds=2)
     lines, _, result, truth = heard(board, "--record", str(sessions))
-    assert result["measured"] == len(lines) > 900
+    assert result["measured"] == len(lines) > 350
     assert [round(line["rate_dps"] * 131) for line in lines] == truth.rate_raw.tolist()
     (session,) = map(read_mcap, sessions.glob("*.mcap"))
     assert session.gyro_dps is None

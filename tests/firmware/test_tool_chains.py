@@ -22,6 +22,7 @@ from firmware_support import (
     linked,
     run,
 )
+from support import quick
 
 from gyrodrift import __version__
 
@@ -57,7 +58,7 @@ def arduino(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def properties(folder: Path) -> dict[str, str]:
     """Fields of library.properties."""
     lines = (folder / "library.properties").read_text().splitlines()
-    return dict(line.split("=", 1) for line in lines)
+    return dict(line.split("=", 1) for line in lines if not line.startswith("#"))
 
 
 def test_library_properties_fulfill_the_specification(arduino: Path) -> None:
@@ -142,7 +143,7 @@ def test_each_example_fits_an_uno(name: str, arduino: Path, tmp_path: Path) -> N
     assert data + bss <= UNO_RAM - STACK
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("name", quick(EXAMPLES, "StreamWithYaw"))
 def test_the_builder_of_the_ide_takes_each_example(name: str, arduino: Path, tmp_path: Path) -> None:
     builder, ctags = shutil.which("arduino-builder"), shutil.which("arduino-ctags")
     if builder is None or ctags is None or not ARDUINO.is_dir():
@@ -164,7 +165,7 @@ def test_the_builder_of_the_ide_takes_each_example(name: str, arduino: Path, tmp
 
 
 @pytest.mark.parametrize("board", [MEGA, LEONARDO], ids=["mega", "leonardo"])
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("name", quick(EXAMPLES, "SerialYaw", "gyrodrift_gyro"))
 def test_each_example_is_compiled_for_other_avr_boards(
     name: str, board: tuple[str, ...], arduino: Path, tmp_path: Path
 ) -> None:
@@ -175,7 +176,7 @@ def test_each_example_is_compiled_for_other_avr_boards(
         assert "gd_rl_" in names
 
 
-@pytest.mark.parametrize("core", ["ESP32", "ESP8266", "ARDUINO_ARCH_RP2040"])
+@pytest.mark.parametrize("core", quick(("ESP32", "ESP8266", "ARDUINO_ARCH_RP2040"), "ESP32"))
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_each_example_is_compiled_where_numbers_have_32_bits(name: str, core: str, arduino: Path) -> None:
     """Against what such a core declares, without a warning."""
@@ -185,7 +186,7 @@ def test_each_example_is_compiled_where_numbers_have_32_bits(name: str, core: st
     assert run("c++", "-std=gnu++17", *STRICT, f"-D{core}", *include, "-fsyntax-only", "-x", "c++", sketch) == ""
 
 
-@pytest.mark.parametrize("name", ["MPU6050", "LSM6DS3"])
+@pytest.mark.parametrize("name", quick(("MPU6050", "LSM6DS3"), "MPU6050"))
 def test_an_example_with_a_calibration_fits_an_uno(name: str, tmp_path: Path) -> None:
     out = library(tmp_path, "arduino", "--config", calibrated_config(tmp_path))
     elf = linked(library_object(out, name, tmp_path, *UNO, *LTO), tmp_path)

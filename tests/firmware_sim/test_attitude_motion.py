@@ -73,7 +73,7 @@ def integrated(profile: AttitudeProfile, start_s: float, seconds: float) -> Rota
 @pytest.mark.parametrize("kind", KINDS)
 def test_integrated_rates_give_the_attitude(kind: str, mount: dict[str, float]) -> None:
     profile = profile_of(kind, mount)
-    for seconds in (1.0, SECONDS, 30.0):
+    for seconds in (1.0, SECONDS):
         truth = rotations_of(profile.kinematics_at(np.array([START_S + seconds])))[0]
         assert (integrated(profile, START_S, seconds).inv() * truth).magnitude() < 1e-6
 

@@ -3,6 +3,8 @@
 import signal
 import subprocess
 import sys
+from contextlib import redirect_stderr
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -41,9 +43,13 @@ def simulator(*arguments: str | Path) -> Command:
 
 
 def ended(*arguments: str | Path) -> tuple[int, list[str]]:
-    """The exit status and the lines of the log of a command that ends by itself."""
-    with simulator(*arguments) as command:
-        return command.end(), command.log.splitlines()
+    """The exit status and the lines of the log of a command that ends by itself, in this process."""
+    with redirect_stderr(StringIO()) as log:
+        try:
+            status = main([str(word) for word in arguments])
+        except SystemExit as exit_:
+            status = int(exit_.code or 0)
+    return status, log.getvalue().splitlines()
 
 
 def wait_for(link: Path, command: Command) -> None:

@@ -1,6 +1,8 @@
 """The command: make a data set, score answers to it, from a terminal."""
 
 import json
+import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -72,3 +74,44 @@ def test_a_folder_without_answers_is_reported(
 ) -> None:
     assert main(["gyrogap", "score", str(data_set / "set"), str(tmp_path)]) == 4
     assert "an answer is CASE.json" in capsys.readouterr().err
+
+
+@pytest.mark.promise("Configs and commands", "`gyrogap score` takes any file of a stranger, or refuses it by name")
+@pytest.mark.parametrize(
+    ("file", "content", "message"),
+    [
+        ("answer", "[" * 100_000, "is no JSON"),
+        ("answer", '{"causes": [], "none": 1%s, "unknown": 0}' % ("0" * 400), "the probability of none is"),
+        ("answer", None, "is no ordinary file"),
+        ("manifest.json", '{"benchmark": "gyrogap"}', "needs the key version"),
+        ("manifest.json", '{"benchmark": "gyrogap", "version": 1, "cases": 5}', "needs the key cases"),
+        ("manifest.json", '{"benchmark": "gyrogap", "version": 1, "cases": [{}]}', "a case needs the key case"),
+        (
+            "manifest.json",
+            '{"benchmark": "gyrogap", "version": 1, "cases": [{"case": "x\\n2026 forged", "axes": 1, "sha256": ""}]}',
+            "is no name of a case",
+        ),
+        ("hashes.json", "[]", "the list of hashes is no object"),
+        ("seal", "[1]", "a seal is no object"),
+        ("seal", '{"salt": 5, "label": {}}', "needs the key salt"),
+        ("openings.log", None, "cannot be written, and no seal is opened without it: is no ordinary file"),
+    ],
+)
+def test_a_file_of_a_stranger_is_an_error(
+    data_set: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path, file: str, content: str | None, message: str
+) -> None:
+    folder, seals = tmp_path / "set", tmp_path / "sealed"
+    shutil.copytree(data_set / "set", folder)
+    shutil.copytree(data_set / "sealed", seals)
+    case = json.loads((folder / "manifest.json").read_text())["cases"][0]["case"]
+    (tmp_path / f"{case}.json").write_text('{"causes": [], "none": 0.9, "unknown": 0.05}')
+    named = {"answer": tmp_path / f"{case}.json", "seal": seals / f"{case}.json"}
+    path = named.get(file, folder / file)
+    path.unlink(missing_ok=True)
+    if content is None:
+        os.mkfifo(path)
+    else:
+        path.write_text(content)
+    words = ["gyrogap", "score", str(folder), str(tmp_path), "--seals", str(seals), "--no-gap-closed"]
+    assert main(words) in (2, 4)
+    assert message in capsys.readouterr().err

@@ -13,6 +13,8 @@ from gyrodrift.recording.recorder import Recorder, RecordOptions
 from gyrodrift.session.mcap.read import read_mcap
 from gyrodrift.values.sample import Sample
 
+SET = "host_clock_set"
+
 
 @pytest.mark.promise("Recovery")
 @pytest.mark.parametrize("set_by_s", [3600.0, -3600.0])
@@ -59,13 +61,16 @@ def test_a_recording_has_one_calendar_and_the_next_file_the_new_one(
     assert after.t_device_s[0] - before.t_device_s[-1] == near(0.01)
 
 
-def test_a_clock_that_is_slewed_is_not_set(port: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Parts of a second are not worth another file."""
+@pytest.mark.parametrize(("step_s", "told"), [(0.2, []), (-0.4, []), (0.6, [SET]), (-2.0, [SET]), (40.0, [SET])])
+def test_a_step_of_half_a_second_counts(
+    port: Path, monkeypatch: pytest.MonkeyPatch, step_s: float, told: list[str]
+) -> None:
+    """Parts of a second, as of a clock that is slewed, are not worth another file."""
     report: list[str] = []
     with speaking_on(port):
         link = Link(LinkOptions(str(port)), lambda event, **_: report.append(event))
         real = time.time
-        monkeypatch.setattr(time, "time", lambda: real() + 0.2)
+        monkeypatch.setattr(time, "time", lambda: real() + step_s)
         link.follow_host_clock()
         link.close()
-    assert report == ["link_open"]
+    assert report == ["link_open", *told]

@@ -13,11 +13,17 @@ from gyrodrift.values.errors import UnitError
 from gyrodrift.values.sample import Sample
 
 
-def heard(port: Path, line: Callable[[int], str], count: int = 400, **options: Any) -> list[Sample]:
+def heard(
+    port: Path,
+    line: Callable[[int], str],
+    count: int = 400,
+    on_event: Callable[..., None] = lambda *_, **__: None,
+    **options: Any,
+) -> list[Sample]:
     """Samples of so many lines, 10 ms apart by the host's clock."""
     now_s, samples = 1000.0, []
     with speaking_on(port) as device:
-        link = Link(LinkOptions(str(port), **options), lambda *_, **__: None, lambda: now_s)
+        link = Link(LinkOptions(str(port), **options), on_event, lambda: now_s)
         try:
             for i in range(count):
                 device.send(line(i).encode() + b"\n")
@@ -61,6 +67,21 @@ def test_columns_that_name_the_wrong_unit_are_told(port: Path) -> None:
         UnitError, match="the clock of --columns counts milliseconds, not microseconds: write t_ms instead of t_us"
     ):
         heard(port, lambda i: f"{10 * i},0.{i % 7}", columns="t_us, rate")
+
+
+@pytest.mark.parametrize("step_us", [2_500, 6_000])
+def test_a_csv_clock_that_stays_slow_is_asked(port: Path, step_us: int) -> None:
+    """A timer of another clock: its ticks are read as they arrive. A slow replay is stated."""
+    message = rf"the clock counts .* s in each second .*--columns 't:lsb/{100 * step_us}, rate:dps'.*--protocol csv"
+    with pytest.raises(UnitError, match=message):
+        heard(port, lambda i: f"{step_us * i},0.{i % 7}", 800)
+    assert len(heard(port, lambda i: f"{step_us * i},0.{i % 7}", 800, protocol="csv")) == 800
+
+
+def test_a_csv_clock_that_stays_fast_is_said(port: Path) -> None:
+    events: list[dict[str, Any]] = []
+    heard(port, lambda i: f"{30_000 * i},0.{i % 7}", 800, on_event=lambda _, **fields: events.append(fields))
+    assert "--columns 't:lsb/3000000, rate:dps'" in next(fields["hint"] for fields in events if "reason" in fields)
 
 
 @pytest.mark.parametrize("host_per_device", [0.05, 0.2, 1.0, 1.02, 5.0])

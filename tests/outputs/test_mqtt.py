@@ -45,7 +45,7 @@ def heard(number: int, topic: str, count: int, *options: str) -> list[str]:
         "-C",
         str(count),
         "-W",
-        "20",
+        str(round(PATIENCE_S)),
         "-F",
         "%r %p",
         *options,
@@ -71,7 +71,7 @@ def subscribed(number: int, topic: str, count: int) -> Iterator[Iterator[str]]:
         "-C",
         str(count + 1),
         "-W",
-        "20",
+        str(round(PATIENCE_S)),
     ]
     with subprocess.Popen([*command, "-F", "%p"], stdout=subprocess.PIPE, text=True) as client:
         assert client.stdout is not None

@@ -8,7 +8,8 @@ from itertools import pairwise
 from math import isnan, nan
 from pathlib import Path
 from threading import Thread
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 from urllib.error import HTTPError
 from urllib.parse import urlsplit
 from urllib.request import Request, urlopen
@@ -16,12 +17,15 @@ from urllib.request import Request, urlopen
 import pytest
 from outputs_support import HubThread, corrected, hub, tilted, with_own_yaw
 from support import PATIENCE_S
+from websockets import http11
+from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from gyrodrift.outputs.net.addresses import is_loopback
 from gyrodrift.outputs.status import LinkStatus, OutputStatus, ServiceStatus
-from gyrodrift.outputs.web.buttons import MOST_PENDING
+from gyrodrift.outputs.web.assets import Assets
+from gyrodrift.outputs.web.buttons import MOST_PENDING, is_local
 from gyrodrift.outputs.web.points import LAYOUTS, ONE_AXIS, THREE_AXES, PointHistory
 from gyrodrift.service.commands import page_url
 from gyrodrift.service.control import CommandError
@@ -362,3 +366,16 @@ def test_only_loopback_addresses_count_as_this_machine() -> None:
         page_url(opened[:1], "t")
     with pytest.raises(CommandError, match="the live page is not open: port 8117 is in use"):
         page_url([OutputStatus("web", problem="port 8117 is in use")], "t")
+
+
+@pytest.mark.promise("Clients of outputs")
+def test_two_host_headers_are_refused() -> None:
+    """A request with two Host headers is refused, whatever their order is."""
+    for hosts in (["localhost", "evil.example"], ["evil.example", "localhost"], ["localhost", "localhost"]):
+        headers = Headers([("Host", host) for host in hosts])
+        response = Assets().answer(cast("Any", None), http11.Request("/", headers))
+        assert response is not None
+        assert response.status_code == 403
+        origin = Headers([*headers.raw_items(), ("Origin", f"http://{hosts[0]}")])
+        connection = SimpleNamespace(request=http11.Request("/stream", origin), remote_address=("127.0.0.1", 5))
+        assert not is_local(cast("Any", connection))

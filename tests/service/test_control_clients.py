@@ -183,8 +183,8 @@ def test_a_flood_of_commands_gets_a_tenth_of_the_time(served: Served, took_s: fl
         assert len(served.run) - before <= 1
         served.now_s += max(min(served.control.wake_s(), 0.25), 1e-6)
         turns += 1
-    assert turns <= 2 * 10.0 / control.PAUSE_S
-    assert len(served.run) * took_s <= control.SHARE * 10.0 + took_s
+    assert turns <= 2000
+    assert len(served.run) * took_s <= 1.0 + took_s  # a tenth of 10 s
     counts = [len(answers(client)) for client in clients]
     assert max(counts) - min(counts) <= 1
     assert min(counts) >= 1

@@ -7,6 +7,7 @@ import subprocess
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -222,3 +223,19 @@ def opened(client: ControlClient) -> list[str]:
     """Outputs that the status has an address of, where it has no others."""
     outputs = client.ask("status")["outputs"]
     return [output["output"] for output in outputs] if all(output["address"] for output in outputs) else []
+
+
+def test_starts_that_fail_have_growing_pauses(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From half a second, twice as long each time, up to half a minute."""
+    fed, starts = Fed(), []
+
+    def fail(*_: Any, **__: Any) -> None:
+        starts.append(fed.now_s)
+        raise OSError(12, "Cannot allocate memory")
+
+    monkeypatch.setattr(subprocess, "Popen", fail)
+    fed.feed.want([TCP])
+    while len(starts) < 9:
+        fed.now_s += 0.25
+        fed.feed.tick(fed.now_s)
+    assert [b - a for a, b in pairwise(starts)] == [0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 30.0, 30.0]

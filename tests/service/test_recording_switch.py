@@ -139,3 +139,24 @@ def test_a_recording_is_started_twice_and_stopped_twice(port: Path, tmp_path: Pa
         out.write_text("no folder")
         assert "cannot be written to" in refusal_of_start(control)
         assert serve.stop() == 0
+
+
+def test_a_stop_after_a_failure_keeps_its_reason_and_its_count(
+    switch: RecordingSwitch, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Samples that no recording has are counted up to the last line of the log."""
+
+    def fail(*_: Any) -> None:
+        raise RecordingError("f: recording stopped: No space left on device")
+
+    switch.start()
+    monkeypatch.setattr(Recorder, "take", fail)
+    for _ in range(3):
+        switch.take(SAMPLES)
+    ended = switch.stop()
+    assert ended is not None
+    assert ended.failure == "f: recording stopped: No space left on device"
+    assert switch.stats() == {"unrecorded": 200}
+    switch.tick(1.0)
+    switch.close()
+    assert switch.stats() == {"unrecorded": 200}

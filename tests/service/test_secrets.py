@@ -79,9 +79,19 @@ def run_with_a_secret(port: Path, tmp_path: Path) -> tuple[Path, bytes]:
     config.write_text(config_text())
     config.chmod(0o600)
     output = f"mqtt:port=1,user=bob,password={MARKER},x"
-    options = ("--config", config, "--control", control, "--record", out, "--log-level", "debug")
+    options: tuple[str | Path, ...] = (
+        "--config",
+        config,
+        "--control",
+        control,
+        "--record",
+        out,
+        "--log-level",
+        "debug",
+    )
     statement = b""
-    with serving(port, *options, "--output", output.removesuffix(",x"), "--output", "web:port=0") as (serve, device):
+    options += ("--output", output.removesuffix(",x"), "--output", "web:port=0")
+    with serving(port, *options, is_fresh=True) as (serve, device):
         fed(serve, device, 0)
         statement += command_lines(serve.process.pid)
         statement += urllib.request.urlopen(path_of(serve, "web")).read()

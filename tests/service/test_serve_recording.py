@@ -127,7 +127,7 @@ def test_a_full_disk_is_told_and_every_sample_is_still_a_line(port: Path, out: P
             check_that_lines_go_on(serve, device, send_until_it_fails(serve, device))
         assert "recording stopped: No space left on device; 262144 bytes are written" in serve.log
         rates = rates_in(next(out.glob("*.mcap")))
-        assert len(rates) > 3000
+        assert len(rates) > 2700  # of 3000; a line of link statistics each 10 s takes room, too
         assert rates == [rate_dps(i) for i in range(len(rates))]
 
 

@@ -89,3 +89,16 @@ def test_a_reader_that_comes_late_gets_the_queued_lines_at_the_end(pipe: Pipe) -
     os.write(pipe[1], b"\0")
     reader.join()
     assert received.count(b"\n") == 4000
+
+
+def test_each_source_has_its_share_of_8_mib(pipe: Pipe) -> None:
+    lines = SharedLines(pipe[1])
+    sources = [SourceLines(lines, name) for name in ("a", "b", "c", "d")]
+    assert lines.longest_queue_bytes == 2_097_152
+    batch = samples(10_000)  # of about 90 bytes
+    for _ in range(4):
+        sources[0].take(batch)
+    for source in sources[1:]:
+        source.take(batch)
+    assert sources[0].stats()["lines_dropped"] > 10_000
+    assert [source.stats()["lines_dropped"] for source in sources[1:]] == [0, 0, 0]

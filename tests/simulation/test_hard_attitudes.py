@@ -84,7 +84,7 @@ def test_an_accelerometer_goes_silent() -> None:
 
 def test_the_set_is_written_with_rigs_and_truth(tmp_path: Path) -> None:
     """Sessions of a seed have the same bytes."""
-    options = ["--hard-cases", "--axes", "3", "--sessions", "1", "--minutes", "0.5", "--seed", "4"]
+    options = ["--hard-cases", "--axes", "3", "--sessions", "1", "--minutes", "0.2", "--seed", "4"]
     for folder in ("a", "b"):
         assert main(["simulate", "--out", str(tmp_path / folder), *options]) == 0
     written = sorted(path.relative_to(tmp_path / "a") for path in (tmp_path / "a").rglob("*.*"))

@@ -1,4 +1,4 @@
-"""All candidate causes: effects with a record, effects that a user registers, and out-of-catalog models."""
+"""All candidate causes: effects with a record, effects of users and plug-ins, and out-of-catalog models."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -9,6 +9,7 @@ from gyrodrift.diagnose.simulate.candidate import Candidate
 from gyrodrift.diagnose.simulate.candidate_kind import CandidateKind, Hints
 from gyrodrift.diagnose.simulate.kinds import EFFECTS
 from gyrodrift.diagnose.simulate.nuisance import out_of_catalogue
+from gyrodrift.simulation.effects import load
 
 IDEAL = Rig()
 """A rig without effects."""
@@ -59,3 +60,6 @@ def candidates(hints: Hints, rig: Rig = IDEAL) -> list[Candidate]:
 
 for _kind in EFFECTS:
     register(_kind)
+for _effect in load():
+    if _effect.candidate is not None and _effect.candidate.name not in KINDS:
+        register(_effect.candidate)

@@ -6,13 +6,13 @@ them apart.
 
 import re
 from collections.abc import Sequence
-from math import isfinite, nan
+from math import isfinite
 
+from gyrodrift.columns.csv_line import LEAST_AXES, csv_reading
 from gyrodrift.link.protocols.lines import LineDecoder
-from gyrodrift.link.protocols.plausible import MAX_RATE_DPS
+from gyrodrift.link.protocols.plausible import MAX_CSV_DPS
 from gyrodrift.link.protocols.protocol import WireProtocol
-from gyrodrift.values.constants import CLOCK_MASK
-from gyrodrift.values.sample import Inertial, Reading
+from gyrodrift.values.sample import Reading
 
 NUMBER = rb"\s*+[-+]?+(?:\d++(?:\.\d*+)?+(?:[eE][-+]?+\d++)?+|\.\d++(?:[eE][-+]?+\d++)?+|nan|NaN|NAN|inf|INF)\s*+"
 """Possessive quantifiers: no backtracking, so a line of digits takes no longer than others."""
@@ -25,9 +25,6 @@ CLOCK = rb"\s*+(-?+\d{1,20}+)\s*+"
 
 OPTIONAL = rb"(?:,(%b))?+(?:,(%b)(?:,(%b))?+)?+" % (NUMBER, NUMBER, WORD)
 LINE = re.compile(rb"%b,(%b)%b" % (CLOCK, NUMBER, OPTIONAL))
-LEAST_AXES = 7
-"""Least number of columns with three axes."""
-
 AXES_LINE = re.compile(CLOCK + rb",(%b)" % NUMBER * 6 + OPTIONAL)
 
 
@@ -73,34 +70,16 @@ def _names_another(names: Sequence[str]) -> bool:
 
 
 def _parsed(text: bytes) -> tuple[int, Reading] | None:
-    match = LINE.fullmatch(text)
-    if match is None:
-        return _with_axes(text)
-    t_us, *values = (group for group in match.groups() if group is not None)
-    rate_dps, *optional = (float(value) for value in values)
-    if isfinite(rate_dps) and abs(rate_dps) > MAX_RATE_DPS:
-        return None
-    return 2 + len(optional), _reading(t_us, rate_dps, optional)
-
-
-def _with_axes(text: bytes) -> tuple[int, Reading] | None:
-    """Number of columns and reading of a line with three axes; None without three finite rates."""
-    match = AXES_LINE.fullmatch(text)
+    """Number of columns and reading of a line; None without a rate, or without three finite ones."""
+    match = LINE.fullmatch(text) or AXES_LINE.fullmatch(text)
     if match is None:
         return None
     t_us, *values = (group for group in match.groups() if group is not None)
-    x_dps, y_dps, z_dps, *numbers = map(float, values)
-    if not all(abs(rate_dps) <= MAX_RATE_DPS for rate_dps in (x_dps, y_dps, z_dps)):
+    reading = csv_reading(int(t_us), [float(value) for value in values])
+    if isfinite(reading.rate_dps) and abs(reading.rate_dps) > MAX_CSV_DPS:
         return None
-    inertial = Inertial(x_dps, y_dps, z_dps, *(value if isfinite(value) else nan for value in numbers[:3]))
-    return 1 + len(values), _reading(t_us, z_dps, numbers[3:], inertial)
-
-
-def _reading(t_us: bytes, rate_dps: float, optional: Sequence[float], inertial: Inertial | None = None) -> Reading:
-    """Reading with the optional columns; an infinite angle or temperature is missing."""
-    valid = [value if isfinite(value) else nan for value in optional]
-    encoder_deg, temp_c, still, *_ = [*valid, nan, nan, nan]
-    return Reading(int(t_us) & CLOCK_MASK, None, rate_dps, encoder_deg, temp_c, still, nan, inertial)
+    has_rates = reading.inertial is None or all(abs(rate_dps) <= MAX_CSV_DPS for rate_dps in reading.inertial[:3])
+    return (1 + len(values), reading) if has_rates else None
 
 
 def is_plausible(readings: Sequence[Reading]) -> bool:

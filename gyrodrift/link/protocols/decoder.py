@@ -70,10 +70,15 @@ class DeviceDescription:
 
 
 class CountingDecoder:
-    """Base of all decoders: counters, the description of the device, and why what came cannot be read."""
+    """Base of all decoders: counters, the description of the device, and why what came cannot be read.
+
+    is_behind
+        Whether a push is complete only after further pushes of no bytes; each of them is short, whatever the content.
+    """
 
     name: str
     unread: str = ""
+    is_behind: bool = False
 
     def __init__(self) -> None:
         self.counters = DecoderCounters()

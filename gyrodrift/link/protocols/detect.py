@@ -37,7 +37,16 @@ class Detector:
 
     def push(self, chunk: bytes) -> tuple[Decoder, list[Reading]] | None:
         """Add bytes; return the certain decoder with all its readings, or None."""
-        for candidate in self._candidates:
+        return self._push(self._candidates, chunk)
+
+    def join(self, protocols: Sequence[WireProtocol], chunk: bytes) -> tuple[Decoder, list[Reading]] | None:
+        """Add candidates, which get only the last bytes of those before; return the certain decoder, or None."""
+        new = [_Candidate(protocol, protocol.decoder()) for protocol in protocols]
+        self._candidates += new
+        return self._push(new, chunk)
+
+    def _push(self, candidates: Sequence[_Candidate], chunk: bytes) -> tuple[Decoder, list[Reading]] | None:
+        for candidate in candidates:
             candidate.decoder, readings = self._guard.push(candidate.protocol, candidate.decoder, chunk)
             candidate.readings += readings
             if candidate.is_sure and (self._is_given or candidate.protocol.is_plausible(candidate.readings)):

@@ -7,6 +7,9 @@ from gyrodrift.values.sample import Inertial
 MAX_RATE_DPS = 2e4
 """Several times the range of gyros on the market."""
 
+MAX_CSV_DPS = 1e7
+"""Largest number of csv, whose unit may be wrong: several times that range in mdps, for the judge of its shape."""
+
 MAX_FORCE_MPS2 = 1e4
 """Several times the range of accelerometers on the market."""
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from gyrodrift.columns.spec import ACCELERATION_MPS2, RATE_DPS
+from gyrodrift.io.files import UnreadableError, in_time, read_ordinary
 from gyrodrift.link.sources.can_frames import EXTENDED, FORCES, RATES, CanGyro
 from gyrodrift.values.errors import UsageError
 
@@ -23,6 +24,13 @@ FORCE_UNITS = {
     "mg": "mg",
 }
 """Spellings of units in DBC files, in lower case."""
+
+LONGEST_BYTES, PARSE_S = 16 << 20, 20.0
+"""Largest file, and longest time to parse it, s. Chosen: a DBC file of a whole car has 1 MB, and takes some seconds."""
+
+KINDS = ("arxml", "cdd", "dbc", "kcd", "sym")
+ENCODINGS = {"dbc": "cp1252", "sym": "cp1252"}
+"""Formats of cantools, and encodings of those that are not UTF-8, as `cantools.database.load_file` has them."""
 
 
 def dbc_gyro(text: str, options: Mapping[str, str], *, is_upside_down: bool) -> CanGyro:
@@ -62,10 +70,15 @@ def dbc_gyro(text: str, options: Mapping[str, str], *, is_upside_down: bool) -> 
 def _loaded(text: str, path: Path) -> Any:
     import cantools.database
 
+    ending = path.suffix.lower().removeprefix(".")
     try:
-        database = cantools.database.load_file(path, strict=False)
-    except OSError as error:
-        raise UsageError(f"--port {text}: cannot read {path}: {error.strerror}") from error
+        content = read_ordinary(path, LONGEST_BYTES).content
+        written = content.decode(ENCODINGS.get(ending, "utf-8"))
+        kind = ending if ending in KINDS else None
+        database = in_time(lambda: cantools.database.load_string(written, kind, strict=False), PARSE_S)
+    except (FileNotFoundError, UnreadableError) as error:
+        why = getattr(error, "strerror", None) or str(error)
+        raise UsageError(f"--port {text}: cannot read {path}: {why}") from error
     except Exception as error:  # the parsers of cantools have errors of several kinds
         raise UsageError(f"--port {text}: {path} is no database of CAN messages: {error}") from error
     if not hasattr(database, "messages"):

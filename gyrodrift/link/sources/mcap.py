@@ -8,7 +8,7 @@ from contextlib import suppress
 from math import isnan, nan
 from pathlib import Path
 
-from gyrodrift.io.files import UnreadableError, check_ordinary
+from gyrodrift.io.files import UnreadableError, open_ordinary
 from gyrodrift.link.port import PortGoneError
 from gyrodrift.link.protocols.decoder import CountingDecoder, DeviceDescription
 from gyrodrift.link.protocols.protocol import WireProtocol
@@ -87,7 +87,7 @@ class McapDecoder(CountingDecoder):
         self._is_introduced = False
 
     def push(self, chunk: bytes) -> list[Reading]:
-        """Readings of the next bytes."""
+        """Readings of the next bytes, or of a part of them."""
         if self._stream is None:
             return []
         damaged = self._stream.damaged
@@ -95,8 +95,9 @@ class McapDecoder(CountingDecoder):
             samples = self._stream.push(chunk)
         except DataError:
             self.counters.damaged += 1
-            self._stream = None
+            self._stream, self.is_behind = None, False
             return []
+        self.is_behind = self._stream.is_behind
         self.unread = self._stream.unread_contents
         timed = [sample for sample in samples if abs(sample.t_device_s) <= LATEST_S]
         self.counters.frames += len(timed)
@@ -134,8 +135,7 @@ def open_mcap(address: SourceAddress) -> FollowedFile:
         It cannot be opened; the message says why.
     """
     try:
-        check_ordinary(Path(address.rest))
-        file = os.open(address.rest, os.O_RDONLY | getattr(os, "O_CLOEXEC", 0))
+        file = open_ordinary(Path(address.rest))
     except FileNotFoundError as error:
         raise PortMissingError(f"{address.text}: there is no such file; with --timeout 0 it is waited for") from error
     except UnreadableError as error:

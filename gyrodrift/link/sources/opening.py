@@ -90,8 +90,8 @@ class BackgroundOpening:
         self._thread = threading.Thread(target=self._run, name="open source", daemon=True)
         self._thread.start()
 
-    def wait(self, most_s: float) -> None:
-        """Wait for the end of the opening."""
+    def wait(self, most_s: float | None) -> None:
+        """Wait for the end of the opening, at most for a time."""
         self._thread.join(most_s)
 
     def result(self) -> SourcePort | None:

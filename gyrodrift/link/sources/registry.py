@@ -1,10 +1,11 @@
-"""Registry of the sources by scheme. A new source needs its own file and a line here."""
+"""Registry of the sources by scheme. A new source needs its own file and a line here, or an entry point."""
 
 import re
 from importlib import import_module
 from importlib.util import find_spec
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from gyrodrift.io.plug_ins import EntryPoint, PlugIns, named_record
 from gyrodrift.values.errors import UsageError
 
 if TYPE_CHECKING:
@@ -37,7 +38,15 @@ FOLLOWED = ".mcap"
 SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(//)?(.*)", re.DOTALL)
 """RFC 3986, section 3.1, with at least two characters: one is a drive of Windows."""
 
-_registered: "dict[str, ByteSource]" = {}
+
+def _accept(entry: EntryPoint, value: Any) -> "ByteSource":
+    from gyrodrift.link.sources.source import ByteSource  # noqa: PLC0415 - registration needs less
+
+    return named_record(ByteSource, "scheme")(entry, value)
+
+
+ADDED: "PlugIns[ByteSource]" = PlugIns("source", _accept, SHIPPED)
+"""Sources of `register` and of plug-ins, by scheme."""
 
 
 def register(source: "ByteSource") -> None:
@@ -48,25 +57,31 @@ def register(source: "ByteSource") -> None:
     ValueError
         If the scheme is taken.
     """
-    if source.scheme in schemes():
+    if source.scheme in SHIPPED or source.scheme in ADDED.own:
         raise ValueError(f"there is a source {source.scheme!r} already")
-    _registered[source.scheme] = source
+    ADDED.own[source.scheme] = source
 
 
 def unregister(scheme: str) -> None:
     """Remove a registered source."""
-    del _registered[scheme]
+    del ADDED.own[scheme]
 
 
 def schemes() -> list[str]:
     """Schemes of all sources."""
-    return [*SHIPPED, *_registered]
+    return [*SHIPPED, *ADDED]
 
 
 def source_named(scheme: str) -> "ByteSource":
-    """Source of a scheme that exists."""
-    if scheme in _registered:
-        return _registered[scheme]
+    """Source of a scheme that exists.
+
+    Raises
+    ------
+    PlugInError
+        The package that offers it is broken.
+    """
+    if scheme not in SHIPPED:
+        return ADDED[scheme]
     module, _, name = SHIPPED[scheme].partition(":")
     source: ByteSource = getattr(import_module(module), name)
     return source
@@ -88,7 +103,7 @@ def address_of(text: str) -> "SourceAddress | None":
     if match is None:
         return SourceAddress(text, "mcap", text) if text.lower().endswith(FOLLOWED) else None
     scheme = match[1].lower()
-    if scheme in schemes():
+    if scheme in SHIPPED or scheme in ADDED:
         return SourceAddress(text, scheme, match[3])
     if match[2]:
         names = ", ".join(sorted(scheme for scheme in schemes() if scheme != STDIN))

@@ -38,9 +38,12 @@ class SourcePort:
         Longest time between two reads, s, for a source without descriptor.
     has_line_rate
         Whether the bytes come through a line with a baud rate, which may be too slow for the samples.
+    stream
+        Sender of what was read last, for a source that hears several.
     """
 
     is_pty = False
+    stream: object = None
     wake_s: float = inf
     has_line_rate = False
 
@@ -60,6 +63,9 @@ class SourcePort:
             The source has ended for good.
         """
         raise NotImplementedError
+
+    def understood(self) -> None:
+        """Learn that what was read last had samples."""
 
     def write(self, content: bytes) -> int:
         """Send without waiting, and return the number of bytes; a source that cannot send takes all of them."""

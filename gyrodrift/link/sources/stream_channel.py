@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from socket import socket
 
-from gyrodrift.io.files import UnreadableError, check_ordinary
+from gyrodrift.io.files import UnreadableError, read_ordinary
 from gyrodrift.link.port import READ_BYTES, PortGoneError
 from gyrodrift.link.sources.sockets import SocketPort, connected
 from gyrodrift.link.sources.source import SourceAddress
@@ -14,6 +14,9 @@ from gyrodrift.values.errors import LinkError, UsageError
 
 TLS_OPTIONS = ("ca", "certificate", "key")
 """Options of an address with TLS."""
+
+LONGEST_PEM_BYTES = 1 << 20
+"""Largest file of certificates; those of all authorities of a system have 200 kB."""
 
 ANSWER_S = 5.0
 """Longest wait for all answers while a channel is opened, s. Chosen: as for a connection."""
@@ -99,7 +102,7 @@ def tls_context(address: SourceAddress, options: Mapping[str, str]) -> ssl.SSLCo
     files = {name: options[name] for name in TLS_OPTIONS if name in options}
     try:
         for path in files.values():
-            check_ordinary(Path(path))
+            read_ordinary(Path(path), LONGEST_PEM_BYTES)
         context = ssl.create_default_context(cafile=files.get("ca"))
         if "certificate" in files:
             context.load_cert_chain(files["certificate"], files.get("key"))

@@ -8,6 +8,7 @@ import socket
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from math import inf
 
 from gyrodrift.link.sources.line_ends import LineEnds
 from gyrodrift.link.sources.source import ByteSource, SourceAddress, SourcePort
@@ -28,16 +29,17 @@ BUFFER_BYTES = 1 << 20
 """Wanted size of the receive buffer; the kernel may give less (`net.core.rmem_max`)."""
 
 SENDER_S = 2.0
-"""Silence of a sender after which another one is accepted, s: a board gets a new address or port when it restarts."""
+"""Time without samples of a sender after which any sender is heard, s: a restarted board has a new address or port."""
 
 Sender = tuple[object, ...]
 
 
 class UdpPort(SourcePort):
-    """Bound datagram socket that follows one sender at a time.
+    """Bound datagram socket that follows the first sender of samples.
 
-    Two senders would mix two streams. Datagrams of others are dropped; the first one is noted. `is_text` is False for
-    frames that may look like a text without a line end.
+    Two senders would mix two streams. Until one of them sends samples, a read gives the datagrams of one sender, and
+    the next read those of the next one. Then datagrams of others are dropped; the first one is noted. `is_text` is
+    False for frames that may look like a text without a line end.
     """
 
     def __init__(
@@ -52,14 +54,36 @@ class UdpPort(SourcePort):
         super().__init__(path, bound.fileno())
         self._bound = bound
         self._monotonic = monotonic
-        self._sender: Sender | None = None
-        self._heard_s = 0.0
+        self.stream: Sender | None = None
+        self._followed: Sender | None = None
+        self._understood_s = 0.0
+        self._candidates: dict[Sender, list[bytes]] = {}
         self._is_told = False
         self._line_ends = LineEnds(is_text=is_text)
 
     def read(self) -> bytes:
-        """Content of the waiting datagrams, up to a limit, without waiting."""
-        chunks: list[bytes] = []
+        """Content of the waiting datagrams of one sender, up to a limit, without waiting."""
+        if self._followed is not None and self._monotonic() - self._understood_s >= SENDER_S:
+            self._followed = None
+        if not self._candidates:
+            self._receive()
+        if not self._candidates:
+            return b""
+        self.stream = next(iter(self._candidates))
+        chunk = b"".join(self._candidates.pop(self.stream))
+        self.wake_s = 0.0 if self._candidates else inf
+        return chunk
+
+    def understood(self) -> None:
+        """Follow the sender of the last read; what others have sent is dropped."""
+        self._followed, self._understood_s = self.stream, self._monotonic()
+        if self._candidates:
+            self._tell(next(iter(self._candidates)))
+            self._candidates.clear()
+            self.wake_s = inf
+
+    def _receive(self) -> None:
+        """Take datagrams from the kernel, those of all senders while none is followed."""
         size = 0
         for _ in range(DATAGRAMS_PER_TURN):
             if size >= BYTES_PER_TURN:
@@ -69,16 +93,17 @@ class UdpPort(SourcePort):
             except OSError:  # nothing waits, or an answer of ICMP to what was sent
                 break
             size += len(content)
-            if self._follow(sender):
-                chunks.append(self._line_ends.add(content))
-        return b"".join(chunks)
+            if self._followed in (None, sender):
+                self._candidates.setdefault(sender, []).append(self._line_ends.add(content))
+            else:
+                self._tell(sender)
 
     def write(self, content: bytes) -> int:
         """Send to the device that was heard last; nothing before the first datagram."""
-        if self._sender is None:
+        if self.stream is None:
             return 0
         try:
-            return self._bound.sendto(content, self._sender)
+            return self._bound.sendto(content, self.stream)
         except OSError:
             return 0
 
@@ -87,21 +112,10 @@ class UdpPort(SourcePort):
         with suppress(OSError):
             self._bound.close()
 
-    def _follow(self, sender: Sender) -> bool:
-        """Follow a sender; False while another one is followed."""
-        now_s = self._monotonic()
-        if sender != self._sender:
-            if self._sender is not None and now_s - self._heard_s < SENDER_S:
-                self._tell(sender)
-                return False
-            self._sender = sender
-        self._heard_s = now_s
-        return True
-
     def _tell(self, sender: Sender) -> None:
         if not self._is_told:
             self._is_told = True
-            followed = self._sender or sender
+            followed = self._followed or sender
             self.note("other_sender", ignored=f"{sender[0]}:{sender[1]}", followed=f"{followed[0]}:{followed[1]}")
 
 

@@ -58,11 +58,13 @@ class WebOutput(ServerOutput[WebOptions, "WebSocketServer[WebSession]"]):
     async def open(self) -> None:
         """Begin to listen."""
         self.address = f"http://{await self.server.listen(self.options.host, self.options.port)}"
-        self._frames = Periodic(1.0 / POINTS_HZ, self._frame)
+        self._frames = Periodic(1.0 / POINTS_HZ, self._frame, waits=True)
 
     def take(self, samples: Sequence[Corrected]) -> None:
         """Keep samples for the next frame."""
         self._samples += samples
+        if self._frames is not None:
+            self._frames.wake()
 
     def hear(self, event: str, fields: Mapping[str, Any]) -> None:
         """Send an event to all pages, and keep it for later pages."""

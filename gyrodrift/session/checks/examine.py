@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gyrodrift.columns.accel_axes import AGREES, TurningAxisCheck
-from gyrodrift.columns.sizes import FREE_SHARE, gravity_unit, is_gravity
+from gyrodrift.columns.sizes import FREE_SHARE, SAMPLE_RATES_HZ, gravity_unit, is_gravity
 from gyrodrift.facts.session_facts import SessionFacts
 from gyrodrift.session.calibrated import calibrated
 from gyrodrift.session.checks.finding import SessionFinding
@@ -21,8 +21,7 @@ from gyrodrift.values.errors import DataError
 
 NAMES = {"s": "seconds", "ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds", "days": "days"}
 
-SLOWEST_HZ, FASTEST_HZ = 1.0, 20_000.0
-"""Sample rates of gyros, from a logger with a sample per second to more than the 8 kHz of an ICM-42688."""
+SLOWEST_HZ, FASTEST_HZ = SAMPLE_RATES_HZ
 
 WITHIN = 0.1
 """Share by which a sample rate may exceed these limits."""

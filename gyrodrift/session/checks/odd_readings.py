@@ -23,7 +23,7 @@ def reading_findings(readings: JudgedReadings) -> Iterator[SessionFinding]:
     hangs = list(zip(readings.fields_of("rate_hangs"), readings.fields_of("rate_moves"), strict=True))
     for hang, end in hangs[:MOST_NAMED]:
         since = f"for {end['seconds']:.3g} s from {end['since_s']:.6g} s on"
-        says = f"the rate was exactly {hang['rate_dps']:.5g} deg/s {since}"
+        says = f"the rate was exactly {hang['rate_dps'] + 0.0:.5g} deg/s {since}"
         yield SessionFinding("stuck", says, hang["hint"])
     if len(hangs) > MOST_NAMED:
         yield SessionFinding("stuck", f"the rate was constant {len(hangs)} times, for {readings.hung_s:.3g} s in total")

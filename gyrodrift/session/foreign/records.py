@@ -18,14 +18,12 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Chunk
 
+from gyrodrift.io.files import opened_limit
 from gyrodrift.session.mcap.layout import HEAD, MAGIC, MESSAGE_START
 from gyrodrift.session.mcap.walk import BrokenRecordError
 
 RECORD_LIMIT_BYTES = 1 << 30
 """Longest plausible record."""
-
-OPENED_BYTES, OPENED_TIMES = 1 << 24, 100
-"""Limit of decompressed chunks: bytes, or times the file size; noisy samples shrink about tenfold."""
 
 
 class ForeignRecord(NamedTuple):
@@ -43,11 +41,11 @@ def records(file: BinaryIO) -> Iterator[ForeignRecord]:
     is_torn = file.read(len(MAGIC)) != MAGIC
     file.seek(len(MAGIC))
     crc = zlib.crc32(MAGIC)
-    opened_limit = max(OPENED_BYTES, OPENED_TIMES * size)
+    limit_bytes = opened_limit(size)
     for record in framed(file, size, is_torn=is_torn):
         if record.opcode == Opcode.CHUNK:
-            content = opened(record, opened_limit)
-            opened_limit -= len(content)
+            content = opened(record, limit_bytes)
+            limit_bytes -= len(content)
             yield from filter(_is_whole, framed(BytesIO(content), len(content), is_torn=not record.is_whole))
         elif record.opcode in (Opcode.DATA_END, Opcode.FOOTER):
             _check_end(record, crc)

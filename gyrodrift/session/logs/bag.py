@@ -5,15 +5,20 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from gyrodrift.io.files import UnreadableError, check_ordinary, opened_limit, read_ordinary
 from gyrodrift.io.installation import packages_of
 from gyrodrift.session.foreign.columns import Decode
 from gyrodrift.session.foreign.read import sample_rows, session_of_rows
 from gyrodrift.session.foreign.ros import imu_sample, ros1_imu_sample
+from gyrodrift.session.logs.bag_opening import limited_opening
 from gyrodrift.session.session import Session
 from gyrodrift.values.errors import DataError
 from gyrodrift.values.sample import Sample
 
 IMU = "sensor_msgs/msg/Imu"
+METADATA, LONGEST_METADATA_BYTES = "metadata.yaml", 1 << 20
+"""Largest metadata.yaml; one of a hundred topics has 50 kB. Its reader needs a second for so many bytes."""
+
 ROS1_MAGIC = b"#ROSBAG V"
 
 
@@ -50,14 +55,48 @@ def opened_bag(path: Path) -> Iterator[Any]:
         It is no bag or damaged, or `rosbags` is missing.
     """
     try:
-        with _reader_of(path) as reader:
+        with _opened(path) as reader:
             yield reader
     except DataError:
         raise
+    except UnreadableError as error:
+        raise DataError(f"{path}: {error}") from error
     except MemoryError as error:
         raise DataError(f"{path}: needs more memory than this computer has") from error
     except Exception as error:  # bytes from anywhere
         raise DataError(f"{path}: is no bag, or damaged: {error}") from error
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    """The opened reader of a bag of limited size."""
+    unopened = _reader_of(path)
+    with limited_opening(opened_limit(_checked_size(path))), unopened as reader:
+        yield reader
+
+
+def _checked_size(path: Path) -> int:
+    """Size of a bag in bytes, after the check of the files that its reader may open.
+
+    Raises
+    ------
+    UnreadableError
+        Its metadata are too large, or a file of it is no ordinary one.
+    """
+    if is_ros1(path):
+        return path.stat().st_size
+    folder = _folder_of(path)
+    try:
+        read_ordinary(folder / METADATA, LONGEST_METADATA_BYTES)
+    except UnreadableError as error:
+        raise UnreadableError(f"its {METADATA} {error}") from error
+    for file in folder.iterdir():
+        check_ordinary(file)
+    return sum(file.stat().st_size for file in folder.iterdir() if file.is_file())
+
+
+def _folder_of(path: Path) -> Path:
+    return path.parent if path.suffix.lower() == ".db3" else path
 
 
 def is_ros1(path: Path) -> bool:
@@ -96,8 +135,8 @@ def _reader_of(path: Path) -> Any:
     DataError
         It does not begin as a bag, is a part of one, or `rosbags` is missing.
     """
-    folder = path.parent if path.suffix.lower() == ".db3" else path
-    if path.suffix.lower() == ".db3" and not (folder / "metadata.yaml").is_file():
+    folder = _folder_of(path)
+    if path.suffix.lower() == ".db3" and not (folder / METADATA).is_file():
         raise DataError(f"{path}: there is no metadata.yaml beside it; give the folder of the bag as ros2 bag wrote it")
     with packages_of(path, "ros"):
         from rosbags import rosbag1, rosbag2

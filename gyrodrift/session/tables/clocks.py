@@ -52,8 +52,9 @@ def clock_problem(t_s: Floats, unit: str, *, is_labeled: bool) -> str:
     if not is_labeled and np.mean(np.abs(steps - 1.0) < ROUNDING) > COUNTER_SHARE:
         do = f"call it seq and state --sample-rate HZ, or --time-unit {unit} if it does count {unit}"
         return f"steps by 1 in each row, so it is a counter and no clock; {do}"
-    if unit == "s" and is_hms(t_s.tolist()):
-        return "jumps by 40 at each minute, so it is a time of day as HHMMSS; state --time-unit hms"
+    if unit in {"s", "ms"} and is_hms(t_s.tolist()):
+        form = "HHMMSS" if unit == "s" else "HHMMSSmmm"
+        return f"jumps by 40 at each minute, so it is a time of day as {form}; state --time-unit hms"
     return ""
 
 

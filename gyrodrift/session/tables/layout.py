@@ -10,7 +10,7 @@ from pathlib import Path
 
 from gyrodrift.columns.fields import Form, is_hex
 from gyrodrift.columns.log_prefix import LABEL as PREFIX_LABEL
-from gyrodrift.columns.log_prefix import Prefixed, PrefixReader
+from gyrodrift.columns.log_prefix import SENDER_LABEL, Prefixed, PrefixReader
 from gyrodrift.columns.times import is_time
 from gyrodrift.columns.units import unit_in, unit_of
 from gyrodrift.session.csv import MOST_COLUMNS, REQUIRED
@@ -67,8 +67,8 @@ class TableLayout:
 
     first_line
         Number of the first possible row.
-    has_prefix, has_stamp
-        Whether a terminal or a log has put a prefix in front of each line, and whether its clock is the last column.
+    has_prefix, has_stamp, has_sender
+        Whether a terminal or a log has put a prefix in front of each line. Clock and sender of it are the last columns.
     """
 
     dialect: Dialect
@@ -76,6 +76,7 @@ class TableLayout:
     first_line: int
     has_prefix: bool = False
     has_stamp: bool = False
+    has_sender: bool = False
 
     has_comments = False
 
@@ -98,7 +99,12 @@ class TableLayout:
         for line in contents:
             prefixed = prefix.split(line.strip())
             for row in split([prefixed.rest], self.dialect.delimiter):
-                yield lines.number, [*row, prefixed.stamp] if self.has_stamp else row
+                yield lines.number, [*row, *_tail(prefixed, has_stamp=self.has_stamp, has_sender=self.has_sender)]
+
+
+def _tail(prefixed: Prefixed, *, has_stamp: bool, has_sender: bool) -> list[str]:
+    """Cells of a prefix."""
+    return [prefixed.stamp] * has_stamp + [prefixed.sender] * has_sender
 
 
 def layout_of(path: Path, *, is_by_position: bool = False) -> TableLayout | TextLayout:
@@ -166,15 +172,19 @@ def _table(path: Path, sample: Sequence[tuple[int, str]], comments: Sequence[tup
     if first is None:
         return None
     before = [_refitted(row, text, width) for row, text in zip(rows[:first], texts, strict=False)]
-    labels, line = _header(before, numbers, width) or _commented(comments, dialect, width)
+    labels, line = _header(before, numbers, width, rows[first][0]) or _commented(comments, dialect, width)
     kept = [(row, part) for row, part in zip(rows[first:], prefixed[first:], strict=True) if len(row) == width]
     labels = _with_preamble_units(_fitted(labels, [row for row, _ in kept]), before)
-    shown = tuple(row for row, _ in kept)
+    has_sender = has_prefix and 2 * sum(bool(part.sender) for part in prefixed) > len(lines)
     if has_stamp:
-        labels, shown, width = _with_stamps(labels, kept), tuple([*row, part.stamp] for row, part in kept), width + 1
+        labels = _with_stamps(labels, kept)
+    if has_sender and labels:
+        labels = (*labels, SENDER_LABEL)
+    shown = tuple([*row, *_tail(part, has_stamp=has_stamp, has_sender=has_sender)] for row, part in kept)
+    width += has_stamp + has_sender
     preamble = {row[0]: row[1] for row in before if len(row) == 2}
     head = Head(path, labels, width, line, shown, preamble)
-    return TableLayout(dialect, head, numbers[first], has_prefix, has_stamp)
+    return TableLayout(dialect, head, numbers[first], has_prefix, has_stamp, has_sender)
 
 
 def _with_stamps(labels: tuple[str, ...], kept: Sequence[tuple[list[str], Prefixed]]) -> tuple[str, ...]:
@@ -204,8 +214,12 @@ def _refitted(row: list[str], text: str, width: int, within: int = 1) -> list[st
     return next(([cell.strip() for cell in cells] for cells in rows if len(cells) == width), row)
 
 
-def _header(before: Sequence[list[str]], numbers: Sequence[int], width: int) -> tuple[tuple[str, ...], int] | None:
+def _header(
+    before: Sequence[list[str]], numbers: Sequence[int], width: int, word: str
+) -> tuple[tuple[str, ...], int] | None:
     """Labels from the last rows of words before the data, and the line of the names.
+
+    Of the headers of several kinds of rows, that counts which begins with the same word as the data.
 
     The row with most different words has the names. Rows of units are added to them. Words of other rows, such as
     `GYRO` above `X Y Z`, are added to names of axes, and to names that stand for several columns.
@@ -215,7 +229,8 @@ def _header(before: Sequence[list[str]], numbers: Sequence[int], width: int) -> 
     ]
     if not likely:
         return None
-    block = [index for index in likely if len(before[index]) == len(before[likely[-1]])]
+    own = [index for index in likely if before[index][0] == word != "" and len(before[index]) == width]
+    block = own[-1:] or [index for index in likely if len(before[index]) == len(before[likely[-1]])]
     named_at = max(block, key=lambda index: (_count_names(before[index]), -before[index].count(""), index))
     names = list(before[named_at])
     for index in block:

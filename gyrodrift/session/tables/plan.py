@@ -3,12 +3,13 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import takewhile
+from itertools import pairwise, takewhile
 from pathlib import Path
 
 from gyrodrift.columns.fields import as_label
-from gyrodrift.columns.judge import CLOCK_WORDS, ColumnVerdict, judged
+from gyrodrift.columns.judge import ColumnVerdict, judged
 from gyrodrift.columns.names import kind_of
+from gyrodrift.columns.naming import CLOCK_WORDS
 from gyrodrift.columns.spec import (
     ACCELERATION_MPS2,
     ANGLE_DEG,
@@ -21,6 +22,7 @@ from gyrodrift.columns.spec import (
     column_of,
     spec_text,
 )
+from gyrodrift.columns.times import ClockReader
 from gyrodrift.columns.units import Dimension, Unit, unit_in, unit_of, without_unit
 from gyrodrift.session.csv import MOST_COLUMNS, present_names
 from gyrodrift.session.session import ACCEL_COLUMNS, COLUMNS
@@ -55,6 +57,9 @@ QUATERNION_REMARK = (
 )
 WORDS = re.compile(r"(?<=[_. ])")
 LAST_BRACKETS = re.compile(r"(?<!\s)\s*+[(\[][^()\[\]]*[)\]]$")
+ROWS_MIN, BACKWARD_SHARE = 10, 0.95
+"""Least number of rows, and share of the steps, that show the direction of a clock."""
+
 LABELS_MIN = 3
 """Least number of labels whose common words name the device."""
 
@@ -69,12 +74,15 @@ class UsedColumn:
         Factor to the unit of the session; 1 for a clock.
     unit
         Entry of a clock, such as `t_us`, `dt_ms` or `t:days`.
+    entry
+        Entry of a SPEC; empty for a known form.
     """
 
     index: int
     target: str
     scale: float = 1.0
     unit: str = ""
+    entry: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +106,11 @@ class TableColumns:
     def targets(self) -> set[str]:
         """Columns of a session that the table has."""
         return {column.target for column in self.used}
+
+    @property
+    def read_indices(self) -> set[int]:
+        """Indices of the columns whose cells are read."""
+        return {column.index for column in self.used} | {index for index, _ in self.where}
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,8 +214,40 @@ def _index(head: Head, position: int, column: Column, width: int) -> int:
 
 def _taken(index: int, column: Column) -> UsedColumn:
     if column.clock:
-        return UsedColumn(index, "t_device_s", unit=column.clock)
-    return UsedColumn(index, TARGETS[column.meaning], column.scale)
+        return UsedColumn(index, "t_device_s", unit=column.clock, entry=column.entry)
+    return UsedColumn(index, TARGETS[column.meaning], column.scale, entry=column.entry)
+
+
+def spec_of(head: Head, table_columns: TableColumns, changes: Mapping[int, str]) -> str:
+    """SPEC of the columns that are used, with other entries for some; a value selects the rows that have it."""
+    labels = head.labels if len(set(head.labels)) == len(head.labels) else ()
+    entries = {column.index: column.entry for column in table_columns.used}
+    entries |= {index: value if labels else f"{SELECTED}{value}" for index, value in table_columns.where}
+    entries |= changes
+    return spec_text([entries.get(index, IGNORED) for index in range(head.width)], [as_label(text) for text in labels])
+
+
+def is_newest_first(head: Head, columns: Sequence[Column] | None) -> bool:
+    """Whether the only clocks, as stated or labeled, go back from row to row."""
+    if columns is None:
+        clocks = [i for i, label in enumerate(head.labels) if kind_of(label) == "clock" or CLOCK_WORDS.search(label)]
+    else:
+        named = (label_index(head.labels, c.label) if c.label else i for i, c in enumerate(columns) if c.clock)
+        clocks = [index for index in named if index is not None]
+    directions = [direction for index in clocks if (direction := _direction(head.texts(index)))]
+    return bool(directions) and max(directions) < 0
+
+
+def _direction(texts: Sequence[str]) -> int:
+    """1 for times that go on, -1 for times that go back, 0 for others."""
+    try:
+        t_s = ClockReader(["t_s"]).read([texts]) if len(texts) >= ROWS_MIN else []
+    except ValueError:
+        return 0
+    steps = [after - before for before, after in pairwise(t_s)]
+    forward, backward = sum(step > 0.0 for step in steps), sum(step < 0.0 for step in steps)
+    moved = BACKWARD_SHARE * (forward + backward)
+    return 0 if not t_s else 1 if forward > moved else -1 if backward > moved else 0
 
 
 def own_columns(head: Head) -> TableColumns | None:
@@ -320,10 +365,17 @@ def labelled_columns(head: Head, verdict: ColumnVerdict, *, needs_clock: bool = 
     taken = [_taken(index, column_of(entry)) for index, entry in entries]
     targets = {column.target for column in taken}
     turning = next(index for index, column in enumerate(verdict.columns) if column is verdict.turn)
+    where = _own_kind(head)
     remarks = _yaw_remarks(targets, head.labels[turning])
     if "rate_dps" in targets and "encoder_deg" not in targets:
         remarks += _unused_angle_remarks(head, verdict)
-    return TableColumns(BY_LABELS, tuple(taken), remarks=remarks)
+    return TableColumns(BY_LABELS, tuple(taken), where, remarks)
+
+
+def _own_kind(head: Head) -> tuple[tuple[int, str], ...]:
+    """Selection of the rows that begin with the first word of the header, which may not be those of other headers."""
+    word = head.labels[0].strip()
+    return ((0, word),) if word and set(head.texts(0)) == {word} else ()
 
 
 def _unused_angle_remarks(head: Head, verdict: ColumnVerdict) -> tuple[str, ...]:

@@ -1,12 +1,12 @@
 """Question to the user if a table does not say which column is the rate, or in which unit."""
 
-from collections import Counter
 from collections.abc import Sequence
 from itertools import pairwise
 from math import isfinite
 
 from gyrodrift.columns.fields import as_label
 from gyrodrift.columns.judge import ColumnVerdict
+from gyrodrift.columns.keys import keys_of
 from gyrodrift.columns.names import kind_of
 from gyrodrift.columns.spec import CLOCK_US, selection
 from gyrodrift.columns.times import is_time
@@ -21,9 +21,6 @@ from gyrodrift.values.nearest import suggestion
 SHOWN = 20
 LABEL_SHOWN = 48
 AXES = {"rate", "gx", "gy"}
-KINDS_MAX = 12
-"""Most different words of a column that names the kinds of rows."""
-
 MEANINGS = {
     "seq": "a counter",
     "gz": "a rate about the vertical axis",
@@ -82,10 +79,9 @@ def _kinds(head: Head, verdict: ColumnVerdict) -> list[str]:
         return []
     for index in range(min(head.width, SHOWN)):
         label = head.labels[index].strip() if index < len(head.labels) else ""
-        counts = Counter(head.texts(index))
+        counts = dict.fromkeys(head.texts(index))
         are_words = not any(map(is_value, counts)) and not any(map(unit_of, counts))
-        are_kinds = 1 < len(counts) <= KINDS_MAX and min(counts.values()) > 1
-        if are_words and (are_kinds or not AXES.isdisjoint(map(kind_of, counts))):
+        if are_words and (keys_of(head.texts(index), is_named=True) or not AXES.isdisjoint(map(kind_of, counts))):
             kinds = ", ".join(shortened(word, LABEL_SHOWN) for word in counts)
             entry = selection(as_label(label), next(iter(counts)))
             name = label or f"column {index + 1}"

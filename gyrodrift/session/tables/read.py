@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gyrodrift.columns.names import kind_of
-from gyrodrift.columns.spec import Column
+from gyrodrift.columns.spec import SELECTED, Column, quoted
 from gyrodrift.columns.times import AS_READ, StatedClock, unit_of_clock
 from gyrodrift.columns.units import Dimension, unit_in
 from gyrodrift.session.csv import counter, read_exact
@@ -24,13 +24,15 @@ from gyrodrift.session.tables.plan import (
     TableColumns,
     UsedColumn,
     columns_by_spec,
+    is_newest_first,
     known_columns,
     labelled_columns,
     own_columns,
+    spec_of,
     verdict_on,
 )
 from gyrodrift.session.tables.question import check_header, unclear
-from gyrodrift.session.tables.rows import ColumnsRead, RowReader
+from gyrodrift.session.tables.rows import VALUES_SHOWN, ColumnsRead, RowReader
 from gyrodrift.session.tables.text import Lines, opened
 from gyrodrift.session.tables.wire import wire_columns
 from gyrodrift.values.arrays import Floats
@@ -44,6 +46,15 @@ BAD_SHARE = 0.1
 
 NORMS = (0.9, 1.1)
 """Norms of a unit quaternion after rounding."""
+
+SCALAR_LAST, Y_UP, X_UP = (3, 0, 1, 2), (0, 3, 1, 2), (0, 2, 3, 1)
+"""Parts of a quaternion, as they are read, that are w, x, y and z in another convention."""
+
+LEAST_PATH_DEG, AXIS_SHARE, AXIS_STEPS = 30.0, 0.2, 400
+"""A device turns about the axis of the longest path; another path with less than this share of it is noise and tilt.
+
+The path is that of this number of steps, so that noise does not count.
+"""
 
 MOST_DEG = 1e9
 """Largest angle counted over many turns; larger values are skipped."""
@@ -69,7 +80,9 @@ def read_table(path: Path, columns: Sequence[Column] | None = None, clock: State
         It does not have the given columns.
     """
     if path.suffix.lower() == PARQUET:
-        return _read(parquet_head(path), columns, parquet_rows(path), PARQUET, clock)
+        head = parquet_head(path)
+        used = _columns(head, columns, clock).read_indices
+        return _read(head, columns, parquet_rows(path, used), PARQUET, clock)
     if columns is None and (session := read_exact(path)) is not None:
         return session
     if is_json(path):
@@ -91,7 +104,13 @@ def _read(
     *,
     has_decimal_comma: bool = False,
 ) -> Session:
+    is_reversed = is_newest_first(head, columns)
+    if is_reversed:
+        head, rows = replace(head, rows=head.rows[::-1]), reversed(list(rows))
     table_columns = _columns(head, columns, clock)
+    if is_reversed:
+        remark = "its newest row comes first, so its rows are read from the last to the first"
+        table_columns = replace(table_columns, remarks=(*table_columns.remarks, remark))
     keeps_empty = table_columns.form == OWN and dialect != "JSON"
     reader = RowReader(head, table_columns, has_decimal_comma=has_decimal_comma, keeps_empty=keeps_empty)
     return _session(head, table_columns, reader.read(rows), dialect, clock)
@@ -136,7 +155,7 @@ def _session(head: Head, table_columns: TableColumns, read: ColumnsRead, dialect
     remarks = (*table_columns.remarks, *_remarks(read))
     clocks = _clocks(table_columns)
     return replace(
-        _arrays(head.path.stem, read, clock.sample_rate_hz),
+        _arrays(head, table_columns, read, clock.sample_rate_hz),
         metadata=_kept(table_columns, read, dialect, remarks),
         remarks=remarks,
         rate_scale=_scale(table_columns, "rate_dps", "delta_deg"),
@@ -172,6 +191,7 @@ def _check_clock(head: Head, table_columns: TableColumns, read: ColumnsRead, sta
     if table_columns.form == OWN or stated.unit or t_s is None or not clocks:
         return
     clock = clocks[0]
+    _check_blocks(head, table_columns, read)
     label = head.labels[clock.index] if clock.index < len(head.labels) else ""
     if read.counted:
         why = f"has no leading zeros in its fraction (%ld.%ld): state --time-unit {read.counted}"
@@ -182,6 +202,31 @@ def _check_clock(head: Head, table_columns: TableColumns, read: ColumnsRead, sta
     problem = "" if is_said else clock_problem(t_s, unit_of_clock(clock.unit), is_labeled=is_labeled)
     if problem:
         raise DataError(f"{head.path}: {_label(head, clock.index)} {problem}")
+
+
+def _check_blocks(head: Head, table_columns: TableColumns, read: ColumnsRead) -> None:
+    """Check that no column names senders, or runs, whose rows follow each other.
+
+    Raises
+    ------
+    DataError
+        A column has another value wherever the clock goes back, and the same value up to there.
+    """
+    starts, ends = read.edges[::2], read.edges[1::2]
+    used = {column.index for column in table_columns.used} | {index for index, _ in table_columns.where}
+    for index in set(range(min(map(len, read.edges)))) - used if len(starts) > 1 else ():
+        names = [row[index].strip() for row in starts]
+        is_one = names == [row[index].strip() for row in ends] and len(set(head.texts(index))) <= len(names)
+        label = head.labels[index] if head.labels else ""
+        is_quantity = kind_of(label) not in {"", "seq"} or unit_in(label) is not None or "." in "".join(names)
+        if is_one and not is_quantity and all(names) and len(set(names)) == len(names):
+            shown = ", ".join(map(visible, names[:VALUES_SHOWN]))
+            value = quoted(names[0]) if head.labels else f"{SELECTED}{names[0]}"
+            spec = spec_of(head, table_columns, {index: value})
+            raise DataError(
+                f"{head.path}: its times start again where {_label(head, index)} changes ({shown}), so its rows are"
+                f" recordings one after the other: --columns '{spec}' reads the first of them"
+            )
 
 
 def _is_torn(path: Path) -> bool:
@@ -218,7 +263,8 @@ def _kept(
     return {TABLE: {name: text for name, text in table.items() if text}}
 
 
-def _arrays(name: str, read: ColumnsRead, sample_rate_hz: float) -> Session:
+def _arrays(head: Head, table_columns: TableColumns, read: ColumnsRead, sample_rate_hz: float) -> Session:
+    name = head.path.stem
     columns: dict[str, NDArray[Any] | None] = {column: read.column(column) for column in COLUMNS}
     if columns["seq"] is not None:
         columns["seq"] = counter(columns["seq"])
@@ -230,6 +276,7 @@ def _arrays(name: str, read: ColumnsRead, sample_rate_hz: float) -> Session:
     parts = [column for part in "wxyz" if (column := read.column(f"q{part}")) is not None]
     if len(parts) == 4:
         yaw_deg = _yaws(name, *parts)
+        _check_axis(head, table_columns, parts)
     if yaw_deg is not None:
         t_s, rate_dps = rates_of(t_s, yaw_deg)
         return _with_samples(Session(name, t_s, rate_dps))
@@ -264,6 +311,48 @@ def _yaws(name: str, w: Floats, x: Floats, y: Floats, z: Floats) -> Floats:
         scale = f"; if its parts are counts, write :lsb/{length:.5g} after q.w, q.x, q.y and q.z in --columns"
         raise DataError(f"{name}: its quaternions have the length {length:.4g}, not 1{scale if length > 1.0 else ''}")
     return np.where(is_unit, yaw_deg, np.nan)
+
+
+def _check_axis(head: Head, table_columns: TableColumns, parts: Sequence[Floats]) -> None:
+    """Check that quaternions turn about z.
+
+    Raises
+    ------
+    DataError
+        They turn about another axis: y points up, as in graphics, or the scalar is another of q0 to q3.
+    """
+    indices = [next(c.index for c in table_columns.used if c.target == f"q{part}") for part in "wxyz"]
+    label = head.labels[indices[0]] if head.labels else "0"
+    orders = {"if its scalar comes last, ": SCALAR_LAST} if label[-1:].isdigit() else {}
+    orders |= {"if y points up, ": Y_UP, "if x points up, ": X_UP}
+    path_deg = {why: _paths_deg([parts[i] for i in order]) for why, order in ({"": (0, 1, 2, 3)} | orders).items()}
+    own_deg = path_deg[""]
+    if max(own_deg) < LEAST_PATH_DEG or own_deg[2] > AXIS_SHARE * max(own_deg):
+        return
+    for why, order in orders.items():
+        if path_deg[why][2] > max(own_deg[2], AXIS_SHARE * max(path_deg[why])):
+            changes = {indices[i]: f"q.{part}" for part, i in zip("wxyz", order, strict=True)}
+            spec = spec_of(head, table_columns, changes)
+            axis = "xyz"[own_deg.index(max(own_deg))]
+            sign = "" if order is SCALAR_LAST else ", and --flip if it is left-handed, as of Unity"
+            raise DataError(
+                f"{head.path}: its quaternion turns about {axis}, not about z: {why}state --columns '{spec}'{sign}"
+            )
+
+
+def _paths_deg(parts: Sequence[Floats]) -> list[float]:
+    """Angle that quaternions turn about each fixed axis, in either direction, deg."""
+    stack = np.array(parts)
+    steps = stack[:, np.isfinite(stack).all(axis=0)]
+    steps = steps[:, :: max(1, steps.shape[1] // AXIS_STEPS)]
+    (aw, ax, ay, az), (bw, bx, by, bz) = steps[:, :-1], steps[:, 1:]
+    real = aw * bw + ax * bx + ay * by + az * bz
+    vector = (
+        aw * bx - ax * bw - by * az + bz * ay,
+        aw * by - ay * bw - bz * ax + bx * az,
+        aw * bz - az * bw - bx * ay + by * ax,
+    )
+    return [float(2.0 * np.degrees(np.abs(np.arctan2(part, np.abs(real))).sum())) for part in vector]
 
 
 def rates_of(t_s: Floats, angle_deg: Floats) -> tuple[Floats, Floats]:

@@ -10,15 +10,19 @@ from math import nan
 import numpy as np
 
 from gyrodrift.columns.fields import is_value
+from gyrodrift.columns.sizes import has_16_bits
 from gyrodrift.columns.times import FORMS, ClockReader, is_stamp
-from gyrodrift.session.tables.plan import OWN, Head, TableColumns, UsedColumn
+from gyrodrift.session.tables.plan import OWN, RATE_TARGETS, Head, TableColumns, UsedColumn
 from gyrodrift.values.arrays import Floats
+from gyrodrift.values.constants import INT16_COUNTS
 from gyrodrift.values.errors import shortened, visible
 
 PIECE = 20_000
 """Rows per conversion."""
 
 CELL_SHOWN, VALUES_SHOWN = 40, 5
+BLOCKS_MAX = 100
+"""Most blocks of rows that may be those of senders, one after the other."""
 
 SPACES = " \u00a0\u202f'’"
 GROUPED = {
@@ -58,6 +62,8 @@ class ColumnsRead:
         Unit of the clock if its fraction has no leading zeros, else empty.
     rejected
         First values of the rows that are not to be used.
+    edges
+        First and last row, and between them those before and after each step back of the clock; at most 2 BLOCKS_MAX.
     """
 
     pieces: dict[str, list[Floats]]
@@ -68,6 +74,8 @@ class ColumnsRead:
     began: str = ""
     counted: str = ""
     rejected: dict[str, None] = field(default_factory=dict)
+    edges: list[Sequence[str]] = field(default_factory=list)
+    last_s: float = nan
 
     def column(self, target: str) -> Floats | None:
         """Values of a column, shape (n,); None if it is not used."""
@@ -113,7 +121,8 @@ class RowReader:
             return
         self._remove_groups([row for _, row in good])
         try:
-            self._keep(self._converted([row for _, row in good]))
+            rows = [row for _, row in good]
+            self._keep(*self._converted(rows))
         except ValueError:
             for line, row in good:
                 self._take_alone(line, row)
@@ -138,14 +147,14 @@ class RowReader:
 
     def _take_alone(self, line: int, row: list[str]) -> None:
         try:
-            values = self._converted([row])
+            values, kept = self._converted([row])
         except ValueError as error:
             if [cell.strip() for cell in row] == list(self._head.labels):
                 self.columns_read.headers += 1
             else:
                 self.columns_read.refused.add(line, self._why(row, error))
         else:
-            self._keep(values)
+            self._keep(values, kept)
 
     def _accept_row(self, line: int, row: list[str]) -> bool:
         """Accept a row with one delimiter too many at its end; count every other row of a wrong width."""
@@ -164,20 +173,26 @@ class RowReader:
             self.columns_read.refused.add(line, "has zero bytes" if zeros else reason)
         return False
 
-    def _converted(self, rows: Sequence[Sequence[str]]) -> dict[str, Floats]:
+    def _converted(self, rows: Sequence[Sequence[str]]) -> tuple[dict[str, Floats], Sequence[Sequence[str]]]:
+        """Values by their target, and the rows that have a rate."""
         cells = list(zip(*rows, strict=True))
         values = {column.target: self._numbers(column, cells[column.index]) for column in self._values}
         if self._clocks:  # last, since it remembers what it has read
             stamps = [self._stamps(cells[column.index]) for column in self._clocks]
             values["t_device_s"] = np.array(self._clock.read(stamps))
         if self._keeps_empty:
-            return values
+            return values, rows
         has_rate = ~np.isnan(values[self._moved])
+        if has_rate.all():
+            return values, rows
         self.columns_read.without_rate += int((~has_rate).sum())
-        return {target: numbers[has_rate] for target, numbers in values.items()}
+        kept = [row for row, has in zip(rows, has_rate.tolist(), strict=True) if has]
+        return {target: numbers[has_rate] for target, numbers in values.items()}, kept
 
     def _numbers(self, taken: UsedColumn, cells: Sequence[str]) -> Floats:
         numbers = _floats(self._points(cells))
+        if taken.target in RATE_TARGETS and has_16_bits(taken.scale):
+            numbers = np.where(numbers >= INT16_COUNTS, numbers - 2 * INT16_COUNTS, numbers)
         with np.errstate(over="ignore"):
             return numbers if taken.scale == 1.0 else numbers * taken.scale
 
@@ -191,10 +206,21 @@ class RowReader:
             raise WrongCellError
         return joined.replace(",", ".").split("\n") if self._comma and "," in joined else cells
 
-    def _keep(self, values: dict[str, Floats]) -> None:
+    def _keep(self, values: dict[str, Floats], rows: Sequence[Sequence[str]]) -> None:
+        if rows and "t_device_s" in values:
+            self._note_edges(values["t_device_s"], rows)
         for target, column in values.items():
             self.columns_read.pieces[target].append(column)
         self.columns_read.count += len(next(iter(values.values())))
+
+    def _note_edges(self, t_s: Floats, rows: Sequence[Sequence[str]]) -> None:
+        """Keep the rows at which a block of rows may begin or end."""
+        read = self.columns_read
+        edges = read.edges or [rows[0], rows[0]]
+        *inner, last = edges
+        for index in np.flatnonzero(np.diff(t_s, prepend=read.last_s) < 0.0)[:BLOCKS_MAX].tolist():
+            inner += [rows[index - 1] if index else last, rows[index]]
+        read.edges, read.last_s = [*inner[: 2 * BLOCKS_MAX], rows[-1]], float(t_s[-1])
 
     def _why(self, row: Sequence[str], error: ValueError) -> str:
         """Reason why a row is refused: its first wrong cell."""

@@ -7,6 +7,7 @@ from pathlib import Path
 from shlex import quote
 from typing import TextIO
 
+from gyrodrift.io.plain_text import SIGNS
 from gyrodrift.values.errors import DataError
 
 HEAD_BYTES = 1 << 16
@@ -147,6 +148,8 @@ class Lines:
             self.number += 1
             if "\x1b" in line:
                 line = ESCAPE.sub("", line)
+            if not line.isascii():
+                line = line.translate(SIGNS)
             if line.startswith(COMMENT) and self._has_comments:
                 yield line.lstrip(f"{COMMENT} ")
             elif line.startswith(COMMENT):

@@ -5,24 +5,19 @@ is read this way only if its first rows have the shape that is needed at a port,
 """
 
 from itertools import pairwise
-from math import isfinite, isnan, nan
+from math import isnan, nan
 from statistics import median
 
+from gyrodrift.columns.csv_line import LEAST_AXES, csv_reading
 from gyrodrift.columns.shape import RateShape, has_csv_shape
+from gyrodrift.columns.sizes import SAMPLE_RATES_HZ
 from gyrodrift.session.session import ACCEL_COLUMNS
 from gyrodrift.session.tables.plan import Head, TableColumns, UsedColumn
-from gyrodrift.values.constants import CLOCK_MASK
-from gyrodrift.values.sample import Inertial, Reading, Sample
+from gyrodrift.values.sample import Sample
 
 FORM = "csv protocol of gyrodrift"
 TARGETS = ("t_device_s", "rate_dps", "encoder_deg", "temp_c", "still")
 AXES_TARGETS = ("t_device_s", "gyro_x_dps", "gyro_y_dps", "rate_dps", *ACCEL_COLUMNS, *TARGETS[2:])
-
-LEAST_AXES = 7
-"""Least number of columns with three axes."""
-
-STEP_US = (50.0, 1e6)
-"""Time between samples of a gyro that a sketch prints: 20 kHz to 1 Hz."""
 
 MOST_US = 2.0**63
 
@@ -40,8 +35,8 @@ def wire_columns(head: Head) -> TableColumns | None:
     steps_us = [after - before for before, after in pairwise(times_us)]
     if not all(0.0 <= t_us < MOST_US and t_us % 1.0 == 0.0 for t_us in times_us) or len(steps_us) < 1:
         return None
-    readings = [_reading(row) for row in rows]
-    is_steady = min(steps_us) > 0.0 and STEP_US[0] <= median(steps_us) <= STEP_US[1]
+    readings = [csv_reading(int(t_us), values) for t_us, *values in rows]
+    is_steady = min(steps_us) > 0.0 and SAMPLE_RATES_HZ[0] <= 1e6 / median(steps_us) <= SAMPLE_RATES_HZ[1]
     is_still = all(isnan(reading.still) or reading.still in (0.0, 1.0) for reading in readings)
     if not (is_steady and is_still and has_csv_shape(readings)):
         return None
@@ -58,12 +53,3 @@ def wire_columns(head: Head) -> TableColumns | None:
     ]
     remark = "it has no header; its numbers are plausible as t_us, rate in deg/s of gyrodrift's csv protocol"
     return TableColumns(FORM, tuple(used), remarks=(remark,))
-
-
-def _reading(row: list[float]) -> Reading:
-    has_axes = len(row) >= LEAST_AXES
-    inertial = Inertial(*row[1:LEAST_AXES]) if has_axes else None
-    rate_dps, *optional = row[3:4] + row[LEAST_AXES:] if has_axes else row[1:]
-    valid = [value if isfinite(value) else nan for value in optional]
-    encoder_deg, temp_c, still, *_ = [*valid, nan, nan, nan]
-    return Reading(int(row[0]) & CLOCK_MASK, None, rate_dps, encoder_deg, temp_c, still, nan, inertial)

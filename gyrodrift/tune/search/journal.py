@@ -8,7 +8,7 @@ from zipfile import ZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from gyrodrift.io.files import whole_file
+from gyrodrift.io.files import check_ordinary, whole_file
 from gyrodrift.tune.search.objective import Objective
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.errors import DataError
@@ -83,6 +83,7 @@ class Journal:
 
 def _arrays(path: Path) -> dict[str, NDArray[Any]]:
     """Arrays of a file; a file that claims an impossible size is refused."""
+    check_ordinary(path)
     with path.open("rb") as file, ZipFile(file) as parts:
         claimed = sum(part.file_size for part in parts.infolist())
         if claimed > LARGEST_BYTES:

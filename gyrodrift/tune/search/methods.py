@@ -8,7 +8,7 @@ import numpy as np
 from gyrodrift.evaluation.space import Axis, linear
 from gyrodrift.tune.search.carla import Automaton, Carla
 from gyrodrift.tune.search.objective import BudgetSpentError, Objective
-from gyrodrift.tune.search.race import BATCH, LARGEST, Team, race
+from gyrodrift.tune.search.race import BATCH, LARGEST, Team, cma_package, race
 from gyrodrift.values.arrays import Floats
 
 
@@ -100,8 +100,7 @@ class CmaEs(_AsMeant):
 
     def search(self, objective: Objective, rng: np.random.Generator) -> None:
         """Search until the budget is spent."""
-        import cma
-
+        cma = cma_package()
         size = 4 + int(3 * np.log(objective.dimensions))
         start: Floats = np.full(objective.dimensions, 0.5)
         while True:

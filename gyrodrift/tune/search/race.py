@@ -11,11 +11,15 @@ Additions, each better by measurement (`benchmark/bench/test_search.py`):
 - restarts while the budget lasts
 """
 
+import sys
+from typing import Any
+
 import numpy as np
 
 from gyrodrift.tune.search.carla import Automaton
 from gyrodrift.tune.search.objective import Objective
 from gyrodrift.values.arrays import Floats
+from gyrodrift.values.errors import UsageError
 
 LOOK_POINTS = 64
 """Points of the exploration, evaluated in batches."""
@@ -77,12 +81,26 @@ class Team:
         self._width = max(WIDTH_LAST, self._width * WIDTH_SHRINKS)
 
 
+def cma_package() -> Any:
+    """The package cma.
+
+    Raises
+    ------
+    UsageError
+        Python runs with -OO, which removes the docstrings that cma builds on.
+    """
+    if sys.flags.optimize > 1:
+        raise UsageError("the search needs the package cma, which does not run under python -OO: use -O, or neither")
+    import cma
+
+    return cma
+
+
 class Racer:
     """A local search from a point, with a stopping rule."""
 
     def __init__(self, start: Floats, sigma: float, patience: int, rng: np.random.Generator) -> None:
-        import cma
-
+        cma = cma_package()
         options = {"bounds": [0.0, 1.0], "popsize": POPULATION, "seed": int(rng.integers(1, 2**31)), "verbose": -9}
         options |= {"tolfun": 0.0, "tolfunhist": 0.0, "tolx": 1e-5}  # this class decides when to stop
         self._strategy = cma.CMAEvolutionStrategy(start, sigma, options)

@@ -1,7 +1,9 @@
 """Source can: python-can's virtual bus and its bus over UDP multicast, DBC files, and the gyros that have a name."""
 
+import os
 import socket
 import struct
+import threading
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from itertools import count
@@ -16,6 +18,7 @@ from sources_support import Events, Host, read_until
 
 from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
+from gyrodrift.link.sources import can_dbc
 from gyrodrift.link.sources.can import gyro_of
 from gyrodrift.link.sources.can_frames import EXTENDED, CanGyro, CanReadings
 from gyrodrift.link.sources.registry import address_of
@@ -344,3 +347,28 @@ def test_a_bus_without_the_ids_is_an_error_with_advice() -> None:
 def test_an_unknown_interface_is_an_error() -> None:
     with pytest.raises(LinkError, match=r"the CAN bus cannot be opened: .*; check interface= and the adapter"):
         Link(LinkOptions("can:x?gyro=xsens&interface=none"), Events())
+
+
+@pytest.mark.parametrize("kind", ["pipe", "zero", "folder", "none"])
+def test_a_dbc_file_is_an_ordinary_file(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / "car.dbc"
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "zero":
+        path.symlink_to("/dev/zero")
+    elif kind == "folder":
+        path.mkdir()
+    with pytest.raises(UsageError, match=r"cannot read .*car\.dbc: "):
+        gyro_at(f"can:x?dbc={path}&signal=YawRate")
+
+
+def test_a_dbc_file_that_takes_too_long_is_refused(dbc: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    go_on = threading.Event()
+    monkeypatch.setattr(can_dbc, "PARSE_S", 0.05)
+    monkeypatch.setattr("cantools.database.load_string", lambda *_, **__: go_on.wait())
+    with pytest.raises(UsageError, match=r"it takes more than 0\.05 s"):
+        gyro_at(f"can:x?dbc={dbc}&signal=YawRate")
+    go_on.set()
+    for thread in threading.enumerate():
+        if thread.name == "read file":
+            thread.join()

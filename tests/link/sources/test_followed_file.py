@@ -8,7 +8,7 @@ from math import degrees, isnan, nan
 from pathlib import Path
 
 import pytest
-from foreign_support import imu, ros
+from foreign_support import Recorder, as_json, imu, ros
 from hypothesis import given
 from hypothesis import strategies as st
 from mcap.writer import CompressionType, Writer
@@ -203,3 +203,20 @@ def test_topics_and_fields_of_a_file_without_samples_are_named() -> None:
     assert "/imu (my.Imu, jsonschema, json): a message has no t_device_s" in decoder.unread
     assert "its fields are stamp, angular_velocity; /cam (foxglove.Image, protobuf, protobuf)" in decoder.unread
     assert "json with t_device_s and rate_dps" in decoder.unread
+
+
+def test_the_channel_gyro_is_preferred_wherever_it_stands() -> None:
+    """A channel that can be read, and is declared before it, is passed over."""
+    recorder = Recorder(use_chunking=False)
+    schema = ("rate", "jsonschema", "{}")
+    first = recorder.channel("/a_first", "json", schema)
+    gyro = recorder.channel("/gyro", "json", schema)
+    for number in range(5):
+        for channel, rate_dps in ((first, 99.0), (gyro, 0.5)):
+            fields = {"t_device_s": 0.01 * number, "rate_dps": rate_dps}
+            recorder.writer.add_message(channel, number, as_json(fields), 0)
+    content = recorder.content()
+    assert [item.rate_dps for item in SampleStream("file").push(content)] == [0.5] * 5
+    stream = SampleStream("file")
+    assert [item.rate_dps for i in range(len(content)) for item in stream.push(content[i : i + 1])] == [0.5] * 5
+    assert stream.other_topics == {"/a_first"}

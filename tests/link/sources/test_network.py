@@ -12,7 +12,7 @@ from gyrodrift.link.link import Link
 from gyrodrift.link.options import LinkOptions
 from gyrodrift.link.sources import udp as udp_module
 from gyrodrift.link.sources.registry import address_of
-from gyrodrift.link.sources.udp import SENDER_S, UdpPort, open_udp
+from gyrodrift.link.sources.udp import UdpPort, open_udp
 from gyrodrift.values.errors import DeviceSilentError, PortBusyError, PortMissingError
 
 
@@ -149,27 +149,33 @@ def test_binary_datagrams_are_not_changed(udp: tuple[UdpPort, tuple[str, int]]) 
         assert port.read() == b"\x00\x01URURabcdefghi"
 
 
-def test_two_senders_are_not_mixed(udp: tuple[UdpPort, tuple[str, int]]) -> None:
-    """The first one is followed until it is silent; another one is reported once."""
+@pytest.mark.promise("Unplugged and silent devices")
+def test_the_first_sender_of_samples_is_followed_and_no_other(udp: tuple[UdpPort, tuple[str, int]]) -> None:
+    """A second sender is not heard while the first one sends samples, also if it was there before; it is told once."""
     port, target = udp
-    now_s = 1000.0
+    now_s, events = 1000.0, Events()
+    link = Link(LinkOptions(port.path, columns="t_ms,rate:dps"), events, lambda: now_s, port)
     port._monotonic = lambda: now_s
-    with sender() as first, sender() as second:
-        for device, content in ((first, b"1\n"), (second, b"2\n"), (second, b"3\n"), (first, b"4\n")):
-            device.sendto(content, target)
-        assert port.read() == b"1\n4\n"
-        assert port.notes == [
-            (
-                "other_sender",
-                {
-                    "ignored": f"127.0.0.1:{second.getsockname()[1]}",
-                    "followed": f"127.0.0.1:{first.getsockname()[1]}",
-                },
-            )
-        ]
-        now_s += SENDER_S
-        second.sendto(b"5\n", target)
-        assert port.read() == b"5\n"
+    rates: list[float] = []
+    with sender() as stranger, sender() as gyro, sender() as second:
+        for number in range(30):
+            stranger.sendto(b"x", target)
+            gyro.sendto(b"%d,1.5" % (number * 100), target)
+            if number:
+                second.sendto(b"%d,7.5" % (number * 100), target)
+            for _ in range(4):
+                rates += [sample.rate_dps for sample in link.read()]
+            now_s += 0.1
+        assert rates == [1.5] * 30
+        told = [fields for event, fields in events.told if event == "other_sender"]
+        assert [fields["followed"] for fields in told] == [f"127.0.0.1:{gyro.getsockname()[1]}"]
+        now_s += 1.8  # 1.9 s after its last sample
+        second.sendto(b"4800,7.5", target)
+        assert link.read() == []
+        now_s += 0.11
+        second.sendto(b"4900,7.5", target)
+        second.sendto(b"5000,7.5", target)
+        assert [sample.rate_dps for sample in link.read()] == [7.5, 7.5]
 
 
 def test_what_is_sent_goes_to_the_device_that_was_heard(udp: tuple[UdpPort, tuple[str, int]]) -> None:

@@ -1,5 +1,7 @@
 """Clocks of tables that are none, that are written in another way, or that nobody has: told with what to state."""
 
+import json
+from itertools import pairwise
 from math import radians
 from pathlib import Path
 
@@ -147,3 +149,20 @@ def test_a_sample_rate_that_halves_is_no_run_of_gaps() -> None:
     t_s = np.concatenate([np.arange(3000) * 0.01, 30.0 + np.arange(1500) * 0.02])
     gaps = SessionFacts(Session("s", np.delete(t_s, 1000), np.zeros(4499))).gaps
     assert (gaps.count, gaps.missing) == (1, 1)
+
+
+@pytest.mark.parametrize("form", ["lines", "list", "columns"])
+def test_nanoseconds_in_json_keep_all_their_digits(tmp_path: Path, form: str) -> None:
+    """Steps of 1,000,003 ns at a Unix time of 19 digits, which a float rounds to 256 ns."""
+    stamps = [1_700_000_000_123_456_789 + 1_000_003 * i for i in range(2000)]
+    rows = [{"t_ns": stamp, "rate_dps": 0.5 + i % 2} for i, stamp in enumerate(stamps)]
+    text = {
+        "lines": "".join(json.dumps(row) + "\n" for row in rows),
+        "list": json.dumps(rows, indent=1),
+        "columns": json.dumps({name: [row[name] for row in rows] for name in ("t_ns", "rate_dps")}),
+    }[form]
+    path = tmp_path / "a.json"
+    path.write_text(text)
+    t_s = load_session(path).t_device_s
+    assert len(t_s) == 2000
+    assert [round((b - a) * 1e9) for a, b in pairwise(t_s.tolist())] == [1_000_003] * 1999

@@ -1,0 +1,32 @@
+"""Protocol `milli`: frames `W<rate in thousandths of a deg/s>!`, without a device clock."""
+
+from gyrodrift.link.protocols.decoder import DecoderCounters, DeviceDescription
+from gyrodrift.link.protocols.protocol import WireProtocol
+from gyrodrift.sample import Reading
+
+GYRODRIFT_API = 1
+LONGEST_FRAME = 20
+
+
+class MilliDecoder:
+    """Splits the stream at the end marks."""
+
+    name = "milli"
+
+    def __init__(self) -> None:
+        self.counters = DecoderCounters()
+        self.device = DeviceDescription()
+        self.unread = ""
+        self._pending = b""
+
+    def push(self, chunk: bytes) -> list[Reading]:
+        """Return the readings of complete frames; count the others."""
+        *frames, self._pending = (self._pending + chunk).split(b"!")
+        self._pending = self._pending[-LONGEST_FRAME:]
+        rates = [frame[1:] for frame in frames if frame[:1] == b"W" and frame[1:].lstrip(b"-").isdigit()]
+        self.counters.frames += len(rates)
+        self.counters.damaged += len(frames) - len(rates)
+        return [Reading(None, None, int(rate) / 1000.0) for rate in rates]
+
+
+MILLI = WireProtocol("milli", "rates in thousandths of a deg/s", MilliDecoder, has_clock=False, rank=30, has_unit=True)
