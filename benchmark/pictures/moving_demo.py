@@ -192,10 +192,10 @@ def _motion(run: DemoRun) -> str:
         f"{needles}"
         f"@keyframes readings {{ {_frames(rows)} }}\n"
         f"@keyframes cover {{ 0% {{ transform: scaleX(1) }} {100 * PLAYED:.1f}%, 100% {{ transform: scaleX(0) }} }}\n"
-        f".raw-needle {{ animation: raw {LOOP_S:g}s linear infinite }}\n"
-        f".ours-needle {{ animation: ours {LOOP_S:g}s linear infinite }}\n"
-        f".cover {{ animation: cover {LOOP_S:g}s linear infinite }}\n"
-        f".readings {{ animation: readings {LOOP_S:g}s step-end infinite }}\n"
+        f".raw-needle {{ animation: raw {LOOP_S:g}s linear -{LOOP_S * PLAYED:g}s infinite }}\n"
+        f".ours-needle {{ animation: ours {LOOP_S:g}s linear -{LOOP_S * PLAYED:g}s infinite }}\n"
+        f".cover {{ animation: cover {LOOP_S:g}s linear -{LOOP_S * PLAYED:g}s infinite }}\n"
+        f".readings {{ animation: readings {LOOP_S:g}s step-end -{LOOP_S * PLAYED:g}s infinite }}\n"
         "}\n"
     )
 

@@ -17,30 +17,45 @@ from gyrodrift.io.plug_ins import failure_in_plug_in
 from gyrodrift.values.errors import GyrodriftError, UsageError, visible
 from gyrodrift.values.secret import mentions_secret, shown_words
 
-COMMANDS = {
-    "serve": "read a gyro, correct its drift, print yaw",
-    "ctl": "control a running service: zero, heading, rest, rate, status, reload, stop",
-    "install-service": "run serve under systemd: unit, udev rule, start",
-    "calibrate": "measure scale, sign, bias and noise by whole turns against a mark, for the config",
-    "devices": "list serial ports: stable name, maker, process that holds the port, device",
-    "doctor": "find problems of a device or a recording, with remedies and the expected drift",
-    "top": "watch a running service in the terminal",
-    "record": "record a device into session files",
-    "tune": "find filter parameters from recorded sessions",
-    "diagnose": "name the effect that explains the gap between a simulator and recordings",
-    "compare": "compare the filters with plain integration, x-io Fusion, VQF and others on your sessions",
-    "filter": "run the filter of serve over a recorded session",
-    "firmware": "write the filter as a library for a microcontroller: C, Arduino, ESPHome, MicroPython and others",
-    "info": "describe recorded sessions: rate, gaps, clocks, temperature, rest, noise",
-    "simulate": "write sessions of the simulated rig, without waiting for real time",
-    "simulated-device": "simulate a gyro on a serial port, to try every command without hardware",
-    "replay": "play a recorded session through a pty that looks like the device",
-    "convert": "convert a session to .mcap, .csv, .json, .jsonl or .parquet",
-    "repair": "repair interrupted and damaged session files",
-    "demo": "show a simulated turntable live, with raw and corrected yaw error; no hardware",
-    "completion": "print the script for shell completion",
-    "help": "show the help of a command",
+GROUPS = {
+    "live": {
+        "serve": "read a gyro, correct its drift, print yaw",
+        "ctl": "control a running service: zero, heading, rest, rate, status, reload, stop",
+        "record": "record a device into session files",
+        "top": "watch a running service in the terminal",
+    },
+    "device": {
+        "devices": "list serial ports: stable name, maker, process that holds the port, device",
+        "doctor": "find problems of a device or a recording, with remedies and the expected drift",
+        "calibrate": "measure scale, sign, bias and noise by whole turns against a mark, for the config",
+        "firmware": "write the filter as a library for a microcontroller: C, Arduino, ESPHome, MicroPython and others",
+        "install-service": "run serve under systemd: unit, udev rule, start",
+    },
+    "recordings": {
+        "info": "describe recorded sessions: rate, gaps, clocks, temperature, rest, noise",
+        "filter": "run the filter of serve over a recorded session",
+        "convert": "convert a session to .mcap, .csv, .json, .jsonl or .parquet",
+        "repair": "repair interrupted and damaged session files",
+        "replay": "play a recorded session through a pty that looks like the device",
+    },
+    "analysis": {
+        "tune": "find filter parameters from recorded sessions",
+        "compare": "compare the filters with plain integration, x-io Fusion, VQF and others on your sessions",
+        "diagnose": "name the effect that explains the gap between a simulator and recordings",
+    },
+    "without hardware": {
+        "demo": "show a simulated turntable live, with raw and corrected yaw error; no hardware",
+        "simulate": "write sessions of the simulated rig, without waiting for real time",
+        "simulated-device": "simulate a gyro on a serial port, to try every command without hardware",
+    },
+    "this program": {
+        "completion": "print the script for shell completion",
+        "help": "show the help of a command, or of the columns of text and tables",
+    },
 }
+"""Commands with their summaries, by what they are for."""
+
+COMMANDS = {name: summary for commands in GROUPS.values() for name, summary in commands.items()}
 
 INTERRUPTED = 130
 POSIX_MODULES = frozenset({"fcntl", "grp", "pty", "pwd", "resource", "termios", "tty"})
@@ -175,6 +190,7 @@ def parser_of(name: str) -> Parser:
     parser = Parser(name, description=command.__doc__, epilog=f"examples:\n{indent(command.EXAMPLES, '  ')}\n{EPILOG}")
     command.add_arguments(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress and no log but warnings and errors")
+    parser.show_only(getattr(command, "COMMON", None))
     return parser
 
 
@@ -183,14 +199,18 @@ def program_parser() -> Parser:
     from gyrodrift.cli.plug_ins import listing, summaries
     from gyrodrift.io.installation import version_line
 
-    commands = [*COMMANDS.items(), *summaries(COMMANDS)]
-    width = max(len(command) for command, _ in commands)
-    names = "\n".join(f"  {command:{width}}  {what}" for command, what in commands)
+    groups = GROUPS | {"of other packages": dict(summaries(COMMANDS))}
+    width = max(len(command) for commands in groups.values() for command in commands)
+    names = "\n\n".join(
+        "\n".join([f"{group}:", *(f"  {command:{width}}  {what}" for command, what in commands.items())])
+        for group, commands in groups.items()
+        if commands
+    )
     lines = "".join(f"\n  {line}" for line in listing())
     added = f"\n\nplug-ins of other packages:{lines}" if lines else ""
     parser = Parser(
         usage="gyrodrift COMMAND ... (gyrodrift help COMMAND for its options)",
-        description=f"Correct the yaw drift of a low-cost gyro in real time.\n\ncommands:\n{names}{added}",
+        description=f"Correct the yaw drift of a low-cost gyro in real time.\n\n{names}{added}",
         epilog=f"examples:\n{indent(EXAMPLES, '  ')}\n{EPILOG}",
     )
     parser.add_argument("--version", action="version", version=version_line())

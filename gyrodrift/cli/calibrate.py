@@ -29,7 +29,6 @@ from gyrodrift.config.calibration import block_text, checked, has_block, with_bl
 from gyrodrift.config.model import load_config
 from gyrodrift.io.files import check_writable, write_whole
 from gyrodrift.io.log import open_log
-from gyrodrift.io.terminal import AboveLine
 from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
 from gyrodrift.values.calibration import Calibration, device_identity
@@ -85,7 +84,7 @@ def write_result(arguments: argparse.Namespace, calibration: Calibration, guide:
         path = arguments.config
         text = path.read_text(encoding="utf-8-sig") if path.exists() else _new_file(arguments)
         write_whole(path, [checked(with_block(text, block), path, load_config)])
-        print(f"gyrodrift: wrote the calibration into {path}", file=sys.stderr)
+        print(f"gyrodrift: {path} written: the calibration", file=sys.stderr)
 
 
 def _new_file(arguments: argparse.Namespace) -> str:
@@ -127,7 +126,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="end when the standard error of the scale is below this",
     )
     parser.add_argument(
-        "--rest", type=numbers.seconds, metavar="S", help=f"length of a rest (default 10; {SIDE_REST_S:g} on a side)"
+        "--rest",
+        type=numbers.duration,
+        metavar="TIME",
+        help=f"length of a rest, such as 10 (s) (default 10; {SIDE_REST_S:g} on a side)",
     )
     parser.add_argument(
         "--temperature",
@@ -171,8 +173,7 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.service.signals import StopSignal
 
     screen = GuideScreen(sys.stderr, sys.stderr.isatty() and not arguments.quiet)
-    log_to = AboveLine(sys.stderr) if screen.is_terminal else None
-    events = LinkEvents(open_log(arguments.log_level or "warning", arguments.log_format, log_to))
+    events = LinkEvents(open_log(arguments.log_level or "warning", arguments.log_format))
     target, port = configs.link_target(arguments, baud, events)
     is_by_hand = _is_by_hand(arguments)
     guide = guide_of((lambda _: None) if arguments.quiet and not is_by_hand else screen.say)

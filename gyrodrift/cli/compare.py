@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from gyrodrift.cli import configs, inputs, numbers, options
 from gyrodrift.cli.plug_ins import tell_problems
+from gyrodrift.cli.written import tell_page
 from gyrodrift.io.files import check_writable, write_whole
 from gyrodrift.io.installation import need_packages
 from gyrodrift.report.files import write_json
@@ -99,3 +100,5 @@ def _write(arguments: argparse.Namespace, comparison: "Comparison") -> None:
         print(f"gyrodrift: note: {note}", file=sys.stderr)
     for line in summary(comparison):
         print(visible(line))
+    if arguments.out is not None:
+        tell_page(arguments.out / "report.html", is_quiet=arguments.quiet)

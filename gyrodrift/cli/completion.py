@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from gyrodrift.cli import COMMANDS, parser_of
+from gyrodrift.cli.help import COLUMNS
 from gyrodrift.cli.parser import Parser
 from gyrodrift.values.errors import UsageError
 
@@ -108,6 +109,14 @@ def _rig_effects() -> list[str]:
     return [*_effects(), *TRIAXIAL]
 
 
+def _outputs() -> list[str]:
+    """Names of the outputs, and each with its keys."""
+    from gyrodrift.config.outputs import options_help
+    from gyrodrift.outputs.registry import OUTPUTS
+
+    return [word for name in OUTPUTS for word in (name, *(f"{name}:{key}=" for key, _, _ in options_help(name)))]
+
+
 def _ports() -> list[str]:
     return ["auto", *_plugged()]
 
@@ -125,6 +134,7 @@ NAMES: dict[str, Callable[[], list[str]]] = {
     "EFFECT": _effects,
     "NAME[:param=value,...]": _rig_effects,
     "port": _ports,
-    "COMMAND": lambda: list(_commands()),
+    "NAME[:KEY=VALUE,...]": _outputs,
+    "COMMAND": lambda: [*_commands(), COLUMNS],
 }
 """Known names for each kind of argument."""

@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--listen", action="store_true", help="open each free port, and show protocol and sample rate")
     parser.add_argument(
         "--timeout",
-        type=numbers.seconds,
+        type=numbers.duration,
         default=10.0,
         metavar="S",
         help="time to wait for samples at each port",

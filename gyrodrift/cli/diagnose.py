@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from gyrodrift.cli import inputs, options
 from gyrodrift.cli.parser import unknown
+from gyrodrift.cli.written import tell_page
 from gyrodrift.io.files import check_writable, write_whole
 from gyrodrift.io.installation import need_packages
 from gyrodrift.report.provenance import Provenance, UsedFile, date_now, set_name
@@ -114,6 +115,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(visible(line))
     for export in exports:
         print(visible(f"export: {export_line(export)}"))
+    tell_page(arguments.out / "report.html", is_quiet=arguments.quiet)
     return 0
 
 

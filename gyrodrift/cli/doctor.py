@@ -58,14 +58,39 @@ gyrodrift doctor --port /dev/ttyUSB0 --turn
 """
 
 
+COMMON = (
+    "--port",
+    "--duration",
+    "--sensor",
+    "--turn",
+    "--config",
+    "--one-body",
+    "--json",
+    "--verbose",
+    "--columns",
+    "--fail-on",
+    "--report",
+)
+"""Options in the short help."""
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument(
         "sessions", type=Path, nargs="*", metavar="SESSION", help="recording to check instead of a port"
     )
     options.add_link_options(parser, default_port=options.AUTO_PORT)
-    parser.add_argument(
-        "--seconds", type=numbers.seconds, default=30.0, metavar="S", help="listen for S seconds; noise needs 30"
+    length = parser.add_mutually_exclusive_group()
+    length.add_argument(
+        "--duration",
+        dest="seconds",
+        type=numbers.duration,
+        default=30.0,
+        metavar="TIME",
+        help="listen for TIME, such as 30 (s) or 10min; noise needs 30 s (default 30)",
+    )
+    length.add_argument(
+        "--seconds", type=numbers.duration, default=30.0, metavar="S", help="the same in seconds (default: --duration)"
     )
     parser.add_argument(
         "--sensor", metavar="NAME", help="compare with the data sheet of this sensor (default: the name it sends)"

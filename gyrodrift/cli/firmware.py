@@ -70,7 +70,7 @@ def _report(arguments: argparse.Namespace, out: Path, texts: dict[str, str]) -> 
     """Say which files were written, and the next step."""
     target = TARGETS[arguments.target]
     size = size_text(sum(len(text.encode()) for text in texts.values()))
-    print(visible(f"wrote {out}: {target.about}, {len(texts)} files, {size}"))
+    print(visible(f"{out} written: {target.about}, {len(texts)} files, {size}"))
     for path in texts:
         print(f"  {path}")
     following = target.next_step.format(out=shlex.quote(str(out)), absolute=shlex.quote(str(out.resolve())))

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from gyrodrift.cli import inputs, options
-from gyrodrift.cli.written import samples_text, tell_written
+from gyrodrift.cli.written import samples_text, tell_page, tell_written
 from gyrodrift.config.model import Config, load_config
 from gyrodrift.describe.listing import listing
 from gyrodrift.describe.overview import row_of
@@ -267,6 +267,8 @@ class _Drawing:
         contents = f"{self._count} session{'s' * (self._count != 1)}, {samples_text(self._samples)}"
         for path in written:
             tell_written(path, contents, is_quiet=self._arguments.quiet)
+        if self._page is not None and self._count:
+            tell_page(written[-1], is_quiet=self._arguments.quiet)
 
 
 def _provenance(arguments: argparse.Namespace, config: Config, paths: Sequence[Path]) -> Provenance:

@@ -61,7 +61,23 @@ def whole(most: int, expected: str = "a number above 0", least: int = 1) -> Call
     return read
 
 
-seconds = number(MOST_SECONDS)
+DURATION = "a time in s above 0, or such as 90s, 30min or 1h"
+
+
+def duration(text: str) -> float:
+    """Parse a time with or without a unit, in seconds."""
+    match = ROTATION.fullmatch(text)
+    factor = TIMES_S.get(match[2].lower()) if match else None
+    if match is None or factor is None:
+        return number(MOST_SECONDS, DURATION)(text)
+    return number(MOST_SECONDS / factor, DURATION)(match[1]) * factor
+
+
+def minutes(text: str) -> float:
+    """Parse a time with or without a unit, in minutes."""
+    return duration(text) / TIMES_S["min"]
+
+
 seed = whole(MOST_SEED, "a whole number from 0", least=0)
 
 

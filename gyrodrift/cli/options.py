@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from gyrodrift.cli import numbers
-from gyrodrift.cli.parser import Choices, unknown
+from gyrodrift.cli.parser import Choices, Parser, unknown
 from gyrodrift.columns.spec import (
     ACCELERATION,
     ACCELERATION_MPS2,
@@ -30,12 +30,32 @@ AUTO_PORT = "auto"
 PACKAGES = "packages"
 """First phase of a progress line: the import of packages."""
 
-COLUMNS_HELP = (
-    "a comma list: _ (ignored), t_s, t_ms, t_us, t_ns, t:lsb/N, dt_ms (since the last line), +t_ns (added to a clock), "
-    "seq, rate[:dps|:mdps|:rads|:mrads|:lsb/N][:-], delta[:deg|:rad][:-] (since the last line), yaw[:deg|:rad][:-], "
-    "q.w, q.x, q.y, q.z, encoder[:deg|:rad|:counts/N], temp, such as 't_ms, _, _, rate:lsb/131'; by label, "
-    "LABEL=rate:rads, and LABEL=VALUE for the lines with this value only"
-)
+COLUMNS_HELP = """\
+Which column of a text or a table is what. serve, record, doctor and all commands that read files take these options.
+
+SPEC is a comma list, one entry for each column from the left:
+
+  _                                          ignored
+  t_s, t_ms, t_us, t_ns, t:lsb/N             clock; lsb/N: N ticks in a second
+  dt_ms, +t_ns                               time since the last line; added to a clock of another column
+  seq                                        number of the sample
+  rate[:dps|:mdps|:rads|:mrads|:lsb/N][:-]   yaw rate; :- turns the sign
+  gx, gy, gz, ax, ay, az                     three axes: rates as rate, accelerations [:mps2|:g|:mg|:lsb/N]
+  delta[:deg|:rad][:-]                       angle since the last line
+  yaw[:deg|:rad][:-], q.w, q.x, q.y, q.z     angle of the device's own filter, or quaternion
+  encoder[:deg|:rad|:counts/N], temp         reference angle, temperature in °C
+
+With labels, LABEL=rate:rads instead; LABEL=VALUE takes the lines with this value only.
+"""
+
+COLUMNS_EXAMPLES = """\
+examples:
+  gyrodrift serve --port auto --columns 't_ms, _, _, rate:lsb/131'
+  gyrodrift info drive.csv --columns 'time=t_s, gyro_z=rate:rads' --flip
+  gyrodrift convert log.txt log.mcap --columns rate:dps --sample-rate 100
+
+gyrodrift doctor --port PORT --turn finds them by a quarter turn.
+"""
 
 ITERATIONS = 3000
 """Default number of evaluations of a search, the same in all commands that tune."""
@@ -70,7 +90,8 @@ def add_link_options(
     parser.add_argument(
         "--columns",
         metavar="SPEC",
-        help=f"read lines of text with these columns, {COLUMNS_HELP} (default: none)",
+        help="read lines of text with these columns, such as 't_ms, _, _, rate:lsb/131'; gyrodrift help columns "
+        "explains them (default: none)",
     )
     parser.add_argument(
         "--timeout",
@@ -117,9 +138,22 @@ def add_reading_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--columns",
         metavar="SPEC",
-        help=f"columns of a table (.csv .tsv .txt .log .json .jsonl), {COLUMNS_HELP} (default: from the header)",
+        help="columns of a table (.csv .tsv .txt .log .json .jsonl); gyrodrift help columns explains them and the "
+        "options for units (default: from the header)",
     )
     add_unit_options(parser)
+
+
+def columns_parser() -> Parser:
+    """Parser whose help explains the columns of lines and tables, and the options for their units."""
+    parser = Parser("COMMAND", description=COLUMNS_HELP, add_help=False, epilog=COLUMNS_EXAMPLES)
+    parser.add_argument(
+        "--columns",
+        metavar="SPEC",
+        help="columns of the lines at a port, or of a table, as above (default: from labels)",
+    )
+    add_unit_options(parser)
+    return parser
 
 
 def add_unit_options(parser: argparse.ArgumentParser) -> None:

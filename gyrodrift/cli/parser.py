@@ -10,6 +10,9 @@ from gyrodrift.io.plug_ins import PlugIns
 from gyrodrift.values.errors import UsageError, shortened
 from gyrodrift.values.nearest import nearest, suggestion
 
+COLUMN_OPTIONS = frozenset({"--rate-unit", "--time-unit", "--sample-rate", "--accel-unit", "--flip", "--reference"})
+"""Options besides --columns that `gyrodrift help columns` explains."""
+
 NEAREST = 2
 """Most suggestions for an unknown word."""
 
@@ -70,14 +73,52 @@ class HelpFormatter(argparse.RawDescriptionHelpFormatter):
         return f"{text} (default %(default)s)"
 
 
+class HelpAll(argparse.Action):
+    """Print the help with all options, and end."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, **words: Any) -> None:
+        super().__init__(option_strings, dest, nargs=0, default=argparse.SUPPRESS, **words)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        """Print it."""
+        print(parser.format_help(), end="")
+        parser.exit()
+
+
 class Parser(argparse.ArgumentParser):
-    """A parser that raises `UsageError`, with one line for each mistake."""
+    """A parser that raises `UsageError`, with one line for each mistake.
+
+    `format_help` has all options. `print_help` leaves out rare ones.
+    """
 
     def __init__(self, name: str = "", **options: Any) -> None:
         super().__init__(
             prog=f"gyrodrift {name}".rstrip(), formatter_class=HelpFormatter, allow_abbrev=False, **options
         )
         self._name = name
+        self._rare: list[argparse.Action] = []
+
+    def show_only(self, common: Iterable[str] | None) -> None:
+        """Show these options in the help, and all with --help-all; None for all but those of `help columns`."""
+        shown = None if common is None else {"-h", "--help-all", "--quiet", *common}
+        options = [action for action in self._actions if action.option_strings]
+        names = [set(action.option_strings) for action in options]
+        self._rare = [
+            action
+            for action, given in zip(options, names, strict=True)
+            if (given.isdisjoint(shown) if shown is not None else given & COLUMN_OPTIONS)
+        ]
+        if self._rare:
+            self.add_argument("--help-all", action=HelpAll, help=f"show {len(self._rare)} more options, too")
+
+    def print_help(self, file: Any = None) -> None:
+        """Print the help without rare options."""
+        texts = [action.help for action in self._rare]
+        for action in self._rare:
+            action.help = argparse.SUPPRESS
+        super().print_help(file)
+        for action, text in zip(self._rare, texts, strict=True):
+            action.help = text
 
     def read(self, words: Sequence[str]) -> argparse.Namespace:
         """Parse a command line.

@@ -42,7 +42,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_link_options(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the sessions")
     parser.add_argument(
-        "--duration", type=numbers.seconds, metavar="S", help="stop after S seconds of device time (default: at Ctrl-C)"
+        "--duration",
+        type=numbers.duration,
+        metavar="TIME",
+        help="stop after TIME of the device clock, such as 90 (s), 30min or 1h (default: at Ctrl-C)",
     )
     options.add_filter_options(
         parser,
@@ -60,7 +63,6 @@ def run(arguments: argparse.Namespace) -> int:
     from gyrodrift.filters.run import FilterRun
     from gyrodrift.io.files import check_writable
     from gyrodrift.io.log import open_log, unwaiting_stderr
-    from gyrodrift.io.terminal import AboveLine
     from gyrodrift.link.events import LinkEvents
     from gyrodrift.link.link import Link
     from gyrodrift.recording.live_line import LiveYaw
@@ -75,8 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
     )
     stderr = cast("TextIO", unwaiting_stderr(arguments.log_format))
     is_shown = sys.stderr.isatty() and not arguments.quiet
-    log_to = AboveLine(stderr) if is_shown else None
-    log = open_log(options.log_level(arguments), arguments.log_format, log_to)
+    log = open_log(options.log_level(arguments), arguments.log_format)
     events = LinkEvents(log)
     target, port = configs.link_target(arguments, baud, events, send=config.send)
     with StopSignal() as stop:

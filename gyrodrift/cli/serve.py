@@ -48,6 +48,22 @@ gyrodrift serve --port /dev/ttyUSB0 --record sessions --rotate 1h > yaw.jsonl
 """
 
 
+COMMON = (
+    "--port",
+    "--config",
+    "--filter",
+    "--output",
+    "--list-outputs",
+    "--record",
+    "--memory",
+    "--control",
+    "--rate",
+    "--json",
+    "--columns",
+)
+"""Options in the short help."""
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     options.add_link_options(parser, needs_port=False)

@@ -5,10 +5,11 @@ from contextlib import ExitStack
 from copy import copy
 from pathlib import Path
 
-from gyrodrift.cli import serving
+from gyrodrift.cli import options, serving
 from gyrodrift.cli.options import AUTO_PORT
 from gyrodrift.config.sources import SourceSettings, load_sources
 from gyrodrift.config.watch import ConfigWatch
+from gyrodrift.io.log import open_log
 from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
@@ -29,7 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Run until a signal comes or all sources are over; 3 if a source has failed."""
     settings = _settings(arguments)
     serving.check_system(arguments, has_outputs=False)
-    log, lines = serving.log_of(arguments, has_person=False), SharedLines(STDOUT)
+    log, lines = open_log(options.log_level(arguments), arguments.log_format), SharedLines(STDOUT)
     with StopSignal() as stop, ExitStack() as closing:
         closing.callback(lines.close)
         with stop.at_once():

@@ -7,17 +7,17 @@ import sys
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, TextIO, cast
+from typing import TYPE_CHECKING
 
 from gyrodrift.cli import configs, numbers, options
 from gyrodrift.filters.filter import Filter, FilterState
 from gyrodrift.filters.registry import DEFAULT, FILTERS
-from gyrodrift.io.log import open_log, unwaiting_stderr
+from gyrodrift.io.log import open_log
 from gyrodrift.io.logger import FilteringBoundLogger
-from gyrodrift.io.terminal import AboveLine
 from gyrodrift.link.events import LinkEvents
 from gyrodrift.link.link import Link
 from gyrodrift.service.config_follower import ConfigFollower
+from gyrodrift.service.history import History
 from gyrodrift.service.listener import SampleListener, Sink
 from gyrodrift.service.live_line import ServiceLine
 from gyrodrift.service.loop import RestWord, Service
@@ -71,7 +71,7 @@ def serve(
 ) -> None:
     """Serve the one gyro of `--port` until a signal comes."""
     check_system(arguments, has_outputs=bool(specs or (watch is not None and watch.config.outputs)))
-    log = log_of(arguments, has_person=has_person)
+    log = open_log(options.log_level(arguments), arguments.log_format)
     events = LinkEvents(log)
     from_config = (watch.config.columns, watch.config.send) if watch else ()
     target, port = configs.link_target(arguments, baud, events, *from_config)
@@ -93,6 +93,7 @@ def service_of(arguments: argparse.Namespace, parts: ServiceParts, specs: "list[
     chosen = FILTERS[arguments.filter or DEFAULT.name]
     config, source = (None, "defaults") if watch is None else (watch.config, str(watch.path))
     pipeline = Pipeline(link, [sink], log, config, source, chosen, arguments.axes)
+    pipeline.history = None if watch is None else History()
     follower = ConfigFollower(pipeline, watch)
     events.listeners.append(pipeline.hear)
     recording = _recording(arguments, follower, events, log)
@@ -116,14 +117,6 @@ def check_system(arguments: argparse.Namespace, *, has_outputs: bool) -> None:
         raise UsageError("outputs need Linux: their process is reached through a unix socket that keeps messages whole")
     if arguments.control is not None and not hasattr(socket, "AF_UNIX"):
         raise UsageError("--control needs Linux or macOS: this system has no unix sockets")
-
-
-def log_of(arguments: argparse.Namespace, *, has_person: bool) -> FilteringBoundLogger:
-    """Logger on stderr; its lines stand above the line on stdout if both are the terminal."""
-    above = None
-    if has_person and sys.stderr.isatty():
-        above = AboveLine(cast("TextIO", unwaiting_stderr(arguments.log_format)))
-    return open_log(options.log_level(arguments), arguments.log_format, above)
 
 
 def _follow_config(arguments: argparse.Namespace, follower: ConfigFollower) -> None:

@@ -31,7 +31,7 @@ from gyrodrift.values.errors import UsageError, visible
 STAGE = "sessions"
 
 EXAMPLES = """\
-gyrodrift simulate --out sessions --sessions 6 --minutes 8 --seed 1
+gyrodrift simulate --out sessions --sessions 6 --duration 8min --seed 1
 gyrodrift simulate --axes 3 --profile hand --out tilting --effect warmup --effect accel_bias:x_mps2=0.3
 gyrodrift simulate --hard-cases --out hard --seed 1
 """
@@ -51,8 +51,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--sessions", type=numbers.whole(10**6), metavar="N", help="number of sessions (default 1; 10 per hard case)"
     )
-    parser.add_argument(
-        "--minutes", type=numbers.number(1e6), default=10.0, metavar="M", help="length of a session, min (default 10)"
+    length = parser.add_mutually_exclusive_group()
+    length.add_argument(
+        "--duration",
+        dest="minutes",
+        type=numbers.minutes,
+        default=10.0,
+        metavar="TIME",
+        help="length of a session, such as 90 (s), 8min or 1h (default 10min)",
+    )
+    length.add_argument(
+        "--minutes",
+        type=numbers.number(1e6),
+        default=10.0,
+        metavar="M",
+        help="the same in minutes (default: --duration)",
     )
     parser.add_argument("--seed", type=numbers.seed, default=0, metavar="S", help="seed of all randomness (default 0)")
     parser.add_argument(

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from gyrodrift.cli import INTERRUPTED, inputs, numbers, options
 from gyrodrift.cli.parser import Choices
+from gyrodrift.cli.written import tell_page, tell_written
 from gyrodrift.config.calibration import CALIBRATION, block_in, with_block
 from gyrodrift.config.model import load_config
 from gyrodrift.filters.registry import FILTERS
@@ -73,6 +74,22 @@ gyrodrift tune sessions --out my.yaml --report report
 gyrodrift tune sessions --out my.yaml --filter restlevel --test bench/monday.mcap
 gyrodrift tune sessions --out my.yaml --header my_gyro.h --seeds 3 --jobs 2 --range tau_s=0.01:2
 """
+
+
+COMMON = (
+    "--out",
+    "--report",
+    "--filter",
+    "--test",
+    "--header",
+    "--iterations",
+    "--seed",
+    "--jobs",
+    "--columns",
+    "--reference",
+    "--resume",
+)
+"""Options in the short help."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -190,9 +207,14 @@ def _write(arguments: argparse.Namespace, tuning: "Tuning") -> None:
         write_header(arguments.header, arguments.out)
     for warning in tuning.warnings:
         inputs.print_warning(warning)
-    written = [f"wrote {path}" for path in (arguments.out, arguments.header) if path is not None]
-    for line in [*summary(tuning), *written]:
+    for line in summary(tuning):
         print(visible(line))
+    kinds = ((arguments.out, f"config of {tuning.filter.name}"), (arguments.header, "header for gyrodrift firmware"))
+    for path, contents in kinds:
+        if path is not None:
+            tell_written(path, contents, is_quiet=arguments.quiet)
+    if arguments.report is not None:
+        tell_page(arguments.report / "report.html", is_quiet=arguments.quiet)
 
 
 def _kept_in(out: Path) -> str:

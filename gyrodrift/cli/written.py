@@ -14,6 +14,12 @@ def tell_written(path: Path, contents: str, *, is_quiet: bool) -> None:
         print(visible(f"gyrodrift: {written_words(path, contents)}"), file=sys.stderr)
 
 
+def tell_page(path: Path, *, is_quiet: bool) -> None:
+    """Say where the page of a command is, for a browser; nothing with `--quiet`."""
+    if not is_quiet:
+        print(visible(f"page: {path}"), file=sys.stderr)
+
+
 def written_words(path: Path, contents: str) -> str:
     """Path, contents and size of a file that was written; a pipe or a device has no size."""
     size = f", {size_text(path.stat().st_size)}" if path.is_file() else ""

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import Enum
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,7 @@ from gyrodrift.evaluation.dataset import (
 )
 from gyrodrift.evaluation.score import Score, mean_score, score_of
 from gyrodrift.evaluation.uncertainty import Uncertainty, mean_uncertainty, uncertainty_of
+from gyrodrift.filters.registry import FILTERS
 from gyrodrift.io.parallel import workers
 from gyrodrift.io.progress import COMPILING, OnProgress, ignore_progress
 from gyrodrift.io.result_table import ResultTable
@@ -116,6 +117,8 @@ class Entry:
     def title(self) -> str:
         """Name with the source of the parameters."""
         source = {ParamsFrom.TRAINING: ["tuned"], ParamsFrom.CONFIG: ["by config"]}.get(self.source, [])
+        if self.source is ParamsFrom.DEFAULTS and self.params != self.method.defaults:  # beside a row by config
+            source = ["defaults"]
         return ", ".join([self.method.title, *source, *["offline"] * self.method.is_offline])
 
 
@@ -262,13 +265,16 @@ def _compile(methods: Sequence[Method], progress: OnProgress) -> None:
 
 
 def _entries(request: ComparisonRequest, methods: Sequence[Method], train: Sequence[LoadedSession]) -> list[Entry]:
-    """Rows with the given parameters, then rows with tuned parameters."""
+    """Rows with the given parameters, then the defaults of a config's filters, then rows with tuned parameters."""
     entries = [_given_entry(method, request.config) for method in methods]
+    by_config = [entry for entry in entries if entry.source is ParamsFrom.CONFIG]
+    defaults = [Entry(entry.method, asdict(FILTERS[entry.method.key].params())) for entry in by_config]
+    entries += [default for default, entry in zip(defaults, by_config, strict=True) if default.params != entry.params]
     if not train:
         return entries
     best = tuned(methods, train, request.iterations, request.seed, request.jobs, request.progress)
     digests = frozenset(loaded.description.digest for loaded in train)
-    tunable = [entry for entry in entries if entry.method.key in best]
+    tunable = [entry for entry in entries if entry.method.key in best and entry not in defaults]
     return entries + [_tuned_entry(entry, best[entry.method.key], digests) for entry in tunable]
 
 

@@ -209,10 +209,16 @@ def _remarks(causes: Sequence[NamedCause], recordings: int, response: ReferenceR
     shows = f"it already shows {names}, which the rig lacks; only changes since then are reported"
     shows_nothing = f"no cause is named in its {recordings} recordings; changes since then are reported"
     remarks = [f"baseline: {shows if causes else shows_nothing}"]
-    if response is not None and (round(response.gain, 3), round(response.delay_s, 4)) != (1.0, 0.0):
-        when = f"{abs(response.delay_s) * 1e3:.1f} ms {'later' if response.delay_s > 0.0 else 'earlier'}"
-        turns = f"the gyro turns {response.gain:.4g} times as far as its reference, and {when}"
-        remarks.append(f"baseline: {turns}; the references of both sets are corrected for that")
+    if response is not None:
+        gain, delay_ms = round(response.gain, 3), round(1e3 * response.delay_s, 1)
+        differs = [
+            *[f"{response.gain:.4g} times as far as its reference"] * (gain != 1.0),
+            *[f"{abs(delay_ms):.1f} ms {'later' if delay_ms > 0.0 else 'earlier'} than its reference"]
+            * (delay_ms != 0.0),
+        ]
+        if differs:
+            turns = f"the gyro turns {' and '.join(differs)}"
+            remarks.append(f"baseline: {turns}; the references of both sets are corrected for that")
     return remarks
 
 

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from gyrodrift import __version__
 from gyrodrift.evaluation.cost import BLOCK, Scores
 from gyrodrift.evaluation.dataset import SessionSummary, Source, load_with_reference
-from gyrodrift.evaluation.kernels.kernel import GROUP, groups, kernel_of
+from gyrodrift.evaluation.kernels.kernel import GROUP, SUMS, groups, kernel_of
 from gyrodrift.evaluation.reference import Reference
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.registry import FILTERS, PUBLISHED
@@ -93,8 +93,8 @@ def descriptions_of(batch: Batch) -> tuple[SessionSummary, ...]:
 
 
 def score_batch(batch: Batch, indices: NDArray[np.int64], params: Floats, name: str) -> Floats:
-    """Mean squared, mean absolute and largest errors of candidates, shape (3, sessions, c), computed by one thread."""
-    kernel, scores = kernel_of(FILTERS[name]), np.empty((3, len(indices), len(params)))
+    """Arrays of `Scores` of candidates, shape (SUMS, sessions, c), computed by one thread."""
+    kernel, scores = kernel_of(FILTERS[name]), np.empty((SUMS, len(indices), len(params)))
     for cut in groups(len(params)):
         group = params[cut]
         prepared = kernel.prepare(group)
@@ -103,7 +103,7 @@ def score_batch(batch: Batch, indices: NDArray[np.int64], params: Floats, name: 
             scores[:, row, cut] = kernel.sums(
                 reference.dt_s, reference.rate_dps, reference.reference_deg, group, prepared, reference.auxiliary
             )
-    scores[:2] /= batch.counts[indices]
+    scores[[0, 1, 3]] /= batch.counts[indices]
     return scores
 
 
@@ -188,7 +188,7 @@ class ClusterCost:
             [params[cut] for _, _, cut in rows],
             [self._name] * len(rows),
         )
-        scores = np.empty((3, len(session_indices), len(params)))
+        scores = np.empty((SUMS, len(session_indices), len(params)))
         for (_, positions, cut), part in zip(rows, self._workers.results(tasks), strict=True):
             scores[:, positions, cut] = part
         self.evaluations += len(params)

@@ -11,7 +11,7 @@ from typing import IO, Self
 
 import numpy as np
 
-from gyrodrift.evaluation.kernels.kernel import groups, kernel_of
+from gyrodrift.evaluation.kernels.kernel import SUMS, groups, kernel_of
 from gyrodrift.evaluation.reference import Reference
 from gyrodrift.evaluation.score import Score
 from gyrodrift.filters.filter import Filter
@@ -34,27 +34,49 @@ class Scores:
         Mean absolute error E, deg.
     worst
         Largest absolute error, deg.
+    crps_deg
+        Mean CRPS of yaw and its sigma, deg; NaN for a filter without sigma.
     """
 
     mean_squares: Floats
     mean_absolutes: Floats
     worst: Floats
+    crps_deg: Floats
 
     @property
     def pi(self) -> Floats:
         """PI, the mean over the sessions of the mean squared error, deg², shape (c,)."""
-        total = np.zeros(self.mean_squares.shape[1])
+        return _mean_of_sessions(self.mean_squares)
+
+    @property
+    def loss(self) -> Floats:
+        """Cost of a search, deg², shape (c,): PI, or more if the stated sigma does not fit the errors.
+
+        The mean over the sessions of the larger of the mean squared error and π·CRPS². Both are σ² for a normal error
+        of standard deviation σ that is stated right, since its CRPS is σ/√π (Gneiting and Raftery 2007, equation 21).
+        """
         with np.errstate(over="ignore"):
-            for mean_squares in self.mean_squares:  # np.mean adds in another order if there is one candidate
-                total += mean_squares
-        return total / len(self.mean_squares)
+            return _mean_of_sessions(np.fmax(self.mean_squares, np.pi * self.crps_deg**2))
+
+    @property
+    def mean_crps_deg(self) -> Floats:
+        """Mean CRPS over the sessions, deg, shape (c,); NaN for a filter without sigma."""
+        return _mean_of_sessions(self.crps_deg)
 
     def score(self, session: int, candidate: int, minutes: float) -> Score:
         """Score of a candidate on a session of this duration."""
-        mean_square, e_deg, worst_deg = (
-            float(table[session, candidate]) for table in (self.mean_squares, self.mean_absolutes, self.worst)
-        )
-        return Score(e_deg, e_deg / minutes, mean_square, worst_deg)
+        tables = (self.mean_squares, self.mean_absolutes, self.worst, self.crps_deg)
+        mean_square, e_deg, worst_deg, crps_deg = (float(table[session, candidate]) for table in tables)
+        return Score(e_deg, e_deg / minutes, mean_square, worst_deg, None if np.isnan(crps_deg) else crps_deg)
+
+
+def _mean_of_sessions(table: Floats) -> Floats:
+    """Mean over the first axis; np.mean adds in another order if there is one candidate."""
+    total = np.zeros(table.shape[1])
+    with np.errstate(over="ignore"):
+        for row in table:
+            total += row
+    return total / len(table)
 
 
 class Cost:
@@ -113,20 +135,20 @@ class Cost:
     def cost(self, params: Floats, sessions: Sequence[int] | None = None) -> Scores:
         """Scores of candidates, shape (c, parameters of the filter), on the sessions with these indices, or on all."""
         session_indices = range(len(self.references)) if sessions is None else sessions
-        sums = np.empty((3, len(session_indices), len(params)))
+        sums = np.empty((SUMS, len(session_indices), len(params)))
         for first in range(0, len(params), BLOCK):
             block = slice(first, first + BLOCK)
             self._walk(params[block], session_indices, sums[:, :, block])
         self.evaluations += len(params)
         counts = self._counts[list(session_indices)]
-        return Scores(sums[0] / counts, sums[1] / counts, sums[2])
+        return Scores(sums[0] / counts, sums[1] / counts, sums[2], sums[3] / counts)
 
     def pi(self, params: Floats, sessions: Sequence[int] | None = None) -> Floats:
         """PI, deg², shape (c,); every session has the same weight."""
         return self.cost(params, sessions).pi
 
     def _walk(self, params: Floats, session_indices: Sequence[int], sums: Floats) -> None:
-        """Compute sums of squares, sums of absolutes and maxima, shape (3, sessions, c), the longest session first."""
+        """Compute the sums of `Kernel.sums`, shape (SUMS, sessions, c), the longest session first."""
         cuts = groups(len(params))
         tables = [self._kernel.prepare(params[cut]) for cut in cuts]
 

@@ -24,12 +24,15 @@ class Score:
         Mean squared error, deg²; its mean over sessions is PI.
     worst_deg
         Largest absolute error, deg.
+    crps_deg
+        Mean CRPS of yaw and its sigma, deg; None for a filter without sigma, or where it is not asked for.
     """
 
     e_deg: float
     ne: float
     pi_deg2: float
     worst_deg: float
+    crps_deg: float | None = None
 
 
 def score_of(reference: Reference, yaw_deg: Floats) -> Score:

@@ -41,7 +41,7 @@ def uncertainty_of(reference: Reference, yaw_deg: Floats, sigma_deg: Floats) -> 
 
 
 def normal_crps(errors: Floats, sigmas: Floats) -> Floats:
-    """CRPS of normal distributions with these errors of the mean, in the same unit; |error| for σ = 0.
+    """CRPS of normal distributions with these errors of the mean, in the same unit; |error| for σ = 0, NaN for NaN.
 
     Equation 21 of T. Gneiting and A. E. Raftery, "Strictly proper scoring rules, prediction, and estimation", 2007,
     DOI 10.1198/016214506000001437: σ·(z·(2Φ(z) − 1) + 2φ(z) − 1/√π) with z = error/σ.
@@ -50,7 +50,7 @@ def normal_crps(errors: Floats, sigmas: Floats) -> Floats:
     z = errors / widths
     densities = np.exp(-0.5 * z * z) / np.sqrt(2.0 * np.pi)
     scores: Floats = widths * (z * (2.0 * ndtr(z) - 1.0) + 2.0 * densities - 1.0 / np.sqrt(np.pi))
-    return np.where(sigmas > 0.0, scores, np.abs(errors))
+    return np.where(sigmas > 0.0, scores, np.where(np.isnan(sigmas), np.nan, np.abs(errors)))
 
 
 def mean_uncertainty(stated: Sequence[Uncertainty | None]) -> Uncertainty | None:

@@ -5,6 +5,7 @@ another project. It names the clone, the wheel or the address that this copy cam
 """
 
 import json
+import logging
 import platform
 import re
 import shlex
@@ -103,6 +104,7 @@ def need_packages(purpose: str, *names: str) -> None:
     UsageError
         With the command that installs them.
     """
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # in a home that cannot be written to it tells its cache
     try:
         for name in names or PACKAGES_OF[purpose]:
             import_module(name)

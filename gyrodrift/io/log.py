@@ -1,4 +1,4 @@
-"""The log: one line per event on stderr, readable on a terminal, key=value or JSON elsewhere."""
+"""The log: one line per event on stderr, sentences on a terminal, key=value or JSON elsewhere."""
 
 import os
 import sys
@@ -7,6 +7,7 @@ from io import TextIOBase, UnsupportedOperation
 from typing import Any, TextIO, cast
 
 from gyrodrift.io.logger import FilteringBoundLogger, structlog
+from gyrodrift.io.terminal import AboveLine
 from gyrodrift.io.unwaiting import send_unwaiting
 from gyrodrift.values.errors import UsageError, printable
 from gyrodrift.values.secret import without_secrets
@@ -113,6 +114,8 @@ def unwaiting_stderr(style: str) -> UnwaitingStream:
 def open_log(level: str = "info", style: str = "auto", stream: TextIOBase | None = None) -> FilteringBoundLogger:
     """Set up the log of this process, with a minimum level, on stderr by default; returns the logger.
 
+    On a terminal each line first clears a line that is rewritten in place, and the default style is sentences.
+
     Raises
     ------
     UsageError
@@ -127,15 +130,16 @@ def open_log(level: str = "info", style: str = "auto", stream: TextIOBase | None
     elif not is_for_person:
         renderer = structlog.processors.LogfmtRenderer(key_order=["timestamp", "level", "event"], bool_as_flag=False)
     else:
-        renderer = structlog.dev.ConsoleRenderer(colors=_has_colors())
-    log_to = cast("TextIO", stream or unwaiting_stderr(style))  # structlog needs only write and flush
+        from gyrodrift.io.log_words import PersonRenderer  # noqa: PLC0415 - a log for machines does not need it
+
+        renderer = PersonRenderer(sys.stderr.fileno(), has_colors=_has_colors())
+    log_to = cast("TextIO", stream or _stderr(style))  # structlog needs only write and flush
     structlog.configure(
         processors=[
             _public,
             structlog.processors.add_log_level,
             structlog.processors.TimeStamper(*(("%H:%M:%S", False) if is_for_person else ("iso", True))),
             *([] if style == "json" else [_printable]),
-            *([_sentence] if is_for_person else []),
             renderer,
         ],
         wrapper_class=structlog.make_filtering_bound_logger(LEVELS[level]),
@@ -162,11 +166,11 @@ def _printable(_logger: Any, _method: str, entry: structlog.typing.EventDict) ->
     return entry
 
 
-def _sentence(_logger: Any, _method: str, entry: structlog.typing.EventDict) -> structlog.typing.EventDict:
-    """Replace an event that has a summary by that sentence."""
-    if "summary" not in entry:
-        return entry
-    return {"event": entry["summary"], "level": entry["level"], "timestamp": entry["timestamp"]}
+def _stderr(style: str) -> TextIOBase:
+    """Standard error without waiting; its lines replace a line in place if it is a terminal that can."""
+    stderr = unwaiting_stderr(style)
+    is_screen = sys.stderr.isatty() and os.environ.get("TERM") != "dumb"
+    return AboveLine(cast("TextIO", stderr)) if is_screen else stderr
 
 
 def _has_colors() -> bool:

@@ -14,6 +14,14 @@ FIRST_WIDE = "\u1100"
 """First character that takes two columns (Unicode Standard Annex 11)."""
 
 
+def columns_of(fd: int) -> int | None:
+    """Width of a terminal; None if it does not tell it."""
+    try:
+        return os.get_terminal_size(fd).columns or None
+    except OSError:
+        return None
+
+
 def line_in_place(text: str, terminal: TextIO | int, otherwise: int | None = None) -> str:
     """Text that replaces the present line, cut to the width of the terminal: a line that wraps cannot be cleared.
 
@@ -25,8 +33,7 @@ def line_in_place(text: str, terminal: TextIO | int, otherwise: int | None = Non
         Columns of a terminal that does not tell its width; None to cut nothing.
     """
     try:
-        fd = terminal if isinstance(terminal, int) else terminal.fileno()
-        columns = os.get_terminal_size(fd).columns or otherwise
+        columns = columns_of(terminal if isinstance(terminal, int) else terminal.fileno()) or otherwise
     except OSError:
         columns = otherwise
     return CLEAR + (text if columns is None else _cut(text, columns - 1))

@@ -116,6 +116,8 @@ class ConfigStatus:
         Unix time of the last applied config, s; None before.
     mount
         Axes of the sensor that point `up` and `forward` on the device, such as `+z` and `+x`; None with one axis.
+    calibration
+        Date, sign and scales of the calibration in force; None without one.
     """
 
     file: str | None = None
@@ -125,6 +127,7 @@ class ConfigStatus:
     refused: int = 0
     applied_s: float | None = None
     mount: dict[str, str] | None = None
+    calibration: dict[str, Any] | None = None
 
 
 @dataclass(frozen=True, slots=True)

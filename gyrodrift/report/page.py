@@ -35,11 +35,14 @@ class Section:
         Path within the package `gyrodrift`.
     heading
         Heading of a chapter, unique within the page; empty for the head of a page.
+    is_folded
+        Whether only the heading is shown at first.
     """
 
     template: str
     values: Mapping[str, object] = field(default_factory=dict)
     heading: str = ""
+    is_folded: bool = False
 
     @property
     def anchor(self) -> str:
@@ -89,6 +92,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     made.filters |= {"significant": significant, "degrees": degrees, "counted": counted, "minus": minus}
+    made.filters["unbroken"] = unbroken
     return made
 
 
@@ -107,6 +111,19 @@ def macro(template: str, name: str) -> Callable[..., Markup]:
 def counted(count: int, noun: str) -> str:
     """A number of things in words."""
     return f"{count} {noun}{'s' * (count != 1)}"
+
+
+UNIT = re.compile(r"\S*\d[\d.,]* (?:deg/s²|deg/s|°/h|deg|ms|min|s|h|Hz|ppm|%|°C|σ)(?![\w/])[^\s\w]*")
+"""A number with its unit, and with the signs around both."""
+
+
+def unbroken(words: str) -> Markup:
+    """Text that breaks between no number and its unit."""
+    text, end = Markup(), 0
+    for match in UNIT.finditer(words):
+        text += Markup("{}{}").format(words[end : match.start()], marked("word", match[0]))
+        end = match.end()
+    return text + words[end:]
 
 
 def marked(kind: str, words: object) -> Markup:

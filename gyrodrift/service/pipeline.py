@@ -19,6 +19,7 @@ from gyrodrift.io.logger import FilteringBoundLogger
 from gyrodrift.link.clocks.arrival import ArrivalClock
 from gyrodrift.link.link import Link
 from gyrodrift.service.calibrating import Calibrating, bias_of
+from gyrodrift.service.history import STEPS_AT_ONCE, History, SecondRun
 from gyrodrift.service.listener import JudgedListener, ReaderGoneError, Sink
 from gyrodrift.service.reference import DeviceReference, EncoderReference, SmoothYaw, YawReference
 from gyrodrift.values.calibration import Calibration
@@ -63,6 +64,8 @@ class Pipeline(JudgedListener):
         Zero and north of yaw, and the angles of encoder and device from the same zero.
     smooth
         Yaw that takes corrections in at the `slew_dps` of the config.
+    history
+        Last samples, if parameters may change while the filter runs; they are then filtered again.
     last, raw_yaw_deg
         Last sample that the filter accepted, and the integral of the measured rate, deg.
     """
@@ -82,8 +85,11 @@ class Pipeline(JudgedListener):
     encoder: EncoderReference = field(default_factory=EncoderReference)
     device: DeviceReference = field(default_factory=DeviceReference)
     smooth: SmoothYaw = field(default_factory=SmoothYaw)
+    history: History | None = None
     last: Sample | None = None
     raw_yaw_deg: float = 0.0
+    _second: SecondRun | None = None
+    _step_deg: float = 0.0
     _scaled_by: Calibration | None = None
     _rejected: int = 0
     _rejected_s: float = 0.0
@@ -111,15 +117,22 @@ class Pipeline(JudgedListener):
         calibrated = self.calibrating.take(samples, bias_of(self.run.state))
         if self.calibrating.applied is not self._scaled_by:
             self._set_coefficients()
+        second = self._second
+        if second is not None and second.catch_up(max(STEPS_AT_ONCE, 2 * len(calibrated))):
+            self._use_second(second)
         had_axes, step, corrected = self.run.three_axes is not None, self.run.step, []
         for sample in calibrated:
+            part = None if self.history is None else self.history.expect(self.run, sample)
             if step(sample.t_device_s, sample.rate_dps, sample.inertial, sample.still, sample.temp_c):
                 if (last := self.last) is not None:
                     step_s = sample.t_device_s - last.t_device_s
                     self.raw_yaw_deg += 0.5 * (sample.rate_dps + last.rate_dps) * step_s
                     self._follow_corrections(step_s)
+                if part is not None:
+                    part.keep(sample)
                 self.last = sample
                 corrected.append(self._corrected(sample))
+                self._step_deg = 0.0
         if calibrated:
             self._tell_axes(calibrated, had_axes=had_axes)
         for sink in tuple(self.sinks):
@@ -197,12 +210,12 @@ class Pipeline(JudgedListener):
         match event:
             case "device_reset":
                 self.device.align()
-                self.run.gap(fields["gone_s"], has_restarted=True)
+                self._restart(fields["gone_s"])
             case "link_restored" if isinstance(self.link.clock, ArrivalClock) and fields["gone_s"] >= REPLUG_S:
-                self.run.gap(fields["gone_s"], has_restarted=True)
+                self._restart(fields["gone_s"])
             case "device":
                 if self._device_id not in {"", fields["device_id"]}:
-                    self.run.gap(has_restarted=True)
+                    self._restart()
                 self._device_id = fields["device_id"]
             case "verdict_withdrawn" if self.last is not None:
                 withdrawn = self.now()._replace(yaw_sigma_deg=WITHDRAWN_DEG, confidence=0.0)
@@ -211,6 +224,7 @@ class Pipeline(JudgedListener):
 
     def zero(self) -> None:
         """Set yaw and its sigma to 0 at the last sample."""
+        self._forget_history()
         self.run.zero()
         self.reference.zero(self.run.state.yaw_deg, self.raw_yaw_deg)
         self.smooth.behind_deg = 0.0
@@ -219,16 +233,20 @@ class Pipeline(JudgedListener):
 
     def set_heading(self, heading_deg: float) -> None:
         """Set the compass heading, deg clockwise from north."""
+        self._forget_history()
         self.reference.set_heading(self.state.yaw_deg, heading_deg)
 
     def use(self, config: "Config") -> None:
-        """Go on with another config; another filter starts at the present yaw."""
+        """Go on with another config; the history is filtered again, and until then another filter has no bias."""
+        is_other = (config.chosen, config.params) != (self.filter, self.params)
         if config.chosen is not self.filter:
             self._begin_again(config.chosen)
         self.calibrating.follow(config.calibration, bias_of(self.state))
         self.params, self._slew_dps = config.params, config.slew_dps
         self._use_axes(self.axes or config.axes, config.mount)
         self._set_coefficients()
+        if is_other:
+            self._begin_second()
 
     def tell(self, event: str, fields: dict[str, Any]) -> None:
         """Tell the listeners of an event."""
@@ -259,14 +277,58 @@ class Pipeline(JudgedListener):
             self.encoder.angle_deg(sample.encoder_deg, zeroed_deg),
             run.attitude(-reference.zero_deg) if has_axes else None,
             self.device.take(sample.device_yaw, zeroed_deg),
-            run.correction_deg,
+            self._correction_deg,
             run.corrections,
             nan if self._slew_dps is None else zeroed_deg - self.smooth.behind_deg,
         )
 
+    @property
+    def _correction_deg(self) -> float:
+        """Step of yaw in the last sample that is no motion, deg, by the filter and by its second run."""
+        return self.run.correction_deg + self._step_deg
+
+    def _restart(self, gone_s: float | None = None) -> None:
+        """Tell the filter that the device has restarted, after a gap of this length if it is known, s."""
+        self._forget_history()
+        self.run.gap(gone_s, has_restarted=True)
+
+    def _forget_history(self) -> None:
+        """Keep no sample before the next one, and end a second run over them."""
+        self._second = None
+        if self.history is not None:
+            self.history.forget()
+
+    def _begin_second(self) -> None:
+        """Filter the history again, unless the same filter keeps nothing but its present state."""
+        part, self._second = None if self.history is None else self.history.oldest, None
+        if part is None:
+            return
+        if part.beginning.filter is not self.filter or hasattr(self.state, "correction_deg"):
+            self._second = SecondRun(part, self.filter, self.run.params, self.run.axes_params)
+
+    def _use_second(self, second: SecondRun) -> None:
+        """Go on with the second run, which has caught up.
+
+        The step of yaw counts as a correction. Yaw of another filter has no step: it goes on from the present one.
+        """
+        old, self.run, self._second = self.run, second.run, None
+        step_deg = self.state.yaw_deg - old.state.yaw_deg
+        if second.is_other:
+            self.reference.shift(step_deg)
+        else:
+            self._step_deg = step_deg
+        self.state.rejected, self._restarts = old.state.rejected, self.run.restarts
+        if hasattr(self.state, "corrections"):
+            self.state.corrections = old.corrections + (abs(self._step_deg) > CORRECTION_DEG)
+        self._refuted = 0 if self.witness is None else self.witness.refuted
+        seconds = 0.0 if self.last is None else self.last.t_device_s - second.begun_s
+        fields = {"seconds": round(seconds, 1), "step_deg": round(self._step_deg, 3)}
+        self.log.info("history_filtered", **fields)
+        self.tell("history_filtered", fields)
+
     def _follow_corrections(self, step_s: float) -> None:
         """Note the correction of the last sample, `step_s` after the one before."""
-        correction_deg = self.run.correction_deg
+        correction_deg = self._correction_deg
         if abs(correction_deg) > CORRECTION_DEG:
             self._steps_deg.append(correction_deg)
         if self._slew_dps is not None:
@@ -285,7 +347,10 @@ class Pipeline(JudgedListener):
 
     def _set_coefficients(self) -> None:
         """Work out the coefficients, with the scale error that the calibration in force leaves."""
-        self._scaled_by = applied = self.calibrating.applied
+        applied = self.calibrating.applied
+        if applied is not self._scaled_by:
+            self._forget_history()
+        self._scaled_by = applied
         sigma, axes_sigma = (None, None) if applied is None else (applied.scale_sigma, applied.axes_scale_sigma)
         self.run.use(self.filter.scaled(self.params, sigma), self.filter.scaled(self.params, axes_sigma))
 
@@ -294,6 +359,7 @@ class Pipeline(JudgedListener):
         is_same = (axes, mount) == (self.run.axes, self.run.mount)
         self.run.axes, self.run.mount = axes, mount
         if self.run.three_axes is not None and not is_same:
+            self._forget_history()
             self._begin_again(self.filter)
 
     def _begin_again(self, chosen: Filter) -> None:

@@ -35,6 +35,10 @@ class YawReference:
         """Set the north. A heading counts clockwise, yaw counter-clockwise."""
         self.north_deg = yaw_deg + heading_deg
 
+    def shift(self, step_deg: float) -> None:
+        """Keep yaw and heading of the output where yaw of the filter makes a step."""
+        self.zero_deg, self.north_deg = self.zero_deg + step_deg, self.north_deg + step_deg
+
     def heading_deg(self, yaw_deg: float) -> float:
         """Heading from 0 to below 360; NaN without a north."""
         return (self.north_deg - yaw_deg) % FULL_TURN_DEG

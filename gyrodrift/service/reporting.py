@@ -26,6 +26,9 @@ if TYPE_CHECKING:  # optional parts of the service
 
 SECOND_S = 1.0
 
+CALIBRATED = ("date", "sign", "scale_ccw", "scale_cw")
+"""Values of a calibration in the status."""
+
 
 class LinkMeter(IdleListener):
     """Measures the samples of a link over the last whole second.
@@ -139,4 +142,7 @@ def _config_status(follower: ConfigFollower) -> ConfigStatus:
     file = None if watch is None else well_formed(str(watch.path))
     counts = (follower.applied, follower.refused, follower.applied_s)
     mount = None if pipeline.run.three_axes is None else asdict(pipeline.run.mount)
-    return ConfigStatus(file, pipeline.filter.name, asdict(pipeline.params), *counts, mount=mount)
+    applied = pipeline.calibrating.applied
+    calibration = None if applied is None else {name: getattr(applied, name) for name in CALIBRATED}
+    params = asdict(pipeline.params)
+    return ConfigStatus(file, pipeline.filter.name, params, *counts, mount=mount, calibration=calibration)

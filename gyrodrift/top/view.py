@@ -189,6 +189,14 @@ def draw(
     return Panel(Group(*lines, plot, Text(), *tail), title=title, height=size[1])
 
 
+def state_of(status: ServiceStatus) -> RenderableType:
+    """The state as lines for a pipe, without frame, chart and keys."""
+    title = Text(f"gyrodrift {status.version} on {status.link.port or 'no port'}")
+    words = [Text(f"● {item.says}") for item in health(status)]
+    clients = _outputs(status.outputs)
+    return Group(title, _values(status), *words, *([] if clients is None else [clients]))
+
+
 def _values(status: ServiceStatus) -> Table:
     """Values in two columns."""
     values = figures(status)

@@ -17,7 +17,7 @@ from rich.live import Live
 
 from gyrodrift.outputs.status import ServiceStatus
 from gyrodrift.service.control_client import ControlClient
-from gyrodrift.top.view import YawPoint, draw
+from gyrodrift.top.view import YawPoint, draw, state_of
 from gyrodrift.values.errors import UsageError
 
 EVERY_S = 0.25
@@ -96,7 +96,7 @@ def show(path: Path) -> None:
     try:
         watch.ask()
         if not (console.is_terminal and sys.stdin.isatty()):
-            console.print(draw(watch.status, watch.points))
+            console.print(state_of(watch.status))
             return
         with _keys() as fd, Live(console=console, screen=True, auto_refresh=False) as live:
             while not watch.is_over:

@@ -21,6 +21,10 @@ from gyrodrift.tune.tuning import REDUCED_EVALUATIONS, Plan, TuningRun
 from gyrodrift.tune.tuning_set import TuningSet
 from gyrodrift.values.errors import DataError
 
+WORSE_CRPS = 1.1
+"""Ratio of the CRPS of tuned parameters to that of the defaults from which they are refused: chosen, above the scatter
+between sessions."""
+
 CHECKED = 3
 """Sessions that are compared: 3 of 30 min at 100 Hz take some minutes. Chosen."""
 
@@ -143,21 +147,37 @@ def _run_of(plan: Plan, sessions: TuningSet, journal: Journal, progress: OnProgr
 def chosen(tunings: Sequence[Tuning], sessions: TuningSet, *, is_alone: bool) -> Tuning:
     """The best tuning with all alternatives.
 
-    A filter that was named is written tuned, whatever its defaults reach. On three axes restlevel is written tuned only
-    if the attitude filter is better with the parameters, too.
+    A filter that was named is written tuned, whatever its defaults reach, unless its sigma of yaw is worse than none.
+    On three axes restlevel is written tuned only if the attitude filter is better with the parameters, too.
     """
     by_name = {tuning.filter.name: tuning for tuning in tunings}
     untuned = list(_untuned(tunings, sessions))
     every = tuple(way for default in untuned for way in (default, *_tuned_of(default, by_name)))
-    candidates = [way for way in every if way.key in by_name and (way.is_tuned or not is_alone)]
+    refused = refused_sets(every)
+    candidates = [
+        way for way in every if way.key in by_name and (not is_alone if not way.is_tuned else way.key not in refused)
+    ]
+    candidates = candidates or [way for way in every if way.key in by_name and not way.is_tuned]
     best = min(candidates, key=_rank)
     result = by_name[best.key]
     kept = result.warnings if best.is_tuned else filter(partial(_is_of_sessions, result), result.warnings)
-    warnings = (*kept, *default_warnings(best, every))
+    warnings = (*kept, *refused.values(), *(() if is_alone and refused else default_warnings(best, every)))
     worse = _worse_on_three_axes(best, sessions)
     is_default_written = not best.is_tuned or bool(worse)
     warnings = (*warnings, worse) if worse else warnings
     return replace(result, alternatives=every, is_default_written=is_default_written, warnings=warnings)
+
+
+def refused_sets(ways: Sequence[Alternative]) -> dict[str, str]:
+    """Warnings by filter about tuned parameters whose sigma of yaw is worse than none and than that of the defaults."""
+    defaults = {way.key: way for way in ways if not way.is_tuned}
+    return {
+        way.key: f"the tuned parameters of {way.key} are refused: the stated sigma of yaw does not fit the errors, "
+        f"CRPS {way.judged_crps_deg:.3g} deg at an error of {way.e_deg.judged:.3g} deg; defaults: "
+        f"CRPS {defaults[way.key].judged_crps_deg:.3g} deg, error {defaults[way.key].e_deg.judged:.3g} deg"
+        for way in ways
+        if way.is_tuned and way.judged_crps_deg > max(way.e_deg.judged, WORSE_CRPS * defaults[way.key].judged_crps_deg)
+    }
 
 
 def _worse_on_three_axes(best: Alternative, sessions: TuningSet) -> str:
@@ -204,11 +224,32 @@ def default_warnings(written: Alternative, alternatives: Sequence[Alternative]) 
 
 def tuned_alternative(tuning: Tuning) -> Alternative:
     """The tuned filter as an alternative."""
-    e_deg = _split_mean(tuning, [score.tuned.e_deg for score in tuning.scores])
-    if tuning.cross_validation:
-        e_deg = replace(e_deg, test=float(np.mean([score.e_deg for score in tuning.cross_validation.values()])))
+    scores, held_out = [score.tuned for score in tuning.scores], list(tuning.cross_validation.values())
+    e_deg, crps_deg = _split_mean(tuning, [score.e_deg for score in scores]), _crps(tuning, scores)
+    if held_out:
+        e_deg = replace(e_deg, test=float(np.mean([score.e_deg for score in held_out])))
+        crps_deg = crps_deg and replace(crps_deg, test=_mean_crps(held_out))
     title, name = tuning.filter.title or tuning.filter.name, tuning.filter.name
-    return Alternative(name, f"{title}, tuned", tuning.run.pi, e_deg, tuning.filter, tuning.run.params, is_tuned=True)
+    return Alternative(
+        name,
+        f"{title}, tuned",
+        tuning.run.pi,
+        e_deg,
+        tuning.filter,
+        tuning.run.params,
+        is_tuned=True,
+        crps_deg=crps_deg,
+    )
+
+
+def _crps(tuning: Tuning, scores: Sequence[Score]) -> Pi | None:
+    """Mean CRPS on both splits, deg; None without sigma."""
+    values = [score.crps_deg for score in scores if score.crps_deg is not None]
+    return _split_mean(tuning, values) if len(values) == len(scores) else None
+
+
+def _mean_crps(scores: Sequence[Score]) -> float:
+    return float(np.mean([score.crps_deg for score in scores if score.crps_deg is not None]))
 
 
 def _untuned(tunings: Sequence[Tuning], sessions: TuningSet) -> Iterator[Alternative]:
@@ -233,7 +274,8 @@ def _alternative(
 ) -> Alternative:
     pi = _split_mean(tuning, [score.pi_deg2 for score in scores])
     e_deg = _split_mean(tuning, [score.e_deg for score in scores])
-    return Alternative(key, title, pi, e_deg, kind, None if kind is None else kind.params())
+    params = None if kind is None else kind.params()
+    return Alternative(key, title, pi, e_deg, kind, params, crps_deg=_crps(tuning, scores))
 
 
 def _split_mean(tuning: Tuning, values: Sequence[float]) -> Pi:

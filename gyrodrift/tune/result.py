@@ -40,6 +40,11 @@ class Pi:
     train: float
     test: float | None
 
+    @property
+    def judged(self) -> float:
+        """The mean over the test sessions if there are any, else over the training sessions."""
+        return self.train if self.test is None else self.test
+
 
 @dataclass(frozen=True, slots=True)
 class Alternative:
@@ -49,9 +54,9 @@ class Alternative:
         None for plain integration and for a start calibration.
     params
         Parameters of the filter.
-    pi, e_deg
-        PI, deg², and mean E, deg. In a cross-validation `test` of a tuned filter is that of the sessions held out in
-        turn, and `test` of anything else is over all sessions.
+    pi, e_deg, crps_deg
+        PI, deg², mean E, deg, and mean CRPS, deg, or None for a way without sigma. In a cross-validation `test` of a
+        tuned filter is that of the sessions held out in turn, and `test` of anything else is over all sessions.
     """
 
     key: str
@@ -61,11 +66,17 @@ class Alternative:
     filter: Filter | None = None
     params: FilterParams | None = None
     is_tuned: bool = False
+    crps_deg: Pi | None = None
 
     @property
     def judged_pi(self) -> float:
         """PI on held-out sessions if there are any, deg², else on the training sessions."""
-        return self.pi.train if self.pi.test is None else self.pi.test
+        return self.pi.judged
+
+    @property
+    def judged_crps_deg(self) -> float:
+        """CRPS as judged, deg; that of a yaw without sigma is E."""
+        return (self.crps_deg or self.e_deg).judged
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,6 +150,8 @@ class Tuning(ResultTable):
             "filter": [None if way.filter is None else way.filter.name for way in ways],
             "e_train_deg": [way.e_deg.train for way in ways],
             "e_test_deg": [way.e_deg.test for way in ways],
+            "crps_train_deg": [way.crps_deg and way.crps_deg.train for way in ways],
+            "crps_test_deg": [way.crps_deg and way.crps_deg.test for way in ways],
             "pi_train": [way.pi.train for way in ways],
             "pi_test": [way.pi.test for way in ways],
         }

@@ -97,7 +97,7 @@ class TuningRun:
             runs += [self._search(f"seed {seed}", seed, axes, train, self.plan.evaluations)]
             if self.was_interrupted:
                 break
-        best = min(runs, key=lambda run: run.pi.train)
+        best = min(runs, key=lambda run: float(run.history.min()))
         if not np.isfinite(best.pi.train):
             raise DataError("every parameter vector has an infinite cost; are the rates in deg/s?")
         reduced = self._reduced(best, train)
@@ -126,10 +126,10 @@ class TuningRun:
             self.journal.note(name, objective)
             self.progress(name, objective.count, objective.evaluations)
 
-        def pi(params: Floats) -> Floats:
-            return self.costs.cost(candidates_of(chosen, searched, params), sessions).pi
+        def loss(params: Floats) -> Floats:
+            return self._loss(candidates_of(chosen, searched, params), sessions)
 
-        objective = Objective(pi, searched, evaluations, self.journal.cached(name), note)
+        objective = Objective(loss, searched, evaluations, self.journal.cached(name), note)
         self.progress(name, 0, evaluations)
         try:
             run_to_budget(method, objective, seed)
@@ -147,6 +147,12 @@ class TuningRun:
             pi=self._pi_of(best)[0],
             densities=np.array(densities) if densities else None,
         )
+
+    def _loss(self, params: Floats, sessions: Sequence[int]) -> Floats:
+        """Cost of candidates, deg², with the sigma of drift alone: no search changes the scale error."""
+        chosen = self.plan.filter
+        scaled = [row_of(chosen.scaled(params_record(chosen, row), 0.0)) for row in params]
+        return self.costs.cost(np.vstack(scaled), sessions).loss
 
     def _pi_of(self, params: Floats) -> list[Pi]:
         """PI of candidates on both splits."""
@@ -201,10 +207,9 @@ class TuningRun:
         )
 
     def _slices(self, params: FilterParams) -> Floats:
-        """PI on the training sessions along each axis through these parameters, deg², shape (axes, SCAN_POINTS)."""
+        """Cost on the training sessions along each axis through these parameters, deg², shape (axes, SCAN_POINTS)."""
         rows = slice_candidates(self.plan.filter, self.plan.axes, params)
-        pi = self.costs.cost(rows, self._used_for(Split.TRAIN)).pi
-        return pi.reshape(len(self.plan.axes), SCAN_POINTS)
+        return self._loss(rows, self._used_for(Split.TRAIN)).reshape(len(self.plan.axes), SCAN_POINTS)
 
     def _scores(self, scores: Scores) -> list[SessionScore]:
         """Scores by session; the candidates are in the order of `SessionScore`, then the defaults."""

@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 from support import Command, Terminal
 
+from gyrodrift.cli import completion
+
 BIN = Path(sys.executable).parent
 
 
@@ -24,6 +26,7 @@ LINES = [
     ("gyrodrift tune --filter re", "gyrodrift tune --filter restlevel "),
     ("gyrodrift simulate --effect scale_f", "gyrodrift simulate --effect scale_factor "),
     ("gyrodrift help conv", "gyrodrift help convert "),
+    ("gyrodrift help col", "gyrodrift help columns "),
     ("gyrodrift serve --port au", "gyrodrift serve --port auto "),
     ("gyrodrift convert my-ses", "gyrodrift convert my-session.csv "),
 ]
@@ -78,3 +81,9 @@ def test_an_unknown_shell_is_told_which_there_are() -> None:
     with Command("completion", "bsh") as run:
         assert run.end() == 2
     assert run.log == "gyrodrift: shell bsh: did you mean bash or zsh?\n"
+
+
+def test_the_outputs_and_their_keys_are_known() -> None:
+    """`--output` goes on with a name, and with a key behind the colon."""
+    words = completion.NAMES["NAME[:KEY=VALUE,...]"]()
+    assert {"web", "web:port=", "mqtt:topic="} <= set(words)

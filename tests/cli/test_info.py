@@ -50,7 +50,7 @@ def described(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> lis
     """Lines on stdout; stderr only names the files that were written."""
     assert main(["info", *map(str, arguments)]) == 0
     shown = capsys.readouterr()
-    assert all(" written: " in line for line in shown.err.splitlines())
+    assert all(" written: " in line or line.startswith("page: ") for line in shown.err.splitlines())
     return shown.out.splitlines()
 
 
@@ -212,7 +212,9 @@ def test_files_are_written_before_anything_is_printed(tmp_path: Path) -> None:
         assert process.stderr is not None
         errors = process.stderr.read().decode()
     assert process.returncode == 0
-    assert re.fullmatch(r"gyrodrift: \S+/report.html written: 2 sessions, 7,976 samples, \d+ kB\n", errors)
+    assert re.fullmatch(
+        r"gyrodrift: \S+/report.html written: 2 sessions, 7,976 samples, \d+ kB\npage: \S+/report.html\n", errors
+    )
     assert (tmp_path / "page" / "report.html").stat().st_size > 100_000
 
 

@@ -11,6 +11,7 @@ from support import Command
 
 import gyrodrift
 from gyrodrift.cli import COMMANDS, command_of, main, parser_of
+from gyrodrift.cli.parser import COLUMN_OPTIONS
 
 NAMES = [*COMMANDS, "gyrogap"]
 """Commands here, and that of the package in benchmark/, which `make test` installs."""
@@ -147,3 +148,29 @@ def test_every_unknown_option_is_told_at_once(capsys: pytest.CaptureFixture[str]
     assert second.endswith("did you mean --config?")
     assert main(["simulate", "--out", "x", "--seed", "-1"]) == 2
     assert capsys.readouterr().err == "gyrodrift: --seed -1: expected a whole number from 0\n"
+
+
+@pytest.mark.parametrize("command", ["serve", "tune", "doctor"])
+def test_the_help_of_a_long_command_has_the_common_options_and_help_all_has_all(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """At most 14 options are in the first help, --help-all has each of them."""
+    assert main(["help", command]) == 0
+    short = re.findall(r"^  (-[\w-]+)", capsys.readouterr().out, re.MULTILINE)
+    assert len(short) <= 14
+    assert "--help-all" in short
+    with pytest.raises(SystemExit):
+        main([command, "--help-all"])
+    full = re.findall(r"^  (-[\w-]+)", capsys.readouterr().out, re.MULTILINE)
+    assert len(full) == len(short) + int(re.findall(r"show (\d+) more", parser_of(command).format_help())[0])
+
+
+def test_the_columns_have_a_page_of_their_own(capsys: pytest.CaptureFixture[str]) -> None:
+    """`help columns` has all seven options, and other helps name it."""
+    assert main(["help", "columns"]) == 0
+    out = capsys.readouterr().out
+    assert all(option in out for option in {"--columns", *COLUMN_OPTIONS})
+    assert main(["help", "info"]) == 0
+    out = capsys.readouterr().out
+    assert "gyrodrift help columns" in " ".join(out.split())
+    assert "--rate-unit" not in out

@@ -123,7 +123,7 @@ def test_no_colour_where_none_is_wanted(tmp_path: Path) -> None:
         assert not re.search(rb"\x1b\[[\d;]*3[0-7][\d;]*m|\x1b\[[\d;]*38;", terminal.sent)
 
 
-LOGGING = "from gyrodrift.io.log import open_log; open_log().info('gap', missing=3)"
+LOGGING = "from gyrodrift.io.log import open_log; open_log().warning('gap', missing=3, seconds=0.03)"
 
 
 @pytest.mark.parametrize(
@@ -135,7 +135,7 @@ def test_the_log_on_a_terminal_has_the_colours_that_are_wanted(
 ) -> None:
     with Terminal(sys.executable, "-c", LOGGING, environment=environment) as terminal:
         assert terminal.end() == 0
-        assert "missing=3" in terminal.text
+        assert "  Warning: 3 samples lost; the longest gap is 0.03 s." in terminal.text
         assert (b"\x1b[3" in terminal.sent) == is_coloured
 
 

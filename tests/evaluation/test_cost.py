@@ -134,8 +134,15 @@ def test_an_error_in_a_thread_is_raised_by_the_call(references: list[Reference])
         cost.cost(candidates(3))
 
 
+def test_an_absurd_sigma_costs_more_than_its_error() -> None:
+    """The cost is PI where sigma fits the errors or is not stated, and grows with a sigma that is far too large."""
+    errors = np.array([[4.0, 4.0, 4.0]])
+    loss = Scores(errors, np.sqrt(errors), errors, np.array([[np.nan, 1.1, 300.0]])).loss
+    assert loss.tolist() == [4.0, 4.0, pytest.approx(np.pi * 9e4)]
+
+
 def test_a_score_is_read_from_the_table() -> None:
     squares, absolutes, worst = np.array([[1.0, 4.0], [9.0, 16.0]]), np.array([[1.0, 2.0], [3.0, 4.0]]), np.ones((2, 2))
-    scores = Scores(squares, absolutes, worst)
+    scores = Scores(squares, absolutes, worst, np.full((2, 2), np.nan))
     assert scores.score(1, 0, 12.0) == Score(e_deg=3.0, ne=0.25, pi_deg2=9.0, worst_deg=1.0)
     assert scores.pi.tolist() == [5.0, 10.0]

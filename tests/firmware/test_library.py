@@ -30,7 +30,7 @@ def test_each_target_is_written_as_its_tool_chain_takes_it(
     texts = files_of(TARGETS[name])
     assert written(out) == set(texts)
     first, *listed, following = capsys.readouterr().out.splitlines()
-    assert first.startswith(f"wrote {out}: {TARGETS[name].about}, {len(texts)} files")
+    assert first.startswith(f"{out} written: {TARGETS[name].about}, {len(texts)} files")
     assert [line.strip() for line in listed] == sorted(texts)
     assert following.startswith("next: ")
     assert str(out) in following

@@ -2,6 +2,7 @@
 
 import os
 import pty
+import re
 import select
 import signal
 import termios
@@ -14,7 +15,7 @@ from typing import Any
 import pyte
 import pytest
 from outputs_support import corrected, csv_at_100_hz, tilted
-from support import Terminal, never, ours, speaking_on
+from support import Terminal, free_port, never, ours, speaking_on
 
 from firmware_sim.pty import PtyDevice
 from gyrodrift.service.live_line import ServiceLine
@@ -41,7 +42,7 @@ def test_a_terminal_shows_one_line_below_the_log_and_ends_with_a_sentence(port: 
         assert " deg   bias " in lines[-1]
         assert "rest " in lines[-1]
         assert lines[-1].rstrip().endswith("link ok")
-        assert "filter_chosen" in terminal.text
+        assert "  Filter restlevel, at its defaults." in terminal.text
         assert terminal.text.count("yaw +") == 1
         assert "{" not in terminal.text
         terminal.process.send_signal(signal.SIGTERM)
@@ -50,6 +51,22 @@ def test_a_terminal_shows_one_line_below_the_log_and_ends_with_a_sentence(port: 
         assert "300 samples in " in last
         assert " s, 0 lost, yaw +" in last
         assert last.rstrip().endswith(" deg at the end.")
+
+
+@pytest.mark.parametrize("columns", [80, 200])
+def test_each_fact_is_a_line_in_words_and_the_live_line_stays_at_the_bottom(port: Path, columns: int) -> None:
+    """The process of the outputs writes above the line too, and no line is cut within a word."""
+    page = free_port()
+    with on_terminal(port, "--output", f"web:port={page}", columns=columns) as (terminal, device):
+        device.send_all(csv_at_100_hz(300), never)
+        terminal.until(lambda it: f"Open http://127.0.0.1:{page}" in it.text, "page")
+        device.send_all(csv_at_100_hz(100, first=300), never)
+        terminal.until(lambda it: "link ok" in it.text.rstrip().rpartition("\n")[2], "line")
+        *facts, line = terminal.text.rstrip().split("\n")
+        assert line.startswith("yaw +")
+        assert all(re.match(r"\d\d:\d\d:\d\d  [A-Z]|          \S", fact) for fact in facts)
+        assert "=" not in terminal.text
+        assert f"  Open http://127.0.0.1:{page}" in [fact.rstrip()[8:] for fact in facts]
 
 
 def test_a_lost_sample_and_silence_are_on_the_line(port: Path) -> None:

@@ -60,16 +60,21 @@ def _entry(comparison: Comparison, row: int) -> dict[str, Any]:
         "parameters": dict(entry.params),
         "parameters_from": entry.source.value,
         "trained_on": [session.session.name for session in comparison.trained_on_by(entry)],
-        **asdict(comparison.means[row]),
+        **_errors(comparison.means[row]),
         **_stated(stated),
     }
 
 
 def _scores(entries: Sequence[Entry], scores: Sequence[Score]) -> list[dict[str, Any]]:
     return [
-        {"method": entry.method.key, "tuned": entry.is_tuned, **asdict(score)}
+        {"method": entry.method.key, "tuned": entry.is_tuned, **_errors(score)}
         for entry, score in zip(entries, scores, strict=True)
     ]
+
+
+def _errors(score: Score) -> dict[str, float]:
+    """The score without CRPS, which the uncertainty has."""
+    return {name: value for name, value in asdict(score).items() if name != "crps_deg"}
 
 
 def _session(entries: Sequence[Entry], session: ComparedSession) -> dict[str, Any]:

@@ -41,6 +41,15 @@ def features(diagnosis: Diagnosis) -> Section:
     return Section("diagnose/report/templates/features.html", values, "Where recordings and simulator differ")
 
 
+def largest_deviation(diagnosis: Diagnosis) -> list[tuple[object, object]]:
+    """The chart of the feature that deviates most; none if no feature deviates."""
+    has_causes = bool(diagnosis.verdict.acting)
+    return [
+        (_name(comparison, has_causes=has_causes), feature_chart(comparison, has_causes=has_causes))
+        for comparison in _listed(diagnosis)[:1]
+    ]
+
+
 def _listed(diagnosis: Diagnosis) -> list[FeatureComparison]:
     """Features that deviate without or with the causes; those that deviate without them first, in order of size."""
     verdict, by_name = diagnosis.verdict, {comparison.feature.name: comparison for comparison in diagnosis.features}

@@ -5,6 +5,7 @@ from gyrodrift.diagnose.inference.verdict import Kind
 from gyrodrift.diagnose.report import text
 from gyrodrift.diagnose.report.charts import dependence_chart
 from gyrodrift.diagnose.report.effect_words import effect_words, says
+from gyrodrift.diagnose.report.features import largest_deviation
 from gyrodrift.diagnose.report.files import headline
 from gyrodrift.diagnose.report.residuals import RATE, dependence_name
 from gyrodrift.diagnose.result import Diagnosis
@@ -26,6 +27,29 @@ FACTS = {
 
 WHERE = 3
 """Largest number of deviations in a sentence."""
+
+PICTURES = {
+    **dict.fromkeys(("latency", "bandwidth"), "acceleration"),
+    **dict.fromkeys(("timestamp_jitter", "usb_batching"), "acceleration, either way"),
+    **dict.fromkeys(("g_sensitivity", "encoder_eccentricity"), "angle within the turn"),
+    **dict.fromkeys(("temp_bias", "temp_scale"), "temperature"),
+    "warmup": "time since the session began",
+    "backlash": "direction it came from, at rest",
+    **dict.fromkeys(
+        ("scale_factor", "scale_asymmetry", "nonlinearity", "misalignment", "vibration_rectification"), RATE
+    ),
+    **dict.fromkeys(("deadband", "saturation", "clock_drift"), RATE),
+}
+"""Quantity against which the rate error shows an effect. Without one the largest deviation is shown."""
+
+READINGS = {
+    "acceleration": "A slope is a delay, in seconds.",
+    RATE: "A slope is a scale error, a level is a bias, a bend is a nonlinearity.",
+    "time since the session began": "A curve that falls and levels off is a warm-up.",
+    "angle within the turn": "A wave of one period is an effect that comes once per turn.",
+    "temperature": "A slope is a bias that follows the temperature.",
+}
+"""Sentences on the shapes in a picture."""
 
 EXAMPLES = ("scale_factor", "warmup", "rate_random_walk", "latency")
 """Well-known effects, whose detectable sizes are shown if the verdict is `none`."""
@@ -53,7 +77,8 @@ def verdict(diagnosis: Diagnosis, set_name: str = "") -> Section:
         "differing": _first([says(item) for item in result.where if item.is_beyond_chance]),
         "remaining": [says(item) for item in result.unexplained if item.is_beyond_chance][:WHERE],
         "limits": _limits(diagnosis),
-        "rate_panels": _rate_panels(diagnosis),
+        "pictures": _pictures(diagnosis),
+        "reading": _reading(diagnosis),
         "examples": _examples(diagnosis),
         "stages": _stages(diagnosis),
     }
@@ -87,14 +112,23 @@ def _limits(diagnosis: Diagnosis) -> list[str]:
     return [*remarks, *([f"the verdict is {halves.says}"] if halves is not None and not halves.is_same else [])]
 
 
-def _rate_panels(diagnosis: Diagnosis) -> list[tuple[object, object]]:
-    """Rate errors against the rate; none if no session moves."""
-    has_causes = bool(diagnosis.verdict.causes)
-    return [
-        (dependence_name(item, has_causes=has_causes), dependence_chart(item, has_causes=has_causes))
-        for item in diagnosis.residuals.dependences
-        if item.name == RATE
+def _pictures(diagnosis: Diagnosis) -> list[tuple[object, object]]:
+    """A chart for each named cause, the largest share first; the largest deviation where no quantity shows a cause."""
+    by_name = {item.name: item for item in diagnosis.residuals.dependences}
+    causes = diagnosis.verdict.causes_by_share
+    names = dict.fromkeys(PICTURES.get(cause.effect.name, "") for cause in causes)
+    panels: list[tuple[object, object]] = [
+        (dependence_name(by_name[name], has_causes=True), dependence_chart(by_name[name], has_causes=True))
+        for name in names
+        if name in by_name
     ]
+    return panels or largest_deviation(diagnosis)
+
+
+def _reading(diagnosis: Diagnosis) -> str:
+    """Sentences on the shapes in the pictures."""
+    names = dict.fromkeys(PICTURES.get(cause.effect.name, "") for cause in diagnosis.verdict.causes_by_share)
+    return " ".join(READINGS[name] for name in names if name in READINGS)
 
 
 def _examples(diagnosis: Diagnosis) -> list[Detectable]:

@@ -2,6 +2,7 @@
 
 import shlex
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from gyrodrift.diagnose.export.formats import FormatExport
@@ -34,20 +35,20 @@ def causes(diagnosis: Diagnosis) -> Section:
 
 def report_html(diagnosis: Diagnosis, folder: Path, made: Provenance, exports: Sequence[FormatExport] = ()) -> str:
     """The page of a diagnosis; `folder` is the folder of its files."""
-    sections = [
-        verdict(diagnosis, made.set_name),
+    details = [
         negligible(diagnosis),
         features(diagnosis),
         residuals(diagnosis),
         causes(diagnosis),
         detectable(diagnosis),
-        exported(exports),
         calibration(diagnosis),
-        next_steps(diagnosis, folder),
-        glossary(),
+        exported(exports),
         sessions(diagnosis),
+        glossary(),
         provenance(made),
     ]
+    folded = [replace(section, is_folded=True) for section in details if section is not None]
+    sections = [verdict(diagnosis, made.set_name), next_steps(diagnosis, folder), *folded]
     return page(f"{made.set_name}: recordings and simulator".removeprefix(": "), sections)
 
 

@@ -20,6 +20,18 @@ FREE_PHASE = "different in each session"
 SURELY = 0.995
 """Probability from which on a probability would round to 1.00."""
 
+ENDINGS = {
+    "%": ("percent",),
+    "ms": ("ms",),
+    "s": ("s",),
+    "deg": ("deg",),
+    "deg/s": ("dps",),
+    "Hz": ("hz",),
+    "ppm": ("ppm",),
+    "deg/h": ("dph",),
+}
+"""Endings of names of parameters by unit."""
+
 UNITS = {"1/h": "per hour"}
 """Units as words."""
 
@@ -69,6 +81,13 @@ def fitted(cause: NamedCause) -> str:
     fixed_ones = [f"{parameter.name} {size(parameter.value, parameter.unit)}" for parameter in others_of(cause)]
     bounds = "" if first.is_bound else f" (95 %: {interval(first)})"
     return ", ".join([f"{first.name} {size_or_bound(first)}{bounds}", *fixed_ones, *phase])
+
+
+def spoken(parameter: Parameter) -> str:
+    """Name of a parameter without the unit that its value has: `delay` for `delay_ms`."""
+    name = parameter.name
+    ending = next((ending for ending in ENDINGS.get(parameter.unit, ()) if name.endswith(f"_{ending}")), "")
+    return (name.removesuffix(f"_{ending}") if ending else name).replace("_", " ")
 
 
 def has_free_phase(cause: NamedCause) -> bool:

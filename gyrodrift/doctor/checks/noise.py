@@ -52,7 +52,7 @@ def bias_instability(evidence: DeviceEvidence, at_rest: StillRate) -> DeviceFind
     if at_rest.instability_dps is not None:
         says = f"Bias instability: {hourly_rate_text(at_rest.instability_dps)}, {FLICKER_WORDS}."
         return ok(f"{says}{sheet}", at_rest.instability_dps, "deg/s")
-    longer = f"--seconds {LONG_S}" if evidence.recording is None else f"A recording of {LONG_S} s"
+    longer = f"--duration {LONG_S}" if evidence.recording is None else f"A recording of {LONG_S} s"
     return ok(
         f"Bias instability: not visible in {at_rest.seconds:.0f} s of rest.{sheet}",
         do=f"{longer} at rest shows it." if at_rest.seconds < LONG_S else "",

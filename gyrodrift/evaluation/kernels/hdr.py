@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from gyrodrift.evaluation.kernels.kernel import GROUP, Kernel, groups
+from gyrodrift.evaluation.kernels.kernel import GROUP, Kernel, groups, infinite_where_yaw_overflows
 from gyrodrift.evaluation.kernels.simd import is_any, load, look_up, magnitude, select, signs, splat, store, with_sign
 from gyrodrift.io.compile import compiled_once
 from gyrodrift.values.arrays import Floats
@@ -171,6 +171,8 @@ _walk_group = _compiled(GROUP)
 
 KERNEL = Kernel(
     lambda group: new_step_table(len(group)),
-    lambda dt_s, rate_dps, reference_deg, group, steps, _: group_sums(dt_s, rate_dps, reference_deg, group, steps),
+    lambda dt_s, rate_dps, reference_deg, group, steps, _: infinite_where_yaw_overflows(
+        np.vstack([group_sums(dt_s, rate_dps, reference_deg, group, steps), np.full(len(group), np.nan)])
+    ),
     lambda dt_s, rate_dps, candidate, _: yaw(dt_s, rate_dps, candidate),
 )

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary
+from gyrodrift.evaluation.uncertainty import normal_crps
 from gyrodrift.filters.filter import Filter
 from gyrodrift.values.arrays import Floats
 
@@ -53,15 +54,25 @@ def stepped_sums(
 ) -> Floats:
     """Sums as in `Kernel.sums` for candidates, shape (c, parameters)."""
     has_reference = np.isfinite(reference_deg)
-    result = np.empty((3, len(params)))
+    result = np.empty((SUMS, len(params)))
     with np.errstate(over="ignore", invalid="ignore"):
         for row, candidate in enumerate(params):
-            error_deg = np.abs(
-                stepped_yaw(chosen, dt_s, rate_dps, candidate, auxiliary)[has_reference] - reference_deg[has_reference]
-            )
-            result[:, row] = np.sum(error_deg * error_deg), np.sum(error_deg), np.max(error_deg)
-    return np.where(np.isfinite(result), result, np.inf)
+            yaw_deg, sigma_deg = _stepped(chosen, dt_s, rate_dps, candidate, auxiliary)[:, has_reference]
+            error_deg = np.abs(yaw_deg - reference_deg[has_reference])
+            crps_deg = normal_crps(error_deg, sigma_deg)
+            result[:, row] = np.sum(error_deg * error_deg), np.sum(error_deg), np.max(error_deg), np.sum(crps_deg)
+    return infinite_where_yaw_overflows(result)
 
+
+def infinite_where_yaw_overflows(sums: Floats) -> Floats:
+    """Sums with inf in place of errors that are not finite, and of their CRPS; NaN stays for a filter without sigma."""
+    errors = np.where(np.isfinite(sums[:3]), sums[:3], np.inf)
+    has_overflown = np.isinf(errors).any(axis=0)
+    return np.vstack([errors, np.where(has_overflown, np.inf, sums[3])])
+
+
+SUMS = 4
+"""Sums of a candidate over a session."""
 
 GROUP = 8
 """Candidates in a group: two vectors of AVX2, one of AVX-512, four of NEON."""
@@ -75,8 +86,8 @@ class Kernel:
         From a group of at most `GROUP` candidates, shape (c, parameters), to data that all sessions share.
     sums
         From steps in s, rates in deg/s, reference in deg, candidates, prepared data and auxiliary data to sums, shape
-        (3, c): squared errors in deg², absolute errors in deg, largest absolute error in deg. Samples without a
-        reference are ignored. A sum is inf if yaw overflows.
+        (SUMS, c): squared errors in deg², absolute errors in deg, largest absolute error in deg, CRPS in deg. Samples
+        without a reference are ignored. A sum is inf if yaw overflows; CRPS is NaN for a filter without a yaw sigma.
     yaw
         From steps, rates, one candidate, shape (parameters,), and auxiliary data to yaw in deg.
     sigma

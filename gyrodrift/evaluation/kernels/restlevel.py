@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from functools import cache
+from math import erf, exp, pi, sqrt
 from types import FunctionType
 from typing import Any, get_args, get_origin, get_type_hints
 
@@ -10,7 +11,7 @@ import numpy as np
 from numba import njit
 
 from gyrodrift.evaluation.auxiliary import NO_AUXILIARY, Auxiliary
-from gyrodrift.evaluation.kernels.kernel import Kernel
+from gyrodrift.evaluation.kernels.kernel import SUMS, Kernel, infinite_where_yaw_overflows
 from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import advance, coefficients
 from gyrodrift.io.compile import compiled_once, stamp_of
@@ -91,11 +92,11 @@ def sums(
     dt_s: Floats, rate_dps: Floats, reference_deg: Floats, params: Floats, auxiliary: Auxiliary = NO_AUXILIARY
 ) -> Floats:
     """Sums over the samples with a reference, as `Kernel.sums` gives them; `params` as in RestlevelParams."""
-    result, walked = np.empty((3, len(params))), np.empty((3, len(dt_s)))
+    result, walked = np.empty((SUMS, len(params))), np.empty((3, len(dt_s)))
     for column, row in enumerate(params.tolist()):
         _follow(_coefficients(row), _NEW_STATE.copy(), dt_s, rate_dps, *auxiliary, walked)
-        _add_up(walked[0], reference_deg, result[:, column])
-    return np.where(np.isfinite(result), result, np.inf)
+        _add_up(walked, reference_deg, result[:, column])
+    return infinite_where_yaw_overflows(result)
 
 
 def walk(dt_s: Floats, rate_dps: Floats, params: RestlevelParams, auxiliary: Auxiliary = NO_AUXILIARY) -> Floats:
@@ -147,17 +148,24 @@ _follow = _compiled()
 
 
 @compiled_once()
-def _add_up(yaw_deg: Floats, reference_deg: Floats, result: Floats) -> None:
-    squares = absolutes = worst = 0.0
-    for n in range(len(yaw_deg)):
+def _add_up(walked: Floats, reference_deg: Floats, result: Floats) -> None:
+    squares = absolutes = worst = crps = 0.0
+    for n in range(len(reference_deg)):
         if not np.isnan(reference_deg[n]):
-            error_deg = abs(yaw_deg[n] - reference_deg[n])
+            error_deg, sigma_deg = abs(walked[0, n] - reference_deg[n]), walked[1, n]
+            if sigma_deg > 0.0:  # as `normal_crps`
+                z = error_deg / sigma_deg
+                density = exp(-0.5 * z * z) / sqrt(2.0 * pi)
+                crps += sigma_deg * (z * erf(z / sqrt(2.0)) + 2.0 * density - 1.0 / sqrt(pi))
+            else:
+                crps += error_deg
             squares += error_deg * error_deg
             absolutes += error_deg
             worst = max(worst, error_deg)
     result[0] = squares
     result[1] = absolutes
     result[2] = worst
+    result[3] = crps
 
 
 KERNEL = Kernel(

@@ -1,6 +1,7 @@
 """Files of a tuning: the config for `serve`, and the numbers as JSON."""
 
 from dataclasses import asdict
+from math import isnan, nan
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from gyrodrift.io.files import write_whole
 from gyrodrift.io.json_numbers import finite_values
 from gyrodrift.report.files import aligned
 from gyrodrift.report.numbers import significant
-from gyrodrift.tune.result import Alternative, Run, SessionScore, Tuning
+from gyrodrift.tune.result import Alternative, Pi, Run, SessionScore, Tuning
 
 HEAD = "# Written by gyrodrift tune. serve --config reloads this file when it changes."
 
@@ -131,6 +132,8 @@ def _alternative(way: Alternative) -> dict[str, Any]:
         "pi_test": way.pi.test,
         "e_train_deg": way.e_deg.train,
         "e_test_deg": way.e_deg.test,
+        "crps_train_deg": None if way.crps_deg is None else way.crps_deg.train,
+        "crps_test_deg": None if way.crps_deg is None else way.crps_deg.test,
     }
 
 
@@ -150,8 +153,9 @@ def _session(score: SessionScore) -> dict[str, Any]:
 
 def summary(tuning: Tuning) -> list[str]:
     """The result as lines for a terminal: every alternative, the best one, and its parameters."""
-    lines = [f"mean yaw error E in deg, {_held_out_words(tuning)}"]
-    lines += aligned([["", "training", "held out"], *(_summary_row(tuning, way) for way in tuning.alternatives)])
+    lines = [f"mean yaw error E, and CRPS, the error with its stated sigma, in deg; {_held_out_words(tuning)}"]
+    head = ["", "E training", "E held out", "CRPS training", "CRPS held out"]
+    lines += aligned([head, *(_summary_row(tuning, way) for way in tuning.alternatives)])
     lines += [f"* {verdict_words(tuning)}", *_motion_words(tuning)]
     return lines + [f"{name} = {value:.6g}" for name, value in asdict(tuning.params).items()]
 
@@ -162,8 +166,8 @@ def _motion_words(tuning: Tuning) -> list[str]:
     tested_s = [motion_s for motion_s in motions_s if motion_s is not None]
     if tuning.is_default_written or not tested_s:
         return []
-    limit = f"longest motion without a rest in these sessions: {max(tested_s):.0f} s"
-    return [f"* {limit}; the parameters are not tested on longer motion"]
+    limit = f"Longest motion without a rest in these sessions: {max(tested_s):.0f} s"
+    return [f"{limit}; the parameters are not tested on longer motion"]
 
 
 def _held_out_words(tuning: Tuning) -> str:
@@ -175,8 +179,9 @@ def _held_out_words(tuning: Tuning) -> str:
 
 def _summary_row(tuning: Tuning, way: Alternative) -> list[str]:
     mark = "* " if way is tuning.written else "  "
-    values = (way.e_deg.train, way.e_deg.test)
-    return [mark + way.title, *("–" if value is None else significant(value, 3) for value in values)]
+    means = [way.e_deg, way.crps_deg or Pi(nan, None)]
+    values = [value for mean in means for value in (mean.train, mean.test)]
+    return [mark + way.title, *("–" if value is None or isnan(value) else significant(value, 3) for value in values)]
 
 
 def verdict_words(tuning: Tuning) -> str:

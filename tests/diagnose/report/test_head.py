@@ -67,7 +67,7 @@ def test_contradicted_facts_come_before_the_verdict(scaled: Diagnosis) -> None:
     (head,) = parsed(html).iter("h1")
     assert "".join(head.itertext()) == "The rig states an encoder of 1000 counts per turn, the recordings show 4096"
     shown = words(html)
-    order = [COUNTS.says, "Apart from that: the rate reads 5 % too high (scale_factor)", "What differs:"]
+    order = [COUNTS.says, "Apart from that: the rate reads 5 % too high (scale_factor)", "Probability that it acts:"]
     assert sorted(order, key=shown.index) == order
     assert summary(result)[0] == f"contradiction of facts: {COUNTS.says}"
     assert summary(result)[1] == headline(result)
@@ -164,7 +164,7 @@ def test_the_headline_says_what_the_gyro_does(scaled: Diagnosis) -> None:
     assert headline(result) == "effect: the rate reads 0.4 % too high (scale_factor)"
     html = page("", [verdict(result)])
     assert "".join(next(parsed(html).iter("h1")).itertext()) == "The rate reads 0.4 % too high (scale_factor)"
-    assert "How to read the cards." in words(html)
+    assert "How to read the cards" in words(html)
 
 
 def test_a_deviation_is_told_with_its_direction() -> None:
@@ -181,7 +181,7 @@ def test_a_size_at_the_end_of_the_tried_sizes_is_a_bound(scaled: Diagnosis) -> N
     bound = replace(cause, parameters=(Parameter("error_percent", 2.9, 2.8, 3.0, "%", is_at_least=True),))
     result = with_causes(scaled, bound)
     assert headline(result) == "effect: the rate reads at least 2.8 % too high (scale_factor)"
-    assert "error_percent at least 2.8 % possible sizes (95 %) 2.8 or more" in observed(verdict(result))
+    assert "error at least 2.8 % possible sizes (95 %) 2.8 or more" in observed(verdict(result))
     assert "error_percent at least 2.8 %, probability" in cause_line(bound)
     low = replace(cause, parameters=(Parameter("error_percent", -2.9, -3.0, -2.8, "%", is_at_most=True),))
     assert headline(with_causes(scaled, low)) == "effect: the rate reads at least 2.8 % too low (scale_factor)"

@@ -216,7 +216,7 @@ def test_it_asks_for_nothing_and_runs_its_own_script_alone() -> None:
 def test_every_filter_is_a_row_with_its_defaults_and_its_error_on_held_out_sessions() -> None:
     """The best one is marked, and so is the one in the config."""
     html = report_html(tuning_of_both(), MADE)
-    assert row(html, "plain integration")[1:5] == ["56", "57", "3140", "3250"]
+    assert row(html, "plain integration")[1:7] == ["56", "57", "–", "–", "3140", "3250"]
     assert row(html, "start calibration")[1:3] == ["0.9", "1"]
     assert row(html, "HDR, tuned in the config")[1:3] == ["0.5", "0.7"]
     assert row(html, "restlevel, defaults best")[1:3] == ["0.1", "0.2"]

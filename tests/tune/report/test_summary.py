@@ -7,7 +7,7 @@ from tuning_support import tuning_of_both
 from gyrodrift.tune.report.files import summary
 from gyrodrift.tune.result import Tuning
 
-MOTION = "* longest motion without a rest in these sessions: 16 s; the parameters are not tested on longer motion"
+MOTION = "Longest motion without a rest in these sessions: 16 s; the parameters are not tested on longer motion"
 
 
 def with_motions(*motions_s: float | None) -> Tuning:

@@ -79,7 +79,7 @@ const CHARTS = [
     ],
   },
   {
-    title: "Rate as measured", unit: "deg/s", height: 110, digits: 2, range: atLeast(1),
+    title: "Rate before the filter", unit: "deg/s", height: 110, digits: 2, range: atLeast(1),
     lines: [{ name: "rate", color: "rate", of: (view) => view.span("rate_dps") }],
   },
   {

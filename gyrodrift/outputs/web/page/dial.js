@@ -17,7 +17,7 @@ function sector(fromDeg, toDeg, radius) {
 
 export class Dial {
   constructor(place) {
-    this.svg = drawn(place, "svg", { viewBox: "-110 -110 220 220", role: "img", "aria-label": "Heading dial" });
+    this.svg = drawn(place, "svg", { viewBox: "-140 -128 280 256", role: "img", "aria-label": "Heading dial" });
     drawn(this.svg, "circle", { r: 100, class: "face" });
     for (let deg = 0; deg < 360; deg += 10) {
       const [x1, y1] = at(deg, 100);
@@ -25,7 +25,7 @@ export class Dial {
       drawn(this.svg, "line", { x1, y1, x2, y2, class: deg % 30 ? "tick" : "tick strong" });
     }
     this.labels = [0, 90, 180, 270].map((deg) => {
-      const [x, y] = at(deg, 70);
+      const [x, y] = at(deg, 118);
       return drawn(this.svg, "text", { x, y, class: "label" });
     });
     this.band = drawn(this.svg, "path", { class: "band" });

@@ -31,6 +31,10 @@ const finite = (value, text) => (Number.isFinite(value) ? text : "");
 
 const degrees = (value) => `${words.signed(words.fixed(value, 1), 1)}°`;
 
+let isCalibrated = false; // rates are calibrated before the filter
+
+const rateName = (name) => (isCalibrated ? `${name}, calibrated` : name);
+
 let scaleSigmaDeg = NaN; // share of the yaw sigma from the scale factor, once a second
 
 let own = { yawDeg: NaN, sigmaDeg: NaN }; // last result of the device's own filter; not every sample has one
@@ -50,7 +54,7 @@ export function showNumbers(history) {
   const bias = `${words.signed(last("bias_dps"), 4)}${words.margin(last("bias_sigma_dps"), 4)} deg/s`;
   showFacts(byId("values"), [
     ["Yaw", hasNorth ? words.angle(last("yaw_deg")) : "", "key yaw"],
-    ["Raw yaw", words.angle(last("raw_yaw_deg")), "key raw"],
+    [rateName("Raw yaw"), words.angle(last("raw_yaw_deg")), "key raw"],
     ["Encoder", finite(last("encoder_deg"), words.angle(last("encoder_deg"))), "key encoder"],
     ["Device yaw", finite(own.yawDeg, `${words.angle(own.yawDeg)}${words.margin(own.sigmaDeg, 2, "°")}`)],
     ["Difference", finite(last("device_difference_deg"), `${words.signed(last("device_difference_deg"), 2)}°`), "key device"],
@@ -58,7 +62,7 @@ export function showNumbers(history) {
     ["Pitch", finite(last("pitch_deg"), degrees(last("pitch_deg"))), "key pitch"],
     ["Tilt", finite(last("tilt_deg"), `${words.number(last("tilt_deg"), 1)}${words.margin(last("tilt_sigma_deg"), 2)}°`)],
     ["Bias", bias, "key drift"],
-    ["Rate", `${words.signed(last("rate_dps"), 2)} deg/s`, "key rate"],
+    [rateName("Rate"), `${words.signed(last("rate_dps"), 2)} deg/s`, "key rate"],
     ["Corrected rate", `${words.signed(last("corrected_dps"), 2)} deg/s`],
     ["At rest", finite(last("rest_probability"), words.percent(last("rest_probability"))), "key rest"],
     ["Temperature", finite(last("temp_c"), `${words.number(last("temp_c"), 1)} °C`)],
@@ -77,6 +81,7 @@ export function showTilt({ roll, pitch }) {
 
 export function showState({ status, health }) {
   const { link, device, config } = status;
+  isCalibrated = config.calibration !== null;
   scaleSigmaDeg = status.filter.scale_sigma_deg ?? NaN;
   byId("device").textContent = [device.device_id, link.port].filter(Boolean).join(" on ");
   byId("health").replaceChildren(...health.map((finding) => made("li", finding.says, finding.level)));
@@ -92,7 +97,8 @@ export function showState({ status, health }) {
   ]);
   const taken = config.applied ? `, ${words.counted(config.applied, "change")} applied, the last at ${words.clock(config.applied_s)}` : "";
   byId("config-file").textContent = config.file ? `${config.file}${taken}` : `Without a file: ${config.filter} at its defaults.`;
-  showFacts(byId("config"), [["filter", config.filter], ...Object.entries(config.params).map(([name, value]) => [name, String(value)])]);
+  const values = [...Object.entries(config.params), ...Object.entries(config.calibration ?? {}).map(([name, value]) => [`calibration ${name}`, value])];
+  showFacts(byId("config"), [["filter", config.filter], ...values.map(([name, value]) => [name, String(value)])]);
   showClients(status.outputs);
   showFacts(byId("service"), [
     ["Service", `gyrodrift ${status.version}, process ${status.pid}`],

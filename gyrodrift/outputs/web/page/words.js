@@ -3,7 +3,7 @@
 const MISSING = "–";
 
 export const number = (value, digits) =>
-  Number.isFinite(value) ? value.toFixed(digits).replace("-", "−") : MISSING;
+  Number.isFinite(value) ? value.toFixed(digits).replace(/^-(?=[0.]*$)/, "").replace("-", "−") : MISSING;
 
 export const signed = (value, digits) =>
   Number.isFinite(value) ? (value < 0 ? "" : "+") + number(value, digits) : MISSING;
@@ -37,6 +37,7 @@ const valueText = (value) =>
 const SENTENCES = {
   config_applied: (f) => [`${f.file} was applied.`, ...list(f.changes)],
   config_rejected: (f) => ["Rejected; the old config stays.", ...list(f.reasons)],
+  history_filtered: (f) => [`The last ${duration(f.seconds)} were filtered again; yaw changed by ${angle(f.step_deg)}.`],
   gap: (f) => [`${counted(f.missing, "sample")} lost; the longest gap was ${number(1000 * f.longest_s, 0)} ms.`],
   link_open: (f) => [`${f.port} was opened.`],
   link_lost: (f) => [`${f.port} is gone.`],
