@@ -219,7 +219,7 @@ def test_a_filter_that_fails_while_it_works_is_one_line(
     )
     site.install("bad", "gyrodrift.filters", "fixed", "bad:FIXED", source)
     session = tmp_path / "s.csv"
-    session.write_text("t_device_s,rate_dps\n" + "".join(f"{n / 50},1.0\n" for n in range(51)))
+    session.write_text("t_device_s,rate_dps\n" + "".join(f"{n / 50},{1 + n % 2}\n" for n in range(51)))
     assert main(["filter", str(session), "--filter", "fixed"]) == 2
     line = r"gyrodrift: fixed: the filter of bad failed: RuntimeError: boom \(bad.py:\d+\); tell its authors, or go on"
     assert re.match(line, capsys.readouterr().err)
