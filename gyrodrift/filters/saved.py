@@ -12,7 +12,7 @@ FILE_KEYS = {
     ("Hypothesis", "safe"): "settled",
     ("MeanTurns", "angle_deg"): "turned_deg",
     ("MeanTurns", "count"): "seen",
-    ("NoiseModel", "zero_blocks"): "mute_blocks",
+    ("NoiseModel", "same_blocks"): "mute_blocks",
     ("Witness", "agreeing_blocks"): "alike",
     ("Witness", "contradictions"): "doubt",
     ("Witness", "is_reporting_rest"): "is_claiming",

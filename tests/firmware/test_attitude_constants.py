@@ -9,16 +9,15 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 import pytest
 from c_filter_support import words, write_header
 from firmware_support import run
 
 from gyrodrift.filters import attitude
-from gyrodrift.filters.attitude.evidence import SHARES, SPREADS
 from gyrodrift.filters.attitude.mixture import MAX_HYPOTHESES
 from gyrodrift.filters.attitude.rests import KINDS
 from gyrodrift.filters.attitude.witness import STILL
+from gyrodrift.filters.restlevel.hypotheses import PARTS
 from gyrodrift.firmware.parameters import FILTERS_FOLDER
 
 ABSENT = {
@@ -30,8 +29,6 @@ ABSENT = {
     "LONG_NOISY": "gd_attitude_kind_of",
     "STILL": "gd_attitude_still",
     "MAX_HYPOTHESES": "GD_ATTITUDE_HYPOTHESES",
-    "SPREADS": "in the text of attitude_evidence.h",
-    "SHARES": "in the text of attitude_evidence.h",
     "UNITS": "of two spreads",
     "VERTICAL": "a unit vector",
 }
@@ -42,6 +39,7 @@ OWN = {
     "SLOTS": "each hypothesis may branch",
     "PIVOT": "inverse of a matrix",
     "LOG_LEAST": "of 1e-300",
+    "TAIL": "of restlevel",
     "LOG_TURN": "of 2 pi",
     "LONGEST_GAP_S": "a float ends at 1e38",
     "LARGEST_FLOAT_BIAS": "digits of a float",
@@ -131,12 +129,12 @@ def test_the_kinds_of_rest_are_those_of_python(library: ctypes.CDLL) -> None:
         assert tuple(numbers) == tuple(kind)
 
 
-def test_the_spreads_of_parts_are_those_of_python() -> None:
-    text = (FILTERS_FOLDER / "attitude_evidence.h").read_text()
-    for name, values in (("spreads", SPREADS), ("shares", SHARES)):
-        table = re.search(rf"{name}\[3\] = {{(.*?)}}", text, re.DOTALL)
-        assert table is not None
-        assert np.array_equal([float(number) for number in re.findall(r"GD_R\((.*?)\)", table[1])], values)
+def test_the_kinds_of_parts_are_those_of_python() -> None:
+    """Both filters have them; the first two kinds have one share."""
+    numbers = [float(number) for number in re.findall(r"GD_R\(([\d.]+)\)", (FILTERS_FOLDER / "parts.h").read_text())]
+    shares, widths = zip(*PARTS, strict=True)
+    assert shares[0] == shares[1]
+    assert numbers == [*shares[1:], *widths]
 
 
 def test_as_many_hypotheses_are_kept_as_in_python(library: ctypes.CDLL) -> None:

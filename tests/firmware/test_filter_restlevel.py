@@ -43,13 +43,16 @@ def assert_same_bits(output: FilterOutput, python: FilterOutput) -> None:
 
 
 def assert_close(output: FilterOutput, python: FilterOutput, t_s: Floats) -> None:
-    """Yaw within the limit, or what a float of that size resolves."""
+    """Yaw within the limit, or what a float of that size resolves.
+
+    A decision at a gate may fall the other way by the last digit, and then yaw differs by a small share of its sigma.
+    """
     hours = max(1.0, np.ptp(t_s) / 3600.0)
     resolution_deg = np.spacing(np.abs(python.rows[:, YAW]).astype(np.float32))
     apart_deg = np.abs(output.rows[:, YAW] - python.rows[:, YAW])
     print(f"{apart_deg.max():.2g} deg at up to {np.abs(python.rows[:, YAW]).max():.0f} deg")
     assert (output.taken == python.taken).all()
-    assert (apart_deg < FLOAT_DEG_H * hours + resolution_deg).all()
+    assert (apart_deg < FLOAT_DEG_H * hours + resolution_deg + 0.05 * python.rows[:, SIGMA]).all()
 
 
 @pytest.mark.parametrize("name", packed_names())

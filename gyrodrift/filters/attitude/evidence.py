@@ -7,6 +7,7 @@ import numpy as np
 from gyrodrift.filters.attitude.hypotheses import BIAS, Hypotheses
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients
 from gyrodrift.filters.attitude.rests import QUIET, RestCandidate
+from gyrodrift.filters.restlevel.hypotheses import PARTS
 from gyrodrift.values.arrays import Floats
 
 TURNS_PER_DPS = 0.03
@@ -17,13 +18,11 @@ MOTION_SHARE, NOISY_MOTION_SHARE = 0.05, 0.5
 """Motions that keep their means by chance: spread of their rates in each axis, deg/s, and their number per even turn,
 in quiet and in noisy windows. Chosen: hands and boats turn so while they look still."""
 
-SPREADS = np.array((0.1, 1.0, 4.0))
-SHARES = np.array((0.5, 0.47, 0.03))
-"""Spread of the biases of a part over its prior, and shares of such parts: biases removed by the part, usual parts, and
-raw parts (data sheet of the MPU-6050: up to 20 deg/s). The three axes of a part have one spread."""
-
 JUMP_SHARE, JUMP = 0.03, 0.4
 """Share of rests before which the bias jumped, as the raw parts, and the size of jumps over the spread of the bias."""
+
+ONE_KIND = 0.8
+"""Share of parts whose three axes are of one kind. Chosen: data sheets state one limit for all axes."""
 
 ALIGNMENT = 0.03
 """Share of a rate that the level axes see: errors of the tilt by 0.3 m/s² of bias of the accelerometer."""
@@ -35,6 +34,14 @@ nearer to 0 than the bias believed."""
 MODEL_ERROR = 0.1
 """Error of the bias that its covariance does not contain, deg/s, where a rest is tested.
 Measured: recordings of five rigs, median heading error."""
+
+
+SAME_RATE = 0.01
+"""Error of a bias that its covariance does not contain, deg/s, where a rest is tested once a bias is known.
+Chosen: flicker of common parts within seconds."""
+
+LONGEST_DRIFT_S = 20.0
+"""Longest drift of a bias since the last rest, s, as in restlevel."""
 
 
 class RestEvidence(NamedTuple):
@@ -70,34 +77,39 @@ def weigh(
     basis = level_basis(up)
     rate, off = basis @ m.gyro / RAD, basis @ (m.gyro - h.bias[i]) / RAD
     spread = basis @ (h.cov[i, BIAS, BIAS] + variance) @ basis.T / RAD**2
-    wide = spread + (MODEL_ERROR**2 + ALIGNMENT**2 * float(rate @ rate)) * np.eye(3)
+    model_var = SAME_RATE**2 if h.knows_bias[i] else MODEL_ERROR**2
+    wide = spread + (model_var + ALIGNMENT**2 * float(rate @ rate)) * np.eye(3)
     level = normal_density(off[:2], wide[:2, :2])
     if h.knows_bias[i]:
         jump = (JUMP * c.bias_sigma / RAD) ** 2 * np.eye(3)
-        rest = (1.0 - JUMP_SHARE) * normal_density(off, wide) + JUMP_SHARE * normal_density(off, wide + jump)
+        jumps = JUMP_SHARE * min(1.0, float(h.moving_s[i]) / LONGEST_DRIFT_S)
+        rest = (1.0 - jumps) * normal_density(off, wide) + jumps * normal_density(off, wide + jump)
         prior = spread + (c.bias_sigma / RAD) ** 2 * np.eye(3)
         if float(rate @ rate) < float(h.bias[i] @ h.bias[i]) / RAD**2:
             rest += MISTAKE_SHARE * normal_density(rate, prior)
     else:
         turn_on = rate - basis @ turn_on_bias / RAD
-        rest = level * _first_rest_density(c, turn_on, float(off[2]), float(spread[2, 2]))
+        level, rest = first_rest_densities(c, turn_on, float(off[2]), float(spread[2, 2]))
     share = MOTION_SHARE if m.kind.blocks <= QUIET.blocks else NOISY_MOTION_SHARE
     chance = normal_density(off, wide + MOTION_SPREAD**2 * np.eye(3))
+    chance += level * normal_density(off[2:], wide[2:, 2:] + MOTION_SPREAD**2)
     return RestEvidence(float(np.log(rest + 1e-300)), float(np.log(TURNS_PER_DPS * level + share * chance + 1e-300)))
 
 
-def _first_rest_density(c: AttitudeCoefficients, rate: Floats, off: float, variance: float) -> float:
-    """Density of the vertical rate of a rest, 1/(deg/s), before any rest has shown the bias.
+def first_rest_densities(c: AttitudeCoefficients, rate: Floats, off: float, variance: float) -> tuple[float, float]:
+    """Densities before any rest has shown the bias: of the level rates, 1/(deg/s)², and of all of a rest, 1/(deg/s)³.
 
-    The level rates, as distances from the mean of the prior, are biases in every case, and show the spread of the part.
+    The level rates, as distances from the mean of the prior, are biases in every case, and show the kind of the part.
     """
     prior_var = (c.bias_sigma / RAD) ** 2
-    total = weights = 0.0
-    for spread, share in zip(SPREADS.tolist(), SHARES.tolist(), strict=True):
-        weight = share * normal_density(rate[:2], (spread * spread * prior_var + MODEL_ERROR**2) * np.eye(2))
-        weights += weight
-        total += weight * normal_density(np.array((off,)), np.array(((variance * spread * spread + MODEL_ERROR**2,),)))
-    return total / max(weights, 1e-300)
+    level = rest = vertical = 0.0
+    for share, wider in PARTS:
+        density = share * normal_density(rate[:2], (wider * wider * prior_var + MODEL_ERROR**2) * np.eye(2))
+        along = normal_density(np.array((off,)), np.array(((variance * wider * wider + MODEL_ERROR**2,),)))
+        level += density
+        rest += density * along
+        vertical += share * along
+    return level, ONE_KIND * rest + (1.0 - ONE_KIND) * level * vertical
 
 
 def normal_density(off: Floats, spread: Floats) -> float:

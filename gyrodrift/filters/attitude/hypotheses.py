@@ -33,6 +33,8 @@ class Hypotheses:
         UNDECIDED, REST or TURN (n).
     knows_bias
         A rest of 1 s or more was measured (n).
+    moving_s
+        Time since the last measured rest, s (n).
     """
 
     weight: Floats
@@ -45,6 +47,7 @@ class Hypotheses:
     yaw_deg: Floats
     regime: Integers
     knows_bias: Mask
+    moving_s: Floats
 
     def select(self, index: Integers | Mask | list[int]) -> "Hypotheses":
         """Copies of some hypotheses."""
@@ -78,4 +81,5 @@ def first_hypothesis() -> Hypotheses:
         yaw_deg=np.zeros(1),
         regime=np.zeros(1, dtype=np.int64),
         knows_bias=np.zeros(1, dtype=np.bool_),
+        moving_s=np.zeros(1),
     )

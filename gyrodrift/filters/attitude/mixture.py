@@ -15,6 +15,7 @@ from gyrodrift.filters.attitude.hypotheses import (
     VELOCITY,
     Hypotheses,
 )
+from gyrodrift.filters.restlevel.mixture import TAIL
 from gyrodrift.values.arrays import Floats
 
 MAX_HYPOTHESES = 6
@@ -22,13 +23,6 @@ MAX_HYPOTHESES = 6
 
 LEAST_WEIGHT = 1e-6
 """Probability below which a hypothesis is pruned."""
-
-COVERED = 0.01
-"""Probability from which on a hypothesis counts in variances, and two sigmas of the heading reach to its own two.
-The hypotheses below it together stay under the twentieth that two sigmas leave out."""
-
-DISTINCT_SIGMAS = 2.0
-"""Distance of a hypothesis from the mean heading, in its standard deviations, from which on it is another one."""
 
 MERGE_HEADING_VAR = (0.01 * 0.017453292519943295) ** 2
 """Variance of headings that are the same, rad²: 0.01 deg, as in restlevel."""
@@ -102,6 +96,7 @@ def _merged(h: Hypotheses, i: int, j: int) -> Hypotheses:
     share = float(h.weight[j] / (h.weight[i] + h.weight[j]))
     error = differences(h, i, j)
     h.weight[i] += h.weight[j]
+    h.moving_s[i] = min(h.moving_s[i], h.moving_s[j])
     h.cov[i] = (1.0 - share) * h.cov[i] + share * h.cov[j] + share * (1.0 - share) * np.outer(error, error)
     h.yaw_deg[i] += share * (h.yaw_deg[j] - h.yaw_deg[i])
     single = h.select([i])
@@ -117,15 +112,12 @@ def moments(h: Hypotheses) -> SumMoments:
     cubes = h.weight**3 / (h.weight**3).sum()
     mean, bias = float(cubes @ headings), cubes @ h.bias
     off, bias_off = headings - mean, h.bias - bias
-    kept = np.where(h.weight > COVERED, h.weight, 0.0)
+    kept = np.maximum(h.weight - TAIL, 0.0)
     kept = kept / kept.sum()
     heading_var = float(kept @ (h.cov[:, HEADING, HEADING] + off * off))
-    sigmas = np.sqrt(np.maximum(h.cov[:, HEADING, HEADING], 0.0))
-    is_distinct = (h.weight > COVERED) & (np.abs(off) > DISTINCT_SIGMAS * sigmas)
-    reach = np.where(is_distinct, 0.5 * np.abs(off) + sigmas, 0.0).max()
     bias_cov = np.einsum("n,nij->ij", kept, h.cov[:, BIAS, BIAS] + bias_off[:, :, None] * bias_off[:, None, :])
     tilt_var = 0.5 * float(h.cov[0, 0, 0] + h.cov[0, 1, 1])
-    return SumMoments(mean, max(heading_var, float(reach) ** 2), bias, bias_cov, tilt_var)
+    return SumMoments(mean, heading_var, bias, bias_cov, tilt_var)
 
 
 def ordered(h: Hypotheses) -> Hypotheses:

@@ -67,6 +67,7 @@ def predict(h: Hypotheses, block: Integrals, walk_var: float, noise_var: float, 
     h.q = unit(products(h.q, turn))
     if is_held.any():
         h.q = np.where(is_held[:, None], with_headings(h.q, before), h.q)
+    h.moving_s = h.moving_s + block.seconds
     h.velocity = h.velocity + velocity - np.array((0.0, 0.0, GRAVITY * block.seconds))
     transition = transitions(start, velocity, block)
     transition[is_held, HEADING, BIAS] = 0.0

@@ -8,8 +8,8 @@ velocity decide between the branches.
 import numpy as np
 
 from gyrodrift.filters.attitude.batch import rotation_matrices
-from gyrodrift.filters.attitude.evidence import ALIGNMENT, MODEL_ERROR, weigh
-from gyrodrift.filters.attitude.hypotheses import BIAS, REST, STATES, TURN, VELOCITY, Hypotheses
+from gyrodrift.filters.attitude.evidence import ALIGNMENT, LONGEST_DRIFT_S, MODEL_ERROR, SAME_RATE, weigh
+from gyrodrift.filters.attitude.hypotheses import BIAS, HEADING, REST, STATES, TURN, VELOCITY, Hypotheses
 from gyrodrift.filters.attitude.measure import innovations, measure
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients
 from gyrodrift.filters.attitude.rests import QUIET, RestCandidate
@@ -52,23 +52,39 @@ def branch(c: AttitudeCoefficients, h: Hypotheses, m: RestCandidate, odds: float
 
     `odds` are the prior odds of a rest, and `turn_on_bias` (3) is the mean of the prior of an unknown bias, rad/s.
     """
-    variance = rest_variances(h, m, 1.0)
+    drifted = with_drift(h, c.drift_rate)
+    variance = np.diag(mean_variances(m))
     log_rest, log_motion = np.empty(len(h.weight)), np.empty(len(h.weight))
     for i in range(len(h.weight)):
-        evidence = weigh(c, h, i, m, _vertical(h, i, m), variance[i], turn_on_bias)
+        evidence = weigh(c, drifted, i, m, _vertical(h, i, m), variance, turn_on_bias)
         log_rest[i] = evidence.rest + np.log(odds + 1e-300)
         log_motion[i] = evidence.motion
     most = max(log_rest.max(), log_motion.max())
     is_rest, is_motion = log_rest - log_motion > -CERTAIN, log_rest - log_motion < CERTAIN
-    rests, motions = h.select(is_rest), h.select(is_motion)
+    rests, motions = drifted.select(is_rest), h.select(is_motion)
     rests.weight = rests.weight * np.exp(np.maximum(log_rest - most, -LARGEST_LOG)[is_rest])
     motions.weight = motions.weight * np.exp(np.maximum(log_motion - most, -LARGEST_LOG)[is_motion])
     rests.regime[:], motions.regime[:] = REST, TURN
     if len(rests.weight):
+        widen(rests, m.gyro - rests.bias, rest_variances(rests, m, 1.0))
         measure_rest(rests, m, 1.0)
     if len(motions.weight):
         measure_turn(motions, m)
     return rests.joined(motions)
+
+
+def with_drift(h: Hypotheses, drift_rate: float) -> Hypotheses:
+    """The hypotheses with the fastest drift of their biases since the last rest, rad/s², in their covariances.
+
+    The drift grew evenly, so the error of the heading is half of its end value times the time since the rest.
+    """
+    drifted = h.select(np.arange(len(h.weight)))
+    sigma = np.where(h.knows_bias, drift_rate * np.minimum(h.moving_s, LONGEST_DRIFT_S), 0.0)
+    reach = np.zeros((len(h.weight), STATES, 3))
+    reach[:, BIAS, :] = np.eye(3)
+    reach[:, HEADING, :] = -0.5 * h.moving_s[:, None] * rotation_matrices(h.q)[:, 2]
+    drifted.cov += (sigma * sigma)[:, None, None] * (reach @ reach.transpose(0, 2, 1))
+    return drifted
 
 
 def _vertical(h: Hypotheses, i: int, m: RestCandidate) -> Floats:
@@ -80,26 +96,35 @@ def _vertical(h: Hypotheses, i: int, m: RestCandidate) -> Floats:
     return up
 
 
+def mean_variances(m: RestCandidate) -> Floats:
+    """Variances (3) of the mean rates of a candidate as a bias, (rad/s)²."""
+    return m.gyro_var * scatter_share(m) + (0.0 if m.kind is QUIET else (m.kind.bias * REST_BIAS) ** 2)
+
+
 def rest_variances(h: Hypotheses, m: RestCandidate, overlap: float) -> Floats:
     """Covariances (n, 3, 3) of the mean rates of a candidate as measurements of the bias, (rad/s)².
 
     `overlap` is the factor of a window that contains blocks of an earlier update.
     """
-    share = SPREAD_WEIGHT / m.kind.blocks * (2.0 if m.kind.blocks <= QUIET.blocks else 5.0)
-    variance = m.gyro_var * share + (m.kind.bias * REST_BIAS) ** 2
+    variance = mean_variances(m)
     extra = np.where(h.knows_bias & (m.kind.blocks > QUIET.blocks), NOISY_REST**2, 0.0)
     return (variance[None, :] + extra[:, None])[:, :, None] * np.eye(3) * overlap
+
+
+def scatter_share(m: RestCandidate) -> float:
+    """Variance of the mean of a window over that of its block means."""
+    return SPREAD_WEIGHT / m.kind.blocks * (2.0 if m.kind.blocks <= QUIET.blocks else 5.0)
 
 
 def measure_rest(h: Hypotheses, m: RestCandidate, overlap: float) -> None:
     """Update hypotheses of rest by the candidate: its mean rates are the bias, and the velocity is 0."""
     variance = rest_variances(h, m, overlap)
     error = np.zeros((len(h.weight), STATES))
-    widen(h, m.gyro - h.bias, variance)
     measure(h, error, BIAS, m.gyro - h.bias, variance)
     speed = QUIET_SPEED if m.kind.blocks <= QUIET.blocks else NOISY_SPEED
     measure(h, error, VELOCITY, -h.velocity, speed * speed * np.eye(3))
     h.correct(error)
+    h.moving_s = np.zeros(len(h.weight))
     h.knows_bias = h.knows_bias | (m.kind.blocks >= QUIET.blocks)
 
 
@@ -137,7 +162,7 @@ def is_same_rest(h: Hypotheses, m: RestCandidate) -> bool:
     rest = h.select(np.flatnonzero(h.regime == REST)[:1])
     if not len(rest.weight):
         return True
-    error, variance = np.zeros((1, STATES)), np.diag(m.gyro_var + (MODEL_ERROR * RAD) ** 2)
+    error, variance = np.zeros((1, STATES)), np.diag(m.gyro_var * scatter_share(m) + (SAME_RATE * RAD) ** 2)
     inverse, innovation = innovations(rest, error, BIAS, m.gyro - rest.bias, variance)
     return bool((innovation.transpose(0, 2, 1) @ inverse @ innovation)[0, 0, 0] <= GATE)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gyrodrift.filters.attitude.hypotheses import REST, UNDECIDED
+from gyrodrift.filters.attitude.hypotheses import BIAS, REST, UNDECIDED
 from gyrodrift.filters.attitude.mixture import merge_and_prune
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.regimes import branch, is_same_rest, measure_rest, weigh_duration
@@ -41,7 +41,10 @@ def follow_rest(c: AttitudeCoefficients, s: AttitudeState) -> None:
     if s.block.moving > 0:
         s.windows.blocks = 0
     certain = certain_rest(c, s)
-    candidate = certain or find_rest(s.windows, c.limits, is_resting=segment.blocks > 0)
+    is_resting = segment.blocks > 0 or bool(s.hypotheses.knows_bias[0])
+    candidate = certain or find_rest(s.windows, c.limits, is_resting=is_resting)
+    if candidate is not None and certain is None and segment.blocks > 0 and not continues(s, candidate):
+        s.windows.blocks, candidate = 1, None  # the next window has blocks of the new level alone
     if candidate is None:
         end_segment(s)
     elif not continues(s, candidate):
@@ -53,6 +56,7 @@ def follow_rest(c: AttitudeCoefficients, s: AttitudeState) -> None:
         segment.blocks = candidate.kind.blocks
         segment.since += 1
         if segment.since >= UPDATE_BLOCKS:
+            let_drift(c, s)
             lengthen(c, s)
             update_rest(s, candidate, max(candidate.kind.blocks, QUIET.blocks) / QUIET.blocks)
     if certain is not None:
@@ -93,6 +97,12 @@ def continues(s: AttitudeState, candidate: RestCandidate) -> bool:
         return False
     limit = max(candidate.kind.gyro, 1.0) * GYRO_SPREAD
     return bool(np.abs(candidate.gyro - segment.gyro).max() < 2.0 * limit) and is_same_rest(s.hypotheses, candidate)
+
+
+def let_drift(c: AttitudeCoefficients, s: AttitudeState) -> None:
+    """Widen the biases of rests by the fastest drift since the last update."""
+    drift = 0.5 * c.drift_rate * s.segment.since * c.block_s
+    s.hypotheses.cov[s.hypotheses.regime == REST, BIAS, BIAS] += drift * drift * np.eye(3)
 
 
 def lengthen(c: AttitudeCoefficients, s: AttitudeState) -> None:

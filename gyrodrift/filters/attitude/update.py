@@ -6,6 +6,7 @@ import numpy as np
 
 from gyrodrift.filters.attitude.batch import rotation_matrices
 from gyrodrift.filters.attitude.block import InertialBlock, Integrals, next_block
+from gyrodrift.filters.attitude.evidence import LONGEST_DRIFT_S
 from gyrodrift.filters.attitude.hypotheses import (
     BIAS,
     FORCE_BIAS,
@@ -21,6 +22,7 @@ from gyrodrift.filters.attitude.levelling import START_TILT, UNKNOWN_TILT, find_
 from gyrodrift.filters.attitude.mixture import moments, ordered
 from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
 from gyrodrift.filters.attitude.predict import GRAVITY, predict
+from gyrodrift.filters.attitude.regimes import REST_BIAS
 from gyrodrift.filters.attitude.rests import GYRO_SPREAD, QUIET, add_block
 from gyrodrift.filters.attitude.segments import GYRO_NOISE, MEASURED, follow_rest
 from gyrodrift.filters.attitude.velocity import START_SPEED, bound_velocity, forget_velocity
@@ -66,6 +68,7 @@ def end_block(c: AttitudeCoefficients, s: AttitudeState, block: Integrals) -> No
     usable = with_gravity(h, block) if is_blind else block
     predict(h, usable, c.walk_var, s.noise_var, is_held)
     widen_by_tilt(s)
+    widen_by_motion(s, block.seconds)
     if is_blind:
         forget_velocity(h)
     else:
@@ -88,6 +91,13 @@ def standing(c: AttitudeCoefficients, s: AttitudeState, block: Integrals) -> Mas
     is_near = (np.abs(block.gyro - h.bias) < c.limits * GYRO_SPREAD).all(axis=1)
     is_standing: Mask = (h.regime == REST) & is_near
     return is_standing
+
+
+def widen_by_motion(s: AttitudeState, seconds: float) -> None:
+    """Widen the biases in motion, which differ from those at rest, for the first seconds."""
+    h = s.hypotheses
+    is_moving = h.knows_bias & (h.moving_s < LONGEST_DRIFT_S) & ((h.regime != REST) | (s.segment.blocks == 0))
+    h.cov[is_moving, BIAS, BIAS] += REST_BIAS**2 * seconds / LONGEST_DRIFT_S * np.eye(3)
 
 
 def widen_by_tilt(s: AttitudeState) -> None:

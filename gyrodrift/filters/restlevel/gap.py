@@ -23,8 +23,8 @@ def pass_gap(c: RestlevelCoefficients, s: RestlevelState, step_s: float, rate_dp
     forget_segments(s)
     s.witness.was_certain, s.witness.still, s.witness.moving = False, 0, 0
     block.seconds = block.angle_deg = block.sum_dps = block.sum_squares = 0.0
-    block.samples = 0
-    collapse(s)
+    block.samples = block.repeats = 0
+    collapse(c, s)
     if count_gap(s.watch, step_s) and c.turn_on_var > 0.0:
         reopen(c, s)
     s.rate_dps = rate_dps

@@ -24,16 +24,16 @@ from gyrodrift.filters.restlevel.wander import forget_levels
 NOISY_REST_SHARE = 0.1
 """Share of rests with a running motor or fan. After a drop of the noise, all rests so far were such rests or motion."""
 
-WELL_CALIBRATED, PARTLY_CALIBRATED = 0.25, 0.25
-CALIBRATED = 0.01
-"""Shares of parts that subtract their own bias to a hundredth and to a tenth of `turn_on_dps`. `CALIBRATED` is the
-share of the variance that is left at a tenth, and its square the share at a hundredth."""
+PARTS = ((0.25, 0.01), (0.25, 0.1), (0.48, 1.0), (0.02, 8.0))
+"""Kinds of parts: their share, and the sigma of their turn-on bias over `turn_on_dps`. The first two subtract their own
+bias; the last is raw (data sheet of the MPU-6050: up to 20 deg/s)."""
 
 
 def begin(c: RestlevelCoefficients, s: RestlevelState) -> None:
-    """Set the initial hypotheses: remembered biases, and a part that subtracts its bias well, partly or not at all."""
-    _begin_unknown(c, s, begin_remembered(c, s), 1.0 - remembered_weight(s))
-    collapse(s)
+    """Set the initial hypotheses: remembered biases, and the kinds of parts."""
+    begin_remembered(c, s)
+    _begin_unknown(c, s, 1.0 - remembered_weight(s))
+    collapse(c, s)
 
 
 def restart(c: RestlevelCoefficients, s: RestlevelState) -> None:
@@ -55,15 +55,15 @@ def reopen(c: RestlevelCoefficients, s: RestlevelState) -> None:
 
     The next segment may be one from the start.
     """
-    bias_dps, yaw_var = s.bias_dps, s.moments.yaw_var
+    bias_dps = s.bias_dps
     s.yaw_deg = s.moments.yaw_deg
     for h in s.hypotheses:
         _clear(h)
-    _begin_unknown(c, s, 0, 1.0)
+    _begin_unknown(c, s, 1.0)
     for h in s.hypotheses:
         if h.weight > 0.0:
-            h.bias_dps, h.yaw_var = bias_dps, yaw_var
-    collapse(s)
+            h.bias_dps = bias_dps
+    collapse(c, s)
     forget_turns(s.turns)
     s.blocks = 0
 
@@ -82,24 +82,20 @@ def _clear(h: Hypothesis) -> None:
     h.odds = h.turn_density = 1.0
 
 
-def _begin_unknown(c: RestlevelCoefficients, s: RestlevelState, first: int, weight: float) -> None:
-    """Set the hypotheses of an unknown part from a slot on, with this probability of all together."""
-    free = s.hypotheses[first]
-    if c.turn_on_var == 0.0:  # the sensor subtracts its own bias, so the bias is known
-        _begin_one(s, free, weight, 0.0)
-        free.knows_bias = True
-        return
-    _begin_one(s, free, weight * WELL_CALIBRATED, c.turn_on_var * CALIBRATED * CALIBRATED)
-    _begin_one(s, s.hypotheses[first + 1], weight * PARTLY_CALIBRATED, c.turn_on_var * CALIBRATED)
-    uncalibrated = weight * (1.0 - WELL_CALIBRATED - PARTLY_CALIBRATED)
-    _begin_one(s, s.hypotheses[first + 2], uncalibrated, c.turn_on_var)
-
-
-def _begin_one(s: RestlevelState, h: Hypothesis, weight: float, bias_var: float) -> None:
-    """Set a hypothesis without a rest."""
-    h.weight = weight
-    h.yaw_deg = s.yaw_deg
-    h.bias_var = bias_var
+def _begin_unknown(c: RestlevelCoefficients, s: RestlevelState, weight: float) -> None:
+    """Set the hypotheses of an unknown part in free slots, with this probability of all together."""
+    free = 0
+    for k in range(len(PARTS)):
+        share, wider = PARTS[k]
+        while s.hypotheses[free].weight > 0.0:
+            free += 1
+        h = s.hypotheses[free]
+        _clear(h)
+        h.yaw_deg, h.yaw_var = s.yaw_deg, s.moments.yaw_var
+        h.weight, h.bias_var = weight * share, c.turn_on_var * wider * wider
+        if c.turn_on_var == 0.0:  # the sensor subtracts its own bias, so the bias is known
+            h.weight, h.knows_bias = weight, True
+            return
 
 
 def enter_segment(s: RestlevelState) -> None:

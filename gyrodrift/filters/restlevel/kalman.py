@@ -18,13 +18,6 @@ RAMP_PROBABILITY = 0.3
 MAX_RAMP_S = 20.0
 """Longest ramp, s."""
 
-UNEXPECTED_VAR = 9.0
-"""Ratio of a squared innovation to its variance above which a bias is unexpected: three sigmas."""
-
-WIDE_PROBABILITY = 0.03
-WIDE_FACTOR = 16.0
-"""Share of parts with an unusually large turn-on bias, and the ratio of its variance to the usual variance."""
-
 MAX_LOG_ODDS = 700.0
 """Largest argument of exp(): its value is still a finite float."""
 
@@ -111,24 +104,10 @@ def first_kalman_update(c: RestlevelCoefficients, h: Hypothesis, mean_dps: float
         ramp_dps = c.rate_ramp_dps_s * min(h.moving_s, MAX_RAMP_S)
         log_likelihood = kalman_update(h, mean_dps, mean_var, ramp_dps * ramp_dps)
     else:
-        away_dps = mean_dps - h.bias_dps
-        log_likelihood = _turn_on_logpdf(h.bias_var, away_dps, mean_var)
-        widened = away_dps * away_dps / (UNEXPECTED_VAR * h.bias_var)
-        if widened > 1.0:  # the yaw error that the bias has caused widens with the bias
-            h.yaw_var += (widened - 1.0) * h.covariance * h.covariance / h.bias_var
-            h.bias_var *= widened
-            h.covariance *= widened
-        kalman_update(h, mean_dps, mean_var, 0.0)
+        log_likelihood = kalman_update(h, mean_dps, mean_var, 0.0)
         h.knows_bias = True
     h.moving_s = 0.0
     return log_likelihood
-
-
-def _turn_on_logpdf(turn_on_var: float, away_dps: float, mean_var: float) -> float:
-    typical = gaussian_logpdf(away_dps, turn_on_var + mean_var)
-    wide = gaussian_logpdf(away_dps, WIDE_FACTOR * turn_on_var + mean_var)
-    odds = exp(min(typical - wide, MAX_LOG_ODDS))
-    return wide + log(WIDE_PROBABILITY + (1.0 - WIDE_PROBABILITY) * odds)
 
 
 def _mix(h: Hypothesis, walk: KalmanStep, ramp: KalmanStep, ramp_share: float) -> None:

@@ -16,7 +16,7 @@ from typing import Annotated, Any
 from annotated_types import Ge, Le
 
 from gyrodrift.filters.restlevel.bias_state import NEW_SLOPE_VAR
-from gyrodrift.filters.restlevel.hypotheses import CALIBRATED, PARTLY_CALIBRATED, WELL_CALIBRATED
+from gyrodrift.filters.restlevel.hypotheses import PARTS
 from gyrodrift.filters.restlevel.kalman import gaussian_logpdf
 from gyrodrift.filters.restlevel.model import COLDEST_C, UNKNOWN_C, WARMEST_C, RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.temperature import LOOP_VAR_C
@@ -163,12 +163,9 @@ def _self_nulling(params: RestlevelParams, memory: RestlevelMemory) -> float:
     if params.turn_on_dps == 0.0:
         return 0.0
     turn_on_var, measured_var = params.turn_on_dps**2, memory.bias_sigma_dps**2 + LEAST_VAR
-    kinds = (
-        (WELL_CALIBRATED, turn_on_var * CALIBRATED**2),
-        (PARTLY_CALIBRATED, turn_on_var * CALIBRATED),
-        (1.0 - WELL_CALIBRATED - PARTLY_CALIBRATED, turn_on_var),
-    )
-    densities = [share * exp(gaussian_logpdf(memory.bias_dps, var + measured_var)) for share, var in kinds]
+    densities = [
+        share * exp(gaussian_logpdf(memory.bias_dps, wider**2 * turn_on_var + measured_var)) for share, wider in PARTS
+    ]
     return densities[0] / max(sum(densities), LEAST_VAR)
 
 

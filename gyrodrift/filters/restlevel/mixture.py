@@ -7,8 +7,8 @@ and Sorenson 1972 for the sum of Gaussians; Reid 1979 for small trees of hypothe
 from math import sqrt
 
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
-from gyrodrift.filters.restlevel.kalman import WIDE_FACTOR
-from gyrodrift.filters.restlevel.model import MAX_HYPOTHESES, RestlevelState
+from gyrodrift.filters.restlevel.kalman import MAX_RAMP_S, RAMP_PROBABILITY
+from gyrodrift.filters.restlevel.model import MAX_HYPOTHESES, RestlevelCoefficients, RestlevelState
 
 MIN_WEIGHT = 1e-9
 """Probability below which a hypothesis is pruned."""
@@ -97,12 +97,13 @@ def normalise(s: RestlevelState) -> None:
         h.weight /= total
 
 
-def collapse(s: RestlevelState) -> None:
+def collapse(c: RestlevelCoefficients, s: RestlevelState) -> None:
     """Compute the output from the Gaussian sum: yaw, bias, their covariance, and probabilities.
 
     The means are weighted by the cubes of the probabilities, so that improbable hypotheses hardly count. The covariance
-    about these means is weighted by the probability minus `TAIL`, and at least 0. A hypothesis without a known bias
-    counts with the wide covariance of its turn-on bias, because the prior of that bias has a wide part.
+    about these means is weighted by the probability minus `TAIL`, and at least 0. It holds the ramp that the bias may
+    have followed since the last rest, as the update at the next rest does. The ramp grew evenly, so yaw since the last
+    zero is off by the mean ramp of that time.
     """
     total = yaw_deg = bias_dps = rest_weight = most = 0.0
     for h in s.hypotheses:
@@ -128,11 +129,13 @@ def collapse(s: RestlevelState) -> None:
         yaw_var += weight * (h.yaw_var + apart_deg * apart_deg)
         covariance += weight * (h.covariance + apart_deg * apart_dps)
         bias_var += weight * (h.bias_var + apart_dps * apart_dps)
-        if not h.knows_bias:
-            wider = weight * (WIDE_FACTOR - 1.0)
-            yaw_var += wider * h.covariance * h.covariance / h.bias_var
-            covariance += wider * h.covariance
-            bias_var += wider * h.bias_var
+        if h.knows_bias and h.moving_s > 0.0:
+            ramp_dps, seconds = c.rate_ramp_dps_s * min(h.moving_s, MAX_RAMP_S), min(h.moving_s, s.travelled_s)
+            ramp_var = weight * RAMP_PROBABILITY * ramp_dps * ramp_dps
+            reach_s = seconds - 0.5 * seconds * seconds / h.moving_s
+            bias_var += ramp_var
+            covariance -= ramp_var * reach_s
+            yaw_var += ramp_var * reach_s * reach_s
     yaw_var /= total
     covariance /= total
     bias_var /= total

@@ -141,8 +141,8 @@ class RestlevelState:
         Yaw at the first sample or the last zero.
     lived_s
         Time since the first sample up to the present block, s.
-    travelled_deg
-        Sum of the absolute angles of all blocks since the first sample or the last zero.
+    travelled_deg, travelled_s
+        Sum of the absolute angles of all blocks since the first sample or the last zero, and their length, s.
     blocks
         Number of complete blocks.
     watch
@@ -174,6 +174,7 @@ class RestlevelState:
     start_yaw_deg: float = 0.0
     lived_s: float = 0.0
     travelled_deg: float = 0.0
+    travelled_s: float = 0.0
     blocks: int = 0
     noise: NoiseModel = field(default_factory=NoiseModel)
     turns: MeanTurns = field(default_factory=MeanTurns)

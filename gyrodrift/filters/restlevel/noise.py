@@ -62,7 +62,7 @@ def is_stationary(c: RestlevelCoefficients, block: BlockStats, noise: NoiseModel
     if noise.resolution_dps > 0.0 and not noise.has_steps and (is_starting or variance < MAX_NOISE_VAR):
         _forget_blocks(noise)  # blocks of a repeated value show no noise
         variance = _variance(block, noise)
-    error = sqrt(2.0 / block.samples)  # relative standard error of a variance
+    error = sqrt(2.0 / _independent(block))  # relative standard error of a variance
     if noise.sample_var < 0.0:
         noise.sample_var = variance
     limit = 1.0 + c.stationarity_sigmas * error * sqrt(1.0 + 1.0 / max(noise.stationary_blocks, 1))
@@ -79,24 +79,25 @@ def is_stationary(c: RestlevelCoefficients, block: BlockStats, noise: NoiseModel
         noise.sample_var *= 1.0 + NOISE_RISE * block.seconds
     noise.last_block_var = variance
     if not noise.is_walk_measured:
-        noise.angle_walk_var = 2.0 * noise.sample_var / block.samples * block.seconds
+        noise.angle_walk_var = 2.0 * noise.sample_var / _independent(block) * block.seconds
     return variance < noise.sample_var * limit
 
 
-def begins_to_measure(noise: NoiseModel, rate_dps: float) -> bool:
-    """Whether the present block is the first with rates of a fine sensor that sent zeros before.
+def begins_to_measure(noise: NoiseModel) -> bool:
+    """Whether the present block is the first with rates of a fine sensor that repeated one value before.
 
-    If its first step is the last sample of the block, a fine resolution may show only in the next block.
+    A device that begins to move shows the fine resolution of its sensor only after some blocks.
     """
     if noise.resolution_dps < 0.0:
-        noise.zero_blocks = noise.zero_blocks + 1 if rate_dps == 0.0 else 0
+        noise.same_blocks += 1
         return False
-    blocks_before = noise.zero_blocks
-    noise.zero_blocks = -1 if blocks_before > 0 else 0
-    if blocks_before == 0 or noise.resolution_dps > FINE_DPS:
+    if noise.same_blocks > 0:
+        noise.same_blocks = -START_BLOCKS
+    if noise.same_blocks == 0:
         return False
-    noise.zero_blocks = 0
-    return True
+    is_fine = noise.resolution_dps <= FINE_DPS
+    noise.same_blocks = 0 if is_fine else noise.same_blocks + 1
+    return is_fine
 
 
 def forget_noise(noise: NoiseModel) -> None:
@@ -135,7 +136,7 @@ def learn_at_rest(
     noise.is_walk_measured = noise.is_walk_measured or rest_weight > 0.5
     measured_var = min(0.5 * step_dps * step_dps * seconds, INNOVATION_CLIP * noise.angle_walk_var)
     walk_var = noise.angle_walk_var + WALK_GAIN * rest_weight * (measured_var - noise.angle_walk_var)
-    noise.angle_walk_var = max(walk_var, _rounding_var(noise) / block.samples * seconds)
+    noise.angle_walk_var = max(walk_var, _rounding_var(noise) / _independent(block) * seconds)
 
 
 def _forget_blocks(noise: NoiseModel) -> None:
@@ -143,6 +144,11 @@ def _forget_blocks(noise: NoiseModel) -> None:
     noise.sample_var = noise.last_block_var = -1.0
     noise.stationary_blocks = 0
     noise.has_steps, noise.is_walk_measured = True, False
+
+
+def _independent(block: BlockStats) -> int:
+    """Number of independent samples of a block: all, unless most repeat the one before; two are the least."""
+    return max(block.samples - block.repeats, 2) if 2 * block.repeats >= block.samples else block.samples
 
 
 def _variance(block: BlockStats, noise: NoiseModel) -> float:

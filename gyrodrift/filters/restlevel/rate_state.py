@@ -16,6 +16,8 @@ class BlockStats:
 
     seconds, samples
         Length so far, s, and number of samples.
+    repeats
+        Number of samples that repeat the value before of a fine sensor. They are no new measurements.
     angle_deg
         Angle turned, by the trapezoidal rule.
     origin_dps
@@ -26,6 +28,7 @@ class BlockStats:
 
     seconds: float = 0.0
     samples: int = 0
+    repeats: int = 0
     angle_deg: float = 0.0
     origin_dps: float = 0.0
     sum_dps: float = 0.0
@@ -52,8 +55,8 @@ class NoiseModel:
         Whether N² has been measured at a rest. Before that it follows from `sample_var`, as if the noise were white.
     has_dropped
         Whether the last block has replaced `sample_var` by a much smaller value.
-    zero_blocks
-        Number of blocks at power-on that contain zeros only; −1 if the block before was the first with a step.
+    same_blocks
+        Number of blocks at power-on that contain a single value; −1 if the block before was the first with a step.
     flicker_var
         Bias instability, (deg/s)²: variance of block means at rest that N² does not explain.
     is_frozen, frozen_deg
@@ -68,7 +71,7 @@ class NoiseModel:
     angle_walk_var: float = -1.0
     is_walk_measured: bool = False
     has_dropped: bool = False
-    zero_blocks: int = 0
+    same_blocks: int = 0
     flicker_var: float = 0.0
     is_frozen: bool = False
     frozen_deg: float = 0.0

@@ -68,8 +68,8 @@ def remembered_weight(s: RestlevelState) -> float:
     return weight
 
 
-def begin_remembered(c: RestlevelCoefficients, s: RestlevelState) -> int:
-    """Set a hypothesis for each remembered bias, in the first slots; return their number."""
+def begin_remembered(c: RestlevelCoefficients, s: RestlevelState) -> None:
+    """Set a hypothesis for each remembered bias, in the first slots."""
     count = 0
     for memory in s.remembered:
         if memory.weight > 0.0:
@@ -78,4 +78,3 @@ def begin_remembered(c: RestlevelCoefficients, s: RestlevelState) -> int:
             h.yaw_deg = s.yaw_deg
             h.knows_bias = True
             count += 1
-    return count

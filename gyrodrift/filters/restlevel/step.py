@@ -30,7 +30,7 @@ from gyrodrift.filters.restlevel.model import (
     RestlevelParams,
     RestlevelState,
 )
-from gyrodrift.filters.restlevel.noise import begins_to_measure
+from gyrodrift.filters.restlevel.noise import FINE_DPS, begins_to_measure
 from gyrodrift.filters.restlevel.recall import recall_noise
 from gyrodrift.filters.restlevel.segments import (
     CONFIRMED_BLOCKS,
@@ -48,6 +48,9 @@ LEAST_VAR = 1e-24
 
 MIN_BLOCK_SAMPLES = 6
 """Smallest number of samples in a block. The variance of fewer samples is too uncertain."""
+
+SAME_TIME_S = 1e-6
+"""Difference of two times that are the same, s: the last digits of a time must not decide where a block ends."""
 
 TURN_DEG = 30.0
 """Angle of a turn, deg. Errors of scale and cross axes are equal within a turn, and independent between turns."""
@@ -138,12 +141,13 @@ def advance(
     seconds = block.seconds + dt_s
     block.seconds = seconds
     block.samples += 1
+    block.repeats += int(step_dps == 0.0 < noise.resolution_dps <= FINE_DPS)
     block.sum_dps += above_dps
     block.sum_squares += above_dps * above_dps
     block.angle_deg += 0.5 * (rate_dps + s.rate_dps) * dt_s
     s.rate_dps = rate_dps
     s.samples += 1
-    if seconds >= c.window_s and block.samples >= MIN_BLOCK_SAMPLES:
+    if seconds > c.window_s - SAME_TIME_S and block.samples >= MIN_BLOCK_SAMPLES:
         expected_deg = moments.yaw_deg + block.angle_deg - s.bias_dps * seconds
         _end_block(c, s, seconds)
         _count_correction(s, moments.yaw_deg - expected_deg)
@@ -168,10 +172,11 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
     """Pass a complete block to segments and hypotheses, and begin the next block."""
     block, segment = s.block, s.segment
     s.lived_s += seconds
+    s.travelled_s += seconds
     s.watch.longest_step_s = longest_step_s(seconds / block.samples)
     mean_dps = block.angle_deg / seconds
     step_dps = mean_dps - segment.last_mean_dps
-    if begins_to_measure(s.noise, s.rate_dps):
+    if begins_to_measure(s.noise):
         restart(c, s)
     if s.blocks == 0:
         recall_noise(s, seconds)
@@ -198,13 +203,13 @@ def _end_block(c: RestlevelCoefficients, s: RestlevelState, seconds: float) -> N
     elif segment.blocks < CONFIRMED_BLOCKS:
         follow_turns(s.turns, block.angle_deg, seconds)
     weigh_turns(s)
-    collapse(s)
+    collapse(c, s)
     learn_when_sure(c, s, seconds, is_certain)
     s.travelled_deg += abs(block.angle_deg - s.bias_dps * seconds)
     s.witness.was_certain = is_certain
     s.witness.still = s.witness.moving = 0
     block.seconds = 0.0
-    block.samples = 0
+    block.samples = block.repeats = 0
     block.angle_deg = 0.0
     block.sum_dps = 0.0
     block.sum_squares = 0.0

@@ -8,7 +8,6 @@ from dataclasses import replace
 from math import sqrt
 
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
-from gyrodrift.filters.restlevel.mixture import collapse
 from gyrodrift.filters.restlevel.model import RestlevelCoefficients, RestlevelParams, RestlevelState
 from gyrodrift.filters.restlevel.step import TURN_DEG
 
@@ -20,8 +19,10 @@ def zero_yaw(s: RestlevelState) -> None:
     for h in s.hypotheses:
         if h.weight > 0.0:
             _zero_hypothesis(h, s)
-    collapse(s)
-    s.start_yaw_deg, s.travelled_deg, s.yaw_sigma_deg = s.yaw_deg, 0.0, 0.0
+    s.start_yaw_deg, s.travelled_deg, s.travelled_s, s.yaw_sigma_deg = s.yaw_deg, 0.0, 0.0, 0.0
+    moments, gone_s = s.moments, s.block.seconds
+    moments.covariance = moments.bias_var * gone_s
+    moments.yaw_var = moments.covariance * gone_s
 
 
 def _zero_hypothesis(h: Hypothesis, s: RestlevelState) -> None:

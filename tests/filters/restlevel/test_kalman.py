@@ -5,9 +5,7 @@ from math import exp, log, pi
 import pytest
 
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
-from gyrodrift.filters.restlevel.kalman import first_kalman_update, gaussian_logpdf, kalman_step, kalman_update
-from gyrodrift.filters.restlevel.model import RestlevelParams
-from gyrodrift.filters.restlevel.step import coefficients
+from gyrodrift.filters.restlevel.kalman import gaussian_logpdf, kalman_step, kalman_update
 
 
 def test_a_step_shares_the_innovation_by_the_variances() -> None:
@@ -45,12 +43,3 @@ def test_both_models_are_merged_by_their_likelihoods() -> None:
     walk, ramp = 0.7 / 2.0**0.5, 0.3 / 8.0**0.5
     assert exp(log_likelihood) == pytest.approx((walk + ramp) / (2.0 * pi) ** 0.5)
     assert h.bias_var == pytest.approx((walk * 1.0 / 2.0 + ramp * 7.0 / 8.0) / (walk + ramp))
-
-
-def test_the_first_bias_may_be_that_of_a_part_far_out() -> None:
-    c = coefficients(RestlevelParams(turn_on_dps=0.5))
-    h = Hypothesis(weight=1.0, bias_var=c.turn_on_var)
-    log_likelihood = first_kalman_update(c, h, 6.0, 1e-9)  # 12 sigmas of the typical, 3 of the wide
-    assert log_likelihood == pytest.approx(log(0.03) - 4.5 - log(2.0) - 0.5 * log(2.0 * pi), abs=1e-6)
-    assert h.bias_dps == pytest.approx(6.0, abs=1e-6)
-    assert (h.knows_bias, h.moving_s) == (True, 0.0)

@@ -6,7 +6,10 @@ import pytest
 
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.mixture import collapse, is_in_merge_gate, merge_and_prune, moment_matched_merge
-from gyrodrift.filters.restlevel.model import RestlevelState
+from gyrodrift.filters.restlevel.model import RestlevelParams, RestlevelState
+from gyrodrift.filters.restlevel.step import coefficients
+
+C = coefficients(RestlevelParams())
 
 
 def test_a_merge_keeps_the_mean_and_the_covariance_of_both() -> None:
@@ -53,7 +56,7 @@ def test_variances_leave_out_what_is_improbable() -> None:
         s = RestlevelState()
         s.hypotheses[0] = Hypothesis(knows_bias=True, weight=1.0 - weight, bias_var=1.0)
         s.hypotheses[1] = Hypothesis(knows_bias=True, weight=weight, bias_var=1.0, bias_dps=6.0)
-        collapse(s)
+        collapse(C, s)
         assert s.bias_sigma_dps == pytest.approx(sigma_dps, rel=0.1)
 
 
@@ -77,7 +80,7 @@ def test_collapsed_means_are_by_cubed_probability() -> None:
     s = RestlevelState()
     s.hypotheses[2] = Hypothesis(knows_bias=True, weight=0.8, bias_dps=1.0, yaw_deg=-2.0, bias_var=0.5, is_at_rest=True)
     s.hypotheses[5] = Hypothesis(knows_bias=True, weight=0.2, bias_var=0.5)
-    collapse(s)
+    collapse(C, s)
     assert s.bias_dps == pytest.approx(64.0 / 65.0)
     assert s.moments.yaw_deg == pytest.approx(-128.0 / 65.0)
     assert (s.confidence, s.rest_probability) == (0.8, 0.8)
@@ -87,10 +90,12 @@ def test_collapsed_means_are_by_cubed_probability() -> None:
     assert s.moments.yaw_var == pytest.approx(4.0 * spread)
 
 
-def test_sigma_before_the_first_rest_is_that_of_a_part_far_out() -> None:
-    """Sixteen times the variance of the turn-on bias, of what that has added to yaw too; of the angle walk once."""
-    s = RestlevelState()
-    s.hypotheses[0] = Hypothesis(weight=1.0, bias_var=0.25, covariance=-15.0, yaw_var=900.0 + 4.0)
-    collapse(s)
-    assert s.bias_sigma_dps == 4.0 * 0.5
-    assert (s.moments.covariance, s.moments.yaw_var) == (-240.0, 16.0 * 900.0 + 4.0)
+def test_the_covariance_holds_a_ramp_since_the_last_rest_and_yaw_only_that_since_the_zero() -> None:
+    """20 s at 0.004 deg/s² with probability 0.3; a zero after 10 s halves the time and keeps the later part of it."""
+    ramp_var = 0.3 * 0.08**2
+    for travelled_s, reach_s in ((20.0, 10.0), (10.0, 7.5), (0.0, 0.0)):
+        s = RestlevelState(travelled_s=travelled_s)
+        s.hypotheses[0] = Hypothesis(weight=1.0, knows_bias=True, moving_s=20.0)
+        collapse(C, s)
+        assert s.bias_sigma_dps**2 == pytest.approx(ramp_var)
+        assert (s.moments.covariance, s.moments.yaw_var) == pytest.approx((-ramp_var * reach_s, ramp_var * reach_s**2))

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from restlevel_reference import reference
 
 from gyrodrift.evaluation.auxiliary import Auxiliary
 from gyrodrift.evaluation.kernels.restlevel import walk
@@ -110,22 +109,6 @@ def test_a_bias_that_jumps_while_it_says_rest_is_followed() -> None:
     assert s.witness.refuted == 0
     assert s.bias_dps == pytest.approx(0.35, abs=0.01)
     assert abs(s.yaw_deg) < 1.0
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_an_independent_reading_agrees(seed: int) -> None:
-    dice = np.random.default_rng(seed)
-    _, rate_dps, still = stop_and_go(float(dice.normal(0.0, 1.0)), seed, stop_s=float(dice.uniform(1.0, 6.0)))
-    for _ in range(12):
-        index, length = dice.integers(0, len(still)), dice.integers(20, 900)
-        still[index : index + length] = dice.choice([0.0, 1.0, np.nan])
-    p = RestlevelParams(turn_on_dps=float(dice.choice([0.0, 0.5, 1.0])), window_s=float(dice.uniform(0.1, 0.5)))
-    t_s = np.arange(len(rate_dps)) / RATE_HZ
-    result = reference(t_s, rate_dps, p, still)
-    dt_s = np.diff(t_s, prepend=t_s[:1])
-    yaw_deg, _, bias_dps = walk(dt_s, rate_dps, p, Auxiliary(still, NOBODY))
-    np.testing.assert_allclose(yaw_deg[result["end"]], result["yaw"], rtol=0.0, atol=1e-6)
-    np.testing.assert_allclose(bias_dps[result["end"]], result["bias"], rtol=0.0, atol=1e-6)
 
 
 def test_a_sensor_that_takes_its_own_bias_out_begins_with_none() -> None:

@@ -5,6 +5,7 @@
 #define GD_ATTITUDE_EVIDENCE_H
 
 #include "attitude_rests.h"
+#include "parts.h"
 
 /* Density of the rates of even turns, 1/(deg/s), as in restlevel: even to 15 deg/s in both directions. */
 #define GD_ATTITUDE_TURNS_PER_DPS GD_R(0.03)
@@ -16,12 +17,18 @@
 /* Share of rests before which the bias jumped, as the raw parts, and the size of jumps over the spread of the bias. */
 #define GD_ATTITUDE_JUMP_SHARE GD_R(0.03)
 #define GD_ATTITUDE_JUMP GD_R(0.4)
+/* Share of parts whose three axes are of one kind. */
+#define GD_ATTITUDE_ONE_KIND GD_R(0.8)
 /* Share of a rate that the level axes see: errors of the tilt by 0.3 m/s^2 of bias of the accelerometer. */
 #define GD_ATTITUDE_ALIGNMENT GD_R(0.03)
 /* Share of rests before which the bias was learned in an even turn, so that it has its prior again. */
 #define GD_ATTITUDE_MISTAKE_SHARE GD_R(0.005)
 /* Error of the bias that its covariance does not contain, deg/s, where a rest is tested. */
 #define GD_ATTITUDE_MODEL_ERROR GD_R(0.1)
+/* Change of a bias within a rest that its covariance does not contain, deg/s. */
+#define GD_ATTITUDE_SAME_RATE GD_R(0.01)
+/* Longest drift of a bias since the last rest, s, as in restlevel. */
+#define GD_ATTITUDE_LONGEST_DRIFT_S GD_R(20.0)
 /* Logarithms of 1e-300, the smallest density, and of 2 pi. */
 #define GD_ATTITUDE_LOG_LEAST GD_R(-690.7755278982137)
 #define GD_ATTITUDE_LOG_TURN GD_R(1.8378770664093453)
@@ -71,24 +78,43 @@ static inline void gd_attitude_level_basis(gd_real basis[9], const gd_real up[3]
   gd_cross(&basis[3], up, basis);
 }
 
-/* Logarithm of the density of the vertical rate of a rest, 1/(deg/s), before any rest has shown the bias. The level
-   rates, as distances from the mean of the prior, are biases in every case, and show the spread of the part. */
-static inline gd_real gd_attitude_log_first_rest(gd_real prior_var, const gd_real rate[3], gd_real off,
-                                                 gd_real variance) {
-  /* Spread of the biases of a part over its prior, and shares of such parts: biases removed by the part, usual parts,
-     and raw parts. The three axes of a part have one spread. */
-  static const gd_real spreads[3] = {GD_R(0.1), GD_R(1.0), GD_R(4.0)}, shares[3] = {GD_R(0.5), GD_R(0.47), GD_R(0.03)};
+/* Logarithms of the densities before any rest has shown the bias: of the level rates, and of all rates of a rest. The
+   level rates, as distances from the mean of the prior, are biases in every case, and show the kind of the part. */
+static inline void gd_attitude_log_first_rest(gd_real *level, gd_real *rest, gd_real prior_var, const gd_real rate[3],
+                                              gd_real off, gd_real variance) {
   const gd_real zero[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0}, error_var = GD_ATTITUDE_MODEL_ERROR * GD_ATTITUDE_MODEL_ERROR;
-  gd_real total = 0, weights = 0;
-  int i;
-  for (i = 0; i < 3; i++) {
-    const gd_real factor = spreads[i] * spreads[i];
-    const gd_real weight = GD_LOG(shares[i]) + gd_log_density(rate, zero, factor * prior_var + error_var, 2);
-    const gd_real term = weight + gd_log_density(&off, zero, variance * factor + error_var, 1);
-    weights = i == 0 ? weight : gd_log_add(weights, weight);
-    total = i == 0 ? term : gd_log_add(total, term);
+  gd_real vertical = GD_ATTITUDE_LOG_LEAST;
+  uint8_t k;
+  *level = *rest = GD_ATTITUDE_LOG_LEAST;
+  for (k = 0; k < GD_PARTS; k++) {
+    const gd_real factor = gd_part_wider(k) * gd_part_wider(k), log_share = GD_LOG(gd_part_share(k));
+    const gd_real density = log_share + gd_log_density(rate, zero, factor * prior_var + error_var, 2);
+    const gd_real along = gd_log_density(&off, zero, variance * factor + error_var, 1);
+    *level = gd_log_add(*level, density);
+    *rest = gd_log_add(*rest, density + along);
+    vertical = gd_log_add(vertical, log_share + along);
   }
-  return total - gd_max(weights, GD_ATTITUDE_LOG_LEAST);
+  vertical += GD_LOG(GD_R(1.0) - GD_ATTITUDE_ONE_KIND) + *level;
+  *rest = gd_log_add(GD_LOG(GD_ATTITUDE_ONE_KIND) + *rest, vertical);
+}
+
+/* Sigma of the drift of a bias since the last rest, rad/s. */
+static inline gd_real gd_attitude_drift(const gd_attitude *a, const gd_attitude_hypothesis *h) {
+  return h->knows_bias ? a->c.drift_rate * gd_min(h->moving_s, GD_ATTITUDE_LONGEST_DRIFT_S) : GD_R(0.0);
+}
+
+/* Add the drift since the last rest to a covariance. It grew evenly, so the error of the heading is half of its end
+   value times the time since the rest. */
+static inline void gd_attitude_add_drift(const gd_attitude *a, gd_attitude_hypothesis *h) {
+  const gd_real drift = gd_attitude_drift(a, h), half_s = GD_R(0.5) * h->moving_s;
+  gd_real up[3];
+  int i;
+  gd_up_in_sensor(up, h->q);
+  gd_add_variance(h->cov, GD_ATTITUDE_BIAS, drift * drift);
+  h->cov[gd_place(GD_ATTITUDE_HEADING, GD_ATTITUDE_HEADING)] += drift * drift * half_s * half_s;
+  for (i = 0; i < 3; i++) {
+    h->cov[gd_place(GD_ATTITUDE_HEADING, GD_ATTITUDE_BIAS + i)] -= drift * drift * half_s * up[i];
+  }
 }
 
 /* A candidate's rates for a hypothesis: mean rates and distance from the bias, deg/s, with the covariance of the
@@ -100,6 +126,8 @@ typedef struct {
 static inline void gd_attitude_offset_of(gd_attitude_offset *out, const gd_attitude *a,
                                          const gd_attitude_hypothesis *h, const gd_attitude_candidate *m,
                                          const gd_real up[3], const gd_real variance[3]) {
+  const gd_real drift = gd_attitude_drift(a, h);
+  const gd_real error = h->knows_bias ? GD_ATTITUDE_SAME_RATE : GD_ATTITUDE_MODEL_ERROR;
   gd_real basis[9], off[3], rate[3], turn_on[3], spread[9];
   int i;
   gd_attitude_level_basis(basis, up);
@@ -107,7 +135,7 @@ static inline void gd_attitude_offset_of(gd_attitude_offset *out, const gd_attit
   for (i = 0; i < 3; i++) {
     rate[i] = m->gyro[i] / GD_ATTITUDE_RAD;
     off[i] = (m->gyro[i] - h->bias[i]) / GD_ATTITUDE_RAD;
-    spread[4 * i] += variance[i];
+    spread[4 * i] += variance[i] + drift * drift;
   }
   for (i = 0; i < 9; i++) {
     spread[i] /= GD_ATTITUDE_RAD * GD_ATTITUDE_RAD;
@@ -119,7 +147,7 @@ static inline void gd_attitude_offset_of(gd_attitude_offset *out, const gd_attit
   }
   gd_times(out->off, basis, off);
   gd_in_basis(out->spread, basis, spread);
-  out->error_var = GD_ATTITUDE_MODEL_ERROR * GD_ATTITUDE_MODEL_ERROR +
+  out->error_var = error * error +
                    GD_ATTITUDE_ALIGNMENT * GD_ATTITUDE_ALIGNMENT * gd_dot(out->rate, out->rate);
 }
 
@@ -127,9 +155,9 @@ static inline void gd_attitude_offset_of(gd_attitude_offset *out, const gd_attit
 static inline gd_real gd_attitude_log_known_rest(const gd_attitude_hypothesis *h, const gd_attitude_offset *o,
                                                  gd_real prior_var) {
   const gd_real jump_var = GD_ATTITUDE_JUMP * GD_ATTITUDE_JUMP * prior_var;
-  gd_real rest = GD_LOG(GD_R(1.0) - GD_ATTITUDE_JUMP_SHARE) + gd_log_density(o->off, o->spread, o->error_var, 3);
-  rest = gd_log_add(
-      rest, GD_LOG(GD_ATTITUDE_JUMP_SHARE) + gd_log_density(o->off, o->spread, o->error_var + jump_var, 3));
+  const gd_real jumps = GD_ATTITUDE_JUMP_SHARE * gd_min(GD_R(1.0), h->moving_s / GD_ATTITUDE_LONGEST_DRIFT_S);
+  gd_real rest = GD_LOG(GD_R(1.0) - jumps) + gd_log_density(o->off, o->spread, o->error_var, 3);
+  rest = gd_log_add(rest, GD_LOG(jumps) + gd_log_density(o->off, o->spread, o->error_var + jump_var, 3));
   if (gd_dot(o->rate, o->rate) < gd_dot(h->bias, h->bias) / (GD_ATTITUDE_RAD * GD_ATTITUDE_RAD)) {
     rest = gd_log_add(rest, GD_LOG(GD_ATTITUDE_MISTAKE_SHARE) + gd_log_density(o->rate, o->spread, prior_var, 3));
   }
@@ -145,14 +173,19 @@ static inline void gd_attitude_weigh(gd_real *log_rest, gd_real *log_motion, con
   const gd_real sigma = c->bias_sigma / GD_ATTITUDE_RAD;
   const gd_real share =
       m->kind.blocks <= GD_ATTITUDE_QUIET_BLOCKS ? GD_ATTITUDE_MOTION_SHARE : GD_ATTITUDE_NOISY_MOTION_SHARE;
+  const gd_real none[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
   gd_attitude_offset o;
-  gd_real level, rest, chance;
+  gd_real level, rest, chance, vertical_var;
   gd_attitude_offset_of(&o, a, h, m, up, variance);
   level = gd_log_density(o.off, o.spread, o.error_var, 2);
-  chance = GD_LOG(share) + gd_log_density(o.off, o.spread,
-                                          o.error_var + GD_ATTITUDE_MOTION_SPREAD * GD_ATTITUDE_MOTION_SPREAD, 3);
-  rest = h->knows_bias ? gd_attitude_log_known_rest(h, &o, sigma * sigma)
-                       : level + gd_attitude_log_first_rest(sigma * sigma, o.turn_on, o.off[2], o.spread[8]);
+  chance = gd_log_density(o.off, o.spread, o.error_var + GD_ATTITUDE_MOTION_SPREAD * GD_ATTITUDE_MOTION_SPREAD, 3);
+  if (h->knows_bias) {
+    rest = gd_attitude_log_known_rest(h, &o, sigma * sigma);
+  } else {
+    gd_attitude_log_first_rest(&level, &rest, sigma * sigma, o.turn_on, o.off[2], o.spread[8]);
+  }
+  vertical_var = o.spread[8] + o.error_var + GD_ATTITUDE_MOTION_SPREAD * GD_ATTITUDE_MOTION_SPREAD;
+  chance = gd_log_add(chance, level + gd_log_density(&o.off[2], none, vertical_var, 1)) + GD_LOG(share);
   *log_rest = gd_log_add(rest, GD_ATTITUDE_LOG_LEAST);
   *log_motion = gd_log_add(gd_log_add(GD_LOG(GD_ATTITUDE_TURNS_PER_DPS) + level, chance), GD_ATTITUDE_LOG_LEAST);
 }

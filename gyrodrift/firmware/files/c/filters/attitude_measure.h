@@ -118,4 +118,46 @@ static inline gd_real gd_attitude_log_likelihood(const gd_attitude_innovation *m
   return GD_R(0.5) * (m->log_det - gd_min(gd_attitude_squared(m), GD_ATTITUDE_MOST_SQUARED));
 }
 
+/* Widen all that the bias carries: its covariances with the heading grow too. */
+static inline void gd_attitude_widen_part(gd_real *cov, gd_real factor) {
+  gd_real carried[GD_ATTITUDE_STATES][3], block[9], inverse[9], gain[3];
+  gd_real *entry = cov;
+  int i, j;
+  gd_diagonal_block(block, cov, GD_ATTITUDE_BIAS);
+  gd_invert(inverse, 0, block);
+  for (i = 0; i < GD_ATTITUDE_STATES; i++) {
+    for (j = 0; j < 3; j++) {
+      carried[i][j] = cov[gd_place(i, GD_ATTITUDE_BIAS + j)];
+    }
+  }
+  for (i = 0; i < GD_ATTITUDE_STATES; i++) {
+    gd_times(gain, inverse, carried[i]);
+    for (j = i; j < GD_ATTITUDE_STATES; j++) {
+      *entry++ += (factor - GD_R(1.0)) * gd_dot(gain, carried[j]);
+    }
+  }
+}
+
+/* Widen the bias of a hypothesis whose rest is more than 3 sigma away in a component. Before the first rest the part is
+   a raw one. Later the bias has jumped. */
+static inline void gd_attitude_widen(gd_attitude_hypothesis *h, const gd_real off[3], const gd_real variance[3]) {
+  gd_real factor = 1;
+  int i, is_far = 0;
+  for (i = 0; i < 3; i++) {
+    const gd_real spread = h->cov[gd_place(GD_ATTITUDE_BIAS + i, GD_ATTITUDE_BIAS + i)];
+    is_far = is_far || off[i] * off[i] > GD_R(9.0) * (spread + variance[i]);
+    factor = gd_max(factor, off[i] * off[i] / gd_max(GD_R(9.0) * spread, GD_ATTITUDE_PIVOT));
+  }
+  if (!is_far) {
+    return;
+  }
+  if (h->knows_bias) {
+    for (i = 0; i < 3; i++) {
+      h->cov[gd_place(GD_ATTITUDE_BIAS + i, GD_ATTITUDE_BIAS + i)] += off[i] * off[i];
+    }
+  } else {
+    gd_attitude_widen_part(h->cov, factor);
+  }
+}
+
 #endif

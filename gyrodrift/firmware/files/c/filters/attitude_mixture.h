@@ -6,10 +6,8 @@
 
 /* Probability below which a hypothesis is pruned. */
 #define GD_ATTITUDE_LEAST_WEIGHT GD_R(1e-6)
-/* Probability from which on a hypothesis counts in variances. */
-#define GD_ATTITUDE_COVERED GD_R(0.01)
-/* Distance of a hypothesis from the mean heading, in its standard deviations, from which on it is another one. */
-#define GD_ATTITUDE_DISTINCT_SIGMAS GD_R(2.0)
+/* Probability that is subtracted from each hypothesis for the variances, as in restlevel. */
+#define GD_ATTITUDE_TAIL GD_R(0.045)
 /* Variance of headings that are the same, rad^2: 0.01 deg, as in restlevel. */
 #define GD_ATTITUDE_MERGE_HEADING_VAR (GD_R(0.01 * 0.017453292519943295) * GD_R(0.01 * 0.017453292519943295))
 
@@ -77,6 +75,7 @@ static inline void gd_attitude_merge(gd_attitude_hypothesis *g, const gd_attitud
     error[i] *= share;
   }
   g->weight += h->weight;
+  g->moving_s = gd_min(g->moving_s, h->moving_s);
   gd_attitude_correct(g, error);
   g->yaw_deg = yaw_deg;
 }
@@ -131,30 +130,27 @@ static inline void gd_attitude_means(gd_attitude_moments *m, const gd_attitude_s
 /* The Gaussian sum as one estimate; the first hypothesis is the most probable. */
 static inline void gd_attitude_moments_of(gd_attitude_moments *m, const gd_attitude_sum *sum) {
   const gd_attitude_hypothesis *first = &sum->slot[sum->order[0]];
-  gd_real total = 0, heading_var = 0, reach = 0;
+  gd_real total = 0, heading_var = 0;
   int i, j, k;
   gd_attitude_means(m, sum);
   memset(m->bias_cov, 0, sizeof m->bias_cov);
   for (i = 0; i < sum->count; i++) {
     const gd_attitude_hypothesis *h = &sum->slot[sum->order[i]];
     const gd_real off = (h->yaw_deg - first->yaw_deg) * GD_ATTITUDE_RAD - m->heading;
-    const gd_real variance = gd_attitude_variance(h, GD_ATTITUDE_HEADING), sigma = GD_SQRT(gd_max(variance, 0));
-    if (!(h->weight > GD_ATTITUDE_COVERED)) {
+    const gd_real weight = h->weight - GD_ATTITUDE_TAIL;
+    if (!(weight > 0)) {
       continue;
     }
-    total += h->weight;
-    heading_var += h->weight * (variance + off * off);
-    if (GD_ABS(off) > GD_ATTITUDE_DISTINCT_SIGMAS * sigma) {
-      reach = gd_max(reach, GD_R(0.5) * GD_ABS(off) + sigma);
-    }
+    total += weight;
+    heading_var += weight * (gd_attitude_variance(h, GD_ATTITUDE_HEADING) + off * off);
     for (j = 0; j < 3; j++) {
       for (k = 0; k < 3; k++) {
-        m->bias_cov[3 * j + k] += h->weight * (h->cov[gd_place(GD_ATTITUDE_BIAS + j, GD_ATTITUDE_BIAS + k)] +
-                                               (h->bias[j] - m->bias[j]) * (h->bias[k] - m->bias[k]));
+        m->bias_cov[3 * j + k] += weight * (h->cov[gd_place(GD_ATTITUDE_BIAS + j, GD_ATTITUDE_BIAS + k)] +
+                                            (h->bias[j] - m->bias[j]) * (h->bias[k] - m->bias[k]));
       }
     }
   }
-  m->heading_var = gd_max(heading_var / total, reach * reach);
+  m->heading_var = heading_var / total;
   for (k = 0; k < 9; k++) {
     m->bias_cov[k] /= total;
   }

@@ -52,6 +52,7 @@ typedef struct {
   double block_s;                   /* length of a block, s */
   gd_real bias_sigma;               /* standard deviation of the bias at power-on, rad/s */
   gd_real walk_var;                 /* its random walk, (rad/s)^2/s */
+  gd_real drift_rate;               /* its fastest drift, rad/s^2 */
   gd_real scale_sigma, cross_sigma; /* standard deviations of scale factor and misalignment, as shares */
   gd_real start_odds, rest_odds;    /* prior odds of a rest against an even turn at the start, and later */
   gd_real limits;                   /* factor on the spread of block means in a rest */
@@ -63,6 +64,7 @@ typedef struct {
   gd_real q[4], bias[3], velocity[3], scale[9], force_bias[3];
   gd_real yaw_deg;                                                /* heading, next to 0: whole turns are in the state */
   gd_real cov[GD_ATTITUDE_STATES * (GD_ATTITUDE_STATES + 1) / 2]; /* upper triangle of the covariance, row by row */
+  gd_real moving_s; /* time since the last measured rest */
   uint8_t regime;
   uint8_t knows_bias; /* a rest of 1 s or more was measured */
 } gd_attitude_hypothesis;
@@ -199,6 +201,7 @@ static inline gd_attitude_coefficients gd_attitude_coefficients_of(const gd_rest
   c.bias_sigma = GD_ATTITUDE_SPREAD_OF_BIAS * p->turn_on_dps * GD_ATTITUDE_RAD;
   c.bias_sigma = GD_IS_FLOAT ? gd_min(c.bias_sigma, GD_ATTITUDE_LARGEST_FLOAT_BIAS) : c.bias_sigma;
   c.walk_var = walk * walk;
+  c.drift_rate = p->drift_dps_s * GD_ATTITUDE_RAD;
   c.scale_sigma = scale;
   c.cross_sigma = GD_ATTITUDE_CROSS_AXIS * scale;
   c.start_odds = p->still_start / (GD_R(1.0) - p->still_start);

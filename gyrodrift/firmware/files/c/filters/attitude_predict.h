@@ -176,6 +176,7 @@ static inline void gd_attitude_predict(gd_attitude_hypothesis *h, const gd_attit
   for (i = 0; i < 3; i++) {
     h->velocity[i] += velocity[i];
   }
+  h->moving_s += block->seconds;
   h->velocity[2] -= GD_ATTITUDE_GRAVITY * block->seconds;
   gd_attitude_transition_of(&transition, start, velocity[2], block, is_held);
   gd_attitude_carry_covariance(h->cov, &transition);

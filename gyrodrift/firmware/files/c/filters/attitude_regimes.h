@@ -47,17 +47,36 @@ static inline void gd_attitude_vertical(gd_real up[3], const gd_attitude_hypothe
   }
 }
 
-/* Variances (3) of the mean rates of a candidate as measurements of the bias, (rad/s)^2. `overlap` is the factor of a
-   window that contains blocks of an earlier update. */
-static inline void gd_attitude_rest_variances(gd_real out[3], const gd_attitude_hypothesis *h,
-                                              const gd_attitude_candidate *m, gd_real overlap) {
+/* Variances (3) of the mean rates of a candidate by the scatter of its blocks, (rad/s)^2. */
+static inline void gd_attitude_scatter_variances(gd_real out[3], const gd_attitude_candidate *m) {
   const int is_quiet = m->kind.blocks <= GD_ATTITUDE_QUIET_BLOCKS;
   const gd_real share = GD_ATTITUDE_SPREAD_WEIGHT / (gd_real)m->kind.blocks * (is_quiet ? GD_R(2.0) : GD_R(5.0));
-  const gd_real error = m->kind.bias * GD_ATTITUDE_REST_BIAS;
-  const gd_real extra = h->knows_bias && !is_quiet ? GD_ATTITUDE_NOISY_REST * GD_ATTITUDE_NOISY_REST : GD_R(0.0);
   int i;
   for (i = 0; i < 3; i++) {
-    out[i] = (m->gyro_var[i] * share + error * error + extra) * overlap;
+    out[i] = m->gyro_var[i] * share;
+  }
+}
+
+/* The same as a bias. */
+static inline void gd_attitude_mean_variances(gd_real out[3], const gd_attitude_candidate *m) {
+  const gd_real error = m->kind.blocks == GD_ATTITUDE_QUIET_BLOCKS ? GD_R(0.0) : m->kind.bias * GD_ATTITUDE_REST_BIAS;
+  int i;
+  gd_attitude_scatter_variances(out, m);
+  for (i = 0; i < 3; i++) {
+    out[i] += error * error;
+  }
+}
+
+/* The same as measurements of the bias. `overlap` is the factor of a window that contains blocks of an earlier
+   update. */
+static inline void gd_attitude_rest_variances(gd_real out[3], const gd_attitude_hypothesis *h,
+                                              const gd_attitude_candidate *m, gd_real overlap) {
+  const int is_noisy = m->kind.blocks > GD_ATTITUDE_QUIET_BLOCKS;
+  const gd_real extra = h->knows_bias && is_noisy ? GD_ATTITUDE_NOISY_REST * GD_ATTITUDE_NOISY_REST : GD_R(0.0);
+  int i;
+  gd_attitude_mean_variances(out, m);
+  for (i = 0; i < 3; i++) {
+    out[i] = (out[i] + extra) * overlap;
   }
 }
 
@@ -70,51 +89,10 @@ static inline void gd_attitude_diagonal(gd_real out[9], const gd_real variance[3
   }
 }
 
-/* Widen all that the bias carries: its covariances with the heading grow too. */
-static inline void gd_attitude_widen_part(gd_real *cov, gd_real factor) {
-  gd_real carried[GD_ATTITUDE_STATES][3], block[9], inverse[9], gain[3];
-  gd_real *entry = cov;
-  int i, j;
-  gd_diagonal_block(block, cov, GD_ATTITUDE_BIAS);
-  gd_invert(inverse, 0, block);
-  for (i = 0; i < GD_ATTITUDE_STATES; i++) {
-    for (j = 0; j < 3; j++) {
-      carried[i][j] = cov[gd_place(i, GD_ATTITUDE_BIAS + j)];
-    }
-  }
-  for (i = 0; i < GD_ATTITUDE_STATES; i++) {
-    gd_times(gain, inverse, carried[i]);
-    for (j = i; j < GD_ATTITUDE_STATES; j++) {
-      *entry++ += (factor - GD_R(1.0)) * gd_dot(gain, carried[j]);
-    }
-  }
-}
-
-/* Widen the bias of a hypothesis whose rest is more than 3 sigma away in a component. Before the first rest the part is
-   a raw one. Later the bias has jumped. */
-static inline void gd_attitude_widen(gd_attitude_hypothesis *h, const gd_real off[3], const gd_real variance[3]) {
-  gd_real factor = 1;
-  int i, is_far = 0;
-  for (i = 0; i < 3; i++) {
-    const gd_real spread = h->cov[gd_place(GD_ATTITUDE_BIAS + i, GD_ATTITUDE_BIAS + i)];
-    is_far = is_far || off[i] * off[i] > GD_R(9.0) * (spread + variance[i]);
-    factor = gd_max(factor, off[i] * off[i] / gd_max(GD_R(9.0) * spread, GD_ATTITUDE_PIVOT));
-  }
-  if (!is_far) {
-    return;
-  }
-  if (h->knows_bias) {
-    for (i = 0; i < 3; i++) {
-      h->cov[gd_place(GD_ATTITUDE_BIAS + i, GD_ATTITUDE_BIAS + i)] += off[i] * off[i];
-    }
-  } else {
-    gd_attitude_widen_part(h->cov, factor);
-  }
-}
-
-/* Update a hypothesis of rest by the candidate: its mean rates are the bias, and the velocity is 0. */
-static inline void gd_attitude_measure_rest(gd_attitude_hypothesis *h, const gd_attitude_candidate *m,
-                                            gd_real overlap) {
+/* Update a hypothesis of rest by the candidate: its mean rates are the bias, and the velocity is 0. The first update of
+   a rest may find that the bias has jumped. */
+static inline void gd_attitude_measure_rest(gd_attitude_hypothesis *h, const gd_attitude_candidate *m, gd_real overlap,
+                                            int is_first) {
   const int is_quiet = m->kind.blocks <= GD_ATTITUDE_QUIET_BLOCKS;
   const gd_real speed = is_quiet ? GD_ATTITUDE_QUIET_SPEED : GD_ATTITUDE_NOISY_SPEED, none[3] = {0, 0, 0};
   gd_real error[GD_ATTITUDE_STATES], variance[3], matrix[9], off[3], back[3];
@@ -126,7 +104,9 @@ static inline void gd_attitude_measure_rest(gd_attitude_hypothesis *h, const gd_
     off[i] = m->gyro[i] - h->bias[i];
     back[i] = -h->velocity[i];
   }
-  gd_attitude_widen(h, off, variance);
+  if (is_first) {
+    gd_attitude_widen(h, off, variance);
+  }
   gd_attitude_diagonal(matrix, variance, GD_R(0.0));
   gd_attitude_innovate(&innovation, h->cov, error, GD_ATTITUDE_BIAS, off, matrix);
   gd_attitude_measure(&innovation, h->cov, error);
@@ -134,6 +114,7 @@ static inline void gd_attitude_measure_rest(gd_attitude_hypothesis *h, const gd_
   gd_attitude_innovate(&innovation, h->cov, error, GD_ATTITUDE_VELOCITY, back, matrix);
   gd_attitude_measure(&innovation, h->cov, error);
   gd_attitude_correct(h, error);
+  h->moving_s = 0;
   h->knows_bias = h->knows_bias || m->kind.blocks >= GD_ATTITUDE_QUIET_BLOCKS;
 }
 
@@ -168,7 +149,7 @@ static inline gd_real gd_attitude_weigh_all(gd_real *log_rest, gd_real *log_moti
   int i;
   for (i = 0; i < a->sum.count; i++) {
     const gd_attitude_hypothesis *h = gd_attitude_at(a, i);
-    gd_attitude_rest_variances(variance, h, m, GD_R(1.0));
+    gd_attitude_mean_variances(variance, m);
     gd_attitude_vertical(up, h, m);
     gd_attitude_weigh(&log_rest[i], &log_motion[i], a, h, m, up, variance);
     log_rest[i] += log_odds;
@@ -208,7 +189,8 @@ static inline void gd_attitude_branch(gd_attitude *a, const gd_attitude_candidat
   sum->count = (uint8_t)(rests + turns);
   for (i = 0; i < sum->count; i++) {
     if (i < rests) {
-      gd_attitude_measure_rest(gd_attitude_at(a, i), m, GD_R(1.0));
+      gd_attitude_add_drift(a, gd_attitude_at(a, i));
+      gd_attitude_measure_rest(gd_attitude_at(a, i), m, GD_R(1.0), 1);
     } else {
       gd_attitude_measure_turn(gd_attitude_at(a, i), m);
     }
@@ -217,15 +199,16 @@ static inline void gd_attitude_branch(gd_attitude *a, const gd_attitude_candidat
 
 /* Whether the rates of a later window fit the bias of the first hypothesis of rest. */
 static inline int gd_attitude_is_same_rest(gd_attitude *a, const gd_attitude_candidate *m) {
-  const gd_real error = GD_ATTITUDE_MODEL_ERROR * GD_ATTITUDE_RAD;
-  gd_real spread[9], inverse[9], off[3];
+  const gd_real error = GD_ATTITUDE_SAME_RATE * GD_ATTITUDE_RAD;
+  gd_real spread[9], inverse[9], off[3], scatter[3];
   int i, k;
+  gd_attitude_scatter_variances(scatter, m);
   for (i = 0; i < a->sum.count; i++) {
     const gd_attitude_hypothesis *h = gd_attitude_at(a, i);
     if (h->regime == GD_ATTITUDE_REST) {
       gd_diagonal_block(spread, h->cov, GD_ATTITUDE_BIAS);
       for (k = 0; k < 3; k++) {
-        spread[4 * k] += m->gyro_var[k] + error * error;
+        spread[4 * k] += scatter[k] + error * error;
         off[k] = m->gyro[k] - h->bias[k];
       }
       gd_invert(inverse, 0, spread);

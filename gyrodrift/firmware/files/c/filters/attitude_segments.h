@@ -70,6 +70,17 @@ static inline int gd_attitude_continues(gd_attitude *a, const gd_attitude_candid
   return gd_largest(off) < GD_R(2.0) * limit && gd_attitude_is_same_rest(a, m);
 }
 
+/* Widen the biases of rests by half of the fastest drift since the last update. */
+static inline void gd_attitude_let_drift(gd_attitude *a) {
+  const gd_real drift = GD_R(0.5) * a->c.drift_rate * (gd_real)a->segment.since * (gd_real)a->c.block_s;
+  int i;
+  for (i = 0; i < a->sum.count; i++) {
+    if (gd_attitude_at(a, i)->regime == GD_ATTITUDE_REST) {
+      gd_add_variance(gd_attitude_at(a, i)->cov, GD_ATTITUDE_BIAS, drift * drift);
+    }
+  }
+}
+
 /* Count the blocks since the last update in the duration of the segment, and weigh it. */
 static inline void gd_attitude_lengthen(gd_attitude *a) {
   gd_attitude_segment *segment = &a->segment;
@@ -86,7 +97,7 @@ static inline void gd_attitude_update_rest(gd_attitude *a, const gd_attitude_can
   int i, rests = 0, rest_count = 0, other_count = 0;
   for (i = 0; i < sum->count; i++) {
     if (gd_attitude_at(a, i)->regime == GD_ATTITUDE_REST) {
-      gd_attitude_measure_rest(gd_attitude_at(a, i), m, overlap);
+      gd_attitude_measure_rest(gd_attitude_at(a, i), m, overlap, 0);
       sum->order[rest_count++] = sum->order[i];
       rests = 1;
     } else {
@@ -115,6 +126,7 @@ static inline void gd_attitude_take_candidate(gd_attitude *a, const gd_attitude_
     segment->since += 1;
     if (segment->since >= GD_ATTITUDE_UPDATE_BLOCKS) {
       const gd_real overlap = (gd_real)m->kind.blocks / (gd_real)GD_ATTITUDE_QUIET_BLOCKS;
+      gd_attitude_let_drift(a);
       gd_attitude_lengthen(a);
       gd_attitude_update_rest(a, m, gd_max(overlap, GD_R(1.0)));
     }
@@ -124,12 +136,17 @@ static inline void gd_attitude_take_candidate(gd_attitude *a, const gd_attitude_
 /* Find a rest candidate that ends with this block, and branch or update the hypotheses by it. */
 static inline void gd_attitude_follow_rest(gd_attitude *a) {
   gd_attitude_candidate m;
+  const int is_resting = a->segment.blocks > 0 || gd_attitude_at(a, 0)->knows_bias;
   int is_certain, is_found;
   if (a->block.moving > 0) {
     a->windows.blocks = 0;
   }
   is_certain = gd_attitude_certain_rest(&m, a);
-  is_found = is_certain || gd_attitude_find_rest(&m, &a->windows, a->c.limits, a->segment.blocks > 0);
+  is_found = is_certain || gd_attitude_find_rest(&m, &a->windows, a->c.limits, is_resting);
+  if (is_found && !is_certain && a->segment.blocks > 0 && !gd_attitude_continues(a, &m)) {
+    a->windows.blocks = 1; /* the next window has blocks of the new level alone */
+    is_found = 0;
+  }
   if (is_found) {
     gd_attitude_take_candidate(a, &m, is_certain);
   } else {

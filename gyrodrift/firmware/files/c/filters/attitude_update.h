@@ -134,6 +134,19 @@ static inline void gd_attitude_widen_by_tilt(gd_attitude *a) {
   }
 }
 
+/* Widen the biases in motion, which differ from those at rest, for the first seconds. */
+static inline void gd_attitude_widen_by_motion(gd_attitude *a, gd_real seconds) {
+  const gd_real rate = GD_ATTITUDE_REST_BIAS * GD_ATTITUDE_REST_BIAS / GD_ATTITUDE_LONGEST_DRIFT_S;
+  int i;
+  for (i = 0; i < a->sum.count; i++) {
+    gd_attitude_hypothesis *h = gd_attitude_at(a, i);
+    const int is_at_rest = h->regime == GD_ATTITUDE_REST && a->segment.blocks > 0;
+    if (h->knows_bias && h->moving_s < GD_ATTITUDE_LONGEST_DRIFT_S && !is_at_rest) {
+      gd_add_variance(h->cov, GD_ATTITUDE_BIAS, rate * seconds);
+    }
+  }
+}
+
 /* Carry all hypotheses over a block; without acceleration its specific force is gravity alone. The first hypothesis is
    the reference: the block has its bias and scale. */
 static inline void gd_attitude_predict_all(gd_attitude *a, const gd_attitude_integrals *block, int is_blind) {
@@ -192,6 +205,7 @@ static inline void gd_attitude_end_block(gd_attitude *a) {
   is_blind = a->block.is_clipped || !gd_are_finite(block.velocity);
   gd_attitude_predict_all(a, &block, is_blind);
   gd_attitude_widen_by_tilt(a);
+  gd_attitude_widen_by_motion(a, block.seconds);
   if (is_blind) {
     gd_attitude_forget_velocity(a);
   } else {

@@ -10,18 +10,12 @@
 
 #define GD_LEAST_VAR GD_R(1e-24) /* of the turn-on bias, (deg/s)^2 */
 #define GD_MIN_BLOCK_SAMPLES 6   /* the variance of fewer samples is too uncertain */
+#define GD_SAME_TIME_S 1e-6 /* times that differ by less are the same */
 #define GD_TURN_DEG GD_R(30.0)   /* angle of a turn: errors of scale are equal within it */
-
-/* Length of a block in double. A float of 0.3 is larger than 0.3, and a block would have a sample more than in Python:
-   so it is rounded to whole microseconds. */
-static inline double gd_rl_window_s(gd_real window_s) {
-  const double rounded_s = floor((double)window_s * 1e6 + 0.5) / 1e6;
-  return GD_IS_FLOAT && window_s >= GD_R(1e-3) ? rounded_s : (double)window_s;
-}
 
 static inline void gd_rl_set_coefficients(gd_rl_coefficients *c, const gd_restlevel_params *p) {
   const gd_real turn_on_var = p->turn_on_dps * p->turn_on_dps;
-  c->window_s = gd_rl_window_s(p->window_s);
+  c->window_s = (double)p->window_s;
   c->stationarity_sigmas = p->quiet;
   c->turn_on_var = p->turn_on_dps > GD_R(0.0) ? gd_max(GD_LEAST_VAR, turn_on_var) : GD_R(0.0);
   c->rate_walk_var = p->walk_dps_rts * p->walk_dps_rts;
@@ -86,6 +80,9 @@ static inline void gd_rl_add_sample(gd_restlevel *s, double dt_s, gd_real rate_d
   above_dps = rate_dps - block->origin_dps;
   block->seconds += dt_s;
   gd_count(&block->samples);
+  if (!(step_dps > GD_R(0.0)) && s->noise.resolution_dps > GD_R(0.0) && s->noise.resolution_dps <= GD_FINE_DPS) {
+    gd_count(&block->repeats);
+  }
   block->sum_dps += above_dps;
   block->sum_squares += above_dps * above_dps;
   block->angle_deg += GD_R(0.5) * (rate_dps + s->rate_dps) * (gd_real)dt_s;
@@ -118,7 +115,7 @@ static inline void gd_rl_advance(gd_restlevel *s, double dt_s, gd_real rate_dps)
   }
 #endif
   gd_rl_add_sample(s, dt_s, rate_dps);
-  if (s->block.seconds >= s->c.window_s && s->block.samples >= GD_MIN_BLOCK_SAMPLES) {
+  if (s->block.seconds > s->c.window_s - GD_SAME_TIME_S && s->block.samples >= GD_MIN_BLOCK_SAMPLES) {
     const gd_real base_deg = s->base_deg, expected_deg = gd_rl_expected_deg(s);
     gd_rl_end_block(s);
     gd_rl_count_correction(s, base_deg, expected_deg);

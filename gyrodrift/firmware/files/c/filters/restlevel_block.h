@@ -132,7 +132,8 @@ static inline void gd_rl_end_block(gd_restlevel *s) {
   const gd_real seconds = (gd_real)s->block.seconds, angle_deg = s->block.angle_deg;
   const gd_real mean_dps = angle_deg / seconds, step_dps = mean_dps - s->segment.last_mean_dps;
   int is_certain;
-  if (gd_rl_begins_to_measure(&s->noise, s->rate_dps)) {
+  s->travelled_s += seconds;
+  if (gd_rl_begins_to_measure(&s->noise)) {
     gd_rl_restart(s);
   }
 #if GD_RESTLEVEL_GAPS

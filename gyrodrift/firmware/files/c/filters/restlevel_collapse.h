@@ -25,18 +25,21 @@ static inline void gd_rl_collapse_means(gd_restlevel *s) {
   s->rest_probability = rest_weight;
 }
 
-/* Adds the covariance of a hypothesis about the mean. Without a known bias it counts with the wide covariance of the
-   turn-on bias, because the prior has a wide part. */
-static inline void gd_rl_add_moments(gd_rl_moments *m, const gd_rl_hypothesis *h, gd_real weight, gd_real bias_dps) {
-  const gd_real apart_deg = h->yaw_deg - m->yaw_deg, apart_dps = h->bias_dps - bias_dps;
+/* Adds the covariance of a hypothesis about the mean, with the ramp that its bias may have followed since its rest. */
+static inline void gd_rl_add_moments(const gd_restlevel *s, gd_rl_moments *m, const gd_rl_hypothesis *h,
+                                     gd_real weight) {
+  const gd_real apart_deg = h->yaw_deg - m->yaw_deg, apart_dps = h->bias_dps - s->bias_dps;
   m->yaw_var += weight * (h->yaw_var + apart_deg * apart_deg);
   m->covariance += weight * (h->covariance + apart_deg * apart_dps);
   m->bias_var += weight * (h->bias_var + apart_dps * apart_dps);
-  if (!h->knows_bias) {
-    const gd_real wider = weight * (GD_WIDE_FACTOR - GD_R(1.0));
-    m->yaw_var += wider * h->covariance * h->covariance / h->bias_var;
-    m->covariance += wider * h->covariance;
-    m->bias_var += wider * h->bias_var;
+  if (h->knows_bias && h->moving_s > GD_R(0.0)) {
+    const gd_real ramp_dps = s->c.rate_ramp_dps_s * gd_min(h->moving_s, GD_MAX_RAMP_S);
+    const gd_real seconds = gd_min(h->moving_s, s->travelled_s);
+    const gd_real ramp_var = weight * GD_RAMP_PROBABILITY * ramp_dps * ramp_dps;
+    const gd_real reach_s = seconds - GD_R(0.5) * seconds * seconds / h->moving_s;
+    m->bias_var += ramp_var;
+    m->covariance -= ramp_var * reach_s;
+    m->yaw_var += ramp_var * reach_s * reach_s;
   }
 }
 
@@ -51,7 +54,7 @@ static inline void gd_rl_collapse(gd_restlevel *s) {
     const gd_real weight = s->hypotheses[k].weight - GD_TAIL;
     if (weight > GD_R(0.0)) {
       total += weight;
-      gd_rl_add_moments(m, &s->hypotheses[k], weight, s->bias_dps);
+      gd_rl_add_moments(s, m, &s->hypotheses[k], weight);
     }
   }
   m->yaw_var /= total;

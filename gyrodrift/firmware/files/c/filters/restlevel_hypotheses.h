@@ -7,9 +7,11 @@
 #include "restlevel_turns.h"
 
 #define GD_NOISY_REST_SHARE GD_R(0.1)   /* share of rests with a running motor or fan */
-#define GD_WELL_CALIBRATED GD_R(0.25)   /* share of parts that subtract their bias to 1/100 of `turn_on_dps` */
-#define GD_PARTLY_CALIBRATED GD_R(0.25) /* share of parts that subtract it to 1/10 */
-#define GD_CALIBRATED GD_R(0.01)        /* share of the variance of the turn-on bias that is left at 1/10 */
+
+/* Variance of the turn-on bias of a kind of parts. */
+static inline gd_real gd_rl_part_var(const gd_restlevel *s, uint8_t kind) {
+  return s->c.turn_on_var * gd_part_wider(kind) * gd_part_wider(kind);
+}
 
 /* Adds a hypothesis without a rest. */
 static inline gd_rl_hypothesis *gd_rl_begin_one(gd_restlevel *s, gd_real yaw_deg, gd_real weight, gd_real bias_var) {
@@ -40,18 +42,16 @@ static inline gd_real gd_rl_begin_remembered(gd_restlevel *s, gd_real yaw_deg) {
 
 /* Adds the hypotheses of an unknown part, with this probability of all together. A loop takes less flash than calls. */
 static inline void gd_rl_begin_unknown(gd_restlevel *s, gd_real yaw_deg, gd_real weight) {
-  const gd_real turn_on_var = s->c.turn_on_var, partly_var = turn_on_var * GD_CALIBRATED;
-  const gd_real bias_vars[3] = {partly_var * GD_CALIBRATED, partly_var, turn_on_var};
-  const int is_known = turn_on_var == GD_R(0.0); /* it subtracts its bias: the last hypothesis alone */
-  const gd_real last_share = is_known ? GD_R(1.0) : GD_R(1.0) - GD_WELL_CALIBRATED - GD_PARTLY_CALIBRATED;
+  const int is_known = s->c.turn_on_var == GD_R(0.0); /* it subtracts its bias: one hypothesis */
+  const uint8_t kinds = is_known ? 1 : GD_PARTS;
   uint8_t k;
-  for (k = is_known ? 2 : 0; k < 3; ++k) {
-    const gd_real share = k == 0 ? GD_WELL_CALIBRATED : k == 1 ? GD_PARTLY_CALIBRATED : last_share;
-    gd_rl_begin_one(s, yaw_deg, weight * share, bias_vars[k])->knows_bias = is_known != 0;
+  for (k = 0; k < kinds; ++k) {
+    const gd_real share = is_known ? GD_R(1.0) : gd_part_share(k);
+    gd_rl_begin_one(s, yaw_deg, weight * share, gd_rl_part_var(s, k))->knows_bias = is_known != 0;
   }
 }
 
-/* Sets the initial hypotheses: the remembered bias, and a part that subtracts its bias well, partly or not at all. */
+/* Sets the initial hypotheses: the remembered bias, and the kinds of parts. */
 static inline void gd_rl_begin(gd_restlevel *s, gd_real yaw_deg) {
   s->stored = 0;
   gd_rl_begin_unknown(s, yaw_deg, gd_rl_begin_remembered(s, yaw_deg));

@@ -6,9 +6,6 @@
 
 #define GD_RAMP_PROBABILITY GD_R(0.3)  /* probability of a ramp of the bias since the last rest */
 #define GD_MAX_RAMP_S GD_R(20.0)       /* longest ramp */
-#define GD_UNEXPECTED_VAR GD_R(9.0)    /* normalized squared innovation of an unexpected bias: three sigmas */
-#define GD_WIDE_PROBABILITY GD_R(0.03) /* share of parts with an unusually large turn-on bias */
-#define GD_WIDE_FACTOR GD_R(16.0)
 #define GD_MAX_LOG_ODDS (GD_IS_FLOAT ? GD_R(85.0) : GD_R(700.0)) /* beyond it exp() is infinite */
 
 /* Corrections of the mean, and the covariance after a measurement of the bias. */
@@ -66,13 +63,6 @@ static inline gd_real gd_rl_kalman_update(gd_rl_hypothesis *h, gd_real mean_dps,
   return ramp_logpdf + GD_LOG(evidence);
 }
 
-static inline gd_real gd_rl_turn_on_logpdf(gd_real turn_on_var, gd_real mean_dps, gd_real mean_var) {
-  const gd_real typical = gd_rl_gaussian_logpdf(mean_dps, turn_on_var + mean_var);
-  const gd_real wide = gd_rl_gaussian_logpdf(mean_dps, GD_WIDE_FACTOR * turn_on_var + mean_var);
-  const gd_real odds = GD_EXP(gd_min(typical - wide, GD_MAX_LOG_ODDS));
-  return wide + GD_LOG(GD_WIDE_PROBABILITY + (GD_R(1.0) - GD_WIDE_PROBABILITY) * odds);
-}
-
 /* Updates a hypothesis at the beginning of a rest. Without an earlier rest, the bias has the prior of the turn-on
    bias. */
 static inline gd_real gd_rl_first_kalman_update(const gd_rl_coefficients *c, gd_rl_hypothesis *h, gd_real mean_dps,
@@ -82,15 +72,7 @@ static inline gd_real gd_rl_first_kalman_update(const gd_rl_coefficients *c, gd_
     const gd_real ramp_dps = c->rate_ramp_dps_s * gd_min(h->moving_s, GD_MAX_RAMP_S);
     log_likelihood = gd_rl_kalman_update(h, mean_dps, mean_var, ramp_dps * ramp_dps);
   } else {
-    const gd_real away_dps = mean_dps - h->bias_dps;
-    const gd_real widened = away_dps * away_dps / (GD_UNEXPECTED_VAR * h->bias_var);
-    log_likelihood = gd_rl_turn_on_logpdf(h->bias_var, away_dps, mean_var);
-    if (widened > GD_R(1.0)) { /* the yaw error by the bias widens with the bias */
-      h->yaw_var += (widened - GD_R(1.0)) * h->covariance * h->covariance / h->bias_var;
-      h->bias_var *= widened;
-      h->covariance *= widened;
-    }
-    gd_rl_kalman_update(h, mean_dps, mean_var, GD_R(0.0));
+    log_likelihood = gd_rl_kalman_update(h, mean_dps, mean_var, GD_R(0.0));
     h->knows_bias = 1;
   }
   h->moving_s = GD_R(0.0);

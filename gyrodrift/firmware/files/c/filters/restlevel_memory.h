@@ -15,17 +15,18 @@
 
 /* Probability that the sensor subtracts its own bias at each start, from the size of the remembered bias. */
 static inline gd_real gd_rl_self_nulling(const gd_restlevel *s, gd_real bias_dps, gd_real seen_var) {
-  const gd_real var = s->c.turn_on_var;
-  gd_real well, partly, none;
-  if (var == GD_R(0.0)) {
+  gd_real well = GD_R(0.0), total = GD_R(0.0);
+  uint8_t k;
+  if (s->c.turn_on_var == GD_R(0.0)) {
     return GD_R(0.0);
   }
-  well = GD_WELL_CALIBRATED *
-         GD_EXP(gd_rl_gaussian_logpdf(bias_dps, var * (GD_CALIBRATED * GD_CALIBRATED) + seen_var));
-  partly = GD_PARTLY_CALIBRATED * GD_EXP(gd_rl_gaussian_logpdf(bias_dps, var * GD_CALIBRATED + seen_var));
-  none = (GD_R(1.0) - GD_WELL_CALIBRATED - GD_PARTLY_CALIBRATED) *
-         GD_EXP(gd_rl_gaussian_logpdf(bias_dps, var + seen_var));
-  return well / gd_max(well + partly + none, GD_LEAST_REMEMBERED_VAR);
+  for (k = 0; k < GD_PARTS; ++k) {
+    const gd_real logpdf = gd_rl_gaussian_logpdf(bias_dps, gd_rl_part_var(s, k) + seen_var);
+    const gd_real density = gd_part_share(k) * GD_EXP(logpdf);
+    well = k == 0 ? density : well;
+    total += density;
+  }
+  return well / gd_max(total, GD_LEAST_REMEMBERED_VAR);
 }
 
 /* Begins with the bias of an earlier run, kept in EEPROM or flash: its value, its sigma, and its age in s. Call it

@@ -4,6 +4,7 @@
 
 #include "gaps.h"
 #include "parameters.h"
+#include "parts.h"
 #include "restlevel_bias_state.h"
 #include "restlevel_rate_state.h"
 
@@ -38,7 +39,7 @@
 #endif
 
 #define GD_MAX_HYPOTHESES GD_RESTLEVEL_HYPOTHESES
-#define GD_RL_FIRST (GD_RESTLEVEL_MEMORY ? 4 : 3) /* the filter begins with so many */
+#define GD_RL_FIRST (GD_PARTS + (GD_RESTLEVEL_MEMORY ? 1 : 0)) /* the filter begins with so many */
 #define GD_RL_STORED (GD_MAX_HYPOTHESES < GD_RL_FIRST ? GD_RL_FIRST : GD_MAX_HYPOTHESES)
 
 #define GD_UNKNOWN_C GD_UNSAID_C
@@ -75,7 +76,7 @@ typedef struct {
   gd_rl_block block;
   gd_real rate_dps;
   gd_real base_deg; /* with floats, yaw is kept near 0; this is the angle subtracted so far */
-  gd_real start_yaw_deg, travelled_deg;
+  gd_real start_yaw_deg, travelled_deg, travelled_s; /* since the first sample or the last zero */
   gd_rl_coefficients c;
 #if GD_RESTLEVEL_MEMORY
   gd_rl_remembered remembered;

@@ -38,6 +38,15 @@ static inline gd_real gd_rl_variance(const gd_rl_block *block, const gd_rl_noise
   return gd_max(gd_max(scatter, gd_rl_rounding_var(noise)), GD_MIN_VAR);
 }
 
+/* Number of independent samples of a block: all, unless most repeat the one before; two are the least. */
+static inline gd_real gd_rl_independent(const gd_rl_block *block) {
+  const uint32_t fresh = block->samples - block->repeats;
+  if (2 * block->repeats < block->samples) {
+    return (gd_real)block->samples;
+  }
+  return (gd_real)(fresh < 2 ? 2 : fresh);
+}
+
 /* Forgets the variance of samples, because the sensor shows its steps from now on. */
 static inline void gd_rl_forget_blocks(gd_rl_noise *noise) {
   noise->sample_var = noise->last_block_var = GD_R(-1.0);
@@ -74,7 +83,7 @@ static inline int gd_rl_is_stationary(gd_restlevel *s, gd_real seconds) {
     gd_rl_forget_blocks(noise);
     variance = gd_rl_variance(block, noise);
   }
-  error = GD_SQRT(GD_R(2.0) / (gd_real)block->samples); /* relative standard error of a variance */
+  error = GD_SQRT(GD_R(2.0) / gd_rl_independent(block)); /* relative standard error of a variance */
   if (noise->sample_var < GD_R(0.0)) {
     noise->sample_var = variance;
   }
@@ -85,24 +94,26 @@ static inline int gd_rl_is_stationary(gd_restlevel *s, gd_real seconds) {
   gd_rl_follow_noise(noise, variance, limit, seconds);
   noise->last_block_var = variance;
   if (!noise->is_walk_measured) {
-    noise->angle_walk_var = GD_R(2.0) * noise->sample_var / (gd_real)block->samples * seconds;
+    noise->angle_walk_var = GD_R(2.0) * noise->sample_var / gd_rl_independent(block) * seconds;
   }
   return variance < noise->sample_var * limit;
 }
 
-/* Whether the present block is the first with rates of a sensor that sent zeros before. */
-static inline int gd_rl_begins_to_measure(gd_rl_noise *noise, gd_real rate_dps) {
-  const int8_t blocks_before = noise->zero_blocks;
+/* Whether the present block is the first with rates of a fine sensor that repeated one value before. */
+static inline int gd_rl_begins_to_measure(gd_rl_noise *noise) {
   if (noise->resolution_dps < GD_R(0.0)) {
-    noise->zero_blocks = rate_dps == GD_R(0.0) ? 1 : 0;
+    noise->same_blocks = 1;
     return 0;
   }
-  noise->zero_blocks = blocks_before > 0 ? -1 : 0;
-  if (blocks_before == 0 || noise->resolution_dps > GD_FINE_DPS) {
-    return 0;
+  if (noise->same_blocks > 0) {
+    noise->same_blocks = -GD_START_BLOCKS;
   }
-  noise->zero_blocks = 0;
-  return 1;
+  if (noise->same_blocks < 0 && noise->resolution_dps <= GD_FINE_DPS) {
+    noise->same_blocks = 0;
+    return 1;
+  }
+  noise->same_blocks = (int8_t)(noise->same_blocks < 0 ? noise->same_blocks + 1 : 0);
+  return 0;
 }
 
 static inline void gd_rl_forget_noise(gd_rl_noise *noise) {
@@ -127,7 +138,7 @@ static inline void gd_rl_learn_at_rest(gd_restlevel *s, gd_real rest_weight, gd_
   noise->is_walk_measured = noise->is_walk_measured || rest_weight > GD_R(0.5);
   seen_var = gd_min(GD_R(0.5) * step_dps * step_dps * seconds, GD_INNOVATION_CLIP * noise->angle_walk_var);
   walk_var = noise->angle_walk_var + GD_WALK_GAIN * rest_weight * (seen_var - noise->angle_walk_var);
-  noise->angle_walk_var = gd_max(walk_var, gd_rl_rounding_var(noise) / (gd_real)s->block.samples * seconds);
+  noise->angle_walk_var = gd_max(walk_var, gd_rl_rounding_var(noise) / gd_rl_independent(&s->block) * seconds);
 }
 
 #endif

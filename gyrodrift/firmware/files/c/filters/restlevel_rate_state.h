@@ -13,6 +13,7 @@ typedef struct {
   gd_real angle_deg;
   gd_real origin_dps, sum_dps, sum_squares;
   uint32_t samples;
+  uint32_t repeats; /* samples that repeat the value before of a fine sensor */
 } gd_rl_block;
 
 /* Noise of the sensor. Variances and the resolution are -1 until they are known. */
@@ -24,7 +25,7 @@ typedef struct {
   gd_real flicker_var;    /* bias instability, (deg/s)^2 */
   gd_real frozen_deg;     /* angle since the sensor repeats a single value */
   uint8_t stationary_blocks; /* up to GD_NOISE_BLOCKS */
-  int8_t zero_blocks;        /* 1 after a block of zeros alone; -1 after the first block with a step */
+  int8_t same_blocks;        /* 1 after a block of a single value at power-on; below 0 after the first step */
   uint8_t has_steps : 1, is_walk_measured : 1, has_dropped : 1, is_frozen : 1;
 } gd_rl_noise;
 

@@ -28,9 +28,10 @@ static inline void gd_restlevel_zero(gd_restlevel *s) {
   for (k = 0; k < s->stored; ++k) {
     gd_rl_zero_hypothesis(&s->hypotheses[k], s);
   }
-  gd_rl_collapse(s);
   s->start_yaw_deg = GD_IS_FLOAT ? s->yaw_deg - s->base_deg : s->yaw_deg;
-  s->travelled_deg = s->yaw_sigma_deg = GD_R(0.0);
+  s->travelled_deg = s->travelled_s = s->yaw_sigma_deg = GD_R(0.0);
+  s->moments.covariance = s->moments.bias_var * (gd_real)s->block.seconds;
+  s->moments.yaw_var = s->moments.covariance * (gd_real)s->block.seconds;
 }
 
 #endif
