@@ -64,7 +64,7 @@ def test_restlevel_fits_an_atmega328p(tmp_path: Path, c_filters: CFilters) -> No
 
 
 @pytest.mark.parametrize(("hypotheses", "auxiliary"), [(6, 0), (6, 1)])
-def test_more_hypotheses_have_a_state_of_about_a_kilobyte_on_avr(tmp_path: Path, hypotheses: int, auxiliary: int) -> None:
+def test_more_hypotheses_need_about_a_kilobyte_on_avr(tmp_path: Path, hypotheses: int, auxiliary: int) -> None:
     """Six as in Python, without and with rest sensor and temperature."""
     flags = (f"-DGD_RESTLEVEL_HYPOTHESES={hypotheses}", f"-DGD_RESTLEVEL_AUXILIARY={auxiliary}")
     board = on_avr(tmp_path, "restlevel", *board_samples(100.0, 5.0), *flags)
