@@ -76,4 +76,5 @@ def test_a_page_shows_yaw(gyro: Path, tmp_path: Path) -> None:
         serve.until_log("event=output_open")
         with browsing(tmp_path / "browser") as tab:
             tab.open((tmp_path / "yaw.html").as_uri())
-            tab.until("/^yaw -?[0-9.]+°$/.test(document.getElementById('yaw').textContent)")
+            tab.until("document.getElementById('yaw').textContent.endsWith('°')")
+            assert tab.run("/^yaw -?[0-9.]+°$/.test(document.getElementById('yaw').textContent)")

@@ -128,7 +128,7 @@ def judged_case(label: Mapping[str, Any], answer: BenchmarkAnswer | None, closed
     return JudgedCase(
         case=label["case"],
         row=label["row"],
-        axes=label["axes"],
+        axes=label.get("axes", 1),
         size=label["size"],
         about=label["about"],
         truths={effect["name"]: effect["parameters"] for effect in effects if effect["name"] in PARAMETERS},

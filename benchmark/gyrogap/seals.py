@@ -18,7 +18,6 @@ LABEL: dict[str, type] = {
     "seed": int,
     "row": str,
     "number": int,
-    "axes": int,
     "size": str,
     "effects": list,
     "about": str,

@@ -22,7 +22,6 @@ from gyrodrift.values.errors import UsageError, visible
 
 EXAMPLES = """\
 gyrodrift diagnose sessions --check
-gyrodrift diagnose sessions --out report
 gyrodrift diagnose sessions --rig my-rig.yaml --out report
 gyrodrift diagnose real --baseline their-simulator --export gazebo --export json --out report
 """

@@ -30,7 +30,7 @@ def test_nothing_of_the_program_is_imported(path: Path) -> None:
 
 @pytest.mark.parametrize("path", sorted(PHYSICS.glob("*.py")), ids=lambda path: path.stem)
 def test_the_generator_needs_numpy_and_scipy_alone(path: Path) -> None:
-    standard = {"collections", "dataclasses", "enum", "hashlib", "math", "pathlib", "typing"}
+    standard = {"collections", "dataclasses", "enum", "hashlib", "itertools", "math", "pathlib", "typing"}
     own = {module for module in modules_of(path) if module.startswith("gyrogap")}
     assert {module.split(".")[0] for module in modules_of(path) - own} <= standard | {"numpy", "scipy"}
     inner = ("gyrogap.catalogue", "gyrogap.physics")

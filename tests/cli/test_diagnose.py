@@ -201,7 +201,7 @@ def test_one_bare_session_gives_what_it_can(scaled: Path, tmp_path: Path) -> Non
     bare = tmp_path / "bare.csv"
     write_session(bare, [replace(load_session(min(scaled.iterdir())), t_host_s=None, temp_c=None, seq=None)])
     gap = diagnosed(bare, tmp_path / "out", *FEW)
-    lacking = "clock_drift usb_batching temp_bias temp_scale sample_drop misalignment"
+    lacking = "clock_drift usb_batching temp_bias temp_scale misalignment"
     assert set(gap["untestable"]) == set(lacking.split())
     assert gap["causes"][0]["effect"] == "scale_factor"
     assert "one session only" in gap["remarks"][-1]

@@ -10,7 +10,7 @@ from gyrodrift.cli.written import size_text
 
 @pytest.fixture
 def session(tmp_path: Path) -> Path:
-    (tmp_path / "s.csv").write_text("t_device_s,rate_dps\n" + "".join(f"{i / 100},0.5\n" for i in range(1234)))
+    (tmp_path / "s.csv").write_text("t_device_s,rate_dps\n" + "".join(f"{i / 100},{i % 3}\n" for i in range(1234)))
     return tmp_path / "s.csv"
 
 

@@ -29,7 +29,7 @@ def recording(*, axes: bool = False, gravity: bool = False) -> Recording:
         "temp_c": None,
         "has_counter": True,
     }
-    return cast("Recording", SimpleNamespace(**columns))
+    return cast("Recording", SimpleNamespace(counts_samples=True, **columns))
 
 
 SIX, GYRO, YAW = recording(axes=True, gravity=True), recording(axes=True), recording()

@@ -198,8 +198,9 @@ def test_compare_has_a_row_of_it(tmp_path: Path) -> None:
     config = config_of(tmp_path, CONFIG.format(bias_dps=0.25))
     arguments = ["--still", str(session), "--config", str(config), "--jobs", "1", "--out", str(tmp_path / "out")]
     assert main(["compare", str(session), *arguments]) == 0
-    rows = {row["method"]: row for row in json.loads((tmp_path / "out" / "compare.json").read_text())["methods"]}
-    assert list(rows)[4:7] == ["hdr", "restlevel", "constant"]
+    methods = json.loads((tmp_path / "out" / "compare.json").read_text())["methods"]
+    rows = {row["method"]: row for row in reversed(methods)}
+    assert {"hdr", "restlevel", "constant"} <= rows.keys()
     assert rows["euler"]["e_deg"] == pytest.approx(1.0)
     assert rows["constant"]["e_deg"] == pytest.approx(0.5)
     assert rows["constant"]["title"] == "constant bias, by config"

@@ -78,7 +78,7 @@ def test_the_code_of_the_filter_page_compiles(compiler: str, language: str, tmp_
 def test_the_code_with_the_values_of_a_gyro_compiles(tmp_path: Path) -> None:
     need("cc", "gcc")
     out = library(tmp_path, "c", "--config", calibrated_config(tmp_path))
-    include, _, body = blocks(FILTER, "c")[1].partition("\n")
+    include, _, body = blocks(FILTER, "c")[2].partition("\n")
     source = tmp_path / "use.c"
     arguments = "gd_restlevel filter, uint32_t t_us, float rate_dps, float temp_c"
     source.write_text(f"{include}\nvoid own({arguments});\nvoid own({arguments}) {{\n{body}}}\n")

@@ -92,9 +92,11 @@ def test_analyses_run(sessions: Path, slow_rig: Path, tmp_path: Path) -> None:
 def test_serve_reads_a_port_through_pyserial_alone(tmp_path: Path) -> None:
     """Without these modules, `serve` reads the port through pyserial."""
     link = tmp_path / "gyro"
-    with Command("--link", link, module="firmware_sim") as device:
+    with Command("--link", link, module="firmware_sim", is_fresh=True) as device:
         device.until(lambda _: link.exists(), "link")
-        with Command("gyrodrift", "serve", "--port", link, "--record", tmp_path, module=ELSEWHERE) as serve:
+        with Command(
+            "gyrodrift", "serve", "--port", link, "--record", tmp_path, module=ELSEWHERE, is_fresh=True
+        ) as serve:
             lines = serve.take_lines(120)
             assert serve.stop() == 0
         device.stop()
@@ -106,9 +108,9 @@ def test_serve_reads_a_port_through_pyserial_alone(tmp_path: Path) -> None:
 def test_serve_survives_an_unplugged_port(tmp_path: Path) -> None:
     """The thread that reads ends with its port, and the next port gets a thread of its own."""
     link = tmp_path / "gyro"
-    with Command("--link", link, module="firmware_sim") as device:
+    with Command("--link", link, module="firmware_sim", is_fresh=True) as device:
         device.until(lambda _: link.exists(), "link")
-        with Command("gyrodrift", "serve", "--port", link, module=ELSEWHERE) as serve:
+        with Command("gyrodrift", "serve", "--port", link, module=ELSEWHERE, is_fresh=True) as serve:
             serve.take_lines(20)
             device.stop()
             serve.until_log("event=link_lost")
@@ -120,7 +122,7 @@ def test_serve_survives_an_unplugged_port(tmp_path: Path) -> None:
 
 def test_doctor_listens_to_a_port(tmp_path: Path) -> None:
     link = tmp_path / "gyro"
-    with Command("--link", link, module="firmware_sim") as device:
+    with Command("--link", link, module="firmware_sim", is_fresh=True) as device:
         device.until(lambda _: link.exists(), "link")
         done = run_elsewhere("gyrodrift", "doctor", "--port", link, "--seconds", "1", "--json")
         device.stop()

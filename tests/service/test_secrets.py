@@ -88,6 +88,8 @@ def run_with_a_secret(port: Path, tmp_path: Path) -> tuple[Path, bytes]:
         out,
         "--log-level",
         "debug",
+        "--protocol",
+        "csv",
     )
     statement = b""
     options += ("--output", output.removesuffix(",x"), "--output", "web:port=0")

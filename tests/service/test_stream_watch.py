@@ -47,7 +47,7 @@ def test_a_rate_that_hangs_is_told_once_and_once_more_when_it_moves() -> None:
     [
         noisy(20_000),
         [*noisy(1000), *[0.0] * 3000, *noisy(1000)],
-        [0.4] * 5000,
+        [0.4] * 1500,
         [*noisy(1000, lsb_dps=0.061), *[0.427] * 3000],
         [rate for rate in noisy(200, sigma_dps=0.3) for _ in range(60)],
         [*noisy(1000), *[40.0] * 40, *noisy(1000)],

@@ -17,8 +17,8 @@ FAULTS = (
     Fault(
         "sources/udp-mixes-senders",
         f"{SOURCES}/udp.py",
-        "            if self._follow(sender):\n",
-        "            if self._follow(sender) or True:\n",
+        "            if self._followed in (None, sender):\n",
+        "            if True:\n",
         "The samples of two gyros become one stream.",
         NETWORK_TESTS,
     ),

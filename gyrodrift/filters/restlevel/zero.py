@@ -28,13 +28,14 @@ def zero_yaw(s: RestlevelState) -> None:
 def _zero_hypothesis(h: Hypothesis, s: RestlevelState) -> None:
     """Set the yaw of a hypothesis to the output yaw within a block.
 
-    The hypothesis adds the whole block at its end. With t seconds of the block gone, it will add -t·bias too much. Its
-    yaw, variance and covariance begin with the opposite.
+    A hypothesis of motion adds the whole block at its end. With t seconds of the block gone, it will add -t·bias too
+    much. Its yaw, variance and covariance begin with the opposite. A hypothesis of rest adds nothing.
     """
     checkpoint, gone_s = h.checkpoint, s.block.seconds
-    checkpoint.yaw_deg, checkpoint.yaw_var, checkpoint.covariance = s.moments.yaw_deg, 0.0, 0.0
+    now_deg = s.moments.yaw_deg + s.block.angle_deg - s.bias_dps * gone_s
+    checkpoint.yaw_deg, checkpoint.yaw_var, checkpoint.covariance = now_deg, 0.0, 0.0
     if h.is_at_rest:
-        h.yaw_deg, h.yaw_var, h.covariance = s.moments.yaw_deg, 0.0, 0.0
+        h.yaw_deg, h.yaw_var, h.covariance = now_deg, 0.0, 0.0
         return
     h.yaw_deg = s.moments.yaw_deg + (h.bias_dps - s.bias_dps) * gone_s
     h.covariance = h.bias_var * gone_s

@@ -209,7 +209,7 @@ def test_datagrams_of_a_vehicle_are_read(host: str) -> None:
             for step in range(first, first + 60):
                 vehicle.sendto(highres_stream(1, step), ("127.0.0.1", port))
             if link.port is not None and first == 0:
-                link.port._heard_s = float("-inf")  # type: ignore[attr-defined] # the silence of a restart
+                link.port._understood_s = float("-inf")  # type: ignore[attr-defined] # the silence of a restart
             samples = read_until(link, lambda samples: len(samples) >= 59)
     link.close()
     assert samples[-1].rate_dps == pytest.approx(degrees(0.5))

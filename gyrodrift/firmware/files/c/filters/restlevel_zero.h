@@ -4,17 +4,18 @@
 
 #include "restlevel.h"
 
-/* Sets the yaw of a hypothesis to the output yaw within a block, which it adds as a whole at its end. */
+/* Sets the yaw of a hypothesis to the output yaw within a block. A hypothesis of motion adds the whole block at its
+   end, and one of rest nothing. */
 static inline void gd_rl_zero_hypothesis(gd_rl_hypothesis *h, const gd_restlevel *s) {
-  const gd_real gone_s = (gd_real)s->block.seconds, yaw_deg = s->moments.yaw_deg;
-  h->checkpoint.yaw_deg = yaw_deg;
+  const gd_real gone_s = (gd_real)s->block.seconds, now_deg = gd_rl_expected_deg(s);
+  h->checkpoint.yaw_deg = now_deg;
   h->checkpoint.yaw_var = h->checkpoint.covariance = GD_R(0.0);
   if (h->is_at_rest) {
-    h->yaw_deg = yaw_deg;
+    h->yaw_deg = now_deg;
     h->yaw_var = h->covariance = GD_R(0.0);
     return;
   }
-  h->yaw_deg = yaw_deg + (h->bias_dps - s->bias_dps) * gone_s;
+  h->yaw_deg = s->moments.yaw_deg + (h->bias_dps - s->bias_dps) * gone_s;
   h->covariance = h->bias_var * gone_s;
   h->yaw_var = h->covariance * gone_s;
 }
