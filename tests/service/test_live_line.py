@@ -80,7 +80,7 @@ def test_a_lost_sample_and_silence_are_on_the_line(port: Path) -> None:
 @pytest.mark.parametrize("columns", [40, 80])
 def test_the_line_never_wraps(port: Path, columns: int) -> None:
     """A narrow terminal shows the beginning of it."""
-    with on_terminal(port, "--log-level", "warning", columns=columns) as (terminal, device):
+    with on_terminal(port, "--log-level", "error", columns=columns) as (terminal, device):
         device.send_all(csv_at_100_hz(300), never)
         terminal.until(lambda it: "yaw +" in it.text, "yaw")
         assert terminal.text.count("\n") == terminal.text.rstrip().count("\n") + 23
