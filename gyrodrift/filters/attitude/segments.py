@@ -43,11 +43,12 @@ def follow_rest(c: AttitudeCoefficients, s: AttitudeState) -> None:
     certain = certain_rest(c, s)
     is_resting = segment.blocks > 0 or bool(s.hypotheses.knows_bias[0])
     candidate = certain or find_rest(s.windows, c.limits, is_resting=is_resting)
-    if candidate is not None and certain is None and segment.blocks > 0 and not continues(s, candidate):
+    goes_on = candidate is not None and continues(s, candidate)
+    if certain is None and segment.blocks > 0 and not goes_on and candidate is not None:
         s.windows.blocks, candidate = 1, None  # the next window has blocks of the new level alone
     if candidate is None:
         end_segment(s)
-    elif not continues(s, candidate):
+    elif not goes_on:
         begin_segment(c, s, candidate, is_certain=certain is not None)
     elif segment.blocks == 0:
         segment.blocks, segment.since = candidate.kind.blocks, 0
@@ -100,7 +101,7 @@ def continues(s: AttitudeState, candidate: RestCandidate) -> bool:
 
 
 def let_drift(c: AttitudeCoefficients, s: AttitudeState) -> None:
-    """Widen the biases of rests by the fastest drift since the last update."""
+    """Widen the biases of rests by half of the fastest drift since the last update."""
     drift = 0.5 * c.drift_rate * s.segment.since * c.block_s
     s.hypotheses.cov[s.hypotheses.regime == REST, BIAS, BIAS] += drift * drift * np.eye(3)
 

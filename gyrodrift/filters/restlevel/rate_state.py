@@ -56,7 +56,7 @@ class NoiseModel:
     has_dropped
         Whether the last block has replaced `sample_var` by a much smaller value.
     same_blocks
-        Number of blocks at power-on that contain a single value; −1 if the block before was the first with a step.
+        Number of blocks at power-on that contain a single value; below 0 for some blocks after the first step.
     flicker_var
         Bias instability, (deg/s)²: variance of block means at rest that N² does not explain.
     is_frozen, frozen_deg

@@ -113,9 +113,10 @@ static inline void gd_attitude_update_rest(gd_attitude *a, const gd_attitude_can
 }
 
 /* Begin, resume or lengthen a segment by a candidate that ends with this block. */
-static inline void gd_attitude_take_candidate(gd_attitude *a, const gd_attitude_candidate *m, int is_certain) {
+static inline void gd_attitude_take_candidate(gd_attitude *a, const gd_attitude_candidate *m, int is_certain,
+                                              int goes_on) {
   gd_attitude_segment *segment = &a->segment;
-  if (!gd_attitude_continues(a, m)) {
+  if (!goes_on) {
     gd_attitude_begin_segment(a, m, is_certain);
   } else if (segment->blocks == 0) {
     segment->blocks = m->kind.blocks;
@@ -137,18 +138,19 @@ static inline void gd_attitude_take_candidate(gd_attitude *a, const gd_attitude_
 static inline void gd_attitude_follow_rest(gd_attitude *a) {
   gd_attitude_candidate m;
   const int is_resting = a->segment.blocks > 0 || gd_attitude_at(a, 0)->knows_bias;
-  int is_certain, is_found;
+  int is_certain, is_found, goes_on;
   if (a->block.moving > 0) {
     a->windows.blocks = 0;
   }
   is_certain = gd_attitude_certain_rest(&m, a);
   is_found = is_certain || gd_attitude_find_rest(&m, &a->windows, a->c.limits, is_resting);
-  if (is_found && !is_certain && a->segment.blocks > 0 && !gd_attitude_continues(a, &m)) {
+  goes_on = is_found && gd_attitude_continues(a, &m);
+  if (is_found && !is_certain && a->segment.blocks > 0 && !goes_on) {
     a->windows.blocks = 1; /* the next window has blocks of the new level alone */
     is_found = 0;
   }
   if (is_found) {
-    gd_attitude_take_candidate(a, &m, is_certain);
+    gd_attitude_take_candidate(a, &m, is_certain, goes_on);
   } else {
     gd_attitude_end_segment(a);
   }
