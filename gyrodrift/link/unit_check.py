@@ -70,6 +70,7 @@ class UnitCheck:
         self._windows = 0
         self._measures_pace = has_clock and protocol.name == "csv"
         self._pace_from: tuple[float, float] | None = None
+        self._paced_s = 0.0
         self._counted = 0.0
         self._acceleration_checks: dict[str, Any] = {}
 
@@ -102,8 +103,9 @@ class UnitCheck:
 
     def _judge_pace(self, sample: Sample, arrival_s: float) -> None:
         """Compare the clock of text with the arrival of its lines, twice; a burst or a busy computer is no pace."""
-        if not self._pace_from:
-            self._pace_from = arrival_s, sample.t_device_s
+        pause_s, self._paced_s = arrival_s - self._paced_s, arrival_s
+        if not self._pace_from or pause_s > PACE_PAUSE_S:
+            self._pace_from, self._counted = (arrival_s, sample.t_device_s), 0.0
         if arrival_s - self._pace_from[0] < PACE_S:
             return
         counted_s, took_s = sample.t_device_s - self._pace_from[1], arrival_s - self._pace_from[0]
@@ -217,6 +219,9 @@ WINDOW = 50
 
 PACE_S, LEAST_PACE, SAME_PACE = 3.0, 1.6, 0.05
 """Time over which a pace is measured, s, least factor by which it is wrong, and largest difference of two of them."""
+
+PACE_PAUSE_S = 0.5
+"""A pause of the lines after which the pace is measured anew, s: what the clock did meanwhile is unknown."""
 
 FASTEST_REPLAY = 10.0
 """A clock that is faster than this is that of a replay as fast as it can."""

@@ -18,16 +18,17 @@ def heard(
     line: Callable[[int], str],
     count: int = 400,
     on_event: Callable[..., None] = lambda *_, **__: None,
+    pause_s: float = 0.0,
     **options: Any,
 ) -> list[Sample]:
-    """Samples of so many lines, 10 ms apart by the host's clock."""
+    """Samples of so many lines, 10 ms apart by the host's clock, with a pause after every ten."""
     now_s, samples = 1000.0, []
     with speaking_on(port) as device:
         link = Link(LinkOptions(str(port), **options), on_event, lambda: now_s)
         try:
             for i in range(count):
                 device.send(line(i).encode() + b"\n")
-                now_s += 0.01
+                now_s += 0.01 + pause_s * (i % 10 == 9)
                 samples += link.read()
         finally:
             link.close()
@@ -76,6 +77,11 @@ def test_a_csv_clock_that_stays_slow_is_asked(port: Path, step_us: int) -> None:
     with pytest.raises(UnitError, match=message):
         heard(port, lambda i: f"{step_us * i},0.{i % 7}", 800)
     assert len(heard(port, lambda i: f"{step_us * i},0.{i % 7}", 800, protocol="csv")) == 800
+
+
+def test_a_device_that_sends_now_and_then_has_no_slow_clock(port: Path) -> None:
+    """Ten lines, a pause, ten lines: what the clock does in a pause is unknown."""
+    assert len(heard(port, lambda i: f"{10_000 * i},0.{i % 7}", 200, pause_s=1.5)) == 200
 
 
 def test_a_csv_clock_that_stays_fast_is_said(port: Path) -> None:
