@@ -24,8 +24,7 @@ from gyrodrift.io.files import check_inputs_kept, check_kept
 from gyrodrift.io.progress import OnProgress
 from gyrodrift.simulation.hard_cases import SESSIONS, hard_case_count, hard_case_paths, write_hard_cases
 from gyrodrift.simulation.published_set import read_rows, twin_paths, write_twins
-from gyrodrift.simulation.sessions import RIG, rig_yaml, sample_count, simulated_paths, write_sessions
-from gyrodrift.simulation.truth import truth_path
+from gyrodrift.simulation.sessions import RIG, rig_yaml, sample_count, simulated_paths, truth_path, write_sessions
 from gyrodrift.values.errors import UsageError, visible
 
 STAGE = "sessions"

@@ -12,15 +12,16 @@ import numpy as np
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.registry import by_key
 from gyrodrift.compare.tuning import tuned
-from gyrodrift.evaluation.curves import YawCurves, yaw_curves
 from gyrodrift.evaluation.dataset import (
     LoadedSession,
     SessionSummary,
     Source,
+    YawCurves,
     digest_of,
     folder_names,
     load_with_reference,
     rates_differ,
+    yaw_curves,
 )
 from gyrodrift.evaluation.score import Score, mean_score, score_of
 from gyrodrift.evaluation.uncertainty import Uncertainty, mean_uncertainty, uncertainty_of

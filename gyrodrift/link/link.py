@@ -18,7 +18,6 @@ from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.connection import Connection
 from gyrodrift.link.heard import Heard
-from gyrodrift.link.late import Arrived, LateArrivals
 from gyrodrift.link.options import EventHandler, LinkCounters, LinkOptions
 from gyrodrift.link.protocols import text
 from gyrodrift.link.protocols.batch import ReadingBatch
@@ -29,7 +28,7 @@ from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.link.protocols.registry import AUTO, PROTOCOLS, added_candidates, candidates
 from gyrodrift.link.silence import unread_protocol, why_silent
 from gyrodrift.link.sources.source import SourcePort
-from gyrodrift.link.turn_queue import TurnQueue
+from gyrodrift.link.turn_queue import Arrived, LateArrivals, TurnQueue
 from gyrodrift.link.unit_check import UnitCheck
 from gyrodrift.values.errors import DeviceSilentError, PortMissingError, UnitError
 from gyrodrift.values.sample import Reading, Sample

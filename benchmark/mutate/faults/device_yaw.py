@@ -75,7 +75,7 @@ FAULTS = (
     ),
     Fault(
         "device-yaw/zero-of-the-device",
-        "gyrodrift/compare/methods/on_device.py",
+        "gyrodrift/compare/methods/filter_method.py",
         "device.yaw_deg - device.yaw_deg[0]",
         "device.yaw_deg",
         "The yaw since power-on is scored in place of that since the first sample.",

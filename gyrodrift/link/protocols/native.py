@@ -13,10 +13,10 @@ from typing import Any
 
 from cobs import cobs
 
-from gyrodrift.link.clocks.steps import ODD_SHARE, ODD_US, step_between
+from gyrodrift.link.clocks.device import ODD_SHARE, ODD_US, step_between
 from gyrodrift.link.protocols.decoder import WAITING_MAX, DeviceDescription
+from gyrodrift.link.protocols.frames import PieceDecoder
 from gyrodrift.link.protocols.native_yaw import YAW, YAW_TYPE, YawJoin, filter_name
-from gyrodrift.link.protocols.pieces import PieceDecoder
 from gyrodrift.link.protocols.protocol import WireProtocol
 from gyrodrift.values.constants import COUNTER_WRAP
 from gyrodrift.values.sample import Inertial, Reading
@@ -46,7 +46,6 @@ ACCEL_VALID = 0x10
 AXES_STILL = 0x20
 ACCEL_CLIPPED = 0x40
 """Flags of SAMPLE3 only; the flag of an acceleration has the bit that says in SAMPLE that the device is at rest."""
-
 
 DPS_PER_LSB_MIN, DPS_PER_LSB_MAX = 1e-9, 10.0
 """Range of scales that 16-bit gyros can have; a HELLO outside counts as damaged."""

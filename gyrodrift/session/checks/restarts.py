@@ -10,9 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gyrodrift.session.angles import unwrapped
 from gyrodrift.session.checks.finding import SessionFinding
-from gyrodrift.session.session import Session
+from gyrodrift.session.session import Session, unwrapped
 from gyrodrift.values.arrays import Floats, Mask
 
 REPEATED_PERIODS = 8.0

@@ -12,8 +12,7 @@ from gyrodrift.evaluation.dataset import Split
 from gyrodrift.filters.filter import Filter
 from gyrodrift.io.files import write_whole
 from gyrodrift.io.json_numbers import finite_values
-from gyrodrift.report.files import aligned
-from gyrodrift.report.numbers import significant
+from gyrodrift.report.numbers import aligned, significant
 from gyrodrift.tune.result import Alternative, Pi, Run, SessionScore, Tuning
 
 HEAD = "# Written by gyrodrift tune. serve --config reloads this file when it changes."
