@@ -23,8 +23,7 @@ from gyrodrift.evaluation.dataset import (
     rates_differ,
     yaw_curves,
 )
-from gyrodrift.evaluation.score import Score, mean_score, score_of
-from gyrodrift.evaluation.uncertainty import Uncertainty, mean_uncertainty, uncertainty_of
+from gyrodrift.evaluation.score import Score, Uncertainty, mean_score, mean_uncertainty, score_of, uncertainty_of
 from gyrodrift.filters.registry import FILTERS
 from gyrodrift.io.parallel import workers
 from gyrodrift.io.progress import COMPILING, OnProgress, ignore_progress

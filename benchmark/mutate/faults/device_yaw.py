@@ -2,7 +2,7 @@
 
 from mutate.fault import Fault
 
-PROTOCOL = "gyrodrift/link/protocols/native_yaw.py"
+PROTOCOL = "gyrodrift/link/protocols/native.py"
 WIRE_TESTS = ("tests/link/protocols/test_native_yaw.py",)
 FILE_TESTS = ("tests/session/test_device_yaw.py",)
 SERVICE_TESTS = ("tests/service/test_device_yaw.py",)

@@ -8,13 +8,11 @@ from typing import Any
 from gyrodrift import __version__
 from gyrodrift.compare.comparison import ComparedSession, Comparison, ConfigFile, Entry, ParamsFrom
 from gyrodrift.compare.methods.method import Method
-from gyrodrift.evaluation.score import Score
-from gyrodrift.evaluation.uncertainty import Uncertainty
+from gyrodrift.evaluation.score import Score, Uncertainty
 from gyrodrift.io.installation import package_command
 from gyrodrift.report.numbers import aligned, significant
 
 DIGITS = 3
-
 
 NAMED = 6
 """Most training sessions that are named."""
