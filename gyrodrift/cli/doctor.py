@@ -34,8 +34,7 @@ from gyrodrift.doctor.body import compare
 from gyrodrift.doctor.checks import examine
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, Severity, as_json, worst
-from gyrodrift.doctor.listen import listen
-from gyrodrift.doctor.recorded import recorded
+from gyrodrift.doctor.listen import listen, recorded
 from gyrodrift.doctor.report import report
 from gyrodrift.doctor.sensors import SENSORS, Sensor, sensor_named
 from gyrodrift.doctor.show import Detail, show

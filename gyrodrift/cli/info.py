@@ -21,8 +21,7 @@ from gyrodrift.cli.written import samples_text, tell_page, tell_written
 from gyrodrift.config.model import Config, load_config
 from gyrodrift.describe.listing import listing
 from gyrodrift.describe.overview import row_of
-from gyrodrift.describe.possible import impossible_values, possible_part
-from gyrodrift.describe.text import Group, groups_of, lines_of
+from gyrodrift.describe.text import Group, groups_of, impossible_values, lines_of, possible_part
 from gyrodrift.describe.yaw import YawHistory, yaw_history_of
 from gyrodrift.evaluation.dataset import digest_of
 from gyrodrift.facts.session_facts import SessionFacts

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TextIO, cast
 
 from gyrodrift.cli import configs, numbers, options
-from gyrodrift.io.unwaiting import send_within
+from gyrodrift.io.waiting import send_within
 
 if TYPE_CHECKING:
     from gyrodrift.link.link import Link

@@ -11,7 +11,7 @@ import numpy as np
 
 from gyrodrift.compare.methods.method import Method, Params
 from gyrodrift.compare.methods.registry import by_key
-from gyrodrift.compare.tuning import tuned
+from gyrodrift.compare.tuning import TuningProvenance, read_provenance, tuned
 from gyrodrift.evaluation.dataset import (
     LoadedSession,
     SessionSummary,
@@ -29,7 +29,6 @@ from gyrodrift.io.parallel import workers
 from gyrodrift.io.progress import COMPILING, OnProgress, ignore_progress
 from gyrodrift.io.result_table import ResultTable
 from gyrodrift.session.checks.stated import AS_WRITTEN, ReadingOptions, session_as_stated
-from gyrodrift.tune.provenance import TuningProvenance, read_provenance
 from gyrodrift.values.arrays import Floats
 
 COMPILED_SAMPLES = 100

@@ -22,10 +22,9 @@ from gyrodrift.io.plug_ins import PlugInError
 from gyrodrift.io.public_yaml import public_yaml
 from gyrodrift.outputs.options import OutputSpec
 from gyrodrift.values.calibration import Calibration
-from gyrodrift.values.errors import ConfigError
+from gyrodrift.values.errors import ConfigError, did_you_mean
 from gyrodrift.values.mount import AXES as DIRECTIONS
 from gyrodrift.values.mount import LEVEL, Mount
-from gyrodrift.values.nearest import did_you_mean
 
 
 def axes_in(value: Any, report: Callable[[Key, str], None]) -> Axes:

@@ -8,7 +8,7 @@ from typing import Any, TextIO, cast
 
 from gyrodrift.io.logger import FilteringBoundLogger, structlog
 from gyrodrift.io.terminal import AboveLine, is_screen
-from gyrodrift.io.unwaiting import send_unwaiting
+from gyrodrift.io.waiting import send_unwaiting
 from gyrodrift.values.errors import UsageError, printable
 from gyrodrift.values.secret import without_secrets
 

@@ -12,9 +12,8 @@ from math import isnan
 from typing import Any
 
 from gyrodrift.link.binary_frames import binary_frames
-from gyrodrift.link.calendar import CLOCK_SET, Calendar
 from gyrodrift.link.clocks.arrival import ArrivalClock
-from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap
+from gyrodrift.link.clocks.clock import CLOCK_SET, Calendar, Clock, ClockRestart, SampleGap
 from gyrodrift.link.clocks.device import DeviceClock
 from gyrodrift.link.connection import Connection
 from gyrodrift.link.decoding import Decoding

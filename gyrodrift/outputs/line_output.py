@@ -18,7 +18,7 @@ from gyrodrift.outputs.net.servers import ServerOutput
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port, Rate
 from gyrodrift.outputs.output import OutputHost
 from gyrodrift.outputs.thinning import Thinning
-from gyrodrift.values.nearest import did_you_mean
+from gyrodrift.values.errors import did_you_mean
 from gyrodrift.values.sample import Corrected
 
 SAMPLE = '{"class":"SAMPLE",'

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from gyrodrift import __version__
-from gyrodrift.link.calendar import CLOCK_SET
+from gyrodrift.link.clocks.clock import CLOCK_SET
 from gyrodrift.link.link import Link
 from gyrodrift.link.protocols.decoder import DeviceDescription
 from gyrodrift.recording.disk import MOST_WAITING_BYTES, DiskFile, RecordingError, disk_left_bytes

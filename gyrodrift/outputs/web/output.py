@@ -22,8 +22,7 @@ from gyrodrift import __version__
 from gyrodrift.outputs.health import health
 from gyrodrift.outputs.net.addresses import is_loopback
 from gyrodrift.outputs.net.json_input import parse_json
-from gyrodrift.outputs.net.periodic import Periodic
-from gyrodrift.outputs.net.servers import ServerOutput
+from gyrodrift.outputs.net.servers import Periodic, ServerOutput
 from gyrodrift.outputs.net.websocket import WebSocketClient, WebSocketServer
 from gyrodrift.outputs.options import LOOPBACK, About, Host, Port
 from gyrodrift.outputs.output import ControlAccess, OutputHost
