@@ -26,7 +26,7 @@ class Decoding:
     decoder
         The decoder; None until it is found.
     device
-        What the device says of itself.
+        Description of the device by itself; empty without one.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ class Decoding:
         self._streams.clear()
 
     def restart_detection(self) -> None:
-        """Detect anew, at another baud rate."""
+        """Detect again, at another baud rate."""
         self._detector = Detector(list(self._protocols.values()), self._guard)
 
     def renew(self) -> None:

@@ -62,9 +62,9 @@ class Link:
         self.counters = LinkCounters()
         self.connection = Connection(options, self.counters, on_event, self._renew, monotonic)
         self.source, self.name = self.connection.source, self.connection.name
-        known = options.baud is not None or not self.connection.has_baud
+        has_known_baud = options.baud is not None or not self.connection.has_baud
         protocol = self.source.protocol if self.source is not None else None
-        self._decoding = Decoding(options, protocol, on_event, has_known_baud=known)
+        self._decoding = Decoding(options, protocol, on_event, has_known_baud=has_known_baud)
         self.clock: Clock | None = None
         self.tap: Callable[[bytes, float], Any] | None = None
         self._on_event = on_event
@@ -86,7 +86,7 @@ class Link:
 
     @property
     def device(self) -> DeviceDescription:
-        """What the device says of itself."""
+        """Description of the device by itself; empty without one."""
         return self._decoding.device
 
     @property
