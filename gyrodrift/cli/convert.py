@@ -25,11 +25,8 @@ from gyrodrift.session.foreign.reference import with_reference
 from gyrodrift.session.left_out import left_out, listed
 from gyrodrift.session.logs.bag import read_bag
 from gyrodrift.session.session import Session
-from gyrodrift.session.tables.write import session_table, write_rows, written_ending
+from gyrodrift.session.tables.write import PIECE, session_table, write_rows, written_ending
 from gyrodrift.values.errors import UsageError, visible
-
-PIECE = 50_000
-"""Samples per write."""
 
 BAGS = (".bag", ".db3")
 FORMS = ("sample", "imu", "json")

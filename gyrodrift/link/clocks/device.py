@@ -4,7 +4,7 @@ from collections import deque
 from statistics import median
 
 from gyrodrift.link.clocks.clock import Clock, ClockRestart, SampleGap, rate_of_delta
-from gyrodrift.values.constants import CLOCK_WRAP_US, COUNTER_WRAP
+from gyrodrift.values.constants import CLOCK_WRAP_US, COUNTER_WRAP, REPEATED_PERIODS
 from gyrodrift.values.sample import Reading, Sample
 
 ODD_US = 100_000
@@ -16,9 +16,6 @@ STEP_US = 1_000_000
 
 FORWARD_SAMPLES = 64
 """Longest gap after an odd step that still confirms it, in samples; the counter may have restarted, too."""
-
-REPEATED_PERIODS = 8.0
-"""Longest step back that is a repeated reading, in periods; a longer one means a restart."""
 
 ODD_PERIODS = 4.0
 RETURN_PERIODS = 2.5

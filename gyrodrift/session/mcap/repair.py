@@ -50,7 +50,6 @@ from gyrodrift.session.session import Session
 from gyrodrift.values.errors import DataError
 from gyrodrift.values.secret import MENTION
 
-BLOCK_BYTES = 1 << 22
 TOPICS = {topic.channel_id: topic for topic in (READS, EVENTS)}
 
 LONGEST_TEXT = 1 << 17

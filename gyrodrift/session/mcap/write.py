@@ -33,6 +33,7 @@ from gyrodrift.session.mcap.layout import (
     FOOTER_LENGTH,
     HEAD,
     LATEST_NS,
+    LATEST_S,
     LAYOUTS,
     MAGIC,
     MESSAGE_OPCODE,
@@ -49,7 +50,6 @@ from gyrodrift.values.sample import NO_AXES, NO_YAW, Sample
 MESSAGE_HEAD = struct.Struct("<BQHIQQ")
 
 CHANNEL = SAMPLES.channel_id
-LATEST_S = LATEST_NS * 1e-9
 NOTHING: tuple[float, ...] = ()
 
 
