@@ -22,11 +22,12 @@ from gyrodrift.session.files import write_session
 from gyrodrift.session.foreign.export import write_imu, write_json
 from gyrodrift.session.foreign.read import read_foreign
 from gyrodrift.session.foreign.reference import with_reference
-from gyrodrift.session.left_out import left_out, listed
+from gyrodrift.session.left_out import left_out
 from gyrodrift.session.logs.bag import read_bag
 from gyrodrift.session.session import Session
 from gyrodrift.session.tables.write import PIECE, session_table, write_rows, written_ending
 from gyrodrift.values.errors import UsageError, visible
+from gyrodrift.values.words import listed
 
 BAGS = (".bag", ".db3")
 FORMS = ("sample", "imu", "json")

@@ -39,6 +39,7 @@ from gyrodrift.session.files import session_paths
 from gyrodrift.session.mcap.raw import RawSize, raw_size
 from gyrodrift.session.session import Session
 from gyrodrift.values.errors import DataError, UsageError, visible
+from gyrodrift.values.words import counted
 
 PICTURES = (".png", ".svg", ".pdf")
 
@@ -263,7 +264,7 @@ class _Drawing:
             page = self._arguments.out / "report.html"
             write_whole(page, [self._page.html(_provenance(self._arguments, self._config, paths))])
             written.append(page)
-        contents = f"{self._count} session{'s' * (self._count != 1)}, {samples_text(self._samples)}"
+        contents = f"{counted(self._count, 'session')}, {samples_text(self._samples)}"
         for path in written:
             tell_written(path, contents, is_quiet=self._arguments.quiet)
         if self._page is not None and self._count:

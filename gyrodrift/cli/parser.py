@@ -7,7 +7,8 @@ from typing import Any, NoReturn
 
 from gyrodrift.io.deprecation import DEPRECATED, successor_of
 from gyrodrift.io.plug_ins import PlugIns
-from gyrodrift.values.errors import UsageError, nearest, shortened, suggestion
+from gyrodrift.values.errors import UsageError, shortened
+from gyrodrift.values.words import nearest, suggestion
 
 COLUMN_OPTIONS = frozenset({"--rate-unit", "--time-unit", "--sample-rate", "--accel-unit", "--flip", "--reference"})
 """Options besides --columns that `gyrodrift help columns` explains."""

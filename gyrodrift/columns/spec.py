@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 from math import degrees
 
 from gyrodrift.values.constants import SECONDS_PER_MINUTE, STANDARD_GRAVITY_MPS2
-from gyrodrift.values.errors import UsageError, did_you_mean, nearest
+from gyrodrift.values.errors import UsageError
+from gyrodrift.values.words import did_you_mean, nearest
 
 IGNORED, SELECTED = "_", "="
 """Meanings of columns that are no quantity: ignored, and with the value of the rows to use."""

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from gyrodrift.session.session import AXIS_COLUMNS, COLUMNS, DEVICE_COLUMNS, SAMPLE_COLUMNS, Session, session_of_columns
 from gyrodrift.values.arrays import Floats
-from gyrodrift.values.errors import DataError, nearest
+from gyrodrift.values.errors import DataError
+from gyrodrift.values.words import nearest
 
 OLD_NAMES = {"t_s": "t_device_s"}
 """Column names in files of earlier versions."""

@@ -15,12 +15,11 @@ GyrodriftError
     └── CalibrationError      turns or a rest that give no calibration
 ```
 
-A message names the thing, the problem, and the next step, such as the nearest name of a misspelled one. Damaged bytes
-are counted, never raised.
+A message names the thing, the problem, and the next step. Damaged bytes are counted, never raised.
 """
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import ClassVar
 
 from gyrodrift.values.secret import without_secrets
@@ -30,9 +29,6 @@ MOST_LINES, LONGEST_LINE = 40, 1000
 
 CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 """Control characters except tab and line feed; a terminal may execute them."""
-
-SIMILARITY = 0.6
-"""Smallest similarity of a suggestion, from 0 to 1: the default of `difflib`."""
 
 
 class GyrodriftError(Exception):
@@ -114,22 +110,3 @@ class DataError(GyrodriftError, ValueError):
 
 class CalibrationError(DataError):
     """Recorded turns or rests do not determine the calibration."""
-
-
-def nearest(word: str, names: Iterable[str], count: int = 1, similarity: float = SIMILARITY) -> list[str]:
-    """At most `count` names that are similar to a word, the most similar first; case is ignored."""
-    from difflib import get_close_matches  # noqa: PLC0415 - imported only for a mistake
-
-    by_lower = {name.lower(): name for name in names}
-    return [by_lower[name] for name in get_close_matches(word.lower(), by_lower, n=count, cutoff=similarity)]
-
-
-def did_you_mean(word: str, names: Iterable[str]) -> str:
-    """`did you mean NAME?`; empty if no name is similar."""
-    return suggestion(nearest(word, names))
-
-
-def suggestion(names: Iterable[str]) -> str:
-    """`did you mean A or B?`; empty without names."""
-    choices = " or ".join(names)
-    return f"did you mean {choices}?" if choices else ""

@@ -39,9 +39,3 @@ def missing_sides(measured: Iterable[Side]) -> list[Side]:
     """Sides that are not among the measured ones."""
     present = set(measured)
     return [side for side in SIDES if side not in present]
-
-
-def listed(names: Iterable[str]) -> str:
-    """Names with commas, and "and" before the last."""
-    *first, last = names
-    return f"{', '.join(first)} and {last}" if first else last

@@ -11,6 +11,7 @@ from gyrodrift.compare.methods.method import Method
 from gyrodrift.evaluation.score import Score, Uncertainty
 from gyrodrift.io.installation import package_command
 from gyrodrift.report.numbers import aligned, significant
+from gyrodrift.values.words import counted
 
 DIGITS = 3
 
@@ -102,8 +103,8 @@ def _stated(stated: Uncertainty | None) -> dict[str, float | None]:
 def summary(comparison: Comparison) -> list[str]:
     """Lines for a terminal: means over all sessions, the best first, then E by folder and sources of the parameters."""
     sessions = len(comparison.sessions)
-    counted = f"mean over {sessions} session{'s' * (sessions > 1)}; E, largest error and CRPS in deg"
-    lines = [f"{counted}, NE in deg/min, PI in deg²; * is the best in real time"]
+    means = f"mean over {counted(sessions, 'session')}; E, largest error and CRPS in deg"
+    lines = [f"{means}, NE in deg/min, PI in deg²; * is the best in real time"]
     lines += aligned(
         [["", "E", "NE", "PI", "largest", "2σ", "CRPS"], *map(partial(_line, comparison), comparison.ranked)]
     )

@@ -18,6 +18,7 @@ from gyrodrift.session.session import Session
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 from gyrodrift.values.errors import DataError
+from gyrodrift.values.words import counted
 
 NAMES = {"s": "seconds", "ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds", "days": "days"}
 
@@ -249,13 +250,13 @@ def examined(session: Session, stated: ReadingOptions = AS_WRITTEN, *, is_still:
 def reading_findings(readings: JudgedReadings) -> Iterator[SessionFinding]:
     """Warnings about the judged readings of a session; none for usual ones."""
     if readings.impossible:
-        first = readings.fields_of("impossible_reading")[0]
-        says = f"{_samples(readings.impossible)} such as {first['rate_dps']:.4g} deg/s cannot be: {first['hint']}"
+        first, samples = readings.fields_of("impossible_reading")[0], counted(readings.impossible, "sample")
+        says = f"{samples} such as {first['rate_dps']:.4g} deg/s cannot be: {first['hint']}"
         yield SessionFinding("impossible", says)
     if readings.clipped:
         first = readings.fields_of("clipped")[0]
         yield SessionFinding(
-            "clipped", f"{_samples(readings.clipped)} read ±{first['limit_dps']:.5g} deg/s", first["hint"]
+            "clipped", f"{counted(readings.clipped, 'sample')} read ±{first['limit_dps']:.5g} deg/s", first["hint"]
         )
     hangs = list(zip(readings.fields_of("rate_hangs"), readings.fields_of("rate_moves"), strict=True))
     for hang, end in hangs[:MOST_NAMED]:
@@ -264,7 +265,3 @@ def reading_findings(readings: JudgedReadings) -> Iterator[SessionFinding]:
         yield SessionFinding("stuck", says, hang["hint"])
     if len(hangs) > MOST_NAMED:
         yield SessionFinding("stuck", f"the rate was constant {len(hangs)} times, for {readings.hung_s:.3g} s in total")
-
-
-def _samples(count: int) -> str:
-    return "1 sample" if count == 1 else f"{count} samples"

@@ -15,7 +15,8 @@ from gyrodrift.session.csv import OLD_NAMES, REQUIRED, slips_in
 from gyrodrift.session.session import COLUMNS
 from gyrodrift.session.tables.layout import is_value
 from gyrodrift.session.tables.plan import Head
-from gyrodrift.values.errors import DataError, shortened, suggestion
+from gyrodrift.values.errors import DataError, shortened
+from gyrodrift.values.words import suggestion
 
 SHOWN = 20
 LABEL_SHOWN = 48
