@@ -11,8 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gyrodrift.calibrate.positions.block import AxesRest
-from gyrodrift.calibrate.positions.sides import missing_sides, side_up
+from gyrodrift.calibrate.positions.block import AxesRest, missing_sides, side_up
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
 from gyrodrift.values.errors import CalibrationError

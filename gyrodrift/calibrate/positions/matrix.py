@@ -17,7 +17,7 @@ from math import sqrt
 
 import numpy as np
 
-from gyrodrift.calibrate.positions.sides import AXES
+from gyrodrift.calibrate.positions.block import AXES
 from gyrodrift.values.arrays import Floats, Integers
 from gyrodrift.values.errors import CalibrationError
 from gyrodrift.values.words import listed

@@ -13,9 +13,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from gyrodrift.calibrate.positions.accelerometer import AccelerometerFit, fit_accelerometer
-from gyrodrift.calibrate.positions.block import AXIS_Z, AxesBlock, AxesRest
+from gyrodrift.calibrate.positions.block import AXES, AXIS_Z, AxesBlock, AxesRest, Side, missing_sides, side_up
 from gyrodrift.calibrate.positions.matrix import AxisTurn, MatrixFit, fit_matrix, missing_turns, missing_turns_text
-from gyrodrift.calibrate.positions.sides import AXES, Side, missing_sides, side_up
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.calibration import AXES_SHAPES, Calibration
 from gyrodrift.values.constants import STANDARD_GRAVITY_MPS2
