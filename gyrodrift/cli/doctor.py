@@ -31,7 +31,7 @@ from gyrodrift.cli.plug_ins import listing
 from gyrodrift.config.model import load_config
 from gyrodrift.config.sources import load_sources
 from gyrodrift.doctor.body import compare
-from gyrodrift.doctor.checks import examine
+from gyrodrift.doctor.checks.registry import examine
 from gyrodrift.doctor.evidence import DeviceEvidence
 from gyrodrift.doctor.finding import DeviceFinding, Severity, as_json, worst
 from gyrodrift.doctor.listen import listen, recorded

@@ -10,7 +10,7 @@ from doctor_support import assert_findings, doctor, running_device
 from support import Command, Terminal
 
 from gyrodrift.cli import main
-from gyrodrift.doctor.checks import CHECKS
+from gyrodrift.doctor.checks.registry import CHECKS
 
 KEYS = ["id", "severity", "says", "do", "value", "unit"]
 
