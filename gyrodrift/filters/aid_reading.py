@@ -43,11 +43,11 @@ class AidReading(NamedTuple):
 
     def with_bias(self, bias_var: float) -> float:
         """Covariance of the error of the source with a bias of this variance."""
-        return self.bias_correlation * sqrt(self.own_var * bias_var)
+        return self.bias_correlation * sqrt(self.own_var * max(0.0, bias_var))
 
     def with_yaw(self, yaw_var: float) -> float:
         """Covariance of the error of the source with a yaw of this variance."""
-        return self.yaw_correlation * sqrt(self.own_var * yaw_var)
+        return self.yaw_correlation * sqrt(self.own_var * max(0.0, yaw_var))
 
     @property
     def range(self) -> float:

@@ -36,6 +36,9 @@ HEADING_SIGMA_DEG, RATE_SIGMA_DPS = 5.0, 0.5
 LATE_S = 0.05
 """Error of the time of a measurement, s. Chosen: half a period at 10 Hz."""
 
+COURSE_DEG = 1.0
+"""Least standard deviation of a course as a heading, deg: vehicles slip, and receivers average over up to a second."""
+
 COURSE_MPS = 0.1
 """Standard deviation of each component of a velocity that a course comes from, m/s: data sheets of u-blox receivers
 state 0.05 m/s at 50 %."""
@@ -47,8 +50,9 @@ SCALE_SIGMA, RATIO_SIGMA, RATIO_WALK = 0.05, 0.001, 0.0001
 """Standard deviations of the scale of a turn rate and of the ratio of two wheels, as shares, and random walk of both,
 1/√s. Measured: tracks are 2.5 % off, and ratios move by 0.1 %, on robots with a motion capture."""
 
-TRACK_DPS = 1e4
-"""Standard deviation of the turn rate for a difference of 1 of two wheels whose track is unknown, deg/s."""
+TRACK_DPS = 150.0
+"""Standard deviation of the turn rate for a difference of 1 m/s of two wheels whose track is unknown, deg/s. Derived:
+180/(π·0.13 m) is within three of them."""
 
 CROSS_AXIS = 0.002
 """Scale error that changes from turn to turn, as a share: misalignment in the data sheets of common parts."""
@@ -83,13 +87,26 @@ around a bend of 6 m turns at 3 deg/s, which a rest sensor may not hide."""
 TRAP_SHARE, MOVING_SHARE = 0.2, 0.1
 """The same for wheels without a unit, as shares of the largest speed so far."""
 
+RESTED_S = 5.0
+"""Time of told rests after which a speed also tells motion, s: before, a straight drive is all that shows the bias."""
+
 HELD_PERIODS = 3.0
 """Time for which a report of rest holds, in the longest periods of its source so far."""
 
 
+BACKWARDS = "it turns the other way: left and right are swapped"
+
+
 @dataclass(slots=True)
 class OwnErrors:
-    """Errors of a source's own, with their covariance matrix and covariances with bias and yaw of the filter."""
+    """Errors of a source's own, with their covariance matrix and covariances with bias and yaw of the filter.
+
+    bias_var, yaw_var
+        Variances of the filter after the last measurement.
+    is_fixed
+        The errors are not learned any more, but stay uncertain (Schmidt 1966): an offset is constant, and from the
+        first time on at which yaw is less certain than the offset, a difference is one of yaw.
+    """
 
     mean: list[float]
     cov: list[list[float]]
@@ -97,6 +114,7 @@ class OwnErrors:
     with_yaw: list[float]
     bias_var: float = inf
     yaw_var: float = inf
+    is_fixed: bool = False
 
     def follow(self, m: AidMoments, seconds: float, walk_var: float) -> None:
         """Go over time since the last measurement: yaw turned by the error of the bias, or was measured meanwhile."""
@@ -131,9 +149,11 @@ class OwnErrors:
         bias_gain, yaw_gain = gains_of(reading, m)
         spread = right * (variance - (1.0 - right) * innovation * innovation)
         for i, g in enumerate(gain):
-            self.mean[i] += right * g * innovation
             self.with_bias[i] -= spread * g * bias_gain
             self.with_yaw[i] -= spread * g * yaw_gain
+            if self.is_fixed:
+                continue
+            self.mean[i] += right * g * innovation
             for j, other in enumerate(gain):
                 self.cov[i][j] -= spread * g * other
             self.cov[i][i] = max(self.cov[i][i], 0.0)
@@ -191,6 +211,8 @@ class Source:
         Last value, and speed beside it.
     least, most
         Least speed beside 0, and largest, so far.
+    rested_s
+        Time of its reports of rest, s.
     area, since_s, last
         Integral of the turn rates of this second and of their speeds, its beginning, and the last rate and speed.
     """
@@ -209,6 +231,7 @@ class Source:
     speed: float = nan
     least: float = inf
     most: float = 0.0
+    rested_s: float = 0.0
     area: tuple[float, float] = (0.0, 0.0)
     since_s: float = nan
     last: tuple[float, float] = (nan, nan)
@@ -343,7 +366,8 @@ class Aids:
                 if aid.t_s >= self._times[0] or aid.t_s == -inf:
                     self._measure(aided, c, s, aid._replace(t_s=max(aid.t_s, self._times[0])))
             self._yaw_deg = s.yaw_deg
-            if t_s - self._renewed_s > RENEWED_S and all(it.is_sure for it in self._sources.values()):
+            is_due = t_s - self._renewed_s > RENEWED_S and not self.is_contradicted
+            if is_due and all(it.is_sure for it in self._sources.values()):
                 self.plain = None
 
     def forget(self) -> None:
@@ -366,7 +390,7 @@ class Aids:
             return
         sigma = HEADING_SIGMA_DEG if isnan(aid.sigma) else aid.sigma
         if isfinite(aid.speed):
-            sigma = hypot(sigma if isfinite(aid.sigma) else 0.0, degrees(atan2(COURSE_MPS, abs(aid.speed))))
+            sigma = hypot(sigma if isfinite(aid.sigma) else COURSE_DEG, degrees(atan2(COURSE_MPS, abs(aid.speed))))
         variance = sigma * sigma + (LATE_S * (self._rate_dps - s.bias_dps)) ** 2
         value = aid.value + self._motions[-1][0] - self._motion_at(aid.t_s)[0]
         if aided.settle_scale is not None:
@@ -377,6 +401,7 @@ class Aids:
         seconds, source.used_s = max(0.0, aid.t_s - source.used_s), aid.t_s
         if isfinite(seconds):
             source.errors.follow(m, seconds, 0.0)
+        source.errors.is_fixed = source.errors.is_fixed or m.yaw_var > source.errors.cov[0][0]
         reading = source.errors.reading((1.0,), value, variance, aid.period_deg, m)
         if self._is_believed(source, reading, m, s.yaw_deg):
             right = self._learn(aided, c, s, source, (1.0,), reading, m)
@@ -418,7 +443,7 @@ class Aids:
         m, errors = aided.moments(s), source.errors
         errors.follow(m, length_s, RATIO_WALK * RATIO_WALK * (errors.mean[0] ** 2 if is_wheels else 1.0))
         scale = errors.mean[0] if is_wheels else 1.0
-        shape = (rate, scale * mean_speed)
+        shape = (rate, hypot(scale, sqrt(errors.cov[0][0])) * mean_speed if is_wheels else 0.0)
         stated_dps = (1.0 if not is_wheels else scale) * (RATE_SIGMA_DPS if isnan(aid.sigma) else aid.sigma)
         sigma_dps = RATE_SIGMA_DPS if is_wheels and isnan(aid.sigma) else abs(stated_dps)
         rate_dps = scale * rate
@@ -426,9 +451,17 @@ class Aids:
         variance = sigma_dps**2 + (SLIP * rate_dps) ** 2 + late_dps**2
         value = measured_dps if is_wheels else measured_dps - rate
         reading = errors.reading(shape, value, variance, 0.0, m)
-        is_turning = max(abs(rate_dps), abs(measured_dps - s.bias_dps)) > TURNING_DPS
-        if self._is_believed(source, reading, m, s.yaw_deg, is_telling=is_turning, is_rate=True):
-            self._learn(aided, c, s, source, shape, reading, m)
+        is_known = scale * scale > 4.0 * errors.cov[0][0] or not is_wheels
+        turn_dps = max(abs(rate_dps), abs(measured_dps - s.bias_dps) - OFFSET_SIGMAS * s.bias_sigma_dps)
+        is_turning = is_known and turn_dps > TURNING_DPS
+        is_backwards = is_wheels and scale < -OFFSET_SIGMAS * sqrt(errors.cov[0][0])
+        if is_backwards:
+            source.differs, self.is_contradicted = BACKWARDS, self.is_contradicted or source.differs != BACKWARDS
+        elif self._is_believed(source, reading, m, s.yaw_deg, is_telling=is_turning, is_rate=True):
+            if abs(rate_dps) < TURNING_DPS:
+                self._learn(aided, c, s, source, shape, reading, m)
+            else:  # slips last as long as a turn: only the scale is learned
+                errors.update(shape, reading, m, 1.0 - WRONG_SHARE / right_odds(reading, m))
 
     def _is_believed(
         self,
@@ -442,16 +475,13 @@ class Aids:
     ) -> bool:
         """Whether a measurement counts; sources that contradict are left out, and come back."""
         odds, (difference, _) = right_odds(reading, m), innovation_of(reading, m)
-        is_backwards = is_rate and source.errors is not None and _is_backwards(source.errors)
         if source.differs == "":
-            if (is_telling and source.judge(odds, difference)) or is_backwards:
+            if is_telling and source.judge(odds, difference):
                 unit = "deg/s" if is_rate else "deg"
                 source.differs = f"it differs by {median(source.differences or [difference]):.3g} {unit}"
-                if is_backwards:
-                    source.differs = "it turns the other way: left and right are swapped"
                 source.agreed, self.is_contradicted = 0, True
             return source.differs == ""
-        if odds < 1.0 or is_backwards:
+        if odds < 1.0:
             source.agreed = 0
         elif is_telling:
             source.from_deg = yaw_deg if source.agreed == 0 else source.from_deg
@@ -511,11 +541,6 @@ def _rate_errors(*, is_wheels: bool) -> OwnErrors:
     return OwnErrors([0.0, 0.0], [[scale_var, 0.0], [0.0, RATIO_SIGMA**2]], [0.0, 0.0], [0.0, 0.0])
 
 
-def _is_backwards(errors: OwnErrors) -> bool:
-    """Whether the difference of two wheels turns the other way: their scale is far below 0."""
-    return errors.cov[0][0] < TRACK_DPS and errors.mean[0] < -OFFSET_SIGMAS * sqrt(errors.cov[0][0])
-
-
 def _hear(source: Source, aid: Aid) -> None:
     """Remember a report of rest or a speed."""
     size = abs(aid.value)
@@ -534,8 +559,9 @@ def _hear(source: Source, aid: Aid) -> None:
         trap, moving = TRAP_SHARE * source.most, MOVING_SHARE * source.most
     if is_zero:
         source.value = 1.0 if source.least == inf or source.least < trap else nan
+        source.rested_s += max(0.0, aid.t_s - source.t_s) if source.value == 1.0 and isfinite(source.t_s) else 0.0
     else:
-        source.value = 0.0 if size > moving else nan
+        source.value = 0.0 if size > moving and source.rested_s > RESTED_S else nan
 
 
 def _report(source: Source, t_s: float) -> float:

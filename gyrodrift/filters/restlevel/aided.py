@@ -35,7 +35,7 @@ def rate_dps(s: RestlevelState) -> float:
 def moments(s: RestlevelState) -> AidMoments:
     """Moments of the Gaussian sum."""
     m = s.moments
-    return AidMoments(s.bias_dps, m.yaw_deg, m.bias_var, m.covariance, m.yaw_var)
+    return AidMoments(s.bias_dps, m.yaw_deg, max(0.0, m.bias_var), m.covariance, max(0.0, m.yaw_var))
 
 
 def settle_scale(c: RestlevelCoefficients, s: RestlevelState, beside_var: float) -> None:
