@@ -7,7 +7,7 @@ since the last measurement, as at a rest.
 
 from math import sqrt
 
-from gyrodrift.filters.aid_reading import WRONG_SHARE, AidedFilter, AidMoments, AidReading, normal_pdf
+from gyrodrift.filters.aids.reading import WRONG_SHARE, AidedFilter, AidMoments, AidReading, normal_pdf
 from gyrodrift.filters.gaps import CORRECTION_DEG
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.kalman import MAX_RAMP_S, RAMP_PROBABILITY, KalmanStep, mix
