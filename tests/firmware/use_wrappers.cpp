@@ -53,6 +53,7 @@ int main() {
   const gd_real still_gyro_dps[3] = {0.02f, -0.01f, 0.1f}, up_mps2[3] = {0.1f, 0.02f, 9.8f};
   is_equal &= attitude.update(9.995, still_gyro_dps, up_mps2, 1) && space.update_us(9995000u, still_gyro_dps, up_mps2, 1);
   is_equal &= gd_attitude_update_with(&a, 9.995, still_gyro_dps, up_mps2, 1, (gd_real)NAN) && a.block.still == 1;
+  is_equal &= gd_attitude_update_us_with(&b, 9995000u, still_gyro_dps, up_mps2, 1, (gd_real)NAN);
   is_equal &= attitude.state().block.still == 1 && !(attitude.yaw_deg() < a.yaw_deg);
   attitude.gap();
   space.restarted();
@@ -60,7 +61,7 @@ int main() {
   is_equal &= attitude.state().longest_step_s == 0 && space.state().longest_step_s < 0 && space.yaw_sigma_deg() == 0;
   is_equal &= !(attitude.yaw_deg() < a.yaw_deg) && !(attitude.yaw_deg() > a.yaw_deg) && a.yaw_deg > 10;
   is_equal &= !(attitude.yaw_sigma_deg() < a.yaw_sigma_deg) && !(attitude.tilt_deg() < a.tilt_deg);
-  is_equal &= !(space.bias_dps() < b.bias_dps) && !(space.bias_dps() > b.bias_dps) && space.state().samples == 1000;
+  is_equal &= !(space.bias_dps() < b.bias_dps) && !(space.bias_dps() > b.bias_dps) && space.state().samples == 1001;
   is_equal &= !(hdr.yaw_deg() < h.yaw_deg) && !(hdr.yaw_deg() > h.yaw_deg) && h.yaw_deg > 10;
   is_equal &= !(tuned.bias_dps() < t.bias_dps) && !(tuned.bias_dps() > t.bias_dps) && tuned.state().samples == 1000;
   std::printf("%d\n", is_equal);
