@@ -10,7 +10,7 @@ SLOW_MPS = 0.3
 around a bend of 6 m turns at 3 deg/s."""
 
 SLOW_SHARE = 0.2
-"""The same for wheels in any unit, as a share of their largest speed so far. Chosen."""
+"""Share of the largest speed so far that is motion for wheels in any unit. Chosen."""
 
 RESTED_S = 5.0
 """Time of told rests after which a speed also tells motion, s: before, a straight drive is all that shows the bias.
