@@ -31,6 +31,8 @@ class FilterOutput(NamedTuple):
     is_valid: bool
     taken: NDArray[np.bool_]
     rows: Floats
+    is_done: NDArray[np.bool_] | None = None
+    """After which samples no work was left, where it was done in portions."""
 
 
 class CFilter:
@@ -41,7 +43,7 @@ class CFilter:
         for name in ("state_bytes", "inputs", "outputs"):
             getattr(self._library, name).restype = ctypes.c_size_t
         pointer, size = ctypes.c_void_p, ctypes.c_size_t
-        self._library.drive.argtypes = [pointer, size, pointer, ctypes.c_int, pointer, size, pointer, pointer]
+        self._library.drive.argtypes = [pointer, size, pointer, ctypes.c_int, pointer, size, pointer, pointer, pointer]
 
     @property
     def state_bytes(self) -> int:
@@ -56,8 +58,12 @@ class CFilter:
         *,
         is_us: bool = False,
         saved_after: int = NEVER_SAVED,
+        portions: NDArray[np.uint8] | None = None,
     ) -> FilterOutput:
-        """Run over samples: times in s, or in µs of the 32-bit clock; inputs of shape (samples, n)."""
+        """Run over samples: times in s, or in µs of the 32-bit clock; inputs of shape (samples, n).
+
+        `portions` are the numbers of portions of work after each sample.
+        """
         times = np.ascontiguousarray(t, dtype=np.float64)
         given = np.ascontiguousarray(inputs, dtype=np.float64)
         assert given.size == len(times) * self._library.inputs()
@@ -71,10 +77,11 @@ class CFilter:
             int(is_us),
             given.ctypes.data,
             saved_after,
+            None if portions is None else portions.ctypes.data,
             rows.ctypes.data,
             taken.ctypes.data,
         )
-        return FilterOutput(bool(is_valid), taken.astype(bool), rows)
+        return FilterOutput(bool(is_valid), taken % 2 == 1, rows, None if portions is None else taken < 2)
 
 
 class CFilters:

@@ -46,6 +46,7 @@ OWN = {
     "PIVOT_SHARE": "inverse of a matrix",
     "QUIET_BLOCKS": "KINDS",
     "BRIEF_BLOCKS": "KINDS",
+    "ROW": "a row of a covariance",
 }
 """Constants that only C has, with what they are of."""
 

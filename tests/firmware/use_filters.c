@@ -30,6 +30,9 @@ gd_real use_restlevel(gd_restlevel *r, double t_s, uint32_t t_us, gd_real rate_d
   gd_restlevel_gap(r);
   gd_restlevel_restarted(r);
 #endif
+#if GD_RESTLEVEL_WORK
+  gd_restlevel_work(r);
+#endif
   if (gd_restlevel_update(r, t_s, rate_dps) && gd_restlevel_update_us(r, t_us, rate_dps)) {
     gd_restlevel_zero(r);
   }

@@ -29,7 +29,7 @@ int main() {
   is_equal &= !(restlevel.yaw_sigma_deg() < r.yaw_sigma_deg) && !(restlevel.bias_dps() > r.bias_dps);
   is_equal &= !(own.yaw_deg() < o.yaw_deg) && !(own.yaw_deg() > o.yaw_deg) && own.state().samples == 1000;
   is_equal &= !(restlevel.bias_sigma_dps() < r.bias_sigma_dps) && !(restlevel.rest_probability() < r.rest_probability);
-  is_equal &= restlevel.update(10.0, 0.1f, 1) && own.update_us(10000000u, 0.1f, 0, 21);
+  is_equal &= restlevel.update(9.995, 0.1f, 1) && own.update_us(9995000u, 0.1f, 0, 21);
   is_equal &= !restlevel.state().witness.has_moved && own.state().witness.has_moved && own.state().temp_c > 20;
   restlevel.zero();
   restlevel.gap();

@@ -28,7 +28,7 @@ private:
   gd_hdr state_;
 };
 
-template <size_t RealBytes, int Hypotheses, int Auxiliary, int Memory, int Gaps>
+template <size_t RealBytes, int Hypotheses, int Auxiliary, int Memory, int Gaps, int Work>
 class RestlevelOf {
 public:
   RestlevelOf() { gd_restlevel_init(&state_, NULL); }
@@ -47,6 +47,9 @@ public:
 #if GD_RESTLEVEL_GAPS
   void gap() { gd_restlevel_gap(&state_); }
   void restarted() { gd_restlevel_restarted(&state_); }
+#endif
+#if GD_RESTLEVEL_WORK
+  bool work() { return gd_restlevel_work(&state_) != 0; }
 #endif
   void zero() { gd_restlevel_zero(&state_); }
   gd_real yaw_deg() const { return state_.yaw_deg; }
@@ -100,7 +103,7 @@ private:
 
 typedef HdrOf<sizeof(gd_real)> Hdr;
 typedef RestlevelOf<sizeof(gd_real), GD_RESTLEVEL_HYPOTHESES, GD_RESTLEVEL_AUXILIARY, GD_RESTLEVEL_MEMORY,
-                    GD_RESTLEVEL_GAPS>
+                    GD_RESTLEVEL_GAPS, GD_RESTLEVEL_WORK>
     Restlevel;
 typedef AttitudeOf<sizeof(gd_real), GD_ATTITUDE_HYPOTHESES> Attitude;
 
