@@ -2,7 +2,7 @@
 
 import ctypes
 import shutil
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -100,6 +100,31 @@ class CFilters:
                 built_once("".join(key), lambda folder: compile_library(folder, *key)) / LIBRARY
             )
         return self._loaded[key]
+
+
+INTERLEAVINGS: dict[str, Callable[[np.random.Generator, int], NDArray[np.int64]]] = {
+    "all at once": lambda _, count: np.full(count, 255),
+    "one after each sample": lambda _, count: np.ones(count, dtype=np.int64),
+    "now and then": lambda rng, count: rng.integers(0, 12, count) * (rng.random(count) < 0.3),
+    "for a while": lambda _, count: np.where(np.arange(count) % 5000 < 2500, 3, 0),
+}
+"""Numbers of portions of work after each sample."""
+
+
+def assert_portions_change_nothing(
+    library: CFilter, t_s: Floats, inputs: Floats, interleaving: str, correction: int
+) -> None:
+    """All outputs are the same bits whenever no work is left.
+
+    The correction in the last sample, in this column, comes when the work is done.
+    """
+    portions = INTERLEAVINGS[interleaving](np.random.default_rng(3), len(t_s)).astype(np.uint8)
+    usual, divided = library.run(t_s, inputs), library.run(t_s, inputs, portions=portions)
+    assert divided.is_done is not None
+    assert divided.is_done.mean() > 0.01
+    assert (divided.taken == usual.taken).all()
+    done, expected = (np.delete(output.rows[divided.is_done], correction, axis=1) for output in (divided, usual))
+    assert np.array_equal(done, expected, equal_nan=True)
 
 
 def compile_library(folder: Path, source: str, real: str, *flags: str) -> None:

@@ -47,6 +47,8 @@ OWN = {
     "QUIET_BLOCKS": "KINDS",
     "BRIEF_BLOCKS": "KINDS",
     "ROW": "a row of a covariance",
+    "QUEUE": "samples that wait for portions of work",
+    "SAMPLES_PER_PORTION": "samples that wait for portions of work",
 }
 """Constants that only C has, with what they are of."""
 

@@ -1,17 +1,15 @@
 """Restlevel in C against restlevel in Python, sample by sample: the same bits in double, 0.01 deg an hour in float."""
 
-from collections.abc import Callable
 from math import inf, nan
 
 import numpy as np
 import pytest
 from c_attitude_support import samples as inertial
-from c_filter_support import CFilter, CFilters, FilterOutput
+from c_filter_support import INTERLEAVINGS, CFilter, CFilters, FilterOutput, assert_portions_change_nothing
 from c_restlevel_sessions import SESSIONS, plain, with_temperature_and_rest_sensor
 from c_restlevel_support import BIAS, SIGMA, YAW, in_python, samples, values_of
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from recordings_support import Recordings, packed_names
 from support import quick
 
@@ -25,7 +23,7 @@ FLOAT_DEG_H = 0.01
 """Largest yaw difference of a float, deg for each hour begun."""
 
 CORRECTION = 10
-"""Column of the correction in the last sample: with portions it comes when the work is done."""
+"""Column of the correction in the last sample."""
 
 FUSED_DEG = 1e-9
 """Largest difference by fused operations in double, deg."""
@@ -281,27 +279,11 @@ def inputs_at_rest(name: str, count: int) -> Floats:
     return inertial(0.3 + noise[:, :3], noise[:, 3:] + (0.0, 0.0, 9.81))
 
 
-INTERLEAVINGS: dict[str, Callable[[np.random.Generator, int], NDArray[np.int64]]] = {
-    "all at once": lambda _, count: np.full(count, 255),
-    "one after each sample": lambda _, count: np.ones(count, dtype=np.int64),
-    "now and then": lambda rng, count: rng.integers(0, 12, count) * (rng.random(count) < 0.3),
-    "for a while": lambda _, count: np.where(np.arange(count) % 5000 < 2500, 3, 0),
-}
-
-
 @pytest.mark.parametrize("interleaving", INTERLEAVINGS)
 @pytest.mark.parametrize("real", ["float", "double"])
 @pytest.mark.parametrize("session", ["50 Hz", "restarts", "temperature and rest sensor", "zeroed", "huge"])
-def test_work_in_portions_gives_the_same_bits(
-    c_filters: CFilters, session: str, real: str, interleaving: str
-) -> None:
+def test_work_in_portions_gives_the_same_bits(c_filters: CFilters, session: str, real: str, interleaving: str) -> None:
     """Whenever no work is left, all outputs are those of the filter that does the work at the end of a block."""
-    t_s, inputs = SESSIONS[session]()
-    portions = INTERLEAVINGS[interleaving](np.random.default_rng(3), len(t_s)).astype(np.uint8)
-    library = c_filters.get("filter_restlevel.c", real)
-    usual, divided = library.run(t_s, inputs), library.run(t_s, inputs, portions=portions)
-    assert divided.is_done is not None
-    assert divided.is_done.mean() > 0.01
-    assert (divided.taken == usual.taken).all()
-    outputs = [column for column in range(12) if column != CORRECTION]
-    assert np.array_equal(divided.rows[divided.is_done][:, outputs], usual.rows[divided.is_done][:, outputs])
+    assert_portions_change_nothing(
+        c_filters.get("filter_restlevel.c", real), *SESSIONS[session](), interleaving, CORRECTION
+    )

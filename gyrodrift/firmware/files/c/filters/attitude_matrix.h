@@ -2,7 +2,7 @@
 #ifndef GD_ATTITUDE_MATRIX_H
 #define GD_ATTITUDE_MATRIX_H
 
-#include "attitude_model.h"
+#include "attitude_state.h"
 
 /* Smallest pivot of a covariance, and as a share of its diagonal: rounding may leave 0 or less, and a division must
    stay finite. */

@@ -64,7 +64,7 @@ private:
   gd_restlevel state_;
 };
 
-template <size_t RealBytes, int Hypotheses>
+template <size_t RealBytes, int Hypotheses, int Queue>
 class AttitudeOf {
 public:
   AttitudeOf() { gd_attitude_init(&state_, NULL); }
@@ -84,6 +84,7 @@ public:
   }
   void gap() { gd_attitude_gap(&state_); }
   void restarted() { gd_attitude_restarted(&state_); }
+  bool work() { return gd_attitude_work(&state_) != 0; }
   void zero() { gd_attitude_zero(&state_); }
   gd_real yaw_deg() const { return state_.yaw_deg; }
   gd_real yaw_sigma_deg() const { return state_.yaw_sigma_deg; }
@@ -105,7 +106,7 @@ typedef HdrOf<sizeof(gd_real)> Hdr;
 typedef RestlevelOf<sizeof(gd_real), GD_RESTLEVEL_HYPOTHESES, GD_RESTLEVEL_AUXILIARY, GD_RESTLEVEL_MEMORY,
                     GD_RESTLEVEL_GAPS, GD_RESTLEVEL_WORK>
     Restlevel;
-typedef AttitudeOf<sizeof(gd_real), GD_ATTITUDE_HYPOTHESES> Attitude;
+typedef AttitudeOf<sizeof(gd_real), GD_ATTITUDE_HYPOTHESES, GD_ATTITUDE_QUEUE> Attitude;
 
 } /* namespace gyrodrift */
 } /* extern "C++" */
