@@ -23,8 +23,8 @@
 #endif
 
 /* 0 leaves out the external rest sensor and the temperature, the bias of an earlier run, the rule for gaps and
-   restarts, without which the rate is integrated over a gap, or headings and turn rates of other sensors: less code and memory,
-   and the same results otherwise. */
+   restarts, without which the rate is integrated over a gap, or headings and turn rates of other sensors: less code and
+   memory, and the same results otherwise. */
 #ifdef __AVR__
 #define GD_RL_DEFAULT_PARTS 0
 #else
