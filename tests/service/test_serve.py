@@ -23,7 +23,7 @@ from firmware_sim.wire.registry import ENCODERS
 from gyrodrift.filters.registry import FILTERS
 from gyrodrift.filters.restlevel.model import RestlevelParams
 from gyrodrift.link.protocols.native import NativeDecoder
-from gyrodrift.link.protocols.registry import listed
+from gyrodrift.link.protocols.registry import detected_names
 
 RIG = Rig(base=Base(bias_dps=0.3))
 BLOCK = "hdr: {{i_c_dps: {i_c}, tau_s: 0.5, theta_w_dps: 1, c1: 0, c2: 1}}\n"
@@ -351,7 +351,7 @@ def test_random_bytes_end_with_the_advice_to_check_the_baud_rate(port: Path) -> 
         while serve.process.poll() is None and device.send_all(random.randbytes(100), never):
             serve._read(0.01)
         assert serve.end() == 3
-    assert f"no {listed()} frame at 9600 baud; the baud rate may be wrong" in serve.log
+    assert f"no {detected_names()} frame at 9600 baud; the baud rate may be wrong" in serve.log
 
 
 def test_the_log_goes_to_stderr_and_only_samples_to_stdout(port: Path) -> None:
