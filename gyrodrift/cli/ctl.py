@@ -1,8 +1,8 @@
 """Control a running service through the socket of serve --control.
 
   zero             set yaw and its sigma to 0.
-  heading DEG      set the compass heading, clockwise from north. With --sigma DEG it is a measurement: the filter weighs
-                   it, and the answer says how it agrees.
+  heading DEG      set the compass heading, clockwise from north. With --sigma DEG it is a measurement that the filter
+                   weighs, and the answer says how it agrees.
   turn-rate DPS    with --sigma DPS: the device turns at DPS, counter-clockwise positive, by another source.
   rest 1|0|auto    say that the device stands still or moves; auto ends it.
   rate HZ          at most HZ lines a second on stdout; 0 for every sample.

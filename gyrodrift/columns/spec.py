@@ -115,8 +115,8 @@ EXPECTED = (
     f" :lsb/N, delta (the angle since the last sample), yaw and encoder :deg or :rad, encoder :counts/N, ax, ay and az"
     f" :mps2, :g, :mg or :lsb/N, and all of them :- for the other sign; t is a clock in other units, :lsb/N (N ticks a"
     f" second), :min, :days or :hms, dt_ms the time since the last sample, and +t_ms is added to a clock before it;"
-    f" heading may have :deg, :rad and :compass (clockwise), speed :mps, :kn or :kmh, turn_rate :dps or :rads, wheel_left"
-    f" and wheel_right :mps or :dps, and each of these :sigma/N, :late/S (seconds) and heading :mod/90;"
+    f" heading may have :deg, :rad and :compass (clockwise), speed :mps, :kn or :kmh, turn_rate :dps or :rads,"
+    f" wheel_left and wheel_right :mps or :dps, each of them :sigma/N and :late/S (seconds), and heading :mod/90;"
     f" LABEL=VALUE uses only the rows with this value. As in {EXAMPLE}"
 )
 AID_OPTION = re.compile(r"(sigma|late|mod)/([0-9]{1,9}(?:\.[0-9]{0,9})?)")

@@ -127,15 +127,9 @@ class Pipeline(JudgedListener):
         for sample in calibrated:
             part = None if self.history is None else self.history.expect(self.run, sample)
             if step(sample.t_device_s, sample.rate_dps, sample.inertial, sample.still, sample.temp_c):
-                for aid in sample.aids:
-                    self.run.aid(aid)
-                if (last := self.last) is not None:
-                    step_s = sample.t_device_s - last.t_device_s
-                    self.raw_yaw_deg += 0.5 * (sample.rate_dps + last.rate_dps) * step_s
-                    self._follow_corrections(step_s)
                 if part is not None:
                     part.keep(sample)
-                self.last = sample
+                self._follow(sample)
                 corrected.append(self._corrected(sample))
                 self._step_deg = 0.0
         if calibrated:
@@ -332,6 +326,16 @@ class Pipeline(JudgedListener):
         fields = {"seconds": round(seconds, 1), "step_deg": round(self._step_deg, 3)}
         self.log.info("history_filtered", **fields)
         self.tell("history_filtered", fields)
+
+    def _follow(self, sample: Sample) -> None:
+        """Hand the second sources of an accepted sample to the filter, and count on: raw yaw and corrections."""
+        for aid in sample.aids:
+            self.run.aid(aid)
+        if (last := self.last) is not None:
+            step_s = sample.t_device_s - last.t_device_s
+            self.raw_yaw_deg += 0.5 * (sample.rate_dps + last.rate_dps) * step_s
+            self._follow_corrections(step_s)
+        self.last = sample
 
     def _follow_corrections(self, step_s: float) -> None:
         """Note the correction of the last sample, `step_s` after the one before."""

@@ -19,7 +19,9 @@ inertial = st.none() | st.builds(Inertial, *[number] * 6)
 attitude = st.none() | st.builds(Attitude, *[number] * 11)
 device_yaw = st.none() | st.builds(DeviceYaw, *[number] * 3)
 sample = st.builds(Sample, st.integers(0, 2**62), *[number] * 6, inertial, device_yaw, st.just(()))
-aids = st.none() | st.dictionaries(st.text(max_size=9), st.builds(AidStatus, number, st.just(nan), st.just("")), min_size=1)
+aids = st.none() | st.dictionaries(
+    st.text(max_size=9), st.builds(AidStatus, number, st.just(nan), st.just("")), min_size=1
+)
 batch = st.lists(st.builds(Corrected, sample, *[number] * 10, attitude, *[number] * 4, aids), max_size=5)
 
 

@@ -26,7 +26,9 @@ from mcap.records import (
 )
 
 from gyrodrift import __version__
+from gyrodrift.session.aids import aid_values
 from gyrodrift.session.mcap.layout import (
+    AIDS,
     CDR_LITTLE_ENDIAN,
     CRC_BYTES,
     EVENTS,
@@ -44,6 +46,7 @@ from gyrodrift.session.mcap.layout import (
     salt_of,
     seal,
 )
+from gyrodrift.values.aid import Aid
 from gyrodrift.values.sample import DeviceYaw, Inertial, Sample
 
 MESSAGE_HEAD = struct.Struct("<BQHIQQ")
@@ -182,9 +185,11 @@ class McapWriter:
         crc32, salt, number = zlib.crc32, self.salt, self.count
         last_host_s, log_ns = nan, 0
         no_axes, no_yaw = MISSING if self.has_axes else NOTHING, NO_YAW if self.has_device_yaw else NOTHING
-        for seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c, still, inertial, device_yaw in samples:
+        for seq, t_device_s, t_host_s, rate_dps, encoder_deg, temp_c, still, inertial, device_yaw, aids in samples:
             if still != self._still and not (isnan(still) and isnan(self._still)):
                 self.add_still(number, still, t_host_s)
+            for aid in aids:
+                self.add_aid(number, aid, t_device_s, t_host_s)
             if t_host_s != last_host_s:  # samples that arrive together have the same time
                 last_host_s, log_ns = t_host_s, to_ns(t_host_s)
                 self._contents.add_messages(CHANNEL, 0, log_ns, log_ns)
@@ -228,6 +233,12 @@ class McapWriter:
         self._still = still
         text = json.dumps({"sample": sample, "still": None if isnan(still) else still}).encode()
         self._others += self._message_head(STILLS, MESSAGE_HEAD.size - HEAD.size + len(text), to_ns(t_host_s)) + text
+
+    def add_aid(self, sample: int, aid: Aid, t_device_s: float, t_host_s: float) -> None:
+        """Add a measurement of a second source that came with a sample; without a time it has that of the sample."""
+        timed = aid._replace(t_s=t_device_s) if isnan(aid.t_s) else aid
+        text = json.dumps({"sample": sample, **aid_values(timed)}).encode()
+        self._others += self._message_head(AIDS, MESSAGE_HEAD.size - HEAD.size + len(text), to_ns(t_host_s)) + text
 
     def add_read(self, content: bytes, t_host_s: float) -> None:
         """Add the bytes of a read of the port."""
