@@ -1,0 +1,76 @@
+"""Measurements of heading and of the bias about the vertical by a second source, for all hypotheses.
+
+As in restlevel: a measurement is right or wrong, and each hypothesis is the mixture of both cases.
+"""
+
+import numpy as np
+
+from gyrodrift.filters.aid_reading import WRONG_SHARE, AidedFilter, AidMoments, AidReading
+from gyrodrift.filters.attitude.block import next_block
+from gyrodrift.filters.attitude.hypotheses import BIAS, HEADING, Hypotheses
+from gyrodrift.filters.attitude.mixture import ordered
+from gyrodrift.filters.attitude.model import RAD, AttitudeCoefficients, AttitudeState
+from gyrodrift.filters.attitude.update import publish
+from gyrodrift.filters.attitude.yaw import unwrap_headings
+from gyrodrift.filters.gaps import CORRECTION_DEG
+from gyrodrift.values.arrays import Floats
+from gyrodrift.values.quaternion import heading_axis
+
+
+def has_block_ended(s: AttitudeState) -> bool:
+    """Whether the last sample ended a block."""
+    return s.block.samples == 0
+
+
+def rate_dps(s: AttitudeState) -> float:
+    """Rate of the heading as measured, deg/s."""
+    return s.heading_rate_dps
+
+
+def moments(s: AttitudeState) -> AidMoments:
+    """Moments of the Gaussian sum about the vertical."""
+    h, axis = s.hypotheses, np.array(heading_axis(s.q))
+    covariance = float(h.weight @ (h.cov[:, HEADING, BIAS] @ axis)) / RAD**2
+    return AidMoments(s.bias_dps, s.yaw_deg, s.bias_sigma_dps**2, covariance, s.yaw_sigma_deg**2)
+
+
+def take(_c: AttitudeCoefficients, s: AttitudeState, reading: AidReading) -> float:
+    """Update all hypotheses, and give the probability that the measurement is right."""
+    h, axis = s.hypotheses, np.array(heading_axis(s.q))
+    innovation, gain, variance = _innovations(h, axis, reading)
+    density = np.exp(-0.5 * innovation**2 / variance) / np.sqrt(2.0 * np.pi * variance)
+    likelihood = (1.0 - WRONG_SHARE) * density + WRONG_SHARE / reading.range
+    right = (1.0 - WRONG_SHARE) * density / likelihood
+    spread = right * (variance - (1.0 - right) * innovation**2)
+    h.correct(np.radians(right * innovation)[:, None] * gain)
+    h.cov = h.cov - RAD**2 * spread[:, None, None] * gain[:, :, None] * gain[:, None, :]
+    h.weight = h.weight * likelihood
+    agreement = float(h.weight @ right / h.weight.sum())
+    h.weight = h.weight / h.weight.sum()
+    s.hypotheses = ordered(h)
+    unwrap_headings(s.hypotheses)
+    before_deg, before_step_deg = s.yaw_deg, s.correction_deg
+    publish(s)
+    s.block = next_block(s.hypotheses.bias[0], s.hypotheses.scale[0])
+    s.correction_deg += s.yaw_deg - before_deg
+    s.corrections += int(abs(s.correction_deg) > CORRECTION_DEG >= abs(before_step_deg))
+    return agreement
+
+
+def _innovations(h: Hypotheses, axis: Floats, reading: AidReading) -> tuple[Floats, Floats, Floats]:
+    """Innovations (n), deg or deg/s; gains (n, 21) in rad for each rad; variances (n) of the innovations."""
+    expected = h.yaw_deg if reading.is_heading else np.degrees(h.bias @ axis)
+    innovation = np.array([reading.difference(value) for value in expected.tolist()])
+    with_states = (h.cov[:, :, HEADING] if reading.is_heading else h.cov[:, :, BIAS] @ axis) / RAD**2
+    own_sigma = np.sqrt(reading.own_var)
+    own_yaw = reading.yaw_correlation * own_sigma * np.sqrt(h.cov[:, HEADING, HEADING]) / RAD
+    own_bias = reading.bias_correlation * own_sigma * np.sqrt(axis @ h.cov[:, BIAS, BIAS] @ axis) / RAD
+    with_states[:, HEADING] += own_yaw
+    with_states[:, BIAS] += own_bias[:, None] * axis
+    itself = with_states[:, HEADING] + own_yaw if reading.is_heading else with_states[:, BIAS] @ axis + own_bias
+    variance = itself + reading.own_var + reading.variance
+    return innovation, with_states / variance[:, None], variance
+
+
+AIDED = AidedFilter(has_block_ended, rate_dps, moments, take)
+"""How the attitude filter takes measurements."""
