@@ -135,7 +135,8 @@ class FilterRun:
         """Take a measurement of a second source; a filter without uncertainty takes only `standing` and `speed`."""
         if self._aids is None:
             self._aids = Aids()
-        self._aids.take(aid)
+        is_now = isnan(aid.t_s) and self.state.samples > 0
+        self._aids.take(aid._replace(t_s=self.state.t_s) if is_now else aid)
 
     @property
     def aids(self) -> dict[str, AidStatus]:

@@ -13,7 +13,7 @@ NEED_UNCERTAINTY = ("heading", "turn_rate", "wheels")
 """Kinds that a filter weighs against its own uncertainty, which hdr has not."""
 
 
-class AidedFilter:
+class SecondSources:
     """Base of the filters: what a second source measures, besides the gyro.
 
     A measurement is evidence: it may be late, wrong now and then, or stop. Measurements of one `name` share their

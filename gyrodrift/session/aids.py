@@ -98,5 +98,6 @@ def aids_in(text: str) -> tuple[Aid, ...]:
 
 
 def _aid_in(words: Sequence[str]) -> Aid:
-    name, kind, value, *further = words
-    return aid_of({"name": unquote(name), "kind": kind, "value": value, **dict(word.split("=") for word in further)})
+    names = ("name", "kind", "value")
+    values = dict(zip(names, words, strict=False)) | dict(word.split("=", 1) for word in words[len(names) :])
+    return aid_of(values | {"name": unquote(values.get("name", ""))})
