@@ -17,28 +17,28 @@ WHEELS_NAME = "wheels"
 class AidColumns:
     """The second sources among some columns, line by line.
 
-    prefix
-        Words before each name: the source of the lines, with a point.
+    prefix, names
+        Words before each name: the source of the lines, with a point; and names by meaning in place of the labels.
     """
 
-    def __init__(self, columns: Sequence[Column], prefix: str = "") -> None:
+    def __init__(self, columns: Sequence[Column], prefix: str = "", names: Mapping[str, str] | None = None) -> None:
         self._columns = {column.meaning: column for column in columns if column.meaning in AID_MEANINGS}
-        self._prefix = prefix
+        stated = {meaning: column.label or meaning for meaning, column in self._columns.items()}
+        stated |= dict.fromkeys(WHEELS, WHEELS_NAME)
+        if names is not None:  # of a known message, whose labels are no names
+            stated = {meaning: names.get(meaning, WHEELS_NAME if meaning in WHEELS else meaning) for meaning in stated}
+        self._names = {meaning: prefix + name for meaning, name in stated.items()}
         self._last_deg = nan
 
     def __bool__(self) -> bool:
         return bool(self._columns)
 
-    @property
-    def names(self) -> dict[str, str]:
-        """Name of the source by the meaning of a column."""
-        names = {meaning: column.label or meaning for meaning, column in self._columns.items()}
-        return {name: self._prefix + (WHEELS_NAME if name in WHEELS else label) for name, label in names.items()}
-
     def aids_of(self, values: Mapping[str, float]) -> tuple[Aid, ...]:
         """Measurements of a line, whose times count from it; values by meaning, in their units, NaN if missing."""
         known = {name: value for name in self._columns if isfinite(value := values.get(name, nan))}
         speed = known.get("speed", nan)
+        if speed == 0.0 and known.get("turn_rate", 0.0) != 0.0:  # it turns on the spot, which is no rest
+            del known["speed"]
         aids = [self._aid(name, known[name]) for name in ("speed", "turn_rate") if name in known]
         heading_deg = values.get("heading", nan) if "heading" in self._columns else nan
         if isfinite(heading_deg) and heading_deg != self._last_deg:
@@ -53,4 +53,4 @@ class AidColumns:
     def _aid(self, meaning: str, value: float) -> Aid:
         column = self._columns[meaning]
         t_s = -column.late_s if column.late_s else nan
-        return Aid(self.names[meaning], meaning, value, t_s, column.sigma)  # type: ignore[arg-type]  # wheels are replaced
+        return Aid(self._names[meaning], meaning, value, t_s, column.sigma)  # type: ignore[arg-type]  # wheels are replaced

@@ -68,10 +68,10 @@ CLOCK = Quantity(CLOCK_UNITS_US, "lsb", 1e6, is_signed=False)
 PLAIN = Quantity(is_signed=False)
 WHEELS = ("wheel_left", "wheel_right")
 AIDS: Mapping[str, Quantity] = {
-    **dict.fromkeys(WHEELS, Quantity({"mps": 1.0, "dps": 1.0}, is_aid=True)),
-    "turn_rate": Quantity({"dps": 1.0, "rads": degrees(1.0)}, is_aid=True),
-    "heading": Quantity(HEADING_DEG, is_aid=True),
-    "speed": Quantity(SPEED_MPS, is_aid=True),
+    **dict.fromkeys(WHEELS, Quantity({"mps": 1.0, "dps": 1.0}, "lsb", is_aid=True)),
+    "turn_rate": Quantity({"dps": 1.0, "rads": degrees(1.0)}, "lsb", is_aid=True),
+    "heading": Quantity(HEADING_DEG, "lsb", is_aid=True),
+    "speed": Quantity(SPEED_MPS, "lsb", is_aid=True),
 }
 """Meanings of second sources; wheels may have any unit, since their track is unknown."""
 
@@ -182,8 +182,8 @@ def columns_of(spec: str) -> tuple[Column, ...]:
         raise UsageError(f"--columns: {error}") from error
 
 
-def parsed(spec: str) -> tuple[Column, ...]:
-    """Columns of a SPEC.
+def parsed(spec: str, *, is_aid: bool = False) -> tuple[Column, ...]:
+    """Columns of a SPEC; `is_aid` for a second source, which needs no rate.
 
     Raises
     ------
@@ -191,7 +191,7 @@ def parsed(spec: str) -> tuple[Column, ...]:
         An entry is wrong; the message says what is expected.
     """
     columns = tuple(column_of(entry.strip()) for entry in _entries(spec))
-    problem = next(_problems(columns), "")
+    problem = next(_problems(columns, is_aid=is_aid), "")
     if problem:
         raise ValueError(f"{spec!r}: {problem}")
     return columns
@@ -209,7 +209,7 @@ def _entries(spec: str) -> list[str]:
     return spec.split(",") if is_quoted else entries
 
 
-def _problems(columns: Sequence[Column]) -> Iterator[str]:
+def _problems(columns: Sequence[Column], *, is_aid: bool) -> Iterator[str]:
     """Contradictions between the columns."""
     meanings = [column.meaning for column in columns if column.meaning not in (IGNORED, SELECTED)]
     for meaning in meanings:
@@ -224,16 +224,27 @@ def _problems(columns: Sequence[Column]) -> Iterator[str]:
     if parts and len(parts) < len(QUATERNION):
         yield f"a quaternion needs all of {', '.join(QUATERNION)}"
     turns = [words for meaning, words in TURNS.items() if meaning in meanings]
-    if not turns:
-        selected = [f"{column.label}={column.unit}" for column in columns if column.meaning == SELECTED]
-        note = f" ({' and '.join(selected)} selects rows)" if selected else ""
-        yield f"no column is the rate or yaw{note}; {EXPECTED}"
+    yield from _aid_problems(meanings, is_aid=is_aid)
+    if not turns and not is_aid:
+        yield _without_turn(columns)
     if len(turns) > 1:
         yield f"there are {' and '.join(turns)}; call one of them {IGNORED}, or call yaw encoder"
-    if len(wheels := [meaning for meaning in meanings if meaning in WHEELS]) == 1:
-        yield f"there is {wheels[0]} alone; two wheels show a turn: name {' and '.join(WHEELS)}, or call it speed"
     if len({bool(column.label) for column in columns}) > 1:
         yield "either all columns need a label (LABEL=rate), or none"
+
+
+def _aid_problems(meanings: Sequence[str], *, is_aid: bool) -> Iterator[str]:
+    """Contradictions between the columns of second sources."""
+    if is_aid and not any(meaning in AID_MEANINGS or meaning == "still" for meaning in meanings):
+        yield f"no column is a second source: {', '.join(sorted(AID_MEANINGS))} or rest"
+    if len(wheels := [meaning for meaning in meanings if meaning in WHEELS]) == 1:
+        yield f"there is {wheels[0]} alone; two wheels show a turn: name {' and '.join(WHEELS)}, or call it speed"
+
+
+def _without_turn(columns: Sequence[Column]) -> str:
+    selected = [f"{column.label}={column.unit}" for column in columns if column.meaning == SELECTED]
+    note = f" ({' and '.join(selected)} selects rows)" if selected else ""
+    return f"no column is the rate or yaw{note}; {EXPECTED}"
 
 
 def spec_text(entries: Sequence[str], labels: Sequence[str] = ()) -> str:
