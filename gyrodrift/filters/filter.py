@@ -8,7 +8,7 @@ from dataclasses import Field, dataclass, fields
 from math import nan
 from typing import Any, ClassVar, Protocol
 
-from gyrodrift.filters.aid_reading import AidedFilter
+from gyrodrift.filters.aids.reading import AidedFilter
 
 
 class FilterState(Protocol):

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from math import inf, isfinite, isnan, nan
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
-from gyrodrift.filters.aids import Aids
+from gyrodrift.filters.aids.follow import Aids
 from gyrodrift.filters.filter import Filter
 from gyrodrift.filters.gaps import CORRECTION_DEG, UNKNOWN_S, GapWatch, count_gap, expect_gap, longest_step_s
 from gyrodrift.values.aid import Aid, AidStatus

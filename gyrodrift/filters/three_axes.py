@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from gyrodrift.filters.aid_reading import AidedFilter
+from gyrodrift.filters.aids.reading import AidedFilter
 from gyrodrift.filters.attitude.aided import AIDED
 from gyrodrift.filters.attitude.model import AttitudeState
 from gyrodrift.filters.attitude.step import coefficients as attitude_coefficients

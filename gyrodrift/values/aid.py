@@ -4,7 +4,7 @@ from math import nan
 from typing import Literal, NamedTuple, get_args
 
 AidKind = Literal["standing", "heading", "turn_rate", "wheels", "speed"]
-"""What a second source measures."""
+"""Kinds of measurements of a second source."""
 
 AID_KINDS: tuple[AidKind, ...] = get_args(AidKind)
 
@@ -24,7 +24,8 @@ class Aid(NamedTuple):
         turn_rate
             Rate about the vertical, deg/s, counter-clockwise positive.
         wheels
-            Speed of the right wheel minus that of the left wheel, in any unit; the track may be unknown.
+            Speed of the right wheel minus that of the left wheel, m/s. The track is unknown, so a nominal radius does
+            for wheels whose rotation is measured.
         speed
             Speed of the device, m/s.
     t_s
@@ -34,7 +35,7 @@ class Aid(NamedTuple):
     period_deg
         Of a heading: 360, or 90 for one of the four directions of a building.
     speed
-        Of wheels: mean of both, in their unit; of a heading that is a course: speed, m/s. NaN if unknown.
+        Of wheels: mean of both, m/s; of a heading that is a course: speed, m/s. NaN if unknown.
     """
 
     name: str

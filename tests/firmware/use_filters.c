@@ -45,5 +45,5 @@ gd_real use_attitude(gd_attitude *a, double t_s, uint32_t t_us, const gd_real gy
     gd_attitude_restarted(a);
     gd_attitude_zero(a);
   }
-  return a->yaw_deg + a->yaw_sigma_deg + a->bias_dps + a->bias_xyz_dps[0] + a->tilt_deg + a->tilt_sigma_deg;
+  return a->yaw_deg + a->yaw_sigma_deg + a->bias_dps + gd_roll_deg(a->q) + gd_pitch_deg(a->q) + a->bias_xyz_dps[0] + a->tilt_deg + a->tilt_sigma_deg;
 }

@@ -5,7 +5,7 @@ As in restlevel: a measurement is right or wrong, and each hypothesis is the mix
 
 import numpy as np
 
-from gyrodrift.filters.aid_reading import WRONG_SHARE, AidedFilter, AidMoments, AidReading
+from gyrodrift.filters.aids.reading import WRONG_SHARE, AidedFilter, AidMoments, AidReading
 from gyrodrift.filters.attitude.block import next_block
 from gyrodrift.filters.attitude.hypotheses import BIAS, HEADING, Hypotheses
 from gyrodrift.filters.attitude.mixture import ordered

@@ -7,7 +7,7 @@ since the last measurement, as at a rest.
 
 from math import sqrt
 
-from gyrodrift.filters.aid_reading import WRONG_SHARE, AidedFilter, AidMoments, AidReading, normal_pdf
+from gyrodrift.filters.aids.reading import WRONG_SHARE, AidedFilter, AidMoments, AidReading, normal_pdf
 from gyrodrift.filters.gaps import CORRECTION_DEG
 from gyrodrift.filters.restlevel.bias_state import Hypothesis
 from gyrodrift.filters.restlevel.kalman import MAX_RAMP_S, RAMP_PROBABILITY, KalmanStep, mix
@@ -35,7 +35,7 @@ def rate_dps(s: RestlevelState) -> float:
 def moments(s: RestlevelState) -> AidMoments:
     """Moments of the Gaussian sum."""
     m = s.moments
-    return AidMoments(s.bias_dps, m.yaw_deg, m.bias_var, m.covariance, m.yaw_var)
+    return AidMoments(s.bias_dps, m.yaw_deg, max(0.0, m.bias_var), m.covariance, max(0.0, m.yaw_var))
 
 
 def settle_scale(c: RestlevelCoefficients, s: RestlevelState, beside_var: float) -> None:

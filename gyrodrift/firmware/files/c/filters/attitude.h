@@ -155,12 +155,19 @@ static inline int gd_attitude_update(gd_attitude *a, double t_s, const gd_real g
 /* The same by a clock of microseconds that wraps, as micros() of Arduino. Use one of the clocks. */
 static inline int gd_attitude_update_us_with(gd_attitude *a, uint32_t t_us, const gd_real gyro_dps[3],
                                              const gd_real accel_mps2[3], gd_real still, gd_real temp_c) {
-  double dt_s = a->samples > 0 ? (double)gd_step_of_us(t_us, a->t_us) : 0.0;
+  const double step_s = a->samples > 0 ? gd_step_of_us(t_us, a->t_us, &a->suspect_us) : 0.0;
+  const int waits = step_s < 0.0 && !(a->longest_step_s < GD_TOLD_GAP);
+  double dt_s = waits ? GD_LEAST_STEP_S : step_s;
   (void)temp_c;
   if (!gd_attitude_accepts(a, 0.0, &dt_s, gyro_dps)) {
     return 0;
   }
-  a->t_us = t_us;
+  if (waits) {
+    gd_count(&a->samples);
+    a->correction_deg = 0;
+    return 1;
+  }
+  a->t_us = a->suspect_us = t_us;
   gd_attitude_advance(a, a->t_s + dt_s, dt_s, gyro_dps, accel_mps2, still);
   return 1;
 }

@@ -9,6 +9,13 @@
 #define GD_ATTITUDE_PIVOT GD_R(1e-30)
 #define GD_ATTITUDE_PIVOT_SHARE (GD_IS_FLOAT ? GD_R(1e-6) : GD_R(1e-15))
 
+/* Length of a row of a covariance: 21, filled up to whole vectors where a processor has a vector unit. */
+#if defined(__SSE2__) || defined(__ARM_NEON)
+#define GD_ATTITUDE_ROW 24
+#else
+#define GD_ATTITUDE_ROW 21
+#endif
+
 static inline gd_real gd_dot(const gd_real a[3], const gd_real b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /* Largest absolute component. */
@@ -48,6 +55,27 @@ static inline void gd_times(gd_real out[3], const gd_real m[9], const gd_real v[
 
 /* Place of row i and column j in a packed covariance. */
 static inline int gd_place(int i, int j) { return i <= j ? i * (41 - i) / 2 + j : j * (41 - j) / 2 + i; }
+
+/* Row of a covariance, filled up with zeros. */
+static inline void gd_row(gd_real out[GD_ATTITUDE_ROW], const gd_real *cov, int row) {
+  int j, place = row;
+  for (j = 0; j < GD_ATTITUDE_STATES; j++) {
+    out[j] = cov[place];
+    place += j < row ? GD_ATTITUDE_STATES - 1 - j : 1;
+  }
+  for (; j < GD_ATTITUDE_ROW; j++) {
+    out[j] = 0;
+  }
+}
+
+/* Sets the row of a covariance, and the column, which is the same. */
+static inline void gd_set_row(gd_real *cov, int row, const gd_real values[GD_ATTITUDE_ROW]) {
+  int j, place = row;
+  for (j = 0; j < GD_ATTITUDE_STATES; j++) {
+    cov[place] = values[j];
+    place += j < row ? GD_ATTITUDE_STATES - 1 - j : 1;
+  }
+}
 
 /* Block (3, 3) on the diagonal of a covariance. */
 static inline void gd_diagonal_block(gd_real out[9], const gd_real *cov, int first) {

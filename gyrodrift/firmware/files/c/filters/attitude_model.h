@@ -170,7 +170,7 @@ typedef struct {
   gd_real heading_deg;       /* yaw_deg without them: exact in float after thousands of turns */
   double t_s;                /* time of the last accepted sample */
   double accel_t_s;          /* time of the last acceleration that was not NaN */
-  uint32_t t_us;             /* clock of the board at the last accepted sample */
+  uint32_t t_us, suspect_us; /* clock of the board at the last accepted sample; see gd_step_of_us */
   gd_real gyro_dps[3], suspect_dps[3], suspect_s; /* last rates, and those of a sample that may be a spike */
   gd_real accel_mps2[3];
   gd_real start_q[4], start_deg; /* output attitude and heading at the beginning of the block */

@@ -101,6 +101,10 @@ static inline void gd_rl_count_correction(gd_restlevel *s, gd_real base_deg, gd_
 /* Advances the state by a valid sample, `dt_s` after the sample before; 0 for the first. */
 static inline void gd_rl_advance(gd_restlevel *s, double dt_s, gd_real rate_dps) {
   s->correction_deg = GD_R(0.0);
+  if (dt_s < 0.0) { /* the sample waits */
+    gd_count(&s->samples);
+    return;
+  }
   if (s->samples == 0) {
     s->start_yaw_deg = s->yaw_deg;
     s->rate_dps = rate_dps;
@@ -123,14 +127,22 @@ static inline void gd_rl_advance(gd_restlevel *s, double dt_s, gd_real rate_dps)
   gd_rl_set_yaw(s);
 }
 
+/* Whether the next sample may have any time. */
+static inline int gd_rl_has_restarted(const gd_restlevel *s) {
+#if GD_RESTLEVEL_GAPS
+  return s->longest_step_s < GD_TOLD_GAP;
+#else
+  (void)s;
+  return 0;
+#endif
+}
+
 /* Whether a sample is taken; else it is counted. `dt_s` is the step from the sample before; after a restart the clock
    may have restarted too. */
 static inline int gd_rl_accepts(gd_restlevel *s, double t_s, double *dt_s, gd_real rate_dps) {
-#if GD_RESTLEVEL_GAPS
-  if (s->longest_step_s < GD_TOLD_GAP && !(*dt_s >= GD_LEAST_STEP_S)) {
+  if (gd_rl_has_restarted(s) && !(*dt_s >= GD_LEAST_STEP_S)) {
     *dt_s = GD_LEAST_STEP_S;
   }
-#endif
   if (gd_is_within(t_s, rate_dps) && (s->samples == 0 || *dt_s >= GD_LEAST_STEP_S)) {
 #if GD_RESTLEVEL_AUXILIARY && GD_RESTLEVEL_GAPS
     if (*dt_s > s->longest_step_s) { /* the sample begins a block, of which the rest sensor has said nothing yet */
@@ -141,6 +153,23 @@ static inline int gd_rl_accepts(gd_restlevel *s, double t_s, double *dt_s, gd_re
   }
   gd_count(&s->rejected);
   return 0;
+}
+
+/* The same by the clock of microseconds; the step of a sample that waits is below 0. Where the rule for gaps is left
+   out, yaw is held over a pause of more than 10 s. */
+static inline int gd_rl_accepts_us(gd_restlevel *s, uint32_t t_us, double *dt_s, gd_real rate_dps) {
+  const double step_s = gd_step_of_us(t_us, s->t_us, &s->suspect_us);
+  const int waits = step_s < 0.0 && s->samples > 0 && !gd_rl_has_restarted(s);
+  *dt_s = waits || (!GD_RESTLEVEL_GAPS && step_s > GD_FAR_S) ? GD_LEAST_STEP_S : step_s;
+  if (!gd_rl_accepts(s, 0.0, dt_s, rate_dps)) {
+    return 0;
+  }
+  if (waits) {
+    *dt_s = step_s;
+  } else {
+    s->t_us = s->suspect_us = t_us;
+  }
+  return 1;
 }
 
 /* Takes an accepted sample without a rest sensor and a temperature. */
@@ -167,11 +196,10 @@ static inline int gd_restlevel_update(gd_restlevel *s, double t_s, gd_real rate_
 
 /* The same by a clock of microseconds that wraps, as micros() of Arduino. Use one of the clocks. */
 static inline int gd_restlevel_update_us(gd_restlevel *s, uint32_t t_us, gd_real rate_dps) {
-  double dt_s = gd_step_of_us(t_us, s->t_us);
-  if (!gd_rl_accepts(s, 0.0, &dt_s, rate_dps)) {
+  double dt_s;
+  if (!gd_rl_accepts_us(s, t_us, &dt_s, rate_dps)) {
     return 0;
   }
-  s->t_us = t_us;
   gd_rl_advance_alone(s, dt_s, rate_dps);
   return 1;
 }

@@ -70,6 +70,7 @@ typedef struct {
     double t_s;
     uint32_t t_us;
   };
+  uint32_t suspect_us; /* see gd_step_of_us */
 #if GD_RESTLEVEL_GAPS
   double longest_step_s; /* longest step that is no gap; see gaps.h */
 #endif

@@ -12,6 +12,16 @@ WRONG_DPS = 400.0
 """Range of turn rates that are wrong, deg/s. Chosen: wheels that slip show any rate of a robot."""
 
 
+class AidMoments(NamedTuple):
+    """Bias, deg/s, and yaw, deg, of a filter at the end of a block, and their covariance matrix."""
+
+    bias_dps: float
+    yaw_deg: float
+    bias_var: float
+    covariance: float
+    yaw_var: float
+
+
 class AidReading(NamedTuple):
     """A measurement with errors of two kinds: chance, and those of its source, which the gyro may have calibrated.
 
@@ -30,10 +40,10 @@ class AidReading(NamedTuple):
     is_heading: bool
     value: float
     variance: float
-    own_var: float
-    bias_correlation: float
-    yaw_correlation: float
-    period_deg: float
+    own_var: float = 0.0
+    bias_correlation: float = 0.0
+    yaw_correlation: float = 0.0
+    period_deg: float = 0.0
 
     def difference(self, expected: float) -> float:
         """The value minus an expected one, within half a period of 0."""
@@ -43,26 +53,33 @@ class AidReading(NamedTuple):
 
     def with_bias(self, bias_var: float) -> float:
         """Covariance of the error of the source with a bias of this variance."""
-        return self.bias_correlation * sqrt(self.own_var * bias_var)
+        return self.bias_correlation * sqrt(self.own_var * max(0.0, bias_var))
 
     def with_yaw(self, yaw_var: float) -> float:
         """Covariance of the error of the source with a yaw of this variance."""
-        return self.yaw_correlation * sqrt(self.own_var * yaw_var)
+        return self.yaw_correlation * sqrt(self.own_var * max(0.0, yaw_var))
+
+    def innovation(self, m: AidMoments) -> tuple[float, float]:
+        """Difference to the filter, and its variance."""
+        variance = self.own_var + self.variance
+        if self.is_heading:
+            return self.difference(m.yaw_deg), m.yaw_var + 2.0 * self.with_yaw(m.yaw_var) + variance
+        return self.difference(m.bias_dps), m.bias_var + 2.0 * self.with_bias(m.bias_var) + variance
+
+    def gains(self, m: AidMoments) -> tuple[float, float]:
+        """Gains for bias and yaw of the filter."""
+        _, variance = self.innovation(m)
+        bias, yaw = (m.covariance, m.yaw_var) if self.is_heading else (m.bias_var, m.covariance)
+        return (bias + self.with_bias(m.bias_var)) / variance, (yaw + self.with_yaw(m.yaw_var)) / variance
+
+    def odds(self, m: AidMoments) -> float:
+        """Density of the value for a source that is right most times, over that of chance values."""
+        return (1.0 - WRONG_SHARE) * normal_pdf(*self.innovation(m)) * self.range + WRONG_SHARE
 
     @property
     def range(self) -> float:
         """Range of wrong values."""
         return self.period_deg or WRONG_DPS
-
-
-class AidMoments(NamedTuple):
-    """Bias, deg/s, and yaw, deg, of a filter at the end of a block, and their covariance matrix."""
-
-    bias_dps: float
-    yaw_deg: float
-    bias_var: float
-    covariance: float
-    yaw_var: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,11 +92,11 @@ class AidedFilter:
         Rate about the vertical as measured, deg/s.
     moments
         Moments of the Gaussian sum.
+    take
+        Updates all hypotheses by a reading, and returns the probability that it is right.
     settle_scale
         Keeps the yaw error of the scale factor since the last time in yaw, with a variance beside it, deg²; None for a
         filter with the scale among its states.
-    take
-        Updates all hypotheses by a reading, and returns the probability that it is right.
     """
 
     has_block_ended: Callable[[Any], bool]
