@@ -35,19 +35,23 @@ class AidColumns:
 
     def aids_of(self, values: Mapping[str, float]) -> tuple[Aid, ...]:
         """Measurements of a line, whose times count from it; values by meaning, in their units, NaN if missing."""
-        known = {name: value for name in self._columns if isfinite(value := values.get(name, nan))}
-        speed = known.get("speed", nan)
-        if speed == 0.0 and known.get("turn_rate", 0.0) != 0.0:  # it turns on the spot, which is no rest
-            del known["speed"]
-        aids = [self._aid(name, known[name]) for name in ("speed", "turn_rate") if name in known]
+        numbers = {name: value for name in self._columns if isfinite(value := values.get(name, nan))}
+        speed = numbers.get("speed", nan)
+        if speed == 0.0 and numbers.get("turn_rate", 0.0) != 0.0:  # it turns on the spot, which is no rest
+            del numbers["speed"]
+        aids = [self._aid(name, numbers[name]) for name in ("speed", "turn_rate") if name in numbers]
         heading_deg = values.get("heading", nan) if "heading" in self._columns else nan
         if isfinite(heading_deg) and heading_deg != self._last_deg:
             column = self._columns["heading"]
             aids.append(self._aid("heading", heading_deg)._replace(period_deg=column.modulo_deg, speed=speed))
         self._last_deg = heading_deg
-        if all(name in known for name in WHEELS):
-            left, right = (known[name] for name in WHEELS)
-            aids.append(self._aid(WHEELS[0], right - left)._replace(kind="wheels", speed=0.5 * (left + right)))
+        if all(name in numbers for name in WHEELS):
+            left_speed, right_speed = (numbers[name] for name in WHEELS)
+            aids.append(
+                self._aid(WHEELS[0], right_speed - left_speed)._replace(
+                    kind="wheels", speed=0.5 * (left_speed + right_speed)
+                )
+            )
         return tuple(aids)
 
     def _aid(self, meaning: str, value: float) -> Aid:

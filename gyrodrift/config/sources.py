@@ -108,15 +108,15 @@ def _settings(read: YamlFile, name: str, block: Any) -> SourceSettings | None:
 
 def _second_source(read: YamlFile, name: str, block: dict[str, Any]) -> SourceSettings | None:
     """Settings of a source that aids a gyro."""
-    place, baud, late_s = (SOURCES, name), block.get("baud"), block.get("late", 0.0)
+    keys, baud, late_s = (SOURCES, name), block.get("baud"), block.get("late", 0.0)
     before = len(read.problems)
     for key in block.keys() - set(AID_KEYS):
-        read.report((*place, key), unknown_key(str(key), list(AID_KEYS), f"a key of a source with {AIDS}:"))
+        read.report((*keys, key), unknown_key(str(key), list(AID_KEYS), f"a key of a source with {AIDS}:"))
     if baud is not None and not (isinstance(baud, int) and not isinstance(baud, bool) and baud > 0):
-        read.report((*place, "baud"), f"is {describe_value(baud)}; expected a whole number above 0")
+        read.report((*keys, "baud"), f"is {describe_value(baud)}; expected a whole number above 0")
     if not (_is_number(late_s) and 0.0 <= late_s <= LONGEST_LATE_S):
-        read.report((*place, "late"), f"is {describe_value(late_s)}; expected s from 0 to {LONGEST_LATE_S:g}")
-    columns = columns_in(block.get("columns"), lambda text: read.report((*place, "columns"), text), is_aid=True)
+        read.report((*keys, "late"), f"is {describe_value(late_s)}; expected s from 0 to {LONGEST_LATE_S:g}")
+    columns = columns_in(block.get("columns"), lambda text: read.report((*keys, "columns"), text), is_aid=True)
     if len(read.problems) > before:
         return None
     return SourceSettings(name, block["port"], baud, aids=str(block[AIDS]), columns=columns, late_s=float(late_s))

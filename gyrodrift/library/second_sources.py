@@ -65,7 +65,13 @@ class SecondSources:
         self._take("turn_rate", name, dps, sigma_dps, t_s)
 
     def wheels(
-        self, left: float, right: float, sigma: float | None = None, t_s: float | None = None, *, name: str = "wheels"
+        self,
+        left_speed: float,
+        right_speed: float,
+        sigma: float | None = None,
+        t_s: float | None = None,
+        *,
+        name: str = "wheels",
     ) -> None:
         """Take the speeds of a left and a right wheel, forward positive, in any unit; the track may be unknown.
 
@@ -74,7 +80,7 @@ class SecondSources:
         UsageError
             As for `heading`.
         """
-        self._take("wheels", name, right - left, sigma, t_s, speed=0.5 * (left + right))
+        self._take("wheels", name, right_speed - left_speed, sigma, t_s, speed=0.5 * (left_speed + right_speed))
 
     def speed(
         self, mps: float, sigma_mps: float | None = None, t_s: float | None = None, *, name: str = "speed"

@@ -1,7 +1,7 @@
 """Second sources on a link of their own: messages of any source become labeled values, and columns say what they are.
 
-Text, JSON and NMEA sentences come as lines, ROS messages as JSON of rosbridge, MAVLink messages as their fields, CAN
-frames as the signals of a DBC file. Known messages need no columns.
+Text, JSON and NMEA sentences come as lines, ROS messages as JSON of rosbridge. MAVLink messages come as their fields,
+CAN frames as the signals of a DBC file. Common messages need no columns.
 """
 
 import json
@@ -28,7 +28,7 @@ Values = Mapping[str, str | float]
 
 
 @dataclass(frozen=True, slots=True)
-class KnownMessage:
+class CommonMessage:
     """A message whose values need no columns.
 
     columns
@@ -51,21 +51,21 @@ class KnownMessage:
 
 
 COURSE = {"heading": "course"}
-KNOWN: Mapping[str, KnownMessage] = {
-    "RMC": KnownMessage("RMC 7=speed:kn, RMC 8=heading:compass", COURSE, "RMC 2"),
-    "VTG": KnownMessage("VTG 5=speed:kn, VTG 1=heading:compass", COURSE),
-    "HDT": KnownMessage("HDT 1=heading:compass"),
-    "HDM": KnownMessage("HDM 1=heading:compass"),
-    "HDG": KnownMessage("HDG 1=heading:compass"),
-    "THS": KnownMessage("THS 1=heading:compass", valid="THS 2"),
-    "GPS_RAW_INT": KnownMessage(
+MESSAGES: Mapping[str, CommonMessage] = {
+    "RMC": CommonMessage("RMC 7=speed:kn, RMC 8=heading:compass", COURSE, "RMC 2"),
+    "VTG": CommonMessage("VTG 5=speed:kn, VTG 1=heading:compass", COURSE),
+    "HDT": CommonMessage("HDT 1=heading:compass"),
+    "HDM": CommonMessage("HDM 1=heading:compass"),
+    "HDG": CommonMessage("HDG 1=heading:compass"),
+    "THS": CommonMessage("THS 1=heading:compass", valid="THS 2"),
+    "GPS_RAW_INT": CommonMessage(
         "GPS_RAW_INT.vel=speed:mps:lsb/100, GPS_RAW_INT.cog=heading:compass:lsb/100",
         COURSE,
         missing={"GPS_RAW_INT.vel": 65535.0, "GPS_RAW_INT.cog": 65535.0},
     ),
-    "WHEEL_DISTANCE": KnownMessage("WHEEL_DISTANCE.left=wheel_left, WHEEL_DISTANCE.right=wheel_right"),
-    "twist.twist.linear.x": KnownMessage("twist.twist.linear.x=speed, twist.twist.angular.z=turn_rate:rads"),
-    "linear.x": KnownMessage("linear.x=speed, angular.z=turn_rate:rads", is_command=True),
+    "WHEEL_DISTANCE": CommonMessage("WHEEL_DISTANCE.left=wheel_left, WHEEL_DISTANCE.right=wheel_right"),
+    "twist.twist.linear.x": CommonMessage("twist.twist.linear.x=speed, twist.twist.angular.z=turn_rate:rads"),
+    "linear.x": CommonMessage("linear.x=speed, angular.z=turn_rate:rads", is_command=True),
 }
 """Messages by the last letters of an NMEA sentence, the name of a MAVLink message, or a label of a ROS message:
 RMC and VTG have the course over ground, HDT, HDM, HDG and THS a heading (NMEA 0183); GPS_RAW_INT has cm/s and 0.01 deg
@@ -80,7 +80,7 @@ class SecondSource:
     name
         Name of the source, before the names of its measurements.
     columns
-        SPEC of its values; None for known messages.
+        SPEC of its values; None for common messages.
     late_s
         Delay of its messages, s.
     is_mavlink
@@ -91,47 +91,47 @@ class SecondSource:
         self.understood = self.messages = 0
         self._name, self._late_s = name, late_s
         self._own = None if columns is None else _Reader(name, parsed(columns, is_aid=True))
-        self._known: dict[str, _Reader | None] = {}
-        self._messages = MavlinkValues().of if is_mavlink else LineValues().of
+        self._readers: dict[str, _Reader | None] = {}
+        self._values_of = MavlinkValues().of if is_mavlink else LineValues().of
 
     def take(self, chunk: bytes | ReadingBatch) -> list[Aid]:
         """Measurements of the next bytes or messages; their times, if any, count from now."""
         aids: list[Aid] = []
         content = b"".join(b"%b\n" % it for it in chunk.messages) if isinstance(chunk, ReadingBatch) else chunk
-        for kind, values in self._messages(content):
+        for kind, values in self._values_of(content):
             self.messages += 1
             reader = self._own or self._reader(kind, values)
-            found = () if reader is None else reader.aids_of(values)
-            self.understood += bool(found)
-            aids += found
+            of_message = () if reader is None else reader.aids_of(values)
+            self.understood += bool(of_message)
+            aids += of_message
         return [self._delayed(aid) for aid in aids] if self._late_s else aids
 
     def _delayed(self, aid: Aid) -> Aid:
         return aid._replace(t_s=(aid.t_s if isfinite(aid.t_s) else 0.0) - self._late_s)
 
     def _reader(self, kind: str, values: Values) -> "_Reader | None":
-        """Reader of a known message; None for another one."""
-        key = kind or next((label for label in KNOWN if label in values), "")
-        if key not in KNOWN:
+        """Reader of a common message; None for another one."""
+        key = kind or next((label for label in MESSAGES if label in values), "")
+        if key not in MESSAGES:
             return None
-        if key not in self._known:
-            known = KNOWN[key]
-            self._known[key] = _Reader(self._name, parsed(known.columns, is_aid=True), known)
-        return self._known[key]
+        if key not in self._readers:
+            common = MESSAGES[key]
+            self._readers[key] = _Reader(self._name, parsed(common.columns, is_aid=True), common)
+        return self._readers[key]
 
 
 class _Reader:
     """Reads the values of a message by columns."""
 
-    def __init__(self, name: str, columns: Sequence[Column], known: KnownMessage | None = None) -> None:
+    def __init__(self, name: str, columns: Sequence[Column], common: CommonMessage | None = None) -> None:
         self._columns = [
             (as_label(column.label) or str(index), column)
             for index, column in enumerate(columns)
             if column.meaning in AID_MEANINGS or column.meaning == "still"
         ]
-        self._aids = AidColumns(columns, f"{name}.", None if known is None else known.names)
-        known = known or KnownMessage("")
-        self._valid, self._missing, self._is_command = known.valid, known.missing, known.is_command
+        self._aids = AidColumns(columns, f"{name}.", None if common is None else common.names)
+        common = common or CommonMessage("")
+        self._valid, self._missing, self._is_command = common.valid, common.missing, common.is_command
         self._name = name
 
     def aids_of(self, values: Values) -> tuple[Aid, ...]:

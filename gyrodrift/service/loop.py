@@ -46,7 +46,7 @@ BUSY_LINE = 0.85
 
 @dataclass(slots=True)
 class Statements:
-    """What `ctl` and other sources say of the device; it joins the samples before a recording and the filter.
+    """Statements of `ctl` and other sources about the device; they join the samples before a recording and the filter.
 
     still
         Rest by `ctl rest`, which replaces the statement of the device: 1 rest, 0 motion, NaN no statement.
@@ -68,11 +68,11 @@ class Statements:
         if not isnan(still):
             samples = [sample._replace(still=still) for sample in samples]
         if self.waiting and samples:
-            first, *others = samples
+            first, *rest = samples
             now_s = time.monotonic()
             aids = tuple(_placed(aid, now_s - arrival_s, first.t_device_s) for arrival_s, aid in self.waiting)
             self.waiting.clear()
-            samples = [first._replace(aids=first.aids + aids), *others]
+            samples = [first._replace(aids=first.aids + aids), *rest]
         return samples
 
 

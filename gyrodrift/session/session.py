@@ -258,10 +258,10 @@ def aids_of_rows(aids: RowAids, rows: slice | Integers, count: int) -> RowAids:
     """Measurements of some samples of `count`; those of a sample that is left out come with the next one."""
     kept = np.arange(count)[rows]
     order = np.argsort(kept, kind="stable")
-    places = np.searchsorted(kept[order], [row for row, _ in aids])
+    indices = np.searchsorted(kept[order], [row for row, _ in aids])
     first, last = (int(kept.min()), int(kept.max())) if len(kept) else (0, -1)
-    found = zip(aids, places.tolist(), strict=True)
-    return tuple((int(order[place]), aid) for (row, aid), place in found if first <= row <= last)
+    pairs = zip(aids, indices.tolist(), strict=True)
+    return tuple((int(order[index]), aid) for (row, aid), index in pairs if first <= row <= last)
 
 
 def shifted_aids(aids: RowAids, before_s: Floats, after_s: Floats) -> RowAids:
