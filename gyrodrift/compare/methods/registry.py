@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from gyrodrift.compare.methods.aided import AIDED
 from gyrodrift.compare.methods.filter_method import filter_method
 from gyrodrift.compare.methods.fusion import run_fusion
 from gyrodrift.compare.methods.kalman import run_kalman
@@ -168,7 +169,7 @@ def methods(params: Mapping[str, FilterParams] | None = None) -> tuple[Method, .
     """All methods; filters have these parameters by name, or their defaults."""
     given = params or {}
     own = (filter_method(chosen, given.get(name)) for name, chosen in FILTERS.items())
-    return (*PLAIN, *own, ON_DEVICE, *PEERS)
+    return (*PLAIN, *own, AIDED, ON_DEVICE, *PEERS)
 
 
 def by_key() -> dict[str, Method]:
