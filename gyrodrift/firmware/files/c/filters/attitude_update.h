@@ -2,6 +2,7 @@
 #ifndef GD_ATTITUDE_UPDATE_H
 #define GD_ATTITUDE_UPDATE_H
 
+#include "attitude_aided.h"
 #include "attitude_block.h"
 #include "attitude_levelling.h"
 #include "attitude_predict.h"
@@ -219,6 +220,7 @@ static inline void gd_attitude_end_block(gd_attitude *a) {
     gd_attitude_begin_again(a);
     return;
   }
+  gd_attitude_take_aid(a);
   gd_attitude_bring_forward(&a->sum);
   for (i = 0; i < a->sum.count; i++) {
     gd_attitude_at(a, i)->yaw_deg = gd_unwrapped_deg(gd_attitude_at(a, i)->yaw_deg, gd_attitude_at(a, i)->q);

@@ -2,6 +2,7 @@
 #ifndef GD_RESTLEVEL_BLOCK_H
 #define GD_RESTLEVEL_BLOCK_H
 
+#include "restlevel_aided.h"
 #include "restlevel_frozen.h"
 #include "restlevel_still.h"
 #include "restlevel_temperature.h"
@@ -131,6 +132,9 @@ static inline void gd_rl_recover(gd_restlevel *s) {
 static inline void gd_rl_end_block(gd_restlevel *s) {
   const gd_real seconds = (gd_real)s->block.seconds, angle_deg = s->block.angle_deg;
   const gd_real mean_dps = angle_deg / seconds, step_dps = mean_dps - s->segment.last_mean_dps;
+#if GD_RESTLEVEL_AIDS
+  const gd_real expected_deg = s->moments.yaw_deg + angle_deg - s->bias_dps * seconds;
+#endif
   int is_certain;
   s->travelled_s += seconds;
   if (gd_rl_begins_to_measure(&s->noise)) {
@@ -153,6 +157,9 @@ static inline void gd_rl_end_block(gd_restlevel *s) {
   gd_rl_recover(s);
   gd_rl_end_auxiliary(s, is_certain);
   s->travelled_deg += GD_ABS(angle_deg - s->bias_dps * seconds);
+#if GD_RESTLEVEL_AIDS
+  gd_rl_take_aid(s, expected_deg);
+#endif
   gd_rl_keep_near_zero(s);
   memset(&s->block, 0, sizeof s->block);
 }
