@@ -73,13 +73,13 @@ class OwnErrors:
             if self.is_fixed:
                 continue
             self.mean[i] += right * g * innovation
-            for j, other in enumerate(gain):
-                self.cov[i][j] -= spread * g * other
+            for j, second_gain in enumerate(gain):
+                self.cov[i][j] -= spread * g * second_gain
             self.cov[i][i] = max(self.cov[i][i], 0.0)
 
 
 @dataclass(slots=True)
-class GyroScale:
+class ScaleError:
     """Scale error of a gyro of one axis: mean and variance, covariance with yaw, and turn up to the last heading."""
 
     mean: float = 0.0
@@ -95,9 +95,9 @@ class GyroScale:
     def turn(self, motion_deg: float) -> float:
         """Follow the turn since the last heading; variance of yaw beside that of the scale alone, deg²."""
         turn_deg, self.motion_deg = motion_deg - self.motion_deg, motion_deg
-        beside_var = 2.0 * self.with_yaw * turn_deg
+        covariance_var = 2.0 * self.with_yaw * turn_deg
         self.with_yaw += self.variance * turn_deg
-        return beside_var
+        return covariance_var
 
     def update(self, reading: AidReading, m: AidMoments, right: float) -> None:
         """Learn from a heading that is right with this probability; `m` are the moments before it."""

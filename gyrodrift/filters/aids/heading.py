@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 from math import atan2, degrees, hypot, inf, isfinite, isnan, sqrt
 from typing import Any
 
-from gyrodrift.filters.aids.errors import GyroScale, OwnErrors
-from gyrodrift.filters.aids.motion import Motion
+from gyrodrift.filters.aids.errors import OwnErrors, ScaleError
+from gyrodrift.filters.aids.motion import RecentMotion
 from gyrodrift.filters.aids.reading import AidedFilter, AidMoments, AidReading
 from gyrodrift.filters.aids.trust import Trust
 from gyrodrift.values.aid import Aid
@@ -36,25 +36,20 @@ class HeadingSource:
     offset: OwnErrors | None = None
     used_s: float = -inf
 
-    @property
-    def is_settled(self) -> bool:
-        """Whether it cannot mislead the filter for long any more."""
-        return self.offset is None or self.trust.differs != "" or self.trust.is_sure
-
     def forget(self) -> None:
         """Forget an offset that was learned from the filter."""
         if self.offset is not None and self.offset.cov[0][0] > 0.0:
             self.offset = None
 
-    def measure(self, aided: AidedFilter, c: Any, s: Any, aid: Aid, motion: Motion, scale: GyroScale) -> None:
+    def measure(self, aided: AidedFilter, c: Any, s: Any, aid: Aid, motion: RecentMotion, scale: ScaleError) -> None:
         """Let the filter take a heading."""
         seconds = aid.t_s - self.used_s
         if seconds < EVERY_S:
             return
         self.used_s = aid.t_s
-        if aided.settle_scale is not None:
+        if aided.add_scale_error is not None:
             scale.variance = c.scale_sigma * c.scale_sigma if isnan(scale.variance) else scale.variance
-            aided.settle_scale(c, s, scale.turn(motion.turn_deg))
+            aided.add_scale_error(c, s, scale.turn(motion.turn_deg))
         late_deg = LATE_S * (motion.rate_dps - s.bias_dps)
         value, variance = aid.value + motion.since(aid.t_s), sigma_deg(aid) ** 2 + late_deg * late_deg
         m = aided.moments(s)
@@ -70,7 +65,7 @@ class HeadingSource:
             self.offset.update((1.0,), reading, m, right)
             after = aided.moments(s)
             self.offset.bias_var, self.offset.yaw_var = after.bias_var, after.yaw_var
-            if aided.settle_scale is not None:
+            if aided.add_scale_error is not None:
                 scale.update(reading, m, right)
         elif self.trust.agreed == 0:  # its offset may be another one now
             self.offset = unknown_offset(plain, m)

@@ -7,7 +7,7 @@ HISTORY_S = 10.0
 """Age of the oldest measurement that is used, s. Chosen: positioning receivers answer within seconds."""
 
 
-class Motion:
+class RecentMotion:
     """Turn by the filter without its corrections, and integral of the measured rate, deg, at the times of samples.
 
     rate_dps
@@ -50,13 +50,13 @@ class Motion:
 
     def since(self, t_s: float) -> float:
         """Turn by the filter since a time, deg."""
-        return self.turn_deg - self._at(t_s)[0]
+        return self.turn_deg - self._turns_at(t_s)[0]
 
     def angle_deg(self, from_s: float, to_s: float) -> float:
         """Integral of the measured rate between two times, deg."""
-        return self._at(to_s)[1] - self._at(from_s)[1]
+        return self._turns_at(to_s)[1] - self._turns_at(from_s)[1]
 
-    def _at(self, t_s: float) -> tuple[float, float]:
+    def _turns_at(self, t_s: float) -> tuple[float, float]:
         i = bisect_left(self._times, t_s)
         if i == 0 or i == len(self._times):
             return self._turns[min(i, len(self._times) - 1)]

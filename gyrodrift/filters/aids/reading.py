@@ -53,11 +53,11 @@ class AidReading(NamedTuple):
 
     def with_bias(self, bias_var: float) -> float:
         """Covariance of the error of the source with a bias of this variance."""
-        return self.bias_correlation * sqrt(self.own_var * max(0.0, bias_var))
+        return _bounded(self.bias_correlation, self.own_var, bias_var)
 
     def with_yaw(self, yaw_var: float) -> float:
         """Covariance of the error of the source with a yaw of this variance."""
-        return self.yaw_correlation * sqrt(self.own_var * max(0.0, yaw_var))
+        return _bounded(self.yaw_correlation, self.own_var, yaw_var)
 
     def innovation(self, m: AidMoments) -> tuple[float, float]:
         """Difference to the filter, and its variance."""
@@ -94,7 +94,7 @@ class AidedFilter:
         Moments of the Gaussian sum.
     take
         Updates all hypotheses by a reading, and returns the probability that it is right.
-    settle_scale
+    add_scale_error
         Keeps the yaw error of the scale factor since the last time in yaw, with a variance beside it, deg²; None for a
         filter with the scale among its states.
     """
@@ -103,7 +103,12 @@ class AidedFilter:
     rate_dps: Callable[[Any], float]
     moments: Callable[[Any], AidMoments]
     take: Callable[[Any, Any, AidReading], float]
-    settle_scale: Callable[[Any, Any, float], None] | None = None
+    add_scale_error: Callable[[Any, Any, float], None] | None = None
+
+
+def _bounded(correlation: float, own_var: float, variance: float) -> float:
+    """Covariance with which a measurement does not move the filter away from itself."""
+    return max(-variance, correlation * sqrt(own_var * variance)) if variance > 0.0 else 0.0
 
 
 def normal_pdf(x: float, variance: float) -> float:

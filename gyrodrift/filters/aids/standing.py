@@ -21,7 +21,7 @@ LONGEST_PERIOD_S = 10.0
 
 
 @dataclass(slots=True)
-class RestSource:
+class RestReports:
     """A source that knows of rest.
 
     report
@@ -49,7 +49,7 @@ class RestSource:
         self.t_s = aid.t_s
         self.report = aid.value if aid.kind == "standing" else self._by_speed(aid)
 
-    def at(self, t_s: float) -> float:
+    def report_at(self, t_s: float) -> float:
         """Report that holds at a time; a single one holds until the next."""
         has_ended = self.period_s > 0.0 and t_s - self.t_s > HELD_PERIODS * self.period_s
         return nan if has_ended else self.report

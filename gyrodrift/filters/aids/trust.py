@@ -33,6 +33,8 @@ class Trust:
         How it contradicts the filter, in words, while it is left out.
     agreed, from_deg
         Measurements in a row that agree again, and yaw where they began.
+    is_proven
+        Whether it has been right for long: what it does later cannot mislead the filter for long.
     """
 
     weight: float = 1.0
@@ -41,11 +43,7 @@ class Trust:
     differs: str = ""
     agreed: int = 0
     from_deg: float = 0.0
-
-    @property
-    def is_sure(self) -> bool:
-        """Whether it has been right for long."""
-        return self.log_odds >= SURE_RIGHT
+    is_proven: bool = False
 
     def judge(self, reading: AidReading, m: AidMoments, *, counts: bool) -> bool:
         """Whether a measurement counts for the filter; `counts` if it can show that the source is wrong."""
@@ -54,6 +52,7 @@ class Trust:
             if counts:
                 self.weight += MEMORY * (1.0 - WRONG_SHARE / odds - self.weight)
                 self.log_odds = min(SURE_RIGHT, self.log_odds + log(odds))
+                self.is_proven = self.is_proven or self.log_odds >= SURE_RIGHT
                 self.differences = [*self.differences[1 - REMEMBERED :], reading.innovation(m)[0]]
             if self.log_odds < SURE_WRONG:
                 self.leave_out(f"it differs by {median(self.differences):.3g} {unit}")
@@ -63,8 +62,8 @@ class Trust:
         elif counts:
             self.from_deg = m.yaw_deg if self.agreed == 0 else self.from_deg
             self.agreed += 1
-        has_turned = not reading.is_heading or abs(m.yaw_deg - self.from_deg) > AGREEING_DEG
-        if self.agreed >= AGREEING_READINGS and has_turned:
+        is_moving = not reading.is_heading or abs(m.yaw_deg - self.from_deg) > AGREEING_DEG
+        if self.agreed >= AGREEING_READINGS and is_moving:
             self.differs, self.weight, self.log_odds, self.differences = "", 1.0, 0.0, []
         return self.differs == ""
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from gyrodrift.filters.aids.errors import OwnErrors
 from gyrodrift.filters.aids.heading import EVERY_S, LATE_S
-from gyrodrift.filters.aids.motion import Motion
+from gyrodrift.filters.aids.motion import RecentMotion
 from gyrodrift.filters.aids.reading import WRONG_SHARE, AidedFilter
 from gyrodrift.filters.aids.trust import Trust
 from gyrodrift.values.aid import Aid
@@ -55,18 +55,13 @@ class RateSource:
     def __post_init__(self) -> None:
         self.forget()
 
-    @property
-    def is_settled(self) -> bool:
-        """Whether it cannot mislead the filter for long any more."""
-        return self.trust.differs != "" or self.trust.is_sure
-
     def forget(self) -> None:
         """Forget scale and ratio, which were learned from the filter."""
         scale_sigma = TRACK_DPS if self.is_wheels else SCALE_SIGMA
         cov = [[scale_sigma * scale_sigma, 0.0], [0.0, RATIO_SIGMA * RATIO_SIGMA]]
         self.errors = OwnErrors([0.0, 0.0], cov, [0.0, 0.0], [0.0, 0.0])
 
-    def measure(self, aided: AidedFilter, c: Any, s: Any, aid: Aid, motion: Motion) -> None:
+    def measure(self, aided: AidedFilter, c: Any, s: Any, aid: Aid, motion: RecentMotion) -> None:
         """Add a rate to the mean of its second, and compare the mean with the gyro at its end."""
         step_s, before = aid.t_s - self.t_s, self.value
         self._add(aid)

@@ -16,6 +16,9 @@ from gyrodrift.filters.gaps import CORRECTION_DEG
 from gyrodrift.values.arrays import Floats
 from gyrodrift.values.quaternion import heading_axis
 
+LEAST_VAR = 1e-12
+"""Smallest variance of a state that a measurement may lower, deg² and alike: far below that of any sensor."""
+
 
 def has_block_ended(s: AttitudeState) -> bool:
     """Whether the last sample ended a block."""
@@ -63,12 +66,16 @@ def _innovations(h: Hypotheses, axis: Floats, reading: AidReading) -> tuple[Floa
     innovation = np.array([reading.difference(value) for value in expected.tolist()])
     with_states = (h.cov[:, :, HEADING] if reading.is_heading else h.cov[:, :, BIAS] @ axis) / RAD**2
     own_sigma = np.sqrt(reading.own_var)
-    own_yaw = reading.yaw_correlation * own_sigma * np.sqrt(h.cov[:, HEADING, HEADING]) / RAD
-    own_bias = reading.bias_correlation * own_sigma * np.sqrt(axis @ h.cov[:, BIAS, BIAS] @ axis) / RAD
+    yaw_sigma = np.sqrt(h.cov[:, HEADING, HEADING]) / RAD
+    bias_sigma = np.sqrt(axis @ h.cov[:, BIAS, BIAS] @ axis) / RAD
+    own_yaw = np.maximum(reading.yaw_correlation * own_sigma, -yaw_sigma) * yaw_sigma  # never away from the measurement
+    own_bias = np.maximum(reading.bias_correlation * own_sigma, -bias_sigma) * bias_sigma
     with_states[:, HEADING] += own_yaw
     with_states[:, BIAS] += own_bias[:, None] * axis
     itself = with_states[:, HEADING] + own_yaw if reading.is_heading else with_states[:, BIAS] @ axis + own_bias
-    variance = itself + reading.own_var + reading.variance
+    diagonal = np.diagonal(h.cov, axis1=1, axis2=2) / RAD**2
+    least = np.max(with_states**2 / np.maximum(diagonal, LEAST_VAR), axis=1)  # no variance falls below 0
+    variance = np.maximum(itself + reading.own_var + reading.variance, least)
     return innovation, with_states / variance[:, None], variance
 
 

@@ -18,7 +18,7 @@ from gyrodrift.filters.restlevel.zero import scale_sigma_deg
 KNOWN_SHARE = 0.01
 """Variance of the bias, as a share of that at power-on, below which a measurement has made it known. Chosen."""
 
-MOVED = 0.5
+MEASURED = 0.5
 """Probability of a right measurement from which on the bias counts as measured."""
 
 
@@ -38,10 +38,10 @@ def moments(s: RestlevelState) -> AidMoments:
     return AidMoments(s.bias_dps, m.yaw_deg, max(0.0, m.bias_var), m.covariance, max(0.0, m.yaw_var))
 
 
-def settle_scale(c: RestlevelCoefficients, s: RestlevelState, beside_var: float) -> None:
+def add_scale_error(c: RestlevelCoefficients, s: RestlevelState, covariance_var: float) -> None:
     """Keep the yaw error of the scale factor so far in yaw, with a variance beside it, deg²."""
     scale_deg = scale_sigma_deg(c, s)
-    added_var = scale_deg * scale_deg + beside_var
+    added_var = scale_deg * scale_deg + covariance_var
     for h in s.hypotheses:
         h.yaw_var = max(0.0, h.yaw_var + added_var)
         h.checkpoint.yaw_var = max(0.0, h.checkpoint.yaw_var + added_var)
@@ -87,7 +87,7 @@ def _update(c: RestlevelCoefficients, h: Hypothesis, reading: AidReading) -> tup
     h.bias_var, h.covariance, h.yaw_var = mixed.bias_var, mixed.covariance, mixed.yaw_var
     h.checkpoint.yaw_deg += h.yaw_deg - yaw_deg
     h.checkpoint.yaw_var, h.checkpoint.covariance = h.yaw_var, h.covariance
-    if share > MOVED:
+    if share > MEASURED:
         h.moving_s = h.checkpoint.moving_s = 0.0
         h.knows_bias = h.knows_bias or h.bias_var < KNOWN_SHARE * c.turn_on_var
     return likelihood, share
@@ -105,6 +105,8 @@ def _step(h: Hypothesis, reading: AidReading, innovation: float, ramp_var: float
     else:
         with_bias, with_yaw = bias_var + own_bias, covariance + own_yaw
         variance = with_bias + own_bias + reading.own_var + reading.variance
+    for share, own_var in ((with_bias, bias_var), (with_yaw, yaw_var)):  # no variance falls below 0
+        variance = max(variance, share * share / own_var) if own_var > 0.0 else variance
     bias_gain, yaw_gain = with_bias / variance, with_yaw / variance
     step = KalmanStep(
         bias_gain * innovation,
@@ -116,5 +118,5 @@ def _step(h: Hypothesis, reading: AidReading, innovation: float, ramp_var: float
     return step, normal_pdf(innovation, variance)
 
 
-AIDED = AidedFilter(has_block_ended, rate_dps, moments, take, settle_scale)
+AIDED = AidedFilter(has_block_ended, rate_dps, moments, take, add_scale_error)
 """How restlevel takes measurements."""

@@ -53,7 +53,9 @@ static inline void gd_rl_aid_update(const gd_rl_coefficients *c, gd_rl_hypothesi
   h->checkpoint.covariance = h->covariance;
   if (share > GD_MEASURED) {
     h->moving_s = h->checkpoint.moving_s = GD_R(0.0);
-    h->knows_bias = (uint8_t)(h->knows_bias || h->bias_var < GD_KNOWN_SHARE * c->turn_on_var);
+    if (h->bias_var < GD_KNOWN_SHARE * c->turn_on_var) {
+      h->knows_bias = 1;
+    }
   }
   h->weight *= likelihood;
 }
