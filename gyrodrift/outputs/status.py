@@ -230,6 +230,14 @@ def aid_status(status: AidStatus) -> dict[str, Any]:
     return {**{name: finite(round(value, 3)) for name, value in values.items()}, "differs": status.differs or None}
 
 
+def aid_text(aid: dict[str, Any]) -> str:
+    """Age and weight of a second source, for people."""
+    if aid["differs"]:
+        return "left out"
+    age = "no measurement" if aid["age_s"] is None else f"{aid['age_s']:.1f} s ago"
+    return age if aid["weight"] is None else f"{age}, {aid['weight']:.0%} agree"
+
+
 def output_status(values: dict[str, Any]) -> OutputStatus:
     """Build from plain values."""
     return OutputStatus(**(values | {"clients": tuple(ClientStatus(**client) for client in values["clients"])}))
